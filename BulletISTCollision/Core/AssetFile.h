@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Result.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace ist
+{
+/// `.ist` version this library writes. Older versions stay readable or are refused by name.
+constexpr uint32_t kAssetVersion = 1;
+
+/// Little-endian bytes: magic, version, section table, sections, each with its checksum. Never a dump of structs.
+std::vector<std::byte> encodeAsset(const InnerSphereTree& tree);
+/// Everything is checked before it is believed: magic, version, sizes, checksums, then every invariant of the trees.
+Result<InnerSphereTree> decodeAsset(const std::byte* bytes, size_t size);
+
+/// Writes to a temporary file beside `path` and renames it, so that `path` is either the old file or the whole new one.
+Result<size_t> saveAsset(const InnerSphereTree& tree, const std::string& path);
+Result<InnerSphereTree> loadAsset(const std::string& path);
+}  // namespace ist

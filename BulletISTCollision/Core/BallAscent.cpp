@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/BallAscent.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+constexpr int maxSteps = 60;
+constexpr size_t maxBlockers = 12;
+constexpr double riseTolerance = 1e-7;  // of the radius
+
+/// Up to four gradients and their weights in the min-norm point of the convex hull.
+struct WorkingSet
+{
+	int index[4];
+	Vec3 gradient[4];
+	double weight[4];
+	int size = 0;
+};
+
+/// Point of least norm of the affine hull of the chosen gradients; false unless it lies in their convex hull.
+bool affineMinimum(const Vec3* g, int count, Vec3& v, double* w)
+{
+	if (count == 1)
+	{
+		v = g[0];
+		w[0] = 1;
+		return true;
+	}
+	if (count == 2)
+	{
+		const Vec3 e = g[1] - g[0];
+		const double ee = squaredNorm(e);
+		if (!(ee > 1e-24)) return false;
+		w[1] = -dot(e, g[0]) / ee;
+		w[0] = 1 - w[1];
+		v = g[0] + e * w[1];
+	}
+	else if (count == 3)
+	{
+		const Vec3 n = cross(g[1] - g[0], g[2] - g[0]);
+		const double nn = squaredNorm(n);
+		if (!(nn > 1e-24)) return false;
+		v = n * (dot(n, g[0]) / nn);
+		w[0] = dot(n, cross(g[1] - v, g[2] - v)) / nn;
+		w[1] = dot(n, cross(g[2] - v, g[0] - v)) / nn;
+		w[2] = 1 - w[0] - w[1];
+	}
+	else
+	{
+		w[0] = dot(g[1], cross(g[2], g[3]));
+		w[1] = -dot(g[0], cross(g[2], g[3]));
+		w[2] = dot(g[0], cross(g[1], g[3]));
+		w[3] = -dot(g[0], cross(g[1], g[2]));
+		const double sum = w[0] + w[1] + w[2] + w[3];
+		if (!(std::fabs(sum) > 1e-14)) return false;
+		for (int i = 0; i < 4; ++i) w[i] /= sum;
+		v = {};
+	}
+	for (int i = 0; i < count; ++i)
+		if (w[i] < 0) return false;
+	return true;
+}
+
+/// Min-norm point of the convex hull; drops the gradients that carry no weight.
+Vec3 minimumNorm(WorkingSet& set)
+{
+	Vec3 best;
+	double bestNorm = 1e300;
+	WorkingSet kept;
+	for (unsigned mask = 1; mask < (1u << set.size); ++mask)
+	{
+		Vec3 g[4], v;
+		double w[4];
+		int map[4], count = 0;
+		for (int i = 0; i < set.size; ++i)
+			if (mask >> i & 1)
+			{
+				map[count] = i;
+				g[count++] = set.gradient[i];
+			}
+		if (!affineMinimum(g, count, v, w)) continue;
+		const double n = squaredNorm(v);
+		if (!(n < bestNorm)) continue;
+		bestNorm = n;
+		best = v;
+		kept.size = count;
+		for (int i = 0; i < count; ++i)
+		{
+			kept.index[i] = set.index[map[i]];
+			kept.gradient[i] = g[i];
+			kept.weight[i] = w[i];
+		}
+	}
+	set = kept;
+	return best;
+}
+
+/// Largest t with |s + t v| <= limit.
+double distanceToRim(const Vec3& s, const Vec3& v, double limit)
+{
+	const double a = squaredNorm(v), b = dot(s, v), c = squaredNorm(s) - limit * limit;
+	const double root = std::sqrt(std::max(0.0, b * b - a * c));
+	return std::max(0.0, b > 0 ? -c / (b + root) : (root - b) / a);
+}
+}  // namespace
+
+BallAscent::Step BallAscent::solve(double trust) const
+{
+	Step step;
+	WorkingSet set;
+	size_t lowest = 0;
+	for (size_t i = 1; i < m_planes.size(); ++i)
+		if (m_planes[i].distance < m_planes[lowest].distance) lowest = i;
+	step.value = m_planes[lowest].distance;
+	set.index[0] = int(lowest);
+	set.gradient[0] = m_planes[lowest].gradient;
+	set.size = 1;
+
+	for (int iteration = 0; iteration < 40; ++iteration)
+	{
+		const Vec3 v = minimumNorm(set);
+		const double rate = squaredNorm(v);
+		step.active = set.size;
+		if (rate < 1e-14) break;
+		double t = distanceToRim(step.s, v, trust);
+		int next = -1;
+		for (size_t j = 0; j < m_planes.size(); ++j)
+		{
+			const double closing = rate - dot(m_planes[j].gradient, v);
+			if (closing <= 1e-10 * rate + 1e-15) continue;
+			const double slack = m_planes[j].distance + dot(m_planes[j].gradient, step.s) - step.value;
+			if (slack >= t * closing) continue;
+			bool inSet = false;
+			for (int i = 0; i < set.size; ++i) inSet = inSet || set.index[i] == int(j);
+			if (inSet) continue;
+			t = std::max(0.0, slack / closing);
+			next = int(j);
+		}
+		step.s += v * t;
+		step.value += rate * t;
+		if (next < 0)
+		{
+			step.atRim = true;
+			break;
+		}
+		if (set.size == 4) break;
+		set.index[set.size] = next;
+		set.gradient[set.size++] = m_planes[next].gradient;
+	}
+	return step;
+}
+
+void BallAscent::addBlockers(const Vec3& x)
+{
+	for (const uint32_t item : m_blockers)
+		if (std::none_of(m_planes.begin(), m_planes.end(), [item](const DistanceOctree::Plane& p) { return p.item == item; }))
+			m_planes.push_back(m_space.plane(item, x));
+}
+
+EmptyBall BallAscent::climb(const Vec3& start, int& active)
+{
+	m_blockers.clear();
+	EmptyBall ball{start, m_space.nearest(start).distance};
+	if (!(ball.radius > 0)) return ball;
+	double trust = 0.5 * ball.radius;
+	bool moved = true;
+	for (int k = 0; k < maxSteps; ++k)
+	{
+		if (moved)
+		{
+			m_space.gather(ball.center, 2 * trust, m_planes);
+			addBlockers(ball.center);
+		}
+		const Step step = solve(trust);
+		active = step.active;
+		if (!(step.value > ball.radius * (1 + riseTolerance))) break;
+		const Vec3 to = ball.center + step.s;
+		const DistanceOctree::Nearest there = m_space.nearest(to);
+		moved = there.distance > ball.radius && norm(step.s) < ball.radius + there.distance;
+		if (moved)
+		{
+			const double rise = there.distance - ball.radius;
+			ball = {to, there.distance};
+			if (step.atRim) trust *= 2;
+			else trust = std::max(4 * norm(step.s), 1e-3 * ball.radius);
+			if (rise < riseTolerance * ball.radius) break;
+			continue;
+		}
+		const bool known = there.item == DistanceOctree::noItem ||
+						   std::any_of(m_planes.begin(), m_planes.end(), [&](const DistanceOctree::Plane& p) { return p.item == there.item; });
+		if (!known)
+		{
+			m_planes.push_back(m_space.plane(there.item, ball.center));
+			if (m_blockers.size() == maxBlockers) m_blockers.erase(m_blockers.begin());
+			m_blockers.push_back(there.item);
+			continue;
+		}
+		trust *= 0.4;
+		if (trust < 1e-6 * ball.radius) break;
+	}
+	return ball;
+}
+
+EmptyBall BallAscent::grow(const Vec3& start)
+{
+	int active = 0;
+	EmptyBall ball = climb(start, active);
+	if (!(ball.radius > 0) || active >= 4) return ball;
+	// Held by fewer than four items the ball may sit on a saddle, such as midway between two balls.
+	const EmptyBall other = climb(ball.center + randomDirection() * (0.1 * ball.radius), active);
+	return other.radius > ball.radius ? other : ball;
+}
+
+Vec3 BallAscent::randomDirection()
+{
+	// Not std::uniform_real_distribution: its values differ between standard libraries.
+	const auto unit = [this] { return double(m_random() >> 11) * 0x1p-53; };
+	for (;;)
+	{
+		const Vec3 v{2 * unit() - 1, 2 * unit() - 1, 2 * unit() - 1};
+		const double n = squaredNorm(v);
+		if (n <= 1 && n > 1e-4) return v / std::sqrt(n);
+	}
+}
+}  // namespace ist

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/DistanceOctree.h"
+
+#include <random>
+#include <vector>
+
+namespace ist
+{
+/// A candidate: the largest empty ball about `center`.
+struct EmptyBall
+{
+	Vec3 center;
+	double radius = 0;
+};
+
+/// Moves an empty ball uphill on f until it touches its neighbours on all sides. Each step maximises the least of the linearised
+/// distances within a trust radius D: a lower bound of f(x + s), so f rises in every step and the path stays in the component
+/// of the empty space where it began.
+class BallAscent
+{
+public:
+	BallAscent(DistanceOctree& space, uint64_t seed) : m_space(space), m_random(seed) {}
+
+	/// `start` must lie in the empty space; radius <= 0 otherwise.
+	EmptyBall grow(const Vec3& start);
+	/// Random unit vector of the generator that also breaks saddles.
+	Vec3 randomDirection();
+
+private:
+	struct Step
+	{
+		Vec3 s;
+		double value = 0;    ///< min of the linearised distances at s
+		int active = 0;      ///< items that hold the ball when it cannot rise, at most four
+		bool atRim = false;  ///< |s| = D
+	};
+
+	EmptyBall climb(const Vec3& start, int& active);
+	Step solve(double trust) const;
+	void addBlockers(const Vec3& x);
+
+	DistanceOctree& m_space;
+	std::mt19937_64 m_random;
+	std::vector<DistanceOctree::Plane> m_planes;
+	std::vector<uint32_t> m_blockers;  ///< nearest items at refused points, missing in the leaf of x
+};
+}  // namespace ist

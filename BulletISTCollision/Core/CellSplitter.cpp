@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/CellSplitter.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <queue>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+// Measured: without them cells are cut along the medial axis into slabs that no ball fits (DESIGN section 4).
+constexpr double compactness = 0.15;
+constexpr double positionWeight = 2.5;
+
+constexpr size_t minimumToSplit = 24;
+constexpr size_t minimumOfChild = 8;
+
+using Vec6 = std::array<double, 6>;
+using Mat6 = std::array<Vec6, 6>;
+
+double priority(const CellPiece& piece)
+{
+	return piece.mass * piece.R * (compactness + 1 - squaredNorm(piece.normal));
+}
+
+Vec6 feature(const CellSample& s, const CellPiece& piece)
+{
+	const Vec3 x = (s.position() - piece.centroid) * (positionWeight / piece.R);
+	const Vec3 n = s.normal() - piece.normal;
+	return {x.x, x.y, x.z, n.x, n.y, n.z};
+}
+
+double dot(const Vec6& a, const Vec6& b)
+{
+	double sum = 0;
+	for (int i = 0; i < 6; ++i) sum += a[i] * b[i];
+	return sum;
+}
+
+/// Repeated squaring of a positive semidefinite matrix leaves the projector onto its principal axis.
+Vec6 principalAxis(Mat6 c)
+{
+	for (int step = 0; step < 10; ++step)
+	{
+		double trace = 0;
+		for (int i = 0; i < 6; ++i) trace += c[i][i];
+		if (!(trace > 0)) return {1, 0, 0, 0, 0, 0};
+		Mat6 square;
+		for (int i = 0; i < 6; ++i)
+			for (int j = 0; j < 6; ++j) square[i][j] = dot(c[i], c[j]) / (trace * trace);
+		c = square;
+	}
+	const auto longest = std::max_element(c.begin(), c.end(), [](const Vec6& a, const Vec6& b) { return dot(a, a) < dot(b, b); });
+	return *longest;
+}
+
+struct Cut
+{
+	Vec6 axis{}, mean{};
+};
+
+Cut findCut(const std::vector<CellSample>& samples, const CellPiece& piece)
+{
+	Cut cut;
+	Mat6 second{};
+	double weight = 0;
+	for (size_t k = piece.begin; k < piece.end; ++k)
+	{
+		const double w = samples[k].weight;
+		const Vec6 f = feature(samples[k], piece);
+		weight += w;
+		for (int i = 0; i < 6; ++i)
+		{
+			cut.mean[i] += w * f[i];
+			for (int j = 0; j <= i; ++j) second[i][j] += w * f[i] * f[j];
+		}
+	}
+	for (double& m : cut.mean) m /= weight;
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j <= i; ++j) second[i][j] = second[j][i] = second[i][j] / weight - cut.mean[i] * cut.mean[j];
+	cut.axis = principalAxis(second);
+	return cut;
+}
+
+CellPiece pieceOfSamples(const std::vector<CellSample>& samples, size_t begin, size_t end, uint32_t sphere)
+{
+	CellPiece piece;
+	piece.begin = begin;
+	piece.end = end;
+	piece.sphere = sphere;
+	for (size_t k = begin; k < end; ++k)
+	{
+		const CellSample& s = samples[k];
+		const double w = s.weight;
+		piece.mass += w;
+		piece.centroid += s.position() * w;
+		piece.normal += s.normal() * w;
+		piece.depth += s.depth * w;
+	}
+	piece.centroid *= 1 / piece.mass;
+	piece.normal *= 1 / piece.mass;
+	piece.depth /= piece.mass;
+	double second = 0;
+	for (size_t k = begin; k < end; ++k) second += samples[k].weight * squaredNorm(samples[k].position() - piece.centroid);
+	piece.R = std::sqrt(5.0 / 3.0 * second / piece.mass);
+	return piece;
+}
+
+std::optional<std::pair<CellPiece, CellPiece>> split(std::vector<CellSample>& samples, const CellPiece& parent)
+{
+	if (parent.end - parent.begin < minimumToSplit || !(parent.R > 0)) return {};
+	const Cut cut = findCut(samples, parent);
+	const double threshold = dot(cut.axis, cut.mean);
+	const auto begin = samples.begin() + std::ptrdiff_t(parent.begin), end = samples.begin() + std::ptrdiff_t(parent.end);
+	const auto middle = std::partition(begin, end, [&](const CellSample& s) { return dot(cut.axis, feature(s, parent)) < threshold; });
+	if (size_t(middle - begin) < minimumOfChild || size_t(end - middle) < minimumOfChild) return {};
+
+	const size_t at = size_t(middle - samples.begin());
+	CellPiece a = pieceOfSamples(samples, parent.begin, at, parent.sphere);
+	CellPiece b = pieceOfSamples(samples, at, parent.end, parent.sphere);
+	if (!(a.R > 0) || !(b.R > 0)) return {};
+	const double scale = parent.mass / (a.mass + b.mass);
+	a.mass *= scale;
+	b.mass *= scale;
+	return std::pair{a, b};
+}
+}  // namespace
+
+MomentBall momentBall(const CellPiece& piece)
+{
+	MomentBall ball;
+	ball.x = float(piece.centroid.x);
+	ball.y = float(piece.centroid.y);
+	ball.z = float(piece.centroid.z);
+	ball.R = float(piece.R);
+	const double R = ball.R;
+	ball.density = float(piece.mass / (4.0 / 3.0 * std::numbers::pi * R * R * R));
+	ball.nx = float(piece.normal.x);
+	ball.ny = float(piece.normal.y);
+	ball.nz = float(piece.normal.z);
+	ball.depth = float(piece.depth);
+	ball.sphere = piece.sphere;
+	return ball;
+}
+
+std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount)
+{
+	std::vector<CellPiece> pieces = cells;
+	const auto before = [](const std::pair<double, size_t>& a, const std::pair<double, size_t>& b)
+	{ return a.first != b.first ? a.first < b.first : a.second > b.second; };
+	std::priority_queue<std::pair<double, size_t>, std::vector<std::pair<double, size_t>>, decltype(before)> queue(before);
+	for (size_t i = 0; i < pieces.size(); ++i) queue.push({priority(pieces[i]), i});
+
+	while (pieces.size() < leafCount && !queue.empty())
+	{
+		const size_t index = queue.top().second;
+		queue.pop();
+		const auto children = split(samples, pieces[index]);
+		if (!children) continue;
+		pieces[index] = children->first;
+		pieces.push_back(children->second);
+		queue.push({priority(children->first), index});
+		queue.push({priority(children->second), pieces.size() - 1});
+	}
+	std::sort(pieces.begin(), pieces.end(),
+			  [](const CellPiece& a, const CellPiece& b) { return a.sphere != b.sphere ? a.sphere < b.sphere : a.begin < b.begin; });
+	return pieces;
+}
+}  // namespace ist

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+bool isLength(double value) { return std::isfinite(value) && value >= 0; }
+}  // namespace
+
+std::string InnerSphereTree::validate() const
+{
+	if (!isFinite(origin)) return "origin not finite";
+	if (!std::isfinite(volume) || !(volume > 0)) return "volume not positive";
+	for (int i = 0; i < 3; ++i)
+		if (!isFinite(inertia.row(i))) return "inertia not finite";
+	if (!isLength(area)) return "area not finite";
+	if (!isLength(meanGap) || !isLength(maxGap)) return "gap not finite";
+	if (!isLength(uncoveredArea) || !isLength(fill)) return "fill or uncovered share not finite";
+	const struct
+	{
+		const char* name;
+		const BallTree& tree;
+	} trees[] = {{"law", law}, {"cells", cells}, {"inner", inner}};
+	for (const auto& [name, tree] : trees)
+	{
+		if (tree.empty()) return std::string(name) + " tree: empty";
+		const std::string problem = tree.validate();
+		if (!problem.empty()) return std::string(name) + " tree: " + problem;
+	}
+	return {};
+}
+}  // namespace ist

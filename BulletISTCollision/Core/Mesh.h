@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Pose.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace ist
+{
+/// A triangle mesh as read: vertices [m] and triangles whose corners run counter-clockwise seen from outside.
+/// Nothing is promised about closedness; see MeshRepair.h.
+struct Mesh
+{
+	std::vector<Vec3> vertices;
+	std::vector<std::array<uint32_t, 3>> triangles;
+};
+
+struct Box
+{
+	Vec3 lower, upper;
+	Vec3 size() const { return upper - lower; }
+	double longestSide() const
+	{
+		const Vec3 s = size();
+		return s.x > s.y ? (s.x > s.z ? s.x : s.z) : (s.y > s.z ? s.y : s.z);
+	}
+};
+
+/// Volume [m^3], centre of mass [m] and inertia about the centre of mass for density 1 [m^5] of a closed mesh, from the
+/// divergence theorem (sum of signed tetrahedra about the centre of the bounding box, so that distance from the origin costs no digits).
+struct MassProperties
+{
+	double volume = 0;
+	Vec3 centerOfMass;
+	Mat3 inertia = zeroMat3();
+};
+
+/// Axis-aligned bounds of the referenced vertices; both corners zero for an empty mesh.
+Box bounds(const Mesh& mesh);
+double surfaceArea(const Mesh& mesh);
+MassProperties massProperties(const Mesh& mesh);
+Mesh transformed(const Mesh& mesh, const Pose& X);
+Mesh translated(const Mesh& mesh, const Vec3& offset);
+/// 64-bit FNV-1a over vertex coordinates (little-endian doubles) and indices: the identity of a source mesh.
+uint64_t meshHash(const Mesh& mesh);
+}  // namespace ist

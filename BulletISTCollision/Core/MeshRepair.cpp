@@ -1,0 +1,626 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/MeshRepair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+using Triangle = std::array<uint32_t, 3>;
+
+/// Of the longest side: positions nearer than this are the same position in Auto mode, when the mesh is open otherwise.
+constexpr double kNearlyEqual = 1e-9;
+/// Of the longest side cubed: a smaller volume is no volume.
+constexpr double kFlat = 1e-9;
+constexpr std::size_t kNestingProbes = 16;
+
+std::string counted(int64_t n, const char* singular, const char* plural)
+{
+	return std::to_string(n) + " " + (n == 1 ? singular : plural);
+}
+
+struct IntegerTripleHash
+{
+	std::size_t operator()(const std::array<int64_t, 3>& key) const
+	{
+		uint64_t h = 0;
+		for (const int64_t k : key)
+		{
+			h = (h ^ static_cast<uint64_t>(k)) * 0x9e3779b97f4a7c15ull;
+			h ^= h >> 29;
+		}
+		return static_cast<std::size_t>(h);
+	}
+};
+template <class T>
+using IntegerTripleMap = std::unordered_map<std::array<int64_t, 3>, T, IntegerTripleHash>;
+
+class DisjointSets
+{
+public:
+	explicit DisjointSets(std::size_t count) : m_parent(count) { std::iota(m_parent.begin(), m_parent.end(), 0u); }
+	uint32_t find(uint32_t i)
+	{
+		while (m_parent[i] != i) i = m_parent[i] = m_parent[m_parent[i]];
+		return i;
+	}
+	void unite(uint32_t a, uint32_t b)
+	{
+		a = find(a);
+		b = find(b);
+		m_parent[std::max(a, b)] = std::min(a, b);
+	}
+
+private:
+	std::vector<uint32_t> m_parent;
+};
+
+bool isCollapsed(const Triangle& t)
+{
+	return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+bool indicesAreValid(const Mesh& mesh, const Triangle& t)
+{
+	return std::all_of(t.begin(), t.end(), [&](uint32_t corner) { return corner < mesh.vertices.size(); });
+}
+
+/// Bit patterns, with -0 taken for 0.
+std::array<int64_t, 3> exactKey(const Vec3& v)
+{
+	std::array<int64_t, 3> key{};
+	for (int axis = 0; axis < 3; ++axis)
+	{
+		const double value = v[axis] + 0.0;
+		std::memcpy(&key[static_cast<std::size_t>(axis)], &value, sizeof value);
+	}
+	return key;
+}
+
+/// `target[i]` is the vertex that takes the place of vertex i; vertices that no triangle uses are dropped.
+Mesh renumbered(const Mesh& mesh, const std::vector<uint32_t>& target)
+{
+	Mesh result;
+	std::vector<uint8_t> used(mesh.vertices.size(), 0);
+	for (const Triangle& t : mesh.triangles)
+		for (const uint32_t corner : t) used[target[corner]] = 1;
+	std::vector<uint32_t> number(mesh.vertices.size(), 0);
+	for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+		if (used[i])
+		{
+			number[i] = static_cast<uint32_t>(result.vertices.size());
+			result.vertices.push_back(mesh.vertices[i]);
+		}
+	result.triangles.reserve(mesh.triangles.size());
+	for (const Triangle& t : mesh.triangles)
+		result.triangles.push_back({number[target[t[0]]], number[target[t[1]]], number[target[t[2]]]});
+	return result;
+}
+
+Mesh withoutUnusedVertices(const Mesh& mesh)
+{
+	std::vector<uint32_t> identity(mesh.vertices.size());
+	std::iota(identity.begin(), identity.end(), 0u);
+	return renumbered(mesh, identity);
+}
+
+Mesh weldedEqual(const Mesh& mesh)
+{
+	IntegerTripleMap<uint32_t> firstAt;
+	firstAt.reserve(mesh.vertices.size());
+	std::vector<uint32_t> target(mesh.vertices.size());
+	for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+		target[i] = firstAt.try_emplace(exactKey(mesh.vertices[i]), static_cast<uint32_t>(i)).first->second;
+	return renumbered(mesh, target);
+}
+
+/// One triangle's use of an edge, low < high.
+struct EdgeUse
+{
+	uint32_t low, high, triangle;
+	bool forward;  ///< the triangle runs from low to high
+};
+
+std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
+{
+	std::vector<EdgeUse> edges;
+	edges.reserve(mesh.triangles.size() * 3);
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		const Triangle& t = mesh.triangles[i];
+		if (isCollapsed(t)) continue;
+		for (std::size_t k = 0; k < 3; ++k)
+		{
+			const uint32_t a = t[k], b = t[(k + 1) % 3];
+			edges.push_back({std::min(a, b), std::max(a, b), static_cast<uint32_t>(i), a < b});
+		}
+	}
+	std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
+		if (a.low != b.low) return a.low < b.low;
+		return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+	});
+	return edges;
+}
+
+/// Calls visit(first use, number of uses) for each edge.
+template <class Visitor>
+void forEachEdge(const std::vector<EdgeUse>& edges, Visitor visit)
+{
+	for (std::size_t i = 0; i < edges.size();)
+	{
+		std::size_t j = i + 1;
+		while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
+		visit(edges.data() + i, j - i);
+		i = j;
+	}
+}
+
+/// The corners of a triangle in ascending order, and whether it runs through them in an even permutation.
+struct TriangleKey
+{
+	Triangle corners;
+	bool even;
+	uint32_t triangle;
+};
+
+std::vector<TriangleKey> sortedTriangles(const Mesh& mesh)
+{
+	std::vector<TriangleKey> keys;
+	keys.reserve(mesh.triangles.size());
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		Triangle t = mesh.triangles[i];
+		if (isCollapsed(t)) continue;
+		std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+		const bool even = t[1] < t[2];
+		if (!even) std::swap(t[1], t[2]);
+		keys.push_back({t, even, static_cast<uint32_t>(i)});
+	}
+	std::sort(keys.begin(), keys.end(), [](const TriangleKey& a, const TriangleKey& b) {
+		return a.corners != b.corners ? a.corners < b.corners : a.triangle < b.triangle;
+	});
+	return keys;
+}
+
+int64_t countDuplicates(const Mesh& mesh)
+{
+	const std::vector<TriangleKey> keys = sortedTriangles(mesh);
+	int64_t count = 0;
+	for (std::size_t i = 1; i < keys.size(); ++i) count += keys[i].corners == keys[i - 1].corners;
+	return count;
+}
+
+/// Of each triangle the lowest index of its component; triangles are connected through shared edges.
+std::vector<uint32_t> componentOfTriangle(const Mesh& mesh, const std::vector<EdgeUse>& edges)
+{
+	DisjointSets sets(mesh.triangles.size());
+	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+		for (std::size_t i = 1; i < count; ++i) sets.unite(use[0].triangle, use[i].triangle);
+	});
+	std::vector<uint32_t> component(mesh.triangles.size());
+	for (std::size_t i = 0; i < component.size(); ++i) component[i] = sets.find(static_cast<uint32_t>(i));
+	return component;
+}
+
+/// Of a welded mesh.
+Closedness closedness(const Mesh& mesh)
+{
+	Closedness found;
+	const std::vector<EdgeUse> edges = sortedEdges(mesh);
+	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+		if (count == 1) ++found.openEdges;
+		else if (count > 2) ++found.nonManifoldEdges;
+		else if (use[0].forward == use[1].forward) ++found.flippedEdges;
+	});
+	const std::vector<uint32_t> component = componentOfTriangle(mesh, edges);
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		const Triangle& t = mesh.triangles[i];
+		const Vec3& a = mesh.vertices[t[0]];
+		if (isCollapsed(t) || squaredNorm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a)) == 0)
+			++found.degenerateTriangles;
+		if (!isCollapsed(t) && component[i] == i) ++found.components;
+	}
+	found.duplicateTriangles = countDuplicates(mesh);
+	found.watertight = !edges.empty() && !found.openEdges && !found.nonManifoldEdges && !found.flippedEdges;
+	return found;
+}
+
+int64_t dropCollapsed(Mesh& mesh)
+{
+	return static_cast<int64_t>(std::erase_if(mesh.triangles, isCollapsed));
+}
+
+/// What becomes of triangles that lie on each other and face opposite ways: the two sides of a doubled surface (keep one)
+/// or the wall between two bodies that touch (keep none).
+enum class OppositePairs
+{
+	KeepOne,
+	DropBoth
+};
+
+int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
+{
+	const std::vector<TriangleKey> keys = sortedTriangles(mesh);
+	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
+	for (std::size_t i = 0; i < keys.size();)
+	{
+		std::size_t j = i;
+		int64_t balance = 0;
+		for (; j < keys.size() && keys[j].corners == keys[i].corners; ++j)
+		{
+			balance += keys[j].even ? 1 : -1;
+			keep[keys[j].triangle] = 0;
+		}
+		if (j == i + 1 || balance != 0 || policy == OppositePairs::KeepOne)
+		{
+			std::size_t survivor = i;
+			while (balance != 0 && keys[survivor].even != (balance > 0)) ++survivor;
+			keep[keys[survivor].triangle] = 1;
+		}
+		i = j;
+	}
+	std::size_t kept = 0;
+	for (std::size_t i = 0; i < keep.size(); ++i)
+		if (keep[i]) mesh.triangles[kept++] = mesh.triangles[i];
+	const auto dropped = static_cast<int64_t>(mesh.triangles.size() - kept);
+	mesh.triangles.resize(kept);
+	return dropped;
+}
+
+/// Turns triangles until neighbours across edges of exactly two triangles agree, if that is possible; the first triangle of
+/// each connected set stays as it is. Returns how many were turned.
+int64_t orientConsistently(Mesh& mesh)
+{
+	struct Neighbour
+	{
+		uint32_t triangle = UINT32_MAX;
+		bool agrees = true;
+	};
+	std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
+	std::vector<uint8_t> count(mesh.triangles.size(), 0);
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t uses) {
+		if (uses != 2) return;
+		const bool agrees = use[0].forward != use[1].forward;
+		for (int i = 0; i < 2; ++i)
+			neighbours[use[i].triangle][count[use[i].triangle]++] = {use[1 - i].triangle, agrees};
+	});
+
+	enum : uint8_t { Unknown, Stays, Turns };
+	std::vector<uint8_t> verdict(mesh.triangles.size(), Unknown);
+	std::vector<uint32_t> open;
+	for (uint32_t seed = 0; seed < mesh.triangles.size(); ++seed)
+	{
+		if (verdict[seed] != Unknown) continue;
+		verdict[seed] = Stays;
+		open.push_back(seed);
+		while (!open.empty())
+		{
+			const uint32_t t = open.back();
+			open.pop_back();
+			for (uint8_t k = 0; k < count[t]; ++k)
+			{
+				const Neighbour n = neighbours[t][k];
+				if (verdict[n.triangle] != Unknown) continue;
+				verdict[n.triangle] = (verdict[t] == Stays) == n.agrees ? Stays : Turns;
+				open.push_back(n.triangle);
+			}
+		}
+	}
+	int64_t turned = 0;
+	for (std::size_t i = 0; i < verdict.size(); ++i)
+		if (verdict[i] == Turns)
+		{
+			std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+			++turned;
+		}
+	return turned;
+}
+
+/// Joins vertices of open edges that lie within `tolerance` of each other. Returns how many vanished.
+int64_t weldOpenEdges(Mesh& mesh, double tolerance)
+{
+	std::vector<uint8_t> isOpen(mesh.vertices.size(), 0);
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
+		if (count == 1) isOpen[use->low] = isOpen[use->high] = 1;
+	});
+	const Vec3 origin = bounds(mesh).lower;
+	const auto cellOf = [&](const Vec3& v, int axis) {
+		return static_cast<int64_t>(std::floor((v[axis] - origin[axis]) / tolerance));
+	};
+	IntegerTripleMap<std::vector<uint32_t>> grid;
+	std::vector<uint32_t> target(mesh.vertices.size());
+	std::iota(target.begin(), target.end(), 0u);
+	int64_t vanished = 0;
+	for (uint32_t i = 0; i < mesh.vertices.size(); ++i)
+	{
+		if (!isOpen[i]) continue;
+		const Vec3& v = mesh.vertices[i];
+		const std::array<int64_t, 3> cell{cellOf(v, 0), cellOf(v, 1), cellOf(v, 2)};
+		for (int k = 0; k < 27 && target[i] == i; ++k)
+		{
+			const auto entry = grid.find({cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1});
+			if (entry == grid.end()) continue;
+			for (const uint32_t other : entry->second)
+				if (distance(mesh.vertices[other], v) <= tolerance) target[i] = other;
+		}
+		if (target[i] == i) grid[cell].push_back(i);
+		else ++vanished;
+	}
+	if (vanished) mesh = renumbered(mesh, target);
+	return vanished;
+}
+
+/// Fills every boundary loop that passes each of its vertices once. Returns how many were filled.
+int64_t closeSimpleLoops(Mesh& mesh)
+{
+	constexpr uint32_t kNone = UINT32_MAX, kBranches = UINT32_MAX - 1;
+	std::vector<uint32_t> next(mesh.vertices.size(), kNone), uses(mesh.vertices.size(), 0);
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
+		if (count != 1) return;
+		// Against the triangle's direction, so that the loop runs as the triangles that will fill it.
+		const uint32_t from = use->forward ? use->high : use->low, to = use->forward ? use->low : use->high;
+		next[from] = next[from] == kNone ? to : kBranches;
+		++uses[to];
+	});
+
+	int64_t closed = 0;
+	std::vector<uint8_t> seen(mesh.vertices.size(), 0);
+	const std::size_t vertexCount = mesh.vertices.size();
+	for (uint32_t start = 0; start < vertexCount; ++start)
+	{
+		std::vector<uint32_t> loop;
+		uint32_t v = start;
+		while (next[v] < kBranches && uses[v] == 1 && !seen[v])
+		{
+			seen[v] = 1;
+			loop.push_back(v);
+			v = next[v];
+		}
+		if (loop.size() < 3 || v != start) continue;
+		++closed;
+		if (loop.size() == 3)
+		{
+			mesh.triangles.push_back({loop[0], loop[1], loop[2]});
+			continue;
+		}
+		Vec3 sum;
+		for (const uint32_t corner : loop) sum += mesh.vertices[corner] - mesh.vertices[start];
+		const auto center = static_cast<uint32_t>(mesh.vertices.size());
+		mesh.vertices.push_back(mesh.vertices[start] + sum / static_cast<double>(loop.size()));
+		for (std::size_t i = 0; i < loop.size(); ++i)
+			mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], center});
+	}
+	return closed;
+}
+
+/// One closed component.
+struct Shell
+{
+	std::vector<uint32_t> triangles;
+	Box box;
+	double volume = 0;  ///< signed
+};
+
+std::vector<Shell> shells(const Mesh& mesh)
+{
+	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
+	std::vector<Shell> result;
+	std::vector<uint32_t> shellOf(mesh.triangles.size());
+	for (uint32_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		if (component[i] == i)
+		{
+			shellOf[i] = static_cast<uint32_t>(result.size());
+			const Vec3& v = mesh.vertices[mesh.triangles[i][0]];
+			result.push_back({{}, {v, v}, 0});
+		}
+		Shell& shell = result[shellOf[component[i]]];
+		shell.triangles.push_back(i);
+		const Triangle& t = mesh.triangles[i];
+		for (const uint32_t corner : t)
+		{
+			shell.box.lower = componentMin(shell.box.lower, mesh.vertices[corner]);
+			shell.box.upper = componentMax(shell.box.upper, mesh.vertices[corner]);
+		}
+		const Vec3 origin = mesh.vertices[mesh.triangles[shell.triangles[0]][0]];
+		shell.volume += dot(mesh.vertices[t[0]] - origin,
+							cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin)) / 6;
+	}
+	return result;
+}
+
+/// True where the half-line from p towards +x crosses the edge, seen along z. Both triangles of an edge get the same answer.
+bool crossesEdge(const Vec3& p, const Vec3& a, const Vec3& b)
+{
+	if ((a.y > p.y) == (b.y > p.y)) return false;
+	const Vec3 &lower = a.y < b.y ? a : b, &upper = a.y < b.y ? b : a;
+	return p.x < lower.x + (p.y - lower.y) / (upper.y - lower.y) * (upper.x - lower.x);
+}
+
+/// Parity of the triangles above p: however the shell is turned, and without solid angles, which cost twenty times as much.
+bool encloses(const Mesh& mesh, const Shell& shell, const Vec3& p)
+{
+	bool inside = false;
+	for (const uint32_t i : shell.triangles)
+	{
+		const Triangle& t = mesh.triangles[i];
+		const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+		if ((crossesEdge(p, a, b) != crossesEdge(p, b, c)) == crossesEdge(p, c, a)) continue;
+		const Vec3 n = cross(b - a, c - a);
+		const double height = n.z != 0 ? -dot(n, p - a) * (n.z > 0 ? -1 : 1) : p.z - (a.z + b.z + c.z) / 3;
+		if (height < 0) inside = !inside;
+	}
+	return inside;
+}
+
+/// Every probe must lie inside: shells that merely cut each other are not nested.
+bool encloses(const Mesh& mesh, const Shell& outer, const Shell& inner)
+{
+	for (int axis = 0; axis < 3; ++axis)
+		if (inner.box.lower[axis] < outer.box.lower[axis] || inner.box.upper[axis] > outer.box.upper[axis]) return false;
+	const std::size_t stride = std::max<std::size_t>(1, inner.triangles.size() / kNestingProbes);
+	for (std::size_t i = 0; i < inner.triangles.size(); i += stride)
+	{
+		const Triangle& t = mesh.triangles[inner.triangles[i]];
+		if (!encloses(mesh, outer, (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3)) return false;
+	}
+	return true;
+}
+
+/// Shells inside an even number of others face outwards, the others bound cavities and face inwards. Returns how many were turned.
+int64_t turnOutwards(Mesh& mesh)
+{
+	const std::vector<Shell> all = shells(mesh);
+	int64_t turned = 0;
+	for (const Shell& shell : all)
+	{
+		bool isCavity = false;
+		for (const Shell& other : all)
+			if (&other != &shell && encloses(mesh, other, shell)) isCavity = !isCavity;
+		if (shell.volume == 0 || (shell.volume < 0) == isCavity) continue;
+		++turned;
+		for (const uint32_t i : shell.triangles) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+	}
+	return turned;
+}
+
+/// A mesh on its way to being closed.
+struct Attempt
+{
+	Mesh mesh;
+	Closedness state;
+	std::vector<std::string> actions;
+
+	void note(int64_t count, const char* verb, const char* singular, const char* plural)
+	{
+		if (count) actions.push_back(verb + (" " + counted(count, singular, plural)) + ".");
+	}
+};
+
+void clean(Attempt& attempt, OppositePairs policy)
+{
+	attempt.note(dropCollapsed(attempt.mesh), "Dropped", "triangle with repeated corners", "triangles with repeated corners");
+	attempt.note(dropDuplicates(attempt.mesh, policy), "Dropped", "duplicate triangle", "duplicate triangles");
+}
+
+Attempt closeUp(const Mesh& welded, OppositePairs policy)
+{
+	Attempt attempt{welded, {}, {}};
+	clean(attempt, policy);
+	attempt.state = closedness(attempt.mesh);
+	if (attempt.state.openEdges)
+	{
+		const double tolerance = kNearlyEqual * bounds(attempt.mesh).longestSide();
+		const int64_t joined = tolerance > 0 ? weldOpenEdges(attempt.mesh, tolerance) : 0;
+		attempt.note(joined, "Welded", "nearly equal vertex", "nearly equal vertices");
+		if (joined) clean(attempt, policy);
+	}
+	attempt.note(orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours",
+				 "triangles to agree with their neighbours");
+	attempt.note(closeSimpleLoops(attempt.mesh), "Closed", "hole", "holes");
+	attempt.state = closedness(attempt.mesh);
+	if (attempt.state.watertight)
+		attempt.note(turnOutwards(attempt.mesh), "Turned", "inside-out shell", "inside-out shells");
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	return attempt;
+}
+
+Attempt closeUp(const Mesh& welded)
+{
+	Attempt attempt = closeUp(welded, OppositePairs::KeepOne);
+	if (attempt.state.watertight) return attempt;
+	Attempt withoutWalls = closeUp(welded, OppositePairs::DropBoth);
+	return withoutWalls.state.watertight ? withoutWalls : attempt;
+}
+
+Error notClosed(const Closedness& found, const char* remedy)
+{
+	std::string list;
+	const auto add = [&](int64_t count, const char* singular, const char* plural) {
+		if (count) list += (list.empty() ? "" : ", ") + counted(count, singular, plural);
+	};
+	add(found.openEdges, "open edge", "open edges");
+	add(found.nonManifoldEdges, "edge with more than two triangles", "edges with more than two triangles");
+	add(found.flippedEdges, "edge between triangles that face opposite ways", "edges between triangles that face opposite ways");
+	if (list.empty()) list = "no triangle with three different corners";
+	return Error{"the mesh is not closed: " + list + "; " + remedy};
+}
+
+std::optional<Error> whyUnreadable(const Mesh& mesh)
+{
+	if (mesh.triangles.empty()) return Error{"the mesh is empty: it has no triangles; give it a surface"};
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		if (!indicesAreValid(mesh, mesh.triangles[i]))
+			return Error{"triangle " + std::to_string(i) + " refers to a vertex that does not exist; export the mesh again"};
+		for (const uint32_t corner : mesh.triangles[i])
+			if (!isFinite(mesh.vertices[corner]))
+				return Error{"the coordinates of vertex " + std::to_string(corner) + " are not finite; export the mesh again"};
+	}
+	return std::nullopt;
+}
+
+/// Off: nothing but welding, which may collapse triangles.
+Attempt asGiven(const Mesh& welded)
+{
+	Attempt attempt{welded, {}, {}};
+	attempt.note(dropCollapsed(attempt.mesh), "Dropped", "triangle with repeated corners", "triangles with repeated corners");
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	attempt.state = closedness(attempt.mesh);
+	return attempt;
+}
+}  // namespace
+
+Closedness inspect(const Mesh& mesh)
+{
+	const auto isValid = [&](const Triangle& t) { return indicesAreValid(mesh, t); };
+	if (std::all_of(mesh.triangles.begin(), mesh.triangles.end(), isValid)) return closedness(weldedEqual(mesh));
+	Mesh readable = mesh;
+	const auto dropped = std::erase_if(readable.triangles, [&](const Triangle& t) { return !isValid(t); });
+	Closedness found = closedness(weldedEqual(readable));
+	found.degenerateTriangles += static_cast<int64_t>(dropped);
+	found.watertight = false;
+	return found;
+}
+
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode)
+{
+	if (mode == RepairMode::Wrap)
+		return Error{"repair by wrapping is unsupported; use the automatic repair or close the mesh in a modelling program"};
+	if (const auto error = whyUnreadable(mesh)) return *error;
+
+	const Mesh welded = weldedEqual(mesh);
+	RepairedMesh result;
+	result.before = closedness(welded);
+	result.volumeBefore = massProperties(mesh).volume;
+	Attempt attempt = mode == RepairMode::Off ? asGiven(welded) : closeUp(welded);
+	if (!attempt.state.watertight)
+		return notClosed(attempt.state, mode == RepairMode::Off
+											? "use the automatic repair"
+											: "close it in a modelling program (fill the holes, remove inner faces) and export it again");
+
+	const double side = bounds(attempt.mesh).longestSide();
+	result.volumeAfter = massProperties(attempt.mesh).volume;
+	if (!(std::fabs(result.volumeAfter) >= kFlat * side * side * side) || side == 0)
+		return Error{"the mesh is flat: it encloses " + std::to_string(result.volumeAfter) + " m^3 at a longest side of " +
+					 std::to_string(side) + " m; give it thickness"};
+	if (result.volumeAfter < 0)
+		return Error{"the mesh is inside out: its volume is " + std::to_string(result.volumeAfter) +
+					 " m^3; use the automatic repair or turn its triangles"};
+
+	if (welded.vertices.size() != mesh.vertices.size())
+		result.actions.push_back("Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
+								 std::to_string(welded.vertices.size()) + ".");
+	result.actions.insert(result.actions.end(), attempt.actions.begin(), attempt.actions.end());
+	result.mesh = std::move(attempt.mesh);
+	return result;
+}
+}  // namespace ist

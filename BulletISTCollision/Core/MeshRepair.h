@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/Result.h"
+
+#include <string>
+#include <vector>
+
+namespace ist
+{
+/// What an inspection of a mesh (after welding equal positions) finds.
+struct Closedness
+{
+	bool watertight = false;  ///< every edge is shared by exactly two triangles that run through it in opposite directions
+	int64_t openEdges = 0;         ///< edges with one triangle
+	int64_t nonManifoldEdges = 0;  ///< edges with three or more triangles
+	int64_t flippedEdges = 0;      ///< edges with two triangles that run through it in the same direction
+	int64_t degenerateTriangles = 0;
+	int64_t duplicateTriangles = 0;
+	int64_t components = 0;  ///< connected sets of triangles
+};
+
+enum class RepairMode
+{
+	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close simple holes; refuse what is still open
+	Off,   ///< weld exactly equal positions only; refuse a mesh that is not watertight
+	Wrap   ///< rebuild the surface around the input; "unsupported" until it exists
+};
+
+/// A mesh fit for packing: welded, oriented outwards, closed.
+struct RepairedMesh
+{
+	Mesh mesh;
+	Closedness before;
+	std::vector<std::string> actions;  ///< one sentence for each thing that was done; empty when nothing was needed
+	double volumeBefore = 0;           ///< signed volume as read [m^3]
+	double volumeAfter = 0;
+};
+
+/// O(n log n). The mesh itself is not changed.
+Closedness inspect(const Mesh& mesh);
+
+/// Error: empty, flat (no volume), not closed and not closable; the sentence says what was found and how much of it.
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto);
+}  // namespace ist

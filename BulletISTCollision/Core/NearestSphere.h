@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/SpherePacking.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace ist
+{
+/// The sphere with the smallest |p - c| - r among spheres that do not overlap. Immutable after construction: any number of threads may ask.
+class NearestSphere
+{
+public:
+	struct Hit
+	{
+		uint32_t sphere = UINT32_MAX;  ///< lowest index among equally near ones
+		double distance = 1e300;       ///< |p - c| - r; negative inside the sphere
+	};
+
+	explicit NearestSphere(const std::vector<Sphere>& spheres);
+
+	/// `hint`: any sphere likely to be near; it changes the time taken, never the answer.
+	Hit nearest(const Vec3& p, uint32_t hint = UINT32_MAX) const;
+
+private:
+	struct Node
+	{
+		Vec3 ballLower, ballUpper;      // of the balls
+		Vec3 centerLower, centerUpper;  // of their centres
+		double largestRadius = 0;
+		uint32_t first = 0, count = 0;  // count > 0: leaf
+		uint32_t right = 0;             // the left child follows its parent
+	};
+	struct Entry
+	{
+		Vec3 center;
+		double radius;
+		uint32_t sphere;
+	};
+
+	uint32_t build(uint32_t first, uint32_t last);
+	static double lowerBound(const Node& node, const Vec3& p);
+
+	std::vector<Node> m_nodes;
+	std::vector<Entry> m_entries;
+	std::vector<uint32_t> m_roots;
+	std::vector<uint32_t> m_slots;  // sphere -> entry
+};
+}  // namespace ist

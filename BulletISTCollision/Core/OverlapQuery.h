@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+
+#include <memory>
+
+namespace ist
+{
+/// Symmetric 6x6 matrix, linear part first, row-major upper triangle (21 entries).
+struct SymmetricMatrix6
+{
+	double m[21] = {};
+	static constexpr int index(int i, int j) { return i <= j ? i * (11 - i) / 2 + j : index(j, i); }
+	double operator()(int i, int j) const { return m[index(i, j)]; }
+	double& operator()(int i, int j) { return m[index(i, j)]; }
+};
+
+/// Material-free integrals over the overlap of A and B (or over one patch of it). Axes of A's mesh frame; moments are taken
+/// about A's `origin` (its centre of mass). Source: DESIGN sections 4 and 5, reference/force-law.md 2. dd = d_i d_j, L = lens volume,
+/// C = lens centroid, m = mean outward normal of a leaf, n = unit vector from the ball of B to that of A.
+struct OverlapIntegrals
+{
+	double volume = 0;          ///< sum dd L [m^3]
+	Vec3 firstMoment;           ///< sum dd L C [m^4]
+	double secondMoment[6] = {};  ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
+	Wrench normalA, normalB;    ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV
+	Vec3 areaVector;            ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
+	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
+	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i.(C - c_i)) and the same of j: Int depth dV [m^4]
+	double spread = 0;          ///< sum s_ij^2, s_ij = dd min(L, V_small - L) [m^6]; V_small = volume of the smaller ball
+	int64_t pairs = 0;          ///< intersecting pairs
+
+	void add(const OverlapIntegrals& other);
+};
+
+/// Which balls speak for a body.
+enum class Model
+{
+	Law,   ///< leaves (default)
+	Cell,  ///< unsplit cells: best volume
+	Inner  ///< packed spheres: a lower bound of the volume
+};
+
+enum class QueryStatus
+{
+	Ok,
+	InvalidPose,  ///< not finite or not rigid; nothing else in the result was touched
+	EmptyTree,
+	Unsupported  ///< a level or a budget: not available yet
+};
+const char* toString(QueryStatus status);
+
+struct QueryOptions
+{
+	Model model = Model::Law;
+	int level = -1;       ///< -1: exact. Anything else is Unsupported for now.
+	bool stiffness = true;  ///< fill stiffnessA/B
+	bool patches = true;    ///< group the pairs; otherwise one patch
+	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
+};
+
+struct QueryCapacity
+{
+	int pairs = 200000;  ///< more intersecting pairs than this: sums stay exact, but come as one patch and the pair list is cut
+	int patches = 8;
+	int listEntries = 65536;  ///< node and block pairs in flight; more are handled depth first, without loss
+};
+
+/// One intersecting pair, for visitors: indices into the two trees' `balls`, and the lens.
+struct OverlapPair
+{
+	uint32_t ballA = 0, ballB = 0;
+	float lens = 0;   ///< L [m^3]
+	float area = 0;   ///< of the lens disc [m^2]; 0 when one ball contains the other
+	Vec3 centroid;    ///< C, A's mesh axes, relative to A's origin
+	Vec3 normal;      ///< n
+};
+
+/// All memory of a query. One per thread; reuse it: a query allocates nothing.
+class QueryWorkspace
+{
+public:
+	explicit QueryWorkspace(const QueryCapacity& capacity = {});
+	~QueryWorkspace();
+	QueryWorkspace(QueryWorkspace&&) noexcept;
+	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
+	const QueryCapacity& capacity() const;
+
+	struct Implementation;
+	Implementation& implementation() { return *m_impl; }
+
+private:
+	std::unique_ptr<Implementation> m_impl;
+};
+
+struct OverlapResult
+{
+	QueryStatus status = QueryStatus::Ok;
+	OverlapIntegrals total;
+	const OverlapIntegrals* patches = nullptr;  ///< in the workspace, valid until its next use; they sum to `total`
+	int patchCount = 0;
+	bool pairListComplete = true;  ///< false: more pairs than the capacity, so one patch and a cut list
+	const OverlapPair* pairs = nullptr;  ///< in the workspace; filled only on `QueryOptions::sortPairs`
+	int pairCount = 0;
+	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine
+};
+
+/// Overlap of two bodies. X_AB: pose of B's mesh frame in A's mesh frame. O(pairs), no allocation.
+OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+						   const QueryOptions& options = {});
+
+/// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame (unit normal, pointing out of the solid).
+/// Exact ball caps; B's field: depth under the plane; `normalB` = volume * normal. `normalA`, `stiffnessA`, `depthA` as with a tree.
+OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,
+							 const QueryOptions& options = {});
+
+/// Slow, obvious reference: all pairs in double, one patch. For tests and benchmarks.
+OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model = Model::Law);
+}  // namespace ist

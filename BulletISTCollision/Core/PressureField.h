@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+
+namespace ist
+{
+/// The pressure field law without materials or motion (DESIGN section 5): energy U = k Int (w_A depth_A + w_B depth_B) dV.
+/// k [Pa/m] is the pair's stiffness; w_A + w_B = 1.
+struct PressurePair
+{
+	double stiffness = 1;
+	double weightA = 0.5, weightB = 0.5;
+};
+
+/// Force on A [N] and torque on A about A's origin [N m], axes of A's mesh frame: k (w_B Int n_B dV - w_A Int n_A dV).
+/// B receives the opposite force at the same points.
+Wrench pressureWrench(const OverlapIntegrals& integrals, const PressurePair& pair);
+/// U [J].
+double pressureEnergy(const OverlapIntegrals& integrals, const PressurePair& pair);
+/// -d(force, torque)/d(translation, rotation) of A about A's origin, before projection [N/m, N, N m].
+SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const PressurePair& pair);
+/// The nearest positive semidefinite matrix: negative eigenvalues set to zero. `length` [m] scales rotations to lengths first,
+/// so that the choice of unit does not enter.
+SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length);
+
+/// Standard errors (DESIGN section 5, reference/force-law.md 8): sigma_V = V sqrt((0.5 S)^2 + r^2) [m^3],
+/// sigma_F = k V sqrt((0.8 S)^2 + r^2) [N], S = sqrt(spread)/V, r = 0.04 (g/delta)^2, g the sum of both mean gaps, delta = V/|area vector|.
+struct OverlapError
+{
+	double volume = 0, force = 0;
+};
+OverlapError overlapError(const OverlapIntegrals& integrals, double gapSum, double stiffness);
+}  // namespace ist

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/ProximityQuery.h"
+
+#include "BulletISTCollision/Core/Kernels/TreeLimits.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace ist
+{
+namespace
+{
+struct Side
+{
+	uint32_t id;  ///< node, or block | kLeafBit
+	Vec3 center;
+	double r;
+	bool leaf() const { return (id & BallNode::kLeafBit) != 0; }
+	uint32_t block() const { return id & ~BallNode::kLeafBit; }
+};
+
+struct Item
+{
+	Side a, b;
+	double bound;  ///< no pair below is nearer
+};
+
+class NearestPair
+{
+public:
+	NearestPair(const BallTree& A, const BallTree& B, const Pose& X) : m_A(A), m_B(B), m_X(X) {}
+
+	double run()
+	{
+		constexpr double inf = std::numeric_limits<double>::infinity();
+		m_stack[m_top++] = {{0, {}, inf}, {0, {}, inf}, 0};
+		while (m_top > 0 && m_best > 0)
+		{
+			const Item item = m_stack[--m_top];
+			if (item.bound >= m_best) continue;
+			if (item.a.leaf() && item.b.leaf())
+				blockPair(item);
+			else if (item.b.leaf() || (!item.a.leaf() && item.a.r >= item.b.r))
+				open(item, true);
+			else
+				open(item, false);
+		}
+		return std::max(0.0, m_best);
+	}
+
+private:
+	static double gap(const Side& a, const Side& b) { return std::max(0.0, distance(a.center, b.center) - a.r - b.r); }
+
+	void open(const Item& item, bool first)
+	{
+		const BallNode& node = first ? m_A.nodes[item.a.id] : m_B.nodes[item.b.id];
+		const int begin = m_top;
+		for (int k = 0; k < BallNode::kWidth; ++k)
+		{
+			if (node.child[k] == BallNode::kNoChild) continue;
+			const Vec3 c{node.x[k], node.y[k], node.z[k]};
+			// Poses are rigid within 1e-4 only; the margin keeps the bound a bound.
+			const Side child{node.child[k], first ? c : m_X * c, first ? node.r[k] : node.r[k] * (1 + 1e-3)};
+			Item next{first ? child : item.a, first ? item.b : child, 0};
+			next.bound = gap(next.a, next.b);
+			if (!(next.bound >= m_best)) m_stack[m_top++] = next;
+		}
+		// The nearest on top.
+		std::sort(m_stack + begin, m_stack + m_top, [](const Item& p, const Item& q) {
+			return p.bound != q.bound ? p.bound > q.bound : p.a.r + p.b.r > q.a.r + q.b.r;
+		});
+	}
+
+	void blockPair(const Item& item)
+	{
+		constexpr int W = BallBlock::kWidth;
+		const BallBlock& a = m_A.blocks[item.a.block()];
+		const BallBlock& b = m_B.blocks[item.b.block()];
+		Vec3 moved[W];
+		for (uint32_t j = 0; j < b.count; ++j) moved[j] = m_X * Vec3{b.x[j], b.y[j], b.z[j]};
+		for (uint32_t i = 0; i < a.count; ++i)
+		{
+			const Vec3 c{a.x[i], a.y[i], a.z[i]};
+			if (distance(c, item.b.center) - a.R[i] - item.b.r >= m_best) continue;
+			for (uint32_t j = 0; j < b.count; ++j)
+				m_best = std::min(m_best, distance(c, moved[j]) - a.R[i] - b.R[j]);
+		}
+	}
+
+	const BallTree& m_A;
+	const BallTree& m_B;
+	const Pose& m_X;
+	double m_best = std::numeric_limits<double>::infinity();
+	int m_top = 0;
+	Item m_stack[kPairStackSize];
+};
+}  // namespace
+
+Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
+{
+	// Nothing is known about a pose that is not rigid: the widest interval holds.
+	if (!isRigid(X_AB) || A.inner.empty() || B.inner.empty()) return {std::numeric_limits<double>::infinity(), 0};
+	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
+	Distance result;
+	result.upper = NearestPair(A.inner, B.inner, X).run();
+	result.lower = std::max(0.0, result.upper - A.maxGap - B.maxGap);
+	return result;
+}
+}  // namespace ist

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include "BulletISTCollision/Core/SpherePacker.h"
+
+#include <chrono>
+
+namespace ist
+{
+namespace
+{
+class Stopwatch
+{
+public:
+	/// Seconds since construction or the last call.
+	double lap()
+	{
+		const auto now = std::chrono::steady_clock::now();
+		const double seconds = std::chrono::duration<double>(now - m_start).count();
+		m_start = now;
+		return seconds;
+	}
+
+private:
+	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
+};
+
+const char* modeName(RepairMode mode)
+{
+	switch (mode)
+	{
+		case RepairMode::Off: return "off";
+		case RepairMode::Wrap: return "wrap";
+		default: return "auto";
+	}
+}
+
+bool goesOn(const Progress& progress, const char* stage, double fraction)
+{
+	return !progress || progress(stage, fraction);
+}
+
+Error cancelled()
+{
+	return {"the build was cancelled", true};
+}
+
+std::vector<MomentBall> innerBalls(const std::vector<Sphere>& spheres)
+{
+	std::vector<MomentBall> balls(spheres.size());
+	for (size_t i = 0; i < spheres.size(); ++i)
+	{
+		const Sphere& s = spheres[i];
+		MomentBall& b = balls[i];
+		b.x = s.x;
+		b.y = s.y;
+		b.z = s.z;
+		b.R = s.r;
+		b.density = 1;
+		b.sphere = static_cast<uint32_t>(i);
+	}
+	return balls;
+}
+
+void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& repaired, const BuildOptions& options)
+{
+	InnerSphereTree::Provenance& p = tree.provenance;
+	p.meshHash = meshHash(source);
+	p.unit = options.unit;
+	p.meshVolume = repaired.volumeBefore;
+	p.watertight = repaired.before.watertight;
+	p.repairMode = modeName(options.repair);
+	p.repair = repaired.actions;
+	p.requestedSpheres = options.maxSpheres;
+	p.requestedFill = options.targetFill;
+	p.requestedMinRadius = options.minRadius;
+	p.seed = options.seed;
+
+	const MassProperties mass = massProperties(repaired.mesh);
+	tree.origin = mass.centerOfMass;
+	tree.volume = mass.volume;
+	tree.inertia = mass.inertia;
+	tree.area = surfaceArea(repaired.mesh);
+}
+
+Result<SpherePacking> pack(const MeshDistance& surface, const BuildOptions& options)
+{
+	PackingOptions packing;
+	packing.maxSpheres = options.maxSpheres;
+	packing.targetFill = options.targetFill;
+	packing.minRadius = options.minRadius;
+	packing.seed = options.seed;
+	packing.threads = options.threads;
+	packing.progress = options.progress;
+	return packSpheres(surface, packing);
+}
+
+/// False when cancelled.
+bool buildTrees(InnerSphereTree& tree, const Cells& cells, const Progress& progress)
+{
+	if (!goesOn(progress, "tree", 0)) return false;
+	tree.law = buildBallTree(cells.leaves);
+	if (!goesOn(progress, "tree", 0.4)) return false;
+	tree.cells = buildBallTree(cells.cells);
+	if (!goesOn(progress, "tree", 0.7)) return false;
+	tree.inner = buildBallTree(innerBalls(tree.spheres));
+	return goesOn(progress, "tree", 1);
+}
+}  // namespace
+
+Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times)
+{
+	Stopwatch watch;
+	BuildTimes unused;
+	BuildTimes& seconds = times ? *times : unused;
+	InnerSphereTree tree;
+
+	if (!goesOn(options.progress, "repair", 0)) return cancelled();
+	Result<RepairedMesh> repaired = repair(mesh, options.repair);
+	if (!repaired) return repaired.error();
+	describe(tree, mesh, repaired.value(), options);
+	const MeshDistance surface(translated(repaired.value().mesh, -tree.origin));
+	tree.box = bounds(surface.mesh());
+	if (!goesOn(options.progress, "repair", 1)) return cancelled();
+	seconds.setup = watch.lap();
+
+	Result<SpherePacking> packing = pack(surface, options);
+	if (!packing) return packing.error();
+	tree.fill = packing.value().fill;
+	seconds.packing = watch.lap();
+
+	CellOptions cellOptions;
+	cellOptions.seed = options.seed;
+	cellOptions.threads = options.threads;
+	cellOptions.progress = options.progress;
+	const Result<Cells> cells = buildCells(surface, packing.value(), cellOptions);
+	if (!cells) return cells.error();
+	tree.meanGap = cells.value().meanGap;
+	tree.maxGap = cells.value().maxGap;
+	tree.uncoveredArea = cells.value().uncoveredArea;
+	tree.spheres = std::move(packing.value().spheres);
+	seconds.leaves = watch.lap();
+
+	if (!buildTrees(tree, cells.value(), options.progress)) return cancelled();
+	seconds.tree = watch.lap();
+	if (const std::string problem = tree.validate(); !problem.empty()) return Error{"internal: the built tree is not valid: " + problem};
+	return tree;
+}
+}  // namespace ist

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/Progress.h"
+#include "BulletISTCollision/Core/Result.h"
+
+namespace ist
+{
+struct BuildOptions
+{
+	int64_t maxSpheres = 10000;
+	double targetFill = 1.0;
+	double minRadius = 0;  ///< [m]
+	RepairMode repair = RepairMode::Auto;
+	double unit = 1;  ///< recorded in the asset; the mesh is already in metres
+	uint64_t seed = 1;
+	int threads = 0;  ///< 0: all
+	Progress progress;
+};
+
+/// Wall-clock seconds of the stages.
+struct BuildTimes
+{
+	double setup = 0, packing = 0, leaves = 0, tree = 0;
+};
+
+/// Mesh to tree, the whole offline chain: repair, packing, cells, trees.
+Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times = nullptr);
+}  // namespace ist

@@ -1,0 +1,19 @@
+# Install and export: find_package(BulletHaptics) gives BulletHaptics::Core.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS istcore EXPORT BulletHapticsTargets
+	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY BulletISTCollision/Core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core
+	FILES_MATCHING PATTERN "*.h" PATTERN Kernels EXCLUDE)
+install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics::
+	DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
+if(TARGET ist)
+	install(TARGETS ist RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake
+	INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
+write_basic_package_version_file(BulletHapticsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake
+	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfigVersion.cmake
+	DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)

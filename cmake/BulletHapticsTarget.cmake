@@ -1,0 +1,15 @@
+# Settings that every target of this project shares.
+function(bullethaptics_target target)
+	target_compile_features(${target} PRIVATE cxx_std_20)
+	set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+	# The same sums on every compiler: packings and trees must not depend on which one contracts a*b+c.
+	# -Wrestrict is wrong about std::string in GCC 12 (GCC bug 105651).
+	target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off
+		$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+		$<$<BOOL:${BULLETHAPTICS_WERROR}>:-Werror>)
+	if(BULLETHAPTICS_SANITIZE)
+		target_compile_options(${target} PRIVATE -fsanitize=${BULLETHAPTICS_SANITIZE} -fno-omit-frame-pointer
+			-fno-sanitize-recover=all)
+		target_link_options(${target} PUBLIC -fsanitize=${BULLETHAPTICS_SANITIZE})
+	endif()
+endfunction()

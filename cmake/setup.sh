@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
+# Usage: cmake/setup.sh [--yes]     --yes: do not ask
+set -euo pipefail
+
+packages=(g++ cmake ninja-build ccache libbullet-dev libeigen3-dev libassimp-dev libgtest-dev
+	libcli11-dev nlohmann-json3-dev glmark2-data python3)
+
+missing=()
+for package in "${packages[@]}"; do
+	[ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+line="apt-get install --no-install-recommends -y ${missing[*]}"
+if [ "$(id -u)" -eq 0 ]; then
+	run=()
+elif command -v sudo >/dev/null; then
+	run=(sudo)
+	echo "These packages are missing and will be installed with: sudo $line" >&2
+	if [ "${1:-}" != "--yes" ]; then
+		if [ ! -t 0 ]; then
+			echo "Nobody is there to ask: run it yourself, or give --yes." >&2
+			exit 1
+		fi
+		read -r -p "Go on? [y/N] " answer
+		[ "$answer" = y ] || [ "$answer" = Y ] || exit 1
+	fi
+else
+	echo "These packages are missing; ask an administrator to run: $line" >&2
+	exit 1
+fi
+export DEBIAN_FRONTEND=noninteractive
+"${run[@]}" apt-get update -qq >&2
+"${run[@]}" $line >&2

@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds in Release, and runs all tests except those labelled "long".
+# Usage: ./test.sh [--yes]
+set -euo pipefail
+cd "$(dirname "$0")"
+
+bash cmake/setup.sh "${1:-}"
+cmake --preset release
+cmake --build --preset release
+ctest --preset release

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/BallTree.h"
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+using namespace ist;
+
+namespace
+{
+std::vector<MomentBall> cloud(int count, unsigned seed)
+{
+	std::mt19937 random(seed);
+	std::uniform_real_distribution<float> place(-1, 1), radius(0.01f, 0.1f);
+	std::vector<MomentBall> balls(static_cast<size_t>(count));
+	for (MomentBall& b : balls)
+	{
+		b.x = place(random);
+		b.y = place(random);
+		b.z = place(random);
+		b.R = radius(random);
+		b.density = 0.9f;
+		b.nx = 1;
+	}
+	return balls;
+}
+
+std::vector<std::array<float, 4>> sorted(const std::vector<MomentBall>& balls)
+{
+	std::vector<std::array<float, 4>> keys;
+	for (const MomentBall& b : balls)
+		if (b.density > 0) keys.push_back({b.x, b.y, b.z, b.R});
+	std::sort(keys.begin(), keys.end());
+	return keys;
+}
+}  // namespace
+
+TEST(BallTree, HoldsEveryBallOnceAndIsValid)
+{
+	for (const int count : {1, 2, 15, 16, 17, 100, 129, 3000, 20000})
+	{
+		const std::vector<MomentBall> balls = cloud(count, 7);
+		const BallTree tree = buildBallTree(balls);
+		EXPECT_EQ(tree.validate(), "") << count;
+		EXPECT_EQ(tree.ballCount(), uint32_t(count));
+		EXPECT_EQ(tree.blocks.size(), size_t(count + 15) / 16);
+		EXPECT_EQ(sorted(tree.balls), sorted(balls));
+	}
+}
+
+TEST(BallTree, EmptyCloudGivesEmptyTree)
+{
+	const BallTree tree = buildBallTree({});
+	EXPECT_TRUE(tree.empty());
+	EXPECT_EQ(tree.ballCount(), 0u);
+	EXPECT_EQ(tree.validate(), "");
+}
+
+TEST(BallTree, CoincidentAndSkewedCloudsStayShallow)
+{
+	std::vector<MomentBall> same(5000, cloud(1, 3)[0]);
+	EXPECT_EQ(buildBallTree(same).validate(), "");
+	std::vector<MomentBall> skewed = cloud(5000, 4);
+	for (size_t i = 0; i < skewed.size(); ++i) skewed[i].x = std::pow(2.0f, float(i % 60));
+	EXPECT_EQ(buildBallTree(skewed).validate(), "");
+}
+
+TEST(BallTree, ValidateFindsDamage)
+{
+	const BallTree good = buildBallTree(cloud(1000, 5));
+	const auto damaged = [&](auto change) {
+		BallTree tree = good;
+		change(tree);
+		return tree.validate();
+	};
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[0] = 100000; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[0] = 0; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[1] = t.nodes[0].child[0]; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[0] = BallNode::kNoChild; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].r[0] *= 0.5f; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].x[0] = NAN; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.blocks[3].br *= 0.5f; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.blocks[3].count = 17; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.blocks[3].x[2] += 1; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.balls[5].nx = INFINITY; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.balls[5].density = 0; }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.balls.pop_back(); }), "");
+	EXPECT_NE(damaged([](BallTree& t) { t.nodes.clear(); }), "");
+}
+
+TEST(BallTree, ValidateRefusesAChainDeeperThanQueriesAllow)
+{
+	BallTree tree = buildBallTree(cloud(1, 5));
+	const BallNode leaf = tree.nodes[0];
+	tree.nodes.assign(200, leaf);
+	for (uint32_t i = 0; i + 1 < 200; ++i) tree.nodes[i].child[0] = i + 1;
+	EXPECT_EQ(tree.validate(), "tree too deep");
+}
+
+TEST(InnerSphereTree, ValidateNamesTheTree)
+{
+	InnerSphereTree body;
+	body.volume = 1;
+	body.law = body.cells = body.inner = buildBallTree(cloud(50, 1));
+	EXPECT_EQ(body.validate(), "");
+	body.cells.blocks[0].count = 0;
+	EXPECT_NE(body.validate().find("cells"), std::string::npos);
+	body.cells = {};
+	EXPECT_NE(body.validate(), "");
+	body.cells = body.law;
+	body.volume = -1;
+	EXPECT_NE(body.validate(), "");
+}

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/OverlapQuery.h"
+
+#include "BulletISTCollision/Core/Lens.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <random>
+
+using namespace ist;
+
+static std::atomic<long> allocations{0};
+
+void* operator new(std::size_t size)
+{
+	++allocations;
+	if (void* p = std::malloc(size ? size : 1)) return p;
+	throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment)
+{
+	++allocations;
+	const std::size_t a = static_cast<std::size_t>(alignment);
+	if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+	throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace
+{
+/// Balls all over a cube of side 2; their normals point away from the centre.
+InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
+{
+	std::mt19937 random(seed);
+	std::uniform_real_distribution<float> place(-1, 1), size(0.5f, 1.5f);
+	const float radius = 0.8f / std::cbrt(float(count));
+	std::vector<MomentBall> balls(static_cast<size_t>(count));
+	for (MomentBall& b : balls)
+	{
+		b.x = place(random);
+		b.y = place(random);
+		b.z = place(random);
+		b.R = radius * size(random);
+		b.density = 0.6f * size(random);
+		b.nx = 0.8f * b.x;
+		b.ny = 0.8f * b.y;
+		b.nz = 0.8f * b.z + 0.05f;
+		b.depth = 0.1f * size(random);
+	}
+	InnerSphereTree body;
+	body.origin = origin;
+	body.volume = 8;
+	body.law = buildBallTree(balls);
+	for (MomentBall& b : balls) b.R *= 1.1f;
+	body.cells = buildBallTree(balls);
+	for (MomentBall& b : balls)
+	{
+		b.R *= 0.7f;
+		b.density = 1;
+		b.nx = b.ny = b.nz = 0;
+	}
+	body.inner = buildBallTree(balls);
+	return body;
+}
+
+/// Mesh pose that gives the tree frames the shift `t` and a random turn.
+Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B, double reach)
+{
+	std::uniform_real_distribution<double> u(-1, 1);
+	Pose X;
+	X.rotation = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
+	const Vec3 t{reach * u(random), reach * u(random), reach * u(random)};
+	X.translation = A.origin + t - X.rotation * B.origin;
+	return X;
+}
+
+void expectNear(const Vec3& a, const Vec3& b, double tolerance)
+{
+	EXPECT_NEAR(a.x, b.x, tolerance);
+	EXPECT_NEAR(a.y, b.y, tolerance);
+	EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+/// Within 1e-5 of the sum of absolute values; all arms here are below 2 and all normals below 1.5.
+void expectSame(const OverlapIntegrals& a, const OverlapIntegrals& b, double absoluteArea)
+{
+	const double tolerance = 1e-5 * b.volume + 1e-15, areaTolerance = 1e-5 * absoluteArea + 1e-15;
+	EXPECT_EQ(a.pairs, b.pairs);
+	EXPECT_NEAR(a.volume, b.volume, tolerance);
+	expectNear(a.firstMoment, b.firstMoment, tolerance);
+	for (int i = 0; i < 6; ++i) EXPECT_NEAR(a.secondMoment[i], b.secondMoment[i], tolerance);
+	expectNear(a.normalA.force, b.normalA.force, tolerance);
+	expectNear(a.normalA.torque, b.normalA.torque, tolerance);
+	expectNear(a.normalB.force, b.normalB.force, tolerance);
+	expectNear(a.normalB.torque, b.normalB.torque, tolerance);
+	expectNear(a.areaVector, b.areaVector, areaTolerance);
+	EXPECT_NEAR(a.depthA, b.depthA, tolerance);
+	EXPECT_NEAR(a.depthB, b.depthB, tolerance);
+	EXPECT_NEAR(a.spread, b.spread, 1e-5 * b.spread + 1e-30);
+	for (int i = 0; i < 21; ++i)
+	{
+		EXPECT_NEAR(a.stiffnessA.m[i], b.stiffnessA.m[i], areaTolerance);
+		EXPECT_NEAR(a.stiffnessB.m[i], b.stiffnessB.m[i], areaTolerance);
+	}
+}
+
+double absoluteArea(const OverlapResult& r, const BallTree& A, const BallTree& B)
+{
+	double sum = 0;
+	for (int i = 0; i < r.pairCount; ++i)
+		sum += double(A.balls[r.pairs[i].ballA].density) * B.balls[r.pairs[i].ballB].density * r.pairs[i].area;
+	return sum;
+}
+
+void compare(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace& workspace, Model model)
+{
+	QueryOptions options;
+	options.model = model;
+	options.sortPairs = true;
+	const OverlapResult fast = queryOverlap(A, B, X, workspace, options);
+	const OverlapResult slow = queryOverlapBruteForce(A, B, X, model);
+	ASSERT_EQ(fast.status, QueryStatus::Ok);
+	ASSERT_TRUE(fast.pairListComplete);
+	EXPECT_EQ(fast.pairCount, fast.total.pairs);
+	const BallTree& a = model == Model::Law ? A.law : model == Model::Cell ? A.cells : A.inner;
+	const BallTree& b = model == Model::Law ? B.law : model == Model::Cell ? B.cells : B.inner;
+	const double area = absoluteArea(fast, a, b);
+	expectSame(fast.total, slow.total, area);
+	OverlapIntegrals sum;
+	for (int p = 0; p < fast.patchCount; ++p)
+	{
+		EXPECT_GT(fast.patches[p].pairs, 0);
+		sum.add(fast.patches[p]);
+	}
+	expectSame(sum, fast.total, area);
+	for (int i = 1; i < fast.pairCount; ++i)
+		EXPECT_TRUE(fast.pairs[i - 1].ballA < fast.pairs[i].ballA ||
+					(fast.pairs[i - 1].ballA == fast.pairs[i].ballA && fast.pairs[i - 1].ballB < fast.pairs[i].ballB));
+}
+}  // namespace
+
+TEST(OverlapQuery, AgreesWithBruteForce)
+{
+	std::mt19937 random(11);
+	QueryWorkspace workspace;
+	for (const int count : {1, 5, 100, 3000})
+		for (const Vec3& origin : {Vec3{}, Vec3{1000, -2000, 500}})
+		{
+			const InnerSphereTree A = cloudBody(count, 1, origin), B = cloudBody(count + 3, 2, origin * -0.7);
+			for (const double reach : {0.2, 1.5, 2.5})
+				for (const Model model : {Model::Law, Model::Cell, Model::Inner})
+					compare(A, B, randomPose(random, A, B, reach), workspace, model);
+		}
+}
+
+TEST(OverlapQuery, CoincidentBodies)
+{
+	QueryWorkspace workspace;
+	for (const int count : {1, 5, 100, 3000})
+	{
+		const InnerSphereTree A = cloudBody(count, 3, {10, 0, 0});
+		compare(A, A, Pose{}, workspace, Model::Law);
+		const OverlapResult r = queryOverlap(A, A, Pose{}, workspace);
+		EXPECT_GE(r.total.pairs, count);
+		EXPECT_TRUE(std::isfinite(r.total.volume) && isFinite(r.total.areaVector) && isFinite(r.total.normalA));
+	}
+	const InnerSphereTree one = cloudBody(1, 3);
+	const MomentBall& ball = one.law.balls[0];
+	EXPECT_NEAR(queryOverlap(one, one, Pose{}, workspace).total.volume,
+				ball.density * ball.density * ballVolume(ball.R), 1e-6 * ballVolume(ball.R));
+}
+
+TEST(OverlapQuery, FindsEveryPairUnderAPoseThatIsBarelyRigid)
+{
+	const InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(3000, 2);
+	QueryWorkspace workspace;
+	Pose X;
+	for (int i = 0; i < 3; ++i) X.rotation.m[i][i] = 1.00004;
+	X.translation = {0.7, 0.1, -0.4};
+	compare(A, B, X, workspace, Model::Law);
+	for (int i = 0; i < 3; ++i) X.rotation.m[i][i] = 0.99996;
+	compare(A, B, X, workspace, Model::Law);
+}
+
+TEST(OverlapQuery, SwappingBodiesReversesTheForces)
+{
+	std::mt19937 random(5);
+	const InnerSphereTree A = cloudBody(500, 1, {3, 0, 0}), B = cloudBody(700, 2, {0, -5, 1});
+	QueryWorkspace workspace;
+	const Pose X = randomPose(random, A, B, 1.2);
+	const OverlapIntegrals forth = queryOverlap(A, B, X, workspace).total;
+	const OverlapIntegrals back = queryOverlap(B, A, inverse(X), workspace).total;
+	ASSERT_GT(forth.pairs, 0);
+	EXPECT_EQ(forth.pairs, back.pairs);
+	EXPECT_NEAR(forth.volume, back.volume, 1e-6 * forth.volume);
+	EXPECT_NEAR(forth.depthA, back.depthB, 1e-5 * forth.volume);
+	expectNear(forth.areaVector, -(X.rotation * back.areaVector), 1e-5 * norm(forth.areaVector));
+	expectNear(forth.normalA.force, X.rotation * back.normalB.force, 1e-5 * forth.volume);
+	expectNear(forth.normalB.force, X.rotation * back.normalA.force, 1e-5 * forth.volume);
+}
+
+TEST(OverlapQuery, CapacityCutsTheListNotTheSums)
+{
+	const InnerSphereTree A = cloudBody(1000, 1), B = cloudBody(1000, 2);
+	QueryCapacity small;
+	small.pairs = 37;
+	small.listEntries = 1;
+	QueryWorkspace tight(small), roomy;
+	QueryOptions options;
+	options.sortPairs = true;
+	const OverlapResult cut = queryOverlap(A, B, Pose{}, tight, options);
+	const OverlapResult full = queryOverlap(A, B, Pose{}, roomy, options);
+	EXPECT_FALSE(cut.pairListComplete);
+	EXPECT_EQ(cut.pairCount, 37);
+	EXPECT_EQ(cut.patchCount, 1);
+	expectSame(cut.total, full.total, absoluteArea(full, A.law, B.law));
+	expectSame(cut.patches[0], full.total, absoluteArea(full, A.law, B.law));
+}
+
+TEST(OverlapQuery, AllocatesNothingOnceWarm)
+{
+	const InnerSphereTree A = cloudBody(2000, 1), B = cloudBody(2000, 2);
+	QueryWorkspace workspace;
+	QueryOptions options;
+	options.sortPairs = true;
+	queryOverlap(A, B, Pose{}, workspace, options);
+	const long before = allocations;
+	Pose X;
+	X.translation = {0.3, 0.2, 0.1};
+	queryOverlap(A, B, X, workspace, options);
+	queryOverlap(B, A, X, workspace);
+	queryHalfSpace(A, {0, 0, 1}, 0.1, workspace, options);
+	EXPECT_EQ(allocations, before);
+}
+
+TEST(OverlapQuery, ReportsWhatItCannotDo)
+{
+	const InnerSphereTree A = cloudBody(10, 1);
+	QueryWorkspace workspace;
+	Pose bad;
+	bad.translation.y = NAN;
+	EXPECT_EQ(queryOverlap(A, A, bad, workspace).status, QueryStatus::InvalidPose);
+	bad = {};
+	bad.rotation.m[0][0] = 1.01;
+	EXPECT_EQ(queryOverlap(A, A, bad, workspace).status, QueryStatus::InvalidPose);
+	QueryOptions options;
+	options.level = 2;
+	EXPECT_EQ(queryOverlap(A, A, Pose{}, workspace, options).status, QueryStatus::Unsupported);
+	EXPECT_EQ(queryOverlap(A, InnerSphereTree{}, Pose{}, workspace).status, QueryStatus::EmptyTree);
+	EXPECT_EQ(queryHalfSpace(A, {0, 0, 2}, 0, workspace).status, QueryStatus::InvalidPose);
+	EXPECT_EQ(queryHalfSpace(A, {0, 0, 1}, INFINITY, workspace).status, QueryStatus::InvalidPose);
+	Pose far;
+	far.translation.x = 1e9;
+	const OverlapResult apart = queryOverlap(A, A, far, workspace);
+	EXPECT_EQ(apart.status, QueryStatus::Ok);
+	EXPECT_EQ(apart.total.pairs, 0);
+	EXPECT_EQ(apart.patchCount, 0);
+	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
+}
+
+namespace
+{
+MomentBall ballAt(const Vec3& c, const Vec3& normal, double R = 0.1)
+{
+	MomentBall b;
+	b.x = float(c.x);
+	b.y = float(c.y);
+	b.z = float(c.z);
+	b.R = float(R);
+	b.density = 1;
+	b.nx = float(normal.x);
+	b.ny = float(normal.y);
+	b.nz = float(normal.z);
+	b.depth = 0.05f;
+	return b;
+}
+
+InnerSphereTree bodyOf(const std::vector<MomentBall>& balls)
+{
+	InnerSphereTree body;
+	body.law = buildBallTree(balls);
+	return body;
+}
+}  // namespace
+
+TEST(ContactPatches, SeparateContactsAndCorners)
+{
+	// Two feet far apart on one floor, and a wall that belongs to the second foot's component.
+	std::vector<MomentBall> A, B;
+	for (int i = 0; i < 5; ++i)
+	{
+		A.push_back(ballAt({-2 + 0.05 * i, 0, 0.08}, {0, 0, -0.9}));
+		B.push_back(ballAt({-2 + 0.05 * i, 0, -0.08}, {0, 0, 0.9}));
+		A.push_back(ballAt({2 + 0.05 * i, 0, 0.08}, {0, 0, -0.9}));
+		B.push_back(ballAt({2 + 0.05 * i, 0, -0.08}, {0, 0, 0.9}));
+	}
+	QueryWorkspace workspace;
+	OverlapResult r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace);
+	ASSERT_EQ(r.patchCount, 2);
+	EXPECT_NEAR(std::fabs(r.patches[0].firstMoment.x / r.patches[0].volume), 2, 0.3);
+	for (int i = 0; i < 5; ++i) B.push_back(ballAt({2.32, 0, 0.1 + 0.03 * i}, {-0.9, 0, 0}));
+	for (int i = 0; i < 5; ++i) A.push_back(ballAt({2.2, 0, 0.1 + 0.03 * i}, {0.9, 0, 0}));
+	r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace);
+	EXPECT_GE(r.patchCount, 3);
+	QueryCapacity two;
+	two.patches = 2;
+	QueryWorkspace limited(two);
+	const double volume = r.total.volume;
+	r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, limited);
+	EXPECT_EQ(r.patchCount, 2);
+	EXPECT_NEAR(r.patches[0].volume + r.patches[1].volume, volume, 1e-12);
+	QueryOptions options;
+	options.patches = false;
+	EXPECT_EQ(queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace, options).patchCount, 1);
+}
+
+TEST(HalfSpace, OneBallHasTheClosedForm)
+{
+	InnerSphereTree A = bodyOf({ballAt({0.2, 0.1, 0}, {0, 0, -0.5}, 0.5)});
+	A.origin = {10, 20, 30};
+	QueryWorkspace workspace;
+	const OverlapResult r = queryHalfSpace(A, {0, 0, 1}, 29.8, workspace);
+	const double h = 0.3, R = 0.5, V = kPi * h * h * (3 * R - h) / 3;
+	ASSERT_EQ(r.patchCount, 1);
+	EXPECT_NEAR(r.total.volume, V, 1e-6 * V);
+	expectNear(r.total.areaVector, {0, 0, kPi * h * (2 * R - h)}, 1e-6);
+	expectNear(r.total.normalB.force, {0, 0, V}, 1e-6 * V);
+	expectNear(r.total.normalB.torque, {0.1 * V, -0.2 * V, 0}, 1e-6 * V);
+	const double z = -3 * (2 * R - h) * (2 * R - h) / (4 * (3 * R - h));
+	EXPECT_NEAR(r.total.firstMoment.z, V * z, 1e-6 * V);
+	// Integral of t dV over the cap: pi h^3 (R/3 - h/12) for depth t below the plane.
+	EXPECT_NEAR(r.total.depthB, kPi * h * h * h * (4 * R - h) / 12, 1e-6 * V);
+	EXPECT_NEAR(r.total.depthA, V * (0.05 + 0.5 * z), 1e-6 * V);
+	EXPECT_NEAR(r.total.stiffnessB(2, 2), kPi * h * (2 * R - h), 1e-6);
+	EXPECT_EQ(queryHalfSpace(A, {0, 0, 1}, 29.4, workspace).total.pairs, 0);
+	EXPECT_NEAR(queryHalfSpace(A, {0, 0, 1}, 40, workspace).total.volume, ballVolume(R), 1e-6);
+}
+
+TEST(HalfSpace, ManyBallsAgreeWithADirectSum)
+{
+	const InnerSphereTree A = cloudBody(3000, 4, {1, 2, 3});
+	QueryWorkspace workspace;
+	const Vec3 n = normalized({1, 2, -2});
+	for (const double height : {-0.5, 0.0, 0.6})
+	{
+		const OverlapResult r = queryHalfSpace(A, n, height + dot(n, A.origin), workspace);
+		double volume = 0, area = 0;
+		int64_t pairs = 0;
+		for (const MomentBall& b : A.law.balls)
+		{
+			Lens cap;
+			if (!capOf(b.center(), b.R, n, dot(n, b.center()) - height, cap)) continue;
+			++pairs;
+			volume += b.density * cap.volume;
+			area += b.density * cap.area;
+		}
+		EXPECT_EQ(r.total.pairs, pairs);
+		EXPECT_NEAR(r.total.volume, volume, 1e-5 * volume);
+		expectNear(r.total.areaVector, n * area, 1e-5 * area);
+		expectNear(r.total.normalB.force, n * volume, 1e-5 * volume);
+	}
+}
+
+TEST(HalfSpace, BoxOfBallsApproachesTheBox)
+{
+	// A cubic lattice whose densities make up the box's volume.
+	std::vector<MomentBall> balls;
+	const int n = 16;
+	const double step = 2.0 / n;
+	for (int i = 0; i < n; ++i)
+		for (int j = 0; j < n; ++j)
+			for (int k = 0; k < n; ++k)
+			{
+				balls.push_back(ballAt({-1 + (i + 0.5) * step, -1 + (j + 0.5) * step, -1 + (k + 0.5) * step}, {}, 0.5 * step));
+				balls.back().density = float(step * step * step / ballVolume(0.5 * step));
+			}
+	QueryWorkspace workspace;
+	const OverlapResult r = queryHalfSpace(bodyOf(balls), {0, 0, 1}, -0.5, workspace);
+	EXPECT_NEAR(r.total.volume, 2.0, 0.01);
+	EXPECT_NEAR(r.total.depthB, 0.5, 0.01);
+}

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Data flows one way: a file includes only what stands to its left in the chain, or beside it (ARCHITECTURE.md)."""
+import pathlib
+import re
+import sys
+
+# Each place with what it may include from this project. The longest matching prefix counts.
+ALLOWED = {
+    "BulletISTCollision": ["BulletISTCollision"],
+    "BulletISTCollision/Core": ["BulletISTCollision/Core"],
+    "BulletISTCollision/Tools": ["BulletISTCollision"],
+    "demos": ["BulletISTCollision", "demos"],
+}
+# Packages that only files with these names may include.
+GUARDED = {
+    r"^<assimp/": ["BulletISTCollision/Core/MeshImport.cpp"],
+    r"^<Eigen/": ["BulletISTCollision/Core/PressureField.cpp"],
+    r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/": ["BulletISTCollision/bt", "demos/"],
+}
+
+
+def rules(path):
+    best = max((p for p in ALLOWED if path.startswith(p + "/")), key=len, default=None)
+    return ALLOWED.get(best)
+
+
+def violations(root):
+    for folder in ("BulletISTCollision", "demos"):
+        for file in sorted((root / folder).rglob("*")):
+            if file.suffix not in (".h", ".cpp"):
+                continue
+            path = file.relative_to(root).as_posix()
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                match = re.match(r'\s*#\s*include\s+([<"][^>"]+)', line)
+                if not match:
+                    continue
+                name = match.group(1)
+                if name[0] == '"' and not name[1:].startswith(("BulletCollision/", "BulletDynamics/", "LinearMath/")) and not any(name[1:].startswith(a + "/") for a in rules(path)):
+                    yield f"{path}:{number}: may not include {name[1:]}"
+                for pattern, files in GUARDED.items():
+                    if re.search(pattern, name) and not path.startswith(tuple(files)):
+                        yield f"{path}:{number}: may not include {name[1:]}"
+
+
+found = list(violations(pathlib.Path(sys.argv[1])))
+print("\n".join(found) or "every include points the right way")
+sys.exit(1 if found else 0)
