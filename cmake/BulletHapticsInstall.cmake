@@ -1,10 +1,14 @@
-# Install and export: find_package(BulletHaptics) gives BulletHaptics::Core.
+# Install and export: find_package(BulletHaptics) gives BulletHaptics::Core, ::ISTCollision, ::ISTCollision-float64, ::Devices.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS istcore EXPORT BulletHapticsTargets
+install(TARGETS istcore BulletISTCollision BulletISTCollision-float64 devices EXPORT BulletHapticsTargets
 	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY BulletISTCollision/Core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core
 	FILES_MATCHING PATTERN "*.h" PATTERN Kernels EXCLUDE)
+file(GLOB bullet_headers ${PROJECT_SOURCE_DIR}/BulletISTCollision/bt*.h)
+install(FILES ${bullet_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision)
+install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge FILES_MATCHING PATTERN "*.h")
+install(FILES cmake/FindBulletPhysics.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
 install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics::
 	DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
 if(TARGET ist)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/DistanceOctree.h"
 
-#include "BulletISTCollision/Core/MeshDistance.h"
-
 #include <algorithm>
 
 namespace ist
@@ -10,8 +8,16 @@ namespace ist
 namespace
 {
 constexpr size_t leafCapacity = 32;
-constexpr double splitRatio = 0.05;  // a leaf this much smaller than its distance sees an almost linear f
+constexpr double splitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
 constexpr double halfDiagonal = 1.7320508075688774;
+
+/// Vector from the segment a + t u, 0 <= t <= 1, to the point a + p.
+Vec3 fromSegment(const Vec3& p, const Vec3& u)
+{
+	const double along = dot(p, u), length2 = squaredNorm(u);
+	if (!(along > 0)) return p;
+	return along >= length2 ? p - u : p - u * (along / length2);
+}
 }  // namespace
 
 DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(finest)
@@ -20,7 +26,11 @@ DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(fines
 	m_slack = 1e-10 * (box.longestSide() + norm(box.lower) + norm(box.upper));
 	m_triangles.reserve(mesh.triangles.size());
 	for (const auto& t : mesh.triangles)
-		m_triangles.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+	{
+		const Vec3 a = mesh.vertices[t[0]], u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a;
+		const Vec3 n = normalized(cross(u, v));
+		m_triangles.push_back({a, u, v, n, cross(n, u), cross(n, v - u), cross(v, n)});
+	}
 
 	Node root;
 	root.center = (box.lower + box.upper) * 0.5;
@@ -31,13 +41,31 @@ DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(fines
 	m_nodes.push_back(std::move(root));
 }
 
+Vec3 DistanceOctree::fromTriangle(const Triangle& t, const Vec3& x)
+{
+	const Vec3 p = x - t.a;
+	const bool overAb = dot(p, t.inAb) >= 0, overBc = dot(p - t.u, t.inBc) >= 0, overCa = dot(p, t.inCa) >= 0;
+	if (overAb && overBc && overCa && t.n != Vec3{}) return t.n * dot(p, t.n);
+	Vec3 best;
+	double least = 1e300;
+	const auto consider = [&best, &least](const Vec3& d)
+	{
+		const double n = squaredNorm(d);
+		if (!(n < least)) return;
+		least = n;
+		best = d;
+	};
+	// The nearest edge is one that has the point on its outer side; all three where the triangle is a needle without a normal.
+	const bool all = t.n == Vec3{};
+	if (all || !overAb) consider(fromSegment(p, t.u));
+	if (all || !overBc) consider(fromSegment(p - t.u, t.v - t.u));
+	if (all || !overCa) consider(fromSegment(p, t.v));
+	return best;
+}
+
 double DistanceOctree::distanceTo(uint32_t item, const Vec3& x) const
 {
-	if (isTriangle(item))
-	{
-		const Triangle& t = m_triangles[item];
-		return distance(x, closestPointOnTriangle(x, t.a, t.b, t.c));
-	}
+	if (isTriangle(item)) return norm(fromTriangle(m_triangles[item], x));
 	const Ball& ball = m_balls[item - m_triangles.size()];
 	return distance(x, ball.center) - ball.radius;
 }
@@ -46,8 +74,7 @@ DistanceOctree::Plane DistanceOctree::plane(uint32_t item, const Vec3& x) const
 {
 	if (isTriangle(item))
 	{
-		const Triangle& t = m_triangles[item];
-		const Vec3 d = x - closestPointOnTriangle(x, t.a, t.b, t.c);
+		const Vec3 d = fromTriangle(m_triangles[item], x);
 		const double n = norm(d);
 		return {n, n > 0 ? d / n : Vec3{}, item};
 	}

@@ -8,7 +8,7 @@
 
 namespace ist
 {
-/// The empty space of a packing: f(x) = min over triangles (unsigned distance) and placed balls (|x - c| - r), exact in double.
+/// The empty space of a packing: f(x) = min over triangles (unsigned distance) and placed balls (|x - c| - r).
 /// An octree whose leaves list exactly the items that can be nearest to one of their points; leaves split when asked.
 /// Not thread safe, not even the queries.
 class DistanceOctree
@@ -44,7 +44,9 @@ public:
 private:
 	struct Triangle
 	{
-		Vec3 a, b, c;
+		Vec3 a, u, v;              ///< a corner and the edges from it
+		Vec3 n;                    ///< unit normal; zero for a triangle without area
+		Vec3 inAb, inBc, inCa;     ///< in the plane, across an edge towards the inside
 	};
 	struct Ball
 	{
@@ -67,6 +69,8 @@ private:
 		std::vector<Entry> entries;  ///< ascending distance; empty in inner nodes
 	};
 
+	/// Vector from the nearest point of the triangle to x.
+	static Vec3 fromTriangle(const Triangle& t, const Vec3& x);
 	double distanceTo(uint32_t item, const Vec3& x) const;
 	int32_t leafOf(const Vec3& x);
 	bool wantsSplit(const Node& node) const;

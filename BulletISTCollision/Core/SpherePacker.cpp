@@ -18,8 +18,9 @@ namespace
 constexpr double pi = 3.14159265358979323846;
 constexpr double smallestRelativeRadius = 1e-4;  // of the longest side
 constexpr int gridCells = 40;                    // along the longest side
-constexpr int coarseSpheres = 60;
-constexpr int coarseStarts = 4;
+constexpr size_t coarseTriangles = 2000;         // smaller meshes have short lists anyway
+constexpr int coarseSpheres = 12;
+constexpr int coarseStarts = 8;
 constexpr int surfaceStarts = 3000;
 constexpr double surfaceInset = 2e-4;  // of the longest side
 constexpr int childStarts = 8;
@@ -68,6 +69,7 @@ private:
 	{
 		Vec3 position;
 		double clearance = 0;  // lower than 0: outside
+		bool start = false;    // one of the sparser set that candidates grow from
 	};
 
 	void buildGrid();
@@ -137,7 +139,7 @@ void Packer::buildGrid()
 				const double step = size.x / count[0];
 				const bool inside = step < 0.999 * std::max(std::fabs(previous), d) && previous != 0 ? previous > 0 : m_surface.contains(p);
 				previous = inside ? d : -d;
-				if (inside) m_grid.push_back({p, d});
+				if (inside) m_grid.push_back({p, d, ((i | j | k) & 1) == 0});
 			}
 		}
 		report(0);
@@ -152,6 +154,7 @@ void Packer::claimAround(const EmptyBall& ball)
 // The first large balls empty the interior before the octree is refined there, which keeps its lists short.
 void Packer::placeCoarse()
 {
+	if (m_surface.mesh().triangles.size() < coarseTriangles) return;
 	std::vector<GridPoint> open;
 	while (!m_done && int(m_packing.spheres.size()) < coarseSpheres)
 	{
@@ -183,7 +186,7 @@ void Packer::seed()
 	for (const GridPoint& point : m_grid)
 	{
 		if (m_done) return;
-		addStart(point.position);
+		if (point.start) addStart(point.position);
 		if (++count % 500 == 0) report(double(m_packing.spheres.size()) / double(m_options.maxSpheres));
 	}
 	m_grid = {};
@@ -259,10 +262,15 @@ bool Packer::placeNext()
 	return false;
 }
 
+// Not inlined: GCC 12 otherwise folds double -> float -> double away, and the radius would belong to the unrounded centre.
+[[gnu::noinline]] Sphere storedAt(const Vec3& center) { return {float(center.x), float(center.y), float(center.z), 0}; }
+
 bool Packer::place(const Vec3& center)
 {
-	Sphere sphere{float(center.x), float(center.y), float(center.z), 0};
-	const double exact = m_space.nearest(sphere.center()).distance;
+	Sphere sphere = storedAt(center);
+	// The octree guides the search; the surface itself has the last word, which is robust for needle triangles.
+	const double clear = m_space.nearest(sphere.center()).distance;
+	const double exact = clear > 0 ? m_surface.closest(sphere.center(), clear).distance : clear;
 	// Room for the rounding of whoever checks distances with other formulas.
 	const double reduced = exact * (1 - 1e-9) - 1e-12 * m_side;
 	if (!(reduced >= m_floor)) return false;

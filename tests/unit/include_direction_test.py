@@ -9,6 +9,7 @@ ALLOWED = {
     "BulletISTCollision": ["BulletISTCollision"],
     "BulletISTCollision/Core": ["BulletISTCollision/Core"],
     "BulletISTCollision/Tools": ["BulletISTCollision"],
+    "DeviceBridge": ["BulletISTCollision/Core", "DeviceBridge"],
     "demos": ["BulletISTCollision", "demos"],
 }
 # Packages that only files with these names may include.
@@ -25,7 +26,7 @@ def rules(path):
 
 
 def violations(root):
-    for folder in ("BulletISTCollision", "demos"):
+    for folder in ("BulletISTCollision", "DeviceBridge", "demos"):
         for file in sorted((root / folder).rglob("*")):
             if file.suffix not in (".h", ".cpp"):
                 continue

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/SpherePacking.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace ist::tools
+{
+/// A proof on the stored spheres, tolerance zero. Shares no code with the packer, so that one cannot excuse the other.
+struct OverlapFinding
+{
+	int64_t pairs = 0;
+	double deepest = 0;  ///< [m]
+};
+OverlapFinding findOverlaps(const std::vector<Sphere>& spheres);
+
+struct ProtrusionFinding
+{
+	int64_t spheres = 0;
+	double farthest = 0;  ///< beyond the surface [m]
+};
+/// `mesh`: closed, oriented outwards, in the frame of the spheres.
+ProtrusionFinding findProtrusions(const std::vector<Sphere>& spheres, const Mesh& mesh);
+}  // namespace ist::tools

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Tools/ProgressBar.h"
+#include "BulletISTCollision/Tools/Report.h"
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+#include <sys/resource.h>
+
+namespace ist::tools
+{
+namespace
+{
+/// A build stopped by --fill or --min-radius alone ends here.
+constexpr int64_t kMostSpheres = 5'000'000;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void onInterrupt(int)
+{
+	interrupted = 1;
+}
+
+double unitLength(const std::string& unit)
+{
+	return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
+}
+
+BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
+{
+	BuildOptions options;
+	const bool otherLimit = a.fill > 0 || a.minRadius > 0;
+	options.maxSpheres = a.spheres > 0 ? a.spheres : otherLimit ? kMostSpheres : options.maxSpheres;
+	if (a.fill > 0) options.targetFill = a.fill;
+	options.minRadius = a.minRadius;
+	options.repair = a.repair == "off" ? RepairMode::Off : a.repair == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
+	options.unit = unitLength(a.unit);
+	options.seed = a.seed;
+	options.threads = a.threads;
+	options.progress = [&bar](const char* stage, double fraction)
+	{
+		bar.show(stage, fraction);
+		return interrupted == 0;
+	};
+	return options;
+}
+
+double peakMemoryBytes()
+{
+	rusage usage{};
+	getrusage(RUSAGE_SELF, &usage);
+	return static_cast<double>(usage.ru_maxrss) * 1024;
+}
+}  // namespace
+
+int runBuild(const BuildArguments& a)
+{
+	if (a.error > 0) return fail("build --error is not available yet; give --spheres, --fill or --min-radius", kUsage);
+	std::signal(SIGINT, onInterrupt);
+	const auto start = std::chrono::steady_clock::now();
+	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+
+	const Result<Mesh> mesh = importMesh(a.mesh, unitLength(a.unit));
+	if (!mesh) return fail(mesh.error().message);
+	const double importSeconds = seconds();
+	ProgressBar bar;
+	BuildTimes times;
+	const Result<InnerSphereTree> tree = buildTree(mesh.value(), buildOptions(a, bar), &times);
+	bar.finish();
+	if (!tree) return fail(a.mesh + ": " + tree.error().message, tree.error().cancelled ? kInterrupted : kBadInput);
+	if (interrupted) return fail("interrupted; nothing was written", kInterrupted);
+	const Result<size_t> bytes = saveAsset(tree.value(), a.output);
+	if (!bytes) return fail(bytes.error().message);
+
+	Report report = newReport();
+	describeTree(report, tree.value(), bytes.value());
+	report["seconds"] = seconds();
+	report["seconds_setup"] = importSeconds + times.setup;
+	report["seconds_packing"] = times.packing;
+	report["seconds_leaves"] = times.leaves;
+	report["seconds_tree"] = times.tree;
+	report["peak_memory_bytes"] = static_cast<uint64_t>(peakMemoryBytes());
+	std::fputs(format(report, a.json).c_str(), stdout);
+	return kGood;
+}
+}  // namespace ist::tools

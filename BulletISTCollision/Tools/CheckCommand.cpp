@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Tools/AssetCheck.h"
+#include "BulletISTCollision/Tools/Report.h"
+
+#include <cstdio>
+
+namespace ist::tools
+{
+namespace
+{
+RepairMode repairMode(const std::string& name)
+{
+	return name == "off" ? RepairMode::Off : name == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
+}
+
+/// The surface that was packed: the mesh after the recorded repair, in the tree frame.
+Result<Mesh> packedSurface(const InnerSphereTree& tree, const std::string& path, std::vector<std::string>& problems)
+{
+	const Result<Mesh> mesh = importMesh(path, tree.provenance.unit);
+	if (!mesh) return mesh.error();
+	if (meshHash(mesh.value()) != tree.provenance.meshHash) problems.push_back("the mesh is not the one that the asset was built from");
+	const Result<RepairedMesh> repaired = repair(mesh.value(), repairMode(tree.provenance.repairMode));
+	if (!repaired) return Error{path + ": " + repaired.error().message};
+	return translated(repaired.value().mesh, -tree.origin);
+}
+
+std::string count(int64_t n, const char* what)
+{
+	return std::to_string(n) + " " + what;
+}
+}  // namespace
+
+int runCheck(const CheckArguments& a)
+{
+	Report report = newReport();
+	std::vector<std::string> problems;
+	const Result<InnerSphereTree> tree = loadAsset(a.file);
+	report["ok"] = false;
+	for (const char* name : {"spheres", "overlapping_pairs", "max_overlap", "protruding", "max_protrusion"}) report[name] = nullptr;
+	if (!tree)
+		problems.push_back(tree.error().message);
+	else
+	{
+		const std::vector<Sphere>& spheres = tree.value().spheres;
+		const OverlapFinding overlaps = findOverlaps(spheres);
+		report["spheres"] = spheres.size();
+		report["overlapping_pairs"] = overlaps.pairs;
+		report["max_overlap"] = overlaps.deepest;
+		if (overlaps.pairs > 0) problems.push_back(count(overlaps.pairs, "pairs of spheres overlap"));
+		if (!a.mesh.empty())
+		{
+			const Result<Mesh> surface = packedSurface(tree.value(), a.mesh, problems);
+			if (!surface) return fail(surface.error().message);
+			const ProtrusionFinding protrusions = findProtrusions(spheres, surface.value());
+			report["protruding"] = protrusions.spheres;
+			report["max_protrusion"] = protrusions.farthest;
+			if (protrusions.spheres > 0) problems.push_back(count(protrusions.spheres, "spheres protrude from the mesh"));
+		}
+	}
+	report["ok"] = problems.empty();
+	report["problems"] = problems;
+	std::fputs(format(report, a.json).c_str(), stdout);
+	for (const std::string& problem : problems) fail(problem);
+	return problems.empty() ? kGood : kBadInput;
+}
+}  // namespace ist::tools

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Result.h"
+
+#include <cstdint>
+#include <string>
+
+namespace ist::tools
+{
+/// Exit codes: public contract.
+enum Exit
+{
+	kGood = 0,
+	kBadInput = 1,
+	kUsage = 2,
+	kInternal = 3,
+	kInterrupted = 130
+};
+
+struct BuildArguments
+{
+	std::string mesh, output;
+	int64_t spheres = 0;     ///< 0: not given
+	double fill = 0;         ///< 0: not given
+	double minRadius = 0;    ///< 0: not given
+	double error = 0;        ///< 0: not given
+	std::string unit = "m", repair = "auto";
+	int threads = 0;
+	uint64_t seed = 1;
+	bool json = false;
+};
+
+struct InfoArguments
+{
+	std::string file;
+	bool json = false;
+};
+
+struct CheckArguments
+{
+	std::string file, mesh;
+	bool json = false;
+};
+
+struct ExportArguments
+{
+	std::string file, spheres, leaves;
+};
+
+struct QueryArguments
+{
+	std::string fileA, fileB, pose, poses, law = "pressure", pairsOut;
+	double stiffness = 1;
+	int level = -1;
+	int64_t maxPairs = -1;
+	double budget = -1;  ///< [us]
+	bool lowerBound = false, shuffle = false, json = false;
+	int threads = 1, repeat = 1;
+};
+
+int runBuild(const BuildArguments& arguments);
+int runInfo(const InfoArguments& arguments);
+int runCheck(const CheckArguments& arguments);
+int runExport(const ExportArguments& arguments);
+int runQuery(const QueryArguments& arguments);
+
+/// Prints the message on stderr and returns the code.
+int fail(const std::string& message, int code = kBadInput);
+}  // namespace ist::tools

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Tools/NumberText.h"
+
+#include <fstream>
+
+namespace ist::tools
+{
+namespace
+{
+void writeSpheres(std::ostream& out, const InnerSphereTree& tree)
+{
+	out << "x,y,z,r\n";
+	for (const Sphere& s : tree.spheres)
+	{
+		const Vec3 c = s.center() + tree.origin;
+		out << numberText(c.x) << ',' << numberText(c.y) << ',' << numberText(c.z) << ',' << numberText(s.r) << '\n';
+	}
+}
+
+void writeLeaves(std::ostream& out, const InnerSphereTree& tree)
+{
+	out << "x,y,z,r,density,nx,ny,nz,depth,sphere\n";
+	for (size_t block = 0; block < tree.law.blocks.size(); ++block)
+		for (uint32_t lane = 0; lane < tree.law.blocks[block].count; ++lane)
+		{
+			const MomentBall& b = tree.law.balls[block * BallBlock::kWidth + lane];
+			const Vec3 c = b.center() + tree.origin;
+			for (double v : {c.x, c.y, c.z}) out << numberText(v) << ',';
+			for (float v : {b.R, b.density, b.nx, b.ny, b.nz, b.depth}) out << numberText(v) << ',';
+			out << b.sphere << '\n';
+		}
+}
+
+template <class Write>
+int writeFile(const std::string& path, Write write)
+{
+	std::ofstream out(path, std::ios::binary);
+	if (out) write(out);
+	out.flush();
+	return out ? kGood : fail("\"" + path + "\" cannot be written");
+}
+}  // namespace
+
+int runExport(const ExportArguments& a)
+{
+	const Result<InnerSphereTree> tree = loadAsset(a.file);
+	if (!tree) return fail(tree.error().message);
+	if (!a.spheres.empty())
+		if (const int code = writeFile(a.spheres, [&](std::ostream& out) { writeSpheres(out, tree.value()); }); code != kGood) return code;
+	if (!a.leaves.empty()) return writeFile(a.leaves, [&](std::ostream& out) { writeLeaves(out, tree.value()); });
+	return kGood;
+}
+}  // namespace ist::tools

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/PairLaws.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/ProximityQuery.h"
+#include "BulletISTCollision/Tools/NumberText.h"
+#include "BulletISTCollision/Tools/PoseRows.h"
+#include "BulletISTCollision/Tools/Report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <random>
+
+#include <omp.h>
+
+namespace ist::tools
+{
+namespace
+{
+/// What a law says of a pose; `overlap` keeps pointers into the workspace.
+struct Answer
+{
+	OverlapResult overlap;
+	Wrench wrench;
+	double energy = 0;
+	SymmetricMatrix6 stiffness;
+	bool enoughPairs = true;
+};
+
+struct Row
+{
+	PoseRow input;
+	std::vector<double> times;  ///< [us]
+	Report report;
+	std::string pairs;  ///< lines for --pairs-out
+};
+
+class Batch
+{
+public:
+	Batch(const QueryArguments& arguments, InnerSphereTree A, InnerSphereTree B)
+		: m_arguments(arguments), m_A(std::move(A)), m_B(std::move(B)), m_pair{arguments.stiffness, 0.5, 0.5}
+	{
+		m_paper = arguments.law == "paper";
+		m_energyLaw = arguments.law == "energy";
+		m_volumeOnly = arguments.law == "volume";
+		m_length = 0.5 * std::max(m_A.box.longestSide(), m_B.box.longestSide());
+		if (arguments.level >= 0) m_unsupported = "unsupported: --level is not available yet";
+		if (arguments.maxPairs >= 0) m_unsupported = "unsupported: --max-pairs is not available yet";
+		if (arguments.budget >= 0) m_unsupported = "unsupported: --budget-us is not available yet";
+	}
+
+	void run(std::vector<Row>& rows) const
+	{
+		for (Row& row : rows)
+			if (row.input.error.empty()) row.input.error = m_unsupported;
+		std::vector<size_t> order;
+		for (size_t i = 0; i < rows.size(); ++i)
+			if (rows[i].input.error.empty()) order.push_back(i);
+		if (m_arguments.shuffle) std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
+		const int threads = std::min<int>(m_arguments.threads, std::max<int>(1, static_cast<int>(order.size())));
+		std::vector<QueryWorkspace> workspaces(static_cast<size_t>(threads));
+		for (int pass = 0; pass < m_arguments.repeat; ++pass)
+		{
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+			for (size_t i = 0; i < order.size(); ++i)
+				answer(rows[order[i]], order[i], workspaces[static_cast<size_t>(omp_get_thread_num())], pass == 0);
+		}
+		for (size_t i = 0; i < rows.size(); ++i) finish(rows[i], i);
+	}
+
+private:
+	Model model() const { return m_paper ? Model::Inner : m_volumeOnly ? Model::Cell : Model::Law; }
+	const BallTree& balls(const InnerSphereTree& tree) const { return m_paper ? tree.inner : m_volumeOnly ? tree.cells : tree.law; }
+
+	Answer evaluate(const Pose& X, QueryWorkspace& workspace) const
+	{
+		Answer a;
+		QueryOptions options;
+		options.model = model();
+		options.stiffness = !m_paper && !m_volumeOnly;
+		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
+		a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
+		if (a.overlap.status != QueryStatus::Ok) return a;
+		a.enoughPairs = !(m_paper || m_energyLaw) || a.overlap.pairListComplete;
+		const OverlapIntegrals& total = a.overlap.total;
+		if (m_paper)
+			a.wrench = paperLaw(m_A, m_B, X, a.overlap.pairs, a.overlap.pairCount, m_arguments.stiffness).wrench;
+		else if (m_energyLaw)
+		{
+			const PairLawResult sum = energyLaw(m_A, m_B, X, a.overlap.pairs, a.overlap.pairCount, m_pair);
+			a.wrench = sum.wrench;
+			a.energy = sum.energy;
+		}
+		else if (!m_volumeOnly)
+		{
+			a.wrench = pressureWrench(total, m_pair);
+			a.energy = pressureEnergy(total, m_pair);
+		}
+		if (options.stiffness) a.stiffness = projectedPositive(pressureStiffness(total, m_pair), m_length);
+		return a;
+	}
+
+	/// With more pairs than a workspace holds, the laws that visit pairs get a larger one, outside of the time measured before.
+	Answer evaluateAll(const Pose& X, QueryWorkspace& workspace, double& microseconds) const
+	{
+		for (;;)
+		{
+			const auto start = std::chrono::steady_clock::now();
+			Answer a = evaluate(X, workspace);
+			microseconds = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+			const bool wanted = !a.enoughPairs || (!m_arguments.pairsOut.empty() && !a.overlap.pairListComplete);
+			if (!wanted || a.overlap.total.pairs >= 100'000'000) return a;
+			QueryCapacity larger = workspace.capacity();
+			larger.pairs = static_cast<int>(std::max<int64_t>(a.overlap.total.pairs + a.overlap.total.pairs / 8, 2 * int64_t(larger.pairs)));
+			workspace = QueryWorkspace(larger);
+		}
+	}
+
+	void answer(Row& row, size_t index, QueryWorkspace& workspace, bool report) const
+	{
+		double microseconds = 0;
+		const Answer a = evaluateAll(row.input.pose, workspace, microseconds);
+		row.times.push_back(microseconds);
+		if (!report) return;
+		if (a.overlap.status != QueryStatus::Ok)
+			row.input.error = toString(a.overlap.status);
+		else if (!a.enoughPairs)
+			row.input.error = "unsupported: too many intersecting pairs (" + std::to_string(a.overlap.total.pairs) + ") for this law";
+		if (!row.input.error.empty()) return;
+		if (!m_arguments.pairsOut.empty()) row.pairs = pairLines(a.overlap, index);
+		// Last: the other queries overwrite what the answer points to.
+		row.report = describe(a, row.input.pose, index, workspace);
+	}
+
+	Report describe(const Answer& a, const Pose& X, size_t index, QueryWorkspace& workspace) const
+	{
+		const OverlapIntegrals& total = a.overlap.total;
+		const bool touching = total.volume > 0;
+		const OverlapError error = touching ? overlapError(total, m_A.meanGap + m_B.meanGap, m_arguments.stiffness) : OverlapError{};
+		Report r = newReport();
+		r["row"] = index;
+		r["volume"] = total.volume;
+		r["volume_sigma"] = error.volume;
+		r["volume_lower"] = m_arguments.lowerBound ? Report(lowerBound(a, X, workspace)) : Report();
+		r["energy"] = m_volumeOnly ? Report() : Report(m_paper ? depthEnergy(X, workspace) : a.energy);
+		r["centroid"] = touching ? toJson(total.firstMoment / total.volume + m_A.origin) : Report();
+		r["normal"] = touching ? toJson(normalized(total.areaVector)) : Report();
+		r["area_vector"] = touching ? toJson(total.areaVector) : Report();
+		r["force"] = m_volumeOnly ? Report() : toJson(a.wrench.force);
+		r["force_sigma"] = m_volumeOnly ? Report() : Report(error.force);
+		r["torque"] = m_volumeOnly ? Report() : toJson(a.wrench.torque);
+		r["stiffness"] = m_volumeOnly || m_paper ? Report() : matrix(a.stiffness);
+		r["patches"] = a.overlap.patchCount;
+		r["pairs"] = total.pairs;
+		const Distance distance = touching ? Distance{} : queryDistance(m_A, m_B, X);
+		r["distance"] = distance.upper;
+		r["distance_lower"] = distance.lower;
+		r["time_us"] = nullptr;
+		r["level"] = -1;
+		r["complete"] = a.overlap.pairListComplete;
+		return r;
+	}
+
+	static Report matrix(const SymmetricMatrix6& m)
+	{
+		Report r = Report::array();
+		for (int i = 0; i < 6; ++i)
+			for (int j = 0; j < 6; ++j) r.push_back(m(i, j));
+		return r;
+	}
+
+	double lowerBound(const Answer& a, const Pose& X, QueryWorkspace& workspace) const
+	{
+		if (m_paper) return a.overlap.total.volume;
+		QueryOptions options;
+		options.model = Model::Inner;
+		options.stiffness = options.patches = false;
+		return queryOverlap(m_A, m_B, X, workspace, options).total.volume;
+	}
+
+	/// The packed spheres carry no depth: in paper mode the energy monitor comes from the leaves.
+	double depthEnergy(const Pose& X, QueryWorkspace& workspace) const
+	{
+		QueryOptions options;
+		options.stiffness = options.patches = false;
+		return pressureEnergy(queryOverlap(m_A, m_B, X, workspace, options).total, m_pair);
+	}
+
+	std::string pairLines(const OverlapResult& overlap, size_t index) const
+	{
+		std::string text;
+		for (int i = 0; i < overlap.pairCount; ++i)
+		{
+			const OverlapPair& p = overlap.pairs[i];
+			const Vec3 c = p.centroid + m_A.origin;
+			for (uint64_t id : {uint64_t(index), uint64_t(balls(m_A).balls[p.ballA].sphere), uint64_t(balls(m_B).balls[p.ballB].sphere)})
+				text += std::to_string(id) + ',';
+			for (double v : {c.x, c.y, c.z, p.normal.x, p.normal.y, p.normal.z}) text += numberText(v) + ',';
+			text += numberText(p.lens) + ',' + numberText(p.area) + '\n';
+		}
+		return text;
+	}
+
+	static double median(std::vector<double> v)
+	{
+		std::sort(v.begin(), v.end());
+		const size_t n = v.size();
+		return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
+	}
+
+	static void finish(Row& row, size_t index)
+	{
+		if (row.input.error.empty())
+		{
+			row.report["time_us"] = median(row.times);
+			return;
+		}
+		row.report = newReport();
+		row.report["row"] = index;
+		row.report["error"] = row.input.error;
+	}
+
+	const QueryArguments& m_arguments;
+	InnerSphereTree m_A, m_B;
+	PressurePair m_pair;
+	bool m_paper = false, m_energyLaw = false, m_volumeOnly = false;
+	double m_length = 1;  ///< [m] makes rotations comparable with translations
+	std::string m_unsupported;
+};
+
+Result<std::vector<Row>> readRows(const QueryArguments& a)
+{
+	std::vector<PoseRow> poses;
+	if (!a.pose.empty())
+		poses.push_back(parsePose(a.pose));
+	else
+	{
+		Result<std::vector<PoseRow>> read = readPoses(a.poses);
+		if (!read) return read.error();
+		poses = std::move(read).value();
+	}
+	std::vector<Row> rows(poses.size());
+	for (size_t i = 0; i < poses.size(); ++i) rows[i].input = poses[i];
+	return rows;
+}
+
+bool writePairs(const std::string& path, const std::vector<Row>& rows)
+{
+	std::ofstream out(path, std::ios::binary);
+	out << "row,sphere_a,sphere_b,x,y,z,nx,ny,nz,volume,area\n";
+	for (const Row& row : rows) out << row.pairs;
+	out.flush();
+	return static_cast<bool>(out);
+}
+}  // namespace
+
+int runQuery(const QueryArguments& a)
+{
+	Result<InnerSphereTree> A = loadAsset(a.fileA);
+	if (!A) return fail(A.error().message);
+	Result<InnerSphereTree> B = a.fileA == a.fileB ? A : loadAsset(a.fileB);
+	if (!B) return fail(B.error().message);
+	Result<std::vector<Row>> rows = readRows(a);
+	if (!rows) return fail(rows.error().message);
+	Batch(a, std::move(A).value(), std::move(B).value()).run(rows.value());
+
+	int code = kGood;
+	for (const Row& row : rows.value())
+	{
+		std::fputs(format(row.report, a.json).c_str(), stdout);
+		if (!a.json && rows.value().size() > 1) std::fputs("\n", stdout);
+		if (!row.input.error.empty()) code = kBadInput;
+	}
+	if (!a.pairsOut.empty() && !writePairs(a.pairsOut, rows.value())) return fail("\"" + a.pairsOut + "\" cannot be written");
+	return code;
+}
+}  // namespace ist::tools

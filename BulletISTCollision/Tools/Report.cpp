@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/Report.h"
+
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include <cstdio>
+#include <limits>
+
+namespace ist::tools
+{
+Report newReport()
+{
+	Report report;
+	report["schema"] = 1;
+	return report;
+}
+
+Report toJson(const Vec3& v)
+{
+	return Report::array({v.x, v.y, v.z});
+}
+
+std::string format(const Report& report, bool json)
+{
+	// File names need not be UTF-8; a bad byte must not end the program.
+	const auto dump = [](const Report& value) { return value.dump(-1, ' ', false, Report::error_handler_t::replace); };
+	if (json) return dump(report) + "\n";
+	std::string text;
+	for (const auto& [name, value] : report.items())
+	{
+		if (name == "schema") continue;
+		text += name + ": " + (value.is_string() ? value.get<std::string>() : dump(value)) + "\n";
+	}
+	return text;
+}
+
+void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
+{
+	const InnerSphereTree::Provenance& p = tree.provenance;
+	const double none = std::numeric_limits<double>::quiet_NaN();
+	report["spheres"] = tree.spheres.size();
+	report["leaves"] = tree.law.ballCount();
+	report["fill"] = tree.fill;
+	report["volume"] = tree.volume;
+	report["mesh_volume"] = p.meshVolume;
+	report["area"] = tree.area;
+	report["watertight"] = p.watertight;
+	report["repair"] = p.repair;
+	const double before = std::fabs(p.meshVolume);
+	report["volume_change"] = before > 0 ? (tree.volume - before) / before : none;
+	report["mean_gap"] = tree.meanGap;
+	report["max_gap"] = tree.maxGap;
+	report["min_radius"] = tree.spheres.empty() ? none : static_cast<double>(tree.spheres.back().r);
+	report["uncovered_area"] = tree.uncoveredArea;
+	report["bytes"] = bytes;
+}
+
+int fail(const std::string& message, int code)
+{
+	std::fprintf(stderr, "ist: %s\n", message.c_str());
+	return code;
+}
+}  // namespace ist::tools

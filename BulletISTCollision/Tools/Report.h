@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace ist::tools
+{
+/// Fields keep the order in which they were set.
+using Report = nlohmann::ordered_json;
+
+/// Begins with "schema":1.
+Report newReport();
+Report toJson(const Vec3& v);
+/// One JSON object on a line, or "name: value" lines for people.
+std::string format(const Report& report, bool json);
+/// What an asset says of itself, shared by `build` and `info`.
+void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes);
+}  // namespace ist::tools

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include <exception>
+#include <functional>
+
+namespace ist::tools
+{
+namespace
+{
+constexpr const char* kVersion = "ist 0.1.0";
+
+class CommandLine
+{
+public:
+	CommandLine()
+	{
+		m_app.require_subcommand(1);
+		m_app.set_version_flag("--version", kVersion);
+		addBuild();
+		addInfo();
+		addCheck();
+		addExport();
+		addQuery();
+		addTune();
+	}
+
+	int run(int argc, char** argv)
+	{
+		try
+		{
+			m_app.parse(argc, argv);
+		}
+		catch (const CLI::ParseError& e)
+		{
+			return m_app.exit(e) == 0 ? kGood : kUsage;
+		}
+		return m_command();
+	}
+
+private:
+	CLI::App* add(const char* name, const char* description, std::function<int()> command)
+	{
+		CLI::App* sub = m_app.add_subcommand(name, description);
+		sub->set_version_flag("--version", kVersion);
+		sub->callback([this, command] { m_command = command; });
+		return sub;
+	}
+
+	void addBuild()
+	{
+		CLI::App* sub = add("build", "Pack a mesh and write its inner sphere tree", [this] { return runBuild(m_build); });
+		BuildArguments& a = m_build;
+		sub->add_option("mesh", a.mesh, "mesh file")->required();
+		sub->add_option("-o,--output", a.output, "asset to write")->required();
+		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")->check(CLI::Range(int64_t(1), int64_t(100000000)));
+		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
+		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(CLI::PositiveNumber);
+		sub->add_option("--error", a.error, "force error at 1 % overlap, 0..1 (not available yet)")->check(fraction());
+		sub->add_option("--unit", a.unit, "length unit of the mesh file")->check(CLI::IsMember({"m", "cm", "mm"}))->capture_default_str();
+		sub->add_option("--repair", a.repair, "what to do about broken meshes")->check(CLI::IsMember({"auto", "off", "wrap"}))->capture_default_str();
+		sub->add_option("--threads", a.threads, "threads (all)")->check(CLI::Range(1, 4096));
+		sub->add_option("--seed", a.seed, "seed")->capture_default_str();
+		sub->add_flag("--json", a.json, "one JSON object");
+	}
+
+	void addInfo()
+	{
+		CLI::App* sub = add("info", "Describe an asset", [this] { return runInfo(m_info); });
+		sub->add_option("file", m_info.file, "asset")->required();
+		sub->add_flag("--json", m_info.json, "one JSON object");
+	}
+
+	void addCheck()
+	{
+		CLI::App* sub = add("check", "Prove that no spheres overlap and, with the mesh, that none protrudes", [this] { return runCheck(m_check); });
+		sub->add_option("file", m_check.file, "asset")->required();
+		sub->add_option("--mesh", m_check.mesh, "the mesh it was built from");
+		sub->add_flag("--json", m_check.json, "one JSON object");
+	}
+
+	void addExport()
+	{
+		CLI::App* sub = add("export", "Write spheres or leaves as CSV", [this] { return runExport(m_export); });
+		sub->add_option("file", m_export.file, "asset")->required();
+		CLI::Option_group* what = sub->add_option_group("what");
+		what->add_option("--spheres", m_export.spheres, "CSV of the packed spheres");
+		what->add_option("--leaves", m_export.leaves, "CSV of the leaves");
+		what->require_option(1, 2);
+	}
+
+	void addQuery()
+	{
+		CLI::App* sub = add("query", "Overlap, force and distance of two bodies", [this] { return runQuery(m_query); });
+		QueryArguments& a = m_query;
+		sub->add_option("A", a.fileA, "asset of A")->required();
+		sub->add_option("B", a.fileB, "asset of B")->required();
+		CLI::Option_group* poses = sub->add_option_group("poses");
+		poses->add_option("--pose", a.pose, "tx,ty,tz,qx,qy,qz,qw: B in A's mesh frame");
+		poses->add_option("--poses", a.poses, "CSV of poses");
+		poses->require_option(1);
+		sub->add_option("--law", a.law, "force law")->check(CLI::IsMember({"pressure", "paper", "energy", "volume"}))->capture_default_str();
+		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(CLI::PositiveNumber)->capture_default_str();
+		sub->add_option("--level", a.level, "level of the trees")->check(CLI::NonNegativeNumber);
+		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(CLI::NonNegativeNumber);
+		sub->add_option("--budget-us", a.budget, "budget of time")->check(CLI::NonNegativeNumber);
+		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
+		sub->add_option("--threads", a.threads, "threads over rows")->check(CLI::Range(1, 4096))->capture_default_str();
+		sub->add_option("--repeat", a.repeat, "passes over all poses")->check(CLI::Range(1, 1000000))->capture_default_str();
+		sub->add_flag("--shuffle", a.shuffle, "run in another order");
+		sub->add_option("--pairs-out", a.pairsOut, "CSV of the intersecting pairs");
+		sub->add_flag("--json", a.json, "one JSON object per pose");
+	}
+
+	void addTune()
+	{
+		CLI::App* sub = add("tune", "Choose sphere counts (not available yet)", [] { return fail("tune is not available yet", kUsage); });
+		sub->allow_extras();
+	}
+
+	static CLI::Validator fraction()
+	{
+		return CLI::Validator(
+			[](std::string& text)
+			{
+				double v = 0;
+				return CLI::detail::lexical_cast(text, v) && v > 0 && v <= 1 ? std::string() : "must lie above 0 and not above 1: " + text;
+			},
+			"(0..1]");
+	}
+
+	CLI::App m_app{"Inner sphere trees: build, inspect, check, export, query", "ist"};
+	std::function<int()> m_command;
+	BuildArguments m_build;
+	InfoArguments m_info;
+	CheckArguments m_check;
+	ExportArguments m_export;
+	QueryArguments m_query;
+};
+}  // namespace
+}  // namespace ist::tools
+
+int main(int argc, char** argv)
+{
+	try
+	{
+		return ist::tools::CommandLine().run(argc, argv);
+	}
+	catch (const std::exception& e)
+	{
+		return ist::tools::fail(std::string("internal error: ") + e.what(), ist::tools::kInternal);
+	}
+}

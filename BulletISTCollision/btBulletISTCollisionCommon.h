@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/btISTCollisionAlgorithm.h"
+#include "BulletISTCollision/btISTContactStore.h"
+#include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btPrecisionGuard.h"

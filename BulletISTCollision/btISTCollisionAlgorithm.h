@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/btISTContactStore.h"
+#include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btPrecisionGuard.h"
+
+#include "BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h"
+
+#include <memory>
+
+class btCollisionDispatcher;
+class btOverlappingPairCache;
+class btISTContext;
+class btISTInstallation;
+
+/// Handle on what `registerAlgorithm` did; the last one to go puts back every entry of the dispatch tables that is still ours.
+/// It must go before the dispatcher (or be told `dispatcherIsGone`). Pairs that exist keep their volumetric contact until they
+/// are cleaned or the world goes: what they need they own. Move-only.
+class btISTRegistration
+{
+public:
+	btISTRegistration() = default;
+	~btISTRegistration();
+	btISTRegistration(btISTRegistration&&) noexcept;
+	btISTRegistration& operator=(btISTRegistration&&) noexcept;
+
+	/// True while every entry of both tables is ours. False when someone registered after us (GImpact does): see `reinstall`.
+	bool isRegistered() const;
+	/// Takes back the entries that someone else wrote, and delegates to him.
+	void reinstall();
+	/// What the destructor does.
+	void release();
+	/// Forget the dispatcher and the pair cache without touching them.
+	void dispatcherIsGone();
+
+	btISTRegistry& registry();
+	btISTContactStore& store();
+	void setStiffnessRule(std::shared_ptr<const btISTStiffnessRule> rule);
+
+	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
+	void setPairCache(btOverlappingPairCache* pairCache);
+	/// Throws away the algorithms of all existing pairs; they are chosen anew in the next step. Between steps only.
+	void cleanPairs(btOverlappingPairCache* pairCache);
+
+private:
+	friend class btISTCollisionAlgorithm;
+	std::shared_ptr<btISTInstallation> m_installation;
+};
+
+/// Contact of two trees, or of a tree and a static plane. Lives in the dispatcher's pool, which does not check sizes.
+class btISTCollisionAlgorithm : public btCollisionAlgorithm
+{
+public:
+	enum Mode
+	{
+		Respond,  ///< fills the contact store and owns its manifold for as long as the pair lives
+		Query     ///< lives for one contact test; does not touch the store
+	};
+
+	/// `a` and `b` in the order of the manifold, in which a plane comes second; `treeB` null: `b` is a plane.
+	btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context, Mode mode,
+							std::shared_ptr<const ist::InnerSphereTree> treeA, std::shared_ptr<const ist::InnerSphereTree> treeB,
+							const btCollisionObject* a, const btCollisionObject* b);
+	~btISTCollisionAlgorithm() override;
+
+	/// Registers for every pair of proxy types but soft bodies, in the tables of contacts and of closest points, and delegates to
+	/// what was registered before for every pair that is not volumetric. A second call on one dispatcher returns a second handle.
+	/// Bullet's pools and tables have one owner thread; so has this. `registry` may be shared by several worlds of one thread.
+	static btISTRegistration registerAlgorithm(btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache = nullptr,
+											   std::shared_ptr<btISTRegistry> registry = nullptr);
+
+	void processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,
+						  const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut) override;
+	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& dispatchInfo,
+								   btManifoldResult* resultOut) override;
+	void getAllContactManifolds(btManifoldArray& manifoldArray) override;
+
+private:
+	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
+
+	std::shared_ptr<btISTContext> m_context;
+	std::shared_ptr<const ist::InnerSphereTree> m_treeA, m_treeB;
+	btPersistentManifold* m_manifold;
+	btISTContact* m_contact;  // null in Query mode
+};
+static_assert(sizeof(btISTCollisionAlgorithm) <= 128, "a pool element has 192 bytes, of which 64 are left to Bullet's future");

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/btPrecisionGuard.h"
+
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+class btCollisionObject;
+class btPersistentManifold;
+struct btISTContact;
+
+/// How stiff a pair is. k [Pa/m]; weightA + weightB = 1, see ist::PressurePair.
+struct btISTPairStiffness
+{
+	double k = 1;
+	double weightA = 0.5, weightB = 0.5;
+};
+
+/// Decides k and the weights of a pair, once per contact and step, before anything is solved.
+class btISTStiffnessRule
+{
+public:
+	virtual ~btISTStiffnessRule() = default;
+	/// A and B in the order of the manifold. `contact` has its trees and its integrals.
+	virtual btISTPairStiffness decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
+};
+
+/// For bodies without materials (DESIGN section 5, (a) and (d)): the heavier dynamic body, lying on the square of the smaller body's
+/// size, sinks by the larger of 0.1 % of that size and the sum of the mean surface gaps. Size: cube root of the volume. Weights
+/// 1/2, or all on a half-space. With no dynamic body the weight is that of the smaller body made of water.
+class btISTDefaultStiffnessRule : public btISTStiffnessRule
+{
+public:
+	explicit btISTDefaultStiffnessRule(double gravity = 9.81) : m_gravity(gravity) {}
+	btISTPairStiffness decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
+
+private:
+	double m_gravity;  // magnitude [m/s^2]
+};
+
+/// What one pair of shapes has to say in one step. A and B are in the order of the manifold; everything is in A's mesh frame
+/// unless said otherwise. B is a half-space when `halfSpace`, and then has no tree.
+struct btISTContact
+{
+	static constexpr int kMaxPatches = 8;
+
+	const btPersistentManifold* manifold = nullptr;
+	const btCollisionObject* bodyA = nullptr;
+	const btCollisionObject* bodyB = nullptr;
+	std::shared_ptr<const ist::InnerSphereTree> treeA, treeB;
+	bool halfSpace = false;
+
+	ist::Pose X_WA;  ///< of A's mesh frame, which is the frame of its shape (of the child, in a compound)
+	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< other than Ok: no overlap is claimed, and the sums are zero
+	ist::OverlapIntegrals total;
+	ist::OverlapIntegrals patches[kMaxPatches];
+	int patchCount = 0;
+	ist::OverlapError error;
+	btISTPairStiffness stiffness;
+	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
+
+	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
+	ist::Wrench impulses[kMaxPatches];
+};
+
+/// The contacts of one world, found by their manifold: the only channel from collision to a solver. One owner thread.
+class btISTContactStore
+{
+public:
+	btISTContactStore();
+	~btISTContactStore();
+	btISTContactStore(const btISTContactStore&) = delete;
+	btISTContactStore& operator=(const btISTContactStore&) = delete;
+
+	/// Null when the manifold is not ours. Never allocates.
+	btISTContact* find(const btPersistentManifold* manifold);
+	const btISTContact* find(const btPersistentManifold* manifold) const;
+
+	/// A blank entry from the pool; its address stays until `release`.
+	btISTContact* acquire(const btPersistentManifold* manifold);
+	void release(const btPersistentManifold* manifold);
+
+	/// In no particular order; separated pairs among them (patchCount 0).
+	const std::vector<btISTContact*>& contacts() const { return m_active; }
+
+	/// Number of the step in progress; a solver calls `nextStep` when it is done.
+	uint64_t step() const { return m_step; }
+	void nextStep() { ++m_step; }
+
+private:
+	std::unordered_map<const btPersistentManifold*, size_t> m_index;  // into m_active
+	std::vector<btISTContact*> m_active, m_free;
+	std::vector<std::unique_ptr<btISTContact>> m_pool;
+	uint64_t m_step = 1;
+};

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/btISTRegistry.h"
+
+#include "BulletCollision/CollisionShapes/btCollisionShape.h"
+
+#include <algorithm>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+struct btISTAttachment::Table
+{
+	std::unordered_map<const btCollisionShape*, std::shared_ptr<const ist::InnerSphereTree>> trees;
+	std::vector<std::weak_ptr<btISTRegistryListener>> listeners;
+
+	void announce(const btCollisionShape* shape)
+	{
+		listeners.erase(std::remove_if(listeners.begin(), listeners.end(), [](const auto& l) { return l.expired(); }), listeners.end());
+		const auto current = listeners;
+		for (const auto& weak : current)
+			if (const auto listener = weak.lock()) listener->treeChanged(shape);
+	}
+};
+
+namespace
+{
+// A scaling is set by the user or read from a file, never computed by Bullet, so rounding is all that has to be forgiven.
+constexpr double kScalingTolerance = 1e-6;
+
+bool hasUnitScaling(const btCollisionShape& shape)
+{
+	const btVector3& s = shape.getLocalScaling();
+	for (int axis = 0; axis < 3; ++axis)
+		if (!(std::fabs(double(s[axis]) - 1.0) <= kScalingTolerance)) return false;
+	return true;
+}
+
+/// Empty when `shape` may carry `tree`.
+std::string refusal(const btCollisionShape* shape, const ist::InnerSphereTree* tree)
+{
+	if (!shape) return "cannot attach a tree to a null shape";
+	if (!tree) return "cannot attach a null tree; build or load one first";
+	if (shape->isSoftBody()) return "soft bodies change their shape and cannot carry a tree";
+	if (shape->isInfinite()) return "an unbounded shape cannot carry a tree; planes meet trees without one";
+	if (!hasUnitScaling(*shape))
+		return "the shape has a local scaling other than 1; scale the mesh, build its tree and leave the scaling at 1";
+	const std::string problem = tree->validate();
+	return problem.empty() ? std::string() : "the tree is not valid: " + problem;
+}
+}  // namespace
+
+btISTAttachment::btISTAttachment(std::shared_ptr<Table> table, const btCollisionShape* shape) : m_table(std::move(table)), m_shape(shape) {}
+
+btISTAttachment::~btISTAttachment() { detach(); }
+
+btISTAttachment::btISTAttachment(btISTAttachment&& other) noexcept
+	: m_table(std::move(other.m_table)), m_shape(std::exchange(other.m_shape, nullptr))
+{
+}
+
+btISTAttachment& btISTAttachment::operator=(btISTAttachment&& other) noexcept
+{
+	if (this == &other) return *this;
+	detach();
+	m_table = std::move(other.m_table);
+	m_shape = std::exchange(other.m_shape, nullptr);
+	return *this;
+}
+
+void btISTAttachment::detach()
+{
+	if (!m_shape) return;
+	const btCollisionShape* shape = std::exchange(m_shape, nullptr);
+	const auto table = std::move(m_table);
+	table->trees.erase(shape);
+	table->announce(shape);
+}
+
+btISTRegistry::btISTRegistry() : m_table(std::make_shared<btISTAttachment::Table>()) {}
+btISTRegistry::~btISTRegistry() = default;
+
+ist::Result<btISTAttachment> btISTRegistry::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)
+{
+	const std::string reason = refusal(shape, tree.get());
+	if (!reason.empty()) return ist::Error{reason};
+	if (!m_table->trees.emplace(shape, std::move(tree)).second)
+		return ist::Error{"the shape has a tree already; detach it first"};
+	m_table->announce(shape);
+	return btISTAttachment(m_table, shape);
+}
+
+std::shared_ptr<const ist::InnerSphereTree> btISTRegistry::find(const btCollisionShape* shape) const
+{
+	const auto found = m_table->trees.find(shape);
+	if (found == m_table->trees.end() || !hasUnitScaling(*shape)) return nullptr;
+	return found->second;
+}
+
+int btISTRegistry::size() const { return int(m_table->trees.size()); }
+
+void btISTRegistry::addListener(std::weak_ptr<btISTRegistryListener> listener) { m_table->listeners.push_back(std::move(listener)); }

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+
+#include "BulletISTCollision/Core/Pose.h"
+#include "DeviceBridge/Device.h"
+
+namespace devicebridge
+{
+/// The virtual tool T that the hand holds.
+struct ToolState
+{
+	ist::Pose X_WT;
+	ist::Twist twist;  ///< of the origin of T, in W
+};
+
+/// One body that the tool touches.
+struct ToolContact
+{
+	ist::Wrench onTool;  ///< about the origin of the tool, in W
+	ist::Vec3 point;     ///< in W
+	ist::Vec3 normal;    ///< unit length, in W: the way in which the tool leaves
+	double volume = 0;   ///< overlap [m^3]
+	int pairs = 0;
+	const void* other = nullptr;
+};
+
+constexpr int kMaxToolContacts = 16;
+
+/// What one step of the world gave.
+struct ToolStep
+{
+	ToolState tool;
+	ist::Wrench coupling;  ///< that the virtual coupling exerts on the tool, about its origin, in W
+	ToolContact contacts[kMaxToolContacts];
+	int contactCount = 0;
+	double overlapVolume = 0;  ///< over all contacts, also those beyond kMaxToolContacts [m^3]
+	std::int64_t pairs = 0;
+	double queryMicroseconds = 0;
+};
+
+/// The world in which the tool moves.
+class ContactSource
+{
+public:
+	virtual ~ContactSource() = default;
+	/// Advances the world by `dt` [s] with the hand pulling the tool. `step` comes in with the contact count, volume and
+	/// pairs at zero and the rest as the last step left it.
+	virtual void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept = 0;
+};
+}  // namespace devicebridge

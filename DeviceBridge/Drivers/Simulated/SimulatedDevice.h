@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "BulletISTCollision/Core/Result.h"
+#include "DeviceBridge/Device.h"
+
+namespace devicebridge
+{
+/// A device and the hand on it, in numbers. The mechanism is a rigid body with isotropic mass and inertia.
+struct SimulatedProfile
+{
+	DeviceInfo info;
+	double mass = 0.2, inertia = 2e-4;                     ///< of handle and hand [kg, kg m^2]
+	double damping = 0, angularDamping = 0;                ///< of the mechanism [N s/m, N m s/rad]
+	double handStiffness = 300, handAngularStiffness = 1;  ///< [N/m, N m/rad]
+	double handDamping = 6, handAngularDamping = 0.02;     ///< [N s/m, N m s/rad]
+	int delayTicks = 0;                                    ///< by which a command takes effect later, 0 to kMaxDelayTicks
+	bool velocityFromPositions = false;                    ///< difference of two reported positions instead of the truth
+};
+
+constexpr int kMaxDelayTicks = 31;
+
+/// Profiles by name: "touchx" and "sigma7". info.source names the origin of every value.
+ist::Result<SimulatedProfile> simulatedProfile(const std::string& name);
+
+/// Where the hand wants to be at one time, in W.
+struct HandTarget
+{
+	ist::Pose pose;
+	ist::Twist twist;
+};
+
+struct HandKeyFrame
+{
+	double time = 0;  ///< [s] since open()
+	ist::Pose pose;
+};
+
+/// Target as a function of the time [s] since the first read().
+using HandScript = std::function<HandTarget(double)>;
+/// Straight lines and shortest turns between the frames, at rest before the first and after the last.
+HandScript handThrough(std::vector<HandKeyFrame> frames);
+
+/// A hand on a device, closed loop:
+///   m a = F_command + K_hand (target - x) + B_hand (v_target - v) - b v
+/// and likewise for rotation. The command is held over a tick (zero order hold) and drops to zero when it expires.
+/// read() advances by the time since the last read(), at most 0.1 s. Deterministic in the times and commands.
+class SimulatedDevice final : public Device
+{
+public:
+	explicit SimulatedDevice(SimulatedProfile profile);
+
+	void setHand(HandScript script) { m_script = std::move(script); }
+	/// Puts handle and hand at rest in a pose. Without a script the hand stays there.
+	void place(const ist::Pose& X_WH);
+	/// Without quantisation.
+	const ist::Pose& truePose() const { return m_pose; }
+	const ist::Twist& trueTwist() const { return m_twist; }
+	/// Work that the device did on the hand since open() [J].
+	double work() const { return m_work; }
+	const DeviceCommand& lastCommand() const { return m_lastWritten; }
+
+	const DeviceInfo& info() const noexcept override { return m_profile.info; }
+	DeviceStatus open() noexcept override;
+	void close() noexcept override;
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
+	DeviceStatus write(const DeviceCommand& command) noexcept override;
+
+private:
+	void advance(std::int64_t from, std::int64_t to);
+	void substep(double time, double h, const ist::Wrench& applied);
+	ist::Wrench handPull(double time, const ist::Pose& pose, const ist::Twist& twist) const;
+	void report(double dt, DeviceState& state);
+
+	SimulatedProfile m_profile;
+	HandScript m_script;
+	ist::Pose m_rest, m_pose;
+	ist::Twist m_twist;
+	std::array<DeviceCommand, kMaxDelayTicks + 1> m_pending;
+	DeviceCommand m_lastWritten;
+	ist::Vec3 m_reportedPosition;
+	std::uint64_t m_tick = 0;
+	std::int64_t m_start = 0, m_time = 0;
+	double m_work = 0;
+	bool m_open = false;
+};
+}  // namespace devicebridge

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Delegate.h"
+#include "DeviceBridge/ForceLaw.h"
+#include "DeviceBridge/SafetyLimiter.h"
+
+namespace devicebridge
+{
+/// Durations, four bins to the octave. One thread adds, any thread reads.
+class DurationHistogram
+{
+public:
+	void add(std::int64_t nanoseconds) noexcept;
+	std::uint64_t count() const noexcept { return m_count.load(std::memory_order_relaxed); }
+	std::int64_t longest() const noexcept { return m_longest.load(std::memory_order_relaxed); }
+	/// Upper edge of the bin below which the share `p` of all durations lies [ns], at most 19 % above the true quantile.
+	double quantile(double p) const noexcept;
+
+private:
+	static constexpr int kBins = 160;
+	std::array<std::atomic<std::uint64_t>, kBins> m_bins{};
+	std::atomic<std::uint64_t> m_count{0};
+	std::atomic<std::int64_t> m_longest{0};
+};
+
+struct SteppingSettings
+{
+	std::int64_t period = 1'000'000;  ///< [ns]
+	bool realTime = true;             ///< ask for SCHED_FIFO in start()
+	int priority = 80;                ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
+	SafetySettings safety;
+};
+
+/// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
+/// onHapticTick, SafetyLimiter, write the device. A tick allocates nothing and takes no lock.
+/// Device, source, law and clock outlive the thread. Set up listeners and law before start(); listeners must not throw.
+class SteppingThread
+{
+public:
+	SteppingThread(Device& device, ContactSource& source, Clock& clock, const SteppingSettings& settings = {});
+	~SteppingThread();
+	SteppingThread(const SteppingThread&) = delete;
+	SteppingThread& operator=(const SteppingThread&) = delete;
+
+	/// Null restores the CouplingForceLaw.
+	void setForceLaw(ForceLaw* law) noexcept { m_law = law ? law : &m_couplingLaw; }
+
+	/// Ticks on the calling thread. False, and nothing done, while the own thread runs.
+	bool run(std::int64_t ticks) noexcept;
+	/// Ticks on an own thread until stop(). False when it runs already or cannot be started.
+	bool start();
+	/// Waits for the tick in progress and leaves the device at zero.
+	void stop() noexcept;
+	bool running() const noexcept { return m_running.load(std::memory_order_acquire); }
+
+	Delegate<const DeviceState> onTransform;
+	Delegate<const ToolContact> onCollision;
+	/// The wrench for the hand, to be read or changed before the safety limits.
+	Delegate<const DeviceState, ist::Wrench> onHapticTick;
+
+	// From any thread, at any time:
+	std::uint64_t ticks() const noexcept { return m_ticks.load(std::memory_order_relaxed); }
+	/// Ticks that began later than one period after their deadline. The schedule starts anew from there.
+	std::uint64_t overruns() const noexcept { return m_overruns.load(std::memory_order_relaxed); }
+	std::uint64_t deviceErrors() const noexcept { return m_deviceErrors.load(std::memory_order_relaxed); }
+	const DurationHistogram& periods() const noexcept { return m_periods; }
+	const DurationHistogram& costs() const noexcept { return m_costs; }
+	SafetyCounts safetyCounts() const noexcept { return m_limiter.counts(); }
+	bool faulted() const noexcept { return m_limiter.faulted(); }
+	void clearFault() noexcept { m_limiter.clearFault(); }
+	/// How the system schedules the loop, in words.
+	const char* scheduling() const noexcept { return m_scheduling.load(std::memory_order_relaxed); }
+
+	// From a listener, or while nothing runs:
+	const DeviceState& state() const noexcept { return m_state; }
+	const ToolStep& step() const noexcept { return m_step; }
+	/// As the force law and the listeners wanted it.
+	const ist::Wrench& wantedWrench() const noexcept { return m_wanted; }
+	/// As it went to the device.
+	const ist::Wrench& sentWrench() const noexcept { return m_sent.wrench; }
+
+private:
+	void loop() noexcept;
+	void waitForTick() noexcept;
+	void tick() noexcept;
+	bool readDevice(std::int64_t now) noexcept;
+	void advanceWorld() noexcept;
+	void send(std::int64_t computedAt, std::int64_t now) noexcept;
+	void askForRealTime() noexcept;
+
+	Device& m_device;
+	ContactSource& m_source;
+	Clock& m_clock;
+	SteppingSettings m_settings;
+	SafetyLimiter m_limiter;
+	CouplingForceLaw m_couplingLaw;
+	ForceLaw* m_law = &m_couplingLaw;
+
+	DeviceState m_state;
+	ToolStep m_step;
+	ist::Wrench m_wanted;
+	DeviceCommand m_sent;
+	std::uint64_t m_sequence = 0;
+	std::int64_t m_deadline = 0, m_lastTick = 0;
+	bool m_scheduled = false;
+	bool m_hasState = false;
+
+	std::thread m_thread;
+	std::atomic<bool> m_running{false}, m_stopping{false};
+	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0};
+	std::atomic<const char*> m_scheduling;
+	DurationHistogram m_periods, m_costs;
+};
+}  // namespace devicebridge

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/VirtualCoupling.h"
+
+#include <algorithm>
+
+namespace devicebridge
+{
+namespace
+{
+ist::Vec3 implicitPull(double k, double b, double inertia, double h, const ist::Vec3& offset, const ist::Vec3& target,
+					   const ist::Vec3& velocity, double limit)
+{
+	const ist::Vec3 pull =
+		(k * (offset - h * velocity) + b * (target - velocity)) / (1 + (h * b + h * h * k) / inertia);
+	const double length = norm(pull);
+	return length > limit ? pull * (limit / length) : pull;
+}
+}  // namespace
+
+ist::Wrench couplingOnTool(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Twist& hand,
+						   const ToolState& tool, double mass, double inertia, double h) noexcept
+{
+	const ist::Vec3 offset = X_WH.translation - tool.X_WT.translation;
+	const ist::Vec3 turn = rotationVector(ist::quaternion(X_WH.rotation * transpose(tool.X_WT.rotation)));
+	return {implicitPull(gains.stiffness, gains.damping, mass, h, offset, hand.linear, tool.twist.linear, gains.maxForce),
+			implicitPull(gains.angularStiffness, gains.angularDamping, inertia, h, turn, hand.angular,
+						 tool.twist.angular, gains.maxTorque)};
+}
+
+CouplingGains passiveGains(const DeviceInfo& info, double deviceDamping, double deviceAngularDamping, double h) noexcept
+{
+	CouplingGains gains;
+	if ((info.actuated & kTranslation) == kTranslation)
+	{
+		gains.stiffness = std::clamp(2 * deviceDamping / h, 0.0, info.maxStiffness);
+		gains.maxForce = info.peakForce;
+	}
+	if ((info.actuated & kRotation) == kRotation)
+	{
+		gains.angularStiffness = std::clamp(2 * deviceAngularDamping / h, 0.0, info.maxAngularStiffness);
+		gains.maxTorque = info.peakTorque;
+	}
+	return gains;
+}
+}  // namespace devicebridge

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/HtmlReport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <utility>
+
+namespace scenes
+{
+namespace
+{
+// Okabe-Ito, without its yellow, which is too pale for thin lines.
+constexpr const char* kColors[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
+constexpr size_t kColorCount = 6;
+
+constexpr const char* kStyle =
+	"body{font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,Helvetica,Arial,sans-serif;color:#222;background:#fafaf8;"
+	"margin:0 auto;max-width:60rem;padding:2rem 1.25rem}"
+	"h1{font-size:1.8rem;line-height:1.2;margin:0 0 1rem}h2{font-size:1.25rem;margin:2.2rem 0 .6rem}"
+	"p{max-width:46rem;margin:.6rem 0}"
+	"table{border-collapse:collapse;margin:1rem 0;background:#fff;font-variant-numeric:tabular-nums}"
+	"th,td{padding:.4rem .9rem;border-bottom:1px solid #e4e4e0;text-align:right}"
+	"th:first-child,td:first-child{text-align:left}th{background:#f0f0ec;font-weight:600}"
+	"figure{margin:1.2rem 0;background:#fff;border:1px solid #e4e4e0;border-radius:6px;padding:1rem}"
+	"figcaption{font-weight:600;margin-bottom:.4rem}svg{display:block;width:100%;height:auto}"
+	"svg text{font:13px system-ui,-apple-system,'Segoe UI',Roboto,Helvetica,Arial,sans-serif;fill:#333}";
+
+std::string escaped(const std::string& text)
+{
+	std::string out;
+	for (const char c : text)
+	{
+		if (c == '&') out += "&amp;";
+		else if (c == '<') out += "&lt;";
+		else if (c == '>') out += "&gt;";
+		else if (c == '"') out += "&quot;";
+		else out += c;
+	}
+	return out;
+}
+
+/// SVG coordinates: a tenth of a pixel is enough.
+std::string pixel(double value)
+{
+	char buffer[32];
+	std::snprintf(buffer, sizeof buffer, "%.1f", value);
+	return buffer;
+}
+
+/// An axis from data to pixels, with ticks at round numbers (1, 2 or 5 times a power of ten).
+struct Axis
+{
+	double lower = 0, upper = 1, step = 0.2;
+	double from = 0, to = 1;  // pixels
+
+	double operator()(double value) const { return from + (value - lower) / (upper - lower) * (to - from); }
+
+	void fit(double least, double most, bool grow)
+	{
+		if (!(least <= most)) least = 0, most = 1;
+		if (most - least <= 1e-12 * std::max(std::fabs(least), std::fabs(most)))
+		{
+			const double pad = most != 0 ? 0.1 * std::fabs(most) : 1;
+			least -= pad;
+			most += pad;
+		}
+		const double raw = (most - least) / 6;
+		const double power = std::pow(10.0, std::floor(std::log10(raw)));
+		const double digit = raw / power;
+		step = power * (digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10);
+		lower = grow ? step * std::floor(least / step + 1e-9) : least;
+		upper = grow ? step * std::ceil(most / step - 1e-9) : most;
+	}
+
+	std::vector<double> ticks() const
+	{
+		std::vector<double> values;
+		const double first = std::ceil(lower / step - 1e-9);
+		for (int i = 0; (first + i) * step <= upper + 1e-9 * step; ++i) values.push_back((first + i) * step);
+		return values;
+	}
+};
+
+struct Frame
+{
+	static constexpr double kWidth = 860, kHeight = 340, kLeft = 84, kRight = 20, kTop = 38, kBottom = 52;
+	Axis x, y;
+};
+
+struct Point
+{
+	double x, y, sigma;
+	bool valid() const { return std::isfinite(x) && std::isfinite(y) && std::isfinite(sigma); }
+};
+
+Point pointOf(const ChartSeries& series, size_t i)
+{
+	return {series.x[i], series.y[i], i < series.sigma.size() ? series.sigma[i] : 0.0};
+}
+
+size_t pointCount(const ChartSeries& series) { return std::min(series.x.size(), series.y.size()); }
+
+Frame fitFrame(const Chart& chart)
+{
+	double xLeast = 1e300, xMost = -1e300, yLeast = 1e300, yMost = -1e300;
+	for (const ChartSeries& series : chart.series)
+		for (size_t i = 0; i < pointCount(series); ++i)
+		{
+			const Point p = pointOf(series, i);
+			if (!p.valid()) continue;
+			xLeast = std::min(xLeast, p.x);
+			xMost = std::max(xMost, p.x);
+			yLeast = std::min(yLeast, p.y - p.sigma);
+			yMost = std::max(yMost, p.y + p.sigma);
+		}
+	Frame frame;
+	frame.x.fit(xLeast, xMost, false);
+	frame.y.fit(yLeast, yMost, true);
+	frame.x.from = Frame::kLeft;
+	frame.x.to = Frame::kWidth - Frame::kRight;
+	frame.y.from = Frame::kHeight - Frame::kBottom;
+	frame.y.to = Frame::kTop;
+	return frame;
+}
+
+std::string lineTag(double x1, double y1, double x2, double y2, const std::string& stroke)
+{
+	return "<line x1=\"" + pixel(x1) + "\" y1=\"" + pixel(y1) + "\" x2=\"" + pixel(x2) + "\" y2=\"" + pixel(y2) + "\" stroke=\"" + stroke +
+		   "\"/>";
+}
+
+std::string textTag(double x, double y, const std::string& anchor, const std::string& text, const std::string& more = "")
+{
+	return "<text x=\"" + pixel(x) + "\" y=\"" + pixel(y) + "\" text-anchor=\"" + anchor + "\"" + more + ">" + escaped(text) + "</text>";
+}
+
+std::string drawGrid(const Frame& frame, const Chart& chart)
+{
+	const double left = Frame::kLeft, right = frame.x.to, top = Frame::kTop, bottom = frame.y.from;
+	std::string out;
+	for (const double v : frame.x.ticks())
+	{
+		out += lineTag(frame.x(v), top, frame.x(v), bottom, "#e8e8e4");
+		out += textTag(frame.x(v), bottom + 19, "middle", formatNumber(v));
+	}
+	for (const double v : frame.y.ticks())
+	{
+		out += lineTag(left, frame.y(v), right, frame.y(v), std::fabs(v) < 1e-9 * frame.y.step ? "#a8a8a4" : "#e8e8e4");
+		out += textTag(left - 8, frame.y(v) + 4.5, "end", formatNumber(v));
+	}
+	out += lineTag(left, bottom, right, bottom, "#777") + lineTag(left, top, left, bottom, "#777");
+	out += textTag((left + right) / 2, Frame::kHeight - 10, "middle", chart.xLabel);
+	const double middle = (top + bottom) / 2;
+	out += textTag(18, middle, "middle", chart.yLabel, " transform=\"rotate(-90 18 " + pixel(middle) + ")\"");
+	return out;
+}
+
+std::string drawMarkers(const Frame& frame, const ChartSeries& series, const std::string& color, double shift)
+{
+	std::string out;
+	for (size_t i = 0; i < pointCount(series); ++i)
+	{
+		const Point p = pointOf(series, i);
+		if (!p.valid()) continue;
+		const double x = frame.x(p.x) + shift;
+		if (p.sigma > 0)
+		{
+			const double low = frame.y(p.y - p.sigma), high = frame.y(p.y + p.sigma);
+			out += lineTag(x, low, x, high, color) + lineTag(x - 3, low, x + 3, low, color) + lineTag(x - 3, high, x + 3, high, color);
+		}
+		out += "<circle cx=\"" + pixel(x) + "\" cy=\"" + pixel(frame.y(p.y)) + "\" r=\"3.5\" fill=\"" + color + "\"/>";
+	}
+	return out;
+}
+
+std::string drawLine(const Frame& frame, const ChartSeries& series, const std::string& color)
+{
+	std::string path;
+	bool pen = false;
+	for (size_t i = 0; i < pointCount(series); ++i)
+	{
+		const Point p = pointOf(series, i);
+		if (p.valid()) path += (pen ? "L" : "M") + pixel(frame.x(p.x)) + " " + pixel(frame.y(p.y));
+		pen = p.valid();
+	}
+	return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"2\" stroke-linejoin=\"round\"/>";
+}
+
+std::string drawLegend(const Chart& chart)
+{
+	std::string out;
+	double x = Frame::kLeft + 4;
+	for (size_t i = 0; i < chart.series.size(); ++i)
+	{
+		const std::string color = kColors[i % kColorCount];
+		out += "<rect x=\"" + pixel(x) + "\" y=\"12\" width=\"18\" height=\"5\" rx=\"2\" fill=\"" + color + "\"/>";
+		out += textTag(x + 24, 19, "start", chart.series[i].name);
+		x += 48 + 7.2 * static_cast<double>(chart.series[i].name.size());
+	}
+	return out;
+}
+}  // namespace
+
+std::string formatNumber(double value, int digits)
+{
+	if (std::fabs(value) < 1e-300) return "0";
+	char buffer[40];
+	std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+	return buffer;
+}
+
+HtmlReport::HtmlReport(std::string title) : m_title(std::move(title)) {}
+
+void HtmlReport::heading(const std::string& text) { m_body += "<h2>" + escaped(text) + "</h2>\n"; }
+void HtmlReport::paragraph(const std::string& text) { m_body += "<p>" + escaped(text) + "</p>\n"; }
+
+void HtmlReport::table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows)
+{
+	m_body += "<table><thead><tr>";
+	for (const std::string& cell : head) m_body += "<th>" + escaped(cell) + "</th>";
+	m_body += "</tr></thead><tbody>\n";
+	for (const auto& row : rows)
+	{
+		m_body += "<tr>";
+		for (const std::string& cell : row) m_body += "<td>" + escaped(cell) + "</td>";
+		m_body += "</tr>\n";
+	}
+	m_body += "</tbody></table>\n";
+}
+
+void HtmlReport::chart(const Chart& chart)
+{
+	const Frame frame = fitFrame(chart);
+	m_body += "<figure><figcaption>" + escaped(chart.title) + "</figcaption><svg viewBox=\"0 0 " + pixel(Frame::kWidth) + " " +
+			  pixel(Frame::kHeight) + "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\">\n";
+	m_body += drawGrid(frame, chart);
+	for (size_t i = 0; i < chart.series.size(); ++i)
+	{
+		const ChartSeries& series = chart.series[i];
+		// Marker series are set side by side, so that error bars at the same abscissa stay apart.
+		const double shift = 5 * (static_cast<double>(i) - 0.5 * static_cast<double>(chart.series.size() - 1));
+		m_body += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], shift) : drawLine(frame, series, kColors[i % kColorCount]);
+	}
+	m_body += drawLegend(chart) + "</svg></figure>\n";
+}
+
+std::string HtmlReport::text() const
+{
+	return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,"
+		   "initial-scale=1\"><title>" +
+		   escaped(m_title) + "</title><style>" + kStyle + "</style></head>\n<body><h1>" + escaped(m_title) + "</h1>\n" + m_body +
+		   "</body></html>\n";
+}
+
+bool HtmlReport::write(const std::string& path) const
+{
+	std::ofstream file(path, std::ios::binary);
+	file << text();
+	file.close();
+	return file.good();
+}
+}  // namespace scenes

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace scenes
+{
+struct ChartSeries
+{
+	std::string name;
+	std::vector<double> x, y;
+	std::vector<double> sigma;  ///< half length of the error bars; empty: none
+	bool markers = false;       ///< points instead of a line
+};
+
+struct Chart
+{
+	std::string title;
+	std::string xLabel, yLabel;  ///< with the unit, "depth [mm]"
+	std::vector<ChartSeries> series;
+};
+
+/// A page with text, tables and line charts in one file: inline style and SVG, no scripts, nothing loaded from elsewhere.
+class HtmlReport
+{
+public:
+	explicit HtmlReport(std::string title);
+
+	void heading(const std::string& text);
+	void paragraph(const std::string& text);
+	/// The first column is set as text, the others as numbers.
+	void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
+	/// Values that are not finite are left out.
+	void chart(const Chart& chart);
+
+	std::string text() const;
+	/// False when the file cannot be written.
+	bool write(const std::string& path) const;
+
+private:
+	std::string m_title, m_body;
+};
+
+/// `value` with the given number of significant digits, without needless zeros.
+std::string formatNumber(double value, int digits = 4);
+}  // namespace scenes

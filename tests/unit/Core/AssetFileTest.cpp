@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/AssetFile.h"
+
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace ist
+{
+namespace
+{
+const InnerSphereTree& smallTree()
+{
+	static const InnerSphereTree tree = []
+	{
+		BuildOptions options;
+		options.maxSpheres = 20;
+		Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({1, 2, 3}), {5, 0, 0}), options);
+		EXPECT_TRUE(built) << built.error().message;
+		built.value().provenance.repair = {"one thing", "another"};
+		return built.value();
+	}();
+	return tree;
+}
+
+TEST(AssetFile, RoundTripKeepsEveryField)
+{
+	const std::vector<std::byte> bytes = encodeAsset(smallTree());
+	const Result<InnerSphereTree> back = decodeAsset(bytes.data(), bytes.size());
+	ASSERT_TRUE(back) << back.error().message;
+	const InnerSphereTree &a = smallTree(), &b = back.value();
+	EXPECT_EQ(a.origin, b.origin);
+	EXPECT_EQ(a.volume, b.volume);
+	EXPECT_EQ(a.area, b.area);
+	EXPECT_EQ(a.inertia.m[2][2], b.inertia.m[2][2]);
+	EXPECT_EQ(a.box.lower, b.box.lower);
+	EXPECT_EQ(a.maxGap, b.maxGap);
+	EXPECT_EQ(a.provenance.meshHash, b.provenance.meshHash);
+	EXPECT_EQ(a.provenance.repair, b.provenance.repair);
+	EXPECT_EQ(a.provenance.repairMode, b.provenance.repairMode);
+	EXPECT_EQ(a.provenance.seed, b.provenance.seed);
+	ASSERT_EQ(a.law.balls.size(), b.law.balls.size());
+	for (size_t i = 0; i < a.law.balls.size(); ++i) EXPECT_EQ(a.law.balls[i].depth, b.law.balls[i].depth);
+	// Every field that is written is read back: the bytes are the same again.
+	EXPECT_EQ(bytes, encodeAsset(b));
+}
+
+TEST(AssetFile, EveryFlippedBitIsRefused)
+{
+	std::vector<std::byte> bytes = encodeAsset(smallTree());
+	for (size_t i = 0; i < bytes.size(); ++i)
+	{
+		const std::byte flip = std::byte(1u << (i % 8));
+		bytes[i] ^= flip;
+		ASSERT_FALSE(decodeAsset(bytes.data(), bytes.size())) << "byte " << i;
+		bytes[i] ^= flip;
+	}
+}
+
+TEST(AssetFile, EveryCutIsRefused)
+{
+	const std::vector<std::byte> bytes = encodeAsset(smallTree());
+	for (size_t size = 0; size < bytes.size(); ++size)
+	{
+		const Result<InnerSphereTree> cut = decodeAsset(bytes.data(), size);
+		ASSERT_FALSE(cut) << size;
+		ASSERT_NE(cut.error().message.find("cut short"), std::string::npos) << size;
+	}
+}
+
+TEST(AssetFile, NewerVersionIsNamed)
+{
+	std::vector<std::byte> bytes = encodeAsset(smallTree());
+	bytes[8] = std::byte(7);
+	const Result<InnerSphereTree> newer = decodeAsset(bytes.data(), bytes.size());
+	ASSERT_FALSE(newer);
+	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 1"), std::string::npos);
+}
+
+TEST(AssetFile, FailedSaveLeavesNothing)
+{
+	const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "ist_asset_test";
+	std::filesystem::remove_all(folder);
+	// A folder in the way of the rename.
+	std::filesystem::create_directories(folder / "taken.ist" / "inside");
+	EXPECT_FALSE(saveAsset(smallTree(), (folder / "taken.ist").string()));
+	const auto entries = std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+	EXPECT_EQ(entries, 1);
+	const Result<size_t> saved = saveAsset(smallTree(), (folder / "good.ist").string());
+	ASSERT_TRUE(saved);
+	EXPECT_EQ(saved.value(), std::filesystem::file_size(folder / "good.ist"));
+	EXPECT_TRUE(loadAsset((folder / "good.ist").string()));
+	EXPECT_FALSE(loadAsset(folder.string()));
+	std::filesystem::remove_all(folder);
+}
+}  // namespace
+}  // namespace ist

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/SteppingThread.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+
+namespace
+{
+std::atomic<std::uint64_t> g_allocations{0};
+}
+
+void* operator new(std::size_t size)
+{
+	++g_allocations;
+	if (void* p = std::malloc(size ? size : 1)) return p;
+	throw std::bad_alloc();
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+{
+	++g_allocations;
+	return std::malloc(size ? size : 1);
+}
+void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+using namespace devicebridge;
+
+namespace
+{
+/// A tool without mass on the hand, and a wall that fills z < 0 with 800 N/m.
+class AnalyticWall final : public ContactSource
+{
+public:
+	int calls = 0;
+	void advance(double, const DeviceState& hand, ToolStep& step) noexcept override
+	{
+		++calls;
+		step.tool = {hand.X_WH, hand.twist};
+		const double depth = std::max(0.0, -hand.X_WH.translation.z);
+		step.coupling = {{0, 0, -800 * depth}, {}};
+		if (depth == 0) return;
+		step.contactCount = 1;
+		step.contacts[0] = {{{0, 0, 800 * depth}, {}}, hand.X_WH.translation, {0, 0, 1}, depth * 1e-4, 1, this};
+		step.overlapVolume = depth * 1e-4;
+	}
+};
+
+class NoContact final : public ContactSource
+{
+public:
+	void advance(double, const DeviceState& hand, ToolStep& step) noexcept override
+	{
+		step.tool = {hand.X_WH, hand.twist};
+		step.coupling = {};
+	}
+};
+
+class ConstantLaw final : public ForceLaw
+{
+public:
+	ist::Wrench value{{1, 0, 0}, {}};
+	std::int64_t at = -1;
+	ist::Wrench handWrench(const DeviceState&, const ToolStep&) noexcept override { return value; }
+	std::int64_t computedAt(const DeviceState& hand) const noexcept override { return at < 0 ? hand.sampledAt : at; }
+};
+
+struct Rig
+{
+	SimulatedDevice device{simulatedProfile("sigma7").value()};
+	VirtualClock clock;
+
+	Rig()
+	{
+		device.place({{}, {0, 0, 0.02}});
+		device.setHand(handThrough({{0, {{}, {0, 0, 0.02}}}, {0.2, {{}, {0, 0, -0.02}}}}));
+		device.open();
+	}
+};
+
+class Broken final : public Device
+{
+public:
+	DeviceInfo description = simulatedProfile("sigma7").value().info;
+	DeviceCommand last;
+	bool failing = false, nonsense = false;
+	const DeviceInfo& info() const noexcept override { return description; }
+	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		state.sampledAt = now;
+		if (nonsense) state.X_WH.translation.x = std::numeric_limits<double>::quiet_NaN();
+		return failing ? DeviceStatus::Disconnected : DeviceStatus::Ok;
+	}
+	DeviceStatus write(const DeviceCommand& command) noexcept override
+	{
+		last = command;
+		return DeviceStatus::Ok;
+	}
+};
+}  // namespace
+
+TEST(SteppingThread, RunsExactlyTheTicksAskedForInVirtualTime)
+{
+	Rig rig;
+	AnalyticWall wall;
+	SteppingThread thread(rig.device, wall, rig.clock);
+	int transforms = 0, hapticTicks = 0, collisions = 0;
+	thread.onTransform.addDelegate([&](const DeviceState&) { ++transforms; });
+	thread.onCollision.addDelegate([&](const ToolContact& c) { collisions += c.other == &wall; });
+	thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) { ++hapticTicks; });
+	EXPECT_TRUE(thread.run(500));
+	EXPECT_EQ(thread.ticks(), 500U);
+	EXPECT_EQ(wall.calls, 500);
+	EXPECT_EQ(transforms, 500);
+	EXPECT_EQ(hapticTicks, 500);
+	EXPECT_GT(collisions, 300);
+	EXPECT_LT(collisions, 450);
+	EXPECT_EQ(thread.overruns(), 0U);
+	EXPECT_EQ(rig.clock.now(), 500'000'000);
+	EXPECT_EQ(thread.periods().longest(), 1'000'000);
+	EXPECT_NEAR(thread.periods().quantile(0.5), 1e6, 0.19e6);
+}
+
+TEST(SteppingThread, TheHandRestsOnTheWall)
+{
+	Rig rig;
+	AnalyticWall wall;
+	SteppingThread thread(rig.device, wall, rig.clock);
+	thread.run(3000);
+	// 300 N/m of hand pull from 20 mm below against 800 N/m of wall.
+	EXPECT_NEAR(rig.device.truePose().translation.z, -0.02 * 300 / 1100, 2e-5);
+	EXPECT_NEAR(thread.sentWrench().force.z, 0.02 * 300 * 800 / 1100, 0.02);
+}
+
+TEST(SteppingThread, TwoRunsAreBitIdentical)
+{
+	std::vector<double> first, second;
+	for (auto* trace : {&first, &second})
+	{
+		Rig rig;
+		AnalyticWall wall;
+		SteppingThread thread(rig.device, wall, rig.clock);
+		for (int i = 0; i < 1000; ++i)
+		{
+			thread.run(1);
+			trace->push_back(rig.device.truePose().translation.z);
+			trace->push_back(thread.sentWrench().force.z);
+		}
+	}
+	EXPECT_EQ(std::memcmp(first.data(), second.data(), first.size() * sizeof(double)), 0);
+}
+
+TEST(SteppingThread, SourceAndLawAreSwappedAloneAndTogether)
+{
+	for (const bool ownSource : {false, true})
+		for (const bool ownLaw : {false, true})
+		{
+			Rig rig;
+			NoContact empty;
+			AnalyticWall wall;
+			ConstantLaw law;
+			SteppingThread thread(rig.device, ownSource ? static_cast<ContactSource&>(wall) : empty, rig.clock);
+			if (ownLaw) thread.setForceLaw(&law);
+			thread.run(3000);
+			EXPECT_NEAR(thread.sentWrench().force.x, ownLaw ? 1 : 0, 1e-6);
+			EXPECT_NEAR(thread.sentWrench().force.z, ownSource && !ownLaw ? 4.3636 : 0, 0.02);
+			EXPECT_EQ(thread.step().contactCount, ownSource ? 1 : 0);
+		}
+}
+
+TEST(SteppingThread, AListenerMayChangeTheWrench)
+{
+	Rig rig;
+	NoContact empty;
+	SteppingThread thread(rig.device, empty, rig.clock);
+	thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.y = 2; });
+	thread.run(100);
+	EXPECT_NEAR(rig.device.lastCommand().wrench.force.y, 2, 1e-12);
+}
+
+TEST(SteppingThread, NaNFromTheLawGivesZeroAtTheDevice)
+{
+	Rig rig;
+	NoContact empty;
+	ConstantLaw law;
+	SteppingThread thread(rig.device, empty, rig.clock);
+	thread.setForceLaw(&law);
+	thread.run(100);
+	EXPECT_EQ(rig.device.lastCommand().wrench.force.x, 1);
+	law.value.force.y = std::numeric_limits<double>::quiet_NaN();
+	thread.run(1);
+	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3{});
+	EXPECT_TRUE(thread.faulted());
+	EXPECT_EQ(thread.safetyCounts().notFinite, 1U);
+}
+
+TEST(SteppingThread, AStaleLawFadesToZeroAtTheDevice)
+{
+	Rig rig;
+	NoContact empty;
+	ConstantLaw law;
+	SteppingThread thread(rig.device, empty, rig.clock);
+	thread.setForceLaw(&law);
+	thread.run(100);
+	law.at = rig.clock.now();
+	thread.run(5);
+	EXPECT_EQ(rig.device.lastCommand().wrench.force.x, 1);
+	thread.run(5);
+	EXPECT_NEAR(rig.device.lastCommand().wrench.force.x, 10 / 15.0, 1e-12);
+	thread.run(10);
+	EXPECT_EQ(rig.device.lastCommand().wrench.force.x, 0);
+}
+
+TEST(SteppingThread, AFailingOrNonsensicalDeviceGetsZero)
+{
+	for (const bool nonsense : {false, true})
+	{
+		Broken device;
+		NoContact empty;
+		ConstantLaw law;
+		VirtualClock clock;
+		SteppingThread thread(device, empty, clock);
+		thread.setForceLaw(&law);
+		thread.run(50);
+		EXPECT_EQ(device.last.wrench.force.x, 1);
+		device.failing = !nonsense;
+		device.nonsense = nonsense;
+		thread.run(1);
+		EXPECT_EQ(device.last.wrench.force.x, 0);
+		EXPECT_EQ(thread.deviceErrors(), 1U);
+		EXPECT_EQ(thread.faulted(), nonsense);
+		EXPECT_TRUE(isRigid(thread.step().tool.X_WT));
+	}
+}
+
+TEST(SteppingThread, ATickDoesNotAllocate)
+{
+	Rig rig;
+	AnalyticWall wall;
+	SteppingThread thread(rig.device, wall, rig.clock);
+	int heard = 0;
+	thread.onTransform.addDelegate([&](const DeviceState&) { ++heard; });
+	thread.onCollision.addDelegate([&](const ToolContact&) { ++heard; });
+	thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) { ++heard; });
+	const auto before = g_allocations.load();
+	thread.run(2000);
+	EXPECT_EQ(g_allocations.load(), before);
+	EXPECT_GT(heard, 4000);
+}
+
+TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)
+{
+	Rig rig;
+	ConstantLaw law;
+	NoContact empty;
+	RealClock clock;
+	SteppingThread thread(rig.device, empty, clock);
+	thread.setForceLaw(&law);
+	ASSERT_TRUE(thread.start());
+	EXPECT_FALSE(thread.start());
+	EXPECT_FALSE(thread.run(1));
+	for (int i = 0; i < 2000 && thread.ticks() < 20; ++i) clock.sleepUntil(clock.now() + 5'000'000);
+	thread.stop();
+	EXPECT_FALSE(thread.running());
+	EXPECT_GE(thread.ticks(), 20U);
+	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3{});
+	std::printf("%s; period p50 %.0f us, longest %.0f us; tick p50 %.1f us; overruns %llu\n", thread.scheduling(),
+				thread.periods().quantile(0.5) / 1e3, static_cast<double>(thread.periods().longest()) / 1e3,
+				thread.costs().quantile(0.5) / 1e3, static_cast<unsigned long long>(thread.overruns()));
+	ASSERT_TRUE(thread.start());
+}

@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/btISTCollisionAlgorithm.h"
+
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+namespace
+{
+std::shared_ptr<const ist::InnerSphereTree> boxTree()
+{
+	static const auto tree = []
+	{
+		ist::BuildOptions options;
+		options.maxSpheres = 500;
+		auto built = ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options);
+		return std::make_shared<const ist::InnerSphereTree>(std::move(built).value());
+	}();
+	return tree;
+}
+
+btTransform at(double x, double y, double z) { return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z))); }
+
+struct TestWorld
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher{&configuration};
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+	std::unique_ptr<btDiscreteDynamicsWorld> world =
+		std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration);
+	std::vector<std::unique_ptr<btRigidBody>> bodies;
+
+	TestWorld() { world->setGravity(btVector3(0, btScalar(-9.81), 0)); }
+	~TestWorld()
+	{
+		for (auto& b : bodies) world->removeRigidBody(b.get());
+		world.reset();
+	}
+	btRigidBody* add(btCollisionShape* shape, double mass, const btTransform& pose)
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) shape->calculateLocalInertia(btScalar(mass), inertia);
+		bodies.push_back(std::make_unique<btRigidBody>(btScalar(mass), nullptr, shape, inertia));
+		bodies.back()->setWorldTransform(pose);
+		bodies.back()->setInterpolationWorldTransform(pose);
+		world->addRigidBody(bodies.back().get());
+		return bodies.back().get();
+	}
+	void step(int count)
+	{
+		for (int i = 0; i < count; ++i) world->stepSimulation(btScalar(1.0 / 60), 0);
+	}
+	int points() const
+	{
+		int n = 0;
+		for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+			n += const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(i)->getNumContacts();
+		return n;
+	}
+};
+
+struct CollectPoints : btCollisionWorld::ContactResultCallback
+{
+	int count = 0;
+	btVector3 normal{0, 0, 0};  // on the second object
+	double deepest = 0;
+	btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
+	{
+		++count;
+		normal = p.m_normalWorldOnB;
+		deepest = std::min(deepest, double(p.getDistance()));
+		return 0;
+	}
+};
+
+btISTAttachment attach(btISTRegistration& r, const btCollisionShape& shape)
+{
+	auto result = r.registry().attach(&shape, boxTree());
+	EXPECT_TRUE(result) << (result ? "" : result.error().message);
+	return result ? std::move(result).value() : btISTAttachment();
+}
+
+std::vector<btTransform> pileAfterASecond(bool registered)
+{
+	TestWorld w;
+	btISTRegistration r;
+	if (registered) r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	btBoxShape box(btVector3(.5, .5, .5));
+	btSphereShape sphere(btScalar(.4));
+	btCompoundShape compound;
+	compound.addChildShape(at(-.6, 0, 0), &box);
+	compound.addChildShape(at(.6, 0, 0), &sphere);
+	w.add(&plane, 0, at(0, 0, 0));
+	for (int i = 0; i < 12; ++i)
+		w.add(i % 3 == 0 ? static_cast<btCollisionShape*>(&box) : i % 3 == 1 ? static_cast<btCollisionShape*>(&sphere) : &compound, 1,
+			  at(.13 * i, .8 + .9 * i, .07 * i));
+	w.step(120);
+	std::vector<btTransform> poses;
+	for (auto& b : w.bodies) poses.push_back(b->getWorldTransform());
+	return poses;
+}
+}  // namespace
+
+TEST(btISTCollisionAlgorithm, LeavesAWorldWithoutTreesAsItWasBitForBit)
+{
+	const auto without = pileAfterASecond(false), with = pileAfterASecond(true);
+	ASSERT_EQ(without.size(), with.size());
+	for (size_t i = 0; i < with.size(); ++i)
+		for (int row = 0; row < 4; ++row)
+		{
+			const btVector3 a = row < 3 ? without[i].getBasis()[row] : without[i].getOrigin();
+			const btVector3 b = row < 3 ? with[i].getBasis()[row] : with[i].getOrigin();
+			for (int c = 0; c < 3; ++c) EXPECT_EQ(a[c], b[c]) << "body " << i;
+		}
+}
+
+// The shape is larger than its tree, so that Bullet's own box against box, which answers when one of the tables was not
+// registered, gives a depth of 0.3.
+TEST(btISTCollisionAlgorithm, AnswersThroughBothDispatchTables)
+{
+	TestWorld w;
+	w.world->setGravity(btVector3(0, 0, 0));
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	EXPECT_TRUE(r.isRegistered());
+	btBoxShape box(btVector3(.6, .6, .6));
+	const auto keep = attach(r, box);
+	btRigidBody* lower = w.add(&box, 1, at(1000, 2, 3));
+	btRigidBody* upper = w.add(&box, 1, at(1000, 2.9, 3));
+
+	CollectPoints query;
+	w.world->contactPairTest(upper, lower, query);
+	EXPECT_GT(query.count, 0);
+	EXPECT_GT(std::fabs(double(query.normal.y())), .9) << "points near the edge lean, by about the 20 degrees of a patch's cone";
+	EXPECT_NEAR(query.deepest, -.1, .06);
+	EXPECT_EQ(r.store().contacts().size(), 0u) << "a contact test must not touch the store";
+
+	w.world->performDiscreteCollisionDetection();
+	ASSERT_EQ(r.store().contacts().size(), 1u);
+	const btISTContact& c = *r.store().contacts()[0];
+	EXPECT_EQ(r.store().find(c.manifold), &c);
+	EXPECT_EQ(c.bodyA, c.manifold->getBody0());
+	EXPECT_NEAR(c.total.volume, .1, .03);
+	EXPECT_GT(c.patchCount, 0);
+	ASSERT_GT(c.manifold->getNumContacts(), 0);
+	const double side = c.bodyA == upper ? 1 : -1;
+	for (int i = 0; i < c.manifold->getNumContacts(); ++i)
+	{
+		const btManifoldPoint& p = c.manifold->getContactPoint(i);
+		EXPECT_GT(side * double(p.m_normalWorldOnB.y()), .9);
+		EXPECT_GT(p.getDistance(), -.04);
+		EXPECT_TRUE(p.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING);
+	}
+
+	CollectPoints whole;
+	w.world->contactTest(upper, whole);
+	EXPECT_EQ(whole.count, query.count);
+}
+
+TEST(btISTCollisionAlgorithm, EveryEntryButSoftBodiesIsRegisteredAndPutBack)
+{
+	struct Peek : btCollisionDispatcher
+	{
+		using btCollisionDispatcher::btCollisionDispatcher;
+		btCollisionAlgorithmCreateFunc* contacts(int i, int j) { return m_doubleDispatchContactPoints[i][j]; }
+		btCollisionAlgorithmCreateFunc* closest(int i, int j) { return m_doubleDispatchClosestPoints[i][j]; }
+	};
+	btDefaultCollisionConfiguration configuration;
+	Peek d(&configuration);
+	Peek untouched(&configuration);
+	{
+		const auto r = btISTCollisionAlgorithm::registerAlgorithm(&d);
+		const auto second = btISTCollisionAlgorithm::registerAlgorithm(&d);
+		EXPECT_TRUE(second.isRegistered());
+		for (int i = 0; i < MAX_BROADPHASE_COLLISION_TYPES; ++i)
+			for (int j = 0; j < MAX_BROADPHASE_COLLISION_TYPES; ++j)
+			{
+				const bool soft = i == SOFTBODY_SHAPE_PROXYTYPE || j == SOFTBODY_SHAPE_PROXYTYPE;
+				EXPECT_EQ(d.contacts(i, j) == untouched.contacts(i, j), soft);
+				EXPECT_EQ(d.closest(i, j) == untouched.closest(i, j), soft);
+			}
+	}
+	for (int i = 0; i < MAX_BROADPHASE_COLLISION_TYPES; ++i)
+		for (int j = 0; j < MAX_BROADPHASE_COLLISION_TYPES; ++j)
+		{
+			EXPECT_EQ(d.contacts(i, j), untouched.contacts(i, j));
+			EXPECT_EQ(d.closest(i, j), untouched.closest(i, j));
+		}
+}
+
+TEST(btISTCollisionAlgorithm, NoticesThatSomeoneRegisteredAfterIt)
+{
+	TestWorld w;
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	auto* stock = w.configuration.getCollisionAlgorithmCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE);
+	w.dispatcher.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, stock);
+	EXPECT_FALSE(r.isRegistered());
+	r.reinstall();
+	EXPECT_TRUE(r.isRegistered());
+}
+
+TEST(btISTCollisionAlgorithm, RayTestStillHitsTheShape)
+{
+	TestWorld w;
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	btBoxShape box(btVector3(.5, .5, .5));
+	const auto keep = attach(r, box);
+	w.add(&box, 0, at(0, 0, 0));
+	const btVector3 from(0, 3, 0), to(0, -3, 0);
+	btCollisionWorld::ClosestRayResultCallback hit(from, to);
+	w.world->rayTest(from, to, hit);
+	ASSERT_TRUE(hit.hasHit());
+	EXPECT_NEAR(double(hit.m_hitPointWorld.y()), .5, 1e-5);
+}
+
+TEST(btISTCollisionAlgorithm, BoxRestsOnAPlaneWithTheStockSolverInBothOrders)
+{
+	for (const bool planeFirst : {true, false})
+	{
+		TestWorld w;
+		auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+		btStaticPlaneShape plane(btVector3(0, 1, 0), btScalar(.25));
+		btBoxShape box(btVector3(.5, .5, .5));
+		const auto keep = attach(r, box);
+		if (planeFirst) w.add(&plane, 0, at(0, 1, 0));
+		btRigidBody* body = w.add(&box, 3, at(.1, 1.8, .2));
+		if (!planeFirst) w.add(&plane, 0, at(0, 1, 0));
+		body->setActivationState(DISABLE_DEACTIVATION);
+		w.step(300);
+
+		double impulse = 0;
+		for (int i = 0; i < 60; ++i)
+		{
+			w.step(1);
+			ASSERT_EQ(r.store().contacts().size(), 1u);
+			const btISTContact& c = *r.store().contacts()[0];
+			EXPECT_EQ(c.bodyA, body);
+			EXPECT_TRUE(c.halfSpace);
+			for (int p = 0; p < c.manifold->getNumContacts(); ++p) impulse += double(c.manifold->getContactPoint(p).m_appliedImpulse);
+		}
+		EXPECT_NEAR(impulse, 3 * 9.81, .05 * 3 * 9.81);
+		EXPECT_LT(body->getLinearVelocity().length(), .01);
+		EXPECT_LT(body->getAngularVelocity().length(), .02);
+		EXPECT_GT(double(body->getWorldTransform().getOrigin().y()), 1.65);
+		EXPECT_LT(double(body->getWorldTransform().getOrigin().y()), 1.76);
+	}
+}
+
+TEST(btISTCollisionAlgorithm, WorksForAChildOfACompoundAndOfANestedOne)
+{
+	for (const bool nested : {false, true})
+	{
+		TestWorld w;
+		auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+		btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+		btBoxShape volumetric(btVector3(.5, .5, .5)), plain(btVector3(.5, .5, .5));
+		const auto keep = attach(r, volumetric);
+		btCompoundShape inner, outer;
+		inner.addChildShape(at(-1, 0, 0), &volumetric);
+		inner.addChildShape(at(1, 0, 0), &plain);
+		outer.addChildShape(at(0, 0, 0), &inner);
+		w.add(&plane, 0, at(0, 0, 0));
+		btRigidBody* a = w.add(nested ? &outer : &inner, 2, at(0, .6, 0));
+		btRigidBody* b = w.add(nested ? &outer : &inner, 2, at(0, 1.65, 0));
+		w.step(240);
+		EXPECT_GE(r.store().contacts().size(), 2u);
+		EXPECT_NEAR(double(a->getWorldTransform().getOrigin().y()), .5, .15);
+		EXPECT_NEAR(double(b->getWorldTransform().getOrigin().y()), 1.5, .25);
+		w.world->removeRigidBody(b);
+		w.world->addRigidBody(b);
+		w.step(10);
+		EXPECT_NEAR(double(b->getWorldTransform().getOrigin().y()), 1.5, .25);
+	}
+}
+
+TEST(btISTCollisionAlgorithm, RemovalFreesTheContactAndReaddingBringsItBack)
+{
+	TestWorld w;
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	btBoxShape box(btVector3(.5, .5, .5));
+	const auto keep = attach(r, box);
+	w.add(&box, 0, at(0, 0, 0));
+	btRigidBody* upper = w.add(&box, 1, at(0, .95, 0));
+	for (int round = 0; round < 3; ++round)
+	{
+		w.step(2);
+		EXPECT_EQ(r.store().contacts().size(), 1u);
+		w.world->removeRigidBody(upper);
+		EXPECT_EQ(r.store().contacts().size(), 0u);
+		EXPECT_EQ(w.dispatcher.getNumManifolds(), 0);
+		w.world->addRigidBody(upper);
+	}
+}
+
+TEST(btISTCollisionAlgorithm, LateAttachmentTakesEffectAndDetachmentToo)
+{
+	TestWorld w;
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache());
+	btBoxShape box(btVector3(.5, .5, .5));
+	w.add(&box, 0, at(0, 0, 0));
+	w.add(&box, 1, at(0, .99, 0));
+	w.step(2);
+	EXPECT_EQ(r.store().contacts().size(), 0u);
+	EXPECT_GT(w.points(), 0);
+	auto keep = attach(r, box);
+	w.step(5);
+	EXPECT_EQ(r.store().contacts().size(), 1u);
+	keep.detach();
+	EXPECT_EQ(r.store().contacts().size(), 0u);
+	w.step(1);
+	EXPECT_GT(w.points(), 0);
+}
+
+TEST(btISTCollisionAlgorithm, KinematicToolWakesASleeper)
+{
+	TestWorld w;
+	w.world->setGravity(btVector3(0, 0, 0));
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	btBoxShape box(btVector3(.5, .5, .5));
+	const auto keep = attach(r, box);
+	btRigidBody* sleeper = w.add(&box, 1, at(0, 0, 0));
+	btRigidBody* tool = w.add(&box, 0, at(0, 3, 0));
+	tool->setCollisionFlags(tool->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+	tool->setActivationState(DISABLE_DEACTIVATION);
+	sleeper->forceActivationState(ISLAND_SLEEPING);
+	w.step(2);
+	ASSERT_FALSE(sleeper->isActive());
+	for (int i = 0; i < 60; ++i)
+	{
+		tool->setWorldTransform(at(0, 3 - 2.2 * (i + 1) / 60, 0));
+		w.step(1);
+	}
+	EXPECT_TRUE(sleeper->isActive());
+	EXPECT_LT(double(sleeper->getWorldTransform().getOrigin().y()), -.01);
+}
+
+TEST(btISTCollisionAlgorithm, ContactCallbacksTellOfOneBeginningAndOneEnd)
+{
+	static int started, ended;
+	started = ended = 0;
+	gContactStartedCallback = [](btPersistentManifold* const&) { ++started; };
+	gContactEndedCallback = [](btPersistentManifold* const&) { ++ended; };
+	{
+		TestWorld w;
+		w.world->setGravity(btVector3(0, 0, 0));
+		auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+		btBoxShape box(btVector3(.6, .6, .6));
+		const auto keep = attach(r, box);
+		w.add(&box, 0, at(0, 0, 0));
+		btRigidBody* upper = w.add(&box, 1, at(0, .95, 0));
+		for (int i = 0; i < 20; ++i)
+		{
+			upper->setWorldTransform(at(.001 * i, .95, 0));
+			w.world->performDiscreteCollisionDetection();
+		}
+		EXPECT_EQ(started, 1);
+		EXPECT_EQ(ended, 0);
+		// Farther than leaves reach beyond the surface, nearer than the bounds of the broad phase.
+		upper->setWorldTransform(at(0, 1.12, 0));
+		w.world->performDiscreteCollisionDetection();
+		EXPECT_EQ(ended, 1);
+		EXPECT_EQ(w.points(), 0);
+		EXPECT_EQ(r.store().contacts().size(), 1u) << "a separated pair keeps its empty manifold";
+	}
+	gContactStartedCallback = nullptr;
+	gContactEndedCallback = nullptr;
+}
+
+TEST(btISTCollisionAlgorithm, SurvivesDestructionInEveryOrder)
+{
+	for (int order = 0; order < 6; ++order)
+	{
+		auto w = std::make_unique<TestWorld>();
+		std::optional<btISTRegistration> r = btISTCollisionAlgorithm::registerAlgorithm(&w->dispatcher, w->broadphase.getOverlappingPairCache());
+		auto box = std::make_unique<btBoxShape>(btVector3(.5, .5, .5));
+		btISTAttachment keep = attach(*r, *box);
+		w->add(box.get(), 0, at(0, 0, 0));
+		w->add(box.get(), 1, at(0, .95, 0));
+		w->step(2);
+		const auto destroyWorld = [&]
+		{
+			if (r) r->dispatcherIsGone();
+			w.reset();
+		};
+		const int steps[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+		for (const int what : steps[order])
+		{
+			if (what == 0) keep.detach();
+			if (what == 1) r.reset();
+			if (what == 2) destroyWorld();
+			if (w) w->step(2);
+		}
+	}
+}
+
+TEST(btISTCollisionAlgorithm, PoseThatIsNotFiniteGivesAnEmptyContact)
+{
+	TestWorld w;
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	btBoxShape box(btVector3(.5, .5, .5));
+	const auto keep = attach(r, box);
+	btCollisionObject a, b;
+	a.setCollisionShape(&box);
+	b.setCollisionShape(&box);
+	b.setWorldTransform(at(0, std::nan(""), 0));
+	CollectPoints query;
+	w.world->contactPairTest(&a, &b, query);
+	EXPECT_EQ(query.count, 0);
+}

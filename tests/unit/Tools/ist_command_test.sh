@@ -1,0 +1,148 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Zlib
+# Usage: ist_command_test.sh PATH_TO_IST. Exit code 0 when every expectation holds.
+set -u
+ist=$1
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failures=0
+
+# expect NAME WANTED_CODE COMMAND...: stdout goes to $dir/out, stderr to $dir/err.
+expect()
+{
+	local name=$1 wanted=$2
+	shift 2
+	"$@" > "$dir/out" 2> "$dir/err"
+	local code=$?
+	if [ "$code" -ne "$wanted" ]; then
+		echo "FAILED $name: exit $code, wanted $wanted"
+		cat "$dir/err"
+		failures=$((failures + 1))
+	fi
+}
+
+# holds NAME EXPRESSION: Python over `rows`, the JSON objects of the last output, and `r`, the first of them.
+holds()
+{
+	if ! python3 - "$dir/out" "$2" <<'PYTHON'
+import json, sys
+rows = [json.loads(line) for line in open(sys.argv[1]) if line.strip()]
+r = rows[0] if rows else {}
+def near(a, b, e=1e-9): return abs(a - b) <= e
+sys.exit(0 if eval(sys.argv[2]) else 1)
+PYTHON
+	then
+		echo "FAILED $1: $2"
+		head -c 2000 "$dir/out"
+		failures=$((failures + 1))
+	fi
+}
+
+says()
+{
+	if ! grep -q -- "$2" "$dir/err"; then
+		echo "FAILED $1: no \"$2\" in: $(cat "$dir/err")"
+		failures=$((failures + 1))
+	fi
+}
+
+# A cube of side 1 whose lower corner is the origin.
+cat > "$dir/cube.obj" <<'OBJ'
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+f 1 4 3 2
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+OBJ
+cube=$dir/cube.ist
+
+expect version 0 "$ist" --version
+expect help 0 "$ist" build --help
+expect "no command" 2 "$ist"
+expect tune 2 "$ist" tune a b --error 0.1
+says tune "not available yet"
+
+expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
+holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
+holds "build fields" 'set("spheres leaves fill volume mesh_volume area seconds seconds_setup seconds_packing seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes peak_memory_bytes".split()) <= set(r)'
+holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
+expect "build --error" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.1
+expect "build --fill 2" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --fill 2
+expect "build: missing mesh" 1 "$ist" build "$dir/none.obj" -o "$dir/no.ist"
+expect "build: missing folder" 1 "$ist" build "$dir/cube.obj" -o "$dir/none/no.ist" --spheres 10
+if ls "$dir"/no.ist* "$cube".tmp* > /dev/null 2>&1; then
+	echo "FAILED: a failed build left a file"
+	failures=$((failures + 1))
+fi
+
+expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --spheres 50 --unit mm --json
+holds "build in mm" 'near(r["volume"], 1e-9, 1e-18)'
+
+expect info 0 "$ist" info "$cube" --json
+holds info 'r["version"] == 1 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and "calibration" in r'
+holds "info mass" 'all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
+
+expect check 0 "$ist" check "$cube" --json
+holds check 'r["ok"] is True and r["overlapping_pairs"] == 0 and r["max_overlap"] == 0 and r["max_protrusion"] is None and r["problems"] == []'
+expect "check with mesh" 0 "$ist" check "$cube" --mesh "$dir/cube.obj" --json
+holds "check with mesh" 'r["ok"] is True and r["protruding"] == 0 and r["max_protrusion"] == 0'
+sed 's/^v 1 1 1/v 0.9 0.9 0.9/' "$dir/cube.obj" > "$dir/other.obj"
+expect "check with another mesh" 1 "$ist" check "$cube" --mesh "$dir/other.obj" --json
+holds "check with another mesh" 'r["ok"] is False and r["protruding"] > 0 and r["max_protrusion"] > 0 and len(r["problems"]) == 2'
+
+expect export 0 "$ist" export "$cube" --spheres "$dir/spheres.csv" --leaves "$dir/leaves.csv"
+expect "export nothing" 2 "$ist" export "$cube"
+[ "$(head -1 "$dir/spheres.csv")" = "x,y,z,r" ] && [ "$(wc -l < "$dir/spheres.csv")" -eq 301 ] || { echo "FAILED spheres.csv"; failures=$((failures + 1)); }
+[ "$(head -1 "$dir/leaves.csv")" = "x,y,z,r,density,nx,ny,nz,depth,sphere" ] || { echo "FAILED leaves.csv"; failures=$((failures + 1)); }
+
+# B's cube 0.9 above A's: overlap 0.1.
+expect query 0 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --stiffness 1000 --lower-bound --repeat 3 --pairs-out "$dir/pairs.csv" --json
+holds query 'r["row"] == 0 and near(r["volume"], 0.1, 0.02) and near(r["force"][2], -100, 20) and abs(r["force"][0]) < 5 and 0 <= r["volume_lower"] <= 0.1 and r["volume_sigma"] > 0'
+holds "query fields" 'r["normal"][2] < -0.95 and near(r["centroid"][2], 0.95, 0.03) and len(r["stiffness"]) == 36 and r["distance"] == 0 and r["time_us"] > 0 and r["complete"] is True and r["patches"] >= 1 and r["energy"] > 0'
+[ "$(wc -l < "$dir/pairs.csv")" -gt 1 ] || { echo "FAILED pairs.csv"; failures=$((failures + 1)); }
+expect "query apart" 0 "$ist" query "$cube" "$cube" --pose=-1.5,0,0,0,0,0,1 --json
+holds "query apart" 'r["volume"] == 0 and r["normal"] is None and r["area_vector"] is None and r["distance"] >= 0.5 - 1e-6 and r["distance_lower"] <= 0.5 and r["force"] == [0, 0, 0]'
+expect "query, negative pose" 0 "$ist" query "$cube" "$cube" --pose -0.9,0,0,0,0,0,1 --json
+holds "query, negative pose" 'r["force"][0] > 0'
+for law in paper energy volume; do
+	expect "query $law" 0 "$ist" query "$cube" "$cube" --pose 0,0,0.5,0,0,0,1 --law $law --json
+	holds "query $law" 'r["volume"] > 0.1 and (r["stiffness"] is None) == ("'$law'" != "energy") and (r["force"] is None) == ("'$law'" == "volume")'
+done
+expect "query --level" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --level 3 --json
+holds "query --level" 'r["error"].startswith("unsupported")'
+expect "query, wrong pose" 1 "$ist" query "$cube" "$cube" --pose 0,0,1,0,0,0,2 --json
+holds "query, wrong pose" 'r["row"] == 0 and "quaternion" in r["error"]'
+expect "query, no pose" 2 "$ist" query "$cube" "$cube"
+expect "query, missing asset" 1 "$ist" query "$cube" "$dir/none.ist" --pose 0,0,1,0,0,0,1
+
+printf '# poses\nname,qw,qx,qy,qz,tx,ty,tz\na,1,0,0,0,0,0,0.9\nb,1,0,0,0,zero,0,0.9\n# more\nc,1.0005,0,0,0,0,0,5\nd,1,0,0\n' > "$dir/poses.csv"
+expect "query batch" 1 "$ist" query "$cube" "$cube" --poses "$dir/poses.csv" --threads 2 --repeat 2 --shuffle --json
+holds "query batch" '[x["row"] for x in rows] == [0, 1, 2, 3] and rows[0]["volume"] > 0 and "error" in rows[1] and rows[2]["distance"] > 3.9 and "error" in rows[3]'
+printf 'tx,ty\n0,0\n' > "$dir/bad.csv"
+expect "query, missing column" 1 "$ist" query "$cube" "$cube" --poses "$dir/bad.csv"
+
+head -c 1000 "$cube" > "$dir/cut.ist"
+expect "cut asset" 1 "$ist" info "$dir/cut.ist"
+says "cut asset" "cut short"
+python3 -c "
+data = bytearray(open('$cube', 'rb').read())
+data[len(data) // 2] ^= 4
+open('$dir/flip.ist', 'wb').write(data)
+data[8] = 9
+open('$dir/newer.ist', 'wb').write(data)"
+expect "damaged asset" 1 "$ist" check "$dir/flip.ist" --json
+holds "damaged asset" 'r["ok"] is False and "checksum" in r["problems"][0]'
+expect "newer asset" 1 "$ist" info "$dir/newer.ist"
+says "newer asset" "newer version (9)"
+
+[ "$failures" -eq 0 ] && echo "all passed"
+exit $((failures > 0))
