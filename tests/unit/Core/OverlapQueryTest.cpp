@@ -2,35 +2,13 @@
 #include "BulletISTCollision/Core/OverlapQuery.h"
 
 #include "BulletISTCollision/Core/Lens.h"
+#include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <random>
 
 using namespace ist;
-
-static std::atomic<long> allocations{0};
-
-void* operator new(std::size_t size)
-{
-	++allocations;
-	if (void* p = std::malloc(size ? size : 1)) return p;
-	throw std::bad_alloc();
-}
-void* operator new(std::size_t size, std::align_val_t alignment)
-{
-	++allocations;
-	const std::size_t a = static_cast<std::size_t>(alignment);
-	if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
-	throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace
 {
@@ -230,13 +208,13 @@ TEST(OverlapQuery, AllocatesNothingOnceWarm)
 	QueryOptions options;
 	options.sortPairs = true;
 	queryOverlap(A, B, Pose{}, workspace, options);
-	const long before = allocations;
+	const long before = allocationCount();
 	Pose X;
 	X.translation = {0.3, 0.2, 0.1};
 	queryOverlap(A, B, X, workspace, options);
 	queryOverlap(B, A, X, workspace);
 	queryHalfSpace(A, {0, 0, 1}, 0.1, workspace, options);
-	EXPECT_EQ(allocations, before);
+	EXPECT_EQ(allocationCount(), before);
 }
 
 TEST(OverlapQuery, ReportsWhatItCannotDo)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/SteppingThread.h"
 
+#include "tests/unit/CountingAllocator.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,26 +16,6 @@
 #include <vector>
 
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
-
-namespace
-{
-std::atomic<std::uint64_t> g_allocations{0};
-}
-
-void* operator new(std::size_t size)
-{
-	++g_allocations;
-	if (void* p = std::malloc(size ? size : 1)) return p;
-	throw std::bad_alloc();
-}
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept
-{
-	++g_allocations;
-	return std::malloc(size ? size : 1);
-}
-void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 using namespace devicebridge;
 
@@ -255,9 +237,9 @@ TEST(SteppingThread, ATickDoesNotAllocate)
 	thread.onTransform.addDelegate([&](const DeviceState&) { ++heard; });
 	thread.onCollision.addDelegate([&](const ToolContact&) { ++heard; });
 	thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) { ++heard; });
-	const auto before = g_allocations.load();
+	const auto before = allocationCount();
 	thread.run(2000);
-	EXPECT_EQ(g_allocations.load(), before);
+	EXPECT_EQ(allocationCount(), before);
 	EXPECT_GT(heard, 4000);
 }
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/unit/CountingAllocator.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+// In a file of their own, so that they cannot be inlined into a caller that pairs them with the library's operators.
+static std::atomic<long> allocations{0};
+
+long allocationCount() { return allocations; }
+
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept
+{
+	++allocations;
+	return std::malloc(size ? size : 1);
+}
+void* operator new(std::size_t size)
+{
+	if (void* p = operator new(size, std::nothrow)) return p;
+	throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment)
+{
+	++allocations;
+	const std::size_t a = static_cast<std::size_t>(alignment);
+	if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+	throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }

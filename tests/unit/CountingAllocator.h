@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+/// Calls of operator new in this program so far, by any thread. Linking CountingAllocator.cpp replaces the global operators.
+long allocationCount();
