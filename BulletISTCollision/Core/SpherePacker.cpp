@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <queue>
 #include <string>
+#include <queue>
 
 namespace ist
 {
@@ -23,7 +23,7 @@ constexpr int coarseSpheres = 12;
 constexpr int coarseStarts = 8;
 constexpr int surfaceStarts = 3000;
 constexpr double surfaceInset = 2e-4;  // of the longest side
-constexpr int childStarts = 16;  // 8 fill as well, but find some holes late, out of order
+constexpr int childStarts = 8;
 constexpr double childDistance = 1.03;  // of the radius
 constexpr int spheresPerReport = 100;
 
