@@ -29,7 +29,10 @@ DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(fines
 	{
 		const Vec3 a = mesh.vertices[t[0]], u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a;
 		const Vec3 n = normalized(cross(u, v));
+		const Vec3 middle = (u + v) * (1.0 / 3);
+		const double radius = std::sqrt(std::max({squaredNorm(middle), squaredNorm(u - middle), squaredNorm(v - middle)}));
 		m_triangles.push_back({a, u, v, n, cross(n, u), cross(n, v - u), cross(v, n)});
+		m_hulls.push_back({a + middle, radius});
 	}
 
 	Node root;
@@ -38,6 +41,7 @@ DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(fines
 	std::vector<Entry> all(m_triangles.size());
 	for (size_t i = 0; i < all.size(); ++i) all[i].item = uint32_t(i);
 	fill(root, all);
+	root.filled = true;
 	m_nodes.push_back(std::move(root));
 }
 
@@ -89,13 +93,22 @@ double DistanceOctree::keepLimit(const Node& node) const
 	return node.nearest + 2 * halfDiagonal * node.half + m_slack;
 }
 
+bool DistanceOctree::isFartherThan(uint32_t item, const Vec3& x, double limit) const
+{
+	if (!isTriangle(item)) return false;
+	const Ball& hull = m_hulls[item];
+	const double reach = limit + hull.radius;
+	return squaredNorm(x - hull.center) > reach * reach;
+}
+
 void DistanceOctree::fill(Node& node, const std::vector<Entry>& candidates) const
 {
 	std::vector<Entry> entries;
-	entries.reserve(candidates.size());
 	node.nearest = 1e300;
+	double limit = 1e300;
 	for (const Entry& candidate : candidates)
 	{
+		if (limit >= 0 && isFartherThan(candidate.item, node.center, limit)) continue;
 		const double d = distanceTo(candidate.item, node.center);
 		if (d <= -halfDiagonal * node.half)
 		{
@@ -105,13 +118,18 @@ void DistanceOctree::fill(Node& node, const std::vector<Entry>& candidates) cons
 			return;
 		}
 		node.nearest = std::min(node.nearest, d);
-		if (d <= keepLimit(node)) entries.push_back({d, candidate.item});
+		limit = keepLimit(node);
+		if (d <= limit) entries.push_back({d, candidate.item});
 	}
-	const double limit = keepLimit(node);
 	std::erase_if(entries, [limit](const Entry& e) { return e.distance > limit; });
-	std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b)
-			  { return a.distance != b.distance ? a.distance < b.distance : a.item < b.item; });
 	node.entries.assign(entries.begin(), entries.end());
+}
+
+void DistanceOctree::sortEntries(Node& node)
+{
+	std::sort(node.entries.begin(), node.entries.end(), [](const Entry& a, const Entry& b)
+			  { return a.distance != b.distance ? a.distance < b.distance : a.item < b.item; });
+	node.sorted = true;
 }
 
 bool DistanceOctree::wantsSplit(const Node& node) const
@@ -123,17 +141,15 @@ void DistanceOctree::split(int32_t index)
 {
 	const int32_t first = int32_t(m_nodes.size());
 	m_nodes.resize(m_nodes.size() + 8);
-	const std::vector<Entry> entries = std::move(m_nodes[index].entries);
-	m_nodes[index].entries = {};
-	m_nodes[index].child = first;
-	const Vec3 center = m_nodes[index].center;
-	const double half = m_nodes[index].half / 2;
+	Node& parent = m_nodes[index];
+	parent.child = first;
+	parent.unfilled = 8;
+	const double half = parent.half / 2;
 	for (int k = 0; k < 8; ++k)
 	{
 		Node& child = m_nodes[first + k];
-		child.center = center + Vec3{k & 1 ? half : -half, k & 2 ? half : -half, k & 4 ? half : -half};
+		child.center = parent.center + Vec3{k & 1 ? half : -half, k & 2 ? half : -half, k & 4 ? half : -half};
 		child.half = half;
-		fill(child, entries);
 	}
 }
 
@@ -147,11 +163,21 @@ int32_t DistanceOctree::leafOf(const Vec3& x)
 	{
 		if (m_nodes[index].child < 0)
 		{
-			if (!wantsSplit(m_nodes[index])) return index;
+			if (!wantsSplit(m_nodes[index]))
+			{
+				if (!m_nodes[index].sorted) sortEntries(m_nodes[index]);
+				return index;
+			}
 			split(index);
 		}
-		const Vec3 d = x - m_nodes[index].center;
-		index = m_nodes[index].child + (d.x > 0 ? 1 : 0) + (d.y > 0 ? 2 : 0) + (d.z > 0 ? 4 : 0);
+		Node& parent = m_nodes[index];
+		const Vec3 d = x - parent.center;
+		index = parent.child + (d.x > 0 ? 1 : 0) + (d.y > 0 ? 2 : 0) + (d.z > 0 ? 4 : 0);
+		Node& child = m_nodes[index];
+		if (child.filled) continue;
+		fill(child, parent.entries);
+		child.filled = true;
+		if (--parent.unfilled == 0) parent.entries = {};
 	}
 }
 
@@ -198,6 +224,11 @@ void DistanceOctree::insertIntoLeaf(Node& node, const Entry& entry)
 		node.entries = {entry};
 		return;
 	}
+	if (!node.sorted)
+	{
+		node.entries.push_back(entry);
+		return;
+	}
 	const auto at = std::upper_bound(node.entries.begin(), node.entries.end(), entry.distance,
 									 [](double d, const Entry& e) { return d < e.distance; });
 	node.entries.insert(at, entry);
@@ -214,7 +245,7 @@ void DistanceOctree::insert(const Vec3& center, double radius)
 	{
 		Node& node = m_nodes[open.back()];
 		open.pop_back();
-		if (node.covered) continue;
+		if (node.covered || !node.filled) continue;
 		const double d = distance(center, node.center) - radius;
 		if (d > keepLimit(node)) continue;
 		node.nearest = std::min(node.nearest, d);
@@ -223,6 +254,7 @@ void DistanceOctree::insert(const Vec3& center, double radius)
 			insertIntoLeaf(node, {d, item});
 			continue;
 		}
+		if (node.unfilled > 0) node.entries.push_back({d, item});
 		for (int k = 0; k < 8; ++k) open.push_back(node.child + k);
 	}
 }

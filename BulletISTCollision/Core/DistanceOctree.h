@@ -65,8 +65,11 @@ private:
 		double half = 0;      ///< half side
 		double nearest = 0;   ///< f(center)
 		int32_t child = -1;   ///< first of eight
+		int32_t unfilled = 0; ///< children that nobody has asked for yet
+		bool filled = false;  ///< the entries have been taken over from the parent
+		bool sorted = false;  ///< by ascending distance: leaves that have been asked
 		bool covered = false; ///< wholly inside one ball, its only entry
-		std::vector<Entry> entries;  ///< ascending distance; empty in inner nodes
+		std::vector<Entry> entries;  ///< inner nodes keep them while a child is unfilled
 	};
 
 	/// Vector from the nearest point of the triangle to x.
@@ -75,11 +78,15 @@ private:
 	int32_t leafOf(const Vec3& x);
 	bool wantsSplit(const Node& node) const;
 	void split(int32_t index);
+	static void sortEntries(Node& node);
+	/// A cheap sufficient test.
+	bool isFartherThan(uint32_t item, const Vec3& x, double limit) const;
 	void fill(Node& node, const std::vector<Entry>& candidates) const;
 	void insertIntoLeaf(Node& node, const Entry& entry);
 	double keepLimit(const Node& node) const;
 
 	std::vector<Triangle> m_triangles;
+	std::vector<Ball> m_hulls;  ///< bounding balls of the triangles
 	std::vector<Ball> m_balls;
 	std::vector<Node> m_nodes;
 	double m_finest = 0;
