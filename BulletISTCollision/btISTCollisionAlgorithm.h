@@ -36,7 +36,9 @@ public:
 
 	btISTRegistry& registry();
 	btISTContactStore& store();
-	void setStiffnessRule(std::shared_ptr<const btISTStiffnessRule> rule);
+	/// Keeps the store and all that its contacts need alive: for solvers, which may outlive the registration.
+	std::shared_ptr<btISTContactStore> sharedStore() const;
+	void setPairRule(std::shared_ptr<const btISTPairRule> rule);
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
 	void setPairCache(btOverlappingPairCache* pairCache);

@@ -20,7 +20,7 @@ double dynamicMass(const btCollisionObject* object)
 }
 }  // namespace
 
-btISTPairStiffness btISTDefaultStiffnessRule::decide(const btISTContact& contact, const btCollisionObject* bodyA,
+btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, const btCollisionObject* bodyA,
 													 const btCollisionObject* bodyB) const
 {
 	double volume = contact.treeA->volume, gap = contact.treeA->meanGap;
@@ -34,14 +34,14 @@ btISTPairStiffness btISTDefaultStiffnessRule::decide(const btISTContact& contact
 	double mass = std::max(dynamicMass(bodyA), dynamicMass(bodyB));
 	if (!(mass > 0)) mass = kWaterDensity * volume;
 
-	btISTPairStiffness stiffness;
-	stiffness.k = mass * m_gravity / (sinkage * size * size);
+	btISTPairConstants constants;
+	constants.k = mass * m_gravity / (sinkage * size * size);
 	if (contact.halfSpace)
 	{
-		stiffness.weightA = 0;
-		stiffness.weightB = 1;
+		constants.weightA = 0;
+		constants.weightB = 1;
 	}
-	return stiffness;
+	return constants;
 }
 
 btISTContactStore::btISTContactStore() = default;

@@ -15,30 +15,32 @@ class btCollisionObject;
 class btPersistentManifold;
 struct btISTContact;
 
-/// How stiff a pair is. k [Pa/m]; weightA + weightB = 1, see ist::PressurePair.
-struct btISTPairStiffness
+/// The constants of a pair in the pressure field law (DESIGN section 5).
+struct btISTPairConstants
 {
-	double k = 1;
-	double weightA = 0.5, weightB = 0.5;
+	double k = 1;                        ///< stiffness [Pa/m]
+	double weightA = 0.5, weightB = 0.5; ///< of A's and of B's field; their sum is 1
+	double dissipation = 5;              ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
 };
 
-/// Decides k and the weights of a pair, once per contact and step, before anything is solved.
-class btISTStiffnessRule
+/// Decides the constants of a pair, once per contact and step, before anything is solved.
+class btISTPairRule
 {
 public:
-	virtual ~btISTStiffnessRule() = default;
+	virtual ~btISTPairRule() = default;
 	/// A and B in the order of the manifold. `contact` has its trees and its integrals.
-	virtual btISTPairStiffness decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
+	virtual btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
 };
 
 /// For bodies without materials (DESIGN section 5, (a) and (d)): the heavier dynamic body, lying on the square of the smaller body's
 /// size, sinks by the larger of 0.1 % of that size and the sum of the mean surface gaps. Size: cube root of the volume. Weights
-/// 1/2, or all on a half-space. With no dynamic body the weight is that of the smaller body made of water.
-class btISTDefaultStiffnessRule : public btISTStiffnessRule
+/// 1/2, or all on a half-space. With no dynamic body the weight is that of the smaller body made of water. Dissipation: 5 s/m, so
+/// that nothing leaves contact faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.
+class btISTDefaultPairRule : public btISTPairRule
 {
 public:
-	explicit btISTDefaultStiffnessRule(double gravity = 9.81) : m_gravity(gravity) {}
-	btISTPairStiffness decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
+	explicit btISTDefaultPairRule(double gravity = 9.81) : m_gravity(gravity) {}
+	btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
 
 private:
 	double m_gravity;  // magnitude [m/s^2]
@@ -62,11 +64,12 @@ struct btISTContact
 	ist::OverlapIntegrals patches[kMaxPatches];
 	int patchCount = 0;
 	ist::OverlapError error;
-	btISTPairStiffness stiffness;
+	btISTPairConstants constants;
 	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
 
 	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
+	double normalImpulse = 0;  ///< their normal parts, added up [N s]
 };
 
 /// The contacts of one world, found by their manifold: the only channel from collision to a solver. One owner thread.
@@ -93,9 +96,19 @@ public:
 	uint64_t step() const { return m_step; }
 	void nextStep() { ++m_step; }
 
+	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]; counted only when switched on,
+	/// for two readings of the clock a pair.
+	void measureQueryTime(bool on) { m_measures = on; }
+	bool measuresQueryTime() const { return m_measures; }
+	void addQueryTime(double seconds) { m_querySeconds += seconds; }
+	void resetQueryTime() { m_querySeconds = 0; }
+	double querySeconds() const { return m_querySeconds; }
+
 private:
 	std::unordered_map<const btPersistentManifold*, size_t> m_index;  // into m_active
 	std::vector<btISTContact*> m_active, m_free;
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
 	uint64_t m_step = 1;
+	bool m_measures = false;
+	double m_querySeconds = 0;
 };

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshRepair.h"
 
+#include "BulletISTCollision/Core/MeshEdges.h"
+#include "BulletISTCollision/Core/MeshShells.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,13 +16,10 @@ namespace ist
 {
 namespace
 {
-using Triangle = std::array<uint32_t, 3>;
-
 /// Of the longest side: positions nearer than this are the same position in Auto mode, when the mesh is open otherwise.
 constexpr double kNearlyEqual = 1e-9;
 /// Of the longest side cubed: a smaller volume is no volume.
 constexpr double kFlat = 1e-9;
-constexpr std::size_t kNestingProbes = 16;
 
 std::string counted(int64_t n, const char* singular, const char* plural)
 {
@@ -41,31 +41,6 @@ struct IntegerTripleHash
 };
 template <class T>
 using IntegerTripleMap = std::unordered_map<std::array<int64_t, 3>, T, IntegerTripleHash>;
-
-class DisjointSets
-{
-public:
-	explicit DisjointSets(std::size_t count) : m_parent(count) { std::iota(m_parent.begin(), m_parent.end(), 0u); }
-	uint32_t find(uint32_t i)
-	{
-		while (m_parent[i] != i) i = m_parent[i] = m_parent[m_parent[i]];
-		return i;
-	}
-	void unite(uint32_t a, uint32_t b)
-	{
-		a = find(a);
-		b = find(b);
-		m_parent[std::max(a, b)] = std::min(a, b);
-	}
-
-private:
-	std::vector<uint32_t> m_parent;
-};
-
-bool isCollapsed(const Triangle& t)
-{
-	return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
 
 bool indicesAreValid(const Mesh& mesh, const Triangle& t)
 {
@@ -121,47 +96,6 @@ Mesh weldedEqual(const Mesh& mesh)
 	return renumbered(mesh, target);
 }
 
-/// One triangle's use of an edge, low < high.
-struct EdgeUse
-{
-	uint32_t low, high, triangle;
-	bool forward;  ///< the triangle runs from low to high
-};
-
-std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
-{
-	std::vector<EdgeUse> edges;
-	edges.reserve(mesh.triangles.size() * 3);
-	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-	{
-		const Triangle& t = mesh.triangles[i];
-		if (isCollapsed(t)) continue;
-		for (std::size_t k = 0; k < 3; ++k)
-		{
-			const uint32_t a = t[k], b = t[(k + 1) % 3];
-			edges.push_back({std::min(a, b), std::max(a, b), static_cast<uint32_t>(i), a < b});
-		}
-	}
-	std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
-		if (a.low != b.low) return a.low < b.low;
-		return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-	});
-	return edges;
-}
-
-/// Calls visit(first use, number of uses) for each edge.
-template <class Visitor>
-void forEachEdge(const std::vector<EdgeUse>& edges, Visitor visit)
-{
-	for (std::size_t i = 0; i < edges.size();)
-	{
-		std::size_t j = i + 1;
-		while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
-		visit(edges.data() + i, j - i);
-		i = j;
-	}
-}
-
 /// The corners of a triangle in ascending order, and whether it runs through them in an even permutation.
 struct TriangleKey
 {
@@ -195,18 +129,6 @@ int64_t countDuplicates(const Mesh& mesh)
 	int64_t count = 0;
 	for (std::size_t i = 1; i < keys.size(); ++i) count += keys[i].corners == keys[i - 1].corners;
 	return count;
-}
-
-/// Of each triangle the lowest index of its component; triangles are connected through shared edges.
-std::vector<uint32_t> componentOfTriangle(const Mesh& mesh, const std::vector<EdgeUse>& edges)
-{
-	DisjointSets sets(mesh.triangles.size());
-	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
-		for (std::size_t i = 1; i < count; ++i) sets.unite(use[0].triangle, use[i].triangle);
-	});
-	std::vector<uint32_t> component(mesh.triangles.size());
-	for (std::size_t i = 0; i < component.size(); ++i) component[i] = sets.find(static_cast<uint32_t>(i));
-	return component;
 }
 
 /// Of a welded mesh.
@@ -399,97 +321,6 @@ int64_t closeSimpleLoops(Mesh& mesh)
 			mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], center});
 	}
 	return closed;
-}
-
-/// One closed component.
-struct Shell
-{
-	std::vector<uint32_t> triangles;
-	Box box;
-	double volume = 0;  ///< signed
-};
-
-std::vector<Shell> shells(const Mesh& mesh)
-{
-	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
-	std::vector<Shell> result;
-	std::vector<uint32_t> shellOf(mesh.triangles.size());
-	for (uint32_t i = 0; i < mesh.triangles.size(); ++i)
-	{
-		if (component[i] == i)
-		{
-			shellOf[i] = static_cast<uint32_t>(result.size());
-			const Vec3& v = mesh.vertices[mesh.triangles[i][0]];
-			result.push_back({{}, {v, v}, 0});
-		}
-		Shell& shell = result[shellOf[component[i]]];
-		shell.triangles.push_back(i);
-		const Triangle& t = mesh.triangles[i];
-		for (const uint32_t corner : t)
-		{
-			shell.box.lower = componentMin(shell.box.lower, mesh.vertices[corner]);
-			shell.box.upper = componentMax(shell.box.upper, mesh.vertices[corner]);
-		}
-		const Vec3 origin = mesh.vertices[mesh.triangles[shell.triangles[0]][0]];
-		shell.volume += dot(mesh.vertices[t[0]] - origin,
-							cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin)) / 6;
-	}
-	return result;
-}
-
-/// True where the half-line from p towards +x crosses the edge, seen along z. Both triangles of an edge get the same answer.
-bool crossesEdge(const Vec3& p, const Vec3& a, const Vec3& b)
-{
-	if ((a.y > p.y) == (b.y > p.y)) return false;
-	const Vec3 &lower = a.y < b.y ? a : b, &upper = a.y < b.y ? b : a;
-	return p.x < lower.x + (p.y - lower.y) / (upper.y - lower.y) * (upper.x - lower.x);
-}
-
-/// Parity of the triangles above p: however the shell is turned, and without solid angles, which cost twenty times as much.
-bool encloses(const Mesh& mesh, const Shell& shell, const Vec3& p)
-{
-	bool inside = false;
-	for (const uint32_t i : shell.triangles)
-	{
-		const Triangle& t = mesh.triangles[i];
-		const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-		if ((crossesEdge(p, a, b) != crossesEdge(p, b, c)) == crossesEdge(p, c, a)) continue;
-		const Vec3 n = cross(b - a, c - a);
-		const double height = n.z != 0 ? -dot(n, p - a) * (n.z > 0 ? -1 : 1) : p.z - (a.z + b.z + c.z) / 3;
-		if (height < 0) inside = !inside;
-	}
-	return inside;
-}
-
-/// Every probe must lie inside: shells that merely cut each other are not nested.
-bool encloses(const Mesh& mesh, const Shell& outer, const Shell& inner)
-{
-	for (int axis = 0; axis < 3; ++axis)
-		if (inner.box.lower[axis] < outer.box.lower[axis] || inner.box.upper[axis] > outer.box.upper[axis]) return false;
-	const std::size_t stride = std::max<std::size_t>(1, inner.triangles.size() / kNestingProbes);
-	for (std::size_t i = 0; i < inner.triangles.size(); i += stride)
-	{
-		const Triangle& t = mesh.triangles[inner.triangles[i]];
-		if (!encloses(mesh, outer, (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3)) return false;
-	}
-	return true;
-}
-
-/// Shells inside an even number of others face outwards, the others bound cavities and face inwards. Returns how many were turned.
-int64_t turnOutwards(Mesh& mesh)
-{
-	const std::vector<Shell> all = shells(mesh);
-	int64_t turned = 0;
-	for (const Shell& shell : all)
-	{
-		bool isCavity = false;
-		for (const Shell& other : all)
-			if (&other != &shell && encloses(mesh, other, shell)) isCavity = !isCavity;
-		if (shell.volume == 0 || (shell.volume < 0) == isCavity) continue;
-		++turned;
-		for (const uint32_t i : shell.triangles) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-	}
-	return turned;
 }
 
 /// A mesh on its way to being closed.

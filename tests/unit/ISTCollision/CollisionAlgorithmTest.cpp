@@ -139,7 +139,7 @@ TEST(btISTCollisionAlgorithm, AnswersThroughBothDispatchTables)
 	CollectPoints query;
 	w.world->contactPairTest(upper, lower, query);
 	EXPECT_GT(query.count, 0);
-	EXPECT_GT(std::fabs(double(query.normal.y())), .9) << "points near the edge lean, by about the 20 degrees of a patch's cone";
+	EXPECT_GT(std::fabs(double(query.normal.y())), .7) << "near an edge a patch leans by up to the 45 degrees of its cone";
 	EXPECT_NEAR(query.deepest, -.1, .06);
 	EXPECT_EQ(r.store().contacts().size(), 0u) << "a contact test must not touch the store";
 
@@ -155,7 +155,7 @@ TEST(btISTCollisionAlgorithm, AnswersThroughBothDispatchTables)
 	for (int i = 0; i < c.manifold->getNumContacts(); ++i)
 	{
 		const btManifoldPoint& p = c.manifold->getContactPoint(i);
-		EXPECT_GT(side * double(p.m_normalWorldOnB.y()), .9);
+		EXPECT_GT(side * double(p.m_normalWorldOnB.y()), .7);
 		EXPECT_GT(p.getDistance(), -.04);
 		EXPECT_TRUE(p.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING);
 	}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/btISTContactStore.h"
+#include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btPrecisionGuard.h"
+
+#include "BulletCollision/BroadphaseCollision/btBroadphaseProxy.h"
+#include "BulletCollision/CollisionDispatch/btCollisionCreateFunc.h"
+
+#include <memory>
+
+class btISTContext;
+class btISTInstallation;
+
+/// One for each table: it finds out from the shapes for which entry it was called.
+struct btISTCreateFunc : btCollisionAlgorithmCreateFunc
+{
+	btISTContext* context = nullptr;
+	bool closest = false;
+	btCollisionAlgorithmCreateFunc* previous[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
+
+	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
+												   const btCollisionObjectWrapper* wrap1) override;
+};
+
+/// What algorithms need, for as long as one of them or a registration lives.
+class btISTContext : public std::enable_shared_from_this<btISTContext>
+{
+public:
+	btISTContext()
+	{
+		contacts.context = closest.context = this;
+		closest.closest = true;
+	}
+	btISTCreateFunc& function(bool ofClosest) { return ofClosest ? closest : contacts; }
+
+	btISTCreateFunc contacts, closest;
+	bool active = true;
+	btISTContactStore store;
+	std::shared_ptr<btISTRegistry> registry;
+	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
+	ist::QueryWorkspace workspace;
+	std::weak_ptr<btISTInstallation> installation;
+};

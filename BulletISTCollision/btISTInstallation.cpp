@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/btISTCollisionAlgorithm.h"
+#include "BulletISTCollision/btISTContext.h"
+
+#include "BulletCollision/BroadphaseCollision/btOverlappingPairCache.h"
+#include "BulletCollision/CollisionDispatch/btCollisionDispatcher.h"
+#include "BulletCollision/CollisionDispatch/btCollisionObject.h"
+#include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
+#include "BulletCollision/CollisionShapes/btCompoundShape.h"
+
+#include <new>
+#include <utility>
+
+namespace
+{
+constexpr int kTypes = MAX_BROADPHASE_COLLISION_TYPES;
+
+bool containsShape(const btCollisionShape* root, const btCollisionShape* shape)
+{
+	if (root == shape) return true;
+	if (!root || !root->isCompound()) return false;
+	const auto* compound = static_cast<const btCompoundShape*>(root);
+	for (int i = 0; i < compound->getNumChildShapes(); ++i)
+		if (containsShape(compound->getChildShape(i), shape)) return true;
+	return false;
+}
+
+/// The tables are protected and have no getter; a member pointer named through a derived class may read them on any dispatcher.
+struct DispatchTables : btCollisionDispatcher
+{
+	static btCollisionAlgorithmCreateFunc*& entry(btCollisionDispatcher& d, bool closest, int i, int j)
+	{
+		const auto table = closest ? &DispatchTables::m_doubleDispatchClosestPoints : &DispatchTables::m_doubleDispatchContactPoints;
+		return (d.*table)[i][j];
+	}
+};
+
+template <class Visit>
+void forEachEntry(Visit visit)
+{
+	for (int i = 0; i < kTypes; ++i)
+		for (int j = 0; j < kTypes; ++j)
+		{
+			if (i == SOFTBODY_SHAPE_PROXYTYPE || j == SOFTBODY_SHAPE_PROXYTYPE) continue;
+			visit(false, i, j);
+			visit(true, i, j);
+		}
+}
+}  // namespace
+
+btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+																const btCollisionObjectWrapper* wrap0,
+																const btCollisionObjectWrapper* wrap1)
+{
+	const btCollisionShape* shape0 = wrap0->getCollisionShape();
+	const btCollisionShape* shape1 = wrap1->getCollisionShape();
+	if (context->active && context->registry->size() > 0)
+	{
+		auto treeA = context->registry->find(shape0);
+		auto treeB = context->registry->find(shape1);
+		const bool volumetric = (treeA && treeB) || (treeA && shape1->getShapeType() == STATIC_PLANE_PROXYTYPE) ||
+								(treeB && shape0->getShapeType() == STATIC_PLANE_PROXYTYPE);
+		if (volumetric)
+		{
+			const bool swapped = !treeA;  // A has the tree
+			if (swapped) std::swap(treeA, treeB);
+			const auto mode = closest ? btISTCollisionAlgorithm::Query : btISTCollisionAlgorithm::Respond;
+			void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(int(sizeof(btISTCollisionAlgorithm)));
+			return new (memory) btISTCollisionAlgorithm(info, context->shared_from_this(), mode, std::move(treeA), std::move(treeB),
+														(swapped ? wrap1 : wrap0)->getCollisionObject(),
+														(swapped ? wrap0 : wrap1)->getCollisionObject());
+		}
+	}
+	return previous[shape0->getShapeType()][shape1->getShapeType()]->CreateCollisionAlgorithm(info, wrap0, wrap1);
+}
+
+/// Our entries in one dispatcher.
+class btISTInstallation : public btISTRegistryListener
+{
+public:
+	btISTInstallation(btCollisionDispatcher* d, std::shared_ptr<btISTContext> c) : dispatcher(d), context(std::move(c)) { install(); }
+	~btISTInstallation() override { uninstall(); }
+
+	void install()
+	{
+		if (!dispatcher) return;
+		forEachEntry(
+			[this](bool closest, int i, int j)
+			{
+				btCollisionAlgorithmCreateFunc*& entry = DispatchTables::entry(*dispatcher, closest, i, j);
+				btISTCreateFunc& ours = context->function(closest);
+				if (entry == &ours) return;
+				ours.previous[i][j] = entry;
+				entry = &ours;
+			});
+	}
+
+	bool isComplete() const
+	{
+		bool complete = dispatcher != nullptr;
+		if (complete)
+			forEachEntry(
+				[&](bool closest, int i, int j)
+				{ complete = complete && DispatchTables::entry(*dispatcher, closest, i, j) == &context->function(closest); });
+		return complete;
+	}
+
+	void uninstall()
+	{
+		if (!dispatcher) return;
+		bool foreign = false;
+		forEachEntry(
+			[&](bool closest, int i, int j)
+			{
+				btCollisionAlgorithmCreateFunc*& entry = DispatchTables::entry(*dispatcher, closest, i, j);
+				btISTCreateFunc& ours = context->function(closest);
+				if (entry == &ours)
+					entry = ours.previous[i][j];
+				else
+					foreign = true;
+			});
+		context->active = false;
+		// Whoever registered after us may hold our functions as his predecessors and call them for as long as he likes; nobody tells
+		// us when he stops. They go on delegating, at the price of one context for each such registration.
+		if (foreign) new std::shared_ptr<btISTContext>(context);
+		dispatcher = nullptr;
+	}
+
+	void treeChanged(const btCollisionShape* shape) override
+	{
+		if (pairCache && dispatcher) clean(pairCache, shape);
+	}
+
+	/// All pairs when `shape` is null.
+	void clean(btOverlappingPairCache* cache, const btCollisionShape* shape)
+	{
+		btBroadphasePairArray& pairs = cache->getOverlappingPairArray();
+		for (int i = 0; i < pairs.size(); ++i)
+		{
+			const auto involves = [&](const btBroadphaseProxy* proxy)
+			{ return containsShape(static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape(), shape); };
+			if (!shape || involves(pairs[i].m_pProxy0) || involves(pairs[i].m_pProxy1)) cache->cleanOverlappingPair(pairs[i], dispatcher);
+		}
+	}
+
+	btCollisionDispatcher* dispatcher;
+	btOverlappingPairCache* pairCache = nullptr;
+	std::shared_ptr<btISTContext> context;
+};
+
+btISTRegistration::~btISTRegistration() = default;
+btISTRegistration::btISTRegistration(btISTRegistration&&) noexcept = default;
+btISTRegistration& btISTRegistration::operator=(btISTRegistration&&) noexcept = default;
+bool btISTRegistration::isRegistered() const { return m_installation && m_installation->isComplete(); }
+void btISTRegistration::reinstall() { m_installation->install(); }
+void btISTRegistration::release() { m_installation.reset(); }
+
+void btISTRegistration::dispatcherIsGone()
+{
+	if (!m_installation) return;
+	m_installation->dispatcher = nullptr;
+	m_installation->pairCache = nullptr;
+}
+
+btISTRegistry& btISTRegistration::registry() { return *m_installation->context->registry; }
+btISTContactStore& btISTRegistration::store() { return m_installation->context->store; }
+
+std::shared_ptr<btISTContactStore> btISTRegistration::sharedStore() const
+{
+	return std::shared_ptr<btISTContactStore>(m_installation->context, &m_installation->context->store);
+}
+
+void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
+{
+	if (rule) m_installation->context->rule = std::move(rule);
+}
+
+void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }
+
+void btISTRegistration::cleanPairs(btOverlappingPairCache* pairCache)
+{
+	if (m_installation && m_installation->dispatcher && pairCache) m_installation->clean(pairCache, nullptr);
+}
+
+btISTRegistration btISTCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache,
+															 std::shared_ptr<btISTRegistry> registry)
+{
+	btISTRegistration registration;
+	auto* first = dynamic_cast<btISTCreateFunc*>(DispatchTables::entry(*dispatcher, false, BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE));
+	if (first) registration.m_installation = first->context->installation.lock();
+	if (!registration.m_installation)
+	{
+		auto context = std::make_shared<btISTContext>();
+		context->registry = registry ? std::move(registry) : std::make_shared<btISTRegistry>();
+		registration.m_installation = std::make_shared<btISTInstallation>(dispatcher, context);
+		context->installation = registration.m_installation;
+		context->registry->addListener(registration.m_installation);
+	}
+	if (pairCache) registration.setPairCache(pairCache);
+	return registration;
+}
