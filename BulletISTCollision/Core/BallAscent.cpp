@@ -205,25 +205,13 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 	return ball;
 }
 
-EmptyBall BallAscent::grow(const Vec3& start)
+EmptyBall BallAscent::grow(const Vec3& start, const Vec3& away)
 {
 	int active = 0;
 	EmptyBall ball = climb(start, active);
 	if (!(ball.radius > 0) || active >= 4) return ball;
 	// Held by fewer than four items the ball may sit on a saddle, such as midway between two balls.
-	const EmptyBall other = climb(ball.center + randomDirection() * (0.1 * ball.radius), active);
+	const EmptyBall other = climb(ball.center + away * (0.1 * ball.radius), active);
 	return other.radius > ball.radius ? other : ball;
-}
-
-Vec3 BallAscent::randomDirection()
-{
-	// Not std::uniform_real_distribution: its values differ between standard libraries.
-	const auto unit = [this] { return double(m_random() >> 11) * 0x1p-53; };
-	for (;;)
-	{
-		const Vec3 v{2 * unit() - 1, 2 * unit() - 1, 2 * unit() - 1};
-		const double n = squaredNorm(v);
-		if (n <= 1 && n > 1e-4) return v / std::sqrt(n);
-	}
 }
 }  // namespace ist

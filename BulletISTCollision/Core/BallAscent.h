@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/DistanceOctree.h"
 
-#include <random>
+#include <cstdint>
 #include <vector>
 
 namespace ist
@@ -17,16 +17,15 @@ struct EmptyBall
 
 /// Moves an empty ball uphill on f until it touches its neighbours on all sides. Each step maximises the least of the linearised
 /// distances within a trust radius D: a lower bound of f(x + s), so f rises in every step and the path stays in the component
-/// of the empty space where it began.
+/// of the empty space where it began. One object for each thread.
 class BallAscent
 {
 public:
-	BallAscent(DistanceOctree& space, uint64_t seed) : m_space(space), m_random(seed) {}
+	explicit BallAscent(DistanceOctree& space) : m_space(space) {}
 
-	/// `start` must lie in the empty space; radius <= 0 otherwise.
-	EmptyBall grow(const Vec3& start);
-	/// Random unit vector of the generator that also breaks saddles.
-	Vec3 randomDirection();
+	/// `start` must lie in the empty space; radius <= 0 otherwise. `away` (unit length): which way to try once more from where
+	/// fewer than four items hold the ball.
+	EmptyBall grow(const Vec3& start, const Vec3& away);
 
 private:
 	struct Step
@@ -42,7 +41,6 @@ private:
 	void addBlockers(const Vec3& x);
 
 	DistanceOctree& m_space;
-	std::mt19937_64 m_random;
 	std::vector<DistanceOctree::Plane> m_planes;
 	std::vector<uint32_t> m_blockers;  ///< nearest items at refused points, missing in the leaf of x
 };

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/DistanceOctree.h"
 
+#include "BulletISTCollision/Core/MeshDistance.h"
+
 #include <algorithm>
 
 namespace ist
 {
 namespace
 {
-constexpr size_t leafCapacity = 32;
+constexpr uint32_t leafCapacity = 32;
+constexpr size_t mostListedTriangles = 160;  // of a node that can be split
+constexpr int sharedLevels = 3;              // an insertion goes through these together, below in parallel
+constexpr size_t fewestToShare = 24;
 constexpr double splitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
 constexpr double halfDiagonal = 1.7320508075688774;
+
+float lowerBound(double d) { return float(d - std::fabs(d) * 1.2e-7); }
 
 /// Vector from the segment a + t u, 0 <= t <= 1, to the point a + p.
 Vec3 fromSegment(const Vec3& p, const Vec3& u)
@@ -20,8 +27,9 @@ Vec3 fromSegment(const Vec3& p, const Vec3& u)
 }
 }  // namespace
 
-DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(finest)
+DistanceOctree::DistanceOctree(const MeshDistance& surface, double finest) : m_surface(surface), m_finest(finest)
 {
+	const Mesh& mesh = surface.mesh();
 	const Box box = bounds(mesh);
 	m_slack = 1e-10 * (box.longestSide() + norm(box.lower) + norm(box.upper));
 	m_triangles.reserve(mesh.triangles.size());
@@ -35,14 +43,12 @@ DistanceOctree::DistanceOctree(const Mesh& mesh, double finest) : m_finest(fines
 		m_hulls.push_back({a + middle, radius});
 	}
 
-	Node root;
-	root.center = (box.lower + box.upper) * 0.5;
-	root.half = 0.501 * box.longestSide();
-	std::vector<Entry> all(m_triangles.size());
-	for (size_t i = 0; i < all.size(); ++i) all[i].item = uint32_t(i);
-	fill(root, all);
-	root.filled = true;
-	m_nodes.push_back(std::move(root));
+	m_root.center = (box.lower + box.upper) * 0.5;
+	m_root.half = 0.501 * box.longestSide();
+	m_root.nearest = 1e300;
+	addTriangles(m_root, 1e300, m_root.entries);
+	m_root.listed = uint32_t(m_root.entries.size());
+	m_root.state = State::Filled;
 }
 
 Vec3 DistanceOctree::fromTriangle(const Triangle& t, const Vec3& x)
@@ -101,12 +107,34 @@ bool DistanceOctree::isFartherThan(uint32_t item, const Vec3& x, double limit) c
 	return squaredNorm(x - hull.center) > reach * reach;
 }
 
-void DistanceOctree::fill(Node& node, const std::vector<Entry>& candidates) const
+/// Splitting it would pay if its list were long.
+bool DistanceOctree::isCoarse(const Node& node) const
+{
+	return node.half > m_finest && halfDiagonal * node.half > splitRatio * node.nearest;
+}
+
+bool DistanceOctree::wantsSplit(const Node& node) const
+{
+	return !node.covered && (!node.triangles || node.listed > leafCapacity) && isCoarse(node);
+}
+
+/// `bound`: of f(center). Lowers node.nearest.
+void DistanceOctree::addTriangles(Node& node, double bound, std::vector<Entry>& entries) const
+{
+	node.nearest = std::min(node.nearest, m_surface.closest(node.center, bound + m_slack).distance);
+	std::vector<std::pair<double, uint32_t>> near;
+	node.triangles = m_surface.within(node.center, keepLimit(node), isCoarse(node) ? mostListedTriangles : SIZE_MAX, near);
+	if (!node.triangles) return;
+	entries.reserve(entries.size() + near.size());
+	for (const auto& [distance, triangle] : near) entries.push_back({lowerBound(distance), triangle});
+}
+
+void DistanceOctree::takeOver(Node& node, const Node& parent) const
 {
 	std::vector<Entry> entries;
 	node.nearest = 1e300;
 	double limit = 1e300;
-	for (const Entry& candidate : candidates)
+	for (const Entry& candidate : parent.entries)
 	{
 		if (limit >= 0 && isFartherThan(candidate.item, node.center, limit)) continue;
 		const double d = distanceTo(candidate.item, node.center);
@@ -114,78 +142,97 @@ void DistanceOctree::fill(Node& node, const std::vector<Entry>& candidates) cons
 		{
 			node.covered = true;
 			node.nearest = d;
-			node.entries.assign(1, {d, candidate.item});
+			node.entries.assign(1, {lowerBound(d), candidate.item});
 			return;
 		}
 		node.nearest = std::min(node.nearest, d);
 		limit = keepLimit(node);
-		if (d <= limit) entries.push_back({d, candidate.item});
+		if (d <= limit) entries.push_back({lowerBound(d), candidate.item});
 	}
+	node.triangles = parent.triangles;
+	if (!node.triangles) addTriangles(node, std::min(node.nearest, parent.nearest + distance(parent.center, node.center)), entries);
+	limit = keepLimit(node);
 	std::erase_if(entries, [limit](const Entry& e) { return e.distance > limit; });
 	node.entries.assign(entries.begin(), entries.end());
 }
 
+std::mutex& DistanceOctree::lockOf(const Node& node)
+{
+	return m_locks[reinterpret_cast<uintptr_t>(&node) / sizeof(Node) % m_locks.size()];
+}
+
+void DistanceOctree::fill(Node& child, Node& parent)
+{
+	const std::lock_guard guard(lockOf(child));
+	if (child.state.load(std::memory_order_relaxed) != State::Unfilled) return;
+	takeOver(child, parent);
+	child.listed = uint32_t(child.entries.size());
+	child.state.store(State::Filled, std::memory_order_release);
+	// The last child: nobody reads the parent's list any more.
+	if (parent.unfilled.fetch_sub(1, std::memory_order_acq_rel) == 1) parent.entries = {};
+}
+
 void DistanceOctree::sortEntries(Node& node)
 {
+	const std::lock_guard guard(lockOf(node));
+	if (node.state.load(std::memory_order_relaxed) == State::Sorted) return;
 	std::sort(node.entries.begin(), node.entries.end(), [](const Entry& a, const Entry& b)
 			  { return a.distance != b.distance ? a.distance < b.distance : a.item < b.item; });
-	node.sorted = true;
+	node.state.store(State::Sorted, std::memory_order_release);
 }
 
-bool DistanceOctree::wantsSplit(const Node& node) const
+DistanceOctree::Node* DistanceOctree::split(Node& node)
 {
-	return !node.covered && node.entries.size() > leafCapacity && node.half > m_finest && halfDiagonal * node.half > splitRatio * node.nearest;
-}
-
-void DistanceOctree::split(int32_t index)
-{
-	const int32_t first = int32_t(m_nodes.size());
-	m_nodes.resize(m_nodes.size() + 8);
-	Node& parent = m_nodes[index];
-	parent.child = first;
-	parent.unfilled = 8;
-	const double half = parent.half / 2;
+	const std::lock_guard guard(m_allocation);
+	if (Node* children = node.children.load(std::memory_order_relaxed)) return children;
+	Node* children = nullptr;
+	if (m_unused.empty()) children = m_groups.emplace_back().data();
+	else
+	{
+		children = m_unused.back();
+		m_unused.pop_back();
+	}
+	const double half = node.half / 2;
 	for (int k = 0; k < 8; ++k)
 	{
-		Node& child = m_nodes[first + k];
-		child.center = parent.center + Vec3{k & 1 ? half : -half, k & 2 ? half : -half, k & 4 ? half : -half};
-		child.half = half;
+		children[k].center = node.center + Vec3{k & 1 ? half : -half, k & 2 ? half : -half, k & 4 ? half : -half};
+		children[k].half = half;
 	}
+	node.unfilled.store(8, std::memory_order_relaxed);
+	node.children.store(children, std::memory_order_release);
+	return children;
 }
 
-int32_t DistanceOctree::leafOf(const Vec3& x)
+const DistanceOctree::Node* DistanceOctree::leafOf(const Vec3& x)
 {
-	const Vec3 fromRoot = x - m_nodes[0].center;
-	const double half = m_nodes[0].half;
-	if (!(std::fabs(fromRoot.x) <= half && std::fabs(fromRoot.y) <= half && std::fabs(fromRoot.z) <= half)) return -1;
-	int32_t index = 0;
+	const Vec3 fromRoot = x - m_root.center;
+	const double half = m_root.half;
+	if (!(std::fabs(fromRoot.x) <= half && std::fabs(fromRoot.y) <= half && std::fabs(fromRoot.z) <= half)) return nullptr;
+	Node* node = &m_root;
 	for (;;)
 	{
-		if (m_nodes[index].child < 0)
+		Node* children = node->children.load(std::memory_order_acquire);
+		if (!children)
 		{
-			if (!wantsSplit(m_nodes[index]))
+			if (!wantsSplit(*node))
 			{
-				if (!m_nodes[index].sorted) sortEntries(m_nodes[index]);
-				return index;
+				if (node->state.load(std::memory_order_acquire) != State::Sorted) sortEntries(*node);
+				return node;
 			}
-			split(index);
+			children = split(*node);
 		}
-		Node& parent = m_nodes[index];
-		const Vec3 d = x - parent.center;
-		index = parent.child + (d.x > 0 ? 1 : 0) + (d.y > 0 ? 2 : 0) + (d.z > 0 ? 4 : 0);
-		Node& child = m_nodes[index];
-		if (child.filled) continue;
-		fill(child, parent.entries);
-		child.filled = true;
-		if (--parent.unfilled == 0) parent.entries = {};
+		const Vec3 d = x - node->center;
+		Node* child = children + (d.x > 0 ? 1 : 0) + (d.y > 0 ? 2 : 0) + (d.z > 0 ? 4 : 0);
+		if (child->state.load(std::memory_order_acquire) == State::Unfilled) fill(*child, *node);
+		node = child;
 	}
 }
 
 DistanceOctree::Nearest DistanceOctree::nearest(const Vec3& x)
 {
-	const int32_t leaf = leafOf(x);
-	if (leaf < 0) return {-1, noItem};
-	const Node& node = m_nodes[leaf];
+	const Node* leaf = leafOf(x);
+	if (!leaf) return {-1, noItem};
+	const Node& node = *leaf;
 	const double reach = distance(x, node.center) + m_slack;
 	Nearest best{1e300, noItem};
 	for (const Entry& entry : node.entries)
@@ -200,9 +247,9 @@ DistanceOctree::Nearest DistanceOctree::nearest(const Vec3& x)
 DistanceOctree::Nearest DistanceOctree::gather(const Vec3& x, double reach, std::vector<Plane>& out)
 {
 	out.clear();
-	const int32_t leaf = leafOf(x);
-	if (leaf < 0) return {-1, noItem};
-	const Node& node = m_nodes[leaf];
+	const Node* leaf = leafOf(x);
+	if (!leaf) return {-1, noItem};
+	const Node& node = *leaf;
 	const double fromCenter = distance(x, node.center) + m_slack;
 	Nearest best{1e300, noItem};
 	for (const Entry& entry : node.entries)
@@ -218,44 +265,100 @@ DistanceOctree::Nearest DistanceOctree::gather(const Vec3& x, double reach, std:
 
 void DistanceOctree::insertIntoLeaf(Node& node, const Entry& entry)
 {
-	if (entry.distance <= -halfDiagonal * node.half)
-	{
-		node.covered = true;
-		node.entries = {entry};
-		return;
-	}
-	if (!node.sorted)
+	if (node.state.load(std::memory_order_relaxed) != State::Sorted)
 	{
 		node.entries.push_back(entry);
-		return;
 	}
-	const auto at = std::upper_bound(node.entries.begin(), node.entries.end(), entry.distance,
-									 [](double d, const Entry& e) { return d < e.distance; });
-	node.entries.insert(at, entry);
-	const double limit = keepLimit(node);
-	while (node.entries.back().distance > limit) node.entries.pop_back();
+	else
+	{
+		const auto at = std::upper_bound(node.entries.begin(), node.entries.end(), entry.distance,
+										 [](float d, const Entry& e) { return d < e.distance; });
+		node.entries.insert(at, entry);
+		const double limit = keepLimit(node);
+		while (node.entries.back().distance > limit) node.entries.pop_back();
+	}
+	node.listed = uint32_t(node.entries.size());
 }
 
-void DistanceOctree::insert(const Vec3& center, double radius)
+void DistanceOctree::recycle(Node* group)
 {
-	const uint32_t item = uint32_t(m_triangles.size() + m_balls.size());
-	m_balls.push_back({center, radius});
-	std::vector<int32_t> open{0};
-	while (!open.empty())
+	for (int k = 0; k < 8; ++k)
 	{
-		Node& node = m_nodes[open.back()];
-		open.pop_back();
-		if (node.covered || !node.filled) continue;
-		const double d = distance(center, node.center) - radius;
-		if (d > keepLimit(node)) continue;
-		node.nearest = std::min(node.nearest, d);
-		if (node.child < 0)
-		{
-			insertIntoLeaf(node, {d, item});
-			continue;
-		}
-		if (node.unfilled > 0) node.entries.push_back({d, item});
-		for (int k = 0; k < 8; ++k) open.push_back(node.child + k);
+		Node& node = group[k];
+		if (Node* children = node.children.load(std::memory_order_relaxed)) recycle(children);
+		node.children.store(nullptr, std::memory_order_relaxed);
+		node.entries = {};
+		node.listed = 0;
+		node.state.store(State::Unfilled, std::memory_order_relaxed);
+		node.covered = node.triangles = false;
 	}
+	const std::lock_guard guard(m_allocation);
+	m_unused.push_back(group);
+}
+
+void DistanceOctree::cover(Node& node, const Entry& entry)
+{
+	if (Node* children = node.children.load(std::memory_order_relaxed)) recycle(children);
+	node.children.store(nullptr, std::memory_order_relaxed);
+	node.covered = true;
+	node.entries.clear();
+	node.entries.shrink_to_fit();
+	node.entries.push_back(entry);
+	node.listed = 1;
+}
+
+/// Whether the item matters to the children, too.
+bool DistanceOctree::admit(Node& node, uint32_t item)
+{
+	if (node.covered || node.state.load(std::memory_order_relaxed) == State::Unfilled) return false;
+	const Ball& ball = m_balls[item - m_triangles.size()];
+	const double d = distance(ball.center, node.center) - ball.radius;
+	if (d > keepLimit(node)) return false;
+	node.nearest = std::min(node.nearest, d);
+	const Entry entry{lowerBound(d), item};
+	if (d <= -halfDiagonal * node.half)
+	{
+		cover(node, entry);
+		return false;
+	}
+	if (!node.children.load(std::memory_order_relaxed))
+	{
+		insertIntoLeaf(node, entry);
+		return false;
+	}
+	if (node.unfilled.load(std::memory_order_relaxed) > 0) node.entries.push_back(entry);
+	return true;
+}
+
+void DistanceOctree::insertBelow(Node& node, uint32_t item)
+{
+	if (!admit(node, item)) return;
+	Node* children = node.children.load(std::memory_order_relaxed);
+	for (int k = 0; k < 8; ++k) insertBelow(children[k], item);
+}
+
+void DistanceOctree::insert(const std::vector<Sphere>& balls, [[maybe_unused]] int threads)
+{
+	std::vector<Insertion> open(1), below;
+	open[0].node = &m_root;
+	for (const Sphere& s : balls)
+	{
+		open[0].items.push_back(uint32_t(m_triangles.size() + m_balls.size()));
+		m_balls.push_back({s.center(), s.r});
+	}
+	for (int level = 0; level < sharedLevels && balls.size() >= fewestToShare; ++level)
+	{
+		below.clear();
+		for (Insertion& at : open)
+		{
+			std::erase_if(at.items, [&](uint32_t item) { return !admit(*at.node, item); });
+			Node* children = at.node->children.load(std::memory_order_relaxed);
+			for (int k = 0; k < 8 && children && !at.items.empty(); ++k) below.push_back({children + k, at.items});
+		}
+		open.swap(below);
+	}
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (balls.size() >= fewestToShare)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(open.size()); ++i)
+		for (const uint32_t item : open[size_t(i)].items) insertBelow(*open[size_t(i)].node, item);
 }
 }  // namespace ist

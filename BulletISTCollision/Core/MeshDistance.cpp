@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshDistance.h"
 
+#include "BulletISTCollision/Core/TriangleQuads.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -11,88 +13,16 @@ namespace ist
 {
 namespace
 {
-constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr uint32_t kLeafSize = 8;
-constexpr int kBins = 16;
-// Below this depth the builder halves by count, which adds at most 32 levels: the descents below need no larger stack.
-constexpr int kMaxBinnedDepth = 48;
-constexpr int kStackSize = 96;
+// A longer list costs more than the way down the hierarchy.
+constexpr size_t kMostGathered = 96;
 // A cluster counts as far beyond this many radii (Barill et al. 2018 use 2 and one more order). Telling inside from outside
 // needs less than the winding number itself, whose error with 2.5 was seen to reach 0.03, with 5 below 0.007.
 constexpr double kFarRadiiSide = 2.5;
 constexpr double kFarRadii = 5;
-// Boxes this much (relative, squared) beyond the best distance are still opened: rounding must not hide an equally near triangle.
-constexpr double kPruneSlack = 1 + 1e-13;
-// A triangle lower than this fraction of its longest edge has a normal too inexact to be relied on alone.
-constexpr double kNeedleRatio = 1e-6;
 
-struct PreparedTriangle
-{
-	Vec3 a, ab, ac;
-	Vec3 normal;             // ab x ac, not normalised
-	double inverseNormal2;   // 1 / |normal|^2; zero marks a needle
-	uint32_t index;
-};
-
-PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c, uint32_t index)
-{
-	PreparedTriangle t{a, b - a, c - a, {}, 0, index};
-	t.normal = cross(t.ab, t.ac);
-	const double n2 = squaredNorm(t.normal);
-	const double edge2 = std::max({squaredNorm(t.ab), squaredNorm(t.ac), squaredNorm(c - b)});
-	if (n2 > kNeedleRatio * kNeedleRatio * edge2 * edge2) t.inverseNormal2 = 1 / n2;
-	return t;
-}
-
-/// Offset from `p` to the nearest point of the segment that starts at p + start.
-inline Vec3 offsetToSegment(const Vec3& start, const Vec3& edge)
-{
-	const double s = -dot(start, edge);
-	if (!(s > 0)) return start;
-	const double length2 = squaredNorm(edge);
-	return s >= length2 ? start + edge : start + edge * (s / length2);
-}
-
-inline void keepShorter(Vec3& best, double& best2, const Vec3& candidate)
-{
-	const double d2 = squaredNorm(candidate);
-	if (d2 < best2)
-	{
-		best2 = d2;
-		best = candidate;
-	}
-}
-
-/// Offset from `p` to the nearest point of the triangle; `pa` = a - p. From a point outside, the straight way to the
-/// nearest point enters through an edge whose barycentric weight is negative, so only those edges are looked at.
-inline Vec3 offsetToTriangle(const PreparedTriangle& t, const Vec3& pa, double& d2)
-{
-	const double wb = -dot(cross(pa, t.ac), t.normal);
-	const double wc = -dot(cross(t.ab, pa), t.normal);
-	const bool needle = t.inverseNormal2 == 0;
-	const double v = wb * t.inverseNormal2, w = wc * t.inverseNormal2;
-	const double u = 1 - v - w;
-	if (!needle && u >= 0 && v >= 0 && w >= 0)
-	{
-		const Vec3 offset = pa + t.ab * v + t.ac * w;
-		d2 = squaredNorm(offset);
-		return offset;
-	}
-	Vec3 best{};
-	d2 = kInfinity;
-	if (needle || w < 0) keepShorter(best, d2, offsetToSegment(pa, t.ab));
-	if (needle || v < 0) keepShorter(best, d2, offsetToSegment(pa, t.ac));
-	if (needle || u < 0) keepShorter(best, d2, offsetToSegment(pa + t.ab, t.ac - t.ab));
-	if (needle)
-	{
-		// The weights may be poor here, but a convex combination is always a point of the triangle and never too near.
-		const double n2 = squaredNorm(t.normal);
-		if (n2 > 0 && wb >= 0 && wc >= 0 && wb + wc <= n2)
-			keepShorter(best, d2, pa + t.ab * (wb / n2) + t.ac * (wc / n2));
-	}
-	return best;
-}
+using Nearest = TriangleQuads::Nearest;
+using Child = TriangleHierarchy::Child;
 
 /// Solid angle of a triangle seen from `p`, positive from behind (van Oosterom and Strackee 1983).
 double solidAngle(const PreparedTriangle& t, const Vec3& p)
@@ -104,18 +34,6 @@ double solidAngle(const PreparedTriangle& t, const Vec3& p)
 	if (numerator == 0) return 0;
 	return 2 * std::atan2(numerator, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
-
-/// `count` > 0: a leaf of that many triangles from `first`; otherwise the inner node number `first`.
-struct Child
-{
-	Vec3 lower, upper;
-	uint32_t first = 0, count = 0;
-};
-
-struct Node
-{
-	Child child[2];
-};
 
 struct Cluster
 {
@@ -135,120 +53,6 @@ inline double farSolidAngle(const Cluster& c, const Vec3& r, double r2)
 	return (dot(c.areaNormal, r) + trace - 3 * quadratic / r2) / (r2 * std::sqrt(r2));
 }
 
-struct Nearest
-{
-	Vec3 offset;  // from the asked point
-	double distance2 = 0;
-	uint32_t triangle = kNone;
-};
-
-inline double squaredDistance(const Child& box, const Vec3& p)
-{
-	const double x = std::max(std::max(box.lower.x - p.x, p.x - box.upper.x), 0.0);
-	const double y = std::max(std::max(box.lower.y - p.y, p.y - box.upper.y), 0.0);
-	const double z = std::max(std::max(box.lower.z - p.z, p.z - box.upper.z), 0.0);
-	return x * x + y * y + z * z;
-}
-
-struct Bounds
-{
-	Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
-
-	void include(const Vec3& p)
-	{
-		lower = componentMin(lower, p);
-		upper = componentMax(upper, p);
-	}
-	void include(const Bounds& o)
-	{
-		lower = componentMin(lower, o.lower);
-		upper = componentMax(upper, o.upper);
-	}
-	double halfArea() const
-	{
-		const Vec3 s = upper - lower;
-		return s.x >= 0 ? s.x * s.y + s.y * s.z + s.z * s.x : 0;
-	}
-};
-
-struct BuildItem
-{
-	Bounds box;
-	Vec3 center;
-	uint32_t triangle;
-};
-
-using Items = std::vector<BuildItem>;
-
-struct Split
-{
-	int axis = -1;
-	int bin = 0;
-	double cost = kInfinity;
-};
-
-int binOf(const BuildItem& item, int axis, const Bounds& centers)
-{
-	const double extent = centers.upper[axis] - centers.lower[axis];
-	const double f = (item.center[axis] - centers.lower[axis]) / extent;
-	return std::clamp(static_cast<int>(f * kBins), 0, kBins - 1);
-}
-
-/// The cheapest plane by the surface area heuristic over kBins bins of one axis; items of bins <= split.bin go left.
-Split bestSplitOnAxis(const Items& items, uint32_t begin, uint32_t end, int axis, const Bounds& centers)
-{
-	std::array<Bounds, kBins> box;
-	std::array<uint32_t, kBins> count{};
-	for (uint32_t i = begin; i < end; ++i)
-	{
-		const int b = binOf(items[i], axis, centers);
-		box[b].include(items[i].box);
-		++count[b];
-	}
-	std::array<double, kBins> rightCost{};
-	Bounds right;
-	uint32_t rightCount = 0;
-	for (int b = kBins - 1; b > 0; --b)
-	{
-		right.include(box[b]);
-		rightCount += count[b];
-		rightCost[b] = rightCount ? right.halfArea() * rightCount : kInfinity;
-	}
-	Split best;
-	Bounds left;
-	uint32_t leftCount = 0;
-	for (int b = 0; b + 1 < kBins; ++b)
-	{
-		left.include(box[b]);
-		leftCount += count[b];
-		const double cost = leftCount ? left.halfArea() * leftCount + rightCost[b + 1] : kInfinity;
-		if (cost < best.cost) best = {axis, b, cost};
-	}
-	return best;
-}
-
-/// Reorders [begin, end) and returns where the right part starts; both parts are non-empty.
-uint32_t partition(Items& items, uint32_t begin, uint32_t end, int depth)
-{
-	Bounds centers;
-	for (uint32_t i = begin; i < end; ++i) centers.include(items[i].center);
-	Split best;
-	if (depth < kMaxBinnedDepth)
-		for (int axis = 0; axis < 3; ++axis)
-			if (centers.upper[axis] > centers.lower[axis])
-			{
-				const Split s = bestSplitOnAxis(items, begin, end, axis, centers);
-				if (s.cost < best.cost) best = s;
-			}
-	if (best.axis >= 0)
-	{
-		const auto middle = std::partition(items.begin() + begin, items.begin() + end, [&](const BuildItem& item)
-										   { return binOf(item, best.axis, centers) <= best.bin; });
-		const auto split = static_cast<uint32_t>(middle - items.begin());
-		if (split > begin && split < end) return split;
-	}
-	return begin + (end - begin) / 2;
-}
 }  // namespace
 
 struct MeshDistance::Implementation
@@ -257,82 +61,64 @@ struct MeshDistance::Implementation
 	// Everything below is relative to this point, so that distance from the origin costs no digits.
 	Vec3 origin;
 	double size = 0;
-	Child root;
+	TriangleHierarchy hierarchy;
+	TriangleQuads quads;
 	Cluster rootCluster;
-	std::vector<Node> nodes;
-	std::vector<std::array<Cluster, 2>> clusters;  // of nodes[i].child
-	std::vector<PreparedTriangle> triangles;       // in leaf order
+	std::vector<std::array<Cluster, 2>> clusters;  // of hierarchy.nodes[i].child
 
 	explicit Implementation(Mesh source);
-	Child build(Items& items, uint32_t begin, uint32_t end, int depth, Cluster& cluster);
-	Cluster clusterOf(uint32_t begin, uint32_t end, const Vec3& fallbackCentroid) const;
-	void scanLeaf(const Child& leaf, const Vec3& p, Nearest& best) const;
-	Nearest nearest(const Vec3& p, double upperBound) const;
+	void addClusters();
+	Cluster clusterOf(const Child& child, uint32_t begin, uint32_t end) const;
+	Nearest nearest(const Vec3& p, const Neighbourhood& near) const;
+	Field fieldFrom(const Nearest& c, bool inside) const;
 	double winding(const Vec3& p, double farRadii) const;
 	bool contains(const Vec3& p) const;
 };
 
 MeshDistance::Implementation::Implementation(Mesh source) : mesh(std::move(source))
 {
-	Bounds all;
-	for (const auto& t : mesh.triangles)
-		for (const uint32_t v : t) all.include(mesh.vertices[v]);
 	if (mesh.triangles.empty()) return;
-	origin = (all.lower + all.upper) * 0.5;
-	size = norm(all.upper - all.lower);
-
-	const auto n = static_cast<uint32_t>(mesh.triangles.size());
-	Items items(n);
-	for (uint32_t i = 0; i < n; ++i)
+	Vec3 lower = mesh.vertices[mesh.triangles[0][0]], upper = lower;
+	for (const auto& t : mesh.triangles)
 	{
-		for (const uint32_t v : mesh.triangles[i]) items[i].box.include(mesh.vertices[v] - origin);
-		items[i].center = (items[i].box.lower + items[i].box.upper) * 0.5;
-		items[i].triangle = i;
-	}
-	triangles.resize(n);
-	nodes.reserve(n);
-	clusters.reserve(n);
-	root = build(items, 0, n, 0, rootCluster);
-	nodes.shrink_to_fit();
-	clusters.shrink_to_fit();
-}
-
-Child MeshDistance::Implementation::build(Items& items, uint32_t begin, uint32_t end, int depth, Cluster& cluster)
-{
-	Bounds box;
-	for (uint32_t i = begin; i < end; ++i) box.include(items[i].box);
-	Child result{box.lower, box.upper, begin, end - begin};
-	if (end - begin <= kLeafSize)
-	{
-		std::sort(items.begin() + begin, items.begin() + end,
-				  [](const BuildItem& l, const BuildItem& r) { return l.triangle < r.triangle; });
-		for (uint32_t i = begin; i < end; ++i)
+		for (const uint32_t v : t)
 		{
-			const auto& t = mesh.triangles[items[i].triangle];
-			triangles[i] = prepare(mesh.vertices[t[0]] - origin, mesh.vertices[t[1]] - origin,
-								   mesh.vertices[t[2]] - origin, items[i].triangle);
+			lower = componentMin(lower, mesh.vertices[v]);
+			upper = componentMax(upper, mesh.vertices[v]);
 		}
 	}
-	else
-	{
-		const uint32_t split = partition(items, begin, end, depth);
-		const auto self = static_cast<uint32_t>(nodes.size());
-		nodes.emplace_back();
-		clusters.emplace_back();
-		Cluster part;
-		nodes[self].child[0] = build(items, begin, split, depth + 1, part);
-		clusters[self][0] = part;
-		nodes[self].child[1] = build(items, split, end, depth + 1, part);
-		clusters[self][1] = part;
-		result.first = self;
-		result.count = 0;
-	}
-	cluster = clusterOf(begin, end, (box.lower + box.upper) * 0.5);
-	return result;
+	origin = (lower + upper) * 0.5;
+	size = norm(upper - lower);
+	hierarchy = TriangleHierarchy(mesh, origin);
+	quads = TriangleQuads(hierarchy, size);
+	addClusters();
 }
 
-Cluster MeshDistance::Implementation::clusterOf(uint32_t begin, uint32_t end, const Vec3& fallbackCentroid) const
+void MeshDistance::Implementation::addClusters()
 {
+	// The triangles of a node are those from the first of its leftmost leaf to the last of its rightmost.
+	const auto range = [this](const Child& child)
+	{
+		const Child *left = &child, *right = &child;
+		while (left->count == 0) left = &hierarchy.nodes[left->first].child[0];
+		while (right->count == 0) right = &hierarchy.nodes[right->first].child[1];
+		return std::pair{left->first, right->first + right->count};
+	};
+	clusters.resize(hierarchy.nodes.size());
+	for (size_t i = 0; i < clusters.size(); ++i)
+	{
+		for (int k = 0; k < 2; ++k)
+		{
+			const auto [begin, end] = range(hierarchy.nodes[i].child[k]);
+			clusters[i][size_t(k)] = clusterOf(hierarchy.nodes[i].child[k], begin, end);
+		}
+	}
+	rootCluster = clusterOf(hierarchy.root, 0, uint32_t(hierarchy.triangles.size()));
+}
+
+Cluster MeshDistance::Implementation::clusterOf(const Child& child, uint32_t begin, uint32_t end) const
+{
+	const std::vector<PreparedTriangle>& triangles = hierarchy.triangles;
 	Cluster c;
 	double area = 0;
 	for (uint32_t i = begin; i < end; ++i)
@@ -343,7 +129,7 @@ Cluster MeshDistance::Implementation::clusterOf(uint32_t begin, uint32_t end, co
 		c.centroid += (t.a + (t.ab + t.ac) / 3) * triangleArea;
 		area += triangleArea;
 	}
-	c.centroid = area > 0 ? c.centroid / area : fallbackCentroid;
+	c.centroid = area > 0 ? c.centroid / area : (child.lower + child.upper) * 0.5;
 	for (uint32_t i = begin; i < end; ++i)
 	{
 		const PreparedTriangle& t = triangles[i];
@@ -356,59 +142,31 @@ Cluster MeshDistance::Implementation::clusterOf(uint32_t begin, uint32_t end, co
 	return c;
 }
 
-void MeshDistance::Implementation::scanLeaf(const Child& leaf, const Vec3& p, Nearest& best) const
+Nearest MeshDistance::Implementation::nearest(const Vec3& p, const Neighbourhood& near) const
 {
-	for (uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
-	{
-		const PreparedTriangle& t = triangles[i];
-		const Vec3 pa = t.a - p;
-		const double height = dot(pa, t.normal);
-		if (height * height * t.inverseNormal2 > best.distance2 * kPruneSlack) continue;
-		double d2;
-		const Vec3 candidate = offsetToTriangle(t, pa, d2);
-		if (d2 < best.distance2 || (d2 == best.distance2 && best.triangle != kNone && t.index < best.triangle))
-			best = {candidate, d2, t.index};
-	}
-}
-
-Nearest MeshDistance::Implementation::nearest(const Vec3& p, double upperBound) const
-{
+	if (!near.complete) return quads.nearest(p, kInfinity, near.nearest);
 	Nearest best;
-	best.distance2 = upperBound > 0 ? upperBound * upperBound : 0;
-	if (triangles.empty()) return best;
-	std::pair<const Child*, double> stack[kStackSize];
-	int top = 0;
-	stack[top++] = {&root, squaredDistance(root, p)};
-	while (top > 0)
+	best.distance2 = kInfinity;
+	const double moved = distance(p, near.center - origin);
+	double reach = kInfinity;
+	for (const auto& [fromCenter, place] : near.triangles)
 	{
-		auto [child, box2] = stack[--top];
-		while (box2 <= best.distance2 * kPruneSlack)
-		{
-			if (child->count > 0)
-			{
-				scanLeaf(*child, p, best);
-				break;
-			}
-			const Node& node = nodes[child->first];
-			const double d0 = squaredDistance(node.child[0], p), d1 = squaredDistance(node.child[1], p);
-			const int near = d1 < d0 ? 1 : 0;
-			const double far2 = near ? d0 : d1;
-			if (far2 <= best.distance2 * kPruneSlack) stack[top++] = {&node.child[1 - near], far2};
-			child = &node.child[near];
-			box2 = near ? d1 : d0;
-		}
+		if (fromCenter - moved > reach) break;
+		const double before = best.distance2;
+		quads.offer(place, p, best);
+		if (best.distance2 < before) reach = std::sqrt(best.distance2) + 1e-9 * size;
 	}
 	return best;
 }
 
 double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) const
 {
-	if (triangles.empty()) return 0;
+	if (hierarchy.triangles.empty()) return 0;
 	const double far2 = farRadii * farRadii;
 	double sum = 0;
-	std::pair<const Child*, const Cluster*> stack[kStackSize];
+	std::pair<const Child*, const Cluster*> stack[TriangleHierarchy::kMostLevels + 2];
 	int top = 0;
-	stack[top++] = {&root, &rootCluster};
+	stack[top++] = {&hierarchy.root, &rootCluster};
 	while (top > 0)
 	{
 		const auto [child, cluster] = stack[--top];
@@ -417,16 +175,16 @@ double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) con
 		if (r2 > far2 * cluster->radius2)
 			sum += farSolidAngle(*cluster, r, r2);
 		else if (child->count > 0)
-			for (uint32_t i = child->first; i < child->first + child->count; ++i) sum += solidAngle(triangles[i], p);
+			for (uint32_t i = child->first; i < child->first + child->count; ++i) sum += solidAngle(hierarchy.triangles[i], p);
 		else
-			for (int k = 0; k < 2; ++k) stack[top++] = {&nodes[child->first].child[k], &clusters[child->first][k]};
+			for (int k = 0; k < 2; ++k) stack[top++] = {&hierarchy.nodes[child->first].child[k], &clusters[child->first][k]};
 	}
 	return sum / (4 * std::numbers::pi);
 }
 
 bool MeshDistance::Implementation::contains(const Vec3& p) const
 {
-	if (triangles.empty() || squaredDistance(root, p) > 0) return false;
+	if (hierarchy.triangles.empty() || squaredDistance(hierarchy.root, p) > 0) return false;
 	double w = winding(p, kFarRadiiSide);
 	if (std::fabs(w - 0.5) < 0.1) w = winding(p, kFarRadii);
 	return w > 0.5;
@@ -434,7 +192,7 @@ bool MeshDistance::Implementation::contains(const Vec3& p) const
 
 Vec3 closestPointOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c)
 {
-	const PreparedTriangle t = prepare(a, b, c, 0);
+	const PreparedTriangle t = prepareTriangle(a, b, c, 0);
 	double d2;
 	return p + offsetToTriangle(t, a - p, d2);
 }
@@ -451,9 +209,28 @@ const Mesh& MeshDistance::mesh() const
 
 MeshDistance::Closest MeshDistance::closest(const Vec3& p, double upperBound) const
 {
-	const Nearest n = m_impl->nearest(p - m_impl->origin, upperBound);
-	if (n.triangle == kNone) return {p, upperBound, kNone};
+	const Nearest n = m_impl->quads.nearest(p - m_impl->origin, upperBound);
+	if (n.triangle == TriangleQuads::kNone) return {p, upperBound, TriangleQuads::kNone};
 	return {p + n.offset, std::sqrt(n.distance2), n.triangle};
+}
+
+bool MeshDistance::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
+{
+	const bool all = m_impl->quads.within(p - m_impl->origin, reach, most, out);
+	for (auto& [distance, triangle] : out) triangle = m_impl->hierarchy.triangles[triangle].index;
+	return all;
+}
+
+void MeshDistance::gather(const Vec3& center, double radius, Neighbourhood& out) const
+{
+	out.center = center;
+	out.radius = radius;
+	const Vec3 p = center - m_impl->origin;
+	const Nearest nearest = m_impl->quads.nearest(p, kInfinity, out.nearest);
+	out.nearest = nearest.place;
+	out.complete = m_impl->quads.within(p, std::sqrt(nearest.distance2) + 2 * radius + 1e-9 * m_impl->size, kMostGathered, out.triangles);
+	if (!out.complete) out.triangles.clear();
+	std::sort(out.triangles.begin(), out.triangles.end());
 }
 
 double MeshDistance::windingNumber(const Vec3& p) const
@@ -479,19 +256,27 @@ MeshDistance::Field MeshDistance::field(const Vec3& p) const
 
 MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside) const
 {
-	const Implementation& m = *m_impl;
-	const Nearest c = m.nearest(p - m.origin, kInfinity);
+	return m_impl->fieldFrom(m_impl->quads.nearest(p - m_impl->origin, kInfinity), inside);
+}
+
+MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside, const Neighbourhood& near) const
+{
+	return m_impl->fieldFrom(m_impl->nearest(p - m_impl->origin, near), inside);
+}
+
+MeshDistance::Field MeshDistance::Implementation::fieldFrom(const Nearest& c, bool inside) const
+{
 	const double distance = std::sqrt(c.distance2);
 	Field f{inside ? distance : -distance, {0, 0, 1}};
-	if (c.triangle == kNone) return f;
-	if (distance >= 1e-12 * m.size && distance > 0)
+	if (c.triangle == TriangleQuads::kNone) return f;
+	if (distance >= 1e-12 * size && distance > 0)
 	{
 		f.normal = normalized(inside ? c.offset : -c.offset);
 		return f;
 	}
-	const auto& t = m.mesh.triangles[c.triangle];
-	const Vec3 a = m.mesh.vertices[t[0]];
-	const Vec3 n = normalized(cross(m.mesh.vertices[t[1]] - a, m.mesh.vertices[t[2]] - a));
+	const auto& t = mesh.triangles[c.triangle];
+	const Vec3 a = mesh.vertices[t[0]];
+	const Vec3 n = normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 	if (squaredNorm(n) > 0) f.normal = n;
 	return f;
 }

@@ -10,6 +10,7 @@ namespace ist
 namespace
 {
 constexpr uint32_t leafSize = 6;
+constexpr size_t mostGathered = 160;  // a longer list costs more than the way down the trees
 
 double distanceToBox(const Vec3& p, const Vec3& lower, const Vec3& upper)
 {
@@ -23,7 +24,11 @@ double distanceToBox(const Vec3& p, const Vec3& lower, const Vec3& upper)
 NearestSphere::NearestSphere(const std::vector<Sphere>& spheres)
 {
 	m_entries.reserve(spheres.size());
-	for (uint32_t i = 0; i < spheres.size(); ++i) m_entries.push_back({spheres[i].center(), spheres[i].r, i});
+	for (uint32_t i = 0; i < spheres.size(); ++i)
+	{
+		m_entries.push_back({spheres[i].center(), spheres[i].r, i});
+		m_slack = std::max(m_slack, 1e-12 * (norm(spheres[i].center()) + spheres[i].r));
+	}
 	std::sort(m_entries.begin(), m_entries.end(),
 			  [](const Entry& a, const Entry& b) { return a.radius != b.radius ? a.radius > b.radius : a.sphere < b.sphere; });
 
@@ -87,12 +92,7 @@ double NearestSphere::lowerBound(const Node& node, const Vec3& p)
 NearestSphere::Hit NearestSphere::nearest(const Vec3& p, uint32_t hint) const
 {
 	Hit best;
-	const auto offer = [&](const Entry& e)
-	{
-		const double d = distance(p, e.center) - e.radius;
-		if (d < best.distance || (d == best.distance && e.sphere < best.sphere)) best = {e.sphere, d};
-	};
-	if (hint < m_slots.size()) offer(m_entries[m_slots[hint]]);
+	if (hint < m_slots.size()) m_entries[m_slots[hint]].offer(p, best);
 
 	std::pair<double, uint32_t> stack[96];
 	int size = 0;
@@ -106,7 +106,7 @@ NearestSphere::Hit NearestSphere::nearest(const Vec3& p, uint32_t hint) const
 		const Node& node = m_nodes[index];
 		if (node.count > 0)
 		{
-			for (uint32_t i = node.first; i < node.first + node.count; ++i) offer(m_entries[i]);
+			for (uint32_t i = node.first; i < node.first + node.count; ++i) m_entries[i].offer(p, best);
 			continue;
 		}
 		std::pair<double, uint32_t> nearer{lowerBound(m_nodes[index + 1], p), index + 1};
@@ -114,6 +114,54 @@ NearestSphere::Hit NearestSphere::nearest(const Vec3& p, uint32_t hint) const
 		if (farther.first < nearer.first) std::swap(nearer, farther);
 		if (farther.first <= best.distance) stack[size++] = farther;
 		if (nearer.first <= best.distance) stack[size++] = nearer;
+	}
+	return best;
+}
+
+void NearestSphere::gather(const Vec3& center, double radius, Neighbourhood& out) const
+{
+	out.center = center;
+	out.radius = radius;
+	out.spheres.clear();
+	out.complete = false;
+	const double reach = nearest(center).distance + 2 * radius + m_slack;
+	std::vector<uint32_t> open(m_roots.begin(), m_roots.end());
+	while (!open.empty())
+	{
+		const uint32_t index = open.back();
+		const Node& node = m_nodes[index];
+		open.pop_back();
+		if (lowerBound(node, center) > reach) continue;
+		if (node.count == 0)
+		{
+			open.push_back(index + 1);
+			open.push_back(node.right);
+			continue;
+		}
+		for (uint32_t i = node.first; i < node.first + node.count; ++i)
+		{
+			const double d = distance(center, m_entries[i].center) - m_entries[i].radius;
+			if (d <= reach) out.spheres.push_back({d, i});
+		}
+		if (out.spheres.size() > mostGathered)
+		{
+			out.spheres.clear();
+			return;
+		}
+	}
+	std::sort(out.spheres.begin(), out.spheres.end());
+	out.complete = true;
+}
+
+NearestSphere::Hit NearestSphere::nearest(const Vec3& p, const Neighbourhood& near, uint32_t hint) const
+{
+	if (!near.complete) return nearest(p, hint);
+	Hit best;
+	const double moved = distance(p, near.center) + m_slack;
+	for (const auto& [fromCenter, entry] : near.spheres)
+	{
+		if (fromCenter - moved > best.distance) break;
+		m_entries[entry].offer(p, best);
 	}
 	return best;
 }

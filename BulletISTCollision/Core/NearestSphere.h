@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/SpherePacking.h"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ist
@@ -23,6 +24,18 @@ public:
 	/// `hint`: any sphere likely to be near; it changes the time taken, never the answer.
 	Hit nearest(const Vec3& p, uint32_t hint = UINT32_MAX) const;
 
+	/// The spheres that can be nearest to a point of a ball, for many questions close together.
+	struct Neighbourhood
+	{
+		Vec3 center;
+		double radius = 0;
+		std::vector<std::pair<double, uint32_t>> spheres;  ///< by distance from the centre; second: entry
+		bool complete = false;  ///< false: too many spheres to list, and the list is empty
+	};
+	void gather(const Vec3& center, double radius, Neighbourhood& out) const;
+	/// The same answer for a point of the ball of `near`.
+	Hit nearest(const Vec3& p, const Neighbourhood& near, uint32_t hint = UINT32_MAX) const;
+
 private:
 	struct Node
 	{
@@ -37,6 +50,12 @@ private:
 		Vec3 center;
 		double radius;
 		uint32_t sphere;
+
+		void offer(const Vec3& p, Hit& best) const
+		{
+			const double d = distance(p, center) - radius;
+			if (d < best.distance || (d == best.distance && sphere < best.sphere)) best = {sphere, d};
+		}
 	};
 
 	uint32_t build(uint32_t first, uint32_t last);
@@ -46,5 +65,6 @@ private:
 	std::vector<Entry> m_entries;
 	std::vector<uint32_t> m_roots;
 	std::vector<uint32_t> m_slots;  // sphere -> entry
+	double m_slack = 0;             // far above rounding, far below any gap [m]
 };
 }  // namespace ist

@@ -2,14 +2,21 @@
 #include "BulletISTCollision/Core/SpherePacker.h"
 
 #include "BulletISTCollision/Core/BallAscent.h"
+#include "BulletISTCollision/Core/CounterRandom.h"
 #include "BulletISTCollision/Core/DistanceOctree.h"
 #include "BulletISTCollision/Core/MeshDistance.h"
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
-#include <string>
 #include <queue>
+#include <string>
+#include <unordered_map>
 
 namespace ist
 {
@@ -24,29 +31,106 @@ constexpr int coarseStarts = 8;
 constexpr int surfaceStarts = 3000;
 constexpr double surfaceInset = 2e-4;  // of the longest side
 constexpr int childStarts = 8;
+// A hole missed among the large ones costs more than among the many small ones.
+constexpr uint32_t firstSpheres = 100;
+constexpr int firstStarts = 32;
 constexpr double childDistance = 1.03;  // of the radius
-constexpr int spheresPerReport = 100;
+constexpr size_t startsPerReport = 4000;
+// A batch is placed in order of radius before its surroundings are searched anew. The holes around a sphere are much smaller than
+// it is, so a batch that spans few per cent of the radius leaves the order almost as if spheres were placed one by one.
+constexpr double batchSpan = 0.97;
+constexpr size_t largestBatch = 8192;
+constexpr size_t spheresPerBatchMember = 4;
+[[maybe_unused]] constexpr size_t fewestToShare = 24;  // among threads: waiting for each other costs more than fewer tasks
+constexpr uint64_t surfaceStream = 1, awayStream = 2, childStream = 3;  // of the random numbers
 
 double ballVolume(double r) { return 4.0 / 3.0 * pi * r * r * r; }
 
+int threadCount(const PackingOptions& options)
+{
+#ifdef _OPENMP
+	return options.threads > 0 ? options.threads : omp_get_max_threads();
+#else
+	(void)options;
+	return 1;
+#endif
+}
+
+int thisThread()
+{
+#ifdef _OPENMP
+	return omp_get_thread_num();
+#else
+	return 0;
+#endif
+}
+
+/// A sphere that fitted when it was grown.
 struct Candidate
 {
-	EmptyBall ball;
+	Sphere sphere;
 	uint64_t index = 0;  // order of creation, breaks ties
 
-	bool operator<(const Candidate& o) const
+	bool operator<(const Candidate& o) const { return sphere.r != o.sphere.r ? sphere.r < o.sphere.r : index > o.index; }
+};
+
+/// The spheres placed in a batch, on a grid as wide as the largest of them.
+class PlacedGrid
+{
+public:
+	void clear(double cell)
 	{
-		return ball.radius != o.ball.radius ? ball.radius < o.ball.radius : index > o.index;
+		m_first.clear();
+		m_next.clear();
+		m_spheres.clear();
+		m_cell = cell;
 	}
+
+	void add(const Sphere& sphere)
+	{
+		const Vec3 c = sphere.center();
+		uint32_t& first = m_first.try_emplace(key(column(c.x), column(c.y), column(c.z)), none).first->second;
+		m_next.push_back(first);
+		first = uint32_t(m_spheres.size());
+		m_spheres.push_back(sphere);
+	}
+
+	/// Distance to the nearest of them, if that is less than `limit` and not more than a cell.
+	double clearance(const Vec3& p, double limit) const
+	{
+		const int64_t x = column(p.x), y = column(p.y), z = column(p.z);
+		for (int64_t k = 0; k < 27 && !m_spheres.empty(); ++k)
+		{
+			const auto found = m_first.find(key(x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1));
+			if (found == m_first.end()) continue;
+			for (uint32_t i = found->second; i != none; i = m_next[i])
+				limit = std::min(limit, distance(p, m_spheres[i].center()) - m_spheres[i].r);
+		}
+		return limit;
+	}
+
+	const std::vector<Sphere>& spheres() const { return m_spheres; }
+
+private:
+	static constexpr uint32_t none = UINT32_MAX;
+
+	int64_t column(double v) const { return int64_t(std::floor(v / m_cell)); }
+	// Columns that share a key cost time only.
+	static uint64_t key(int64_t x, int64_t y, int64_t z) { return (uint64_t(x) & 0x1fffff) << 42 | (uint64_t(y) & 0x1fffff) << 21 | (uint64_t(z) & 0x1fffff); }
+
+	std::unordered_map<uint64_t, uint32_t> m_first;
+	std::vector<uint32_t> m_next;  // in the same column
+	std::vector<Sphere> m_spheres;
+	double m_cell = 1;
 };
 
 class Packer
 {
 public:
 	Packer(const MeshDistance& surface, const PackingOptions& options, double volume, const Box& box)
-		: m_surface(surface), m_options(options), m_volume(volume), m_box(box), m_side(box.longestSide()),
-		  m_floor(std::max(options.minRadius, smallestRelativeRadius * m_side)),
-		  m_space(surface.mesh(), 0.02 * m_floor), m_ascent(m_space, options.seed)
+		: m_surface(surface), m_options(options), m_threads(threadCount(options)), m_volume(volume), m_box(box), m_side(box.longestSide()),
+		  m_floor(std::max(options.minRadius, smallestRelativeRadius * m_side)), m_space(surface, 0.02 * m_floor),
+		  m_ascents(size_t(m_threads), BallAscent(m_space))
 	{
 	}
 
@@ -56,7 +140,7 @@ public:
 		buildGrid();
 		placeCoarse();
 		if (!m_done) seed();
-		while (!m_done && placeNext()) addChildren(m_packing.spheres.back());
+		while (!m_done && placeBatch()) growAll();
 		if (m_cancelled) return Error{"The packing was cancelled.", true};
 		if (m_packing.spheres.empty()) return nothingFits();
 		report(1);
@@ -72,37 +156,63 @@ private:
 		bool start = false;    // one of the sparser set that candidates grow from
 	};
 
+	/// Where to look for a hole.
+	struct Start
+	{
+		Vec3 position;
+		double fromInside = 0;       // way from a point inside that the surface may cross; 0: the start is inside
+		uint32_t sphere = noSphere;  // of which it is a child
+	};
+	static constexpr uint32_t noSphere = UINT32_MAX;
+
 	void buildGrid();
+	void buildGridLayer(const int (&count)[3], int k, std::vector<GridPoint>& layer) const;
 	void placeCoarse();
 	void claimAround(const EmptyBall& ball);
 	void seed();
-	void seedFromSurface();
-	void addStart(const Vec3& start);
-	void push(const EmptyBall& ball);
-	bool placeNext();
-	bool place(const Vec3& center);
-	void addChildren(const Sphere& sphere);
+	void addSurfaceStarts();
+	void addChildren(uint32_t sphere);
+	void growAll();
+	Sphere growOne(const Start& start, uint64_t key);
+	Sphere fitting(const Vec3& center);
+	void push(const Sphere& sphere);
+	bool popBatch();
+	void validateBatch();
+	bool placeBatch();
+	void settle(const Candidate& candidate, double clearance);
+	void place(const Sphere& sphere);
 	void report(double fraction);
+	double progress() const;
 	Error nothingFits() const;
 
 	const MeshDistance& m_surface;
 	const PackingOptions& m_options;
+	const int m_threads;
 	const double m_volume;
 	const Box m_box;
 	const double m_side;
 	const double m_floor;  // no sphere is smaller
 	DistanceOctree m_space;
-	BallAscent m_ascent;
+	std::vector<BallAscent> m_ascents;  // one for each thread
 	SpherePacking m_packing;
 	double m_packedVolume = 0;
 	std::priority_queue<Candidate> m_queue;
-	uint64_t m_created = 0;
+	uint64_t m_created = 0, m_grown = 0;
+	std::vector<Start> m_starts;       // to grow
+	std::vector<Candidate> m_batch;    // to place
+	std::vector<double> m_clearances;  // of the batch
+	PlacedGrid m_placed;               // of the batch, not yet in the octree
 	std::vector<GridPoint> m_grid;
 	double m_gridStep = 0;
 	double m_largestSeen = 0;
 	bool m_done = false;
 	bool m_cancelled = false;
 };
+
+double Packer::progress() const
+{
+	return std::max(double(m_packing.spheres.size()) / double(m_options.maxSpheres), m_packing.fill / m_options.targetFill);
+}
 
 void Packer::report(double fraction)
 {
@@ -125,24 +235,28 @@ void Packer::buildGrid()
 	const Vec3 size = m_box.size();
 	int count[3];
 	for (int a = 0; a < 3; ++a) count[a] = std::max(1, int(std::ceil(size[a] / m_gridStep - 1e-9)));
-	m_grid.reserve(size_t(count[0]) * count[1] * count[2]);
-	for (int k = 0; k < count[2] && !m_done; ++k)
+	std::vector<std::vector<GridPoint>> layers(static_cast<size_t>(count[2]));
+#pragma omp parallel for schedule(dynamic, 1) num_threads(m_threads)
+	for (int k = 0; k < count[2]; ++k) buildGridLayer(count, k, layers[size_t(k)]);
+	for (const auto& layer : layers) m_grid.insert(m_grid.end(), layer.begin(), layer.end());
+	report(0);
+}
+
+void Packer::buildGridLayer(const int (&count)[3], int k, std::vector<GridPoint>& layer) const
+{
+	const Vec3 step{m_box.size().x / count[0], m_box.size().y / count[1], m_box.size().z / count[2]};
+	for (int j = 0; j < count[1]; ++j)
 	{
-		for (int j = 0; j < count[1]; ++j)
+		double previous = 0;
+		for (int i = 0; i < count[0]; ++i)
 		{
-			double previous = 0;
-			for (int i = 0; i < count[0]; ++i)
-			{
-				const Vec3 p = m_box.lower + Vec3{size.x * (i + 0.5) / count[0], size.y * (j + 0.5) / count[1], size.z * (k + 0.5) / count[2]};
-				const double d = m_surface.closest(p).distance;
-				// Nothing of the surface lies between two points closer than the clearance of one of them.
-				const double step = size.x / count[0];
-				const bool inside = step < 0.999 * std::max(std::fabs(previous), d) && previous != 0 ? previous > 0 : m_surface.contains(p);
-				previous = inside ? d : -d;
-				if (inside) m_grid.push_back({p, d, ((i | j | k) & 1) == 0});
-			}
+			const Vec3 p = m_box.lower + Vec3{step.x * (i + 0.5), step.y * (j + 0.5), step.z * (k + 0.5)};
+			const double d = m_surface.closest(p, previous != 0 ? std::fabs(previous) + 1.001 * step.x : 1e300).distance;
+			// Nothing of the surface lies between two points closer than the clearance of one of them.
+			const bool inside = step.x < 0.999 * std::max(std::fabs(previous), d) && previous != 0 ? previous > 0 : m_surface.contains(p);
+			previous = inside ? d : -d;
+			if (inside) layer.push_back({p, d, ((i | j | k) & 1) == 0});
 		}
-		report(0);
 	}
 }
 
@@ -167,35 +281,30 @@ void Packer::placeCoarse()
 				if (k == 0) return;
 				break;
 			}
-			const EmptyBall ball = m_ascent.grow(best->position);
-			push(ball);
+			const EmptyBall ball = m_ascents[0].grow(best->position, CounterRandom(m_options.seed, awayStream, m_grown++).direction());
+			push(fitting(ball.center));
 			best->clearance = -1;
 			for (GridPoint& point : open)
 				if (distance(point.position, ball.center) < ball.radius) point.clearance = -1;
 		}
-		if (!placeNext()) return;
-		const Sphere& last = m_packing.spheres.back();
-		claimAround({last.center(), last.r});
+		const size_t before = m_packing.spheres.size();
+		if (!placeBatch()) return;
+		for (size_t i = before; i < m_packing.spheres.size(); ++i) claimAround({m_packing.spheres[i].center(), m_packing.spheres[i].r});
 		std::erase_if(m_grid, [](const GridPoint& p) { return p.clearance <= 0; });
 	}
 }
 
 void Packer::seed()
 {
-	size_t count = 0;
+	// The starts around the coarse spheres wait in the list already.
 	for (const GridPoint& point : m_grid)
-	{
-		if (m_done) return;
-		if (point.start) addStart(point.position);
-		if (++count % 500 == 0) report(double(m_packing.spheres.size()) / double(m_options.maxSpheres));
-	}
+		if (point.start) m_starts.push_back({point.position});
 	m_grid = {};
-	if (!m_done) seedFromSurface();
-	const std::vector<Sphere> coarse = m_packing.spheres;
-	for (const Sphere& sphere : coarse) addChildren(sphere);
+	addSurfaceStarts();
+	growAll();
 }
 
-void Packer::seedFromSurface()
+void Packer::addSurfaceStarts()
 {
 	const Mesh& mesh = m_surface.mesh();
 	std::vector<double> cumulative;
@@ -206,113 +315,170 @@ void Packer::seedFromSurface()
 		area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 		cumulative.push_back(area);
 	}
-	std::mt19937_64 random(m_options.seed ^ 0x9e3779b97f4a7c15u);
-	const auto unit = [&random] { return double(random() >> 11) * 0x1p-53; };
-	for (int i = 0; i < surfaceStarts && !m_done; ++i)
+	CounterRandom random(m_options.seed, surfaceStream, 0);
+	for (int i = 0; i < surfaceStarts; ++i)
 	{
-		const double at = area * (i + unit()) / surfaceStarts;
+		const double at = area * (i + random.next()) / surfaceStarts;
 		const size_t index = std::min(size_t(std::upper_bound(cumulative.begin(), cumulative.end(), at) - cumulative.begin()), cumulative.size() - 1);
 		const auto& t = mesh.triangles[index];
 		const Vec3 a = mesh.vertices[t[0]], ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a;
-		double u = unit(), v = unit();
+		double u = random.next(), v = random.next();
 		if (u + v > 1)
 		{
 			u = 1 - u;
 			v = 1 - v;
 		}
-		const Vec3 start = a + ab * u + ac * v - normalized(cross(ab, ac)) * (surfaceInset * m_side);
-		if (m_space.nearest(start).distance > 0 && m_surface.contains(start)) addStart(start);
-		if (i % 500 == 0) report(double(m_packing.spheres.size()) / double(m_options.maxSpheres));
+		m_starts.push_back({a + ab * u + ac * v - normalized(cross(ab, ac)) * (surfaceInset * m_side), 1e300});
 	}
 }
 
-void Packer::addStart(const Vec3& start)
+// The holes left by a ball lie around it.
+void Packer::addChildren(uint32_t index)
 {
-	if (m_space.nearest(start).distance > 0) push(m_ascent.grow(start));
-}
-
-void Packer::push(const EmptyBall& ball)
-{
-	m_largestSeen = std::max(m_largestSeen, ball.radius);
-	if (ball.radius >= m_floor) m_queue.push({ball, m_created++});
-}
-
-/// Places the largest candidate; false when no more are wanted.
-bool Packer::placeNext()
-{
-	while (!m_queue.empty())
+	const Sphere& sphere = m_packing.spheres[index];
+	const Vec3 axis = CounterRandom(m_options.seed, childStream, index).direction();
+	Vec3 t1, t2;
+	completeFrame(axis, t1, t2);
+	const int starts = index < firstSpheres ? firstStarts : childStarts;
+	for (int k = 0; k < starts; ++k)
 	{
-		const Candidate top = m_queue.top();
-		m_queue.pop();
-		const double radius = m_space.nearest(top.ball.center).distance;
-		if (radius < 0.02 * top.ball.radius) continue;
-		if (radius < top.ball.radius * (1 - 1e-9))
-		{
-			push(m_ascent.grow(top.ball.center));
-			continue;
-		}
-		// The rest of a tessellated sphere is slivers: stop when all the remaining spheres together would add next to nothing.
-		if (ballVolume(radius) * double(m_options.maxSpheres) < 1e-3 * m_packedVolume)
-		{
-			m_done = true;
-			return false;
-		}
-		if (place(top.ball.center)) return true;
+		const double z = 1 - (2 * k + 1.0) / starts, ring = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
+		const Vec3 direction = axis * z + t1 * (ring * std::cos(angle)) + t2 * (ring * std::sin(angle));
+		m_starts.push_back({sphere.center() + direction * (childDistance * sphere.r), (childDistance - 1) * sphere.r, index});
 	}
-	return false;
+}
+
+/// Grows all the starts and pushes what they become.
+void Packer::growAll()
+{
+	std::vector<Sphere> grown;
+	for (size_t first = 0; first < m_starts.size() && !m_done; first += startsPerReport)
+	{
+		const size_t last = std::min(m_starts.size(), first + startsPerReport);
+		grown.assign(last - first, {});
+#pragma omp parallel for schedule(dynamic, 4) num_threads(m_threads) if (last - first >= fewestToShare)
+		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(last - first); ++i)
+			grown[size_t(i)] = growOne(m_starts[first + size_t(i)], m_grown + uint64_t(i));
+		m_grown += last - first;
+		for (size_t i = 0; i < grown.size(); ++i)
+		{
+			const Sphere& s = grown[i];
+			bool twin = false;
+			for (size_t j = i; j-- > 0 && !twin && m_starts[first + i].sphere != noSphere && m_starts[first + j].sphere == m_starts[first + i].sphere;)
+				twin = grown[j].r > 0 && distance(grown[j].center(), s.center()) < 1e-3 * s.r;
+			if (!twin) push(s);
+		}
+		report(progress());
+	}
+	m_starts.clear();
+}
+
+/// The hole that a start leads to; radius 0 where there is none.
+Sphere Packer::growOne(const Start& start, uint64_t key)
+{
+	const double clearance = m_space.nearest(start.position).distance;
+	if (!(clearance > 0)) return {};
+	// Farther from the surface than the way from the ball: on the same side of it.
+	const double way = 1.001 * start.fromInside;
+	if (way > 0 && clearance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position)) return {};
+	const Vec3 away = CounterRandom(m_options.seed, awayStream, key).direction();
+	return fitting(m_ascents[size_t(thisThread())].grow(start.position, away).center);
+}
+
+void Packer::push(const Sphere& sphere)
+{
+	m_largestSeen = std::max(m_largestSeen, double(sphere.r));
+	if (sphere.r >= m_floor) m_queue.push({sphere, m_created++});
 }
 
 // Not inlined: GCC 12 otherwise folds double -> float -> double away, and the radius would belong to the unrounded centre.
 [[gnu::noinline]] Sphere storedAt(const Vec3& center) { return {float(center.x), float(center.y), float(center.z), 0}; }
 
-bool Packer::place(const Vec3& center)
+/// The radius that is stored for a clearance: room for the rounding of whoever checks distances with other formulas.
+float storedRadius(double clearance, double side)
+{
+	const double reduced = std::max(0.0, clearance * (1 - 1e-9) - 1e-12 * side);
+	const float r = float(reduced);
+	return double(r) > reduced ? std::nextafter(r, 0.0f) : r;
+}
+
+/// The largest sphere about the stored centre.
+Sphere Packer::fitting(const Vec3& center)
 {
 	Sphere sphere = storedAt(center);
-	// The octree guides the search; the surface itself has the last word, which is robust for needle triangles.
-	const double clear = m_space.nearest(sphere.center()).distance;
-	const double exact = clear > 0 ? m_surface.closest(sphere.center(), clear).distance : clear;
-	// Room for the rounding of whoever checks distances with other formulas.
-	const double reduced = exact * (1 - 1e-9) - 1e-12 * m_side;
-	if (!(reduced >= m_floor)) return false;
-	sphere.r = float(reduced);
-	if (double(sphere.r) > reduced) sphere.r = std::nextafter(sphere.r, 0.0f);
+	sphere.r = storedRadius(m_space.nearest(sphere.center()).distance, m_side);
+	return sphere;
+}
 
-	m_space.insert(sphere.center(), sphere.r);
+/// The largest candidates, in order.
+bool Packer::popBatch()
+{
+	m_batch.clear();
+	const size_t most = std::min(largestBatch, 1 + m_packing.spheres.size() / spheresPerBatchMember);
+	while (!m_queue.empty() && m_batch.size() < most && (m_batch.empty() || m_queue.top().sphere.r >= batchSpan * m_batch[0].sphere.r))
+	{
+		m_batch.push_back(m_queue.top());
+		m_queue.pop();
+	}
+	return !m_batch.empty();
+}
+
+/// Asks the octree, and for those that still fit the surface, which is robust for needle triangles.
+void Packer::validateBatch()
+{
+	m_clearances.resize(m_batch.size());
+#pragma omp parallel for schedule(dynamic, 8) num_threads(m_threads) if (m_batch.size() >= fewestToShare)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_batch.size()); ++i)
+	{
+		Sphere& sphere = m_batch[size_t(i)].sphere;
+		double& clearance = m_clearances[size_t(i)];
+		clearance = m_space.nearest(sphere.center()).distance;
+		if (clearance >= sphere.r) sphere.r = std::min(sphere.r, storedRadius(m_surface.closest(sphere.center(), clearance).distance, m_side));
+	}
+}
+
+/// Places the largest candidates and collects the starts that follow from them; false when no more are wanted.
+bool Packer::placeBatch()
+{
+	m_placed.clear(1);
+	while (m_placed.spheres().empty())
+	{
+		if (!popBatch()) return false;
+		// Balls of the batch whose centres are farther apart than this are clear of each other.
+		m_placed.clear(2 * double(m_batch[0].sphere.r));
+		validateBatch();
+		for (size_t i = 0; i < m_batch.size() && !m_done; ++i) settle(m_batch[i], m_clearances[i]);
+		if (m_placed.spheres().empty() && !m_done) growAll();
+		if (m_done) break;
+	}
+	m_space.insert(m_placed.spheres(), m_threads);
+	return !m_placed.spheres().empty();
+}
+
+void Packer::settle(const Candidate& candidate, double clearance)
+{
+	const Sphere& sphere = candidate.sphere;
+	const Vec3 center = sphere.center();
+	clearance = m_placed.clearance(center, clearance);
+	if (clearance < 0.02 * sphere.r || sphere.r < m_floor) return;
+	if (storedRadius(clearance, m_side) < sphere.r)
+	{
+		m_starts.push_back({center});
+		return;
+	}
+	// The rest of a tessellated sphere is slivers: stop when all the remaining spheres together would add next to nothing.
+	if (ballVolume(sphere.r) * double(m_options.maxSpheres) < 1e-3 * m_packedVolume) m_done = true;
+	else place(sphere);
+}
+
+void Packer::place(const Sphere& sphere)
+{
+	m_placed.add(sphere);
 	m_packing.spheres.push_back(sphere);
 	m_packedVolume += ballVolume(sphere.r);
 	m_packing.fill = m_packedVolume / m_volume;
-	const int64_t count = int64_t(m_packing.spheres.size());
-	m_done = m_done || count >= m_options.maxSpheres || m_packing.fill >= m_options.targetFill;
-	if (count % spheresPerReport == 0) report(std::max(double(count) / double(m_options.maxSpheres), m_packing.fill / m_options.targetFill));
-	return true;
-}
-
-// The holes left by a ball lie around it.
-void Packer::addChildren(const Sphere& sphere)
-{
-	if (m_done) return;
-	const Vec3 axis = m_ascent.randomDirection();
-	Vec3 t1, t2;
-	completeFrame(axis, t1, t2);
-	EmptyBall found[childStarts];
-	int count = 0;
-	for (int k = 0; k < childStarts; ++k)
-	{
-		const double z = 1 - (2 * k + 1.0) / childStarts, ring = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
-		const Vec3 direction = axis * z + t1 * (ring * std::cos(angle)) + t2 * (ring * std::sin(angle));
-		const Vec3 start = sphere.center() + direction * (childDistance * sphere.r);
-		const double clearance = m_space.nearest(start).distance;
-		if (!(clearance > 0)) continue;
-		const double step = (childDistance - 1) * sphere.r;
-		// Farther from the surface than the way from the ball: on the same side of it.
-		if (clearance < 1.001 * step && m_surface.closest(start, 1.001 * step).distance < 1.001 * step && !m_surface.contains(start)) continue;
-		const EmptyBall ball = m_ascent.grow(start);
-		const bool twin = std::any_of(found, found + count, [&ball](const EmptyBall& o)
-									  { return distance(o.center, ball.center) < 1e-3 * ball.radius; });
-		if (twin) continue;
-		found[count++] = ball;
-		push(ball);
-	}
+	m_done = m_done || int64_t(m_packing.spheres.size()) >= m_options.maxSpheres || m_packing.fill >= m_options.targetFill;
+	addChildren(uint32_t(m_packing.spheres.size() - 1));
 }
 
 std::string rejection(const PackingOptions& options)

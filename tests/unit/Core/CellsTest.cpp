@@ -187,6 +187,7 @@ TEST(NearestSphere, AgreesWithASearchThroughAllSpheres)
 	const MeshDistance surface(makeBoxMesh({0.5, 0.5, 0.5}));
 	const SpherePacking packing = randomPacking(surface, 300, generator, [&] { return 0.01 * std::exp(4.0 * std::max(-0.4, uniform(generator))); });
 	const NearestSphere tree(packing.spheres);
+	int complete = 0, incomplete = 0;
 	for (int k = 0; k < 3000; ++k)
 	{
 		const Vec3 p{2 * uniform(generator), 2 * uniform(generator), 2 * uniform(generator)};
@@ -200,7 +201,17 @@ TEST(NearestSphere, AgreesWithASearchThroughAllSpheres)
 		EXPECT_EQ(tree.nearest(p).sphere, nearest);
 		EXPECT_EQ(tree.nearest(p).distance, least);
 		EXPECT_EQ(tree.nearest(p, uint32_t(k) % 300).sphere, nearest);
+
+		NearestSphere::Neighbourhood near;
+		const Vec3 offset{uniform(generator), uniform(generator), uniform(generator)};
+		const double share = k % 2 ? 0.3 : 3;
+		tree.gather(p + offset * share, norm(offset) * share, near);
+		EXPECT_EQ(tree.nearest(p, near).sphere, nearest);
+		EXPECT_EQ(tree.nearest(p, near).distance, least);
+		++(near.complete ? complete : incomplete);
 	}
+	EXPECT_GT(complete, 500);
+	EXPECT_GT(incomplete, 500);
 }
 
 TEST(Cells, OfEqualSpheresInABoxAreVoronoiCells)

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <numbers>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace ist
 {
@@ -168,6 +170,19 @@ TEST(MeshDistance, ClosestPointKeepsItsDigitsAKilometreFromTheOrigin)
 	Pose X = random.pose(1);
 	X.translation += {600, -700, 400};
 	expectClosestMatches(torusMesh(40, 16), random, X, 1e-12);
+}
+
+TEST(MeshDistance, ClosestPointAgreesWithBruteForceFromFarAway)
+{
+	Random random(13);
+	const Mesh mesh = soupMesh(random, 200, 0.1);
+	const MeshDistance tree(mesh);
+	for (int i = 0; i < 300; ++i)
+	{
+		const double away = std::pow(10.0, random.uniform(0, 6));
+		const Vec3 p = normalized(random.inCube(1)) * away;
+		EXPECT_NEAR(tree.closest(p).distance, referenceDistance(p, mesh), 1e-14 * away + 1e-13);
+	}
 }
 
 TEST(MeshDistance, EquallyNearTrianglesGiveTheLowestIndex)
@@ -338,6 +353,71 @@ TEST(MeshDistance, DegenerateTrianglesActAsSegmentsAndPoints)
 	EXPECT_EQ(tree.closest({3, 1, 0}).triangle, 0u);
 	EXPECT_EQ(norm(tree.field({3, 1, 2}).normal), 1);
 	EXPECT_FALSE(tree.contains({3, 1, 2}));
+}
+
+TEST(MeshDistance, WithinListsExactlyTheTrianglesInReach)
+{
+	Random random(11);
+	for (const double away : {0.0, 1000.0})
+	{
+		const Pose X = random.pose(away);
+		const Mesh mesh = moved(soupMesh(random, 300, 0.2), X);
+		const MeshDistance tree(mesh);
+		const double doubt = 1e-11 * (1 + away);
+		for (int i = 0; i < 60; ++i)
+		{
+			const Vec3 p = X * random.inCube(1.4);
+			const double reach = random.uniform(0.05, 1);
+			std::vector<std::pair<double, uint32_t>> found;
+			ASSERT_TRUE(tree.within(p, reach, SIZE_MAX, found));
+			std::vector<int> times(mesh.triangles.size());
+			for (const auto& [d, triangle] : found)
+			{
+				++times[triangle];
+				EXPECT_NEAR(d, referenceDistance(p, corners(mesh, triangle)), doubt);
+			}
+			for (uint32_t t = 0; t < times.size(); ++t)
+			{
+				const double d = referenceDistance(p, corners(mesh, t));
+				if (std::fabs(d - reach) <= doubt) continue;
+				EXPECT_EQ(times[t], d < reach ? 1 : 0) << d << " against " << reach;
+			}
+			if (found.empty()) continue;
+			const size_t count = found.size();
+			EXPECT_FALSE(tree.within(p, reach, count - 1, found));
+			EXPECT_TRUE(tree.within(p, reach, count, found));
+		}
+	}
+}
+
+TEST(MeshDistance, FieldFromANeighbourhoodAgreesWithBruteForceAndWithTheHierarchy)
+{
+	Random random(12);
+	int complete = 0, incomplete = 0;
+	MeshDistance::Neighbourhood near;
+	for (const double away : {0.0, 1000.0})
+	{
+		const Pose X = random.pose(away);
+		const Mesh mesh = moved(torusMesh(48, 24), X);
+		const MeshDistance tree(mesh);
+		for (int i = 0; i < 60; ++i)
+		{
+			const Vec3 center = X * random.inCube(1.2);
+			const double radius = i % 3 == 0 ? 0 : random.uniform(0.001, 0.3);
+			tree.gather(center, radius, near);
+			++(near.complete ? complete : incomplete);
+			for (int k = 0; k < 10; ++k)
+			{
+				const Vec3 p = center + normalized(random.inCube(1)) * (radius * random.uniform(0, 1));
+				const MeshDistance::Field local = tree.field(p, true, near), whole = tree.field(p, true);
+				EXPECT_NEAR(local.depth, referenceDistance(p, mesh), 1e-11 * (1 + away));
+				EXPECT_EQ(local.depth, whole.depth);
+				EXPECT_EQ(local.normal, whole.normal);
+			}
+		}
+	}
+	EXPECT_GT(complete, 20);
+	EXPECT_GT(incomplete, 20);
 }
 
 TEST(MeshDistance, EmptyMeshHasNothingNear)

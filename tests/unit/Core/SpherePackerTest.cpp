@@ -32,9 +32,10 @@ double distanceToTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec
 	return std::min({distanceToSegment(p, a, b), distanceToSegment(p, b, c), distanceToSegment(p, c, a)});
 }
 
-SpherePacking pack(const Mesh& mesh, int64_t count, uint64_t seed = 1)
+SpherePacking pack(const Mesh& mesh, int64_t count, uint64_t seed = 1, int threads = 0)
 {
 	PackingOptions options;
+	options.threads = threads;
 	options.maxSpheres = count;
 	options.seed = seed;
 	Result<SpherePacking> result = packSpheres(MeshDistance(mesh), options);
@@ -110,6 +111,22 @@ TEST(SpherePacker, SameSeedGivesTheSameSpheres)
 	{
 		EXPECT_EQ(a.spheres[i].center(), b.spheres[i].center());
 		EXPECT_EQ(a.spheres[i].r, b.spheres[i].r);
+	}
+}
+
+TEST(SpherePacker, TheThreadCountChangesNoSphere)
+{
+	const Pose X{rotationMatrix(quaternionFromRotationVector({-0.7, 0.4, 1.3})), {0.02, 0.01, -0.03}};
+	const Mesh meshes[] = {transformed(makeTorusKnotMesh(1, 0.45, 0.2, 2, 3, 200, 20), X), makeBoxMesh({0.5, 0.4, 0.3})};
+	for (const Mesh& mesh : meshes)
+	{
+		const SpherePacking one = pack(mesh, 1500, 3, 1), three = pack(mesh, 1500, 3, 3);
+		ASSERT_EQ(one.spheres.size(), three.spheres.size());
+		for (size_t i = 0; i < one.spheres.size(); ++i)
+		{
+			EXPECT_EQ(one.spheres[i].center(), three.spheres[i].center());
+			EXPECT_EQ(one.spheres[i].r, three.spheres[i].r);
+		}
 	}
 }
 

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/SurfaceGap.h"
+
+#include "BulletISTCollision/Core/NearestSphere.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+constexpr double surfaceSamples = 2e5;
+constexpr int surfaceRefinements = 100000;
+
+struct SurfacePatch
+{
+	Vec3 a, b, c;
+	double gap = 0;    // at the centroid
+	double bound = 0;  // of the gap anywhere on the patch
+	double area() const { return 0.5 * norm(cross(b - a, c - a)); }
+	Vec3 centroid() const { return (a + b + c) / 3; }
+};
+
+/// Halves across the longest edge.
+std::array<SurfacePatch, 2> bisected(const SurfacePatch& p)
+{
+	const double ab = squaredNorm(p.b - p.a), bc = squaredNorm(p.c - p.b), ca = squaredNorm(p.a - p.c);
+	Vec3 a = p.a, b = p.b, c = p.c;
+	if (bc >= ab && bc >= ca)
+		a = p.b, b = p.c, c = p.a;
+	else if (ca >= ab)
+		a = p.c, b = p.a, c = p.b;
+	const Vec3 middle = (a + b) * 0.5;
+	return {SurfacePatch{a, middle, c}, SurfacePatch{middle, b, c}};
+}
+
+void measureGap(SurfacePatch& p, const NearestSphere& nearest)
+{
+	const Vec3 m = p.centroid();
+	p.gap = std::max(0.0, nearest.nearest(m).distance);
+	// The gap changes by no more than the way along the surface: Lipschitz constant 1.
+	p.bound = p.gap + std::sqrt(std::max({squaredNorm(p.a - m), squaredNorm(p.b - m), squaredNorm(p.c - m)}));
+}
+
+std::vector<SurfacePatch> surfacePatches(const Mesh& mesh)
+{
+	const double largest = surfaceArea(mesh) / surfaceSamples;
+	std::vector<SurfacePatch> patches, stack;
+	for (const auto& t : mesh.triangles)
+	{
+		stack.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+		while (!stack.empty())
+		{
+			const SurfacePatch p = stack.back();
+			stack.pop_back();
+			if (!(p.area() > largest))
+				patches.push_back(p);
+			else
+				for (const SurfacePatch& half : bisected(p)) stack.push_back(half);
+		}
+	}
+	return patches;
+}
+
+/// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there.
+double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& nearest)
+{
+	const auto before = [](const SurfacePatch& a, const SurfacePatch& b) { return a.bound < b.bound; };
+	double seen = 0;
+	for (const SurfacePatch& p : patches) seen = std::max(seen, p.gap);
+	std::make_heap(patches.begin(), patches.end(), before);
+	for (int step = 0; step < surfaceRefinements && patches.front().bound > 1.01 * seen; ++step)
+	{
+		std::pop_heap(patches.begin(), patches.end(), before);
+		const auto halves = bisected(patches.back());
+		patches.pop_back();
+		for (SurfacePatch half : halves)
+		{
+			measureGap(half, nearest);
+			seen = std::max(seen, half.gap);
+			patches.push_back(half);
+			std::push_heap(patches.begin(), patches.end(), before);
+		}
+	}
+	return patches.front().bound;
+}
+
+}  // namespace
+
+SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, [[maybe_unused]] int threads)
+{
+	SurfaceGap result;
+	std::vector<SurfacePatch> patches = surfacePatches(mesh);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(threads)
+	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k) measureGap(patches[size_t(k)], nearest);
+
+	double area = 0, sum = 0, uncovered = 0;
+	for (const SurfacePatch& p : patches)
+	{
+		area += p.area();
+		sum += p.area() * p.gap;
+	}
+	result.mean = sum / area;
+	for (const SurfacePatch& p : patches)
+		if (p.gap > 3 * result.mean) uncovered += p.area();
+	result.uncoveredArea = uncovered / area;
+	result.largest = largestGap(std::move(patches), nearest);
+	return result;
+}
+}  // namespace ist

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/TriangleHierarchy.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace ist
+{
+/// The same hierarchy four wide, in single precision and rounded outwards: it rules out, and the
+/// exact triangles decide, so that the answers are those of double precision.
+class TriangleQuads
+{
+public:
+	static constexpr uint32_t kNone = UINT32_MAX;
+
+	struct Nearest
+	{
+		Vec3 offset;  ///< from the asked point
+		double distance2 = 0;
+		uint32_t triangle = kNone;  ///< lowest index among equally near ones
+		uint32_t place = kNone;     ///< of it in leaf order
+	};
+
+	TriangleQuads() = default;
+	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles.
+	TriangleQuads(const TriangleHierarchy& hierarchy, double size);
+
+	/// Nothing when nothing is nearer than the bound. `hint`: place of any triangle likely to be near; it changes the time taken, never
+	/// the answer.
+	Nearest nearest(const Vec3& p, double upperBound, uint32_t hint = kNone) const;
+	/// Replaces `out` by the triangles within reach: distance, place in leaf order; false, and a part of them, where there are more
+	/// than `most`.
+	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
+
+	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
+
+private:
+	static constexpr int kWidth = 4;
+	static constexpr uint32_t kLeafBit = 0x80000000u;
+	// Every level leaves at most three siblings behind.
+	static constexpr int kStackSize = 3 * TriangleHierarchy::kMostLevels + 8;
+	// Boxes this much (relative, squared) beyond the best distance are still opened: rounding must not hide an equally near triangle.
+	static constexpr double kPruneSlack = 1 + 1e-13;
+
+	struct alignas(16) Quad
+	{
+		float lowerX[kWidth], lowerY[kWidth], lowerZ[kWidth];
+		float upperX[kWidth], upperY[kWidth], upperZ[kWidth];
+		uint32_t child[kWidth];  ///< with kLeafBit: a leaf, else a quad; empty lanes are far away
+	};
+	/// A bounding ball and a plane for each triangle.
+	struct alignas(16) Leaf
+	{
+		float x[kWidth], y[kWidth], z[kWidth], radius[kWidth];
+		float nx[kWidth], ny[kWidth], nz[kWidth], height[kWidth];
+		uint32_t first = 0, count = 0;
+	};
+	struct Point;
+	struct Open
+	{
+		float distance2;
+		uint32_t child;
+	};
+
+	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
+	uint32_t addLeaf(const TriangleHierarchy::Child& child);
+
+	const PreparedTriangle* m_triangles = nullptr;
+	uint32_t m_count = 0;
+	std::vector<Quad> m_quads;
+	std::vector<Leaf> m_leaves;
+	uint32_t m_root = 0;
+	float m_slack = 0;  ///< more than single precision can be wrong anywhere in the mesh [m]
+};
+
+inline void TriangleQuads::offer(uint32_t place, const Vec3& p, Nearest& best) const
+{
+	const PreparedTriangle& t = m_triangles[place];
+	const Vec3 pa = t.a - p;
+	const double height = dot(pa, t.normal);
+	if (height * height * t.inverseNormal2 > best.distance2 * kPruneSlack) return;
+	double d2;
+	const Vec3 candidate = offsetToTriangle(t, pa, d2);
+	if (d2 < best.distance2 || (d2 == best.distance2 && best.triangle != kNone && t.index < best.triangle))
+		best = {candidate, d2, t.index, place};
+}
+}  // namespace ist
