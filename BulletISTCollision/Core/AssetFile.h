@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
 
 #include <cstddef>
@@ -11,14 +12,17 @@
 namespace ist
 {
 /// `.ist` version this library writes. Older versions stay readable or are refused by name.
-constexpr uint32_t kAssetVersion = 1;
+constexpr uint32_t kAssetVersion = 2;
 
-/// Little-endian bytes: magic, version, section table, sections, each with its checksum. Never a dump of structs.
+/// Little-endian bytes: magic, version, section table, sections, each with its checksum (XXH64). Never a dump of structs.
 std::vector<std::byte> encodeAsset(const InnerSphereTree& tree);
-/// Everything is checked before it is believed: magic, version, sizes, checksums, then every invariant of the trees.
+/// Everything is checked before it is believed: magic, version, sizes, checksums, then every invariant of the trees. Reads
+/// archives too (AssetArchive.h).
 Result<InnerSphereTree> decodeAsset(const std::byte* bytes, size_t size);
 
 /// Writes to a temporary file beside `path` and renames it, so that `path` is either the old file or the whole new one.
-Result<size_t> saveAsset(const InnerSphereTree& tree, const std::string& path);
+/// Gives its size. `progress` is called with stage "write".
+Result<size_t> saveAsset(const InnerSphereTree& tree, const std::string& path, const Progress& progress = {});
+/// O(balls), about 0.1 us a sphere.
 Result<InnerSphereTree> loadAsset(const std::string& path);
 }  // namespace ist

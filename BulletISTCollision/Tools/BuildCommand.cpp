@@ -4,11 +4,11 @@
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 
 #include <sys/resource.h>
@@ -20,16 +20,18 @@ namespace
 /// A build stopped by --fill or --min-radius alone ends here.
 constexpr int64_t kMostSpheres = 5'000'000;
 
-volatile std::sig_atomic_t interrupted = 0;
-
-void onInterrupt(int)
-{
-	interrupted = 1;
-}
-
 double unitLength(const std::string& unit)
 {
 	return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
+}
+
+Progress shown(ProgressBar& bar, bool quiet)
+{
+	return [&bar, quiet](const char* stage, double fraction)
+	{
+		if (!quiet) bar.show(stage, fraction);
+		return !interrupted();
+	};
 }
 
 BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
@@ -43,11 +45,7 @@ BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
 	options.unit = unitLength(a.unit);
 	options.seed = a.seed;
 	options.threads = a.threads;
-	options.progress = [&bar](const char* stage, double fraction)
-	{
-		bar.show(stage, fraction);
-		return interrupted == 0;
-	};
+	options.progress = shown(bar, a.quiet);
 	return options;
 }
 
@@ -62,21 +60,24 @@ double peakMemoryBytes()
 int runBuild(const BuildArguments& a)
 {
 	if (a.error > 0) return fail("build --error is not available yet; give --spheres, --fill or --min-radius", kUsage);
-	std::signal(SIGINT, onInterrupt);
+	catchInterrupts();
 	const auto start = std::chrono::steady_clock::now();
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
 
 	const Result<Mesh> mesh = importMesh(a.mesh, unitLength(a.unit));
 	if (!mesh) return fail(mesh.error().message);
+	if (interrupted()) return fail("interrupted; nothing was written", kInterrupted);
 	const double importSeconds = seconds();
 	ProgressBar bar;
 	BuildTimes times;
 	const Result<InnerSphereTree> tree = buildTree(mesh.value(), buildOptions(a, bar), &times);
 	bar.finish();
-	if (!tree) return fail(a.mesh + ": " + tree.error().message, tree.error().cancelled ? kInterrupted : kBadInput);
-	if (interrupted) return fail("interrupted; nothing was written", kInterrupted);
-	const Result<size_t> bytes = saveAsset(tree.value(), a.output);
-	if (!bytes) return fail(bytes.error().message);
+	if (!tree && tree.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
+	if (!tree) return fail(a.mesh + ": " + tree.error().message);
+	const Result<size_t> bytes = saveAsset(tree.value(), a.output, shown(bar, a.quiet));
+	bar.finish();
+	if (!bytes) return fail(bytes.error().message, bytes.error().cancelled ? kInterrupted : kBadInput);
+	if (a.quiet) return kGood;
 
 	Report report = newReport();
 	describeTree(report, tree.value(), bytes.value());

@@ -29,7 +29,7 @@ struct BuildArguments
 	std::string unit = "m", repair = "auto";
 	int threads = 0;
 	uint64_t seed = 1;
-	bool json = false;
+	bool json = false, quiet = false;
 };
 
 struct InfoArguments
@@ -49,6 +49,13 @@ struct ExportArguments
 	std::string file, spheres, leaves;
 };
 
+/// Of `pack` (asset to archive) and `unpack` (archive to asset).
+struct PackArguments
+{
+	std::string input, output;
+	bool json = false;
+};
+
 struct QueryArguments
 {
 	std::string fileA, fileB, pose, poses, law = "pressure", pairsOut;
@@ -64,6 +71,8 @@ int runBuild(const BuildArguments& arguments);
 int runInfo(const InfoArguments& arguments);
 int runCheck(const CheckArguments& arguments);
 int runExport(const ExportArguments& arguments);
+int runPack(const PackArguments& arguments);
+int runUnpack(const PackArguments& arguments);
 int runQuery(const QueryArguments& arguments);
 
 /// Prints the message on stderr and returns the code.

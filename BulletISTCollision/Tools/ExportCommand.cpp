@@ -3,8 +3,9 @@
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Tools/NumberText.h"
+#include "BulletISTCollision/Tools/Report.h"
 
-#include <fstream>
+#include <sstream>
 
 namespace ist::tools
 {
@@ -34,13 +35,11 @@ void writeLeaves(std::ostream& out, const InnerSphereTree& tree)
 		}
 }
 
-template <class Write>
-int writeFile(const std::string& path, Write write)
+int writeFile(const std::string& path, const InnerSphereTree& tree, void (*write)(std::ostream&, const InnerSphereTree&))
 {
-	std::ofstream out(path, std::ios::binary);
-	if (out) write(out);
-	out.flush();
-	return out ? kGood : fail("\"" + path + "\" cannot be written");
+	std::ostringstream text;
+	write(text, tree);
+	return writeText(path, text.str());
 }
 }  // namespace
 
@@ -49,8 +48,8 @@ int runExport(const ExportArguments& a)
 	const Result<InnerSphereTree> tree = loadAsset(a.file);
 	if (!tree) return fail(tree.error().message);
 	if (!a.spheres.empty())
-		if (const int code = writeFile(a.spheres, [&](std::ostream& out) { writeSpheres(out, tree.value()); }); code != kGood) return code;
-	if (!a.leaves.empty()) return writeFile(a.leaves, [&](std::ostream& out) { writeLeaves(out, tree.value()); });
+		if (const int code = writeFile(a.spheres, tree.value(), writeSpheres); code != kGood) return code;
+	if (!a.leaves.empty()) return writeFile(a.leaves, tree.value(), writeLeaves);
 	return kGood;
 }
 }  // namespace ist::tools

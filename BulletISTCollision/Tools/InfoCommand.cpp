@@ -4,22 +4,38 @@
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Tools/Report.h"
 
+#include <chrono>
 #include <cinttypes>
+#include <fstream>
 #include <cstdio>
 #include <filesystem>
 
 namespace ist::tools
 {
+namespace
+{
+/// Of a file that was loaded: little endian, behind the eight bytes of magic.
+uint32_t storedVersion(const std::string& path)
+{
+	unsigned char head[12] = {};
+	std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(head), sizeof head);
+	return head[8] | head[9] << 8 | head[10] << 16 | static_cast<uint32_t>(head[11]) << 24;
+}
+}  // namespace
+
 int runInfo(const InfoArguments& a)
 {
+	const auto start = std::chrono::steady_clock::now();
 	const Result<InnerSphereTree> loaded = loadAsset(a.file);
+	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	if (!loaded) return fail(loaded.error().message);
 	const InnerSphereTree& tree = loaded.value();
 	std::error_code ignored;
 	Report report = newReport();
 	describeTree(report, tree, std::filesystem::file_size(a.file, ignored));
 	report["peak_memory_bytes"] = nullptr;  // of the build: the asset does not keep it
-	report["version"] = kAssetVersion;
+	report["seconds_load"] = seconds;
+	report["version"] = storedVersion(a.file);
 	char hash[17];
 	std::snprintf(hash, sizeof hash, "%016" PRIx64, tree.provenance.meshHash);
 	report["mesh_hash"] = hash;

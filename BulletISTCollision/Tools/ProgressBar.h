@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <chrono>
 #include <string>
 
 namespace ist::tools
 {
-/// Progress on stderr: a bar on a terminal, otherwise a line every ten per cent of a stage.
+/// Progress on stderr: on a terminal a bar with the time left of the stage, otherwise a line every ten per cent of a stage.
 class ProgressBar
 {
 public:
@@ -16,9 +17,18 @@ public:
 	void finish();
 
 private:
+	using Clock = std::chrono::steady_clock;
+
+	void draw(const char* stage, double fraction);
+
 	bool m_terminal = false;
 	std::string m_stage;
-	int m_shown = -1;  ///< last step printed of this stage
+	Clock::time_point m_stageStart, m_drawn;
+	int m_shown = -1;  ///< last step of this stage that was printed
 	bool m_open = false;
 };
+
+/// Time left when `fraction` took `elapsed` seconds, to one unit below the largest: "3 s", "2 min 05 s", "1 h 10 min"; empty while
+/// nothing can be said.
+std::string timeLeft(double elapsed, double fraction);
 }  // namespace ist::tools

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <random>
 
 #include <omp.h>
@@ -249,13 +248,11 @@ Result<std::vector<Row>> readRows(const QueryArguments& a)
 	return rows;
 }
 
-bool writePairs(const std::string& path, const std::vector<Row>& rows)
+int writePairs(const std::string& path, const std::vector<Row>& rows)
 {
-	std::ofstream out(path, std::ios::binary);
-	out << "row,sphere_a,sphere_b,x,y,z,nx,ny,nz,volume,area\n";
-	for (const Row& row : rows) out << row.pairs;
-	out.flush();
-	return static_cast<bool>(out);
+	std::string text = "row,sphere_a,sphere_b,x,y,z,nx,ny,nz,volume,area\n";
+	for (const Row& row : rows) text += row.pairs;
+	return writeText(path, text);
 }
 }  // namespace
 
@@ -276,7 +273,8 @@ int runQuery(const QueryArguments& a)
 		if (!a.json && rows.value().size() > 1) std::fputs("\n", stdout);
 		if (!row.input.error.empty()) code = kBadInput;
 	}
-	if (!a.pairsOut.empty() && !writePairs(a.pairsOut, rows.value())) return fail("\"" + a.pairsOut + "\" cannot be written");
+	if (!a.pairsOut.empty())
+		if (const int written = writePairs(a.pairsOut, rows.value()); written != kGood) return written;
 	return code;
 }
 }  // namespace ist::tools

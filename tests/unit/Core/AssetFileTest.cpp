@@ -77,7 +77,7 @@ TEST(AssetFile, NewerVersionIsNamed)
 	bytes[8] = std::byte(7);
 	const Result<InnerSphereTree> newer = decodeAsset(bytes.data(), bytes.size());
 	ASSERT_FALSE(newer);
-	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 1"), std::string::npos);
+	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 2"), std::string::npos);
 }
 
 TEST(AssetFile, FailedSaveLeavesNothing)

@@ -88,7 +88,7 @@ expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --sphere
 holds "build in mm" 'near(r["volume"], 1e-9, 1e-18)'
 
 expect info 0 "$ist" info "$cube" --json
-holds info 'r["version"] == 1 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and "calibration" in r'
+holds info 'r["version"] == 2 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and "calibration" in r'
 holds "info mass" 'all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
 
 expect check 0 "$ist" check "$cube" --json
@@ -103,6 +103,17 @@ expect export 0 "$ist" export "$cube" --spheres "$dir/spheres.csv" --leaves "$di
 expect "export nothing" 2 "$ist" export "$cube"
 [ "$(head -1 "$dir/spheres.csv")" = "x,y,z,r" ] && [ "$(wc -l < "$dir/spheres.csv")" -eq 301 ] || { echo "FAILED spheres.csv"; failures=$((failures + 1)); }
 [ "$(head -1 "$dir/leaves.csv")" = "x,y,z,r,density,nx,ny,nz,depth,sphere" ] || { echo "FAILED leaves.csv"; failures=$((failures + 1)); }
+
+expect pack 0 "$ist" pack "$cube" -o "$dir/cube.ista" --json
+holds pack 'r["spheres"] == 300 and r["bytes_per_sphere"] < 0.5 * '"$(stat -c %s "$cube")"' / 300 and 0 <= r["fill_loss"] < 1e-3 and 0 <= r["max_radius_loss"] < 1e-5 and abs(r["leaf_volume_change"]) < 1e-4'
+expect "info of an archive" 0 "$ist" info "$dir/cube.ista" --json
+holds "info of an archive" 'r["spheres"] == 300 and near(r["volume"], 1)'
+expect unpack 0 "$ist" unpack "$dir/cube.ista" -o "$dir/again.ist" --json
+holds unpack 'r["spheres"] == 300'
+expect "check of an unpacked asset" 0 "$ist" check "$dir/again.ist" --mesh "$dir/cube.obj" --json
+holds "check of an unpacked asset" 'r["ok"] is True and r["overlapping_pairs"] == 0 and r["protruding"] == 0'
+expect "pack: not an asset" 1 "$ist" pack "$dir/cube.obj" -o "$dir/no.ista"
+says "pack: not an asset" "not an inner sphere tree"
 
 # B's cube 0.9 above A's: overlap 0.1.
 expect query 0 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --stiffness 1000 --lower-bound --repeat 3 --pairs-out "$dir/pairs.csv" --json

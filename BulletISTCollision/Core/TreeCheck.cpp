@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/TreeCheck.h"
+
+#include "BulletISTCollision/Core/Kernels/TreeLimits.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+constexpr int kWidth = BallBlock::kWidth;
+
+struct Bound
+{
+	float x, y, z, r;
+};
+
+bool isFinite(const Bound& b)
+{
+	return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) && std::isfinite(b.r);
+}
+
+// All operands are floats as stored, so that each difference is exact but for one rounding: the share covers them all.
+// Below the smallest square the products lose digits.
+constexpr float kShare = 1 + 1e-6f, kSmallestSquare = 1e-30f;
+
+bool surelyInside(const Bound& inner, const Bound& outer)
+{
+	const float dx = inner.x - outer.x, dy = inner.y - outer.y, dz = inner.z - outer.z;
+	const float room = outer.r - inner.r, room2 = room * room;
+	return room > 0 && room2 > kSmallestSquare && (dx * dx + dy * dy + dz * dz) * kShare <= room2;
+}
+
+bool surelyInside(const BallBlock& block, const Bound& bound)
+{
+	int inside = 1;
+	for (int k = 0; k < kWidth; ++k)
+	{
+		const float dx = block.x[k] - bound.x, dy = block.y[k] - bound.y, dz = block.z[k] - bound.z;
+		const float room = bound.r - block.R[k], room2 = room * room;
+		inside &= int(room > 0) & int(room2 > kSmallestSquare) & int((dx * dx + dy * dy + dz * dz) * kShare <= room2);
+	}
+	return inside != 0;
+}
+
+/// In double, padding left out; the same tolerance as BallTree::validate.
+bool isInside(const BallBlock& block, const Bound& bound)
+{
+	int inside = 1;
+	for (int k = 0; k < kWidth; ++k)
+	{
+		const Vec3 offset{double(block.x[k]) - bound.x, double(block.y[k]) - bound.y, double(block.z[k]) - bound.z};
+		const double room = double(bound.r) * (1 + 1e-12) - block.R[k];
+		inside &= int(k >= int(block.count)) | (int(room >= 0) & int(squaredNorm(offset) <= room * room));
+	}
+	return inside != 0;
+}
+
+/// Depth-first walk that sees every node and block exactly once.
+class Walk
+{
+public:
+	explicit Walk(const BallTree& tree) : m_tree(tree), m_nodeSeen(tree.nodes.size()), m_blockSeen(tree.blocks.size()) {}
+
+	bool run()
+	{
+		m_nodeSeen[0] = 1;
+		return visit(0, m_path, 0) && m_nodes == m_tree.nodes.size() && m_blocks == m_tree.blocks.size();
+	}
+
+private:
+	/// `path`: bounds on the way here that may cut off a part of what lies below.
+	bool visit(uint32_t index, Bound* path, int depth)
+	{
+		if (depth >= kMaxTreeDepth) return false;
+		++m_nodes;
+		const BallNode& node = m_tree.nodes[index];
+		for (int k = 0; k < BallNode::kWidth; ++k)
+		{
+			const Bound bound{node.x[k], node.y[k], node.z[k], node.r[k]};
+			if (!isFinite(bound) || bound.r < 0) return false;
+			const uint32_t child = node.child[k];
+			if (child == BallNode::kNoChild ? bound.r != 0 : !descend(child, bound, path, depth + 1)) return false;
+		}
+		return true;
+	}
+
+	bool descend(uint32_t child, const Bound& bound, Bound* path, int depth)
+	{
+		const uint32_t index = child & ~BallNode::kLeafBit;
+		const bool leaf = (child & BallNode::kLeafBit) != 0;
+		std::vector<char>& seen = leaf ? m_blockSeen : m_nodeSeen;
+		if (index >= seen.size() || seen[index]) return false;
+		seen[index] = 1;
+		if (leaf)
+		{
+			++m_blocks;
+			return contains(bound, index) && std::all_of(path, m_end, [&](const Bound& outer) { return contains(outer, index); });
+		}
+		Bound* const end = m_end;
+		Bound* const below = end;
+		for (const Bound* outer = path; outer != end; ++outer)
+			if (!surelyInside(bound, *outer)) *m_end++ = *outer;
+		*m_end++ = bound;
+		const bool good = visit(index, below, depth);
+		m_end = end;
+		return good;
+	}
+
+	bool contains(const Bound& outer, uint32_t index) const
+	{
+		const BallBlock& block = m_tree.blocks[index];
+		return surelyInside(Bound{block.bx, block.by, block.bz, block.br}, outer) || surelyInside(block, outer) || isInside(block, outer);
+	}
+
+	const BallTree& m_tree;
+	std::vector<char> m_nodeSeen, m_blockSeen;
+	size_t m_nodes = 0, m_blocks = 0;
+	// Each level keeps a list of its own, at most one longer than that of the level above.
+	Bound m_path[(kMaxTreeDepth + 1) * (kMaxTreeDepth + 2) / 2];
+	Bound* m_end = m_path;
+};
+}  // namespace
+
+bool surelyValid(const BallBlock& block, const MomentBall* balls)
+{
+	// Overflows for balls that are finite but of no known world.
+	float sum = 0;
+	int good = 1;
+	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
+	{
+		const MomentBall& b = balls[k];
+		sum += (std::fabs(b.x) + std::fabs(b.y)) + (std::fabs(b.z) + b.R) + (b.density + std::fabs(b.depth)) +
+			   (std::fabs(b.nx) + std::fabs(b.ny) + std::fabs(b.nz));
+		const int solid = int(b.R > 0) & int(b.density > 0), empty = int(b.R == 0) & int(b.density == 0);
+		good &= k < block.count ? solid : empty;
+	}
+	const Bound own{block.bx, block.by, block.bz, block.br};
+	return good && std::isfinite(sum) && block.count >= 1 && block.count <= uint32_t(kWidth) && isFinite(own) && isInside(block, own);
+}
+
+bool surelyValidNodes(const BallTree& tree)
+{
+	return !tree.nodes.empty() && Walk(tree).run();
+}
+
+bool surelyValid(const BallTree& tree)
+{
+	if (tree.balls.size() != tree.blocks.size() * kWidth) return false;
+	for (size_t i = 0; i < tree.blocks.size(); ++i)
+		if (!surelyValid(tree.blocks[i], tree.balls.data() + i * kWidth)) return false;
+	return surelyValidNodes(tree);
+}
+}  // namespace ist

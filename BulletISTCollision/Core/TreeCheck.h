@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/BallTree.h"
+
+namespace ist
+{
+/// Quick answers for a loader, whose blocks are filled from their balls; false also when in doubt. A tree for which all of them are
+/// true passes `BallTree::validate()`; ask that for certainty and for words.
+
+/// Sixteen balls of a block: finite, with mass, padding behind them, all inside the block's bound.
+bool surelyValid(const BallBlock& block, const MomentBall* balls);
+/// Nodes: each node and block reached once, bounds contain what they bound. Assumes that every block is valid.
+bool surelyValidNodes(const BallTree& tree);
+/// All of it. O(balls).
+bool surelyValid(const BallTree& tree);
+}  // namespace ist

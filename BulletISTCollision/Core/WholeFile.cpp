@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/WholeFile.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace ist
+{
+namespace
+{
+constexpr size_t kChunk = size_t(1) << 22;
+#ifdef MAP_POPULATE
+constexpr int kPopulate = MAP_POPULATE;
+#else
+constexpr int kPopulate = 0;
+#endif
+
+Error systemError(const std::string& path, const char* doing, int reason)
+{
+	return {"\"" + path + "\": " + doing + " failed: " + std::strerror(reason)};
+}
+
+class OpenFile
+{
+public:
+	OpenFile(const std::string& path, int flags) : m_file(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+	~OpenFile() { close(); }
+	OpenFile(const OpenFile&) = delete;
+	OpenFile& operator=(const OpenFile&) = delete;
+
+	bool good() const { return m_file >= 0; }
+	int number() const { return m_file; }
+	/// Some systems report a full disk no earlier than here.
+	bool close()
+	{
+		const int file = m_file;
+		m_file = -1;
+		return file < 0 || ::close(file) == 0;
+	}
+
+private:
+	int m_file;
+};
+
+enum class Outcome
+{
+	Done,
+	Failed,  ///< errno says why
+	Cancelled
+};
+
+Outcome writeAll(const OpenFile& file, const std::byte* bytes, size_t size, const Progress& progress)
+{
+	for (size_t done = 0; done < size;)
+	{
+		if (progress && !progress("write", double(done) / double(size))) return Outcome::Cancelled;
+		const ssize_t n = ::write(file.number(), bytes + done, std::min(kChunk, size - done));
+		if (n < 0 && errno == EINTR) continue;
+		if (n == 0) errno = ENOSPC;
+		if (n <= 0) return Outcome::Failed;
+		done += static_cast<size_t>(n);
+	}
+	return progress && !progress("write", 1) ? Outcome::Cancelled : Outcome::Done;
+}
+
+Result<size_t> result(Outcome outcome, const std::string& path, size_t size, int reason)
+{
+	if (outcome == Outcome::Done) return size;
+	if (outcome == Outcome::Cancelled) return Error{"\"" + path + "\": writing was cancelled; nothing was written", true};
+	return systemError(path, "writing the file", reason);
+}
+
+Result<size_t> writeInPlace(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress)
+{
+	OpenFile file(path, O_WRONLY);
+	if (!file.good()) return systemError(path, "opening the file", errno);
+	Outcome outcome = writeAll(file, bytes, size, progress);
+	int reason = errno;
+	if (!file.close() && outcome == Outcome::Done)
+	{
+		outcome = Outcome::Failed;
+		reason = errno;
+	}
+	return result(outcome, path, size, reason);
+}
+}  // namespace
+
+Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress)
+{
+	std::error_code missing;
+	const std::filesystem::file_status there = std::filesystem::status(path, missing);
+	if (std::filesystem::is_directory(there)) return systemError(path, "writing the file", EISDIR);
+	if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) return writeInPlace(path, bytes, size, progress);
+	const std::filesystem::path followed = std::filesystem::canonical(path, missing);
+	const std::string target = missing ? path : followed.string();
+	const std::string temporary = target + ".tmp" + std::to_string(::getpid());
+
+	OpenFile file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+	if (!file.good()) return systemError(path, "creating the file", errno);
+	Outcome outcome = writeAll(file, bytes, size, progress);
+	if (outcome == Outcome::Done && (::fsync(file.number()) != 0 || !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0))
+		outcome = Outcome::Failed;
+	const int reason = errno;
+	if (outcome != Outcome::Done) ::unlink(temporary.c_str());
+	return result(outcome, path, size, reason);
+}
+
+MappedFile::~MappedFile()
+{
+	if (m_mapped) ::munmap(const_cast<std::byte*>(m_mapped), m_size);
+}
+
+void MappedFile::swap(MappedFile& other)
+{
+	std::swap(m_mapped, other.m_mapped);
+	std::swap(m_read, other.m_read);
+	std::swap(m_size, other.m_size);
+}
+
+Result<MappedFile> MappedFile::open(const std::string& path)
+{
+	const OpenFile file(path, O_RDONLY);
+	if (!file.good()) return systemError(path, "opening the file", errno);
+	struct stat about;
+	if (::fstat(file.number(), &about) != 0) return systemError(path, "reading the file", errno);
+	if (!S_ISREG(about.st_mode)) return Error{"\"" + path + "\" is not a file"};
+	MappedFile content;
+	content.m_size = static_cast<size_t>(about.st_size);
+	void* mapped = ::mmap(nullptr, content.m_size, PROT_READ, MAP_PRIVATE | kPopulate, file.number(), 0);
+	if (mapped != MAP_FAILED)
+	{
+		content.m_mapped = static_cast<const std::byte*>(mapped);
+		return content;
+	}
+	// Not zeroed: every byte is about to be read into it.
+	content.m_read.reset(new (std::nothrow) std::byte[content.m_size]);
+	if (!content.m_read) return Error{"\"" + path + "\": not enough memory to read it"};
+	for (size_t done = 0; done < content.m_size;)
+	{
+		const ssize_t n = ::read(file.number(), content.m_read.get() + done, std::min(kChunk, content.m_size - done));
+		if (n < 0 && errno == EINTR) continue;
+		if (n < 0) return systemError(path, "reading the file", errno);
+		if (n == 0) return Error{"\"" + path + "\" became shorter while it was read"};
+		done += static_cast<size_t>(n);
+	}
+	return content;
+}
+}  // namespace ist

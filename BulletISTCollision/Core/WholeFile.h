@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Progress.h"
+#include "BulletISTCollision/Core/Result.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace ist
+{
+/// Writes to a temporary file beside `path`, flushes it to the medium and renames it: `path` is either the old file or the whole
+/// new one, also when the disk fills up or `progress` (stage "write") cancels. A symbolic link stays a link to the new content;
+/// a device or a pipe is written in place. Gives the number of bytes.
+Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
+
+/// The bytes of a file, mapped, or read where the file system cannot map. A file that another program cuts short meanwhile ends
+/// the process with SIGBUS, as any mapped file; one that is replaced, as `writeWholeFile` does, stays whole.
+class MappedFile
+{
+public:
+	static Result<MappedFile> open(const std::string& path);
+	MappedFile() = default;
+	MappedFile(MappedFile&& other) noexcept { swap(other); }
+	MappedFile& operator=(MappedFile&& other) noexcept
+	{
+		swap(other);
+		return *this;
+	}
+	~MappedFile();
+
+	const std::byte* bytes() const { return m_mapped ? m_mapped : m_read.get(); }
+	size_t size() const { return m_size; }
+
+private:
+	void swap(MappedFile& other);
+
+	const std::byte* m_mapped = nullptr;
+	std::unique_ptr<std::byte[]> m_read;
+	size_t m_size = 0;
+};
+}  // namespace ist

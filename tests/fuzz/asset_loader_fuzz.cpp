@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+// libFuzzer on the asset loader: whatever the bytes, it refuses them or gives a tree that is safe to query and to write again.
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+
+#include "SealedAsset.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace
+{
+void require(bool condition, const char* what)
+{
+	if (condition) return;
+	std::fprintf(stderr, "broken promise: %s\n", what);
+	std::abort();
+}
+
+void load(const std::vector<std::byte>& bytes)
+{
+	const ist::Result<ist::InnerSphereTree> tree = ist::decodeAsset(bytes.data(), bytes.size());
+	if (!tree)
+	{
+		require(!tree.error().message.empty(), "a refusal has a reason");
+		return;
+	}
+	require(tree.value().validate().empty(), "a loaded tree is valid");
+	static ist::QueryWorkspace workspace;
+	const double step = tree.value().box.longestSide() / 3;
+	(void)ist::queryOverlap(tree.value(), tree.value(), {{}, {step, step / 2, 0}}, workspace);
+	const std::vector<std::byte> again = ist::encodeAsset(tree.value());
+	const ist::Result<ist::InnerSphereTree> back = ist::decodeAsset(again.data(), again.size());
+	require(static_cast<bool>(back), "a loaded tree can be written and read");
+	require(ist::encodeAsset(back.value()) == again, "writing is stable");
+}
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+	const auto* first = reinterpret_cast<const std::byte*>(data);
+	std::vector<std::byte> bytes(first, first + size);
+	load(bytes);
+	seal::seal(bytes);
+	load(bytes);
+	return 0;
+}

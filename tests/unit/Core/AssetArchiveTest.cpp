@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/AssetArchive.h"
+
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace ist
+{
+namespace
+{
+/// A concave body away from its origin, and what an archive makes of it.
+struct Packed
+{
+	InnerSphereTree tree, archived;
+	size_t bytes = 0;
+};
+
+const Packed& packedTorus()
+{
+	static const Packed packed = []
+	{
+		BuildOptions options;
+		options.maxSpheres = 1500;
+		Packed p;
+		Result<InnerSphereTree> built = buildTree(translated(makeTorusMesh(0.3, 0.1, 48, 24), {100, -3, 20}), options);
+		EXPECT_TRUE(built) << built.error().message;
+		p.tree = std::move(built).value();
+		const Result<std::vector<std::byte>> bytes = encodeArchive(p.tree);
+		EXPECT_TRUE(bytes) << bytes.error().message;
+		p.bytes = bytes.value().size();
+		Result<InnerSphereTree> back = decodeArchive(bytes.value().data(), bytes.value().size());
+		EXPECT_TRUE(back) << back.error().message;
+		p.archived = std::move(back).value();
+		return p;
+	}();
+	return packed;
+}
+
+TEST(AssetArchive, TakesAtMostFortyBytesASphere)
+{
+	const Packed& p = packedTorus();
+	EXPECT_LE(p.bytes, 40 * p.tree.spheres.size());
+	EXPECT_EQ(p.archived.spheres.size(), p.tree.spheres.size());
+	EXPECT_EQ(p.archived.law.ballCount(), p.tree.law.ballCount());
+	EXPECT_EQ(p.archived.provenance.meshHash, p.tree.provenance.meshHash);
+	EXPECT_EQ(p.archived.origin, p.tree.origin);
+}
+
+// A ball inside a ball that neither overlaps nor protrudes does neither.
+TEST(AssetArchive, EachSphereLiesInsideItsOriginal)
+{
+	const Packed& p = packedTorus();
+	const double side = p.tree.box.longestSide();
+	for (size_t i = 0; i < p.tree.spheres.size(); ++i)
+	{
+		const Sphere &a = p.tree.spheres[i], &b = p.archived.spheres[i];
+		const double shift = distance(a.center(), b.center());
+		ASSERT_GT(b.r, 0);
+		ASSERT_LE(shift + b.r, double(a.r)) << i;
+		// Half a diagonal of a grid cell and of a float, and a step of the radius code.
+		EXPECT_LE(shift, side / (1 << 21) * 0.87 + side * 1.1e-7);
+		EXPECT_GE(b.r, a.r - shift - 1e-5 * a.r);
+	}
+	for (size_t i = 0; i < p.archived.spheres.size(); ++i)
+		for (size_t j = 0; j < i; ++j)
+		{
+			const Sphere &a = p.archived.spheres[i], &b = p.archived.spheres[j];
+			ASSERT_GE(distance(a.center(), b.center()), double(a.r) + b.r);
+		}
+	EXPECT_LE(p.archived.fill, p.tree.fill);
+	EXPECT_GE(p.archived.fill, p.tree.fill * (1 - 1e-3));
+	EXPECT_GE(p.archived.maxGap, p.tree.maxGap);
+}
+
+// Cells are not stored: they are the sums of their leaves.
+TEST(AssetArchive, CellsComeBackFromTheirLeaves)
+{
+	const Packed& p = packedTorus();
+	const auto bySphere = [](const InnerSphereTree& tree)
+	{
+		std::vector<MomentBall> cells(tree.spheres.size());
+		for (size_t i = 0; i < tree.cells.balls.size(); ++i)
+			if (i % BallBlock::kWidth < tree.cells.blocks[i / BallBlock::kWidth].count) cells[tree.cells.balls[i].sphere] = tree.cells.balls[i];
+		return cells;
+	};
+	const std::vector<MomentBall> before = bySphere(p.tree), after = bySphere(p.archived);
+	for (size_t i = 0; i < before.size(); ++i)
+	{
+		const MomentBall &a = before[i], &b = after[i];
+		EXPECT_LE(distance(a.center(), b.center()), 1e-3 * a.R) << i;
+		EXPECT_NEAR(b.R, a.R, 1e-3 * a.R) << i;
+		EXPECT_NEAR(b.density, a.density, 3e-3 * a.density) << i;
+		EXPECT_LE(norm(a.normal() - b.normal()), 1e-3) << i;
+		EXPECT_NEAR(b.depth, a.depth, 1e-3 * a.depth + 1e-6) << i;
+	}
+}
+
+TEST(AssetArchive, LosesLessThanATenthOfTheErrorBarOverRandomPoses)
+{
+	const Packed& p = packedTorus();
+	std::mt19937_64 random(5);
+	std::uniform_real_distribution<double> unit(-1, 1);
+	QueryWorkspace workspace;
+	int touching = 0;
+	double volumeLoss2 = 0, forceLoss2 = 0;
+	for (int i = 0; i < 200; ++i)
+	{
+		const Vec3 axis = normalized({unit(random), unit(random), unit(random)});
+		const double angle = 3.1 * unit(random);
+		Pose X;
+		X.rotation = rotationMatrix(quaternionFromRotationVector(angle * axis));
+		// Turned about the centre of the body, which lies far from the origin of the mesh, then moved.
+		const Vec3 shift{0.4 * unit(random), 0.4 * unit(random), 0.2 * unit(random)};
+		X.translation = p.tree.origin + shift - X.rotation * p.tree.origin;
+		const OverlapIntegrals a = queryOverlap(p.tree, p.tree, X, workspace).total;
+		const OverlapIntegrals b = queryOverlap(p.archived, p.archived, X, workspace).total;
+		if (a.volume < 1e-3 * p.tree.volume) continue;
+		++touching;
+		const OverlapError sigma = overlapError(a, 2 * p.tree.meanGap, 1);
+		EXPECT_LE(std::fabs(b.volume - a.volume), 0.1 * sigma.volume) << i;
+		const double force = norm(pressureWrench(b, {}).force - pressureWrench(a, {}).force);
+		EXPECT_LE(force, 0.1 * sigma.force) << i;
+		volumeLoss2 += std::pow(b.volume / a.volume - 1, 2);
+		forceLoss2 += std::pow(force / a.volume, 2);
+	}
+	EXPECT_GT(touching, 50);
+	RecordProperty("rms_volume_loss", std::to_string(std::sqrt(volumeLoss2 / touching)));
+	RecordProperty("rms_force_loss", std::to_string(std::sqrt(forceLoss2 / touching)));
+	EXPECT_LE(std::sqrt(volumeLoss2 / touching), 1e-3);
+	EXPECT_LE(std::sqrt(forceLoss2 / touching), 1e-3);
+}
+
+TEST(AssetArchive, RefusesASphereThatTheGridCannotHold)
+{
+	InnerSphereTree tree = packedTorus().tree;
+	tree.spheres.back().r = 1e-8f;
+	const Result<std::vector<std::byte>> refused = encodeArchive(tree);
+	ASSERT_FALSE(refused);
+	EXPECT_NE(refused.error().message.find("too small"), std::string::npos);
+}
+}  // namespace
+}  // namespace ist

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/WholeFile.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace ist
+{
+namespace
+{
+/// A folder of its own, gone afterwards.
+class WholeFile : public testing::Test
+{
+protected:
+	void SetUp() override
+	{
+		std::filesystem::remove_all(m_folder);
+		std::filesystem::create_directories(m_folder);
+	}
+	void TearDown() override { std::filesystem::remove_all(m_folder); }
+
+	std::string at(const char* name) const { return (m_folder / name).string(); }
+	std::ptrdiff_t entries() const
+	{
+		return std::distance(std::filesystem::directory_iterator(m_folder), std::filesystem::directory_iterator());
+	}
+	static Result<size_t> write(const std::string& path, const std::string& text, const Progress& progress = {})
+	{
+		return writeWholeFile(path, reinterpret_cast<const std::byte*>(text.data()), text.size(), progress);
+	}
+	static std::string content(const std::string& path)
+	{
+		std::ifstream in(path, std::ios::binary);
+		return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+	}
+
+	const std::filesystem::path m_folder =
+		std::filesystem::path(testing::TempDir()) / ("ist_whole_file_" + std::to_string(::getpid()));
+};
+
+TEST_F(WholeFile, WritesAndReplaces)
+{
+	ASSERT_TRUE(write(at("a"), "one"));
+	ASSERT_TRUE(write(at("a"), "another"));
+	EXPECT_EQ(content(at("a")), "another");
+	EXPECT_EQ(entries(), 1);
+	const Result<MappedFile> mapped = MappedFile::open(at("a"));
+	ASSERT_TRUE(mapped);
+	EXPECT_EQ(std::string(reinterpret_cast<const char*>(mapped.value().bytes()), mapped.value().size()), "another");
+}
+
+TEST_F(WholeFile, AnEmptyFileIsReadAsNoBytes)
+{
+	ASSERT_TRUE(write(at("empty"), ""));
+	const Result<MappedFile> mapped = MappedFile::open(at("empty"));
+	ASSERT_TRUE(mapped) << mapped.error().message;
+	EXPECT_EQ(mapped.value().size(), 0u);
+}
+
+TEST_F(WholeFile, ALinkStaysALink)
+{
+	ASSERT_TRUE(write(at("target"), "old"));
+	std::filesystem::create_symlink(at("target"), at("link"));
+	ASSERT_TRUE(write(at("link"), "new"));
+	EXPECT_TRUE(std::filesystem::is_symlink(at("link")));
+	EXPECT_EQ(content(at("target")), "new");
+}
+
+TEST_F(WholeFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
+{
+	if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+	const Result<size_t> full = write("/dev/full", "text");
+	ASSERT_FALSE(full);
+	EXPECT_NE(full.error().message.find("/dev/full"), std::string::npos);
+	EXPECT_NE(full.error().message.find("No space left"), std::string::npos);
+	EXPECT_TRUE(write("/dev/null", "text"));
+	EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_F(WholeFile, AnUnwritablePathIsSaidAndLeavesNothing)
+{
+	const Result<size_t> missing = write(at("none/file"), "text");
+	ASSERT_FALSE(missing);
+	EXPECT_NE(missing.error().message.find("none/file"), std::string::npos);
+	std::filesystem::create_directory(at("folder"));
+	const Result<size_t> folder = write(at("folder"), "text");
+	ASSERT_FALSE(folder);
+	EXPECT_NE(folder.error().message.find("directory"), std::string::npos);
+	EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFile, CancellingKeepsTheOldFile)
+{
+	ASSERT_TRUE(write(at("a"), "old"));
+	for (double stopAt : {0.0, 0.5, 1.0})
+	{
+		double last = -1;
+		const Result<size_t> cancelled = write(at("a"), std::string(20'000'000, 'x'), [&](const char* stage, double fraction) {
+			EXPECT_STREQ(stage, "write");
+			EXPECT_GE(fraction, last);
+			last = fraction;
+			return fraction < stopAt;
+		});
+		ASSERT_FALSE(cancelled);
+		EXPECT_TRUE(cancelled.error().cancelled);
+		EXPECT_GE(last, stopAt);
+		EXPECT_EQ(content(at("a")), "old");
+		EXPECT_EQ(entries(), 1);
+	}
+}
+
+// Stands for a full disk: the limit cuts a write in its middle.
+TEST_F(WholeFile, AFileThatGrowsTooLargeLeavesTheOldOne)
+{
+	ASSERT_TRUE(write(at("a"), "old"));
+	rlimit before;
+	ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+	const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+	const rlimit small{100'000, before.rlim_max};
+	ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+	const Result<size_t> cut = write(at("a"), std::string(1'000'000, 'x'));
+	setrlimit(RLIMIT_FSIZE, &before);
+	std::signal(SIGXFSZ, handler);
+	ASSERT_FALSE(cut);
+	EXPECT_NE(cut.error().message.find("too large"), std::string::npos);
+	EXPECT_EQ(content(at("a")), "old");
+	EXPECT_EQ(entries(), 1);
+}
+}  // namespace
+}  // namespace ist

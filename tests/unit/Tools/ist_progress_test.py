@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
+"""Progress, interruption and failed writes of the ist command. Usage: ist_progress_test.py PATH_TO_IST"""
+import os
+import pty
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+
+IST = sys.argv[1]
+CUBE = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"""
+STAGES = ["repair", "packing", "cells", "tree", "write"]
+failures = []
+
+
+def expect(condition, what):
+    if not condition:
+        failures.append(what)
+
+
+def build(folder, output, *options):
+    return [IST, "build", os.path.join(folder, "cube.obj"), "-o", output, *options]
+
+
+def lines_every_ten_per_cent(folder):
+    out = os.path.join(folder, "lines.ist")
+    text = subprocess.run(build(folder, out, "--spheres", "300"), capture_output=True, text=True).stderr
+    shown = [re.fullmatch(r"(\w+) (\d+) %", line) for line in text.splitlines()]
+    expect(all(shown), "only progress on stderr: " + text)
+    stages = [m[1] for m in shown]
+    expect(list(dict.fromkeys(stages)) == STAGES, f"stages in order: {stages}")
+    for stage in STAGES:
+        steps = [int(m[2]) for m in shown if m[1] == stage]
+        expect(steps == sorted(set(steps)) and all(s % 10 == 0 for s in steps), f"{stage}: {steps}")
+        expect(steps[-1:] == [100], f"{stage} ends: {steps}")
+    quiet = subprocess.run(build(folder, out, "--spheres", "50", "--quiet"), capture_output=True, text=True)
+    expect(quiet.stdout == "" and quiet.stderr == "", "--quiet says nothing")
+
+
+def bar_with_the_time_left(folder):
+    """The bar stands on a terminal; the time left comes after half a second of a stage."""
+    leader, follower = pty.openpty()
+    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "100000", "--threads", "1"),
+                               stdout=subprocess.DEVNULL, stderr=follower)
+    os.close(follower)
+    text = ""
+    while not re.search(r"packing +\[#* *\] +\d+ %  \d+ (s|min \d\d s|h \d\d min) left", text):
+        try:
+            more = os.read(leader, 4096).decode()
+        except OSError:  # the other end is closed
+            break
+        if not more:
+            break
+        text += more
+    else:
+        process.send_signal(signal.SIGINT)
+    # Nobody reads the terminal any more: closing it keeps the command from waiting for that.
+    os.close(leader)
+    expect(process.wait() == 130, "a bar with the time left, then 130: " + text[-300:])
+
+
+def interruption(folder, number):
+    out = os.path.join(folder, "interrupted.ist")
+    for stage in ["packing", "cells"]:
+        spheres = "500000" if stage == "packing" else "3000"
+        process = subprocess.Popen(build(folder, out, "--spheres", spheres), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if line.startswith(stage):
+                process.send_signal(number)
+                break
+        stdout, stderr = process.communicate()
+        expect(process.returncode == 130, f"{stage}: exit {process.returncode} after signal {number}")
+        expect("interrupted; nothing was written" in stderr, f"{stage}: {stderr}")
+        expect(stdout == "", f"{stage}: no report")
+    expect(not [f for f in os.listdir(folder) if f.startswith("interrupted")], "an interrupted build leaves no file")
+
+
+def small_files():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+
+
+def failed_writes(folder):
+    def fails(what, wanted, command, **how):
+        result = subprocess.run(command, capture_output=True, text=True, **how)
+        expect(result.returncode == 1, f"{what}: exit {result.returncode}")
+        expect(wanted in result.stderr, f"{what}: {result.stderr}")
+
+    before = sorted(os.listdir(folder))
+    asset, cube = os.path.join(folder, "lines.ist"), ["--spheres", "300", "--quiet"]
+    fails("a file too large", "too large", build(folder, os.path.join(folder, "cut.ist"), *cube), preexec_fn=small_files)
+    fails("pack too large", "too large", [IST, "pack", asset, "-o", os.path.join(folder, "cut.ista")],
+          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)))
+    fails("leaves too large", "too large", [IST, "export", asset, "--leaves", os.path.join(folder, "cut.csv")], preexec_fn=small_files)
+    fails("no folder", "No such file", build(folder, os.path.join(folder, "none", "a.ist"), *cube))
+    fails("a folder", "directory", build(folder, folder, *cube))
+    if os.path.exists("/dev/full"):
+        fails("a full device", "No space left", build(folder, "/dev/full", *cube))
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([IST, "info", asset, "--json"], stdout=full, stderr=subprocess.PIPE, text=True)
+        expect(result.returncode == 1 and "standard output" in result.stderr, "a report that cannot be printed is an error")
+    if os.geteuid() != 0:
+        locked = os.path.join(folder, "locked")
+        os.mkdir(locked, 0o500)
+        fails("no permission", "Permission denied", build(folder, os.path.join(locked, "a.ist"), *cube))
+        os.rmdir(locked)
+    expect(sorted(os.listdir(folder)) == before, f"failed writes leave nothing: {os.listdir(folder)}")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    with open(os.path.join(folder, "cube.obj"), "w") as mesh:
+        mesh.write(CUBE)
+    lines_every_ten_per_cent(folder)
+    failed_writes(folder)
+    bar_with_the_time_left(folder)
+    for number in [signal.SIGINT, signal.SIGTERM]:
+        interruption(folder, number)
+
+print("\n".join("FAILED " + f for f in failures) or "all passed")
+sys.exit(1 if failures else 0)
