@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btContactLaw.h"
+#include "BulletHapticForce/btContactMaterial.h"
+#include "BulletHapticForce/btISTWorld.h"
+#include "BulletHapticForce/btVolumetricRows.h"
+#include "BulletHapticForce/btVolumetricSolver.h"

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btContactLaw.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+using Matrix3 = Eigen::Matrix3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+constexpr double kFrictionRadiusPerRms = 0.93;
+
+Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
+
+Matrix3 toEigen(const ist::Mat3& a)
+{
+	Matrix3 r;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) r(i, j) = a.m[i][j];
+	return r;
+}
+
+Matrix3 crossMatrix(const Eigen::Vector3d& v)
+{
+	Matrix3 r;
+	r << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+	return r;
+}
+
+ist::SymmetricMatrix6 toSymmetric(const Matrix6& a)
+{
+	ist::SymmetricMatrix6 r;
+	for (int i = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j) r(i, j) = 0.5 * (a(i, j) + a(j, i));
+	return r;
+}
+
+/// From A's mesh axes about A's origin to World axes about the point `c` from that origin.
+Matrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3& R, const Eigen::Vector3d& c)
+{
+	Matrix6 original;
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j) original(i, j) = K(i, j);
+	// twist about the origin, mesh axes = T (twist about c, World axes)
+	Matrix6 T = Matrix6::Zero();
+	T.topLeftCorner<3, 3>() = R.transpose();
+	T.bottomRightCorner<3, 3>() = R.transpose();
+	T.topRightCorner<3, 3>() = crossMatrix(c) * R.transpose();
+	return T.transpose() * original * T;
+}
+
+/// Int r r^T dV / V about the centroid, A's mesh axes [m^2].
+Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
+{
+	const double* s = sums.secondMoment;
+	Matrix3 second;
+	second << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2];
+	return second / sums.volume - c * c.transpose();
+}
+}  // namespace
+
+bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContactPatch& patch)
+{
+	const ist::OverlapIntegrals& sums = contact.patches[patchIndex];
+	const ist::PressurePair pair{contact.constants.k, contact.constants.weightA, contact.constants.weightB};
+	const ist::Wrench aboutOrigin = ist::pressureWrench(sums, pair);
+	const double force = norm(aboutOrigin.force);
+	if (!(sums.volume > 0) || !(force > 0) || !isFinite(aboutOrigin)) return false;
+
+	const ist::Mat3& R_WA = contact.X_WA.rotation;
+	const ist::Vec3 centroid = sums.firstMoment / sums.volume;
+	patch.point = contact.X_WA * (contact.treeA->origin + centroid);
+	patch.normal = R_WA * (aboutOrigin.force / force);
+	patch.wrench = {R_WA * aboutOrigin.force, R_WA * (aboutOrigin.torque - cross(centroid, aboutOrigin.force))};
+
+	const Eigen::Vector3d c = toEigen(centroid), n = toEigen(patch.normal);
+	const Matrix3 R = toEigen(R_WA);
+	const Matrix3 spread = R * covariance(sums, c) * R.transpose();
+	const double radiusSquared = std::max(spread.trace() - n.dot(spread * n), 0.0);
+	patch.frictionRadius = kFrictionRadiusPerRms * std::sqrt(radiusSquared);
+
+	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
+	patch.stiffness = ist::projectedPositive(toSymmetric(movedToWorld(ist::pressureStiffness(sums, pair), R, c)), length);
+
+	Matrix6 damping = Matrix6::Zero();
+	damping.topLeftCorner<3, 3>() = n * n.transpose();
+	damping.bottomRightCorner<3, 3>() = crossMatrix(n) * spread * crossMatrix(n).transpose();
+	patch.damping = toSymmetric(contact.constants.dissipation * force * damping);
+	return true;
+}

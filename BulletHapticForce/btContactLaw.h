@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/btISTContactStore.h"
+
+/// One contact patch, with the constants of its pair applied. World axes; wrench, stiffness and damping are about `point` and
+/// act on A (B receives the opposite at the same point).
+struct btContactPatch
+{
+	ist::Vec3 point;     ///< centroid of the overlap, World [m]
+	ist::Vec3 normal;    ///< direction of the elastic force on A, unit length
+	ist::Wrench wrench;  ///< elastic [N, N m]
+	ist::SymmetricMatrix6 stiffness;  ///< -d(wrench)/d(translation, rotation) of A, positive semidefinite [N/m, N, N m]
+	ist::SymmetricMatrix6 damping;    ///< -d(wrench)/d(twist), positive semidefinite [N s/m, N s, N m s]
+	double frictionRadius = 0;  ///< lever of the drilling moment: sliding friction times it is the largest moment about `normal` [m]
+};
+
+/// The pressure field law (DESIGN section 5) on one patch of a contact. False, and `patch` undefined, when it exerts no force: beyond
+/// the medial axis the field ends.
+///
+/// Damping is Hunt-Crossley, the pressure times dissipation times the local approach speed: with one normal per patch,
+/// D = d |F| / V Int G G^T dV, G = (n, r x n). The friction radius is 0.93 of the rms distance from the axis, weighted with the
+/// pressure: within 1.5 % of Int p rho dA / Int p dA for a flat disc (2/3 a) and for a ball on a plane (8/15 a).
+/// O(1), about 5 us: an eigenvalue problem of size 6. No allocation.
+bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContactPatch& patch);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btContactMaterial.h"
+
+#include <cmath>
+
+namespace
+{
+double combinedDissipation(const btContactMaterial& A, const btContactMaterial& B, double otherwise)
+{
+	if (A.dissipation >= 0 && B.dissipation >= 0)
+	{
+		const double sum = A.stiffness + B.stiffness;
+		if (A.stiffness > 0 && B.stiffness > 0) return (B.stiffness * A.dissipation + A.stiffness * B.dissipation) / sum;
+		return (A.dissipation + B.dissipation) / 2;
+	}
+	if (A.dissipation >= 0) return A.dissipation;
+	return B.dissipation >= 0 ? B.dissipation : otherwise;
+}
+}  // namespace
+
+std::optional<ist::Error> btContactMaterialTable::set(const btCollisionObject* body, const btContactMaterial& material)
+{
+	if (!body) return ist::Error{"a contact material needs a body"};
+	if (!std::isfinite(material.stiffness) || material.stiffness < 0)
+		return ist::Error{"the stiffness of a contact material must be a finite number of Pa/m, 0 or more (0: not set)"};
+	if (!std::isfinite(material.dissipation))
+		return ist::Error{"the dissipation of a contact material must be a finite number of s/m (negative: not set)"};
+	m_materials[body] = material;
+	return std::nullopt;
+}
+
+btContactMaterial btContactMaterialTable::find(const btCollisionObject* body) const
+{
+	const auto found = m_materials.find(body);
+	return found == m_materials.end() ? btContactMaterial() : found->second;
+}
+
+btISTPairConstants btContactMaterialTable::decide(const btISTContact& contact, const btCollisionObject* bodyA,
+												  const btCollisionObject* bodyB) const
+{
+	btISTPairConstants constants = m_default.decide(contact, bodyA, bodyB);
+	const btContactMaterial A = find(bodyA), B = find(bodyB);
+	constants.dissipation = combinedDissipation(A, B, constants.dissipation);
+	if (A.stiffness > 0 && B.stiffness > 0)
+	{
+		constants.k = A.stiffness * B.stiffness / (A.stiffness + B.stiffness);
+		constants.weightA = B.stiffness / (A.stiffness + B.stiffness);
+	}
+	else if (A.stiffness > 0 || B.stiffness > 0)
+	{
+		constants.k = A.stiffness + B.stiffness;
+		constants.weightA = A.stiffness > 0 ? 1 : 0;
+	}
+	if (contact.halfSpace) constants.weightA = 0;
+	constants.weightB = 1 - constants.weightA;
+	return constants;
+}

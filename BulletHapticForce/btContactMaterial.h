@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/btISTContactStore.h"
+
+#include <optional>
+#include <unordered_map>
+
+/// What a body is made of, for the pressure field law. Friction stays where Bullet has it: btCollisionObject::setFriction.
+struct btContactMaterial
+{
+	double stiffness = 0;     ///< k_X [Pa/m]: pressure at a depth, per depth. 0: not set
+	double dissipation = -1;  ///< Hunt-Crossley [s/m]; nothing leaves contact faster than its inverse. Negative: not set
+
+	/// Elastic foundation: modulus [Pa] over the depth [m] of the layer that yields.
+	static btContactMaterial fromModulus(double modulus, double foundationDepth) { return {modulus / foundationDepth, -1}; }
+};
+
+/// Decides the constants of a pair from the materials of its bodies (DESIGN section 5):
+/// (a) against a half-space all weight lies on its field, whatever the materials;
+/// (b) both stiffnesses set: in series, 1/k = 1/k_A + 1/k_B, w_A = k_B/(k_A + k_B): the softer body's field counts more;
+/// (c) one set: k is that one, all weight on its field;
+/// (d) none set: btISTDefaultPairRule.
+/// Dissipation: d = (k_B d_A + k_A d_B)/(k_A + k_B) when both stiffnesses and both dissipations are set, else the mean of those set,
+/// else that of (d). One owner thread: that of the world.
+class btContactMaterialTable : public btISTPairRule
+{
+public:
+	/// See setGravity.
+	explicit btContactMaterialTable(double gravity = 9.81) : m_default(gravity) {}
+
+	/// Refused, with the reason: values that are not finite, a negative stiffness. Call `remove` before the body is deleted: its
+	/// address may be given to a new one.
+	std::optional<ist::Error> set(const btCollisionObject* body, const btContactMaterial& material);
+	void remove(const btCollisionObject* body) { m_materials.erase(body); }
+	/// That of `set`, or one with nothing set.
+	btContactMaterial find(const btCollisionObject* body) const;
+	/// Magnitude of gravity [m/s^2], for (d). Zero keeps the former one: bodies without weight shall not become bodies without contact.
+	void setGravity(double gravity)
+	{
+		if (gravity > 0) m_default = btISTDefaultPairRule(gravity);
+	}
+
+	btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
+
+private:
+	btISTDefaultPairRule m_default;
+	std::unordered_map<const btCollisionObject*, btContactMaterial> m_materials;
+};

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btContactMaterial.h"
+#include "BulletHapticForce/btVolumetricSolver.h"
+#include "BulletISTCollision/btISTCollisionAlgorithm.h"
+
+#include "BulletCollision/BroadphaseCollision/btDbvtBroadphase.h"
+#include "BulletCollision/CollisionDispatch/btCollisionDispatcher.h"
+#include "BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h"
+#include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
+
+#include <memory>
+
+/// A Bullet world with volumetric contact: configuration, dispatcher, broad phase, solver, world, and the registration of the
+/// algorithm, made and destroyed in the right order. Bodies, shapes and constraints belong to the caller, who removes them before
+/// or leaves them behind; attachments may outlive the world. A game that has a world of its own needs none of this: it registers
+/// the algorithm with its dispatcher and gives its world a btVolumetricSolver.
+class btISTWorld
+{
+public:
+	/// Gravity: (0, -9.81, 0) m/s^2.
+	btISTWorld();
+	~btISTWorld();
+	btISTWorld(const btISTWorld&) = delete;
+	btISTWorld& operator=(const btISTWorld&) = delete;
+
+	btDiscreteDynamicsWorld& bullet() { return *m_world; }
+	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material.
+	void setGravity(const btVector3& gravity);
+
+	/// From the next step on, `shape` speaks through `tree` against everything that is volumetric. See btISTRegistry::attach.
+	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+	/// See btContactMaterialTable.
+	btContactMaterialTable& materials() { return *m_materials; }
+	/// What the last step found and did.
+	btISTContactStore& contacts() { return m_registration.store(); }
+	btISTRegistration& registration() { return m_registration; }
+
+private:
+	btDefaultCollisionConfiguration m_configuration;
+	btCollisionDispatcher m_dispatcher{&m_configuration};
+	btDbvtBroadphase m_broadphase;
+	std::shared_ptr<btContactMaterialTable> m_materials;
+	btISTRegistration m_registration;
+	std::unique_ptr<btVolumetricSolver<btSequentialImpulseConstraintSolver>> m_solver;
+	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
+};

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btIslandBlockSolver.h"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat3 = Eigen::Matrix3d;
+using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+using Mat63 = Eigen::Matrix<double, 6, 3>;
+using Vector = Eigen::VectorXd;
+template <class M>
+using Map = Eigen::Map<M>;
+
+// Rounds in which all patches that would push come back into the active set; then, one at a time, which seldom cycles; then none, so
+// that the search ends.
+constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
+constexpr int kMaxSweeps = 400;
+// Friction is done when no impulse changes by more than this share of the largest normal impulse.
+constexpr double kFrictionTolerance = 1e-9;
+constexpr double kImmovable = 1e-12;
+
+Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
+
+Mat3 crossMatrix(const ist::Vec3& v)
+{
+	Mat3 r;
+	r << 0, -v.z, v.y, v.z, 0, -v.x, -v.y, v.x, 0;
+	return r;
+}
+
+Vec6 toEigen(const ist::Vec3& a, const ist::Vec3& b)
+{
+	Vec6 r;
+	r << a.x, a.y, a.z, b.x, b.y, b.z;
+	return r;
+}
+
+Mat6 toEigen(const ist::SymmetricMatrix6& a)
+{
+	Mat6 r;
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j) r(i, j) = a(i, j);
+	return r;
+}
+
+Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
+{
+	Mat3 inertia;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) inertia(i, j) = 0.5 * (body.inverseInertia.m[i][j] + body.inverseInertia.m[j][i]);
+	const Eigen::SelfAdjointEigenSolver<Mat3> eigen(inertia);
+	Mat6 root = Mat6::Zero();
+	root.topLeftCorner<3, 3>().diagonal() = toEigen(body.inverseMass).cwiseMax(0.0).cwiseSqrt();
+	root.bottomRightCorner<3, 3>() =
+		eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+	return root;
+}
+}  // namespace
+
+void btIslandBlockSolver::reserve(int bodies, int patches)
+{
+	const size_t stride = 6 * size_t(bodies);
+	m_bodies.resize(std::max(m_bodies.size(), size_t(bodies)));
+	m_patches.resize(std::max(m_patches.size(), size_t(patches)));
+	m_order.reserve(size_t(bodies));
+	m_first.reserve(stride);
+	m_factor.reserve(stride * stride);
+	for (auto* perBody : {&m_free, &m_z, &m_scratch}) perBody->resize(std::max(perBody->size(), stride));
+	m_response.resize(std::max(m_response.size(), 3 * stride * size_t(patches)));
+}
+
+void btIslandBlockSolver::clear()
+{
+	m_bodyCount = m_patchCount = 0;
+	m_frictionPrepared = false;
+}
+
+int btIslandBlockSolver::addBody(const btVolumetricRowBody& body)
+{
+	if (m_bodyCount == int(m_bodies.size())) m_bodies.emplace_back();
+	Body& b = m_bodies[size_t(m_bodyCount)];
+	Map<Mat6>(b.root) = rootOfInverseMass(body);
+	b.center = body.center;
+	return m_bodyCount++;
+}
+
+int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction)
+{
+	if (m_patchCount == int(m_patches.size())) m_patches.emplace_back();
+	Patch& p = m_patches[size_t(m_patchCount)];
+	p.point = patch.point;
+	p.normal = patch.normal;
+	p.body[0] = bodyA;
+	p.body[1] = bodyB;
+	p.friction = friction;
+	p.active = true;
+	Map<Mat6>(p.S) = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
+	Map<Vec6>(p.push) = h * toEigen(patch.wrench.force, patch.wrench.torque);
+	Map<Vec6>(p.given) = toEigen(given.linear, given.angular);
+	Map<Vec6>(p.elastic).setZero();
+	Map<Eigen::Vector3d>(p.tangent).setZero();
+	for (int side = 0; side < 2; ++side)
+	{
+		if (p.body[side] < 0) continue;
+		const Body& body = m_bodies[size_t(p.body[side])];
+		Mat6 J = Mat6::Identity();
+		J.topRightCorner<3, 3>() = -crossMatrix(patch.point - body.center);
+		Map<Mat6>(p.jacobian[side]) = (side == 0 ? 1.0 : -1.0) * J * Map<const Mat6>(body.root);
+	}
+	ist::Vec3 t1, t2;
+	ist::completeFrame(patch.normal, t1, t2);
+	Map<Mat63> E(p.E);
+	E.setZero();
+	E.col(0).head<3>() = toEigen(t1);
+	E.col(1).head<3>() = toEigen(t2);
+	E.col(2).tail<3>() = patch.frictionRadius * toEigen(patch.normal);
+	return m_patchCount++;
+}
+
+// Breadth first from the body with the fewest neighbours: neighbours stay close together, and the envelope small.
+void btIslandBlockSolver::orderBodies()
+{
+	m_order.clear();
+	for (int b = 0; b < m_bodyCount; ++b) m_bodies[size_t(b)].place = -1;
+	const auto degree = [this](int b)
+	{
+		return std::count_if(m_patches.begin(), m_patches.begin() + m_patchCount,
+							 [b](const Patch& p) { return (p.body[0] == b || p.body[1] == b) && p.body[0] >= 0 && p.body[1] >= 0; });
+	};
+	while (int(m_order.size()) < m_bodyCount)
+	{
+		int start = -1;
+		for (int b = 0; b < m_bodyCount; ++b)
+			if (m_bodies[size_t(b)].place < 0 && (start < 0 || degree(b) < degree(start))) start = b;
+		size_t next = m_order.size();
+		m_bodies[size_t(start)].place = int(m_order.size());
+		m_order.push_back(start);
+		for (; next < m_order.size(); ++next)
+			for (int i = 0; i < m_patchCount; ++i)
+				for (int side = 0; side < 2; ++side)
+				{
+					const Patch& p = m_patches[size_t(i)];
+					const int other = p.body[1 - side];
+					if (p.body[side] != m_order[next] || other < 0 || m_bodies[size_t(other)].place >= 0) continue;
+					m_bodies[size_t(other)].place = int(m_order.size());
+					m_order.push_back(other);
+				}
+	}
+}
+
+bool btIslandBlockSolver::factorise()
+{
+	const int n = 6 * m_bodyCount;
+	m_first.assign(size_t(n), 0);
+	m_factor.assign(size_t(n) * size_t(n), 0.0);
+	for (int i = 0; i < n; ++i)
+	{
+		m_first[size_t(i)] = i - i % 6;
+		m_factor[size_t(i) * size_t(n) + size_t(i)] = 1;
+	}
+	const auto place = [this](const Patch& p, int side) { return 6 * m_bodies[size_t(p.body[side])].place; };
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		const Patch& p = m_patches[size_t(k)];
+		if (!p.active) continue;
+		for (int row = 0; row < 2; ++row)
+			for (int column = 0; column < 2; ++column)
+			{
+				if (p.body[row] < 0 || p.body[column] < 0 || place(p, row) < place(p, column)) continue;
+				const Mat6 block = Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) * Map<const Mat6>(p.jacobian[column]);
+				const int r = place(p, row), c = place(p, column);
+				for (int i = 0; i < 6; ++i)
+				{
+					m_first[size_t(r + i)] = std::min(m_first[size_t(r + i)], c);
+					for (int j = 0; j < 6; ++j) m_factor[size_t(r + i) * size_t(n) + size_t(c + j)] += block(i, j);
+				}
+			}
+	}
+	for (int i = 0; i < n; ++i)
+	{
+		double* rowI = &m_factor[size_t(i) * size_t(n)];
+		for (int j = m_first[size_t(i)]; j <= i; ++j)
+		{
+			const double* rowJ = &m_factor[size_t(j) * size_t(n)];
+			const int from = std::max(m_first[size_t(i)], m_first[size_t(j)]);
+			const double rest = rowI[j] - Map<const Vector>(rowI + from, j - from).dot(Map<const Vector>(rowJ + from, j - from));
+			if (i == j && !(rest > 0)) return false;
+			rowI[j] = i == j ? std::sqrt(rest) : rest / rowJ[j];
+		}
+	}
+	return true;
+}
+
+/// `x` in the order of elimination.
+void btIslandBlockSolver::backSubstitute(double* x) const
+{
+	const int n = 6 * m_bodyCount;
+	for (int i = 0; i < n; ++i)
+	{
+		const double* row = &m_factor[size_t(i) * size_t(n)];
+		const int from = m_first[size_t(i)];
+		x[i] = (x[i] - Map<const Vector>(row + from, i - from).dot(Map<const Vector>(x + from, i - from))) / row[i];
+	}
+	for (int i = n - 1; i >= 0; --i)
+	{
+		const double* row = &m_factor[size_t(i) * size_t(n)];
+		x[i] /= row[i];
+		const int from = m_first[size_t(i)];
+		Map<Vector>(x + from, i - from) -= x[i] * Map<const Vector>(row + from, i - from);
+	}
+}
+
+/// Of A minus B at the point, with the state `m_z`.
+void btIslandBlockSolver::relativeTwist(const Patch& p, double* twist) const
+{
+	Map<Vec6> u(twist);
+	u = Map<const Vec6>(p.given);
+	for (int side = 0; side < 2; ++side)
+	{
+		if (p.body[side] < 0) continue;
+		const Body& body = m_bodies[size_t(p.body[side])];
+		const Map<const Vec6> free(&m_free[6 * size_t(p.body[side])]);
+		Vec6 atPoint = free;
+		atPoint.head<3>() += free.tail<3>().cross(toEigen(p.point - body.center));
+		u += (side == 0 ? 1.0 : -1.0) * atPoint + Map<const Mat6>(p.jacobian[side]) * Map<const Vec6>(&m_z[6 * size_t(body.place)]);
+	}
+}
+
+/// R J^T impulse, added to `target` in the order of elimination.
+void btIslandBlockSolver::addPush(const Patch& p, const double* impulse, double* target) const
+{
+	for (int side = 0; side < 2; ++side)
+		if (p.body[side] >= 0)
+			Map<Vec6>(target + 6 * m_bodies[size_t(p.body[side])].place) +=
+				Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Vec6>(impulse);
+}
+
+/// `m_z` with the elastic answer and the friction impulses so far.
+void btIslandBlockSolver::solveElastic()
+{
+	std::fill(m_z.begin(), m_z.begin() + 6 * m_bodyCount, 0.0);
+	// `m_z` must be zero while the right-hand side is made: it is the state without any impulse.
+	double* right = scratch();
+	std::fill(right, right + 6 * m_bodyCount, 0.0);
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		const Patch& p = m_patches[size_t(k)];
+		if (!p.active) continue;
+		Vec6 u;
+		relativeTwist(p, u.data());
+		const Vec6 push =
+			Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
+		addPush(p, push.data(), right);
+	}
+	backSubstitute(right);
+	std::copy(right, right + 6 * m_bodyCount, m_z.begin());
+}
+
+void btIslandBlockSolver::prepareFriction()
+{
+	const size_t stride = 6 * size_t(m_bodyCount);
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		Patch& p = m_patches[size_t(k)];
+		if (!p.active || !(p.friction > 0)) continue;
+		double* columns = &m_response[3 * stride * size_t(k)];
+		std::fill(columns, columns + 3 * stride, 0.0);
+		Mat3 G = Mat3::Zero();
+		for (int c = 0; c < 3; ++c)
+		{
+			double* column = columns + stride * size_t(c);
+			addPush(p, p.E + 6 * c, column);
+			backSubstitute(column);
+			for (int side = 0; side < 2; ++side)
+				if (p.body[side] >= 0)
+					G.col(c) += Map<const Mat63>(p.E).transpose() * (Map<const Mat6>(p.jacobian[side]) *
+																	 Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place));
+		}
+		const Eigen::SelfAdjointEigenSolver<Mat3> eigen(0.5 * (G + G.transpose()));
+		const double largest = eigen.eigenvalues()(2);
+		p.slide = largest > 0 ? 1 / largest : 0;
+		Map<Mat3> stick(p.stick);
+		stick.setZero();
+		for (int i = 0; i < 3; ++i)
+			if (eigen.eigenvalues()(i) > kImmovable * largest)
+				stick += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose() / eigen.eigenvalues()(i);
+	}
+	m_frictionPrepared = true;
+}
+
+void btIslandBlockSolver::iterateFriction()
+{
+	const size_t stride = 6 * size_t(m_bodyCount);
+	double largestNormal = 0;
+	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
+	{
+		m_remainingChange = 0;
+		for (int k = 0; k < m_patchCount; ++k)
+		{
+			Patch& p = m_patches[size_t(k)];
+			if (!p.active || !(p.friction > 0)) continue;
+			Vec6 u;
+			relativeTwist(p, u.data());
+			const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
+			const double normal = std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0), limit = p.friction * normal;
+			largestNormal = std::max(largestNormal, normal);
+			const Eigen::Vector3d slip = Map<const Mat63>(p.E).transpose() * u;
+			Map<Eigen::Vector3d> tangent(p.tangent);
+			Eigen::Vector3d wanted = tangent - Map<const Mat3>(p.stick) * slip;
+			if (wanted.norm() > limit) wanted = tangent - p.slide * slip;
+			if (wanted.norm() > limit) wanted *= limit / wanted.norm();
+			const Eigen::Vector3d change = wanted - tangent;
+			tangent = wanted;
+			m_remainingChange = std::max(m_remainingChange, change.norm());
+			const double* columns = &m_response[3 * stride * size_t(k)];
+			for (int c = 0; c < 3; ++c)
+				Map<Vector>(m_z.data(), Eigen::Index(stride)) +=
+					change(c) * Map<const Vector>(columns + stride * size_t(c), Eigen::Index(stride));
+		}
+		if (m_remainingChange <= kFrictionTolerance * largestNormal) break;
+	}
+}
+
+/// Of a patch that is out: whether its impulse would push if it were in. The test of the force at this state alone would bring
+/// back patches that pull as soon as they act.
+bool btIslandBlockSolver::wouldPush(const Patch& p)
+{
+	Mat6 W = Mat6::Zero();
+	double* column = scratch();
+	for (int c = 0; c < 6; ++c)
+	{
+		Vec6 unit = Vec6::Zero();
+		unit(c) = 1;
+		std::fill(column, column + 6 * m_bodyCount, 0.0);
+		addPush(p, unit.data(), column);
+		backSubstitute(column);
+		for (int side = 0; side < 2; ++side)
+			if (p.body[side] >= 0)
+				W.col(c) += Map<const Mat6>(p.jacobian[side]) * Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place);
+	}
+	Vec6 u;
+	relativeTwist(p, u.data());
+	const Map<const Mat6> S(p.S);
+	const Vec6 answer = (Mat6::Identity() + S * W).partialPivLu().solve(Map<const Vec6>(p.push) - S * u);
+	return answer.head<3>().dot(toEigen(p.normal)) > 0;
+}
+
+/// Stores the elastic impulses; true when a patch would pull and leaves, or when one that was out would push and comes back.
+bool btIslandBlockSolver::changeActiveSet(int mayReturn)
+{
+	bool changed = false;
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		Patch& p = m_patches[size_t(k)];
+		if (p.active)
+		{
+			Vec6 u;
+			relativeTwist(p, u.data());
+			Map<Vec6> elastic(p.elastic);
+			elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
+			if (elastic.head<3>().dot(toEigen(p.normal)) > 0) continue;
+			p.active = false;
+			changed = true;
+		}
+		else if (mayReturn > 0 && wouldPush(p))
+		{
+			p.active = changed = true;
+			--mayReturn;
+		}
+		Map<Vec6> elastic(p.elastic);
+		elastic.setZero();
+		Map<Eigen::Vector3d> tangent(p.tangent);
+		tangent.setZero();
+	}
+	return changed;
+}
+
+bool btIslandBlockSolver::solve(const ist::Twist* free)
+{
+	reserve(m_bodyCount, m_patchCount);
+	for (int b = 0; b < m_bodyCount; ++b)
+	{
+		Map<Vec6> twist(&m_free[6 * size_t(b)]);
+		twist = toEigen(free[b].linear, free[b].angular);
+	}
+	for (int round = 0;; ++round)
+	{
+		if (!m_frictionPrepared)
+		{
+			if (round == 0) orderBodies();
+			if (!factorise())
+			{
+				for (int k = 0; k < m_patchCount; ++k)
+				{
+					Map<Vec6>(m_patches[size_t(k)].elastic).setZero();
+					Map<Eigen::Vector3d>(m_patches[size_t(k)].tangent).setZero();
+				}
+				return false;
+			}
+			prepareFriction();
+		}
+		solveElastic();
+		iterateFriction();
+		const int mayReturn = round < kRoundsOfAll ? m_patchCount : round < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
+		if (!changeActiveSet(mayReturn)) return true;
+		m_frictionPrepared = false;
+	}
+}
+
+ist::Wrench btIslandBlockSolver::impulse(int patch) const
+{
+	const Patch& p = m_patches[size_t(patch)];
+	const Vec6 total = Map<const Vec6>(p.elastic) + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
+	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
+}
+
+double btIslandBlockSolver::normalImpulse(int patch) const
+{
+	const Patch& p = m_patches[size_t(patch)];
+	return Map<const Vec6>(p.elastic).head<3>().dot(toEigen(p.normal));
+}

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btVolumetricRows.h"
+
+#include <vector>
+
+/// All patches that hang together through bodies that move, solved at once: what iterations over single patches cannot hold at mass
+/// or stiffness ratios far from 1, or in stacks, comes out exact in one solve.
+///
+/// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), twists v = v_free + R z, with R the
+/// square root of the inverse mass matrix (so that what cannot move needs no special case) and S = h^2 K + h D; an envelope Cholesky
+/// factorisation in breadth-first order of the bodies, so that a stack costs O(bodies). Patches that would pull are taken out
+/// and the rest is solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the response of the whole
+/// elastic island. Source: reference/stability.md 1.6; the form with square roots is ours.
+///
+/// No allocation once the largest island has been seen.
+class btIslandBlockSolver
+{
+public:
+	/// Room for islands of this size: several megabytes for 64 bodies with 256 patches.
+	void reserve(int bodies, int patches);
+	void clear();
+	/// Index of a body that can move.
+	int addBody(const btVolumetricRowBody& body);
+	/// `bodyA` and `bodyB`: indices, or -1 for what cannot move and passes `point` with the twist `given` (already as A minus B).
+	/// Returns the index of the patch.
+	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction);
+	int patchCount() const { return m_patchCount; }
+	int bodyCount() const { return m_bodyCount; }
+
+	/// `free`: for each body the twist at its centre of mass without the impulses of these patches.
+	/// False when the system could not be factorised (not finite input): all impulses are zero then.
+	bool solve(const ist::Twist* free);
+
+	const ist::Vec3& point(int patch) const { return m_patches[size_t(patch)].point; }
+	/// On A, about `point` [N s, N m s].
+	ist::Wrench impulse(int patch) const;
+	/// Its normal part [N s].
+	double normalImpulse(int patch) const;
+	/// Sweeps of the friction iteration in the last solve, and largest change of an impulse in the last of them [N s].
+	int sweeps() const { return m_sweeps; }
+	double remainingChange() const { return m_remainingChange; }
+
+private:
+	struct Body
+	{
+		double root[36];  // square root of the inverse mass matrix, row major
+		ist::Vec3 center;
+		int place = 0;    // in the order of elimination
+	};
+	struct Patch
+	{
+		ist::Vec3 point, normal;
+		int body[2] = {-1, -1};
+		double S[36], push[6], E[18], given[6];
+		double jacobian[2][36];  // J R of A, and -J R of B
+		double stick[9], slide = 0, friction = 0;
+		double elastic[6], tangent[3];
+		bool active = true;
+	};
+
+	void orderBodies();
+	bool factorise();
+	void solveElastic();
+	void prepareFriction();
+	void iterateFriction();
+	bool wouldPush(const Patch& patch);
+	bool changeActiveSet(int mayReturn);
+	void relativeTwist(const Patch& patch, double* twist) const;
+	void addPush(const Patch& patch, const double* impulse, double* target) const;
+	void backSubstitute(double* x) const;
+	double* scratch() { return m_scratch.data(); }
+
+	int m_bodyCount = 0, m_patchCount = 0;
+	std::vector<Body> m_bodies;
+	std::vector<Patch> m_patches;
+	std::vector<int> m_order, m_first;            // bodies in the order of elimination; first column of each row of the envelope
+	std::vector<double> m_factor;                 // rows of the envelope, dense stride
+	std::vector<double> m_free, m_z, m_scratch;  // 6 per body
+	std::vector<double> m_response;              // to friction: 3 columns of 6 per body for each patch
+	int m_sweeps = 0;
+	double m_remainingChange = 0;
+	bool m_frictionPrepared = false;
+};

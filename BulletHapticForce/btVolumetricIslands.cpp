@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btVolumetricIslands.h"
+
+#include "BulletDynamics/ConstraintSolver/btSolverBody.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace
+{
+ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
+
+bool canMove(const btSolverBody& body) { return body.m_originalBody && !body.internalGetInvMass().isZero(); }
+
+btVolumetricRowBody rowBody(const btSolverBody& body)
+{
+	btVolumetricRowBody r;
+	r.center = toVec3(body.getWorldTransform().getOrigin());
+	if (!canMove(body)) return r;
+	r.inverseMass = toVec3(body.internalGetInvMass());
+	const btVector3& factor = body.m_originalBody->getAngularFactor();
+	const btMatrix3x3& inertia = body.m_originalBody->getInvInertiaTensorWorld();
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) r.inverseInertia.m[i][j] = double(factor[i]) * double(inertia[i][j]) * double(factor[j]);
+	return r;
+}
+
+/// Of the centre of mass, with what Bullet's rows and ours have done so far.
+ist::Twist twist(const btSolverBody& body)
+{
+	if (!body.m_originalBody) return {};
+	return {toVec3(body.m_linearVelocity) + toVec3(body.m_externalForceImpulse) + toVec3(body.getDeltaLinearVelocity()),
+			toVec3(body.m_angularVelocity) + toVec3(body.m_externalTorqueImpulse) + toVec3(body.getDeltaAngularVelocity())};
+}
+
+ist::Twist twistAt(const btSolverBody& body, const ist::Vec3& point)
+{
+	const ist::Twist t = twist(body);
+	return {t.linear + cross(t.angular, point - toVec3(body.getWorldTransform().getOrigin())), t.angular};
+}
+
+ist::Twist difference(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
+
+/// Change of the twist of a body by an impulse at a point.
+ist::Twist response(const btVolumetricRowBody& r, const ist::Wrench& impulse, const ist::Vec3& point)
+{
+	const ist::Vec3& w = r.inverseMass;
+	const ist::Vec3& f = impulse.force;
+	return {{w.x * f.x, w.y * f.y, w.z * f.z}, r.inverseInertia * (impulse.torque + cross(point - r.center, f))};
+}
+
+void applyImpulse(btSolverBody& body, const ist::Wrench& impulse, const ist::Vec3& point)
+{
+	if (!canMove(body)) return;
+	const ist::Twist change = response(rowBody(body), impulse, point);
+	body.internalGetDeltaLinearVelocity() += toBullet(change.linear);
+	body.internalGetDeltaAngularVelocity() += toBullet(change.angular);
+}
+}  // namespace
+
+void btVolumetricIslands::reserve(size_t contacts)
+{
+	if (contacts <= m_reserved) return;
+	m_reserved = std::max(contacts, 2 * m_reserved);
+	const size_t patches = m_reserved * btISTContact::kMaxPatches;
+	m_entries.reserve(patches);
+	m_islands.reserve(patches);
+	m_rows.reserve(patches);
+	reserve(m_passing);
+	for (auto& block : m_lasting) reserve(*block);
+}
+
+void btVolumetricIslands::reserve(Block& block) const
+{
+	const size_t patches = std::min(m_reserved * btISTContact::kMaxPatches, size_t(kMaxBlockPatches));
+	const size_t bodies = std::min(2 * m_reserved, size_t(kMaxBlockBodies));
+	block.solver.reserve(int(bodies), int(patches));
+	block.bodies.reserve(bodies);
+	block.free.reserve(bodies);
+	block.entries.reserve(patches);
+}
+
+void btVolumetricIslands::clear()
+{
+	m_entries.clear();
+	m_islands.clear();
+	m_rows.clear();
+	m_lastingCount = 0;
+}
+
+void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, double friction)
+{
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		Entry entry;
+		if (!evaluateContactPatch(contact, i, entry.patch)) continue;
+		entry.contact = &contact;
+		entry.patchIndex = i;
+		entry.bodyA = bodyA;
+		entry.bodyB = bodyB;
+		entry.friction = friction;
+		m_entries.push_back(entry);
+	}
+}
+
+int btVolumetricIslands::rootOf(int body)
+{
+	while (m_parent[size_t(body)] != body) body = m_parent[size_t(body)] = m_parent[size_t(m_parent[size_t(body)])];
+	return body;
+}
+
+void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vector<int>& touched)
+{
+	for (const Entry& e : m_entries)
+		if (canMove(bodies[e.bodyA]) && canMove(bodies[e.bodyB])) m_parent[size_t(rootOf(e.bodyA))] = rootOf(e.bodyB);
+	for (int i = int(m_entries.size()) - 1; i >= 0; --i)
+	{
+		Entry& e = m_entries[size_t(i)];
+		int& island = m_islandOfRoot[size_t(rootOf(canMove(bodies[e.bodyA]) ? e.bodyA : e.bodyB))];
+		if (island < 0)
+		{
+			island = int(m_islands.size());
+			m_islands.emplace_back();
+		}
+		e.next = m_islands[size_t(island)].first;
+		m_islands[size_t(island)].first = i;
+		++m_islands[size_t(island)].entryCount;
+	}
+	for (int body = 0; body < int(m_parent.size()); ++body)
+	{
+		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (island >= 0) ++m_islands[size_t(island)].bodyCount;
+	}
+	for (const int body : touched)
+	{
+		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (island >= 0) m_islands[size_t(island)].touched = true;
+	}
+}
+
+bool btVolumetricIslands::fitsBlock(const Island& island)
+{
+	return island.bodyCount <= kMaxBlockBodies && island.entryCount <= kMaxBlockPatches;
+}
+
+void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h)
+{
+	m_step = h;
+	m_parent.resize(size_t(bodyCount));
+	std::iota(m_parent.begin(), m_parent.end(), 0);
+	m_islandOfRoot.assign(size_t(bodyCount), -1);
+	m_indexInBlock.assign(size_t(bodyCount), -1);
+	findIslands(bodies, touched);
+	for (const Island& island : m_islands)
+	{
+		if (!fitsBlock(island)) makeRows(island, bodies);
+		if (!fitsBlock(island) || !island.touched) continue;
+		if (m_lastingCount == m_lasting.size())
+		{
+			m_lasting.push_back(std::make_unique<Block>());
+			reserve(*m_lasting.back());
+		}
+		fill(*m_lasting[m_lastingCount++], island, bodies);
+	}
+}
+
+void btVolumetricIslands::fill(Block& block, const Island& island, const btSolverBody* bodies)
+{
+	block.solver.clear();
+	block.bodies.clear();
+	block.entries.clear();
+	const auto indexOf = [&](int body)
+	{
+		if (!canMove(bodies[body])) return -1;
+		int& index = m_indexInBlock[size_t(body)];
+		if (index < 0)
+		{
+			index = block.solver.addBody(rowBody(bodies[body]));
+			block.bodies.push_back(body);
+		}
+		return index;
+	};
+	for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+	{
+		const Entry& e = m_entries[size_t(i)];
+		const int a = indexOf(e.bodyA), b = indexOf(e.bodyB);
+		const ist::Twist givenA = a < 0 ? twistAt(bodies[e.bodyA], e.patch.point) : ist::Twist();
+		const ist::Twist givenB = b < 0 ? twistAt(bodies[e.bodyB], e.patch.point) : ist::Twist();
+		block.solver.addPatch(e.patch, a, b, difference(givenA, givenB), m_step, e.friction);
+		block.entries.push_back(i);
+	}
+	block.free.resize(block.bodies.size());
+}
+
+void btVolumetricIslands::makeRows(const Island& island, const btSolverBody* bodies)
+{
+	for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+	{
+		const Entry& e = m_entries[size_t(i)];
+		m_rows.emplace_back();
+		m_rows.back().entry = i;
+		m_rows.back().row.prepare(e.patch, rowBody(bodies[e.bodyA]), rowBody(bodies[e.bodyB]), m_step, e.friction);
+	}
+}
+
+double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
+{
+	Entry& e = m_entries[size_t(r.entry)];
+	const ist::Vec3& point = e.patch.point;
+	const ist::Wrench change = r.row.solve(difference(twistAt(bodies[e.bodyA], point), twistAt(bodies[e.bodyB], point)));
+	applyImpulse(bodies[e.bodyA], change, point);
+	applyImpulse(bodies[e.bodyB], -1.0 * change, point);
+	e.impulse = r.row.impulse();
+	e.normalImpulse = r.row.normalImpulse();
+	return dot(change.force, change.force);
+}
+
+double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
+{
+	for (size_t b = 0; b < block.bodies.size(); ++b) block.free[b] = twist(bodies[block.bodies[b]]);
+	const auto takeBack = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point)
+	{
+		if (!canMove(bodies[body])) return;
+		ist::Twist& free = block.free[size_t(m_indexInBlock[size_t(body)])];
+		free = difference(free, response(rowBody(bodies[body]), impulse, point));
+	};
+	for (const int i : block.entries)
+	{
+		const Entry& e = m_entries[size_t(i)];
+		takeBack(e.bodyA, e.impulse, e.patch.point);
+		takeBack(e.bodyB, -1.0 * e.impulse, e.patch.point);
+	}
+	block.solver.solve(block.free.data());
+	double residual = 0;
+	for (size_t k = 0; k < block.entries.size(); ++k)
+	{
+		Entry& e = m_entries[size_t(block.entries[k])];
+		const ist::Wrench impulse = block.solver.impulse(int(k)), change = impulse - e.impulse;
+		applyImpulse(bodies[e.bodyA], change, e.patch.point);
+		applyImpulse(bodies[e.bodyB], -1.0 * change, e.patch.point);
+		e.impulse = impulse;
+		e.normalImpulse = block.solver.normalImpulse(int(k));
+		residual = std::max(residual, dot(change.force, change.force));
+	}
+	return residual;
+}
+
+double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
+{
+	double residual = 0;
+	for (size_t i = 0; i < m_lastingCount; ++i) residual = std::max(residual, solve(*m_lasting[i], bodies));
+	for (Row& r : m_rows) residual = std::max(residual, solve(r, bodies));
+	if (iteration > 0) return residual;
+	for (const Island& island : m_islands)
+	{
+		if (island.touched || !fitsBlock(island)) continue;
+		fill(m_passing, island, bodies);
+		residual = std::max(residual, solve(m_passing, bodies));
+	}
+	return residual;
+}
+
+void btVolumetricIslands::finish()
+{
+	for (const Entry& e : m_entries)
+	{
+		e.contact->impulses[e.patchIndex] = e.impulse;
+		e.contact->normalImpulse += e.normalImpulse;
+	}
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btVolumetricSolver.h"
+
+#include "BulletCollision/CollisionDispatch/btCollisionObject.h"
+#include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+
+namespace
+{
+bool isRigid(const btCollisionObject* object)
+{
+	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
+}
+
+/// Shares the normal impulse among the representative points as their springs do, for callbacks and games that read it.
+void writeAppliedImpulse(btPersistentManifold& manifold, double impulse)
+{
+	double sum = 0;
+	const auto weight = [&](int i)
+	{ return -double(manifold.getContactPoint(i).getDistance()) * double(manifold.getContactPoint(i).m_combinedContactStiffness1); };
+	for (int i = 0; i < manifold.getNumContacts(); ++i) sum += weight(i);
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+		manifold.getContactPoint(i).m_appliedImpulse = btScalar(sum > 0 ? impulse * weight(i) / sum : 0);
+}
+}  // namespace
+
+template <class Base>
+btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentManifold* manifold) const
+{
+	btISTContact* contact = m_store->find(manifold);
+	if (!contact || contact->stamp != m_store->step()) return nullptr;
+	return isRigid(manifold->getBody0()) && isRigid(manifold->getBody1()) ? contact : nullptr;
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentManifold& manifold, const btContactSolverInfo& info)
+{
+	auto* a = const_cast<btCollisionObject*>(manifold.getBody0());
+	auto* b = const_cast<btCollisionObject*>(manifold.getBody1());
+	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
+	const int bodyA = this->getOrInitSolverBody(*a, info.m_timeStep), bodyB = this->getOrInitSolverBody(*b, info.m_timeStep);
+	if (this->m_tmpSolverBodyPool[bodyA].internalGetInvMass().isZero() && this->m_tmpSolverBodyPool[bodyB].internalGetInvMass().isZero())
+		return;
+	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
+	const double friction = double(manifold.getContactPoint(0).m_combinedFriction);
+	m_islands.add(contact, bodyA, bodyB, std::max(friction, 0.0));
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::collectTouchedBodies()
+{
+	m_touched.clear();
+	for (const btConstraintArray* rows : {&this->m_tmpSolverContactConstraintPool, &this->m_tmpSolverNonContactConstraintPool})
+		for (int i = 0; i < rows->size(); ++i)
+		{
+			m_touched.push_back((*rows)[i].m_solverBodyIdA);
+			m_touched.push_back((*rows)[i].m_solverBodyIdB);
+		}
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info)
+{
+	m_islands.clear();
+	m_islands.reserve(m_store->contacts().size());
+	m_ours.clear();
+	m_others.clear();
+	for (int i = 0; i < count; ++i)
+	{
+		btISTContact* contact = volumetricContact(manifolds[i]);
+		(contact ? m_ours : m_others).push_back(manifolds[i]);
+		if (contact) addContact(*contact, *manifolds[i], info);
+	}
+	Base::convertContacts(m_others.data(), int(m_others.size()), info);
+	if (m_ours.empty()) return;
+	collectTouchedBodies();
+	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep));
+}
+
+template <class Base>
+btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount,
+														btPersistentManifold** manifolds, int manifoldCount,
+														btTypedConstraint** constraints, int constraintCount,
+														const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+{
+	const btScalar residual = Base::solveSingleIteration(iteration, bodies, bodyCount, manifolds, manifoldCount, constraints,
+														 constraintCount, info, debugDrawer);
+	if (m_ours.empty()) return residual;
+	// Without our share the iterations would end after the first when Bullet has no rows.
+	return std::max(residual, btScalar(m_islands.iterate(&this->m_tmpSolverBodyPool[0], iteration)));
+}
+
+template <class Base>
+btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info)
+{
+	m_islands.finish();
+	for (btPersistentManifold* manifold : m_ours) writeAppliedImpulse(*manifold, m_store->find(manifold)->normalImpulse);
+	m_islands.clear();
+	m_ours.clear();
+	return Base::solveGroupCacheFriendlyFinish(bodies, bodyCount, info);
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+{
+	Base::allSolved(info, debugDrawer);
+	m_store->nextStep();
+}
+
+template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;

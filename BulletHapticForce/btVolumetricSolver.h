@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btVolumetricIslands.h"
+
+#include "BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h"
+
+#include <memory>
+#include <vector>
+
+/// One of Bullet's solvers that also solves volumetric contact: it takes the manifolds that have patches in the contact store out of
+/// Bullet's hands, solves their patches as implicit blocks with friction inside Bullet's own iterations (btVolumetricIslands), and
+/// writes the impulses back to the store and to the representative points of the manifolds. Everything else is the base's, unchanged.
+///
+/// A manifold stays with Bullet, that is with its representative points, when a body is not a rigid body (multibody links) or
+/// when the contact was not evaluated in this step (both bodies slept until now).
+/// Available over btSequentialImpulseConstraintSolver. One owner thread; no allocation once the largest scene has been seen.
+template <class Base>
+class btVolumetricSolver : public Base
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// See btISTRegistration::sharedStore.
+	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) {}
+
+	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
+
+protected:
+	void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
+	btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+								  int manifoldCount, btTypedConstraint** constraints, int constraintCount,
+								  const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
+	btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info) override;
+
+private:
+	btISTContact* volumetricContact(const btPersistentManifold* manifold) const;
+	void addContact(btISTContact& contact, btPersistentManifold& manifold, const btContactSolverInfo& info);
+	void collectTouchedBodies();
+
+	std::shared_ptr<btISTContactStore> m_store;
+	btVolumetricIslands m_islands;
+	std::vector<btPersistentManifold*> m_others, m_ours;
+	std::vector<int> m_touched;
+};
+
+extern template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;

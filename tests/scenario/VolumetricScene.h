@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btBulletHapticForceCommon.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+/// What the scenarios of the force library share: bodies with trees in a btISTWorld, and oracles that know nothing of trees.
+namespace scenario
+{
+constexpr bool kDouble = sizeof(btScalar) == 8;
+using TreePtr = std::shared_ptr<const ist::InnerSphereTree>;
+
+inline btVector3 vec(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
+inline ist::Vec3 vec(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+
+inline ist::Pose poseOf(const btTransform& t)
+{
+	ist::Pose X;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
+	X.translation = vec(t.getOrigin());
+	return X;
+}
+
+inline btTransform at(const ist::Vec3& p, const ist::Vec3& rotation = {})
+{
+	const ist::Quaternion q = ist::quaternionFromRotationVector(rotation);
+	return btTransform(btQuaternion(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)), vec(p));
+}
+
+/// Mesh and tree about the mesh's centre of mass, as Bullet wants its bodies.
+struct Solid
+{
+	ist::Mesh mesh;
+	TreePtr tree;
+
+	Solid(const ist::Mesh& source, int64_t spheres) : mesh(source)
+	{
+		mesh = ist::translated(mesh, -ist::massProperties(mesh).centerOfMass);
+		ist::BuildOptions options;
+		options.maxSpheres = spheres;
+		ist::Result<ist::InnerSphereTree> built = ist::buildTree(mesh, options);
+		if (built)
+			tree = std::make_shared<const ist::InnerSphereTree>(std::move(built).value());
+		else
+			ADD_FAILURE() << built.error().message;
+	}
+};
+
+/// Volume [m^3] of a closed mesh on the inner side of the plane normal . x = offset, exact: with the apex of all tetrahedra in the
+/// plane, the face that closes the cut adds nothing.
+inline double volumeBelow(const ist::Mesh& mesh, const ist::Vec3& normal, double offset)
+{
+	const ist::Vec3 apex = offset * normal;
+	double six = 0;
+	for (const auto& triangle : mesh.triangles)
+	{
+		ist::Vec3 kept[4];
+		int count = 0;
+		for (int i = 0; i < 3; ++i)
+		{
+			const ist::Vec3 p = mesh.vertices[triangle[size_t(i)]] - apex, q = mesh.vertices[triangle[size_t((i + 1) % 3)]] - apex;
+			const double hp = dot(normal, p), hq = dot(normal, q);
+			if (hp <= 0) kept[count++] = p;
+			if ((hp < 0 && hq > 0) || (hp > 0 && hq < 0)) kept[count++] = p + (hp / (hp - hq)) * (q - p);
+		}
+		for (int i = 2; i < count; ++i) six += dot(kept[0], cross(kept[i - 1], kept[i]));
+	}
+	return six / 6;
+}
+
+/// Height of the lowest vertex of a mesh in a pose, along y.
+inline double lowestPoint(const ist::Mesh& mesh, const ist::Pose& X)
+{
+	double y = 1e300;
+	for (const ist::Vec3& p : mesh.vertices) y = std::min(y, (X * p).y);
+	return y;
+}
+
+/// Bodies in a world of their own. Nothing ever sleeps.
+class Scene
+{
+public:
+	btISTWorld world;
+
+	~Scene()
+	{
+		for (auto& body : m_bodies) world.bullet().removeRigidBody(body.get());
+	}
+
+	template <class Shape, class... Arguments>
+	Shape* shape(Arguments&&... arguments)
+	{
+		m_shapes.push_back(std::make_unique<Shape>(std::forward<Arguments>(arguments)...));
+		return static_cast<Shape*>(m_shapes.back().get());
+	}
+
+	/// One that only says how large the mesh is: contact comes from the tree.
+	btCollisionShape* volumetricShape(const Solid& solid)
+	{
+		ist::Vec3 half;
+		for (const ist::Vec3& p : solid.mesh.vertices) half = ist::componentMax(half, {std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+		btCollisionShape* result = shape<btBoxShape>(vec(half));
+		auto attached = world.attach(result, solid.tree);
+		EXPECT_TRUE(attached);
+		if (attached) m_attachments.push_back(std::move(attached).value());
+		return result;
+	}
+
+	/// The inertia is that of a ball or cube: equal about all axes, `inertia` [kg m^2]. Zero mass: static.
+	btRigidBody* add(btCollisionShape* shape, double mass, double inertia, const btTransform& pose)
+	{
+		const btScalar i = btScalar(mass > 0 ? inertia : 0);
+		m_bodies.push_back(std::make_unique<btRigidBody>(btScalar(mass), nullptr, shape, btVector3(i, i, i)));
+		btRigidBody* body = m_bodies.back().get();
+		body->setWorldTransform(pose);
+		body->setInterpolationWorldTransform(pose);
+		body->setActivationState(DISABLE_DEACTIVATION);
+		world.bullet().addRigidBody(body);
+		return body;
+	}
+
+	btRigidBody* addFloor()
+	{
+		return add(shape<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, 0, btTransform::getIdentity());
+	}
+
+	/// k_X [Pa/m]; 0 leaves it to the default rule.
+	void setStiffness(const btRigidBody* body, double k) { EXPECT_FALSE(world.materials().set(body, {k, -1})); }
+
+	void step(double h) { world.bullet().stepSimulation(btScalar(h), 0); }
+
+	/// Sum over all contacts of what the solver wrote into the store: on A, World [N s].
+	ist::Vec3 storedImpulse()
+	{
+		ist::Vec3 sum;
+		for (const btISTContact* contact : world.contacts().contacts())
+			for (int i = 0; i < contact->patchCount; ++i) sum += contact->impulses[i].force;
+		return sum;
+	}
+
+private:
+	std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+	std::vector<btISTAttachment> m_attachments;
+};
+
+inline ist::Vec3 randomVector(std::mt19937_64& random, double size)
+{
+	std::uniform_real_distribution<double> u(-size, size);
+	const double x = u(random), y = u(random);
+	return {x, y, u(random)};
+}
+}  // namespace scenario
