@@ -10,4 +10,4 @@ bash cmake/setup.sh $yes
 cmake --preset release >build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }
 echo "Building (build-log.txt has the details) ..." >&2
 cmake --build --preset release --target haptic_demos ist >>build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }
-exec build/release/demos/haptic_demos --demo bunny-query --headless --report bunny-report.html "$@"
+exec build/release/demos/haptic_demos --demo haptic-bunny --headless --report bunny-report.html "$@"

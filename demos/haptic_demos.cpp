@@ -1,75 +1,21 @@
 // SPDX-License-Identifier: Zlib
+#include "demos/DemoArguments.h"
+#include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
 
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <string>
 
 namespace
 {
+using scenes::DemoArguments;
+
 #ifdef IST_VERSION
 constexpr const char* kVersion = IST_VERSION;
 #else
 constexpr const char* kVersion = "0.1.0";
 #endif
-
-constexpr const char* kUsage =
-	"usage: haptic_demos --list | --version | --demo NAME [options]\n"
-	"  --mesh FILE     mesh to use (default: the bunny of glmark2-data)\n"
-	"  --unit METRES   metres per unit of the file (default: the longest side becomes 0.2 m)\n"
-	"  --spheres N     spheres to pack (default 10000)\n"
-	"  --report FILE   write a report as one HTML file\n"
-	"  --json          print the result as JSON instead of a table\n"
-	"  --headless      no window (this demo never opens one)\n";
-
-struct Arguments
-{
-	bool list = false, version = false, help = false, json = false;
-	std::string demo, mesh = "/usr/share/glmark2/models/bunny.obj", report;
-	double unit = 0;
-	long long spheres = 10000;
-	std::string error;
-};
-
-/// The whole of `text` as a positive finite number, else 0.
-double positiveNumber(const std::string& text)
-{
-	char* end = nullptr;
-	const double value = std::strtod(text.c_str(), &end);
-	return end != text.c_str() && *end == 0 && std::isfinite(value) && value > 0 ? value : 0;
-}
-
-Arguments parse(int argc, char** argv)
-{
-	Arguments a;
-	for (int i = 1; i < argc && a.error.empty(); ++i)
-	{
-		const std::string name = argv[i];
-		if (name == "--list") a.list = true;
-		else if (name == "--version") a.version = true;
-		else if (name == "--help" || name == "-h") a.help = true;
-		else if (name == "--json") a.json = true;
-		else if (name == "--headless") continue;
-		else if (name != "--demo" && name != "--mesh" && name != "--report" && name != "--unit" && name != "--spheres")
-			a.error = "unknown option " + name;
-		else if (i + 1 == argc)
-			a.error = name + " needs a value";
-		else
-		{
-			const std::string value = argv[++i];
-			if (name == "--demo") a.demo = value;
-			if (name == "--mesh") a.mesh = value;
-			if (name == "--report") a.report = value;
-			if (name == "--unit") a.unit = positiveNumber(value);
-			if (name == "--spheres") a.spheres = static_cast<long long>(std::fmin(positiveNumber(value), 1e9));
-			if (name == "--unit" && !(a.unit > 0)) a.error = "--unit must be a positive number of metres, not " + value;
-			if (name == "--spheres" && a.spheres < 1) a.error = "--spheres must be a positive number, not " + value;
-		}
-	}
-	return a;
-}
 
 bool showProgress(const char* stage, double fraction)
 {
@@ -81,28 +27,26 @@ bool showProgress(const char* stage, double fraction)
 	return true;
 }
 
-int runBunnyQuery(const Arguments& a)
+void say(const std::string& text) { std::fprintf(stderr, "\r%-20s\rhaptic_demos: %s\n", "", text.c_str()); }
+
+int refuse(const DemoArguments& a, const ist::Error& error)
 {
-	scenes::MeshToQueryOptions options;
-	options.mesh = a.mesh;
-	options.unit = a.unit;
-	options.spheres = a.spheres;
-	options.progress = showProgress;
-	const ist::Result<scenes::MeshToQueryOutcome> outcome = scenes::runMeshToQuery(options);
+	say(error.message);
+	if (a.mesh == DemoArguments::kDefaultMesh) std::fprintf(stderr, "The default mesh comes with: apt-get install glmark2-data\n");
+	return 1;
+}
+
+/// Prints what a demo found, in the form that was asked for.
+template <class Outcome>
+int present(const DemoArguments& a, const Outcome& outcome)
+{
 	std::fprintf(stderr, "\r%-20s\r", "");
-	if (!outcome)
-	{
-		std::fprintf(stderr, "haptic_demos: %s\n", outcome.error().message.c_str());
-		if (a.mesh == Arguments().mesh) std::fprintf(stderr, "The default mesh comes with: apt-get install glmark2-data\n");
-		return 1;
-	}
 	if (a.json)
-		std::printf("%s\n", scenes::makeJson(outcome.value()).c_str());
+		std::printf("%s\n", makeJson(outcome).c_str());
 	else
-		for (const auto& row : scenes::summaryRows(outcome.value()))
-			std::printf("%-36s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
+		for (const auto& row : summaryRows(outcome)) std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
 	if (a.report.empty()) return 0;
-	if (!scenes::makeReport(outcome.value()).write(a.report))
+	if (!makeReport(outcome).write(a.report))
 	{
 		std::fprintf(stderr, "haptic_demos: cannot write the report to %s\n", a.report.c_str());
 		return 1;
@@ -111,20 +55,53 @@ int runBunnyQuery(const Arguments& a)
 	return 0;
 }
 
+int runBunnyQuery(const DemoArguments& a)
+{
+	scenes::MeshToQueryOptions options;
+	options.mesh = a.mesh;
+	options.unit = a.unit;
+	options.spheres = a.spheres;
+	options.progress = showProgress;
+	const ist::Result<scenes::MeshToQueryOutcome> outcome = scenes::runMeshToQuery(options);
+	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
+}
+
+int runHapticBunny(const DemoArguments& a)
+{
+	scenes::HapticBunnyOptions options;
+	options.mesh = a.mesh;
+	options.unit = a.unit;
+	options.spheres = a.spheres;
+	options.cache = a.cache;
+	options.virtualTime = a.virtualTime;
+	options.progress = showProgress;
+	options.say = say;
+	const ist::Result<scenes::HapticBunnyOutcome> outcome = scenes::runHapticBunny(options);
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
 int run(int argc, char** argv)
 {
-	const Arguments a = parse(argc, argv);
+	const DemoArguments a = scenes::parseDemoArguments(argc, argv);
 	if (!a.error.empty())
 	{
-		std::fprintf(stderr, "haptic_demos: %s\n%s", a.error.c_str(), kUsage);
+		std::fprintf(stderr, "haptic_demos: %s\n%s", a.error.c_str(), scenes::kDemoUsage);
 		return 2;
 	}
 	if (a.version) return std::printf("haptic_demos %s\n", kVersion), 0;
-	if (a.list) return std::printf("bunny-query  mesh to tree to force: a probe pressed on the bunny and slid over its back\n"), 0;
-	if (a.help) return std::printf("%s", kUsage), 0;
+	if (a.help) return std::printf("%s", scenes::kDemoUsage), 0;
+	if (a.list)
+	{
+		std::printf("haptic-bunny  a simulated hand feels a body in a Bullet world: press, slide, turn, let go, at 1 kHz\n");
+		std::printf("bunny-query   mesh to tree to force: a probe pressed on the bunny and slid over its back\n");
+		return 0;
+	}
+	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
 	if (a.demo.empty())
-		std::fprintf(stderr, "haptic_demos: nothing to do\n%s", kUsage);
+		std::fprintf(stderr, "haptic_demos: nothing to do\n%s", scenes::kDemoUsage);
 	else
 		std::fprintf(stderr, "haptic_demos: no demo is called %s; --list names them\n", a.demo.c_str());
 	return 2;

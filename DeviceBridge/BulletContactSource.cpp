@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/BulletContactSource.h"
+
+#include "BulletDynamics/Dynamics/btDynamicsWorld.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace devicebridge
+{
+namespace
+{
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
+
+ist::Pose toPose(const btTransform& t)
+{
+	ist::Pose X;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
+	X.translation = toVec3(t.getOrigin());
+	return X;
+}
+
+/// The least, since the coupling knows one inertia only and is stable with any that is not too large.
+double leastInertia(const btRigidBody& body)
+{
+	const btVector3& inverse = body.getInvInertiaDiagLocal();
+	const double largest = std::max({double(inverse.x()), double(inverse.y()), double(inverse.z())});
+	return largest > 0 ? 1 / largest : kInfinite;
+}
+}  // namespace
+
+BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool,
+										 const BulletToolSettings& settings)
+	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_X_WB(inverse(settings.X_BW))
+{
+	m_tool.forceActivationState(DISABLE_DEACTIVATION);
+	m_store.measureQueryTime(true);
+	if (settings.gravity) return;
+	m_tool.setFlags(m_tool.getFlags() | BT_DISABLE_WORLD_GRAVITY);
+	m_tool.setGravity(btVector3(0, 0, 0));
+}
+
+void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
+{
+	const ist::Vec3 toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
+	step.coupling = pull(dt, hand);
+	applyToTool(step.coupling);
+	m_store.resetQueryTime();
+	m_world.stepSimulation(btScalar(dt), 0);
+	step.queryMicroseconds = 1e6 * m_store.querySeconds();
+	step.tool = toolState();
+	collectContacts(dt, toolOrigin, step);
+}
+
+ToolState BulletContactSource::toolState() const noexcept
+{
+	const ist::Mat3& R_WB = m_X_WB.rotation;
+	return {m_X_WB * toPose(m_tool.getWorldTransform()),
+			{R_WB * toVec3(m_tool.getLinearVelocity()), R_WB * toVec3(m_tool.getAngularVelocity())}};
+}
+
+ist::Wrench BulletContactSource::pull(double dt, const DeviceState& hand) const noexcept
+{
+	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	const double inverseMass = double(m_tool.getInvMass());
+	const double mass = inverseMass > 0 ? 1 / inverseMass : kInfinite;
+	ist::Wrench wanted = couplingOnTool(m_settings.gains, hand.X_WH, hand.twist, toolState(), mass, leastInertia(m_tool), dt);
+	return isFinite(wanted) ? wanted : ist::Wrench();
+}
+
+void BulletContactSource::applyToTool(const ist::Wrench& inW) noexcept
+{
+	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
+	m_tool.applyCentralForce(toBullet(R_BW * inW.force));
+	m_tool.applyTorque(toBullet(R_BW * inW.torque));
+}
+
+void BulletContactSource::collectContacts(double dt, const ist::Vec3& toolOrigin, ToolStep& step) const noexcept
+{
+	for (const btISTContact* contact : m_store.contacts())
+	{
+		// The solver has gone on to the next step; what is older sleeps or was not evaluated.
+		const bool fresh = contact->stamp + 1 == m_store.step();
+		if (!fresh || contact->patchCount == 0 || (contact->bodyA != &m_tool && contact->bodyB != &m_tool)) continue;
+		step.overlapVolume += contact->total.volume;
+		step.pairs += contact->total.pairs;
+		if (step.contactCount < kMaxToolContacts) step.contacts[step.contactCount++] = contactInW(*contact, dt, toolOrigin);
+	}
+}
+
+ToolContact BulletContactSource::contactInW(const btISTContact& contact, double dt, const ist::Vec3& toolOrigin) const noexcept
+{
+	const bool toolIsA = contact.bodyA == &m_tool;
+	const double sign = toolIsA ? 1 : -1;
+	const auto place = [&](const ist::OverlapIntegrals& sums)
+	{ return contact.X_WA * (contact.treeA->origin + sums.firstMoment / sums.volume); };
+
+	ist::Wrench impulse;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		if (!(contact.patches[i].volume > 0)) continue;
+		const ist::Wrench& onA = contact.impulses[i];
+		impulse.force += onA.force;
+		impulse.torque += onA.torque + cross(place(contact.patches[i]) - toolOrigin, onA.force);
+	}
+
+	ToolContact out;
+	const ist::Mat3& R_WB = m_X_WB.rotation;
+	const double rate = dt > 0 ? sign / dt : 0;
+	out.onTool = {R_WB * (rate * impulse.force), R_WB * (rate * impulse.torque)};
+	out.point = m_X_WB * place(contact.total);
+	out.normal = R_WB * (contact.X_WA.rotation * (sign * normalized(contact.total.areaVector)));
+	out.volume = contact.total.volume;
+	out.pairs = static_cast<int>(std::min<std::int64_t>(contact.total.pairs, std::numeric_limits<int>::max()));
+	out.other = toolIsA ? contact.bodyB : contact.bodyA;
+	return out;
+}
+}  // namespace devicebridge

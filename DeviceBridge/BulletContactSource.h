@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btISTWorld.h"
+#include "DeviceBridge/ContactSource.h"
+#include "DeviceBridge/VirtualCoupling.h"
+
+namespace devicebridge
+{
+struct BulletToolSettings
+{
+	CouplingGains gains;
+	ist::Pose X_BW;        ///< the device's world W in Bullet's World B; rigid, so that forces and lengths keep their size
+	bool gravity = false;  ///< does gravity act on the tool? By default the hand carries it without feeling its weight
+};
+
+/// A Bullet world that the stepping thread owns: each tick is one step of it, and the tool is an ordinary body of the caller's on
+/// a virtual coupling. What the coupling pulls the tool with is what the hand feels, so action equals reaction by construction.
+///
+/// T is the body's centre-of-mass frame. Contacts are those of the step: found at the pose in which it began, with the impulse that
+/// it ended with divided by its length. `onTool` is about the origin of T in that pose, and so is `coupling`; `tool` is where the
+/// step ended. World, store and tool outlive this; between ticks the thread that runs the ticks is their only owner.
+class BulletContactSource final : public ContactSource
+{
+public:
+	/// `tool` is a dynamic body of `world`, which fills `store`. From here on the tool is never put to sleep.
+	BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool, const BulletToolSettings& settings);
+	BulletContactSource(btISTWorld& world, btRigidBody& tool, const BulletToolSettings& settings)
+		: BulletContactSource(world.bullet(), world.contacts(), tool, settings)
+	{
+	}
+
+	/// Without a pull when the hand is not finite or not rigid. O(bodies and contacts); allocates only what Bullet does when its
+	/// world grows.
+	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
+
+	/// In W.
+	ToolState toolState() const noexcept;
+
+private:
+	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
+	void applyToTool(const ist::Wrench& inW) noexcept;
+	void collectContacts(double dt, const ist::Vec3& toolOrigin, ToolStep& step) const noexcept;
+	ToolContact contactInW(const btISTContact& contact, double dt, const ist::Vec3& toolOrigin) const noexcept;
+
+	btDynamicsWorld& m_world;
+	btISTContactStore& m_store;
+	btRigidBody& m_tool;
+	BulletToolSettings m_settings;
+	ist::Pose m_X_WB;
+};
+}  // namespace devicebridge

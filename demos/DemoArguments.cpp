@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/DemoArguments.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+namespace scenes
+{
+const char* const kDemoUsage =
+	"usage: haptic_demos --list | --version | --demo NAME [options]\n"
+	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data)\n"
+	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m)\n"
+	"  --spheres N      spheres to pack (default 10000)\n"
+	"  --cache DIR      where trees are kept for the next run (default: the current folder; \"\": nowhere)\n"
+	"  --virtual-time   as fast as possible and reproducible, instead of at 1 kHz\n"
+	"  --report FILE    write a report as one HTML file\n"
+	"  --json           print the result as JSON instead of a table\n"
+	"  --headless       no window (these demos never open one)\n";
+
+namespace
+{
+/// The whole of `text` as a positive finite number, else 0.
+double positiveNumber(const std::string& text)
+{
+	char* end = nullptr;
+	const double value = std::strtod(text.c_str(), &end);
+	return end != text.c_str() && *end == 0 && std::isfinite(value) && value > 0 ? value : 0;
+}
+}  // namespace
+
+DemoArguments parseDemoArguments(int argc, char** argv)
+{
+	DemoArguments a;
+	std::string unit, spheres;
+	bool headless = false;
+	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
+												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime}};
+	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--mesh", &a.mesh}, {"--report", &a.report},
+														{"--cache", &a.cache}, {"--unit", &unit}, {"--spheres", &spheres}};
+	for (int i = 1; i < argc && a.error.empty(); ++i)
+	{
+		const std::string name = argv[i];
+		const auto flag = flags.find(name);
+		const auto value = values.find(name);
+		if (flag != flags.end()) *flag->second = true;
+		else if (value == values.end()) a.error = "unknown option " + name;
+		else if (i + 1 == argc) a.error = name + " needs a value";
+		else *value->second = argv[++i];
+	}
+	if (!a.error.empty()) return a;
+	a.unit = positiveNumber(unit);
+	if (!unit.empty() && !(a.unit > 0)) a.error = "--unit must be a positive number of metres, not " + unit;
+	if (spheres.empty()) return a;
+	a.spheres = static_cast<long long>(std::fmin(positiveNumber(spheres), 1e9));
+	if (a.spheres < 1) a.error = "--spheres must be a positive number, not " + spheres;
+	return a;
+}
+}  // namespace scenes

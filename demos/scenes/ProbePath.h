@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/MeshDistance.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+
+#include <string>
+#include <vector>
+
+namespace scenes
+{
+/// A round rod: all points within `radius` of a segment of length 2 halfLength along the z axis of its frame T.
+struct RodProbe
+{
+	double radius = 0.010, halfLength = 0.015;  ///< [m]
+};
+
+/// A stretch of the path in which the hand does one thing.
+struct ProbePhase
+{
+	std::string name;
+	double begin = 0, end = 0;  ///< [s]
+	bool touches = false;       ///< the probe is meant to be in contact throughout
+};
+
+struct ProbePath
+{
+	std::vector<devicebridge::HandKeyFrame> frames;  ///< poses that the hand wants for T, in World; y is up
+	std::vector<ProbePhase> phases;
+	double duration = 0;  ///< [s]
+};
+
+/// How far below contact the hand aims, so that its own spring presses with the wanted force.
+struct ProbePress
+{
+	double back = 0, ear = 0;  ///< [m]
+};
+
+/// Press on the back, slide over it along x, slide along the ear (down the body's highest tip), turn the rod about the vertical on
+/// the back, let go. Where the rod touches is found by casting it down on the surface; `surface` is in World.
+ProbePath makeProbePath(const ist::MeshDistance& surface, const RodProbe& probe, const ProbePress& press);
+}  // namespace scenes
