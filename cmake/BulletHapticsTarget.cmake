@@ -6,6 +6,7 @@ function(bullethaptics_target target)
 	# -Wrestrict is wrong about std::string in GCC 12 (GCC bug 105651).
 	target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off
 		$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+		$<$<NOT:$<BOOL:${BULLETHAPTICS_OPENMP}>>:-Wno-unknown-pragmas>
 		$<$<BOOL:${BULLETHAPTICS_WERROR}>:-Werror>)
 	if(BULLETHAPTICS_SANITIZE)
 		target_compile_options(${target} PRIVATE -fsanitize=${BULLETHAPTICS_SANITIZE} -fno-omit-frame-pointer

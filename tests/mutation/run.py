@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Does a test fail when the code is wrong? Builds a copy of the source tree once as it is and once for each mutation below, and
+demands that the named tests pass in the first and that one of them fails in each of the others.
+
+Usage: run.py SOURCE [--only NAME] [-- options for cmake]
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+CORE, COLLISION = "BulletISTCollision/Core/", "BulletISTCollision/"
+
+# Name: (file, text that occurs in it once, what takes its place, test program, tests of which one must fail).
+MUTATIONS = {
+    "density of leaves dropped": (
+        CORE + "CellSplitter.cpp", "ball.density = float(piece.mass / (4.0 / 3.0 * std::numbers::pi * R * R * R));", "ball.density = float(R / R);",
+        "test_core", "Cells.OfEqualSpheresInABoxAreVoronoiCells"),
+    "density dropped from the sums": (
+        CORE + "OverlapQuery.cpp", "term.dd = double(a.density) * b.density;", "term.dd = 1;",
+        "test_core", "OverlapQuery.AgreesWithBruteForce"),
+    "density dropped from the sums of a half-space": (
+        CORE + "OverlapQuery.cpp", "term.dd = a.density;", "term.dd = 1;",
+        "test_core", "HalfSpace.ManyBallsAgreeWithADirectSum"),
+    "mean normal of leaves normalised": (
+        CORE + "CellSplitter.cpp",
+        "ball.nx = float(piece.normal.x);\n	ball.ny = float(piece.normal.y);\n	ball.nz = float(piece.normal.z);",
+        "const Vec3 m = normalized(piece.normal);\n	ball.nx = float(m.x);\n	ball.ny = float(m.y);\n	ball.nz = float(m.z);",
+        "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
+    "mean normal normalised in the sums": (
+        CORE + "OverlapQuery.cpp", "	term.normalA = a.normal();\n	term.normalB = R *", "	term.normalA = normalized(a.normal());\n	term.normalB = R *",
+        "test_core", "OverlapQuery.AgreesWithBruteForce"),
+    "splitting skipped": (
+        CORE + "CellSplitter.cpp", "while (pieces.size() < leafCount && !queue.empty())", "while (false)",
+        "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
+    "normal of a lens flipped": (
+        CORE + "Lens.h", "lens.normal = offset * inverse;", "lens.normal = offset * -inverse;",
+        "test_core", "Lens.*"),
+    "normal of a half-space flipped": (
+        CORE + "OverlapQuery.cpp", "term.normalB = m_normal;", "term.normalB = -m_normal;",
+        "test_core", "HalfSpace.OneBallHasTheClosedForm"),
+    "normal of Bullet's plane flipped": (
+        COLLISION + "btISTCollisionAlgorithm.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
+        "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),
+    "normal of Bullet's points flipped": (
+        COLLISION + "btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)", "toBullet(-p.normal), btScalar(-depth)",
+        "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+    "table of closest points not registered": (
+        COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || closest) return;",
+        "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+    "table of contacts not registered": (
+        COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || !closest) return;",
+        "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+}
+
+
+class Tree:
+    """A copy of the source tree with its build folder."""
+
+    def __init__(self, source, place, options):
+        self.root = place / "source"
+        self.build = place / "build"
+        skipped = shutil.ignore_patterns("build*", ".git", "shared", "*.ist")
+        shutil.copytree(source, self.root, ignore=skipped)
+        # The copy lies somewhere else every time; without this ccache would never find anything again.
+        self.environment = dict(os.environ, CCACHE_BASEDIR=str(place), CCACHE_NOHASHDIR="1")
+        self.call("cmake", "-S", str(self.root), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                  "-DBULLETHAPTICS_TOOLS=OFF", "-DBULLETHAPTICS_DEMOS=OFF", "-DBULLETHAPTICS_WERROR=OFF", *options)
+
+    def call(self, *command):
+        done = subprocess.run(command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(command)}: {done.returncode}\n{done.stdout[-4000:]}")
+
+    def failures(self, target, tests):
+        """Names of the tests that failed; exits when none was run, or when the program could not be built or did not end by itself."""
+        self.call("cmake", "--build", str(self.build), "--target", target)
+        program = next(p for p in self.build.rglob(target) if p.is_file() and os.access(p, os.X_OK))
+        done = subprocess.run([program, f"--gtest_filter={tests}"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
+        ran = re.search(r"(\d+) tests? from .* ran", done.stdout)
+        if not ran or ran.group(1) == "0":
+            sys.exit(f"{target} --gtest_filter={tests}: no test was run to its end\n{done.stdout[-4000:]}")
+        return sorted(set(re.findall(r"\[  FAILED  \] ([\w/]+\.[\w/]+)", done.stdout)))
+
+    def mutate(self, name):
+        """Returns what undoes it."""
+        file, old, new = MUTATIONS[name][:3]
+        path = self.root / file
+        text = path.read_text()
+        if text.count(old) != 1:
+            sys.exit(f"{name}: {file} holds {text.count(old)} times instead of once: {old!r}")
+        path.write_text(text.replace(old, new))
+        return lambda: path.write_text(text)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("--only", choices=MUTATIONS)
+    known, options = parser.parse_known_args()
+    options = [o for o in options if o != "--"]
+    names = [known.only] if known.only else list(MUTATIONS)
+    survivors = 0
+    with tempfile.TemporaryDirectory(prefix="mutation_") as place:
+        tree = Tree(known.source.resolve(), pathlib.Path(place), options)
+        for target in sorted({MUTATIONS[n][3] for n in names}):
+            tests = ":".join(sorted({MUTATIONS[n][4] for n in names if MUTATIONS[n][3] == target}))
+            if failed := tree.failures(target, tests):
+                sys.exit(f"fails without any mutation: {', '.join(failed)}")
+        print(f"{len(names)} mutations; their tests pass without them", flush=True)
+        for name in names:
+            undo = tree.mutate(name)
+            failed = tree.failures(*MUTATIONS[name][3:])
+            undo()
+            survivors += not failed
+            print(f"{name}: " + (f"noticed by {', '.join(failed)}" if failed else f"NOT NOTICED by {MUTATIONS[name][4]}"), flush=True)
+    sys.exit(f"{survivors} mutations went unnoticed" if survivors else 0)
+
+
+main()
