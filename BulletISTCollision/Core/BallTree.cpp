@@ -149,7 +149,7 @@ Bound Builder::bound(int begin, int end) const
 	for (int i = begin; i < end; ++i) box.add(m_balls[order[i]]);
 	Vec3 c = (box.low + box.high) / 2, bestCenter = c;
 	double best = std::numeric_limits<double>::infinity();
-	for (int step = 0; step < 8; ++step)
+	for (int step = 0; step < 48; ++step)
 	{
 		double reach = 0;
 		Vec3 toFarthest;

@@ -6,6 +6,11 @@
 #include <cstdint>
 #include <vector>
 
+namespace ist::kernels
+{
+struct PairStream;
+}
+
 namespace ist
 {
 /// Groups intersecting pairs into contact patches: pairs that share a ball hang together (connected components), and a component
@@ -15,20 +20,14 @@ class PatchGrouper
 {
 public:
 	/// Grows the memory; allocates only when a size exceeds every earlier one.
-	void reserve(size_t pairs, size_t balls);
+	void reserve(size_t pairs, size_t balls, int patches);
 
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
-	/// `R` turns B's axes into A's.
-	int group(const OverlapPair* pairs, int count, const BallTree& A, const BallTree& B, const Mat3& R, int maxPatches);
+	/// `ballsA`: number of balls of A's tree, padding included.
+	int group(const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
 	const uint16_t* patch() const { return m_patch.data(); }
 
 private:
-	struct Force
-	{
-		float x, y, z;
-		float size;    ///< |dd L (m_j - m_i)|
-		float weight;  ///< rank of the pair: size, or a small share of dd L where the normals cancel
-	};
 	struct Component
 	{
 		double weight = 0, left = 0;  ///< of all its pairs, of those without a patch
@@ -43,15 +42,16 @@ private:
 	};
 
 	uint32_t find(uint32_t ball);
-	void connect(const OverlapPair* pairs, int count, uint32_t offsetB);
-	void measure(const OverlapPair* pairs, int count, const BallTree& A, const BallTree& B, const Mat3& R);
-	bool seedPatch(const OverlapPair* pairs, int count);
-	void assignRest(const OverlapPair* pairs, int count);
+	void connect(const kernels::PairStream& pairs, int count, uint32_t offsetB);
+	void measure(const kernels::PairStream& pairs, int count);
+	bool seedPatch(const kernels::PairStream& pairs);
+	void assignRest(const kernels::PairStream& pairs);
 
 	std::vector<uint32_t> m_parent, m_label;
 	std::vector<uint32_t> m_componentOf;
 	std::vector<uint16_t> m_patch;
-	std::vector<Force> m_force;
+	std::vector<uint32_t> m_open;  ///< pairs without a patch, in order
+	size_t m_openCount = 0;
 	std::vector<Component> m_components;
 	std::vector<Patch> m_patches;
 	uint32_t m_componentCount = 0;

@@ -30,6 +30,11 @@ std::string InnerSphereTree::validate() const
 		const std::string problem = tree.validate();
 		if (!problem.empty()) return std::string(name) + " tree: " + problem;
 	}
+	for (size_t i = 0; i < levels.size(); ++i)
+	{
+		const std::string problem = levels[i].empty() ? "empty" : levels[i].validate();
+		if (!problem.empty()) return "level " + std::to_string(i + 1) + ": " + problem;
+	}
 	return {};
 }
 }  // namespace ist

@@ -29,6 +29,7 @@ struct InnerSphereTree
 
 	std::vector<Sphere> spheres;  ///< the packing, largest first
 	BallTree law;                 ///< leaves: the default estimator and law
+	std::vector<BallTree> levels; ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
 	BallTree cells;               ///< unsplit cells: volume mode
 	BallTree inner;               ///< packed spheres: distance, lower bound, paper mode
 

@@ -1,101 +1,21 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/OverlapQuery.h"
 
-#include "BulletISTCollision/Core/ContactPatches.h"
-#include "BulletISTCollision/Core/Kernels/FloatVector.h"
-#include "BulletISTCollision/Core/Kernels/TreeLimits.h"
+#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
 #include "BulletISTCollision/Core/Lens.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace ist
 {
+using namespace kernels;
+
 namespace
 {
-using kernels::touching;
-
 struct Bound
 {
 	float x, y, z, r;
 };
-
-/// Two subtrees that may touch: node index or block index | kLeafBit, and their bounds in A's tree frame.
-struct Item
-{
-	uint32_t a, b;
-	Bound boundA, boundB;
-};
-
-/// A block of B in A's tree frame: floats for the tests, doubles for the lenses.
-struct MovedBlock
-{
-	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth];
-	Vec3 center[BallBlock::kWidth];
-};
-
-struct PairTerm
-{
-	double dd, smallVolume;
-	Vec3 normalA, normalB;
-	double depthA, depthB;  ///< at the lens centroid
-};
-
-/// Sums of one patch. The stiffness is kept as the plain outer product g_n (g_wA, g_wB)^T until the end.
-struct Accumulator
-{
-	OverlapIntegrals sums;
-	double product[6][12];
-
-	void clear()
-	{
-		sums = {};
-		for (auto& row : product) std::fill(std::begin(row), std::end(row), 0.0);
-	}
-	void add(const OverlapPair& pair, const PairTerm& term, bool stiffness);
-	void finish();
-};
-
-void Accumulator::add(const OverlapPair& pair, const PairTerm& term, bool stiffness)
-{
-	const double mass = term.dd * pair.lens, area = term.dd * pair.area;
-	const Vec3 &C = pair.centroid, &n = pair.normal, &mA = term.normalA, &mB = term.normalB;
-	const Vec3 turnA = cross(C, mA), turnB = cross(C, mB);
-	sums.volume += mass;
-	sums.firstMoment += C * mass;
-	sums.secondMoment[0] += mass * C.x * C.x;
-	sums.secondMoment[1] += mass * C.y * C.y;
-	sums.secondMoment[2] += mass * C.z * C.z;
-	sums.secondMoment[3] += mass * C.x * C.y;
-	sums.secondMoment[4] += mass * C.x * C.z;
-	sums.secondMoment[5] += mass * C.y * C.z;
-	sums.normalA.force += mA * mass;
-	sums.normalA.torque += turnA * mass;
-	sums.normalB.force += mB * mass;
-	sums.normalB.torque += turnB * mass;
-	sums.areaVector += n * area;
-	sums.depthA += mass * term.depthA;
-	sums.depthB += mass * term.depthB;
-	const double s = term.dd * std::max(0.0, std::min<double>(pair.lens, term.smallVolume - pair.lens));
-	sums.spread += s * s;
-	++sums.pairs;
-	if (!stiffness || area == 0) return;
-	const Vec3 turnN = cross(C, n);
-	const double g[6] = {area * n.x, area * n.y, area * n.z, area * turnN.x, area * turnN.y, area * turnN.z};
-	const double w[12] = {-mA.x, -mA.y, -mA.z, -turnA.x, -turnA.y, -turnA.z, mB.x, mB.y, mB.z, turnB.x, turnB.y, turnB.z};
-	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 12; ++j) product[i][j] += g[i] * w[j];
-}
-
-void Accumulator::finish()
-{
-	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j)
-		{
-			sums.stiffnessA(i, j) = 0.5 * (product[i][j] + product[j][i]);
-			sums.stiffnessB(i, j) = 0.5 * (product[i][j + 6] + product[j][i + 6]);
-		}
-}
 
 Bound rootBound(const BallNode& root)
 {
@@ -134,6 +54,215 @@ double stretch(const Mat3& R)
 		for (int j = 0; j < 3; ++j) sum += std::fabs(e.m[i][j] - (i == j ? 1 : 0));
 	return 1 + sum;
 }
+OverlapIntegrals collect(const double* sums, float spreadUnit)
+{
+	const auto vector = [&](int i) { return Vec3{sums[i], sums[i + 1], sums[i + 2]}; };
+	const auto wrench = [&](int i) { return Wrench{vector(i), vector(i + 3)}; };
+	OverlapIntegrals o;
+	o.volume = sums[kVolume];
+	o.firstMoment = vector(kFirst);
+	std::copy_n(sums + kSecond, 6, o.secondMoment);
+	o.normalA = wrench(kNormalA);
+	o.normalB = wrench(kNormalB);
+	o.line = wrench(kLine);
+	o.areaVector = vector(kArea);
+	o.depthA = sums[kDepthA];
+	o.depthB = sums[kDepthB];
+	o.spread = sums[kSpread] / (double(spreadUnit) * spreadUnit);
+	o.pairs = int64_t(sums[kPairs]);
+	const auto product = [&](int i, int j) { return sums[kProduct + 12 * i + j]; };
+	for (int i = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j)
+		{
+			o.stiffnessA(i, j) = 0.5 * (product(i, j) + product(j, i));
+			o.stiffnessB(i, j) = 0.5 * (product(i, j + 6) + product(j, i + 6));
+		}
+	return o;
+}
+
+/// One query of two trees: what the search finds is either summed at once, or listed first, to be grouped or visited.
+class TreeQuery
+{
+public:
+	/// More pairs than `limit` are not looked for; negative: no limit.
+	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
+			  int64_t limit, OverlapResult& result)
+		: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_limit(limit), m_result(result)
+	{
+		m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
+		m_grouped = options.patches && work.capacity.patches > 1;
+		m_bodies.ballsA = A.balls.data();
+		m_bodies.ballsB = B.balls.data();
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j) m_bodies.R[3 * i + j] = X.rotation.m[i][j];
+		for (int i = 0; i < 3; ++i) m_bodies.t[i] = X.translation[i];
+	}
+
+	/// False when there are more pairs than the limit: the result then holds nothing but the work done.
+	bool run()
+	{
+		m_result.ballsA = &m_A;
+		m_result.ballsB = &m_B;
+		if (!search()) return true;
+		if (m_limit >= 0 && m_listed > m_limit) return false;
+		if (m_options.sortPairs) publishPairs();
+		const int groups = m_grouped && m_result.pairListComplete
+							   ? m_work.grouper.group(m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_work.capacity.patches)
+							   : 0;
+		if (groups > 1) return publishPatches(groups), true;
+		evaluate(m_work.stream.a, m_work.stream.b, m_listed, m_sums);
+		m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit);
+		m_result.patches = m_work.patches.data();
+		m_result.patchCount = m_result.total.pairs > 0 ? 1 : 0;
+		return true;
+	}
+
+private:
+	/// False when the bodies' bounds are apart.
+	bool search();
+	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
+	void take(int count);
+	void publishPatches(int groups);
+	void publishPairs();
+	/// The entries behind the last are read with it: they must name balls too.
+	static void pad(uint32_t* a, uint32_t* b, int count)
+	{
+		std::fill_n(a + count, kListSlack, 0u);
+		std::fill_n(b + count, kListSlack, 0u);
+	}
+	void evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const
+	{
+		pad(a, b, count);
+		if (count > 0) m_work.kernel->evaluate(m_bodies, a, b, count, m_terms, sums);
+	}
+
+	const BallTree& m_A;
+	const BallTree& m_B;
+	const Pose& m_X;
+	QueryWorkspace::Implementation& m_work;
+	const QueryOptions& m_options;
+	int64_t m_limit;
+	OverlapResult& m_result;
+	Terms m_terms;
+	bool m_grouped;
+	PairBodies m_bodies;
+	int m_listed = 0;
+	PairSearch* m_search = nullptr;
+	double m_sums[kSumCount] = {};
+};
+
+bool TreeQuery::search()
+{
+	const Bound a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
+	const Vec3 centerA{a.x, a.y, a.z}, centerB = m_X * Vec3{own.x, own.y, own.z};
+	const double lengthening = stretch(m_X.rotation), reachB = own.r * lengthening;
+	// In double: far translations would spoil the floats below.
+	if (distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6)) return false;
+	const double scale = norm(centerA) + a.r + norm(centerB) + reachB + norm(Vec3{own.x, own.y, own.z}) + norm(m_X.translation);
+	m_bodies.spreadUnit = float(1 / ballVolume(std::min(a.r, own.r)));
+
+	PairSearch s;
+	s.nodesA = m_A.nodes.data();
+	s.nodesB = m_B.nodes.data();
+	s.blocksA = m_A.blocks.data();
+	s.blocksB = m_B.blocks.data();
+	s.ballsA = m_bodies.ballsA;
+	s.ballsB = m_bodies.ballsB;
+	std::copy_n(m_bodies.R, 9, s.R);
+	std::copy_n(m_bodies.t, 3, s.t);
+	s.stretch = float(lengthening);
+	s.slack = float(1e-6 * scale);
+	s.openA = m_work.openA;
+	s.openB = m_work.openB;
+	s.leaves = m_work.leaves;
+	s.openBatch = m_work.openBatch;
+	s.ballOf = m_work.ballOf;
+	s.blockOf = m_work.blockOf;
+	s.moved = m_work.moved.data();
+	s.epoch = m_work.epoch;
+	s.pairA = m_work.pairA;
+	s.pairB = m_work.pairB;
+	s.sink = &TreeQuery::take;
+	s.context = this;
+	s.stop = false;
+	m_search = &s;
+	const bool openA = a.r >= reachB;
+	SubtreeList& first = openA ? s.openA : s.openB;
+	const Bound bound = openA ? Bound{float(centerB.x), float(centerB.y), float(centerB.z), float(reachB) + s.slack} : a;
+	first.a[0] = first.b[0] = 0;
+	first.x[0] = bound.x;
+	first.y[0] = bound.y;
+	first.z[0] = bound.z;
+	first.r[0] = bound.r;
+	first.size = 1;
+	m_work.kernel->search(s);
+	m_result.nodeVisits += s.counts.nodeVisits;
+	m_result.blockPairs += s.counts.blockPairs;
+	m_result.ballTests += s.counts.ballTests;
+	return true;
+}
+
+void TreeQuery::take(int count)
+{
+	const int capacity = m_work.capacity.pairs;
+	if (!(m_grouped || m_options.sortPairs || m_limit >= 0) || !m_result.pairListComplete) return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
+	PairStream& list = m_work.stream;
+	pad(m_work.pairA, m_work.pairB, count);
+	m_listed = m_work.kernel->refine(m_bodies, m_work.pairA, m_work.pairB, count, list, m_listed);
+	m_search->stop = m_limit >= 0 && m_listed > m_limit;
+	if (m_listed <= capacity || m_search->stop) return;
+	m_result.pairListComplete = false;
+	evaluate(list.a + capacity, list.b + capacity, m_listed - capacity, m_sums);
+	m_listed = capacity;
+}
+
+void TreeQuery::publishPatches(int groups)
+{
+	const uint16_t* patch = m_work.grouper.patch();
+	int begin[1025] = {};
+	for (int i = 0; i < m_listed; ++i) ++begin[patch[i] + 1];
+	for (int p = 0; p < groups; ++p) begin[p + 1] += begin[p];
+	int next[1024];
+	std::copy_n(begin, groups, next);
+	for (int i = 0; i < m_listed; ++i)
+	{
+		const int to = next[patch[i]]++;
+		m_work.patchPairA[to] = m_work.stream.a[i];
+		m_work.patchPairB[to] = m_work.stream.b[i];
+	}
+	// From the last to the first: what is read behind a patch's end may be overwritten then.
+	for (int p = groups - 1; p >= 0; --p)
+	{
+		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+		evaluate(m_work.patchPairA + begin[p], m_work.patchPairB + begin[p], begin[p + 1] - begin[p], m_sums);
+		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit);
+	}
+	for (int p = 0; p < groups; ++p) m_result.total.add(m_work.patches[p]);
+	m_result.patches = m_work.patches.data();
+	m_result.patchCount = groups;
+}
+
+void TreeQuery::publishPairs()
+{
+	m_work.reservePairs();
+	for (int i = 0; i < m_listed; ++i) m_work.keys[i] = uint64_t(m_work.stream.a[i]) << 32 | m_work.stream.b[i];
+	std::sort(m_work.keys.begin(), m_work.keys.begin() + m_listed);
+	for (int i = 0; i < m_listed; ++i)
+	{
+		OverlapPair& pair = m_work.pairs[i];
+		pair.ballA = uint32_t(m_work.keys[i] >> 32);
+		pair.ballB = uint32_t(m_work.keys[i]);
+		const MomentBall &a = m_A.balls[pair.ballA], &b = m_B.balls[pair.ballB];
+		Lens lens;
+		lensOf(a.center(), a.R, m_X * b.center(), b.R, lens);
+		pair.lens = float(lens.volume);
+		pair.area = float(lens.area);
+		pair.centroid = lens.centroid;
+		pair.normal = lens.normal;
+	}
+	m_result.pairs = m_work.pairs.data();
+	m_result.pairCount = m_listed;
+}
 }  // namespace
 
 const char* toString(QueryStatus status)
@@ -144,6 +273,8 @@ const char* toString(QueryStatus status)
 		case QueryStatus::InvalidPose: return "invalid pose";
 		case QueryStatus::EmptyTree: return "empty tree";
 		case QueryStatus::Unsupported: return "unsupported";
+		case QueryStatus::BudgetTooSmall: return "more pairs than the budget at the coarsest level";
+		case QueryStatus::InstructionSet: return "this machine cannot run the chosen instruction set (BULLETHAPTICS_ISA)";
 	}
 	return "unknown";
 }
@@ -155,6 +286,7 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	for (int i = 0; i < 6; ++i) secondMoment[i] += o.secondMoment[i];
 	normalA = normalA + o.normalA;
 	normalB = normalB + o.normalB;
+	line = line + o.line;
 	areaVector += o.areaVector;
 	for (int i = 0; i < 21; ++i)
 	{
@@ -167,252 +299,74 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	pairs += o.pairs;
 }
 
-struct QueryWorkspace::Implementation
-{
-	QueryCapacity capacity;
-	std::vector<Item> stack;
-	std::vector<OverlapPair> pairs;
-	std::vector<MovedBlock> moved;
-	std::vector<uint32_t> movedEpoch;
-	uint32_t epoch = 0;
-	PatchGrouper grouper;
-	std::vector<Accumulator> accumulators;  ///< one for each patch
-	std::vector<OverlapIntegrals> patches;
-
-	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.
-	void reserveFor(const BallTree& A, const BallTree& B)
-	{
-		if (moved.size() < B.blocks.size())
-		{
-			moved.resize(B.blocks.size());
-			movedEpoch.resize(B.blocks.size(), 0);
-		}
-		grouper.reserve(size_t(capacity.pairs), A.balls.size() + B.balls.size());
-		if (++epoch == 0)
-		{
-			std::fill(movedEpoch.begin(), movedEpoch.end(), 0u);
-			epoch = 1;
-		}
-	}
-};
-
-QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity) : m_impl(std::make_unique<Implementation>())
-{
-	m_impl->capacity = capacity;
-	m_impl->capacity.pairs = std::max(1, capacity.pairs);
-	m_impl->capacity.patches = std::clamp(capacity.patches, 1, 1024);
-	m_impl->capacity.listEntries = std::max(kPairStackSize, capacity.listEntries);
-	m_impl->stack.resize(size_t(m_impl->capacity.listEntries));
-	m_impl->pairs.resize(size_t(m_impl->capacity.pairs));
-	m_impl->accumulators.resize(size_t(m_impl->capacity.patches));
-	m_impl->patches.resize(size_t(m_impl->capacity.patches));
-	m_impl->grouper.reserve(size_t(m_impl->capacity.pairs), 0);
-}
-QueryWorkspace::~QueryWorkspace() = default;
-QueryWorkspace::QueryWorkspace(QueryWorkspace&&) noexcept = default;
-QueryWorkspace& QueryWorkspace::operator=(QueryWorkspace&&) noexcept = default;
-const QueryCapacity& QueryWorkspace::capacity() const { return m_impl->capacity; }
-
 namespace
 {
-/// One query of two trees. Depth first, so that the stack is bounded by the depth of the trees.
-class PairFinder
+/// Level `level` of a pair of bodies: each step is taken by the larger tree.
+struct LevelPair
 {
-public:
-	PairFinder(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, Accumulator& beyond,
-			   bool stiffness, OverlapResult& result)
-		: m_A(A), m_B(B), m_X(X), m_work(work), m_beyond(beyond), m_stiffness(stiffness), m_result(result)
-	{
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j) m_R[i][j] = float(X.rotation.m[i][j]);
-		m_t[0] = float(X.translation.x);
-		m_t[1] = float(X.translation.y);
-		m_t[2] = float(X.translation.z);
-		m_stretch = float(stretch(X.rotation));
-	}
-
-	/// Intersecting pairs go to the workspace's list, those that do not fit into `beyond`. Returns the length of the list.
-	int run();
-
-private:
-	Bound move(const Bound& b) const
-	{
-		return {m_R[0][0] * b.x + m_R[0][1] * b.y + m_R[0][2] * b.z + m_t[0],
-				m_R[1][0] * b.x + m_R[1][1] * b.y + m_R[1][2] * b.z + m_t[1],
-				m_R[2][0] * b.x + m_R[2][1] * b.y + m_R[2][2] * b.z + m_t[2], b.r * m_stretch};
-	}
-	void openA(const Item& item);
-	void openB(const Item& item);
-	const MovedBlock& movedBlock(uint32_t index);
-	void blockPair(const Item& item);
-	void exactTest(uint32_t ballA, uint32_t ballB, const Vec3& centerB);
-
-	const BallTree& m_A;
-	const BallTree& m_B;
-	const Pose& m_X;
-	QueryWorkspace::Implementation& m_work;
-	Accumulator& m_beyond;
-	bool m_stiffness;
-	OverlapResult& m_result;
-	float m_R[3][3], m_t[3];
-	float m_stretch = 1;
-	float m_slack = 0;  ///< covers the rounding of float positions: the tests may only err towards touching
-	int m_top = 0;
-	int m_pairs = 0;
+	const BallTree *a, *b;
 };
 
-int PairFinder::run()
+int levelCount(const InnerSphereTree& A, const InnerSphereTree& B) { return int(A.levels.size() + B.levels.size()); }
+
+LevelPair levelOf(const InnerSphereTree& A, const InnerSphereTree& B, int level)
 {
-	const Bound a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
-	const Vec3 centerA{a.x, a.y, a.z}, centerB = m_X * Vec3{own.x, own.y, own.z};
-	const double reachB = own.r * double(m_stretch);
-	// In double: far translations would spoil the floats below.
-	if (distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6)) return 0;
-	const double scale =
-		norm(centerA) + a.r + norm(centerB) + reachB + norm(Vec3{own.x, own.y, own.z}) + norm(m_X.translation);
-	m_slack = float(1e-6 * scale);
-	Bound b = move(own);
-	b.r += m_slack;
-	m_work.stack[0] = {0, 0, a, b};
-	m_top = 1;
-	while (m_top > 0)
+	size_t a = 0, b = 0;
+	const auto tree = [](const InnerSphereTree& body, size_t i) -> const BallTree& { return i == 0 ? body.law : body.levels[i - 1]; };
+	for (int step = 0; step < level; ++step)
 	{
-		const Item item = m_work.stack[--m_top];
-		const bool leafA = item.a & BallNode::kLeafBit, leafB = item.b & BallNode::kLeafBit;
-		if (leafA && leafB)
-			blockPair(item);
-		else if (leafB || (!leafA && item.boundA.r >= item.boundB.r))
-			openA(item);
-		else
-			openB(item);
+		const bool takeA = b == B.levels.size() || (a < A.levels.size() && tree(A, a).blocks.size() >= tree(B, b).blocks.size());
+		++(takeA ? a : b);
 	}
-	return m_pairs;
+	return {&tree(A, a), &tree(B, b)};
 }
 
-void PairFinder::openA(const Item& item)
+/// One look at a level; keeps the counts of the work done before. False when it has more pairs than `limit`.
+bool look(const LevelPair& trees, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options, int64_t limit,
+		  OverlapResult& result)
 {
-	const BallNode& node = m_A.nodes[item.a];
-	const Bound& b = item.boundB;
-	++m_result.nodeVisits;
-	uint32_t hits = touching<BallNode::kWidth>(node.x, node.y, node.z, node.r, b.x, b.y, b.z, b.r + m_slack);
-	for (; hits; hits &= hits - 1)
+	OverlapResult next;
+	next.nodeVisits = result.nodeVisits;
+	next.blockPairs = result.blockPairs;
+	next.ballTests = result.ballTests;
+	work.reserveFor(*trees.a, *trees.b);
+	const bool fits = TreeQuery(*trees.a, *trees.b, X, work, options, limit, next).run();
+	result = next;
+	return fits;
+}
+
+/// The finest level, from `finest` on, that is found to have no more pairs than `limit`. Starts coarse, where a look costs little,
+/// and leaps to the level that is expected to fill the limit; no look goes on beyond it.
+void queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+				 const QueryOptions& options, int finest, int64_t limit, OverlapResult& result)
+{
+	// Pairs of a level over those of the next coarser one, usually, and at least.
+	constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
+	int answered = std::max(finest, levelCount(A, B)), exceeded = finest - 1;
+	if (!look(levelOf(A, B, answered), X, work, options, limit, result))
 	{
-		const int k = std::countr_zero(hits);
-		if (node.child[k] == BallNode::kNoChild) continue;
-		m_work.stack[m_top++] = {node.child[k], item.b, {node.x[k], node.y[k], node.z[k], node.r[k]}, b};
-	}
-}
-
-void PairFinder::openB(const Item& item)
-{
-	using V = kernels::FloatVector<BallNode::kWidth>;
-	constexpr int W = BallNode::kWidth;
-	const BallNode& node = m_B.nodes[item.b];
-	const Bound& a = item.boundA;
-	++m_result.nodeVisits;
-	const V x = V::load(node.x), y = V::load(node.y), z = V::load(node.z);
-	float moved[3][W], r[W];
-	for (int i = 0; i < 3; ++i)
-		(V::all(m_R[i][0]) * x + V::all(m_R[i][1]) * y + V::all(m_R[i][2]) * z + V::all(m_t[i])).store(moved[i]);
-	(V::load(node.r) * V::all(m_stretch)).store(r);
-	uint32_t hits = touching<W>(moved[0], moved[1], moved[2], r, a.x, a.y, a.z, a.r + m_slack);
-	for (; hits; hits &= hits - 1)
-	{
-		const int k = std::countr_zero(hits);
-		if (node.child[k] == BallNode::kNoChild) continue;
-		m_work.stack[m_top++] = {item.a, node.child[k], a, {moved[0][k], moved[1][k], moved[2][k], r[k]}};
-	}
-}
-
-const MovedBlock& PairFinder::movedBlock(uint32_t index)
-{
-	MovedBlock& moved = m_work.moved[index];
-	if (m_work.movedEpoch[index] == m_work.epoch) return moved;
-	m_work.movedEpoch[index] = m_work.epoch;
-	const BallBlock& block = m_B.blocks[index];
-	for (int k = 0; k < BallBlock::kWidth; ++k)
-	{
-		const Vec3 c = m_X * Vec3{block.x[k], block.y[k], block.z[k]};
-		moved.center[k] = c;
-		moved.x[k] = float(c.x);
-		moved.y[k] = float(c.y);
-		moved.z[k] = float(c.z);
-	}
-	return moved;
-}
-
-void PairFinder::blockPair(const Item& item)
-{
-	constexpr int W = BallBlock::kWidth;
-	const uint32_t indexA = item.a & ~BallNode::kLeafBit, indexB = item.b & ~BallNode::kLeafBit;
-	const BallBlock& a = m_A.blocks[indexA];
-	const BallBlock& b = m_B.blocks[indexB];
-	const Bound& bound = item.boundB;
-	++m_result.blockPairs;
-	// Masks keep padding out: both sides' padding lies at the same far point when the poses coincide.
-	const uint32_t realA = (1u << a.count) - 1, realB = (1u << b.count) - 1;
-	uint32_t near = realA & touching<W>(a.x, a.y, a.z, a.R, bound.x, bound.y, bound.z, bound.r + m_slack);
-	if (!near) return;
-	const MovedBlock& moved = movedBlock(indexB);
-	m_result.ballTests += int64_t(std::popcount(near)) * b.count;
-	for (; near; near &= near - 1)
-	{
-		const int i = std::countr_zero(near);
-		uint32_t hits = realB & touching<W>(moved.x, moved.y, moved.z, b.R, a.x[i], a.y[i], a.z[i], a.R[i] + m_slack);
-		for (; hits; hits &= hits - 1)
-		{
-			const int j = std::countr_zero(hits);
-			exactTest(indexA * W + i, indexB * W + j, moved.center[j]);
-		}
-	}
-}
-
-PairTerm termOf(const MomentBall& a, const MomentBall& b, const Vec3& centerB, const Vec3& centroid, const Mat3& R)
-{
-	PairTerm term;
-	term.dd = double(a.density) * b.density;
-	term.smallVolume = ballVolume(std::min(a.R, b.R));
-	term.normalA = a.normal();
-	term.normalB = R * b.normal();
-	term.depthA = a.depth - dot(term.normalA, centroid - a.center());
-	term.depthB = b.depth - dot(term.normalB, centroid - centerB);
-	return term;
-}
-
-void PairFinder::exactTest(uint32_t ballA, uint32_t ballB, const Vec3& centerB)
-{
-	const MomentBall& a = m_A.balls[ballA];
-	Lens lens;
-	if (!lensOf(a.center(), a.R, centerB, m_B.balls[ballB].R, lens)) return;
-	const OverlapPair pair{ballA, ballB, float(lens.volume), float(lens.area), lens.centroid, lens.normal};
-	if (m_pairs < m_work.capacity.pairs)
-	{
-		m_work.pairs[m_pairs++] = pair;
+		result.status = QueryStatus::BudgetTooSmall;
 		return;
 	}
-	m_result.pairListComplete = false;
-	m_beyond.add(pair, termOf(a, m_B.balls[ballB], centerB, pair.centroid, m_X.rotation), m_stiffness);
-}
-
-void publish(QueryWorkspace::Implementation& work, int patchCount, OverlapResult& result)
-{
-	for (int p = 0; p < patchCount; ++p)
+	int shown = answered;
+	int64_t pairs = result.total.pairs;
+	while (answered > exceeded + 1 && double(pairs) * kLeastStep <= double(limit))
 	{
-		work.accumulators[p].finish();
-		work.patches[p] = work.accumulators[p].sums;
-		result.total.add(work.patches[p]);
+		const double room = double(limit) / double(std::max<int64_t>(pairs, 1));
+		const int leap = std::max(1, int(std::log(room) / std::log(kUsualStep)));
+		const int level = std::max(exceeded + 1, answered - leap);
+		shown = level;
+		if (look(levelOf(A, B, level), X, work, options, limit, result))
+		{
+			answered = level;
+			pairs = result.total.pairs;
+		}
+		else
+			exceeded = level;
 	}
-	result.patches = work.patches.data();
-	result.patchCount = patchCount;
-}
-
-void publishPairs(QueryWorkspace::Implementation& work, int count, OverlapResult& result)
-{
-	std::sort(work.pairs.begin(), work.pairs.begin() + count, [](const OverlapPair& p, const OverlapPair& q) {
-		return p.ballA != q.ballA ? p.ballA < q.ballA : p.ballB < q.ballB;
-	});
-	result.pairs = work.pairs.data();
-	result.pairCount = count;
+	if (shown != answered) look(levelOf(A, B, answered), X, work, options, limit, result);
+	result.level = answered;
+	result.coarsened = answered > finest;
 }
 }  // namespace
 
@@ -420,129 +374,37 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 						   const QueryOptions& options)
 {
 	OverlapResult result;
+	QueryWorkspace::Implementation& work = workspace.implementation();
 	if (!isRigid(X_AB)) return result.status = QueryStatus::InvalidPose, result;
-	if (options.level != -1) return result.status = QueryStatus::Unsupported, result;
+	if (!work.kernel) return result.status = QueryStatus::InstructionSet, result;
+	const bool law = options.model == Model::Law;
+	const int finest = std::max(0, options.level);
+	if (!law && (finest > 0 || options.maxPairs >= 0)) return result.status = QueryStatus::Unsupported, result;
+	if (options.level < -1 || (law && finest > levelCount(A, B))) return result.status = QueryStatus::Unsupported, result;
 	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
 	if (treeA.empty() || treeB.empty()) return result.status = QueryStatus::EmptyTree, result;
 
-	QueryWorkspace::Implementation& work = workspace.implementation();
-	work.reserveFor(treeA, treeB);
 	const Pose X = treeToTree(A, B, X_AB);
-	work.accumulators[0].clear();
-	const int count = PairFinder(treeA, treeB, X, work, work.accumulators[0], options.stiffness, result).run();
-	if (options.sortPairs) publishPairs(work, count, result);
-
-	int patchCount = count > 0 ? 1 : 0;
-	const bool grouped = options.patches && result.pairListComplete && work.capacity.patches > 1;
-	if (grouped) patchCount = work.grouper.group(work.pairs.data(), count, treeA, treeB, X.rotation, work.capacity.patches);
-	for (int p = 1; p < patchCount; ++p) work.accumulators[p].clear();
-	const uint16_t* patch = work.grouper.patch();
-	for (int i = 0; i < count; ++i)
+	const int64_t capacity = work.capacity.pairs;
+	if (options.maxPairs >= 0)
 	{
-		const OverlapPair& pair = work.pairs[i];
-		const Vec3& centerB = work.moved[pair.ballB / BallBlock::kWidth].center[pair.ballB % BallBlock::kWidth];
-		const PairTerm term =
-			termOf(treeA.balls[pair.ballA], treeB.balls[pair.ballB], centerB, pair.centroid, X.rotation);
-		work.accumulators[grouped ? patch[i] : 0].add(pair, term, options.stiffness);
+		queryWithin(A, B, X, work, options, finest, std::min(options.maxPairs, capacity), result);
+		return result;
 	}
-	publish(work, patchCount, result);
-	return result;
-}
-
-namespace
-{
-/// Balls of A that reach below the plane; the same pair list and sums as with a tree. Source: spherical cap, exact.
-class CapFinder
-{
-public:
-	CapFinder(const BallTree& A, const Vec3& normal, double offset, QueryWorkspace::Implementation& work, bool stiffness,
-			  OverlapResult& result)
-		: m_A(A), m_normal(normal), m_offset(offset), m_work(work), m_stiffness(stiffness), m_result(result)
+	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB};
+	work.reserveFor(*trees.a, *trees.b);
+	TreeQuery(*trees.a, *trees.b, X, work, options, -1, result).run();
+	result.level = finest;
+	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
 	{
-	}
-
-	int run()
-	{
-		uint32_t* stack = m_stack;
-		int top = 0;
-		stack[top++] = 0;
-		while (top > 0)
+		OverlapResult coarser;
+		queryWithin(A, B, X, work, options, finest + 1, capacity, coarser);
+		if (coarser.status == QueryStatus::Ok)
 		{
-			const BallNode& node = m_A.nodes[stack[--top]];
-			++m_result.nodeVisits;
-			for (int k = 0; k < BallNode::kWidth; ++k)
-			{
-				if (node.child[k] == BallNode::kNoChild) continue;
-				if (dot(m_normal, {node.x[k], node.y[k], node.z[k]}) - m_offset >= node.r[k] * (1 + 1e-6)) continue;
-				if (node.child[k] & BallNode::kLeafBit)
-					block(node.child[k] & ~BallNode::kLeafBit);
-				else
-					stack[top++] = node.child[k];
-			}
+			coarser.coarsened = true;
+			return coarser;
 		}
-		return m_pairs;
 	}
-
-private:
-	void block(uint32_t index)
-	{
-		++m_result.blockPairs;
-		const uint32_t first = index * BallBlock::kWidth, count = m_A.blocks[index].count;
-		m_result.ballTests += count;
-		for (uint32_t ball = first; ball < first + count; ++ball) test(ball);
-	}
-
-	void test(uint32_t index)
-	{
-		const MomentBall& a = m_A.balls[index];
-		Lens cap;
-		if (!capOf(a.center(), a.R, m_normal, dot(m_normal, a.center()) - m_offset, cap)) return;
-		const OverlapPair pair{index, 0, float(cap.volume), float(cap.area), cap.centroid, m_normal};
-		PairTerm term;
-		term.dd = a.density;
-		term.smallVolume = ballVolume(a.R);
-		term.normalA = a.normal();
-		term.normalB = m_normal;
-		term.depthA = a.depth - dot(term.normalA, pair.centroid - a.center());
-		term.depthB = m_offset - dot(m_normal, pair.centroid);
-		m_work.accumulators[0].add(pair, term, m_stiffness);
-		if (m_pairs < m_work.capacity.pairs)
-			m_work.pairs[m_pairs++] = pair;
-		else
-			m_result.pairListComplete = false;
-	}
-
-	const BallTree& m_A;
-	const Vec3 m_normal;
-	const double m_offset;
-	QueryWorkspace::Implementation& m_work;
-	const bool m_stiffness;
-	OverlapResult& m_result;
-	uint32_t m_stack[kPairStackSize];
-	int m_pairs = 0;
-};
-}  // namespace
-
-OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,
-							 const QueryOptions& options)
-{
-	OverlapResult result;
-	if (!isFinite(normal) || !std::isfinite(offset) || !(std::fabs(squaredNorm(normal) - 1) <= 1e-4))
-		return result.status = QueryStatus::InvalidPose, result;
-	if (options.level != -1) return result.status = QueryStatus::Unsupported, result;
-	const BallTree& tree = treeOf(A, options.model);
-	if (tree.empty()) return result.status = QueryStatus::EmptyTree, result;
-
-	QueryWorkspace::Implementation& work = workspace.implementation();
-	work.accumulators[0].clear();
-	// The same plane with a normal of exactly unit length.
-	const double length = norm(normal);
-	const Vec3 unit = normal / length;
-	const int count =
-		CapFinder(tree, unit, offset / length - dot(unit, A.origin), work, options.stiffness, result).run();
-	if (options.sortPairs) publishPairs(work, count, result);
-	// All pairs share the half-space and its direction: one patch.
-	publish(work, count > 0 ? 1 : 0, result);
 	return result;
 }
 }  // namespace ist

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/InstructionSet.h"
 
 #include <memory>
 
@@ -25,6 +26,7 @@ struct OverlapIntegrals
 	Vec3 firstMoment;           ///< sum dd L C [m^4]
 	double secondMoment[6] = {};  ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
 	Wrench normalA, normalB;    ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV
+	Wrench line;                ///< sum dd L n and sum C x the same: the paper's eq. (1) at rest; only with Model::Inner
 	Vec3 areaVector;            ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i.(C - c_i)) and the same of j: Int depth dV [m^4]
@@ -39,7 +41,7 @@ enum class Model
 {
 	Law,   ///< leaves (default)
 	Cell,  ///< unsplit cells: best volume
-	Inner  ///< packed spheres: a lower bound of the volume
+	Inner  ///< packed spheres: a lower bound of the volume; their normals and depths count as zero
 };
 
 enum class QueryStatus
@@ -47,14 +49,19 @@ enum class QueryStatus
 	Ok,
 	InvalidPose,  ///< not finite or not rigid; nothing else in the result was touched
 	EmptyTree,
-	Unsupported  ///< a level or a budget: not available yet
+	Unsupported,  ///< a level or a budget with another model than the law's, or with a half-space
+	BudgetTooSmall,  ///< more pairs than `maxPairs` even at the coarsest level: no answer
+	InstructionSet  ///< BULLETHAPTICS_ISA, or the workspace's maker, names one that cannot run here
 };
 const char* toString(QueryStatus status);
 
 struct QueryOptions
 {
 	Model model = Model::Law;
-	int level = -1;       ///< -1: exact. Anything else is Unsupported for now.
+	int level = -1;       ///< -1 or 0: the leaves; each step above leaves a third of one body's balls, of the larger tree's. Only with Model::Law
+	/// Not negative: a level from `level` on with at most so many intersecting pairs, the finest that a few looks find; each look
+	/// ends at the budget, all together find less than three times as many pairs. Only with Model::Law.
+	int64_t maxPairs = -1;
 	bool stiffness = true;  ///< fill stiffnessA/B
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
@@ -62,12 +69,13 @@ struct QueryOptions
 
 struct QueryCapacity
 {
-	int pairs = 200000;  ///< more intersecting pairs than this: sums stay exact, but come as one patch and the pair list is cut
+	int pairs = 200000;  ///< where patches need a longer list, a coarser level answers; without levels, and for visitors, the sums
+						 ///< stay exact, but come as one patch, and the list is cut
 	int patches = 8;
-	int listEntries = 65536;  ///< node and block pairs in flight; more are handled depth first, without loss
+	int listEntries = 65536;  ///< pairs of subtrees in flight, in each of two lists; fewer are opened at a time when it is small
 };
 
-/// One intersecting pair, for visitors: indices into the two trees' `balls`, and the lens.
+/// One intersecting pair, for visitors: indices into the `balls` of the result's trees, and the lens.
 struct OverlapPair
 {
 	uint32_t ballA = 0, ballB = 0;
@@ -81,7 +89,9 @@ struct OverlapPair
 class QueryWorkspace
 {
 public:
+	/// With the instruction set of `chosenInstructionSet`.
 	explicit QueryWorkspace(const QueryCapacity& capacity = {});
+	QueryWorkspace(const QueryCapacity& capacity, InstructionSet set);
 	~QueryWorkspace();
 	QueryWorkspace(QueryWorkspace&&) noexcept;
 	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
@@ -103,6 +113,9 @@ struct OverlapResult
 	bool pairListComplete = true;  ///< false: more pairs than the capacity, so one patch and a cut list
 	const OverlapPair* pairs = nullptr;  ///< in the workspace; filled only on `QueryOptions::sortPairs`
 	int pairCount = 0;
+	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< the trees that the pairs' indices point into
+	int level = 0;        ///< at which it was answered; `spread` grows with it and holds what the merging costs
+	bool coarsened = false;  ///< coarser than asked for, to keep within `maxPairs` or the capacity
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine
 };
 

@@ -8,6 +8,13 @@ namespace ist
 {
 namespace
 {
+/// The ball as Model::Inner counts it.
+MomentBall packed(MomentBall ball)
+{
+	ball.nx = ball.ny = ball.nz = ball.depth = 0;
+	return ball;
+}
+
 void addSymmetricProduct(SymmetricMatrix6& K, double factor, const Vec3& C, const Vec3& n, const Vec3& w)
 {
 	const Vec3 gn[2] = {n, cross(C, n)}, gw[2] = {w, cross(C, w)};
@@ -28,6 +35,7 @@ void addPair(OverlapIntegrals& sums, const MomentBall& a, const MomentBall& b, c
 	for (int i = 0; i < 6; ++i) sums.secondMoment[i] += mass * products[i];
 	sums.normalA = sums.normalA + mass * Wrench{mA, cross(C, mA)};
 	sums.normalB = sums.normalB + mass * Wrench{mB, cross(C, mB)};
+	sums.line = sums.line + mass * Wrench{lens.normal, cross(C, lens.normal)};
 	sums.areaVector += dd * lens.area * lens.normal;
 	addSymmetricProduct(sums.stiffnessA, dd * lens.area, C, lens.normal, -mA);
 	addSymmetricProduct(sums.stiffnessB, dd * lens.area, C, lens.normal, mB);
@@ -62,10 +70,14 @@ OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphere
 		{
 			Lens lens;
 			if (!lensOf(a.center(), a.R, centerB, b.R, lens)) continue;
-			addPair(result.total, a, b, centerB, X.rotation, lens);
+			if (model == Model::Inner)
+				addPair(result.total, packed(a), packed(b), centerB, X.rotation, lens);
+			else
+				addPair(result.total, a, b, centerB, X.rotation, lens);
 			++result.ballTests;
 		}
 	}
+	if (model != Model::Inner) result.total.line = {};
 	return result;
 }
 }  // namespace ist

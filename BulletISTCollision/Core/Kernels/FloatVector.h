@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
-#if defined(__SSE2__)
+#if !defined(IST_PORTABLE) && defined(__SSE2__)
+#define IST_SSE 1
 #include <immintrin.h>
 #endif
 
@@ -14,87 +15,300 @@
 #else
 #define IST_UNROLL _Pragma("GCC unroll 8")
 #endif
+#define IST_INLINE inline __attribute__((always_inline))
 
-namespace ist::kernels
+// Included by QueryKernel.cpp only, once for each instruction set; the anonymous namespace keeps the sets apart.
+namespace
 {
-/// `W` floats, made of registers of the widest kind that the target offers.
+#if defined(IST_SSE) && defined(__AVX512VL__)
+constexpr int kRegisterBytes = 64;
+#elif defined(IST_SSE) && defined(__AVX2__)
+constexpr int kRegisterBytes = 32;
+#else
+constexpr int kRegisterBytes = 16;
+#endif
+/// True where a vector's chosen lanes can be moved to its front in a few instructions.
+constexpr bool kCompresses = kRegisterBytes > 16;
+/// Pairs of balls that are evaluated side by side.
+constexpr int kLanes = kRegisterBytes / 4;
+
+constexpr int least(int a, int b) { return a < b ? a : b; }
+
+template <int W> struct FloatPart;
+template <> struct FloatPart<4>
+{
+	typedef float Type __attribute__((vector_size(16)));
+	typedef int32_t Mask __attribute__((vector_size(16)));
+};
+template <> struct FloatPart<8>
+{
+	typedef float Type __attribute__((vector_size(32)));
+	typedef int32_t Mask __attribute__((vector_size(32)));
+};
+template <> struct FloatPart<16>
+{
+	typedef float Type __attribute__((vector_size(64)));
+	typedef int32_t Mask __attribute__((vector_size(64)));
+};
+template <int W> struct DoublePart;
+template <> struct DoublePart<2> { typedef double Type __attribute__((vector_size(16))); };
+template <> struct DoublePart<4> { typedef double Type __attribute__((vector_size(32))); };
+template <> struct DoublePart<8> { typedef double Type __attribute__((vector_size(64))); };
+
+template <class Part>
+IST_INLINE uint32_t lessBits(Part a, Part b)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	if constexpr (sizeof(Part) == 64)
+		return sizeof(a[0]) == 4 ? uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ))
+								 : uint32_t(_mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ));
+#endif
+#if defined(IST_SSE) && defined(__AVX2__)
+	if constexpr (sizeof(Part) == 32)
+		return sizeof(a[0]) == 4 ? uint32_t(_mm256_movemask_ps((__m256)(a < b))) : uint32_t(_mm256_movemask_pd((__m256d)(a < b)));
+#endif
+#if defined(IST_SSE)
+	if constexpr (sizeof(Part) == 16)
+		return sizeof(a[0]) == 4 ? uint32_t(_mm_movemask_ps((__m128)(a < b))) : uint32_t(_mm_movemask_pd((__m128d)(a < b)));
+#endif
+	uint32_t bits = 0;
+	for (unsigned k = 0; k < sizeof(Part) / sizeof(a[0]); ++k) bits |= uint32_t(a[k] < b[k]) << k;
+	return bits;
+}
+
+template <class Part>
+IST_INLINE Part rootOf(Part a)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	if constexpr (sizeof(Part) == 64)
+	{
+		if constexpr (sizeof(a[0]) == 4) return (Part)_mm512_sqrt_ps((__m512)a);
+		else return (Part)_mm512_sqrt_pd((__m512d)a);
+	}
+#endif
+#if defined(IST_SSE) && defined(__AVX2__)
+	if constexpr (sizeof(Part) == 32)
+	{
+		if constexpr (sizeof(a[0]) == 4) return (Part)_mm256_sqrt_ps((__m256)a);
+		else return (Part)_mm256_sqrt_pd((__m256d)a);
+	}
+#endif
+#if defined(IST_SSE)
+	if constexpr (sizeof(Part) == 16)
+	{
+		if constexpr (sizeof(a[0]) == 4) return (Part)_mm_sqrt_ps((__m128)a);
+		else return (Part)_mm_sqrt_pd((__m128d)a);
+	}
+#endif
+	for (unsigned k = 0; k < sizeof(Part) / sizeof(a[0]); ++k)
+		a[k] = sizeof(a[0]) == 4 ? __builtin_sqrtf(float(a[k])) : __builtin_sqrt(a[k]);
+	return a;
+}
+
+/// `W` floats, made of the widest registers that fit.
 template <int W>
 struct FloatVector
 {
-#if defined(__AVX__)
-	static constexpr int kRegister = 8;
-#else
-	static constexpr int kRegister = 4;
-#endif
-	static_assert(W % kRegister == 0);
+	static constexpr int kRegister = least(W, kRegisterBytes / 4);
 	static constexpr int kParts = W / kRegister;
-	typedef float Part __attribute__((vector_size(kRegister * sizeof(float))));
-
+	using Part = typename FloatPart<kRegister>::Type;
+	using Mask = typename FloatPart<kRegister>::Mask;
 	Part part[kParts];
 
-	static inline FloatVector load(const float* p)
-	{
-		FloatVector v;
-		std::memcpy(&v.part, p, sizeof v.part);
-		return v;
-	}
-	inline void store(float* p) const { std::memcpy(p, &part, sizeof part); }
-	static inline FloatVector all(float s)
+	// Part by part: GCC copies several at once through memory, and the load behind that copy stalls.
+	static IST_INLINE FloatVector load(const float* p)
 	{
 		FloatVector v;
 		IST_UNROLL
-		for (int i = 0; i < kParts; ++i) v.part[i] = Part{} + s;
+		for (int i = 0; i < kParts; ++i) std::memcpy(&v.part[i], p + i * kRegister, sizeof(Part));
+		return v;
+	}
+	IST_INLINE void store(float* p) const
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) std::memcpy(p + i * kRegister, &part[i], sizeof(Part));
+	}
+	/// s - 0 is s for every s, so that the compiler drops the subtraction; 0 + s is not.
+	static IST_INLINE FloatVector all(float s)
+	{
+		FloatVector v;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) v.part[i] = s - Part{};
 		return v;
 	}
 
-	friend inline FloatVector operator+(FloatVector a, const FloatVector& b)
+	friend IST_INLINE FloatVector operator+(FloatVector a, const FloatVector& b)
 	{
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) a.part[i] += b.part[i];
 		return a;
 	}
-	friend inline FloatVector operator-(FloatVector a, const FloatVector& b)
+	friend IST_INLINE FloatVector operator-(FloatVector a, const FloatVector& b)
 	{
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) a.part[i] -= b.part[i];
 		return a;
 	}
-	friend inline FloatVector operator*(FloatVector a, const FloatVector& b)
+	friend IST_INLINE FloatVector operator*(FloatVector a, const FloatVector& b)
 	{
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) a.part[i] *= b.part[i];
 		return a;
 	}
+	friend IST_INLINE FloatVector operator/(FloatVector a, const FloatVector& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] /= b.part[i];
+		return a;
+	}
+	friend IST_INLINE FloatVector operator-(const FloatVector& a) { return all(0) - a; }
+	IST_INLINE FloatVector& operator+=(const FloatVector& b) { return *this = *this + b; }
 
+	static IST_INLINE FloatVector smaller(FloatVector a, const FloatVector& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] < b.part[i] ? a.part[i] : b.part[i];
+		return a;
+	}
+	static IST_INLINE FloatVector larger(FloatVector a, const FloatVector& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] > b.part[i] ? a.part[i] : b.part[i];
+		return a;
+	}
+	static IST_INLINE FloatVector squareRoot(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = rootOf(a.part[i]);
+		return a;
+	}
 	/// Bit k set where a[k] < b[k].
-	static inline uint32_t less(const FloatVector& a, const FloatVector& b)
+	static IST_INLINE uint32_t less(const FloatVector& a, const FloatVector& b)
 	{
 		uint32_t bits = 0;
 		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) bits |= lessBits(a.part[i], b.part[i]) << (i * kRegister);
+		return bits;
+	}
+	/// Lane k of `a` where bit k is set, else of `b`.
+	static IST_INLINE FloatVector select(uint32_t bits, FloatVector a, const FloatVector& b)
+	{
+		Mask lane;
+		IST_UNROLL
+		for (int k = 0; k < kRegister; ++k) lane[k] = 1 << k;
+		IST_UNROLL
 		for (int i = 0; i < kParts; ++i)
 		{
-			const auto mask = a.part[i] < b.part[i];
-#if defined(__AVX__)
-			bits |= uint32_t(_mm256_movemask_ps((__m256)mask)) << (i * kRegister);
-#elif defined(__SSE2__)
-			bits |= uint32_t(_mm_movemask_ps((__m128)mask)) << (i * kRegister);
-#else
-			for (int k = 0; k < kRegister; ++k) bits |= uint32_t(mask[k] & 1) << (i * kRegister + k);
-#endif
+			const Mask spread = Mask{} + int32_t(bits >> (i * kRegister));
+			a.part[i] = (spread & lane) != 0 ? a.part[i] : b.part[i];
 		}
+		return a;
+	}
+	IST_INLINE double sum() const
+	{
+		float lanes[W];
+		store(lanes);
+		IST_UNROLL
+		for (int width = W / 2; width > 0; width /= 2)
+		{
+			IST_UNROLL
+			for (int k = 0; k < width; ++k) lanes[k] += lanes[k + width];
+		}
+		return lanes[0];
+	}
+};
+
+/// Twice the doubles of a register: as many as it holds floats.
+template <int W>
+struct DoubleVector
+{
+	static constexpr int kRegister = kRegisterBytes / 8;
+	static constexpr int kParts = 2;
+	static_assert(W == kParts * kRegister);
+	using Part = typename DoublePart<kRegister>::Type;
+	Part part[kParts];
+
+	static IST_INLINE DoubleVector all(double s)
+	{
+		DoubleVector v;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) v.part[i] = s - Part{};
+		return v;
+	}
+	// Through registers: halves that meet in memory stall the load that joins them.
+	static IST_INLINE DoubleVector from(const FloatVector<W>& f)
+	{
+		DoubleVector v;
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		v.part[0] = (Part)_mm512_cvtps_pd(_mm512_castps512_ps256((__m512)f.part[0]));
+		v.part[1] = (Part)_mm512_cvtps_pd(_mm512_extractf32x8_ps((__m512)f.part[0], 1));
+#elif defined(IST_SSE) && defined(__AVX2__)
+		v.part[0] = (Part)_mm256_cvtps_pd(_mm256_castps256_ps128((__m256)f.part[0]));
+		v.part[1] = (Part)_mm256_cvtps_pd(_mm256_extractf128_ps((__m256)f.part[0], 1));
+#elif defined(IST_SSE)
+		v.part[0] = (Part)_mm_cvtps_pd((__m128)f.part[0]);
+		v.part[1] = (Part)_mm_cvtps_pd(_mm_movehl_ps((__m128)f.part[0], (__m128)f.part[0]));
+#else
+		for (int k = 0; k < W; ++k) v.part[k / kRegister][k % kRegister] = f.part[0][k];
+#endif
+		return v;
+	}
+	IST_INLINE FloatVector<W> rounded() const
+	{
+		FloatVector<W> f;
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		const __m512 low = _mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)part[0]));
+		f.part[0] = (typename FloatVector<W>::Part)_mm512_insertf32x8(low, _mm512_cvtpd_ps((__m512d)part[1]), 1);
+#elif defined(IST_SSE) && defined(__AVX2__)
+		const __m256 low = _mm256_castps128_ps256(_mm256_cvtpd_ps((__m256d)part[0]));
+		f.part[0] = (typename FloatVector<W>::Part)_mm256_insertf128_ps(low, _mm256_cvtpd_ps((__m256d)part[1]), 1);
+#elif defined(IST_SSE)
+		f.part[0] = (typename FloatVector<W>::Part)_mm_movelh_ps(_mm_cvtpd_ps((__m128d)part[0]), _mm_cvtpd_ps((__m128d)part[1]));
+#else
+		for (int k = 0; k < W; ++k) f.part[0][k] = float(part[k / kRegister][k % kRegister]);
+#endif
+		return f;
+	}
+	friend IST_INLINE DoubleVector operator+(DoubleVector a, const DoubleVector& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] += b.part[i];
+		return a;
+	}
+	friend IST_INLINE DoubleVector operator-(DoubleVector a, const DoubleVector& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] -= b.part[i];
+		return a;
+	}
+	friend IST_INLINE DoubleVector operator*(DoubleVector a, const DoubleVector& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] *= b.part[i];
+		return a;
+	}
+	static IST_INLINE DoubleVector squareRoot(DoubleVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = rootOf(a.part[i]);
+		return a;
+	}
+	static IST_INLINE uint32_t less(const DoubleVector& a, const DoubleVector& b)
+	{
+		uint32_t bits = 0;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) bits |= lessBits(a.part[i], b.part[i]) << (i * kRegister);
 		return bits;
 	}
 };
 
 /// Bit k set where the sphere k of the arrays comes nearer than `reach` to touching the sphere (cx, cy, cz, r).
 template <int W>
-inline uint32_t touching(const float* x, const float* y, const float* z, const float* r, float cx, float cy, float cz, float reach)
+IST_INLINE uint32_t touching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
+							 float cx, float cy, float cz, float reach)
 {
 	using V = FloatVector<W>;
-	const V dx = V::load(x) - V::all(cx), dy = V::load(y) - V::all(cy), dz = V::load(z) - V::all(cz);
-	const V sum = V::load(r) + V::all(reach);
+	const V dx = x - V::all(cx), dy = y - V::all(cy), dz = z - V::all(cz), sum = r + V::all(reach);
 	return V::less(dx * dx + dy * dy + dz * dz, sum * sum);
 }
-}  // namespace ist::kernels
-
-#undef IST_UNROLL
+}  // namespace

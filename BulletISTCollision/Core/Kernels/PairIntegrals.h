@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Kernels/FloatVector.h"
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+
+// Included by QueryKernel.cpp only. Distances of centres, and with them the question whether two balls intersect, are computed in
+// double with the operations of the reference in their order; from the differences of lengths on, floats carry relative errors only.
+namespace
+{
+using namespace ist;
+using namespace ist::kernels;
+
+using F = FloatVector<kLanes>;
+using D = DoubleVector<kLanes>;
+
+/// Pairs that are staged before they are summed; lane sums are floats within a stage, doubles beyond.
+constexpr int kStage = 256;
+constexpr float kPiF = 3.14159265358979323846f;
+
+struct F3
+{
+	F x, y, z;
+};
+IST_INLINE F3 cross(const F3& a, const F3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+IST_INLINE F dot(const F3& a, const F3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+struct Balls
+{
+	F x, y, z, R, density;
+	F3 normal;
+	F depth;
+};
+
+static_assert(sizeof(MomentBall) == 40);
+
+/// Columns 0..3 of the rows of four floats that begin `offset` floats into each of kLanes balls.
+IST_INLINE void fetchRow(const MomentBall* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
+{
+#if defined(IST_SSE)
+	const auto row = [&](int k) { return _mm_loadu_ps(reinterpret_cast<const float*>(balls + index[k]) + offset); };
+#if defined(__AVX512VL__)
+	const auto rows = [&](int k) {
+		__m512 r = _mm512_castps128_ps512(row(k));
+		r = _mm512_insertf32x4(r, row(k + 4), 1);
+		r = _mm512_insertf32x4(r, row(k + 8), 2);
+		return _mm512_insertf32x4(r, row(k + 12), 3);
+	};
+	const __m512 r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
+	const __m512d a = _mm512_castps_pd(_mm512_unpacklo_ps(r0, r1)), b = _mm512_castps_pd(_mm512_unpackhi_ps(r0, r1));
+	const __m512d c = _mm512_castps_pd(_mm512_unpacklo_ps(r2, r3)), d = _mm512_castps_pd(_mm512_unpackhi_ps(r2, r3));
+	c0.part[0] = (F::Part)_mm512_unpacklo_pd(a, c);
+	c1.part[0] = (F::Part)_mm512_unpackhi_pd(a, c);
+	c2.part[0] = (F::Part)_mm512_unpacklo_pd(b, d);
+	c3.part[0] = (F::Part)_mm512_unpackhi_pd(b, d);
+#elif defined(__AVX2__)
+	const auto rows = [&](int k) { return _mm256_insertf128_ps(_mm256_castps128_ps256(row(k)), row(k + 4), 1); };
+	const __m256 r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
+	const __m256d a = _mm256_castps_pd(_mm256_unpacklo_ps(r0, r1)), b = _mm256_castps_pd(_mm256_unpackhi_ps(r0, r1));
+	const __m256d c = _mm256_castps_pd(_mm256_unpacklo_ps(r2, r3)), d = _mm256_castps_pd(_mm256_unpackhi_ps(r2, r3));
+	c0.part[0] = (F::Part)_mm256_unpacklo_pd(a, c);
+	c1.part[0] = (F::Part)_mm256_unpackhi_pd(a, c);
+	c2.part[0] = (F::Part)_mm256_unpacklo_pd(b, d);
+	c3.part[0] = (F::Part)_mm256_unpackhi_pd(b, d);
+#else
+	__m128 r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
+	_MM_TRANSPOSE4_PS(r0, r1, r2, r3);
+	c0.part[0] = (F::Part)r0;
+	c1.part[0] = (F::Part)r1;
+	c2.part[0] = (F::Part)r2;
+	c3.part[0] = (F::Part)r3;
+#endif
+#else
+	for (int k = 0; k < kLanes; ++k)
+	{
+		const float* row = &balls[index[k]].x + offset;
+		c0.part[0][k] = row[0];
+		c1.part[0][k] = row[1];
+		c2.part[0][k] = row[2];
+		c3.part[0][k] = row[3];
+	}
+#endif
+}
+
+template <Terms terms>
+IST_INLINE Balls fetch(const MomentBall* balls, const uint32_t* index)
+{
+	Balls b;
+	fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
+	fetchRow(balls, index, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
+	if constexpr (terms != kLineTerms)
+	{
+		float depth[kLanes];
+		for (int k = 0; k < kLanes; ++k) depth[k] = balls[index[k]].depth;
+		b.depth = F::load(depth);
+	}
+	return b;
+}
+
+/// One vector of pairs. What does not intersect has mass and area zero.
+struct Lenses
+{
+	uint32_t hits;
+	F mass, area;      ///< dd L, dd times the disc's area
+	F3 C, n, mA, mB;
+	F depthA, depthB;  ///< at C
+	F spread;          ///< s_ij in units of the query's typical volume
+};
+
+/// B's tree frame to A's, one component; the reference's order of operations.
+IST_INLINE D moved(const PairBodies& bodies, int row, const D& x, const D& y, const D& z)
+{
+	return D::all(bodies.R[3 * row]) * x + D::all(bodies.R[3 * row + 1]) * y + D::all(bodies.R[3 * row + 2]) * z + D::all(bodies.t[row]);
+}
+
+IST_INLINE F3 turned(const PairBodies& bodies, const F3& v)
+{
+	const auto row = [&](int i) {
+		return F::all(float(bodies.R[3 * i])) * v.x + F::all(float(bodies.R[3 * i + 1])) * v.y + F::all(float(bodies.R[3 * i + 2])) * v.z;
+	};
+	return {row(0), row(1), row(2)};
+}
+
+template <Terms terms>
+IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, uint32_t real)
+{
+	const Balls a = fetch<terms>(bodies.ballsA, indexA), b = fetch<terms>(bodies.ballsB, indexB);
+	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R);
+	const D dx = D::from(a.x) - moved(bodies, 0, bx, by, bz);
+	const D dy = D::from(a.y) - moved(bodies, 1, bx, by, bz);
+	const D dz = D::from(a.z) - moved(bodies, 2, bx, by, bz);
+	const D squared = dx * dx + dy * dy + dz * dz, reach = Ri + Rj, distance = D::squareRoot(squared);
+	const D overlap = reach - distance, excess = Ri - Rj, towardsI = Rj - Ri + distance, towardsJ = excess + distance;
+	// Contained: the smaller radius exceeds neither difference. Rounding is monotonic, so these signs are exact.
+	const uint32_t apart = D::less(D::all(0), towardsI) & D::less(D::all(0), towardsJ);
+	const F small = F::smaller(a.R, b.R), zero = F::all(0), d = distance.rounded();
+	Lenses l;
+	l.hits = real & D::less(squared, reach * reach) & F::less(zero, small) & (~apart | D::less(D::all(0), overlap));
+
+	const F inverse = F::select(F::less(zero, d), F::all(1) / d, zero), half = F::all(0.5f) * overlap.rounded() * inverse;
+	const F hi = towardsI.rounded() * half, hj = towardsJ.rounded() * half;
+	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * a.R - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * b.R - hj);
+	const F smallVolume = F::all(4 * kPiF / 3) * small * small * small;
+	const F disc = F::select(apart, F::all(kPiF) * hi * (F::all(2) * a.R - hi), zero);
+	const F volume = F::select(apart, capI + capJ, smallVolume);
+	const uint32_t jInside = ~F::less(a.R, b.R);
+	const F inside = F::select(jInside, F::all(1), zero);
+	const F share = F::select(apart & F::less(zero, volume), capJ / volume, inside);
+
+	const F dd = F::select(l.hits, a.density * b.density, zero);
+	l.mass = F::select(l.hits, dd * volume, zero);
+	l.area = F::select(l.hits, dd * disc, zero);
+	const F3 offset{dx.rounded(), dy.rounded(), dz.rounded()};
+	l.n = {offset.x * inverse, offset.y * inverse, offset.z * inverse};
+	l.C = {a.x - offset.x * share, a.y - offset.y * share, a.z - offset.z * share};
+	l.spread = F::larger(zero, dd * F::smaller(volume, smallVolume - volume) * F::all(bodies.spreadUnit));
+	if constexpr (terms != kLineTerms)
+	{
+		l.mA = a.normal;
+		l.mB = turned(bodies, b.normal);
+		l.depthA = a.depth + share * dot(l.mA, offset);
+		l.depthB = b.depth - (F::all(1) - share) * dot(l.mB, offset);
+	}
+	return l;
+}
+
+IST_INLINE uint32_t firstLanes(int count)
+{
+	return count >= kLanes ? (1u << kLanes) - 1 : (1u << count) - 1;
+}
+
+struct alignas(64) Stage
+{
+	float mass[kStage], area[kStage], C[3][kStage], n[3][kStage], mA[3][kStage], mB[3][kStage];
+};
+
+IST_INLINE void store3(float (*to)[kStage], int at, const F3& v)
+{
+	v.x.store(to[0] + at);
+	v.y.store(to[1] + at);
+	v.z.store(to[2] + at);
+}
+IST_INLINE F3 load3(const float (*from)[kStage], int at) { return {F::load(from[0] + at), F::load(from[1] + at), F::load(from[2] + at)}; }
+
+template <int N>
+IST_INLINE void addSums(double* sums, const F (&lanes)[N])
+{
+	for (int i = 0; i < N; ++i) sums[i] += lanes[i].sum();
+}
+
+/// Lenses of up to kStage pairs into the stage; sums what needs no second pass. Returns the staged length, whole vectors.
+template <Terms terms>
+int stagePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Stage& stage, double* sums)
+{
+	F depth[2] = {F::all(0), F::all(0)}, spread[1] = {F::all(0)};
+	int64_t pairs = 0;
+	int k = 0;
+	for (; k < count; k += kLanes)
+	{
+		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, firstLanes(count - k));
+		l.mass.store(stage.mass + k);
+		l.area.store(stage.area + k);
+		store3(stage.C, k, l.C);
+		store3(stage.n, k, l.n);
+		if constexpr (terms != kLineTerms)
+		{
+			store3(stage.mA, k, l.mA);
+			store3(stage.mB, k, l.mB);
+			depth[0] += l.mass * l.depthA;
+			depth[1] += l.mass * l.depthB;
+		}
+		spread[0] += l.spread * l.spread;
+		pairs += __builtin_popcount(l.hits);
+	}
+	sums[kPairs] += double(pairs);
+	addSums(sums + kSpread, spread);
+	if constexpr (terms != kLineTerms) addSums(sums + kDepthA, depth);
+	return k;
+}
+
+/// sum w m and sum C x (w m).
+void sumWrench(const float* weight, const float (*m)[kStage], const Stage& stage, int length, double* sums)
+{
+	F s[6] = {F::all(0), F::all(0), F::all(0), F::all(0), F::all(0), F::all(0)};
+	for (int k = 0; k < length; k += kLanes)
+	{
+		const F w = F::load(weight + k);
+		const F3 v = load3(m, k), f{v.x * w, v.y * w, v.z * w}, turn = cross(load3(stage.C, k), f);
+		s[0] += f.x;
+		s[1] += f.y;
+		s[2] += f.z;
+		s[3] += turn.x;
+		s[4] += turn.y;
+		s[5] += turn.z;
+	}
+	addSums(sums, s);
+}
+
+void sumMoments(const Stage& stage, int length, double* sums)
+{
+	F s[10], area[3];
+	for (F& v : s) v = F::all(0);
+	for (F& v : area) v = F::all(0);
+	for (int k = 0; k < length; k += kLanes)
+	{
+		const F mass = F::load(stage.mass + k), disc = F::load(stage.area + k);
+		const F3 C = load3(stage.C, k), n = load3(stage.n, k), first{C.x * mass, C.y * mass, C.z * mass};
+		s[0] += mass;
+		s[1] += first.x;
+		s[2] += first.y;
+		s[3] += first.z;
+		s[4] += first.x * C.x;
+		s[5] += first.y * C.y;
+		s[6] += first.z * C.z;
+		s[7] += first.x * C.y;
+		s[8] += first.x * C.z;
+		s[9] += first.y * C.z;
+		area[0] += disc * n.x;
+		area[1] += disc * n.y;
+		area[2] += disc * n.z;
+	}
+	static_assert(kFirst == kVolume + 1 && kSecond == kVolume + 4);
+	addSums(sums + kVolume, s);
+	addSums(sums + kArea, area);
+}
+
+/// Three rows by four columns of the product g_n (g_wA, g_wB)^T: as many sums as fit into sixteen registers.
+void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product)
+{
+	F s[12];
+	for (F& v : s) v = F::all(0);
+	for (int k = 0; k < length; k += kLanes)
+	{
+		const F g0 = F::load(g[0] + k), g1 = F::load(g[1] + k), g2 = F::load(g[2] + k);
+		IST_UNROLL
+		for (int j = 0; j < 4; ++j)
+		{
+			const F wj = F::load(w[j] + k);
+			s[j] += g0 * wj;
+			s[4 + j] += g1 * wj;
+			s[8 + j] += g2 * wj;
+		}
+	}
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 4; ++j) product[12 * i + j] += s[4 * i + j].sum();
+}
+
+struct alignas(64) Factors
+{
+	float g[6][kStage], w[12][kStage];
+};
+
+void sumStiffness(const Stage& stage, int length, Factors& factors, double* product)
+{
+	for (int k = 0; k < length; k += kLanes)
+	{
+		const F area = F::load(stage.area + k);
+		const F3 C = load3(stage.C, k), n = load3(stage.n, k), mA = load3(stage.mA, k), mB = load3(stage.mB, k);
+		const F3 g{area * n.x, area * n.y, area * n.z}, wA{-mA.x, -mA.y, -mA.z};
+		store3(factors.g, k, g);
+		store3(factors.g + 3, k, cross(C, g));
+		store3(factors.w, k, wA);
+		store3(factors.w + 3, k, cross(C, wA));
+		store3(factors.w + 6, k, mB);
+		store3(factors.w + 9, k, cross(C, mB));
+	}
+	for (int i = 0; i < 6; i += 3)
+		for (int j = 0; j < 12; j += 4) sumTile(factors.g + i, factors.w + j, length, product + 12 * i + j);
+}
+
+template <Terms terms>
+void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
+{
+	Stage stage;
+	for (int first = 0; first < count; first += kStage)
+	{
+		const int rest = count - first < kStage ? count - first : kStage;
+		const int length = stagePairs<terms>(bodies, a + first, b + first, rest, stage, sums);
+		sumMoments(stage, length, sums);
+		if constexpr (terms == kLineTerms)
+			sumWrench(stage.mass, stage.n, stage, length, sums + kLine);
+		else
+		{
+			sumWrench(stage.mass, stage.mA, stage, length, sums + kNormalA);
+			sumWrench(stage.mass, stage.mB, stage, length, sums + kNormalB);
+		}
+		if constexpr (terms == kStiffnessTerms)
+		{
+			Factors factors;
+			sumStiffness(stage, length, factors, sums + kProduct);
+		}
+	}
+}
+
+void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums)
+{
+	switch (terms)
+	{
+		case kLineTerms: return evaluatePairs<kLineTerms>(bodies, a, b, count, sums);
+		case kFieldTerms: return evaluatePairs<kFieldTerms>(bodies, a, b, count, sums);
+		case kStiffnessTerms: return evaluatePairs<kStiffnessTerms>(bodies, a, b, count, sums);
+	}
+}
+
+int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
+{
+	constexpr float kWeakNormal = 0.1f, kLeastWeight = 1e-3f;
+	float* to[8] = {stream.fx, stream.fy, stream.fz, stream.size, stream.weight, stream.cx, stream.cy, stream.cz};
+	for (int k = 0; k < count; k += kLanes)
+	{
+		const uint32_t real = firstLanes(count - k);
+		const Lenses l = lensesOf<kFieldTerms>(bodies, a + k, b + k, real);
+		const F3 f{l.mass * (l.mB.x - l.mA.x), l.mass * (l.mB.y - l.mA.y), l.mass * (l.mB.z - l.mA.z)};
+		const F length = F::squareRoot(dot(f, f)), strength = F::select(F::less(length, F::all(kWeakNormal) * l.mass), F::all(0), length);
+		const F values[8] = {f.x, f.y, f.z, strength, F::larger(length, F::all(kLeastWeight) * l.mass), l.C.x, l.C.y, l.C.z};
+		// Nearly always: the search lets few others through.
+		if (l.hits == real)
+		{
+			std::memcpy(stream.a + size, a + k, kLanes * sizeof(uint32_t));
+			std::memcpy(stream.b + size, b + k, kLanes * sizeof(uint32_t));
+			for (int i = 0; i < 8; ++i) values[i].store(to[i] + size);
+			size += __builtin_popcount(real);
+			continue;
+		}
+		float lanes[8][kLanes];
+		for (int i = 0; i < 8; ++i) values[i].store(lanes[i]);
+		for (uint32_t hits = l.hits; hits; hits &= hits - 1)
+		{
+			const int lane = __builtin_ctz(hits);
+			stream.a[size] = a[k + lane];
+			stream.b[size] = b[k + lane];
+			for (int i = 0; i < 8; ++i) to[i][size] = lanes[i][lane];
+			++size;
+		}
+	}
+	return size;
+}
+}  // namespace

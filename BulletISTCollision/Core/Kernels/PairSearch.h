@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Kernels/FloatVector.h"
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+
+#include <climits>
+
+// Included by QueryKernel.cpp only. Staged and free of unpredictable branches: every step tests a vector and appends what survives
+// to a list, hit or not; the next step works through the list. Source: reference/query.md 2 and 10.
+namespace
+{
+using namespace ist;
+using namespace ist::kernels;
+
+using Vector8 = FloatVector<8>;
+static_assert(BallNode::kWidth == 8 && BallBlock::kWidth == 16);
+
+/// Lanes of the set bits, in order; the rest of the row does not matter.
+struct LaneTable
+{
+	uint8_t lane[256][8];
+	constexpr LaneTable() : lane()
+	{
+		for (int bits = 0; bits < 256; ++bits)
+			for (int k = 0, n = 0; k < 8; ++k)
+				if (bits >> k & 1) lane[bits][n++] = uint8_t(k);
+	}
+};
+[[maybe_unused]] constexpr LaneTable kLaneTable;
+
+/// Moves the lanes of the set bits of eight values to `to` and up. Writes eight values whatever the bits.
+class Compressor
+{
+public:
+	IST_INLINE explicit Compressor(uint32_t bits) : m_bits(bits)
+	{
+#if defined(IST_SSE) && defined(__AVX2__) && !defined(__AVX512VL__)
+		m_lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[bits])));
+#endif
+	}
+	IST_INLINE int count() const { return __builtin_popcount(m_bits); }
+	IST_INLINE void move(const uint32_t* from, uint32_t* to) const
+	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+							_mm256_maskz_compress_epi32(__mmask8(m_bits), _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
+#elif defined(IST_SSE) && defined(__AVX2__)
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+							_mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)), m_lanes));
+#else
+		for (uint32_t b = m_bits; b; b &= b - 1) *to++ = from[__builtin_ctz(b)];
+#endif
+	}
+	IST_INLINE void move(const Vector8& from, float* to) const
+	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		_mm256_storeu_ps(to, _mm256_maskz_compress_ps(__mmask8(m_bits), (__m256)from.part[0]));
+#elif defined(IST_SSE) && defined(__AVX2__)
+		_mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)from.part[0], m_lanes));
+#else
+		float lanes[8];
+		from.store(lanes);
+		for (uint32_t b = m_bits; b; b &= b - 1) *to++ = lanes[__builtin_ctz(b)];
+#endif
+	}
+
+private:
+	uint32_t m_bits;
+#if defined(IST_SSE) && defined(__AVX2__) && !defined(__AVX512VL__)
+	__m256i m_lanes;
+#endif
+};
+
+/// Appends first + lane for each set bit of sixteen to `lanes`, and `same` beside it. Returns the number of set bits.
+IST_INLINE int appendLanes(uint32_t bits, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+	const __m512i all = _mm512_add_epi32(_mm512_set1_epi32(int(first)), lane);
+	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
+	const int count = __builtin_popcount(bits);
+	// More than half of the lanes are rarely chosen, and a store of a whole line at any address touches two.
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), _mm512_castsi512_si256(chosen));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside), _mm512_castsi512_si256(other));
+	if (__builtin_expect(count > 8, 0))
+	{
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + 8), _mm512_extracti64x4_epi64(chosen, 1));
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + 8), _mm512_castsi512_si256(other));
+	}
+	return count;
+#elif defined(IST_SSE) && defined(__AVX2__)
+	const uint32_t low = bits & 0xff, high = bits >> 8;
+	const int lowCount = __builtin_popcount(low);
+	const auto row = [](uint32_t b, uint32_t base) {
+		return _mm256_add_epi32(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[b]))),
+								_mm256_set1_epi32(int(base)));
+	};
+	const __m256i other = _mm256_set1_epi32(int(same));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), row(low, first));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside), other);
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + lowCount), row(high, first + 8));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + lowCount), other);
+	return lowCount + __builtin_popcount(high);
+#else
+	int count = 0;
+	for (; bits; bits &= bits - 1)
+	{
+		lanes[count] = first + uint32_t(__builtin_ctz(bits));
+		beside[count++] = same;
+	}
+	return count;
+#endif
+}
+
+IST_INLINE void fill8(uint32_t* to, uint32_t value)
+{
+	for (int k = 0; k < 8; ++k) to[k] = value;
+}
+
+/// The survivors among a node's children, against one partner.
+struct Children
+{
+	const uint32_t* id;
+	Vector8 x, y, z, r;
+};
+struct Partner
+{
+	uint32_t id;
+	float x, y, z, r;
+};
+
+/// Appends pairs (child, partner); `child` and `partner` are the list's columns. The stored bound is the child's.
+IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c,
+								  const Partner& p)
+{
+	if (!kCompresses && !bits) return;
+	const Compressor compressor(bits);
+	const int n = list.size;
+	compressor.move(c.id, child + n);
+	compressor.move(c.x, list.x + n);
+	compressor.move(c.y, list.y + n);
+	compressor.move(c.z, list.z + n);
+	compressor.move(c.r, list.r + n);
+	fill8(partner + n, p.id);
+	list.size = n + compressor.count();
+}
+
+/// The same with the partner's bound.
+IST_INLINE void appendPartnerBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c,
+									const Partner& p)
+{
+	if (!kCompresses && !bits) return;
+	const Compressor compressor(bits);
+	const int n = list.size;
+	compressor.move(c.id, child + n);
+	fill8(partner + n, p.id);
+	Vector8::all(p.x).store(list.x + n);
+	Vector8::all(p.y).store(list.y + n);
+	Vector8::all(p.z).store(list.z + n);
+	Vector8::all(p.r).store(list.r + n);
+	list.size = n + compressor.count();
+}
+
+struct LaneBits
+{
+	uint32_t present, leaf;
+};
+
+IST_INLINE LaneBits childBits(const uint32_t* child)
+{
+#if defined(IST_SSE) && defined(__AVX2__)
+	const __m256i id = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(child));
+	const __m256i none = _mm256_cmpeq_epi32(id, _mm256_set1_epi32(-1));
+	return {uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(none))) ^ 0xff, uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(id)))};
+#else
+	LaneBits bits{0, 0};
+	for (int k = 0; k < 8; ++k)
+	{
+		bits.present |= uint32_t(child[k] != BallNode::kNoChild) << k;
+		bits.leaf |= (child[k] >> 31) << k;
+	}
+	return bits;
+#endif
+}
+
+/// Where the children of an opened node go: `same` opens the opened side again, `other` the partner.
+struct Routes
+{
+	uint32_t same, other, leaf;
+};
+
+/// The larger of two nodes is opened next; a block never is.
+IST_INLINE Routes route(uint32_t hits, LaneBits bits, uint32_t notSmaller, bool partnerIsLeaf)
+{
+	const uint32_t partnerLeaf = 0u - uint32_t(partnerIsLeaf);
+	hits &= bits.present;
+	const uint32_t leaf = hits & bits.leaf & partnerLeaf, same = hits & ~bits.leaf & (notSmaller | partnerLeaf);
+	return {same, hits & ~(leaf | same), leaf};
+}
+
+/// What the descent reads of the search, out of reach of the aliasing that vector stores imply.
+struct Descent
+{
+	const BallNode *nodesA, *nodesB;
+	float R[9], t[3], stretch, slack;
+};
+
+/// Opens entry `index` of openA: the children of A's node against the bound of B's.
+IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, SubtreeList& otherList, SubtreeList& leaves)
+{
+	const BallNode& node = s.nodesA[sameList.a[index]];
+	const Partner b{sameList.b[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
+	const Children c{node.child, Vector8::load(node.x), Vector8::load(node.y), Vector8::load(node.z), Vector8::load(node.r)};
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, b.x, b.y, b.z, b.r + s.slack);
+	const uint32_t notSmaller = ~Vector8::less(c.r, Vector8::all(b.r));
+	const Routes to = route(hits, childBits(node.child), notSmaller, (b.id & BallNode::kLeafBit) != 0);
+	appendPartnerBounds(sameList, sameList.a, sameList.b, to.same, c, b);
+	appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
+	appendPartnerBounds(leaves, leaves.a, leaves.b, to.leaf, c, b);
+}
+
+/// Opens entry `index` of openB: the children of B's node, moved to A's frame, against the bound of A's.
+IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, SubtreeList& otherList, SubtreeList& leaves)
+{
+	const BallNode& node = s.nodesB[sameList.b[index]];
+	const Partner a{sameList.a[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
+	const Vector8 x = Vector8::load(node.x), y = Vector8::load(node.y), z = Vector8::load(node.z);
+	const auto row = [&](int i) {
+		return Vector8::all(s.R[3 * i]) * x + Vector8::all(s.R[3 * i + 1]) * y + Vector8::all(s.R[3 * i + 2]) * z + Vector8::all(s.t[i]);
+	};
+	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * Vector8::all(s.stretch)};
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack);
+	// Of two equal nodes A's is opened.
+	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
+	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
+	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
+	appendChildBounds(otherList, otherList.b, otherList.a, to.other, c, a);
+	appendChildBounds(leaves, leaves.b, leaves.a, to.leaf, c, a);
+}
+
+void moveBlock(const PairSearch& s, const BallBlock& block, MovedBlock& moved)
+{
+	float* to[3] = {moved.x, moved.y, moved.z};
+	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
+	{
+		using V = FloatVector<kLanes>;
+		using D = DoubleVector<kLanes>;
+		const D x = D::from(V::load(block.x + lane)), y = D::from(V::load(block.y + lane)), z = D::from(V::load(block.z + lane));
+		for (int i = 0; i < 3; ++i)
+			(D::all(s.R[3 * i]) * x + D::all(s.R[3 * i + 1]) * y + D::all(s.R[3 * i + 2]) * z + D::all(s.t[i])).rounded().store(to[i] + lane);
+		V::load(block.R + lane).store(moved.R + lane);
+	}
+	moved.real = (1u << block.count) - 1;
+	moved.epoch = s.epoch;
+}
+
+/// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
+int ballsNearBlocks(PairSearch& s, int first, int end)
+{
+	using V = FloatVector<16>;
+	const BallBlock *blocksA = s.blocksA, *blocksB = s.blocksB;
+	MovedBlock* moved = s.moved;
+	const SubtreeList leaves = s.leaves;
+	uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
+	const float slack = s.slack;
+	const uint32_t epoch = s.epoch;
+	int n = 0;
+	int64_t tests = 0;
+	for (int i = first; i < end; ++i)
+	{
+		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
+		const BallBlock& a = blocksA[blockA];
+		const uint32_t real = (1u << a.count) - 1;
+		// Masks keep padding out: both sides' padding lies at the same far point when the poses coincide.
+		const uint32_t near = real & touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
+											  leaves.r[i] + slack);
+		const int count = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf + n, blockOf + n);
+		if ((near != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blocksB[blockB], moved[blockB]);
+		tests += int64_t(count) * blocksB[blockB].count;
+		n += count;
+	}
+	s.counts.blockPairs += end - first;
+	s.counts.ballTests += tests;
+	return n;
+}
+
+/// Balls of A against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
+int pairsOfBalls(PairSearch& s, int count, int pairs)
+{
+	using V = FloatVector<16>;
+	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
+	uint32_t *pairA = s.pairA, *pairB = s.pairB;
+	const MomentBall* ballsA = s.ballsA;
+	const MovedBlock* moved = s.moved;
+	const float slack = s.slack;
+	for (int i = 0; i < count && !s.stop;)
+	{
+		const int safe = (kPairBatch - pairs) / BallBlock::kWidth;
+		if (safe == 0)
+		{
+			s.sink(s.context, pairs);
+			pairs = 0;
+			continue;
+		}
+		const int end = count - i < safe ? count : i + safe;
+		for (; i < end; ++i)
+		{
+			const uint32_t ball = ballOf[i], index = blockOf[i];
+			const MomentBall& a = ballsA[ball];
+			const MovedBlock& b = moved[index];
+			const uint32_t hits = b.real & touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.R), a.x, a.y, a.z, a.R + slack);
+			pairs += appendLanes(hits, index * BallBlock::kWidth, ball, pairB + pairs, pairA + pairs);
+		}
+	}
+	return pairs;
+}
+
+/// Works off the list of pairs of blocks.
+int drainLeaves(PairSearch& s, int pairs)
+{
+	for (int first = 0; first < s.leaves.size && !s.stop; first += kLeafBatch)
+	{
+		const int end = s.leaves.size - first < kLeafBatch ? s.leaves.size : first + kLeafBatch;
+		const int near = ballsNearBlocks(s, first, end);
+		pairs = pairsOfBalls(s, near, pairs);
+	}
+	s.leaves.size = 0;
+	return pairs;
+}
+
+/// The lists openA and openB hold the two roots' entry on entry. Opened in batches, the deepest first: short lists, and independent
+/// steps within a batch. Each frame is a run of entries of one list; a batch's children lie behind everything that is still open.
+void search(PairSearch& s)
+{
+	DescentFrame frames[4 * kMaxTreeDepth + 4];
+	int depth = 0, pairs = 0;
+	Descent d{s.nodesA, s.nodesB, {}, {}, s.stretch, s.slack};
+	for (int i = 0; i < 9; ++i) d.R[i] = float(s.R[i]);
+	for (int i = 0; i < 3; ++i) d.t[i] = float(s.t[i]);
+	for (const bool isA : {true, false})
+		if (const int size = isA ? s.openA.size : s.openB.size) frames[depth++] = {isA, 0, size};
+	while (depth > 0 && !s.stop)
+	{
+		DescentFrame& frame = frames[depth - 1];
+		SubtreeList& own = frame.openA ? s.openA : s.openB;
+		if (frame.begin == frame.end)
+		{
+			own.size = frame.begin;
+			--depth;
+			continue;
+		}
+		const int end = frame.end, batch = end - frame.begin < s.openBatch ? end - frame.begin : s.openBatch;
+		own.size = end;
+		frame.end = end - batch;
+		SubtreeList A = s.openA, B = s.openB, leaves = s.leaves;
+		if (frame.openA)
+			for (int i = end - batch; i < end; ++i) openNodeA(d, i, A, B, leaves);
+		else
+			for (int i = end - batch; i < end; ++i) openNodeB(d, i, B, A, leaves);
+		s.counts.nodeVisits += batch;
+		const int beginA = s.openA.size, beginB = s.openB.size;
+		s.openA.size = A.size;
+		s.openB.size = B.size;
+		s.leaves.size = leaves.size;
+		if (B.size > beginB) frames[depth++] = {false, beginB, B.size};
+		if (A.size > beginA) frames[depth++] = {true, beginA, A.size};
+		if (s.leaves.size >= kLeafBatch) pairs = drainLeaves(s, pairs);
+	}
+	pairs = drainLeaves(s, pairs);
+	if (pairs > 0 && !s.stop) s.sink(s.context, pairs);
+}
+}  // namespace

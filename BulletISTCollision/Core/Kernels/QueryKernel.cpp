@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Zlib
+// Compiled once for each instruction set; IST_KERNEL names the table. Everything but the table has internal linkage.
+#include "BulletISTCollision/Core/Kernels/PairIntegrals.h"
+#include "BulletISTCollision/Core/Kernels/PairSearch.h"
+
+namespace ist::kernels
+{
+const QueryKernel IST_KERNEL{search, evaluate, refine};
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/BallTree.h"
+#include "BulletISTCollision/Core/Kernels/TreeLimits.h"
+
+#include <cstdint>
+
+// What the query's driver and its kernels share. Plain structs and raw pointers only: this header is compiled for several
+// instruction sets, and a function that two of them define would be merged into one by the linker (reference/query.md 9).
+namespace ist::kernels
+{
+/// A block of B in A's tree frame, for the tests. `real`: a bit for each lane that is not padding.
+struct alignas(64) MovedBlock
+{
+	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth], R[BallBlock::kWidth];
+	uint32_t real, epoch;
+};
+
+/// Room that a list of vectors needs behind its end: stores are always whole vectors.
+constexpr int kListSlack = 16;
+/// Entries that one level of the descent can add to a list for each entry that it opens, the hole it leaves included.
+constexpr int kEntriesPerOpen = BallNode::kWidth + 1;
+/// Smallest list that cannot overflow when entries are opened one at a time.
+constexpr int kLeastListEntries = 2 * kMaxTreeDepth * kEntriesPerOpen + BallNode::kWidth;
+/// Pairs of nodes that are opened before their children are.
+constexpr int kOpenBatch = 32;
+constexpr int kLeafBatch = 64;
+constexpr int kLeafEntries = kLeafBatch + kOpenBatch * BallNode::kWidth + kListSlack;
+constexpr int kBallEntries = kLeafBatch * BallBlock::kWidth + kListSlack;
+constexpr int kPairBatch = 1024;
+
+/// Pairs of subtrees: node or block (without its leaf bit) of A and of B, and the bound of that one of the two which is not opened
+/// next, in A's tree frame. Blocks: the bound of B's.
+struct SubtreeList
+{
+	uint32_t *a, *b;
+	float *x, *y, *z, *r;
+	int size;
+};
+
+struct DescentFrame
+{
+	bool openA;
+	int begin, end;
+};
+
+struct SearchCounts
+{
+	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;
+};
+
+/// One search for pairs of balls that may intersect. No pair that does intersect is missed; a few that only almost do are found.
+struct PairSearch
+{
+	const BallNode *nodesA, *nodesB;
+	const BallBlock *blocksA, *blocksB;
+	const MomentBall *ballsA, *ballsB;
+	double R[9], t[3];    ///< B's tree frame to A's
+	float stretch;        ///< by how much R may lengthen
+	float slack;          ///< covers the rounding of float positions [m]
+	SubtreeList openA, openB, leaves;
+	int openBatch;
+	uint32_t *ballOf, *blockOf;  ///< kBallEntries: balls of A against blocks of B
+	MovedBlock* moved;           ///< one for each block of B
+	uint32_t epoch;              ///< of this search: blocks with another one are still to be moved
+	uint32_t *pairA, *pairB;     ///< kPairBatch + kListSlack: indices of balls
+	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
+	void* context;
+	bool stop;                   ///< set by the sink: enough is found
+	SearchCounts counts;
+};
+
+/// The bodies of a list of pairs.
+struct PairBodies
+{
+	const MomentBall *ballsA, *ballsB;
+	double R[9], t[3];
+	float spreadUnit;  ///< 1 / a typical volume of this query [m^-3]: keeps squares of volumes inside of a float's range
+};
+
+/// Sums over pairs, in the units and axes of OverlapIntegrals.
+enum Sum
+{
+	kVolume,
+	kFirst,
+	kSecond = kFirst + 3,
+	kNormalA = kSecond + 6,   ///< force, torque
+	kNormalB = kNormalA + 6,
+	kLine = kNormalB + 6,     ///< sum dd L n, and C x that
+	kArea = kLine + 6,
+	kDepthA = kArea + 3,
+	kDepthB,
+	kSpread,                  ///< times spreadUnit^2
+	kPairs,
+	kProduct,                 ///< 6x12: g_n by (g_wA, g_wB), row major
+	kSumCount = kProduct + 72
+};
+
+enum Terms
+{
+	kLineTerms,       ///< no normals, no depths: packed spheres
+	kFieldTerms,      ///< no line terms
+	kStiffnessTerms   ///< field terms and stiffness
+};
+
+/// What grouping into patches needs of each pair.
+struct PairStream
+{
+	uint32_t *a, *b;
+	float *fx, *fy, *fz;  ///< dd L (m_j - m_i)
+	float* size;          ///< |f|; 0 where the normals cancel to less than a tenth of dd L, so that f has no direction
+	float* weight;        ///< rank of the pair: |f|, or a small share of dd L where that is more
+	float *cx, *cy, *cz;  ///< lens centroid
+};
+
+struct QueryKernel
+{
+	void (*search)(PairSearch& search);
+	/// Adds the terms of those pairs that do intersect to `sums`. Reads up to kListSlack entries behind the end.
+	void (*evaluate)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums);
+	/// Appends those pairs that do intersect to `stream` at `size` (needs kListSlack beyond size + count); returns the new size. Reads
+	/// as far behind the end.
+	int (*refine)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size);
+};
+
+extern const QueryKernel kPortableKernel;
+#if defined(__x86_64__)
+extern const QueryKernel kBaselineKernel, kV3Kernel, kV4Kernel;
+#endif
+}  // namespace ist::kernels

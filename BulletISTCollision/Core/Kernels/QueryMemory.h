@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/ContactPatches.h"
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+
+#include <vector>
+
+namespace ist
+{
+/// What QueryWorkspace owns.
+struct QueryWorkspace::Implementation
+{
+	const kernels::QueryKernel* kernel = nullptr;  ///< null: the wanted instruction set cannot run here
+	QueryCapacity capacity;
+
+	std::vector<uint32_t> indices;  ///< columns of the lists below
+	std::vector<float> numbers;
+	kernels::SubtreeList openA{}, openB{}, leaves{};
+	int openBatch = 1;
+	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
+	std::vector<kernels::MovedBlock> moved;
+	uint32_t epoch = 0;
+
+	kernels::PairStream stream{};           ///< intersecting pairs, in the order in which they were found
+	uint32_t *patchPairA = nullptr, *patchPairB = nullptr;  ///< the same by patch
+	std::vector<uint64_t> keys;
+	std::vector<OverlapPair> pairs;
+	PatchGrouper grouper;
+	std::vector<OverlapIntegrals> patches;
+
+	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
+	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.
+	void reserveFor(const BallTree& A, const BallTree& B);
+	/// Room for the visitors' list. Allocates on the first query that wants it.
+	void reservePairs();
+};
+}  // namespace ist

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+
+#include <algorithm>
+
+namespace ist
+{
+using namespace kernels;
+
+namespace
+{
+const QueryKernel* kernelFor(InstructionSet set)
+{
+	if (!isAvailable(set)) return nullptr;
+#if defined(__x86_64__)
+	switch (set)
+	{
+		case InstructionSet::Portable: return &kPortableKernel;
+		case InstructionSet::Baseline: return &kBaselineKernel;
+		case InstructionSet::V3: return &kV3Kernel;
+		case InstructionSet::V4: return &kV4Kernel;
+	}
+#endif
+	return &kPortableKernel;
+}
+
+const QueryKernel* chosenKernel()
+{
+	const Result<InstructionSet> set = chosenInstructionSet();
+	return set ? kernelFor(set.value()) : nullptr;
+}
+}  // namespace
+
+QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, const QueryKernel* chosen) : kernel(chosen), capacity(wanted)
+{
+	capacity.pairs = std::max(1, capacity.pairs);
+	capacity.patches = std::clamp(capacity.patches, 1, 1024);
+	capacity.listEntries = std::max(kLeastListEntries, capacity.listEntries);
+	openBatch = std::min(kOpenBatch, capacity.listEntries / kLeastListEntries);
+
+	const size_t open = size_t(capacity.listEntries) + kListSlack, found = size_t(capacity.pairs) + kPairBatch + kListSlack;
+	const size_t batch = kPairBatch + kListSlack;
+	indices.resize(4 * open + 2 * kLeafEntries + 2 * kBallEntries + 2 * batch + 4 * found);
+	numbers.resize(8 * open + 4 * kLeafEntries + 8 * found);
+	uint32_t* index = indices.data();
+	float* number = numbers.data();
+	const auto column = [](auto*& next, size_t size) { return next += size, next - size; };
+	const auto list = [&](size_t size) {
+		uint32_t *a = column(index, size), *b = column(index, size);
+		float *x = column(number, size), *y = column(number, size), *z = column(number, size), *r = column(number, size);
+		return SubtreeList{a, b, x, y, z, r, 0};
+	};
+	openA = list(open);
+	openB = list(open);
+	leaves = list(kLeafEntries);
+	ballOf = column(index, kBallEntries);
+	blockOf = column(index, kBallEntries);
+	pairA = column(index, batch);
+	pairB = column(index, batch);
+	stream.a = column(index, found);
+	stream.b = column(index, found);
+	patchPairA = column(index, found);
+	patchPairB = column(index, found);
+	for (float** to :
+		 {&stream.fx, &stream.fy, &stream.fz, &stream.size, &stream.weight, &stream.cx, &stream.cy, &stream.cz}) *to = column(number, found);
+	patches.resize(size_t(capacity.patches));
+	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);
+}
+
+void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTree& B)
+{
+	if (moved.size() < B.blocks.size()) moved.resize(B.blocks.size());
+	grouper.reserve(size_t(capacity.pairs), A.balls.size() + B.balls.size(), capacity.patches);
+	if (++epoch == 0)
+	{
+		for (MovedBlock& block : moved) block.epoch = 0;
+		epoch = 1;
+	}
+}
+
+void QueryWorkspace::Implementation::reservePairs()
+{
+	if (!pairs.empty()) return;
+	pairs.resize(size_t(capacity.pairs));
+	keys.resize(size_t(capacity.pairs));
+}
+
+QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity) : m_impl(std::make_unique<Implementation>(capacity, chosenKernel())) {}
+QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity, InstructionSet set)
+	: m_impl(std::make_unique<Implementation>(capacity, kernelFor(set)))
+{
+}
+QueryWorkspace::~QueryWorkspace() = default;
+QueryWorkspace::QueryWorkspace(QueryWorkspace&&) noexcept = default;
+QueryWorkspace& QueryWorkspace::operator=(QueryWorkspace&&) noexcept = default;
+const QueryCapacity& QueryWorkspace::capacity() const { return m_impl->capacity; }
+}  // namespace ist

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/TreeLevels.h"
+
+#include "BulletISTCollision/Core/Lens.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace ist
+{
+namespace
+{
+// With three, the levels together take half the memory of the leaves; with two as much again.
+constexpr int kMerged = 3;
+/// The coarsest level has at least this many balls.
+constexpr size_t kFewestBalls = 24;
+/// Weight of places, in units of the cluster's size, against normals. From 1.5 to 3 bunny pairs hardly differ (bench_levels); below 1.8 a
+/// square plate is first split into its two sides.
+constexpr double kPlaceWeight = 1.8;
+
+double massOf(const MomentBall& b) { return b.density * ballVolume(b.R); }
+
+using Vec6 = std::array<double, 6>;
+
+/// Place in units of the cluster's size, and normal.
+Vec6 coordinates(const MomentBall& b, const MomentBall& cluster)
+{
+	const double scale = cluster.R > 0 ? kPlaceWeight / cluster.R : 0;
+	const Vec3 place = (b.center() - cluster.center()) * scale, normal = b.normal() - cluster.normal();
+	return {place.x, place.y, place.z, normal.x, normal.y, normal.z};
+}
+
+/// Direction in which the balls spread most: power iteration on their covariance, weighted by mass.
+Vec6 principalAxis(const std::vector<MomentBall>& balls, const uint32_t* order, size_t count, const MomentBall& cluster)
+{
+	double covariance[6][6] = {};
+	for (size_t k = 0; k < count; ++k)
+	{
+		const Vec6 v = coordinates(balls[order[k]], cluster);
+		const double mass = massOf(balls[order[k]]);
+		for (int i = 0; i < 6; ++i)
+			for (int j = 0; j < 6; ++j) covariance[i][j] += mass * v[i] * v[j];
+	}
+	int widest = 0;
+	for (int i = 1; i < 6; ++i)
+		if (covariance[i][i] > covariance[widest][widest]) widest = i;
+	Vec6 axis{};
+	axis[widest] = 1;
+	for (int step = 0; step < 16; ++step)
+	{
+		Vec6 next{};
+		double squared = 0;
+		for (int i = 0; i < 6; ++i)
+		{
+			for (int j = 0; j < 6; ++j) next[i] += covariance[i][j] * axis[j];
+			squared += next[i] * next[i];
+		}
+		if (!(squared > 0)) break;
+		for (int i = 0; i < 6; ++i) axis[i] = next[i] / std::sqrt(squared);
+	}
+	return axis;
+}
+
+/// The leaves of one body under a cut: a cluster is a range of `m_order`.
+class Cut
+{
+public:
+	explicit Cut(const std::vector<MomentBall>& balls) : m_balls(balls), m_order(balls.size()), m_key(balls.size())
+	{
+		std::iota(m_order.begin(), m_order.end(), 0u);
+		add(0, balls.size());
+	}
+
+	/// Splits the worst cluster until there are `count`.
+	void refine(size_t count)
+	{
+		while (m_clusters.size() < count) split();
+	}
+
+	std::vector<MomentBall> balls() const
+	{
+		std::vector<MomentBall> balls;
+		for (const Cluster& cluster : m_clusters) balls.push_back(cluster.ball);
+		return balls;
+	}
+
+private:
+	struct Cluster
+	{
+		size_t begin, end;
+		MomentBall ball;
+		double cost;
+		// The range breaks ties, so that the result does not depend on the heap.
+		bool operator<(const Cluster& other) const { return cost != other.cost ? cost < other.cost : begin > other.begin; }
+	};
+
+	void add(size_t begin, size_t end);
+	void split();
+
+	const std::vector<MomentBall>& m_balls;
+	std::vector<uint32_t> m_order;
+	std::vector<double> m_key;         ///< by ball: its place along the axis of the current split
+	std::vector<Cluster> m_clusters;  ///< a heap
+};
+
+void Cut::add(size_t begin, size_t end)
+{
+	Cluster cluster{begin, end, mergedBall(m_balls, m_order.data() + begin, end - begin), 0};
+	// The rule by which cells are split into leaves. Source: reference/force-law.md 3.
+	const MomentBall& b = cluster.ball;
+	if (end - begin > 1) cluster.cost = massOf(b) * b.R * (0.15 + std::max(0.0, 1 - squaredNorm(b.normal())));
+	m_clusters.push_back(cluster);
+	std::push_heap(m_clusters.begin(), m_clusters.end());
+}
+
+void Cut::split()
+{
+	std::pop_heap(m_clusters.begin(), m_clusters.end());
+	const Cluster cluster = m_clusters.back();
+	m_clusters.pop_back();
+	const auto begin = m_order.begin() + ptrdiff_t(cluster.begin), end = m_order.begin() + ptrdiff_t(cluster.end);
+	const Vec6 axis = principalAxis(m_balls, &*begin, cluster.end - cluster.begin, cluster.ball);
+	for (auto k = begin; k != end; ++k)
+	{
+		const Vec6 v = coordinates(m_balls[*k], cluster.ball);
+		m_key[*k] = std::inner_product(v.begin(), v.end(), axis.begin(), 0.0);
+	}
+	// At the mean, which is zero. Balls in one place are halved.
+	auto middle = std::stable_partition(begin, end, [&](uint32_t ball) { return m_key[ball] < 0; });
+	if (middle == begin || middle == end) middle = begin + (end - begin) / 2;
+	const size_t at = size_t(middle - m_order.begin());
+	add(cluster.begin, at);
+	add(at, cluster.end);
+}
+}  // namespace
+
+MomentBall mergedBall(const std::vector<MomentBall>& balls, const uint32_t* index, size_t count)
+{
+	if (count == 1) return balls[index[0]];
+	double mass = 0, depth = 0, second = 0;
+	Vec3 center, normal;
+	for (size_t i = 0; i < count; ++i)
+	{
+		const MomentBall& b = balls[index[i]];
+		const double m = massOf(b);
+		mass += m;
+		center += b.center() * m;
+		normal += b.normal() * m;
+		depth += b.depth * m;
+	}
+	if (!(mass > 0)) return balls[index[0]];
+	center = center / mass;
+	for (size_t i = 0; i < count; ++i)
+	{
+		const MomentBall& b = balls[index[i]];
+		second += massOf(b) * (squaredNorm(b.center() - center) + 0.6 * double(b.R) * b.R);
+	}
+	const double R = std::sqrt(5.0 / 3.0 * second / mass);
+	MomentBall ball = balls[index[0]];
+	ball.x = float(center.x);
+	ball.y = float(center.y);
+	ball.z = float(center.z);
+	ball.R = float(R);
+	ball.density = float(mass / ballVolume(ball.R));
+	normal = normal / mass;
+	ball.nx = float(normal.x);
+	ball.ny = float(normal.y);
+	ball.nz = float(normal.z);
+	ball.depth = float(depth / mass);
+	return ball;
+}
+
+std::vector<BallTree> buildLevels(const BallTree& leaves)
+{
+	std::vector<MomentBall> balls;
+	for (const MomentBall& b : leaves.balls)
+		if (b.density > 0) balls.push_back(b);
+	std::vector<size_t> sizes;
+	for (size_t size = balls.size() / kMerged; size >= kFewestBalls; size /= kMerged) sizes.push_back(size);
+	std::vector<BallTree> levels(sizes.size());
+	if (sizes.empty()) return levels;
+	Cut cut(balls);
+	for (size_t i = sizes.size(); i-- > 0;)
+	{
+		cut.refine(sizes[i]);
+		levels[i] = buildBallTree(cut.balls());
+	}
+	return levels;
+}
+}  // namespace ist

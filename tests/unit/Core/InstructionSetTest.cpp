@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/InstructionSet.h"
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+using namespace ist;
+
+namespace
+{
+/// Sets the environment variable and restores it.
+class Choice
+{
+public:
+	explicit Choice(const char* value)
+	{
+		if (const char* old = std::getenv(kName)) m_old = old, m_had = true;
+		setenv(kName, value, 1);
+	}
+	~Choice() { m_had ? setenv(kName, m_old.c_str(), 1) : unsetenv(kName); }
+
+private:
+	static constexpr const char* kName = "BULLETHAPTICS_ISA";
+	std::string m_old;
+	bool m_had = false;
+};
+}  // namespace
+
+TEST(InstructionSet, NamesAreParsed)
+{
+	for (const InstructionSet set : kInstructionSets)
+	{
+		const Result<InstructionSet> parsed = parseInstructionSet(toString(set));
+		ASSERT_EQ(bool(parsed), isAvailable(set)) << toString(set);
+		if (parsed)
+			EXPECT_EQ(parsed.value(), set);
+		else
+			EXPECT_NE(parsed.error().message.find("cannot run"), std::string::npos);
+	}
+	EXPECT_TRUE(isAvailable(InstructionSet::Portable));
+	EXPECT_TRUE(isAvailable(bestInstructionSet()));
+	EXPECT_EQ(parseInstructionSet(nullptr).value(), bestInstructionSet());
+	EXPECT_EQ(parseInstructionSet("").value(), bestInstructionSet());
+	EXPECT_NE(parseInstructionSet("avx9000").error().message.find("unknown"), std::string::npos);
+}
+
+TEST(InstructionSet, TheEnvironmentChooses)
+{
+	{
+		const Choice portable("portable");
+		EXPECT_EQ(chosenInstructionSet().value(), InstructionSet::Portable);
+	}
+	const Choice wrong("avx9000");
+	EXPECT_FALSE(chosenInstructionSet());
+	std::vector<MomentBall> ball(1);
+	ball[0].R = 1;
+	ball[0].density = 1;
+	InnerSphereTree body;
+	body.law = buildBallTree(ball);
+	QueryWorkspace workspace;
+	const OverlapResult r = queryOverlap(body, body, Pose{}, workspace);
+	EXPECT_EQ(r.status, QueryStatus::InstructionSet);
+	EXPECT_EQ(r.total.pairs, 0);
+	EXPECT_NE(std::string(toString(r.status)).find("BULLETHAPTICS_ISA"), std::string::npos);
+	QueryWorkspace forced({}, InstructionSet::Portable);
+	EXPECT_EQ(queryOverlap(body, body, Pose{}, forced).total.pairs, 1);
+}
