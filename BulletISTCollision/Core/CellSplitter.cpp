@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <queue>
@@ -136,7 +137,8 @@ MomentBall momentBall(const CellPiece& piece)
 	ball.x = float(piece.centroid.x);
 	ball.y = float(piece.centroid.y);
 	ball.z = float(piece.centroid.z);
-	ball.R = float(piece.R);
+	// No piece is denser than the body: a few samples, or one that outweighs the others, can lie closer together than their mass allows.
+	ball.R = float(std::max(piece.R, std::cbrt(piece.mass / (4.0 / 3.0 * std::numbers::pi))));
 	const double R = ball.R;
 	ball.density = float(piece.mass / (4.0 / 3.0 * std::numbers::pi * R * R * R));
 	ball.nx = float(piece.normal.x);

@@ -21,10 +21,10 @@ MUTATIONS = {
         CORE + "CellSplitter.cpp", "ball.density = float(piece.mass / (4.0 / 3.0 * std::numbers::pi * R * R * R));", "ball.density = float(R / R);",
         "test_core", "Cells.OfEqualSpheresInABoxAreVoronoiCells"),
     "density dropped from the sums": (
-        CORE + "OverlapQuery.cpp", "term.dd = double(a.density) * b.density;", "term.dd = 1;",
-        "test_core", "OverlapQuery.AgreesWithBruteForce"),
+        CORE + "Kernels/PairIntegrals.h", "const F dd = F::select(l.hits, a.density * b.density, zero);", "const F dd = F::all(1);",
+        "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "density dropped from the sums of a half-space": (
-        CORE + "OverlapQuery.cpp", "term.dd = a.density;", "term.dd = 1;",
+        CORE + "HalfSpaceQuery.cpp", "term.dd = a.density;", "term.dd = 1;",
         "test_core", "HalfSpace.ManyBallsAgreeWithADirectSum"),
     "mean normal of leaves normalised": (
         CORE + "CellSplitter.cpp",
@@ -32,8 +32,10 @@ MUTATIONS = {
         "const Vec3 m = normalized(piece.normal);\n	ball.nx = float(m.x);\n	ball.ny = float(m.y);\n	ball.nz = float(m.z);",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
     "mean normal normalised in the sums": (
-        CORE + "OverlapQuery.cpp", "	term.normalA = a.normal();\n	term.normalB = R *", "	term.normalA = normalized(a.normal());\n	term.normalB = R *",
-        "test_core", "OverlapQuery.AgreesWithBruteForce"),
+        CORE + "Kernels/PairIntegrals.h", "		l.mA = a.normal;",
+        "		const F m = F::squareRoot(a.normal.x * a.normal.x + a.normal.y * a.normal.y + a.normal.z * a.normal.z);\n"
+        "		l.mA = {a.normal.x / m, a.normal.y / m, a.normal.z / m};",
+        "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "splitting skipped": (
         CORE + "CellSplitter.cpp", "while (pieces.size() < leafCount && !queue.empty())", "while (false)",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
@@ -41,7 +43,7 @@ MUTATIONS = {
         CORE + "Lens.h", "lens.normal = offset * inverse;", "lens.normal = offset * -inverse;",
         "test_core", "Lens.*"),
     "normal of a half-space flipped": (
-        CORE + "OverlapQuery.cpp", "term.normalB = m_normal;", "term.normalB = -m_normal;",
+        CORE + "HalfSpaceQuery.cpp", "term.normalB = m_normal;", "term.normalB = -m_normal;",
         "test_core", "HalfSpace.OneBallHasTheClosedForm"),
     "normal of Bullet's plane flipped": (
         COLLISION + "btISTCollisionAlgorithm.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
