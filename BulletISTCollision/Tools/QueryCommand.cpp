@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/PairLaws.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/ProximityQuery.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/PoseRows.h"
 #include "BulletISTCollision/Tools/Report.h"
@@ -48,8 +49,12 @@ public:
 		m_energyLaw = arguments.law == "energy";
 		m_volumeOnly = arguments.law == "volume";
 		m_length = 0.5 * std::max(m_A.box.longestSide(), m_B.box.longestSide());
-		if (arguments.level >= 0) m_unsupported = "unsupported: --level is not available yet";
-		if (arguments.maxPairs >= 0) m_unsupported = "unsupported: --max-pairs is not available yet";
+		if (arguments.level > 0 || arguments.maxPairs >= 0)
+		{
+			if (arguments.law != "pressure") m_unsupported = "unsupported: --level and --max-pairs go with --law pressure only";
+			m_A.levels = buildLevels(m_A.law);
+			m_B.levels = buildLevels(m_B.law);
+		}
 		if (arguments.budget >= 0) m_unsupported = "unsupported: --budget-us is not available yet";
 	}
 
@@ -74,7 +79,6 @@ public:
 
 private:
 	Model model() const { return m_paper ? Model::Inner : m_volumeOnly ? Model::Cell : Model::Law; }
-	const BallTree& balls(const InnerSphereTree& tree) const { return m_paper ? tree.inner : m_volumeOnly ? tree.cells : tree.law; }
 
 	Answer evaluate(const Pose& X, QueryWorkspace& workspace) const
 	{
@@ -82,6 +86,8 @@ private:
 		QueryOptions options;
 		options.model = model();
 		options.stiffness = !m_paper && !m_volumeOnly;
+		options.level = m_arguments.level;
+		options.maxPairs = m_arguments.maxPairs;
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
 		a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
 		if (a.overlap.status != QueryStatus::Ok) return a;
@@ -160,8 +166,8 @@ private:
 		r["distance"] = distance.upper;
 		r["distance_lower"] = distance.lower;
 		r["time_us"] = nullptr;
-		r["level"] = -1;
-		r["complete"] = a.overlap.pairListComplete;
+		r["level"] = a.overlap.level;
+		r["complete"] = a.overlap.pairListComplete && !a.overlap.coarsened;
 		return r;
 	}
 
@@ -197,7 +203,7 @@ private:
 		{
 			const OverlapPair& p = overlap.pairs[i];
 			const Vec3 c = p.centroid + m_A.origin;
-			for (uint64_t id : {uint64_t(index), uint64_t(balls(m_A).balls[p.ballA].sphere), uint64_t(balls(m_B).balls[p.ballB].sphere)})
+			for (uint64_t id : {uint64_t(index), uint64_t(overlap.ballsA->balls[p.ballA].sphere), uint64_t(overlap.ballsB->balls[p.ballB].sphere)})
 				text += std::to_string(id) + ',';
 			for (double v : {c.x, c.y, c.z, p.normal.x, p.normal.y, p.normal.z}) text += numberText(v) + ',';
 			text += numberText(p.lens) + ',' + numberText(p.area) + '\n';

@@ -128,8 +128,12 @@ for law in paper energy volume; do
 	expect "query $law" 0 "$ist" query "$cube" "$cube" --pose 0,0,0.5,0,0,0,1 --law $law --json
 	holds "query $law" 'r["volume"] > 0.1 and (r["stiffness"] is None) == ("'$law'" != "energy") and (r["force"] is None) == ("'$law'" == "volume")'
 done
-expect "query --level" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --level 3 --json
-holds "query --level" 'r["error"].startswith("unsupported")'
+expect "query --level" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --level 1 --json
+holds "query --level" 'r["level"] == 1 and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
+expect "query --max-pairs" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --max-pairs 400 --json
+holds "query --max-pairs" 'r["pairs"] <= 400 and r["complete"] is False and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
+expect "query --max-pairs of another law" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --max-pairs 400 --law paper --json
+holds "query --max-pairs of another law" 'r["error"].startswith("unsupported")'
 expect "query, wrong pose" 1 "$ist" query "$cube" "$cube" --pose 0,0,1,0,0,0,2 --json
 holds "query, wrong pose" 'r["row"] == 0 and "quaternion" in r["error"]'
 expect "query, no pose" 2 "$ist" query "$cube" "$cube"
