@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/ExpectedError.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "BulletISTCollision/Tools/Interruption.h"
@@ -17,7 +18,7 @@ namespace ist::tools
 {
 namespace
 {
-/// A build stopped by --fill or --min-radius alone ends here.
+/// A build stopped by --fill, --min-radius or --error alone ends here.
 constexpr int64_t kMostSpheres = 5'000'000;
 
 double unitLength(const std::string& unit)
@@ -37,7 +38,7 @@ Progress shown(ProgressBar& bar, bool quiet)
 BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
 {
 	BuildOptions options;
-	const bool otherLimit = a.fill > 0 || a.minRadius > 0;
+	const bool otherLimit = a.fill > 0 || a.minRadius > 0 || a.error > 0;
 	options.maxSpheres = a.spheres > 0 ? a.spheres : otherLimit ? kMostSpheres : options.maxSpheres;
 	if (a.fill > 0) options.targetFill = a.fill;
 	options.minRadius = a.minRadius;
@@ -59,7 +60,6 @@ double peakMemoryBytes()
 
 int runBuild(const BuildArguments& a)
 {
-	if (a.error > 0) return fail("build --error is not available yet; give --spheres, --fill or --min-radius", kUsage);
 	catchInterrupts();
 	const auto start = std::chrono::steady_clock::now();
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
@@ -70,7 +70,9 @@ int runBuild(const BuildArguments& a)
 	const double importSeconds = seconds();
 	ProgressBar bar;
 	BuildTimes times;
-	const Result<InnerSphereTree> tree = buildTree(mesh.value(), buildOptions(a, bar), &times);
+	const BuildOptions options = buildOptions(a, bar);
+	const Result<InnerSphereTree> tree =
+		a.error > 0 ? buildTreeToError(mesh.value(), a.error, options, &times) : buildTree(mesh.value(), options, &times);
 	bar.finish();
 	if (!tree && tree.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!tree) return fail(a.mesh + ": " + tree.error().message);

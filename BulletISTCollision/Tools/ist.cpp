@@ -65,7 +65,7 @@ private:
 		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")->check(CLI::Range(int64_t(1), int64_t(100000000)));
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(CLI::PositiveNumber);
-		sub->add_option("--error", a.error, "force error at 1 % overlap, 0..1 (not available yet)")->check(fraction());
+		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
 		sub->add_option("--unit", a.unit, "length unit of the mesh file")->check(CLI::IsMember({"m", "cm", "mm"}))->capture_default_str();
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")->check(CLI::IsMember({"auto", "off", "wrap"}))->capture_default_str();
 		sub->add_option("--threads", a.threads, "threads (all)")->check(CLI::Range(1, 4096));

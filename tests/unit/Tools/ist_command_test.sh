@@ -75,7 +75,10 @@ expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
 holds "build fields" 'set("spheres leaves fill volume mesh_volume area seconds seconds_setup seconds_packing seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes peak_memory_bytes".split()) <= set(r)'
 holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
-expect "build --error" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.1
+expect "build --error" 0 "$ist" build "$dir/cube.obj" -o "$dir/error.ist" --error 0.3 --json
+holds "build --error" 'r["spheres"] <= 1000'
+expect "build --error out of reach" 1 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.001 --spheres 50
+says "build --error out of reach" "out of reach: 50 spheres give"
 expect "build --fill 2" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --fill 2
 expect "build: missing mesh" 1 "$ist" build "$dir/none.obj" -o "$dir/no.ist"
 expect "build: missing folder" 1 "$ist" build "$dir/cube.obj" -o "$dir/none/no.ist" --spheres 10
