@@ -108,7 +108,7 @@ double distanceToRim(const Vec3& s, const Vec3& v, double limit)
 }
 }  // namespace
 
-BallAscent::Step BallAscent::solve(double trust) const
+BallAscent::Step BallAscent::solve(double trust)
 {
 	Step step;
 	WorkingSet set;
@@ -116,6 +116,10 @@ BallAscent::Step BallAscent::solve(double trust) const
 	for (size_t i = 1; i < m_planes.size(); ++i)
 		if (m_planes[i].distance < m_planes[lowest].distance) lowest = i;
 	step.value = m_planes[lowest].distance;
+	const size_t count = m_planes.size();
+	m_slack.resize(count);
+	m_closing.resize(count);
+	for (size_t j = 0; j < count; ++j) m_slack[j] = m_planes[j].distance - step.value;
 	set.index[0] = int(lowest);
 	set.gradient[0] = m_planes[lowest].gradient;
 	set.size = 1;
@@ -128,20 +132,19 @@ BallAscent::Step BallAscent::solve(double trust) const
 		if (rate < 1e-14) break;
 		double t = distanceToRim(step.s, v, trust);
 		int next = -1;
-		for (size_t j = 0; j < m_planes.size(); ++j)
+		for (size_t j = 0; j < count; ++j)
 		{
-			const double closing = rate - dot(m_planes[j].gradient, v);
-			if (closing <= 1e-10 * rate + 1e-15) continue;
-			const double slack = m_planes[j].distance + dot(m_planes[j].gradient, step.s) - step.value;
-			if (slack >= t * closing) continue;
+			const double closing = m_closing[j] = rate - dot(m_planes[j].gradient, v);
+			if (m_slack[j] >= t * closing || closing <= 1e-10 * rate + 1e-15) continue;
 			bool inSet = false;
 			for (int i = 0; i < set.size; ++i) inSet = inSet || set.index[i] == int(j);
 			if (inSet) continue;
-			t = std::max(0.0, slack / closing);
+			t = std::max(0.0, m_slack[j] / closing);
 			next = int(j);
 		}
 		step.s += v * t;
 		step.value += rate * t;
+		for (size_t j = 0; j < count; ++j) m_slack[j] -= t * m_closing[j];
 		if (next < 0)
 		{
 			step.atRim = true;

@@ -37,11 +37,12 @@ private:
 	};
 
 	EmptyBall climb(const Vec3& start, int& active);
-	Step solve(double trust) const;
+	Step solve(double trust);
 	void addBlockers(const Vec3& x);
 
 	DistanceOctree& m_space;
 	std::vector<DistanceOctree::Plane> m_planes;
+	std::vector<double> m_slack, m_closing;    ///< of the planes: height above the ball's, and the rate at which that falls
 	std::vector<uint32_t> m_blockers;  ///< nearest items at refused points, missing in the leaf of x
 };
 }  // namespace ist

@@ -238,6 +238,7 @@ DistanceOctree::Nearest DistanceOctree::nearest(const Vec3& x)
 	for (const Entry& entry : node.entries)
 	{
 		if (entry.distance - reach > best.distance) break;
+		if (isFartherThan(entry.item, x, best.distance + m_slack)) continue;
 		const double d = distanceTo(entry.item, x);
 		if (d < best.distance) best = {d, entry.item};
 	}
@@ -255,6 +256,7 @@ DistanceOctree::Nearest DistanceOctree::gather(const Vec3& x, double reach, std:
 	for (const Entry& entry : node.entries)
 	{
 		if (entry.distance - fromCenter > best.distance + reach) break;
+		if (isFartherThan(entry.item, x, best.distance + reach + m_slack)) continue;
 		const Plane p = plane(entry.item, x);
 		if (p.distance < best.distance) best = {p.distance, entry.item};
 		if (p.distance <= best.distance + reach) out.push_back(p);

@@ -24,13 +24,13 @@ namespace
 {
 constexpr double pi = 3.14159265358979323846;
 constexpr double smallestRelativeRadius = 1e-4;  // of the longest side
-constexpr int gridCells = 40;                    // along the longest side
+constexpr int gridCells = 32;                    // along the longest side
 constexpr size_t coarseTriangles = 2000;         // smaller meshes have short lists anyway
 constexpr int coarseSpheres = 12;
-constexpr int coarseStarts = 8;
-constexpr int surfaceStarts = 3000;
+constexpr int coarseStarts = 4;
+constexpr int surfaceStarts = 2000;
 constexpr double surfaceInset = 2e-4;  // of the longest side
-constexpr int childStarts = 8;
+constexpr int childStarts = 6;
 // A hole missed among the large ones costs more than among the many small ones.
 constexpr uint32_t firstSpheres = 100;
 constexpr int firstStarts = 32;
