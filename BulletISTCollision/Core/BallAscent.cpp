@@ -71,8 +71,11 @@ Vec3 minimumNorm(WorkingSet& set)
 	Vec3 best;
 	double bestNorm = 1e300;
 	WorkingSet kept;
-	for (unsigned mask = 1; mask < (1u << set.size); ++mask)
+	// The last gradient came in because it lowers the minimum of the others, so it carries weight, but for rounding.
+	const unsigned subsets = 1u << set.size, newest = subsets / 2;
+	for (unsigned k = 0; k + 1 < subsets && (k < newest || kept.size == 0); ++k)
 	{
+		const unsigned mask = k < newest ? newest + k : k - newest + 1;
 		Vec3 g[4], v;
 		double w[4];
 		int map[4], count = 0;
@@ -117,9 +120,13 @@ BallAscent::Step BallAscent::solve(double trust)
 		if (m_planes[i].distance < m_planes[lowest].distance) lowest = i;
 	step.value = m_planes[lowest].distance;
 	const size_t count = m_planes.size();
-	m_slack.resize(count);
-	m_closing.resize(count);
-	for (size_t j = 0; j < count; ++j) m_slack[j] = m_planes[j].distance - step.value;
+	for (std::vector<double>* column : {&m_gx, &m_gy, &m_gz, &m_slack, &m_closing}) column->resize(count);
+	for (size_t j = 0; j < count; ++j)
+	{
+		const DistanceOctree::Plane& p = m_planes[j];
+		m_gx[j] = p.gradient.x, m_gy[j] = p.gradient.y, m_gz[j] = p.gradient.z;
+		m_slack[j] = p.distance - step.value;
+	}
 	set.index[0] = int(lowest);
 	set.gradient[0] = m_planes[lowest].gradient;
 	set.size = 1;
@@ -132,9 +139,10 @@ BallAscent::Step BallAscent::solve(double trust)
 		if (rate < 1e-14) break;
 		double t = distanceToRim(step.s, v, trust);
 		int next = -1;
+		setClosingRates(v, rate);
 		for (size_t j = 0; j < count; ++j)
 		{
-			const double closing = m_closing[j] = rate - dot(m_planes[j].gradient, v);
+			const double closing = m_closing[j];
 			if (m_slack[j] >= t * closing || closing <= 1e-10 * rate + 1e-15) continue;
 			bool inSet = false;
 			for (int i = 0; i < set.size; ++i) inSet = inSet || set.index[i] == int(j);
@@ -155,6 +163,14 @@ BallAscent::Step BallAscent::solve(double trust)
 		set.gradient[set.size++] = m_planes[next].gradient;
 	}
 	return step;
+}
+
+void BallAscent::setClosingRates(const Vec3& v, double rate)
+{
+	const size_t count = m_planes.size();
+	const double *x = m_gx.data(), *y = m_gy.data(), *z = m_gz.data();
+	double* out = m_closing.data();
+	for (size_t j = 0; j < count; ++j) out[j] = rate - (x[j] * v.x + y[j] * v.y + z[j] * v.z);
 }
 
 void BallAscent::addBlockers(const Vec3& x)

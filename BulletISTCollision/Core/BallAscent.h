@@ -38,10 +38,12 @@ private:
 
 	EmptyBall climb(const Vec3& start, int& active);
 	Step solve(double trust);
+	void setClosingRates(const Vec3& v, double rate);  ///< for a ball that moves by v and grows by `rate`
 	void addBlockers(const Vec3& x);
 
 	DistanceOctree& m_space;
 	std::vector<DistanceOctree::Plane> m_planes;
+	std::vector<double> m_gx, m_gy, m_gz;      ///< gradients of the planes
 	std::vector<double> m_slack, m_closing;    ///< of the planes: height above the ball's, and the rate at which that falls
 	std::vector<uint32_t> m_blockers;  ///< nearest items at refused points, missing in the leaf of x
 };
