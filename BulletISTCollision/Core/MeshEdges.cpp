@@ -2,33 +2,9 @@
 #include "BulletISTCollision/Core/MeshEdges.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace ist
 {
-namespace
-{
-class DisjointSets
-{
-public:
-	explicit DisjointSets(std::size_t count) : m_parent(count) { std::iota(m_parent.begin(), m_parent.end(), 0u); }
-	uint32_t find(uint32_t i)
-	{
-		while (m_parent[i] != i) i = m_parent[i] = m_parent[m_parent[i]];
-		return i;
-	}
-	void unite(uint32_t a, uint32_t b)
-	{
-		a = find(a);
-		b = find(b);
-		m_parent[std::max(a, b)] = std::min(a, b);
-	}
-
-private:
-	std::vector<uint32_t> m_parent;
-};
-}  // namespace
-
 std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
 {
 	std::vector<EdgeUse> edges;
@@ -52,7 +28,7 @@ std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
 
 std::vector<uint32_t> componentOfTriangle(const Mesh& mesh, const std::vector<EdgeUse>& edges)
 {
-	DisjointSets sets(mesh.triangles.size());
+	TriangleSets sets(mesh.triangles.size());
 	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
 		for (std::size_t i = 1; i < count; ++i) sets.unite(use[0].triangle, use[i].triangle);
 	});

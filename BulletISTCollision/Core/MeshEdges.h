@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace ist
@@ -39,6 +41,28 @@ void forEachEdge(const std::vector<EdgeUse>& edges, Visitor visit)
 		i = j;
 	}
 }
+
+/// Disjoint sets of triangles, each named by its lowest index.
+class TriangleSets
+{
+public:
+	explicit TriangleSets(std::size_t count) : m_parent(count) { std::iota(m_parent.begin(), m_parent.end(), 0u); }
+	uint32_t find(uint32_t i)
+	{
+		while (m_parent[i] != i) i = m_parent[i] = m_parent[m_parent[i]];
+		return i;
+	}
+	void unite(uint32_t a, uint32_t b)
+	{
+		a = find(a);
+		b = find(b);
+		if (a > b) std::swap(a, b);
+		m_parent[b] = a;
+	}
+
+private:
+	std::vector<uint32_t> m_parent;
+};
 
 /// Of each triangle the lowest index of its component; triangles are connected through shared edges.
 std::vector<uint32_t> componentOfTriangle(const Mesh& mesh, const std::vector<EdgeUse>& edges);

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshRepair.h"
 
+#include "BulletISTCollision/Core/MeshCuts.h"
 #include "BulletISTCollision/Core/MeshEdges.h"
+#include "BulletISTCollision/Core/MeshHoles.h"
 #include "BulletISTCollision/Core/MeshShells.h"
+#include "BulletISTCollision/Core/MeshWrap.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <numeric>
 #include <optional>
@@ -20,6 +24,17 @@ namespace
 constexpr double kNearlyEqual = 1e-9;
 /// Of the longest side cubed: a smaller volume is no volume.
 constexpr double kFlat = 1e-9;
+constexpr int64_t kMostCuts = 1000;
+constexpr int kWrapCells = 128;
+/// Of the volume: where triangles cut each other and what they enclose twice is less, the surface stays as it is.
+constexpr double kHarmlessCuts = 0.01;
+
+std::string number(double value)
+{
+	char text[32];
+	std::snprintf(text, sizeof text, "%.6g", value);
+	return text;
+}
 
 std::string counted(int64_t n, const char* singular, const char* plural)
 {
@@ -136,7 +151,11 @@ Closedness closedness(const Mesh& mesh)
 {
 	Closedness found;
 	const std::vector<EdgeUse> edges = sortedEdges(mesh);
+	bool balanced = true;
 	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+		int64_t balance = 0;
+		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
+		balanced = balanced && balance == 0;
 		if (count == 1) ++found.openEdges;
 		else if (count > 2) ++found.nonManifoldEdges;
 		else if (use[0].forward == use[1].forward) ++found.flippedEdges;
@@ -151,7 +170,7 @@ Closedness closedness(const Mesh& mesh)
 		if (!isCollapsed(t) && component[i] == i) ++found.components;
 	}
 	found.duplicateTriangles = countDuplicates(mesh);
-	found.watertight = !edges.empty() && !found.openEdges && !found.nonManifoldEdges && !found.flippedEdges;
+	found.watertight = !edges.empty() && balanced;
 	return found;
 }
 
@@ -161,11 +180,12 @@ int64_t dropCollapsed(Mesh& mesh)
 }
 
 /// What becomes of triangles that lie on each other and face opposite ways: the two sides of a doubled surface (keep one)
-/// or the wall between two bodies that touch (keep none).
+/// or the wall between two bodies that touch (keep none). Cancel drops such pairs and nothing else: balanced edges stay balanced.
 enum class OppositePairs
 {
 	KeepOne,
-	DropBoth
+	DropBoth,
+	Cancel
 };
 
 int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
@@ -181,12 +201,13 @@ int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
 			balance += keys[j].even ? 1 : -1;
 			keep[keys[j].triangle] = 0;
 		}
-		if (j == i + 1 || balance != 0 || policy == OppositePairs::KeepOne)
-		{
-			std::size_t survivor = i;
-			while (balance != 0 && keys[survivor].even != (balance > 0)) ++survivor;
-			keep[keys[survivor].triangle] = 1;
-		}
+		int64_t survivors = policy == OppositePairs::Cancel ? std::abs(balance) : balance != 0 || policy == OppositePairs::KeepOne;
+		for (std::size_t k = i; k < j && survivors > 0; ++k)
+			if (balance == 0 || keys[k].even == (balance > 0))
+			{
+				keep[keys[k].triangle] = 1;
+				--survivors;
+			}
 		i = j;
 	}
 	std::size_t kept = 0;
@@ -197,8 +218,8 @@ int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
 	return dropped;
 }
 
-/// Turns triangles until neighbours across edges of exactly two triangles agree, if that is possible; the first triangle of
-/// each connected set stays as it is. Returns how many were turned.
+/// Turns triangles until neighbours across edges of exactly two triangles agree, if that is possible; the larger part of each connected
+/// set, by number, stays as it is. Returns how many were turned.
 int64_t orientConsistently(Mesh& mesh)
 {
 	struct Neighbour
@@ -217,24 +238,27 @@ int64_t orientConsistently(Mesh& mesh)
 
 	enum : uint8_t { Unknown, Stays, Turns };
 	std::vector<uint8_t> verdict(mesh.triangles.size(), Unknown);
-	std::vector<uint32_t> open;
+	std::vector<uint32_t> reached;
 	for (uint32_t seed = 0; seed < mesh.triangles.size(); ++seed)
 	{
 		if (verdict[seed] != Unknown) continue;
 		verdict[seed] = Stays;
-		open.push_back(seed);
-		while (!open.empty())
+		reached.assign(1, seed);
+		std::size_t turns = 0;
+		for (std::size_t i = 0; i < reached.size(); ++i)
 		{
-			const uint32_t t = open.back();
-			open.pop_back();
+			const uint32_t t = reached[i];
+			turns += verdict[t] == Turns;
 			for (uint8_t k = 0; k < count[t]; ++k)
 			{
 				const Neighbour n = neighbours[t][k];
 				if (verdict[n.triangle] != Unknown) continue;
 				verdict[n.triangle] = (verdict[t] == Stays) == n.agrees ? Stays : Turns;
-				open.push_back(n.triangle);
+				reached.push_back(n.triangle);
 			}
 		}
+		if (2 * turns <= reached.size()) continue;
+		for (const uint32_t t : reached) verdict[t] = verdict[t] == Turns ? Stays : Turns;
 	}
 	int64_t turned = 0;
 	for (std::size_t i = 0; i < verdict.size(); ++i)
@@ -280,48 +304,29 @@ int64_t weldOpenEdges(Mesh& mesh, double tolerance)
 	return vanished;
 }
 
-/// Fills every boundary loop that passes each of its vertices once. Returns how many were filled.
-int64_t closeSimpleLoops(Mesh& mesh)
+/// How far a repair is; remembers that the caller wants it to stop.
+class Steps
 {
-	constexpr uint32_t kNone = UINT32_MAX, kBranches = UINT32_MAX - 1;
-	std::vector<uint32_t> next(mesh.vertices.size(), kNone), uses(mesh.vertices.size(), 0);
-	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
-		if (count != 1) return;
-		// Against the triangle's direction, so that the loop runs as the triangles that will fill it.
-		const uint32_t from = use->forward ? use->high : use->low, to = use->forward ? use->low : use->high;
-		next[from] = next[from] == kNone ? to : kBranches;
-		++uses[to];
-	});
-
-	int64_t closed = 0;
-	std::vector<uint8_t> seen(mesh.vertices.size(), 0);
-	const std::size_t vertexCount = mesh.vertices.size();
-	for (uint32_t start = 0; start < vertexCount; ++start)
+public:
+	explicit Steps(const Progress& progress) : m_progress(progress) {}
+	bool reach(double fraction)
 	{
-		std::vector<uint32_t> loop;
-		uint32_t v = start;
-		while (next[v] < kBranches && uses[v] == 1 && !seen[v])
-		{
-			seen[v] = 1;
-			loop.push_back(v);
-			v = next[v];
-		}
-		if (loop.size() < 3 || v != start) continue;
-		++closed;
-		if (loop.size() == 3)
-		{
-			mesh.triangles.push_back({loop[0], loop[1], loop[2]});
-			continue;
-		}
-		Vec3 sum;
-		for (const uint32_t corner : loop) sum += mesh.vertices[corner] - mesh.vertices[start];
-		const auto center = static_cast<uint32_t>(mesh.vertices.size());
-		mesh.vertices.push_back(mesh.vertices[start] + sum / static_cast<double>(loop.size()));
-		for (std::size_t i = 0; i < loop.size(); ++i)
-			mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], center});
+		m_fraction = std::max(m_fraction, fraction);
+		m_goesOn = m_goesOn && (!m_progress || m_progress("repair", m_fraction));
+		return m_goesOn;
 	}
-	return closed;
-}
+	bool goesOn() const { return m_goesOn; }
+	/// For a part of the work that begins now and ends at `end`.
+	Progress upTo(double end)
+	{
+		return [this, begin = m_fraction, end](const char*, double fraction) { return reach(begin + (end - begin) * fraction); };
+	}
+
+private:
+	const Progress& m_progress;
+	double m_fraction = 0;
+	bool m_goesOn = true;
+};
 
 /// A mesh on its way to being closed.
 struct Attempt
@@ -329,11 +334,13 @@ struct Attempt
 	Mesh mesh;
 	Closedness state;
 	std::vector<std::string> actions;
+	double doubt = 0;
 
 	void note(int64_t count, const char* verb, const char* singular, const char* plural)
 	{
 		if (count) actions.push_back(verb + (" " + counted(count, singular, plural)) + ".");
 	}
+	bool isManifold() const { return state.watertight && state.nonManifoldEdges == 0; }
 };
 
 void clean(Attempt& attempt, OppositePairs policy)
@@ -342,34 +349,104 @@ void clean(Attempt& attempt, OppositePairs policy)
 	attempt.note(dropDuplicates(attempt.mesh, policy), "Dropped", "duplicate triangle", "duplicate triangles");
 }
 
-Attempt closeUp(const Mesh& welded, OppositePairs policy)
+/// All that can be done without new triangles.
+Attempt cleaned(const Mesh& welded, OppositePairs policy)
 {
-	Attempt attempt{welded, {}, {}};
+	Attempt attempt{welded, {}, {}, 0};
 	clean(attempt, policy);
-	attempt.state = closedness(attempt.mesh);
-	if (attempt.state.openEdges)
-	{
-		const double tolerance = kNearlyEqual * bounds(attempt.mesh).longestSide();
-		const int64_t joined = tolerance > 0 ? weldOpenEdges(attempt.mesh, tolerance) : 0;
-		attempt.note(joined, "Welded", "nearly equal vertex", "nearly equal vertices");
-		if (joined) clean(attempt, policy);
-	}
+	const double tolerance = kNearlyEqual * bounds(attempt.mesh).longestSide();
+	const int64_t joined = tolerance > 0 ? weldOpenEdges(attempt.mesh, tolerance) : 0;
+	attempt.note(joined, "Welded", "nearly equal vertex", "nearly equal vertices");
+	if (joined) clean(attempt, policy);
 	attempt.note(orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours",
 				 "triangles to agree with their neighbours");
-	attempt.note(closeSimpleLoops(attempt.mesh), "Closed", "hole", "holes");
 	attempt.state = closedness(attempt.mesh);
-	if (attempt.state.watertight)
-		attempt.note(turnOutwards(attempt.mesh), "Turned", "inside-out shell", "inside-out shells");
-	attempt.mesh = withoutUnusedVertices(attempt.mesh);
 	return attempt;
 }
 
-Attempt closeUp(const Mesh& welded)
+void settle(Attempt& attempt)
 {
-	Attempt attempt = closeUp(welded, OppositePairs::KeepOne);
-	if (attempt.state.watertight) return attempt;
-	Attempt withoutWalls = closeUp(welded, OppositePairs::DropBoth);
-	return withoutWalls.state.watertight ? withoutWalls : attempt;
+	const ShellVerdict verdict = settleShells(attempt.mesh);
+	attempt.note(verdict.dropped, "Dropped", "sheet without volume", "sheets without volume");
+	attempt.note(verdict.turned, "Turned", "inside-out shell", "inside-out shells");
+	attempt.note(verdict.redundant, "Dropped", "shell inside solid material", "shells inside solid material");
+}
+
+Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double end)
+{
+	const Progress part = steps.upTo(end);
+	Attempt attempt = cleaned(welded, policy);
+	if (!part("repair", 0.5)) return attempt;
+	if (!attempt.state.watertight && attempt.state.flippedEdges == 0)
+	{
+		const ClosedHoles closed = closeHoles(attempt.mesh);
+		attempt.doubt = closed.doubt;
+		if (closed.count)
+			attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
+									  number(closed.doubt) + " m^3.");
+		dropDuplicates(attempt.mesh, OppositePairs::Cancel);
+		attempt.state = closedness(attempt.mesh);
+		// Nothing but sheets that were each closed by their own reverse.
+		if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
+	}
+	if (!part("repair", 0.7)) return attempt;
+	if (attempt.state.watertight) settle(attempt);
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	part("repair", 1);
+	return attempt;
+}
+
+/// A manifold if there is a way to one, else what leaves less in doubt.
+Attempt closeUp(const Mesh& welded, Steps& steps)
+{
+	Attempt attempt = closeUp(welded, OppositePairs::KeepOne, steps, 0.4);
+	if (!steps.goesOn() || attempt.isManifold()) return attempt;
+	Attempt withoutWalls = closeUp(welded, OppositePairs::DropBoth, steps, 0.6);
+	if (!withoutWalls.state.watertight || withoutWalls.mesh.triangles.empty()) return attempt;
+	return withoutWalls.isManifold() || !attempt.state.watertight || withoutWalls.doubt < attempt.doubt ? withoutWalls : attempt;
+}
+
+/// Replaces the mesh by its wrap. Returns why not, if so.
+std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
+{
+	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress);
+	if (!wrapped) return wrapped.error();
+	const double cell = bounds(attempt.mesh).longestSide() / kWrapCells;
+	attempt.mesh = std::move(wrapped.value());
+	// Of the surface's two sides, each half a cell.
+	attempt.doubt += surfaceArea(attempt.mesh) * cell / 2;
+	attempt.actions.push_back("Rebuilt the surface as " + counted(static_cast<int64_t>(attempt.mesh.triangles.size()), "triangle", "triangles") +
+							  " on a grid of " + number(cell) + " m; what is thinner may be lost, and the surface may lie up to " +
+							  number(cell * std::sqrt(3.0)) + " m off.");
+	attempt.state = closedness(attempt.mesh);
+	return std::nullopt;
+}
+
+std::optional<Error> settleCuts(Attempt& attempt, int64_t& cuts, Steps& steps)
+{
+	cuts = countCuts(attempt.mesh, kMostCuts);
+	if (cuts == 0) return std::nullopt;
+	const std::string found = (cuts == kMostCuts ? "at least " : "") + counted(cuts, "pair of triangles that cut each other", "pairs of triangles that cut each other");
+	Attempt wrapped = attempt;
+	wrapped.actions.push_back("Found " + found + ".");
+	if (auto error = wrap(wrapped, steps.upTo(0.95))) return error;
+	const double volume = massProperties(wrapped.mesh).volume, difference = std::fabs(volume - massProperties(attempt.mesh).volume);
+	if (difference > kHarmlessCuts * volume) attempt = std::move(wrapped);
+	else attempt.actions.push_back("Left " + found + ": what they enclose twice is less than " + number(100 * kHarmlessCuts) + " % of the volume.");
+	return std::nullopt;
+}
+
+Attempt prepareToWrap(const Mesh& welded)
+{
+	Attempt attempt = cleaned(welded, OppositePairs::KeepOne);
+	if (attempt.state.watertight) settle(attempt);
+	else if (massProperties(attempt.mesh).volume < 0)
+	{
+		for (Triangle& t : attempt.mesh.triangles) std::swap(t[1], t[2]);
+		attempt.actions.push_back("Turned the surface inside out.");
+	}
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	return attempt;
 }
 
 Error notClosed(const Closedness& found, const char* remedy)
@@ -402,11 +479,30 @@ std::optional<Error> whyUnreadable(const Mesh& mesh)
 /// Off: nothing but welding, which may collapse triangles.
 Attempt asGiven(const Mesh& welded)
 {
-	Attempt attempt{welded, {}, {}};
+	Attempt attempt{welded, {}, {}, 0};
 	attempt.note(dropCollapsed(attempt.mesh), "Dropped", "triangle with repeated corners", "triangles with repeated corners");
 	attempt.mesh = withoutUnusedVertices(attempt.mesh);
 	attempt.state = closedness(attempt.mesh);
 	return attempt;
+}
+/// Moves the attempt into the result unless it encloses nothing.
+std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mode, RepairedMesh& result)
+{
+	const double side = bounds(welded).longestSide();
+	result.volumeAfter = massProperties(attempt.mesh).volume;
+	if (!(std::fabs(result.volumeAfter) >= kFlat * side * side * side) || side == 0)
+		return Error{"the mesh is flat: it encloses " + number(result.volumeAfter) + " m^3 at a longest side of " + number(side) +
+					 " m; give it thickness, or wrap it (repair mode \"wrap\") where its triangles do not meet"};
+	if (result.volumeAfter < 0)
+		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3; " +
+					 (mode == RepairMode::Off ? "use the automatic repair or turn its triangles" : "turn its triangles")};
+	result.mesh = std::move(attempt.mesh);
+	result.volumeDoubt = attempt.doubt;
+	result.actions = std::move(attempt.actions);
+	const double change = result.volumeAfter - result.volumeBefore;
+	if (std::fabs(change) > 1e-9 * result.volumeAfter)
+		result.actions.push_back("The volume changed from " + number(result.volumeBefore) + " to " + number(result.volumeAfter) + " m^3.");
+	return std::nullopt;
 }
 }  // namespace
 
@@ -422,36 +518,39 @@ Closedness inspect(const Mesh& mesh)
 	return found;
 }
 
-Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode)
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& progress)
 {
-	if (mode == RepairMode::Wrap)
-		return Error{"repair by wrapping is unsupported; use the automatic repair or close the mesh in a modelling program"};
+	const Error cancelled{"the repair was cancelled", true};
+	Steps steps(progress);
+	if (!steps.reach(0)) return cancelled;
 	if (const auto error = whyUnreadable(mesh)) return *error;
-
 	const Mesh welded = weldedEqual(mesh);
+	if (!steps.reach(0.1)) return cancelled;
 	RepairedMesh result;
 	result.before = closedness(welded);
 	result.volumeBefore = massProperties(mesh).volume;
-	Attempt attempt = mode == RepairMode::Off ? asGiven(welded) : closeUp(welded);
+	if (!steps.reach(0.2)) return cancelled;
+
+	Attempt attempt = mode == RepairMode::Off ? asGiven(welded) : mode == RepairMode::Wrap ? prepareToWrap(welded) : closeUp(welded, steps);
+	if (!steps.goesOn()) return cancelled;
+	if (mode == RepairMode::Wrap)
+	{
+		if (const auto error = wrap(attempt, steps.upTo(0.95))) return *error;
+		if (attempt.mesh.triangles.empty())
+			return Error{"the mesh is flat or open: no point of a grid of " + std::to_string(kWrapCells) +
+						 " cells along its longest side lies inside it; give it thickness"};
+	}
 	if (!attempt.state.watertight)
 		return notClosed(attempt.state, mode == RepairMode::Off
 											? "use the automatic repair"
-											: "close it in a modelling program (fill the holes, remove inner faces) and export it again");
-
-	const double side = bounds(attempt.mesh).longestSide();
-	result.volumeAfter = massProperties(attempt.mesh).volume;
-	if (!(std::fabs(result.volumeAfter) >= kFlat * side * side * side) || side == 0)
-		return Error{"the mesh is flat: it encloses " + std::to_string(result.volumeAfter) + " m^3 at a longest side of " +
-					 std::to_string(side) + " m; give it thickness"};
-	if (result.volumeAfter < 0)
-		return Error{"the mesh is inside out: its volume is " + std::to_string(result.volumeAfter) +
-					 " m^3; use the automatic repair or turn its triangles"};
-
+											: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
+	if (mode == RepairMode::Auto)
+		if (const auto error = settleCuts(attempt, result.cuts, steps)) return *error;
+	if (const auto error = finish(attempt, welded, mode, result)) return *error;
 	if (welded.vertices.size() != mesh.vertices.size())
-		result.actions.push_back("Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
-								 std::to_string(welded.vertices.size()) + ".");
-	result.actions.insert(result.actions.end(), attempt.actions.begin(), attempt.actions.end());
-	result.mesh = std::move(attempt.mesh);
+		result.actions.insert(result.actions.begin(), "Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
+														  std::to_string(welded.vertices.size()) + ".");
+	if (!steps.reach(1)) return cancelled;
 	return result;
 }
 }  // namespace ist

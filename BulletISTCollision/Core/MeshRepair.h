@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
 
 #include <string>
@@ -12,7 +13,8 @@ namespace ist
 /// What an inspection of a mesh (after welding equal positions) finds.
 struct Closedness
 {
-	bool watertight = false;  ///< every edge is shared by exactly two triangles that run through it in opposite directions
+	/// Triangles run through every edge as often one way as the other: the winding number is whole everywhere off the surface.
+	bool watertight = false;
 	int64_t openEdges = 0;         ///< edges with one triangle
 	int64_t nonManifoldEdges = 0;  ///< edges with three or more triangles
 	int64_t flippedEdges = 0;      ///< edges with two triangles that run through it in the same direction
@@ -23,9 +25,9 @@ struct Closedness
 
 enum class RepairMode
 {
-	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close simple holes; refuse what is still open
+	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap where the surface cuts itself badly
 	Off,   ///< weld exactly equal positions only; refuse a mesh that is not watertight
-	Wrap   ///< rebuild the surface around the input; "unsupported" until it exists
+	Wrap   ///< rebuild the boundary of what lies inside on a grid (MeshWrap.h), whatever the triangles are like
 };
 
 /// A mesh fit for packing: welded, oriented outwards, closed.
@@ -34,13 +36,15 @@ struct RepairedMesh
 	Mesh mesh;
 	Closedness before;
 	std::vector<std::string> actions;  ///< one sentence for each thing that was done; empty when nothing was needed
-	double volumeBefore = 0;           ///< signed volume as read [m^3]
+	double volumeBefore = 0;           ///< signed volume as read [m^3]; of an open mesh, about the middle of its box
 	double volumeAfter = 0;
+	double volumeDoubt = 0;            ///< what closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate
+	int64_t cuts = 0;                  ///< pairs of triangles that passed through each other (see MeshCuts.h); counted by Auto, up to 1000
 };
 
 /// O(n log n). The mesh itself is not changed.
 Closedness inspect(const Mesh& mesh);
 
-/// Error: empty, flat (no volume), not closed and not closable; the sentence says what was found and how much of it.
-Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto);
+/// Error: empty, flat (no volume), not closed and not closable; the sentence says what was found and how much of it. Stage "repair".
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto, const Progress& progress = {});
 }  // namespace ist

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshShells.h"
 
+#include "BulletISTCollision/Core/MeshDistance.h"
 #include "BulletISTCollision/Core/MeshEdges.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -12,95 +15,193 @@ namespace ist
 namespace
 {
 constexpr std::size_t kNestingProbes = 16;
+/// Of area times longest side: less volume than that is none.
+constexpr double kFlatShell = 1e-9;
 
 /// One closed component.
 struct Shell
 {
 	std::vector<uint32_t> triangles;
 	Box box;
-	double volume = 0;  ///< signed
+	double volume = 0;  ///< signed, as given
+	double area = 0;
+	int sign = 1;       ///< of the volume, as decided
+	bool kept = true;
+	std::vector<uint32_t> around;  ///< the shells that enclose this one
+	std::unique_ptr<MeshDistance> surface;  ///< built when something may lie inside
 };
+
+/// Of each triangle the lowest index of its shell: connected through edges of two triangles, and through others where the sides do not
+/// balance by themselves.
+std::vector<uint32_t> shellOfTriangle(const Mesh& mesh)
+{
+	const std::vector<EdgeUse> edges = sortedEdges(mesh);
+	TriangleSets sets(mesh.triangles.size());
+	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+		if (count == 2) sets.unite(use[0].triangle, use[1].triangle);
+	});
+	for (bool united = true; united;)
+	{
+		united = false;
+		forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+			if (count <= 2) return;
+			const auto balance = [&](uint32_t set) {
+				int64_t sum = 0;
+				for (std::size_t i = 0; i < count; ++i)
+					if (sets.find(use[i].triangle) == set) sum += use[i].forward ? 1 : -1;
+				return sum;
+			};
+			for (std::size_t i = 0; i + 1 < count; ++i)
+			{
+				const uint32_t set = sets.find(use[i].triangle);
+				if (balance(set) == 0) continue;
+				for (std::size_t j = i + 1; j < count && balance(sets.find(use[i].triangle)) != 0; ++j)
+				{
+					const uint32_t other = sets.find(use[j].triangle);
+					if (other == sets.find(use[i].triangle) || balance(other) == 0) continue;
+					sets.unite(use[i].triangle, use[j].triangle);
+					united = true;
+				}
+			}
+		});
+	}
+	std::vector<uint32_t> shell(mesh.triangles.size());
+	for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = sets.find(static_cast<uint32_t>(i));
+	return shell;
+}
 
 std::vector<Shell> shells(const Mesh& mesh)
 {
-	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
+	const std::vector<uint32_t> component = shellOfTriangle(mesh);
 	std::vector<Shell> result;
 	std::vector<uint32_t> shellOf(mesh.triangles.size());
 	for (uint32_t i = 0; i < mesh.triangles.size(); ++i)
 	{
+		const Triangle& t = mesh.triangles[i];
 		if (component[i] == i)
 		{
 			shellOf[i] = static_cast<uint32_t>(result.size());
-			const Vec3& v = mesh.vertices[mesh.triangles[i][0]];
-			result.push_back({{}, {v, v}, 0});
+			result.emplace_back().box = {mesh.vertices[t[0]], mesh.vertices[t[0]]};
 		}
 		Shell& shell = result[shellOf[component[i]]];
 		shell.triangles.push_back(i);
-		const Triangle& t = mesh.triangles[i];
 		for (const uint32_t corner : t)
 		{
 			shell.box.lower = componentMin(shell.box.lower, mesh.vertices[corner]);
 			shell.box.upper = componentMax(shell.box.upper, mesh.vertices[corner]);
 		}
 		const Vec3 origin = mesh.vertices[mesh.triangles[shell.triangles[0]][0]];
-		shell.volume += dot(mesh.vertices[t[0]] - origin,
-							cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin)) / 6;
+		const Vec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin, c = mesh.vertices[t[2]] - origin;
+		shell.volume += dot(a, cross(b, c)) / 6;
+		shell.area += 0.5 * norm(cross(b - a, c - a));
+	}
+	for (Shell& shell : result)
+	{
+		shell.sign = shell.volume < 0 ? -1 : 1;
+		shell.kept = std::fabs(shell.volume) > kFlatShell * shell.area * shell.box.longestSide();
 	}
 	return result;
 }
 
-/// True where the half-line from p towards +x crosses the edge, seen along z. Both triangles of an edge get the same answer.
-bool crossesEdge(const Vec3& p, const Vec3& a, const Vec3& b)
+bool encloses(const Box& outer, const Box& inner)
 {
-	if ((a.y > p.y) == (b.y > p.y)) return false;
-	const Vec3 &lower = a.y < b.y ? a : b, &upper = a.y < b.y ? b : a;
-	return p.x < lower.x + (p.y - lower.y) / (upper.y - lower.y) * (upper.x - lower.x);
+	for (int axis = 0; axis < 3; ++axis)
+		if (inner.lower[axis] < outer.lower[axis] || inner.upper[axis] > outer.upper[axis]) return false;
+	return true;
 }
 
-/// Parity of the triangles above p: however the shell is turned, and without solid angles, which cost twenty times as much.
-bool encloses(const Mesh& mesh, const Shell& shell, const Vec3& p)
+Mesh meshOf(const Mesh& mesh, const Shell& shell)
 {
-	bool inside = false;
+	Mesh part;
 	for (const uint32_t i : shell.triangles)
 	{
-		const Triangle& t = mesh.triangles[i];
-		const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-		if ((crossesEdge(p, a, b) != crossesEdge(p, b, c)) == crossesEdge(p, c, a)) continue;
-		const Vec3 n = cross(b - a, c - a);
-		const double height = n.z != 0 ? -dot(n, p - a) * (n.z > 0 ? -1 : 1) : p.z - (a.z + b.z + c.z) / 3;
-		if (height < 0) inside = !inside;
+		const auto base = static_cast<uint32_t>(part.vertices.size());
+		for (const uint32_t corner : mesh.triangles[i]) part.vertices.push_back(mesh.vertices[corner]);
+		part.triangles.push_back({base, base + 1, base + 2});
 	}
-	return inside;
+	return part;
 }
 
 /// Every probe must lie inside: shells that merely cut each other are not nested.
-bool encloses(const Mesh& mesh, const Shell& outer, const Shell& inner)
+bool encloses(const Mesh& mesh, Shell& outer, const Shell& inner)
 {
-	for (int axis = 0; axis < 3; ++axis)
-		if (inner.box.lower[axis] < outer.box.lower[axis] || inner.box.upper[axis] > outer.box.upper[axis]) return false;
+	if (!encloses(outer.box, inner.box) || std::fabs(outer.volume) <= std::fabs(inner.volume)) return false;
+	if (!outer.surface) outer.surface = std::make_unique<MeshDistance>(meshOf(mesh, outer));
 	const std::size_t stride = std::max<std::size_t>(1, inner.triangles.size() / kNestingProbes);
 	for (std::size_t i = 0; i < inner.triangles.size(); i += stride)
 	{
 		const Triangle& t = mesh.triangles[inner.triangles[i]];
-		if (!encloses(mesh, outer, (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3)) return false;
+		const Vec3 probe = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
+		if (std::fabs(outer.surface->windingNumber(probe)) < 0.5) return false;
 	}
 	return true;
 }
+
+/// Sweeps along x: a shell that encloses another began before it and has not ended.
+void findNesting(const Mesh& mesh, std::vector<Shell>& all)
+{
+	std::vector<uint32_t> order, active;
+	for (uint32_t i = 0; i < all.size(); ++i)
+		if (all[i].kept) order.push_back(i);
+	std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+		const double xa = all[a].box.lower.x, xb = all[b].box.lower.x;
+		return xa != xb ? xa < xb : a < b;
+	});
+	for (std::size_t k = 0, entered = 0; k < order.size(); ++k)
+	{
+		Shell& inner = all[order[k]];
+		for (; entered < order.size() && all[order[entered]].box.lower.x <= inner.box.lower.x; ++entered) active.push_back(order[entered]);
+		std::erase_if(active, [&](uint32_t i) { return all[i].box.upper.x < inner.box.lower.x; });
+		for (const uint32_t i : active)
+			if (i != order[k] && encloses(mesh, all[i], inner)) inner.around.push_back(i);
+	}
+}
+
+void decide(std::vector<Shell>& all, ShellVerdict& verdict)
+{
+	std::vector<uint32_t> order;
+	for (uint32_t i = 0; i < all.size(); ++i)
+		if (all[i].kept) order.push_back(i);
+		else ++verdict.dropped;
+	std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return all[a].around.size() < all[b].around.size(); });
+	for (const uint32_t i : order)
+	{
+		// What lies in an outermost shell that faces inwards is inside out with it.
+		for (const uint32_t j : all[i].around)
+			if (all[j].around.empty() && all[j].volume < 0) all[i].sign = all[i].volume < 0 ? 1 : -1;
+		int64_t winding = 0;
+		for (const uint32_t j : all[i].around) winding += all[j].sign;
+		if (winding <= 0) all[i].sign = 1;
+		else if (winding + all[i].sign > 0)
+		{
+			all[i].kept = false;
+			++verdict.redundant;
+		}
+	}
+}
 }  // namespace
 
-int64_t turnOutwards(Mesh& mesh)
+ShellVerdict settleShells(Mesh& mesh)
 {
-	const std::vector<Shell> all = shells(mesh);
-	int64_t turned = 0;
+	std::vector<Shell> all = shells(mesh);
+	ShellVerdict verdict;
+	findNesting(mesh, all);
+	decide(all, verdict);
+	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
 	for (const Shell& shell : all)
 	{
-		bool isCavity = false;
-		for (const Shell& other : all)
-			if (&other != &shell && encloses(mesh, other, shell)) isCavity = !isCavity;
-		if (shell.volume == 0 || (shell.volume < 0) == isCavity) continue;
-		++turned;
-		for (const uint32_t i : shell.triangles) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+		const bool turn = shell.kept && (shell.volume < 0) != (shell.sign < 0);
+		verdict.turned += turn;
+		for (const uint32_t i : shell.triangles)
+		{
+			if (turn) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+			keep[i] = shell.kept;
+		}
 	}
-	return turned;
+	std::size_t kept = 0;
+	for (std::size_t i = 0; i < keep.size(); ++i)
+		if (keep[i]) mesh.triangles[kept++] = mesh.triangles[i];
+	mesh.triangles.resize(kept);
+	return verdict;
 }
 }  // namespace ist
