@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshImport.h"
 
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <exception>
+#include <memory>
 #include <utility>
 
 namespace ist
@@ -25,6 +29,100 @@ Vec3 transformedPoint(const aiMatrix4x4& m, const aiVector3D& v)
 			m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
 }
 
+/// Of the longest side: what coordinates in single precision may be apart at most.
+constexpr double kBlurred = 1e-3;
+/// Of the stage: reading, the rest is taking the triangles over.
+constexpr double kReading = 0.9;
+
+/// Ends the reading from inside assimp.
+struct Cancelled : std::exception
+{
+	const char* what() const noexcept override { return "cancelled"; }
+};
+
+class Watch
+{
+public:
+	explicit Watch(const Progress& progress) : m_progress(progress) {}
+	bool reach(double fraction)
+	{
+		m_fraction = std::clamp(fraction, m_fraction, 1.0);
+		m_cancelled = m_cancelled || (m_progress && !m_progress("import", m_fraction));
+		return !m_cancelled;
+	}
+	bool cancelled() const { return m_cancelled; }
+
+private:
+	const Progress& m_progress;
+	double m_fraction = 0;
+	bool m_cancelled = false;
+};
+
+/// Reads in blocks, between which the caller is asked.
+class WatchedStream : public Assimp::IOStream
+{
+public:
+	WatchedStream(Assimp::IOStream* stream, Watch& watch) : m_stream(stream), m_watch(watch) {}
+	size_t Read(void* buffer, size_t size, size_t count) override
+	{
+		constexpr size_t kBlock = size_t(1) << 24;
+		const size_t atOnce = std::max<size_t>(1, kBlock / std::max<size_t>(1, size));
+		size_t done = 0;
+		while (done < count)
+		{
+			const size_t wanted = std::min(atOnce, count - done), read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
+			done += read;
+			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
+			if (!m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total)) throw Cancelled();
+			if (read < wanted) break;
+		}
+		return done;
+	}
+	size_t Write(const void*, size_t, size_t) override { return 0; }
+	aiReturn Seek(size_t offset, aiOrigin origin) override { return m_stream->Seek(offset, origin); }
+	size_t Tell() const override { return m_stream->Tell(); }
+	size_t FileSize() const override { return m_stream->FileSize(); }
+	void Flush() override {}
+
+private:
+	std::unique_ptr<Assimp::IOStream> m_stream;
+	Watch& m_watch;
+};
+
+class WatchedFiles : public Assimp::DefaultIOSystem
+{
+public:
+	explicit WatchedFiles(Watch& watch) : m_watch(watch) {}
+	Assimp::IOStream* Open(const char* file, const char* mode) override
+	{
+		Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+		return stream ? new WatchedStream(stream, m_watch) : nullptr;
+	}
+	void Close(Assimp::IOStream* stream) override { delete stream; }
+
+private:
+	Watch& m_watch;
+};
+
+/// How far apart neighbouring values of single precision are at the part's farthest coordinate, as a share of its longest side.
+double blur(const aiMesh& part)
+{
+	if (part.mNumVertices == 0) return 0;
+	double farthest = 0, longest = 0;
+	for (unsigned axis = 0; axis < 3; ++axis)
+	{
+		double low = part.mVertices[0][axis], high = low;
+		for (unsigned i = 0; i < part.mNumVertices; ++i)
+		{
+			low = std::min<double>(low, part.mVertices[i][axis]);
+			high = std::max<double>(high, part.mVertices[i][axis]);
+		}
+		farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
+		longest = std::max(longest, high - low);
+	}
+	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
+}
+
 void append(Mesh& out, const aiMesh& part, const aiMatrix4x4& transform, double unit)
 {
 	const auto base = static_cast<uint32_t>(out.vertices.size());
@@ -42,11 +140,11 @@ void append(Mesh& out, const aiMesh& part, const aiMatrix4x4& transform, double 
 	}
 }
 
-Mesh gather(const aiScene& scene, double unit)
+Mesh gather(const aiScene& scene, double unit, Watch& watch)
 {
 	Mesh mesh;
 	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
-	while (!open.empty())
+	for (size_t done = 1; !open.empty() && watch.reach(kReading + (1 - kReading) * double(done) / double(done + open.size())); ++done)
 	{
 		const auto [node, parentTransform] = open.back();
 		open.pop_back();
@@ -60,29 +158,44 @@ Mesh gather(const aiScene& scene, double unit)
 	}
 	return mesh;
 }
+Result<Mesh> readMesh(const std::string& path, double unit, Watch& watch)
+{
+	Assimp::Importer importer;
+	importer.SetIOHandler(new WatchedFiles(watch));
+	const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+	if (watch.cancelled()) return Error{"the import was cancelled", true};
+	if (!scene || !scene->mRootNode)
+		return Error{"cannot read " + path + ": " + importer.GetErrorString() +
+					 "; check the path and that the file is a mesh format that assimp knows"};
+	Mesh mesh = gather(*scene, unit, watch);
+	if (watch.cancelled()) return Error{"the import was cancelled", true};
+	for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+		if (!isFinite(mesh.vertices[i]))
+			return Error{path + ": the coordinates of vertex " + std::to_string(i) + " are not finite; export the mesh again"};
+	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
+	double worst = 0;
+	for (unsigned i = 0; i < scene->mNumMeshes; ++i) worst = std::max(worst, blur(*scene->mMeshes[i]));
+	if (worst > kBlurred)
+		return Error{path + ": the mesh lies so far from its origin that its coordinates, read in single precision, are exact to " +
+					 std::to_string(100 * worst) + " % of its size only; move it to the origin and export it again"};
+	if (!watch.reach(1)) return Error{"the import was cancelled", true};
+	return mesh;
+}
 }  // namespace
 
-Result<Mesh> importMesh(const std::string& path, double unit)
+Result<Mesh> importMesh(const std::string& path, double unit, const Progress& progress)
 {
 	if (!(unit > 0) || !std::isfinite(unit))
 		return Error{"the unit must be a positive number of metres, not " + std::to_string(unit)};
+	Watch watch(progress);
+	if (!watch.reach(0)) return Error{"the import was cancelled", true};
 	try
 	{
-		Assimp::Importer importer;
-		const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-		if (!scene || !scene->mRootNode)
-			return Error{"cannot read " + path + ": " + importer.GetErrorString() +
-						 "; check the path and that the file is a mesh format that assimp knows"};
-		Mesh mesh = gather(*scene, unit);
-		for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-			if (!isFinite(mesh.vertices[i]))
-				return Error{path + ": the coordinates of vertex " + std::to_string(i) +
-							 " are not finite; export the mesh again"};
-		if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
-		return mesh;
+		return readMesh(path, unit, watch);
 	}
 	catch (const std::exception& exception)
 	{
+		if (watch.cancelled()) return Error{"the import was cancelled", true};
 		return Error{"cannot read " + path + ": " + exception.what() + "; export the mesh again"};
 	}
 }

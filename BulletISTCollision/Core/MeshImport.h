@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
 
 #include <string>
@@ -10,6 +11,8 @@ namespace ist
 {
 /// Reads every triangle of a file in any format that assimp knows, with the scene's node transforms applied, and multiplies
 /// all coordinates by `unit` (metres per unit of the file). Points and lines are ignored. Duplicate positions are not welded:
-/// that is repair's work. Errors: file missing or unreadable, no triangles, coordinates that are not finite (names the first one).
-Result<Mesh> importMesh(const std::string& path, double unit = 1.0);
+/// that is repair's work. Errors: file missing or unreadable, no triangles, coordinates that are not finite (names the first one) or
+/// that lie so far from the origin that single precision, in which assimp reads them, blurs the shape. Stage "import": the share of the
+/// file's bytes that were read, then of the triangles that were taken.
+Result<Mesh> importMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
 }  // namespace ist

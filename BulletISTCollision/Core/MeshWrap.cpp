@@ -183,8 +183,32 @@ private:
 		return entry->second;
 	}
 
-	Vec3 crossing(const Vec3& inner, const Vec3& outer) const
+	/// Where the only triangle that the edge passes through cuts it, as a share of the edge; negative when there are none or more.
+	double onlyCut(const Vec3& inner, const Vec3& outer)
 	{
+		constexpr size_t kMost = 24;
+		const Vec3 along = outer - inner;
+		if (!m_surface.within(inner + along * 0.5, norm(along) * 0.5, kMost, m_near)) return -1;
+		double cut = -1;
+		for (const auto& [distance, index] : m_near)
+		{
+			const auto& t = m_surface.mesh().triangles[index];
+			const Vec3 a = m_surface.mesh().vertices[t[0]];
+			const Vec3 ab = m_surface.mesh().vertices[t[1]] - a, ac = m_surface.mesh().vertices[t[2]] - a, n = cross(ab, ac);
+			const double from = dot(inner - a, n), to = dot(outer - a, n);
+			if ((from > 0) == (to > 0)) continue;
+			const Vec3 x = inner - a + along * (from / (from - to));
+			const double n2 = squaredNorm(n), v = dot(cross(x, ac), n), w = dot(cross(ab, x), n);
+			if (v < 0 || w < 0 || v + w > n2) continue;
+			if (cut >= 0) return -1;
+			cut = from / (from - to);
+		}
+		return cut;
+	}
+
+	Vec3 crossing(const Vec3& inner, const Vec3& outer)
+	{
+		if (const double cut = onlyCut(inner, outer); cut >= 0) return inner + (outer - inner) * std::clamp(cut, kMargin, 1 - kMargin);
 		double low = 0, high = 1;
 		for (int i = 0; i < kBisections; ++i)
 		{
@@ -201,6 +225,7 @@ private:
 	Node m_nodes{};
 	std::vector<uint8_t> m_side, m_visited;  // of nodes; of cells, each numbered as its lowest node
 	std::vector<Node> m_open;
+	std::vector<std::pair<double, uint32_t>> m_near;
 	std::unordered_map<uint64_t, uint32_t> m_vertexOf;
 	Mesh m_result;
 };

@@ -116,7 +116,9 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	InnerSphereTree tree;
 
 	if (!goesOn(options.progress, "repair", 0)) return cancelled();
-	Result<RepairedMesh> repaired = repair(mesh, options.repair);
+	Progress repairing;
+	if (options.progress) repairing = [&](const char* stage, double fraction) { return options.progress(stage, 0.9 * fraction); };
+	Result<RepairedMesh> repaired = repair(mesh, options.repair, repairing);
 	if (!repaired) return repaired.error();
 	describe(tree, mesh, repaired.value(), options);
 	const MeshDistance surface(translated(repaired.value().mesh, -tree.origin));

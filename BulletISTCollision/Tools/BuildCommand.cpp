@@ -64,11 +64,13 @@ int runBuild(const BuildArguments& a)
 	const auto start = std::chrono::steady_clock::now();
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
 
-	const Result<Mesh> mesh = importMesh(a.mesh, unitLength(a.unit));
+	ProgressBar bar;
+	const Result<Mesh> mesh = importMesh(a.mesh, unitLength(a.unit), shown(bar, a.quiet));
+	bar.finish();
+	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);
 	if (interrupted()) return fail("interrupted; nothing was written", kInterrupted);
 	const double importSeconds = seconds();
-	ProgressBar bar;
 	BuildTimes times;
 	const BuildOptions options = buildOptions(a, bar);
 	const Result<InnerSphereTree> tree =
