@@ -16,13 +16,14 @@ enum DegreeOfFreedom : unsigned
 	kGrip = 0x40
 };
 
-/// What a device is and what it can bear. A limit of zero is unknown, and nothing is sent through it.
+/// What a device is and what it can bear. A peak of zero is unknown, and nothing is sent through it; a continuous limit of
+/// zero is unknown, and a quarter of the peak is assumed.
 struct DeviceInfo
 {
 	std::string model, maker, serial, uri;
 	unsigned sensed = 0, actuated = 0;
 	double peakForce = 0, continuousForce = 0;         ///< [N]
-	double peakTorque = 0;                             ///< [N m]
+	double peakTorque = 0, continuousTorque = 0;       ///< [N m]
 	double maxStiffness = 0, maxAngularStiffness = 0;  ///< at 1 kHz [N/m, N m/rad]
 	double maxDamping = 0, maxAngularDamping = 0;      ///< at 1 kHz [N s/m, N m s/rad]
 	double resolution = 0, angularResolution = 0;      ///< [m, rad]
@@ -55,14 +56,24 @@ inline const char* describe(DeviceStatus status) noexcept
 	return "unknown status";
 }
 
+/// Bits of DeviceState::flags.
+enum DeviceFlag : unsigned
+{
+	kCalibrated = 1,
+	kForcesEnabled = 2,  ///< the device's own switch
+	kHandPresent = 4,    ///< dead-man's switch; set where the device has none
+	kReady = kCalibrated | kForcesEnabled | kHandPresent
+};
+
 /// One sample of the hand. W is the device's world frame, H the frame of the handle.
 struct DeviceState
 {
-	std::uint64_t sequence = 0;
+	std::uint64_t sequence = 0;  ///< grows with each new sample; always zero where the driver does not number them
 	std::int64_t sampledAt = 0;  ///< [ns], on the clock whose time was given to read()
 	ist::Pose X_WH;
 	ist::Twist twist;  ///< of the origin of H, in W
 	std::uint32_t buttons = 0;
+	std::uint32_t flags = kReady;            ///< force only while all bits of kReady are set
 	double gripAngle = 0, gripVelocity = 0;  ///< [rad, rad/s]
 	bool velocityEstimated = false;          ///< from positions rather than measured
 };
@@ -90,6 +101,7 @@ public:
 	virtual void close() noexcept = 0;
 	/// `now` [ns] never decreases from call to call. `state` is unchanged unless the answer is Ok.
 	virtual DeviceStatus read(std::int64_t now, DeviceState& state) noexcept = 0;
+	/// Held until the next one, at the longest until it expires: then the driver itself lets go, also while nobody calls.
 	virtual DeviceStatus write(const DeviceCommand& command) noexcept = 0;
 };
 }  // namespace devicebridge

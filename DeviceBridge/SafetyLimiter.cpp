@@ -4,57 +4,77 @@
 #include <algorithm>
 #include <cmath>
 
+#include "DeviceBridge/Safety/Saturation.h"
+#include "DeviceBridge/Safety/SlewLimit.h"
+
 namespace devicebridge
 {
 namespace
 {
+// In peaks. Far more than is ever sent, and small enough for the arithmetic of the stages.
+constexpr double kLargestWanted = 1e6;
+
 double usableLimit(double limit) { return std::isfinite(limit) && limit > 0 ? limit : 0; }
 
-/// `wanted`, no further than `step` from the segment between zero and `last`: giving way is free at any speed, a
-/// reversal starts again from zero.
-bool limitSlew(ist::Vec3& wanted, const ist::Vec3& last, double step)
+double continuousLimit(double continuous, double peak)
 {
-	const double lastSquared = squaredNorm(last);
-	const double along = lastSquared > 0 ? std::clamp(dot(wanted, last) / lastSquared, 0.0, 1.0) : 0;
-	const ist::Vec3 nearest = along * last;
-	const ist::Vec3 rise = wanted - nearest;
-	const double length = norm(rise);
-	if (length <= step) return false;
-	wanted = nearest + rise * (step / length);
-	return true;
+	const double known = usableLimit(continuous);
+	return known > 0 ? std::min(known, peak) : peak / 4;
 }
 
-// Divided by the largest component first: the norm of a huge finite vector is infinite.
-bool limitLength(ist::Vec3& v, double limit)
+DeviceInfo usable(DeviceInfo info)
 {
-	const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-	if (largest == 0) return false;
-	const ist::Vec3 scaled = v / largest;
-	const double length = norm(scaled);
-	if (largest <= limit / length) return false;
-	v = scaled * (limit / length);
-	return true;
+	for (double* limit : {&info.peakForce, &info.peakTorque, &info.maxDamping, &info.maxAngularDamping, &info.resolution,
+						  &info.angularResolution})
+		*limit = usableLimit(*limit);
+	info.continuousForce = continuousLimit(info.continuousForce, info.peakForce);
+	info.continuousTorque = continuousLimit(info.continuousTorque, info.peakTorque);
+	return info;
+}
+
+SafetySettings usable(SafetySettings s)
+{
+	s.fullUntil = std::max<std::int64_t>(0, s.fullUntil);
+	s.zeroFrom = std::max(s.zeroFrom, s.fullUntil + 1);
+	s.riseTime = std::max<std::int64_t>(1, s.riseTime);
+	return s;
+}
+
+PassivityLimits passivityLimits(const DeviceInfo& raw, const SafetySettings& settings)
+{
+	const DeviceInfo info = usable(raw);
+	PassivityLimits limits;
+	limits.damping = info.maxDamping;
+	limits.angularDamping = info.maxAngularDamping;
+	limits.tolerance = info.peakForce * info.resolution + info.peakTorque * info.angularResolution;
+	limits.force = info.peakForce;
+	limits.torque = info.peakTorque;
+	limits.largestCredit = settings.largestCredit;
+	return limits;
+}
+
+// Half the damping that the device bears: a brake that chatters is none.
+SpeedBrake::Limits brakeLimits(const DeviceInfo& raw, const SafetySettings& settings)
+{
+	const DeviceInfo info = usable(raw);
+	return {settings.maxSpeed,     settings.maxAngularSpeed, info.maxDamping / 2, info.maxAngularDamping / 2,
+			info.continuousForce, info.continuousTorque};
 }
 
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
+bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3{} && w.torque == ist::Vec3{}; }
 }  // namespace
 
-SafetyLimiter::SafetyLimiter(const DeviceInfo& info, const SafetySettings& settings) : m_info(info), m_settings(settings)
+SafetyLimiter::SafetyLimiter(const DeviceInfo& info, const SafetySettings& settings)
+	: m_info(usable(info)),
+	  m_settings(usable(settings)),
+	  m_age{m_settings.fullUntil, m_settings.zeroFrom},
+	  m_ramp(settings.rampTime),
+	  m_passivity(passivityLimits(info, settings)),
+	  m_forceHeat(m_info.continuousForce, m_info.peakForce, settings.heatTime),
+	  m_torqueHeat(m_info.continuousTorque, m_info.peakTorque, settings.heatTime),
+	  m_brake(brakeLimits(info, settings))
 {
-	m_info.peakForce = usableLimit(info.peakForce);
-	m_info.peakTorque = usableLimit(info.peakTorque);
-	m_settings.fullUntil = std::max<std::int64_t>(0, settings.fullUntil);
-	m_settings.zeroFrom = std::max(settings.zeroFrom, m_settings.fullUntil + 1);
-	m_settings.riseTime = std::max<std::int64_t>(1, settings.riseTime);
-}
-
-double SafetyLimiter::ageFactor(const DeviceCommand& wanted, std::int64_t now) const noexcept
-{
-	const std::int64_t age = now - wanted.computedAt;
-	if (age < 0 || age >= m_settings.zeroFrom || now >= wanted.expiresAt) return 0;
-	if (age <= m_settings.fullUntil) return 1;
-	return static_cast<double>(m_settings.zeroFrom - age) /
-		   static_cast<double>(m_settings.zeroFrom - m_settings.fullUntil);
 }
 
 bool SafetyLimiter::dropNotActuated(ist::Wrench& wrench) const noexcept
@@ -70,54 +90,139 @@ bool SafetyLimiter::dropNotActuated(ist::Wrench& wrench) const noexcept
 	return dropped;
 }
 
-DeviceCommand SafetyLimiter::limit(const DeviceCommand& wanted, std::int64_t now) noexcept
+/// Whether any force may flow; counts why not.
+bool SafetyLimiter::open(const DeviceCommand& wanted, const HandSample& hand) noexcept
 {
+	const bool finite = isFinite(wanted.wrench) && std::isfinite(wanted.gripForce) && isRigid(hand.X_WH) && isFinite(hand.twist);
+	if (!finite)
+	{
+		increment(m_notFinite);
+		if (m_settings.latchFault) m_faulted = true;
+		return false;
+	}
+	if (m_faulted)
+	{
+		increment(m_faultedTicks);
+		return false;
+	}
+	if (m_enabled && (hand.flags & kReady) == kReady) return true;
+	increment(m_disabled);
+	return false;
+}
+
+/// Since the last command [s]; the first has no predecessor in time and gets one period of the device. After a gap the force
+/// rises from zero, as the device has let go.
+double SafetyLimiter::elapsed(std::int64_t now) noexcept
+{
+	const std::int64_t gap = m_hasLast ? std::max<std::int64_t>(0, now - m_lastTime) : 0;
+	if (gap > m_settings.zeroFrom)
+	{
+		m_last = {};
+		m_ramp.restart();
+		m_passivity.forget();
+		m_forceHeat.spend({}, 1e-9 * static_cast<double>(gap));
+		m_torqueHeat.spend({}, 1e-9 * static_cast<double>(gap));
+		m_hasLast = false;
+	}
+	const double dt = m_hasLast ? 1e-9 * static_cast<double>(gap) : 1 / std::max(1.0, m_info.nominalRate);
+	m_lastTime = now;
+	m_hasLast = true;
+	return dt;
+}
+
+/// Stages 2, 4 and 5. The share of the device's damping that may be added: none where nothing may be felt.
+double SafetyLimiter::fadeIn(ist::Wrench& wrench, const DeviceCommand& wanted, bool inContact, std::int64_t now) noexcept
+{
+	const double age = m_age.factor(wanted, now);
+	if (age < 1) increment(m_aged);
+	// The ramp begins when the latch lets go.
+	const bool held = m_inside.holds(inContact) && m_settings.startInsideLatch;
+	if (held) m_ramp.restart();
+	const double gain = held ? 0 : m_ramp.gain(now);
+	if (gain < 1 && !isZero(wrench)) increment(held ? m_startInside : m_ramped);
+	wrench = age * gain * wrench;
+	return held ? 0 : age;
+}
+
+void SafetyLimiter::limitSize(ist::Wrench& wrench, double dt) noexcept
+{
+	const double share = std::min(1.0, dt / (1e-9 * static_cast<double>(m_settings.riseTime)));
+	const bool forceSlewed = limitSlew(wrench.force, m_last.force, share * m_info.peakForce);
+	const bool torqueSlewed = limitSlew(wrench.torque, m_last.torque, share * m_info.peakTorque);
+	if (forceSlewed || torqueSlewed) increment(m_slewed);
+	if (saturate(wrench, m_info.peakForce, m_info.peakTorque, m_settings.oneFactor)) increment(m_saturated);
+	const bool forceHot = m_forceHeat.limit(wrench.force);
+	const bool torqueHot = m_torqueHeat.limit(wrench.torque);
+	if (forceHot || torqueHot) increment(m_heat);
+}
+
+void SafetyLimiter::remember(const ist::Wrench& wrench, const ist::Twist& twist, double dt) noexcept
+{
+	m_last = wrench;
+	m_passivity.sent(wrench, twist, dt);
+	m_forceHeat.spend(wrench.force, dt);
+	m_torqueHeat.spend(wrench.torque, dt);
+	m_heatLoad.store(std::max(m_forceHeat.load(), m_torqueHeat.load()), std::memory_order_relaxed);
+}
+
+DeviceCommand SafetyLimiter::limit(const DeviceCommand& wanted, const HandSample& hand, std::int64_t now) noexcept
+{
+	if (!open(wanted, hand))
+	{
+		restart();
+		return zero(wanted, now);
+	}
+	const double dt = elapsed(now);
 	DeviceCommand out = wanted;
 	out.expiresAt = std::min(wanted.expiresAt, wanted.computedAt + m_settings.zeroFrom);
 	out.gripForce = 0;
-	const bool finite = isFinite(wanted.wrench) && std::isfinite(wanted.gripForce);
-	if (!finite) increment(m_notFinite);
-	if (!finite && m_settings.latchFault) m_faulted = true;
-	if (finite && m_faulted) increment(m_faultedTicks);
-	const std::int64_t gap = m_hasLast ? std::max<std::int64_t>(0, now - m_lastTime) : 0;
-	if (!finite || m_faulted || gap > m_settings.zeroFrom) reset();
-	const bool continued = m_hasLast;
-	m_lastTime = now;
-	m_hasLast = true;
-	if (!finite || m_faulted)
-	{
-		out.wrench = {};
-		return out;
-	}
-
-	const double factor = ageFactor(wanted, now);
-	if (factor < 1) increment(m_aged);
-	out.wrench = factor * wanted.wrench;
+	saturate(out.wrench, kLargestWanted * m_info.peakForce, kLargestWanted * m_info.peakTorque, false);
+	const double share = fadeIn(out.wrench, wanted, hand.inContact, now);
 	if (dropNotActuated(out.wrench)) increment(m_notActuated);
-	// Before the slew limit for its arithmetic (a huge wrench has an infinite norm); a limited slew stays inside the
-	// ball, since both its ends are inside.
-	const bool forceLong = limitLength(out.wrench.force, m_info.peakForce);
-	const bool torqueLong = limitLength(out.wrench.torque, m_info.peakTorque);
-	if (forceLong || torqueLong) increment(m_saturated);
-	// The first command has no predecessor in time and gets one period of the device.
-	const double seconds = continued ? 1e-9 * static_cast<double>(gap) : 1 / std::max(1.0, m_info.nominalRate);
-	const double share = std::min(1.0, seconds / (1e-9 * static_cast<double>(m_settings.riseTime)));
-	const bool forceSlewed = limitSlew(out.wrench.force, m_last.force, share * m_info.peakForce);
-	const bool torqueSlewed = limitSlew(out.wrench.torque, m_last.torque, share * m_info.peakTorque);
-	if (forceSlewed || torqueSlewed) increment(m_slewed);
-	m_last = out.wrench;
+	m_passivity.observe(hand.X_WH);
+	if (m_settings.passivity && m_passivity.correct(out.wrench, hand.twist, dt, share)) increment(m_passive);
+	limitSize(out.wrench, dt);
+	if (m_brake.apply(out.wrench, hand.twist)) increment(m_overSpeed);
+	dropNotActuated(out.wrench);
+	remember(out.wrench, hand.twist, dt);
 	return out;
 }
 
-void SafetyLimiter::reset() noexcept
+DeviceCommand SafetyLimiter::zero(const DeviceCommand& wanted, std::int64_t now) noexcept
+{
+	const double dt = elapsed(now);
+	m_passivity.forget();
+	remember({}, {}, dt);
+	DeviceCommand out = wanted;
+	out.wrench = {};
+	out.gripForce = 0;
+	return out;
+}
+
+void SafetyLimiter::restart() noexcept
 {
 	m_last = {};
-	m_hasLast = false;
+	m_ramp.restart();
+	m_inside.arm();
+	m_passivity.forget();
 }
 
 SafetyCounts SafetyLimiter::counts() const noexcept
 {
 	const auto read = [](const Counter& c) { return c.load(std::memory_order_relaxed); };
-	return {read(m_notFinite), read(m_faultedTicks), read(m_aged), read(m_slewed), read(m_saturated), read(m_notActuated)};
+	SafetyCounts c;
+	c.notFinite = read(m_notFinite);
+	c.faulted = read(m_faultedTicks);
+	c.aged = read(m_aged);
+	c.disabled = read(m_disabled);
+	c.ramped = read(m_ramped);
+	c.startInside = read(m_startInside);
+	c.notActuated = read(m_notActuated);
+	c.passivity = read(m_passive);
+	c.slewed = read(m_slewed);
+	c.saturated = read(m_saturated);
+	c.heat = read(m_heat);
+	c.overSpeed = read(m_overSpeed);
+	return c;
 }
 }  // namespace devicebridge

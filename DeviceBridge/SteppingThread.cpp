@@ -40,15 +40,20 @@ double DurationHistogram::quantile(double p) const noexcept
 SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clock, const SteppingSettings& settings)
 	: m_device(device),
 	  m_source(source),
-	  m_clock(clock),
+	  m_time(clock),
 	  m_settings(settings),
 	  m_limiter(device.info(), settings.safety),
+	  m_watch(settings.watch),
 	  m_scheduling("on the caller's thread, as that is scheduled")
 {
 	m_settings.period = std::max<std::int64_t>(1, settings.period);
 }
 
-SteppingThread::~SteppingThread() { stop(); }
+SteppingThread::~SteppingThread()
+{
+	stop();
+	if (m_ticks > 0) sendZero(FaultCause::None);
+}
 
 bool SteppingThread::run(std::int64_t ticks) noexcept
 {
@@ -93,10 +98,7 @@ void SteppingThread::loop() noexcept
 		waitForTick();
 		tick();
 	}
-	m_limiter.reset();
-	m_wanted = {};
-	const std::int64_t now = m_clock.now();
-	send(now, now);
+	sendZero(FaultCause::None);
 	m_running.store(false, std::memory_order_release);
 }
 
@@ -119,14 +121,16 @@ void SteppingThread::waitForTick() noexcept
 {
 	if (!m_scheduled)
 	{
-		m_deadline = m_lastTick = m_clock.now();
+		m_deadline = m_lastTick = m_time.now();
 		m_scheduled = true;
 	}
 	m_deadline += m_settings.period;
-	m_clock.sleepUntil(m_deadline);
-	const std::int64_t now = m_clock.now();
+	m_time.sleepUntil(m_deadline);
+	const std::int64_t now = m_time.now();
 	m_periods.add(now - m_lastTick);
 	m_lastTick = now;
+	// After a jump back the sleep may have ended early as well: the schedule starts anew.
+	if (m_time.jumps() != m_seenJumps) m_deadline = now;
 	if (now - m_deadline <= m_settings.period) return;
 	// Missed ticks are dropped: catching up would be a burst of force updates without time between them.
 	increment(m_overruns);
@@ -138,44 +142,63 @@ void SteppingThread::tick() noexcept
 	const std::int64_t now = m_lastTick;
 	const bool fresh = readDevice(now);
 	m_wanted = {};
-	std::int64_t computedAt = now;
-	if (m_hasState)
+	try
 	{
-		if (fresh) onTransform.broadcast(m_state);
-		advanceWorld();
+		const std::int64_t computedAt = fresh ? computeWrench() : now;
+		if (!fresh && m_hasState) advanceWorld();
+		if (fresh) send(computedAt);
+		else sendZero(m_watchCause);
 	}
-	if (fresh)
+	catch (...)
 	{
-		m_wanted = m_law->handWrench(m_state, m_step);
-		computedAt = m_law->computedAt(m_state);
-		onHapticTick.broadcast(m_state, m_wanted);
+		m_limiter.raiseFault();
+		m_latchedCause = FaultCause::HookException;
+		sendZero(FaultCause::HookException);
 	}
-	send(computedAt, now);
 	increment(m_ticks);
-	m_costs.add(m_clock.now() - now);
+	m_costs.add(m_time.now() - now);
 }
 
+std::int64_t SteppingThread::computeWrench()
+{
+	onTransform.broadcast(m_state);
+	advanceWorld();
+	m_wanted = m_law->handWrench(m_state, m_step);
+	const std::int64_t computedAt = m_law->computedAt(m_state);
+	onHapticTick.broadcast(m_state, m_wanted);
+	return computedAt;
+}
+
+/// False when there is no sample to act on: the last good one stays, and `m_watchCause` says why.
 bool SteppingThread::readDevice(std::int64_t now) noexcept
 {
 	DeviceState state = m_state;
-	DeviceStatus status = m_device.read(now, state);
-	if (status == DeviceStatus::Ok && !(isRigid(state.X_WH) && isFinite(state.twist)))
+	const DeviceStatus status = m_device.read(now, state);
+	m_watchCause = status == DeviceStatus::Ok			  ? m_watch.judge(state, now)
+				   : status == DeviceStatus::InvalidState ? FaultCause::InvalidState
+														  : FaultCause::Disconnected;
+	if (m_watchCause == FaultCause::InvalidState)
 	{
-		status = DeviceStatus::InvalidState;
 		m_limiter.raiseFault();
+		m_latchedCause = FaultCause::InvalidState;
 	}
-	if (status != DeviceStatus::Ok)
+	if (m_watchCause != FaultCause::None)
 	{
+		if (!m_outage) m_outageSince = now;
+		m_outage = true;
 		increment(m_deviceErrors);
 		return false;
 	}
+	// A glitch of one sample is bridged by the slew limit; after longer the hand may be anywhere.
+	if (m_outage && now - m_outageSince > m_settings.safety.fullUntil) m_limiter.restart();
+	m_outage = false;
 	m_state = state;
 	m_hasState = true;
 	return true;
 }
 
 // The nominal period, not the measured one: a late tick must not make the world take a longer, less stable step.
-void SteppingThread::advanceWorld() noexcept
+void SteppingThread::advanceWorld()
 {
 	m_step.contactCount = 0;
 	m_step.overlapVolume = 0;
@@ -185,7 +208,7 @@ void SteppingThread::advanceWorld() noexcept
 	for (int i = 0; i < m_step.contactCount; ++i) onCollision.broadcast(m_step.contacts[i]);
 }
 
-void SteppingThread::send(std::int64_t computedAt, std::int64_t now) noexcept
+void SteppingThread::send(std::int64_t computedAt) noexcept
 {
 	DeviceCommand command;
 	command.sequence = ++m_sequence;
@@ -193,7 +216,48 @@ void SteppingThread::send(std::int64_t computedAt, std::int64_t now) noexcept
 	command.computedAt = computedAt;
 	command.expiresAt = computedAt + m_settings.safety.zeroFrom;
 	command.wrench = m_wanted;
-	m_sent = m_limiter.limit(command, now);
+	// Read anew: the tick may have taken longer than the command lives.
+	const std::int64_t now = m_time.now();
+	const bool jumped = m_time.jumps() != m_seenJumps, stalled = now - m_lastTick >= m_settings.safety.zeroFrom;
+	m_seenJumps = m_time.jumps();
+	if (jumped) m_limiter.restart();
+	const bool wasFaulted = m_limiter.faulted();
+	m_sent = m_limiter.limit(command, {m_state.X_WH, m_state.twist, m_state.flags, m_step.contactCount > 0}, now);
+	if (!wasFaulted && m_limiter.faulted()) m_latchedCause = FaultCause::NotFinite;
+	if (!m_limiter.faulted()) m_latchedCause = FaultCause::None;
+	const bool written = m_device.write(m_sent) == DeviceStatus::Ok;
+	if (!written) increment(m_deviceErrors);
+	const FaultCause latched = m_latchedCause == FaultCause::None ? FaultCause::Raised : m_latchedCause;
+	if (m_limiter.faulted()) report(latched, true);
+	else report(!written ? FaultCause::Disconnected : jumped ? FaultCause::ClockJump : stalled ? FaultCause::Stalled : FaultCause::None, false);
+}
+
+void SteppingThread::sendZero(FaultCause cause) noexcept
+{
+	m_wanted = {};
+	DeviceCommand command;
+	command.sequence = ++m_sequence;
+	command.basedOn = m_state.sequence;
+	command.computedAt = m_time.now();
+	command.expiresAt = command.computedAt + m_settings.safety.zeroFrom;
+	m_sent = m_limiter.zero(command, command.computedAt);
 	if (m_device.write(m_sent) != DeviceStatus::Ok) increment(m_deviceErrors);
+	report(cause, m_limiter.faulted());
+}
+
+void SteppingThread::report(FaultCause cause, bool latched) noexcept
+{
+	const FaultCause before = m_cause.exchange(cause, std::memory_order_relaxed);
+	if (cause == before || cause == FaultCause::None) return;
+	increment(m_faults);
+	const Fault fault{cause, m_time.now(), latched};
+	try
+	{
+		onFault.broadcast(fault);
+	}
+	catch (...)
+	{
+		m_limiter.raiseFault();
+	}
 }
 }  // namespace devicebridge

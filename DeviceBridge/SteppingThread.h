@@ -9,7 +9,10 @@
 #include "DeviceBridge/Clock.h"
 #include "DeviceBridge/Delegate.h"
 #include "DeviceBridge/ForceLaw.h"
+#include "DeviceBridge/Safety/FaultCause.h"
+#include "DeviceBridge/Safety/StateWatch.h"
 #include "DeviceBridge/SafetyLimiter.h"
+#include "DeviceBridge/SteadyTime.h"
 
 namespace devicebridge
 {
@@ -36,11 +39,13 @@ struct SteppingSettings
 	bool realTime = true;             ///< ask for SCHED_FIFO in start()
 	int priority = 80;                ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
 	SafetySettings safety;
+	StateWatchSettings watch;
 };
 
 /// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
 /// onHapticTick, SafetyLimiter, write the device. A tick allocates nothing and takes no lock.
-/// Device, source, law and clock outlive the thread. Set up listeners and law before start(); listeners must not throw.
+/// Device, source, law and clock outlive the thread. Set up listeners and law before start(). What a listener throws ends at
+/// the tick: the device gets zero until clearFault().
 class SteppingThread
 {
 public:
@@ -58,6 +63,8 @@ public:
 	bool start();
 	/// Waits for the tick in progress and leaves the device at zero.
 	void stop() noexcept;
+	/// Ends the loop after the tick in progress, without waiting. From any thread and from a signal handler.
+	void requestStop() noexcept { m_stopping.store(true, std::memory_order_release); }
 	bool running() const noexcept { return m_running.load(std::memory_order_acquire); }
 
 	Delegate<const DeviceState> onTransform;
@@ -65,7 +72,21 @@ public:
 	/// The wrench for the hand, to be read or changed before the safety limits.
 	Delegate<const DeviceState, ist::Wrench> onHapticTick;
 
+	/// The force went to zero for a cause that was not there the tick before. On the tick.
+	Delegate<const Fault> onFault;
+
 	// From any thread, at any time:
+	/// Off: zero. On again: from zero along the ramp, and not before the tool is free.
+	void enableForces(bool on) noexcept { m_limiter.enable(on); }
+	/// As if a listener had thrown: zero until clearFault().
+	void raiseFault() noexcept { m_limiter.raiseFault(); }
+	FaultCause faultCause() const noexcept { return m_cause.load(std::memory_order_relaxed); }
+	std::uint64_t faults() const noexcept { return m_faults.load(std::memory_order_relaxed); }
+	/// How often the clock ran backwards.
+	std::uint64_t clockJumps() const noexcept { return m_time.jumps(); }
+	EnergyLog energy() const noexcept { return m_limiter.energy(); }
+	/// Mean square of the force over that of the continuous limit.
+	double heatLoad() const noexcept { return m_limiter.heatLoad(); }
 	std::uint64_t ticks() const noexcept { return m_ticks.load(std::memory_order_relaxed); }
 	/// Ticks that began later than one period after their deadline. The schedule starts anew from there.
 	std::uint64_t overruns() const noexcept { return m_overruns.load(std::memory_order_relaxed); }
@@ -91,15 +112,19 @@ private:
 	void waitForTick() noexcept;
 	void tick() noexcept;
 	bool readDevice(std::int64_t now) noexcept;
-	void advanceWorld() noexcept;
-	void send(std::int64_t computedAt, std::int64_t now) noexcept;
+	std::int64_t computeWrench();
+	void advanceWorld();
+	void send(std::int64_t computedAt) noexcept;
+	void sendZero(FaultCause cause) noexcept;
+	void report(FaultCause cause, bool latched) noexcept;
 	void askForRealTime() noexcept;
 
 	Device& m_device;
 	ContactSource& m_source;
-	Clock& m_clock;
+	SteadyTime m_time;
 	SteppingSettings m_settings;
 	SafetyLimiter m_limiter;
+	StateWatch m_watch;
 	CouplingForceLaw m_couplingLaw;
 	ForceLaw* m_law = &m_couplingLaw;
 
@@ -109,12 +134,16 @@ private:
 	DeviceCommand m_sent;
 	std::uint64_t m_sequence = 0;
 	std::int64_t m_deadline = 0, m_lastTick = 0;
+	std::int64_t m_outageSince = 0;
+	std::uint64_t m_seenJumps = 0;
+	FaultCause m_watchCause = FaultCause::None, m_latchedCause = FaultCause::None;
 	bool m_scheduled = false;
-	bool m_hasState = false;
+	bool m_hasState = false, m_outage = false;
 
 	std::thread m_thread;
 	std::atomic<bool> m_running{false}, m_stopping{false};
-	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0};
+	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0}, m_faults{0};
+	std::atomic<FaultCause> m_cause{FaultCause::None};
 	std::atomic<const char*> m_scheduling;
 	DurationHistogram m_periods, m_costs;
 };

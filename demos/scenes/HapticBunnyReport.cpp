@@ -242,7 +242,7 @@ std::string makeJson(const HapticBunnyOutcome& o)
 	field("sinkage_m", o.sinkage.measured), field("sinkage_by_tree_m", o.sinkage.byTree), field("sinkage_by_mesh_m", o.sinkage.byMesh);
 	field("mean_gap_m", o.sinkage.gap), field("pair_stiffness_pa_per_m", o.pairStiffness);
 	field("volume_error_rms", o.volumeRms), field("force_error_rms", o.forceRms), field("force_direction_error_rad", o.forceDirection);
-	count("safety_changes", o.safety.total()), flag("faulted", o.faulted), count("dropped_contacts", o.droppedContacts);
+	count("safety_changes", o.safety.total()), count("safety_ramped", o.safety.ramped), count("safety_passivity", o.safety.passivity), flag("faulted", o.faulted), count("dropped_contacts", o.droppedContacts);
 	flag("came_free", o.cameFree);
 	out += ",\"scheduling\":\"" + o.scheduling + "\",\"phases_without_contact\":[";
 	for (size_t i = 0; i < o.phasesWithoutContact.size(); ++i) out += (i ? ",\"" : "\"") + o.phasesWithoutContact[i] + "\"";

@@ -58,7 +58,9 @@ TEST(HapticBunny, HandPressesSlidesTurnsAndComesFree)
 	const HapticBunnyOutcome& o = run.value();
 	EXPECT_TRUE(o.ok());
 	for (const std::string& phase : o.phasesWithoutContact) ADD_FAILURE() << "no contact: " << phase;
-	EXPECT_EQ(o.overruns + o.deviceErrors + o.safety.total() + o.droppedContacts, 0u);
+	// Nothing but the ramp of the first half second, in which the hand drags the free tool.
+	EXPECT_LE(o.safety.ramped, 500u);
+	EXPECT_EQ(o.overruns + o.deviceErrors + (o.safety.total() - o.safety.ramped) + o.droppedContacts, 0u);
 	// The hand's spring aims at 4 N less what coupling and contact give way.
 	EXPECT_GT(o.maxForce, 2);
 	EXPECT_LT(o.maxForce, 4.5);

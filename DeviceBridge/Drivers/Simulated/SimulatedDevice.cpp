@@ -61,6 +61,7 @@ SimulatedProfile sigma7()
 	p.info.peakForce = 12;
 	p.info.continuousForce = 12;
 	p.info.peakTorque = 0.2;
+	p.info.continuousTorque = 0.2;
 	p.info.maxStiffness = 4000;
 	p.info.maxAngularStiffness = 1;
 	p.info.maxDamping = 30;
@@ -70,7 +71,7 @@ SimulatedProfile sigma7()
 	p.info.angularResolution = 2.27e-4;
 	p.info.source =
 		"peakForce, peakTorque, maxStiffness, maxAngularStiffness, maxDamping, maxAngularDamping, workspaceRadius: device "
-		"table of CHAI3D 3.3.0; continuousForce: no source, set to the peak; "
+		"table of CHAI3D 3.3.0; continuousForce, continuousTorque: no source, set to the peak; "
 		"resolution, angularResolution (0.013 degrees): data sheet of the maker, not verified; "
 		"damping, angularDamping: stiffness T / 2 at T = 1 ms, the least with which the largest stiffness is passive "
 		"(Colgate and Schenkel); mass, inertia, hand: assumed; the grip is not actuated here";

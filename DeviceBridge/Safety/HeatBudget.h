@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Vec3.h"
+
+namespace devicebridge
+{
+/// I^2 t: motors heat with the square of the force. The mean of F^2, faded over `timeConstant`, never exceeds the square
+/// of the continuous limit: from `kKnee` of that on, the force that is let through sinks from the peak to the limit.
+class HeatBudget
+{
+public:
+	/// `continuous` and `peak` in N or N m, `timeConstant` in s.
+	HeatBudget(double continuous, double peak, double timeConstant);
+
+	/// Shortens a vector to what the motors bear now; true when it did.
+	bool limit(ist::Vec3& v) const noexcept;
+	/// After the vector was exerted for `dt` [s].
+	void spend(const ist::Vec3& v, double dt) noexcept;
+	/// Mean square over that of the continuous limit, 0 to 1.
+	double load() const noexcept;
+
+private:
+	static constexpr double kKnee = 0.8;
+	double m_continuousSquared, m_peakSquared, m_timeConstant;
+	double m_meanSquare = 0;
+};
+}  // namespace devicebridge

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+namespace devicebridge
+{
+/// Holds the force at zero when the tool is in contact at the moment of enabling, until it is free once.
+class StartInsideLatch
+{
+public:
+	void arm() noexcept { m_armed = true; }
+	/// True while the force must stay zero.
+	bool holds(bool inContact) noexcept
+	{
+		m_holding = inContact && (m_holding || m_armed);
+		m_armed = false;
+		return m_holding;
+	}
+
+private:
+	bool m_armed = true, m_holding = false;
+};
+}  // namespace devicebridge

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Safety/StateWatch.h"
+
+#include <algorithm>
+
+namespace devicebridge
+{
+namespace
+{
+bool samePose(const ist::Pose& a, const ist::Pose& b)
+{
+	return a.translation == b.translation && a.rotation.row(0) == b.rotation.row(0) &&
+		   a.rotation.row(1) == b.rotation.row(1) && a.rotation.row(2) == b.rotation.row(2);
+}
+constexpr double kMovingSpeed = 0.02;  // [m/s]: at this speed 10 ms are more than the resolution of any device
+}  // namespace
+
+// A handle at rest repeats its pose too, but then its twist is zero and its sequence goes on.
+bool StateWatch::repeats(const DeviceState& state) const noexcept
+{
+	const bool sameNumber = state.sequence != 0 && state.sequence == m_last.sequence;
+	if (sameNumber || state.sampledAt == m_last.sampledAt) return true;
+	return !state.velocityEstimated && norm(state.twist.linear) > kMovingSpeed && samePose(state.X_WH, m_last.X_WH);
+}
+
+bool StateWatch::jumped(const DeviceState& state, std::int64_t now) const noexcept
+{
+	const double seconds = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - m_lastRead));
+	const double way = distance(state.X_WH.translation, m_last.X_WH.translation);
+	return way > m_settings.longestJump + m_settings.speed * seconds;
+}
+
+FaultCause StateWatch::judge(const DeviceState& state, std::int64_t now) noexcept
+{
+	if (!isRigid(state.X_WH) || !isFinite(state.twist)) return FaultCause::InvalidState;
+	const bool first = !m_hasLast, repeated = !first && repeats(state);
+	if (first || !repeated) m_lastFresh = now;
+	if (!first && jumped(state, now)) m_distrust = m_settings.steadySamples;
+	else if (m_distrust > 0 && !repeated) --m_distrust;
+	m_last = state;
+	m_lastRead = now;
+	m_hasLast = true;
+	if (m_distrust > 0) return FaultCause::Jump;
+	return now - m_lastFresh >= m_settings.frozenAfter ? FaultCause::Frozen : FaultCause::None;
+}
+}  // namespace devicebridge

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Safety/StateWatch.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+using namespace devicebridge;
+
+namespace
+{
+constexpr std::int64_t kMs = 1'000'000;
+
+DeviceState sample(int tick, const ist::Vec3& position, const ist::Vec3& velocity = {})
+{
+	DeviceState s;
+	s.sequence = static_cast<std::uint64_t>(tick);
+	s.sampledAt = tick * kMs;
+	s.X_WH.translation = position;
+	s.twist.linear = velocity;
+	return s;
+}
+}  // namespace
+
+TEST(StateWatch, AHandAtRestAndAFastOneAreFine)
+{
+	StateWatch watch;
+	for (int i = 1; i < 500; ++i) ASSERT_EQ(watch.judge(sample(i, {1000, 0, 0}), i * kMs), FaultCause::None);
+	for (int i = 500; i < 600; ++i)
+		ASSERT_EQ(watch.judge(sample(i, {1000 + 5e-3 * (i - 500), 0, 0}, {5, 0, 0}), i * kMs), FaultCause::None);
+}
+
+TEST(StateWatch, AJumpIsBelievedOnlyAfterSteadySamples)
+{
+	StateWatch watch;
+	for (int i = 1; i < 10; ++i) watch.judge(sample(i, {}), i * kMs);
+	for (int i = 10; i < 30; ++i) ASSERT_EQ(watch.judge(sample(i, {0.1, 0, 0}), i * kMs), FaultCause::Jump) << i;
+	EXPECT_EQ(watch.judge(sample(30, {0.1, 0, 0}), 30 * kMs), FaultCause::None);
+}
+
+TEST(StateWatch, RepeatedSamplesAreFrozenAfterTenMilliseconds)
+{
+	StateWatch numbered, still;
+	for (int i = 1; i <= 5; ++i) numbered.judge(sample(i, {}), i * kMs), still.judge(sample(i, {}), i * kMs);
+	for (int i = 6; i <= 40; ++i)
+	{
+		const FaultCause expected = i >= 15 ? FaultCause::Frozen : FaultCause::None;
+		ASSERT_EQ(numbered.judge(sample(5, {}), i * kMs), expected) << i;
+		// Numbers and times go on, but a moving handle stays where it is.
+		ASSERT_EQ(still.judge(sample(i, {}, {0, 0.1, 0}), i * kMs), expected) << i;
+	}
+	EXPECT_EQ(numbered.judge(sample(41, {}), 41 * kMs), FaultCause::None);
+}
+
+TEST(StateWatch, WhatIsNotAPoseIsInvalid)
+{
+	StateWatch watch;
+	DeviceState bad = sample(1, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
+	EXPECT_EQ(watch.judge(bad, kMs), FaultCause::InvalidState);
+	bad = sample(2, {});
+	bad.X_WH.rotation.m[0][0] = -1;
+	EXPECT_EQ(watch.judge(bad, 2 * kMs), FaultCause::InvalidState);
+	EXPECT_EQ(watch.judge(sample(3, {}), 3 * kMs), FaultCause::None);
+}
