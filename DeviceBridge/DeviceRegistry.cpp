@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 
 namespace devicebridge
@@ -17,9 +18,20 @@ MadeDevice makeSimulated(const std::string& rest)
 	if (!profile) return profile.error();
 	return MadeDevice(std::make_unique<SimulatedDevice>(std::move(profile).value()));
 }
+
+MadeDevice makeReplay(const std::string& path)
+{
+	auto recording = loadRecording(path);
+	if (!recording) return recording.error();
+	return MadeDevice(std::make_unique<ReplayDevice>(std::move(recording).value()));
+}
 }  // namespace
 
-DeviceRegistry::DeviceRegistry() { addScheme("sim", makeSimulated); }
+DeviceRegistry::DeviceRegistry()
+{
+	addScheme("sim", makeSimulated);
+	addScheme("replay", makeReplay);
+}
 
 bool DeviceRegistry::addScheme(const std::string& scheme, Maker maker)
 {

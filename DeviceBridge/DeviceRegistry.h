@@ -12,7 +12,7 @@
 
 namespace devicebridge
 {
-/// Opens devices by address, `SCHEME:REST`. Knows `sim:PROFILE` from the start.
+/// Opens devices by address, `SCHEME:REST`. Knows `sim:PROFILE` and `replay:FILE` from the start.
 class DeviceRegistry
 {
 public:

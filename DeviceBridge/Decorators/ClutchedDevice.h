@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "DeviceBridge/Decorators/DeviceDecorator.h"
+
+namespace devicebridge
+{
+/// While a button is held the handle moves alone: the reported pose stays, the twist and the force are zero. Afterwards the
+/// pose goes on from where it stayed, turned and shifted by what the handle did meanwhile.
+class ClutchedDevice final : public DeviceDecorator
+{
+public:
+	/// Bits of DeviceState::buttons, any of which opens the clutch. Flags lose kForcesEnabled while it is open, so that the
+	/// force comes back along the ramp.
+	ClutchedDevice(std::unique_ptr<Device> inner, std::uint32_t buttons) : DeviceDecorator(std::move(inner)), m_buttons(buttons) {}
+
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
+	DeviceStatus write(const DeviceCommand& command) noexcept override;
+
+private:
+	std::uint32_t m_buttons;
+	ist::Mat3 m_turn;        ///< R_W of the reported over that of the true handle
+	ist::Vec3 m_shift;       ///< reported minus true position [m]
+	ist::Pose m_frozen;
+	bool m_open = false, m_hasPose = false;
+};
+}  // namespace devicebridge

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "DeviceBridge/Device.h"
+
+namespace devicebridge
+{
+/// A device that changes what another reports or receives, and is one itself. Owns the other.
+class DeviceDecorator : public Device
+{
+public:
+	explicit DeviceDecorator(std::unique_ptr<Device> inner) : m_inner(std::move(inner)) {}
+
+	const DeviceInfo& info() const noexcept override { return m_inner->info(); }
+	DeviceStatus open() noexcept override { return m_inner->open(); }
+	void close() noexcept override { m_inner->close(); }
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override { return m_inner->read(now, state); }
+	DeviceStatus write(const DeviceCommand& command) noexcept override { return m_inner->write(command); }
+
+	Device& inner() { return *m_inner; }
+
+protected:
+	std::unique_ptr<Device> m_inner;
+};
+}  // namespace devicebridge

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Decorators/MountedDevice.h"
+
+#include <cmath>
+
+namespace devicebridge
+{
+MountedDevice::MountedDevice(std::unique_ptr<Device> inner, const ist::Pose& X_WD, double scale)
+	: DeviceDecorator(std::move(inner)),
+	  m_info(m_inner->info()),
+	  m_X_WD(isRigid(X_WD) ? X_WD : ist::Pose()),
+	  m_scale(std::isfinite(scale) && scale > 0 ? scale : 1)
+{
+	for (double* length : {&m_info.resolution, &m_info.workspaceRadius}) *length *= m_scale;
+	for (double* force : {&m_info.peakForce, &m_info.continuousForce}) *force /= m_scale;
+	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping}) *gain /= m_scale * m_scale;
+}
+
+DeviceStatus MountedDevice::read(std::int64_t now, DeviceState& state) noexcept
+{
+	DeviceState own = state;
+	const DeviceStatus status = m_inner->read(now, own);
+	if (status != DeviceStatus::Ok) return status;
+	state = own;
+	state.X_WH = m_X_WD * ist::Pose{own.X_WH.rotation, m_scale * own.X_WH.translation};
+	state.twist = {m_X_WD.rotation * (m_scale * own.twist.linear), m_X_WD.rotation * own.twist.angular};
+	return status;
+}
+
+DeviceStatus MountedDevice::write(const DeviceCommand& command) noexcept
+{
+	DeviceCommand own = command;
+	const ist::Mat3 R_DW = transpose(m_X_WD.rotation);
+	own.wrench = {R_DW * (m_scale * command.wrench.force), R_DW * command.wrench.torque};
+	return m_inner->write(own);
+}
+}  // namespace devicebridge

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
+
+#include <cstring>
+#include <type_traits>
+
+namespace devicebridge
+{
+DeviceStatus ReplayDevice::open() noexcept
+{
+	m_next = 0;
+	m_mismatches = 0;
+	m_open = true;
+	return DeviceStatus::Ok;
+}
+
+DeviceStatus ReplayDevice::read(std::int64_t now, DeviceState& state) noexcept
+{
+	if (!m_open) return DeviceStatus::NotOpen;
+	if (m_next >= length()) return DeviceStatus::Disconnected;
+	const RecordedTick& tick = m_recording.ticks[m_next];
+	if (m_next == 0) m_shift = now - tick.now;
+	++m_next;
+	if (tick.readStatus != DeviceStatus::Ok) return tick.readStatus;
+	state = tick.state;
+	state.sampledAt += m_shift;
+	return DeviceStatus::Ok;
+}
+
+DeviceStatus ReplayDevice::write(const DeviceCommand& command) noexcept
+{
+	if (!m_open) return DeviceStatus::NotOpen;
+	if (m_next == 0) return DeviceStatus::Ok;
+	const RecordedTick& tick = m_recording.ticks[m_next - 1];
+	DeviceCommand expected = tick.command;
+	expected.computedAt += m_shift;
+	expected.expiresAt += m_shift;
+	static_assert(sizeof(DeviceCommand) == 11 * 8 && std::is_trivially_copyable_v<DeviceCommand>, "compared as bytes");
+	if (!tick.written || std::memcmp(&expected, &command, sizeof command) != 0)
+	{
+		if (m_mismatches++ == 0) m_firstMismatch = m_next - 1;
+	}
+	return tick.written ? tick.writeStatus : DeviceStatus::Ok;
+}
+}  // namespace devicebridge

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "DeviceBridge/Recording.h"
+
+namespace devicebridge
+{
+/// Plays a recording, one tick for each read, whatever the time; the times in it are shifted so that the first read is now. After the
+/// last tick it does not answer. Compares what it is told with what was recorded.
+class ReplayDevice final : public Device
+{
+public:
+	explicit ReplayDevice(Recording recording) : m_recording(std::move(recording)) {}
+
+	const DeviceInfo& info() const noexcept override { return m_recording.info; }
+	DeviceStatus open() noexcept override;
+	void close() noexcept override { m_open = false; }
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
+	DeviceStatus write(const DeviceCommand& command) noexcept override;
+
+	std::size_t length() const { return m_recording.ticks.size(); }
+	std::size_t played() const { return m_next; }
+	/// Commands that differ from the recorded ones in any bit, and the first tick with one (length() when there is none).
+	std::uint64_t mismatches() const { return m_mismatches; }
+	std::size_t firstMismatch() const { return m_mismatches ? m_firstMismatch : length(); }
+
+private:
+	Recording m_recording;
+	std::size_t m_next = 0, m_firstMismatch = 0;
+	std::int64_t m_shift = 0;
+	std::uint64_t m_mismatches = 0;
+	bool m_open = false;
+};
+}  // namespace devicebridge

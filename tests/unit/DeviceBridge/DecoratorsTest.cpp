@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Zlib
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "DeviceBridge/Decorators/ClutchedDevice.h"
+#include "DeviceBridge/Decorators/DelayedDevice.h"
+#include "DeviceBridge/Decorators/MountedDevice.h"
+#include "DeviceBridge/Decorators/VelocityFilter.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+constexpr std::int64_t kMs = 1'000'000;
+
+ist::Mat3 turn(const Vec3& v) { return rotationMatrix(ist::quaternionFromRotationVector(v)); }
+
+/// Reports what the test sets and keeps what it is told.
+class Puppet final : public Device
+{
+public:
+	DeviceInfo description = simulatedProfile("sigma7").value().info;
+	DeviceState state;
+	DeviceCommand last;
+	const DeviceInfo& info() const noexcept override { return description; }
+	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t now, DeviceState& out) noexcept override
+	{
+		state.sequence++;
+		state.sampledAt = now;
+		out = state;
+		return DeviceStatus::Ok;
+	}
+	DeviceStatus write(const DeviceCommand& command) noexcept override
+	{
+		last = command;
+		return DeviceStatus::Ok;
+	}
+};
+
+template <class Decorator, class... Args>
+std::pair<std::unique_ptr<Decorator>, Puppet*> decorated(Args... args)
+{
+	auto owned = std::make_unique<Puppet>();
+	Puppet* puppet = owned.get();
+	return {std::make_unique<Decorator>(std::move(owned), args...), puppet};
+}
+
+DeviceState readAt(Device& device, std::int64_t now)
+{
+	DeviceState state;
+	EXPECT_EQ(device.read(now, state), DeviceStatus::Ok);
+	return state;
+}
+}  // namespace
+
+// Oracles: the same power on both sides of the mount, and a twist that is the derivative of the pose.
+TEST(MountedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
+{
+	std::mt19937_64 random(21);
+	std::uniform_real_distribution<double> u(-1, 1);
+	const auto any = [&](double size) { return Vec3{size * u(random), size * u(random), size * u(random)}; };
+	for (int i = 0; i < 200; ++i)
+	{
+		const double scale = std::exp(2 * u(random));
+		auto [device, puppet] = decorated<MountedDevice>(ist::Pose{turn(any(3)), i == 0 ? Vec3(1000, 0, 0) : any(1)}, scale);
+		puppet->state.X_WH = {turn(any(3)), any(0.1)};
+		puppet->state.twist = {any(1), any(5)};
+		const DeviceState before = readAt(*device, 0);
+		DeviceCommand command;
+		command.wrench = {any(5), any(0.1)};
+		device->write(command);
+		const auto power = [](const ist::Wrench& w, const ist::Twist& v) { return dot(w.force, v.linear) + dot(w.torque, v.angular); };
+		EXPECT_NEAR(power(puppet->last.wrench, puppet->state.twist), power(command.wrench, before.twist), 1e-9);
+
+		const double h = 1e-6;
+		puppet->state.X_WH.translation += h * puppet->state.twist.linear;
+		puppet->state.X_WH.rotation = turn(h * puppet->state.twist.angular) * puppet->state.X_WH.rotation;
+		const DeviceState after = readAt(*device, 1);
+		EXPECT_NEAR(distance((after.X_WH.translation - before.X_WH.translation) / h, before.twist.linear), 0, 1e-5);
+		const Vec3 turned = rotationVector(ist::quaternion(after.X_WH.rotation * transpose(before.X_WH.rotation))) / h;
+		EXPECT_NEAR(distance(turned, before.twist.angular), 0, 1e-4);
+	}
+}
+
+TEST(MountedDevice, ItsLimitsAreThoseFeltInTheWorld)
+{
+	const auto [device, puppet] = decorated<MountedDevice>(ist::Pose(), 4.0);
+	const DeviceInfo &outer = device->info(), &own = puppet->description;
+	// A world spring K over a way of 4 x pulls the handle with 4 * (K 4 x) = 16 K x.
+	EXPECT_NEAR(16 * outer.maxStiffness, own.maxStiffness, 1e-9);
+	EXPECT_NEAR(4 * outer.peakForce, own.peakForce, 1e-12);
+	EXPECT_EQ(outer.workspaceRadius, 4 * own.workspaceRadius);
+	EXPECT_EQ(outer.peakTorque, own.peakTorque);
+}
+
+TEST(ClutchedDevice, MovesOnlyTheHandleWhileOpen)
+{
+	auto [device, puppet] = decorated<ClutchedDevice>(2U);
+	puppet->state.X_WH = {turn({0, 0, 0.5}), {0.01, 0, 0}};
+	EXPECT_EQ(readAt(*device, 0).X_WH.translation, Vec3(0.01, 0, 0));
+	puppet->state.buttons = 2;
+	puppet->state.X_WH = {turn({0.3, 0, 0}), {0.05, 0.02, 0}};
+	puppet->state.twist.linear = {1, 0, 0};
+	const DeviceState open = readAt(*device, 1);
+	EXPECT_NEAR(distance(open.X_WH.translation, {0.01, 0, 0}), 0, 1e-15);
+	EXPECT_EQ(open.twist.linear, Vec3{});
+	EXPECT_EQ(open.flags & kForcesEnabled, 0U);
+	DeviceCommand command;
+	command.wrench.force = {1, 2, 3};
+	device->write(command);
+	EXPECT_EQ(puppet->last.wrench.force, Vec3{});
+
+	puppet->state.buttons = 0;
+	const DeviceState closed = readAt(*device, 2);
+	EXPECT_NEAR(distance(closed.X_WH.translation, {0.01, 0, 0}), 0, 1e-15);
+	EXPECT_NEAR(norm(rotationVector(ist::quaternion(closed.X_WH.rotation * transpose(turn({0, 0, 0.5}))))), 0, 1e-12);
+	puppet->state.X_WH.translation += Vec3{0, 0, 0.03};
+	puppet->state.X_WH.rotation = turn({0, 0.2, 0}) * puppet->state.X_WH.rotation;
+	const DeviceState moved = readAt(*device, 3);
+	EXPECT_NEAR(distance(moved.X_WH.translation, {0.01, 0, 0.03}), 0, 1e-15);
+	device->write(command);
+	EXPECT_EQ(puppet->last.wrench.force, command.wrench.force);
+}
+
+TEST(VelocityFilter, FollowsAStepAsAnRCCircuit)
+{
+	auto [device, puppet] = decorated<VelocityFilter>(20.0, false);
+	device->open();
+	readAt(*device, 0);
+	puppet->state.twist = {{1, 0, 0}, {0, 2, 0}};
+	std::int64_t t = 0;
+	std::mt19937_64 random(2);
+	for (int i = 0; i < 50; ++i)
+	{
+		t += 500'000 + static_cast<std::int64_t>(random() % 1'000'000);
+		const DeviceState s = readAt(*device, t);
+		const double expected = 1 - std::exp(-2 * 3.14159265358979323846 * 20 * 1e-9 * static_cast<double>(t));
+		EXPECT_NEAR(s.twist.linear.x, expected, 1e-12);
+		EXPECT_NEAR(s.twist.angular.y, 2 * expected, 1e-12);
+	}
+}
+
+TEST(VelocityFilter, DifferencesPositionsWhenAsked)
+{
+	auto [device, puppet] = decorated<VelocityFilter>(0.0, true);
+	device->open();
+	for (int i = 0; i < 20; ++i)
+	{
+		puppet->state.X_WH = {turn({0, 0, 2e-3 * i}), {0, 1000 + 0.5e-3 * i, 0}};
+		const DeviceState s = readAt(*device, i * kMs);
+		EXPECT_NEAR(s.twist.linear.y, i == 0 ? 0 : 0.5, 1e-9);
+		EXPECT_NEAR(s.twist.angular.z, i == 0 ? 0 : 2, 1e-9);
+		EXPECT_TRUE(s.velocityEstimated);
+	}
+}
+
+TEST(DelayedDevice, StatesAndCommandsArriveLaterWithTheirOwnTimes)
+{
+	auto [device, puppet] = decorated<DelayedDevice>(3, 2);
+	device->open();
+	DeviceState state;
+	for (int i = 0; i < 20; ++i)
+	{
+		puppet->state.X_WH.translation.x = i;
+		const DeviceStatus status = device->read(i * kMs, state);
+		ASSERT_EQ(status, i < 3 ? DeviceStatus::Disconnected : DeviceStatus::Ok);
+		if (i >= 3)
+		{
+			EXPECT_EQ(state.X_WH.translation.x, i - 3);
+			EXPECT_EQ(state.sampledAt, (i - 3) * kMs);
+		}
+		DeviceCommand command;
+		command.computedAt = i * kMs;
+		command.wrench.force.x = i;
+		device->write(command);
+		EXPECT_EQ(puppet->last.wrench.force.x, std::max(0, i - 2));
+	}
+}
+
+TEST(DeviceDecorator, DecoratorsCompose)
+{
+	auto hand = std::make_unique<Puppet>();
+	Puppet* puppet = hand.get();
+	DelayedDevice device(std::make_unique<MountedDevice>(std::make_unique<VelocityFilter>(std::move(hand), 0.0), ist::Pose{{}, {0, 0, 1}}, 2.0), 1, 0);
+	device.open();
+	puppet->state.X_WH.translation = {0.1, 0, 0};
+	DeviceState state;
+	device.read(0, state);
+	puppet->state.X_WH.translation = {9, 9, 9};
+	ASSERT_EQ(device.read(kMs, state), DeviceStatus::Ok);
+	EXPECT_EQ(state.X_WH.translation, Vec3(0.2, 0, 1));
+	DeviceCommand command;
+	command.wrench.force = {1, 0, 0};
+	device.write(command);
+	EXPECT_EQ(puppet->last.wrench.force, Vec3(2, 0, 0));
+	EXPECT_EQ(device.info().model, puppet->description.model);
+}

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Recording.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "BulletISTCollision/Core/Checksum.h"
+#include "DeviceBridge/Decorators/RecordingDevice.h"
+#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+#include "DeviceBridge/SteppingThread.h"
+#include "tests/unit/CountingAllocator.h"
+
+using namespace devicebridge;
+
+namespace
+{
+class StickyWall final : public ContactSource
+{
+public:
+	double stiffness = 800;
+	void advance(double, const DeviceState& hand, ToolStep& step) noexcept override
+	{
+		step.tool = {hand.X_WH, hand.twist};
+		const double depth = std::max(0.0, -hand.X_WH.translation.z);
+		// Has a memory, so that a replay that leaves one tick out is seen at the end.
+		m_drag = 0.99 * m_drag + 0.1 * hand.twist.linear;
+		step.coupling = {{m_drag.x, m_drag.y, -stiffness * depth}, 0.01 * m_drag};
+		if (depth > 0) step.contacts[step.contactCount++] = {{}, hand.X_WH.translation, {0, 0, 1}, depth, 1, this};
+	}
+
+private:
+	ist::Vec3 m_drag;
+};
+
+Recording recordedRun(int ticks)
+{
+	auto hand = std::make_unique<SimulatedDevice>(simulatedProfile("sigma7").value());
+	hand->place({{}, {0, 0, 0.02}});
+	hand->setHand(handThrough({{0, {{}, {0, 0, 0.02}}}, {0.7, {{}, {0.01, 0, -0.01}}}, {1.2, {{}, {0.03, 0.02, -0.01}}}}));
+	RecordingDevice device(std::move(hand), static_cast<std::size_t>(ticks));
+	device.open();
+	StickyWall wall;
+	VirtualClock clock;
+	SteppingThread thread(device, wall, clock);
+	thread.run(ticks);
+	return device.recording();
+}
+
+std::uint64_t replayMismatches(const Recording& recording, double stiffness, std::int64_t startAt)
+{
+	ReplayDevice device(recording);
+	device.open();
+	StickyWall wall;
+	wall.stiffness = stiffness;
+	VirtualClock clock;
+	clock.sleepUntil(startAt);
+	SteppingThread thread(device, wall, clock);
+	thread.run(static_cast<std::int64_t>(device.length()));
+	EXPECT_EQ(device.played(), device.length());
+	return device.mismatches();
+}
+
+/// Any field set, numbers of any kind among them.
+Recording oddRecording()
+{
+	Recording r;
+	r.info = simulatedProfile("touchx").value().info;
+	r.dropped = 7;
+	std::mt19937_64 random(9);
+	for (int i = 0; i < 5; ++i)
+	{
+		RecordedTick t;
+		t.now = static_cast<std::int64_t>(random());
+		t.readStatus = static_cast<DeviceStatus>(i);
+		t.written = i % 2;
+		t.state.sequence = random();
+		t.state.X_WH.rotation.m[1][2] = -0.0;
+		t.state.X_WH.translation = {std::numeric_limits<double>::denorm_min(), 1e308, std::numeric_limits<double>::infinity()};
+		t.state.twist.angular.z = std::numeric_limits<double>::quiet_NaN();
+		t.state.buttons = static_cast<std::uint32_t>(random());
+		t.state.flags = 5;
+		t.state.velocityEstimated = true;
+		t.command.expiresAt = -1;
+		t.command.wrench.torque.y = 0.1;
+		t.command.gripForce = -3;
+		r.ticks.push_back(t);
+	}
+	return r;
+}
+}  // namespace
+
+TEST(Recording, EncodesEveryFieldToTheLastBit)
+{
+	const Recording original = oddRecording();
+	const auto bytes = encodeRecording(original);
+	const auto decoded = decodeRecording(bytes.data(), bytes.size());
+	ASSERT_TRUE(decoded) << decoded.error().message;
+	const Recording& r = decoded.value();
+	EXPECT_EQ(r.info.model, original.info.model);
+	EXPECT_EQ(r.info.source, original.info.source);
+	EXPECT_EQ(r.info.actuated, original.info.actuated);
+	EXPECT_EQ(r.info.maxDamping, original.info.maxDamping);
+	EXPECT_EQ(r.dropped, 7U);
+	ASSERT_EQ(r.ticks.size(), original.ticks.size());
+	for (std::size_t i = 0; i < r.ticks.size(); ++i)
+	{
+		const RecordedTick &a = r.ticks[i], &b = original.ticks[i];
+		EXPECT_EQ(a.now, b.now);
+		EXPECT_EQ(a.readStatus, b.readStatus);
+		EXPECT_EQ(a.written, b.written);
+		EXPECT_EQ(a.state.sequence, b.state.sequence);
+		EXPECT_TRUE(std::signbit(a.state.X_WH.rotation.m[1][2]));
+		EXPECT_EQ(a.state.X_WH.translation, b.state.X_WH.translation);
+		EXPECT_TRUE(std::isnan(a.state.twist.angular.z));
+		EXPECT_EQ(a.state.buttons, b.state.buttons);
+		EXPECT_EQ(a.state.flags, 5U);
+		EXPECT_TRUE(a.state.velocityEstimated);
+		EXPECT_EQ(a.command.expiresAt, -1);
+		EXPECT_EQ(a.command.wrench.torque.y, 0.1);
+		EXPECT_EQ(a.command.gripForce, -3);
+	}
+	EXPECT_EQ(encodeRecording(r), bytes);
+}
+
+TEST(Recording, AnyFlippedBitAndAnyCutIsRefused)
+{
+	const auto bytes = encodeRecording(oddRecording());
+	for (std::size_t i = 0; i < bytes.size(); ++i)
+	{
+		auto damaged = bytes;
+		damaged[i] ^= static_cast<std::byte>(1 << (i % 8));
+		ASSERT_FALSE(decodeRecording(damaged.data(), damaged.size())) << "byte " << i;
+		ASSERT_FALSE(decodeRecording(bytes.data(), i)) << "cut to " << i;
+	}
+	EXPECT_FALSE(decodeRecording(nullptr, 0));
+}
+
+// A seal over nonsense is still nonsense: counts and enumerators out of range, with a checksum that fits.
+TEST(Recording, SealedNonsenseIsRefused)
+{
+	const auto bytes = encodeRecording(oddRecording());
+	std::mt19937_64 random(4);
+	int refused = 0;
+	for (int i = 0; i < 3000; ++i)
+	{
+		auto changed = bytes;
+		for (int k = 0; k < 3; ++k) changed[12 + random() % (changed.size() - 20)] = static_cast<std::byte>(random());
+		const std::uint64_t seal = ist::checksum64(changed.data(), changed.size() - 8);
+		for (int k = 0; k < 8; ++k) changed[changed.size() - 8 + static_cast<std::size_t>(k)] = static_cast<std::byte>(seal >> (8 * k));
+		refused += !decodeRecording(changed.data(), changed.size());
+	}
+	EXPECT_GT(refused, 100);
+	EXPECT_LT(refused, 3000);
+}
+
+TEST(Recording, ANewerVersionIsNamed)
+{
+	auto bytes = encodeRecording({});
+	bytes[8] = std::byte{9};
+	const auto decoded = decodeRecording(bytes.data(), bytes.size());
+	ASSERT_FALSE(decoded);
+	EXPECT_NE(decoded.error().message.find("version is 9"), std::string::npos);
+}
+
+TEST(Recording, ReplayMakesTheSameCommandsToTheLastBit)
+{
+	const Recording recording = recordedRun(2000);
+	ASSERT_EQ(recording.ticks.size(), 2000U);
+	EXPECT_GT(norm(recording.ticks.back().command.wrench.force), 1);
+	EXPECT_EQ(replayMismatches(recording, 800, 0), 0U);
+	EXPECT_EQ(replayMismatches(recording, 800, 123'456'789'000), 0U);
+	// Another world is noticed.
+	EXPECT_GT(replayMismatches(recording, 801, 0), 500U);
+}
+
+TEST(Recording, ReplayFromAFileThroughTheRegistryEndsWithTheFile)
+{
+	const std::string path = ::testing::TempDir() + "recording_test_" + std::to_string(::getpid()) + ".istdrec";
+	ASSERT_TRUE(saveRecording(recordedRun(50), path));
+	auto device = DeviceRegistry().open("replay:" + path);
+	std::remove(path.c_str());
+	ASSERT_TRUE(device) << device.error().message;
+	EXPECT_EQ(device.value()->info().model, "sigma.7");
+	DeviceState state;
+	for (int i = 0; i < 50; ++i) EXPECT_EQ(device.value()->read(i, state), DeviceStatus::Ok);
+	EXPECT_EQ(device.value()->read(50, state), DeviceStatus::Disconnected);
+	EXPECT_FALSE(DeviceRegistry().open("replay:/nowhere/at/all"));
+}
+
+TEST(Recording, KeepsNoMoreThanItsRoomAndDoesNotAllocate)
+{
+	RecordingDevice device(std::make_unique<SimulatedDevice>(simulatedProfile("sigma7").value()), 100);
+	device.open();
+	DeviceState state;
+	const auto before = allocationCount();
+	for (int i = 0; i < 150; ++i)
+	{
+		device.read(i * 1'000'000, state);
+		device.write({});
+	}
+	EXPECT_EQ(allocationCount(), before);
+	EXPECT_EQ(device.recording().ticks.size(), 100U);
+	EXPECT_EQ(device.recording().dropped, 50U);
+}
