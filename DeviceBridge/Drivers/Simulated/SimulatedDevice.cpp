@@ -27,70 +27,7 @@ ist::Vec3 quantised(const ist::Vec3& v, double step)
 	if (!(step > 0)) return v;
 	return {std::round(v.x / step) * step, std::round(v.y / step) * step, std::round(v.z / step) * step};
 }
-
-SimulatedProfile touchX()
-{
-	SimulatedProfile p;
-	p.info.model = "Touch X";
-	p.info.maker = "3D Systems";
-	p.info.sensed = kTranslation | kRotation;
-	p.info.actuated = kTranslation;
-	p.info.peakForce = 7.9;
-	p.info.continuousForce = 1.75;
-	p.info.maxStiffness = 1000;
-	p.info.maxDamping = 5;
-	p.info.workspaceRadius = 0.10;
-	p.info.resolution = 2.3e-5;
-	p.info.source =
-		"peakForce, no torque, maxStiffness, maxDamping, workspaceRadius: device table of CHAI3D 3.3.0 (Phantom Desktop); "
-		"continuousForce, resolution: data sheet of the maker, not verified; "
-		"damping: maxStiffness T / 2 at T = 1 ms, the least with which that stiffness is passive (Colgate and Schenkel); "
-		"mass, inertia, hand: assumed";
-	p.damping = 0.5;
-	p.angularDamping = 5e-4;
-	return p;
-}
-
-SimulatedProfile sigma7()
-{
-	SimulatedProfile p;
-	p.info.model = "sigma.7";
-	p.info.maker = "Force Dimension";
-	p.info.sensed = kTranslation | kRotation | kGrip;
-	p.info.actuated = kTranslation | kRotation;
-	p.info.peakForce = 12;
-	p.info.continuousForce = 12;
-	p.info.peakTorque = 0.2;
-	p.info.continuousTorque = 0.2;
-	p.info.maxStiffness = 4000;
-	p.info.maxAngularStiffness = 1;
-	p.info.maxDamping = 30;
-	p.info.maxAngularDamping = 0.07;
-	p.info.workspaceRadius = 0.075;
-	p.info.resolution = 1.5e-6;
-	p.info.angularResolution = 2.27e-4;
-	p.info.source =
-		"peakForce, peakTorque, maxStiffness, maxAngularStiffness, maxDamping, maxAngularDamping, workspaceRadius: device "
-		"table of CHAI3D 3.3.0; continuousForce, continuousTorque: no source, set to the peak; "
-		"resolution, angularResolution (0.013 degrees): data sheet of the maker, not verified; "
-		"damping, angularDamping: stiffness T / 2 at T = 1 ms, the least with which the largest stiffness is passive "
-		"(Colgate and Schenkel); mass, inertia, hand: assumed; the grip is not actuated here";
-	p.damping = 2;
-	p.angularDamping = 5e-4;
-	return p;
-}
 }  // namespace
-
-ist::Result<SimulatedProfile> simulatedProfile(const std::string& name)
-{
-	SimulatedProfile profile;
-	if (name == "touchx") profile = touchX();
-	else if (name == "sigma7") profile = sigma7();
-	else return ist::Error{"No simulated device is called '" + name + "'; known ones are touchx, sigma7", false};
-	profile.info.uri = "sim:" + name;
-	profile.info.serial = "simulated";
-	return profile;
-}
 
 HandScript handThrough(std::vector<HandKeyFrame> frames)
 {

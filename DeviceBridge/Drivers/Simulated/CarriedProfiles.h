@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstddef>
+
+namespace devicebridge
+{
+/// The files of data/devices, put into the library when it is built.
+struct CarriedProfile
+{
+	const char* name;
+	const char* text;
+};
+extern const CarriedProfile kCarriedProfiles[];
+extern const std::size_t kCarriedProfileCount;
+}  // namespace devicebridge
