@@ -4,9 +4,10 @@
 #include "BulletISTCollision/Core/Kernels/TreeLimits.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
-#include <numeric>
 
 namespace ist
 {
@@ -14,6 +15,9 @@ namespace
 {
 // Squares of differences of such coordinates still fit in a float.
 constexpr float kFarAway = 1e17f;
+[[maybe_unused]] constexpr int kFewestToShare = 4096;  // balls, among threads
+constexpr size_t kFewestToThin = 1024;                 // balls that a bounding sphere is found for
+constexpr int kDirections = 8;                         // along either side of each face of a cube
 
 struct Bound
 {
@@ -28,34 +32,43 @@ struct BinaryNode
 	Bound bound{};
 };
 
+/// A ball as the build reads it, again and again.
+struct BuildBall
+{
+	float x, y, z, R;
+	Vec3 center() const { return {x, y, z}; }
+};
+
 class Builder
 {
 public:
-	explicit Builder(const std::vector<MomentBall>& balls) : m_balls(balls), m_side(balls.size()), m_buffer(balls.size())
+	Builder(const std::vector<MomentBall>& balls, [[maybe_unused]] int threads)
+		: m_source(balls), m_side(balls.size()), m_buffer(balls.size()), m_cost(balls.size() / BallBlock::kWidth + 2)
 	{
-		for (int axis = 0; axis < 3; ++axis)
+		m_balls.reserve(balls.size());
+		for (const MomentBall& b : balls) m_balls.push_back({b.x, b.y, b.z, b.R});
+		// Every leaf is a full block, but for the last.
+		m_binary.resize(2 * blocksOf(int(balls.size())) - 1);
+#pragma omp parallel num_threads(threads) if (balls.size() >= kFewestToShare)
+#pragma omp single
 		{
-			m_order[axis].resize(balls.size());
-			std::iota(m_order[axis].begin(), m_order[axis].end(), 0);
-			// The index breaks ties, so that the tree does not depend on the sort.
-			std::sort(m_order[axis].begin(), m_order[axis].end(), [&](int a, int b) {
-				const double ca = balls[a].center()[axis], cb = balls[b].center()[axis];
-				return ca != cb ? ca < cb : a < b;
-			});
+#pragma omp taskloop grainsize(1)
+			for (int axis = 0; axis < 3; ++axis) sortAlong(axis);
+			split(0, 0, int(balls.size()));
 		}
-		m_cost.resize(balls.size() / BallBlock::kWidth + 2);
-		m_root = split(0, int(balls.size()));
 	}
 
 	BallTree collapse()
 	{
 		m_tree.nodes.emplace_back();
-		fillNode(0, m_root);
+		fillNode(0, 0);
 		return std::move(m_tree);
 	}
 
 private:
-	int split(int begin, int end);
+	static int blocksOf(int count) { return (count + BallBlock::kWidth - 1) / BallBlock::kWidth; }
+	void sortAlong(int axis);
+	void split(int index, int begin, int end);
 	bool bestSplit(int begin, int end, int& bestAxis, int& bestSplit);
 	void partition(int begin, int end, int axis, int middle);
 	Bound bound(int begin, int end) const;
@@ -65,7 +78,7 @@ private:
 	struct Extent
 	{
 		Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-		void add(const MomentBall& b)
+		void add(const BuildBall& b)
 		{
 			const Vec3 c = b.center(), r{b.R, b.R, b.R};
 			low = componentMin(low, c - r);
@@ -78,24 +91,44 @@ private:
 		}
 	};
 
-	const std::vector<MomentBall>& m_balls;
+	const std::vector<MomentBall>& m_source;
+	std::vector<BuildBall> m_balls;
 	std::vector<int> m_order[3];
+	// Parts of the tree that are built at the same time use parts of these that do not meet.
 	std::vector<char> m_side;
 	std::vector<int> m_buffer;
 	std::vector<double> m_cost;
-	std::vector<BinaryNode> m_binary;
+	std::vector<BinaryNode> m_binary;  ///< a node, what is left below it, what is right below it
 	BallTree m_tree;
-	int m_root = -1;
 };
+
+void Builder::sortAlong(int axis)
+{
+	// Floats in the order of their bits; the index breaks ties, so that the tree does not depend on the sort.
+	std::vector<uint64_t> keys(m_balls.size());
+	for (size_t i = 0; i < keys.size(); ++i)
+	{
+		const BuildBall& b = m_balls[i];
+		const float value = (axis == 0 ? b.x : axis == 1 ? b.y : b.z) + 0.0f;  // no negative zero
+		uint32_t bits;
+		std::memcpy(&bits, &value, sizeof bits);
+		bits ^= bits >> 31 ? 0xffffffffu : 0x80000000u;
+		keys[i] = uint64_t(bits) << 32 | i;
+	}
+	std::sort(keys.begin(), keys.end());
+	m_order[axis].resize(keys.size());
+	for (size_t i = 0; i < keys.size(); ++i) m_order[axis][i] = int(keys[i] & 0xffffffffu);
+}
 
 bool Builder::bestSplit(int begin, int end, int& bestAxis, int& bestSplit)
 {
 	constexpr int W = BallBlock::kWidth;
-	const int count = end - begin, blocks = (count + W - 1) / W;
+	const int count = end - begin, blocks = blocksOf(count);
 	if (blocks < 2) return false;
 	// A quarter on either side at least: bounds the depth whatever the cloud.
 	const int first = std::max(1, blocks / 4), last = std::min(blocks - 1, blocks - blocks / 4);
 	double best = std::numeric_limits<double>::infinity();
+	double* costs = m_cost.data() + begin / W;
 	bestAxis = 0;
 	bestSplit = begin + first * W;
 	for (int axis = 0; axis < 3; ++axis)
@@ -105,7 +138,7 @@ bool Builder::bestSplit(int begin, int end, int& bestAxis, int& bestSplit)
 		for (int i = count - 1; i >= first * W; --i)
 		{
 			right.add(m_balls[order[i]]);
-			if (i % W == 0) m_cost[i / W] = right.cost(count - i);
+			if (i % W == 0) costs[i / W] = right.cost(count - i);
 		}
 		Extent left;
 		for (int i = 0; i < last * W; ++i)
@@ -113,7 +146,7 @@ bool Builder::bestSplit(int begin, int end, int& bestAxis, int& bestSplit)
 			left.add(m_balls[order[i]]);
 			const int k = (i + 1) / W;
 			if ((i + 1) % W != 0 || k < first) continue;
-			const double cost = left.cost(i + 1) + m_cost[k];
+			const double cost = left.cost(i + 1) + costs[k];
 			if (cost < best)
 			{
 				best = cost;
@@ -141,35 +174,74 @@ void Builder::partition(int begin, int end, int axis, int middle)
 	}
 }
 
-/// Badoiu and Clarkson's iteration: step towards the farthest ball, ever shorter.
-Bound Builder::bound(int begin, int end) const
+/// The outermost ball in each direction from the middle, or all where they are few.
+void keepOutermost(std::vector<BuildBall>& balls, const Vec3& middle)
 {
-	const int* order = m_order[0].data();
-	Extent box;
-	for (int i = begin; i < end; ++i) box.add(m_balls[order[i]]);
-	Vec3 c = (box.low + box.high) / 2, bestCenter = c;
+	if (balls.size() <= kFewestToThin) return;
+	constexpr int cells = 6 * kDirections * kDirections;
+	std::array<double, cells> reach;
+	std::array<uint32_t, cells> outermost;
+	reach.fill(-1);
+	for (uint32_t i = 0; i < balls.size(); ++i)
+	{
+		const Vec3 d = balls[i].center() - middle;
+		const int axis = std::fabs(d.x) >= std::fabs(d.y) && std::fabs(d.x) >= std::fabs(d.z) ? 0 : std::fabs(d.y) >= std::fabs(d.z) ? 1 : 2;
+		const double scale = d[axis] != 0 ? 0.5 * kDirections / std::fabs(d[axis]) : 0;
+		const auto bin = [&](double v) { return std::min(kDirections - 1, int(v * scale + 0.5 * kDirections)); };
+		const int cell = ((2 * axis + (d[axis] < 0)) * kDirections + bin(d[(axis + 1) % 3])) * kDirections + bin(d[(axis + 2) % 3]);
+		const double far = norm(d) + balls[i].R;
+		if (far <= reach[size_t(cell)]) continue;
+		reach[size_t(cell)] = far;
+		outermost[size_t(cell)] = i;
+	}
+	std::vector<BuildBall> kept;
+	for (size_t k = 0; k < size_t(cells); ++k)
+		if (reach[k] >= 0) kept.push_back(balls[outermost[k]]);
+	balls.swap(kept);
+}
+
+/// Badoiu and Clarkson's iteration: step towards the farthest ball, ever shorter.
+Vec3 centerOf(const std::vector<BuildBall>& balls, Vec3 c)
+{
+	Vec3 bestCenter = c;
 	double best = std::numeric_limits<double>::infinity();
+	size_t farthest = 0;
 	for (int step = 0; step < 48; ++step)
 	{
-		double reach = 0;
-		Vec3 toFarthest;
-		for (int i = begin; i < end; ++i)
+		// Begun with the one that was farthest before, most of the others need no square root.
+		double reach = distance(balls[farthest].center(), c) + balls[farthest].R;
+		for (size_t i = 0; i < balls.size(); ++i)
 		{
-			const MomentBall& b = m_balls[order[i]];
-			const Vec3 offset = b.center() - c;
-			const double d = norm(offset);
-			if (d + b.R <= reach) continue;
-			reach = d + b.R;
-			toFarthest = offset;
+			const double rest = reach - balls[i].R, d2 = squaredNorm(balls[i].center() - c);
+			if (rest >= 0 && d2 <= rest * rest) continue;
+			reach = std::sqrt(d2) + balls[i].R;
+			farthest = i;
 		}
 		if (reach < best)
 		{
 			best = reach;
 			bestCenter = c;
 		}
-		c += toFarthest * (1.0 / (step + 4));
+		c += (balls[farthest].center() - c) * (1.0 / (step + 4));
 	}
-	Bound result{float(bestCenter.x), float(bestCenter.y), float(bestCenter.z), 0};
+	return bestCenter;
+}
+
+Bound Builder::bound(int begin, int end) const
+{
+	const int* order = m_order[0].data();
+	Extent box;
+	std::vector<BuildBall> balls;
+	balls.reserve(size_t(end - begin));
+	for (int i = begin; i < end; ++i)
+	{
+		balls.push_back(m_balls[order[i]]);
+		box.add(balls.back());
+	}
+	const Vec3 middle = (box.low + box.high) / 2;
+	keepOutermost(balls, middle);
+	const Vec3 center = centerOf(balls, middle);
+	Bound result{float(center.x), float(center.y), float(center.z), 0};
 	const Vec3 rounded{result.x, result.y, result.z};
 	double reach = 0;
 	for (int i = begin; i < end; ++i)
@@ -178,19 +250,18 @@ Bound Builder::bound(int begin, int end) const
 	return result;
 }
 
-int Builder::split(int begin, int end)
+void Builder::split(int index, int begin, int end)
 {
-	const int index = int(m_binary.size());
-	m_binary.emplace_back();
-	int axis, middle, left = -1, right = -1;
-	if (bestSplit(begin, end, axis, middle))
-	{
-		partition(begin, end, axis, middle);
-		left = split(begin, middle);
-		right = split(middle, end);
-	}
-	m_binary[index] = {begin, end, left, right, bound(begin, end)};
-	return index;
+	m_binary[index] = {begin, end, -1, -1, bound(begin, end)};
+	int axis, middle;
+	if (!bestSplit(begin, end, axis, middle)) return;
+	partition(begin, end, axis, middle);
+	const int left = index + 1, right = index + 2 * blocksOf(middle - begin);
+	m_binary[index].left = left;
+	m_binary[index].right = right;
+#pragma omp task if (middle - begin >= kFewestToShare)
+	split(left, begin, middle);
+	split(right, middle, end);
 }
 
 uint32_t Builder::makeBlock(const BinaryNode& leaf)
@@ -206,7 +277,7 @@ uint32_t Builder::makeBlock(const BinaryNode& leaf)
 	{
 		MomentBall ball;
 		ball.x = ball.y = ball.z = kFarAway;
-		if (k < int(block.count)) ball = m_balls[m_order[0][leaf.begin + k]];
+		if (k < int(block.count)) ball = m_source[m_order[0][leaf.begin + k]];
 		block.x[k] = ball.x;
 		block.y[k] = ball.y;
 		block.z[k] = ball.z;
@@ -363,9 +434,9 @@ std::string BallTree::validate() const
 	return {};
 }
 
-BallTree buildBallTree(const std::vector<MomentBall>& balls)
+BallTree buildBallTree(const std::vector<MomentBall>& balls, int threads)
 {
 	if (balls.empty()) return {};
-	return Builder(balls).collapse();
+	return Builder(balls, threads).collapse();
 }
 }  // namespace ist

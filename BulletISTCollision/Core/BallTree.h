@@ -47,6 +47,6 @@ public:
 };
 
 /// SAH-like top-down build (cost n * diagonal^3), splits at multiples of a block, binary tree collapsed to width 8. O(n log n).
-/// Node bounds enclose the R-balls of everything below, rounded up.
-BallTree buildBallTree(const std::vector<MomentBall>& balls);
+/// Node bounds enclose the R-balls of everything below, rounded up. The same tree for any thread count.
+BallTree buildBallTree(const std::vector<MomentBall>& balls, int threads = 1);
 }  // namespace ist

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/CounterRandom.h"
 #include "BulletISTCollision/Core/DistanceOctree.h"
 #include "BulletISTCollision/Core/MeshDistance.h"
+#include "BulletISTCollision/Core/ThreadCount.h"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -45,16 +46,6 @@ constexpr size_t spheresPerBatchMember = 4;
 constexpr uint64_t surfaceStream = 1, awayStream = 2, childStream = 3;  // of the random numbers
 
 double ballVolume(double r) { return 4.0 / 3.0 * pi * r * r * r; }
-
-int threadCount(const PackingOptions& options)
-{
-#ifdef _OPENMP
-	return options.threads > 0 ? options.threads : omp_get_max_threads();
-#else
-	(void)options;
-	return 1;
-#endif
-}
 
 int thisThread()
 {
@@ -128,7 +119,7 @@ class Packer
 {
 public:
 	Packer(const MeshDistance& surface, const PackingOptions& options, double volume, const Box& box)
-		: m_surface(surface), m_options(options), m_threads(threadCount(options)), m_volume(volume), m_box(box), m_side(box.longestSide()),
+		: m_surface(surface), m_options(options), m_threads(threadCount(options.threads)), m_volume(volume), m_box(box), m_side(box.longestSide()),
 		  m_floor(std::max(options.minRadius, smallestRelativeRadius * m_side)), m_space(surface, 0.02 * m_floor),
 		  m_ascents(size_t(m_threads), BallAscent(m_space))
 	{

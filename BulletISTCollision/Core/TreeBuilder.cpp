@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
 #include "BulletISTCollision/Core/SpherePacker.h"
+#include "BulletISTCollision/Core/ThreadCount.h"
 
 #include <chrono>
 
@@ -96,14 +97,14 @@ Result<SpherePacking> pack(const MeshDistance& surface, const BuildOptions& opti
 }
 
 /// False when cancelled.
-bool buildTrees(InnerSphereTree& tree, const Cells& cells, const Progress& progress)
+bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Progress& progress)
 {
 	if (!goesOn(progress, "tree", 0)) return false;
-	tree.law = buildBallTree(cells.leaves);
+	tree.law = buildBallTree(cells.leaves, threads);
 	if (!goesOn(progress, "tree", 0.4)) return false;
-	tree.cells = buildBallTree(cells.cells);
+	tree.cells = buildBallTree(cells.cells, threads);
 	if (!goesOn(progress, "tree", 0.7)) return false;
-	tree.inner = buildBallTree(innerBalls(tree.spheres));
+	tree.inner = buildBallTree(innerBalls(tree.spheres), threads);
 	return goesOn(progress, "tree", 1);
 }
 }  // namespace
@@ -143,7 +144,7 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	tree.spheres = std::move(packing.value().spheres);
 	seconds.leaves = watch.lap();
 
-	if (!buildTrees(tree, cells.value(), options.progress)) return cancelled();
+	if (!buildTrees(tree, cells.value(), threadCount(options.threads), options.progress)) return cancelled();
 	seconds.tree = watch.lap();
 	if (const std::string problem = tree.validate(); !problem.empty()) return Error{"internal: the built tree is not valid: " + problem};
 	return tree;

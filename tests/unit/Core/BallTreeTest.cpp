@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 #include <random>
 
 using namespace ist;
@@ -38,6 +40,48 @@ std::vector<std::array<float, 4>> sorted(const std::vector<MomentBall>& balls)
 	std::sort(keys.begin(), keys.end());
 	return keys;
 }
+
+std::vector<MomentBall> ballsBelow(const BallTree& tree, uint32_t child)
+{
+	std::vector<MomentBall> below;
+	std::vector<uint32_t> open{child};
+	while (!open.empty())
+	{
+		const uint32_t at = open.back();
+		open.pop_back();
+		if (at == BallNode::kNoChild) continue;
+		if (at & BallNode::kLeafBit)
+		{
+			const size_t block = at & ~BallNode::kLeafBit;
+			for (size_t i = 0; i < tree.blocks[block].count; ++i) below.push_back(tree.balls[block * BallBlock::kWidth + i]);
+			continue;
+		}
+		open.insert(open.end(), tree.nodes[at].child, tree.nodes[at].child + BallNode::kWidth);
+	}
+	return below;
+}
+
+/// Radius of the least sphere around the balls, from above.
+double leastSphere(const std::vector<MomentBall>& balls)
+{
+	Vec3 c = balls[0].center();
+	double least = 1e300;
+	for (int step = 1; step <= 500; ++step)
+	{
+		const MomentBall* farthest = nullptr;
+		double reach = -1;
+		for (const MomentBall& b : balls)
+		{
+			const double d = distance(b.center(), c) + b.R;
+			if (d <= reach) continue;
+			reach = d;
+			farthest = &b;
+		}
+		least = std::min(least, reach);
+		c += (farthest->center() - c) * (1.0 / (step + 1));
+	}
+	return least;
+}
 }  // namespace
 
 TEST(BallTree, HoldsEveryBallOnceAndIsValid)
@@ -50,6 +94,36 @@ TEST(BallTree, HoldsEveryBallOnceAndIsValid)
 		EXPECT_EQ(tree.ballCount(), uint32_t(count));
 		EXPECT_EQ(tree.blocks.size(), size_t(count + 15) / 16);
 		EXPECT_EQ(sorted(tree.balls), sorted(balls));
+	}
+}
+
+TEST(BallTree, TheThreadCountChangesNothing)
+{
+	const std::vector<MomentBall> balls = cloud(30000, 11);
+	const BallTree one = buildBallTree(balls, 1);
+	for (const int threads : {2, 5})
+	{
+		const BallTree many = buildBallTree(balls, threads);
+		EXPECT_EQ(sorted(many.balls), sorted(one.balls));
+		ASSERT_EQ(many.nodes.size(), one.nodes.size());
+		ASSERT_EQ(many.blocks.size(), one.blocks.size());
+		EXPECT_EQ(std::memcmp(many.nodes.data(), one.nodes.data(), one.nodes.size() * sizeof(BallNode)), 0);
+		for (size_t i = 0; i < one.blocks.size(); ++i) EXPECT_EQ(std::memcmp(&many.blocks[i], &one.blocks[i], offsetof(BallBlock, br)), 0) << i;
+	}
+}
+
+// Of a large node the build looks at the outermost balls only, and takes a tenth of the steps.
+TEST(BallTree, LargeNodesAreBoundedAlmostAsTightlyAsCanBe)
+{
+	for (const unsigned seed : {21u, 22u})
+	{
+		const BallTree tree = buildBallTree(cloud(40000, seed));
+		const BallNode& root = tree.nodes[0];
+		for (int k = 0; k < BallNode::kWidth; ++k)
+		{
+			ASSERT_NE(root.child[k], BallNode::kNoChild);
+			EXPECT_LE(root.r[k], 1.03 * leastSphere(ballsBelow(tree, root.child[k])));
+		}
 	}
 }
 
