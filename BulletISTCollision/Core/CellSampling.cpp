@@ -229,19 +229,29 @@ void layOut(const std::vector<Sphere>& spheres, const std::vector<Slab>& slabs, 
 	result.samples.resize(result.begin[n]);
 }
 
-void addGapSamples(std::vector<Slab>& slabs, SampledCells& result)
+/// Of the cells [first, last).
+void addGapSamples(const std::vector<Slab>& slabs, size_t first, size_t last, SampledCells& result)
 {
-	std::vector<size_t> next = result.gapBegin;
-	for (Slab& slab : slabs)
-	{
+	std::vector<size_t> next(result.gapBegin.begin() + std::ptrdiff_t(first), result.gapBegin.begin() + std::ptrdiff_t(last));
+	for (const Slab& slab : slabs)
 		for (size_t k = 0; k < slab.samples.size(); ++k)
 		{
-			CellSample& s = result.samples[next[slab.owners[k]]++];
+			const size_t owner = slab.owners[k];
+			if (owner < first || owner >= last) continue;
+			CellSample& s = result.samples[next[owner - first]++];
 			s = slab.samples[k];
 			s.weight = float(result.gapSampleVolume);
 		}
-		slab = {};
-	}
+}
+
+/// Each thread takes cells with about as many samples, and all the slabs.
+void addGapSamples(const std::vector<Slab>& slabs, int threads, SampledCells& result)
+{
+	const auto cut = [&](int part)
+	{ return size_t(std::lower_bound(result.begin.begin(), result.begin.end(), result.samples.size() * size_t(part) / size_t(threads)) - result.begin.begin()); };
+#pragma omp parallel for schedule(static, 1) num_threads(threads)
+	for (int part = 0; part < threads; ++part)
+		addGapSamples(slabs, cut(part), part + 1 < threads ? cut(part + 1) : result.gapBegin.size(), result);
 }
 
 void addBallSamples(const Sphere& sphere, uint64_t index, uint64_t seed, FieldSampler& field, SampledCells& result)
@@ -257,7 +267,7 @@ void addBallSamples(const Sphere& sphere, uint64_t index, uint64_t seed, FieldSa
 }  // namespace
 
 SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>& spheres, double volume, const NearestSphere& nearest,
-						 uint64_t seed, [[maybe_unused]] int threads, const std::function<bool(double)>& goesOn)
+						 uint64_t seed, int threads, const std::function<bool(double)>& goesOn)
 {
 	double balls = 0;
 	for (const Sphere& s : spheres) balls += ballVolume(s.r);
@@ -276,7 +286,7 @@ SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>&
 	result.gapSampleVolume = points == 0 ? 0 : gap / double(points);
 	result.ballScale = points == 0 ? volume / balls : 1;
 	layOut(spheres, slabs, result);
-	addGapSamples(slabs, result);
+	addGapSamples(slabs, threads, result);
 	slabs = {};
 
 	for (size_t first = 0; first < spheres.size(); first += ballsPerReport)

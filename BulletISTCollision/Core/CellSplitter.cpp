@@ -19,6 +19,10 @@ constexpr double positionWeight = 2.5;
 
 constexpr size_t minimumToSplit = 24;
 constexpr size_t minimumOfChild = 8;
+// Pieces split at the same time: a half seldom comes before a piece of this share of its parent's priority.
+constexpr double batchSpan = 0.5;
+constexpr size_t largestBatch = 16384;
+[[maybe_unused]] constexpr size_t fewestToShare = 24;
 
 using Vec6 = std::array<double, 6>;
 using Mat6 = std::array<Vec6, 6>;
@@ -149,24 +153,36 @@ MomentBall momentBall(const CellPiece& piece)
 	return ball;
 }
 
-std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount)
+std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount, [[maybe_unused]] int threads)
 {
 	std::vector<CellPiece> pieces = cells;
-	const auto before = [](const std::pair<double, size_t>& a, const std::pair<double, size_t>& b)
-	{ return a.first != b.first ? a.first < b.first : a.second > b.second; };
-	std::priority_queue<std::pair<double, size_t>, std::vector<std::pair<double, size_t>>, decltype(before)> queue(before);
+	using Waiting = std::pair<double, size_t>;  // priority, piece
+	const auto before = [](const Waiting& a, const Waiting& b) { return a.first != b.first ? a.first < b.first : a.second > b.second; };
+	std::priority_queue<Waiting, std::vector<Waiting>, decltype(before)> queue(before);
 	for (size_t i = 0; i < pieces.size(); ++i) queue.push({priority(pieces[i]), i});
 
+	std::vector<Waiting> batch;
+	std::vector<std::optional<std::pair<CellPiece, CellPiece>>> halves;
 	while (pieces.size() < leafCount && !queue.empty())
 	{
-		const size_t index = queue.top().second;
-		queue.pop();
-		const auto children = split(samples, pieces[index]);
-		if (!children) continue;
-		pieces[index] = children->first;
-		pieces.push_back(children->second);
-		queue.push({priority(children->first), index});
-		queue.push({priority(children->second), pieces.size() - 1});
+		const double least = batchSpan * queue.top().first;
+		const size_t most = std::min(largestBatch, leafCount - pieces.size());
+		for (batch.clear(); !queue.empty() && batch.size() < most && queue.top().first >= least; queue.pop()) batch.push_back(queue.top());
+		halves.assign(batch.size(), {});
+#pragma omp parallel for schedule(dynamic, 8) num_threads(threads) if (batch.size() >= fewestToShare)
+		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(batch.size()); ++i) halves[size_t(i)] = split(samples, pieces[batch[size_t(i)].second]);
+		size_t done = 0;
+		for (; done < batch.size() && (queue.empty() || !before(batch[done], queue.top())); ++done)
+		{
+			if (!halves[done]) continue;
+			const auto& [first, second] = *halves[done];
+			const size_t index = batch[done].second;
+			pieces[index] = first;
+			pieces.push_back(second);
+			queue.push({priority(first), index});
+			queue.push({priority(second), pieces.size() - 1});
+		}
+		for (; done < batch.size(); ++done) queue.push(batch[done]);
 	}
 	std::sort(pieces.begin(), pieces.end(),
 			  [](const CellPiece& a, const CellPiece& b) { return a.sphere != b.sphere ? a.sphere < b.sphere : a.begin < b.begin; });

@@ -34,6 +34,7 @@ struct CellPiece
 MomentBall momentBall(const CellPiece& piece);
 
 /// Splits cells into compact pieces, the one with the largest mass * R * (0.15 + 1 - |normal|^2) first, until there are `leafCount` of
-/// them or none can be split. Reorders the samples inside each cell. The pieces come grouped by cell, in the order of `cells`.
-std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount);
+/// them or none can be split. Reorders the samples inside each cell. The pieces come grouped by cell, in the order of `cells`;
+/// the same for any thread count.
+std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount, int threads = 1);
 }  // namespace ist

@@ -5,10 +5,7 @@
 #include "BulletISTCollision/Core/CellSplitter.h"
 #include "BulletISTCollision/Core/NearestSphere.h"
 #include "BulletISTCollision/Core/SurfaceGap.h"
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
+#include "BulletISTCollision/Core/ThreadCount.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,16 +19,6 @@ namespace
 {
 constexpr size_t smallPacking = 200;
 constexpr size_t fewestLeaves = 300;
-
-int threadCount(const CellOptions& options)
-{
-#ifdef _OPENMP
-	return options.threads > 0 ? options.threads : omp_get_max_threads();
-#else
-	(void)options;
-	return 1;
-#endif
-}
 
 double ballVolume(double r)
 {
@@ -99,21 +86,21 @@ Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packi
 
 	if (cancelled(0)) return cancelledError;
 	const NearestSphere nearest(packing.spheres);
-	const int threads = threadCount(options);
+	const int threads = threadCount(options.threads);
 	const auto goesOn = [&](double fraction) { return !cancelled(0.8 * fraction); };
 	SampledCells sampled = sampleCells(surface, packing.spheres, volume, nearest, options.seed, threads, goesOn);
 	if (sampled.begin.empty() || cancelled(0.8)) return cancelledError;
 
 	const size_t n = packing.spheres.size();
-	std::vector<CellPiece> bases;
-	bases.reserve(n);
-	for (size_t i = 0; i < n; ++i) bases.push_back(baseCell(sampled, packing.spheres[i], uint32_t(i)));
+	std::vector<CellPiece> bases(n);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(n); ++i) bases[size_t(i)] = baseCell(sampled, packing.spheres[size_t(i)], uint32_t(i));
 	size_t leafCount = size_t(std::llround(std::max(1.0, options.leavesPerSphere) * double(n)));
 	if (n < smallPacking) leafCount = std::max(leafCount, fewestLeaves);
 
 	Cells result;
 	for (const CellPiece& piece : bases) result.cells.push_back(momentBall(piece));
-	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCount)) result.leaves.push_back(momentBall(piece));
+	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCount, threads)) result.leaves.push_back(momentBall(piece));
 	if (cancelled(0.9)) return cancelledError;
 	const SurfaceGap gap = measureSurfaceGap(mesh, nearest, threads);
 	result.meanGap = gap.mean;

@@ -15,6 +15,7 @@ namespace
 {
 constexpr double surfaceSamples = 2e5;
 constexpr int surfaceRefinements = 100000;
+constexpr int refinedTogether = 256;
 
 struct SurfacePatch
 {
@@ -67,20 +68,26 @@ std::vector<SurfacePatch> surfacePatches(const Mesh& mesh)
 }
 
 /// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there.
-double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& nearest)
+double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& nearest, [[maybe_unused]] int threads)
 {
 	const auto before = [](const SurfacePatch& a, const SurfacePatch& b) { return a.bound < b.bound; };
 	double seen = 0;
 	for (const SurfacePatch& p : patches) seen = std::max(seen, p.gap);
 	std::make_heap(patches.begin(), patches.end(), before);
-	for (int step = 0; step < surfaceRefinements && patches.front().bound > 1.01 * seen; ++step)
+	std::vector<SurfacePatch> halves;
+	for (int step = 0; step < surfaceRefinements && patches.front().bound > 1.01 * seen; step += refinedTogether)
 	{
-		std::pop_heap(patches.begin(), patches.end(), before);
-		const auto halves = bisected(patches.back());
-		patches.pop_back();
-		for (SurfacePatch half : halves)
+		halves.clear();
+		for (int k = 0; k < refinedTogether && !patches.empty() && patches.front().bound > 1.01 * seen; ++k)
 		{
-			measureGap(half, nearest);
+			std::pop_heap(patches.begin(), patches.end(), before);
+			for (const SurfacePatch& half : bisected(patches.back())) halves.push_back(half);
+			patches.pop_back();
+		}
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
+		for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(halves.size()); ++k) measureGap(halves[size_t(k)], nearest);
+		for (const SurfacePatch& half : halves)
+		{
 			seen = std::max(seen, half.gap);
 			patches.push_back(half);
 			std::push_heap(patches.begin(), patches.end(), before);
@@ -91,7 +98,7 @@ double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& neares
 
 }  // namespace
 
-SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, [[maybe_unused]] int threads)
+SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, int threads)
 {
 	SurfaceGap result;
 	std::vector<SurfacePatch> patches = surfacePatches(mesh);
@@ -108,7 +115,7 @@ SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, [[m
 	for (const SurfacePatch& p : patches)
 		if (p.gap > 3 * result.mean) uncovered += p.area();
 	result.uncoveredArea = uncovered / area;
-	result.largest = largestGap(std::move(patches), nearest);
+	result.largest = largestGap(std::move(patches), nearest, threads);
 	return result;
 }
 }  // namespace ist
