@@ -7,8 +7,16 @@ namespace ist
 {
 std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
 {
-	std::vector<EdgeUse> edges;
-	edges.reserve(mesh.triangles.size() * 3);
+	// By the lower vertex through counts; what shares it is a handful.
+	std::vector<std::size_t> first(mesh.vertices.size() + 1);
+	for (const Triangle& t : mesh.triangles)
+	{
+		if (isCollapsed(t)) continue;
+		for (std::size_t k = 0; k < 3; ++k) ++first[std::min(t[k], t[(k + 1) % 3]) + 1];
+	}
+	std::partial_sum(first.begin(), first.end(), first.begin());
+	std::vector<EdgeUse> edges(first.back());
+	std::vector<std::size_t> next(first.begin(), first.end() - 1);
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
 	{
 		const Triangle& t = mesh.triangles[i];
@@ -16,13 +24,12 @@ std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
 		for (std::size_t k = 0; k < 3; ++k)
 		{
 			const uint32_t a = t[k], b = t[(k + 1) % 3];
-			edges.push_back({std::min(a, b), std::max(a, b), static_cast<uint32_t>(i), a < b});
+			edges[next[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), static_cast<uint32_t>(i), a < b};
 		}
 	}
-	std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
-		if (a.low != b.low) return a.low < b.low;
-		return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-	});
+	for (std::size_t v = 0; v + 1 < first.size(); ++v)
+		std::sort(edges.begin() + std::ptrdiff_t(first[v]), edges.begin() + std::ptrdiff_t(first[v + 1]), [](const EdgeUse& a, const EdgeUse& b)
+				  { return a.high != b.high ? a.high < b.high : a.triangle < b.triangle; });
 	return edges;
 }
 
