@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/DistanceOctree.h"
 
 #include "BulletISTCollision/Core/MeshDistance.h"
+#include "BulletISTCollision/Core/WorkerCrew.h"
 
 #include <algorithm>
 
@@ -339,7 +340,7 @@ void DistanceOctree::insertBelow(Node& node, uint32_t item)
 	for (int k = 0; k < 8; ++k) insertBelow(children[k], item);
 }
 
-void DistanceOctree::insert(const std::vector<Sphere>& balls, [[maybe_unused]] int threads)
+void DistanceOctree::insert(const std::vector<Sphere>& balls, WorkerCrew& crew)
 {
 	std::vector<Insertion> open(1), below;
 	open[0].node = &m_root;
@@ -359,8 +360,9 @@ void DistanceOctree::insert(const std::vector<Sphere>& balls, [[maybe_unused]] i
 		}
 		open.swap(below);
 	}
-#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (balls.size() >= fewestToShare)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(open.size()); ++i)
-		for (const uint32_t item : open[size_t(i)].items) insertBelow(*open[size_t(i)].node, item);
+	crew.run(open.size(), 4, [&](size_t i, int)
+			 {
+				 for (const uint32_t item : open[i].items) insertBelow(*open[i].node, item);
+			 });
 }
 }  // namespace ist

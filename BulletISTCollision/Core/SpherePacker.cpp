@@ -6,10 +6,7 @@
 #include "BulletISTCollision/Core/DistanceOctree.h"
 #include "BulletISTCollision/Core/MeshDistance.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
+#include "BulletISTCollision/Core/WorkerCrew.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,19 +39,10 @@ constexpr size_t startsPerReport = 4000;
 constexpr double batchSpan = 0.97;
 constexpr size_t largestBatch = 8192;
 constexpr size_t spheresPerBatchMember = 4;
-[[maybe_unused]] constexpr size_t fewestToShare = 24;  // among threads: waiting for each other costs more than fewer tasks
+constexpr size_t shareOfGrowth = 8, shareOfBatch = 24;  // done by a thread at a time
 constexpr uint64_t surfaceStream = 1, awayStream = 2, childStream = 3;  // of the random numbers
 
 double ballVolume(double r) { return 4.0 / 3.0 * pi * r * r * r; }
-
-int thisThread()
-{
-#ifdef _OPENMP
-	return omp_get_thread_num();
-#else
-	return 0;
-#endif
-}
 
 /// A sphere that fitted when it was grown.
 struct Candidate
@@ -119,9 +107,9 @@ class Packer
 {
 public:
 	Packer(const MeshDistance& surface, const PackingOptions& options, double volume, const Box& box)
-		: m_surface(surface), m_options(options), m_threads(threadCount(options.threads)), m_volume(volume), m_box(box), m_side(box.longestSide()),
+		: m_surface(surface), m_options(options), m_crew(threadCount(options.threads)), m_volume(volume), m_box(box), m_side(box.longestSide()),
 		  m_floor(std::max(options.minRadius, smallestRelativeRadius * m_side)), m_space(surface, 0.02 * m_floor),
-		  m_ascents(size_t(m_threads), BallAscent(m_space))
+		  m_ascents(size_t(threadCount(options.threads)), BallAscent(m_space))
 	{
 	}
 
@@ -164,7 +152,7 @@ private:
 	void addSurfaceStarts();
 	void addChildren(uint32_t sphere);
 	void growAll();
-	Sphere growOne(const Start& start, uint64_t key);
+	Sphere growOne(const Start& start, uint64_t key, BallAscent& ascent);
 	Sphere fitting(const Vec3& center);
 	void push(const Sphere& sphere);
 	bool popBatch();
@@ -178,7 +166,7 @@ private:
 
 	const MeshDistance& m_surface;
 	const PackingOptions& m_options;
-	const int m_threads;
+	WorkerCrew m_crew;
 	const double m_volume;
 	const Box m_box;
 	const double m_side;
@@ -227,8 +215,7 @@ void Packer::buildGrid()
 	int count[3];
 	for (int a = 0; a < 3; ++a) count[a] = std::max(1, int(std::ceil(size[a] / m_gridStep - 1e-9)));
 	std::vector<std::vector<GridPoint>> layers(static_cast<size_t>(count[2]));
-#pragma omp parallel for schedule(dynamic, 1) num_threads(m_threads)
-	for (int k = 0; k < count[2]; ++k) buildGridLayer(count, k, layers[size_t(k)]);
+	m_crew.run(layers.size(), 1, [&](size_t k, int) { buildGridLayer(count, int(k), layers[k]); });
 	for (const auto& layer : layers) m_grid.insert(m_grid.end(), layer.begin(), layer.end());
 	report(0);
 }
@@ -347,9 +334,8 @@ void Packer::growAll()
 	{
 		const size_t last = std::min(m_starts.size(), first + startsPerReport);
 		grown.assign(last - first, {});
-#pragma omp parallel for schedule(dynamic, 4) num_threads(m_threads) if (last - first >= fewestToShare)
-		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(last - first); ++i)
-			grown[size_t(i)] = growOne(m_starts[first + size_t(i)], m_grown + uint64_t(i));
+		m_crew.run(last - first, shareOfGrowth,
+				   [&](size_t i, int worker) { grown[i] = growOne(m_starts[first + i], m_grown + i, m_ascents[size_t(worker)]); });
 		m_grown += last - first;
 		for (size_t i = 0; i < grown.size(); ++i)
 		{
@@ -365,7 +351,7 @@ void Packer::growAll()
 }
 
 /// The hole that a start leads to; radius 0 where there is none.
-Sphere Packer::growOne(const Start& start, uint64_t key)
+Sphere Packer::growOne(const Start& start, uint64_t key, BallAscent& ascent)
 {
 	const double clearance = m_space.nearest(start.position).distance;
 	if (!(clearance > 0)) return {};
@@ -373,7 +359,7 @@ Sphere Packer::growOne(const Start& start, uint64_t key)
 	const double way = 1.001 * start.fromInside;
 	if (way > 0 && clearance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position)) return {};
 	const Vec3 away = CounterRandom(m_options.seed, awayStream, key).direction();
-	return fitting(m_ascents[size_t(thisThread())].grow(start.position, away).center);
+	return fitting(ascent.grow(start.position, away).center);
 }
 
 void Packer::push(const Sphere& sphere)
@@ -418,14 +404,13 @@ bool Packer::popBatch()
 void Packer::validateBatch()
 {
 	m_clearances.resize(m_batch.size());
-#pragma omp parallel for schedule(dynamic, 8) num_threads(m_threads) if (m_batch.size() >= fewestToShare)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_batch.size()); ++i)
-	{
-		Sphere& sphere = m_batch[size_t(i)].sphere;
-		double& clearance = m_clearances[size_t(i)];
-		clearance = m_space.nearest(sphere.center()).distance;
-		if (clearance >= sphere.r) sphere.r = std::min(sphere.r, storedRadius(m_surface.closest(sphere.center(), clearance).distance, m_side));
-	}
+	m_crew.run(m_batch.size(), shareOfBatch, [&](size_t i, int)
+			   {
+				   Sphere& sphere = m_batch[i].sphere;
+				   double& clearance = m_clearances[i];
+				   clearance = m_space.nearest(sphere.center()).distance;
+				   if (clearance >= sphere.r) sphere.r = std::min(sphere.r, storedRadius(m_surface.closest(sphere.center(), clearance).distance, m_side));
+			   });
 }
 
 /// Places the largest candidates and collects the starts that follow from them; false when no more are wanted.
@@ -442,7 +427,7 @@ bool Packer::placeBatch()
 		if (m_placed.spheres().empty() && !m_done) growAll();
 		if (m_done) break;
 	}
-	m_space.insert(m_placed.spheres(), m_threads);
+	m_space.insert(m_placed.spheres(), m_crew);
 	return !m_placed.spheres().empty();
 }
 
