@@ -55,7 +55,7 @@ void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, ClosedHoles& clos
 	}
 	double area = 0;
 	for (std::size_t i = first; i < mesh.triangles.size(); ++i) area += triangleArea(mesh, mesh.triangles[i]);
-	closed.doubt += area * norm(box.size());
+	closed.doubt += area * norm(box.size()) / 4;
 }
 }  // namespace
 

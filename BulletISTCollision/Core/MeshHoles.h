@@ -10,7 +10,8 @@ namespace ist
 struct ClosedHoles
 {
 	int64_t count = 0;
-	/// Sum of the caps' areas times the extents of their loops [m^3]: what the missing surface may have enclosed or left out beyond them.
+	/// What the missing surface may have enclosed or left out beyond the caps [m^3]: the sum of their areas times a quarter of their
+	/// loops' extents, which is just above a hemisphere over each round hole.
 	double doubt = 0;
 };
 
