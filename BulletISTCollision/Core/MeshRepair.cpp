@@ -452,7 +452,19 @@ Attempt prepareToWrap(const Mesh& welded)
 	return attempt;
 }
 
-Error notClosed(const Closedness& found, const char* remedy)
+/// The middle of the first edge that triangles do not run through as often one way as the other.
+std::string firstBadEdge(const Mesh& mesh)
+{
+	std::optional<Vec3> found;
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
+		int64_t balance = 0;
+		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
+		if (balance != 0 && !found) found = 0.5 * (mesh.vertices[use->low] + mesh.vertices[use->high]);
+	});
+	return found ? ", the first at (" + number(found->x) + ", " + number(found->y) + ", " + number(found->z) + ") m" : "";
+}
+
+Error notClosed(const Mesh& mesh, const Closedness& found, const char* remedy)
 {
 	std::string list;
 	const auto add = [&](int64_t count, const char* singular, const char* plural) {
@@ -462,7 +474,7 @@ Error notClosed(const Closedness& found, const char* remedy)
 	add(found.nonManifoldEdges, "edge with more than two triangles", "edges with more than two triangles");
 	add(found.flippedEdges, "edge between triangles that face opposite ways", "edges between triangles that face opposite ways");
 	if (list.empty()) list = "no triangle with three different corners";
-	return Error{"the mesh is not closed: " + list + "; " + remedy};
+	return Error{"the mesh is not closed: " + list + firstBadEdge(mesh) + "; " + remedy};
 }
 
 std::optional<Error> whyUnreadable(const Mesh& mesh)
@@ -544,7 +556,7 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 						 " cells along its longest side lies inside it; give it thickness"};
 	}
 	if (!attempt.state.watertight)
-		return notClosed(attempt.state, mode == RepairMode::Off
+		return notClosed(attempt.mesh, attempt.state, mode == RepairMode::Off
 											? "use the automatic repair"
 											: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
 	if (mode == RepairMode::Auto)

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 using namespace ist;
 
@@ -79,6 +82,39 @@ TEST(MeshImport, CoordinatesThatAreNotFiniteAreRefused)
 	const Result<Mesh> mesh = importMesh(file.path());
 	ASSERT_FALSE(mesh);
 	EXPECT_NE(mesh.error().message.find("not finite"), std::string::npos) << mesh.error().message;
+}
+
+TEST(MeshImport, BinaryTrianglesThatAreNotFiniteOrCutShortAreRefused)
+{
+	// A tetrahedron as binary STL, then each coordinate in turn not finite, then each length of the file.
+	const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+	std::string stl(80, ' ');
+	const auto append = [&](const auto& value) { stl.append(reinterpret_cast<const char*>(&value), sizeof value); };
+	append(uint32_t(4));
+	for (const auto& face : faces)
+	{
+		append(std::array<float, 3>{});
+		for (const int corner : face) append(corners[corner]);
+		append(uint16_t(0));
+	}
+	ASSERT_TRUE(importMesh(TemporaryFile(stl, ".stl").path()));
+	for (std::size_t triangle = 0; triangle < 4; ++triangle)
+		for (std::size_t k = 0; k < 9; ++k)
+			for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()})
+			{
+				std::string broken = stl;
+				std::memcpy(broken.data() + 84 + 50 * triangle + 12 + 4 * k, &bad, 4);
+				const Result<Mesh> mesh = importMesh(TemporaryFile(broken, ".stl").path());
+				ASSERT_FALSE(mesh);
+				EXPECT_NE(mesh.error().message.find("not finite"), std::string::npos) << mesh.error().message;
+			}
+	for (std::size_t length = 0; length < stl.size(); length += 7)
+	{
+		const Result<Mesh> mesh = importMesh(TemporaryFile(stl.substr(0, length), ".stl").path());
+		ASSERT_FALSE(mesh) << length;
+		EXPECT_FALSE(mesh.error().message.empty());
+	}
 }
 
 TEST(MeshImport, AMissingFileIsRefusedByName)

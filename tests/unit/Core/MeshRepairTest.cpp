@@ -185,6 +185,12 @@ TEST(MeshRepair, SimpleHolesAreClosed)
 	EXPECT_EQ(inspect(pipe).openEdges, 128);
 	expectVolume(pipe, volume);
 	expectRefused(pipe, "128 open edges", RepairMode::Off);
+	Mesh box = makeBoxMesh({1, 2, 3});
+	std::erase_if(box.triangles, [&](const auto& t) {
+		return box.vertices[t[0]].z == 3 && box.vertices[t[1]].z == 3 && box.vertices[t[2]].z == 3;
+	});
+	expectRefused(box, "4 open edges, the first at (", RepairMode::Off);
+	expectRefused(box, ", 3) m; use the automatic repair", RepairMode::Off);
 }
 
 TEST(MeshRepair, ACavityStaysACavity)
@@ -342,6 +348,50 @@ TEST(MeshRepair, EmptyFlatAndUnreadableMeshesAreRefused)
 	mesh.triangles[2][1] = 99;
 	expectRefused(mesh, "does not exist");
 	EXPECT_FALSE(inspect(mesh).watertight);
+}
+
+TEST(MeshRepair, NeedlesAndASingleTriangle)
+{
+	// Legs of a billionth and a thousandth of the length.
+	Mesh triangle;
+	triangle.vertices = {{1, 2, 3}, {1.5, 2, 3}, {1, 2.5, 3.5}};
+	triangle.triangles = {{0, 1, 2}};
+	expectRefused(triangle, "flat");
+	const Mesh needle = makeBoxMesh({1, 1e-3, 1e-3});
+	expectVolume(needle, 8e-6, 1e-15);
+	expectVolume(translated(makeBoxMesh({1, 1e-4, 1e-4}), {1000, 0, 0}), 8e-8, 1e-12);
+	// A closed body whose facets are needles: a cylinder of 500 segments, 400 times as long as they are wide.
+	const Mesh rod = makeCylinderMesh(0.05, 0.125, 500);
+	const double pi = 3.14159265358979323846;
+	expectVolume(rod, 500 * 0.5 * 0.05 * 0.05 * std::sin(2 * pi / 500) * 0.25, 1e-12);
+	// A needle of the box split at the middle of its long edge, which its neighbour lacks: a crack of no width.
+	Mesh cracked = makeBoxMesh({1, 1, 1});
+	const auto [a, b, c] = cracked.triangles[0];
+	const auto middle = static_cast<uint32_t>(cracked.vertices.size());
+	cracked.vertices.push_back(0.5 * (cracked.vertices[a] + cracked.vertices[b]));
+	cracked.triangles[0] = {a, middle, c};
+	cracked.triangles.push_back({middle, b, c});
+	EXPECT_EQ(inspect(cracked).openEdges, 3);
+	expectVolume(cracked, 8);
+}
+
+TEST(MeshRepair, AMillionLooseTrianglesAreWeldedTurnedAndClosed)
+{
+	const double pi = 3.14159265358979323846;
+	const int ring = 1000, tube = 500;
+	Mesh mesh = soup(makeTorusMesh(1, 0.4, ring, tube));
+	ASSERT_EQ(mesh.triangles.size(), 1'000'000u);
+	std::mt19937 random(7);
+	for (auto& t : mesh.triangles)
+		if (random() % 16 == 0) std::swap(t[0], t[1]);
+	mesh.triangles.resize(mesh.triangles.size() - 1);
+	const Result<RepairedMesh> repaired = repair(mesh);
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	EXPECT_EQ(repaired.value().mesh.triangles.size(), 1'000'000u);
+	EXPECT_EQ(repaired.value().mesh.vertices.size(), 500'000u);
+	EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
+	// 2 pi^2 R r^2 of the smooth torus, less what the polygons of the two sweeps cut off: 2/3 (pi / n)^2 each at most.
+	EXPECT_NEAR(repaired.value().volumeAfter, 2 * pi * pi * 0.16, 2 * pi * pi * 0.16 * (pi * pi / (tube * tube) + pi * pi / (ring * ring)));
 }
 
 TEST(MeshRepair, VolumeChangesAreToldAndNothingElse)

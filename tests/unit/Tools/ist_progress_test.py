@@ -65,9 +65,9 @@ def bar_with_the_time_left(folder):
 
 def interruption(folder, number):
     out = os.path.join(folder, "interrupted.ist")
-    for stage in ["packing", "cells"]:
-        spheres = "500000" if stage == "packing" else "3000"
-        process = subprocess.Popen(build(folder, out, "--spheres", spheres), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    for stage, *options in [["import", "--spheres", "3000"], ["repair", "--spheres", "3000", "--repair", "wrap"],
+                            ["packing", "--spheres", "500000"], ["cells", "--spheres", "3000"]]:
+        process = subprocess.Popen(build(folder, out, *options), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for line in process.stderr:
             if line.startswith(stage):
                 process.send_signal(number)
