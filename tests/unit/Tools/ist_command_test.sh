@@ -79,6 +79,16 @@ expect "build --error" 0 "$ist" build "$dir/cube.obj" -o "$dir/error.ist" --erro
 holds "build --error" 'r["spheres"] <= 1000'
 expect "build --error out of reach" 1 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.001 --spheres 50
 says "build --error out of reach" "out of reach: 50 spheres give"
+head -n 13 "$dir/cube.obj" > "$dir/holed.obj"
+for mode in auto wrap; do
+	expect "build --repair $mode" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --repair $mode --json
+	holds "build --repair $mode" 'r["watertight"] is False and abs(r["volume"] - 1) < 0.01 and near(r["volume_change"], r["volume"] / abs(r["mesh_volume"]) - 1) and any("volume changed from" in t for t in r["repair"])'
+	expect "check after --repair $mode" 0 "$ist" check "$dir/holed.ist" --mesh "$dir/holed.obj" --json
+	holds "check after --repair $mode" 'r["ok"] is True and r["protruding"] == 0'
+done
+expect "build --repair off" 1 "$ist" build "$dir/holed.obj" -o "$dir/no.ist" --spheres 50 --repair off
+says "build --repair off" "4 open edges, the first at"
+rm -f "$dir/holed.ist"
 expect "build --fill 2" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --fill 2
 expect "build: missing mesh" 1 "$ist" build "$dir/none.obj" -o "$dir/no.ist"
 expect "build: missing folder" 1 "$ist" build "$dir/cube.obj" -o "$dir/none/no.ist" --spheres 10
