@@ -34,12 +34,6 @@ constexpr double kBlurred = 1e-3;
 /// Of the stage: reading, the rest is taking the triangles over.
 constexpr double kReading = 0.9;
 
-/// Ends the reading from inside assimp.
-struct Cancelled : std::exception
-{
-	const char* what() const noexcept override { return "cancelled"; }
-};
-
 class Watch
 {
 public:
@@ -58,7 +52,8 @@ private:
 	bool m_cancelled = false;
 };
 
-/// Reads in blocks, between which the caller is asked.
+/// Reads in blocks, between which the caller is asked. Goes on reading when the caller wants to stop: assimp's loaders leak what they
+/// hold when a read fails.
 class WatchedStream : public Assimp::IOStream
 {
 public:
@@ -73,7 +68,7 @@ public:
 			const size_t wanted = std::min(atOnce, count - done), read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
 			done += read;
 			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
-			if (!m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total)) throw Cancelled();
+			m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
 			if (read < wanted) break;
 		}
 		return done;

@@ -13,6 +13,6 @@ namespace ist
 /// all coordinates by `unit` (metres per unit of the file). Points and lines are ignored. Duplicate positions are not welded:
 /// that is repair's work. Errors: file missing or unreadable, no triangles, coordinates that are not finite (names the first one) or
 /// that lie so far from the origin that single precision, in which assimp reads them, blurs the shape. Stage "import": the share of the
-/// file's bytes that were read, then of the triangles that were taken.
+/// file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file is parsed.
 Result<Mesh> importMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
 }  // namespace ist
