@@ -11,7 +11,7 @@
 
 namespace devicebridge
 {
-/// One read of a device and the last write before the next.
+/// One read of a device and the first write after it.
 struct RecordedTick
 {
 	std::int64_t now = 0;  ///< as read() was told [ns]

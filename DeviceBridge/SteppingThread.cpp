@@ -52,7 +52,7 @@ SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clo
 SteppingThread::~SteppingThread()
 {
 	stop();
-	if (m_ticks > 0) sendZero(FaultCause::None);
+	if (m_ticks > 0) sendZero(FaultCause::None, m_time.now());
 }
 
 bool SteppingThread::run(std::int64_t ticks) noexcept
@@ -98,7 +98,7 @@ void SteppingThread::loop() noexcept
 		waitForTick();
 		tick();
 	}
-	sendZero(FaultCause::None);
+	sendZero(FaultCause::None, m_time.now());
 	m_running.store(false, std::memory_order_release);
 }
 
@@ -147,13 +147,13 @@ void SteppingThread::tick() noexcept
 		const std::int64_t computedAt = fresh ? computeWrench() : now;
 		if (!fresh && m_hasState) advanceWorld();
 		if (fresh) send(computedAt);
-		else sendZero(m_watchCause);
+		else sendZero(m_watchCause, now);
 	}
 	catch (...)
 	{
 		m_limiter.raiseFault();
 		m_latchedCause = FaultCause::HookException;
-		sendZero(FaultCause::HookException);
+		sendZero(FaultCause::HookException, now);
 	}
 	increment(m_ticks);
 	m_costs.add(m_time.now() - now);
@@ -216,8 +216,11 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	command.computedAt = computedAt;
 	command.expiresAt = computedAt + m_settings.safety.zeroFrom;
 	command.wrench = m_wanted;
-	// Read anew: the tick may have taken longer than the command lives.
-	const std::int64_t now = m_time.now();
+	// A tick that took longer than a period may have outlived its command. Any other counts as instantaneous, so that a
+	// recorded run can be replayed to the last bit.
+	const std::int64_t finished = m_time.now();
+	const bool slow = finished - m_lastTick >= m_settings.period;
+	const std::int64_t now = slow ? finished : std::max(m_lastTick, std::min(m_state.sampledAt, finished));
 	const bool jumped = m_time.jumps() != m_seenJumps, stalled = now - m_lastTick >= m_settings.safety.zeroFrom;
 	m_seenJumps = m_time.jumps();
 	if (jumped) m_limiter.restart();
@@ -232,13 +235,13 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	else report(!written ? FaultCause::Disconnected : jumped ? FaultCause::ClockJump : stalled ? FaultCause::Stalled : FaultCause::None, false);
 }
 
-void SteppingThread::sendZero(FaultCause cause) noexcept
+void SteppingThread::sendZero(FaultCause cause, std::int64_t at) noexcept
 {
 	m_wanted = {};
 	DeviceCommand command;
 	command.sequence = ++m_sequence;
 	command.basedOn = m_state.sequence;
-	command.computedAt = m_time.now();
+	command.computedAt = at;
 	command.expiresAt = command.computedAt + m_settings.safety.zeroFrom;
 	m_sent = m_limiter.zero(command, command.computedAt);
 	if (m_device.write(m_sent) != DeviceStatus::Ok) increment(m_deviceErrors);

@@ -115,7 +115,7 @@ private:
 	std::int64_t computeWrench();
 	void advanceWorld();
 	void send(std::int64_t computedAt) noexcept;
-	void sendZero(FaultCause cause) noexcept;
+	void sendZero(FaultCause cause, std::int64_t at) noexcept;
 	void report(FaultCause cause, bool latched) noexcept;
 	void askForRealTime() noexcept;
 

@@ -30,6 +30,7 @@ DeviceStatus RecordingDevice::write(const DeviceCommand& command) noexcept
 	const DeviceStatus status = m_inner->write(command);
 	if (!m_keeping || m_recording.ticks.empty()) return status;
 	RecordedTick& tick = m_recording.ticks.back();
+	if (tick.written) return status;
 	tick.written = true;
 	tick.writeStatus = status;
 	tick.command = command;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 
@@ -21,6 +22,7 @@ DeviceStatus ReplayDevice::read(std::int64_t now, DeviceState& state) noexcept
 	const RecordedTick& tick = m_recording.ticks[m_next];
 	if (m_next == 0) m_shift = now - tick.now;
 	++m_next;
+	m_answered = false;
 	if (tick.readStatus != DeviceStatus::Ok) return tick.readStatus;
 	state = tick.state;
 	state.sampledAt += m_shift;
@@ -30,7 +32,8 @@ DeviceStatus ReplayDevice::read(std::int64_t now, DeviceState& state) noexcept
 DeviceStatus ReplayDevice::write(const DeviceCommand& command) noexcept
 {
 	if (!m_open) return DeviceStatus::NotOpen;
-	if (m_next == 0) return DeviceStatus::Ok;
+	if (m_next == 0 || m_answered) return DeviceStatus::Ok;
+	m_answered = true;
 	const RecordedTick& tick = m_recording.ticks[m_next - 1];
 	DeviceCommand expected = tick.command;
 	expected.computedAt += m_shift;
@@ -41,5 +44,21 @@ DeviceStatus ReplayDevice::write(const DeviceCommand& command) noexcept
 		if (m_mismatches++ == 0) m_firstMismatch = m_next - 1;
 	}
 	return tick.written ? tick.writeStatus : DeviceStatus::Ok;
+}
+
+RecordedClock::RecordedClock(const Recording& recording)
+{
+	m_times.reserve(recording.ticks.size() + 1);
+	const std::int64_t first = recording.ticks.empty() ? 0 : recording.ticks.front().now;
+	m_times.push_back(first - 1'000'000);
+	for (const RecordedTick& tick : recording.ticks) m_times.push_back(tick.now);
+}
+
+std::int64_t RecordedClock::now() const noexcept { return m_times[m_at]; }
+
+void RecordedClock::sleepUntil(std::int64_t deadline) noexcept
+{
+	if (m_at + 1 < m_times.size()) ++m_at;
+	else m_times.back() = std::max(m_times.back(), deadline);
 }
 }  // namespace devicebridge

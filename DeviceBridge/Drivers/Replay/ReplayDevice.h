@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "DeviceBridge/Clock.h"
 #include "DeviceBridge/Recording.h"
 
 namespace devicebridge
@@ -29,6 +30,19 @@ private:
 	std::size_t m_next = 0, m_firstMismatch = 0;
 	std::int64_t m_shift = 0;
 	std::uint64_t m_mismatches = 0;
-	bool m_open = false;
+	bool m_open = false, m_answered = false;
+};
+
+/// The times of a recorded run: sleeping leads to the next read, however far that is.
+class RecordedClock final : public Clock
+{
+public:
+	explicit RecordedClock(const Recording& recording);
+	std::int64_t now() const noexcept override;
+	void sleepUntil(std::int64_t deadline) noexcept override;
+
+private:
+	std::vector<std::int64_t> m_times;
+	std::size_t m_at = 0;
 };
 }  // namespace devicebridge

@@ -182,6 +182,36 @@ TEST(Recording, ReplayMakesTheSameCommandsToTheLastBit)
 	EXPECT_GT(replayMismatches(recording, 801, 0), 500U);
 }
 
+// In real time the ticks are never the same distance apart; the recorded clock makes them so.
+TEST(Recording, ARunInRealTimeIsReplayedToTheLastBit)
+{
+	auto hand = std::make_unique<SimulatedDevice>(simulatedProfile("sigma7").value());
+	hand->place({{}, {0, 0, 0.002}});
+	hand->setHand(handThrough({{0, {{}, {0, 0, 0.002}}}, {0.1, {{}, {0.01, 0, -0.01}}}}));
+	RecordingDevice device(std::move(hand), 5000);
+	device.open();
+	{
+		StickyWall wall;
+		RealClock clock;
+		SteppingSettings settings;
+		settings.safety.rampTime = 50'000'000;
+		SteppingThread thread(device, wall, clock, settings);
+		thread.run(300);
+		EXPECT_GT(norm(thread.sentWrench().force), 0);
+		// A tick that took longer than a period is not reproducible.
+		if (thread.costs().longest() >= 1'000'000) GTEST_SKIP() << "a tick was interrupted for longer than a period";
+	}
+	ReplayDevice replay(device.recording());
+	replay.open();
+	StickyWall wall;
+	RecordedClock clock(device.recording());
+	SteppingSettings settings;
+	settings.safety.rampTime = 50'000'000;
+	SteppingThread thread(replay, wall, clock, settings);
+	thread.run(static_cast<std::int64_t>(replay.length()));
+	EXPECT_EQ(replay.mismatches(), 0U) << "first at tick " << replay.firstMismatch();
+}
+
 TEST(Recording, ReplayFromAFileThroughTheRegistryEndsWithTheFile)
 {
 	const std::string path = ::testing::TempDir() + "recording_test_" + std::to_string(::getpid()) + ".istdrec";
