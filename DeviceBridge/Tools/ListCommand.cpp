@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
+#include "DeviceBridge/Tools/Commands.h"
+
+namespace devicebridge::tools
+{
+namespace
+{
+Report freedoms(unsigned bits)
+{
+	static const char* const kNames[] = {"x", "y", "z", "rx", "ry", "rz", "grip"};
+	Report names = Report::array();
+	for (unsigned i = 0; i < 7; ++i)
+		if (bits >> i & 1U) names.push_back(kNames[i]);
+	return names;
+}
+}  // namespace
+
+int runList(bool json)
+{
+	Report report = newReport();
+	Report& drivers = report["drivers"] = Report::array();
+	for (const std::string& scheme : DeviceRegistry().schemes())
+		drivers.push_back({{"scheme", scheme + ":"}, {"available", true}});
+	Report& devices = report["devices"] = Report::array();
+	for (const std::string& name : simulatedProfileNames())
+	{
+		const auto profile = simulatedProfile(name);
+		if (!profile) return fail(profile.error().message, kInternal);
+		const DeviceInfo& info = profile.value().info;
+		devices.push_back({{"uri", info.uri}, {"maker", info.maker}, {"model", info.model}});
+	}
+	print(report, json);
+	return kGood;
+}
+
+int runInfo(const RunArguments& arguments)
+{
+	const auto device = DeviceRegistry().open(arguments.uri);
+	if (!device) return fail(device.error().message);
+	const DeviceInfo& info = device.value()->info();
+	Report report = newReport();
+	report["uri"] = info.uri;
+	report["maker"] = info.maker;
+	report["model"] = info.model;
+	report["serial"] = info.serial;
+	report["sensed"] = freedoms(info.sensed);
+	report["actuated"] = freedoms(info.actuated);
+	// An unknown value is null, not zero.
+	const auto number = [&](const char* name, double value)
+	{
+		if (value > 0) report[name] = value;
+		else report[name] = nullptr;
+	};
+	number("peak_force", info.peakForce), number("continuous_force", info.continuousForce);
+	number("peak_torque", info.peakTorque), number("continuous_torque", info.continuousTorque);
+	number("max_stiffness", info.maxStiffness), number("max_angular_stiffness", info.maxAngularStiffness);
+	number("max_damping", info.maxDamping), number("max_angular_damping", info.maxAngularDamping);
+	number("resolution", info.resolution), number("angular_resolution", info.angularResolution);
+	number("workspace_radius", info.workspaceRadius), number("nominal_rate", info.nominalRate);
+	report["source"] = info.source;
+	print(report, arguments.json);
+	return kGood;
+}
+}  // namespace devicebridge::tools

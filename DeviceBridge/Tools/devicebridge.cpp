@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Tools/Commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <functional>
+
+namespace devicebridge::tools
+{
+namespace
+{
+constexpr const char* kVersion = "devicebridge 0.1.0";
+
+class CommandLine
+{
+public:
+	CommandLine()
+	{
+		m_app.require_subcommand(1);
+		m_app.set_version_flag("--version", kVersion);
+		add("list", "Drivers and the devices that they offer", [this] { return runList(m_run.json); });
+		addRun("info", "What a device is and can bear", runInfo, false);
+		addRun("monitor", "Print the samples of a device as CSV; sends no force", runMonitor, true)
+			->add_option("--rate", m_run.rate, "lines in a second [Hz]")->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+		addRun("record", "Feel an elastic wall below z = 0 and write down what passes", runRecord, true)
+			->add_option("-o,--output", m_run.output, "recording to write")->required();
+		CLI::App* replay = add("replay", "Repeat a recorded run and compare each command bit for bit", [this] { return runReplay(m_run); });
+		replay->add_option("file", m_run.uri, "recording")->required();
+		for (const char* name : {"record", "replay", "selftest"})
+		{
+			if (std::string(name) == "selftest") addRun(name, "Check the safety chain on a device", runSelfTest, true);
+			m_app.get_subcommand(name)->add_option("--stiffness", m_run.stiffness, "of the wall [N/m] (half of what the device bears)")->check(CLI::NonNegativeNumber);
+		}
+		addZWidth();
+	}
+
+	int run(int argc, char** argv)
+	{
+		try
+		{
+			m_app.parse(argc, argv);
+		}
+		catch (const CLI::ParseError& e)
+		{
+			return m_app.exit(e) == 0 ? kGood : kUsage;
+		}
+		const int code = m_command();
+		const bool printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+		return printed || code != kGood ? code : fail("standard output cannot be written");
+	}
+
+private:
+	CLI::App* add(const char* name, const char* description, std::function<int()> command)
+	{
+		CLI::App* sub = m_app.add_subcommand(name, description);
+		sub->set_version_flag("--version", kVersion);
+		if (std::string(name) != "monitor") sub->add_flag("--json", m_run.json, "one JSON object");
+		sub->callback([this, command] { m_command = command; });
+		return sub;
+	}
+
+	CLI::App* addRun(const char* name, const char* description, int (*command)(const RunArguments&), bool timed)
+	{
+		CLI::App* sub = add(name, description, [this, command] { return command(m_run); });
+		sub->add_option("uri", m_run.uri, "address of the device, for instance sim:touchx")->required();
+		if (!timed) return sub;
+		sub->add_flag("--real-time", m_run.realTime, "run by the clock on the wall (virtual time)");
+		sub->add_option("--seconds", m_run.seconds, "how long")->check(CLI::Range(0.001, 3600.0))->capture_default_str();
+		return sub;
+	}
+
+	void addZWidth()
+	{
+		CLI::App* sub = add("zwidth", "Largest stable stiffness of a virtual wall over its damping", [this]
+							{
+								m_zwidth.json = m_run.json;
+								return runZWidth(m_zwidth);
+							});
+		sub->add_option("uri", m_zwidth.uri, "simulated device")->capture_default_str();
+		sub->add_option("--delay-ticks", m_zwidth.delayTicks, "by which a command takes effect later")->check(CLI::Range(0, 31));
+		sub->add_option("--steps", m_zwidth.steps, "dampings")->check(CLI::Range(1, 1000))->capture_default_str();
+		sub->add_option("--max-damping", m_zwidth.most, "largest damping of the wall [N s/m]")->check(CLI::NonNegativeNumber);
+	}
+
+	CLI::App m_app{"Haptic devices: list, inspect, record, replay, measure", "devicebridge"};
+	std::function<int()> m_command;
+	RunArguments m_run;
+	ZWidthArguments m_zwidth;
+};
+}  // namespace
+}  // namespace devicebridge::tools
+
+int main(int argc, char** argv)
+{
+	try
+	{
+		return devicebridge::tools::CommandLine().run(argc, argv);
+	}
+	catch (const std::exception& e)
+	{
+		return devicebridge::tools::fail(std::string("internal error: ") + e.what(), devicebridge::tools::kInternal);
+	}
+}

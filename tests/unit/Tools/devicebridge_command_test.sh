@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Zlib
+# Usage: devicebridge_command_test.sh PATH_TO_DEVICEBRIDGE FOLDER_OF_PROFILES. Exit code 0 when every expectation holds.
+set -u
+bridge=$1
+profiles=$2
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failures=0
+
+# expect NAME WANTED_CODE COMMAND...: stdout goes to $dir/out, stderr to $dir/err.
+expect()
+{
+	local name=$1 wanted=$2
+	shift 2
+	"$@" > "$dir/out" 2> "$dir/err"
+	local code=$?
+	if [ "$code" -ne "$wanted" ]; then
+		echo "FAILED $name: exit $code, wanted $wanted"
+		cat "$dir/err"
+		failures=$((failures + 1))
+	fi
+}
+
+# holds NAME EXPRESSION: Python over `r`, the JSON object of the last output.
+holds()
+{
+	if ! python3 - "$dir/out" "$2" <<'PYTHON'
+import json, sys
+r = json.load(open(sys.argv[1]))
+sys.exit(0 if eval(sys.argv[2]) else 1)
+PYTHON
+	then
+		echo "FAILED $1: $2"
+		head -c 2000 "$dir/out"
+		failures=$((failures + 1))
+	fi
+}
+
+says()
+{
+	if ! grep -q -- "$2" "$dir/err"; then
+		echo "FAILED $1: stderr lacks '$2'"
+		cat "$dir/err"
+		failures=$((failures + 1))
+	fi
+}
+
+expect "no command" 2 "$bridge"
+expect "help" 0 "$bridge" --help
+expect "version" 0 "$bridge" --version
+expect "list" 0 "$bridge" list --json
+holds "list" 'r["schema"] == 1 and {"sim:", "replay:"} <= {d["scheme"] for d in r["drivers"]} and len(r["devices"]) >= 15'
+expect "info" 0 "$bridge" info sim:touchx --json
+holds "info" 'r["peak_force"] == 7.9 and r["peak_torque"] is None and "peakForce: " in r["source"] and r["actuated"] == ["x", "y", "z"]'
+expect "info of an unknown device" 1 "$bridge" info sim:nothing
+says "unknown device" "sigma7"
+expect "info without a scheme" 1 "$bridge" info sigma7
+
+sed 's/"peakForce": {"value": [0-9.]*/"peakForce": {"value": "much"/' "$profiles/touchx.json" > "$dir/bad.json"
+expect "damaged profile" 1 "$bridge" info "sim:$dir/bad.json"
+says "damaged profile" "line 7, field peakForce"
+expect "own profile" 0 "$bridge" info "sim:$profiles/omega6.json" --json
+holds "own profile" 'r["model"] == "omega.6"'
+
+for device in sim:sigma7 sim:touch sim:virtuose6d; do
+	expect "record $device" 0 "$bridge" record $device -o "$dir/run.istdrec" --seconds 2 --json
+	holds "record $device" 'r["ticks"] == 2000 and r["faults"] == 0'
+	expect "replay $device" 0 "$bridge" replay "$dir/run.istdrec" --json
+	holds "replay $device" 'r["ok"] and r["mismatches"] == 0 and r["ticks"] == 2000'
+	expect "replay against another wall" 1 "$bridge" replay "$dir/run.istdrec" --stiffness 12 --json
+	holds "replay against another wall" 'not r["ok"] and r["first_mismatch"] > 600'
+	expect "self test $device" 0 "$bridge" selftest $device --json
+	holds "self test $device" 'r["ok"] and len(r["checks"]) >= 4'
+done
+head -c 5000 "$dir/run.istdrec" > "$dir/cut.istdrec"
+expect "cut recording" 1 "$bridge" replay "$dir/cut.istdrec"
+says "cut recording" "checksum"
+expect "recording into nowhere" 1 "$bridge" record sim:touch -o "$dir/no/such/folder/run" --seconds 0.1
+
+expect "zwidth" 0 "$bridge" zwidth sim:sigma7 --steps 3 --json
+holds "zwidth" 'all(abs(p["stable"] / p["predicted"] - 1) < 0.05 for p in r["points"]) and len(r["points"]) == 3'
+expect "zwidth of a recording" 1 "$bridge" zwidth replay:x
+expect "monitor" 0 "$bridge" monitor sim:touch --seconds 1 --rate 10
+[ "$(wc -l < "$dir/out")" -eq 11 ] || { echo "FAILED monitor: $(wc -l < "$dir/out") lines"; failures=$((failures + 1)); }
+
+# A signal ends a run in real time early, and what was recorded until then is whole.
+"$bridge" record sim:sigma7 -o "$dir/live.istdrec" --seconds 600 --real-time > "$dir/out" 2> "$dir/err" &
+pid=$!
+sleep 1
+kill -TERM $pid
+wait $pid
+code=$?
+[ "$code" -eq 130 ] || { echo "FAILED signal: exit $code"; failures=$((failures + 1)); }
+expect "info of a recording" 0 "$bridge" info "replay:$dir/live.istdrec" --json
+holds "info of a recording" 'r["model"] == "sigma.7"'
+
+[ "$failures" -eq 0 ] && echo "all expectations hold"
+exit $((failures > 0))
