@@ -252,3 +252,14 @@ TEST(SafetyStages, TheEndOfAFaultIsAsEnabling)
 	EXPECT_EQ(limiter.limit(command({10, 0, 0}, 4 * kMs), inside, 4 * kMs).wrench.force.x, 0);
 	EXPECT_EQ(limiter.counts().startInside, 1U);
 }
+
+TEST(SafetyStages, TheTorqueHasABudgetOfItsOwn)
+{
+	SafetySettings settings = bare();
+	settings.heatTime = 1;
+	SafetyLimiter limiter(sixDof(), settings);
+	ist::Wrench out;
+	for (int i = 1; i <= 20000; ++i) out = limiter.limit(command({1, 0, 0}, i * kMs, {0, 0, 0.2}), {}, i * kMs).wrench;
+	EXPECT_NEAR(out.torque.z, 0.05, 5e-4);
+	EXPECT_EQ(out.force.x, 1);
+}
