@@ -51,6 +51,7 @@ btISTPairConstants btContactMaterialTable::decide(const btISTContact& contact, c
 		constants.k = A.stiffness + B.stiffness;
 		constants.weightA = A.stiffness > 0 ? 1 : 0;
 	}
+	if (A.stiffness > 0 || B.stiffness > 0) constants.loadMass = 0;
 	if (contact.halfSpace) constants.weightA = 0;
 	constants.weightB = 1 - constants.weightA;
 	return constants;

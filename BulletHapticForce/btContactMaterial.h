@@ -21,7 +21,7 @@ struct btContactMaterial
 /// (a) against a half-space all weight lies on its field, whatever the materials;
 /// (b) both stiffnesses set: in series, 1/k = 1/k_A + 1/k_B, w_A = k_B/(k_A + k_B): the softer body's field counts more;
 /// (c) one set: k is that one, all weight on its field;
-/// (d) none set: btISTDefaultPairRule.
+/// (d) none set: btISTDefaultPairRule, for the heaviest body that hangs together with the two through contacts (btVolumetricIslands).
 /// Dissipation: d = (k_B d_A + k_A d_B)/(k_A + k_B) when both stiffnesses and both dissipations are set, else the mean of those set,
 /// else that of (d). One owner thread: that of the world.
 class btContactMaterialTable : public btISTPairRule

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btISTWorld.h"
 
+#include <cmath>
+
 btISTWorld::btISTWorld()
 	: m_materials(std::make_shared<btContactMaterialTable>()),
 	  m_registration(btISTCollisionAlgorithm::registerAlgorithm(&m_dispatcher, m_broadphase.getOverlappingPairCache())),
@@ -13,10 +15,19 @@ btISTWorld::btISTWorld()
 
 btISTWorld::~btISTWorld() = default;
 
-void btISTWorld::setGravity(const btVector3& gravity)
+std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
 {
+	if (!std::isfinite(gravity.length2())) return ist::Error{"gravity must be three finite numbers of m/s^2"};
 	m_world->setGravity(gravity);
 	m_materials->setGravity(double(gravity.length()));
+	return std::nullopt;
+}
+
+std::optional<ist::Error> btISTWorld::step(double seconds)
+{
+	if (!(seconds > 0) || !std::isfinite(seconds)) return ist::Error{"a step must be a positive finite number of seconds"};
+	m_world->stepSimulation(btScalar(seconds), 0);
+	return std::nullopt;
 }
 
 ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)

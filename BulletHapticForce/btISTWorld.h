@@ -11,6 +11,7 @@
 #include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
 
 #include <memory>
+#include <optional>
 
 /// A Bullet world with volumetric contact: configuration, dispatcher, broad phase, solver, world, and the registration of the
 /// algorithm, made and destroyed in the right order. Bodies, shapes and constraints belong to the caller, who removes them before
@@ -26,8 +27,12 @@ public:
 	btISTWorld& operator=(const btISTWorld&) = delete;
 
 	btDiscreteDynamicsWorld& bullet() { return *m_world; }
-	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material.
-	void setGravity(const btVector3& gravity);
+	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material. Refused when not finite.
+	std::optional<ist::Error> setGravity(const btVector3& gravity);
+	/// One step of so many seconds, without sub-steps. Refused, and nothing moves, when that is not a positive finite number.
+	std::optional<ist::Error> step(double seconds);
+	/// What the solver did since the world was made.
+	const btVolumetricStatistics& statistics() const { return m_solver->statistics(); }
 
 	/// From the next step on, `shape` speaks through `tree` against everything that is volumetric. See btISTRegistry::attach.
 	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);

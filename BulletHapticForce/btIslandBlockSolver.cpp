@@ -324,8 +324,9 @@ void btIslandBlockSolver::iterateFriction()
 				Map<Vector>(m_z.data(), Eigen::Index(stride)) +=
 					change(c) * Map<const Vector>(columns + stride * size_t(c), Eigen::Index(stride));
 		}
-		if (m_remainingChange <= kFrictionTolerance * largestNormal) break;
+		if (m_remainingChange <= kFrictionTolerance * largestNormal) return;
 	}
+	m_frictionNotConverged = true;
 }
 
 /// Of a patch that is out: whether its impulse would push if it were in. The test of the force at this state alone would bring
@@ -390,8 +391,10 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		Map<Vec6> twist(&m_free[6 * size_t(b)]);
 		twist = toEigen(free[b].linear, free[b].angular);
 	}
+	m_frictionNotConverged = false;
 	for (int round = 0;; ++round)
 	{
+		m_rounds = round;
 		if (!m_frictionPrepared)
 		{
 			if (round == 0) orderBodies();
@@ -419,6 +422,12 @@ ist::Wrench btIslandBlockSolver::impulse(int patch) const
 	const Patch& p = m_patches[size_t(patch)];
 	const Vec6 total = Map<const Vec6>(p.elastic) + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
 	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
+}
+
+ist::Wrench btIslandBlockSolver::elasticImpulse(int patch) const
+{
+	const double* e = m_patches[size_t(patch)].elastic;
+	return {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
 }
 
 double btIslandBlockSolver::normalImpulse(int patch) const

@@ -36,10 +36,16 @@ public:
 	const ist::Vec3& point(int patch) const { return m_patches[size_t(patch)].point; }
 	/// On A, about `point` [N s, N m s].
 	ist::Wrench impulse(int patch) const;
+	/// The same without friction.
+	ist::Wrench elasticImpulse(int patch) const;
 	/// Its normal part [N s].
 	double normalImpulse(int patch) const;
 	/// Sweeps of the friction iteration in the last solve, and largest change of an impulse in the last of them [N s].
 	int sweeps() const { return m_sweeps; }
+	/// True when the sweeps of any round of the last solve ended before the impulses stood still.
+	bool frictionNotConverged() const { return m_frictionNotConverged; }
+	/// Changes of the set of pushing patches in the last solve.
+	int rounds() const { return m_rounds; }
 	double remainingChange() const { return m_remainingChange; }
 
 private:
@@ -79,7 +85,8 @@ private:
 	std::vector<double> m_factor;                 // rows of the envelope, dense stride
 	std::vector<double> m_free, m_z, m_scratch;  // 6 per body
 	std::vector<double> m_response;              // to friction: 3 columns of 6 per body for each patch
-	int m_sweeps = 0;
+	int m_sweeps = 0, m_rounds = 0;
+	bool m_frictionNotConverged = false;
 	double m_remainingChange = 0;
 	bool m_frictionPrepared = false;
 };

@@ -90,12 +90,23 @@ void btVolumetricIslands::clear()
 	m_lastingCount = 0;
 }
 
+bool btVolumetricIslands::isFinite(const btSolverBody& body)
+{
+	return ist::isFinite(twist(body)) && ist::isFinite(toVec3(body.getWorldTransform().getOrigin())) &&
+		   ist::isFinite(toVec3(body.internalGetInvMass()));
+}
+
 void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, double friction)
 {
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
 		Entry entry;
-		if (!evaluateContactPatch(contact, i, entry.patch)) continue;
+		if (!evaluateContactPatch(contact, i, entry.patch))
+		{
+			++m_statistics.patchesWithoutForce;
+			continue;
+		}
+		++m_statistics.patches;
 		entry.contact = &contact;
 		entry.patchIndex = i;
 		entry.bodyA = bodyA;
@@ -140,9 +151,57 @@ void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vec
 	}
 }
 
+/// The default rule sees two bodies; what lies on them further up has a weight, too.
+void btVolumetricIslands::carryHeaviest(const btSolverBody* bodies)
+{
+	for (int body = 0; body < int(m_parent.size()); ++body)
+	{
+		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (island < 0) continue;
+		const ist::Vec3 w = toVec3(bodies[body].internalGetInvMass());
+		m_islands[size_t(island)].heaviest = std::max(m_islands[size_t(island)].heaviest, 1 / std::max({w.x, w.y, w.z}));
+	}
+	for (const Island& island : m_islands)
+		for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+		{
+			Entry& e = m_entries[size_t(i)];
+			btISTPairConstants& constants = e.contact->constants;
+			const bool isFirst = i == 0 || m_entries[size_t(i) - 1].contact != e.contact;
+			const double ratio = constants.loadMass > 0 ? island.heaviest / constants.loadMass : 1;
+			if (isFirst) e.carried = std::max(ratio, 1.0);
+			else e.carried = m_entries[size_t(i) - 1].carried;
+			e.patch.wrench = e.carried * e.patch.wrench;
+			for (double& s : e.patch.stiffness.m) s *= e.carried;
+			for (double& d : e.patch.damping.m) d *= e.carried;
+			if (!isFirst) continue;
+			constants.k *= e.carried;
+			constants.loadMass *= e.carried;
+			e.contact->error.force *= e.carried;
+		}
+}
+
 bool btVolumetricIslands::fitsBlock(const Island& island)
 {
 	return island.bodyCount <= kMaxBlockBodies && island.entryCount <= kMaxBlockPatches;
+}
+
+void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
+{
+	const btISTContact* former = nullptr;
+	for (const Entry& e : m_entries)
+	{
+		if (e.contact == former) continue;
+		former = e.contact;
+		const auto velocityAt = [&](int body, const ist::Vec3& point)
+		{
+			// Those that moved the bodies here: without what this step has done so far.
+			const btSolverBody& b = bodies[body];
+			return toVec3(b.m_linearVelocity) + cross(toVec3(b.m_angularVelocity), point - toVec3(b.getWorldTransform().getOrigin()));
+		};
+		const ist::Vec3 centroid = e.contact->total.firstMoment / e.contact->total.volume;
+		const ist::Vec3 point = e.contact->X_WA * (e.contact->treeA->origin + centroid);
+		btContactLedger::begin(*e.contact, norm(velocityAt(e.bodyA, point) - velocityAt(e.bodyB, point)), m_step);
+	}
 }
 
 void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h)
@@ -152,9 +211,13 @@ void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, con
 	std::iota(m_parent.begin(), m_parent.end(), 0);
 	m_islandOfRoot.assign(size_t(bodyCount), -1);
 	m_indexInBlock.assign(size_t(bodyCount), -1);
+	m_change.assign(size_t(bodyCount), ist::Twist());
 	findIslands(bodies, touched);
+	carryHeaviest(bodies);
+	openLedgers(bodies);
 	for (const Island& island : m_islands)
 	{
+		++(fitsBlock(island) ? m_statistics.islands : m_statistics.islandsTooLarge);
 		if (!fitsBlock(island)) makeRows(island, bodies);
 		if (!fitsBlock(island) || !island.touched) continue;
 		if (m_lastingCount == m_lasting.size())
@@ -213,6 +276,7 @@ double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
 	applyImpulse(bodies[e.bodyA], change, point);
 	applyImpulse(bodies[e.bodyB], -1.0 * change, point);
 	e.impulse = r.row.impulse();
+	e.elastic = r.row.elasticImpulse();
 	e.normalImpulse = r.row.normalImpulse();
 	return dot(change.force, change.force);
 }
@@ -232,7 +296,9 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 		takeBack(e.bodyA, e.impulse, e.patch.point);
 		takeBack(e.bodyB, -1.0 * e.impulse, e.patch.point);
 	}
-	block.solver.solve(block.free.data());
+	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
+	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
+	m_statistics.frictionNotConverged += block.solver.frictionNotConverged();
 	double residual = 0;
 	for (size_t k = 0; k < block.entries.size(); ++k)
 	{
@@ -241,6 +307,7 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 		applyImpulse(bodies[e.bodyA], change, e.patch.point);
 		applyImpulse(bodies[e.bodyB], -1.0 * change, e.patch.point);
 		e.impulse = impulse;
+		e.elastic = block.solver.elasticImpulse(int(k));
 		e.normalImpulse = block.solver.normalImpulse(int(k));
 		residual = std::max(residual, dot(change.force, change.force));
 	}
@@ -262,8 +329,95 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 	return residual;
 }
 
-void btVolumetricIslands::finish()
+void btVolumetricIslands::sumChanges(const btSolverBody* bodies)
 {
+	std::fill(m_change.begin(), m_change.end(), ist::Twist());
+	const auto addTo = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point)
+	{
+		if (!canMove(bodies[body])) return;
+		const ist::Twist change = response(rowBody(bodies[body]), impulse, point);
+		m_change[size_t(body)].linear += change.linear;
+		m_change[size_t(body)].angular += change.angular;
+	};
+	for (const Entry& e : m_entries)
+	{
+		addTo(e.bodyA, e.impulse, e.patch.point);
+		addTo(e.bodyB, -1.0 * e.impulse, e.patch.point);
+	}
+}
+
+/// The patches of the contact whose first entry is `first`; returns how many they are.
+int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const
+{
+	const Entry& e = m_entries[first];
+	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point)
+	{
+		const auto moved = [&](const ist::Twist& t, int body)
+		{ return ist::Twist{t.linear + cross(t.angular, point - toVec3(bodies[body].getWorldTransform().getOrigin())), t.angular}; };
+		return difference(moved(a, e.bodyA), moved(b, e.bodyB));
+	};
+	ist::Twist own[2];
+	int count = 0;
+	for (size_t i = first; i < m_entries.size() && m_entries[i].contact == e.contact; ++i, ++count)
+		for (int side = 0; side < 2; ++side)
+		{
+			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
+			if (!canMove(body)) continue;
+			const ist::Twist change = response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
+			own[side].linear += change.linear;
+			own[side].angular += change.angular;
+		}
+	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
+	const ist::Twist before[2] = {difference(after[0], m_change[size_t(e.bodyA)]), difference(after[1], m_change[size_t(e.bodyB)])};
+	for (int i = 0; i < count; ++i)
+	{
+		const Entry& entry = m_entries[first + size_t(i)];
+		const ist::Vec3& point = entry.patch.point;
+		patches[i] = {entry.patch, entry.impulse, entry.elastic, relativeAt(before[0], before[1], point),
+					  relativeAt(after[0], after[1], point), relativeAt(own[0], own[1], point)};
+	}
+	return count;
+}
+
+void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bodies)
+{
+	btLedgerPatch patches[btISTContact::kMaxPatches];
+	gatherLedger(first, bodies, patches);
+	Entry& e = m_entries[first];
+	btISTContactLedger& ledger = e.contact->ledger;
+	const double share = btContactLedger::share(ledger, patches, count);
+	if (share < 1)
+	{
+		++m_statistics.contactsHeldToLedger;
+		for (int i = 0; i < count; ++i)
+		{
+			Entry& entry = m_entries[first + size_t(i)];
+			const ist::Wrench change = (share - 1) * entry.impulse;
+			applyImpulse(bodies[e.bodyA], change, entry.patch.point);
+			applyImpulse(bodies[e.bodyB], -1.0 * change, entry.patch.point);
+			entry.impulse = share * entry.impulse;
+			entry.elastic = share * entry.elastic;
+			entry.normalImpulse *= share;
+			const auto lessOwn = [share](const ist::Vec3& after, const ist::Vec3& own) { return after - (1 - share) * own; };
+			patches[i].after = {lessOwn(patches[i].after.linear, patches[i].own.linear), lessOwn(patches[i].after.angular, patches[i].own.angular)};
+			patches[i].impulse = entry.impulse;
+			patches[i].elastic = entry.elastic;
+		}
+		sumChanges(bodies);
+	}
+	btContactLedger::enter(ledger, patches, count, m_step);
+}
+
+void btVolumetricIslands::finish(btSolverBody* bodies)
+{
+	sumChanges(bodies);
+	for (size_t first = 0; first < m_entries.size();)
+	{
+		size_t end = first + 1;
+		while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
+		holdToLedger(first, int(end - first), bodies);
+		first = end;
+	}
 	for (const Entry& e : m_entries)
 	{
 		e.contact->impulses[e.patchIndex] = e.impulse;

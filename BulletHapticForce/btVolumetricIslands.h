@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/btContactLedger.h"
 #include "BulletHapticForce/btIslandBlockSolver.h"
+#include "BulletHapticForce/btVolumetricStatistics.h"
 
 #include <memory>
 #include <vector>
@@ -20,14 +22,19 @@ public:
 	/// Room for as many contacts with all their patches.
 	void reserve(size_t contacts);
 	void clear();
+	/// Velocity, with the forces of this step, place and mass. Anything else must not reach an island: it would poison all of it.
+	static bool isFinite(const btSolverBody& body);
 	/// All patches of a contact between two bodies of the pool, of which at least one can move.
 	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
 	/// After the last `add`. `touched`: bodies that Bullet's own rows move. `h`: step [s].
 	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h);
 	/// One visit of every island; returns the largest square of a change of force impulse [N^2 s^2].
 	double iterate(btSolverBody* bodies, int iteration);
-	/// Impulses into the contacts.
-	void finish();
+	/// Holds every contact to its ledger (btContactLedger.h), and writes the impulses into the contacts.
+	void finish(btSolverBody* bodies);
+	/// Added to, never reset.
+	const btVolumetricStatistics& statistics() const { return m_statistics; }
+	btVolumetricStatistics& statistics() { return m_statistics; }
 
 private:
 	struct Entry
@@ -38,13 +45,15 @@ private:
 		double friction = 0;
 		btContactPatch patch;
 		int next = -1;  // of the same island
-		ist::Wrench impulse;
+		ist::Wrench impulse, elastic;
 		double normalImpulse = 0;
+		double carried = 1;  // factor on k for a load that the pair does not see
 	};
 	struct Island
 	{
 		int first = -1, entryCount = 0, bodyCount = 0;
 		bool touched = false;
+		double heaviest = 0;  // [kg]
 	};
 	struct Block
 	{
@@ -60,12 +69,17 @@ private:
 
 	int rootOf(int body);
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
+	void carryHeaviest(const btSolverBody* bodies);
+	void openLedgers(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);
 	void reserve(Block& block) const;
 	void fill(Block& block, const Island& island, const btSolverBody* bodies);
 	void makeRows(const Island& island, const btSolverBody* bodies);
 	double solve(Block& block, btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);
+	void sumChanges(const btSolverBody* bodies);
+	int gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const;
+	void holdToLedger(size_t first, int count, btSolverBody* bodies);
 
 	double m_step = 0;
 	size_t m_reserved = 0;  // contacts
@@ -76,4 +90,6 @@ private:
 	std::vector<std::unique_ptr<Block>> m_lasting;     // for those that stay through the iterations
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
+	std::vector<ist::Twist> m_change;  // of each body by all patches
+	btVolumetricStatistics m_statistics;
 };

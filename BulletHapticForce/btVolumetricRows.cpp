@@ -129,4 +129,9 @@ ist::Wrench btVolumetricRow::impulse() const
 	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
 }
 
+ist::Wrench btVolumetricRow::elasticImpulse() const
+{
+	return {{m_elastic[0], m_elastic[1], m_elastic[2]}, {m_elastic[3], m_elastic[4], m_elastic[5]}};
+}
+
 double btVolumetricRow::normalImpulse() const { return ConstVec6(m_elastic).head<3>().dot(toEigen(m_normal)); }

@@ -32,6 +32,8 @@ public:
 	const ist::Vec3& point() const { return m_point; }
 	/// On A, about `point()` [N s, N m s].
 	ist::Wrench impulse() const;
+	/// The same without friction.
+	ist::Wrench elasticImpulse() const;
 	/// Its normal part [N s].
 	double normalImpulse() const;
 

@@ -6,12 +6,23 @@
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace
 {
 bool isRigid(const btCollisionObject* object)
 {
 	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
+}
+
+bool isStep(btScalar h) { return h > 0 && std::isfinite(h); }
+
+bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, const btCollisionObject& b)
+{
+	const double distance = double(std::max(a.getWorldTransform().getOrigin().length(), b.getWorldTransform().getOrigin().length()));
+	const double rounding = distance * double(std::numeric_limits<btScalar>::epsilon());
+	return rounding * norm(contact.total.areaVector) > 0.1 * contact.total.volume;
 }
 
 /// Shares the normal impulse among the representative points as their springs do, for callbacks and games that read it.
@@ -27,11 +38,14 @@ void writeAppliedImpulse(btPersistentManifold& manifold, double impulse)
 }  // namespace
 
 template <class Base>
-btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentManifold* manifold) const
+btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentManifold* manifold)
 {
 	btISTContact* contact = m_store->find(manifold);
-	if (!contact || contact->stamp != m_store->step()) return nullptr;
-	return isRigid(manifold->getBody0()) && isRigid(manifold->getBody1()) ? contact : nullptr;
+	if (!contact) return nullptr;
+	const bool stale = contact->stamp != m_store->step(), rigid = isRigid(manifold->getBody0()) && isRigid(manifold->getBody1());
+	if (stale && manifold->getNumContacts() > 0) ++m_islands.statistics().contactsStale;
+	if (!stale && !rigid) ++m_islands.statistics().contactsNotRigid;
+	return !stale && rigid ? contact : nullptr;
 }
 
 template <class Base>
@@ -39,10 +53,19 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 {
 	auto* a = const_cast<btCollisionObject*>(manifold.getBody0());
 	auto* b = const_cast<btCollisionObject*>(manifold.getBody1());
+	btVolumetricStatistics& statistics = m_islands.statistics();
+	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
 	const int bodyA = this->getOrInitSolverBody(*a, info.m_timeStep), bodyB = this->getOrInitSolverBody(*b, info.m_timeStep);
 	if (this->m_tmpSolverBodyPool[bodyA].internalGetInvMass().isZero() && this->m_tmpSolverBodyPool[bodyB].internalGetInvMass().isZero())
 		return;
+	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+	if (!btVolumetricIslands::isFinite(pool[bodyA]) || !btVolumetricIslands::isFinite(pool[bodyB]) || !isStep(info.m_timeStep))
+	{
+		++statistics.contactsNotFinite;
+		return;
+	}
+	statistics.contactsPrecisionLost += isPrecisionLost(contact, *a, *b);
 	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
 	const double friction = double(manifold.getContactPoint(0).m_combinedFriction);
 	m_islands.add(contact, bodyA, bodyB, std::max(friction, 0.0));
@@ -95,7 +118,7 @@ btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisi
 template <class Base>
 btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info)
 {
-	m_islands.finish();
+	if (!m_ours.empty()) m_islands.finish(&this->m_tmpSolverBodyPool[0]);
 	for (btPersistentManifold* manifold : m_ours) writeAppliedImpulse(*manifold, m_store->find(manifold)->normalImpulse);
 	m_islands.clear();
 	m_ours.clear();

@@ -26,6 +26,9 @@ public:
 
 	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
 
+	/// Since the solver was made.
+	const btVolumetricStatistics& statistics() const { return m_islands.statistics(); }
+
 protected:
 	void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
 	btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
@@ -34,7 +37,7 @@ protected:
 	btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info) override;
 
 private:
-	btISTContact* volumetricContact(const btPersistentManifold* manifold) const;
+	btISTContact* volumetricContact(const btPersistentManifold* manifold);
 	void addContact(btISTContact& contact, btPersistentManifold& manifold, const btContactSolverInfo& info);
 	void collectTouchedBodies();
 

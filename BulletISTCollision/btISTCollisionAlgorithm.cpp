@@ -86,6 +86,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
+	if (contact.patchCount == 0) contact.ledger = btISTContactLedger();
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
 	contact.error = ist::OverlapError();
 	const double gap = m_treeA->meanGap + (m_treeB ? m_treeB->meanGap : 0);

@@ -35,6 +35,7 @@ btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, con
 	if (!(mass > 0)) mass = kWaterDensity * volume;
 
 	btISTPairConstants constants;
+	constants.loadMass = mass;
 	constants.k = mass * m_gravity / (sinkage * size * size);
 	if (contact.halfSpace)
 	{

@@ -20,7 +20,15 @@ struct btISTPairConstants
 {
 	double k = 1;                        ///< stiffness [Pa/m]
 	double weightA = 0.5, weightB = 0.5; ///< of A's and of B's field; their sum is 1
+	double loadMass = 0;                 ///< k carries the weight of this mass; 0: k was set. A solver that knows of a heavier body further up makes k larger [kg]
 	double dissipation = 5;              ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
+};
+
+/// What a pair may still give back, kept by the solver from step to step while the pair overlaps [J].
+struct btISTContactLedger
+{
+	bool open = false;  ///< false until the first solve of an overlap
+	double stored = 0;  ///< elastic work absorbed and not yet returned
 };
 
 /// Decides the constants of a pair, once per contact and step, before anything is solved.
@@ -70,6 +78,7 @@ struct btISTContact
 	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
 	double normalImpulse = 0;  ///< their normal parts, added up [N s]
+	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
 };
 
 /// The contacts of one world, found by their manifold: the only channel from collision to a solver. One owner thread.

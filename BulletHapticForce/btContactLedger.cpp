@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btContactLedger.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+double work(const ist::Wrench& impulse, const ist::Twist& twist)
+{
+	return dot(impulse.force, twist.linear) + dot(impulse.torque, twist.angular);
+}
+
+ist::Wrench times(const ist::SymmetricMatrix6& a, const ist::Twist& u)
+{
+	const double x[6] = {u.linear.x, u.linear.y, u.linear.z, u.angular.x, u.angular.y, u.angular.z};
+	double y[6] = {};
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j) y[i] += a(i, j) * x[j];
+	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
+}
+
+ist::Twist mean(const btLedgerPatch& p)
+{
+	return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)};
+}
+
+/// Twice the energy that the patches hold in linear contact: force times depth. Robust where the model's energy is not: above the
+/// surface the leaves' depths are negative.
+double capacity(const btISTContact& contact)
+{
+	double sum = 0;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const ist::OverlapIntegrals& p = contact.patches[i];
+		const double force = norm(ist::pressureWrench(p, {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force);
+		const double area = norm(p.areaVector), depth = p.volume / area;
+		sum += force * (area > 0 && std::isfinite(depth) ? depth : std::cbrt(std::max(p.volume, 0.0)));
+	}
+	return sum;
+}
+}  // namespace
+
+void btContactLedger::begin(btISTContact& contact, double speed, double h)
+{
+	btISTContactLedger& ledger = contact.ledger;
+	const double most = capacity(contact);
+	if (ledger.open)
+	{
+		ledger.stored = std::min(ledger.stored, most);
+		return;
+	}
+	// Depth that a body may have come in one step. The area vector vanishes where one body contains the other.
+	const double volume = contact.total.volume, area = norm(contact.total.areaVector), widest = 2 * std::cbrt(std::max(volume, 0.0));
+	const double depth = area * widest > volume ? volume / area : widest;
+	const double flown = 2 * speed * h;
+	ledger.open = true;
+	ledger.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
+}
+
+double btContactLedger::share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int count)
+{
+	double linear = 0, square = 0;
+	for (int i = 0; i < count; ++i)
+	{
+		const double own = work(patches[i].impulse, patches[i].own);
+		linear += work(patches[i].impulse, mean(patches[i])) - 0.5 * own;
+		square += 0.5 * own;
+	}
+	if (!(linear + square > ledger.stored)) return 1;
+	if (!(square > 0)) return linear > 0 ? std::clamp(ledger.stored / linear, 0.0, 1.0) : 1;
+	const double root = std::sqrt(linear * linear + 4 * square * ledger.stored);
+	// The larger root of square s^2 + linear s = stored, without cancellation.
+	const double share = linear > 0 ? 2 * ledger.stored / (root + linear) : (root - linear) / (2 * square);
+	return std::clamp(share, 0.0, 1.0);
+}
+
+double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h)
+{
+	double total = 0, elastic = 0;
+	for (int i = 0; i < count; ++i)
+	{
+		const btLedgerPatch& p = patches[i];
+		total += work(p.impulse, mean(p));
+		elastic += work(p.elastic + h * times(p.patch.damping, p.after), mean(p));
+	}
+	ledger.stored = std::max(ledger.stored - std::max(elastic, total), 0.0);
+	return total;
+}
