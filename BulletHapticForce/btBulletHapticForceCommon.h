@@ -4,5 +4,6 @@
 #include "BulletHapticForce/btContactLaw.h"
 #include "BulletHapticForce/btContactMaterial.h"
 #include "BulletHapticForce/btISTWorld.h"
+#include "BulletHapticForce/btVolumetricInstallation.h"
 #include "BulletHapticForce/btVolumetricRows.h"
 #include "BulletHapticForce/btVolumetricSolver.h"

@@ -133,3 +133,4 @@ void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDeb
 }
 
 template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;
+template class btVolumetricSolver<btNNCGConstraintSolver>;

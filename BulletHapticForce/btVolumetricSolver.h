@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/btVolumetricIslands.h"
 
+#include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
 #include "BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h"
 
 #include <memory>
@@ -14,7 +15,7 @@
 ///
 /// A manifold stays with Bullet, that is with its representative points, when a body is not a rigid body (multibody links) or
 /// when the contact was not evaluated in this step (both bodies slept until now).
-/// Available over btSequentialImpulseConstraintSolver. One owner thread; no allocation once the largest scene has been seen.
+/// Available over btSequentialImpulseConstraintSolver and btNNCGConstraintSolver. One owner thread; no allocation once the largest scene has been seen.
 template <class Base>
 class btVolumetricSolver : public Base
 {
@@ -48,3 +49,4 @@ private:
 };
 
 extern template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;
+extern template class btVolumetricSolver<btNNCGConstraintSolver>;
