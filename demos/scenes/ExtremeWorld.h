@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btISTWorld.h"
+#include "BulletISTCollision/Core/Mesh.h"
+
+#include "BulletCollision/CollisionShapes/btCollisionShape.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace scenes
+{
+/// A mesh about its centre of mass with its tree.
+struct ExtremeSolid
+{
+	ist::Mesh mesh;
+	std::shared_ptr<const ist::InnerSphereTree> tree;
+};
+ist::Result<ExtremeSolid> makeExtremeSolid(const ist::Mesh& mesh, int64_t spheres);
+
+ist::Pose poseOf(const btTransform& transform);
+btTransform transformOf(const ist::Vec3& position, const ist::Vec3& rotationVector = {});
+inline ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+inline btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
+
+/// Who answers for contact.
+enum class Response
+{
+	Stock,      ///< Bullet as it comes: box or plane, sequential impulses, its default parameters
+	Volumetric  ///< btISTWorld
+};
+
+/// A scene of the extremes, the same for both responses. Gravity along -y. Nothing ever sleeps.
+class ExtremeWorld
+{
+public:
+	explicit ExtremeWorld(Response response, double gravity = 9.81);
+	~ExtremeWorld();
+
+	/// Plane y = `height`, static.
+	btRigidBody* addFloor(double height = 0);
+	/// The mesh's bounding box for Bullet, its tree for us; isotropic inertia. Zero mass: static. `stiffness`: k_X [Pa/m], 0 for the
+	/// default rule.
+	btRigidBody* add(const ExtremeSolid& solid, double mass, double inertia, const btTransform& pose, double stiffness = 0);
+	void step(double h) { bullet().stepSimulation(btScalar(h), 0); }
+
+	Response response() const { return m_response; }
+	btDiscreteDynamicsWorld& bullet();
+	/// Only with Response::Volumetric.
+	btISTWorld& volumetric() { return *m_volumetric; }
+	/// Of the last step between two bodies; null when they were not near each other.
+	const btISTContact* contactBetween(const btRigidBody* one, const btRigidBody* other);
+
+private:
+	struct Stock;
+	Response m_response;
+	std::unique_ptr<Stock> m_stock;
+	std::unique_ptr<btISTWorld> m_volumetric;
+	std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+	std::vector<btISTAttachment> m_attachments;
+};
+}  // namespace scenes

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/scenario/extremes/ExtremeTest.h"
+
+using namespace extremes;
+
+namespace
+{
+/// A water cube of the given edge under Froude's scaling: times and speeds go with the root of the edge, and so do the step and the
+/// inverse of the dissipation. The same motion in units of the edge.
+RestOutcome waterCube(double edge)
+{
+	const ExtremeSolid cube = solidOf(ist::makeBoxMesh(0.5 * edge * ist::Vec3{1, 1, 1}), 500);
+	RestSetup setup;
+	setup.mass = 1000 * edge * edge * edge;
+	setup.k = setup.mass * kGravity / (0.05 * edge * edge * edge);
+	setup.h = std::sqrt(edge) / 60;
+	setup.seconds = 12 * std::sqrt(edge);
+	setup.dissipation = 5 / std::sqrt(edge);
+	return restOnPlane(Response::Volumetric, cube, setup);
+}
+
+/// Worst share of `depth` by which the resting depth misses the model's own.
+double depthErrorAt(double distance, double depth)
+{
+	double worst = 0;
+	for (const ist::Vec3& direction : {ist::Vec3{1, 1, 1}, ist::Vec3{-1, 1, 0}, ist::Vec3{0, -1, 1}})
+	{
+		RestSetup setup;
+		setup.k = kGravity / depth;
+		setup.seconds = 8;
+		setup.place = distance * direction;
+		setup.mayTurn = false;
+		// With dissipation the last of the way is slower than one rounding of the position a step: it then rests 5.4 % off in float.
+		setup.dissipation = 0;
+		const RestOutcome rest = restOnPlane(Response::Volumetric, unitCube(), setup);
+		if (!rest.finite) return 1e300;
+		worst = std::max(worst, std::fabs(rest.depth - modelSinkage(unitCube(), nullptr, setup.k, kGravity)) / depth);
+	}
+	std::printf("  %g m from the origin, designed depth %g m: off by %.2e\n", distance, depth, worst);
+	return worst;
+}
+}  // namespace
+
+// Sizes are powers of two, from a millimetre to a kilometre: a library without a length of its own gives the same digits.
+TEST(Scale, DepthOverSizeDoesNotDependOnTheSize)
+{
+	const RestOutcome one = waterCube(1);
+	for (const int power : {-10, -7, -4, 4, 7, 10})
+	{
+		const double edge = std::ldexp(1, power);
+		// Bullet counts what is heavier than 1.4e7 kg as unmovable in float.
+		if (!kDouble && 1000 * edge * edge * edge > 1.4e7) continue;
+		const RestOutcome rest = waterCube(edge);
+		std::printf("  edge %g m: depth over edge %+.2e of that at 1 m\n", edge, rest.depth / edge / one.depth - 1);
+		EXPECT_TRUE(rest.finite);
+		EXPECT_NEAR(rest.depth / edge, one.depth, 0.01 * one.depth) << edge;
+	}
+}
+
+TEST(DistanceFromTheOrigin, DoesNotChangeTheDepth)
+{
+	EXPECT_LT(depthErrorAt(1e4, 0.02), kDouble ? 1e-4 : 0.05);
+	if (!kDouble) return;
+	EXPECT_LT(depthErrorAt(1e6, 0.02), 1e-4);
+	EXPECT_LT(depthErrorAt(1e6, 1e-3), 1e-4);
+}
+
+TEST(DistanceFromTheOrigin, IsReportedWhereItCostsThePrecision)
+{
+	for (const double distance : {1.0, kDouble ? 1e15 : 1e7})
+	{
+		ExtremeWorld world(Response::Volumetric);
+		world.add(unitCube(), 0, 0, transformOf({distance, 0, 0}));
+		world.add(unitCube(), 1, 1.0 / 6, transformOf({distance, 0.97, 0}), 1e3);
+		world.step(1.0 / 60);
+		const btVolumetricStatistics& statistics = world.volumetric().statistics();
+		EXPECT_GT(statistics.patches, 0u);
+		EXPECT_EQ(statistics.contactsPrecisionLost, distance > 1 ? 1u : 0u);
+	}
+}
