@@ -231,14 +231,14 @@ BounceOutcome bounce(const ExtremeSolid& cube, double k, double dissipation, dou
 	const double h = stepTimesFrequency / (edge * std::sqrt(k / mass));
 	ExtremeWorld world(Response::Volumetric, 0);
 	world.addFloor();
-	btRigidBody* body = world.add(cube, mass, mass * edge * edge / 6, transformOf({0.2, 0.55 * edge, -0.1}), k);
+	btRigidBody* body = world.add(cube, mass, mass * edge * edge / 6, transformOf({0.2, 0.6 * edge, -0.1}), k);
 	BounceOutcome out;
 	if (world.volumetric().materials().set(body, {k, dissipation})) return out;
 	body->setAngularFactor(btScalar(0));
 	body->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
 	// Long enough for contact at a hundredth of the speed.
 	const int steps = int(20 * edge / (speed * h));
-	for (int i = 0; i < steps && positionOf(body).y < 0.6 * edge; ++i)
+	for (int i = 0; i < steps && positionOf(body).y < 0.65 * edge; ++i)
 	{
 		world.step(h);
 		out.deepest = std::max(out.deepest, edge / 2 - positionOf(body).y);
