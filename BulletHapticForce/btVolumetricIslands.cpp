@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btVolumetricIslands.h"
 
+#include "BulletISTCollision/btISTConversion.h"
+
 #include "BulletDynamics/ConstraintSolver/btSolverBody.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -9,9 +11,6 @@
 
 namespace
 {
-ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
-
 bool canMove(const btSolverBody& body) { return body.m_originalBody && !body.internalGetInvMass().isZero(); }
 
 btVolumetricRowBody rowBody(const btSolverBody& body)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 
+#include "BulletISTCollision/btISTConversion.h"
 #include "BulletISTCollision/btISTContext.h"
 #include "BulletISTCollision/btISTRepresentativePoints.h"
 
@@ -19,20 +20,6 @@ extern const int btISTBuiltForScalarOfSize8 = 8;
 #else
 extern const int btISTBuiltForScalarOfSize4 = 4;
 #endif
-
-namespace
-{
-ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-
-ist::Pose toPose(const btTransform& t)
-{
-	ist::Pose X;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
-	X.translation = toVec3(t.getOrigin());
-	return X;
-}
-}  // namespace
 
 btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context,
 												 Mode mode, std::shared_ptr<const ist::InnerSphereTree> treeA,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTRepresentativePoints.h"
 
+#include "BulletISTCollision/btISTConversion.h"
+
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
 #include "BulletCollision/CollisionDispatch/btManifoldResult.h"
@@ -15,8 +17,6 @@ namespace
 constexpr double kDeepestDistance = 0.03;  // [m]
 // Patches that push within this angle of each other become one group; four points of one normal ignore 6 % of the force at most.
 const double kSameDirection = std::cos(20 * M_PI / 180);
-
-btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
 
 /// Patches that push in about the same direction, A's mesh frame.
 struct PatchGroup

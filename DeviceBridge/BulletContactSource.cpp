@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/BulletContactSource.h"
 
+#include "BulletISTCollision/btISTConversion.h"
+
 #include "BulletDynamics/Dynamics/btDynamicsWorld.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -12,18 +14,6 @@ namespace devicebridge
 namespace
 {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
-
-ist::Pose toPose(const btTransform& t)
-{
-	ist::Pose X;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
-	X.translation = toVec3(t.getOrigin());
-	return X;
-}
 
 /// The least, since the coupling knows one inertia only and is stable with any that is not too large.
 double leastInertia(const btRigidBody& body)

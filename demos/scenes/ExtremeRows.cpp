@@ -105,7 +105,7 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 		out.highest = std::max(out.highest, risen / edge);
 		out.energyGain = std::max(out.energyGain, (kineticEnergy(body, s.mass, inertia) + weight * risen) / (weight * edge));
 		if (i < steps - watched) continue;
-		out.modelRatio += s.k * modelVolumeBelow(*cube.tree, poseOf(body->getWorldTransform()), s.place.y) / (weight * watched);
+		out.modelRatio += s.k * modelVolumeBelow(*cube.tree, toPose(body->getWorldTransform()), s.place.y) / (weight * watched);
 		out.impulseRatio += (s.mass * (double(body->getLinearVelocity().y()) - before) + weight * s.h) / (weight * s.h * watched);
 	}
 	out.depth = edge / 2 - (positionOf(body).y - s.place.y);

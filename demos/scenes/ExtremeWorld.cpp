@@ -24,15 +24,6 @@ ist::Result<ExtremeSolid> makeExtremeSolid(const ist::Mesh& mesh, int64_t sphere
 	return solid;
 }
 
-ist::Pose poseOf(const btTransform& t)
-{
-	ist::Pose X;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
-	X.translation = toVec3(t.getOrigin());
-	return X;
-}
-
 btTransform transformOf(const ist::Vec3& position, const ist::Vec3& rotationVector)
 {
 	const ist::Quaternion q = ist::quaternionFromRotationVector(rotationVector);

@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/btISTConversion.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -21,10 +22,7 @@ struct ExtremeSolid
 };
 ist::Result<ExtremeSolid> makeExtremeSolid(const ist::Mesh& mesh, int64_t spheres);
 
-ist::Pose poseOf(const btTransform& transform);
 btTransform transformOf(const ist::Vec3& position, const ist::Vec3& rotationVector = {});
-inline ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-inline btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
 
 /// Who answers for contact.
 enum class Response

@@ -2,6 +2,8 @@
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 
+#include "SolidAngleWinding.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -37,18 +39,6 @@ double volumeOf(const Mesh& mesh)
 	for (const auto& t : mesh.triangles)
 		sum += dot(mesh.vertices[t[0]] - o, cross(mesh.vertices[t[1]] - o, mesh.vertices[t[2]] - o)) / 6;
 	return sum;
-}
-
-double windingNumber(const Mesh& mesh, const Vec3& p)
-{
-	double sum = 0;
-	for (const auto& t : mesh.triangles)
-	{
-		const Vec3 a = mesh.vertices[t[0]] - p, b = mesh.vertices[t[1]] - p, c = mesh.vertices[t[2]] - p;
-		const double la = norm(a), lb = norm(b), lc = norm(c);
-		sum += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-	}
-	return sum / (4 * std::numbers::pi);
 }
 
 /// Triangles run through every edge, named by the positions of its ends, as often one way as the other.

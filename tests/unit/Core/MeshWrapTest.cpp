@@ -3,6 +3,8 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/MeshWrap.h"
 
+#include "SolidAngleWinding.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,19 +17,6 @@ using namespace ist;
 
 namespace
 {
-/// Winding number by the solid angles of all triangles (van Oosterom and Strackee).
-double windingNumber(const Mesh& mesh, const Vec3& p)
-{
-	double sum = 0;
-	for (const auto& t : mesh.triangles)
-	{
-		const Vec3 a = mesh.vertices[t[0]] - p, b = mesh.vertices[t[1]] - p, c = mesh.vertices[t[2]] - p;
-		const double la = norm(a), lb = norm(b), lc = norm(c);
-		sum += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-	}
-	return sum / (4 * std::numbers::pi);
-}
-
 /// V - E + F; also checks that every edge has one triangle each way.
 int64_t eulerCharacteristic(const Mesh& mesh)
 {

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/btPrecisionGuard.h"
+
+#include "LinearMath/btTransform.h"
+
+// Between Bullet's types and ours, which are double in both precisions of Bullet. Not installed.
+
+inline ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
+inline btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
+
+inline ist::Pose toPose(const btTransform& t)
+{
+	ist::Pose X;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
+	X.translation = toVec3(t.getOrigin());
+	return X;
+}
