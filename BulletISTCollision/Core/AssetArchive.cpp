@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/FloatCode.h"
 #include "BulletISTCollision/Core/WholeFile.h"
 
+#include <numeric>
 #include <utility>
 
 namespace ist
@@ -15,19 +16,15 @@ namespace
 constexpr unsigned char kMagic[8] = {'I', 'S', 'T', 'A', 0x1a, '\r', 0x89, '\n'};
 constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8 + 8;  // magic, version, reserved 0, file size, checksum of what follows
 constexpr int kGridBits = 21;
-constexpr int kRadiusBits = 24, kLeafBits = 16;
+constexpr int kRadiusBits = 24;
 constexpr uint32_t kGridMask = (1u << kGridBits) - 1;
-constexpr double kOffsetLimit = 32767, kDepthLimit = 65535;
-constexpr int kNormalBits[3] = {13, 13, 14};
+// Of a leaf. Shapes are shares of the mean square radius, whose trace is 3: five numbers.
+constexpr int kOffsetBits = 14, kLeafRadiusBits = 12, kVolumeBits = 11, kShapeBits = 8, kNormalBits = 10, kDepthBits = 12;
+constexpr int kLeafBits = 3 * kOffsetBits + kLeafRadiusBits + kVolumeBits + 5 * kShapeBits + 3 * kNormalBits + kDepthBits;
+constexpr double kOffsetLimit = (1 << (kOffsetBits - 1)) - 1, kDepthLimit = (1 << kDepthBits) - 1;
 constexpr size_t kSphereBytes = 8 + 3 + 1;  // centre, radius, number of leaves when below kManyLeaves
 constexpr uint8_t kManyLeaves = 255;        // the number follows as a u32
-constexpr size_t kLeafBytes = 6 + 2 + 2 + 5 + 2;  // offset, radius, mass, normal, depth
 constexpr double kUnitBall = 4.18879020478639098462;
-
-double massOf(const MomentBall& b)
-{
-	return b.density * kUnitBall * b.R * b.R * b.R;
-}
 
 /// How numbers were rounded.
 struct Scales
@@ -37,7 +34,7 @@ struct Scales
 	double offsetStep = 1;  ///< of leaves, from the centre of their sphere [m]
 	double normalLimit = 1;
 	double depthLower = 0, depthStep = 1;
-	FloatCode sphereRadius, leafRadius, leafMass;
+	FloatCode sphereRadius, leafRadius, leafVolume;
 
 	void write(ByteWriter& w) const
 	{
@@ -45,18 +42,18 @@ struct Scales
 		for (double v : {gridStep, offsetStep, normalLimit, depthLower, depthStep}) w.f64(v);
 		sphereRadius.write(w);
 		leafRadius.write(w);
-		leafMass.write(w);
+		leafVolume.write(w);
 	}
 	bool read(ByteReader& r)
 	{
 		lower = r.vec3();
 		for (double* v : {&gridStep, &offsetStep, &normalLimit, &depthLower, &depthStep}) *v = r.f64();
-		const bool codes = sphereRadius.read(r, kRadiusBits) && leafRadius.read(r, kLeafBits) && leafMass.read(r, kLeafBits);
+		const bool codes = sphereRadius.read(r, kRadiusBits) && leafRadius.read(r, kLeafRadiusBits) && leafVolume.read(r, kVolumeBits);
 		// Sums of squares of all that is decoded stay finite floats.
 		constexpr double kFarthest = 1e12;
 		for (double v : {lower.x, lower.y, lower.z, gridStep * kGridMask, offsetStep * kOffsetLimit, normalLimit, depthLower, depthStep * kDepthLimit})
 			if (!(std::fabs(v) < kFarthest)) return false;
-		return codes && sphereRadius.decoded(kGridMask) < kFarthest && leafRadius.decoded((1u << kLeafBits) - 1) < kFarthest;
+		return codes && sphereRadius.decoded(kGridMask) < kFarthest && leafRadius.decoded((1u << kLeafRadiusBits) - 1) < kFarthest;
 	}
 
 	Vec3 center(uint64_t code) const
@@ -77,7 +74,7 @@ struct Contents
 {
 	std::vector<uint64_t> centers;
 	std::vector<float> radii;  ///< at most those allowed by the rounded centres
-	std::vector<std::vector<MomentBall>> leaves;  ///< of each sphere
+	std::vector<std::vector<MomentEllipsoid>> leaves;  ///< of each sphere
 	Scales scales;
 };
 
@@ -122,13 +119,13 @@ bool roundSpheres(const std::vector<Sphere>& spheres, Contents& contents)
 void collectLeaves(const InnerSphereTree& tree, Contents& contents)
 {
 	contents.leaves.resize(tree.spheres.size());
-	Range offset, normal, depth, radius, mass;
+	Range offset, normal, depth, radius, volume;
 	normal.add(1e-6);
 	offset.add(0);
 	for (size_t i = 0; i < tree.law.balls.size(); ++i)
 	{
 		if (i % BallBlock::kWidth >= tree.law.blocks[i / BallBlock::kWidth].count) continue;
-		const MomentBall& b = tree.law.balls[i];
+		const MomentEllipsoid& b = tree.law.balls[i];
 		contents.leaves[b.sphere].push_back(b);
 		const Vec3 from = contents.scales.center(contents.centers[b.sphere]);
 		for (int axis = 0; axis < 3; ++axis)
@@ -137,90 +134,94 @@ void collectLeaves(const InnerSphereTree& tree, Contents& contents)
 			normal.add(std::fabs(b.normal()[axis]));
 		}
 		depth.add(b.depth);
-		radius.add(b.R);
-		mass.add(massOf(b));
+		radius.add(b.meanRadius());
+		volume.add(b.volume());
 	}
 	Scales& s = contents.scales;
 	s.offsetStep = offset.high > 0 ? offset.high / kOffsetLimit : 1;
 	s.normalLimit = normal.high;
 	s.depthLower = depth.low;
 	s.depthStep = depth.high > depth.low ? (depth.high - depth.low) / kDepthLimit : 1;
-	s.leafRadius = FloatCode(static_cast<float>(radius.low), static_cast<float>(radius.high), kLeafBits);
-	s.leafMass = FloatCode(static_cast<float>(mass.low), static_cast<float>(mass.high), kLeafBits);
+	s.leafRadius = FloatCode(static_cast<float>(radius.low), static_cast<float>(radius.high), kLeafRadiusBits);
+	s.leafVolume = FloatCode(static_cast<float>(volume.low), static_cast<float>(volume.high), kVolumeBits);
 }
 
-int16_t offsetCode(double offset, double step)
+/// Bits one behind the other, the lowest first.
+class BitWriter
 {
-	return static_cast<int16_t>(std::clamp(std::round(offset / step), -kOffsetLimit, kOffsetLimit));
-}
-
-void writeLeaf(ByteWriter& w, const MomentBall& b, const Vec3& from, const Scales& s)
-{
-	for (int axis = 0; axis < 3; ++axis) w.u16(static_cast<uint16_t>(offsetCode(b.center()[axis] - from[axis], s.offsetStep)));
-	w.u16(static_cast<uint16_t>(s.leafRadius.nearest(b.R)));
-	w.u16(static_cast<uint16_t>(s.leafMass.nearest(static_cast<float>(massOf(b)))));
-	uint64_t normal = 0;
-	for (int axis = 0, shift = 0; axis < 3; shift += kNormalBits[axis++])
+public:
+	void write(uint32_t code, int bits)
 	{
-		// An even number of steps about zero, so that zero is kept.
-		const double half = (1 << (kNormalBits[axis] - 1)) - 1;
-		normal |= static_cast<uint64_t>(std::clamp(std::round(b.normal()[axis] / s.normalLimit * half), -half, half) + half) << shift;
+		for (int i = 0; i < bits; ++i, ++m_count)
+		{
+			if (m_count % 8 == 0) m_bytes.push_back(std::byte{0});
+			m_bytes.back() |= std::byte(static_cast<unsigned char>((code >> i & 1) << m_count % 8));
+		}
 	}
-	w.low(normal, 5);
-	w.u16(static_cast<uint16_t>(std::clamp(std::round((b.depth - s.depthLower) / s.depthStep), 0.0, kDepthLimit)));
+	/// In steps of limit / (2^(bits - 1) - 1) about zero, so that zero is kept.
+	void writeSigned(double v, double limit, int bits)
+	{
+		const double half = (1 << (bits - 1)) - 1;
+		write(static_cast<uint32_t>(std::clamp(std::round(v / limit * half), -half, half) + half), bits);
+	}
+	const std::vector<std::byte>& bytes() const { return m_bytes; }
+
+private:
+	std::vector<std::byte> m_bytes;
+	size_t m_count = 0;
+};
+
+class BitReader
+{
+public:
+	explicit BitReader(const std::byte* bytes) : m_bytes(bytes) {}
+	uint32_t read(int bits)
+	{
+		uint32_t code = 0;
+		for (int i = 0; i < bits; ++i, ++m_at) code |= (std::to_integer<uint32_t>(m_bytes[m_at / 8]) >> m_at % 8 & 1) << i;
+		return code;
+	}
+	double readSigned(double limit, int bits)
+	{
+		const double half = (1 << (bits - 1)) - 1;
+		return (read(bits) - half) / half * limit;
+	}
+
+private:
+	const std::byte* m_bytes;
+	size_t m_at = 0;
+};
+
+constexpr double kLargestShare = 3, kLargestOffDiagonal = 1.5;  // of a positive matrix of trace 3
+
+void writeLeaf(BitWriter& w, const MomentEllipsoid& b, const Vec3& from, const Scales& s)
+{
+	for (int axis = 0; axis < 3; ++axis) w.writeSigned(b.center()[axis] - from[axis], s.offsetStep * kOffsetLimit, kOffsetBits);
+	for (int axis = 0; axis < 3; ++axis) w.writeSigned(b.normal()[axis], s.normalLimit, kNormalBits);
+	w.write(static_cast<uint32_t>(std::clamp(std::round((b.depth - s.depthLower) / s.depthStep), 0.0, kDepthLimit)), kDepthBits);
+	w.write(s.leafVolume.nearest(static_cast<float>(b.volume())), kVolumeBits);
+	w.write(s.leafRadius.nearest(static_cast<float>(b.meanRadius())), kLeafRadiusBits);
+	const SymmetricMatrix3 share = b.shape() * (3 / b.shape().trace());
+	for (double v : {share.xx, share.yy}) w.write(static_cast<uint32_t>(std::round(v / kLargestShare * ((1 << kShapeBits) - 1))), kShapeBits);
+	for (double v : {share.xy, share.xz, share.yz}) w.writeSigned(v, kLargestOffDiagonal, kShapeBits);
 }
 
-MomentBall readLeaf(ByteReader& r, const Vec3& from, const Scales& s, uint32_t sphere)
+MomentEllipsoid readLeaf(BitReader& r, const Vec3& from, const Scales& s, uint32_t sphere)
 {
-	MomentBall b;
-	const auto coordinate = [&](double origin) { return static_cast<float>(origin + static_cast<int16_t>(r.u16()) * s.offsetStep); };
-	b.x = coordinate(from.x);
-	b.y = coordinate(from.y);
-	b.z = coordinate(from.z);
-	b.R = s.leafRadius.decoded(r.u16());
-	b.density = static_cast<float>(s.leafMass.decoded(r.u16()) / (kUnitBall * b.R * b.R * b.R));
-	const uint64_t normal = r.low(5);
-	int shift = 0, axis = 0;
-	for (float* component : {&b.nx, &b.ny, &b.nz})
-	{
-		const double half = (1 << (kNormalBits[axis] - 1)) - 1;
-		*component = static_cast<float>((double(normal >> shift & ((1u << kNormalBits[axis]) - 1)) - half) / half * s.normalLimit);
-		shift += kNormalBits[axis++];
-	}
-	b.depth = static_cast<float>(s.depthLower + r.u16() * s.depthStep);
-	b.sphere = sphere;
-	return b;
-}
-
-/// The parent of the pieces: masses add up, centroid, second moment, normal and depth are means by mass.
-MomentBall merged(const MomentBall* pieces, size_t count)
-{
-	if (count == 1) return *pieces;
-	double mass = 0, depth = 0, second = 0;
-	Vec3 center, normal;
-	for (size_t i = 0; i < count; ++i)
-	{
-		const double m = massOf(pieces[i]);
-		mass += m;
-		center += m * pieces[i].center();
-		normal += m * pieces[i].normal();
-		depth += m * pieces[i].depth;
-	}
-	center *= 1 / mass;
-	for (size_t i = 0; i < count; ++i)
-		second += massOf(pieces[i]) * (0.6 * pieces[i].R * pieces[i].R + squaredNorm(pieces[i].center() - center));
-	MomentBall whole;
-	whole.x = static_cast<float>(center.x);
-	whole.y = static_cast<float>(center.y);
-	whole.z = static_cast<float>(center.z);
-	whole.R = static_cast<float>(std::sqrt(second / mass / 0.6));
-	whole.density = static_cast<float>(mass / (kUnitBall * whole.R * whole.R * whole.R));
-	whole.nx = static_cast<float>(normal.x / mass);
-	whole.ny = static_cast<float>(normal.y / mass);
-	whole.nz = static_cast<float>(normal.z / mass);
-	whole.depth = static_cast<float>(depth / mass);
-	whole.sphere = pieces->sphere;
-	return whole;
+	Vec3 center = from, normal;
+	for (int axis = 0; axis < 3; ++axis) center[axis] += r.readSigned(s.offsetStep * kOffsetLimit, kOffsetBits);
+	for (int axis = 0; axis < 3; ++axis) normal[axis] = r.readSigned(s.normalLimit, kNormalBits);
+	const double depth = s.depthLower + r.read(kDepthBits) * s.depthStep;
+	const double volume = s.leafVolume.decoded(r.read(kVolumeBits)), radius = s.leafRadius.decoded(r.read(kLeafRadiusBits));
+	SymmetricMatrix3 share;
+	for (double* v : {&share.xx, &share.yy}) *v = r.read(kShapeBits) * kLargestShare / ((1 << kShapeBits) - 1);
+	share.zz = std::max(0.0, 3 - share.xx - share.yy);
+	for (double* v : {&share.xy, &share.xz, &share.yz}) *v = r.readSigned(kLargestOffDiagonal, kShapeBits);
+	MomentEllipsoid leaf = momentEllipsoid(center, share * (radius * radius), volume);
+	leaf.setNormal(normal);
+	leaf.depth = static_cast<float>(depth);
+	leaf.sphere = sphere;
+	return leaf;
 }
 
 std::vector<std::byte> encodeContents(const InnerSphereTree& tree, const Contents& contents, double largestShrink)
@@ -248,8 +249,10 @@ std::vector<std::byte> encodeContents(const InnerSphereTree& tree, const Content
 		w.u8(static_cast<uint8_t>(std::min<size_t>(leaves, kManyLeaves)));
 		if (leaves >= kManyLeaves) w.u32(static_cast<uint32_t>(leaves));
 	}
+	BitWriter leaves;
 	for (size_t i = 0; i < contents.leaves.size(); ++i)
-		for (const MomentBall& leaf : contents.leaves[i]) writeLeaf(w, leaf, contents.scales.center(contents.centers[i]), contents.scales);
+		for (const MomentEllipsoid& leaf : contents.leaves[i]) writeLeaf(leaves, leaf, contents.scales.center(contents.centers[i]), contents.scales);
+	w.append(leaves.bytes());
 	return w.take();
 }
 
@@ -276,7 +279,7 @@ Result<ByteReader> openBody(const std::byte* bytes, size_t size)
 	return ByteReader(bytes + kHeaderBytes, size - kHeaderBytes);
 }
 
-bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentBall>& leaves, std::vector<MomentBall>& cells)
+bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentEllipsoid>& leaves, std::vector<MomentEllipsoid>& cells)
 {
 	Scales scales;
 	if (!scales.read(r)) return false;
@@ -293,30 +296,37 @@ bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentBall>& le
 		if (leafCount[i] == kManyLeaves) leafCount[i] = r.u32();
 		total += leafCount[i];
 	}
-	ByteReader body(r.span(total * kLeafBytes), r.failed() ? 0 : total * kLeafBytes);
+	if (total > SIZE_MAX / kLeafBits) return false;
+	const size_t leafBytes = (total * kLeafBits + 7) / 8;
+	const std::byte* const bits = r.span(leafBytes);
 	if (!r.complete()) return false;
+	BitReader body(bits);
 	leaves.reserve(total);
+	std::vector<uint32_t> index;
 	for (size_t i = 0; i < count; ++i)
 	{
+		const size_t first = leaves.size();
 		for (uint32_t k = 0; k < leafCount[i]; ++k)
 			leaves.push_back(readLeaf(body, tree.spheres[i].center(), scales, static_cast<uint32_t>(i)));
-		if (leafCount[i] > 0) cells.push_back(merged(leaves.data() + leaves.size() - leafCount[i], leafCount[i]));
+		index.resize(leafCount[i]);
+		std::iota(index.begin(), index.end(), static_cast<uint32_t>(first));
+		if (leafCount[i] > 0) cells.push_back(merged(leaves.data(), index.data(), index.size()));
 	}
-	return body.complete();
+	return true;
 }
 
-std::vector<MomentBall> innerBalls(const std::vector<Sphere>& spheres)
+std::vector<MomentEllipsoid> innerBalls(const std::vector<Sphere>& spheres)
 {
-	std::vector<MomentBall> balls;
+	std::vector<MomentEllipsoid> balls;
 	balls.reserve(spheres.size());
-	for (const Sphere& s : spheres) balls.push_back({s.x, s.y, s.z, s.r, 1, 0, 0, 0, 0, static_cast<uint32_t>(balls.size())});
+	for (const Sphere& s : spheres) balls.push_back(ballOf(s, static_cast<uint32_t>(balls.size())));
 	return balls;
 }
 
-bool usable(const std::vector<MomentBall>& balls)
+bool usable(const std::vector<MomentEllipsoid>& balls)
 {
-	for (const MomentBall& b : balls)
-		if (!isFinite(b.center()) || !std::isfinite(b.R) || !(b.R > 0) || !std::isfinite(b.density) || !(b.density > 0)) return false;
+	for (const MomentEllipsoid& b : balls)
+		if (!isFinite(b.center()) || !std::isfinite(b.R) || !std::isfinite(b.density) || !b.isSolid()) return false;
 	return !balls.empty();
 }
 }  // namespace
@@ -357,10 +367,10 @@ Result<InnerSphereTree> decodeArchive(const std::byte* bytes, size_t size)
 	InnerSphereTree tree;
 	readMass(body.value(), tree);
 	readProvenance(body.value(), tree.provenance);
-	std::vector<MomentBall> leaves, cells;
+	std::vector<MomentEllipsoid> leaves, cells;
 	if (!readBalls(body.value(), tree, leaves, cells)) return damaged("it contradicts itself");
-	const std::vector<MomentBall> inner = innerBalls(tree.spheres);
-	for (const std::vector<MomentBall>* balls : {&std::as_const(leaves), &std::as_const(cells), &inner})
+	const std::vector<MomentEllipsoid> inner = innerBalls(tree.spheres);
+	for (const std::vector<MomentEllipsoid>* balls : {&std::as_const(leaves), &std::as_const(cells), &inner})
 		if (!usable(*balls)) return damaged("a ball without mass");
 	double sum = 0;
 	for (const Sphere& s : tree.spheres) sum += kUnitBall * s.r * s.r * s.r;

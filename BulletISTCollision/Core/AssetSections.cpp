@@ -10,7 +10,7 @@ namespace
 {
 constexpr size_t kNodeBytes = BallNode::kWidth * 5 * 4;
 constexpr size_t kHeadBytes = 5 * 4;
-constexpr size_t kBallBytes = 10 * 4;
+constexpr size_t kBallBytes = 16 * 4;
 constexpr size_t kIndexBytes = 4;
 constexpr size_t kSphereBytes = 4 * 4;
 constexpr size_t kWidth = BallBlock::kWidth;
@@ -36,9 +36,9 @@ BallNode decodeNode(const std::byte* p)
 	return node;
 }
 
-MomentBall decodeBall(const std::byte* p)
+MomentEllipsoid decodeBall(const std::byte* p)
 {
-	MomentBall b;
+	MomentEllipsoid b;
 	b.x = loadF32(p);
 	b.y = loadF32(p + 4);
 	b.z = loadF32(p + 8);
@@ -49,25 +49,23 @@ MomentBall decodeBall(const std::byte* p)
 	b.nz = loadF32(p + 28);
 	b.depth = loadF32(p + 32);
 	b.sphere = loadU32(p + 36);
+	p += 40;
+	for (float* v : {&b.xx, &b.yy, &b.zz, &b.xy, &b.xz, &b.yz})
+	{
+		*v = loadF32(p);
+		p += 4;
+	}
 	return b;
 }
 
-MomentBall ballOfSphere(const std::vector<Sphere>& spheres, uint32_t index)
+MomentEllipsoid padding()
 {
-	MomentBall b;
+	MomentEllipsoid b;
 	b.x = b.y = b.z = kFarAway;
-	if (index >= spheres.size()) return b;
-	const Sphere& s = spheres[index];
-	b.x = s.x;
-	b.y = s.y;
-	b.z = s.z;
-	b.R = s.r;
-	b.density = 1;
-	b.sphere = index;
 	return b;
 }
 
-BallBlock blockOf(const std::byte* head, const MomentBall* balls)
+BallBlock blockOf(const std::byte* head, const MomentEllipsoid* balls)
 {
 	BallBlock block;
 	for (size_t k = 0; k < kWidth; ++k)
@@ -103,7 +101,7 @@ void writeTree(ByteWriter& w, const BallTree& tree, bool indicesOnly)
 	}
 	for (size_t i = 0; i < tree.balls.size(); ++i)
 	{
-		const MomentBall& b = tree.balls[i];
+		const MomentEllipsoid& b = tree.balls[i];
 		if (indicesOnly)
 		{
 			w.u32(i % kWidth < tree.blocks[i / kWidth].count ? b.sphere : kPadding);
@@ -111,6 +109,7 @@ void writeTree(ByteWriter& w, const BallTree& tree, bool indicesOnly)
 		}
 		for (float v : {b.x, b.y, b.z, b.R, b.density, b.nx, b.ny, b.nz, b.depth}) w.f32(v);
 		w.u32(b.sphere);
+		for (float v : {b.xx, b.yy, b.zz, b.xy, b.xz, b.yz}) w.f32(v);
 	}
 }
 
@@ -143,7 +142,7 @@ SectionState readTree(const TreeBytes& bytes, BallTree& tree, size_t sphereCount
 	bool named = true, sure = true;
 	for (size_t block = 0; block < bytes.blockCount; ++block)
 	{
-		MomentBall balls[kWidth];
+		MomentEllipsoid balls[kWidth];
 		const std::byte* head = bytes.heads + block * kHeadBytes;
 		for (size_t k = 0; k < kWidth; ++k) balls[k] = ball(block * kWidth + k);
 		tree.blocks.push_back(blockOf(head, balls));
@@ -178,7 +177,7 @@ SectionState readInnerTree(ByteReader& r, BallTree& tree, const std::vector<Sphe
 			seen[index] = 1;
 			++found;
 		}
-		return ballOfSphere(spheres, index);
+		return index < spheres.size() ? ballOf(spheres[index], index) : padding();
 	};
 	const SectionState state = readTree(bytes, tree, spheres.size(), ball);
 	return found == spheres.size() && tree.ballCount() == spheres.size() ? state : SectionState::Bad;

@@ -27,10 +27,11 @@ void readTree(ByteReader& r, BallTree& tree)
 		for (float* v : {&b.bx, &b.by, &b.bz, &b.br}) *v = r.f32();
 	}
 	tree.balls.resize(r.count(kBallBytes));
-	for (MomentBall& b : tree.balls)
+	for (MomentEllipsoid& b : tree.balls)
 	{
 		for (float* v : {&b.x, &b.y, &b.z, &b.R, &b.density, &b.nx, &b.ny, &b.nz, &b.depth}) *v = r.f32();
 		b.sphere = r.u32();
+		b.xx = b.yy = b.zz = b.R * b.R;
 	}
 }
 
@@ -50,7 +51,7 @@ bool agree(const BallTree& inner, const std::vector<Sphere>& spheres)
 	for (size_t i = 0; i < inner.balls.size(); ++i)
 	{
 		if (i % BallBlock::kWidth >= inner.blocks[i / BallBlock::kWidth].count) continue;
-		const MomentBall& b = inner.balls[i];
+		const MomentEllipsoid& b = inner.balls[i];
 		const Sphere& s = spheres[b.sphere];
 		if (seen[b.sphere] || b.density != 1 || b.x != s.x || b.y != s.y || b.z != s.z || b.R != s.r) return false;
 		seen[b.sphere] = 1;

@@ -42,11 +42,11 @@ struct BuildBall
 class Builder
 {
 public:
-	Builder(const std::vector<MomentBall>& balls, [[maybe_unused]] int threads)
+	Builder(const std::vector<MomentEllipsoid>& balls, [[maybe_unused]] int threads)
 		: m_source(balls), m_side(balls.size()), m_buffer(balls.size()), m_cost(balls.size() / BallBlock::kWidth + 2)
 	{
 		m_balls.reserve(balls.size());
-		for (const MomentBall& b : balls) m_balls.push_back({b.x, b.y, b.z, b.R});
+		for (const MomentEllipsoid& b : balls) m_balls.push_back({b.x, b.y, b.z, b.R});
 		// Every leaf is a full block, but for the last.
 		m_binary.resize(2 * blocksOf(int(balls.size())) - 1);
 #pragma omp parallel num_threads(threads) if (balls.size() >= kFewestToShare)
@@ -91,7 +91,7 @@ private:
 		}
 	};
 
-	const std::vector<MomentBall>& m_source;
+	const std::vector<MomentEllipsoid>& m_source;
 	std::vector<BuildBall> m_balls;
 	std::vector<int> m_order[3];
 	// Parts of the tree that are built at the same time use parts of these that do not meet.
@@ -275,7 +275,7 @@ uint32_t Builder::makeBlock(const BinaryNode& leaf)
 	block.br = leaf.bound.r;
 	for (int k = 0; k < W; ++k)
 	{
-		MomentBall ball;
+		MomentEllipsoid ball;
 		ball.x = ball.y = ball.z = kFarAway;
 		if (k < int(block.count)) ball = m_source[m_order[0][leaf.begin + k]];
 		block.x[k] = ball.x;
@@ -330,13 +330,13 @@ void Builder::fillNode(uint32_t node, int binary)
 	}
 }
 
-bool finite(const MomentBall& b)
+bool finite(const MomentEllipsoid& b)
 {
 	return isFinite(b.center()) && isFinite(b.normal()) && std::isfinite(b.R) && std::isfinite(b.density) &&
-		   std::isfinite(b.depth);
+		   std::isfinite(b.depth) && std::isfinite(b.shape().trace()) && std::isfinite(b.xy + b.xz + b.yz);
 }
 
-bool inside(const Bound& bound, const MomentBall& ball)
+bool inside(const Bound& bound, const MomentEllipsoid& ball)
 {
 	return distance({bound.x, bound.y, bound.z}, ball.center()) + ball.R <= double(bound.r) * (1 + 1e-12);
 }
@@ -352,7 +352,7 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 	if (!isFinite(Vec3{own.x, own.y, own.z}) || !std::isfinite(own.r)) return violation("block bound not finite", index);
 	for (int k = 0; k < W; ++k)
 	{
-		const MomentBall& ball = tree.balls[size_t(index) * W + k];
+		const MomentEllipsoid& ball = tree.balls[size_t(index) * W + k];
 		if (!finite(ball)) return violation("ball not finite", size_t(index) * W + k);
 		if (block.x[k] != ball.x || block.y[k] != ball.y || block.z[k] != ball.z || block.R[k] != ball.R)
 			return violation("block and ball differ", size_t(index) * W + k);
@@ -362,6 +362,7 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 			continue;
 		}
 		if (!(ball.R > 0) || !(ball.density > 0)) return violation("ball without mass", size_t(index) * W + k);
+		if (!ball.isSolid()) return violation("ellipsoid flat or larger than its bounding ball", size_t(index) * W + k);
 		if (!inside(own, ball)) return violation("block bound does not contain its balls", index);
 		for (const Bound& bound : path)
 			if (!inside(bound, ball)) return violation("node bound does not contain ball", size_t(index) * W + k);
@@ -434,7 +435,7 @@ std::string BallTree::validate() const
 	return {};
 }
 
-BallTree buildBallTree(const std::vector<MomentBall>& balls, int threads)
+BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads)
 {
 	if (balls.empty()) return {};
 	return Builder(balls, threads).collapse();

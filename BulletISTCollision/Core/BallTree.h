@@ -36,7 +36,7 @@ class BallTree
 public:
 	std::vector<BallNode> nodes;    ///< node 0 is the root; empty for a tree without balls
 	std::vector<BallBlock> blocks;
-	std::vector<MomentBall> balls;  ///< 16 for each block, in block order; padding has density 0
+	std::vector<MomentEllipsoid> balls;  ///< 16 for each block, in block order; padding has density 0
 
 	bool empty() const { return nodes.empty(); }
 	uint32_t ballCount() const;  ///< without padding
@@ -48,5 +48,5 @@ public:
 
 /// SAH-like top-down build (cost n * diagonal^3), splits at multiples of a block, binary tree collapsed to width 8. O(n log n).
 /// Node bounds enclose the R-balls of everything below, rounded up. The same tree for any thread count.
-BallTree buildBallTree(const std::vector<MomentBall>& balls, int threads = 1);
+BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads = 1);
 }  // namespace ist

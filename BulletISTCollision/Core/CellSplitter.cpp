@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <queue>
 #include <utility>
@@ -13,9 +12,10 @@ namespace ist
 {
 namespace
 {
-// Measured: without them cells are cut along the medial axis into slabs that no ball fits (DESIGN section 4).
-constexpr double compactness = 0.15;
-constexpr double positionWeight = 2.5;
+// Measured (DESIGN section 4): with less weight on positions cells are cut into curved slabs that no ellipsoid fits.
+constexpr double compactness = 0.1;
+constexpr double positionWeight = 1;
+constexpr int mostMoves = 8;  // of the plane between the halves
 
 constexpr size_t minimumToSplit = 24;
 constexpr size_t minimumOfChild = 8;
@@ -29,12 +29,12 @@ using Mat6 = std::array<Vec6, 6>;
 
 double priority(const CellPiece& piece)
 {
-	return piece.mass * piece.R * (compactness + 1 - squaredNorm(piece.normal));
+	return piece.mass * piece.meanRadius() * (compactness + 1 - squaredNorm(piece.normal));
 }
 
 Vec6 feature(const CellSample& s, const CellPiece& piece)
 {
-	const Vec3 x = (s.position() - piece.centroid) * (positionWeight / piece.R);
+	const Vec3 x = (s.position() - piece.centroid) * (positionWeight / piece.meanRadius());
 	const Vec3 n = s.normal() - piece.normal;
 	return {x.x, x.y, x.z, n.x, n.y, n.z};
 }
@@ -65,12 +65,15 @@ Vec6 principalAxis(Mat6 c)
 
 struct Cut
 {
-	Vec6 axis{}, mean{};
+	Vec6 axis{};
+	double threshold = 0;
+	bool below(const Vec6& f) const { return dot(axis, f) < threshold; }
 };
 
-Cut findCut(const std::vector<CellSample>& samples, const CellPiece& piece)
+/// Across the principal axis at the mean.
+Cut firstCut(const std::vector<CellSample>& samples, const CellPiece& piece)
 {
-	Cut cut;
+	Vec6 mean{};
 	Mat6 second{};
 	double weight = 0;
 	for (size_t k = piece.begin; k < piece.end; ++k)
@@ -80,15 +83,40 @@ Cut findCut(const std::vector<CellSample>& samples, const CellPiece& piece)
 		weight += w;
 		for (int i = 0; i < 6; ++i)
 		{
-			cut.mean[i] += w * f[i];
+			mean[i] += w * f[i];
 			for (int j = 0; j <= i; ++j) second[i][j] += w * f[i] * f[j];
 		}
 	}
-	for (double& m : cut.mean) m /= weight;
+	for (double& m : mean) m /= weight;
 	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j <= i; ++j) second[i][j] = second[j][i] = second[i][j] / weight - cut.mean[i] * cut.mean[j];
-	cut.axis = principalAxis(second);
-	return cut;
+		for (int j = 0; j <= i; ++j) second[i][j] = second[j][i] = second[i][j] / weight - mean[i] * mean[j];
+	const Vec6 axis = principalAxis(second);
+	return {axis, dot(axis, mean)};
+}
+
+/// One step of Lloyd's algorithm: to the plane halfway between the means of the halves.
+bool move(Cut& cut, const std::vector<CellSample>& samples, const CellPiece& piece)
+{
+	Vec6 sum[2] = {};
+	double weight[2] = {};
+	for (size_t k = piece.begin; k < piece.end; ++k)
+	{
+		const double w = samples[k].weight;
+		const Vec6 f = feature(samples[k], piece);
+		const int half = cut.below(f) ? 0 : 1;
+		weight[half] += w;
+		for (int i = 0; i < 6; ++i) sum[half][i] += w * f[i];
+	}
+	if (!(weight[0] > 0 && weight[1] > 0)) return false;
+	const Cut before = cut;
+	cut.threshold = 0;
+	for (int i = 0; i < 6; ++i)
+	{
+		const double a = sum[0][i] / weight[0], b = sum[1][i] / weight[1];
+		cut.axis[i] = b - a;
+		cut.threshold += 0.5 * (b * b - a * a);
+	}
+	return cut.axis != before.axis;
 }
 
 CellPiece pieceOfSamples(const std::vector<CellSample>& samples, size_t begin, size_t end, uint32_t sphere)
@@ -109,25 +137,24 @@ CellPiece pieceOfSamples(const std::vector<CellSample>& samples, size_t begin, s
 	piece.centroid *= 1 / piece.mass;
 	piece.normal *= 1 / piece.mass;
 	piece.depth /= piece.mass;
-	double second = 0;
-	for (size_t k = begin; k < end; ++k) second += samples[k].weight * squaredNorm(samples[k].position() - piece.centroid);
-	piece.R = std::sqrt(5.0 / 3.0 * second / piece.mass);
+	for (size_t k = begin; k < end; ++k)
+		piece.shape += SymmetricMatrix3::square(samples[k].position() - piece.centroid) * (5 * samples[k].weight / piece.mass);
 	return piece;
 }
 
 std::optional<std::pair<CellPiece, CellPiece>> split(std::vector<CellSample>& samples, const CellPiece& parent)
 {
-	if (parent.end - parent.begin < minimumToSplit || !(parent.R > 0)) return {};
-	const Cut cut = findCut(samples, parent);
-	const double threshold = dot(cut.axis, cut.mean);
+	if (parent.end - parent.begin < minimumToSplit || !(parent.meanRadius() > 0)) return {};
+	Cut cut = firstCut(samples, parent);
+	for (int step = 0; step < mostMoves && move(cut, samples, parent); ++step) {}
 	const auto begin = samples.begin() + std::ptrdiff_t(parent.begin), end = samples.begin() + std::ptrdiff_t(parent.end);
-	const auto middle = std::partition(begin, end, [&](const CellSample& s) { return dot(cut.axis, feature(s, parent)) < threshold; });
+	const auto middle = std::partition(begin, end, [&](const CellSample& s) { return cut.below(feature(s, parent)); });
 	if (size_t(middle - begin) < minimumOfChild || size_t(end - middle) < minimumOfChild) return {};
 
 	const size_t at = size_t(middle - samples.begin());
 	CellPiece a = pieceOfSamples(samples, parent.begin, at, parent.sphere);
 	CellPiece b = pieceOfSamples(samples, at, parent.end, parent.sphere);
-	if (!(a.R > 0) || !(b.R > 0)) return {};
+	if (!(a.meanRadius() > 0) || !(b.meanRadius() > 0)) return {};
 	const double scale = parent.mass / (a.mass + b.mass);
 	a.mass *= scale;
 	b.mass *= scale;
@@ -135,22 +162,13 @@ std::optional<std::pair<CellPiece, CellPiece>> split(std::vector<CellSample>& sa
 }
 }  // namespace
 
-MomentBall momentBall(const CellPiece& piece)
+MomentEllipsoid momentEllipsoid(const CellPiece& piece)
 {
-	MomentBall ball;
-	ball.x = float(piece.centroid.x);
-	ball.y = float(piece.centroid.y);
-	ball.z = float(piece.centroid.z);
-	// No piece is denser than the body: a few samples, or one that outweighs the others, can lie closer together than their mass allows.
-	ball.R = float(std::max(piece.R, std::cbrt(piece.mass / (4.0 / 3.0 * std::numbers::pi))));
-	const double R = ball.R;
-	ball.density = float(piece.mass / (4.0 / 3.0 * std::numbers::pi * R * R * R));
-	ball.nx = float(piece.normal.x);
-	ball.ny = float(piece.normal.y);
-	ball.nz = float(piece.normal.z);
-	ball.depth = float(piece.depth);
-	ball.sphere = piece.sphere;
-	return ball;
+	MomentEllipsoid e = momentEllipsoid(piece.centroid, piece.shape, piece.mass);
+	e.setNormal(piece.normal);
+	e.depth = float(piece.depth);
+	e.sphere = piece.sphere;
+	return e;
 }
 
 std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount, [[maybe_unused]] int threads)

@@ -25,15 +25,16 @@ struct CellPiece
 	uint32_t sphere = 0;
 	double mass = 0;  ///< volume [m^3]
 	Vec3 centroid;
-	double R = 0;
+	SymmetricMatrix3 shape;  ///< five times the covariance [m^2]
 	Vec3 normal;
 	double depth = 0;
+	double meanRadius() const { return std::sqrt(shape.trace() / 3); }
 };
 
-/// The stored form. The density is taken from the rounded radius, so that no volume is lost in the rounding.
-MomentBall momentBall(const CellPiece& piece);
+/// The stored form.
+MomentEllipsoid momentEllipsoid(const CellPiece& piece);
 
-/// Splits cells into compact pieces, the one with the largest mass * R * (0.15 + 1 - |normal|^2) first, until there are `leafCount` of
+/// Splits cells into compact pieces, the one with the largest mass * mean radius * (0.15 + 1 - |normal|^2) first, until there are `leafCount` of
 /// them or none can be split. Reorders the samples inside each cell. The pieces come grouped by cell, in the order of `cells`;
 /// the same for any thread count.
 std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount, int threads = 1);

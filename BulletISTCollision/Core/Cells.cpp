@@ -39,7 +39,8 @@ CellPiece baseCell(const SampledCells& cells, const Sphere& sphere, uint32_t ind
 	cell.mass = ball + gap;
 
 	Vec3 first;
-	double second = ball * 0.6 * r * r, weight = 0;
+	SymmetricMatrix3 second = SymmetricMatrix3::identity(ball * r * r);
+	double weight = 0;
 	for (size_t k = cell.begin; k < cell.end; ++k)
 	{
 		const CellSample& s = cells.samples[k];
@@ -49,13 +50,13 @@ CellPiece baseCell(const SampledCells& cells, const Sphere& sphere, uint32_t ind
 		if (k < cells.gapBegin[index]) continue;
 		const Vec3 offset = s.position() - c;
 		first += offset * cells.gapSampleVolume;
-		second += cells.gapSampleVolume * squaredNorm(offset);
+		second += SymmetricMatrix3::square(offset) * (5 * cells.gapSampleVolume);
 	}
 	cell.normal *= 1 / weight;
 	cell.depth /= weight;
 	const Vec3 shift = first / cell.mass;
 	cell.centroid = c + shift;
-	cell.R = std::sqrt(5.0 / 3.0 * std::max(0.0, second / cell.mass - squaredNorm(shift)));
+	cell.shape = second * (1 / cell.mass) + SymmetricMatrix3::square(shift) * -5;
 	return cell;
 }
 
@@ -99,8 +100,8 @@ Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packi
 	if (n < smallPacking) leafCount = std::max(leafCount, fewestLeaves);
 
 	Cells result;
-	for (const CellPiece& piece : bases) result.cells.push_back(momentBall(piece));
-	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCount, threads)) result.leaves.push_back(momentBall(piece));
+	for (const CellPiece& piece : bases) result.cells.push_back(momentEllipsoid(piece));
+	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCount, threads)) result.leaves.push_back(momentEllipsoid(piece));
 	if (cancelled(0.9)) return cancelledError;
 	const SurfaceGap gap = measureSurfaceGap(mesh, nearest, threads);
 	result.meanGap = gap.mean;

@@ -76,7 +76,7 @@ void Accumulator::finish()
 		}
 }
 
-/// Balls of A that reach below the plane; the same pair list and sums as with a tree. Source: spherical cap, exact.
+/// Ellipsoids of A that reach below the plane; the same pair list and sums as with a tree. Source: cap of an ellipsoid, exact.
 class CapFinder
 {
 public:
@@ -119,9 +119,9 @@ private:
 
 	void test(uint32_t index)
 	{
-		const MomentBall& a = m_A.balls[index];
+		const MomentEllipsoid& a = m_A.balls[index];
 		Lens cap;
-		if (!capOf(a.center(), a.R, m_normal, dot(m_normal, a.center()) - m_offset, cap)) return;
+		if (!capOf(a, m_normal, dot(m_normal, a.center()) - m_offset, cap)) return;
 		const OverlapPair pair{index, 0, float(cap.volume), float(cap.area), cap.centroid, m_normal};
 		PairTerm term;
 		term.dd = a.density;

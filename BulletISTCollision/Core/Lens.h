@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Vec3.h"
+#include "BulletISTCollision/Core/MomentEllipsoid.h"
+
+#include <algorithm>
 
 namespace ist
 {
@@ -71,5 +73,50 @@ inline bool capOf(const Vec3& c, double R, const Vec3& normal, double height, Le
 	cap.area = kPi * h * rest;
 	cap.centroid = c - normal * (0.75 * rest * rest / (3 * R - h));
 	return cap.volume > 0;
+}
+
+/// Overlap of two ellipsoids (P; R: radius of the bounding ball), in units of the densities. In the coordinates in which P_i + P_j is the
+/// identity, each stands for the ball with the mean of its second moments: exact for two balls and for two ellipsoids of one shape.
+/// Such balls can reach farther than the ellipsoids; where they would reach beyond the bounding balls, they are taken to touch when
+/// those do. `normal` and `area` are direction and size of minus the gradient of the volume by c_i - c_j.
+inline bool lensOf(const Vec3& ci, double Ri, const SymmetricMatrix3& Pi, const Vec3& cj, double Rj, const SymmetricMatrix3& Pj, Lens& lens)
+{
+	const Vec3 offset = ci - cj;
+	const double reach = Ri + Rj, length = norm(offset);
+	if (!(length < reach) || !(Ri > 0 && Rj > 0)) return false;
+	const SymmetricMatrix3 P = Pi + Pj, Q = adjugate(P);
+	const double det = determinant(P);
+	const double ri = std::sqrt(dot(Pi, Q) / (3 * det)), rj = std::sqrt(dot(Pj, Q) / (3 * det));
+	Vec3 slope = Q * offset / det;  // of the distance D in those coordinates, times D
+	double D = std::sqrt(std::max(0.0, dot(offset, slope)));
+	if (const double share = (ri + rj) / reach; D < share * length)
+	{
+		D = share * length;
+		slope = offset * (share * share);
+	}
+	Lens round;
+	if (!lensOf({D, 0, 0}, ri, {}, rj, round)) return false;
+	const double scale = Ri * Ri * Ri * Rj * Rj * Rj / (ri * ri * ri * rj * rj * rj * std::sqrt(det));
+	const double steepness = norm(slope);
+	lens.volume = scale * round.volume;
+	lens.area = D > 0 ? scale * round.area * steepness / D : 0;
+	lens.capI = scale * round.capI;
+	lens.capJ = scale * round.capJ;
+	lens.normal = steepness > 0 ? slope / steepness : Vec3{};
+	lens.centroid = ci - offset * (round.capJ / round.volume);
+	return true;
+}
+
+/// Ellipsoid against the half-space below a plane, as for the ball; exact. In units of its density.
+inline bool capOf(const MomentEllipsoid& e, const Vec3& normal, double height, Lens& cap)
+{
+	const Vec3 conjugate = e.shape() * normal;
+	const double squared = dot(normal, conjugate), width = std::sqrt(squared), R = e.R;
+	if (!capOf({}, width, normal, height, cap)) return false;
+	const double scale = R * R * R / (squared * width);
+	cap.volume *= scale;
+	cap.area *= scale;
+	cap.centroid = e.center() + conjugate * (dot(cap.centroid, normal) / squared);
+	return true;
 }
 }  // namespace ist

@@ -91,6 +91,7 @@ public:
 	{
 		m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
 		m_grouped = options.patches && work.capacity.patches > 1;
+		m_bodies.keepMeeting = options.listMeetingBounds;
 		m_bodies.ballsA = A.balls.data();
 		m_bodies.ballsB = B.balls.data();
 		for (int i = 0; i < 3; ++i)
@@ -171,7 +172,7 @@ bool TreeQuery::search()
 	std::copy_n(m_bodies.R, 9, s.R);
 	std::copy_n(m_bodies.t, 3, s.t);
 	s.stretch = float(lengthening);
-	s.slack = float(1e-6 * scale);
+	s.slack = m_bodies.slack = float(1e-6 * scale);
 	s.openA = m_work.openA;
 	s.openB = m_work.openB;
 	s.leaves = m_work.leaves;
@@ -205,10 +206,15 @@ bool TreeQuery::search()
 void TreeQuery::take(int count)
 {
 	const int capacity = m_work.capacity.pairs;
+	if (m_options.model != Model::Inner && !m_options.listMeetingBounds)
+	{
+		pad(m_work.pairA, m_work.pairB, count);
+		count = m_work.kernel->sift(m_bodies, m_work.pairA, m_work.pairB, count);
+	}
 	if (!(m_grouped || m_options.sortPairs || m_limit >= 0) || !m_result.pairListComplete) return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
 	PairStream& list = m_work.stream;
 	pad(m_work.pairA, m_work.pairB, count);
-	m_listed = m_work.kernel->refine(m_bodies, m_work.pairA, m_work.pairB, count, list, m_listed);
+	m_listed = m_work.kernel->refine(m_bodies, m_work.pairA, m_work.pairB, count, m_terms, list, m_listed);
 	m_search->stop = m_limit >= 0 && m_listed > m_limit;
 	if (m_listed <= capacity || m_search->stop) return;
 	m_result.pairListComplete = false;
@@ -252,9 +258,13 @@ void TreeQuery::publishPairs()
 		OverlapPair& pair = m_work.pairs[i];
 		pair.ballA = uint32_t(m_work.keys[i] >> 32);
 		pair.ballB = uint32_t(m_work.keys[i]);
-		const MomentBall &a = m_A.balls[pair.ballA], &b = m_B.balls[pair.ballB];
+		const MomentEllipsoid &a = m_A.balls[pair.ballA], &b = m_B.balls[pair.ballB];
+		const Vec3 centerB = m_X * b.center();
 		Lens lens;
-		lensOf(a.center(), a.R, m_X * b.center(), b.R, lens);
+		if (m_options.model == Model::Inner)
+			lensOf(a.center(), a.R, centerB, b.R, lens);
+		else
+			lensOf(a.center(), a.R, a.shape(), centerB, b.R, rotated(m_X.rotation, b.shape()), lens);
 		pair.lens = float(lens.volume);
 		pair.area = float(lens.area);
 		pair.centroid = lens.centroid;

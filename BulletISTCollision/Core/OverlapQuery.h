@@ -65,6 +65,7 @@ struct QueryOptions
 	bool stiffness = true;  ///< fill stiffnessA/B
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
+	bool listMeetingBounds = false;  ///< the list also has pairs whose bounding balls meet though they share nothing (lens 0)
 };
 
 struct QueryCapacity

@@ -9,7 +9,7 @@ namespace ist
 namespace
 {
 /// The ball as Model::Inner counts it.
-MomentBall packed(MomentBall ball)
+MomentEllipsoid packed(MomentEllipsoid ball)
 {
 	ball.nx = ball.ny = ball.nz = ball.depth = 0;
 	return ball;
@@ -23,8 +23,8 @@ void addSymmetricProduct(SymmetricMatrix6& K, double factor, const Vec3& C, cons
 			K(i, j) += factor * 0.5 * (gn[i / 3][i % 3] * gw[j / 3][j % 3] + gn[j / 3][j % 3] * gw[i / 3][i % 3]);
 }
 
-void addPair(OverlapIntegrals& sums, const MomentBall& a, const MomentBall& b, const Vec3& centerB, const Mat3& R,
-			 const Lens& lens)
+void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R,
+			 const Lens& lens, double whole)
 {
 	const double dd = double(a.density) * b.density, mass = dd * lens.volume;
 	const Vec3 C = lens.centroid, mA = a.normal(), mB = R * b.normal();
@@ -41,9 +41,26 @@ void addPair(OverlapIntegrals& sums, const MomentBall& a, const MomentBall& b, c
 	addSymmetricProduct(sums.stiffnessB, dd * lens.area, C, lens.normal, mB);
 	sums.depthA += mass * (a.depth - dot(mA, C - a.center()));
 	sums.depthB += mass * (b.depth - dot(mB, C - centerB));
-	const double small = ballVolume(std::min(a.R, b.R));
-	const double s = dd * std::max(0.0, std::min(lens.volume, small - lens.volume));
+	const double s = dd * std::max(0.0, std::min(lens.volume, whole - lens.volume));
 	sums.spread += s * s;
+}
+
+bool addBalls(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R)
+{
+	Lens lens;
+	if (!lensOf(a.center(), a.R, centerB, b.R, lens)) return false;
+	addPair(sums, a, b, centerB, R, lens, ballVolume(std::min(a.R, b.R)));
+	return true;
+}
+
+bool addEllipsoids(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const SymmetricMatrix3& shapeB,
+				   const Mat3& R)
+{
+	Lens lens, concentric;
+	if (!lensOf(a.center(), a.R, a.shape(), centerB, b.R, shapeB, lens)) return false;
+	lensOf(a.center(), a.R, a.shape(), a.center(), b.R, shapeB, concentric);
+	addPair(sums, a, b, centerB, R, lens, concentric.volume);
+	return true;
 }
 }  // namespace
 
@@ -63,17 +80,15 @@ OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphere
 		return result;
 	}
 	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
-	for (const MomentBall& b : treeB.balls)
+	for (const MomentEllipsoid& b : treeB.balls)
 	{
 		const Vec3 centerB = X * b.center();
-		for (const MomentBall& a : treeA.balls)
+		const SymmetricMatrix3 shapeB = rotated(X.rotation, b.shape());
+		for (const MomentEllipsoid& a : treeA.balls)
 		{
-			Lens lens;
-			if (!lensOf(a.center(), a.R, centerB, b.R, lens)) continue;
-			if (model == Model::Inner)
-				addPair(result.total, packed(a), packed(b), centerB, X.rotation, lens);
-			else
-				addPair(result.total, a, b, centerB, X.rotation, lens);
+			const bool met = model == Model::Inner ? addBalls(result.total, packed(a), packed(b), centerB, X.rotation)
+												   : addEllipsoids(result.total, a, b, centerB, shapeB, X.rotation);
+			if (!met) continue;
 			++result.ballTests;
 		}
 	}

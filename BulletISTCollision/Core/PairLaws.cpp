@@ -63,8 +63,8 @@ PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const
 	const Pose X = betweenOrigins(A, B, X_AB);
 	for (int k = 0; k < pairCount; ++k)
 	{
-		const MomentBall& i = A.inner.balls[pairs[k].ballA];
-		const MomentBall& j = B.inner.balls[pairs[k].ballB];
+		const MomentEllipsoid& i = A.inner.balls[pairs[k].ballA];
+		const MomentEllipsoid& j = B.inner.balls[pairs[k].ballB];
 		const Lens lens = lensOf(i.center(), i.R, X * j.center(), j.R);
 		const Vec3 f = lens.n * (epsilon * i.density * j.density * lens.volume());
 		sum.wrench.force += f;
@@ -80,11 +80,12 @@ PairLawResult energyLaw(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	const Pose X = betweenOrigins(A, B, X_AB);
 	for (int k = 0; k < pairCount; ++k)
 	{
-		const MomentBall& i = A.law.balls[pairs[k].ballA];
-		const MomentBall& j = B.law.balls[pairs[k].ballB];
+		const MomentEllipsoid& i = A.law.balls[pairs[k].ballA];
+		const MomentEllipsoid& j = B.law.balls[pairs[k].ballB];
 		const Vec3 a = i.center(), b = X * j.center();
-		const Lens lens = lensOf(a, i.R, b, j.R);
-		const double scale = pair.stiffness * i.density * j.density;
+		const double radiusA = i.meanRadius(), radiusB = j.meanRadius();
+		const Lens lens = lensOf(a, radiusA, b, radiusB);
+		const double scale = pair.stiffness * (i.volume() / ballVolume(radiusA)) * (j.volume() / ballVolume(radiusB));
 		const Vec3 mA = i.normal() * pair.weightA, mB = X.rotation * j.normal() * pair.weightB;
 		const double qA = pair.weightA * i.depth, qB = pair.weightB * j.depth;
 		const Vec3 c = lens.centroid(a);

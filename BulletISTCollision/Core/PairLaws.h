@@ -21,7 +21,8 @@ struct PairLawResult
 PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
 					   double epsilon);
 
-/// Law GL: the exact gradient of U = k sum dd L (w_A depth_i(C) + w_B depth_j(C)). Use with Model::Law.
+/// Law GL: the exact gradient of U = k sum dd L (w_A depth_i(C) + w_B depth_j(C)), with each leaf as the ball of the same volume and
+/// mean second moment. Use with Model::Law and `listMeetingBounds`: those balls may meet where the ellipsoids do not.
 PairLawResult energyLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
 						const PressurePair& pair);
 }  // namespace ist

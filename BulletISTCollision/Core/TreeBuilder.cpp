@@ -46,20 +46,10 @@ Error cancelled()
 	return {"the build was cancelled", true};
 }
 
-std::vector<MomentBall> innerBalls(const std::vector<Sphere>& spheres)
+std::vector<MomentEllipsoid> innerBalls(const std::vector<Sphere>& spheres)
 {
-	std::vector<MomentBall> balls(spheres.size());
-	for (size_t i = 0; i < spheres.size(); ++i)
-	{
-		const Sphere& s = spheres[i];
-		MomentBall& b = balls[i];
-		b.x = s.x;
-		b.y = s.y;
-		b.z = s.z;
-		b.R = s.r;
-		b.density = 1;
-		b.sphere = static_cast<uint32_t>(i);
-	}
+	std::vector<MomentEllipsoid> balls(spheres.size());
+	for (size_t i = 0; i < spheres.size(); ++i) balls[i] = ballOf(spheres[i], static_cast<uint32_t>(i));
 	return balls;
 }
 

@@ -124,17 +124,17 @@ private:
 };
 }  // namespace
 
-bool surelyValid(const BallBlock& block, const MomentBall* balls)
+bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls)
 {
 	// Overflows for balls that are finite but of no known world.
 	float sum = 0;
 	int good = 1;
 	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
 	{
-		const MomentBall& b = balls[k];
+		const MomentEllipsoid& b = balls[k];
 		sum += (std::fabs(b.x) + std::fabs(b.y)) + (std::fabs(b.z) + b.R) + (b.density + std::fabs(b.depth)) +
 			   (std::fabs(b.nx) + std::fabs(b.ny) + std::fabs(b.nz));
-		const int solid = int(b.R > 0) & int(b.density > 0), empty = int(b.R == 0) & int(b.density == 0);
+		const int solid = int(b.isSolid()), empty = int(b.R == 0) & int(b.density == 0);
 		good &= k < block.count ? solid : empty;
 	}
 	const Bound own{block.bx, block.by, block.bz, block.br};

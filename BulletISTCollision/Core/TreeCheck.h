@@ -9,7 +9,7 @@ namespace ist
 /// true passes `BallTree::validate()`; ask that for certainty and for words.
 
 /// Sixteen balls of a block: finite, with mass, padding behind them, all inside the block's bound.
-bool surelyValid(const BallBlock& block, const MomentBall* balls);
+bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls);
 /// Nodes: each node and block reached once, bounds contain what they bound. Assumes that every block is valid.
 bool surelyValidNodes(const BallTree& tree);
 /// All of it. O(balls).

@@ -19,26 +19,24 @@ constexpr size_t kFewestBalls = 24;
 /// square plate is first split into its two sides.
 constexpr double kPlaceWeight = 1.8;
 
-double massOf(const MomentBall& b) { return b.density * ballVolume(b.R); }
-
 using Vec6 = std::array<double, 6>;
 
 /// Place in units of the cluster's size, and normal.
-Vec6 coordinates(const MomentBall& b, const MomentBall& cluster)
+Vec6 coordinates(const MomentEllipsoid& b, const MomentEllipsoid& cluster)
 {
-	const double scale = cluster.R > 0 ? kPlaceWeight / cluster.R : 0;
+	const double scale = cluster.meanRadius() > 0 ? kPlaceWeight / cluster.meanRadius() : 0;
 	const Vec3 place = (b.center() - cluster.center()) * scale, normal = b.normal() - cluster.normal();
 	return {place.x, place.y, place.z, normal.x, normal.y, normal.z};
 }
 
 /// Direction in which the balls spread most: power iteration on their covariance, weighted by mass.
-Vec6 principalAxis(const std::vector<MomentBall>& balls, const uint32_t* order, size_t count, const MomentBall& cluster)
+Vec6 principalAxis(const std::vector<MomentEllipsoid>& balls, const uint32_t* order, size_t count, const MomentEllipsoid& cluster)
 {
 	double covariance[6][6] = {};
 	for (size_t k = 0; k < count; ++k)
 	{
 		const Vec6 v = coordinates(balls[order[k]], cluster);
-		const double mass = massOf(balls[order[k]]);
+		const double mass = balls[order[k]].volume();
 		for (int i = 0; i < 6; ++i)
 			for (int j = 0; j < 6; ++j) covariance[i][j] += mass * v[i] * v[j];
 	}
@@ -66,7 +64,7 @@ Vec6 principalAxis(const std::vector<MomentBall>& balls, const uint32_t* order, 
 class Cut
 {
 public:
-	explicit Cut(const std::vector<MomentBall>& balls) : m_balls(balls), m_order(balls.size()), m_key(balls.size())
+	explicit Cut(const std::vector<MomentEllipsoid>& balls) : m_balls(balls), m_order(balls.size()), m_key(balls.size())
 	{
 		std::iota(m_order.begin(), m_order.end(), 0u);
 		add(0, balls.size());
@@ -78,9 +76,9 @@ public:
 		while (m_clusters.size() < count) split();
 	}
 
-	std::vector<MomentBall> balls() const
+	std::vector<MomentEllipsoid> balls() const
 	{
-		std::vector<MomentBall> balls;
+		std::vector<MomentEllipsoid> balls;
 		for (const Cluster& cluster : m_clusters) balls.push_back(cluster.ball);
 		return balls;
 	}
@@ -89,7 +87,7 @@ private:
 	struct Cluster
 	{
 		size_t begin, end;
-		MomentBall ball;
+		MomentEllipsoid ball;
 		double cost;
 		// The range breaks ties, so that the result does not depend on the heap.
 		bool operator<(const Cluster& other) const { return cost != other.cost ? cost < other.cost : begin > other.begin; }
@@ -98,7 +96,7 @@ private:
 	void add(size_t begin, size_t end);
 	void split();
 
-	const std::vector<MomentBall>& m_balls;
+	const std::vector<MomentEllipsoid>& m_balls;
 	std::vector<uint32_t> m_order;
 	std::vector<double> m_key;         ///< by ball: its place along the axis of the current split
 	std::vector<Cluster> m_clusters;  ///< a heap
@@ -106,10 +104,10 @@ private:
 
 void Cut::add(size_t begin, size_t end)
 {
-	Cluster cluster{begin, end, mergedBall(m_balls, m_order.data() + begin, end - begin), 0};
+	Cluster cluster{begin, end, merged(m_balls.data(), m_order.data() + begin, end - begin), 0};
 	// The rule by which cells are split into leaves. Source: reference/force-law.md 3.
-	const MomentBall& b = cluster.ball;
-	if (end - begin > 1) cluster.cost = massOf(b) * b.R * (0.15 + std::max(0.0, 1 - squaredNorm(b.normal())));
+	const MomentEllipsoid& b = cluster.ball;
+	if (end - begin > 1) cluster.cost = b.volume() * b.meanRadius() * (0.15 + std::max(0.0, 1 - squaredNorm(b.normal())));
 	m_clusters.push_back(cluster);
 	std::push_heap(m_clusters.begin(), m_clusters.end());
 }
@@ -135,46 +133,10 @@ void Cut::split()
 }
 }  // namespace
 
-MomentBall mergedBall(const std::vector<MomentBall>& balls, const uint32_t* index, size_t count)
-{
-	if (count == 1) return balls[index[0]];
-	double mass = 0, depth = 0, second = 0;
-	Vec3 center, normal;
-	for (size_t i = 0; i < count; ++i)
-	{
-		const MomentBall& b = balls[index[i]];
-		const double m = massOf(b);
-		mass += m;
-		center += b.center() * m;
-		normal += b.normal() * m;
-		depth += b.depth * m;
-	}
-	if (!(mass > 0)) return balls[index[0]];
-	center = center / mass;
-	for (size_t i = 0; i < count; ++i)
-	{
-		const MomentBall& b = balls[index[i]];
-		second += massOf(b) * (squaredNorm(b.center() - center) + 0.6 * double(b.R) * b.R);
-	}
-	const double R = std::sqrt(5.0 / 3.0 * second / mass);
-	MomentBall ball = balls[index[0]];
-	ball.x = float(center.x);
-	ball.y = float(center.y);
-	ball.z = float(center.z);
-	ball.R = float(R);
-	ball.density = float(mass / ballVolume(ball.R));
-	normal = normal / mass;
-	ball.nx = float(normal.x);
-	ball.ny = float(normal.y);
-	ball.nz = float(normal.z);
-	ball.depth = float(depth / mass);
-	return ball;
-}
-
 std::vector<BallTree> buildLevels(const BallTree& leaves)
 {
-	std::vector<MomentBall> balls;
-	for (const MomentBall& b : leaves.balls)
+	std::vector<MomentEllipsoid> balls;
+	for (const MomentEllipsoid& b : leaves.balls)
 		if (b.density > 0) balls.push_back(b);
 	std::vector<size_t> sizes;
 	for (size_t size = balls.size() / kMerged; size >= kFewestBalls; size /= kMerged) sizes.push_back(size);

@@ -5,10 +5,6 @@
 
 namespace ist
 {
-/// The moment ball of those of `balls` that the `count` indices name: their mass, centroid and trace of the second moment; normal
-/// and depth are means by mass.
-MomentBall mergedBall(const std::vector<MomentBall>& balls, const uint32_t* index, size_t count);
-
 /// Coarser versions of a tree of leaves, the finest first; each has a third of the balls of the one before, down to a few dozen.
 /// Cuts of one binary tree, refined where the law loses most: clusters are split by place and normal together, for a ball over both
 /// sides of a thin part would have no normal. About half the memory of the leaves' tree. Deterministic; O(n log n).

@@ -27,7 +27,7 @@ void writeLeaves(std::ostream& out, const InnerSphereTree& tree)
 	for (size_t block = 0; block < tree.law.blocks.size(); ++block)
 		for (uint32_t lane = 0; lane < tree.law.blocks[block].count; ++lane)
 		{
-			const MomentBall& b = tree.law.balls[block * BallBlock::kWidth + lane];
+			const MomentEllipsoid& b = tree.law.balls[block * BallBlock::kWidth + lane];
 			const Vec3 c = b.center() + tree.origin;
 			for (double v : {c.x, c.y, c.z}) out << numberText(v) << ',';
 			for (float v : {b.R, b.density, b.nx, b.ny, b.nz, b.depth}) out << numberText(v) << ',';

@@ -89,6 +89,7 @@ private:
 		options.level = m_arguments.level;
 		options.maxPairs = m_arguments.maxPairs;
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
+		options.listMeetingBounds = m_energyLaw;
 		a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
 		if (a.overlap.status != QueryStatus::Ok) return a;
 		a.enoughPairs = !(m_paper || m_energyLaw) || a.overlap.pairListComplete;

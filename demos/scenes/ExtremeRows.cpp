@@ -42,12 +42,14 @@ ist::Vec3 randomVector(std::mt19937_64& random, double size)
 double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT, double height)
 {
 	double volume = 0;
-	for (const ist::MomentBall& ball : tree.law.balls)
+	for (const ist::MomentEllipsoid& ball : tree.law.balls)
 	{
 		if (!(ball.density > 0)) continue;
-		const double R = double(ball.R), y = (X_WT * (tree.origin + ball.center())).y;
-		const double depth = std::clamp(height - (y - R), 0.0, 2 * R);
-		volume += double(ball.density) * kPi * depth * depth * (3 * R - depth) / 3;
+		// The share of an ellipsoid below a plane depends on the plane's distance in half-widths alone.
+		const ist::Vec3 up = ist::transpose(X_WT.rotation) * ist::Vec3{0, 1, 0};
+		const double width = std::sqrt(dot(up, ball.shape() * up)), y = (X_WT * (tree.origin + ball.center())).y;
+		const double t = std::clamp((height - y) / width, -1.0, 1.0);
+		volume += ball.volume() * (1 + t) * (1 + t) * (2 - t) / 4;
 	}
 	return volume;
 }

@@ -13,7 +13,7 @@ namespace
 {
 using Node = NaiveSphereTree::Node;
 using Overlap = NaiveSphereTree::Overlap;
-using Iterator = std::vector<MomentBall>::iterator;
+using Iterator = std::vector<MomentEllipsoid>::iterator;
 
 /// Halves at the median of the widest axis.
 Iterator halve(Iterator begin, Iterator end)
@@ -27,7 +27,7 @@ Iterator halve(Iterator begin, Iterator end)
 	const Vec3 size = high - low;
 	const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 	const Iterator middle = begin + (end - begin) / 2;
-	std::nth_element(begin, middle, end, [&](const MomentBall& p, const MomentBall& q) { return p.center()[axis] < q.center()[axis]; });
+	std::nth_element(begin, middle, end, [&](const MomentEllipsoid& p, const MomentEllipsoid& q) { return p.center()[axis] < q.center()[axis]; });
 	return middle;
 }
 
@@ -78,7 +78,7 @@ void visit(const Node& a, const Node& b, const Pose& X, Overlap& sum)
 }
 }  // namespace
 
-std::unique_ptr<Node> NaiveSphereTree::build(std::vector<MomentBall>& balls, size_t begin, size_t end)
+std::unique_ptr<Node> NaiveSphereTree::build(std::vector<MomentEllipsoid>& balls, size_t begin, size_t end)
 {
 	auto node = std::make_unique<Node>();
 	const Iterator first = balls.begin() + ptrdiff_t(begin), last = balls.begin() + ptrdiff_t(end);
@@ -101,8 +101,8 @@ std::unique_ptr<Node> NaiveSphereTree::build(std::vector<MomentBall>& balls, siz
 
 NaiveSphereTree::NaiveSphereTree(const BallTree& tree)
 {
-	std::vector<MomentBall> balls;
-	for (const MomentBall& b : tree.balls)
+	std::vector<MomentEllipsoid> balls;
+	for (const MomentEllipsoid& b : tree.balls)
 		if (b.density > 0) balls.push_back(b);
 	m_root = build(balls, 0, balls.size());
 }

@@ -36,7 +36,7 @@ public:
 	};
 
 private:
-	static std::unique_ptr<Node> build(std::vector<ist::MomentBall>& balls, size_t begin, size_t end);
+	static std::unique_ptr<Node> build(std::vector<ist::MomentEllipsoid>& balls, size_t begin, size_t end);
 	std::unique_ptr<Node> m_root;
 };
 }  // namespace bench

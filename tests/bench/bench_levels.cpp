@@ -73,7 +73,7 @@ int main(int argc, char** argv)
 	body.value().levels = buildLevels(body.value().law);
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	const auto bytes = [](const BallTree& t) {
-		return t.nodes.size() * sizeof(BallNode) + t.blocks.size() * sizeof(BallBlock) + t.balls.size() * sizeof(MomentBall);
+		return t.nodes.size() * sizeof(BallNode) + t.blocks.size() * sizeof(BallBlock) + t.balls.size() * sizeof(MomentEllipsoid);
 	};
 	size_t all = bytes(body.value().law);
 	for (const BallTree& level : body.value().levels) all += bytes(level);

@@ -25,17 +25,33 @@ struct F3
 IST_INLINE F3 cross(const F3& a, const F3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 IST_INLINE F dot(const F3& a, const F3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
+struct D3
+{
+	D x, y, z;
+};
+IST_INLINE D dot(const D3& a, const D3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+struct F6
+{
+	F xx, yy, zz, xy, xz, yz;
+};
+IST_INLINE F3 operator*(const F6& a, const F3& v)
+{
+	return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.xz * v.x + a.yz * v.y + a.zz * v.z};
+}
+
 struct Balls
 {
 	F x, y, z, R, density;
 	F3 normal;
 	F depth;
+	F6 shape;
 };
 
-static_assert(sizeof(MomentBall) == 40);
+static_assert(sizeof(MomentEllipsoid) == 64);
 
 /// Columns 0..3 of the rows of four floats that begin `offset` floats into each of kLanes balls.
-IST_INLINE void fetchRow(const MomentBall* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
+IST_INLINE void fetchRow(const MomentEllipsoid* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
 {
 #if defined(IST_SSE)
 	const auto row = [&](int k) { return _mm_loadu_ps(reinterpret_cast<const float*>(balls + index[k]) + offset); };
@@ -82,25 +98,33 @@ IST_INLINE void fetchRow(const MomentBall* balls, const uint32_t* index, int off
 #endif
 }
 
-template <Terms terms>
-IST_INLINE Balls fetch(const MomentBall* balls, const uint32_t* index)
+/// Without density and normal.
+IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index)
 {
 	Balls b;
+	F sphere;
 	fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
+	fetchRow(balls, index, 8, b.depth, sphere, b.shape.xx, b.shape.yy);
+	fetchRow(balls, index, 12, b.shape.zz, b.shape.xy, b.shape.xz, b.shape.yz);
+	return b;
+}
+
+template <Terms terms>
+IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
+{
+	Balls b;
+	if constexpr (terms == kLineTerms)
+		fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
+	else
+		b = fetchEllipsoids(balls, index);
 	fetchRow(balls, index, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
-	if constexpr (terms != kLineTerms)
-	{
-		float depth[kLanes];
-		for (int k = 0; k < kLanes; ++k) depth[k] = balls[index[k]].depth;
-		b.depth = F::load(depth);
-	}
 	return b;
 }
 
 /// One vector of pairs. What does not intersect has mass and area zero.
 struct Lenses
 {
-	uint32_t hits;
+	uint32_t hits, meeting;
 	F mass, area;      ///< dd L, dd times the disc's area
 	F3 C, n, mA, mB;
 	F depthA, depthB;  ///< at C
@@ -121,45 +145,139 @@ IST_INLINE F3 turned(const PairBodies& bodies, const F3& v)
 	return {row(0), row(1), row(2)};
 }
 
+/// R P R^T
+IST_INLINE F6 turned(const PairBodies& bodies, const F6& P)
+{
+	const auto row = [&](int i) {
+		return F3{F::all(float(bodies.R[3 * i])), F::all(float(bodies.R[3 * i + 1])), F::all(float(bodies.R[3 * i + 2]))};
+	};
+	const F3 x = row(0), y = row(1), z = row(2), Px = P * x, Py = P * y, Pz = P * z;
+	return {dot(x, Px), dot(y, Py), dot(z, Pz), dot(x, Py), dot(x, Pz), dot(y, Pz)};
+}
+
+/// What two balls share.
+struct Shared
+{
+	uint32_t hits;
+	F volume, disc, share;  ///< share: of the cap of ball j in the volume
+	F whole;                ///< volume of the smaller ball
+};
+
+/// By radii, distance of the centres, and the signs and values of r_i + r_j - d, r_j - r_i + d and r_i - r_j + d.
+IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, uint32_t overlapping, uint32_t apart, const F& overlap, const F& towardsI,
+						   const F& towardsJ)
+{
+	const F small = F::smaller(ri, rj), zero = F::all(0);
+	const F inverse = F::select(F::less(zero, d), F::all(1) / d, zero), half = F::all(0.5f) * overlap * inverse;
+	const F hi = towardsI * half, hj = towardsJ * half;
+	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * ri - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * rj - hj);
+	Shared s;
+	s.hits = F::less(zero, small) & (~apart | overlapping);
+	s.whole = F::all(4 * kPiF / 3) * small * small * small;
+	s.disc = F::select(apart, F::all(kPiF) * hi * (F::all(2) * ri - hi), zero);
+	s.volume = F::select(apart, capI + capJ, s.whole);
+	const F inside = F::select(~F::less(ri, rj), F::all(1), zero);
+	s.share = F::select(apart & F::less(zero, s.volume), capJ / s.volume, inside);
+	return s;
+}
+
+IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
+{
+	const D overlap = Ri + Rj - distance, towardsI = Rj - Ri + distance, towardsJ = Ri - Rj + distance;
+	// Contained: the smaller radius exceeds neither difference. Rounding is monotonic, so these signs are exact.
+	const uint32_t apart = D::less(D::all(0), towardsI) & D::less(D::all(0), towardsJ);
+	return sharedBy(Ri.rounded(), Rj.rounded(), distance.rounded(), D::less(D::all(0), overlap), apart, overlap.rounded(), towardsI.rounded(),
+					towardsJ.rounded());
+}
+
+/// P_i + P_j in units of the squared reach, so that no power of a length leaves a float's range.
+struct Whitening
+{
+	F inverseReach;
+	F6 A;   ///< P_i
+	F6 Q;   ///< adjugate of the sum
+	F det;  ///< of the sum
+};
+
+IST_INLINE Whitening whitening(const PairBodies& bodies, const Balls& a, const Balls& b)
+{
+	Whitening w;
+	w.inverseReach = F::all(1) / (a.R + b.R);
+	const F unit = w.inverseReach * w.inverseReach;
+	const auto scaled = [&](const F6& P) { return F6{P.xx * unit, P.yy * unit, P.zz * unit, P.xy * unit, P.xz * unit, P.yz * unit}; };
+	w.A = scaled(a.shape);
+	const F6 B = turned(bodies, scaled(b.shape));
+	const F6 P{w.A.xx + B.xx, w.A.yy + B.yy, w.A.zz + B.zz, w.A.xy + B.xy, w.A.xz + B.xz, w.A.yz + B.yz};
+	w.Q = {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
+		   P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
+	w.det = P.xx * w.Q.xx + P.xy * w.Q.xy + P.xz * w.Q.xz;
+	return w;
+}
+
+/// The same of two ellipsoids, as the reference has it; `n`: the direction in which the volume falls. Only where the bounds meet.
+IST_INLINE Shared sharedByEllipsoids(const PairBodies& bodies, const Balls& a, const Balls& b, const F3& offset, const F& squared, F3& n)
+{
+	const F zero = F::all(0), one = F::all(1);
+	const Whitening white = whitening(bodies, a, b);
+	const F6 &A = white.A, &Q = white.Q;
+	const F unit = white.inverseReach * white.inverseReach, inverse = one / white.det;
+	const F off = A.xy * Q.xy + A.xz * Q.xz + A.yz * Q.yz;
+	const F squaredI = F::smaller((A.xx * Q.xx + A.yy * Q.yy + A.zz * Q.zz + off + off) * inverse * F::all(1.0f / 3), one), squaredJ = one - squaredI;
+	const F ri = F::squareRoot(squaredI), rj = F::squareRoot(squaredJ), sum = ri + rj;
+	const F3 w = Q * offset;
+	const F own = dot(offset, w) * inverse * unit, share = sum * sum * unit, least = share * squared;
+	const uint32_t bounded = F::less(own, least);
+	const F d = F::squareRoot(F::larger(own, least));
+	const F overlap = sum - d, towardsI = rj - ri + d, towardsJ = ri - rj + d;
+	Shared s = sharedBy(ri, rj, d, F::less(zero, overlap), F::less(zero, towardsI) & F::less(zero, towardsJ), overlap, towardsI, towardsJ);
+
+	const F ratio = a.R * b.R * unit / (ri * rj), length = (a.R + b.R) * ratio;
+	const F scale = length * length * length * F::squareRoot(inverse);
+	const F alongOffset = F::select(bounded, share, zero), alongW = F::select(bounded, zero, inverse * unit);
+	const auto component = [&](const F& x, const F& wx) { return x * alongOffset + wx * alongW; };
+	const F3 slope{component(offset.x, w.x), component(offset.y, w.y), component(offset.z, w.z)};
+	const F steepness = F::squareRoot(dot(slope, slope)), flat = F::select(F::less(zero, steepness), one / steepness, zero);
+	n = {slope.x * flat, slope.y * flat, slope.z * flat};
+	s.volume = s.volume * scale;
+	s.whole = s.whole * scale;
+	s.disc = F::select(F::less(zero, d), s.disc * scale * steepness / d, zero);
+	return s;
+}
+
 template <Terms terms>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, uint32_t real)
 {
 	const Balls a = fetch<terms>(bodies.ballsA, indexA), b = fetch<terms>(bodies.ballsB, indexB);
-	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R);
-	const D dx = D::from(a.x) - moved(bodies, 0, bx, by, bz);
-	const D dy = D::from(a.y) - moved(bodies, 1, bx, by, bz);
-	const D dz = D::from(a.z) - moved(bodies, 2, bx, by, bz);
-	const D squared = dx * dx + dy * dy + dz * dz, reach = Ri + Rj, distance = D::squareRoot(squared);
-	const D overlap = reach - distance, excess = Ri - Rj, towardsI = Rj - Ri + distance, towardsJ = excess + distance;
-	// Contained: the smaller radius exceeds neither difference. Rounding is monotonic, so these signs are exact.
-	const uint32_t apart = D::less(D::all(0), towardsI) & D::less(D::all(0), towardsJ);
-	const F small = F::smaller(a.R, b.R), zero = F::all(0), d = distance.rounded();
+	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R), reach = Ri + Rj;
+	const D3 from{D::from(a.x) - moved(bodies, 0, bx, by, bz), D::from(a.y) - moved(bodies, 1, bx, by, bz),
+				  D::from(a.z) - moved(bodies, 2, bx, by, bz)};
+	const D squared = dot(from, from);
+	const F3 offset{from.x.rounded(), from.y.rounded(), from.z.rounded()};
+	const F zero = F::all(0);
 	Lenses l;
-	l.hits = real & D::less(squared, reach * reach) & F::less(zero, small) & (~apart | D::less(D::all(0), overlap));
-
-	const F inverse = F::select(F::less(zero, d), F::all(1) / d, zero), half = F::all(0.5f) * overlap.rounded() * inverse;
-	const F hi = towardsI.rounded() * half, hj = towardsJ.rounded() * half;
-	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * a.R - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * b.R - hj);
-	const F smallVolume = F::all(4 * kPiF / 3) * small * small * small;
-	const F disc = F::select(apart, F::all(kPiF) * hi * (F::all(2) * a.R - hi), zero);
-	const F volume = F::select(apart, capI + capJ, smallVolume);
-	const uint32_t jInside = ~F::less(a.R, b.R);
-	const F inside = F::select(jInside, F::all(1), zero);
-	const F share = F::select(apart & F::less(zero, volume), capJ / volume, inside);
-
+	Shared shared;
+	if constexpr (terms == kLineTerms)
+	{
+		const D distance = D::squareRoot(squared);
+		shared = sharedByBalls(Ri, Rj, distance);
+		const F d = distance.rounded(), inverse = F::select(F::less(zero, d), F::all(1) / d, zero);
+		l.n = {offset.x * inverse, offset.y * inverse, offset.z * inverse};
+	}
+	else
+		shared = sharedByEllipsoids(bodies, a, b, offset, squared.rounded(), l.n);
+	l.meeting = real & D::less(squared, reach * reach);
+	l.hits = l.meeting & shared.hits;
 	const F dd = F::select(l.hits, a.density * b.density, zero);
-	l.mass = F::select(l.hits, dd * volume, zero);
-	l.area = F::select(l.hits, dd * disc, zero);
-	const F3 offset{dx.rounded(), dy.rounded(), dz.rounded()};
-	l.n = {offset.x * inverse, offset.y * inverse, offset.z * inverse};
-	l.C = {a.x - offset.x * share, a.y - offset.y * share, a.z - offset.z * share};
-	l.spread = F::larger(zero, dd * F::smaller(volume, smallVolume - volume) * F::all(bodies.spreadUnit));
+	l.mass = F::select(l.hits, dd * shared.volume, zero);
+	l.area = F::select(l.hits, dd * shared.disc, zero);
+	l.C = {a.x - offset.x * shared.share, a.y - offset.y * shared.share, a.z - offset.z * shared.share};
+	l.spread = F::larger(zero, dd * F::smaller(shared.volume, shared.whole - shared.volume) * F::all(bodies.spreadUnit));
 	if constexpr (terms != kLineTerms)
 	{
 		l.mA = a.normal;
 		l.mB = turned(bodies, b.normal);
-		l.depthA = a.depth + share * dot(l.mA, offset);
-		l.depthB = b.depth - (F::all(1) - share) * dot(l.mB, offset);
+		l.depthA = a.depth + shared.share * dot(l.mA, offset);
+		l.depthB = b.depth - (F::all(1) - shared.share) * dot(l.mB, offset);
 	}
 	return l;
 }
@@ -342,19 +460,22 @@ void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, in
 	}
 }
 
-int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
+template <Terms terms>
+int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
 {
 	constexpr float kWeakNormal = 0.1f, kLeastWeight = 1e-3f;
 	float* to[8] = {stream.fx, stream.fy, stream.fz, stream.size, stream.weight, stream.cx, stream.cy, stream.cz};
 	for (int k = 0; k < count; k += kLanes)
 	{
 		const uint32_t real = firstLanes(count - k);
-		const Lenses l = lensesOf<kFieldTerms>(bodies, a + k, b + k, real);
-		const F3 f{l.mass * (l.mB.x - l.mA.x), l.mass * (l.mB.y - l.mA.y), l.mass * (l.mB.z - l.mA.z)};
+		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, real);
+		const F3 f = terms == kLineTerms ? F3{F::all(0), F::all(0), F::all(0)}
+										 : F3{l.mass * (l.mB.x - l.mA.x), l.mass * (l.mB.y - l.mA.y), l.mass * (l.mB.z - l.mA.z)};
 		const F length = F::squareRoot(dot(f, f)), strength = F::select(F::less(length, F::all(kWeakNormal) * l.mass), F::all(0), length);
 		const F values[8] = {f.x, f.y, f.z, strength, F::larger(length, F::all(kLeastWeight) * l.mass), l.C.x, l.C.y, l.C.z};
 		// Nearly always: the search lets few others through.
-		if (l.hits == real)
+		const uint32_t kept = bodies.keepMeeting ? l.meeting : l.hits;
+		if (kept == real)
 		{
 			std::memcpy(stream.a + size, a + k, kLanes * sizeof(uint32_t));
 			std::memcpy(stream.b + size, b + k, kLanes * sizeof(uint32_t));
@@ -364,7 +485,7 @@ int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int c
 		}
 		float lanes[8][kLanes];
 		for (int i = 0; i < 8; ++i) values[i].store(lanes[i]);
-		for (uint32_t hits = l.hits; hits; hits &= hits - 1)
+		for (uint32_t hits = kept; hits; hits &= hits - 1)
 		{
 			const int lane = __builtin_ctz(hits);
 			stream.a[size] = a[k + lane];
@@ -374,5 +495,11 @@ int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int c
 		}
 	}
 	return size;
+}
+
+int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size)
+{
+	return terms == kLineTerms ? refinePairs<kLineTerms>(bodies, a, b, count, stream, size)
+							   : refinePairs<kFieldTerms>(bodies, a, b, count, stream, size);
 }
 }  // namespace

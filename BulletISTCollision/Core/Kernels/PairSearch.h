@@ -291,7 +291,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 	using V = FloatVector<16>;
 	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
 	uint32_t *pairA = s.pairA, *pairB = s.pairB;
-	const MomentBall* ballsA = s.ballsA;
+	const MomentEllipsoid* ballsA = s.ballsA;
 	const MovedBlock* moved = s.moved;
 	const float slack = s.slack;
 	for (int i = 0; i < count && !s.stop;)
@@ -307,7 +307,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 		for (; i < end; ++i)
 		{
 			const uint32_t ball = ballOf[i], index = blockOf[i];
-			const MomentBall& a = ballsA[ball];
+			const MomentEllipsoid& a = ballsA[ball];
 			const MovedBlock& b = moved[index];
 			const uint32_t hits = b.real & touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.R), a.x, a.y, a.z, a.R + slack);
 			pairs += appendLanes(hits, index * BallBlock::kWidth, ball, pairB + pairs, pairA + pairs);

@@ -2,8 +2,9 @@
 // Compiled once for each instruction set; IST_KERNEL names the table. Everything but the table has internal linkage.
 #include "BulletISTCollision/Core/Kernels/PairIntegrals.h"
 #include "BulletISTCollision/Core/Kernels/PairSearch.h"
+#include "BulletISTCollision/Core/Kernels/PairSift.h"
 
 namespace ist::kernels
 {
-const QueryKernel IST_KERNEL{search, evaluate, refine};
+const QueryKernel IST_KERNEL{search, sift, evaluate, refine};
 }

@@ -55,7 +55,7 @@ struct PairSearch
 {
 	const BallNode *nodesA, *nodesB;
 	const BallBlock *blocksA, *blocksB;
-	const MomentBall *ballsA, *ballsB;
+	const MomentEllipsoid *ballsA, *ballsB;
 	double R[9], t[3];    ///< B's tree frame to A's
 	float stretch;        ///< by how much R may lengthen
 	float slack;          ///< covers the rounding of float positions [m]
@@ -74,8 +74,10 @@ struct PairSearch
 /// The bodies of a list of pairs.
 struct PairBodies
 {
-	const MomentBall *ballsA, *ballsB;
+	const MomentEllipsoid *ballsA, *ballsB;
 	double R[9], t[3];
+	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
+	float slack;       ///< covers the rounding of float positions [m]
 	float spreadUnit;  ///< 1 / a typical volume of this query [m^-3]: keeps squares of volumes inside of a float's range
 };
 
@@ -117,11 +119,14 @@ struct PairStream
 struct QueryKernel
 {
 	void (*search)(PairSearch& search);
+	/// Drops pairs whose ellipsoids are surely apart from a list in place; returns the new length. Reads up to kListSlack entries behind
+	/// the end.
+	int (*sift)(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count);
 	/// Adds the terms of those pairs that do intersect to `sums`. Reads up to kListSlack entries behind the end.
 	void (*evaluate)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums);
 	/// Appends those pairs that do intersect to `stream` at `size` (needs kListSlack beyond size + count); returns the new size. Reads
 	/// as far behind the end.
-	int (*refine)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size);
+	int (*refine)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size);
 };
 
 extern const QueryKernel kPortableKernel;

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/BallTree.h"
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "tests/unit/Core/RandomShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -15,12 +16,12 @@ using namespace ist;
 
 namespace
 {
-std::vector<MomentBall> cloud(int count, unsigned seed)
+std::vector<MomentEllipsoid> cloud(int count, unsigned seed)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> place(-1, 1), radius(0.01f, 0.1f);
-	std::vector<MomentBall> balls(static_cast<size_t>(count));
-	for (MomentBall& b : balls)
+	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
+	for (MomentEllipsoid& b : balls)
 	{
 		b.x = place(random);
 		b.y = place(random);
@@ -28,22 +29,23 @@ std::vector<MomentBall> cloud(int count, unsigned seed)
 		b.R = radius(random);
 		b.density = 0.9f;
 		b.nx = 1;
+		giveRandomShape(b, random);
 	}
 	return balls;
 }
 
-std::vector<std::array<float, 4>> sorted(const std::vector<MomentBall>& balls)
+std::vector<std::array<float, 4>> sorted(const std::vector<MomentEllipsoid>& balls)
 {
 	std::vector<std::array<float, 4>> keys;
-	for (const MomentBall& b : balls)
+	for (const MomentEllipsoid& b : balls)
 		if (b.density > 0) keys.push_back({b.x, b.y, b.z, b.R});
 	std::sort(keys.begin(), keys.end());
 	return keys;
 }
 
-std::vector<MomentBall> ballsBelow(const BallTree& tree, uint32_t child)
+std::vector<MomentEllipsoid> ballsBelow(const BallTree& tree, uint32_t child)
 {
-	std::vector<MomentBall> below;
+	std::vector<MomentEllipsoid> below;
 	std::vector<uint32_t> open{child};
 	while (!open.empty())
 	{
@@ -62,15 +64,15 @@ std::vector<MomentBall> ballsBelow(const BallTree& tree, uint32_t child)
 }
 
 /// Radius of the least sphere around the balls, from above.
-double leastSphere(const std::vector<MomentBall>& balls)
+double leastSphere(const std::vector<MomentEllipsoid>& balls)
 {
 	Vec3 c = balls[0].center();
 	double least = 1e300;
 	for (int step = 1; step <= 500; ++step)
 	{
-		const MomentBall* farthest = nullptr;
+		const MomentEllipsoid* farthest = nullptr;
 		double reach = -1;
-		for (const MomentBall& b : balls)
+		for (const MomentEllipsoid& b : balls)
 		{
 			const double d = distance(b.center(), c) + b.R;
 			if (d <= reach) continue;
@@ -88,7 +90,7 @@ TEST(BallTree, HoldsEveryBallOnceAndIsValid)
 {
 	for (const int count : {1, 2, 15, 16, 17, 100, 129, 3000, 20000})
 	{
-		const std::vector<MomentBall> balls = cloud(count, 7);
+		const std::vector<MomentEllipsoid> balls = cloud(count, 7);
 		const BallTree tree = buildBallTree(balls);
 		EXPECT_EQ(tree.validate(), "") << count;
 		EXPECT_EQ(tree.ballCount(), uint32_t(count));
@@ -99,7 +101,7 @@ TEST(BallTree, HoldsEveryBallOnceAndIsValid)
 
 TEST(BallTree, TheThreadCountChangesNothing)
 {
-	const std::vector<MomentBall> balls = cloud(30000, 11);
+	const std::vector<MomentEllipsoid> balls = cloud(30000, 11);
 	const BallTree one = buildBallTree(balls, 1);
 	for (const int threads : {2, 5})
 	{
@@ -137,9 +139,9 @@ TEST(BallTree, EmptyCloudGivesEmptyTree)
 
 TEST(BallTree, CoincidentAndSkewedCloudsStayShallow)
 {
-	std::vector<MomentBall> same(5000, cloud(1, 3)[0]);
+	std::vector<MomentEllipsoid> same(5000, cloud(1, 3)[0]);
 	EXPECT_EQ(buildBallTree(same).validate(), "");
-	std::vector<MomentBall> skewed = cloud(5000, 4);
+	std::vector<MomentEllipsoid> skewed = cloud(5000, 4);
 	for (size_t i = 0; i < skewed.size(); ++i) skewed[i].x = std::pow(2.0f, float(i % 60));
 	EXPECT_EQ(buildBallTree(skewed).validate(), "");
 }

@@ -71,7 +71,7 @@ std::pair<double, Vec3> volumeAndCentroid(const Polyhedron& body)
 	return {volume, moment / volume};
 }
 
-double mass(const MomentBall& b)
+double mass(const MomentEllipsoid& b)
 {
 	return double(b.density) * 4.0 / 3.0 * std::numbers::pi * double(b.R) * b.R * b.R;
 }
@@ -111,7 +111,7 @@ void expectCellsNear(const Cells& cells, const SpherePacking& packing, const std
 	ASSERT_EQ(cells.cells.size(), truth.size());
 	for (size_t i = 0; i < truth.size(); ++i)
 	{
-		const MomentBall& cell = cells.cells[i];
+		const MomentEllipsoid& cell = cells.cells[i];
 		const double gap = truth[i].volume - 4.0 / 3.0 * std::numbers::pi * std::pow(double(packing.spheres[i].r), 3);
 		const double sigma = volumePerPoint * std::sqrt(gap / volumePerPoint);
 		EXPECT_NEAR(mass(cell), truth[i].volume, 4 * sigma) << "cell " << i;
@@ -127,8 +127,8 @@ void expectConsistent(const Cells& cells, double meshVolume)
 	double total = 0, leafTotal = 0;
 	std::vector<double> ofLeaves(cells.cells.size());
 	std::vector<Vec3> firstMoment(cells.cells.size());
-	for (const MomentBall& c : cells.cells) total += mass(c);
-	for (const MomentBall& l : cells.leaves)
+	for (const MomentEllipsoid& c : cells.cells) total += mass(c);
+	for (const MomentEllipsoid& l : cells.leaves)
 	{
 		leafTotal += mass(l);
 		ofLeaves[l.sphere] += mass(l);
@@ -264,7 +264,7 @@ TEST(Cells, OneBallInASphereIsSplitIntoLeavesThatPointOutwards)
 	ASSERT_EQ(cells.value().leaves.size(), 300u);
 	expectConsistent(cells.value(), massProperties(surface.mesh()).volume);
 	double meanLength = 0, alignment = 0, meanDepth = 0;
-	for (const MomentBall& l : cells.value().leaves)
+	for (const MomentEllipsoid& l : cells.value().leaves)
 	{
 		meanLength += mass(l) * norm(l.normal());
 		alignment += mass(l) * dot(l.normal(), normalized(l.center()));
@@ -282,7 +282,7 @@ TEST(Cells, LeafUnderAFlatFaceHasItsNormal)
 	const auto cells = buildCells(surface, inscribedBall(surface), {});
 	ASSERT_TRUE(cells);
 	int tested = 0;
-	for (const MomentBall& l : cells.value().leaves)
+	for (const MomentEllipsoid& l : cells.value().leaves)
 	{
 		if (l.z < 0.38 || std::fabs(l.x) > 0.2 || std::fabs(l.y) > 0.2) continue;
 		++tested;
@@ -342,10 +342,10 @@ TEST(Cells, DoNotDependOnTheNumberOfThreadsOnlyOnTheSeed)
 	options.seed = 2;
 	const auto other = buildCells(surface, packing, options);
 	ASSERT_TRUE(one && three && other);
-	const auto same = [](const std::vector<MomentBall>& a, const std::vector<MomentBall>& b)
+	const auto same = [](const std::vector<MomentEllipsoid>& a, const std::vector<MomentEllipsoid>& b)
 	{
 		return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-						  [](const MomentBall& p, const MomentBall& q)
+						  [](const MomentEllipsoid& p, const MomentEllipsoid& q)
 						  {
 							  return p.center() == q.center() && p.normal() == q.normal() && p.R == q.R && p.density == q.density &&
 									 p.depth == q.depth && p.sphere == q.sphere;

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/InstructionSet.h"
 
 #include "BulletISTCollision/Core/OverlapQuery.h"
+#include "tests/unit/Core/RandomShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -55,9 +56,10 @@ TEST(InstructionSet, TheEnvironmentChooses)
 	}
 	const Choice wrong("avx9000");
 	EXPECT_FALSE(chosenInstructionSet());
-	std::vector<MomentBall> ball(1);
+	std::vector<MomentEllipsoid> ball(1);
 	ball[0].R = 1;
 	ball[0].density = 1;
+	makeRound(ball[0]);
 	InnerSphereTree body;
 	body.law = buildBallTree(ball);
 	QueryWorkspace workspace;

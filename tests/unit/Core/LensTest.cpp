@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 using namespace ist;
 
 namespace
@@ -107,4 +109,127 @@ TEST(Lens, CapOfBallAndPlane)
 	ASSERT_TRUE(capOf({0, 0, height}, 1, {0, 0, 1}, height, cap));
 	EXPECT_NEAR(lens.volume, cap.volume, 1e-4);
 	EXPECT_NEAR(lens.centroid.z, cap.centroid.z, 1e-4);
+}
+
+namespace
+{
+struct Ellipsoid
+{
+	Vec3 c;
+	SymmetricMatrix3 P;
+	double R;
+};
+
+Ellipsoid randomEllipsoid(std::mt19937& random, double size)
+{
+	std::uniform_real_distribution<double> u(-1, 1), axis(0.2, 1);
+	const double a = size * axis(random), b = size * axis(random), c = size * axis(random);
+	const Mat3 Q = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
+	return {Vec3{u(random), u(random), u(random)} * (0.7 * size), rotated(Q, {a * a, b * b, c * c, 0, 0, 0}), std::max({a, b, c}) * (1 + 1e-9)};
+}
+
+/// In units of the densities of the bounding balls, of which both are 1 here.
+double sharedVolume(const Ellipsoid& a, const Vec3& at, const Ellipsoid& b)
+{
+	Lens lens;
+	return lensOf(at, a.R, a.P, b.c, b.R, b.P, lens) ? lens.volume : 0;
+}
+}  // namespace
+
+TEST(LensOfEllipsoids, IsTheLensOfBalls)
+{
+	std::mt19937 random(7);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (int i = 0; i < 200; ++i)
+	{
+		const double Ri = 0.6 + 0.5 * u(random), Rj = 0.6 + 0.5 * u(random);
+		const Vec3 ci{u(random), u(random), u(random)}, cj{u(random), u(random), u(random)};
+		Lens balls, ellipsoids;
+		const bool met = lensOf(ci, Ri, cj, Rj, balls);
+		ASSERT_EQ(lensOf(ci, Ri, SymmetricMatrix3::identity(Ri * Ri), cj, Rj, SymmetricMatrix3::identity(Rj * Rj), ellipsoids), met);
+		if (!met) continue;
+		EXPECT_NEAR(ellipsoids.volume, balls.volume, 1e-9);
+		EXPECT_NEAR(ellipsoids.area, balls.area, 1e-6);
+		EXPECT_LT(distance(ellipsoids.centroid, balls.centroid), 1e-6);
+		if (balls.area > 0)
+		{
+			EXPECT_LT(distance(ellipsoids.normal, balls.normal), 1e-9);
+		}
+	}
+}
+
+// Two ellipsoids of one shape are the affine image of two balls, and so is what they share. The volumes are in units of the bounding
+// balls' densities: each ellipsoid carries the mass of its bounding ball.
+TEST(LensOfEllipsoids, IsExactForOneShape)
+{
+	std::mt19937 random(8);
+	for (int i = 0; i < 100; ++i)
+	{
+		const Ellipsoid a = randomEllipsoid(random, 1), b = randomEllipsoid(random, 1);
+		const double shrink = 0.5 + 0.004 * i, R = a.R * shrink, stretch = ballVolume(a.R) / (ballVolume(1) * std::sqrt(determinant(a.P)));
+		// Lengths of the coordinates in which a is the unit ball.
+		const double D = std::sqrt(dot(a.c - b.c, adjugate(a.P) * (a.c - b.c)) / determinant(a.P));
+		Lens unit, lens;
+		const bool met = lensOf({0, 0, 0}, 1, {D, 0, 0}, shrink, unit);
+		ASSERT_EQ(lensOf(a.c, a.R, a.P, b.c, R, a.P * (shrink * shrink), lens), met);
+		if (!met) continue;
+		const double scale = std::sqrt(determinant(a.P)) * stretch * stretch;
+		EXPECT_NEAR(lens.volume, unit.volume * scale, 1e-9 * scale);
+		EXPECT_LT(distance(lens.centroid, a.c + (b.c - a.c) * (D > 0 ? unit.centroid.x / D : 0)), 1e-7);
+	}
+}
+
+// The integral over all places of one body is the product of both masses, whatever the shapes, but for what the bounds cut off; the slope
+// is -area * normal.
+TEST(LensOfEllipsoids, SumsToTheProductOfTheMassesAndFallsAlongItsNormal)
+{
+	std::mt19937 random(9);
+	for (int i = 0; i < 4; ++i)
+	{
+		const Ellipsoid a = randomEllipsoid(random, 1), b = randomEllipsoid(random, 0.4 + 0.2 * i);
+		const int n = 60;
+		const double reach = a.R + b.R, step = 2 * reach / n;
+		double sum = 0;
+		for (int x = 0; x < n; ++x)
+			for (int y = 0; y < n; ++y)
+				for (int z = 0; z < n; ++z) sum += sharedVolume(a, b.c + Vec3{x + 0.5, y + 0.5, z + 0.5} * step - Vec3{reach, reach, reach}, b);
+		EXPECT_NEAR(sum * step * step * step, ballVolume(a.R) * ballVolume(b.R), 1e-2 * ballVolume(a.R) * ballVolume(b.R));
+		for (int k = 0; k < 20; ++k)
+		{
+			std::uniform_real_distribution<double> u(-1, 1);
+			const Vec3 at = b.c + Vec3{u(random), u(random), u(random)} * (0.5 * reach);
+			Lens lens;
+			if (!lensOf(at, a.R, a.P, b.c, b.R, b.P, lens)) continue;
+			Vec3 slope;
+			for (int axis = 0; axis < 3; ++axis)
+			{
+				Vec3 e;
+				e[axis] = 1e-5;
+				slope[axis] = (sharedVolume(a, at + e, b) - sharedVolume(a, at - e, b)) / 2e-5;
+			}
+			EXPECT_LT(norm(slope + lens.normal * lens.area), 1e-4 * (ballVolume(b.R) + lens.area));
+		}
+	}
+}
+
+TEST(LensOfEllipsoids, IsContinuousThroughTheCommonCentreAndToTheRim)
+{
+	std::mt19937 random(10);
+	const Ellipsoid a = randomEllipsoid(random, 1), b = randomEllipsoid(random, 0.8);
+	const double central = sharedVolume(a, b.c, b);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (int k = 0; k < 50; ++k)
+	{
+		const Vec3 direction = normalized({u(random), u(random), u(random)});
+		EXPECT_NEAR(sharedVolume(a, b.c + direction * 1e-7, b), central, 1e-5 * central);
+		double before = central;
+		for (double t = 0; t <= 1.01; t += 1e-3)
+		{
+			const double now = sharedVolume(a, b.c + direction * (t * (a.R + b.R)), b);
+			EXPECT_LE(now, before * (1 + 1e-12));
+			EXPECT_LE(before - now, 0.02 * central);
+			before = now;
+		}
+		EXPECT_EQ(before, 0);
+	}
 }

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Lens.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
+#include "tests/unit/Core/RandomShapes.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +20,8 @@ InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> place(-1, 1), size(0.5f, 1.5f);
 	const float radius = 0.8f / std::cbrt(float(count));
-	std::vector<MomentBall> balls(static_cast<size_t>(count));
-	for (MomentBall& b : balls)
+	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
+	for (MomentEllipsoid& b : balls)
 	{
 		b.x = place(random);
 		b.y = place(random);
@@ -31,18 +32,24 @@ InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
 		b.ny = 0.8f * b.y;
 		b.nz = 0.8f * b.z + 0.05f;
 		b.depth = 0.1f * size(random);
+		giveRandomShape(b, random);
 	}
 	InnerSphereTree body;
 	body.origin = origin;
 	body.volume = 8;
 	body.law = buildBallTree(balls);
-	for (MomentBall& b : balls) b.R *= 1.1f;
+	for (MomentEllipsoid& b : balls)
+	{
+		b.R *= 1.1f;
+		giveRandomShape(b, random);
+	}
 	body.cells = buildBallTree(balls);
-	for (MomentBall& b : balls)
+	for (MomentEllipsoid& b : balls)
 	{
 		b.R *= 0.7f;
 		b.density = 1;
 		b.nx = b.ny = b.nz = 0;
+		makeRound(b);
 	}
 	body.inner = buildBallTree(balls);
 	return body;
@@ -167,20 +174,21 @@ TEST(OverlapQuery, CoincidentBodiesInEveryInstructionSet)
 			EXPECT_TRUE(std::isfinite(r.total.volume) && isFinite(r.total.areaVector) && isFinite(r.total.normalA));
 		}
 		const InnerSphereTree one = cloudBody(1, 3);
-		const MomentBall& ball = one.law.balls[0];
-		EXPECT_NEAR(queryOverlap(one, one, Pose{}, workspace).total.volume, ball.density * ball.density * ballVolume(ball.R),
-					1e-6 * ballVolume(ball.R));
+		const MomentEllipsoid& ball = one.law.balls[0];
+		const double whole = ballVolume(1) * std::sqrt(determinant(ball.shape()));
+		EXPECT_NEAR(queryOverlap(one, one, Pose{}, workspace).total.volume, ball.volume() * ball.volume() / whole, 1e-6 * whole);
 	}
 }
 
 TEST(OverlapQuery, ThinLensesKeepTheirDigits)
 {
 	// Two equal balls that overlap by a small share of their radius: the volume is pi h^2 (2 R - h / 3) / 2 for the depth h.
-	std::vector<MomentBall> ball(1);
+	std::vector<MomentEllipsoid> ball(1);
 	ball[0].R = 0.25f;
 	ball[0].density = 1;
+	makeRound(ball[0]);
 	InnerSphereTree A;
-	A.law = buildBallTree(ball);
+	A.law = A.inner = buildBallTree(ball);
 	for (const InstructionSet set : availableSets())
 	{
 		QueryWorkspace workspace({}, set);
@@ -188,10 +196,16 @@ TEST(OverlapQuery, ThinLensesKeepTheirDigits)
 		{
 			Pose X;
 			X.translation = {0.3 - 0.6 * h, 0, 0.4 - 0.8 * h};
-			const OverlapIntegrals r = queryOverlap(A, A, X, workspace).total;
 			const double volume = kPi * h * h * (1.5 * 0.25 - h / 4) / 3;
-			EXPECT_EQ(r.pairs, 1);
-			EXPECT_NEAR(r.volume, volume, 1e-5 * volume) << toString(set) << ' ' << h;
+			QueryOptions balls;
+			balls.model = Model::Inner;
+			const OverlapIntegrals inner = queryOverlap(A, A, X, workspace, balls).total;
+			EXPECT_EQ(inner.pairs, 1);
+			EXPECT_NEAR(inner.volume, volume, 1e-5 * volume) << toString(set) << ' ' << h;
+			// The distance of ellipsoids comes from floats: good to some 2e-7 of their size, and so is the depth.
+			const OverlapIntegrals law = queryOverlap(A, A, X, workspace).total;
+			const double depthError = 2e-7 * 0.5;
+			EXPECT_NEAR(law.volume, volume, 1e-5 * volume + kPi * 0.25 * (h + depthError) * depthError) << toString(set) << ' ' << h;
 		}
 	}
 }
@@ -310,7 +324,7 @@ TEST(OverlapQuery, LevelsAgreeWithBruteForceOverTheirTrees)
 		}
 		if (level == levels)
 		{
-			EXPECT_LT(fast.total.pairs, pairs / 10);
+			EXPECT_LT(fast.total.pairs, pairs / 5);
 		}
 	}
 	QueryOptions beyond;
@@ -436,9 +450,9 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 
 namespace
 {
-MomentBall ballAt(const Vec3& c, const Vec3& normal, double R = 0.1)
+MomentEllipsoid ballAt(const Vec3& c, const Vec3& normal, double R = 0.1)
 {
-	MomentBall b;
+	MomentEllipsoid b;
 	b.x = float(c.x);
 	b.y = float(c.y);
 	b.z = float(c.z);
@@ -448,10 +462,11 @@ MomentBall ballAt(const Vec3& c, const Vec3& normal, double R = 0.1)
 	b.ny = float(normal.y);
 	b.nz = float(normal.z);
 	b.depth = 0.05f;
+	makeRound(b);
 	return b;
 }
 
-InnerSphereTree bodyOf(const std::vector<MomentBall>& balls)
+InnerSphereTree bodyOf(const std::vector<MomentEllipsoid>& balls)
 {
 	InnerSphereTree body;
 	body.law = buildBallTree(balls);
@@ -462,7 +477,7 @@ InnerSphereTree bodyOf(const std::vector<MomentBall>& balls)
 TEST(ContactPatches, SeparateContactsAndCorners)
 {
 	// Two feet far apart on one floor, and a wall that belongs to the second foot's component.
-	std::vector<MomentBall> A, B;
+	std::vector<MomentEllipsoid> A, B;
 	for (int i = 0; i < 5; ++i)
 	{
 		A.push_back(ballAt({-2 + 0.05 * i, 0, 0.08}, {0, 0, -0.9}));
@@ -513,6 +528,42 @@ TEST(HalfSpace, OneBallHasTheClosedForm)
 	EXPECT_NEAR(queryHalfSpace(A, {0, 0, 1}, 40, workspace).total.volume, ballVolume(R), 1e-6);
 }
 
+TEST(HalfSpace, CapOfAnEllipsoidAgreesWithCountedPoints)
+{
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (int trial = 0; trial < 5; ++trial)
+	{
+		const Vec3 axes{0.5, 0.2 + 0.2 * trial / 5, 0.1};
+		const Mat3 Q = rotationMatrix(quaternionFromRotationVector({2 * u(random), 2 * u(random), 2 * u(random)}));
+		MomentEllipsoid e = ballAt({0.2, -0.1, 0.3}, {}, 0.5 * (1 + 1e-6));
+		e.setShape(rotated(Q, {axes.x * axes.x, axes.y * axes.y, axes.z * axes.z, 0, 0, 0}));
+		InnerSphereTree A = bodyOf({e});
+		A.origin = {-4, 7, 1};
+		const Vec3 n = normalized({u(random), u(random), u(random)});
+		const double height = dot(n, e.center()) + 0.05 * u(random);
+		int points = 0, below = 0;
+		Vec3 sum;
+		while (points < 400000)
+		{
+			const Vec3 y{u(random), u(random), u(random)};
+			if (squaredNorm(y) > 1) continue;
+			++points;
+			const Vec3 x = e.center() + Q * Vec3{axes.x * y.x, axes.y * y.y, axes.z * y.z};
+			if (dot(n, x) > height) continue;
+			++below;
+			sum += x;
+		}
+		QueryWorkspace workspace;
+		const auto at = [&](double h) { return queryHalfSpace(A, n, h + dot(n, A.origin), workspace).total; };
+		const OverlapIntegrals r = at(height);
+		// Five standard errors of the count and of the mean.
+		EXPECT_NEAR(r.volume / e.volume(), double(below) / points, 5 * 0.5 / std::sqrt(double(points)));
+		expectNear(r.firstMoment / r.volume, sum / double(below), 5 * 0.5 * e.R / std::sqrt(double(below)));
+		EXPECT_NEAR(norm(r.areaVector), (at(height + 1e-4).volume - at(height - 1e-4).volume) / 2e-4, 1e-3 * norm(r.areaVector));
+	}
+}
+
 TEST(HalfSpace, ManyBallsAgreeWithADirectSum)
 {
 	const InnerSphereTree A = cloudBody(3000, 4, {1, 2, 3});
@@ -523,13 +574,15 @@ TEST(HalfSpace, ManyBallsAgreeWithADirectSum)
 		const OverlapResult r = queryHalfSpace(A, n, height + dot(n, A.origin), workspace);
 		double volume = 0, area = 0;
 		int64_t pairs = 0;
-		for (const MomentBall& b : A.law.balls)
+		for (const MomentEllipsoid& b : A.law.balls)
 		{
-			Lens cap;
-			if (!capOf(b.center(), b.R, n, dot(n, b.center()) - height, cap)) continue;
+			// Share of an ellipsoid below t half-widths over its centre: (1 + t)^2 (2 - t) / 4.
+			if (!(b.density > 0)) continue;
+			const double width = std::sqrt(dot(n, b.shape() * n)), t = std::clamp((height - dot(n, b.center())) / width, -1.0, 1.0);
+			if (t == -1) continue;
 			++pairs;
-			volume += b.density * cap.volume;
-			area += b.density * cap.area;
+			volume += b.volume() * (1 + t) * (1 + t) * (2 - t) / 4;
+			area += b.volume() * 0.75 * (1 - t * t) / width;
 		}
 		EXPECT_EQ(r.total.pairs, pairs);
 		EXPECT_NEAR(r.total.volume, volume, 1e-5 * volume);
@@ -541,7 +594,7 @@ TEST(HalfSpace, ManyBallsAgreeWithADirectSum)
 TEST(HalfSpace, BoxOfBallsApproachesTheBox)
 {
 	// A cubic lattice whose densities make up the box's volume.
-	std::vector<MomentBall> balls;
+	std::vector<MomentEllipsoid> balls;
 	const int n = 16;
 	const double step = 2.0 / n;
 	for (int i = 0; i < n; ++i)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/PairLaws.h"
 
+#include "tests/unit/Core/RandomShapes.h"
+
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -18,7 +20,7 @@ InnerSphereTree randomBody(uint64_t seed, int balls)
 	tree.origin = {0.3, -0.2, 0.1};
 	for (int i = 0; i < balls; ++i)
 	{
-		MomentBall b;
+		MomentEllipsoid b;
 		b.x = u(random);
 		b.y = u(random);
 		b.z = u(random);
@@ -28,6 +30,7 @@ InnerSphereTree randomBody(uint64_t seed, int balls)
 		b.ny = 0.5f * u(random);
 		b.nz = 0.5f * u(random);
 		b.depth = 0.3f + 0.1f * u(random);
+		giveRandomShape(b, random);
 		tree.law.balls.push_back(b);
 	}
 	return tree;
@@ -79,7 +82,7 @@ TEST(PairLaws, EnergyForceIsTheGradient)
 TEST(PairLaws, PaperForceOfTwoSpheres)
 {
 	InnerSphereTree A, B;
-	MomentBall unit;
+	MomentEllipsoid unit;
 	unit.R = 1;
 	unit.density = 1;
 	unit.y = 0.5f;

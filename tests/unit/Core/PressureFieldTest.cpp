@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/PressureField.h"
 
+#include "tests/unit/Core/RandomShapes.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
@@ -14,8 +16,8 @@ InnerSphereTree cloudBody(int count, unsigned seed)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> place(-1, 1), radius(0.1f, 0.25f);
-	std::vector<MomentBall> balls(static_cast<size_t>(count));
-	for (MomentBall& b : balls)
+	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
+	for (MomentEllipsoid& b : balls)
 	{
 		b.x = place(random);
 		b.y = place(random);
@@ -26,6 +28,7 @@ InnerSphereTree cloudBody(int count, unsigned seed)
 		b.ny = 0.8f * b.y;
 		b.nz = 0.8f * b.z;
 		b.depth = 0.1f;
+		giveRandomShape(b, random);
 	}
 	InnerSphereTree body;
 	body.law = buildBallTree(balls);

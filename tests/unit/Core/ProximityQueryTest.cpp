@@ -14,8 +14,8 @@ InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> place(-1, 1), radius(0.005f, 0.05f);
-	std::vector<MomentBall> balls(static_cast<size_t>(count));
-	for (MomentBall& b : balls)
+	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
+	for (MomentEllipsoid& b : balls)
 	{
 		b.x = place(random);
 		b.y = place(random);
@@ -33,8 +33,8 @@ InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin)
 double bruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
 	double best = std::numeric_limits<double>::infinity();
-	for (const MomentBall& a : A.inner.balls)
-		for (const MomentBall& b : B.inner.balls)
+	for (const MomentEllipsoid& a : A.inner.balls)
+		for (const MomentEllipsoid& b : B.inner.balls)
 		{
 			if (a.density == 0 || b.density == 0) continue;
 			const Vec3 p = X_AB * (B.origin + b.center());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/TreeCheck.h"
 
+#include "tests/unit/Core/RandomShapes.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -14,8 +16,8 @@ BallTree randomTree(size_t count, double scale, double farOff, uint64_t seed)
 {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> at(-scale, scale), radius(0.001 * scale, 0.1 * scale);
-	std::vector<MomentBall> balls(count);
-	for (MomentBall& b : balls)
+	std::vector<MomentEllipsoid> balls(count);
+	for (MomentEllipsoid& b : balls)
 	{
 		b.x = float(farOff + at(random));
 		b.y = float(at(random));
@@ -23,6 +25,7 @@ BallTree randomTree(size_t count, double scale, double farOff, uint64_t seed)
 		b.R = float(radius(random));
 		b.density = 0.9f;
 		b.nx = 0.5f;
+		giveRandomShape(b, random);
 	}
 	return buildBallTree(balls);
 }
@@ -42,9 +45,9 @@ void damage(BallTree& tree, std::mt19937_64& random)
 	static constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0f, 0.0f, 1e30f};
 	BallNode& node = tree.nodes[below(tree.nodes.size())];
 	const size_t index = below(tree.balls.size()), lane = below(BallNode::kWidth);
-	MomentBall& ball = tree.balls[index];
+	MomentEllipsoid& ball = tree.balls[index];
 	BallBlock& block = tree.blocks[index / BallBlock::kWidth];
-	switch (below(9))
+	switch (below(10))
 	{
 		case 0: node.r[lane] *= 0.9f + 0.0001f * float(below(1000)); break;
 		case 1: node.x[lane] += node.r[lane] * 0.0001f * float(below(1000)); break;
@@ -53,7 +56,8 @@ void damage(BallTree& tree, std::mt19937_64& random)
 		case 4: node.r[lane] = kOdd[below(std::size(kOdd))]; break;
 		case 5: block.count = uint32_t(below(18)); break;
 		case 6: block.br *= 0.9f + 0.0001f * float(below(1000)); break;
-		case 7: ball.depth = kOdd[below(std::size(kOdd))]; break;
+		case 7: ball.yy *= 0.9f + 0.001f * float(below(200)); break;
+		case 8: ball.depth = kOdd[below(std::size(kOdd))]; break;
 		default:
 			ball.R *= 1 + 0.01f * float(below(100));
 			block.R[index % BallBlock::kWidth] = ball.R;

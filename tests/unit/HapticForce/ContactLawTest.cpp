@@ -111,7 +111,8 @@ TEST(ContactLaw, WrenchIsTheModelsOwnAboutTheCentroid)
 }
 
 // Flat face on a half-space, in the closed form of an elastic foundation: k A along the normal, k I about the axes in the face,
-// nothing else. The face reaches 1 m x 1 m; the leaves' smeared edge costs some per cent of the second moment.
+// nothing else. The face reaches 1 m x 1 m. The force is the volume; its slope ripples with the leaves' layers below the face, and 10 % is
+// what is promised of it.
 TEST(ContactLaw, CubeOnAHalfSpaceIsAnElasticFoundation)
 {
 	std::mt19937_64 random(2);
@@ -124,9 +125,9 @@ TEST(ContactLaw, CubeOnAHalfSpaceIsAnElasticFoundation)
 		const Vec3 n = X_WA.rotation * Vec3{0, 1, 0}, t = X_WA.rotation * Vec3{1, 0, 0}, b = X_WA.rotation * Vec3{0, 0, 1};
 		EXPECT_GT(dot(patch.normal, n), 1 - 1e-12);
 		EXPECT_NEAR(norm(patch.wrench.force), kStiffness * depth, 0.03 * kStiffness * depth);
-		EXPECT_NEAR(quadratic(patch.stiffness, n, {}), kStiffness, 0.05 * kStiffness);
-		EXPECT_NEAR(quadratic(patch.stiffness, {}, t), kStiffness / 12, 0.05 * kStiffness / 12);
-		EXPECT_NEAR(quadratic(patch.stiffness, {}, b), kStiffness / 12, 0.05 * kStiffness / 12);
+		EXPECT_NEAR(quadratic(patch.stiffness, n, {}), kStiffness, 0.1 * kStiffness);
+		EXPECT_NEAR(quadratic(patch.stiffness, {}, t), kStiffness / 12, 0.1 * kStiffness / 12);
+		EXPECT_NEAR(quadratic(patch.stiffness, {}, b), kStiffness / 12, 0.1 * kStiffness / 12);
 		EXPECT_LT(quadratic(patch.stiffness, t, {}), 1e-6 * kStiffness);
 		EXPECT_LT(quadratic(patch.stiffness, {}, n), 1e-6 * kStiffness);
 	}

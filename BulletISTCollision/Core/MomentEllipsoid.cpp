@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/MomentEllipsoid.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+
+namespace ist
+{
+namespace
+{
+constexpr double kBallVolume = 4.18879020478639098462;
+constexpr double kFlattest = 1.0 / 50;  // half-axes, shortest over longest
+// Covers the rounding of the shape to floats.
+constexpr double kBoundMargin = 1 + 1e-6, kShapeMargin = 1e-5;
+
+/// All leading minors positive.
+bool isPositive(double xx, double yy, double zz, double xy, double xz, double yz)
+{
+	const double minor = xx * yy - xy * xy;
+	return (xx > 0) & (minor > 0) & (minor * zz - xx * yz * yz - yy * xz * xz + 2 * xy * xz * yz > 0);
+}
+}  // namespace
+
+bool MomentEllipsoid::isSolid() const
+{
+	const double bound = double(R) * R, high = bound * (1 + kShapeMargin), low = 0.5 * kFlattest * kFlattest * bound;
+	return (R > 0) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
+		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
+}
+
+MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
+{
+	MomentEllipsoid ball;
+	ball.setPlace(sphere.center());
+	ball.R = sphere.r;
+	ball.density = 1;
+	ball.sphere = index;
+	ball.xx = ball.yy = ball.zz = sphere.r * sphere.r;
+	return ball;
+}
+
+MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume)
+{
+	Eigen::Matrix3d P;
+	P << shape.xx, shape.xy, shape.xz, shape.xy, shape.yy, shape.yz, shape.xz, shape.yz, shape.zz;
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(P);
+	Eigen::Vector3d squares = solver.eigenvalues();
+	squares = squares.cwiseMax(kFlattest * kFlattest * squares.maxCoeff());
+	const double own = kBallVolume * std::sqrt(squares.prod());
+	if (!(own > 0))
+		squares.setConstant(std::pow(volume / kBallVolume, 2.0 / 3));
+	else if (own < volume)
+		squares *= std::pow(volume / own, 2.0 / 3);
+	const Eigen::Matrix3d kept = solver.eigenvectors() * squares.asDiagonal() * solver.eigenvectors().transpose();
+
+	MomentEllipsoid e;
+	e.setPlace(centroid);
+	e.setShape({kept(0, 0), kept(1, 1), kept(2, 2), kept(0, 1), kept(0, 2), kept(1, 2)});
+	e.R = float(std::sqrt(squares.maxCoeff()) * kBoundMargin);
+	// From the rounded radius, so that no volume is lost in the rounding.
+	e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));
+	return e;
+}
+
+MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, size_t count)
+{
+	if (count == 1) return pieces[index[0]];
+	double volume = 0, depth = 0;
+	Vec3 first, normal;
+	for (size_t i = 0; i < count; ++i)
+	{
+		const MomentEllipsoid& piece = pieces[index[i]];
+		const double v = piece.volume();
+		volume += v;
+		first += v * piece.center();
+		normal += v * piece.normal();
+		depth += v * piece.depth;
+	}
+	if (!(volume > 0)) return pieces[index[0]];
+	const Vec3 centroid = first / volume;
+	SymmetricMatrix3 shape;
+	for (size_t i = 0; i < count; ++i)
+	{
+		const MomentEllipsoid& piece = pieces[index[i]];
+		shape += (piece.shape() + SymmetricMatrix3::square(piece.center() - centroid) * 5) * (piece.volume() / volume);
+	}
+	MomentEllipsoid whole = momentEllipsoid(centroid, shape, volume);
+	whole.setNormal(normal / volume);
+	whole.depth = float(depth / volume);
+	whole.sphere = pieces[index[0]].sphere;
+	return whole;
+}
+}  // namespace ist

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/SpherePacking.h"
+#include "BulletISTCollision/Core/SymmetricMatrix3.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace ist
+{
+/// The homogeneous ellipsoid that has the volume, the centroid and the second moment of a piece of the body, with that piece's mean
+/// outward normal and mean depth. Its points are c + y with y^T P^-1 y <= 1, where P is five times the piece's covariance; P = R^2 for
+/// a ball. Its density is below 1, since no piece is an ellipsoid. One cache line.
+struct alignas(64) MomentEllipsoid
+{
+	float x = 0, y = 0, z = 0;      ///< centroid c
+	float R = 0;                    ///< radius of the ball that bounds the ellipsoid [m]: its longest half-axis, rounded up
+	float density = 0;              ///< d, no unit: volume of the piece over that of the bounding ball
+	float nx = 0, ny = 0, nz = 0;   ///< mean outward normal of the nearest surface points; NOT of unit length
+	float depth = 0;                ///< mean depth under the surface [m]
+	uint32_t sphere = 0;            ///< index of the packed sphere to whose cell the piece belongs
+	float xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;  ///< P [m^2]
+
+	Vec3 center() const { return {x, y, z}; }
+	Vec3 normal() const { return {nx, ny, nz}; }
+	SymmetricMatrix3 shape() const { return {xx, yy, zz, xy, xz, yz}; }
+	/// Radius of the ball with the same mean second moment [m].
+	double meanRadius() const { return std::sqrt((double(xx) + yy + zz) / 3); }
+	double volume() const { return double(density) * R * R * R * 4.18879020478639098462; }
+
+	void setPlace(const Vec3& c) { x = float(c.x), y = float(c.y), z = float(c.z); }
+	void setNormal(const Vec3& m) { nx = float(m.x), ny = float(m.y), nz = float(m.z); }
+	void setShape(const SymmetricMatrix3& P)
+	{
+		xx = float(P.xx), yy = float(P.yy), zz = float(P.zz), xy = float(P.xy), xz = float(P.xz), yz = float(P.yz);
+	}
+	/// Positive R and density, a shape that the ball of radius R contains and that is flat in no direction.
+	bool isSolid() const;
+};
+static_assert(sizeof(MomentEllipsoid) == 64);
+
+/// A whole ball, without normal and depth.
+MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index);
+
+/// Of a piece of this volume. The shape is kept, but for what only few samples can have: an ellipsoid of less volume than the piece is
+/// enlarged, half-axes of less than a fiftieth of the longest are lengthened to that. Normal, depth and sphere are left empty.
+MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume);
+
+/// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.
+MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
+}  // namespace ist

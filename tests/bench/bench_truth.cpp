@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Zlib
+// Error of the model against quadrature on the triangles, and whether the
+// reported sigma says so: bodies against bodies at 0.1, 1 and 10 % overlap,
+// bodies against half-spaces at some depths, all in seeded random poses. Usage:
+// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--only
+// NAME]
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "demos/scenes/MeshBelowPlane.h"
+#include "demos/scenes/OverlapQuadrature.h"
+#include "demos/scenes/PoseSampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+using namespace ist;
+using namespace scenes;
+
+namespace
+{
+constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
+constexpr double kOverlaps[] = {0.001, 0.01, 0.1};
+constexpr double kGaps[] = {1, 2, 4, 8};
+constexpr double kShares[] = {0.01, 0.03, 0.1}; // of the longest side
+
+struct Options
+{
+	int spheres = 1000, poses = 10, directions = 40;
+	std::string only;
+};
+
+struct Body
+{
+	std::string name;
+	Mesh mesh;
+	InnerSphereTree tree;
+};
+
+/// Longest side 1, off the origin.
+Mesh placed(Mesh mesh)
+{
+	const double unit = 1 / bounds(mesh).longestSide();
+	for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
+	return mesh;
+}
+
+Mesh ellipsoidMesh()
+{
+	Mesh mesh = makeSphereMesh(1, 5);
+	for (Vec3& p : mesh.vertices) p = {p.x, 0.8 * p.y, 0.4 * p.z};
+	return mesh;
+}
+
+Mesh bunnyMesh()
+{
+	if (!std::filesystem::exists(kBunny)) return {};
+	Result<Mesh> mesh = importMesh(kBunny);
+	if (!mesh) return {};
+	Result<RepairedMesh> repaired = repair(mesh.value());
+	return repaired ? repaired.value().mesh : Mesh{};
+}
+
+Mesh meshNamed(const std::string& name)
+{
+	if (name == "bunny") return bunnyMesh();
+	if (name == "box") return makeBoxMesh({0.5, 0.35, 0.25});
+	if (name == "torus") return makeTorusMesh(0.5, 0.2, 144, 72);
+	if (name == "knot") return makeTorusKnotMesh(2, 1, 0.45);
+	if (name == "ellipsoid") return ellipsoidMesh();
+	return makeSphereMesh(1, 5);
+}
+
+/// Without spheres when the mesh is not there.
+Body makeBody(const std::string& name, int spheres)
+{
+	Body body{name, meshNamed(name), {}};
+	if (body.mesh.triangles.empty())
+	{
+		std::printf("%s: skipped; apt-get install glmark2-data\n", name.c_str());
+		return body;
+	}
+	body.mesh = placed(std::move(body.mesh));
+	BuildOptions options;
+	options.maxSpheres = spheres;
+	Result<InnerSphereTree> tree = buildTree(body.mesh, options);
+	if (!tree)
+	{
+		std::printf("%s: %s\n", name.c_str(), tree.error().message.c_str());
+		return body;
+	}
+	body.tree = std::move(tree).value();
+	return body;
+}
+
+void printLeaves(const Body& body)
+{
+	double densest = 0, sum = 0;
+	int dense = 0;
+	const double leaves = body.tree.law.ballCount();
+	for (const MomentEllipsoid& b : body.tree.law.balls)
+	{
+		densest = std::max<double>(densest, b.density);
+		sum += b.density;
+		dense += b.density > 0.999f;
+	}
+	std::printf("%-9s %6zu spheres, %6.0f leaves, fill %.3f, mean gap %.5f; "
+				"density mean %.3f, largest %.4g, at one %d\n",
+				body.name.c_str(), body.tree.spheres.size(), leaves, body.tree.fill, body.tree.meanGap, sum / leaves, densest, dense);
+}
+
+struct Sums
+{
+	int poses = 0, oneSigma = 0, twoSigma = 0, oneSigmaForce = 0, twoSigmaForce = 0;
+	double volume = 0, bias = 0, cells = 0, force = 0, torque = 0, pairs = 0;
+	std::vector<double> angles;
+
+	double rms(double squares) const { return 100 * std::sqrt(squares / std::max(1, poses)); }
+	double percent(double sum) const { return 100 * sum / std::max(1, poses); }
+};
+
+void addSigma(Sums& sums, double volumeError, double forceError, const OverlapError& sigma)
+{
+	sums.oneSigma += volumeError <= sigma.volume;
+	sums.twoSigma += volumeError <= 2 * sigma.volume;
+	sums.oneSigmaForce += forceError <= sigma.force;
+	sums.twoSigmaForce += forceError <= 2 * sigma.force;
+}
+
+struct TruePose
+{
+	Pose X;
+	QuadratureTruth truth;
+};
+
+std::vector<TruePose> truePoses(const Body& A, const Body& B, double overlap, int count)
+{
+	const OverlapQuadrature quadrature(A.mesh, B.mesh);
+	std::vector<TruePose> poses;
+	for (const Pose& X : posesAtOverlap(quadrature, overlap, count, 11))
+		poses.push_back({X, quadrature.integrate(X, A.tree.origin, overlap < 0.005 ? 120 : 100, 40000)});
+	return poses;
+}
+
+Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& poses)
+{
+	QueryWorkspace workspace;
+	Sums sums;
+	for (const TruePose& at : poses)
+	{
+		QueryOptions cells;
+		cells.model = Model::Cell;
+		const OverlapIntegrals law = queryOverlap(A.tree, B.tree, at.X, workspace).total;
+		const double volume = law.volume / at.truth.volume - 1;
+		const double ofCells = queryOverlap(A.tree, B.tree, at.X, workspace, cells).total.volume / at.truth.volume - 1;
+		const Wrench expected = at.truth.wrench(), actual = pressureWrench(law, {});
+		const double size = norm(expected.force), error = norm(actual.force - expected.force);
+		++sums.poses;
+		sums.pairs += double(law.pairs);
+		sums.bias += volume;
+		sums.volume += volume * volume;
+		sums.cells += ofCells * ofCells;
+		sums.force += error * error / (size * size);
+		const double arm = size * std::min(A.tree.box.longestSide(), B.tree.box.longestSide());
+		sums.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
+		sums.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
+		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(law, A.tree.meanGap + B.tree.meanGap, 1));
+	}
+	std::sort(sums.angles.begin(), sums.angles.end());
+	return sums;
+}
+
+void printPairHead()
+{
+	std::printf("\n%-17s %7s %5s %7s | %7s | %7s %7s %5s %5s | %7s %7s %5s %5s | %7s\n", "rms in %", "overlap", "poses", "pairs", "cells V", "V bias",
+				"V rms", "1 sig", "2 sig", "F rms", "deg", "1 sig", "2 sig", "T rms");
+}
+
+void printPair(const std::string& name, double overlap, const Sums& s)
+{
+	std::printf("%-17s %6.1f%% %5d %7.0f | %7.2f | %+7.2f %7.2f %5.0f %5.0f | %7.2f "
+				"%7.2f %5.0f %5.0f | %7.2f\n",
+				name.c_str(), 100 * overlap, s.poses, s.pairs / std::max(1, s.poses), s.rms(s.cells), s.percent(s.bias), s.rms(s.volume),
+				s.percent(s.oneSigma), s.percent(s.twoSigma), s.rms(s.force), s.angles.empty() ? 0 : s.angles[s.angles.size() / 2],
+				s.percent(s.oneSigmaForce), s.percent(s.twoSigmaForce), s.rms(s.torque));
+	std::fflush(stdout);
+}
+
+/// The body turned at random, its lowest point `depth` below the plane y = 0.
+Sums measureHalfSpace(const Body& body, double depth, int directions)
+{
+	QueryWorkspace workspace;
+	Sums sums;
+	for (int i = 0; i < directions; ++i)
+	{
+		const Pose X{rotationMatrix(randomRotation(uint64_t(100 + i))), {}};
+		const double height = lowestPoint(body.mesh, X) + depth, truth = volumeBelow(body.mesh, X, height);
+		const OverlapIntegrals law = queryHalfSpace(body.tree, transpose(X.rotation) * Vec3{0, 1, 0}, height, workspace).total;
+		const double relative = law.volume / truth - 1;
+		++sums.poses;
+		sums.pairs += double(law.pairs);
+		sums.bias += relative;
+		sums.volume += relative * relative;
+		addSigma(sums, std::fabs(law.volume - truth), 0, overlapError(law, body.tree.meanGap, 1));
+	}
+	return sums;
+}
+
+void printHalfSpace(const Body& body, double depth, int directions)
+{
+	const Sums s = measureHalfSpace(body, depth, directions);
+	std::printf("%-9s %8.5f %6.1f %8.1f | %+8.1f %8.1f %5.0f %5.0f\n", body.name.c_str(), depth, depth / body.tree.meanGap, s.pairs / s.poses,
+				s.percent(s.bias), s.rms(s.volume), s.percent(s.oneSigma), s.percent(s.twoSigma));
+}
+
+void printHalfSpaces(const Body& body, int directions)
+{
+	std::printf("\n%-9s %8s %6s %8s | %8s %8s %5s %5s\n", "half-space", "depth", "gaps", "leaves", "V bias %", "V rms %", "1 sig", "2 sig");
+	for (const double gaps : kGaps) printHalfSpace(body, gaps * body.tree.meanGap, directions);
+	for (const double share : kShares) printHalfSpace(body, share, directions);
+	std::fflush(stdout);
+}
+
+Options parse(int argc, char** argv)
+{
+	Options options;
+	for (int i = 1; i + 1 < argc; i += 2)
+	{
+		const std::string key = argv[i];
+		if (key == "--spheres")
+			options.spheres = std::atoi(argv[i + 1]);
+		else if (key == "--poses")
+			options.poses = std::atoi(argv[i + 1]);
+		else if (key == "--directions")
+			options.directions = std::atoi(argv[i + 1]);
+		else if (key == "--only")
+			options.only = argv[i + 1];
+	}
+	return options;
+}
+} // namespace
+
+int main(int argc, char** argv)
+{
+	const Options options = parse(argc, argv);
+	const char* const pairs[][2] = {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
+	std::vector<Body> bodies;
+	for (const char* name : {"bunny", "torus", "knot", "box", "ellipsoid", "ball"})
+	{
+		if (options.only.find(name) == std::string::npos && !options.only.empty()) continue;
+		bodies.push_back(makeBody(name, options.spheres));
+		if (bodies.back().tree.law.empty())
+			bodies.pop_back();
+		else
+			printLeaves(bodies.back());
+	}
+	for (const Body& body : bodies) printHalfSpaces(body, options.directions);
+	if (options.poses <= 0) return 0;
+	printPairHead();
+	const auto find = [&](const char* name) { return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; }); };
+	for (const auto& pair : pairs)
+	{
+		const auto A = find(pair[0]), B = find(pair[1]);
+		if (A == bodies.end() || B == bodies.end()) continue;
+		for (const double overlap : kOverlaps)
+			printPair(A->name + "-" + B->name, overlap, measurePair(*A, *B, truePoses(*A, *B, overlap, options.poses)));
+	}
+	return 0;
+}
