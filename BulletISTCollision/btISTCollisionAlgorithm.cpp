@@ -76,7 +76,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	if (contact.patchCount == 0) contact.ledger = btISTContactLedger();
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
 	contact.error = ist::OverlapError();
-	const double gap = m_treeA->meanGap + (m_treeB ? m_treeB->meanGap : 0);
+	const double gap = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
 	if (contact.total.volume > 0) contact.error = ist::overlapError(contact.total, gap, contact.constants.k);
 }
 

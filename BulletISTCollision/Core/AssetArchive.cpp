@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/AssetSections.h"
 #include "BulletISTCollision/Core/Checksum.h"
 #include "BulletISTCollision/Core/FloatCode.h"
+#include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/WholeFile.h"
 
 #include <numeric>
@@ -378,6 +379,7 @@ Result<InnerSphereTree> decodeArchive(const std::byte* bytes, size_t size)
 	tree.law = buildBallTree(leaves);
 	tree.cells = buildBallTree(cells);
 	tree.inner = buildBallTree(inner);
+	tree.resolution = surfaceResolution(tree.law);
 	for (const std::string& problem : {describedViolation(tree), tree.validate()})
 		if (!problem.empty()) return damaged(problem);
 	return tree;

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/AssetArchive.h"
 #include "BulletISTCollision/Core/AssetSections.h"
 #include "BulletISTCollision/Core/Checksum.h"
+#include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/WholeFile.h"
 
 #include <algorithm>
@@ -189,6 +190,7 @@ Result<InnerSphereTree> decodeAsset(const std::byte* bytes, size_t size)
 	if (const Error error = readTable(bytes, size, sections); !error.message.empty()) return error;
 	InnerSphereTree tree;
 	if (const std::string problem = readSections(version, sections, tree); !problem.empty()) return damaged(problem);
+	tree.resolution = surfaceResolution(tree.law);
 	return tree;
 }
 

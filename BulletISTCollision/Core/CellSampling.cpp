@@ -19,9 +19,8 @@ namespace
 constexpr double gapSamplesPerSphere = 100;
 constexpr double fewestGapSamples = 2e5;
 constexpr double manyGapSamples = 1e6;  // beyond, half as many a sphere
-constexpr double ballSamples = 8e5;
+constexpr double ballSamples = 8e5;  // by volume
 constexpr size_t fewestBallSamples = 16;
-constexpr size_t mostBallSamples = 20000;
 constexpr int mostLinesPerSide = 1024;
 constexpr int rowsOfSlab = 8;
 constexpr int slabsPerReport = 32;
@@ -62,7 +61,7 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 	for (const Sphere& s : spheres)
 	{
 		const size_t share = size_t(ballSamples * ballVolume(s.r) / total);
-		counts.push_back(std::clamp(share, fewestBallSamples, mostBallSamples) / 2 * 2);
+		counts.push_back(std::max(share, fewestBallSamples) / 2 * 2);
 	}
 	return counts;
 }

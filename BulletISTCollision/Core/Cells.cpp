@@ -18,7 +18,13 @@ namespace ist
 namespace
 {
 constexpr size_t smallPacking = 200;
-constexpr size_t fewestLeaves = 300;
+constexpr size_t leavesOfSmallPacking = 300;
+
+size_t leafCountOf(const CellOptions& options, size_t spheres)
+{
+	const size_t count = size_t(std::llround(std::max(1.0, options.leavesPerSphere) * double(spheres)));
+	return std::max({count, spheres < smallPacking ? leavesOfSmallPacking : 0, size_t(std::max<int64_t>(0, options.fewestLeaves))});
+}
 
 double ballVolume(double r)
 {
@@ -96,12 +102,9 @@ Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packi
 	std::vector<CellPiece> bases(n);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(n); ++i) bases[size_t(i)] = baseCell(sampled, packing.spheres[size_t(i)], uint32_t(i));
-	size_t leafCount = size_t(std::llround(std::max(1.0, options.leavesPerSphere) * double(n)));
-	if (n < smallPacking) leafCount = std::max(leafCount, fewestLeaves);
-
 	Cells result;
 	for (const CellPiece& piece : bases) result.cells.push_back(momentEllipsoid(piece));
-	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCount, threads)) result.leaves.push_back(momentEllipsoid(piece));
+	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCountOf(options, n), threads)) result.leaves.push_back(momentEllipsoid(piece));
 	if (cancelled(0.9)) return cancelledError;
 	const SurfaceGap gap = measureSurfaceGap(mesh, nearest, threads);
 	result.meanGap = gap.mean;

@@ -15,6 +15,7 @@ namespace ist
 struct CellOptions
 {
 	double leavesPerSphere = 1.5;
+	int64_t fewestLeaves = 0;  ///< where few spheres fill a smooth body, which can still be split
 	uint64_t seed = 1;
 	int threads = 0;  ///< 0: all
 	Progress progress;

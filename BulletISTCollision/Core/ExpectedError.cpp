@@ -53,7 +53,7 @@ double errorAt(const InnerSphereTree& tree, double fraction, const Mat3& R, cons
 	}
 	const OverlapResult result = queryOverlap(tree, tree, apart(tree, R, direction, near), workspace);
 	const double force = norm(pressureWrench(result.total, {}).force);
-	return force > 0 ? overlapError(result.total, 2 * tree.meanGap, 1).force / force : -1;
+	return force > 0 ? overlapError(result.total, 2 * tree.errorLength(), 1).force / force : -1;
 }
 }  // namespace
 

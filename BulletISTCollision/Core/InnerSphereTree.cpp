@@ -17,7 +17,7 @@ std::string InnerSphereTree::validate() const
 	for (int i = 0; i < 3; ++i)
 		if (!isFinite(inertia.row(i))) return "inertia not finite";
 	if (!isLength(area)) return "area not finite";
-	if (!isLength(meanGap) || !isLength(maxGap)) return "gap not finite";
+	if (!isLength(meanGap) || !isLength(maxGap) || !isLength(resolution)) return "gap not finite";
 	if (!isLength(uncoveredArea) || !isLength(fill)) return "fill or uncovered share not finite";
 	const struct
 	{

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Mesh.h"
 #include "BulletISTCollision/Core/SpherePacking.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct InnerSphereTree
 	double meanGap = 0, maxGap = 0;  ///< see Cells.h [m]
 	double uncoveredArea = 0;
 	double fill = 0;
+	double resolution = 0;  ///< surfaceResolution of `law` [m]; not stored, found again on loading
 
 	std::vector<Sphere> spheres;  ///< the packing, largest first
 	BallTree law;                 ///< leaves: the default estimator and law
@@ -46,6 +48,9 @@ struct InnerSphereTree
 		double requestedFill = 1, requestedMinRadius = 0;
 		uint64_t seed = 1;
 	} provenance;
+
+	/// The length g of the body in the error bar of a query (PressureField.h) [m]. A smooth body may have no gaps, but it has leaves.
+	double errorLength() const { return std::max(meanGap, resolution); }
 
 	/// Empty when every invariant holds (each tree's, finite values, positive volume), else the first violation.
 	std::string validate() const;

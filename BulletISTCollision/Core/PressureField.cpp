@@ -45,13 +45,13 @@ SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length
 	return result;
 }
 
-OverlapError overlapError(const OverlapIntegrals& integrals, double gapSum, double stiffness)
+OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness)
 {
 	const double V = integrals.volume;
 	if (!(V > 0)) return {};
 	const double S = std::sqrt(integrals.spread) / V;
-	const double relativeGap = gapSum * norm(integrals.areaVector) / V;
+	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
 	const double r = 0.04 * relativeGap * relativeGap;
-	return {V * std::sqrt(0.25 * S * S + r * r), stiffness * V * std::sqrt(0.64 * S * S + r * r)};
+	return {V * std::sqrt(0.04 * S * S + r * r), stiffness * V * std::sqrt(0.09 * S * S + r * r)};
 }
 }  // namespace ist

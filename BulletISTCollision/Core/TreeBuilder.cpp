@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
 #include "BulletISTCollision/Core/SpherePacker.h"
+#include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
 
 #include <chrono>
@@ -10,6 +11,8 @@ namespace ist
 {
 namespace
 {
+constexpr int64_t mostSpheresForLeaves = 100000;
+
 class Stopwatch
 {
 public:
@@ -91,6 +94,7 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 {
 	if (!goesOn(progress, "tree", 0)) return false;
 	tree.law = buildBallTree(cells.leaves, threads);
+	tree.resolution = surfaceResolution(tree.law);
 	if (!goesOn(progress, "tree", 0.4)) return false;
 	tree.cells = buildBallTree(cells.cells, threads);
 	if (!goesOn(progress, "tree", 0.7)) return false;
@@ -123,6 +127,9 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	seconds.packing = watch.lap();
 
 	CellOptions cellOptions;
+	// Smooth bodies pack as a few spheres; their leaves must still be as small as the number asked for allows.
+	if (options.targetFill >= 1 && options.minRadius <= 0)
+		cellOptions.fewestLeaves = int64_t(cellOptions.leavesPerSphere * double(std::min(options.maxSpheres, mostSpheresForLeaves)));
 	cellOptions.seed = options.seed;
 	cellOptions.threads = options.threads;
 	cellOptions.progress = options.progress;

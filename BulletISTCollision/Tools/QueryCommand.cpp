@@ -147,7 +147,7 @@ private:
 	{
 		const OverlapIntegrals& total = a.overlap.total;
 		const bool touching = total.volume > 0;
-		const OverlapError error = touching ? overlapError(total, m_A.meanGap + m_B.meanGap, m_arguments.stiffness) : OverlapError{};
+		const OverlapError error = touching ? overlapError(total, m_A.errorLength() + m_B.errorLength(), m_arguments.stiffness) : OverlapError{};
 		Report r = newReport();
 		r["row"] = index;
 		r["volume"] = total.volume;

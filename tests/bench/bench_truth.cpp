@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Error of the model against quadrature on the triangles, and whether the
-// reported sigma says so: bodies against bodies at 0.1, 1 and 10 % overlap,
-// bodies against half-spaces at some depths, all in seeded random poses. Usage:
-// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--only
-// NAME]
+// Error of the model against quadrature on the triangles, and whether the reported sigma says so: bodies against bodies at 0.1, 1 and
+// 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
+// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--only NAMES] [--csv FILE]
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
@@ -35,7 +33,7 @@ constexpr double kShares[] = {0.01, 0.03, 0.1}; // of the longest side
 struct Options
 {
 	int spheres = 1000, poses = 10, directions = 40;
-	std::string only;
+	std::string only, csv;
 };
 
 struct Body
@@ -112,9 +110,9 @@ void printLeaves(const Body& body)
 		sum += b.density;
 		dense += b.density > 0.999f;
 	}
-	std::printf("%-9s %6zu spheres, %6.0f leaves, fill %.3f, mean gap %.5f; "
+	std::printf("%-9s %6zu spheres, %6.0f leaves, fill %.3f, mean gap %.5f, resolution %.5f; "
 				"density mean %.3f, largest %.4g, at one %d\n",
-				body.name.c_str(), body.tree.spheres.size(), leaves, body.tree.fill, body.tree.meanGap, sum / leaves, densest, dense);
+				body.name.c_str(), body.tree.spheres.size(), leaves, body.tree.fill, body.tree.meanGap, body.tree.resolution, sum / leaves, densest, dense);
 }
 
 struct Sums
@@ -150,7 +148,8 @@ std::vector<TruePose> truePoses(const Body& A, const Body& B, double overlap, in
 	return poses;
 }
 
-Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& poses)
+/// `csv`: a line a pose, or null.
+Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& poses, std::FILE* csv)
 {
 	QueryWorkspace workspace;
 	Sums sums;
@@ -163,6 +162,10 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		const double ofCells = queryOverlap(A.tree, B.tree, at.X, workspace, cells).total.volume / at.truth.volume - 1;
 		const Wrench expected = at.truth.wrench(), actual = pressureWrench(law, {});
 		const double size = norm(expected.force), error = norm(actual.force - expected.force);
+		if (csv)
+			std::fprintf(csv, "%s-%s,%g,%lld,%g,%g,%g,%g,%g\n", A.name.c_str(), B.name.c_str(), at.truth.volume, (long long)law.pairs, volume,
+						 error / law.volume, size / law.volume, std::sqrt(law.spread) / law.volume,
+						 (A.tree.errorLength() + B.tree.errorLength()) * norm(law.areaVector) / law.volume);
 		++sums.poses;
 		sums.pairs += double(law.pairs);
 		sums.bias += volume;
@@ -172,7 +175,7 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		const double arm = size * std::min(A.tree.box.longestSide(), B.tree.box.longestSide());
 		sums.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
 		sums.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
-		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(law, A.tree.meanGap + B.tree.meanGap, 1));
+		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(law, A.tree.errorLength() + B.tree.errorLength(), 1));
 	}
 	std::sort(sums.angles.begin(), sums.angles.end());
 	return sums;
@@ -209,7 +212,7 @@ Sums measureHalfSpace(const Body& body, double depth, int directions)
 		sums.pairs += double(law.pairs);
 		sums.bias += relative;
 		sums.volume += relative * relative;
-		addSigma(sums, std::fabs(law.volume - truth), 0, overlapError(law, body.tree.meanGap, 1));
+		addSigma(sums, std::fabs(law.volume - truth), 0, overlapError(law, body.tree.errorLength(), 1));
 	}
 	return sums;
 }
@@ -243,6 +246,8 @@ Options parse(int argc, char** argv)
 			options.directions = std::atoi(argv[i + 1]);
 		else if (key == "--only")
 			options.only = argv[i + 1];
+		else if (key == "--csv")
+			options.csv = argv[i + 1];
 	}
 	return options;
 }
@@ -251,7 +256,7 @@ Options parse(int argc, char** argv)
 int main(int argc, char** argv)
 {
 	const Options options = parse(argc, argv);
-	const char* const pairs[][2] = {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
+	const char* const pairs[][2] = {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"knot", "bunny"}, {"knot", "torus"}};
 	std::vector<Body> bodies;
 	for (const char* name : {"bunny", "torus", "knot", "box", "ellipsoid", "ball"})
 	{
@@ -264,6 +269,8 @@ int main(int argc, char** argv)
 	}
 	for (const Body& body : bodies) printHalfSpaces(body, options.directions);
 	if (options.poses <= 0) return 0;
+	std::FILE* const csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
+	if (csv) std::fprintf(csv, "pair,volume,pairs,volume_error,force_error_over_kV,force_over_kV,S,gap_over_depth\n");
 	printPairHead();
 	const auto find = [&](const char* name) { return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; }); };
 	for (const auto& pair : pairs)
@@ -271,7 +278,8 @@ int main(int argc, char** argv)
 		const auto A = find(pair[0]), B = find(pair[1]);
 		if (A == bodies.end() || B == bodies.end()) continue;
 		for (const double overlap : kOverlaps)
-			printPair(A->name + "-" + B->name, overlap, measurePair(*A, *B, truePoses(*A, *B, overlap, options.poses)));
+			printPair(A->name + "-" + B->name, overlap, measurePair(*A, *B, truePoses(*A, *B, overlap, options.poses), csv));
 	}
+	if (csv) std::fclose(csv);
 	return 0;
 }

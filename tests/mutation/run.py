@@ -18,7 +18,7 @@ CORE, COLLISION = "BulletISTCollision/Core/", "BulletISTCollision/"
 # Name: (file, text that occurs in it once, what takes its place, test program, tests of which one must fail).
 MUTATIONS = {
     "density of leaves dropped": (
-        CORE + "CellSplitter.cpp", "ball.density = float(piece.mass / (4.0 / 3.0 * std::numbers::pi * R * R * R));", "ball.density = float(R / R);",
+        CORE + "MomentEllipsoid.cpp", "e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));", "e.density = 1;",
         "test_core", "Cells.OfEqualSpheresInABoxAreVoronoiCells"),
     "density dropped from the sums": (
         CORE + "Kernels/PairIntegrals.h", "const F dd = F::select(l.hits, a.density * b.density, zero);", "const F dd = F::all(1);",
@@ -27,9 +27,7 @@ MUTATIONS = {
         CORE + "HalfSpaceQuery.cpp", "term.dd = a.density;", "term.dd = 1;",
         "test_core", "HalfSpace.ManyBallsAgreeWithADirectSum"),
     "mean normal of leaves normalised": (
-        CORE + "CellSplitter.cpp",
-        "ball.nx = float(piece.normal.x);\n	ball.ny = float(piece.normal.y);\n	ball.nz = float(piece.normal.z);",
-        "const Vec3 m = normalized(piece.normal);\n	ball.nx = float(m.x);\n	ball.ny = float(m.y);\n	ball.nz = float(m.z);",
+        CORE + "CellSplitter.cpp", "e.setNormal(piece.normal);", "e.setNormal(normalized(piece.normal));",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
     "mean normal normalised in the sums": (
         CORE + "Kernels/PairIntegrals.h", "		l.mA = a.normal;",
@@ -39,6 +37,16 @@ MUTATIONS = {
     "splitting skipped": (
         CORE + "CellSplitter.cpp", "while (pieces.size() < leafCount && !queue.empty())", "while (false)",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
+    "shape of leaves dropped": (
+        CORE + "CellSplitter.cpp", "momentEllipsoid(piece.centroid, piece.shape, piece.mass)",
+        "momentEllipsoid(piece.centroid, SymmetricMatrix3::identity(piece.shape.trace() / 3), piece.mass)",
+        "test_core", "Cells.*"),
+    "shape of B not turned": (
+        CORE + "Kernels/PairIntegrals.h", "const F6 B = turned(bodies, scaled(b.shape));", "const F6 B = scaled(b.shape);",
+        "test_core", "OverlapQuery.AgreesWithBruteForce*"),
+    "shape dropped from a half-space": (
+        CORE + "Lens.h", "const Vec3 conjugate = e.shape() * normal;", "const Vec3 conjugate = normal * (e.shape().trace() / 3);",
+        "test_core", "HalfSpace.*"),
     "normal of a lens flipped": (
         CORE + "Lens.h", "lens.normal = offset * inverse;", "lens.normal = offset * -inverse;",
         "test_core", "Lens.*"),

@@ -125,7 +125,7 @@ TEST(RestOnAHalfSpace, BoxSinksAsDeepAsTheClosedFormSays)
 		}
 }
 
-// The mean gap of a packed ball is that of one inner sphere and says nothing about its 300 leaves: depths are shares of the radius.
+// The mean gap of a packed ball is that of one inner sphere and says nothing about its leaves: depths are shares of the radius.
 TEST(RestOnAHalfSpace, SphereSinksAsDeepAsTheClosedFormSays)
 {
 	const double r = 0.5;

@@ -57,18 +57,30 @@ Polyhedron clipped(const Polyhedron& body, const Vec3& n, double d)
 	return result;
 }
 
-std::pair<double, Vec3> volumeAndCentroid(const Polyhedron& body)
+struct Truth
 {
 	double volume = 0;
-	Vec3 moment;
+	Vec3 centroid;
+	SymmetricMatrix3 second;  ///< Int (x - centroid) (x - centroid)^T dV
+};
+
+/// Sums over tetrahedra with a corner at the origin.
+Truth momentsOf(const Polyhedron& body)
+{
+	Truth sum;
 	for (const Polygon& face : body)
 		for (size_t i = 1; i + 1 < face.size(); ++i)
 		{
-			const double v = dot(face[0], cross(face[i], face[i + 1])) / 6;
-			volume += v;
-			moment += (face[0] + face[i] + face[i + 1]) * (v / 4);
+			const Vec3 &a = face[0], &b = face[i], &c = face[i + 1], corners = a + b + c;
+			const double v = dot(a, cross(b, c)) / 6;
+			sum.volume += v;
+			sum.centroid += corners * (v / 4);
+			const SymmetricMatrix3 squares = SymmetricMatrix3::square(a) + SymmetricMatrix3::square(b) + SymmetricMatrix3::square(c);
+			sum.second += (squares + SymmetricMatrix3::square(corners)) * (v / 20);
 		}
-	return {volume, moment / volume};
+	sum.centroid *= 1 / sum.volume;
+	sum.second += SymmetricMatrix3::square(sum.centroid) * -sum.volume;
+	return sum;
 }
 
 double mass(const MomentEllipsoid& b)
@@ -95,11 +107,17 @@ SpherePacking randomPacking(const MeshDistance& surface, size_t count, std::mt19
 	return packing;
 }
 
-struct Truth
+/// About `center`.
+SymmetricMatrix3 secondMoment(const MomentEllipsoid& e, const Vec3& center)
 {
-	double volume;
-	Vec3 centroid;
-};
+	return (e.shape() * 0.2 + SymmetricMatrix3::square(e.center() - center)) * mass(e);
+}
+
+void expectNear(const SymmetricMatrix3& a, const SymmetricMatrix3& b, double tolerance, size_t cell)
+{
+	const SymmetricMatrix3 off = a + b * -1;
+	for (double v : {off.xx, off.yy, off.zz, off.xy, off.xz, off.yz}) EXPECT_NEAR(v, 0, tolerance) << "cell " << cell;
+}
 
 /// Four standard deviations of a sum over points placed independently, for the fewest points the library promises (1e5 in the gap);
 /// stratification only makes the error smaller.
@@ -118,6 +136,14 @@ void expectCellsNear(const Cells& cells, const SpherePacking& packing, const std
 		const double spread = std::sqrt(0.6) * cell.R;
 		EXPECT_LT(distance(cell.center(), truth[i].centroid), 4 * sigma * spread / truth[i].volume) << "cell " << i;
 		EXPECT_LT(4 * sigma, 0.15 * truth[i].volume) << "the tolerance says nothing, cell " << i;
+		// Nearly all points of a cell lie within its bounding radius.
+		const double momentTolerance = 4 * sigma * cell.R * cell.R;
+		expectNear(secondMoment(cell, truth[i].centroid), truth[i].second, momentTolerance, i);
+		EXPECT_LT(momentTolerance, 0.4 * truth[i].second.trace()) << "the tolerance says nothing, cell " << i;
+		SymmetricMatrix3 ofLeaves;
+		for (const MomentEllipsoid& leaf : cells.leaves)
+			if (leaf.sphere == i) ofLeaves += secondMoment(leaf, truth[i].centroid);
+		expectNear(ofLeaves, truth[i].second, momentTolerance, i);
 		EXPECT_EQ(cell.sphere, i);
 	}
 }
@@ -162,9 +188,8 @@ void expectVoronoi(const Mesh& mesh, double radius, size_t count, unsigned seed)
 			const Vec3 n = o.center() - s.center();
 			if (squaredNorm(n) > 0) cell = clipped(cell, n, dot(n, (s.center() + o.center()) * 0.5));
 		}
-		const auto [volume, centroid] = volumeAndCentroid(cell);
-		truth.push_back({volume, centroid});
-		total += volume;
+		truth.push_back(momentsOf(cell));
+		total += truth.back().volume;
 	}
 	const double meshVolume = massProperties(mesh).volume;
 	ASSERT_NEAR(total, meshVolume, 1e-9 * meshVolume);
@@ -234,7 +259,7 @@ TEST(Cells, OfUnequalSpheresAgreeWithAGrid)
 	ASSERT_TRUE(cells);
 
 	constexpr int n = 160;
-	std::vector<Truth> truth(packing.spheres.size(), {0, {}});
+	std::vector<Truth> truth(packing.spheres.size());
 	for (int i = 0; i < n * n * n; ++i)
 	{
 		const Vec3 p{(i % n + 0.5) / n - 0.5, (i / n % n + 0.5) / n - 0.5, (i / n / n + 0.5) / n - 0.5};
@@ -247,8 +272,13 @@ TEST(Cells, OfUnequalSpheresAgreeWithAGrid)
 		}
 		truth[owner].volume += 1.0 / (double(n) * n * n);
 		truth[owner].centroid += p;
+		truth[owner].second += SymmetricMatrix3::square(p) * (1.0 / (double(n) * n * n));
 	}
-	for (Truth& t : truth) t.centroid *= 1 / (t.volume * n * n * n);
+	for (Truth& t : truth)
+	{
+		t.centroid *= 1 / (t.volume * n * n * n);
+		t.second += SymmetricMatrix3::square(t.centroid) * -t.volume;
+	}
 	expectCellsNear(cells.value(), packing, truth, 1);
 	expectConsistent(cells.value(), 1);
 }

@@ -2,9 +2,11 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/PressureField.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <set>
 
@@ -47,6 +49,42 @@ TEST(TreeBuilder, CanBeCancelledInEveryStage)
 		const Result<InnerSphereTree> built = buildTree(makeBoxMesh({1, 1, 1}), options);
 		ASSERT_FALSE(built) << where;
 		EXPECT_TRUE(built.error().cancelled) << where;
+	}
+}
+// One ball fills a sphere; its leaves take up the budget, and a plane cuts off the volume of the ellipsoid's cap.
+TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
+{
+	const Vec3 half{0.5, 0.4, 0.2};
+	for (const bool ball : {true, false})
+	{
+		Mesh mesh = makeSphereMesh(1, 5);
+		const Vec3 axes = ball ? Vec3{0.5, 0.5, 0.5} : half;
+		for (Vec3& p : mesh.vertices) p = {axes.x * p.x + 3, axes.y * p.y - 5, axes.z * p.z + 7};
+		BuildOptions options;
+		options.maxSpheres = 800;
+		const Result<InnerSphereTree> built = buildTree(mesh, options);
+		ASSERT_TRUE(built) << built.error().message;
+		const InnerSphereTree& tree = built.value();
+		EXPECT_EQ(tree.law.ballCount(), 1200u);
+		EXPECT_GT(tree.errorLength(), 0.003);
+		for (const MomentEllipsoid& leaf : tree.law.balls) EXPECT_LE(leaf.density, 1.0001f);
+		QueryWorkspace workspace;
+		double error = 0, honest = 0;
+		constexpr int kPlanes = 40;
+		for (int i = 0; i < kPlanes; ++i)
+		{
+			const double z = 2 * (i + 0.5) / kPlanes - 1, turn = 2.4 * i, across = std::sqrt(1 - z * z);
+			const Vec3 n{across * std::cos(turn), across * std::sin(turn), z};
+			const double reach = norm(Vec3{axes.x * n.x, axes.y * n.y, axes.z * n.z}), depth = 0.03, h = depth / reach;
+			const double truth = 3.14159265358979 / 3 * h * h * (3 - h) * axes.x * axes.y * axes.z;
+			// The solid of the plane lies on its far side: it touches the body where -n points.
+			const OverlapIntegrals found = queryHalfSpace(tree, n, dot(n, Vec3{3, -5, 7}) - reach + depth, workspace).total;
+			error += std::pow(found.volume / truth - 1, 2) / kPlanes;
+			honest += std::fabs(found.volume - truth) < 2 * overlapError(found, tree.errorLength(), 1).volume;
+		}
+		// 0.18 for a ball of 300 round leaves.
+		EXPECT_LT(std::sqrt(error), 0.13) << (ball ? "ball" : "ellipsoid");
+		EXPECT_GE(honest / kPlanes, 0.92) << (ball ? "ball" : "ellipsoid");
 	}
 }
 }  // namespace
