@@ -19,8 +19,9 @@ namespace
 constexpr double gapSamplesPerSphere = 100;
 constexpr double fewestGapSamples = 2e5;
 constexpr double manyGapSamples = 1e6;  // beyond, half as many a sphere
-constexpr double ballSamples = 8e5;  // by volume
+constexpr double ballSamples = 8e5;
 constexpr size_t fewestBallSamples = 16;
+constexpr size_t mostBallSamples = 20000;  // where spheres are many
 constexpr int mostLinesPerSide = 1024;
 constexpr int rowsOfSlab = 8;
 constexpr int slabsPerReport = 32;
@@ -56,12 +57,13 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 {
 	double total = 0;
 	for (const Sphere& s : spheres) total += ballVolume(s.r);
+	const size_t most = std::max(mostBallSamples, size_t(ballSamples) / spheres.size());
 	std::vector<size_t> counts;
 	counts.reserve(spheres.size());
 	for (const Sphere& s : spheres)
 	{
 		const size_t share = size_t(ballSamples * ballVolume(s.r) / total);
-		counts.push_back(std::max(share, fewestBallSamples) / 2 * 2);
+		counts.push_back(std::clamp(share, fewestBallSamples, most) / 2 * 2);
 	}
 	return counts;
 }

@@ -16,6 +16,7 @@ namespace
 constexpr double compactness = 0.1;
 constexpr double positionWeight = 1;
 constexpr int mostMoves = 8;  // of the plane between the halves
+constexpr size_t enoughToMove = 1000;
 
 constexpr size_t minimumToSplit = 24;
 constexpr size_t minimumOfChild = 8;
@@ -94,12 +95,13 @@ Cut firstCut(const std::vector<CellSample>& samples, const CellPiece& piece)
 	return {axis, dot(axis, mean)};
 }
 
-/// One step of Lloyd's algorithm: to the plane halfway between the means of the halves.
+/// One step of Lloyd's algorithm: to the plane halfway between the means of the halves, or of some hundred samples of each.
 bool move(Cut& cut, const std::vector<CellSample>& samples, const CellPiece& piece)
 {
 	Vec6 sum[2] = {};
 	double weight[2] = {};
-	for (size_t k = piece.begin; k < piece.end; ++k)
+	const size_t stride = std::max<size_t>(1, (piece.end - piece.begin) / enoughToMove);
+	for (size_t k = piece.begin; k < piece.end; k += stride)
 	{
 		const double w = samples[k].weight;
 		const Vec6 f = feature(samples[k], piece);
