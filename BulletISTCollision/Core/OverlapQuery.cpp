@@ -94,6 +94,7 @@ public:
 		m_bodies.keepMeeting = options.listMeetingBounds;
 		m_bodies.ballsA = A.balls.data();
 		m_bodies.ballsB = B.balls.data();
+		m_bodies.movedB = work.movedBalls.data();
 		for (int i = 0; i < 3; ++i)
 			for (int j = 0; j < 3; ++j) m_bodies.R[3 * i + j] = X.rotation.m[i][j];
 		for (int i = 0; i < 3; ++i) m_bodies.t[i] = X.translation[i];
@@ -125,11 +126,12 @@ private:
 	void take(int count);
 	void publishPatches(int groups);
 	void publishPairs();
-	/// The entries behind the last are read with it: they must name balls too.
+	/// The entries behind the last are read with it: they must name balls too, moved ones.
 	static void pad(uint32_t* a, uint32_t* b, int count)
 	{
-		std::fill_n(a + count, kListSlack, 0u);
-		std::fill_n(b + count, kListSlack, 0u);
+		if (count == 0) return;
+		std::fill_n(a + count, kListSlack, a[count - 1]);
+		std::fill_n(b + count, kListSlack, b[count - 1]);
 	}
 	void evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const
 	{
@@ -180,6 +182,7 @@ bool TreeQuery::search()
 	s.ballOf = m_work.ballOf;
 	s.blockOf = m_work.blockOf;
 	s.moved = m_work.moved.data();
+	s.movedB = m_options.model == Model::Inner ? nullptr : m_work.movedBalls.data();
 	s.epoch = m_work.epoch;
 	s.pairA = m_work.pairA;
 	s.pairB = m_work.pairB;

@@ -70,6 +70,7 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTree& B)
 {
 	if (moved.size() < B.blocks.size()) moved.resize(B.blocks.size());
+	if (movedBalls.size() < B.balls.size()) movedBalls.resize(B.balls.size());
 	grouper.reserve(size_t(capacity.pairs), A.balls.size() + B.balls.size(), capacity.patches);
 	if (++epoch == 0)
 	{

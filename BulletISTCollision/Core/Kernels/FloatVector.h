@@ -182,6 +182,19 @@ struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = rootOf(a.part[i]);
 		return a;
 	}
+	/// Of normal a > 0.
+	static IST_INLINE FloatVector powerOfTwoBelow(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)((Mask)a.part[i] & 0x7f800000);
+		return a;
+	}
+	static IST_INLINE FloatVector inverseOfPower(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)(0x7f000000 - (Mask)a.part[i]);
+		return a;
+	}
 	/// Bit k set where a[k] < b[k].
 	static IST_INLINE uint32_t less(const FloatVector& a, const FloatVector& b)
 	{
@@ -193,6 +206,14 @@ struct FloatVector
 	/// Lane k of `a` where bit k is set, else of `b`.
 	static IST_INLINE FloatVector select(uint32_t bits, FloatVector a, const FloatVector& b)
 	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		if constexpr (kRegister == 16)
+		{
+			IST_UNROLL
+			for (int i = 0; i < kParts; ++i) a.part[i] = (Part)_mm512_mask_blend_ps(__mmask16(bits >> (i * kRegister)), (__m512)b.part[i], (__m512)a.part[i]);
+			return a;
+		}
+#endif
 		Mask lane;
 		IST_UNROLL
 		for (int k = 0; k < kRegister; ++k) lane[k] = 1 << k;

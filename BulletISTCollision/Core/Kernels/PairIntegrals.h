@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Kernels/FloatVector.h"
-#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/Kernels/EllipsoidLanes.h"
 
 // Included by QueryKernel.cpp only. Distances of centres, and with them the question whether two balls intersect, are computed in
 // double with the operations of the reference in their order; from the differences of lengths on, floats carry relative errors only.
@@ -11,19 +10,11 @@ namespace
 using namespace ist;
 using namespace ist::kernels;
 
-using F = FloatVector<kLanes>;
 using D = DoubleVector<kLanes>;
 
 /// Pairs that are staged before they are summed; lane sums are floats within a stage, doubles beyond.
 constexpr int kStage = 256;
 constexpr float kPiF = 3.14159265358979323846f;
-
-struct F3
-{
-	F x, y, z;
-};
-IST_INLINE F3 cross(const F3& a, const F3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-IST_INLINE F dot(const F3& a, const F3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 struct D3
 {
@@ -31,102 +22,12 @@ struct D3
 };
 IST_INLINE D dot(const D3& a, const D3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-struct F6
-{
-	F xx, yy, zz, xy, xz, yz;
-};
-IST_INLINE F3 operator*(const F6& a, const F3& v)
-{
-	return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.xz * v.x + a.yz * v.y + a.zz * v.z};
-}
-
-struct Balls
-{
-	F x, y, z, R, density;
-	F3 normal;
-	F depth;
-	F6 shape;
-};
-
-static_assert(sizeof(MomentEllipsoid) == 64);
-
-/// Columns 0..3 of the rows of four floats that begin `offset` floats into each of kLanes balls.
-IST_INLINE void fetchRow(const MomentEllipsoid* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
-{
-#if defined(IST_SSE)
-	const auto row = [&](int k) { return _mm_loadu_ps(reinterpret_cast<const float*>(balls + index[k]) + offset); };
-#if defined(__AVX512VL__)
-	const auto rows = [&](int k) {
-		__m512 r = _mm512_castps128_ps512(row(k));
-		r = _mm512_insertf32x4(r, row(k + 4), 1);
-		r = _mm512_insertf32x4(r, row(k + 8), 2);
-		return _mm512_insertf32x4(r, row(k + 12), 3);
-	};
-	const __m512 r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
-	const __m512d a = _mm512_castps_pd(_mm512_unpacklo_ps(r0, r1)), b = _mm512_castps_pd(_mm512_unpackhi_ps(r0, r1));
-	const __m512d c = _mm512_castps_pd(_mm512_unpacklo_ps(r2, r3)), d = _mm512_castps_pd(_mm512_unpackhi_ps(r2, r3));
-	c0.part[0] = (F::Part)_mm512_unpacklo_pd(a, c);
-	c1.part[0] = (F::Part)_mm512_unpackhi_pd(a, c);
-	c2.part[0] = (F::Part)_mm512_unpacklo_pd(b, d);
-	c3.part[0] = (F::Part)_mm512_unpackhi_pd(b, d);
-#elif defined(__AVX2__)
-	const auto rows = [&](int k) { return _mm256_insertf128_ps(_mm256_castps128_ps256(row(k)), row(k + 4), 1); };
-	const __m256 r0 = rows(0), r1 = rows(1), r2 = rows(2), r3 = rows(3);
-	const __m256d a = _mm256_castps_pd(_mm256_unpacklo_ps(r0, r1)), b = _mm256_castps_pd(_mm256_unpackhi_ps(r0, r1));
-	const __m256d c = _mm256_castps_pd(_mm256_unpacklo_ps(r2, r3)), d = _mm256_castps_pd(_mm256_unpackhi_ps(r2, r3));
-	c0.part[0] = (F::Part)_mm256_unpacklo_pd(a, c);
-	c1.part[0] = (F::Part)_mm256_unpackhi_pd(a, c);
-	c2.part[0] = (F::Part)_mm256_unpacklo_pd(b, d);
-	c3.part[0] = (F::Part)_mm256_unpackhi_pd(b, d);
-#else
-	__m128 r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
-	_MM_TRANSPOSE4_PS(r0, r1, r2, r3);
-	c0.part[0] = (F::Part)r0;
-	c1.part[0] = (F::Part)r1;
-	c2.part[0] = (F::Part)r2;
-	c3.part[0] = (F::Part)r3;
-#endif
-#else
-	for (int k = 0; k < kLanes; ++k)
-	{
-		const float* row = &balls[index[k]].x + offset;
-		c0.part[0][k] = row[0];
-		c1.part[0][k] = row[1];
-		c2.part[0][k] = row[2];
-		c3.part[0][k] = row[3];
-	}
-#endif
-}
-
-/// Without density and normal.
-IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index)
-{
-	Balls b;
-	F sphere;
-	fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
-	fetchRow(balls, index, 8, b.depth, sphere, b.shape.xx, b.shape.yy);
-	fetchRow(balls, index, 12, b.shape.zz, b.shape.xy, b.shape.xz, b.shape.yz);
-	return b;
-}
-
-template <Terms terms>
-IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
-{
-	Balls b;
-	if constexpr (terms == kLineTerms)
-		fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
-	else
-		b = fetchEllipsoids(balls, index);
-	fetchRow(balls, index, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
-	return b;
-}
-
 /// One vector of pairs. What does not intersect has mass and area zero.
 struct Lenses
 {
 	uint32_t hits, meeting;
 	F mass, area;      ///< dd L, dd times the disc's area
-	F3 C, n, mA, mB;
+	F3 C, n, mA, mB;   ///< n: of unit length for balls; area times n is meant for all
 	F depthA, depthB;  ///< at C
 	F spread;          ///< s_ij in units of the query's typical volume
 };
@@ -135,24 +36,6 @@ struct Lenses
 IST_INLINE D moved(const PairBodies& bodies, int row, const D& x, const D& y, const D& z)
 {
 	return D::all(bodies.R[3 * row]) * x + D::all(bodies.R[3 * row + 1]) * y + D::all(bodies.R[3 * row + 2]) * z + D::all(bodies.t[row]);
-}
-
-IST_INLINE F3 turned(const PairBodies& bodies, const F3& v)
-{
-	const auto row = [&](int i) {
-		return F::all(float(bodies.R[3 * i])) * v.x + F::all(float(bodies.R[3 * i + 1])) * v.y + F::all(float(bodies.R[3 * i + 2])) * v.z;
-	};
-	return {row(0), row(1), row(2)};
-}
-
-/// R P R^T
-IST_INLINE F6 turned(const PairBodies& bodies, const F6& P)
-{
-	const auto row = [&](int i) {
-		return F3{F::all(float(bodies.R[3 * i])), F::all(float(bodies.R[3 * i + 1])), F::all(float(bodies.R[3 * i + 2]))};
-	};
-	const F3 x = row(0), y = row(1), z = row(2), Px = P * x, Py = P * y, Pz = P * z;
-	return {dot(x, Px), dot(y, Py), dot(z, Pz), dot(x, Py), dot(x, Pz), dot(y, Pz)};
 }
 
 /// What two balls share.
@@ -190,64 +73,68 @@ IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 					towardsJ.rounded());
 }
 
-/// P_i + P_j in units of the squared reach, so that no power of a length leaves a float's range.
+/// P_i + P_j in units of the square of a power of two next to the reach, so that no power of a length leaves a float's range.
 struct Whitening
 {
-	F inverseReach;
-	F6 A;   ///< P_i
-	F6 Q;   ///< adjugate of the sum
-	F det;  ///< of the sum
+	F unit, perUnit;  ///< that length; 1 over it
+	F6 A;             ///< P_i
+	F6 Q;             ///< adjugate of the sum
+	F det;            ///< of the sum
 };
 
-IST_INLINE Whitening whitening(const PairBodies& bodies, const Balls& a, const Balls& b)
+/// Both in A's frame.
+IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 {
 	Whitening w;
-	w.inverseReach = F::all(1) / (a.R + b.R);
-	const F unit = w.inverseReach * w.inverseReach;
+	w.unit = F::powerOfTwoBelow(a.R + b.R);
+	w.perUnit = F::inverseOfPower(w.unit);
+	const F unit = w.perUnit * w.perUnit;
 	const auto scaled = [&](const F6& P) { return F6{P.xx * unit, P.yy * unit, P.zz * unit, P.xy * unit, P.xz * unit, P.yz * unit}; };
 	w.A = scaled(a.shape);
-	const F6 B = turned(bodies, scaled(b.shape));
-	const F6 P{w.A.xx + B.xx, w.A.yy + B.yy, w.A.zz + B.zz, w.A.xy + B.xy, w.A.xz + B.xz, w.A.yz + B.yz};
+	const F6 B = scaled(b.shape), P{w.A.xx + B.xx, w.A.yy + B.yy, w.A.zz + B.zz, w.A.xy + B.xy, w.A.xz + B.xz, w.A.yz + B.yz};
 	w.Q = {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
 		   P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 	w.det = P.xx * w.Q.xx + P.xy * w.Q.xy + P.xz * w.Q.xz;
 	return w;
 }
 
-/// The same of two ellipsoids, as the reference has it; `n`: the direction in which the volume falls. Only where the bounds meet.
-IST_INLINE Shared sharedByEllipsoids(const PairBodies& bodies, const Balls& a, const Balls& b, const F3& offset, const F& squared, F3& n)
+/// The same of two ellipsoids, as the reference has it; disc times `n`: minus the gradient of the volume. Only where the bounds meet.
+IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& offset, F3& n)
 {
 	const F zero = F::all(0), one = F::all(1);
-	const Whitening white = whitening(bodies, a, b);
+	const Whitening white = whitening(a, b);
 	const F6 &A = white.A, &Q = white.Q;
-	const F unit = white.inverseReach * white.inverseReach, inverse = one / white.det;
+	const F u = white.perUnit, Ri = a.R * u, Rj = b.R * u, reach2 = (Ri + Rj) * (Ri + Rj);
+	// One division for two.
+	const F both = one / (white.det * reach2), inverse = both * reach2, perReach2 = both * white.det;
 	const F off = A.xy * Q.xy + A.xz * Q.xz + A.yz * Q.yz;
 	const F squaredI = F::smaller((A.xx * Q.xx + A.yy * Q.yy + A.zz * Q.zz + off + off) * inverse * F::all(1.0f / 3), one), squaredJ = one - squaredI;
 	const F ri = F::squareRoot(squaredI), rj = F::squareRoot(squaredJ), sum = ri + rj;
-	const F3 w = Q * offset;
-	const F own = dot(offset, w) * inverse * unit, share = sum * sum * unit, least = share * squared;
+	const F3 x{offset.x * u, offset.y * u, offset.z * u}, w = Q * x;
+	const F own = dot(x, w) * inverse, share = sum * sum * perReach2, least = share * dot(x, x);
 	const uint32_t bounded = F::less(own, least);
 	const F d = F::squareRoot(F::larger(own, least));
 	const F overlap = sum - d, towardsI = rj - ri + d, towardsJ = ri - rj + d;
 	Shared s = sharedBy(ri, rj, d, F::less(zero, overlap), F::less(zero, towardsI) & F::less(zero, towardsJ), overlap, towardsI, towardsJ);
 
-	const F ratio = a.R * b.R * unit / (ri * rj), length = (a.R + b.R) * ratio;
-	const F scale = length * length * length * F::squareRoot(inverse);
-	const F alongOffset = F::select(bounded, share, zero), alongW = F::select(bounded, zero, inverse * unit);
-	const auto component = [&](const F& x, const F& wx) { return x * alongOffset + wx * alongW; };
-	const F3 slope{component(offset.x, w.x), component(offset.y, w.y), component(offset.z, w.z)};
-	const F steepness = F::squareRoot(dot(slope, slope)), flat = F::select(F::less(zero, steepness), one / steepness, zero);
-	n = {slope.x * flat, slope.y * flat, slope.z * flat};
+	const F length = Ri * Rj / (ri * rj) * white.unit, scale = length * length * length * F::squareRoot(inverse);
+	const F steepness = F::select(F::less(zero, d), u / d, zero);
+	const F alongOffset = F::select(bounded, share, zero) * steepness, alongW = F::select(bounded, zero, inverse) * steepness;
+	const auto component = [&](const F& along, const F& wx) { return along * alongOffset + wx * alongW; };
+	n = {component(x.x, w.x), component(x.y, w.y), component(x.z, w.z)};
 	s.volume = s.volume * scale;
 	s.whole = s.whole * scale;
-	s.disc = F::select(F::less(zero, d), s.disc * scale * steepness / d, zero);
+	s.disc = s.disc * scale;
 	return s;
 }
 
 template <Terms terms>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, uint32_t real)
 {
-	const Balls a = fetch<terms>(bodies.ballsA, indexA), b = fetch<terms>(bodies.ballsB, indexB);
+	const Balls a = fetch<terms>(bodies.ballsA, indexA);
+	Balls b = fetch<terms>(terms == kLineTerms ? bodies.ballsB : bodies.movedB, indexB);
+	// The centre once more: as it was moved, it has lost digits.
+	if constexpr (terms != kLineTerms) fetchRow(bodies.ballsB, indexB, 0, b.x, b.y, b.z, b.R);
 	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R), reach = Ri + Rj;
 	const D3 from{D::from(a.x) - moved(bodies, 0, bx, by, bz), D::from(a.y) - moved(bodies, 1, bx, by, bz),
 				  D::from(a.z) - moved(bodies, 2, bx, by, bz)};
@@ -264,7 +151,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 		l.n = {offset.x * inverse, offset.y * inverse, offset.z * inverse};
 	}
 	else
-		shared = sharedByEllipsoids(bodies, a, b, offset, squared.rounded(), l.n);
+		shared = sharedByEllipsoids(a, b, offset, l.n);
 	l.meeting = real & D::less(squared, reach * reach);
 	l.hits = l.meeting & shared.hits;
 	const F dd = F::select(l.hits, a.density * b.density, zero);
@@ -275,7 +162,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	if constexpr (terms != kLineTerms)
 	{
 		l.mA = a.normal;
-		l.mB = turned(bodies, b.normal);
+		l.mB = b.normal;
 		l.depthA = a.depth + shared.share * dot(l.mA, offset);
 		l.depthB = b.depth - (F::all(1) - shared.share) * dot(l.mB, offset);
 	}

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Kernels/FloatVector.h"
-#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/Kernels/EllipsoidLanes.h"
 
 #include <climits>
 
@@ -239,8 +238,26 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	appendChildBounds(leaves, leaves.b, leaves.a, to.leaf, c, a);
 }
 
-void moveBlock(const PairSearch& s, const BallBlock& block, MovedBlock& moved)
+/// Centres as they were moved already.
+void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, const MomentEllipsoid* from, MomentEllipsoid* to)
 {
+	uint32_t index[kLanes];
+	for (int k = 0; k < kLanes; ++k) index[k] = uint32_t(k);
+	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
+	{
+		const Balls b = fetch<kFieldTerms>(from + lane, index);
+		const F3 normal = turned(s.R, b.normal);
+		const F6 shape = turned(s.R, b.shape);
+		storeRow(to + lane, 0, F::load(centers.x + lane), F::load(centers.y + lane), F::load(centers.z + lane), b.R);
+		storeRow(to + lane, 4, b.density, normal.x, normal.y, normal.z);
+		storeRow(to + lane, 8, b.depth, F::all(0), shape.xx, shape.yy);
+		storeRow(to + lane, 12, shape.zz, shape.xy, shape.xz, shape.yz);
+	}
+}
+
+void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
+{
+	const BallBlock& block = s.blocksB[index];
 	float* to[3] = {moved.x, moved.y, moved.z};
 	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
 	{
@@ -253,6 +270,8 @@ void moveBlock(const PairSearch& s, const BallBlock& block, MovedBlock& moved)
 	}
 	moved.real = (1u << block.count) - 1;
 	moved.epoch = s.epoch;
+	const size_t first = size_t(index) * BallBlock::kWidth;
+	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
 }
 
 /// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
@@ -276,7 +295,7 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		const uint32_t near = real & touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
 											  leaves.r[i] + slack);
 		const int count = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf + n, blockOf + n);
-		if ((near != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blocksB[blockB], moved[blockB]);
+		if ((near != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blockB, moved[blockB]);
 		tests += int64_t(count) * blocksB[blockB].count;
 		n += count;
 	}

@@ -11,19 +11,14 @@ namespace
 /// Bit k set where ellipsoids k may share volume: x^T (P_a + P_b)^-1 x < 2.
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
-	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchEllipsoids(bodies.ballsB, indexB);
-	const F3 own{b.x, b.y, b.z};
-	const auto row = [&](int i) { return F3{F::all(float(bodies.R[3 * i])), F::all(float(bodies.R[3 * i + 1])), F::all(float(bodies.R[3 * i + 2]))}; };
-	const F3 r0 = row(0), r1 = row(1), r2 = row(2);
-	const F3 x{a.x - dot(r0, own) - F::all(float(bodies.t[0])), a.y - dot(r1, own) - F::all(float(bodies.t[1])),
-			   a.z - dot(r2, own) - F::all(float(bodies.t[2]))};
-	const Whitening w = whitening(bodies, a, b);
-	const F slack = F::all(bodies.slack) * w.inverseReach;
-	const F3 y{x.x * w.inverseReach, x.y * w.inverseReach, x.z * w.inverseReach};
-	// The slack in the offset moves the square root of the left side by at most slack over the root of the smallest eigenvalue.
-	const F3 Qy = w.Q * y;
-	const F most = F::all(1.4143f) + slack * F::squareRoot(w.Q.xx + w.Q.yy + w.Q.zz) / F::squareRoot(w.det);
-	return ~F::less(most * most * w.det, dot(y, Qy));
+	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchEllipsoids(bodies.movedB, indexB);
+	const Whitening w = whitening(a, b);
+	const F u = w.perUnit, slack = F::all(bodies.slack) * u;
+	const F3 x{(a.x - b.x) * u, (a.y - b.y) * u, (a.z - b.z) * u};
+	// The slack s moves the square root of the left side by at most s over the root of the smallest eigenvalue, and
+	// (p + q)^2 <= 1.001 p^2 + 1001 q^2 without roots.
+	const F most = F::all(2.0025f) * w.det + F::all(1001) * slack * slack * (w.Q.xx + w.Q.yy + w.Q.zz);
+	return ~F::less(most, dot(x, w.Q * x));
 }
 
 /// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.

@@ -63,6 +63,7 @@ struct PairSearch
 	int openBatch;
 	uint32_t *ballOf, *blockOf;  ///< kBallEntries: balls of A against blocks of B
 	MovedBlock* moved;           ///< one for each block of B
+	MomentEllipsoid* movedB;     ///< the balls of moved blocks, for the pairs' evaluation; null: not wanted
 	uint32_t epoch;              ///< of this search: blocks with another one are still to be moved
 	uint32_t *pairA, *pairB;     ///< kPairBatch + kListSlack: indices of balls
 	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
@@ -75,6 +76,7 @@ struct PairSearch
 struct PairBodies
 {
 	const MomentEllipsoid *ballsA, *ballsB;
+	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats: those that the search found in pairs
 	double R[9], t[3];
 	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
 	float slack;       ///< covers the rounding of float positions [m]

@@ -21,6 +21,7 @@ struct QueryWorkspace::Implementation
 	int openBatch = 1;
 	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
 	std::vector<kernels::MovedBlock> moved;
+	std::vector<MomentEllipsoid> movedBalls;
 	uint32_t epoch = 0;
 
 	kernels::PairStream stream{};           ///< intersecting pairs, in the order in which they were found
