@@ -266,9 +266,8 @@ void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 		const D x = D::from(V::load(block.x + lane)), y = D::from(V::load(block.y + lane)), z = D::from(V::load(block.z + lane));
 		for (int i = 0; i < 3; ++i)
 			(D::all(s.R[3 * i]) * x + D::all(s.R[3 * i + 1]) * y + D::all(s.R[3 * i + 2]) * z + D::all(s.t[i])).rounded().store(to[i] + lane);
-		V::load(block.R + lane).store(moved.R + lane);
+		(V::load(block.R + lane) + V::all(s.slack)).store(moved.reach + lane);
 	}
-	moved.real = (1u << block.count) - 1;
 	moved.epoch = s.epoch;
 	const size_t first = size_t(index) * BallBlock::kWidth;
 	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
@@ -291,7 +290,7 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
 		const BallBlock& a = blocksA[blockA];
 		const uint32_t real = (1u << a.count) - 1;
-		// Masks keep padding out: both sides' padding lies at the same far point when the poses coincide.
+		// The mask keeps A's padding out: both sides' lies at the same far point when the poses coincide. B's is then far from every ball.
 		const uint32_t near = real & touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
 											  leaves.r[i] + slack);
 		const int count = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf + n, blockOf + n);
@@ -312,7 +311,6 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 	uint32_t *pairA = s.pairA, *pairB = s.pairB;
 	const MomentEllipsoid* ballsA = s.ballsA;
 	const MovedBlock* moved = s.moved;
-	const float slack = s.slack;
 	for (int i = 0; i < count && !s.stop;)
 	{
 		const int safe = (kPairBatch - pairs) / BallBlock::kWidth;
@@ -328,7 +326,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 			const uint32_t ball = ballOf[i], index = blockOf[i];
 			const MomentEllipsoid& a = ballsA[ball];
 			const MovedBlock& b = moved[index];
-			const uint32_t hits = b.real & touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.R), a.x, a.y, a.z, a.R + slack);
+			const uint32_t hits = touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a.x, a.y, a.z, a.R);
 			pairs += appendLanes(hits, index * BallBlock::kWidth, ball, pairB + pairs, pairA + pairs);
 		}
 	}

@@ -10,11 +10,11 @@
 // instruction sets, and a function that two of them define would be merged into one by the linker (reference/query.md 9).
 namespace ist::kernels
 {
-/// A block of B in A's tree frame, for the tests. `real`: a bit for each lane that is not padding.
+/// A block of B in A's tree frame, for the tests. `reach`: radius and slack.
 struct alignas(64) MovedBlock
 {
-	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth], R[BallBlock::kWidth];
-	uint32_t real, epoch;
+	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth], reach[BallBlock::kWidth];
+	uint32_t epoch;
 };
 
 /// Room that a list of vectors needs behind its end: stores are always whole vectors.
