@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Kernels/EllipsoidLanes.h"
 
 // Included by QueryKernel.cpp only. Distances of centres, and with them the question whether two balls intersect, are computed in
@@ -360,25 +361,16 @@ int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, 
 										 : F3{l.mass * (l.mB.x - l.mA.x), l.mass * (l.mB.y - l.mA.y), l.mass * (l.mB.z - l.mA.z)};
 		const F length = F::squareRoot(dot(f, f)), strength = F::select(F::less(length, F::all(kWeakNormal) * l.mass), F::all(0), length);
 		const F values[8] = {f.x, f.y, f.z, strength, F::larger(length, F::all(kLeastWeight) * l.mass), l.C.x, l.C.y, l.C.z};
-		// Nearly always: the search lets few others through.
 		const uint32_t kept = bodies.keepMeeting ? l.meeting : l.hits;
-		if (kept == real)
-		{
-			std::memcpy(stream.a + size, a + k, kLanes * sizeof(uint32_t));
-			std::memcpy(stream.b + size, b + k, kLanes * sizeof(uint32_t));
-			for (int i = 0; i < 8; ++i) values[i].store(to[i] + size);
-			size += __builtin_popcount(real);
-			continue;
-		}
 		float lanes[8][kLanes];
 		for (int i = 0; i < 8; ++i) values[i].store(lanes[i]);
-		for (uint32_t hits = kept; hits; hits &= hits - 1)
+		for (int part = 0; part < kLanes; part += kGroup)
 		{
-			const int lane = __builtin_ctz(hits);
-			stream.a[size] = a[k + lane];
-			stream.b[size] = b[k + lane];
-			for (int i = 0; i < 8; ++i) to[i][size] = lanes[i][lane];
-			++size;
+			const Compressor compressor(kept >> part & ((1u << kGroup) - 1));
+			compressor.move(a + k + part, stream.a + size);
+			compressor.move(b + k + part, stream.b + size);
+			for (int i = 0; i < 8; ++i) compressor.move(lanes[i] + part, to[i] + size);
+			size += compressor.count();
 		}
 	}
 	return size;

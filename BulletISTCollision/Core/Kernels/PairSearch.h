@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Kernels/EllipsoidLanes.h"
 
 #include <climits>
@@ -12,64 +13,7 @@ namespace
 using namespace ist;
 using namespace ist::kernels;
 
-using Vector8 = FloatVector<8>;
 static_assert(BallNode::kWidth == 8 && BallBlock::kWidth == 16);
-
-/// Lanes of the set bits, in order; the rest of the row does not matter.
-struct LaneTable
-{
-	uint8_t lane[256][8];
-	constexpr LaneTable() : lane()
-	{
-		for (int bits = 0; bits < 256; ++bits)
-			for (int k = 0, n = 0; k < 8; ++k)
-				if (bits >> k & 1) lane[bits][n++] = uint8_t(k);
-	}
-};
-[[maybe_unused]] constexpr LaneTable kLaneTable;
-
-/// Moves the lanes of the set bits of eight values to `to` and up. Writes eight values whatever the bits.
-class Compressor
-{
-public:
-	IST_INLINE explicit Compressor(uint32_t bits) : m_bits(bits)
-	{
-#if defined(IST_SSE) && defined(__AVX2__) && !defined(__AVX512VL__)
-		m_lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[bits])));
-#endif
-	}
-	IST_INLINE int count() const { return __builtin_popcount(m_bits); }
-	IST_INLINE void move(const uint32_t* from, uint32_t* to) const
-	{
-#if defined(IST_SSE) && defined(__AVX512VL__)
-		_mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-							_mm256_maskz_compress_epi32(__mmask8(m_bits), _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
-#elif defined(IST_SSE) && defined(__AVX2__)
-		_mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-							_mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)), m_lanes));
-#else
-		for (uint32_t b = m_bits; b; b &= b - 1) *to++ = from[__builtin_ctz(b)];
-#endif
-	}
-	IST_INLINE void move(const Vector8& from, float* to) const
-	{
-#if defined(IST_SSE) && defined(__AVX512VL__)
-		_mm256_storeu_ps(to, _mm256_maskz_compress_ps(__mmask8(m_bits), (__m256)from.part[0]));
-#elif defined(IST_SSE) && defined(__AVX2__)
-		_mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)from.part[0], m_lanes));
-#else
-		float lanes[8];
-		from.store(lanes);
-		for (uint32_t b = m_bits; b; b &= b - 1) *to++ = lanes[__builtin_ctz(b)];
-#endif
-	}
-
-private:
-	uint32_t m_bits;
-#if defined(IST_SSE) && defined(__AVX2__) && !defined(__AVX512VL__)
-	__m256i m_lanes;
-#endif
-};
 
 /// Appends first + lane for each set bit of sixteen to `lanes`, and `same` beside it. Returns the number of set bits.
 IST_INLINE int appendLanes(uint32_t bits, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside)

@@ -24,7 +24,6 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 /// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.
 int sift(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
-	constexpr int kGroup = kLanes < 8 ? kLanes : 8;
 	int kept = 0;
 	for (int k = 0; k < count; k += kLanes)
 	{
