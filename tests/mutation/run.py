@@ -42,7 +42,7 @@ MUTATIONS = {
         "momentEllipsoid(piece.centroid, SymmetricMatrix3::identity(piece.shape.trace() / 3), piece.mass)",
         "test_core", "Cells.*"),
     "shape of B not turned": (
-        CORE + "Kernels/PairIntegrals.h", "const F6 B = turned(bodies, scaled(b.shape));", "const F6 B = scaled(b.shape);",
+        CORE + "Kernels/PairSearch.h", "const F6 shape = turned(s.R, b.shape);", "const F6 shape = b.shape;",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "shape dropped from a half-space": (
         CORE + "Lens.h", "const Vec3 conjugate = e.shape() * normal;", "const Vec3 conjugate = normal * (e.shape().trace() / 3);",
