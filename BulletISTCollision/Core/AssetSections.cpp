@@ -144,7 +144,9 @@ SectionState readTree(const TreeBytes& bytes, BallTree& tree, size_t sphereCount
 	{
 		MomentEllipsoid balls[kWidth];
 		const std::byte* head = bytes.heads + block * kHeadBytes;
-		for (size_t k = 0; k < kWidth; ++k) balls[k] = ball(block * kWidth + k);
+		// Padding is what it is, whatever the file says.
+		const uint32_t real = loadU32(head);
+		for (size_t k = 0; k < kWidth; ++k) balls[k] = k < real ? ball(block * kWidth + k) : padding();
 		tree.blocks.push_back(blockOf(head, balls));
 		const uint32_t count = tree.blocks.back().count;
 		for (size_t k = 0; k < kWidth; ++k) named &= k >= count || balls[k].sphere < sphereCount;

@@ -9,6 +9,21 @@ constexpr size_t kNodeBytes = BallNode::kWidth * 5 * 4;
 constexpr size_t kBlockBytes = BallBlock::kWidth * 4 * 4 + 5 * 4;
 constexpr size_t kBallBytes = 10 * 4;
 
+/// Padding is what it is, whatever the file says.
+void clearPadding(BallTree& tree)
+{
+	constexpr float kFarAway = 1e17f;
+	for (size_t i = 0; i < tree.balls.size(); ++i)
+	{
+		BallBlock& block = tree.blocks[i / BallBlock::kWidth];
+		const size_t lane = i % BallBlock::kWidth;
+		if (lane < block.count) continue;
+		tree.balls[i] = {};
+		tree.balls[i].x = tree.balls[i].y = tree.balls[i].z = block.x[lane] = block.y[lane] = block.z[lane] = kFarAway;
+		block.R[lane] = 0;
+	}
+}
+
 void readTree(ByteReader& r, BallTree& tree)
 {
 	tree.nodes.resize(r.count(kNodeBytes));
@@ -33,6 +48,7 @@ void readTree(ByteReader& r, BallTree& tree)
 		b.sphere = r.u32();
 		b.xx = b.yy = b.zz = b.R * b.R;
 	}
+	if (tree.balls.size() == tree.blocks.size() * BallBlock::kWidth) clearPadding(tree);
 }
 
 bool namesSpheres(const BallTree& tree, size_t sphereCount)

@@ -358,7 +358,7 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 			return violation("block and ball differ", size_t(index) * W + k);
 		if (k >= int(block.count))
 		{
-			if (ball.R != 0 || ball.density != 0) return violation("padding is not empty", size_t(index) * W + k);
+			if (ball.R != 0 || ball.density != 0 || !(ball.x >= kFarPadding)) return violation("padding is not empty and far away", size_t(index) * W + k);
 			continue;
 		}
 		if (!(ball.R > 0) || !(ball.density > 0)) return violation("ball without mass", size_t(index) * W + k);

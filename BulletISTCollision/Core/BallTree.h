@@ -29,6 +29,9 @@ struct alignas(64) BallBlock
 	float bx = 0, by = 0, bz = 0, br = 0;  ///< sphere that bounds them
 };
 
+/// Padding lies at least so far out along x [m]: no ball of a body comes near it, nor is it told apart from balls by the queries.
+constexpr float kFarPadding = 1e16f;
+
 /// Wide tree over balls. Built once, never changed: any number of threads may query it. The same type serves the law tree
 /// (leaves), the cell tree (unsplit cells) and the inner tree (packed spheres: density 1, normal 0).
 class BallTree

@@ -10,7 +10,10 @@ namespace ist
 namespace
 {
 constexpr double kBallVolume = 4.18879020478639098462;
-constexpr double kFlattest = 1.0 / 50;  // half-axes, shortest over longest
+// Half-axes, shortest over longest. With needles of this shape the queries' floats still find distances to .05 %.
+constexpr double kFlattest = 1.0 / 20;
+// Powers of such lengths stay inside of a float's range [m].
+constexpr double kSmallest = 1e-12, kLargest = 1e12;
 // Covers the rounding of the shape to floats.
 constexpr double kBoundMargin = 1 + 1e-6, kShapeMargin = 1e-5;
 
@@ -25,7 +28,7 @@ bool isPositive(double xx, double yy, double zz, double xy, double xz, double yz
 bool MomentEllipsoid::isSolid() const
 {
 	const double bound = double(R) * R, high = bound * (1 + kShapeMargin), low = 0.5 * kFlattest * kFlattest * bound;
-	return (R > 0) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
+	return (R > kSmallest) & (R < kLargest) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
 		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
 }
 

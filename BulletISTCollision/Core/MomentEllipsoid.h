@@ -36,7 +36,7 @@ struct alignas(64) MomentEllipsoid
 	{
 		xx = float(P.xx), yy = float(P.yy), zz = float(P.zz), xy = float(P.xy), xz = float(P.xz), yz = float(P.yz);
 	}
-	/// Positive R and density, a shape that the ball of radius R contains and that is flat in no direction.
+	/// Positive density, R between 1e-12 and 1e12 m, a shape that the ball of radius R contains and that is flat in no direction.
 	bool isSolid() const;
 };
 static_assert(sizeof(MomentEllipsoid) == 64);
@@ -45,7 +45,7 @@ static_assert(sizeof(MomentEllipsoid) == 64);
 MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index);
 
 /// Of a piece of this volume. The shape is kept, but for what only few samples can have: an ellipsoid of less volume than the piece is
-/// enlarged, half-axes of less than a fiftieth of the longest are lengthened to that. Normal, depth and sphere are left empty.
+/// enlarged, half-axes of less than a twentieth of the longest are lengthened to that. Normal, depth and sphere are left empty.
 MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume);
 
 /// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.

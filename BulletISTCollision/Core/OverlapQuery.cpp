@@ -90,7 +90,7 @@ public:
 		: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_limit(limit), m_result(result)
 	{
 		m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
-		m_grouped = options.patches && work.capacity.patches > 1;
+		m_grouped = options.patches && work.capacity.patches > 1 && !options.listMeetingBounds;
 		m_bodies.keepMeeting = options.listMeetingBounds;
 		m_bodies.ballsA = A.balls.data();
 		m_bodies.ballsB = B.balls.data();
@@ -393,6 +393,7 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 	const bool law = options.model == Model::Law;
 	const int finest = std::max(0, options.level);
 	if (!law && (finest > 0 || options.maxPairs >= 0)) return result.status = QueryStatus::Unsupported, result;
+	if (options.listMeetingBounds && options.maxPairs >= 0) return result.status = QueryStatus::Unsupported, result;
 	if (options.level < -1 || (law && finest > levelCount(A, B))) return result.status = QueryStatus::Unsupported, result;
 	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
 	if (treeA.empty() || treeB.empty()) return result.status = QueryStatus::EmptyTree, result;

@@ -18,8 +18,9 @@ struct SymmetricMatrix6
 };
 
 /// Material-free integrals over the overlap of A and B (or over one patch of it). Axes of A's mesh frame; moments are taken
-/// about A's `origin` (its centre of mass). Source: DESIGN sections 4 and 5, reference/force-law.md 2. dd = d_i d_j, L = lens volume,
-/// C = lens centroid, m = mean outward normal of a leaf, n = unit vector from the ball of B to that of A.
+/// about A's `origin` (its centre of mass). Source: DESIGN sections 4 and 5, reference/force-law.md 2. dd = d_i d_j, L = volume that two
+/// ellipsoids share in units of their densities (Lens.h; for Model::Inner the lens of two balls), C = its centroid, m = mean outward normal
+/// of a leaf, area n = minus the gradient of L by c_i - c_j, with n of unit length.
 struct OverlapIntegrals
 {
 	double volume = 0;          ///< sum dd L [m^3]
@@ -30,13 +31,13 @@ struct OverlapIntegrals
 	Vec3 areaVector;            ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i.(C - c_i)) and the same of j: Int depth dV [m^4]
-	double spread = 0;          ///< sum s_ij^2, s_ij = dd min(L, V_small - L) [m^6]; V_small = volume of the smaller ball
+	double spread = 0;          ///< sum s_ij^2, s_ij = dd min(L, L_0 - L) [m^6]; L_0 = L with both in one place
 	int64_t pairs = 0;          ///< intersecting pairs
 
 	void add(const OverlapIntegrals& other);
 };
 
-/// Which balls speak for a body.
+/// Which parts speak for a body.
 enum class Model
 {
 	Law,   ///< leaves (default)
@@ -65,7 +66,8 @@ struct QueryOptions
 	bool stiffness = true;  ///< fill stiffnessA/B
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
-	bool listMeetingBounds = false;  ///< the list also has pairs whose bounding balls meet though they share nothing (lens 0)
+	/// The list also has pairs whose bounding balls meet though they share nothing (lens 0); one patch; not with `maxPairs`.
+	bool listMeetingBounds = false;
 };
 
 struct QueryCapacity
@@ -81,7 +83,7 @@ struct OverlapPair
 {
 	uint32_t ballA = 0, ballB = 0;
 	float lens = 0;   ///< L [m^3]
-	float area = 0;   ///< of the lens disc [m^2]; 0 when one ball contains the other
+	float area = 0;   ///< [m^2]; 0 when one contains the other
 	Vec3 centroid;    ///< C, A's mesh axes, relative to A's origin
 	Vec3 normal;      ///< n
 };
@@ -125,7 +127,7 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 						   const QueryOptions& options = {});
 
 /// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame (unit normal, pointing out of the solid).
-/// Exact ball caps; B's field: depth under the plane; `normalB` = volume * normal. `normalA`, `stiffnessA`, `depthA` as with a tree.
+/// Exact caps of the ellipsoids; B's field: depth under the plane; `normalB` = volume * normal. `normalA`, `stiffnessA`, `depthA` as with a tree.
 OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,
 							 const QueryOptions& options = {});
 

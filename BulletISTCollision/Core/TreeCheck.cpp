@@ -133,8 +133,9 @@ bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls)
 	{
 		const MomentEllipsoid& b = balls[k];
 		sum += (std::fabs(b.x) + std::fabs(b.y)) + (std::fabs(b.z) + b.R) + (b.density + std::fabs(b.depth)) +
-			   (std::fabs(b.nx) + std::fabs(b.ny) + std::fabs(b.nz));
-		const int solid = int(b.isSolid()), empty = int(b.R == 0) & int(b.density == 0);
+			   (std::fabs(b.nx) + std::fabs(b.ny) + std::fabs(b.nz)) + (std::fabs(b.xx) + std::fabs(b.yy) + std::fabs(b.zz)) +
+			   (std::fabs(b.xy) + std::fabs(b.xz) + std::fabs(b.yz));
+		const int solid = int(b.isSolid()), empty = int(b.R == 0) & int(b.density == 0) & int(b.x >= kFarPadding);
 		good &= k < block.count ? solid : empty;
 	}
 	const Bound own{block.bx, block.by, block.bz, block.br};

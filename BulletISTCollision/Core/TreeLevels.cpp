@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/TreeLevels.h"
 
-#include "BulletISTCollision/Core/Lens.h"
+#include "BulletISTCollision/Core/CellSplitter.h"
 
 #include <algorithm>
 #include <array>
@@ -105,9 +105,9 @@ private:
 void Cut::add(size_t begin, size_t end)
 {
 	Cluster cluster{begin, end, merged(m_balls.data(), m_order.data() + begin, end - begin), 0};
-	// The rule by which cells are split into leaves. Source: reference/force-law.md 3.
+	// The rule by which cells are split into leaves.
 	const MomentEllipsoid& b = cluster.ball;
-	if (end - begin > 1) cluster.cost = b.volume() * b.meanRadius() * (0.15 + std::max(0.0, 1 - squaredNorm(b.normal())));
+	if (end - begin > 1) cluster.cost = splitPriority(b.volume(), b.meanRadius(), b.normal());
 	m_clusters.push_back(cluster);
 	std::push_heap(m_clusters.begin(), m_clusters.end());
 }

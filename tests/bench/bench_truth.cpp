@@ -3,6 +3,7 @@
 // 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
 // bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--only NAMES] [--csv FILE]
 #include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
@@ -28,7 +29,7 @@ namespace
 constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 constexpr double kOverlaps[] = {0.001, 0.01, 0.1};
 constexpr double kGaps[] = {1, 2, 4, 8};
-constexpr double kShares[] = {0.01, 0.03, 0.1}; // of the longest side
+constexpr double kShares[] = {0.01, 0.03, 0.1};  // of the longest side
 
 struct Options
 {
@@ -220,7 +221,7 @@ Sums measureHalfSpace(const Body& body, double depth, int directions)
 void printHalfSpace(const Body& body, double depth, int directions)
 {
 	const Sums s = measureHalfSpace(body, depth, directions);
-	std::printf("%-9s %8.5f %6.1f %8.1f | %+8.1f %8.1f %5.0f %5.0f\n", body.name.c_str(), depth, depth / body.tree.meanGap, s.pairs / s.poses,
+	std::printf("%-9s %8.5f %6.1f %8.1f | %+8.1f %8.1f %5.0f %5.0f\n", body.name.c_str(), depth, depth / body.tree.meanGap, s.pairs / std::max(1, s.poses),
 				s.percent(s.bias), s.rms(s.volume), s.percent(s.oneSigma), s.percent(s.twoSigma));
 }
 
@@ -251,7 +252,7 @@ Options parse(int argc, char** argv)
 	}
 	return options;
 }
-} // namespace
+}  // namespace
 
 int main(int argc, char** argv)
 {
@@ -270,6 +271,7 @@ int main(int argc, char** argv)
 	for (const Body& body : bodies) printHalfSpaces(body, options.directions);
 	if (options.poses <= 0) return 0;
 	std::FILE* const csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
+	if (!options.csv.empty() && !csv) return std::printf("cannot write %s\n", options.csv.c_str()), 1;
 	if (csv) std::fprintf(csv, "pair,volume,pairs,volume_error,force_error_over_kV,force_over_kV,S,gap_over_depth\n");
 	printPairHead();
 	const auto find = [&](const char* name) { return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; }); };

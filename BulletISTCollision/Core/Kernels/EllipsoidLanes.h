@@ -28,6 +28,13 @@ IST_INLINE F3 operator*(const F6& a, const F3& v)
 	return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.xz * v.x + a.yz * v.y + a.zz * v.z};
 }
 
+/// Trace of the product.
+IST_INLINE F dot(const F6& a, const F6& b)
+{
+	const F off = a.xy * b.xy + a.xz * b.xz + a.yz * b.yz;
+	return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + off + off;
+}
+
 struct Balls
 {
 	F x, y, z, R, density;
@@ -77,7 +84,8 @@ IST_INLINE void fetchRow(const MomentEllipsoid* balls, const uint32_t* index, in
 #else
 	for (int k = 0; k < kLanes; ++k)
 	{
-		const float* row = &balls[index[k]].x + offset;
+		float row[4];
+		std::memcpy(row, reinterpret_cast<const char*>(balls + index[k]) + 4 * offset, sizeof row);
 		c0.part[0][k] = row[0];
 		c1.part[0][k] = row[1];
 		c2.part[0][k] = row[2];
@@ -99,14 +107,19 @@ IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, const F& c0, const 
 	{
 		__m128 r0 = _mm_load_ps(column[0] + k), r1 = _mm_load_ps(column[1] + k), r2 = _mm_load_ps(column[2] + k), r3 = _mm_load_ps(column[3] + k);
 		_MM_TRANSPOSE4_PS(r0, r1, r2, r3);
-		_mm_store_ps(&balls[k].x + offset, r0);
-		_mm_store_ps(&balls[k + 1].x + offset, r1);
-		_mm_store_ps(&balls[k + 2].x + offset, r2);
-		_mm_store_ps(&balls[k + 3].x + offset, r3);
+		float* const to = reinterpret_cast<float*>(balls + k) + offset;
+		constexpr int kStride = sizeof(MomentEllipsoid) / sizeof(float);
+		_mm_store_ps(to, r0);
+		_mm_store_ps(to + kStride, r1);
+		_mm_store_ps(to + 2 * kStride, r2);
+		_mm_store_ps(to + 3 * kStride, r3);
 	}
 #else
 	for (int k = 0; k < kLanes; ++k)
-		for (int i = 0; i < 4; ++i) (&balls[k].x + offset)[i] = column[i][k];
+	{
+		const float row[4] = {column[0][k], column[1][k], column[2][k], column[3][k]};
+		std::memcpy(reinterpret_cast<char*>(balls + k) + 4 * offset, row, sizeof row);
+	}
 #endif
 }
 

@@ -308,18 +308,6 @@ struct DoubleVector
 		for (int i = 0; i < kParts; ++i) a.part[i] *= b.part[i];
 		return a;
 	}
-	friend IST_INLINE DoubleVector operator/(DoubleVector a, const DoubleVector& b)
-	{
-		IST_UNROLL
-		for (int i = 0; i < kParts; ++i) a.part[i] /= b.part[i];
-		return a;
-	}
-	static IST_INLINE DoubleVector larger(DoubleVector a, const DoubleVector& b)
-	{
-		IST_UNROLL
-		for (int i = 0; i < kParts; ++i) a.part[i] = a.part[i] < b.part[i] ? b.part[i] : a.part[i];
-		return a;
-	}
 	static IST_INLINE DoubleVector squareRoot(DoubleVector a)
 	{
 		IST_UNROLL

@@ -79,7 +79,7 @@ IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 struct Whitening
 {
 	F unit, perUnit;  ///< that length; 1 over it
-	F6 A;             ///< P_i
+	F6 A, B;          ///< P_i, P_j
 	F6 Q;             ///< adjugate of the sum
 	F det;            ///< of the sum
 };
@@ -93,7 +93,8 @@ IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 	const F unit = w.perUnit * w.perUnit;
 	const auto scaled = [&](const F6& P) { return F6{P.xx * unit, P.yy * unit, P.zz * unit, P.xy * unit, P.xz * unit, P.yz * unit}; };
 	w.A = scaled(a.shape);
-	const F6 B = scaled(b.shape), P{w.A.xx + B.xx, w.A.yy + B.yy, w.A.zz + B.zz, w.A.xy + B.xy, w.A.xz + B.xz, w.A.yz + B.yz};
+	w.B = scaled(b.shape);
+	const F6 P{w.A.xx + w.B.xx, w.A.yy + w.B.yy, w.A.zz + w.B.zz, w.A.xy + w.B.xy, w.A.xz + w.B.xz, w.A.yz + w.B.yz};
 	w.Q = {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
 		   P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 	w.det = P.xx * w.Q.xx + P.xy * w.Q.xy + P.xz * w.Q.xz;
@@ -105,13 +106,13 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 {
 	const F zero = F::all(0), one = F::all(1);
 	const Whitening white = whitening(a, b);
-	const F6 &A = white.A, &Q = white.Q;
+	const F6& Q = white.Q;
 	const F u = white.perUnit, Ri = a.R * u, Rj = b.R * u, reach2 = (Ri + Rj) * (Ri + Rj);
 	// One division for two.
 	const F both = one / (white.det * reach2), inverse = both * reach2, perReach2 = both * white.det;
-	const F off = A.xy * Q.xy + A.xz * Q.xz + A.yz * Q.yz;
-	const F squaredI = F::smaller((A.xx * Q.xx + A.yy * Q.yy + A.zz * Q.zz + off + off) * inverse * F::all(1.0f / 3), one), squaredJ = one - squaredI;
-	const F ri = F::squareRoot(squaredI), rj = F::squareRoot(squaredJ), sum = ri + rj;
+	// Each from its own shape: their squares add up to one, and the smaller would vanish in the rounding of the larger.
+	const F third = inverse * F::all(1.0f / 3);
+	const F ri = F::squareRoot(dot(white.A, Q) * third), rj = F::squareRoot(dot(white.B, Q) * third), sum = ri + rj;
 	const F3 x{offset.x * u, offset.y * u, offset.z * u}, w = Q * x;
 	const F own = dot(x, w) * inverse, share = sum * sum * perReach2, least = share * dot(x, x);
 	const uint32_t bounded = F::less(own, least);
@@ -160,7 +161,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	l.mass = F::select(l.hits, dd * shared.volume, zero);
 	l.area = F::select(l.hits, dd * shared.disc, zero);
 	l.C = {a.x - offset.x * shared.share, a.y - offset.y * shared.share, a.z - offset.z * shared.share};
-	l.spread = F::larger(zero, dd * F::smaller(shared.volume, shared.whole - shared.volume) * F::all(bodies.spreadUnit));
+	l.spread = F::select(l.hits, F::larger(zero, dd * F::smaller(shared.volume, shared.whole - shared.volume) * F::all(bodies.spreadUnit)), zero);
 	if constexpr (terms != kLineTerms)
 	{
 		l.mA = a.normal;

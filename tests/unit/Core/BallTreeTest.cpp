@@ -34,11 +34,15 @@ std::vector<MomentEllipsoid> cloud(int count, unsigned seed)
 	return balls;
 }
 
-std::vector<std::array<float, 4>> sorted(const std::vector<MomentEllipsoid>& balls)
+std::vector<std::array<float, 16>> sorted(const std::vector<MomentEllipsoid>& balls)
 {
-	std::vector<std::array<float, 4>> keys;
+	std::vector<std::array<float, 16>> keys;
 	for (const MomentEllipsoid& b : balls)
-		if (b.density > 0) keys.push_back({b.x, b.y, b.z, b.R});
+		if (b.density > 0)
+		{
+			keys.emplace_back();
+			std::memcpy(keys.back().data(), &b, sizeof b);
+		}
 	std::sort(keys.begin(), keys.end());
 	return keys;
 }

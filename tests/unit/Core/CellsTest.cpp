@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <numbers>
 #include <random>
 #include <string>
@@ -377,8 +378,7 @@ TEST(Cells, DoNotDependOnTheNumberOfThreadsOnlyOnTheSeed)
 		return std::equal(a.begin(), a.end(), b.begin(), b.end(),
 						  [](const MomentEllipsoid& p, const MomentEllipsoid& q)
 						  {
-							  return p.center() == q.center() && p.normal() == q.normal() && p.R == q.R && p.density == q.density &&
-									 p.depth == q.depth && p.sphere == q.sphere;
+							  return std::memcmp(&p, &q, sizeof p) == 0;
 						  });
 	};
 	EXPECT_TRUE(same(one.value().cells, three.value().cells));

@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Lens.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
-#include "tests/unit/Core/RandomShapes.h"
+#include "tests/unit/Core/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -14,47 +14,6 @@ using namespace ist;
 
 namespace
 {
-/// Balls all over a cube of side 2; their normals point away from the centre.
-InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
-{
-	std::mt19937 random(seed);
-	std::uniform_real_distribution<float> place(-1, 1), size(0.5f, 1.5f);
-	const float radius = 0.8f / std::cbrt(float(count));
-	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
-	for (MomentEllipsoid& b : balls)
-	{
-		b.x = place(random);
-		b.y = place(random);
-		b.z = place(random);
-		b.R = radius * size(random);
-		b.density = 0.6f * size(random);
-		b.nx = 0.8f * b.x;
-		b.ny = 0.8f * b.y;
-		b.nz = 0.8f * b.z + 0.05f;
-		b.depth = 0.1f * size(random);
-		giveRandomShape(b, random);
-	}
-	InnerSphereTree body;
-	body.origin = origin;
-	body.volume = 8;
-	body.law = buildBallTree(balls);
-	for (MomentEllipsoid& b : balls)
-	{
-		b.R *= 1.1f;
-		giveRandomShape(b, random);
-	}
-	body.cells = buildBallTree(balls);
-	for (MomentEllipsoid& b : balls)
-	{
-		b.R *= 0.7f;
-		b.density = 1;
-		b.nx = b.ny = b.nz = 0;
-		makeRound(b);
-	}
-	body.inner = buildBallTree(balls);
-	return body;
-}
-
 /// Mesh pose that gives the tree frames the shift `t` and a random turn.
 Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B, double reach)
 {
@@ -64,13 +23,6 @@ Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSpher
 	const Vec3 t{reach * u(random), reach * u(random), reach * u(random)};
 	X.translation = A.origin + t - X.rotation * B.origin;
 	return X;
-}
-
-void expectNear(const Vec3& a, const Vec3& b, double tolerance)
-{
-	EXPECT_NEAR(a.x, b.x, tolerance);
-	EXPECT_NEAR(a.y, b.y, tolerance);
-	EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
 /// Within 1e-5 of the sum of absolute values; all arms here are below 2 and all normals below 1.5.
@@ -208,6 +160,69 @@ TEST(OverlapQuery, ThinLensesKeepTheirDigits)
 			EXPECT_NEAR(law.volume, volume, 1e-5 * volume + kPi * 0.25 * (h + depthError) * depthError) << toString(set) << ' ' << h;
 		}
 	}
+}
+
+TEST(OverlapQuery, ThinAndUnequalEllipsoidsAgreeWithBruteForce)
+{
+	std::mt19937 random(31);
+	std::uniform_real_distribution<float> u(-1, 1);
+	for (const float ratio : {1.0f, 1e-2f, 1e-4f, 1e-5f})
+	{
+		std::vector<MomentEllipsoid> large(40), small(40);
+		for (auto* balls : {&large, &small})
+			for (MomentEllipsoid& b : *balls)
+			{
+				b.R = balls == &large ? 0.5f + 0.1f * u(random) : ratio * (0.5f + 0.1f * u(random));
+				b.x = 0.4f * u(random), b.y = 0.4f * u(random), b.z = 0.4f * u(random);
+				b.nx = u(random), b.ny = u(random), b.nz = u(random);
+				b.density = 1;
+				giveRandomShape(b, random, 0.06);
+			}
+		InnerSphereTree A, B;
+		A.law = buildBallTree(large);
+		B.law = buildBallTree(small);
+		for (const bool swapped : {false, true})
+			for (const bool patches : {false, true})
+			{
+				const InnerSphereTree &first = swapped ? B : A, &second = swapped ? A : B;
+				QueryWorkspace workspace;
+				QueryOptions options;
+				options.patches = patches;
+				const OverlapIntegrals found = queryOverlap(first, second, Pose{}, workspace, options).total;
+				const OverlapIntegrals expected = queryOverlapBruteForce(first, second, Pose{}).total;
+				ASSERT_GT(expected.volume, 0);
+				EXPECT_NEAR(found.volume, expected.volume, 2e-4 * expected.volume) << ratio << swapped << patches;
+				EXPECT_NEAR(double(found.pairs), double(expected.pairs), 2);
+				EXPECT_NEAR(found.spread, expected.spread, 1e-2 * expected.spread);
+				EXPECT_TRUE(isFinite(found.areaVector) && isFinite(found.normalA) && std::isfinite(found.stiffnessA(0, 0)));
+			}
+	}
+}
+
+TEST(OverlapQuery, ListsPairsWhoseBoundsMeetForLawsOfTheirOwn)
+{
+	std::mt19937 random(32);
+	const InnerSphereTree A = cloudBody(300, 1, {1, 0, 0}), B = cloudBody(200, 2);
+	QueryWorkspace workspace;
+	QueryOptions options;
+	options.sortPairs = options.listMeetingBounds = true;
+	for (int trial = 0; trial < 5; ++trial)
+	{
+		const Pose X = randomPose(random, A, B, 1);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options);
+		ASSERT_TRUE(r.pairListComplete);
+		EXPECT_EQ(r.patchCount, r.total.pairs > 0 ? 1 : 0);
+		const Pose trees{X.rotation, X * B.origin - A.origin};
+		int meeting = 0;
+		for (const MomentEllipsoid& a : A.law.balls)
+			for (const MomentEllipsoid& b : B.law.balls)
+				meeting += a.density > 0 && b.density > 0 && distance(a.center(), trees * b.center()) < double(a.R) + b.R;
+		EXPECT_EQ(r.pairCount, meeting);
+		EXPECT_LT(r.total.pairs, meeting);
+		expectSame(r.total, queryOverlapBruteForce(A, B, X).total, absoluteArea(r, A.law, B.law));
+	}
+	options.maxPairs = 10;
+	EXPECT_EQ(queryOverlap(A, B, Pose{}, workspace, options).status, QueryStatus::Unsupported);
 }
 
 TEST(OverlapQuery, InstructionSetsFindTheSamePairsAndDoTheSameWork)
@@ -448,32 +463,6 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
 }
 
-namespace
-{
-MomentEllipsoid ballAt(const Vec3& c, const Vec3& normal, double R = 0.1)
-{
-	MomentEllipsoid b;
-	b.x = float(c.x);
-	b.y = float(c.y);
-	b.z = float(c.z);
-	b.R = float(R);
-	b.density = 1;
-	b.nx = float(normal.x);
-	b.ny = float(normal.y);
-	b.nz = float(normal.z);
-	b.depth = 0.05f;
-	makeRound(b);
-	return b;
-}
-
-InnerSphereTree bodyOf(const std::vector<MomentEllipsoid>& balls)
-{
-	InnerSphereTree body;
-	body.law = buildBallTree(balls);
-	return body;
-}
-}  // namespace
-
 TEST(ContactPatches, SeparateContactsAndCorners)
 {
 	// Two feet far apart on one floor, and a wall that belongs to the second foot's component.
@@ -504,108 +493,4 @@ TEST(ContactPatches, SeparateContactsAndCorners)
 	QueryOptions options;
 	options.patches = false;
 	EXPECT_EQ(queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace, options).patchCount, 1);
-}
-
-TEST(HalfSpace, OneBallHasTheClosedForm)
-{
-	InnerSphereTree A = bodyOf({ballAt({0.2, 0.1, 0}, {0, 0, -0.5}, 0.5)});
-	A.origin = {10, 20, 30};
-	QueryWorkspace workspace;
-	const OverlapResult r = queryHalfSpace(A, {0, 0, 1}, 29.8, workspace);
-	const double h = 0.3, R = 0.5, V = kPi * h * h * (3 * R - h) / 3;
-	ASSERT_EQ(r.patchCount, 1);
-	EXPECT_NEAR(r.total.volume, V, 1e-6 * V);
-	expectNear(r.total.areaVector, {0, 0, kPi * h * (2 * R - h)}, 1e-6);
-	expectNear(r.total.normalB.force, {0, 0, V}, 1e-6 * V);
-	expectNear(r.total.normalB.torque, {0.1 * V, -0.2 * V, 0}, 1e-6 * V);
-	const double z = -3 * (2 * R - h) * (2 * R - h) / (4 * (3 * R - h));
-	EXPECT_NEAR(r.total.firstMoment.z, V * z, 1e-6 * V);
-	// Integral of t dV over the cap: pi h^3 (R/3 - h/12) for depth t below the plane.
-	EXPECT_NEAR(r.total.depthB, kPi * h * h * h * (4 * R - h) / 12, 1e-6 * V);
-	EXPECT_NEAR(r.total.depthA, V * (0.05 + 0.5 * z), 1e-6 * V);
-	EXPECT_NEAR(r.total.stiffnessB(2, 2), kPi * h * (2 * R - h), 1e-6);
-	EXPECT_EQ(queryHalfSpace(A, {0, 0, 1}, 29.4, workspace).total.pairs, 0);
-	EXPECT_NEAR(queryHalfSpace(A, {0, 0, 1}, 40, workspace).total.volume, ballVolume(R), 1e-6);
-}
-
-TEST(HalfSpace, CapOfAnEllipsoidAgreesWithCountedPoints)
-{
-	std::mt19937 random(3);
-	std::uniform_real_distribution<double> u(-1, 1);
-	for (int trial = 0; trial < 5; ++trial)
-	{
-		const Vec3 axes{0.5, 0.2 + 0.2 * trial / 5, 0.1};
-		const Mat3 Q = rotationMatrix(quaternionFromRotationVector({2 * u(random), 2 * u(random), 2 * u(random)}));
-		MomentEllipsoid e = ballAt({0.2, -0.1, 0.3}, {}, 0.5 * (1 + 1e-6));
-		e.setShape(rotated(Q, {axes.x * axes.x, axes.y * axes.y, axes.z * axes.z, 0, 0, 0}));
-		InnerSphereTree A = bodyOf({e});
-		A.origin = {-4, 7, 1};
-		const Vec3 n = normalized({u(random), u(random), u(random)});
-		const double height = dot(n, e.center()) + 0.05 * u(random);
-		int points = 0, below = 0;
-		Vec3 sum;
-		while (points < 400000)
-		{
-			const Vec3 y{u(random), u(random), u(random)};
-			if (squaredNorm(y) > 1) continue;
-			++points;
-			const Vec3 x = e.center() + Q * Vec3{axes.x * y.x, axes.y * y.y, axes.z * y.z};
-			if (dot(n, x) > height) continue;
-			++below;
-			sum += x;
-		}
-		QueryWorkspace workspace;
-		const auto at = [&](double h) { return queryHalfSpace(A, n, h + dot(n, A.origin), workspace).total; };
-		const OverlapIntegrals r = at(height);
-		// Five standard errors of the count and of the mean.
-		EXPECT_NEAR(r.volume / e.volume(), double(below) / points, 5 * 0.5 / std::sqrt(double(points)));
-		expectNear(r.firstMoment / r.volume, sum / double(below), 5 * 0.5 * e.R / std::sqrt(double(below)));
-		EXPECT_NEAR(norm(r.areaVector), (at(height + 1e-4).volume - at(height - 1e-4).volume) / 2e-4, 1e-3 * norm(r.areaVector));
-	}
-}
-
-TEST(HalfSpace, ManyBallsAgreeWithADirectSum)
-{
-	const InnerSphereTree A = cloudBody(3000, 4, {1, 2, 3});
-	QueryWorkspace workspace;
-	const Vec3 n = normalized({1, 2, -2});
-	for (const double height : {-0.5, 0.0, 0.6})
-	{
-		const OverlapResult r = queryHalfSpace(A, n, height + dot(n, A.origin), workspace);
-		double volume = 0, area = 0;
-		int64_t pairs = 0;
-		for (const MomentEllipsoid& b : A.law.balls)
-		{
-			// Share of an ellipsoid below t half-widths over its centre: (1 + t)^2 (2 - t) / 4.
-			if (!(b.density > 0)) continue;
-			const double width = std::sqrt(dot(n, b.shape() * n)), t = std::clamp((height - dot(n, b.center())) / width, -1.0, 1.0);
-			if (t == -1) continue;
-			++pairs;
-			volume += b.volume() * (1 + t) * (1 + t) * (2 - t) / 4;
-			area += b.volume() * 0.75 * (1 - t * t) / width;
-		}
-		EXPECT_EQ(r.total.pairs, pairs);
-		EXPECT_NEAR(r.total.volume, volume, 1e-5 * volume);
-		expectNear(r.total.areaVector, n * area, 1e-5 * area);
-		expectNear(r.total.normalB.force, n * volume, 1e-5 * volume);
-	}
-}
-
-TEST(HalfSpace, BoxOfBallsApproachesTheBox)
-{
-	// A cubic lattice whose densities make up the box's volume.
-	std::vector<MomentEllipsoid> balls;
-	const int n = 16;
-	const double step = 2.0 / n;
-	for (int i = 0; i < n; ++i)
-		for (int j = 0; j < n; ++j)
-			for (int k = 0; k < n; ++k)
-			{
-				balls.push_back(ballAt({-1 + (i + 0.5) * step, -1 + (j + 0.5) * step, -1 + (k + 0.5) * step}, {}, 0.5 * step));
-				balls.back().density = float(step * step * step / ballVolume(0.5 * step));
-			}
-	QueryWorkspace workspace;
-	const OverlapResult r = queryHalfSpace(bodyOf(balls), {0, 0, 1}, -0.5, workspace);
-	EXPECT_NEAR(r.total.volume, 2.0, 0.01);
-	EXPECT_NEAR(r.total.depthB, 0.5, 0.01);
 }

@@ -11,12 +11,12 @@ inline void makeRound(ist::MomentEllipsoid& e)
 	e.xy = e.xz = e.yz = 0;
 }
 
-/// Half-axes of random directions: the longest a hair below R, the others from a quarter of it up. The density becomes the
+/// Half-axes of random directions: the longest a hair below R, the others from `flattest` of it up. The density becomes the
 /// ellipsoid's own.
 template <class Random>
-void giveRandomShape(ist::MomentEllipsoid& e, Random& random)
+void giveRandomShape(ist::MomentEllipsoid& e, Random& random, double flattest = 0.25)
 {
-	std::uniform_real_distribution<double> turn(-3, 3), axis(0.25, 1);
+	std::uniform_real_distribution<double> turn(-3, 3), axis(flattest, 1);
 	const double longest = e.R * (1 - 1e-6), b = longest * axis(random), c = longest * axis(random);
 	const ist::Mat3 R = ist::rotationMatrix(ist::quaternionFromRotationVector({turn(random), turn(random), turn(random)}));
 	e.density *= float(b * c / (longest * longest));

@@ -51,6 +51,7 @@ TEST(TreeBuilder, CanBeCancelledInEveryStage)
 		EXPECT_TRUE(built.error().cancelled) << where;
 	}
 }
+
 // One ball fills a sphere; its leaves take up the budget, and a plane cuts off the volume of the ellipsoid's cap.
 TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
 {

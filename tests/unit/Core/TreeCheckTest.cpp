@@ -47,7 +47,7 @@ void damage(BallTree& tree, std::mt19937_64& random)
 	const size_t index = below(tree.balls.size()), lane = below(BallNode::kWidth);
 	MomentEllipsoid& ball = tree.balls[index];
 	BallBlock& block = tree.blocks[index / BallBlock::kWidth];
-	switch (below(10))
+	switch (below(11))
 	{
 		case 0: node.r[lane] *= 0.9f + 0.0001f * float(below(1000)); break;
 		case 1: node.x[lane] += node.r[lane] * 0.0001f * float(below(1000)); break;
@@ -57,7 +57,14 @@ void damage(BallTree& tree, std::mt19937_64& random)
 		case 5: block.count = uint32_t(below(18)); break;
 		case 6: block.br *= 0.9f + 0.0001f * float(below(1000)); break;
 		case 7: ball.yy *= 0.9f + 0.001f * float(below(200)); break;
-		case 8: ball.depth = kOdd[below(std::size(kOdd))]; break;
+		case 8:
+		{
+			float* const shape[] = {&ball.xx, &ball.yy, &ball.zz, &ball.xy, &ball.xz, &ball.yz, &ball.x};
+			*shape[below(std::size(shape))] = kOdd[below(std::size(kOdd))];
+			block.x[index % BallBlock::kWidth] = ball.x;
+			break;
+		}
+		case 9: ball.depth = kOdd[below(std::size(kOdd))]; break;
 		default:
 			ball.R *= 1 + 0.01f * float(below(100));
 			block.R[index % BallBlock::kWidth] = ball.R;

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "tests/unit/Core/RandomShapes.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+// Bodies of a few leaves for tests of the queries.
+namespace ist
+{
+/// Balls all over a cube of side 2; their normals point away from the centre.
+inline InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
+{
+	std::mt19937 random(seed);
+	std::uniform_real_distribution<float> place(-1, 1), size(0.5f, 1.5f);
+	const float radius = 0.8f / std::cbrt(float(count));
+	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
+	for (MomentEllipsoid& b : balls)
+	{
+		b.x = place(random);
+		b.y = place(random);
+		b.z = place(random);
+		b.R = radius * size(random);
+		b.density = 0.6f * size(random);
+		b.nx = 0.8f * b.x;
+		b.ny = 0.8f * b.y;
+		b.nz = 0.8f * b.z + 0.05f;
+		b.depth = 0.1f * size(random);
+		giveRandomShape(b, random);
+	}
+	InnerSphereTree body;
+	body.origin = origin;
+	body.volume = 8;
+	body.law = buildBallTree(balls);
+	for (MomentEllipsoid& b : balls)
+	{
+		b.R *= 1.1f;
+		giveRandomShape(b, random);
+	}
+	body.cells = buildBallTree(balls);
+	for (MomentEllipsoid& b : balls)
+	{
+		b.R *= 0.7f;
+		b.density = 1;
+		b.nx = b.ny = b.nz = 0;
+		makeRound(b);
+	}
+	body.inner = buildBallTree(balls);
+	return body;
+}
+
+inline MomentEllipsoid ballAt(const Vec3& c, const Vec3& normal, double R = 0.1)
+{
+	MomentEllipsoid b;
+	b.x = float(c.x);
+	b.y = float(c.y);
+	b.z = float(c.z);
+	b.R = float(R);
+	b.density = 1;
+	b.nx = float(normal.x);
+	b.ny = float(normal.y);
+	b.nz = float(normal.z);
+	b.depth = 0.05f;
+	makeRound(b);
+	return b;
+}
+
+inline InnerSphereTree bodyOf(const std::vector<MomentEllipsoid>& balls)
+{
+	InnerSphereTree body;
+	body.law = buildBallTree(balls);
+	return body;
+}
+
+inline void expectNear(const Vec3& a, const Vec3& b, double tolerance)
+{
+	EXPECT_NEAR(a.x, b.x, tolerance);
+	EXPECT_NEAR(a.y, b.y, tolerance);
+	EXPECT_NEAR(a.z, b.z, tolerance);
+}
+}  // namespace ist
