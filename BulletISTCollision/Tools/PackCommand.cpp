@@ -16,7 +16,7 @@ namespace
 double leafVolume(const InnerSphereTree& tree)
 {
 	double sum = 0;
-	for (const MomentEllipsoid& b : tree.law.balls) sum += b.density * 4.18879020478639098462 * b.R * b.R * b.R;
+	for (const MomentEllipsoid& b : tree.law.balls) sum += b.volume();
 	return sum;
 }
 

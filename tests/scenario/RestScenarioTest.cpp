@@ -65,7 +65,7 @@ Rest restOnPlane(const Solid& solid, double k, const ist::Vec3& position, const 
 		rest.velocityRatio += (kMass * (double(body->getLinearVelocity().y()) - before) + weight * h) / weight;
 	}
 	rest.height = double(body->getWorldTransform().getOrigin().y());
-	rest.volume = volumeBelow(ist::transformed(solid.mesh, poseOf(body->getWorldTransform())), {0, 1, 0}, 0);
+	rest.volume = volumeBelow(ist::transformed(solid.mesh, toPose(body->getWorldTransform())), {0, 1, 0}, 0);
 	const btISTContact& contact = *scene.world.contacts().contacts().front();
 	rest.modelForce = contact.constants.k * contact.total.volume;
 	rest.patches = contact.patchCount;
@@ -83,8 +83,8 @@ void expectWeightIsCarried(const Rest& rest)
 /// The depth of the lowest point, for a body whose stiffness was chosen so that it should be `depth`.
 void expectDepth(const char* name, const Solid& solid, double depth, const ist::Vec3& rotation, double rate, double tolerance)
 {
-	const double low = lowestPoint(solid.mesh, poseOf(at({}, rotation)));
-	const double volume = volumeBelow(ist::transformed(solid.mesh, poseOf(at({}, rotation))), {0, 1, 0}, low + depth);
+	const double low = lowestPoint(solid.mesh, toPose(at({}, rotation)));
+	const double volume = volumeBelow(ist::transformed(solid.mesh, toPose(at({}, rotation))), {0, 1, 0}, low + depth);
 	const double k = kMass * kGravity / volume;
 	const Rest rest = restOnPlane(solid, k, {3, -low - depth, -7}, rotation, true, rate);
 	const double found = -(low + rest.height);

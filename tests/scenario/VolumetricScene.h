@@ -4,6 +4,7 @@
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/btISTConversion.h"
 
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -22,15 +23,6 @@ using TreePtr = std::shared_ptr<const ist::InnerSphereTree>;
 
 inline btVector3 vec(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
 inline ist::Vec3 vec(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
-
-inline ist::Pose poseOf(const btTransform& t)
-{
-	ist::Pose X;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = double(t.getBasis()[i][j]);
-	X.translation = vec(t.getOrigin());
-	return X;
-}
 
 inline btTransform at(const ist::Vec3& p, const ist::Vec3& rotation = {})
 {
