@@ -4,11 +4,10 @@
 #include "BulletISTCollision/Core/AssetSections.h"
 #include "BulletISTCollision/Core/Checksum.h"
 #include "BulletISTCollision/Core/FloatCode.h"
-#include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/WholeFile.h"
 
 #include <numeric>
-#include <utility>
+#include <span>
 
 namespace ist
 {
@@ -90,7 +89,7 @@ struct Range
 };
 
 /// False when a sphere vanishes.
-bool roundSpheres(const std::vector<Sphere>& spheres, Contents& contents)
+bool roundSpheres(std::span<const Sphere> spheres, Contents& contents)
 {
 	Range axes[3];
 	for (const Sphere& s : spheres)
@@ -286,13 +285,13 @@ bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentEllipsoid
 	if (!scales.read(r)) return false;
 	const size_t count = r.count(kSphereBytes);
 	std::vector<uint32_t> leafCount(count);
-	tree.spheres.resize(count);
+	std::vector<Sphere> spheres(count);
 	size_t total = 0;
 	for (size_t i = 0; i < count; ++i)
 	{
 		const Vec3 c = scales.center(r.u64());
 		const float radius = scales.sphereRadius.decoded(static_cast<uint32_t>(r.low(3)));
-		tree.spheres[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z), radius};
+		spheres[i] = {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z), radius};
 		leafCount[i] = r.u8();
 		if (leafCount[i] == kManyLeaves) leafCount[i] = r.u32();
 		total += leafCount[i];
@@ -308,20 +307,13 @@ bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentEllipsoid
 	{
 		const size_t first = leaves.size();
 		for (uint32_t k = 0; k < leafCount[i]; ++k)
-			leaves.push_back(readLeaf(body, tree.spheres[i].center(), scales, static_cast<uint32_t>(i)));
+			leaves.push_back(readLeaf(body, spheres[i].center(), scales, static_cast<uint32_t>(i)));
 		index.resize(leafCount[i]);
 		std::iota(index.begin(), index.end(), static_cast<uint32_t>(first));
 		if (leafCount[i] > 0) cells.push_back(merged(leaves.data(), index.data(), index.size()));
 	}
+	tree.spheres = std::move(spheres);
 	return true;
-}
-
-std::vector<MomentEllipsoid> innerBalls(const std::vector<Sphere>& spheres)
-{
-	std::vector<MomentEllipsoid> balls;
-	balls.reserve(spheres.size());
-	for (const Sphere& s : spheres) balls.push_back(ballOf(s, static_cast<uint32_t>(balls.size())));
-	return balls;
 }
 
 bool usable(const std::vector<MomentEllipsoid>& balls)
@@ -370,16 +362,14 @@ Result<InnerSphereTree> decodeArchive(const std::byte* bytes, size_t size)
 	readProvenance(body.value(), tree.provenance);
 	std::vector<MomentEllipsoid> leaves, cells;
 	if (!readBalls(body.value(), tree, leaves, cells)) return damaged("it contradicts itself");
-	const std::vector<MomentEllipsoid> inner = innerBalls(tree.spheres);
-	for (const std::vector<MomentEllipsoid>* balls : {&std::as_const(leaves), &std::as_const(cells), &inner})
+	for (const std::vector<MomentEllipsoid>* balls : {&leaves, &cells})
 		if (!usable(*balls)) return damaged("a ball without mass");
 	double sum = 0;
 	for (const Sphere& s : tree.spheres) sum += kUnitBall * s.r * s.r * s.r;
 	tree.fill = sum / tree.volume;
 	tree.law = buildBallTree(leaves);
 	tree.cells = buildBallTree(cells);
-	tree.inner = buildBallTree(inner);
-	tree.resolution = surfaceResolution(tree.law);
+	tree.inner = buildInnerTree(tree.spheres);
 	for (const std::string& problem : {describedViolation(tree), tree.validate()})
 		if (!problem.empty()) return damaged(problem);
 	return tree;

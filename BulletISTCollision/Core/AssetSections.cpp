@@ -1,204 +1,101 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/AssetSections.h"
 
-#include "BulletISTCollision/Core/LargeArray.h"
 #include "BulletISTCollision/Core/TreeCheck.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <type_traits>
 
 namespace ist
 {
 namespace
 {
-constexpr size_t kNodeBytes = BallNode::kWidth * 5 * 4;
-constexpr size_t kHeadBytes = 5 * 4;
-constexpr size_t kBallBytes = 16 * 4;
-constexpr size_t kIndexBytes = 4;
-constexpr size_t kSphereBytes = 4 * 4;
-constexpr size_t kWidth = BallBlock::kWidth;
-constexpr uint32_t kPadding = 0xffffffffu;
-// As in a built tree: squares of differences of such coordinates still fit in a float.
-constexpr float kFarAway = 1e17f;
+constexpr uint32_t kWidth = BallBlock::kWidth;
 
-Sphere decodeSphere(const std::byte* p)
+/// Arrays of a file are used where they lie: their elements are 32-bit words, little endian, in exactly this order.
+template <class T, size_t words>
+constexpr bool isStored = std::is_trivially_copyable_v<T> && std::is_standard_layout_v<T> && sizeof(T) == 4 * words && alignof(T) <= kSectionAlignment;
+static_assert(std::endian::native == std::endian::little, "assets are read in place: only for little-endian machines");
+static_assert(isStored<Sphere, 4> && offsetof(Sphere, r) == 12);
+static_assert(isStored<BallNode, 40> && offsetof(BallNode, r) == 96 && offsetof(BallNode, child) == 128);
+static_assert(isStored<BallBlock, 80> && offsetof(BallBlock, R) == 192 && offsetof(BallBlock, count) == 256 && offsetof(BallBlock, br) == 272);
+static_assert(isStored<MomentEllipsoid, 16> && offsetof(MomentEllipsoid, R) == 12 && offsetof(MomentEllipsoid, density) == 16 &&
+			  offsetof(MomentEllipsoid, nx) == 20 && offsetof(MomentEllipsoid, depth) == 32 && offsetof(MomentEllipsoid, sphere) == 36 &&
+			  offsetof(MomentEllipsoid, xx) == 40 && offsetof(MomentEllipsoid, xy) == 52);
+
+template <class T>
+void writeArray(ByteWriter& w, const FrozenArray<T>& array)
 {
-	return {loadF32(p), loadF32(p + 4), loadF32(p + 8), loadF32(p + 12)};
+	w.align(kSectionAlignment);
+	w.append(reinterpret_cast<const std::byte*>(array.data()), array.size() * sizeof(T));
 }
 
-BallNode decodeNode(const std::byte* p)
+template <class T>
+FrozenArray<T> readArray(ByteReader& r, const std::shared_ptr<const void>& owner, size_t count)
 {
-	BallNode node;
-	for (float* lane : {node.x, node.y, node.z, node.r})
-		for (int i = 0; i < BallNode::kWidth; ++i, p += 4) lane[i] = loadF32(p);
-	for (uint32_t& child : node.child)
-	{
-		child = loadU32(p);
-		p += 4;
-	}
-	return node;
+	r.align(kSectionAlignment);
+	const std::byte* bytes = r.span(count * sizeof(T));
+	if (!bytes) return {};
+	return {owner, reinterpret_cast<const T*>(bytes), count};
 }
 
-MomentEllipsoid decodeBall(const std::byte* p)
+void writeTree(ByteWriter& w, const BallTree& tree)
 {
-	MomentEllipsoid b;
-	b.x = loadF32(p);
-	b.y = loadF32(p + 4);
-	b.z = loadF32(p + 8);
-	b.R = loadF32(p + 12);
-	b.density = loadF32(p + 16);
-	b.nx = loadF32(p + 20);
-	b.ny = loadF32(p + 24);
-	b.nz = loadF32(p + 28);
-	b.depth = loadF32(p + 32);
-	b.sphere = loadU32(p + 36);
-	p += 40;
-	for (float* v : {&b.xx, &b.yy, &b.zz, &b.xy, &b.xz, &b.yz})
-	{
-		*v = loadF32(p);
-		p += 4;
-	}
-	return b;
-}
-
-MomentEllipsoid padding()
-{
-	MomentEllipsoid b;
-	b.x = b.y = b.z = kFarAway;
-	return b;
-}
-
-BallBlock blockOf(const std::byte* head, const MomentEllipsoid* balls)
-{
-	BallBlock block;
-	for (size_t k = 0; k < kWidth; ++k)
-	{
-		block.x[k] = balls[k].x;
-		block.y[k] = balls[k].y;
-		block.z[k] = balls[k].z;
-		block.R[k] = balls[k].R;
-	}
-	block.count = loadU32(head);
-	block.bx = loadF32(head + 4);
-	block.by = loadF32(head + 8);
-	block.bz = loadF32(head + 12);
-	block.br = loadF32(head + 16);
-	return block;
-}
-
-void writeTree(ByteWriter& w, const BallTree& tree, bool indicesOnly)
-{
-	w.reserve(16 + tree.nodes.size() * kNodeBytes + tree.blocks.size() * kHeadBytes + tree.balls.size() * kBallBytes);
 	w.u64(tree.nodes.size());
 	w.u64(tree.blocks.size());
-	for (const BallNode& n : tree.nodes)
-	{
-		for (const float* lane : {n.x, n.y, n.z, n.r})
-			for (int i = 0; i < BallNode::kWidth; ++i) w.f32(lane[i]);
-		for (uint32_t child : n.child) w.u32(child);
-	}
-	for (const BallBlock& b : tree.blocks)
-	{
-		w.u32(b.count);
-		for (float v : {b.bx, b.by, b.bz, b.br}) w.f32(v);
-	}
-	for (size_t i = 0; i < tree.balls.size(); ++i)
-	{
-		const MomentEllipsoid& b = tree.balls[i];
-		if (indicesOnly)
-		{
-			w.u32(i % kWidth < tree.blocks[i / kWidth].count ? b.sphere : kPadding);
-			continue;
-		}
-		for (float v : {b.x, b.y, b.z, b.R, b.density, b.nx, b.ny, b.nz, b.depth}) w.f32(v);
-		w.u32(b.sphere);
-		for (float v : {b.xx, b.yy, b.zz, b.xy, b.xz, b.yz}) w.f32(v);
-	}
+	writeArray(w, tree.nodes);
+	writeArray(w, tree.blocks);
+	writeArray(w, tree.balls);
 }
 
-/// Where the parts of a tree section lie.
-struct TreeBytes
+bool readTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree)
 {
-	size_t nodeCount = 0, blockCount = 0;
-	const std::byte *nodes = nullptr, *heads = nullptr, *balls = nullptr;
+	const size_t nodes = r.count(sizeof(BallNode)), blocks = r.count(sizeof(BallBlock) + kWidth * sizeof(MomentEllipsoid));
+	tree.nodes = readArray<BallNode>(r, owner, nodes);
+	tree.blocks = readArray<BallBlock>(r, owner, blocks);
+	tree.balls = readArray<MomentEllipsoid>(r, owner, blocks * kWidth);
+	return r.complete();
+}
 
-	bool find(ByteReader& r, size_t ballBytes)
-	{
-		nodeCount = r.count(kNodeBytes);
-		blockCount = r.count(kHeadBytes + kWidth * ballBytes);
-		nodes = r.span(nodeCount * kNodeBytes);
-		heads = r.span(blockCount * kHeadBytes);
-		balls = r.span(blockCount * kWidth * ballBytes);
-		return r.complete();
-	}
-};
-
-/// Fills balls and blocks together, each once, and looks at them while they are at hand. `ball(i)` gives the i-th of sixteen for
-/// each block.
-template <class Ball>
-SectionState readTree(const TreeBytes& bytes, BallTree& tree, size_t sphereCount, Ball ball)
+/// Looks at each block once, with its balls at hand; `accepts` is asked about every ball that is not padding.
+template <class Accepts>
+SectionState stateOf(const BallTree& tree, Accepts accepts)
 {
-	reserveLarge(tree.nodes, bytes.nodeCount);
-	reserveLarge(tree.blocks, bytes.blockCount);
-	reserveLarge(tree.balls, bytes.blockCount * kWidth);
-	for (size_t i = 0; i < bytes.nodeCount; ++i) tree.nodes.push_back(decodeNode(bytes.nodes + i * kNodeBytes));
-	bool named = true, sure = true;
-	for (size_t block = 0; block < bytes.blockCount; ++block)
+	bool accepted = true, sure = true;
+	for (size_t block = 0; block < tree.blocks.size(); ++block)
 	{
-		MomentEllipsoid balls[kWidth];
-		const std::byte* head = bytes.heads + block * kHeadBytes;
-		// Padding is what it is, whatever the file says.
-		const uint32_t real = loadU32(head);
-		for (size_t k = 0; k < kWidth; ++k) balls[k] = k < real ? ball(block * kWidth + k) : padding();
-		tree.blocks.push_back(blockOf(head, balls));
-		const uint32_t count = tree.blocks.back().count;
-		for (size_t k = 0; k < kWidth; ++k) named &= k >= count || balls[k].sphere < sphereCount;
-		tree.balls.insert(tree.balls.end(), balls, balls + kWidth);
-		sure &= surelyValid(tree.blocks.back(), balls);
+		const MomentEllipsoid* balls = tree.balls.data() + block * kWidth;
+		for (uint32_t k = 0; k < std::min(tree.blocks[block].count, kWidth); ++k) accepted &= accepts(balls[k]);
+		sure &= surelyValid(tree.blocks[block], balls);
 	}
-	if (!named) return SectionState::Bad;
+	if (!accepted) return SectionState::Bad;
 	return sure && surelyValidNodes(tree) ? SectionState::Good : SectionState::Doubtful;
 }
 
-SectionState readMomentTree(ByteReader& r, BallTree& tree, size_t sphereCount)
+SectionState readMomentTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t sphereCount)
 {
-	TreeBytes bytes;
-	if (!bytes.find(r, kBallBytes)) return SectionState::Bad;
-	return readTree(bytes, tree, sphereCount, [&](size_t i) { return decodeBall(bytes.balls + i * kBallBytes); });
+	if (!readTree(r, owner, tree)) return SectionState::Bad;
+	return stateOf(tree, [&](const MomentEllipsoid& ball) { return ball.sphere < sphereCount; });
 }
 
-/// Every sphere stands in the inner tree once, and padding nowhere but at the end of a block.
-SectionState readInnerTree(ByteReader& r, BallTree& tree, const std::vector<Sphere>& spheres)
+/// Every sphere stands in the inner tree once.
+SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, const FrozenArray<Sphere>& spheres)
 {
-	TreeBytes bytes;
-	if (!bytes.find(r, kIndexBytes)) return SectionState::Bad;
+	if (!readTree(r, owner, tree)) return SectionState::Bad;
 	std::vector<char> seen(spheres.size());
 	size_t found = 0;
-	const auto ball = [&](size_t i)
+	const auto isNext = [&](const MomentEllipsoid& ball)
 	{
-		const uint32_t index = loadU32(bytes.balls + i * kIndexBytes);
-		if (index < seen.size() && !seen[index])
-		{
-			seen[index] = 1;
-			++found;
-		}
-		return index < spheres.size() ? ballOf(spheres[index], index) : padding();
+		if (ball.sphere >= seen.size() || seen[ball.sphere]) return false;
+		seen[ball.sphere] = 1;
+		++found;
+		const MomentEllipsoid whole = ballOf(spheres[ball.sphere], ball.sphere);
+		return std::memcmp(&whole, &ball, sizeof ball) == 0;
 	};
-	const SectionState state = readTree(bytes, tree, spheres.size(), ball);
-	return found == spheres.size() && tree.ballCount() == spheres.size() ? state : SectionState::Bad;
-}
-
-void writeSpheres(ByteWriter& w, const std::vector<Sphere>& spheres)
-{
-	w.u64(spheres.size());
-	for (const Sphere& s : spheres)
-		for (float v : {s.x, s.y, s.z, s.r}) w.f32(v);
-}
-
-void readSpheres(ByteReader& r, std::vector<Sphere>& spheres)
-{
-	const size_t count = r.count(kSphereBytes);
-	const std::byte* bytes = r.span(count * kSphereBytes);
-	if (!r.complete()) return;
-	reserveLarge(spheres, count);
-	for (size_t i = 0; i < count; ++i) spheres.push_back(decodeSphere(bytes + i * kSphereBytes));
+	const SectionState state = stateOf(tree, isNext);
+	return found == spheres.size() ? state : SectionState::Bad;
 }
 }  // namespace
 
@@ -216,7 +113,7 @@ void writeMass(ByteWriter& w, const InnerSphereTree& t)
 	w.f64(t.area);
 	w.vec3(t.box.lower);
 	w.vec3(t.box.upper);
-	for (double v : {t.meanGap, t.maxGap, t.uncoveredArea, t.fill}) w.f64(v);
+	for (double v : {t.meanGap, t.maxGap, t.uncoveredArea, t.fill, t.resolution}) w.f64(v);
 }
 
 void readMass(ByteReader& r, InnerSphereTree& t)
@@ -228,7 +125,7 @@ void readMass(ByteReader& r, InnerSphereTree& t)
 	t.area = r.f64();
 	t.box.lower = r.vec3();
 	t.box.upper = r.vec3();
-	for (double* v : {&t.meanGap, &t.maxGap, &t.uncoveredArea, &t.fill}) *v = r.f64();
+	for (double* v : {&t.meanGap, &t.maxGap, &t.uncoveredArea, &t.fill, &t.resolution}) *v = r.f64();
 }
 
 void writeProvenance(ByteWriter& w, const InnerSphereTree::Provenance& p)
@@ -277,25 +174,28 @@ std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree)
 	{
 		case kMassSection: writeMass(w, tree); break;
 		case kProvenanceSection: writeProvenance(w, tree.provenance); break;
-		case kSphereSection: writeSpheres(w, tree.spheres); break;
-		case kLawSection: writeTree(w, tree.law, false); break;
-		case kCellSection: writeTree(w, tree.cells, false); break;
-		default: writeTree(w, tree.inner, true); break;
+		case kSphereSection:
+			w.u64(tree.spheres.size());
+			writeArray(w, tree.spheres);
+			break;
+		case kLawSection: writeTree(w, tree.law); break;
+		case kCellSection: writeTree(w, tree.cells); break;
+		default: writeTree(w, tree.inner); break;
 	}
 	return w.take();
 }
 
-SectionState decodeSection(uint32_t id, const std::byte* bytes, size_t size, InnerSphereTree& tree)
+SectionState decodeSection(uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree)
 {
 	ByteReader r(bytes, size);
 	switch (id)
 	{
 		case kMassSection: readMass(r, tree); break;
 		case kProvenanceSection: readProvenance(r, tree.provenance); break;
-		case kSphereSection: readSpheres(r, tree.spheres); break;
-		case kLawSection: return readMomentTree(r, tree.law, tree.spheres.size());
-		case kCellSection: return readMomentTree(r, tree.cells, tree.spheres.size());
-		default: return readInnerTree(r, tree.inner, tree.spheres);
+		case kSphereSection: tree.spheres = readArray<Sphere>(r, owner, r.count(sizeof(Sphere))); break;
+		case kLawSection: return readMomentTree(r, owner, tree.law, tree.spheres.size());
+		case kCellSection: return readMomentTree(r, owner, tree.cells, tree.spheres.size());
+		default: return readInnerTree(r, owner, tree.inner, tree.spheres);
 	}
 	return r.complete() ? SectionState::Good : SectionState::Bad;
 }

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace ist
@@ -23,8 +24,11 @@ enum AssetSection : uint32_t
 
 const char* sectionName(uint32_t id);
 
-/// The bytes of a section as this version writes it. A tree is its nodes (lanes x, y, z, r, child), the head of each block
-/// (count, bound) and sixteen balls for each block. Of a ball of the inner tree only the index of its sphere is stored.
+/// Sections, and the arrays in them, begin at multiples of so many bytes of the file: a cache line.
+constexpr size_t kSectionAlignment = 64;
+
+/// The bytes of a section as this version writes it. A tree is the numbers of its nodes and blocks, then the arrays of nodes, blocks and
+/// balls, words of 32 bits in the order of the members.
 std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree);
 enum class SectionState
 {
@@ -32,10 +36,9 @@ enum class SectionState
 	Doubtful,  ///< read; whether its tree is valid is for `BallTree::validate` to say
 	Good
 };
-/// The sphere section must have been decoded before the trees.
-SectionState decodeSection(uint32_t id, const std::byte* bytes, size_t size, InnerSphereTree& tree);
-/// The same of version 1: blocks with copies of their balls, whole balls for the inner tree.
-SectionState decodeSectionVersion1(uint32_t id, const std::byte* bytes, size_t size, InnerSphereTree& tree);
+/// The arrays of `tree` stay where they are in `bytes`, which begin at a multiple of kSectionAlignment and live as long as `owner`. The
+/// sphere section must have been decoded before the trees.
+SectionState decodeSection(uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree);
 
 void writeMass(ByteWriter& w, const InnerSphereTree& tree);
 void readMass(ByteReader& r, InnerSphereTree& tree);

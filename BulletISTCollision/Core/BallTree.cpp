@@ -13,8 +13,6 @@ namespace ist
 {
 namespace
 {
-// Squares of differences of such coordinates still fit in a float.
-constexpr float kFarAway = 1e17f;
 [[maybe_unused]] constexpr int kFewestToShare = 4096;  // balls, among threads
 constexpr size_t kFewestToThin = 1024;                 // balls that a bounding sphere is found for
 constexpr int kDirections = 8;                         // along either side of each face of a cube
@@ -60,9 +58,9 @@ public:
 
 	BallTree collapse()
 	{
-		m_tree.nodes.emplace_back();
+		m_nodes.emplace_back();
 		fillNode(0, 0);
-		return std::move(m_tree);
+		return {std::move(m_nodes), std::move(m_blocks), std::move(m_leaves)};
 	}
 
 private:
@@ -99,7 +97,9 @@ private:
 	std::vector<int> m_buffer;
 	std::vector<double> m_cost;
 	std::vector<BinaryNode> m_binary;  ///< a node, what is left below it, what is right below it
-	BallTree m_tree;
+	std::vector<BallNode> m_nodes;
+	std::vector<BallBlock> m_blocks;
+	std::vector<MomentEllipsoid> m_leaves;
 };
 
 void Builder::sortAlong(int axis)
@@ -282,10 +282,10 @@ uint32_t Builder::makeBlock(const BinaryNode& leaf)
 		block.y[k] = ball.y;
 		block.z[k] = ball.z;
 		block.R[k] = ball.R;
-		m_tree.balls.push_back(ball);
+		m_leaves.push_back(ball);
 	}
-	m_tree.blocks.push_back(block);
-	return uint32_t(m_tree.blocks.size() - 1);
+	m_blocks.push_back(block);
+	return uint32_t(m_blocks.size() - 1);
 }
 
 void Builder::fillNode(uint32_t node, int binary)
@@ -316,12 +316,12 @@ void Builder::fillNode(uint32_t node, int binary)
 				child = makeBlock(source) | BallNode::kLeafBit;
 			else
 			{
-				child = uint32_t(m_tree.nodes.size());
-				m_tree.nodes.emplace_back();
+				child = uint32_t(m_nodes.size());
+				m_nodes.emplace_back();
 				fillNode(child, children[k]);
 			}
 		}
-		BallNode& target = m_tree.nodes[node];
+		BallNode& target = m_nodes[node];
 		target.x[k] = b.x;
 		target.y[k] = b.y;
 		target.z[k] = b.z;
@@ -439,5 +439,12 @@ BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads)
 {
 	if (balls.empty()) return {};
 	return Builder(balls, threads).collapse();
+}
+
+BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads)
+{
+	std::vector<MomentEllipsoid> balls(spheres.size());
+	for (size_t i = 0; i < spheres.size(); ++i) balls[i] = ballOf(spheres[i], static_cast<uint32_t>(i));
+	return buildBallTree(balls, threads);
 }
 }  // namespace ist

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Cells.h"
+#include "BulletISTCollision/Core/FrozenArray.h"
+#include "BulletISTCollision/Core/MomentEllipsoid.h"
 
 #include <cstdint>
 #include <string>
@@ -27,19 +28,22 @@ struct alignas(64) BallBlock
 	float x[kWidth], y[kWidth], z[kWidth], R[kWidth];
 	uint32_t count = 0;     ///< real balls in this block
 	float bx = 0, by = 0, bz = 0, br = 0;  ///< sphere that bounds them
+	uint32_t reserved[11] = {};
 };
 
 /// Padding lies at least so far out along x [m]: no ball of a body comes near it, nor is it told apart from balls by the queries.
 constexpr float kFarPadding = 1e16f;
+/// Where the build puts it: squares of differences of such coordinates still fit in a float.
+constexpr float kFarAway = 1e17f;
 
 /// Wide tree over balls. Built once, never changed: any number of threads may query it. The same type serves the law tree
 /// (leaves), the cell tree (unsplit cells) and the inner tree (packed spheres: density 1, normal 0).
 class BallTree
 {
 public:
-	std::vector<BallNode> nodes;    ///< node 0 is the root; empty for a tree without balls
-	std::vector<BallBlock> blocks;
-	std::vector<MomentEllipsoid> balls;  ///< 16 for each block, in block order; padding has density 0
+	FrozenArray<BallNode> nodes;    ///< node 0 is the root; empty for a tree without balls
+	FrozenArray<BallBlock> blocks;
+	FrozenArray<MomentEllipsoid> balls;  ///< 16 for each block, in block order; padding has density 0
 
 	bool empty() const { return nodes.empty(); }
 	uint32_t ballCount() const;  ///< without padding
@@ -52,4 +56,6 @@ public:
 /// SAH-like top-down build (cost n * diagonal^3), splits at multiples of a block, binary tree collapsed to width 8. O(n log n).
 /// Node bounds enclose the R-balls of everything below, rounded up. The same tree for any thread count.
 BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads = 1);
+/// The same over packed spheres: density 1, no normal, no depth.
+BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads = 1);
 }  // namespace ist

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Vec3.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -66,7 +67,10 @@ public:
 		u64(s.size());
 		for (char c : s) u8(static_cast<uint8_t>(c));
 	}
-	void append(const std::vector<std::byte>& bytes) { m_bytes.insert(m_bytes.end(), bytes.begin(), bytes.end()); }
+	void append(const std::byte* bytes, size_t size) { m_bytes.insert(m_bytes.end(), bytes, bytes + size); }
+	void append(const std::vector<std::byte>& bytes) { append(bytes.data(), bytes.size()); }
+	/// Zeros up to the next multiple.
+	void align(size_t multiple) { m_bytes.resize((m_bytes.size() + multiple - 1) / multiple * multiple); }
 	void reserve(size_t size) { m_bytes.reserve(size); }
 	size_t size() const { return m_bytes.size(); }
 	const std::vector<std::byte>& bytes() const { return m_bytes; }
@@ -137,6 +141,13 @@ public:
 		m_bytes += size;
 		m_left -= size;
 		return p;
+	}
+	/// Skips to the next address that is a multiple; what lies between must be zeros.
+	void align(size_t multiple)
+	{
+		const size_t gap = (multiple - reinterpret_cast<uintptr_t>(m_bytes) % multiple) % multiple;
+		const std::byte* p = span(gap);
+		if (p && std::any_of(p, p + gap, [](std::byte b) { return b != std::byte{}; })) fail();
 	}
 	void fail()
 	{

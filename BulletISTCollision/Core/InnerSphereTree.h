@@ -27,9 +27,9 @@ struct InnerSphereTree
 	double meanGap = 0, maxGap = 0;  ///< see Cells.h [m]
 	double uncoveredArea = 0;
 	double fill = 0;
-	double resolution = 0;  ///< surfaceResolution of `law` [m]; not stored, found again on loading
+	double resolution = 0;  ///< surfaceResolution of `law` [m]
 
-	std::vector<Sphere> spheres;  ///< the packing, largest first
+	FrozenArray<Sphere> spheres;  ///< the packing, largest first
 	BallTree law;                 ///< leaves: the default estimator and law
 	std::vector<BallTree> levels; ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
 	BallTree cells;               ///< unsplit cells: volume mode

@@ -10,38 +10,9 @@ namespace ist
 namespace
 {
 constexpr double kBallVolume = 4.18879020478639098462;
-// Half-axes, shortest over longest. With needles of this shape the queries' floats still find distances to .05 %.
-constexpr double kFlattest = 1.0 / 20;
-// Powers of such lengths stay inside of a float's range [m].
-constexpr double kSmallest = 1e-12, kLargest = 1e12;
 // Covers the rounding of the shape to floats.
-constexpr double kBoundMargin = 1 + 1e-6, kShapeMargin = 1e-5;
-
-/// All leading minors positive.
-bool isPositive(double xx, double yy, double zz, double xy, double xz, double yz)
-{
-	const double minor = xx * yy - xy * xy;
-	return (xx > 0) & (minor > 0) & (minor * zz - xx * yz * yz - yy * xz * xz + 2 * xy * xz * yz > 0);
-}
+constexpr double kBoundMargin = 1 + 1e-6;
 }  // namespace
-
-bool MomentEllipsoid::isSolid() const
-{
-	const double bound = double(R) * R, high = bound * (1 + kShapeMargin), low = 0.5 * kFlattest * kFlattest * bound;
-	return (R > kSmallest) & (R < kLargest) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
-		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
-}
-
-MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
-{
-	MomentEllipsoid ball;
-	ball.setPlace(sphere.center());
-	ball.R = sphere.r;
-	ball.density = 1;
-	ball.sphere = index;
-	ball.xx = ball.yy = ball.zz = sphere.r * sphere.r;
-	return ball;
-}
 
 MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume)
 {
@@ -49,7 +20,7 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 	P << shape.xx, shape.xy, shape.xz, shape.xy, shape.yy, shape.yz, shape.xz, shape.yz, shape.zz;
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(P);
 	Eigen::Vector3d squares = solver.eigenvalues();
-	squares = squares.cwiseMax(kFlattest * kFlattest * squares.maxCoeff());
+	squares = squares.cwiseMax(MomentEllipsoid::kFlattest * MomentEllipsoid::kFlattest * squares.maxCoeff());
 	const double own = kBallVolume * std::sqrt(squares.prod());
 	if (!(own > 0))
 		squares.setConstant(std::pow(volume / kBallVolume, 2.0 / 3));

@@ -36,13 +36,38 @@ struct alignas(64) MomentEllipsoid
 	{
 		xx = float(P.xx), yy = float(P.yy), zz = float(P.zz), xy = float(P.xy), xz = float(P.xz), yz = float(P.yz);
 	}
-	/// Positive density, R between 1e-12 and 1e12 m, a shape that the ball of radius R contains and that is flat in no direction.
+	/// Half-axes, shortest over longest. With needles of this shape the queries' floats still find distances to .05 %.
+	static constexpr double kFlattest = 1.0 / 20;
+	/// Positive density, R between 1e-12 and 1e12 m (powers of such lengths stay inside of a float's range), a shape that the ball of
+	/// radius R contains and that is flat in no direction.
 	bool isSolid() const;
 };
 static_assert(sizeof(MomentEllipsoid) == 64);
 
+inline bool MomentEllipsoid::isSolid() const
+{
+	const auto isPositive = [](double ax, double ay, double az, double bx, double by, double bz)
+	{
+		const double minor = ax * ay - bx * bx;
+		return (ax > 0) & (minor > 0) & (minor * az - ax * bz * bz - ay * by * by + 2 * bx * by * bz > 0);
+	};
+	// 1e-5 covers the rounding of the shape to floats.
+	const double bound = double(R) * R, high = bound * (1 + 1e-5), low = 0.5 * kFlattest * kFlattest * bound;
+	return (R > 1e-12) & (R < 1e12) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
+		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
+}
+
 /// A whole ball, without normal and depth.
-MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index);
+inline MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
+{
+	MomentEllipsoid ball;
+	ball.setPlace(sphere.center());
+	ball.R = sphere.r;
+	ball.density = 1;
+	ball.sphere = index;
+	ball.xx = ball.yy = ball.zz = sphere.r * sphere.r;
+	return ball;
+}
 
 /// Of a piece of this volume. The shape is kept, but for what only few samples can have: an ellipsoid of less volume than the piece is
 /// enlarged, half-axes of less than a twentieth of the longest are lengthened to that. Normal, depth and sphere are left empty.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
+#include "BulletISTCollision/Core/Cells.h"
 #include "BulletISTCollision/Core/SpherePacker.h"
 #include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
@@ -49,13 +50,6 @@ Error cancelled()
 	return {"the build was cancelled", true};
 }
 
-std::vector<MomentEllipsoid> innerBalls(const std::vector<Sphere>& spheres)
-{
-	std::vector<MomentEllipsoid> balls(spheres.size());
-	for (size_t i = 0; i < spheres.size(); ++i) balls[i] = ballOf(spheres[i], static_cast<uint32_t>(i));
-	return balls;
-}
-
 void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& repaired, const BuildOptions& options)
 {
 	InnerSphereTree::Provenance& p = tree.provenance;
@@ -98,7 +92,7 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 	if (!goesOn(progress, "tree", 0.4)) return false;
 	tree.cells = buildBallTree(cells.cells, threads);
 	if (!goesOn(progress, "tree", 0.7)) return false;
-	tree.inner = buildBallTree(innerBalls(tree.spheres), threads);
+	tree.inner = buildInnerTree(tree.spheres, threads);
 	return goesOn(progress, "tree", 1);
 }
 }  // namespace

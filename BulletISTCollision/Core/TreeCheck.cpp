@@ -137,6 +137,7 @@ bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls)
 			   (std::fabs(b.xy) + std::fabs(b.xz) + std::fabs(b.yz));
 		const int solid = int(b.isSolid()), empty = int(b.R == 0) & int(b.density == 0) & int(b.x >= kFarPadding);
 		good &= k < block.count ? solid : empty;
+		good &= int(block.x[k] == b.x) & int(block.y[k] == b.y) & int(block.z[k] == b.z) & int(block.R[k] == b.R);
 	}
 	const Bound own{block.bx, block.by, block.bz, block.br};
 	return good && std::isfinite(sum) && block.count >= 1 && block.count <= uint32_t(kWidth) && isFinite(own) && isInside(block, own);

@@ -114,6 +114,14 @@ Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, s
 	return result(outcome, path, size, reason);
 }
 
+std::shared_ptr<std::byte> makeAlignedBytes(size_t size)
+{
+	constexpr std::align_val_t line{64};
+	auto* bytes = static_cast<std::byte*>(::operator new(size, line, std::nothrow));
+	if (!bytes) return nullptr;
+	return {bytes, [](std::byte* p) { ::operator delete(p, line); }};
+}
+
 MappedFile::~MappedFile()
 {
 	if (m_mapped) ::munmap(const_cast<std::byte*>(m_mapped), m_size);
@@ -141,8 +149,7 @@ Result<MappedFile> MappedFile::open(const std::string& path)
 		content.m_mapped = static_cast<const std::byte*>(mapped);
 		return content;
 	}
-	// Not zeroed: every byte is about to be read into it.
-	content.m_read.reset(new (std::nothrow) std::byte[content.m_size]);
+	content.m_read = makeAlignedBytes(content.m_size);
 	if (!content.m_read) return Error{"\"" + path + "\": not enough memory to read it"};
 	for (size_t done = 0; done < content.m_size;)
 	{

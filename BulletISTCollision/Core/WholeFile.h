@@ -15,6 +15,9 @@ namespace ist
 /// a device or a pipe is written in place. Gives the number of bytes.
 Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
 
+/// At a multiple of 64; not zeroed. Null when there is not as much.
+std::shared_ptr<std::byte> makeAlignedBytes(size_t size);
+
 /// The bytes of a file, mapped, or read where the file system cannot map. A file that another program cuts short meanwhile ends
 /// the process with SIGBUS, as any mapped file; one that is replaced, as `writeWholeFile` does, stays whole.
 class MappedFile
@@ -30,6 +33,7 @@ public:
 	}
 	~MappedFile();
 
+	/// At a multiple of 64.
 	const std::byte* bytes() const { return m_mapped ? m_mapped : m_read.get(); }
 	size_t size() const { return m_size; }
 
@@ -37,7 +41,7 @@ private:
 	void swap(MappedFile& other);
 
 	const std::byte* m_mapped = nullptr;
-	std::unique_ptr<std::byte[]> m_read;
+	std::shared_ptr<std::byte> m_read;
 	size_t m_size = 0;
 };
 }  // namespace ist

@@ -215,9 +215,9 @@ private:
 };
 }  // namespace
 
-OverlapFinding findOverlaps(const std::vector<Sphere>& spheres)
+OverlapFinding findOverlaps(std::span<const Sphere> spheres)
 {
-	std::vector<Sphere> sorted = spheres;
+	std::vector<Sphere> sorted(spheres.begin(), spheres.end());
 	const auto lower = [](const Sphere& s) { return static_cast<double>(s.x) - s.r; };
 	std::sort(sorted.begin(), sorted.end(), [&](const Sphere& a, const Sphere& b) { return lower(a) < lower(b); });
 	std::vector<double> starts(sorted.size());
@@ -242,7 +242,7 @@ OverlapFinding findOverlaps(const std::vector<Sphere>& spheres)
 	return found;
 }
 
-ProtrusionFinding findProtrusions(const std::vector<Sphere>& spheres, const Mesh& mesh)
+ProtrusionFinding findProtrusions(std::span<const Sphere> spheres, const Mesh& mesh)
 {
 	const TriangleBoxes boxes(mesh);
 	ProtrusionFinding found;

@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/SpherePacking.h"
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 namespace ist::tools
 {
@@ -15,7 +15,7 @@ struct OverlapFinding
 	int64_t pairs = 0;
 	double deepest = 0;  ///< [m]
 };
-OverlapFinding findOverlaps(const std::vector<Sphere>& spheres);
+OverlapFinding findOverlaps(std::span<const Sphere> spheres);
 
 struct ProtrusionFinding
 {
@@ -23,5 +23,5 @@ struct ProtrusionFinding
 	double farthest = 0;  ///< beyond the surface [m]
 };
 /// `mesh`: closed, oriented outwards, in the frame of the spheres.
-ProtrusionFinding findProtrusions(const std::vector<Sphere>& spheres, const Mesh& mesh);
+ProtrusionFinding findProtrusions(std::span<const Sphere> spheres, const Mesh& mesh);
 }  // namespace ist::tools

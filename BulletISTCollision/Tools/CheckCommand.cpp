@@ -46,7 +46,7 @@ int runCheck(const CheckArguments& a)
 		problems.push_back(tree.error().message);
 	else
 	{
-		const std::vector<Sphere>& spheres = tree.value().spheres;
+		const std::span<const Sphere> spheres = tree.value().spheres;
 		const OverlapFinding overlaps = findOverlaps(spheres);
 		report["spheres"] = spheres.size();
 		report["overlapping_pairs"] = overlaps.pairs;

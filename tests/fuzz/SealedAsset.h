@@ -17,27 +17,18 @@ inline void put(std::vector<std::byte>& bytes, size_t at, uint64_t value)
 	for (int i = 0; i < 8; ++i) bytes[at + i] = static_cast<std::byte>(value >> (8 * i));
 }
 
-inline uint64_t sum(bool fnv, const std::byte* bytes, size_t size)
-{
-	if (!fnv) return ist::checksum64(bytes, size);
-	uint64_t state = 0xcbf29ce484222325ull;
-	for (size_t i = 0; i < size; ++i) state = (state ^ static_cast<uint64_t>(bytes[i])) * 0x100000001b3ull;
-	return state;
-}
-
 inline void sealSections(std::vector<std::byte>& bytes)
 {
-	const bool fnv = ist::loadU32(bytes.data() + 8) == 1;
 	const size_t count = std::min<size_t>(ist::loadU32(bytes.data() + 12), (bytes.size() - kHeader) / kEntry);
 	std::vector<std::byte> covered(bytes.begin(), bytes.begin() + 24);
 	for (size_t i = 0; i < count; ++i)
 	{
 		const size_t entry = kHeader + i * kEntry;
 		const uint64_t offset = ist::loadU64(bytes.data() + entry + 8), size = ist::loadU64(bytes.data() + entry + 16);
-		if (offset <= bytes.size() && size <= bytes.size() - offset) put(bytes, entry + 24, sum(fnv, bytes.data() + offset, size));
+		if (offset <= bytes.size() && size <= bytes.size() - offset) put(bytes, entry + 24, ist::checksum64(bytes.data() + offset, size));
 	}
 	covered.insert(covered.end(), bytes.begin() + kHeader, bytes.begin() + std::ptrdiff_t(kHeader + count * kEntry));
-	put(bytes, 24, sum(fnv, covered.data(), covered.size()));
+	put(bytes, 24, ist::checksum64(covered.data(), covered.size()));
 }
 
 inline void seal(std::vector<std::byte>& bytes)

@@ -142,7 +142,9 @@ TEST(AssetArchive, LosesLessThanATenthOfTheErrorBarOverRandomPoses)
 TEST(AssetArchive, RefusesASphereThatTheGridCannotHold)
 {
 	InnerSphereTree tree = packedTorus().tree;
-	tree.spheres.back().r = 1e-8f;
+	std::vector<Sphere> spheres(tree.spheres.begin(), tree.spheres.end());
+	spheres.back().r = 1e-8f;
+	tree.spheres = spheres;
 	const Result<std::vector<std::byte>> refused = encodeArchive(tree);
 	ASSERT_FALSE(refused);
 	EXPECT_NE(refused.error().message.find("too small"), std::string::npos);

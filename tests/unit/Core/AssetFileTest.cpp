@@ -71,13 +71,33 @@ TEST(AssetFile, EveryCutIsRefused)
 	}
 }
 
+TEST(AssetFile, VersionsBeforeTheFirstReleaseAreNamed)
+{
+	std::vector<std::byte> bytes = encodeAsset(smallTree());
+	bytes[8] = std::byte(2);
+	const Result<InnerSphereTree> older = decodeAsset(bytes.data(), bytes.size());
+	ASSERT_FALSE(older);
+	EXPECT_EQ(older.error().message, "written by version 2, which was never released; build the file again");
+}
+
+TEST(AssetFile, TheTreeOutlivesTheFileThatItWasReadFrom)
+{
+	const std::string path = (std::filesystem::path(testing::TempDir()) / "outlived.ist").string();
+	ASSERT_TRUE(saveAsset(smallTree(), path));
+	Result<InnerSphereTree> loaded = loadAsset(path);
+	ASSERT_TRUE(loaded) << loaded.error().message;
+	const InnerSphereTree tree = std::move(loaded).value();
+	std::filesystem::remove(path);
+	EXPECT_EQ(encodeAsset(tree), encodeAsset(smallTree()));
+}
+
 TEST(AssetFile, NewerVersionIsNamed)
 {
 	std::vector<std::byte> bytes = encodeAsset(smallTree());
 	bytes[8] = std::byte(7);
 	const Result<InnerSphereTree> newer = decodeAsset(bytes.data(), bytes.size());
 	ASSERT_FALSE(newer);
-	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 2"), std::string::npos);
+	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 3"), std::string::npos);
 }
 
 TEST(AssetFile, FailedSaveLeavesNothing)

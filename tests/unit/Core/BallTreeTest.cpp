@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/BallTree.h"
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "tests/unit/Core/LooseTree.h"
 #include "tests/unit/Core/RandomShapes.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <cstddef>
 #include <cstring>
 #include <random>
+#include <span>
 
 using namespace ist;
 
@@ -34,7 +36,7 @@ std::vector<MomentEllipsoid> cloud(int count, unsigned seed)
 	return balls;
 }
 
-std::vector<std::array<float, 16>> sorted(const std::vector<MomentEllipsoid>& balls)
+std::vector<std::array<float, 16>> sorted(std::span<const MomentEllipsoid> balls)
 {
 	std::vector<std::array<float, 16>> keys;
 	for (const MomentEllipsoid& b : balls)
@@ -154,32 +156,32 @@ TEST(BallTree, ValidateFindsDamage)
 {
 	const BallTree good = buildBallTree(cloud(1000, 5));
 	const auto damaged = [&](auto change) {
-		BallTree tree = good;
+		LooseTree tree(good);
 		change(tree);
-		return tree.validate();
+		return tree.frozen().validate();
 	};
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[0] = 100000; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[0] = 0; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[1] = t.nodes[0].child[0]; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].child[0] = BallNode::kNoChild; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].r[0] *= 0.5f; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes[0].x[0] = NAN; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.blocks[3].br *= 0.5f; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.blocks[3].count = 17; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.blocks[3].x[2] += 1; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.balls[5].nx = INFINITY; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.balls[5].density = 0; }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.balls.pop_back(); }), "");
-	EXPECT_NE(damaged([](BallTree& t) { t.nodes.clear(); }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].child[0] = 100000; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].child[0] = 0; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].child[1] = t.nodes[0].child[0]; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].child[0] = BallNode::kNoChild; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].r[0] *= 0.5f; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].x[0] = NAN; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.blocks[3].br *= 0.5f; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.blocks[3].count = 17; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.blocks[3].x[2] += 1; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].nx = INFINITY; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].density = 0; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.balls.pop_back(); }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.nodes.clear(); }), "");
 }
 
 TEST(BallTree, ValidateRefusesAChainDeeperThanQueriesAllow)
 {
-	BallTree tree = buildBallTree(cloud(1, 5));
+	LooseTree tree(buildBallTree(cloud(1, 5)));
 	const BallNode leaf = tree.nodes[0];
 	tree.nodes.assign(200, leaf);
 	for (uint32_t i = 0; i + 1 < 200; ++i) tree.nodes[i].child[0] = i + 1;
-	EXPECT_EQ(tree.validate(), "tree too deep");
+	EXPECT_EQ(tree.frozen().validate(), "tree too deep");
 }
 
 TEST(InnerSphereTree, ValidateNamesTheTree)
@@ -188,7 +190,9 @@ TEST(InnerSphereTree, ValidateNamesTheTree)
 	body.volume = 1;
 	body.law = body.cells = body.inner = buildBallTree(cloud(50, 1));
 	EXPECT_EQ(body.validate(), "");
-	body.cells.blocks[0].count = 0;
+	LooseTree empty(body.cells);
+	empty.blocks[0].count = 0;
+	body.cells = empty.frozen();
 	EXPECT_NE(body.validate().find("cells"), std::string::npos);
 	body.cells = {};
 	EXPECT_NE(body.validate(), "");

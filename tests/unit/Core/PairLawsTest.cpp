@@ -18,6 +18,7 @@ InnerSphereTree randomBody(uint64_t seed, int balls)
 	std::uniform_real_distribution<float> u(-1, 1);
 	InnerSphereTree tree;
 	tree.origin = {0.3, -0.2, 0.1};
+	std::vector<MomentEllipsoid> leaves;
 	for (int i = 0; i < balls; ++i)
 	{
 		MomentEllipsoid b;
@@ -31,8 +32,9 @@ InnerSphereTree randomBody(uint64_t seed, int balls)
 		b.nz = 0.5f * u(random);
 		b.depth = 0.3f + 0.1f * u(random);
 		giveRandomShape(b, random);
-		tree.law.balls.push_back(b);
+		leaves.push_back(b);
 	}
+	tree.law.balls = leaves;
 	return tree;
 }
 
@@ -86,7 +88,7 @@ TEST(PairLaws, PaperForceOfTwoSpheres)
 	unit.R = 1;
 	unit.density = 1;
 	unit.y = 0.5f;
-	A.inner.balls = B.inner.balls = {unit};
+	A.inner.balls = B.inner.balls = std::vector{unit};
 	const std::vector<OverlapPair> pairs = allPairs(1, 1);
 	const double d = 1.2;
 	const Wrench w = paperLaw(A, B, {Mat3(), {d, 0, 0}}, pairs.data(), 1, 3).wrench;

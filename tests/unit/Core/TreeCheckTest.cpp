@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/TreeCheck.h"
 
+#include "tests/unit/Core/LooseTree.h"
 #include "tests/unit/Core/RandomShapes.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +39,8 @@ TEST(TreeCheck, PassesWhatTheBuilderMakes)
 				EXPECT_TRUE(surelyValid(randomTree(count, scale, farOff, count))) << count << ' ' << scale << ' ' << farOff;
 }
 
-/// Sets one number of the tree, in ball and block alike, to something else.
-void damage(BallTree& tree, std::mt19937_64& random)
+/// Sets one number of the tree, most often in ball and block alike, to something else.
+void damage(LooseTree& tree, std::mt19937_64& random)
 {
 	const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
 	static constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0f, 0.0f, 1e30f};
@@ -47,7 +48,7 @@ void damage(BallTree& tree, std::mt19937_64& random)
 	const size_t index = below(tree.balls.size()), lane = below(BallNode::kWidth);
 	MomentEllipsoid& ball = tree.balls[index];
 	BallBlock& block = tree.blocks[index / BallBlock::kWidth];
-	switch (below(11))
+	switch (below(12))
 	{
 		case 0: node.r[lane] *= 0.9f + 0.0001f * float(below(1000)); break;
 		case 1: node.x[lane] += node.r[lane] * 0.0001f * float(below(1000)); break;
@@ -64,6 +65,7 @@ void damage(BallTree& tree, std::mt19937_64& random)
 			block.x[index % BallBlock::kWidth] = ball.x;
 			break;
 		}
+		case 10: block.z[index % BallBlock::kWidth] += 0.01f * float(below(3)); break;
 		case 9: ball.depth = kOdd[below(std::size(kOdd))]; break;
 		default:
 			ball.R *= 1 + 0.01f * float(below(100));
@@ -79,8 +81,9 @@ TEST(TreeCheck, NeverPassesWhatValidateRefuses)
 	int valid = 0, passed = 0, refused = 0;
 	for (int round = 0; round < 4000; ++round)
 	{
-		BallTree tree = original;
-		damage(tree, random);
+		LooseTree loose(original);
+		damage(loose, random);
+		const BallTree tree = loose.frozen();
 		const bool sound = tree.validate().empty(), sure = surelyValid(tree);
 		ASSERT_TRUE(sound || !sure) << "round " << round << ": " << tree.validate();
 		valid += sound;

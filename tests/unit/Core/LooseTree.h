@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/BallTree.h"
+
+namespace ist
+{
+/// The parts of a tree, to be changed.
+struct LooseTree
+{
+	explicit LooseTree(const BallTree& tree)
+		: nodes(tree.nodes.begin(), tree.nodes.end()), blocks(tree.blocks.begin(), tree.blocks.end()), balls(tree.balls.begin(), tree.balls.end())
+	{
+	}
+	BallTree frozen() const { return {nodes, blocks, balls}; }
+
+	std::vector<BallNode> nodes;
+	std::vector<BallBlock> blocks;
+	std::vector<MomentEllipsoid> balls;
+};
+}  // namespace ist
