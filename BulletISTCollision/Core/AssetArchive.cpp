@@ -227,16 +227,9 @@ MomentEllipsoid readLeaf(BitReader& r, const Vec3& from, const Scales& s, uint32
 std::vector<std::byte> encodeContents(const InnerSphereTree& tree, const Contents& contents, double largestShrink)
 {
 	ByteWriter w;
-	InnerSphereTree mass;
-	mass.origin = tree.origin;
-	mass.volume = tree.volume;
-	mass.inertia = tree.inertia;
-	mass.area = tree.area;
-	mass.box = tree.box;
-	mass.meanGap = tree.meanGap + largestShrink;
-	mass.maxGap = tree.maxGap + largestShrink;
-	mass.uncoveredArea = tree.uncoveredArea;
-	mass.fill = tree.fill;
+	InnerSphereTree mass = tree;
+	mass.meanGap += largestShrink;
+	mass.maxGap += largestShrink;
 	writeMass(w, mass);
 	writeProvenance(w, tree.provenance);
 	contents.scales.write(w);

@@ -19,9 +19,10 @@ namespace
 constexpr double gapSamplesPerSphere = 100;
 constexpr double fewestGapSamples = 2e5;
 constexpr double manyGapSamples = 1e6;  // beyond, half as many a sphere
-constexpr double ballSamples = 8e5;
-constexpr size_t fewestBallSamples = 16;
-constexpr size_t mostBallSamples = 20000;  // where spheres are many
+// Large balls are split into many leaves, each of which needs some dozens of points for its shape.
+constexpr double ballSamplesPerSphere = 40;
+constexpr double fewestBallSamples = 8e5, mostBallSamples = 8e6;
+constexpr size_t fewestSamplesOfBall = 16;
 constexpr int mostLinesPerSide = 1024;
 constexpr int rowsOfSlab = 8;
 constexpr int slabsPerReport = 32;
@@ -57,13 +58,13 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 {
 	double total = 0;
 	for (const Sphere& s : spheres) total += ballVolume(s.r);
-	const size_t most = std::max(mostBallSamples, size_t(ballSamples) / spheres.size());
+	const double samples = std::clamp(ballSamplesPerSphere * double(spheres.size()), fewestBallSamples, mostBallSamples);
 	std::vector<size_t> counts;
 	counts.reserve(spheres.size());
 	for (const Sphere& s : spheres)
 	{
-		const size_t share = size_t(ballSamples * ballVolume(s.r) / total);
-		counts.push_back(std::clamp(share, fewestBallSamples, most) / 2 * 2);
+		const size_t share = size_t(samples * ballVolume(s.r) / total);
+		counts.push_back(std::max(share, fewestSamplesOfBall) / 2 * 2);
 	}
 	return counts;
 }

@@ -16,7 +16,7 @@ namespace ist
 struct alignas(64) MomentEllipsoid
 {
 	float x = 0, y = 0, z = 0;      ///< centroid c
-	float R = 0;                    ///< radius of the ball that bounds the ellipsoid [m]: its longest half-axis, rounded up
+	float R = 0;                    ///< radius of a ball around the ellipsoid, a little larger than its longest half-axis [m]
 	float density = 0;              ///< d, no unit: volume of the piece over that of the bounding ball
 	float nx = 0, ny = 0, nz = 0;   ///< mean outward normal of the nearest surface points; NOT of unit length
 	float depth = 0;                ///< mean depth under the surface [m]
@@ -69,8 +69,9 @@ inline MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
 	return ball;
 }
 
-/// Of a piece of this volume. The shape is kept, but for what only few samples can have: an ellipsoid of less volume than the piece is
-/// enlarged, half-axes of less than a twentieth of the longest are lengthened to that. Normal, depth and sphere are left empty.
+/// Of a piece of this volume. The shape is kept, but for what only few samples can have: an ellipsoid of less than a third of the piece's
+/// volume is enlarged to that, half-axes of less than a twentieth of the longest are lengthened to that. Normal, depth and sphere are
+/// left empty.
 MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume);
 
 /// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Error of the model against quadrature on the triangles, and whether the reported sigma says so: bodies against bodies at 0.1, 1 and
 // 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
-// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--only NAMES] [--csv FILE]
+// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE] [--levels 1]
+// Lines and points are those of the quadrature; the last two columns are its own standard error. With --levels also the coarser levels of the same trees.
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 #include "demos/scenes/MeshBelowPlane.h"
 #include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
@@ -33,8 +35,9 @@ constexpr double kShares[] = {0.01, 0.03, 0.1};  // of the longest side
 
 struct Options
 {
-	int spheres = 1000, poses = 10, directions = 40;
+	int spheres = 1000, poses = 10, directions = 40, lines = 120, points = 40000;
 	std::string only, csv;
+	bool levels = false;
 };
 
 struct Body
@@ -59,6 +62,14 @@ Mesh ellipsoidMesh()
 	return mesh;
 }
 
+/// Six blunt horns with hollows between them.
+Mesh jackMesh()
+{
+	Mesh mesh = makeSphereMesh(1, 5);
+	for (Vec3& p : mesh.vertices) p = p * (0.4 + 0.6 * (p.x * p.x * p.x * p.x + p.y * p.y * p.y * p.y + p.z * p.z * p.z * p.z));
+	return mesh;
+}
+
 Mesh bunnyMesh()
 {
 	if (!std::filesystem::exists(kBunny)) return {};
@@ -74,6 +85,7 @@ Mesh meshNamed(const std::string& name)
 	if (name == "box") return makeBoxMesh({0.5, 0.35, 0.25});
 	if (name == "torus") return makeTorusMesh(0.5, 0.2, 144, 72);
 	if (name == "knot") return makeTorusKnotMesh(2, 1, 0.45);
+	if (name == "jack") return jackMesh();
 	if (name == "ellipsoid") return ellipsoidMesh();
 	return makeSphereMesh(1, 5);
 }
@@ -120,6 +132,7 @@ struct Sums
 {
 	int poses = 0, oneSigma = 0, twoSigma = 0, oneSigmaForce = 0, twoSigmaForce = 0;
 	double volume = 0, bias = 0, cells = 0, force = 0, torque = 0, pairs = 0;
+	double truthVolume = 0, truthForce = 0;  ///< squares of the quadrature's own relative errors
 	std::vector<double> angles;
 
 	double rms(double squares) const { return 100 * std::sqrt(squares / std::max(1, poses)); }
@@ -140,12 +153,12 @@ struct TruePose
 	QuadratureTruth truth;
 };
 
-std::vector<TruePose> truePoses(const Body& A, const Body& B, double overlap, int count)
+std::vector<TruePose> truePoses(const Body& A, const Body& B, double overlap, const Options& options)
 {
 	const OverlapQuadrature quadrature(A.mesh, B.mesh);
 	std::vector<TruePose> poses;
-	for (const Pose& X : posesAtOverlap(quadrature, overlap, count, 11))
-		poses.push_back({X, quadrature.integrate(X, A.tree.origin, overlap < 0.005 ? 120 : 100, 40000)});
+	for (const Pose& X : posesAtOverlap(quadrature, overlap, options.poses, 11))
+		poses.push_back({X, quadrature.integrate(X, A.tree.origin, options.lines, options.points)});
 	return poses;
 }
 
@@ -173,6 +186,8 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		sums.volume += volume * volume;
 		sums.cells += ofCells * ofCells;
 		sums.force += error * error / (size * size);
+		sums.truthVolume += at.truth.volumeError * at.truth.volumeError / (at.truth.volume * at.truth.volume);
+		sums.truthForce += at.truth.normalError * at.truth.normalError / (size * size);
 		const double arm = size * std::min(A.tree.box.longestSide(), B.tree.box.longestSide());
 		sums.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
 		sums.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
@@ -182,19 +197,45 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 	return sums;
 }
 
+/// Each level of the same trees, down to some thirty pairs.
+void printLevels(const Body& A, const Body& B, double overlap, const std::vector<TruePose>& poses)
+{
+	QueryWorkspace workspace;
+	for (int level = 0;; ++level)
+	{
+		Sums sums;
+		QueryOptions options;
+		options.level = level;
+		for (const TruePose& at : poses)
+		{
+			const OverlapResult result = queryOverlap(A.tree, B.tree, at.X, workspace, options);
+			if (result.status != QueryStatus::Ok || result.level != level) return;
+			const Vec3 expected = at.truth.wrench().force;
+			const double volume = result.total.volume / at.truth.volume - 1;
+			++sums.poses;
+			sums.pairs += double(result.total.pairs) / double(poses.size());
+			sums.volume += volume * volume;
+			sums.force += squaredNorm(pressureWrench(result.total, {}).force - expected) / squaredNorm(expected);
+		}
+		if (sums.pairs < 30) return;
+		std::printf("%-17s %6.1f%% level %2d: %8.0f pairs, V rms %6.2f %%, F rms %6.2f %%, times sqrt(pairs): %5.2f\n", (A.name + "-" + B.name).c_str(),
+					100 * overlap, level, sums.pairs, sums.rms(sums.volume), sums.rms(sums.force), sums.rms(sums.force) / 100 * std::sqrt(sums.pairs));
+	}
+}
+
 void printPairHead()
 {
-	std::printf("\n%-17s %7s %5s %7s | %7s | %7s %7s %5s %5s | %7s %7s %5s %5s | %7s\n", "rms in %", "overlap", "poses", "pairs", "cells V", "V bias",
-				"V rms", "1 sig", "2 sig", "F rms", "deg", "1 sig", "2 sig", "T rms");
+	std::printf("\n%-17s %7s %5s %7s | %7s | %7s %7s %5s %5s | %7s %7s %5s %5s | %7s | %7s %7s\n", "rms in %", "overlap", "poses", "pairs", "cells V", "V bias",
+				"V rms", "1 sig", "2 sig", "F rms", "deg", "1 sig", "2 sig", "T rms", "truth V", "truth F");
 }
 
 void printPair(const std::string& name, double overlap, const Sums& s)
 {
 	std::printf("%-17s %6.1f%% %5d %7.0f | %7.2f | %+7.2f %7.2f %5.0f %5.0f | %7.2f "
-				"%7.2f %5.0f %5.0f | %7.2f\n",
+				"%7.2f %5.0f %5.0f | %7.2f | %7.2f %7.2f\n",
 				name.c_str(), 100 * overlap, s.poses, s.pairs / std::max(1, s.poses), s.rms(s.cells), s.percent(s.bias), s.rms(s.volume),
 				s.percent(s.oneSigma), s.percent(s.twoSigma), s.rms(s.force), s.angles.empty() ? 0 : s.angles[s.angles.size() / 2],
-				s.percent(s.oneSigmaForce), s.percent(s.twoSigmaForce), s.rms(s.torque));
+				s.percent(s.oneSigmaForce), s.percent(s.twoSigmaForce), s.rms(s.torque), s.rms(s.truthVolume), s.rms(s.truthForce));
 	std::fflush(stdout);
 }
 
@@ -245,6 +286,12 @@ Options parse(int argc, char** argv)
 			options.poses = std::atoi(argv[i + 1]);
 		else if (key == "--directions")
 			options.directions = std::atoi(argv[i + 1]);
+		else if (key == "--lines")
+			options.lines = std::atoi(argv[i + 1]);
+		else if (key == "--points")
+			options.points = std::atoi(argv[i + 1]);
+		else if (key == "--levels")
+			options.levels = std::atoi(argv[i + 1]) != 0;
 		else if (key == "--only")
 			options.only = argv[i + 1];
 		else if (key == "--csv")
@@ -257,18 +304,20 @@ Options parse(int argc, char** argv)
 int main(int argc, char** argv)
 {
 	const Options options = parse(argc, argv);
-	const char* const pairs[][2] = {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"knot", "bunny"}, {"knot", "torus"}};
+	const char* const pairs[][2] = {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"jack", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
 	std::vector<Body> bodies;
-	for (const char* name : {"bunny", "torus", "knot", "box", "ellipsoid", "ball"})
+	for (const char* name : {"bunny", "torus", "jack", "knot", "box", "ellipsoid", "ball"})
 	{
 		if (options.only.find(name) == std::string::npos && !options.only.empty()) continue;
 		bodies.push_back(makeBody(name, options.spheres));
+		if (options.levels) bodies.back().tree.levels = buildLevels(bodies.back().tree.law);
 		if (bodies.back().tree.law.empty())
 			bodies.pop_back();
 		else
 			printLeaves(bodies.back());
 	}
-	for (const Body& body : bodies) printHalfSpaces(body, options.directions);
+	if (options.directions > 0)
+		for (const Body& body : bodies) printHalfSpaces(body, options.directions);
 	if (options.poses <= 0) return 0;
 	std::FILE* const csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
 	if (!options.csv.empty() && !csv) return std::printf("cannot write %s\n", options.csv.c_str()), 1;
@@ -280,7 +329,11 @@ int main(int argc, char** argv)
 		const auto A = find(pair[0]), B = find(pair[1]);
 		if (A == bodies.end() || B == bodies.end()) continue;
 		for (const double overlap : kOverlaps)
-			printPair(A->name + "-" + B->name, overlap, measurePair(*A, *B, truePoses(*A, *B, overlap, options.poses), csv));
+		{
+			const std::vector<TruePose> poses = truePoses(*A, *B, overlap, options);
+			printPair(A->name + "-" + B->name, overlap, measurePair(*A, *B, poses, csv));
+			if (options.levels) printLevels(*A, *B, overlap, poses);
+		}
 	}
 	if (csv) std::fclose(csv);
 	return 0;
