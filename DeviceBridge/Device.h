@@ -5,6 +5,7 @@
 #include <string>
 
 #include "BulletISTCollision/Core/Pose.h"
+#include "DeviceBridge/HandState.h"
 
 namespace devicebridge
 {
@@ -13,7 +14,8 @@ enum DegreeOfFreedom : unsigned
 {
 	kTranslation = 0x07,
 	kRotation = 0x38,
-	kGrip = 0x40
+	kGrip = 0x40,
+	kHandJointsSensed = 0x80  ///< readHand() answers
 };
 
 /// What a device is and what it can bear. A peak of zero is unknown, and nothing is sent through it; a continuous limit of
@@ -103,5 +105,10 @@ public:
 	virtual DeviceStatus read(std::int64_t now, DeviceState& state) noexcept = 0;
 	/// Held until the next one, at the longest until it expires: then the driver itself lets go, also while nobody calls.
 	virtual DeviceStatus write(const DeviceCommand& command) noexcept = 0;
+	/// The joints of the sample that the last read() gave. False, and `hand` unchanged, where the device senses none.
+	virtual bool readHand(HandState&) noexcept { return false; }
+	/// In a sentence, why open() failed or the device was lost; empty when nothing is to be said. Not on the tick: it allocates and
+	/// may wait.
+	virtual std::string complaint() const { return {}; }
 };
 }  // namespace devicebridge

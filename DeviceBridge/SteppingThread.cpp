@@ -15,6 +15,14 @@ namespace devicebridge
 namespace
 {
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
+
+// A camera or a glove that samples at 60 Hz is not frozen between two samples.
+StateWatchSettings watchOf(const DeviceInfo& info, StateWatchSettings settings)
+{
+	const double threePeriods = info.nominalRate > 0 ? 3e9 / info.nominalRate : 0;
+	settings.frozenAfter = std::max(settings.frozenAfter, static_cast<std::int64_t>(std::min(threePeriods, 1e9)));
+	return settings;
+}
 }  // namespace
 
 void DurationHistogram::add(std::int64_t nanoseconds) noexcept
@@ -43,7 +51,7 @@ SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clo
 	  m_time(clock),
 	  m_settings(settings),
 	  m_limiter(device.info(), settings.safety),
-	  m_watch(settings.watch),
+	  m_watch(watchOf(device.info(), settings.watch)),
 	  m_scheduling("on the caller's thread, as that is scheduled")
 {
 	m_settings.period = std::max<std::int64_t>(1, settings.period);

@@ -19,6 +19,8 @@ public:
 	void close() noexcept override { m_inner->close(); }
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override { return m_inner->read(now, state); }
 	DeviceStatus write(const DeviceCommand& command) noexcept override { return m_inner->write(command); }
+	bool readHand(HandState& hand) noexcept override { return m_inner->readHand(hand); }
+	std::string complaint() const override { return m_inner->complaint(); }
 
 	Device& inner() { return *m_inner; }
 

@@ -9,9 +9,9 @@ namespace
 {
 Report freedoms(unsigned bits)
 {
-	static const char* const kNames[] = {"x", "y", "z", "rx", "ry", "rz", "grip"};
+	static const char* const kNames[] = {"x", "y", "z", "rx", "ry", "rz", "grip", "hand"};
 	Report names = Report::array();
-	for (unsigned i = 0; i < 7; ++i)
+	for (unsigned i = 0; i < 8; ++i)
 		if (bits >> i & 1U) names.push_back(kNames[i]);
 	return names;
 }
@@ -21,8 +21,11 @@ int runList(bool json)
 {
 	Report report = newReport();
 	Report& drivers = report["drivers"] = Report::array();
-	for (const std::string& scheme : DeviceRegistry().schemes())
-		drivers.push_back({{"scheme", scheme + ":"}, {"available", true}});
+	for (const DriverReport& driver : DeviceRegistry().drivers())
+	{
+		Report& row = drivers.emplace_back(Report{{"scheme", driver.scheme + ":"}, {"available", driver.missing.empty()}, {"what", driver.what}});
+		if (!driver.missing.empty()) row["reason"] = driver.missing;
+	}
 	Report& devices = report["devices"] = Report::array();
 	for (const std::string& name : simulatedProfileNames())
 	{

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "DeviceBridge/Decorators/DeviceDecorator.h"
 #include "DeviceBridge/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 
@@ -29,7 +30,9 @@ ist::Result<std::unique_ptr<Device>> openWithHand(const std::string& uri)
 {
 	auto device = DeviceRegistry().open(uri);
 	if (!device) return device;
-	if (auto* simulated = dynamic_cast<SimulatedDevice*>(device.value().get()))
+	Device* innermost = device.value().get();
+	while (auto* decorator = dynamic_cast<DeviceDecorator*>(innermost)) innermost = &decorator->inner();
+	if (auto* simulated = dynamic_cast<SimulatedDevice*>(innermost))
 	{
 		simulated->place({{}, {0, 0, 0.02}});
 		simulated->setHand(pressingHand());

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+namespace devicebridge
+{
+class DeviceRegistry;
+
+/// Every driver of this build; the ones that were left out are listed with what they lack.
+void addBuiltDrivers(DeviceRegistry& registry);
+}  // namespace devicebridge

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+
+#include "BulletISTCollision/Core/Pose.h"
+
+namespace devicebridge
+{
+/// Joints of a hand, in the order and with the frames of XR_EXT_hand_tracking: -z points away from the wrist, y out of the back
+/// of the hand (Khronos, OpenXR specification, section "Conventions of hand joints").
+enum HandJointIndex
+{
+	kPalm,
+	kWrist,
+	kThumbMetacarpal,
+	kThumbProximal,
+	kThumbDistal,
+	kThumbTip,
+	kIndexMetacarpal,
+	kIndexProximal,
+	kIndexIntermediate,
+	kIndexDistal,
+	kIndexTip,
+	kMiddleMetacarpal,
+	kMiddleProximal,
+	kMiddleIntermediate,
+	kMiddleDistal,
+	kMiddleTip,
+	kRingMetacarpal,
+	kRingProximal,
+	kRingIntermediate,
+	kRingDistal,
+	kRingTip,
+	kLittleMetacarpal,
+	kLittleProximal,
+	kLittleIntermediate,
+	kLittleDistal,
+	kLittleTip,
+	kHandJoints
+};
+
+struct HandJoint
+{
+	ist::Vec3 position;           ///< in W [m]
+	ist::Quaternion orientation;  ///< of the joint's frame in W
+	double radius = 0;            ///< from the joint to the skin [m]
+	bool tracked = false;         ///< false: the other fields say nothing
+};
+
+struct HandState
+{
+	bool left = false;
+	std::array<HandJoint, kHandJoints> joints;
+};
+}  // namespace devicebridge
