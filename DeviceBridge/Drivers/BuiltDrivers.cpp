@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Plugin/PluginSchemes.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 
@@ -32,5 +33,6 @@ void addBuiltDrivers(DeviceRegistry& registry)
 {
 	registry.addScheme("sim", makeSimulated, "simulated hand on a device of a profile");
 	registry.addScheme("replay", makeReplay, "a recorded run");
+	addPluginSchemes(registry);
 }
 }  // namespace devicebridge

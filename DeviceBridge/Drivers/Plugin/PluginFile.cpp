@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/Plugin/PluginFile.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+namespace devicebridge
+{
+namespace
+{
+const std::string kPrefix = "libdevicebridge_", kSuffix = ".so";
+
+bool isName(const std::string& text)
+{
+	const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+	return !text.empty() && std::all_of(text.begin(), text.end(), plain);
+}
+
+std::string fileOf(const std::string& name)
+{
+	for (const std::string& folder : pluginFolders())
+	{
+		std::string path = folder + "/" + kPrefix + name + kSuffix;
+		std::error_code failure;
+		if (std::filesystem::exists(path, failure)) return path;
+	}
+	return {};
+}
+
+/// What is wrong with it; empty when nothing is.
+std::string flawOf(const devicebridge_plugin* plugin, const std::string& name)
+{
+	if (!plugin) return "its entry gives nothing";
+	if (plugin->version != DEVICEBRIDGE_PLUGIN_VERSION)
+		return "it was made for version " + std::to_string(plugin->version) + " of the plug-in interface, this library has " +
+			   std::to_string(DEVICEBRIDGE_PLUGIN_VERSION);
+	if (plugin->size < sizeof(devicebridge_plugin)) return "its table of functions is too short";
+	if (!plugin->name || name != plugin->name) return "it calls itself " + std::string(plugin->name ? plugin->name : "nothing");
+	if (!plugin->open || !plugin->exchange || !plugin->close) return "it lacks one of open, exchange and close";
+	return {};
+}
+}  // namespace
+
+std::vector<std::string> pluginFolders()
+{
+	std::vector<std::string> folders;
+	const char* const path = std::getenv("DEVICEBRIDGE_PLUGIN_PATH");
+	std::istringstream parts(path ? path : "");
+	for (std::string folder; std::getline(parts, folder, ':');)
+		if (!folder.empty()) folders.push_back(folder);
+	folders.push_back(DEVICEBRIDGE_PLUGIN_FOLDER);
+	return folders;
+}
+
+std::vector<std::string> pluginNames()
+{
+	std::set<std::string> names;
+	for (const std::string& folder : pluginFolders())
+	{
+		std::error_code failure;
+		for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
+		{
+			const std::string file = entry.path().filename().string();
+			if (file.size() <= kPrefix.size() + kSuffix.size() || file.compare(0, kPrefix.size(), kPrefix) != 0) continue;
+			if (entry.path().extension() != kSuffix) continue;
+			const std::string name = file.substr(kPrefix.size(), file.size() - kPrefix.size() - kSuffix.size());
+			if (isName(name)) names.insert(name);
+		}
+	}
+	return {names.begin(), names.end()};
+}
+
+ist::Result<const devicebridge_plugin*> loadPlugin(const std::string& name)
+{
+	if (!isName(name)) return ist::Error{"'" + name + "' cannot be the name of a plug-in: lower-case letters, digits and _ only", false};
+	const std::string file = fileOf(name);
+	if (file.empty())
+	{
+		std::string folders;
+		for (const std::string& folder : pluginFolders()) folders += (folders.empty() ? "" : ", ") + folder;
+		return ist::Error{"No " + kPrefix + name + kSuffix + " in " + folders + "; add its folder to DEVICEBRIDGE_PLUGIN_PATH", false};
+	}
+	void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+	if (!library) return ist::Error{"Cannot load " + file + ": " + dlerror(), false};
+	const auto entry = reinterpret_cast<devicebridge_plugin_entry_function>(dlsym(library, DEVICEBRIDGE_PLUGIN_ENTRY));
+	if (!entry) return ist::Error{file + " is no plug-in: it has no " DEVICEBRIDGE_PLUGIN_ENTRY, false};
+	const devicebridge_plugin* const plugin = entry();
+	const std::string flaw = flawOf(plugin, name);
+	if (!flaw.empty()) return ist::Error{file + " is refused: " + flaw, false};
+	return plugin;
+}
+}  // namespace devicebridge

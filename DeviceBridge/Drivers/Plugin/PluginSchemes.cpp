@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/Plugin/PluginSchemes.h"
+
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Plugin/PluginFile.h"
+#include "DeviceBridge/Drivers/Plugin/PluginLink.h"
+#include "DeviceBridge/ThreadedDevice.h"
+
+namespace devicebridge
+{
+namespace
+{
+using MadeDevice = ist::Result<std::unique_ptr<Device>>;
+
+MadeDevice makeDevice(const std::string& name, const std::string& address, const std::string& uri)
+{
+	const auto plugin = loadPlugin(name);
+	if (!plugin) return plugin.error();
+	auto link = std::make_unique<PluginLink>(*plugin.value(), address, uri);
+	return MadeDevice(std::make_unique<ThreadedDevice>(std::move(link)));
+}
+
+MadeDevice makeByPath(const std::string& rest)
+{
+	const auto slash = rest.find('/');
+	return makeDevice(rest.substr(0, slash), slash == std::string::npos ? "" : rest.substr(slash + 1), "plugin:" + rest);
+}
+
+std::string missingOf(const std::string& name)
+{
+	const auto plugin = loadPlugin(name);
+	if (!plugin) return plugin.error().message;
+	std::array<char, 512> why{};
+	if (!plugin.value()->missing || plugin.value()->missing(why.data(), why.size() - 1) == 0) return {};
+	return why.data();
+}
+
+std::string noPlugins()
+{
+	if (!pluginNames().empty()) return {};
+	return "no libdevicebridge_NAME.so in DEVICEBRIDGE_PLUGIN_PATH nor in the installation";
+}
+
+void addNamed(DeviceRegistry& registry, const std::string& name, const std::string& what)
+{
+	registry.addScheme(
+		name, [name](const std::string& rest) { return makeDevice(name, rest, name + ":" + rest); }, what, [name] { return missingOf(name); });
+}
+}  // namespace
+
+void addPluginSchemes(DeviceRegistry& registry)
+{
+	registry.addScheme("plugin", makeByPath, "a device of a plug-in, plugin:NAME/ADDRESS", noPlugins);
+	addNamed(registry, "dhd", "Force Dimension devices through libdhd, dhd:INDEX (plug-in)");
+	addNamed(registry, "hd", "Touch and Phantom devices through OpenHaptics, hd:CONFIGURATION (plug-in)");
+	for (const std::string& name : pluginNames()) addNamed(registry, name, "plug-in " + name);
+}
+}  // namespace devicebridge
