@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "BulletISTCollision/Core/Result.h"
+#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/devicebridge_plugin.h"
+
+namespace devicebridge::plugin
+{
+/// Two samples are at least this far apart, so that a vendor's call that does not block cannot take the processor.
+class Pace
+{
+public:
+	explicit Pace(std::int64_t period) : m_period(period) {}
+	void wait() noexcept
+	{
+		const std::int64_t now = m_clock.now();
+		m_next = m_next + m_period < now ? now : m_next + m_period;
+		m_clock.sleepUntil(m_next);
+	}
+
+private:
+	RealClock m_clock;
+	std::int64_t m_period, m_next = 0;
+};
+
+inline void say(char* why, std::size_t room, const std::string& text) { std::snprintf(why, room, "%s", text.c_str()); }
+
+template <std::size_t N>
+void setText(char (&field)[N], const std::string& text)
+{
+	say(field, N, text);
+}
+
+/// The C table of a device class with
+///   static constexpr const char *kName, *kDescription;
+///   static std::string missing();
+///   static ist::Result<std::unique_ptr<T>> open(const std::string& address, devicebridge_info& info);
+///   bool exchange(const devicebridge_command&, devicebridge_state&, std::string& why);   // false: lost
+/// whose destructor leaves the device without force.
+template <class T>
+const devicebridge_plugin* tableOf()
+{
+	static const devicebridge_plugin table = {
+		sizeof table, DEVICEBRIDGE_PLUGIN_VERSION, T::kName, T::kDescription,
+		[](char* why, std::size_t room)
+		{
+			const std::string missing = T::missing();
+			say(why, room, missing);
+			return missing.empty() ? 0 : 1;
+		},
+		[](const char* address, devicebridge_info* info, char* why, std::size_t room) -> void*
+		{
+			auto device = T::open(address, *info);
+			if (device) return std::move(device).value().release();
+			say(why, room, device.error().message);
+			return nullptr;
+		},
+		[](void* device, const devicebridge_command* command, devicebridge_state* state, char* why, std::size_t room)
+		{
+			std::string reason;
+			if (static_cast<T*>(device)->exchange(*command, *state, reason)) return 1;
+			say(why, room, reason);
+			return -1;
+		},
+		[](void* device) { delete static_cast<T*>(device); }};
+	return &table;
+}
+}  // namespace devicebridge::plugin

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Zlib
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "DeviceBridge/DeviceRegistry.h"
+#include "tests/unit/DeviceBridge/DriverRun.h"
+#include "tests/unit/DeviceBridge/vendors/MockHandle.h"
+
+using namespace devicebridge;
+
+namespace
+{
+struct Vendor
+{
+	const char *name, *variable, *file, *uri, *wrongUri, *error;
+	double peakForce, peakTorque, stiffness;
+	bool hasDeadMan;
+};
+void PrintTo(const Vendor& vendor, std::ostream* out) { *out << vendor.name; }
+
+const Vendor kVendors[] = {
+	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2, 4000, false},
+	{"hd", "DEVICEBRIDGE_HD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device", "device communication error", 3.3, 0, 500, false},
+	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", TEST_VENDOR_FOLDER "/libmock_virtuose.so", "virtuose:arm.local?peak_force=30&peak_torque=3", "virtuose:nobody",
+	 "communication failure", 30, 3, 700, true}};
+
+class VendorPlugin : public testing::TestWithParam<Vendor>
+{
+protected:
+	void SetUp() override
+	{
+		setenv("DEVICEBRIDGE_PLUGIN_PATH", PLUGIN_FOLDER, 1);
+		setenv(GetParam().variable, GetParam().file, 1);
+		void* const library = dlopen(GetParam().file, RTLD_NOW);
+		ASSERT_NE(library, nullptr) << dlerror();
+		m_mock = reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
+		change([](MockHandle& m) { m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0; });
+	}
+	void TearDown() override
+	{
+		unsetenv("DEVICEBRIDGE_PLUGIN_PATH");
+		unsetenv(GetParam().variable);
+	}
+	template <class Change>
+	void change(Change&& c)
+	{
+		const std::lock_guard<std::mutex> lock(m_mock->mutex);
+		c(*m_mock);
+	}
+	template <class Look>
+	auto look(Look&& l)
+	{
+		const std::lock_guard<std::mutex> lock(m_mock->mutex);
+		return l(*m_mock);
+	}
+	std::unique_ptr<Device> opened()
+	{
+		auto device = DeviceRegistry().open(GetParam().uri);
+		if (device) return std::move(device).value();
+		ADD_FAILURE() << device.error().message;
+		return nullptr;
+	}
+
+private:
+	MockHandle* m_mock = nullptr;
+};
+}  // namespace
+
+TEST_P(VendorPlugin, TellsWhatTheDeviceIs)
+{
+	const auto device = opened();
+	ASSERT_TRUE(device);
+	const DeviceInfo& info = device->info();
+	EXPECT_EQ(info.uri, GetParam().uri);
+	EXPECT_NEAR(info.peakForce, GetParam().peakForce, 1e-12);
+	EXPECT_NEAR(info.peakTorque, GetParam().peakTorque, 1e-12);
+	EXPECT_NEAR(info.maxStiffness, GetParam().stiffness, 1e-9);
+	EXPECT_TRUE(info.sensed & kRotation);
+	EXPECT_EQ((info.actuated & kRotation) != 0, GetParam().peakTorque > 0);
+	EXPECT_FALSE(info.model.empty() || info.maker.empty() || info.source.empty());
+}
+
+TEST_P(VendorPlugin, PosesArriveInMetresAndRightHanded)
+{
+	const auto device = opened();
+	ASSERT_TRUE(device);
+	std::mt19937_64 random(7);
+	std::normal_distribution<double> normal;
+	RealClock clock;
+	for (int round = 0; round < 20; ++round)
+	{
+		const ist::Vec3 p{0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)}, v{normal(random), normal(random), normal(random)},
+			w{normal(random), normal(random), normal(random)};
+		const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{normal(random), normal(random), normal(random)});
+		change(
+			[&](MockHandle& m)
+			{
+				const double vectors[3][3] = {{p.x, p.y, p.z}, {v.x, v.y, v.z}, {w.x, w.y, w.z}};
+				for (int i = 0; i < 3; ++i) m.position[i] = vectors[0][i], m.linear[i] = vectors[1][i], m.angular[i] = vectors[2][i];
+				m.quaternion[0] = q.x, m.quaternion[1] = q.y, m.quaternion[2] = q.z, m.quaternion[3] = q.w;
+				m.buttons = static_cast<unsigned>(round % 8);
+			});
+		DeviceState s;
+		EXPECT_TRUE(within(
+			[&]
+			{
+				EXPECT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+				const ist::Vec3 turn = rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(q))));
+				return distance(s.X_WH.translation, p) < 1e-6 && distance(s.twist.linear, v) < 1e-6 && distance(s.twist.angular, w) < 1e-6 &&
+					   norm(turn) < 1e-6 && s.buttons == static_cast<unsigned>(round % 8);
+			},
+			5000));
+	}
+	EXPECT_EQ(look([](MockHandle& m) { return m.misuse; }), 0);
+}
+
+TEST_P(VendorPlugin, TheWrenchArrivesAndEndsWithItsCommand)
+{
+	const auto device = opened();
+	ASSERT_TRUE(device);
+	RealClock clock;
+	DeviceCommand command;
+	command.wrench = {{0.5, -1, 2}, {0.01, 0.02, -0.03}};
+	const auto differs = [&](const ist::Wrench& wanted)
+	{
+		return look(
+			[&](MockHandle& m)
+			{
+				const ist::Vec3 f{m.force[0], m.force[1], m.force[2]}, t{m.torque[0], m.torque[1], m.torque[2]};
+				return std::max(distance(f, wanted.force), GetParam().peakTorque > 0 ? distance(t, wanted.torque) : 0);
+			});
+	};
+	EXPECT_TRUE(within(
+		[&]
+		{
+			command.computedAt = clock.now();
+			command.expiresAt = command.computedAt + 100'000'000;
+			EXPECT_EQ(device->write(command), DeviceStatus::Ok);
+			return differs(command.wrench) < 1e-6;
+		}));
+	EXPECT_TRUE(within([&] { return differs({}) == 0; }));
+}
+
+TEST_P(VendorPlugin, ItsOwnSwitchesHoldTheForceBack)
+{
+	const auto device = opened();
+	ASSERT_TRUE(device);
+	DriverRun run(*device);
+	ASSERT_TRUE(run.until([&] { return run.force() > 0; }));
+	change([](MockHandle& m) { m.motorsOn = false; });
+	EXPECT_TRUE(run.until([&] { return run.force() == 0; }));
+	change([](MockHandle& m) { m.motorsOn = true; });
+	EXPECT_TRUE(run.until([&] { return run.force() > 0; }));
+	if (!GetParam().hasDeadMan) return;
+	change([](MockHandle& m) { m.handPresent = false; });
+	EXPECT_TRUE(run.until([&] { return run.force() == 0; }));
+}
+
+TEST_P(VendorPlugin, APulledCableEndsTheForceAndIsExplained)
+{
+	const auto device = opened();
+	ASSERT_TRUE(device);
+	DriverRun run(*device);
+	run.expectLossIsSafe(*device, [&] { change([](MockHandle& m) { m.present = false; }); });
+	EXPECT_NE(device->complaint().find(GetParam().error), std::string::npos) << device->complaint();
+	EXPECT_EQ(look([](MockHandle& m) { return m.open; }), 0);
+	EXPECT_EQ(look([](MockHandle& m) { return m.force[2]; }), 0);
+	change([](MockHandle& m) { m.present = true; });
+	EXPECT_EQ(device->open(), DeviceStatus::Ok);
+}
+
+TEST_P(VendorPlugin, WhatIsMissingIsSaid)
+{
+	const DeviceRegistry registry;
+	const auto wrong = registry.open(GetParam().wrongUri);
+	ASSERT_FALSE(wrong);
+	EXPECT_GT(wrong.error().message.size(), 30U);
+	setenv(GetParam().variable, "/nowhere/libnothing.so", 1);
+	const auto device = registry.open(GetParam().uri);
+	ASSERT_FALSE(device);
+	EXPECT_NE(device.error().message.find(GetParam().variable), std::string::npos) << device.error().message;
+	bool listed = false;
+	for (const DriverReport& driver : registry.drivers())
+		listed |= driver.scheme == GetParam().name && driver.missing.find("/nowhere/libnothing.so") != std::string::npos;
+	EXPECT_TRUE(listed);
+	// A library that is something else.
+	setenv(GetParam().variable, TEST_VENDOR_FOLDER "/libmock_empty.so", 1);
+	const auto other = registry.open(GetParam().uri);
+	ASSERT_FALSE(other);
+	EXPECT_NE(other.error().message.find("lacks the function"), std::string::npos) << other.error().message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Mocks, VendorPlugin, testing::ValuesIn(kVendors), [](const auto& info) { return std::string(info.param.name); });
