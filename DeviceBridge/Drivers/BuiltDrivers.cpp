@@ -27,12 +27,19 @@ MadeDevice makeReplay(const std::string& path)
 	if (!recording) return recording.error();
 	return MadeDevice(std::make_unique<ReplayDevice>(std::move(recording).value()));
 }
+
+[[maybe_unused]] std::string leftOut(const std::string& packages) { return "this build was made without it; install " + packages + " and build again"; }
 }  // namespace
 
 void addBuiltDrivers(DeviceRegistry& registry)
 {
 	registry.addScheme("sim", makeSimulated, "simulated hand on a device of a profile");
 	registry.addScheme("replay", makeReplay, "a recorded run");
+#if defined(DEVICEBRIDGE_WITH_SPNAV)
+	addSpnav(registry);
+#else
+	registry.addMissing("spnav", "6-DOF mouse through spacenavd", leftOut("libspnav-dev"));
+#endif
 	addPluginSchemes(registry);
 }
 }  // namespace devicebridge

@@ -7,4 +7,7 @@ class DeviceRegistry;
 
 /// Every driver of this build; the ones that were left out are listed with what they lack.
 void addBuiltDrivers(DeviceRegistry& registry);
+
+// One for each driver that needs a library; defined where that was found.
+void addSpnav(DeviceRegistry& registry);
 }  // namespace devicebridge
