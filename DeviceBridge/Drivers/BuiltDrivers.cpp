@@ -35,6 +35,11 @@ void addBuiltDrivers(DeviceRegistry& registry)
 {
 	registry.addScheme("sim", makeSimulated, "simulated hand on a device of a profile");
 	registry.addScheme("replay", makeReplay, "a recorded run");
+#if defined(DEVICEBRIDGE_WITH_HAPLY)
+	addHaply(registry);
+#else
+	registry.addMissing("haply", "Haply Inverse service", leftOut("libboost-dev"));
+#endif
 #if defined(DEVICEBRIDGE_WITH_SPNAV)
 	addSpnav(registry);
 #else

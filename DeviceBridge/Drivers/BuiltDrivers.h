@@ -9,5 +9,6 @@ class DeviceRegistry;
 void addBuiltDrivers(DeviceRegistry& registry);
 
 // One for each driver that needs a library; defined where that was found.
+void addHaply(DeviceRegistry& registry);
 void addSpnav(DeviceRegistry& registry);
 }  // namespace devicebridge

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "DeviceBridge/DeviceLink.h"
+
+namespace devicebridge
+{
+struct HaplyAddress
+{
+	std::string host = "localhost", port = "10001";
+	std::string device;            ///< its id; empty: the first
+	bool valuesForVector = false;  ///< services before 3.5
+};
+
+/// A device of the Haply Inverse service over WebSocket: the service answers each message with one state, and lets go when no
+/// messages come. Three forces; position and, from a VerseGrip, orientation. W is the basis of the service.
+class HaplyLink final : public DeviceLink
+{
+public:
+	HaplyLink(HaplyAddress address, std::string uri);
+	~HaplyLink() override;
+
+	ist::Result<DeviceInfo> connect() noexcept override;
+	Event exchange(const DeviceCommand& command, DeviceSample& sample) noexcept override;
+	void disconnect() noexcept override;
+	std::string complaint() const override { return m_complaint; }
+
+private:
+	class Socket;
+	ist::Result<DeviceInfo> connectOrThrow();
+	Event exchangeOrThrow(const DeviceCommand& command, DeviceSample& sample);
+	void turn(const ist::Quaternion& q, std::int64_t now, DeviceState& state);
+	Event lost(const std::string& why);
+
+	HaplyAddress m_address;
+	std::string m_uri, m_complaint, m_deviceId, m_kind;
+	std::unique_ptr<Socket> m_socket;
+	bool m_awaiting = false;
+	std::int64_t m_lastMessage = 0, m_turnedAt = 0;
+	ist::Quaternion m_turned;
+	ist::Vec3 m_angular;
+};
+}  // namespace devicebridge

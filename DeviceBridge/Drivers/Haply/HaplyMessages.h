@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/Result.h"
+
+namespace devicebridge
+{
+/// What a message of the Haply Inverse service says of one device, and of the grip that comes with it.
+struct HaplyState
+{
+	std::string deviceId, kind;  ///< "inverse3", "inverse3x" or "minverse"
+	ist::Vec3 position, velocity;
+	std::optional<ist::Quaternion> orientation;
+	std::uint32_t buttons = 0;
+};
+
+/// The device `wanted`, or the first one where that is empty. Nothing when the message holds none; an error, in a sentence, when it
+/// is no message of the service.
+ist::Result<std::optional<HaplyState>> readHaplyMessage(const std::string& text, const std::string& wanted);
+/// The command of one tick. Services before 3.5 call the vector "values".
+std::string haplyForceMessage(const std::string& kind, const std::string& deviceId, const ist::Vec3& force, bool valuesForVector);
+}  // namespace devicebridge

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Zlib
+// Against a service of our own on the loopback that speaks the documented protocol: the inventory first, then one state for each
+// message; keys as in docs.haply.co (Inverse service 3.5) and in se3_haply.py of github.com/isaac-sim/IsaacLab.
+#include <sys/socket.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Haply/HaplyMessages.h"
+#include "tests/unit/DeviceBridge/DriverRun.h"
+
+using namespace devicebridge;
+
+namespace
+{
+using Json = nlohmann::json;
+namespace asio = boost::asio;
+using tcp = asio::ip::tcp;
+
+class FakeService
+{
+public:
+	enum class Mood
+	{
+		Good,
+		Silent,   // takes messages, answers none
+		Emptied,  // the device was unplugged
+		Babbling  // no JSON
+	};
+	std::atomic<Mood> mood{Mood::Good};
+	std::atomic<bool> hasGrip{true};
+	std::atomic<int> messages{0}, refused{0};
+
+	FakeService() : m_acceptor(m_context, {asio::ip::address_v4::loopback(), 0}), m_thread([this] { serve(); }) {}
+	~FakeService()
+	{
+		m_ending = true;
+		hangUp();
+		// Wakes the acceptor.
+		boost::system::error_code ignored;
+		asio::io_context context;
+		tcp::socket(context).connect(m_acceptor.local_endpoint(), ignored);
+		m_thread.join();
+	}
+	std::string uri(const std::string& options = "") const { return "haply://127.0.0.1:" + std::to_string(m_acceptor.local_endpoint().port()) + options; }
+	void hangUp()
+	{
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		if (m_wire >= 0) ::shutdown(m_wire, SHUT_RDWR);
+	}
+	void place(const ist::Vec3& p, const ist::Vec3& v, const ist::Quaternion& q, unsigned buttons)
+	{
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		m_position = p, m_velocity = v, m_orientation = q, m_buttons = buttons;
+	}
+	ist::Vec3 force()
+	{
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		return m_force;
+	}
+
+private:
+	static Json vectorOf(const ist::Vec3& v) { return {{"x", v.x}, {"y", v.y}, {"z", v.z}}; }
+	std::string state()
+	{
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		Json message = {{"inverse3", Json::array()}, {"session", {{"id", 1}}}};
+		if (mood == Mood::Emptied) return message.dump();
+		for (const char* id : {"0432", "0577"})
+		{
+			const ist::Vec3 p = id[1] == '4' ? m_position : -m_position;
+			message["inverse3"].push_back({{"device_id", id}, {"state", {{"cursor_position", vectorOf(p)}, {"cursor_velocity", vectorOf(m_velocity)}}}});
+		}
+		if (!hasGrip) return message.dump();
+		Json orientation = vectorOf({m_orientation.x, m_orientation.y, m_orientation.z});
+		orientation["w"] = m_orientation.w;
+		const Json buttons = {{"a", (m_buttons & 1) != 0}, {"b", (m_buttons & 2) != 0}, {"c", (m_buttons & 4) != 0}};
+		message["wireless_verse_grip"] = Json::array({{{"device_id", "61576"}, {"state", {{"orientation", orientation}, {"buttons", buttons}}}}});
+		return message.dump();
+	}
+	void take(const std::string& text)
+	{
+		const Json message = Json::parse(text, nullptr, false);
+		++messages;
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		try
+		{
+			const Json& device = message.at("inverse3").at(0);
+			const Json& v = device.at("commands").at("set_cursor_force").at("vector");
+			if (device.at("device_id") == "0432") m_force = {v.at("x"), v.at("y"), v.at("z")};
+		}
+		catch (const std::exception&)
+		{
+			++refused;
+		}
+	}
+	void serve()
+	{
+		while (!m_ending)
+		{
+			tcp::socket socket(m_context);
+			boost::system::error_code failure;
+			m_acceptor.accept(socket, failure);
+			if (failure || m_ending) return;
+			setWire(socket.native_handle());
+			talk(socket);
+			setWire(-1);
+			const std::lock_guard<std::mutex> lock(m_mutex);
+			m_force = {};  // a client that has gone holds nothing
+		}
+	}
+	void setWire(int wire)
+	{
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		m_wire = wire;
+	}
+	void talk(tcp::socket& socket)
+	{
+		boost::system::error_code failure;
+		socket.set_option(tcp::no_delay(true), failure);
+		boost::beast::websocket::stream<tcp::socket&> stream(socket);
+		stream.accept(failure);
+		stream.text(true);
+		if (!failure) stream.write(asio::buffer(state()), failure);
+		while (!failure)
+		{
+			boost::beast::flat_buffer buffer;
+			stream.read(buffer, failure);
+			if (failure) return;
+			take(boost::beast::buffers_to_string(buffer.data()));
+			if (mood == Mood::Silent) continue;
+			const std::string answer = mood == Mood::Babbling ? "{]" : state();
+			stream.write(asio::buffer(answer), failure);
+		}
+	}
+
+	asio::io_context m_context;
+	tcp::acceptor m_acceptor;
+	std::mutex m_mutex;
+	int m_wire = -1;
+	ist::Vec3 m_position{0.01, 0.02, 0.03}, m_velocity, m_force;
+	ist::Quaternion m_orientation;
+	unsigned m_buttons = 0;
+	std::atomic<bool> m_ending{false};
+	std::thread m_thread;
+};
+
+std::unique_ptr<Device> opened(const std::string& uri)
+{
+	auto device = DeviceRegistry().open(uri);
+	if (device) return std::move(device).value();
+	ADD_FAILURE() << device.error().message;
+	return nullptr;
+}
+}  // namespace
+
+TEST(Haply, StatesOfTheServiceArrive)
+{
+	FakeService service;
+	const auto device = opened(service.uri());
+	ASSERT_TRUE(device);
+	EXPECT_EQ(device->info().serial, "0432");
+	EXPECT_TRUE(device->info().sensed & kRotation);
+	EXPECT_EQ(device->info().actuated, static_cast<unsigned>(kTranslation));
+	std::mt19937_64 random(5);
+	std::normal_distribution<double> normal;
+	RealClock clock;
+	for (unsigned round = 0; round < 20; ++round)
+	{
+		const ist::Vec3 p{0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)}, v{normal(random), normal(random), normal(random)};
+		const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{normal(random), normal(random), normal(random)});
+		service.place(p, v, q, round % 8);
+		DeviceState s;
+		EXPECT_TRUE(within(
+			[&]
+			{
+				EXPECT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+				const ist::Vec3 turn = rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(q))));
+				return s.X_WH.translation == p && s.twist.linear == v && norm(turn) < 1e-9 && s.buttons == round % 8;
+			}));
+	}
+	EXPECT_EQ(service.refused, 0);
+}
+
+TEST(Haply, AngularVelocityIsThatOfTheTurningGrip)
+{
+	FakeService service;
+	const auto device = opened(service.uri());
+	ASSERT_TRUE(device);
+	RealClock clock;
+	const ist::Vec3 omega{0.5, -1, 0.25};
+	const std::int64_t start = clock.now();
+	std::vector<double> errors;
+	DeviceState s;
+	while (clock.now() < start + 500'000'000)
+	{
+		service.place({}, {}, ist::quaternionFromRotationVector((1e-9 * static_cast<double>(clock.now() - start)) * omega), 0);
+		ASSERT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+		if (clock.now() > start + 50'000'000) errors.push_back(distance(s.twist.angular, omega));
+		clock.sleepUntil(clock.now() + 200'000);
+	}
+	ASSERT_GT(errors.size(), 20U);
+	std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
+	EXPECT_LT(errors[errors.size() / 2], 0.3 * norm(omega));  // the median: the machine may stop anywhere between two poses
+}
+
+TEST(Haply, ForcesReachTheDeviceThatWasNamed)
+{
+	FakeService service;
+	RealClock clock;
+	DeviceCommand command;
+	command.wrench.force = {0.5, -1.25, 2};
+	const auto push = [&](Device& device)
+	{
+		command.computedAt = clock.now();
+		command.expiresAt = command.computedAt + 100'000'000;
+		EXPECT_EQ(device.write(command), DeviceStatus::Ok);
+	};
+	{
+		const auto device = opened(service.uri("?device=0432"));
+		ASSERT_TRUE(device);
+		EXPECT_TRUE(within([&] { return push(*device), service.force() == command.wrench.force; }));
+		EXPECT_TRUE(within([&] { return service.force() == ist::Vec3{}; }));  // the command expires by itself
+		EXPECT_TRUE(within([&] { return push(*device), service.force() == command.wrench.force; }));
+	}
+	EXPECT_TRUE(within([&] { return service.force() == ist::Vec3{}; }));
+	const auto other = opened(service.uri("?device=0577"));
+	ASSERT_TRUE(other);
+	DeviceState s;
+	ASSERT_EQ(other->read(clock.now(), s), DeviceStatus::Ok);
+	EXPECT_EQ(s.X_WH.translation.x, -0.01);
+	other->close();
+	const auto missing = DeviceRegistry().open(service.uri("?device=1"));
+	ASSERT_FALSE(missing);
+	EXPECT_NE(missing.error().message.find("has no device 1"), std::string::npos) << missing.error().message;
+}
+
+TEST(Haply, EveryLossEndsTheForceAndIsExplained)
+{
+	using Mood = FakeService::Mood;
+	const std::pair<std::function<void(FakeService&)>, const char*> losses[] = {
+		{[](FakeService& s) { s.hangUp(); }, "closed the connection"},
+		{[](FakeService& s) { s.mood = Mood::Silent; }, "does not answer"},
+		{[](FakeService& s) { s.mood = Mood::Emptied; }, "has left"},
+		{[](FakeService& s) { s.mood = Mood::Babbling; }, "no JSON"}};
+	for (const auto& [pull, word] : losses)
+	{
+		FakeService service;
+		const auto device = opened(service.uri());
+		ASSERT_TRUE(device);
+		DriverRun run(*device);
+		run.expectLossIsSafe(*device, [&] { pull(service); });
+		EXPECT_NE(device->complaint().find(word), std::string::npos) << device->complaint();
+	}
+}
+
+TEST(Haply, ComesBackAfterTheServiceWasRestarted)
+{
+	FakeService service;
+	const auto device = opened(service.uri("?reconnect=on"));
+	ASSERT_TRUE(device);
+	RealClock clock;
+	DeviceState s;
+	service.hangUp();
+	EXPECT_TRUE(within([&] { return device->read(clock.now(), s) == DeviceStatus::Disconnected; }));
+	EXPECT_TRUE(within([&] { return device->read(clock.now(), s) == DeviceStatus::Ok; }));
+}
+
+TEST(Haply, RefusesWhatIsNoneInASentence)
+{
+	const DeviceRegistry registry;
+	// A port that was free a moment ago.
+	std::string free;
+	{
+		FakeService service;
+		free = service.uri();
+	}
+	const std::pair<std::string, const char*> wrong[] = {{free, "no Haply Inverse service"}, {"haply://host:port", "haply://HOST:PORT"},
+														 {"haply:?api=2", "api=2"}, {"haply:?colour=red", "colour"}};
+	for (const auto& [uri, word] : wrong)
+	{
+		const auto device = registry.open(uri);
+		ASSERT_FALSE(device) << uri;
+		EXPECT_NE(device.error().message.find(word), std::string::npos) << device.error().message;
+	}
+}
+
+TEST(Haply, NoMessageBreaksTheReader)
+{
+	const std::string whole = R"({"inverse3":[{"device_id":"a","state":{"cursor_position":{"x":1,"y":2,"z":3}}}],"wireless_verse_grip":[{"state":{"orientation":{"w":1,"x":0,"y":0,"z":0},"buttons":{"a":true}}}]})";
+	const auto read = readHaplyMessage(whole, "");
+	ASSERT_TRUE(read && read.value());
+	EXPECT_EQ(read.value()->position.y, 2);
+	std::mt19937 random(11);
+	int kept = 0;
+	for (int i = 0; i < 20000; ++i)
+	{
+		std::string text = whole;
+		for (int n = static_cast<int>(random() % 4); n >= 0; --n)
+		{
+			const std::size_t at = random() % text.size();
+			if (random() % 3 == 0) text.erase(at, 1 + random() % 8);
+			else text[at] = "{}[]\",:0123456789aexnul"[random() % 23];
+			if (text.empty()) text = "x";
+		}
+		const auto broken = readHaplyMessage(text, "");
+		EXPECT_EQ(static_cast<bool>(broken), Json::parse(text, nullptr, false).is_object());
+		kept += broken && broken.value() && isFinite(broken.value()->position);
+	}
+	EXPECT_GT(kept, 100);
+	const Json force = Json::parse(haplyForceMessage("inverse3", "a\"b", {1, 2, 3}, true));
+	EXPECT_EQ(force["inverse3"][0]["device_id"], "a\"b");
+	EXPECT_EQ(force["inverse3"][0]["commands"]["set_cursor_force"]["values"]["z"], 3);
+}
