@@ -8,6 +8,8 @@ class DeviceRegistry;
 /// Every driver of this build; the ones that were left out are listed with what they lack.
 void addBuiltDrivers(DeviceRegistry& registry);
 
+void addGlove(DeviceRegistry& registry);
+
 // One for each driver that needs a library; defined where that was found.
 void addHaply(DeviceRegistry& registry);
 void addSpnav(DeviceRegistry& registry);

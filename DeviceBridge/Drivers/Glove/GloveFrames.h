@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "DeviceBridge/Drivers/Glove/GloveCalibration.h"
+
+namespace devicebridge
+{
+/// Finds the frames in a CyberGlove's stream: 'S', one byte from 1 to 255 for each sensor, 0. A value may be that of 'S', so that the
+/// zero decides where a frame ends; what has another length than 18 or 22 is dropped and counted. Source: serial_glove.cpp of the
+/// ROS package cyberglove (Shadow Robot).
+class GloveFrames
+{
+public:
+	/// `wanted`: 18 or 22; zero: whichever comes.
+	explicit GloveFrames(int wanted = 0) : m_wanted(wanted) {}
+
+	/// True when the byte has ended a frame: values() has it.
+	bool take(std::uint8_t byte) noexcept
+	{
+		if (byte != 0)
+		{
+			if (m_count < kRoom) m_bytes[m_count] = byte;
+			++m_count;
+			return false;
+		}
+		const std::size_t sensors = m_count - 1;
+		const bool whole = m_count > 0 && m_bytes[0] == 'S' && (sensors == 18 || sensors == 22) && (m_wanted == 0 || sensors == static_cast<std::size_t>(m_wanted));
+		m_count = 0;
+		if (!whole)
+		{
+			++m_dropped;
+			return false;
+		}
+		spread(static_cast<int>(sensors));
+		return true;
+	}
+	const GloveValues& values() const noexcept { return m_values; }
+	/// 18 or 22 once a frame was seen.
+	int sensors() const noexcept { return m_sensors; }
+	std::uint64_t dropped() const noexcept { return m_dropped; }
+
+private:
+	void spread(int sensors) noexcept
+	{
+		m_sensors = sensors;
+		std::size_t from = 1;
+		for (int i = 0; i < kGloveSensors; ++i)
+		{
+			const bool lacks = sensors == 18 && isDistal(i);
+			m_values[static_cast<std::size_t>(i)] = lacks ? 0 : m_bytes[from];
+			from += !lacks;
+		}
+	}
+
+	static constexpr std::size_t kRoom = 32;
+	int m_wanted, m_sensors = 0;
+	std::uint8_t m_bytes[kRoom] = {};
+	std::size_t m_count = 0;
+	std::uint64_t m_dropped = 0;
+	GloveValues m_values{};
+};
+}  // namespace devicebridge

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/Glove/GloveLink.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "DeviceBridge/Clock.h"
+
+namespace devicebridge
+{
+namespace
+{
+constexpr int kWait = 5;                               // [ms]
+constexpr std::int64_t kSettling = 300'000'000;        // after a command [ns]
+constexpr std::int64_t kFirstFrame = 2'000'000'000;    // [ns]
+constexpr const char *kStop = "\x03", *kNoStatus = "u 0\r", *kStream = "S";
+}  // namespace
+
+bool GloveLink::configure() noexcept
+{
+	termios settings{};
+	if (tcgetattr(m_line, &settings) != 0) return false;
+	cfmakeraw(&settings);
+	settings.c_cflag |= CLOCAL | CREAD;
+	cfsetspeed(&settings, B115200);
+	return tcsetattr(m_line, TCSANOW, &settings) == 0;
+}
+
+bool GloveLink::say(const char* text) noexcept
+{
+	const auto size = static_cast<ssize_t>(std::strlen(text));
+	return write(m_line, text, static_cast<std::size_t>(size)) == size;
+}
+
+ist::Result<DeviceInfo> GloveLink::connect() noexcept
+{
+	const std::string& line = m_settings.line;
+	m_line = open(line.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+	if (m_line < 0) return ist::Error{"cannot open the serial line " + line + ": " + std::strerror(errno), false};
+	if (!configure()) return ist::Error{line + " is no serial line", false};
+	RealClock clock;
+	say(kStop);
+	say(kNoStatus);
+	clock.sleepUntil(clock.now() + kSettling);
+	tcflush(m_line, TCIFLUSH);
+	m_frames = GloveFrames(m_settings.sensors);
+	if (!say(kStream)) return ist::Error{"the serial line " + line + " does not take commands", false};
+	const std::int64_t deadline = clock.now() + kFirstFrame;
+	while (m_frames.sensors() == 0)
+	{
+		const Event event = takeBytes(kWait);
+		if (event == Event::Lost) return ist::Error{m_complaint, false};
+		if (clock.now() > deadline)
+			return ist::Error{"what is on " + line + " sends no frames of " +
+								  (m_settings.sensors ? std::to_string(m_settings.sensors) : std::string("18 or 22")) + " sensors; is the glove switched on?",
+							  false};
+	}
+	DeviceInfo info;
+	info.uri = m_uri;
+	info.maker = "CyberGlove Systems", info.model = "CyberGlove, " + std::to_string(m_frames.sensors()) + " sensors";
+	info.sensed = kHandJointsSensed;
+	info.nominalRate = 90;
+	info.source = "rate: assumed";
+	return info;
+}
+
+void GloveLink::disconnect() noexcept
+{
+	if (m_line < 0) return;
+	say(kStop);
+	close(m_line);
+	m_line = -1;
+}
+
+/// Sample when a frame was among the bytes.
+DeviceLink::Event GloveLink::takeBytes(int patience) noexcept
+{
+	pollfd wire{m_line, POLLIN, 0};
+	poll(&wire, 1, patience);
+	if (wire.revents == 0) return Event::Nothing;
+	std::uint8_t bytes[256];
+	const ssize_t n = read(m_line, bytes, sizeof bytes);
+	const bool later = n < 0 && (errno == EAGAIN || errno == EINTR);
+	if (!later && n <= 0)
+	{
+		m_complaint = "the serial line " + m_settings.line + " of the glove has hung up";
+		return Event::Lost;
+	}
+	bool found = false;
+	for (ssize_t i = 0; i < n; ++i) found |= m_frames.take(bytes[i]);
+	return found ? Event::Sample : Event::Nothing;
+}
+
+DeviceLink::Event GloveLink::exchange(const DeviceCommand&, DeviceSample& sample) noexcept
+{
+	const Event event = takeBytes(kWait);
+	if (event != Event::Sample) return event;
+	sample.hand = gloveHand(m_settings.calibration.angles(m_frames.values()), m_settings.size);
+	sample.state.velocityEstimated = true;
+	if (!m_settings.calibrated) sample.state.flags &= ~static_cast<std::uint32_t>(kCalibrated);
+	return event;
+}
+}  // namespace devicebridge

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <string>
+
+#include "DeviceBridge/DeviceLink.h"
+#include "DeviceBridge/Drivers/Glove/GloveFrames.h"
+#include "DeviceBridge/Drivers/Glove/GloveHand.h"
+
+namespace devicebridge
+{
+struct GloveSettings
+{
+	std::string line;  ///< serial line, 115200 baud, 8N1
+	int sensors = 0;   ///< 18 or 22; zero: whichever the glove has
+	GloveHandSize size;
+	GloveCalibration calibration = roughGloveCalibration();
+	bool calibrated = false;
+};
+
+/// A CyberGlove on a serial line. It senses the joints of the hand, and neither where the hand is nor the velocities; it exerts nothing.
+class GloveLink final : public DeviceLink
+{
+public:
+	GloveLink(GloveSettings settings, std::string uri) : m_settings(std::move(settings)), m_uri(std::move(uri)), m_frames(m_settings.sensors) {}
+	~GloveLink() override { disconnect(); }
+
+	ist::Result<DeviceInfo> connect() noexcept override;
+	Event exchange(const DeviceCommand& command, DeviceSample& sample) noexcept override;
+	void disconnect() noexcept override;
+	std::string complaint() const override { return m_complaint; }
+
+private:
+	bool configure() noexcept;
+	bool say(const char* text) noexcept;
+	Event takeBytes(int patience) noexcept;
+
+	GloveSettings m_settings;
+	std::string m_uri, m_complaint;
+	GloveFrames m_frames;
+	int m_line = -1;
+};
+}  // namespace devicebridge
