@@ -41,6 +41,11 @@ void addBuiltDrivers(DeviceRegistry& registry)
 #else
 	registry.addMissing("haply", "Haply Inverse service", leftOut("libboost-dev"));
 #endif
+#if defined(DEVICEBRIDGE_WITH_RUMBLE)
+	addRumble(registry);
+#else
+	registry.addMissing("rumble", "game controller through SDL2", leftOut("libsdl2-dev"));
+#endif
 #if defined(DEVICEBRIDGE_WITH_SPNAV)
 	addSpnav(registry);
 #else

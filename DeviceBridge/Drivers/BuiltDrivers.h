@@ -12,5 +12,6 @@ void addGlove(DeviceRegistry& registry);
 
 // One for each driver that needs a library; defined where that was found.
 void addHaply(DeviceRegistry& registry);
+void addRumble(DeviceRegistry& registry);
 void addSpnav(DeviceRegistry& registry);
 }  // namespace devicebridge
