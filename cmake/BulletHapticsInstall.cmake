@@ -17,7 +17,8 @@ install(FILES
 install(TARGETS BulletHapticForce BulletHapticForce-float64 DeviceBridge DeviceBridge-float64 EXPORT BulletHapticsTargets
 	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY BulletHapticForce/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletHapticForce FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge FILES_MATCHING PATTERN "*.h"
+	PATTERN Plugins EXCLUDE PATTERN OpenXrSession.h EXCLUDE)
 install(FILES cmake/FindBulletPhysics.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
 install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics::
 	DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)

@@ -41,6 +41,11 @@ void addBuiltDrivers(DeviceRegistry& registry)
 #else
 	registry.addMissing("haply", "Haply Inverse service", leftOut("libboost-dev"));
 #endif
+#if defined(DEVICEBRIDGE_WITH_OPENXR)
+	addOpenXr(registry);
+#else
+	registry.addMissing("openxr", "tracked hands through OpenXR", leftOut("libopenxr-dev"));
+#endif
 #if defined(DEVICEBRIDGE_WITH_RUMBLE)
 	addRumble(registry);
 #else

@@ -12,6 +12,7 @@ void addGlove(DeviceRegistry& registry);
 
 // One for each driver that needs a library; defined where that was found.
 void addHaply(DeviceRegistry& registry);
+void addOpenXr(DeviceRegistry& registry);
 void addRumble(DeviceRegistry& registry);
 void addSpnav(DeviceRegistry& registry);
 }  // namespace devicebridge
