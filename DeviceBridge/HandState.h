@@ -53,4 +53,16 @@ struct HandState
 	bool left = false;
 	std::array<HandJoint, kHandJoints> joints;
 };
+
+/// Every joint moved by x -> X (scale x).
+inline void moveHand(HandState& hand, const ist::Pose& X, double scale = 1)
+{
+	const ist::Quaternion turn = ist::quaternion(X.rotation);
+	for (HandJoint& joint : hand.joints)
+	{
+		joint.position = X * (scale * joint.position);
+		joint.orientation = turn * joint.orientation;
+		joint.radius *= scale;
+	}
+}
 }  // namespace devicebridge

@@ -16,7 +16,7 @@ using ist::ByteWriter;
 
 constexpr char kMagic[8] = "ISTDREC";
 constexpr std::size_t kHeaderBytes = sizeof kMagic + 4, kChecksumBytes = 8;
-constexpr std::size_t kTickBytes = 330;
+constexpr std::size_t kTickBytes = 330, kHandBytes = 1 + 65 * kHandJoints;
 
 void put(ByteWriter& out, double v) { out.f64(v); }
 void put(ByteWriter& out, std::uint64_t v) { out.u64(v); }
@@ -78,13 +78,25 @@ void visitTick(RecordedTick& t, const Visit& visit)
 	visit(c.gripForce);
 }
 
+template <class Visit>
+void visitHand(HandState& h, const Visit& visit)
+{
+	visit(h.left);
+	for (HandJoint& j : h.joints)
+	{
+		visitVector(j.position, visit);
+		visit(j.orientation.x), visit(j.orientation.y), visit(j.orientation.z), visit(j.orientation.w);
+		visit(j.radius), visit(j.tracked);
+	}
+}
+
 ist::Error refused(const std::string& why) { return {"Not a readable recording: " + why, false}; }
 }  // namespace
 
 std::vector<std::byte> encodeRecording(const Recording& recording)
 {
 	ByteWriter out;
-	out.reserve(4096 + kTickBytes * recording.ticks.size());
+	out.reserve(4096 + kTickBytes * recording.ticks.size() + kHandBytes * recording.hands.size());
 	for (const char c : kMagic) out.u8(static_cast<std::uint8_t>(c));
 	out.u32(kRecordingVersion);
 	const auto write = [&](const auto& v) { put(out, v); };
@@ -93,6 +105,8 @@ std::vector<std::byte> encodeRecording(const Recording& recording)
 	out.u64(recording.dropped);
 	out.u64(recording.ticks.size());
 	for (RecordedTick tick : recording.ticks) visitTick(tick, write);
+	out.u64(recording.hands.size());
+	for (HandState hand : recording.hands) visitHand(hand, write);
 	out.u64(ist::checksum64(out.bytes().data(), out.size()));
 	return out.take();
 }
@@ -102,7 +116,7 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 	if (size < kHeaderBytes + kChecksumBytes) return refused("it ends after " + std::to_string(size) + " bytes");
 	if (std::memcmp(bytes, kMagic, sizeof kMagic) != 0) return refused("it does not begin with ISTDREC");
 	const std::uint32_t version = ist::loadU32(bytes + sizeof kMagic);
-	if (version != kRecordingVersion)
+	if (version < 1 || version > kRecordingVersion)
 		return refused("its version is " + std::to_string(version) + ", this library reads " + std::to_string(kRecordingVersion));
 	const std::size_t body = size - kChecksumBytes;
 	if (ist::loadU64(bytes + body) != ist::checksum64(bytes, body)) return refused("its checksum is wrong: it was cut or changed");
@@ -115,6 +129,9 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 	// A tick takes more than 256 bytes, so that a count cannot ask for more memory than the file has.
 	recording.ticks.resize(in.count(256));
 	for (RecordedTick& tick : recording.ticks) visitTick(tick, read);
+	if (version >= 2) recording.hands.resize(in.count(kHandBytes));
+	for (HandState& hand : recording.hands) visitHand(hand, read);
+	if (!recording.hands.empty() && recording.hands.size() != recording.ticks.size()) in.fail();
 	if (!in.complete()) return refused("its fields and its length do not agree");
 	return recording;
 }

@@ -25,14 +25,16 @@ struct Recording
 {
 	DeviceInfo info;
 	std::vector<RecordedTick> ticks;
+	std::vector<HandState> hands;  ///< one for each tick where the device senses the joints of a hand, else none
 	std::uint64_t dropped = 0;  ///< reads for which there was no room
 };
 
-constexpr std::uint32_t kRecordingVersion = 1;
+constexpr std::uint32_t kRecordingVersion = 2;
 
-/// Little endian: "ISTDREC", version, sizes, the device, the ticks, and XXH64 of all that stands before. Numbers to the last bit.
+/// Little endian: "ISTDREC", version, the device, sizes, the ticks, the hands, and XXH64 of all that stands before. Numbers to the last
+/// bit.
 std::vector<std::byte> encodeRecording(const Recording& recording);
-/// Refuses, with the reason: other files, newer versions, cut and changed ones.
+/// Refuses, with the reason: other files, newer versions, cut and changed ones. Version 1 knew no hands.
 ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size);
 
 /// The whole file or none; gives the number of bytes.

@@ -20,6 +20,7 @@ DeviceStatus ClutchedDevice::read(std::int64_t now, DeviceState& state) noexcept
 	state = own;
 	state.X_WH = {m_turn * own.X_WH.rotation, own.X_WH.translation + m_shift};
 	m_frozen = m_open ? m_frozen : state.X_WH;
+	m_moved = m_frozen * inverse(own.X_WH);
 	if (!m_open) return status;
 	state.X_WH = m_frozen;
 	state.twist = {};
@@ -34,5 +35,12 @@ DeviceStatus ClutchedDevice::write(const DeviceCommand& command) noexcept
 	none.wrench = {};
 	none.gripForce = 0;
 	return m_inner->write(none);
+}
+
+bool ClutchedDevice::readHand(HandState& hand) noexcept
+{
+	if (!m_inner->readHand(hand)) return false;
+	moveHand(hand, m_moved);
+	return true;
 }
 }  // namespace devicebridge

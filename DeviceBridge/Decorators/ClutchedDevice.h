@@ -16,12 +16,15 @@ public:
 
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
+	/// With the handle: the fingers go on moving while it stays.
+	bool readHand(HandState& hand) noexcept override;
 
 private:
 	std::uint32_t m_buttons;
 	ist::Mat3 m_turn;        ///< R_W of the reported over that of the true handle
 	ist::Vec3 m_shift;       ///< reported minus true position [m]
 	ist::Pose m_frozen;
+	ist::Pose m_moved;       ///< from the true to the reported handle
 	bool m_open = false, m_hasPose = false;
 };
 }  // namespace devicebridge

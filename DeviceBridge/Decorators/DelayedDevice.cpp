@@ -22,10 +22,19 @@ DeviceStatus DelayedDevice::read(std::int64_t now, DeviceState& state) noexcept
 {
 	Sample& newest = m_states[m_reads % m_states.size()];
 	newest.status = m_inner->read(now, newest.state);
+	newest.hasHand = m_inner->readHand(newest.hand);
 	if (++m_reads < m_states.size()) return DeviceStatus::Disconnected;
 	const Sample& oldest = m_states[m_reads % m_states.size()];
 	if (oldest.status == DeviceStatus::Ok) state = oldest.state;
 	return oldest.status;
+}
+
+bool DelayedDevice::readHand(HandState& hand) noexcept
+{
+	const Sample& oldest = m_states[m_reads % m_states.size()];
+	if (m_reads < m_states.size() || !oldest.hasHand) return false;
+	hand = oldest.hand;
+	return true;
 }
 
 DeviceStatus DelayedDevice::write(const DeviceCommand& command) noexcept

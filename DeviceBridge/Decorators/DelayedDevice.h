@@ -18,12 +18,15 @@ public:
 	DeviceStatus open() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
+	bool readHand(HandState& hand) noexcept override;
 
 private:
 	struct Sample
 	{
 		DeviceStatus status;
 		DeviceState state;
+		HandState hand;
+		bool hasHand;
 	};
 	std::vector<Sample> m_states;
 	std::vector<DeviceCommand> m_commands;

@@ -34,4 +34,11 @@ DeviceStatus MountedDevice::write(const DeviceCommand& command) noexcept
 	own.wrench = {R_DW * (m_scale * command.wrench.force), R_DW * command.wrench.torque};
 	return m_inner->write(own);
 }
+
+bool MountedDevice::readHand(HandState& hand) noexcept
+{
+	if (!m_inner->readHand(hand)) return false;
+	moveHand(hand, m_X_WD, m_scale);
+	return true;
+}
 }  // namespace devicebridge

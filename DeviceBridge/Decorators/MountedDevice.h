@@ -18,6 +18,7 @@ public:
 	const DeviceInfo& info() const noexcept override { return m_info; }
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
+	bool readHand(HandState& hand) noexcept override;
 
 private:
 	DeviceInfo m_info;

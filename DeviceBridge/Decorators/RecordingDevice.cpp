@@ -8,6 +8,8 @@ RecordingDevice::RecordingDevice(std::unique_ptr<Device> inner, std::size_t capa
 {
 	m_recording.info = m_inner->info();
 	m_recording.ticks.reserve(capacity);
+	m_hasHand = (m_inner->info().sensed & kHandJointsSensed) != 0;
+	if (m_hasHand) m_recording.hands.reserve(capacity);
 }
 
 DeviceStatus RecordingDevice::read(std::int64_t now, DeviceState& state) noexcept
@@ -20,6 +22,7 @@ DeviceStatus RecordingDevice::read(std::int64_t now, DeviceState& state) noexcep
 		tick.now = now;
 		tick.readStatus = status;
 		if (status == DeviceStatus::Ok) tick.state = state;
+		if (m_hasHand) m_inner->readHand(m_recording.hands.emplace_back());
 	}
 	else ++m_recording.dropped;
 	return status;

@@ -24,6 +24,6 @@ public:
 private:
 	Recording m_recording;
 	std::size_t m_capacity;
-	bool m_keeping = false;
+	bool m_keeping = false, m_hasHand = false;
 };
 }  // namespace devicebridge

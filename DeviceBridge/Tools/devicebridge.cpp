@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <functional>
 
@@ -94,6 +95,8 @@ private:
 
 int main(int argc, char** argv)
 {
+	// What the loader of OpenXR has to say, `list` says in a sentence.
+	setenv("XR_LOADER_DEBUG", "none", 0);
 	try
 	{
 		return devicebridge::tools::CommandLine().run(argc, argv);

@@ -29,6 +29,13 @@ DeviceStatus ReplayDevice::read(std::int64_t now, DeviceState& state) noexcept
 	return DeviceStatus::Ok;
 }
 
+bool ReplayDevice::readHand(HandState& hand) noexcept
+{
+	if (m_next == 0 || m_next > m_recording.hands.size()) return false;
+	hand = m_recording.hands[m_next - 1];
+	return true;
+}
+
 DeviceStatus ReplayDevice::write(const DeviceCommand& command) noexcept
 {
 	if (!m_open) return DeviceStatus::NotOpen;

@@ -18,6 +18,7 @@ public:
 	void close() noexcept override { m_open = false; }
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
+	bool readHand(HandState& hand) noexcept override;
 
 	std::size_t length() const { return m_recording.ticks.size(); }
 	std::size_t played() const { return m_next; }

@@ -26,6 +26,7 @@ public:
 	DeviceInfo description = simulatedProfile("sigma7").value().info;
 	DeviceState state;
 	DeviceCommand last;
+	HandState hand;
 	const DeviceInfo& info() const noexcept override { return description; }
 	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
 	void close() noexcept override {}
@@ -40,6 +41,11 @@ public:
 	{
 		last = command;
 		return DeviceStatus::Ok;
+	}
+	bool readHand(HandState& out) noexcept override
+	{
+		out = hand;
+		return true;
 	}
 };
 
@@ -200,4 +206,72 @@ TEST(DeviceDecorator, DecoratorsCompose)
 	device.write(command);
 	EXPECT_EQ(puppet->last.wrench.force, Vec3(2, 0, 0));
 	EXPECT_EQ(device.info().model, puppet->description.model);
+}
+
+namespace
+{
+HandState anyHand(std::mt19937_64& random)
+{
+	std::normal_distribution<double> normal;
+	HandState hand;
+	for (HandJoint& joint : hand.joints)
+	{
+		joint = {{normal(random), normal(random), normal(random)}, ist::quaternionFromRotationVector(Vec3{normal(random), normal(random), normal(random)}), 0.01, true};
+	}
+	return hand;
+}
+Vec3 fingertip(const HandJoint& joint, double ahead) { return joint.position + rotationMatrix(joint.orientation) * Vec3{0, 0, -ahead}; }
+}  // namespace
+
+TEST(Decorators, TheJointsOfAHandMoveWithItsHandle)
+{
+	std::mt19937_64 random(21);
+	const ist::Pose X_WD{turn({0.3, -1, 0.5}), {1000, 2, -3}};
+	auto [mounted, puppet] = decorated<MountedDevice>(X_WD, 2.0);
+	puppet->hand = anyHand(random);
+	puppet->state.X_WH = {rotationMatrix(puppet->hand.joints[kPalm].orientation), puppet->hand.joints[kPalm].position};
+	DeviceState s;
+	HandState hand;
+	ASSERT_EQ(mounted->read(kMs, s), DeviceStatus::Ok);
+	ASSERT_TRUE(mounted->readHand(hand));
+	// The palm stays where the handle is, and a point ahead of a joint goes where the mount takes it.
+	EXPECT_LT(distance(hand.joints[kPalm].position, s.X_WH.translation), 1e-9);
+	for (std::size_t i = 0; i < hand.joints.size(); ++i)
+	{
+		const Vec3 own = fingertip(puppet->hand.joints[i], 0.02);
+		EXPECT_LT(distance(fingertip(hand.joints[i], 0.04), X_WD.rotation * (2 * own) + X_WD.translation), 1e-9);
+		EXPECT_NEAR(hand.joints[i].radius, 0.02, 1e-12);
+	}
+
+	auto [clutched, held] = decorated<ClutchedDevice>(1U);
+	for (int i = 0; i < 6; ++i)
+	{
+		held->hand = anyHand(random);
+		held->state.X_WH = {rotationMatrix(held->hand.joints[kPalm].orientation), held->hand.joints[kPalm].position};
+		held->state.buttons = i == 2 || i == 3;
+		ASSERT_EQ(clutched->read(i * kMs, s), DeviceStatus::Ok);
+		ASSERT_TRUE(clutched->readHand(hand));
+		EXPECT_LT(distance(hand.joints[kPalm].position, s.X_WH.translation), 1e-9);
+		EXPECT_LT(norm(rotationVector(hand.joints[kPalm].orientation * conjugate(ist::quaternion(s.X_WH.rotation)))), 1e-9);
+		for (std::size_t j = 1; j < hand.joints.size(); ++j)
+		{
+			const double own = distance(held->hand.joints[j].position, held->hand.joints[j - 1].position);
+			EXPECT_NEAR(distance(hand.joints[j].position, hand.joints[j - 1].position), own, 1e-9);
+		}
+	}
+
+	auto [delayed, late] = decorated<DelayedDevice>(2, 0);
+	std::vector<Vec3> sent;
+	for (int i = 0; i < 8; ++i)
+	{
+		late->hand = anyHand(random);
+		sent.push_back(late->hand.joints[kIndexTip].position);
+		const bool there = delayed->read(i * kMs, s) == DeviceStatus::Ok;
+		EXPECT_EQ(there, delayed->readHand(hand));
+		EXPECT_EQ(there, i >= 2);
+		if (i >= 2)
+		{
+			EXPECT_EQ(hand.joints[kIndexTip].position, sent[static_cast<std::size_t>(i - 2)]);
+		}
+	}
 }

@@ -162,6 +162,100 @@ TEST(Recording, SealedNonsenseIsRefused)
 	EXPECT_LT(refused, 3000);
 }
 
+namespace
+{
+/// Senses a hand whose joints go on a little with each read.
+class WavingHand final : public Device
+{
+public:
+	DeviceInfo description;
+	WavingHand() { description.sensed = kHandJointsSensed; }
+	const DeviceInfo& info() const noexcept override { return description; }
+	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		state.sequence = ++m_reads;
+		state.sampledAt = now;
+		return DeviceStatus::Ok;
+	}
+	DeviceStatus write(const DeviceCommand&) noexcept override { return DeviceStatus::Ok; }
+	bool readHand(HandState& hand) noexcept override
+	{
+		hand = waving(m_reads);
+		return true;
+	}
+	static HandState waving(std::uint64_t n)
+	{
+		HandState hand;
+		hand.left = true;
+		for (std::size_t i = 0; i < hand.joints.size(); ++i)
+		{
+			const double d = std::sqrt(static_cast<double>(n * 100 + i));
+			hand.joints[i] = {{d, -d, 1 / d}, ist::quaternionFromRotationVector(ist::Vec3{d, 1, 0}), 0.01 * d, (n + i) % 3 != 0};
+		}
+		return hand;
+	}
+
+private:
+	std::uint64_t m_reads = 0;
+};
+
+bool sameHand(const HandState& a, const HandState& b)
+{
+	bool same = a.left == b.left;
+	for (std::size_t i = 0; i < a.joints.size(); ++i)
+	{
+		const HandJoint &p = a.joints[i], &q = b.joints[i];
+		same = same && p.position == q.position && p.radius == q.radius && p.tracked == q.tracked && p.orientation.x == q.orientation.x &&
+			   p.orientation.y == q.orientation.y && p.orientation.z == q.orientation.z && p.orientation.w == q.orientation.w;
+	}
+	return same;
+}
+}  // namespace
+
+TEST(Recording, HandsComeBackToTheLastBit)
+{
+	RecordingDevice recorder(std::make_unique<WavingHand>(), 30);
+	DeviceState state;
+	const long before = allocationCount();
+	for (int i = 0; i < 40; ++i) recorder.read(i, state);
+	EXPECT_EQ(allocationCount(), before);
+	ASSERT_EQ(recorder.recording().hands.size(), 30U);
+	const auto bytes = encodeRecording(recorder.recording());
+	const auto decoded = decodeRecording(bytes.data(), bytes.size());
+	ASSERT_TRUE(decoded) << decoded.error().message;
+	ReplayDevice replay(decoded.value());
+	replay.open();
+	HandState hand;
+	EXPECT_FALSE(replay.readHand(hand));
+	for (std::uint64_t i = 1; i <= 30; ++i)
+	{
+		ASSERT_EQ(replay.read(static_cast<std::int64_t>(i), state), DeviceStatus::Ok);
+		ASSERT_TRUE(replay.readHand(hand));
+		EXPECT_TRUE(sameHand(hand, WavingHand::waving(i)));
+	}
+	Recording uneven = recorder.recording();
+	uneven.hands.pop_back();
+	const auto wrong = encodeRecording(uneven);
+	EXPECT_FALSE(decodeRecording(wrong.data(), wrong.size()));
+}
+
+TEST(Recording, TheFirstVersionIsStillRead)
+{
+	const Recording original = oddRecording();
+	auto bytes = encodeRecording(original);
+	bytes.resize(bytes.size() - 16);  // version 1 ends after the ticks
+	bytes[8] = std::byte{1};
+	const std::uint64_t seal = ist::checksum64(bytes.data(), bytes.size());
+	for (int k = 0; k < 8; ++k) bytes.push_back(static_cast<std::byte>(seal >> (8 * k)));
+	const auto decoded = decodeRecording(bytes.data(), bytes.size());
+	ASSERT_TRUE(decoded) << decoded.error().message;
+	EXPECT_EQ(decoded.value().ticks.size(), original.ticks.size());
+	EXPECT_EQ(decoded.value().ticks.back().state.sequence, original.ticks.back().state.sequence);
+	EXPECT_TRUE(decoded.value().hands.empty());
+}
+
 TEST(Recording, ANewerVersionIsNamed)
 {
 	auto bytes = encodeRecording({});
