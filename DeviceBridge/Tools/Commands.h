@@ -45,6 +45,7 @@ int runMonitor(const RunArguments& arguments);
 int runRecord(const RunArguments& arguments);
 int runReplay(const RunArguments& arguments);
 int runZWidth(const ZWidthArguments& arguments);
+int runCalibrate(const RunArguments& arguments);
 int runSelfTest(const RunArguments& arguments);
 
 /// Begins with "schema":1.

@@ -34,6 +34,9 @@ public:
 			if (std::string(name) == "selftest") addRun(name, "Check the safety chain on a device", runSelfTest, true);
 			m_app.get_subcommand(name)->add_option("--stiffness", m_run.stiffness, "of the wall [N/m] (half of what the device bears)")->check(CLI::NonNegativeNumber);
 		}
+		CLI::App* calibrate = add("calibrate", "Fit a data glove to the hand that wears it, from two poses", [this] { return runCalibrate(m_run); });
+		calibrate->add_option("uri", m_run.uri, "address of the glove, for instance glove:/dev/ttyUSB0")->required();
+		calibrate->add_option("-o,--output", m_run.output, "calibration to write")->required();
 		addZWidth();
 	}
 

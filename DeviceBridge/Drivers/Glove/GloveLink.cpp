@@ -6,7 +6,9 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "DeviceBridge/Clock.h"
@@ -94,6 +96,26 @@ DeviceLink::Event GloveLink::takeBytes(int patience) noexcept
 	bool found = false;
 	for (ssize_t i = 0; i < n; ++i) found |= m_frames.take(bytes[i]);
 	return found ? Event::Sample : Event::Nothing;
+}
+
+ist::Result<GloveValues> GloveLink::meanValues(int frames)
+{
+	std::array<double, kGloveSensors> sum{};
+	const RealClock clock;
+	std::int64_t deadline = clock.now() + kFirstFrame;
+	for (int n = 0; n < frames;)
+	{
+		const Event event = takeBytes(kWait);
+		if (event == Event::Lost) return ist::Error{m_complaint, false};
+		if (clock.now() > deadline) return ist::Error{"the glove on " + m_settings.line + " has fallen silent", false};
+		if (event != Event::Sample) continue;
+		for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_frames.values()[i];
+		++n;
+		deadline = clock.now() + kFirstFrame;
+	}
+	GloveValues mean;
+	for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = static_cast<std::uint8_t>(std::lround(sum[i] / std::max(1, frames)));
+	return mean;
 }
 
 DeviceLink::Event GloveLink::exchange(const DeviceCommand&, DeviceSample& sample) noexcept

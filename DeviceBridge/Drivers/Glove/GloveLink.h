@@ -18,6 +18,9 @@ struct GloveSettings
 	bool calibrated = false;
 };
 
+/// From what stands behind `glove:` in an address; reads the calibration that it names.
+ist::Result<GloveSettings> gloveSettings(const std::string& rest);
+
 /// A CyberGlove on a serial line. It senses the joints of the hand, and neither where the hand is nor the velocities; it exerts nothing.
 class GloveLink final : public DeviceLink
 {
@@ -29,6 +32,10 @@ public:
 	Event exchange(const DeviceCommand& command, DeviceSample& sample) noexcept override;
 	void disconnect() noexcept override;
 	std::string complaint() const override { return m_complaint; }
+
+	/// Between connect() and disconnect(): the mean of each sensor over `frames` frames. Takes as long as these take to come.
+	ist::Result<GloveValues> meanValues(int frames);
+	int sensors() const noexcept { return m_frames.sensors(); }
 
 private:
 	bool configure() noexcept;

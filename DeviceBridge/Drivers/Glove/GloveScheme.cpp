@@ -7,9 +7,7 @@
 
 namespace devicebridge
 {
-namespace
-{
-ist::Result<std::unique_ptr<Device>> makeGlove(const std::string& rest)
+ist::Result<GloveSettings> gloveSettings(const std::string& rest)
 {
 	DeviceAddress address(rest);
 	GloveSettings settings;
@@ -31,7 +29,16 @@ ist::Result<std::unique_ptr<Device>> makeGlove(const std::string& rest)
 	settings.line = address.path();
 	settings.sensors = std::stoi(sensors);
 	settings.size = {hand == "left", length.value()};
-	return std::unique_ptr<Device>(std::make_unique<ThreadedDevice>(std::make_unique<GloveLink>(settings, "glove:" + rest)));
+	return settings;
+}
+
+namespace
+{
+ist::Result<std::unique_ptr<Device>> makeGlove(const std::string& rest)
+{
+	auto settings = gloveSettings(rest);
+	if (!settings) return settings.error();
+	return std::unique_ptr<Device>(std::make_unique<ThreadedDevice>(std::make_unique<GloveLink>(std::move(settings).value(), "glove:" + rest)));
 }
 }  // namespace
 

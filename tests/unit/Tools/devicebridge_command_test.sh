@@ -84,6 +84,10 @@ expect "zwidth of a recording" 1 "$bridge" zwidth replay:x
 expect "monitor" 0 "$bridge" monitor sim:touch --seconds 1 --rate 10
 [ "$(wc -l < "$dir/out")" -eq 11 ] || { echo "FAILED monitor: $(wc -l < "$dir/out") lines"; failures=$((failures + 1)); }
 
+# A glove on a pseudo terminal, flat and then a fist, is calibrated and read with its calibration.
+expect "calibrate" 0 python3 "$(dirname "$0")/glove_calibration_test.py" "$bridge" "$dir/glove.json"
+expect "calibrate what is no glove" 1 "$bridge" calibrate sim:touch -o "$dir/x.json"
+
 # A signal ends a run in real time early, and what was recorded until then is whole.
 "$bridge" record sim:sigma7 -o "$dir/live.istdrec" --seconds 600 --real-time > "$dir/out" 2> "$dir/err" &
 pid=$!
