@@ -29,7 +29,7 @@ class DeviceRegistry
 public:
 	/// Receives the address behind the colon without the options above; the device that it makes is not open yet.
 	using Maker = std::function<ist::Result<std::unique_ptr<Device>>(const std::string& rest)>;
-	/// Looks, without opening anything, for DriverReport::missing.
+	/// Looks for DriverReport::missing, and leaves nothing open.
 	using Probe = std::function<std::string()>;
 
 	DeviceRegistry();

@@ -58,6 +58,7 @@ void addPluginSchemes(DeviceRegistry& registry)
 	registry.addScheme("plugin", makeByPath, "a device of a plug-in, plugin:NAME/ADDRESS", noPlugins);
 	addNamed(registry, "dhd", "Force Dimension devices through libdhd, dhd:INDEX (plug-in)");
 	addNamed(registry, "hd", "Touch and Phantom devices through OpenHaptics, hd:CONFIGURATION (plug-in)");
+	addNamed(registry, "chai3d", "haptic devices through CHAI3D, chai3d:INDEX (plug-in)");
 	addNamed(registry, "virtuose", "Haption Virtuose devices through the Virtuose API, virtuose:HOST (plug-in)");
 	for (const std::string& name : pluginNames()) addNamed(registry, name, "plug-in " + name);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <string>
 #include <thread>
 
@@ -11,6 +12,9 @@
 
 namespace devicebridge
 {
+/// The loader of OpenXR complains on stderr wherever the drivers are listed.
+inline const bool kQuietOpenXr = setenv("XR_LOADER_DEBUG", "none", 0) == 0;
+
 /// Waits, far longer than anything needs, for what another thread or process does.
 template <class Condition>
 bool within(Condition condition, int milliseconds = 20000)

@@ -20,7 +20,6 @@ protected:
 	void SetUp() override
 	{
 		setenv("XR_RUNTIME_JSON", TEST_VENDOR_FOLDER "/mock_openxr.json", 1);
-		setenv("XR_LOADER_DEBUG", "none", 1);
 		void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_openxr.so", RTLD_NOW);
 		ASSERT_NE(library, nullptr) << dlerror();
 		m_mock = reinterpret_cast<MockOpenXr* (*)()>(dlsym(library, "mockOpenXr"))();
@@ -36,7 +35,6 @@ protected:
 	{
 		change([](MockOpenXr& m) { EXPECT_EQ(m.instances + m.sessions + m.trackers + m.misuse, 0); });
 		unsetenv("XR_RUNTIME_JSON");
-		unsetenv("XR_LOADER_DEBUG");
 	}
 	template <class Change>
 	void change(Change&& c)

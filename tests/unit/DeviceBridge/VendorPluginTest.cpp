@@ -21,6 +21,7 @@ struct Vendor
 void PrintTo(const Vendor& vendor, std::ostream* out) { *out << vendor.name; }
 
 const Vendor kVendors[] = {
+	{"chai3d", nullptr, TEST_VENDOR_FOLDER "/libmock_chai3d.so", "chai3d:0", "chai3d:1", "CHAI3D has lost", 12, 0.1, 5000, false},
 	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2, 4000, false},
 	{"hd", "DEVICEBRIDGE_HD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device", "device communication error", 3.3, 0, 500, false},
 	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", TEST_VENDOR_FOLDER "/libmock_virtuose.so", "virtuose:arm.local?peak_force=30&peak_torque=3", "virtuose:nobody",
@@ -31,8 +32,8 @@ class VendorPlugin : public testing::TestWithParam<Vendor>
 protected:
 	void SetUp() override
 	{
-		setenv("DEVICEBRIDGE_PLUGIN_PATH", PLUGIN_FOLDER, 1);
-		setenv(GetParam().variable, GetParam().file, 1);
+		setenv("DEVICEBRIDGE_PLUGIN_PATH", PLUGIN_FOLDER ":" TEST_VENDOR_FOLDER, 1);
+		if (GetParam().variable) setenv(GetParam().variable, GetParam().file, 1);
 		void* const library = dlopen(GetParam().file, RTLD_NOW);
 		ASSERT_NE(library, nullptr) << dlerror();
 		m_mock = reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
@@ -41,7 +42,7 @@ protected:
 	void TearDown() override
 	{
 		unsetenv("DEVICEBRIDGE_PLUGIN_PATH");
-		unsetenv(GetParam().variable);
+		if (GetParam().variable) unsetenv(GetParam().variable);
 	}
 	template <class Change>
 	void change(Change&& c)
@@ -145,6 +146,7 @@ TEST_P(VendorPlugin, TheWrenchArrivesAndEndsWithItsCommand)
 
 TEST_P(VendorPlugin, ItsOwnSwitchesHoldTheForceBack)
 {
+	if (!GetParam().variable) GTEST_SKIP() << "CHAI3D does not tell whether the motors are on";
 	const auto device = opened();
 	ASSERT_TRUE(device);
 	DriverRun run(*device);
@@ -176,7 +178,8 @@ TEST_P(VendorPlugin, WhatIsMissingIsSaid)
 	const DeviceRegistry registry;
 	const auto wrong = registry.open(GetParam().wrongUri);
 	ASSERT_FALSE(wrong);
-	EXPECT_GT(wrong.error().message.size(), 30U);
+	EXPECT_GT(wrong.error().message.size(), 30U) << wrong.error().message;
+	if (!GetParam().variable) return;
 	setenv(GetParam().variable, "/nowhere/libnothing.so", 1);
 	const auto device = registry.open(GetParam().uri);
 	ASSERT_FALSE(device);
