@@ -136,6 +136,7 @@ void SteppingThread::waitForTick() noexcept
 	m_time.sleepUntil(m_deadline);
 	const std::int64_t now = m_time.now();
 	m_periods.add(now - m_lastTick);
+	m_elapsed = 1e-9 * static_cast<double>(now - m_lastTick);
 	m_lastTick = now;
 	// After a jump back the sleep may have ended early as well: the schedule starts anew.
 	if (m_time.jumps() != m_seenJumps) m_deadline = now;
@@ -211,7 +212,10 @@ void SteppingThread::advanceWorld()
 	m_step.contactCount = 0;
 	m_step.overlapVolume = 0;
 	m_step.pairs = 0;
-	m_source.advance(1e-9 * static_cast<double>(m_settings.period), m_state, m_step);
+	const double period = 1e-9 * static_cast<double>(m_settings.period);
+	DeviceState hand = m_state;
+	hand.X_WH = m_gapBridge.reference(m_state.X_WH, m_elapsed, period);
+	m_source.advance(period, hand, m_step);
 	m_step.contactCount = std::clamp(m_step.contactCount, 0, kMaxToolContacts);
 	for (int i = 0; i < m_step.contactCount; ++i) onCollision.broadcast(m_step.contacts[i]);
 }

@@ -9,6 +9,7 @@
 #include "DeviceBridge/Clock.h"
 #include "DeviceBridge/Delegate.h"
 #include "DeviceBridge/ForceLaw.h"
+#include "DeviceBridge/GapBridge.h"
 #include "DeviceBridge/Safety/FaultCause.h"
 #include "DeviceBridge/Safety/StateWatch.h"
 #include "DeviceBridge/SafetyLimiter.h"
@@ -43,7 +44,8 @@ struct SteppingSettings
 };
 
 /// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
-/// onHapticTick, SafetyLimiter, write the device. A tick allocates nothing and takes no lock.
+/// onHapticTick, SafetyLimiter, write the device. A tick allocates nothing and takes no lock. After a gap between ticks the schedule
+/// begins anew, the world takes one step of the nominal period, and the tool follows the hand as GapBridge says.
 /// Device, source, law and clock outlive the thread. Set up listeners and law before start(). What a listener throws ends at
 /// the tick: the device gets zero until clearFault().
 class SteppingThread
@@ -88,7 +90,7 @@ public:
 	/// Mean square of the force over that of the continuous limit.
 	double heatLoad() const noexcept { return m_limiter.heatLoad(); }
 	std::uint64_t ticks() const noexcept { return m_ticks.load(std::memory_order_relaxed); }
-	/// Ticks that began later than one period after their deadline. The schedule starts anew from there.
+	/// Ticks that began later than one period after their deadline.
 	std::uint64_t overruns() const noexcept { return m_overruns.load(std::memory_order_relaxed); }
 	std::uint64_t deviceErrors() const noexcept { return m_deviceErrors.load(std::memory_order_relaxed); }
 	const DurationHistogram& periods() const noexcept { return m_periods; }
@@ -122,6 +124,7 @@ private:
 	Device& m_device;
 	ContactSource& m_source;
 	SteadyTime m_time;
+	GapBridge m_gapBridge;
 	SteppingSettings m_settings;
 	SafetyLimiter m_limiter;
 	StateWatch m_watch;
@@ -137,6 +140,7 @@ private:
 	std::int64_t m_outageSince = 0;
 	std::uint64_t m_seenJumps = 0;
 	FaultCause m_watchCause = FaultCause::None, m_latchedCause = FaultCause::None;
+	double m_elapsed = 0;  // since the last tick [s]
 	bool m_scheduled = false;
 	bool m_hasState = false, m_outage = false;
 
