@@ -38,6 +38,7 @@ struct ToolStep
 	double overlapVolume = 0;  ///< over all contacts, also those beyond kMaxToolContacts [m^3]
 	std::int64_t pairs = 0;
 	double queryMicroseconds = 0;
+	std::int64_t overdue = 0;  ///< by how much what the step was computed from is later than expected; the force fades with it [ns]
 };
 
 /// The world in which the tool moves.

@@ -173,7 +173,7 @@ std::int64_t SteppingThread::computeWrench()
 	onTransform.broadcast(m_state);
 	advanceWorld();
 	m_wanted = m_law->handWrench(m_state, m_step);
-	const std::int64_t computedAt = m_law->computedAt(m_state);
+	const std::int64_t computedAt = m_law->computedAt(m_state) - m_step.overdue;
 	onHapticTick.broadcast(m_state, m_wanted);
 	return computedAt;
 }
@@ -212,6 +212,7 @@ void SteppingThread::advanceWorld()
 	m_step.contactCount = 0;
 	m_step.overlapVolume = 0;
 	m_step.pairs = 0;
+	m_step.overdue = 0;
 	const double period = 1e-9 * static_cast<double>(m_settings.period);
 	DeviceState hand = m_state;
 	hand.X_WH = m_gapBridge.reference(m_state.X_WH, m_elapsed, period);

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/Pose.h"
+
+namespace devicebridge
+{
+/// One patch of contact between A and B as a linear model about the poses in which it was found, World axes. Wrench, stiffness and
+/// damping are about `point` and act on A; B receives the opposite there.
+struct LinearContact
+{
+	static constexpr int kFixed = -1, kTool = -2;  ///< instead of a slot
+	int a = kFixed, b = kFixed;
+	std::uint64_t epoch = 0;  ///< of the tenant of slot `b`, where A is the tool
+	ist::Vec3 point, normal;  ///< centroid; direction of the elastic force on A
+	ist::Wrench wrench;
+	ist::SymmetricMatrix6 stiffness, damping;
+	double frictionRadius = 0, friction = 0;
+	ist::Pose X_WA, X_WB;
+	double volume = 0;
+	int pairs = 0;
+};
+
+/// The same contact where A and B are now: the point goes with both, and the wrench falls by the stiffness times the way and the turn
+/// of A relative to B. `way`, if given, receives the length of that way [m].
+inline LinearContact movedTo(const LinearContact& c, const ist::Pose& X_WA, const ist::Pose& X_WB, double* way = nullptr) noexcept
+{
+	const auto carried = [&](const ist::Pose& before, const ist::Pose& now) { return now * (inverse(before) * c.point); };
+	const auto turned = [](const ist::Pose& before, const ist::Pose& now)
+	{ return rotationVector(ist::quaternion(now.rotation * transpose(before.rotation))); };
+	const ist::Vec3 onA = carried(c.X_WA, X_WA), onB = carried(c.X_WB, X_WB);
+	const ist::Vec3 shift = onA - onB, turn = turned(c.X_WA, X_WA) - turned(c.X_WB, X_WB);
+	const double displacement[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
+	LinearContact moved = c;
+	moved.point = 0.5 * (onA + onB);
+	moved.X_WA = X_WA;
+	moved.X_WB = X_WB;
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j) (i < 3 ? moved.wrench.force[i] : moved.wrench.torque[i - 3]) -= c.stiffness(i, j) * displacement[j];
+	if (way) *way = norm(shift);
+	return moved;
+}
+}  // namespace devicebridge
