@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/BulletDecoupledSource.h"
+
+#include "BulletISTCollision/btISTConversion.h"
+
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+
+namespace devicebridge
+{
+namespace
+{
+double microsecondsSince(std::chrono::steady_clock::time_point begin)
+{
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// 1 up to `trusted`, 0 from twice that on.
+double trust(double way, double trusted) { return std::clamp(2 - way / trusted, 0.0, 1.0); }
+
+void scale(LinearContact& c, double factor)
+{
+	c.wrench = factor * c.wrench;
+	for (double& k : c.stiffness.m) k *= factor;
+	for (double& d : c.damping.m) d *= factor;
+}
+}  // namespace
+
+BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock,
+											 const BulletDecoupledSettings& settings)
+	: m_tool(tool), m_tree(std::move(tree)), m_clock(clock), m_settings(settings), m_X_WB(inverse(settings.X_BW)),
+	  m_topology(settings.topology), m_finder(*m_tree, settings.maxPairs), m_lastTopology(settings.topology),
+	  m_threadFinder(*m_tree, settings.maxPairs)
+{
+	const ist::Vec3 inverseInertia = toVec3(tool.getInvInertiaDiagLocal());
+	m_local.tool.mass = 1 / double(tool.getInvMass());
+	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = inverseInertia[i];
+	m_leastInertia = 1 / std::max({inverseInertia.x, inverseInertia.y, inverseInertia.z});
+	if (settings.gravity) m_local.tool.gravity = toVec3(tool.getGravity());
+	m_local.tool.state = {toPose(tool.getWorldTransform()), {toVec3(tool.getLinearVelocity()), toVec3(tool.getAngularVelocity())}};
+	m_worldAge.fullUntil = m_answerAge.fullUntil = settings.fullUntil;
+	m_worldAge.zeroFrom = m_answerAge.zeroFrom = settings.zeroFrom;
+	post();
+}
+
+BulletDecoupledSource::~BulletDecoupledSource() { stopContactThread(); }
+
+ToolState BulletDecoupledSource::toolState() const noexcept
+{
+	const ToolState& t = m_local.tool.state;
+	const ist::Mat3& R_WB = m_X_WB.rotation;
+	return {m_X_WB * t.X_WT, {R_WB * t.twist.linear, R_WB * t.twist.angular}};
+}
+
+void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
+{
+	const std::int64_t now = m_clock.now();
+	takeSnapshot(now);
+	const double factor = m_worldAge.factor(now);
+	if (factor < 1) m_fadedTicks.fetch_add(1, std::memory_order_relaxed);
+	if (factor == 0)
+		for (int slot = 0; slot < kMirroredBodies; ++slot) m_local.body(slot).share = 0;
+	step.overdue = m_worldAge.known() ? m_worldAge.overdue(now) : 0;
+
+	step.coupling = pull(dt, hand);
+	const auto begin = std::chrono::steady_clock::now();
+	step.queryMicroseconds = 0;
+	m_touchingCount = 0;
+	findContacts(now, step);
+	if (topology() == ContactTopology::InTick) step.queryMicroseconds = microsecondsSince(begin);
+	weighContacts(dt, factor);
+	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
+	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
+	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching, m_touchingCount, m_mirror.snapshot());
+	step.tool = toolState();
+	fill(dt, origin, step);
+	post();
+}
+
+void BulletDecoupledSource::takeSnapshot(std::int64_t now) noexcept
+{
+	if (m_mirror.fetch())
+	{
+		const WorldSnapshot& world = m_mirror.snapshot();
+		m_worldAge.arrived(now, static_cast<std::int64_t>(1e9 * world.period));
+		m_local.reconcile(world);
+		m_worldSteps.fetch_add(1, std::memory_order_relaxed);
+	}
+	const std::int64_t age = m_worldAge.known() ? m_worldAge.age(now) : 0;
+	m_age.store(age, std::memory_order_relaxed);
+	m_longestAge.store(std::max(age, m_longestAge.load(std::memory_order_relaxed)), std::memory_order_relaxed);
+	m_period.store(m_worldAge.period(), std::memory_order_relaxed);
+}
+
+ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) const noexcept
+{
+	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	const ist::Wrench wanted =
+		couplingOnTool(m_settings.gains, hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
+	return isFinite(wanted) ? wanted : ist::Wrench();
+}
+
+void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexcept
+{
+	const ContactTopology wanted = topology();
+	if (wanted != m_lastTopology) m_answerAge.forget();
+	m_lastTopology = wanted;
+	const WorldSnapshot& world = m_mirror.snapshot();
+	if (wanted == ContactTopology::InTick) askInTick(step);
+	else if (wanted == ContactTopology::OwnThread) askThread(now, step);
+	else
+	{
+		if (world.step != m_toolAnswers) m_toolAnswers = world.step, m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
+		takeModel(world.toolContacts, world.toolContactCount, 1);
+		for (int i = 0; i < m_touchingCount; ++i) step.overlapVolume += m_touching[i].volume;
+	}
+}
+
+void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
+{
+	const WorldSnapshot& world = m_mirror.snapshot();
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const MirroredBody& body = world.bodies[slot];
+		if (body.epoch == 0 || body.leaving) continue;
+		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, body, m_local.body(slot).spent.X_WB, slot, m_touching + m_touchingCount,
+										 kToolContacts - m_touchingCount, step.overlapVolume);
+	}
+	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
+}
+
+/// At most one question is out at a time: what it points to must live until it was answered.
+void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
+{
+	if (m_answers.fetch())
+	{
+		m_answerAge.arrived(m_askedAt, 0);
+		m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
+		m_coarsened.store(m_answers.readable().coarsened, std::memory_order_relaxed);
+	}
+	const Answer& answer = m_answers.readable();
+	step.queryMicroseconds = answer.microseconds;
+	if (m_answerAge.known())
+	{
+		takeModel(answer.contacts, answer.count, m_answerAge.factor(now));
+		step.overlapVolume = answer.volume;
+	}
+	if (answer.number != m_asked) return;
+	Question& question = m_questions.writable();
+	question.number = ++m_asked;
+	question.X_WT = m_local.tool.state.X_WT;
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		MirroredBody& asked = question.bodies[slot] = m_mirror.snapshot().bodies[slot];
+		if (asked.epoch == 0) continue;
+		asked.X_WB = m_local.body(slot).spent.X_WB;
+		if (!asked.leaving) m_lastQuestion[slot] = m_asked;
+	}
+	m_askedAt = now;
+	m_questions.publish();
+	m_wake.fetch_add(1, std::memory_order_release);
+	m_wake.notify_one();
+}
+
+/// Linear models that still belong to tenants, moved to where tool and copies are.
+void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, double factor) noexcept
+{
+	for (int i = 0; i < count; ++i)
+	{
+		const int slot = contacts[i].b;
+		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
+		if (body.epoch == 0 || body.leaving || body.epoch != contacts[i].epoch) continue;
+		double way = 0;
+		LinearContact& moved = m_touching[m_touchingCount] = movedTo(contacts[i], m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB, &way);
+		if (!(dot(moved.wrench.force, moved.normal) > 0)) continue;
+		scale(moved, factor * trust(way, m_settings.trustedModel));
+		++m_touchingCount;
+	}
+}
+
+/// A contact counts as far as its copy is trusted, the world is in time, and it did not begin inside.
+void BulletDecoupledSource::weighContacts(double dt, double factor) noexcept
+{
+	bool touched[kMirroredBodies] = {};
+	for (int i = 0; i < m_touchingCount; ++i) touched[m_touching[i].b] = true;
+	const WorldSnapshot& world = m_mirror.snapshot();
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		double& share = m_local.body(slot).share;
+		if (factor > 0) share = touched[slot] ? std::min(1.0, share + dt / m_settings.fadeIn) : 1;
+	}
+	for (int i = 0; i < m_touchingCount; ++i)
+	{
+		const int slot = m_touching[i].b;
+		const BulletLocalWorld::Body& body = m_local.body(slot);
+		const double way = distance(body.spent.X_WB.translation, world.bodies[slot].X_WB.translation);
+		scale(m_touching[i], factor * body.share * trust(way, m_settings.trustedWay));
+	}
+}
+
+void BulletDecoupledSource::fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept
+{
+	const ist::Mat3& R_WB = m_X_WB.rotation;
+	const double rate = dt > 0 ? 1 / dt : 0;
+	int contactOf[kMirroredBodies];
+	std::fill(contactOf, contactOf + kMirroredBodies, -1);
+	for (int i = 0; i < m_touchingCount; ++i)
+	{
+		const LinearContact& c = m_touching[i];
+		step.pairs += c.pairs;
+		int& at = contactOf[c.b];
+		if (at < 0)
+		{
+			if (step.contactCount == kMaxToolContacts) continue;
+			at = step.contactCount++;
+			step.contacts[at] = {};
+			step.contacts[at].other = m_mirror.snapshot().bodies[c.b].id;
+		}
+		ToolContact& out = step.contacts[at];
+		const ist::Wrench& impulse = m_local.impulse(i);
+		out.onTool.force += R_WB * (rate * impulse.force);
+		out.onTool.torque += R_WB * (rate * (impulse.torque + cross(c.point - origin, impulse.force)));
+		out.point += c.volume * (m_X_WB * c.point);
+		out.normal += R_WB * (c.volume * c.normal);
+		out.volume += c.volume;
+		out.pairs += c.pairs;
+	}
+	for (int i = 0; i < step.contactCount; ++i)
+	{
+		ToolContact& out = step.contacts[i];
+		out.point = out.point / out.volume;
+		out.normal = normalized(out.normal);
+	}
+}
+
+bool BulletDecoupledSource::mayRelease(int slot) const noexcept { return m_answers.readable().number >= m_lastQuestion[slot]; }
+
+void BulletDecoupledSource::post() noexcept
+{
+	HandPost& out = m_mirror.post();
+	out.tick = ++m_tick;
+	out.tool = m_local.tool.state;
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		out.bodies[slot] = m_local.body(slot).spent;
+		out.bodies[slot].released = m_mirror.snapshot().bodies[slot].leaving && mayRelease(slot);
+	}
+	m_mirror.send();
+}
+
+bool BulletDecoupledSource::serveContacts() noexcept
+{
+	if (!m_questions.fetch()) return false;
+	const Question& question = m_questions.readable();
+	Answer& answer = m_answers.writable();
+	answer.number = question.number;
+	answer.count = 0;
+	answer.volume = 0;
+	const auto begin = std::chrono::steady_clock::now();
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const MirroredBody& body = question.bodies[slot];
+		if (body.epoch == 0 || body.leaving) continue;
+		answer.count += m_threadFinder.find(question.X_WT, body, body.X_WB, slot, answer.contacts + answer.count,
+											kToolContacts - answer.count, answer.volume);
+	}
+	answer.microseconds = microsecondsSince(begin);
+	answer.coarsened = m_threadFinder.coarsened();
+	m_answers.publish();
+	return true;
+}
+
+bool BulletDecoupledSource::startContactThread()
+{
+	if (m_thread.joinable()) return false;
+	m_stopping = false;
+	try
+	{
+		m_thread = std::thread([this] { contactLoop(); });
+	}
+	catch (const std::system_error&)
+	{
+		return false;
+	}
+	return true;
+}
+
+void BulletDecoupledSource::stopContactThread() noexcept
+{
+	m_stopping = true;
+	m_wake.fetch_add(1, std::memory_order_release);
+	m_wake.notify_one();
+	if (m_thread.joinable()) m_thread.join();
+}
+
+void BulletDecoupledSource::contactLoop() noexcept
+{
+	while (!m_stopping)
+	{
+		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
+		if (!serveContacts() && !m_stopping) m_wake.wait(seen, std::memory_order_acquire);
+	}
+	serveContacts();
+}
+
+ist::Vec3 BulletDecoupledSource::undelivered() const noexcept
+{
+	ist::Vec3 sum;
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const SpentImpulse &spent = m_local.body(slot).spent, &seen = m_mirror.snapshot().bodies[slot].seen;
+		if (spent.epoch != 0) sum += spent.impulse.force - (seen.epoch == spent.epoch ? seen.impulse.force : ist::Vec3());
+	}
+	return sum;
+}
+
+DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
+{
+	const auto read = [](const auto& value) { return value.load(std::memory_order_relaxed); };
+	DecoupledStatistics s;
+	s.worldSteps = read(m_worldSteps);
+	s.modelAnswers = read(m_modelAnswers);
+	s.fadedTicks = read(m_fadedTicks);
+	s.coarsenedQueries = read(m_coarsened);
+	s.modelAge = 1e-9 * static_cast<double>(read(m_age));
+	s.longestModelAge = 1e-9 * static_cast<double>(read(m_longestAge));
+	s.period = 1e-9 * static_cast<double>(read(m_period));
+	return s;
+}
+}  // namespace devicebridge

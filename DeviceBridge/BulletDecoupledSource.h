@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "DeviceBridge/BulletLocalWorld.h"
+#include "DeviceBridge/BulletToolContacts.h"
+#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/ModelAge.h"
+#include "DeviceBridge/VirtualCoupling.h"
+
+class btRigidBody;
+
+namespace devicebridge
+{
+/// Which thread asks the trees. The world steps in its own thread in every case.
+enum class ContactTopology
+{
+	InTick,     ///< the hand's thread, in each tick
+	OwnThread,  ///< one of its own; in between the hand feels the last answer as a linear model
+	InWorld     ///< the world's, once a step: the hand feels linear models only
+};
+
+struct BulletDecoupledSettings
+{
+	CouplingGains gains;
+	ist::Pose X_BW;           ///< the device's world W in Bullet's World B
+	bool gravity = false;     ///< does the tool weigh on the hand?
+	ContactTopology topology = ContactTopology::InTick;
+	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers. Negative: none
+	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< a model that is so much later than expected counts in full, for nothing [ns]
+	double fadeIn = 0.25;     ///< of a contact that begins inside [s]
+	double trustedWay = 0.1;  ///< a copy counts in full up to this way since the last step, and for nothing from twice that on [m]
+	double trustedModel = 0.005;  ///< the same for a linear model of the tool's contact, and the way of the tool on the body [m]
+};
+
+/// Readable while it runs, from any thread.
+struct DecoupledStatistics
+{
+	std::uint64_t worldSteps = 0;      ///< that were seen
+	std::uint64_t modelAnswers = 0;    ///< of the contact thread, or of the world where that finds the contacts
+	std::uint64_t fadedTicks = 0;      ///< in which a model was so late that it counted in part or for nothing
+	std::uint64_t coarsenedQueries = 0;  ///< answered by a coarser level, to keep the budget
+	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
+	double period = 0;                 ///< of the world, as learnt [s]
+};
+
+/// Contact with a world that somebody else steps, at any rate and in any thread (decoupled mode). The tool is in no world: this
+/// integrates it on the virtual coupling, in each tick, against copies of the bodies near it (BulletLocalWorld). BulletWorldCoupling
+/// carries what happens to and fro.
+///
+/// Frames and `ToolStep` as with BulletContactSource; `ToolContact::other` is the btCollisionObject. When the world is late, contacts
+/// fade, and `ToolStep::overdue` says so to the stepping thread; after that they fade in anew.
+class BulletDecoupledSource final : public ContactSource
+{
+public:
+	/// `tool` gives mass, inertia, pose, friction and, as the key in the table of materials, stiffness. It is in no world; its own pose
+	/// stays as it is. `tree` speaks for its shape. `tool` and `clock`, which is that of the stepping thread, outlive this.
+	BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
+	~BulletDecoupledSource() override;
+
+	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
+
+	// From any thread:
+	void setTopology(ContactTopology topology) noexcept { m_topology.store(topology, std::memory_order_relaxed); }
+	ContactTopology topology() const noexcept { return m_topology.load(std::memory_order_relaxed); }
+	DecoupledStatistics statistics() const noexcept;
+
+	// From the thread that set it up:
+	/// The thread for ContactTopology::OwnThread. False when it runs already or cannot be started.
+	bool startContactThread();
+	void stopContactThread() noexcept;
+	/// One answer of that thread on the caller's, for virtual time. False when nothing was asked.
+	bool serveContacts() noexcept;
+
+	// Thread of the world:
+	WorldMirror& mirror() noexcept { return m_mirror; }
+	btRigidBody& tool() noexcept { return m_tool; }
+	const std::shared_ptr<const ist::InnerSphereTree>& toolTree() const noexcept { return m_tree; }
+	const BulletDecoupledSettings& settings() const noexcept { return m_settings; }
+
+	// Between ticks, for those who keep the books:
+	/// All that contacts have given to the tool, in Bullet's World [N s].
+	const ist::Vec3& receivedImpulse() const noexcept { return m_local.given(); }
+	/// The ledger: what the tool has given to bodies and the world, as far as is known here, has not taken yet [N s].
+	ist::Vec3 undelivered() const noexcept;
+	/// In W.
+	ToolState toolState() const noexcept;
+
+private:
+	struct Question
+	{
+		std::uint64_t number = 0;
+		ist::Pose X_WT;
+		MirroredBody bodies[kMirroredBodies];  // with the poses of the copies
+	};
+	struct Answer
+	{
+		std::uint64_t number = 0;
+		std::int64_t askedAt = 0;
+		LinearContact contacts[kToolContacts];
+		int count = 0;
+		double volume = 0, microseconds = 0;
+		std::uint64_t coarsened = 0;
+	};
+
+	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
+	void takeSnapshot(std::int64_t now) noexcept;
+	void findContacts(std::int64_t now, ToolStep& step) noexcept;
+	void askInTick(ToolStep& step) noexcept;
+	void askThread(std::int64_t now, ToolStep& step) noexcept;
+	void takeModel(const LinearContact* contacts, int count, double factor) noexcept;
+	void weighContacts(double dt, double factor) noexcept;
+	void fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept;
+	void post() noexcept;
+	bool mayRelease(int slot) const noexcept;
+	void contactLoop() noexcept;
+
+	btRigidBody& m_tool;
+	std::shared_ptr<const ist::InnerSphereTree> m_tree;
+	Clock& m_clock;
+	BulletDecoupledSettings m_settings;
+	ist::Pose m_X_WB;
+	double m_leastInertia = 0;
+	std::atomic<ContactTopology> m_topology;
+
+	WorldMirror m_mirror;
+	ModelAge m_worldAge, m_answerAge;
+	BulletLocalWorld m_local;
+	BulletToolContacts m_finder;
+	LinearContact m_touching[kToolContacts];
+	int m_touchingCount = 0;
+	std::uint64_t m_tick = 0, m_toolAnswers = 0;
+	ContactTopology m_lastTopology;
+
+	TripleBuffer<Question> m_questions;
+	TripleBuffer<Answer> m_answers;
+	BulletToolContacts m_threadFinder;
+	std::uint64_t m_asked = 0, m_lastQuestion[kMirroredBodies] = {};
+	std::int64_t m_askedAt = 0;
+	std::thread m_thread;
+	std::atomic<bool> m_stopping{false};
+	std::atomic<std::uint32_t> m_wake{0};
+
+	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0};
+	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
+};
+}  // namespace devicebridge

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/BulletToolContacts.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace devicebridge
+{
+namespace
+{
+std::shared_ptr<const ist::InnerSphereTree> notOwned(const ist::InnerSphereTree* tree)
+{
+	return {std::shared_ptr<const ist::InnerSphereTree>(), tree};
+}
+}  // namespace
+
+BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::int64_t maxPairs) : m_tool(tool)
+{
+	m_options.maxPairs = maxPairs;
+	m_contact.treeA = notOwned(&tool);
+}
+
+int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,
+							 int capacity, double& volume) noexcept
+{
+	ist::OverlapResult result;
+	if (body.tree) result = queryOverlap(m_tool, *body.tree, inverse(X_WT) * X_WB, m_workspace, m_options);
+	else
+	{
+		const ist::Vec3 normal = transpose(X_WT.rotation) * body.planeNormal;
+		// A half-space has no levels.
+		result = queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace);
+	}
+	if (result.status != ist::QueryStatus::Ok || !(result.total.volume > 0)) return 0;
+	m_coarsened += result.coarsened;
+	m_contact.treeB = notOwned(body.tree);
+	m_contact.halfSpace = !body.tree;
+	m_contact.X_WA = X_WT;
+	m_contact.constants = {body.k, body.toolWeight, 1 - body.toolWeight, 0, body.dissipation};
+	m_contact.total = result.total;
+	m_contact.patchCount = std::min(result.patchCount, btISTContact::kMaxPatches);
+	std::copy(result.patches, result.patches + m_contact.patchCount, m_contact.patches);
+	volume += result.total.volume;
+
+	int count = 0;
+	btContactPatch patch;
+	for (int i = 0; i < m_contact.patchCount && count < capacity; ++i)
+	{
+		if (!evaluateContactPatch(m_contact, i, patch)) continue;
+		LinearContact& c = out[count++] = linearContact(patch, X_WT, X_WB);
+		c.a = LinearContact::kTool;
+		c.b = slot;
+		c.epoch = body.epoch;
+		c.friction = body.friction;
+		c.volume = m_contact.patches[i].volume;
+		c.pairs = static_cast<int>(std::min<std::int64_t>(m_contact.patches[i].pairs, std::numeric_limits<int>::max()));
+	}
+	return count;
+}
+
+LinearContact linearContact(const btContactPatch& patch, const ist::Pose& X_WA, const ist::Pose& X_WB) noexcept
+{
+	LinearContact c;
+	c.point = patch.point;
+	c.normal = patch.normal;
+	c.wrench = patch.wrench;
+	c.stiffness = patch.stiffness;
+	c.damping = patch.damping;
+	c.frictionRadius = patch.frictionRadius;
+	c.X_WA = X_WA;
+	c.X_WB = X_WB;
+	return c;
+}
+
+btContactPatch contactPatch(const LinearContact& c) noexcept
+{
+	return {c.point, c.normal, c.wrench, c.stiffness, c.damping, c.frictionRadius};
+}
+}  // namespace devicebridge

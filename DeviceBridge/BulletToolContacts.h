@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+
+#include "BulletHapticForce/btContactLaw.h"
+#include "DeviceBridge/WorldMirror.h"
+
+namespace devicebridge
+{
+/// Contacts of the tool with mirrored bodies, by queries of the trees. One thread; no allocation after construction.
+class BulletToolContacts
+{
+public:
+	/// The tool's tree outlives this. `maxPairs`: budget of a query, see ist::QueryOptions; negative: none.
+	explicit BulletToolContacts(const ist::InnerSphereTree& tool, std::int64_t maxPairs = -1);
+
+	/// The patches of the tool, at X_WT, and a body at X_WB, which is in `slot`, with the constants of `body`; at most `capacity`. The
+	/// tool is A. The total overlap [m^3] is added to `volume`.
+	int find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out, int capacity,
+			 double& volume) noexcept;
+	/// Queries that were answered by a coarser level than the leaves, to keep the budget.
+	std::uint64_t coarsened() const noexcept { return m_coarsened; }
+
+private:
+	const ist::InnerSphereTree& m_tool;
+	ist::QueryWorkspace m_workspace;
+	ist::QueryOptions m_options;
+	btISTContact m_contact;  // the law reads from it; its trees are not owned
+	std::uint64_t m_coarsened = 0;
+};
+
+/// `patch` between A and B at their poses.
+LinearContact linearContact(const btContactPatch& patch, const ist::Pose& X_WA, const ist::Pose& X_WB) noexcept;
+btContactPatch contactPatch(const LinearContact& contact) noexcept;
+}  // namespace devicebridge

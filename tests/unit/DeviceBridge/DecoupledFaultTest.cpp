@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+#include "DeviceBridge/SteppingThread.h"
+#include "tests/unit/CountingAllocator.h"
+#include "tests/unit/DeviceBridge/DecoupledRig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+const Vec3 kGravity{0, -9.81, 0};
+constexpr ContactTopology kTopologies[] = {ContactTopology::InTick, ContactTopology::OwnThread, ContactTopology::InWorld};
+
+const char* nameOf(ContactTopology t)
+{
+	return t == ContactTopology::InTick ? "in the tick" : t == ContactTopology::OwnThread ? "in its own thread" : "in the world";
+}
+
+/// A simulated hand on a simulated device presses a box on a table; the world steps in between, in virtual time.
+struct PressedRig
+{
+	DecoupledRig rig;
+	btRigidBody* box;
+	SimulatedDevice device{simulatedProfile("sigma7").value()};
+	btRigidBody tool{Hand::info(rig.ballShape, {0, 0.065, 0})};
+	BulletDecoupledSource source;
+	SteppingThread thread;
+	double steepest = 0;  ///< rise of the force from one tick to the next [N]
+
+	double largest = 0;  ///< [N]
+
+	explicit PressedRig(double rate, ContactTopology topology = ContactTopology::InTick, double mass = 0.3)
+		: rig(rate, kGravity), box((rig.addPlane(), rig.addBox(mass, {0, 0.02, 0}))), source(tool, ballTree(), rig.clock, settings(topology)),
+		  thread(device, source, rig.clock)
+	{
+		if (const auto refused = rig.world.materials().set(&tool, {2e7, -1})) throw std::runtime_error(refused->message);
+		rig.coupling.add(source);
+		ist::Pose start;
+		start.translation = {0, 0.065, 0};
+		ist::Pose pressed;
+		pressed.translation = {0, 0.051, 0};
+		device.place(start);
+		device.setHand(handThrough({{0.6, start}, {0.9, pressed}}));
+		device.open();
+		rig.coupling.show(rig.period);
+	}
+	static BulletDecoupledSettings settings(ContactTopology topology)
+	{
+		BulletDecoupledSettings s = handSettings();
+		s.gains = {2000, 0.4, 0, 0, 12, 0.2};
+		s.topology = topology;
+		return s;
+	}
+	double force() const { return norm(device.lastCommand().wrench.force); }
+	void run(int ticks)
+	{
+		for (int i = 0; i < ticks; ++i)
+		{
+			while (rig.worldRuns && static_cast<double>(rig.worldSteps + 1) * rig.period <= rig.time() + 1e-9) rig.stepWorld();
+			const double before = force();
+			thread.run(1);
+			source.serveContacts();
+			steepest = std::max(steepest, force() - before);
+			largest = std::max(largest, force());
+		}
+	}
+	/// The world has missed steps and does not make up for them.
+	void resume()
+	{
+		rig.worldSteps = static_cast<std::int64_t>(rig.time() / rig.period);
+		rig.worldRuns = true;
+	}
+};
+}  // namespace
+
+TEST(DecoupledFault, AWorldThatStallsTakesItsForceWithItAndGivesItBackWithoutAJump)
+{
+	for (const double rate : {60.0, 240.0})
+		for (const ContactTopology topology : kTopologies)
+		{
+			PressedRig r(rate, topology);
+			r.run(1500);
+			const double pressing = r.force(), depth = double(r.box->getWorldTransform().getOrigin().y());
+			ASSERT_GT(pressing, 1.5) << nameOf(topology);
+			r.rig.worldRuns = false;
+			// Up to one period until a step is missed, 20 ms from there, and one tick.
+			r.run(static_cast<int>(std::ceil(1000 / rate)) + 21);
+			for (int i = 0; i < 100 - 21 - static_cast<int>(std::ceil(1000 / rate)); ++i)
+			{
+				EXPECT_EQ(r.force(), 0) << nameOf(topology) << " at " << rate << ", tick " << i;
+				r.run(1);
+			}
+			EXPECT_LT(norm(r.source.undelivered()), 2 * pressing * (r.rig.period + 0.02));
+			r.steepest = r.largest = 0;
+			r.resume();
+			r.run(2000);
+			EXPECT_NEAR(r.force(), pressing, 0.15 * pressing) << nameOf(topology) << " at " << rate;
+			// The limiter alone would grant 12 N in 20 ms. What it takes away, where the hand is pushed out of what it sank into, is the
+			// passivity controller's doing.
+			EXPECT_LT(r.steepest, 0.4) << nameOf(topology) << " at " << rate;
+			EXPECT_LT(r.largest, 1.3 * pressing) << nameOf(topology) << " at " << rate;
+			EXPECT_NEAR(double(r.box->getWorldTransform().getOrigin().y()), depth, 1e-3);
+			EXPECT_FALSE(r.thread.faulted());
+			std::printf("%s, %g Hz: %.2f N before, %.2f N after, steepest rise %.3f N in a tick\n", nameOf(topology), rate, pressing, r.force(), r.steepest);
+		}
+}
+
+TEST(DecoupledFault, AWorldThatDiesLeavesAFreeHand)
+{
+	PressedRig r(60);
+	r.run(1500);
+	r.rig.worldRuns = false;
+	r.run(2000);
+	EXPECT_EQ(r.force(), 0);
+	EXPECT_EQ(r.thread.ticks(), 3500U);
+	EXPECT_GT(r.source.statistics().fadedTicks, 1900U);
+	EXPECT_GT(r.source.statistics().longestModelAge, 1.9);
+	// The hand goes where it wants, and the tool with it.
+	EXPECT_NEAR(r.source.toolState().X_WT.translation.y, 0.051, 1e-3);
+	EXPECT_LT(norm(r.source.undelivered()), 0.2);
+}
+
+TEST(DecoupledFault, TopologiesFeelAlikeAndSwitchWhileRunning)
+{
+	double felt[3] = {};
+	for (int i = 0; i < 3; ++i)
+	{
+		PressedRig r(240, kTopologies[i]);
+		r.run(2000);
+		felt[i] = r.force();
+	}
+	EXPECT_NEAR(felt[1], felt[0], 0.03 * felt[0]);
+	EXPECT_NEAR(felt[2], felt[0], 0.03 * felt[0]);
+
+	PressedRig r(240);
+	r.run(2000);
+	r.steepest = 0;
+	for (int i = 0; i < 12; ++i)
+	{
+		r.source.setTopology(kTopologies[i % 3]);
+		r.run(150);
+		EXPECT_GT(r.force(), 0.8 * felt[0]) << nameOf(kTopologies[i % 3]);
+	}
+	EXPECT_LT(r.steepest, 0.3);
+	std::printf("%.3f N in the tick, %.3f N in its own thread, %.3f N in the world; steepest %.3f N at a switch\n", felt[0], felt[1], felt[2], r.steepest);
+}
+
+TEST(DecoupledFault, RunsInVirtualTimeAreAlikeToTheLastBit)
+{
+	for (const ContactTopology topology : kTopologies)
+	{
+		std::vector<double> traces[2];
+		for (std::vector<double>& trace : traces)
+		{
+			PressedRig r(60, topology, 0.01);
+			for (int i = 0; i < 1200; ++i)
+			{
+				r.run(1);
+				trace.push_back(r.force());
+				trace.push_back(r.device.truePose().translation.y);
+				trace.push_back(double(r.box->getWorldTransform().getOrigin().y()));
+			}
+		}
+		EXPECT_EQ(std::memcmp(traces[0].data(), traces[1].data(), traces[0].size() * sizeof(double)), 0) << nameOf(topology);
+	}
+}
+
+TEST(DecoupledFault, ATickDoesNotAllocate)
+{
+	for (const ContactTopology topology : kTopologies)
+	{
+		PressedRig r(60, topology);
+		r.run(1500);
+		long inTicks = 0;
+		for (int i = 0; i < 300; ++i)
+		{
+			while (static_cast<double>(r.rig.worldSteps + 1) * r.rig.period <= r.rig.time() + 1e-9) r.rig.stepWorld();
+			const long before = allocationCount();
+			r.thread.run(1);
+			r.source.serveContacts();
+			inTicks += allocationCount() - before;
+		}
+		EXPECT_EQ(inTicks, 0) << nameOf(topology);
+		EXPECT_GT(r.thread.step().contactCount, 0);
+	}
+}
+
+TEST(DecoupledFault, ABodyThatIsTakenAwayIsForgotten)
+{
+	PressedRig r(60);
+	r.run(1500);
+	ASSERT_GT(r.force(), 1.5);
+	r.rig.coupling.forget(r.box);
+	r.rig.world.bullet().removeRigidBody(r.box);
+	r.run(300);
+	EXPECT_LT(r.force(), 0.05);  // the tool's inertia
+	EXPECT_EQ(r.thread.step().contactCount, 0);
+	r.rig.world.bullet().addRigidBody(r.box);
+	r.run(1500);
+	EXPECT_GT(r.force(), 1.5);
+}
+
+// World, hand and contact each in a thread of its own, on a real clock: nobody waits for anybody, and in the end the books agree.
+TEST(DecoupledFault, ThreeThreadsLoseNothing)
+{
+	DecoupledRig rig(200);
+	btRigidBody* box = rig.addBox(0.2, {0.046, 0, 0});
+	RealClock clock;
+	btRigidBody tool(Hand::info(rig.ballShape, {}));
+	BulletDecoupledSettings settings = handSettings();
+	settings.topology = ContactTopology::OwnThread;
+	BulletDecoupledSource source(tool, ballTree(), clock, settings);
+	rig.coupling.add(source);
+	rig.coupling.show(rig.period);
+	SimulatedDevice device(simulatedProfile("sigma7").value());
+	device.setHand([](double t) { return HandTarget{{{}, {std::min(0.08 * t, 0.06), 0, 0}}, {}}; });
+	device.open();
+	SteppingThread thread(device, source, clock);
+	std::atomic<bool> running{true};
+	std::thread world(
+		[&]
+		{
+			for (std::int64_t next = clock.now(); running; clock.sleepUntil(next += 5'000'000)) rig.coupling.step(rig.period);
+		});
+	ASSERT_TRUE(source.startContactThread());
+	EXPECT_FALSE(source.startContactThread());
+	ASSERT_TRUE(thread.start());
+	const std::int64_t end = clock.now() + 10'000'000'000;
+	// Until the tool has met the body and some time more, however slow the machine.
+	while (clock.now() < end && thread.ticks() < 900) clock.sleepUntil(clock.now() + 20'000'000);
+	thread.stop();
+	source.stopContactThread();
+	running = false;
+	world.join();
+	rig.coupling.step(rig.period);
+	const Vec3 given = -source.receivedImpulse(), applied = rig.coupling.appliedImpulse(source);
+	const Vec3 momentum = 0.2 * vec3(box->getLinearVelocity());
+	EXPECT_LT(norm(given - applied), 1e-12 + 1e-9 * norm(given));
+	EXPECT_LT(norm(momentum - applied), 1e-5);
+	const DecoupledStatistics s = source.statistics();
+	EXPECT_GT(s.worldSteps, 0U);
+	EXPECT_GT(s.modelAnswers, 0U);
+	std::printf("given %.4f N s; %llu ticks, %llu steps, %llu answers, %llu faded ticks; %s\n", norm(given), static_cast<unsigned long long>(thread.ticks()),
+				static_cast<unsigned long long>(s.worldSteps), static_cast<unsigned long long>(s.modelAnswers),
+				static_cast<unsigned long long>(s.fadedTicks), thread.scheduling());
+}
