@@ -8,6 +8,9 @@
 #if defined(__linux__)
 #include <pthread.h>
 #include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 #endif
 
 namespace devicebridge
@@ -52,7 +55,8 @@ SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clo
 	  m_settings(settings),
 	  m_limiter(device.info(), settings.safety),
 	  m_watch(watchOf(device.info(), settings.watch)),
-	  m_scheduling("on the caller's thread, as that is scheduled")
+	  m_scheduling("on the caller's thread, as that is scheduled"),
+	  m_memory("not locked: the loop has no thread of its own")
 {
 	m_settings.period = std::max<std::int64_t>(1, settings.period);
 }
@@ -101,6 +105,7 @@ void SteppingThread::stop() noexcept
 void SteppingThread::loop() noexcept
 {
 	askForRealTime();
+	askForMemory();
 	while (!m_stopping.load(std::memory_order_acquire))
 	{
 		waitForTick();
@@ -122,6 +127,22 @@ void SteppingThread::askForRealTime() noexcept
 					   : "normal priority: SCHED_FIFO was refused; it needs CAP_SYS_NICE or an rtprio limit";
 #else
 	m_scheduling = "normal priority: real time is not supported on this platform";
+#endif
+}
+
+void SteppingThread::askForMemory() noexcept
+{
+	m_memory = "not locked: it was not asked for";
+	if (!m_settings.lockMemory) return;
+#if defined(__linux__)
+	// Under a limit, pages to come would be refused later, in the middle of the program that uses this.
+	rlimit limit{};
+	const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+	m_memory = unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
+				   ? "locked"
+				   : "not locked: it was refused; it needs CAP_IPC_LOCK or an unlimited memlock limit";
+#else
+	m_memory = "not locked: that is not supported on this platform";
 #endif
 }
 

@@ -38,6 +38,7 @@ struct SteppingSettings
 {
 	std::int64_t period = 1'000'000;  ///< [ns]
 	bool realTime = true;             ///< ask for SCHED_FIFO in start()
+	bool lockMemory = true;           ///< ask in start() that no page of the process is swapped out, now or later; it stays so
 	int priority = 80;                ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
 	SafetySettings safety;
 	StateWatchSettings watch;
@@ -100,6 +101,8 @@ public:
 	void clearFault() noexcept { m_limiter.clearFault(); }
 	/// How the system schedules the loop, in words.
 	const char* scheduling() const noexcept { return m_scheduling.load(std::memory_order_relaxed); }
+	/// Whether its memory is locked, in words.
+	const char* memory() const noexcept { return m_memory.load(std::memory_order_relaxed); }
 
 	// From a listener, or while nothing runs:
 	const DeviceState& state() const noexcept { return m_state; }
@@ -120,6 +123,7 @@ private:
 	void sendZero(FaultCause cause, std::int64_t at) noexcept;
 	void report(FaultCause cause, bool latched) noexcept;
 	void askForRealTime() noexcept;
+	void askForMemory() noexcept;
 
 	Device& m_device;
 	ContactSource& m_source;
@@ -148,7 +152,7 @@ private:
 	std::atomic<bool> m_running{false}, m_stopping{false};
 	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0}, m_faults{0};
 	std::atomic<FaultCause> m_cause{FaultCause::None};
-	std::atomic<const char*> m_scheduling;
+	std::atomic<const char*> m_scheduling, m_memory;
 	DurationHistogram m_periods, m_costs;
 };
 }  // namespace devicebridge

@@ -270,7 +270,8 @@ TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)
 	EXPECT_FALSE(thread.running());
 	EXPECT_GE(thread.ticks(), 20U);
 	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3{});
-	std::printf("%s; period p50 %.0f us, longest %.0f us; tick p50 %.1f us; overruns %llu\n", thread.scheduling(),
+	EXPECT_EQ(std::string(thread.memory()).find(thread.memory()[0] == 'l' ? "locked" : "not locked: it was refused"), 0U) << thread.memory();
+	std::printf("memory %s; %s; period p50 %.0f us, longest %.0f us; tick p50 %.1f us; overruns %llu\n", thread.memory(), thread.scheduling(),
 				thread.periods().quantile(0.5) / 1e3, static_cast<double>(thread.periods().longest()) / 1e3,
 				thread.costs().quantile(0.5) / 1e3, static_cast<unsigned long long>(thread.overruns()));
 	ASSERT_TRUE(thread.start());
