@@ -317,6 +317,17 @@ ist::Vec3 BulletDecoupledSource::undelivered() const noexcept
 	return sum;
 }
 
+bool BulletDecoupledSource::copyOf(const void* object, ist::Pose& X_WB) const noexcept
+{
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		if (m_local.body(slot).spent.epoch == 0 || m_mirror.snapshot().bodies[slot].id != object) continue;
+		X_WB = m_local.body(slot).spent.X_WB;
+		return true;
+	}
+	return false;
+}
+
 DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 {
 	const auto read = [](const auto& value) { return value.load(std::memory_order_relaxed); };

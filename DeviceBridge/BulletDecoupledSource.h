@@ -89,6 +89,15 @@ public:
 	/// In W.
 	ToolState toolState() const noexcept;
 
+	// On the tick, or between ticks: what the last one felt, in Bullet's World.
+	int touchingCount() const noexcept { return m_touchingCount; }
+	/// A patch, the tool being A, as far as it counted.
+	const LinearContact& touching(int i) const noexcept { return m_touching[i]; }
+	/// The btCollisionObject that it is with; null when that was forgotten.
+	const void* touched(int i) const noexcept { return m_mirror.snapshot().bodies[m_touching[i].b].id; }
+	/// Where the copy of a body is; false, and nothing done, when it is not near.
+	bool copyOf(const void* object, ist::Pose& X_WB) const noexcept;
+
 private:
 	struct Question
 	{

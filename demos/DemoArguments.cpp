@@ -14,6 +14,8 @@ const char* const kDemoUsage =
 	"  --spheres N      spheres to pack (default 10000)\n"
 	"  --cache DIR      where trees are kept for the next run (default: the current folder; \"\": nowhere)\n"
 	"  --virtual-time   as fast as possible and reproducible, instead of at 1 kHz\n"
+	"  --decoupled      the world steps on its own, in its own thread; haptic-bunny only\n"
+	"  --world-rate HZ  at this rate (default 60)\n"
 	"  --report FILE    write a report as one HTML file\n"
 	"  --json           print the result as JSON instead of a table\n"
 	"  --headless       no window (these demos never open one)\n";
@@ -32,12 +34,14 @@ double positiveNumber(const std::string& text)
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres;
+	std::string unit, spheres, worldRate;
 	bool headless = false;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
-												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime}};
+												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime},
+												{"--decoupled", &a.decoupled}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--mesh", &a.mesh}, {"--report", &a.report},
-														{"--cache", &a.cache}, {"--unit", &unit}, {"--spheres", &spheres}};
+														{"--cache", &a.cache}, {"--unit", &unit}, {"--spheres", &spheres},
+														{"--world-rate", &worldRate}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
@@ -51,6 +55,9 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!a.error.empty()) return a;
 	a.unit = positiveNumber(unit);
 	if (!unit.empty() && !(a.unit > 0)) a.error = "--unit must be a positive number of metres, not " + unit;
+	if (!worldRate.empty()) a.worldRate = positiveNumber(worldRate);
+	if (!(a.worldRate >= 1 && a.worldRate <= 1000)) a.error = "--world-rate must be between 1 and 1000 Hz, not " + worldRate;
+	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";
 	if (spheres.empty()) return a;
 	a.spheres = static_cast<long long>(std::fmin(positiveNumber(spheres), 1e9));
 	if (a.spheres < 1) a.error = "--spheres must be a positive number, not " + spheres;

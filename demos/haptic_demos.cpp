@@ -74,6 +74,8 @@ int runHapticBunny(const DemoArguments& a)
 	options.spheres = a.spheres;
 	options.cache = a.cache;
 	options.virtualTime = a.virtualTime;
+	options.decoupled = a.decoupled;
+	options.worldRate = a.worldRate;
 	options.progress = showProgress;
 	options.say = say;
 	const ist::Result<scenes::HapticBunnyOutcome> outcome = scenes::runHapticBunny(options);

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "DeviceBridge/BulletContactSource.h"
+#include "DeviceBridge/BulletWorldCoupling.h"
 #include "DeviceBridge/SteppingThread.h"
 #include "demos/scenes/AssetCache.h"
 #include "demos/scenes/BodiesOnPlane.h"
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -73,12 +75,13 @@ Result<Body> makeBody(const Mesh& mesh, int64_t spheres, double unit, const char
 
 SimulatedProfile handProfile() { return simulatedProfile("sigma7").value(); }
 
-/// Writes one sample per tick into memory that was there before.
+/// Writes one sample per tick into memory that was there before. `poses` fills in poses before a step, `contact` what the step found.
 class TraceRecorder
 {
 public:
-	TraceRecorder(BodiesOnPlane& scene, const btRigidBody& body, const btRigidBody& tool, Clock& clock, SteppingThread& thread, size_t ticks)
-		: m_scene(scene), m_body(body), m_tool(tool), m_clock(clock), m_thread(thread), m_capacity(ticks)
+	using Fill = std::function<void(TraceSample&)>;
+	TraceRecorder(Clock& clock, SteppingThread& thread, size_t ticks, Fill poses, Fill contact)
+		: m_clock(clock), m_thread(thread), m_capacity(ticks), m_poses(std::move(poses)), m_contact(std::move(contact))
 	{
 		m_trace.reserve(ticks);
 		thread.onTransform.addDelegate([this](const DeviceState&) { beforeStep(); });
@@ -86,7 +89,6 @@ public:
 	}
 
 	size_t size() const { return m_count.load(std::memory_order_acquire); }
-	uint64_t droppedContacts() const { return m_dropped; }
 	std::vector<TraceSample> take()
 	{
 		if (!m_trace.empty()) m_trace.back().hand = m_thread.sentWrench();
@@ -103,8 +105,7 @@ private:
 		m_next = {};
 		m_next.time = 1e-9 * static_cast<double>(now - m_first);
 		m_next.period = 1e-9 * static_cast<double>(now - m_last);
-		m_next.body = poseOf(m_body);
-		m_next.tool = poseOf(m_tool);
+		m_poses(m_next);
 		m_last = now;
 	}
 
@@ -114,48 +115,65 @@ private:
 		const ToolStep& step = m_thread.step();
 		m_next.pairs = step.pairs;
 		m_next.queryMicroseconds = step.queryMicroseconds;
-		if (const btISTContact* contact = m_scene.contactBetween(m_body, m_tool))
-		{
-			const btISTPairConstants& c = contact->constants;
-			const double sign = contact->bodyA == &m_tool ? 1 : -1;
-			m_next.elastic = sign * (contact->X_WA.rotation * pressureWrench(contact->total, {c.k, c.weightA, c.weightB}).force);
-			m_next.volume = contact->total.volume;
-			m_next.volumeSigma = contact->error.volume;
-			m_next.forceSigma = contact->error.force;
-		}
-		for (const btISTContact* contact : m_scene.world().contacts().contacts()) m_dropped += contact->status != QueryStatus::Ok;
+		m_contact(m_next);
 		m_trace.push_back(m_next);
 		m_count.store(m_trace.size(), std::memory_order_release);
 	}
 	bool full() const { return m_trace.size() == m_capacity; }
 
-	BodiesOnPlane& m_scene;
-	const btRigidBody &m_body, &m_tool;
 	Clock& m_clock;
 	SteppingThread& m_thread;
 	size_t m_capacity;
+	Fill m_poses, m_contact;
 	std::vector<TraceSample> m_trace;
 	TraceSample m_next;
 	std::atomic<size_t> m_count{0};
 	std::int64_t m_first = -1, m_last = -1;
-	uint64_t m_dropped = 0;
 };
+
+/// What simple mode knows of rod and body.
+void fillFromStore(BodiesOnPlane& scene, const btRigidBody& body, const btRigidBody& tool, TraceSample& sample, uint64_t& dropped)
+{
+	if (const btISTContact* contact = scene.contactBetween(body, tool))
+	{
+		const btISTPairConstants& c = contact->constants;
+		const double sign = contact->bodyA == &tool ? 1 : -1;
+		sample.elastic = sign * (contact->X_WA.rotation * pressureWrench(contact->total, {c.k, c.weightA, c.weightB}).force);
+		sample.volume = contact->total.volume;
+		sample.volumeSigma = contact->error.volume;
+		sample.forceSigma = contact->error.force;
+	}
+	for (const btISTContact* contact : scene.world().contacts().contacts()) dropped += contact->status != QueryStatus::Ok;
+}
+
+/// What the hand's thread knows of rod and body in decoupled mode; poses in World.
+void fillFromSource(const BulletDecoupledSource& source, const btRigidBody& body, double volume, TraceSample& sample)
+{
+	sample.volume = volume;
+	for (int i = 0; i < source.touchingCount(); ++i)
+	{
+		const LinearContact& contact = source.touching(i);
+		if (source.touched(i) == &body) sample.elastic += contact.wrench.force;
+	}
+}
 
 bool report(const HapticBunnyOptions& options, const char* stage, double fraction)
 {
 	return !options.progress || options.progress(stage, fraction);
 }
 
-/// False when the caller cancelled.
-bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks, const HapticBunnyOptions& options)
+/// False when the caller cancelled. In virtual time, `between` runs before each tick.
+bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks, const HapticBunnyOptions& options,
+			 const std::function<void()>& between)
 {
 	const auto fraction = [&] { return static_cast<double>(recorder.size()) / static_cast<double>(ticks); };
 	if (options.virtualTime)
 	{
 		while (recorder.size() < ticks)
 		{
-			thread.run(static_cast<std::int64_t>(std::min<size_t>(250, ticks - recorder.size())));
-			if (!report(options, "hand", fraction())) return false;
+			between();
+			thread.run(1);
+			if (recorder.size() % 250 == 0 && !report(options, "hand", fraction())) return false;
 		}
 		return true;
 	}
@@ -170,39 +188,113 @@ bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks
 	return wanted;
 }
 
-/// The hand's whole session, on a body that stands.
+/// A hand on its device, and the clock that it lives by.
+struct HandSetup
+{
+	SimulatedProfile profile = handProfile();
+	SimulatedDevice device{profile};
+	std::unique_ptr<Clock> clock;
+	Pose X_BW;  ///< the middle of the device's workspace lies where the path begins
+	CouplingGains gains = passiveGains(profile.info, profile.damping, profile.angularDamping, kTick);
+	size_t ticks;
+
+	HandSetup(const ProbePath& path, bool virtualTime) : ticks(static_cast<size_t>(path.duration / kTick))
+	{
+		if (virtualTime) clock = std::make_unique<VirtualClock>();
+		else clock = std::make_unique<RealClock>();
+		X_BW.translation = path.frames.front().pose.translation;
+		std::vector<HandKeyFrame> frames = path.frames;
+		for (HandKeyFrame& frame : frames) frame.pose = inverse(X_BW) * frame.pose;
+		device.place(frames.front().pose);
+		device.setHand(handThrough(std::move(frames)));
+		device.open();
+	}
+};
+
+void keepFigures(const HandSetup& hand, const SteppingThread& thread, TraceRecorder& recorder, HapticBunnyOutcome& outcome)
+{
+	outcome.trace = recorder.take();
+	outcome.overruns = thread.overruns();
+	outcome.deviceErrors = thread.deviceErrors();
+	outcome.scheduling = outcome.virtualTime ? "virtual time, on the caller's thread" : thread.scheduling();
+	outcome.memory = thread.memory();
+	outcome.safety = thread.safetyCounts();
+	outcome.faulted = thread.faulted();
+	outcome.work = hand.device.work();
+}
+
+/// The hand's whole session, on a body that stands, in simple mode.
 bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, const ProbePath& path, const HapticBunnyOptions& options,
 			  HapticBunnyOutcome& outcome)
 {
-	const SimulatedProfile profile = handProfile();
-	// The middle of the device's workspace lies where the path begins.
-	Pose X_BW;
-	X_BW.translation = path.frames.front().pose.translation;
-	std::vector<HandKeyFrame> frames = path.frames;
-	for (HandKeyFrame& frame : frames) frame.pose = inverse(X_BW) * frame.pose;
-	SimulatedDevice device(profile);
-	device.place(frames.front().pose);
-	device.setHand(handThrough(std::move(frames)));
-	device.open();
-
+	HandSetup hand(path, options.virtualTime);
 	BulletToolSettings settings;
-	settings.gains = passiveGains(profile.info, profile.damping, profile.angularDamping, kTick);
-	settings.X_BW = X_BW;
+	settings.gains = hand.gains;
+	settings.X_BW = hand.X_BW;
 	BulletContactSource source(scene.world(), tool, settings);
-	const std::unique_ptr<Clock> clock =
-		options.virtualTime ? std::unique_ptr<Clock>(std::make_unique<VirtualClock>()) : std::make_unique<RealClock>();
-	SteppingThread thread(device, source, *clock);
-	const size_t ticks = static_cast<size_t>(path.duration / kTick);
-	TraceRecorder recorder(scene, body, tool, *clock, thread, ticks);
-	const bool done = perform(thread, recorder, ticks, options);
-	outcome.trace = recorder.take();
-	outcome.droppedContacts = recorder.droppedContacts();
-	outcome.overruns = thread.overruns();
-	outcome.deviceErrors = thread.deviceErrors();
-	outcome.scheduling = options.virtualTime ? "virtual time, on the caller's thread" : thread.scheduling();
-	outcome.safety = thread.safetyCounts();
-	outcome.faulted = thread.faulted();
-	outcome.work = device.work();
+	SteppingThread thread(hand.device, source, *hand.clock);
+	TraceRecorder recorder(
+		*hand.clock, thread, hand.ticks, [&](TraceSample& sample) { sample.body = poseOf(body), sample.tool = poseOf(tool); },
+		[&](TraceSample& sample) { fillFromStore(scene, body, tool, sample, outcome.droppedContacts); });
+	const bool done = perform(thread, recorder, hand.ticks, options, [] {});
+	keepFigures(hand, thread, recorder, outcome);
+	return done;
+}
+
+/// The same with a world that steps at its own rate.
+bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& probe, btRigidBody& tool, const ProbePath& path,
+				   const HapticBunnyOptions& options, HapticBunnyOutcome& outcome)
+{
+	HandSetup hand(path, options.virtualTime);
+	BulletDecoupledSettings settings;
+	settings.gains = hand.gains;
+	settings.X_BW = hand.X_BW;
+	scene.world().bullet().removeRigidBody(&tool);
+	BulletDecoupledSource source(tool, probe.cached.tree, *hand.clock, settings);
+	BulletWorldCoupling coupling(scene.world());
+	coupling.add(source);
+	const double period = 1 / options.worldRate;
+	coupling.show(period);
+	SteppingThread thread(hand.device, source, *hand.clock);
+	TraceRecorder recorder(
+		*hand.clock, thread, hand.ticks,
+		[&](TraceSample& sample)
+		{
+			sample.tool = hand.X_BW * source.toolState().X_WT;
+			source.copyOf(&body, sample.body);
+		},
+		[&](TraceSample& sample) { fillFromSource(source, body, thread.step().overlapVolume, sample); });
+
+	const Vec3 before = poseOf(body).translation;
+	const std::int64_t start = hand.clock->now();
+	std::int64_t steps = 0;
+	const auto due = [&] { return start + static_cast<std::int64_t>(1e9 * period * static_cast<double>(steps + 1)); };
+	std::atomic<bool> running{true};
+	std::thread world;
+	if (!options.virtualTime)
+		world = std::thread(
+			[&]
+			{
+				for (; running; ++steps)
+				{
+					hand.clock->sleepUntil(due());
+					coupling.step(period);
+				}
+			});
+	const bool done = perform(thread, recorder, hand.ticks, options,
+							  [&]
+							  {
+								  for (; due() <= hand.clock->now(); ++steps) coupling.step(period);
+							  });
+	running = false;
+	if (world.joinable()) world.join();
+	keepFigures(hand, thread, recorder, outcome);
+	const DecoupledStatistics statistics = source.statistics();
+	outcome.worldRate = options.worldRate;
+	coupling.step(period);  // takes what is still under way
+	outcome.decoupled = {statistics.worldSteps, statistics.fadedTicks, statistics.longestModelAge, source.receivedImpulse(),
+						 coupling.appliedImpulse(source), {}, distance(poseOf(body).translation, before)};
+	outcome.decoupled.underWay = -(outcome.decoupled.toTool + outcome.decoupled.toWorld);
 	return done;
 }
 
@@ -259,7 +351,10 @@ Result<HapticBunnyOutcome> runHapticBunny(const HapticBunnyOptions& options)
 	const Result<btRigidBody*> tool =
 		scene.add(probe.value().principal.mesh, probe.value().cached.tree, kProbeMaterial, path.frames.front().pose);
 	if (!tool) return tool.error();
-	if (!playHand(scene, *standing.value(), *tool.value(), path, options, outcome)) return Error{"the run was stopped", true};
+	const bool done = options.decoupled
+						  ? playDecoupled(scene, *standing.value(), probe.value(), *tool.value(), path, options, outcome)
+						  : playHand(scene, *standing.value(), *tool.value(), path, options, outcome);
+	if (!done) return Error{"the run was stopped", true};
 
 	const double kBody = kBodyMaterial.stiffness, kProbe = kProbeMaterial.stiffness;
 	outcome.pairStiffness = kBody * kProbe / (kBody + kProbe);

@@ -14,7 +14,8 @@
 namespace scenes
 {
 /// A mesh stands in a Bullet world on Bullet's own plane. A simulated hand on a simulated sigma.7 presses a steel rod on it, slides it
-/// over its back and along its ear, turns it, and lets go. The 1 kHz thread of DeviceBridge owns the world.
+/// over its back and along its ear, turns it, and lets go. The 1 kHz thread of DeviceBridge owns the world (simple mode), or the world
+/// steps at its own rate in a thread of its own (decoupled mode; in virtual time both take turns).
 struct HapticBunnyOptions
 {
 	std::string mesh;         ///< file; its y axis is up
@@ -24,6 +25,8 @@ struct HapticBunnyOptions
 	uint64_t seed = 1;
 	std::string cache;        ///< folder for trees; empty: none
 	bool virtualTime = false;
+	bool decoupled = false;
+	double worldRate = 60;    ///< in decoupled mode [Hz]
 	int comparisons = 20;     ///< instants in contact that quadrature judges
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;  ///< messages for people
@@ -38,7 +41,7 @@ struct TraceSample
 	ist::Pose body, tool;         ///< with which the query was asked
 	double volume = 0;            ///< overlap of rod and body [m^3]
 	ist::Vec3 elastic;            ///< force of the pressure field law on the rod [N]
-	double volumeSigma = 0, forceSigma = 0;  ///< standard errors as the library states them [m^3, N]
+	double volumeSigma = 0, forceSigma = 0;  ///< standard errors as the library states them; only in simple mode [m^3, N]
 	int64_t pairs = 0;            ///< over all contacts of the rod
 	double queryMicroseconds = 0; ///< all queries of the tick, that of body and plane among them
 };
@@ -66,6 +69,15 @@ struct PeriodQuantiles
 	double p50 = 0, p99 = 0, p999 = 0, max = 0;  ///< [s]
 };
 
+/// What only decoupled mode has.
+struct DecoupledFigures
+{
+	uint64_t worldSteps = 0, fadedTicks = 0;
+	double longestModelAge = 0;  ///< of the world, as the hand knew it [s]
+	ist::Vec3 toTool, toWorld, underWay;  ///< impulses that contacts gave to the tool and to the bodies, and the ledger [N s]
+	double bodyShift = 0;        ///< of the body, over the whole session [m]
+};
+
 struct HapticBunnyOutcome
 {
 	std::string mesh;
@@ -87,7 +99,9 @@ struct HapticBunnyOutcome
 	PeriodQuantiles periods;
 	double meanRate = 0;  ///< [Hz]
 	uint64_t overruns = 0, deviceErrors = 0;
-	std::string scheduling;
+	std::string scheduling, memory;
+	double worldRate = 0;  ///< [Hz]; 0: simple mode
+	DecoupledFigures decoupled;
 	double maxForce = 0, maxTorque = 0;  ///< at the hand [N, N m]
 	double work = 0;  ///< that the device did on the hand [J]
 	devicebridge::SafetyCounts safety;

@@ -13,6 +13,7 @@ namespace scenes
 namespace
 {
 constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kTick = 1e-3;  // [s]
 constexpr size_t kColumns = 400;  // of a plot; what lies closer shows as its extremes
 
 using Value = std::function<double(const TraceSample&)>;
@@ -154,7 +155,10 @@ void addRateCharts(HtmlReport& report, const HapticBunnyOutcome& o)
 std::vector<std::vector<std::string>> summaryRows(const HapticBunnyOutcome& o)
 {
 	const std::string judged = ", rms error / rms truth of " + std::to_string(o.comparisons.size());
-	return {{"Result", o.ok() ? "ok" : "FAILED", ""},
+	const bool decoupled = o.worldRate > 0;
+	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""},
+			{"Mode", decoupled ? "decoupled" : "simple", ""},
+			{"Rate of the world", decoupled ? number(o.worldRate) : number(1 / kTick), "Hz"},
 			{"Triangles", number(o.triangles), ""},
 			{"Spheres", number(o.spheres), ""},
 			{"Leaves", number(o.leaves), ""},
@@ -182,6 +186,16 @@ std::vector<std::vector<std::string>> summaryRows(const HapticBunnyOutcome& o)
 			{"Force, direction, median error", number(kDegrees * o.forceDirection, 2), "degrees"},
 			{"Commands that the safety limits changed", number(o.safety.total()), ""},
 			{"Contacts dropped", number(o.droppedContacts), ""}};
+	if (!decoupled) return rows;
+	const DecoupledFigures& d = o.decoupled;
+	rows.push_back({"Steps of the world that the hand saw", number(d.worldSteps), ""});
+	rows.push_back({"Age of the world, most", number(1e3 * d.longestModelAge), "ms"});
+	rows.push_back({"Ticks with a world too late", number(d.fadedTicks), ""});
+	rows.push_back({"Impulse of contacts on the tool", number(norm(d.toTool)), "N s"});
+	rows.push_back({"Impulse of the tool on bodies", number(norm(d.toWorld)), "N s"});
+	rows.push_back({"Sum of both", number(norm(d.underWay), 2), "N s"});
+	rows.push_back({"Shift of the body in the session", number(1e3 * d.bodyShift), "mm"});
+	return rows;
 }
 
 HtmlReport makeReport(const HapticBunnyOutcome& o)
@@ -189,8 +203,11 @@ HtmlReport makeReport(const HapticBunnyOutcome& o)
 	HtmlReport report("A simulated hand feels a mesh");
 	report.paragraph("A closed mesh was filled with spheres and stands, as a rigid body, in a Bullet world on Bullet's own plane. A simulated "
 					 "hand on a simulated 6-DOF device (sigma.7) holds a steel rod, 50 mm long and 20 mm thick: it presses the rod on the "
-					 "back, slides it over the back and along the ear, turns it about the vertical, and lets go. The haptic loop steps the "
-					 "whole world once per tick at 1 kHz.");
+					 "back, slides it over the back and along the ear, turns it about the vertical, and lets go. " +
+					 std::string(o.worldRate > 0 ? "The world steps at its own rate of " + number(o.worldRate) +
+													   " Hz; the haptic loop moves copies of the bodies near the rod at 1 kHz, and the world gets the "
+													   "impulses that they got."
+												 : "The haptic loop steps the whole world once per tick at 1 kHz."));
 	report.paragraph(phaseSentence(o));
 	for (const std::string& phase : o.phasesWithoutContact) report.paragraph("No contact where it was meant: " + phase + ".");
 	for (const std::string& action : o.repair) report.paragraph("Repair of the mesh: " + action);
@@ -208,8 +225,8 @@ HtmlReport makeReport(const HapticBunnyOutcome& o)
 	report.chart({"Elastic force between rod and body", "time [s]", "|force| [N]",
 				  {envelope("inner sphere tree", o.trace, [](const TraceSample& s) { return norm(s.elastic); }),
 				   truths(o, [](const TraceComparison& c) { return norm(c.forceTruth); })}});
-	report.paragraph("Relative errors at these instants; for the force, the length of the difference of the vectors. The bars are the standard "
-					 "errors that the library itself predicts, one sigma.");
+	report.paragraph("Relative errors at these instants; for the force, the length of the difference of the vectors." +
+					 std::string(o.worldRate > 0 ? "" : " The bars are the standard errors that the library itself predicts, one sigma."));
 	report.chart({"Errors against quadrature", "time [s]", "error [%]",
 				  {errors(o, "volume", [&](const TraceComparison& c)
 						  { return std::array{c.volumeError / c.volumeTruth, o.trace[c.sample].volumeSigma / c.volumeTruth}; }),
@@ -244,7 +261,16 @@ std::string makeJson(const HapticBunnyOutcome& o)
 	field("volume_error_rms", o.volumeRms), field("force_error_rms", o.forceRms), field("force_direction_error_rad", o.forceDirection);
 	count("safety_changes", o.safety.total()), count("safety_ramped", o.safety.ramped), count("safety_passivity", o.safety.passivity), flag("faulted", o.faulted), count("dropped_contacts", o.droppedContacts);
 	flag("came_free", o.cameFree);
-	out += ",\"scheduling\":\"" + o.scheduling + "\",\"phases_without_contact\":[";
+	out += std::string(",\"mode\":\"") + (o.worldRate > 0 ? "decoupled" : "simple") + "\"";
+	field("world_hz", o.worldRate > 0 ? o.worldRate : 1 / kTick);
+	if (o.worldRate > 0)
+	{
+		const DecoupledFigures& d = o.decoupled;
+		count("world_steps", d.worldSteps), field("longest_model_age_s", d.longestModelAge), count("faded_ticks", d.fadedTicks);
+		field("impulse_on_tool_ns", norm(d.toTool)), field("impulse_on_bodies_ns", norm(d.toWorld)), field("impulse_rest_ns", norm(d.underWay));
+		field("body_shift_m", d.bodyShift);
+	}
+	out += ",\"memory\":\"" + o.memory + "\",\"scheduling\":\"" + o.scheduling + "\",\"phases_without_contact\":[";
 	for (size_t i = 0; i < o.phasesWithoutContact.size(); ++i) out += (i ? ",\"" : "\"") + o.phasesWithoutContact[i] + "\"";
 	return out + "]}";
 }

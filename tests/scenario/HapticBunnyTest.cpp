@@ -98,6 +98,30 @@ TEST(HapticBunny, RunInVirtualTimeIsBitIdenticalTwice)
 	EXPECT_EQ(one.value().work, two.value().work);
 }
 
+// Who steps the world, and how often, is nothing that the hand may notice: the body stands firmly.
+TEST(HapticBunny, DecoupledModeFeelsLikeSimpleMode)
+{
+	HapticBunnyOptions options = pebbleOptions();
+	options.comparisons = 0;
+	const Result<HapticBunnyOutcome> simple = runHapticBunny(options);
+	ASSERT_TRUE(simple) << simple.error().message;
+	const HapticBunnyOutcome& s = simple.value();
+	options.decoupled = true;
+	const Result<HapticBunnyOutcome> decoupled = runHapticBunny(options);
+	ASSERT_TRUE(decoupled) << decoupled.error().message;
+	const HapticBunnyOutcome& d = decoupled.value();
+	EXPECT_TRUE(d.ok());
+	EXPECT_EQ(d.worldRate, 60);
+	EXPECT_EQ(d.overruns + d.deviceErrors + d.decoupled.fadedTicks, 0u);
+	EXPECT_NEAR(d.maxForce, s.maxForce, 0.05 * s.maxForce);
+	EXPECT_NEAR(d.maxTorque, s.maxTorque, 0.1 * s.maxTorque);
+	EXPECT_NEAR(d.work, s.work, 0.05 * std::fabs(s.work));
+	EXPECT_GT(norm(d.decoupled.toTool), 1);
+	EXPECT_LT(norm(d.decoupled.underWay), 1e-9 * norm(d.decoupled.toTool));
+	std::printf("  world at 60 Hz: %.3f N, %.2f N mm, %.2f mJ; simple mode %.3f N, %.2f N mm, %.2f mJ\n", d.maxForce, 1e3 * d.maxTorque, 1e3 * d.work,
+				s.maxForce, 1e3 * s.maxTorque, 1e3 * s.work);
+}
+
 TEST(AssetCache, IsReadTheSecondTimeAndBuiltAnewWhenItDoesNotFit)
 {
 	const std::filesystem::path folder =
