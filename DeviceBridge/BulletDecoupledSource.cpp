@@ -130,6 +130,7 @@ void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
 										 kToolContacts - m_touchingCount, step.overlapVolume);
 	}
 	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
+	m_overBudget.store(m_finder.overBudget(), std::memory_order_relaxed);
 }
 
 /// At most one question is out at a time: what it points to must live until it was answered.
@@ -140,6 +141,7 @@ void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
 		m_answerAge.arrived(m_askedAt, 0);
 		m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
 		m_coarsened.store(m_answers.readable().coarsened, std::memory_order_relaxed);
+		m_overBudget.store(m_answers.readable().overBudget, std::memory_order_relaxed);
 	}
 	const Answer& answer = m_answers.readable();
 	step.queryMicroseconds = answer.microseconds;
@@ -269,6 +271,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	}
 	answer.microseconds = microsecondsSince(begin);
 	answer.coarsened = m_threadFinder.coarsened();
+	answer.overBudget = m_threadFinder.overBudget();
 	m_answers.publish();
 	return true;
 }
@@ -336,6 +339,7 @@ DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 	s.modelAnswers = read(m_modelAnswers);
 	s.fadedTicks = read(m_fadedTicks);
 	s.coarsenedQueries = read(m_coarsened);
+	s.queriesOverBudget = read(m_overBudget);
 	s.modelAge = 1e-9 * static_cast<double>(read(m_age));
 	s.longestModelAge = 1e-9 * static_cast<double>(read(m_longestAge));
 	s.period = 1e-9 * static_cast<double>(read(m_period));

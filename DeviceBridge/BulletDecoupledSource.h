@@ -29,7 +29,7 @@ struct BulletDecoupledSettings
 	ist::Pose X_BW;           ///< the device's world W in Bullet's World B
 	bool gravity = false;     ///< does the tool weigh on the hand?
 	ContactTopology topology = ContactTopology::InTick;
-	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers. Negative: none
+	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers (TreeLevels.h). Negative: none
 	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< a model that is so much later than expected counts in full, for nothing [ns]
 	double fadeIn = 0.25;     ///< of a contact that begins inside [s]
 	double trustedWay = 0.1;  ///< a copy counts in full up to this way since the last step, and for nothing from twice that on [m]
@@ -43,6 +43,7 @@ struct DecoupledStatistics
 	std::uint64_t modelAnswers = 0;    ///< of the contact thread, or of the world where that finds the contacts
 	std::uint64_t fadedTicks = 0;      ///< in which a model was so late that it counted in part or for nothing
 	std::uint64_t coarsenedQueries = 0;  ///< answered by a coarser level, to keep the budget
+	std::uint64_t queriesOverBudget = 0;  ///< that no level could answer within it; asked without
 	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
 	double period = 0;                 ///< of the world, as learnt [s]
 };
@@ -112,7 +113,7 @@ private:
 		LinearContact contacts[kToolContacts];
 		int count = 0;
 		double volume = 0, microseconds = 0;
-		std::uint64_t coarsened = 0;
+		std::uint64_t coarsened = 0, overBudget = 0;
 	};
 
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
@@ -153,7 +154,7 @@ private:
 	std::atomic<bool> m_stopping{false};
 	std::atomic<std::uint32_t> m_wake{0};
 
-	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0};
+	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0};
 	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
 };
 }  // namespace devicebridge

@@ -24,7 +24,15 @@ int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, co
 							 int capacity, double& volume) noexcept
 {
 	ist::OverlapResult result;
-	if (body.tree) result = queryOverlap(m_tool, *body.tree, inverse(X_WT) * X_WB, m_workspace, m_options);
+	if (body.tree)
+	{
+		result = queryOverlap(m_tool, *body.tree, inverse(X_WT) * X_WB, m_workspace, m_options);
+		if (result.status == ist::QueryStatus::BudgetTooSmall)
+		{
+			++m_overBudget;
+			result = queryOverlap(m_tool, *body.tree, inverse(X_WT) * X_WB, m_workspace);
+		}
+	}
 	else
 	{
 		const ist::Vec3 normal = transpose(X_WT.rotation) * body.planeNormal;

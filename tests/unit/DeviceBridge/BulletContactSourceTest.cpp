@@ -2,8 +2,8 @@
 #include "DeviceBridge/BulletContactSource.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
 #include "tests/unit/CountingAllocator.h"
+#include "tests/unit/DeviceBridge/KeptTree.h"
 
 #include "BulletCollision/CollisionShapes/btSphereShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -27,12 +27,7 @@ constexpr double kRadius = 0.02, kToolMass = 0.1, kBodyMass = 0.3;
 
 std::shared_ptr<const ist::InnerSphereTree> ballTree()
 {
-	static const auto tree = []
-	{
-		ist::BuildOptions options;
-		options.maxSpheres = 300;
-		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeSphereMesh(kRadius, 3), options).value());
-	}();
+	static const auto tree = keptTree(ist::makeSphereMesh(kRadius, 3), "ball_20mm.ist");
 	return tree;
 }
 

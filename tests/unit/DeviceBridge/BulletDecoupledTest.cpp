@@ -289,3 +289,54 @@ TEST(BulletDecoupled, ABodyThatIsThrownAtTheToolBringsNoEnergyBack)
 			std::printf("thrown, world at %g Hz, %g kg: %.2f of the energy comes back\n", rate, mass, most);
 		});
 }
+
+// A sleeping body has no fresh contacts; what carries it is known all the same, and a push wakes it.
+TEST(BulletDecoupled, ASleepingBodyIsFeltAndWakes)
+{
+	DecoupledRig rig(60, kGravity);
+	rig.sleeping = true;
+	rig.add(rig.planeShape, 0, {}, 0.3);
+	btRigidBody* box = rig.addBox(0.3, {0, 0.02, 0});
+	Hand& hand = rig.addHand({-0.055, 0.023, 0});
+	hand.script = [](double t) { return ist::Twist{{t > 4 && t < 5 ? 0.03 : 0, 0, 0}, {}}; };
+	rig.run(4);
+	ASSERT_FALSE(box->isActive());
+	const double height = double(box->getWorldTransform().getOrigin().y());
+	rig.run(0.3);
+	// Still at rest, but for the hand about to touch it: its copy neither falls nor rises.
+	EXPECT_EQ(hand.step.contactCount, 0);
+	ist::Pose copy;
+	ASSERT_TRUE(hand.source.copyOf(box, copy));
+	EXPECT_NEAR(copy.translation.y, height, 1e-4);
+	rig.run(1.2);
+	EXPECT_TRUE(box->isActive());
+	EXPECT_NEAR(double(box->getWorldTransform().getOrigin().x()), 0.015, 0.006);
+	// Coulomb: the products of the frictions, times the weight.
+	EXPECT_GT(hand.largest, 0.3 * 0.8 * 0.3 * 9.81);
+}
+
+TEST(BulletDecoupled, ABudgetOfPairsIsKeptAndCounted)
+{
+	double felt[3] = {};
+	const std::int64_t budgets[] = {-1, 20, 1};  // one pair is what levels can do with at the first touch only
+	for (int i = 0; i < 3; ++i)
+	{
+		DecoupledRig rig(60, kGravity);
+		rig.addPlane();
+		rig.addBox(0.3, {0, 0.02, 0});
+		BulletDecoupledSettings settings = handSettings();
+		settings.maxPairs = budgets[i];
+		Hand& hand = rig.addHand({0, 0.065, 0}, settings);
+		hand.script = pressing(0.008);
+		std::int64_t most = 0;
+		rig.afterTick = [&] { most = std::max(most, hand.step.pairs); };
+		rig.run(2);
+		felt[i] = norm(hand.step.coupling.force);
+		const DecoupledStatistics statistics = hand.source.statistics();
+		EXPECT_EQ(most <= 20, i == 1) << most;
+		EXPECT_EQ(statistics.coarsenedQueries > 0, i > 0);
+		EXPECT_EQ(statistics.queriesOverBudget > 0, i == 2);
+	}
+	EXPECT_NEAR(felt[1], felt[0], 0.3 * felt[0]);
+	EXPECT_NEAR(felt[2], felt[0], 0.02 * felt[0]);
+}

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
 #include "DeviceBridge/BulletWorldCoupling.h"
+#include "tests/unit/DeviceBridge/KeptTree.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btSphereShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
-#include <filesystem>
 #include <functional>
 #include <memory>
-#include <random>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace devicebridge
@@ -27,26 +23,14 @@ inline btVector3 bullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), bt
 constexpr double kBallRadius = 0.02, kBoxHalf = 0.02, kDecoupledToolMass = 0.1;
 constexpr std::int64_t kTickPeriod = 1'000'000;
 
-/// Made once and kept in the build folder: making it takes seconds, and every test is a run of its own.
-inline std::shared_ptr<const ist::InnerSphereTree> treeOf(const ist::Mesh& mesh, const char* name)
-{
-	const std::filesystem::path file = std::filesystem::path(TREE_FOLDER) / name;
-	if (ist::Result<ist::InnerSphereTree> kept = ist::loadAsset(file.string())) return std::make_shared<const ist::InnerSphereTree>(std::move(kept).value());
-	ist::BuildOptions options;
-	options.maxSpheres = 300;
-	const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(mesh, options).value());
-	const std::string unique = file.string() + std::to_string(std::random_device()());
-	if (ist::saveAsset(*tree, unique)) std::filesystem::rename(unique, file);
-	return tree;
-}
 inline const auto& ballTree()
 {
-	static const auto tree = treeOf(ist::makeSphereMesh(kBallRadius, 3), "decoupled_ball.ist");
+	static const auto tree = keptTree(ist::makeSphereMesh(kBallRadius, 3), "ball_20mm.ist");
 	return tree;
 }
 inline const auto& boxTree()
 {
-	static const auto tree = treeOf(ist::makeBoxMesh({kBoxHalf, kBoxHalf, kBoxHalf}), "decoupled_box.ist");
+	static const auto tree = keptTree(ist::makeBoxMesh({kBoxHalf, kBoxHalf, kBoxHalf}), "box_40mm.ist");
 	return tree;
 }
 
