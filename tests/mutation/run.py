@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 
-CORE, COLLISION = "BulletISTCollision/Core/", "BulletISTCollision/"
+CORE, COLLISION, BRIDGE = "BulletISTCollision/Core/", "BulletISTCollision/", "DeviceBridge/"
 
 # Name: (file, text that occurs in it once, what takes its place, test program, tests of which one must fail).
 MUTATIONS = {
@@ -65,6 +65,27 @@ MUTATIONS = {
     "table of contacts not registered": (
         COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || !closest) return;",
         "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+    "gap between ticks not bridged": (
+        BRIDGE + "GapBridge.h", "if (dt > kShortest * period && m_hasLast)", "if (false)",
+        "test_devices", "GapBridge.*"),
+    "impulses of the hand taken twice": (
+        BRIDGE + "WorldMirror.cpp", "		body.seen = now;\n", "",
+        "test_devices", "WorldMirror.*"),
+    "late world counts in full": (
+        BRIDGE + "ModelAge.h", "if (late <= fullUntil) return 1;", "if (late >= 0) return 1;",
+        "test_devices", "ModelAge.*"),
+    "copies feel half of the tool": (
+        BRIDGE + "BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * m_impulses[i];", "const ist::Wrench onBody = -0.5 * m_impulses[i];",
+        "test_bridge", "BulletDecoupled.ImpulsesBalance*"),
+    "copies that nothing carries": (
+        BRIDGE + "BulletLocalWorld.cpp", "i < world.contactCount; ++i)", "i < 0; ++i)",
+        "test_bridge", "BulletDecoupled.ABodyOnATableIsPressed"),
+    "copies never put right": (
+        BRIDGE + "BulletLocalWorld.cpp", "const double part = body.left > h ? h / body.left : 1;", "const double part = 0;",
+        "test_bridge", "BulletDecoupled.ABodyOnATableIsPressed"),
+    "impulses as if they had come at once": (
+        BRIDGE + "BulletWorldCoupling.cpp", "const double late = std::min(", "const double late = 0 * std::min(",
+        "test_bridge", "BulletDecoupled.AFreeBodyIsPushedAlikeAtAnyRate"),
 }
 
 
