@@ -31,7 +31,7 @@ void scale(LinearContact& c, double factor)
 
 BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock,
 											 const BulletDecoupledSettings& settings)
-	: m_tool(tool), m_tree(std::move(tree)), m_clock(clock), m_settings(settings), m_X_WB(inverse(settings.X_BW)),
+	: m_tool(tool), m_tree(std::move(tree)), m_time(clock), m_settings(settings), m_X_WB(inverse(settings.X_BW)),
 	  m_topology(settings.topology), m_finder(*m_tree, settings.maxPairs), m_lastTopology(settings.topology),
 	  m_threadFinder(*m_tree, settings.maxPairs)
 {
@@ -57,7 +57,7 @@ ToolState BulletDecoupledSource::toolState() const noexcept
 
 void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
-	const std::int64_t now = m_clock.now();
+	const std::int64_t now = m_time.now();
 	takeSnapshot(now);
 	const double factor = m_worldAge.factor(now);
 	if (factor < 1) m_fadedTicks.fetch_add(1, std::memory_order_relaxed);

@@ -7,8 +7,8 @@
 
 #include "DeviceBridge/BulletLocalWorld.h"
 #include "DeviceBridge/BulletToolContacts.h"
-#include "DeviceBridge/Clock.h"
 #include "DeviceBridge/ModelAge.h"
+#include "DeviceBridge/SteadyTime.h"
 #include "DeviceBridge/VirtualCoupling.h"
 
 class btRigidBody;
@@ -130,7 +130,7 @@ private:
 
 	btRigidBody& m_tool;
 	std::shared_ptr<const ist::InnerSphereTree> m_tree;
-	Clock& m_clock;
+	SteadyTime m_time;
 	BulletDecoupledSettings m_settings;
 	ist::Pose m_X_WB;
 	double m_leastInertia = 0;

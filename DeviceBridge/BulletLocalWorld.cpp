@@ -78,7 +78,8 @@ void BulletLocalWorld::step(double h, const ist::Wrench& pull, LinearContact* to
 	for (int i = 0; i < world.contactCount; ++i)
 	{
 		const LinearContact& c = world.contacts[i];
-		addRow(movedTo(c, putRight(c.a), putRight(c.b)), h);
+		const LinearContact moved = movedTo(c, putRight(c.a), putRight(c.b));
+		if (isFinite(moved.wrench) && isFinite(moved.point)) addRow(moved, h);
 	}
 	solve();
 	enterSpent(touching, count);
@@ -144,6 +145,7 @@ void BulletLocalWorld::enterSpent(const LinearContact* touching, int count) noex
 	for (int i = 0; i < count; ++i)
 	{
 		m_impulses[i] = m_rows[i].impulse();
+		if (!isFinite(m_impulses[i])) m_impulses[i] = {};  // nothing that is not finite leaves here
 		m_given += m_impulses[i].force;
 		SpentImpulse& copy = m_bodies[touching[i].b].spent;
 		const ist::Wrench onBody = -1.0 * m_impulses[i];
@@ -166,13 +168,13 @@ void BulletLocalWorld::move(double h, const WorldSnapshot& world) noexcept
 		body.turn -= turn;
 		copy.shifted += shift;
 		copy.turned += turn;
-		copy.twist = m_twists[slot];
+		copy.twist = isFinite(m_twists[slot]) ? m_twists[slot] : ist::Twist();
 		copy.X_WB = {turned(copy.X_WB.rotation, h * copy.twist.angular + turn), copy.X_WB.translation + h * copy.twist.linear + shift};
 		copy.area = copy.area + h * copy.impulse;
 		copy.seconds += h;
 	}
 	ToolState& t = tool.state;
-	t.twist = m_twists[kToolIndex];
+	t.twist = isFinite(m_twists[kToolIndex]) ? m_twists[kToolIndex] : ist::Twist();
 	t.X_WT = {turned(t.X_WT.rotation, h * t.twist.angular), t.X_WT.translation + h * t.twist.linear};
 }
 }  // namespace devicebridge

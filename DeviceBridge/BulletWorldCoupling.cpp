@@ -19,6 +19,13 @@ constexpr double kHandSpeed = 1;      // a body must be known before the tool ca
 constexpr double kLeaveAt = 1.5;      // of the reach at which a body enters
 constexpr double kStockPeriod = 1e-3; // a contact without stiffness holds a copy at the pace of a tick [s]
 
+bool isFiniteBody(const btCollisionObject& object)
+{
+	const btRigidBody* body = btRigidBody::upcast(&object);
+	const auto finite = [](const btVector3& v) { return isFinite(toVec3(v)); };
+	return isRigid(toPose(object.getWorldTransform())) && (!body || (finite(body->getLinearVelocity()) && finite(body->getAngularVelocity())));
+}
+
 bool movable(const btCollisionObject* object)
 {
 	const btRigidBody* body = btRigidBody::upcast(object);
@@ -177,7 +184,7 @@ void BulletWorldCoupling::publish(std::uint64_t stamp)
 	{
 		WorldMirror& mirror = hand.source->mirror();
 		for (int slot = 0; slot < kMirroredBodies; ++slot)
-			if (hand.bodies[slot]) describe(hand, slot);
+			if (hand.bodies[slot] && isFiniteBody(*hand.bodies[slot])) describe(hand, slot);
 		findToolContacts(hand, mirror.writable());
 		mirror.publish(m_seconds);
 	}
@@ -196,7 +203,8 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 		if (!hand.bodies[slot]) continue;
 		btVector3 low, high;
 		hand.bodies[slot]->getCollisionShape()->getAabb(hand.bodies[slot]->getWorldTransform(), low, high);
-		if (distanceToBox(center, low, high) > kLeaveAt * reach) mirror.leave(slot);
+		const bool near = distanceToBox(center, low, high) <= kLeaveAt * reach;
+		if (!near || !isFiniteBody(*hand.bodies[slot])) mirror.leave(slot);
 	}
 	if (!hand.moving) return;
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
@@ -205,7 +213,7 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 
 void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach)
 {
-	if (!object.hasContactResponse() || !btRigidBody::upcast(&object)) return;
+	if (!object.hasContactResponse() || !btRigidBody::upcast(&object) || !isFiniteBody(object)) return;
 	const btCollisionShape* shape = object.getCollisionShape();
 	btVector3 low, high;
 	shape->getAabb(object.getWorldTransform(), low, high);

@@ -27,7 +27,8 @@ public:
 	BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule);
 	~BulletWorldCoupling();
 
-	/// Hands come before the first step or between steps; they outlive this or are removed.
+	/// Between steps. A hand that was added outlives this or is removed, and its threads are stopped before either: they use the trees
+	/// that are kept here.
 	void add(BulletDecoupledSource& hand);
 	void remove(BulletDecoupledSource& hand);
 	/// Before a body is removed from the world: what hands gave it and it has not got yet is lost.

@@ -211,6 +211,35 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayIsForgotten)
 	EXPECT_GT(r.force(), 1.5);
 }
 
+TEST(DecoupledFault, ABodyThatIsNotFiniteIsLetGo)
+{
+	for (const bool velocity : {true, false})
+	{
+		PressedRig r(60);
+		r.run(1500);
+		ASSERT_GT(r.force(), 1.5);
+		const btTransform good = r.box->getWorldTransform();
+		const btVector3 nan(btScalar(std::nan("")), 0, 0);
+		if (velocity) r.box->setLinearVelocity(nan);
+		else r.box->setWorldTransform(btTransform(btQuaternion::getIdentity(), nan));
+		r.rig.worldRuns = false;  // Bullet itself is not asked to step that
+		r.rig.coupling.beforeStep(r.rig.period);
+		r.rig.coupling.afterStep();
+		for (int i = 0; i < 300; ++i)
+		{
+			r.run(1);
+			ASSERT_TRUE(std::isfinite(r.force()) && isRigid(r.source.toolState().X_WT) && isFinite(r.source.toolState().twist)) << i;
+		}
+		EXPECT_FALSE(r.thread.faulted());
+		EXPECT_EQ(r.force(), 0);
+		r.box->setLinearVelocity(btVector3(0, 0, 0));
+		r.box->setWorldTransform(good);
+		r.resume();
+		r.run(1500);
+		EXPECT_GT(r.force(), 1.5);
+	}
+}
+
 // World, hand and contact each in a thread of its own, on a real clock: nobody waits for anybody, and in the end the books agree.
 TEST(DecoupledFault, ThreeThreadsLoseNothing)
 {
