@@ -111,7 +111,8 @@ double fastest(const DecoupledRig& rig)
 /// To and fro along x, at a speed of up to `amplitude` times `omega`.
 std::function<ist::Twist(double)> shaking(double amplitude, double omega)
 {
-	return [=](double t) { return ist::Twist{{amplitude * omega * std::cos(omega * t), 0.1 * amplitude * omega * std::sin(1.7 * omega * t), 0}, {0.3, 0, 0.2}}; };
+	return [=](double t)
+	{ return ist::Twist{{amplitude * omega * std::cos(omega * t), 0.1 * amplitude * omega * std::sin(1.7 * omega * t), 0}, {0.3, 0, 0.2}}; };
 }
 
 /// Down by `depth` within a fifth of a second from t = 0.5 on.

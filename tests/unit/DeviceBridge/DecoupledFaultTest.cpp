@@ -153,7 +153,8 @@ TEST(DecoupledFault, TopologiesFeelAlikeAndSwitchWhileRunning)
 		EXPECT_GT(r.force(), 0.8 * felt[0]) << nameOf(kTopologies[i % 3]);
 	}
 	EXPECT_LT(r.steepest, 0.3);
-	std::printf("%.3f N in the tick, %.3f N in its own thread, %.3f N in the world; steepest %.3f N at a switch\n", felt[0], felt[1], felt[2], r.steepest);
+	std::printf("%.3f N in the tick, %.3f N in its own thread, %.3f N in the world; steepest %.3f N at a switch\n", felt[0], felt[1], felt[2],
+				r.steepest);
 }
 
 TEST(DecoupledFault, RunsInVirtualTimeAreAlikeToTheLastBit)
@@ -280,7 +281,7 @@ TEST(DecoupledFault, ThreeThreadsLoseNothing)
 	const DecoupledStatistics s = source.statistics();
 	EXPECT_GT(s.worldSteps, 0U);
 	EXPECT_GT(s.modelAnswers, 0U);
-	std::printf("given %.4f N s; %llu ticks, %llu steps, %llu answers, %llu faded ticks; %s\n", norm(given), static_cast<unsigned long long>(thread.ticks()),
+	std::printf("given %.4f N s; %llu ticks, %llu steps, %llu answers, %llu faded ticks; tick p50 %.0f us, p99 %.0f us; %s\n", norm(given), static_cast<unsigned long long>(thread.ticks()),
 				static_cast<unsigned long long>(s.worldSteps), static_cast<unsigned long long>(s.modelAnswers),
-				static_cast<unsigned long long>(s.fadedTicks), thread.scheduling());
+				static_cast<unsigned long long>(s.fadedTicks), thread.costs().quantile(0.5) / 1e3, thread.costs().quantile(0.99) / 1e3, thread.scheduling());
 }

@@ -45,7 +45,8 @@ struct Hand
 	ist::Vec3 coupled;                         ///< impulse of the coupling so far [N s]
 	double largest = 0;                        ///< force of the coupling [N]
 
-	Hand(btCollisionShape& shape, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const ist::Vec3& at, const BulletDecoupledSettings& settings)
+	Hand(btCollisionShape& shape, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const ist::Vec3& at,
+		 const BulletDecoupledSettings& settings)
 		: body(info(shape, at)), source(body, std::move(tree), clock, settings)
 	{
 		state.X_WH.translation = at;
