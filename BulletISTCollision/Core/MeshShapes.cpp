@@ -132,6 +132,11 @@ Mesh makeCylinderMesh(double radius, double halfHeight, int segments)
 	return revolve(-halfHeight, {{radius, -halfHeight}, {radius, halfHeight}}, halfHeight, segments);
 }
 
+Mesh makeConeMesh(double radius, double height, int segments)
+{
+	return revolve(-height / 2, {{radius, -height / 2}}, height / 2, segments);
+}
+
 Mesh makeCapsuleMesh(double radius, double halfHeight, int segments)
 {
 	const int ringsPerCap = std::max(segments / 4, 2);

@@ -13,6 +13,8 @@ Mesh makeBoxMesh(const Vec3& halfExtents);
 Mesh makeSphereMesh(double radius, int subdivisions = 4);
 /// Axis along z.
 Mesh makeCylinderMesh(double radius, double halfHeight, int segments = 48);
+/// Axis along z, base at -height / 2, apex at height / 2.
+Mesh makeConeMesh(double radius, double height, int segments = 48);
 /// Axis along z; the straight part has length 2 * halfHeight.
 Mesh makeCapsuleMesh(double radius, double halfHeight, int segments = 32);
 /// Ring around the z axis: R to the middle of the tube, r of the tube.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/AnalyticField.h"
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 #include "BulletISTCollision/Core/InstructionSet.h"
 
@@ -48,9 +49,9 @@ enum class Model
 enum class QueryStatus
 {
 	Ok,
-	InvalidPose,  ///< not finite or not rigid; nothing else in the result was touched
+	InvalidPose,  ///< not finite or not rigid, or an analytic field that is not valid; nothing else in the result was touched
 	EmptyTree,
-	Unsupported,  ///< a level or a budget with another model than the law's, or with a half-space
+	Unsupported,  ///< a level or a budget with another model than the law's, or with an analytic field
 	BudgetTooSmall,  ///< more pairs than `maxPairs` even at the coarsest level: no answer
 	InstructionSet  ///< BULLETHAPTICS_ISA, or the workspace's maker, names one that cannot run here
 };
@@ -126,8 +127,15 @@ struct OverlapResult
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 						   const QueryOptions& options = {});
 
-/// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame (unit normal, pointing out of the solid).
-/// Exact caps of the ellipsoids; B's field: depth under the plane; `normalB` = volume * normal. `normalA`, `stiffnessA`, `depthA` as with a tree.
+/// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame. B's field is that of the body itself:
+/// `normalB` = Int n_B dV with the normals of its nearest surface points, `depthB` with its depth; its stiffness holds its curvature. All
+/// that belongs to A is as with a tree. A pair is a leaf that reaches into the field; patches are told apart by the field's normals.
+/// Leaves larger than the field's grain are divided (FieldPress.h). O(leaves in reach), no allocation but at the first of its kind.
+OverlapResult queryField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
+						 const QueryOptions& options = {});
+
+/// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame (unit normal, pointing out of the solid): exact caps of
+/// the ellipsoids, one patch, `normalB` = volume * normal.
 OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,
 							 const QueryOptions& options = {});
 

@@ -63,6 +63,7 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 	patchPairB = column(index, found);
 	for (float** to :
 		 {&stream.fx, &stream.fy, &stream.fz, &stream.size, &stream.weight, &stream.cx, &stream.cy, &stream.cz}) *to = column(number, found);
+	terms.reserve(size_t(capacity.pairs));  // pages that no query fills are never touched
 	patches.resize(size_t(capacity.patches));
 	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);
 }
@@ -77,6 +78,12 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 		for (MovedBlock& block : moved) block.epoch = 0;
 		epoch = 1;
 	}
+}
+
+void QueryWorkspace::Implementation::reserveTerms(const BallTree& A)
+{
+	terms.clear();
+	grouper.reserve(size_t(capacity.pairs), A.balls.size() + 1, capacity.patches);
 }
 
 void QueryWorkspace::Implementation::reservePairs()

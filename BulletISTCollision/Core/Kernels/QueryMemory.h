@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/ContactPatches.h"
+#include "BulletISTCollision/Core/FieldTerm.h"
 #include "BulletISTCollision/Core/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 
@@ -28,12 +29,15 @@ struct QueryWorkspace::Implementation
 	uint32_t *patchPairA = nullptr, *patchPairB = nullptr;  ///< the same by patch
 	std::vector<uint64_t> keys;
 	std::vector<OverlapPair> pairs;
+	std::vector<FieldTerm> terms;          ///< against an analytic field, in the order of `stream`; never more than it has room for
 	PatchGrouper grouper;
 	std::vector<OverlapIntegrals> patches;
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
 	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.
 	void reserveFor(const BallTree& A, const BallTree& B);
+	/// An empty list of terms, and room for grouping. Allocates on the first query with a larger tree, never after.
+	void reserveTerms(const BallTree& A);
 	/// Room for the visitors' list. Allocates on the first query that wants it.
 	void reservePairs();
 };

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/FieldPress.h"
+#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "BulletISTCollision/Core/Lens.h"
+
+#include <algorithm>
+
+namespace ist
+{
+namespace
+{
+const BallTree& treeOf(const InnerSphereTree& body, Model model)
+{
+	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
+}
+
+/// K += G S G^T, with G = (I, [at] x): a stiffness between translations at a point, seen from the origin.
+void addStiffness(SymmetricMatrix6& K, const SymmetricMatrix3& S, const Vec3& at)
+{
+	const Vec3 row[3] = {{S.xx, S.xy, S.xz}, {S.xy, S.yy, S.yz}, {S.xz, S.yz, S.zz}};
+	Vec3 turn[3];  // columns of [at] x S
+	for (int i = 0; i < 3; ++i) turn[i] = cross(at, row[i]);
+	for (int i = 0; i < 3; ++i)
+	{
+		const Vec3 both = cross(at, {turn[0][i], turn[1][i], turn[2][i]});
+		for (int j = 0; j < 3; ++j)
+		{
+			if (j >= i) K(i, j) += row[i][j];
+			if (j >= i) K(i + 3, j + 3) += both[j];
+			K(i, j + 3) += turn[i][j];
+		}
+	}
+}
+
+/// Symmetric part of a b^T.
+SymmetricMatrix3 symmetricProduct(const Vec3& a, const Vec3& b)
+{
+	return {a.x * b.x, a.y * b.y, a.z * b.z, 0.5 * (a.x * b.y + a.y * b.x), 0.5 * (a.x * b.z + a.z * b.x), 0.5 * (a.y * b.z + a.z * b.y)};
+}
+
+void addTerm(OverlapIntegrals& sums, const FieldTerm& term, const MomentEllipsoid& leaf, bool stiffness)
+{
+	const double mass = term.volume;
+	const Vec3 &C = term.centroid, mA = leaf.normal();
+	sums.volume += mass;
+	sums.firstMoment += C * mass;
+	sums.secondMoment[0] += mass * C.x * C.x;
+	sums.secondMoment[1] += mass * C.y * C.y;
+	sums.secondMoment[2] += mass * C.z * C.z;
+	sums.secondMoment[3] += mass * C.x * C.y;
+	sums.secondMoment[4] += mass * C.x * C.z;
+	sums.secondMoment[5] += mass * C.y * C.z;
+	sums.normalA = sums.normalA + mass * Wrench{mA, cross(C, mA)};
+	sums.normalB = sums.normalB + mass * Wrench{term.normal, cross(C, term.normal)};
+	sums.areaVector += term.area;
+	sums.depthA += mass * (leaf.depth - dot(mA, C - leaf.center()));
+	sums.depthB += mass * term.depth;
+	if (!stiffness) return;
+	addStiffness(sums.stiffnessB, symmetricProduct(term.area, term.normal) + term.bend * -1.0, C);
+	if (squaredNorm(term.area) > 0) addStiffness(sums.stiffnessA, symmetricProduct(term.area, -mA), C);
+}
+
+/// The leaves of A that reach into a field: their terms are listed to be grouped, or summed at once where the list is full.
+class FieldQuery : FieldSink
+{
+public:
+	FieldQuery(const BallTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace::Implementation& work,
+			   const QueryOptions& options, OverlapResult& result)
+		: m_A(A), m_press(field, X_AF, options.stiffness, *this), m_work(work), m_options(options), m_result(result)
+	{
+	}
+
+	void run();
+
+private:
+	void descend();
+	void test(uint32_t index);
+	void take(const FieldTerm& term) override;
+	void list(const FieldTerm& term);
+	void publish();
+	void publishPairs();
+
+	const BallTree& m_A;
+	FieldPress m_press;
+	QueryWorkspace::Implementation& m_work;
+	const QueryOptions& m_options;
+	OverlapResult& m_result;
+
+	OverlapIntegrals m_rest;  // what the list did not hold
+	Vec3 m_moment, m_area;    // of the leaf in hand
+	double m_volume = 0;      // of the leaf in hand
+	double m_spread = 0;
+	int64_t m_leaves = 0;
+	int m_pairs = 0;
+	uint32_t m_stack[kPairStackSize];
+};
+
+void FieldQuery::run()
+{
+	m_work.reserveTerms(m_A);
+	if (m_options.sortPairs) m_work.reservePairs();
+	m_result.ballsA = &m_A;
+	descend();
+	publish();
+	if (m_options.sortPairs) publishPairs();
+}
+
+void FieldQuery::descend()
+{
+	int top = 0;
+	m_stack[top++] = 0;
+	while (top > 0)
+	{
+		const BallNode& node = m_A.nodes[m_stack[--top]];
+		++m_result.nodeVisits;
+		for (int k = 0; k < BallNode::kWidth; ++k)
+		{
+			if (node.child[k] == BallNode::kNoChild || !m_press.mayReach({node.x[k], node.y[k], node.z[k]}, node.r[k])) continue;
+			if (!(node.child[k] & BallNode::kLeafBit))
+			{
+				m_stack[top++] = node.child[k];
+				continue;
+			}
+			++m_result.blockPairs;
+			const uint32_t block = node.child[k] & ~BallNode::kLeafBit, first = block * BallBlock::kWidth, count = m_A.blocks[block].count;
+			m_result.ballTests += count;
+			for (uint32_t ball = first; ball < first + count; ++ball) test(ball);
+		}
+	}
+}
+
+void FieldQuery::test(uint32_t index)
+{
+	const MomentEllipsoid& leaf = m_A.balls[index];
+	if (!m_press.mayReach(leaf.center(), leaf.R)) return;
+	m_volume = 0;
+	m_moment = m_area = {};
+	m_press.press(leaf, index);
+	if (!(m_volume > 0)) return;
+	++m_leaves;
+	const double s = std::max(0.0, std::min(m_volume, leaf.volume() - m_volume));
+	m_spread += s * s;
+	if (!m_options.sortPairs) return;
+	if (m_pairs >= m_work.capacity.pairs)
+	{
+		m_result.pairListComplete = false;
+		return;
+	}
+	m_work.pairs[m_pairs++] = {index, 0, float(m_volume / leaf.density), float(norm(m_area) / leaf.density), m_moment / m_volume, normalized(m_area)};
+}
+
+void FieldQuery::take(const FieldTerm& term)
+{
+	m_volume += term.volume;
+	m_moment += term.centroid * term.volume;
+	m_area += term.area;
+	if (int(m_work.terms.size()) < m_work.capacity.pairs) return list(term);
+	m_result.pairListComplete = false;
+	addTerm(m_rest, term, m_A.balls[term.ball], m_options.stiffness);
+}
+
+// Grouped by the field's normals alone: they tell one face of a box from the next, and those of a plane are all the same.
+void FieldQuery::list(const FieldTerm& term)
+{
+	const size_t at = m_work.terms.size();
+	m_work.terms.push_back(term);
+	const kernels::PairStream& s = m_work.stream;
+	const Vec3 f = term.normal * term.volume;
+	s.a[at] = term.ball;
+	s.b[at] = 0;
+	s.fx[at] = float(f.x);
+	s.fy[at] = float(f.y);
+	s.fz[at] = float(f.z);
+	s.size[at] = s.weight[at] = float(norm(f));
+	s.cx[at] = float(term.centroid.x);
+	s.cy[at] = float(term.centroid.y);
+	s.cz[at] = float(term.centroid.z);
+}
+
+void FieldQuery::publish()
+{
+	const int listed = int(m_work.terms.size());
+	const bool grouped = m_options.patches && m_work.capacity.patches > 1 && m_result.pairListComplete && m_leaves > 0;
+	const int groups = grouped ? m_work.grouper.group(m_work.stream, listed, uint32_t(m_A.balls.size()), m_work.capacity.patches) : 1;
+	for (int p = 0; p < groups; ++p)
+	{
+		OverlapIntegrals& sums = m_work.patches[p] = p == 0 ? m_rest : OverlapIntegrals();
+		for (int i = 0; i < listed; ++i)
+			if (groups == 1 || m_work.grouper.patch()[i] == p)
+				addTerm(sums, m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options.stiffness);
+	}
+	OverlapIntegrals& total = m_result.total;
+	for (int p = 0; p < groups; ++p) total.add(m_work.patches[p]);
+	total.spread = m_spread;
+	total.pairs = m_leaves;
+	// A leaf that an edge divides belongs to two patches: each has its share by volume.
+	for (int p = 0; p < groups; ++p)
+	{
+		const double share = total.volume > 0 ? m_work.patches[p].volume / total.volume : 0;
+		m_work.patches[p].spread = m_spread * share;
+		m_work.patches[p].pairs = groups == 1 ? m_leaves : int64_t(std::llround(double(m_leaves) * share));
+	}
+	m_result.patches = m_work.patches.data();
+	m_result.patchCount = m_leaves > 0 ? groups : 0;
+}
+
+void FieldQuery::publishPairs()
+{
+	std::sort(m_work.pairs.begin(), m_work.pairs.begin() + m_pairs,
+			  [](const OverlapPair& p, const OverlapPair& q) { return p.ballA < q.ballA; });
+	m_result.pairs = m_work.pairs.data();
+	m_result.pairCount = m_pairs;
+}
+}  // namespace
+
+OverlapResult queryField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
+						 const QueryOptions& options)
+{
+	OverlapResult result;
+	if (!isRigid(X_AF) || !field.isValid()) return result.status = QueryStatus::InvalidPose, result;
+	if (options.level < -1 || options.level > 0 || options.maxPairs >= 0) return result.status = QueryStatus::Unsupported, result;
+	const BallTree& tree = treeOf(A, options.model);
+	if (tree.empty()) return result.status = QueryStatus::EmptyTree, result;
+	const Pose X{X_AF.rotation, X_AF.translation - A.origin};
+	FieldQuery(tree, field, X, workspace.implementation(), options, result).run();
+	return result;
+}
+
+OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,
+							 const QueryOptions& options)
+{
+	// The same plane with a normal of exactly unit length.
+	const double length = HalfSpaceField(normal, offset).isValid() ? norm(normal) : 1;
+	return queryField(A, HalfSpaceField(normal / length, offset / length), {}, workspace, options);
+}
+}  // namespace ist
