@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Zlib
+// Trees against bodies in closed form: error against quadrature on the triangles of both, and time, at 0.1, 1 and 10 % overlap of the
+// smaller body, in seeded random poses. Usage: bench_fields [--spheres N=10000] [--poses N=10]
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "demos/scenes/FieldBodies.h"
+#include "demos/scenes/OverlapQuadrature.h"
+#include "demos/scenes/PoseSampler.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+using namespace ist;
+using namespace scenes;
+
+namespace
+{
+constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
+
+struct Row
+{
+	int poses = 0, oneSigma = 0, twoSigma = 0;
+	double volume = 0, bias = 0, force = 0, torque = 0, leaves = 0, seconds = 0;
+	std::vector<double> angles;
+};
+
+Mesh placed(Mesh mesh)
+{
+	const double unit = 1 / bounds(mesh).longestSide();
+	for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
+	return mesh;
+}
+
+Mesh bunnyMesh()
+{
+	if (!std::filesystem::exists(kBunny)) return {};
+	Result<Mesh> mesh = importMesh(kBunny);
+	if (!mesh) return {};
+	Result<RepairedMesh> repaired = repair(mesh.value());
+	return repaired ? repaired.value().mesh : Mesh{};
+}
+
+double secondsOf(const InnerSphereTree& tree, const FieldBody& body, const Pose& X, QueryWorkspace& workspace)
+{
+	std::vector<double> times;
+	for (int i = 0; i < 5; ++i)
+	{
+		const auto begin = std::chrono::steady_clock::now();
+		queryField(tree, *body.field, X, workspace);
+		times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+	}
+	std::nth_element(times.begin(), times.begin() + 2, times.end());
+	return times[2];
+}
+
+Row measure(const Mesh& mesh, const InnerSphereTree& tree, const FieldBody& body, double overlap, int count)
+{
+	const OverlapQuadrature quadrature(mesh, body.mesh);
+	QueryWorkspace workspace;
+	Row row;
+	for (const Pose& X : posesAtOverlap(quadrature, overlap, count, 11))
+	{
+		const QuadratureTruth truth = quadrature.integrate(X, tree.origin, overlap < 0.005 ? 160 : 120, 60000);
+		const OverlapIntegrals found = queryField(tree, *body.field, X, workspace).total;
+		const Wrench expected = truth.wrench(), actual = pressureWrench(found, {});
+		const double relative = found.volume / truth.volume - 1, size = norm(expected.force), error = norm(actual.force - expected.force);
+		const double arm = size * std::min(bounds(mesh).longestSide(), bounds(body.mesh).longestSide());
+		const OverlapError sigma = overlapError(found, tree.errorLength(), 1);
+		++row.poses;
+		row.volume += relative * relative;
+		row.bias += relative;
+		row.force += error * error / (size * size);
+		row.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
+		row.leaves += double(found.pairs);
+		row.oneSigma += error <= sigma.force;
+		row.twoSigma += error <= 2 * sigma.force;
+		row.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
+		row.seconds += secondsOf(tree, body, X, workspace);
+	}
+	std::sort(row.angles.begin(), row.angles.end());
+	return row;
+}
+
+void print(const std::string& name, double overlap, const Row& row)
+{
+	const double n = std::max(1, row.poses);
+	const auto rms = [n](double squares) { return 100 * std::sqrt(squares / n); };
+	std::printf("%-20s %6.1f%% %5d %7.0f | %+6.2f %6.2f | %6.2f %6.2f %5.0f %5.0f | %6.2f | %8.1f us, %4.0f ns a leaf\n", name.c_str(),
+				100 * overlap, row.poses, row.leaves / n, 100 * row.bias / n, rms(row.volume), rms(row.force),
+				row.angles.empty() ? 0 : row.angles[row.angles.size() / 2], 100 * row.oneSigma / n, 100 * row.twoSigma / n, rms(row.torque),
+				1e6 * row.seconds / n, 1e9 * row.seconds / std::max(1.0, row.leaves));
+	std::fflush(stdout);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+	int spheres = 10000, poses = 10;
+	for (int i = 1; i + 1 < argc; i += 2)
+		(std::string(argv[i]) == "--spheres" ? spheres : poses) = std::atoi(argv[i + 1]);
+	std::printf("%-20s %7s %5s %7s | %6s %6s | %6s %6s %5s %5s | %6s |\n", "rms in %", "overlap", "poses", "leaves", "V bias", "V rms", "F rms",
+				"deg", "1 sig", "2 sig", "T rms");
+	const struct
+	{
+		const char* name;
+		Mesh mesh;
+	} bodies[] = {{"bunny", bunnyMesh()}, {"box", makeBoxMesh({0.5, 0.35, 0.25})}, {"torus", makeTorusMesh(0.5, 0.2, 144, 72)}};
+	for (const auto& source : bodies)
+	{
+		if (source.mesh.triangles.empty())
+		{
+			std::printf("%s: skipped; apt-get install glmark2-data\n", source.name);
+			continue;
+		}
+		const Mesh mesh = placed(source.mesh);
+		BuildOptions options;
+		options.maxSpheres = spheres;
+		const Result<InnerSphereTree> tree = buildTree(mesh, options);
+		if (!tree) return std::printf("%s: %s\n", source.name, tree.error().message.c_str()), 1;
+		for (const FieldBody& body : makeFieldBodies(1))
+			for (const double overlap : {0.001, 0.01, 0.1})
+				print(std::string(source.name) + "-" + body.name, overlap, measure(mesh, tree.value(), body, overlap, poses));
+	}
+	return 0;
+}
