@@ -4,12 +4,12 @@
 #include "BulletISTCollision/btISTConversion.h"
 #include "BulletISTCollision/btISTContext.h"
 #include "BulletISTCollision/btISTRepresentativePoints.h"
+#include "BulletISTCollision/btISTShapeField.h"
 
 #include "BulletCollision/BroadphaseCollision/btDispatcher.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
 #include "BulletCollision/CollisionDispatch/btManifoldResult.h"
-#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
 #include <algorithm>
 #include <chrono>
@@ -39,6 +39,18 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 	m_dispatcher->releaseManifold(m_manifold);
 }
 
+ist::OverlapResult btISTCollisionAlgorithm::query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const
+{
+	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, X_AB, m_context->workspace);
+	const btISTShapeField closed(wrapB->getCollisionShape());
+	contact.halfSpace = closed.isHalfSpace();
+	ist::OverlapResult none;
+	none.status = ist::QueryStatus::InvalidPose;
+	if (!closed.field()) return none;  // scaled to nothing since the pair was made
+	contact.volumeB = closed.field()->volume();
+	return ist::queryField(*m_treeA, *closed.field(), X_AB * closed.X_SF(), m_context->workspace);
+}
+
 void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,
 									   btISTContact& contact) const
 {
@@ -46,7 +58,6 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	contact.bodyB = wrapB->getCollisionObject();
 	contact.treeA = m_treeA;
 	contact.treeB = m_treeB;
-	contact.halfSpace = !m_treeB;
 	contact.stamp = m_context->store.step();
 	contact.X_WA = toPose(wrapA->getWorldTransform());
 	const ist::Pose X_WB = toPose(wrapB->getWorldTransform());
@@ -54,16 +65,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 
 	const bool timed = m_contact && m_context->store.measuresQueryTime();
 	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
-	ist::OverlapResult result;
-	if (contact.halfSpace)
-	{
-		const auto* plane = static_cast<const btStaticPlaneShape*>(wrapB->getCollisionShape());
-		const ist::Vec3 normal = ist::normalized(X_AB.rotation * toVec3(plane->getPlaneNormal()));
-		const double offset = double(plane->getPlaneConstant()) + ist::dot(normal, X_AB.translation);
-		result = ist::queryHalfSpace(*m_treeA, normal, offset, m_context->workspace);
-	}
-	else
-		result = ist::queryOverlap(*m_treeA, *m_treeB, X_AB, m_context->workspace);
+	const ist::OverlapResult result = query(wrapB, X_AB, contact);
 	if (timed) m_context->store.addQueryTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 
 	contact.status = result.status;

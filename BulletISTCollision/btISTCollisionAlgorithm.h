@@ -50,7 +50,8 @@ private:
 	std::shared_ptr<btISTInstallation> m_installation;
 };
 
-/// Contact of two trees, or of a tree and a static plane. Lives in the dispatcher's pool, which does not check sizes.
+/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. Lives in
+/// the dispatcher's pool, which does not check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
 public:
@@ -60,7 +61,7 @@ public:
 		Query     ///< lives for one contact test; does not touch the store
 	};
 
-	/// `a` and `b` in the order of the manifold, in which a plane comes second; `treeB` null: `b` is a plane.
+	/// `a` and `b` in the order of the manifold, in which a body without a tree comes second.
 	btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context, Mode mode,
 							std::shared_ptr<const ist::InnerSphereTree> treeA, std::shared_ptr<const ist::InnerSphereTree> treeB,
 							const btCollisionObject* a, const btCollisionObject* b);
@@ -80,6 +81,7 @@ public:
 
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
+	ist::OverlapResult query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const;
 
 	std::shared_ptr<btISTContext> m_context;
 	std::shared_ptr<const ist::InnerSphereTree> m_treeA, m_treeB;

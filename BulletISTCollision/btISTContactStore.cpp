@@ -24,11 +24,8 @@ btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, con
 													 const btCollisionObject* bodyB) const
 {
 	double volume = contact.treeA->volume, gap = contact.treeA->meanGap;
-	if (contact.treeB)
-	{
-		volume = std::min(volume, contact.treeB->volume);
-		gap += contact.treeB->meanGap;
-	}
+	volume = std::min(volume, contact.treeB ? contact.treeB->volume : contact.volumeB);
+	if (contact.treeB) gap += contact.treeB->meanGap;
 	const double size = std::cbrt(volume);
 	const double sinkage = std::max(kSinkagePerSize * size, gap);
 	double mass = std::max(dynamicMass(bodyA), dynamicMass(bodyB));

@@ -7,6 +7,7 @@
 #include "BulletISTCollision/btPrecisionGuard.h"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -55,7 +56,7 @@ private:
 };
 
 /// What one pair of shapes has to say in one step. A and B are in the order of the manifold; everything is in A's mesh frame
-/// unless said otherwise. B is a half-space when `halfSpace`, and then has no tree.
+/// unless said otherwise. B has no tree when it is one of Bullet's shapes in closed form, a half-space among them.
 struct btISTContact
 {
 	static constexpr int kMaxPatches = 8;
@@ -65,6 +66,7 @@ struct btISTContact
 	const btCollisionObject* bodyB = nullptr;
 	std::shared_ptr<const ist::InnerSphereTree> treeA, treeB;
 	bool halfSpace = false;
+	double volumeB = std::numeric_limits<double>::infinity();  ///< of a B without a tree [m^3]; infinite for a half-space
 
 	ist::Pose X_WA;  ///< of A's mesh frame, which is the frame of its shape (of the child, in a compound)
 	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< other than Ok: no overlap is claimed, and the sums are zero

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 #include "BulletISTCollision/btISTContext.h"
+#include "BulletISTCollision/btISTShapeField.h"
 
 #include "BulletCollision/BroadphaseCollision/btOverlappingPairCache.h"
 #include "BulletCollision/CollisionDispatch/btCollisionDispatcher.h"
@@ -58,8 +59,7 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 	{
 		auto treeA = context->registry->find(shape0);
 		auto treeB = context->registry->find(shape1);
-		const bool volumetric = (treeA && treeB) || (treeA && shape1->getShapeType() == STATIC_PLANE_PROXYTYPE) ||
-								(treeB && shape0->getShapeType() == STATIC_PLANE_PROXYTYPE);
+		const bool volumetric = (treeA && treeB) || (treeA && btISTShapeField(shape1).field()) || (treeB && btISTShapeField(shape0).field());
 		if (volumetric)
 		{
 			const bool swapped = !treeA;  // A has the tree

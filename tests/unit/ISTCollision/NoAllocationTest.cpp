@@ -53,7 +53,7 @@ std::shared_ptr<const ist::InnerSphereTree> boxTree()
 	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
 }
 
-/// Two boxes with trees, one on the other, on a plane, thrown down tilted.
+/// Two boxes with trees, one on the other, on a plane or another floor without a tree, thrown down tilted.
 struct Stack
 {
 	btDefaultCollisionConfiguration configuration;
@@ -67,12 +67,12 @@ struct Stack
 	btISTAttachment attachment = registration.registry().attach(&box, boxTree()).value();
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
 
-	explicit Stack(unsigned seed)
+	explicit Stack(unsigned seed, btCollisionShape* floor = nullptr, double floorHeight = 0)
 	{
 		std::mt19937 random(seed);
 		std::uniform_real_distribution<double> u(-.05, .05);
 		world.setGravity(btVector3(0, btScalar(-9.81), 0));
-		add(&plane, 0, btTransform::getIdentity());
+		add(floor ? floor : &plane, 0, btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(-floorHeight), 0)));
 		for (int i = 0; i < 2; ++i)
 			add(&box, 1, btTransform(btQuaternion(btScalar(u(random)), btScalar(u(random)), btScalar(u(random))),
 									 btVector3(btScalar(u(random)), btScalar(.6 + 1.1 * i), btScalar(u(random)))));
@@ -94,12 +94,12 @@ struct Stack
 	{
 		for (int i = 0; i < count; ++i) world.stepSimulation(btScalar(1.0 / 60), 0);
 	}
-	/// Pairs that overlap, with a plane or with a second tree.
-	int touching(bool plane)
+	/// Pairs that overlap, with the floor or with a second tree.
+	int touching(bool withFloor)
 	{
 		int n = 0;
 		for (const btISTContact* c : registration.store().contacts())
-			n += c->halfSpace == plane && c->total.volume > 0;
+			n += !c->treeB == withFloor && c->total.volume > 0;
 		return n;
 	}
 };
@@ -134,6 +134,27 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndPlaneTouch)
 			ASSERT_EQ(stack.touching(false), 1) << "seed " << seed << ", step " << i;
 		}
 		EXPECT_EQ(stack.dispatcher.allocated, 0) << "seed " << seed;
+	}
+}
+
+TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndClosedFormsTouch)
+{
+	btBoxShape box(btVector3(2, 1, 2));
+	btCylinderShape cylinder(btVector3(2, 1, 2));
+	btSphereShape sphere(200);
+	for (btCollisionShape* floor : {static_cast<btCollisionShape*>(&box), static_cast<btCollisionShape*>(&cylinder), static_cast<btCollisionShape*>(&sphere)})
+	{
+		const CountBullet counted;
+		Stack stack(4, floor, floor == &sphere ? 200 : 1);
+		stack.step(60);
+		stack.dispatcher.allocated = 0;
+		for (int i = 0; i < 60; ++i)
+		{
+			for (auto& body : stack.bodies) body->applyTorqueImpulse(btVector3(btScalar(i % 2 ? .1 : -.1), 0, btScalar(i % 3 ? -.05 : .1)));
+			stack.step(1);
+			ASSERT_EQ(stack.touching(true), 1) << floor->getName() << ", step " << i;
+		}
+		EXPECT_EQ(stack.dispatcher.allocated, 0) << floor->getName();
 	}
 }
 
