@@ -38,6 +38,8 @@ public:
 	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 	/// See btContactMaterialTable.
 	btContactMaterialTable& materials() { return *m_materials; }
+	/// Which pairs are volumetric, and where: all and everywhere, to begin with.
+	btISTWatch& watch() { return m_registration.watch(); }
 	/// What the last step found and did.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }

@@ -8,4 +8,5 @@
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 #include "BulletISTCollision/btISTContactStore.h"
 #include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btISTWatch.h"
 #include "BulletISTCollision/btPrecisionGuard.h"

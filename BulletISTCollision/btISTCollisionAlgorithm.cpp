@@ -10,6 +10,7 @@
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
 #include "BulletCollision/CollisionDispatch/btManifoldResult.h"
+#include "BulletCollision/CollisionShapes/btCollisionShape.h"
 
 #include <algorithm>
 #include <chrono>
@@ -35,6 +36,7 @@ btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConst
 
 btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 {
+	destroyStock();
 	if (m_contact) m_context->store.release(m_manifold);
 	m_dispatcher->releaseManifold(m_manifold);
 }
@@ -83,8 +85,15 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 }
 
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,
-											   const btDispatcherInfo&, btManifoldResult* resultOut)
+											   const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut)
 {
+	const bool was = !m_stock && m_contact && m_contact->stamp > 0;
+	if (!m_context->watch.covers(*body0Wrap, *body1Wrap, was))
+	{
+		if (!m_stock) createStock(body0Wrap, body1Wrap);
+		return m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
+	}
+	destroyStock();
 	resultOut->setPersistentManifold(m_manifold);
 	const bool swapped = body0Wrap->getCollisionObject() != m_manifold->getBody0();
 	const btCollisionObjectWrapper* wrapA = swapped ? body1Wrap : body0Wrap;
@@ -100,6 +109,31 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	btISTRepresentativePoints(contact).report(*resultOut);
 }
 
+void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)
+{
+	m_manifold->clearManifold();
+	if (m_contact)
+	{
+		m_contact->total = ist::OverlapIntegrals();
+		m_contact->patchCount = 0;
+		m_contact->normalImpulse = 0;
+		m_contact->ledger = btISTContactLedger();
+	}
+	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
+	info.m_dispatcher1 = m_dispatcher;
+	btISTCreateFunc& ours = m_context->function(!m_contact);
+	const int type0 = body0Wrap->getCollisionShape()->getShapeType(), type1 = body1Wrap->getCollisionShape()->getShapeType();
+	m_stock = ours.previous[type0][type1]->CreateCollisionAlgorithm(info, body0Wrap, body1Wrap);
+}
+
+void btISTCollisionAlgorithm::destroyStock()
+{
+	if (!m_stock) return;
+	m_stock->~btCollisionAlgorithm();
+	m_dispatcher->freeCollisionAlgorithm(m_stock);
+	m_stock = nullptr;
+}
+
 btScalar btISTCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&, btManifoldResult*)
 {
 	return btScalar(1);  // Bullet sweeps convex shapes itself; this is asked for only in DISPATCH_CONTINUOUS
@@ -108,4 +142,5 @@ btScalar btISTCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCo
 void btISTCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifoldArray)
 {
 	if (m_contact) manifoldArray.push_back(m_manifold);
+	if (m_stock) m_stock->getAllContactManifolds(manifoldArray);
 }

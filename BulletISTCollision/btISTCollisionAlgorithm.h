@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/btISTContactStore.h"
 #include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btISTWatch.h"
 #include "BulletISTCollision/btPrecisionGuard.h"
 
 #include "BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h"
@@ -38,6 +39,8 @@ public:
 	btISTContactStore& store();
 	/// Keeps the store and all that its contacts need alive: for solvers, which may outlive the registration.
 	std::shared_ptr<btISTContactStore> sharedStore() const;
+	/// Which pairs are volumetric, and where.
+	btISTWatch& watch();
 	void setPairRule(std::shared_ptr<const btISTPairRule> rule);
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
@@ -50,8 +53,9 @@ private:
 	std::shared_ptr<btISTInstallation> m_installation;
 };
 
-/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. Lives in
-/// the dispatcher's pool, which does not check sizes.
+/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. While the pair is not watched
+/// (btISTWatch), Bullet's own algorithm works in its place, and the manifold stays empty. Lives in the dispatcher's pool, which does not
+/// check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
 public:
@@ -82,10 +86,13 @@ public:
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
 	ist::OverlapResult query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const;
+	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
+	void destroyStock();
 
 	std::shared_ptr<btISTContext> m_context;
 	std::shared_ptr<const ist::InnerSphereTree> m_treeA, m_treeB;
 	btPersistentManifold* m_manifold;
 	btISTContact* m_contact;  // null in Query mode
+	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's, while the pair is not watched
 };
 static_assert(sizeof(btISTCollisionAlgorithm) <= 128, "a pool element has 192 bytes, of which 64 are left to Bullet's future");

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/btISTContactStore.h"
 #include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btISTWatch.h"
 #include "BulletISTCollision/btPrecisionGuard.h"
 
 #include "BulletCollision/BroadphaseCollision/btBroadphaseProxy.h"
@@ -39,6 +40,7 @@ public:
 	bool active = true;
 	btISTContactStore store;
 	std::shared_ptr<btISTRegistry> registry;
+	btISTWatch watch;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	ist::QueryWorkspace workspace;
 	std::weak_ptr<btISTInstallation> installation;

@@ -170,6 +170,8 @@ std::shared_ptr<btISTContactStore> btISTRegistration::sharedStore() const
 	return std::shared_ptr<btISTContactStore>(m_installation->context, &m_installation->context->store);
 }
 
+btISTWatch& btISTRegistration::watch() { return m_installation->context->watch; }
+
 void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 {
 	if (rule) m_installation->context->rule = std::move(rule);

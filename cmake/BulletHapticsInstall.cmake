@@ -12,6 +12,7 @@ install(FILES
 	BulletISTCollision/btISTCollisionAlgorithm.h
 	BulletISTCollision/btISTContactStore.h
 	BulletISTCollision/btISTRegistry.h
+	BulletISTCollision/btISTWatch.h
 	BulletISTCollision/btPrecisionGuard.h
 	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision)
 install(TARGETS BulletHapticForce BulletHapticForce-float64 DeviceBridge DeviceBridge-float64 EXPORT BulletHapticsTargets
