@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Trees against bodies in closed form: error against quadrature on the triangles of both, and time, at 0.1, 1 and 10 % overlap of the
-// smaller body, in seeded random poses. Usage: bench_fields [--spheres N=10000] [--poses N=10]
+// smaller body, in seeded random poses. Usage:
+// bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
@@ -107,8 +108,17 @@ void print(const std::string& name, double overlap, const Row& row)
 int main(int argc, char** argv)
 {
 	int spheres = 10000, poses = 10;
+	std::string only;
 	for (int i = 1; i + 1 < argc; i += 2)
-		(std::string(argv[i]) == "--spheres" ? spheres : poses) = std::atoi(argv[i + 1]);
+	{
+		const std::string key = argv[i];
+		if (key == "--spheres")
+			spheres = std::atoi(argv[i + 1]);
+		else if (key == "--poses")
+			poses = std::atoi(argv[i + 1]);
+		else if (key == "--only")
+			only = argv[i + 1];
+	}
 	std::printf("%-20s %7s %5s %7s | %6s %6s | %6s %6s %5s %5s | %6s |\n", "rms in %", "overlap", "poses", "leaves", "V bias", "V rms", "F rms",
 				"deg", "1 sig", "2 sig", "T rms");
 	const struct
@@ -129,8 +139,11 @@ int main(int argc, char** argv)
 		const Result<InnerSphereTree> tree = buildTree(mesh, options);
 		if (!tree) return std::printf("%s: %s\n", source.name, tree.error().message.c_str()), 1;
 		for (const FieldBody& body : makeFieldBodies(1))
-			for (const double overlap : {0.001, 0.01, 0.1})
-				print(std::string(source.name) + "-" + body.name, overlap, measure(mesh, tree.value(), body, overlap, poses));
+		{
+			const std::string name = std::string(source.name) + "-" + body.name;
+			if (name.find(only) == std::string::npos) continue;
+			for (const double overlap : {0.001, 0.01, 0.1}) print(name, overlap, measure(mesh, tree.value(), body, overlap, poses));
+		}
 	}
 	return 0;
 }
