@@ -21,6 +21,14 @@ LevelFunction depthOf(const FieldSide& s) { return {s.depth, -s.normal, s.bend *
 /// Positive where side a is nearer than side b.
 LevelFunction nearer(const FieldSide& a, const FieldSide& b) { return {b.depth - a.depth, a.normal - b.normal, a.bend + b.bend * -1.0}; }
 
+/// Side a is nearer than side b everywhere in a piece with this trace of its shape: nothing of it is farther from its centre than the
+/// trace's root, and bends add no more than their trace times half of that, squared.
+bool isNearerThroughout(const FieldSide& a, const FieldSide& b, double trace)
+{
+	const double lead = b.depth - a.depth - 0.6 * (a.bend.trace() + b.bend.trace()) * trace;
+	return lead > 0 && lead * lead > squaredNorm(a.normal - b.normal) * trace;
+}
+
 double smoothStep(double x)
 {
 	const double t = std::clamp(x, 0.0, 1.0);
@@ -138,19 +146,28 @@ void FieldPress::divide(const FieldCell& cell, int axis, int unchanged, int divi
 /// The sides that are nearest to the piece's centre have their turn as the first to claim it.
 void FieldPress::assign(const FieldPiece& piece)
 {
-	if (m_sides == 1) return cut(piece, 0);
 	const SymmetricMatrix3 spread = piece.spread();
-	double depth[AnalyticField::kMaxSides], least = INFINITY, sum = 0;
-	for (int i = 0; i < m_sides; ++i) least = std::min(least, depth[i] = m_field.side(i, piece.center, spread).depth);
-	const double tie = kTie * std::sqrt(piece.shape.trace() / 3);
-	for (double& d : depth) d = std::max(0.0, 1 - (d - least) / tie);
-	for (int i = 0; i < m_sides; ++i) sum += depth[i] * depth[i];
+	const double trace = piece.shape.trace(), tie = kTie * std::sqrt(trace / 3);
+	FieldSide sides[AnalyticField::kMaxSides];
+	double claim[AnalyticField::kMaxSides], least = INFINITY, sum = 0;
+	for (int i = 0; i < m_sides; ++i) sides[i] = m_field.side(i, piece.center, spread);
+	for (int i = 0; i < m_sides; ++i) least = std::min(least, sides[i].depth);
 	for (int i = 0; i < m_sides; ++i)
 	{
-		if (!(depth[i] > 0)) continue;
+		const double t = std::max(0.0, 1 - (sides[i].depth - least) / tie);
+		sum += claim[i] = t * t;
+	}
+	for (int i = 0; i < m_sides; ++i)
+	{
+		if (!(claim[i] > 0)) continue;
 		FieldPiece share = piece;
-		share.volume *= depth[i] * depth[i] / sum;
-		contest(share, i, 0, i);
+		share.volume *= claim[i] / sum;
+		bool alone = true;
+		for (int j = 0; j < m_sides && alone; ++j) alone = j == i || isNearerThroughout(sides[i], sides[j], trace);
+		if (alone)
+			cut(share, i, sides[i]);
+		else
+			contest(share, i, 0, i);
 	}
 }
 
@@ -158,22 +175,20 @@ void FieldPress::assign(const FieldPiece& piece)
 void FieldPress::contest(const FieldPiece& piece, int winner, int challenger, int first)
 {
 	if (challenger == first) ++challenger;
-	if (challenger >= m_sides) return cut(piece, winner);
 	const SymmetricMatrix3 spread = piece.spread();
+	if (challenger >= m_sides) return cut(piece, winner, m_field.side(winner, piece.center, spread));
 	const FieldSide own = m_field.side(winner, piece.center, spread), other = m_field.side(challenger, piece.center, spread);
-	// Nothing of a piece is farther from its centre; bends add no more than their trace times half of that, squared.
-	const double squared = piece.shape.trace(), bulge = 0.6 * (own.bend.trace() + other.bend.trace()) * squared;
-	const double lead = other.depth - own.depth - bulge;
-	if (lead > 0 && lead * lead > squaredNorm(own.normal - other.normal) * squared) return contest(piece, winner, challenger + 1, first);
+	if (isNearerThroughout(own, other, piece.shape.trace())) return contest(piece, winner, challenger + 1, first);
 	const PieceCut edge(piece, nearer(own, other));
 	if (!edge.keepsNothing()) contest(edge.positive(), winner, challenger + 1, first);
 	if (!edge.keepsAll()) contest(edge.negative(), challenger, challenger + 1, first);
 	if (m_stiffness && edge.slope() > 0) addEdge(edge, winner, challenger, first);
 }
 
-void FieldPress::cut(const FieldPiece& piece, int index)
+/// `own`: side `index` as the piece sees it.
+void FieldPress::cut(const FieldPiece& piece, int index, const FieldSide& own)
 {
-	const PieceCut surface(piece, depthOf(m_field.side(index, piece.center, piece.spread())));
+	const PieceCut surface(piece, depthOf(own));
 	if (surface.keepsNothing()) return;
 	const FieldPiece inside = surface.positive();
 	const FieldSide s = m_field.side(index, inside.center, inside.spread());

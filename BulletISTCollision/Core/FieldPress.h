@@ -45,7 +45,7 @@ private:
 	void divide(const FieldCell& cell, int axis, int unchanged, int divisions);
 	void assign(const FieldPiece& piece);
 	void contest(const FieldPiece& piece, int winner, int challenger, int first);
-	void cut(const FieldPiece& piece, int side);
+	void cut(const FieldPiece& piece, int index, const FieldSide& own);
 	void addEdge(const PieceCut& edge, int winner, int challenger, int first);
 	void send(FieldTerm& term);
 

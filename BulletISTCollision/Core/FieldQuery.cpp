@@ -132,7 +132,6 @@ void FieldQuery::descend()
 void FieldQuery::test(uint32_t index)
 {
 	const MomentEllipsoid& leaf = m_A.balls[index];
-	if (!m_press.mayReach(leaf.center(), leaf.R)) return;
 	m_volume = 0;
 	m_moment = m_area = {};
 	m_press.press(leaf, index);
