@@ -52,6 +52,6 @@ OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, d
 	const double S = std::sqrt(integrals.spread) / V;
 	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
 	const double r = 0.04 * relativeGap * relativeGap;
-	return {V * std::sqrt(0.04 * S * S + r * r), stiffness * V * std::sqrt(0.09 * S * S + r * r)};
+	return {V * std::sqrt(0.0256 * S * S + r * r), stiffness * V * std::sqrt(0.0625 * S * S + r * r)};
 }
 }  // namespace ist

@@ -24,8 +24,8 @@ SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const Pres
 /// so that the choice of unit does not enter.
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length);
 
-/// Standard errors (DESIGN section 5, reference/force-law.md 8): sigma_V = V sqrt((0.2 S)^2 + r^2) [m^3],
-/// sigma_F = k V sqrt((0.3 S)^2 + r^2) [N], S = sqrt(spread)/V, r = 0.04 (g/delta)^2, g the sum of both bodies' errorLength(),
+/// Standard errors (DESIGN section 5, reference/force-law.md 8): sigma_V = V sqrt((0.16 S)^2 + r^2) [m^3],
+/// sigma_F = k V sqrt((0.25 S)^2 + r^2) [N], S = sqrt(spread)/V, r = 0.04 (g/delta)^2, g the sum of both bodies' errorLength(),
 /// delta = V/|area vector|. Calibrated by bench_truth. In flat contact shallower than 2 g the true error is up to four times r.
 struct OverlapError
 {

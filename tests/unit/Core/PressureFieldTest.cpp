@@ -146,6 +146,6 @@ TEST(PressureField, ErrorFollowsItsFormula)
 	I.areaVector = {4, 0, 0};
 	const double r = 0.04 * 0.04, S = 0.1;
 	const OverlapError e = overlapError(I, 0.1, 10);
-	EXPECT_NEAR(e.volume, 2 * std::sqrt(0.04 * S * S + r * r), 1e-15);
-	EXPECT_NEAR(e.force, 20 * std::sqrt(0.09 * S * S + r * r), 1e-14);
+	EXPECT_NEAR(e.volume, 2 * std::sqrt(0.0256 * S * S + r * r), 1e-15);
+	EXPECT_NEAR(e.force, 20 * std::sqrt(0.0625 * S * S + r * r), 1e-14);
 }
