@@ -315,7 +315,6 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 		for (int i = 0; i < manifold.getNumContacts() && out.contactCount < kMirroredContacts; ++i)
 		{
 			const btManifoldPoint& point = manifold.getContactPoint(i);
-			if (!(point.m_appliedImpulse > 0)) continue;
 			LinearContact& c = out.contacts[out.contactCount++] = {};
 			c.a = a;
 			c.b = b;
@@ -323,8 +322,10 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 			c.X_WB = X_WB;
 			c.point = toVec3(point.getPositionWorldOnB());
 			c.normal = toVec3(point.m_normalWorldOnB);
-			c.wrench.force = c.normal * (double(point.m_appliedImpulse) / m_seconds);
 			const double k = 1 / (inverse * kStockPeriod * kStockPeriod * manifold.getNumContacts());
+			// A point that carried nothing carries as soon as its gap has closed.
+			const double carried = double(point.m_appliedImpulse) / m_seconds, gap = std::max(0.0, double(point.getDistance()));
+			c.wrench.force = c.normal * (carried > 0 ? carried : -k * gap);
 			for (int row = 0; row < 3; ++row)
 				for (int column = row; column < 3; ++column) c.stiffness(row, column) = k * c.normal[row] * c.normal[column];
 			c.friction = std::max(0.0, double(point.m_combinedFriction));

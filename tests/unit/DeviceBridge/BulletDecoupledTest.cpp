@@ -206,6 +206,34 @@ TEST(BulletDecoupled, ALiftedBodyWeighsOnTheHand)
 		});
 }
 
+// The support has no tree, so that Bullet's own points carry the body; the hand does not push it through.
+TEST(BulletDecoupled, ABodyOnAStockShapeIsPressed)
+{
+	for (const double rate : {60.0, 240.0})
+	{
+		btBoxShape support(btVector3(btScalar(0.2), btScalar(0.1), btScalar(0.2)));
+		DecoupledRig rig(rate, kGravity);
+		rig.add(support, 0, {0, -0.1, 0});
+		btRigidBody* box = rig.addBox(0.1, {0, 0.02, 0});
+		Hand& hand = rig.addHand({0, 0.065, 0});
+		hand.script = pressing(0.008);
+		rig.run(1.5);
+		const double height = double(box->getWorldTransform().getOrigin().y());
+		double least = 1e9, most = 0;
+		rig.afterTick = [&]
+		{
+			const double force = norm(hand.step.coupling.force);
+			least = std::min(least, force);
+			most = std::max(most, force);
+		};
+		rig.run(1);
+		std::printf("stock support, world at %g Hz: %.3f to %.3f N, box at %.5f m\n", rate, least, most, height);
+		EXPECT_NEAR(height, 0.02, 1e-3) << rate;
+		EXPECT_GT(least, 1) << rate;
+		EXPECT_LT(most, 1.2 * least) << rate;
+	}
+}
+
 // A body that the hand speeds up is where it would be in a world that steps in every tick, and weighs the same.
 TEST(BulletDecoupled, AFreeBodyIsPushedAlikeAtAnyRate)
 {
