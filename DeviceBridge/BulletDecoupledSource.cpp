@@ -131,6 +131,7 @@ void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
 	}
 	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
 	m_overBudget.store(m_finder.overBudget(), std::memory_order_relaxed);
+	m_refused.store(m_finder.refused(), std::memory_order_relaxed);
 }
 
 /// At most one question is out at a time: what it points to must live until it was answered.
@@ -142,6 +143,7 @@ void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
 		m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
 		m_coarsened.store(m_answers.readable().coarsened, std::memory_order_relaxed);
 		m_overBudget.store(m_answers.readable().overBudget, std::memory_order_relaxed);
+		m_refused.store(m_answers.readable().refused, std::memory_order_relaxed);
 	}
 	const Answer& answer = m_answers.readable();
 	step.queryMicroseconds = answer.microseconds;
@@ -272,6 +274,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.microseconds = microsecondsSince(begin);
 	answer.coarsened = m_threadFinder.coarsened();
 	answer.overBudget = m_threadFinder.overBudget();
+	answer.refused = m_threadFinder.refused();
 	m_answers.publish();
 	return true;
 }
@@ -340,6 +343,7 @@ DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 	s.fadedTicks = read(m_fadedTicks);
 	s.coarsenedQueries = read(m_coarsened);
 	s.queriesOverBudget = read(m_overBudget);
+	s.refusedQueries = read(m_refused);
 	s.modelAge = 1e-9 * static_cast<double>(read(m_age));
 	s.longestModelAge = 1e-9 * static_cast<double>(read(m_longestAge));
 	s.period = 1e-9 * static_cast<double>(read(m_period));

@@ -44,6 +44,7 @@ struct DecoupledStatistics
 	std::uint64_t fadedTicks = 0;      ///< in which a model was so late that it counted in part or for nothing
 	std::uint64_t coarsenedQueries = 0;  ///< answered by a coarser level, to keep the budget
 	std::uint64_t queriesOverBudget = 0;  ///< that no level could answer within it; asked without
+	std::uint64_t refusedQueries = 0;  ///< without an answer (ist::QueryStatus), and so without a force; none in good health
 	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
 	double period = 0;                 ///< of the world, as learnt [s]
 };
@@ -113,7 +114,7 @@ private:
 		LinearContact contacts[kToolContacts];
 		int count = 0;
 		double volume = 0, microseconds = 0;
-		std::uint64_t coarsened = 0, overBudget = 0;
+		std::uint64_t coarsened = 0, overBudget = 0, refused = 0;
 	};
 
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
@@ -154,7 +155,7 @@ private:
 	std::atomic<bool> m_stopping{false};
 	std::atomic<std::uint32_t> m_wake{0};
 
-	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0};
+	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};
 	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
 };
 }  // namespace devicebridge

@@ -39,6 +39,7 @@ int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, co
 		// A half-space has no levels.
 		result = queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace);
 	}
+	m_refused += result.status != ist::QueryStatus::Ok;
 	if (result.status != ist::QueryStatus::Ok || !(result.total.volume > 0)) return 0;
 	m_coarsened += result.coarsened;
 	m_contact.treeB = notOwned(body.tree);

@@ -23,13 +23,15 @@ public:
 	std::uint64_t coarsened() const noexcept { return m_coarsened; }
 	/// Queries that no level could answer within the budget: they were asked without one, since no force at all would be worse.
 	std::uint64_t overBudget() const noexcept { return m_overBudget; }
+	/// Queries without an answer (ist::QueryStatus), and so without a force.
+	std::uint64_t refused() const noexcept { return m_refused; }
 
 private:
 	const ist::InnerSphereTree& m_tool;
 	ist::QueryWorkspace m_workspace;
 	ist::QueryOptions m_options;
 	btISTContact m_contact;  // the law reads from it; its trees are not owned
-	std::uint64_t m_coarsened = 0, m_overBudget = 0;
+	std::uint64_t m_coarsened = 0, m_overBudget = 0, m_refused = 0;
 };
 
 /// `patch` between A and B at their poses.

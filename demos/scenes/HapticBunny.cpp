@@ -291,6 +291,7 @@ bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& pr
 	keepFigures(hand, thread, recorder, outcome);
 	const DecoupledStatistics statistics = source.statistics();
 	outcome.worldRate = options.worldRate;
+	outcome.droppedContacts = statistics.refusedQueries;
 	coupling.step(period);  // takes what is still under way
 	outcome.decoupled = {statistics.worldSteps, statistics.fadedTicks, statistics.longestModelAge, source.receivedImpulse(),
 						 coupling.appliedImpulse(source), {}, distance(poseOf(body).translation, before)};

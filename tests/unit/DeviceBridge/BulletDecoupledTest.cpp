@@ -365,6 +365,7 @@ TEST(BulletDecoupled, ABudgetOfPairsIsKeptAndCounted)
 		EXPECT_EQ(most <= 20, i == 1) << most;
 		EXPECT_EQ(statistics.coarsenedQueries > 0, i > 0);
 		EXPECT_EQ(statistics.queriesOverBudget > 0, i == 2);
+		EXPECT_EQ(statistics.refusedQueries, 0U);
 	}
 	EXPECT_NEAR(felt[1], felt[0], 0.3 * felt[0]);
 	EXPECT_NEAR(felt[2], felt[0], 0.02 * felt[0]);
