@@ -25,7 +25,8 @@ struct LocalTool
 ///
 /// Why this is passive: let J be the sum of a period. The tool's work on a free copy is J.(u0 + J/2m) with u0 its velocity when the
 /// world was published. The world puts J on the body at that very velocity: the same energy. What carries the body can only take from
-/// it. One thread, no allocation.
+/// it. Only putting a pose right can do work on the tool; the passivity controller of the device stands behind that.
+/// One thread, no allocation.
 class BulletLocalWorld
 {
 public:
