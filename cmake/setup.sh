@@ -5,7 +5,7 @@ set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache libbullet-dev libeigen3-dev libassimp-dev libgtest-dev
 	libcli11-dev nlohmann-json3-dev glmark2-data python3
-	libboost-dev libopenxr-dev libsdl2-dev libspnav-dev spacenavd)
+	libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev spacenavd)
 
 missing=()
 for package in "${packages[@]}"; do

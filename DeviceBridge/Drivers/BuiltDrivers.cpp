@@ -54,7 +54,7 @@ void addBuiltDrivers(DeviceRegistry& registry)
 #if defined(DEVICEBRIDGE_WITH_SPNAV)
 	addSpnav(registry);
 #else
-	registry.addMissing("spnav", "6-DOF mouse through spacenavd", leftOut("libspnav-dev"));
+	registry.addMissing("spnav", "6-DOF mouse through spacenavd", leftOut("libspnav-dev and libx11-dev"));
 #endif
 	addPluginSchemes(registry);
 }
