@@ -25,6 +25,8 @@ public:
 	virtual int sideCount() const = 0;
 	/// Of a cloud of points about `p` with the covariance `spread` [m^2].
 	virtual FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const = 0;
+	/// All sides are planes.
+	virtual bool isPlanar() const { return false; }
 	/// How far a cloud about `p` may reach along each axis for means to say enough about it [m].
 	virtual Vec3 grain(const Vec3& p) const = 0;
 	/// [m^3]; infinite for a half-space.
@@ -45,6 +47,7 @@ public:
 	HalfSpaceField(const Vec3& normal, double offset) : m_normal(normal), m_offset(offset) {}
 	int sideCount() const override { return 1; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
+	bool isPlanar() const override { return true; }
 	Vec3 grain(const Vec3& p) const override;
 	double volume() const override;
 	bool isValid() const override;
@@ -60,6 +63,7 @@ public:
 	explicit BoxField(const Vec3& halfExtents) : m_half(halfExtents) {}
 	int sideCount() const override { return 6; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
+	bool isPlanar() const override { return true; }
 	Vec3 grain(const Vec3& p) const override;
 	double volume() const override { return 8 * m_half.x * m_half.y * m_half.z; }
 	bool isValid() const override;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/FieldPress.h"
 
+#include "BulletISTCollision/Core/Lens.h"
+
 #include <utility>
 
 namespace ist
@@ -39,24 +41,39 @@ double smoothStep(double x)
 // Each side's depth is concave, so that its tangent bounds it.
 bool FieldPress::mayReach(const Vec3& center, double radius) const
 {
-	const Vec3 p = m_toField * (center - m_X.translation);
 	const double reach = radius * (1 + 1e-6);
+	if (m_planar)
+	{
+		for (int i = 0; i < m_sides; ++i)
+			if (m_planes[i].depth(center) <= -reach) return false;
+		return true;
+	}
+	const Vec3 p = m_toField * (center - m_X.translation);
 	for (int i = 0; i < m_sides; ++i)
 		if (m_field.side(i, p, {}).depth <= -reach) return false;
 	return true;
 }
 
 FieldPress::FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink)
-	: m_field(field), m_X(X_AF), m_toField(transpose(X_AF.rotation)), m_sides(field.sideCount()), m_stiffness(stiffness), m_sink(sink)
+	: m_field(field), m_X(X_AF), m_toField(transpose(X_AF.rotation)), m_sides(field.sideCount()), m_stiffness(stiffness), m_sink(sink),
+	  m_planar(field.isPlanar())
 {
 	const Vec3 grain = field.grain({});
 	for (int i = 0; i < 3; ++i)
 		for (int j = i; j > 0 && grain[m_order[j]] < grain[m_order[j - 1]]; --j) std::swap(m_order[j], m_order[j - 1]);
+	m_finest = grain[m_order[0]];
+	for (int i = 0; m_planar && i < m_sides; ++i)
+	{
+		const FieldSide plane = field.side(i, {}, {});
+		const Vec3 normal = m_X.rotation * plane.normal;
+		m_planes[i] = {normal, plane.depth + dot(normal, m_X.translation)};
+	}
 }
 
 void FieldPress::press(const MomentEllipsoid& leaf, uint32_t index)
 {
 	m_index = index;
+	if (m_planar && pressAgainstOnePlane(leaf)) return;
 	FieldPiece piece{m_toField * (leaf.center() - m_X.translation), rotated(m_toField, leaf.shape()), leaf.volume()};
 	const Vec3 grain = m_field.grain(piece.center);
 	const double width = std::sqrt(std::max({piece.shape.xx / (grain.x * grain.x), piece.shape.yy / (grain.y * grain.y), piece.shape.zz / (grain.z * grain.z)}));
@@ -70,6 +87,36 @@ void FieldPress::press(const MomentEllipsoid& leaf, uint32_t index)
 	if (!(divided < 1)) return;
 	piece.volume *= 1 - divided;
 	if (!isOutside(piece)) assign(piece);
+}
+
+/// What `press` does where it comes down to this, without turning the leaf into the field's frame. False where it does not.
+bool FieldPress::pressAgainstOnePlane(const MomentEllipsoid& leaf)
+{
+	if (leaf.R > kWholeLeaf * m_finest) return false;
+	const Vec3 center = leaf.center();
+	double depth[AnalyticField::kMaxSides] = {};
+	int nearest = 0;
+	for (int i = 0; i < m_sides; ++i)
+		if ((depth[i] = m_planes[i].depth(center)) < depth[nearest]) nearest = i;
+	const Plane& plane = m_planes[nearest];
+	if (depth[nearest] <= -leaf.R) return true;
+	const double trace = double(leaf.xx) + leaf.yy + leaf.zz;
+	for (int i = 0; i < m_sides; ++i)
+	{
+		const double lead = depth[i] - depth[nearest];
+		if (i != nearest && lead * lead <= squaredNorm(plane.normal - m_planes[i].normal) * trace) return false;
+	}
+	Lens cap;
+	if (!capOf(leaf, plane.normal, -depth[nearest], cap)) return true;
+	FieldTerm term;
+	term.ball = m_index;
+	term.volume = leaf.density * cap.volume;
+	term.depth = plane.depth(cap.centroid);
+	term.centroid = cap.centroid;
+	term.normal = plane.normal;
+	term.area = plane.normal * (leaf.density * cap.area);
+	m_sink.take(term);
+	return true;
 }
 
 /// Of the same moments. Cholesky's columns, beginning with the axis of the finest grain: halving the first alone makes a leaf thin along it.
@@ -226,7 +273,7 @@ void FieldPress::send(FieldTerm& term)
 	term.centroid = m_X * term.centroid;
 	term.normal = m_X.rotation * term.normal;
 	term.area = m_X.rotation * term.area;
-	if (m_stiffness) term.bend = rotated(m_X.rotation, term.bend);
+	if (term.bend.trace() > 0) term.bend = rotated(m_X.rotation, term.bend);
 	m_sink.take(term);
 }
 }  // namespace ist

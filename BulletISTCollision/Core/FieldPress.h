@@ -27,6 +27,8 @@ public:
 	/// X_AF: pose of the field's frame in A's tree frame.
 	FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink);
 
+	/// A half-space: the exact cap of each leaf is the one term of it, and all normals are the same.
+	bool isFlat() const { return m_planar && m_sides == 1; }
 	/// False when a ball (A's tree frame) is surely outside of the field.
 	bool mayReach(const Vec3& center, double radius) const;
 	void press(const MomentEllipsoid& leaf, uint32_t index);
@@ -39,6 +41,15 @@ private:
 		double volume;
 	};
 
+	/// A side in A's tree frame: its depth is offset - normal . x.
+	struct Plane
+	{
+		Vec3 normal;
+		double offset;
+		double depth(const Vec3& x) const { return offset - dot(normal, x); }
+	};
+
+	bool pressAgainstOnePlane(const MomentEllipsoid& leaf);
 	FieldCell boxOf(const FieldPiece& piece) const;
 	bool isOutside(const FieldPiece& piece) const;
 	bool isOutside(const FieldCell& cell) const;
@@ -56,6 +67,9 @@ private:
 	const bool m_stiffness;
 	FieldSink& m_sink;
 	int m_order[3] = {0, 1, 2};  // axes, the one with the finest grain first
+	const bool m_planar;
+	double m_finest = 0;         // of the grain of a planar field
+	Plane m_planes[AnalyticField::kMaxSides];  // of a planar field
 	uint32_t m_index = 0;
 };
 }  // namespace ist

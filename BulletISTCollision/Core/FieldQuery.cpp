@@ -14,23 +14,35 @@ const BallTree& treeOf(const InnerSphereTree& body, Model model)
 	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
 }
 
-/// K += G S G^T, with G = (I, [at] x): a stiffness between translations at a point, seen from the origin.
-void addStiffness(SymmetricMatrix6& K, const SymmetricMatrix3& S, const Vec3& at)
+/// Sum of stiffnesses between translations at points, seen from the origin: of G S G^T, with G = (I, [at] x).
+struct PointStiffness
 {
-	const Vec3 row[3] = {{S.xx, S.xy, S.xz}, {S.xy, S.yy, S.yz}, {S.xz, S.yz, S.zz}};
-	Vec3 turn[3];  // columns of [at] x S
-	for (int i = 0; i < 3; ++i) turn[i] = cross(at, row[i]);
-	for (int i = 0; i < 3; ++i)
+	Vec3 force[3], mixed[3], torque[3];  // rows of the blocks; the mixed one is that of forces by rotations
+
+	void add(const SymmetricMatrix3& S, const Vec3& at)
 	{
-		const Vec3 both = cross(at, {turn[0][i], turn[1][i], turn[2][i]});
-		for (int j = 0; j < 3; ++j)
+		const Vec3 row[3] = {{S.xx, S.xy, S.xz}, {S.xy, S.yy, S.yz}, {S.xz, S.yz, S.zz}};
+		const Vec3 turn[3] = {cross(at, row[0]), cross(at, row[1]), cross(at, row[2])};  // columns of [at] x S
+		for (int i = 0; i < 3; ++i)
 		{
-			if (j >= i) K(i, j) += row[i][j];
-			if (j >= i) K(i + 3, j + 3) += both[j];
-			K(i, j + 3) += turn[i][j];
+			force[i] += row[i];
+			mixed[i] += turn[i];
 		}
+		torque[0] += cross(at, {turn[0].x, turn[1].x, turn[2].x});
+		torque[1] += cross(at, {turn[0].y, turn[1].y, turn[2].y});
+		torque[2] += cross(at, {turn[0].z, turn[1].z, turn[2].z});
 	}
-}
+	void addTo(SymmetricMatrix6& K) const
+	{
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j)
+			{
+				if (j >= i) K(i, j) += force[i][j];
+				if (j >= i) K(i + 3, j + 3) += torque[i][j];
+				K(i, j + 3) += mixed[i][j];
+			}
+	}
+};
 
 /// Symmetric part of a b^T.
 SymmetricMatrix3 symmetricProduct(const Vec3& a, const Vec3& b)
@@ -38,35 +50,56 @@ SymmetricMatrix3 symmetricProduct(const Vec3& a, const Vec3& b)
 	return {a.x * b.x, a.y * b.y, a.z * b.z, 0.5 * (a.x * b.y + a.y * b.x), 0.5 * (a.x * b.z + a.z * b.x), 0.5 * (a.y * b.z + a.z * b.y)};
 }
 
-void addTerm(OverlapIntegrals& sums, const FieldTerm& term, const MomentEllipsoid& leaf, bool stiffness)
+/// Sums of one patch.
+struct Accumulator
+{
+	OverlapIntegrals sums;
+	PointStiffness stiffnessA, stiffnessB;
+
+	void add(const FieldTerm& term, const MomentEllipsoid& leaf, bool stiffness);
+	OverlapIntegrals finished() const
+	{
+		OverlapIntegrals result = sums;
+		stiffnessA.addTo(result.stiffnessA);
+		stiffnessB.addTo(result.stiffnessB);
+		return result;
+	}
+};
+
+void Accumulator::add(const FieldTerm& term, const MomentEllipsoid& leaf, bool stiffness)
 {
 	const double mass = term.volume;
-	const Vec3 &C = term.centroid, mA = leaf.normal();
+	const Vec3 &C = term.centroid, mA = leaf.normal(), first = C * mass, nA = mA * mass, nB = term.normal * mass;
 	sums.volume += mass;
-	sums.firstMoment += C * mass;
-	sums.secondMoment[0] += mass * C.x * C.x;
-	sums.secondMoment[1] += mass * C.y * C.y;
-	sums.secondMoment[2] += mass * C.z * C.z;
-	sums.secondMoment[3] += mass * C.x * C.y;
-	sums.secondMoment[4] += mass * C.x * C.z;
-	sums.secondMoment[5] += mass * C.y * C.z;
-	sums.normalA = sums.normalA + mass * Wrench{mA, cross(C, mA)};
-	sums.normalB = sums.normalB + mass * Wrench{term.normal, cross(C, term.normal)};
+	sums.firstMoment += first;
+	sums.secondMoment[0] += first.x * C.x;
+	sums.secondMoment[1] += first.y * C.y;
+	sums.secondMoment[2] += first.z * C.z;
+	sums.secondMoment[3] += first.x * C.y;
+	sums.secondMoment[4] += first.x * C.z;
+	sums.secondMoment[5] += first.y * C.z;
+	sums.normalA.force += nA;
+	sums.normalA.torque += cross(C, nA);
+	sums.normalB.force += nB;
+	sums.normalB.torque += cross(C, nB);
 	sums.areaVector += term.area;
 	sums.depthA += mass * (leaf.depth - dot(mA, C - leaf.center()));
 	sums.depthB += mass * term.depth;
 	if (!stiffness) return;
-	addStiffness(sums.stiffnessB, symmetricProduct(term.area, term.normal) + term.bend * -1.0, C);
-	if (squaredNorm(term.area) > 0) addStiffness(sums.stiffnessA, symmetricProduct(term.area, -mA), C);
+	const bool cut = squaredNorm(term.area) > 0, bent = term.bend.trace() > 0;
+	if (cut) stiffnessA.add(symmetricProduct(term.area, -mA), C);
+	if (cut || bent) stiffnessB.add(symmetricProduct(term.area, term.normal) + term.bend * -1.0, C);
 }
 
-/// The leaves of A that reach into a field: their terms are listed to be grouped, or summed at once where the list is full.
+/// The leaves of A that reach into a field: their terms are listed to be grouped, or summed at once where there is nothing to group or no
+/// room in the list.
 class FieldQuery : FieldSink
 {
 public:
 	FieldQuery(const BallTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace::Implementation& work,
 			   const QueryOptions& options, OverlapResult& result)
-		: m_A(A), m_press(field, X_AF, options.stiffness, *this), m_work(work), m_options(options), m_result(result)
+		: m_A(A), m_press(field, X_AF, options.stiffness, *this), m_work(work), m_options(options), m_result(result),
+		  m_grouped(options.patches && work.capacity.patches > 1 && !m_press.isFlat())
 	{
 	}
 
@@ -85,8 +118,9 @@ private:
 	QueryWorkspace::Implementation& m_work;
 	const QueryOptions& m_options;
 	OverlapResult& m_result;
+	const bool m_grouped;
 
-	OverlapIntegrals m_rest;  // what the list did not hold
+	Accumulator m_rest;       // what is not listed
 	Vec3 m_moment, m_area;    // of the leaf in hand
 	double m_volume = 0;      // of the leaf in hand
 	double m_spread = 0;
@@ -153,9 +187,9 @@ void FieldQuery::take(const FieldTerm& term)
 	m_volume += term.volume;
 	m_moment += term.centroid * term.volume;
 	m_area += term.area;
-	if (int(m_work.terms.size()) < m_work.capacity.pairs) return list(term);
-	m_result.pairListComplete = false;
-	addTerm(m_rest, term, m_A.balls[term.ball], m_options.stiffness);
+	if (m_grouped && int(m_work.terms.size()) < m_work.capacity.pairs) return list(term);
+	if (m_grouped) m_result.pairListComplete = false;
+	m_rest.add(term, m_A.balls[term.ball], m_options.stiffness);
 }
 
 // Grouped by the field's normals alone: they tell one face of a box from the next, and those of a plane are all the same.
@@ -179,14 +213,15 @@ void FieldQuery::list(const FieldTerm& term)
 void FieldQuery::publish()
 {
 	const int listed = int(m_work.terms.size());
-	const bool grouped = m_options.patches && m_work.capacity.patches > 1 && m_result.pairListComplete && m_leaves > 0;
+	const bool grouped = listed > 0 && m_result.pairListComplete;
 	const int groups = grouped ? m_work.grouper.group(m_work.stream, listed, uint32_t(m_A.balls.size()), m_work.capacity.patches) : 1;
 	for (int p = 0; p < groups; ++p)
 	{
-		OverlapIntegrals& sums = m_work.patches[p] = p == 0 ? m_rest : OverlapIntegrals();
+		Accumulator sums = p == 0 ? m_rest : Accumulator();
 		for (int i = 0; i < listed; ++i)
 			if (groups == 1 || m_work.grouper.patch()[i] == p)
-				addTerm(sums, m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options.stiffness);
+				sums.add(m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options.stiffness);
+		m_work.patches[p] = sums.finished();
 	}
 	OverlapIntegrals& total = m_result.total;
 	for (int p = 0; p < groups; ++p) total.add(m_work.patches[p]);
