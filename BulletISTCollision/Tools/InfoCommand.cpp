@@ -48,7 +48,7 @@ int runInfo(const InfoArguments& a)
 		for (double v : row) inertia.push_back(v);
 	report["inertia"] = inertia;
 	// The constants of overlapError.
-	report["calibration"] = Report{{"splitting_rule", 1}, {"volume_spread", 0.5}, {"force_spread", 0.8}, {"gap", 0.04}};
+	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_spread", 0.16}, {"force_spread", 0.25}, {"gap", 0.04}};
 	std::fputs(format(report, a.json).c_str(), stdout);
 	return kGood;
 }

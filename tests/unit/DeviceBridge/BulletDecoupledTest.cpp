@@ -156,7 +156,8 @@ TEST(BulletDecoupled, ImpulsesBalanceWithTwoToolsOnOneBody)
 		});
 }
 
-// On a table that is slippery enough for the stack to slide rather than to topple. At 5 Hz, in steps of 10 mm, a single box.
+// On a table that is slippery enough for the stack to slide rather than to topple. At 5 Hz, in steps of 10 mm, a single box;
+// no third box, which the bumps of 300 spheres each would let lean.
 TEST(BulletDecoupled, ImpulsesBalanceWhileAStackIsPushed)
 {
 	forWorlds(
@@ -165,7 +166,7 @@ TEST(BulletDecoupled, ImpulsesBalanceWhileAStackIsPushed)
 			DecoupledRig rig(rate, kGravity);
 			const double stiffness = mass > 0.01 ? 2e7 : 2e5;
 			rig.add(rig.planeShape, 0, {}, 0.2);
-			const int count = rate < 10 ? 1 : 3;
+			const int count = rate < 10 ? 1 : 2;
 			for (int i = 0; i < count; ++i) rig.add(rig.boxShape, mass, {0, 0.02 + 0.0399 * i, 0}, 0.8, stiffness);
 			Hand& hand = rig.addHand({-0.06, 0.022, 0});
 			hand.script = [](double t) { return ist::Twist{{t > 1 && t < 3 ? 0.05 : 0, 0, 0}, {}}; };
