@@ -15,12 +15,23 @@
 #include <cstdio>
 #include <random>
 
+#ifdef _OPENMP
 #include <omp.h>
+#endif
 
 namespace ist::tools
 {
 namespace
 {
+int threadNumber()
+{
+#ifdef _OPENMP
+	return omp_get_thread_num();
+#else
+	return 0;
+#endif
+}
+
 /// What a law says of a pose; `overlap` keeps pointers into the workspace.
 struct Answer
 {
@@ -72,7 +83,7 @@ public:
 		{
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
 			for (size_t i = 0; i < order.size(); ++i)
-				answer(rows[order[i]], order[i], workspaces[static_cast<size_t>(omp_get_thread_num())], pass == 0);
+				answer(rows[order[i]], order[i], workspaces[static_cast<size_t>(threadNumber())], pass == 0);
 		}
 		for (size_t i = 0; i < rows.size(); ++i) finish(rows[i], i);
 	}
