@@ -17,7 +17,7 @@
 #endif
 
 #include "DeviceBridge/Clock.h"
-#include "DeviceBridge/LatestValue.h"
+#include "DeviceBridge/TripleBuffer.h"
 
 namespace devicebridge
 {
@@ -46,8 +46,8 @@ struct ThreadedDevice::Worker
 	};
 
 	std::unique_ptr<DeviceLink> link;
-	LatestValue<DeviceSample> samples;
-	LatestValue<TimedCommand> commands;
+	TripleBuffer<DeviceSample> samples;
+	TripleBuffer<TimedCommand> commands;
 	std::atomic<bool> ending{false};
 	std::atomic<DeviceStatus> status{DeviceStatus::NotOpen};
 	std::thread thread;
@@ -113,8 +113,8 @@ bool ThreadedDevice::Worker::connect() noexcept
 DeviceCommand ThreadedDevice::Worker::currentCommand() noexcept
 {
 	commands.fetch();
-	DeviceCommand command = commands.value().command;
-	if (realNow() < commands.value().deadline) return command;
+	DeviceCommand command = commands.readable().command;
+	if (realNow() < commands.readable().deadline) return command;
 	command.wrench = {};
 	command.gripForce = 0;
 	return command;
@@ -223,7 +223,7 @@ DeviceStatus ThreadedDevice::read(std::int64_t now, DeviceState& state) noexcept
 	const DeviceStatus status = m_worker->status.load(std::memory_order_acquire);
 	if (status != DeviceStatus::Ok) return status;
 	m_worker->samples.fetch();
-	state = m_worker->samples.value().state;
+	state = m_worker->samples.readable().state;
 	// From the time of the link to that of the caller. The largest difference is the one with the least delay between the clocks.
 	const std::int64_t shift = now - realNow();
 	m_shift = m_hasShift ? std::max(m_shift, shift) : shift;
@@ -248,7 +248,7 @@ DeviceStatus ThreadedDevice::write(const DeviceCommand& command) noexcept
 bool ThreadedDevice::readHand(HandState& hand) noexcept
 {
 	if (!m_worker || !(m_info.sensed & kHandJointsSensed)) return false;
-	hand = m_worker->samples.value().hand;
+	hand = m_worker->samples.readable().hand;
 	return true;
 }
 

@@ -16,6 +16,13 @@ public:
 	/// Writer: what was filled becomes the latest value.
 	void publish() noexcept { m_write = m_shared.exchange(m_write | kFresh, std::memory_order_acq_rel) & kIndex; }
 
+	/// Writer: both.
+	void write(const T& value) noexcept
+	{
+		writable() = value;
+		publish();
+	}
+
 	/// Reader: takes the latest value; false when there is none since the last time.
 	bool fetch() noexcept
 	{

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <mutex>
 
-#include "DeviceBridge/LatestValue.h"
+#include "DeviceBridge/TripleBuffer.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
 
@@ -122,8 +122,8 @@ private:
 	unsigned long m_callback = 0;
 	bool m_started = false;
 	RealClock m_clock;
-	LatestValue<Sample> m_samples;
-	LatestValue<Push> m_pushes;
+	TripleBuffer<Sample> m_samples;
+	TripleBuffer<Push> m_pushes;
 };
 
 ist::Result<std::unique_ptr<HdDevice>> HdDevice::open(const std::string& address, devicebridge_info& info)
@@ -199,7 +199,7 @@ void HdDevice::servo() noexcept
 	Sample sample;
 	m_pushes.fetch();
 	const double none[3] = {};
-	const bool pushing = m_clock.now() < m_pushes.value().until;
+	const bool pushing = m_clock.now() < m_pushes.readable().until;
 	m_f.makeCurrent(m_handle);
 	m_f.beginFrame(m_handle);
 	m_f.getDoubles(kTransform, sample.transform);
@@ -207,7 +207,7 @@ void HdDevice::servo() noexcept
 	m_f.getDoubles(kAngularVelocity, sample.angular);
 	m_f.getIntegers(kButtons, &sample.buttons);
 	sample.calibration = m_f.checkCalibration();
-	m_f.setDoubles(kForce, pushing ? m_pushes.value().force : none);
+	m_f.setDoubles(kForce, pushing ? m_pushes.readable().force : none);
 	m_f.endFrame(m_handle);
 	sample.error = m_f.error().code;
 	m_samples.write(sample);
@@ -224,7 +224,7 @@ bool HdDevice::exchange(const devicebridge_command& command, devicebridge_state&
 		why = "the scheduler of libHD has stopped";
 		return false;
 	}
-	const Sample& sample = m_samples.value();
+	const Sample& sample = m_samples.readable();
 	// 0x02..: force errors, after which libHD holds the force back by itself; 0x03.. and above: the device.
 	if (sample.error >= 0x0300)
 	{

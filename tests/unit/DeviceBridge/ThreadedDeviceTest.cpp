@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "DeviceBridge/Decorators/ReconnectingDevice.h"
-#include "DeviceBridge/LatestValue.h"
 #include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/DriverRun.h"
 
@@ -96,36 +95,6 @@ DeviceCommand pushing(double force, std::int64_t now, std::int64_t life)
 	return command;
 }
 }  // namespace
-
-TEST(LatestValue, ReaderSeesWholeValuesThatNeverGetOlder)
-{
-	struct Pair
-	{
-		std::uint64_t a = 0, twice = 0, thrice = 0;
-	};
-	LatestValue<Pair> value;
-	EXPECT_FALSE(value.fetch());
-	std::atomic<bool> done{false};
-	std::thread writer([&] {
-		for (std::uint64_t i = 1; i <= 200000; ++i) value.write({i, 2 * i, 3 * i});
-		done = true;
-	});
-	std::uint64_t last = 0, torn = 0, older = 0, fetched = 0;
-	for (bool ended = false; !ended || value.fetch();)
-	{
-		ended = done;
-		fetched += value.fetch();
-		const Pair& p = value.value();
-		torn += p.twice != 2 * p.a || p.thrice != 3 * p.a;
-		older += p.a < last;
-		last = p.a;
-	}
-	writer.join();
-	EXPECT_EQ(torn, 0U);
-	EXPECT_EQ(older, 0U);
-	EXPECT_EQ(last, 200000U);
-	EXPECT_GE(fetched, 1U);
-}
 
 TEST(ThreadedDevice, SamplesAndHandBelongTogetherAndNeverGetOlder)
 {
