@@ -51,7 +51,7 @@ OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, d
 	if (!(V > 0)) return {};
 	const double S = std::sqrt(integrals.spread) / V;
 	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
-	const double r = 0.04 * relativeGap * relativeGap;
-	return {V * std::sqrt(0.0256 * S * S + r * r), stiffness * V * std::sqrt(0.0625 * S * S + r * r)};
+	const double r = kGapError * relativeGap * relativeGap;
+	return {V * std::hypot(kVolumeSpread * S, r), stiffness * V * std::hypot(kForceSpread * S, r)};
 }
 }  // namespace ist

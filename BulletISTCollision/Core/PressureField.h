@@ -24,9 +24,12 @@ SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const Pres
 /// so that the choice of unit does not enter.
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length);
 
-/// Standard errors (DESIGN section 5, reference/force-law.md 8): sigma_V = V sqrt((0.16 S)^2 + r^2) [m^3],
-/// sigma_F = k V sqrt((0.25 S)^2 + r^2) [N], S = sqrt(spread)/V, r = 0.04 (g/delta)^2, g the sum of both bodies' errorLength(),
-/// delta = V/|area vector|. Calibrated by bench_truth. In flat contact shallower than 2 g the true error is up to four times r.
+/// Of the error bar, by bench_truth.
+constexpr double kVolumeSpread = 0.16, kForceSpread = 0.25, kGapError = 0.04;
+
+/// Standard errors (DESIGN section 5, reference/force-law.md 8): sigma_V = V sqrt((kVolumeSpread S)^2 + r^2) [m^3],
+/// sigma_F = k V sqrt((kForceSpread S)^2 + r^2) [N], S = sqrt(spread)/V, r = kGapError (g/delta)^2, g the sum of both bodies' errorLength(),
+/// delta = V/|area vector|. In flat contact shallower than 2 g the true error is up to four times r.
 struct OverlapError
 {
 	double volume = 0, force = 0;

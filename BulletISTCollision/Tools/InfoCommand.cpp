@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <chrono>
@@ -47,8 +48,7 @@ int runInfo(const InfoArguments& a)
 	for (const auto& row : tree.inertia.m)
 		for (double v : row) inertia.push_back(v);
 	report["inertia"] = inertia;
-	// The constants of overlapError.
-	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_spread", 0.16}, {"force_spread", 0.25}, {"gap", 0.04}};
+	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_spread", kVolumeSpread}, {"force_spread", kForceSpread}, {"gap", kGapError}};
 	std::fputs(format(report, a.json).c_str(), stdout);
 	return kGood;
 }
