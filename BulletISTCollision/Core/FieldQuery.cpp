@@ -9,11 +9,6 @@ namespace ist
 {
 namespace
 {
-const BallTree& treeOf(const InnerSphereTree& body, Model model)
-{
-	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
-}
-
 /// Sum of stiffnesses between translations at points, seen from the origin: of G S G^T, with G = (I, [at] x).
 struct PointStiffness
 {

@@ -35,11 +35,6 @@ Bound rootBound(const BallNode& root)
 	return {float(center.x), float(center.y), float(center.z), float(reach * (1 + 1e-6) + 1e-6 * norm(center))};
 }
 
-const BallTree& treeOf(const InnerSphereTree& body, Model model)
-{
-	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
-}
-
 Pose treeToTree(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
 	return {X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};

@@ -10,6 +10,12 @@
 
 namespace ist
 {
+/// The tree of a body that speaks for it in a model.
+inline const BallTree& treeOf(const InnerSphereTree& body, Model model)
+{
+	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
+}
+
 /// What QueryWorkspace owns.
 struct QueryWorkspace::Implementation
 {
