@@ -2,8 +2,6 @@
 // Trees against bodies in closed form: error against quadrature on the triangles of both, and time, at 0.1, 1 and 10 % overlap of the
 // smaller body, in seeded random poses. Usage:
 // bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
@@ -11,46 +9,29 @@
 #include "demos/scenes/FieldBodies.h"
 #include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
+#include "tests/bench/BenchBodies.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
 
 using namespace ist;
+using bench::bunnyMesh, bench::placed;
 using namespace scenes;
 
 namespace
 {
-constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
-
 struct Row
 {
 	int poses = 0, oneSigma = 0, twoSigma = 0;
 	double volume = 0, bias = 0, force = 0, torque = 0, leaves = 0, seconds = 0;
 	std::vector<double> angles;
 };
-
-Mesh placed(Mesh mesh)
-{
-	const double unit = 1 / bounds(mesh).longestSide();
-	for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
-	return mesh;
-}
-
-Mesh bunnyMesh()
-{
-	if (!std::filesystem::exists(kBunny)) return {};
-	Result<Mesh> mesh = importMesh(kBunny);
-	if (!mesh) return {};
-	Result<RepairedMesh> repaired = repair(mesh.value());
-	return repaired ? repaired.value().mesh : Mesh{};
-}
 
 double secondsOf(const InnerSphereTree& tree, const FieldBody& body, const Pose& X, QueryWorkspace& workspace)
 {

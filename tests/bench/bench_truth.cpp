@@ -3,8 +3,6 @@
 // 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
 // bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE] [--levels 1]
 // Lines and points are those of the quadrature; the last two columns are its own standard error. With --levels also the coarser levels of the same trees.
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
@@ -13,22 +11,22 @@
 #include "demos/scenes/MeshBelowPlane.h"
 #include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
+#include "tests/bench/BenchBodies.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
 
 using namespace ist;
+using bench::bunnyMesh, bench::placed;
 using namespace scenes;
 
 namespace
 {
-constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 constexpr double kOverlaps[] = {0.001, 0.01, 0.1};
 constexpr double kGaps[] = {1, 2, 4, 8};
 constexpr double kShares[] = {0.01, 0.03, 0.1};  // of the longest side
@@ -47,14 +45,6 @@ struct Body
 	InnerSphereTree tree;
 };
 
-/// Longest side 1, off the origin.
-Mesh placed(Mesh mesh)
-{
-	const double unit = 1 / bounds(mesh).longestSide();
-	for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
-	return mesh;
-}
-
 Mesh ellipsoidMesh()
 {
 	Mesh mesh = makeSphereMesh(1, 5);
@@ -68,15 +58,6 @@ Mesh jackMesh()
 	Mesh mesh = makeSphereMesh(1, 5);
 	for (Vec3& p : mesh.vertices) p = p * (0.4 + 0.6 * (p.x * p.x * p.x * p.x + p.y * p.y * p.y * p.y + p.z * p.z * p.z * p.z));
 	return mesh;
-}
-
-Mesh bunnyMesh()
-{
-	if (!std::filesystem::exists(kBunny)) return {};
-	Result<Mesh> mesh = importMesh(kBunny);
-	if (!mesh) return {};
-	Result<RepairedMesh> repaired = repair(mesh.value());
-	return repaired ? repaired.value().mesh : Mesh{};
 }
 
 Mesh meshNamed(const std::string& name)

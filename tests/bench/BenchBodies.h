@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh.h"
+
+namespace bench
+{
+/// Scaled to a longest side of 1, off the origin.
+ist::Mesh placed(ist::Mesh mesh);
+/// Repaired; empty where Debian's glmark2-data is not installed.
+ist::Mesh bunnyMesh();
+}  // namespace bench
