@@ -43,14 +43,14 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 
 ist::OverlapResult btISTCollisionAlgorithm::query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const
 {
-	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, X_AB, m_context->workspace);
+	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, X_AB, m_context->workspace, m_context->options);
 	const btISTShapeField closed(wrapB->getCollisionShape());
 	contact.halfSpace = closed.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;
 	if (!closed.field()) return none;  // scaled to nothing since the pair was made
 	contact.volumeB = closed.field()->volume();
-	return ist::queryField(*m_treeA, *closed.field(), X_AB * closed.X_SF(), m_context->workspace);
+	return ist::queryField(*m_treeA, *closed.field(), X_AB * closed.X_SF(), m_context->workspace, m_context->options);
 }
 
 void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,

@@ -42,6 +42,8 @@ public:
 	/// Which pairs are volumetric, and where.
 	btISTWatch& watch();
 	void setPairRule(std::shared_ptr<const btISTPairRule> rule);
+	/// No force before bodies surely overlap: see ist::QueryOptions::gate. Off at first.
+	void setGate(bool on);
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
 	void setPairCache(btOverlappingPairCache* pairCache);

@@ -43,5 +43,6 @@ public:
 	btISTWatch watch;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	ist::QueryWorkspace workspace;
+	ist::QueryOptions options;
 	std::weak_ptr<btISTInstallation> installation;
 };

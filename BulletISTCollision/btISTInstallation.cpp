@@ -177,6 +177,8 @@ void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 	if (rule) m_installation->context->rule = std::move(rule);
 }
 
+void btISTRegistration::setGate(bool on) { m_installation->context->options.gate = on; }
+
 void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }
 
 void btISTRegistration::cleanPairs(btOverlappingPairCache* pairCache)

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/FieldPress.h"
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
 #include "BulletISTCollision/Core/Lens.h"
+#include "BulletISTCollision/Core/OverlapGate.h"
 
 #include <algorithm>
 
@@ -240,10 +241,9 @@ void FieldQuery::publishPairs()
 	m_result.pairs = m_work.pairs.data();
 	m_result.pairCount = m_pairs;
 }
-}  // namespace
 
-OverlapResult queryField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
-						 const QueryOptions& options)
+OverlapResult queryTreeInField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
+							   const QueryOptions& options)
 {
 	OverlapResult result;
 	if (!isRigid(X_AF) || !field.isValid()) return result.status = QueryStatus::InvalidPose, result;
@@ -253,6 +253,13 @@ OverlapResult queryField(const InnerSphereTree& A, const AnalyticField& field, c
 	const Pose X{X_AF.rotation, X_AF.translation - A.origin};
 	FieldQuery(tree, field, X, workspace.implementation(), options, result).run();
 	return result;
+}
+}  // namespace
+
+OverlapResult queryField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
+						 const QueryOptions& options)
+{
+	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTreeInField(A, field, X_AF, workspace, o); });
 }
 
 OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
 #include "BulletISTCollision/Core/Lens.h"
+#include "BulletISTCollision/Core/OverlapGate.h"
 
 #include <algorithm>
 
@@ -307,6 +308,20 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	pairs += o.pairs;
 }
 
+void OverlapIntegrals::scale(double factor)
+{
+	volume *= factor;
+	firstMoment *= factor;
+	for (double& m : secondMoment) m *= factor;
+	for (Wrench* w : {&normalA, &normalB, &line}) *w = factor * *w;
+	areaVector *= factor;
+	for (SymmetricMatrix6* K : {&stiffnessA, &stiffnessB})
+		for (double& k : K->m) k *= factor;
+	depthA *= factor;
+	depthB *= factor;
+	spread *= factor * factor;
+}
+
 namespace
 {
 /// Level `level` of a pair of bodies: each step is taken by the larger tree.
@@ -376,10 +391,9 @@ void queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose&
 	result.level = answered;
 	result.coarsened = answered > finest;
 }
-}  // namespace
 
-OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						   const QueryOptions& options)
+OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+						 const QueryOptions& options)
 {
 	OverlapResult result;
 	QueryWorkspace::Implementation& work = workspace.implementation();
@@ -415,5 +429,12 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 		}
 	}
 	return result;
+}
+}  // namespace
+
+OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+						   const QueryOptions& options)
+{
+	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o); });
 }
 }  // namespace ist

@@ -36,6 +36,8 @@ struct OverlapIntegrals
 	int64_t pairs = 0;          ///< intersecting pairs
 
 	void add(const OverlapIntegrals& other);
+	/// All but the number of pairs times `factor`; `spread`, a square, times its square.
+	void scale(double factor);
 };
 
 /// Which parts speak for a body.
@@ -69,6 +71,10 @@ struct QueryOptions
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
 	/// The list also has pairs whose bounding balls meet though they share nothing (lens 0); one patch; not with `maxPairs`.
 	bool listMeetingBounds = false;
+	/// Nothing while the packed spheres of both bodies are apart. Leaves reach beyond the surface by up to a gap, so bodies that only touch
+	/// already press a little; with the gate they do not, but contact shallower than the gaps is lost too. Multiplies the integrals, not the
+	/// listed pairs; the error bar does not know what it takes. Costs a query of the packed spheres (OverlapGate.h).
+	bool gate = false;
 };
 
 struct QueryCapacity

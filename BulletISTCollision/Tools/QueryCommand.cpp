@@ -66,6 +66,7 @@ public:
 			m_A.levels = buildLevels(m_A.law);
 			m_B.levels = buildLevels(m_B.law);
 		}
+		if (arguments.gate && (m_paper || m_energyLaw)) m_unsupported = "unsupported: --gate goes with the laws pressure and volume";
 		if (arguments.budget >= 0) m_unsupported = "unsupported: --budget-us is not available yet";
 	}
 
@@ -101,6 +102,7 @@ private:
 		options.maxPairs = m_arguments.maxPairs;
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
 		options.listMeetingBounds = m_energyLaw;
+		options.gate = m_arguments.gate;
 		a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
 		if (a.overlap.status != QueryStatus::Ok) return a;
 		a.enoughPairs = !(m_paper || m_energyLaw) || a.overlap.pairListComplete;

@@ -126,6 +126,7 @@ private:
 		sub->add_option("--level", a.level, "level of the trees")->check(CLI::NonNegativeNumber);
 		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(CLI::NonNegativeNumber);
 		sub->add_option("--budget-us", a.budget, "budget of time")->check(CLI::NonNegativeNumber);
+		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
 		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
 		sub->add_option("--threads", a.threads, "threads over rows")->check(CLI::Range(1, 4096))->capture_default_str();
 		sub->add_option("--repeat", a.repeat, "passes over all poses")->check(CLI::Range(1, 1000000))->capture_default_str();

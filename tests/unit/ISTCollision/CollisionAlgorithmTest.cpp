@@ -401,6 +401,27 @@ TEST(btISTCollisionAlgorithm, SurvivesDestructionInEveryOrder)
 	}
 }
 
+TEST(btISTCollisionAlgorithm, GateShutsOutWhatOnlyTouches)
+{
+	TestWorld w;
+	btISTRegistration r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	btBoxShape shape(btVector3(.5, .5, .5));
+	const btISTAttachment attachment = attach(r, shape);
+	w.add(&shape, 0, at(0, 0, 0));
+	btRigidBody* const upper = w.add(&shape, 1, at(.1, 1, .1));
+	const auto volumeAt = [&](double height, bool gate)
+	{
+		r.setGate(gate);
+		upper->setWorldTransform(at(.1, height, .1));
+		w.world->performDiscreteCollisionDetection();
+		return r.store().contacts().empty() ? -1 : r.store().contacts()[0]->total.volume;
+	};
+	EXPECT_GT(volumeAt(1, false), 0) << "nothing to shut out";
+	EXPECT_EQ(volumeAt(1, true), 0);
+	EXPECT_EQ(volumeAt(.8, true), volumeAt(.8, false));
+	EXPECT_GT(volumeAt(.8, true), 0);
+}
+
 TEST(btISTCollisionAlgorithm, PoseThatIsNotFiniteGivesAnEmptyContact)
 {
 	TestWorld w;
