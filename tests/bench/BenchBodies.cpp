@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
 
 #include <filesystem>
 
@@ -10,6 +11,24 @@ using namespace ist;
 
 namespace bench
 {
+namespace
+{
+Mesh ellipsoidMesh()
+{
+	Mesh mesh = makeSphereMesh(1, 5);
+	for (Vec3& p : mesh.vertices) p = {p.x, 0.8 * p.y, 0.4 * p.z};
+	return mesh;
+}
+
+/// Six blunt horns with hollows between them.
+Mesh jackMesh()
+{
+	Mesh mesh = makeSphereMesh(1, 5);
+	for (Vec3& p : mesh.vertices) p = p * (0.4 + 0.6 * (p.x * p.x * p.x * p.x + p.y * p.y * p.y * p.y + p.z * p.z * p.z * p.z));
+	return mesh;
+}
+}  // namespace
+
 Mesh placed(Mesh mesh)
 {
 	const double unit = 1 / bounds(mesh).longestSide();
@@ -25,5 +44,16 @@ Mesh bunnyMesh()
 	if (!mesh) return {};
 	Result<RepairedMesh> repaired = repair(mesh.value());
 	return repaired ? repaired.value().mesh : Mesh{};
+}
+
+Mesh meshNamed(const std::string& name)
+{
+	if (name == "bunny") return bunnyMesh();
+	if (name == "box") return makeBoxMesh({0.5, 0.35, 0.25});
+	if (name == "torus") return makeTorusMesh(0.5, 0.2, 144, 72);
+	if (name == "knot") return makeTorusKnotMesh(2, 1, 0.45);
+	if (name == "jack") return jackMesh();
+	if (name == "ellipsoid") return ellipsoidMesh();
+	return makeSphereMesh(1, 5);
 }
 }  // namespace bench

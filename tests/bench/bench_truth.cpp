@@ -22,7 +22,7 @@
 #include <vector>
 
 using namespace ist;
-using bench::bunnyMesh, bench::placed;
+using bench::meshNamed, bench::placed;
 using namespace scenes;
 
 namespace
@@ -44,32 +44,6 @@ struct Body
 	Mesh mesh;
 	InnerSphereTree tree;
 };
-
-Mesh ellipsoidMesh()
-{
-	Mesh mesh = makeSphereMesh(1, 5);
-	for (Vec3& p : mesh.vertices) p = {p.x, 0.8 * p.y, 0.4 * p.z};
-	return mesh;
-}
-
-/// Six blunt horns with hollows between them.
-Mesh jackMesh()
-{
-	Mesh mesh = makeSphereMesh(1, 5);
-	for (Vec3& p : mesh.vertices) p = p * (0.4 + 0.6 * (p.x * p.x * p.x * p.x + p.y * p.y * p.y * p.y + p.z * p.z * p.z * p.z));
-	return mesh;
-}
-
-Mesh meshNamed(const std::string& name)
-{
-	if (name == "bunny") return bunnyMesh();
-	if (name == "box") return makeBoxMesh({0.5, 0.35, 0.25});
-	if (name == "torus") return makeTorusMesh(0.5, 0.2, 144, 72);
-	if (name == "knot") return makeTorusKnotMesh(2, 1, 0.45);
-	if (name == "jack") return jackMesh();
-	if (name == "ellipsoid") return ellipsoidMesh();
-	return makeSphereMesh(1, 5);
-}
 
 /// Without spheres when the mesh is not there.
 Body makeBody(const std::string& name, int spheres)

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Zlib
+// What bodies that only touch press already, because leaves reach beyond the surface, and what the gate of the query makes of it and costs.
+// Usage: bench_touch [--spheres N=10000] [--poses N=20]
+#include "BulletISTCollision/Core/MeshDistance.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "demos/scenes/PoseSampler.h"
+#include "tests/bench/BenchBodies.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+using namespace ist;
+using namespace scenes;
+
+namespace
+{
+constexpr double kSpacing = 0.0025;   // of points on edges; the longest side is 1
+constexpr double kTouching = 1e-6;
+constexpr double kShallow = 1e-3;     // overlap that the ghost is compared with, of the smaller volume
+constexpr int kRepeats = 15;
+
+struct Body
+{
+	std::string name;
+	MeshDistance surface;
+	std::vector<Vec3> points;  // vertices, and points along long edges
+	InnerSphereTree tree;
+};
+
+std::vector<Vec3> pointsOf(const Mesh& mesh)
+{
+	std::vector<Vec3> points = mesh.vertices;
+	for (const auto& t : mesh.triangles)
+		for (int e = 0; e < 3; ++e)
+		{
+			const Vec3 a = mesh.vertices[t[size_t(e)]], b = mesh.vertices[t[size_t((e + 1) % 3)]];
+			const int parts = int(distance(a, b) / kSpacing);
+			for (int i = 1; i < parts; ++i) points.push_back(a + (b - a) * (double(i) / parts));
+		}
+	return points;
+}
+
+double separation(const Body& A, const Body& B, const Pose& X_AB)
+{
+	const Pose X_BA = inverse(X_AB);
+	double least = 1e300;
+	for (const Vec3& p : B.points) least = A.surface.closest(X_AB * p, least).distance;
+	for (const Vec3& p : A.points) least = B.surface.closest(X_BA * p, least).distance;
+	return least;
+}
+
+/// B comes from afar along a random line, by no more than the way that is free, until it touches.
+Pose touchingPose(const Body& A, const Body& B, uint64_t seed)
+{
+	const Mat3 rotation = rotationMatrix(randomRotation(2 * seed));
+	const Vec3 direction = rotationMatrix(randomRotation(2 * seed + 1)) * Vec3{0, 0, 1};
+	Pose X{rotation, A.tree.origin + 2 * direction - rotation * B.tree.origin};
+	for (double way = 1; way > kTouching; X.translation = X.translation - way * direction) way = separation(A, B, X);
+	return X;
+}
+
+struct Answer
+{
+	double volume = 0, force = 0, seconds = 0;
+};
+
+Answer ask(const Body& A, const Body& B, const Pose& X, bool gate, QueryWorkspace& workspace)
+{
+	QueryOptions options;
+	options.gate = gate;
+	Answer answer;
+	std::vector<double> seconds;
+	for (int i = 0; i < kRepeats; ++i)
+	{
+		const auto begin = std::chrono::steady_clock::now();
+		const OverlapIntegrals total = queryOverlap(A.tree, B.tree, X, workspace, options).total;
+		seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+		answer = {total.volume, norm(pressureWrench(total, {}).force), 0};
+	}
+	std::nth_element(seconds.begin(), seconds.begin() + kRepeats / 2, seconds.end());
+	answer.seconds = seconds[kRepeats / 2];
+	return answer;
+}
+
+/// The pose at which the leaves share `volume`, pushed on from touch.
+Pose pushedTo(const Body& A, const Body& B, const Pose& touch, double volume, QueryWorkspace& workspace)
+{
+	const Vec3 towardsA = normalized(A.tree.origin - touch * B.tree.origin);
+	double least = 0, most = 0.3;
+	const auto at = [&](double s) { return Pose{touch.rotation, touch.translation + s * towardsA}; };
+	for (int i = 0; i < 40; ++i)
+	{
+		const double middle = 0.5 * (least + most);
+		(queryOverlap(A.tree, B.tree, at(middle), workspace).total.volume < volume ? least : most) = middle;
+	}
+	return at(most);
+}
+
+void printPair(const Body& A, const Body& B, int poses)
+{
+	QueryWorkspace workspace;
+	const double shallow = kShallow * std::min(A.tree.volume, B.tree.volume);
+	double volume = 0, most = 0, force = 0, gatedMost = 0, kept[2] = {}, cost[2] = {};
+	for (int i = 0; i < poses; ++i)
+	{
+		const Pose X = touchingPose(A, B, uint64_t(i));
+		const Answer ghost = ask(A, B, X, false, workspace), gated = ask(A, B, X, true, workspace);
+		volume += ghost.volume / shallow / poses;
+		force += ghost.force / shallow / poses;
+		most = std::max(most, ghost.volume / shallow);
+		gatedMost = std::max({gatedMost, gated.volume / shallow, gated.force / shallow});
+		for (const int k : {0, 1})
+		{
+			const Pose deep = pushedTo(A, B, X, (k == 0 ? 1 : 10) * shallow, workspace);
+			const Answer open = ask(A, B, deep, false, workspace), shut = ask(A, B, deep, true, workspace);
+			kept[k] += shut.volume / open.volume / poses;
+			cost[k] += shut.seconds / open.seconds / poses;
+		}
+	}
+	std::printf("%-13s %8.2f %8.2f %8.2f %8.2g | %8.1f %8.1f | %5.2f %5.2f\n", (A.name + "-" + B.name).c_str(), 100 * volume, 100 * most, 100 * force,
+				100 * gatedMost, 100 * kept[0], 100 * kept[1], cost[0], cost[1]);
+	std::fflush(stdout);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+	int spheres = 10000, poses = 20;
+	for (int i = 1; i + 1 < argc; i += 2) (std::string(argv[i]) == "--spheres" ? spheres : poses) = std::atoi(argv[i + 1]);
+	std::vector<Body> bodies;
+	for (const char* name : {"bunny", "box", "torus", "knot"})
+	{
+		const Mesh mesh = bench::placed(bench::meshNamed(name));
+		BuildOptions options;
+		options.maxSpheres = spheres;
+		Result<InnerSphereTree> tree = buildTree(mesh, options);
+		if (tree)
+			bodies.push_back({name, MeshDistance(mesh), pointsOf(mesh), std::move(tree).value()});
+		else
+			std::printf("%s: %s\n", name, tree.error().message.c_str());
+	}
+	std::printf("%d spheres, %d poses of exact touch; %% of the volume (force: of the force k V) at %g %% overlap\n", spheres, poses, 100 * kShallow);
+	std::printf("%-13s %8s %8s %8s %8s | %8s %8s | %5s %5s\n", "", "volume", "most", "force", "gated", "kept .1%", "kept 1%", "time", "time");
+	for (size_t a = 0; a < bodies.size(); ++a)
+		for (size_t b = a; b < bodies.size(); ++b) printPair(bodies[a], bodies[b], poses);
+	return 0;
+}
