@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace
 {
@@ -100,6 +101,43 @@ TEST(SpherePacker, FillsACubeAsTheReferenceGreedyDoes)
 {
 	// .837 in reference measurements of two independent greedy packers.
 	EXPECT_GT(pack(makeBoxMesh({0.5, 0.5, 0.5}), 1000).fill, 0.835);
+}
+
+TEST(SpherePacker, LeavesNoRegionWithoutSpheresThatIsThickerThanFourOfItsSmallestRadii)
+{
+	// Thick and thin parts, one of them apart and smaller than the grid that the search begins on.
+	Mesh mesh = makeBoxMesh({0.5, 0.4, 0.02});
+	const auto add = [&](const Mesh& part, const Vec3& at)
+	{
+		const uint32_t first = uint32_t(mesh.vertices.size());
+		for (const Vec3& p : part.vertices) mesh.vertices.push_back(p + at);
+		for (const auto& t : part.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+	};
+	add(makeBoxMesh({0.15, 0.15, 0.15}), {0, 0, 0.3});
+	add(makeBoxMesh({0.012, 0.012, 0.012}), {0.7, 0, 0});
+	add(makeTorusMesh(0.3, 0.03, 64, 24), {0, 0, -0.5});
+	const MeshDistance surface(mesh);
+	for (const int64_t count : {300, 3000})
+	{
+		const SpherePacking packing = pack(mesh, count);
+		ASSERT_EQ(int64_t(packing.spheres.size()), count);
+		const double smallest = std::min_element(packing.spheres.begin(), packing.spheres.end(), [](const Sphere& a, const Sphere& b) { return a.r < b.r; })->r;
+		std::mt19937_64 random(9);
+		std::uniform_real_distribution<double> u(0, 1);
+		const Box box = bounds(mesh);
+		double widest = 0;
+		for (int inside = 0; inside < 6000;)
+		{
+			const Vec3 p = box.lower + Vec3{u(random) * box.size().x, u(random) * box.size().y, u(random) * box.size().z};
+			if (!surface.contains(p)) continue;
+			++inside;
+			double clear = surface.closest(p).distance;
+			for (const Sphere& s : packing.spheres) clear = std::min(clear, distance(p, s.center()) - s.r);
+			widest = std::max(widest, clear);
+		}
+		EXPECT_LT(widest, 2 * smallest);
+		EXPECT_GT(widest, 0.2 * smallest) << "the points see no hole at all";
+	}
 }
 
 TEST(SpherePacker, SameSeedGivesTheSameSpheres)
