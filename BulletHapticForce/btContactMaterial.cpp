@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btContactMaterial.h"
 
+#include "BulletCollision/CollisionDispatch/btCollisionObject.h"
+#include "BulletCollision/CollisionShapes/btCollisionShape.h"
+
+#include <algorithm>
 #include <cmath>
 
 namespace
@@ -25,6 +29,12 @@ std::optional<ist::Error> btContactMaterialTable::set(const btCollisionObject* b
 		return ist::Error{"the stiffness of a contact material must be a finite number of Pa/m, 0 or more (0: not set)"};
 	if (!std::isfinite(material.dissipation))
 		return ist::Error{"the dissipation of a contact material must be a finite number of s/m (negative: not set)"};
+	if (!std::isfinite(material.fluidDensity) || material.fluidDensity < 0)
+		return ist::Error{"the density of a fluid must be a finite number of kg/m^3, 0 or more (0: a solid)"};
+	if (material.fluidDensity > 0 && material.stiffness > 0)
+		return ist::Error{"a fluid has no stiffness of its own: its pressure is its density times gravity times depth"};
+	if (material.fluidDensity > 0 && (!body->getCollisionShape() || body->getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE))
+		return ist::Error{"only a static plane can be a fluid: give the body a btStaticPlaneShape"};
 	m_materials[body] = material;
 	return std::nullopt;
 }
@@ -40,6 +50,14 @@ btISTPairConstants btContactMaterialTable::decide(const btISTContact& contact, c
 {
 	btISTPairConstants constants = m_default.decide(contact, bodyA, bodyB);
 	const btContactMaterial A = find(bodyA), B = find(bodyB);
+	if (contact.halfSpace && B.fluidDensity > 0)
+	{
+		constants.k = B.fluidDensity * m_gravity;
+		constants.weightA = constants.loadMass = 0;
+		constants.weightB = 1;
+		constants.dissipation = std::max(B.dissipation, 0.0);
+		return constants;
+	}
 	constants.dissipation = combinedDissipation(A, B, constants.dissipation);
 	if (A.stiffness > 0 && B.stiffness > 0)
 	{

@@ -12,13 +12,19 @@ struct btContactMaterial
 {
 	double stiffness = 0;     ///< k_X [Pa/m]: pressure at a depth, per depth. 0: not set
 	double dissipation = -1;  ///< Hunt-Crossley [s/m]; nothing leaves contact faster than its inverse. Negative: not set
+	double fluidDensity = 0;  ///< [kg/m^3] of a fluid that fills a half-space; 0: a solid
 
+	/// A fluid: for a static plane (btStaticPlaneShape) whose normal points against gravity. Its pressure is that of hydrostatics, density
+	/// times gravity times depth, whatever floats in it is made of; it drags nothing along unless it is given a dissipation. The body's
+	/// friction stays what Bullet has: a fluid wants setFriction(0). Bodies need trees; waves and added mass are not modelled.
+	static btContactMaterial fluid(double density) { return {0, -1, density}; }
 	/// Elastic foundation: modulus [Pa] over the depth [m] of the layer that yields.
 	static btContactMaterial fromModulus(double modulus, double foundationDepth) { return {modulus / foundationDepth, -1}; }
 };
 
 /// Decides the constants of a pair from the materials of its bodies (DESIGN section 5):
-/// (a) against a half-space all weight lies on its field, whatever the materials;
+/// (a) against a half-space all weight lies on its field, whatever the materials; against a fluid k is its density times gravity,
+/// and the dissipation is that of the fluid, or none;
 /// (b) both stiffnesses set: in series, 1/k = 1/k_A + 1/k_B, w_A = k_B/(k_A + k_B): the softer body's field counts more;
 /// (c) one set: k is that one, all weight on its field;
 /// (d) none set: btISTDefaultPairRule, for the heaviest body that hangs together with the two through contacts (btVolumetricIslands).
@@ -28,17 +34,19 @@ class btContactMaterialTable : public btISTPairRule
 {
 public:
 	/// See setGravity.
-	explicit btContactMaterialTable(double gravity = 9.81) : m_default(gravity) {}
+	explicit btContactMaterialTable(double gravity = 9.81) : m_default(gravity), m_gravity(gravity) {}
 
-	/// Refused, with the reason: values that are not finite, a negative stiffness. Call `remove` before the body is deleted: its
+	/// Refused, with the reason: values that are not finite, a negative stiffness or density, a fluid that is no plane or has a stiffness. Call `remove` before the body is deleted: its
 	/// address may be given to a new one.
 	std::optional<ist::Error> set(const btCollisionObject* body, const btContactMaterial& material);
 	void remove(const btCollisionObject* body) { m_materials.erase(body); }
 	/// That of `set`, or one with nothing set.
 	btContactMaterial find(const btCollisionObject* body) const;
-	/// Magnitude of gravity [m/s^2], for (d). Zero keeps the former one: bodies without weight shall not become bodies without contact.
+	/// Magnitude of gravity [m/s^2], for fluids and for (d). For (d) zero keeps the former one: bodies without weight shall not become
+	/// bodies without contact.
 	void setGravity(double gravity)
 	{
+		m_gravity = gravity;
 		if (gravity > 0) m_default = btISTDefaultPairRule(gravity);
 	}
 
@@ -46,5 +54,6 @@ public:
 
 private:
 	btISTDefaultPairRule m_default;
+	double m_gravity;
 	std::unordered_map<const btCollisionObject*, btContactMaterial> m_materials;
 };

@@ -2,6 +2,7 @@
 #include "BulletHapticForce/btContactMaterial.h"
 
 #include "BulletCollision/CollisionShapes/btEmptyShape.h"
+#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <gtest/gtest.h>
@@ -138,4 +139,27 @@ TEST_F(Pair, RefusesWhatIsNoMaterialAndKeepsTheFormerOne)
 	EXPECT_EQ(table.find(&a).dissipation, 8);
 	EXPECT_EQ(table.find(&b).stiffness, 0);
 	EXPECT_DOUBLE_EQ(btContactMaterial::fromModulus(1e6, 0.05).stiffness, 2e7);
+}
+
+TEST_F(Pair, FluidPressesWithItsDensityTimesGravityWhateverFloatsInIt)
+{
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	btRigidBody water(0, nullptr, &plane);
+	contact.halfSpace = true;
+	contact.treeB.reset();
+	EXPECT_FALSE(table.set(&water, btContactMaterial::fluid(1025)));
+	set(a, 1e7, 3);
+	btISTPairConstants c = table.decide(contact, &a, &water);
+	EXPECT_DOUBLE_EQ(c.k, 1025 * 9.81);
+	EXPECT_EQ(c.weightA, 0);
+	EXPECT_EQ(c.weightB, 1);
+	EXPECT_EQ(c.loadMass, 0);
+	EXPECT_EQ(c.dissipation, 0);
+	EXPECT_FALSE(table.set(&water, {0, 0.5, 1025}));
+	table.setGravity(1.62);
+	c = table.decide(contact, &a, &water);
+	EXPECT_DOUBLE_EQ(c.k, 1025 * 1.62);
+	EXPECT_EQ(c.dissipation, 0.5);
+	table.setGravity(0);
+	EXPECT_EQ(table.decide(contact, &a, &water).k, 0);
 }
