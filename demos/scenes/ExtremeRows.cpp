@@ -60,9 +60,19 @@ double modelForceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeS
 	return (X_WA.rotation * ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force).y;
 }
 
-double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double k, double weight)
+namespace
+{
+/// X_AB of a like cube below, turned by `turn`, with faces `depth` into each other.
+ist::Pose faceOnFace(double edge, double depth, double turn)
+{
+	return {ist::rotationMatrix(ist::quaternionFromRotationVector({0, -turn, 0})), {0, depth - edge, 0}};
+}
+}  // namespace
+
+double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double k, double weight, double turn)
 {
 	const double edge = ist::bounds(cube.mesh).longestSide();
+	ist::QueryWorkspace workspace;
 	double low = -0.05 * edge, high = 0.5 * edge;
 	for (int i = 0; i < 60; ++i)
 	{
@@ -71,8 +81,8 @@ double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double 
 		double force = 0;
 		if (below)
 		{
-			X.translation = {0, edge - depth, 0};
-			force = modelForceUp(cube, X, *below, {}, k);
+			const ist::OverlapResult overlap = ist::queryOverlap(*cube.tree, *below->tree, faceOnFace(edge, depth, turn), workspace);
+			force = ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force.y;
 		}
 		else
 		{
@@ -93,6 +103,7 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 	if (response == Response::Volumetric && world.volumetric().materials().set(body, {s.k, s.dissipation})) return out;
 	if (!s.mayTurn) body->setAngularFactor(btScalar(0));
 	const ist::Vec3 start = positionOf(body);
+	ist::Vec3 middle;
 	const int steps = int(s.seconds / s.h + 0.5), watched = std::min(int(1 / s.h + 0.5), steps / 2);
 	for (int i = 0; i < steps; ++i)
 	{
@@ -105,6 +116,8 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 		}
 		const double risen = positionOf(body).y - start.y;
 		out.highest = std::max(out.highest, risen / edge);
+		if (i == steps / 2) middle = positionOf(body);
+		if (i >= steps / 2) out.creep = std::max(out.creep, norm(positionOf(body) - middle) / edge);
 		out.energyGain = std::max(out.energyGain, (kineticEnergy(body, s.mass, inertia) + weight * risen) / (weight * edge));
 		if (i < steps - watched) continue;
 		out.modelRatio += s.k * modelVolumeBelow(*cube.tree, toPose(body->getWorldTransform()), s.place.y) / (weight * watched);
@@ -124,6 +137,7 @@ TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const Tower
 	world.addFloor();
 	std::vector<btRigidBody*> bodies;
 	std::vector<ist::Vec3> start;
+	std::vector<double> loads;  // over k
 	TowerOutcome out;
 	double height = 0, above = (s.cubes - 1) * s.mass + s.topMass;
 	for (int i = 0; i < s.cubes; ++i)
@@ -133,10 +147,11 @@ TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const Tower
 		// The default rule of two bodies with these trees; materials in series otherwise, so that each body has 2 k.
 		const double sinkage = std::max(1e-3 * edge, i == 0 ? gap / 2 : gap);
 		const double k = s.k > 0 ? (i == 0 ? 2 * s.k : s.k) : heavier * gravity / (sinkage * edge * edge);
-		out.expected.push_back(modelSinkage(cube, i == 0 ? nullptr : &cube, k, above * gravity));
+		out.expected.push_back(modelSinkage(cube, i == 0 ? nullptr : &cube, k, above * gravity, s.turn));
+		loads.push_back(above * gravity / k);
 		height += (i == 0 ? edge / 2 : edge) - (response == Response::Volumetric ? out.expected.back() : 0);
 		start.push_back(foot + ist::Vec3{0, height, 0});
-		bodies.push_back(world.add(cube, mass, mass * edge * edge / 6, transformOf(start.back()), 2 * s.k));
+		bodies.push_back(world.add(cube, mass, mass * edge * edge / 6, transformOf(start.back(), {0, s.turn * i, 0}), 2 * s.k));
 		above -= mass;
 	}
 	const int steps = int(s.seconds / s.h + 0.5);
@@ -156,9 +171,27 @@ TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const Tower
 	{
 		const double y = positionOf(bodies[b]).y, under = b == 0 ? -edge / 2 : positionOf(bodies[b - 1]).y;
 		out.sinkage.push_back(edge - (y - under));
-		if (b > 0) out.lowest = std::min(out.lowest, (y - under) / edge);
+		if (b == 0) continue;
+		out.lowest = std::min(out.lowest, (y - under) / edge);
+		const auto pose = [&](size_t i) { return toPose(bodies[i]->getWorldTransform()); };
+		if (response == Response::Volumetric && out.fellAfter < 0)
+			out.forceError = std::max(out.forceError, std::fabs(modelForceUp(cube, pose(b), cube, pose(b - 1), 1) / loads[b] - 1));
 	}
 	return out;
+}
+
+double leastTiltStiffness(int cubes) { return cubes * cubes / (2.4048 * 2.4048); }
+
+double tiltStiffness(const ExtremeSolid& cube, double volume)
+{
+	const double edge = ist::bounds(cube.mesh).longestSide();
+	ist::QueryWorkspace workspace;
+	const ist::Pose X_AB = faceOnFace(edge, modelSinkage(cube, &cube, 1, volume, 0), 0);
+	const ist::OverlapIntegrals sums = ist::queryOverlap(*cube.tree, *cube.tree, X_AB, workspace).total;
+	const ist::SymmetricMatrix6 K = ist::pressureStiffness(sums, {1, 0.5, 0.5});
+	// About z through the contact, half an edge below A's origin: a turn there moves the origin by -half an edge along x.
+	const double lever = edge / 2;
+	return (K(5, 5) - 2 * lever * K(0, 5) + lever * lever * K(0, 0)) / (volume * edge);
 }
 
 namespace

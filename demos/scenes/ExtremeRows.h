@@ -15,7 +15,8 @@ double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT,
 double modelForceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k);
 
 /// Depth of a cube's face under a plane, or under the face of a cube `below`, at which the model's own curve carries `weight` [m].
-double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double k, double weight);
+/// `turn`: of the cube against the one below, about the vertical [rad].
+double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double k, double weight, double turn = 0);
 
 struct RestSetup
 {
@@ -37,6 +38,7 @@ struct RestOutcome
 	double modelRatio = 0;   ///< the model's force in the end pose over the weight
 	double kinetic = 0;      ///< at the end [J]
 	double drift = 0;        ///< sideways, over the edge
+	double creep = 0;        ///< farthest that it was in the second half from where it was in the middle, over the edge
 };
 /// A cube falls on a plane, or is put on it, and rests. `edge` of the cube is that of the mesh.
 RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestSetup& setup);
@@ -47,6 +49,7 @@ struct TowerSetup
 	double mass = 1, topMass = 1;  ///< of each cube; of the uppermost
 	double k = 0;                  ///< of each contact; 0: nothing set, the default rule
 	double h = 1.0 / 60, seconds = 5;
+	double turn = 0;               ///< of each cube against the one below, about the vertical [rad]; a multiple of a quarter turn
 };
 struct TowerOutcome
 {
@@ -56,9 +59,17 @@ struct TowerOutcome
 	std::vector<double> sinkage;   ///< of each contact, from below, edge minus the distance of centres [m]
 	std::vector<double> expected;  ///< where the model's own curve carries the weight above, for cubes face on face [m]
 	double fellAfter = -1;         ///< first time at which the top has lost half an edge [s]; negative: never
+	double forceError = 0;         ///< of the contacts between cubes at the end: the model's own force over the weight above, less 1
 };
 /// Unit cubes on each other, the lowest on a plane. Put at the expected sinkage, in a row along +y at x = 3, z = -2.
 TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const TowerSetup& setup);
+
+/// A tower of `cubes` equal cubes on elastic contacts buckles like a column. Where each contact resists tilting by kappa times load times
+/// edge, kappa = edge / (12 F/F') for flat contact, the lean is a Bessel function J0, and it stands only while
+/// kappa > (cubes / 2.405)^2. Returns this bound.
+double leastTiltStiffness(int cubes);
+/// kappa of the model where `cube` lies on its like and carries `volume` = load / k [m^3]: from the query's own stiffness.
+double tiltStiffness(const ExtremeSolid& cube, double volume);
 
 struct CollisionSetup
 {
