@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/btContactLaw.h"
 #include "BulletHapticForce/btContactMaterial.h"
+#include "BulletHapticForce/btEnergyAudit.h"
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletHapticForce/btVolumetricInstallation.h"
 #include "BulletHapticForce/btVolumetricRows.h"

@@ -6,6 +6,9 @@
 
 namespace
 {
+/// Of a contact that leaves fast, over its elastic pressure: the closed form has nothing leave faster than 1/dissipation, a step may.
+constexpr double kLeastPressure = 0.5;
+
 double work(const ist::Wrench& impulse, const ist::Twist& twist)
 {
 	return dot(impulse.force, twist.linear) + dot(impulse.torque, twist.angular);
@@ -86,4 +89,24 @@ double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* p
 	}
 	ledger.stored = std::max(ledger.stored - std::max(elastic, total), 0.0);
 	return total;
+}
+
+btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count, double dissipation)
+{
+	btISTContactWork sum;
+	sum.acted = true;
+	for (int i = 0; i < count; ++i)
+	{
+		const btLedgerPatch& p = patches[i];
+		const ist::Twist u = mean(p);
+		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal), approach = -dot(u.linear, p.patch.normal);
+		const double product = dissipation * approach;
+		double dissipated = 0;
+		if (force > 0 && normal > 0)
+			dissipated = normal * work(times(p.patch.damping, u), u) / force / std::max(1 + product, kLeastPressure);
+		sum.damping -= dissipated;
+		sum.elastic += work(p.elastic, u) + dissipated;
+		sum.friction += work(p.impulse - p.elastic, u);
+	}
+	return sum;
 }

@@ -405,6 +405,7 @@ void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bo
 		sumChanges(bodies);
 	}
 	btContactLedger::enter(ledger, patches, count, m_step);
+	e.contact->work = btContactLedger::workOf(patches, count, e.contact->constants.dissipation);
 }
 
 void btVolumetricIslands::finish(btSolverBody* bodies)

@@ -77,6 +77,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
+	contact.work = btISTContactWork();
 	if (contact.patchCount == 0) contact.ledger = btISTContactLedger();
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
 	contact.error = ist::OverlapError();
@@ -117,6 +118,7 @@ void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0W
 		m_contact->total = ist::OverlapIntegrals();
 		m_contact->patchCount = 0;
 		m_contact->normalImpulse = 0;
+		m_contact->work = btISTContactWork();
 		m_contact->ledger = btISTContactLedger();
 	}
 	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance

@@ -32,6 +32,13 @@ struct btISTContactLedger
 	double stored = 0;  ///< elastic work absorbed and not yet returned
 };
 
+/// What the impulses of a contact did to the motion of its two bodies together in the last step [J].
+struct btISTContactWork
+{
+	bool acted = false;  ///< false: not solved as volumetric contact
+	double elastic = 0, damping = 0, friction = 0;
+};
+
 /// Decides the constants of a pair, once per contact and step, before anything is solved.
 class btISTPairRule
 {
@@ -80,6 +87,7 @@ struct btISTContact
 	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
 	double normalImpulse = 0;  ///< their normal parts, added up [N s]
+	btISTContactWork work;  ///< written by the solver
 	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
 };
 

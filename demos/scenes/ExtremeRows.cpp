@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/ExtremeRows.h"
 
+#include "BulletHapticForce/btEnergyAudit.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace scenes
@@ -240,9 +242,13 @@ CollisionOutcome collide(Response response, const ExtremeSolid& solid, const Col
 	}
 	const PairMotion before(bodies, s);
 	CollisionOutcome out;
+	std::optional<btEnergyAudit> audit;
+	if (response == Response::Volumetric) audit.emplace(world.bullet(), world.volumetric().contacts());
 	for (int i = 0; i < s.steps && norm(positionOf(bodies[0]) - positionOf(bodies[1])) < s.flown * size; ++i)
 	{
+		if (audit) audit->beforeStep(s.h);
 		world.step(s.h);
+		if (audit) audit->afterStep();
 		out.finite = out.finite && isFinite(bodies[0]) && isFinite(bodies[1]);
 		if (response == Response::Stock)
 			out.touched |= norm(toVec3(bodies[0]->getLinearVelocity()) - common - 0.5 * s.speed * direction) > 1e-3 * s.speed;
@@ -257,6 +263,12 @@ CollisionOutcome collide(Response response, const ExtremeSolid& solid, const Col
 	out.momentum = norm(after.linear - before.linear) / momentum;
 	out.angular = norm(after.angular - before.angular) / (momentum * 0.5 * size);
 	out.energy = after.kinetic / before.kinetic;
+	if (!audit) return out;
+	audit->beforeStep(s.h);
+	world.step(s.h);
+	audit->afterStep();
+	out.physical = audit->total().physical / before.kinetic;
+	out.numerical = audit->total().numerical / before.kinetic;
 	return out;
 }
 

@@ -89,6 +89,7 @@ struct CollisionOutcome
 	double momentum = 0, angular = 0;  ///< error over m v, over m v R
 	double energy = 0;                 ///< kinetic energy at the end over that at the start
 	double deepest = 0;                ///< most overlap, over the smaller volume
+	double physical = 0, numerical = 0;  ///< lost (btEnergyAudit), over the kinetic energy at the start; only with Response::Volumetric
 };
 /// Two equal bodies, from random poses and velocities, meet in free flight. Angular momentum about the joint centre of mass.
 CollisionOutcome collide(Response response, const ExtremeSolid& solid, const CollisionSetup& setup, uint64_t seed);
