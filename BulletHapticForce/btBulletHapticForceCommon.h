@@ -5,6 +5,7 @@
 #include "BulletHapticForce/btContactMaterial.h"
 #include "BulletHapticForce/btEnergyAudit.h"
 #include "BulletHapticForce/btISTWorld.h"
+#include "BulletHapticForce/btPaperLaw.h"
 #include "BulletHapticForce/btVolumetricInstallation.h"
 #include "BulletHapticForce/btVolumetricRows.h"
 #include "BulletHapticForce/btVolumetricSolver.h"
