@@ -89,7 +89,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 											   const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut)
 {
 	const bool was = !m_stock && m_contact && m_contact->stamp > 0;
-	if (!m_context->watch.covers(*body0Wrap, *body1Wrap, was))
+	if (isScaled(*body0Wrap, *body1Wrap) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
 	{
 		if (!m_stock) createStock(body0Wrap, body1Wrap);
 		return m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
@@ -108,6 +108,14 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	btISTContact contact;
 	evaluate(wrapA, wrapB, contact);
 	btISTRepresentativePoints(contact).report(*resultOut);
+}
+
+/// Whether a shape with a tree was scaled since the pair was made.
+bool btISTCollisionAlgorithm::isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const
+{
+	const bool swapped = body0.getCollisionObject() != m_manifold->getBody0();
+	const auto isUnit = [](const btCollisionObjectWrapper& w) { return btISTRegistry::hasUnitScaling(*w.getCollisionShape()); };
+	return !isUnit(swapped ? body1 : body0) || (m_treeB && !isUnit(swapped ? body0 : body1));
 }
 
 void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)

@@ -56,7 +56,7 @@ private:
 };
 
 /// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. While the pair is not watched
-/// (btISTWatch), Bullet's own algorithm works in its place, and the manifold stays empty. Lives in the dispatcher's pool, which does not
+/// (btISTWatch), or a shape with a tree has a local scaling other than 1, Bullet's own algorithm works in its place, and the manifold stays empty. Lives in the dispatcher's pool, which does not
 /// check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
@@ -88,6 +88,7 @@ public:
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
 	ist::OverlapResult query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const;
+	bool isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const;
 	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
 	void destroyStock();
 

@@ -28,14 +28,6 @@ namespace
 // A scaling is set by the user or read from a file, never computed by Bullet, so rounding is all that has to be forgiven.
 constexpr double kScalingTolerance = 1e-6;
 
-bool hasUnitScaling(const btCollisionShape& shape)
-{
-	const btVector3& s = shape.getLocalScaling();
-	for (int axis = 0; axis < 3; ++axis)
-		if (!(std::fabs(double(s[axis]) - 1.0) <= kScalingTolerance)) return false;
-	return true;
-}
-
 /// Empty when `shape` may carry `tree`.
 std::string refusal(const btCollisionShape* shape, const ist::InnerSphereTree* tree)
 {
@@ -43,7 +35,7 @@ std::string refusal(const btCollisionShape* shape, const ist::InnerSphereTree* t
 	if (!tree) return "cannot attach a null tree; build or load one first";
 	if (shape->isSoftBody()) return "soft bodies change their shape and cannot carry a tree";
 	if (shape->isInfinite()) return "an unbounded shape cannot carry a tree; planes meet trees without one";
-	if (!hasUnitScaling(*shape))
+	if (!btISTRegistry::hasUnitScaling(*shape))
 		return "the shape has a local scaling other than 1; scale the mesh, build its tree and leave the scaling at 1";
 	const std::string problem = tree->validate();
 	return problem.empty() ? std::string() : "the tree is not valid: " + problem;
@@ -95,6 +87,14 @@ std::shared_ptr<const ist::InnerSphereTree> btISTRegistry::find(const btCollisio
 	const auto found = m_table->trees.find(shape);
 	if (found == m_table->trees.end() || !hasUnitScaling(*shape)) return nullptr;
 	return found->second;
+}
+
+bool btISTRegistry::hasUnitScaling(const btCollisionShape& shape)
+{
+	const btVector3& s = shape.getLocalScaling();
+	for (int axis = 0; axis < 3; ++axis)
+		if (!(std::fabs(double(s[axis]) - 1.0) <= kScalingTolerance)) return false;
+	return true;
 }
 
 int btISTRegistry::size() const { return int(m_table->trees.size()); }

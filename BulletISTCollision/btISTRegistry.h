@@ -58,6 +58,8 @@ public:
 	/// Null when nothing is attached, or when the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;
 	int size() const;
+	/// Whether its local scaling is 1: a tree speaks for no other.
+	static bool hasUnitScaling(const btCollisionShape& shape);
 
 	void addListener(std::weak_ptr<btISTRegistryListener> listener);
 
