@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/scenario/VolumetricScene.h"
+
+#include "BulletDynamics/Vehicle/btRaycastVehicle.h"
+
+#include <numbers>
+
+using namespace scenario;
+using ist::Vec3;
+
+namespace
+{
+constexpr double kMass = 2, kGravity = 9.81, kRate = 240;
+
+const Solid& cube()
+{
+	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
+	return solid;
+}
+
+const Solid& bar()
+{
+	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 1500);
+	return solid;
+}
+
+/// Joints end before the bodies that they hold.
+struct JointScene : Scene
+{
+	std::vector<std::unique_ptr<btTypedConstraint>> joints;
+	btJointFeedback feedback;
+
+	~JointScene()
+	{
+		for (auto& joint : joints) world.bullet().removeConstraint(joint.get());
+	}
+	template <class Joint, class... Arguments>
+	Joint* join(Arguments&&... arguments)
+	{
+		joints.push_back(std::make_unique<Joint>(std::forward<Arguments>(arguments)...));
+		joints.back()->setJointFeedback(&feedback);
+		world.bullet().addConstraint(joints.back().get());
+		return static_cast<Joint*>(joints.back().get());
+	}
+	void run(double seconds)
+	{
+		for (int i = 0; i < int(seconds * kRate); ++i) step(1 / kRate);
+	}
+	/// Mean contact force on `body` over half a second [N].
+	Vec3 meanForce(const btRigidBody* body)
+	{
+		Vec3 sum;
+		const int steps = int(0.5 * kRate);
+		for (int i = 0; i < steps; ++i)
+		{
+			step(1 / kRate);
+			for (const btISTContact* c : world.contacts().contacts())
+				for (int p = 0; p < c->patchCount; ++p) sum += (c->bodyA == body ? 1.0 : c->bodyB == body ? -1.0 : 0.0) * c->impulses[p].force;
+		}
+		return sum * (kRate / steps);
+	}
+};
+
+/// A bar of 2 m on a hinge at its left end, lying on a small ball below its right part, `lever` from the hinge.
+struct Lever : JointScene
+{
+	static constexpr double kLever = 1.7;
+	btRigidBody* beam;
+	btHingeConstraint* hinge;
+
+	Lever()
+	{
+		const double ball = 0.15, depth = 0.02;
+		add(shape<btSphereShape>(btScalar(ball)), 0, 0, at({5 + kLever - 1, 3 - 0.1 - ball + depth, -4}));
+		beam = add(volumetricShape(bar()), kMass, 0.7, at({5, 3, -4}));
+		setStiffness(beam, 1e7);
+		hinge = join<btHingeConstraint>(*beam, btVector3(-1, 0, 0), btVector3(0, 0, 1));
+	}
+};
+}  // namespace
+
+// Moments about the hinge: the ball carries m g / lever, the hinge the rest.
+TEST(Joints, HingedBeamLeansOnABallAsTheLeverSays)
+{
+	Lever scene;
+	scene.run(3);
+	const double expected = kMass * kGravity * 1 / Lever::kLever;
+	EXPECT_NEAR(scene.meanForce(scene.beam).y, expected, 0.01 * expected);
+	const double reaction = double(scene.feedback.m_appliedForceBodyA.y());
+	EXPECT_NEAR(reaction, kMass * kGravity - expected, 0.02 * expected);
+	EXPECT_LT(double(scene.beam->getAngularVelocity().length()), 1e-3);
+}
+
+// A motor at its limit adds its torque to that of the weight, or takes it away. Positive lifts.
+TEST(Joints, HingeMotorPressesWithItsTorque)
+{
+	for (const double torque : {12.0, -25.0})
+	{
+		Lever scene;
+		scene.hinge->enableAngularMotor(true, btScalar(torque > 0 ? 100 : -100), btScalar(std::fabs(torque) / kRate));
+		scene.run(3);
+		const double expected = (kMass * kGravity - torque) / Lever::kLever;
+		EXPECT_NEAR(scene.meanForce(scene.beam).y, expected, 0.01 * expected);
+	}
+}
+
+// Without weight, a motor at its limit presses a cube against a wall with its force.
+TEST(Joints, SliderMotorPressesWithItsForce)
+{
+	JointScene scene;
+	scene.world.setGravity(btVector3(0, 0, 0));
+	btCollisionShape* shape = scene.volumetricShape(cube());
+	scene.add(shape, 0, 0, at({-2, 7, 3}));
+	btRigidBody* cart = scene.add(shape, kMass, kMass / 6, at({-0.9, 7, 3}));
+	scene.setStiffness(cart, 1e5);
+	btTransform frame = btTransform::getIdentity();
+	auto* slider = scene.join<btSliderConstraint>(*cart, frame, true);
+	slider->setLowerLinLimit(-10);
+	slider->setUpperLinLimit(10);
+	slider->setPoweredLinMotor(true);
+	slider->setTargetLinMotorVelocity(btScalar(-1));
+	slider->setMaxLinMotorForce(btScalar(35));
+	scene.run(4);
+	const Vec3 force = scene.meanForce(cart);
+	EXPECT_NEAR(force.x, 35, 0.35);
+	EXPECT_LT(std::hypot(force.y, force.z), 0.05 * 35);  // the slider holds what the model's normal errs
+	EXPECT_LT(double(cart->getLinearVelocity().length()), 1e-3);
+}
+
+// Hooke: the spring of a six-dof joint presses with its stiffness times what it lacks to its rest length.
+TEST(Joints, SpringOfASixDofJointPressesAsHookeSays)
+{
+	JointScene scene;
+	scene.world.setGravity(btVector3(0, 0, 0));
+	btCollisionShape* shape = scene.volumetricShape(cube());
+	scene.add(shape, 0, 0, at({4, 1, 0}));
+	btRigidBody* body = scene.add(shape, kMass, kMass / 6, at({4, 2.1, 0}));
+	scene.setStiffness(body, 1e5);
+	auto* joint = scene.join<btGeneric6DofSpring2Constraint>(*body, btTransform::getIdentity());
+	joint->setLinearLowerLimit(btVector3(0, -10, 0));
+	joint->setLinearUpperLimit(btVector3(0, 10, 0));
+	joint->setAngularLowerLimit(btVector3(0, 0, 0));
+	joint->setAngularUpperLimit(btVector3(0, 0, 0));
+	joint->enableSpring(1, true);
+	joint->setStiffness(1, btScalar(120));
+	joint->setDamping(1, btScalar(20));
+	joint->setEquilibriumPoint();
+	joint->setEquilibriumPoint(1, btScalar(-0.6));
+	scene.run(8);
+	const double missing = 0.6 - (2.1 - double(body->getWorldTransform().getOrigin().y()));
+	ASSERT_GT(missing, 0.4);
+	EXPECT_NEAR(scene.meanForce(body).y, 120 * missing, 0.01 * 120 * missing);
+	EXPECT_LT(double(body->getAngularVelocity().length()), 1e-4);
+}
+
+// What two bodies on a joint and a third one do among themselves changes no momentum.
+TEST(Joints, JointedPairHitByAThirdBodyKeepsTheMomentum)
+{
+	for (const bool anchoredAside : {false, true})
+	{
+		JointScene scene;
+		scene.world.setGravity(btVector3(0, 0, 0));
+		btCollisionShape* shape = scene.volumetricShape(cube());
+		std::vector<btRigidBody*> bodies;
+		for (const Vec3& p : {Vec3{6, 2, 1}, Vec3{6, 3.2, 1}, Vec3{4.5, 2.4, 1.2}})
+			bodies.push_back(scene.add(shape, kMass, kMass / 6, at(p, {0, anchoredAside ? 0.3 : 0.0, 0})));
+		for (btRigidBody* b : bodies) scene.setStiffness(b, 1e5);
+		bodies[2]->setLinearVelocity(btVector3(3, 0, 0));
+		scene.join<btPoint2PointConstraint>(*bodies[0], *bodies[1], btVector3(0, btScalar(0.6), 0), btVector3(0, btScalar(-0.6), 0));
+		bool touched = false;
+		for (int i = 0; i < int(2 * kRate); ++i)
+		{
+			scene.step(1 / kRate);
+			touched |= norm(scene.storedImpulse()) > 0;
+		}
+		EXPECT_TRUE(touched);
+		Vec3 momentum;
+		double energy = 0;
+		for (const btRigidBody* b : bodies)
+		{
+			momentum += kMass * vec(b->getLinearVelocity());
+			energy += 0.5 * kMass * double(b->getLinearVelocity().length2()) + 0.5 * kMass / 6 * double(b->getAngularVelocity().length2());
+		}
+		EXPECT_LT(norm(momentum - Vec3{3 * kMass, 0, 0}), kDouble ? 1e-9 : 1e-4);
+		EXPECT_GT(double(bodies[1]->getLinearVelocity().length()), 0.05);  // the joint handed it on
+		EXPECT_LT(energy, 0.5 * kMass * 9 * 1.001);
+	}
+}
+
+// A vehicle of ray-cast wheels: its suspension carries the weight while the chassis touches nothing, and against a wall the chassis
+// presses with what the wheels drive.
+TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
+{
+	const Solid chassisSolid(ist::makeBoxMesh({0.8, 0.3, 1.5}), 500);
+	JointScene scene;
+	constexpr double kWeight = 400 * kGravity, kDrive = 600;
+	scene.addFloor();
+	btCollisionShape* wallShape = scene.volumetricShape(Solid(ist::makeBoxMesh({2, 1, 0.5}), 500));
+	scene.add(wallShape, 0, 0, at({0, 1, 4}));
+	btRigidBody* chassis = scene.add(scene.volumetricShape(chassisSolid), 400, 250, at({0, 1, 0}));
+	scene.setStiffness(chassis, 1e6);
+	btDefaultVehicleRaycaster caster(&scene.world.bullet());
+	btRaycastVehicle::btVehicleTuning tuning;
+	tuning.m_frictionSlip = 10;
+	btRaycastVehicle vehicle(tuning, chassis, &caster);
+	vehicle.setCoordinateSystem(0, 1, 2);
+	for (const double x : {-0.7, 0.7})
+		for (const double z : {-1.2, 1.2})
+			vehicle.addWheel(btVector3(btScalar(x), btScalar(-0.1), btScalar(z)), btVector3(0, -1, 0), btVector3(-1, 0, 0), btScalar(0.4), btScalar(0.35), tuning, z > 0);
+	for (int i = 0; i < vehicle.getNumWheels(); ++i)
+	{
+		btWheelInfo& w = vehicle.getWheelInfo(i);
+		w.m_suspensionStiffness = 30;
+		w.m_wheelsDampingRelaxation = w.m_wheelsDampingCompression = btScalar(6);
+		w.m_rollInfluence = btScalar(0.1);
+	}
+	scene.world.bullet().addAction(&vehicle);
+	scene.run(3);
+	double carried = 0;
+	for (int i = 0; i < vehicle.getNumWheels(); ++i) carried += double(vehicle.getWheelInfo(i).m_wheelsSuspensionForce);
+	EXPECT_NEAR(carried, kWeight, 0.01 * kWeight);
+	EXPECT_EQ(norm(scene.storedImpulse()), 0);
+	for (int i = 0; i < vehicle.getNumWheels(); ++i) vehicle.applyEngineForce(btScalar(kDrive / 4), i);
+	const double before = double(chassis->getWorldTransform().getOrigin().z());
+	scene.run(6);
+	const double z = double(chassis->getWorldTransform().getOrigin().z());
+	EXPECT_GT(std::fabs(z - before), 1);
+	EXPECT_LT(z, 2.1);  // not through the wall, whose face is at 3.5
+	EXPECT_NEAR(norm(scene.meanForce(chassis)), kDrive, 0.05 * kDrive);
+	scene.world.bullet().removeAction(&vehicle);
+}
