@@ -78,6 +78,14 @@ double btContactLedger::share(const btISTContactLedger& ledger, const btLedgerPa
 	return std::clamp(share, 0.0, 1.0);
 }
 
+void btContactLedger::hold(btLedgerPatch& patch, double share)
+{
+	patch.after.linear = patch.after.linear - (1 - share) * patch.own.linear;
+	patch.after.angular = patch.after.angular - (1 - share) * patch.own.angular;
+	patch.impulse = share * patch.impulse;
+	patch.elastic = share * patch.elastic;
+}
+
 double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h)
 {
 	double total = 0, elastic = 0;

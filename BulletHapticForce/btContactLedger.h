@@ -25,6 +25,8 @@ namespace btContactLedger
 void begin(btISTContact& contact, double speed, double h);
 /// The share, at most 1, of the contact's impulses that returns no more than is stored.
 double share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int count);
+/// Leaves this share of the contact's impulses in `patch`, with the twists that follow.
+void hold(btLedgerPatch& patch, double share);
 /// Enters what the impulses did; `after` and `own` with the impulses as they were applied at last. Returns the work on the bodies [J].
 double enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h);
 /// What the impulses did, part by part. Damping is what Hunt and Crossley's law dissipates at the mean velocity under the elastic impulse that

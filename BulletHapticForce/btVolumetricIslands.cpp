@@ -1,63 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btVolumetricIslands.h"
 
-#include "BulletISTCollision/btISTConversion.h"
-
-#include "BulletDynamics/ConstraintSolver/btSolverBody.h"
-#include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletHapticForce/btSolverBodyMotion.h"
 
 #include <algorithm>
 #include <numeric>
 
-namespace
-{
-bool canMove(const btSolverBody& body) { return body.m_originalBody && !body.internalGetInvMass().isZero(); }
-
-btVolumetricRowBody rowBody(const btSolverBody& body)
-{
-	btVolumetricRowBody r;
-	r.center = toVec3(body.getWorldTransform().getOrigin());
-	if (!canMove(body)) return r;
-	r.inverseMass = toVec3(body.internalGetInvMass());
-	const btVector3& factor = body.m_originalBody->getAngularFactor();
-	const btMatrix3x3& inertia = body.m_originalBody->getInvInertiaTensorWorld();
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) r.inverseInertia.m[i][j] = double(factor[i]) * double(inertia[i][j]) * double(factor[j]);
-	return r;
-}
-
-/// Of the centre of mass, with what Bullet's rows and ours have done so far.
-ist::Twist twist(const btSolverBody& body)
-{
-	if (!body.m_originalBody) return {};
-	return {toVec3(body.m_linearVelocity) + toVec3(body.m_externalForceImpulse) + toVec3(body.getDeltaLinearVelocity()),
-			toVec3(body.m_angularVelocity) + toVec3(body.m_externalTorqueImpulse) + toVec3(body.getDeltaAngularVelocity())};
-}
-
-ist::Twist twistAt(const btSolverBody& body, const ist::Vec3& point)
-{
-	const ist::Twist t = twist(body);
-	return {t.linear + cross(t.angular, point - toVec3(body.getWorldTransform().getOrigin())), t.angular};
-}
-
-ist::Twist difference(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
-
-/// Change of the twist of a body by an impulse at a point.
-ist::Twist response(const btVolumetricRowBody& r, const ist::Wrench& impulse, const ist::Vec3& point)
-{
-	const ist::Vec3& w = r.inverseMass;
-	const ist::Vec3& f = impulse.force;
-	return {{w.x * f.x, w.y * f.y, w.z * f.z}, r.inverseInertia * (impulse.torque + cross(point - r.center, f))};
-}
-
-void applyImpulse(btSolverBody& body, const ist::Wrench& impulse, const ist::Vec3& point)
-{
-	if (!canMove(body)) return;
-	const ist::Twist change = response(rowBody(body), impulse, point);
-	body.internalGetDeltaLinearVelocity() += toBullet(change.linear);
-	body.internalGetDeltaAngularVelocity() += toBullet(change.angular);
-}
-}  // namespace
+using namespace btSolverBodyMotion;
 
 void btVolumetricIslands::reserve(size_t contacts)
 {
@@ -328,21 +277,23 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 	return residual;
 }
 
-void btVolumetricIslands::sumChanges(const btSolverBody* bodies)
+/// Enters in the bodies' changes what an impulse of `e` does.
+void btVolumetricIslands::addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies)
+{
+	for (int side = 0; side < 2; ++side)
+	{
+		const int body = side == 0 ? e.bodyA : e.bodyB;
+		if (!canMove(bodies[body])) continue;
+		const ist::Twist change = response(rowBody(bodies[body]), (side == 0 ? 1.0 : -1.0) * impulse, e.patch.point);
+		m_change[size_t(body)] = sum(m_change[size_t(body)], change);
+	}
+}
+
+std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bodies)
 {
 	std::fill(m_change.begin(), m_change.end(), ist::Twist());
-	const auto addTo = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point)
-	{
-		if (!canMove(bodies[body])) return;
-		const ist::Twist change = response(rowBody(bodies[body]), impulse, point);
-		m_change[size_t(body)].linear += change.linear;
-		m_change[size_t(body)].angular += change.angular;
-	};
-	for (const Entry& e : m_entries)
-	{
-		addTo(e.bodyA, e.impulse, e.patch.point);
-		addTo(e.bodyB, -1.0 * e.impulse, e.patch.point);
-	}
+	for (const Entry& e : m_entries) addChange(e, e.impulse, bodies);
+	return m_change;
 }
 
 /// The patches of the contact whose first entry is `first`; returns how many they are.
@@ -350,11 +301,7 @@ int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, 
 {
 	const Entry& e = m_entries[first];
 	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point)
-	{
-		const auto moved = [&](const ist::Twist& t, int body)
-		{ return ist::Twist{t.linear + cross(t.angular, point - toVec3(bodies[body].getWorldTransform().getOrigin())), t.angular}; };
-		return difference(moved(a, e.bodyA), moved(b, e.bodyB));
-	};
+	{ return difference(movedTo(a, bodies[e.bodyA], point), movedTo(b, bodies[e.bodyB], point)); };
 	ist::Twist own[2];
 	int count = 0;
 	for (size_t i = first; i < m_entries.size() && m_entries[i].contact == e.contact; ++i, ++count)
@@ -363,8 +310,7 @@ int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, 
 			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
 			if (!canMove(body)) continue;
 			const ist::Twist change = response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
-			own[side].linear += change.linear;
-			own[side].angular += change.angular;
+			own[side] = sum(own[side], change);
 		}
 	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
 	const ist::Twist before[2] = {difference(after[0], m_change[size_t(e.bodyA)]), difference(after[1], m_change[size_t(e.bodyB)])};
@@ -394,15 +340,12 @@ void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bo
 			const ist::Wrench change = (share - 1) * entry.impulse;
 			applyImpulse(bodies[e.bodyA], change, entry.patch.point);
 			applyImpulse(bodies[e.bodyB], -1.0 * change, entry.patch.point);
-			entry.impulse = share * entry.impulse;
-			entry.elastic = share * entry.elastic;
+			addChange(entry, change, bodies);
+			btContactLedger::hold(patches[i], share);
+			entry.impulse = patches[i].impulse;
+			entry.elastic = patches[i].elastic;
 			entry.normalImpulse *= share;
-			const auto lessOwn = [share](const ist::Vec3& after, const ist::Vec3& own) { return after - (1 - share) * own; };
-			patches[i].after = {lessOwn(patches[i].after.linear, patches[i].own.linear), lessOwn(patches[i].after.angular, patches[i].own.angular)};
-			patches[i].impulse = entry.impulse;
-			patches[i].elastic = entry.elastic;
 		}
-		sumChanges(bodies);
 	}
 	btContactLedger::enter(ledger, patches, count, m_step);
 	e.contact->work = btContactLedger::workOf(patches, count, e.contact->constants.dissipation);
@@ -410,7 +353,6 @@ void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bo
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
-	sumChanges(bodies);
 	for (size_t first = 0; first < m_entries.size();)
 	{
 		size_t end = first + 1;

@@ -30,7 +30,9 @@ public:
 	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h);
 	/// One visit of every island; returns the largest square of a change of force impulse [N^2 s^2].
 	double iterate(btSolverBody* bodies, int iteration);
-	/// Holds every contact to its ledger (btContactLedger.h), and writes the impulses into the contacts.
+	/// Change of each body's twist by all these patches; others may add theirs before `finish`.
+	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
+	/// After `sumChanges`. Holds every contact to its ledger (btContactLedger.h), and writes the impulses into the contacts.
 	void finish(btSolverBody* bodies);
 	/// Added to, never reset.
 	const btVolumetricStatistics& statistics() const { return m_statistics; }
@@ -77,7 +79,7 @@ private:
 	void makeRows(const Island& island, const btSolverBody* bodies);
 	double solve(Block& block, btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);
-	void sumChanges(const btSolverBody* bodies);
+	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
 	int gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const;
 	void holdToLedger(size_t first, int count, btSolverBody* bodies);
 
@@ -90,6 +92,6 @@ private:
 	std::vector<std::unique_ptr<Block>> m_lasting;     // for those that stay through the iterations
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
-	std::vector<ist::Twist> m_change;  // of each body by all patches
+	std::vector<ist::Twist> m_change;  // of each body by all volumetric contacts
 	btVolumetricStatistics m_statistics;
 };

@@ -50,14 +50,22 @@ void addResponse(Mat6& W, const btVolumetricRowBody& body, const ist::Vec3& poin
 void btVolumetricRow::prepare(const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h,
 							  double friction)
 {
+	Mat6 both = Mat6::Zero();
+	addResponse(both, A, patch.point);
+	addResponse(both, B, patch.point);
+	ist::SymmetricMatrix6 response;
+	for (int i = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j) response(i, j) = both(i, j);
+	prepare(patch, response, h, friction);
+}
+
+void btVolumetricRow::prepare(const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, double friction)
+{
 	m_point = patch.point;
 	m_normal = patch.normal;
 	m_friction = friction;
 	MapMat6 W(m_W), S(m_S), inverse(m_B);
-	Mat6 response = Mat6::Zero();
-	addResponse(response, A, patch.point);
-	addResponse(response, B, patch.point);
-	W = response;
+	W = toEigen(response);
 	S = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
 	inverse = (Mat6::Identity() + S * W).partialPivLu().inverse();
 	MapVec6 push(m_push);

@@ -24,6 +24,9 @@ class btVolumetricRow
 public:
 	/// `h` [s] is positive; `friction` is Coulomb's coefficient, 0 or more.
 	void prepare(const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h, double friction);
+	/// The same for any two things that an impulse can move: `response` is W, the change of the relative twist at the patch's point by
+	/// an impulse on A there and its opposite on B.
+	void prepare(const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, double friction);
 
 	/// One visit of the iteration. `relative`: twist of A minus that of B at `point()`, with all impulses so far.
 	/// Returns the change of the impulse on A, about `point()`.

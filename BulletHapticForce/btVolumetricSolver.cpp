@@ -4,6 +4,7 @@
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,11 @@ namespace
 bool isRigid(const btCollisionObject* object)
 {
 	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
+}
+
+btMultiBodyLinkCollider* linkOf(const btCollisionObject* object)
+{
+	return btMultiBodyLinkCollider::upcast(const_cast<btCollisionObject*>(object));
 }
 
 bool isStep(btScalar h) { return h > 0 && std::isfinite(h); }
@@ -42,7 +48,8 @@ btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentMani
 {
 	btISTContact* contact = m_store->find(manifold);
 	if (!contact) return nullptr;
-	const bool stale = contact->stamp != m_store->step(), rigid = isRigid(manifold->getBody0()) && isRigid(manifold->getBody1());
+	const auto isOurs = [](const btCollisionObject* object) { return isRigid(object) || (kHasLinks && linkOf(object)); };
+	const bool stale = contact->stamp != m_store->step(), rigid = isOurs(manifold->getBody0()) && isOurs(manifold->getBody1());
 	if (stale && manifold->getNumContacts() > 0) ++m_islands.statistics().contactsStale;
 	if (!stale && !rigid) ++m_islands.statistics().contactsNotRigid;
 	return !stale && rigid ? contact : nullptr;
@@ -56,19 +63,52 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	btVolumetricStatistics& statistics = m_islands.statistics();
 	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
-	const int bodyA = this->getOrInitSolverBody(*a, info.m_timeStep), bodyB = this->getOrInitSolverBody(*b, info.m_timeStep);
-	if (this->m_tmpSolverBodyPool[bodyA].internalGetInvMass().isZero() && this->m_tmpSolverBodyPool[bodyB].internalGetInvMass().isZero())
-		return;
-	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
-	if (!btVolumetricIslands::isFinite(pool[bodyA]) || !btVolumetricIslands::isFinite(pool[bodyB]) || !isStep(info.m_timeStep))
-	{
-		++statistics.contactsNotFinite;
-		return;
-	}
 	statistics.contactsPrecisionLost += isPrecisionLost(contact, *a, *b);
 	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
-	const double friction = double(manifold.getContactPoint(0).m_combinedFriction);
-	m_islands.add(contact, bodyA, bodyB, std::max(friction, 0.0));
+	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
+	if (kHasLinks && (linkOf(a) || linkOf(b)))
+		addLinkContact(contact, *a, *b, friction, info.m_timeStep);
+	else
+		addRigidContact(contact, *a, *b, friction, info.m_timeStep);
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction,
+											   btScalar step)
+{
+	const int bodyA = this->getOrInitSolverBody(a, step), bodyB = this->getOrInitSolverBody(b, step);
+	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+	if (pool[bodyA].internalGetInvMass().isZero() && pool[bodyB].internalGetInvMass().isZero()) return;
+	if (!btVolumetricIslands::isFinite(pool[bodyA]) || !btVolumetricIslands::isFinite(pool[bodyB]) || !isStep(step))
+	{
+		++m_islands.statistics().contactsNotFinite;
+		return;
+	}
+	m_islands.add(contact, bodyA, bodyB, friction);
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction,
+											  btScalar step)
+{
+	if constexpr (kHasLinks)
+	{
+		btVolumetricLinks::Side sides[2];
+		bool good = isStep(step);
+		for (int k = 0; k < 2; ++k)
+		{
+			btCollisionObject& object = k == 0 ? a : b;
+			if (const btMultiBodyLinkCollider* link = linkOf(&object))
+				sides[k] = {link->m_multiBody, link->m_link, 0};
+			else
+				sides[k].body = this->getOrInitSolverBody(object, step);
+			good = good && (sides[k].multiBody || btVolumetricIslands::isFinite(this->m_tmpSolverBodyPool[sides[k].body]));
+		}
+		if (good)
+			m_links.add(contact, sides[0], sides[1], friction, double(step), &this->m_tmpSolverBodyPool[0], this->m_data, m_islands.statistics());
+		else
+			++m_islands.statistics().contactsNotFinite;
+	}
 }
 
 template <class Base>
@@ -81,12 +121,21 @@ void btVolumetricSolver<Base>::collectTouchedBodies()
 			m_touched.push_back((*rows)[i].m_solverBodyIdA);
 			m_touched.push_back((*rows)[i].m_solverBodyIdB);
 		}
+	m_links.appendTouched(m_touched);
+	if constexpr (kHasLinks)
+		for (const btMultiBodyConstraintArray* rows : {&this->m_multiBodyNormalContactConstraints, &this->m_multiBodyNonContactConstraints})
+			for (int i = 0; i < rows->size(); ++i)
+			{
+				if (!(*rows)[i].m_multiBodyA) m_touched.push_back((*rows)[i].m_solverBodyIdA);
+				if (!(*rows)[i].m_multiBodyB) m_touched.push_back((*rows)[i].m_solverBodyIdB);
+			}
 }
 
 template <class Base>
 void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info)
 {
 	m_islands.clear();
+	m_links.clear();
 	m_islands.reserve(m_store->contacts().size());
 	m_ours.clear();
 	m_others.clear();
@@ -112,15 +161,30 @@ btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisi
 														 constraintCount, info, debugDrawer);
 	if (m_ours.empty()) return residual;
 	// Without our share the iterations would end after the first when Bullet has no rows.
-	return std::max(residual, btScalar(m_islands.iterate(&this->m_tmpSolverBodyPool[0], iteration)));
+	btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+	double change = m_islands.iterate(pool, iteration);
+	if constexpr (kHasLinks) change = std::max(change, m_links.iterate(pool, this->m_data));
+	return std::max(residual, btScalar(change));
 }
 
 template <class Base>
 btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info)
 {
-	if (!m_ours.empty()) m_islands.finish(&this->m_tmpSolverBodyPool[0]);
+	if (!m_ours.empty())
+	{
+		btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+		std::vector<ist::Twist>& change = m_islands.sumChanges(pool);
+		if constexpr (kHasLinks)
+			if (!m_links.isEmpty())
+			{
+				m_links.sumChanges(pool, this->m_data, change);
+				m_links.finish(pool, this->m_data, change, m_islands.statistics());
+			}
+		m_islands.finish(pool);
+	}
 	for (btPersistentManifold* manifold : m_ours) writeAppliedImpulse(*manifold, m_store->find(manifold)->normalImpulse);
 	m_islands.clear();
+	m_links.clear();
 	m_ours.clear();
 	return Base::solveGroupCacheFriendlyFinish(bodies, bodyCount, info);
 }
@@ -134,3 +198,4 @@ void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDeb
 
 template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;
 template class btVolumetricSolver<btNNCGConstraintSolver>;
+template class btVolumetricSolver<btMultiBodyConstraintSolver>;

@@ -15,7 +15,7 @@ struct btVolumetricStatistics
 	uint64_t contactsHeldToLedger = 0; ///< would have returned more than they had absorbed, and were held back
 	uint64_t contactsPrecisionLost = 0; ///< solved, but btScalar cannot place a body to a tenth of the contact's depth there
 	uint64_t contactsStale = 0;        ///< left to their representative points, as not evaluated in this step
-	uint64_t contactsNotRigid = 0;     ///< the same, as a body is not a rigid body
+	uint64_t contactsNotRigid = 0;     ///< the same, as a body is neither a rigid body nor a link that the solver knows
 	uint64_t contactsNotFinite = 0;    ///< exerted nothing: velocity, pose, mass or step of a body is not a finite number
 	uint64_t contactsRefused = 0;      ///< exerted nothing: the query refused the poses (QueryStatus)
 	uint64_t patchesWithoutForce = 0;  ///< overlap beyond the medial axis, or not finite

@@ -2,6 +2,8 @@
 #include "BulletISTCollision/btISTContactStore.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletDynamics/Featherstone/btMultiBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +13,19 @@ namespace
 constexpr double kSinkagePerSize = 1e-3;
 constexpr double kWaterDensity = 1000;  // [kg/m^3]
 
+/// Of all links that can move: any one of them may carry the others.
+double massOf(const btMultiBody& multiBody)
+{
+	double mass = multiBody.isBaseStaticOrKinematic() ? 0 : double(multiBody.getBaseMass());
+	for (int i = 0; i < multiBody.getNumLinks(); ++i) mass += double(multiBody.getLinkMass(i));
+	return mass;
+}
+
 /// Zero for whatever the solver cannot move.
 double dynamicMass(const btCollisionObject* object)
 {
+	if (const auto* link = object ? btMultiBodyLinkCollider::upcast(object) : nullptr)
+		return link->isStaticOrKinematicObject() ? 0 : massOf(*link->m_multiBody);
 	const btRigidBody* body = object ? btRigidBody::upcast(object) : nullptr;
 	if (!body || body->isStaticOrKinematicObject() || !(body->getInvMass() > 0)) return 0;
 	return 1.0 / double(body->getInvMass());

@@ -3,8 +3,12 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
-#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolverMt.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyMLCPConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
@@ -79,16 +83,88 @@ TEST(installVolumetricSolver, RefusesWhatItWouldReplaceSilently)
 	EXPECT_EQ(scene.world.getConstraintSolver(), &own);
 }
 
-TEST(installVolumetricSolver, RefusesMultibodyWorlds)
+namespace
 {
+/// Height at which a cube with a tree comes to rest on a plane, over the solver that the world has.
+double restHeight(btDiscreteDynamicsWorld& world, btISTRegistration& registration)
+{
+	ist::BuildOptions options;
+	options.maxSpheres = 200;
+	const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	btBoxShape box(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5)));
+	auto attached = registration.registry().attach(&box, tree);
+	EXPECT_TRUE(attached);
+	btRigidBody floor(0, nullptr, &plane), body(1, nullptr, &box, btVector3(1, 1, 1) / 6);
+	body.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(0.3), btScalar(0.6), btScalar(-0.2))));
+	body.setActivationState(DISABLE_DEACTIVATION);
+	world.addRigidBody(&floor);
+	world.addRigidBody(&body);
+	for (int i = 0; i < 240; ++i) world.stepSimulation(btScalar(1.0 / 60), 0);
+	EXPECT_EQ(registration.store().contacts().size(), 1u);
+	world.removeRigidBody(&floor);
+	world.removeRigidBody(&body);
+	return double(body.getWorldTransform().getOrigin().y());
+}
+}  // namespace
+
+// Refused in words, nothing replaced, and the contact is carried by the representative points.
+TEST(installVolumetricSolver, LeavesTheRefusedSolversWithTheRepresentativePoints)
+{
+	btDantzigSolver dantzig;
+	btMLCPSolver mlcp(&dantzig);
+	OwnSolver own;
+	for (btConstraintSolver* solver : {static_cast<btConstraintSolver*>(&mlcp), static_cast<btConstraintSolver*>(&own)})
+	{
+		Scene scene(solver);
+		const auto refused = installVolumetricSolver(scene.world, scene.registration);
+		ASSERT_FALSE(refused);
+		EXPECT_NE(refused.error().message.find("representative points"), std::string::npos);
+		EXPECT_EQ(scene.world.getConstraintSolver(), solver);
+		EXPECT_NEAR(restHeight(scene.world, scene.registration), 0.5, 0.05);
+	}
+}
+
+TEST(installVolumetricSolver, RefusesThreadedWorldsAndSolvers)
+{
+	btSetTaskScheduler(btGetSequentialTaskScheduler());
 	btDefaultCollisionConfiguration configuration;
 	btCollisionDispatcher dispatcher(&configuration);
 	btDbvtBroadphase broadphase;
-	btMultiBodyConstraintSolver solver;
 	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
-	btMultiBodyDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+	btSequentialImpulseConstraintSolverMt threaded;
+	btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &threaded, &configuration);
 	EXPECT_FALSE(installVolumetricSolver(world, registration));
-	EXPECT_EQ(world.getConstraintSolver(), &solver);
+	EXPECT_EQ(world.getConstraintSolver(), &threaded);
+	EXPECT_NEAR(restHeight(world, registration), 0.5, 0.05);
+
+	btConstraintSolverPoolMt pool(1);
+	btDiscreteDynamicsWorldMt threadedWorld(&dispatcher, &broadphase, &pool, nullptr, &configuration);
+	const auto refused = installVolumetricSolver(threadedWorld, registration);
+	ASSERT_FALSE(refused);
+	EXPECT_NE(refused.error().message.find("representative points"), std::string::npos);
+	btSetTaskScheduler(nullptr);
+}
+
+// A multibody world takes the multibody solver only, and there only Bullet's own is replaced.
+TEST(installVolumetricSolver, RefusesForeignSolversInMultibodyWorlds)
+{
+	struct OwnMultiBodySolver : btMultiBodyConstraintSolver
+	{
+	};
+	btDantzigSolver dantzig;
+	btMultiBodyMLCPConstraintSolver mlcp(&dantzig);
+	OwnMultiBodySolver own;
+	for (btMultiBodyConstraintSolver* solver : {static_cast<btMultiBodyConstraintSolver*>(&mlcp), static_cast<btMultiBodyConstraintSolver*>(&own)})
+	{
+		btDefaultCollisionConfiguration configuration;
+		btCollisionDispatcher dispatcher(&configuration);
+		btDbvtBroadphase broadphase;
+		btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
+		btMultiBodyDynamicsWorld world(&dispatcher, &broadphase, solver, &configuration);
+		EXPECT_FALSE(installVolumetricSolver(world, registration));
+		EXPECT_EQ(world.getConstraintSolver(), solver);
+	}
 }
 
 TEST(installVolumetricSolver, RefusesAReleasedRegistration)
