@@ -42,16 +42,33 @@ double capacity(const btISTContact& contact)
 	}
 	return sum;
 }
+/// Patches that push against each other have no direction together; a body amid a thin one has such.
+bool turnsOver(btISTContact& contact)
+{
+	ist::Vec3 sum;
+	double strength = 0;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const ist::Vec3 force = ist::pressureWrench(contact.patches[i], {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force;
+		sum += force;
+		strength += norm(force);
+	}
+	if (!(norm(sum) > 0.5 * strength)) return false;
+	const ist::Vec3 direction = contact.X_WA.rotation * (sum / norm(sum)), former = contact.ledger.direction;
+	contact.ledger.direction = direction;
+	return dot(direction, former) < -0.5;
+}
 }  // namespace
 
-void btContactLedger::begin(btISTContact& contact, double speed, double h)
+bool btContactLedger::begin(btISTContact& contact, double speed, double h)
 {
 	btISTContactLedger& ledger = contact.ledger;
+	const bool turned = turnsOver(contact);
 	const double most = capacity(contact);
 	if (ledger.open)
 	{
 		ledger.stored = std::min(ledger.stored, most);
-		return;
+		return turned;
 	}
 	// Depth that a body may have come in one step. The area vector vanishes where one body contains the other.
 	const double volume = contact.total.volume, area = norm(contact.total.areaVector), widest = 2 * std::cbrt(std::max(volume, 0.0));
@@ -59,6 +76,7 @@ void btContactLedger::begin(btISTContact& contact, double speed, double h)
 	const double flown = 2 * speed * h;
 	ledger.open = true;
 	ledger.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
+	return turned;
 }
 
 double btContactLedger::share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int count)

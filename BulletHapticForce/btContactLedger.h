@@ -21,8 +21,9 @@ namespace btContactLedger
 {
 /// Call once per step before `share`: opens the ledger of a new overlap and forgets what the pair can no longer hold. Bodies that
 /// were placed inside one another may use the model's energy; those that flew in during the last step (`speed`: of one relative to
-/// the other at the centroid [m/s]) may not.
-void begin(btISTContact& contact, double speed, double h);
+/// the other at the centroid [m/s]) may not. True when the force has turned over since the last step in which it had one direction:
+/// what came in on one side leaves on the other.
+bool begin(btISTContact& contact, double speed, double h);
 /// The share, at most 1, of the contact's impulses that returns no more than is stored.
 double share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int count);
 /// Leaves this share of the contact's impulses in `patch`, with the twists that follow.

@@ -2,6 +2,7 @@
 #include "BulletHapticForce/btISTWorld.h"
 
 #include <cmath>
+#include <limits>
 
 btISTWorld::btISTWorld()
 	: m_materials(std::make_shared<btContactMaterialTable>()),
@@ -26,7 +27,17 @@ std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
 std::optional<ist::Error> btISTWorld::step(double seconds)
 {
 	if (!(seconds > 0) || !std::isfinite(seconds)) return ist::Error{"a step must be a positive finite number of seconds"};
-	m_world->stepSimulation(btScalar(seconds), 0);
+	m_substeps = m_plan.plan(*m_world, m_registration.registry(), seconds, m_mostSubsteps);
+	m_tooFast.clear();
+	for (const btISTFastPair& pair : m_plan.pairs())
+		if (pair.substeps > m_substeps) m_tooFast.push_back(pair);
+	m_passingPairs += m_tooFast.size();
+	// Bullet divides by a clock of its own, which rounding must not leave one part short.
+	const double part = seconds / m_substeps * (1 - 8 * double(std::numeric_limits<btScalar>::epsilon()));
+	if (m_substeps == 1)
+		m_world->stepSimulation(btScalar(seconds), 0);
+	else
+		m_world->stepSimulation(btScalar(seconds), m_substeps, btScalar(part));
 	return std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletHapticForce/btContactMaterial.h"
+#include "BulletHapticForce/btISTSubsteps.h"
 #include "BulletHapticForce/btVolumetricSolver.h"
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 
@@ -29,8 +30,18 @@ public:
 	btDiscreteDynamicsWorld& bullet() { return *m_world; }
 	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material. Refused when not finite.
 	std::optional<ist::Error> setGravity(const btVector3& gravity);
-	/// One step of so many seconds, without sub-steps. Refused, and nothing moves, when that is not a positive finite number.
+	/// One step of so many seconds, in at most `setMostSubsteps` equal parts (btISTSubsteps). Refused, and nothing moves, when that is not
+	/// a positive finite number. Forces of the caller act over all parts.
 	std::optional<ist::Error> step(double seconds);
+	/// 1, as it is to begin with: never divided.
+	void setMostSubsteps(int most) { m_mostSubsteps = most; }
+	/// Into how many parts the last step was divided.
+	int substeps() const { return m_substeps; }
+	/// Pairs that were too fast for the parts that the last step had: one may have passed through the other without a contact. Counted
+	/// in `passingPairs`, too. Valid until the next step.
+	const std::vector<btISTFastPair>& tooFast() const { return m_tooFast; }
+	/// All of them since the world was made.
+	uint64_t passingPairs() const { return m_passingPairs; }
 	/// What the solver did since the world was made.
 	const btVolumetricStatistics& statistics() const { return m_solver->statistics(); }
 
@@ -52,4 +63,8 @@ private:
 	btISTRegistration m_registration;
 	std::unique_ptr<btVolumetricSolver<btSequentialImpulseConstraintSolver>> m_solver;
 	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
+	btISTSubsteps m_plan;
+	std::vector<btISTFastPair> m_tooFast;
+	int m_mostSubsteps = 1, m_substeps = 1;
+	uint64_t m_passingPairs = 0;
 };

@@ -148,7 +148,8 @@ void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
 		};
 		const ist::Vec3 centroid = e.contact->total.firstMoment / e.contact->total.volume;
 		const ist::Vec3 point = e.contact->X_WA * (e.contact->treeA->origin + centroid);
-		btContactLedger::begin(*e.contact, norm(velocityAt(e.bodyA, point) - velocityAt(e.bodyB, point)), m_step);
+		const double speed = norm(velocityAt(e.bodyA, point) - velocityAt(e.bodyB, point));
+		m_statistics.contactsTurnedOver += btContactLedger::begin(*e.contact, speed, m_step);
 	}
 }
 

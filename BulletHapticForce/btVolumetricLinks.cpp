@@ -173,12 +173,6 @@ void btVolumetricLinks::apply(const Entry& e, const ist::Wrench& impulse, btSolv
 	}
 }
 
-void btVolumetricLinks::openLedger(const Entry& e, double h, const btSolverBody* bodies, const btMultiBodyJacobianData& data)
-{
-	const ist::Twist u = relative(e, bodies, state(e, bodies, data));
-	btContactLedger::begin(*e.contact, norm(u.linear), h);
-}
-
 void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b, double friction, double h, const btSolverBody* bodies,
 							btMultiBodyJacobianData& data, btVolumetricStatistics& statistics)
 {
@@ -209,7 +203,9 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 		e.row.prepare(e.patch, responseOf(e, bodies), h, friction);
 		m_entries.push_back(e);
 	}
-	if (m_entries.size() > first) openLedger(m_entries[first], h, bodies, data);
+	if (m_entries.size() == first) return;
+	const double speed = norm(relative(m_entries[first], bodies, state(m_entries[first], bodies, data)).linear);
+	statistics.contactsTurnedOver += btContactLedger::begin(contact, speed, h);
 }
 
 void btVolumetricLinks::appendTouched(std::vector<int>& touched) const

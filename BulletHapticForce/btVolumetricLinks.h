@@ -72,7 +72,6 @@ private:
 	ist::SymmetricMatrix6 responseOf(const Entry& e, const btSolverBody* bodies);
 	const Motion& state(const Entry& e, const btSolverBody* bodies, const btMultiBodyJacobianData& data);
 	void apply(const Entry& e, const ist::Wrench& impulse, btSolverBody* bodies, btMultiBodyJacobianData& data) const;
-	void openLedger(const Entry& e, double h, const btSolverBody* bodies, const btMultiBodyJacobianData& data);
 	void holdToLedger(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change,
 					  btVolumetricStatistics& statistics);
 	void writeFeedback(const Entry& e) const;

@@ -13,6 +13,7 @@ struct btVolumetricStatistics
 	uint64_t frictionNotConverged = 0; ///< block solves that ran out of friction sweeps
 	uint64_t blocksNotFactorised = 0;  ///< exerted nothing: input that is not finite
 	uint64_t contactsHeldToLedger = 0; ///< would have returned more than they had absorbed, and were held back
+	uint64_t contactsTurnedOver = 0;   ///< force against that of the step before: one was pushed, or fell, through the other
 	uint64_t contactsPrecisionLost = 0; ///< solved, but btScalar cannot place a body to a tenth of the contact's depth there
 	uint64_t contactsStale = 0;        ///< left to their representative points, as not evaluated in this step
 	uint64_t contactsNotRigid = 0;     ///< the same, as a body is neither a rigid body nor a link that the solver knows

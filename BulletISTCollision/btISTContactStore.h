@@ -25,11 +25,12 @@ struct btISTPairConstants
 	double dissipation = 5;              ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
 };
 
-/// What a pair may still give back, kept by the solver from step to step while the pair overlaps [J].
+/// What the solver remembers of a pair from step to step while it overlaps.
 struct btISTContactLedger
 {
 	bool open = false;  ///< false until the first solve of an overlap
-	double stored = 0;  ///< elastic work absorbed and not yet returned
+	double stored = 0;  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
+	ist::Vec3 direction;  ///< of the force on A when it last had one direction, World; zero before
 };
 
 /// What the impulses of a contact did to the motion of its two bodies together in the last step [J].
