@@ -19,3 +19,9 @@ inline ist::Pose toPose(const btTransform& t)
 	X.translation = toVec3(t.getOrigin());
 	return X;
 }
+
+inline btTransform toTransform(const ist::Pose& X)
+{
+	const ist::Quaternion q = quaternion(X.rotation);
+	return btTransform(btQuaternion(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)), toBullet(X.translation));
+}

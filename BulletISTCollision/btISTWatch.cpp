@@ -51,10 +51,14 @@ std::optional<ist::Error> btISTWatch::watchRegion(const btVector3& lower, const 
 	return std::nullopt;
 }
 
+bool btISTWatch::coversPair(const btCollisionObject* a, const btCollisionObject* b) const
+{
+	return !m_onlyPairs || std::binary_search(m_pairs.begin(), m_pairs.end(), sorted(a, b));
+}
+
 bool btISTWatch::covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
 {
-	if (m_onlyPairs && !std::binary_search(m_pairs.begin(), m_pairs.end(), sorted(a.getCollisionObject(), b.getCollisionObject())))
-		return false;
+	if (!coversPair(a.getCollisionObject(), b.getCollisionObject())) return false;
 	return !m_hasRegion || coversPlace(a, b, was);
 }
 

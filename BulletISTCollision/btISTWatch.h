@@ -31,6 +31,8 @@ public:
 	std::optional<ist::Error> watchRegion(const btVector3& lower, const btVector3& upper);
 	void watchEverywhere() { m_hasRegion = false; }
 
+	/// As far as pairs were named. O(log pairs), no allocation.
+	bool coversPair(const btCollisionObject* a, const btCollisionObject* b) const;
 	/// `was`: it is volumetric now. O(log pairs), no allocation.
 	bool covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
 

@@ -2,6 +2,7 @@
 #include "DeviceBridge/BulletDecoupledSource.h"
 
 #include "BulletISTCollision/btISTConversion.h"
+#include "DeviceBridge/ThreadTime.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -275,6 +276,10 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.coarsened = m_threadFinder.coarsened();
 	answer.overBudget = m_threadFinder.overBudget();
 	answer.refused = m_threadFinder.refused();
+	const double used = threadMicroseconds();
+	answer.cost = {answer.number, 0, used - m_threadTime};
+	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[i].pairs;
+	m_threadTime = used;
 	m_answers.publish();
 	return true;
 }
@@ -304,6 +309,7 @@ void BulletDecoupledSource::stopContactThread() noexcept
 
 void BulletDecoupledSource::contactLoop() noexcept
 {
+	m_threadTime = threadMicroseconds();
 	while (!m_stopping)
 	{
 		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);

@@ -49,6 +49,14 @@ struct DecoupledStatistics
 	double period = 0;                 ///< of the world, as learnt [s]
 };
 
+/// What one answer of the contact thread took.
+struct ContactAnswerCost
+{
+	std::uint64_t number = 0;       ///< of the answer, counted from 1; 0: none yet
+	std::int64_t pairs = 0;         ///< intersecting leaves
+	double threadMicroseconds = 0;  ///< on a processor since the answer before, waiting for the question included [us]
+};
+
 /// Contact with a world that somebody else steps, at any rate and in any thread (decoupled mode). The tool is in no world: this
 /// integrates it on the virtual coupling, in each tick, against copies of the bodies near it (BulletLocalWorld). BulletWorldCoupling
 /// carries what happens to and fro.
@@ -97,6 +105,8 @@ public:
 	const LinearContact& touching(int i) const noexcept { return m_touching[i]; }
 	/// The btCollisionObject that it is with; null when that was forgotten.
 	const void* touched(int i) const noexcept { return m_mirror.snapshot().bodies[m_touching[i].b].id; }
+	/// Of the newest answer that the tick has seen (ContactTopology::OwnThread).
+	ContactAnswerCost lastAnswer() const noexcept { return m_answers.readable().cost; }
 	/// Where the copy of a body is; false, and nothing done, when it is not near.
 	bool copyOf(const void* object, ist::Pose& X_WB) const noexcept;
 
@@ -114,6 +124,7 @@ private:
 		LinearContact contacts[kToolContacts];
 		int count = 0;
 		double volume = 0, microseconds = 0;
+		ContactAnswerCost cost;
 		std::uint64_t coarsened = 0, overBudget = 0, refused = 0;
 	};
 
@@ -149,6 +160,7 @@ private:
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	BulletToolContacts m_threadFinder;
+	double m_threadTime = 0;  // when the last answer was published
 	std::uint64_t m_asked = 0, m_lastQuestion[kMirroredBodies] = {};
 	std::int64_t m_askedAt = 0;
 	std::thread m_thread;

@@ -39,12 +39,6 @@ double distanceToBox(const ist::Vec3& p, const btVector3& low, const btVector3& 
 	return norm(d);
 }
 
-btTransform toTransform(const ist::Pose& X)
-{
-	const ist::Quaternion q = quaternion(X.rotation);
-	return btTransform(btQuaternion(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)), toBullet(X.translation));
-}
-
 ist::Pose moved(const ist::Pose& X, const ist::Vec3& shift, const ist::Vec3& turn)
 {
 	return {rotationMatrix(ist::quaternionFromRotationVector(turn)) * X.rotation, X.translation + shift};
@@ -204,7 +198,8 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 		btVector3 low, high;
 		hand.bodies[slot]->getCollisionShape()->getAabb(hand.bodies[slot]->getWorldTransform(), low, high);
 		const bool near = distanceToBox(center, low, high) <= kLeaveAt * reach;
-		if (!near || !isFiniteBody(*hand.bodies[slot])) mirror.leave(slot);
+		const bool watched = m_registration.watch().coversPair(&hand.source->tool(), hand.bodies[slot]);
+		if (!near || !watched || !isFiniteBody(*hand.bodies[slot])) mirror.leave(slot);
 	}
 	if (!hand.moving) return;
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
@@ -214,6 +209,7 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach)
 {
 	if (!object.hasContactResponse() || !btRigidBody::upcast(&object) || !isFiniteBody(object)) return;
+	if (!m_registration.watch().coversPair(&hand.source->tool(), &object)) return;
 	const btCollisionShape* shape = object.getCollisionShape();
 	btVector3 low, high;
 	shape->getAabb(object.getWorldTransform(), low, high);
