@@ -8,7 +8,8 @@
 namespace scenes
 {
 const char* const kDemoUsage =
-	"usage: haptic_demos --list | --version | --demo NAME [options]\n"
+	"usage: haptic_demos --list | --version | --demo NAME [options] | --scene FILE [options]\n"
+	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data)\n"
 	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m)\n"
 	"  --spheres N      spheres to pack (default 10000)\n"
@@ -39,7 +40,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime},
 												{"--decoupled", &a.decoupled}};
-	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--mesh", &a.mesh}, {"--report", &a.report},
+	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--mesh", &a.mesh}, {"--report", &a.report},
 														{"--cache", &a.cache}, {"--unit", &unit}, {"--spheres", &spheres},
 														{"--world-rate", &worldRate}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
@@ -53,6 +54,8 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 		else *value->second = argv[++i];
 	}
 	if (!a.error.empty()) return a;
+	if (!a.scene.empty() && (!a.demo.empty() || a.mesh != DemoArguments::kDefaultMesh || !unit.empty() || !spheres.empty() || a.decoupled || !worldRate.empty()))
+		a.error = "--scene goes without --demo, --mesh, --unit, --spheres, --decoupled and --world-rate: the file says all that";
 	a.unit = positiveNumber(unit);
 	if (!unit.empty() && !(a.unit > 0)) a.error = "--unit must be a positive number of metres, not " + unit;
 	if (!worldRate.empty()) a.worldRate = positiveNumber(worldRate);

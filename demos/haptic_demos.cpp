@@ -2,6 +2,7 @@
 #include "demos/DemoArguments.h"
 #include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
+#include "demos/scenes/SceneReport.h"
 
 #include <cstdio>
 #include <exception>
@@ -84,6 +85,18 @@ int runHapticBunny(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runSceneFile(const DemoArguments& a)
+{
+	const ist::Result<scenes::Scene> scene = scenes::loadScene(a.scene);
+	if (!scene) return say(scene.error().message), 1;
+	const scenes::SceneRunOptions options{{a.cache, showProgress, say}, a.virtualTime};
+	const ist::Result<scenes::SceneOutcome> outcome = scenes::runScene(scene.value(), options);
+	if (!outcome) return say(outcome.error().message), 1;
+	const int presented = present(a, outcome.value());
+	if (outcome.value().interrupted) return 130;
+	return outcome.value().ok() ? presented : 1;
+}
+
 int run(int argc, char** argv)
 {
 	const DemoArguments a = scenes::parseDemoArguments(argc, argv);
@@ -100,6 +113,7 @@ int run(int argc, char** argv)
 		std::printf("bunny-query   mesh to tree to force: a probe pressed on the bunny and slid over its back\n");
 		return 0;
 	}
+	if (!a.scene.empty()) return runSceneFile(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
 	if (a.demo.empty())

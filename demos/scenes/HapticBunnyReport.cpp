@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/HapticBunnyReport.h"
 
+#include "demos/scenes/TraceChart.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,63 +16,18 @@ namespace
 {
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr double kTick = 1e-3;  // [s]
-constexpr size_t kColumns = 400;  // of a plot; what lies closer shows as its extremes
+constexpr size_t kPoints = 2000;  // of a curve of shares
 
 using Value = std::function<double(const TraceSample&)>;
 
-/// The least and the largest value of each column, joined in their order in time: no peak is lost.
+Trace over(const std::vector<TraceSample>& trace, const Value& value)
+{
+	return {trace.size(), [&trace](size_t i) { return trace[i].time; }, [&trace, value](size_t i) { return value(trace[i]); }};
+}
+
 ChartSeries envelope(const std::string& name, const std::vector<TraceSample>& trace, const Value& value)
 {
-	ChartSeries series{name, {}, {}, {}, false};
-	const size_t columns = std::min(kColumns, trace.size());
-	for (size_t c = 0; c < columns; ++c)
-	{
-		const auto begin = trace.begin() + static_cast<std::ptrdiff_t>(c * trace.size() / columns);
-		const auto end = trace.begin() + static_cast<std::ptrdiff_t>((c + 1) * trace.size() / columns);
-		auto [least, most] = std::minmax_element(begin, end, [&](const auto& a, const auto& b) { return value(a) < value(b); });
-		if (most < least) std::swap(least, most);
-		for (const auto& at : {least, most})
-		{
-			series.x.push_back(at->time);
-			series.y.push_back(value(*at));
-			if (least == most) break;
-		}
-	}
-	return series;
-}
-
-/// Mean of each column.
-ChartSeries runningMean(const std::string& name, const std::vector<TraceSample>& trace, const Value& value)
-{
-	ChartSeries series{name, {}, {}, {}, false};
-	const size_t columns = std::min(kColumns, trace.size());
-	for (size_t c = 0; c < columns; ++c)
-	{
-		const size_t begin = c * trace.size() / columns, end = (c + 1) * trace.size() / columns;
-		double sum = 0;
-		for (size_t i = begin; i < end; ++i) sum += value(trace[i]);
-		series.x.push_back(trace[(begin + end) / 2].time);
-		series.y.push_back(sum / static_cast<double>(end - begin));
-	}
-	return series;
-}
-
-/// The quantile `p` of each column.
-ChartSeries runningQuantile(const std::string& name, const std::vector<TraceSample>& trace, double p, const Value& value)
-{
-	ChartSeries series{name, {}, {}, {}, false};
-	const size_t columns = std::min(kColumns, trace.size());
-	std::vector<double> column;
-	for (size_t c = 0; c < columns; ++c)
-	{
-		const size_t begin = c * trace.size() / columns, end = (c + 1) * trace.size() / columns;
-		column.clear();
-		for (size_t i = begin; i < end; ++i) column.push_back(value(trace[i]));
-		std::sort(column.begin(), column.end());
-		series.x.push_back(trace[(begin + end) / 2].time);
-		series.y.push_back(column[static_cast<size_t>(p * static_cast<double>(column.size() - 1))]);
-	}
-	return series;
+	return envelope(name, over(trace, value));
 }
 
 ChartSeries errors(const HapticBunnyOutcome& o, const std::string& name, const std::function<std::array<double, 2>(const TraceComparison&)>& value)
@@ -135,14 +92,14 @@ void addRateCharts(HtmlReport& report, const HapticBunnyOutcome& o)
 					 "starts its schedule anew instead of catching up. Scheduling: " + o.scheduling + ".");
 	std::vector<TraceSample> ticks(o.trace.begin() + 1, o.trace.end());
 	const auto period = [](const TraceSample& s) { return s.period; };
-	ChartSeries mean = runningMean("mean", ticks, period), slowest = runningQuantile("slowest tick", ticks, 1, period);
+	ChartSeries mean = runningMean("mean", over(ticks, period)), slowest = runningQuantile("slowest tick", over(ticks, period), 1);
 	for (ChartSeries* series : {&mean, &slowest})
 		for (double& y : series->y) y = 1 / y;
 	report.chart({"Rate, in stretches of about thirty ticks", "time [s]", "rate [Hz]", {slowest, mean}});
 	std::sort(ticks.begin(), ticks.end(), [](const auto& a, const auto& b) { return a.period < b.period; });
 	ChartSeries share{"ticks", {}, {}, {}, false};
 	const double longest = 2 * o.periods.p50;
-	for (size_t i = 0; i < ticks.size(); i += std::max<size_t>(1, ticks.size() / (5 * kColumns)))
+	for (size_t i = 0; i < ticks.size(); i += std::max<size_t>(1, ticks.size() / kPoints))
 	{
 		if (ticks[i].period > longest) break;
 		share.x.push_back(1e3 * ticks[i].period);
@@ -238,7 +195,7 @@ HtmlReport makeReport(const HapticBunnyOutcome& o)
 	report.paragraph("Queries of a tick: rod and body, and body and plane. Medians of about thirty ticks each; the table above has the 99th "
 					 "percentile, which contains what the operating system put in between.");
 	report.chart({"Time of all queries of a tick", "time [s]", "time [\xC2\xB5s]",
-				  {runningQuantile("median", o.trace, 0.5, [](const TraceSample& s) { return s.queryMicroseconds; })}});
+				  {runningQuantile("median", over(o.trace, [](const TraceSample& s) { return s.queryMicroseconds; }), 0.5)}});
 	return report;
 }
 

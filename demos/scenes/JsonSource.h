@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Vec3.h"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace scenes
+{
+/// JSON text whose values know on which line they stand. A path is written as in `bodies[2].mass`; that of the whole is empty.
+class JsonSource
+{
+public:
+	/// Refused with name and line: what is not JSON, an object with a field twice, nesting beyond 32.
+	static ist::Result<JsonSource> parse(const std::string& name, const std::string& text);
+
+	const nlohmann::json& root() const { return m_root; }
+	/// `NAME:14: bodies[2].mass: PROBLEM`; of a path that is not there, the line of the innermost one that is.
+	ist::Error problem(const std::string& path, const std::string& problem) const;
+
+private:
+	std::string m_name;
+	nlohmann::json m_root;
+	std::map<std::string, int> m_lines;
+};
+
+/// Takes the fields out of one object. The first problem is kept for all readers of a file, and what comes after it reads as its default.
+class JsonFields
+{
+public:
+	JsonFields(const JsonSource& source, const nlohmann::json& object, std::string path, std::optional<ist::Error>& problem);
+
+	bool has(const std::string& name);
+	double number(const std::string& name, double otherwise, double least, double most);
+	int64_t whole(const std::string& name, int64_t otherwise, int64_t least, int64_t most);
+	bool flag(const std::string& name, bool otherwise);
+	std::string text(const std::string& name, const std::string& otherwise = {});
+	/// One of `known`, by its place among them.
+	int choice(const std::string& name, int otherwise, const std::vector<std::string>& known);
+	ist::Vec3 vector(const std::string& name, const ist::Vec3& otherwise, double largest);
+	/// Null where it is missing or something else.
+	const nlohmann::json* list(const std::string& name);
+	const nlohmann::json* object(const std::string& name);
+	void need(const std::string& name);
+	void refuse(const std::string& name, const std::string& problem);
+	/// Refuses every field that nobody asked for.
+	void finish();
+
+	std::string pathOf(const std::string& name) const { return m_path.empty() ? name : name.empty() ? m_path : m_path + "." + name; }
+	const JsonSource& source() const { return m_source; }
+	std::optional<ist::Error>& problem() { return m_problem; }
+
+private:
+	const nlohmann::json* find(const std::string& name);
+
+	const JsonSource& m_source;
+	const nlohmann::json& m_object;
+	std::string m_path;
+	std::optional<ist::Error>& m_problem;
+	std::set<std::string> m_known;
+};
+}  // namespace scenes

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/SceneHooks.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+using namespace ist;
+using namespace devicebridge;
+
+namespace scenes
+{
+namespace
+{
+std::string poseText(const Pose& X)
+{
+	const Quaternion q = quaternion(X.rotation);
+	char text[240];
+	std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", X.translation.x, X.translation.y, X.translation.z, q.x, q.y, q.z, q.w);
+	return text;
+}
+
+constexpr const char* kRowHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw,tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,"
+								   "force_x,force_y,force_z,torque_x,torque_y,torque_z\n";
+
+/// Beside its place first, so that nobody meets half a file.
+bool writeWhole(const std::string& path, const std::string& text)
+{
+	const std::string part = path + ".part";
+	std::ofstream file(part, std::ios::binary);
+	file << text;
+	file.close();
+	std::error_code failed;
+	if (file.good()) std::filesystem::rename(part, path, failed);
+	if (file.good() && !failed) return true;
+	std::filesystem::remove(part, failed);
+	return false;
+}
+}  // namespace
+
+SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, SteppingThread& thread, size_t ticks) : m_world(world), m_thread(thread)
+{
+	m_faults.reserve(kMostFaults);
+	for (const SceneBody& body : scene.bodies) m_counts.push_back({body.name, 0, 0, 0});
+	for (const SceneHook& hook : scene.hooks) tie(hook, ticks);
+}
+
+void SceneHooks::tie(const SceneHook& hook, size_t ticks)
+{
+	using Action = SceneHook::Action;
+	const SceneHook h = hook;
+	if (h.action == Action::Count) m_thread.onCollision.addDelegate([this](const ToolContact& contact) { count(contact); });
+	if (h.action == Action::Force)
+		m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench.force += h.force; });
+	if (h.action == Action::Scale)
+		m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench = h.factor * wrench; });
+	if (h.action == Action::Damping)
+		m_thread.onHapticTick.addDelegate(
+			[h](const DeviceState& state, Wrench& wrench)
+			{
+				wrench.force -= h.damping * state.twist.linear;
+				wrench.torque -= h.angularDamping * state.twist.angular;
+			});
+	if (h.action == Action::Log)
+		m_thread.onFault.addDelegate([this](const Fault& fault) { if (m_faults.size() < kMostFaults) m_faults.push_back(fault); });
+	if (h.action == Action::Stop && h.event == SceneHook::Event::Fault) m_thread.onFault.addDelegate([this](const Fault&) { stop(); });
+	if (h.action == Action::Stop && h.event == SceneHook::Event::Collision) m_thread.onCollision.addDelegate([this](const ToolContact&) { stop(); });
+	if (h.action != Action::Record) return;
+	m_recordings.push_back(std::make_unique<Recording>());
+	Recording& into = *m_recordings.back();
+	into.file = h.file;
+	into.rows.reserve(ticks);
+	if (h.event == SceneHook::Event::Transform) m_thread.onTransform.addDelegate([this, &into](const DeviceState& state) { record(into, state); });
+	else m_thread.onHapticTick.addDelegate(
+		[this, &into](const DeviceState& state, const Wrench& wrench)
+		{
+			record(into, state);
+			if (!into.rows.empty()) into.rows.back().wrench = wrench;
+		});
+}
+
+void SceneHooks::stop()
+{
+	m_stop.store(true, std::memory_order_relaxed);
+	m_thread.requestStop();
+}
+
+void SceneHooks::count(const ToolContact& contact)
+{
+	const char* name = m_world.nameOf(contact.other);
+	for (SceneContactCount& c : m_counts)
+	{
+		if (c.body != name) continue;
+		++c.ticks;
+		c.maxVolume = std::max(c.maxVolume, contact.volume);
+		c.maxForce = std::max(c.maxForce, norm(contact.onTool.force));
+	}
+}
+
+void SceneHooks::record(Recording& into, const DeviceState& state)
+{
+	if (into.rows.size() == into.rows.capacity()) return;
+	into.rows.push_back({1e-9 * static_cast<double>(state.sampledAt), state.X_WH, m_thread.step().tool.X_WT, {}});
+}
+
+std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
+{
+	for (const SceneContactCount& c : m_counts)
+		if (c.ticks > 0) outcome.counts.push_back(c);
+	for (const Fault& fault : m_faults)
+	{
+		char at[40];
+		std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at));
+		outcome.faults.push_back(describe(fault.cause) + std::string(at));
+	}
+	for (const auto& recording : m_recordings)
+	{
+		std::string text = kRowHeader;
+		for (const Row& row : recording->rows)
+		{
+			char numbers[240];
+			std::snprintf(numbers, sizeof numbers, "%.9g", row.time - recording->rows.front().time);
+			text += numbers + poseText(row.hand) + poseText(row.tool);
+			std::snprintf(numbers, sizeof numbers, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", row.wrench.force.x, row.wrench.force.y, row.wrench.force.z,
+						  row.wrench.torque.x, row.wrench.torque.y, row.wrench.torque.z);
+			text += numbers;
+		}
+		if (!writeWhole(recording->file, text)) return Error{"cannot write the recording " + recording->file};
+	}
+	return std::nullopt;
+}
+}  // namespace scenes

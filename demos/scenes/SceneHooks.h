@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "DeviceBridge/SteppingThread.h"
+#include "demos/scenes/SceneRun.h"
+
+namespace scenes
+{
+/// The hooks of a scene file, tied to a stepping thread. All memory is there before the first tick.
+class SceneHooks
+{
+public:
+	/// `ticks`: how many a recording can hold.
+	SceneHooks(const Scene& scene, const SceneWorld& world, devicebridge::SteppingThread& thread, size_t ticks);
+	SceneHooks(const SceneHooks&) = delete;
+	SceneHooks& operator=(const SceneHooks&) = delete;
+
+	bool stopWanted() const { return m_stop.load(std::memory_order_relaxed); }
+	/// After the run: counts and faults into the outcome, recordings into their files, each of which is whole or not there.
+	std::optional<ist::Error> finish(SceneOutcome& outcome);
+
+private:
+	struct Row
+	{
+		double time;
+		ist::Pose hand, tool;
+		ist::Wrench wrench;
+	};
+	struct Recording
+	{
+		std::string file;
+		std::vector<Row> rows;
+	};
+	static constexpr size_t kMostFaults = 64;
+
+	void tie(const SceneHook& hook, size_t ticks);
+	void count(const devicebridge::ToolContact& contact);
+	void record(Recording& into, const devicebridge::DeviceState& state);
+	void stop();
+
+	const SceneWorld& m_world;
+	devicebridge::SteppingThread& m_thread;
+	std::vector<SceneContactCount> m_counts;
+	std::vector<std::unique_ptr<Recording>> m_recordings;
+	std::vector<devicebridge::Fault> m_faults;
+	std::atomic<bool> m_stop{false};
+};
+}  // namespace scenes

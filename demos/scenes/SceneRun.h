@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "DeviceBridge/BulletDecoupledSource.h"
+#include "DeviceBridge/SafetyLimiter.h"
+#include "demos/scenes/SceneWorld.h"
+
+#include <string>
+#include <vector>
+
+namespace scenes
+{
+struct SceneRunOptions
+{
+	SceneBuildOptions build;
+	bool virtualTime = false;  ///< as fast as possible and reproducible, instead of at 1 kHz
+};
+
+/// One tick of a scene. World B.
+struct SceneTick
+{
+	double time = 0;             ///< since the first tick [s]
+	double period = 0;           ///< since the tick before [s]
+	double threadMicroseconds = 0;  ///< on a processor, of the hand's thread, from the tick before to this one
+	ist::Pose hand, tool;        ///< of the handle in the device's world, and of the tool's frame P in B
+	ist::Wrench wrench;          ///< what the tick sent to the device, in the device's axes
+	double volume = 0;           ///< overlap of the tool [m^3]
+	int64_t pairs = 0;           ///< intersecting leaves
+	double queryMicroseconds = 0;
+	int contacts = 0;
+	devicebridge::ContactAnswerCost answer;  ///< where the contacts have a thread of their own
+};
+
+/// What the hook `count` found.
+struct SceneContactCount
+{
+	std::string body;
+	uint64_t ticks = 0;
+	double maxVolume = 0, maxForce = 0;  ///< [m^3, N]
+};
+
+struct SceneOutcome
+{
+	Scene scene;
+	bool virtualTime = false, stopped = false, interrupted = false;
+	std::vector<SceneTick> ticks;
+	std::vector<SceneContactCount> counts;
+	std::vector<std::string> faults;
+	uint64_t overruns = 0, deviceErrors = 0, refusedQueries = 0, worldSteps = 0;
+	devicebridge::SafetyCounts safety;
+	std::string scheduling, memory, device;
+	double maxForce = 0;         ///< at the hand [N]
+	bool finite = false, faulted = false;
+
+	/// All finite, and no fault that stays.
+	bool ok() const { return finite && !faulted; }
+};
+
+/// Makes the scene, opens its device and runs it for its duration; SIGINT and SIGTERM end it earlier. `world` receives the scene's
+/// bodies as they were left, for those who judge the run.
+ist::Result<SceneOutcome> runScene(const Scene& scene, const SceneRunOptions& options, std::unique_ptr<SceneWorld>* world = nullptr);
+}  // namespace scenes

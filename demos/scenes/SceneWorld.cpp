@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/SceneWorld.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/btISTConversion.h"
+#include "demos/scenes/AssetCache.h"
+#include "demos/scenes/BodiesOnPlane.h"
+
+#include "BulletCollision/CollisionShapes/btBoxShape.h"
+#include "BulletCollision/CollisionShapes/btConvexHullShape.h"
+#include "BulletCollision/CollisionShapes/btSphereShape.h"
+#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+using namespace ist;
+
+namespace scenes
+{
+struct SceneWorld::Asset
+{
+	std::shared_ptr<const InnerSphereTree> tree;
+	PrincipalMesh principal;
+	std::vector<Vec3> hull;
+};
+
+namespace
+{
+std::vector<Vec3> cornersOf(const InnerSphereTree& tree)
+{
+	std::vector<Vec3> corners;
+	for (int i = 0; i < 8; ++i)
+		corners.push_back(tree.origin + Vec3{i & 1 ? tree.box.upper.x : tree.box.lower.x, i & 2 ? tree.box.upper.y : tree.box.lower.y,
+											 i & 4 ? tree.box.upper.z : tree.box.lower.z});
+	return corners;
+}
+
+/// Bullet wants the centre of mass at the origin, and the principal axes.
+bool isPrincipal(const InnerSphereTree& tree)
+{
+	const double size = tree.box.longestSide(), least = 1e-4 * size;
+	const Mat3& I = tree.inertia;
+	const double trace = I.m[0][0] + I.m[1][1] + I.m[2][2];
+	const double off = std::fabs(I.m[0][1]) + std::fabs(I.m[0][2]) + std::fabs(I.m[1][2]);
+	return norm(tree.origin) <= least && off <= 1e-3 * trace;
+}
+
+Result<Mesh> sourceMesh(const SceneAsset& asset, const SceneBuildOptions& options)
+{
+	if (asset.mesh.empty()) return asset.shape;
+	Result<Mesh> read = importMesh(asset.mesh, 1, options.progress);
+	if (!read) return read.error();
+	Mesh mesh = std::move(read).value();
+	const double unit = asset.unit > 0 ? asset.unit : asset.longestSide > 0 ? asset.longestSide / bounds(mesh).longestSide() : 1;
+	for (Vec3& p : mesh.vertices) p *= unit;
+	const Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, options.progress);
+	if (!repaired) return repaired.error();
+	if (options.say)
+		for (const std::string& action : repaired.value().actions) options.say(asset.name + ": " + action);
+	return repaired.value().mesh;
+}
+
+Error at(const std::string& place, const Error& error) { return {place + ": " + error.message, error.cancelled}; }
+}  // namespace
+
+SceneWorld::~SceneWorld()
+{
+	for (btRigidBody* body : m_inWorld) m_world.bullet().removeRigidBody(body);
+}
+
+const char* SceneWorld::nameOf(const void* object) const
+{
+	for (const Body& body : m_bodies)
+		if (body.body.get() == object) return body.name.c_str();
+	return "world";
+}
+
+std::optional<Error> SceneWorld::addAssets(const Scene& scene, const SceneBuildOptions& options)
+{
+	for (const SceneAsset& from : scene.assets)
+	{
+		Asset asset;
+		if (!from.ist.empty())
+		{
+			Result<InnerSphereTree> loaded = loadAsset(from.ist);
+			if (!loaded) return at(from.place, loaded.error());
+			asset.tree = std::make_shared<const InnerSphereTree>(std::move(loaded).value());
+			asset.hull = cornersOf(*asset.tree);
+		}
+		else
+		{
+			const Result<Mesh> mesh = sourceMesh(from, options);
+			if (!mesh) return at(from.place, mesh.error());
+			asset.principal = inPrincipalFrame(mesh.value());
+			BuildOptions build;
+			build.maxSpheres = from.spheres;
+			build.seed = from.seed;
+			build.progress = options.progress;
+			const Result<CachedTree> built = treeFromCache(asset.principal.mesh, build, options.cache, from.name, options.say);
+			if (!built) return at(from.place, built.error());
+			asset.tree = built.value().tree;
+			asset.hull = asset.principal.mesh.vertices;
+		}
+		m_assets.push_back(std::move(asset));
+	}
+	return std::nullopt;
+}
+
+std::optional<Error> SceneWorld::addBody(const SceneBody& from, const Vec3& gravity, bool inWorld)
+{
+	Body body;
+	body.name = from.name;
+	double mass = from.mass;
+	btVector3 inertia(0, 0, 0);
+	if (from.kind == SceneBody::Kind::Asset)
+	{
+		const Asset& asset = m_assets[from.asset];
+		if (!from.fixed && asset.principal.mesh.vertices.empty() && !isPrincipal(*asset.tree))
+			return Error{from.place + ": the asset of a body that moves has its centre of mass at the origin and its principal axes along x, y, z; "
+									  "name its mesh instead, which is turned so"};
+		body.tree = asset.tree;
+		body.mesh = asset.principal.mesh;
+		body.X_MP = asset.principal.X_MP;
+		auto hull = std::make_unique<btConvexHullShape>();
+		for (const Vec3& p : asset.hull) hull->addPoint(toBullet(p), false);
+		hull->setMargin(btScalar(1e-3));
+		hull->recalcLocalAabb();
+		body.shape = std::move(hull);
+		if (!(mass > 0)) mass = from.material.density * body.tree->volume;
+		for (int i = 0; i < 3; ++i) inertia[i] = btScalar(mass / body.tree->volume * body.tree->inertia.m[i][i]);
+	}
+	else if (from.kind == SceneBody::Kind::Plane)
+		body.shape = std::make_unique<btStaticPlaneShape>(toBullet(from.normal), btScalar(from.offset));
+	else
+	{
+		const Vec3& h = from.halfExtents;
+		const bool box = from.kind == SceneBody::Kind::Box;
+		if (box) body.shape = std::make_unique<btBoxShape>(toBullet(h));
+		else body.shape = std::make_unique<btSphereShape>(btScalar(from.radius));
+		if (!(mass > 0)) mass = from.material.density * (box ? 8 * h.x * h.y * h.z : 4 / 3.0 * 3.14159265358979323846 * std::pow(from.radius, 3));
+		if (!from.fixed) body.shape->calculateLocalInertia(btScalar(mass), inertia);
+	}
+	if (from.fixed) mass = 0, inertia.setZero();
+	body.body = std::make_unique<btRigidBody>(btScalar(mass), nullptr, body.shape.get(), inertia);
+	const btTransform pose = toTransform(from.X_BM * body.X_MP);
+	body.body->setWorldTransform(pose);
+	body.body->setInterpolationWorldTransform(pose);
+	body.body->setFriction(btScalar(from.material.friction));
+	body.body->setGravity(toBullet(gravity));
+	if (body.tree && inWorld)
+	{
+		Result<btISTAttachment> attached = m_world.attach(body.shape.get(), body.tree);
+		if (!attached) return at(from.place, attached.error());
+		body.attachment = std::move(attached).value();
+	}
+	if (auto refused = m_world.materials().set(body.body.get(), {from.material.stiffness, from.material.dissipation})) return at(from.place, *refused);
+	if (inWorld)
+	{
+		m_world.bullet().addRigidBody(body.body.get());
+		m_inWorld.push_back(body.body.get());
+	}
+	m_bodies.push_back(std::move(body));
+	return std::nullopt;
+}
+
+std::optional<Error> SceneWorld::watch(const Scene& scene)
+{
+	btISTWatch& watch = m_world.watch();
+	for (const auto& [a, b] : scene.pairs) watch.watchPair(m_bodies[a].body.get(), m_bodies[b].body.get());
+	if (scene.onlyPairs && scene.pairs.empty())
+	{
+		// An empty list: no pair is volumetric.
+		watch.watchPair(m_bodies[0].body.get(), m_bodies[0].body.get());
+		watch.unwatchPair(m_bodies[0].body.get(), m_bodies[0].body.get());
+	}
+	if (!scene.region) return std::nullopt;
+	return watch.watchRegion(toBullet(scene.region->lower), toBullet(scene.region->upper));
+}
+
+Result<std::unique_ptr<SceneWorld>> SceneWorld::make(const Scene& scene, bool withTool, const SceneBuildOptions& options)
+{
+	std::unique_ptr<SceneWorld> made(new SceneWorld);
+	if (auto refused = made->m_world.setGravity(toBullet(scene.gravity))) return *refused;
+	if (auto refused = made->addAssets(scene, options)) return *refused;
+	for (size_t i = 0; i < scene.bodies.size(); ++i)
+		if (auto refused = made->addBody(scene.bodies[i], scene.gravity, withTool || i != scene.tool)) return *refused;
+	if (auto refused = made->watch(scene)) return *refused;
+	return made;
+}
+}  // namespace scenes

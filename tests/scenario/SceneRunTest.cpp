@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/SceneReport.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+using namespace ist;
+using namespace scenes;
+
+namespace
+{
+constexpr double kHandStiffness = 300;  // of sigma7 [N/m]
+
+/// A ball above a floor, at y = 0, whose hand goes from `from` to `to` in a second and stays there for one.
+std::string scene(const std::string& topology, double from, double to, const std::string& more = "")
+{
+	return R"({"schema": 1, "topology": ")" + topology + R"(", "duration": 2,
+		"assets": [{"name": "ball", "shape": "sphere", "radius": 0.02, "spheres": 300}],
+		"materials": [{"name": "m", "density": 2000, "stiffness": 2e7, "dissipation": 2, "friction": 0.3}],
+		"bodies": [{"name": "floor", "plane": {}, "material": "m"}, {"name": "ball", "asset": "ball", "material": "m", "position": [0, )" +
+		   std::to_string(from) + R"(, 0]}],
+		"hand": {"device": "sim:sigma7", "tool": "ball", "path": [{"time": 0, "position": [0, )" + std::to_string(from) +
+		   R"(, 0]}, {"time": 1, "position": [0, )" + std::to_string(to) + "0, 0]}]}" + (more.empty() ? "" : ", " + more) + "}";
+}
+
+SceneRunOptions options()
+{
+	SceneRunOptions o;
+	o.virtualTime = true;
+	o.build.cache = TREE_FOLDER;
+	return o;
+}
+
+Result<SceneOutcome> run(const std::string& text)
+{
+	const Result<Scene> read = parseScene("s.json", text, TREE_FOLDER);
+	if (!read) return read.error();
+	return runScene(read.value(), options());
+}
+
+std::string refusalOf(const std::string& text)
+{
+	const Result<SceneOutcome> outcome = run(text);
+	return outcome ? "ran" : outcome.error().message;
+}
+
+/// Where the handle is, in World: the device's origin lies where the path begins.
+double heightOf(const SceneTick& tick, double from) { return from + tick.hand.translation.y; }
+}  // namespace
+
+TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
+{
+	const double from = 0.04, to = 0.012;
+	for (const char* topology : {"one-thread", "contact-in-tick", "contact-thread", "local-model"})
+	{
+		const Result<SceneOutcome> outcome = run(scene(topology, from, to, R"("hooks": [{"on": "collision", "do": "count"}])"));
+		ASSERT_TRUE(outcome) << outcome.error().message;
+		const SceneOutcome& o = outcome.value();
+		EXPECT_TRUE(o.ok());
+		ASSERT_EQ(o.ticks.size(), 2000u);
+		const SceneTick& last = o.ticks.back();
+		// The hand's own spring is what presses; on a half-space the pressure law is F = k V with k in series.
+		const double spring = kHandStiffness * (heightOf(last, from) - to);
+		EXPECT_GT(spring, 1) << topology;
+		EXPECT_NEAR(last.wrench.force.y, spring, 0.01 * spring) << topology;
+		EXPECT_NEAR(1e7 * last.volume, spring, 0.03 * spring) << topology;
+		ASSERT_EQ(o.counts.size(), 1u) << topology;
+		EXPECT_EQ(o.counts[0].body, "floor");
+		EXPECT_GE(o.counts[0].maxForce, 0.97 * spring) << topology;
+		const auto touching = std::count_if(o.ticks.begin(), o.ticks.end(), [](const SceneTick& t) { return t.contacts > 0; });
+		EXPECT_EQ(o.counts[0].ticks, static_cast<uint64_t>(touching)) << topology;
+		EXPECT_EQ(makeJson(o).find("{\"schema\":1,\"scene\":\"s\",\"ok\":true"), 0u);
+	}
+}
+
+TEST(SceneRun, HooksActInTheirOrder)
+{
+	// Far from the floor the hand's spring alone holds against the hook's force, which the later hook halves.
+	const auto last = [](const std::string& hooks)
+	{
+		const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, "\"hooks\": [" + hooks + "]"));
+		EXPECT_TRUE(outcome) << outcome.error().message;
+		return outcome.value().ticks.back();
+	};
+	const std::string force = R"({"on": "haptic-tick", "do": "force", "force": [0.9, 0, -1.5]})";
+	const std::string half = R"({"on": "haptic-tick", "do": "scale", "factor": 0.5})";
+	SceneTick tick = last(force);
+	EXPECT_NEAR(tick.hand.translation.x, 0.9 / kHandStiffness, 0.02 * 0.9 / kHandStiffness);
+	EXPECT_NEAR(tick.hand.translation.z, -1.5 / kHandStiffness, 0.02 * 1.5 / kHandStiffness);
+	tick = last(force + ", " + half);
+	EXPECT_NEAR(tick.hand.translation.x, 0.45 / kHandStiffness, 0.02 * 0.45 / kHandStiffness);
+	tick = last(half + ", " + force);
+	EXPECT_NEAR(tick.hand.translation.x, 0.9 / kHandStiffness, 0.02 * 0.9 / kHandStiffness);
+}
+
+TEST(SceneRun, TheDampingHookResistsMotion)
+{
+	// 0.06 m in a second of free space: 0.06 m/s at 20 N s/m, on top of what the tool's inertia and coupling do (nothing, at rest).
+	const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.44, R"("hooks": [{"on": "haptic-tick", "do": "damping", "damping": 20}])"));
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	const SceneTick& moving = outcome.value().ticks[950];
+	const double speed = (outcome.value().ticks[960].hand.translation.y - outcome.value().ticks[940].hand.translation.y) / 0.02;
+	EXPECT_NEAR(speed, -0.06, 0.006);
+	EXPECT_NEAR(moving.wrench.force.y, -20 * speed, 0.05 * 20 * 0.06);
+	EXPECT_NEAR(outcome.value().ticks.back().wrench.force.y, 0, 0.02);
+}
+
+TEST(SceneRun, AStopHookEndsTheRun)
+{
+	const Result<SceneOutcome> outcome = run(scene("contact-in-tick", 0.04, 0.012, R"("hooks": [{"on": "collision", "do": "stop"}])"));
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	EXPECT_TRUE(outcome.value().stopped);
+	const std::vector<SceneTick>& ticks = outcome.value().ticks;
+	EXPECT_EQ(std::count_if(ticks.begin(), ticks.end(), [](const SceneTick& t) { return t.contacts > 0; }), 1);
+	EXPECT_EQ(ticks.back().contacts, 1);
+}
+
+TEST(SceneRun, ARecordingHasARowForEachTick)
+{
+	const std::string file = std::string(TREE_FOLDER) + "/scene-recording.csv";
+	std::filesystem::remove(file);
+	const Result<SceneOutcome> outcome =
+		run(scene("one-thread", 0.04, 0.012, R"("hooks": [{"on": "haptic-tick", "do": "record", "file": "scene-recording.csv"}])"));
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	std::ifstream in(file);
+	std::string line;
+	int rows = -1;
+	for (; std::getline(in, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 20) << line;
+	EXPECT_EQ(rows, 2000);
+	const std::string refusal =
+		refusalOf(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "no/such/folder/x.csv"}])"));
+	EXPECT_NE(refusal.find("cannot write the recording"), std::string::npos) << refusal;
+}
+
+TEST(SceneRun, OnlyWatchedPairsAreFelt)
+{
+	// Unwatched, the decoupled hand feels nothing.
+	for (const char* pairs : {R"("pairs": [])", R"("pairs": [["ball", "floor"]])"})
+	{
+		const bool watched = std::string(pairs).find("ball") != std::string::npos;
+		const Result<SceneOutcome> outcome = run(scene("contact-in-tick", 0.04, 0.012, pairs));
+		ASSERT_TRUE(outcome) << outcome.error().message;
+		EXPECT_EQ(outcome.value().ticks.back().contacts, watched ? 1 : 0);
+		EXPECT_EQ(outcome.value().ticks.back().volume > 0, watched);
+	}
+}
+
+TEST(SceneRun, TheCouplingOfTheFileIsTheOneThatActs)
+{
+	// A saturating coupling: the hand feels at most its largest force, however deep it presses.
+	std::string text = scene("one-thread", 0.04, -0.04);
+	const std::string tool = "\"tool\": \"ball\",";
+	text.replace(text.find(tool), tool.size(), tool + R"("coupling": {"maxForce": 1.25},)");
+	const Result<SceneOutcome> outcome = run(text);
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	EXPECT_NEAR(outcome.value().ticks.back().wrench.force.y, 1.25, 0.01);
+	EXPECT_LE(outcome.value().maxForce, 1.25 * 1.001);
+}
+
+TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
+{
+	const auto swap = [](std::string text, const std::string& from, const std::string& to)
+	{
+		const size_t at = text.find(from);
+		EXPECT_NE(at, std::string::npos) << from;
+		return text.replace(at, from.size(), to);
+	};
+	const std::string whole = scene("one-thread", 0.5, 0.5);
+	const auto expectStart = [](const std::string& text, const std::string& wanted)
+	{
+		const std::string refusal = refusalOf(text);
+		EXPECT_EQ(refusal.compare(0, wanted.size(), wanted), 0) << "wanted " << wanted << "\n   got " << refusal;
+	};
+	const std::string ball = R"("shape": "sphere", "radius": 0.02, "spheres": 300)";
+	expectStart(swap(whole, ball, R"("mesh": "no-such.obj")"), "s.json:2: assets[0]: ");
+	expectStart(swap(whole, ball, R"("ist": "no-such.ist")"), "s.json:2: assets[0]: ");
+	expectStart(swap(whole, "sim:sigma7", "sim:nothing"), "s.json:5: hand.device: No simulated device is called 'nothing'");
+	expectStart(swap(whole, "sim:sigma7", "sim:sigma7?dof=3"), "s.json:5: hand.device: only a simulated device without options follows hand.path");
+	// An asset that Bullet could not turn rightly.
+	BuildOptions build;
+	build.maxSpheres = 60;
+	const Result<InnerSphereTree> tree = buildTree(translated(makeBoxMesh({0.02, 0.02, 0.02}), {0.01, 0, 0}), build);
+	ASSERT_TRUE(tree);
+	ASSERT_TRUE(saveAsset(tree.value(), std::string(TREE_FOLDER) + "/off-centre.ist"));
+	expectStart(swap(whole, ball, R"("ist": "off-centre.ist")"), "s.json:4: bodies[1]: the asset of a body that moves has its centre of mass at the origin");
+	const Result<InnerSphereTree> centred = buildTree(makeBoxMesh({0.02, 0.02, 0.02}), build);
+	ASSERT_TRUE(saveAsset(centred.value(), std::string(TREE_FOLDER) + "/centred.ist"));
+	EXPECT_EQ(refusalOf(swap(whole, ball, R"("ist": "centred.ist")")), "ran");
+}
+
+TEST(SceneRun, RunsInVirtualTimeAreAlike)
+{
+	const std::string text = scene("contact-thread", 0.04, 0.012);
+	const Result<SceneOutcome> one = run(text), two = run(text);
+	ASSERT_TRUE(one && two);
+	for (size_t i = 0; i < one.value().ticks.size(); ++i)
+	{
+		const SceneTick &a = one.value().ticks[i], &b = two.value().ticks[i];
+		ASSERT_EQ(a.wrench.force, b.wrench.force) << i;
+		ASSERT_EQ(a.tool.translation, b.tool.translation) << i;
+		ASSERT_EQ(a.volume, b.volume) << i;
+	}
+}

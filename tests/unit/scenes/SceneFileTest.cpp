@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/SceneFile.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+#include <string>
+
+using namespace ist;
+using namespace scenes;
+
+namespace
+{
+/// One field a line, so that a test can name the line.
+const char* const kWhole = R"({
+	"schema": 1,
+	"name": "all of it",
+	"about": "words",
+	"duration": 2.5,
+	"gravity": [0, 0, -1.6],
+	"topology": "local-model",
+	"worldRate": 90,
+	"maxPairs": 5000,
+	"assets": [
+		{"name": "a", "mesh": "sub/a.obj", "unit": 0.01, "spheres": 100, "seed": 7},
+		{"name": "b", "mesh": "b.obj", "longestSide": 0.3},
+		{"name": "c", "ist": "c.ist"},
+		{"name": "ball", "shape": "sphere", "radius": 0.02, "spheres": 50}
+	],
+	"materials": [
+		{"name": "wood", "density": 700, "stiffness": 1e7, "dissipation": 3, "friction": 0.6}
+	],
+	"bodies": [
+		{"name": "floor", "plane": {"normal": [0, 0, 2], "offset": -0.5}, "friction": 0.9},
+		{"name": "one", "asset": "a", "material": "wood", "position": [1, 2, 3], "turn": [0, 90, 0], "mass": 4},
+		{"name": "two", "asset": "c", "fixed": true},
+		{"name": "crate", "box": [0.1, 0.2, 0.3]},
+		{"name": "pea", "sphere": 0.01},
+		{"name": "tool", "asset": "ball", "material": "wood"}
+	],
+	"hand": {
+		"device": "sim:omega6",
+		"tool": "tool",
+		"gravity": true,
+		"origin": {"position": [0, 0, 1], "turn": [0, 0, 45]},
+		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05},
+		"path": [
+			{"time": 0, "position": [0, 0, 1]},
+			{"time": 1, "position": [0, 0, 2], "turn": [10, 0, 0]}
+		]
+	},
+	"pairs": [["tool", "one"], ["one", "floor"]],
+	"region": {"lower": [-1, -2, -3], "upper": [1, 2, 3]},
+	"hooks": [
+		{"on": "transform", "do": "record", "file": "poses.csv"},
+		{"on": "collision", "do": "count"},
+		{"on": "haptic-tick", "do": "force", "force": [0, 0, 1]},
+		{"on": "haptic-tick", "do": "damping", "damping": 2, "angularDamping": 0.01},
+		{"on": "haptic-tick", "do": "scale", "factor": 0.5},
+		{"on": "fault", "do": "log"},
+		{"on": "fault", "do": "stop"}
+	]
+})";
+
+std::string with(const std::string& from, const std::string& to)
+{
+	std::string text = kWhole;
+	const size_t at = text.find(from);
+	EXPECT_NE(at, std::string::npos) << from;
+	return text.replace(at, from.size(), to);
+}
+
+std::string refusalOf(const std::string& text)
+{
+	const Result<Scene> scene = parseScene("s.json", text, "/data");
+	return scene ? "accepted" : scene.error().message;
+}
+}  // namespace
+
+TEST(SceneFile, ReadsEveryField)
+{
+	const Result<Scene> read = parseScene("s.json", kWhole, "/data");
+	ASSERT_TRUE(read) << read.error().message;
+	const Scene& s = read.value();
+	EXPECT_EQ(s.name, "all of it");
+	EXPECT_EQ(s.about, "words");
+	EXPECT_EQ(s.duration, 2.5);
+	EXPECT_EQ(s.gravity, (Vec3{0, 0, -1.6}));
+	EXPECT_EQ(s.topology, SceneTopology::LocalModel);
+	EXPECT_EQ(s.worldRate, 90);
+	EXPECT_EQ(s.maxPairs, 5000);
+	ASSERT_EQ(s.assets.size(), 4u);
+	EXPECT_EQ(s.assets[0].mesh, "/data/sub/a.obj");
+	EXPECT_EQ(s.assets[0].unit, 0.01);
+	EXPECT_EQ(s.assets[0].spheres, 100);
+	EXPECT_EQ(s.assets[0].seed, 7u);
+	EXPECT_EQ(s.assets[1].longestSide, 0.3);
+	EXPECT_EQ(s.assets[1].spheres, 10000);
+	EXPECT_EQ(s.assets[2].ist, "/data/c.ist");
+	EXPECT_NEAR(bounds(s.assets[3].shape).upper.x, 0.02, 1e-4);
+	EXPECT_EQ(s.assets[3].place, "s.json:14: assets[3]");
+
+	ASSERT_EQ(s.bodies.size(), 6u);
+	EXPECT_EQ(s.bodies[0].kind, SceneBody::Kind::Plane);
+	EXPECT_EQ(s.bodies[0].normal, (Vec3{0, 0, 1}));
+	EXPECT_EQ(s.bodies[0].offset, -0.5);
+	EXPECT_EQ(s.bodies[0].material.friction, 0.9);
+	EXPECT_TRUE(s.bodies[0].fixed);
+	EXPECT_EQ(s.bodies[1].asset, 0u);
+	EXPECT_EQ(s.bodies[1].mass, 4);
+	EXPECT_EQ(s.bodies[1].material.density, 700);
+	EXPECT_EQ(s.bodies[1].material.stiffness, 1e7);
+	EXPECT_EQ(s.bodies[1].material.dissipation, 3);
+	EXPECT_EQ(s.bodies[1].material.friction, 0.6);
+	// A quarter turn about y takes z to x.
+	EXPECT_LT(distance(s.bodies[1].X_BM * Vec3{0, 0, 1}, {2, 2, 3}), 1e-12);
+	EXPECT_EQ(s.bodies[2].asset, 2u);
+	EXPECT_TRUE(s.bodies[2].fixed);
+	EXPECT_EQ(s.bodies[3].halfExtents, (Vec3{0.1, 0.2, 0.3}));
+	EXPECT_EQ(s.bodies[4].radius, 0.01);
+
+	EXPECT_EQ(s.device, "sim:omega6");
+	EXPECT_EQ(s.tool, 5u);
+	EXPECT_TRUE(s.toolGravity);
+	ASSERT_TRUE(s.X_BW.has_value());
+	EXPECT_LT(distance(*s.X_BW * Vec3{1, 0, 0}, {std::sqrt(0.5), std::sqrt(0.5), 1}), 1e-12);
+	EXPECT_EQ(s.coupling.stiffness, 500);
+	EXPECT_EQ(s.coupling.angularStiffness, 0.1);
+	EXPECT_EQ(s.coupling.damping, 1);
+	EXPECT_EQ(s.coupling.angularDamping, 0.001);
+	EXPECT_EQ(s.coupling.maxForce, 5);
+	EXPECT_EQ(s.coupling.maxTorque, 0.05);
+	ASSERT_EQ(s.path.size(), 2u);
+	EXPECT_EQ(s.path[1].time, 1);
+	EXPECT_EQ(s.path[1].X_BM.translation, (Vec3{0, 0, 2}));
+
+	EXPECT_TRUE(s.onlyPairs);
+	ASSERT_EQ(s.pairs.size(), 2u);
+	EXPECT_EQ(s.pairs[0], (std::pair<size_t, size_t>(5, 1)));
+	EXPECT_EQ(s.pairs[1], (std::pair<size_t, size_t>(1, 0)));
+	ASSERT_TRUE(s.region.has_value());
+	EXPECT_EQ(s.region->lower, (Vec3{-1, -2, -3}));
+	ASSERT_EQ(s.hooks.size(), 7u);
+	EXPECT_EQ(s.hooks[0].file, "/data/poses.csv");
+	EXPECT_EQ(s.hooks[2].force, (Vec3{0, 0, 1}));
+	EXPECT_EQ(s.hooks[3].damping, 2);
+	EXPECT_EQ(s.hooks[3].angularDamping, 0.01);
+	EXPECT_EQ(s.hooks[4].factor, 0.5);
+	EXPECT_EQ(s.hooks[6].action, SceneHook::Action::Stop);
+}
+
+TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
+{
+	struct Mistake
+	{
+		const char *from, *to, *wanted;
+	};
+	const Mistake mistakes[] = {
+		{"\"schema\": 1", "\"schema\": 2", "s.json:2: schema: this program reads schema 1"},
+		{"\"schema\": 1,", "", "s.json:1: schema: is missing"},
+		{"\"duration\": 2.5", "\"duration\": \"long\"", "s.json:5: duration: wants a number from"},
+		{"\"duration\": 2.5", "\"duration\": 1e999", "s.json:5: not JSON: number overflow"},
+		{"\"duration\": 2.5", "\"duration\": -1", "s.json:5: duration: wants a number from"},
+		{"[0, 0, -1.6]", "[0, 0]", "s.json:6: gravity: wants three numbers"},
+		{"[0, 0, -1.6]", "[0, 0, null]", "s.json:6: gravity: wants three numbers"},
+		{"\"local-model\"", "\"remote\"", "s.json:7: topology: wants one of one-thread, "},
+		{"\"local-model\"", "\"one-thread\"", "s.json:8: worldRate: goes with the other topologies"},
+		{"\"worldRate\": 90", "\"worldRate\": 0", "s.json:8: worldRate: wants a number from 1"},
+		{"\"maxPairs\": 5000", "\"maxPairs\": 2.5", "s.json:9: maxPairs: wants a whole number"},
+		{"\"maxPairs\": 5000", "\"maxPair\": 5000", "s.json:9: maxPair: no such field is known here; known ones are about, assets"},
+		{"\"unit\": 0.01", "\"unit\": 0", "s.json:11: assets[0].unit: wants a number from"},
+		{"\"unit\": 0.01", "\"unit\": 0.01, \"longestSide\": 1", "s.json:11: assets[0].longestSide: goes without unit"},
+		{"\"mesh\": \"sub/a.obj\"", "\"mesh\": \"\"", "s.json:11: assets[0].mesh: wants a text in quotes"},
+		{"\"mesh\": \"b.obj\"", "\"mesh\": \"b.obj\", \"ist\": \"b.ist\"", "s.json:12: assets[1]: wants exactly one of mesh, ist and shape"},
+		{"\"name\": \"b\"", "\"name\": \"a\"", "s.json:12: assets[1].name: another one is called a already"},
+		{"\"ist\": \"c.ist\"", "\"ist\": \"c.ist\", \"spheres\": 5", "s.json:13: assets[2].spheres: no such field is known here"},
+		{"\"shape\": \"sphere\"", "\"shape\": \"cow\"", "s.json:14: assets[3].shape: wants one of box, sphere"},
+		{"\"radius\": 0.02", "\"radius\": 1e-9", "s.json:14: assets[3].radius: wants a number from 1e-05"},
+		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"ring\", \"radius\": 0.02, \"tubeRadius\": 0.03", "s.json:14: assets[3].tubeRadius: wants less"},
+		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"crown\", \"radius\": 0.02, \"wall\": 0.03", "s.json:14: assets[3].wall: wants less"},
+		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"box\", \"halfExtents\": [1, 0, 1]", "s.json:14: assets[3].halfExtents: wants three lengths"},
+		{"\"stiffness\": 1e7", "\"stiffness\": -5", "s.json:17: materials[0].stiffness: wants a number from"},
+		{"\"friction\": 0.6", "\"friction\": \"much\"", "s.json:17: materials[0].friction: wants a number from"},
+		{"\"normal\": [0, 0, 2]", "\"normal\": [0, 0, 0]", "s.json:20: bodies[0].plane.normal: wants a direction"},
+		{"\"plane\": {", "\"plane\": {\"tilt\": 1, ", "s.json:20: bodies[0].plane.tilt: no such field is known here"},
+		{"\"plane\": {\"normal\": [0, 0, 2], \"offset\": -0.5}", "\"plane\": 3", "s.json:20: bodies[0].plane: wants an object in braces"},
+		{"\"asset\": \"a\"", "\"asset\": \"z\"", "s.json:21: bodies[1].asset: no asset is called z; there are a, b, c, ball"},
+		{"\"material\": \"wood\", \"position\"", "\"material\": \"tin\", \"position\"", "s.json:21: bodies[1].material: no material is called tin; there are wood"},
+		{"\"mass\": 4", "\"mass\": 0", "s.json:21: bodies[1].mass: wants a number from"},
+		{"\"mass\": 4", "\"mass\": 4, \"mass\": 5", "s.json:21: bodies[1].mass: stands there twice"},
+		{"\"mass\": 4", "\"mass\": 4, \"fixed\": true", "s.json:21: bodies[1].mass: a fixed body has none"},
+		{"\"fixed\": true", "\"fixed\": 1", "s.json:22: bodies[2].fixed: wants true or false"},
+		{"\"box\": [0.1, 0.2, 0.3]", "\"box\": [0.1, 0.2, -0.3]", "s.json:23: bodies[3].box: wants three half lengths"},
+		{"\"box\": [0.1, 0.2, 0.3]", "\"weight\": 2", "s.json:23: bodies[3]: wants exactly one of asset, plane, box and sphere"},
+		{"\"sphere\": 0.01}", "\"sphere\": null}", "s.json:24: bodies[4].sphere: wants a number from"},
+		{"\"device\": \"sim:omega6\"", "\"device\": \"omega6\"", "s.json:28: hand.device: wants an address such as sim:sigma7"},
+		{"\"tool\": \"tool\",", "\"tool\": \"floor\",", "s.json:29: hand.tool: wants a body with an asset; floor has none"},
+		{"\"tool\": \"tool\",", "\"tool\": \"two\",", "s.json:29: hand.tool: two is fixed"},
+		{"\"tool\": \"tool\",", "", "s.json:27: hand.tool: is missing"},
+		{"\"turn\": [0, 0, 45]", "\"turn\": 45", "s.json:31: hand.origin.turn: wants three numbers"},
+		{"\"maxForce\": 5", "\"maxForce\": -5", "s.json:32: hand.coupling.maxForce: wants a number from"},
+		{"\"time\": 1,", "\"time\": 0,", "s.json:35: hand.path[1].time: wants more than that of the frame before"},
+		{"{\"time\": 0, \"position\": [0, 0, 1]}", "7", "s.json:34: hand.path[0]: wants an object in braces"},
+		{"[\"tool\", \"one\"]", "[\"tool\", \"ghost\"]", "s.json:38: pairs[0]: no body is called ghost; there are floor, one"},
+		{"[\"tool\", \"one\"]", "[\"tool\"]", "s.json:38: pairs[0]: wants the names of two bodies"},
+		{"[\"tool\", \"one\"]", "[\"one\", \"one\"]", "s.json:38: pairs[0]: wants two different bodies"},
+		{"\"upper\": [1, 2, 3]", "\"upper\": [1, -3, 3]", "s.json:39: region.upper: wants nothing below the lower corner"},
+		{"\"lower\": [-1, -2, -3], ", "", "s.json:39: region.lower: is missing"},
+		{", \"file\": \"poses.csv\"", "", "s.json:41: hooks[0].file: is missing"},
+		{"\"on\": \"collision\"", "\"on\": \"tuesday\"", "s.json:42: hooks[1].on: wants one of transform, collision, haptic-tick, fault"},
+		{"\"on\": \"collision\"", "\"on\": \"fault\"", "s.json:42: hooks[1].do: count cannot be done on fault"},
+		{"\"force\": [0, 0, 1]", "\"force\": [0, 0, 1e9]", "s.json:43: hooks[2].force: wants three numbers of at most 100"},
+		{"\"factor\": 0.5", "\"factor\": 0.5, \"gain\": 1", "s.json:45: hooks[4].gain: no such field is known here"},
+		{"\"hooks\": [", "\"hooks\": {} , \"x\": [", "s.json:40: hooks: wants a list in brackets"},
+		{"\"bodies\": [", "\"corpses\": [", "s.json:1: bodies: is missing"},
+		{"\"about\": \"words\",", "\"about\": \"words\"", "s.json:5: not JSON: "},
+	};
+	for (const Mistake& m : mistakes)
+	{
+		const std::string refusal = refusalOf(with(m.from, m.to));
+		EXPECT_EQ(refusal.compare(0, std::string(m.wanted).size(), m.wanted), 0) << "wanted " << m.wanted << "\n   got " << refusal;
+	}
+}
+
+TEST(SceneFile, WithoutADurationThePathGivesIt)
+{
+	const Result<Scene> scene = parseScene("s.json", with("\t\"duration\": 2.5,\n", ""), "");
+	ASSERT_TRUE(scene) << scene.error().message;
+	EXPECT_EQ(scene.value().duration, 1);
+}
+
+TEST(SceneFile, CutAndDamagedFilesAreRefusedInASentence)
+{
+	const std::string whole = kWhole;
+	for (size_t length = 0; length < whole.size(); length += 7)
+	{
+		const std::string refusal = refusalOf(whole.substr(0, length));
+		EXPECT_EQ(refusal.compare(0, 7, "s.json:"), 0) << length << ": " << refusal;
+	}
+	// Whatever single bytes become: an answer, and nothing but a scene or a sentence with file and line.
+	std::mt19937 random(4);
+	for (int i = 0; i < 3000; ++i)
+	{
+		std::string broken = whole;
+		for (int n = 0; n < 3; ++n) broken[random() % broken.size()] = static_cast<char>(random() % 256);
+		const std::string refusal = refusalOf(broken);
+		EXPECT_TRUE(refusal == "accepted" || refusal.compare(0, 7, "s.json:") == 0) << refusal;
+	}
+	EXPECT_EQ(refusalOf(std::string(100000, '[')).compare(0, 7, "s.json:"), 0);
+	EXPECT_EQ(refusalOf(std::string(100, '[') + std::string(100, ']')).find("is nested too deeply") != std::string::npos, true);
+	EXPECT_EQ(refusalOf("[]"), "s.json:1: wants an object in braces");
+}
+
+TEST(SceneFile, AFileThatIsNotThereIsNamed)
+{
+	const Result<Scene> scene = loadScene("no/such/scene.json");
+	ASSERT_FALSE(scene);
+	EXPECT_EQ(scene.error().message, "no/such/scene.json: cannot be read");
+}
+
+TEST(SceneFile, TheScenesThatAreCarriedAreWhole)
+{
+	int found = 0;
+	for (const auto& entry : std::filesystem::directory_iterator(SCENE_FOLDER))
+	{
+		if (entry.path().extension() != ".json") continue;
+		const Result<Scene> scene = loadScene(entry.path().string());
+		EXPECT_TRUE(scene) << scene.error().message;
+		++found;
+	}
+	EXPECT_GE(found, 3);
+}
