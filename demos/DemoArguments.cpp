@@ -8,8 +8,9 @@
 namespace scenes
 {
 const char* const kDemoUsage =
-	"usage: haptic_demos --list | --version | --demo NAME [options] | --scene FILE [options]\n"
+	"usage: haptic_demos --list | --version | --demo NAME [options] | --scene FILE [options] | --paper-figures DIR\n"
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
+	"  --paper-figures DIR  rates of force and contact of the scenes in data/scenes, in real time: a page and CSV files\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data)\n"
 	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m)\n"
 	"  --spheres N      spheres to pack (default 10000)\n"
@@ -40,7 +41,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime},
 												{"--decoupled", &a.decoupled}};
-	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--mesh", &a.mesh}, {"--report", &a.report},
+	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
 														{"--cache", &a.cache}, {"--unit", &unit}, {"--spheres", &spheres},
 														{"--world-rate", &worldRate}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)

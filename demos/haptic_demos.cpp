@@ -2,10 +2,13 @@
 #include "demos/DemoArguments.h"
 #include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
+#include "demos/scenes/PaperFigures.h"
 #include "demos/scenes/SceneReport.h"
+#include "demos/scenes/WholeText.h"
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
 
 namespace
@@ -97,6 +100,33 @@ int runSceneFile(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runPaperFigures(const DemoArguments& a)
+{
+	const std::vector<std::string> files = {"data/scenes/bunny.json", "data/scenes/crown.json", "data/scenes/sword-and-ring.json"};
+	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false});
+	if (!scenes) return say(scenes.error().message), scenes.error().cancelled ? 130 : 1;
+	std::error_code ignored;
+	std::filesystem::create_directories(a.paperFigures, ignored);
+	const std::filesystem::path folder = a.paperFigures;
+	bool written = scenes::writeWholeText((folder / "paper-figures.html").string(), scenes::paperPage(scenes.value()).text());
+	for (const scenes::PaperScene& scene : scenes.value())
+		written = written && scenes::writeWholeText((folder / (scene.run.scene.name + ".csv")).string(), scenes::paperCsv(scene));
+	if (!written) return say("cannot write to " + a.paperFigures), 1;
+	std::fprintf(stderr, "\r%-20s\r", "");
+	if (a.json) std::printf("%s\n", scenes::paperJson(scenes.value()).c_str());
+	else
+		for (const auto& row : scenes::paperRows(scenes.value()))
+		{
+			std::printf("%-72s", row[0].c_str());
+			for (size_t i = 1; i < row.size(); ++i) std::printf(" %12s", row[i].c_str());
+			std::printf("\n");
+		}
+	std::fprintf(stderr, "page: %s\n", (folder / "paper-figures.html").string().c_str());
+	for (const scenes::PaperScene& scene : scenes.value())
+		if (!scene.run.ok()) return 1;
+	return 0;
+}
+
 int run(int argc, char** argv)
 {
 	const DemoArguments a = scenes::parseDemoArguments(argc, argv);
@@ -114,6 +144,7 @@ int run(int argc, char** argv)
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
+	if (!a.paperFigures.empty()) return runPaperFigures(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
 	if (a.demo.empty())

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/SceneHooks.h"
 
+#include "demos/scenes/WholeText.h"
+
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
 using namespace ist;
@@ -24,20 +24,6 @@ std::string poseText(const Pose& X)
 
 constexpr const char* kRowHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw,tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,"
 								   "force_x,force_y,force_z,torque_x,torque_y,torque_z\n";
-
-/// Beside its place first, so that nobody meets half a file.
-bool writeWhole(const std::string& path, const std::string& text)
-{
-	const std::string part = path + ".part";
-	std::ofstream file(part, std::ios::binary);
-	file << text;
-	file.close();
-	std::error_code failed;
-	if (file.good()) std::filesystem::rename(part, path, failed);
-	if (file.good() && !failed) return true;
-	std::filesystem::remove(part, failed);
-	return false;
-}
 }  // namespace
 
 SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, SteppingThread& thread, size_t ticks) : m_world(world), m_thread(thread)
@@ -127,7 +113,7 @@ std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
 						  row.wrench.torque.x, row.wrench.torque.y, row.wrench.torque.z);
 			text += numbers;
 		}
-		if (!writeWhole(recording->file, text)) return Error{"cannot write the recording " + recording->file};
+		if (!writeWholeText(recording->file, text)) return Error{"cannot write the recording " + recording->file};
 	}
 	return std::nullopt;
 }

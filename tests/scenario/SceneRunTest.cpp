@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "demos/scenes/PaperFigures.h"
 #include "demos/scenes/SceneReport.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
@@ -209,4 +210,46 @@ TEST(SceneRun, RunsInVirtualTimeAreAlike)
 		ASSERT_EQ(a.tool.translation, b.tool.translation) << i;
 		ASSERT_EQ(a.volume, b.volume) << i;
 	}
+}
+
+TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
+{
+	// In real time; what is timed is only looked at for being there.
+	std::string text = scene("contact-thread", 0.04, 0.012);
+	const std::string floor = R"({"name": "floor", "plane": {}, "material": "m"})";
+	text.replace(text.find(floor), floor.size(), R"({"name": "floor", "asset": "ball", "material": "m", "fixed": true})");
+	const auto written = [](const std::string& what)
+	{
+		const std::string file = std::string(TREE_FOLDER) + "/paper-scene.json";
+		std::ofstream(file) << what;
+		return std::vector<std::string>{file};
+	};
+	SceneRunOptions o = options();
+	o.virtualTime = false;
+	const Result<std::vector<PaperScene>> figures = runPaperFigures(written(text), o);
+	ASSERT_TRUE(figures) << figures.error().message;
+	const PaperScene& s = figures.value().front();
+	ASSERT_EQ(s.bareQuery.size(), s.run.ticks.size());
+	std::uint64_t last = s.run.ticks.front().answer.number;
+	bool touched = false;
+	for (size_t i = 1; i < s.run.ticks.size(); ++i)
+	{
+		const SceneTick& tick = s.run.ticks[i];
+		ASSERT_GE(tick.answer.number, last) << i;
+		ASSERT_EQ(s.bareQuery[i] >= 0, tick.answer.number != last) << i;
+		touched = touched || tick.answer.pairs > 0;
+		last = tick.answer.number;
+	}
+	EXPECT_GT(last, 10u);
+	EXPECT_TRUE(touched);
+	const std::string csv = paperCsv(s);
+	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), '\n')), s.run.ticks.size() + 1);
+	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), ',')), 7 * (s.run.ticks.size() + 1));
+	EXPECT_NE(paperPage(figures.value()).text().find("Histogram of the period"), std::string::npos);
+
+	std::string moving = text;
+	const std::string fixed = R"(, "fixed": true)";
+	moving.replace(moving.find(fixed), fixed.size(), "");
+	EXPECT_NE(runPaperFigures(written(moving), o).error().message.find("paper-scene.json:4: bodies[0]: these figures want all bodies but the tool fixed"), std::string::npos);
+	EXPECT_NE(runPaperFigures(written(scene("local-model", 0.5, 0.5)), o).error().message.find("these figures want contact-thread"), std::string::npos);
 }
