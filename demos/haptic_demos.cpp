@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/DemoArguments.h"
+#include "demos/scenes/Continuity.h"
 #include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
 #include "demos/scenes/PaperFigures.h"
@@ -67,6 +68,18 @@ int runBunnyQuery(const DemoArguments& a)
 	options.spheres = a.spheres;
 	options.progress = showProgress;
 	const ist::Result<scenes::MeshToQueryOutcome> outcome = scenes::runMeshToQuery(options);
+	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
+}
+
+int runContinuity(const DemoArguments& a)
+{
+	scenes::ContinuityOptions options;
+	options.mesh = a.mesh;
+	options.spheres = a.spheres;
+	options.cache = a.cache;
+	options.progress = showProgress;
+	options.say = say;
+	const auto outcome = scenes::runContinuity(options);
 	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
 }
 
@@ -141,11 +154,13 @@ int run(int argc, char** argv)
 	{
 		std::printf("haptic-bunny  a simulated hand feels a body in a Bullet world: press, slide, turn, let go, at 1 kHz\n");
 		std::printf("bunny-query   mesh to tree to force: a probe pressed on the bunny and slid over its back\n");
+		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
 	if (!a.paperFigures.empty()) return runPaperFigures(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
+	if (a.demo == "continuity") return runContinuity(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
 	if (a.demo.empty())
 		std::fprintf(stderr, "haptic_demos: nothing to do\n%s", scenes::kDemoUsage);

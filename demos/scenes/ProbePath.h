@@ -3,26 +3,12 @@
 
 #include "BulletISTCollision/Core/MeshDistance.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+#include "demos/scenes/RodProbe.h"
 
-#include <string>
 #include <vector>
 
 namespace scenes
 {
-/// A round rod: all points within `radius` of a segment of length 2 halfLength along the z axis of its frame T.
-struct RodProbe
-{
-	double radius = 0.010, halfLength = 0.015;  ///< [m]
-};
-
-/// A stretch of the path in which the hand does one thing.
-struct ProbePhase
-{
-	std::string name;
-	double begin = 0, end = 0;  ///< [s]
-	bool touches = false;       ///< the probe is meant to be in contact throughout
-};
-
 struct ProbePath
 {
 	std::vector<devicebridge::HandKeyFrame> frames;  ///< poses that the hand wants for T, in World; y is up
