@@ -114,7 +114,7 @@ private:
 
 	void readThreads(JsonFields& root)
 	{
-		const int topology = root.choice("topology", 0, {"one-thread", "contact-in-tick", "contact-thread", "local-model"});
+		const int topology = root.choice("topology", 0, {"one-thread", "contact-in-tick", "contact-thread", "force-thread", "local-model"});
 		m_scene.topology = static_cast<SceneTopology>(topology);
 		m_scene.worldRate = root.number("worldRate", 60, 1, 1000);
 		m_scene.maxPairs = root.whole("maxPairs", -1, 1, int64_t(1) << 40);

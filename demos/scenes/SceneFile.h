@@ -95,6 +95,7 @@ enum class SceneTopology
 	OneThread,      ///< the hand's thread owns the world (simple mode)
 	InTick,         ///< decoupled, the queries in the tick
 	ContactThread,  ///< decoupled, the queries in a thread of their own
+	ForceThread,    ///< the same, and the force law in a further one
 	LocalModel      ///< decoupled, linear models that the world leaves
 };
 

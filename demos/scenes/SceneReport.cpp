@@ -41,6 +41,7 @@ const char* nameOf(SceneTopology topology)
 		case SceneTopology::OneThread: return "one-thread";
 		case SceneTopology::InTick: return "contact-in-tick";
 		case SceneTopology::ContactThread: return "contact-thread";
+		case SceneTopology::ForceThread: return "force-thread";
 		case SceneTopology::LocalModel: return "local-model";
 	}
 	return "";

@@ -9,6 +9,7 @@
 #include "DeviceBridge/SteppingThread.h"
 #include "DeviceBridge/StopSignals.h"
 #include "DeviceBridge/ThreadTime.h"
+#include "DeviceBridge/ThreadedForceLaw.h"
 #include "demos/scenes/SceneHooks.h"
 
 #include <algorithm>
@@ -216,7 +217,7 @@ struct Stage
 };
 
 /// False when somebody asked to stop.
-bool perform(const Stage& stage, SteppingThread& thread, const TickRecorder& recorder, const SceneHooks& hooks, WorldBeside* beside)
+bool perform(const Stage& stage, SteppingThread& thread, const TickRecorder& recorder, const SceneHooks& hooks, WorldBeside* beside, ThreadedForceLaw* law)
 {
 	const auto report = [&]
 	{
@@ -228,6 +229,7 @@ bool perform(const Stage& stage, SteppingThread& thread, const TickRecorder& rec
 		for (size_t i = 0; i < stage.ticks && !hooks.stopWanted(); ++i)
 		{
 			if (beside) beside->catchUp();
+			if (law) law->serve();
 			thread.run(1);
 			if (i % 250 == 0 && !report()) return false;
 		}
@@ -273,9 +275,15 @@ std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecou
 	SceneHooks hooks(stage.scene, stage.world, thread, stage.ticks);
 	std::unique_ptr<WorldBeside> beside;
 	if (decoupled) beside = std::make_unique<WorldBeside>(stage.world, *decoupled, *stage.hand.clock, stage.scene.worldRate);
-	const bool ownThread = decoupled && stage.scene.topology == SceneTopology::ContactThread && !stage.options.virtualTime;
+	const bool ownThread = decoupled && decoupled->topology() == ContactTopology::OwnThread && !stage.options.virtualTime;
 	if (ownThread && !decoupled->startContactThread()) return Error{"the thread of the contacts cannot be started"};
-	outcome.interrupted = !perform(stage, thread, recorder, hooks, beside.get());
+	CouplingForceLaw coupling;
+	ThreadedForceLaw law(coupling);
+	const bool forceThread = stage.scene.topology == SceneTopology::ForceThread;
+	if (forceThread) thread.setForceLaw(&law);
+	if (forceThread && !stage.options.virtualTime && !law.start()) return Error{"the thread of the force law cannot be started"};
+	outcome.interrupted = !perform(stage, thread, recorder, hooks, beside.get(), forceThread ? &law : nullptr);
+	law.stop();
 	if (ownThread) decoupled->stopContactThread();
 	keep(thread, recorder, hooks, stage.options.virtualTime, outcome);
 	if (decoupled)
@@ -304,8 +312,8 @@ std::optional<Error> playDecoupled(const Stage& stage, SceneOutcome& outcome)
 	settings.gravity = stage.scene.toolGravity;
 	settings.maxPairs = stage.scene.maxPairs;
 	settings.topology = stage.scene.topology == SceneTopology::InTick		   ? ContactTopology::InTick
-						: stage.scene.topology == SceneTopology::ContactThread ? ContactTopology::OwnThread
-																			   : ContactTopology::InWorld;
+						: stage.scene.topology == SceneTopology::LocalModel	   ? ContactTopology::InWorld
+																			   : ContactTopology::OwnThread;
 	SceneWorld::Body& tool = stage.world.body(stage.scene.tool);
 	BulletDecoupledSource source(*tool.body, tool.tree, *stage.hand.clock, settings);
 	return play(stage, source, &source, outcome);

@@ -61,7 +61,7 @@ double heightOf(const SceneTick& tick, double from) { return from + tick.hand.tr
 TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 {
 	const double from = 0.04, to = 0.012;
-	for (const char* topology : {"one-thread", "contact-in-tick", "contact-thread", "local-model"})
+	for (const char* topology : {"one-thread", "contact-in-tick", "contact-thread", "force-thread", "local-model"})
 	{
 		const Result<SceneOutcome> outcome = run(scene(topology, from, to, R"("hooks": [{"on": "collision", "do": "count"}])"));
 		ASSERT_TRUE(outcome) << outcome.error().message;

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/ThreadedForceLaw.h"
+
+#include <system_error>
+
+namespace devicebridge
+{
+namespace
+{
+ist::Wrench reaction(const ToolStep& step) { return -1.0 * step.coupling; }
+}  // namespace
+
+ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep& step) noexcept
+{
+	m_answers.fetch();
+	const Answer& answer = m_answers.readable();
+	const bool free = answer.number == m_asked;
+	m_direct = !threaded() && free;
+	if (m_direct) return m_law.handWrench(hand, step);
+	if (free)
+	{
+		Question& question = m_questions.writable();
+		question.number = ++m_asked;
+		question.hand = hand;
+		question.step = step;
+		m_questions.publish();
+		m_wake.fetch_add(1, std::memory_order_release);
+		m_wake.notify_one();
+	}
+	return answer.number == 0 ? ist::Wrench() : reaction(step) + answer.beyondCoupling;
+}
+
+std::int64_t ThreadedForceLaw::computedAt(const DeviceState& hand) const noexcept
+{
+	if (m_direct) return m_law.computedAt(hand);
+	const Answer& answer = m_answers.readable();
+	// Before the first answer there is nothing to be felt: neither force nor fault.
+	return answer.number == 0 ? hand.sampledAt : answer.computedAt;
+}
+
+bool ThreadedForceLaw::serve() noexcept
+{
+	if (!m_questions.fetch()) return false;
+	const Question& question = m_questions.readable();
+	Answer& answer = m_answers.writable();
+	answer.number = question.number;
+	answer.beyondCoupling = m_law.handWrench(question.hand, question.step) - reaction(question.step);
+	answer.computedAt = m_law.computedAt(question.hand);
+	m_answers.publish();
+	m_answered.fetch_add(1, std::memory_order_relaxed);
+	return true;
+}
+
+bool ThreadedForceLaw::start()
+{
+	if (m_thread.joinable()) return false;
+	m_stopping = false;
+	try
+	{
+		m_thread = std::thread([this] { loop(); });
+	}
+	catch (const std::system_error&)
+	{
+		return false;
+	}
+	return true;
+}
+
+void ThreadedForceLaw::stop() noexcept
+{
+	m_stopping = true;
+	m_wake.fetch_add(1, std::memory_order_release);
+	m_wake.notify_one();
+	if (m_thread.joinable()) m_thread.join();
+}
+
+void ThreadedForceLaw::loop() noexcept
+{
+	while (!m_stopping)
+	{
+		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
+		if (!serve() && !m_stopping) m_wake.wait(seen, std::memory_order_acquire);
+	}
+	serve();
+}
+}  // namespace devicebridge
