@@ -17,6 +17,8 @@ namespace devicebridge
 {
 namespace
 {
+constexpr std::int64_t kHour = 3'600'000'000'000;  // [ns]
+
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
 
 // A camera or a glove that samples at 60 Hz is not frozen between two samples.
@@ -194,7 +196,9 @@ std::int64_t SteppingThread::computeWrench()
 	onTransform.broadcast(m_state);
 	advanceWorld();
 	m_wanted = m_law->handWrench(m_state, m_step);
-	const std::int64_t computedAt = m_law->computedAt(m_state) - m_step.overdue;
+	// What a law says of its time is believed to an hour: beyond that all is equally old, and sums with it would overflow.
+	const std::int64_t saidAt = std::clamp(m_law->computedAt(m_state), m_lastTick - kHour, m_lastTick + kHour);
+	const std::int64_t computedAt = saidAt - std::clamp<std::int64_t>(m_step.overdue, 0, kHour);
 	onHapticTick.broadcast(m_state, m_wanted);
 	return computedAt;
 }
