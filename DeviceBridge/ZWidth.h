@@ -7,16 +7,18 @@
 
 namespace devicebridge
 {
-/// The largest stiffness that a device bears at one damping of a virtual wall, F = -K x - B v at 1 kHz, without hand and
-/// quantisation.
+/// The largest stiffness that a device bears at one damping of a virtual wall, F = -K x - B v at 1 kHz, without a hand.
 struct ZWidthPoint
 {
 	double damping = 0;    ///< B of the wall [N s/m]
 	double stable = 0;     ///< K at which the measured oscillation neither grows nor decays [N/m]
 	double predicted = 0;  ///< (b + B) / (T / 2 + t_d), for (b + B) (T / 2 + t_d) / m far below one (Gil and Hulin) [N/m]
-	double passive = 0;    ///< 2 (b - B) / T, zero where negative (Colgate and Schenkel); without delay [N/m]
+	double passive = 0;    ///< 2 (b - B) / T, zero where negative (Colgate and Schenkel); without delay and quantisation [N/m]
+	/// K at which the first of a set of motions (triangles and sines of 2 to 512 ticks) takes energy out of wall and mechanism, the wall's
+	/// velocity being the difference of two samples: an upper bound of the passive ones, and exact without delay and quantisation [N/m].
+	double passiveMeasured = 0;
 };
 
-/// One point for each damping. `delayTicks` 0 to kMaxDelayTicks.
-std::vector<ZWidthPoint> measureZWidth(const SimulatedProfile& profile, int delayTicks, const std::vector<double>& dampings);
+/// One point for each damping. `delayTicks` 0 to kMaxDelayTicks. `quantised`: positions come in the steps of the device's resolution.
+std::vector<ZWidthPoint> measureZWidth(const SimulatedProfile& profile, int delayTicks, const std::vector<double>& dampings, bool quantised = false);
 }  // namespace devicebridge

@@ -36,7 +36,7 @@ struct ZWidthArguments
 	std::string uri = "sim:sigma7";
 	int delayTicks = 0, steps = 6;
 	double most = -1;  ///< largest damping of the wall [N s/m]; negative: twice that of the device
-	bool json = false;
+	bool json = false, quantised = false;
 };
 
 int runList(bool json);

@@ -19,9 +19,10 @@ int runZWidth(const ZWidthArguments& arguments)
 	report["mass"] = profile.value().mass;
 	report["device_damping"] = b;
 	report["delay"] = 1e-3 * arguments.delayTicks;
+	report["resolution"] = arguments.quantised ? profile.value().info.resolution : 0;
 	Report& rows = report["points"] = Report::array();
-	for (const ZWidthPoint& p : measureZWidth(profile.value(), arguments.delayTicks, dampings))
-		rows.push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive}});
+	for (const ZWidthPoint& p : measureZWidth(profile.value(), arguments.delayTicks, dampings, arguments.quantised))
+		rows.push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive}, {"passive_measured", p.passiveMeasured}});
 	print(report, arguments.json);
 	return kGood;
 }

@@ -88,12 +88,12 @@ struct BallOnPlane
 	btRigidBody ball{btScalar(0.1), nullptr, &ballShape, btVector3(btScalar(1.6e-5), btScalar(1.6e-5), btScalar(1.6e-5))};
 	btISTAttachment attachment;
 
-	BallOnPlane()
+	explicit BallOnPlane(double pairStiffness = kPairStiffness)
 	{
 		ball.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(kStart), 0)));
 		attachment = world.attach(&ballShape, keptTree(ist::makeSphereMesh(kRadius, 3), "ball_20mm.ist")).value();
-		world.materials().set(&ball, {2 * kPairStiffness, 5});
-		world.materials().set(&plane, {2 * kPairStiffness, 5});
+		world.materials().set(&ball, {2 * pairStiffness, 5});
+		world.materials().set(&plane, {2 * pairStiffness, 5});
 		world.bullet().addRigidBody(&plane);
 		world.bullet().addRigidBody(&ball);
 	}
@@ -193,4 +193,39 @@ TEST(ReplacedModules, AUsersLawThatIsNotFiniteIsHeldBack)
 	thread.clearFault();
 	thread.run(1000);
 	EXPECT_FALSE(thread.faulted());
+}
+
+// What the hand feels is the coupling, however stiff the contact is: six decades beyond what direct rendering bears.
+TEST(CoupledStiffness, ContactUpToATrillionPascalsPerMetreIsAtRest)
+{
+	const SimulatedProfile profile = simulatedProfile("sigma7").value();
+	for (const double stiffness : {1e6, 1e8, 1e10, 1e12})
+	{
+		SCOPED_TRACE(stiffness);
+		SimulatedDevice device(profile);
+		device.place({{}, {0, kStart, 0}});
+		device.setHand(handThrough({{0.6, {{}, {0, kStart, 0}}}, {0.8, {{}, {0, kTarget, 0}}}}));
+		device.open();
+		BallOnPlane scene(stiffness);
+		BulletToolSettings settings;
+		settings.gains = passiveGains(profile.info, profile.damping, profile.angularDamping, 1e-3);
+		BulletContactSource source(scene.world, scene.ball, settings);
+		VirtualClock clock;
+		SteppingThread thread(device, source, clock);
+		double low = 1e300, high = -1e300;
+		for (int i = 0; i < 3000; ++i)
+		{
+			thread.run(1);
+			if (i < 2500) continue;
+			low = std::min(low, device.truePose().translation.y);
+			high = std::max(high, device.truePose().translation.y);
+		}
+		EXPECT_LT(high - low, 5e-6);
+		const double spring = profile.handStiffness * (high - kTarget);
+		EXPECT_GT(spring, 1);
+		EXPECT_NEAR(thread.sentWrench().force.y, spring, 0.01 * spring);
+		EXPECT_FALSE(thread.faulted());
+		// Of both the landing and the rest. It comes after the ramp, which itself raises a spring that is pressed.
+		EXPECT_LT(thread.energy().generated, 1e-9);
+	}
 }

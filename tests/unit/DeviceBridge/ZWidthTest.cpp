@@ -6,6 +6,8 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <random>
+#include <string>
 #include <vector>
 
 using namespace devicebridge;
@@ -98,5 +100,57 @@ TEST(ZWidth, ThePassiveRegionLiesInTheStableOne)
 	{
 		EXPECT_NEAR(p.passive, 2000 * (profile.damping - p.damping), 1e-9);
 		EXPECT_LE(p.passive, p.stable * 1.02);
+	}
+}
+
+TEST(ZWidth, TheMeasuredPassiveRegionIsThatOfColgateAndSchenkel)
+{
+	for (const char* name : {"sigma7", "touch", "falcon"})
+	{
+		const SimulatedProfile profile = simulatedProfile(name).value();
+		const double b = profile.damping;
+		for (const ZWidthPoint& p : measureZWidth(profile, 0, {0, 0.3 * b, 0.9 * b, 1.2 * b}))
+			EXPECT_NEAR(p.passiveMeasured, p.passive, 1e-9 * (1 + p.passive)) << name << ", B " << p.damping;
+		for (const bool quantised : {false, true})
+			for (const int delay : {1, 5})
+				for (const ZWidthPoint& p : measureZWidth(profile, delay, {0.3 * b}, quantised))
+				{
+					// Within b > K T / 2 + |B|, and with delay well within: slow motions already need b > K (T / 2 + t_d) - B.
+					EXPECT_LE(p.passiveMeasured, p.passive * 1.02) << name << ", B " << p.damping << ", delay " << delay;
+					EXPECT_LE(p.passiveMeasured, p.predicted * 1.02) << name << ", B " << p.damping << ", delay " << delay;
+					EXPECT_LE(p.passiveMeasured, p.stable * 1.02) << name << ", B " << p.damping << ", delay " << delay;
+				}
+	}
+}
+
+// The other way round: just below the measured limit nothing that a hand can do takes energy out, and just above the fastest shaking does.
+TEST(ZWidth, NoMotionTakesEnergyOutOfAWallInThePassiveRegion)
+{
+	const SimulatedProfile profile = simulatedProfile("sigma7").value();
+	std::mt19937_64 random(5);
+	std::normal_distribution<double> normal;
+	const double T = 1e-3, b = profile.damping;
+	for (const ZWidthPoint& p : measureZWidth(profile, 0, {0, 0.5, 1.5}))
+	{
+		const auto absorbed = [&](const std::vector<double>& x, double K)
+		{
+			double energy = 0;
+			const std::size_t n = x.size();
+			for (std::size_t k = 0; k < n; ++k)
+			{
+				const double way = x[(k + 1) % n] - x[k], force = -K * x[k] - p.damping * (x[k] - x[(k + n - 1) % n]) / T;
+				energy += b * way * way / T - force * way;
+			}
+			return energy;
+		};
+		for (int i = 0; i < 300; ++i)
+		{
+			// From walks to white noise.
+			std::vector<double> x(2 + random() % 60);
+			double at = 0;
+			for (double& v : x) v = at = (i % 10) / 10.0 * at + 1e-3 * normal(random);
+			EXPECT_GE(absorbed(x, 0.999 * p.passiveMeasured), 0) << "B " << p.damping;
+		}
+		EXPECT_LT(absorbed({1e-3, -1e-3}, 1.001 * p.passiveMeasured), 0) << "B " << p.damping;
 	}
 }
