@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/FieldPress.h"
+#include "BulletISTCollision/Core/Kernels/OverlapGate.h"
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
 #include "BulletISTCollision/Core/Lens.h"
-#include "BulletISTCollision/Core/OverlapGate.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/OverlapQuery.h"
 
+#include "BulletISTCollision/Core/Kernels/OverlapGate.h"
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
 #include "BulletISTCollision/Core/Lens.h"
-#include "BulletISTCollision/Core/OverlapGate.h"
 
 #include <algorithm>
 
