@@ -108,6 +108,7 @@ void printPair(const Body& A, const Body& B, int poses)
 	QueryWorkspace workspace;
 	const double shallow = kShallow * std::min(A.tree.volume, B.tree.volume);
 	double volume = 0, most = 0, force = 0, gatedMost = 0, kept[2] = {}, cost[2] = {};
+	int reached[2] = {};  // a thin body may never overlap so much
 	for (int i = 0; i < poses; ++i)
 	{
 		const Pose X = touchingPose(A, B, uint64_t(i));
@@ -120,12 +121,14 @@ void printPair(const Body& A, const Body& B, int poses)
 		{
 			const Pose deep = pushedTo(A, B, X, (k == 0 ? 1 : 10) * shallow, workspace);
 			const Answer open = ask(A, B, deep, false, workspace), shut = ask(A, B, deep, true, workspace);
-			kept[k] += shut.volume / open.volume / poses;
-			cost[k] += shut.seconds / open.seconds / poses;
+			if (open.volume < 0.5 * (k == 0 ? 1 : 10) * shallow) continue;
+			++reached[k];
+			kept[k] += shut.volume / open.volume;
+			cost[k] += shut.seconds / open.seconds;
 		}
 	}
 	std::printf("%-13s %8.2f %8.2f %8.2f %8.2g | %8.1f %8.1f | %5.2f %5.2f\n", (A.name + "-" + B.name).c_str(), 100 * volume, 100 * most, 100 * force,
-				100 * gatedMost, 100 * kept[0], 100 * kept[1], cost[0], cost[1]);
+				100 * gatedMost, 100 * kept[0] / reached[0], 100 * kept[1] / reached[1], cost[0] / reached[0], cost[1] / reached[1]);
 	std::fflush(stdout);
 }
 }  // namespace
