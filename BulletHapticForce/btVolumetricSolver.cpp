@@ -24,11 +24,12 @@ btMultiBodyLinkCollider* linkOf(const btCollisionObject* object)
 
 bool isStep(btScalar h) { return h > 0 && std::isfinite(h); }
 
-bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, const btCollisionObject& b)
+/// Also where a body that moves by less than half a rounding in a step, and therefore not at all, is held up by damping.
+bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, const btCollisionObject& b, double h)
 {
 	const double distance = double(std::max(a.getWorldTransform().getOrigin().length(), b.getWorldTransform().getOrigin().length()));
 	const double rounding = distance * double(std::numeric_limits<btScalar>::epsilon());
-	return rounding * norm(contact.total.areaVector) > 0.1 * contact.total.volume;
+	return rounding * norm(contact.total.areaVector) > 0.05 * contact.total.volume || 0.5 * rounding * contact.constants.dissipation > 0.05 * h;
 }
 
 /// Shares the normal impulse among the representative points as their springs do, for callbacks and games that read it.
@@ -63,7 +64,6 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	btVolumetricStatistics& statistics = m_islands.statistics();
 	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
-	statistics.contactsPrecisionLost += isPrecisionLost(contact, *a, *b);
 	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
 	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
 	if (kHasLinks && (linkOf(a) || linkOf(b)))
@@ -84,6 +84,7 @@ void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisio
 		++m_islands.statistics().contactsNotFinite;
 		return;
 	}
+	m_islands.statistics().contactsPrecisionLost += isPrecisionLost(contact, a, b, double(step));
 	m_islands.add(contact, bodyA, bodyB, friction);
 }
 
@@ -104,6 +105,7 @@ void btVolumetricSolver<Base>::addLinkContact(btISTContact& contact, btCollision
 				sides[k].body = this->getOrInitSolverBody(object, step);
 			good = good && (sides[k].multiBody || btVolumetricIslands::isFinite(this->m_tmpSolverBodyPool[sides[k].body]));
 		}
+		m_islands.statistics().contactsPrecisionLost += good && isPrecisionLost(contact, a, b, double(step));
 		if (good)
 			m_links.add(contact, sides[0], sides[1], friction, double(step), &this->m_tmpSolverBodyPool[0], this->m_data, m_islands.statistics());
 		else

@@ -110,7 +110,10 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 	for (int i = 0; i < steps; ++i)
 	{
 		const double before = double(body->getLinearVelocity().y());
+		const auto lost = [&] { return response == Response::Volumetric ? world.volumetric().statistics().contactsPrecisionLost : 0; };
+		const uint64_t lostBefore = lost();
 		world.step(s.h);
+		out.precisionLost = lost() > lostBefore;
 		if (!isFinite(body))
 		{
 			out.finite = false;

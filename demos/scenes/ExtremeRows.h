@@ -38,6 +38,7 @@ struct RestOutcome
 	double modelRatio = 0;   ///< the model's force in the end pose over the weight
 	double kinetic = 0;      ///< at the end [J]
 	double drift = 0;        ///< sideways, over the edge
+	bool precisionLost = false;  ///< reported by the solver at the end (contactsPrecisionLost)
 	double creep = 0;        ///< farthest that it was in the second half from where it was in the middle, over the edge
 };
 /// A cube falls on a plane, or is put on it, and rests. `edge` of the cube is that of the mesh.
