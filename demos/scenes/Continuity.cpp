@@ -100,27 +100,30 @@ PathWriter writePath(const MeshDistance& surface, const RodProbe& rod, double de
 	return path;
 }
 
-void summarise(ContinuityOutcome& o)
+/// Of the cells that the rod meets on its way.
+ContinuumGrid gridAlong(const std::vector<Vec3>& centers, const MeshDistance& surface, const RodProbe& rod, double spacing)
 {
-	double error = 0, truth = 0;
-	for (const ContinuityTick& t : o.ticks)
+	Box swept{centers.front(), centers.front()};
+	for (const Vec3& p : centers) swept = {componentMin(swept.lower, p), componentMax(swept.upper, p)};
+	const double wide = rod.radius + 2 * spacing;
+	const Vec3 margin{wide, wide, wide + rod.halfLength};
+	// Between the centres that are looked at the rod goes half a millimetre at most.
+	const double reach = wide + 5e-4;
+	const auto met = [&](const Vec3& p)
 	{
-		o.largestForce = std::max(o.largestForce, norm(t.truth));
-		error += squaredNorm(t.found - t.truth);
-		truth += squaredNorm(t.truth);
-	}
-	if (!(truth > 0)) return;
-	o.forceError = std::sqrt(error / truth);
-	std::vector<double> changes;
-	for (size_t i = 1; i < o.ticks.size(); ++i)
-	{
-		const Vec3 found = o.ticks[i].found - o.ticks[i - 1].found, wanted = o.ticks[i].truth - o.ticks[i - 1].truth;
-		changes.push_back(norm(found - wanted) / o.largestForce);
-		o.largestChange = std::max(o.largestChange, norm(wanted) / o.largestForce);
-	}
-	o.changeError = quantile(changes, 1);
-	o.changeError99 = quantile(changes, 0.99);
+		for (size_t i = 0; i < centers.size(); i += 5)
+		{
+			const Vec3 from = p - centers[i];
+			const double along = std::max(0.0, std::fabs(from.z) - rod.halfLength);
+			if (from.x * from.x + from.y * from.y + along * along < reach * reach) return true;
+		}
+		return false;
+	};
+	return ContinuumGrid(surface, {swept.lower - margin, swept.upper + margin}, spacing, met);
+}
 
+void compareSpectra(ContinuityOutcome& o)
+{
 	double mean = 0, powerFound = 0, powerTruth = 0;
 	for (const ProbePhase& phase : o.phases)
 	{
@@ -142,6 +145,30 @@ void summarise(ContinuityOutcome& o)
 	o.powerFound = std::sqrt(powerFound) / mean;
 	o.powerTruth = std::sqrt(powerTruth) / mean;
 	o.excess = std::sqrt(std::max(0.0, powerFound - powerTruth)) / mean;
+}
+
+void summarise(ContinuityOutcome& o)
+{
+	double error = 0, truth = 0;
+	for (const ContinuityTick& t : o.ticks)
+	{
+		o.largestForce = std::max(o.largestForce, norm(t.truth));
+		error += squaredNorm(t.found - t.truth);
+		truth += squaredNorm(t.truth);
+	}
+	if (!(truth > 0)) return;
+	o.forceError = std::sqrt(error / truth);
+	std::vector<double> changes;
+	for (size_t i = 1; i < o.ticks.size(); ++i)
+	{
+		const Vec3 found = o.ticks[i].found - o.ticks[i - 1].found, wanted = o.ticks[i].truth - o.ticks[i - 1].truth;
+		changes.push_back(norm(found - wanted) / o.largestForce);
+		o.largestChange = std::max(o.largestChange, norm(wanted) / o.largestForce);
+	}
+	o.changeError = quantile(changes, 1);
+	o.changeError99 = quantile(changes, 0.99);
+
+	compareSpectra(o);
 }
 }  // namespace
 
@@ -195,22 +222,8 @@ Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 
 	const MeshDistance surface(repaired.value().mesh);
 	const PathWriter path = writePath(surface, rod, options.depth);
-	Box swept{path.centers.front(), path.centers.front()};
-	for (const Vec3& p : path.centers) swept = {componentMin(swept.lower, p), componentMax(swept.upper, p)};
-	const double wide = rod.radius + 2 * options.spacing;
-	const Vec3 margin{wide, wide, wide + rod.halfLength};
-	const auto met = [&](const Vec3& p)
-	{
-		for (size_t i = 0; i < path.centers.size(); i += 5)
-		{
-			const Vec3 from = p - path.centers[i];
-			const double along = std::max(0.0, std::fabs(from.z) - rod.halfLength);
-			if (from.x * from.x + from.y * from.y + along * along < (wide + 5e-4) * (wide + 5e-4)) return true;
-		}
-		return false;
-	};
 	if (!go("grid", 0)) return Error{"the run was stopped", true};
-	const ContinuumGrid grid(surface, {swept.lower - margin, swept.upper + margin}, options.spacing, met);
+	const ContinuumGrid grid = gridAlong(path.centers, surface, rod, options.spacing);
 
 	ContinuityOutcome o;
 	o.mesh = options.mesh;

@@ -78,7 +78,7 @@ std::string refusalOf(const std::string& text)
 }
 }  // namespace
 
-TEST(SceneFile, ReadsEveryField)
+TEST(SceneFile, ReadsSceneAndAssets)
 {
 	const Result<Scene> read = parseScene("s.json", kWhole, "/data");
 	ASSERT_TRUE(read) << read.error().message;
@@ -101,6 +101,13 @@ TEST(SceneFile, ReadsEveryField)
 	EXPECT_NEAR(bounds(s.assets[3].shape).upper.x, 0.02, 1e-4);
 	EXPECT_EQ(s.assets[3].place, "s.json:14: assets[3]");
 
+}
+
+TEST(SceneFile, ReadsBodiesHandAndHooks)
+{
+	const Result<Scene> read = parseScene("s.json", kWhole, "/data");
+	ASSERT_TRUE(read) << read.error().message;
+	const Scene& s = read.value();
 	ASSERT_EQ(s.bodies.size(), 6u);
 	EXPECT_EQ(s.bodies[0].kind, SceneBody::Kind::Plane);
 	EXPECT_EQ(s.bodies[0].normal, (Vec3{0, 0, 1}));
