@@ -2,6 +2,7 @@
 #include "DeviceBridge/BulletDecoupledSource.h"
 
 #include "BulletISTCollision/btISTConversion.h"
+#include "DeviceBridge/RealTimePriority.h"
 #include "DeviceBridge/ThreadTime.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -310,6 +311,7 @@ void BulletDecoupledSource::stopContactThread() noexcept
 void BulletDecoupledSource::contactLoop() noexcept
 {
 	m_threadTime = threadMicroseconds();
+	if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
 	while (!m_stopping)
 	{
 		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
@@ -350,6 +352,7 @@ DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 	s.coarsenedQueries = read(m_coarsened);
 	s.queriesOverBudget = read(m_overBudget);
 	s.refusedQueries = read(m_refused);
+	s.contactRealTime = read(m_contactRealTime);
 	s.modelAge = 1e-9 * static_cast<double>(read(m_age));
 	s.longestModelAge = 1e-9 * static_cast<double>(read(m_longestAge));
 	s.period = 1e-9 * static_cast<double>(read(m_period));

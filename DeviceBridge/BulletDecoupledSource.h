@@ -29,6 +29,8 @@ struct BulletDecoupledSettings
 	ist::Pose X_BW;           ///< the device's world W in Bullet's World B
 	bool gravity = false;     ///< does the tool weigh on the hand?
 	ContactTopology topology = ContactTopology::InTick;
+	bool realTime = true;     ///< ask for SCHED_FIFO for the contact thread
+	int priority = 70;        ///< of it; below that of the hand's thread
 	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers (TreeLevels.h). Negative: none
 	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< a model that is so much later than expected counts in full, for nothing [ns]
 	double fadeIn = 0.25;     ///< of a contact that begins inside [s]
@@ -45,6 +47,7 @@ struct DecoupledStatistics
 	std::uint64_t coarsenedQueries = 0;  ///< answered by a coarser level, to keep the budget
 	std::uint64_t queriesOverBudget = 0;  ///< that no level could answer within it; asked without
 	std::uint64_t refusedQueries = 0;  ///< without an answer (ist::QueryStatus), and so without a force; none in good health
+	bool contactRealTime = false;  ///< the contact thread runs, or ran, with SCHED_FIFO
 	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
 	double period = 0;                 ///< of the world, as learnt [s]
 };
@@ -164,7 +167,7 @@ private:
 	std::uint64_t m_asked = 0, m_lastQuestion[kMirroredBodies] = {};
 	std::int64_t m_askedAt = 0;
 	std::thread m_thread;
-	std::atomic<bool> m_stopping{false};
+	std::atomic<bool> m_stopping{false}, m_contactRealTime{false};
 	std::atomic<std::uint32_t> m_wake{0};
 
 	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};

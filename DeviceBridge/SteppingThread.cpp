@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/SteppingThread.h"
 
+#include "DeviceBridge/RealTimePriority.h"
+
 #include <algorithm>
 #include <cmath>
 #include <system_error>
 
 #if defined(__linux__)
-#include <pthread.h>
-#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -122,9 +122,7 @@ void SteppingThread::askForRealTime() noexcept
 	m_scheduling = "normal priority: real time was not asked for";
 	if (!m_settings.realTime) return;
 #if defined(__linux__)
-	sched_param parameters{};
-	parameters.sched_priority = m_settings.priority;
-	m_scheduling = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0
+	m_scheduling = askForRealTimePriority(m_settings.priority)
 					   ? "real time (SCHED_FIFO)"
 					   : "normal priority: SCHED_FIFO was refused; it needs CAP_SYS_NICE or an rtprio limit";
 #else

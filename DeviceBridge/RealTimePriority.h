@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#if defined(__linux__)
+#include <pthread.h>
+#include <sched.h>
+#endif
+
+namespace devicebridge
+{
+/// Asks for SCHED_FIFO for the calling thread. False where it is refused (it needs CAP_SYS_NICE or an rtprio limit) or unknown.
+inline bool askForRealTimePriority(int priority) noexcept
+{
+#if defined(__linux__)
+	sched_param parameters{};
+	parameters.sched_priority = priority;
+	return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+#else
+	return priority < 0;
+#endif
+}
+}  // namespace devicebridge
