@@ -32,7 +32,8 @@ ist::Result<std::unique_ptr<btSequentialImpulseConstraintSolver>> installVolumet
 	else
 		return ist::Error{
 			"volumetric contact is solved over btSequentialImpulseConstraintSolver, btNNCGConstraintSolver and, in a "
-			"btMultiBodyDynamicsWorld, btMultiBodyConstraintSolver themselves; with any other solver its representative points are. A solver of your own may derive from btVolumetricSolver"};
+			"btMultiBodyDynamicsWorld, btMultiBodyConstraintSolver themselves; with any other solver its representative points are. "
+			"A solver of your own may derive from btVolumetricSolver"};
 	world.setConstraintSolver(solver.get());
 	return solver;
 }

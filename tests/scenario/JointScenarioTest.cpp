@@ -3,8 +3,6 @@
 
 #include "BulletDynamics/Vehicle/btRaycastVehicle.h"
 
-#include <numbers>
-
 using namespace scenario;
 using ist::Vec3;
 
@@ -206,7 +204,8 @@ TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 	vehicle.setCoordinateSystem(0, 1, 2);
 	for (const double x : {-0.7, 0.7})
 		for (const double z : {-1.2, 1.2})
-			vehicle.addWheel(btVector3(btScalar(x), btScalar(-0.1), btScalar(z)), btVector3(0, -1, 0), btVector3(-1, 0, 0), btScalar(0.4), btScalar(0.35), tuning, z > 0);
+			vehicle.addWheel(btVector3(btScalar(x), btScalar(-0.1), btScalar(z)), btVector3(0, -1, 0), btVector3(-1, 0, 0), btScalar(0.4),
+							 btScalar(0.35), tuning, z > 0);
 	for (int i = 0; i < vehicle.getNumWheels(); ++i)
 	{
 		btWheelInfo& w = vehicle.getWheelInfo(i);

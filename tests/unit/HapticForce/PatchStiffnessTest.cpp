@@ -137,7 +137,8 @@ TEST(PatchStiffness, IsThePositivePartOfTheSlopeOfTheWrench)
 }
 
 // Flat on a half-space, and flat on a slab that is wider, whose field has all the weight: k A along the normal, from two mean gaps on (two
-// and a half where both have gaps: at two the leaves still show, by 11 %). With half the weight on the box's own field, that one loses what lies nearer to the box's sides: (1 - 2 depth)^2 of a face of 1 m^2.
+// and a half where both have gaps: at two the leaves still show, by 11 %). With half the weight on the box's own field,
+// that one loses what lies nearer to the box's sides: (1 - 2 depth)^2 of a face of 1 m^2.
 TEST(PatchStiffness, FlatContactHasStiffnessTimesArea)
 {
 	const InnerSphereTree box = built(makeBoxMesh({0.5, 0.5, 0.5}), 2000), slab = built(makeBoxMesh({0.9, 0.3, 0.8}), 2000);
