@@ -22,6 +22,10 @@ using Map = Eigen::Map<M>;
 // that the search ends.
 constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
 constexpr int kMaxSweeps = 400;
+// Where many patches share one load, sticking and sliding may take turns for ever at a hundred-thousandth of the load: the search ends
+// when so many sweeps have not brought the change down to this share of what it was.
+constexpr int kPatience = 24;
+constexpr double kProgress = 0.9;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse.
 constexpr double kFrictionTolerance = 1e-9;
 constexpr double kImmovable = 1e-12;
@@ -122,6 +126,19 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	E.col(1).head<3>() = toEigen(t2);
 	E.col(2).tail<3>() = patch.frictionRadius * toEigen(patch.normal);
 	return m_patchCount++;
+}
+
+void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
+{
+	Patch& p = m_patches[size_t(patch)];
+	if (!(p.friction > 0)) return;
+	const Map<const Mat63> E(p.E);
+	const Vec6 whole = toEigen(impulse.force, impulse.torque);
+	for (int i = 0; i < 3; ++i)
+	{
+		const double square = E.col(i).squaredNorm();
+		p.tangent[i] = square > 0 ? E.col(i).dot(whole) / square : 0;
+	}
 }
 
 // Breadth first from the body with the fewest neighbours: neighbours stay close together, and the envelope small.
@@ -298,7 +315,7 @@ void btIslandBlockSolver::prepareFriction()
 void btIslandBlockSolver::iterateFriction()
 {
 	const size_t stride = 6 * size_t(m_bodyCount);
-	double largestNormal = 0;
+	double largestNormal = 0, before = 0;
 	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
 	{
 		m_remainingChange = 0;
@@ -325,6 +342,9 @@ void btIslandBlockSolver::iterateFriction()
 					change(c) * Map<const Vector>(columns + stride * size_t(c), Eigen::Index(stride));
 		}
 		if (m_remainingChange <= kFrictionTolerance * largestNormal) return;
+		if (m_sweeps % kPatience != kPatience - 1) continue;
+		if (m_sweeps >= kPatience && m_remainingChange > kProgress * before) break;
+		before = m_remainingChange;
 	}
 	m_frictionNotConverged = true;
 }

@@ -26,6 +26,8 @@ public:
 	/// `bodyA` and `bodyB`: indices, or -1 for what cannot move and passes `point` with the twist `given` (already as A minus B).
 	/// Returns the index of the patch.
 	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction);
+	/// Where the search for the patch's friction begins: an impulse on A about its point, of which only what friction can do counts.
+	void startFriction(int patch, const ist::Wrench& impulse);
 	int patchCount() const { return m_patchCount; }
 	int bodyCount() const { return m_bodyCount; }
 

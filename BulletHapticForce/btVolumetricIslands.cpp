@@ -200,7 +200,8 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 		const int a = indexOf(e.bodyA), b = indexOf(e.bodyB);
 		const ist::Twist givenA = a < 0 ? twistAt(bodies[e.bodyA], e.patch.point) : ist::Twist();
 		const ist::Twist givenB = b < 0 ? twistAt(bodies[e.bodyB], e.patch.point) : ist::Twist();
-		block.solver.addPatch(e.patch, a, b, difference(givenA, givenB), m_step, e.friction);
+		const int patch = block.solver.addPatch(e.patch, a, b, difference(givenA, givenB), m_step, e.friction);
+		block.solver.startFriction(patch, m_step * e.contact->ledger.friction[e.patchIndex]);
 		block.entries.push_back(i);
 	}
 	block.free.resize(block.bodies.size());
@@ -364,6 +365,7 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 	for (const Entry& e : m_entries)
 	{
 		e.contact->impulses[e.patchIndex] = e.impulse;
+		e.contact->ledger.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
 		e.contact->normalImpulse += e.normalImpulse;
 	}
 }

@@ -10,7 +10,7 @@ struct btVolumetricStatistics
 	uint64_t islands = 0;              ///< solved at once
 	uint64_t islandsTooLarge = 0;      ///< solved patch by patch, in Bullet's iterations
 	uint64_t activeSetRounds = 0;      ///< of all block solves
-	uint64_t frictionNotConverged = 0; ///< block solves that ran out of friction sweeps
+	uint64_t frictionNotConverged = 0; ///< block solves whose friction sweeps ended before the impulses stood still
 	uint64_t blocksNotFactorised = 0;  ///< exerted nothing: input that is not finite
 	uint64_t contactsHeldToLedger = 0; ///< would have returned more than they had absorbed, and were held back
 	uint64_t contactsTurnedOver = 0;   ///< force against that of the step before: one was pushed, or fell, through the other

@@ -28,9 +28,12 @@ struct btISTPairConstants
 /// What the solver remembers of a pair from step to step while it overlaps.
 struct btISTContactLedger
 {
+	static constexpr int kMaxPatches = 8;
+
 	bool open = false;  ///< false until the first solve of an overlap
 	double stored = 0;  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
 	ist::Vec3 direction;  ///< of the force on A when it last had one direction, World; zero before
+	ist::Wrench friction[kMaxPatches];  ///< of the last step, on A, World, about the patch: where the next one begins to look [N, N m]
 };
 
 /// What the impulses of a contact did to the motion of its two bodies together in the last step [J].
@@ -67,7 +70,7 @@ private:
 /// unless said otherwise. B has no tree when it is one of Bullet's shapes in closed form, a half-space among them.
 struct btISTContact
 {
-	static constexpr int kMaxPatches = 8;
+	static constexpr int kMaxPatches = btISTContactLedger::kMaxPatches;
 
 	const btPersistentManifold* manifold = nullptr;
 	const btCollisionObject* bodyA = nullptr;

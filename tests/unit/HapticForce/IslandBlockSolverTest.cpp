@@ -293,6 +293,34 @@ TEST(btIslandBlockSolver, FrictionInStacksSticksOrSlidesAsCoulombSays)
 	EXPECT_LE(count.undecided, 3);
 }
 
+// Friction that begins where it ended is there at once, and where it was.
+TEST(btIslandBlockSolver, FrictionStartsWhereItIsTold)
+{
+	int compared = 0;
+	for (uint64_t seed = 1; seed <= 20; ++seed)
+	{
+		const Scene scene = stackScene(seed, seed % 2 ? 1 : 0.02);
+		btIslandBlockSolver cold, warm;
+		ASSERT_TRUE(scene.solve(cold));
+		if (cold.frictionNotConverged() || cold.rounds() > 0) continue;
+		warm.clear();
+		for (const auto& b : scene.bodies) warm.addBody(b);
+		for (size_t k = 0; k < scene.contacts.size(); ++k)
+		{
+			const auto& c = scene.contacts[k];
+			warm.addPatch(c.patch, c.a, c.b, c.given, kStep, c.friction);
+			warm.startFriction(int(k), cold.impulse(int(k)) - cold.elasticImpulse(int(k)));
+		}
+		ASSERT_TRUE(warm.solve(scene.free.data()));
+		EXPECT_LE(warm.sweeps(), 2) << seed;
+		EXPECT_GT(cold.sweeps(), 2) << seed;
+		for (size_t k = 0; k < scene.contacts.size(); ++k)
+			EXPECT_LT(norm(warm.impulse(int(k)).force - cold.impulse(int(k)).force), 1e-6 * (1 + norm(cold.impulse(int(k)).force)));
+		++compared;
+	}
+	EXPECT_GT(compared, 5);
+}
+
 // Bodies jammed between several patches that push them about: the sweeps do not always reach the end.
 TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 {
