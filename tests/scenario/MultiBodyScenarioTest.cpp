@@ -308,13 +308,13 @@ TEST(MultiBody, KeepsTheMomentumWithARigidBodyItHits)
 	}
 }
 
-// Two links of one multibody pressed together by opposite torques: what they do to each other balances the
-// torque of each joint.
+// A link is turned against another one of the same multibody, which a spring in its joint holds: what they do to each other balances the
+// torque in the one joint and the spring in the other.
 TEST(MultiBody, LinksOfOneBodyPressEachOther)
 {
 	LinkScene scene;
 	scene.world.setGravity(btVector3(0, 0, 0));
-	const double rate = 240, torque = 10, gap = 0.98;
+	const double rate = 240, torque = 10, gap = 0.98, spring = 2000, damper = 200;
 	btCollisionShape* s = scene.volumetricShape(cube());
 	btMultiBody* m = scene.addMultiBody(2, 0, 0, {1, 2, 3},
 										[&](btMultiBody& b)
@@ -326,15 +326,18 @@ TEST(MultiBody, LinksOfOneBodyPressEachOther)
 	m->setHasSelfCollision(true);
 	btMultiBodyLinkCollider* left = scene.addCollider(m, 0, s, 5e3);
 	btMultiBodyLinkCollider* right = scene.addCollider(m, 1, s, 5e3);
-	double sum = 0;
+	double onLeft = 0, onRight = 0;
 	for (int i = 0; i < int(4 * rate); ++i)
 	{
 		m->addJointTorque(0, btScalar(-torque));
-		m->addJointTorque(1, btScalar(torque));
+		m->addJointTorque(1, btScalar(-spring * double(m->getJointPos(1)) - damper * double(m->getJointVel(1))));
 		scene.run(1 / rate, rate);
-		if (i >= int(3 * rate)) sum += scene.momentOn(right, Vec3{1 + gap / 2, 2, 3});
+		if (i < int(3 * rate)) continue;
+		onLeft += scene.momentOn(left, Vec3{1 - gap / 2, 2, 3});
+		onRight += scene.momentOn(right, Vec3{1 + gap / 2, 2, 3});
 	}
-	EXPECT_NEAR(sum, -torque, 5e-3 * torque);
+	EXPECT_NEAR(onLeft, torque, 5e-3 * torque);
+	EXPECT_NEAR(onRight, spring * double(m->getJointPos(1)), 5e-3 * torque);
 	EXPECT_NEAR(double(left->getWorldTransform().getOrigin().y()), 4, 0.05);
 	EXPECT_LT(std::fabs(double(m->getJointVel(0))), 1e-3);
 }
