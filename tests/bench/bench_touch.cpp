@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// What bodies that only touch press already, because leaves reach beyond the surface, and what the gate of the query makes of it and costs.
+// Contact shallower than the gaps: what bodies that only touch press already, because leaves reach beyond the surface; what the gate of the
+// query makes of it and costs; and the force of flat contact over that of the continuum.
 // Usage: bench_touch [--spheres N=10000] [--poses N=20]
 #include "BulletISTCollision/Core/MeshDistance.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
 #include "tests/bench/BenchBodies.h"
 
@@ -13,6 +16,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -131,6 +135,44 @@ void printPair(const Body& A, const Body& B, int poses)
 				100 * gatedMost, 100 * kept[0] / reached[0], 100 * kept[1] / reached[1], cost[0] / reached[0], cost[1] / reached[1]);
 	std::fflush(stdout);
 }
+/// A box face down on a larger one, at random shifts and yaws: force over that of the continuum.
+void printFlat(int spheres, int poses)
+{
+	Mesh large = makeBoxMesh({0.5, 0.35, 0.25}), small = large;
+	for (Vec3& p : small.vertices) p = p * 0.4;
+	BuildOptions options;
+	options.maxSpheres = spheres;
+	const Result<InnerSphereTree> A = buildTree(large, options), B = buildTree(small, options);
+	if (!A || !B) return;
+	const double gaps = A.value().meanGap + B.value().meanGap;
+	const OverlapQuadrature quadrature(large, small);
+	QueryWorkspace workspace;
+	std::printf("\nflat on flat, gap sum %.5f; force over the continuum's\n%10s %10s %8s %8s %10s\n", gaps, "depth", "gap sums", "mean", "std %", "gated");
+	for (const double depth : {0.25 * gaps, 0.5 * gaps, gaps, 1.5 * gaps, 2 * gaps, 4 * gaps, 8 * gaps})
+	{
+		double sum = 0, squares = 0, gated = 0;
+		std::mt19937_64 random(3);
+		std::uniform_real_distribution<double> shift(-0.1, 0.1), yaw(0, 6.283185307179586);
+		for (int i = 0; i < poses; ++i)
+		{
+			const Vec3 at{shift(random), shift(random), 0.25 + 0.4 * 0.25 - depth};
+			const Pose X{rotationMatrix(quaternionFromRotationVector({0, 0, yaw(random)})), at};
+			const double truth = quadrature.integrate(X, {}, 200, 100000).wrench().force.z;
+			const auto ratio = [&](bool gate)
+			{
+				QueryOptions query;
+				query.gate = gate;
+				return pressureWrench(queryOverlap(A.value(), B.value(), X, workspace, query).total, {}).force.z / truth;
+			};
+			const double f = ratio(false);
+			sum += f / poses;
+			squares += f * f / poses;
+			gated += ratio(true) / poses;
+		}
+		std::printf("%10.5f %10.2f %8.3f %8.2f %10.3f\n", depth, depth / gaps, sum, 100 * std::sqrt(std::max(0.0, squares - sum * sum)) / sum, gated);
+		std::fflush(stdout);
+	}
+}
 }  // namespace
 
 int main(int argc, char** argv)
@@ -153,5 +195,6 @@ int main(int argc, char** argv)
 	std::printf("%-13s %8s %8s %8s %8s | %8s %8s | %5s %5s\n", "", "volume", "most", "force", "gated", "kept .1%", "kept 1%", "time", "time");
 	for (size_t a = 0; a < bodies.size(); ++a)
 		for (size_t b = a; b < bodies.size(); ++b) printPair(bodies[a], bodies[b], poses);
+	printFlat(spheres, poses);
 	return 0;
 }
