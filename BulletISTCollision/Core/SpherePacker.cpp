@@ -9,7 +9,6 @@
 #include "BulletISTCollision/Core/WorkerCrew.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
@@ -49,14 +48,9 @@ double ballVolume(double r) { return 4.0 / 3.0 * pi * r * r * r; }
 struct Candidate
 {
 	Sphere sphere;
-	uint64_t index = 0;  // order of creation
+	uint64_t index = 0;  // order of creation, breaks ties
 
-	/// Of radii that agree to 2^-15 the newest goes first: it touches the sphere that it is a child of, so that a plate fills from one
-	/// place outwards and not at random places that waste the room between them.
-	bool operator<(const Candidate& o) const { return size() != o.size() ? size() < o.size() : index < o.index; }
-
-private:
-	uint32_t size() const { return std::bit_cast<uint32_t>(sphere.r) >> 8; }
+	bool operator<(const Candidate& o) const { return sphere.r != o.sphere.r ? sphere.r < o.sphere.r : index > o.index; }
 };
 
 /// The spheres placed in a batch, on a grid as wide as the largest of them.
