@@ -54,6 +54,8 @@ struct Swept : btBroadphaseAabbCallback
 		return true;
 	}
 };
+
+bool falls(const btCollisionObject* object) { return btRigidBody::upcast(object) && !object->isStaticOrKinematicObject(); }
 }  // namespace
 
 double btISTSubsteps::thickness(const btCollisionShape* shape, const btISTRegistry& registry)
@@ -78,8 +80,10 @@ void btISTSubsteps::addPair(const btCollisionObject* a, const btCollisionObject*
 {
 	const btCollisionShape *shapeA = a->getCollisionShape(), *shapeB = b->getCollisionShape();
 	if (!hasTree(shapeA, registry) && !hasTree(shapeB, registry)) return;
+	if (!a->checkCollideWith(b) || !b->checkCollideWith(a) || !a->hasContactResponse() || !b->hasContactResponse()) return;
+	const double apart = falls(a) != falls(b) ? gravity * seconds : 0;
 	const Velocity u = velocityOf(a), v = velocityOf(b);
-	const double travel = (norm(u.linear - v.linear) + u.ofSurface + v.ofSurface + gravity * seconds) * seconds;
+	const double travel = (norm(u.linear - v.linear) + u.ofSurface + v.ofSurface + apart) * seconds;
 	const double reach = kShareOfThickness * std::min(thickness(shapeA, registry), thickness(shapeB, registry));
 	if (!(travel > reach)) return;
 	const int substeps = int(std::min(std::ceil(travel / reach), double(kMostEver)));

@@ -37,8 +37,20 @@ std::optional<ist::Error> btISTWorld::step(double seconds)
 	if (m_substeps == 1)
 		m_world->stepSimulation(btScalar(seconds), 0);
 	else
-		m_world->stepSimulation(btScalar(seconds), m_substeps, btScalar(part));
+		stepInParts(seconds, part);
 	return std::nullopt;
+}
+
+void btISTWorld::stepInParts(double seconds, double part)
+{
+	m_world->stepSimulation(btScalar(seconds), m_substeps, btScalar(part));
+	// Bullet shows a divided step one part late.
+	const btCollisionObjectArray& objects = m_world->getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		btRigidBody* body = btRigidBody::upcast(objects[i]);
+		if (body && body->getMotionState() && !body->isStaticOrKinematicObject()) body->getMotionState()->setWorldTransform(body->getWorldTransform());
+	}
 }
 
 ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)

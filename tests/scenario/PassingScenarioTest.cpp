@@ -93,6 +93,42 @@ TEST(Substeps, BodyThatSinksThroughASoftOneIsReported)
 	EXPECT_EQ(hard.world.statistics().contactsTurnedOver, 0u);
 }
 
+TEST(Substeps, WhatCannotTouchOrFallsAlikeIsNotTooFast)
+{
+	Shot shot(0.2, 60, 1e12);
+	const btISTRegistry& registry = shot.world.registration().registry();
+	btISTSubsteps plan;
+	EXPECT_GT(plan.plan(shot.world.bullet(), registry, 1 / kRate, 64), 1);
+	shot.bullet->setIgnoreCollisionCheck(shot.target, true);
+	EXPECT_EQ(plan.plan(shot.world.bullet(), registry, 1 / kRate, 64), 1);
+	shot.bullet->setIgnoreCollisionCheck(shot.target, false);
+	shot.bullet->setCollisionFlags(shot.bullet->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+	EXPECT_EQ(plan.plan(shot.world.bullet(), registry, 1 / kRate, 64), 1);
+
+	// In one step a body falls farther than a quarter of these.
+	static const Solid sheet(ist::makeBoxMesh({0.05, 0.0025, 0.05}), 300);
+	Scene pile;
+	pile.world.setGravity(btVector3(0, btScalar(-9.81), 0));
+	btCollisionShape* thin = pile.volumetricShape(sheet);
+	for (const double height : {0.0, 0.005}) pile.add(thin, 1, 0.01, at({0, height, 0}));
+	EXPECT_EQ(plan.plan(pile.world.bullet(), pile.world.registration().registry(), 1 / kRate, 64), 1);
+	pile.add(thin, 0, 0, at({0, 0.01, 0}));
+	EXPECT_GT(plan.plan(pile.world.bullet(), pile.world.registration().registry(), 1 / kRate, 64), 1);
+}
+
+TEST(Substeps, MotionStatesShowTheEndOfTheStep)
+{
+	Shot shot(0.2, 60, 1e12);
+	btDefaultMotionState shown;
+	shot.bullet->setMotionState(&shown);
+	shot.bullet->setWorldTransform(at({3.05, 1.2, -2.02}));
+	shot.world.setMostSubsteps(64);
+	ASSERT_FALSE(shot.world.step(1 / kRate));
+	EXPECT_GT(shot.world.substeps(), 1);
+	EXPECT_EQ(shown.m_graphicsWorldTrans.getOrigin(), shot.bullet->getWorldTransform().getOrigin());
+	shot.bullet->setMotionState(nullptr);
+}
+
 // A step in parts is still one step: a force acts over all of it, and so do gravity and time.
 TEST(Substeps, ForcesActOverAllParts)
 {
