@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Result.h"
 #include "BulletISTCollision/btISTContactStore.h"
 
+#include <cmath>
 #include <optional>
 #include <unordered_map>
 
@@ -34,7 +35,7 @@ class btContactMaterialTable : public btISTPairRule
 {
 public:
 	/// See setGravity.
-	explicit btContactMaterialTable(double gravity = 9.81) : m_default(gravity), m_gravity(gravity) {}
+	explicit btContactMaterialTable(double gravity = 9.81) : m_default(9.81), m_gravity(9.81) { setGravity(gravity); }
 
 	/// Refused, with the reason: values that are not finite, a negative stiffness or density, a fluid that is no plane or has a stiffness. Call `remove` before the body is deleted: its
 	/// address may be given to a new one.
@@ -42,10 +43,11 @@ public:
 	void remove(const btCollisionObject* body) { m_materials.erase(body); }
 	/// That of `set`, or one with nothing set.
 	btContactMaterial find(const btCollisionObject* body) const;
-	/// Magnitude of gravity [m/s^2], for fluids and for (d). For (d) zero keeps the former one: bodies without weight shall not become
+	/// Magnitude of gravity [m/s^2], for fluids and for (d); ignored when negative or not finite. For (d) zero keeps the former one: bodies without weight shall not become
 	/// bodies without contact.
 	void setGravity(double gravity)
 	{
+		if (!(gravity >= 0) || !std::isfinite(gravity)) return;
 		m_gravity = gravity;
 		if (gravity > 0) m_default = btISTDefaultPairRule(gravity);
 	}

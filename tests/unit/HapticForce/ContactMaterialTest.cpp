@@ -160,6 +160,8 @@ TEST_F(Pair, FluidPressesWithItsDensityTimesGravityWhateverFloatsInIt)
 	c = table.decide(contact, &a, &water);
 	EXPECT_DOUBLE_EQ(c.k, 1025 * 1.62);
 	EXPECT_EQ(c.dissipation, 0.5);
+	for (const double bad : {-9.81, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) table.setGravity(bad);
+	EXPECT_DOUBLE_EQ(table.decide(contact, &a, &water).k, 1025 * 1.62);
 	table.setGravity(0);
 	EXPECT_EQ(table.decide(contact, &a, &water).k, 0);
 }
