@@ -92,6 +92,8 @@ std::optional<ist::Error> btPaperLaw::add(btRigidBody* A, std::shared_ptr<const 
 		return ist::Error{"the paper's law needs a tree with inner spheres for each body"};
 	for (const double constant : {material.epsilonC, material.epsilonD})
 		if (!std::isfinite(constant) || constant < 0) return ist::Error{"epsilon_c and epsilon_d must be finite numbers, 0 or more"};
+	for (const Pair& p : m_pairs)
+		if ((p.A == A && p.B == B) || (p.A == B && p.B == A)) return ist::Error{"the paper's law holds this pair of bodies already"};
 	A->setIgnoreCollisionCheck(B, true);
 	m_pairs.push_back({A, B, std::move(treeA), std::move(treeB), material, {}});
 	return std::nullopt;

@@ -46,8 +46,9 @@ public:
 	/// Of colliding sphere pairs of two bodies; counted and refused beyond.
 	explicit btPaperLaw(int pairCapacity = 200000);
 
-	/// From now on the pair's contact is this law's, and Bullet's own is switched off (setIgnoreCollisionCheck). Trees in the frames of the
-	/// bodies. Refused: null, one body twice, constants that are negative or not finite, a tree without inner spheres.
+	/// From now on the pair's contact is this law's, and Bullet's own is switched off (setIgnoreCollisionCheck). Bullet keeps the points of a
+	/// pair that it no longer looks at: where the bodies touch already, clean it afterwards (cleanProxyFromPairs of the pair cache). Trees in the
+	/// frames of the bodies. Refused: null, one body or one pair twice, constants that are negative or not finite, a tree without inner spheres.
 	std::optional<ist::Error> add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
 								  std::shared_ptr<const ist::InnerSphereTree> treeB, const btPaperMaterial& material);
 	/// All pairs of this body; Bullet's own contact returns.

@@ -190,6 +190,7 @@ TEST(PaperLaw, RefusesWhatItCannotUseAndCountsWhatItLeavesOut)
 	EXPECT_TRUE(law.add(a, tree, b, tree, {-1, 0}));
 	EXPECT_TRUE(law.add(a, tree, b, tree, {1, std::numeric_limits<double>::infinity()}));
 	EXPECT_FALSE(law.add(a, tree, b, tree, {1e4, 0}));
+	EXPECT_TRUE(law.add(b, tree, a, tree, {1e4, 0}));
 	law.apply(1e-3);
 	EXPECT_EQ(law.refused(), 1u);
 	EXPECT_EQ(a->getTotalForce().length(), btScalar(0));
