@@ -4,6 +4,7 @@
 #include "BulletHapticForce/btSolverBodyMotion.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 using namespace btSolverBodyMotion;
@@ -362,6 +363,7 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 		holdToLedger(first, int(end - first), bodies);
 		first = end;
 	}
+	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->ledger.friction), std::end(e.contact->ledger.friction), ist::Wrench());
 	for (const Entry& e : m_entries)
 	{
 		e.contact->impulses[e.patchIndex] = e.impulse;
