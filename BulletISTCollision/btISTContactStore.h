@@ -39,7 +39,7 @@ struct btISTContactLedger
 /// What the impulses of a contact did to the motion of its two bodies together in the last step [J].
 struct btISTContactWork
 {
-	bool acted = false;  ///< false: not solved as volumetric contact
+	bool acted = false;  ///< false: not solved as volumetric contact of rigid bodies
 	double elastic = 0, damping = 0, friction = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace scenes
 {
@@ -52,7 +53,7 @@ double period(Pond& pond, double h, int steps, const Signal& signal)
 		}
 		before = now;
 	}
-	return (last - first) / (crossings - 1);
+	return crossings > 1 ? (last - first) / (crossings - 1) : std::numeric_limits<double>::quiet_NaN();
 }
 }  // namespace
 

@@ -159,7 +159,7 @@ TEST(ScaledShape, ScalingDuringARestHandsTheContactToBullet)
 	run(scene, 4);
 	const Carried force(scene, body);
 	EXPECT_NEAR(force.left.y + force.right.y, kMass * kGravity, 1e-3 * kMass * kGravity);
-	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 0.5 - kDepth, 2e-3);
+	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 0.5 - kDepth, 0.1 * kDepth);  // the closed form, at three gaps
 }
 
 // A ghost sees what is in it, its contact is in the store for whoever asks, and nobody feels it.
