@@ -18,10 +18,10 @@ namespace
 // Samples a sphere and totals. The mean normal of a leaf needs some hundred points (DESIGN section 4).
 constexpr double gapSamplesPerSphere = 100;
 constexpr double fewestGapSamples = 2e5;
-constexpr double manyGapSamples = 1e6;
+constexpr double manyGapSamples = 1e6;  // beyond, half as many a sphere
 // Large balls are split into many leaves, each of which needs some dozens of points for its shape.
-constexpr double ballSamplesPerSphere = 80;
-constexpr double fewestBallSamples = 2e5, manyBallSamples = 8e5, mostBallSamples = 8e6;
+constexpr double ballSamplesPerSphere = 40;
+constexpr double fewestBallSamples = 8e5, mostBallSamples = 8e6;
 constexpr size_t fewestSamplesOfBall = 16;
 constexpr int mostLinesPerSide = 1024;
 constexpr int rowsOfSlab = 8;
@@ -33,13 +33,6 @@ constexpr size_t clusterSize = 24;
 double ballVolume(double r)
 {
 	return 4.0 / 3.0 * std::numbers::pi * r * r * r;
-}
-
-/// So many for each of `count` spheres; half as many beyond `many`.
-double samplesFor(double count, double perSphere, double fewest, double many)
-{
-	const double samples = std::max(fewest, perSphere * count);
-	return samples > many ? std::max(many, samples / 2) : samples;
 }
 
 /// Even number of points in the unit ball in antipodal pairs, so that their mean is the centre: radii stratified in volume,
@@ -65,7 +58,7 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 {
 	double total = 0;
 	for (const Sphere& s : spheres) total += ballVolume(s.r);
-	const double samples = std::min(mostBallSamples, samplesFor(double(spheres.size()), ballSamplesPerSphere, fewestBallSamples, manyBallSamples));
+	const double samples = std::clamp(ballSamplesPerSphere * double(spheres.size()), fewestBallSamples, mostBallSamples);
 	std::vector<size_t> counts;
 	counts.reserve(spheres.size());
 	for (const Sphere& s : spheres)
@@ -193,7 +186,8 @@ std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Spher
 {
 	const Mesh& mesh = surface.mesh();
 	const double n = double(spheres.size());
-	const double target = samplesFor(n, gapSamplesPerSphere, fewestGapSamples, manyGapSamples);
+	double target = std::max(fewestGapSamples, gapSamplesPerSphere * n);
+	if (target > manyGapSamples) target = std::max(manyGapSamples, target / 2);
 	const Box box = bounds(mesh);
 	const double longest = box.longestSide();
 	const double volumePerPoint = 3 * gapVolume / target;  // within the third of the points on lines of one axis
