@@ -12,11 +12,14 @@ ist::Wrench reaction(const ToolStep& step) { return -1.0 * step.coupling; }
 
 ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep& step) noexcept
 {
-	m_answers.fetch();
-	const Answer& answer = m_answers.readable();
-	const bool free = answer.number == m_asked;
-	m_direct = !threaded() && free;
-	if (m_direct) return m_law.handWrench(hand, step);
+	if (m_answers.fetch()) m_held = m_answers.readable();
+	const bool free = m_answers.readable().number == m_asked;
+	if (!threaded() && free)
+	{
+		const ist::Wrench wrench = m_law.handWrench(hand, step);
+		m_held = {1, wrench - reaction(step), m_law.computedAt(hand)};
+		return wrench;
+	}
 	if (free)
 	{
 		Question& question = m_questions.writable();
@@ -27,15 +30,13 @@ ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep
 		m_wake.fetch_add(1, std::memory_order_release);
 		m_wake.notify_one();
 	}
-	return answer.number == 0 ? ist::Wrench() : reaction(step) + answer.beyondCoupling;
+	return m_held.number == 0 ? ist::Wrench() : reaction(step) + m_held.beyondCoupling;
 }
 
 std::int64_t ThreadedForceLaw::computedAt(const DeviceState& hand) const noexcept
 {
-	if (m_direct) return m_law.computedAt(hand);
-	const Answer& answer = m_answers.readable();
 	// Before the first answer there is nothing to be felt: neither force nor fault.
-	return answer.number == 0 ? hand.sampledAt : answer.computedAt;
+	return m_held.number == 0 ? hand.sampledAt : m_held.computedAt;
 }
 
 bool ThreadedForceLaw::serve() noexcept

@@ -26,13 +26,14 @@ public:
 	// From the thread that set it up:
 	/// False when it runs already or cannot be started.
 	bool start();
-	/// Waits for the answer in progress.
+	/// Waits for the answer in progress. The stepping thread stops first: it goes on asking, and nobody would answer.
 	void stop() noexcept;
 	/// One answer on the calling thread, for virtual time. False when nothing was asked.
 	bool serve() noexcept;
 
 	// From any thread, at any time:
-	/// Off: the law is asked in the tick, as soon as what it was asked before is answered.
+	/// Off: the law is asked in the tick, as soon as what it was asked before is answered. On again: what it said in the last tick counts until
+	/// its thread answers.
 	void setThreaded(bool on) noexcept { m_threaded.store(on, std::memory_order_relaxed); }
 	bool threaded() const noexcept { return m_threaded.load(std::memory_order_relaxed); }
 	std::uint64_t answers() const noexcept { return m_answered.load(std::memory_order_relaxed); }
@@ -60,7 +61,7 @@ private:
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	std::uint64_t m_asked = 0;
-	bool m_direct = false;  // the last wrench came from the law itself, on the tick
+	Answer m_held;  // what counts: the newest answer, or what the law said on the tick; number 0: nothing yet
 	std::thread m_thread;
 	std::atomic<bool> m_threaded{true}, m_stopping{false};
 	std::atomic<std::uint32_t> m_wake{0};

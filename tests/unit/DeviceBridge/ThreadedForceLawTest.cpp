@@ -175,6 +175,38 @@ TEST(ThreadedForceLaw, ALawThatHangsLetsTheDeviceGo)
 	EXPECT_FALSE(thread.faulted());
 }
 
+TEST(ThreadedForceLaw, BackInItsThreadItGoesOnFromTheTickBefore)
+{
+	// Far longer on the tick than an answer may be old; with an answer from before, and without.
+	const auto sent = [](bool answeredBefore, bool back)
+	{
+		SimulatedDevice device(simulatedProfile("sigma7").value());
+		device.place({{}, {0.01, 0, 0}});
+		device.open();
+		LinearWall wall;
+		VirtualClock clock;
+		SteppingThread thread(device, wall, clock, unguarded());
+		PushingLaw law;
+		law.push = {0, 0.25, 0};
+		ThreadedForceLaw threaded(law);
+		thread.setForceLaw(&threaded);
+		if (answeredBefore)
+			for (int i = 0; i < 5; ++i) thread.run(1), threaded.serve();
+		threaded.setThreaded(false);
+		thread.run(100);
+		threaded.setThreaded(back);
+		thread.run(1);
+		EXPECT_FALSE(thread.faulted());
+		return thread.sentWrench().force;
+	};
+	for (const bool answeredBefore : {false, true})
+	{
+		const ist::Vec3 on = sent(answeredBefore, false), back = sent(answeredBefore, true);
+		EXPECT_GT(norm(on), 0.5);
+		EXPECT_LT(norm(back - on), 1e-9 * norm(on)) << answeredBefore;
+	}
+}
+
 TEST(ThreadedForceLaw, ItsPlaceMayBeSwitchedWhileItRuns)
 {
 	SimulatedDevice device(simulatedProfile("sigma7").value());
