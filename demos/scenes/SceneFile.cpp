@@ -8,7 +8,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <sstream>
+#include <system_error>
 
 using namespace ist;
 using Json = nlohmann::json;
@@ -381,9 +382,12 @@ Result<Scene> parseScene(const std::string& name, const std::string& text, const
 
 Result<Scene> loadScene(const std::string& path)
 {
+	const Error unreadable{path + ": cannot be read"};
+	std::error_code failed;
+	if (!std::filesystem::is_regular_file(path, failed)) return unreadable;
 	std::ifstream file(path, std::ios::binary);
-	const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-	if (!file.is_open() || file.bad()) return Error{path + ": cannot be read"};
-	return parseScene(path, text, std::filesystem::path(path).parent_path().string());
+	std::ostringstream text;
+	if (!file.is_open() || (file.peek() != std::ifstream::traits_type::eof() && !(text << file.rdbuf())) || file.bad()) return unreadable;
+	return parseScene(path, text.str(), std::filesystem::path(path).parent_path().string());
 }
 }  // namespace scenes

@@ -264,6 +264,9 @@ TEST(SceneFile, AFileThatIsNotThereIsNamed)
 	const Result<Scene> scene = loadScene("no/such/scene.json");
 	ASSERT_FALSE(scene);
 	EXPECT_EQ(scene.error().message, "no/such/scene.json: cannot be read");
+	const Result<Scene> folder = loadScene(SCENE_FOLDER);
+	ASSERT_FALSE(folder);
+	EXPECT_EQ(folder.error().message, std::string(SCENE_FOLDER) + ": cannot be read");
 }
 
 TEST(SceneFile, TheScenesThatAreCarriedAreWhole)
