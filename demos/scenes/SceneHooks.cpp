@@ -62,8 +62,7 @@ void SceneHooks::tie(const SceneHook& hook, size_t ticks)
 	else m_thread.onHapticTick.addDelegate(
 		[this, &into](const DeviceState& state, const Wrench& wrench)
 		{
-			record(into, state);
-			if (!into.rows.empty()) into.rows.back().wrench = wrench;
+			if (record(into, state)) into.rows.back().wrench = wrench;
 		});
 }
 
@@ -85,10 +84,11 @@ void SceneHooks::count(const ToolContact& contact)
 	}
 }
 
-void SceneHooks::record(Recording& into, const DeviceState& state)
+bool SceneHooks::record(Recording& into, const DeviceState& state)
 {
-	if (into.rows.size() == into.rows.capacity()) return;
+	if (into.rows.size() == into.rows.capacity()) return false;
 	into.rows.push_back({1e-9 * static_cast<double>(state.sampledAt), state.X_WH, m_thread.step().tool.X_WT, {}});
+	return true;
 }
 
 std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)

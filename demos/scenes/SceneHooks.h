@@ -35,7 +35,8 @@ private:
 
 	void tie(const SceneHook& hook, size_t ticks);
 	void count(const devicebridge::ToolContact& contact);
-	void record(Recording& into, const devicebridge::DeviceState& state);
+	/// False when there is no place for another row.
+	bool record(Recording& into, const devicebridge::DeviceState& state);
 	void stop();
 
 	const SceneWorld& m_world;
