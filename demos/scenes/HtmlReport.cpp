@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/HtmlReport.h"
 
+#include "demos/scenes/WholeText.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
 namespace scenes
@@ -256,9 +257,6 @@ std::string HtmlReport::text() const
 
 bool HtmlReport::write(const std::string& path) const
 {
-	std::ofstream file(path, std::ios::binary);
-	file << text();
-	file.close();
-	return file.good();
+	return writeWholeText(path, text());
 }
 }  // namespace scenes

@@ -35,7 +35,7 @@ public:
 	void chart(const Chart& chart);
 
 	std::string text() const;
-	/// False when the file cannot be written.
+	/// False when the file cannot be written: then nothing is left of it.
 	bool write(const std::string& path) const;
 
 private:
