@@ -80,7 +80,9 @@ int runContinuity(const DemoArguments& a)
 	options.progress = showProgress;
 	options.say = say;
 	const auto outcome = scenes::runContinuity(options);
-	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
 }
 
 int runHapticBunny(const DemoArguments& a)

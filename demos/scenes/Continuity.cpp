@@ -135,13 +135,14 @@ void compareSpectra(ContinuityOutcome& o)
 			mean += norm(t.truth);
 			for (int i = 0; i < 3; ++i) found[i].push_back(t.found[i]), wanted[i].push_back(t.truth[i]);
 		}
-		mean /= static_cast<double>(found[0].size());
+		mean /= std::max(1.0, static_cast<double>(found[0].size()));
 		for (int i = 0; i < 3; ++i)
 		{
 			powerFound += powerAbove(found[i], 1 / kTick, kCut);
 			powerTruth += powerAbove(wanted[i], 1 / kTick, kCut);
 		}
 	}
+	if (!(mean > 0)) return;
 	o.powerFound = std::sqrt(powerFound) / mean;
 	o.powerTruth = std::sqrt(powerTruth) / mean;
 	o.excess = std::sqrt(std::max(0.0, powerFound - powerTruth)) / mean;
@@ -252,7 +253,8 @@ Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 std::vector<std::vector<std::string>> summaryRows(const ContinuityOutcome& o)
 {
 	const auto percent = [](double v) { return formatNumber(100 * v, 3); };
-	return {{"Spheres", std::to_string(o.spheres), ""},
+	return {{"Result", o.ok() ? "ok" : "FAILED: the rod met nothing", ""},
+			{"Spheres", std::to_string(o.spheres), ""},
 			{"Ticks", std::to_string(o.ticks.size()), ""},
 			{"Force, rms error / rms truth", percent(o.forceError), "%"},
 			{"Change per tick of the continuum, most, of the largest force", percent(o.largestChange), "%"},
@@ -271,6 +273,7 @@ HtmlReport makeReport(const ContinuityOutcome& o)
 					 "stays with the body. Forces are per stiffness: 1 cm\xC2\xB3 at 1e6 Pa/m is 1 N.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(o));
 	const std::vector<ContinuityTick>& ticks = o.ticks;
+	const double largest = o.ok() ? o.largestForce : 1;
 	const auto over = [&](std::function<double(size_t)> value) { return Trace{ticks.size(), [&ticks](size_t i) { return ticks[i].time; }, std::move(value)}; };
 	const auto change = [&](size_t i, bool found)
 	{
@@ -284,8 +287,8 @@ HtmlReport makeReport(const ContinuityOutcome& o)
 				  {envelope("trees", over([&](size_t i) { return 1e6 * ticks[i].found.x; })),
 				   envelope("continuum", over([&](size_t i) { return 1e6 * ticks[i].truth.x; }))}});
 	report.chart({"Change of force from tick to tick", "time [s]", "of the largest force [%]",
-				  {envelope("continuum", over([&](size_t i) { return 100 * norm(change(i, false)) / o.largestForce; })),
-				   envelope("difference of trees and continuum", over([&](size_t i) { return 100 * norm(change(i, true) - change(i, false)) / o.largestForce; }))}});
+				  {envelope("continuum", over([&](size_t i) { return 100 * norm(change(i, false)) / largest; })),
+				   envelope("difference of trees and continuum", over([&](size_t i) { return 100 * norm(change(i, true) - change(i, false)) / largest; }))}});
 	report.chart({"Overlap", "time [s]", "volume [mm\xC2\xB3]",
 				  {envelope("trees", over([&](size_t i) { return 1e9 * ticks[i].foundVolume; })),
 				   envelope("continuum", over([&](size_t i) { return 1e9 * ticks[i].trueVolume; }))}});
@@ -294,7 +297,7 @@ HtmlReport makeReport(const ContinuityOutcome& o)
 
 std::string makeJson(const ContinuityOutcome& o)
 {
-	nlohmann::ordered_json json = {{"schema", 1}, {"demo", "continuity"}, {"ok", o.largestForce > 0}, {"spheres", o.spheres}, {"ticks", o.ticks.size()},
+	nlohmann::ordered_json json = {{"schema", 1}, {"demo", "continuity"}, {"ok", o.ok()}, {"spheres", o.spheres}, {"ticks", o.ticks.size()},
 								   {"force_error_rms", o.forceError}, {"largest_change", o.largestChange}, {"change_error", o.changeError},
 								   {"change_error_p99", o.changeError99}, {"above_50hz_found", o.powerFound}, {"above_50hz_truth", o.powerTruth},
 								   {"above_50hz_excess", o.excess}};

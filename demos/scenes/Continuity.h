@@ -49,6 +49,9 @@ struct ContinuityOutcome
 	/// While sliding at 5 cm/s: rms of the force above 50 Hz beyond that of the continuum, over the mean force.
 	double excess = 0;
 	double powerFound = 0, powerTruth = 0;  ///< rms above 50 Hz of both, over the mean force
+
+	/// The rod met the body: else there is no force to compare with.
+	bool ok() const { return largestForce > 0; }
 };
 
 ist::Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options);
