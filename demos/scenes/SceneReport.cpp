@@ -22,6 +22,14 @@ std::vector<double> valuesOf(const SceneOutcome& o, double (*value)(const SceneT
 	return values;
 }
 
+/// Without the first tick, which has none before it to be counted from.
+Trace traceOfSteps(const SceneOutcome& o, double (*value)(const SceneTick&))
+{
+	const std::vector<SceneTick>& ticks = o.ticks;
+	const size_t steps = ticks.empty() ? 0 : ticks.size() - 1;
+	return {steps, [&ticks](size_t i) { return ticks[i + 1].time; }, [&ticks, value](size_t i) { return value(ticks[i + 1]); }};
+}
+
 double period(const SceneTick& t) { return t.period; }
 double processor(const SceneTick& t) { return t.threadMicroseconds; }
 double pairs(const SceneTick& t) { return static_cast<double>(std::max(t.pairs, t.answer.pairs)); }
@@ -110,10 +118,10 @@ HtmlReport makeReport(const SceneOutcome& o)
 	}
 	report.heading("Rate");
 	report.paragraph("Scheduling: " + o.scheduling + ". Memory: " + o.memory + ".");
-	ChartSeries rate = runningMean("mean of a column", traceOf(o, period));
+	ChartSeries rate = runningMean("mean of a column", traceOfSteps(o, period));
 	for (double& y : rate.y) y = 1 / y;
 	report.chart({"Rate of the force thread", "time [s]", "rate [Hz]", {rate}});
-	report.chart({"Processor time of the force thread", "time [s]", "time of a tick [\xC2\xB5s]", {runningMean("mean of a column", traceOf(o, processor))}});
+	report.chart({"Processor time of the force thread", "time [s]", "time of a tick [\xC2\xB5s]", {runningMean("mean of a column", traceOfSteps(o, processor))}});
 	return report;
 }
 
