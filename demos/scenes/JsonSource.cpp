@@ -24,7 +24,8 @@ int lineAt(const std::string& text, size_t offset)
 class Places
 {
 public:
-	explicit Places(const std::string& text) : m_text(text) {}
+	/// A byte order mark is passed over, as the parser does.
+	explicit Places(const std::string& text) : m_text(text), m_at(text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0) {}
 
 	void value(const std::string& path, int depth)
 	{
@@ -102,7 +103,7 @@ private:
 	}
 
 	const std::string& m_text;
-	size_t m_at = 0;
+	size_t m_at;
 	int m_line = 1;
 };
 

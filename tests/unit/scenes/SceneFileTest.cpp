@@ -237,6 +237,13 @@ TEST(SceneFile, WithoutADurationThePathGivesIt)
 	EXPECT_EQ(scene.value().duration, 1);
 }
 
+TEST(SceneFile, AByteOrderMarkIsPassedOver)
+{
+	EXPECT_EQ(refusalOf(std::string("\xEF\xBB\xBF") + kWhole), "accepted");
+	const std::string refusal = refusalOf("\xEF\xBB\xBF" + with("\"mass\": 4", "\"mass\": 0"));
+	EXPECT_EQ(refusal.find("s.json:21: bodies[1].mass: wants a number from"), 0u) << refusal;
+}
+
 TEST(SceneFile, CutAndDamagedFilesAreRefusedInASentence)
 {
 	const std::string whole = kWhole;
