@@ -16,7 +16,8 @@ inline bool askForRealTimePriority(int priority) noexcept
 	parameters.sched_priority = priority;
 	return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
 #else
-	return priority < 0;
+	static_cast<void>(priority);
+	return false;
 #endif
 }
 }  // namespace devicebridge

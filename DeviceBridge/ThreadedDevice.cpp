@@ -11,12 +11,8 @@
 #include <thread>
 #include <utility>
 
-#if defined(__linux__)
-#include <pthread.h>
-#include <sched.h>
-#endif
-
 #include "DeviceBridge/Clock.h"
+#include "DeviceBridge/RealTimePriority.h"
 #include "DeviceBridge/TripleBuffer.h"
 
 namespace devicebridge
@@ -96,12 +92,8 @@ bool ThreadedDevice::Worker::connect() noexcept
 		complain(found.error().message);
 		return false;
 	}
-#if defined(__linux__)
 	// A driver that is starved holds an old force. Where real time is refused the driver runs all the same.
-	sched_param parameters{};
-	parameters.sched_priority = kPriority;
-	if (found.value().actuated != 0) pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-#endif
+	if (found.value().actuated != 0) askForRealTimePriority(kPriority);
 	{
 		const std::lock_guard<std::mutex> lock(mutex);
 		info = std::move(found).value();
