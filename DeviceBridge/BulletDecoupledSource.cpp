@@ -278,7 +278,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.overBudget = m_threadFinder.overBudget();
 	answer.refused = m_threadFinder.refused();
 	const double used = threadMicroseconds();
-	answer.cost = {answer.number, 0, used - m_threadTime};
+	answer.cost = {answer.number, 0, used - (m_threadTime < 0 ? used : m_threadTime)};
 	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[i].pairs;
 	m_threadTime = used;
 	m_answers.publish();
@@ -306,6 +306,7 @@ void BulletDecoupledSource::stopContactThread() noexcept
 	m_wake.fetch_add(1, std::memory_order_release);
 	m_wake.notify_one();
 	if (m_thread.joinable()) m_thread.join();
+	m_threadTime = -1;
 }
 
 void BulletDecoupledSource::contactLoop() noexcept

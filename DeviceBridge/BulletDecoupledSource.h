@@ -57,7 +57,8 @@ struct ContactAnswerCost
 {
 	std::uint64_t number = 0;       ///< of the answer, counted from 1; 0: none yet
 	std::int64_t pairs = 0;         ///< intersecting leaves
-	double threadMicroseconds = 0;  ///< on a processor since the answer before, waiting for the question included [us]
+	/// On a processor since the answer before, waiting for the question included [us]. 0 for the first of a thread that is not the source's own.
+	double threadMicroseconds = 0;
 };
 
 /// Contact with a world that somebody else steps, at any rate and in any thread (decoupled mode). The tool is in no world: this
@@ -163,7 +164,7 @@ private:
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	BulletToolContacts m_threadFinder;
-	double m_threadTime = 0;  // when the last answer was published
+	double m_threadTime = -1;  // when the last answer was published; negative: none yet on this thread
 	std::uint64_t m_asked = 0, m_lastQuestion[kMirroredBodies] = {};
 	std::int64_t m_askedAt = 0;
 	std::thread m_thread;
