@@ -14,7 +14,7 @@ struct ZWidthPoint
 	double stable = 0;     ///< K at which the measured oscillation neither grows nor decays [N/m]
 	double predicted = 0;  ///< (b + B) / (T / 2 + t_d), for (b + B) (T / 2 + t_d) / m far below one (Gil and Hulin) [N/m]
 	double passive = 0;    ///< 2 (b - B) / T, zero where negative (Colgate and Schenkel); without delay and quantisation [N/m]
-	/// K at which the first of a set of motions (triangles and sines of 2 to 512 ticks) takes energy out of wall and mechanism, the wall's
+	/// K at which the first of a set of motions (triangles and sines of 2 to 458 ticks) takes energy out of wall and mechanism, the wall's
 	/// velocity being the difference of two samples: an upper bound of the passive ones, and exact without delay and quantisation [N/m].
 	double passiveMeasured = 0;
 };

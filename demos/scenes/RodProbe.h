@@ -16,6 +16,6 @@ struct ProbePhase
 {
 	std::string name;
 	double begin = 0, end = 0;  ///< [s]
-	bool touches = false;       ///< the probe is meant to be in contact throughout
+	bool touches = false;       ///< the probe is meant to come into contact
 };
 }  // namespace scenes
