@@ -367,7 +367,8 @@ long operations()
 }
 }  // namespace
 
-// Seeded: a failure comes back. More of it: DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
+// Seeded: a failure comes back, up to the first time that the thread ran on its own (runOnItsOwn), which leaves clock, device and law wherever real
+// time took them. More of it: DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
 TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
 {
 	const long all = operations(), each = 10'000;
