@@ -50,7 +50,12 @@ void SceneHooks::tie(const SceneHook& hook, size_t ticks)
 				wrench.torque -= h.angularDamping * state.twist.angular;
 			});
 	if (h.action == Action::Log)
-		m_thread.onFault.addDelegate([this](const Fault& fault) { if (m_faults.size() < kMostFaults) m_faults.push_back(fault); });
+		m_thread.onFault.addDelegate(
+			[this](const Fault& fault)
+			{
+				if (m_faults.size() < kMostFaults) m_faults.push_back(fault);
+				else ++m_moreFaults;
+			});
 	if (h.action == Action::Stop && h.event == SceneHook::Event::Fault) m_thread.onFault.addDelegate([this](const Fault&) { stop(); });
 	if (h.action == Action::Stop && h.event == SceneHook::Event::Collision) m_thread.onCollision.addDelegate([this](const ToolContact&) { stop(); });
 	if (h.action != Action::Record) return;
@@ -101,6 +106,7 @@ std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
 		std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at));
 		outcome.faults.push_back(describe(fault.cause) + std::string(at));
 	}
+	if (m_moreFaults > 0) outcome.faults.push_back("and " + std::to_string(m_moreFaults) + " more");
 	for (const auto& recording : m_recordings)
 	{
 		std::string text = kRowHeader;

@@ -44,6 +44,7 @@ private:
 	std::vector<SceneContactCount> m_counts;
 	std::vector<std::unique_ptr<Recording>> m_recordings;
 	std::vector<devicebridge::Fault> m_faults;
+	std::uint64_t m_moreFaults = 0;
 	std::atomic<bool> m_stop{false};
 };
 }  // namespace scenes
