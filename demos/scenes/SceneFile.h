@@ -75,7 +75,7 @@ struct SceneHook
 	};
 	enum class Action
 	{
-		Record,  ///< CSV of hand, tool and wrench, one row a tick
+		Record,  ///< CSV, one row a tick: of the hand, and at the haptic tick of tool and wrench
 		Count,   ///< ticks, largest volume and force for each body that is touched
 		Force,   ///< adds a force at the hand
 		Damping, ///< adds -b v

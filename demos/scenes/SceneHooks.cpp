@@ -22,11 +22,12 @@ std::string poseText(const Pose& X)
 	return text;
 }
 
-constexpr const char* kRowHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw,tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,"
-								   "force_x,force_y,force_z,torque_x,torque_y,torque_z\n";
+constexpr const char* kHandHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw";
+constexpr const char* kToolHeader = ",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
 }  // namespace
 
-SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, SteppingThread& thread, size_t ticks) : m_world(world), m_thread(thread)
+SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, const Pose& X_BW, SteppingThread& thread, size_t ticks)
+	: m_world(world), m_X_BW(X_BW), m_X_PM(inverse(world.body(scene.tool).X_MP)), m_thread(thread)
 {
 	m_faults.reserve(kMostFaults);
 	for (const SceneBody& body : scene.bodies) m_counts.push_back({body.name, 0, 0, 0});
@@ -62,8 +63,9 @@ void SceneHooks::tie(const SceneHook& hook, size_t ticks)
 	m_recordings.push_back(std::make_unique<Recording>());
 	Recording& into = *m_recordings.back();
 	into.file = h.file;
+	into.whole = h.event == SceneHook::Event::HapticTick;
 	into.rows.reserve(ticks);
-	if (h.event == SceneHook::Event::Transform) m_thread.onTransform.addDelegate([this, &into](const DeviceState& state) { record(into, state); });
+	if (!into.whole) m_thread.onTransform.addDelegate([this, &into](const DeviceState& state) { record(into, state); });
 	else m_thread.onHapticTick.addDelegate(
 		[this, &into](const DeviceState& state, const Wrench& wrench)
 		{
@@ -96,6 +98,27 @@ bool SceneHooks::record(Recording& into, const DeviceState& state)
 	return true;
 }
 
+std::string SceneHooks::textOf(const Recording& recording) const
+{
+	std::string text = kHandHeader;
+	text += recording.whole ? kToolHeader : "";
+	text += "\n";
+	for (const Row& row : recording.rows)
+	{
+		char numbers[240];
+		std::snprintf(numbers, sizeof numbers, "%.9g", row.time - recording.rows.front().time);
+		text += numbers + poseText(row.hand);
+		if (recording.whole)
+		{
+			std::snprintf(numbers, sizeof numbers, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row.wrench.force.x, row.wrench.force.y, row.wrench.force.z,
+						  row.wrench.torque.x, row.wrench.torque.y, row.wrench.torque.z);
+			text += poseText(m_X_BW * row.tool * m_X_PM) + numbers;
+		}
+		text += "\n";
+	}
+	return text;
+}
+
 std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
 {
 	for (const SceneContactCount& c : m_counts)
@@ -109,16 +132,7 @@ std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
 	if (m_moreFaults > 0) outcome.faults.push_back("and " + std::to_string(m_moreFaults) + " more");
 	for (const auto& recording : m_recordings)
 	{
-		std::string text = kRowHeader;
-		for (const Row& row : recording->rows)
-		{
-			char numbers[240];
-			std::snprintf(numbers, sizeof numbers, "%.9g", row.time - recording->rows.front().time);
-			text += numbers + poseText(row.hand) + poseText(row.tool);
-			std::snprintf(numbers, sizeof numbers, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", row.wrench.force.x, row.wrench.force.y, row.wrench.force.z,
-						  row.wrench.torque.x, row.wrench.torque.y, row.wrench.torque.z);
-			text += numbers;
-		}
+		const std::string text = textOf(*recording);
 		if (!writeWholeText(recording->file, text)) return Error{"cannot write the recording " + recording->file};
 	}
 	return std::nullopt;

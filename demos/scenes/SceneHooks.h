@@ -10,8 +10,8 @@ namespace scenes
 class SceneHooks
 {
 public:
-	/// `ticks`: how many a recording can hold.
-	SceneHooks(const Scene& scene, const SceneWorld& world, devicebridge::SteppingThread& thread, size_t ticks);
+	/// `X_BW`: of the device's world; `ticks`: how many a recording can hold.
+	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, size_t ticks);
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
@@ -23,12 +23,13 @@ private:
 	struct Row
 	{
 		double time;
-		ist::Pose hand, tool;
+		ist::Pose hand, tool;  // X_WH, X_WT
 		ist::Wrench wrench;
 	};
 	struct Recording
 	{
 		std::string file;
+		bool whole = false;  // tool and wrench too; a new pose of the hand has neither yet
 		std::vector<Row> rows;
 	};
 	static constexpr size_t kMostFaults = 64;
@@ -37,9 +38,11 @@ private:
 	void count(const devicebridge::ToolContact& contact);
 	/// False when there is no place for another row.
 	bool record(Recording& into, const devicebridge::DeviceState& state);
+	std::string textOf(const Recording& recording) const;
 	void stop();
 
 	const SceneWorld& m_world;
+	ist::Pose m_X_BW, m_X_PM;  // of the device's world; of the tool's mesh frame
 	devicebridge::SteppingThread& m_thread;
 	std::vector<SceneContactCount> m_counts;
 	std::vector<std::unique_ptr<Recording>> m_recordings;

@@ -43,6 +43,7 @@ public:
 
 	btISTWorld& world() { return m_world; }
 	Body& body(size_t i) { return m_bodies[i]; }
+	const Body& body(size_t i) const { return m_bodies[i]; }
 	size_t size() const { return m_bodies.size(); }
 	/// "world" for what is no body of the scene.
 	const char* nameOf(const void* object) const;

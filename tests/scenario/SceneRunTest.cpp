@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -133,9 +134,19 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 		run(scene("one-thread", 0.04, 0.012, R"("hooks": [{"on": "haptic-tick", "do": "record", "file": "scene-recording.csv"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	std::ifstream in(file);
-	std::string line;
+	std::string line, last;
 	int rows = -1;
-	for (; std::getline(in, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 20) << line;
+	for (; std::getline(in, line); ++rows, last = line) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 20) << line;
+	EXPECT_EQ(rows, 2000);
+	// The last row: the hand from where its path began, the ball in the world, which the floor holds up.
+	double hand = 0, tool = 0;
+	ASSERT_EQ(std::sscanf(last.c_str(), "%*f,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,", &hand, &tool), 2);
+	EXPECT_NEAR(tool, 0.04 + hand, 0.01);
+	EXPECT_GT(tool, 0.012);
+	// A new pose of the hand comes before tool and wrench of its tick.
+	ASSERT_TRUE(run(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "scene-recording.csv"}])")));
+	in.close(), in.clear(), in.open(file);
+	for (rows = -1; std::getline(in, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
 	EXPECT_EQ(rows, 2000);
 	const std::string refusal =
 		refusalOf(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "no/such/folder/x.csv"}])"));
