@@ -335,6 +335,17 @@ private:
 		m_scene.region = box;
 	}
 
+	/// A recording writes over what has its name.
+	void checkRecording(JsonFields& f, const std::string& file)
+	{
+		if (m_problem) return;
+		if (file == std::filesystem::path(m_scene.file).lexically_normal().string()) f.refuse("file", "is the scene file itself");
+		for (const SceneAsset& asset : m_scene.assets)
+			if (file == asset.mesh || file == asset.ist) f.refuse("file", "is that of the asset " + asset.name);
+		for (const SceneHook& other : m_scene.hooks)
+			if (file == other.file) f.refuse("file", "another hook records into it already");
+	}
+
 	void readHook(JsonFields& f)
 	{
 		SceneHook hook;
@@ -354,6 +365,8 @@ private:
 		{
 			f.need("file");
 			hook.file = fileName(f.text("file"));
+			hook.place = placeOf(f, "file");
+			checkRecording(f, hook.file);
 		}
 		if (a == Action::Force) hook.force = f.vector("force", {}, 100);
 		if (a == Action::Damping)

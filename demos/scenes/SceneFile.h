@@ -85,7 +85,7 @@ struct SceneHook
 	};
 	Event event = Event::Collision;
 	Action action = Action::Count;
-	std::string file;
+	std::string file, place;     ///< of a recording
 	ist::Vec3 force;
 	double damping = 0, angularDamping = 0, factor = 1;
 };

@@ -119,7 +119,7 @@ std::string SceneHooks::textOf(const Recording& recording) const
 	return text;
 }
 
-std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
+void SceneHooks::finish(SceneOutcome& outcome)
 {
 	for (const SceneContactCount& c : m_counts)
 		if (c.ticks > 0) outcome.counts.push_back(c);
@@ -131,10 +131,6 @@ std::optional<Error> SceneHooks::finish(SceneOutcome& outcome)
 	}
 	if (m_moreFaults > 0) outcome.faults.push_back("and " + std::to_string(m_moreFaults) + " more");
 	for (const auto& recording : m_recordings)
-	{
-		const std::string text = textOf(*recording);
-		if (!writeWholeText(recording->file, text)) return Error{"cannot write the recording " + recording->file};
-	}
-	return std::nullopt;
+		if (!writeWholeText(recording->file, textOf(*recording))) outcome.unwritten.push_back(recording->file);
 }
 }  // namespace scenes

@@ -16,8 +16,9 @@ public:
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
 	bool stopWanted() const { return m_stop.load(std::memory_order_relaxed); }
-	/// After the run: counts and faults into the outcome, recordings into their files, each of which is whole or not there.
-	std::optional<ist::Error> finish(SceneOutcome& outcome);
+	/// After the run: counts and faults into the outcome, recordings into their files, each of which is whole or not there, and into the
+	/// outcome which of them are not.
+	void finish(SceneOutcome& outcome);
 
 private:
 	struct Row

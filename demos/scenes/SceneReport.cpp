@@ -86,6 +86,7 @@ std::vector<std::vector<std::string>> summaryRows(const SceneOutcome& o)
 		rows.push_back({"Contact with " + c.body + ", largest overlap", number(1e9 * c.maxVolume), "mm\xC2\xB3"});
 	}
 	for (const std::string& fault : o.faults) rows.push_back({"Fault", fault, ""});
+	for (const std::string& file : o.unwritten) rows.push_back({"Recording that could not be written", file, ""});
 	if (o.stopped) rows.push_back({"Ended early", "by a hook", ""});
 	if (o.interrupted) rows.push_back({"Ended early", "by a signal", ""});
 	rows.push_back({"Commands that the safety limits changed", number(o.safety.total()), ""});
@@ -138,6 +139,7 @@ std::string makeJson(const SceneOutcome& o)
 	json["period_p999_s"] = o.virtualTime ? Json() : Json(quantile(periods, 0.999));
 	json["tick_thread_p999_us"] = o.virtualTime ? Json() : Json(quantile(used, 0.999));
 	json["faults"] = o.faults;
+	json["unwritten"] = o.unwritten;
 	json["contacts"] = Json::array();
 	for (const SceneContactCount& c : o.counts)
 		json["contacts"].push_back({{"body", c.body}, {"ticks", c.ticks}, {"max_force_n", c.maxForce}, {"max_volume_m3", c.maxVolume}});

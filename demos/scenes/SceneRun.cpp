@@ -15,7 +15,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -38,6 +40,19 @@ struct Hand
 };
 
 ist::Error at(const std::string& place, const std::string& what) { return {place + ": " + what}; }
+
+/// Before the run rather than after it.
+std::optional<Error> checkRecordings(const Scene& scene)
+{
+	for (const SceneHook& hook : scene.hooks)
+	{
+		const std::filesystem::path folder = std::filesystem::path(hook.file).parent_path();
+		std::error_code failed;
+		if (folder.empty() || std::filesystem::is_directory(folder, failed)) continue;
+		return at(hook.place, "cannot write the recording " + hook.file + ": there is no folder " + folder.string());
+	}
+	return std::nullopt;
+}
 
 void apply(const SceneCoupling& wanted, CouplingGains& gains)
 {
@@ -291,7 +306,8 @@ std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecou
 		outcome.refusedQueries = decoupled->statistics().refusedQueries;
 		outcome.worldSteps = decoupled->statistics().worldSteps;
 	}
-	return hooks.finish(outcome);
+	hooks.finish(outcome);
+	return std::nullopt;
 }
 
 std::optional<Error> playOneThread(const Stage& stage, SceneOutcome& outcome)
@@ -322,6 +338,7 @@ std::optional<Error> playDecoupled(const Stage& stage, SceneOutcome& outcome)
 
 Result<SceneOutcome> runScene(const Scene& scene, const SceneRunOptions& options, std::unique_ptr<SceneWorld>* world)
 {
+	if (auto refused = checkRecordings(scene)) return *refused;
 	const bool oneThread = scene.topology == SceneTopology::OneThread;
 	Result<std::unique_ptr<SceneWorld>> made = SceneWorld::make(scene, oneThread, options.build);
 	if (!made) return made.error();

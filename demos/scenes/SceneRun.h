@@ -46,14 +46,15 @@ struct SceneOutcome
 	std::vector<SceneTick> ticks;
 	std::vector<SceneContactCount> counts;
 	std::vector<std::string> faults;
+	std::vector<std::string> unwritten;  ///< recordings that could not be written
 	uint64_t overruns = 0, deviceErrors = 0, refusedQueries = 0, worldSteps = 0;
 	devicebridge::SafetyCounts safety;
 	std::string scheduling, memory, device;
 	double maxForce = 0;         ///< at the hand [N]
 	bool finite = false, faulted = false;
 
-	/// All finite, and no fault that stays.
-	bool ok() const { return finite && !faulted; }
+	/// All finite, no fault that stays, and all recordings written.
+	bool ok() const { return finite && !faulted && unwritten.empty(); }
 };
 
 /// Makes the scene, opens its device and runs it for its duration; SIGINT and SIGTERM end it earlier. `world` receives the scene's

@@ -153,6 +153,20 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 	EXPECT_NE(refusal.find("cannot write the recording"), std::string::npos) << refusal;
 }
 
+TEST(SceneRun, ARecordingThatCannotBeWrittenLeavesTheOthersAndTheOutcome)
+{
+	const std::string folder = TREE_FOLDER;
+	std::filesystem::create_directories(folder + "/taken.csv/by-a-folder");
+	std::filesystem::remove(folder + "/free.csv");
+	const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "taken.csv"},
+		{"on": "transform", "do": "record", "file": "free.csv"}])"));
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	EXPECT_FALSE(outcome.value().ok());
+	EXPECT_EQ(outcome.value().ticks.size(), 2000u);
+	EXPECT_EQ(outcome.value().unwritten, std::vector<std::string>{(std::filesystem::path(folder) / "taken.csv").lexically_normal().string()});
+	EXPECT_TRUE(std::filesystem::exists(folder + "/free.csv"));
+}
+
 TEST(SceneRun, OnlyWatchedPairsAreFelt)
 {
 	// Unwatched, the decoupled hand feels nothing.

@@ -215,6 +215,8 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"upper\": [1, 2, 3]", "\"upper\": [1, -3, 3]", "s.json:39: region.upper: wants nothing below the lower corner"},
 		{"\"lower\": [-1, -2, -3], ", "", "s.json:39: region.lower: is missing"},
 		{", \"file\": \"poses.csv\"", "", "s.json:41: hooks[0].file: is missing"},
+		{"\"file\": \"poses.csv\"", "\"file\": \"./sub/x/../a.obj\"", "s.json:41: hooks[0].file: is that of the asset a"},
+		{"\"do\": \"scale\", \"factor\": 0.5", "\"do\": \"record\", \"file\": \"sub/../poses.csv\"", "s.json:45: hooks[4].file: another hook records into it"},
 		{"\"on\": \"collision\"", "\"on\": \"tuesday\"", "s.json:42: hooks[1].on: wants one of transform, collision, haptic-tick, fault"},
 		{"\"on\": \"collision\"", "\"on\": \"fault\"", "s.json:42: hooks[1].do: count cannot be done on fault"},
 		{"\"force\": [0, 0, 1]", "\"force\": [0, 0, 1e9]", "s.json:43: hooks[2].force: wants three numbers of at most 100"},
@@ -235,6 +237,13 @@ TEST(SceneFile, WithoutADurationThePathGivesIt)
 	const Result<Scene> scene = parseScene("s.json", with("\t\"duration\": 2.5,\n", ""), "");
 	ASSERT_TRUE(scene) << scene.error().message;
 	EXPECT_EQ(scene.value().duration, 1);
+}
+
+TEST(SceneFile, ARecordingDoesNotTakeThePlaceOfItsScene)
+{
+	const Result<Scene> scene = parseScene("./data/s.json", with("poses.csv", "sub/../s.json"), "./data");
+	ASSERT_FALSE(scene);
+	EXPECT_EQ(scene.error().message, "./data/s.json:41: hooks[0].file: is the scene file itself");
 }
 
 TEST(SceneFile, AByteOrderMarkIsPassedOver)
