@@ -89,6 +89,7 @@ std::vector<std::vector<std::string>> summaryRows(const SceneOutcome& o)
 	for (const std::string& file : o.unwritten) rows.push_back({"Recording that could not be written", file, ""});
 	if (o.stopped) rows.push_back({"Ended early", "by a hook", ""});
 	if (o.interrupted) rows.push_back({"Ended early", "by a signal", ""});
+	if (o.cutShort) rows.push_back({"Ended early", "for want of samples from the device", ""});
 	rows.push_back({"Commands that the safety limits changed", number(o.safety.total()), ""});
 	return rows;
 }
@@ -134,7 +135,7 @@ std::string makeJson(const SceneOutcome& o)
 				 {"virtual_time", o.virtualTime}, {"ticks", o.ticks.size()}, {"max_force_n", o.maxForce},
 				 {"max_pairs", static_cast<int64_t>(quantile(valuesOf(o, pairs), 1))}, {"overruns", o.overruns}, {"device_errors", o.deviceErrors},
 				 {"world_steps", o.worldSteps}, {"refused_queries", o.refusedQueries}, {"faulted", o.faulted}, {"stopped", o.stopped},
-				 {"interrupted", o.interrupted}, {"safety_changes", o.safety.total()}, {"memory", o.memory}, {"scheduling", o.scheduling}};
+				 {"interrupted", o.interrupted}, {"cut_short", o.cutShort}, {"safety_changes", o.safety.total()}, {"memory", o.memory}, {"scheduling", o.scheduling}};
 	json["rate_hz"] = o.virtualTime || periods.empty() ? Json() : Json(1 / mean(periods));
 	json["period_p999_s"] = o.virtualTime ? Json() : Json(quantile(periods, 0.999));
 	json["tick_thread_p999_us"] = o.virtualTime ? Json() : Json(quantile(used, 0.999));

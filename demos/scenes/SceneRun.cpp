@@ -181,17 +181,18 @@ public:
 	}
 	~WorldBeside() { stop(); }
 
-	void start()
+	/// False when there is no thread to be had.
+	bool start()
 	{
-		m_thread = std::thread(
-			[this]
-			{
-				while (m_running)
-				{
-					m_clock.sleepUntil(due());
-					step();
-				}
-			});
+		try
+		{
+			m_thread = std::thread([this] { loop(); });
+		}
+		catch (const std::system_error&)
+		{
+			return false;
+		}
+		return true;
 	}
 	void stop()
 	{
@@ -206,6 +207,14 @@ public:
 	}
 
 private:
+	void loop()
+	{
+		while (m_running)
+		{
+			m_clock.sleepUntil(due());
+			step();
+		}
+	}
 	std::int64_t due() const { return m_start + static_cast<std::int64_t>(1e9 * m_period * static_cast<double>(m_steps + 1)); }
 	void step()
 	{
@@ -231,8 +240,9 @@ struct Stage
 	size_t ticks;
 };
 
-/// False when somebody asked to stop.
-bool perform(const Stage& stage, SteppingThread& thread, const TickRecorder& recorder, const SceneHooks& hooks, WorldBeside* beside, ThreadedForceLaw* law)
+/// The value is false when somebody asked to stop.
+Result<bool> perform(const Stage& stage, SteppingThread& thread, const TickRecorder& recorder, const SceneHooks& hooks, WorldBeside* beside,
+					 ThreadedForceLaw* law)
 {
 	const auto report = [&]
 	{
@@ -252,8 +262,12 @@ bool perform(const Stage& stage, SteppingThread& thread, const TickRecorder& rec
 	}
 	const std::int64_t end = stage.hand.clock->now() + static_cast<std::int64_t>(1e9 * (stage.scene.duration + 5));
 	const StopSignals signals(thread);
-	if (beside) beside->start();
-	if (!thread.start()) return false;
+	if (beside && !beside->start()) return Error{"the thread of the world cannot be started"};
+	if (!thread.start())
+	{
+		if (beside) beside->stop();
+		return Error{"the thread of the hand cannot be started"};
+	}
 	bool wanted = true;
 	while (wanted && thread.running() && recorder.size() < stage.ticks && stage.hand.clock->now() < end)
 	{
@@ -297,10 +311,13 @@ std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecou
 	const bool forceThread = stage.scene.topology == SceneTopology::ForceThread;
 	if (forceThread) thread.setForceLaw(&law);
 	if (forceThread && !stage.options.virtualTime && !law.start()) return Error{"the thread of the force law cannot be started"};
-	outcome.interrupted = !perform(stage, thread, recorder, hooks, beside.get(), forceThread ? &law : nullptr);
+	const Result<bool> performed = perform(stage, thread, recorder, hooks, beside.get(), forceThread ? &law : nullptr);
 	law.stop();
 	if (ownThread) decoupled->stopContactThread();
+	if (!performed) return performed.error();
+	outcome.interrupted = !performed.value();
 	keep(thread, recorder, hooks, stage.options.virtualTime, outcome);
+	outcome.cutShort = !outcome.interrupted && !outcome.stopped && outcome.ticks.size() < stage.ticks;
 	if (decoupled)
 	{
 		outcome.refusedQueries = decoupled->statistics().refusedQueries;

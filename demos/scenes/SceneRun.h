@@ -43,6 +43,7 @@ struct SceneOutcome
 {
 	Scene scene;
 	bool virtualTime = false, stopped = false, interrupted = false;
+	bool cutShort = false;       ///< neither stopped nor interrupted, and still without all its ticks: the device gave too few samples
 	std::vector<SceneTick> ticks;
 	std::vector<SceneContactCount> counts;
 	std::vector<std::string> faults;
@@ -53,11 +54,11 @@ struct SceneOutcome
 	double maxForce = 0;         ///< at the hand [N]
 	bool finite = false, faulted = false;
 
-	/// All finite, no fault that stays, and all recordings written.
-	bool ok() const { return finite && !faulted && unwritten.empty(); }
+	/// All finite, no fault that stays, nothing missing at the end, and all recordings written.
+	bool ok() const { return finite && !faulted && !cutShort && unwritten.empty(); }
 };
 
-/// Makes the scene, opens its device and runs it for its duration; SIGINT and SIGTERM end it earlier. `world` receives the scene's
-/// bodies as they were left, for those who judge the run.
+/// Makes the scene, opens its device and runs it for its duration; in real time SIGINT and SIGTERM end it earlier, and five seconds after its
+/// time it ends in any case. `world` receives the scene's bodies as they were left, for those who judge the run.
 ist::Result<SceneOutcome> runScene(const Scene& scene, const SceneRunOptions& options, std::unique_ptr<SceneWorld>* world = nullptr);
 }  // namespace scenes

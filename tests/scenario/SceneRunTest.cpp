@@ -167,6 +167,20 @@ TEST(SceneRun, ARecordingThatCannotBeWrittenLeavesTheOthersAndTheOutcome)
 	EXPECT_TRUE(std::filesystem::exists(folder + "/free.csv"));
 }
 
+TEST(SceneRun, ARunThatWasCutShortHasFailed)
+{
+	Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5));
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	SceneOutcome o = outcome.value();
+	EXPECT_TRUE(o.ok());
+	EXPECT_FALSE(o.cutShort);
+	o.cutShort = true;
+	EXPECT_FALSE(o.ok());
+	EXPECT_NE(makeJson(o).find("\"cut_short\":true"), std::string::npos);
+	const auto rows = summaryRows(o);
+	EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const std::vector<std::string>& row) { return row[1] == "for want of samples from the device"; }));
+}
+
 TEST(SceneRun, OnlyWatchedPairsAreFelt)
 {
 	// Unwatched, the decoupled hand feels nothing.
