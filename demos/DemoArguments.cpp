@@ -4,13 +4,16 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
+#include <vector>
 
 namespace scenes
 {
 const char* const kDemoUsage =
 	"usage: haptic_demos --list | --version | --demo NAME [options] | --scene FILE [options] | --paper-figures DIR\n"
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
-	"  --paper-figures DIR  rates of force and contact of the scenes in data/scenes, in real time: a page and CSV files\n"
+	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
+	"  --scenes FOLDER  where --paper-figures finds its scenes (default data/scenes, from the current folder)\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data)\n"
 	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m)\n"
 	"  --spheres N      spheres to pack (default 10000)\n"
@@ -31,6 +34,25 @@ double positiveNumber(const std::string& text)
 	const double value = std::strtod(text.c_str(), &end);
 	return end != text.c_str() && *end == 0 && std::isfinite(value) && value > 0 ? value : 0;
 }
+/// What was given and does not go with the rest; empty: nothing.
+std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
+{
+	const auto clash = [&](const std::string& with, const std::vector<std::string>& without, const std::string& why)
+	{
+		for (const std::string& name : without)
+			if (given.count(name)) return with + " goes without " + name + ": " + why;
+		return std::string();
+	};
+	if (given.count("--paper-figures"))
+		return clash("--paper-figures", {"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
+					 "it runs its own scenes in real time and writes its own page");
+	if (given.count("--scenes")) return "--scenes goes with --paper-figures";
+	if (given.count("--scene"))
+		return clash("--scene", {"--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate"}, "the file says all that");
+	if (a.demo == "continuity")
+		return clash("--demo continuity", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its longest side is 0.2 m, and it has neither clock nor world");
+	return {};
+}
 }  // namespace
 
 DemoArguments parseDemoArguments(int argc, char** argv)
@@ -38,15 +60,17 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	DemoArguments a;
 	std::string unit, spheres, worldRate;
 	bool headless = false;
+	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime},
 												{"--decoupled", &a.decoupled}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
-														{"--cache", &a.cache}, {"--unit", &unit}, {"--spheres", &spheres},
+														{"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
 														{"--world-rate", &worldRate}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
+		given.insert(name);
 		const auto flag = flags.find(name);
 		const auto value = values.find(name);
 		if (flag != flags.end()) *flag->second = true;
@@ -55,8 +79,8 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 		else *value->second = argv[++i];
 	}
 	if (!a.error.empty()) return a;
-	if (!a.scene.empty() && (!a.demo.empty() || a.mesh != DemoArguments::kDefaultMesh || !unit.empty() || !spheres.empty() || a.decoupled || !worldRate.empty()))
-		a.error = "--scene goes without --demo, --mesh, --unit, --spheres, --decoupled and --world-rate: the file says all that";
+	a.error = conflict(given, a);
+	if (!a.error.empty()) return a;
 	a.unit = positiveNumber(unit);
 	if (!unit.empty() && !(a.unit > 0)) a.error = "--unit must be a positive number of metres, not " + unit;
 	if (!worldRate.empty()) a.worldRate = positiveNumber(worldRate);

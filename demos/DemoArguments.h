@@ -10,7 +10,7 @@ struct DemoArguments
 	static constexpr const char* kDefaultMesh = "/usr/share/glmark2/models/bunny.obj";
 
 	bool list = false, version = false, help = false, json = false, virtualTime = false, decoupled = false;
-	std::string demo, scene, paperFigures, mesh = kDefaultMesh, report, cache = ".";
+	std::string demo, scene, paperFigures, mesh = kDefaultMesh, report, cache = ".", scenes = "data/scenes";
 	double unit = 0;
 	double worldRate = 60;
 	long long spheres = 10000;

@@ -117,7 +117,8 @@ int runSceneFile(const DemoArguments& a)
 
 int runPaperFigures(const DemoArguments& a)
 {
-	const std::vector<std::string> files = {"data/scenes/bunny.json", "data/scenes/crown.json", "data/scenes/sword-and-ring.json"};
+	std::vector<std::string> files;
+	for (const char* name : {"bunny.json", "crown.json", "sword-and-ring.json"}) files.push_back((std::filesystem::path(a.scenes) / name).string());
 	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false});
 	if (!scenes) return say(scenes.error().message), scenes.error().cancelled ? 130 : 1;
 	std::error_code ignored;

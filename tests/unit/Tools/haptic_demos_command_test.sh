@@ -44,5 +44,11 @@ expect "a mistake is named with line and field" 1 "bad.json:6: hand.tool: no bod
 [ ! -s "$dir/out" ] || { echo "FAILED: a refused scene wrote to stdout"; failures=$((failures + 1)); }
 expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --scene "$dir/none.json"
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
+expect "a folder is no scene" 1 "$dir: cannot be read" "$demos" --scene "$dir"
+expect "the figures take their scenes from where one says" 1 "$dir/bunny.json: cannot be read" "$demos" --paper-figures "$dir/figures" --scenes "$dir"
+expect "the figures run in real time" 2 "--paper-figures goes without --virtual-time" "$demos" --paper-figures "$dir/figures" --virtual-time
+expect "the figures have their own meshes" 2 "--paper-figures goes without --mesh" "$demos" --paper-figures "$dir/figures" --mesh x.obj
+expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$demos" --scenes "$dir" --demo continuity
+expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
 expect "a scene needs a file" 2 "--scene needs a value" "$demos" --scene
 exit $((failures > 0))
