@@ -31,4 +31,23 @@ inline const ExtremeSolid& unitCube()
 	static const ExtremeSolid solid = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
 	return solid;
 }
+
+/// Cubes of 10,000 spheres, each a quarter turn from the one below, so that the bumps of their trees, which lean a contact by some
+/// 1e-3 rad, do not all lean the same way. They stand, and each layer carries its weight as the model says.
+inline TowerOutcome expectStraightTower(int cubes, double k, double seconds)
+{
+	const ExtremeSolid cube = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
+	TowerSetup setup;
+	setup.cubes = cubes;
+	setup.k = k;
+	setup.seconds = seconds;
+	setup.turn = 1.5707963267948966;
+	const TowerOutcome tower = stackCubes(Response::Volumetric, cube, setup);
+	std::printf("  drift %.2e of an edge, force of a layer off by %.1e\n", tower.drift, tower.forceError);
+	EXPECT_TRUE(tower.finite);
+	EXPECT_LT(tower.fellAfter, 0);
+	EXPECT_LT(tower.drift, 0.01);
+	EXPECT_LT(tower.forceError, 0.01);
+	return tower;
+}
 }  // namespace extremes
