@@ -4,7 +4,7 @@ function(bullethaptics_target target)
 	set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
 	# The same sums on every compiler: packings and trees must not depend on which one contracts a*b+c.
 	# -Wrestrict is wrong about std::string in GCC 12 (GCC bug 105651).
-	target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off
+	target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off -fno-math-errno
 		$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
 		$<$<NOT:$<BOOL:${BULLETHAPTICS_OPENMP}>>:-Wno-unknown-pragmas>
 		$<$<BOOL:${BULLETHAPTICS_WERROR}>:-Werror>)

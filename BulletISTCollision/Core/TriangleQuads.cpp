@@ -23,6 +23,18 @@ inline Lanes load(const float* p)
 	std::memcpy(&v, p, sizeof v);
 	return v;
 }
+inline Lanes squareRoot(const Lanes& a)
+{
+	Lanes roots = a;
+	for (int k = 0; k < 4; ++k) roots[k] = std::sqrt(roots[k]);
+	return roots;
+}
+inline bool any(const LaneBits& bits)
+{
+	int64_t halves[2];
+	std::memcpy(halves, &bits, sizeof halves);
+	return (halves[0] | halves[1]) != 0;
+}
 inline Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 }  // namespace
 
@@ -42,13 +54,16 @@ struct TriangleQuads::Point
 		return dx * dx + dy * dy + dz * dz;
 	}
 
-	/// Not zero where a triangle's ball and plane both come within reach.
-	inline LaneBits within(const Leaf& leaf, float reach) const
+	/// Not zero where a triangle can come within reach: no point of it is nearer than the disc in its plane that holds it.
+	inline LaneBits within(const Leaf& leaf, float reach, float slack) const
 	{
-		const Lanes dx = x - load(leaf.x), dy = y - load(leaf.y), dz = z - load(leaf.z);
-		const Lanes sum = load(leaf.radius) + reach;
+		const Lanes dx = x - load(leaf.x), dy = y - load(leaf.y), dz = z - load(leaf.z), radius = load(leaf.radius);
 		const Lanes height = x * load(leaf.nx) + y * load(leaf.ny) + z * load(leaf.nz) - load(leaf.height);
-		return (dx * dx + dy * dy + dz * dz <= sum * sum) & (height <= Lanes{} + reach) & (-height <= Lanes{} + reach);
+		const Lanes height2 = height * height;
+		const Lanes beyond = larger(Lanes{}, squareRoot(larger(Lanes{}, dx * dx + dy * dy + dz * dz - height2)) - radius);
+		// Rounding moves the height and the way to the middle by less than the slack each, and so the sum of squares by a few times their product.
+		const Lanes rounding = (reach + radius) * (8 * slack + 4e-6f * reach);
+		return height2 + beyond * beyond <= reach * reach + rounding;
 	}
 };
 
@@ -138,7 +153,8 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 		if (open.child & kLeafBit)
 		{
 			const Leaf& leaf = m_leaves[open.child & ~kLeafBit];
-			const LaneBits possible = at.within(leaf, std::sqrt(limit) + m_slack);
+			const LaneBits possible = at.within(leaf, std::sqrt(limit) + m_slack, m_slack);
+			if (!any(possible)) continue;
 			for (uint32_t k = 0; k < leaf.count; ++k)
 				if (possible[k]) offer(leaf.first + k, p, best);
 			limit = limitOf(best.distance2);
@@ -183,7 +199,7 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 			continue;
 		}
 		const Leaf& leaf = m_leaves[child & ~kLeafBit];
-		const LaneBits possible = at.within(leaf, floatReach);
+		const LaneBits possible = at.within(leaf, floatReach, m_slack);
 		for (uint32_t k = 0; k < leaf.count; ++k)
 		{
 			if (!possible[k]) continue;
