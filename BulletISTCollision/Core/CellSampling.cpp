@@ -109,7 +109,7 @@ std::pair<Vec3, double> clusterBall(const uint32_t* first, const uint32_t* last,
 	return {center, std::sqrt(radius2) + 2e-7 * (norm(lower) + norm(upper))};
 }
 
-/// Asks the surface for many samples close together; the neighbourhood and the order are kept between calls.
+/// Asks the surface for many samples close together, each a hint for the next.
 class FieldSampler
 {
 public:
@@ -120,20 +120,16 @@ public:
 		m_order.resize(count);
 		std::iota(m_order.begin(), m_order.end(), 0u);
 		const auto position = [samples](uint32_t k) { return samples[k].position(); };
-		forEachCluster(m_order.data(), m_order.data() + count, position, [&](const uint32_t* first, const uint32_t* last)
-					   {
-						   const auto [center, radius] = clusterBall(first, last, position);
-						   evaluateCluster(center, radius, samples, first, last);
-					   });
+		forEachCluster(m_order.data(), m_order.data() + count, position,
+					   [&](const uint32_t* first, const uint32_t* last) { evaluateCluster(samples, first, last); });
 	}
 
-	void evaluateCluster(const Vec3& center, double radius, CellSample* samples, const uint32_t* first, const uint32_t* last)
+	void evaluateCluster(CellSample* samples, const uint32_t* first, const uint32_t* last)
 	{
-		m_surface.gather(center, radius, m_near);
 		for (const uint32_t* k = first; k < last; ++k)
 		{
 			CellSample& s = samples[*k];
-			const MeshDistance::Field field = m_surface.field(s.position(), true, m_near);
+			const MeshDistance::Field field = m_surface.field(s.position(), true, m_hint);
 			s.nx = float(field.normal.x), s.ny = float(field.normal.y), s.nz = float(field.normal.z);
 			s.depth = float(field.depth);
 		}
@@ -141,7 +137,7 @@ public:
 
 private:
 	const MeshDistance& m_surface;
-	MeshDistance::Neighbourhood m_near;
+	uint32_t m_hint = UINT32_MAX;
 	std::vector<uint32_t> m_order;
 };
 
@@ -175,7 +171,7 @@ Slab sampleSlab(const GapLines& lines, int firstRow, int lastRow, const NearestS
 						   CellSample& s = slab.samples[*k];
 						   s.x = float(points[*k].x), s.y = float(points[*k].y), s.z = float(points[*k].z);
 					   }
-					   field.evaluateCluster(center, radius, slab.samples.data(), first, last);
+					   field.evaluateCluster(slab.samples.data(), first, last);
 				   });
 	return slab;
 }

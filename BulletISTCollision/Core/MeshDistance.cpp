@@ -14,8 +14,6 @@ namespace ist
 namespace
 {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A longer list costs more than the way down the hierarchy.
-constexpr size_t kMostGathered = 96;
 // A cluster counts as far beyond this many radii (Barill et al. 2018 use 2 and one more order). Telling inside from outside
 // needs less than the winding number itself, whose error with 2.5 was seen to reach 0.03, with 5 below 0.007.
 constexpr double kFarRadiiSide = 2.5;
@@ -69,7 +67,6 @@ struct MeshDistance::Implementation
 	explicit Implementation(Mesh source);
 	void addClusters();
 	Cluster clusterOf(const Child& child, uint32_t begin, uint32_t end) const;
-	Nearest nearest(const Vec3& p, const Neighbourhood& near) const;
 	Field fieldFrom(const Nearest& c, bool inside) const;
 	double winding(const Vec3& p, double farRadii) const;
 	bool contains(const Vec3& p) const;
@@ -142,23 +139,6 @@ Cluster MeshDistance::Implementation::clusterOf(const Child& child, uint32_t beg
 	return c;
 }
 
-Nearest MeshDistance::Implementation::nearest(const Vec3& p, const Neighbourhood& near) const
-{
-	if (!near.complete) return quads.nearest(p, kInfinity, near.nearest);
-	Nearest best;
-	best.distance2 = kInfinity;
-	const double moved = distance(p, near.center - origin);
-	double reach = kInfinity;
-	for (const auto& [fromCenter, place] : near.triangles)
-	{
-		if (fromCenter - moved > reach) break;
-		const double before = best.distance2;
-		quads.offer(place, p, best);
-		if (best.distance2 < before) reach = std::sqrt(best.distance2) + 1e-9 * size;
-	}
-	return best;
-}
-
 double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) const
 {
 	if (hierarchy.triangles.empty()) return 0;
@@ -221,18 +201,6 @@ bool MeshDistance::within(const Vec3& p, double reach, size_t most, std::vector<
 	return all;
 }
 
-void MeshDistance::gather(const Vec3& center, double radius, Neighbourhood& out) const
-{
-	out.center = center;
-	out.radius = radius;
-	const Vec3 p = center - m_impl->origin;
-	const Nearest nearest = m_impl->quads.nearest(p, kInfinity, out.nearest);
-	out.nearest = nearest.place;
-	out.complete = m_impl->quads.within(p, std::sqrt(nearest.distance2) + 2 * radius + 1e-9 * m_impl->size, kMostGathered, out.triangles);
-	if (!out.complete) out.triangles.clear();
-	std::sort(out.triangles.begin(), out.triangles.end());
-}
-
 double MeshDistance::windingNumber(const Vec3& p) const
 {
 	return m_impl->winding(p - m_impl->origin, kFarRadii);
@@ -259,9 +227,11 @@ MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside) const
 	return m_impl->fieldFrom(m_impl->quads.nearest(p - m_impl->origin, kInfinity), inside);
 }
 
-MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside, const Neighbourhood& near) const
+MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside, uint32_t& hint) const
 {
-	return m_impl->fieldFrom(m_impl->nearest(p - m_impl->origin, near), inside);
+	const Nearest n = m_impl->quads.nearest(p - m_impl->origin, kInfinity, hint);
+	hint = n.place;
+	return m_impl->fieldFrom(n, inside);
 }
 
 MeshDistance::Field MeshDistance::Implementation::fieldFrom(const Nearest& c, bool inside) const

@@ -41,17 +41,6 @@ public:
 	/// them, where there are more than `most`.
 	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
 
-	/// The triangles that can be nearest to a point of a ball, for many questions close together.
-	struct Neighbourhood
-	{
-		Vec3 center;
-		double radius = 0;
-		uint32_t nearest = UINT32_MAX;  ///< triangle nearest to the centre, in the hierarchy's order
-		std::vector<std::pair<double, uint32_t>> triangles;  ///< by distance from the centre; second: place in the hierarchy's order
-		bool complete = false;  ///< false: too many triangles to list, and the list is empty
-	};
-	void gather(const Vec3& center, double radius, Neighbourhood& out) const;
-
 	/// Generalised winding number: 1 inside, 0 outside a closed mesh (Jacobson et al. 2013), from exact solid angles of near
 	/// triangles and the dipole expansion of far clusters (Barill et al. 2018). Error below 0.01 away from the surface.
 	double windingNumber(const Vec3& p) const;
@@ -72,8 +61,9 @@ public:
 	Field field(const Vec3& p) const;
 	/// The same when the caller knows on which side p lies (saves the winding number).
 	Field field(const Vec3& p, bool inside) const;
-	/// The same, bit for bit, for a point of the ball of `near`.
-	Field field(const Vec3& p, bool inside, const Neighbourhood& near) const;
+	/// The same, bit for bit, and faster for many points close together: `hint` comes from the point before and is replaced by what helps
+	/// the next. Start with UINT32_MAX.
+	Field field(const Vec3& p, bool inside, uint32_t& hint) const;
 
 private:
 	struct Implementation;
