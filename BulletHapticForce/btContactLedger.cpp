@@ -14,15 +14,6 @@ double work(const ist::Wrench& impulse, const ist::Twist& twist)
 	return dot(impulse.force, twist.linear) + dot(impulse.torque, twist.angular);
 }
 
-ist::Wrench times(const ist::SymmetricMatrix6& a, const ist::Twist& u)
-{
-	const double x[6] = {u.linear.x, u.linear.y, u.linear.z, u.angular.x, u.angular.y, u.angular.z};
-	double y[6] = {};
-	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 6; ++j) y[i] += a(i, j) * x[j];
-	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
-}
-
 ist::Twist mean(const btLedgerPatch& p)
 {
 	return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)};
@@ -111,7 +102,7 @@ double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* p
 	{
 		const btLedgerPatch& p = patches[i];
 		total += work(p.impulse, mean(p));
-		elastic += work(p.elastic + h * times(p.patch.damping, p.after), mean(p));
+		elastic += work(p.elastic + h * (p.patch.damping * p.after), mean(p));
 	}
 	ledger.stored = std::max(ledger.stored - std::max(elastic, total), 0.0);
 	return total;
@@ -129,7 +120,7 @@ btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count
 		const double product = dissipation * approach;
 		double dissipated = 0;
 		if (force > 0 && normal > 0)
-			dissipated = normal * work(times(p.patch.damping, u), u) / force / std::max(1 + product, kLeastPressure);
+			dissipated = normal * work(p.patch.damping * u, u) / force / std::max(1 + product, kLeastPressure);
 		sum.damping -= dissipated;
 		sum.elastic += work(p.elastic, u) + dissipated;
 		sum.friction += work(p.impulse - p.elastic, u);

@@ -17,6 +17,7 @@ void btVolumetricIslands::reserve(size_t contacts)
 	m_entries.reserve(patches);
 	m_islands.reserve(patches);
 	m_rows.reserve(patches);
+	m_moved.reserve(2 * patches);
 	reserve(m_passing);
 	for (auto& block : m_lasting) reserve(*block);
 }
@@ -134,6 +135,29 @@ bool btVolumetricIslands::fitsBlock(const Island& island)
 	return island.bodyCount <= kMaxBlockBodies && island.entryCount <= kMaxBlockPatches;
 }
 
+/// The query knows the poses as rounded; to first order the stiffness knows the rest.
+void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
+{
+	m_moved.clear();
+	const auto lacking = [&](int body, const ist::Vec3& point)
+	{
+		if (!canMove(bodies[body])) return ist::Twist();
+		m_moved.push_back(bodies[body].m_originalBody);
+		return movedTo(m_unrounded.recall(*m_moved.back(), m_stepNumber), bodies[body], point);
+	};
+	for (Entry& e : m_entries)
+	{
+		const ist::Twist a = lacking(e.bodyA, e.patch.point), b = lacking(e.bodyB, e.patch.point);
+		e.patch.wrench = e.patch.wrench - e.patch.stiffness * difference(a, b);
+	}
+}
+
+void btVolumetricIslands::settlePoses()
+{
+	for (btRigidBody* body : m_moved) m_unrounded.settle(*body, m_step, m_stepNumber);
+	m_moved.clear();
+}
+
 void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
 {
 	const btISTContact* former = nullptr;
@@ -154,14 +178,16 @@ void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
 	}
 }
 
-void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h)
+void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step)
 {
 	m_step = h;
+	m_stepNumber = step;
 	m_parent.resize(size_t(bodyCount));
 	std::iota(m_parent.begin(), m_parent.end(), 0);
 	m_islandOfRoot.assign(size_t(bodyCount), -1);
 	m_indexInBlock.assign(size_t(bodyCount), -1);
 	m_change.assign(size_t(bodyCount), ist::Twist());
+	displaceByRounding(bodies);
 	findIslands(bodies, touched);
 	carryHeaviest(bodies);
 	openLedgers(bodies);

@@ -3,11 +3,13 @@
 
 #include "BulletHapticForce/btContactLedger.h"
 #include "BulletHapticForce/btIslandBlockSolver.h"
+#include "BulletHapticForce/btUnroundedPoses.h"
 #include "BulletHapticForce/btVolumetricStatistics.h"
 
 #include <memory>
 #include <vector>
 
+class btRigidBody;
 struct btSolverBody;
 
 /// The volumetric contacts of one call of Bullet's solver, grouped into islands of bodies that hang together through them. An island
@@ -26,14 +28,16 @@ public:
 	static bool isFinite(const btSolverBody& body);
 	/// All patches of a contact between two bodies of the pool, of which at least one can move.
 	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
-	/// After the last `add`. `touched`: bodies that Bullet's own rows move. `h`: step [s].
-	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h);
+	/// After the last `add`. `touched`: bodies that Bullet's own rows move. `h`: step [s], the `step`-th of the store.
+	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step);
 	/// One visit of every island; returns the largest square of a change of force impulse [N^2 s^2].
 	double iterate(btSolverBody* bodies, int iteration);
 	/// Change of each body's twist by all these patches; others may add theirs before `finish`.
 	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
 	/// After `sumChanges`. Holds every contact to its ledger (btContactLedger.h), and writes the impulses into the contacts.
 	void finish(btSolverBody* bodies);
+	/// When Bullet has written the velocities into the bodies: see btUnroundedPoses.
+	void settlePoses();
 	/// Added to, never reset.
 	const btVolumetricStatistics& statistics() const { return m_statistics; }
 	btVolumetricStatistics& statistics() { return m_statistics; }
@@ -72,6 +76,7 @@ private:
 	int rootOf(int body);
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
 	void carryHeaviest(const btSolverBody* bodies);
+	void displaceByRounding(const btSolverBody* bodies);
 	void openLedgers(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);
 	void reserve(Block& block) const;
@@ -84,6 +89,7 @@ private:
 	void holdToLedger(size_t first, int count, btSolverBody* bodies);
 
 	double m_step = 0;
+	uint64_t m_stepNumber = 0;
 	size_t m_reserved = 0;  // contacts
 	std::vector<Entry> m_entries;
 	std::vector<Island> m_islands;
@@ -93,5 +99,7 @@ private:
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
 	std::vector<ist::Twist> m_change;  // of each body by all volumetric contacts
+	btUnroundedPoses m_unrounded;
+	std::vector<btRigidBody*> m_moved;
 	btVolumetricStatistics m_statistics;
 };

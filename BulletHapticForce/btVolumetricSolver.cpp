@@ -24,12 +24,11 @@ btMultiBodyLinkCollider* linkOf(const btCollisionObject* object)
 
 bool isStep(btScalar h) { return h > 0 && std::isfinite(h); }
 
-/// Also where a body that moves by less than half a rounding in a step, and therefore not at all, is held up by damping.
-bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, const btCollisionObject& b, double h)
+bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, const btCollisionObject& b)
 {
 	const double distance = double(std::max(a.getWorldTransform().getOrigin().length(), b.getWorldTransform().getOrigin().length()));
 	const double rounding = distance * double(std::numeric_limits<btScalar>::epsilon());
-	return rounding * norm(contact.total.areaVector) > 0.05 * contact.total.volume || 0.5 * rounding * contact.constants.dissipation > 0.05 * h;
+	return rounding * norm(contact.total.areaVector) > 0.05 * contact.total.volume;
 }
 
 /// Shares the normal impulse among the representative points as their springs do, for callbacks and games that read it.
@@ -84,7 +83,7 @@ void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisio
 		++m_islands.statistics().contactsNotFinite;
 		return;
 	}
-	m_islands.statistics().contactsPrecisionLost += isPrecisionLost(contact, a, b, double(step));
+	m_islands.statistics().contactsPrecisionLost += isPrecisionLost(contact, a, b);
 	m_islands.add(contact, bodyA, bodyB, friction);
 }
 
@@ -105,7 +104,7 @@ void btVolumetricSolver<Base>::addLinkContact(btISTContact& contact, btCollision
 				sides[k].body = this->getOrInitSolverBody(object, step);
 			good = good && (sides[k].multiBody || btVolumetricIslands::isFinite(this->m_tmpSolverBodyPool[sides[k].body]));
 		}
-		m_islands.statistics().contactsPrecisionLost += good && isPrecisionLost(contact, a, b, double(step));
+		m_islands.statistics().contactsPrecisionLost += good && isPrecisionLost(contact, a, b);
 		if (good)
 			m_links.add(contact, sides[0], sides[1], friction, double(step), &this->m_tmpSolverBodyPool[0], this->m_data, m_islands.statistics());
 		else
@@ -150,7 +149,7 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 	Base::convertContacts(m_others.data(), int(m_others.size()), info);
 	if (m_ours.empty()) return;
 	collectTouchedBodies();
-	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep));
+	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep), m_store->step());
 }
 
 template <class Base>
@@ -188,7 +187,9 @@ btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObje
 	m_islands.clear();
 	m_links.clear();
 	m_ours.clear();
-	return Base::solveGroupCacheFriendlyFinish(bodies, bodyCount, info);
+	const btScalar residual = Base::solveGroupCacheFriendlyFinish(bodies, bodyCount, info);
+	m_islands.settlePoses();
+	return residual;
 }
 
 template <class Base>

@@ -11,6 +11,13 @@
 inline ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
 inline btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
 
+inline btMatrix3x3 toBullet(const ist::Mat3& a)
+{
+	btMatrix3x3 r;
+	for (int i = 0; i < 3; ++i) r[i] = toBullet(ist::Vec3{a.m[i][0], a.m[i][1], a.m[i][2]});
+	return r;
+}
+
 inline ist::Pose toPose(const btTransform& t)
 {
 	ist::Pose X;

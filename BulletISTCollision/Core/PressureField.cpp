@@ -45,6 +45,15 @@ SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length
 	return result;
 }
 
+Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist)
+{
+	const double x[6] = {twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y, twist.angular.z};
+	double y[6] = {};
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j) y[i] += matrix(i, j) * x[j];
+	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
+}
+
 OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness)
 {
 	const double V = integrals.volume;

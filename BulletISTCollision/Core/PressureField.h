@@ -24,6 +24,9 @@ SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const Pres
 /// so that the choice of unit does not enter.
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length);
 
+/// The force and torque that a stiffness or damping answers a displacement or twist with.
+Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist);
+
 /// Of the error bar, by bench_truth.
 constexpr double kVolumeSpread = 0.16, kForceSpread = 0.25, kGapError = 0.04;
 
