@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Prints the page of the extremes as Markdown: stock Bullet, ours, and the reference, in the precision that this was built for.
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "demos/scenes/CubeTower.h"
 #include "demos/scenes/ExtremeRows.h"
 #include "demos/scenes/FloatingBodies.h"
 
@@ -74,26 +75,38 @@ void printTowers(const ExtremeSolid& cube)
 		}
 }
 
+void printTallTower(const ExtremeSolid& cube, int cubes, bool plainBetween)
+{
+	TowerSetup setup;
+	setup.cubes = cubes;
+	setup.k = cubes * kGravity / 3e-4;
+	setup.h = cubes > 10 ? 1.0 / 240 : 1.0 / 60;
+	setup.seconds = cubes > 10 ? 10 : 20;
+	setup.turn = 1.5707963267948966;
+	setup.plainBetween = plainBetween;
+	const TowerOutcome ours = stackCubes(Response::Volumetric, cube, setup);
+	const std::string name = text("tower of %d, %s of %zu leaves, %g Hz, %g s (stock 60 s)", cubes, plainBetween ? "Bullet's boxes between cubes" : "cubes",
+								  cube.tree->law.balls.size(), 1 / setup.h, setup.seconds);
+	setup.seconds = 60;
+	row(name, describe(stackCubes(Response::Stock, cube, setup)),
+		ours.fellAfter < 0 && ours.drift < 0.5 ? text("stands, drift %.1e edges, force of a layer off by %.0e", ours.drift, ours.forceError) : describe(ours),
+		text("needs a tilt stiffness of %.0f loads times edges; the model has %.0f at the foot, %.0f at the top", leastTiltStiffness(cubes),
+			 tiltStiffness(cube, 3e-4, plainBetween), tiltStiffness(cube, 3e-4 / cubes, plainBetween)));
+}
+
 void printTallTowers()
 {
 	const ist::Result<ExtremeSolid> fine = makeExtremeSolid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
-	if (!fine) return;
-	for (const int cubes : {5, 10, 20})
-	{
-		TowerSetup setup;
-		setup.cubes = cubes;
-		setup.k = cubes * kGravity / 3e-4;
-		setup.h = cubes > 10 ? 1.0 / 240 : 1.0 / 60;
-		setup.seconds = cubes > 10 ? 10 : 20;
-		setup.turn = 1.5707963267948966;
-		const TowerOutcome ours = stackCubes(Response::Volumetric, fine.value(), setup);
-		setup.seconds = 60;
-		row(text("tower of %d, cubes of 10,000 spheres, %g Hz, %g s (stock 60 s)", cubes, 1 / setup.h, cubes > 10 ? 10.0 : 20.0),
-			describe(stackCubes(Response::Stock, fine.value(), setup)),
-			ours.fellAfter < 0 && ours.drift < 0.5 ? text("stands, drift %.1e edges, force of a layer off by %.0e", ours.drift, ours.forceError) : describe(ours),
-			text("needs a tilt stiffness of %.0f loads times edges; the model has %.0f at the foot, %.0f at the top", leastTiltStiffness(cubes),
-				 tiltStiffness(fine.value(), 3e-4), tiltStiffness(fine.value(), 3e-4 / cubes)));
-	}
+	const ist::Result<ExtremeSolid> finest = makeExtremeSolid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 150000);
+	if (!fine || !finest) return;
+	for (const int cubes : {5, 10, 20}) printTallTower(fine.value(), cubes, false);
+	printTallTower(finest.value(), 20, true);
+	for (const double volume : {1e-2, 1e-3, 3e-4, 1e-4, 1e-5})
+		row(text("tilt stiffness of a contact that carries k times %g m^3", volume), "rigid",
+			text("%.0f at %zu leaves, %.0f at %zu, %.0f at %zu on a box in closed form", tiltStiffness(fine.value(), volume), fine.value().tree->law.balls.size(),
+				 tiltStiffness(finest.value(), volume), finest.value().tree->law.balls.size(), tiltStiffness(finest.value(), volume, true),
+				 finest.value().tree->law.balls.size()),
+			text("%.0f without gaps, in loads times edges", 1 / (12 * volume)));
 }
 
 void printScales()

@@ -2,6 +2,7 @@
 #include "demos/scenes/ExtremeRows.h"
 
 #include "BulletHapticForce/btEnergyAudit.h"
+#include "BulletISTCollision/Core/AnalyticField.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 
@@ -56,41 +57,38 @@ double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT,
 	return volume;
 }
 
-double modelForceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k)
-{
-	const ist::OverlapResult overlap = ist::queryOverlapBruteForce(*A.tree, *B.tree, ist::inverse(X_WA) * X_WB);
-	return (X_WA.rotation * ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force).y;
-}
-
 namespace
 {
-/// X_AB of a like cube below, turned by `turn`, with faces `depth` into each other.
-ist::Pose faceOnFace(double edge, double depth, double turn)
+/// On A along y. Pairs of trees: all their leaves in double, or the query that the world uses.
+double forceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k, bool bruteForce)
 {
-	return {ist::rotationMatrix(ist::quaternionFromRotationVector({0, -turn, 0})), {0, depth - edge, 0}};
+	static thread_local ist::QueryWorkspace workspace;
+	const ist::Pose X_AB = ist::inverse(X_WA) * X_WB;
+	if (!A.tree) return -forceUp(B, X_WB, A, X_WA, k, bruteForce);
+	const ist::BoxField box(0.5 * ist::bounds(B.mesh).size());
+	const ist::OverlapResult overlap = !B.tree		 ? ist::queryField(*A.tree, box, X_AB, workspace)
+									   : bruteForce ? ist::queryOverlapBruteForce(*A.tree, *B.tree, X_AB)
+													: ist::queryOverlap(*A.tree, *B.tree, X_AB, workspace);
+	return (X_WA.rotation * ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force).y;
 }
 }  // namespace
+
+double modelForceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k)
+{
+	return forceUp(A, X_WA, B, X_WB, k, true);
+}
 
 double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double k, double weight, double turn)
 {
 	const double edge = ist::bounds(cube.mesh).longestSide();
-	ist::QueryWorkspace workspace;
 	double low = -0.05 * edge, high = 0.5 * edge;
 	for (int i = 0; i < 60; ++i)
 	{
 		const double depth = 0.5 * (low + high);
 		ist::Pose X;
-		double force = 0;
-		if (below)
-		{
-			const ist::OverlapResult overlap = ist::queryOverlap(*cube.tree, *below->tree, faceOnFace(edge, depth, turn), workspace);
-			force = ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force.y;
-		}
-		else
-		{
-			X.translation = {0, edge / 2 - depth, 0};
-			force = k * modelVolumeBelow(*cube.tree, X, 0);
-		}
+		X.translation = {0, (below ? edge : edge / 2) - depth, 0};
+		X.rotation = ist::rotationMatrix(ist::quaternionFromRotationVector({0, turn, 0}));
+		const double force = below ? forceUp(cube, X, *below, {}, k, false) : k * modelVolumeBelow(*cube.tree, X, 0);
 		(force < weight ? low : high) = depth;
 	}
 	return 0.5 * (low + high);
@@ -132,71 +130,6 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 	out.kinetic = kineticEnergy(body, s.mass, inertia);
 	out.drift = sideways(positionOf(body) - start) / edge;
 	return out;
-}
-
-TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const TowerSetup& s)
-{
-	const double edge = ist::bounds(cube.mesh).longestSide(), gravity = 9.81, gap = 2 * cube.tree->meanGap;
-	const ist::Vec3 foot{3, 0, -2};
-	ExtremeWorld world(response, gravity);
-	world.addFloor();
-	std::vector<btRigidBody*> bodies;
-	std::vector<ist::Vec3> start;
-	std::vector<double> loads;  // over k
-	TowerOutcome out;
-	double height = 0, above = (s.cubes - 1) * s.mass + s.topMass;
-	for (int i = 0; i < s.cubes; ++i)
-	{
-		const double mass = i + 1 == s.cubes ? s.topMass : s.mass;
-		const double heavier = std::max(s.topMass, s.mass);
-		// The default rule of two bodies with these trees; materials in series otherwise, so that each body has 2 k.
-		const double sinkage = std::max(1e-3 * edge, i == 0 ? gap / 2 : gap);
-		const double k = s.k > 0 ? (i == 0 ? 2 * s.k : s.k) : heavier * gravity / (sinkage * edge * edge);
-		out.expected.push_back(modelSinkage(cube, i == 0 ? nullptr : &cube, k, above * gravity, s.turn));
-		loads.push_back(above * gravity / k);
-		height += (i == 0 ? edge / 2 : edge) - (response == Response::Volumetric ? out.expected.back() : 0);
-		start.push_back(foot + ist::Vec3{0, height, 0});
-		bodies.push_back(world.add(cube, mass, mass * edge * edge / 6, transformOf(start.back(), {0, s.turn * i, 0}), 2 * s.k));
-		above -= mass;
-	}
-	const int steps = int(s.seconds / s.h + 0.5);
-	for (int i = 0; i < steps; ++i)
-	{
-		world.step(s.h);
-		for (size_t b = 0; b < bodies.size(); ++b)
-		{
-			out.finite = out.finite && isFinite(bodies[b]);
-			out.drift = std::max(out.drift, sideways(positionOf(bodies[b]) - start[b]) / edge);
-		}
-		if (out.fellAfter < 0 && positionOf(bodies.back()).y < start.back().y - edge / 2) out.fellAfter = (i + 1) * s.h;
-		if (!out.finite) return out;
-	}
-	out.lowest = 1e300;
-	for (size_t b = 0; b < bodies.size(); ++b)
-	{
-		const double y = positionOf(bodies[b]).y, under = b == 0 ? -edge / 2 : positionOf(bodies[b - 1]).y;
-		out.sinkage.push_back(edge - (y - under));
-		if (b == 0) continue;
-		out.lowest = std::min(out.lowest, (y - under) / edge);
-		const auto pose = [&](size_t i) { return toPose(bodies[i]->getWorldTransform()); };
-		if (response == Response::Volumetric && out.fellAfter < 0)
-			out.forceError = std::max(out.forceError, std::fabs(modelForceUp(cube, pose(b), cube, pose(b - 1), 1) / loads[b] - 1));
-	}
-	return out;
-}
-
-double leastTiltStiffness(int cubes) { return cubes * cubes / (2.4048 * 2.4048); }
-
-double tiltStiffness(const ExtremeSolid& cube, double volume)
-{
-	const double edge = ist::bounds(cube.mesh).longestSide();
-	ist::QueryWorkspace workspace;
-	const ist::Pose X_AB = faceOnFace(edge, modelSinkage(cube, &cube, 1, volume, 0), 0);
-	const ist::OverlapIntegrals sums = ist::queryOverlap(*cube.tree, *cube.tree, X_AB, workspace).total;
-	const ist::SymmetricMatrix6 K = ist::pressureStiffness(sums, {1, 0.5, 0.5});
-	// About z through the contact, half an edge below A's origin: a turn there moves the origin by -half an edge along x.
-	const double lever = edge / 2;
-	return (K(5, 5) - 2 * lever * K(0, 5) + lever * lever * K(0, 0)) / (volume * edge);
 }
 
 namespace

@@ -11,10 +11,11 @@ namespace scenes
 {
 /// Volume of the tree's own balls below the plane y = `height`, ball by ball in double [m^3]: the model's curve without the query.
 double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT, double height);
-/// The model's force on A by B along y, all pairs of leaves in double [N].
+/// The model's force on A by B along y [N]: all pairs of leaves in double. A solid without a tree is its bounding box in closed form.
 double modelForceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k);
 
-/// Depth of a cube's face under a plane, or under the face of a cube `below`, at which the model's own curve carries `weight` [m].
+/// Depth of a cube's face under a plane, or under the face of a cube `below`, at which the model's own curve carries `weight` [m]. One of
+/// two cubes may be without a tree.
 /// `turn`: of the cube against the one below, about the vertical [rad].
 double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double k, double weight, double turn = 0);
 
@@ -43,34 +44,6 @@ struct RestOutcome
 };
 /// A cube falls on a plane, or is put on it, and rests. `edge` of the cube is that of the mesh.
 RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestSetup& setup);
-
-struct TowerSetup
-{
-	int cubes = 2;
-	double mass = 1, topMass = 1;  ///< of each cube; of the uppermost
-	double k = 0;                  ///< of each contact; 0: nothing set, the default rule
-	double h = 1.0 / 60, seconds = 5;
-	double turn = 0;               ///< of each cube against the one below, about the vertical [rad]; a multiple of a quarter turn
-};
-struct TowerOutcome
-{
-	bool finite = true;
-	double drift = 0;              ///< largest of a cube, sideways, over the edge
-	double lowest = 0;             ///< distance of the closest neighbours' centres at the end, over the edge
-	std::vector<double> sinkage;   ///< of each contact, from below, edge minus the distance of centres [m]
-	std::vector<double> expected;  ///< where the model's own curve carries the weight above, for cubes face on face [m]
-	double fellAfter = -1;         ///< first time at which the top has lost half an edge [s]; negative: never
-	double forceError = 0;         ///< of the contacts between cubes at the end: the model's own force over the weight above, less 1
-};
-/// Unit cubes on each other, the lowest on a plane. Put at the expected sinkage, in a row along +y at x = 3, z = -2.
-TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const TowerSetup& setup);
-
-/// A tower of `cubes` equal cubes on elastic contacts buckles like a column. Where each contact resists tilting by kappa times load times
-/// edge, kappa = edge / (12 F/F') for flat contact, the lean is a Bessel function J0, and it stands only while
-/// kappa > (cubes / 2.405)^2. Returns this bound.
-double leastTiltStiffness(int cubes);
-/// kappa of the model where `cube` lies on its like and carries `volume` = load / k [m^3]: from the query's own stiffness.
-double tiltStiffness(const ExtremeSolid& cube, double volume);
 
 struct CollisionSetup
 {

@@ -79,9 +79,12 @@ btRigidBody* ExtremeWorld::add(const ExtremeSolid& solid, double mass, double in
 	body->setActivationState(DISABLE_DEACTIVATION);
 	bullet().addRigidBody(body);
 	if (m_response == Response::Stock) return body;
-	ist::Result<btISTAttachment> attached = m_volumetric->attach(shape, solid.tree);
-	if (!attached) throw std::runtime_error(attached.error().message);
-	m_attachments.push_back(std::move(attached).value());
+	if (solid.tree)
+	{
+		ist::Result<btISTAttachment> attached = m_volumetric->attach(shape, solid.tree);
+		if (!attached) throw std::runtime_error(attached.error().message);
+		m_attachments.push_back(std::move(attached).value());
+	}
 	if (const auto refused = m_volumetric->materials().set(body, {stiffness, -1})) throw std::runtime_error(refused->message);
 	return body;
 }

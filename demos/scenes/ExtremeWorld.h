@@ -14,7 +14,7 @@
 
 namespace scenes
 {
-/// A mesh about its centre of mass with its tree.
+/// A mesh about its centre of mass with its tree; without one it is its bounding box in closed form.
 struct ExtremeSolid
 {
 	ist::Mesh mesh;

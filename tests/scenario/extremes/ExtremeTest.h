@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "demos/scenes/CubeTower.h"
 #include "demos/scenes/ExtremeRows.h"
 
 #include <gtest/gtest.h>
@@ -32,15 +33,11 @@ inline const ExtremeSolid& unitCube()
 	return solid;
 }
 
-/// Cubes of 10,000 spheres, each a quarter turn from the one below, so that the bumps of their trees, which lean a contact by some
-/// 1e-3 rad, do not all lean the same way. They stand, and each layer carries its weight as the model says.
-inline TowerOutcome expectStraightTower(int cubes, double k, double seconds)
+/// Each cube is a quarter turn from the one below, so that the bumps of their trees, which lean a contact by some 1e-3 rad at 10,000
+/// spheres, do not all lean the same way. They stand, and each layer carries its weight as the model says.
+inline TowerOutcome expectStraightTower(TowerSetup setup, int64_t spheres)
 {
-	const ExtremeSolid cube = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
-	TowerSetup setup;
-	setup.cubes = cubes;
-	setup.k = k;
-	setup.seconds = seconds;
+	const ExtremeSolid cube = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), spheres);
 	setup.turn = 1.5707963267948966;
 	const TowerOutcome tower = stackCubes(Response::Volumetric, cube, setup);
 	std::printf("  drift %.2e of an edge, force of a layer off by %.1e\n", tower.drift, tower.forceError);

@@ -47,7 +47,36 @@ TEST(HeavyCubeOnALightOne, FallsThroughInStockBullet) { EXPECT_GT(heavyOnLight(R
 // Ten cubes on each other are in LongTest, twenty on the page that demos/extremes prints.
 TEST(Tower, OfFiveCubesStandsStraightAndCarriesTheWeightOfEachLayer)
 {
-	EXPECT_GT(expectStraightTower(5, 5 * kGravity / 2e-3, 10).forceError, 0);
+	TowerSetup setup;
+	setup.cubes = 5;
+	setup.k = 5 * kGravity / 2e-3;
+	setup.seconds = 10;
+	EXPECT_GT(expectStraightTower(setup, 10000).forceError, 0);
+}
+
+// In closed form where its contacts have gaps on one side only.
+TEST(Tower, OfPlainCubesBetweenOthersStandsStraightToo)
+{
+	TowerSetup setup;
+	setup.cubes = 6;
+	setup.k = 6 * kGravity / 2e-3;
+	setup.seconds = 5;
+	setup.plainBetween = true;
+	expectStraightTower(setup, 10000);
+}
+
+// Of flat contact edge / (12 F/F') and no more than the gaps allow, however stiff the material: F/F' is their size at every load.
+TEST(Tower, TiltStiffnessIsBoundedByTheGapsAndGrowsWithoutThem)
+{
+	const ExtremeSolid coarse = unitCube(), fine = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
+	for (const double volume : {1e-2, 1e-3, 3e-4, 1e-4})
+	{
+		const double kappa[] = {tiltStiffness(coarse, volume), tiltStiffness(fine, volume), tiltStiffness(fine, volume, true), 1 / (12 * volume)};
+		std::printf("  load/k %.0e m^3: %.1f at 500 spheres, %.1f at 10,000, %.1f on a plain cube, %.0f without gaps\n", volume, kappa[0],
+					kappa[1], kappa[2], kappa[3]);
+		for (int i = 0; i < 3; ++i) EXPECT_LT(kappa[i], 1.1 * kappa[i + 1]) << volume;
+		EXPECT_LT(kappa[1], leastTiltStiffness(20));
+	}
 }
 
 // A tower on soft contacts buckles; that it does is no fault of the solver.
