@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/PassageBarrier.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 #include "BulletISTCollision/btISTContactStore.h"
