@@ -1,38 +1,23 @@
 // SPDX-License-Identifier: Zlib
 // Prints the page of the extremes as Markdown: stock Bullet, ours, and the reference, in the precision that this was built for.
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "demos/ExtremePage.h"
 #include "demos/scenes/CubeTower.h"
 #include "demos/scenes/ExtremeRows.h"
 #include "demos/scenes/FloatingBodies.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
+using namespace page;
 using namespace scenes;
 
 namespace
 {
 constexpr double kGravity = 9.81;
-
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...)
-{
-	char buffer[256];
-	va_list arguments;
-	va_start(arguments, format);
-	std::vsnprintf(buffer, sizeof(buffer), format, arguments);
-	va_end(arguments);
-	return buffer;
-}
-
-void row(const std::string& extreme, const std::string& stock, const std::string& ours, const std::string& reference)
-{
-	std::printf("| %s | %s | %s | %s |\n", extreme.c_str(), stock.c_str(), ours.c_str(), reference.c_str());
-	std::fflush(stdout);
-}
 
 void printStiffness(const ExtremeSolid& cube)
 {
@@ -216,5 +201,12 @@ int main()
 	printFloating();
 	printRestitution(cube.value());
 	printCollisions(cube.value(), 100);
+	printOverlaps(cube.value());
+	printRest(cube.value());
+	printFriction();
+	printTumbling(cube.value());
+	printThinPlate();
+	printNotFinite(cube.value());
+	printElsewhere();
 	return EXIT_SUCCESS;
 }

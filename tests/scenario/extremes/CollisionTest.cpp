@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "demos/scenes/ExtremeMotions.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 #include <random>
@@ -113,4 +114,20 @@ TEST(DrillingFriction, StopsADiscWhenTheClosedFormSays)
 		std::printf("  step %g s: stop time %+.2f %%\n", h, 100 * (ratio - 1));
 		EXPECT_NEAR(ratio, 1, 0.02) << h;
 	}
+}
+
+// A rigid rod that slides on its tip has no solution, or two, above a friction of 4/3 (Painleve). Compliance has one: the tip jams, the rod
+// is thrown over and comes to lie.
+TEST(RodOnItsTip, StaysFiniteAndGainsNoEnergyAtAnyFriction)
+{
+	const ExtremeSolid rod = solidOf(ist::makeBoxMesh({0.03, 0.5, 0.03}), 500);
+	for (const double friction : {0.5, 1.2, 1.5, 3.0})
+		for (const double h : {1.0 / 60, 1.0 / 240, 1e-3})
+		{
+			const RodOutcome out = slideRodOnItsTip(Response::Volumetric, rod, friction, 2, h);
+			EXPECT_TRUE(out.finite) << friction << " " << h;
+			EXPECT_LT(out.energyGain, kDouble ? 1e-6 : 1e-3) << friction << " " << h;
+			EXPECT_LT(std::fabs(out.deepest), 0.02) << friction << " " << h;
+			EXPECT_LT(out.speed, 2) << friction << " " << h;
+		}
 }
