@@ -63,6 +63,13 @@ btVolumetricLinks::PlacedSide btVolumetricLinks::place(const Side& side, const i
 	return placed;
 }
 
+double btVolumetricLinks::responseOf(const PlacedSide& s, int dof, const double* impulse) const
+{
+	double change = 0;
+	for (int row = 0; row < 6; ++row) change += impulse[row] * m_jacobians[s.jacobian + size_t((6 + row) * s.dofs + dof)];
+	return change;
+}
+
 /// Adds to `motion` what an impulse on A, and its opposite on B, changes.
 void btVolumetricLinks::addResponse(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies, Motion& motion) const
 {
@@ -77,11 +84,7 @@ void btVolumetricLinks::addResponse(const Entry& e, const ist::Wrench& impulse, 
 			motion.body[k] = sum(motion.body[k], response(rowBody(bodies[s.body]), sign * impulse, e.patch.point));
 			continue;
 		}
-		for (int row = 0; row < 6; ++row)
-		{
-			const double* R = &m_jacobians[s.jacobian + size_t((6 + row) * s.dofs)];
-			for (int d = 0; d < s.dofs; ++d) motion.links[size_t(s.velocity + d)] += sign * values[row] * R[d];
-		}
+		for (int d = 0; d < s.dofs; ++d) motion.links[size_t(s.velocity + d)] += sign * responseOf(s, d, values);
 	}
 }
 
@@ -163,9 +166,7 @@ void btVolumetricLinks::apply(const Entry& e, const ist::Wrench& impulse, btSolv
 		data.scratch_r.resize(s.dofs);
 		for (int d = 0; d < s.dofs; ++d)
 		{
-			double change = 0;
-			for (int row = 0; row < 6; ++row) change += values[row] * m_jacobians[s.jacobian + size_t((6 + row) * s.dofs + d)];
-			data.scratch_r[d] = btScalar(sign * change);
+			data.scratch_r[d] = btScalar(sign * responseOf(s, d, values));
 			data.m_deltaVelocities[s.velocity + d] += data.scratch_r[d];
 		}
 		s.multiBody->applyDeltaVeeMultiDof2(&data.scratch_r[0], btScalar(1));

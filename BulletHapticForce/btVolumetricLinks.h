@@ -67,6 +67,8 @@ private:
 	};
 
 	PlacedSide place(const Side& side, const ist::Vec3& point, btMultiBodyJacobianData& data);
+	/// Change of a degree of freedom by an impulse at the patch, force first.
+	double responseOf(const PlacedSide& side, int dof, const double* impulse) const;
 	void addResponse(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies, Motion& motion) const;
 	ist::Twist relative(const Entry& e, const btSolverBody* bodies, const Motion& motion) const;
 	ist::SymmetricMatrix6 responseOf(const Entry& e, const btSolverBody* bodies);

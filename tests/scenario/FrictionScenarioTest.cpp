@@ -23,10 +23,6 @@ struct Incline
 		body->setFriction(btScalar(kFriction));
 		scene.setStiffness(body, kMass * kGravity / kDepth);
 	}
-	void run(double seconds, double rate)
-	{
-		for (int i = 0; i < int(seconds * rate + 0.5); ++i) scene.step(1 / rate);
-	}
 };
 
 const Solid& slab()
@@ -41,9 +37,9 @@ TEST(Friction, BoxBelowTheCriticalAngleDoesNotCreep)
 	for (const double rate : {60.0, 1000.0})
 	{
 		Incline incline(slab(), 0.9 * std::atan(kFriction));
-		incline.run(3, rate);
+		incline.scene.run(3, rate);
 		const btVector3 before = incline.body->getWorldTransform().getOrigin();
-		incline.run(5, rate);
+		incline.scene.run(5, rate);
 		const double creep = double((incline.body->getWorldTransform().getOrigin() - before).length());
 		std::printf("  %g Hz: creep in 5 s %.1e m\n", rate, creep);
 		EXPECT_LT(creep, 1e-6);
@@ -57,9 +53,9 @@ TEST(Friction, BoxAboveTheCriticalAngleSlidesAsCoulombSays)
 	for (const double rate : {60.0, 1000.0})
 	{
 		Incline incline(slab(), angle);
-		incline.run(2, rate);
+		incline.scene.run(2, rate);
 		const btVector3 before = incline.body->getLinearVelocity();
-		incline.run(2, rate);
+		incline.scene.run(2, rate);
 		const btVector3 gained = (incline.body->getLinearVelocity() - before) / 2;
 		std::printf("  %g Hz: acceleration %+.3f %% of g (sin - mu cos), across %.1e\n", rate, 100 * (double(gained.x()) / expected - 1),
 					double(gained.z()) / expected);
@@ -74,11 +70,11 @@ TEST(Friction, SlidingBoxIsBrakedAlikeInAllDirections)
 	for (int i = 0; i < 12; ++i)
 	{
 		Incline incline(slab(), 0);
-		incline.run(2, 240);
+		incline.scene.run(2, 240);
 		const double heading = 0.5236 * i + 0.1, speed = 3;
 		incline.body->setLinearVelocity(btVector3(btScalar(speed * std::cos(heading)), 0, btScalar(speed * std::sin(heading))));
 		incline.body->setAngularFactor(btScalar(0));
-		incline.run(0.4, 240);
+		incline.scene.run(0.4, 240);
 		const btVector3 v = incline.body->getLinearVelocity();
 		const double along = double(v.x()) * std::cos(heading) + double(v.z()) * std::sin(heading);
 		const double across = double(v.z()) * std::cos(heading) - double(v.x()) * std::sin(heading);

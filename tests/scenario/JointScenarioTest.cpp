@@ -10,18 +10,6 @@ namespace
 {
 constexpr double kMass = 2, kGravity = 9.81, kRate = 240;
 
-const Solid& cube()
-{
-	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
-	return solid;
-}
-
-const Solid& bar()
-{
-	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 1500);
-	return solid;
-}
-
 /// Joints end before the bodies that they hold.
 struct JointScene : Scene
 {
@@ -39,10 +27,6 @@ struct JointScene : Scene
 		joints.back()->setJointFeedback(&feedback);
 		world.bullet().addConstraint(joints.back().get());
 		return static_cast<Joint*>(joints.back().get());
-	}
-	void run(double seconds)
-	{
-		for (int i = 0; i < int(seconds * kRate); ++i) step(1 / kRate);
 	}
 	/// Mean contact force on `body` over half a second [N].
 	Vec3 meanForce(const btRigidBody* body)
@@ -81,7 +65,7 @@ struct Lever : JointScene
 TEST(Joints, HingedBeamLeansOnABallAsTheLeverSays)
 {
 	Lever scene;
-	scene.run(3);
+	scene.run(3, kRate);
 	const double expected = kMass * kGravity * 1 / Lever::kLever;
 	EXPECT_NEAR(scene.meanForce(scene.beam).y, expected, 0.01 * expected);
 	const double reaction = double(scene.feedback.m_appliedForceBodyA.y());
@@ -96,7 +80,7 @@ TEST(Joints, HingeMotorPressesWithItsTorque)
 	{
 		Lever scene;
 		scene.hinge->enableAngularMotor(true, btScalar(torque > 0 ? 100 : -100), btScalar(std::fabs(torque) / kRate));
-		scene.run(3);
+		scene.run(3, kRate);
 		const double expected = (kMass * kGravity - torque) / Lever::kLever;
 		EXPECT_NEAR(scene.meanForce(scene.beam).y, expected, 0.01 * expected);
 	}
@@ -118,7 +102,7 @@ TEST(Joints, SliderMotorPressesWithItsForce)
 	slider->setPoweredLinMotor(true);
 	slider->setTargetLinMotorVelocity(btScalar(-1));
 	slider->setMaxLinMotorForce(btScalar(35));
-	scene.run(4);
+	scene.run(4, kRate);
 	const Vec3 force = scene.meanForce(cart);
 	EXPECT_NEAR(force.x, 35, 0.35);
 	EXPECT_LT(std::hypot(force.y, force.z), 0.05 * 35);  // the slider holds what the model's normal errs
@@ -144,7 +128,7 @@ TEST(Joints, SpringOfASixDofJointPressesAsHookeSays)
 	joint->setDamping(1, btScalar(20));
 	joint->setEquilibriumPoint();
 	joint->setEquilibriumPoint(1, btScalar(-0.6));
-	scene.run(8);
+	scene.run(8, kRate);
 	const double missing = 0.6 - (2.1 - double(body->getWorldTransform().getOrigin().y()));
 	ASSERT_GT(missing, 0.4);
 	EXPECT_NEAR(scene.meanForce(body).y, 120 * missing, 0.01 * 120 * missing);
@@ -214,14 +198,14 @@ TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 		w.m_rollInfluence = btScalar(0.1);
 	}
 	scene.world.bullet().addAction(&vehicle);
-	scene.run(3);
+	scene.run(3, kRate);
 	double carried = 0;
 	for (int i = 0; i < vehicle.getNumWheels(); ++i) carried += double(vehicle.getWheelInfo(i).m_wheelsSuspensionForce);
 	EXPECT_NEAR(carried, kWeight, 0.01 * kWeight);
 	EXPECT_EQ(norm(scene.storedImpulse()), 0);
 	for (int i = 0; i < vehicle.getNumWheels(); ++i) vehicle.applyEngineForce(btScalar(kDrive / 4), i);
 	const double before = double(chassis->getWorldTransform().getOrigin().z());
-	scene.run(6);
+	scene.run(6, kRate);
 	const double z = double(chassis->getWorldTransform().getOrigin().z());
 	EXPECT_GT(std::fabs(z - before), 1);
 	EXPECT_LT(z, 2.1);  // not through the wall, whose face is at 3.5

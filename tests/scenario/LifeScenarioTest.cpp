@@ -13,17 +13,6 @@ namespace
 {
 constexpr double kMass = 2, kGravity = 9.81, kRate = 120, kDepth = 0.04;
 
-const Solid& cube()
-{
-	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 200);
-	return solid;
-}
-
-void run(Scene& scene, double seconds)
-{
-	for (int i = 0; i < int(seconds * kRate); ++i) scene.step(1 / kRate);
-}
-
 int touching(Scene& scene)
 {
 	int count = 0;
@@ -78,19 +67,19 @@ TEST(Sleeping, StackSleepsStillAndWakesWithItsLoad)
 		bodies.push_back(scene.add(shape, kMass, kMass / 6, at({4, 0.5 - kDepth + (1 - kDepth) * i, 1})));
 		scene.setStiffness(bodies.back(), 2 * kMass * kGravity / kDepth);
 	}
-	run(scene, 4);
+	scene.run(4, kRate);
 	for (btRigidBody* b : bodies) b->forceActivationState(ACTIVE_TAG);
-	run(scene, 3);
+	scene.run(3, kRate);
 	for (btRigidBody* b : bodies) ASSERT_EQ(b->getActivationState(), ISLAND_SLEEPING);
 	const btTransform poses[2] = {bodies[0]->getWorldTransform(), bodies[1]->getWorldTransform()};
-	run(scene, 2);
+	scene.run(2, kRate);
 	for (int i = 0; i < 2; ++i) EXPECT_TRUE(isSame(poses[i], bodies[size_t(i)]->getWorldTransform()));
 
 	bodies[1]->activate(true);
 	scene.step(1 / kRate);
 	EXPECT_TRUE(bodies[0]->isActive());
 	// Bullet gives no weight to a body in the step in which its island wakes; that is over by now.
-	run(scene, 0.5);
+	scene.run(0.5, kRate);
 	double least = 1e9, most = 0;
 	for (int i = 0; i < 60; ++i)
 	{
@@ -117,9 +106,9 @@ TEST(Sleeping, TreeBodyThatFallsOnASleeperWakesIt)
 	sleeper->forceActivationState(ISLAND_SLEEPING);
 	btRigidBody* falling = scene.add(shape, kMass, kMass / 6, at({0.1, 3, 0}));
 	scene.setStiffness(falling, 1e5);
-	run(scene, 0.3);
+	scene.run(0.3, kRate);
 	EXPECT_EQ(sleeper->getActivationState(), ISLAND_SLEEPING);
-	run(scene, 3);
+	scene.run(3, kRate);
 	EXPECT_TRUE(sleeper->isActive());
 	EXPECT_NEAR(double(falling->getWorldTransform().getOrigin().y()), 1.5, 0.3);
 }
@@ -141,7 +130,7 @@ TEST(SplitIslands, MakeNoDifference)
 			for (int i = 0; i < 1 + column % 3; ++i)
 				bodies.push_back(scene.add(shape, kMass, kMass / 6, at({3.0 * column, 0.52 + 1.02 * i, 0.1 * i}, {0, 0.3 * column, 0})));
 		for (btRigidBody* b : bodies) scene.setStiffness(b, 3 * kMass * kGravity / kDepth);
-		run(scene, 1.5);
+		scene.run(1.5, kRate);
 		outcome.emplace_back();
 		for (const btRigidBody* b : bodies) outcome.back().push_back(b->getWorldTransform());
 		EXPECT_GE(touching(scene), 7);

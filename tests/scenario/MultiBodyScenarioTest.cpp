@@ -16,18 +16,6 @@ namespace
 {
 constexpr double kMass = 2, kGravity = 9.81;
 
-const Solid& cube()
-{
-	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
-	return solid;
-}
-
-const Solid& bar()
-{
-	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 1500);
-	return solid;
-}
-
 /// A world of multibodies whose solver is replaced by ours, as a game would do it.
 struct LinkScene
 {

@@ -14,17 +14,6 @@ namespace
 // Deep enough for the model to be at its truest: some mean gaps of a cube of 500 spheres.
 constexpr double kMass = 2, kGravity = 9.81, kRate = 240, kDepth = 0.04;
 
-const Solid& cube()
-{
-	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
-	return solid;
-}
-
-void run(Scene& scene, double seconds)
-{
-	for (int i = 0; i < int(seconds * kRate); ++i) scene.step(1 / kRate);
-}
-
 /// Mean volumetric force on `body` over half a second, split by the sign of x of the patches' points [N].
 struct Carried
 {
@@ -70,7 +59,7 @@ TEST(Compound, ChildrenShareTheWeightByTheLever)
 			outer->addChildShape(at({2, 0.25, 0.25}), child);
 		btRigidBody* body = scene.add(outer, kMass, 2, at({3, 0.22, -2}));
 		scene.setStiffness(body, kMass * kGravity / kDepth);
-		run(scene, 7);
+		scene.run(7, kRate);
 		const Carried force(scene, body);
 		const double weight = kMass * kGravity;
 		EXPECT_NEAR(force.left.y, weight * 2 / 3, 0.01 * weight) << nested;
@@ -89,7 +78,7 @@ TEST(Compound, OfTreesRestsOnACompoundOfTrees)
 	scene.add(pair, 0, 0, at({0, 0, 0}));
 	btRigidBody* body = scene.add(pair, kMass, 2, at({0.1, 0.97, 0.05}));
 	scene.setStiffness(body, kMass * kGravity / kDepth);
-	run(scene, 4);
+	scene.run(4, kRate);
 	const Carried force(scene, body);
 	EXPECT_NEAR(force.left.y + force.right.y, kMass * kGravity, 1e-3 * kMass * kGravity);
 	EXPECT_NEAR(force.left.y, force.right.y, 0.1 * kMass * kGravity);
@@ -110,7 +99,7 @@ TEST(ScaledShape, UniformScalingWrapperCarriesATreeOfItsOwnSize)
 	ASSERT_TRUE(attached);
 	btRigidBody* body = scene.add(wrapper, kMass, 1, at({2, 0.97, 1}));
 	scene.setStiffness(body, kMass * kGravity / (4 * 2 * kDepth));
-	run(scene, 4);
+	scene.run(4, kRate);
 	const Carried force(scene, body);
 	EXPECT_NEAR(force.left.y + force.right.y, kMass * kGravity, 1e-3 * kMass * kGravity);
 	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 1 - 2 * kDepth, 5e-3);
@@ -127,7 +116,7 @@ TEST(ScaledShape, WrapperOfAShapeWithATreeIsBullets)
 	btCollisionShape* child = scene.volumetricShape(cube());
 	btUniformScalingShape* wrapper = scene.shape<btUniformScalingShape>(static_cast<btConvexShape*>(child), btScalar(2));
 	btRigidBody* body = scene.add(wrapper, kMass, 1, at({0, 1.01, 0}));
-	run(scene, 2);
+	scene.run(2, kRate);
 	EXPECT_TRUE(scene.world.contacts().contacts().empty());
 	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 1, 0.05);
 
@@ -146,17 +135,17 @@ TEST(ScaledShape, ScalingDuringARestHandsTheContactToBullet)
 	btCollisionShape* shape = scene.volumetricShape(cube());
 	btRigidBody* body = scene.add(shape, kMass, kMass / 6, at({1, 0.49, 1}));
 	scene.setStiffness(body, kMass * kGravity / kDepth);
-	run(scene, 1);
+	scene.run(1, kRate);
 	EXPECT_GT(norm(scene.storedImpulse()), 0);
 	shape->setLocalScaling(btVector3(2, 2, 2));
 	btTransform pose = body->getWorldTransform();
 	pose.getOrigin().setY(1);
 	body->setWorldTransform(pose);
-	run(scene, 2);
+	scene.run(2, kRate);
 	EXPECT_EQ(norm(scene.storedImpulse()), 0);
 	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 1, 0.05);
 	shape->setLocalScaling(btVector3(1, 1, 1));
-	run(scene, 4);
+	scene.run(4, kRate);
 	const Carried force(scene, body);
 	EXPECT_NEAR(force.left.y + force.right.y, kMass * kGravity, 1e-3 * kMass * kGravity);
 	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 0.5 - kDepth, 0.1 * kDepth);  // the closed form, at three gaps
@@ -233,7 +222,7 @@ TEST(SurfacesWithoutAnInside, CarryATreeByBulletsOwnContact)
 		scene.add(ground, 0, 0, at({0, 0, 0}));
 		btRigidBody* body = scene.add(scene.volumetricShape(cube()), kMass, kMass / 6, at({0.3, 1, -0.2}, {0.02, 0.3, 0.01}));
 		scene.setStiffness(body, kMass * kGravity / kDepth);
-		run(scene, 4);
+		scene.run(4, kRate);
 		EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 0.5 + top, 0.05) << name;
 		EXPECT_LT(double(body->getLinearVelocity().length()), 0.05) << name;
 		const Carried force(scene, body);

@@ -10,12 +10,6 @@ using namespace scenario;
 
 namespace
 {
-const Solid& cube()
-{
-	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
-	return solid;
-}
-
 /// A pile of stock shapes with two joints, stepped for 2 s; the positions at the end.
 std::vector<btTransform> stockPile(btSequentialImpulseConstraintSolver& solver, btCollisionDispatcher& dispatcher,
 								   btDefaultCollisionConfiguration& configuration)

@@ -49,6 +49,20 @@ struct Solid
 	}
 };
 
+/// Edge 1 m.
+inline const Solid& cube()
+{
+	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
+	return solid;
+}
+
+/// 2 m by 0.2 m by 0.4 m.
+inline const Solid& bar()
+{
+	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 1500);
+	return solid;
+}
+
 /// Volume [m^3] of a closed mesh on the inner side of the plane normal . x = offset, exact: with the apex of all tetrahedra in the
 /// plane, the face that closes the cut adds nothing.
 inline double volumeBelow(const ist::Mesh& mesh, const ist::Vec3& normal, double offset)
@@ -131,6 +145,10 @@ public:
 	void setStiffness(const btRigidBody* body, double k) { EXPECT_FALSE(world.materials().set(body, {k, -1})); }
 
 	void step(double h) { world.bullet().stepSimulation(btScalar(h), 0); }
+	void run(double seconds, double rate)
+	{
+		for (int i = 0; i < int(seconds * rate + 0.5); ++i) step(1 / rate);
+	}
 
 	/// Sum over all contacts of what the solver wrote into the store: on A, World [N s].
 	ist::Vec3 storedImpulse()
