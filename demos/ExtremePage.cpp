@@ -81,7 +81,7 @@ void printFriction()
 	if (!slab || !disc || !rod) return;
 	const double mu = 0.5, critical = std::atan(mu);
 	for (const double f : {0.5, 0.9, 0.99})
-		row(text("slope of %g of the critical angle, 60 Hz, 10 s", f), "", text("creeps %.0e m", slideOnSlope(slab.value(), mu, f * critical, 0, 500, 1.0 / 60).creep), "0");
+		row(text("slope of %g of the critical angle, 60 Hz, 10 s", f), "not run", text("creeps %.0e m", slideOnSlope(slab.value(), mu, f * critical, 0, 500, 1.0 / 60).creep), "0");
 	for (const double f : {1.01, 1.1, 2.0})
 	{
 		double least = 1e300, most = 0, across = 0;
@@ -92,7 +92,7 @@ void printFriction()
 			most = std::max(most, out.acceleration);
 			across = std::max(across, std::fabs(out.across));
 		}
-		row(text("slope of %g of it, five directions", f), "", text("%.5f to %.5f m/s^2, %.0e across", least, most, across),
+		row(text("slope of %g of it, five directions", f), "not run", text("%.5f to %.5f m/s^2, %.0e across", least, most, across),
 			text("%.5f, Coulomb", kGravity * (std::sin(f * critical) - mu * std::cos(f * critical))));
 	}
 	row("spinning disc, 240 Hz", "no drilling friction", text("stops after %.4f", drillingStopTime(disc.value(), 0.5, 0.5, 400, 1.0 / 240)), "1, closed form");

@@ -87,11 +87,13 @@ void printTallTowers()
 	for (const int cubes : {5, 10, 20}) printTallTower(fine.value(), cubes, false);
 	printTallTower(finest.value(), 20, true);
 	for (const double volume : {1e-2, 1e-3, 3e-4, 1e-4, 1e-5})
+	{
+		const auto both = [&](const ExtremeSolid& cube)
+		{ return text("%.0f on its like and %.0f on a box in closed form", tiltStiffness(cube, volume), tiltStiffness(cube, volume, true)); };
 		row(text("tilt stiffness of a contact that carries k times %g m^3", volume), "rigid",
-			text("%.0f at %zu leaves, %.0f at %zu, %.0f at %zu on a box in closed form", tiltStiffness(fine.value(), volume), fine.value().tree->law.balls.size(),
-				 tiltStiffness(finest.value(), volume), finest.value().tree->law.balls.size(), tiltStiffness(finest.value(), volume, true),
-				 finest.value().tree->law.balls.size()),
+			text("10,000 spheres: %s; 150,000: %s", both(fine.value()).c_str(), both(finest.value()).c_str()),
 			text("%.0f without gaps, in loads times edges", 1 / (12 * volume)));
+	}
 }
 
 void printScales()
