@@ -36,11 +36,19 @@ void setText(char (&field)[N], const std::string& text)
 	say(field, N, text);
 }
 
+/// As devicebridge_plugin::exchange answers.
+enum class News
+{
+	Lost = -1,
+	Nothing = 0,
+	Sample = 1
+};
+
 /// The C table of a device class with
 ///   static constexpr const char *kName, *kDescription;
 ///   static std::string missing();
 ///   static ist::Result<std::unique_ptr<T>> open(const std::string& address, devicebridge_info& info);
-///   bool exchange(const devicebridge_command&, devicebridge_state&, std::string& why);   // false: lost
+///   News exchange(const devicebridge_command&, devicebridge_state&, std::string& why);
 /// whose destructor leaves the device without force.
 template <class T>
 const devicebridge_plugin* tableOf()
@@ -63,9 +71,9 @@ const devicebridge_plugin* tableOf()
 		[](void* device, const devicebridge_command* command, devicebridge_state* state, char* why, std::size_t room)
 		{
 			std::string reason;
-			if (static_cast<T*>(device)->exchange(*command, *state, reason)) return 1;
-			say(why, room, reason);
-			return -1;
+			const News news = static_cast<T*>(device)->exchange(*command, *state, reason);
+			if (news == News::Lost) say(why, room, reason);
+			return static_cast<int>(news);
 		},
 		[](void* device) { delete static_cast<T*>(device); }};
 	return &table;

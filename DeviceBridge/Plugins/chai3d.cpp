@@ -39,7 +39,7 @@ public:
 		return handler.getNumDevices() ? std::string() : "CHAI3D finds no device; plug one in, and see that you may use it";
 	}
 	static ist::Result<std::unique_ptr<Chai3dDevice>> open(const std::string& address, devicebridge_info& info);
-	bool exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
+	News exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
 
 private:
 	void describe(devicebridge_info& info);
@@ -85,7 +85,7 @@ void Chai3dDevice::describe(devicebridge_info& info)
 	setText(info.source, "specifications of CHAI3D");
 }
 
-bool Chai3dDevice::exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why)
+News Chai3dDevice::exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why)
 {
 	m_pace.wait();
 	const double *f = command.force, *t = command.torque;
@@ -99,7 +99,7 @@ bool Chai3dDevice::exchange(const devicebridge_command& command, devicebridge_st
 	if (!ok)
 	{
 		why = "CHAI3D has lost the device";
-		return false;
+		return News::Lost;
 	}
 	const chai3d::cVector3d columns[3] = {rotation.getCol0(), rotation.getCol1(), rotation.getCol2()};
 	for (int column = 0; column < 3; ++column)
@@ -112,7 +112,7 @@ bool Chai3dDevice::exchange(const devicebridge_command& command, devicebridge_st
 	copy(linear, state.linear);
 	if (m_rotates) copy(angular, state.angular);
 	state.velocity_estimated = 1;
-	return true;
+	return News::Sample;
 }
 }  // namespace
 }  // namespace devicebridge::plugin

@@ -89,7 +89,7 @@ public:
 
 	static std::string missing() { return loadDhd().missing; }
 	static ist::Result<std::unique_ptr<DhdDevice>> open(const std::string& address, devicebridge_info& info);
-	bool exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
+	News exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
 
 private:
 	void describe(devicebridge_info& info);
@@ -133,7 +133,7 @@ void DhdDevice::describe(devicebridge_info& info)
 	setLimits(m_f.systemType(m_id), info);
 }
 
-bool DhdDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
+News DhdDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
 {
 	m_pace.wait();
 	const double *f = command.force, *t = command.torque;
@@ -149,13 +149,13 @@ bool DhdDevice::exchange(const devicebridge_command& command, devicebridge_state
 	if (!ok)
 	{
 		why = std::string("libdhd has lost the device: ") + m_f.lastError();
-		return false;
+		return News::Lost;
 	}
 	for (int i = 0; i < 9; ++i) s.rotation[i] = frame[i / 3][i % 3];
 	s.buttons = m_f.buttons(m_id);
 	if (!status[kStatusReset]) s.flags &= ~static_cast<unsigned>(DEVICEBRIDGE_CALIBRATED);
 	if (!status[kStatusForce]) s.flags &= ~static_cast<unsigned>(DEVICEBRIDGE_FORCES_ENABLED);
-	return true;
+	return News::Sample;
 }
 }  // namespace
 }  // namespace devicebridge::plugin

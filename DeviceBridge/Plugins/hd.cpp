@@ -110,7 +110,7 @@ public:
 
 	static std::string missing() { return loadHd().missing; }
 	static ist::Result<std::unique_ptr<HdDevice>> open(const std::string& address, devicebridge_info& info);
-	bool exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
+	News exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
 
 private:
 	void describe(devicebridge_info& info);
@@ -213,7 +213,7 @@ void HdDevice::servo() noexcept
 	m_samples.write(sample);
 }
 
-bool HdDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
+News HdDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
 {
 	m_pushes.write({{command.force[0], command.force[1], command.force[2]}, m_clock.now() + kCommandLife});
 	const std::int64_t deadline = m_clock.now() + 100 * kLongestWait;
@@ -222,14 +222,14 @@ bool HdDevice::exchange(const devicebridge_command& command, devicebridge_state&
 		m_clock.sleepUntil(m_clock.now() + 250'000);
 		if (m_clock.now() < deadline) continue;
 		why = "the scheduler of libHD has stopped";
-		return false;
+		return News::Lost;
 	}
 	const Sample& sample = m_samples.readable();
 	// 0x02..: force errors, after which libHD holds the force back by itself; 0x03.. and above: the device.
 	if (sample.error >= 0x0300)
 	{
 		why = std::string("libHD has lost the device: ") + m_f.errorText(sample.error);
-		return false;
+		return News::Lost;
 	}
 	for (int row = 0; row < 3; ++row)
 	{
@@ -241,7 +241,7 @@ bool HdDevice::exchange(const devicebridge_command& command, devicebridge_state&
 	s.buttons = static_cast<unsigned>(sample.buttons);
 	if (sample.calibration != kCalibrationOk) s.flags &= ~static_cast<unsigned>(DEVICEBRIDGE_CALIBRATED);
 	if (sample.error != 0) s.flags &= ~static_cast<unsigned>(DEVICEBRIDGE_FORCES_ENABLED);
-	return true;
+	return News::Sample;
 }
 }  // namespace
 }  // namespace devicebridge::plugin

@@ -72,7 +72,7 @@ public:
 
 	static std::string missing() { return loadVirtuose().missing; }
 	static ist::Result<std::unique_ptr<VirtuoseDevice>> open(const std::string& address, devicebridge_info& info);
-	bool exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
+	News exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why);
 
 private:
 	bool prepare();
@@ -115,7 +115,7 @@ bool VirtuoseDevice::prepare()
 		   m_f.setTimeStep(m_context, kTimeStep) == 0 && m_f.setCommandType(m_context, kImpedance) == 0 && m_f.setPower(m_context, 1) == 0;
 }
 
-bool VirtuoseDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
+News VirtuoseDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
 {
 	m_pace.wait();
 	float force[6], position[7] = {}, speed[6] = {};
@@ -129,7 +129,7 @@ bool VirtuoseDevice::exchange(const devicebridge_command& command, devicebridge_
 		m_f.getDeadMan(m_context, &deadMan) || m_f.getEmergencyStop(m_context, &running))
 	{
 		why = "the Virtuose is lost: " + lastError();
-		return false;
+		return News::Lost;
 	}
 	s.buttons = 0;
 	for (int i = 0; i < kButtonCount; ++i)
@@ -149,7 +149,7 @@ bool VirtuoseDevice::exchange(const devicebridge_command& command, devicebridge_
 	}
 	if (!power || !running) s.flags &= ~static_cast<unsigned>(DEVICEBRIDGE_FORCES_ENABLED);
 	if (!deadMan) s.flags &= ~static_cast<unsigned>(DEVICEBRIDGE_HAND_PRESENT);
-	return true;
+	return News::Sample;
 }
 }  // namespace
 }  // namespace devicebridge::plugin

@@ -25,14 +25,19 @@ const Vendor kVendors[] = {
 	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2, 4000, false},
 	{"hd", "DEVICEBRIDGE_HD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device", "device communication error", 3.3, 0, 500, false},
 	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", TEST_VENDOR_FOLDER "/libmock_virtuose.so", "virtuose:arm.local?peak_force=30&peak_torque=3", "virtuose:nobody",
-	 "communication failure", 30, 3, 700, true}};
+	 "communication failure", 30, 3, 700, true},
+	{"vrpn", nullptr, TEST_VENDOR_FOLDER "/libmock_vrpn.so", "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300", "vrpn://lab:3883/Tool9?sensor=2",
+	 "closed the connection", 5, 0, 300, false}};
+
+// What was built against the mocks comes before what was built against the real library.
+constexpr const char* kPlugins = TEST_VENDOR_FOLDER ":" PLUGIN_FOLDER;
 
 class VendorPlugin : public testing::TestWithParam<Vendor>
 {
 protected:
 	void SetUp() override
 	{
-		setenv("DEVICEBRIDGE_PLUGIN_PATH", PLUGIN_FOLDER ":" TEST_VENDOR_FOLDER, 1);
+		setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
 		if (GetParam().variable) setenv(GetParam().variable, GetParam().file, 1);
 		void* const library = dlopen(GetParam().file, RTLD_NOW);
 		ASSERT_NE(library, nullptr) << dlerror();
@@ -146,7 +151,7 @@ TEST_P(VendorPlugin, TheWrenchArrivesAndEndsWithItsCommand)
 
 TEST_P(VendorPlugin, ItsOwnSwitchesHoldTheForceBack)
 {
-	if (!GetParam().variable) GTEST_SKIP() << "CHAI3D does not tell whether the motors are on";
+	if (!GetParam().variable) GTEST_SKIP() << "neither CHAI3D nor VRPN tells whether the motors are on";
 	const auto device = opened();
 	ASSERT_TRUE(device);
 	DriverRun run(*device);
@@ -196,3 +201,47 @@ TEST_P(VendorPlugin, WhatIsMissingIsSaid)
 }
 
 INSTANTIATE_TEST_SUITE_P(Mocks, VendorPlugin, testing::ValuesIn(kVendors), [](const auto& info) { return std::string(info.param.name); });
+
+TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
+{
+	setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
+	void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_vrpn.so", RTLD_NOW);
+	ASSERT_NE(library, nullptr) << dlerror();
+	MockHandle& mock = *reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
+	{
+		const std::lock_guard<std::mutex> lock(mock.mutex);
+		mock.present = true, mock.tellsVelocity = false;
+		for (int i = 0; i < 3; ++i) mock.linear[i] = 0.01 * (i + 1);
+	}
+	auto device = DeviceRegistry().open("vrpn:Tool0@tcp://lab:3883?sensor=2&rate=100");
+	ASSERT_TRUE(device) << device.error().message;
+	EXPECT_EQ(device.value()->info().nominalRate, 100);
+	EXPECT_EQ(device.value()->info().actuated, 0U);
+	RealClock clock;
+	DeviceState s;
+	// Times come in microseconds, a millisecond apart.
+	EXPECT_TRUE(within(
+		[&]
+		{
+			EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
+			return s.velocityEstimated && distance(s.twist.linear, {0.01, 0.02, 0.03}) < 3e-4;
+		},
+		5000));
+	const std::lock_guard<std::mutex> lock(mock.mutex);
+	mock.tellsVelocity = true;
+}
+
+TEST(VrpnPlugin, RefusesWhatIsNoneInASentence)
+{
+	setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
+	const DeviceRegistry registry;
+	for (const char* wrong : {"vrpn:", "vrpn://", "vrpn://lab:3883", "vrpn:///Tool0", "vrpn://lab:3883/", "vrpn://lab:3883/Tool0?sensor=first", "vrpn://lab:3883/Tool0?color=red"})
+	{
+		const auto device = registry.open(wrong);
+		ASSERT_FALSE(device) << wrong;
+		EXPECT_GT(device.error().message.size(), 30U) << device.error().message;
+	}
+	const auto absent = registry.open("vrpn://nobody:3883/Tool0");
+	ASSERT_FALSE(absent);
+	EXPECT_NE(absent.error().message.find("no VRPN server answers"), std::string::npos) << absent.error().message;
+}

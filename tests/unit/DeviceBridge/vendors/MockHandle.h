@@ -10,7 +10,7 @@ struct MockHandle
 	double position[3] = {0, 0, 0}, linear[3] = {0, 0, 0}, angular[3] = {0, 0, 0};
 	double quaternion[4] = {0, 0, 0, 1};  // x, y, z, w
 	unsigned buttons = 0;
-	bool present = true, calibrated = true, motorsOn = true, handPresent = true;
+	bool present = true, calibrated = true, motorsOn = true, handPresent = true, tellsVelocity = true;
 	double force[3] = {0, 0, 0}, torque[3] = {0, 0, 0};
 	int open = 0, enabled = 0, misuse = 0;  // misuse: calls that the vendor's documentation forbids
 };
