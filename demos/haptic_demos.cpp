@@ -6,6 +6,7 @@
 #include "demos/scenes/PaperFigures.h"
 #include "demos/scenes/SceneReport.h"
 #include "demos/scenes/WholeText.h"
+#include "demos/scenes/ZWidthPage.h"
 
 #include <cstdio>
 #include <exception>
@@ -85,6 +86,14 @@ int runContinuity(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runZWidth(const DemoArguments& a)
+{
+	const auto outcome = scenes::runZWidth({"sigma7", "touchx", "falcon", "virtuose6d"}, {0, 1, 3, 10});
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
 int runHapticBunny(const DemoArguments& a)
 {
 	scenes::HapticBunnyOptions options;
@@ -158,12 +167,14 @@ int run(int argc, char** argv)
 		std::printf("haptic-bunny  a simulated hand feels a body in a Bullet world: press, slide, turn, let go, at 1 kHz\n");
 		std::printf("bunny-query   mesh to tree to force: a probe pressed on the bunny and slid over its back\n");
 		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
+		std::printf("z-width       stiffness and damping of a wall that devices bear, stably and passively\n");
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
 	if (!a.paperFigures.empty()) return runPaperFigures(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "continuity") return runContinuity(a);
+	if (a.demo == "z-width") return runZWidth(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
 	if (a.demo.empty())
 		std::fprintf(stderr, "haptic_demos: nothing to do\n%s", scenes::kDemoUsage);

@@ -237,11 +237,13 @@ void HtmlReport::chart(const Chart& chart)
 	m_body += "<figure><figcaption>" + escaped(chart.title) + "</figcaption><svg viewBox=\"0 0 " + pixel(Frame::kWidth) + " " +
 			  pixel(Frame::kHeight) + "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\">\n";
 	m_body += drawGrid(frame, chart);
+	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), [](const ChartSeries& series) { return series.markers; });
+	// Marker series are set side by side, so that error bars at the same abscissa stay apart.
+	double shift = -2.5 * static_cast<double>(marked + 1);
 	for (size_t i = 0; i < chart.series.size(); ++i)
 	{
 		const ChartSeries& series = chart.series[i];
-		// Marker series are set side by side, so that error bars at the same abscissa stay apart.
-		const double shift = 5 * (static_cast<double>(i) - 0.5 * static_cast<double>(chart.series.size() - 1));
+		if (series.markers) shift += 5;
 		m_body += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], shift) : drawLine(frame, series, kColors[i % kColorCount]);
 	}
 	m_body += drawLegend(chart) + "</svg></figure>\n";

@@ -50,5 +50,6 @@ expect "the figures run in real time" 2 "--paper-figures goes without --virtual-
 expect "the figures have their own meshes" 2 "--paper-figures goes without --mesh" "$demos" --paper-figures "$dir/figures" --mesh x.obj
 expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$demos" --scenes "$dir" --demo continuity
 expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
+expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj
 expect "a scene needs a file" 2 "--scene needs a value" "$demos" --scene
 exit $((failures > 0))

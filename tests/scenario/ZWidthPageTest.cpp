@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/ZWidthPage.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+// Without delay the free handle bears K = (b + B) / (T / 2), and every motion of a hand K = 2 (b - B) / T.
+TEST(ZWidthPage, ShowsBothRegionsWhereTheClosedFormsAre)
+{
+	const auto found = scenes::runZWidth({"touch"}, {0});
+	ASSERT_TRUE(found) << found.error().message;
+	EXPECT_TRUE(found.value().ok());
+	const auto json = nlohmann::json::parse(makeJson(found.value()));
+	ASSERT_EQ(json["curves"].size(), 2U);
+	const double b = found.value().devices[0].damping, T = 1e-3;
+	ASSERT_GT(b, 0);
+	for (const auto& curve : json["curves"])
+		for (const auto& p : curve["points"])
+		{
+			const double B = p["damping"];
+			EXPECT_NEAR(p["stable"], (b + B) / (T / 2), 0.05 * (b + B) / (T / 2)) << curve["quantised"] << B;
+			EXPECT_LE(p["passive_measured"], std::max(0.0, 2 * (b - B) / T) + 1e-6) << curve["quantised"] << B;
+		}
+	const std::string page = makeReport(found.value()).text();
+	for (const char* part : {"Stable region", "Passive region", "steps of the sensor", "Touch"}) EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
+TEST(ZWidthPage, SaysSoWhereARegionIsNotThatOfTheory)
+{
+	auto found = scenes::runZWidth({"touch"}, {0});
+	ASSERT_TRUE(found);
+	scenes::ZWidthOutcome wrong = found.value();
+	wrong.stableError = 0.06;
+	EXPECT_FALSE(wrong.ok());
+	wrong = found.value();
+	wrong.passiveOverBound = 1.01;
+	EXPECT_FALSE(wrong.ok());
+	EXPECT_FALSE(scenes::ZWidthOutcome().ok());
+	EXPECT_FALSE(scenes::runZWidth({"nothing"}, {0}));
+}
