@@ -130,14 +130,20 @@ ist::Twist BulletLocalWorld::twistAt(int index, const ist::Vec3& point) const no
 void BulletLocalWorld::solve() noexcept
 {
 	for (int sweep = 0; sweep < kSweeps; ++sweep)
+	{
+		double changedForce = 0, changedTorque = 0, force = 0, torque = 0;
 		for (int row = 0; row < m_rowCount; ++row)
 		{
 			const ist::Vec3& point = m_rows[row].point();
 			const ist::Twist a = twistAt(m_rowA[row], point), b = twistAt(m_rowB[row], point);
-			const ist::Wrench change = m_rows[row].solve({a.linear - b.linear, a.angular - b.angular});
+			const ist::Wrench change = m_rows[row].solve({a.linear - b.linear, a.angular - b.angular}), whole = m_rows[row].impulse();
 			kick(m_rowA[row], point, change);
 			kick(m_rowB[row], point, -1.0 * change);
+			changedForce += squaredNorm(change.force), changedTorque += squaredNorm(change.torque);
+			force += squaredNorm(whole.force), torque += squaredNorm(whole.torque);
 		}
+		if (changedForce <= kSettled * kSettled * force && changedTorque <= kSettled * kSettled * torque) return;
+	}
 }
 
 void BulletLocalWorld::enterSpent(const LinearContact* touching, int count) noexcept

@@ -55,7 +55,8 @@ public:
 private:
 	static constexpr int kToolIndex = kMirroredBodies, kFixedIndex = kMirroredBodies + 1, kIndices = kMirroredBodies + 2;
 	static constexpr int kRows = kMirroredContacts + kToolContacts;
-	static constexpr int kSweeps = 12;
+	static constexpr int kSweeps = 12;         // at most
+	static constexpr double kSettled = 1e-5;  // share of the impulses that a sweep may still change and be the last
 
 	static int indexOf(int slotOrTool) noexcept;
 	ist::Pose putRight(int slot) const noexcept;
