@@ -43,6 +43,7 @@ BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<
 	m_leastInertia = 1 / std::max({inverseInertia.x, inverseInertia.y, inverseInertia.z});
 	if (settings.gravity) m_local.tool.gravity = toVec3(tool.getGravity());
 	m_local.tool.state = {toPose(tool.getWorldTransform()), {toVec3(tool.getLinearVelocity()), toVec3(tool.getAngularVelocity())}};
+	m_threadFinder.measure();
 	m_worldAge.fullUntil = m_answerAge.fullUntil = settings.fullUntil;
 	m_worldAge.zeroFrom = m_answerAge.zeroFrom = settings.zeroFrom;
 	post();
@@ -160,8 +161,12 @@ void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
 	question.X_WT = m_local.tool.state.X_WT;
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 	{
-		MirroredBody& asked = question.bodies[slot] = m_mirror.snapshot().bodies[slot];
-		if (asked.epoch == 0) continue;
+		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
+		MirroredBody& asked = question.bodies[slot];
+		// Empty slots are many, and a body is long: only who is there is copied.
+		asked.epoch = body.epoch;
+		if (body.epoch == 0) continue;
+		asked = body;
 		asked.X_WB = m_local.body(slot).spent.X_WB;
 		if (!asked.leaving) m_lastQuestion[slot] = m_asked;
 	}
@@ -251,7 +256,9 @@ void BulletDecoupledSource::post() noexcept
 	out.tool = m_local.tool.state;
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 	{
-		out.bodies[slot] = m_local.body(slot).spent;
+		const SpentImpulse& spent = m_local.body(slot).spent;
+		if (spent.epoch == 0) out.bodies[slot].epoch = 0;
+		else out.bodies[slot] = spent;
 		out.bodies[slot].released = m_mirror.snapshot().bodies[slot].leaving && mayRelease(slot);
 	}
 	m_mirror.send();
@@ -266,6 +273,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.count = 0;
 	answer.volume = 0;
 	const auto begin = std::chrono::steady_clock::now();
+	const double asked = m_threadFinder.queryMicroseconds();
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 	{
 		const MirroredBody& body = question.bodies[slot];
@@ -278,7 +286,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.overBudget = m_threadFinder.overBudget();
 	answer.refused = m_threadFinder.refused();
 	const double used = threadMicroseconds();
-	answer.cost = {answer.number, 0, used - (m_threadTime < 0 ? used : m_threadTime)};
+	answer.cost = {answer.number, 0, used - (m_threadTime < 0 ? used : m_threadTime), m_threadFinder.queryMicroseconds() - asked};
 	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[i].pairs;
 	m_threadTime = used;
 	m_answers.publish();

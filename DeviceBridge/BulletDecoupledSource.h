@@ -59,6 +59,7 @@ struct ContactAnswerCost
 	std::int64_t pairs = 0;         ///< intersecting leaves
 	/// On a processor since the answer before, waiting for the question included [us]. 0 for the first of a thread that is not the source's own.
 	double threadMicroseconds = 0;
+	double queryMicroseconds = 0;   ///< of this, in the queries themselves
 };
 
 /// Contact with a world that somebody else steps, at any rate and in any thread (decoupled mode). The tool is in no world: this

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/BulletToolContacts.h"
 
+#include "DeviceBridge/ThreadTime.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -20,25 +22,26 @@ BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::in
 	m_contact.treeA = notOwned(&tool);
 }
 
+ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB) noexcept
+{
+	if (!body.tree)  // a half-space has no levels
+	{
+		const ist::Vec3 normal = transpose(X_WT.rotation) * body.planeNormal;
+		return queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace);
+	}
+	const ist::Pose X_TB = inverse(X_WT) * X_WB;
+	const ist::OverlapResult result = queryOverlap(m_tool, *body.tree, X_TB, m_workspace, m_options);
+	if (result.status != ist::QueryStatus::BudgetTooSmall) return result;
+	++m_overBudget;
+	return queryOverlap(m_tool, *body.tree, X_TB, m_workspace);
+}
+
 int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,
 							 int capacity, double& volume) noexcept
 {
-	ist::OverlapResult result;
-	if (body.tree)
-	{
-		result = queryOverlap(m_tool, *body.tree, inverse(X_WT) * X_WB, m_workspace, m_options);
-		if (result.status == ist::QueryStatus::BudgetTooSmall)
-		{
-			++m_overBudget;
-			result = queryOverlap(m_tool, *body.tree, inverse(X_WT) * X_WB, m_workspace);
-		}
-	}
-	else
-	{
-		const ist::Vec3 normal = transpose(X_WT.rotation) * body.planeNormal;
-		// A half-space has no levels.
-		result = queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace);
-	}
+	const double begin = m_measures ? threadMicroseconds() : 0;
+	const ist::OverlapResult result = ask(X_WT, body, X_WB);
+	if (m_measures) m_queryMicroseconds += threadMicroseconds() - begin;
 	m_refused += result.status != ist::QueryStatus::Ok;
 	if (result.status != ist::QueryStatus::Ok || !(result.total.volume > 0)) return 0;
 	m_coarsened += result.coarsened;

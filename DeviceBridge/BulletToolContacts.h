@@ -19,6 +19,9 @@ public:
 	/// tool is A. The total overlap [m^3] is added to `volume`.
 	int find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out, int capacity,
 			 double& volume) noexcept;
+	/// Processor time of the queries alone so far [us], of the calling threads; counted from measure() on.
+	double queryMicroseconds() const noexcept { return m_queryMicroseconds; }
+	void measure() noexcept { m_measures = true; }
 	/// Queries that were answered by a coarser level than the leaves, to keep the budget.
 	std::uint64_t coarsened() const noexcept { return m_coarsened; }
 	/// Queries that no level could answer within the budget: they were asked without one, since no force at all would be worse.
@@ -27,11 +30,15 @@ public:
 	std::uint64_t refused() const noexcept { return m_refused; }
 
 private:
+	ist::OverlapResult ask(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB) noexcept;
+
 	const ist::InnerSphereTree& m_tool;
 	ist::QueryWorkspace m_workspace;
 	ist::QueryOptions m_options;
 	btISTContact m_contact;  // the law reads from it; its trees are not owned
 	std::uint64_t m_coarsened = 0, m_overBudget = 0, m_refused = 0;
+	bool m_measures = false;
+	double m_queryMicroseconds = 0;
 };
 
 /// `patch` between A and B at their poses.

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/btISTConversion.h"
 #include "DeviceBridge/BulletContactSource.h"
 #include "DeviceBridge/BulletWorldCoupling.h"
+#include "DeviceBridge/Decorators/DeviceDecorator.h"
 #include "DeviceBridge/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/SteppingThread.h"
@@ -30,10 +31,29 @@ namespace
 {
 constexpr double kTick = 1e-3;  // [s]
 
+/// Counts what the calls of a device take on a processor.
+class TimedDevice final : public DeviceDecorator
+{
+public:
+	using DeviceDecorator::DeviceDecorator;
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		const double begin = threadMicroseconds();
+		const DeviceStatus status = m_inner->read(now, state);
+		m_used += threadMicroseconds() - begin;
+		return status;
+	}
+	/// So far [us].
+	double used() const { return m_used; }
+
+private:
+	double m_used = 0;
+};
+
 /// The device of a scene, opened, and what ties it to the world.
 struct Hand
 {
-	std::unique_ptr<Device> device;
+	std::unique_ptr<TimedDevice> device;
 	std::unique_ptr<Clock> clock;
 	Pose X_BW;
 	CouplingGains gains;
@@ -82,7 +102,7 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 		if (scene.coupling.stiffness < 0) return at(scene.devicePlace, "a device that is not simulated needs hand.coupling.stiffness: nobody knows what it dissipates");
 		Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
 		if (!opened) return at(scene.devicePlace, opened.error().message);
-		hand.device = std::move(opened).value();
+		hand.device = std::make_unique<TimedDevice>(std::move(opened).value());
 		hand.gains = passiveGains(hand.device->info(), 0, 0, kTick);
 		return std::nullopt;
 	}
@@ -97,7 +117,7 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 	}
 	device->open();
 	hand.gains = passiveGains(profile.value().info, profile.value().damping, profile.value().angularDamping, kTick);
-	hand.device = std::move(device);
+	hand.device = std::make_unique<TimedDevice>(std::move(device));
 	return std::nullopt;
 }
 
@@ -105,8 +125,8 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 class TickRecorder
 {
 public:
-	TickRecorder(SteppingThread& thread, Clock& clock, const Pose& X_BW, size_t capacity, const BulletDecoupledSource* source)
-		: m_thread(thread), m_clock(clock), m_X_BW(X_BW), m_source(source)
+	TickRecorder(SteppingThread& thread, const Hand& hand, size_t capacity, const BulletDecoupledSource* source)
+		: m_thread(thread), m_clock(*hand.clock), m_device(*hand.device), m_X_BW(hand.X_BW), m_source(source)
 	{
 		m_ticks.reserve(capacity);
 		thread.onTransform.addDelegate([this](const DeviceState& state) { begin(state); });
@@ -131,14 +151,17 @@ private:
 		closeLast();
 		const std::int64_t now = m_clock.now();
 		const double used = threadMicroseconds();
-		if (m_first < 0) m_first = m_last = now, m_used = used;
+		const double inDevice = m_device.used();
+		if (m_first < 0) m_first = m_last = now, m_used = used, m_usedInDevice = inDevice;
 		m_next = {};
 		m_next.time = 1e-9 * static_cast<double>(now - m_first);
 		m_next.period = 1e-9 * static_cast<double>(now - m_last);
 		m_next.threadMicroseconds = used - m_used;
+		m_next.deviceMicroseconds = inDevice - m_usedInDevice;
 		m_next.hand = state.X_WH;
 		m_last = now;
 		m_used = used;
+		m_usedInDevice = inDevice;
 	}
 
 	void end()
@@ -158,13 +181,14 @@ private:
 
 	SteppingThread& m_thread;
 	Clock& m_clock;
+	const TimedDevice& m_device;
 	Pose m_X_BW;
 	const BulletDecoupledSource* m_source;
 	std::vector<SceneTick> m_ticks;
 	SceneTick m_next;
 	std::atomic<size_t> m_count{0};
 	std::int64_t m_first = -1, m_last = -1;
-	double m_used = 0;
+	double m_used = 0, m_usedInDevice = 0;
 	bool m_open = false;
 };
 
@@ -300,7 +324,7 @@ void keep(const SteppingThread& thread, TickRecorder& recorder, const SceneHooks
 std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecoupledSource* decoupled, SceneOutcome& outcome)
 {
 	SteppingThread thread(*stage.hand.device, source, *stage.hand.clock);
-	TickRecorder recorder(thread, *stage.hand.clock, stage.hand.X_BW, stage.ticks, decoupled);
+	TickRecorder recorder(thread, stage.hand, stage.ticks, decoupled);
 	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.ticks);
 	std::unique_ptr<WorldBeside> beside;
 	if (decoupled) beside = std::make_unique<WorldBeside>(stage.world, *decoupled, *stage.hand.clock, stage.scene.worldRate);

@@ -22,6 +22,7 @@ struct SceneTick
 	double time = 0;             ///< since the first tick [s]
 	double period = 0;           ///< since the tick before [s]
 	double threadMicroseconds = 0;  ///< on a processor, of the hand's thread, from the tick before to this one
+	double deviceMicroseconds = 0;  ///< of this, in the calls of the device: what a simulated hand takes to simulate
 	ist::Pose hand, tool;        ///< of the handle in the device's world, and of the tool's frame P in B
 	ist::Wrench wrench;          ///< what the tick sent to the device, in the device's axes
 	double volume = 0;           ///< overlap of the tool [m^3]

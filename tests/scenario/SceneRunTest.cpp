@@ -281,6 +281,16 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 	}
 	EXPECT_GT(last, 10u);
 	EXPECT_TRUE(touched);
+	// The parts are parts of their wholes.
+	for (size_t i = 1; i < s.run.ticks.size(); ++i)
+	{
+		const SceneTick& tick = s.run.ticks[i];
+		ASSERT_GT(tick.deviceMicroseconds, 0) << i;
+		ASSERT_LE(tick.deviceMicroseconds, tick.threadMicroseconds) << i;
+		if (tick.answer.number == 0 || tick.answer.threadMicroseconds == 0) continue;
+		ASSERT_GT(tick.answer.queryMicroseconds, 0) << i;
+		ASSERT_LE(tick.answer.queryMicroseconds, tick.answer.threadMicroseconds) << i;
+	}
 	const std::string csv = paperCsv(s);
 	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), '\n')), s.run.ticks.size() + 1);
 	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), ',')), 7 * (s.run.ticks.size() + 1));
