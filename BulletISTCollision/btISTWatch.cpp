@@ -59,16 +59,18 @@ bool btISTWatch::coversPair(const btCollisionObject* a, const btCollisionObject*
 bool btISTWatch::covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
 {
 	if (!coversPair(a.getCollisionObject(), b.getCollisionObject())) return false;
-	return !m_hasRegion || coversPlace(a, b, was);
-}
-
-bool btISTWatch::coversPlace(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
-{
-	const btVector3 sides = m_upper - m_lower;
-	const btScalar slack = was ? kHysteresis * std::max({sides.x(), sides.y(), sides.z()}) : btScalar(0);
+	if (!m_hasRegion) return true;
 	btVector3 lowerA, upperA, lowerB, upperB;
 	a.getCollisionShape()->getAabb(a.getWorldTransform(), lowerA, upperA);
 	b.getCollisionShape()->getAabb(b.getWorldTransform(), lowerB, upperB);
+	return coversBoxes(lowerA, upperA, lowerB, upperB, was);
+}
+
+bool btISTWatch::coversBoxes(const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const
+{
+	if (!m_hasRegion) return true;
+	const btVector3 sides = m_upper - m_lower;
+	const btScalar slack = was ? kHysteresis * std::max({sides.x(), sides.y(), sides.z()}) : btScalar(0);
 	for (int i = 0; i < 3; ++i)
 	{
 		const btScalar lower = std::max({lowerA[i], lowerB[i], m_lower[i] - slack});

@@ -33,13 +33,14 @@ public:
 
 	/// As far as pairs were named. O(log pairs), no allocation.
 	bool coversPair(const btCollisionObject* a, const btCollisionObject* b) const;
+	/// As far as the region goes: `lower` and `upper` corners of the bounding boxes of both (World).
+	bool coversBoxes(const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const;
 	/// `was`: it is volumetric now. O(log pairs), no allocation.
 	bool covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
 
 private:
 	using Pair = std::pair<const btCollisionObject*, const btCollisionObject*>;
 	static Pair sorted(const btCollisionObject* a, const btCollisionObject* b);
-	bool coversPlace(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
 
 	std::vector<Pair> m_pairs;  // sorted
 	bool m_onlyPairs = false, m_hasRegion = false;

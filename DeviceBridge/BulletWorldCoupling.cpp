@@ -198,18 +198,29 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 		btVector3 low, high;
 		hand.bodies[slot]->getCollisionShape()->getAabb(hand.bodies[slot]->getWorldTransform(), low, high);
 		const bool near = distanceToBox(center, low, high) <= kLeaveAt * reach;
-		const bool watched = m_registration.watch().coversPair(&hand.source->tool(), hand.bodies[slot]);
-		if (!near || !watched || !isFiniteBody(*hand.bodies[slot])) mirror.leave(slot);
+		if (!near || !watches(hand, *hand.bodies[slot], true) || !isFiniteBody(*hand.bodies[slot])) mirror.leave(slot);
 	}
 	if (!hand.moving) return;
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
 	for (int i = 0; i < objects.size(); ++i) admit(hand, *objects[i], center, reach);
 }
 
+/// The tool is in no world: its box is that of its last post.
+bool BulletWorldCoupling::watches(const Hand& hand, const btCollisionObject& body, bool was) const
+{
+	const btISTWatch& watch = m_registration.watch();
+	const btRigidBody& tool = hand.source->tool();
+	if (!watch.coversPair(&tool, &body)) return false;
+	btVector3 lowerTool, upperTool, lower, upper;
+	tool.getCollisionShape()->getAabb(toTransform(hand.source->mirror().posted().tool.X_WT), lowerTool, upperTool);
+	body.getCollisionShape()->getAabb(body.getWorldTransform(), lower, upper);
+	return watch.coversBoxes(lowerTool, upperTool, lower, upper, was);
+}
+
 void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach)
 {
 	if (!object.hasContactResponse() || !btRigidBody::upcast(&object) || !isFiniteBody(object)) return;
-	if (!m_registration.watch().coversPair(&hand.source->tool(), &object)) return;
+	if (!watches(hand, object, false)) return;
 	const btCollisionShape* shape = object.getCollisionShape();
 	btVector3 low, high;
 	shape->getAabb(object.getWorldTransform(), low, high);

@@ -17,8 +17,8 @@ namespace devicebridge
 /// step, as if the whole impulse had come at its beginning, the body is put back by the share of time for which it had not.
 ///
 /// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTWatch), those that are watched with
-/// the tool. A watched region does not bound it. Not felt: the children of compounds, and shapes without
-/// a tree. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the
+/// the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt: the children
+/// of compounds, and shapes without a tree. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the
 /// same body, by nothing but where the body is after each step: between two steps the hand feels the body without it.
 class BulletWorldCoupling
 {
@@ -77,6 +77,7 @@ private:
 	void showStockContacts(Hand& hand, WorldSnapshot& out);
 	void findToolContacts(Hand& hand, WorldSnapshot& out);
 	void describe(Hand& hand, int slot);
+	bool watches(const Hand& hand, const btCollisionObject& body, bool was) const;
 	ist::Pose begunAt(const btCollisionObject* body) const;
 
 	btDynamicsWorld& m_world;
