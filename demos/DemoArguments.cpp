@@ -51,8 +51,8 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--scene", {"--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate"}, "the file says all that");
 	if (a.demo == "continuity")
 		return clash("--demo continuity", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its longest side is 0.2 m, and it has neither clock nor world");
-	if (a.demo == "z-width")
-		return clash("--demo z-width", {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has neither bodies nor clock");
+	if (a.demo == "z-width" || a.demo == "safety")
+		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has neither bodies nor clock");
 	return {};
 }
 }  // namespace

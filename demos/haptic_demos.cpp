@@ -4,6 +4,7 @@
 #include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
 #include "demos/scenes/PaperFigures.h"
+#include "demos/scenes/SafetyPage.h"
 #include "demos/scenes/SceneReport.h"
 #include "demos/scenes/WholeText.h"
 #include "demos/scenes/ZWidthPage.h"
@@ -94,6 +95,13 @@ int runZWidth(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runSafety(const DemoArguments& a)
+{
+	const scenes::SafetyOutcome outcome = scenes::runSafety();
+	const int presented = present(a, outcome);
+	return outcome.ok() ? presented : 1;
+}
+
 int runHapticBunny(const DemoArguments& a)
 {
 	scenes::HapticBunnyOptions options;
@@ -168,6 +176,7 @@ int run(int argc, char** argv)
 		std::printf("bunny-query   mesh to tree to force: a probe pressed on the bunny and slid over its back\n");
 		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
 		std::printf("z-width       stiffness and damping of a wall that devices bear, stably and passively\n");
+		std::printf("safety        what reaches a device without each stage of the safety chain, and with it\n");
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
@@ -175,6 +184,7 @@ int run(int argc, char** argv)
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "continuity") return runContinuity(a);
 	if (a.demo == "z-width") return runZWidth(a);
+	if (a.demo == "safety") return runSafety(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
 	if (a.demo.empty())
 		std::fprintf(stderr, "haptic_demos: nothing to do\n%s", scenes::kDemoUsage);

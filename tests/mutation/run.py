@@ -65,6 +65,39 @@ MUTATIONS = {
     "table of contacts not registered": (
         COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || !closest) return;",
         "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+    "what is not finite passes": (
+        BRIDGE + "SafetyLimiter.cpp", "if (!finite)", "if (false)",
+        "test_devices", "Safety*"),
+    "old commands count in full": (
+        BRIDGE + "Safety/AgeFade.h", "if (age < 0 || age >= zeroFrom || now >= command.expiresAt) return 0;", "if (age != -1) return 1;",
+        "test_devices", "Safety*"),
+    "a handle that nobody holds is pushed": (
+        BRIDGE + "SafetyLimiter.cpp", "if (m_enabled && (hand.flags & kReady) == kReady) return true;", "if (m_enabled) return true;",
+        "test_devices", "Safety*"),
+    "no ramp after enabling": (
+        BRIDGE + "Safety/GainRamp.h", "return age >= m_duration ? 1", "return age >= 0 ? 1",
+        "test_devices", "Safety*"),
+    "force inside when enabled": (
+        BRIDGE + "SafetyLimiter.cpp", "m_inside.holds(inContact) && m_settings.startInsideLatch", "m_inside.holds(inContact) && false",
+        "test_devices", "Safety*"),
+    "torque without motors for it": (
+        BRIDGE + "SafetyLimiter.cpp", "if ((m_info.actuated >> axis & 1U) || value == 0) continue;", "if (axis >= 0) continue;",
+        "test_devices", "Safety*"),
+    "no passivity controller": (
+        BRIDGE + "SafetyLimiter.cpp", "if (m_settings.passivity && m_passivity", "if (false && m_passivity",
+        "test_devices", "PassivityController.*"),
+    "no slew limit": (
+        BRIDGE + "SafetyLimiter.cpp", "limitSlew(wrench.force, m_last.force, share * m_info.peakForce)", "false",
+        "test_devices", "Safety*"),
+    "no saturation": (
+        BRIDGE + "SafetyLimiter.cpp", "if (saturate(wrench, m_info.peakForce, m_info.peakTorque, m_settings.oneFactor)) increment(m_saturated);", "",
+        "test_devices", "Safety*"),
+    "no continuous budget": (
+        BRIDGE + "SafetyLimiter.cpp", "m_forceHeat.limit(wrench.force)", "false",
+        "test_devices", "Safety*"),
+    "no brake above the largest speed": (
+        BRIDGE + "SafetyLimiter.cpp", "if (m_brake.apply(out.wrench, hand.twist)) increment(m_overSpeed);", "",
+        "test_devices", "Safety*"),
     "gap between ticks not bridged": (
         BRIDGE + "GapBridge.h", "if (dt > kShortest * period && m_hasLast)", "if (false)",
         "test_devices", "GapBridge.*"),
