@@ -26,7 +26,8 @@ double leastInertia(const btRigidBody& body)
 
 BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool,
 										 const BulletToolSettings& settings)
-	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_X_WB(inverse(settings.X_BW))
+	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_X_WB(inverse(settings.X_BW)),
+	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite)
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
 	m_store.measureQueryTime(true);
@@ -38,12 +39,14 @@ BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactSto
 void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
 	const ist::Vec3 toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
+	forgetMomentum(dt);
 	step.coupling = pull(dt, hand);
 	applyToTool(step.coupling);
 	m_store.resetQueryTime();
 	m_world.stepSimulation(btScalar(dt), 0);
 	step.queryMicroseconds = 1e6 * m_store.querySeconds();
 	step.tool = toolState();
+	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_settings.gains, step.coupling, step.tool.twist, dt);
 	collectContacts(dt, toolOrigin, step);
 }
 
@@ -57,10 +60,29 @@ ToolState BulletContactSource::toolState() const noexcept
 ist::Wrench BulletContactSource::pull(double dt, const DeviceState& hand) const noexcept
 {
 	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	if (m_settings.gains.isStatic) return staticPull(m_settings.gains, hand.X_WH, toolState().X_WT);
 	const double inverseMass = double(m_tool.getInvMass());
 	const double mass = inverseMass > 0 ? 1 / inverseMass : kInfinite;
 	ist::Wrench wanted = couplingOnTool(m_settings.gains, hand.X_WH, hand.twist, toolState(), mass, leastInertia(m_tool), dt);
 	return isFinite(wanted) ? wanted : ist::Wrench();
+}
+
+/// Before a step on a static coupling.
+void BulletContactSource::forgetMomentum(double dt) noexcept
+{
+	const CouplingGains& gains = m_settings.gains;
+	if (!gains.isStatic || !(m_tool.getInvMass() > 0)) return;
+	const bool turns = gains.angularStiffness > 0, goes = gains.stiffness > 0;
+	const btVector3 inverse = m_tool.getInvInertiaDiagLocal();
+	const btVector3 before(inverse.x() > 0 ? 1 / inverse.x() : 0, inverse.y() > 0 ? 1 / inverse.y() : 0, inverse.z() > 0 ? 1 / inverse.z() : 0);
+	const btScalar inertia = btScalar(staticMass(gains.angularStiffness, dt));
+	const double mass = goes ? staticMass(gains.stiffness, dt) : m_mass;
+	m_tool.setMassProps(btScalar(mass), turns ? btVector3(inertia, inertia, inertia) : before);
+	m_tool.updateInertiaTensor();
+	// Its weight is that of the body as it came.
+	m_tool.applyCentralForce(m_tool.getGravity() * btScalar(m_mass - mass));
+	if (goes) m_tool.setLinearVelocity(btVector3(0, 0, 0));
+	if (turns) m_tool.setAngularVelocity(btVector3(0, 0, 0));
 }
 
 void BulletContactSource::applyToTool(const ist::Wrench& inW) noexcept

@@ -23,7 +23,8 @@ struct BulletToolSettings
 class BulletContactSource final : public ContactSource
 {
 public:
-	/// `tool` is a dynamic body of `world`, which fills `store`. From here on the tool is never put to sleep.
+	/// `tool` is a dynamic body of `world`, which fills `store`. From here on the tool is never put to sleep; on a static coupling it has the mass and
+	/// inertia of staticMass(), though its weight stays.
 	BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool, const BulletToolSettings& settings);
 	BulletContactSource(btISTWorld& world, btRigidBody& tool, const BulletToolSettings& settings)
 		: BulletContactSource(world.bullet(), world.contacts(), tool, settings)
@@ -39,6 +40,7 @@ public:
 
 private:
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
+	void forgetMomentum(double dt) noexcept;
 	void applyToTool(const ist::Wrench& inW) noexcept;
 	void collectContacts(double dt, const ist::Vec3& toolOrigin, ToolStep& step) const noexcept;
 	ToolContact contactInW(const btISTContact& contact, double dt, const ist::Vec3& toolOrigin) const noexcept;
@@ -48,5 +50,6 @@ private:
 	btRigidBody& m_tool;
 	BulletToolSettings m_settings;
 	ist::Pose m_X_WB;
+	double m_mass;  // of the tool as it came [kg]
 };
 }  // namespace devicebridge

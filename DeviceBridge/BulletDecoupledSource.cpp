@@ -42,6 +42,7 @@ BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<
 	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = inverseInertia[i];
 	m_leastInertia = 1 / std::max({inverseInertia.x, inverseInertia.y, inverseInertia.z});
 	if (settings.gravity) m_local.tool.gravity = toVec3(tool.getGravity());
+	m_weight = m_local.tool.mass * m_local.tool.gravity;
 	m_local.tool.state = {toPose(tool.getWorldTransform()), {toVec3(tool.getLinearVelocity()), toVec3(tool.getAngularVelocity())}};
 	m_threadFinder.measure();
 	m_worldAge.fullUntil = m_answerAge.fullUntil = settings.fullUntil;
@@ -68,6 +69,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 		for (int slot = 0; slot < kMirroredBodies; ++slot) m_local.body(slot).share = 0;
 	step.overdue = m_worldAge.known() ? m_worldAge.overdue(now) : 0;
 
+	forgetMomentum(dt);
 	step.coupling = pull(dt, hand);
 	const auto begin = std::chrono::steady_clock::now();
 	step.queryMicroseconds = 0;
@@ -79,6 +81,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
 	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching, m_touchingCount, m_mirror.snapshot());
 	step.tool = toolState();
+	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_settings.gains, step.coupling, step.tool.twist, dt);
 	fill(dt, origin, step);
 	post();
 }
@@ -101,9 +104,28 @@ void BulletDecoupledSource::takeSnapshot(std::int64_t now) noexcept
 ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) const noexcept
 {
 	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	if (m_settings.gains.isStatic) return staticPull(m_settings.gains, hand.X_WH, toolState().X_WT);
 	const ist::Wrench wanted =
 		couplingOnTool(m_settings.gains, hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
 	return isFinite(wanted) ? wanted : ist::Wrench();
+}
+
+/// Before a step on a static coupling.
+void BulletDecoupledSource::forgetMomentum(double dt) noexcept
+{
+	const CouplingGains& gains = m_settings.gains;
+	LocalTool& tool = m_local.tool;
+	if (!gains.isStatic) return;
+	if (gains.stiffness > 0)
+	{
+		tool.mass = staticMass(gains.stiffness, dt);
+		tool.gravity = m_weight / tool.mass;
+		tool.state.twist.linear = {};
+	}
+	if (!(gains.angularStiffness > 0)) return;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) tool.inverseInertia.m[i][j] = i == j ? 1 / staticMass(gains.angularStiffness, dt) : 0;
+	tool.state.twist.angular = {};
 }
 
 void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexcept

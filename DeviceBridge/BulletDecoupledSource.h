@@ -134,6 +134,7 @@ private:
 	};
 
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
+	void forgetMomentum(double dt) noexcept;
 	void takeSnapshot(std::int64_t now) noexcept;
 	void findContacts(std::int64_t now, ToolStep& step) noexcept;
 	void askInTick(ToolStep& step) noexcept;
@@ -151,6 +152,7 @@ private:
 	BulletDecoupledSettings m_settings;
 	ist::Pose m_X_WB;
 	double m_leastInertia = 0;
+	ist::Vec3 m_weight;  // of the tool, in World, as far as the hand is to feel it [N]
 	std::atomic<ContactTopology> m_topology;
 
 	WorldMirror m_mirror;

@@ -2,18 +2,24 @@
 #include "DeviceBridge/VirtualCoupling.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace devicebridge
 {
 namespace
 {
+ist::Vec3 saturated(const ist::Vec3& pull, double limit)
+{
+	const double length = norm(pull);
+	return length > limit ? pull * (limit / length) : pull;
+}
+
 ist::Vec3 implicitPull(double k, double b, double inertia, double h, const ist::Vec3& offset, const ist::Vec3& target,
 					   const ist::Vec3& velocity, double limit)
 {
 	const ist::Vec3 pull =
 		(k * (offset - h * velocity) + b * (target - velocity)) / (1 + (h * b + h * h * k) / inertia);
-	const double length = norm(pull);
-	return length > limit ? pull * (limit / length) : pull;
+	return saturated(pull, limit);
 }
 }  // namespace
 
@@ -25,6 +31,20 @@ ist::Wrench couplingOnTool(const CouplingGains& gains, const ist::Pose& X_WH, co
 	return {implicitPull(gains.stiffness, gains.damping, mass, h, offset, hand.linear, tool.twist.linear, gains.maxForce),
 			implicitPull(gains.angularStiffness, gains.angularDamping, inertia, h, turn, hand.angular,
 						 tool.twist.angular, gains.maxTorque)};
+}
+
+ist::Wrench staticPull(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Pose& X_WT) noexcept
+{
+	constexpr double kHeavy = std::numeric_limits<double>::infinity();
+	CouplingGains springs = gains;
+	springs.damping = springs.angularDamping = 0;
+	return couplingOnTool(springs, X_WH, {}, {X_WT, {}}, kHeavy, kHeavy, 0);
+}
+
+ist::Wrench staticWrench(const CouplingGains& gains, const ist::Wrench& pull, const ist::Twist& after, double h) noexcept
+{
+	return {saturated(pull.force - gains.stiffness * h * after.linear, gains.maxForce),
+			saturated(pull.torque - gains.angularStiffness * h * after.angular, gains.maxTorque)};
 }
 
 CouplingGains passiveGains(const DeviceInfo& info, double deviceDamping, double deviceAngularDamping, double h) noexcept

@@ -10,7 +10,18 @@ struct CouplingGains
 	double stiffness = 0, angularStiffness = 0;  ///< [N/m, N m/rad]
 	double damping = 0, angularDamping = 0;      ///< [N s/m, N m s/rad]
 	double maxForce = 0, maxTorque = 0;          ///< [N, N m]
+	/// The static coupling: the tool has no momentum, each step puts it where coupling and contact balance, and the damping has no meaning. A freedom
+	/// without stiffness stays dynamic. Source: Wan and McNeely 2003.
+	bool isStatic = false;
 };
+
+/// Mass of a tool that stands for a static coupling of stiffness K [N/m], or inertia for one of K [N m/rad]: at rest before the step, and pulled
+/// by staticPull(), the implicit step of a world with contact stiffness C is the Newton step (K + C) dx = K (x_h - x) + F_contact.
+inline double staticMass(double stiffness, double h) noexcept { return stiffness * h * h; }
+/// K (x_h - x) on the tool at the beginning of the step, and likewise for rotation, saturated; about the origin of the tool, in W.
+ist::Wrench staticPull(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Pose& X_WT) noexcept;
+/// What the coupling exerts at the end of that step of `h` [s], after which the tool has the velocity `after`; saturated.
+ist::Wrench staticWrench(const CouplingGains& gains, const ist::Wrench& pull, const ist::Twist& after, double h) noexcept;
 
 /// Wrench of the spring and damper on the tool at the end of a step `h` [s], the velocity of the tool taken implicitly,
 /// about the origin of the tool, in W:

@@ -286,6 +286,7 @@ private:
 	{
 		JsonFields f = fields(object, "hand.coupling");
 		SceneCoupling& c = m_scene.coupling;
+		c.isStatic = f.flag("static", false);
 		c.stiffness = f.number("stiffness", -1, 0, 1e6);
 		c.angularStiffness = f.number("angularStiffness", -1, 0, 1e6);
 		c.damping = f.number("damping", -1, 0, 1e4);

@@ -83,6 +83,7 @@ void apply(const SceneCoupling& wanted, CouplingGains& gains)
 	take(wanted.angularDamping, gains.angularDamping);
 	take(wanted.maxForce, gains.maxForce);
 	take(wanted.maxTorque, gains.maxTorque);
+	gains.isStatic = wanted.isStatic;
 }
 
 std::vector<HandKeyFrame> framesInW(const Scene& scene, const Pose& X_MP, const Pose& X_BW)

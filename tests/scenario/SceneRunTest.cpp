@@ -206,6 +206,30 @@ TEST(SceneRun, TheCouplingOfTheFileIsTheOneThatActs)
 	EXPECT_LE(outcome.value().maxForce, 1.25 * 1.001);
 }
 
+// A tool with mass swings on the spring when the hand sets off, and goes on swinging; one without is where the hand is.
+TEST(SceneRun, AStaticCouplingDoesNotSwing)
+{
+	for (const char* topology : {"one-thread", "contact-in-tick"})
+		for (const bool isStatic : {true, false})
+		{
+			std::string text = scene(topology, 0.5, 0.4);
+			const std::string tool = "\"tool\": \"ball\",";
+			text.replace(text.find(tool), tool.size(), tool + R"("coupling": {"static": )" + (isStatic ? "true" : "false") + "},");
+			const Result<SceneOutcome> outcome = run(text);
+			ASSERT_TRUE(outcome) << outcome.error().message;
+			double most = 0;
+			for (size_t i = 500; i < 900; ++i) most = std::max(most, norm(outcome.value().ticks[i].wrench.force));
+			if (isStatic)
+			{
+				EXPECT_LT(most, 1e-5) << topology;
+			}
+			else
+			{
+				EXPECT_GT(most, 1e-3) << topology;
+			}
+		}
+}
+
 TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 {
 	const auto swap = [](std::string text, const std::string& from, const std::string& to)

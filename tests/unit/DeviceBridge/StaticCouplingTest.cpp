@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/BulletContactSource.h"
+#include "tests/unit/CountingAllocator.h"
+#include "tests/unit/DeviceBridge/DecoupledRig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+constexpr double kSpring = 1000, kTick = 1e-3;  // [N/m, s]
+
+BulletDecoupledSettings staticSettings()
+{
+	BulletDecoupledSettings settings = handSettings();
+	settings.gains.stiffness = kSpring;
+	settings.gains.isStatic = true;
+	return settings;
+}
+
+Vec3 contactForce(const ToolStep& step)
+{
+	Vec3 sum;
+	for (int i = 0; i < step.contactCount; ++i) sum += step.contacts[i].onTool.force;
+	return sum;
+}
+
+/// The same ball and hand with the world in the tick.
+struct OneThread
+{
+	btISTWorld world;
+	btSphereShape shape{btScalar(kBallRadius)};
+	btStaticPlaneShape planeShape{btVector3(0, 1, 0), 0};
+	btISTAttachment attached = std::move(world.attach(&shape, ballTree())).value();
+	btRigidBody tool, floor;
+	std::unique_ptr<BulletContactSource> source;
+	DeviceState hand;
+	ToolStep step;
+
+	explicit OneThread(const Vec3& at, bool gravity = false)
+		: tool(Hand::info(shape, at)), floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &planeShape))
+	{
+		world.setGravity(btVector3(0, btScalar(-9.81), 0));
+		world.bullet().addRigidBody(&tool);
+		world.bullet().addRigidBody(&floor);
+		for (btRigidBody* body : {&tool, &floor})
+			if (world.materials().set(body, {2e7, -1})) throw std::runtime_error("material refused");
+		BulletToolSettings settings;
+		settings.gains = staticSettings().gains;
+		settings.gravity = gravity;
+		source = std::make_unique<BulletContactSource>(world, tool, settings);
+		hand.X_WH.translation = at;
+	}
+	~OneThread()
+	{
+		world.bullet().removeRigidBody(&tool);
+		world.bullet().removeRigidBody(&floor);
+	}
+	void tick(const Vec3& velocity)
+	{
+		hand.X_WH.translation += kTick * velocity;
+		hand.twist.linear = velocity;
+		step.contactCount = 0;
+		step.overlapVolume = 0;
+		source->advance(kTick, hand, step);
+	}
+};
+}  // namespace
+
+// A tool without momentum is where the hand is, and a hand in free space feels nothing; a dynamic one drags its mass and what it lags behind.
+TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
+{
+	for (const bool isStatic : {true, false})
+	{
+		DecoupledRig rig(60);
+		BulletDecoupledSettings settings = staticSettings();
+		settings.gains.isStatic = isStatic;
+		Hand& hand = rig.addHand({100, 2, -3}, settings);
+		hand.script = [](double t) { return ist::Twist{{0.3 * std::cos(20 * t), 0.2 * std::sin(31 * t), 0.1}, {}}; };
+		double farthest = 0;
+		rig.afterTick = [&] { farthest = std::max(farthest, distance(hand.source.toolState().X_WT.translation, hand.state.X_WH.translation)); };
+		rig.run(0.5);
+		if (isStatic)
+		{
+			EXPECT_LT(farthest, 1e-9);
+			EXPECT_LT(hand.largest, 1e-6);
+		}
+		else
+		{
+			EXPECT_GT(farthest, 1e-4);
+			EXPECT_GT(hand.largest, 0.1);
+		}
+	}
+}
+
+// Pressed on a plane, the spring and the contact balance in every tick, at once and without a swing. On a half-space F = k V, two stiffnesses of 2e7 in
+// series being 1e7.
+TEST(StaticCoupling, SpringAndContactBalanceInEveryTick)
+{
+	DecoupledRig rig(60);
+	rig.addPlane();
+	Hand& hand = rig.addHand({0, 0.025, 0}, staticSettings());
+	hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.05 : 0, 0}, {}}; };
+	double worst = 0, atStop = 0;
+	rig.afterTick = [&]
+	{
+		const Vec3 spring = kSpring * (hand.state.X_WH.translation - hand.source.toolState().X_WT.translation);
+		worst = std::max(worst, norm(spring + contactForce(hand.step)));
+		worst = std::max(worst, distance(spring, hand.step.coupling.force));
+		// The tick after the hand has stopped.
+		if (rig.ticks == 301) atStop = norm(hand.step.coupling.force);
+	};
+	rig.run(0.6);
+	const double force = norm(hand.step.coupling.force);
+	EXPECT_LT(worst, 1e-6);
+	EXPECT_GT(force, 1);
+	EXPECT_NEAR(1e7 * hand.step.overlapVolume, force, 0.03 * force);
+	EXPECT_NEAR(atStop, force, 0.02 * force);
+}
+
+TEST(StaticCoupling, TheWorldInTheTickBalancesAlike)
+{
+	OneThread scene({0, 0.025, 0});
+	double worst = 0;
+	for (int i = 0; i < 600; ++i)
+	{
+		scene.tick({0, i < 300 ? -0.05 : 0, 0});
+		const Vec3 spring = kSpring * (scene.hand.X_WH.translation - scene.step.tool.X_WT.translation);
+		worst = std::max({worst, norm(spring + contactForce(scene.step)), distance(spring, scene.step.coupling.force)});
+	}
+	const double force = norm(scene.step.coupling.force);
+	// In single precision the pose is good to a few nanometres: a few micronewtons.
+	EXPECT_LT(worst, 1e-4);
+	EXPECT_GT(force, 1);
+	EXPECT_NEAR(1e7 * scene.step.overlapVolume, force, 0.03 * force);
+}
+
+TEST(StaticCoupling, TheWeightThatIsFeltIsThatOfTheTool)
+{
+	OneThread scene({0, 0.5, 0}, true);
+	for (int i = 0; i < 100; ++i) scene.tick({});
+	EXPECT_NEAR(scene.step.coupling.force.y, kDecoupledToolMass * 9.81, 1e-3);
+	DecoupledRig rig(60, {0, -9.81, 0});
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gravity = true;
+	btRigidBody tool(Hand::info(rig.ballShape, {}));
+	tool.setGravity(btVector3(0, btScalar(-9.81), 0));
+	BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
+	DeviceState hand;
+	ToolStep step;
+	for (int i = 0; i < 100; ++i) source.advance(kTick, hand, step);
+	EXPECT_NEAR(step.coupling.force.y, kDecoupledToolMass * 9.81, 1e-6);
+}
+
+// Saturated, the hand is never pushed by more than the largest force.
+TEST(StaticCoupling, SaturatesAndAllocatesNothing)
+{
+	DecoupledRig rig(60);
+	rig.addPlane();
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.maxForce = 1.5;
+	Hand& hand = rig.addHand({0, 0.025, 0}, settings);
+	hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.1 : 0, 0}, {}}; };
+	rig.run(0.4);
+	EXPECT_NEAR(norm(hand.step.coupling.force), 1.5, 1e-6);
+	EXPECT_LE(hand.largest, 1.5 + 1e-9);
+	const long before = allocationCount();
+	for (int i = 0; i < 50; ++i) hand.tick(1);
+	EXPECT_EQ(allocationCount(), before);
+}
