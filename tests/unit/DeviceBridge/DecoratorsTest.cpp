@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "DeviceBridge/Decorators/ClutchedDevice.h"
 #include "DeviceBridge/Decorators/DelayedDevice.h"
+#include "DeviceBridge/Decorators/LimitedDevice.h"
 #include "DeviceBridge/Decorators/MountedDevice.h"
 #include "DeviceBridge/Decorators/VelocityFilter.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
@@ -274,4 +276,49 @@ TEST(Decorators, TheJointsOfAHandMoveWithItsHandle)
 			EXPECT_EQ(hand.joints[kIndexTip].position, sent[static_cast<std::size_t>(i - 2)]);
 		}
 	}
+}
+
+TEST(LimitedDevice, NothingUnsafeReachesTheDevice)
+{
+	SafetySettings settings;
+	settings.rampTime = 0;
+	const auto [limited, puppet] = decorated<LimitedDevice>(settings);
+	puppet->last.wrench.force = {99, 0, 0};
+	DeviceCommand command;
+	command.wrench.force = {100, 0, 0};
+	ASSERT_EQ(limited->open(), DeviceStatus::Ok);
+	// Before the first sample, and held in contact from the first one on: nothing.
+	limited->write(command);
+	EXPECT_EQ(puppet->last.wrench.force, Vec3());
+	const double peak = puppet->description.peakForce;
+	double last = 0;
+	for (int i = 1; i <= 200; ++i)
+	{
+		readAt(*limited, i * kMs);
+		command.computedAt = i * kMs;
+		command.expiresAt = command.computedAt + 20 * kMs;
+		command.wrench.force = {i < 50 || i > 60 ? 100.0 : 0.0, 0, 0};
+		limited->write(command);
+		const double force = puppet->last.wrench.force.x;
+		ASSERT_EQ(force, limited->sentWrench().force.x);
+		ASSERT_LE(force - last, peak / 20 + 1e-9) << i;
+		ASSERT_LE(force, peak + 1e-9) << i;
+		if (i <= 60)
+		{
+			ASSERT_EQ(force, 0) << i;
+		}
+		last = force;
+	}
+	EXPECT_GT(last, peak / 2);
+	// A command that is old by now, and one that is not a number.
+	readAt(*limited, 230 * kMs);
+	limited->write(command);
+	EXPECT_EQ(puppet->last.wrench.force, Vec3());
+	readAt(*limited, 231 * kMs);
+	command.computedAt = 231 * kMs;
+	command.expiresAt = 250 * kMs;
+	command.wrench.force.y = std::numeric_limits<double>::quiet_NaN();
+	limited->write(command);
+	EXPECT_EQ(puppet->last.wrench.force, Vec3());
+	EXPECT_TRUE(limited->limiter().faulted());
 }
