@@ -173,3 +173,31 @@ TEST(StaticCoupling, SaturatesAndAllocatesNothing)
 	for (int i = 0; i < 50; ++i) hand.tick(1);
 	EXPECT_EQ(allocationCount(), before);
 }
+
+// What the hand feels is the coupling in series with the contact, C = k A on a flat face, which grows without bound with k and area: never more than the
+// coupling's own K, which is what the device bears.
+TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
+{
+	const double area = 4 * kBoxHalf * kBoxHalf;
+	for (const bool isStatic : {true, false})
+		for (const double k : {3e5, 1e6, 1e9, 1e12})
+		{
+			DecoupledRig rig(240);
+			rig.add(rig.planeShape, 0, {}, 0.8, 2 * k);
+			BulletDecoupledSettings settings = staticSettings();
+			settings.gains.isStatic = isStatic;
+			settings.gains.angularDamping = 5e-3;
+			Hand& hand = rig.addHand({0, kBoxHalf + 0.001, 0}, settings, true);
+			ASSERT_FALSE(rig.world.materials().set(&hand.body, {2 * k, -1}));
+			hand.script = [](double t) { return ist::Twist{{0, t < 0.3 || (t > 1.35 && t < 1.45) ? -0.03 : 0, 0}, {}}; };
+			rig.run(1.3);
+			const double first = norm(hand.step.coupling.force), from = hand.state.X_WH.translation.y;
+			rig.run(1.1);
+			const double felt = (norm(hand.step.coupling.force) - first) / (from - hand.state.X_WH.translation.y);
+			// With mass the coupling is that of the end of a step that nothing held up (VirtualCoupling.h).
+			const double yielding = isStatic ? 1 : 1 + (kTick * settings.gains.damping + kTick * kTick * kSpring) / kDecoupledToolMass;
+			const double series = 1 / (yielding / kSpring + 1 / (k * area));
+			EXPECT_NEAR(felt, series, 0.06 * series) << k << (isStatic ? ", static" : ", dynamic");
+			EXPECT_LE(felt, kSpring * (1 + 1e-3)) << k << (isStatic ? ", static" : ", dynamic");
+		}
+}
