@@ -265,7 +265,11 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	if (!wasFaulted && m_limiter.faulted()) m_latchedCause = FaultCause::NotFinite;
 	if (!m_limiter.faulted()) m_latchedCause = FaultCause::None;
 	const bool written = m_device.write(m_sent) == DeviceStatus::Ok;
-	if (!written) increment(m_deviceErrors);
+	if (!written)
+	{
+		increment(m_deviceErrors);
+		m_sent.wrench = {};
+	}
 	const FaultCause latched = m_latchedCause == FaultCause::None ? FaultCause::Raised : m_latchedCause;
 	if (m_limiter.faulted()) report(latched, true);
 	else report(!written ? FaultCause::Disconnected : jumped ? FaultCause::ClockJump : stalled ? FaultCause::Stalled : FaultCause::None, false);

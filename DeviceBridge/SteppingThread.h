@@ -109,7 +109,7 @@ public:
 	const ToolStep& step() const noexcept { return m_step; }
 	/// As the force law and the listeners wanted it.
 	const ist::Wrench& wantedWrench() const noexcept { return m_wanted; }
-	/// As it went to the device.
+	/// As it went to the device; zero where that did not take it.
 	const ist::Wrench& sentWrench() const noexcept { return m_sent.wrench; }
 
 private:
