@@ -18,12 +18,21 @@ enum DegreeOfFreedom : unsigned
 	kHandJointsSensed = 0x80  ///< readHand() answers
 };
 
+/// For which hand a device is made.
+enum class Handedness
+{
+	Either,  ///< or unknown
+	Left,
+	Right
+};
+
 /// What a device is and what it can bear. A peak of zero is unknown, and nothing is sent through it; a continuous limit of
 /// zero is unknown, and a quarter of the peak is assumed.
 struct DeviceInfo
 {
 	std::string model, maker, serial, uri;
 	unsigned sensed = 0, actuated = 0;
+	Handedness handedness = Handedness::Either;
 	double peakForce = 0, continuousForce = 0;         ///< [N]
 	double peakTorque = 0, continuousTorque = 0;       ///< [N m]
 	double maxStiffness = 0, maxAngularStiffness = 0;  ///< at 1 kHz [N/m, N m/rad]

@@ -39,6 +39,13 @@ enum
 	DEVICEBRIDGE_HAND = 0x80
 };
 
+/* The hand that a device is made for. */
+enum
+{
+	DEVICEBRIDGE_LEFT = 1,
+	DEVICEBRIDGE_RIGHT = 2
+};
+
 /* Bits of devicebridge_state.flags; the host sets all of them before each exchange. Force flows while all are set. */
 enum
 {
@@ -52,7 +59,7 @@ struct devicebridge_info
 {
 	uint32_t size;
 	uint32_t sensed, actuated;
-	uint32_t reserved;
+	uint32_t handedness;                             /* DEVICEBRIDGE_LEFT or DEVICEBRIDGE_RIGHT; zero: either, or unknown */
 	double peak_force, continuous_force;             /* [N] */
 	double peak_torque, continuous_torque;           /* [N m] */
 	double max_stiffness, max_angular_stiffness;     /* at 1 kHz [N/m, N m/rad] */

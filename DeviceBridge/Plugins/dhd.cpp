@@ -27,6 +27,7 @@ struct DhdFunctions
 	bool (*hasWrist)(char);
 	bool (*hasActiveWrist)(char);
 	bool (*hasGripper)(char);
+	bool (*isLeftHanded)(char);
 	int (*status)(int*, char);
 	int (*pose)(double*, double*, double*, double (*)[3], char);
 	int (*linear)(double*, double*, double*, char);
@@ -48,6 +49,7 @@ DhdFunctions loadDhd()
 	library.find("dhdGetSystemType", f.systemType), library.find("dhdGetSystemName", f.systemName);
 	library.find("dhdGetSerialNumber", f.serial), library.find("dhdHasWrist", f.hasWrist);
 	library.find("dhdHasActiveWrist", f.hasActiveWrist), library.find("dhdHasGripper", f.hasGripper);
+	library.find("dhdIsLeftHanded", f.isLeftHanded);
 	library.find("dhdGetStatus", f.status), library.find("dhdGetPositionAndOrientationFrame", f.pose);
 	library.find("dhdGetLinearVelocity", f.linear), library.find("dhdGetAngularVelocityRad", f.angular);
 	library.find("dhdGetButtonMask", f.buttons), library.find("dhdGetGripperAngleRad", f.gripAngle);
@@ -123,6 +125,7 @@ void DhdDevice::describe(devicebridge_info& info)
 	m_wrist = m_f.hasWrist(m_id), m_gripper = m_f.hasGripper(m_id);
 	info.sensed = info.actuated = DEVICEBRIDGE_TRANSLATION;
 	if (m_wrist) info.sensed |= DEVICEBRIDGE_ROTATION;
+	if (m_wrist) info.handedness = m_f.isLeftHanded(m_id) ? DEVICEBRIDGE_LEFT : DEVICEBRIDGE_RIGHT;
 	if (m_gripper) info.sensed |= DEVICEBRIDGE_GRIP;
 	if (m_f.hasActiveWrist(m_id)) info.actuated |= DEVICEBRIDGE_ROTATION;
 	const char* const name = m_f.systemName(m_id);

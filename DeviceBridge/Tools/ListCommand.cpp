@@ -50,6 +50,7 @@ int runInfo(const RunArguments& arguments)
 	report["serial"] = info.serial;
 	report["sensed"] = freedoms(info.sensed);
 	report["actuated"] = freedoms(info.actuated);
+	report["handedness"] = info.handedness == Handedness::Left ? "left" : info.handedness == Handedness::Right ? "right" : "either";
 	// An unknown value is null, not zero.
 	const auto number = [&](const char* name, double value)
 	{

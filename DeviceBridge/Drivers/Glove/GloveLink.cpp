@@ -66,6 +66,7 @@ ist::Result<DeviceInfo> GloveLink::connect() noexcept
 	info.uri = m_uri;
 	info.maker = "CyberGlove Systems", info.model = "CyberGlove, " + std::to_string(m_frames.sensors()) + " sensors";
 	info.sensed = kHandJointsSensed;
+	info.handedness = m_settings.size.left ? Handedness::Left : Handedness::Right;
 	info.nominalRate = 90;
 	info.source = "rate: assumed";
 	return info;

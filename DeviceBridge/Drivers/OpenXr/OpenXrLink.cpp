@@ -88,6 +88,7 @@ ist::Result<DeviceInfo> OpenXrLink::connect() noexcept
 	DeviceInfo info;
 	info.uri = m_uri;
 	info.model = m_left ? "left hand" : "right hand";
+	info.handedness = m_left ? Handedness::Left : Handedness::Right;
 	info.maker = m_session->runtimeName();
 	info.sensed = kTranslation | kRotation | kHandJointsSensed;
 	info.nominalRate = 1e9 / kPeriod;

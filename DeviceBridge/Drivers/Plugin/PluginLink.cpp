@@ -26,6 +26,8 @@ DeviceInfo infoOf(const devicebridge_info& from, const std::string& uri)
 	info.uri = uri;
 	info.model = text(from.model), info.maker = text(from.maker), info.serial = text(from.serial), info.source = text(from.source);
 	info.sensed = from.sensed, info.actuated = from.actuated;
+	if (from.handedness == DEVICEBRIDGE_LEFT) info.handedness = Handedness::Left;
+	if (from.handedness == DEVICEBRIDGE_RIGHT) info.handedness = Handedness::Right;
 	info.peakForce = from.peak_force, info.continuousForce = from.continuous_force;
 	info.peakTorque = from.peak_torque, info.continuousTorque = from.continuous_torque;
 	info.maxStiffness = from.max_stiffness, info.maxAngularStiffness = from.max_angular_stiffness;

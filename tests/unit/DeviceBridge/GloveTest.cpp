@@ -301,6 +301,7 @@ TEST(Glove, JointsOfBothKindsArriveFromTheSerialLine)
 		auto device = DeviceRegistry().open("glove:" + glove.path() + "?hand=left&calibration=" + file);
 		ASSERT_TRUE(device) << device.error().message;
 		EXPECT_EQ(device.value()->info().sensed, static_cast<unsigned>(kHandJointsSensed));
+		EXPECT_EQ(device.value()->info().handedness, Handedness::Left);
 		EXPECT_NE(device.value()->info().model.find(std::to_string(sensors)), std::string::npos);
 		RealClock clock;
 		for (int round = 0; round < 5; ++round)

@@ -93,6 +93,8 @@ TEST_F(OpenXr, BothHandsArriveJointByJoint)
 	ASSERT_TRUE(left) << left.error().message;
 	ASSERT_TRUE(right) << right.error().message;
 	EXPECT_EQ(left.value()->info().maker, "mock runtime");
+	EXPECT_EQ(left.value()->info().handedness, Handedness::Left);
+	EXPECT_EQ(right.value()->info().handedness, Handedness::Right);
 	EXPECT_TRUE(left.value()->info().sensed & kHandJointsSensed);
 	std::mt19937 random(12);
 	RealClock clock;

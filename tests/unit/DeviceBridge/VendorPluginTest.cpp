@@ -85,6 +85,7 @@ TEST_P(VendorPlugin, TellsWhatTheDeviceIs)
 	EXPECT_NEAR(info.maxStiffness, GetParam().stiffness, 1e-9);
 	EXPECT_TRUE(info.sensed & kRotation);
 	EXPECT_EQ((info.actuated & kRotation) != 0, GetParam().peakTorque > 0);
+	EXPECT_EQ(info.handedness, GetParam().name == std::string("dhd") ? Handedness::Left : Handedness::Either);
 	EXPECT_FALSE(info.model.empty() || info.maker.empty() || info.source.empty());
 }
 

@@ -37,6 +37,7 @@ MOCK_EXPORT int dhdGetSerialNumber(unsigned short* serial, char) { *serial = 42;
 MOCK_EXPORT bool dhdHasWrist(char) { return true; }
 MOCK_EXPORT bool dhdHasActiveWrist(char) { return true; }
 MOCK_EXPORT bool dhdHasGripper(char) { return true; }
+MOCK_EXPORT bool dhdIsLeftHanded(char) { return true; }
 MOCK_EXPORT int dhdGetStatus(int status[16], char)
 {
 	const Lock lock(handle.mutex);
