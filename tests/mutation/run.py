@@ -24,7 +24,7 @@ MUTATIONS = {
         CORE + "Kernels/PairIntegrals.h", "const F dd = F::select(l.hits, a.density * b.density, zero);", "const F dd = F::all(1);",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "density dropped from the sums of a half-space": (
-        CORE + "HalfSpaceQuery.cpp", "term.dd = a.density;", "term.dd = 1;",
+        CORE + "FieldPress.cpp", "term.volume = leaf.density * cap.volume;", "term.volume = cap.volume;",
         "test_core", "HalfSpace.ManyBallsAgreeWithADirectSum"),
     "mean normal of leaves normalised": (
         CORE + "CellSplitter.cpp", "e.setNormal(piece.normal);", "e.setNormal(normalized(piece.normal));",
@@ -51,10 +51,10 @@ MUTATIONS = {
         CORE + "Lens.h", "lens.normal = offset * inverse;", "lens.normal = offset * -inverse;",
         "test_core", "Lens.*"),
     "normal of a half-space flipped": (
-        CORE + "HalfSpaceQuery.cpp", "term.normalB = m_normal;", "term.normalB = -m_normal;",
+        CORE + "FieldQuery.cpp", "sums.normalB.force += nB;", "sums.normalB.force -= nB;",
         "test_core", "HalfSpace.OneBallHasTheClosedForm"),
     "normal of Bullet's plane flipped": (
-        COLLISION + "btISTCollisionAlgorithm.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
+        COLLISION + "btISTShapeField.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
         "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),
     "normal of Bullet's points flipped": (
         COLLISION + "btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)", "toBullet(-p.normal), btScalar(-depth)",
