@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/TreeWorker.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace ist
+{
+struct TreeWorker::Shared
+{
+	struct Job
+	{
+		std::shared_ptr<TreeOrder> order;
+		Mesh mesh;
+		BuildOptions options;
+		std::string path;  // when it is to be loaded
+	};
+
+	std::string folder;
+	double mostDoubt;
+	std::mutex mutex;
+	std::condition_variable work, idle;
+	std::deque<Job> jobs;
+	bool busy = false;
+	std::atomic<bool> stop{false};
+	std::map<std::string, std::weak_ptr<TreeOrder>> known;
+	std::thread thread;
+
+	std::shared_ptr<const TreeOrder> request(const std::string& key, Job job)
+	{
+		const std::lock_guard<std::mutex> lock(mutex);
+		std::weak_ptr<TreeOrder>& slot = known[key];
+		if (auto order = slot.lock()) return order;
+		job.order = std::make_shared<TreeOrder>();
+		slot = job.order;
+		const auto order = job.order;
+		jobs.push_back(std::move(job));
+		work.notify_one();
+		return order;
+	}
+
+	void run()
+	{
+		std::unique_lock<std::mutex> lock(mutex);
+		while (true)
+		{
+			work.wait(lock, [this] { return stop || !jobs.empty(); });
+			if (stop) break;
+			Job job = std::move(jobs.front());
+			jobs.pop_front();
+			// Nobody can come by it any more: `known` is read under the same lock.
+			if (job.order.use_count() > 1)
+			{
+				busy = true;
+				lock.unlock();
+				carryOut(job);
+				lock.lock();
+				busy = false;
+			}
+			if (jobs.empty()) idle.notify_all();
+		}
+		for (Job& job : jobs) fail(*job.order, "the worker was stopped before its turn came");
+		jobs.clear();
+		idle.notify_all();
+	}
+
+	static void fail(TreeOrder& order, std::string reason)
+	{
+		order.m_error = std::move(reason);
+		order.m_done.store(true, std::memory_order_release);
+	}
+
+	void carryOut(Job& job)
+	{
+		try
+		{
+			Result<CachedTree> made = job.path.empty() ? built(job) : loaded(job.path);
+			if (!made) return fail(*job.order, made.error().message);
+			job.order->m_result = std::move(made).value();
+			job.order->m_done.store(true, std::memory_order_release);
+		}
+		catch (const std::exception& exception)
+		{
+			fail(*job.order, std::string("no tree could be built: ") + exception.what());
+		}
+	}
+
+	Result<CachedTree> built(Job& job)
+	{
+		const Progress theirs = job.options.progress;
+		job.options.progress = [this, theirs](const char* stage, double fraction) { return !stop && (!theirs || theirs(stage, fraction)); };
+		return cachedTree(job.mesh, job.options, folder, mostDoubt);
+	}
+
+	static Result<CachedTree> loaded(const std::string& path)
+	{
+		Result<InnerSphereTree> tree = loadAsset(path);
+		if (!tree) return tree.error();
+		CachedTree result;
+		result.tree = std::make_shared<const InnerSphereTree>(std::move(tree).value());
+		return result;
+	}
+};
+
+TreeWorker::TreeWorker(std::string cacheFolder, double mostDoubt) : m_shared(std::make_unique<Shared>())
+{
+	m_shared->folder = std::move(cacheFolder);
+	m_shared->mostDoubt = mostDoubt;
+	m_shared->thread = std::thread([shared = m_shared.get()] { shared->run(); });
+}
+
+TreeWorker::~TreeWorker()
+{
+	{
+		const std::lock_guard<std::mutex> lock(m_shared->mutex);
+		m_shared->stop = true;
+	}
+	m_shared->work.notify_one();
+	m_shared->thread.join();
+}
+
+std::shared_ptr<const TreeOrder> TreeWorker::build(Mesh mesh, const BuildOptions& options)
+{
+	const std::string key = "mesh " + std::to_string(treeKey(mesh, options));
+	return m_shared->request(key, {nullptr, std::move(mesh), options, ""});
+}
+
+std::shared_ptr<const TreeOrder> TreeWorker::load(const std::string& path) { return m_shared->request("file " + path, {nullptr, {}, {}, path}); }
+
+void TreeWorker::finish()
+{
+	std::unique_lock<std::mutex> lock(m_shared->mutex);
+	m_shared->idle.wait(lock, [this] { return m_shared->jobs.empty() && !m_shared->busy; });
+}
+}  // namespace ist
