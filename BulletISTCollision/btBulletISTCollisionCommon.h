@@ -9,5 +9,7 @@
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 #include "BulletISTCollision/btISTContactStore.h"
 #include "BulletISTCollision/btISTRegistry.h"
+#include "BulletISTCollision/btISTShapeMesh.h"
+#include "BulletISTCollision/btISTTreeSource.h"
 #include "BulletISTCollision/btISTWatch.h"
 #include "BulletISTCollision/btPrecisionGuard.h"

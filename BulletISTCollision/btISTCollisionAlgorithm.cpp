@@ -24,14 +24,19 @@ extern const int btISTBuiltForScalarOfSize4 = 4;
 
 btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context,
 												 Mode mode, std::shared_ptr<const ist::InnerSphereTree> treeA,
-												 std::shared_ptr<const ist::InnerSphereTree> treeB, const btCollisionObject* a,
-												 const btCollisionObject* b)
+												 std::shared_ptr<const ist::InnerSphereTree> treeB,
+												 const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b)
 	: btCollisionAlgorithm(info), m_context(std::move(context)), m_treeA(std::move(treeA)), m_treeB(std::move(treeB)),
 	  // Never the manifold in `info`: nested compounds would have several pairs write into it. Kept while separated, too: an empty
 	  // manifold is what makes Bullet wake a sleeping body when a kinematic one comes near.
-	  m_manifold(m_dispatcher->getNewManifold(a, b)),
+	  m_manifold(m_dispatcher->getNewManifold(a.getCollisionObject(), b.getCollisionObject())),
 	  m_contact(mode == Respond ? m_context->store.acquire(m_manifold) : nullptr)
 {
+	for (int i = 0; i < 3; ++i)
+	{
+		m_scalingA[i] = float(a.getCollisionShape()->getLocalScaling()[i]);
+		m_scalingB[i] = float(b.getCollisionShape()->getLocalScaling()[i]);
+	}
 }
 
 btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
@@ -114,8 +119,9 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 bool btISTCollisionAlgorithm::isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const
 {
 	const bool swapped = body0.getCollisionObject() != m_manifold->getBody0();
-	const auto isUnit = [](const btCollisionObjectWrapper& w) { return btISTRegistry::hasUnitScaling(*w.getCollisionShape()); };
-	return !isUnit(swapped ? body1 : body0) || (m_treeB && !isUnit(swapped ? body0 : body1));
+	const auto isKept = [](const btCollisionObjectWrapper& w, const float* s)
+	{ return btISTRegistry::hasScaling(*w.getCollisionShape(), btVector3(btScalar(s[0]), btScalar(s[1]), btScalar(s[2]))); };
+	return !isKept(swapped ? body1 : body0, m_scalingA) || (m_treeB && !isKept(swapped ? body0 : body1, m_scalingB));
 }
 
 void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)

@@ -56,7 +56,7 @@ private:
 };
 
 /// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. While the pair is not watched
-/// (btISTWatch), or a shape with a tree has a local scaling other than 1, Bullet's own algorithm works in its place, and the manifold stays empty. Lives in the dispatcher's pool, which does not
+/// (btISTWatch), or a shape with a tree has another local scaling than when the pair was made, Bullet's own algorithm works in its place, and the manifold stays empty. Lives in the dispatcher's pool, which does not
 /// check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
@@ -67,10 +67,10 @@ public:
 		Query     ///< lives for one contact test; does not touch the store
 	};
 
-	/// `a` and `b` in the order of the manifold, in which a body without a tree comes second.
+	/// `a` and `b` in the order of the manifold, in which a body without a tree comes second. Their shapes keep the scaling that they have.
 	btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context, Mode mode,
 							std::shared_ptr<const ist::InnerSphereTree> treeA, std::shared_ptr<const ist::InnerSphereTree> treeB,
-							const btCollisionObject* a, const btCollisionObject* b);
+							const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
 	~btISTCollisionAlgorithm() override;
 
 	/// Registers for every pair of proxy types but soft bodies, in the tables of contacts and of closest points, and delegates to
@@ -97,5 +97,6 @@ private:
 	btPersistentManifold* m_manifold;
 	btISTContact* m_contact;  // null in Query mode
 	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's, while the pair is not watched
+	float m_scalingA[3], m_scalingB[3];
 };
 static_assert(sizeof(btISTCollisionAlgorithm) <= 128, "a pool element has 192 bytes, of which 64 are left to Bullet's future");

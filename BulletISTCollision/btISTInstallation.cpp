@@ -67,8 +67,7 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 			const auto mode = closest ? btISTCollisionAlgorithm::Query : btISTCollisionAlgorithm::Respond;
 			void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(int(sizeof(btISTCollisionAlgorithm)));
 			return new (memory) btISTCollisionAlgorithm(info, context->shared_from_this(), mode, std::move(treeA), std::move(treeB),
-														(swapped ? wrap1 : wrap0)->getCollisionObject(),
-														(swapped ? wrap0 : wrap1)->getCollisionObject());
+														*(swapped ? wrap1 : wrap0), *(swapped ? wrap0 : wrap1));
 		}
 	}
 	return previous[shape0->getShapeType()][shape1->getShapeType()]->CreateCollisionAlgorithm(info, wrap0, wrap1);

@@ -11,7 +11,13 @@
 
 struct btISTAttachment::Table
 {
-	std::unordered_map<const btCollisionShape*, std::shared_ptr<const ist::InnerSphereTree>> trees;
+	struct Entry
+	{
+		std::shared_ptr<const ist::InnerSphereTree> tree;
+		btVector3 scaling;  // of the shape that it speaks for
+	};
+
+	std::unordered_map<const btCollisionShape*, Entry> trees;
 	std::vector<std::weak_ptr<btISTRegistryListener>> listeners;
 
 	void announce(const btCollisionShape* shape)
@@ -29,13 +35,13 @@ namespace
 constexpr double kScalingTolerance = 1e-6;
 
 /// Empty when `shape` may carry `tree`.
-std::string refusal(const btCollisionShape* shape, const ist::InnerSphereTree* tree)
+std::string refusal(const btCollisionShape* shape, const ist::InnerSphereTree* tree, bool scaled)
 {
 	if (!shape) return "cannot attach a tree to a null shape";
 	if (!tree) return "cannot attach a null tree; build or load one first";
 	if (shape->isSoftBody()) return "soft bodies change their shape and cannot carry a tree";
 	if (shape->isInfinite()) return "an unbounded shape cannot carry a tree; planes meet trees without one";
-	if (!btISTRegistry::hasUnitScaling(*shape))
+	if (!scaled && !btISTRegistry::hasScaling(*shape, btVector3(1, 1, 1)))
 		return "the shape has a local scaling other than 1; scale the mesh, build its tree and leave the scaling at 1";
 	const std::string problem = tree->validate();
 	return problem.empty() ? std::string() : "the tree is not valid: " + problem;
@@ -74,9 +80,19 @@ btISTRegistry::~btISTRegistry() = default;
 
 ist::Result<btISTAttachment> btISTRegistry::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)
 {
-	const std::string reason = refusal(shape, tree.get());
+	return add(shape, std::move(tree), false);
+}
+
+ist::Result<btISTAttachment> btISTRegistry::attachScaled(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)
+{
+	return add(shape, std::move(tree), true);
+}
+
+ist::Result<btISTAttachment> btISTRegistry::add(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree, bool scaled)
+{
+	const std::string reason = refusal(shape, tree.get(), scaled);
 	if (!reason.empty()) return ist::Error{reason};
-	if (!m_table->trees.emplace(shape, std::move(tree)).second)
+	if (!m_table->trees.emplace(shape, btISTAttachment::Table::Entry{std::move(tree), shape->getLocalScaling()}).second)
 		return ist::Error{"the shape has a tree already; detach it first"};
 	m_table->announce(shape);
 	return btISTAttachment(m_table, shape);
@@ -85,15 +101,15 @@ ist::Result<btISTAttachment> btISTRegistry::attach(const btCollisionShape* shape
 std::shared_ptr<const ist::InnerSphereTree> btISTRegistry::find(const btCollisionShape* shape) const
 {
 	const auto found = m_table->trees.find(shape);
-	if (found == m_table->trees.end() || !hasUnitScaling(*shape)) return nullptr;
-	return found->second;
+	if (found == m_table->trees.end() || !hasScaling(*shape, found->second.scaling)) return nullptr;
+	return found->second.tree;
 }
 
-bool btISTRegistry::hasUnitScaling(const btCollisionShape& shape)
+bool btISTRegistry::hasScaling(const btCollisionShape& shape, const btVector3& scaling)
 {
 	const btVector3& s = shape.getLocalScaling();
 	for (int axis = 0; axis < 3; ++axis)
-		if (!(std::fabs(double(s[axis]) - 1.0) <= kScalingTolerance)) return false;
+		if (!(std::fabs(double(s[axis]) - double(scaling[axis])) <= kScalingTolerance * std::fabs(double(scaling[axis])))) return false;
 	return true;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 class btCollisionShape;
+class btVector3;
 
 /// Told after a shape has gained or lost its tree, so that algorithms that were chosen before can be thrown away.
 class btISTRegistryListener
@@ -55,14 +56,19 @@ public:
 	/// unbounded or soft shape, a local scaling other than 1. Not to be called while a step is in progress.
 	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
+	/// As `attach`, with a tree of the shape as it is now, local scaling included. It speaks for the shape while it has that scaling.
+	ist::Result<btISTAttachment> attachScaled(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+
 	/// Null when nothing is attached, or when the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;
 	int size() const;
-	/// Whether its local scaling is 1: a tree speaks for no other.
-	static bool hasUnitScaling(const btCollisionShape& shape);
+	/// Whether its local scaling is `scaling`: a tree speaks for no other.
+	static bool hasScaling(const btCollisionShape& shape, const btVector3& scaling);
 
 	void addListener(std::weak_ptr<btISTRegistryListener> listener);
 
 private:
+	ist::Result<btISTAttachment> add(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree, bool scaled);
+
 	std::shared_ptr<btISTAttachment::Table> m_table;
 };

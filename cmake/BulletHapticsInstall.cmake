@@ -12,6 +12,8 @@ install(FILES
 	BulletISTCollision/btISTCollisionAlgorithm.h
 	BulletISTCollision/btISTContactStore.h
 	BulletISTCollision/btISTRegistry.h
+	BulletISTCollision/btISTShapeMesh.h
+	BulletISTCollision/btISTTreeSource.h
 	BulletISTCollision/btISTWatch.h
 	BulletISTCollision/btPrecisionGuard.h
 	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision)

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/btPrecisionGuard.h"
+
+class btCollisionShape;
+
+/// The triangles of a shape in its own frame [m], as they are now: local scaling included, collision margin left out. Of GImpact meshes
+/// and of triangle meshes their triangles, of convex hulls and convex triangle meshes those of the hull. O(triangles).
+///
+/// Refused: terrain and planes (surfaces without an inside), shapes that are known in closed form (they meet trees without one),
+/// compounds (their children are shapes of their own), soft bodies, vertices that are not finite.
+ist::Result<ist::Mesh> meshOfShape(const btCollisionShape& shape);
