@@ -1,20 +1,121 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btISTWorld.h"
 
+#include "BulletHapticForce/btVolumetricInstallation.h"
+#include "BulletISTCollision/Core/AssetFile.h"
+
+#include "BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h"
+#include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
+#include "LinearMath/btThreads.h"
+
 #include <cmath>
 #include <limits>
 
+namespace
+{
+const btVolumetricStatistics kNoStatistics;
+
+/// Whether a world frees its solver is protected and has no getter; a member pointer named through a derived class may reach it.
+struct SolverOwnership : btDiscreteDynamicsWorld
+{
+	static bool& of(btDiscreteDynamicsWorld& world) { return world.*(&SolverOwnership::m_ownsConstraintSolver); }
+};
+
+const btVolumetricStatistics& statisticsOf(const btSequentialImpulseConstraintSolver& solver)
+{
+	if (const auto* multiBody = dynamic_cast<const btVolumetricSolver<btMultiBodyConstraintSolver>*>(&solver)) return multiBody->statistics();
+	if (const auto* nncg = dynamic_cast<const btVolumetricSolver<btNNCGConstraintSolver>*>(&solver)) return nncg->statistics();
+	const auto* plain = dynamic_cast<const btVolumetricSolver<btSequentialImpulseConstraintSolver>*>(&solver);
+	return plain ? plain->statistics() : kNoStatistics;
+}
+
+void copySettings(const btConstraintSolver* from, btSequentialImpulseConstraintSolver& to)
+{
+	const auto* old = dynamic_cast<const btSequentialImpulseConstraintSolver*>(from);
+	if (!old) return;
+	auto& source = const_cast<btSequentialImpulseConstraintSolver&>(*old);  // Bullet's getters are not const
+	to.setRandSeed(source.getRandSeed());
+	to.setConstraintRowSolverGeneric(source.getActiveConstraintRowSolverGeneric());
+	to.setConstraintRowSolverLowerLimit(source.getActiveConstraintRowSolverLowerLimit());
+}
+
+/// Empty when our algorithm may work in this dispatcher.
+std::string dispatcherRefusal(const btDispatcher* dispatcher)
+{
+	if (!dynamic_cast<const btCollisionDispatcher*>(dispatcher))
+		return "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
+	const btITaskScheduler* scheduler = btGetTaskScheduler();
+	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher) && scheduler && scheduler->getNumThreads() > 1)
+		return "the world's dispatcher calls algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
+			   "give the world a btCollisionDispatcher";
+	return {};
+}
+}  // namespace
+
 btISTWorld::btISTWorld()
-	: m_materials(std::make_shared<btContactMaterialTable>()),
-	  m_registration(btISTCollisionAlgorithm::registerAlgorithm(&m_dispatcher, m_broadphase.getOverlappingPairCache())),
+	: m_parts(std::make_unique<Parts>()), m_materials(std::make_shared<btContactMaterialTable>()),
+	  m_registration(btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher, m_parts->broadphase.getOverlappingPairCache())),
 	  m_solver(std::make_unique<btVolumetricSolver<btSequentialImpulseConstraintSolver>>(m_registration.sharedStore())),
-	  m_world(std::make_unique<btDiscreteDynamicsWorld>(&m_dispatcher, &m_broadphase, m_solver.get(), &m_configuration))
+	  m_own(std::make_unique<btDiscreteDynamicsWorld>(&m_parts->dispatcher, &m_parts->broadphase, m_solver.get(), &m_parts->configuration)),
+	  m_world(m_own.get()), m_statistics(&statisticsOf(*m_solver))
 {
 	m_registration.setPairRule(m_materials);
 	setGravity(btVector3(0, btScalar(-9.81), 0));
 }
 
-btISTWorld::~btISTWorld() = default;
+btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
+	: m_materials(std::make_shared<btContactMaterialTable>()), m_world(&game), m_refusal(dispatcherRefusal(game.getDispatcher())),
+	  m_statistics(&kNoStatistics)
+{
+	const double gravity = double(game.getGravity().length());
+	if (std::isfinite(gravity)) m_materials->setGravity(gravity);
+	if (!m_refusal.empty())
+	{
+		m_parts = std::make_unique<Parts>();  // to register with, so that everything else here has something to speak of
+		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
+		return;
+	}
+	auto* dispatcher = static_cast<btCollisionDispatcher*>(game.getDispatcher());
+	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher, game.getPairCache());
+	m_registration.reinstall();
+	m_registration.setPairRule(m_materials);
+	installInto(game);
+}
+
+btISTWorld::~btISTWorld() { restore(); }
+
+void btISTWorld::installInto(btDiscreteDynamicsWorld& game)
+{
+	btConstraintSolver* old = game.getConstraintSolver();
+	bool& owned = SolverOwnership::of(game);
+	m_gameOwnedIt = owned;
+	owned = false;  // it is wanted again in the end
+	auto solver = installVolumetricSolver(game, m_registration);
+	if (!solver)
+	{
+		owned = m_gameOwnedIt;
+		m_refusal = solver.error().message;
+		return;
+	}
+	m_solver = std::move(solver).value();
+	m_gamesSolver = old;
+	m_statistics = &statisticsOf(*m_solver);
+	copySettings(old, *m_solver);
+}
+
+void btISTWorld::restore()
+{
+	if (m_own) return;
+	if (m_gamesSolver && m_world->getConstraintSolver() == m_solver.get())
+	{
+		if (auto* multiBody = dynamic_cast<btMultiBodyDynamicsWorld*>(m_world))
+			multiBody->setMultiBodyConstraintSolver(static_cast<btMultiBodyConstraintSolver*>(m_gamesSolver));
+		else
+			m_world->setConstraintSolver(m_gamesSolver);
+		SolverOwnership::of(*m_world) = m_gameOwnedIt;
+	}
+	if (!m_parts && !contacts().contacts().empty()) m_registration.cleanPairs(m_world->getPairCache());
+}
 
 std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
 {
@@ -56,4 +157,11 @@ void btISTWorld::stepInParts(double seconds, double part)
 ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)
 {
 	return m_registration.registry().attach(shape, std::move(tree));
+}
+
+ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, const std::string& path)
+{
+	ist::Result<ist::InnerSphereTree> tree = ist::loadAsset(path);
+	if (!tree) return tree.error();
+	return attach(shape, std::make_shared<const ist::InnerSphereTree>(std::move(tree).value()));
 }

@@ -13,22 +13,31 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
-/// A Bullet world with volumetric contact: configuration, dispatcher, broad phase, solver, world, and the registration of the
-/// algorithm, made and destroyed in the right order. Bodies, shapes and constraints belong to the caller, who removes them before
-/// or leaves them behind; attachments may outlive the world. A game that has a world of its own needs none of this: it registers
-/// the algorithm with its dispatcher and gives its world a btVolumetricSolver.
+/// A Bullet world with volumetric contact: one of its own (configuration, dispatcher, broad phase, solver, world, made and destroyed in
+/// the right order), or the one that a game has. Bodies, shapes and constraints belong to the caller, who removes them before or
+/// leaves them behind; attachments may outlive the world.
 class btISTWorld
 {
 public:
-	/// Gravity: (0, -9.81, 0) m/s^2.
+	/// A world of its own. Gravity: (0, -9.81, 0) m/s^2.
 	btISTWorld();
+	/// The world of a game, which must outlive this: our algorithm goes into its dispatcher, our solver takes the place of the one it
+	/// has, with that one's settings. While nothing is attached it moves as before, bit for bit. Never fails: see `solverRefusal`.
+	/// Steps through `stepSimulation` of the game stay as they are.
+	explicit btISTWorld(btDiscreteDynamicsWorld& game);
+	/// The world of a game gets back its solver and its dispatch tables.
 	~btISTWorld();
 	btISTWorld(const btISTWorld&) = delete;
 	btISTWorld& operator=(const btISTWorld&) = delete;
 
 	btDiscreteDynamicsWorld& bullet() { return *m_world; }
-	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material. Refused when not finite.
+	/// Why the world of a game keeps a solver of its own kind (see installVolumetricSolver): contact is then carried by its representative
+	/// points, or, where the sentence says so, stays Bullet's. Empty when all is well.
+	const std::string& solverRefusal() const { return m_refusal; }
+	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material; of a game's world it is known from the
+	/// constructor on, and changes should go through here. Refused when not finite.
 	std::optional<ist::Error> setGravity(const btVector3& gravity);
 	/// One step of so many seconds, in at most `setMostSubsteps` equal parts (btISTSubsteps). Refused, and nothing moves, when that is not
 	/// a positive finite number. Forces of the caller act over all parts.
@@ -43,11 +52,13 @@ public:
 	const std::vector<btISTFastPair>& tooFast() const { return m_tooFast; }
 	/// All of them since the world was made.
 	uint64_t passingPairs() const { return m_passingPairs; }
-	/// What the solver did since the world was made.
-	const btVolumetricStatistics& statistics() const { return m_solver->statistics(); }
+	/// What the solver did since this was made; all zero where the world of a game keeps its own.
+	const btVolumetricStatistics& statistics() const { return *m_statistics; }
 
 	/// From the next step on, `shape` speaks through `tree` against everything that is volumetric. See btISTRegistry::attach.
 	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+	/// The same with the tree of an .ist file, which is loaded here and now. btISTTreeSource loads and builds without anybody waiting.
+	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, const std::string& path);
 	/// See btContactMaterialTable.
 	btContactMaterialTable& materials() { return *m_materials; }
 	/// Which pairs are volumetric, and where: all and everywhere, to begin with.
@@ -57,15 +68,27 @@ public:
 	btISTRegistration& registration() { return m_registration; }
 
 private:
+	/// The parts of a world, but the solver.
+	struct Parts
+	{
+		btDefaultCollisionConfiguration configuration;
+		btCollisionDispatcher dispatcher{&configuration};
+		btDbvtBroadphase broadphase;
+	};
 	void stepInParts(double seconds, double part);
+	void installInto(btDiscreteDynamicsWorld& game);
+	void restore();
 
-	btDefaultCollisionConfiguration m_configuration;
-	btCollisionDispatcher m_dispatcher{&m_configuration};
-	btDbvtBroadphase m_broadphase;
+	std::unique_ptr<Parts> m_parts;
 	std::shared_ptr<btContactMaterialTable> m_materials;
 	btISTRegistration m_registration;
-	std::unique_ptr<btVolumetricSolver<btSequentialImpulseConstraintSolver>> m_solver;
-	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
+	std::unique_ptr<btSequentialImpulseConstraintSolver> m_solver;  // ours
+	std::unique_ptr<btDiscreteDynamicsWorld> m_own;
+	btDiscreteDynamicsWorld* m_world;
+	btConstraintSolver* m_gamesSolver = nullptr;  // whose place ours has
+	bool m_gameOwnedIt = false;
+	std::string m_refusal;
+	const btVolumetricStatistics* m_statistics;
 	btISTSubsteps m_plan;
 	std::vector<btISTFastPair> m_tooFast;
 	int m_mostSubsteps = 1, m_substeps = 1;
