@@ -1,5 +1,5 @@
 # Install and export: find_package(BulletHaptics) gives BulletHaptics::Core, ::ISTCollision, ::ISTCollision-float64, ::Devices,
-# ::HapticForce and ::DeviceBridge with their -float64.
+# ::HapticForce, ::TestSupport and ::DeviceBridge with their -float64.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS istcore BulletISTCollision BulletISTCollision-float64 devices EXPORT BulletHapticsTargets
@@ -21,6 +21,9 @@ install(TARGETS BulletHapticForce BulletHapticForce-float64 DeviceBridge DeviceB
 	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY BulletHapticForce/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletHapticForce FILES_MATCHING PATTERN "*.h"
 	PATTERN btSolverBodyMotion.h EXCLUDE)
+install(TARGETS BulletHapticsTestSupport BulletHapticsTestSupport-float64 EXPORT BulletHapticsTargets
+	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY TestSupport/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/TestSupport FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge FILES_MATCHING PATTERN "*.h"
 	PATTERN Plugins EXCLUDE PATTERN OpenXrSession.h EXCLUDE)
 install(FILES cmake/FindBulletPhysics.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+#include "TestSupport/ContactLog.h"
+
+#include "BulletISTCollision/btISTConversion.h"
+
+#include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
+#include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace ist::test
+{
+namespace
+{
+Vec3 velocityAt(const btCollisionObject& object, const Vec3& point)
+{
+	const btRigidBody* body = btRigidBody::upcast(&object);
+	return body ? toVec3(body->getVelocityInLocalPoint(toBullet(point) - body->getCenterOfMassPosition())) : Vec3();
+}
+
+double slipOf(const ContactRecord& record, const Vec3& point, const Vec3& normal, double h)
+{
+	const Vec3 v = velocityAt(*record.a, point) - velocityAt(*record.b, point);
+	return norm(v - dot(v, normal) * normal) * h;
+}
+
+bool involves(const ContactRecord& record, const btCollisionObject* body) { return !body || record.a == body || record.b == body; }
+}  // namespace
+
+void ContactLog::record(double h)
+{
+	m_time += h;
+	const btDispatcher* dispatcher = m_world.getDispatcher();
+	for (const btISTContact* contact : m_store.contacts())
+		if (contact->total.volume > 0) add(*contact, h);
+	for (int i = 0; i < dispatcher->getNumManifolds(); ++i)
+	{
+		const btPersistentManifold* manifold = const_cast<btDispatcher*>(dispatcher)->getManifoldByIndexInternal(i);
+		const btISTContact* ours = m_store.find(manifold);
+		if (manifold->getNumContacts() > 0 && !(ours && ours->total.volume > 0)) add(*manifold, h);
+	}
+}
+
+void ContactLog::add(const btISTContact& contact, double h)
+{
+	ContactRecord record;
+	record.time = m_time;
+	record.a = contact.bodyA;
+	record.b = contact.bodyB;
+	record.volumetric = true;
+	record.volume = contact.total.volume;
+	const double area = norm(contact.total.areaVector);
+	for (int i = 0; i < contact.patchCount; ++i) record.impulseOnA += contact.impulses[i].force;
+	record.depth = std::max(0.0, (contact.total.depthA + contact.total.depthB) / contact.total.volume);
+	if (area > 0)
+	{
+		const Vec3 centroid = contact.treeA->origin + (1 / contact.total.volume) * contact.total.firstMoment;
+		record.slip = slipOf(record, contact.X_WA * centroid, contact.X_WA.rotation * ((1 / area) * contact.total.areaVector), h);
+	}
+	m_records.push_back(record);
+}
+
+void ContactLog::add(const btPersistentManifold& manifold, double h)
+{
+	ContactRecord record;
+	record.time = m_time;
+	record.a = manifold.getBody0();
+	record.b = manifold.getBody1();
+	Vec3 middle, normal;
+	const double share = 1.0 / manifold.getNumContacts();
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+	{
+		const btManifoldPoint& point = manifold.getContactPoint(i);
+		const Vec3 onB = toVec3(point.m_normalWorldOnB);
+		record.depth = std::max(record.depth, -double(point.getDistance()));
+		record.impulseOnA += double(point.m_appliedImpulse) * onB + double(point.m_appliedImpulseLateral1) * toVec3(point.m_lateralFrictionDir1) +
+							 double(point.m_appliedImpulseLateral2) * toVec3(point.m_lateralFrictionDir2);
+		middle += share * toVec3(point.getPositionWorldOnB());
+		normal += share * onB;
+	}
+	// Points that are about to touch are no contact yet.
+	if (record.depth <= 0 && !(norm(record.impulseOnA) > 0)) return;
+	record.slip = norm(normal) > 0 ? slipOf(record, middle, normalized(normal), h) : 0;
+	m_records.push_back(record);
+}
+
+void ContactLog::clear()
+{
+	m_records.clear();
+	m_time = 0;
+}
+
+double ContactLog::deepest(const btCollisionObject* body) const
+{
+	double most = 0;
+	for (const ContactRecord& record : m_records)
+		if (involves(record, body)) most = std::max(most, record.depth);
+	return most;
+}
+
+double ContactLog::slip(const btCollisionObject* body) const
+{
+	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, double> ways;
+	double most = 0;
+	for (const ContactRecord& record : m_records)
+		if (involves(record, body)) most = std::max(most, ways[std::minmax(record.a, record.b)] += record.slip);
+	return most;
+}
+
+Vec3 ContactLog::impulseOn(const btCollisionObject* body) const
+{
+	Vec3 sum;
+	for (const ContactRecord& record : m_records)
+	{
+		if (record.a == body) sum += record.impulseOnA;
+		if (record.b == body) sum -= record.impulseOnA;
+	}
+	return sum;
+}
+
+bool ContactLog::haveTouched(const btCollisionObject* a, const btCollisionObject* b) const
+{
+	return std::any_of(m_records.begin(), m_records.end(),
+					   [&](const ContactRecord& r) { return (r.a == a && r.b == b) || (r.a == b && r.b == a); });
+}
+}  // namespace ist::test

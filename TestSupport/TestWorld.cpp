@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Zlib
+#include "TestSupport/TestWorld.h"
+
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/TreeCache.h"
+#include "BulletISTCollision/btISTConversion.h"
+
+#include "BulletCollision/CollisionShapes/btBoxShape.h"
+#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace ist::test
+{
+namespace
+{
+template <class T>
+T orThrow(Result<T> result)
+{
+	if (!result) throw std::runtime_error(result.error().message);
+	return std::move(result).value();
+}
+
+}  // namespace
+
+btTransform at(double x, double y, double z) { return at(x, y, z, btVector3(0, 1, 0), 0); }
+
+btTransform at(double x, double y, double z, const btVector3& axis, double angle)
+{
+	return btTransform(btQuaternion(axis, btScalar(angle)), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+}
+
+double speed(const btRigidBody& body)
+{
+	btVector3 centre;
+	btScalar radius;
+	body.getCollisionShape()->getBoundingSphere(centre, radius);
+	return double(body.getLinearVelocity().length()) + double(body.getAngularVelocity().length()) * double(centre.length() + radius);
+}
+
+TestWorld::~TestWorld()
+{
+	for (auto& body : m_bodies) m_world.bullet().removeRigidBody(body.get());
+}
+
+btRigidBody& TestWorld::addMesh(const Mesh& mesh, double mass, const btTransform& pose)
+{
+	BuildOptions options;
+	options.maxSpheres = m_spheres;
+	const Mesh centred = translated(mesh, -massProperties(mesh).centerOfMass);
+	return addTree(orThrow(cachedTree(centred, options, m_folder)).tree, mass, pose);
+}
+
+btRigidBody& TestWorld::addMeshFile(const std::string& path, double mass, const btTransform& pose, double unit)
+{
+	Mesh mesh = orThrow(importMesh(path));
+	for (Vec3& p : mesh.vertices) p *= unit;
+	return addMesh(mesh, mass, pose);
+}
+
+btRigidBody& TestWorld::addAsset(const std::string& path, double mass, const btTransform& pose)
+{
+	auto tree = std::make_shared<const InnerSphereTree>(orThrow(loadAsset(path)));
+	if (mass > 0 && norm(tree->origin) > 1e-3 * tree->box.longestSide())
+		throw std::runtime_error(path + ": the centre of mass of the mesh is not its origin, about which Bullet's bodies turn; move the mesh and build it again");
+	return addTree(std::move(tree), mass, pose);
+}
+
+btRigidBody& TestWorld::addTree(std::shared_ptr<const InnerSphereTree> tree, double mass, const btTransform& pose)
+{
+	const Vec3 lower = tree->origin + tree->box.lower, upper = tree->origin + tree->box.upper;
+	m_shapes.push_back(std::make_unique<btBoxShape>(toBullet(componentMax(upper, -lower))));
+	m_attachments.push_back(orThrow(m_world.attach(m_shapes.back().get(), tree)));
+	btRigidBody& body = addShape(*m_shapes.back(), mass, pose);
+	const double density = mass / tree->volume;
+	if (mass > 0)
+		body.setMassProps(btScalar(mass), toBullet(density * Vec3{tree->inertia.m[0][0], tree->inertia.m[1][1], tree->inertia.m[2][2]}));
+	body.updateInertiaTensor();
+	mark();
+	return body;
+}
+
+btRigidBody& TestWorld::addShape(btCollisionShape& shape, double mass, const btTransform& pose)
+{
+	btVector3 inertia(0, 0, 0);
+	if (mass > 0) shape.calculateLocalInertia(btScalar(mass), inertia);
+	m_bodies.push_back(std::make_unique<btRigidBody>(btScalar(mass), nullptr, &shape, inertia));
+	btRigidBody& body = *m_bodies.back();
+	body.setWorldTransform(pose);
+	body.setInterpolationWorldTransform(pose);
+	body.setActivationState(DISABLE_DEACTIVATION);
+	m_world.bullet().addRigidBody(&body);
+	mark();
+	return body;
+}
+
+btRigidBody& TestWorld::addFloor(double height)
+{
+	m_shapes.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(height)));
+	return addShape(*m_shapes.back(), 0, btTransform::getIdentity());
+}
+
+void TestWorld::run(double seconds, double h)
+{
+	if (!(h > 0) || !std::isfinite(seconds)) throw std::runtime_error("a run needs a finite time and steps of positive length");
+	const long steps = std::lround(seconds / h);
+	for (long i = 0; i < steps; ++i)
+	{
+		for (const auto& body : m_bodies)
+			if (!body->isStaticOrKinematicObject()) m_gravityImpulse += (h / double(body->getInvMass())) * toVec3(body->getGravity());
+		m_audit->beforeStep(h);
+		m_world.bullet().stepSimulation(btScalar(h), 0);
+		m_audit->afterStep();
+		m_log.record(h);
+		m_time += h;
+	}
+}
+
+void TestWorld::mark()
+{
+	m_log.clear();
+	m_audit = std::make_unique<btEnergyAudit>(m_world.bullet(), m_world.contacts());
+	m_markMomentum = momentum();
+	m_gravityImpulse = Vec3();
+}
+
+double TestWorld::energyGained() const
+{
+	const btEnergyBalance& sum = m_audit->total();
+	return sum.residual - sum.physical - sum.numerical;
+}
+
+Vec3 TestWorld::momentum() const
+{
+	Vec3 sum;
+	for (const auto& body : m_bodies)
+		if (!body->isStaticOrKinematicObject()) sum += (1 / double(body->getInvMass())) * toVec3(body->getLinearVelocity());
+	return sum;
+}
+
+Vec3 TestWorld::momentumFromNowhere() const
+{
+	Vec3 fromOutside = m_gravityImpulse;
+	for (const auto& body : m_bodies)
+		if (body->isStaticOrKinematicObject()) fromOutside -= m_log.impulseOn(body.get());
+	return momentum() - m_markMomentum - fromOutside;
+}
+
+double TestWorld::fastest() const
+{
+	double most = 0;
+	for (const auto& body : m_bodies)
+		if (!body->isStaticOrKinematicObject()) most = std::max(most, speed(*body));
+	return most;
+}
+}  // namespace ist::test

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Zlib
+// A game's own test of its physics.
+#include <BulletISTCollision/Core/MeshShapes.h>
+#include <TestSupport/Matchers.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+using namespace ist::test;
+
+TEST(Crate, ComesToRestOnTheBunny)
+{
+	const char* bunny = "/usr/share/glmark2/models/bunny.obj";
+	if (!std::filesystem::exists(bunny)) GTEST_SKIP() << "needs the bunny: apt-get install glmark2-data";
+
+	TestWorld world;
+	world.keepTreesIn(TREE_FOLDER);
+	world.addMeshFile(bunny, 0, at(0, 0, 0), 0.1);  // static, 20 cm tall
+	btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.08, .02, .08}), 1, at(0, .14, 0));
+	world.run(3);
+	EXPECT_THAT(crate, IsAtRest());
+	EXPECT_THAT(world, PenetratesAtMost(.02));
+	EXPECT_THAT(world, GainsNoEnergy(1e-3));
+	EXPECT_GT(crate.getWorldTransform().getOrigin().y(), .05) << "on it, not below it";
+}
