@@ -9,3 +9,4 @@
 #include "BulletHapticForce/btVolumetricInstallation.h"
 #include "BulletHapticForce/btVolumetricRows.h"
 #include "BulletHapticForce/btVolumetricSolver.h"
+#include "BulletISTCollision/btBulletISTCollisionCommon.h"

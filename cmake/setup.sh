@@ -3,7 +3,7 @@
 # Usage: cmake/setup.sh [--yes]     --yes: do not ask
 set -euo pipefail
 
-packages=(g++ cmake ninja-build ccache libbullet-dev libbullet-extras-dev libeigen3-dev libassimp-dev libgtest-dev libgmock-dev
+packages=(g++ cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev libgtest-dev libgmock-dev
 	libcli11-dev nlohmann-json3-dev glmark2-data python3
 	libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev spacenavd)
 

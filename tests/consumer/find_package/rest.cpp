@@ -16,8 +16,9 @@ TEST(Crate, ComesToRestOnTheBunny)
 
 	TestWorld world;
 	world.keepTreesIn(TREE_FOLDER);
-	world.addMeshFile(bunny, 0, at(0, 0, 0), 0.1);  // static, 20 cm tall
+	world.addMeshFile(bunny, 0, at(0, 0, 0), 0.1).setFriction(1);  // static, 20 cm tall
 	btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.08, .02, .08}), 1, at(0, .14, 0));
+	crate.setFriction(1);
 	world.run(3);
 	EXPECT_THAT(crate, IsAtRest());
 	EXPECT_THAT(world, PenetratesAtMost(.02));

@@ -1,0 +1,38 @@
+# pkg-config files: bullethaptics-core, and bullethaptics-collision, -force and -test-support in both precisions of Bullet. They find their
+# folder themselves, so that an installation may be moved.
+function(bullethaptics_pkg_config name description requires libraries)
+	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+	string(REGEX REPLACE "/$" "" up "${up}")
+	file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/pkgconfig/bullethaptics-${name}.pc @ONLY CONTENT
+[[prefix=${pcfiledir}/@up@
+libdir=${prefix}/@CMAKE_INSTALL_LIBDIR@
+includedir=${prefix}/@CMAKE_INSTALL_INCLUDEDIR@
+
+Name: bullethaptics-@name@
+Description: @description@
+URL: @PROJECT_HOMEPAGE_URL@
+Version: @PROJECT_VERSION@
+Requires: @requires@
+Libs: -L${libdir} @libraries@
+Cflags: -I${includedir}
+]])
+	install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pkgconfig/bullethaptics-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endfunction()
+
+set(core_libraries "-listcore")
+set(core_requires "")
+if(NOT BUILD_SHARED_LIBS)
+	set(core_requires "assimp")
+	string(APPEND core_libraries " -pthread")
+	if(BULLETHAPTICS_OPENMP)
+		string(APPEND core_libraries " ${OpenMP_CXX_FLAGS}")
+	endif()
+endif()
+bullethaptics_pkg_config(core "Overlap of closed meshes from inner sphere trees" "${core_requires}" "${core_libraries}")
+foreach(precision "" "-float64")
+	bullethaptics_pkg_config(collision${precision} "Volumetric collision detection for Bullet" "bullethaptics-core bullet${precision}"
+		"-lBulletISTCollision${precision}")
+	bullethaptics_pkg_config(force${precision} "Volumetric contact for Bullet" "bullethaptics-collision${precision}" "-lBulletHapticForce${precision}")
+	bullethaptics_pkg_config(test-support${precision} "Physics tests for games with volumetric contact" "bullethaptics-force${precision}"
+		"-lBulletHapticsTestSupport${precision}")
+endforeach()
