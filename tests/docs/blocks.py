@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Writes the C++ blocks of Markdown pages as source files, one for each run of blocks that belong together.
+
+A block that begins with ```cpp file is a whole file. ```cpp in: ARGUMENTS is the body of a function with these arguments. ```cpp more goes on
+in the function of the block before it. ```cpp alone is refused: a page must say how its block is to be read.
+Usage: blocks.py FOLDER PAGE...
+"""
+import pathlib
+import re
+import sys
+
+PREAMBLE = """#include "BulletHapticForce/btBulletHapticForceCommon.h"
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "DeviceBridge/BulletContactSource.h"
+#include "DeviceBridge/BulletDecoupledSource.h"
+#include "DeviceBridge/BulletWorldCoupling.h"
+#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/SteppingThread.h"
+#include "TestSupport/Matchers.h"
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <btBulletDynamicsCommon.h>
+#include <cstdio>
+#include <gtest/gtest.h>
+using namespace ist::test;
+"""
+
+
+def blocks(page):
+    """Of (first line, words after ```cpp, text)."""
+    for match in re.finditer(r"^```cpp([^\n]*)\n(.*?)^```", page.read_text(), re.M | re.S):
+        yield page.read_text()[:match.start()].count("\n") + 2, match.group(1).strip(), match.group(2)
+
+
+def write(folder, page):
+    sources = []
+    for line, how, text in blocks(page):
+        at = f'#line {line} "{page}"\n'
+        if how == "file":
+            sources.append(at + text)
+        elif how == "more" and sources:
+            sources[-1] = sources[-1].removesuffix("}\n") + at + text + "}\n"
+        elif how.startswith("in:"):
+            arguments = how.removeprefix("in:").strip()
+            name = f"block_{line}"
+            sources.append(f"{PREAMBLE}void {name}({arguments});\nvoid {name}({arguments})\n{{\n{at}{text}}}\n")
+        else:
+            sys.exit(f"{page}:{line}: say how this block is to be compiled: ```cpp file, ```cpp in: ARGUMENTS, or ```cpp more")
+    for number, source in enumerate(sources):
+        (folder / f"{page.stem}_{number}.cpp").write_text(source)
+
+
+folder = pathlib.Path(sys.argv[1])
+folder.mkdir(parents=True, exist_ok=True)
+for name in sys.argv[2:]:
+    write(folder, pathlib.Path(name))
