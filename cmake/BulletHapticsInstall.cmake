@@ -1,10 +1,16 @@
 # Install and export: find_package(BulletHaptics) gives BulletHaptics::Core, ::ISTCollision, ::ISTCollision-float64, ::Devices,
-# ::HapticForce, ::TestSupport and ::DeviceBridge with their -float64.
+# ::HapticForce, ::TestSupport and ::DeviceBridge with their -float64. Components: runtime (shared libraries), dev, tools, demos.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS istcore BulletISTCollision BulletISTCollision-float64 devices EXPORT BulletHapticsTargets
-	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY BulletISTCollision/Core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core
+set(libraries istcore devices)
+foreach(precision "" "-float64")
+	list(APPEND libraries BulletISTCollision${precision} BulletHapticForce${precision} BulletHapticsTestSupport${precision} DeviceBridge${precision})
+endforeach()
+set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)
+install(TARGETS ${libraries} EXPORT BulletHapticsTargets
+	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+	LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
+install(DIRECTORY BulletISTCollision/Core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core COMPONENT dev
 	FILES_MATCHING PATTERN "*.h" PATTERN Kernels EXCLUDE)
 # By name: the module has headers of its own beside the ones for its users.
 install(FILES
@@ -16,27 +22,30 @@ install(FILES
 	BulletISTCollision/btISTTreeSource.h
 	BulletISTCollision/btISTWatch.h
 	BulletISTCollision/btPrecisionGuard.h
-	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision)
-install(TARGETS BulletHapticForce BulletHapticForce-float64 DeviceBridge DeviceBridge-float64 EXPORT BulletHapticsTargets
-	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY BulletHapticForce/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletHapticForce FILES_MATCHING PATTERN "*.h"
+	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision COMPONENT dev)
+install(DIRECTORY BulletHapticForce/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletHapticForce COMPONENT dev FILES_MATCHING PATTERN "*.h"
 	PATTERN btSolverBodyMotion.h EXCLUDE)
-install(TARGETS BulletHapticsTestSupport BulletHapticsTestSupport-float64 EXPORT BulletHapticsTargets
-	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY TestSupport/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/TestSupport FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge FILES_MATCHING PATTERN "*.h"
+install(DIRECTORY TestSupport/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/TestSupport COMPONENT dev FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge COMPONENT dev FILES_MATCHING PATTERN "*.h"
 	PATTERN Plugins EXCLUDE PATTERN OpenXrSession.h EXCLUDE)
-install(FILES cmake/FindBulletPhysics.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
-install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics::
-	DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
-install(FILES cmake/BulletHapticsAssets.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
+install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics:: DESTINATION ${package_folder} COMPONENT dev)
 if(TARGET ist)
-	install(TARGETS ist EXPORT BulletHapticsTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+	# An export of its own: the libraries can be used where the tools are not installed.
+	install(TARGETS ist EXPORT BulletHapticsTools RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+	install(EXPORT BulletHapticsTools NAMESPACE BulletHaptics:: DESTINATION ${package_folder} COMPONENT tools)
+endif()
+if(TARGET haptic_demos)
+	install(TARGETS haptic_demos RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT demos)
+	install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT demos)
 endif()
 
-configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake
-	INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
+configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(BulletHapticsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake
+install(FILES
+	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfigVersion.cmake
-	DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
+	cmake/BulletHapticsAssets.cmake
+	cmake/FindBulletPhysics.cmake
+	DESTINATION ${package_folder} COMPONENT dev)

@@ -1,7 +1,12 @@
 # Settings that every target of this project shares.
 function(bullethaptics_target target)
 	target_compile_features(${target} PRIVATE cxx_std_20)
-	set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+	set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "")
+	# Shared libraries: until 1.0 every minor version may change the ABI.
+	get_target_property(kind ${target} TYPE)
+	if(kind STREQUAL "SHARED_LIBRARY")
+		set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+	endif()
 	# The same sums on every compiler: packings and trees must not depend on which one contracts a*b+c.
 	# -Wrestrict is wrong about std::string in GCC 12 (GCC bug 105651).
 	target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off -fno-math-errno
