@@ -59,7 +59,7 @@ inline const Solid& cube()
 /// 2 m by 0.2 m by 0.4 m.
 inline const Solid& bar()
 {
-	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 1500);
+	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 4000);
 	return solid;
 }
 
