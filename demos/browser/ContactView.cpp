@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/ContactView.h"
+
+#include "BulletISTCollision/btISTConversion.h"
+
+#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+using namespace ist;
+
+namespace browser
+{
+namespace
+{
+constexpr double kPi = 3.14159265358979323846;
+constexpr size_t kMostLeaves = 4000, kMostLenses = 6000;
+
+void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, double scale, DrawList& list)
+{
+	const size_t stride = std::max<size_t>(1, tree.law.ballCount() / kMostLeaves);
+	size_t i = 0;
+	for (const MomentEllipsoid& ball : tree.law.balls)
+	{
+		if (!(ball.density > 0) || i++ % stride) continue;
+		const Vec3 at = X_WP * (scale * (tree.origin + ball.center())), normal = X_WP.rotation * ball.normal();
+		const Colour colour = levelColour(0.15 + 0.8 * norm(normal));
+		list.discs.push_back({at, normalized(normal), 0.35 * scale * ball.meanRadius(), 0.2 * scale * ball.meanRadius(), colour});
+		list.lines.push_back({at, at + scale * ball.meanRadius() * normal, colour});
+	}
+}
+
+/// Leaves that reach below a plane, seen in it, coloured by how deep.
+void drawPlaneLenses(const btISTContact& contact, const Vec3& normal, double offset, DrawList& list)
+{
+	const InnerSphereTree& tree = *contact.treeA;
+	double deepest = 0;
+	const size_t first = list.discs.size();
+	std::vector<double> depths;
+	for (const MomentEllipsoid& ball : tree.law.balls)
+	{
+		if (!(ball.density > 0)) continue;
+		const Vec3 at = contact.X_WA * (tree.origin + ball.center()), n = transpose(contact.X_WA.rotation) * normal;
+		const double half = std::sqrt(dot(n, ball.shape() * n)), depth = half + offset - dot(at, normal);
+		if (!(depth > 0)) continue;
+		deepest = std::max(deepest, depth);
+		depths.push_back(depth);
+		list.discs.push_back({at + (offset - dot(at, normal)) * normal, normal, 0.7 * ball.meanRadius(), std::min(0.5 * depth, 0.15 * ball.meanRadius()), {}});
+	}
+	for (size_t i = 0; i < depths.size(); ++i) list.discs[first + i].colour = pressureColour(depths[i] / deepest);
+}
+}  // namespace
+
+std::string formatForce(double newton)
+{
+	const double size = std::fabs(newton);
+	const char* unit = size >= 1e6 ? "MN" : size >= 1e3 ? "kN" : size >= 1 || size == 0 ? "N" : "mN";
+	char text[40];
+	std::snprintf(text, sizeof text, "%.3g %s", size >= 1e6 ? newton / 1e6 : size >= 1e3 ? newton / 1e3 : size >= 1 || size == 0 ? newton : 1e3 * newton, unit);
+	return text;
+}
+
+void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const
+{
+	const bool glass = choice.spheres || choice.leaves || choice.lenses;
+	for (const DemoWorld::Body& b : world.bodies())
+	{
+		const Pose X = b.X_WP();
+		// Islands that sleep are paler.
+		const bool asleep = !b.body->isStaticOrKinematicObject() && !b.body->isActive();
+		const Colour colour = asleep ? mixed(b.colour, {0.75f, 0.77f, 0.8f}, 0.6) : b.colour;
+		if (choice.surfaces) list.surfaces.push_back({b.surface, X, colour, b.scale, glass && b.solid});
+		if (choice.frames)
+			for (int axis = 0; axis < 3; ++axis)
+				list.lines.push_back({X.translation, X.translation + 0.7 * b.surface->box.longestSide() * X.rotation.column(axis), bodyColour(axis == 0 ? 6 : axis == 1 ? 2 : 5)});
+		if (!b.solid) continue;
+		if (choice.spheres) list.spheres.push_back({b.solid->spheres, X, b.solid->spheres->spheres.size(), b.scale});
+		if (choice.leaves) drawLeaves(*b.solid->tree, X, b.scale, list);
+	}
+}
+
+void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
+{
+	if (contact.halfSpace && contact.treeA)
+	{
+		const btCollisionShape* shape = contact.bodyB->getCollisionShape();
+		if (shape->getShapeType() != STATIC_PLANE_PROXYTYPE) return;
+		const auto& plane = static_cast<const btStaticPlaneShape&>(*shape);
+		drawPlaneLenses(contact, toVec3(plane.getPlaneNormal()), double(plane.getPlaneConstant()), list);
+		return;
+	}
+	if (!contact.treeA || !contact.treeB) return;
+	QueryOptions options;
+	options.sortPairs = true;
+	options.stiffness = options.patches = false;
+	const Pose X_AB = inverse(contact.X_WA) * toPose(contact.bodyB->getWorldTransform());
+	const OverlapResult result = queryOverlap(*contact.treeA, *contact.treeB, X_AB, m_workspace, options);
+	if (result.status != QueryStatus::Ok || result.pairCount == 0) return;
+	double thickest = 0;
+	const auto thickness = [](const OverlapPair& p) { return p.area > 0 ? double(p.lens) / p.area : 0; };
+	for (int i = 0; i < result.pairCount; ++i) thickest = std::max(thickest, thickness(result.pairs[i]));
+	const size_t stride = std::max<size_t>(1, size_t(result.pairCount) / kMostLenses);
+	for (int i = 0; i < result.pairCount; i += int(stride))
+	{
+		const OverlapPair& p = result.pairs[i];
+		if (!(p.area > 0) || !(p.lens > 0)) continue;
+		const double t = thickness(p);
+		list.discs.push_back({contact.X_WA * (contact.treeA->origin + p.centroid), contact.X_WA.rotation * p.normal, 0.8 * std::sqrt(p.area / kPi),
+							  0.6 * t, pressureColour(t / thickest)});
+	}
+}
+
+void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, double arrowForce, double arrowLength,
+							  DrawList& list)
+{
+	const bool onA = !contact.bodyA->isStaticOrKinematicObject();
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const OverlapIntegrals& patch = contact.patches[i];
+		if (!(patch.volume > 0)) continue;
+		const Vec3 center = contact.X_WA * (contact.treeA->origin + patch.firstMoment / patch.volume);
+		const Vec3 force = (onA ? 1 : -1) / world.lastStep() * contact.impulses[i].force;
+		const double strength = norm(force), area = norm(patch.areaVector);
+		const Vec3 normal = area > 0 ? contact.X_WA.rotation * (patch.areaVector / area) : normalized(force);
+		if (choice.patches && area > 0)
+		{
+			const double radius = std::sqrt(area / kPi);
+			Vec3 u, v;
+			completeFrame(normal, u, v);
+			constexpr int kSides = 40;
+			for (int k = 0; k < kSides; ++k)
+			{
+				const double from = 2 * kPi * k / kSides, to = 2 * kPi * (k + 1) / kSides;
+				list.lines.push_back({center + radius * (std::cos(from) * u + std::sin(from) * v), center + radius * (std::cos(to) * u + std::sin(to) * v),
+									  {0.05f, 0.05f, 0.08f}});
+			}
+		}
+		if (!choice.wrenches || !(strength > 0.02 * m_strongest)) continue;
+		// Small forces stay visible, large ones in the picture.
+		const double length = arrowLength * std::clamp(strength / arrowForce, 0.25, 2.0);
+		const Vec3 tip = center + length * normalized(force);
+		list.arrows.push_back({center, tip, 0.035 * arrowLength, {0.80f, 0.18f, 0.12f}});
+		// Words for those that matter: many would hide each other.
+		if (strength > 0.4 * m_strongest) list.texts.push_back({tip, formatForce(strength), {0.55f, 0.08f, 0.04f}});
+	}
+}
+
+void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowForce, double arrowLength, DrawList& list)
+{
+	drawBodies(world, choice, list);
+	world.debugLines(choice, list);
+	if (!world.volumetric() || !(world.lastStep() > 0)) return;
+	m_strongest = 0;
+	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
+		for (int i = 0; i < contact->patchCount; ++i) m_strongest = std::max(m_strongest, norm(contact->impulses[i].force) / world.lastStep());
+	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
+	{
+		if (contact->patchCount == 0) continue;
+		if (choice.lenses) drawLenses(*contact, list);
+		drawPatches(world, *contact, choice, arrowForce, arrowLength, list);
+	}
+}
+}  // namespace browser

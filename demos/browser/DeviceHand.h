@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/browser/BrowsableDemo.h"
+#include "DeviceBridge/Device.h"
+
+#include <memory>
+
+namespace browser
+{
+/// A device of DeviceBridge that moves what the browser's hand holds, at the rate of the pictures: way for way, turn for turn. It gets no
+/// force from here; forces at a hand want a stepping thread (haptic-bunny, scene files).
+class DeviceHand
+{
+public:
+	/// Errors: no driver, no such device, or one that does not open.
+	static ist::Result<std::unique_ptr<DeviceHand>> open(const std::string& address);
+	explicit DeviceHand(std::unique_ptr<devicebridge::Device> device) : m_device(std::move(device)) {}
+
+	/// Moves the demo's tool by what the hand moved since the last call; `scale`: metres of the scene for one of the hand's. A device that
+	/// does not answer moves nothing; the sentence says so, once for each time that it is lost.
+	std::optional<ist::Error> update(BrowsableDemo& demo, double scale);
+	/// The next call begins anew, without a move.
+	void forget() { m_known = false; }
+	double workspaceRadius() const { return m_device->info().workspaceRadius; }
+
+private:
+	std::unique_ptr<devicebridge::Device> m_device;
+	ist::Pose m_last;
+	bool m_known = false, m_lost = false;
+};
+}  // namespace browser

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/WorldDemo.h"
+
+#include "BulletISTCollision/btISTConversion.h"
+
+#include <cstdio>
+
+using namespace ist;
+
+namespace browser
+{
+namespace
+{
+constexpr size_t kMostSamples = 600;
+
+void append(Curve& curve, double value)
+{
+	if (curve.values.size() == kMostSamples) curve.values.erase(curve.values.begin());
+	curve.values.push_back(float(value));
+}
+
+void shiftBy(DrawList& list, const Vec3& shift)
+{
+	for (auto& s : list.surfaces) s.X_WM.translation += shift;
+	for (auto& s : list.spheres) s.X_WM.translation += shift;
+	for (auto& d : list.discs) d.center += shift;
+	for (auto& a : list.arrows) a.from += shift, a.to += shift;
+	for (auto& l : list.lines) l.from += shift, l.to += shift;
+	for (auto& t : list.texts) t.at += shift;
+}
+
+template <class T>
+void take(std::vector<T>& to, std::vector<T>& from)
+{
+	to.insert(to.end(), from.begin(), from.end());
+}
+}  // namespace
+
+DemoWorld& WorldDemo::addWorld(scenes::Response response, const Vec3& gravity, const Vec3& shift, const std::string& title)
+{
+	m_parts.push_back({std::make_unique<DemoWorld>(response, gravity), shift, title});
+	return *m_parts.back().world;
+}
+
+std::optional<Error> WorldDemo::restart()
+{
+	m_hand.release();
+	m_parts.clear();
+	m_time = m_nextSample = 0;
+	for (Curve* curve : {&m_force, &m_pairs, &m_energy, &m_cost}) curve->values.clear();
+	if (auto error = build()) return error;
+	for (const Part& part : m_parts)
+		if (part.world->error()) return part.world->error();
+	if (m_awake) keepAwake(true);
+	return std::nullopt;
+}
+
+void WorldDemo::step(double seconds)
+{
+	beforeStep(seconds);
+	m_hand.pull(seconds);
+	for (Part& part : m_parts) part.world->step(seconds);
+	m_time += seconds;
+	afterStep(seconds);
+	if (m_time < m_nextSample) return;
+	m_nextSample += 1.0 / 60;
+	sample();
+}
+
+void WorldDemo::sample()
+{
+	double force = 0, pairs = 0, energy = 0, cost = 0;
+	for (const Part& part : m_parts)
+	{
+		const ContactSums sums = part.world->contactSums();
+		force += sums.force;
+		pairs += double(sums.pairs);
+		energy += part.world->mechanicalEnergy();
+		cost += part.world->stepMicroseconds();
+	}
+	append(m_force, force);
+	append(m_pairs, pairs);
+	append(m_energy, energy);
+	append(m_cost, cost);
+}
+
+void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
+{
+	list.wireframe = choice.wireframe;
+	list.shadows = choice.shadows;
+	list.ground = choice.ground;
+	for (Part& part : m_parts)
+	{
+		m_one.clear();
+		m_view.draw(*part.world, choice, arrowForce(), arrowLength(), m_one);
+		shiftBy(m_one, part.shift);
+		take(list.surfaces, m_one.surfaces);
+		take(list.spheres, m_one.spheres);
+		take(list.discs, m_one.discs);
+		take(list.arrows, m_one.arrows);
+		take(list.lines, m_one.lines);
+		take(list.texts, m_one.texts);
+		const Viewpoint view = viewpoint();
+		if (!part.title.empty())
+			list.texts.push_back({part.shift + Vec3{0, 2 * view.target.y + 0.09 * view.distance, 0}, part.title, {0.1f, 0.1f, 0.12f}});
+	}
+	if (m_hand.holds())
+		list.lines.push_back({toVec3(m_hand.body()->getWorldTransform().getOrigin()), m_hand.target().translation, {0.1f, 0.1f, 0.8f}});
+	decorate(choice, list);
+	list.ground = list.ground && choice.ground;
+}
+
+std::vector<Curve> WorldDemo::curves() const { return {m_force, m_pairs, m_energy, m_cost}; }
+
+std::vector<std::string> WorldDemo::report() const
+{
+	std::vector<std::string> rows;
+	char row[200];
+	for (const Part& part : m_parts)
+	{
+		int awake = 0, asleep = 0;
+		for (const DemoWorld::Body& b : part.world->bodies())
+			if (!b.body->isStaticOrKinematicObject()) ++(b.body->isActive() ? awake : asleep);
+		const ContactSums sums = part.world->contactSums();
+		std::snprintf(row, sizeof row, "%s%s%d bodies move, %d sleep; step %.0f us, of it queries %.0f us", part.title.c_str(), part.title.empty() ? "" : ": ",
+					  awake, asleep, part.world->stepMicroseconds(), sums.queryMicroseconds);
+		rows.push_back(row);
+		if (!part.world->volumetric()) continue;
+		const auto nameOf = [&](const btCollisionObject* object)
+		{
+			for (const DemoWorld::Body& b : part.world->bodies())
+				if (b.body.get() == object) return b.name.c_str();
+			return "ground";
+		};
+		for (const btISTContact* contact : part.world->volumetric()->contacts().contacts())
+		{
+			if (contact->patchCount == 0) continue;
+			const double volume = contact->total.volume;
+			std::snprintf(row, sizeof row, "%s - %s: %s, %lld pairs, %d patches, force within %.1f %%", nameOf(contact->bodyA), nameOf(contact->bodyB),
+						  contact->treeB ? "tree on tree" : contact->halfSpace ? "tree on plane" : "tree on closed form",
+						  static_cast<long long>(contact->total.pairs), contact->patchCount,
+						  contact->constants.k > 0 && volume > 0 ? 100 * contact->error.force / (contact->constants.k * volume) : 0.0);
+			rows.push_back(row);
+		}
+	}
+	return rows;
+}
+
+std::optional<double> WorldDemo::grab(const Vec3& from, const Vec3& direction)
+{
+	double nearest = -1;
+	btRigidBody* met = nullptr;
+	for (const Part& part : m_parts)
+		for (const DemoWorld::Body& b : part.world->bodies())
+		{
+			if (b.scale != 1) continue;
+			const double t = rayMeetsMesh(b.visibleMesh(), b.X_WP(), from - part.shift, direction);
+			if (t > 0 && (nearest < 0 || t < nearest)) nearest = t, met = b.body.get();
+		}
+	if (!met || met->isStaticOrKinematicObject()) return std::nullopt;
+	m_hand.grab(met);
+	return nearest;
+}
+
+bool WorldDemo::grabTool()
+{
+	if (m_hand.holds()) return true;
+	// The last that moves: demos put what lies first, and what comes to it later.
+	for (const DemoWorld::Body& b : m_parts.front().world->bodies())
+		if (!b.body->isStaticOrKinematicObject()) m_hand.grab(b.body.get());
+	return m_hand.holds();
+}
+
+void WorldDemo::keepAwake(bool on)
+{
+	m_awake = on;
+	for (Part& part : m_parts) part.world->keepAwake(on);
+}
+}  // namespace browser

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/ToolDemo.h"
+
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/btISTConversion.h"
+#include "demos/scenes/OverlapQuadrature.h"
+
+using namespace ist;
+
+namespace browser
+{
+namespace
+{
+constexpr double kSize = 0.2, kBall = 0.025, kSoft = 2e6, kHard = 1.6e7;
+
+/// A ball presses on any body, slides over it, and stays.
+class Bunny : public ToolDemo
+{
+public:
+	std::optional<Error> prepare(const DemoOptions& options) override
+	{
+		Result<Mesh> mesh = chosenMesh(options, kSize, knotMesh(kSize));
+		if (!mesh) return mesh.error();
+		Result<SolidPtr> body = makeSolid("body", mesh.value(), 3000, options);
+		if (!body) return body.error();
+		DemoOptions own = options;
+		own.spheres = 0;
+		Result<SolidPtr> ball = makeSolid("ball", makeSphereMesh(kBall, 4), 800, own);
+		if (!ball) return ball.error();
+		m_body = body.value();
+		m_ball = ball.value();
+		m_truth = std::make_unique<scenes::OverlapQuadrature>(m_ball->mesh, m_body->mesh);
+		findTop();
+		return std::nullopt;
+	}
+	double stepSize() const override { return 1e-3; }
+	double duration() const override { return 2.5; }
+	Viewpoint viewpoint() const override { return {{0, 1.2 * m_centre.y, 0}, 0.46, 0.7, 0.45}; }
+	DrawChoice firstChoice() const override
+	{
+		DrawChoice choice;
+		choice.lenses = true;
+		return choice;
+	}
+	std::vector<Parameter> parameters() override { return {{"press by", "mm", &m_press, 0, 10, false, false}, {"friction", "", &m_friction, 0, 1, true, false}}; }
+	std::vector<Figure> figures() const override
+	{
+		const Vec3 force = world().contactForce(tool());
+		const Vec3 truth = trueForce();
+		return {{"force on the ball", "N", norm(force)},
+				{"off the integral over the triangles", "%", norm(truth) > 0 ? 100 * norm(force - truth) / norm(truth) : 0,
+				 m_friction > 0 ? std::numeric_limits<double>::quiet_NaN() : 0, 6},
+				{"hand and contact out of balance", "%", 100 * imbalance(), 0, 1}};
+	}
+
+protected:
+	std::optional<Error> build() override
+	{
+		DemoWorld& w = addWorld(scenes::Response::Volumetric, {0, -9.81, 0});
+		BodySetup body;
+		body.name = "body";
+		body.fixed = true;
+		body.stiffness = kSoft;
+		body.friction = 1;
+		body.colour = bodyColour(0);
+		body.X_WM.translation = m_centre - m_body->X_MP.translation;
+		m_fixed = w.add(m_body, std::move(body));
+		BodySetup ball;
+		ball.name = "ball";
+		ball.density = 7800;
+		ball.stiffness = kHard;
+		ball.friction = m_friction;
+		ball.colour = bodyColour(1);
+		ball.X_WM = path(0);
+		holdTool(w.add(m_ball, std::move(ball)), 250);
+		return std::nullopt;
+	}
+	Pose path(double time) const override
+	{
+		const double deep = 1e-3 * m_press, above = m_top.y + kBall;
+		Pose X;
+		X.translation = along({{0, {m_top.x, above + 0.03, m_top.z}}, {0.8, {m_top.x, above - deep, m_top.z}}, {1.2, {m_top.x, above - deep, m_top.z}},
+							   {1.7, {m_top.x - 0.010, above - deep, m_top.z}}, {2.2, {m_top.x - 0.002, above - deep, m_top.z}}}, time);
+		return X;
+	}
+	double arrowForce() const override { return 2; }
+	double arrowLength() const override { return 0.05; }
+
+private:
+	/// The body stands on the ground, and is touched at its highest vertex.
+	void findTop()
+	{
+		const Box box = bounds(m_body->mesh);
+		m_centre = {0, -box.lower.y, 0};
+		m_top = {0, -1e300, 0};
+		for (const Vec3& p : m_body->mesh.vertices)
+			if (m_centre.y + p.y > m_top.y) m_top = m_centre + p;
+	}
+	/// By quadrature on the triangles, which knows neither spheres nor friction.
+	Vec3 trueForce() const
+	{
+		if (time() < duration() - 1e-9) return {};
+		const Pose X_WT = toPose(tool()->getWorldTransform()), X_TB = inverse(X_WT) * toPose(m_fixed->getWorldTransform());
+		const double k = kSoft * kHard / (kSoft + kHard);
+		return k * (X_WT.rotation * m_truth->integrate(X_TB, {}, 48, 20000).wrench(kSoft / (kSoft + kHard), kHard / (kSoft + kHard)).force);
+	}
+
+	SolidPtr m_body, m_ball;
+	std::unique_ptr<scenes::OverlapQuadrature> m_truth;
+	btRigidBody* m_fixed = nullptr;
+	Vec3 m_centre, m_top;
+	double m_press = 5, m_friction = 0;
+};
+}  // namespace
+
+std::unique_ptr<BrowsableDemo> makeBunny() { return std::make_unique<Bunny>(); }
+}  // namespace browser

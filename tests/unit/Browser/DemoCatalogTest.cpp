@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/DemoRun.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <set>
+
+using namespace browser;
+
+namespace
+{
+/// A demo that counts its steps.
+class Counting : public BrowsableDemo
+{
+public:
+	std::optional<ist::Error> prepare(const DemoOptions&) override { return std::nullopt; }
+	std::optional<ist::Error> restart() override { return m_time = 0, std::nullopt; }
+	void step(double seconds) override { m_time += seconds; }
+	double stepSize() const override { return 0.1; }
+	double duration() const override { return 1; }
+	double time() const override { return m_time; }
+	void draw(const DrawChoice&, DrawList&) override {}
+	Viewpoint viewpoint() const override { return {}; }
+	std::vector<Figure> figures() const override { return {{"time", "s", m_time, expected, 1e-9}}; }
+
+	double expected = 1;
+
+private:
+	double m_time = 0;
+};
+}  // namespace
+
+TEST(DemoCatalog, HasEachNameOnceAndGroupsTogether)
+{
+	std::set<std::string> names, groups;
+	std::string group;
+	for (const DemoEntry& entry : demoCatalog())
+	{
+		EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
+		EXPECT_EQ(findDemo(entry.name), &entry);
+		EXPECT_NE(entry.make(), nullptr);
+		if (group == entry.group) continue;
+		group = entry.group;
+		EXPECT_TRUE(groups.insert(group).second) << group;
+	}
+	EXPECT_EQ(findDemo("no such demo"), nullptr);
+}
+
+TEST(DemoCatalog, SearchWantsEveryWordInAnyCase)
+{
+	EXPECT_EQ(searchDemos("").size(), demoCatalog().size());
+	ASSERT_EQ(searchDemos("SWORD ring").size(), 1u);
+	EXPECT_STREQ(searchDemos("SWORD ring")[0]->name, "sword");
+	EXPECT_TRUE(searchDemos("sword archimedes").empty());
+	EXPECT_GE(searchDemos("physics").size(), 3u);
+}
+
+TEST(DemoRun, JudgesOnlyWhatRanToItsEnd)
+{
+	Counting demo;
+	auto whole = runDemo(demo, "counting", "", {});
+	ASSERT_TRUE(whole);
+	EXPECT_EQ(whole.value().frames, 10);
+	EXPECT_TRUE(whole.value().complete && whole.value().ok());
+	DemoRunOptions options;
+	options.frames = 3;
+	auto part = runDemo(demo, "counting", "", options);
+	ASSERT_TRUE(part);
+	EXPECT_NEAR(part.value().seconds, 0.3, 1e-12);
+	EXPECT_TRUE(!part.value().complete && part.value().ok());
+	demo.expected = 2;
+	EXPECT_FALSE(runDemo(demo, "counting", "", {}).value().ok());
+	options.frames = -1;
+	options.dt = 0.25;
+	EXPECT_EQ(runDemo(demo, "counting", "", options).value().frames, 4);
+}
+
+TEST(DemoRun, PrintsWhatIsNotFiniteAsNull)
+{
+	DemoOutcome outcome;
+	outcome.figures = {{"lost", "m", std::numeric_limits<double>::quiet_NaN()}, {"kept", "m", 1, 1, 0.5}};
+	const auto json = nlohmann::json::parse(makeJson(outcome));
+	EXPECT_EQ(json["schema"], 1);
+	EXPECT_TRUE(json["figures"][0]["value"].is_null() && json["figures"][0]["expected"].is_null());
+	EXPECT_EQ(json["figures"][1]["tolerance"], 0.5);
+	EXPECT_FALSE(json["ok"]);
+}
