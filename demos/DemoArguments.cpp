@@ -10,7 +10,8 @@
 namespace scenes
 {
 const char* const kDemoUsage =
-	"usage: haptic_demos --list | --version | --demo NAME [options] | --scene FILE [options] | --paper-figures DIR\n"
+	"usage: haptic_demos [--demo NAME] [options] | --list | --version | --scene FILE [options] | --paper-figures DIR | --gallery DIR\n"
+	"without a demo, or with one of the browser's and without --headless, a window opens\n"
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
 	"  --scenes FOLDER  where --paper-figures finds its scenes (default data/scenes, from the current folder)\n"
@@ -23,10 +24,21 @@ const char* const kDemoUsage =
 	"  --world-rate HZ  at this rate (default 60)\n"
 	"  --report FILE    write a report as one HTML file\n"
 	"  --json           print the result as JSON instead of a table\n"
-	"  --headless       no window (these demos never open one)\n";
+	"  --headless       no window (haptic-bunny, bunny-query, continuity and scenes never open one)\n"
+	"of the browser's demos:\n"
+	"  --frames N       so many steps; of the window: so many pictures until it closes itself\n"
+	"  --dt S           seconds a step (default: what the demo thinks right)\n"
+	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
+	"  --record FOLDER  30 numbered PNG for each second of the demo's time\n"
+	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
+	"  --size WxH       of pictures (default 960x540) or of the window (1280x800)\n"
+	"  --device ADDRESS a device that moves what the browser's hand holds (`devicebridge list` shows addresses)\n"
+	"  --gallery DIR    a picture of every demo and a page that shows them\n";
 
 namespace
 {
+const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device"};
+
 /// The whole of `text` as a positive finite number, else 0.
 double positiveNumber(const std::string& text)
 {
@@ -43,6 +55,14 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
+	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity";
+	if (others)
+		if (std::string wrong = clash(given.count("--scene") ? "--scene" : a.demo.empty() ? "--paper-figures" : "--demo " + a.demo, kOfTheBrowser, "only the browser's demos know it"); !wrong.empty())
+			return wrong;
+	if (!others)
+		if (std::string wrong = clash("the browser", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its demos scale their meshes and step as they are drawn"); !wrong.empty())
+			return wrong;
+	if (given.count("--window-screenshot") && !given.count("--frames")) return "--window-screenshot goes with --frames";
 	if (given.count("--paper-figures"))
 		return clash("--paper-figures", {"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
 					 "it runs its own scenes in real time and writes its own page");
@@ -55,20 +75,38 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has neither bodies nor clock");
 	return {};
 }
+
+void readBrowserNumbers(const std::string& frames, const std::string& dt, const std::string& size, DemoArguments& a)
+{
+	if (!dt.empty() && !((a.dt = positiveNumber(dt)) > 0 && a.dt <= 1)) a.error = "--dt must be a positive number of seconds, at most 1, not " + dt;
+	if (!frames.empty())
+	{
+		const double count = positiveNumber(frames);
+		if (!(count >= 1 && count <= 1e9) || count != std::floor(count)) a.error = "--frames must be a positive whole number, not " + frames;
+		a.frames = static_cast<long long>(count);
+	}
+	if (size.empty()) return;
+	a.sizeGiven = true;
+	const size_t cross = size.find('x');
+	const double width = positiveNumber(size.substr(0, cross)), height = cross == std::string::npos ? 0 : positiveNumber(size.substr(cross + 1));
+	if (!(width >= 16 && width <= 8192 && height >= 16 && height <= 8192)) a.error = "--size must be like 960x540, 16 to 8192 each, not " + size;
+	else a.width = int(width), a.height = int(height);
+}
 }  // namespace
 
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres, worldRate;
-	bool headless = false;
+	std::string unit, spheres, worldRate, frames, dt, size;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
-												{"--json", &a.json}, {"--headless", &headless}, {"--virtual-time", &a.virtualTime},
+												{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime},
 												{"--decoupled", &a.decoupled}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
 														{"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
-														{"--world-rate", &worldRate}};
+														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size},
+														{"--screenshot", &a.screenshot}, {"--record", &a.record}, {"--gallery", &a.gallery},
+														{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
@@ -88,6 +126,9 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!worldRate.empty()) a.worldRate = positiveNumber(worldRate);
 	if (!(a.worldRate >= 1 && a.worldRate <= 1000)) a.error = "--world-rate must be between 1 and 1000 Hz, not " + worldRate;
 	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";
+	readBrowserNumbers(frames, dt, size, a);
+	a.meshGiven = given.count("--mesh") > 0;
+	a.spheresGiven = !spheres.empty();
 	if (spheres.empty()) return a;
 	a.spheres = static_cast<long long>(std::fmin(positiveNumber(spheres), 1e9));
 	if (a.spheres < 1) a.error = "--spheres must be a positive number, not " + spheres;

@@ -14,6 +14,16 @@ struct DemoArguments
 	double unit = 0;
 	double worldRate = 60;
 	long long spheres = 10000;
+	bool meshGiven = false, spheresGiven = false;
+	// Of the browser's demos.
+	bool headless = false, sizeGiven = false;
+	std::string screenshot, record, gallery, windowScreenshot, device;
+	long long frames = -1;
+	double dt = 0;              ///< [s]; 0: the demo's own
+	int width = 960, height = 540;
+	/// Something is asked for that a window does not give.
+	bool withoutWindow() const { return headless || json || !screenshot.empty() || !record.empty() || !report.empty(); }
+
 	std::string error;  ///< what is wrong; empty: nothing
 };
 

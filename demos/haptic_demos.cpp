@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
+#include "demos/BrowserRun.h"
 #include "demos/DemoArguments.h"
+#include "demos/Present.h"
 #include "demos/scenes/Continuity.h"
 #include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
@@ -14,16 +16,8 @@
 #include <filesystem>
 #include <string>
 
-namespace
+namespace scenes
 {
-using scenes::DemoArguments;
-
-#ifdef IST_VERSION
-constexpr const char* kVersion = IST_VERSION;
-#else
-constexpr const char* kVersion = "0.1.0";
-#endif
-
 bool showProgress(const char* stage, double fraction)
 {
 	static std::string last;
@@ -35,31 +29,26 @@ bool showProgress(const char* stage, double fraction)
 }
 
 void say(const std::string& text) { std::fprintf(stderr, "\r%-20s\rhaptic_demos: %s\n", "", text.c_str()); }
+}  // namespace scenes
+
+namespace
+{
+using scenes::DemoArguments;
+using scenes::present;
+using scenes::say;
+using scenes::showProgress;
+
+#ifdef IST_VERSION
+constexpr const char* kVersion = IST_VERSION;
+#else
+constexpr const char* kVersion = "0.1.0";
+#endif
 
 int refuse(const DemoArguments& a, const ist::Error& error)
 {
 	say(error.message);
 	if (a.mesh == DemoArguments::kDefaultMesh) std::fprintf(stderr, "The default mesh comes with: apt-get install glmark2-data\n");
 	return 1;
-}
-
-/// Prints what a demo found, in the form that was asked for.
-template <class Outcome>
-int present(const DemoArguments& a, const Outcome& outcome)
-{
-	std::fprintf(stderr, "\r%-20s\r", "");
-	if (a.json)
-		std::printf("%s\n", makeJson(outcome).c_str());
-	else
-		for (const auto& row : summaryRows(outcome)) std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
-	if (a.report.empty()) return 0;
-	if (!makeReport(outcome).write(a.report))
-	{
-		std::fprintf(stderr, "haptic_demos: cannot write the report to %s\n", a.report.c_str());
-		return 1;
-	}
-	std::fprintf(stderr, "report: %s\n", a.report.c_str());
-	return 0;
 }
 
 int runBunnyQuery(const DemoArguments& a)
@@ -177,6 +166,8 @@ int run(int argc, char** argv)
 		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
 		std::printf("z-width       stiffness and damping of a wall that devices bear, stably and passively\n");
 		std::printf("safety        what reaches a device without each stage of the safety chain, and with it\n");
+		std::printf("of the browser, which opens without --headless:\n");
+		scenes::listBrowserDemos();
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
@@ -186,10 +177,10 @@ int run(int argc, char** argv)
 	if (a.demo == "z-width") return runZWidth(a);
 	if (a.demo == "safety") return runSafety(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);
-	if (a.demo.empty())
-		std::fprintf(stderr, "haptic_demos: nothing to do\n%s", scenes::kDemoUsage);
-	else
-		std::fprintf(stderr, "haptic_demos: no demo is called %s; --list names them\n", a.demo.c_str());
+	if (!a.gallery.empty()) return scenes::makeGallery(a);
+	if (a.demo.empty()) return scenes::openBrowser(a);
+	if (scenes::isBrowserDemo(a.demo)) return a.withoutWindow() ? scenes::runBrowserDemo(a) : scenes::openBrowser(a);
+	std::fprintf(stderr, "haptic_demos: no demo is called %s; --list names them\n", a.demo.c_str());
 	return 2;
 }
 }  // namespace

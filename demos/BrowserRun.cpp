@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/BrowserRun.h"
+
+#include "demos/Present.h"
+#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/DemoRun.h"
+#ifdef BULLETHAPTICS_BROWSER
+#include "demos/browser/view/Photographer.h"
+#include "demos/browser/view/Window.h"
+#endif
+#include "demos/scenes/WholeText.h"
+
+#include <cmath>
+#include <filesystem>
+
+namespace scenes
+{
+namespace
+{
+browser::DemoOptions demoOptions(const DemoArguments& a)
+{
+	browser::DemoOptions options;
+	options.mesh = a.meshGiven ? a.mesh : "";
+	options.cache = a.cache;
+	options.spheres = a.spheresGiven ? a.spheres : 0;
+	options.progress = showProgress;
+	options.say = say;
+	return options;
+}
+
+int refuse(const ist::Error& error)
+{
+	say(error.message);
+	return error.cancelled ? 130 : 1;
+}
+
+constexpr double kFramesPerSecond = 30;
+
+#ifdef BULLETHAPTICS_BROWSER
+using browser::Photographer;
+
+/// Takes the pictures of a run: every 1/30 s of the demo's time for a recording, and one at the end.
+struct Pictures
+{
+	std::unique_ptr<Photographer> photographer;
+	std::optional<ist::Error> error;
+	long long taken = 0;
+
+	explicit Pictures(const DemoArguments& a)
+	{
+		if (a.screenshot.empty() && a.record.empty()) return;
+		auto made = Photographer::make(a.width, a.height);
+		if (!made) error = made.error();
+		else photographer = std::move(made).value();
+		std::error_code failed;
+		if (!a.record.empty() && !std::filesystem::is_directory(a.record, failed) && !std::filesystem::create_directories(a.record, failed))
+			error = ist::Error{a.record + ": the folder cannot be made"};
+	}
+	bool record(const DemoArguments& a, browser::BrowsableDemo& demo)
+	{
+		if (a.record.empty() || demo.time() < double(taken) / kFramesPerSecond) return true;
+		char name[32];
+		std::snprintf(name, sizeof name, "%05lld.png", taken++);
+		error = browser::savePicture(photographer->take(demo), (std::filesystem::path(a.record) / name).string());
+		return !error;
+	}
+};
+#else
+const char* const kWithout = "this build has no pictures and no window; apt-get install libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev, "
+							 "then build again (--headless needs none of it)";
+#endif
+}  // namespace
+
+bool isBrowserDemo(const std::string& name) { return browser::findDemo(name) != nullptr; }
+
+void listBrowserDemos()
+{
+	for (const browser::DemoEntry& entry : browser::demoCatalog()) std::printf("%-13s %s\n", entry.name, entry.about);
+}
+
+int runBrowserDemo(const DemoArguments& a)
+{
+	const browser::DemoEntry* entry = browser::findDemo(a.demo);
+	std::unique_ptr<browser::BrowsableDemo> demo = entry->make();
+	browser::DemoRunOptions options;
+	options.frames = a.frames;
+	options.dt = a.dt;
+#ifdef BULLETHAPTICS_BROWSER
+	Pictures pictures(a);
+	if (pictures.error) return refuse(*pictures.error);
+	options.afterStep = [&](long long) { return pictures.record(a, *demo); };
+#else
+	if (!a.screenshot.empty() || !a.record.empty()) return refuse({kWithout});
+#endif
+	if (const auto error = demo->prepare(demoOptions(a))) return refuse(*error);
+	const auto outcome = browser::runDemo(*demo, entry->name, entry->about, options);
+	if (!outcome) return refuse(outcome.error());
+#ifdef BULLETHAPTICS_BROWSER
+	if (!pictures.error && !a.screenshot.empty()) pictures.error = browser::savePicture(pictures.photographer->take(*demo), a.screenshot);
+	if (pictures.error) return refuse(*pictures.error);
+#endif
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
+#ifdef BULLETHAPTICS_BROWSER
+int openBrowser(const DemoArguments& a)
+{
+	browser::WindowOptions options;
+	options.demo = demoOptions(a);
+	if (!a.demo.empty()) options.first = a.demo;
+	options.pictures = a.frames;
+	options.width = a.sizeGiven ? a.width : 1280;
+	options.height = a.sizeGiven ? a.height : 800;
+	options.screenshot = a.windowScreenshot;
+	options.device = a.device;
+	const auto error = browser::openWindow(options);
+	return error ? refuse(*error) : 0;
+}
+
+int makeGallery(const DemoArguments& a)
+{
+	const std::filesystem::path folder = a.gallery;
+	std::error_code failed;
+	if (!std::filesystem::is_directory(folder, failed) && !std::filesystem::create_directories(folder, failed))
+		return refuse({a.gallery + ": the folder cannot be made"});
+	auto photographer = Photographer::make(640, 360);
+	if (!photographer) return refuse(photographer.error());
+	std::string page = "# Gallery\nMade by `haptic_demos --gallery FOLDER`: every demo of the browser at the end of its run, with what it found.\n", group;
+	bool good = true;
+	for (const browser::DemoEntry& entry : browser::demoCatalog())
+	{
+		const std::unique_ptr<browser::BrowsableDemo> demo = entry.make();
+		if (const auto error = demo->prepare(demoOptions(a))) return refuse(*error);
+		const auto outcome = browser::runDemo(*demo, entry.name, entry.about, {});
+		if (!outcome) return refuse(outcome.error());
+		const std::string file = std::string(entry.name) + ".png";
+		if (const auto error = browser::savePicture(browser::withFewerColours(photographer.value()->take(*demo)), (folder / file).string())) return refuse(*error);
+		if (group != entry.group) page += "\n## " + (group = entry.group) + "\n";
+		page += "\n**" + std::string(entry.name) + ".** " + entry.about + ".\n\n![" + entry.name + "](" + file + ")\n\n| number | found | unit |\n|---|---|---|\n";
+		for (const auto& row : browser::summaryRows(outcome.value()))
+			if (row[2] != "us") page += "| " + row[0] + " | " + row[1] + " | " + row[2] + " |\n";
+		good = good && outcome.value().ok();
+		say(std::string(entry.name) + (outcome.value().ok() ? ": good" : ": NOT as expected"));
+	}
+	if (!writeWholeText((folder / "README.md").string(), page)) return refuse({a.gallery + ": the page cannot be written"});
+	return good ? 0 : 1;
+}
+#else
+int openBrowser(const DemoArguments&) { return refuse({kWithout}); }
+int makeGallery(const DemoArguments&) { return refuse({kWithout}); }
+#endif
+}  // namespace scenes

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/DemoArguments.h"
+
+#include <cstdio>
+
+namespace scenes
+{
+/// Prints what a demo found, in the form that was asked for, and writes its report. Returns the exit code.
+template <class Outcome>
+int present(const DemoArguments& a, const Outcome& outcome)
+{
+	std::fprintf(stderr, "\r%-20s\r", "");
+	if (a.json)
+		std::printf("%s\n", makeJson(outcome).c_str());
+	else
+		for (const auto& row : summaryRows(outcome)) std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
+	if (a.report.empty()) return 0;
+	if (!makeReport(outcome).write(a.report))
+	{
+		std::fprintf(stderr, "haptic_demos: cannot write the report to %s\n", a.report.c_str());
+		return 1;
+	}
+	std::fprintf(stderr, "report: %s\n", a.report.c_str());
+	return 0;
+}
+
+/// Progress of long work, on one line of stderr. Always goes on.
+bool showProgress(const char* stage, double fraction);
+/// A message for people.
+void say(const std::string& text);
+}  // namespace scenes

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/view/Browser.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+using namespace ist;
+
+namespace browser
+{
+namespace
+{
+constexpr size_t kTimes = 240;
+constexpr double kMostSteppingShare = 0.7;  // of the time between two pictures
+
+void keep(std::deque<float>& times, double value)
+{
+	times.push_back(float(value));
+	if (times.size() > kTimes) times.pop_front();
+}
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+}  // namespace
+
+Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_renderer(renderer), m_gui(gui), m_options(options)
+{
+	// Without a graphics card pixels are dear.
+	if (renderer.software()) m_quality = {1, 4, 1024, true};
+}
+
+void Browser::start(const DemoEntry& entry)
+{
+	std::unique_ptr<BrowsableDemo> made = entry.make();
+	std::optional<Error> error = made->prepare(m_options);
+	if (!error) error = made->restart();
+	if (error)
+	{
+		m_message = std::string(entry.name) + ": " + error->message;
+		return;
+	}
+	m_demo = std::move(made);
+	m_entry = &entry;
+	m_message.clear();
+	m_choice = m_demo->firstChoice();
+	m_camera.set(m_demo->viewpoint());
+	m_demo->keepAwake(m_noSleep);
+	m_owed = 0;
+	m_held = false;
+	m_stepTimes.clear();
+	if (m_device) m_device->forget();
+}
+
+void Browser::open(const std::string& name)
+{
+	const DemoEntry* entry = findDemo(name);
+	if (entry) start(*entry);
+	else m_message = "no demo is called " + name;
+}
+
+void Browser::openMesh(const std::string& path)
+{
+	const std::string before = m_options.mesh;
+	m_options.mesh = path;
+	open("packing");
+	// One that cannot be read is not asked for again.
+	if (!m_message.empty()) m_options.mesh = before;
+}
+
+void Browser::key(Key key)
+{
+	switch (key)
+	{
+		case Key::Boxes: m_choice.boxes = !m_choice.boxes; break;
+		case Key::Contacts: m_choice.patches = m_choice.wrenches = !m_choice.wrenches; break;
+		case Key::NoSleep:
+			m_noSleep = !m_noSleep;
+			if (m_demo) m_demo->keepAwake(m_noSleep);
+			break;
+		case Key::Frames: m_choice.frames = !m_choice.frames; break;
+		case Key::Constraints: m_choice.constraints = !m_choice.constraints; break;
+		case Key::Wireframe: m_choice.wireframe = !m_choice.wireframe; break;
+		case Key::Surfaces: m_choice.surfaces = !m_choice.surfaces; break;
+		case Key::Panels: m_choice.ground = m_panels = !m_panels; break;
+		case Key::Pause: m_paused = !m_paused; break;
+		case Key::Step:
+			m_paused = true;
+			stepOnce();
+			break;
+		case Key::Profile: m_profile = !m_profile; break;
+		case Key::Shadows: m_choice.shadows = !m_choice.shadows; break;
+		case Key::Restart:
+			if (m_demo)
+				if (auto error = m_demo->restart()) m_message = error->message;
+			m_held = false;
+			break;
+		case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
+		case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
+		case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
+		case Key::Picture: m_wantsPicture = true; break;
+	}
+}
+
+bool Browser::wantsPicture() { return std::exchange(m_wantsPicture, false); }
+
+void Browser::press(double x, double y, bool onCamera)
+{
+	m_mouseX = x;
+	m_mouseY = y;
+	m_held = false;
+	if (onCamera || !m_demo || !(m_sceneHeight > 0)) return;
+	const auto grip = m_demo->grab(m_camera.eye(), m_camera.ray(x, y, m_sceneWidth / m_sceneHeight));
+	if (!grip) return;
+	m_held = true;
+	m_grip = *grip;
+}
+
+void Browser::drag(double x, double y, bool turns, bool pans, bool zooms)
+{
+	const double aspect = m_sceneHeight > 0 ? m_sceneWidth / m_sceneHeight : 1, right = (x - m_mouseX) * aspect, down = y - m_mouseY;
+	m_mouseX = x;
+	m_mouseY = y;
+	if (!m_held)
+	{
+		if (pans) m_camera.pan(right, down);
+		else if (zooms) m_camera.zoom(-20 * down);
+		else m_camera.turn(right, down);
+		return;
+	}
+	const Mat3 axes = m_camera.axes();
+	const double height = m_camera.heightAt(m_grip);
+	if (turns) m_demo->drag({}, 4 * (down * axes.column(0) + right * axes.column(1)));
+	else if (zooms) m_demo->drag(height * down * axes.column(2), {});
+	else m_demo->drag(height * (right * axes.column(0) - down * axes.column(1)), {});
+}
+
+void Browser::releaseMouse()
+{
+	if (m_held && m_demo) m_demo->release();
+	m_held = false;
+}
+
+void Browser::stepOnce()
+{
+	if (!m_demo) return;
+	const double start = now();
+	m_demo->step(m_demo->stepSize());
+	keep(m_stepTimes, 1e6 * (now() - start));
+}
+
+void Browser::advance(double seconds)
+{
+	keep(m_frameTimes, 1e3 * seconds);
+	if (!m_demo || m_paused || !(seconds > 0)) return;
+	if (m_device)
+	{
+		// The device's workspace spans what is seen.
+		const double radius = m_device->workspaceRadius() > 0 ? m_device->workspaceRadius() : 0.1;
+		if (const auto error = m_device->update(*m_demo, 0.3 * m_camera.viewpoint().distance / radius)) m_message = error->message;
+	}
+	const double h = m_demo->stepSize(), start = now(), most = kMostSteppingShare * std::max(seconds, 1.0 / 60);
+	m_owed = std::min(m_owed + m_speed * std::min(seconds, 0.1), 0.1);
+	while (m_owed >= h)
+	{
+		stepOnce();
+		m_owed -= h;
+		if (now() - start > most) m_owed = 0;  // slower than the clock, rather than ever later
+	}
+}
+
+void Browser::draw(unsigned target, int width, int height)
+{
+	const double panel = m_panels ? std::round(std::min(330 * m_gui.density(), 0.45 * width)) : 0;
+	m_sceneLeft = panel;
+	m_sceneWidth = width - panel;
+	m_sceneHeight = height;
+	if (width <= 0 || height <= 0) return;
+	m_list.clear();
+	m_list.water = false;
+	m_list.ground = m_choice.ground;
+	m_list.groundHeight = 0;
+	m_list.groundNormal = {0, 1, 0};
+	if (m_demo) m_demo->draw(m_choice, m_list);
+	m_renderer.draw(m_list, m_camera, target, int(panel), width, height, m_quality);
+	drawTexts(*ImGui::GetBackgroundDrawList(), m_list, m_camera, panel, 0, m_sceneWidth, height);
+	if (m_panels) drawTree(float(panel), float(height));
+	else if (!m_message.empty()) ImGui::GetForegroundDrawList()->AddText({10, 10}, IM_COL32(170, 30, 10, 255), m_message.c_str());
+}
+}  // namespace browser

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/view/Browser.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace browser
+{
+namespace
+{
+const ImVec4 kGood{0.0f, 0.45f, 0.33f, 1}, kBad{0.78f, 0.25f, 0.0f, 1}, kQuiet{0.42f, 0.45f, 0.50f, 1};
+
+/// Range, newest value and line of a curve.
+void plot(const char* name, const char* unit, const float* values, int count, float height)
+{
+	if (count < 2) return;
+	const auto [least, most] = std::minmax_element(values, values + count);
+	char text[96];
+	std::snprintf(text, sizeof text, "%.4g %s  (%.3g to %.3g)", double(values[count - 1]), unit, double(*least), double(*most));
+	ImGui::TextUnformatted(name);
+	ImGui::SameLine();
+	ImGui::TextColored(kQuiet, "%s", text);
+	ImGui::PushItemWidth(-1);
+	ImGui::PlotLines((std::string("##") + name).c_str(), values, count, 0, nullptr, *least, *most + 1e-6f * std::fabs(*most) + 1e-30f, {0, height});
+	ImGui::PopItemWidth();
+}
+
+/// How often times fell into each of some equal parts of their range.
+void histogram(const char* name, const char* unit, const std::deque<float>& times, float height)
+{
+	if (times.size() < 10) return;
+	std::vector<float> sorted(times.begin(), times.end());
+	std::sort(sorted.begin(), sorted.end());
+	const float least = sorted.front(), most = std::max(sorted[sorted.size() * 99 / 100], least * 1.001f + 1e-6f);
+	constexpr int kParts = 32;
+	float counts[kParts] = {};
+	for (const float t : sorted) ++counts[std::clamp(int(kParts * (t - least) / (most - least)), 0, kParts - 1)];
+	ImGui::TextUnformatted(name);
+	ImGui::SameLine();
+	ImGui::TextColored(kQuiet, "median %.3g, 99th percentile %.3g %s", double(sorted[sorted.size() / 2]), double(most), unit);
+	ImGui::PushItemWidth(-1);
+	ImGui::PlotHistogram((std::string("##") + name).c_str(), counts, kParts, 0, nullptr, 0, 3.4e38f, {0, height});
+	ImGui::PopItemWidth();
+}
+}  // namespace
+
+void Browser::drawTree(float width, float height)
+{
+	ImGui::SetNextWindowPos({0, 0});
+	ImGui::SetNextWindowSize({width, height});
+	ImGui::Begin("BulletHaptics", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar);
+	ImGui::PushItemWidth(-1);
+	ImGui::InputTextWithHint("##search", "Search demos", m_search, sizeof m_search);
+	ImGui::PopItemWidth();
+	ImGui::BeginChild("tree", {0, 0.27f * height});
+	std::string group;
+	bool open = false;
+	const DemoEntry* chosen = nullptr;
+	for (const DemoEntry* entry : searchDemos(m_search))
+	{
+		if (group != entry->group)
+		{
+			if (open) ImGui::TreePop();
+			group = entry->group;
+			ImGui::SetNextItemOpen(true, ImGuiCond_Once);
+			open = ImGui::TreeNode(entry->group);
+		}
+		if (!open) continue;
+		if (ImGui::Selectable(entry->name, entry == m_entry)) chosen = entry;
+		if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", entry->about);
+	}
+	if (open) ImGui::TreePop();
+	ImGui::EndChild();
+	ImGui::Separator();
+	if (m_entry) ImGui::TextWrapped("%s.", m_entry->about);
+	if (!m_message.empty())
+	{
+		ImGui::PushStyleColor(ImGuiCol_Text, kBad);
+		ImGui::TextWrapped("%s", m_message.c_str());
+		ImGui::PopStyleColor();
+	}
+	ImGui::BeginChild("rest");
+	drawControls();
+	drawParameters();
+	drawFigures();
+	drawCurves();
+	drawChoices();
+	drawProfile();
+	ImGui::EndChild();
+	ImGui::End();
+	if (chosen) start(*chosen);
+}
+
+void Browser::drawControls()
+{
+	if (ImGui::Button(m_paused ? "Go on (i)" : "Pause (i)")) key(Key::Pause);
+	ImGui::SameLine();
+	if (ImGui::Button("Step (o)")) key(Key::Step);
+	ImGui::SameLine();
+	if (ImGui::Button("Restart (r)")) key(Key::Restart);
+	float speed = float(m_speed);
+	if (ImGui::SliderFloat("speed", &speed, 0.01f, 1, "%.2f of real time", ImGuiSliderFlags_Logarithmic)) m_speed = double(speed);
+	if (m_demo) ImGui::TextColored(kQuiet, "time %.2f s, step %.3g ms", m_demo->time(), 1e3 * m_demo->stepSize());
+}
+
+void Browser::drawParameters()
+{
+	if (!m_demo) return;
+	bool again = false;
+	for (Parameter& p : m_demo->parameters())
+	{
+		const std::string format = "%.4g " + p.unit;
+		ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, p.value, &p.least, &p.most, format.c_str(),
+							(p.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None) | ImGuiSliderFlags_AlwaysClamp);
+		again = again || (p.restarts && ImGui::IsItemDeactivatedAfterEdit());
+	}
+	if (again) key(Key::Restart);
+}
+
+void Browser::drawFigures()
+{
+	if (!m_demo || !ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) return;
+	const bool final = m_demo->time() >= m_demo->duration() - 1e-9;
+	for (const Figure& f : m_demo->figures())
+	{
+		ImGui::TextWrapped("%s: %.5g %s", f.name.c_str(), f.value, f.unit.c_str());
+		if (!f.judged()) continue;
+		const ImVec4 colour = !final ? kQuiet : f.ok() ? kGood : kBad;
+		ImGui::TextColored(colour, "    %s %.5g +- %.2g", !final ? "to be" : f.ok() ? "as expected," : "expected", f.expected, f.tolerance);
+	}
+}
+
+void Browser::drawCurves()
+{
+	if (!m_demo || !ImGui::CollapsingHeader("Plots", ImGuiTreeNodeFlags_DefaultOpen)) return;
+	const float height = 2.6f * ImGui::GetTextLineHeight();
+	for (const Curve& curve : m_demo->curves()) plot(curve.name.c_str(), curve.unit.c_str(), curve.values.data(), int(curve.values.size()), height);
+}
+
+void Browser::drawChoices()
+{
+	if (!ImGui::CollapsingHeader("Show")) return;
+	struct Row
+	{
+		const char* name;
+		bool* value;
+	};
+	const Row rows[] = {{"meshes (v)", &m_choice.surfaces}, {"inner spheres (b)", &m_choice.spheres}, {"leaves (n)", &m_choice.leaves},
+						{"lenses by pressure (m)", &m_choice.lenses}, {"patches", &m_choice.patches}, {"forces (c)", &m_choice.wrenches},
+						{"boxes (a)", &m_choice.boxes}, {"frames (j)", &m_choice.frames}, {"constraints (k)", &m_choice.constraints},
+						{"wireframe (w)", &m_choice.wireframe}, {"shadows (s)", &m_choice.shadows}, {"ground", &m_choice.ground}};
+	for (const Row& row : rows) ImGui::Checkbox(row.name, row.value);
+	ImGui::Checkbox("ambient occlusion", &m_quality.occlusion);
+	bool sleepless = m_noSleep;
+	if (ImGui::Checkbox("nothing sleeps (d)", &sleepless)) key(Key::NoSleep);
+}
+
+void Browser::drawProfile()
+{
+	if (!m_profile || !ImGui::CollapsingHeader("Profile (p)")) return;
+	const float height = 2.6f * ImGui::GetTextLineHeight();
+	histogram("steps", "us", m_stepTimes, height);
+	histogram("pictures", "ms", m_frameTimes, height);
+	const RenderCost& cost = m_renderer.cost();
+	ImGui::TextWrapped("drawing: %.0f us, %zu calls, %zu balls, %zu too small to be seen", cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
+	ImGui::TextColored(kQuiet, "%s", m_renderer.device().c_str());
+	if (!m_demo) return;
+	for (const std::string& row : m_demo->report()) ImGui::TextWrapped("%s", row.c_str());
+}
+}  // namespace browser

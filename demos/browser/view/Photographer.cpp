@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/view/Photographer.h"
+
+#include "demos/browser/view/Gui.h"
+#include "demos/browser/view/OffscreenContext.h"
+#include "demos/browser/view/Renderer.h"
+
+#include <imgui.h>
+
+namespace browser
+{
+struct Photographer::Implementation
+{
+	// Destroyed from below: the context last.
+	std::unique_ptr<OffscreenContext> context;
+	std::unique_ptr<Renderer> renderer;
+	std::unique_ptr<PictureTarget> target;
+	std::unique_ptr<Gui> gui;
+	int width = 0, height = 0;
+	DrawList list;
+};
+
+Photographer::Photographer(std::unique_ptr<Implementation> implementation) : m_impl(std::move(implementation)) {}
+Photographer::~Photographer() = default;
+
+ist::Result<std::unique_ptr<Photographer>> Photographer::make(int width, int height)
+{
+	if (width < 16 || height < 16 || width > 8192 || height > 8192) return ist::Error{"a picture is 16 to 8192 pixels wide and high"};
+	auto context = OffscreenContext::make();
+	if (!context) return context.error();
+	auto made = std::make_unique<Implementation>();
+	made->context = std::move(context).value();
+	auto renderer = Renderer::make();
+	if (!renderer) return renderer.error();
+	made->renderer = std::move(renderer).value();
+	made->width = width;
+	made->height = height;
+	made->target = std::make_unique<PictureTarget>(width, height);
+	made->gui = std::make_unique<Gui>(height / 600.0);
+	return std::unique_ptr<Photographer>(new Photographer(std::move(made)));
+}
+
+const std::string& Photographer::device() const { return m_impl->renderer->device(); }
+
+Picture Photographer::take(BrowsableDemo& demo, bool texts) { return take(demo, demo.firstChoice(), demo.viewpoint(), texts); }
+
+Picture Photographer::take(BrowsableDemo& demo, const DrawChoice& choice, const Viewpoint& view, bool texts)
+{
+	Implementation& im = *m_impl;
+	im.list = {};
+	demo.draw(choice, im.list);
+	Camera camera;
+	camera.set(view);
+	im.renderer->draw(im.list, camera, im.target->frame(), 0, im.width, im.height, {});
+	if (texts)
+	{
+		im.gui->beginOffscreen(im.width, im.height);
+		drawTexts(*ImGui::GetBackgroundDrawList(), im.list, camera, 0, 0, im.width, im.height);
+		im.gui->end(im.target->frame(), im.width, im.height);
+	}
+	return im.target->read();
+}
+}  // namespace browser

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/browser/DrawList.h"
+#include "demos/browser/view/Camera.h"
+#include "demos/browser/view/Picture.h"
+
+#include <memory>
+
+namespace browser
+{
+struct RenderQuality
+{
+	int supersampling = 2;  ///< pixels drawn for one seen, along each side
+	int shadowTaps = 12;    ///< 0: no shadows
+	int shadowSize = 2048;  ///< of the map, along each side
+	bool occlusion = true;  ///< ambient
+};
+
+/// What drawing cost.
+struct RenderCost
+{
+	double microseconds = 0;   ///< of our own thread, the driver's work in it included where the driver works at once
+	size_t ballsDrawn = 0, ballsLeftOut = 0, drawCalls = 0;
+};
+
+/// Draws lists with OpenGL 3.3 core. Needs a current context from `make` to its end. Models stay in the memory of the graphics card while
+/// they are used, and are dropped when they were not for 300 pictures. Allocates only when a list is larger than any before.
+class Renderer
+{
+public:
+	static ist::Result<std::unique_ptr<Renderer>> make();
+	~Renderer();
+
+	/// Into frame buffer `target` (0: the window) of so many pixels, right of the column `left`; nothing where no pixel is left.
+	void draw(const DrawList& list, const Camera& camera, unsigned target, int left, int width, int height, const RenderQuality& quality);
+	const RenderCost& cost() const;
+	/// True when no graphics card draws: shadows and pixels are dear.
+	bool software() const;
+	/// Maker and model of what draws.
+	const std::string& device() const;
+
+private:
+	struct Implementation;
+	explicit Renderer(std::unique_ptr<Implementation> implementation);
+	std::unique_ptr<Implementation> m_impl;
+};
+
+/// A frame buffer to draw pictures in.
+class PictureTarget
+{
+public:
+	PictureTarget(int width, int height);
+	~PictureTarget();
+	unsigned frame() const;
+	Picture read() const;
+
+private:
+	struct Implementation;
+	std::unique_ptr<Implementation> m_impl;
+};
+}  // namespace browser

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/browser/BrowsableDemo.h"
+
+#include <string>
+
+namespace browser
+{
+struct WindowOptions
+{
+	DemoOptions demo;
+	std::string first = "hello";   ///< demo to begin with
+	long long pictures = -1;       ///< closes itself after so many; negative: stays
+	int width = 1280, height = 800;
+	std::string pictureFolder = ".";  ///< where F1 leaves its pictures
+	std::string device;            ///< address of a device that moves what the hand holds; empty: the mouse alone
+	std::string screenshot;        ///< of the last picture before it closes itself, panels and all; empty: none
+};
+
+/// Opens the browser's window and stays until it is closed. Errors: no display, no OpenGL 3.3.
+std::optional<ist::Error> openWindow(const WindowOptions& options);
+}  // namespace browser
