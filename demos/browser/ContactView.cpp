@@ -115,13 +115,15 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, double arrowForce, double arrowLength,
 							  DrawList& list)
 {
-	const bool onA = !contact.bodyA->isStaticOrKinematicObject();
+	const bool movesA = !contact.bodyA->isStaticOrKinematicObject(), movesB = !contact.bodyB->isStaticOrKinematicObject();
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
 		const OverlapIntegrals& patch = contact.patches[i];
 		if (!(patch.volume > 0)) continue;
 		const Vec3 center = contact.X_WA * (contact.treeA->origin + patch.firstMoment / patch.volume);
-		const Vec3 force = (onA ? 1 : -1) / world.lastStep() * contact.impulses[i].force;
+		// Of two opposite forces that on the body that moves; where both do, the one that carries.
+		const Vec3 onA = contact.impulses[i].force / world.lastStep();
+		const Vec3 force = movesA && (!movesB || onA.y >= 0) ? onA : -onA;
 		const double strength = norm(force), area = norm(patch.areaVector);
 		const Vec3 normal = area > 0 ? contact.X_WA.rotation * (patch.areaVector / area) : normalized(force);
 		if (choice.patches && area > 0)

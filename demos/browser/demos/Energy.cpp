@@ -28,7 +28,7 @@ public:
 	}
 	double stepSize() const override { return 1.0 / 480; }
 	double duration() const override { return 2; }
-	Viewpoint viewpoint() const override { return {{0, 0.25, 0}, 2.2, 0.6, 0.3}; }
+	Viewpoint viewpoint() const override { return {{0, 0.15, 0}, 2.4, 0.5, 0.3}; }
 	std::vector<Parameter> parameters() override
 	{
 		return {{"dissipation", "s/m", &m_dissipation, 0, 20, true, false}, {"friction", "", &m_friction, 0, 1, true, false}};
@@ -67,7 +67,7 @@ protected:
 			body.X_WM.translation = i < kBalls ? Vec3{0.28 * (i - 1.5), 0.5 + 0.15 * i, 0.1 * (i % 2)} : Vec3{0, 0.25, 0.05};
 			btRigidBody* added = w.add(i < kBalls ? m_ball : m_knot, std::move(body));
 			if (!added) return std::nullopt;
-			if (i < kBalls) added->setLinearVelocity(btVector3(btScalar(0.9 - 0.6 * i), 0, 0));
+			if (i < kBalls) added->setLinearVelocity(btVector3(btScalar(0.36 - 0.24 * i), 0, 0));
 			added->setAngularVelocity(btVector3(2, btScalar(3 * i), 0));
 		}
 		m_audit = std::make_unique<btEnergyAudit>(w.bullet(), w.volumetric()->contacts());

@@ -28,7 +28,7 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_renderer(renderer), m_gui(gui), m_options(options)
 {
 	// Without a graphics card pixels are dear.
-	if (renderer.software()) m_quality = {1, 4, 1024, true};
+	if (renderer.software()) m_quality = {1, 2, 1024, false};
 }
 
 void Browser::start(const DemoEntry& entry)
@@ -48,7 +48,7 @@ void Browser::start(const DemoEntry& entry)
 	m_camera.set(m_demo->viewpoint());
 	m_demo->keepAwake(m_noSleep);
 	m_owed = 0;
-	m_held = false;
+	m_held = m_touched = false;
 	m_stepTimes.clear();
 	if (m_device) m_device->forget();
 }
@@ -94,7 +94,7 @@ void Browser::key(Key key)
 		case Key::Restart:
 			if (m_demo)
 				if (auto error = m_demo->restart()) m_message = error->message;
-			m_held = false;
+			m_held = m_touched = false;
 			break;
 		case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
 		case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
@@ -113,7 +113,7 @@ void Browser::press(double x, double y, bool onCamera)
 	if (onCamera || !m_demo || !(m_sceneHeight > 0)) return;
 	const auto grip = m_demo->grab(m_camera.eye(), m_camera.ray(x, y, m_sceneWidth / m_sceneHeight));
 	if (!grip) return;
-	m_held = true;
+	m_held = m_touched = true;
 	m_grip = *grip;
 }
 
@@ -156,6 +156,7 @@ void Browser::advance(double seconds)
 	if (!m_demo || m_paused || !(seconds > 0)) return;
 	if (m_device)
 	{
+		m_touched = true;
 		// The device's workspace spans what is seen.
 		const double radius = m_device->workspaceRadius() > 0 ? m_device->workspaceRadius() : 0.1;
 		if (const auto error = m_device->update(*m_demo, 0.3 * m_camera.viewpoint().distance / radius)) m_message = error->message;

@@ -123,13 +123,14 @@ void Browser::drawParameters()
 void Browser::drawFigures()
 {
 	if (!m_demo || !ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) return;
-	const bool final = m_demo->time() >= m_demo->duration() - 1e-9;
+	// What a hand has moved is no longer what the closed form is of.
+	const bool final = !m_touched && m_demo->time() >= m_demo->duration() - 1e-9;
 	for (const Figure& f : m_demo->figures())
 	{
 		ImGui::TextWrapped("%s: %.5g %s", f.name.c_str(), f.value, f.unit.c_str());
 		if (!f.judged()) continue;
 		const ImVec4 colour = !final ? kQuiet : f.ok() ? kGood : kBad;
-		ImGui::TextColored(colour, "    %s %.5g +- %.2g", !final ? "to be" : f.ok() ? "as expected," : "expected", f.expected, f.tolerance);
+		ImGui::TextColored(colour, "    %s %.5g +- %.2g", !final ? m_touched ? "untouched" : "to be" : f.ok() ? "as expected," : "expected", f.expected, f.tolerance);
 	}
 }
 
