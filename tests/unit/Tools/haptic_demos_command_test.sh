@@ -52,4 +52,35 @@ expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$dem
 expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
 expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj
 expect "a scene needs a file" 2 "--scene needs a value" "$demos" --scene
+expect "a wrong name is said" 2 "no demo is called nonsense" "$demos" --demo nonsense
+expect "a missing mesh is named" 1 "$dir/none.obj" "$demos" --demo packing --headless --cache "" --mesh "$dir/none.obj"
+expect "a demo runs without a window" 0 "" "$demos" --demo heavy-on-light --headless --json --spheres 30 --cache "" --frames 5 --dt 0.01
+python3 -c "
+import json
+r = json.load(open('$dir/out'))
+assert r['schema'] == 1 and r['ok'] is True and r['frames'] == 5 and r['complete'] is False and abs(r['seconds'] - 0.05) < 1e-9, r
+assert all(set(f) == {'name', 'unit', 'value', 'expected', 'tolerance', 'ok'} for f in r['figures']), r
+" || failures=$((failures + 1))
+expect "a demo writes a report" 0 "report: $dir/h.html" "$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 5 --report "$dir/h.html"
+grep -q "<table" "$dir/h.html" || { echo "FAILED: no table in the report"; failures=$((failures + 1)); }
+"$demos" --list | grep -q "^floating" || { echo "FAILED: a demo is not listed"; failures=$((failures + 1)); }
+expect "sizes are checked" 2 "--size must be like 960x540" "$demos" --demo hello --headless --size 12
+expect "steps are checked" 2 "--dt must be a positive number" "$demos" --demo hello --headless --dt -1
+expect "counts are checked" 2 "--frames must be a positive whole number" "$demos" --demo hello --headless --frames 1.5
+expect "other demos take no picture" 2 "only the browser's demos know it" "$demos" --demo continuity --screenshot x.png
+expect "the browser has no clock" 2 "the browser goes without --virtual-time" "$demos" --demo hello --virtual-time
+if "$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 2 --screenshot "$dir/p.png" >/dev/null 2>"$dir/err"; then
+	python3 -c "
+import struct
+d = open('$dir/p.png', 'rb').read()
+assert d[:4] == b'\\x89PNG' and struct.unpack('>II', d[16:24]) == (960, 540)
+" || failures=$((failures + 1))
+	expect "a picture that cannot be written is said" 1 "$dir/no/p.png: the picture cannot be written" \
+		"$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 2 --screenshot "$dir/no/p.png"
+	expect "a recording has a picture for every thirtieth of a second" 0 "" \
+		"$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 12 --size 64x36 --record "$dir/film"
+	[ "$(ls "$dir/film" | wc -l)" -eq 6 ] || { echo "FAILED: $(ls "$dir/film" | wc -l) pictures in 0.2 s"; failures=$((failures + 1)); }
+else
+	grep -qE "apt-get install" "$dir/err" || { echo "FAILED: no pictures, and nobody says what to install"; failures=$((failures + 1)); }
+fi
 exit $((failures > 0))
