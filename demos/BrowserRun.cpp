@@ -5,6 +5,7 @@
 #include "demos/browser/DemoCatalog.h"
 #include "demos/browser/DemoRun.h"
 #ifdef BULLETHAPTICS_BROWSER
+#include "demos/browser/view/Browser.h"
 #include "demos/browser/view/Photographer.h"
 #include "demos/browser/view/Window.h"
 #endif
@@ -126,7 +127,13 @@ int makeGallery(const DemoArguments& a)
 		return refuse({a.gallery + ": the folder cannot be made"});
 	auto photographer = Photographer::make(640, 360);
 	if (!photographer) return refuse(photographer.error());
-	std::string page = "# Gallery\nMade by `haptic_demos --gallery FOLDER`: every demo of the browser at the end of its run, with what it found.\n", group;
+	photographer.value().reset();  // one context at a time
+	const auto window = browser::takeBrowserPicture("bunny", 2.5, demoOptions(a), 880, 500);
+	if (!window) return refuse(window.error());
+	if (const auto error = browser::savePicture(browser::withFewerColours(window.value()), (folder / "window.png").string())) return refuse(*error);
+	photographer = Photographer::make(640, 360);
+	if (!photographer) return refuse(photographer.error());
+	std::string page = "# Gallery\nMade by `haptic_demos --gallery FOLDER`: every demo of the browser at the end of its run, with what it found. A mesh of your own: `--mesh FILE`, or drop it on the window.\n\n![the window](window.png)\n", group;
 	bool good = true;
 	for (const browser::DemoEntry& entry : browser::demoCatalog())
 	{

@@ -67,7 +67,7 @@ public:
 	double stepSize() const override { return 1.0 / 60; }
 	double duration() const override { return 2; }
 	double time() const override { return m_time; }
-	Viewpoint viewpoint() const override { return {{m_top.x, m_up + m_top.y, m_top.z}, 0.24, 0.7, 0.4}; }
+	Viewpoint viewpoint() const override { return {{m_top.x, m_up + m_top.y + 0.01, m_top.z}, 0.28, 0.7, 0.4}; }
 	DrawChoice firstChoice() const override
 	{
 		DrawChoice choice;

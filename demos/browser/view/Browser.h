@@ -34,6 +34,9 @@ enum class Key
 	Picture       ///< F1
 };
 
+/// The whole browser, panels and all, on a demo that ran for so many seconds of its own time. No window, no display.
+ist::Result<Picture> takeBrowserPicture(const std::string& demo, double seconds, const DemoOptions& options, int width, int height);
+
 /// The browser without its window: which demo runs, what is shown, the panels. Who owns the window, or none, feeds it with input and time.
 class Browser
 {
@@ -63,6 +66,8 @@ public:
 	double sceneWidth() const { return m_sceneWidth; }
 	/// True once when F1 was pressed.
 	bool wantsPicture();
+	/// As well as it can be drawn, however long that takes.
+	void beautiful() { m_quality = {}; }
 	bool paused() const { return m_paused; }
 	const BrowsableDemo* demo() const { return m_demo.get(); }
 	const std::string& message() const { return m_message; }

@@ -110,13 +110,15 @@ void Browser::drawParameters()
 {
 	if (!m_demo) return;
 	bool again = false;
+	ImGui::PushItemWidth(-9 * ImGui::GetFontSize());
 	for (Parameter& p : m_demo->parameters())
 	{
-		const std::string format = "%.4g " + p.unit;
+		const std::string format = "%.4g " + (p.unit == "%" ? "%%" : p.unit);
 		ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, p.value, &p.least, &p.most, format.c_str(),
 							(p.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None) | ImGuiSliderFlags_AlwaysClamp);
 		again = again || (p.restarts && ImGui::IsItemDeactivatedAfterEdit());
 	}
+	ImGui::PopItemWidth();
 	if (again) key(Key::Restart);
 }
 
