@@ -109,8 +109,8 @@ void Browser::press(double x, double y, bool onCamera)
 {
 	m_mouseX = x;
 	m_mouseY = y;
-	m_held = false;
-	if (onCamera || !m_demo || !(m_sceneHeight > 0)) return;
+	// A second button, while a body is held, says how it is dragged.
+	if (m_held || onCamera || !m_demo || !(m_sceneHeight > 0)) return;
 	const auto grip = m_demo->grab(m_camera.eye(), m_camera.ray(x, y, m_sceneWidth / m_sceneHeight));
 	if (!grip) return;
 	m_held = m_touched = true;

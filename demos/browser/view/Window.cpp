@@ -73,7 +73,11 @@ void onKey(GLFWwindow* window, int key, int, int action, int)
 void onButton(GLFWwindow* window, int button, int action, int)
 {
 	Browser& browser = browserOf(window);
-	if (action == GLFW_RELEASE) return browser.releaseMouse();
+	if (action == GLFW_RELEASE)
+	{
+		if (button == GLFW_MOUSE_BUTTON_LEFT) browser.releaseMouse();
+		return;
+	}
 	if (ImGui::GetIO().WantCaptureMouse) return;
 	double x = 0, y = 0;
 	cursorInScene(window, x, y);
