@@ -8,6 +8,11 @@
 
 using namespace browser;
 
+namespace browser
+{
+void PrintTo(const DemoEntry& entry, std::ostream* out) { *out << entry.name; }
+}  // namespace browser
+
 namespace
 {
 std::string nameOf(const testing::TestParamInfo<DemoEntry>& info)

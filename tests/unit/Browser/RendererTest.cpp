@@ -15,6 +15,11 @@
 
 using namespace browser;
 
+namespace browser
+{
+void PrintTo(const DemoEntry& entry, std::ostream* out) { *out << entry.name; }
+}  // namespace browser
+
 namespace
 {
 constexpr int kWidth = 320, kHeight = 180;
