@@ -14,6 +14,7 @@
 	demo(makeCrown, "crown", "To be felt", "A glass plate on the sixteen thin points of a crown") \
 	demo(makeSword, "sword", "To be felt", "A sword falls through a ring and hangs in it by its guard") \
 	demo(makePeg, "peg", "To be felt", "A peg falls, tilted, into a hole that is hardly wider") \
+	demo(makeGrasp, "grasp", "Mechanisms", "Two fingers close on a block, lift it, and hold it by friction alone") \
 	demo(makeGears, "gears", "Mechanisms", "A gear drives another one against a load, tooth by tooth") \
 	demo(makeStack, "stack", "Stability", "A stack of rings with a knot on top: no body is convex") \
 	demo(makeHeavyOnLight, "heavy-on-light", "Stability", "A thousand kilograms stand on one kilogram at 60 Hz") \
