@@ -18,17 +18,17 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr size_t kMostLeaves = 4000, kMostLenses = 6000;
 
-void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, double scale, DrawList& list)
+void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, DrawList& list)
 {
 	const size_t stride = std::max<size_t>(1, tree.law.ballCount() / kMostLeaves);
 	size_t i = 0;
 	for (const MomentEllipsoid& ball : tree.law.balls)
 	{
 		if (!(ball.density > 0) || i++ % stride) continue;
-		const Vec3 at = X_WP * (scale * (tree.origin + ball.center())), normal = X_WP.rotation * ball.normal();
+		const Vec3 at = X_WP * (tree.origin + ball.center()), normal = X_WP.rotation * ball.normal();
 		const Colour colour = levelColour(0.15 + 0.8 * norm(normal));
-		list.discs.push_back({at, normalized(normal), 0.35 * scale * ball.meanRadius(), 0.2 * scale * ball.meanRadius(), colour});
-		list.lines.push_back({at, at + scale * ball.meanRadius() * normal, colour});
+		list.discs.push_back({at, normalized(normal), 0.35 * ball.meanRadius(), 0.2 * ball.meanRadius(), colour});
+		list.lines.push_back({at, at + ball.meanRadius() * normal, colour});
 	}
 }
 
@@ -56,9 +56,9 @@ void drawPlaneLenses(const btISTContact& contact, const Vec3& normal, double off
 std::string formatForce(double newton)
 {
 	const double size = std::fabs(newton);
-	const char* unit = size >= 1e6 ? "MN" : size >= 1e3 ? "kN" : size >= 1 || size == 0 ? "N" : "mN";
+	const char* unit = size >= 1e9 ? "GN" : size >= 1e6 ? "MN" : size >= 1e3 ? "kN" : size >= 1 || size == 0 ? "N" : size >= 1e-3 ? "mN" : "uN";
 	char text[40];
-	std::snprintf(text, sizeof text, "%.3g %s", size >= 1e6 ? newton / 1e6 : size >= 1e3 ? newton / 1e3 : size >= 1 || size == 0 ? newton : 1e3 * newton, unit);
+	std::snprintf(text, sizeof text, "%.3g %s", size >= 1e9 ? newton / 1e9 : size >= 1e6 ? newton / 1e6 : size >= 1e3 ? newton / 1e3 : size >= 1 || size == 0 ? newton : size >= 1e-3 ? 1e3 * newton : 1e6 * newton, unit);
 	return text;
 }
 
@@ -71,13 +71,13 @@ void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawLis
 		// Islands that sleep are paler.
 		const bool asleep = !b.body->isStaticOrKinematicObject() && !b.body->isActive();
 		const Colour colour = asleep ? mixed(b.colour, {0.75f, 0.77f, 0.8f}, 0.6) : b.colour;
-		if (choice.surfaces) list.surfaces.push_back({b.surface, X, colour, b.scale, glass && b.solid});
+		if (choice.surfaces) list.surfaces.push_back({b.surface, X, colour, 1, glass && b.solid});
 		if (choice.frames)
 			for (int axis = 0; axis < 3; ++axis)
 				list.lines.push_back({X.translation, X.translation + 0.7 * b.surface->box.longestSide() * X.rotation.column(axis), bodyColour(axis == 0 ? 6 : axis == 1 ? 2 : 5)});
 		if (!b.solid) continue;
-		if (choice.spheres) list.spheres.push_back({b.solid->spheres, X, b.solid->spheres->spheres.size(), b.scale});
-		if (choice.leaves) drawLeaves(*b.solid->tree, X, b.scale, list);
+		if (choice.spheres) list.spheres.push_back({b.solid->spheres, X, b.solid->spheres->spheres.size(), 1});
+		if (choice.leaves) drawLeaves(*b.solid->tree, X, list);
 	}
 }
 

@@ -20,6 +20,7 @@
 	demo(makeHeavyOnLight, "heavy-on-light", "Stability", "A thousand kilograms stand on one kilogram at 60 Hz") \
 	demo(makeStockAgainstOurs, "stock-against-ours", "Stability", "The same cubes in stock Bullet and beside it in ours, from the same start") \
 	demo(makeShapes, "shapes", "Stability", "The same body on each of Bullet's own shapes") \
+	demo(makeScales, "scales", "Laws of physics", "The same fall from a millimetre to a kilometre, with nothing set") \
 	demo(makeIncline, "incline", "Laws of physics", "Two slabs on a slope, one rough and one smooth, as Coulomb says") \
 	demo(makeFloating, "floating", "Laws of physics", "A log, a ball and a knot in water, as Archimedes says") \
 	demo(makeEnergy, "energy", "Laws of physics", "Bodies bounce until they lie, and every joule has a name")

@@ -51,7 +51,6 @@ public:
 		std::unique_ptr<btRigidBody> body;
 		btISTAttachment attachment;
 		Colour colour;
-		double scale = 1;
 
 		ist::Pose X_WP() const;            ///< of the principal frame
 		const ist::Mesh& visibleMesh() const { return solid ? solid->mesh : mesh; }

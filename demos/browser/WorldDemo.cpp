@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/btISTConversion.h"
 
+#include <cmath>
 #include <cstdio>
 
 using namespace ist;
@@ -29,6 +30,16 @@ void shiftBy(DrawList& list, const Vec3& shift)
 	for (auto& t : list.texts) t.at += shift;
 }
 
+void enlarge(DrawList& list, double zoom)
+{
+	for (auto& s : list.surfaces) s.X_WM.translation *= zoom, s.scale *= zoom;
+	for (auto& s : list.spheres) s.X_WM.translation *= zoom, s.scale *= zoom;
+	for (auto& d : list.discs) d.center *= zoom, d.radius *= zoom, d.thickness *= zoom;
+	for (auto& a : list.arrows) a.from *= zoom, a.to *= zoom, a.width *= zoom;
+	for (auto& l : list.lines) l.from *= zoom, l.to *= zoom;
+	for (auto& t : list.texts) t.at *= zoom;
+}
+
 template <class T>
 void take(std::vector<T>& to, std::vector<T>& from)
 {
@@ -36,9 +47,9 @@ void take(std::vector<T>& to, std::vector<T>& from)
 }
 }  // namespace
 
-DemoWorld& WorldDemo::addWorld(scenes::Response response, const Vec3& gravity, const Vec3& shift, const std::string& title)
+DemoWorld& WorldDemo::addWorld(scenes::Response response, const Vec3& gravity, const Vec3& shift, const std::string& title, double zoom)
 {
-	m_parts.push_back({std::make_unique<DemoWorld>(response, gravity), shift, title});
+	m_parts.push_back({std::make_unique<DemoWorld>(response, gravity), shift, title, zoom});
 	return *m_parts.back().world;
 }
 
@@ -59,7 +70,7 @@ void WorldDemo::step(double seconds)
 {
 	beforeStep(seconds);
 	m_hand.pull(seconds);
-	for (Part& part : m_parts) part.world->step(seconds);
+	for (Part& part : m_parts) part.world->step(seconds / std::sqrt(part.zoom));
 	m_time += seconds;
 	afterStep(seconds);
 	if (m_time < m_nextSample) return;
@@ -92,7 +103,9 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 	for (Part& part : m_parts)
 	{
 		m_one.clear();
-		m_view.draw(*part.world, choice, arrowForce(), arrowLength(), m_one);
+		// Weights grow with the third power of lengths.
+		m_view.draw(*part.world, choice, arrowForce() / (part.zoom * part.zoom * part.zoom), arrowLength() / part.zoom, m_one);
+		if (part.zoom != 1) enlarge(m_one, part.zoom);
 		shiftBy(m_one, part.shift);
 		take(list.surfaces, m_one.surfaces);
 		take(list.spheres, m_one.spheres);
@@ -153,7 +166,7 @@ std::optional<double> WorldDemo::grab(const Vec3& from, const Vec3& direction)
 	for (const Part& part : m_parts)
 		for (const DemoWorld::Body& b : part.world->bodies())
 		{
-			if (b.scale != 1) continue;
+			if (part.zoom != 1) continue;
 			const double t = rayMeetsMesh(b.visibleMesh(), b.X_WP(), from - part.shift, direction);
 			if (t > 0 && (nearest < 0 || t < nearest)) nearest = t, met = b.body.get();
 		}

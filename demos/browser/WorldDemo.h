@@ -27,9 +27,10 @@ public:
 	void keepAwake(bool on) override;
 
 protected:
-	/// A new world; in the picture it stands at `shift`, under its title.
+	/// A new world; in the picture it stands at `shift`, under its title, and `zoom` times as large as it is. What is drawn so steps so many
+	/// times slower as falling takes, that all sizes move alike: by the square root of the zoom.
 	DemoWorld& addWorld(scenes::Response response = scenes::Response::Volumetric, const ist::Vec3& gravity = {0, -9.81, 0},
-						const ist::Vec3& shift = {}, const std::string& title = {});
+						const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
 	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
 	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
 	bool isBuilt() const { return !m_parts.empty(); }
@@ -50,6 +51,7 @@ private:
 		std::unique_ptr<DemoWorld> world;
 		ist::Vec3 shift;
 		std::string title;
+		double zoom = 1;
 	};
 	void sample();
 
