@@ -5,6 +5,8 @@
 #include "BulletISTCollision/btISTConversion.h"
 #include "demos/scenes/OverlapQuadrature.h"
 
+#include <algorithm>
+
 using namespace ist;
 
 namespace browser
@@ -28,6 +30,8 @@ public:
 		Result<SolidPtr> ball = makeSolid("ball", makeSphereMesh(kBall, 4), 800, own);
 		if (!ball) return ball.error();
 		m_body = body.value();
+		// How much so few spheres can say of a mesh of the user's own depends on where it is touched.
+		m_foreign = !options.mesh.empty();
 		m_ball = ball.value();
 		m_truth = std::make_unique<scenes::OverlapQuadrature>(m_ball->mesh, m_body->mesh);
 		findTop();
@@ -35,7 +39,11 @@ public:
 	}
 	double stepSize() const override { return 1e-3; }
 	double duration() const override { return 2.5; }
-	Viewpoint viewpoint() const override { return {{0, 1.2 * m_centre.y, 0}, 0.46, 0.7, 0.45}; }
+	Viewpoint viewpoint() const override
+	{
+		const double height = m_top.y + 2 * kBall;
+		return {{0, 0.42 * height, 0}, std::max(0.46, 2.6 * height), 0.7, 0.4};
+	}
 	DrawChoice firstChoice() const override
 	{
 		DrawChoice choice;
@@ -47,7 +55,7 @@ public:
 	{
 		return {{"force on the ball", "N", norm(world().contactForce(tool()))},
 				{"off the integral over the triangles", "%", m_off,
-				 m_friction > 0 ? std::numeric_limits<double>::quiet_NaN() : 0, 6},
+				 m_friction > 0 || m_foreign ? std::numeric_limits<double>::quiet_NaN() : 0, 6},
 				{"hand and contact out of balance", "%", 100 * imbalance(), 0, 1}};
 	}
 
@@ -116,6 +124,7 @@ private:
 	std::unique_ptr<scenes::OverlapQuadrature> m_truth;
 	btRigidBody* m_fixed = nullptr;
 	Vec3 m_centre, m_top;
+	bool m_foreign = false;
 	double m_press = 5, m_friction = 0, m_nextTruth = 0, m_off = 0;
 };
 }  // namespace

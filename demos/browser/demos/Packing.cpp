@@ -42,7 +42,11 @@ public:
 	double stepSize() const override { return 1.0 / 60; }
 	double duration() const override { return kGrows; }
 	double time() const override { return m_time; }
-	Viewpoint viewpoint() const override { return {{0, -bounds(m_solid->mesh).lower.y, 0}, 0.42, 0.5, 0.6}; }
+	Viewpoint viewpoint() const override
+	{
+		const double height = bounds(m_solid->mesh).size().y;
+		return {{0, 0.5 * height, 0}, std::max(0.42, 2.9 * height), 0.5, height > 0.12 ? 0.3 : 0.6};
+	}
 	DrawChoice firstChoice() const override
 	{
 		DrawChoice choice;
