@@ -168,8 +168,8 @@ TEST(TreeWorker, LoadsFilesAndSaysWhyNot)
 TEST(TreeWorker, DropsWhatNobodyWaitsFor)
 {
 	const Folder folder;
+	std::atomic<bool> go{false};  // outlives the worker, whose thread reads it
 	TreeWorker worker(folder.path.string());
-	std::atomic<bool> go{false};
 	BuildOptions slow = few();
 	slow.progress = [&go](const char*, double)
 	{
@@ -187,9 +187,9 @@ TEST(TreeWorker, DropsWhatNobodyWaitsFor)
 TEST(TreeWorker, BreaksOffWhenItGoes)
 {
 	std::shared_ptr<const TreeOrder> running, waiting;
+	std::atomic<bool> begun{false};  // outlives the worker, whose thread writes it
 	{
 		TreeWorker worker;
-		std::atomic<bool> begun{false};
 		BuildOptions endless = few(1000000);
 		endless.progress = [&begun](const char*, double) { return begun = true; };
 		running = worker.build(makeTorusMesh(1, 0.3), endless);
