@@ -8,6 +8,7 @@
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -27,6 +28,28 @@ double slipOf(const ContactRecord& record, const Vec3& point, const Vec3& normal
 	return norm(v - dot(v, normal) * normal) * h;
 }
 
+Vec3 impulseOnA(const btPersistentManifold& manifold)
+{
+	Vec3 sum;
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+	{
+		const btManifoldPoint& point = manifold.getContactPoint(i);
+		sum += double(point.m_appliedImpulse) * toVec3(point.m_normalWorldOnB) + double(point.m_appliedImpulseLateral1) * toVec3(point.m_lateralFrictionDir1) +
+			   double(point.m_appliedImpulseLateral2) * toVec3(point.m_lateralFrictionDir2);
+	}
+	return sum;
+}
+
+/// Bullet solves no pair of which neither body is: impulses and depths are then those of the step in which it fell asleep.
+bool isAwake(const btCollisionObject* body) { return body->isActive() && !body->isStaticObject(); }
+
+bool isNowhere(const btCollisionObject& object)
+{
+	const btRigidBody* body = btRigidBody::upcast(&object);
+	return !isFinite(toVec3(object.getWorldTransform().getOrigin())) ||
+		   (body && !(isFinite(toVec3(body->getLinearVelocity())) && isFinite(toVec3(body->getAngularVelocity()))));
+}
+
 bool involves(const ContactRecord& record, const btCollisionObject* body) { return !body || record.a == body || record.b == body; }
 }  // namespace
 
@@ -34,13 +57,16 @@ void ContactLog::record(double h)
 {
 	m_time += h;
 	const btDispatcher* dispatcher = m_world.getDispatcher();
+	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i) m_blownUp = m_blownUp || isNowhere(*objects[i]);
 	for (const btISTContact* contact : m_store.contacts())
-		if (contact->total.volume > 0) add(*contact, h);
+		if (contact->total.volume > 0 && contact->stamp + 1 >= m_store.step() && (isAwake(contact->bodyA) || isAwake(contact->bodyB))) add(*contact, h);
 	for (int i = 0; i < dispatcher->getNumManifolds(); ++i)
 	{
 		const btPersistentManifold* manifold = const_cast<btDispatcher*>(dispatcher)->getManifoldByIndexInternal(i);
 		const btISTContact* ours = m_store.find(manifold);
-		if (manifold->getNumContacts() > 0 && !(ours && ours->total.volume > 0)) add(*manifold, h);
+		if (manifold->getNumContacts() == 0 || (ours && ours->total.volume > 0)) continue;
+		if (isAwake(manifold->getBody0()) || isAwake(manifold->getBody1())) add(*manifold, h);
 	}
 }
 
@@ -53,8 +79,11 @@ void ContactLog::add(const btISTContact& contact, double h)
 	record.volumetric = true;
 	record.volume = contact.total.volume;
 	const double area = norm(contact.total.areaVector);
-	for (int i = 0; i < contact.patchCount; ++i) record.impulseOnA += contact.impulses[i].force;
-	record.depth = std::max(0.0, (contact.total.depthA + contact.total.depthB) / contact.total.volume);
+	if (contact.work.acted || contact.normalImpulse != 0)
+		for (int i = 0; i < contact.patchCount; ++i) record.impulseOnA += contact.impulses[i].force;
+	else  // Bullet's solver pushed at the representative points
+		record.impulseOnA = impulseOnA(*contact.manifold);
+	record.depth = larger(0, (contact.total.depthA + contact.total.depthB) / contact.total.volume);
 	if (area > 0)
 	{
 		const Vec3 centroid = contact.treeA->origin + (1 / contact.total.volume) * contact.total.firstMoment;
@@ -69,20 +98,19 @@ void ContactLog::add(const btPersistentManifold& manifold, double h)
 	record.time = m_time;
 	record.a = manifold.getBody0();
 	record.b = manifold.getBody1();
+	record.impulseOnA = impulseOnA(manifold);
 	Vec3 middle, normal;
 	const double share = 1.0 / manifold.getNumContacts();
 	for (int i = 0; i < manifold.getNumContacts(); ++i)
 	{
 		const btManifoldPoint& point = manifold.getContactPoint(i);
 		const Vec3 onB = toVec3(point.m_normalWorldOnB);
-		record.depth = std::max(record.depth, -double(point.getDistance()));
-		record.impulseOnA += double(point.m_appliedImpulse) * onB + double(point.m_appliedImpulseLateral1) * toVec3(point.m_lateralFrictionDir1) +
-							 double(point.m_appliedImpulseLateral2) * toVec3(point.m_lateralFrictionDir2);
+		record.depth = larger(record.depth, -double(point.getDistance()));
 		middle += share * toVec3(point.getPositionWorldOnB());
 		normal += share * onB;
 	}
 	// Points that are about to touch are no contact yet.
-	if (record.depth <= 0 && !(norm(record.impulseOnA) > 0)) return;
+	if (record.depth <= 0 && norm(record.impulseOnA) <= 0) return;
 	record.slip = norm(normal) > 0 ? slipOf(record, middle, normalized(normal), h) : 0;
 	m_records.push_back(record);
 }
@@ -91,22 +119,23 @@ void ContactLog::clear()
 {
 	m_records.clear();
 	m_time = 0;
+	m_blownUp = false;
 }
 
 double ContactLog::deepest(const btCollisionObject* body) const
 {
-	double most = 0;
+	double most = m_blownUp ? std::numeric_limits<double>::quiet_NaN() : 0;
 	for (const ContactRecord& record : m_records)
-		if (involves(record, body)) most = std::max(most, record.depth);
+		if (involves(record, body)) most = larger(most, record.depth);
 	return most;
 }
 
 double ContactLog::slip(const btCollisionObject* body) const
 {
 	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, double> ways;
-	double most = 0;
+	double most = m_blownUp ? std::numeric_limits<double>::quiet_NaN() : 0;
 	for (const ContactRecord& record : m_records)
-		if (involves(record, body)) most = std::max(most, ways[std::minmax(record.a, record.b)] += record.slip);
+		if (involves(record, body)) most = larger(most, ways[std::minmax(record.a, record.b)] += record.slip);
 	return most;
 }
 

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Vec3.h"
 #include "BulletISTCollision/btISTContactStore.h"
 
+#include <cmath>
 #include <vector>
 
 class btCollisionObject;
@@ -12,6 +13,9 @@ class btPersistentManifold;
 
 namespace ist::test
 {
+/// The larger of the two. Unlike std::max it keeps what is not a number, so that no world that has blown up looks well.
+inline double larger(double a, double b) { return std::isnan(a) || b <= a ? a : b; }
+
 /// One pair in one step, volumetric or Bullet's own.
 struct ContactRecord
 {
@@ -27,20 +31,21 @@ struct ContactRecord
 	double slip = 0;    ///< way of A along B in this step, in the middle of the contact, across its normal [m]
 };
 
-/// What touched what, how deeply, how hard, and how far it slid. Grows with every step: for tests.
+/// What touched what, how deeply, how hard, and how far it slid. Pairs that sleep are not in it. Grows with every step: for tests.
 class ContactLog
 {
 public:
 	/// Both must outlive it.
 	ContactLog(const btDiscreteDynamicsWorld& world, const btISTContactStore& store) : m_world(world), m_store(store) {}
 
-	/// After each step of `h` [s].
+	/// Once after each internal step, of `h` [s]: of a `stepSimulation` that makes several, only the last would be seen.
 	void record(double h);
 	/// Begins anew.
 	void clear();
 
 	const std::vector<ContactRecord>& records() const { return m_records; }
-	/// Over all records of the body, or of all bodies: the largest depth [m].
+	/// Over all records of the body, or of all bodies: the largest depth [m]. Not a number, as `slip`, once any body of the world was nowhere:
+	/// Bullet takes it out of contact.
 	double deepest(const btCollisionObject* body = nullptr) const;
 	/// The longest way that one of the body's pairs, or any pair, slid in all [m].
 	double slip(const btCollisionObject* body = nullptr) const;
@@ -57,5 +62,6 @@ private:
 	const btISTContactStore& m_store;
 	std::vector<ContactRecord> m_records;
 	double m_time = 0;
+	bool m_blownUp = false;
 };
 }  // namespace ist::test

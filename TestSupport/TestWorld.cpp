@@ -9,7 +9,6 @@
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -154,7 +153,7 @@ double TestWorld::fastest() const
 {
 	double most = 0;
 	for (const auto& body : m_bodies)
-		if (!body->isStaticOrKinematicObject()) most = std::max(most, speed(*body));
+		if (!body->isStaticOrKinematicObject()) most = larger(most, speed(*body));
 	return most;
 }
 }  // namespace ist::test

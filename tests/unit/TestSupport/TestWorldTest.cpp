@@ -136,6 +136,26 @@ TEST(TestWorld, EnergyComesFromSomewhere)
 	EXPECT_THAT(bounces, Not(GainsNoEnergy(1)));
 }
 
+// The lost body is the first of two, so that the other one comes after it in every account.
+TEST(TestWorld, NothingHoldsOfAWorldThatHasBlownUp)
+{
+	for (const bool volumetric : {true, false})
+	{
+		CubeOnFloor scene(volumetric, .1);
+		btSphereShape sphere(btScalar(.1));
+		btRigidBody& other = scene.world.addShape(sphere, 2, at(-3, .1, 0));
+		scene.world.run(.1);
+		scene.cube->setLinearVelocity(btVector3(std::numeric_limits<btScalar>::quiet_NaN(), 0, 0));
+		scene.world.run(.1);
+		EXPECT_THAT(scene.world, Not(IsAtRest(1e9))) << volumetric;
+		EXPECT_THAT(other, IsAtRest(1));
+		EXPECT_THAT(scene.world, Not(GainsNoEnergy(1e9))) << volumetric;
+		EXPECT_THAT(scene.world, Not(ConservesMomentum(1e9))) << volumetric;
+		EXPECT_THAT(scene.world, Not(PenetratesAtMost(1e9))) << volumetric;
+		EXPECT_THAT(scene.world, Not(SlipsAtMost(1e9))) << volumetric;
+	}
+}
+
 TEST(TestWorld, TheSameProgramGivesTheSameMotion)
 {
 	btVector3 where[2];
