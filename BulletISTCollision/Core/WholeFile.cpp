@@ -32,6 +32,7 @@ Error systemError(const std::string& path, const char* doing, int reason)
 class OpenFile
 {
 public:
+	explicit OpenFile(int number) : m_file(number) {}
 	OpenFile(const std::string& path, int flags) : m_file(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
 	~OpenFile() { close(); }
 	OpenFile(const OpenFile&) = delete;
@@ -50,6 +51,18 @@ public:
 private:
 	int m_file;
 };
+
+/// A new file beside `target`. No two writers share one, be they threads of a process or of the same number in two containers.
+int createBeside(const std::string& target, std::string& name)
+{
+	const std::string stem = target + ".tmp" + std::to_string(::getpid()) + "_";
+	for (unsigned long i = 0;; ++i)
+	{
+		name = stem + std::to_string(i);
+		const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+		if (file >= 0 || errno != EEXIST) return file;
+	}
+}
 
 enum class Outcome
 {
@@ -102,9 +115,9 @@ Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, s
 	if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) return writeInPlace(path, bytes, size, progress);
 	const std::filesystem::path followed = std::filesystem::canonical(path, missing);
 	const std::string target = missing ? path : followed.string();
-	const std::string temporary = target + ".tmp" + std::to_string(::getpid());
 
-	OpenFile file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+	std::string temporary;
+	OpenFile file(createBeside(target, temporary));
 	if (!file.good()) return systemError(path, "creating the file", errno);
 	Outcome outcome = writeAll(file, bytes, size, progress);
 	if (outcome == Outcome::Done && (::fsync(file.number()) != 0 || !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0))

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -94,6 +95,24 @@ TEST_F(WholeFile, AnUnwritablePathIsSaidAndLeavesNothing)
 	const Result<size_t> folder = write(at("folder"), "text");
 	ASSERT_FALSE(folder);
 	EXPECT_NE(folder.error().message.find("directory"), std::string::npos);
+	EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
+{
+	const auto writeOften = [this](char letter)
+	{
+		for (int i = 0; i < 20; ++i)
+		{
+			const Result<size_t> written = write(at("a"), std::string(100'000, letter));
+			EXPECT_TRUE(written);
+			const std::string there = content(at("a"));
+			EXPECT_EQ(there, std::string(100'000, there.empty() ? ' ' : there[0]));
+		}
+	};
+	std::thread other(writeOften, 'b');
+	writeOften('a');
+	other.join();
 	EXPECT_EQ(entries(), 1);
 }
 
