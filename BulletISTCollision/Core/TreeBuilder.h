@@ -6,8 +6,13 @@
 #include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
 
+#include <cstdint>
+
 namespace ist
 {
+/// To be raised when the output of `buildTree` changes: trees that an older one built are then built anew (treeKey).
+inline constexpr uint32_t kBuilderVersion = 1;
+
 struct BuildOptions
 {
 	int64_t maxSpheres = 10000;
