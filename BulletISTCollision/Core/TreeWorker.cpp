@@ -8,6 +8,7 @@
 #include <exception>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -37,7 +38,8 @@ struct TreeWorker::Shared
 	{
 		const std::lock_guard<std::mutex> lock(mutex);
 		std::weak_ptr<TreeOrder>& slot = known[key];
-		if (auto order = slot.lock()) return order;
+		const auto there = slot.lock();
+		if (there && (!there->isDone() || there->tree())) return there;
 		job.order = std::make_shared<TreeOrder>();
 		slot = job.order;
 		const auto order = job.order;
@@ -46,28 +48,43 @@ struct TreeWorker::Shared
 		return order;
 	}
 
-	void run()
+	/// Nothing once the worker is to stop. Without an order when nobody waits for it any more.
+	std::optional<Job> next()
 	{
 		std::unique_lock<std::mutex> lock(mutex);
-		while (true)
+		work.wait(lock, [this] { return stop || !jobs.empty(); });
+		if (stop) return {};
+		std::optional<Job> job = std::move(jobs.front());
+		jobs.pop_front();
+		busy = true;
+		// Nobody can come by it any more: `known` is read under the same lock.
+		if (job->order.use_count() == 1) job->order.reset();
+		return job;
+	}
+
+	void jobHasEnded()
+	{
+		const std::lock_guard<std::mutex> lock(mutex);
+		std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+		busy = false;
+		if (jobs.empty()) idle.notify_all();
+	}
+
+	void run()
+	{
+		// Jobs are destroyed outside the lock: what `progress` has captured may come back here.
+		while (std::optional<Job> job = next())
 		{
-			work.wait(lock, [this] { return stop || !jobs.empty(); });
-			if (stop) break;
-			Job job = std::move(jobs.front());
-			jobs.pop_front();
-			// Nobody can come by it any more: `known` is read under the same lock.
-			if (job.order.use_count() > 1)
-			{
-				busy = true;
-				lock.unlock();
-				carryOut(job);
-				lock.lock();
-				busy = false;
-			}
-			if (jobs.empty()) idle.notify_all();
+			if (job->order) carryOut(*job);
+			job.reset();
+			jobHasEnded();
 		}
-		for (Job& job : jobs) fail(*job.order, "the worker was stopped before its turn came");
-		jobs.clear();
+		std::deque<Job> left;
+		{
+			const std::lock_guard<std::mutex> lock(mutex);
+			left.swap(jobs);
+		}
+		for (Job& job : left) fail(*job.order, "the worker was stopped before its turn came");
 		idle.notify_all();
 	}
 
@@ -89,6 +106,10 @@ struct TreeWorker::Shared
 		catch (const std::exception& exception)
 		{
 			fail(*job.order, std::string("no tree could be built: ") + exception.what());
+		}
+		catch (...)
+		{
+			fail(*job.order, "no tree could be built: something was thrown that is no std::exception");
 		}
 	}
 

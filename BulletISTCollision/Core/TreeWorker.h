@@ -28,8 +28,8 @@ private:
 };
 
 /// One thread that builds and loads trees, one after the other in the order they were asked for. Whoever asks never waits for it. The same
-/// mesh with the same options, or the same file, is one order, and one tree, while anybody holds it. An order that nobody holds any
-/// more when its turn comes is dropped.
+/// mesh with the same options, or the same file, is one order, and one tree, while anybody holds it; one that failed is tried
+/// again for whoever asks again. An order that nobody holds any more when its turn comes is dropped.
 class TreeWorker
 {
 public:

@@ -9,9 +9,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 using namespace ist;
 
@@ -148,6 +150,27 @@ TEST(TreeWorker, BuildsEqualMeshesOnce)
 	EXPECT_EQ(folder.files(), 2);
 }
 
+TEST(TreeWorker, TwoOfThemShareAFolder)
+{
+	const Folder folder;
+	const int meshes = 2;
+	std::vector<std::shared_ptr<const TreeOrder>> orders;
+	{
+		TreeWorker one(folder.path.string()), other(folder.path.string());
+		for (int i = 0; i < meshes; ++i)
+			for (TreeWorker* worker : {&one, &other}) orders.push_back(worker->build(makeBoxMesh({0.5, 0.3, 0.2 + 0.01 * i}), few()));
+		one.finish();
+		other.finish();
+	}
+	for (const auto& order : orders)
+	{
+		ASSERT_NE(order->tree(), nullptr) << order->error();
+		EXPECT_EQ(order->note(), "");
+	}
+	EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), meshes);
+	for (const auto& entry : std::filesystem::directory_iterator(folder.path)) EXPECT_TRUE(loadAsset(entry.path().string())) << entry.path();
+}
+
 TEST(TreeWorker, LoadsFilesAndSaysWhyNot)
 {
 	const Folder folder;
@@ -162,6 +185,23 @@ TEST(TreeWorker, LoadsFilesAndSaysWhyNot)
 	EXPECT_NEAR(good->tree()->volume, 8, 1e-12);
 	EXPECT_EQ(missing->tree(), nullptr);
 	EXPECT_NE(missing->error(), "");
+}
+
+TEST(TreeWorker, TriesAgainWhatFailed)
+{
+	const Folder folder;
+	std::filesystem::create_directories(folder.path);
+	const std::string path = (folder.path / "box.ist").string();
+	TreeWorker worker;
+	const auto early = worker.load(path);
+	worker.finish();
+	EXPECT_EQ(early->tree(), nullptr);
+	ASSERT_TRUE(saveAsset(buildTree(makeBoxMesh({1, 1, 1}), few()).value(), path));
+	const auto late = worker.load(path);
+	worker.finish();
+	EXPECT_NE(late->tree(), nullptr) << late->error();
+	EXPECT_EQ(early->tree(), nullptr) << "what was said stays said";
+	EXPECT_EQ(worker.load(path), late);
 }
 
 // The first order holds the worker until the second one, which nobody wants any more, has been dropped.
