@@ -13,6 +13,6 @@ if(SANITIZE)
 	set(flags -fsanitize=${SANITIZE})
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
-	-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${flags})
+	-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${flags} -DSANITIZE=${SANITIZE})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build --output-on-failure --no-tests=error)
