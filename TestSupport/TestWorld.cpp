@@ -24,6 +24,7 @@ T orThrow(Result<T> result)
 	return std::move(result).value();
 }
 
+constexpr double kMostSteps = 1e9;
 }  // namespace
 
 btTransform at(double x, double y, double z) { return at(x, y, z, btVector3(0, 1, 0), 0); }
@@ -85,6 +86,7 @@ btRigidBody& TestWorld::addTree(std::shared_ptr<const InnerSphereTree> tree, dou
 
 btRigidBody& TestWorld::addShape(btCollisionShape& shape, double mass, const btTransform& pose)
 {
+	if (!(mass >= 0) || !std::isfinite(mass)) throw std::runtime_error("a mass must be a finite number of kilograms and not negative");
 	btVector3 inertia(0, 0, 0);
 	if (mass > 0) shape.calculateLocalInertia(btScalar(mass), inertia);
 	m_bodies.push_back(std::make_unique<btRigidBody>(btScalar(mass), nullptr, &shape, inertia));
@@ -105,14 +107,16 @@ btRigidBody& TestWorld::addFloor(double height)
 
 void TestWorld::run(double seconds, double h)
 {
-	if (!(h > 0) || !std::isfinite(seconds)) throw std::runtime_error("a run needs a finite time and steps of positive length");
-	const long steps = std::lround(seconds / h);
+	const double count = seconds / h;
+	if (!(h > 0) || !std::isfinite(h) || !(seconds >= 0) || !(count < kMostSteps))
+		throw std::runtime_error("a run needs a finite time that is not negative, steps of positive length, and no more than 1e9 of them");
+	const long steps = std::lround(count);
 	for (long i = 0; i < steps; ++i)
 	{
-		for (const auto& body : m_bodies)
-			if (!body->isStaticOrKinematicObject()) m_gravityImpulse += (h / double(body->getInvMass())) * toVec3(body->getGravity());
 		m_audit->beforeStep(h);
 		m_world.bullet().stepSimulation(btScalar(h), 0);
+		for (const auto& body : m_bodies)
+			if (body->isActive() && !body->isStaticOrKinematicObject()) m_gravityImpulse += (h / double(body->getInvMass())) * toVec3(body->getGravity());
 		m_audit->afterStep();
 		m_log.record(h);
 		m_time += h;

@@ -120,6 +120,21 @@ TEST(TestWorld, MomentumComesFromSomewhere)
 	}
 }
 
+TEST(TestWorld, NothingHappensToWhatSleeps)
+{
+	for (const bool volumetric : {true, false})
+	{
+		CubeOnFloor scene(volumetric, .1);
+		scene.cube->forceActivationState(ACTIVE_TAG);
+		scene.world.run(5);
+		ASSERT_FALSE(scene.cube->isActive()) << volumetric;
+		scene.world.mark();
+		scene.world.run(1);
+		EXPECT_TRUE(scene.world.log().records().empty()) << volumetric;
+		EXPECT_THAT(scene.world, ConservesMomentum(1e-9)) << volumetric;
+	}
+}
+
 // Bullet multiplies coefficients of restitution: 2 times 1 makes a ball bounce higher than it fell from.
 TEST(TestWorld, EnergyComesFromSomewhere)
 {
@@ -175,5 +190,16 @@ TEST(TestWorld, SaysWhyABodyCannotBeMade)
 	EXPECT_THROW(world.addAsset("/nowhere/bunny.ist", 0, at(0, 0, 0)), std::runtime_error);
 	EXPECT_THROW(world.addMeshFile("/nowhere/bunny.obj", 1, at(0, 0, 0)), std::runtime_error);
 	EXPECT_THROW(world.addMesh(ist::Mesh(), 1, at(0, 0, 0)), std::runtime_error);
-	EXPECT_THROW(world.run(1, 0), std::runtime_error);
+}
+
+TEST(TestWorld, RefusesTimesAndMassesThatAreNone)
+{
+	TestWorld world;
+	btSphereShape sphere(btScalar(.1));
+	const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+	for (const double mass : {-1.0, nan, infinity}) EXPECT_THROW(world.addShape(sphere, mass, at(0, 0, 0)), std::runtime_error) << mass;
+	for (const double time : {-1.0, nan, infinity, 1e30}) EXPECT_THROW(world.run(time), std::runtime_error) << time;
+	for (const double h : {0.0, -1.0, nan, infinity}) EXPECT_THROW(world.run(1, h), std::runtime_error) << h;
+	world.run(0);
+	EXPECT_EQ(world.time(), 0);
 }
