@@ -5,8 +5,9 @@
 #include "BulletISTCollision/Core/AssetFile.h"
 
 #include "BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h"
+#include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
 #include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
-#include "LinearMath/btThreads.h"
+#include "LinearMath/btAlignedAllocator.h"
 
 #include <cmath>
 #include <limits>
@@ -37,6 +38,9 @@ void copySettings(const btConstraintSolver* from, btSequentialImpulseConstraintS
 	to.setRandSeed(source.getRandSeed());
 	to.setConstraintRowSolverGeneric(source.getActiveConstraintRowSolverGeneric());
 	to.setConstraintRowSolverLowerLimit(source.getActiveConstraintRowSolverLowerLimit());
+	const auto* oldNncg = dynamic_cast<const btNNCGConstraintSolver*>(from);
+	auto* nncg = dynamic_cast<btNNCGConstraintSolver*>(&to);
+	if (oldNncg && nncg) nncg->m_onlyForNoneContact = oldNncg->m_onlyForNoneContact;
 }
 
 /// Empty when our algorithm may work in this dispatcher.
@@ -44,9 +48,9 @@ std::string dispatcherRefusal(const btDispatcher* dispatcher)
 {
 	if (!dynamic_cast<const btCollisionDispatcher*>(dispatcher))
 		return "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
-	const btITaskScheduler* scheduler = btGetTaskScheduler();
-	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher) && scheduler && scheduler->getNumThreads() > 1)
-		return "the world's dispatcher calls algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
+	// Its scheduler may get its threads at any later time.
+	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher))
+		return "the world's dispatcher may call algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
 			   "give the world a btCollisionDispatcher";
 	return {};
 }
@@ -106,15 +110,29 @@ void btISTWorld::installInto(btDiscreteDynamicsWorld& game)
 void btISTWorld::restore()
 {
 	if (m_own) return;
-	if (m_gamesSolver && m_world->getConstraintSolver() == m_solver.get())
+	if (m_gamesSolver) giveSolverBack();
+	if (!m_parts && !contacts().contacts().empty()) m_registration.cleanPairs(m_world->getPairCache());
+}
+
+void btISTWorld::giveSolverBack()
+{
+	const btConstraintSolver* now = m_world->getConstraintSolver();
+	if (now == m_solver.get())
 	{
+		if (auto* old = dynamic_cast<btSequentialImpulseConstraintSolver*>(m_gamesSolver)) old->setRandSeed(m_solver->getRandSeed());
 		if (auto* multiBody = dynamic_cast<btMultiBodyDynamicsWorld*>(m_world))
 			multiBody->setMultiBodyConstraintSolver(static_cast<btMultiBodyConstraintSolver*>(m_gamesSolver));
 		else
 			m_world->setConstraintSolver(m_gamesSolver);
-		SolverOwnership::of(*m_world) = m_gameOwnedIt;
 	}
-	if (!m_parts && !contacts().contacts().empty()) m_registration.cleanPairs(m_world->getPairCache());
+	if (now == m_solver.get() || now == m_gamesSolver)
+		SolverOwnership::of(*m_world) = m_gameOwnedIt;
+	else if (m_gameOwnedIt)
+	{
+		// The game chose another one meanwhile; this is how its world would have freed its own.
+		m_gamesSolver->~btConstraintSolver();
+		btAlignedFree(m_gamesSolver);
+	}
 }
 
 std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)

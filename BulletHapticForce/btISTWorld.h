@@ -78,6 +78,7 @@ private:
 	void stepInParts(double seconds, double part);
 	void installInto(btDiscreteDynamicsWorld& game);
 	void restore();
+	void giveSolverBack();
 
 	std::unique_ptr<Parts> m_parts;
 	std::shared_ptr<btContactMaterialTable> m_materials;

@@ -233,6 +233,39 @@ TEST(ExistingWorld, SaysWhyTheGameKeepsItsSolverAndCarriesTheContactAllTheSame)
 	EXPECT_NEAR(double(cube->getWorldTransform().getOrigin().y()), 0.5, 0.05);
 }
 
+TEST(ExistingWorld, TakesAndGivesBackTheSettingsOfTheSolver)
+{
+	Game game(Kind::Nncg);
+	auto& before = static_cast<btNNCGConstraintSolver&>(*game.solver);
+	before.m_onlyForNoneContact = true;
+	{
+		btISTWorld ist(*game.world);
+		auto& ours = dynamic_cast<btNNCGConstraintSolver&>(*game.world->getConstraintSolver());
+		ASSERT_NE(&ours, &before);
+		EXPECT_TRUE(ours.m_onlyForNoneContact);
+		EXPECT_EQ(ours.getRandSeed(), 77u);
+		ours.setRandSeed(78);
+	}
+	EXPECT_EQ(before.getRandSeed(), 78u);
+}
+
+// A sanitizer tells whether the world's own solver is freed, and once.
+TEST(ExistingWorld, LeavesTheSolverThatTheGameChoseMeanwhile)
+{
+	btSequentialImpulseConstraintSolver another;
+	for (const bool itsFirst : {false, true})
+	{
+		Game game(Kind::OwnedByTheWorld);
+		btConstraintSolver* const chosen = itsFirst ? game.world->getConstraintSolver() : &another;
+		{
+			btISTWorld ist(*game.world);
+			game.world->setConstraintSolver(chosen);
+		}
+		EXPECT_EQ(game.world->getConstraintSolver(), chosen);
+		game.step(1);
+	}
+}
+
 TEST(ExistingWorld, LeavesADispatcherAloneThatCallsFromSeveralThreads)
 {
 	struct TwoThreads : btITaskScheduler
@@ -255,8 +288,17 @@ TEST(ExistingWorld, LeavesADispatcherAloneThatCallsFromSeveralThreads)
 		EXPECT_NE(ist.solverRefusal().find("threads"), std::string::npos);
 		EXPECT_EQ(world.getConstraintSolver(), &solver);
 		btBoxShape box(btVector3(.5, .5, .5));
-		EXPECT_TRUE(ist.attach(&box, cubeTree()));
+		const auto attachment = ist.attach(&box, cubeTree());
+		ASSERT_TRUE(attachment);
+		btRigidBody lower(1, nullptr, &box, btVector3(1, 1, 1)), upper(1, nullptr, &box, btVector3(1, 1, 1));
+		upper.setWorldTransform(at(0.1, 0.9, 0));
+		for (btRigidBody* body : {&lower, &upper}) world.addRigidBody(body);
+		world.stepSimulation(btScalar(1.0 / 60), 0);
 		EXPECT_EQ(ist.contacts().contacts().size(), 0u);
+		ASSERT_EQ(dispatcher.getNumManifolds(), 1);
+		EXPECT_EQ(ist.contacts().find(dispatcher.getManifoldByIndexInternal(0)), nullptr);
+		EXPECT_GT(dispatcher.getManifoldByIndexInternal(0)->getNumContacts(), 0) << "Bullet's own";
+		for (btRigidBody* body : {&lower, &upper}) world.removeRigidBody(body);
 	}
 	btSetTaskScheduler(nullptr);
 }
