@@ -8,6 +8,7 @@
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
 #include "BulletCollision/CollisionShapes/btCompoundShape.h"
+#include "BulletCollision/Gimpact/btGImpactShape.h"
 
 #include <new>
 #include <utility>
@@ -23,6 +24,19 @@ bool containsShape(const btCollisionShape* root, const btCollisionShape* shape)
 	const auto* compound = static_cast<const btCompoundShape*>(root);
 	for (int i = 0; i < compound->getNumChildShapes(); ++i)
 		if (containsShape(compound->getChildShape(i), shape)) return true;
+	return false;
+}
+
+/// Bullet makes an algorithm for each child of a GImpact compound and destroys it within the same call: no contact would see the solver.
+bool isInGImpactCompound(const btCollisionObjectWrapper* wrap)
+{
+	for (; wrap; wrap = wrap->m_parent)
+	{
+		const btCollisionShape* shape = wrap->getCollisionShape();
+		if (shape->getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
+			static_cast<const btGImpactShapeInterface*>(shape)->getGImpactShapeType() == CONST_GIMPACT_COMPOUND_SHAPE)
+			return true;
+	}
 	return false;
 }
 
@@ -60,7 +74,7 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 		auto treeA = context->registry->find(shape0);
 		auto treeB = context->registry->find(shape1);
 		const bool volumetric = (treeA && treeB) || (treeA && btISTShapeField(shape1).field()) || (treeB && btISTShapeField(shape0).field());
-		if (volumetric)
+		if (volumetric && !isInGImpactCompound(wrap0) && !isInGImpactCompound(wrap1))
 		{
 			const bool swapped = !treeA;  // A has the tree
 			if (swapped) std::swap(treeA, treeB);

@@ -65,7 +65,7 @@ ist::Result<ist::Mesh> meshOfGImpact(const btGImpactShapeInterface& shape)
 	else if (shape.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE_PART)
 		addPart(static_cast<const btGImpactMeshShapePart&>(shape), soup);
 	else
-		return ist::Error{"a GImpact compound has no triangles of its own; attach trees to its children"};
+		return ist::Error{"a GImpact compound has no triangles of its own, and its children's contacts live for one call only, which trees cannot; use a btCompoundShape"};
 	return soup.take();
 }
 

@@ -11,5 +11,5 @@ class btCollisionShape;
 /// and of triangle meshes their triangles, of convex hulls and convex triangle meshes those of the hull. O(triangles).
 ///
 /// Refused: terrain and planes (surfaces without an inside), shapes that are known in closed form (they meet trees without one),
-/// compounds (their children are shapes of their own), soft bodies, vertices that are not finite.
+/// compounds (the children of a btCompoundShape are shapes of their own), soft bodies, vertices that are not finite.
 ist::Result<ist::Mesh> meshOfShape(const btCollisionShape& shape);

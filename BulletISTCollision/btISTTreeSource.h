@@ -100,7 +100,8 @@ public:
 			if (const btCollisionShape* shape = shapeNamed(importer, name.c_str())) result.push_back(attachAsset(shape, folder + "/" + name + ".ist"));
 		return result;
 	}
-	/// Every GImpact mesh among the shapes of a world's objects, the children of compounds too, that has no tree yet and waits for none.
+	/// Every GImpact mesh among the shapes of a world's objects, the children of btCompoundShapes too, that has no tree yet and waits for
+	/// none. Not the children of a btGImpactCompoundShape: their contact stays Bullet's.
 	std::vector<btISTPendingAttachment> attachGImpact(const btCollisionWorld& world);
 
 	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody.
