@@ -127,11 +127,17 @@ ist::Twist BulletLocalWorld::twistAt(int index, const ist::Vec3& point) const no
 	return {twist.linear + cross(twist.angular, point - m_rowBodies[index].center), twist.angular};
 }
 
+/// Of each row by itself: beside what a heavy body presses its own support with, all that the hand feels would count for nothing.
+bool BulletLocalWorld::isSettled(const ist::Wrench& change, const ist::Wrench& whole) noexcept
+{
+	return norm(change.force) <= kSettled * norm(whole.force) + kSettledForce && norm(change.torque) <= kSettled * norm(whole.torque) + kSettledTorque;
+}
+
 void BulletLocalWorld::solve() noexcept
 {
 	for (int sweep = 0; sweep < kSweeps; ++sweep)
 	{
-		double changedForce = 0, changedTorque = 0, force = 0, torque = 0;
+		bool settled = true;
 		for (int row = 0; row < m_rowCount; ++row)
 		{
 			const ist::Vec3& point = m_rows[row].point();
@@ -139,10 +145,9 @@ void BulletLocalWorld::solve() noexcept
 			const ist::Wrench change = m_rows[row].solve({a.linear - b.linear, a.angular - b.angular}), whole = m_rows[row].impulse();
 			kick(m_rowA[row], point, change);
 			kick(m_rowB[row], point, -1.0 * change);
-			changedForce += squaredNorm(change.force), changedTorque += squaredNorm(change.torque);
-			force += squaredNorm(whole.force), torque += squaredNorm(whole.torque);
+			settled = settled && isSettled(change, whole);
 		}
-		if (changedForce <= kSettled * kSettled * force && changedTorque <= kSettled * kSettled * torque) return;
+		if (settled) return;
 	}
 }
 

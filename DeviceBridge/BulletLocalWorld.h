@@ -56,12 +56,15 @@ private:
 	static constexpr int kToolIndex = kMirroredBodies, kFixedIndex = kMirroredBodies + 1, kIndices = kMirroredBodies + 2;
 	static constexpr int kRows = kMirroredContacts + kToolContacts;
 	static constexpr int kSweeps = 12;         // at most
-	static constexpr double kSettled = 1e-5;  // share of the impulses that a sweep may still change and be the last
+	static constexpr double kSettled = 1e-5;  // share of any row's impulse that a sweep may still change and be the last
+	// What it may change besides, of rows that carry next to nothing: at 1 kHz a micronewton, and that on an arm of a centimetre [N s, N m s].
+	static constexpr double kSettledForce = 1e-9, kSettledTorque = 1e-11;
 
 	static int indexOf(int slotOrTool) noexcept;
 	ist::Pose putRight(int slot) const noexcept;
 	void accelerate(double h, const ist::Wrench& pull, const WorldSnapshot& world) noexcept;
 	void addRow(const LinearContact& contact, double h) noexcept;
+	static bool isSettled(const ist::Wrench& change, const ist::Wrench& whole) noexcept;
 	void solve() noexcept;
 	void kick(int index, const ist::Vec3& point, const ist::Wrench& impulse) noexcept;
 	ist::Twist twistAt(int index, const ist::Vec3& point) const noexcept;
