@@ -29,10 +29,13 @@ constexpr float kFieldRadius = 0.1F;  // [m]
 
 double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
 
-ist::Quaternion unit(const vrpn_float64 (&q)[4])
+/// False for what is no rotation: not finite, or of no length.
+bool unit(const vrpn_float64 (&q)[4], ist::Quaternion& out)
 {
 	const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-	return length > 0 ? ist::Quaternion{q[0] / length, q[1] / length, q[2] / length, q[3] / length} : ist::Quaternion();
+	if (!(length > 0) || !std::isfinite(length)) return false;
+	out = {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
+	return true;
 }
 
 /// VRPN's own name of vrpn://HOST:PORT/TRACKER. TCP, since the other way wants the server to call back.
@@ -121,7 +124,9 @@ VrpnDevice::~VrpnDevice()
 void VrpnDevice::take(const vrpn_TRACKERCB& report)
 {
 	const ist::Vec3 position{report.pos[0], report.pos[1], report.pos[2]};
-	const ist::Quaternion q = unit(report.quat);
+	ist::Quaternion q;
+	// Once in the averages, what is not finite would stay there.
+	if (!isFinite(position) || !unit(report.quat, q)) return;
 	const double now = seconds(report.msg_time), dt = now - m_time;
 	if (m_samples > 0 && dt > 0 && !m_tellsVelocity)
 	{
@@ -138,9 +143,14 @@ void VrpnDevice::take(const vrpn_TRACKERCB& report)
 
 void VrpnDevice::take(const vrpn_TRACKERVELCB& report)
 {
+	const ist::Vec3 linear{report.vel[0], report.vel[1], report.vel[2]};
+	ist::Quaternion turn;
+	const bool turns = report.vel_quat_dt > 0 && unit(report.vel_quat, turn);
+	const ist::Vec3 angular = turns ? rotationVector(turn) / report.vel_quat_dt : ist::Vec3();
+	if (!isFinite(linear) || !isFinite(angular)) return;
 	m_tellsVelocity = true;
-	m_linear = {report.vel[0], report.vel[1], report.vel[2]};
-	m_angular = report.vel_quat_dt > 0 ? rotationVector(unit(report.vel_quat)) / report.vel_quat_dt : ist::Vec3();
+	m_linear = linear;
+	m_angular = angular;
 }
 
 // What was pressed before anybody listened.

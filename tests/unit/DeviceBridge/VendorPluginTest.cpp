@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include <dlfcn.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <limits>
 #include <random>
+#include <thread>
 
 #include "DeviceBridge/DeviceRegistry.h"
 #include "tests/unit/DeviceBridge/DriverRun.h"
@@ -230,6 +233,43 @@ TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
 		5000));
 	const std::lock_guard<std::mutex> lock(mock.mutex);
 	mock.tellsVelocity = true;
+}
+
+TEST(VrpnPlugin, AReportThatIsNotFiniteIsPassedOver)
+{
+	setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
+	void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_vrpn.so", RTLD_NOW);
+	ASSERT_NE(library, nullptr) << dlerror();
+	MockHandle& mock = *reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
+	const auto change = [&](auto&& c)
+	{
+		const std::lock_guard<std::mutex> lock(mock.mutex);
+		c();
+	};
+	change([&] { mock.present = true, mock.tellsVelocity = false; });
+	auto device = DeviceRegistry().open("vrpn:Tool0@tcp://lab:3883?sensor=2&rate=100");
+	ASSERT_TRUE(device) << device.error().message;
+	RealClock clock;
+	DeviceState s;
+	const auto next = [&]
+	{
+		const std::uint64_t before = s.sequence;
+		return within([&] { return device.value()->read(clock.now(), s) == DeviceStatus::Ok && s.sequence > before + 5; }, 5000);
+	};
+	ASSERT_TRUE(next());
+	const double nothing = std::numeric_limits<double>::quiet_NaN();
+	for (double* broken : {&mock.position[1], &mock.quaternion[0]})
+	{
+		const double good = *broken;
+		change([&] { *broken = nothing; });
+		std::this_thread::sleep_for(std::chrono::milliseconds(20));
+		EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
+		change([&] { *broken = good; });
+		ASSERT_TRUE(next());
+		EXPECT_TRUE(ist::isRigid(s.X_WH));
+		EXPECT_TRUE(ist::isFinite(s.twist));
+	}
+	change([&] { mock.tellsVelocity = true; });
 }
 
 TEST(VrpnPlugin, RefusesWhatIsNoneInASentence)
