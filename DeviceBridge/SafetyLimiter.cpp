@@ -199,6 +199,12 @@ DeviceCommand SafetyLimiter::zero(const DeviceCommand& wanted, std::int64_t now)
 	return out;
 }
 
+void SafetyLimiter::takeBack() noexcept
+{
+	m_last = {};
+	m_passivity.takeBack();
+}
+
 void SafetyLimiter::restart() noexcept
 {
 	m_last = {};

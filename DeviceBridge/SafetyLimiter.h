@@ -65,6 +65,8 @@ public:
 	void restart() noexcept;
 	/// The hand is unknown at `now`, or the force must stay away for this tick: zero, which the next command rises from.
 	DeviceCommand zero(const DeviceCommand& wanted, std::int64_t now) noexcept;
+	/// The device has refused the last command: no work was done with it, and the next rises from zero.
+	void takeBack() noexcept;
 
 	// From any thread:
 	void enable(bool on) noexcept { m_enabled = on; }

@@ -269,6 +269,7 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	{
 		increment(m_deviceErrors);
 		m_sent.wrench = {};
+		m_limiter.takeBack();
 	}
 	const FaultCause latched = m_latchedCause == FaultCause::None ? FaultCause::Raised : m_latchedCause;
 	if (m_limiter.faulted()) report(latched, true);

@@ -6,7 +6,7 @@
 namespace devicebridge
 {
 LimitedDevice::LimitedDevice(std::unique_ptr<Device> inner, const SafetySettings& settings)
-	: DeviceDecorator(std::move(inner)), m_limiter(m_inner->info(), settings)
+	: DeviceDecorator(std::move(inner)), m_limiter(m_inner->info(), settings), m_zeroFrom(settings.zeroFrom)
 {
 }
 
@@ -41,8 +41,12 @@ DeviceStatus LimitedDevice::write(const DeviceCommand& command) noexcept
 {
 	const ist::Wrench& wanted = command.wrench;
 	m_hand.inContact = !(wanted.force == ist::Vec3{} && wanted.torque == ist::Vec3{});
-	const DeviceCommand limited = m_hasSample ? m_limiter.limit(command, m_hand, m_now) : m_limiter.zero(command, m_now);
-	m_sent = limited.wrench;
-	return m_inner->write(limited);
+	const bool sinceRead = command.computedAt > m_now && command.computedAt - m_now < m_zeroFrom;
+	const std::int64_t now = sinceRead ? command.computedAt : m_now;
+	const DeviceCommand limited = m_hasSample ? m_limiter.limit(command, m_hand, now) : m_limiter.zero(command, now);
+	const DeviceStatus status = m_inner->write(limited);
+	if (status != DeviceStatus::Ok) m_limiter.takeBack();
+	m_sent = status == DeviceStatus::Ok ? limited.wrench : ist::Wrench();
+	return status;
 }
 }  // namespace devicebridge

@@ -16,10 +16,10 @@ public:
 	DeviceStatus open() noexcept override;
 	void close() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
-	/// Limited by the time of the last read().
+	/// Limited by the time of the last read(), or by that of the command where it was computed up to SafetySettings::zeroFrom later.
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
 
-	/// As it went to the device.
+	/// As it went to the device; zero where that did not take it.
 	const ist::Wrench& sentWrench() const noexcept { return m_sent; }
 	SafetyLimiter& limiter() noexcept { return m_limiter; }
 
@@ -27,7 +27,7 @@ private:
 	SafetyLimiter m_limiter;
 	HandSample m_hand;
 	ist::Wrench m_sent;
-	std::int64_t m_now = 0;
+	std::int64_t m_zeroFrom, m_now = 0;
 	bool m_hasSample = false;
 };
 }  // namespace devicebridge

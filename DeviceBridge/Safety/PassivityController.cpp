@@ -23,6 +23,7 @@ void PassivityController::observe(const ist::Pose& X_WH) noexcept
 
 bool PassivityController::correct(ist::Wrench& wrench, const ist::Twist& twist, double dt, double share) noexcept
 {
+	m_lastDissipated = 0;
 	if (m_energy >= -m_limits.tolerance) return false;
 	const double power =
 		m_limits.damping * squaredNorm(twist.linear) + m_limits.angularDamping * squaredNorm(twist.angular);
@@ -30,7 +31,8 @@ bool PassivityController::correct(ist::Wrench& wrench, const ist::Twist& twist, 
 	const double beta = std::min(share, -m_energy / (power * dt));
 	wrench.force -= beta * m_limits.damping * twist.linear;
 	wrench.torque -= beta * m_limits.angularDamping * twist.angular;
-	m_dissipatedSum += beta * power * dt;
+	m_lastDissipated = beta * power * dt;
+	m_dissipatedSum += m_lastDissipated;
 	m_dissipated.store(m_dissipatedSum, std::memory_order_relaxed);
 	m_ticks.fetch_add(1, std::memory_order_relaxed);
 	return true;
@@ -45,10 +47,19 @@ void PassivityController::sent(const ist::Wrench& wrench, const ist::Twist& twis
 	if (m_resting >= kRestingAfter) m_energy = 0;
 }
 
+void PassivityController::takeBack() noexcept
+{
+	m_held = {};
+	m_dissipatedSum -= m_lastDissipated;
+	m_lastDissipated = 0;
+	m_dissipated.store(m_dissipatedSum, std::memory_order_relaxed);
+}
+
 void PassivityController::forget() noexcept
 {
 	m_hasPose = false;
 	m_held = {};
+	m_lastDissipated = 0;
 	m_energy = m_resting = 0;
 }
 

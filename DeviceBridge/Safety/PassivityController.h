@@ -42,6 +42,8 @@ public:
 	bool correct(ist::Wrench& wrench, const ist::Twist& twist, double dt, double share = 1) noexcept;
 	/// What goes to the hand until the next sample.
 	void sent(const ist::Wrench& wrench, const ist::Twist& twist, double dt) noexcept;
+	/// That has not gone to the hand.
+	void takeBack() noexcept;
 	/// The work since the last sample is unknown: begins anew, without credit or debt.
 	void forget() noexcept;
 
@@ -58,7 +60,7 @@ private:
 	ist::Wrench m_held;
 	bool m_hasPose = false;
 	double m_energy = 0, m_resting = 0;
-	double m_generatedSum = 0, m_dissipatedSum = 0;
+	double m_generatedSum = 0, m_dissipatedSum = 0, m_lastDissipated = 0;
 	std::atomic<double> m_stored{0}, m_generated{0}, m_dissipated{0};
 	std::atomic<std::uint64_t> m_ticks{0};
 };

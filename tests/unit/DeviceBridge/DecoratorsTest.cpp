@@ -29,6 +29,7 @@ public:
 	DeviceState state;
 	DeviceCommand last;
 	HandState hand;
+	DeviceStatus answer = DeviceStatus::Ok;  // to a command
 	const DeviceInfo& info() const noexcept override { return description; }
 	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
 	void close() noexcept override {}
@@ -42,7 +43,7 @@ public:
 	DeviceStatus write(const DeviceCommand& command) noexcept override
 	{
 		last = command;
-		return DeviceStatus::Ok;
+		return answer;
 	}
 	bool readHand(HandState& out) noexcept override
 	{
@@ -321,4 +322,63 @@ TEST(LimitedDevice, NothingUnsafeReachesTheDevice)
 	limited->write(command);
 	EXPECT_EQ(puppet->last.wrench.force, Vec3());
 	EXPECT_TRUE(limited->limiter().faulted());
+}
+
+namespace
+{
+/// Free for 20 ms, then pushed with half the peak until `until` [ms]; commands are stamped `later` [ns] than the sample was read.
+std::pair<std::unique_ptr<LimitedDevice>, Puppet*> pushed(int until, std::int64_t later)
+{
+	SafetySettings settings;
+	settings.rampTime = 0;
+	auto made = decorated<LimitedDevice>(settings);
+	for (int i = 1; i <= until; ++i)
+	{
+		readAt(*made.first, i * kMs);
+		DeviceCommand command;
+		command.computedAt = i * kMs + later;
+		command.expiresAt = command.computedAt + 20 * kMs;
+		command.wrench.force.x = i > 20 ? 0.2 * made.second->description.peakForce : 0;
+		made.first->write(command);
+	}
+	return made;
+}
+}  // namespace
+
+// A loop that stamps its commands when they are done, after it has read the device.
+TEST(LimitedDevice, ACommandMayBeComputedAfterTheRead)
+{
+	for (const std::int64_t later : {std::int64_t(0), std::int64_t(300'000), 5 * kMs})
+	{
+		const auto [limited, puppet] = pushed(100, later);
+		EXPECT_NEAR(puppet->last.wrench.force.x, 0.2 * puppet->description.peakForce, 1e-9) << later;
+	}
+	const auto [limited, puppet] = pushed(100, 1000 * kMs);
+	EXPECT_EQ(puppet->last.wrench.force.x, 0);
+}
+
+// Oracle: force times way, of the forces that the device has taken.
+TEST(LimitedDevice, WhatTheDeviceRefusesDoesNoWork)
+{
+	const auto [limited, puppet] = pushed(100, 0);
+	const double force = puppet->last.wrench.force.x, before = limited->limiter().energy().stored;
+	DeviceCommand command;
+	command.wrench.force.x = force;
+	const auto move = [&](int ms)
+	{
+		puppet->state.X_WH.translation.x -= 1e-4;
+		readAt(*limited, ms * kMs);
+		command.computedAt = ms * kMs;
+		command.expiresAt = command.computedAt + 20 * kMs;
+		return limited->write(command);
+	};
+	puppet->answer = DeviceStatus::Disconnected;
+	EXPECT_EQ(move(101), DeviceStatus::Disconnected);
+	EXPECT_EQ(limited->sentWrench().force, Vec3());
+	EXPECT_NEAR(limited->limiter().energy().stored - before, 1e-4 * force, 1e-12);
+	puppet->answer = DeviceStatus::Ok;
+	EXPECT_EQ(move(102), DeviceStatus::Ok);
+	EXPECT_NEAR(limited->limiter().energy().stored - before, 1e-4 * force, 1e-12);
+	EXPECT_EQ(limited->sentWrench().force, puppet->last.wrench.force);
+	EXPECT_LE(limited->sentWrench().force.x, puppet->description.peakForce / 20 + 1e-9);
 }
