@@ -38,6 +38,12 @@ BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactSto
 
 void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
+	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass stands for a spring times the square of the step
+	{
+		step.coupling = {};
+		step.tool = toolState();
+		return;
+	}
 	const ist::Vec3 toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
 	forgetMomentum(dt);
 	step.coupling = pull(dt, hand);

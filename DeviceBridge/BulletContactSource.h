@@ -31,7 +31,7 @@ public:
 	{
 	}
 
-	/// Without a pull when the hand is not finite or not rigid. O(bodies and contacts); allocates only what Bullet does when its
+	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and contacts); allocates only what Bullet does when its
 	/// world grows.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 

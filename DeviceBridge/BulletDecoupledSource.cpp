@@ -61,6 +61,12 @@ ToolState BulletDecoupledSource::toolState() const noexcept
 
 void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
+	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass stands for a spring times the square of the step
+	{
+		step.coupling = {};
+		step.tool = toolState();
+		return;
+	}
 	const std::int64_t now = m_time.now();
 	takeSnapshot(now);
 	const double factor = m_worldAge.factor(now);

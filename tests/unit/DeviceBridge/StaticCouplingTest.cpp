@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace devicebridge;
 using ist::Vec3;
@@ -200,4 +201,29 @@ TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
 			EXPECT_NEAR(felt, series, 0.06 * series) << k << (isStatic ? ", static" : ", dynamic");
 			EXPECT_LE(felt, kSpring * (1 + 1e-3)) << k << (isStatic ? ", static" : ", dynamic");
 		}
+}
+
+TEST(StaticCoupling, AStepOfNoLengthDoesNothing)
+{
+	OneThread inTick({0, 0.025, 0});
+	DecoupledRig rig(60);
+	Hand& decoupled = rig.addHand({0, 0.025, 0}, staticSettings());
+	inTick.tick({0, 0, 0.1});
+	rig.run(0.01);
+	DeviceState hand;
+	hand.X_WH.translation = {0, 0.035, 0};
+	for (ContactSource* source : {static_cast<ContactSource*>(inTick.source.get()), static_cast<ContactSource*>(&decoupled.source)})
+	{
+		ToolStep before, step;
+		source->advance(kTick, hand, before);
+		for (const double dt : {0.0, -kTick, std::numeric_limits<double>::quiet_NaN()})
+		{
+			step.coupling.force = {1, 2, 3};
+			source->advance(dt, hand, step);
+			EXPECT_EQ(step.tool.X_WT.translation, before.tool.X_WT.translation);
+			EXPECT_EQ(step.coupling.force, Vec3());
+		}
+		source->advance(kTick, hand, step);
+		EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-7);
+	}
 }
