@@ -42,11 +42,16 @@ bool lostInStep(const ist::Pose& before, const ist::Pose& now, const ist::Twist&
 }
 }  // namespace
 
+void btUnroundedPoses::reserve(size_t bodies)
+{
+	if (bodies > m_places.size()) m_places.resize(std::max(bodies, 2 * m_places.size()));
+}
+
 btUnroundedPoses::Place* btUnroundedPoses::find(const btRigidBody& body)
 {
 	const int index = body.getWorldArrayIndex();
 	if (index < 0) return nullptr;
-	if (size_t(index) >= m_places.size()) m_places.resize(2 * size_t(index) + 2);
+	reserve(size_t(index) + 1);
 	return &m_places[size_t(index)];
 }
 

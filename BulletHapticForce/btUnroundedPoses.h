@@ -13,11 +13,13 @@ class btRigidBody;
 /// body whose rotation is lost while its translation is not would slide although nothing slips. Here the lost parts add up. Contact
 /// takes them for displacements of its own stiffness; where they come to a whole rounding, the pose takes them.
 ///
-/// Bodies are known by their index in the world and their address. A body that was moved by anything but its velocity, or that was
-/// without contact for a step, begins with nothing lost. One owner thread; allocates only when the world has grown.
+/// Rigid bodies only, known by their index in the world and their address. A body that was moved by anything but its velocity, or that
+/// was without contact for a step, begins with nothing lost. One owner thread; allocates only in `reserve`, and for bodies beyond it.
 class btUnroundedPoses
 {
 public:
+	/// For a world of as many objects.
+	void reserve(size_t bodies);
 	/// Before contacts are evaluated in step `step`: the displacement that the body's pose lacks, translation of the centre of mass [m] and
 	/// rotation [rad], World. Zero for a body that is not in the world. The same answer when asked again in the step.
 	ist::Twist recall(const btRigidBody& body, uint64_t step);

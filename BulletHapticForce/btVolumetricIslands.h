@@ -23,6 +23,8 @@ public:
 
 	/// Room for as many contacts with all their patches.
 	void reserve(size_t contacts);
+	/// Of the world, touching or not.
+	void reserveBodies(size_t bodies) { m_unrounded.reserve(bodies); }
 	void clear();
 	/// Velocity, with the forces of this step, place and mass. Anything else must not reach an island: it would poison all of it.
 	static bool isFinite(const btSolverBody& body);

@@ -193,6 +193,13 @@ btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObje
 }
 
 template <class Base>
+void btVolumetricSolver<Base>::prepareSolve(int bodyCount, int manifoldCount)
+{
+	Base::prepareSolve(bodyCount, manifoldCount);
+	m_islands.reserveBodies(size_t(std::max(bodyCount, 0)));
+}
+
+template <class Base>
 void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
 {
 	Base::allSolved(info, debugDrawer);

@@ -29,6 +29,7 @@ public:
 	/// See btISTRegistration::sharedStore.
 	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) {}
 
+	void prepareSolve(int bodyCount, int manifoldCount) override;
 	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
 
 	/// Since the solver was made.

@@ -143,6 +143,37 @@ TEST(btVolumetricSolver, AllocatesNothingAfterWarmUp)
 	world.removeRigidBody(&moving);
 }
 
+TEST(btVolumetricSolver, AllocatesNothingWhenTheLastBodyOfTheWorldTouchesForTheFirstTime)
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher(&configuration);
+	btDbvtBroadphase broadphase;
+	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
+	CountingSolver solver(registration.sharedStore());
+	btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+	world.setGravity(btVector3(0, 0, 0));
+	btBoxShape shape(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5)));
+	auto attached = registration.registry().attach(&shape, cube().tree);
+	ASSERT_TRUE(attached);
+	std::vector<std::unique_ptr<btRigidBody>> bodies;
+	for (int i = 0; i < 40; ++i)
+	{
+		bodies.push_back(std::make_unique<btRigidBody>(btScalar(i > 0), nullptr, &shape, btVector3(1, 1, 1) * btScalar(i > 0)));
+		bodies.back()->setWorldTransform(at({i < 2 ? 0.0 : 3.0 * i, 0.95 * i, 0}));
+		bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+		world.addRigidBody(bodies.back().get());
+	}
+	for (int i = 0; i < 20; ++i) world.stepSimulation(btScalar(1.0 / 240), 0);
+	bodies[1]->setWorldTransform(at({0, 500, 0}));
+	for (int i = 0; i < 2; ++i) world.stepSimulation(btScalar(1.0 / 240), 0);
+	bodies.back()->setWorldTransform(at({0, 0.95, 0}));
+	solver.allocations = 0;
+	for (int i = 0; i < 5; ++i) world.stepSimulation(btScalar(1.0 / 240), 0);
+	EXPECT_GT(double(bodies.back()->getLinearVelocity().y()), 0);
+	EXPECT_EQ(solver.allocations, 0);
+	for (auto& body : bodies) world.removeRigidBody(body.get());
+}
+
 TEST(btVolumetricSolver, GivesNoImpulseToOrFromABodyWithoutResponse)
 {
 	for (const bool split : {true, false})

@@ -111,3 +111,14 @@ TEST(btUnroundedPoses, AllocatesNothingInAWorldThatItHasSeen)
 	}
 	EXPECT_EQ(allocationCount(), before);
 }
+
+TEST(btUnroundedPoses, AllocatesNothingForTheFirstContactOfABodyOfTheWorld)
+{
+	Drifting scene({1, 2, 3});
+	scene.poses.reserve(1000);
+	scene.body.setWorldArrayIndex(999);
+	const long before = allocationCount();
+	scene.poses.recall(scene.body, scene.step);
+	scene.integrate();
+	EXPECT_EQ(allocationCount(), before);
+}
