@@ -10,7 +10,21 @@
 /// Bodies of Bullet's solver pool in double, as rows and islands see them. Not installed.
 namespace btSolverBodyMotion
 {
-inline bool canMove(const btSolverBody& body) { return body.m_originalBody && !body.internalGetInvMass().isZero(); }
+/// A body whose linear factor is zero may still turn.
+inline bool canTurn(const btRigidBody& body)
+{
+	if (!(body.getInvMass() > 0) || body.isStaticOrKinematicObject()) return false;
+	const btVector3& factor = body.getAngularFactor();
+	const btMatrix3x3& inertia = body.getInvInertiaTensorWorld();
+	for (int i = 0; i < 3; ++i)
+		if (factor[i] * inertia[i][i] * factor[i] > 0) return true;
+	return false;
+}
+
+inline bool canMove(const btSolverBody& body)
+{
+	return body.m_originalBody && (!body.internalGetInvMass().isZero() || canTurn(*body.m_originalBody));
+}
 
 inline btVolumetricRowBody rowBody(const btSolverBody& body)
 {

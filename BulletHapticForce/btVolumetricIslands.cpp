@@ -109,7 +109,9 @@ void btVolumetricIslands::carryHeaviest(const btSolverBody* bodies)
 		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
 		if (island < 0) continue;
 		const ist::Vec3 w = toVec3(bodies[body].internalGetInvMass());
-		m_islands[size_t(island)].heaviest = std::max(m_islands[size_t(island)].heaviest, 1 / std::max({w.x, w.y, w.z}));
+		const double largest = std::max({w.x, w.y, w.z});
+		// What can only turn lies on nobody.
+		if (largest > 0) m_islands[size_t(island)].heaviest = std::max(m_islands[size_t(island)].heaviest, 1 / largest);
 	}
 	for (const Island& island : m_islands)
 		for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btVolumetricSolver.h"
 
+#include "BulletHapticForce/btSolverBodyMotion.h"
+
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -77,7 +79,7 @@ void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisio
 {
 	const int bodyA = this->getOrInitSolverBody(a, step), bodyB = this->getOrInitSolverBody(b, step);
 	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
-	if (pool[bodyA].internalGetInvMass().isZero() && pool[bodyB].internalGetInvMass().isZero()) return;
+	if (!btSolverBodyMotion::canMove(pool[bodyA]) && !btSolverBodyMotion::canMove(pool[bodyB])) return;
 	if (!btVolumetricIslands::isFinite(pool[bodyA]) || !btVolumetricIslands::isFinite(pool[bodyB]) || !isStep(step))
 	{
 		++m_islands.statistics().contactsNotFinite;

@@ -212,3 +212,44 @@ TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 	EXPECT_NEAR(norm(scene.meanForce(chassis)), kDrive, 0.05 * kDrive);
 	scene.world.bullet().removeAction(&vehicle);
 }
+
+// Held by Bullet's linear factor instead of a hinge, a paddle still turns. About its centre the angular momentum of paddle and cube stays, since
+// what holds the paddle acts there.
+TEST(Joints, APaddleWithoutLinearFactorTurnsWhenItIsHit)
+{
+	constexpr double kCube = 1.5, kInertia = 0.25, kPaddle = 0.7, kSpeed = 1;
+	const Vec3 pivot{5, 3, -4};
+	for (const bool turns : {true, false})
+	{
+		Scene scene;
+		scene.world.bullet().setGravity(btVector3(0, 0, 0));
+		btRigidBody* paddle = scene.add(scene.volumetricShape(bar()), kMass, kPaddle, at(pivot));
+		paddle->setLinearFactor(btVector3(0, 0, 0));
+		paddle->setAngularFactor(btVector3(0, 0, btScalar(turns ? 1 : 0)));
+		btRigidBody* cubeBody = scene.add(scene.volumetricShape(cube()), kCube, kInertia, at(pivot + Vec3{0.7, 0.605, 0.05}));
+		cubeBody->setLinearVelocity(btVector3(0, btScalar(-kSpeed), 0));
+		for (btRigidBody* body : {paddle, cubeBody}) scene.setStiffness(body, 1e6);
+		const auto spin = [&]
+		{
+			const Vec3 arm = vec(cubeBody->getWorldTransform().getOrigin()) - pivot;
+			return kCube * cross(arm, vec(cubeBody->getLinearVelocity())).z + kInertia * double(cubeBody->getAngularVelocity().z()) +
+				   kPaddle * double(paddle->getAngularVelocity().z());
+		};
+		const double before = spin();
+		scene.run(0.2, kRate);
+		const Vec3 turn = vec(paddle->getAngularVelocity());
+		EXPECT_EQ(vec(paddle->getWorldTransform().getOrigin()), vec(at(pivot).getOrigin()));
+		EXPECT_EQ(turn.x, 0);
+		EXPECT_EQ(turn.y, 0);
+		EXPECT_GT(double(cubeBody->getLinearVelocity().y()), -0.6 * kSpeed);
+		if (turns)
+		{
+			EXPECT_LT(turn.z, -0.3);
+			EXPECT_NEAR(spin(), before, 1e-4 * std::fabs(before));
+		}
+		else
+		{
+			EXPECT_EQ(turn.z, 0);
+		}
+	}
+}
