@@ -52,6 +52,8 @@ struct Viewpoint
 	double yaw = 0.6, pitch = 0.35;  ///< [rad], about y and above the horizon
 };
 
+constexpr double kDegree = 0.017453292519943295;  ///< [rad]
+
 /// Which of the things that can be shown are.
 struct DrawChoice
 {

@@ -13,30 +13,31 @@ using namespace ist;
 
 namespace browser
 {
-Result<SolidPtr> makeSolid(const std::string& name, const Mesh& mesh, long long spheres, const DemoOptions& options, bool turned)
+std::optional<Error> makeSolid(SolidPtr& solid, const std::string& name, const Mesh& mesh, long long spheres, const DemoOptions& options, bool turned)
 {
-	DemoSolid solid;
-	solid.name = name;
+	DemoSolid made;
+	made.name = name;
 	if (turned)
 	{
 		scenes::PrincipalMesh principal = scenes::inPrincipalFrame(mesh);
-		solid.mesh = std::move(principal.mesh);
-		solid.X_MP = principal.X_MP;
+		made.mesh = std::move(principal.mesh);
+		made.X_MP = principal.X_MP;
 	}
 	else
 	{
-		solid.X_MP.translation = massProperties(mesh).centerOfMass;
-		solid.mesh = translated(mesh, -solid.X_MP.translation);
+		made.X_MP.translation = massProperties(mesh).centerOfMass;
+		made.mesh = translated(mesh, -made.X_MP.translation);
 	}
 	BuildOptions build;
 	build.maxSpheres = options.spheres > 0 ? options.spheres : spheres;
 	build.progress = options.progress;
-	Result<scenes::CachedTree> tree = scenes::treeFromCache(solid.mesh, build, options.cache, name, options.say);
+	Result<scenes::CachedTree> tree = scenes::treeFromCache(made.mesh, build, options.cache, name, options.say);
 	if (!tree) return Error{name + ": " + tree.error().message, tree.error().cancelled};
-	solid.tree = tree.value().tree;
-	solid.surface = makeSurfaceModel(solid.mesh);
-	solid.spheres = makeSpheresModel(*solid.tree);
-	return SolidPtr(std::make_shared<const DemoSolid>(std::move(solid)));
+	made.tree = tree.value().tree;
+	made.surface = makeSurfaceModel(made.mesh);
+	made.spheres = makeSpheresModel(*made.tree);
+	solid = std::make_shared<const DemoSolid>(std::move(made));
+	return std::nullopt;
 }
 
 Result<Mesh> chosenMesh(const DemoOptions& options, double size, const Mesh& otherwise)

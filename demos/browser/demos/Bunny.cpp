@@ -23,16 +23,12 @@ public:
 	{
 		Result<Mesh> mesh = chosenMesh(options, kSize, knotMesh(kSize));
 		if (!mesh) return mesh.error();
-		Result<SolidPtr> body = makeSolid("body", mesh.value(), 3000, options);
-		if (!body) return body.error();
+		if (auto error = makeSolid(m_body, "body", mesh.value(), 3000, options)) return error;
 		DemoOptions own = options;
 		own.spheres = 0;
-		Result<SolidPtr> ball = makeSolid("ball", makeSphereMesh(kBall, 4), 800, own);
-		if (!ball) return ball.error();
-		m_body = body.value();
+		if (auto error = makeSolid(m_ball, "ball", makeSphereMesh(kBall, 4), 800, own)) return error;
 		// How much so few spheres can say of a mesh of the user's own depends on where it is touched.
 		m_foreign = !options.mesh.empty();
-		m_ball = ball.value();
 		m_truth = std::make_unique<scenes::OverlapQuadrature>(m_ball->mesh, m_body->mesh);
 		findTop();
 		return std::nullopt;
@@ -44,12 +40,7 @@ public:
 		const double height = m_top.y + 2 * kBall;
 		return {{0, 0.42 * height, 0}, std::max(0.46, 2.6 * height), 0.7, 0.4};
 	}
-	DrawChoice firstChoice() const override
-	{
-		DrawChoice choice;
-		choice.lenses = true;
-		return choice;
-	}
+	DrawChoice firstChoice() const override { return {.lenses = true}; }
 	std::vector<Parameter> parameters() override { return {{"press by", "mm", &m_press, 0, 10, false, false}, {"friction", "", &m_friction, 0, 1, true, false}}; }
 	std::vector<Figure> figures() const override
 	{

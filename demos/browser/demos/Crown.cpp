@@ -18,23 +18,14 @@ public:
 	{
 		Mesh crown = scenes::makeCrownMesh();
 		for (Vec3& p : crown.vertices) p = {p.x, p.z, -p.y};
-		Result<SolidPtr> made = makeSolid("crown", crown, 3000, options);
-		if (!made) return made.error();
-		m_crown = made.value();
-		Result<SolidPtr> plate = makeSolid("plate", makeBoxMesh({0.075, 0.004, 0.075}), 800, options);
-		if (!plate) return plate.error();
-		m_plate = plate.value();
+		if (auto error = makeSolid(m_crown, "crown", crown, 3000, options)) return error;
+		if (auto error = makeSolid(m_plate, "plate", makeBoxMesh({0.075, 0.004, 0.075}), 800, options)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1e-3; }
 	double duration() const override { return 1.5; }
 	Viewpoint viewpoint() const override { return {{0, 0.04, 0}, 0.34, 0.5, 0.3}; }
-	DrawChoice firstChoice() const override
-	{
-		DrawChoice choice;
-		choice.lenses = true;
-		return choice;
-	}
+	DrawChoice firstChoice() const override { return {.lenses = true}; }
 	std::vector<Parameter> parameters() override { return {{"press by", "mm", &m_press, 0, 20, false, false}, {"tilt", "deg", &m_tilt, -8, 8, false, false}}; }
 	std::vector<Figure> figures() const override
 	{
@@ -70,7 +61,7 @@ protected:
 	{
 		constexpr double kTips = 0.07;
 		Pose X;
-		X.rotation = rotationMatrix(quaternionFromRotationVector({m_tilt * 0.017453292519943295, 0, 0}));
+		X.rotation = rotationMatrix(quaternionFromRotationVector({m_tilt * kDegree, 0, 0}));
 		X.translation = along({{0, {0, kTips + 0.03, 0}}, {1, {0, kTips + 0.004 - 1e-3 * m_press, 0}}}, time);
 		return X;
 	}

@@ -31,9 +31,7 @@ public:
 		const Mesh meshes[] = {mesh.value(), makeSphereMesh(kBall, 4)};
 		for (const int i : {0, 1})
 		{
-			Result<SolidPtr> made = makeSolid(i ? "ball" : "body", meshes[i], i ? 800 : 3000, options);
-			if (!made) return made.error();
-			m_solids[i] = made.value();
+			if (auto error = makeSolid(m_solids[i], i ? "ball" : "body", meshes[i], i ? 800 : 3000, options)) return error;
 			m_trees[i] = *m_solids[i]->tree;
 			m_trees[i].levels = buildLevels(m_trees[i].law);
 		}
@@ -68,12 +66,7 @@ public:
 	double duration() const override { return 2; }
 	double time() const override { return m_time; }
 	Viewpoint viewpoint() const override { return {{m_top.x, m_up + m_top.y + 0.01, m_top.z}, 0.28, 0.7, 0.4}; }
-	DrawChoice firstChoice() const override
-	{
-		DrawChoice choice;
-		choice.leaves = true;
-		return choice;
-	}
+	DrawChoice firstChoice() const override { return {.leaves = true}; }
 	void draw(const DrawChoice& choice, DrawList& list) override;
 	std::vector<Parameter> parameters() override { return {{"error accepted", "%", &m_accepted, 0.5, 50, false, true}}; }
 	std::vector<Figure> figures() const override

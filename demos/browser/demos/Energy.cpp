@@ -18,12 +18,8 @@ class Energy : public WorldDemo
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		Result<SolidPtr> ball = makeSolid("ball", makeSphereMesh(0.1, 4), 800, options);
-		if (!ball) return ball.error();
-		m_ball = ball.value();
-		Result<SolidPtr> knot = makeSolid("knot", knotMesh(0.35), 1000, options, true);
-		if (!knot) return knot.error();
-		m_knot = knot.value();
+		if (auto error = makeSolid(m_ball, "ball", makeSphereMesh(0.1, 4), 800, options)) return error;
+		if (auto error = makeSolid(m_knot, "knot", knotMesh(0.35), 1000, options, true)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 480; }

@@ -21,15 +21,9 @@ public:
 	{
 		Result<Mesh> mesh = chosenMesh(options, 0.35, knotMesh(0.35));
 		if (!mesh) return mesh.error();
-		Result<SolidPtr> log = makeSolid("log", makeBoxMesh({kWidth / 2, kWidth / 2, kLength / 2}), 1000, options);
-		if (!log) return log.error();
-		m_log = log.value();
-		Result<SolidPtr> ball = makeSolid("ball", makeSphereMesh(kBall, 4), 800, options);
-		if (!ball) return ball.error();
-		m_ball = ball.value();
-		Result<SolidPtr> knot = makeSolid("body", mesh.value(), 1000, options, true);
-		if (!knot) return knot.error();
-		m_knot = knot.value();
+		if (auto error = makeSolid(m_log, "log", makeBoxMesh({kWidth / 2, kWidth / 2, kLength / 2}), 1000, options)) return error;
+		if (auto error = makeSolid(m_ball, "ball", makeSphereMesh(kBall, 4), 800, options)) return error;
+		if (auto error = makeSolid(m_knot, "body", mesh.value(), 1000, options, true)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 120; }

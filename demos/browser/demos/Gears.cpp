@@ -23,9 +23,7 @@ public:
 	{
 		for (const int i : {0, 1})
 		{
-			Result<SolidPtr> made = makeSolid(i ? "driven" : "driver", gear(i ? kDriven : kDriver, kModule, kHalfWidth, 4e-4), i ? 2000 : 1500, options);
-			if (!made) return made.error();
-			m_solids[i] = made.value();
+			if (auto error = makeSolid(m_solids[i], i ? "driven" : "driver", gear(i ? kDriven : kDriver, kModule, kHalfWidth, 4e-4), i ? 2000 : 1500, options)) return error;
 		}
 		return std::nullopt;
 	}

@@ -17,23 +17,14 @@ class Grasp : public WorldDemo
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		Result<SolidPtr> ball = makeSolid("ball", makeSphereMesh(kBall, 4), 800, options);
-		if (!ball) return ball.error();
-		m_ball = ball.value();
-		Result<SolidPtr> block = makeSolid("block", makeBoxMesh({kHalf, kHalf, kHalf}), 1000, options);
-		if (!block) return block.error();
-		m_block = block.value();
+		if (auto error = makeSolid(m_ball, "ball", makeSphereMesh(kBall, 4), 800, options)) return error;
+		if (auto error = makeSolid(m_block, "block", makeBoxMesh({kHalf, kHalf, kHalf}), 1000, options)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1e-3; }
 	double duration() const override { return 3; }
 	Viewpoint viewpoint() const override { return {{0, 0.11, 0}, 0.5, 0.4, 0.25}; }
-	DrawChoice firstChoice() const override
-	{
-		DrawChoice choice;
-		choice.lenses = true;
-		return choice;
-	}
+	DrawChoice firstChoice() const override { return {.lenses = true}; }
 	std::vector<Parameter> parameters() override
 	{
 		return {{"squeeze by", "mm", &m_squeeze, 0, 10, false, false}, {"friction", "", &m_friction, 0, 1, true, false}};

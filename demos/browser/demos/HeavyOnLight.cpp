@@ -21,9 +21,7 @@ public:
 
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		Result<SolidPtr> made = makeSolid("cube", makeBoxMesh({kEdge / 2, kEdge / 2, kEdge / 2}), 1000, options);
-		if (!made) return made.error();
-		m_cube = made.value();
+		if (auto error = makeSolid(m_cube, "cube", makeBoxMesh({kEdge / 2, kEdge / 2, kEdge / 2}), 1000, options)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 60; }

@@ -19,9 +19,7 @@ public:
 	{
 		Mesh ring = makeTorusMesh(0.35, 0.15);
 		for (Vec3& p : ring.vertices) p = {p.x, p.z, -p.y};
-		Result<SolidPtr> made = makeSolid("ring", ring, 1000, options);
-		if (!made) return made.error();
-		m_ring = made.value();
+		if (auto error = makeSolid(m_ring, "ring", ring, 1000, options)) return error;
 		return std::nullopt;
 	}
 	double duration() const override { return 2; }

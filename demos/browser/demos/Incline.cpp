@@ -18,9 +18,7 @@ class Incline : public WorldDemo
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		Result<SolidPtr> made = makeSolid("slab", makeBoxMesh({0.15, 0.03, 0.1}), 800, options);
-		if (!made) return made.error();
-		m_slab = made.value();
+		if (auto error = makeSolid(m_slab, "slab", makeBoxMesh({0.15, 0.03, 0.1}), 800, options)) return error;
 		return std::nullopt;
 	}
 	double duration() const override { return 1.5; }
@@ -64,7 +62,7 @@ protected:
 	double arrowLength() const override { return 0.2; }
 
 private:
-	double angle() const { return 0.017453292519943295 * m_degrees; }
+	double angle() const { return kDegree * m_degrees; }
 	Vec3 normal() const { return {std::sin(angle()), std::cos(angle()), 0}; }
 	Vec3 downhill() const { return {std::cos(angle()), -std::sin(angle()), 0}; }
 	/// Coulomb: g (sin - mu cos), or rest.

@@ -21,9 +21,7 @@ public:
 	{
 		Result<Mesh> mesh = chosenMesh(options, kSize, knotMesh(kSize));
 		if (!mesh) return mesh.error();
-		Result<SolidPtr> made = makeSolid("body", mesh.value(), 3000, options);
-		if (!made) return made.error();
-		m_solid = made.value();
+		if (auto error = makeSolid(m_solid, "body", mesh.value(), 3000, options)) return error;
 		m_most = double(m_solid->tree->spheres.size());
 		judge();
 		return std::nullopt;
@@ -47,12 +45,7 @@ public:
 		const double height = bounds(m_solid->mesh).size().y;
 		return {{0, 0.5 * height, 0}, std::max(0.42, 2.9 * height), 0.5, height > 0.12 ? 0.3 : 0.6};
 	}
-	DrawChoice firstChoice() const override
-	{
-		DrawChoice choice;
-		choice.spheres = true;
-		return choice;
-	}
+	DrawChoice firstChoice() const override { return {.spheres = true}; }
 	void draw(const DrawChoice& choice, DrawList& list) override
 	{
 		list.ground = choice.ground;

@@ -18,25 +18,16 @@ class Peg : public WorldDemo
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		Result<SolidPtr> pipe = makeSolid("pipe", turned({{kHole, 0}, {kOuter, 0}, {kOuter, kHeight}, {1.4 * kHole, kHeight}, {kHole, kHeight - 0.4 * kHole}}, 96, 0.006), 2000, options);
-		if (!pipe) return pipe.error();
-		m_pipe = pipe.value();
+		if (auto error = makeSolid(m_pipe, "pipe", turned({{kHole, 0}, {kOuter, 0}, {kOuter, kHeight}, {1.4 * kHole, kHeight}, {kHole, kHeight - 0.4 * kHole}}, 96, 0.006), 2000, options)) return error;
 		Mesh peg = makeCylinderMesh(kHole - clearance(), kPegHalf, 64);
 		for (Vec3& p : peg.vertices) p = {p.x, p.z, -p.y};
-		Result<SolidPtr> made = makeSolid("peg", peg, 1000, options);
-		if (!made) return made.error();
-		m_peg = made.value();
+		if (auto error = makeSolid(m_peg, "peg", peg, 1000, options)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 480; }
 	double duration() const override { return 2.5; }
 	Viewpoint viewpoint() const override { return {{0, 0.05, 0}, 0.42, 0.5, 0.4}; }
-	DrawChoice firstChoice() const override
-	{
-		DrawChoice choice;
-		choice.lenses = true;
-		return choice;
-	}
+	DrawChoice firstChoice() const override { return {.lenses = true}; }
 	std::vector<Parameter> parameters() override
 	{
 		return {{"tilt at first", "deg", &m_tilt, 0, 12, true, false}, {"off centre by", "mm", &m_off, 0, 8, true, false}};
@@ -70,7 +61,7 @@ protected:
 		peg.friction = 0.2;
 		peg.colour = bodyColour(1);
 		peg.X_WM.translation = {1e-3 * m_off, kHeight + kPegHalf + 0.012, 0};
-		peg.X_WM.rotation = rotationMatrix(quaternionFromRotationVector({0, 0, 0.017453292519943295 * m_tilt}));
+		peg.X_WM.rotation = rotationMatrix(quaternionFromRotationVector({0, 0, kDegree * m_tilt}));
 		m_body = w.add(m_peg, std::move(peg));
 		return std::nullopt;
 	}

@@ -25,9 +25,7 @@ public:
 		for (int i = 0; i < kSizes; ++i)
 		{
 			const double half = kEdges[i] / 2;
-			Result<SolidPtr> made = makeSolid(names[i], makeBoxMesh({half, half, half}), 500, options);
-			if (!made) return made.error();
-			m_solids[i] = made.value();
+			if (auto error = makeSolid(m_solids[i], names[i], makeBoxMesh({half, half, half}), 500, options)) return error;
 		}
 		return std::nullopt;
 	}

@@ -32,9 +32,7 @@ public:
 	{
 		Result<Mesh> mesh = chosenMesh(options, kSize, knotMesh(kSize));
 		if (!mesh) return mesh.error();
-		Result<SolidPtr> made = makeSolid("body", mesh.value(), 1000, options);
-		if (!made) return made.error();
-		m_solid = made.value();
+		if (auto error = makeSolid(m_solid, "body", mesh.value(), 1000, options)) return error;
 		return std::nullopt;
 	}
 	double duration() const override { return 2.5; }

@@ -20,12 +20,8 @@ public:
 	{
 		Mesh ring = makeTorusMesh(kRing, kTube);
 		for (Vec3& p : ring.vertices) p = {p.x, p.z, -p.y};
-		Result<SolidPtr> made = makeSolid("ring", ring, 1000, options);
-		if (!made) return made.error();
-		m_ring = made.value();
-		Result<SolidPtr> knot = makeSolid("knot", knotMesh(0.3), 1000, options);
-		if (!knot) return knot.error();
-		m_knot = knot.value();
+		if (auto error = makeSolid(m_ring, "ring", ring, 1000, options)) return error;
+		if (auto error = makeSolid(m_knot, "knot", knotMesh(0.3), 1000, options)) return error;
 		return std::nullopt;
 	}
 	double duration() const override { return 3; }

@@ -20,12 +20,8 @@ class Sword : public WorldDemo
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		Result<SolidPtr> ring = makeSolid("ring", transformed(makeTorusMesh(kRing, kTube), uprightFromZ()), 1000, options);
-		if (!ring) return ring.error();
-		m_ring = ring.value();
-		Result<SolidPtr> sword = makeSolid("sword", transformed(scenes::makeSwordMesh(), uprightFromZ()), 2000, options);
-		if (!sword) return sword.error();
-		m_sword = sword.value();
+		if (auto error = makeSolid(m_ring, "ring", transformed(makeTorusMesh(kRing, kTube), uprightFromZ()), 1000, options)) return error;
+		if (auto error = makeSolid(m_sword, "sword", transformed(scenes::makeSwordMesh(), uprightFromZ()), 2000, options)) return error;
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 480; }
@@ -63,7 +59,7 @@ protected:
 		sword.friction = 0.3;
 		sword.colour = bodyColour(0);
 		sword.X_WM.translation = {0.004, m_height, 0.003};
-		sword.X_WM.rotation = rotationMatrix(quaternionFromRotationVector({0.017453292519943295 * m_tilt, 0.3, 0}));
+		sword.X_WM.rotation = rotationMatrix(quaternionFromRotationVector({kDegree * m_tilt, 0.3, 0}));
 		m_body = w.add(m_sword, std::move(sword));
 		if (m_body) m_body->setDamping(btScalar(0.1), btScalar(0.9));
 		return std::nullopt;
