@@ -2,13 +2,7 @@
 # GENERATOR, LAUNCHER; BUILD, a build folder of its own when it is to be kept. lintian has a word when it is there.
 cmake_minimum_required(VERSION 3.25)
 
-function(run)
-	execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
-	if(NOT code EQUAL 0)
-		message(FATAL_ERROR "${ARGN}: ${code}\n${text}")
-	endif()
-	set(text "${text}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
 
 find_program(dpkg dpkg-deb)
 find_program(shlibdeps dpkg-shlibdeps)

@@ -11,13 +11,7 @@ if(NOT tool)
 	return()
 endif()
 
-function(run)
-	execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
-	if(NOT code EQUAL 0)
-		message(FATAL_ERROR "${ARGN}: ${code}\n${text}")
-	endif()
-	set(text "${text}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/../RunCommand.cmake)
 
 # Builds, and expects exactly these assets to be packed.
 function(expect_packed what)
