@@ -53,7 +53,7 @@ enum class QueryStatus
 	Ok,
 	InvalidPose,  ///< not finite or not rigid, or an analytic field that is not valid; nothing else in the result was touched
 	EmptyTree,
-	Unsupported,  ///< a level or a budget with another model than the law's, or with an analytic field
+	Unsupported,  ///< a level or a budget with another model than the law's, or with an analytic field; a visitor's list of a blend
 	BudgetTooSmall,  ///< more pairs than `maxPairs` even at the coarsest level: no answer
 	InstructionSet  ///< BULLETHAPTICS_ISA, or the workspace's maker, names one that cannot run here
 };
@@ -66,6 +66,13 @@ struct QueryOptions
 	/// Not negative: a level from `level` on with at most so many intersecting pairs, the finest that a few looks find; each look
 	/// ends at the budget, all together find less than three times as many pairs. Only with Model::Law.
 	int64_t maxPairs = -1;
+	/// Not negative: the same with as many pairs as the workspace's queries lately took this time [us]. A look that is not done by then is given
+	/// up, so that it is exceeded by no more than the coarsest level takes, which always answers. Only with Model::Law.
+	double maxMicroseconds = -1;
+	double (*clock)() = nullptr;  ///< [us], what `maxMicroseconds` is measured by; null: the machine's steady clock
+	/// Within a budget: levels fade into each other as the number of pairs changes, two at most at a time and both within the budget, so that the
+	/// force does not leap where the level changes. All looks together find less than four times the budget. Not with `sortPairs`.
+	bool blend = false;
 	bool stiffness = true;  ///< fill stiffnessA/B
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
@@ -125,6 +132,7 @@ struct OverlapResult
 	int pairCount = 0;
 	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< the trees that the pairs' indices point into
 	int level = 0;        ///< at which it was answered; `spread` grows with it and holds what the merging costs
+	double levelShare = 1;  ///< of `level` in the answer; the rest is the next coarser one's (`QueryOptions::blend`)
 	bool coarsened = false;  ///< coarser than asked for, to keep within `maxPairs` or the capacity
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine
 };

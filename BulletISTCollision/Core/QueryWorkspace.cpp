@@ -65,6 +65,7 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 		 {&stream.fx, &stream.fy, &stream.fz, &stream.size, &stream.weight, &stream.cx, &stream.cy, &stream.cz}) *to = column(number, found);
 	terms.reserve(size_t(capacity.pairs));  // pages that no query fills are never touched
 	patches.resize(size_t(capacity.patches));
+	keptPatches.resize(patches.size());
 	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);
 }
 
@@ -90,6 +91,7 @@ void QueryWorkspace::Implementation::reservePairs()
 {
 	if (!pairs.empty()) return;
 	pairs.resize(size_t(capacity.pairs));
+	keptPairs.resize(pairs.size());
 	keys.resize(size_t(capacity.pairs));
 }
 

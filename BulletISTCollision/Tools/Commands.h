@@ -63,7 +63,7 @@ struct QueryArguments
 	int level = -1;
 	int64_t maxPairs = -1;
 	double budget = -1;  ///< [us]
-	bool lowerBound = false, gate = false, shuffle = false, json = false;
+	bool blend = false, lowerBound = false, gate = false, shuffle = false, json = false;
 	int threads = 1, repeat = 1;
 };
 

@@ -60,14 +60,15 @@ public:
 		m_energyLaw = arguments.law == "energy";
 		m_volumeOnly = arguments.law == "volume";
 		m_length = 0.5 * std::max(m_A.box.longestSide(), m_B.box.longestSide());
-		if (arguments.level > 0 || arguments.maxPairs >= 0)
+		if (arguments.level > 0 || arguments.maxPairs >= 0 || arguments.budget >= 0)
 		{
-			if (arguments.law != "pressure") m_unsupported = "unsupported: --level and --max-pairs go with --law pressure only";
+			if (arguments.law != "pressure") m_unsupported = "unsupported: --level, --max-pairs and --budget-us go with --law pressure only";
 			m_A.levels = buildLevels(m_A.law);
 			m_B.levels = buildLevels(m_B.law);
 		}
+		if (arguments.blend && arguments.maxPairs < 0 && arguments.budget < 0) m_unsupported = "unsupported: --blend needs --max-pairs or --budget-us";
+		if (arguments.blend && !arguments.pairsOut.empty()) m_unsupported = "unsupported: --blend mixes two levels, whose pairs make no one list for --pairs-out";
 		if (arguments.gate && (m_paper || m_energyLaw)) m_unsupported = "unsupported: --gate goes with the laws pressure and volume";
-		if (arguments.budget >= 0) m_unsupported = "unsupported: --budget-us is not available yet";
 	}
 
 	void run(std::vector<Row>& rows) const
@@ -100,6 +101,8 @@ private:
 		options.stiffness = !m_paper && !m_volumeOnly;
 		options.level = m_arguments.level;
 		options.maxPairs = m_arguments.maxPairs;
+		options.maxMicroseconds = m_arguments.budget;
+		options.blend = m_arguments.blend;
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
 		options.listMeetingBounds = m_energyLaw;
 		options.gate = m_arguments.gate;
@@ -181,6 +184,7 @@ private:
 		r["distance_lower"] = distance.lower;
 		r["time_us"] = nullptr;
 		r["level"] = a.overlap.level;
+		r["level_share"] = a.overlap.levelShare;
 		r["complete"] = a.overlap.pairListComplete && !a.overlap.coarsened;
 		return r;
 	}

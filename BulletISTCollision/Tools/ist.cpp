@@ -125,7 +125,8 @@ private:
 		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(CLI::PositiveNumber)->capture_default_str();
 		sub->add_option("--level", a.level, "level of the trees")->check(CLI::NonNegativeNumber);
 		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(CLI::NonNegativeNumber);
-		sub->add_option("--budget-us", a.budget, "budget of time")->check(CLI::NonNegativeNumber);
+		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(CLI::NonNegativeNumber);
+		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
 		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
 		sub->add_option("--threads", a.threads, "threads over rows")->check(CLI::Range(1, 4096))->capture_default_str();

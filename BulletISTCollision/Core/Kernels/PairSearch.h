@@ -282,6 +282,7 @@ int drainLeaves(PairSearch& s, int pairs)
 {
 	for (int first = 0; first < s.leaves.size && !s.stop; first += kLeafBatch)
 	{
+		if (s.expired) s.stop = s.expired(s.context);
 		const int end = s.leaves.size - first < kLeafBatch ? s.leaves.size : first + kLeafBatch;
 		const int near = ballsNearBlocks(s, first, end);
 		pairs = pairsOfBalls(s, near, pairs);
@@ -303,6 +304,7 @@ void search(PairSearch& s)
 		if (const int size = isA ? s.openA.size : s.openB.size) frames[depth++] = {isA, 0, size};
 	while (depth > 0 && !s.stop)
 	{
+		if (s.expired) s.stop = s.expired(s.context);
 		DescentFrame& frame = frames[depth - 1];
 		SubtreeList& own = frame.openA ? s.openA : s.openB;
 		if (frame.begin == frame.end)

@@ -34,10 +34,11 @@ struct QueryWorkspace::Implementation
 	kernels::PairStream stream{};           ///< intersecting pairs, in the order in which they were found
 	uint32_t *patchPairA = nullptr, *patchPairB = nullptr;  ///< the same by patch
 	std::vector<uint64_t> keys;
-	std::vector<OverlapPair> pairs;
+	std::vector<OverlapPair> pairs, keptPairs;  ///< of the last look, of one that may still be wanted
 	std::vector<FieldTerm> terms;          ///< against an analytic field, in the order of `stream`; never more than it has room for
 	PatchGrouper grouper;
-	std::vector<OverlapIntegrals> patches;
+	std::vector<OverlapIntegrals> patches, keptPatches;
+	double microsecondsPerPair = 0.05;     ///< as budgets of time found it; the first guess is on the safe side
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
 	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.

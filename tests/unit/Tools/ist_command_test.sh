@@ -145,6 +145,12 @@ expect "query --level" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1
 holds "query --level" 'r["level"] == 1 and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
 expect "query --max-pairs" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --max-pairs 400 --json
 holds "query --max-pairs" 'r["pairs"] <= 400 and r["complete"] is False and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
+expect "query --blend" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --max-pairs 900 --blend --json
+holds "query --blend" 'r["pairs"] <= 900 and 0 < r["level_share"] <= 1 and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
+expect "query --budget-us" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --budget-us 0 --json
+holds "query --budget-us" 'r["level"] > 0 and r["complete"] is False and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
+expect "query --blend without a budget" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --blend --json
+holds "query --blend without a budget" 'r["error"].startswith("unsupported")'
 expect "query --max-pairs of another law" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --max-pairs 400 --law paper --json
 holds "query --max-pairs of another law" 'r["error"].startswith("unsupported")'
 expect "query, wrong pose" 1 "$ist" query "$cube" "$cube" --pose 0,0,1,0,0,0,2 --json

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+
+namespace ist
+{
+/// When a query gives up; without a clock never.
+struct Deadline
+{
+	double (*clock)() = nullptr;  ///< [us]
+	double end = 0;
+	bool passed() const { return clock && clock() >= end; }
+};
+
+/// What one look at two trees may cost, and in how many patches it may answer.
+struct QueryLimits
+{
+	int64_t pairs = -1;  ///< negative: any number
+	Deadline deadline;
+	int patches = 1;
+};
+
+/// One look at two trees: what the search finds is either summed at once, or listed first, to be grouped or visited.
+class TreeQuery
+{
+public:
+	/// X: pose of B's tree frame in A's. All arguments outlive this.
+	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
+			  const QueryLimits& limits, OverlapResult& result);
+
+	/// False when a limit was met: the result then holds nothing but the work done.
+	bool run();
+
+private:
+	/// False when the bodies' bounds are apart.
+	bool search();
+	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
+	void take(int count);
+	static bool isLate(void* query) { return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed(); }
+	void publishPatches(int groups);
+	void publishPairs();
+	void evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const;
+
+	const BallTree& m_A;
+	const BallTree& m_B;
+	const Pose& m_X;
+	QueryWorkspace::Implementation& m_work;
+	const QueryOptions& m_options;
+	const QueryLimits& m_limits;
+	OverlapResult& m_result;
+	kernels::Terms m_terms;
+	bool m_grouped;
+	kernels::PairBodies m_bodies;
+	int m_listed = 0;
+	bool m_late = false;
+	kernels::PairSearch* m_search = nullptr;
+	double m_sums[kernels::kSumCount] = {};
+};
+}  // namespace ist

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Kernels/TreeQuery.h"
+
+#include "BulletISTCollision/Core/Lens.h"
+
+#include <algorithm>
+
+namespace ist
+{
+using namespace kernels;
+
+namespace
+{
+struct Bound
+{
+	float x, y, z, r;
+};
+
+Bound rootBound(const BallNode& root)
+{
+	Vec3 center;
+	int count = 0;
+	for (int k = 0; k < BallNode::kWidth; ++k)
+	{
+		if (root.child[k] == BallNode::kNoChild) continue;
+		center += {root.x[k], root.y[k], root.z[k]};
+		++count;
+	}
+	if (count > 0) center = center / count;
+	double reach = 0;
+	for (int k = 0; k < BallNode::kWidth; ++k)
+		if (root.child[k] != BallNode::kNoChild)
+			reach = std::max(reach, distance(center, {root.x[k], root.y[k], root.z[k]}) + root.r[k]);
+	return {float(center.x), float(center.y), float(center.z), float(reach * (1 + 1e-6) + 1e-6 * norm(center))};
+}
+
+/// Bound on the relative stretch of lengths by a matrix that is a rotation only within a tolerance.
+double stretch(const Mat3& R)
+{
+	const Mat3 e = R * transpose(R);
+	double sum = 0;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) sum += std::fabs(e.m[i][j] - (i == j ? 1 : 0));
+	return 1 + sum;
+}
+
+OverlapIntegrals collect(const double* sums, float spreadUnit)
+{
+	const auto vector = [&](int i) { return Vec3{sums[i], sums[i + 1], sums[i + 2]}; };
+	const auto wrench = [&](int i) { return Wrench{vector(i), vector(i + 3)}; };
+	OverlapIntegrals o;
+	o.volume = sums[kVolume];
+	o.firstMoment = vector(kFirst);
+	std::copy_n(sums + kSecond, 6, o.secondMoment);
+	o.normalA = wrench(kNormalA);
+	o.normalB = wrench(kNormalB);
+	o.line = wrench(kLine);
+	o.areaVector = vector(kArea);
+	o.depthA = sums[kDepthA];
+	o.depthB = sums[kDepthB];
+	o.spread = sums[kSpread] / (double(spreadUnit) * spreadUnit);
+	o.pairs = int64_t(sums[kPairs]);
+	const auto product = [&](int i, int j) { return sums[kProduct + 12 * i + j]; };
+	for (int i = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j)
+		{
+			o.stiffnessA(i, j) = 0.5 * (product(i, j) + product(j, i));
+			o.stiffnessB(i, j) = 0.5 * (product(i, j + 6) + product(j, i + 6));
+		}
+	return o;
+}
+
+/// The entries behind the last are read with it: they must name balls too, moved ones.
+void pad(uint32_t* a, uint32_t* b, int count)
+{
+	if (count == 0) return;
+	std::fill_n(a + count, kListSlack, a[count - 1]);
+	std::fill_n(b + count, kListSlack, b[count - 1]);
+}
+}  // namespace
+
+TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
+					 const QueryLimits& limits, OverlapResult& result)
+	: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_limits(limits), m_result(result)
+{
+	m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
+	m_grouped = options.patches && limits.patches > 1 && !options.listMeetingBounds;
+	m_bodies.keepMeeting = options.listMeetingBounds;
+	m_bodies.ballsA = A.balls.data();
+	m_bodies.ballsB = B.balls.data();
+	m_bodies.movedB = work.movedBalls.data();
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) m_bodies.R[3 * i + j] = X.rotation.m[i][j];
+	for (int i = 0; i < 3; ++i) m_bodies.t[i] = X.translation[i];
+}
+
+bool TreeQuery::run()
+{
+	m_result.ballsA = &m_A;
+	m_result.ballsB = &m_B;
+	if (!search()) return true;
+	if (m_late || (m_limits.pairs >= 0 && m_listed > m_limits.pairs)) return false;
+	if (m_options.sortPairs) publishPairs();
+	const int groups = m_grouped && m_result.pairListComplete
+						   ? m_work.grouper.group(m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
+						   : 0;
+	if (groups > 1) return publishPatches(groups), true;
+	evaluate(m_work.stream.a, m_work.stream.b, m_listed, m_sums);
+	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit);
+	m_result.patches = m_work.patches.data();
+	m_result.patchCount = m_result.total.pairs > 0 ? 1 : 0;
+	return true;
+}
+
+void TreeQuery::evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const
+{
+	pad(a, b, count);
+	if (count > 0) m_work.kernel->evaluate(m_bodies, a, b, count, m_terms, sums);
+}
+
+bool TreeQuery::search()
+{
+	const Bound a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
+	const Vec3 centerA{a.x, a.y, a.z}, centerB = m_X * Vec3{own.x, own.y, own.z};
+	const double lengthening = stretch(m_X.rotation), reachB = own.r * lengthening;
+	// In double: far translations would spoil the floats below.
+	if (distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6)) return false;
+	const double scale = norm(centerA) + a.r + norm(centerB) + reachB + norm(Vec3{own.x, own.y, own.z}) + norm(m_X.translation);
+	m_bodies.spreadUnit = float(1 / ballVolume(std::min(a.r, own.r)));
+
+	PairSearch s;
+	s.nodesA = m_A.nodes.data();
+	s.nodesB = m_B.nodes.data();
+	s.blocksA = m_A.blocks.data();
+	s.blocksB = m_B.blocks.data();
+	s.ballsA = m_bodies.ballsA;
+	s.ballsB = m_bodies.ballsB;
+	std::copy_n(m_bodies.R, 9, s.R);
+	std::copy_n(m_bodies.t, 3, s.t);
+	s.stretch = float(lengthening);
+	s.slack = m_bodies.slack = float(1e-6 * scale);
+	s.openA = m_work.openA;
+	s.openB = m_work.openB;
+	s.leaves = m_work.leaves;
+	s.openBatch = m_work.openBatch;
+	s.ballOf = m_work.ballOf;
+	s.blockOf = m_work.blockOf;
+	s.moved = m_work.moved.data();
+	s.movedB = m_options.model == Model::Inner ? nullptr : m_work.movedBalls.data();
+	s.epoch = m_work.epoch;
+	s.pairA = m_work.pairA;
+	s.pairB = m_work.pairB;
+	s.sink = &TreeQuery::take;
+	s.context = this;
+	s.expired = m_limits.deadline.clock ? &TreeQuery::isLate : nullptr;
+	s.stop = false;
+	m_search = &s;
+	const bool openA = a.r >= reachB;
+	SubtreeList& first = openA ? s.openA : s.openB;
+	const Bound bound = openA ? Bound{float(centerB.x), float(centerB.y), float(centerB.z), float(reachB) + s.slack} : a;
+	first.a[0] = first.b[0] = 0;
+	first.x[0] = bound.x;
+	first.y[0] = bound.y;
+	first.z[0] = bound.z;
+	first.r[0] = bound.r;
+	first.size = 1;
+	m_work.kernel->search(s);
+	m_result.nodeVisits += s.counts.nodeVisits;
+	m_result.blockPairs += s.counts.blockPairs;
+	m_result.ballTests += s.counts.ballTests;
+	return true;
+}
+
+void TreeQuery::take(int count)
+{
+	const int capacity = m_work.capacity.pairs;
+	if (m_options.model != Model::Inner && !m_options.listMeetingBounds)
+	{
+		pad(m_work.pairA, m_work.pairB, count);
+		count = m_work.kernel->sift(m_bodies, m_work.pairA, m_work.pairB, count);
+	}
+	if (!(m_grouped || m_options.sortPairs || m_limits.pairs >= 0) || !m_result.pairListComplete) return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
+	PairStream& list = m_work.stream;
+	pad(m_work.pairA, m_work.pairB, count);
+	m_listed = m_work.kernel->refine(m_bodies, m_work.pairA, m_work.pairB, count, m_terms, list, m_listed);
+	m_search->stop = m_limits.pairs >= 0 && m_listed > m_limits.pairs;
+	if (m_listed <= capacity || m_search->stop) return;
+	m_result.pairListComplete = false;
+	evaluate(list.a + capacity, list.b + capacity, m_listed - capacity, m_sums);
+	m_listed = capacity;
+}
+
+void TreeQuery::publishPatches(int groups)
+{
+	const uint16_t* patch = m_work.grouper.patch();
+	int begin[1025] = {};
+	for (int i = 0; i < m_listed; ++i) ++begin[patch[i] + 1];
+	for (int p = 0; p < groups; ++p) begin[p + 1] += begin[p];
+	int next[1024];
+	std::copy_n(begin, groups, next);
+	for (int i = 0; i < m_listed; ++i)
+	{
+		const int to = next[patch[i]]++;
+		m_work.patchPairA[to] = m_work.stream.a[i];
+		m_work.patchPairB[to] = m_work.stream.b[i];
+	}
+	// From the last to the first: what is read behind a patch's end may be overwritten then.
+	for (int p = groups - 1; p >= 0; --p)
+	{
+		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+		evaluate(m_work.patchPairA + begin[p], m_work.patchPairB + begin[p], begin[p + 1] - begin[p], m_sums);
+		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit);
+	}
+	for (int p = 0; p < groups; ++p) m_result.total.add(m_work.patches[p]);
+	m_result.patches = m_work.patches.data();
+	m_result.patchCount = groups;
+}
+
+void TreeQuery::publishPairs()
+{
+	m_work.reservePairs();
+	for (int i = 0; i < m_listed; ++i) m_work.keys[i] = uint64_t(m_work.stream.a[i]) << 32 | m_work.stream.b[i];
+	std::sort(m_work.keys.begin(), m_work.keys.begin() + m_listed);
+	for (int i = 0; i < m_listed; ++i)
+	{
+		OverlapPair& pair = m_work.pairs[i];
+		pair.ballA = uint32_t(m_work.keys[i] >> 32);
+		pair.ballB = uint32_t(m_work.keys[i]);
+		const MomentEllipsoid &a = m_A.balls[pair.ballA], &b = m_B.balls[pair.ballB];
+		const Vec3 centerB = m_X * b.center();
+		Lens lens;
+		if (m_options.model == Model::Inner)
+			lensOf(a.center(), a.R, centerB, b.R, lens);
+		else
+			lensOf(a.center(), a.R, a.shape(), centerB, b.R, rotated(m_X.rotation, b.shape()), lens);
+		pair.lens = float(lens.volume);
+		pair.area = float(lens.area);
+		pair.centroid = lens.centroid;
+		pair.normal = lens.normal;
+	}
+	m_result.pairs = m_work.pairs.data();
+	m_result.pairCount = m_listed;
+}
+}  // namespace ist
