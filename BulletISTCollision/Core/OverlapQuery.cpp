@@ -65,7 +65,7 @@ Pose treeToTree(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& 
 }
 
 OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						 const QueryOptions& options)
+						 PairMemory::Implementation* memory, const QueryOptions& options)
 {
 	OverlapResult result;
 	QueryWorkspace::Implementation& work = workspace.implementation();
@@ -86,7 +86,7 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	if (limited) return queryWithin(A, B, X, work, options, finest, capacity);
 	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB};
 	work.reserveFor(*trees.a, *trees.b);
-	TreeQuery(*trees.a, *trees.b, X, work, options, {-1, {}, work.capacity.patches}, result).run();
+	TreeQuery(*trees.a, *trees.b, X, work, options, {-1, {}, work.capacity.patches}, result, memory).run();
 	result.level = finest;
 	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
 	{
@@ -101,6 +101,15 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 						   const QueryOptions& options)
 {
-	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o); });
+	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, nullptr, o); });
+}
+
+OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
+						   const QueryOptions& options)
+{
+	// The gate's own query of the packed spheres would drive out what is remembered.
+	return gatedAnswer(options, workspace, [&](const QueryOptions& o) {
+		return queryTrees(A, B, X_AB, workspace, o.model == options.model ? &memory.implementation() : nullptr, o);
+	});
 }
 }  // namespace ist

@@ -80,8 +80,8 @@ void pad(uint32_t* a, uint32_t* b, int count)
 }  // namespace
 
 TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-					 const QueryLimits& limits, OverlapResult& result)
-	: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_limits(limits), m_result(result)
+					 const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory)
+	: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_limits(limits), m_result(result), m_memory(memory)
 {
 	m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
 	m_grouped = options.patches && limits.patches > 1 && !options.listMeetingBounds;
@@ -96,9 +96,16 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 
 bool TreeQuery::run()
 {
+	const bool answered = answer();
+	if (m_margin > 0) m_memory->end(m_result.total.pairs);
+	return answered;
+}
+
+bool TreeQuery::answer()
+{
 	m_result.ballsA = &m_A;
 	m_result.ballsB = &m_B;
-	if (!search()) return true;
+	if (!find()) return true;
 	if (m_late || (m_limits.pairs >= 0 && m_listed > m_limits.pairs)) return false;
 	if (m_options.sortPairs) publishPairs();
 	const int groups = m_grouped && m_result.pairListComplete
@@ -118,43 +125,28 @@ void TreeQuery::evaluate(uint32_t* a, uint32_t* b, int count, double* sums) cons
 	if (count > 0) m_work.kernel->evaluate(m_bodies, a, b, count, m_terms, sums);
 }
 
-bool TreeQuery::search()
+bool TreeQuery::find()
 {
 	const Bound a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
-	const Vec3 centerA{a.x, a.y, a.z}, centerB = m_X * Vec3{own.x, own.y, own.z};
+	const Vec3 centerA{a.x, a.y, a.z}, ownCenter{own.x, own.y, own.z}, centerB = m_X * ownCenter;
 	const double lengthening = stretch(m_X.rotation), reachB = own.r * lengthening;
+	const bool remembered = m_memory && m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
 	// In double: far translations would spoil the floats below.
 	if (distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6)) return false;
-	const double scale = norm(centerA) + a.r + norm(centerB) + reachB + norm(Vec3{own.x, own.y, own.z}) + norm(m_X.translation);
+	const double scale = norm(centerA) + a.r + norm(centerB) + reachB + norm(ownCenter) + norm(m_X.translation);
 	m_bodies.spreadUnit = float(1 / ballVolume(std::min(a.r, own.r)));
-
-	PairSearch s;
-	s.nodesA = m_A.nodes.data();
-	s.nodesB = m_B.nodes.data();
-	s.blocksA = m_A.blocks.data();
-	s.blocksB = m_B.blocks.data();
-	s.ballsA = m_bodies.ballsA;
-	s.ballsB = m_bodies.ballsB;
-	std::copy_n(m_bodies.R, 9, s.R);
-	std::copy_n(m_bodies.t, 3, s.t);
-	s.stretch = float(lengthening);
-	s.slack = m_bodies.slack = float(1e-6 * scale);
-	s.openA = m_work.openA;
-	s.openB = m_work.openB;
-	s.leaves = m_work.leaves;
-	s.openBatch = m_work.openBatch;
-	s.ballOf = m_work.ballOf;
-	s.blockOf = m_work.blockOf;
-	s.moved = m_work.moved.data();
-	s.movedB = m_options.model == Model::Inner ? nullptr : m_work.movedBalls.data();
-	s.epoch = m_work.epoch;
-	s.pairA = m_work.pairA;
-	s.pairB = m_work.pairB;
-	s.sink = &TreeQuery::take;
-	s.context = this;
-	s.expired = m_limits.deadline.clock ? &TreeQuery::isLate : nullptr;
-	s.stop = false;
+	m_bodies.slack = float(1e-6 * scale);
+	PairSearch s = newSearch(lengthening);
 	m_search = &s;
+	if (remembered)
+	{
+		recall();
+		return true;
+	}
+	const double margin = m_memory ? m_memory->marginToFill() : 0;
+	m_margin = float(margin * (1 + 1e-6));
+	s.slack += m_margin;
+	if (m_memory) m_memory->begin(margin);
 	const bool openA = a.r >= reachB;
 	SubtreeList& first = openA ? s.openA : s.openB;
 	const Bound bound = openA ? Bound{float(centerB.x), float(centerB.y), float(centerB.z), float(reachB) + s.slack} : a;
@@ -171,14 +163,68 @@ bool TreeQuery::search()
 	return true;
 }
 
+PairSearch TreeQuery::newSearch(double lengthening)
+{
+	PairSearch s;
+	s.nodesA = m_A.nodes.data();
+	s.nodesB = m_B.nodes.data();
+	s.blocksA = m_A.blocks.data();
+	s.blocksB = m_B.blocks.data();
+	s.ballsA = m_bodies.ballsA;
+	s.ballsB = m_bodies.ballsB;
+	std::copy_n(m_bodies.R, 9, s.R);
+	std::copy_n(m_bodies.t, 3, s.t);
+	s.stretch = float(lengthening);
+	s.slack = m_bodies.slack;
+	s.openA = m_work.openA;
+	s.openB = m_work.openB;
+	s.leaves = m_work.leaves;
+	s.openBatch = m_work.openBatch;
+	s.ballOf = m_work.ballOf;
+	s.blockOf = m_work.blockOf;
+	s.moved = m_work.moved.data();
+	s.movedB = hasShapes() ? m_work.movedBalls.data() : nullptr;
+	s.epoch = m_work.epoch;
+	s.pairA = m_work.pairA;
+	s.pairB = m_work.pairB;
+	s.sink = &TreeQuery::take;
+	s.context = this;
+	s.expired = m_limits.deadline.clock ? &TreeQuery::isLate : nullptr;
+	s.stop = false;
+	return s;
+}
+
+void TreeQuery::recall()
+{
+	const uint32_t *a = m_memory->a.data(), *b = m_memory->b.data();
+	for (size_t first = 0; first < m_memory->count; first += kPairBatch)
+	{
+		const int count = int(std::min<size_t>(kPairBatch, m_memory->count - first));
+		std::copy_n(a + first, count, m_work.pairA);
+		std::copy_n(b + first, count, m_work.pairB);
+		if (hasShapes()) m_work.kernel->moveBlocks(*m_search, m_work.pairB, count);
+		take(count);
+	}
+}
+
+/// In place: those whose ellipsoids come within the margin.
+int TreeQuery::sift(int count, float margin)
+{
+	if (!hasShapes() || m_options.listMeetingBounds) return count;
+	m_bodies.margin = margin;
+	pad(m_work.pairA, m_work.pairB, count);
+	return m_work.kernel->sift(m_bodies, m_work.pairA, m_work.pairB, count);
+}
+
 void TreeQuery::take(int count)
 {
 	const int capacity = m_work.capacity.pairs;
-	if (m_options.model != Model::Inner && !m_options.listMeetingBounds)
+	if (m_margin > 0)
 	{
-		pad(m_work.pairA, m_work.pairB, count);
-		count = m_work.kernel->sift(m_bodies, m_work.pairA, m_work.pairB, count);
+		count = sift(count, m_margin);
+		m_memory->append(m_work.pairA, m_work.pairB, count);
 	}
+	count = sift(count, 0);
 	if (!(m_grouped || m_options.sortPairs || m_limits.pairs >= 0) || !m_result.pairListComplete) return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
 	PairStream& list = m_work.stream;
 	pad(m_work.pairA, m_work.pairB, count);

@@ -8,7 +8,17 @@
 // and with some slack, spares them the rest.
 namespace
 {
-/// Bit k set where ellipsoids k may share volume: x^T (P_a + P_b)^-1 x < 2.
+/// `most`, times the determinant, for roots that grow by sqrt(2) margin over the root of the smallest eigenvalue.
+IST_INLINE F extended(const F& most, const Whitening& w, const F& margin)
+{
+	const F step = F::squareRoot(F::all(2) * (w.Q.xx + w.Q.yy + w.Q.zz)) * margin, root = F::squareRoot(most) + step;
+	return root * root;
+}
+
+/// Bit k set where ellipsoids k may share volume, x^T (P_a + P_b)^-1 x < 2, within the margin. Over the directions u the root of the left side is
+/// the largest u.x / h(u), h(u)^2 = u^T (P_a + P_b) u. Where no point of B moves by more than s, u.x and B's share in h change by |u| s together at
+/// most, and h is at least |u| times the root of the smallest eigenvalue: a root of sqrt(2) was at most sqrt(2) s over the latter larger.
+template <bool hasMargin>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
 	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchEllipsoids(bodies.movedB, indexB);
@@ -18,16 +28,18 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 	// Distances of the thinnest shapes err by .05 % in floats. The slack s moves the square root of the left side by at most s over the root of the smallest eigenvalue, and
 	// (p + q)^2 <= 1.001 p^2 + 1001 q^2 without roots.
 	const F most = F::all(2.0025f) * w.det + F::all(1001) * slack * slack * (w.Q.xx + w.Q.yy + w.Q.zz);
-	return ~F::less(most, dot(x, w.Q * x));
+	const F reach = hasMargin ? extended(most, w, F::all(bodies.margin) * u) : most;
+	return ~F::less(reach, dot(x, w.Q * x));
 }
 
 /// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.
-int sift(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+template <bool hasMargin>
+int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
 	int kept = 0;
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const uint32_t bits = firstLanes(count - k) & mayMeet(bodies, a + k, b + k);
+		const uint32_t bits = firstLanes(count - k) & mayMeet<hasMargin>(bodies, a + k, b + k);
 		for (int part = 0; part < kLanes; part += kGroup)
 		{
 			const Compressor compressor(bits >> part & ((1u << kGroup) - 1));
@@ -37,5 +49,10 @@ int sift(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 		}
 	}
 	return kept;
+}
+
+int sift(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+{
+	return bodies.margin > 0 ? siftPairs<true>(bodies, a, b, count) : siftPairs<false>(bodies, a, b, count);
 }
 }  // namespace

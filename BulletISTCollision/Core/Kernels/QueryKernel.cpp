@@ -6,5 +6,5 @@
 
 namespace ist::kernels
 {
-const QueryKernel IST_KERNEL{search, sift, evaluate, refine};
+const QueryKernel IST_KERNEL{search, moveBlocks, sift, evaluate, refine};
 }

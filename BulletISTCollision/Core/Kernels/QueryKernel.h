@@ -81,6 +81,7 @@ struct PairBodies
 	double R[9], t[3];
 	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
 	float slack;       ///< covers the rounding of float positions [m]
+	float margin;      ///< of `sift`: keeps pairs that meet when no point of B has moved further [m]
 	float spreadUnit;  ///< 1 / a typical volume of this query [m^-3]: keeps squares of volumes inside of a float's range
 };
 
@@ -122,6 +123,8 @@ struct PairStream
 struct QueryKernel
 {
 	void (*search)(PairSearch& search);
+	/// Moves the blocks of these balls of B, where that is still to be done.
+	void (*moveBlocks)(PairSearch& search, const uint32_t* balls, int count);
 	/// Drops pairs whose ellipsoids are surely apart from a list in place; returns the new length. Reads up to kListSlack entries behind
 	/// the end.
 	int (*sift)(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Kernels/PairMemoryState.h"
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
 
 namespace ist
@@ -25,16 +26,22 @@ struct QueryLimits
 class TreeQuery
 {
 public:
-	/// X: pose of B's tree frame in A's. All arguments outlive this.
+	/// X: pose of B's tree frame in A's. All arguments outlive this. With a memory, limits are not for pairs and time.
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-			  const QueryLimits& limits, OverlapResult& result);
+			  const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory = nullptr);
 
 	/// False when a limit was met: the result then holds nothing but the work done.
 	bool run();
 
 private:
+	bool answer();
 	/// False when the bodies' bounds are apart.
-	bool search();
+	bool find();
+	kernels::PairSearch newSearch(double lengthening);
+	/// What the memory holds, as if it had been searched for.
+	void recall();
+	int sift(int count, float margin);
+	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
 	void take(int count);
 	static bool isLate(void* query) { return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed(); }
@@ -49,6 +56,8 @@ private:
 	const QueryOptions& m_options;
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
+	PairMemory::Implementation* m_memory;
+	float m_margin = 0;  ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
 	bool m_grouped;
 	kernels::PairBodies m_bodies;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/PairMemory.h"
+
+#include <vector>
+
+namespace ist
+{
+/// Where B was seen from A, and the ball that holds it there, for bounds on the motion of its points.
+struct SeenPose
+{
+	Pose X;       ///< of B's tree frame in A's
+	Vec3 center;  ///< of a ball around B, in B's tree frame
+	double reach = 0;
+	/// No point of that ball has moved further [m].
+	double motionTo(const Pose& other) const;
+};
+
+/// What PairMemory owns.
+struct PairMemory::Implementation
+{
+	explicit Implementation(int pairs);
+
+	/// Whether what is remembered holds for this query; learns from its motion.
+	bool covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now);
+	/// The margin to fill the memory with [m]; 0: this query had better not.
+	double marginToFill();
+	void begin(double wanted);
+	void append(const uint32_t* pairA, const uint32_t* pairB, int number);
+	/// `found`: of those remembered, the pairs that intersect.
+	void end(int64_t found);
+
+	std::vector<uint32_t> a, b;  ///< indices of balls
+	size_t count = 0;
+	bool valid = false;
+
+private:
+	const BallTree *m_A = nullptr, *m_B = nullptr;
+	size_t m_ballsA = 0, m_ballsB = 0;
+	Model m_model = Model::Law;
+	bool m_bounds = false;  ///< pairs whose bounding balls meet count, too
+	SeenPose m_filled, m_last;
+	double m_margin = 0;   ///< of what is remembered [m]
+	double m_most = 0;     ///< largest margin that pays, as far as is known [m]
+	double m_step = -1;    ///< motion from query to query, lately [m]; negative: not known yet
+};
+}  // namespace ist

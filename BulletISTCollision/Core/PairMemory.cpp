@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Kernels/PairMemoryState.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+/// Queries that a margin should last for: more than this saves little, and the list grows.
+constexpr double kWantedSteps = 10;
+/// With fewer, a query alone is cheaper.
+constexpr double kLeastSteps = 3;
+/// Remembered pairs over those that intersect: beyond the first the margin shrinks, below the second it may grow. Most of those that do not
+/// intersect cost a look at their distance; of packed spheres each is evaluated.
+struct Ratios
+{
+	double tooMany, few;
+};
+constexpr Ratios kWithShapes{1.9, 1.6}, kOfSpheres{1.6, 1.35};
+}  // namespace
+
+double SeenPose::motionTo(const Pose& other) const
+{
+	double squared = 0, skew = 0;
+	for (const Pose* pose : {&X, &other})
+	{
+		const Mat3 e = pose->rotation * transpose(pose->rotation);
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j) skew += std::fabs(e.m[i][j] - (i == j ? 1 : 0));
+	}
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			const double d = X.rotation.m[i][j] - other.rotation.m[i][j];
+			squared += d * d;
+		}
+	// Of a difference of rotations two singular values are equal and the third is zero; what is no rotation adds its own share.
+	return distance(X * center, other * center) + (std::sqrt(0.5 * squared) + skew) * reach;
+}
+
+PairMemory::Implementation::Implementation(int pairs)
+{
+	a.resize(size_t(std::max(0, pairs)));
+	b.resize(a.size());
+}
+
+bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
+{
+	const bool same = m_A == &A && m_B == &B && m_ballsA == A.balls.size() && m_ballsB == B.balls.size() && m_model == options.model &&
+					  m_bounds == options.listMeetingBounds;
+	if (!same)
+	{
+		m_A = &A;
+		m_B = &B;
+		m_ballsA = A.balls.size();
+		m_ballsB = B.balls.size();
+		m_model = options.model;
+		m_bounds = options.listMeetingBounds;
+		valid = false;
+		// Less than half of what lies between the middles of neighbouring balls.
+		m_most = 0.35 * now.reach / std::cbrt(double(std::max<size_t>(1, m_ballsB)));
+		m_step = -1;
+	}
+	else
+	{
+		const double motion = m_last.motionTo(now.X);
+		m_step = m_step < 0 ? motion : m_step + 0.3 * (motion - m_step);
+	}
+	m_last = now;
+	return valid = valid && m_filled.motionTo(now.X) <= m_margin;
+}
+
+double PairMemory::Implementation::marginToFill()
+{
+	if (m_step < 0 || !(m_step * kLeastSteps <= m_most)) return 0;
+	return std::clamp(kWantedSteps * m_step, 0.25 * m_most, m_most);
+}
+
+void PairMemory::Implementation::begin(double wanted)
+{
+	count = 0;
+	valid = wanted > 0;
+	m_margin = wanted;
+	m_filled = m_last;
+}
+
+void PairMemory::Implementation::append(const uint32_t* pairA, const uint32_t* pairB, int number)
+{
+	valid = valid && count + size_t(number) <= a.size();
+	if (!valid) return;
+	std::copy_n(pairA, number, a.begin() + ptrdiff_t(count));
+	std::copy_n(pairB, number, b.begin() + ptrdiff_t(count));
+	count += size_t(number);
+}
+
+void PairMemory::Implementation::end(int64_t found)
+{
+	const Ratios limits = m_model == Model::Inner ? kOfSpheres : kWithShapes;
+	const double ratio = double(count) / double(std::max<int64_t>(1, found));
+	if (!valid || ratio > limits.tooMany) m_most *= 0.8;
+	else if (ratio < limits.few) m_most *= 1.1;
+}
+
+PairMemory::PairMemory(int pairs) : m_impl(std::make_unique<Implementation>(pairs)) {}
+PairMemory::~PairMemory() = default;
+PairMemory::PairMemory(PairMemory&&) noexcept = default;
+PairMemory& PairMemory::operator=(PairMemory&&) noexcept = default;
+void PairMemory::forget() { m_impl->valid = false; }
+}  // namespace ist

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+
+#include <memory>
+
+namespace ist
+{
+/// What two bodies that move little from query to query need not be searched for again: the pairs that come within a margin of each other,
+/// good for as long as no point of B has moved by more than the margin, seen from A. One for each pair of bodies.
+///
+/// The margin follows the motion of the queries before; where bodies move too fast for it to pay, each query searches anew. The tick that
+/// fills the memory costs up to a third more than a query without.
+class PairMemory
+{
+public:
+	/// `pairs`: room; with more to remember, each query searches anew. Eight bytes each.
+	explicit PairMemory(int pairs = 200000);
+	~PairMemory();
+	PairMemory(PairMemory&&) noexcept;
+	PairMemory& operator=(PairMemory&&) noexcept;
+
+	/// Call it before a tree of the bodies is replaced by another in the same place; queries notice any other change.
+	void forget();
+
+	struct Implementation;
+	Implementation& implementation() { return *m_impl; }
+
+private:
+	std::unique_ptr<Implementation> m_impl;
+};
+
+/// The same answer, with the same pairs: sums agree to the rounding of floats, whose order differs. A query that did not search has no
+/// `nodeVisits`. Within budgets nothing is remembered. No allocation.
+OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
+						   const QueryOptions& options = {});
+}  // namespace ist
