@@ -30,7 +30,8 @@ class NearestPair
 public:
 	NearestPair(const BallTree& A, const BallTree& B, const Pose& X) : m_A(A), m_B(B), m_X(X) {}
 
-	double run()
+	/// Distance and nearest points in A's tree frame.
+	Distance run()
 	{
 		constexpr double inf = std::numeric_limits<double>::infinity();
 		m_stack[m_top++] = {{0, {}, inf}, {0, {}, inf}, 0};
@@ -45,7 +46,7 @@ public:
 			else
 				open(item, false);
 		}
-		return std::max(0.0, m_best);
+		return nearest();
 	}
 
 private:
@@ -83,14 +84,43 @@ private:
 			const Vec3 c{a.x[i], a.y[i], a.z[i]};
 			if (distance(c, item.b.center) - a.R[i] - item.b.r >= m_best) continue;
 			for (uint32_t j = 0; j < b.count; ++j)
-				m_best = std::min(m_best, distance(c, moved[j]) - a.R[i] - b.R[j]);
+			{
+				const double gap = distance(c, moved[j]) - a.R[i] - b.R[j];
+				if (gap >= m_best) continue;
+				m_best = gap;
+				m_centerA = c;
+				m_centerB = moved[j];
+				m_radiusA = a.R[i];
+				m_radiusB = b.R[j];
+			}
 		}
+	}
+
+	Distance nearest() const
+	{
+		const Vec3 apart = m_centerB - m_centerA;
+		const double length = norm(apart);
+		const Vec3 along = length > 0 ? apart / length : Vec3{};
+		Distance result;
+		result.upper = std::max(0.0, m_best);
+		if (m_best > 0)
+		{
+			result.pointA = m_centerA + along * m_radiusA;
+			result.pointB = m_centerB - along * m_radiusB;
+			return result;
+		}
+		// The middle of what both have of the line through their centres.
+		const double from = std::max(-m_radiusA, length - m_radiusB), to = std::min(m_radiusA, length + m_radiusB);
+		result.pointA = result.pointB = m_centerA + along * (0.5 * (from + to));
+		return result;
 	}
 
 	const BallTree& m_A;
 	const BallTree& m_B;
 	const Pose& m_X;
 	double m_best = std::numeric_limits<double>::infinity();
+	Vec3 m_centerA, m_centerB;  ///< of the nearest spheres
+	double m_radiusA = 0, m_radiusB = 0;
 	int m_top = 0;
 	Item m_stack[kPairStackSize];
 };
@@ -99,11 +129,18 @@ private:
 Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
 	// Nothing is known about a pose that is not rigid: the widest interval holds.
-	if (!isRigid(X_AB) || A.inner.empty() || B.inner.empty()) return {std::numeric_limits<double>::infinity(), 0};
+	if (!isRigid(X_AB) || A.inner.empty() || B.inner.empty()) return {std::numeric_limits<double>::infinity(), 0, {}, {}};
 	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
-	Distance result;
-	result.upper = NearestPair(A.inner, B.inner, X).run();
+	Distance result = NearestPair(A.inner, B.inner, X).run();
 	result.lower = std::max(0.0, result.upper - A.maxGap - B.maxGap);
+	result.pointA += A.origin;
+	result.pointB += A.origin;
 	return result;
+}
+
+Proximity queryProximity(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+						 const QueryOptions& options)
+{
+	return {queryOverlap(A, B, X_AB, workspace, options), queryDistance(A, B, X_AB)};
 }
 }  // namespace ist

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <random>
 
@@ -182,6 +183,8 @@ private:
 		const Distance distance = touching ? Distance{} : queryDistance(m_A, m_B, X);
 		r["distance"] = distance.upper;
 		r["distance_lower"] = distance.lower;
+		r["nearest_a"] = touching || !std::isfinite(distance.upper) ? Report() : toJson(distance.pointA);
+		r["nearest_b"] = touching || !std::isfinite(distance.upper) ? Report() : toJson(distance.pointB);
 		r["time_us"] = nullptr;
 		r["level"] = a.overlap.level;
 		r["level_share"] = a.overlap.levelShare;

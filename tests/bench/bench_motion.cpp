@@ -61,7 +61,7 @@ struct Outcome
 Outcome measure(const InnerSphereTree& body, const std::vector<Pose>& poses, const QueryOptions& options, int passes)
 {
 	QueryWorkspace workspace, other;
-	PairMemory memory;
+	PairMemory memory(4000000);
 	const size_t n = poses.size();
 	std::vector<double> fresh(n, 1e300), kept(n, 1e300);
 	Outcome o;

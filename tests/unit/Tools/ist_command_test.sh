@@ -25,7 +25,7 @@ expect()
 holds()
 {
 	if ! python3 - "$dir/out" "$2" <<'PYTHON'
-import json, sys
+import json, math, sys
 rows = [json.loads(line) for line in open(sys.argv[1]) if line.strip()]
 r = rows[0] if rows else {}
 def near(a, b, e=1e-9): return abs(a - b) <= e
@@ -134,7 +134,7 @@ holds query 'r["row"] == 0 and near(r["volume"], 0.1, 0.02) and near(r["force"][
 holds "query fields" 'r["normal"][2] < -0.95 and near(r["centroid"][2], 0.95, 0.03) and len(r["stiffness"]) == 36 and r["distance"] == 0 and r["time_us"] > 0 and r["complete"] is True and r["patches"] >= 1 and r["energy"] > 0'
 [ "$(wc -l < "$dir/pairs.csv")" -gt 1 ] || { echo "FAILED pairs.csv"; failures=$((failures + 1)); }
 expect "query apart" 0 "$ist" query "$cube" "$cube" --pose=-1.5,0,0,0,0,0,1 --json
-holds "query apart" 'r["volume"] == 0 and r["normal"] is None and r["area_vector"] is None and r["distance"] >= 0.5 - 1e-6 and r["distance_lower"] <= 0.5 and r["force"] == [0, 0, 0]'
+holds "query apart" 'r["volume"] == 0 and r["normal"] is None and r["area_vector"] is None and r["distance"] >= 0.5 - 1e-6 and r["distance_lower"] <= 0.5 and r["force"] == [0, 0, 0] and near(math.dist(r["nearest_a"], r["nearest_b"]), r["distance"], 1e-6)'
 expect "query, negative pose" 0 "$ist" query "$cube" "$cube" --pose -0.9,0,0,0,0,0,1 --json
 holds "query, negative pose" 'r["force"][0] > 0'
 for law in paper energy volume; do
