@@ -102,6 +102,8 @@ struct OverlapPair
 	Vec3 normal;      ///< n
 };
 
+class QueryHelper;
+
 /// All memory of a query. One per thread; reuse it: a query allocates nothing.
 class QueryWorkspace
 {
@@ -113,6 +115,9 @@ public:
 	QueryWorkspace(QueryWorkspace&&) noexcept;
 	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
 	const QueryCapacity& capacity() const;
+	/// A thread that takes part in long queries (QueryHelper.h); null: none. Of no more than one workspace, with at least its capacity. It outlives this,
+	/// or is taken away before it goes.
+	void setHelper(QueryHelper* helper);
 
 	struct Implementation;
 	Implementation& implementation() { return *m_impl; }

@@ -103,5 +103,6 @@ QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity, InstructionSet set
 QueryWorkspace::~QueryWorkspace() = default;
 QueryWorkspace::QueryWorkspace(QueryWorkspace&&) noexcept = default;
 QueryWorkspace& QueryWorkspace::operator=(QueryWorkspace&&) noexcept = default;
+void QueryWorkspace::setHelper(QueryHelper* helper) { m_impl->helper = helper; }
 const QueryCapacity& QueryWorkspace::capacity() const { return m_impl->capacity; }
 }  // namespace ist

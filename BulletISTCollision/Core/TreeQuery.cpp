@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Kernels/TreeQuery.h"
+#include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
 
 #include "BulletISTCollision/Core/Lens.h"
 
@@ -11,12 +11,7 @@ using namespace kernels;
 
 namespace
 {
-struct Bound
-{
-	float x, y, z, r;
-};
-
-Bound rootBound(const BallNode& root)
+TreeQuery::Bound rootBound(const BallNode& root)
 {
 	Vec3 center;
 	int count = 0;
@@ -125,20 +120,28 @@ void TreeQuery::evaluate(uint32_t* a, uint32_t* b, int count, double* sums) cons
 	if (count > 0) m_work.kernel->evaluate(m_bodies, a, b, count, m_terms, sums);
 }
 
-bool TreeQuery::find()
+bool TreeQuery::place()
 {
 	const Bound a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
 	const Vec3 centerA{a.x, a.y, a.z}, ownCenter{own.x, own.y, own.z}, centerB = m_X * ownCenter;
-	const double lengthening = stretch(m_X.rotation), reachB = own.r * lengthening;
-	const bool remembered = m_memory && m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
-	// In double: far translations would spoil the floats below.
-	if (distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6)) return false;
+	m_lengthening = stretch(m_X.rotation);
+	const double reachB = own.r * m_lengthening;
 	const double scale = norm(centerA) + a.r + norm(centerB) + reachB + norm(ownCenter) + norm(m_X.translation);
 	m_bodies.spreadUnit = float(1 / ballVolume(std::min(a.r, own.r)));
 	m_bodies.slack = float(1e-6 * scale);
-	PairSearch s = newSearch(lengthening);
+	m_rootA = {a.x, a.y, a.z, a.r};
+	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
+	m_remembered = m_memory && m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
+	// In double: far translations would spoil the floats of the search.
+	return !(distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6));
+}
+
+bool TreeQuery::find()
+{
+	if (!place()) return false;
+	PairSearch s = newSearch();
 	m_search = &s;
-	if (remembered)
+	if (m_remembered)
 	{
 		recall();
 		return true;
@@ -147,23 +150,43 @@ bool TreeQuery::find()
 	m_margin = float(margin * (1 + 1e-6));
 	s.slack += m_margin;
 	if (m_memory) m_memory->begin(margin);
-	const bool openA = a.r >= reachB;
+	const bool openA = m_rootA.r >= m_rootB.r;
 	SubtreeList& first = openA ? s.openA : s.openB;
-	const Bound bound = openA ? Bound{float(centerB.x), float(centerB.y), float(centerB.z), float(reachB) + s.slack} : a;
+	Bound bound = m_rootA;
+	if (openA)
+	{
+		bound = m_rootB;
+		bound.r += s.slack;
+	}
 	first.a[0] = first.b[0] = 0;
 	first.x[0] = bound.x;
 	first.y[0] = bound.y;
 	first.z[0] = bound.z;
 	first.r[0] = bound.r;
 	first.size = 1;
+	QueryHelper::Implementation* helper = m_work.helper ? &m_work.helper->implementation() : nullptr;
+	const bool shareable = helper && !m_alone && m_margin == 0 && m_limits.pairs < 0 && !s.expired && helper->work.capacity.pairs >= m_work.capacity.pairs;
+	s.stopAfter = QueryHelper::Implementation::kLongSearch;
+	s.stopAt = shareable && helper->isFree() ? QueryHelper::Implementation::kEnough : 0;
 	m_work.kernel->search(s);
-	m_result.nodeVisits += s.counts.nodeVisits;
-	m_result.blockPairs += s.counts.blockPairs;
-	m_result.ballTests += s.counts.ballTests;
-	return true;
+	count(s.counts);
+	if (!s.unfinished || finishWith(*helper, s)) return true;
+	// Once more: where the list is cut depends on the order in which pairs are found.
+	m_alone = true;
+	m_listed = 0;
+	m_result.pairListComplete = true;
+	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+	return find();
 }
 
-PairSearch TreeQuery::newSearch(double lengthening)
+void TreeQuery::count(const SearchCounts& counts)
+{
+	m_result.nodeVisits += counts.nodeVisits;
+	m_result.blockPairs += counts.blockPairs;
+	m_result.ballTests += counts.ballTests;
+}
+
+PairSearch TreeQuery::newSearch()
 {
 	PairSearch s;
 	s.nodesA = m_A.nodes.data();
@@ -174,7 +197,7 @@ PairSearch TreeQuery::newSearch(double lengthening)
 	s.ballsB = m_bodies.ballsB;
 	std::copy_n(m_bodies.R, 9, s.R);
 	std::copy_n(m_bodies.t, 3, s.t);
-	s.stretch = float(lengthening);
+	s.stretch = float(m_lengthening);
 	s.slack = m_bodies.slack;
 	s.openA = m_work.openA;
 	s.openB = m_work.openB;
@@ -190,7 +213,9 @@ PairSearch TreeQuery::newSearch(double lengthening)
 	s.sink = &TreeQuery::take;
 	s.context = this;
 	s.expired = m_limits.deadline.clock ? &TreeQuery::isLate : nullptr;
-	s.stop = false;
+	s.stop = s.unfinished = false;
+	s.stopAt = 0;
+	s.stopAfter = 0;
 	return s;
 }
 

@@ -300,7 +300,34 @@ int drainLeaves(PairSearch& s, int pairs)
 	return pairs;
 }
 
-/// The lists openA and openB hold the two roots' entry on entry. Opened in batches, the deepest first: short lists, and independent
+/// Entries that are still open, from the frames to the front of their lists.
+void gatherOpen(PairSearch& s, const DescentFrame* frames, int depth)
+{
+	s.openA.size = s.openB.size = 0;
+	for (int f = 0; f < depth; ++f)
+	{
+		SubtreeList& list = frames[f].openA ? s.openA : s.openB;
+		for (int i = frames[f].begin; i < frames[f].end; ++i)
+		{
+			const int to = list.size++;
+			list.a[to] = list.a[i];
+			list.b[to] = list.b[i];
+			list.x[to] = list.x[i];
+			list.y[to] = list.y[i];
+			list.z[to] = list.z[i];
+			list.r[to] = list.r[i];
+		}
+	}
+}
+
+bool hasEnoughOpen(const PairSearch& s, const DescentFrame* frames, int depth)
+{
+	int open = 0;
+	for (int f = 0; f < depth; ++f) open += frames[f].end - frames[f].begin;
+	return open >= s.stopAt;
+}
+
+/// The lists openA and openB hold entries on entry, at first the roots'. Opened in batches, the deepest first: short lists, and independent
 /// steps within a batch. Each frame is a run of entries of one list; a batch's children lie behind everything that is still open.
 void search(PairSearch& s)
 {
@@ -314,6 +341,12 @@ void search(PairSearch& s)
 	while (depth > 0 && !s.stop)
 	{
 		if (s.expired) s.stop = s.expired(s.context);
+		if (s.stopAt != 0 && s.counts.nodeVisits >= s.stopAfter && hasEnoughOpen(s, frames, depth))
+		{
+			gatherOpen(s, frames, depth);
+			s.unfinished = true;
+			break;
+		}
 		DescentFrame& frame = frames[depth - 1];
 		SubtreeList& own = frame.openA ? s.openA : s.openB;
 		if (frame.begin == frame.end)

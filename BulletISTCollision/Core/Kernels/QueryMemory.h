@@ -21,6 +21,7 @@ struct QueryWorkspace::Implementation
 {
 	const kernels::QueryKernel* kernel = nullptr;  ///< null: the wanted instruction set cannot run here
 	QueryCapacity capacity;
+	QueryHelper* helper = nullptr;
 
 	std::vector<uint32_t> indices;  ///< columns of the lists below
 	std::vector<float> numbers;

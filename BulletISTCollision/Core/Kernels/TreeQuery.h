@@ -3,9 +3,13 @@
 
 #include "BulletISTCollision/Core/Kernels/PairMemoryState.h"
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "BulletISTCollision/Core/QueryHelper.h"
 
 namespace ist
 {
+struct PartResult;
+struct SharedEntries;
+
 /// When a query gives up; without a clock never.
 struct Deadline
 {
@@ -30,14 +34,28 @@ public:
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
 			  const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory = nullptr);
 
+	struct Bound
+	{
+		float x, y, z, r;
+	};
+
 	/// False when a limit was met: the result then holds nothing but the work done.
 	bool run();
+
+	/// What a search needs to know of the pose. False when the bodies' bounds are apart.
+	bool place();
+	/// One part of a search that is shared; what it lists is added to the list.
+	void searchPart(const SharedEntries& entries, int part, PartResult& result);
 
 private:
 	bool answer();
 	/// False when the bodies' bounds are apart.
 	bool find();
-	kernels::PairSearch newSearch(double lengthening);
+	kernels::PairSearch newSearch();
+	void count(const kernels::SearchCounts& counts);
+	/// What `begun` has left open, shared with the helper. False when there are more pairs than the list holds.
+	bool finishWith(QueryHelper::Implementation& helper, kernels::PairSearch& begun);
+	bool collectParts(QueryHelper::Implementation& helper, const PartResult* const* parts);
 	/// What the memory holds, as if it had been searched for.
 	void recall();
 	int sift(int count, float margin);
@@ -57,12 +75,16 @@ private:
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
 	PairMemory::Implementation* m_memory;
+	bool m_remembered = false;  ///< the memory holds for this pose
+	double m_lengthening = 1;   ///< of B by its pose, at most
+	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame
 	float m_margin = 0;  ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
 	bool m_grouped;
 	kernels::PairBodies m_bodies;
 	int m_listed = 0;
 	bool m_late = false;
+	bool m_alone = false;  ///< without a helper
 	kernels::PairSearch* m_search = nullptr;
 	double m_sums[kernels::kSumCount] = {};
 };

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
+
+#include <chrono>
+
+namespace ist
+{
+namespace
+{
+class Stopwatch
+{
+public:
+	double microseconds() const { return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - m_start).count(); }
+
+private:
+	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
+};
+
+void pause()
+{
+#if defined(__x86_64__)
+	__builtin_ia32_pause();
+#endif
+}
+}  // namespace
+
+QueryHelper::Implementation::Implementation(const QueryCapacity& capacity, double spin) : work(capacity, nullptr), m_spin(spin)
+{
+	const size_t room = size_t(work.capacity.pairs);
+	m_numbers.resize(8 * room);
+	m_indices.resize(2 * room);
+	sorted.a = m_indices.data();
+	sorted.b = sorted.a + room;
+	float* next = m_numbers.data();
+	for (float** to : {&sorted.fx, &sorted.fy, &sorted.fz, &sorted.size, &sorted.weight, &sorted.cx, &sorted.cy, &sorted.cz})
+	{
+		*to = next;
+		next += room;
+	}
+	m_thread = std::thread([this] { loop(); });
+}
+
+QueryHelper::Implementation::~Implementation()
+{
+	m_stop = true;
+	++m_turn;
+	m_turn.notify_one();
+	m_thread.join();
+}
+
+void QueryHelper::Implementation::open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits,
+									   const kernels::QueryKernel* kernel)
+{
+	m_A = &A;
+	m_B = &B;
+	m_X = X;
+	m_options = options;
+	m_limits = limits;
+	work.kernel = kernel;
+	work.reserveFor(A, B);
+	for (std::atomic<int>& state : m_state) state.store(kPending, std::memory_order_relaxed);
+	m_next.store(0, std::memory_order_relaxed);
+	m_open.store(true, std::memory_order_seq_cst);
+	m_turn.fetch_add(1, std::memory_order_seq_cst);
+	m_turn.notify_one();
+}
+
+bool QueryHelper::Implementation::finished(int part, double microseconds)
+{
+	const Stopwatch watch;
+	while (m_state[part].load(std::memory_order_acquire) != kDone)
+	{
+		pause();
+		if (watch.microseconds() < microseconds) continue;
+		int pending = kPending;
+		return !m_state[part].compare_exchange_strong(pending, kTakenBack, std::memory_order_acq_rel);
+	}
+	return true;
+}
+
+void QueryHelper::Implementation::close()
+{
+	m_next.store(kParts, std::memory_order_relaxed);
+	m_open.store(false, std::memory_order_seq_cst);
+}
+
+void QueryHelper::Implementation::settle() const
+{
+	while (!isFree()) std::this_thread::yield();
+}
+
+void QueryHelper::Implementation::takeParts()
+{
+	OverlapResult result;
+	TreeQuery query(*m_A, *m_B, m_X, work, m_options, m_limits, result);
+	if (!query.place()) return;
+	for (int part; (part = claim()) < kParts;)
+	{
+		query.searchPart(entries, part, found[part]);
+		int pending = kPending;
+		if (!m_state[part].compare_exchange_strong(pending, kDone, std::memory_order_acq_rel)) return;
+		partsDone.fetch_add(1, std::memory_order_relaxed);
+	}
+}
+
+void QueryHelper::Implementation::loop()
+{
+	uint32_t seen = 0;
+	for (;;)
+	{
+		for (const Stopwatch watch; m_turn.load(std::memory_order_seq_cst) == seen && watch.microseconds() < m_spin;) pause();
+		m_turn.wait(seen, std::memory_order_seq_cst);
+		seen = m_turn.load(std::memory_order_seq_cst);
+		if (m_stop) return;
+		// First working, then a look whether there is work: the caller does it the other way round.
+		m_working.store(true, std::memory_order_seq_cst);
+		if (m_open.load(std::memory_order_seq_cst)) takeParts();
+		m_working.store(false, std::memory_order_seq_cst);
+	}
+}
+
+QueryHelper::QueryHelper(const QueryCapacity& capacity, double spinMicroseconds)
+	: m_impl(std::make_unique<Implementation>(capacity, spinMicroseconds))
+{
+}
+QueryHelper::~QueryHelper() = default;
+void QueryHelper::settle() { m_impl->settle(); }
+int64_t QueryHelper::partsDone() const { return m_impl->partsDone; }
+}  // namespace ist

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Zlib
+// The half of TreeQuery that shares a search with a helper.
+#include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace ist
+{
+using namespace kernels;
+
+namespace
+{
+using Helper = QueryHelper::Implementation;
+
+double microseconds()
+{
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void append(SharedEntries& entries, const SubtreeList& list, bool openA)
+{
+	for (int i = 0; i < list.size; ++i)
+	{
+		const size_t to = size_t(entries.count++);
+		entries.a[to] = list.a[i];
+		entries.b[to] = list.b[i];
+		entries.x[to] = list.x[i];
+		entries.y[to] = list.y[i];
+		entries.z[to] = list.z[i];
+		entries.r[to] = list.r[i];
+		entries.openA[to] = openA;
+	}
+}
+
+/// Columns of a list of pairs: indices, numbers.
+struct Columns
+{
+	uint32_t* index[2];
+	float* number[8];
+	explicit Columns(const PairStream& s) : index{s.a, s.b}, number{s.fx, s.fy, s.fz, s.size, s.weight, s.cx, s.cy, s.cz} {}
+};
+}  // namespace
+
+void TreeQuery::searchPart(const SharedEntries& entries, int part, PartResult& result)
+{
+	PairSearch s = newSearch();
+	m_search = &s;
+	for (int i = part; i < entries.count; i += Helper::kParts)
+	{
+		const size_t from = size_t(i);
+		SubtreeList& list = entries.openA[from] ? s.openA : s.openB;
+		const int to = list.size++;
+		list.a[to] = entries.a[from];
+		list.b[to] = entries.b[from];
+		list.x[to] = entries.x[from];
+		list.y[to] = entries.y[from];
+		list.z[to] = entries.z[from];
+		list.r[to] = entries.r[from];
+	}
+	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+	result.begin = m_listed;
+	m_work.kernel->search(s);
+	result.count = m_listed - result.begin;
+	result.counts = s.counts;
+	result.complete = m_result.pairListComplete;
+	std::copy(std::begin(m_sums), std::end(m_sums), result.sums);
+}
+
+bool TreeQuery::finishWith(Helper& helper, PairSearch& begun)
+{
+	if (begun.openA.size + begun.openB.size > SharedEntries::kMost)
+	{
+		begun.stopAt = 0;
+		begun.counts = {};
+		m_work.kernel->search(begun);
+		count(begun.counts);
+		return true;
+	}
+	helper.entries.count = 0;
+	append(helper.entries, begun.openA, true);
+	append(helper.entries, begun.openB, false);
+	double sums[kSumCount];
+	std::copy(std::begin(m_sums), std::end(m_sums), sums);
+	const int listed = m_listed;
+	helper.open(m_A, m_B, m_X, m_options, m_limits, m_work.kernel);
+	const PartResult* parts[Helper::kParts] = {};
+	const auto searchAlone = [&](int part) {
+		searchPart(helper.entries, part, helper.own[part]);
+		parts[part] = &helper.own[part];
+	};
+	double longest = 0;
+	for (int part; (part = helper.claim()) < Helper::kParts;)
+	{
+		const double start = microseconds();
+		searchAlone(part);
+		longest = std::max(longest, microseconds() - start);
+	}
+	for (int part = 0; part < Helper::kParts; ++part)
+	{
+		if (parts[part]) continue;
+		if (helper.finished(part, longest)) parts[part] = &helper.found[part];
+		else searchAlone(part);
+	}
+	helper.close();
+	std::copy(std::begin(sums), std::end(sums), m_sums);
+	m_listed = listed;
+	return collectParts(helper, parts);
+}
+
+bool TreeQuery::collectParts(Helper& helper, const PartResult* const* parts)
+{
+	const int begin = m_listed;
+	bool complete = m_result.pairListComplete;
+	for (int part = 0; part < Helper::kParts; ++part)
+	{
+		const PartResult& from = *parts[part];
+		for (int i = 0; i < kSumCount; ++i) m_sums[i] += from.sums[i];
+		count(from.counts);
+		complete = complete && from.complete;
+		m_listed += from.count;
+	}
+	if (!complete || m_listed > m_work.capacity.pairs) return false;
+	if (m_listed == begin) return true;
+	// In the order of the parts, whoever found them: by way of a list beside both. What the helper moved it has for itself.
+	PairSearch moving = newSearch();
+	const Columns own(m_work.stream), found(helper.work.stream), sorted(helper.sorted);
+	int to = 0;
+	for (int part = 0; part < Helper::kParts; ++part)
+	{
+		const PartResult& from = *parts[part];
+		const Columns& source = parts[part] == &helper.own[part] ? own : found;
+		for (int c = 0; c < 2; ++c) std::copy_n(source.index[c] + from.begin, from.count, sorted.index[c] + to);
+		for (int c = 0; c < 8; ++c) std::copy_n(source.number[c] + from.begin, from.count, sorted.number[c] + to);
+		if (hasShapes() && parts[part] != &helper.own[part]) m_work.kernel->moveBlocks(moving, found.index[1] + from.begin, from.count);
+		to += from.count;
+	}
+	for (int c = 0; c < 2; ++c) std::copy_n(sorted.index[c], to, own.index[c] + begin);
+	for (int c = 0; c < 8; ++c) std::copy_n(sorted.number[c], to, own.number[c] + begin);
+	return true;
+}
+}  // namespace ist

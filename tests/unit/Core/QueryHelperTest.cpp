@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/QueryHelper.h"
+
+#include "tests/unit/Core/QueryBodies.h"
+#include "tests/unit/CountingAllocator.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <random>
+#include <thread>
+
+using namespace ist;
+
+namespace
+{
+Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B)
+{
+	std::uniform_real_distribution<double> u(-1, 1);
+	Pose X;
+	X.rotation = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
+	X.translation = A.origin + Vec3{0.5 * u(random), 0.5 * u(random), 0.5 * u(random)} - X.rotation * B.origin;
+	return X;
+}
+
+void expectSame(const OverlapResult& a, const OverlapResult& b)
+{
+	ASSERT_EQ(a.status, b.status);
+	EXPECT_EQ(a.total.pairs, b.total.pairs);
+	EXPECT_EQ(a.nodeVisits, b.nodeVisits);
+	EXPECT_EQ(a.ballTests, b.ballTests);
+	EXPECT_EQ(a.patchCount, b.patchCount);
+	const double tolerance = 1e-5 * b.total.volume + 1e-15;
+	EXPECT_NEAR(a.total.volume, b.total.volume, tolerance);
+	expectNear(a.total.normalA.force, b.total.normalA.force, tolerance);
+	expectNear(a.total.normalB.torque, b.total.normalB.torque, tolerance);
+	expectNear(a.total.line.force, b.total.line.force, tolerance);
+	EXPECT_NEAR(a.total.spread, b.total.spread, 1e-5 * b.total.spread);
+	ASSERT_EQ(a.pairCount, b.pairCount);
+	for (int i = 0; i < a.pairCount; ++i)
+	{
+		ASSERT_EQ(a.pairs[i].ballA, b.pairs[i].ballA);
+		ASSERT_EQ(a.pairs[i].ballB, b.pairs[i].ballB);
+	}
+}
+
+/// Programs that want all cores.
+class Neighbours
+{
+public:
+	explicit Neighbours(int count)
+	{
+		for (int i = 0; i < count; ++i)
+			m_threads.emplace_back([this] {
+				while (!m_stop) m_work.fetch_add(1, std::memory_order_relaxed);
+			});
+	}
+	~Neighbours()
+	{
+		m_stop = true;
+		for (std::thread& t : m_threads) t.join();
+	}
+
+private:
+	std::atomic<bool> m_stop{false};
+	std::atomic<long> m_work{0};
+	std::vector<std::thread> m_threads;
+};
+}  // namespace
+
+TEST(QueryHelper, FindsTheSameAsAQueryAlone)
+{
+	const InnerSphereTree A = cloudBody(3000, 1, {300, 0, -40}), B = cloudBody(3500, 2);
+	for (const InstructionSet set : kInstructionSets)
+	{
+		if (!isAvailable(set)) continue;
+		SCOPED_TRACE(toString(set));
+		QueryWorkspace shared({}, set), alone({}, set);
+		QueryHelper helper;
+		shared.setHelper(&helper);
+		std::mt19937 random(6);
+		for (int trial = 0; trial < 200 && (trial < 12 || helper.partsDone() == 0); ++trial)
+		{
+			QueryOptions options;
+			options.model = trial % 3 == 0 ? Model::Law : trial % 3 == 1 ? Model::Inner : Model::Cell;
+			options.patches = trial % 2;
+			options.sortPairs = trial % 4 == 0;
+			const Pose X = randomPose(random, A, B);
+			expectSame(queryOverlap(A, B, X, shared, options), queryOverlap(A, B, X, alone, options));
+		}
+		EXPECT_GT(helper.partsDone(), 0);
+	}
+}
+
+TEST(QueryHelper, IsNotNeededWhereOtherProgramsHoldTheCores)
+{
+	const InnerSphereTree A = cloudBody(2000, 1), B = cloudBody(2500, 2);
+	QueryWorkspace shared, alone;
+	const Neighbours neighbours(int(std::thread::hardware_concurrency()) + 2);
+	QueryHelper helper({}, 0);
+	shared.setHelper(&helper);
+	std::mt19937 random(7);
+	for (int trial = 0; trial < 60; ++trial)
+	{
+		const Pose X = randomPose(random, A, B);
+		expectSame(queryOverlap(A, B, X, shared), queryOverlap(A, B, X, alone));
+	}
+}
+
+TEST(QueryHelper, LetsGoOfTreesThatWillGo)
+{
+	QueryWorkspace shared, alone;
+	QueryHelper helper({}, 0);
+	shared.setHelper(&helper);
+	for (unsigned seed = 0; seed < 6; ++seed)
+	{
+		const auto A = std::make_unique<InnerSphereTree>(cloudBody(1500, seed)), B = std::make_unique<InnerSphereTree>(cloudBody(1500, seed + 50));
+		expectSame(queryOverlap(*A, *B, Pose{}, shared), queryOverlap(*A, *B, Pose{}, alone));
+		helper.settle();
+	}
+}
+
+TEST(QueryHelper, CapacityCutsTheListAsAlone)
+{
+	const InnerSphereTree A = cloudBody(2000, 1), B = cloudBody(2000, 2);
+	QueryCapacity tight;
+	tight.pairs = 700;
+	QueryWorkspace shared(tight), alone(tight), small;
+	QueryHelper helper(tight);
+	shared.setHelper(&helper);
+	QueryOptions options;
+	options.sortPairs = true;
+	for (int trial = 0; trial < 5; ++trial)
+	{
+		const OverlapResult r = queryOverlap(A, B, Pose{}, shared, options), expected = queryOverlap(A, B, Pose{}, alone, options);
+		EXPECT_FALSE(r.pairListComplete);
+		EXPECT_EQ(r.total.pairs, expected.total.pairs);
+		EXPECT_EQ(r.pairCount, expected.pairCount);
+		EXPECT_NEAR(r.total.volume, expected.total.volume, 1e-5 * expected.total.volume);
+	}
+	// With less room than the workspace it is of no use, and harmless.
+	small.setHelper(&helper);
+	const int64_t before = helper.partsDone();
+	queryOverlap(A, B, Pose{}, small, options);
+	EXPECT_EQ(helper.partsDone(), before);
+}
+
+TEST(QueryHelper, AllocatesNothing)
+{
+	const InnerSphereTree A = cloudBody(2000, 1), B = cloudBody(2000, 2);
+	QueryWorkspace shared;
+	QueryHelper helper;
+	shared.setHelper(&helper);
+	queryOverlap(A, B, Pose{}, shared);
+	helper.settle();
+	const long before = allocationCount();
+	for (int i = 0; i < 20; ++i) queryOverlap(A, B, Pose{}, shared);
+	helper.settle();
+	EXPECT_EQ(allocationCount(), before);
+}
