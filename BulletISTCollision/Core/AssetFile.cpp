@@ -112,6 +112,7 @@ bool massHolds(const InnerSphereTree& tree)
 		if (!isFinite(tree.inertia.row(i))) return false;
 	for (double length : {tree.volume, tree.area, tree.meanGap, tree.maxGap, tree.uncoveredArea, tree.fill, tree.resolution})
 		if (!isLength(length)) return false;
+	if (!std::all_of(tree.calibration.begin(), tree.calibration.end(), isLength)) return false;
 	return isFinite(tree.origin) && tree.volume > 0;
 }
 

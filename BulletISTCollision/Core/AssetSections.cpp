@@ -172,7 +172,11 @@ std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree)
 	ByteWriter w;
 	switch (id)
 	{
-		case kMassSection: writeMass(w, tree); break;
+		case kMassSection:
+			writeMass(w, tree);
+			w.u64(tree.calibration.size());
+			for (double c : tree.calibration) w.f64(c);
+			break;
 		case kProvenanceSection: writeProvenance(w, tree.provenance); break;
 		case kSphereSection:
 			w.u64(tree.spheres.size());
@@ -190,7 +194,11 @@ SectionState decodeSection(uint32_t id, const std::shared_ptr<const void>& owner
 	ByteReader r(bytes, size);
 	switch (id)
 	{
-		case kMassSection: readMass(r, tree); break;
+		case kMassSection:
+			readMass(r, tree);
+			tree.calibration.resize(r.count(8));
+			for (double& c : tree.calibration) c = r.f64();
+			break;
 		case kProvenanceSection: readProvenance(r, tree.provenance); break;
 		case kSphereSection: tree.spheres = readArray<Sphere>(r, owner, r.count(sizeof(Sphere))); break;
 		case kLawSection: return readMomentTree(r, owner, tree.law, tree.spheres.size());

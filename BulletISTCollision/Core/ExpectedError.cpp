@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/ExpectedError.h"
 
-#include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/SelfPoses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,38 +20,12 @@ constexpr int64_t kFirstSpheres = 1000;
 // The force error falls with the number of spheres to the power -0.7 (reference figures: 8 % at 1,000 and 1.7 % at 10,000).
 constexpr double kSpheresPerError = -1.0 / 0.7;
 
-Vec3 randomDirection(std::mt19937_64& random)
+/// sigma_F / |F| in a random pose of the wanted overlap; negative when the rotation that was drawn does not give it.
+double errorAt(const InnerSphereTree& tree, double fraction, std::mt19937_64& random, QueryWorkspace& workspace)
 {
-	std::normal_distribution<double> normal;
-	const double x = normal(random), y = normal(random), z = normal(random);
-	return normalized({x, y, z});
-}
-
-/// Rotation about the common centre of mass, then a shift along `direction`.
-Pose apart(const InnerSphereTree& tree, const Mat3& R, const Vec3& direction, double distance)
-{
-	return {R, tree.origin - R * tree.origin + distance * direction};
-}
-
-double volumeAt(const InnerSphereTree& tree, const Pose& X, QueryWorkspace& workspace)
-{
-	QueryOptions options;
-	options.stiffness = options.patches = false;
-	return queryOverlap(tree, tree, X, workspace, options).total.volume;
-}
-
-/// sigma_F / |F| at the wanted overlap; negative when this rotation and direction do not give it.
-double errorAt(const InnerSphereTree& tree, double fraction, const Mat3& R, const Vec3& direction, QueryWorkspace& workspace)
-{
-	const double wanted = fraction * tree.volume;
-	double near = 0, far = 2 * norm(tree.box.upper - tree.box.lower);
-	if (volumeAt(tree, apart(tree, R, direction, near), workspace) < wanted) return -1;
-	for (int i = 0; i < 30; ++i)
-	{
-		const double middle = 0.5 * (near + far);
-		(volumeAt(tree, apart(tree, R, direction, middle), workspace) < wanted ? far : near) = middle;
-	}
-	const OverlapResult result = queryOverlap(tree, tree, apart(tree, R, direction, near), workspace);
+	const std::optional<Pose> X = selfPoseAtOverlap(tree, fraction, -1, random, workspace);
+	if (!X) return -1;
+	const OverlapResult result = queryOverlap(tree, tree, *X, workspace);
 	const double force = norm(pressureWrench(result.total, {}).force);
 	return force > 0 ? overlapError(result.total, 2 * tree.errorLength(), 1).force / force : -1;
 }
@@ -65,9 +39,7 @@ double expectedForceError(const InnerSphereTree& tree, double fraction, int pose
 	int count = 0;
 	for (int i = 0; i < poses; ++i)
 	{
-		const Vec3 axis = randomDirection(random), direction = randomDirection(random);
-		const double angle = std::uniform_real_distribution<double>(0, 3.14159265358979)(random);
-		const double error = errorAt(tree, fraction, rotationMatrix(quaternionFromRotationVector(angle * axis)), direction, workspace);
+		const double error = errorAt(tree, fraction, random, workspace);
 		if (error < 0) continue;
 		sum += error * error;
 		++count;

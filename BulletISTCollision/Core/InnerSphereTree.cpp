@@ -19,6 +19,7 @@ std::string InnerSphereTree::validate() const
 	if (!isLength(area)) return "area not finite";
 	if (!isLength(meanGap) || !isLength(maxGap) || !isLength(resolution)) return "gap not finite";
 	if (!isLength(uncoveredArea) || !isLength(fill)) return "fill or uncovered share not finite";
+	if (!std::all_of(calibration.begin(), calibration.end(), isLength)) return "calibration not finite";
 	const struct
 	{
 		const char* name;

@@ -32,6 +32,7 @@ struct InnerSphereTree
 	FrozenArray<Sphere> spheres;  ///< the packing, largest first
 	BallTree law;                 ///< leaves: the default estimator and law
 	std::vector<BallTree> levels; ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
+	std::vector<double> calibration;  ///< of the leaves and of each level (LevelCalibration.h); empty: never measured
 	BallTree cells;               ///< unsplit cells: volume mode
 	BallTree inner;               ///< packed spheres: distance, lower bound, paper mode
 

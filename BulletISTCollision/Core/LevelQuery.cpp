@@ -100,11 +100,11 @@ private:
 bool BudgetedQuery::look(int level, int64_t pairs, const Deadline& deadline, OverlapResult& result)
 {
 	const LevelPair trees = levelOf(m_A, m_B, level);
-	m_work.reserveFor(*trees.a, *trees.b);
+	m_work.reserveFor(*trees.treeA, *trees.treeB);
 	result = {};
 	result.level = level;
 	const double start = m_deadline.clock ? m_deadline.clock() : 0;
-	const bool fits = TreeQuery(*trees.a, *trees.b, m_X, m_work, m_options, {pairs, deadline, m_patches}, result).run();
+	const bool fits = TreeQuery(*trees.treeA, *trees.treeB, m_X, m_work, m_options, {pairs, deadline, m_patches}, result).run();
 	if (fits && m_deadline.clock) measure(m_deadline.clock() - start, result.total.pairs);
 	m_nodeVisits += result.nodeVisits;
 	m_blockPairs += result.blockPairs;
@@ -169,20 +169,6 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 	}
 }
 }  // namespace
-
-int levelCount(const InnerSphereTree& A, const InnerSphereTree& B) { return int(A.levels.size() + B.levels.size()); }
-
-LevelPair levelOf(const InnerSphereTree& A, const InnerSphereTree& B, int level)
-{
-	size_t a = 0, b = 0;
-	const auto tree = [](const InnerSphereTree& body, size_t i) -> const BallTree& { return i == 0 ? body.law : body.levels[i - 1]; };
-	for (int step = 0; step < level; ++step)
-	{
-		const bool takeA = b == B.levels.size() || (a < A.levels.size() && tree(A, a).blocks.size() >= tree(B, b).blocks.size());
-		++(takeA ? a : b);
-	}
-	return {&tree(A, a), &tree(B, b)};
-}
 
 OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 						  const QueryOptions& options, int finest, int64_t capacity)

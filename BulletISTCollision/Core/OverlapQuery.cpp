@@ -84,9 +84,9 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	const Pose X = treeToTree(A, B, X_AB);
 	const int64_t capacity = work.capacity.pairs;
 	if (limited) return queryWithin(A, B, X, work, options, finest, capacity);
-	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB};
-	work.reserveFor(*trees.a, *trees.b);
-	TreeQuery(*trees.a, *trees.b, X, work, options, {-1, {}, work.capacity.patches}, result, memory).run();
+	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
+	work.reserveFor(*trees.treeA, *trees.treeB);
+	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory).run();
 	result.level = finest;
 	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
 	{

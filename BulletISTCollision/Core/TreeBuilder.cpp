@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
 #include "BulletISTCollision/Core/Cells.h"
+#include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/SpherePacker.h"
 #include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
@@ -91,8 +92,13 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 	tree.resolution = surfaceResolution(tree.law);
 	if (!goesOn(progress, "tree", 0.4)) return false;
 	tree.cells = buildBallTree(cells.cells, threads);
-	if (!goesOn(progress, "tree", 0.7)) return false;
+	if (!goesOn(progress, "tree", 0.6)) return false;
 	tree.inner = buildInnerTree(tree.spheres, threads);
+	if (!goesOn(progress, "tree", 0.8)) return false;
+	// Levels are made anew where they are wanted, sooner than they are read; what they err is kept.
+	InnerSphereTree levelled = tree;
+	addLevels(levelled);
+	tree.calibration = levelled.calibration;
 	return goesOn(progress, "tree", 1);
 }
 }  // namespace

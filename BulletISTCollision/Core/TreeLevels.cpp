@@ -150,4 +150,18 @@ std::vector<BallTree> buildLevels(const BallTree& leaves)
 	}
 	return levels;
 }
+
+int levelCount(const InnerSphereTree& A, const InnerSphereTree& B) { return int(A.levels.size() + B.levels.size()); }
+
+LevelPair levelOf(const InnerSphereTree& A, const InnerSphereTree& B, int level)
+{
+	size_t a = 0, b = 0;
+	const auto tree = [](const InnerSphereTree& body, size_t i) -> const BallTree& { return i == 0 ? body.law : body.levels[i - 1]; };
+	for (int step = 0; step < level; ++step)
+	{
+		const bool takeA = b == B.levels.size() || (a < A.levels.size() && tree(A, a).blocks.size() >= tree(B, b).blocks.size());
+		++(takeA ? a : b);
+	}
+	return {&tree(A, a), &tree(B, b), int(a), int(b)};
+}
 }  // namespace ist

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/BallTree.h"
+#include "BulletISTCollision/Core/InnerSphereTree.h"
 
 namespace ist
 {
@@ -9,4 +9,16 @@ namespace ist
 /// Cuts of one binary tree, refined where the law loses most: clusters are split by place and normal together, for a ball over both
 /// sides of a thin part would have no normal. About half the memory of the leaves' tree. Deterministic; O(n log n).
 std::vector<BallTree> buildLevels(const BallTree& leaves);
+
+/// The trees that answer at a level of a pair of bodies, and which of each body's own levels they are (0: the leaves).
+struct LevelPair
+{
+	const BallTree *treeA, *treeB;
+	int a, b;
+};
+
+/// The coarsest level of a pair.
+int levelCount(const InnerSphereTree& A, const InnerSphereTree& B);
+/// Level `level` of a pair, 0 (both leaves) to `levelCount`: each step is taken by the larger tree. O(level).
+LevelPair levelOf(const InnerSphereTree& A, const InnerSphereTree& B, int level);
 }  // namespace ist

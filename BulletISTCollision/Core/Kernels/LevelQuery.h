@@ -2,18 +2,10 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Kernels/TreeQuery.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 
 namespace ist
 {
-/// Level `level` of a pair of bodies, 0: the leaves of both. Each step is taken by the larger tree.
-struct LevelPair
-{
-	const BallTree *a, *b;
-};
-LevelPair levelOf(const InnerSphereTree& A, const InnerSphereTree& B, int level);
-/// The coarsest level.
-int levelCount(const InnerSphereTree& A, const InnerSphereTree& B);
-
 /// The finest level, from `finest` on, that is found to keep the budget of the options and of `capacity` pairs; X: pose of B's tree frame in
 /// A's. Starts coarse, where a look costs little, and leaps to the level that is expected to fill the budget; no look goes on beyond it.
 OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,

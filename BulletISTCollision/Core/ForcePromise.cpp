@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/ForcePromise.h"
+
+#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+constexpr double kOfBalls = 0.9, kOfFew = 0.1, kOfGaps = 0.38, kMostGaps = 3, kUnmeasured = 0.4;
+constexpr double kFloorOverlap = 0.001, kFloorForce = 0.5;
+/// A coarser level is tried next only where it is sure to do, lest two levels take turns.
+constexpr double kReserve = 0.8;
+
+/// Square of one body's part in the relative error. Blocks but the last few of a tree are full.
+double squaredPart(const InnerSphereTree& body, const BallTree& tree, int level, double overlap)
+{
+	const double c = size_t(level) < body.calibration.size() ? body.calibration[size_t(level)] : kUnmeasured;
+	const double perBall = body.volume / (double(tree.blocks.size()) * BallBlock::kWidth * overlap), few = kOfFew * perBall;
+	return kOfBalls * kOfBalls * c * c * perBall + few * few;
+}
+}  // namespace
+
+ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA, double weightB)
+{
+	return {integrals.volume, norm(pressureWrench(integrals, {1, weightA, weightB}).force), norm(integrals.areaVector)};
+}
+
+double promiseFloor(const InnerSphereTree& A, const InnerSphereTree& B) { return kFloorForce * kFloorOverlap * std::min(A.volume, B.volume); }
+
+double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen)
+{
+	const LevelPair trees = levelOf(A, B, level);
+	const double V = std::max(seen.volume, promiseFloor(A, B));
+	const double ofBalls = squaredPart(A, *trees.treeA, trees.a, V) + squaredPart(B, *trees.treeB, trees.b, V);
+	const double gaps = std::min((A.errorLength() + B.errorLength()) * seen.area / V, kMostGaps);
+	return V * std::hypot(std::sqrt(ofBalls), kOfGaps * gaps);
+}
+
+int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error)
+{
+	const double accepted = error * std::max(seen.force, promiseFloor(A, B));
+	for (int level = levelCount(A, B); level > 0; --level)
+		if (promisedError(A, B, level, seen) <= accepted) return level;
+	return 0;
+}
+
+PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
+							 const QueryOptions& options)
+{
+	PromisedOverlap answer;
+	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));
+	QueryOptions at = options;
+	at.level = accepted.firstLevel < 0 ? coarsest : std::clamp(accepted.firstLevel, finest, coarsest);
+	// At once, lest a finer level allocate in a later query.
+	workspace.implementation().reserveFor(A.law, B.law);
+	for (;;)
+	{
+		answer.overlap = queryOverlap(A, B, X_AB, workspace, at);
+		++answer.looks;
+		if (answer.overlap.status != QueryStatus::Ok) return answer;
+		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
+		answer.promise = promisedError(A, B, answer.overlap.level, seen) / std::max(seen.force, promiseFloor(A, B));
+		answer.kept = answer.promise <= accepted.error;
+		const int chosen = std::max(finest, chooseLevel(A, B, seen, accepted.error));
+		if (answer.kept || at.level == finest || answer.overlap.coarsened)
+		{
+			answer.nextLevel = std::max(at.level, chooseLevel(A, B, seen, kReserve * accepted.error));
+			return answer;
+		}
+		at.level = std::min(chosen, at.level - 1);
+	}
+}
+}  // namespace ist

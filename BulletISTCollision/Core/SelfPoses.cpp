@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/SelfPoses.h"
+
+namespace ist
+{
+namespace
+{
+constexpr int kHalvings = 30;
+
+Vec3 randomDirection(std::mt19937_64& random)
+{
+	std::normal_distribution<double> normal;
+	const double x = normal(random), y = normal(random), z = normal(random);
+	return normalized({x, y, z});
+}
+}  // namespace
+
+std::optional<Pose> selfPoseAtOverlap(const InnerSphereTree& tree, double fraction, int level, std::mt19937_64& random, QueryWorkspace& workspace)
+{
+	const Vec3 axis = randomDirection(random), direction = randomDirection(random);
+	const double angle = std::uniform_real_distribution<double>(0, 3.14159265358979)(random);
+	const Mat3 R = rotationMatrix(quaternionFromRotationVector(angle * axis));
+	const auto apart = [&](double distance) { return Pose{R, tree.origin - R * tree.origin + distance * direction}; };
+	QueryOptions options;
+	options.level = level;
+	options.stiffness = options.patches = false;
+	const auto overlaps = [&](double distance)
+	{ return queryOverlap(tree, tree, apart(distance), workspace, options).total.volume >= fraction * tree.volume; };
+	double near = 0, far = 2 * norm(tree.box.upper - tree.box.lower);
+	if (!overlaps(near)) return std::nullopt;
+	for (int i = 0; i < kHalvings; ++i)
+	{
+		const double middle = 0.5 * (near + far);
+		(overlaps(middle) ? near : far) = middle;
+	}
+	return apart(near);
+}
+}  // namespace ist

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/ForcePromise.h"
+
+#include "BulletISTCollision/Core/LevelCalibration.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
+#include "tests/unit/Core/QueryBodies.h"
+#include "tests/unit/CountingAllocator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace ist;
+
+namespace
+{
+constexpr double kErrors[] = {0.02, 0.05, 0.1, 0.3};
+
+InnerSphereTree levelledCloud(int count, unsigned seed, const Vec3& origin = {})
+{
+	InnerSphereTree body = cloudBody(count, seed, origin);
+	body.box = {{-1, -1, -1}, {1, 1, 1}};
+	body.meanGap = 0.01;
+	addLevels(body);
+	return body;
+}
+
+const InnerSphereTree& bodyA()
+{
+	static const InnerSphereTree body = levelledCloud(6000, 1, {1000, -3, 2});
+	return body;
+}
+
+const InnerSphereTree& bodyB()
+{
+	static const InnerSphereTree body = levelledCloud(3000, 2);
+	return body;
+}
+
+/// From deep to barely touching, turned at random.
+std::vector<Pose> poses()
+{
+	std::mt19937 random(5);
+	std::normal_distribution<double> gauss;
+	std::vector<Pose> poses;
+	for (int i = 0; i < 24; ++i)
+	{
+		const Vec3 turn{gauss(random), gauss(random), gauss(random)}, direction = normalized({gauss(random), gauss(random), gauss(random)});
+		poses.push_back({rotationMatrix(quaternionFromRotationVector(turn)), bodyA().origin + (0.4 + 0.1 * i) * direction});
+	}
+	return poses;
+}
+}  // namespace
+
+TEST(ForcePromise, FollowsItsLaw)
+{
+	InnerSphereTree A = bodyA(), B = bodyB();
+	for (double& c : A.calibration) c = 0.2;
+	for (double& c : B.calibration) c = 0.3;
+	const int level = 3;
+	const LevelPair trees = levelOf(A, B, level);
+	const double V = 0.05, area = 0.4, nA = trees.treeA->ballCount() * V / A.volume, nB = trees.treeB->ballCount() * V / B.volume;
+	const double gaps = 0.38 * 0.02 * area / V;
+	const double expected = V * std::sqrt(0.18 * 0.18 / nA + 0.27 * 0.27 / nB + gaps * gaps);
+	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, area}), expected, 0.02 * expected);
+	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * 0.38 * 3, 0.05 * V) << "nothing is known of what is shallower than a third of the gaps";
+	A.calibration.clear();
+	EXPECT_GT(promisedError(A, B, level, {V, 0.04, area}), expected) << "a body that was never measured is trusted less";
+	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {promiseFloor(A, B), 0, 0})) << "what was not seen may still be as much as the floor";
+}
+
+TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
+{
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> u(-5, 0);
+	for (int i = 0; i < 200; ++i)
+	{
+		const double V = std::pow(10, u(random)), error = std::pow(10, 0.4 * u(random));
+		const ContactSeen seen{V, 0.7 * V, std::pow(V, 2.0 / 3)};
+		const double accepted = error * std::max(seen.force, promiseFloor(bodyA(), bodyB()));
+		const int chosen = chooseLevel(bodyA(), bodyB(), seen, error);
+		for (int level = chosen + 1; level <= levelCount(bodyA(), bodyB()); ++level) EXPECT_GT(promisedError(bodyA(), bodyB(), level, seen), accepted);
+		EXPECT_TRUE(chosen == 0 || promisedError(bodyA(), bodyB(), chosen, seen) <= accepted);
+	}
+}
+
+TEST(ForcePromise, QueryAnswersAtALevelThatKeepsWhatItSays)
+{
+	QueryWorkspace workspace, other;
+	int kept = 0, coarse = 0;
+	for (const double error : kErrors)
+		for (const Pose& X : poses())
+		{
+			AcceptedError accepted;
+			accepted.error = error;
+			const PromisedOverlap answer = queryToError(bodyA(), bodyB(), X, workspace, accepted);
+			ASSERT_EQ(answer.overlap.status, QueryStatus::Ok);
+			EXPECT_EQ(answer.kept, answer.promise <= error);
+			EXPECT_TRUE(answer.kept || answer.overlap.level == 0) << "only the leaves may fall short";
+			EXPECT_LE(answer.looks, 4);
+			QueryOptions options;
+			options.level = answer.overlap.level;
+			const OverlapIntegrals plain = queryOverlap(bodyA(), bodyB(), X, other, options).total;
+			EXPECT_EQ(answer.overlap.total.volume, plain.volume);
+			EXPECT_EQ(answer.overlap.total.pairs, plain.pairs);
+			kept += answer.kept;
+			coarse += answer.overlap.level > 0;
+			// The leaves stand for the truth: in 24 poses some may lie beyond the promise, none far.
+			options.level = 0;
+			const Vec3 leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other, options).total, {}).force;
+			const double error95 = answer.promise * std::max(norm(leaves), promiseFloor(bodyA(), bodyB()));
+			EXPECT_LE(norm(pressureWrench(answer.overlap.total, {}).force - leaves), 2 * error95);
+		}
+	EXPECT_GT(kept, 15);
+	EXPECT_GT(coarse, 15);
+}
+
+TEST(ForcePromise, APairThatGoesOnIsAskedOnce)
+{
+	QueryWorkspace workspace;
+	AcceptedError accepted;
+	accepted.error = 0.1;
+	int looks = 0;
+	for (int step = 0; step < 100; ++step)
+	{
+		const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.005 * step})), bodyA().origin + Vec3{1.2 - 0.004 * step, 0.3, 0}};
+		const PromisedOverlap answer = queryToError(bodyA(), bodyB(), X, workspace, accepted);
+		const PromisedOverlap next = queryToError(bodyA(), bodyB(), X, workspace, accepted);
+		EXPECT_EQ(answer.overlap.level, next.overlap.level);
+		accepted.firstLevel = answer.nextLevel;
+		looks += queryToError(bodyA(), bodyB(), X, workspace, accepted).looks;
+	}
+	EXPECT_LE(looks, 110);
+}
+
+TEST(ForcePromise, AllocatesNothingWhateverTheLevel)
+{
+	QueryWorkspace workspace;
+	AcceptedError coarse, fine;
+	coarse.error = 1;
+	fine.error = 1e-6;
+	const std::vector<Pose> all = poses();
+	queryToError(bodyA(), bodyB(), all[0], workspace, coarse);
+	const long before = allocationCount();
+	for (const Pose& X : all)
+		for (const AcceptedError& accepted : {coarse, fine}) queryToError(bodyA(), bodyB(), X, workspace, accepted);
+	EXPECT_EQ(allocationCount(), before);
+}
+
+TEST(ForcePromise, ABudgetHasTheLastWordAndBadInputIsNamed)
+{
+	QueryWorkspace workspace;
+	AcceptedError accepted;
+	accepted.error = 1e-6;
+	QueryOptions options;
+	options.maxPairs = 300;
+	const PromisedOverlap answer = queryToError(bodyA(), bodyB(), poses()[0], workspace, accepted, options);
+	EXPECT_EQ(answer.overlap.status, QueryStatus::Ok);
+	EXPECT_LE(answer.overlap.total.pairs, 300);
+	EXPECT_FALSE(answer.kept);
+	EXPECT_GT(answer.promise, 1e-6);
+	Pose bad = poses()[0];
+	bad.translation.x = std::nan("");
+	EXPECT_EQ(queryToError(bodyA(), bodyB(), bad, workspace, accepted).overlap.status, QueryStatus::InvalidPose);
+	EXPECT_EQ(queryToError(bodyA(), InnerSphereTree(), poses()[0], workspace, accepted).overlap.status, QueryStatus::EmptyTree);
+}
+
+TEST(LevelCalibration, IsRepeatedAndKeptWithinItsRange)
+{
+	const InnerSphereTree& body = bodyB();
+	ASSERT_EQ(body.calibration.size(), body.levels.size() + 1);
+	for (double c : body.calibration)
+	{
+		EXPECT_GE(c, 0.15);
+		EXPECT_LE(c, 0.4);
+	}
+	EXPECT_EQ(measuredCalibration(body), body.calibration);
+	InnerSphereTree few = cloudBody(20, 4);
+	addLevels(few);
+	EXPECT_TRUE(few.levels.empty());
+	EXPECT_EQ(few.calibration, std::vector<double>{0.4}) << "without levels nothing can be measured";
+}

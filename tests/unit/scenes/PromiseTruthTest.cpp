@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/ForcePromise.h"
+#include "BulletISTCollision/Core/LevelCalibration.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
+#include "demos/scenes/PoseSampler.h"
+#include "demos/scenes/SceneShapes.h"
+
+#include <gtest/gtest.h>
+
+using namespace ist;
+using namespace scenes;
+
+namespace
+{
+struct Body
+{
+	Mesh mesh;
+	InnerSphereTree tree;
+};
+
+Body makeBody(Mesh mesh)
+{
+	BuildOptions options;
+	options.maxSpheres = 1500;
+	Body body{std::move(mesh), {}};
+	body.tree = buildTree(body.mesh, options).value();
+	EXPECT_FALSE(body.tree.calibration.empty()) << "builders measure it";
+	addLevels(body.tree);
+	return body;
+}
+
+constexpr double kErrors[] = {0.1, 0.3};
+
+struct Outcome
+{
+	int poses = 0, held = 0, kept = 0;
+	int64_t pairs = 0, leaves = 0;
+};
+
+/// Adds to one outcome for each of `kErrors`.
+void judge(const Body& A, const Body& B, Outcome* outcomes)
+{
+	QueryWorkspace workspace;
+	const OverlapQuadrature quadrature(A.mesh, B.mesh);
+	for (const double overlap : {0.001, 0.02, 0.2})
+		for (const Pose& X : posesAtOverlap(quadrature, overlap, 5, 77))
+		{
+			const Vec3 truth = quadrature.integrate(X, {}, 50, 6000).wrench().force;
+			for (size_t i = 0; i < std::size(kErrors); ++i)
+			{
+				AcceptedError accepted;
+				accepted.error = kErrors[i];
+				const PromisedOverlap answer = queryToError(A.tree, B.tree, X, workspace, accepted);
+				const double off = norm(pressureWrench(answer.overlap.total, {}).force - truth);
+				++outcomes[i].poses;
+				outcomes[i].kept += answer.kept;
+				outcomes[i].held += off <= std::max(kErrors[i], answer.promise) * std::max(norm(truth), promiseFloor(A.tree, B.tree));
+				outcomes[i].pairs += answer.overlap.total.pairs;
+				outcomes[i].leaves += queryOverlap(A.tree, B.tree, X, workspace).total.pairs;
+			}
+		}
+}
+}  // namespace
+
+// None of these pairs was looked at when the factors of the promise were chosen.
+TEST(ForcePromise, HoldsAgainstQuadratureForRoundAndThinBodies)
+{
+	const Body cone = makeBody(makeConeMesh(0.4, 0.8, 32)), slab = makeBody(makeBoxMesh({0.5, 0.3, 0.02})), ball = makeBody(makeSphereMesh(0.4, 3)),
+			   stick = makeBody(makeCylinderMesh(0.03, 0.5, 24));
+	Outcome outcomes[std::size(kErrors)];
+	judge(cone, ball, outcomes);
+	judge(slab, cone, outcomes);
+	judge(stick, ball, outcomes);
+	judge(stick, slab, outcomes);
+	// Two poses are the standard error of such a count.
+	for (const Outcome& outcome : outcomes) EXPECT_GE(outcome.held, 0.95 * outcome.poses - 2);
+	const Outcome& loose = outcomes[1];
+	EXPECT_GT(loose.kept, 0.2 * loose.poses);
+	EXPECT_LT(double(loose.pairs), 0.7 * double(loose.leaves));
+	std::printf("held %d and %d, kept %d and %d of %d poses; pairs %.2f of the leaves'\n", outcomes[0].held, loose.held, outcomes[0].kept, loose.kept, loose.poses,
+				double(loose.pairs) / double(loose.leaves));
+}
