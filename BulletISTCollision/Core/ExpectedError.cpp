@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/ExpectedError.h"
 
+#include "BulletISTCollision/Core/OverlapPoses.h"
 #include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/SelfPoses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ constexpr double kSpheresPerError = -1.0 / 0.7;
 /// sigma_F / |F| in a random pose of the wanted overlap; negative when the rotation that was drawn does not give it.
 double errorAt(const InnerSphereTree& tree, double fraction, std::mt19937_64& random, QueryWorkspace& workspace)
 {
-	const std::optional<Pose> X = selfPoseAtOverlap(tree, fraction, -1, random, workspace);
+	const std::optional<Pose> X = poseAtOverlap(tree, tree, fraction, -1, random, workspace);
 	if (!X) return -1;
 	const OverlapResult result = queryOverlap(tree, tree, *X, workspace);
 	const double force = norm(pressureWrench(result.total, {}).force);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/LevelCalibration.h"
 
+#include "BulletISTCollision/Core/OverlapPoses.h"
 #include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/SelfPoses.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
 
 namespace ist
@@ -61,7 +61,7 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree)
 	std::vector<std::vector<double>> needed(tree.levels.size());
 	for (const double overlap : kOverlaps)
 		for (int i = 0; i < kPosesPerOverlap; ++i)
-			if (const std::optional<Pose> X = selfPoseAtOverlap(tree, overlap, int(2 * (search + 1)), random, workspace)) compareLevels(tree, *X, workspace, needed);
+			if (const std::optional<Pose> X = poseAtOverlap(tree, tree, overlap, int(2 * (search + 1)), random, workspace)) compareLevels(tree, *X, workspace, needed);
 	std::vector<double> coefficients(1);
 	for (std::vector<double>& level : needed) coefficients.push_back(coefficientOf(level));
 	coefficients[0] = coefficients[1];

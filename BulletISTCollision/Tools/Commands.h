@@ -67,6 +67,15 @@ struct QueryArguments
 	int threads = 1, repeat = 1;
 };
 
+/// Of two assets or meshes.
+struct TuneArguments
+{
+	std::string fileA, fileB;
+	double error = 0.05;      ///< force error accepted
+	int64_t spheres = 30000;  ///< most of a mesh's tree
+	bool json = false;
+};
+
 int runBuild(const BuildArguments& arguments);
 int runInfo(const InfoArguments& arguments);
 int runCheck(const CheckArguments& arguments);
@@ -74,6 +83,7 @@ int runExport(const ExportArguments& arguments);
 int runPack(const PackArguments& arguments);
 int runUnpack(const PackArguments& arguments);
 int runQuery(const QueryArguments& arguments);
+int runTune(const TuneArguments& arguments);
 
 /// Prints the message on stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);

@@ -138,8 +138,13 @@ private:
 
 	void addTune()
 	{
-		CLI::App* sub = add("tune", "Choose sphere counts (not available yet)", [] { return fail("tune is not available yet", kUsage); });
-		sub->allow_extras();
+		CLI::App* sub = add("tune", "The cheapest level, or number of spheres, that promises a force error of two bodies", [this] { return runTune(m_tune); });
+		TuneArguments& a = m_tune;
+		sub->add_option("A", a.fileA, "asset or mesh of A")->required();
+		sub->add_option("B", a.fileB, "asset or mesh of B")->required();
+		sub->add_option("--error", a.error, "force error accepted between 0.1 and 20 % overlap, 0..1")->required()->check(fraction());
+		sub->add_option("--max-spheres", a.spheres, "most spheres of a mesh's tree")->check(CLI::Range(int64_t(1), int64_t(10000000)))->capture_default_str();
+		sub->add_flag("--json", a.json, "one JSON object");
 	}
 
 	static CLI::Validator fraction()
@@ -161,6 +166,7 @@ private:
 	ExportArguments m_export;
 	PackArguments m_pack;
 	QueryArguments m_query;
+	TuneArguments m_tune;
 };
 }  // namespace
 }  // namespace ist::tools

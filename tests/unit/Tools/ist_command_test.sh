@@ -68,13 +68,24 @@ cube=$dir/cube.ist
 expect version 0 "$ist" --version
 expect help 0 "$ist" build --help
 expect "no command" 2 "$ist"
-expect tune 2 "$ist" tune a b --error 0.1
-says tune "not available yet"
 
 expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
 holds "build fields" 'set("spheres leaves fill volume mesh_volume area seconds seconds_setup seconds_packing seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes peak_memory_bytes".split()) <= set(r)'
 holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
+expect tune 0 "$ist" tune "$cube" "$cube" --error 0.9 --json
+holds tune 'r["kept"] and r["error"] <= 0.9 and r["spheres"] == 300 and r["time_us"] > 0 and {"level", "spheres_a", "spheres_b"} <= set(r)'
+holds "tune's answer is its cheapest alternative that will do" 'r["time_us"] == min(a["time_us"] for a in r["alternatives"] if a["error"] <= 0.9 and a["level"] != "by pose")'
+holds "tune: finer levels have more pairs" 'all(a["pairs"] > b["pairs"] for a, b in zip(r["alternatives"], r["alternatives"][1:-1]))'
+expect "tune a mesh" 0 "$ist" tune "$dir/cube.obj" "$cube" --error 0.58 --max-spheres 900 --json
+holds "tune a mesh" 'r["spheres_b"] == 300 and 300 < r["spheres_a"] <= 900'
+expect "tune out of reach" 1 "$ist" tune "$cube" "$cube" --error 0.001 --json
+says "tune out of reach" "out of reach"
+holds "tune out of reach" 'r["kept"] is False and r["error"] > 0.001'
+expect "tune nothing" 1 "$ist" tune "$cube" "$dir/none.ist" --error 0.1
+expect "tune without error" 2 "$ist" tune "$cube" "$cube"
+expect "tune to a wrong error" 2 "$ist" tune "$cube" "$cube" --error 2
+holds "nothing is printed" 'not rows'
 expect "build --error" 0 "$ist" build "$dir/cube.obj" -o "$dir/error.ist" --error 0.3 --json
 holds "build --error" 'r["spheres"] <= 1000'
 expect "build --error out of reach" 1 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.001 --spheres 50
@@ -101,7 +112,7 @@ expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --sphere
 holds "build in mm" 'near(r["volume"], 1e-9, 1e-18)'
 
 expect info 0 "$ist" info "$cube" --json
-holds info 'r["version"] == 3 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and "calibration" in r'
+holds info 'r["version"] == 4 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and len(r["calibration"]["levels"]) > 2'
 holds "info mass" 'all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
 
 expect check 0 "$ist" check "$cube" --json

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/SelfPoses.h"
+#include "BulletISTCollision/Core/OverlapPoses.h"
 
 namespace ist
 {
@@ -15,18 +15,19 @@ Vec3 randomDirection(std::mt19937_64& random)
 }
 }  // namespace
 
-std::optional<Pose> selfPoseAtOverlap(const InnerSphereTree& tree, double fraction, int level, std::mt19937_64& random, QueryWorkspace& workspace)
+std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random,
+								  QueryWorkspace& workspace)
 {
 	const Vec3 axis = randomDirection(random), direction = randomDirection(random);
 	const double angle = std::uniform_real_distribution<double>(0, 3.14159265358979)(random);
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector(angle * axis));
-	const auto apart = [&](double distance) { return Pose{R, tree.origin - R * tree.origin + distance * direction}; };
+	const auto apart = [&](double distance) { return Pose{R, A.origin - R * B.origin + distance * direction}; };
 	QueryOptions options;
 	options.level = level;
 	options.stiffness = options.patches = false;
-	const auto overlaps = [&](double distance)
-	{ return queryOverlap(tree, tree, apart(distance), workspace, options).total.volume >= fraction * tree.volume; };
-	double near = 0, far = 2 * norm(tree.box.upper - tree.box.lower);
+	const double wanted = fraction * std::min(A.volume, B.volume);
+	const auto overlaps = [&](double distance) { return queryOverlap(A, B, apart(distance), workspace, options).total.volume >= wanted; };
+	double near = 0, far = norm(A.box.upper - A.box.lower) + norm(B.box.upper - B.box.lower);
 	if (!overlaps(near)) return std::nullopt;
 	for (int i = 0; i < kHalvings; ++i)
 	{
