@@ -63,6 +63,8 @@ public:
 	btContactMaterialTable& materials() { return *m_materials; }
 	/// Which pairs are volumetric, and where: all and everywhere, to begin with.
 	btISTWatch& watch() { return m_registration.watch(); }
+	/// The force error that is accepted from now on, of each pair: see btISTRegistration::setForceError.
+	std::optional<ist::Error> setForceError(double share) { return m_registration.setForceError(share); }
 	/// What the last step found and did.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }

@@ -48,6 +48,15 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 
 ist::OverlapResult btISTCollisionAlgorithm::query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const
 {
+	if (m_treeB && m_context->forceError > 0)
+	{
+		ist::AcceptedError accepted;
+		accepted.error = m_context->forceError;
+		accepted.weightA = contact.constants.weightA;  // of the last step
+		accepted.weightB = contact.constants.weightB;
+		return ist::queryPair(*m_treeA, *m_treeB, X_AB, m_context->workspace, accepted, m_context->options, contact.accuracy);
+	}
+	contact.accuracy = ist::PairAccuracy();
 	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, X_AB, m_context->workspace, m_context->options);
 	const btISTShapeField closed(wrapB->getCollisionShape());
 	contact.halfSpace = closed.isHalfSpace();
@@ -134,6 +143,7 @@ void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0W
 		m_contact->normalImpulse = 0;
 		m_contact->work = btISTContactWork();
 		m_contact->ledger = btISTContactLedger();
+		m_contact->accuracy = ist::PairAccuracy();
 	}
 	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
 	info.m_dispatcher1 = m_dispatcher;

@@ -9,6 +9,7 @@
 #include "BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h"
 
 #include <memory>
+#include <optional>
 
 class btCollisionDispatcher;
 class btOverlappingPairCache;
@@ -44,6 +45,11 @@ public:
 	void setPairRule(std::shared_ptr<const btISTPairRule> rule);
 	/// No force before bodies surely overlap: see ist::QueryOptions::gate. Off at first.
 	void setGate(bool on);
+	/// Two trees are asked only as finely as keeps their force within this share of the true one (ist::queryToError), 0 to 1; 0, as it is at first: always
+	/// the leaves. Changes fade in over the next steps. The first time, all attached trees get levels (btISTRegistry::keepLevels). What each pair
+	/// promises is in btISTContact::accuracy. Refused when it is no such share. Between steps only.
+	std::optional<ist::Error> setForceError(double share);
+	double forceError() const;
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
 	void setPairCache(btOverlappingPairCache* pairCache);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PairAccuracy.h"
 #include "BulletISTCollision/Core/Pose.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/btPrecisionGuard.h"
@@ -85,6 +86,7 @@ struct btISTContact
 	ist::OverlapIntegrals patches[kMaxPatches];
 	int patchCount = 0;
 	ist::OverlapError error;
+	ist::PairAccuracy accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
 	btISTPairConstants constants;
 	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
 

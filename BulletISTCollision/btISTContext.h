@@ -44,5 +44,6 @@ public:
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	ist::QueryWorkspace workspace;
 	ist::QueryOptions options;
+	double forceError = 0;  ///< accepted; 0: the leaves answer
 	std::weak_ptr<btISTInstallation> installation;
 };

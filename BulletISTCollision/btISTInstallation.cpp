@@ -192,6 +192,16 @@ void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 
 void btISTRegistration::setGate(bool on) { m_installation->context->options.gate = on; }
 
+std::optional<ist::Error> btISTRegistration::setForceError(double share)
+{
+	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
+	if (share > 0) m_installation->context->registry->keepLevels();
+	m_installation->context->forceError = share;
+	return std::nullopt;
+}
+
+double btISTRegistration::forceError() const { return m_installation->context->forceError; }
+
 void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }
 
 void btISTRegistration::cleanPairs(btOverlappingPairCache* pairCache)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTRegistry.h"
 
+#include "BulletISTCollision/Core/LevelCalibration.h"
+
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 
 #include <algorithm>
@@ -19,6 +21,26 @@ struct btISTAttachment::Table
 
 	std::unordered_map<const btCollisionShape*, Entry> trees;
 	std::vector<std::weak_ptr<btISTRegistryListener>> listeners;
+	bool keepsLevels = false;
+	/// Trees as they came, and the copies with levels that stand for them.
+	struct Levelled
+	{
+		std::weak_ptr<const ist::InnerSphereTree> plain, levelled;
+	};
+	std::vector<Levelled> copies;
+
+	/// `tree`, with levels where they are kept. Trees that are shared stay shared.
+	std::shared_ptr<const ist::InnerSphereTree> withLevels(std::shared_ptr<const ist::InnerSphereTree> tree)
+	{
+		if (!keepsLevels || (!tree->levels.empty() && tree->calibration.size() == tree->levels.size() + 1)) return tree;
+		copies.erase(std::remove_if(copies.begin(), copies.end(), [](const Levelled& c) { return c.plain.expired() || c.levelled.expired(); }), copies.end());
+		for (const Levelled& copy : copies)
+			if (copy.plain.lock() == tree) return copy.levelled.lock();
+		const auto levelled = std::make_shared<ist::InnerSphereTree>(*tree);
+		ist::addLevels(*levelled);
+		copies.push_back({tree, levelled});
+		return levelled;
+	}
 
 	void announce(const btCollisionShape* shape)
 	{
@@ -92,8 +114,8 @@ ist::Result<btISTAttachment> btISTRegistry::add(const btCollisionShape* shape, s
 {
 	const std::string reason = refusal(shape, tree.get(), scaled);
 	if (!reason.empty()) return ist::Error{reason};
-	if (!m_table->trees.emplace(shape, btISTAttachment::Table::Entry{std::move(tree), shape->getLocalScaling()}).second)
-		return ist::Error{"the shape has a tree already; detach it first"};
+	if (m_table->trees.count(shape)) return ist::Error{"the shape has a tree already; detach it first"};
+	m_table->trees.emplace(shape, btISTAttachment::Table::Entry{m_table->withLevels(std::move(tree)), shape->getLocalScaling()});
 	m_table->announce(shape);
 	return btISTAttachment(m_table, shape);
 }
@@ -114,5 +136,19 @@ bool btISTRegistry::hasScaling(const btCollisionShape& shape, const btVector3& s
 }
 
 int btISTRegistry::size() const { return int(m_table->trees.size()); }
+
+void btISTRegistry::keepLevels()
+{
+	if (std::exchange(m_table->keepsLevels, true)) return;
+	std::vector<const btCollisionShape*> changed;
+	for (auto& [shape, entry] : m_table->trees)
+	{
+		std::shared_ptr<const ist::InnerSphereTree> levelled = m_table->withLevels(entry.tree);
+		if (levelled == entry.tree) continue;
+		entry.tree = std::move(levelled);
+		changed.push_back(shape);
+	}
+	for (const btCollisionShape* shape : changed) m_table->announce(shape);
+}
 
 void btISTRegistry::addListener(std::weak_ptr<btISTRegistryListener> listener) { m_table->listeners.push_back(std::move(listener)); }

@@ -175,4 +175,28 @@ OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, co
 {
 	return BudgetedQuery(A, B, X, work, options, finest, capacity).run();
 }
+
+OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+							 const QueryOptions& options, int level)
+{
+	const int room = options.patches ? work.capacity.patches : 1;
+	const auto answer = [&](int of)
+	{
+		OverlapResult result;
+		const LevelPair trees = levelOf(A, B, of);
+		work.reserveFor(*trees.treeA, *trees.treeB);
+		TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, std::max(1, room / 2)}, result).run();
+		result.level = of;
+		return result;
+	};
+	OverlapResult first = answer(level);
+	std::swap(work.patches, work.keptPatches);
+	const OverlapResult other = answer(options.otherLevel);
+	fade(first, other, 1 - options.otherShare, work.keptPatches.data(), room);
+	std::swap(work.patches, work.keptPatches);
+	first.nodeVisits += other.nodeVisits;
+	first.blockPairs += other.blockPairs;
+	first.ballTests += other.ballTests;
+	return first;
+}
 }  // namespace ist

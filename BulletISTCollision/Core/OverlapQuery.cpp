@@ -78,12 +78,17 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return result.status = QueryStatus::Unsupported, result;
 	if (std::isnan(options.maxMicroseconds)) return result.status = QueryStatus::Unsupported, result;
 	if (options.level < -1 || (law && finest > levelCount(A, B))) return result.status = QueryStatus::Unsupported, result;
+	const bool two = options.otherShare != 0;
+	if (two && (!law || limited || options.sortPairs || options.listMeetingBounds || !(options.otherShare > 0 && options.otherShare <= 1) ||
+				options.otherLevel < 0 || options.otherLevel > levelCount(A, B)))
+		return result.status = QueryStatus::Unsupported, result;
 	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
 	if (treeA.empty() || treeB.empty()) return result.status = QueryStatus::EmptyTree, result;
 
 	const Pose X = treeToTree(A, B, X_AB);
 	const int64_t capacity = work.capacity.pairs;
 	if (limited) return queryWithin(A, B, X, work, options, finest, capacity);
+	if (two) return queryTwoLevels(A, B, X, work, options, finest);
 	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
 	work.reserveFor(*trees.treeA, *trees.treeB);
 	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory).run();

@@ -73,6 +73,10 @@ struct QueryOptions
 	/// Within a budget: levels fade into each other as the number of pairs changes, two at most at a time and both within the budget, so that the
 	/// force does not leap where the level changes. All looks together find less than four times the budget. Not with `sortPairs`.
 	bool blend = false;
+	/// Above 0: so much of the answer, up to 1, is that of `otherLevel`, the rest that of `level`; for fading from one to the other. Costs both. Only
+	/// with Model::Law, without a budget and without `sortPairs`.
+	double otherShare = 0;
+	int otherLevel = 0;
 	bool stiffness = true;  ///< fill stiffnessA/B
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting

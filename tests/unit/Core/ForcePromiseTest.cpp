@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/ForcePromise.h"
 
 #include "BulletISTCollision/Core/LevelCalibration.h"
+#include "BulletISTCollision/Core/PairAccuracy.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
 #include "tests/unit/Core/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
@@ -163,6 +164,82 @@ TEST(ForcePromise, ABudgetHasTheLastWordAndBadInputIsNamed)
 	bad.translation.x = std::nan("");
 	EXPECT_EQ(queryToError(bodyA(), bodyB(), bad, workspace, accepted).overlap.status, QueryStatus::InvalidPose);
 	EXPECT_EQ(queryToError(bodyA(), InnerSphereTree(), poses()[0], workspace, accepted).overlap.status, QueryStatus::EmptyTree);
+}
+
+// The dial is turned there and back while B slides; the motion's own part is what the leaves change by, and a tenth.
+TEST(PairAccuracy, TurningTheDialIsNotFelt)
+{
+	QueryWorkspace workspace, other;
+	PairAccuracy pair;
+	Vec3 last, lastLeaves;
+	int changes = 0;
+	for (int step = 0; step < 1200; ++step)
+	{
+		const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.0005 * step})), bodyA().origin + Vec3{1.1 - 0.0004 * step, 0.3, 0}};
+		AcceptedError accepted;
+		accepted.error = step / 150 % 2 ? 0.03 : 0.6;
+		const int level = pair.level;
+		const OverlapResult result = queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		ASSERT_EQ(result.status, QueryStatus::Ok);
+		changes += level >= 0 && pair.level != level;
+		const Vec3 force = pressureWrench(result.total, {}).force, leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other).total, {}).force;
+		Vec3 patches;
+		for (int p = 0; p < result.patchCount; ++p) patches += pressureWrench(result.patches[p], {}).force;
+		EXPECT_LE(norm(patches - force), 1e-9 * norm(force));
+		if (step > 0)
+		{
+			EXPECT_LE(norm(force - last), 0.01 * norm(force) + 1.3 * norm(leaves - lastLeaves)) << "step " << step << " level " << pair.level;
+		}
+		last = force;
+		lastLeaves = leaves;
+	}
+	EXPECT_GE(changes, 6);
+}
+
+TEST(PairAccuracy, EndsWhereTheDialStands)
+{
+	QueryWorkspace workspace;
+	PairAccuracy pair;
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
+	for (const double error : {0.05, 0.5, 0.02})
+	{
+		AcceptedError accepted;
+		accepted.error = error;
+		for (int i = 0; i < 300; ++i) queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		const OverlapResult result = queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		EXPECT_EQ(pair.fadedShare, 0);
+		EXPECT_TRUE(pair.kept || result.level == 0);
+		EXPECT_LE(result.level, chooseLevel(bodyA(), bodyB(), seenIn(result.total), error));
+	}
+	const long before = allocationCount();
+	AcceptedError coarse;
+	coarse.error = 0.9;
+	for (int i = 0; i < 50; ++i) queryPair(bodyA(), bodyB(), X, workspace, coarse, {}, pair);
+	EXPECT_EQ(allocationCount(), before);
+}
+
+TEST(OverlapQuery, TwoLevelsShareTheAnswer)
+{
+	QueryWorkspace one, two, both;
+	QueryOptions fine, coarse, mixed;
+	fine.level = mixed.level = 1;
+	coarse.level = mixed.otherLevel = 4;
+	mixed.otherShare = 0.3;
+	for (const Pose& X : poses())
+	{
+		const OverlapIntegrals a = queryOverlap(bodyA(), bodyB(), X, one, fine).total, b = queryOverlap(bodyA(), bodyB(), X, two, coarse).total,
+							   m = queryOverlap(bodyA(), bodyB(), X, both, mixed).total;
+		// Patches are grouped, and so added up in floats, in another order.
+		const double tolerance = 1e-6 * (a.volume + b.volume);
+		EXPECT_NEAR(m.volume, 0.7 * a.volume + 0.3 * b.volume, tolerance);
+		expectNear(m.normalB.torque, 0.7 * a.normalB.torque + 0.3 * b.normalB.torque, tolerance);
+		EXPECT_NEAR(m.stiffnessA(1, 4), 0.7 * a.stiffnessA(1, 4) + 0.3 * b.stiffnessA(1, 4), 1e-5 * (a.volume + b.volume));
+	}
+	mixed.otherShare = 1.5;
+	EXPECT_EQ(queryOverlap(bodyA(), bodyB(), {}, both, mixed).status, QueryStatus::Unsupported);
+	mixed.otherShare = 0.5;
+	mixed.otherLevel = 99;
+	EXPECT_EQ(queryOverlap(bodyA(), bodyB(), {}, both, mixed).status, QueryStatus::Unsupported);
 }
 
 TEST(LevelCalibration, IsRepeatedAndKeptWithinItsRange)

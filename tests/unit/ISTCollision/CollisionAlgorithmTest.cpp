@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "tests/unit/CountingAllocator.h"
 
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -420,6 +421,55 @@ TEST(btISTCollisionAlgorithm, GateShutsOutWhatOnlyTouches)
 	EXPECT_EQ(volumeAt(1, true), 0);
 	EXPECT_EQ(volumeAt(.8, true), volumeAt(.8, false));
 	EXPECT_GT(volumeAt(.8, true), 0);
+}
+
+TEST(btISTCollisionAlgorithm, AcceptedErrorChoosesTheLevelOfEachPairAndFades)
+{
+	TestWorld w;
+	btISTRegistration r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache());
+	btBoxShape lowerShape(btVector3(.5, .5, .5)), upperShape(btVector3(.5, .5, .5));
+	const btISTAttachment lower = attach(r, lowerShape), upper = attach(r, upperShape);
+	w.add(&lowerShape, 0, at(0, 0, 0));
+	btRigidBody* const body = w.add(&upperShape, 1, at(.1, .7, .1));
+	const auto look = [&](int steps) -> const btISTContact&
+	{
+		for (int i = 0; i < steps; ++i) w.world->performDiscreteCollisionDetection();
+		return *r.store().contacts().at(0);
+	};
+	const auto forceOf = [](const btISTContact& c) { return ist::pressureWrench(c.total, {1, .5, .5}).force; };
+	const ist::Vec3 leaves = forceOf(look(2));
+	const int64_t all = look(1).total.pairs;
+	EXPECT_EQ(look(1).accuracy.level, -1) << "nothing is chosen unless asked for";
+
+	for (const double bad : {-.1, 1.1, std::nan("")}) EXPECT_TRUE(r.setForceError(bad));
+	EXPECT_EQ(r.forceError(), 0);
+	EXPECT_FALSE(r.setForceError(1e-4));
+	EXPECT_EQ(look(1).total.pairs, all) << "what cannot be kept is answered by the leaves";
+	EXPECT_FALSE(look(1).accuracy.kept);
+
+	EXPECT_FALSE(r.setForceError(.3));
+	const long before = allocationCount();
+	ist::Vec3 last = leaves;
+	for (int i = 0; i < 300; ++i)
+	{
+		const ist::Vec3 force = forceOf(look(1));
+		EXPECT_LE(ist::norm(force - last), .01 * ist::norm(last)) << "step " << i;
+		last = force;
+	}
+	EXPECT_EQ(allocationCount(), before);
+	const btISTContact& coarse = look(1);
+	EXPECT_EQ(coarse.accuracy.fadedShare, 0);
+	EXPECT_GT(coarse.accuracy.level, 0);
+	EXPECT_TRUE(coarse.accuracy.kept);
+	EXPECT_LE(coarse.accuracy.promise, .3);
+	EXPECT_LT(double(coarse.total.pairs), .5 * double(all));
+	EXPECT_LE(ist::norm(forceOf(coarse) - leaves), .3 * ist::norm(leaves));
+
+	EXPECT_FALSE(r.setForceError(0));
+	EXPECT_EQ(look(1).total.pairs, all);
+	body->setWorldTransform(at(.1, 5, .1));
+	EXPECT_FALSE(r.setForceError(.3));
+	w.world->performDiscreteCollisionDetection();
 }
 
 TEST(btISTCollisionAlgorithm, PoseThatIsNotFiniteGivesAnEmptyContact)

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/PairAccuracy.h"
+
+#include <algorithm>
+
+namespace ist
+{
+namespace
+{
+Vec3 forceOf(const OverlapResult& result, const AcceptedError& accepted)
+{
+	return pressureWrench(result.total, {1, accepted.weightA, accepted.weightB}).force;
+}
+
+/// Share by which `before` may fall in each query, so that its fading is not felt.
+double fadeStep(const Vec3& before, const Vec3& after, double floor)
+{
+	const double change = norm(after - before) / std::max({norm(before), norm(after), floor});
+	return change > kMostFadeStep ? kMostFadeStep / change : 1;
+}
+
+OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
+					 const QueryOptions& options, PairAccuracy& pair)
+{
+	pair.fadedShare = std::max(0.0, pair.fadedShare - pair.fadeStep);
+	QueryOptions at = options;
+	at.level = pair.level;
+	at.otherLevel = pair.fadedLevel;
+	at.otherShare = pair.fadedShare;
+	const OverlapResult result = queryOverlap(A, B, X_AB, workspace, at);
+	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
+	const double size = std::max(seen.force, promiseFloor(A, B));
+	pair.promise = ((1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) + pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen)) / size;
+	pair.kept = pair.promise <= accepted.error;
+	if (!(result.total.volume > 0)) pair.fadedShare = 0;
+	return result;
+}
+}  // namespace
+
+OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
+						const QueryOptions& options, PairAccuracy& pair)
+{
+	if (pair.fadedShare > 0) return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
+	AcceptedError along = accepted;
+	along.firstLevel = pair.level;
+	const PromisedOverlap answer = queryToError(A, B, X_AB, workspace, along, options);
+	if (answer.overlap.status != QueryStatus::Ok) return answer.overlap;
+	pair.promise = answer.promise;
+	pair.kept = answer.kept;
+	const int before = pair.level, wanted = answer.overlap.level < before ? answer.overlap.level : answer.nextLevel;
+	const bool limited = options.maxPairs >= 0 || options.maxMicroseconds >= 0;
+	if (before < 0 || limited || !(answer.overlap.total.volume > 0) || wanted == before)
+	{
+		pair.level = before < 0 ? answer.overlap.level : wanted;
+		return answer.overlap;
+	}
+	QueryOptions plain = options;
+	plain.patches = plain.stiffness = false;
+	const auto forceAt = [&](int level)
+	{
+		plain.level = level;
+		return forceOf(queryOverlap(A, B, X_AB, workspace, plain), accepted);
+	};
+	pair.fadeStep = fadeStep(forceAt(before), forceAt(wanted), promiseFloor(A, B));
+	pair.level = wanted;
+	pair.fadedLevel = before;
+	pair.fadedShare = 1;
+	return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
+}
+}  // namespace ist
