@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/LeafClearance.h"
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "tests/unit/Core/QueryBodies.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+using namespace ist;
+
+namespace
+{
+double bruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
+{
+	double best = std::numeric_limits<double>::infinity();
+	for (const MomentEllipsoid& a : A.law.balls)
+		for (const MomentEllipsoid& b : B.law.balls)
+			if (a.density > 0 && b.density > 0)
+				best = std::min(best, distance(X_AB * (B.origin + b.center()), A.origin + a.center()) - a.R - b.R);
+	return best;
+}
+
+Vec3 randomVector(std::mt19937& random, double reach)
+{
+	std::uniform_real_distribution<double> u(-reach, reach);
+	return {u(random), u(random), u(random)};
+}
+}  // namespace
+
+TEST(LeafClearance, IsNeverMoreThanTheGapAndComesNearItWithWork)
+{
+	std::mt19937 random(1);
+	for (const int count : {1, 40, 600})
+		for (unsigned trial = 0; trial < 12; ++trial)
+		{
+			const InnerSphereTree A = cloudBody(count, 2 * trial + 1, {1, 2, 3}), B = cloudBody(count, 2 * trial + 2, {-5, 0, 1});
+			Pose X;
+			X.rotation = rotationMatrix(quaternionFromRotationVector(randomVector(random, 2)));
+			const double reach = trial % 3 == 0 ? 1.5 : trial % 3 == 1 ? 4 : 1000;
+			X.translation = A.origin + randomVector(random, reach) - X.rotation * B.origin;
+			const double truth = bruteForce(A, B, X), all = leafClearance(A, B, X, kMostOpenedForClearance);
+			EXPECT_EQ(leafClearance(A, B, X, 0), 0);
+			for (const int opened : {2, 12, 60}) EXPECT_LE(leafClearance(A, B, X, opened), std::max(truth, 0.0));
+			EXPECT_LE(all, std::max(truth, 0.0));
+			EXPECT_LE(leafClearance(A, B, X, 12), all + 1e-12);
+			// Blocks of sixteen balls are no wider than the body.
+			EXPECT_GE(all, truth - (count > 16 ? 1.5 : 0.01) - 1e-4 * norm(X.translation));
+		}
+}
+
+TEST(LeafClearance, QueryFindsNothingWhileNoPointHasComeNearerByIt)
+{
+	std::mt19937 random(2);
+	int apart = 0;
+	for (unsigned trial = 0; trial < 40; ++trial)
+	{
+		const InnerSphereTree A = cloudBody(100, 2 * trial + 1), B = cloudBody(100, 2 * trial + 2);
+		Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 2))), 4.5 * normalized(randomVector(random, 1))};
+		const double clearance = leafClearance(A, B, X, 12);
+		apart += clearance > 0;
+		X.translation = X.translation - 0.999 * clearance * normalized(X.translation);
+		if (clearance > 0) { EXPECT_EQ(queryOverlapBruteForce(A, B, X).total.pairs, 0); }
+	}
+	EXPECT_GT(apart, 10);
+}
+
+TEST(LeafClearance, OfASphereIsItsDistanceFromTheNearestBall)
+{
+	std::mt19937 random(3);
+	int apart = 0;
+	for (unsigned trial = 0; trial < 20; ++trial)
+	{
+		const InnerSphereTree A = cloudBody(300, trial + 1, {0, 5, 0});
+		const SphereField sphere(0.4);
+		const Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 2))), A.origin + 2.6 * normalized(randomVector(random, 1))};
+		double truth = std::numeric_limits<double>::infinity();
+		for (const MomentEllipsoid& a : A.law.balls)
+			if (a.density > 0) truth = std::min(truth, distance(A.origin + a.center(), X.translation) - a.R - 0.4);
+		const double all = leafClearance(A, sphere, X, kMostOpenedForClearance);
+		EXPECT_LE(all, std::max(truth, 0.0));
+		EXPECT_LE(leafClearance(A, sphere, X, 3), all);
+		EXPECT_GE(all, truth - 1);
+		apart += all > 0;
+	}
+	EXPECT_GT(apart, 5);
+}
+
+TEST(LeafClearance, SaysNothingOfTouchingBodiesAndOfPosesThatAreNone)
+{
+	const InnerSphereTree A = cloudBody(100, 1), B = cloudBody(100, 2);
+	EXPECT_EQ(leafClearance(A, B, {}, 1000), 0);
+	Pose X;
+	X.translation = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
+	EXPECT_EQ(leafClearance(A, B, X, 1000), 0);
+	X.translation = {50, 0, 0};
+	X.rotation.m[0][0] = 2;
+	EXPECT_EQ(leafClearance(A, B, X, 1000), 0);
+	EXPECT_EQ(leafClearance(A, HalfSpaceField({0, 1, 0}, 0), {}, 1000), 0);
+	EXPECT_EQ(leafClearance(InnerSphereTree(), B, {{}, {50, 0, 0}}, 1000), 0);
+}
