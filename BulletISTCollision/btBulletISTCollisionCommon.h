@@ -8,6 +8,7 @@
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 #include "BulletISTCollision/btISTContactStore.h"
+#include "BulletISTCollision/btISTEconomy.h"
 #include "BulletISTCollision/btISTRegistry.h"
 #include "BulletISTCollision/btISTShapeMesh.h"
 #include "BulletISTCollision/btISTTreeSource.h"

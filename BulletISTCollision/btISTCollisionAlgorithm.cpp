@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 
+#include "BulletISTCollision/Core/LeafClearance.h"
 #include "BulletISTCollision/btISTConversion.h"
 #include "BulletISTCollision/btISTContext.h"
 #include "BulletISTCollision/btISTRepresentativePoints.h"
@@ -46,7 +47,7 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 	m_dispatcher->releaseManifold(m_manifold);
 }
 
-ist::OverlapResult btISTCollisionAlgorithm::query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const
+ist::OverlapResult btISTCollisionAlgorithm::query(const btISTShapeField& field, btISTContact& contact) const
 {
 	if (m_treeB && m_context->forceError > 0)
 	{
@@ -54,17 +55,53 @@ ist::OverlapResult btISTCollisionAlgorithm::query(const btCollisionObjectWrapper
 		accepted.error = m_context->forceError;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		return ist::queryPair(*m_treeA, *m_treeB, X_AB, m_context->workspace, accepted, m_context->options, contact.accuracy);
+		return ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options, contact.accuracy);
 	}
 	contact.accuracy = ist::PairAccuracy();
-	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, X_AB, m_context->workspace, m_context->options);
-	const btISTShapeField closed(wrapB->getCollisionShape());
-	contact.halfSpace = closed.isHalfSpace();
+	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, m_context->options);
+	contact.halfSpace = field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;
-	if (!closed.field()) return none;  // scaled to nothing since the pair was made
-	contact.volumeB = closed.field()->volume();
-	return ist::queryField(*m_treeA, *closed.field(), X_AB * closed.X_SF(), m_context->workspace, m_context->options);
+	if (!field.field()) return none;  // scaled to nothing since the pair was made
+	contact.volumeB = field.field()->volume();
+	return ist::queryField(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), m_context->workspace, m_context->options);
+}
+
+/// Zero where there is none, or where a query is as cheap.
+double btISTCollisionAlgorithm::clearance(const btISTShapeField& field, const ist::OverlapResult& result, btISTContact& contact) const
+{
+	constexpr int kMostOpened = 12;
+	if (result.status != ist::QueryStatus::Ok || result.total.pairs > 0 || result.nodeVisits == 0 || !contact.kept.wantsClearance()) return 0;
+	if (m_treeB) return ist::leafClearance(*m_treeA, *m_treeB, contact.X_AB, kMostOpened);
+	return ist::leafClearance(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), kMostOpened);
+}
+
+/// The sums of `contact` at its X_AB, kept or asked for.
+void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact& contact) const
+{
+	btISTContactStore& store = m_context->store;
+	const bool timed = m_contact && store.measuresQueryTime();
+	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
+	const auto seconds = [&] { return timed ? std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() : 0.0; };
+	const uint64_t version = m_context->optionsVersion;
+	const btISTEconomy& economy = m_context->economy;
+	// A changed material counts at once, also in what may be kept.
+	if (m_contact && economy.keptError > 0 && contact.patchCount > 0) contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
+	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
+	contact.use = m_contact && !fading ? contact.kept.use(contact, field.measures(), version, economy) : btISTKeptResult::Ask;
+	if (contact.use != btISTKeptResult::Ask) return store.count(contact, nullptr, seconds());
+
+	const ist::OverlapResult result = query(field, contact);
+	contact.status = result.status;
+	contact.level = result.level;
+	const bool good = result.status == ist::QueryStatus::Ok;
+	contact.total = good ? result.total : ist::OverlapIntegrals();
+	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;
+	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
+	if (!m_contact) return;
+	if (economy.on) contact.kept.keep(contact, field.measures(), version, clearance(field, result, contact), economy);
+	else contact.kept.forget();
+	store.count(contact, &result, seconds());
 }
 
 void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,
@@ -76,19 +113,9 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	contact.treeB = m_treeB;
 	contact.stamp = m_context->store.step();
 	contact.X_WA = toPose(wrapA->getWorldTransform());
-	const ist::Pose X_WB = toPose(wrapB->getWorldTransform());
-	const ist::Pose X_AB = ist::inverse(contact.X_WA) * X_WB;
+	contact.X_AB = ist::inverse(contact.X_WA) * toPose(wrapB->getWorldTransform());
+	update(m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape()), contact);
 
-	const bool timed = m_contact && m_context->store.measuresQueryTime();
-	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
-	const ist::OverlapResult result = query(wrapB, X_AB, contact);
-	if (timed) m_context->store.addQueryTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-
-	contact.status = result.status;
-	const bool good = result.status == ist::QueryStatus::Ok;
-	contact.total = good ? result.total : ist::OverlapIntegrals();
-	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;
-	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
 	contact.work = btISTContactWork();
@@ -144,6 +171,7 @@ void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0W
 		m_contact->work = btISTContactWork();
 		m_contact->ledger = btISTContactLedger();
 		m_contact->accuracy = ist::PairAccuracy();
+		m_contact->kept.forget();
 	}
 	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
 	info.m_dispatcher1 = m_dispatcher;

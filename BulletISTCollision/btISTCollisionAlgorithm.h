@@ -15,6 +15,7 @@ class btCollisionDispatcher;
 class btOverlappingPairCache;
 class btISTContext;
 class btISTInstallation;
+class btISTShapeField;
 
 /// Handle on what `registerAlgorithm` did; the last one to go puts back every entry of the dispatch tables that is still ours.
 /// It must go before the dispatcher (or be told `dispatcherIsGone`). Pairs that exist keep their volumetric contact until they
@@ -50,6 +51,9 @@ public:
 	/// promises is in btISTContact::accuracy. Refused when it is no such share. Between steps only.
 	std::optional<ist::Error> setForceError(double share);
 	double forceError() const;
+	/// What may be left out of the queries; to begin with what changes nothing. Refused when the error is not within its range.
+	std::optional<ist::Error> setEconomy(const btISTEconomy& economy);
+	const btISTEconomy& economy() const;
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
 	void setPairCache(btOverlappingPairCache* pairCache);
@@ -93,7 +97,9 @@ public:
 
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
-	ist::OverlapResult query(const btCollisionObjectWrapper* wrapB, const ist::Pose& X_AB, btISTContact& contact) const;
+	void update(const btISTShapeField& field, btISTContact& contact) const;
+	ist::OverlapResult query(const btISTShapeField& field, btISTContact& contact) const;
+	double clearance(const btISTShapeField& field, const ist::OverlapResult& result, btISTContact& contact) const;
 	bool isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const;
 	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
 	void destroyStock();

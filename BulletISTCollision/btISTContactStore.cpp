@@ -54,6 +54,25 @@ btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, con
 	return constants;
 }
 
+void btISTContactStore::count(btISTContact& contact, const ist::OverlapResult* result, double seconds)
+{
+	m_querySeconds += seconds;
+	for (btISTQueryCost* cost : {&contact.cost, &m_cost})
+	{
+		cost->seconds += seconds;
+		cost->asked += contact.use == btISTKeptResult::Ask;
+		cost->keptApart += contact.use == btISTKeptResult::Apart;
+		cost->keptStill += contact.use == btISTKeptResult::Still;
+		cost->keptMoved += contact.use == btISTKeptResult::Moved;
+		cost->largestKeptError = std::max(cost->largestKeptError, contact.kept.largestError());
+		if (!result) continue;
+		cost->querySeconds += seconds;
+		cost->nodeVisits += result->nodeVisits;
+		cost->ballTests += result->ballTests;
+		cost->leafPairs += result->total.pairs;
+	}
+}
+
 btISTContactStore::btISTContactStore() = default;
 btISTContactStore::~btISTContactStore() = default;
 

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/PairAccuracy.h"
 #include "BulletISTCollision/Core/Pose.h"
 #include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/btISTEconomy.h"
 #include "BulletISTCollision/btPrecisionGuard.h"
 
 #include <cstdint>
@@ -29,7 +30,7 @@ struct btISTPairConstants
 /// What the solver remembers of a pair from step to step while it overlaps.
 struct btISTContactLedger
 {
-	static constexpr int kMaxPatches = 8;
+	static constexpr int kMaxPatches = btISTKeptResult::kMaxPatches;
 
 	bool open = false;  ///< false until the first solve of an overlap
 	double stored = 0;  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
@@ -81,10 +82,12 @@ struct btISTContact
 	double volumeB = std::numeric_limits<double>::infinity();  ///< of a B without a tree [m^3]; infinite for a half-space
 
 	ist::Pose X_WA;  ///< of A's mesh frame, which is the frame of its shape (of the child, in a compound)
+	ist::Pose X_AB;  ///< of B's shape in A's: where the sums are those of
 	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< other than Ok: no overlap is claimed, and the sums are zero
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];
 	int patchCount = 0;
+	int level = 0;  ///< of the trees that answered
 	ist::OverlapError error;
 	ist::PairAccuracy accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
 	btISTPairConstants constants;
@@ -95,6 +98,11 @@ struct btISTContact
 	double normalImpulse = 0;  ///< their normal parts, added up [N s]
 	btISTContactWork work;  ///< written by the solver
 	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
+
+	/// How the sums came about: see btISTEconomy. What was kept has followed the motion to first order.
+	btISTKeptResult::Use use = btISTKeptResult::Ask;
+	btISTQueryCost cost;  ///< since the pair began
+	btISTKeptResult kept;
 };
 
 /// The contacts of one world, found by their manifold: the only channel from collision to a solver. One owner thread.
@@ -123,11 +131,18 @@ public:
 
 	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]; counted only when switched on,
 	/// for two readings of the clock a pair.
+	/// Also counted in each pair's `cost`.
 	void measureQueryTime(bool on) { m_measures = on; }
 	bool measuresQueryTime() const { return m_measures; }
 	void addQueryTime(double seconds) { m_querySeconds += seconds; }
 	void resetQueryTime() { m_querySeconds = 0; }
 	double querySeconds() const { return m_querySeconds; }
+
+	/// Of all respond-mode pairs since the store was made or `resetCost`, those that are gone among them.
+	const btISTQueryCost& cost() const { return m_cost; }
+	void resetCost() { m_cost = btISTQueryCost(); }
+	/// After a step of a pair; `result` is null when it was kept.
+	void count(btISTContact& contact, const ist::OverlapResult* result, double seconds);
 
 private:
 	std::unordered_map<const btPersistentManifold*, size_t> m_index;  // into m_active
@@ -136,4 +151,5 @@ private:
 	uint64_t m_step = 1;
 	bool m_measures = false;
 	double m_querySeconds = 0;
+	btISTQueryCost m_cost;
 };

@@ -45,5 +45,7 @@ public:
 	ist::QueryWorkspace workspace;
 	ist::QueryOptions options;
 	double forceError = 0;  ///< accepted; 0: the leaves answer
+	uint64_t optionsVersion = 0;  ///< another one after every change of `options`, so that no result of the former ones is kept
+	btISTEconomy economy;
 	std::weak_ptr<btISTInstallation> installation;
 };

@@ -190,13 +190,28 @@ void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 	if (rule) m_installation->context->rule = std::move(rule);
 }
 
-void btISTRegistration::setGate(bool on) { m_installation->context->options.gate = on; }
+void btISTRegistration::setGate(bool on)
+{
+	m_installation->context->options.gate = on;
+	++m_installation->context->optionsVersion;
+}
+
+std::optional<ist::Error> btISTRegistration::setEconomy(const btISTEconomy& economy)
+{
+	if (!(economy.keptError >= 0 && economy.keptError <= 0.5))
+		return ist::Error{"the error that kept results may add must be a share of the force between 0 and 0.5"};
+	m_installation->context->economy = economy;
+	return std::nullopt;
+}
+
+const btISTEconomy& btISTRegistration::economy() const { return m_installation->context->economy; }
 
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {
 	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
 	if (share > 0) m_installation->context->registry->keepLevels();
 	m_installation->context->forceError = share;
+	++m_installation->context->optionsVersion;
 	return std::nullopt;
 }
 

@@ -31,19 +31,27 @@ btISTShapeField::btISTShapeField(const btCollisionShape* shape)
 		case STATIC_PLANE_PROXYTYPE:
 		{
 			const auto* plane = static_cast<const btStaticPlaneShape*>(shape);
-			m_field = ist::HalfSpaceField(ist::normalized(toVec3(plane->getPlaneNormal())), double(plane->getPlaneConstant()));
+			const ist::Vec3 normal = toVec3(plane->getPlaneNormal());
+			m_measures = {double(plane->getPlaneConstant()), normal.x, normal.y, normal.z};
+			m_field = ist::HalfSpaceField(ist::normalized(normal), m_measures[0]);
 			break;
 		}
 		case BOX_SHAPE_PROXYTYPE:
-			m_field = ist::BoxField(toVec3(static_cast<const btBoxShape*>(shape)->getHalfExtentsWithMargin()));
+		{
+			const ist::Vec3 half = toVec3(static_cast<const btBoxShape*>(shape)->getHalfExtentsWithMargin());
+			m_measures = {half.x, half.y, half.z};
+			m_field = ist::BoxField(half);
 			break;
+		}
 		case SPHERE_SHAPE_PROXYTYPE:
-			m_field = ist::CapsuleField(double(static_cast<const btSphereShape*>(shape)->getRadius()), 0);
+			m_measures = {double(static_cast<const btSphereShape*>(shape)->getRadius())};
+			m_field = ist::CapsuleField(m_measures[0], 0);
 			break;
 		case CAPSULE_SHAPE_PROXYTYPE:
 		{
 			const auto* capsule = static_cast<const btCapsuleShape*>(shape);
-			m_field = ist::CapsuleField(double(capsule->getRadius()), double(capsule->getHalfHeight()));
+			m_measures = {double(capsule->getRadius()), double(capsule->getHalfHeight())};
+			m_field = ist::CapsuleField(m_measures[0], m_measures[1]);
 			m_X_SF = alongAxis(capsule->getUpAxis());
 			break;
 		}
@@ -51,14 +59,16 @@ btISTShapeField::btISTShapeField(const btCollisionShape* shape)
 		{
 			const auto* cylinder = static_cast<const btCylinderShape*>(shape);
 			const int axis = cylinder->getUpAxis();
-			m_field = ist::CylinderField(double(cylinder->getRadius()), double(cylinder->getHalfExtentsWithMargin()[axis]));
+			m_measures = {double(cylinder->getRadius()), double(cylinder->getHalfExtentsWithMargin()[axis])};
+			m_field = ist::CylinderField(m_measures[0], m_measures[1]);
 			m_X_SF = alongAxis(axis);
 			break;
 		}
 		case CONE_SHAPE_PROXYTYPE:
 		{
 			const auto* cone = static_cast<const btConeShape*>(shape);
-			m_field = ist::ConeField(double(cone->getRadius()), double(cone->getHeight()));
+			m_measures = {double(cone->getRadius()), double(cone->getHeight())};
+			m_field = ist::ConeField(m_measures[0], m_measures[1]);
 			m_X_SF = alongAxis(cone->getConeUpIndex());
 			break;
 		}

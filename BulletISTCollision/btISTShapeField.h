@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Pose.h"
 #include "BulletISTCollision/btPrecisionGuard.h"
 
+#include <array>
 #include <variant>
 
 class btCollisionShape;
@@ -15,6 +16,7 @@ class btCollisionShape;
 class btISTShapeField
 {
 public:
+	btISTShapeField() = default;
 	explicit btISTShapeField(const btCollisionShape* shape);
 
 	/// Null for every other shape, and for one with a length that is not positive and finite. Valid as long as this object.
@@ -22,8 +24,11 @@ public:
 	bool isHalfSpace() const { return std::holds_alternative<ist::HalfSpaceField>(m_field); }
 	/// Pose of the field's frame in the shape's.
 	const ist::Pose& X_SF() const { return m_X_SF; }
+	/// All numbers that the field is made of; of one shape they change with its scaling.
+	const std::array<double, 4>& measures() const { return m_measures; }
 
 private:
 	std::variant<std::monostate, ist::HalfSpaceField, ist::BoxField, ist::CapsuleField, ist::CylinderField, ist::ConeField> m_field;
 	ist::Pose m_X_SF;
+	std::array<double, 4> m_measures{};
 };

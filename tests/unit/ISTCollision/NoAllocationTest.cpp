@@ -123,6 +123,7 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndPlaneTouch)
 	{
 		const CountBullet counted;
 		Stack stack(seed);
+		ASSERT_FALSE(stack.registration.setEconomy({true, seed == 3 ? 0.05 : 0}));
 		stack.step(60);
 		stack.dispatcher.allocated = 0;
 		for (int i = 0; i < 60; ++i)
@@ -146,6 +147,7 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndClosedFormsTouch)
 	{
 		const CountBullet counted;
 		Stack stack(4, floor, floor == &sphere ? 200 : 1);
+		ASSERT_FALSE(stack.registration.setEconomy({true, 0.05}));
 		stack.step(60);
 		stack.dispatcher.allocated = 0;
 		for (int i = 0; i < 60; ++i)
