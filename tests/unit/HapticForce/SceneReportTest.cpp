@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/btISTSceneReport.h"
+
+#include "BulletHapticForce/btISTWorld.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <map>
+
+namespace
+{
+std::shared_ptr<const ist::InnerSphereTree> cubeTree()
+{
+	static const auto tree = []
+	{
+		ist::BuildOptions options;
+		options.maxSpheres = 300;
+		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
+	}();
+	return tree;
+}
+
+/// Cubes with trees, each on another floor of its own; they lie 5 m apart.
+struct Row
+{
+	btISTWorld world;
+	btBoxShape cube{btVector3(.5, .5, .5)}, floor{btVector3(1, .5, 1)}, treeFloor{btVector3(.5, .5, .5)}, bare{btVector3(.5, .5, .5)};
+	btConvexHullShape hull;
+	btISTAttachment attachment = world.attach(&cube, cubeTree()).value(), floorAttachment = world.attach(&treeFloor, cubeTree()).value();
+	std::vector<std::unique_ptr<btRigidBody>> bodies;
+	std::map<const btCollisionObject*, std::string> names;
+
+	Row()
+	{
+		for (int i = 0; i < 8; ++i) hull.addPoint(btVector3(i & 1 ? 1 : -1, i & 2 ? .5 : -.5, i & 4 ? 1 : -1));
+		world.contacts().measureQueryTime(true);
+	}
+	~Row()
+	{
+		for (auto& b : bodies) world.bullet().removeRigidBody(b.get());
+	}
+	btRigidBody* add(const std::string& name, btCollisionShape* shape, double mass, double x, double y)
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) shape->calculateLocalInertia(btScalar(mass), inertia);
+		bodies.push_back(std::make_unique<btRigidBody>(btScalar(mass), nullptr, shape, inertia));
+		btRigidBody* body = bodies.back().get();
+		body->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), 0)));
+		body->setInterpolationWorldTransform(body->getWorldTransform());
+		world.bullet().addRigidBody(body);
+		names[body] = name;
+		return body;
+	}
+	btISTSceneReport report()
+	{
+		return btISTSceneReport::of(world, [this](const btCollisionObject* o) { return names[o]; });
+	}
+	static const btISTPairReport* find(const btISTSceneReport& report, const std::string& name)
+	{
+		for (size_t i = 0; i < report.pairs.size(); ++i)
+			if (report.namesA[i] == name || report.namesB[i] == name) return &report.pairs[i];
+		return nullptr;
+	}
+};
+}  // namespace
+
+TEST(btISTSceneReport, SaysWhichModelAnswersForWhichPairAndWhy)
+{
+	Row row;
+	for (const auto& [name, under, x] : {std::tuple("on box", static_cast<btCollisionShape*>(&row.floor), 0.0), std::tuple("on tree", static_cast<btCollisionShape*>(&row.treeFloor), 5.0),
+										 std::tuple("on hull", static_cast<btCollisionShape*>(&row.hull), 10.0), std::tuple("asleep", static_cast<btCollisionShape*>(&row.floor), 15.0)})
+	{
+		row.add(std::string("floor ") + name, under, 0, x, -.5);
+		row.add(name, &row.cube, 1, x, .495);
+	}
+	row.add("floor bare", &row.floor, 0, 20, -.5);
+	row.add("bare", &row.bare, 1, 20, .5);
+	row.bodies[7]->forceActivationState(ISLAND_SLEEPING);
+	for (int i = 0; i < 10; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	const btISTSceneReport report = row.report();
+	ASSERT_EQ(report.pairs.size(), 5u);
+
+	const btISTPairReport *box = Row::find(report, "on box"), *tree = Row::find(report, "on tree"), *hull = Row::find(report, "on hull"),
+						  *asleep = Row::find(report, "asleep"), *bare = Row::find(report, "bare");
+	for (const auto* pair : {box, tree, hull, asleep, bare}) ASSERT_TRUE(pair);
+	EXPECT_EQ(box->model, btISTPairReport::ClosedForm);
+	EXPECT_EQ(tree->model, btISTPairReport::Trees);
+	EXPECT_EQ(hull->model, btISTPairReport::Stock);
+	EXPECT_EQ(bare->model, btISTPairReport::Stock);
+	EXPECT_EQ(asleep->model, btISTPairReport::None);
+	EXPECT_NE(bare->reason.find("neither shape has a tree"), std::string::npos) << bare->reason;
+	EXPECT_NE(hull->reason.find(row.hull.getName()), std::string::npos) << hull->reason;
+	EXPECT_NE(asleep->reason.find("sleep"), std::string::npos) << asleep->reason;
+	EXPECT_NE(tree->reason.find("both have trees"), std::string::npos) << tree->reason;
+
+	for (const auto* pair : {box, tree})
+	{
+		EXPECT_GT(pair->patches, 0);
+		EXPECT_GT(pair->leafPairs, 0);
+		EXPECT_GT(pair->expectedError, 0);
+		EXPECT_LT(pair->expectedError, 1);
+		EXPECT_EQ(pair->cost.asked + pair->cost.kept(), 10u);
+		EXPECT_GT(pair->cost.ballTests, 0);
+		EXPECT_GT(pair->cost.seconds, 0);
+	}
+	EXPECT_TRUE(std::isnan(hull->expectedError));
+	EXPECT_EQ(report.total.asked, box->cost.asked + tree->cost.asked);
+	EXPECT_NE(report.text().find("on tree"), std::string::npos);
+	EXPECT_EQ(report.lines().size(), 6u);
+}
+
+TEST(btISTSceneReport, ForceIsTheWeightOfWhatRestsAndSleepersKeepTheirs)
+{
+	Row row;
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	row.add("ground", &plane, 0, 0, 0);
+	btRigidBody* body = row.add("cube", &row.cube, 2, 0, .5);
+	ASSERT_FALSE(row.world.setEconomy({true, 0.05}));
+	for (int i = 0; i < 480; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	btISTSceneReport report = row.report();
+	ASSERT_EQ(report.pairs.size(), 1u);
+	EXPECT_EQ(report.pairs[0].model, btISTPairReport::HalfSpace);
+	EXPECT_NEAR(report.pairs[0].force, 2 * 9.81, 0.01 * 2 * 9.81);
+	EXPECT_GT(report.pairs[0].cost.kept(), 3 * report.pairs[0].cost.asked);
+	EXPECT_GT(report.savedSeconds, 0);
+
+	body->forceActivationState(ISLAND_SLEEPING);
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	const uint64_t before = report.pairs[0].cost.asked + report.pairs[0].cost.kept();
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	report = row.report();
+	EXPECT_NE(report.pairs[0].reason.find("not queried: both sleep"), std::string::npos) << report.pairs[0].reason;
+	EXPECT_LE(report.pairs[0].cost.asked + report.pairs[0].cost.kept(), before);
+}
+
+TEST(btISTSceneReport, PairsThatAreToldNotToCollideAreNamed)
+{
+	Row row;
+	btRigidBody* a = row.add("a", &row.cube, 1, 0, 0);
+	btRigidBody* b = row.add("b", &row.cube, 1, .5, 0);
+	a->setIgnoreCollisionCheck(b, true);
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	const btISTSceneReport report = row.report();
+	ASSERT_EQ(report.pairs.size(), 1u);
+	EXPECT_EQ(report.pairs[0].model, btISTPairReport::None);
+	EXPECT_NE(report.pairs[0].reason.find("told not to collide"), std::string::npos);
+}
+
+TEST(btISTSceneReport, JsonIsOneObjectWhateverTheNamesAre)
+{
+	Row row;
+	row.add("floor \"of\" the\n\\hall", &row.floor, 0, 0, -.5);
+	row.add("cube", &row.cube, 1, 0, .495);
+	row.add("bare", &row.bare, 1, 1, .495);
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	const btISTSceneReport report = row.report();
+	const auto json = nlohmann::json::parse(report.json());
+	EXPECT_EQ(json["schema"], 1);
+	EXPECT_EQ(json["economy"], true);
+	EXPECT_EQ(json["queries"], report.total.asked);
+	ASSERT_EQ(json["pairs"].size(), report.pairs.size());
+	bool named = false, unpromised = false;
+	for (const auto& pair : json["pairs"])
+	{
+		named = named || pair["a"] == "floor \"of\" the\n\\hall" || pair["b"] == "floor \"of\" the\n\\hall";
+		unpromised = unpromised || pair["expected_error"].is_null();
+		for (const char* field : {"model", "level", "reason", "patches", "leaf_pairs", "force", "queries", "kept", "node_visits", "ball_tests", "seconds", "saved_seconds"})
+			EXPECT_TRUE(pair.contains(field)) << field;
+	}
+	EXPECT_TRUE(named);
+	EXPECT_TRUE(unpromised);
+}
