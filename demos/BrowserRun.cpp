@@ -93,6 +93,7 @@ int runBrowserDemo(const DemoArguments& a)
 #else
 	if (!a.screenshot.empty() || !a.record.empty()) return refuse({kWithout});
 #endif
+	demo->setEconomy({a.economy, a.keptError});
 	if (const auto error = demo->prepare(demoOptions(a))) return refuse(*error);
 	const auto outcome = browser::runDemo(*demo, entry->name, entry->about, options);
 	if (!outcome) return refuse(outcome.error());

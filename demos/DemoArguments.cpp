@@ -28,6 +28,7 @@ const char* const kDemoUsage =
 	"of the browser's demos:\n"
 	"  --frames N       so many steps; of the window: so many pictures until it closes itself\n"
 	"  --dt S           seconds a step (default: what the demo thinks right)\n"
+	"  --economy off|E  query every pair in every step, or leave out what adds errors up to E of the force (default 0.05; 0: what adds none)\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
 	"  --record FOLDER  30 numbered PNG for each second of the demo's time\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
@@ -37,7 +38,7 @@ const char* const kDemoUsage =
 
 namespace
 {
-const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device"};
+const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device", "--economy"};
 
 /// The whole of `text` as a positive finite number, else 0.
 double positiveNumber(const std::string& text)
@@ -92,19 +93,27 @@ void readBrowserNumbers(const std::string& frames, const std::string& dt, const 
 	if (!(width >= 16 && width <= 8192 && height >= 16 && height <= 8192)) a.error = "--size must be like 960x540, 16 to 8192 each, not " + size;
 	else a.width = int(width), a.height = int(height);
 }
+
+void readEconomy(const std::string& economy, DemoArguments& a)
+{
+	if (economy.empty()) return;
+	a.economy = economy != "off";
+	a.keptError = a.economy ? positiveNumber(economy) : 0;
+	if (a.economy && economy != "0" && !(a.keptError > 0 && a.keptError <= 0.5)) a.error = "--economy must be off or a number from 0 to 0.5, not " + economy;
+}
 }  // namespace
 
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres, worldRate, frames, dt, size;
+	std::string unit, spheres, worldRate, frames, dt, size, economy;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 												{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime},
 												{"--decoupled", &a.decoupled}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
 														{"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
-														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size},
+														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &economy},
 														{"--screenshot", &a.screenshot}, {"--record", &a.record}, {"--gallery", &a.gallery},
 														{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
@@ -127,6 +136,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!(a.worldRate >= 1 && a.worldRate <= 1000)) a.error = "--world-rate must be between 1 and 1000 Hz, not " + worldRate;
 	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";
 	readBrowserNumbers(frames, dt, size, a);
+	readEconomy(economy, a);
 	a.meshGiven = given.count("--mesh") > 0;
 	a.spheresGiven = !spheres.empty();
 	if (spheres.empty()) return a;

@@ -20,6 +20,8 @@ struct DemoArguments
 	std::string screenshot, record, gallery, windowScreenshot, device;
 	long long frames = -1;
 	double dt = 0;              ///< [s]; 0: the demo's own
+	bool economy = true;
+	double keptError = 0.05;    ///< that the economy may add to forces
 	int width = 960, height = 540;
 	/// Something is asked for that a window does not give.
 	bool withoutWindow() const { return headless || json || !screenshot.empty() || !record.empty() || !report.empty(); }

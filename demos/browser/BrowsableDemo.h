@@ -61,6 +61,13 @@ struct DrawChoice
 		 constraints = false, wireframe = false, shadows = true, ground = true;
 };
 
+/// What a demo may leave out of its queries (btISTEconomy).
+struct EconomyChoice
+{
+	bool on = true;
+	double keptError = 0.05;
+};
+
 struct DemoOptions
 {
 	std::string mesh;    ///< file for demos that take any mesh; empty: a generated one
@@ -97,6 +104,10 @@ public:
 	virtual std::vector<Curve> curves() const { return {}; }
 	/// Rows for people: which model answers for which pair, what sleeps, what an answer costs.
 	virtual std::vector<std::string> report() const { return {}; }
+	/// The same as one JSON value; empty where there is none.
+	virtual std::string reportJson() const { return {}; }
+	/// From the next step on; stays over `restart`.
+	virtual void setEconomy(const EconomyChoice& /*economy*/) {}
 
 	/// Takes hold of the body that the ray meets; where on the ray, or nothing.
 	virtual std::optional<double> grab(const ist::Vec3& /*from*/, const ist::Vec3& /*direction*/) { return std::nullopt; }

@@ -38,6 +38,8 @@ Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const 
 	out.complete = out.frames >= whole;
 	out.figures = demo.figures();
 	out.curves = demo.curves();
+	out.report = demo.report();
+	out.reportJson = demo.reportJson();
 	return out;
 }
 
@@ -49,6 +51,7 @@ std::string makeJson(const DemoOutcome& o)
 	for (const Figure& f : o.figures)
 		json["figures"].push_back({{"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}, {"expected", number(f.expected)},
 								   {"tolerance", f.judged() ? number(f.tolerance) : nullptr}, {"ok", f.ok()}});
+	if (!o.reportJson.empty()) json["report"] = nlohmann::ordered_json::parse(o.reportJson);
 	json["ok"] = o.ok();
 	return json.dump();
 }
@@ -72,6 +75,7 @@ scenes::HtmlReport makeReport(const DemoOutcome& o)
 	scenes::HtmlReport report(o.name);
 	report.paragraph(o.about + ".");
 	report.table({"number", "value", "unit"}, summaryRows(o));
+	for (const std::string& row : o.report) report.paragraph(row);
 	for (const Curve& curve : o.curves)
 	{
 		if (curve.values.size() < 2) continue;

@@ -19,6 +19,8 @@ struct DemoOutcome
 	std::string name, about;
 	std::vector<Figure> figures;
 	std::vector<Curve> curves;
+	std::vector<std::string> report;  ///< which model answers for which pair, at the end
+	std::string reportJson;
 	long long frames = 0;
 	double dt = 0, seconds = 0;      ///< simulated [s]
 	double stepMicroseconds = 0;     ///< mean, of the machine's time

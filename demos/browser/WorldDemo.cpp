@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/WorldDemo.h"
 
+#include "BulletHapticForce/btISTSceneReport.h"
 #include "BulletISTCollision/btISTConversion.h"
 
 #include <cmath>
@@ -60,8 +61,11 @@ std::optional<Error> WorldDemo::restart()
 	m_time = m_nextSample = 0;
 	for (Curve* curve : {&m_force, &m_pairs, &m_energy, &m_cost}) curve->values.clear();
 	if (auto error = build()) return error;
-	for (const Part& part : m_parts)
+	for (Part& part : m_parts)
+	{
 		if (part.world->error()) return part.world->error();
+		applyEconomy(part);
+	}
 	if (m_awake) keepAwake(true);
 	return std::nullopt;
 }
@@ -125,6 +129,35 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 
 std::vector<Curve> WorldDemo::curves() const { return {m_force, m_pairs, m_energy, m_cost}; }
 
+void WorldDemo::applyEconomy(Part& part) const
+{
+	if (btISTWorld* world = part.world->volumetric()) world->setEconomy({m_economy.on, m_economy.on ? m_economy.keptError : 0});
+}
+
+void WorldDemo::setEconomy(const EconomyChoice& economy)
+{
+	m_economy = economy;
+	for (Part& part : m_parts) applyEconomy(part);
+}
+
+std::vector<DemoWorld*> WorldDemo::worlds() const
+{
+	std::vector<DemoWorld*> all;
+	for (const Part& part : m_parts) all.push_back(part.world.get());
+	return all;
+}
+
+btISTSceneReport WorldDemo::sceneReport(const Part& part) const
+{
+	const auto nameOf = [&](const btCollisionObject* object) -> std::string
+	{
+		for (const DemoWorld::Body& b : part.world->bodies())
+			if (b.body.get() == object) return b.name;
+		return "ground";
+	};
+	return btISTSceneReport::of(*part.world->volumetric(), nameOf);
+}
+
 std::vector<std::string> WorldDemo::report() const
 {
 	std::vector<std::string> rows;
@@ -139,24 +172,17 @@ std::vector<std::string> WorldDemo::report() const
 					  awake, asleep, part.world->stepMicroseconds(), sums.queryMicroseconds);
 		rows.push_back(row);
 		if (!part.world->volumetric()) continue;
-		const auto nameOf = [&](const btCollisionObject* object)
-		{
-			for (const DemoWorld::Body& b : part.world->bodies())
-				if (b.body.get() == object) return b.name.c_str();
-			return "ground";
-		};
-		for (const btISTContact* contact : part.world->volumetric()->contacts().contacts())
-		{
-			if (contact->patchCount == 0) continue;
-			const double volume = contact->total.volume;
-			std::snprintf(row, sizeof row, "%s - %s: %s, %lld pairs, %d patches, force within %.1f %%", nameOf(contact->bodyA), nameOf(contact->bodyB),
-						  contact->treeB ? "tree on tree" : contact->halfSpace ? "tree on plane" : "tree on closed form",
-						  static_cast<long long>(contact->total.pairs), contact->patchCount,
-						  contact->constants.k > 0 && volume > 0 ? 100 * contact->error.force / (contact->constants.k * volume) : 0.0);
-			rows.push_back(row);
-		}
+		for (std::string& line : sceneReport(part).lines()) rows.push_back(std::move(line));
 	}
 	return rows;
+}
+
+std::string WorldDemo::reportJson() const
+{
+	std::string all;
+	for (const Part& part : m_parts)
+		if (part.world->volumetric()) all += (all.empty() ? "[" : ",") + sceneReport(part).json();
+	return all.empty() ? all : all + "]";
 }
 
 std::optional<double> WorldDemo::grab(const Vec3& from, const Vec3& direction)

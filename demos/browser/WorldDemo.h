@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+struct btISTSceneReport;
+
 namespace browser
 {
 /// What demos of Bullet worlds share: stepping, drawing, plots, the hand. A demo builds its bodies and names its figures.
@@ -20,6 +22,10 @@ public:
 	void draw(const DrawChoice& choice, DrawList& list) final;
 	std::vector<Curve> curves() const override;
 	std::vector<std::string> report() const override;
+	std::string reportJson() const override;
+	void setEconomy(const EconomyChoice& economy) override;
+	/// Everything that steps, for those who measure.
+	std::vector<DemoWorld*> worlds() const;
 	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override;
 	bool grabTool() override;
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { m_hand.move(shift, turn); }
@@ -54,6 +60,8 @@ private:
 		double zoom = 1;
 	};
 	void sample();
+	void applyEconomy(Part& part) const;
+	btISTSceneReport sceneReport(const Part& part) const;
 
 	std::vector<Part> m_parts;
 	HandPull m_hand;
@@ -62,5 +70,6 @@ private:
 	Curve m_force{"contact force", "N", {}}, m_pairs{"pairs", "", {}}, m_energy{"mechanical energy", "J", {}}, m_cost{"time of a step", "us", {}};
 	double m_time = 0, m_nextSample = 0;
 	bool m_awake = true;
+	EconomyChoice m_economy;
 };
 }  // namespace browser

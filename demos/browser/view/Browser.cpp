@@ -47,6 +47,7 @@ void Browser::start(const DemoEntry& entry)
 	m_choice = m_demo->firstChoice();
 	m_camera.set(m_demo->viewpoint());
 	m_demo->keepAwake(m_noSleep);
+	m_demo->setEconomy(m_economy);
 	m_owed = 0;
 	m_held = m_touched = false;
 	m_stepTimes.clear();

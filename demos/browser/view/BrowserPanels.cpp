@@ -89,6 +89,7 @@ void Browser::drawTree(float width, float height)
 	drawCurves();
 	drawChoices();
 	drawProfile();
+	drawPairs();
 	ImGui::EndChild();
 	ImGui::End();
 	if (chosen) start(*chosen);
@@ -170,7 +171,12 @@ void Browser::drawProfile()
 	const RenderCost& cost = m_renderer.cost();
 	ImGui::TextWrapped("drawing: %.0f us, %zu calls, %zu balls, %zu too small to be seen", cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
 	ImGui::TextColored(kQuiet, "%s", m_renderer.device().c_str());
-	if (!m_demo) return;
+}
+
+void Browser::drawPairs()
+{
+	if (!m_demo || !ImGui::CollapsingHeader("What answers for which pair")) return;
+	if (ImGui::Checkbox("leave out what is not needed", &m_economy.on)) m_demo->setEconomy(m_economy);
 	for (const std::string& row : m_demo->report()) ImGui::TextWrapped("%s", row.c_str());
 }
 }  // namespace browser

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Zlib
+// What the economy saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and the error
+// that it adds. Times are the least of the repeats, both ways in turn in one process. Usage:
+// bench_economy [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
+#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/DemoRun.h"
+#include "demos/browser/KeptCheck.h"
+#include "demos/browser/WorldDemo.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+
+using namespace browser;
+
+namespace
+{
+struct Row
+{
+	btISTQueryCost cost;
+	double querySeconds = std::numeric_limits<double>::infinity(), stepMicroseconds = std::numeric_limits<double>::infinity();
+	bool good = true;
+};
+
+void add(btISTQueryCost& sum, const btISTQueryCost& cost)
+{
+	sum.asked += cost.asked;
+	sum.keptApart += cost.keptApart;
+	sum.keptStill += cost.keptStill;
+	sum.keptMoved += cost.keptMoved;
+	sum.leafPairs += cost.leafPairs;
+	sum.ballTests += cost.ballTests;
+	sum.seconds += cost.seconds;
+}
+
+/// One run from the beginning; `check` may be null, and costs time.
+void run(WorldDemo& demo, const EconomyChoice& economy, KeptCheck* check, Row& row)
+{
+	demo.setEconomy(economy);
+	DemoRunOptions options;
+	options.afterStep = [&](long long)
+	{
+		if (check)
+			for (DemoWorld* world : demo.worlds())
+				if (world->volumetric()) check->look(*world->volumetric());
+		return true;
+	};
+	const auto outcome = runDemo(demo, "", "", options);
+	if (!outcome) std::printf("%s\n", outcome.error().message.c_str()), std::exit(1);
+	row.good = row.good && outcome.value().ok();
+	row.cost = {};
+	for (DemoWorld* world : demo.worlds())
+		if (world->volumetric()) add(row.cost, world->volumetric()->contacts().cost());
+	if (check) return;
+	row.querySeconds = std::min(row.querySeconds, row.cost.seconds);
+	row.stepMicroseconds = std::min(row.stepMicroseconds, outcome.value().stepMicroseconds);
+}
+
+double median(std::vector<double> values)
+{
+	if (values.empty()) return 0;
+	std::sort(values.begin(), values.end());
+	return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+	double error = 0.05;
+	int repeat = 3;
+	std::string only, cache = ".";
+	for (int i = 1; i + 1 < argc; i += 2)
+	{
+		const std::string key = argv[i];
+		if (key == "--error") error = std::atof(argv[i + 1]);
+		if (key == "--repeat") repeat = std::max(1, std::atoi(argv[i + 1]));
+		if (key == "--only") only = argv[i + 1];
+		if (key == "--cache") cache = argv[i + 1];
+	}
+	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step [us], always / economy | error 95 %% | largest | figures |\n");
+	std::printf("|---|---|---|---|---|---|---|---|---|---|---|\n");
+	std::vector<double> factors, counts;
+	for (const DemoEntry& entry : demoCatalog())
+	{
+		const auto demo = entry.make();
+		auto* scene = dynamic_cast<WorldDemo*>(demo.get());
+		if (!scene || (!only.empty() && only != entry.name)) continue;
+		DemoOptions options;
+		options.cache = cache;
+		if (const auto failed = demo->prepare(options)) return std::printf("%s\n", failed->message.c_str()), 1;
+		Row always, economy, checked;
+		for (int i = 0; i < repeat; ++i)
+		{
+			run(*scene, {false, 0}, nullptr, always);
+			run(*scene, {true, error}, nullptr, economy);
+		}
+		KeptCheck check;
+		run(*scene, {true, error}, &check, checked);
+		factors.push_back(always.querySeconds / economy.querySeconds);
+		counts.push_back(double(always.cost.leafPairs) / double(std::max<int64_t>(economy.cost.leafPairs, 1)));
+		std::printf("| %s | %llu | %llu | %.3g | %lld / %lld | %.3g / %.3g | %.3g | %.0f / %.0f | %.2f %% | %.2f %% | %s |\n", entry.name,
+					static_cast<unsigned long long>(economy.cost.asked), static_cast<unsigned long long>(economy.cost.kept()), economy.cost.factor(),
+					static_cast<long long>(always.cost.leafPairs), static_cast<long long>(economy.cost.leafPairs), 1e3 * always.querySeconds,
+					1e3 * economy.querySeconds, factors.back(), always.stepMicroseconds, economy.stepMicroseconds, 100 * check.share(0.95), 100 * check.largest(),
+					always.good && economy.good ? "good" : "NOT as expected");
+		std::fflush(stdout);
+	}
+	std::printf("\nmedian factor of the time of queries %.3g, of the leaf pairs %.3g; at most %.3g of the force granted to what is kept\n", median(factors), median(counts), error);
+	return 0;
+}

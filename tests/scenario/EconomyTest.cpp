@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Zlib
+// What the demos leave out of their queries, against the same demos with everything computed.
+#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/DemoRun.h"
+#include "demos/browser/KeptCheck.h"
+#include "demos/browser/WorldDemo.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+using namespace browser;
+
+namespace browser
+{
+void PrintTo(const DemoEntry& entry, std::ostream* out);
+}
+
+namespace
+{
+std::vector<DemoEntry> demosWithWorlds()
+{
+	std::vector<DemoEntry> all;
+	for (const DemoEntry& entry : demoCatalog())
+		if (const auto demo = entry.make(); dynamic_cast<WorldDemo*>(demo.get())) all.push_back(entry);
+	return all;
+}
+
+std::string nameOf(const testing::TestParamInfo<DemoEntry>& info)
+{
+	std::string name = info.param.name;
+	std::erase(name, '-');
+	return name;
+}
+
+std::unique_ptr<WorldDemo> prepared(const DemoEntry& entry, const EconomyChoice& economy)
+{
+	std::unique_ptr<BrowsableDemo> demo = entry.make();
+	DemoOptions options;
+	options.cache = TREE_FOLDER;
+	demo->setEconomy(economy);
+	if (const auto failed = demo->prepare(options)) ADD_FAILURE() << failed->message;
+	return std::unique_ptr<WorldDemo>(dynamic_cast<WorldDemo*>(demo.release()));
+}
+
+btISTQueryCost costOf(const WorldDemo& demo)
+{
+	btISTQueryCost sum;
+	for (DemoWorld* world : demo.worlds())
+		if (world->volumetric()) sum.asked += world->volumetric()->contacts().cost().asked, sum.keptMoved += world->volumetric()->contacts().cost().kept();
+	return sum;
+}
+
+/// Bits of all poses and velocities.
+std::vector<unsigned char> stateOf(const WorldDemo& demo)
+{
+	std::vector<unsigned char> bits;
+	const auto append = [&](const btVector3& v)
+	{
+		const btScalar numbers[3] = {v.x(), v.y(), v.z()};
+		const auto* bytes = reinterpret_cast<const unsigned char*>(numbers);
+		bits.insert(bits.end(), bytes, bytes + sizeof numbers);
+	};
+	for (DemoWorld* world : demo.worlds())
+		for (const DemoWorld::Body& b : world->bodies())
+		{
+			append(b.body->getWorldTransform().getOrigin());
+			for (int i = 0; i < 3; ++i) append(b.body->getWorldTransform().getBasis()[i]);
+			append(b.body->getLinearVelocity());
+			append(b.body->getAngularVelocity());
+		}
+	return bits;
+}
+}  // namespace
+
+class DemoEconomy : public testing::TestWithParam<DemoEntry>
+{
+};
+
+TEST_P(DemoEconomy, KeepsWhatItPromisesInEveryStep)
+{
+	constexpr double kPromise = 0.05;
+	const auto demo = prepared(GetParam(), {true, kPromise});
+	KeptCheck check;
+	DemoRunOptions options;
+	options.afterStep = [&](long long)
+	{
+		for (DemoWorld* world : demo->worlds())
+			if (world->volumetric()) check.look(*world->volumetric());
+		return true;
+	};
+	const auto outcome = runDemo(*demo, GetParam().name, GetParam().about, options);
+	ASSERT_TRUE(outcome);
+	EXPECT_TRUE(outcome.value().ok()) << makeJson(outcome.value());
+	EXPECT_GT(check.kept, 0);
+	EXPECT_EQ(check.missed, 0);
+	const double usual = check.share(0.95), worst = check.largest();
+	EXPECT_LE(usual, 0.5 * kPromise);
+	EXPECT_LE(worst, kPromise);
+	const btISTQueryCost cost = costOf(*demo);
+	std::printf("  %llu queries, %llu kept (%.3g steps a query); error of the kept forces 95 %%: %.2g, largest %.2g\n", static_cast<unsigned long long>(cost.asked),
+				static_cast<unsigned long long>(cost.kept()), cost.factor(), usual, worst);
+}
+
+TEST_P(DemoEconomy, WithoutAnErrorChangesNoBit)
+{
+	const auto always = prepared(GetParam(), {false, 0}), exact = prepared(GetParam(), {true, 0});
+	ASSERT_FALSE(always->restart());
+	ASSERT_FALSE(exact->restart());
+	KeptCheck check;
+	for (double t = 0; t < 1.5; t += always->stepSize())
+	{
+		always->step(always->stepSize());
+		exact->step(exact->stepSize());
+		for (DemoWorld* world : exact->worlds())
+			if (world->volumetric()) check.look(*world->volumetric());
+		ASSERT_EQ(stateOf(*always), stateOf(*exact)) << "after " << t << " s";
+	}
+	EXPECT_EQ(check.changed, 0);
+	EXPECT_EQ(check.missed, 0);
+	EXPECT_EQ(costOf(*always).kept(), 0u);
+	EXPECT_EQ(costOf(*always).asked, costOf(*exact).asked + costOf(*exact).kept());
+}
+INSTANTIATE_TEST_SUITE_P(Demos, DemoEconomy, testing::ValuesIn(demosWithWorlds()), nameOf);
