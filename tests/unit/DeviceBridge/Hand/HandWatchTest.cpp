@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Zlib
+#include "../../CountingAllocator.h"
+#include "DeviceBridge/Hand/HandWatch.h"
+#include "LightHand.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+constexpr double kTick = 0.001;
+const GloveHandSize kSize{false, 0.189};
+
+struct Watched
+{
+	HandModel model;  // no trees: the watch needs none
+	HandState hand = posedHand({}, kSize);
+	HandWatch watch;
+
+	Watched() : model(make()), watch(model, handPartPoses(model, hand)) {}
+	static HandModel make()
+	{
+		HandModel m;
+		m.shape = measureHand(posedHand({}, kSize)).value();
+		for (int i = 0; i < kHandParts; ++i) m.parts[static_cast<std::size_t>(i)].centre = massProperties(handPartMesh(m.shape, i)).centerOfMass;
+		return m;
+	}
+	double away(int part) const { return distance(watch.target(part).X_WB.translation, handPartPoses(model, hand).X_WB[static_cast<std::size_t>(part)].translation); }
+};
+}  // namespace
+
+TEST(HandWatch, FollowsAGoodHandExactly)
+{
+	Watched w;
+	for (int i = 1; i <= 100; ++i)
+	{
+		moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0, 0.002, 0})), {0.001, 0, 0}});
+		w.watch.update(w.hand, kTick);
+		for (int part = 0; part < kHandParts; ++part) ASSERT_LT(w.away(part), 1e-12);
+	}
+	EXPECT_NEAR(norm(w.watch.target(kHandPart).twist.angular), 2, 1e-6);
+	EXPECT_EQ(w.watch.grip(), 1);
+	EXPECT_EQ(w.watch.complaints().sentence(), "");
+}
+
+TEST(HandWatch, JumpsAreFollowedAtTheLargestSpeed)
+{
+	Watched w;
+	moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0, 3, 0})), {1, 2, 3}});
+	Vec3 before = w.watch.target(kThumb3).X_WB.translation;
+	int ticks = 0;
+	while (w.away(kThumb3) > 1e-9 && ticks < 3000)
+	{
+		w.watch.update(w.hand, kTick);
+		const HandWatch::Target& now = w.watch.target(kThumb3);
+		ASSERT_LE(distance(now.X_WB.translation, before), 4 * kTick * (1 + 1e-9));
+		ASSERT_LE(norm(now.twist.angular), 40 * (1 + 1e-9));
+		ASSERT_TRUE(isRigid(now.X_WB, 1e-9));
+		before = now.X_WB.translation;
+		++ticks;
+	}
+	EXPECT_GT(ticks, 500);
+	EXPECT_LT(ticks, 1500);
+	EXPECT_NE(w.watch.complaints().sentence().find("jumped"), std::string::npos);
+}
+
+TEST(HandWatch, MissingPartsGoWithThePalm)
+{
+	Watched w;
+	w.watch.update(w.hand, kTick);
+	const ist::Pose before = inverse(w.watch.target(kHandPart).X_WB) * w.watch.target(kIndex3).X_WB;
+	for (int i = 0; i < 200; ++i)
+	{
+		moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0.001, 0.002, 0})), {0.0005, 0, 0}});
+		HandState holed = w.hand;
+		holed.joints[kIndexDistal].tracked = false;
+		holed.joints[kMiddleProximal].position.y = std::numeric_limits<double>::infinity();
+		holed.joints[kRingProximal].orientation = {0, 0, 0, 0};
+		w.watch.update(holed, kTick);
+	}
+	const ist::Pose after = inverse(w.watch.target(kHandPart).X_WB) * w.watch.target(kIndex3).X_WB;
+	EXPECT_LT(distance(before.translation, after.translation), 1e-9);
+	EXPECT_LT(norm(rotationVector(quaternion(before.rotation * transpose(after.rotation)))), 1e-6);
+	EXPECT_EQ(w.watch.grip(), 1);
+	EXPECT_EQ(w.watch.complaints().missingJoints, 200u);
+	EXPECT_EQ(w.watch.complaints().jumps, 0u);
+}
+
+TEST(HandWatch, LostHandsStandStillThenLetGoAndComeBack)
+{
+	Watched w;
+	w.watch.update(w.hand, kTick);
+	const Vec3 stood = w.watch.target(kThumb2).X_WB.translation;
+	HandState none;
+	for (int i = 0; i < 290; ++i) w.watch.update(none, kTick);
+	EXPECT_EQ(w.watch.grip(), 1);
+	for (int i = 0; i < 600; ++i) w.watch.update(none, kTick);
+	EXPECT_EQ(w.watch.grip(), 0);
+	EXPECT_EQ(distance(w.watch.target(kThumb2).X_WB.translation, stood), 0);
+	EXPECT_EQ(norm(w.watch.target(kThumb2).twist.linear), 0);
+	for (int i = 0; i < 130; ++i) w.watch.update(w.hand, kTick);
+	EXPECT_EQ(w.watch.grip(), 1);
+	EXPECT_EQ(w.watch.complaints().lost, 890u);
+	EXPECT_NE(w.watch.complaints().sentence().find("lost"), std::string::npos);
+}
+
+TEST(HandWatch, TheOtherHandIsNotUsed)
+{
+	Watched w;
+	HandState other = posedHand({}, {true, 0.189});
+	moveHand(other, {{}, {0.5, 0, 0}});
+	const Vec3 stood = w.watch.target(kIndex1).X_WB.translation;
+	for (int i = 0; i < 10; ++i) w.watch.update(other, kTick);
+	EXPECT_EQ(distance(w.watch.target(kIndex1).X_WB.translation, stood), 0);
+	EXPECT_EQ(w.watch.complaints().wrongSide, 10u);
+	EXPECT_EQ(w.watch.complaints().lost, 0u);
+}
+
+TEST(HandWatch, DoesNotAllocate)
+{
+	Watched w;
+	const long before = allocationCount();
+	for (int i = 0; i < 50; ++i) w.watch.update(i % 3 ? w.hand : HandState(), kTick);
+	EXPECT_EQ(allocationCount(), before);
+}
