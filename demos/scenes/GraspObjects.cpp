@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/GraspObjects.h"
+
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
+#include "demos/scenes/ImplicitMesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace ist;
+
+namespace scenes
+{
+namespace
+{
+constexpr double kBunnySize = 0.09;
+constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
+
+/// Depth below the surface, positive inside, as far as these shapes know it [m].
+double roundBox(const Vec3& p, const Vec3& half, double rounding)
+{
+	const Vec3 q = Vec3{std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)} - half + Vec3{rounding, rounding, rounding};
+	return rounding - norm(componentMax(q, {})) - std::min(std::max({q.x, q.y, q.z}), 0.0);
+}
+double ellipsoid(const Vec3& p, const Vec3& r)
+{
+	const Vec3 q{p.x / r.x, p.y / r.y, p.z / r.z}, g{q.x / r.x, q.y / r.y, q.z / r.z};
+	const double k = norm(q), m = norm(g);
+	return m > 0 ? -k * (k - 1) / m : std::min({r.x, r.y, r.z});
+}
+double torus(const Vec3& p, double ring, double tube)
+{
+	return tube - std::hypot(std::hypot(p.x, p.z) - ring, p.y);
+}
+/// A rounded wall about y between two radii.
+double tube(const Vec3& p, double inner, double outer, double lower, double upper, double rounding)
+{
+	const Vec3 q{std::hypot(p.x, p.z) - 0.5 * (inner + outer), p.y - 0.5 * (lower + upper), 0};
+	return roundBox(q, {0.5 * (outer - inner), 0.5 * (upper - lower), 1}, rounding);
+}
+/// Union with a fillet about so wide.
+double joined(double a, double b, double fillet)
+{
+	const double h = std::max(fillet - std::fabs(a - b), 0.0) / fillet;
+	return std::max(a, b) + 0.25 * h * h * fillet;
+}
+
+double mug(const Vec3& p)
+{
+	const double wall = tube(p, 0.0275, 0.032, 0, 0.085, 0.002), floor = tube(p, -0.031, 0.031, 0, 0.006, 0.002);
+	// The handle: an upright arch, cut off inside of the wall.
+	const Vec3 q = p - Vec3{0.03, 0.043, 0};
+	const double handle = std::min(torus({q.x, q.z, q.y}, 0.022, 0.0045), std::hypot(p.x, p.z) - 0.0285);
+	return joined(joined(wall, floor, 0.003), handle, 0.004);
+}
+double duck(const Vec3& p)
+{
+	const double body = ellipsoid(p - Vec3{0, 0.026, 0}, {0.046, 0.028, 0.031}), tail = ellipsoid(p - Vec3{0.04, 0.04, 0}, {0.016, 0.012, 0.014});
+	const double head = ellipsoid(p - Vec3{-0.024, 0.064, 0}, {0.021, 0.02, 0.019}), beak = ellipsoid(p - Vec3{-0.046, 0.06, 0}, {0.014, 0.0055, 0.01});
+	const double all = joined(joined(joined(body, tail, 0.012), head, 0.012), beak, 0.004);
+	return std::min(all, p.y);  // flat below, to stand on
+}
+double nut(const Vec3& p)
+{
+	double hexagon = 1;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double angle = i * 3.14159265358979323846 / 3;
+		hexagon = std::min(hexagon, 0.025 - std::fabs(std::cos(angle) * p.z + std::sin(angle) * p.x));
+	}
+	// Corners cut off by a cone at both ends, as of nuts that were turned.
+	const double r = std::hypot(p.x, p.z), edge = 0.015 + (0.0265 - r) / std::sqrt(3.0) - std::fabs(p.y - 0.015);
+	// The thread, one start.
+	const double pitch = 0.006, phase = std::atan2(p.z, p.x) / 6.28318530717958648 - p.y / pitch, groove = std::fabs(phase - std::round(phase));
+	return std::min({hexagon, 0.015 - std::fabs(p.y - 0.015), edge, 0.8 * (r - 0.0125 + 0.003 * groove)});
+}
+double plate(const Vec3& p) { return roundBox(p - Vec3{0, 0.03, 0}, {0.05, 0.03, 0.0025}, 0.001); }
+double ring(const Vec3& p) { return tube(p, 0.024, 0.03, 0, 0.03, 0.0025); }
+
+Result<Mesh> bunny()
+{
+	Result<Mesh> read = importMesh(kBunny);
+	if (!read) return Error{read.error().message + "; the bunny comes with: apt-get install glmark2-data"};
+	Mesh mesh = std::move(read).value();
+	const Box box = bounds(mesh);
+	const Vec3 foot{0.5 * (box.lower.x + box.upper.x), box.lower.y, 0.5 * (box.lower.z + box.upper.z)};
+	for (Vec3& p : mesh.vertices) p = kBunnySize / box.longestSide() * (p - foot);
+	Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, {});
+	if (!repaired) return repaired.error();
+	return std::move(repaired).value().mesh;
+}
+
+struct Row
+{
+	GraspObject object;
+	double (*field)(const Vec3&);  // null: from a file
+	Box box;
+	double cell;
+};
+const std::vector<Row>& rows()
+{
+	static const std::vector<Row> all = {
+		{{"mug", {}, 0.18, 0.05, 0, 0, 0.064}, mug, {{-0.037, -0.005, -0.037}, {0.063, 0.09, 0.037}}, 0.0016},
+		{{"bunny", {}, 0.15, 0.019, 0, 0.006, 0.056}, nullptr, {}, 0},
+		{{"duck", {}, 0.12, 0.016, 0, 0, 0.062}, duck, {{-0.067, -0.006, -0.038}, {0.063, 0.092, 0.038}}, 0.002},
+		{{"nut", {}, 0.2, 0.014, 0, 0, 0.05}, nut, {{-0.036, -0.006, -0.032}, {0.036, 0.036, 0.032}}, 0.0012},
+		{{"plate", {}, 0.08, 0.04, 0, 0, 0.005}, plate, {{-0.056, -0.006, -0.0085}, {0.056, 0.066, 0.0085}}, 0.0011},
+		{{"ring", {}, 0.1, 0.016, 0, 0, 0.06}, ring, {{-0.036, -0.006, -0.036}, {0.036, 0.036, 0.036}}, 0.0016}};
+	return all;
+}
+}  // namespace
+
+const std::vector<std::string>& graspObjectNames()
+{
+	static const std::vector<std::string> names = []
+	{
+		std::vector<std::string> all;
+		for (const Row& row : rows()) all.push_back(row.object.name);
+		return all;
+	}();
+	return names;
+}
+
+Result<GraspObject> makeGraspObject(const std::string& name)
+{
+	for (const Row& row : rows())
+	{
+		if (row.object.name != name) continue;
+		GraspObject object = row.object;
+		if (row.field)
+		{
+			object.mesh = meshOfField(row.field, row.box, row.cell);
+			return object;
+		}
+		Result<Mesh> mesh = bunny();
+		if (!mesh) return mesh.error();
+		object.mesh = std::move(mesh).value();
+		return object;
+	}
+	std::string known;
+	for (const std::string& other : graspObjectNames()) known += (known.empty() ? "" : ", ") + other;
+	return Error{"nothing to grasp is called " + name + ": there are " + known};
+}
+}  // namespace scenes

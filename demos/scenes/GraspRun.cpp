@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/GraspRun.h"
+
+#include "BulletHapticForce/btContactLaw.h"
+#include "BulletISTCollision/Core/TreeCache.h"
+#include "BulletISTCollision/btISTConversion.h"
+
+#include "BulletCollision/CollisionShapes/btConvexHullShape.h"
+#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace ist;
+using namespace devicebridge;
+
+namespace scenes
+{
+namespace
+{
+constexpr double kOffTable = 0.02;  // of the object's centre of mass, once lifted [m]
+constexpr double kTableStiffness = 5e7;
+constexpr double kSampleEvery = 0.01;
+}  // namespace
+
+Result<std::unique_ptr<GraspScene>> GraspScene::make(const GraspOptions& options)
+{
+	Result<GraspObject> object = makeGraspObject(options.object);
+	if (!object) return object.error();
+	const GloveHandSize size{options.left, options.handLength};
+	Result<HandShape> shape = measureHand(posedHand({}, size));
+	if (!shape) return shape.error();
+	Result<std::shared_ptr<const HandModel>> model = buildHandModel(shape.value(), {options.handSpheres, options.cache, 0, options.progress});
+	if (!model) return model.error();
+
+	std::unique_ptr<GraspScene> scene(new GraspScene);
+	scene->m_options = options;
+	scene->m_object = std::move(object).value();
+	scene->m_model = std::move(model).value();
+	const GraspObject& o = scene->m_object;
+	scene->m_centre = massProperties(o.mesh).centerOfMass;
+	BuildOptions build;
+	build.maxSpheres = options.objectSpheres;
+	build.progress = options.progress;
+	Result<ist::CachedTree> tree = ist::cachedTree(translated(o.mesh, -scene->m_centre), build, options.cache);
+	if (!tree) return Error{o.name + ": " + tree.error().message, tree.error().cancelled};
+	scene->m_tree = tree.value().tree;
+	scene->m_motion.size = size;
+	scene->m_motion.gripX = o.gripX;
+	scene->m_motion.gripZ = o.gripZ;
+	scene->m_motion.gripHeight = o.gripHeight;
+	scene->m_motion.width = o.width;
+	if (auto error = scene->start(options.friction)) return *error;
+	return scene;
+}
+
+GraspScene::~GraspScene() { leave(); }
+
+void GraspScene::leave()
+{
+	if (!m_world) return;
+	m_audit.reset();
+	m_hand.reset();
+	m_world->bullet().removeRigidBody(m_body.get());
+	m_world->bullet().removeRigidBody(m_ground.get());
+	m_attachment.detach();
+	m_world.reset();
+}
+
+std::optional<Error> GraspScene::start(double friction)
+{
+	leave();
+	m_time = 0;
+	m_world = std::make_unique<btISTWorld>();
+	m_groundShape = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0));
+	m_ground = std::make_unique<btRigidBody>(btScalar(0), nullptr, m_groundShape.get());
+	m_ground->setFriction(btScalar(1));
+	m_world->bullet().addRigidBody(m_ground.get());
+
+	auto hull = std::make_unique<btConvexHullShape>();
+	for (const Vec3& p : m_object.mesh.vertices) hull->addPoint(toBullet(p - m_centre), false);
+	hull->recalcLocalAabb();
+	m_shape = std::move(hull);
+	btVector3 inertia;
+	for (int i = 0; i < 3; ++i) inertia[i] = btScalar(m_object.mass / m_tree->volume * m_tree->inertia.m[i][i]);
+	m_body = std::make_unique<btRigidBody>(btScalar(m_object.mass), nullptr, m_shape.get(), inertia);
+	m_body->setWorldTransform(btTransform(btQuaternion::getIdentity(), toBullet(m_centre)));
+	m_body->setInterpolationWorldTransform(m_body->getWorldTransform());
+	m_body->setFriction(btScalar(friction));
+	m_body->setActivationState(DISABLE_DEACTIVATION);
+	Result<btISTAttachment> attached = m_world->attach(m_shape.get(), m_tree);
+	if (!attached) return attached.error();
+	m_attachment = std::move(attached).value();
+	if (auto refused = m_world->materials().set(m_ground.get(), {kTableStiffness, 2})) return refused;
+	m_world->bullet().addRigidBody(m_body.get());
+
+	Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*m_world, m_model, posedHand(m_motion.at(0), m_motion.size));
+	if (!hand) return hand.error();
+	m_hand = std::move(hand).value();
+	m_audit = std::make_unique<btEnergyAudit>(m_world->bullet(), m_world->contacts());
+	return std::nullopt;
+}
+
+void GraspScene::step() { step(posedHand(m_motion.at(m_time + m_options.step), m_motion.size)); }
+
+void GraspScene::step(const HandState& hand)
+{
+	m_hand->drive(hand, m_options.step);
+	m_audit->beforeStep(m_options.step);
+	m_world->step(m_options.step);
+	m_audit->afterStep();
+	m_time += m_options.step;
+}
+
+Pose GraspScene::X_WM() const { return toPose(m_body->getWorldTransform()) * Pose{{}, -m_centre}; }
+
+double GraspScene::addTouches(HeatMap& map, int steps, int only) const
+{
+	return devicebridge::addTouches(map, *m_hand, m_world->contacts(), *m_body, {{}, -m_centre}, m_options.step, steps * m_options.step, only);
+}
+
+std::vector<GraspContact> GraspScene::graspContacts() const
+{
+	std::vector<GraspContact> contacts;
+	const Pose X_BW = inverse(toPose(m_body->getWorldTransform()));
+	for (const btISTContact* contact : m_world->contacts().contacts())
+	{
+		const bool objectIsA = contact->bodyA == m_body.get();
+		if (!objectIsA && contact->bodyB != m_body.get()) continue;
+		const btCollisionObject* other = objectIsA ? contact->bodyB : contact->bodyA;
+		if (m_hand->partOf(other) < 0) continue;
+		for (int i = 0; i < contact->patchCount; ++i)
+		{
+			btContactPatch patch;
+			if (!evaluateContactPatch(*contact, i, patch)) continue;
+			contacts.push_back({X_BW * patch.point, (objectIsA ? 1.0 : -1.0) * (X_BW.rotation * patch.normal), double(m_body->getFriction() * other->getFriction()), patch.frictionRadius});
+		}
+	}
+	return contacts;
+}
+
+namespace
+{
+/// What a grasp is judged by, gathered step by step.
+class GraspJudge
+{
+public:
+	GraspJudge(GraspScene& scene, double friction) : m_scene(scene), m_startHeight(height())
+	{
+		m_out.object = scene.object().name;
+		m_out.friction = friction;
+	}
+
+	void look()
+	{
+		const BulletHand::Touch touch = m_scene.hand().touch(m_scene.stepSize());
+		GraspSample now;
+		now.time = m_scene.time();
+		now.height = height() - m_startHeight;
+		for (int i = 0; i < kHandParts; ++i)
+		{
+			now.force += norm(touch.force[i]);
+			now.strongest = std::max(now.strongest, norm(touch.force[i]));
+			if (i != kHandPart) m_out.couplingForce = std::max(m_out.couplingForce, norm(m_scene.hand().coupling(i).force));
+		}
+		now.parts = touch.parts;
+		now.pairs = double(touch.pairs);
+		m_out.peakForce = std::max(m_out.peakForce, now.strongest);
+		lookAtSlip(now);
+		lookAtHold(now);
+		if (now.time + 1e-9 < m_nextSample) return;
+		m_nextSample += kSampleEvery;
+		m_out.samples.push_back(now);
+	}
+
+	GraspOutcome finish()
+	{
+		m_out.held = m_held;
+		m_out.holdingForce = m_holds > 0 ? m_out.holdingForce / m_holds : 0;
+		m_out.putDown = height() - m_startHeight < kOffTable && double(m_scene.body().getLinearVelocity().length()) < 0.05;
+		m_out.energy = m_scene.energy();
+		m_out.complaints = m_scene.hand().watch().complaints().sentence();
+		return std::move(m_out);
+	}
+
+private:
+	double height() const { return double(m_scene.body().getWorldTransform().getOrigin().y()); }
+
+	void lookAtSlip(GraspSample& now)
+	{
+		if (now.time < GraspMotion::kLifted || now.time > GraspMotion::kShaken) return;
+		const Pose X_PB = inverse(toPose(m_scene.hand().body(kHandPart).getWorldTransform())) * toPose(m_scene.body().getWorldTransform());
+		if (!m_lifted) m_X_PB = X_PB;
+		m_lifted = true;
+		now.slip = distance(X_PB.translation, m_X_PB.translation);
+		m_out.slip = std::max(m_out.slip, now.slip);
+		m_out.slipAngle = std::max(m_out.slipAngle, norm(rotationVector(quaternion(X_PB.rotation * transpose(m_X_PB.rotation)))));
+		m_held = m_held && now.height > kOffTable && now.parts > 0;
+	}
+
+	/// Still in the air, between turning and shaking.
+	void lookAtHold(const GraspSample& now)
+	{
+		if (now.time < GraspMotion::kLifted || now.time > GraspMotion::kTurned) return;
+		m_out.holdingForce += now.force;
+		if (m_holds++ > 0) return;
+		m_out.parts = now.parts;
+		GraspQualityOptions options;
+		options.length = 0.5 * bounds(m_scene.object().mesh).longestSide();
+		m_out.quality = graspQuality(m_scene.graspContacts(), options);
+	}
+
+	GraspScene& m_scene;
+	GraspOutcome m_out;
+	double m_startHeight, m_nextSample = 0;
+	bool m_lifted = false, m_held = true;
+	int m_holds = 0;
+	Pose m_X_PB;
+};
+}  // namespace
+
+Result<GraspOutcome> runGrasp(GraspScene& scene, double friction, const std::function<void()>& eachStep)
+{
+	if (auto error = scene.start(friction)) return *error;
+	GraspJudge judge(scene, friction);
+	while (scene.time() < GraspMotion::kEnd)
+	{
+		scene.step();
+		judge.look();
+		if (eachStep) eachStep();
+	}
+	return judge.finish();
+}
+}  // namespace scenes

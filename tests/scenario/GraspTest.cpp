@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/GraspRun.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace devicebridge;
+using namespace scenes;
+using ist::Vec3;
+
+namespace
+{
+std::unique_ptr<GraspScene> makeScene(const std::string& object, bool left = false, double length = 0.189)
+{
+	GraspOptions options;
+	options.object = object;
+	options.cache = TREE_FOLDER;
+	options.left = left;
+	options.handLength = length;
+	auto scene = GraspScene::make(options);
+	EXPECT_TRUE(scene) << scene.error().message;
+	return scene ? std::move(scene).value() : nullptr;
+}
+
+const BulletHandSettings kSettings;
+
+/// What every grasp must keep to.
+void expectSound(const GraspOutcome& outcome)
+{
+	// A bone of 0.03 kg that is stopped within a step adds what its coupling had given it.
+	EXPECT_LE(outcome.peakForce, 1.02 * kSettings.maxForce);
+	EXPECT_LE(outcome.couplingForce, kSettings.maxForce * (1 + 1e-9));
+	EXPECT_EQ(outcome.complaints, "");
+	// Every joule has a name.
+	EXPECT_LT(std::fabs(outcome.energy.residual), 2e-3 * outcome.energy.injected);
+	EXPECT_GT(outcome.energy.physical, 0);
+}
+}  // namespace
+
+class GraspScenario : public testing::TestWithParam<std::string>
+{
+};
+
+TEST_P(GraspScenario, HoldsWithFrictionAndDropsWithout)
+{
+	const auto scene = makeScene(GetParam());
+	ASSERT_TRUE(scene);
+	const GraspOutcome rough = runGrasp(*scene, 0.5).value();
+	expectSound(rough);
+	EXPECT_TRUE(rough.held);
+	EXPECT_TRUE(rough.putDown);
+	EXPECT_LT(rough.slip, 0.004);
+	EXPECT_LT(rough.slipAngle, 0.15);
+	EXPECT_TRUE(rough.quality.forceClosure);
+	EXPECT_GT(rough.quality.epsilon, 0.02);
+	EXPECT_LT(rough.quality.epsilon, 0.5);
+	EXPECT_GE(rough.parts, 2);
+	// Friction can carry the weight only with so much of it pressed.
+	EXPECT_GT(0.5 * rough.holdingForce, scene->object().mass * 9.81);
+
+	const GraspOutcome smooth = runGrasp(*scene, 0.04).value();
+	expectSound(smooth);
+	EXPECT_FALSE(smooth.held);
+	EXPECT_TRUE(smooth.putDown);
+}
+INSTANTIATE_TEST_SUITE_P(Objects, GraspScenario, testing::ValuesIn(graspObjectNames()), [](const auto& row) { return row.param; });
+
+TEST(GraspScenarios, ASmallLeftHandHoldsToo)
+{
+	const auto scene = makeScene("nut", true, 0.172);
+	ASSERT_TRUE(scene);
+	const GraspOutcome outcome = runGrasp(*scene, 0.5).value();
+	EXPECT_TRUE(outcome.held);
+	expectSound(outcome);
+}
+
+TEST(GraspScenarios, HeatMapHoldsTheForceOfTheContacts)
+{
+	const auto scene = makeScene("duck");
+	ASSERT_TRUE(scene);
+	const auto map = scene->makeHeatMap();
+	double impulse = 0;
+	const GraspOutcome outcome = runGrasp(*scene, 0.5, [&] { impulse += scene->addTouches(*map) * scene->stepSize(); }).value();
+	ASSERT_TRUE(outcome.held);
+	double onVertices = 0, ofParts = 0, furthest = 0;
+	int touched = 0;
+	for (const HeatMap::Vertex& v : map->vertices())
+	{
+		onVertices += v.impulse;
+		touched += v.part >= 0;
+		if (v.dwell > 0) furthest = std::max(furthest, v.dwell);
+	}
+	EXPECT_NEAR(onVertices, impulse, 0.02 * impulse);
+	EXPECT_GT(touched, 50);
+	EXPECT_LT(furthest, GraspMotion::kEnd * 2);
+	for (const HeatMap::Summary& row : map->summary())
+	{
+		ofParts += row.impulse;
+		if (!(row.dwell > 0)) continue;
+		EXPECT_NE(row.id, handPartId(kPinky1, false));
+		EXPECT_LT(row.area, 1e-3);
+		EXPECT_LE(row.peakForce, 1.02 * kSettings.maxForce);
+	}
+	EXPECT_NEAR(ofParts, impulse, 1e-6 * impulse);
+	// The thumb presses against all others.
+	const auto rows = map->summary();
+	double fingers = 0;
+	for (const int part : {kIndex2, kIndex3, kMiddle2, kMiddle3, kRing2, kRing3, kPinky2, kPinky3}) fingers += rows[size_t(part)].impulse;
+	EXPECT_NEAR(rows[kThumb1].impulse + rows[kThumb2].impulse + rows[kThumb3].impulse, fingers, 0.15 * fingers);
+}
+
+TEST(GraspScenarios, AHandThatIsLostInTheAirLetsGoAndSaysSo)
+{
+	const auto scene = makeScene("nut");
+	ASSERT_TRUE(scene);
+	ASSERT_FALSE(scene->start(0.5));
+	bool heldOn = false;
+	double height = 0;
+	while (scene->time() < GraspMotion::kLifted) scene->step();
+	height = double(scene->body().getWorldTransform().getOrigin().y());
+	EXPECT_GT(height, 0.1);
+	for (int i = 0; i < 500; ++i)
+	{
+		scene->step(HandState{});
+		const BulletHand::Touch touch = scene->hand().touch(scene->stepSize());
+		for (const Vec3& force : touch.force) ASSERT_LE(norm(force), 1.02 * kSettings.maxForce);
+		// It holds on for a while, in case that the hand comes back.
+		if (i == 100) heldOn = double(scene->body().getWorldTransform().getOrigin().y()) > height - 0.005;
+	}
+	EXPECT_TRUE(heldOn);
+	EXPECT_LT(double(scene->body().getWorldTransform().getOrigin().y()), 0.05);
+	EXPECT_NE(scene->hand().watch().complaints().sentence().find("tracking was lost"), std::string::npos);
+}
+
+TEST(GraspScenarios, UnknownObjectsAreRefusedByName)
+{
+	GraspOptions options;
+	options.object = "cloud";
+	const auto scene = GraspScene::make(options);
+	ASSERT_FALSE(scene);
+	EXPECT_NE(scene.error().message.find("mug, bunny, duck"), std::string::npos);
+}
