@@ -12,6 +12,8 @@ install(TARGETS ${libraries} EXPORT BulletHapticsTargets
 	LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
 install(DIRECTORY BulletISTCollision/Core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core COMPONENT dev
 	FILES_MATCHING PATTERN "*.h" PATTERN Kernels EXCLUDE)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/generated/BulletISTCollision/Core/Version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core
+	COMPONENT dev)
 # By name: the module has headers of its own beside the ones for its users.
 install(FILES
 	BulletISTCollision/btBulletISTCollisionCommon.h

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Version.h"
 #include "demos/BrowserRun.h"
 #include "demos/DemoArguments.h"
 #include "demos/Present.h"
@@ -37,12 +38,6 @@ using scenes::DemoArguments;
 using scenes::present;
 using scenes::say;
 using scenes::showProgress;
-
-#ifdef IST_VERSION
-constexpr const char* kVersion = IST_VERSION;
-#else
-constexpr const char* kVersion = "0.1.0";
-#endif
 
 int refuse(const DemoArguments& a, const ist::Error& error)
 {
@@ -157,7 +152,7 @@ int run(int argc, char** argv)
 		std::fprintf(stderr, "haptic_demos: %s\n%s", a.error.c_str(), scenes::kDemoUsage);
 		return 2;
 	}
-	if (a.version) return std::printf("haptic_demos %s\n", kVersion), 0;
+	if (a.version) return std::puts("haptic_demos " BULLETHAPTICS_VERSION), 0;
 	if (a.help) return std::printf("%s", scenes::kDemoUsage), 0;
 	if (a.list)
 	{

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
+#include "BulletISTCollision/Core/Version.h"
+
 #include <CLI/CLI.hpp>
 
 #include <csignal>
@@ -12,7 +14,7 @@ namespace ist::tools
 {
 namespace
 {
-constexpr const char* kVersion = "ist 0.1.0";
+constexpr const char* kVersion = "ist " BULLETHAPTICS_VERSION;
 
 class CommandLine
 {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Tools/Commands.h"
 
+#include "BulletISTCollision/Core/Version.h"
+
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -12,7 +14,7 @@ namespace devicebridge::tools
 {
 namespace
 {
-constexpr const char* kVersion = "devicebridge 0.1.0";
+constexpr const char* kVersion = "devicebridge " BULLETHAPTICS_VERSION;
 
 class CommandLine
 {
