@@ -1,5 +1,5 @@
 # Debian packages: cmake --preset package && cmake --build --preset package && cpack --config build/package/CPackConfig.cmake
-# libbullethaptics0.1 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools, bullethaptics-demos.
+# libbullethaptics0.1 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools, bullethaptics-demos, python3-bullethaptics.
 if(NOT BUILD_SHARED_LIBS OR NOT UNIX)
 	return()
 endif()
@@ -65,6 +65,12 @@ bullethaptics_package(tools bullethaptics-tools "volumetric contact for Bullet P
 bullethaptics_package(demos bullethaptics-demos "volumetric contact for Bullet Physics, demos" SECTION science
 	DEPENDS "libbullethaptics${abi} ${same}" PAGES haptic_demos.1 EXPLANATION
 	"Runs demos and scene files of BulletHaptics without graphics, and writes a" "report: a simulated hand that presses a rod on a mesh, among others.")
+if(TARGET bullethaptics_python)
+	math(EXPR next "${BULLETHAPTICS_PYTHON_MINOR} + 1")
+	bullethaptics_package(python python3-bullethaptics "volumetric contact between closed meshes, Python module" SECTION python
+		DEPENDS "libbullethaptics${abi} ${same}, python3 (>= 3.${BULLETHAPTICS_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy" EXPLANATION
+		"Packs meshes with spheres, and asks for overlap volume, force and torque of" "many poses in one call, on NumPy arrays.")
+endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME bullethaptics)
@@ -81,6 +87,9 @@ foreach(component tools demos)
 		list(APPEND CPACK_COMPONENTS_ALL ${component})
 	endif()
 endforeach()
+if(TARGET bullethaptics_python)
+	list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE ${revision})

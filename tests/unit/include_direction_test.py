@@ -9,6 +9,7 @@ ALLOWED = {
     "BulletISTCollision": ["BulletISTCollision"],
     "BulletISTCollision/Core": ["BulletISTCollision/Core"],
     "BulletISTCollision/Tools": ["BulletISTCollision"],
+    "BulletISTCollision/Python": ["BulletISTCollision/Core", "BulletISTCollision/Python"],
     "BulletHapticForce": ["BulletISTCollision", "BulletHapticForce"],
     "TestSupport": ["BulletISTCollision", "BulletHapticForce", "TestSupport"],
     "DeviceBridge": ["BulletISTCollision/Core", "DeviceBridge"],

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/ExpectedError.h"
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
+#include "BulletISTCollision/Core/Version.h"
+#include "BulletISTCollision/Python/MeshArguments.h"
+#include "BulletISTCollision/Python/QueryArrays.h"
+
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace ist::python
+{
+namespace
+{
+using Tree = std::shared_ptr<InnerSphereTree>;
+
+/// What Python sees of an Error.
+struct BulletHapticsError : std::runtime_error
+{
+	using std::runtime_error::runtime_error;
+};
+
+/// Runs offline work without the interpreter's lock. An interrupt or an exception in the caller's `progress` cancels it, and is raised.
+template <class Work>
+auto run(const py::object& progress, Work&& work)
+{
+	std::optional<py::error_already_set> raised;
+	const Progress watch = [&](const char* stage, double fraction) {
+		const py::gil_scoped_acquire lock;
+		try
+		{
+			if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+			if (progress.is_none()) return true;
+			const py::object goOn = progress(stage, fraction);
+			return goOn.is_none() || goOn.cast<bool>();
+		}
+		catch (py::error_already_set& e)
+		{
+			raised.emplace(e);
+			return false;
+		}
+	};
+	auto result = [&] {
+		const py::gil_scoped_release others;
+		return work(watch);
+	}();
+	if (raised) throw py::error_already_set(*raised);
+	if (!result) throw BulletHapticsError(result.error().message);
+	return std::move(result).value();
+}
+
+RepairMode repairMode(const std::string& name)
+{
+	if (name == "auto") return RepairMode::Auto;
+	if (name == "off") return RepairMode::Off;
+	if (name == "wrap") return RepairMode::Wrap;
+	throw py::value_error("repair must be \"auto\", \"off\" or \"wrap\", not \"" + name + "\"");
+}
+
+Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius, std::optional<double> error,
+		   const std::string& repair, uint64_t seed, int threads, const py::object& progress)
+{
+	if (spheres < 1) throw py::value_error("spheres must be at least 1");
+	if (!(fill > 0 && fill <= 1)) throw py::value_error("fill must be above 0 and at most 1");
+	if (!(minRadius >= 0) || !std::isfinite(minRadius)) throw py::value_error("min_radius must be finite and not negative");
+	if (error && !(*error > 0 && *error < 1)) throw py::value_error("error must be between 0 and 1");
+	if (threads < 0) throw py::value_error("threads must not be negative");
+	const Mesh mesh = meshFrom(vertices, triangles);
+	BuildOptions options;
+	options.maxSpheres = spheres;
+	options.targetFill = fill;
+	options.minRadius = minRadius;
+	options.repair = repairMode(repair);
+	options.seed = seed;
+	options.threads = threads;
+	return std::make_shared<InnerSphereTree>(run(progress, [&](const Progress& watch) {
+		options.progress = watch;
+		Result<InnerSphereTree> tree = error ? buildTreeToError(mesh, *error, options) : buildTree(mesh, options);
+		return tree;
+	}));
+}
+
+Tree load(const std::string& path)
+{
+	return std::make_shared<InnerSphereTree>(run(py::none(), [&](const Progress&) { return loadAsset(path); }));
+}
+
+size_t save(const InnerSphereTree& tree, const std::string& path)
+{
+	return run(py::none(), [&](const Progress& watch) { return saveAsset(tree, path, watch); });
+}
+
+py::array_t<float> spheres(const Tree& tree)
+{
+	static_assert(sizeof(Sphere) == 4 * sizeof(float));
+	const py::capsule keep(new Tree(tree), [](void* p) { delete static_cast<Tree*>(p); });
+	py::array_t<float> view({static_cast<py::ssize_t>(tree->spheres.size()), py::ssize_t(4)}, &tree->spheres.data()->x, keep);
+	py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+	return view;
+}
+
+py::array_t<double> toArray(const Vec3& v)
+{
+	py::array_t<double> a(3);
+	a.mutable_at(0) = v.x;
+	a.mutable_at(1) = v.y;
+	a.mutable_at(2) = v.z;
+	return a;
+}
+
+py::array_t<double> toArray(const Mat3& m) { return py::array_t<double>({3, 3}, &m.m[0][0]); }
+
+void bindTree(py::module_& module)
+{
+	py::class_<InnerSphereTree, Tree>(module, "Tree", "A body ready for queries: packed spheres, leaves and their trees. Immutable.")
+		.def("save", &save, "path"_a, "Writes an .ist asset; the old file or the whole new one is there afterwards. Returns its size in bytes.")
+		.def_property_readonly("volume", [](const InnerSphereTree& t) { return t.volume; }, "Of the repaired mesh [m^3].")
+		.def_property_readonly("area", [](const InnerSphereTree& t) { return t.area; }, "Of the repaired mesh [m^2].")
+		.def_property_readonly("fill", [](const InnerSphereTree& t) { return t.fill; }, "Volume of the packed spheres over that of the mesh.")
+		.def_property_readonly("mean_gap", [](const InnerSphereTree& t) { return t.meanGap; }, "Between surface and spheres, mean [m].")
+		.def_property_readonly("center_of_mass", [](const InnerSphereTree& t) { return toArray(t.origin); }, "In the mesh frame [m].")
+		.def_property_readonly("inertia", [](const InnerSphereTree& t) { return toArray(t.inertia); }, "About the centre of mass, density 1 [m^5].")
+		.def_property_readonly("spheres", &spheres, "(n, 4) x y z radius [m], about the centre of mass, largest first; not writable.")
+		.def_property_readonly("leaves", [](const InnerSphereTree& t) { return t.law.balls.size(); }, "Number of leaves of the law's tree.")
+		.def_property_readonly("repair", [](const InnerSphereTree& t) { return t.provenance.repair; }, "What repair did to the mesh, in sentences.")
+		.def("__repr__", [](const InnerSphereTree& t) {
+			return "<bullethaptics.Tree of " + std::to_string(t.spheres.size()) + " spheres, " + std::to_string(t.law.balls.size()) + " leaves>";
+		});
+}
+
+void bindFunctions(py::module_& module)
+{
+	module.def("build", &build, "vertices"_a, "triangles"_a = py::none(), py::kw_only(), "spheres"_a = int64_t(10000), "fill"_a = 1.0,
+			   "min_radius"_a = 0.0, "error"_a = py::none(), "repair"_a = "auto", "seed"_a = uint64_t(1), "threads"_a = 0, "progress"_a = py::none(),
+			   "A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without triangles, "
+			   "each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
+			   "return False to cancel. Raises bullethaptics.Error with a sentence.");
+	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
+	module.def("read_mesh", [](const std::string& path, double unit) {
+			return arraysFrom(run(py::none(), [&](const Progress& watch) { return importMesh(path, unit, watch); }));
+		}, "path"_a, "unit"_a = 1.0, "(vertices, triangles) of a mesh file; `unit` is metres per unit of the file.");
+	module.def("query", &query, "a"_a, "b"_a, "poses"_a, py::kw_only(), "stiffness"_a = 1.0, "level"_a = -1, "max_pairs"_a = int64_t(-1),
+			   "Overlap, force and torque of body b at `poses` in a's mesh frame, by the pressure field law with `stiffness` [Pa/m]. A dict of arrays, "
+			   "a row for each pose; force and torque act on a, in a's axes, about a's centre of mass. `level` and `max_pairs` need trees with levels: "
+			   "with_levels().");
+	module.def("distance", &distance, "a"_a, "b"_a, "poses"_a, "(upper, lower) bound of the distance [m].");
+	module.def("relative_pose", &relativePose, "pose_a"_a, "pose_b"_a, "The pose of b in a's frame, from the poses of both in the world.");
+	module.def("with_levels", [](const InnerSphereTree& tree) {
+			const py::gil_scoped_release others;
+			InnerSphereTree copy = tree;
+			copy.levels = buildLevels(copy.law);
+			return std::make_shared<InnerSphereTree>(std::move(copy));
+		}, "tree"_a, "The same body with coarser versions of its leaves.");
+}
+}  // namespace
+
+PYBIND11_MODULE(bullethaptics, module)
+{
+	module.doc() = "Volumetric contact between closed meshes: inner sphere trees and what their overlap says of force and torque.";
+	module.attr("__version__") = BULLETHAPTICS_VERSION;
+	py::register_exception<BulletHapticsError>(module, "Error");
+	bindTree(module);
+	bindFunctions(module);
+}
+}  // namespace ist::python

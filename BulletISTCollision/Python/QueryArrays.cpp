@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Python/QueryArrays.h"
+
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/ProximityQuery.h"
+
+#include <limits>
+#include <string>
+
+namespace py = pybind11;
+
+namespace ist::python
+{
+namespace
+{
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Pose poseFromSeven(const double* v, size_t row)
+{
+	const double n = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
+	if (!(std::fabs(n - 1) <= 1e-3))
+		throw py::value_error("pose " + std::to_string(row) + ": the quaternion has length " + std::to_string(n) + "; it must be within 0.001 of 1");
+	const Pose X{rotationMatrix({v[3] / n, v[4] / n, v[5] / n, v[6] / n}), {v[0], v[1], v[2]}};
+	if (!isFinite(X.translation)) throw py::value_error("pose " + std::to_string(row) + " is not finite");
+	return X;
+}
+
+Pose poseFromMatrix(const double* v, size_t row)
+{
+	Pose X;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) X.rotation.m[i][j] = v[4 * i + j];
+	X.translation = {v[3], v[7], v[11]};
+	const bool lastRow = v[12] == 0 && v[13] == 0 && v[14] == 0 && v[15] == 1;
+	if (!lastRow || !isRigid(X)) throw py::value_error("pose " + std::to_string(row) + " is not a rigid transform");
+	return X;
+}
+
+/// PyBullet's (position, quaternion) as seven numbers; anything else as it is.
+py::object flattened(const py::object& object)
+{
+	if (!py::isinstance<py::sequence>(object) || py::isinstance<py::array>(object)) return object;
+	const py::sequence s(object);
+	if (s.size() != 2 || !py::isinstance<py::sequence>(s[0]) || !py::isinstance<py::sequence>(s[1]) || py::len(s[0]) != 3 || py::len(s[1]) != 4)
+		return object;
+	py::list seven;
+	for (const auto& part : s)
+		for (const auto& number : part) seven.append(number);
+	return seven;
+}
+
+/// The columns of the answer, allocated once.
+class Answer
+{
+public:
+	explicit Answer(const Poses& poses) : m_rows(static_cast<py::ssize_t>(poses.X_AB.size())), m_single(poses.single) {}
+
+	double* numbers(const char* name, std::vector<py::ssize_t> shape = {})
+	{
+		shape.insert(shape.begin(), m_rows);
+		py::array_t<double> column(shape);
+		m_columns.emplace_back(name, column);
+		return column.mutable_data();
+	}
+	int64_t* counts(const char* name)
+	{
+		py::array_t<int64_t> column(m_rows);
+		m_columns.emplace_back(name, column);
+		return column.mutable_data();
+	}
+	py::dict dict() const
+	{
+		py::dict d;
+		for (const auto& [name, column] : m_columns) d[name] = m_single ? py::object(column[py::int_(0)]) : py::object(column);
+		return d;
+	}
+
+private:
+	py::ssize_t m_rows;
+	bool m_single;
+	std::vector<std::pair<const char*, py::array>> m_columns;
+};
+
+void put(double* column, size_t row, const Vec3& v)
+{
+	column[3 * row] = v.x;
+	column[3 * row + 1] = v.y;
+	column[3 * row + 2] = v.z;
+}
+
+/// Where each figure of a row goes.
+struct Columns
+{
+	explicit Columns(Answer& a)
+		: volume(a.numbers("volume")), volumeSigma(a.numbers("volume_sigma")), energy(a.numbers("energy")),
+		  centroid(a.numbers("centroid", {3})), normal(a.numbers("normal", {3})), areaVector(a.numbers("area_vector", {3})),
+		  force(a.numbers("force", {3})), forceSigma(a.numbers("force_sigma")), torque(a.numbers("torque", {3})),
+		  stiffness(a.numbers("stiffness", {6, 6})), distance(a.numbers("distance")), distanceLower(a.numbers("distance_lower")),
+		  patches(a.counts("patches")), pairs(a.counts("pairs")), level(a.counts("level"))
+	{
+	}
+	double *volume, *volumeSigma, *energy, *centroid, *normal, *areaVector, *force, *forceSigma, *torque, *stiffness, *distance, *distanceLower;
+	int64_t *patches, *pairs, *level;
+};
+
+class Bodies
+{
+public:
+	Bodies(const InnerSphereTree& A, const InnerSphereTree& B, double stiffness)
+		: m_A(A), m_B(B), m_pair{stiffness, 0.5, 0.5}, m_length(0.5 * std::max(A.box.longestSide(), B.box.longestSide()))
+	{
+	}
+
+	void describe(const OverlapResult& overlap, const Pose& X_AB, const Columns& to, size_t row) const
+	{
+		const OverlapIntegrals& total = overlap.total;
+		const bool touching = total.volume > 0;
+		const OverlapError error = touching ? overlapError(total, m_A.errorLength() + m_B.errorLength(), m_pair.stiffness) : OverlapError{};
+		const Wrench wrench = pressureWrench(total, m_pair);
+		const Distance distance = touching ? Distance{} : queryDistance(m_A, m_B, X_AB);
+		const Vec3 none{kNaN, kNaN, kNaN};
+		to.volume[row] = total.volume;
+		to.volumeSigma[row] = error.volume;
+		to.energy[row] = pressureEnergy(total, m_pair);
+		put(to.centroid, row, touching ? total.firstMoment / total.volume + m_A.origin : none);
+		put(to.normal, row, touching ? normalized(total.areaVector) : none);
+		put(to.areaVector, row, touching ? total.areaVector : none);
+		put(to.force, row, wrench.force);
+		put(to.torque, row, wrench.torque);
+		to.forceSigma[row] = error.force;
+		const SymmetricMatrix6 stiffness = projectedPositive(pressureStiffness(total, m_pair), m_length);
+		for (int i = 0; i < 6; ++i)
+			for (int j = 0; j < 6; ++j) to.stiffness[36 * row + static_cast<size_t>(6 * i + j)] = stiffness(i, j);
+		to.distance[row] = distance.upper;
+		to.distanceLower[row] = distance.lower;
+		to.patches[row] = overlap.patchCount;
+		to.pairs[row] = total.pairs;
+		to.level[row] = overlap.level;
+	}
+
+private:
+	const InnerSphereTree &m_A, &m_B;
+	PressurePair m_pair;
+	double m_length;  ///< [m] makes rotations comparable with translations
+};
+}  // namespace
+
+Poses posesFrom(const py::object& object)
+{
+	const Doubles array = Doubles::ensure(flattened(object));
+	if (!array)
+	{
+		PyErr_Clear();
+		throw py::value_error("a pose is 7 numbers tx ty tz qx qy qz qw, a 4x4 matrix, or (position, quaternion)");
+	}
+	const py::ssize_t n = array.ndim();
+	const bool matrices = n >= 2 && n <= 3 && array.shape(n - 1) == 4 && array.shape(n - 2) == 4;
+	const bool sevens = n >= 1 && n <= 2 && array.shape(n - 1) == 7;
+	if (!matrices && !sevens) throw py::value_error("poses must have the shape (7), (n, 7), (4, 4) or (n, 4, 4)");
+	Poses poses;
+	const py::ssize_t width = matrices ? 16 : 7;
+	poses.single = n == (matrices ? 2 : 1);
+	for (size_t row = 0; row < static_cast<size_t>(array.size() / width); ++row)
+	{
+		const double* v = array.data() + width * static_cast<py::ssize_t>(row);
+		poses.X_AB.push_back(matrices ? poseFromMatrix(v, row) : poseFromSeven(v, row));
+	}
+	return poses;
+}
+
+py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object, double stiffness, int level, int64_t maxPairs)
+{
+	if (!(stiffness > 0) || !std::isfinite(stiffness)) throw py::value_error("stiffness must be positive and finite");
+	if ((level > 0 || maxPairs >= 0) && (A.levels.empty() || B.levels.empty()))
+		throw py::value_error("level and max_pairs need trees with levels; make them by with_levels()");
+	const Poses poses = posesFrom(object);
+	Answer answer(poses);
+	const Columns columns(answer);
+	const Bodies bodies(A, B, stiffness);
+	QueryOptions options;
+	options.level = level;
+	options.maxPairs = maxPairs;
+	QueryStatus status = QueryStatus::Ok;
+	size_t row = 0;
+	{
+		const py::gil_scoped_release others;
+		QueryWorkspace workspace;
+		for (; row < poses.X_AB.size(); ++row)
+		{
+			const OverlapResult overlap = queryOverlap(A, B, poses.X_AB[row], workspace, options);
+			status = overlap.status;
+			if (status != QueryStatus::Ok) break;
+			bodies.describe(overlap, poses.X_AB[row], columns, row);
+		}
+	}
+	if (status != QueryStatus::Ok) throw py::value_error("pose " + std::to_string(row) + ": " + toString(status));
+	return answer.dict();
+}
+
+py::tuple distance(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object)
+{
+	const Poses poses = posesFrom(object);
+	Answer answer(poses);
+	double* upper = answer.numbers("upper");
+	double* lower = answer.numbers("lower");
+	{
+		const py::gil_scoped_release others;
+		for (size_t row = 0; row < poses.X_AB.size(); ++row)
+		{
+			const Distance d = queryDistance(A, B, poses.X_AB[row]);
+			upper[row] = d.upper;
+			lower[row] = d.lower;
+		}
+	}
+	const py::dict columns = answer.dict();
+	return py::make_tuple(columns["upper"], columns["lower"]);
+}
+
+py::array_t<double> relativePose(const py::object& X_WA, const py::object& X_WB)
+{
+	const Poses a = posesFrom(X_WA), b = posesFrom(X_WB);
+	if (!a.single || !b.single) throw py::value_error("relative_pose takes one pose of each body");
+	const Pose X_AB = inverse(a.X_AB[0]) * b.X_AB[0];
+	const Quaternion q = quaternion(X_AB.rotation);
+	py::array_t<double> seven(7);
+	const double values[] = {X_AB.translation.x, X_AB.translation.y, X_AB.translation.z, q.x, q.y, q.z, q.w};
+	std::copy(std::begin(values), std::end(values), seven.mutable_data());
+	return seven;
+}
+}  // namespace ist::python

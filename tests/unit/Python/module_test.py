@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""The Python module against closed forms, brute force in NumPy, and the ist command."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import bullethaptics as bh
+import numpy as np
+
+IST = os.environ["IST"]
+rng = np.random.default_rng(7)
+
+
+def box(size, centre=(0, 0, 0)):
+    corners = np.array([[x, y, z] for x in (-.5, .5) for y in (-.5, .5) for z in (-.5, .5)]) * size + centre
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+
+
+def random_quaternion():
+    q = rng.normal(size=4)
+    return q / np.linalg.norm(q)
+
+
+def rotation(q):
+    x, y, z, w = q
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
+class Shared(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.box = bh.build(*box((.2, .1, .06), centre=(3, 4, 5)), spheres=3000)
+
+
+class Build(Shared):
+    def test_mass_properties_are_those_of_a_box(self):
+        a, b, c = .2, .1, .06
+        self.assertAlmostEqual(self.box.volume, a * b * c, delta=1e-12)
+        np.testing.assert_allclose(self.box.center_of_mass, (3, 4, 5), atol=1e-12)
+        np.testing.assert_allclose(self.box.inertia, a * b * c / 12 * np.diag([b * b + c * c, a * a + c * c, a * a + b * b]), atol=1e-15)
+
+    def test_spheres_are_a_packing_in_the_box(self):
+        s = self.box.spheres.astype(float)
+        self.assertEqual(s.shape, (3000, 4))
+        self.assertTrue((np.abs(s[:, :3]) + s[:, 3:] <= np.array([.1, .05, .03]) + 1e-9).all())
+        distance = np.linalg.norm(s[:, None, :3] - s[None, :, :3], axis=2) - s[:, None, 3] - s[None, :, 3]
+        np.fill_diagonal(distance, np.inf)
+        self.assertGreaterEqual(distance.min(), -1e-12)
+        self.assertAlmostEqual(self.box.fill, (4 / 3 * np.pi * s[:, 3] ** 3).sum() / self.box.volume, delta=1e-6)
+
+    def test_spheres_cannot_be_written_and_outlive_the_tree(self):
+        tree = bh.build(*box((1, 1, 1)), spheres=50)
+        spheres, first = tree.spheres, tree.spheres[0].copy()
+        with self.assertRaises(ValueError):
+            spheres[0, 0] = 1
+        del tree
+        np.testing.assert_array_equal(spheres[0], first)
+
+    def test_flat_lists_and_soups_are_the_same_mesh(self):
+        vertices, triangles = box((1, 1, 1))
+        trees = [bh.build(vertices, triangles, spheres=100), bh.build(vertices.ravel().tolist(), triangles.ravel().tolist(), spheres=100),
+                 bh.build(vertices[triangles].reshape(-1, 3), spheres=100)]
+        for tree in trees[1:]:
+            self.assertAlmostEqual(tree.volume, trees[0].volume, delta=1e-12)
+            self.assertAlmostEqual(tree.fill, trees[0].fill, delta=.02)
+        np.testing.assert_array_equal(trees[0].spheres, trees[1].spheres)
+
+    def test_files_keep_everything(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "box.ist")
+            self.assertEqual(self.box.save(path), os.path.getsize(path))
+            loaded = bh.load(path)
+            np.testing.assert_array_equal(loaded.spheres, self.box.spheres)
+            X = (3.15, 4.02, 5.01, 0, 0, 0, 1)
+            self.assertEqual(bh.query(loaded, self.box, X)["volume"], bh.query(self.box, self.box, X)["volume"])
+
+    def test_read_mesh_gives_what_the_file_holds(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "t.obj")
+            path.write_text("v 0 0 0\nv 1000 0 0\nv 0 2000 0\nf 1 2 3\n")
+            vertices, triangles = bh.read_mesh(str(path), unit=.001)
+        np.testing.assert_allclose(vertices[triangles[0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
+
+
+class Query(Shared):
+    def poses(self, n):
+        """Of the box in itself, near enough to overlap, as PyBullet's pairs."""
+        centre = np.array([3, 4, 5.])
+        for _ in range(n):
+            q = random_quaternion()
+            yield centre + rng.uniform(-.04, .04, 3) - rotation(q) @ centre, q
+
+    def test_volume_and_force_of_slabs(self):
+        depth = .02  # on the faces of .1 x .06: V = A depth; at depth s the face is the nearest side on (.1 - 2 s) (.06 - 2 s)
+        facing = .1 * .06 * depth - (.1 + .06) * depth ** 2 + 4 / 3 * depth ** 3
+        r = bh.query(self.box, self.box, (.2 - depth, 0, 0, 0, 0, 0, 1), stiffness=1e6)
+        volume = .1 * .06 * depth
+        self.assertAlmostEqual(r["volume"], volume, delta=.02 * volume)
+        np.testing.assert_allclose(r["force"], [-1e6 * facing, 0, 0], atol=.02 * 1e6 * facing)
+        np.testing.assert_allclose(r["centroid"], [3 + .1 - depth / 2, 4, 5], atol=.002)
+        np.testing.assert_allclose(r["normal"], [-1, 0, 0], atol=.07)  # 4 degrees
+
+    def test_every_shape_of_poses_says_the_same(self):
+        pairs = list(self.poses(5))
+        sevens = np.array([np.concatenate(p) for p in pairs])
+        matrices = np.array([np.block([[rotation(q), t[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]) for t, q in pairs])
+        rows, fours = bh.query(self.box, self.box, sevens), bh.query(self.box, self.box, matrices)
+        self.assertEqual(rows["stiffness"].shape, (5, 6, 6))
+        for i, (t, q) in enumerate(pairs):
+            one = bh.query(self.box, self.box, (tuple(t), tuple(q)))
+            self.assertGreater(one["volume"], 0)
+            for name, value in one.items():
+                np.testing.assert_allclose(rows[name][i], value, rtol=1e-12, err_msg=name)
+                np.testing.assert_allclose(fours[name][i], value, rtol=1e-6, atol=1e-9, err_msg=name)
+
+    def test_rows_are_those_of_the_command(self):
+        sevens = np.array([np.concatenate(p) for p in self.poses(4)] + [[9, 0, 0, 0, 0, 0, 1]])
+        with tempfile.TemporaryDirectory() as folder:
+            asset, poses = os.path.join(folder, "box.ist"), os.path.join(folder, "poses.csv")
+            self.box.save(asset)
+            np.savetxt(poses, sevens, delimiter=",", header="tx,ty,tz,qx,qy,qz,qw", comments="", fmt="%.17g")
+            out = subprocess.run([IST, "query", asset, asset, "--poses", poses, "--stiffness", "1e5", "--json"], check=True, capture_output=True, text=True)
+        ours = bh.query(self.box, self.box, sevens, stiffness=1e5)
+        for line in out.stdout.splitlines():
+            row = json.loads(line)
+            for name, column in ours.items():
+                theirs = np.array(np.nan if row[name] is None else row[name], dtype=float)
+                np.testing.assert_allclose(column[row["row"]].ravel(), np.broadcast_to(theirs, column[row["row"]].size), rtol=1e-9, atol=1e-15, err_msg=name)
+
+    def test_distance_of_boxes(self):
+        upper, lower = bh.distance(self.box, self.box, np.array([[.3, 0, 0, 0, 0, 0, 1], [.25, 0, 0, 0, 0, 0, 1]]))
+        for gap, u, l in zip((.1, .05), upper, lower):
+            self.assertLessEqual(l, gap)
+            self.assertGreaterEqual(u, gap)
+            self.assertLess(u - gap, .01)
+
+    def test_relative_pose_takes_points_of_b_to_a(self):
+        for _ in range(20):
+            (ta, qa), (tb, qb) = ((rng.normal(size=3) * 10, random_quaternion()) for _ in range(2))
+            X = bh.relative_pose((tuple(ta), tuple(qa)), (tuple(tb), tuple(qb)))
+            p = rng.normal(size=3)
+            np.testing.assert_allclose(rotation(qa) @ (rotation(X[3:]) @ p + X[:3]) + ta, rotation(qb) @ p + tb, atol=1e-12)
+
+    def test_levels_keep_the_budget(self):
+        tree = bh.with_levels(self.box)
+        X = (.1, .01, .005, 0, 0, 0, 1)
+        full = bh.query(tree, tree, X)
+        coarse = bh.query(tree, tree, X, max_pairs=int(full["pairs"]) // 4)
+        self.assertLessEqual(coarse["pairs"], full["pairs"] // 4)
+        self.assertGreater(coarse["level"], 0)
+        self.assertAlmostEqual(coarse["volume"], full["volume"], delta=.05 * full["volume"])
+
+
+class Refusals(Shared):
+    def refused(self, error, words, call, *arguments, **named):
+        with self.assertRaises(error) as caught:
+            call(*arguments, **named)
+        self.assertIn(words, str(caught.exception))
+
+    def test_meshes(self):
+        vertices, triangles = box((1, 1, 1))
+        self.refused(ValueError, "vertex 8", bh.build, vertices, triangles + 1)
+        self.refused(ValueError, "vertex -1", bh.build, vertices, triangles - 1)
+        self.refused(ValueError, "whole numbers", bh.build, vertices, triangles * .5)
+        self.refused(ValueError, "shape (n, 3)", bh.build, vertices[:, :2], triangles)
+        self.refused(ValueError, "each three vertices", bh.build, vertices)
+        self.refused(ValueError, "repair", bh.build, vertices, triangles, repair="maybe")
+        self.refused(ValueError, "spheres", bh.build, vertices, triangles, spheres=0)
+        self.refused(bh.Error, "", bh.build, np.zeros((0, 3)), np.zeros((0, 3), int))
+        self.refused(bh.Error, "", bh.build, np.where(vertices > .4, np.nan, vertices), triangles)
+        self.refused(bh.Error, "nowhere.ist", bh.load, "nowhere.ist")
+
+    def test_poses(self):
+        def ask(pose):
+            return bh.query(self.box, self.box, pose)
+        self.refused(ValueError, "quaternion has length", ask, (0, 0, 0, 0, 0, 0, 2))
+        self.refused(ValueError, "pose 1", ask, [[0, 0, 0, 0, 0, 0, 1], [np.nan, 0, 0, 0, 0, 0, 1]])
+        self.refused(ValueError, "not a rigid", ask, 2 * np.eye(4))
+        self.refused(ValueError, "not a rigid", ask, np.diag([-1., 1, 1, 1]))
+        self.refused(ValueError, "shape (7)", ask, (1, 2, 3))
+        self.refused(ValueError, "a pose is", ask, "here")
+        self.refused(ValueError, "stiffness", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), stiffness=-1)
+        self.refused(ValueError, "level", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), level=3)
+
+    def test_progress_can_cancel_and_raise(self):
+        stages = []
+        bh.build(*box((1, 1, 1)), spheres=100, progress=lambda stage, fraction: stages.append(stage))
+        self.assertIn("packing", stages)
+        self.refused(bh.Error, "cancel", bh.build, *box((1, 1, 1)), spheres=100, progress=lambda stage, fraction: False)
+
+        def fail(stage, fraction):
+            raise KeyError("mine")
+        self.refused(KeyError, "mine", bh.build, *box((1, 1, 1)), spheres=100, progress=fail)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
