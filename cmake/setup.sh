@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev libgtest-dev libgmock-dev
-	libcli11-dev nlohmann-json3-dev glmark2-data python3 python3-dev python3-numpy pybind11-dev
+	libcli11-dev nlohmann-json3-dev glmark2-data python3 python3-dev python3-numpy pybind11-dev doxygen
 	libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev spacenavd
 	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core xvfb xauth)
 
