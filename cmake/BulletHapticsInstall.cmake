@@ -3,8 +3,10 @@
 include(CMakePackageConfigHelpers)
 
 set(libraries istcore devices)
-foreach(precision "" "-float64")
-	list(APPEND libraries BulletISTCollision${precision} BulletHapticForce${precision} BulletHapticsTestSupport${precision} DeviceBridge${precision})
+foreach(precision ${BULLETHAPTICS_PRECISIONS})
+	foreach(library BulletISTCollision BulletHapticForce BulletHapticsTestSupport DeviceBridge)
+		list(APPEND libraries ${library}${suffix_${precision}})
+	endforeach()
 endforeach()
 set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)
 install(TARGETS ${libraries} EXPORT BulletHapticsTargets
