@@ -16,6 +16,7 @@
 	demo(makePeg, "peg", "To be felt", "A peg falls, tilted, into a hole that is hardly wider") \
 	demo(makeGrasp, "grasp", "Mechanisms", "Two fingers close on a block, lift it, and hold it by friction alone") \
 	demo(makeGears, "gears", "Mechanisms", "A gear drives another one against a load, tooth by tooth") \
+	demo(makeScrew, "screw", "Mechanisms", "A screw runs down its nut under its own weight; a rough one locks itself") \
 	demo(makeStack, "stack", "Stability", "A stack of rings with a knot on top: no body is convex") \
 	demo(makeHeavyOnLight, "heavy-on-light", "Stability", "A thousand kilograms stand on one kilogram at 60 Hz") \
 	demo(makeStockAgainstOurs, "stock-against-ours", "Stability", "The same cubes in stock Bullet and beside it in ours, from the same start") \

@@ -28,10 +28,10 @@ int main()
 	const auto attachment = ist.attach(&cubeShape, std::make_shared<const ist::InnerSphereTree>(std::move(tree).value()));
 	btVector3 inertia;
 	cubeShape.calculateLocalInertia(1, inertia);
-	btRigidBody cube({1, nullptr, &cubeShape, inertia});
+	btRigidBody cube(1, nullptr, &cubeShape, inertia);
 	cube.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, .06, 0)));
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
-	btRigidBody table({0, nullptr, &plane});
+	btRigidBody table(0, nullptr, &plane);
 	world.addRigidBody(&cube);
 	world.addRigidBody(&table);
 	for (int i = 0; i < 240; ++i) world.stepSimulation(1. / 120, 0);

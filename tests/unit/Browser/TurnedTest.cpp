@@ -4,11 +4,11 @@
 #include "demos/browser/Turned.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "tests/unit/Browser/ClosedMesh.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <random>
 
 using namespace ist;
@@ -16,17 +16,6 @@ using namespace ist;
 namespace
 {
 constexpr double kPi = 3.14159265358979323846;
-
-/// Each edge is walked once in each direction.
-bool isClosed(const Mesh& mesh)
-{
-	std::map<std::pair<uint32_t, uint32_t>, int> edges;
-	for (const auto& t : mesh.triangles)
-		for (size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
-	for (const auto& [edge, count] : edges)
-		if (count != 1 || !edges.count({edge.second, edge.first})) return false;
-	return true;
-}
 
 std::mt19937_64 seeded() { return std::mt19937_64(20); }
 
