@@ -23,7 +23,7 @@ struct btContactMaterial
 	static btContactMaterial fromModulus(double modulus, double foundationDepth) { return {modulus / foundationDepth, -1}; }
 };
 
-/// Decides the constants of a pair from the materials of its bodies (DESIGN section 5):
+/// Decides the constants of a pair from the materials of its bodies:
 /// (a) against a half-space all weight lies on its field, whatever the materials; against a fluid k is its density times gravity,
 /// and the dissipation is that of the fluid, or none;
 /// (b) both stiffnesses set: in series, 1/k = 1/k_A + 1/k_B, w_A = k_B/(k_A + k_B): the softer body's field counts more;

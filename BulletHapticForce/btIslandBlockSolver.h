@@ -12,7 +12,7 @@
 /// square root of the inverse mass matrix (so that what cannot move needs no special case) and S = h^2 K + h D; an envelope Cholesky
 /// factorisation in breadth-first order of the bodies, so that a stack costs O(bodies). Patches that would pull are taken out
 /// and the rest is solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the response of the whole
-/// elastic island. Source: reference/stability.md 1.6; the form with square roots is ours.
+/// elastic island. The form with square roots needs no inverse of a stiffness.
 ///
 /// No allocation once the largest island has been seen.
 class btIslandBlockSolver

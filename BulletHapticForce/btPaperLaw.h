@@ -29,7 +29,7 @@ struct btPaperContact
 	int held = 0;          ///< of these, pairs that max(., 0) held at zero
 	bool complete = true;  ///< false: more pairs than the capacity, and nothing was exerted
 	/// h^2 lambda_max(M^-1 K) + 2 h lambda_max(M^-1 D), K and D the law's stiffness along the normals and its damping. An explicit force
-	/// diverges where h^2 k/m + 2 h c/m of a motion exceeds 4; below 4 none does. Source: reference/stability.md 1.5.
+	/// diverges where h^2 k/m + 2 h c/m of a motion exceeds 4; below 4 none does. Eigenvalues of symplectic Euler with force and damping at the old state.
 	double stability = 0;
 };
 

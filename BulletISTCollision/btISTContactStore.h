@@ -18,7 +18,7 @@ class btCollisionObject;
 class btPersistentManifold;
 struct btISTContact;
 
-/// The constants of a pair in the pressure field law (DESIGN section 5).
+/// The constants of a pair in the pressure field law (ARCHITECTURE.md).
 struct btISTPairConstants
 {
 	double k = 1;                        ///< stiffness [Pa/m]
@@ -54,7 +54,7 @@ public:
 	virtual btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
 };
 
-/// For bodies without materials (DESIGN section 5, (a) and (d)): the heavier dynamic body, lying on the square of the smaller body's
+/// For bodies without materials (rules (a) and (d) of btISTPairRule): the heavier dynamic body, lying on the square of the smaller body's
 /// size, sinks by the larger of 0.1 % of that size and the sum of the mean surface gaps. Size: cube root of the volume. Weights
 /// 1/2, or all on a half-space. With no dynamic body the weight is that of the smaller body made of water. Dissipation: 5 s/m, so
 /// that nothing leaves contact faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.

@@ -138,7 +138,7 @@ void append(btISTRepresentativePoints& out, const GroupPlane& g, const ist::Pose
 }
 
 // Four points at the centre +- the columns of S, S S^T = 2 covariance, a quarter of the stiffness each: total, first and second
-// moments are exact (reference/stability.md 1.6). The symmetric root, rather than principal axes, does not spin when the
+// moments are exact. The symmetric root, rather than principal axes, does not spin when the
 // overlap is nearly isotropic. Forces: the quarter plus the antisymmetric part that makes the moment, never negative.
 void appendFour(btISTRepresentativePoints& out, const GroupPlane& g, const ist::Pose& X_WA)
 {

@@ -15,7 +15,7 @@ namespace ist
 {
 namespace
 {
-// Samples a sphere and totals. The mean normal of a leaf needs some hundred points (DESIGN section 4).
+// Samples a sphere and totals. The mean normal of a leaf needs some hundred points.
 constexpr double gapSamplesPerSphere = 100;
 constexpr double fewestGapSamples = 2e5;
 constexpr double manyGapSamples = 1e6;  // beyond, half as many a sphere

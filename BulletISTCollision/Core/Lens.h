@@ -11,7 +11,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 inline double ballVolume(double R) { return 4.0 / 3.0 * kPi * R * R * R; }
 
-/// Intersection of two balls i and j. Source: reference/force-law.md 2.
+/// Intersection of two balls i and j. Two spherical caps, each with its volume and centroid.
 struct Lens
 {
 	double volume = 0;      ///< L = capI + capJ

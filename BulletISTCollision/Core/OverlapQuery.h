@@ -19,7 +19,7 @@ struct SymmetricMatrix6
 };
 
 /// Material-free integrals over the overlap of A and B (or over one patch of it). Axes of A's mesh frame; moments are taken
-/// about A's `origin` (its centre of mass). Source: DESIGN sections 4 and 5, reference/force-law.md 2. dd = d_i d_j, L = volume that two
+/// about A's `origin` (its centre of mass). Derived in ARCHITECTURE.md "Pressure field law". dd = d_i d_j, L = volume that two
 /// ellipsoids share in units of their densities (Lens.h; for Model::Inner the lens of two balls), C = its centroid, m = mean outward normal
 /// of a leaf, area n = minus the gradient of L by c_i - c_j, with n of unit length.
 struct OverlapIntegrals

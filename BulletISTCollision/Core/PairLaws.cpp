@@ -7,7 +7,7 @@ namespace ist
 {
 namespace
 {
-/// The lens of two balls. Source: reference/force-law.md 2.
+/// The lens of two balls. Two spherical caps.
 struct Lens
 {
 	Vec3 n;               ///< unit vector from the ball of B to that of A; 0 for coincident centres

@@ -9,7 +9,7 @@ namespace ist
 /// What the pressure field law puts in the way of a body that is pushed straight through another. Beyond the medial axis of a thin body
 /// the force falls and turns over, so there is a largest one: a steady load passes through where it exceeds `force`, a free body of mass m
 /// where its m v^2 / 2 exceeds `energy`. This is a property of material and thickness, whatever the step. Dissipation and
-/// friction come on top. The force is that of DESIGN section 5.
+/// friction come on top. The force is that of PressureField.h.
 struct PassageBarrier
 {
 	double force = 0;       ///< largest resistance on the way [N]

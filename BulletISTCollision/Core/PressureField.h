@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// The pressure field law without materials or motion (DESIGN section 5): energy U = k Int (w_A depth_A + w_B depth_B) dV.
+/// The pressure field law without materials or motion (ARCHITECTURE.md): energy U = k Int (w_A depth_A + w_B depth_B) dV.
 /// k [Pa/m] is the pair's stiffness; w_A + w_B = 1.
 struct PressurePair
 {
@@ -30,7 +30,7 @@ Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist);
 /// Of the error bar, by bench_truth.
 constexpr double kVolumeSpread = 0.16, kForceSpread = 0.25, kGapError = 0.04;
 
-/// Standard errors (DESIGN section 5, reference/force-law.md 8): sigma_V = V sqrt((kVolumeSpread S)^2 + r^2) [m^3],
+/// Standard errors, fitted to bench_truth: sigma_V = V sqrt((kVolumeSpread S)^2 + r^2) [m^3],
 /// sigma_F = k V sqrt((kForceSpread S)^2 + r^2) [N], S = sqrt(spread)/V, r = kGapError (g/delta)^2, g the sum of both bodies' errorLength(),
 /// delta = V/|area vector|. In flat contact shallower than 2 g the true error is up to four times r.
 struct OverlapError

@@ -22,7 +22,7 @@ struct PackingOptions
 };
 
 /// Largest-first greedy packing on the exact distance to the mesh; candidate balls grow by monotone ascent of the linearised
-/// distances (a small LP per step). Source: DESIGN section 4; method in ARCHITECTURE.md "Packing".
+/// distances (a small LP per step). Method in ARCHITECTURE.md "Packing".
 /// The mesh must be closed and should lie near the origin (its centre of mass at 0), since centres are stored as floats.
 /// About 100 us a sphere. Errors: nothing fits (name the thickness), bad options, cancelled.
 Result<SpherePacking> packSpheres(const MeshDistance& surface, const PackingOptions& options);

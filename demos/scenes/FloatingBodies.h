@@ -4,7 +4,7 @@
 #include "demos/scenes/ExtremeWorld.h"
 
 /// Bodies in water: with k = rho g the pressure field law is hydrostatics. The fluid has no mass of its own, so that nothing is added to
-/// a body's. Water fills y < 0; a body's mesh lies about its centre of mass. Closed forms: reference/stability.md 4.3.
+/// a body's. Water fills y < 0; a body's mesh lies about its centre of mass. Closed forms: Archimedes; periods from the metacentre.
 namespace scenes
 {
 constexpr double kWater = 1000;  // [kg/m^3]

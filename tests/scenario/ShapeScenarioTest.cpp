@@ -183,7 +183,7 @@ TEST(GhostObject, SeesVolumetricBodiesAndIsNotFelt)
 	scene.world.bullet().removeCollisionObject(&ghost);
 }
 
-// DESIGN's table for surfaces without an inside: Bullet's contact goes on between the bunny's stand-in and each of them, nothing falls
+// ARCHITECTURE.md on surfaces without an inside: Bullet's contact goes on between the bunny's stand-in and each of them, nothing falls
 // through, and nothing is volumetric but what has a closed form in the compound.
 TEST(SurfacesWithoutAnInside, CarryATreeByBulletsOwnContact)
 {

@@ -7,7 +7,7 @@
 #include <climits>
 
 // Included by QueryKernel.cpp only. Staged and free of unpredictable branches: every step tests a vector and appends what survives
-// to a list, hit or not; the next step works through the list. Source: reference/query.md 2 and 10.
+// to a list, hit or not; the next step works through the list. No recursion, no branch that depends on a hit.
 namespace
 {
 using namespace ist;

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 // What the query's driver and its kernels share. Plain structs and raw pointers only: this header is compiled for several
-// instruction sets, and a function that two of them define would be merged into one by the linker (reference/query.md 9).
+// instruction sets, and a function that two of them define would be merged into one by the linker.
 namespace ist::kernels
 {
 /// A block of B in A's tree frame, for the tests. `reach`: radius and slack.

@@ -11,7 +11,7 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 
-/// Of two balls at distance d, R + r > d > |R - r|. Source: reference/stability.md 1.1.
+/// Of two balls at distance d, R + r > d > |R - r|. Two spherical caps.
 struct LensForm
 {
 	double volume = 0, area = 0, fromA = 0;  // fromA: of the centroid from A's centre, towards B
