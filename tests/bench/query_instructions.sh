@@ -10,7 +10,7 @@ counts()
 {
 	valgrind --tool=cachegrind --cache-sim=no --branch-sim=yes --cachegrind-out-file=/dev/null \
 		"$bench" --cache "$folder" --poses 4 --visits "$2" --only "$1" --overlap "$overlap" "$spheres" 2>&1 |
-		awk '/I +refs:/ { gsub(",", "", $NF); i = $NF } /Mispredicts:/ { gsub(",", "", $3); gsub(",", "", $4); m = $4 } END { print i, m }'
+		awk '/I +refs:/ { gsub(",", "", $NF); i = $NF } /Mispredicts:/ { gsub(",", "", $3); m = $3 } END { print i, m }'
 }
 for mode in naive paper law law+K; do
 	pairs=$("$bench" --cache "$folder" --poses 4 --visits 1 --only "$mode" --overlap "$overlap" "$spheres" | awk 'END { print $4 }')
