@@ -62,6 +62,7 @@ PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B,
 	{
 		answer.overlap = queryOverlap(A, B, X_AB, workspace, at);
 		++answer.looks;
+		answer.pairs += answer.overlap.total.pairs;
 		if (answer.overlap.status != QueryStatus::Ok) return answer;
 		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
 		answer.promise = promisedError(A, B, answer.overlap.level, seen) / std::max(seen.force, promiseFloor(A, B));

@@ -43,6 +43,7 @@ struct PromisedOverlap
 	bool kept = false;    ///< promise <= error
 	int nextLevel = -1;   ///< for the next query of this pair a moment later
 	int looks = 0;
+	int64_t pairs = 0;    ///< that all looks found
 };
 
 /// The coarsest level that keeps the accepted error: looks at one level, then finer as far as its promise says, mostly once or twice; with

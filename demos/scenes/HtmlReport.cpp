@@ -50,13 +50,21 @@ std::string pixel(double value)
 	return buffer;
 }
 
-/// An axis from data to pixels, with ticks at round numbers (1, 2 or 5 times a power of ten).
+/// An axis from data to pixels, with ticks at round numbers (1, 2 or 5 times a power of ten). A logarithmic one has the logarithms of its ends.
 struct Axis
 {
 	double lower = 0, upper = 1, step = 0.2;
 	double from = 0, to = 1;  // pixels
+	bool logarithmic = false;
 
-	double operator()(double value) const { return from + (value - lower) / (upper - lower) * (to - from); }
+	double operator()(double value) const { return from + ((logarithmic ? std::log10(value) : value) - lower) / (upper - lower) * (to - from); }
+
+	void fitLogarithms(double least, double most)
+	{
+		logarithmic = true;
+		lower = least <= most ? std::log10(least) - 0.05 : 0;
+		upper = least <= most ? std::log10(most) + 0.05 : 1;
+	}
 
 	void fit(double least, double most, bool grow)
 	{
@@ -78,6 +86,10 @@ struct Axis
 	std::vector<double> ticks() const
 	{
 		std::vector<double> values;
+		for (int power = int(std::floor(lower)); logarithmic && power <= upper; ++power)
+			for (const double digit : {1, 2, 5})
+				if (const double at = power + std::log10(digit); at >= lower && at <= upper && (digit == 1 || upper - lower < 3)) values.push_back(std::pow(10.0, at));
+		if (logarithmic) return values;
 		const double first = std::ceil(lower / step - 1e-9);
 		for (int i = 0; (first + i) * step <= upper + 1e-9 * step; ++i) values.push_back((first + i) * step);
 		return values;
@@ -110,15 +122,23 @@ Frame fitFrame(const Chart& chart)
 		for (size_t i = 0; i < pointCount(series); ++i)
 		{
 			const Point p = pointOf(series, i);
-			if (!p.valid()) continue;
+			if (!p.valid() || (chart.logarithmic && !(p.x > 0 && p.y > 0))) continue;
 			xLeast = std::min(xLeast, p.x);
 			xMost = std::max(xMost, p.x);
 			yLeast = std::min(yLeast, p.y - p.sigma);
 			yMost = std::max(yMost, p.y + p.sigma);
 		}
 	Frame frame;
-	frame.x.fit(xLeast, xMost, false);
-	frame.y.fit(yLeast, yMost, true);
+	if (chart.logarithmic)
+	{
+		frame.x.fitLogarithms(xLeast, xMost);
+		frame.y.fitLogarithms(yLeast, yMost);
+	}
+	else
+	{
+		frame.x.fit(xLeast, xMost, false);
+		frame.y.fit(yLeast, yMost, true);
+	}
 	frame.x.from = Frame::kLeft;
 	frame.x.to = Frame::kWidth - Frame::kRight;
 	frame.y.from = Frame::kHeight - Frame::kBottom;
@@ -233,10 +253,15 @@ void HtmlReport::table(const std::vector<std::string>& head, const std::vector<s
 
 void HtmlReport::chart(const Chart& chart)
 {
+	m_body += "<figure><figcaption>" + escaped(chart.title) + "</figcaption>" + chartSvg(chart) + "</figure>\n";
+}
+
+std::string chartSvg(const Chart& chart)
+{
 	const Frame frame = fitFrame(chart);
-	m_body += "<figure><figcaption>" + escaped(chart.title) + "</figcaption><svg viewBox=\"0 0 " + pixel(Frame::kWidth) + " " +
-			  pixel(Frame::kHeight) + "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\">\n";
-	m_body += drawGrid(frame, chart);
+	std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + pixel(Frame::kWidth) + " " + pixel(Frame::kHeight) +
+					  "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\">\n";
+	out += drawGrid(frame, chart);
 	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), [](const ChartSeries& series) { return series.markers; });
 	// Marker series are set side by side, so that error bars at the same abscissa stay apart.
 	double shift = -2.5 * static_cast<double>(marked + 1);
@@ -244,9 +269,9 @@ void HtmlReport::chart(const Chart& chart)
 	{
 		const ChartSeries& series = chart.series[i];
 		if (series.markers) shift += 5;
-		m_body += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], shift) : drawLine(frame, series, kColors[i % kColorCount]);
+		out += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], shift) : drawLine(frame, series, kColors[i % kColorCount]);
 	}
-	m_body += drawLegend(chart) + "</svg></figure>\n";
+	return out + drawLegend(chart) + "</svg>";
 }
 
 std::string HtmlReport::text() const

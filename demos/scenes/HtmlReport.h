@@ -19,7 +19,11 @@ struct Chart
 	std::string title;
 	std::string xLabel, yLabel;  ///< with the unit, "depth [mm]"
 	std::vector<ChartSeries> series;
+	bool logarithmic = false;  ///< both axes; values must be above zero
 };
+
+/// The chart as a picture of its own.
+std::string chartSvg(const Chart& chart);
 
 /// A page with text, tables and line charts in one file: inline style and SVG, no scripts, nothing loaded from elsewhere.
 class HtmlReport
@@ -31,7 +35,7 @@ public:
 	void paragraph(const std::string& text);
 	/// The first column is set as text, the others as numbers.
 	void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
-	/// Values that are not finite are left out.
+	/// Values that are not finite, or not above zero on logarithmic axes, are left out.
 	void chart(const Chart& chart);
 
 	std::string text() const;

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "demos/scenes/SceneShapes.h"
 
 #include <filesystem>
 
@@ -54,6 +55,10 @@ Mesh meshNamed(const std::string& name)
 	if (name == "knot") return makeTorusKnotMesh(2, 1, 0.45);
 	if (name == "jack") return jackMesh();
 	if (name == "ellipsoid") return ellipsoidMesh();
+	if (name == "plate") return makeBoxMesh({0.5, 0.35, 0.01});
+	if (name == "rod") return makeCapsuleMesh(0.03, 0.47);
+	if (name == "crown") return scenes::makeCrownMesh();
+	if (name == "sword") return scenes::makeSwordMesh();
 	return makeSphereMesh(1, 5);
 }
 }  // namespace bench

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/bench/ParetoPage.h"
+
+#include "demos/scenes/HtmlReport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+using scenes::Chart, scenes::ChartSeries, scenes::formatNumber;
+
+namespace bench
+{
+namespace
+{
+using Field = std::pair<const char*, double ParetoRow::*>;
+constexpr Field kFields[] = {{"overlap", &ParetoRow::overlap}, {"build_seconds", &ParetoRow::buildSeconds}, {"bytes", &ParetoRow::bytes}, {"p50_us", &ParetoRow::p50},
+							 {"p99_us", &ParetoRow::p99}, {"p999_us", &ParetoRow::p999}, {"pairs", &ParetoRow::pairs}, {"volume_bias", &ParetoRow::volumeBias},
+							 {"volume_spread", &ParetoRow::volumeSpread}, {"force_size_rms", &ParetoRow::forceSize}, {"force_rms", &ParetoRow::force},
+							 {"force_p95", &ParetoRow::force95}, {"direction_deg", &ParetoRow::direction}, {"torque_rms", &ParetoRow::torque},
+							 {"point_rms", &ParetoRow::point}};
+
+/// Not-finite numbers are null, as everywhere.
+std::string number(double value) { return std::isfinite(value) ? formatNumber(value, 6) : "null"; }
+
+std::string percent(double share) { return formatNumber(100 * share, 3); }
+
+bool isLevel(const ParetoRow& row) { return row.estimator.rfind("level", 0) == 0; }
+
+std::vector<std::string> pairsOf(const Sweep& sweep)
+{
+	std::vector<std::string> pairs;
+	for (const ParetoRow& row : sweep.rows)
+		if (std::find(pairs.begin(), pairs.end(), row.pair) == pairs.end()) pairs.push_back(row.pair);
+	return pairs;
+}
+
+std::set<double> overlapsOf(const Sweep& sweep, const std::string& pair)
+{
+	std::set<double> overlaps;
+	for (const ParetoRow& row : sweep.rows)
+		if (row.pair == pair) overlaps.insert(row.overlap);
+	return overlaps;
+}
+
+/// Of those that `wanted` names, the ones that nothing beats in both time and error, by time.
+template <class Wanted>
+std::vector<const ParetoRow*> frontOf(const Sweep& sweep, const Wanted& wanted)
+{
+	std::vector<const ParetoRow*> rows, front;
+	for (const ParetoRow& row : sweep.rows)
+		if (wanted(row)) rows.push_back(&row);
+	std::sort(rows.begin(), rows.end(), [](const ParetoRow* a, const ParetoRow* b) { return std::pair(a->p50, a->force95) < std::pair(b->p50, b->force95); });
+	for (const ParetoRow* row : rows)
+		if (front.empty() || row->force95 < front.back()->force95) front.push_back(row);
+	return front;
+}
+
+ChartSeries seriesOf(std::string name, const std::vector<const ParetoRow*>& rows, bool markers)
+{
+	ChartSeries series{std::move(name), {}, {}, {}, markers};
+	for (const ParetoRow* row : rows)
+	{
+		series.x.push_back(row->p50);
+		series.y.push_back(100 * row->force95);
+	}
+	return series;
+}
+
+Chart emptyChart(const std::string& title)
+{
+	return {title, "median time of a query [us]", "force error that 95 % stay under [%]", {}, true};
+}
+
+Chart estimatorChart(const Sweep& sweep, const std::string& pair, double overlap)
+{
+	Chart chart = emptyChart(pair + " at " + percent(overlap) + " % overlap");
+	const auto of = [&](const std::string& begin)
+	{ return [&, begin](const ParetoRow& row) { return row.pair == pair && row.overlap == overlap && row.estimator.rfind(begin, 0) == 0; }; };
+	const auto all = [&](const std::string& begin)
+	{
+		std::vector<const ParetoRow*> rows;
+		for (const ParetoRow& row : sweep.rows)
+			if (of(begin)(row)) rows.push_back(&row);
+		return rows;
+	};
+	chart.series.push_back(seriesOf("front of fixed levels", frontOf(sweep, of("level")), false));
+	chart.series.push_back(seriesOf("the dial", all("dial"), true));
+	chart.series.push_back(seriesOf("budget of pairs", all("budget"), true));
+	chart.series.push_back(seriesOf("paper, gain fitted", all("paper"), true));
+	if (const auto closed = all("closed form"); !closed.empty()) chart.series.push_back(seriesOf("closed form", closed, true));
+	return chart;
+}
+
+void addPromises(scenes::HtmlReport& page, const Sweep& sweep)
+{
+	page.heading("What the dial promised, and what was true");
+	page.paragraph("A pose holds when its true error, against quadrature on the triangles, is below the accepted error, or below what the answer says of itself where "
+				   "even the leaves fall short. Kept: share of poses where the accepted error itself was promised. Cost is counted in intersecting pairs.");
+	std::vector<std::vector<std::string>> rows;
+	for (const PromiseRow& p : sweep.promises)
+		rows.push_back({p.pair, std::to_string(p.spheres), percent(p.error), std::to_string(p.poses), percent(p.held), percent(p.kept), percent(p.ofLeaves),
+						p.ofFixed > 0 ? formatNumber(p.ofFixed, 3) : "none holds"});
+	page.table({"pair", "spheres", "accepted, %", "poses", "held, %", "kept, %", "cost of the leaves', %", "over the cheapest fixed level that holds"}, rows);
+}
+
+void addBodies(scenes::HtmlReport& page, const Sweep& sweep, const std::string& pair)
+{
+	std::vector<std::vector<std::string>> rows;
+	std::set<int> seen;
+	for (const ParetoRow& row : sweep.rows)
+		if (row.pair == pair && seen.insert(row.spheres).second)
+			rows.push_back({std::to_string(row.spheres), formatNumber(row.buildSeconds, 3), formatNumber(row.bytes / 1e6, 3)});
+	page.table({"spheres", "build of both [s]", "memory of both [MB]"}, rows);
+}
+
+void addFront(scenes::HtmlReport& page, const Sweep& sweep, const std::string& pair, double overlap)
+{
+	std::vector<std::vector<std::string>> rows;
+	const auto add = [&](const ParetoRow& r)
+	{
+		rows.push_back({r.estimator, std::to_string(r.spheres), formatNumber(r.pairs, 4), formatNumber(r.p50, 3), formatNumber(r.p99, 3), formatNumber(r.p999, 3),
+						percent(r.volumeBias), percent(r.volumeSpread), percent(r.forceSize), percent(r.force), percent(r.force95), formatNumber(r.direction, 3),
+						percent(r.torque), percent(r.point)});
+	};
+	for (const ParetoRow* row : frontOf(sweep, [&](const ParetoRow& r) { return r.pair == pair && r.overlap == overlap && isLevel(r); })) add(*row);
+	for (const ParetoRow& row : sweep.rows)
+		if (row.pair == pair && row.overlap == overlap && !isLevel(row)) add(row);
+	page.table({"", "spheres", "pairs", "p50 us", "p99", "p99.9", "V bias %", "V spread %", "|F| rms %", "F rms %", "F p95 %", "deg", "torque %", "point %"}, rows);
+}
+}  // namespace
+
+std::string paretoCsv(const Sweep& sweep)
+{
+	std::string text = "pair,estimator,spheres,poses";
+	for (const Field& field : kFields) text += std::string(",") + field.first;
+	text += '\n';
+	for (const ParetoRow& row : sweep.rows)
+	{
+		text += row.pair + ',' + row.estimator + ',' + std::to_string(row.spheres) + ',' + std::to_string(row.poses);
+		for (const Field& field : kFields) text += ',' + number(row.*field.second);
+		text += '\n';
+	}
+	return text;
+}
+
+std::string paretoJson(const Sweep& sweep)
+{
+	std::string text = "{\"schema\":1,\"rows\":[";
+	for (const ParetoRow& row : sweep.rows)
+	{
+		if (&row != &sweep.rows.front()) text += ",\n";
+		text += "{\"pair\":\"" + row.pair + "\",\"estimator\":\"" + row.estimator + "\",\"spheres\":" + std::to_string(row.spheres) +
+				",\"poses\":" + std::to_string(row.poses);
+		for (const Field& field : kFields) text += std::string(",\"") + field.first + "\":" + number(row.*field.second);
+		text += '}';
+	}
+	text += "],\n\"promises\":[";
+	for (const PromiseRow& p : sweep.promises)
+	{
+		if (&p != &sweep.promises.front()) text += ",\n";
+		text += "{\"pair\":\"" + p.pair + "\",\"spheres\":" + std::to_string(p.spheres) + ",\"poses\":" + std::to_string(p.poses) + ",\"error\":" + number(p.error) +
+				",\"held\":" + number(p.held) + ",\"kept\":" + number(p.kept) + ",\"of_leaves\":" + number(p.ofLeaves) +
+				",\"of_fixed\":" + (p.ofFixed > 0 ? number(p.ofFixed) : "null") + '}';
+	}
+	return text + "]}\n";
+}
+
+std::string paretoHtml(const Sweep& sweep)
+{
+	scenes::HtmlReport page("Speed against accuracy");
+	page.paragraph("Error of the force of two bodies against the time of a query, over random poses of the same overlap; truth by quadrature on the triangles, which shares no "
+				   "code with the library. Printed by bench_pareto; times are those of one thread on a shared machine, their last digits mean little.");
+	addPromises(page, sweep);
+	for (const std::string& pair : pairsOf(sweep))
+	{
+		page.heading(pair);
+		addBodies(page, sweep, pair);
+		for (const double overlap : overlapsOf(sweep, pair))
+		{
+			page.chart(estimatorChart(sweep, pair, overlap));
+			addFront(page, sweep, pair, overlap);
+		}
+	}
+	return page.text();
+}
+
+std::string frontSvg(const Sweep& sweep, const std::string& pair)
+{
+	Chart chart = emptyChart("error of the force against time, " + pair);
+	for (const double overlap : overlapsOf(sweep, pair))
+		chart.series.push_back(seriesOf(percent(overlap) + " % overlap",
+										frontOf(sweep, [&](const ParetoRow& r) { return r.pair == pair && r.overlap == overlap && isLevel(r); }), false));
+	return scenes::chartSvg(chart);
+}
+}  // namespace bench

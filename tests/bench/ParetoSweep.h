@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "tests/bench/TruePoses.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace bench
+{
+/// What is swept.
+struct SweepSettings
+{
+	std::vector<std::pair<std::string, std::string>> pairs;  ///< names of `meshNamed`
+	std::vector<int> spheres;
+	TruthSettings truth;
+	std::vector<double> errors = {0.02, 0.05, 0.1, 0.2};  ///< accepted, by the dial
+	std::vector<int> budgets = {100, 1000};               ///< of pairs
+	int passes = 5;
+	std::string folder;  ///< keeps truth and trees from run to run; empty: nowhere
+};
+
+/// A tree and what it took.
+struct SweptBody
+{
+	ist::InnerSphereTree tree;
+	double buildSeconds = 0;
+	double bytes = 0;  ///< of the asset and the levels
+};
+
+/// One estimator on one pair of bodies at one overlap. Errors are against quadrature; of the force, of its true size.
+struct ParetoRow
+{
+	std::string pair, estimator;  ///< "level 3", "budget 100", "dial 5 %", "paper", "closed form"
+	double overlap = 0;
+	int spheres = 0, poses = 0;
+	double buildSeconds = 0, bytes = 0;
+	double p50 = 0, p99 = 0, p999 = 0;  ///< [us]
+	double pairs = 0;
+	double volumeBias = 0, volumeSpread = 0;      ///< mean and standard deviation of V / V_true - 1
+	double forceSize = 0, force = 0, force95 = 0; ///< rms of |F| / |F_true| - 1; rms and 95th percentile of |F - F_true| / |F_true|
+	double direction = 0;                         ///< median [deg]
+	double torque = 0;                            ///< rms, of |F_true| times the smaller body's size
+	double point = 0;                             ///< rms distance of the centre of the overlap, of the smaller body's size
+};
+
+/// How the dial fared on one pair: over all overlaps together.
+struct PromiseRow
+{
+	std::string pair;
+	double error = 0;  ///< accepted
+	int spheres = 0, poses = 0;
+	double held = 0;     ///< share of poses whose true error is below what was promised: `error`, or what the answer says where the leaves fall short
+	double kept = 0;     ///< share of poses where `error` was promised
+	double ofLeaves = 0; ///< pairs over those of the leaves
+	double ofFixed = 0;  ///< pairs of all looks over those of the cheapest fixed level whose true error is below `error` in 95 % of poses; 0: there is none
+};
+
+struct Sweep
+{
+	std::vector<ParetoRow> rows;
+	std::vector<PromiseRow> promises;
+};
+
+/// Builds, asks and compares. Progress goes to stderr.
+Sweep runSweep(const SweepSettings& settings);
+}  // namespace bench
