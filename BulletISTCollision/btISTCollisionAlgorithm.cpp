@@ -85,8 +85,6 @@ void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact&
 	const auto seconds = [&] { return timed ? std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() : 0.0; };
 	const uint64_t version = m_context->optionsVersion;
 	const btISTEconomy& economy = m_context->economy;
-	// A changed material counts at once, also in what may be kept.
-	if (m_contact && economy.keptError > 0 && contact.patchCount > 0) contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
 	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
 	contact.use = m_contact && !fading ? contact.kept.use(contact, field.measures(), version, economy) : btISTKeptResult::Ask;
 	if (contact.use != btISTKeptResult::Ask) return store.count(contact, nullptr, seconds());

@@ -62,7 +62,7 @@ public:
 	/// Numbers that B's closed form is made of; all zero for a tree.
 	using Measures = std::array<double, 4>;
 
-	/// What to do at the pose `contact.X_AB`. With Moved, and with Ask where there was something to be compared with, the sums of `contact` have
+	/// What to do at the pose `contact.X_AB`, by the weights of the step before. With Moved, and with Ask where there was something to be compared with, the sums of `contact` have
 	/// followed. `version` of the options of queries. O(patches), no allocation.
 	Use use(btISTContact& contact, const Measures& measures, uint64_t version, const btISTEconomy& economy);
 	/// After a query whose sums are in `contact` now. `clearance`: of leaves, when there are none.

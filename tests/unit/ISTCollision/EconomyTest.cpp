@@ -15,6 +15,7 @@
 
 namespace
 {
+/// Side 1.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
 	static const auto tree = []
@@ -117,6 +118,13 @@ TEST(btISTEconomy, SwitchedOffAsksAlways)
 	for (int i = 0; i < 10; ++i) pair.look(at(vec(.1, .8, .2)));
 	EXPECT_EQ(pair.cost().asked, 10u);
 	EXPECT_EQ(pair.cost().kept(), 0u);
+
+	ASSERT_FALSE(pair.registration.setEconomy(kTolerant));
+	for (int i = 0; i < 3; ++i) pair.look();
+	ASSERT_EQ(pair.cost().kept(), 2u);
+	ASSERT_FALSE(pair.registration.setEconomy(kAlways));
+	pair.look();
+	EXPECT_EQ(pair.cost().kept(), 2u);
 }
 
 TEST(btISTEconomy, TeleportIsSeenWhereverItGoes)
@@ -172,6 +180,27 @@ TEST(btISTEconomy, ApproachingPairIsQueriedOnlyWhenItMayHaveMet)
 	}
 }
 
+TEST(btISTEconomy, ClearanceIsUsedUpByTheWayAndNotBefore)
+{
+	constexpr double kClearance = 0.1, kCorner = 0.866;
+	btISTContact contact;
+	contact.treeA = contact.treeB = cubeTree();
+	const auto useAfter = [&](const ist::Vec3& shift, const ist::Vec3& turn)
+	{
+		btISTKeptResult kept;
+		contact.X_AB = {ist::rotationMatrix(ist::quaternionFromRotationVector({0.3, 0.2, 0.1})), {3, -2, 5}};
+		kept.keep(contact, {}, 0, kClearance, kExact);
+		contact.X_AB.rotation = ist::rotationMatrix(ist::quaternionFromRotationVector(turn)) * contact.X_AB.rotation;
+		contact.X_AB.translation += shift;
+		return kept.use(contact, {}, 0, kExact);
+	};
+	EXPECT_EQ(useAfter({-0.99 * kClearance, 0, 0}, {}), btISTKeptResult::Apart);
+	EXPECT_EQ(useAfter({0, 1.01 * kClearance, 0}, {}), btISTKeptResult::Ask);
+	EXPECT_EQ(useAfter({}, {0.3 * kClearance / kCorner, 0, 0}), btISTKeptResult::Apart);
+	EXPECT_EQ(useAfter({}, {0, kClearance / kCorner, 0}), btISTKeptResult::Ask);
+	EXPECT_EQ(useAfter({0, 0, 0.8 * kClearance}, {0, 0.4 * kClearance / kCorner, 0}), btISTKeptResult::Ask);
+}
+
 TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.5));
@@ -179,6 +208,7 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 	{
 		Pair kept(kTolerant, under), always(kAlways, under);
 		int compared = 0;
+		ist::Vec3 asked;
 		for (int i = 0; i < 600; ++i)
 		{
 			const double t = i / 600.0;
@@ -187,7 +217,10 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 			always.look(place);
 			const ist::Vec3 truth = forceOf(*always.contact());
 			EXPECT_LE(distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTKeptResult::floorForce(*always.contact()))) << i;
-			compared += kept.contact()->use == btISTKeptResult::Moved;
+			if (kept.contact()->use == btISTKeptResult::Ask) asked = forceOf(*kept.contact());
+			else ++compared;
+			// Nothing is kept whose change is more than half of what was granted.
+			EXPECT_LE(distance(forceOf(*kept.contact()), asked), 0.5 * 0.0501 * std::max(norm(forceOf(*kept.contact())), btISTKeptResult::floorForce(*kept.contact()))) << i;
 		}
 		EXPECT_GT(compared, 450);
 		EXPECT_EQ(kept.cost().asked + kept.cost().kept(), 600u);
