@@ -3,11 +3,11 @@
 
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/btISTShapeParts.h"
 
 #include "BulletCollision/BroadphaseCollision/btOverlappingPairCache.h"
 #include "BulletCollision/CollisionDispatch/btCollisionWorld.h"
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
-#include "BulletCollision/CollisionShapes/btCompoundShape.h"
 #include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 
 #include <algorithm>
@@ -30,12 +30,7 @@ bool sleeps(const Objects& pair) { return !pair.first->isActive() && !pair.secon
 
 bool hasTree(const btCollisionShape* shape, const btISTRegistry& registry)
 {
-	if (registry.find(shape)) return true;
-	if (!shape->isCompound()) return false;
-	const auto* compound = static_cast<const btCompoundShape*>(shape);
-	for (int i = 0; i < compound->getNumChildShapes(); ++i)
-		if (hasTree(compound->getChildShape(i), registry)) return true;
-	return false;
+	return btISTAnyPart(shape, [&](const btCollisionShape* part) { return registry.find(part) != nullptr; });
 }
 
 std::string whyStock(const Objects& pair, const btISTRegistry& registry)

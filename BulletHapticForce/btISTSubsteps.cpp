@@ -2,9 +2,9 @@
 #include "BulletHapticForce/btISTSubsteps.h"
 
 #include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/btISTShapeParts.h"
 
 #include "BulletCollision/BroadphaseCollision/btBroadphaseInterface.h"
-#include "BulletCollision/CollisionShapes/btCompoundShape.h"
 #include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -19,12 +19,7 @@ constexpr int kMostEver = 1 << 20;  // a number of substeps that nobody will tak
 
 bool hasTree(const btCollisionShape* shape, const btISTRegistry& registry)
 {
-	if (registry.find(shape)) return true;
-	if (!shape->isCompound()) return false;
-	const auto* compound = static_cast<const btCompoundShape*>(shape);
-	for (int i = 0; i < compound->getNumChildShapes(); ++i)
-		if (hasTree(compound->getChildShape(i), registry)) return true;
-	return false;
+	return btISTAnyPart(shape, [&](const btCollisionShape* part) { return registry.find(part) != nullptr; });
 }
 
 struct Velocity

@@ -2,12 +2,12 @@
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 #include "BulletISTCollision/btISTContext.h"
 #include "BulletISTCollision/btISTShapeField.h"
+#include "BulletISTCollision/btISTShapeParts.h"
 
 #include "BulletCollision/BroadphaseCollision/btOverlappingPairCache.h"
 #include "BulletCollision/CollisionDispatch/btCollisionDispatcher.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
-#include "BulletCollision/CollisionShapes/btCompoundShape.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 
 #include <new>
@@ -16,16 +16,6 @@
 namespace
 {
 constexpr int kTypes = MAX_BROADPHASE_COLLISION_TYPES;
-
-bool containsShape(const btCollisionShape* root, const btCollisionShape* shape)
-{
-	if (root == shape) return true;
-	if (!root || !root->isCompound()) return false;
-	const auto* compound = static_cast<const btCompoundShape*>(root);
-	for (int i = 0; i < compound->getNumChildShapes(); ++i)
-		if (containsShape(compound->getChildShape(i), shape)) return true;
-	return false;
-}
 
 /// Bullet makes an algorithm for each child of a GImpact compound and destroys it within the same call: no contact would see the solver.
 bool isInGImpactCompound(const btCollisionObjectWrapper* wrap)
@@ -151,7 +141,10 @@ public:
 		for (int i = 0; i < pairs.size(); ++i)
 		{
 			const auto involves = [&](const btBroadphaseProxy* proxy)
-			{ return containsShape(static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape(), shape); };
+			{
+				return btISTAnyPart(static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape(),
+									[shape](const btCollisionShape* part) { return part == shape; });
+			};
 			if (!shape || involves(pairs[i].m_pProxy0) || involves(pairs[i].m_pProxy1)) cache->cleanOverlappingPair(pairs[i], dispatcher);
 		}
 	}
