@@ -24,6 +24,7 @@ browser::DemoOptions demoOptions(const DemoArguments& a)
 	options.mesh = a.meshGiven ? a.mesh : "";
 	options.cache = a.cache;
 	options.spheres = a.spheresGiven ? a.spheres : 0;
+	options.economy = {a.economy, a.keptError};
 	options.progress = showProgress;
 	options.say = say;
 	return options;
@@ -93,8 +94,9 @@ int runBrowserDemo(const DemoArguments& a)
 #else
 	if (!a.screenshot.empty() || !a.record.empty()) return refuse({kWithout});
 #endif
-	demo->setEconomy({a.economy, a.keptError});
-	if (const auto error = demo->prepare(demoOptions(a))) return refuse(*error);
+	const browser::DemoOptions demoChoice = demoOptions(a);
+	demo->setEconomy(demoChoice.economy);
+	if (const auto error = demo->prepare(demoChoice)) return refuse(*error);
 	const auto outcome = browser::runDemo(*demo, entry->name, entry->about, options);
 	if (!outcome) return refuse(outcome.error());
 #ifdef BULLETHAPTICS_BROWSER

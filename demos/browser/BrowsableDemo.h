@@ -73,6 +73,7 @@ struct DemoOptions
 	std::string mesh;    ///< file for demos that take any mesh; empty: a generated one
 	std::string cache;   ///< folder where trees are kept; empty: nowhere
 	long long spheres = 0;  ///< 0: what the demo thinks right
+	EconomyChoice economy;  ///< for those who run demos; see BrowsableDemo::setEconomy
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;
 };

@@ -44,6 +44,16 @@ double processor()
 	return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
+/// Ones and threes of each power of ten.
+std::vector<int64_t> upTo(int64_t most, int64_t first)
+{
+	std::vector<int64_t> numbers;
+	for (int64_t ten = first; ten <= most; ten *= 10)
+		for (const int64_t n : {ten, 3 * ten})
+			if (n <= most) numbers.push_back(n);
+	return numbers;
+}
+
 double median(std::vector<double> v)
 {
 	std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
@@ -224,19 +234,19 @@ struct Asset
 std::vector<Row> ofQueries(const Options& o, Asset& asset, std::shared_ptr<const InnerSphereTree>& small)
 {
 	Row pairs{"query over its pairs", "leaf pairs", {}, {}}, spheres{"query at 1 % over the spheres", "spheres", {}, {}}, build{"build over the spheres", "spheres", {}, {}},
-		threads{"query by threads at once", "threads", {}, {}};
+		threads{"wall time a query, threads at once", "threads", {}, {}};
 	QueryWorkspace workspace;
-	for (int64_t n = 100; n <= o.spheres; n = n * 10 / 3)
+	const std::vector<int64_t> numbers = upTo(o.spheres, 100);
+	for (const int64_t n : numbers)
 	{
-		if (n > 300 && n < 400) n = 300;
 		const double begin = processor();
 		const InnerSphereTree tree = torusTree(n);
 		asset.buildSeconds = processor() - begin;
 		build.add(double(n), 1e6 * asset.buildSeconds);
 		const std::vector<Pose> poses = bench::posesAtOverlap(tree, tree, 0.01, o.poses);
 		spheres.add(double(n), timeQueries(tree, poses, workspace).microseconds);
-		if (n >= 900 && !small) small = std::make_shared<const InnerSphereTree>(tree);
-		if (n * 10 / 3 <= o.spheres) continue;
+		if (n >= 1000 && !small) small = std::make_shared<const InnerSphereTree>(tree);
+		if (n != numbers.back()) continue;
 		for (const double overlap : {1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3})
 		{
 			const QueryTime t = timeQueries(tree, bench::posesAtOverlap(tree, tree, overlap, o.poses), workspace);
@@ -255,8 +265,9 @@ std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSph
 	Row apart{"step, bodies apart, all asked", "bodies", {}, {}}, kept{"step, bodies apart, economy 5 %", "bodies", {}, {}}, queries{"queries of these, all asked", "bodies", {}, {}},
 		keptQueries{"queries of these, economy 5 %", "bodies", {}, {}}, piles{"step, stacks of ten, economy 5 %", "contacts", {}, {}}, column{"step, one stack, economy 5 %", "contacts", {}, {}};
 	const auto rounds = [](int bodies) { return std::max(12, 2000 / bodies); };
-	for (int n = 10; n <= o.bodies; n = n * 10 / 3 / 10 * 10)
+	for (const int64_t count : upTo(o.bodies, 10))
 	{
+		const int n = int(count);
 		const Columns::Cost all = Columns(tree, n, 1, {false, 0}).run(30, rounds(n)), less = Columns(tree, n, 1, {true, 0.05}).run(30, rounds(n));
 		apart.add(n, all.step);
 		kept.add(n, less.step);
@@ -273,11 +284,14 @@ std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSph
 	return {apart, kept, queries, keptQueries, piles, column};
 }
 
+std::string shown(double value) { return std::isfinite(value) ? scenes::formatNumber(value, 3) : "-"; }
+
 void print(const std::vector<Row>& rows)
 {
 	std::printf("\n| cost of | grows with | exponent | one costs, at the end [us] | linear from | no longer from |\n|---|---|---|---|---|---|\n");
 	for (const Row& r : rows)
-		std::printf("| %s | %s | %.2f | %.3g at %.4g | %.4g | %.4g |\n", r.name.c_str(), r.unit.c_str(), r.exponent(), r.each(), r.n.back(), r.linearFrom(), r.linearUpTo());
+		std::printf("| %s | %s | %.2f | %.3g at %.4g | %s | %s |\n", r.name.c_str(), r.unit.c_str(), r.exponent(), r.each(), r.n.back(), shown(r.linearFrom()).c_str(),
+					shown(r.linearUpTo()).c_str());
 }
 
 void onPaper(const std::vector<Row>& worlds, const Asset& asset, int64_t spheres)
@@ -294,7 +308,7 @@ scenes::HtmlReport pageOf(const std::vector<Row>& rows)
 	page.paragraph("Processor time; both axes are logarithms to the base of ten, so that a straight line is a power law and its slope the exponent.");
 	std::vector<std::vector<std::string>> table;
 	for (const Row& r : rows)
-		table.push_back({r.name, scenes::formatNumber(r.exponent(), 3), scenes::formatNumber(r.each(), 3), scenes::formatNumber(r.linearFrom(), 3), scenes::formatNumber(r.linearUpTo(), 3)});
+		table.push_back({r.name, scenes::formatNumber(r.exponent(), 3), scenes::formatNumber(r.each(), 3), shown(r.linearFrom()), shown(r.linearUpTo())});
 	page.table({"cost of", "exponent", "one costs at the end [us]", "linear from", "no longer from"}, table);
 	for (const Row& r : rows)
 	{

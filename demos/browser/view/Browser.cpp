@@ -25,7 +25,7 @@ void keep(std::deque<float>& times, double value)
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 }  // namespace
 
-Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_renderer(renderer), m_gui(gui), m_options(options)
+Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_renderer(renderer), m_gui(gui), m_options(options), m_economy(options.economy)
 {
 	// Without a graphics card pixels are dear.
 	if (renderer.software()) m_quality = {1, 2, 1024, false};

@@ -32,6 +32,17 @@ cat > "$dir/good.json" <<'JSON'
 JSON
 sed 's/"tool": "ball"/"tool": "bell"/' "$dir/good.json" > "$dir/bad.json"
 
+expect "an economy beyond its range" 2 "--economy must be off or a number from 0 to 0.5" "$demos" --demo hello --headless --economy 0.7
+expect "an economy of a scene file" 2 "only the browser's demos know it" "$demos" --scene "$dir/good.json" --economy off
+for economy in off 0 0.05; do
+	expect "a demo with economy $economy" 0 "" "$demos" --demo hello --headless --frames 30 --json --cache "$dir" --economy $economy
+	python3 -c "
+import json
+r = json.load(open('$dir/out'))['report'][0]
+assert r['schema'] == 1 and r['economy'] == ('$economy' != 'off') and r['queries'] > 0 and len(r['pairs']) == 3, r
+assert (r['kept'] > 0) == ('$economy' != 'off'), r
+" || failures=$((failures + 1))
+done
 expect "a good scene runs" 0 "" "$demos" --scene "$dir/good.json" --virtual-time --cache "" --json
 python3 -c "
 import json, sys
