@@ -21,6 +21,7 @@ install(FILES
 	BulletISTCollision/btBulletISTCollisionCommon.h
 	BulletISTCollision/btISTCollisionAlgorithm.h
 	BulletISTCollision/btISTContactStore.h
+	BulletISTCollision/btISTEconomy.h
 	BulletISTCollision/btISTRegistry.h
 	BulletISTCollision/btISTShapeMesh.h
 	BulletISTCollision/btISTTreeSource.h
