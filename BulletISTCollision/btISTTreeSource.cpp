@@ -2,9 +2,11 @@
 #include "BulletISTCollision/btISTTreeSource.h"
 
 #include "BulletISTCollision/btISTShapeMesh.h"
+#include "BulletISTCollision/btISTShapeParts.h"
 
+#include "BulletCollision/BroadphaseCollision/btBroadphaseInterface.h"
 #include "BulletCollision/CollisionDispatch/btCollisionWorld.h"
-#include "BulletCollision/CollisionShapes/btCompoundShape.h"
+#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 
 #include <algorithm>
@@ -20,12 +22,19 @@ struct btISTTreeSource::Waiting
 struct btISTPendingAttachment::State
 {
 	const btCollisionShape* shape = nullptr;
-	std::shared_ptr<const ist::TreeOrder> order;
+	std::shared_ptr<const ist::TreeOrder> order;  // null until something is near
+	std::function<std::shared_ptr<const ist::TreeOrder>()> start;
 	std::weak_ptr<btISTTreeSource::Waiting> waiting;
 	btVector3 scaling{1, 1, 1};  // that the tree is made for
 	btISTAttachment attachment;
 	std::string error, note;
 
+	void begin()
+	{
+		if (!order) order = start();
+		start = nullptr;  // and the triangles with it
+	}
+	bool isDone() const { return order && order->isDone(); }
 	~State()
 	{
 		const auto list = waiting.lock();
@@ -84,12 +93,13 @@ btISTTreeSource::~btISTTreeSource()
 }
 
 btISTPendingAttachment btISTTreeSource::expect(const btCollisionShape* shape, const btVector3& scaling,
-											   std::shared_ptr<const ist::TreeOrder> order)
+											   Start start)
 {
 	auto state = std::make_unique<btISTPendingAttachment::State>();
 	state->shape = shape;
 	state->scaling = scaling;
-	state->order = std::move(order);
+	state->start = std::move(start);
+	if (!m_near) state->begin();
 	state->waiting = m_waiting;
 	m_waiting->states.push_back(state.get());
 	return btISTPendingAttachment(std::move(state));
@@ -112,7 +122,11 @@ btISTPendingAttachment btISTTreeSource::attach(const btCollisionShape* shape)
 	failed->error = refusalToWait(m_registry, shape, awaits(shape));
 	if (!failed->error.empty()) return btISTPendingAttachment(std::move(failed));
 	ist::Result<ist::Mesh> mesh = meshOfShape(*shape);
-	if (mesh) return expect(shape, shape->getLocalScaling(), m_worker->build(std::move(mesh).value(), m_settings.build));
+	if (mesh)
+	{
+		const auto kept = std::make_shared<ist::Mesh>(std::move(mesh).value());
+		return expect(shape, shape->getLocalScaling(), [this, kept] { return m_worker->build(std::move(*kept), m_settings.build); });
+	}
 	failed->error = mesh.error().message;
 	return btISTPendingAttachment(std::move(failed));
 }
@@ -123,7 +137,7 @@ btISTPendingAttachment btISTTreeSource::attachAsset(const btCollisionShape* shap
 	failed->shape = shape;
 	failed->error = refusalToWait(m_registry, shape, awaits(shape));
 	if (!failed->error.empty()) return btISTPendingAttachment(std::move(failed));
-	return expect(shape, btVector3(1, 1, 1), m_worker->load(path));
+	return expect(shape, btVector3(1, 1, 1), [this, path] { return m_worker->load(path); });
 }
 
 btISTPendingAttachment btISTTreeSource::unknown(const char* name)
@@ -172,11 +186,58 @@ bool btISTTreeSource::awaits(const btCollisionShape* shape) const
 	return std::any_of(states.begin(), states.end(), [shape](const auto* state) { return state->shape == shape; });
 }
 
+namespace
+{
+/// Whether anything but the object itself is found that the two do not ignore. A plane is everywhere for the broad phase.
+struct Neighbours : btBroadphaseAabbCallback
+{
+	const btBroadphaseProxy* self;
+	btVector3 lower, upper;
+	bool found = false;
+
+	bool process(const btBroadphaseProxy* proxy) override
+	{
+		const bool filtered = (proxy->m_collisionFilterGroup & self->m_collisionFilterMask) && (self->m_collisionFilterGroup & proxy->m_collisionFilterMask);
+		found = found || (proxy != self && filtered && reaches(static_cast<const btCollisionObject*>(proxy->m_clientObject)));
+		return !found;
+	}
+	bool reaches(const btCollisionObject* object) const
+	{
+		if (object->getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE) return true;
+		const auto* plane = static_cast<const btStaticPlaneShape*>(object->getCollisionShape());
+		const btVector3 normal = object->getWorldTransform().getBasis() * plane->getPlaneNormal();
+		const btScalar offset = plane->getPlaneConstant() + normal.dot(object->getWorldTransform().getOrigin());
+		const btVector3 half = (upper - lower) / 2;
+		return normal.dot(lower + half) - half.dot(normal.absolute()) <= offset;
+	}
+};
+}  // namespace
+
+bool btISTTreeSource::isNear(const btCollisionShape* shape) const
+{
+	const btCollisionObjectArray& objects = m_near->getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		const btBroadphaseProxy* proxy = objects[i]->getBroadphaseHandle();
+		if (!proxy || !btISTAnyPart(objects[i]->getCollisionShape(), [shape](const btCollisionShape* part) { return part == shape; })) continue;
+		const btVector3 sides = proxy->m_aabbMax - proxy->m_aabbMin, margin = btVector3(1, 1, 1) * sides[sides.maxAxis()];
+		Neighbours neighbours;
+		neighbours.self = proxy;
+		neighbours.lower = proxy->m_aabbMin - margin;
+		neighbours.upper = proxy->m_aabbMax + margin;
+		const_cast<btCollisionWorld*>(m_near)->getBroadphase()->aabbTest(neighbours.lower, neighbours.upper, neighbours);
+		if (neighbours.found) return true;
+	}
+	return false;
+}
+
 int btISTTreeSource::update()
 {
 	int attached = 0;
 	auto& states = m_waiting->states;
-	const auto ready = std::stable_partition(states.begin(), states.end(), [](const auto* state) { return !state->order->isDone(); });
+	for (auto* state : states)
+		if (!state->order && (!m_near || isNear(state->shape))) state->begin();
+	const auto ready = std::stable_partition(states.begin(), states.end(), [](const auto* state) { return !state->isDone(); });
 	const std::vector<btISTPendingAttachment::State*> done(ready, states.end());
 	states.erase(ready, states.end());
 	for (auto* state : done)
@@ -189,8 +250,15 @@ int btISTTreeSource::update()
 
 int btISTTreeSource::finish()
 {
+	for (auto* state : m_waiting->states) state->begin();
 	m_worker->finish();
 	return update();
 }
 
 int btISTTreeSource::pending() const { return int(m_waiting->states.size()); }
+
+int btISTTreeSource::waitingForNeighbours() const
+{
+	const auto& states = m_waiting->states;
+	return int(std::count_if(states.begin(), states.end(), [](const auto* state) { return !state->order; }));
+}

@@ -7,6 +7,7 @@
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -104,12 +105,19 @@ public:
 	/// none. Not the children of a btGImpactCompoundShape: their contact stays Bullet's.
 	std::vector<btISTPendingAttachment> attachGImpact(const btCollisionWorld& world);
 
+	/// From now on a tree is loaded or built only when something comes near an object of this world that has the shape: when the broad phase finds it
+	/// within one longest side of the object's bounding box. Until then nothing but the triangles is kept. What was ordered before stays so. The
+	/// world must live for as long as `update` is called. Null, as it is to begin with: at once.
+	void orderWhenNear(const btCollisionWorld* world) { m_near = world; }
+
 	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody.
 	int update();
-	/// Waits until every tree is there or has failed, then as `update`: for loading screens and tests.
+	/// Waits until every tree is there or has failed, near or far, then as `update`: for loading screens and tests.
 	int finish();
 	/// Shapes that still wait.
 	int pending() const;
+	/// Of these the ones that nothing has come near to.
+	int waitingForNeighbours() const;
 
 private:
 	friend class btISTPendingAttachment;
@@ -123,7 +131,9 @@ private:
 	static btISTPendingAttachment unknown(const char* name);
 	/// Without their ending, sorted; none when the folder cannot be read.
 	static std::vector<std::string> assetNames(const std::string& folder);
-	btISTPendingAttachment expect(const btCollisionShape* shape, const btVector3& scaling, std::shared_ptr<const ist::TreeOrder> order);
+	using Start = std::function<std::shared_ptr<const ist::TreeOrder>()>;
+	btISTPendingAttachment expect(const btCollisionShape* shape, const btVector3& scaling, Start start);
+	bool isNear(const btCollisionShape* shape) const;
 	void collectGImpact(const btCollisionShape* shape, std::vector<btISTPendingAttachment>& into);
 	bool awaits(const btCollisionShape* shape) const;
 
@@ -132,4 +142,5 @@ private:
 	btISTTreeSettings m_settings;
 	std::shared_ptr<Waiting> m_waiting;
 	std::unique_ptr<ist::TreeWorker> m_worker;
+	const btCollisionWorld* m_near = nullptr;
 };

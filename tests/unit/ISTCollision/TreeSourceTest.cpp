@@ -309,3 +309,70 @@ TEST(btISTTreeSource, AttachesByNameAfterLoadingABulletFile)
 	}
 }
 #endif
+
+TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
+{
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	btSphereShape other(btScalar(.5));
+	GImpactBox box({.5, .5, .5});
+	// Far from everything; near the plane; near the sphere.
+	for (const auto& [place, near] : {std::pair(at(300, 50, 0), false), std::pair(at(300, 1.4, 0), true), std::pair(at(1.9, 50, 0), true)})
+	{
+		Game game;
+		game.add(&plane, 0, at(0, 0, 0));
+		game.add(&other, 1, at(0, 50, 0));
+		btRigidBody* body = game.add(&box, 1, place);
+		const auto moveTo = [&](const btTransform& to)
+		{
+			body->setWorldTransform(to);
+			body->setInterpolationWorldTransform(to);  // of which Bullet's boxes know, too
+			game.detect();
+		};
+		moveTo(place);
+		btISTTreeSource source(game.registration.registry(), few());
+		source.orderWhenNear(game.world.get());
+		const btISTPendingAttachment pending = source.attach(&box);
+		source.update();
+		EXPECT_TRUE(pending.isPending() || pending.isAttached()) << pending.error();
+		EXPECT_EQ(source.waitingForNeighbours(), near ? 0 : 1);
+		if (near) continue;
+		moveTo(at(1.9, 50, 0));
+		source.update();
+		EXPECT_EQ(source.waitingForNeighbours(), 0);
+		source.finish();
+		EXPECT_TRUE(pending.isAttached()) << pending.error();
+	}
+}
+
+TEST(btISTTreeSource, FinishOrdersWhatIsFarToo)
+{
+	GImpactBox box({.5, .5, .5});
+	Game game;
+	game.add(&box, 1, at(0, 0, 0));
+	btISTTreeSource source(game.registration.registry(), few());
+	source.orderWhenNear(game.world.get());
+	const btISTPendingAttachment pending = source.attach(&box);
+	source.update();
+	EXPECT_EQ(source.waitingForNeighbours(), 1);
+	EXPECT_EQ(source.pending(), 1);
+	EXPECT_EQ(source.finish(), 1);
+	EXPECT_TRUE(pending.isAttached());
+	EXPECT_EQ(source.waitingForNeighbours(), 0);
+}
+
+TEST(btISTTreeSource, NeverOrdersWhatGoesBeforeAnythingIsNear)
+{
+	GImpactBox box({.5, .5, .5});
+	Game game;
+	game.add(&box, 1, at(0, 0, 0));
+	btISTTreeSource source(game.registration.registry(), few());
+	source.orderWhenNear(game.world.get());
+	btISTPendingAttachment pending = source.attach(&box);
+	pending.detach();
+	EXPECT_EQ(source.finish(), 0);
+	EXPECT_EQ(source.pending(), 0);
+	source.orderWhenNear(nullptr);
+	pending = source.attach(&box);
+	EXPECT_EQ(source.waitingForNeighbours(), 0);
+	EXPECT_EQ(source.finish(), 1);
+}
