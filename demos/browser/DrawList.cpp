@@ -45,6 +45,15 @@ std::shared_ptr<const SurfaceModel> makeSurfaceModel(const Mesh& mesh)
 	return model;
 }
 
+std::shared_ptr<const SurfaceModel> colouredModel(const SurfaceModel& model, const Mesh& mesh, const std::vector<Colour>& ofVertices)
+{
+	auto coloured = std::make_shared<SurfaceModel>(model);
+	coloured->colours.clear();
+	for (const auto& t : mesh.triangles)
+		for (const uint32_t v : t) coloured->colours.push_back(ofVertices[v]);
+	return coloured;
+}
+
 std::shared_ptr<const SpheresModel> makeSpheresModel(const InnerSphereTree& tree)
 {
 	auto model = std::make_shared<SpheresModel>();

@@ -21,9 +21,12 @@ struct SurfaceModel
 		float position[3], normal[3];
 	};
 	std::vector<Corner> corners;  ///< three for each triangle
+	std::vector<Colour> colours;  ///< one for each corner, in place of the surface's own; or none
 	ist::Box box;
 };
 std::shared_ptr<const SurfaceModel> makeSurfaceModel(const ist::Mesh& mesh);
+/// The same with a colour for each vertex of its mesh.
+std::shared_ptr<const SurfaceModel> colouredModel(const SurfaceModel& model, const ist::Mesh& mesh, const std::vector<Colour>& ofVertices);
 
 /// Packed spheres, largest first, in the frame of their mesh.
 struct SpheresModel

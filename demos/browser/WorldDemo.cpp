@@ -57,6 +57,7 @@ DemoWorld& WorldDemo::addWorld(scenes::Response response, const Vec3& gravity, c
 std::optional<Error> WorldDemo::restart()
 {
 	m_hand.release();
+	leave();
 	m_parts.clear();
 	m_time = m_nextSample = 0;
 	for (Curve* curve : {&m_force, &m_pairs, &m_energy, &m_cost}) curve->values.clear();

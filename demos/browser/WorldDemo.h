@@ -40,6 +40,8 @@ protected:
 	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
 	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
 	bool isBuilt() const { return !m_parts.empty(); }
+	/// Before the worlds go, for what must not outlive them.
+	virtual void leave() {}
 	/// The scene, anew. Errors of the worlds need not be looked for.
 	virtual std::optional<ist::Error> build() = 0;
 	virtual void beforeStep(double /*h*/) {}

@@ -88,8 +88,8 @@ HandPosture GraspMotion::at(double time) const
 	const double above = 0.07 * (1 - share(time, 0, kApproached) + share(time, kOpened, kOpened + 0.4));
 	const double raised = lift * share(time, kClosed, kLifted) * (1 - share(time, kTurnedBack, kPutDown));
 	const double turned = turn * share(time, kLifted, kTurned) * (1 - share(time, kShaken, kTurnedBack));
-	const double whole = 2 * 3.14159265358979323846, inShake = std::clamp(time - kTurned, 0.0, kShaken - kTurned);
-	const double swing = shake * std::sin(whole * frequency * inShake) * share(time, kTurned, kTurned + 0.1) * (1 - share(time, kShaken - 0.1, kShaken));
+	const double whole = 2 * 3.14159265358979323846, inShake = std::clamp(time - kRested, 0.0, kShaken - kRested);
+	const double swing = shake * std::sin(whole * frequency * inShake) * share(time, kRested, kRested + 0.1) * (1 - share(time, kShaken - 0.1, kShaken));
 	const Vec3 fingers{0.012 * scale * (size.left ? 1 : -1), -depth, middle};  // where they meet, in the wrist's frame
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector(turned * Vec3{1, 0.5, 0}));
 	const Vec3 meet{gripX + swing, gripHeight + above + raised + 0.5 * swing, gripZ};

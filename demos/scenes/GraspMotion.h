@@ -9,7 +9,7 @@ namespace scenes
 /// sides of z = `middle` in the wrist's frame. What is out of reach is approached as far as it goes.
 devicebridge::HandPosture pinchPosture(const devicebridge::GloveHandSize& size, double gap, double depth, double middle);
 
-/// A grasp from above, without a plan: approach, close, lift, turn, shake, turn back, put down, let go.
+/// A grasp from above, without a plan: approach, close, lift, turn, rest, shake, turn back, put down, let go.
 struct GraspMotion
 {
 	devicebridge::GloveHandSize size;
@@ -23,7 +23,8 @@ struct GraspMotion
 	double frequency = 2;    ///< [Hz]
 
 	/// Ends of the phases [s].
-	static constexpr double kApproached = 0.5, kClosed = 1.1, kLifted = 1.7, kTurned = 2.3, kShaken = 3.3, kTurnedBack = 3.9, kPutDown = 4.6, kOpened = 5, kEnd = 5.4;
+	static constexpr double kApproached = 0.5, kClosed = 1.1, kLifted = 1.7, kTurned = 2.3, kRested = 2.6, kShaken = 3.6, kTurnedBack = 4.2, kPutDown = 4.9, kOpened = 5.3,
+							kEnd = 5.7;
 	devicebridge::HandPosture at(double time) const;
 };
 }  // namespace scenes

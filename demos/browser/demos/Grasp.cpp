@@ -1,102 +1,151 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/ToolDemo.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/btISTConversion.h"
+#include "DeviceBridge/BulletHeatMap.h"
+#include "DeviceBridge/Hand/HeatMapFile.h"
+#include "demos/scenes/GraspMotion.h"
+#include "demos/scenes/GraspObjects.h"
 
 using namespace ist;
+using namespace devicebridge;
+using scenes::GraspMotion;
 
 namespace browser
 {
 namespace
 {
-constexpr double kGravity = 9.81, kBall = 0.025, kHalf = 0.035, kMass = 0.4, kLift = 0.12;
+constexpr double kGravity = 9.81, kMapEvery = 0.1;
+constexpr long long kPartSpheres = 150, kObjectSpheres = 1500;
+const Vec3 kFingerSide{-0.12, 0, -0.05}, kThumbSide{-0.21, 0, 0.01};
 
-/// Two fingers close on a block, lift it and hold it by friction alone; the lenses show where they press how much.
+/// A hand of sixteen parts closes on a mug, lifts it, turns it and shakes it at 2 Hz. Beside it stands, seen from both sides, the map of where it was
+/// touched, in a colour for each finger.
 class Grasp : public WorldDemo
 {
 public:
+	~Grasp() override { leave(); }
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		if (auto error = makeSolid(m_ball, "ball", makeSphereMesh(kBall, 4), 800, options)) return error;
-		if (auto error = makeSolid(m_block, "block", makeBoxMesh({kHalf, kHalf, kHalf}), 1000, options)) return error;
+		Result<scenes::GraspObject> object = scenes::makeGraspObject("mug");
+		if (!object) return object.error();
+		m_object = std::move(object).value();
+		if (auto error = makeSolid(m_mug, m_object.name, m_object.mesh, kObjectSpheres, options)) return error;
+		const Result<HandShape> shape = measureHand(posedHand({}, m_motion.size));
+		if (!shape) return shape.error();
+		const Result<std::shared_ptr<const HandModel>> model = buildHandModel(shape.value(), {kPartSpheres, options.cache, 0, options.progress});
+		if (!model) return model.error();
+		m_model = model.value();
+		for (size_t i = 0; i < kHandParts; ++i) m_skins[i] = makeSurfaceModel(m_model->parts[i].mesh);
+		m_motion.gripX = m_object.gripX;
+		m_motion.gripZ = m_object.gripZ;
+		m_motion.gripHeight = m_object.gripHeight;
+		m_motion.width = m_object.width;
 		return std::nullopt;
 	}
-	double stepSize() const override { return 1e-3; }
-	double duration() const override { return 3; }
-	Viewpoint viewpoint() const override { return {{0, 0.11, 0}, 0.5, 0.4, 0.25}; }
-	DrawChoice firstChoice() const override { return {.lenses = true}; }
+	double stepSize() const override { return 1.0 / 500; }
+	/// The mug is still in the air.
+	double duration() const override { return GraspMotion::kRested; }
+	Viewpoint viewpoint() const override { return {{-0.08, 0.115, 0}, 0.58, -2.5, 0.22}; }
 	std::vector<Parameter> parameters() override
 	{
-		return {{"squeeze by", "mm", &m_squeeze, 0, 10, false, false}, {"friction", "", &m_friction, 0, 1, true, false}};
+		return {{"squeeze by", "m", &m_motion.squeeze, 0, 0.03, false, false}, {"friction", "", &m_friction, 0, 1, true, false}};
 	}
 	std::vector<Figure> figures() const override
 	{
-		const double weight = kMass * kGravity;
-		const Vec3 left = world().contactForce(m_body, m_fingers[0]), right = world().contactForce(m_body, m_fingers[1]);
-		const double squeeze = 0.5 * (left.x - right.x), height = double(m_body->getWorldTransform().getOrigin().y());
-		return {{"weight that friction carries", "N", left.y + right.y, weight, 0.02 * weight},
-				{"squeeze of a finger", "N", squeeze},
-				{"fingers out of balance, sideways", "N", left.x + right.x, 0, 0.02 * weight},
-				{"lifted", "mm", 1e3 * (height - kHalf), 1e3 * kLift, 2}};
+		const double weight = m_object.mass * kGravity;
+		Vec3 carried;
+		double strongest = 0;
+		for (int i = 0; i < kHandParts; ++i)
+		{
+			const Vec3 force = world().contactForce(m_body, &m_hand->body(i));
+			carried += force;
+			strongest = std::max(strongest, norm(force));
+		}
+		const BulletHand::Touch touch = m_hand->touch(world().lastStep());
+		return {{"weight that the hand carries", "N", carried.y, weight, 0.02 * weight},
+				{"forces on the mug out of balance, sideways", "N", std::hypot(carried.x, carried.z), 0, 0.02 * weight},
+				{"lifted", "mm", 1e3 * (toVec3(m_body->getWorldTransform().getOrigin()).y - m_mug->X_MP.translation.y), 1e3 * m_motion.lift, 4},
+				{"parts in contact", "", double(touch.parts)},
+				{"strongest part", "N", strongest},
+				{"force on the map, of that on the mug", "%", m_impulse > 0 ? 100 * mapImpulse() / m_impulse : 0, 100, 2}};
 	}
 
 protected:
+	void leave() override { m_hand.reset(); }
 	std::optional<Error> build() override
 	{
 		DemoWorld& w = addWorld();
-		w.addPlane({0, 1, 0}, 0, 0.5);
-		BodySetup block;
-		block.name = "block";
-		block.mass = kMass;
-		block.stiffness = 2e7;
-		block.friction = 1;
-		block.colour = bodyColour(1);
-		block.X_WM.translation.y = kHalf;
-		m_body = w.add(m_block, std::move(block));
-		for (const int i : {0, 1})
-		{
-			BodySetup finger;
-			finger.name = i ? "right finger" : "left finger";
-			finger.mass = 0.1;
-			finger.stiffness = 2e7;
-			finger.friction = m_friction;
-			finger.colour = bodyColour(0);
-			finger.X_WM = target(i, 0);
-			m_fingers[i] = w.add(m_ball, std::move(finger));
-			if (!m_fingers[i]) return std::nullopt;
-			m_fingers[i]->setGravity(btVector3(0, 0, 0));
-			m_pulls[i].setFrequency(200);
-			m_pulls[i].grab(m_fingers[i]);
-		}
+		w.addPlane({0, 1, 0}, 0, 1);
+		BodySetup mug;
+		mug.name = m_object.name;
+		mug.mass = m_object.mass;
+		mug.friction = m_friction;
+		mug.colour = {0.93f, 0.91f, 0.87f};
+		m_body = w.add(m_mug, std::move(mug));
+		if (!m_body) return std::nullopt;
+		Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*w.volumetric(), m_model, posedHand(m_motion.at(0), m_motion.size));
+		if (!hand) return hand.error();
+		m_hand = std::move(hand).value();
+		m_map = makeHeatMap(*m_model, m_mug->mesh);
+		m_mapModel.reset();
+		m_nextMap = m_impulse = 0;
 		return std::nullopt;
 	}
-	void beforeStep(double h) override
+	void beforeStep(double h) override { m_hand->drive(posedHand(m_motion.at(time() + h), m_motion.size), h); }
+	void afterStep(double h) override
 	{
-		for (const int i : {0, 1})
-		{
-			// One that the user has taken follows him.
-			if (hand().body() == m_fingers[i]) continue;
-			m_pulls[i].setTarget(target(i, time()));
-			m_pulls[i].pull(h);
-		}
+		m_impulse += h * addTouches(*m_map, *m_hand, world().volumetric()->contacts(), *m_body, {}, h, h);
+		if (time() < m_nextMap) return;
+		m_nextMap += kMapEvery;
+		m_mapModel.reset();
 	}
-	void decorate(const DrawChoice&, DrawList& list) override { list.gridCell = 0.02; }
-	double arrowForce() const override { return 20; }
-	double arrowLength() const override { return 0.05; }
+	void decorate(const DrawChoice& choice, DrawList& list) override
+	{
+		list.gridCell = 0.02;
+		if (!choice.surfaces) return;
+		for (int i = 0; i < kHandParts; ++i)
+			list.surfaces.push_back({m_skins[size_t(i)], toPose(m_hand->body(i).getWorldTransform()), skin(i)});
+		if (!m_mapModel) paintMap();
+		const Mat3 turned{{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}}};
+		list.surfaces.push_back({m_mapModel, {{}, kFingerSide + m_mug->X_MP.translation}, {1, 1, 1}});
+		list.surfaces.push_back({m_mapModel, {turned, kThumbSide + m_mug->X_MP.translation}, {1, 1, 1}});
+		list.texts.push_back({kFingerSide + Vec3{0, 0.1, 0}, "touched by fingers", {0.1f, 0.1f, 0.12f}});
+		list.texts.push_back({kThumbSide + Vec3{0, 0.1, 0}, "by the thumb", {0.1f, 0.1f, 0.12f}});
+	}
+	double arrowForce() const override { return 10; }
+	double arrowLength() const override { return 0.04; }
 
 private:
-	Pose target(int i, double time) const
+	static Colour of(const HeatMapColour& c, double share, const Colour& rest)
 	{
-		const double side = i ? 1 : -1, closed = side * (kHalf + kBall - 1e-3 * m_squeeze), open = side * (kHalf + kBall + 0.02);
-		Pose X;
-		X.translation = along({{0, {open, kHalf, 0}}, {0.7, {closed, kHalf, 0}}, {1, {closed, kHalf, 0}}, {2, {closed, kHalf + kLift, 0}}}, time);
-		return X;
+		return mixed(rest, {float(c.r) / 255, float(c.g) / 255, float(c.b) / 255}, share);
+	}
+	/// The fingers' own colours, pale.
+	static Colour skin(int part) { return of(handPartColour(handPartId(part, false)), part == kHandPart ? 0.1 : 0.45, {0.9f, 0.82f, 0.75f}); }
+	void paintMap()
+	{
+		std::vector<Colour> colours;
+		for (const HeatMap::Vertex& v : m_map->vertices())
+			colours.push_back(v.part < 0 ? Colour{0.93f, 0.91f, 0.87f} : of(handPartColour(m_map->partId(v.part)), 1, {}));
+		m_mapModel = colouredModel(*m_mug->surface, m_mug->mesh, colours);
+	}
+	double mapImpulse() const
+	{
+		double sum = 0;
+		for (const HeatMap::Vertex& v : m_map->vertices()) sum += v.impulse;
+		return sum;
 	}
 
-	SolidPtr m_ball, m_block;
-	btRigidBody *m_body = nullptr, *m_fingers[2] = {};
-	HandPull m_pulls[2];
-	double m_squeeze = 5, m_friction = 0.8;
+	scenes::GraspObject m_object;
+	GraspMotion m_motion;
+	SolidPtr m_mug;
+	std::shared_ptr<const HandModel> m_model;
+	std::shared_ptr<const SurfaceModel> m_skins[kHandParts], m_mapModel;
+	btRigidBody* m_body = nullptr;
+	std::unique_ptr<BulletHand> m_hand;
+	std::unique_ptr<HeatMap> m_map;
+	double m_friction = 0.5, m_nextMap = 0, m_impulse = 0;
 };
 }  // namespace
 

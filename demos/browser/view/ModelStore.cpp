@@ -92,13 +92,21 @@ void ModelStore::drawSurface(const DrawnSurface& surface)
 	if (!stored.array)
 	{
 		const auto& corners = surface.model->corners;
+		const auto& colours = surface.model->colours;
+		const size_t bytes = corners.size() * sizeof(corners[0]);
 		stored.model = surface.model;
 		glGenVertexArrays(1, &stored.array);
 		glBindVertexArray(stored.array);
 		glGenBuffers(1, &stored.buffer);
 		glBindBuffer(GL_ARRAY_BUFFER, stored.buffer);
-		glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(corners.size() * sizeof(corners[0])), corners.data(), GL_STATIC_DRAW);
+		glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(bytes + colours.size() * sizeof(Colour)), nullptr, GL_STATIC_DRAW);
+		glBufferSubData(GL_ARRAY_BUFFER, 0, GLsizeiptr(bytes), corners.data());
 		cornerAttributes();
+		if (!colours.empty())
+		{
+			glBufferSubData(GL_ARRAY_BUFFER, GLintptr(bytes), GLsizeiptr(colours.size() * sizeof(Colour)), colours.data());
+			attribute(6, 4, sizeof(Colour), bytes, 0);
+		}
 	}
 	stored.unused = 0;
 	glBindVertexArray(stored.array);
