@@ -134,7 +134,7 @@ OverlapResult BudgetedQuery::run()
 	const double usual = m_options.blend ? double(m_pairs) / (1 + 1 / kUsualStep) : double(m_pairs);
 	for (int exceeded = m_finest - 1; best.level > exceeded + 1 && !isEnough(best.total.pairs);)
 	{
-		const double room = usual / double(std::max<int64_t>(best.total.pairs, 1));
+		const double room = std::max(1.0, usual / double(std::max<int64_t>(best.total.pairs, 1)));
 		const int leap = std::max(1, int(std::log(room) / std::log(kUsualStep)));
 		const int level = std::max(exceeded + 1, best.level - leap);
 		if (look(level, m_pairs, m_deadline, next))

@@ -48,6 +48,16 @@ QueryHelper::Implementation::~Implementation()
 	m_thread.join();
 }
 
+bool QueryHelper::Implementation::suits(const QueryWorkspace::Implementation& caller) const
+{
+	// Beside what a search from the roots may list, a list holds the entries that a part begins with.
+	constexpr int kBegin = SharedEntries::kMost / kParts + 1;
+	const auto hasRoom = [](const QueryWorkspace::Implementation& w) {
+		return w.capacity.listEntries >= w.openBatch * kernels::kLeastListEntries + kBegin;
+	};
+	return work.capacity.pairs >= caller.capacity.pairs && hasRoom(work) && hasRoom(caller);
+}
+
 void QueryHelper::Implementation::open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits,
 									   const kernels::QueryKernel* kernel)
 {

@@ -11,6 +11,8 @@ using namespace kernels;
 
 namespace
 {
+using Helper = QueryHelper::Implementation;
+
 TreeQuery::Bound rootBound(const BallNode& root)
 {
 	Vec3 center;
@@ -150,6 +152,27 @@ bool TreeQuery::find()
 	m_margin = float(margin * (1 + 1e-6));
 	s.slack += m_margin;
 	if (m_memory) m_memory->begin(margin);
+	beginAtRoots(s);
+	Helper* helper = m_work.helper ? &m_work.helper->implementation() : nullptr;
+	const bool shareable = helper && !m_alone && m_margin == 0 && m_limits.pairs < 0 && !s.expired;
+	if (shareable && helper->suits(m_work) && helper->isFree())
+	{
+		s.stopAfter = Helper::kLongSearch;
+		s.stopAt = Helper::kEnough;
+	}
+	m_work.kernel->search(s);
+	count(s.counts);
+	if (!s.unfinished || finishWith(*helper, s)) return true;
+	// Once more: where the list is cut depends on the order in which pairs are found.
+	m_alone = true;
+	m_listed = 0;
+	m_result.pairListComplete = true;
+	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+	return find();
+}
+
+void TreeQuery::beginAtRoots(PairSearch& s) const
+{
 	const bool openA = m_rootA.r >= m_rootB.r;
 	SubtreeList& first = openA ? s.openA : s.openB;
 	Bound bound = m_rootA;
@@ -164,19 +187,6 @@ bool TreeQuery::find()
 	first.z[0] = bound.z;
 	first.r[0] = bound.r;
 	first.size = 1;
-	QueryHelper::Implementation* helper = m_work.helper ? &m_work.helper->implementation() : nullptr;
-	const bool shareable = helper && !m_alone && m_margin == 0 && m_limits.pairs < 0 && !s.expired && helper->work.capacity.pairs >= m_work.capacity.pairs;
-	s.stopAfter = QueryHelper::Implementation::kLongSearch;
-	s.stopAt = shareable && helper->isFree() ? QueryHelper::Implementation::kEnough : 0;
-	m_work.kernel->search(s);
-	count(s.counts);
-	if (!s.unfinished || finishWith(*helper, s)) return true;
-	// Once more: where the list is cut depends on the order in which pairs are found.
-	m_alone = true;
-	m_listed = 0;
-	m_result.pairListComplete = true;
-	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
-	return find();
 }
 
 void TreeQuery::count(const SearchCounts& counts)
@@ -254,7 +264,7 @@ void TreeQuery::take(int count)
 	PairStream& list = m_work.stream;
 	pad(m_work.pairA, m_work.pairB, count);
 	m_listed = m_work.kernel->refine(m_bodies, m_work.pairA, m_work.pairB, count, m_terms, list, m_listed);
-	m_search->stop = m_limits.pairs >= 0 && m_listed > m_limits.pairs;
+	if (m_limits.pairs >= 0 && m_listed > m_limits.pairs) m_search->stop = true;
 	if (m_listed <= capacity || m_search->stop) return;
 	m_result.pairListComplete = false;
 	evaluate(list.a + capacity, list.b + capacity, m_listed - capacity, m_sums);

@@ -12,9 +12,9 @@ counts()
 		"$bench" --cache "$folder" --poses 4 --visits "$2" --only "$1" --overlap "$overlap" "$spheres" 2>&1 |
 		awk '/I +refs:/ { gsub(",", "", $NF); i = $NF } /Mispredicts:/ { gsub(",", "", $3); m = $3 } END { print i, m }'
 }
-for mode in naive paper law law+K; do
+for mode in naive paper law law+K law+K+patches; do
 	pairs=$("$bench" --cache "$folder" --poses 4 --visits 1 --only "$mode" --overlap "$overlap" "$spheres" | awk 'END { print $4 }')
 	set -- $(counts "$mode" 1) $(counts "$mode" 5)
 	awk -v mode="$mode" -v pairs="$pairs" -v i1="$1" -v m1="$2" -v i5="$3" -v m5="$4" -v isa="$BULLETHAPTICS_ISA" \
-		'BEGIN { n = 4 * 4 * pairs; printf "%-6s %s: %.0f pairs, %.0f instructions and %.2f mispredicts a pair\n", mode, isa, pairs, (i5 - i1) / n, (m5 - m1) / n }'
+		'BEGIN { n = 4 * 4 * pairs; printf "%-13s %s: %.0f pairs, %.0f instructions and %.2f mispredicts a pair\n", mode, isa, pairs, (i5 - i1) / n, (m5 - m1) / n }'
 done

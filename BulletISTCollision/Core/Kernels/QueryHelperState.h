@@ -39,6 +39,8 @@ struct QueryHelper::Implementation
 	Implementation(const QueryCapacity& capacity, double spin);
 	~Implementation();
 
+	/// Whether parts of a workspace's searches fit into the lists of both.
+	bool suits(const QueryWorkspace::Implementation& caller) const;
 	/// Whether it can take a search. Only then may what follows be written.
 	bool isFree() const { return !m_working.load(std::memory_order_seq_cst); }
 	void open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits, const kernels::QueryKernel* kernel);

@@ -52,6 +52,7 @@ private:
 	/// False when the bodies' bounds are apart.
 	bool find();
 	kernels::PairSearch newSearch();
+	void beginAtRoots(kernels::PairSearch& search) const;
 	void count(const kernels::SearchCounts& counts);
 	/// What `begun` has left open, shared with the helper. False when there are more pairs than the list holds.
 	bool finishWith(QueryHelper::Implementation& helper, kernels::PairSearch& begun);

@@ -172,6 +172,22 @@ TEST(QueryBudget, TheMachinesClockDoesToo)
 	EXPECT_EQ(queryOverlap(A, B, Pose{}, workspace, options).level, int(A.levels.size() + B.levels.size()));
 }
 
+TEST(QueryBudget, NothingFitsIntoNoPairs)
+{
+	const InnerSphereTree A = levelled(3000, 5), B = levelled(3000, 6);
+	QueryWorkspace workspace;
+	for (const bool blend : {false, true})
+	{
+		QueryOptions options;
+		options.maxPairs = 0;
+		options.blend = blend;
+		EXPECT_EQ(queryOverlap(A, B, Pose{}, workspace, options).status, QueryStatus::BudgetTooSmall);
+		const OverlapResult apart = queryOverlap(A, B, shifted({1.9, 1.9, 1.9}, {}, A, B), workspace, options);
+		EXPECT_TRUE(apart.status == QueryStatus::BudgetTooSmall || apart.total.pairs == 0);
+		EXPECT_EQ(queryOverlap(A, B, shifted({5, 0, 0}, {}, A, B), workspace, options).status, QueryStatus::Ok);
+	}
+}
+
 TEST(QueryBudget, AllocatesNothing)
 {
 	const InnerSphereTree A = levelled(3000, 5), B = levelled(3000, 6);
