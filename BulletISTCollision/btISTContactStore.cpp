@@ -56,7 +56,7 @@ btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, con
 
 void btISTContactStore::count(btISTContact& contact, const ist::OverlapResult* result, double seconds)
 {
-	m_querySeconds += seconds;
+	addQueryTime(seconds);
 	for (btISTQueryCost* cost : {&contact.cost, &m_cost})
 	{
 		cost->seconds += seconds;
