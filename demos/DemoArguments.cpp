@@ -56,7 +56,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
-	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity";
+	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity" || a.demo == "grasps" || a.demo == "grasp-load";
 	if (others)
 		if (std::string wrong = clash(given.count("--scene") ? "--scene" : a.demo.empty() ? "--paper-figures" : "--demo " + a.demo, kOfTheBrowser, "only the browser's demos know it"); !wrong.empty())
 			return wrong;
@@ -72,6 +72,8 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--scene", {"--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate"}, "the file says all that");
 	if (a.demo == "continuity")
 		return clash("--demo continuity", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its longest side is 0.2 m, and it has neither clock nor world");
+	if (a.demo == "grasps" || a.demo == "grasp-load")
+		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has its own bodies, and no clock");
 	if (a.demo == "z-width" || a.demo == "safety")
 		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has neither bodies nor clock");
 	return {};

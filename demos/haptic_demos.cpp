@@ -4,6 +4,8 @@
 #include "demos/DemoArguments.h"
 #include "demos/Present.h"
 #include "demos/scenes/Continuity.h"
+#include "demos/scenes/GraspLoad.h"
+#include "demos/scenes/GraspReport.h"
 #include "demos/scenes/HapticBunnyReport.h"
 #include "demos/scenes/MeshToQuery.h"
 #include "demos/scenes/PaperFigures.h"
@@ -86,6 +88,28 @@ int runSafety(const DemoArguments& a)
 	return outcome.ok() ? presented : 1;
 }
 
+int runGrasps(const DemoArguments& a)
+{
+	scenes::GraspReportOptions options;
+	options.grasp.cache = a.cache;
+	options.grasp.progress = showProgress;
+	if (!a.report.empty()) options.maps = std::filesystem::path(a.report).replace_extension().string();
+	const auto outcome = scenes::runGraspReport(options);
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
+int runGraspLoad(const DemoArguments& a)
+{
+	scenes::GraspLoadOptions options;
+	options.grasp.object = "duck";
+	options.grasp.cache = a.cache;
+	options.grasp.progress = showProgress;
+	const auto outcome = scenes::runGraspLoad(options);
+	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
+}
+
 int runHapticBunny(const DemoArguments& a)
 {
 	scenes::HapticBunnyOptions options;
@@ -161,6 +185,8 @@ int run(int argc, char** argv)
 		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
 		std::printf("z-width       stiffness and damping of a wall that devices bear, stably and passively\n");
 		std::printf("safety        what reaches a device without each stage of the safety chain, and with it\n");
+		std::printf("grasps        a hand lifts, turns and shakes six objects, with friction and without; with --report, heat maps beside it\n");
+		std::printf("grasp-load    time of a tick while a hand of 80,000 spheres holds an object of 10,000\n");
 		std::printf("of the browser, which opens without --headless:\n");
 		scenes::listBrowserDemos();
 		return 0;
@@ -169,6 +195,8 @@ int run(int argc, char** argv)
 	if (!a.paperFigures.empty()) return runPaperFigures(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "continuity") return runContinuity(a);
+	if (a.demo == "grasps") return runGrasps(a);
+	if (a.demo == "grasp-load") return runGraspLoad(a);
 	if (a.demo == "z-width") return runZWidth(a);
 	if (a.demo == "safety") return runSafety(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);

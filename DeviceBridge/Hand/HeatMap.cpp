@@ -10,7 +10,6 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kCancelled = 0.1;  // less than this share of the pressures' sum is left where a part presses from both sides
 constexpr double kFacing = 0.7;     // the nearest surface is the one below a vertex where the cosine to its normal is larger
 constexpr int kMostSteps = 8;
 constexpr int kCellsAcross = 48;    // of the grid of vertices, along the longest side
@@ -81,7 +80,7 @@ struct HeatMap::Surface
 {
 	MeshDistance distance;
 	std::vector<double> vertexArea, triangleArea;
-	std::vector<Vec3> normals, vertexNormals;     // of the triangles and their means, of unit length
+	std::vector<Vec3> vertexNormals;              // of unit length
 	std::vector<uint32_t> firstTriangle, triangleOf;  // of each vertex
 	Box box;
 	double cell = 1;
@@ -117,7 +116,6 @@ struct HeatMap::Surface
 		{
 			const Vec3 twice = cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]]);
 			triangleArea.push_back(0.5 * norm(twice));
-			normals.push_back(normalized(twice));
 			for (const uint32_t v : t)
 			{
 				vertexArea[v] += triangleArea.back() / 3;
@@ -165,7 +163,6 @@ struct HeatMap::Surface
 struct HeatMap::Cut
 {
 	double area = 0, sum = 0;
-	Vec3 direction;  // sum of outward normals, each times its depth and area
 };
 
 HeatMap::HeatMap(Mesh object) : m_surface(std::make_unique<Surface>(std::move(object))) {}
@@ -257,7 +254,6 @@ HeatMap::Cut HeatMap::cut() noexcept
 			const Clipped part = clip(s.triangleArea[t], d, thick, facing);
 			cut.area += part.area;
 			cut.sum += part.sum;
-			cut.direction += part.sum * s.normals[t];
 			const double inside = thick[0] + thick[1] + thick[2];
 			for (int c = 0; c < 3; ++c)
 				if (d[c] > 0) s.share[corners[size_t(c)]] += part.sum * thick[c] / inside;
@@ -320,8 +316,7 @@ HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
 		const Cut found = cut();
 		touch.area = found.area;
 		touch.depthSum = found.sum;
-		const double net = norm(found.direction), sum = net > kCancelled * found.sum ? net : found.sum;
-		enter(part, contact, sum > 0 ? force / sum : 0, touch);
+		enter(part, contact, found.sum > 0 ? force / found.sum : 0, touch);
 	}
 	part.seconds += contact.seconds;
 	part.forceSum += force * contact.seconds;

@@ -50,6 +50,7 @@ Result<std::unique_ptr<GraspScene>> GraspScene::make(const GraspOptions& options
 	scene->m_motion.gripZ = o.gripZ;
 	scene->m_motion.gripHeight = o.gripHeight;
 	scene->m_motion.width = o.width;
+	scene->m_motion.squeeze = options.squeeze;
 	if (auto error = scene->start(options.friction)) return *error;
 	return scene;
 }
@@ -94,7 +95,7 @@ std::optional<Error> GraspScene::start(double friction)
 	if (auto refused = m_world->materials().set(m_ground.get(), {kTableStiffness, 2})) return refused;
 	m_world->bullet().addRigidBody(m_body.get());
 
-	Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*m_world, m_model, posedHand(m_motion.at(0), m_motion.size));
+	Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*m_world, m_model, posedHand(m_motion.at(0), m_motion.size), m_options.hand);
 	if (!hand) return hand.error();
 	m_hand = std::move(hand).value();
 	m_audit = std::make_unique<btEnergyAudit>(m_world->bullet(), m_world->contacts());

@@ -21,6 +21,8 @@ struct GraspOptions
 	bool left = false;
 	double handLength = 0.189;  ///< [m]
 	double step = 1.0 / 500;    ///< [s]
+	double squeeze = GraspMotion().squeeze;
+	devicebridge::BulletHandSettings hand;
 	int64_t handSpheres = 150, objectSpheres = 1500;
 	std::string cache;       ///< folder for trees
 	ist::Progress progress;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/GraspRun.h"
+#include "demos/scenes/GraspLoad.h"
+#include "demos/scenes/GraspReport.h"
 
 #include <gtest/gtest.h>
 
@@ -140,4 +141,49 @@ TEST(GraspScenarios, UnknownObjectsAreRefusedByName)
 	const auto scene = GraspScene::make(options);
 	ASSERT_FALSE(scene);
 	EXPECT_NE(scene.error().message.find("mug, bunny, duck"), std::string::npos);
+}
+
+TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
+{
+	GraspLoadOptions options;
+	options.light = true;
+	options.grasp.object = "duck";
+	options.grasp.cache = TREE_FOLDER;
+	const auto outcome = runGraspLoad(options);
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	ASSERT_EQ(outcome.value().loads.size(), 2u);
+	const GraspLoad &firm = outcome.value().loads[0], &soft = outcome.value().loads[1];
+	// Closing to shaking, at 500 Hz.
+	EXPECT_GT(firm.ticks.size(), 1200u);
+	EXPECT_LT(firm.ticks.size(), 1700u);
+	for (const GraspLoadTick& tick : firm.ticks) ASSERT_GT(tick.pairs, 0);
+	EXPECT_GE(firm.mostParts(), 5);
+	EXPECT_LE(firm.mostParts(), kHandParts);
+	EXPECT_GT(soft.mostPairs(), 2 * firm.mostPairs());
+	EXPECT_LE(firm.quantileMicroseconds(0.5), firm.quantileMicroseconds(0.99));
+	EXPECT_NE(makeJson(outcome.value()).find("\"most_pairs\""), std::string::npos);
+}
+
+TEST(GraspReport, IsBadAsSoonAsOneGraspIs)
+{
+	GraspReportOutcome outcome;
+	EXPECT_FALSE(outcome.ok());
+	outcome.strongestAllowed = 12;
+	GraspReportOutcome::Row good;
+	good.rough.held = good.rough.putDown = good.rough.quality.forceClosure = true;
+	good.rough.peakForce = good.smooth.peakForce = 11;
+	good.mapForce = 0.99;
+	outcome.rows = {good};
+	EXPECT_TRUE(outcome.ok());
+	for (int wrong = 0; wrong < 5; ++wrong)
+	{
+		GraspReportOutcome::Row row = good;
+		if (wrong == 0) row.rough.held = false;
+		if (wrong == 1) row.smooth.held = true;
+		if (wrong == 2) row.smooth.peakForce = 12.5;
+		if (wrong == 3) row.mapForce = 1.03;
+		if (wrong == 4) row.rough.quality.forceClosure = false;
+		outcome.rows = {good, row};
+		EXPECT_FALSE(outcome.ok()) << wrong;
+	}
 }
