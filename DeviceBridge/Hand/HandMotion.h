@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Result.h"
+#include "DeviceBridge/HandState.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace devicebridge
+{
+/// Hands over time.
+struct HandMotion
+{
+	struct Frame
+	{
+		double time = 0;  ///< [s], growing
+		HandState hand;
+	};
+	std::vector<Frame> frames;
+
+	/// Between the frames: places along lines, directions about one axis. Before the first and after the last: these. A joint that one of
+	/// two frames lacks is not tracked between them. Empty: no joint is tracked.
+	HandState at(double time) const noexcept;
+};
+
+/// Comma separated text with a header: `time`, `left` (0 or 1), and for each of the 26 joints `NAME_x, _y, _z` [m], `_qx, _qy, _qz, _qw`, `_r` [m], in
+/// World; all eight empty where the joint is not tracked. Names: palm, wrist, thumb_metacarpal ... little_tip, as OpenXR has them. To the last bit.
+std::string handMotionText(const HandMotion& motion);
+/// The whole file or none.
+std::optional<ist::Error> saveHandMotion(const HandMotion& motion, const std::string& path);
+
+/// Columns are found by name, unknown ones and lines that begin with # ignored. Refused as `NAME:LINE: COLUMN: PROBLEM`: a missing column, what is no
+/// finite number, times that do not grow, a quaternion further than 1e-3 from unit length, a joint that is half there.
+ist::Result<HandMotion> readHandMotion(const std::string& text, const std::string& name);
+ist::Result<HandMotion> loadHandMotion(const std::string& path);
+
+/// ContactPose's annotations.json (Brahmbhatt et al., 2020): `hands`, left then right, each with `valid`, `moving` and 21 `joints`. Joints of a hand that
+/// held still are in the object's frame; of one that moved, in the frame of its own root: then `moving` is true, and where the root
+/// was is for the caller to say. Refused as `NAME: hands[1].joints[3]: PROBLEM`.
+struct ContactPoseHands
+{
+	std::optional<HandState> left, right;
+	bool leftMoving = false, rightMoving = false;
+};
+ist::Result<ContactPoseHands> readContactPose(const std::string& text, const std::string& name);
+ist::Result<ContactPoseHands> loadContactPose(const std::string& path);
+}  // namespace devicebridge
