@@ -21,7 +21,7 @@ constexpr const char* kStyle =
 	"margin:0 auto;max-width:60rem;padding:2rem 1.25rem}"
 	"h1{font-size:1.8rem;line-height:1.2;margin:0 0 1rem}h2{font-size:1.25rem;margin:2.2rem 0 .6rem}"
 	"p{max-width:46rem;margin:.6rem 0}"
-	"table{border-collapse:collapse;margin:1rem 0;background:#fff;font-variant-numeric:tabular-nums}"
+	"table{display:block;overflow-x:auto;border-collapse:collapse;margin:1rem 0;background:#fff;font-variant-numeric:tabular-nums}"
 	"th,td{padding:.4rem .9rem;border-bottom:1px solid #e4e4e0;text-align:right}"
 	"th:first-child,td:first-child{text-align:left}th{background:#f0f0ec;font-weight:600}"
 	"figure{margin:1.2rem 0;background:#fff;border:1px solid #e4e4e0;border-radius:6px;padding:1rem}"
@@ -260,7 +260,7 @@ std::string chartSvg(const Chart& chart)
 {
 	const Frame frame = fitFrame(chart);
 	std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + pixel(Frame::kWidth) + " " + pixel(Frame::kHeight) +
-					  "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\">\n";
+					  "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\" style=\"background:#fff\">\n";
 	out += drawGrid(frame, chart);
 	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), [](const ChartSeries& series) { return series.markers; });
 	// Marker series are set side by side, so that error bars at the same abscissa stay apart.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Speed against accuracy: bodies x spheres x level, budget or accepted error, at several overlaps, against quadrature on the triangles; beside them
 // the paper's own estimator and closed forms. Writes pareto.csv, pareto.json, pareto.html and a front as SVG for each pair. Usage:
-// bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...]
+// bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N]
 // All of it takes about an hour, --quick two minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run.
 #include "demos/scenes/WholeText.h"
 #include "tests/bench/ParetoPage.h"
@@ -62,6 +62,7 @@ bool takeOption(SweepSettings& settings, std::string& folder, const std::string&
 {
 	if (name == "--out") return folder = value, true;
 	if (name == "--keep") return settings.folder = value, true;
+	if (name == "--passes") return settings.passes = std::max(1, std::atoi(value.c_str())), true;
 	if (name == "--spheres")
 	{
 		settings.spheres.clear();
@@ -94,7 +95,7 @@ int main(int argc, char** argv)
 	if (argc > 1 && (argv[1] == std::string("--quick") || argv[1] == std::string("--tiny"))) settings = argv[i++] == std::string("--quick") ? quick() : tiny();
 	for (; i < argc; i += 2)
 		if (i + 1 == argc || !takeOption(settings, folder, argv[i], argv[i + 1]))
-			return std::fprintf(stderr, "usage: bench_pareto [--quick | --tiny] [--out FOLDER] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...]\n"), 2;
+			return std::fprintf(stderr, "usage: bench_pareto [--quick | --tiny] [--out FOLDER] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N]\n"), 2;
 	std::error_code error;
 	for (const std::string& wanted : {folder, settings.folder})
 		if (!wanted.empty()) std::filesystem::create_directories(wanted, error);

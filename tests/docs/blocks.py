@@ -11,6 +11,7 @@ import sys
 
 PREAMBLE = """#include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
