@@ -30,7 +30,7 @@ struct HandBuildOptions
 	ist::Progress progress; ///< stages of each part in turn
 };
 
-/// Offline; half a second a part with 300 spheres.
+/// Offline; a second of processor time a part with 300 spheres.
 ist::Result<std::shared_ptr<const HandModel>> buildHandModel(const HandShape& shape, const HandBuildOptions& options);
 
 /// Where the parts' body frames are in World; of those whose joint is not tracked, not finite or no rotation, `known` is false.
