@@ -42,6 +42,19 @@ Clipped clip(double area, const double d[3], const double t[3], const double fac
 	const double taper = std::clamp((faces - 0.5 * kFacing) / (0.5 * kFacing), 0.0, 1.0);
 	return {kept, taper * distances * thickness / distance + (1 - taper) * kept * thickness / inside};
 }
+/// In how many grasps each vertex was touched.
+struct GraspCount
+{
+	std::vector<int> count, last;
+
+	explicit GraspCount(size_t vertices) : count(vertices), last(vertices) {}
+	void add(uint32_t vertex, int grasp)
+	{
+		if (last[vertex] == grasp) return;
+		last[vertex] = grasp;
+		++count[vertex];
+	}
+};
 }  // namespace
 
 struct HeatMap::Part
@@ -52,12 +65,12 @@ struct HeatMap::Part
 	std::vector<Vec3> normals;  // of the triangles
 	Box box;
 	std::vector<float> dwell, impulse, peak;  // of each vertex
-	std::vector<int> graspsAt, lastGraspAt;
+	GraspCount graspsAt;
 	int grasps = 0, lastGrasp = 0;
 	double seconds = 0, forceSum = 0, peakForce = 0, depth = 0;
 
 	Part(const std::string& n, int i, Mesh mesh, size_t vertices)
-		: name(n), id(i), distance(std::move(mesh)), box(bounds(distance.mesh())), dwell(vertices), impulse(vertices), peak(vertices), graspsAt(vertices), lastGraspAt(vertices)
+		: name(n), id(i), distance(std::move(mesh)), box(bounds(distance.mesh())), dwell(vertices), impulse(vertices), peak(vertices), graspsAt(vertices)
 	{
 		const Mesh& m = distance.mesh();
 		for (const auto& t : m.triangles) normals.push_back(normalized(cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]])));
@@ -94,7 +107,9 @@ struct HeatMap::Surface
 	Pose X_PO;
 	const Part* part = nullptr;
 
-	explicit Surface(Mesh mesh) : distance(std::move(mesh))
+	GraspCount graspsAt;  // by any part
+
+	explicit Surface(Mesh mesh) : distance(std::move(mesh)), graspsAt(distance.mesh().vertices.size())
 	{
 		const Mesh& m = distance.mesh();
 		vertexArea.resize(m.vertices.size());
@@ -270,11 +285,8 @@ void HeatMap::enter(Part& part, const HeatMapContact& contact, double scale, Hea
 		part.dwell[v] += float(contact.seconds);
 		part.impulse[v] += float(scale * s.share[v] * contact.seconds);
 		part.peak[v] = std::max(part.peak[v], float(pressure));
-		if (part.lastGraspAt[v] != m_grasps)
-		{
-			part.lastGraspAt[v] = m_grasps;
-			++part.graspsAt[v];
-		}
+		part.graspsAt.add(v, m_grasps);
+		s.graspsAt.add(v, m_grasps);
 		touch.depth = std::max(touch.depth, s.thickness[v]);
 		touch.pressure = std::max(touch.pressure, pressure);
 	}
@@ -288,7 +300,7 @@ void HeatMap::enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch
 	const auto& corners = mesh().triangles[closest.triangle];
 	const uint32_t v = *std::min_element(corners.begin(), corners.end(), [&](uint32_t a, uint32_t b)
 		{ return distance(mesh().vertices[a], closest.point) < distance(mesh().vertices[b], closest.point); });
-	s.touched.push_back(v);
+	s.touched.assign(1, v);
 	s.thickness[v] = 0;
 	s.share[v] = contact.force;
 	enter(part, contact, 1, touch);
@@ -298,7 +310,7 @@ HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
 {
 	HeatMapTouch touch;
 	const bool good = index >= 0 && index < parts() && isRigid(contact.X_OP) && contact.force >= 0 && std::isfinite(contact.force) && isFinite(contact.point) && contact.seconds > 0 && std::isfinite(contact.seconds);
-	if (!good || mesh().triangles.empty()) return touch;
+	if (!good || mesh().triangles.empty() || m_parts[size_t(index)]->normals.empty()) return touch;
 	Part& part = *m_parts[size_t(index)];
 	Surface& s = *m_surface;
 	if (++s.now == 0)
@@ -310,14 +322,11 @@ HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
 	s.part = &part;
 	collect(part);
 	const double force = contact.force;
-	if (s.touched.empty()) enterPoint(part, contact, touch);
-	else
-	{
-		const Cut found = cut();
-		touch.area = found.area;
-		touch.depthSum = found.sum;
-		enter(part, contact, found.sum > 0 ? force / found.sum : 0, touch);
-	}
+	const Cut found = cut();
+	touch.area = found.area;
+	touch.depthSum = found.sum;
+	if (found.sum > 0) enter(part, contact, force / found.sum, touch);
+	else enterPoint(part, contact, touch);
 	part.seconds += contact.seconds;
 	part.forceSum += force * contact.seconds;
 	part.peakForce = std::max(part.peakForce, force);
@@ -334,7 +343,6 @@ HeatMap::Vertex HeatMap::merged(uint32_t v, int only) const
 {
 	Vertex out;
 	double longest = 0;
-	int grasps = 0;
 	for (int i = 0; i < parts(); ++i)
 	{
 		const Part& part = *m_parts[size_t(i)];
@@ -342,10 +350,9 @@ HeatMap::Vertex HeatMap::merged(uint32_t v, int only) const
 		out.dwell += double(part.dwell[v]);
 		out.impulse += double(part.impulse[v]);
 		out.peak = std::max(out.peak, double(part.peak[v]));
-		grasps = std::max(grasps, part.graspsAt[v]);
 		if (double(part.dwell[v]) > longest) longest = double(part.dwell[v]), out.part = i;
 	}
-	out.contact = double(grasps) / m_grasps;
+	out.contact = double(only >= 0 ? m_parts[size_t(only)]->graspsAt.count[v] : m_surface->graspsAt.count[v]) / m_grasps;
 	const double area = m_surface->vertexArea[v];
 	if (out.dwell > 0 && area > 0) out.pressure = out.impulse / (area * out.dwell);
 	return out;

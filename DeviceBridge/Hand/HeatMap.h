@@ -32,8 +32,8 @@ struct HeatMapTouch
 ///
 /// The force of a contact is that of the query, the sum over its pairs. It is spread over the part of the object's surface that lies inside of the
 /// other body, in proportion to how thick that body is below each point, found from its closest surface points: in flat contact the pressure of the
-/// pressure field law, k times the thickness. What the vertices got sums to that force. The area ends where the depth, linear on each triangle, is zero. The mesh's own triangles are the
-/// resolution: a contact that holds no vertex goes to the vertex nearest to its point.
+/// pressure field law, k times the thickness. What the vertices get sums to that force. The area ends where the depth, linear on each triangle, is
+/// zero. The mesh's own triangles are the resolution: a contact that holds no vertex goes to the vertex nearest to its point.
 class HeatMap
 {
 public:

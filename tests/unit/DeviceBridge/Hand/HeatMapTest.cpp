@@ -202,6 +202,24 @@ TEST(HeatMap, GraspsAddUp)
 	for (const HeatMap::Vertex& v : map.vertices(a)) EXPECT_NE(v.part, b);
 }
 
+TEST(HeatMap, APlaceThatDifferentPartsTouchedInTwoGraspsWasTouchedInBoth)
+{
+	HeatMap map(gridBox({0.01, 0.01, 0.01}, 20));
+	const int a = map.addPart("R_Index3", 43, ist::makeSphereMesh(0.005, 3)), b = map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 3)), none = map.addPart("nothing", 1, {});
+	const HeatMapContact above{{{}, {0, 0.0145, 0}}, 1, {0, 0.01, 0}, 0.1};
+	map.add(a, above);
+	map.beginGrasp();
+	map.add(b, above);
+	map.add(none, above);
+	map.beginGrasp();
+	double most = 0, mostOfA = 0;
+	for (const HeatMap::Vertex& v : map.vertices()) most = std::max(most, v.contact);
+	for (const HeatMap::Vertex& v : map.vertices(a)) mostOfA = std::max(mostOfA, v.contact);
+	EXPECT_NEAR(most, 2.0 / 3, 1e-12);
+	EXPECT_NEAR(mostOfA, 1.0 / 3, 1e-12);
+	EXPECT_EQ(map.summary()[size_t(none)].grasps, 0);
+}
+
 TEST(HeatMap, CountsNothingThatIsNotFiniteAndDoesNotAllocate)
 {
 	HeatMap map(gridBox({0.01, 0.01, 0.01}, 20));
