@@ -161,6 +161,23 @@ TEST(QueryBudget, TimeIsExceededByTheCoarsestLevelAtMost)
 	EXPECT_GT(between, 1);
 }
 
+TEST(QueryBudget, ALookThatIsLateIsGivenUp)
+{
+	const InnerSphereTree A = levelled(3000, 5), B = levelled(3000, 6);
+	const Pose X = shifted({0.3, 0.1, 0.2}, {0.2, 0.9, 0}, A, B);
+	// By the pairs alone the leaves would do in either case: only the clock tells them apart.
+	for (const double tick : {1e-3, 100.0})
+	{
+		QueryWorkspace workspace;
+		QueryOptions options;
+		options.clock = &countedTime;
+		options.maxMicroseconds = 3000;
+		g_tick = tick;
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options);
+		EXPECT_EQ(r.level == 0, tick < 1) << r.level;
+	}
+}
+
 TEST(QueryBudget, TheMachinesClockDoesToo)
 {
 	const InnerSphereTree A = levelled(3000, 5), B = levelled(3000, 6);
