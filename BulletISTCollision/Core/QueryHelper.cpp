@@ -83,7 +83,9 @@ bool QueryHelper::Implementation::finished(int part, double microseconds)
 		pause();
 		if (watch.microseconds() < microseconds) continue;
 		int pending = kPending;
-		return !m_state[part].compare_exchange_strong(pending, kTakenBack, std::memory_order_acq_rel);
+		const bool late = m_state[part].compare_exchange_strong(pending, kTakenBack, std::memory_order_acq_rel);
+		partsLate.fetch_add(late, std::memory_order_relaxed);
+		return !late;
 	}
 	return true;
 }
@@ -136,4 +138,5 @@ QueryHelper::QueryHelper(const QueryCapacity& capacity, double spinMicroseconds)
 QueryHelper::~QueryHelper() = default;
 void QueryHelper::settle() { m_impl->settle(); }
 int64_t QueryHelper::partsDone() const { return m_impl->partsDone; }
+int64_t QueryHelper::partsLate() const { return m_impl->partsLate; }
 }  // namespace ist

@@ -25,6 +25,8 @@ public:
 	void settle();
 	/// Parts of searches that it has done.
 	int64_t partsDone() const;
+	/// Parts that it had begun and was late with: the query did them again.
+	int64_t partsLate() const;
 
 	struct Implementation;
 	Implementation& implementation() { return *m_impl; }

@@ -55,7 +55,7 @@ struct QueryHelper::Implementation
 	PartResult found[kParts], own[kParts];  ///< by the helper, by the caller
 	QueryWorkspace::Implementation work;    ///< the helper's
 	kernels::PairStream sorted{};           ///< room for a list in the order of the parts
-	std::atomic<int64_t> partsDone{0};
+	std::atomic<int64_t> partsDone{0}, partsLate{0};
 
 private:
 	enum State { kPending, kDone, kTakenBack };
