@@ -14,7 +14,8 @@ constexpr double kPi = 3.14159265358979323846, kGravity = 9.81, kDensity = 7800,
 constexpr double kLength = 0.1, kNut = 0.045, kClearance = 4e-4, kHead = 0.032, kHeadHeight = 0.014, kApart = 0.055;
 constexpr Thread kThread;
 
-/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself.
+/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself. Without dissipation: a patch has one normal
+/// for it, so that it would hold back what slides along a curved surface.
 class Screw : public WorldDemo
 {
 public:
@@ -23,7 +24,7 @@ public:
 		if (auto error = makeSolid(m_nut, "nut", nut(kThread, kClearance, 0.07, kNut), 6000, options)) return error;
 		return makeSolid(m_screw, "screw", screw(kThread, kLength, kHead, kHeadHeight), 6000, options);
 	}
-	double stepSize() const override { return 1.0 / 480; }
+	double stepSize() const override { return 1.0 / 240; }
 	double duration() const override { return 0.3; }
 	Viewpoint viewpoint() const override { return {{0, 0.02, 0}, 0.42, 0.3, 0.4}; }
 	std::vector<Parameter> parameters() override { return {{"friction of the second", "", &m_rubbing, 0, 1, true, false}}; }
@@ -70,6 +71,7 @@ private:
 		BodySetup held;
 		held.stiffness = kStiffness;
 		held.friction = friction;
+		held.dissipation = 0;
 		held.name = friction > 0 ? "rough nut" : "smooth nut";
 		held.fixed = true;
 		held.colour = {0.62f, 0.68f, 0.75f};
@@ -78,6 +80,7 @@ private:
 		BodySetup thread;
 		thread.stiffness = kStiffness;
 		thread.friction = friction;
+		thread.dissipation = 0;
 		thread.name = friction > 0 ? "rough screw" : "smooth screw";
 		thread.density = kDensity;
 		thread.colour = bodyColour(colour);
