@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace ist
 {
@@ -36,6 +37,7 @@ void fade(OverlapResult& fine, const OverlapResult& coarse, double share, Overla
 		sum.spread = spread * spread;
 		return sum;
 	};
+	fine.patches = patches;  // where the finer level is apart, it has none
 	fine.total = mixed(fine.total, coarse.total);
 	fine.levelShare = share;
 	if (fine.patchCount + coarse.patchCount > room)

@@ -242,6 +242,26 @@ TEST(OverlapQuery, TwoLevelsShareTheAnswer)
 	EXPECT_EQ(queryOverlap(bodyA(), bodyB(), {}, both, mixed).status, QueryStatus::Unsupported);
 }
 
+// Coarse leaves are thicker: they may meet where the trees of the finer level are apart as a whole.
+TEST(OverlapQuery, TheLevelThatFadesOutMayBeTheOnlyOneThatTouches)
+{
+	InnerSphereTree body = bodyOf({ballAt({}, {1, 0, 0}, 0.1)});
+	body.volume = 1;
+	body.levels.push_back(buildBallTree({ballAt({}, {1, 0, 0}, 0.5)}));
+	const Pose X{Mat3(), {0.7, 0.1, 0}};
+	QueryWorkspace one, two, both;
+	QueryOptions fine, coarse, mixed;
+	coarse.level = mixed.otherLevel = levelCount(body, body);
+	mixed.otherShare = 0.3;
+	const OverlapResult a = queryOverlap(body, body, X, one, fine), b = queryOverlap(body, body, X, two, coarse), m = queryOverlap(body, body, X, both, mixed);
+	ASSERT_EQ(a.nodeVisits, 0);
+	ASSERT_GT(b.total.volume, 0);
+	EXPECT_NEAR(m.total.volume, 0.3 * b.total.volume, 1e-6 * b.total.volume);
+	ASSERT_TRUE(m.patches);
+	ASSERT_EQ(m.patchCount, 1);
+	EXPECT_EQ(m.patches[0].volume, m.total.volume);
+}
+
 TEST(LevelCalibration, IsRepeatedAndKeptWithinItsRange)
 {
 	const InnerSphereTree& body = bodyB();
