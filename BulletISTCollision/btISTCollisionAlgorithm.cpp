@@ -49,15 +49,21 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 
 ist::OverlapResult btISTCollisionAlgorithm::query(const btISTShapeField& field, btISTContact& contact) const
 {
-	if (m_treeB && m_context->forceError > 0)
+	ist::PairAccuracy& pair = contact.accuracy;
+	const bool accepts = m_context->forceError > 0;
+	if (m_treeB && (accepts || pair.level > 0 || pair.fadedShare > 0))
 	{
+		// What the leaves pressed until now fades out, too.
+		if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
 		ist::AcceptedError accepted;
 		accepted.error = m_context->forceError;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		return ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options, contact.accuracy);
+		const ist::OverlapResult result = ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options, pair);
+		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
+		return result;
 	}
-	contact.accuracy = ist::PairAccuracy();
+	pair = ist::PairAccuracy();
 	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, m_context->options);
 	contact.halfSpace = field.isHalfSpace();
 	ist::OverlapResult none;

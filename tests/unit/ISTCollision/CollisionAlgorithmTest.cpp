@@ -465,8 +465,19 @@ TEST(btISTCollisionAlgorithm, AcceptedErrorChoosesTheLevelOfEachPairAndFades)
 	EXPECT_LT(double(coarse.total.pairs), .5 * double(all));
 	EXPECT_LE(ist::norm(forceOf(coarse) - leaves), .3 * ist::norm(leaves));
 
-	EXPECT_FALSE(r.setForceError(0));
+	for (const double share : {0., .3, 0.})
+	{
+		EXPECT_FALSE(r.setForceError(share));
+		for (int i = 0; i < 300; ++i)
+		{
+			const ist::Vec3 force = forceOf(look(1));
+			EXPECT_LE(ist::norm(force - last), .01 * ist::norm(last)) << "to " << share << " step " << i;
+			last = force;
+		}
+		EXPECT_EQ(look(1).accuracy.level > 0, share > 0);
+	}
 	EXPECT_EQ(look(1).total.pairs, all);
+	EXPECT_EQ(look(1).accuracy.level, -1);
 	body->setWorldTransform(at(.1, 5, .1));
 	EXPECT_FALSE(r.setForceError(.3));
 	w.world->performDiscreteCollisionDetection();
