@@ -73,10 +73,11 @@ ist::OverlapResult btISTCollisionAlgorithm::query(const btISTShapeField& field, 
 	return ist::queryField(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), m_context->workspace, m_context->options);
 }
 
-/// Zero where there is none, or where a query is as cheap.
+/// Zero where there is none, or where a query is as cheap, or where balls answered that reach farther than the leaves.
 double btISTCollisionAlgorithm::clearance(const btISTShapeField& field, const ist::OverlapResult& result, btISTContact& contact) const
 {
 	constexpr int kMostOpened = 12;
+	if (result.level > 0) return 0;
 	if (result.status != ist::QueryStatus::Ok || result.total.pairs > 0 || result.nodeVisits == 0 || !contact.kept.wantsClearance()) return 0;
 	if (m_treeB) return ist::leafClearance(*m_treeA, *m_treeB, contact.X_AB, kMostOpened);
 	return ist::leafClearance(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), kMostOpened);
@@ -92,6 +93,7 @@ void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact&
 	const uint64_t version = m_context->optionsVersion;
 	const btISTEconomy& economy = m_context->economy;
 	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
+	const int before = contact.accuracy.level;
 	contact.use = m_contact && !fading ? contact.kept.use(contact, field.measures(), version, economy) : btISTKeptResult::Ask;
 	if (contact.use != btISTKeptResult::Ask) return store.count(contact, nullptr, seconds());
 
@@ -103,7 +105,9 @@ void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact&
 	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;
 	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
 	if (!m_contact) return;
-	if (economy.on) contact.kept.keep(contact, field.measures(), version, clearance(field, result, contact), economy);
+	// Where the level has just changed, or begins to, the next query at the same pose may say something else.
+	const bool settled = !fading && contact.accuracy.fadedShare == 0 && contact.accuracy.level == before;
+	if (economy.on && settled) contact.kept.keep(contact, field.measures(), version, clearance(field, result, contact), economy);
 	else contact.kept.forget();
 	store.count(contact, &result, seconds());
 }

@@ -127,6 +127,31 @@ TEST(btISTEconomy, SwitchedOffAsksAlways)
 	EXPECT_EQ(pair.cost().kept(), 2u);
 }
 
+// Coarse leaves reach farther than those that the clearance is of, and levels change while nothing moves.
+TEST(btISTEconomy, AnAcceptedForceErrorIsAnsweredAsWithoutEconomy)
+{
+	for (const double share : {.1, .3, .6})
+	{
+		Pair kept(kExact), always(kAlways);
+		for (Pair* p : {&kept, &always}) ASSERT_FALSE(p->registration.setForceError(share));
+		int touching = 0;
+		for (int i = 0; i < 900; ++i)
+		{
+			// Stands for 60 steps after each 30 of its way.
+			const double way = 1.5 - .002 * (i / 90 * 30 + std::min(i % 90, 30));
+			const btTransform place = at(vec(.7071 * way, .7071 * way, .05), vec(0, 0, .7854 + .1 * way));
+			for (Pair* p : {&kept, &always}) p->look(place);
+			if (!always.contact()) continue;
+			ASSERT_TRUE(kept.contact());
+			expectSame(*kept.contact(), *always.contact());
+			ASSERT_FALSE(HasFailure()) << "error " << share << ", step " << i;
+			touching += always.contact()->patchCount > 0;
+		}
+		EXPECT_GT(touching, 100);
+		EXPECT_GT(kept.cost().keptStill, 100u);
+	}
+}
+
 TEST(btISTEconomy, TeleportIsSeenWhereverItGoes)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.5));
