@@ -5,6 +5,9 @@
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace ist
 {
 namespace
@@ -17,6 +20,8 @@ constexpr double kHeld = 0.95;
 /// Below, what else errs dominates; above, it was never needed: there a level's balls are thicker than the body.
 constexpr double kLeast = 0.15, kMost = 0.4;
 constexpr uint64_t kSeed = 1;
+/// Coefficients are multiples of 1 over this: more of their digits say nothing.
+constexpr double kSteps = 1000;
 
 Vec3 forceAt(const InnerSphereTree& tree, const Pose& X, int level, QueryWorkspace& workspace, double& volume)
 {
@@ -47,7 +52,7 @@ double coefficientOf(std::vector<double>& needed)
 	if (needed.empty()) return kMost;
 	const auto at = needed.begin() + ptrdiff_t(kHeld * double(needed.size() - 1));
 	std::nth_element(needed.begin(), at, needed.end());
-	return std::clamp(*at, kLeast, kMost);
+	return std::clamp(std::round(*at * kSteps) / kSteps, kLeast, kMost);
 }
 }  // namespace
 
@@ -57,7 +62,7 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree)
 	size_t search = 0;
 	while (search + 1 < tree.levels.size() && tree.levels[search + 1].ballCount() >= kSearchBalls) ++search;
 	std::mt19937_64 random(kSeed);
-	QueryWorkspace workspace;
+	QueryWorkspace workspace({}, InstructionSet::Portable);  // the same whatever machine builds
 	std::vector<std::vector<double>> needed(tree.levels.size());
 	for (const double overlap : kOverlaps)
 		for (int i = 0; i < kPosesPerOverlap; ++i)

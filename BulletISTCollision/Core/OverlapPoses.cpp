@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/OverlapPoses.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace ist
 {
 namespace

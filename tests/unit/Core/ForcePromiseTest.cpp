@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <string>
 
 using namespace ist;
 
@@ -260,6 +262,18 @@ TEST(OverlapQuery, TheLevelThatFadesOutMayBeTheOnlyOneThatTouches)
 	ASSERT_TRUE(m.patches);
 	ASSERT_EQ(m.patchCount, 1);
 	EXPECT_EQ(m.patches[0].volume, m.total.volume);
+}
+
+TEST(LevelCalibration, IsTheSameWhateverTheMachine)
+{
+	const char* const chosen = std::getenv("BULLETHAPTICS_ISA");
+	const std::string before = chosen ? chosen : "";
+	for (const char* set : {"portable", "baseline", "v3", "v4", "none such"})
+	{
+		setenv("BULLETHAPTICS_ISA", set, 1);
+		EXPECT_EQ(measuredCalibration(bodyB()), bodyB().calibration) << set;
+	}
+	chosen ? setenv("BULLETHAPTICS_ISA", before.c_str(), 1) : unsetenv("BULLETHAPTICS_ISA");
 }
 
 TEST(LevelCalibration, IsRepeatedAndKeptWithinItsRange)
