@@ -7,6 +7,12 @@ namespace ist
 {
 namespace
 {
+/// Two levels cannot share such an answer.
+bool isWhole(const QueryOptions& options)
+{
+	return options.maxPairs >= 0 || options.maxMicroseconds >= 0 || options.sortPairs || options.listMeetingBounds;
+}
+
 Vec3 forceOf(const OverlapResult& result, const AcceptedError& accepted)
 {
 	return pressureWrench(result.total, {1, accepted.weightA, accepted.weightB}).force;
@@ -40,6 +46,14 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
 						const QueryOptions& options, PairAccuracy& pair)
 {
+	if (options.otherShare != 0)
+	{
+		OverlapResult refused;
+		refused.status = QueryStatus::Unsupported;
+		return refused;
+	}
+	const bool whole = isWhole(options);
+	if (whole) pair.fadedShare = 0;
 	if (pair.fadedShare > 0) return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
 	AcceptedError along = accepted;
 	along.firstLevel = pair.level;
@@ -48,20 +62,21 @@ OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	pair.promise = answer.promise;
 	pair.kept = answer.kept;
 	const int before = pair.level, wanted = answer.overlap.level < before ? answer.overlap.level : answer.nextLevel;
-	const bool limited = options.maxPairs >= 0 || options.maxMicroseconds >= 0;
-	if (before < 0 || limited || !(answer.overlap.total.volume > 0) || wanted == before)
+	if (before < 0 || whole || !(answer.overlap.total.volume > 0) || wanted == before)
 	{
 		pair.level = before < 0 ? answer.overlap.level : wanted;
 		return answer.overlap;
 	}
 	QueryOptions plain = options;
 	plain.patches = plain.stiffness = false;
-	const auto forceAt = [&](int level)
+	const auto answerAt = [&](int level)
 	{
 		plain.level = level;
-		return forceOf(queryOverlap(A, B, X_AB, workspace, plain), accepted);
+		return queryOverlap(A, B, X_AB, workspace, plain);
 	};
-	pair.fadeStep = fadeStep(forceAt(before), forceAt(wanted), promiseFloor(A, B));
+	const OverlapResult from = answerAt(before), to = answerAt(wanted);
+	if (from.status != QueryStatus::Ok || to.status != QueryStatus::Ok) return from.status != QueryStatus::Ok ? from : to;
+	pair.fadeStep = fadeStep(forceOf(from, accepted), forceOf(to, accepted), promiseFloor(A, B));
 	pair.level = wanted;
 	pair.fadedLevel = before;
 	pair.fadedShare = 1;

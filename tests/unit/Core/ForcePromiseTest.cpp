@@ -198,6 +198,34 @@ TEST(PairAccuracy, TurningTheDialIsNotFelt)
 	EXPECT_GE(changes, 6);
 }
 
+TEST(PairAccuracy, AnswersWithAListChangeTheirLevelAtOnce)
+{
+	QueryWorkspace workspace;
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
+	for (const bool sorted : {false, true})
+		for (const bool begun : {false, true})
+		{
+			PairAccuracy pair;
+			AcceptedError accepted;
+			QueryOptions options;
+			options.sortPairs = sorted;
+			options.listMeetingBounds = !sorted;
+			accepted.error = 0.02;
+			queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+			accepted.error = 0.6;
+			if (begun) queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+			EXPECT_EQ(pair.fadedShare > 0, begun);
+			for (int i = 0; i < 3; ++i)
+			{
+				ASSERT_EQ(queryPair(bodyA(), bodyB(), X, workspace, accepted, options, pair).status, QueryStatus::Ok);
+				EXPECT_EQ(pair.fadedShare, 0);
+			}
+			EXPECT_GT(pair.level, 0);
+			options.otherShare = 0.5;
+			EXPECT_EQ(queryPair(bodyA(), bodyB(), X, workspace, accepted, options, pair).status, QueryStatus::Unsupported);
+		}
+}
+
 TEST(PairAccuracy, EndsWhereTheDialStands)
 {
 	QueryWorkspace workspace;
