@@ -65,6 +65,7 @@ void TreeQuery::searchPart(const SharedEntries& entries, int part, PartResult& r
 	result.counts = s.counts;
 	result.complete = m_result.pairListComplete;
 	std::copy(std::begin(m_sums), std::end(m_sums), result.sums);
+	m_search = nullptr;
 }
 
 bool TreeQuery::finishWith(Helper& helper, PairSearch& begun)

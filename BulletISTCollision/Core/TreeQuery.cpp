@@ -133,7 +133,8 @@ bool TreeQuery::place()
 	m_bodies.slack = float(1e-6 * scale);
 	m_rootA = {a.x, a.y, a.z, a.r};
 	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
-	m_remembered = m_memory && m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
+	// Once a query, though a search may begin anew.
+	if (m_memory && !m_alone) m_remembered = m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
 	// In double: far translations would spoil the floats of the search.
 	return !(distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6));
 }
