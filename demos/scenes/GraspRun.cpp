@@ -202,7 +202,7 @@ private:
 	/// Still in the air, between turning and shaking.
 	void lookAtHold(const GraspSample& now)
 	{
-		if (now.time < GraspMotion::kLifted || now.time > GraspMotion::kTurned) return;
+		if (now.time < GraspMotion::kTurned || now.time > GraspMotion::kRested) return;
 		m_out.holdingForce += now.force;
 		if (m_holds++ > 0) return;
 		m_out.parts = now.parts;
