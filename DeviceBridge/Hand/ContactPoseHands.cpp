@@ -45,7 +45,7 @@ Result<ContactPoseHands> readContactPose(const std::string& text, const std::str
 	{
 		json = Json::parse(text);
 	}
-	catch (const Json::parse_error& e)
+	catch (const Json::exception& e)
 	{
 		return Error{name + ": is no JSON: " + e.what()};
 	}

@@ -175,6 +175,7 @@ TEST(ContactPose, ReadsTheHandsThatAreThere)
 	EXPECT_EQ(problem("{}"), "a.json: hands: must be a list of two, left and right");
 	EXPECT_EQ(problem("[1]"), "a.json: hands: must be a list of two, left and right");
 	EXPECT_NE(problem("{\"hands\":\n[").find("line 2"), std::string::npos);
+	EXPECT_NE(problem(replaced(good, "[[", "[[1e400, ")).find("a.json: is no JSON"), std::string::npos);
 	EXPECT_EQ(problem("{\"hands\": [{\"valid\": false}, {}]}"), "a.json: hands[1].valid: is missing");
 	EXPECT_EQ(problem("{\"hands\": [{\"valid\": true, \"joints\": []}, {\"valid\": false}]}"), "a.json: hands[0].joints: must be a list of 21 points");
 	EXPECT_EQ(problem(replaced(good, "[[", "[[\"a\", ")), "a.json: hands[1].joints[0]: must be three numbers");
