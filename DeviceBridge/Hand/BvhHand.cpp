@@ -50,6 +50,8 @@ public:
 			else if (key == "}") open = m_nodes[size_t(open)].parent;
 			else refuse("'" + std::string(key) + "' is nothing that a joint has");
 		}
+		for (const Node& node : m_nodes) m_channels += node.channels.size();
+		if (m_channels == 0) refuse("no joint has a channel");
 		return !m_problem;
 	}
 	bool readMotion()
@@ -62,12 +64,15 @@ public:
 		m_frameTime = number();
 		if (!(frames >= 1 && frames <= kMostFrames) || frames != std::floor(frames)) refuse("the number of frames must be whole and positive");
 		if (!(m_frameTime > 0)) refuse("the frame time must be positive");
+		if (!lineEnds()) refuse("there is more on the line of the frame time");
 		m_frames = m_problem ? 0 : size_t(frames);
 		return !m_problem;
 	}
-	/// The next frame: where all nodes are, in the file's units.
+	/// The next frame, a line of its own: where all nodes are, in the file's units.
 	std::vector<Vec3> readFrame()
 	{
+		const std::vector<double> row = readRow();
+		size_t next = 0;
 		std::vector<Pose> poses(m_nodes.size());
 		std::vector<Vec3> places;
 		for (size_t i = 0; i < m_nodes.size() && !m_problem; ++i)
@@ -76,7 +81,7 @@ public:
 			Pose X{{}, node.offset};
 			for (const int channel : node.channels)
 			{
-				const double value = number();
+				const double value = row[next++];
 				if (channel < 3)
 				{
 					X.translation[channel] = value;
@@ -90,6 +95,15 @@ public:
 			places.push_back(poses[i].translation);
 		}
 		return places;
+	}
+	void expectEnd()
+	{
+		while (lineEnds() && !m_rest.empty())
+		{
+			m_rest.remove_prefix(1);
+			++m_line;
+		}
+		if (!m_rest.empty()) refuse("'" + std::string(word()) + "' after the last frame");
 	}
 	/// The first node of that name, or else the end site below the node `otherwise`; -1.
 	int find(const std::string& name, int otherwise = -1) const
@@ -136,6 +150,22 @@ private:
 		if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) refuse("'" + std::string(text) + "' is not a finite number");
 		return value;
 	}
+	/// Skips blanks; whether nothing else stands on the line.
+	bool lineEnds()
+	{
+		const size_t blanks = m_rest.find_first_not_of(" \t\r");
+		m_rest.remove_prefix(blanks == std::string_view::npos ? m_rest.size() : blanks);
+		return m_rest.empty() || m_rest.front() == '\n';
+	}
+	/// The numbers of the next line that is not blank, one for each channel.
+	std::vector<double> readRow()
+	{
+		std::vector<double> row;
+		do row.push_back(number());
+		while (!m_problem && !lineEnds());
+		if (row.size() != m_channels) refuse("a frame has " + std::to_string(m_channels) + " numbers, and here are " + std::to_string(row.size()));
+		return row;
+	}
 	void begin(int& open, const std::string& name)
 	{
 		expect("{");
@@ -159,7 +189,7 @@ private:
 	const std::string& m_name;
 	int m_line = 1;
 	std::vector<Node> m_nodes;
-	size_t m_frames = 0;
+	size_t m_channels = 0, m_frames = 0;
 	double m_frameTime = 0;
 	std::optional<Error> m_problem;
 };
@@ -201,6 +231,8 @@ Result<HandMotion> readBvhHand(const std::string& text, const std::string& name,
 		if (reader.problem()) return *reader.problem();
 		motion.frames.push_back({double(i) * reader.frameTime(), hand.value()});
 	}
+	reader.expectEnd();
+	if (reader.problem()) return *reader.problem();
 	return motion;
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 using namespace devicebridge;
@@ -96,4 +97,24 @@ TEST(BvhHand, RefusesWithTheLine)
 	EXPECT_FALSE(readBvhHand(good, "a.bvh", {false, 0, ""}));
 	EXPECT_FALSE(loadBvhHand("/nowhere/a.bvh"));
 	for (size_t size = 0; size + 8 < good.size(); size += 97) EXPECT_FALSE(readBvhHand(good.substr(0, size), "a.bvh"));
+}
+
+TEST(BvhHand, TakesOneLineForAFrame)
+{
+	const std::string start = "MOTION\nFrames: 2\nFrame Time: 0.02\n", row = frame("0 0 0 0 0 0", "0 0 0");
+	const auto lineOf = [](const std::string& text, size_t from) { return std::to_string(std::count(text.begin(), text.end(), '\n') + from); };
+	const std::string line = lineOf(bvh(start), 1), after = lineOf(bvh(start), 2), third = lineOf(bvh(start), 3);
+	EXPECT_EQ(problem(bvh(start + "\n" + row + "\r\n" + row + "\r\n \n")), "");
+	// The hips' six, the hand's three, and three of each of fifteen joints.
+	EXPECT_EQ(problem(bvh(start + "1 2 3\n" + row + row)), "a.bvh:" + line + ": a frame has 54 numbers, and here are 3");
+	EXPECT_EQ(problem(bvh(start + row + "7 " + row)), "a.bvh:" + after + ": a frame has 54 numbers, and here are 55");
+	EXPECT_EQ(problem(bvh(start + row + row + row)), "a.bvh:" + third + ": '0' after the last frame");
+	EXPECT_NE(problem(bvh(replaced(start, "0.02", "0.02 0") + row + row)).find("on the line of the frame time"), std::string::npos);
+}
+
+TEST(BvhHand, RefusesAHierarchyThatCannotMove)
+{
+	std::string text = bvh("MOTION\nFrames: 10000000\nFrame Time: 0.02\n");
+	for (size_t at = text.find("CHANNELS"); at != std::string::npos; at = text.find("CHANNELS")) text.erase(at, text.find('\n', at) + 1 - at);
+	EXPECT_NE(problem(text).find("no joint has a channel"), std::string::npos);
 }
