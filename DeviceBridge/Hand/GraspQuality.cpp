@@ -16,7 +16,7 @@ namespace
 constexpr int kSpace = 6;
 constexpr double kJoggle = 1e-6;     // of the points, so that no seven lie in one hyperplane
 constexpr double kFlat = 1e-6;       // thinner than so much of its size a hull has no inside
-constexpr double kGained = 1e-9;     // a point so much beyond a facet moves it
+constexpr double kGained = 1e-9;     // a point so much of the largest one's length beyond a facet moves it
 using Point = std::array<double, kSpace>;
 
 double inner(const Point& a, const Point& b)
@@ -103,6 +103,8 @@ public:
 				if (i != without) facet[n++] = corners[i];
 			add(facet);
 		}
+		m_used.assign(m_points.size(), false);
+		for (const int c : corners) m_used[size_t(c)] = true;
 		return true;
 	}
 
@@ -113,10 +115,13 @@ public:
 		double offset;  // normal . x of its points
 	};
 	const std::vector<Facet>& facets() const { return m_facets; }
+	/// Whether it has been a corner: beyond a facet it can only be by rounding.
+	bool isUsed(int point) const { return m_used[size_t(point)]; }
 
 	/// What the point sees is replaced by facets to it.
 	void grow(int point)
 	{
+		m_used[size_t(point)] = true;
 		std::map<std::array<int, kSpace - 1>, int> ridges;
 		size_t kept = 0;
 		for (size_t i = 0; i < m_facets.size(); ++i)
@@ -164,6 +169,7 @@ private:
 
 	const std::vector<Point>& m_points;
 	std::vector<Facet> m_facets;
+	std::vector<bool> m_used;
 	Point m_inside{};
 };
 
@@ -176,7 +182,7 @@ void addWrenches(const GraspContact& contact, const GraspQualityOptions& options
 	const auto add = [&](const Vec3& force, double drilling)
 	{
 		const Vec3 torque = (cross(contact.point, force) + drilling * n) / options.length;
-		out.push_back({force.x, force.y, force.z, torque.x, torque.y, torque.z});
+		if (isFinite(torque)) out.push_back({force.x, force.y, force.z, torque.x, torque.y, torque.z});
 	};
 	if (contact.friction == 0) return add(n, 0);
 	Vec3 t1, t2;
@@ -213,6 +219,8 @@ GraspQuality graspQuality(const std::vector<GraspContact>& contacts, const Grasp
 	joggle(points);
 	Hull hull(points);
 	if (points.size() <= kSpace || !hull.begin()) return quality;
+	double gained = 0;
+	for (const Point& p : points) gained = std::max(gained, kGained * std::sqrt(inner(p, p)));
 	while (true)
 	{
 		const auto nearest = std::min_element(hull.facets().begin(), hull.facets().end(), [](const Hull::Facet& a, const Hull::Facet& b) { return a.offset < b.offset; });
@@ -220,14 +228,14 @@ GraspQuality graspQuality(const std::vector<GraspContact>& contacts, const Grasp
 		for (size_t i = 0; i < points.size(); ++i)
 			if (inner(nearest->normal, points[i]) > inner(nearest->normal, points[furthest])) furthest = int(i);
 		quality.epsilon = nearest->offset;
-		if (inner(nearest->normal, points[furthest]) <= nearest->offset + kGained) break;
-		if (int(hull.facets().size()) > options.mostFacets)
-		{
-			quality.exact = false;
-			break;
-		}
+		if (inner(nearest->normal, points[furthest]) <= nearest->offset + gained) break;
+		quality.exact = int(hull.facets().size()) <= options.mostFacets && !hull.isUsed(furthest);
+		if (!quality.exact) break;
 		hull.grow(furthest);
 		++quality.iterations;
+		// What rounding has opened tells nothing more.
+		quality.exact = !hull.facets().empty();
+		if (!quality.exact) break;
 	}
 	quality.forceClosure = quality.epsilon > 10 * kJoggle;
 	if (!quality.forceClosure) quality.epsilon = 0;

@@ -156,3 +156,25 @@ TEST(GraspQuality, NothingToHoldWithIsNoClosure)
 	EXPECT_FALSE(graspQuality(pairOnSphere(0, 1), kFourEdges).forceClosure);
 	EXPECT_FALSE(graspQuality(pairOnSphere(0.5, 1), {0, 8, 100}).forceClosure);
 }
+
+TEST(GraspQuality, EndsForPointsOfEverySize)
+{
+	std::mt19937 random(5);
+	std::uniform_real_distribution<double> any(-1, 1);
+	for (const double size : {1e-12, 1e-3, 1e3, 1e6, 1e9, 1e15, 1e100, 1e160, 1e300})
+		for (const double length : {1e-300, 1e-15, 1e-9, 1e-5, 1.0, 1e12})
+		{
+			std::vector<GraspContact> contacts;
+			for (int i = 0; i < 5; ++i)
+			{
+				const Vec3 p = normalized(Vec3{any(random), any(random), any(random)});
+				contacts.push_back({size * p, -p, 0.6, 0.01 * size});
+			}
+			const GraspQuality quality = graspQuality(contacts, {length, 6, 5000});
+			EXPECT_TRUE(std::isfinite(quality.epsilon)) << size << " " << length;
+			EXPECT_GE(quality.epsilon, 0);
+			// No normal force of 1 N resists more than the longest edge of a cone, sqrt(1 + 0.6^2) N.
+			EXPECT_LE(quality.epsilon, 1.2) << size << " " << length;
+			EXPECT_LE(quality.iterations, quality.wrenches);
+		}
+}
