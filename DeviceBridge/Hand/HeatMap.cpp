@@ -64,7 +64,8 @@ struct HeatMap::Part
 	MeshDistance distance;
 	std::vector<Vec3> normals;  // of the triangles
 	Box box;
-	std::vector<float> dwell, impulse, peak;  // of each vertex
+	std::vector<double> dwell, impulse;  // of each vertex
+	std::vector<float> peak;
 	GraspCount graspsAt;
 	int grasps = 0, lastGrasp = 0;
 	double seconds = 0, forceSum = 0, peakForce = 0, depth = 0;
@@ -148,6 +149,8 @@ struct HeatMap::Surface
 		for (uint32_t t = 0; t < m.triangles.size(); ++t)
 			for (const uint32_t v : m.triangles[t]) triangleOf[next[v]++] = t;
 	}
+	/// Of a force that the vertex takes alone; 0 for one without area.
+	double pressureOf(double force, uint32_t v) const { return vertexArea[v] > 0 ? force / vertexArea[v] : 0; }
 	size_t cellOf(const Vec3& p) const
 	{
 		size_t index = 0;
@@ -276,20 +279,22 @@ HeatMap::Cut HeatMap::cut() noexcept
 	return cut;
 }
 
-void HeatMap::enter(Part& part, const HeatMapContact& contact, double scale, HeatMapTouch& touch) noexcept
+void HeatMap::enter(Part& part, uint32_t v, double force, double pressure, double seconds, HeatMapTouch& touch) noexcept
 {
 	Surface& s = *m_surface;
-	for (const uint32_t v : s.touched)
-	{
-		const double pressure = std::min(scale * s.thickness[v], contact.force / s.vertexArea[v]);
-		part.dwell[v] += float(contact.seconds);
-		part.impulse[v] += float(scale * s.share[v] * contact.seconds);
-		part.peak[v] = std::max(part.peak[v], float(pressure));
-		part.graspsAt.add(v, m_grasps);
-		s.graspsAt.add(v, m_grasps);
-		touch.depth = std::max(touch.depth, s.thickness[v]);
-		touch.pressure = std::max(touch.pressure, pressure);
-	}
+	part.dwell[v] += seconds;
+	part.impulse[v] += force * seconds;
+	part.peak[v] = std::max(part.peak[v], float(pressure));
+	part.graspsAt.add(v, m_grasps);
+	s.graspsAt.add(v, m_grasps);
+	touch.depth = std::max(touch.depth, s.thickness[v]);
+	touch.pressure = std::max(touch.pressure, pressure);
+}
+
+void HeatMap::enterArea(Part& part, const HeatMapContact& contact, double scale, HeatMapTouch& touch) noexcept
+{
+	const Surface& s = *m_surface;
+	for (const uint32_t v : s.touched) enter(part, v, scale * s.share[v], std::min(scale * s.thickness[v], s.pressureOf(contact.force, v)), contact.seconds, touch);
 }
 
 /// A contact between the vertices: all of it to the nearest one.
@@ -300,10 +305,8 @@ void HeatMap::enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch
 	const auto& corners = mesh().triangles[closest.triangle];
 	const uint32_t v = *std::min_element(corners.begin(), corners.end(), [&](uint32_t a, uint32_t b)
 		{ return distance(mesh().vertices[a], closest.point) < distance(mesh().vertices[b], closest.point); });
-	s.touched.assign(1, v);
 	s.thickness[v] = 0;
-	s.share[v] = contact.force;
-	enter(part, contact, 1, touch);
+	enter(part, v, contact.force, s.pressureOf(contact.force, v), contact.seconds, touch);
 }
 
 HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
@@ -325,7 +328,7 @@ HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
 	const Cut found = cut();
 	touch.area = found.area;
 	touch.depthSum = found.sum;
-	if (found.sum > 0) enter(part, contact, force / found.sum, touch);
+	if (found.sum > 0) enterArea(part, contact, force / found.sum, touch);
 	else enterPoint(part, contact, touch);
 	part.seconds += contact.seconds;
 	part.forceSum += force * contact.seconds;
@@ -347,10 +350,10 @@ HeatMap::Vertex HeatMap::merged(uint32_t v, int only) const
 	{
 		const Part& part = *m_parts[size_t(i)];
 		if ((only >= 0 && i != only) || !(part.dwell[v] > 0)) continue;
-		out.dwell += double(part.dwell[v]);
-		out.impulse += double(part.impulse[v]);
+		out.dwell += part.dwell[v];
+		out.impulse += part.impulse[v];
 		out.peak = std::max(out.peak, double(part.peak[v]));
-		if (double(part.dwell[v]) > longest) longest = double(part.dwell[v]), out.part = i;
+		if (part.dwell[v] > longest) longest = part.dwell[v], out.part = i;
 	}
 	out.contact = double(only >= 0 ? m_parts[size_t(only)]->graspsAt.count[v] : m_surface->graspsAt.count[v]) / m_grasps;
 	const double area = m_surface->vertexArea[v];

@@ -91,7 +91,8 @@ private:
 	double depthOf(uint32_t vertex) noexcept;
 	void collect(const Part& part) noexcept;
 	Cut cut() noexcept;
-	void enter(Part& part, const HeatMapContact& contact, double scale, HeatMapTouch& touch) noexcept;
+	void enter(Part& part, uint32_t vertex, double force, double pressure, double seconds, HeatMapTouch& touch) noexcept;
+	void enterArea(Part& part, const HeatMapContact& contact, double scale, HeatMapTouch& touch) noexcept;
 	void enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch& touch) noexcept;
 	Vertex merged(uint32_t vertex, int part) const;
 

@@ -160,12 +160,18 @@ TEST(HeatMap, ContactBetweenTheVerticesGoesToTheNearestOne)
 	const int part = map.addPart("tip", 43, ist::makeSphereMesh(0.005, 3));
 	const HeatMapTouch touch = map.add(part, {{{}, {0.09, 0.1045, 0.08}}, 2, {0.09, 0.1, 0.08}, 0.1});
 	EXPECT_EQ(touch.area, 0);
+	// A third of each triangle at the corner.
+	double area = 0;
+	for (const auto& t : map.mesh().triangles)
+		for (const uint32_t c : t) area += map.mesh().vertices[c] == Vec3{0.1, 0.1, 0.1} ? 0.2 * 0.2 / 2 / 3 : 0;
+	EXPECT_NEAR(touch.pressure, 2 / area, 1e-9 / area);
 	const auto values = map.vertices();
 	for (size_t v = 0; v < values.size(); ++v)
 	{
 		const bool nearest = map.mesh().vertices[v] == Vec3{0.1, 0.1, 0.1};
 		EXPECT_EQ(values[v].part, nearest ? 0 : -1);
-		EXPECT_NEAR(values[v].impulse, nearest ? 0.2 : 0, 1e-6);
+		EXPECT_NEAR(values[v].impulse, nearest ? 0.2 : 0, 1e-12);
+		EXPECT_NEAR(values[v].peak, nearest ? 2 / area : 0, 1e-6 / area);
 	}
 }
 
@@ -218,6 +224,18 @@ TEST(HeatMap, APlaceThatDifferentPartsTouchedInTwoGraspsWasTouchedInBoth)
 	EXPECT_NEAR(most, 2.0 / 3, 1e-12);
 	EXPECT_NEAR(mostOfA, 1.0 / 3, 1e-12);
 	EXPECT_EQ(map.summary()[size_t(none)].grasps, 0);
+}
+
+TEST(HeatMap, ShortMomentsAddUpOverALongTime)
+{
+	HeatMap map(ist::makeBoxMesh({0.1, 0.1, 0.1}));
+	const int tip = map.addPart("tip", 43, ist::makeSphereMesh(0.005, 0));
+	const HeatMapContact contact{{{}, {0.09, 0.1045, 0.08}}, 1, {0.09, 0.1, 0.08}, 1e-3};
+	map.add(tip, {contact.X_OP, 1, contact.point, 1e5});
+	for (int i = 0; i < 1000; ++i) map.add(tip, contact);
+	double dwell = 0;
+	for (const HeatMap::Vertex& v : map.vertices()) dwell += v.dwell;
+	EXPECT_NEAR(dwell, 1e5 + 1, 1e-6);
 }
 
 TEST(HeatMap, CountsNothingThatIsNotFiniteAndDoesNotAllocate)
