@@ -345,6 +345,7 @@ HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
 HeatMap::Vertex HeatMap::merged(uint32_t v, int only) const
 {
 	Vertex out;
+	if (only >= parts()) return out;
 	double longest = 0;
 	for (int i = 0; i < parts(); ++i)
 	{

@@ -62,7 +62,7 @@ public:
 		int part = -1;        ///< that touched it longest; -1: none
 	};
 	std::vector<Vertex> vertices() const;
-	/// Of one part alone.
+	/// Of one part alone; negative: all. Of a part that is not there nothing.
 	std::vector<Vertex> vertices(int part) const;
 
 	struct Summary

@@ -89,6 +89,7 @@ HeatMapColour handPartColour(int id)
 
 std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, HeatMapColours colours, int part)
 {
+	if (part >= map.parts()) return Error{"the heat map has no part " + std::to_string(part) + ", only " + std::to_string(map.parts())};
 	const std::vector<HeatMap::Vertex> values = map.vertices(part);
 	const Mesh& mesh = map.mesh();
 	Bytes file;

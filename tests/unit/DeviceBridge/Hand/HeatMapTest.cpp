@@ -238,6 +238,16 @@ TEST(HeatMap, ShortMomentsAddUpOverALongTime)
 	EXPECT_NEAR(dwell, 1e5 + 1, 1e-6);
 }
 
+TEST(HeatMap, OfAPartThatIsNotThereSaysNothing)
+{
+	HeatMap map(ist::makeBoxMesh({0.1, 0.1, 0.1}));
+	map.add(map.addPart("tip", 43, ist::makeSphereMesh(0.005, 0)), {{{}, {0.09, 0.1045, 0.08}}, 1, {0.09, 0.1, 0.08}, 0.1});
+	for (const HeatMap::Vertex& v : map.vertices(1)) EXPECT_TRUE(v.part == -1 && v.contact == 0 && v.dwell == 0);
+	const auto refused = saveHeatMap(map, "/nowhere/map.ply", HeatMapColours::Fingers, 7);
+	ASSERT_TRUE(refused);
+	EXPECT_EQ(refused->message, "the heat map has no part 7, only 1");
+}
+
 TEST(HeatMap, CountsNothingThatIsNotFiniteAndDoesNotAllocate)
 {
 	HeatMap map(gridBox({0.01, 0.01, 0.01}, 20));
