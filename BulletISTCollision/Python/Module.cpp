@@ -42,7 +42,9 @@ auto run(const py::object& progress, Work&& work)
 			if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 			if (progress.is_none()) return true;
 			const py::object goOn = progress(stage, fraction);
-			return goOn.is_none() || goOn.cast<bool>();
+			const int truth = goOn.is_none() ? 1 : PyObject_IsTrue(goOn.ptr());
+			if (truth < 0) throw py::error_already_set();
+			return truth == 1;
 		}
 		catch (py::error_already_set& e)
 		{

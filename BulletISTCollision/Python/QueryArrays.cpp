@@ -5,6 +5,8 @@
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/ProximityQuery.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -172,6 +174,8 @@ Poses posesFrom(const py::object& object)
 py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object, double stiffness, int level, int64_t maxPairs)
 {
 	if (!(stiffness > 0) || !std::isfinite(stiffness)) throw py::value_error("stiffness must be positive and finite");
+	if (level < -1) throw py::value_error("level must be at least 0, or -1 for any");
+	if (maxPairs < -1) throw py::value_error("max_pairs must not be negative, or -1 for any number");
 	if ((level > 0 || maxPairs >= 0) && (A.levels.empty() || B.levels.empty()))
 		throw py::value_error("level and max_pairs need trees with levels; make them by with_levels()");
 	const Poses poses = posesFrom(object);

@@ -188,11 +188,15 @@ class Refusals(Shared):
         self.refused(ValueError, "a pose is", ask, "here")
         self.refused(ValueError, "stiffness", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), stiffness=-1)
         self.refused(ValueError, "level", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), level=3)
+        self.refused(ValueError, "level", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), level=-2)
+        self.refused(ValueError, "max_pairs", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), max_pairs=-2)
 
     def test_progress_can_cancel_and_raise(self):
         stages = []
         bh.build(*box((1, 1, 1)), spheres=100, progress=lambda stage, fraction: stages.append(stage))
         self.assertIn("packing", stages)
+        self.assertEqual(len(bh.build(*box((1, 1, 1)), spheres=100, progress=lambda stage, fraction: [1]).spheres), 100)
+        self.refused(bh.Error, "cancel", bh.build, *box((1, 1, 1)), spheres=100, progress=lambda stage, fraction: [])
         self.refused(bh.Error, "cancel", bh.build, *box((1, 1, 1)), spheres=100, progress=lambda stage, fraction: False)
 
         def fail(stage, fraction):
