@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/Threads.h"
-#include "tests/unit/Browser/ClosedMesh.h"
+#include "tests/unit/ClosedMesh.h"
 #include "tests/unit/Core/SolidAngleWinding.h"
 
 #include <gtest/gtest.h>

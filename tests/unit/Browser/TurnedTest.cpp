@@ -4,7 +4,7 @@
 #include "demos/browser/Turned.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "tests/unit/Browser/ClosedMesh.h"
+#include "tests/unit/ClosedMesh.h"
 
 #include <gtest/gtest.h>
 

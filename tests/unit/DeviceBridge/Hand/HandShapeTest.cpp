@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshDistance.h"
 #include "LightHand.h"
+#include "tests/unit/ClosedMesh.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <map>
 
 using namespace devicebridge;
 using ist::Vec3;
@@ -13,17 +13,6 @@ using ist::Vec3;
 namespace
 {
 HandShape shapeOf(bool left, double length) { return measureHand(posedHand({}, {left, length})).value(); }
-
-/// Every edge once in each direction.
-bool isClosed(const ist::Mesh& mesh)
-{
-	std::map<std::pair<uint32_t, uint32_t>, int> edges;
-	for (const auto& t : mesh.triangles)
-		for (int i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
-	for (const auto& [edge, count] : edges)
-		if (count != 1 || edges.count({edge.second, edge.first}) == 0) return false;
-	return true;
-}
 }  // namespace
 
 TEST(HandParts, HaveTheNamesAndIdsOfGrab)
