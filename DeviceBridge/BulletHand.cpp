@@ -128,7 +128,7 @@ BulletHand::Touch BulletHand::touch(double h) const noexcept
 	const btISTContactStore& store = m_world.contacts();
 	for (const btISTContact* contact : store.contacts())
 	{
-		if (contact->patchCount == 0 || contact->stamp + 1 != store.step()) continue;
+		if (!touchedInLastStep(store, *contact)) continue;
 		const int a = partOf(contact->bodyA), b = partOf(contact->bodyB);
 		if (a < 0 && b < 0) continue;
 		Vec3 onA;

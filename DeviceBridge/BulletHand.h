@@ -23,6 +23,12 @@ struct BulletHandSettings
 	HandWatchLimits watch;
 };
 
+/// Whether bodies touched in the last step: a contact whose pair was not looked at since, as where it sleeps, keeps what it was.
+inline bool touchedInLastStep(const btISTContactStore& store, const btISTContact& contact) noexcept
+{
+	return contact.patchCount > 0 && contact.stamp + 1 == store.step();
+}
+
 /// A hand of sixteen rigid bodies in a world. Each is pulled to where the tracked hand has it by a spring and damper in six degrees of
 /// freedom that saturates; none is ever put anywhere, so that fingers stop at what they meet. Parts touch everything, also each
 /// other, except their neighbours in the chain, which overlap at the joints. They have no weight and never sleep.

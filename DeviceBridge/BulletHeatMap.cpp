@@ -22,7 +22,7 @@ double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore&
 	const Pose X_WM = toPose(object.getWorldTransform()) * X_BM;
 	for (const btISTContact* contact : contacts.contacts())
 	{
-		if (contact->patchCount == 0 || contact->stamp + 1 != contacts.step()) continue;
+		if (!touchedInLastStep(contacts, *contact)) continue;
 		if (contact->bodyA != &object && contact->bodyB != &object) continue;
 		const int part = hand.partOf(contact->bodyA == &object ? contact->bodyB : contact->bodyA);
 		if (part < 0 || (only >= 0 && part != only)) continue;

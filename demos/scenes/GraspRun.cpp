@@ -126,6 +126,7 @@ std::vector<GraspContact> GraspScene::graspContacts() const
 	const Pose X_BW = inverse(toPose(m_body->getWorldTransform()));
 	for (const btISTContact* contact : m_world->contacts().contacts())
 	{
+		if (!touchedInLastStep(m_world->contacts(), *contact)) continue;
 		const bool objectIsA = contact->bodyA == m_body.get();
 		if (!objectIsA && contact->bodyB != m_body.get()) continue;
 		const btCollisionObject* other = objectIsA ? contact->bodyB : contact->bodyA;
