@@ -78,7 +78,6 @@ TEST(BulletHand, PartsFollowTheirTargetsThroughTheAir)
 		w.step(handAt({0.1 * u, 0.05 * u, 0}, posture));
 	}
 	for (int part = 0; part < kHandParts; ++part) EXPECT_LT(w.away(part), 2e-4) << part;
-	EXPECT_EQ(w.hand->touch(kStep).parts, 0);
 	EXPECT_EQ(w.hand->touch(kStep).selfContacts, 0);
 }
 
@@ -139,6 +138,10 @@ TEST(BulletHand, OverlapAtTheStartIsPushedOutGently)
 		w.step(handAt({}));
 		fastest = std::max(fastest, double(w.box->getLinearVelocity().length()));
 		const BulletHand::Touch touch = w.hand->touch(kStep);
+		if (i == 0)
+		{
+			EXPECT_GT(touch.pairs, 0);
+		}
 		for (int part = 0; part < kHandParts; ++part) ASSERT_TRUE(isFinite(touch.force[part]));
 	}
 	EXPECT_LT(fastest, 0.5);
