@@ -121,7 +121,7 @@ int BulletHand::partOf(const btCollisionObject* object) const noexcept
 	return -1;
 }
 
-BulletHand::Touch BulletHand::touch(double h) const noexcept
+BulletHand::Touch BulletHand::touch(double h, const btCollisionObject* only) const noexcept
 {
 	Touch touch;
 	bool touches[kHandParts] = {};
@@ -129,6 +129,7 @@ BulletHand::Touch BulletHand::touch(double h) const noexcept
 	for (const btISTContact* contact : store.contacts())
 	{
 		if (!touchedInLastStep(store, *contact)) continue;
+		if (only && contact->bodyA != only && contact->bodyB != only) continue;
 		const int a = partOf(contact->bodyA), b = partOf(contact->bodyB);
 		if (a < 0 && b < 0) continue;
 		Vec3 onA;

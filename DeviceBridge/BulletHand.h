@@ -56,17 +56,18 @@ public:
 	const ist::Wrench& coupling(int part) const noexcept { return m_parts[static_cast<std::size_t>(part)].coupling; }
 	const HandWatch& watch() const noexcept { return *m_watch; }
 
-	/// Sums over the contacts of the last step of `h` [s] between parts and other bodies.
+	/// Sums over the contacts of the last step that parts had, with other bodies and with each other.
 	struct Touch
 	{
 		ist::Vec3 force[kHandParts];  ///< of the contacts on each part [N]
 		int parts = 0;                ///< how many touch something that is not the hand
-		std::int64_t pairs = 0;
+		std::int64_t pairs = 0;       ///< of all these contacts
 		/// Contacts of parts with each other, and the sum of their forces [N]
 		int selfContacts = 0;
 		double selfForce = 0;
 	};
-	Touch touch(double h) const noexcept;
+	/// After a step of `h` [s] of the world. `only`: contacts with this body alone; null: all.
+	Touch touch(double h, const btCollisionObject* only = nullptr) const noexcept;
 
 private:
 	struct Part

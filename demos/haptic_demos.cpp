@@ -107,7 +107,9 @@ int runGraspLoad(const DemoArguments& a)
 	options.grasp.cache = a.cache;
 	options.grasp.progress = showProgress;
 	const auto outcome = scenes::runGraspLoad(options);
-	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
 }
 
 int runHapticBunny(const DemoArguments& a)

@@ -18,7 +18,7 @@ struct GraspLoadTick
 	double time = 0;         ///< [s]
 	double microseconds = 0; ///< of it all
 	double mapMicroseconds = 0;
-	double pairs = 0;
+	double pairs = 0;        ///< with the object
 	int parts = 0;           ///< in contact with the object
 };
 
@@ -37,7 +37,10 @@ struct GraspLoad
 
 struct GraspLoadOutcome
 {
-	std::vector<GraspLoad> loads;
+	std::vector<GraspLoad> loads;  ///< the firm skin first
+
+	/// Both touched, and the firm hand held the object.
+	bool ok() const;
 };
 
 /// The load of Weller et al.'s grasping: 16 parts of 5,000 spheres and an object of 10,000, contact, response and heat map in each tick of a

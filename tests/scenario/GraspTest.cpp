@@ -162,6 +162,22 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	EXPECT_GT(soft.mostPairs(), 2 * firm.mostPairs());
 	EXPECT_LE(firm.quantileMicroseconds(0.5), firm.quantileMicroseconds(0.99));
 	EXPECT_NE(makeJson(outcome.value()).find("\"most_pairs\""), std::string::npos);
+	EXPECT_TRUE(outcome.value().ok());
+}
+
+TEST(GraspLoad, IsBadWithoutContactOrWithoutHold)
+{
+	GraspLoadOutcome outcome;
+	EXPECT_FALSE(outcome.ok());
+	outcome.loads.resize(2);
+	for (GraspLoad& load : outcome.loads) load.ticks.resize(1);
+	EXPECT_FALSE(outcome.ok());
+	outcome.loads[0].held = true;
+	EXPECT_TRUE(outcome.ok());
+	EXPECT_NE(makeJson(outcome).find("\"ok\":true"), std::string::npos);
+	outcome.loads[1].ticks.clear();
+	EXPECT_FALSE(outcome.ok());
+	EXPECT_NE(makeJson(outcome).find("\"ok\":false"), std::string::npos);
 }
 
 TEST(GraspReport, IsBadAsSoonAsOneGraspIs)
