@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Hand/HandMotion.h"
+#include "DeviceBridge/Hand/ContactPoseHands.h"
 
 #include "BulletISTCollision/Core/WholeFile.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"

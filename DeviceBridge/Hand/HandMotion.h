@@ -35,15 +35,4 @@ std::optional<ist::Error> saveHandMotion(const HandMotion& motion, const std::st
 /// finite number, times that do not grow, a quaternion further than 1e-3 from unit length, a joint that is half there.
 ist::Result<HandMotion> readHandMotion(const std::string& text, const std::string& name);
 ist::Result<HandMotion> loadHandMotion(const std::string& path);
-
-/// ContactPose's annotations.json (Brahmbhatt et al., 2020): `hands`, left then right, each with `valid`, `moving` and 21 `joints`. Joints of a hand that
-/// held still are in the object's frame; of one that moved, in the frame of its own root: then `moving` is true, and where the root
-/// was is for the caller to say. Refused as `NAME: hands[1].joints[3]: PROBLEM`.
-struct ContactPoseHands
-{
-	std::optional<HandState> left, right;
-	bool leftMoving = false, rightMoving = false;
-};
-ist::Result<ContactPoseHands> readContactPose(const std::string& text, const std::string& name);
-ist::Result<ContactPoseHands> loadContactPose(const std::string& path);
 }  // namespace devicebridge

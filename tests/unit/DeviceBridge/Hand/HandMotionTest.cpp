@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Hand/ContactPoseHands.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
 #include "DeviceBridge/Hand/HandMotion.h"
 #include "LightHand.h"
