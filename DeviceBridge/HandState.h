@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "BulletISTCollision/Core/Pose.h"
 
@@ -47,6 +48,13 @@ struct HandJoint
 	double radius = 0;            ///< from the joint to the skin [m]
 	bool tracked = false;         ///< false: the other fields say nothing
 };
+
+/// Whether a quaternion from outside may be taken for a rotation: within 1e-3 of unit length, as floats and rounded text are.
+inline bool isNearUnit(const ist::Quaternion& q)
+{
+	constexpr double kUnitWithin = 1e-3;
+	return std::fabs(std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w) - 1) <= kUnitWithin;
+}
 
 struct HandState
 {

@@ -32,14 +32,13 @@ Result<std::shared_ptr<const HandModel>> buildHandModel(const HandShape& shape, 
 
 HandPartPoses handPartPoses(const HandModel& model, const HandState& hand) noexcept
 {
-	constexpr double kUnitWithin = 1e-3;
 	HandPartPoses poses;
 	for (std::size_t i = 0; i < kHandParts; ++i)
 	{
 		const HandJoint& joint = hand.joints[static_cast<std::size_t>(handPartJoint(int(i)))];
 		const Quaternion& q = joint.orientation;
+		if (!joint.tracked || !isFinite(joint.position) || !isNearUnit(q)) continue;
 		const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-		if (!joint.tracked || !isFinite(joint.position) || !(std::fabs(length - 1) <= kUnitWithin)) continue;
 		const Pose X_WJ{rotationMatrix({q.x / length, q.y / length, q.z / length, q.w / length}), joint.position};
 		poses.X_WB[i] = {X_WJ.rotation, X_WJ * model.parts[i].centre};
 		poses.known[i] = true;

@@ -21,7 +21,6 @@ constexpr const char* kJointNames[kHandJoints] = {
 	"palm", "wrist", "thumb_metacarpal", "thumb_proximal", "thumb_distal", "thumb_tip", "index_metacarpal", "index_proximal", "index_intermediate", "index_distal",
 	"index_tip", "middle_metacarpal", "middle_proximal", "middle_intermediate", "middle_distal", "middle_tip", "ring_metacarpal", "ring_proximal",
 	"ring_intermediate", "ring_distal", "ring_tip", "little_metacarpal", "little_proximal", "little_intermediate", "little_distal", "little_tip"};
-constexpr double kUnitWithin = 1e-3;
 
 std::string columnName(int joint, int field) { return std::string(kJointNames[joint]) + "_" + kFieldNames[field]; }
 
@@ -56,7 +55,9 @@ public:
 	void header(std::string_view line)
 	{
 		const auto cells = split(line);
-		for (size_t i = 0; i < cells.size(); ++i) m_columns.emplace(cells[i], i);
+		m_width = cells.size();
+		for (size_t i = 0; i < cells.size(); ++i)
+			if (!m_columns.emplace(cells[i], i).second && !cells[i].empty()) refuse(std::string(cells[i]), "the header has this column twice");
 		need("time");
 		need("left");
 		for (int j = 0; j < kHandJoints; ++j)
@@ -65,6 +66,7 @@ public:
 	void row(std::string_view line)
 	{
 		m_cells = split(line);
+		if (m_cells.size() != m_width) return refuse("time", "the row has " + std::to_string(m_cells.size()) + " cells, and the header " + std::to_string(m_width));
 		HandMotion::Frame frame;
 		frame.time = number("time");
 		const double left = number("left");
@@ -109,14 +111,14 @@ private:
 		if (missing == kFields) return {};
 		double v[kFields];
 		for (int f = 0; f < kFields; ++f) v[f] = number(columnName(index, f));
-		const double length = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
-		if (!(std::fabs(length - 1) <= kUnitWithin)) refuse(columnName(index, 6), "the quaternion is not of unit length");
+		if (!isNearUnit({v[3], v[4], v[5], v[6]})) refuse(columnName(index, 6), "the quaternion is not of unit length");
 		return {{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}, v[7], true};
 	}
 
 	const std::string& m_name;
 	int m_line = 0;
 	std::map<std::string, size_t, std::less<>> m_columns;
+	size_t m_width = 0;
 	std::vector<std::string_view> m_cells;
 	HandMotion m_motion;
 	std::optional<Error> m_problem;

@@ -31,8 +31,8 @@ std::string handMotionText(const HandMotion& motion);
 /// The whole file or none.
 std::optional<ist::Error> saveHandMotion(const HandMotion& motion, const std::string& path);
 
-/// Columns are found by name, unknown ones and lines that begin with # ignored. Refused as `NAME:LINE: COLUMN: PROBLEM`: a missing column, what is no
-/// finite number, times that do not grow, a quaternion further than 1e-3 from unit length, a joint that is half there.
+/// Columns are found by name, unknown ones and lines that begin with # ignored. Refused as `NAME:LINE: COLUMN: PROBLEM`: a column that is missing or there
+/// twice, a row that has not as many cells as the header, what is no finite number, times that do not grow, a quaternion further than 1e-3 from unit length, a joint that is half there.
 ist::Result<HandMotion> readHandMotion(const std::string& text, const std::string& name);
 ist::Result<HandMotion> loadHandMotion(const std::string& path);
 }  // namespace devicebridge

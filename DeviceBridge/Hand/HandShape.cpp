@@ -128,6 +128,7 @@ std::optional<Error> checkJoints(const HandState& hand)
 		if (!isFinite(joint.position) || !std::isfinite(joint.radius)) return Error{which + "has a place or a radius that is not finite"};
 		if (!(joint.radius > 0)) return Error{which + "has no thickness: its radius must be positive"};
 	}
+	if (!isNearUnit(hand.joints[kPalm].orientation)) return Error{"joint " + std::to_string(kPalm) + " of the hand, the palm, has an orientation that is no rotation: its quaternion is not of unit length"};
 	return std::nullopt;
 }
 

@@ -30,7 +30,8 @@ struct HandShape
 };
 
 /// The shape of a hand that all of whose joints are tracked, in any posture. Neighbouring fingers are made thinner where they would overlap in
-/// the straight hand. Refused, with the joint's number: one that is not tracked or not finite, a bone or a radius of no length.
+/// the straight hand. Refused, with the joint's number: one that is not tracked or not finite, a palm whose orientation is no rotation, a bone or a
+/// radius of no length.
 ist::Result<HandShape> measureHand(const HandState& hand);
 
 /// The closed surface of a part in its joint frame (handPartJoint). A bone is a round cone, a little flat, with a waist; its ends reach over

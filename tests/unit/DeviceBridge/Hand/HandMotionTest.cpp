@@ -97,7 +97,10 @@ TEST(HandMotion, RefusesWithLineAndColumn)
 	const std::string text = withCell(0, "0");
 	EXPECT_EQ(refusal(text + text.substr(text.find('\n') + 1)), "a.csv:3: time: does not grow");
 	EXPECT_EQ(refusal(""), "a.csv:0: time: the file has no header");
-	EXPECT_EQ(refusal(text + "1,0\n"), "");  // nothing is tracked
+	EXPECT_EQ(refusal(text + "1,0\n"), "a.csv:3: time: the row has 2 cells, and the header 210");
+	EXPECT_EQ(refusal(text + "1,0" + std::string(8 * kHandJoints, ',') + "\n"), "");  // nothing is tracked
+	EXPECT_EQ(refusal(text + "1,0" + std::string(8 * kHandJoints + 1, ',') + "\n"), "a.csv:3: time: the row has 211 cells, and the header 210");
+	EXPECT_EQ(refusal(replaced(text, "palm_y", "palm_x")), "a.csv:1: palm_x: the header has this column twice");
 }
 
 TEST(HandMotion, IsContinuousBetweenItsFrames)

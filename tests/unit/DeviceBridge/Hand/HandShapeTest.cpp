@@ -121,6 +121,14 @@ TEST(HandShape, RefusesAHandThatItCannotMeasure)
 	bad.joints[kIndexIntermediate].position = bad.joints[kIndexProximal].position;
 	EXPECT_NE(measureHand(bad).error().message.find("R_Index1"), std::string::npos);
 	bad = hand;
+	bad.joints[kPalm].orientation.w *= 1.1;
+	bad.joints[kPalm].orientation.x *= 1.1;
+	bad.joints[kPalm].orientation.y *= 1.1;
+	bad.joints[kPalm].orientation.z *= 1.1;
+	EXPECT_NE(measureHand(bad).error().message.find("unit length"), std::string::npos);
+	bad.joints[kPalm].orientation = {0, 0, 0, 0};
+	EXPECT_FALSE(measureHand(bad));
+	bad = hand;
 	bad.left = true;
 	EXPECT_NE(measureHand(bad).error().message.find("other"), std::string::npos);
 }
