@@ -46,7 +46,7 @@ BatchQuery::BatchQuery(int threads, const QueryCapacity& capacity)
 
 void BatchQuery::run(const OverlapRequest* requests, OverlapResult* answers, size_t count)
 {
-	const int team = threads();
+	[[maybe_unused]] const int team = threads();
 #pragma omp parallel for schedule(dynamic, 1) num_threads(team) if (team > 1)
 	for (size_t i = 0; i < count; ++i) answers[i] = answerOf(requests[i], m_workspaces[threadNumber()]);
 }

@@ -14,7 +14,7 @@ int main()
 {
 	ist::BuildOptions options;
 	options.maxSpheres = 500;
-	ist::Result<ist::InnerSphereTree> tree = ist::buildTree(ist::makeBoxMesh({.1, .1, .1}), options);
+	ist::Result<ist::InnerSphereTree> tree = ist::buildTree(ist::makeBoxMesh({.05, .05, .05}), options);
 	if (!tree) return std::puts(tree.error().message.c_str()), 1;
 
 	btDefaultCollisionConfiguration configuration;
