@@ -28,7 +28,7 @@ void restore()
 	for (int i = 0; i < 2; ++i) sigaction(kSignals[i], &before[i], nullptr);
 }
 
-extern "C" void onStopSignal(int number)
+void onStopSignal(int number)
 {
 	lastSignal = number;
 	for (std::atomic<SteppingThread*>& slot : threads)

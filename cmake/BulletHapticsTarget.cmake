@@ -6,6 +6,11 @@ function(bullethaptics_target target)
 	get_target_property(kind ${target} TYPE)
 	if(kind STREQUAL "SHARED_LIBRARY")
 		set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+		if(UNIX AND NOT APPLE)
+			set(hidden ${PROJECT_SOURCE_DIR}/cmake/hidden.map)
+			target_link_options(${target} PRIVATE -Wl,--version-script=${hidden})
+			set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${hidden})
+		endif()
 	endif()
 	# The same sums on every compiler: packings and trees must not depend on which one contracts a*b+c.
 	# -Wrestrict is wrong about std::string in GCC 12 (GCC bug 105651).
