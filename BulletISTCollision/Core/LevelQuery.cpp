@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Kernels/LevelQuery.h"
+#include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace ist
@@ -18,11 +18,6 @@ constexpr double kFadeBegin = 0.8;
 constexpr int64_t kTellingPairs = 200;
 /// What a query may change of the time that a pair is believed to take, up or down: one that was interrupted says nothing.
 constexpr double kRateChange = 0.02;
-
-double steadyMicroseconds()
-{
-	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// (1 - share) of `coarse` joins `share` of `fine`, whose patches are `patches`. Those of both stay side by side where there is room.
 void fade(OverlapResult& fine, const OverlapResult& coarse, double share, OverlapIntegrals* patches, int room)

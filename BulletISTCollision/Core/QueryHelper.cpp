@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
-
-#include <chrono>
+#include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 
 namespace ist
 {
 namespace
 {
-class Stopwatch
-{
-public:
-	double microseconds() const { return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - m_start).count(); }
-
-private:
-	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
-};
-
 void pause()
 {
 #if defined(__x86_64__)
@@ -77,11 +67,11 @@ void QueryHelper::Implementation::open(const BallTree& A, const BallTree& B, con
 
 bool QueryHelper::Implementation::finished(int part, double microseconds)
 {
-	const Stopwatch watch;
+	const double start = steadyMicroseconds();
 	while (m_state[part].load(std::memory_order_acquire) != kDone)
 	{
 		pause();
-		if (watch.microseconds() < microseconds) continue;
+		if (steadyMicroseconds() - start < microseconds) continue;
 		int pending = kPending;
 		const bool late = m_state[part].compare_exchange_strong(pending, kTakenBack, std::memory_order_acq_rel);
 		partsLate.fetch_add(late, std::memory_order_relaxed);
@@ -120,7 +110,7 @@ void QueryHelper::Implementation::loop()
 	uint32_t seen = 0;
 	for (;;)
 	{
-		for (const Stopwatch watch; m_turn.load(std::memory_order_seq_cst) == seen && watch.microseconds() < m_spin;) pause();
+		for (const double start = steadyMicroseconds(); m_turn.load(std::memory_order_seq_cst) == seen && steadyMicroseconds() - start < m_spin;) pause();
 		m_turn.wait(seen, std::memory_order_seq_cst);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // The half of TreeQuery that shares a search with a helper.
 #include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
+#include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace ist
 {
@@ -13,23 +13,24 @@ namespace
 {
 using Helper = QueryHelper::Implementation;
 
-double microseconds()
+/// Columns that a list of subtrees and the entries that are dealt out have in common.
+template <typename From, typename To>
+void copyEntry(const From& from, size_t i, To& to, size_t j)
 {
-	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+	to.a[j] = from.a[i];
+	to.b[j] = from.b[i];
+	to.x[j] = from.x[i];
+	to.y[j] = from.y[i];
+	to.z[j] = from.z[i];
+	to.r[j] = from.r[i];
 }
 
 void append(SharedEntries& entries, const SubtreeList& list, bool openA)
 {
 	for (int i = 0; i < list.size; ++i)
 	{
-		const size_t to = size_t(entries.count++);
-		entries.a[to] = list.a[i];
-		entries.b[to] = list.b[i];
-		entries.x[to] = list.x[i];
-		entries.y[to] = list.y[i];
-		entries.z[to] = list.z[i];
-		entries.r[to] = list.r[i];
-		entries.openA[to] = openA;
+		entries.openA[size_t(entries.count)] = openA;
+		copyEntry(list, size_t(i), entries, size_t(entries.count++));
 	}
 }
 
@@ -50,13 +51,7 @@ void TreeQuery::searchPart(const SharedEntries& entries, int part, PartResult& r
 	{
 		const size_t from = size_t(i);
 		SubtreeList& list = entries.openA[from] ? s.openA : s.openB;
-		const int to = list.size++;
-		list.a[to] = entries.a[from];
-		list.b[to] = entries.b[from];
-		list.x[to] = entries.x[from];
-		list.y[to] = entries.y[from];
-		list.z[to] = entries.z[from];
-		list.r[to] = entries.r[from];
+		copyEntry(entries, from, list, size_t(list.size++));
 	}
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 	result.begin = m_listed;
@@ -93,9 +88,9 @@ bool TreeQuery::finishWith(Helper& helper, PairSearch& begun)
 	double longest = 0;
 	for (int part; (part = helper.claim()) < Helper::kParts;)
 	{
-		const double start = microseconds();
+		const double start = steadyMicroseconds();
 		searchAlone(part);
-		longest = std::max(longest, microseconds() - start);
+		longest = std::max(longest, steadyMicroseconds() - start);
 	}
 	for (int part = 0; part < Helper::kParts; ++part)
 	{

@@ -2,12 +2,11 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
 #include "BulletISTCollision/Core/Cells.h"
+#include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 #include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/SpherePacker.h"
 #include "BulletISTCollision/Core/SurfaceResolution.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
-
-#include <chrono>
 
 namespace ist
 {
@@ -21,14 +20,13 @@ public:
 	/// Seconds since construction or the last call.
 	double lap()
 	{
-		const auto now = std::chrono::steady_clock::now();
-		const double seconds = std::chrono::duration<double>(now - m_start).count();
-		m_start = now;
-		return seconds;
+		const double before = m_start;
+		m_start = steadyMicroseconds();
+		return 1e-6 * (m_start - before);
 	}
 
 private:
-	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
+	double m_start = steadyMicroseconds();
 };
 
 const char* modeName(RepairMode mode)

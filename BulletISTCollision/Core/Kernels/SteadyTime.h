@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <chrono>
+
+namespace ist
+{
+/// Time that only runs forward [us].
+inline double steadyMicroseconds()
+{
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+}  // namespace ist
