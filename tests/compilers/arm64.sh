@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Zlib
+# Builds libraries, command and tests for 64-bit ARM, and runs the tests of the query, the collision algorithm and the solver under QEMU.
+# The libraries of that architecture are unpacked from this Debian's own package sources; nothing is installed.
+# Usage: tests/compilers/arm64.sh SOURCE FOLDER
+# Exit status 77: something is missing, with the line that installs it.
+set -euo pipefail
+source=$1 folder=$2
+root=$folder/root build=$folder/build
+
+for program in mmdebstrap aarch64-linux-gnu-g++ qemu-aarch64; do
+	command -v $program >/dev/null || {
+		echo "skipped: no $program (apt-get install mmdebstrap g++-aarch64-linux-gnu qemu-user)"
+		exit 77
+	}
+done
+. /etc/os-release
+sources=()
+for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources; do [ -s "$file" ] && sources+=("$file"); done
+
+if [ ! -d "$root" ]; then
+	mkdir -p "$folder"
+	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,libeigen3-dev,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev
+	mmdebstrap --quiet --architectures=arm64 --variant=extract --include=$packages "$VERSION_CODENAME" "$root.new" "${sources[@]}"
+	# Links and CMake files that name files from the root of the file system.
+	find "$root.new" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do ln -sfn "$root$target" "$link"; done
+	sed -i "s#\"/usr#\"$root/usr#g" "$root.new"/usr/lib/aarch64-linux-gnu/cmake/draco/*.cmake
+	mv "$root.new" "$root"
+fi
+
+cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBULLETHAPTICS_SYSROOT="$root" \
+	-DCMAKE_TOOLCHAIN_FILE="$source/cmake/aarch64-linux-gnu.cmake" >/dev/null
+programs=(test_core test_collision test_collision-float64 test_force test_force-float64)
+cmake --build "$build" --target ist "${programs[@]}" >/dev/null
+status=0
+for program in "${programs[@]}"; do
+	# Without those that take minutes as it is.
+	(cd "$build/tests/unit" && qemu-aarch64 -L "$root" ./$program --gtest_brief=1 --gtest_filter='-*AMillion*:*MeshBreaking*:*Slow*') || status=1
+done
+exit $status
