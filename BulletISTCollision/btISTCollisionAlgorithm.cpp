@@ -50,27 +50,27 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 ist::OverlapResult btISTCollisionAlgorithm::query(const btISTShapeField& field, btISTContact& contact) const
 {
 	ist::PairAccuracy& pair = contact.accuracy;
-	const bool accepts = m_context->forceError > 0;
+	const bool accepts = m_context->forceError() > 0;
 	if (m_treeB && (accepts || pair.level > 0 || pair.fadedShare > 0))
 	{
 		// What the leaves pressed until now fades out, too.
 		if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
 		ist::AcceptedError accepted;
-		accepted.error = m_context->forceError;
+		accepted.error = m_context->forceError();
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		const ist::OverlapResult result = ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options, pair);
+		const ist::OverlapResult result = ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options(), pair);
 		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
 		return result;
 	}
 	pair = ist::PairAccuracy();
-	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, m_context->options);
+	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, m_context->options());
 	contact.halfSpace = field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;
 	if (!field.field()) return none;  // scaled to nothing since the pair was made
 	contact.volumeB = field.field()->volume();
-	return ist::queryField(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), m_context->workspace, m_context->options);
+	return ist::queryField(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), m_context->workspace, m_context->options());
 }
 
 /// Zero where there is none, or where a query is as cheap, or where balls answered that reach farther than the leaves.
@@ -90,7 +90,7 @@ void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact&
 	const bool timed = m_contact && store.measuresQueryTime();
 	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
 	const auto seconds = [&] { return timed ? std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() : 0.0; };
-	const uint64_t version = m_context->optionsVersion;
+	const uint64_t version = m_context->optionsVersion();
 	const btISTEconomy& economy = m_context->economy;
 	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
 	const int before = contact.accuracy.level;

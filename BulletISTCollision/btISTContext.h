@@ -43,9 +43,23 @@ public:
 	btISTWatch watch;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	ist::QueryWorkspace workspace;
-	ist::QueryOptions options;
-	double forceError = 0;  ///< accepted; 0: the leaves answer
-	uint64_t optionsVersion = 0;  ///< another one after every change of `options`, so that no result of the former ones is kept
 	btISTEconomy economy;
 	std::weak_ptr<btISTInstallation> installation;
+
+	const ist::QueryOptions& options() const { return m_options; }
+	/// Accepted; 0: the leaves answer.
+	double forceError() const { return m_forceError; }
+	/// Another one after every change of how queries answer: no result of the former ones is kept.
+	uint64_t optionsVersion() const { return m_optionsVersion; }
+	void setQueries(const ist::QueryOptions& options, double forceError)
+	{
+		m_options = options;
+		m_forceError = forceError;
+		++m_optionsVersion;
+	}
+
+private:
+	ist::QueryOptions m_options;
+	double m_forceError = 0;
+	uint64_t m_optionsVersion = 0;
 };

@@ -185,8 +185,10 @@ void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 
 void btISTRegistration::setGate(bool on)
 {
-	m_installation->context->options.gate = on;
-	++m_installation->context->optionsVersion;
+	btISTContext& context = *m_installation->context;
+	ist::QueryOptions options = context.options();
+	options.gate = on;
+	context.setQueries(options, context.forceError());
 }
 
 std::optional<ist::Error> btISTRegistration::setEconomy(const btISTEconomy& economy)
@@ -202,13 +204,13 @@ const btISTEconomy& btISTRegistration::economy() const { return m_installation->
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {
 	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
-	if (share > 0) m_installation->context->registry->keepLevels();
-	m_installation->context->forceError = share;
-	++m_installation->context->optionsVersion;
+	btISTContext& context = *m_installation->context;
+	if (share > 0) context.registry->keepLevels();
+	context.setQueries(context.options(), share);
 	return std::nullopt;
 }
 
-double btISTRegistration::forceError() const { return m_installation->context->forceError; }
+double btISTRegistration::forceError() const { return m_installation->context->forceError(); }
 
 void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }
 
