@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTEconomy.h"
 
+#include "BulletISTCollision/Core/ForcePromise.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/RelativeMotion.h"
 #include "BulletISTCollision/btISTContactStore.h"
@@ -13,7 +14,6 @@ namespace
 {
 constexpr double kShareOfError = 0.5, kShareOfLength = 0.25;
 constexpr double kLeastTrust = 1.0 / 64, kRegain = 1.5;
-constexpr double kFloorOverlap = 1e-3;
 
 bool isSame(const ist::Pose& X, const ist::Pose& Y)
 {
@@ -34,19 +34,24 @@ double reachOf(const ist::BallTree& tree)
 	return reach;
 }
 
-double smallerVolume(const btISTContact& c) { return std::min(c.treeA->volume, c.treeB ? c.treeB->volume : c.volumeB); }
+double volumeOfB(const btISTContact& c) { return c.treeB ? c.treeB->volume : c.volumeB; }
+
+double smallerVolume(const btISTContact& c) { return std::min(c.treeA->volume, volumeOfB(c)); }
+
+/// With k = 1.
+double floorOf(const btISTContact& c) { return ist::forceFloor(c.treeA->volume, volumeOfB(c)); }
 
 /// Of the law with k = 1.
 ist::PressurePair weightsOf(const btISTContact& c) { return {1, c.constants.weightA, c.constants.weightB}; }
 
 ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, weightsOf(c)).force; }
 
-double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)), kFloorOverlap * smallerVolume(c)); }
+double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)), floorOf(c)); }
 
 double motionLimit(const btISTContact& c) { return kShareOfLength * (c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0)); }
 }  // namespace
 
-double btISTKeptResult::floorForce(const btISTContact& contact) { return contact.constants.k * kFloorOverlap * smallerVolume(contact); }
+double btISTKeptResult::floorForce(const btISTContact& contact) { return contact.constants.k * floorOf(contact); }
 
 btISTKeptResult::Use btISTKeptResult::use(btISTContact& contact, const Measures& measures, uint64_t version, const btISTEconomy& economy)
 {

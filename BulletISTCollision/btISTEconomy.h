@@ -14,8 +14,8 @@ struct btISTEconomy
 {
 	/// False: every pair that Bullet hands over is queried in every step.
 	bool on = true;
-	/// Error of a pair's force that results kept from former steps may add, as a share of the larger of the force and the floor, k times 0.1 % of the
-	/// smaller body's volume; 0 to 0.5. With 0 only what is exactly what the query would find is kept: the world moves as without economy,
+	/// Error of a pair's force that results kept from former steps may add, as a share of the larger of the force and the floor (ist::forceFloor, k times half of 0.1 %
+	/// of the smaller body's volume); 0 to 0.5. With 0 only what is exactly what the query would find is kept: the world moves as without economy,
 	/// bit for bit.
 	double keptError = 0;
 };
@@ -70,7 +70,7 @@ public:
 	void forget() { m_valid = false; }
 	/// Whether the clearance after the query to come is worth its cost: seldom asked for while it is used up in every step.
 	bool wantsClearance();
-	/// k times 0.1 % of the smaller body's volume [N]: smaller forces are judged as if they were as large.
+	/// k times ist::forceFloor [N]: smaller forces are judged as if they were as large.
 	static double floorForce(const btISTContact& contact);
 	/// Largest error found so far; see btISTQueryCost.
 	double largestError() const { return m_largestError; }

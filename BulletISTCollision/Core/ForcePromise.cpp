@@ -30,12 +30,14 @@ ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA, double wei
 	return {integrals.volume, norm(pressureWrench(integrals, {1, weightA, weightB}).force), norm(integrals.areaVector)};
 }
 
-double promiseFloor(const InnerSphereTree& A, const InnerSphereTree& B) { return kFloorForce * kFloorOverlap * std::min(A.volume, B.volume); }
+double forceFloor(double volumeA, double volumeB) { return kFloorForce * kFloorOverlap * std::min(volumeA, volumeB); }
+
+double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B) { return forceFloor(A.volume, B.volume); }
 
 double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen)
 {
 	const LevelPair trees = levelOf(A, B, level);
-	const double V = std::max(seen.volume, promiseFloor(A, B));
+	const double V = std::max(seen.volume, forceFloor(A, B));
 	const double ofBalls = squaredPart(A, *trees.treeA, trees.a, V) + squaredPart(B, *trees.treeB, trees.b, V);
 	const double gaps = std::min((A.errorLength() + B.errorLength()) * seen.area / V, kMostGaps);
 	return V * std::hypot(std::sqrt(ofBalls), kOfGaps * gaps);
@@ -43,7 +45,7 @@ double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int lev
 
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error)
 {
-	const double accepted = error * std::max(seen.force, promiseFloor(A, B));
+	const double accepted = error * std::max(seen.force, forceFloor(A, B));
 	for (int level = levelCount(A, B); level > 0; --level)
 		if (promisedError(A, B, level, seen) <= accepted) return level;
 	return 0;
@@ -65,7 +67,7 @@ PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B,
 		answer.pairs += answer.overlap.total.pairs;
 		if (answer.overlap.status != QueryStatus::Ok) return answer;
 		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
-		answer.promise = promisedError(A, B, answer.overlap.level, seen) / std::max(seen.force, promiseFloor(A, B));
+		answer.promise = promisedError(A, B, answer.overlap.level, seen) / std::max(seen.force, forceFloor(A, B));
 		answer.kept = answer.promise <= accepted.error;
 		const int chosen = std::max(finest, chooseLevel(A, B, seen, accepted.error));
 		if (answer.kept || at.level == finest || answer.overlap.coarsened)

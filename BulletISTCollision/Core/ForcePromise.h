@@ -15,13 +15,14 @@ struct ContactSeen
 ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA = 0.5, double weightB = 0.5);
 
 /// Below this force, for 1 Pa/m, errors count as if the force were so large [m^3]: half of 0.1 % of the smaller body's volume, which is about
-/// what an overlap of 0.1 % presses.
-double promiseFloor(const InnerSphereTree& A, const InnerSphereTree& B);
+/// what an overlap of 0.1 % presses. For every error that is promised, granted or reported as a share of a force.
+double forceFloor(double volumeA, double volumeB);
+double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 
 /// The error of the force [m^3, for 1 Pa/m] that `level` of the pair stays under in 95 % of contacts like this:
 ///     V sqrt(e_A^2 + e_B^2 + (0.38 min(g / delta, 3))^2),   e_X^2 = (0.9 c_X)^2 / n_X + (0.1 / n_X)^2
 /// with c and n as in LevelCalibration.h, g the sum of both bodies' errorLength() and delta = V / area: few balls share the contact, or it is shallow
-/// against the gaps. V counts as `promiseFloor` at least. The factors were chosen on bodies round and thin of 3,000 spheres against quadrature; how far
+/// against the gaps. V counts as `forceFloor` at least. The factors were chosen on bodies round and thin of 3,000 spheres against quadrature; how far
 /// they hold on others bench_pareto prints. Bodies that were never calibrated have the largest c.
 double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 

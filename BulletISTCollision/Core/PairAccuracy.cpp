@@ -35,7 +35,7 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	at.otherShare = pair.fadedShare;
 	const OverlapResult result = queryOverlap(A, B, X_AB, workspace, at);
 	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
-	const double size = std::max(seen.force, promiseFloor(A, B));
+	const double size = std::max(seen.force, forceFloor(A, B));
 	pair.promise = ((1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) + pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen)) / size;
 	pair.kept = pair.promise <= accepted.error;
 	if (!(result.total.volume > 0)) pair.fadedShare = 0;
@@ -76,7 +76,7 @@ OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	};
 	const OverlapResult from = answerAt(before), to = answerAt(wanted);
 	if (from.status != QueryStatus::Ok || to.status != QueryStatus::Ok) return from.status != QueryStatus::Ok ? from : to;
-	pair.fadeStep = fadeStep(forceOf(from, accepted), forceOf(to, accepted), promiseFloor(A, B));
+	pair.fadeStep = fadeStep(forceOf(from, accepted), forceOf(to, accepted), forceFloor(A, B));
 	pair.level = wanted;
 	pair.fadedLevel = before;
 	pair.fadedShare = 1;

@@ -69,7 +69,7 @@ TEST(ForcePromise, FollowsItsLaw)
 	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * 0.38 * 3, 0.05 * V) << "nothing is known of what is shallower than a third of the gaps";
 	A.calibration.clear();
 	EXPECT_GT(promisedError(A, B, level, {V, 0.04, area}), expected) << "a body that was never measured is trusted less";
-	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {promiseFloor(A, B), 0, 0})) << "what was not seen may still be as much as the floor";
+	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {forceFloor(A, B), 0, 0})) << "what was not seen may still be as much as the floor";
 }
 
 TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
@@ -80,7 +80,7 @@ TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
 	{
 		const double V = std::pow(10, u(random)), error = std::pow(10, 0.4 * u(random));
 		const ContactSeen seen{V, 0.7 * V, std::pow(V, 2.0 / 3)};
-		const double accepted = error * std::max(seen.force, promiseFloor(bodyA(), bodyB()));
+		const double accepted = error * std::max(seen.force, forceFloor(bodyA(), bodyB()));
 		const int chosen = chooseLevel(bodyA(), bodyB(), seen, error);
 		for (int level = chosen + 1; level <= levelCount(bodyA(), bodyB()); ++level) EXPECT_GT(promisedError(bodyA(), bodyB(), level, seen), accepted);
 		EXPECT_TRUE(chosen == 0 || promisedError(bodyA(), bodyB(), chosen, seen) <= accepted);
@@ -111,7 +111,7 @@ TEST(ForcePromise, QueryAnswersAtALevelThatKeepsWhatItSays)
 			// The leaves stand for the truth: in 24 poses some may lie beyond the promise, none far.
 			options.level = 0;
 			const Vec3 leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other, options).total, {}).force;
-			const double error95 = answer.promise * std::max(norm(leaves), promiseFloor(bodyA(), bodyB()));
+			const double error95 = answer.promise * std::max(norm(leaves), forceFloor(bodyA(), bodyB()));
 			EXPECT_LE(norm(pressureWrench(answer.overlap.total, {}).force - leaves), 2 * error95);
 		}
 	EXPECT_GT(kept, 15);

@@ -56,7 +56,7 @@ void judge(const Body& A, const Body& B, Outcome* outcomes)
 				const double off = norm(pressureWrench(answer.overlap.total, {}).force - truth);
 				++outcomes[i].poses;
 				outcomes[i].kept += answer.kept;
-				outcomes[i].held += off <= std::max(kErrors[i], answer.promise) * std::max(norm(truth), promiseFloor(A.tree, B.tree));
+				outcomes[i].held += off <= std::max(kErrors[i], answer.promise) * std::max(norm(truth), forceFloor(A.tree, B.tree));
 				outcomes[i].pairs += answer.overlap.total.pairs;
 				outcomes[i].leaves += queryOverlap(A.tree, B.tree, X, workspace).total.pairs;
 			}
