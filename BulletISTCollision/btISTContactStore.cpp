@@ -64,9 +64,9 @@ void btISTContactStore::count(btISTContact& contact, const ist::OverlapResult* r
 		cost->keptApart += contact.use == btISTKeptResult::Apart;
 		cost->keptStill += contact.use == btISTKeptResult::Still;
 		cost->keptMoved += contact.use == btISTKeptResult::Moved;
-		cost->largestKeptError = std::max(cost->largestKeptError, contact.kept.largestError());
 		if (!result) continue;
 		cost->querySeconds += seconds;
+		cost->largestKeptError = std::max(cost->largestKeptError, contact.kept.foundError());
 		cost->nodeVisits += result->nodeVisits;
 		cost->ballTests += result->ballTests;
 		cost->leafPairs += result->total.pairs;

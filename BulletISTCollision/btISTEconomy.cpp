@@ -124,14 +124,14 @@ double btISTKeptResult::change(const btISTContact& contact) const
 
 void btISTKeptResult::judge(const btISTContact& contact, double granted)
 {
-	const double error = distance(m_predicted, forceOf(contact)) / referenceForce(contact);
-	m_largestError = std::max(m_largestError, error);
-	if (error > granted / 2) m_trust = std::max(m_trust / 2, kLeastTrust);
-	else if (error < granted / 8) m_trust = std::min(m_trust * kRegain, 1.0);
+	m_foundError = distance(m_predicted, forceOf(contact)) / referenceForce(contact);
+	if (m_foundError > granted / 2) m_trust = std::max(m_trust / 2, kLeastTrust);
+	else if (m_foundError < granted / 8) m_trust = std::min(m_trust * kRegain, 1.0);
 }
 
 void btISTKeptResult::keep(const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy)
 {
+	m_foundError = 0;
 	if (m_hasPrediction) judge(contact, economy.keptError);
 	m_hasPrediction = false;
 	m_valid = contact.status == ist::QueryStatus::Ok;

@@ -67,13 +67,17 @@ public:
 	Use use(btISTContact& contact, const Measures& measures, uint64_t version, const btISTEconomy& economy);
 	/// After a query whose sums are in `contact` now. `clearance`: of leaves, when there are none.
 	void keep(const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy);
-	void forget() { m_valid = false; }
+	void forget()
+	{
+		m_valid = false;
+		m_foundError = 0;
+	}
 	/// Whether the clearance after the query to come is worth its cost: seldom asked for while it is used up in every step.
 	bool wantsClearance();
 	/// k times ist::forceFloor [N]: smaller forces are judged as if they were as large.
 	static double floorForce(const btISTContact& contact);
-	/// Largest error found so far; see btISTQueryCost.
-	double largestError() const { return m_largestError; }
+	/// What the last `keep` found the result before it to have been wrong by; 0 where there was none. See btISTQueryCost::largestKeptError.
+	double foundError() const { return m_foundError; }
 
 private:
 	bool isFar(const btISTContact& contact) const;
@@ -87,7 +91,7 @@ private:
 	Measures m_measures{};
 	uint64_t m_version = 0;
 	double m_clearance = 0;
-	double m_trust = 1, m_largestError = 0;
+	double m_trust = 1, m_foundError = 0;
 	bool m_valid = false, m_hasPrediction = false;
 	uint8_t m_pause = 0, m_skipped = 0;  // queries without a clearance after each with one; of those, how many there were
 };

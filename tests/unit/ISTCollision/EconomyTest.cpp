@@ -253,6 +253,19 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 	}
 }
 
+TEST(btISTEconomy, CostThatIsResetForgetsTheLargestErrorOfPairsThatGoOn)
+{
+	Pair pair(kTolerant);
+	for (int i = 0; i < 200; ++i) pair.look(at(vec(1e-3 * i, .9 - 1e-4 * i, 0), vec(.2, 0, .1)));
+	btISTContactStore& store = pair.registration.store();
+	const double before = store.cost().largestKeptError;
+	ASSERT_GT(before, 0);
+	store.resetCost();
+	for (int i = 0; i < 3; ++i) pair.look();
+	EXPECT_EQ(store.cost().largestKeptError, 0);
+	EXPECT_EQ(pair.cost().largestKeptError, before) << "the pair's own cost is since it began";
+}
+
 TEST(btISTEconomy, ScalingOfAClosedFormIsSeenWhileItStandsStill)
 {
 	btBoxShape box(vec(.5, .5, .5));
