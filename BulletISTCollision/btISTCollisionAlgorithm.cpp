@@ -83,6 +83,12 @@ double btISTCollisionAlgorithm::clearance(const btISTShapeField& field, const is
 	return ist::leafClearance(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), kMostOpened);
 }
 
+btISTKeptResult::Measures btISTCollisionAlgorithm::measures(const btISTShapeField& field, const btISTContact& contact) const
+{
+	if (!m_treeB) return field.measures();
+	return {m_context->forceError() > 0 ? contact.constants.weightA : 0};
+}
+
 /// The sums of `contact` at its X_AB, kept or asked for.
 void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact& contact) const
 {
@@ -91,10 +97,11 @@ void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact&
 	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
 	const auto seconds = [&] { return timed ? std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() : 0.0; };
 	const uint64_t version = m_context->optionsVersion();
+	const btISTKeptResult::Measures on = measures(field, contact);
 	const btISTEconomy& economy = m_context->economy;
 	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
 	const int before = contact.accuracy.level;
-	contact.use = m_contact && !fading ? contact.kept.use(contact, field.measures(), version, economy) : btISTKeptResult::Ask;
+	contact.use = m_contact && !fading ? contact.kept.use(contact, on, version, economy) : btISTKeptResult::Ask;
 	if (contact.use != btISTKeptResult::Ask) return store.count(contact, nullptr, seconds());
 
 	const ist::OverlapResult result = query(field, contact);
@@ -107,7 +114,7 @@ void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact&
 	if (!m_contact) return;
 	// Where the level has just changed, or begins to, the next query at the same pose may say something else.
 	const bool settled = !fading && contact.accuracy.fadedShare == 0 && contact.accuracy.level == before;
-	if (economy.on && settled) contact.kept.keep(contact, field.measures(), version, clearance(field, result, contact), economy);
+	if (economy.on && settled) contact.kept.keep(contact, on, version, clearance(field, result, contact), economy);
 	else contact.kept.forget();
 	store.count(contact, &result, seconds());
 }

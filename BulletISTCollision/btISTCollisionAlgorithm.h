@@ -98,6 +98,7 @@ public:
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
 	void update(const btISTShapeField& field, btISTContact& contact) const;
+	btISTKeptResult::Measures measures(const btISTShapeField& field, const btISTContact& contact) const;
 	ist::OverlapResult query(const btISTShapeField& field, btISTContact& contact) const;
 	double clearance(const btISTShapeField& field, const ist::OverlapResult& result, btISTContact& contact) const;
 	bool isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const;

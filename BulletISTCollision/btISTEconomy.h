@@ -59,7 +59,8 @@ public:
 	};
 	static constexpr int kMaxPatches = 8;
 
-	/// Numbers that B's closed form is made of; all zero for a tree.
+	/// What an answer depends on besides pose and options: the numbers that B's closed form is made of; of two trees with an accepted error, A's weight, by which
+	/// their level was chosen; else zero.
 	using Measures = std::array<double, 4>;
 
 	/// What to do at the pose `contact.X_AB`, by the weights of the step before. With Moved, and with Ask where there was something to be compared with, the sums of `contact` have

@@ -344,6 +344,30 @@ TEST(btISTEconomy, ChangedMaterialCountsAtOnceInWhatIsKept)
 	EXPECT_GT(moved, 50);
 }
 
+TEST(btISTEconomy, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
+{
+	const auto settled = [](const std::vector<double>& weightsOfA)
+	{
+		auto rule = std::make_shared<SetRule>();
+		Pair pair(kTolerant);
+		EXPECT_FALSE(pair.registration.setForceError(0.3));
+		pair.registration.setPairRule(rule);
+		pair.upper.setWorldTransform(at(vec(.75, .8, .3), vec(.3, .5, .2)));
+		for (const double weight : weightsOfA)
+		{
+			rule->constants.weightA = weight;
+			rule->constants.weightB = 1 - weight;
+			for (int i = 0; i < 300; ++i) pair.look();
+		}
+		EXPECT_LT(pair.cost().asked, 300 * weightsOfA.size());
+		return pair.contact()->accuracy;
+	};
+	const ist::PairAccuracy soft = settled({1}), hard = settled({0}), changed = settled({1, 0});
+	ASSERT_NE(soft.promise, hard.promise);
+	EXPECT_EQ(changed.promise, hard.promise);
+	EXPECT_EQ(changed.level, hard.level);
+}
+
 TEST(btISTEconomy, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
 {
 	for (const bool teleported : {false, true})
