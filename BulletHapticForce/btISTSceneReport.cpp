@@ -76,6 +76,8 @@ btISTPairReport ofContact(const btISTContact& contact, bool asleep, const btISTE
 	const double floor = btISTKeptResult::floorForce(contact);
 	const double kept = contact.use == btISTKeptResult::Moved ? economy.keptError : 0;
 	report.expectedError = std::hypot(contact.error.force / std::max(report.force, floor), kept);
+	report.promisedError = contact.accuracy.level >= 0 ? contact.accuracy.promise : std::numeric_limits<double>::quiet_NaN();
+	report.promiseKept = contact.accuracy.level >= 0 && contact.accuracy.kept;
 	report.cost = contact.cost;
 	if (contact.cost.asked > 0 && contact.cost.seconds > 0)
 		report.savedSeconds = double(contact.cost.kept()) * contact.cost.querySeconds / double(contact.cost.asked) - (contact.cost.seconds - contact.cost.querySeconds);
@@ -85,7 +87,7 @@ btISTPairReport ofContact(const btISTContact& contact, bool asleep, const btISTE
 btISTPairReport withoutContact(const Objects& pair, const btISTRegistry& registry)
 {
 	btISTPairReport report;
-	report.expectedError = std::numeric_limits<double>::quiet_NaN();
+	report.expectedError = report.promisedError = std::numeric_limits<double>::quiet_NaN();
 	if (sleeps(pair))
 		report.reason = "not looked at: both sleep or cannot move";
 	else if (!pair.first->checkCollideWith(pair.second) || !pair.second->checkCollideWith(pair.first))
@@ -123,7 +125,7 @@ std::string quoted(const std::string& text)
 std::string costJson(const btISTQueryCost& cost)
 {
 	return "\"queries\":" + std::to_string(cost.asked) + ",\"kept\":" + std::to_string(cost.kept()) + ",\"node_visits\":" + std::to_string(cost.nodeVisits) +
-		   ",\"ball_tests\":" + std::to_string(cost.ballTests) + ",\"seconds\":" + number(cost.seconds);
+		   ",\"ball_tests\":" + std::to_string(cost.ballTests) + ",\"seconds\":" + number(cost.seconds) + ",\"query_seconds\":" + number(cost.querySeconds);
 }
 }  // namespace
 
@@ -146,6 +148,7 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 {
 	btISTSceneReport report;
 	report.economy = registration.economy();
+	report.acceptedError = registration.forceError();
 	report.total = registration.store().cost();
 	Contacts contacts;
 	for (const btISTContact* contact : registration.store().contacts())
@@ -184,9 +187,12 @@ std::vector<std::string> btISTSceneReport::lines() const
 {
 	std::vector<std::string> rows;
 	char row[256];
+	std::string granted;
+	if (economy.on && economy.keptError > 0) granted += ", " + number(100 * economy.keptError) + " % granted";
+	if (acceptedError > 0) granted += ", force error of " + number(100 * acceptedError) + " % accepted";
 	std::snprintf(row, sizeof row, "economy %s%s; %llu queries, %llu kept: a query in %.3g steps of a pair; queries %.3g ms, saved about %.3g ms",
-				  economy.on ? "on" : "off", economy.on && economy.keptError > 0 ? (", " + number(100 * economy.keptError) + " % granted").c_str() : "",
-				  static_cast<unsigned long long>(total.asked), static_cast<unsigned long long>(total.kept()), total.factor(), 1e3 * total.seconds, 1e3 * savedSeconds);
+				  economy.on ? "on" : "off", granted.c_str(),
+				  static_cast<unsigned long long>(total.asked), static_cast<unsigned long long>(total.kept()), total.factor(), 1e3 * total.querySeconds, 1e3 * savedSeconds);
 	rows.emplace_back(row);
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
@@ -197,6 +203,11 @@ std::vector<std::string> btISTSceneReport::lines() const
 		if (p.patches > 0 && std::isfinite(p.expectedError))
 		{
 			std::snprintf(row, sizeof row, " within %.2g %%", 100 * p.expectedError);
+			line += row;
+		}
+		if (std::isfinite(p.promisedError))
+		{
+			std::snprintf(row, sizeof row, ", promised within %.2g %%%s", 100 * p.promisedError, p.promiseKept ? "" : ": not what is accepted");
 			line += row;
 		}
 		if (p.cost.asked > 0)
@@ -219,15 +230,16 @@ std::string btISTSceneReport::text() const
 std::string btISTSceneReport::json() const
 {
 	std::string out = "{\"schema\":1,\"economy\":" + std::string(economy.on ? "true" : "false") + ",\"kept_error\":" + number(economy.keptError) +
-					  ",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) + ",\"factor\":" + number(total.factor()) +
-					  ",\"query_seconds\":" + number(total.seconds) + ",\"saved_seconds\":" + number(savedSeconds) +
+					  ",\"accepted_error\":" + number(acceptedError) + ",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) + ",\"factor\":" + number(total.factor()) +
+					  ",\"seconds\":" + number(total.seconds) + ",\"query_seconds\":" + number(total.querySeconds) + ",\"saved_seconds\":" + number(savedSeconds) +
 					  ",\"largest_kept_error\":" + number(total.largestKeptError) + ",\"pairs\":[";
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
 		out += std::string(i ? "," : "") + "{\"a\":" + quoted(namesA[i]) + ",\"b\":" + quoted(namesB[i]) + ",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) +
 			   ",\"level\":" + std::to_string(p.level) + ",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
-			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + number(p.force) + ",\"expected_error\":" + number(p.expectedError) + "," +
+			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + number(p.force) + ",\"expected_error\":" + number(p.expectedError) +
+			   ",\"promised_error\":" + number(p.promisedError) + ",\"promise_kept\":" + (!std::isfinite(p.promisedError) ? "null" : p.promiseKept ? "true" : "false") + "," +
 			   costJson(p.cost) + ",\"saved_seconds\":" + number(p.savedSeconds) + "}";
 	}
 	return out + "]}";

@@ -138,6 +138,53 @@ TEST(btISTSceneReport, ForceIsTheWeightOfWhatRestsAndSleepersKeepTheirs)
 	EXPECT_LE(report.pairs[0].cost.asked + report.pairs[0].cost.kept(), before);
 }
 
+TEST(btISTSceneReport, SaysWhatTheDialPromisesAndWhetherThatIsWhatIsAccepted)
+{
+	for (const double accepted : {0.5, 1e-4})
+	{
+		Row row;
+		row.add("floor tree", &row.treeFloor, 0, 0, -.5);
+		row.add("tree", &row.cube, 1, 0, .48);
+		row.add("floor box", &row.floor, 0, 5, -.5);
+		row.add("box", &row.cube, 1, 5, .48);
+		ASSERT_FALSE(row.world.setForceError(accepted));
+		for (int i = 0; i < 10; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+		const btISTSceneReport report = row.report();
+		const btISTPairReport *tree = Row::find(report, "tree"), *box = Row::find(report, "box");
+		ASSERT_TRUE(tree && box);
+		EXPECT_EQ(report.acceptedError, accepted);
+		EXPECT_GT(tree->promisedError, 0);
+		EXPECT_EQ(tree->promiseKept, tree->promisedError <= accepted);
+		EXPECT_EQ(tree->promiseKept, accepted > 0.1);
+		EXPECT_TRUE(std::isnan(box->promisedError)) << "a closed form has no level to choose";
+		EXPECT_FALSE(box->promiseKept);
+		const auto json = nlohmann::json::parse(report.json());
+		EXPECT_EQ(json["accepted_error"], accepted);
+		for (const auto& pair : json["pairs"])
+		{
+			EXPECT_EQ(pair["promised_error"].is_null(), pair["a"] == "box" || pair["b"] == "box");
+			EXPECT_EQ(pair["promise_kept"].is_boolean(), !pair["promised_error"].is_null());
+		}
+		EXPECT_EQ(report.text().find("not what is accepted") == std::string::npos, tree->promiseKept);
+		EXPECT_NE(report.text().find("% accepted"), std::string::npos);
+	}
+}
+
+TEST(btISTSceneReport, TimeOfQueriesIsNotThatOfWhatWasDoneInstead)
+{
+	Row row;
+	row.add("floor tree", &row.treeFloor, 0, 0, -.5);
+	row.add("tree", &row.cube, 1, 0, .48);
+	ASSERT_FALSE(row.world.setEconomy({true, 0.5}));
+	for (int i = 0; i < 200; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	const btISTSceneReport report = row.report();
+	ASSERT_GT(report.total.kept(), 0u);
+	const auto json = nlohmann::json::parse(report.json());
+	EXPECT_NEAR(json["query_seconds"], report.total.querySeconds, 1e-8 * report.total.querySeconds);
+	EXPECT_LT(json["query_seconds"], json["seconds"]);
+	EXPECT_LT(json["pairs"][0]["query_seconds"], json["pairs"][0]["seconds"]);
+}
+
 TEST(btISTSceneReport, PairsThatAreToldNotToCollideAreNamed)
 {
 	Row row;
