@@ -32,7 +32,7 @@ struct btISTAttachment::Table
 	/// `tree`, with levels where they are kept. Trees that are shared stay shared.
 	std::shared_ptr<const ist::InnerSphereTree> withLevels(std::shared_ptr<const ist::InnerSphereTree> tree)
 	{
-		if (!keepsLevels || (!tree->levels.empty() && tree->calibration.size() == tree->levels.size() + 1)) return tree;
+		if (!keepsLevels || ist::hasLevels(*tree)) return tree;
 		copies.erase(std::remove_if(copies.begin(), copies.end(), [](const Levelled& c) { return c.plain.expired() || c.levelled.expired(); }), copies.end());
 		for (const Levelled& copy : copies)
 			if (copy.plain.lock() == tree) return copy.levelled.lock();
@@ -150,5 +150,7 @@ void btISTRegistry::keepLevels()
 	}
 	for (const btCollisionShape* shape : changed) m_table->announce(shape);
 }
+
+bool btISTRegistry::keepsLevels() const { return m_table->keepsLevels; }
 
 void btISTRegistry::addListener(std::weak_ptr<btISTRegistryListener> listener) { m_table->listeners.push_back(std::move(listener)); }

@@ -68,6 +68,7 @@ public:
 	/// From now on every attached tree has levels (ist::addLevels), those that are attached already among them: a tree without gets a copy that shares
 	/// its leaves. Takes some milliseconds per 1,000 leaves and tree, in `attach`; nothing for trees that bring theirs. Between steps only.
 	void keepLevels();
+	bool keepsLevels() const;
 
 	void addListener(std::weak_ptr<btISTRegistryListener> listener);
 

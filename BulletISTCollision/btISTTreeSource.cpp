@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTTreeSource.h"
 
+#include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/btISTShapeMesh.h"
 #include "BulletISTCollision/btISTShapeParts.h"
 
@@ -237,6 +238,8 @@ int btISTTreeSource::update()
 	auto& states = m_waiting->states;
 	for (auto* state : states)
 		if (!state->order && (!m_near || isNear(state->shape))) state->begin();
+	for (auto* state : states)
+		if (m_registry.keepsLevels() && state->isDone() && state->order->tree() && !ist::hasLevels(*state->order->tree())) state->order = m_worker->addLevels(state->order);
 	const auto ready = std::stable_partition(states.begin(), states.end(), [](const auto* state) { return !state->isDone(); });
 	const std::vector<btISTPendingAttachment::State*> done(ready, states.end());
 	states.erase(ready, states.end());
@@ -251,8 +254,14 @@ int btISTTreeSource::update()
 int btISTTreeSource::finish()
 {
 	for (auto* state : m_waiting->states) state->begin();
-	m_worker->finish();
-	return update();
+	int attached = 0;
+	// Trees that came without levels wait for them once more.
+	while (pending() > 0)
+	{
+		m_worker->finish();
+		attached += update();
+	}
+	return attached;
 }
 
 int btISTTreeSource::pending() const { return int(m_waiting->states.size()); }

@@ -73,9 +73,11 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree)
 	return coefficients;
 }
 
+bool hasLevels(const InnerSphereTree& tree) { return tree.calibration.size() == tree.levels.size() + 1; }
+
 void addLevels(InnerSphereTree& tree)
 {
 	if (tree.levels.empty()) tree.levels = buildLevels(tree.law);
-	if (tree.calibration.size() != tree.levels.size() + 1) tree.calibration = measuredCalibration(tree);
+	if (!hasLevels(tree)) tree.calibration = measuredCalibration(tree);
 }
 }  // namespace ist

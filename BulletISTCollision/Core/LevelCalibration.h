@@ -13,6 +13,8 @@ namespace ist
 /// Deterministic; some hundred queries.
 std::vector<double> measuredCalibration(const InnerSphereTree& tree);
 
+bool hasLevels(const InnerSphereTree& tree);
+
 /// Builds the levels of a tree and measures their calibration, unless it has them.
 void addLevels(InnerSphereTree& tree);
 }  // namespace ist

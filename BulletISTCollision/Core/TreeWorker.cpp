@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/TreeWorker.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/LevelCalibration.h"
 
 #include <condition_variable>
 #include <deque>
@@ -22,6 +23,7 @@ struct TreeWorker::Shared
 		Mesh mesh;
 		BuildOptions options;
 		std::string path;  // when it is to be loaded
+		std::shared_ptr<const TreeOrder> plain = nullptr;  // when it is to have levels
 	};
 
 	std::string folder;
@@ -41,6 +43,7 @@ struct TreeWorker::Shared
 		const auto there = slot.lock();
 		if (there && (!there->isDone() || there->tree())) return there;
 		job.order = std::make_shared<TreeOrder>();
+		job.order->m_plain = job.plain;
 		slot = job.order;
 		const auto order = job.order;
 		jobs.push_back(std::move(job));
@@ -98,7 +101,7 @@ struct TreeWorker::Shared
 	{
 		try
 		{
-			Result<CachedTree> made = job.path.empty() ? built(job) : loaded(job.path);
+			Result<CachedTree> made = job.plain ? levelled(*job.plain) : job.path.empty() ? built(job) : loaded(job.path);
 			if (!made) return fail(*job.order, made.error().message);
 			job.order->m_result = std::move(made).value();
 			job.order->m_done.store(true, std::memory_order_release);
@@ -118,6 +121,15 @@ struct TreeWorker::Shared
 		const Progress theirs = job.options.progress;
 		job.options.progress = [this, theirs](const char* stage, double fraction) { return !stop && (!theirs || theirs(stage, fraction)); };
 		return cachedTree(job.mesh, job.options, folder, mostDoubt);
+	}
+
+	static Result<CachedTree> levelled(const TreeOrder& plain)
+	{
+		CachedTree result = plain.m_result;
+		const auto tree = std::make_shared<InnerSphereTree>(*result.tree);
+		ist::addLevels(*tree);
+		result.tree = tree;
+		return result;
 	}
 
 	static Result<CachedTree> loaded(const std::string& path)
@@ -154,6 +166,13 @@ std::shared_ptr<const TreeOrder> TreeWorker::build(Mesh mesh, const BuildOptions
 }
 
 std::shared_ptr<const TreeOrder> TreeWorker::load(const std::string& path) { return m_shared->request("file " + path, {nullptr, {}, {}, path}); }
+
+std::shared_ptr<const TreeOrder> TreeWorker::addLevels(std::shared_ptr<const TreeOrder> plain)
+{
+	// The order holds `plain`: its address names no other while this one is known.
+	const std::string key = "levels of " + std::to_string(reinterpret_cast<uintptr_t>(plain.get()));
+	return m_shared->request(key, {nullptr, {}, {}, "", std::move(plain)});
+}
 
 void TreeWorker::finish()
 {

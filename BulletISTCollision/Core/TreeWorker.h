@@ -25,6 +25,7 @@ private:
 	std::atomic<bool> m_done{false};
 	CachedTree m_result;
 	std::string m_error;
+	std::shared_ptr<const TreeOrder> m_plain;  // of a tree with levels
 };
 
 /// One thread that builds and loads trees, one after the other in the order they were asked for. Whoever asks never waits for it. The same
@@ -44,6 +45,8 @@ public:
 	std::shared_ptr<const TreeOrder> build(Mesh mesh, const BuildOptions& options);
 	/// An .ist file.
 	std::shared_ptr<const TreeOrder> load(const std::string& path);
+	/// The tree of an order that is done, with levels (addLevels); a copy that shares its leaves.
+	std::shared_ptr<const TreeOrder> addLevels(std::shared_ptr<const TreeOrder> plain);
 	/// Blocks until every order is done: for loading screens and tests.
 	void finish();
 

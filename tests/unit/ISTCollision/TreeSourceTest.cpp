@@ -344,6 +344,35 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 	}
 }
 
+TEST(btISTTreeSource, LevelsAreTheWorkersToo)
+{
+	const Folder folder;
+	const std::string path = (folder.path / "box.ist").string();
+	ist::BuildOptions options;
+	options.maxSpheres = 300;
+	ASSERT_TRUE(ist::saveAsset(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value(), path));
+	for (const bool before : {false, true})
+	{
+		GImpactBox one({.5, .5, .5}), two({.5, .5, .5});
+		btBoxShape box(btVector3(.5, .5, .5));
+		Game game;
+		btISTRegistry& registry = game.registration.registry();
+		btISTTreeSettings settings;
+		settings.build = options;
+		btISTTreeSource source(registry, settings);
+		if (before) registry.keepLevels();
+		const auto first = source.attach(&one), second = source.attach(&two), file = source.attachAsset(&box, path);
+		if (!before) registry.keepLevels();
+		EXPECT_EQ(source.finish(), 3) << first.error() << second.error() << file.error();
+		EXPECT_EQ(first.tree(), second.tree());
+		for (const btISTPendingAttachment* attached : {&first, &second, &file})
+		{
+			EXPECT_FALSE(attached->tree()->levels.empty());
+			EXPECT_EQ(registry.find(attached->shape()), attached->tree()) << "the registry had nothing to add, on the thread of the world";
+		}
+	}
+}
+
 TEST(btISTTreeSource, FinishOrdersWhatIsFarToo)
 {
 	GImpactBox box({.5, .5, .5});
