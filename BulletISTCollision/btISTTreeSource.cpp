@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <unordered_map>
 #include <utility>
 
 /// The states that still wait; a state that goes takes itself out.
@@ -214,30 +215,48 @@ struct Neighbours : btBroadphaseAabbCallback
 };
 }  // namespace
 
-bool btISTTreeSource::isNear(const btCollisionShape* shape) const
+bool btISTTreeSource::hasNeighbour(const btCollisionObject& object) const
 {
-	const btCollisionObjectArray& objects = m_near->getCollisionObjectArray();
-	for (int i = 0; i < objects.size(); ++i)
+	const btBroadphaseProxy* proxy = object.getBroadphaseHandle();
+	if (!proxy) return false;
+	const btVector3 sides = proxy->m_aabbMax - proxy->m_aabbMin, margin = btVector3(1, 1, 1) * sides[sides.maxAxis()];
+	Neighbours neighbours;
+	neighbours.self = proxy;
+	neighbours.lower = proxy->m_aabbMin - margin;
+	neighbours.upper = proxy->m_aabbMax + margin;
+	const_cast<btCollisionWorld*>(m_near)->getBroadphase()->aabbTest(neighbours.lower, neighbours.upper, neighbours);
+	return neighbours.found;
+}
+
+/// One look at each object, however many shapes wait.
+void btISTTreeSource::orderWhatIsNear()
+{
+	using State = btISTPendingAttachment::State;
+	std::unordered_map<const btCollisionShape*, State*> far;
+	for (State* state : m_waiting->states)
+		if (!state->order) far.emplace(state->shape, state);
+	const int objects = m_near && !far.empty() ? m_near->getNumCollisionObjects() : 0;
+	for (int i = 0; i < objects; ++i)
 	{
-		const btBroadphaseProxy* proxy = objects[i]->getBroadphaseHandle();
-		if (!proxy || !btISTAnyPart(objects[i]->getCollisionShape(), [shape](const btCollisionShape* part) { return part == shape; })) continue;
-		const btVector3 sides = proxy->m_aabbMax - proxy->m_aabbMin, margin = btVector3(1, 1, 1) * sides[sides.maxAxis()];
-		Neighbours neighbours;
-		neighbours.self = proxy;
-		neighbours.lower = proxy->m_aabbMin - margin;
-		neighbours.upper = proxy->m_aabbMax + margin;
-		const_cast<btCollisionWorld*>(m_near)->getBroadphase()->aabbTest(neighbours.lower, neighbours.upper, neighbours);
-		if (neighbours.found) return true;
+		const btCollisionObject& object = *m_near->getCollisionObjectArray()[i];
+		const auto waits = [&](const btCollisionShape* part) { return far.count(part) > 0; };
+		if (!btISTAnyPart(object.getCollisionShape(), waits) || !hasNeighbour(object)) continue;
+		btISTAnyPart(object.getCollisionShape(),
+					 [&](const btCollisionShape* part)
+					 {
+						 if (const auto found = far.find(part); found != far.end()) found->second->begin(), far.erase(found);
+						 return false;
+					 });
 	}
-	return false;
+	if (!m_near)
+		for (const auto& [shape, state] : far) state->begin();
 }
 
 int btISTTreeSource::update()
 {
 	int attached = 0;
 	auto& states = m_waiting->states;
-	for (auto* state : states)
-		if (!state->order && (!m_near || isNear(state->shape))) state->begin();
+	orderWhatIsNear();
 	for (auto* state : states)
 		if (m_registry.keepsLevels() && state->isDone() && state->order->tree() && !ist::hasLevels(*state->order->tree())) state->order = m_worker->addLevels(state->order);
 	const auto ready = std::stable_partition(states.begin(), states.end(), [](const auto* state) { return !state->isDone(); });

@@ -110,7 +110,8 @@ public:
 	/// world must live for as long as `update` is called. Null, as it is to begin with: at once.
 	void orderWhenNear(const btCollisionWorld* world) { m_near = world; }
 
-	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody.
+	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody. O(shapes that wait), and while some wait for
+	/// neighbours O(objects).
 	int update();
 	/// Waits until every tree is there or has failed, near or far, then as `update`: for loading screens and tests.
 	int finish();
@@ -133,7 +134,8 @@ private:
 	static std::vector<std::string> assetNames(const std::string& folder);
 	using Start = std::function<std::shared_ptr<const ist::TreeOrder>()>;
 	btISTPendingAttachment expect(const btCollisionShape* shape, const btVector3& scaling, Start start);
-	bool isNear(const btCollisionShape* shape) const;
+	bool hasNeighbour(const btCollisionObject& object) const;
+	void orderWhatIsNear();
 	void collectGImpact(const btCollisionShape* shape, std::vector<btISTPendingAttachment>& into);
 	bool awaits(const btCollisionShape* shape) const;
 

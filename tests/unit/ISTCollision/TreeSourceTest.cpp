@@ -344,6 +344,51 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 	}
 }
 
+/// Counts how often it is asked what is near.
+struct CountingBroadphase : btDbvtBroadphase
+{
+	int asked = 0;
+	void aabbTest(const btVector3& lower, const btVector3& upper, btBroadphaseAabbCallback& callback) override
+	{
+		++asked;
+		btDbvtBroadphase::aabbTest(lower, upper, callback);
+	}
+};
+
+TEST(btISTTreeSource, LooksAtEachObjectOnceHoweverManyShapesWait)
+{
+	Game game;
+	CountingBroadphase broadphase;
+	btCollisionWorld world(&game.dispatcher, &broadphase, &game.configuration);
+	std::vector<std::unique_ptr<GImpactBox>> boxes;
+	std::vector<std::unique_ptr<btCollisionObject>> objects;
+	constexpr int kShapes = 20;
+	for (int i = 0; i < kShapes; ++i) boxes.push_back(std::make_unique<GImpactBox>(ist::Vec3{.5, .5, .5}));
+	btCompoundShape both;
+	both.addChildShape(at(0, 0, 0), boxes[0].get());
+	both.addChildShape(at(2, 0, 0), boxes[1].get());
+	for (int i = 1; i < kShapes; ++i)
+	{
+		objects.push_back(std::make_unique<btCollisionObject>());
+		objects.back()->setCollisionShape(i == 1 ? static_cast<btCollisionShape*>(&both) : boxes[size_t(i)].get());
+		objects.back()->setWorldTransform(at(20 * i, 0, 0));
+		world.addCollisionObject(objects.back().get());
+	}
+	btISTTreeSource source(game.registration.registry(), few());
+	source.orderWhenNear(&world);
+	std::vector<btISTPendingAttachment> pending;
+	for (const auto& box : boxes) pending.push_back(source.attach(box.get()));
+	source.update();
+	EXPECT_EQ(broadphase.asked, kShapes - 1);
+	EXPECT_EQ(source.waitingForNeighbours(), kShapes);
+	// The compound comes to the last one: three shapes are near something.
+	objects.front()->setWorldTransform(at(20 * (kShapes - 1) - 1.5, 0, 0));
+	world.updateAabbs();
+	source.update();
+	EXPECT_EQ(source.waitingForNeighbours(), kShapes - 3);
+	for (const auto& object : objects) world.removeCollisionObject(object.get());
+}
+
 TEST(btISTTreeSource, LevelsAreTheWorkersToo)
 {
 	const Folder folder;
