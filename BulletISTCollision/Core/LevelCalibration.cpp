@@ -12,7 +12,6 @@ namespace ist
 {
 namespace
 {
-constexpr double kOverlaps[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.2};
 constexpr int kPosesPerOverlap = 12;
 /// Overlaps are looked for at a level of about so many balls.
 constexpr uint32_t kSearchBalls = 500;
@@ -64,7 +63,7 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree)
 	std::mt19937_64 random(kSeed);
 	QueryWorkspace workspace({}, InstructionSet::Portable);  // the same whatever machine builds
 	std::vector<std::vector<double>> needed(tree.levels.size());
-	for (const double overlap : kOverlaps)
+	for (const double overlap : kOverlapsOfContact)
 		for (int i = 0; i < kPosesPerOverlap; ++i)
 			if (const std::optional<Pose> X = poseAtOverlap(tree, tree, overlap, int(2 * (search + 1)), random, workspace)) compareLevels(tree, *X, workspace, needed);
 	std::vector<double> coefficients(1);

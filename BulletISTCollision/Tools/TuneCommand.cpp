@@ -23,7 +23,6 @@ namespace ist::tools
 {
 namespace
 {
-constexpr double kOverlaps[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.2};
 constexpr int kPosesPerOverlap = 10, kPasses = 3;
 constexpr int64_t kFirstSpheres = 1000, kSpheresStep = 3;
 constexpr double kHeld = 0.95;
@@ -96,7 +95,7 @@ std::vector<Setting> settingsOf(const InnerSphereTree& A, const InnerSphereTree&
 	QueryWorkspace workspace;
 	std::mt19937_64 random(1);
 	std::vector<Pose> poses;
-	for (const double overlap : kOverlaps)
+	for (const double overlap : kOverlapsOfContact)
 		for (int i = 0; i < kPosesPerOverlap; ++i)
 			if (const std::optional<Pose> X = poseAtOverlap(A, B, overlap, 0, random, workspace)) poses.push_back(*X);
 	std::vector<Setting> settings;

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -302,6 +303,87 @@ TEST(LevelCalibration, IsTheSameWhateverTheMachine)
 		EXPECT_EQ(measuredCalibration(bodyB()), bodyB().calibration) << set;
 	}
 	chosen ? setenv("BULLETHAPTICS_ISA", before.c_str(), 1) : unsetenv("BULLETHAPTICS_ISA");
+}
+
+namespace
+{
+/// Two layers of balls that look away from each other, closer than coarse balls are wide: those mix both sides.
+InnerSphereTree thinBody(int count, unsigned seed)
+{
+	constexpr double kHalf = 0.02, kTilt = 0.3;
+	std::mt19937 random(seed);
+	std::normal_distribution<double> gauss;
+	std::uniform_real_distribution<double> place(-1, 1), size(0.7, 1.3);
+	std::vector<MomentEllipsoid> balls;
+	for (int i = 0; i < count; ++i)
+	{
+		const double side = i % 2 ? 1 : -1, x = place(random), y = place(random);
+		balls.push_back(ballAt({x, y, side * kHalf}, normalized({kTilt * gauss(random), kTilt * gauss(random), side}), 1.2 / std::sqrt(count) * size(random)));
+	}
+	InnerSphereTree body = bodyOf(balls);
+	body.origin = {3, 0, 0};
+	body.volume = 0.36;
+	body.box = {{2, -1, -kHalf}, {4, 1, kHalf}};
+	addLevels(body);
+	return body;
+}
+
+OverlapIntegrals bruteForceAt(const InnerSphereTree& body, const BallTree& balls, const Pose& X)
+{
+	InnerSphereTree plain;
+	plain.origin = body.origin;
+	plain.law = balls;
+	return queryOverlapBruteForce(plain, plain, X).total;
+}
+
+double ballsIn(const BallTree& tree)
+{
+	return double(std::count_if(tree.balls.begin(), tree.balls.end(), [](const MomentEllipsoid& b) { return b.density > 0; }));
+}
+
+/// What the coefficient of each level would have to be, in poses of 0.1 to 20 % overlap that have nothing to do with those it was measured in; sorted.
+/// Pair by pair of balls, in double.
+std::vector<std::vector<double>> coefficientsNeeded(const InnerSphereTree& body, size_t poses)
+{
+	std::mt19937 random(99);
+	std::normal_distribution<double> gauss;
+	std::uniform_real_distribution<double> apart(0, 1.9);
+	std::vector<std::vector<double>> needed(body.levels.size());
+	while (needed[0].size() < poses)
+	{
+		const Vec3 turn{gauss(random), gauss(random), gauss(random)}, direction = normalized({gauss(random), gauss(random), gauss(random)});
+		const Mat3 R = rotationMatrix(quaternionFromRotationVector(turn));
+		const Pose X{R, body.origin - R * body.origin + apart(random) * direction};
+		const OverlapIntegrals leaves = bruteForceAt(body, body.law, X);
+		if (leaves.volume < 0.001 * body.volume || leaves.volume > 0.2 * body.volume) continue;
+		for (size_t i = 0; i < body.levels.size(); ++i)
+		{
+			const OverlapIntegrals level = bruteForceAt(body, body.levels[i], X);
+			const double balls = ballsIn(body.levels[i]) * level.volume / body.volume;
+			needed[i].push_back(norm(pressureWrench(level, {}).force - pressureWrench(leaves, {}).force) / (level.volume * std::sqrt(2 / balls)));
+		}
+	}
+	for (std::vector<double>& level : needed) std::sort(level.begin(), level.end());
+	return needed;
+}
+}  // namespace
+
+TEST(LevelCalibration, HoldsInPosesThatItWasNotMeasuredIn)
+{
+	constexpr size_t kPoses = 60;
+	const InnerSphereTree body = thinBody(1200, 7);
+	ASSERT_GE(body.levels.size(), 3u);
+	const auto needed = coefficientsNeeded(body, kPoses);
+	for (size_t i = 0; i < needed.size(); ++i)
+	{
+		const double c = body.calibration[i + 1];
+		const auto held = double(std::upper_bound(needed[i].begin(), needed[i].end(), c) - needed[i].begin());
+		EXPECT_GE(held, 0.86 * kPoses) << "level " << i;
+		if (c > 0.15)
+		{
+			EXPECT_LE(c, 2.5 * needed[i][kPoses * 95 / 100]) << "what is above the least is measured, not guessed";
+		}
+	}
 }
 
 TEST(LevelCalibration, IsRepeatedAndKeptWithinItsRange)
