@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btISTSubsteps.h"
 
+#include "BulletISTCollision/Core/StepChoice.h"
 #include "BulletISTCollision/btISTConversion.h"
 #include "BulletISTCollision/btISTShapeParts.h"
 
@@ -14,7 +15,6 @@
 
 namespace
 {
-constexpr double kShareOfThickness = 0.25;
 constexpr int kMostEver = 1 << 20;  // a number of substeps that nobody will take, and an int can hold
 
 bool hasTree(const btCollisionShape* shape, const btISTRegistry& registry)
@@ -56,7 +56,7 @@ bool falls(const btCollisionObject* object) { return btRigidBody::upcast(object)
 double btISTSubsteps::thickness(const btCollisionShape* shape, const btISTRegistry& registry)
 {
 	constexpr double kNone = std::numeric_limits<double>::infinity();
-	if (const auto tree = registry.find(shape)) return tree->area > 0 ? 2 * tree->volume / tree->area : kNone;
+	if (const auto tree = registry.find(shape)) return ist::thicknessOf(*tree);
 	if (shape->isCompound())
 	{
 		const auto* compound = static_cast<const btCompoundShape*>(shape);
@@ -79,7 +79,7 @@ void btISTSubsteps::addPair(const btCollisionObject* a, const btCollisionObject*
 	const double apart = falls(a) != falls(b) ? gravity * seconds : 0;
 	const Velocity u = velocityOf(a), v = velocityOf(b);
 	const double travel = (norm(u.linear - v.linear) + u.ofSurface + v.ofSurface + apart) * seconds;
-	const double reach = kShareOfThickness * std::min(thickness(shapeA, registry), thickness(shapeB, registry));
+	const double reach = ist::kMostTravel * std::min(thickness(shapeA, registry), thickness(shapeB, registry));
 	if (!(travel > reach)) return;
 	const int substeps = int(std::min(std::ceil(travel / reach), double(kMostEver)));
 	const auto isKnown = [=](const btISTFastPair& known) { return known.first == b && known.second == a; };
@@ -104,7 +104,7 @@ int btISTSubsteps::plan(btDiscreteDynamicsWorld& world, const btISTRegistry& reg
 		const double travel = (norm(u.linear) + u.ofSurface + gravity * seconds) * seconds;
 		const double least = std::min(thinnest, thickness(object->getCollisionShape(), registry));
 		// Half: the other one may come to meet it just as fast.
-		if (!proxy || !object->isActive() || !std::isfinite(travel) || !(travel > 0.5 * kShareOfThickness * least)) continue;
+		if (!proxy || !object->isActive() || !std::isfinite(travel) || !(travel > 0.5 * ist::kMostTravel * least)) continue;
 		const btVector3 swept = toBullet(seconds * u.linear), aside = btVector3(1, 1, 1) * btScalar(travel - seconds * norm(u.linear));
 		btVector3 lower = proxy->m_aabbMin, upper = proxy->m_aabbMax;
 		lower.setMin(lower + swept);

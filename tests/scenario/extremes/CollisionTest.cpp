@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/StepChoice.h"
 #include "demos/scenes/ExtremeMotions.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
@@ -73,6 +74,17 @@ TEST(Restitution, FollowsHuntAndCrossleysClosedForm)
 						100 * (out.restitution / exact - 1));
 			EXPECT_NEAR(out.restitution, exact, (hw < 0.01 ? 0.01 : 0.05) * exact);
 		}
+}
+
+// The cube of the bounce has an edge of 1 m and weighs 1 kg: K = k.
+TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
+{
+	for (const double hw : {0.02, 0.1, 0.2})
+	{
+		const double k = 1e4, e = bounce(unitCube(), k, 0, hw).restitution, foretold = ist::implicitRestitution({k, 1, 0}, hw / std::sqrt(k));
+		std::printf("  h omega %.2f: e %.4f, foretold %.4f\n", hw, e, foretold);
+		EXPECT_NEAR(e, foretold, 0.01 + hw * hw);
+	}
 }
 
 // From h omega far below to far above 1, undamped.
