@@ -6,9 +6,16 @@
 #include <new>
 
 // In a file of their own, so that they cannot be inlined into a caller that pairs them with the library's operators.
-static std::atomic<long> allocations{0};
+static std::atomic<long> allocations{0}, freed{0};
 
 long allocationCount() { return allocations; }
+long liveAllocations() { return allocations - freed; }
+
+static void giveBack(void* p)
+{
+	if (p) ++freed;
+	std::free(p);
+}
 
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept
 {
@@ -27,8 +34,8 @@ void* operator new(std::size_t size, std::align_val_t alignment)
 	if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
 	throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p) noexcept { giveBack(p); }
+void operator delete(void* p, std::size_t) noexcept { giveBack(p); }
+void operator delete(void* p, const std::nothrow_t&) noexcept { giveBack(p); }
+void operator delete(void* p, std::align_val_t) noexcept { giveBack(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { giveBack(p); }
