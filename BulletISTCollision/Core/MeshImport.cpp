@@ -8,8 +8,10 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace ist
@@ -118,8 +120,24 @@ double blur(const aiMesh& part)
 	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
 }
 
-void append(Mesh& out, const aiMesh& part, const aiMatrix4x4& transform, double unit)
+/// What is taken from a file.
+enum class Wanted
 {
+	Surface,
+	SurfaceAndPlaces  // in a texture
+};
+
+/// NaN where the file has none.
+TexturePlace placeOf(const aiMesh& part, uint32_t corner)
+{
+	if (!part.HasTextureCoords(0)) return {std::nan(""), std::nan("")};
+	const aiVector3D& place = part.mTextureCoords[0][corner];
+	return {place.x, place.y};
+}
+
+void append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
+{
+	Mesh& out = textured.mesh;
 	const auto base = static_cast<uint32_t>(out.vertices.size());
 	for (unsigned i = 0; i < part.mNumVertices; ++i)
 		out.vertices.push_back(unit * transformedPoint(transform, part.mVertices[i]));
@@ -132,12 +150,13 @@ void append(Mesh& out, const aiMesh& part, const aiMatrix4x4& transform, double 
 		if (a >= part.mNumVertices || b >= part.mNumVertices || c >= part.mNumVertices) continue;
 		if (mirrored) std::swap(b, c);
 		out.triangles.push_back({base + a, base + b, base + c});
+		if (wanted == Wanted::SurfaceAndPlaces) textured.places.push_back({placeOf(part, a), placeOf(part, b), placeOf(part, c)});
 	}
 }
 
-Mesh gather(const aiScene& scene, double unit, Watch& watch)
+TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& watch)
 {
-	Mesh mesh;
+	TexturedMesh textured;
 	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
 	for (size_t done = 1; !open.empty() && watch.reach(kReading + (1 - kReading) * double(done) / double(done + open.size())); ++done)
 	{
@@ -147,13 +166,27 @@ Mesh gather(const aiScene& scene, double unit, Watch& watch)
 		for (unsigned i = 0; i < node->mNumMeshes; ++i)
 		{
 			const aiMesh& part = *scene.mMeshes[node->mMeshes[i]];
-			if (part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) append(mesh, part, transform, unit);
+			if (part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) append(textured, part, transform, unit, wanted);
 		}
 		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
 	}
-	return mesh;
+	return textured;
 }
-Result<Mesh> readMesh(const std::string& path, double unit, Watch& watch)
+
+std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
+{
+	for (unsigned i = 0; i < scene.mNumMeshes; ++i)
+		if ((scene.mMeshes[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !scene.mMeshes[i]->HasTextureCoords(0))
+			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(scene.mNumMeshes) +
+						 " has no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them"};
+	for (std::size_t t = 0; t < textured.places.size(); ++t)
+		for (const TexturePlace& place : textured.places[t])
+			if (!std::isfinite(place.u) || !std::isfinite(place.v))
+				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " are not finite; export the mesh again"};
+	return std::nullopt;
+}
+
+Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wanted, Watch& watch)
 {
 	Assimp::Importer importer;
 	importer.SetIOHandler(new WatchedFiles(watch));
@@ -162,7 +195,8 @@ Result<Mesh> readMesh(const std::string& path, double unit, Watch& watch)
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + importer.GetErrorString() +
 					 "; check the path and that the file is a mesh format that assimp knows"};
-	Mesh mesh = gather(*scene, unit, watch);
+	TexturedMesh textured = gather(*scene, unit, wanted, watch);
+	const Mesh& mesh = textured.mesh;
 	if (watch.cancelled()) return Error{"the import was cancelled", true};
 	for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
 		if (!isFinite(mesh.vertices[i]))
@@ -173,12 +207,13 @@ Result<Mesh> readMesh(const std::string& path, double unit, Watch& watch)
 	if (worst > kBlurred)
 		return Error{path + ": the mesh lies so far from its origin that its coordinates, read in single precision, are exact to " +
 					 std::to_string(100 * worst) + " % of its size only; move it to the origin and export it again"};
+	if (wanted == Wanted::SurfaceAndPlaces)
+		if (auto error = checkPlaces(textured, *scene, path)) return *error;
 	if (!watch.reach(1)) return Error{"the import was cancelled", true};
-	return mesh;
+	return textured;
 }
-}  // namespace
 
-Result<Mesh> importMesh(const std::string& path, double unit, const Progress& progress)
+Result<TexturedMesh> importSurface(const std::string& path, double unit, Wanted wanted, const Progress& progress)
 {
 	if (!(unit > 0) || !std::isfinite(unit))
 		return Error{"the unit must be a positive number of metres, not " + std::to_string(unit)};
@@ -186,12 +221,25 @@ Result<Mesh> importMesh(const std::string& path, double unit, const Progress& pr
 	if (!watch.reach(0)) return Error{"the import was cancelled", true};
 	try
 	{
-		return readMesh(path, unit, watch);
+		return readMesh(path, unit, wanted, watch);
 	}
 	catch (const std::exception& exception)
 	{
 		if (watch.cancelled()) return Error{"the import was cancelled", true};
 		return Error{"cannot read " + path + ": " + exception.what() + "; export the mesh again"};
 	}
+}
+}  // namespace
+
+Result<Mesh> importMesh(const std::string& path, double unit, const Progress& progress)
+{
+	Result<TexturedMesh> read = importSurface(path, unit, Wanted::Surface, progress);
+	if (!read) return read.error();
+	return std::move(std::move(read).value().mesh);
+}
+
+Result<TexturedMesh> importTexturedMesh(const std::string& path, double unit, const Progress& progress)
+{
+	return importSurface(path, unit, Wanted::SurfaceAndPlaces, progress);
 }
 }  // namespace ist

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Mesh.h"
 #include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/TexturedMesh.h"
 
 #include <string>
 
@@ -15,4 +16,8 @@ namespace ist
 /// that lie so far from the origin that single precision, in which assimp reads them, blurs the shape. Stage "import": the share of the
 /// file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file is parsed.
 Result<Mesh> importMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
+
+/// The same triangles in the same order, with their first set of texture coordinates. Also refused: a part without any, and coordinates that are
+/// not finite.
+Result<TexturedMesh> importTexturedMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
 }  // namespace ist

@@ -3,8 +3,14 @@
 
 namespace ist
 {
-Result<Mesh> importMesh(const std::string& path, double, const Progress&)
+namespace
 {
-	return Error{"\"" + path + "\" cannot be read: this build has no assimp and reads no mesh files; configure it with BULLETHAPTICS_ASSIMP=ON"};
+Error refused(const std::string& path)
+{
+	return {"\"" + path + "\" cannot be read: this build has no assimp and reads no mesh files; configure it with BULLETHAPTICS_ASSIMP=ON"};
 }
+}  // namespace
+
+Result<Mesh> importMesh(const std::string& path, double, const Progress&) { return refused(path); }
+Result<TexturedMesh> importTexturedMesh(const std::string& path, double, const Progress&) { return refused(path); }
 }  // namespace ist

@@ -147,6 +147,57 @@ TEST(MeshImport, AUnitThatIsNotPositiveIsRefused)
 	EXPECT_FALSE(importMesh(file.path(), std::nan("")));
 }
 
+TEST(MeshImport, EveryCornerKeepsItsPlaceInTheTexture)
+{
+	// Two triangles that meet in an edge, with a seam along it.
+	const TemporaryFile file("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0.625 0\nvt 1.25 1\nvt 0.75 -1\nf 1/1 2/2 3/3\nf 1/4 3/5 4/6\n");
+	const Result<TexturedMesh> read = importTexturedMesh(file.path(), 0.5);
+	ASSERT_TRUE(read) << read.error().message;
+	const TexturedMesh& textured = read.value();
+	ASSERT_EQ(textured.mesh.triangles.size(), 2u);
+	ASSERT_EQ(textured.places.size(), 2u);
+	const TexturePlace expected[2][3] = {{{0, 0}, {0.5, 0}, {0.5, 1}}, {{0.625, 0}, {1.25, 1}, {0.75, -1}}};
+	const Vec3 corners[2][3] = {{{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}}, {{0, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}}};
+	for (size_t t = 0; t < 2; ++t)
+		for (size_t c = 0; c < 3; ++c)
+		{
+			EXPECT_EQ(textured.mesh.vertices[textured.mesh.triangles[t][c]], corners[t][c]);
+			EXPECT_EQ(textured.places[t][c].u, expected[t][c].u);
+			EXPECT_EQ(textured.places[t][c].v, expected[t][c].v);
+		}
+}
+
+TEST(MeshImport, PlacesFollowTheCornersOfMirroredNodes)
+{
+	const TemporaryFile file(R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<source id="t"><float_array id="ta" count="6">0 0 1 0 0 1</float_array><technique_common><accessor source="#ta" count="3" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="TEXCOORD" source="#t" offset="1" set="0"/><p>0 0 1 1 2 2</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><matrix>-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)", ".dae");
+	const Result<TexturedMesh> read = importTexturedMesh(file.path());
+	ASSERT_TRUE(read) << read.error().message;
+	ASSERT_EQ(read.value().places.size(), 1u);
+	// u grows with -x, v with y, whatever the order of the corners.
+	for (size_t c = 0; c < 3; ++c)
+	{
+		const Vec3& corner = read.value().mesh.vertices[read.value().mesh.triangles[0][c]];
+		EXPECT_NEAR(read.value().places[0][c].u, -corner.x, 1e-6);
+		EXPECT_NEAR(read.value().places[0][c].v, corner.y, 1e-6);
+	}
+}
+
+TEST(MeshImport, MeshesWithoutPlacesInATextureAreRefusedInASentence)
+{
+	const TemporaryFile bare(kCube);
+	const Result<TexturedMesh> none = importTexturedMesh(bare.path());
+	ASSERT_FALSE(none);
+	EXPECT_NE(none.error().message.find("part 1 of 1 has no texture coordinates; unwrap the mesh"), std::string::npos) << none.error().message;
+}
+
 TEST(MeshImport, TheBunnyIsWatertight)
 {
 	const char* const path = "/usr/share/glmark2/models/bunny.obj";
