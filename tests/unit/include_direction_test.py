@@ -20,6 +20,7 @@ ALLOWED = {
 # Packages that only files with these names may include.
 GUARDED = {
     r"^<assimp/": ["BulletISTCollision/Core/MeshImport.cpp"],
+    r"^<png": ["DeviceBridge/Picture.cpp"],
     r"^<Eigen/": ["BulletISTCollision/Core/MomentEllipsoid.cpp", "BulletISTCollision/Core/PressureField.cpp", "BulletHapticForce/btContactLaw.cpp", "BulletHapticForce/btVolumetricRows.cpp",
                   "BulletHapticForce/btIslandBlockSolver.cpp"],
     r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/": ["BulletISTCollision/bt", "BulletHapticForce/", "TestSupport/", "DeviceBridge/Bullet", "demos/"],

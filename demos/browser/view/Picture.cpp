@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Picture.h"
 
-#include <png.h>
-
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 
 namespace browser
 {
@@ -61,34 +57,6 @@ Similarity compare(const Picture& a, const Picture& b)
 	return out;
 }
 }  // namespace
-
-std::optional<ist::Error> savePicture(const Picture& picture, const std::string& path)
-{
-	const std::string unfinished = path + ".part";
-	std::error_code ignored;
-	png_image image{};
-	image.version = PNG_IMAGE_VERSION;
-	image.width = png_uint_32(picture.width);
-	image.height = png_uint_32(picture.height);
-	image.format = PNG_FORMAT_RGB;
-	if (!png_image_write_to_file(&image, unfinished.c_str(), 0, picture.pixels.data(), 0, nullptr) || std::rename(unfinished.c_str(), path.c_str()) != 0)
-	{
-		std::filesystem::remove(unfinished, ignored);
-		return ist::Error{path + ": the picture cannot be written; is there such a folder, and may it be written to?"};
-	}
-	return std::nullopt;
-}
-
-ist::Result<Picture> loadPicture(const std::string& path)
-{
-	png_image image{};
-	image.version = PNG_IMAGE_VERSION;
-	if (!png_image_begin_read_from_file(&image, path.c_str())) return ist::Error{path + ": " + image.message};
-	image.format = PNG_FORMAT_RGB;
-	Picture picture{int(image.width), int(image.height), std::vector<uint8_t>(PNG_IMAGE_SIZE(image))};
-	if (!png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr)) return ist::Error{path + ": " + image.message};
-	return picture;
-}
 
 Picture withFewerColours(const Picture& picture)
 {

@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Result.h"
-
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
+#include "DeviceBridge/Picture.h"
 
 namespace browser
 {
-/// Rows from the top, three bytes a pixel, sRGB.
-struct Picture
-{
-	int width = 0, height = 0;
-	std::vector<uint8_t> pixels;
-};
-
-/// PNG, whole or not at all.
-std::optional<ist::Error> savePicture(const Picture& picture, const std::string& path);
-ist::Result<Picture> loadPicture(const std::string& path);
+using devicebridge::loadPicture;
+using devicebridge::Picture;
+using devicebridge::savePicture;
 
 /// The same to the eye in half of the bytes: channels rounded to 6 bits.
 Picture withFewerColours(const Picture& picture);
