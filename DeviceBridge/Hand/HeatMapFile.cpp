@@ -22,19 +22,6 @@ constexpr HeatMapColour kFingerColours[kHandFingers] = {{0, 114, 178}, {0, 158, 
 
 std::uint8_t mixed(std::uint8_t a, std::uint8_t b, double u) { return std::uint8_t(std::lround(a + u * (double(b) - a))); }
 
-HeatMapColour colourOf(const HeatMap& map, const HeatMap::Vertex& v, HeatMapColours colours)
-{
-	if (colours == HeatMapColours::ContactPose)
-	{
-		const auto level = std::uint8_t(std::lround(1 + 254 * std::clamp(v.contact, 0.0, 1.0)));
-		return {level, level, level};
-	}
-	if (v.part < 0) return kBare;
-	const HeatMapColour full = handPartColour(map.partId(v.part));
-	const double u = 0.35 + 0.65 * std::clamp(v.contact, 0.0, 1.0);
-	return {mixed(kBare.r, full.r, u), mixed(kBare.g, full.g, u), mixed(kBare.b, full.b, u)};
-}
-
 /// Little-endian words, whatever the machine's order.
 class Bytes
 {
@@ -87,6 +74,19 @@ HeatMapColour handPartColour(int id)
 	return kPalmColour;
 }
 
+HeatMapColour heatMapColour(const HeatMap& map, const HeatMap::Vertex& v, HeatMapColours colours)
+{
+	if (colours == HeatMapColours::ContactPose)
+	{
+		const auto level = std::uint8_t(std::lround(1 + 254 * std::clamp(v.contact, 0.0, 1.0)));
+		return {level, level, level};
+	}
+	if (v.part < 0) return kBare;
+	const HeatMapColour full = handPartColour(map.partId(v.part));
+	const double u = 0.35 + 0.65 * std::clamp(v.contact, 0.0, 1.0);
+	return {mixed(kBare.r, full.r, u), mixed(kBare.g, full.g, u), mixed(kBare.b, full.b, u)};
+}
+
 std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, HeatMapColours colours, int part)
 {
 	if (part >= map.parts()) return Error{"the heat map has no part " + std::to_string(part) + ", only " + std::to_string(map.parts())};
@@ -104,7 +104,7 @@ std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, He
 		const Vec3& p = mesh.vertices[i];
 		file.add(i == 0 ? notALineBreak(float(p.x)) : float(p.x));
 		file.add(float(p.y)), file.add(float(p.z));
-		const HeatMapColour colour = colourOf(map, v, colours);
+		const HeatMapColour colour = heatMapColour(map, v, colours);
 		file.add(colour.r), file.add(colour.g), file.add(colour.b);
 		for (const double x : {v.contact, v.dwell, v.impulse, v.pressure, v.peak}) file.add(float(x));
 		file.add(std::uint32_t(v.part < 0 ? 0 : map.partId(v.part)));

@@ -20,6 +20,8 @@ struct HeatMapColour
 	std::uint8_t r = 0, g = 0, b = 0;
 };
 HeatMapColour handPartColour(int grabId);
+/// Of what `map` found at a place.
+HeatMapColour heatMapColour(const HeatMap& map, const HeatMap::Vertex& found, HeatMapColours colours);
 
 /// Binary little-endian PLY: for each vertex `x y z` (float, m, the mesh's own frame), `red green blue` (uchar), `contact dwell impulse pressure
 /// peak_pressure` (float; share, s, N s, Pa, Pa), `part` (int, its id; 0 for none), and the triangles. `part`: one alone; -1: all. Whole or not at all.

@@ -3,6 +3,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "DeviceBridge/Hand/HeatMapFile.h"
+#include "GridBox.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,6 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <random>
 #include <sstream>
 
@@ -25,36 +25,6 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kK = 5e7;  // stiffness of the pair [Pa/m]
-
-/// A box whose sides are grids of n by n squares, the corners shared.
-Mesh gridBox(const Vec3& half, int n)
-{
-	Mesh mesh;
-	std::map<std::array<int, 3>, uint32_t> index;
-	const auto vertex = [&](std::array<int, 3> c)
-	{
-		const auto [at, fresh] = index.emplace(c, uint32_t(mesh.vertices.size()));
-		if (fresh) mesh.vertices.push_back({half.x * (2.0 * c[0] / n - 1), half.y * (2.0 * c[1] / n - 1), half.z * (2.0 * c[2] / n - 1)});
-		return at->second;
-	};
-	for (int a = 0; a < 3; ++a)
-		for (const int side : {0, n})
-			for (int i = 0; i < n; ++i)
-				for (int j = 0; j < n; ++j)
-				{
-					const auto corner = [&](int u, int v)
-					{
-						std::array<int, 3> c{};
-						c[size_t(a)] = side, c[size_t((a + 1) % 3)] = i + u, c[size_t((a + 2) % 3)] = j + v;
-						return vertex(c);
-					};
-					std::array<uint32_t, 4> q{corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
-					if (side == 0) std::swap(q[1], q[3]);
-					mesh.triangles.push_back({q[0], q[1], q[2]});
-					mesh.triangles.push_back({q[0], q[2], q[3]});
-				}
-	return mesh;
-}
 
 Pose randomPose(unsigned seed)
 {
