@@ -35,6 +35,7 @@ void addBuiltDrivers(DeviceRegistry& registry)
 {
 	registry.addScheme("sim", makeSimulated, "simulated hand on a device of a profile");
 	registry.addScheme("replay", makeReplay, "a recorded run");
+	addMotion(registry);
 	addGlove(registry);
 #if defined(DEVICEBRIDGE_WITH_HAPLY)
 	addHaply(registry);

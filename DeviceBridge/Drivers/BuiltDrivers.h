@@ -9,6 +9,7 @@ class DeviceRegistry;
 void addBuiltDrivers(DeviceRegistry& registry);
 
 void addGlove(DeviceRegistry& registry);
+void addMotion(DeviceRegistry& registry);
 
 // One for each driver that needs a library; defined where that was found.
 void addHaply(DeviceRegistry& registry);

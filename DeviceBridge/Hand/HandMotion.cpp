@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <string_view>
 
@@ -124,9 +125,24 @@ private:
 	std::optional<Error> m_problem;
 };
 
+std::array<double, kFields> fields(const HandJoint& joint)
+{
+	const Vec3& p = joint.position;
+	const Quaternion& q = joint.orientation;
+	return {p.x, p.y, p.z, q.x, q.y, q.z, q.w, joint.radius};
+}
+
+bool isSameJoint(const HandJoint& a, const HandJoint& b)
+{
+	if (!a.tracked || !b.tracked) return a.tracked == b.tracked;
+	const auto x = fields(a), y = fields(b);
+	return std::memcmp(x.data(), y.data(), sizeof x) == 0;
+}
+
 HandJoint between(const HandJoint& a, const HandJoint& b, double u)
 {
 	if (!a.tracked || !b.tracked) return {};
+	if (isSameJoint(a, b)) return a;
 	const Vec3 turn = rotationVector(b.orientation * conjugate(a.orientation));
 	return {a.position + u * (b.position - a.position), quaternionFromRotationVector(u * turn) * a.orientation, a.radius + u * (b.radius - a.radius), true};
 }
@@ -139,11 +155,17 @@ HandState HandMotion::at(double time) const noexcept
 	if (after == frames.begin()) return frames.front().hand;
 	if (after == frames.end()) return frames.back().hand;
 	const Frame& before = *(after - 1);
+	if (before.time == time) return before.hand;
 	HandState hand;
 	hand.left = before.hand.left;
 	const double u = (time - before.time) / (after->time - before.time);
 	for (size_t i = 0; i < kHandJoints; ++i) hand.joints[i] = between(before.hand.joints[i], after->hand.joints[i], u);
 	return hand;
+}
+
+bool isSameHand(const HandState& a, const HandState& b) noexcept
+{
+	return a.left == b.left && std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), isSameJoint);
 }
 
 std::string handMotionText(const HandMotion& motion)
@@ -158,8 +180,7 @@ std::string handMotionText(const HandMotion& motion)
 		text += frame.hand.left ? ",1" : ",0";
 		for (const HandJoint& joint : frame.hand.joints)
 		{
-			const double values[kFields] = {joint.position.x, joint.position.y, joint.position.z, joint.orientation.x, joint.orientation.y, joint.orientation.z, joint.orientation.w, joint.radius};
-			for (const double value : values)
+			for (const double value : fields(joint))
 			{
 				text += ",";
 				if (joint.tracked) append(text, value);

@@ -20,10 +20,13 @@ struct HandMotion
 	};
 	std::vector<Frame> frames;
 
-	/// Between the frames: places along lines, directions about one axis. Before the first and after the last: these. A joint that one of
-	/// two frames lacks is not tracked between them. Empty: no joint is tracked.
+	/// At the time of a frame and between two that are the same: the frame, to the last bit. Between others: places along lines, directions about one
+	/// axis; a joint that one of the two lacks is not tracked. Before the first and after the last: these. Empty: no joint is tracked.
 	HandState at(double time) const noexcept;
 };
+
+/// Whether two samples are the same to the last bit. Joints that are not tracked say nothing.
+bool isSameHand(const HandState& a, const HandState& b) noexcept;
 
 /// Comma separated text with a header: `time`, `left` (0 or 1), and for each of the 26 joints `NAME_x, _y, _z` [m], `_qx, _qy, _qz, _qw`, `_r` [m], in
 /// World; all eight empty where the joint is not tracked. Names: palm, wrist, thumb_metacarpal ... little_tip, as OpenXR has them. To the last bit.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Decorators/RecordingDevice.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
+#include "DeviceBridge/Hand/HandRecording.h"
 #include "DeviceBridge/SteppingThread.h"
 #include "DeviceBridge/StopSignals.h"
 #include "DeviceBridge/Tools/Commands.h"
@@ -40,12 +41,24 @@ void describe(Report& report, const SteppingThread& thread)
 	const EnergyLog e = thread.energy();
 	report["energy"] = {{"stored", e.stored}, {"generated", e.generated}, {"dissipated", e.dissipated}};
 }
+
+/// The motion of the hand, where it was asked for.
+std::optional<ist::Error> writeHand(const Recording& recording, const std::string& path, Report& report)
+{
+	if (path.empty()) return std::nullopt;
+	const ist::Result<HandMotion> motion = handMotionOf(recording);
+	if (!motion) return motion.error();
+	report["hand"] = path;
+	report["hand_frames"] = motion.value().frames.size();
+	return saveHandMotion(motion.value(), path);
+}
 }  // namespace
 
 int runRecord(const RunArguments& arguments)
 {
 	auto opened = openWithHand(arguments.uri);
 	if (!opened) return fail(opened.error().message);
+	if (!arguments.hand.empty() && !(opened.value()->info().sensed & kHandJointsSensed)) return fail(arguments.uri + " senses no joints of a hand: leave --hand out");
 	const auto ticks = static_cast<std::int64_t>(1000 * arguments.seconds);
 	RecordingDevice device(std::move(opened).value(), static_cast<std::size_t>(ticks));
 	WallWorld world(wallStiffness(device.info(), arguments.stiffness));
@@ -63,6 +76,7 @@ int runRecord(const RunArguments& arguments)
 	if (!saved) return fail(saved.error().message);
 	report["file"] = arguments.output;
 	report["bytes"] = saved.value();
+	if (auto error = writeHand(device.recording(), arguments.hand, report)) return fail(error->message);
 	print(report, arguments.json);
 	return StopSignals::caught() ? kInterrupted : kGood;
 }

@@ -27,8 +27,9 @@ public:
 		addRun("info", "What a device is and can bear", runInfo, false);
 		addRun("monitor", "Print the samples of a device as CSV; sends no force", runMonitor, true)
 			->add_option("--rate", m_run.rate, "lines in a second [Hz]")->check(CLI::Range(0.1, 1000.0))->capture_default_str();
-		addRun("record", "Feel an elastic wall below z = 0 and write down what passes", runRecord, true)
-			->add_option("-o,--output", m_run.output, "recording to write")->required();
+		CLI::App* record = addRun("record", "Feel an elastic wall below z = 0 and write down what passes", runRecord, true);
+		record->add_option("-o,--output", m_run.output, "recording to write")->required();
+		record->add_option("--hand", m_run.hand, "CSV to write the joints of a tracked hand to; motion:FILE plays it");
 		CLI::App* replay = add("replay", "Repeat a recorded run and compare each command bit for bit", [this] { return runReplay(m_run); });
 		replay->add_option("file", m_run.uri, "recording")->required();
 		for (const char* name : {"record", "replay", "selftest"})

@@ -6,7 +6,10 @@
 #include <cstdlib>
 #include <random>
 
+#include "DeviceBridge/Decorators/RecordingDevice.h"
 #include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Motion/MotionDevice.h"
+#include "DeviceBridge/Hand/HandRecording.h"
 #include "tests/unit/DeviceBridge/DriverRun.h"
 #include "tests/unit/DeviceBridge/vendors/MockOpenXr.h"
 
@@ -130,6 +133,39 @@ TEST_F(OpenXr, BothHandsArriveJointByJoint)
 	HandState gone;
 	ASSERT_TRUE(right.value()->readHand(gone));
 	EXPECT_FALSE(gone.joints[kPalm].tracked);
+}
+
+TEST_F(OpenXr, ALiveHandIsRecordedAndPlayedBackToTheLastBit)
+{
+	auto opened = DeviceRegistry().open("openxr:hand/left");
+	ASSERT_TRUE(opened) << opened.error().message;
+	RecordingDevice recorder(std::move(opened).value(), 300);
+	std::mt19937 random(31);
+	RealClock clock;
+	HandState wanted;
+	DeviceState s;
+	for (int i = 0; i < 300; ++i)
+	{
+		if (i % 25 == 0) place(0, random, wanted);
+		recorder.read(clock.now(), s);
+		clock.sleepUntil(clock.now() + 1'000'000);
+	}
+	const Recording& recording = recorder.recording();
+	const auto motion = handMotionOf(recording);
+	ASSERT_TRUE(motion) << motion.error().message;
+	const auto read = readHandMotion(handMotionText(motion.value()), "live");
+	ASSERT_TRUE(read) << read.error().message;
+	EXPECT_GT(read.value().frames.size(), 6u);
+	MotionDevice replay(read.value(), "motion:live");
+	replay.open();
+	for (std::size_t i = 0; i < recording.ticks.size(); ++i)
+	{
+		if (recording.ticks[i].readStatus != DeviceStatus::Ok) continue;
+		HandState hand;
+		ASSERT_EQ(replay.read(recording.ticks[i].now, s), DeviceStatus::Ok);
+		ASSERT_TRUE(replay.readHand(hand));
+		ASSERT_TRUE(isSameHand(hand, recording.hands[i])) << i;
+	}
 }
 
 TEST_F(OpenXr, EveryEndOfTheRuntimeIsExplained)

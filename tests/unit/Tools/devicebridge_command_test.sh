@@ -90,6 +90,25 @@ expect "monitor" 0 "$bridge" monitor sim:touch --seconds 1 --rate 10
 expect "calibrate" 0 python3 "$(dirname "$0")/glove_calibration_test.py" "$bridge" "$dir/glove.json"
 expect "calibrate what is no glove" 1 "$bridge" calibrate sim:touch -o "$dir/x.json"
 
+# A hand is recorded, played by address, and recorded again: the same file.
+python3 - "$dir/in.csv" <<'PYTHON'
+import sys
+joints = ["palm", "wrist"] + ["thumb_" + j for j in ("metacarpal", "proximal", "distal", "tip")]
+joints += [f + "_" + j for f in ("index", "middle", "ring", "little") for j in ("metacarpal", "proximal", "intermediate", "distal", "tip")]
+fields = ["x", "y", "z", "qx", "qy", "qz", "qw", "r"]
+with open(sys.argv[1], "w") as out:
+    print("time,left," + ",".join(j + "_" + f for j in joints for f in fields), file=out)
+    for t, tracked in ((0, True), (0.04, True), (0.07, True), (0.09, False), (0.13, True)):
+        row = [f"{1.3 * t + 0.01 * i},{0.1 + t},{-t},0,0.6,0,0.8,0.008" if tracked or i % 3 else ",,,,,,," for i in range(26)]
+        print(f"{t},1," + ",".join(row), file=out)
+PYTHON
+expect "record a hand" 0 "$bridge" record "motion:$dir/in.csv" -o "$dir/hand.istdrec" --hand "$dir/a.csv" --seconds 0.2 --json
+holds "record a hand" 'r["hand_frames"] > 80'
+expect "record it again" 0 "$bridge" record "motion:$dir/a.csv" -o "$dir/hand.istdrec" --hand "$dir/b.csv" --seconds 0.2
+cmp "$dir/a.csv" "$dir/b.csv" || { echo "FAILED a hand recorded twice"; failures=$((failures + 1)); }
+expect "record the hand of a device without one" 1 "$bridge" record sim:touch -o "$dir/x.istdrec" --hand "$dir/x.csv" --seconds 0.1
+says "record the hand of a device without one" "senses no joints"
+
 # A signal ends a run in real time early, and what was recorded until then is whole.
 "$bridge" record sim:sigma7 -o "$dir/live.istdrec" --seconds 600 --real-time > "$dir/out" 2> "$dir/err" &
 pid=$!

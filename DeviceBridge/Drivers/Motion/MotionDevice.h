@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Hand/HandMotion.h"
+
+namespace devicebridge
+{
+/// Plays the motion of a hand, as a tracker would: its first frame at the first read, and from there by the clock. The handle is the palm; while that is not
+/// tracked it stays, and kHandPresent is not set. After the last frame it does not answer. Exerts nothing.
+class MotionDevice final : public Device
+{
+public:
+	/// `motion` has at least one frame. `uri`: for info().
+	MotionDevice(HandMotion motion, const std::string& uri);
+
+	const DeviceInfo& info() const noexcept override { return m_info; }
+	DeviceStatus open() noexcept override;
+	void close() noexcept override { m_open = false; }
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
+	DeviceStatus write(const DeviceCommand&) noexcept override { return m_open ? DeviceStatus::Ok : DeviceStatus::NotOpen; }
+	bool readHand(HandState& hand) noexcept override;
+
+private:
+	HandMotion m_motion;
+	DeviceInfo m_info;
+	HandState m_hand;
+	ist::Pose m_palm;
+	std::int64_t m_start = 0;
+	std::uint64_t m_reads = 0;
+	bool m_open = false;
+};
+}  // namespace devicebridge
