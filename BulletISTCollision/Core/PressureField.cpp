@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/PressureField.h"
 
-#include <Eigen/Eigenvalues>
+#include "BulletISTCollision/Core/SymmetricEigen.h"
 
 #include <cmath>
 
@@ -28,20 +28,27 @@ SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const Pres
 
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length)
 {
-	using Matrix = Eigen::Matrix<double, 6, 6>;
 	const double unit = length > 0 && std::isfinite(length) ? length : 1;
 	const double scale[6] = {1, 1, 1, 1 / unit, 1 / unit, 1 / unit};
-	Matrix scaled;
+	double scaled[6][6];
 	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 6; ++j) scaled(i, j) = matrix(i, j) * scale[i] * scale[j];
+		for (int j = i; j < 6; ++j) scaled[i][j] = scaled[j][i] = matrix(i, j) * scale[i] * scale[j];
 	SymmetricMatrix6 result;
-	if (!scaled.allFinite()) return result;
-	const Eigen::SelfAdjointEigenSolver<Matrix> solver(scaled);
-	if (solver.info() != Eigen::Success) return result;
-	const Matrix& Q = solver.eigenvectors();
-	const Matrix positive = Q * solver.eigenvalues().cwiseMax(0.0).asDiagonal() * Q.transpose();
+	SymmetricEigen<6> eigen;
+	if (!eigen.decompose(scaled)) return result;
+	double positive[6][6] = {};
+	for (int k = 0; k < 6; ++k)
+	{
+		if (!(eigen.values[k] > 0)) continue;
+		for (int i = 0; i < 6; ++i)
+		{
+			const double share = eigen.values[k] * eigen.vectors[k][i];
+			for (int j = 0; j < 6; ++j) positive[i][j] += share * eigen.vectors[k][j];
+		}
+	}
+	const double back[6] = {1, 1, 1, unit, unit, unit};
 	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j) result(i, j) = 0.5 * (positive(i, j) + positive(j, i)) / (scale[i] * scale[j]);
+		for (int j = i; j < 6; ++j) result(i, j) = positive[i][j] * back[i] * back[j];
 	return result;
 }
 
