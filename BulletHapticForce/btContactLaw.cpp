@@ -38,17 +38,33 @@ ist::SymmetricMatrix6 toSymmetric(const Matrix6& a)
 }
 
 /// From A's mesh axes about A's origin to World axes about the point `c` from that origin.
-Matrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3& R, const Eigen::Vector3d& c)
+ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3& R, const Eigen::Vector3d& c)
 {
-	Matrix6 original;
-	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 6; ++j) original(i, j) = K(i, j);
-	// twist about the origin, mesh axes = T (twist about c, World axes)
-	Matrix6 T = Matrix6::Zero();
-	T.topLeftCorner<3, 3>() = R.transpose();
-	T.bottomRightCorner<3, 3>() = R.transpose();
-	T.topRightCorner<3, 3>() = crossMatrix(c) * R.transpose();
-	return T.transpose() * original * T;
+	Matrix3 forces, mixed, torques;  // of translations, of rotations, torques of rotations
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			forces(i, j) = K(i, j);
+			mixed(i, j) = K(i, j + 3);
+			torques(i, j) = K(i + 3, j + 3);
+		}
+	// A turn about c moves what is at the origin by c x turn.
+	const Matrix3 X = crossMatrix(c);
+	const Matrix3 shifted = forces * X + mixed;
+	torques += mixed.transpose() * X - X * shifted;
+	forces = R * forces * R.transpose();
+	mixed = R * shifted * R.transpose();
+	torques = R * torques * R.transpose();
+	ist::SymmetricMatrix6 moved;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			moved(i, j + 3) = mixed(i, j);
+			if (j < i) continue;
+			moved(i, j) = forces(i, j);
+			moved(i + 3, j + 3) = torques(i, j);
+		}
+	return moved;
 }
 
 /// Int r r^T dV / V about the centroid, A's mesh axes [m^2].
@@ -82,7 +98,7 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	patch.frictionRadius = kFrictionRadiusPerRms * std::sqrt(radiusSquared);
 
 	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
-	patch.stiffness = ist::projectedPositive(toSymmetric(movedToWorld(ist::pressureStiffness(sums, pair), R, c)), length);
+	patch.stiffness = ist::projectedPositive(movedToWorld(ist::pressureStiffness(sums, pair), R, c), length);
 
 	Matrix6 damping = Matrix6::Zero();
 	damping.topLeftCorner<3, 3>() = n * n.transpose();

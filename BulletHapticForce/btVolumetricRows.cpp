@@ -1,49 +1,89 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btVolumetricRows.h"
 
+#include "BulletISTCollision/Core/SymmetricEigen.h"
+
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace
 {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
-using RowMat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Mat63 = Eigen::Matrix<double, 6, 3>;
-using MapVec6 = Eigen::Map<Vec6>;
-using MapMat6 = Eigen::Map<RowMat6>;
-using ConstVec6 = Eigen::Map<const Vec6>;
-using ConstMat6 = Eigen::Map<const RowMat6>;
-using ConstMat63 = Eigen::Map<const Mat63>;
+using Eigen::Map;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
 
 // An eigenvalue below this share of the largest one belongs to a direction in which nothing can move.
 constexpr double kImmovable = 1e-12;
 
-Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
+Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
 
 Mat6 toEigen(const ist::SymmetricMatrix6& a)
 {
 	Mat6 r;
+	const double* next = a.m;
 	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 6; ++j) r(i, j) = a(i, j);
+		for (int j = i; j < 6; ++j) r(i, j) = r(j, i) = *next++;
 	return r;
+}
+
+bool canMove(const btVolumetricRowBody& body)
+{
+	double size = std::fabs(body.inverseMass.x) + std::fabs(body.inverseMass.y) + std::fabs(body.inverseMass.z);
+	for (const auto& row : body.inverseInertia.m)
+		for (const double x : row) size += std::fabs(x);
+	return !(size <= 0);
 }
 
 /// Adds the response of one body: twist at the point, `arm` from its centre, to a unit impulse there.
 void addResponse(Mat6& W, const btVolumetricRowBody& body, const ist::Vec3& point)
 {
-	const Eigen::Vector3d r = toEigen(point - body.center);
-	Eigen::Matrix3d X;
+	if (!canMove(body)) return;
+	const Vector3d r = toEigen(point - body.center);
+	Matrix3d X;
 	X << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-	Eigen::Matrix3d inertia;
+	Matrix3d inertia;
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) inertia(i, j) = body.inverseInertia.m[i][j];
-	W.topLeftCorner<3, 3>() += X * inertia * X.transpose();
+	const Matrix3d turning = X * inertia;
+	W.topLeftCorner<3, 3>() += turning * X.transpose();
 	W.topLeftCorner<3, 3>().diagonal() += toEigen(body.inverseMass);
-	W.topRightCorner<3, 3>() -= X * inertia;
+	W.topRightCorner<3, 3>() -= turning;
 	W.bottomLeftCorner<3, 3>() += inertia * X;
 	W.bottomRightCorner<3, 3>() += inertia;
+}
+
+constexpr int kRight = 10;  // right-hand sides
+using Equations = double[6][6 + kRight];
+
+/// Gauss with partial pivoting: of the six rows (A | B) only A^-1 B remains, in the last columns.
+void eliminate(Equations& rows)
+{
+	for (int k = 0; k < 6; ++k)
+	{
+		int best = k;
+		for (int i = k + 1; i < 6; ++i)
+			if (std::fabs(rows[i][k]) > std::fabs(rows[best][k])) best = i;
+		if (best != k) std::swap(rows[k], rows[best]);
+		const double inverse = 1 / rows[k][k];
+		for (int i = k + 1; i < 6; ++i)
+		{
+			const double factor = rows[i][k] * inverse;
+			for (int j = k & ~1; j < 6 + kRight; ++j) rows[i][j] -= factor * rows[k][j];
+		}
+	}
+	for (int k = 5; k >= 0; --k)
+	{
+		const double inverse = 1 / rows[k][k];
+		for (int j = 6; j < 6 + kRight; ++j) rows[k][j] *= inverse;
+		for (int i = 0; i < k; ++i)
+			for (int j = 6; j < 6 + kRight; ++j) rows[i][j] -= rows[i][k] * rows[k][j];
+	}
 }
 }  // namespace
 
@@ -64,65 +104,101 @@ void btVolumetricRow::prepare(const btContactPatch& patch, const ist::SymmetricM
 	m_point = patch.point;
 	m_normal = patch.normal;
 	m_friction = friction;
-	MapMat6 W(m_W), S(m_S), inverse(m_B);
+	Map<Mat6> W(m_W);
 	W = toEigen(response);
-	S = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
-	inverse = (Mat6::Identity() + S * W).partialPivLu().inverse();
-	MapVec6 push(m_push);
-	push << h * toEigen(patch.wrench.force), h * toEigen(patch.wrench.torque);
-
+	const Mat6 S = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
 	ist::Vec3 t1, t2;
 	ist::completeFrame(patch.normal, t1, t2);
-	Eigen::Map<Mat63> E(m_E);
+	Map<Mat63> E(m_E);
 	E.setZero();
 	E.col(0).head<3>() = toEigen(t1);
 	E.col(1).head<3>() = toEigen(t2);
 	E.col(2).tail<3>() = patch.frictionRadius * toEigen(patch.normal);
-	const Eigen::Matrix3d response3 = E.transpose() * (W * inverse) * E;
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(0.5 * (response3 + response3.transpose()));
-	const double largest = eigen.eigenvalues()(2);
-	m_slide = largest > 0 ? 1 / largest : 0;
-	Eigen::Map<Eigen::Matrix3d> stick(m_stick);
+
+	Vec6 push;
+	push << h * toEigen(patch.wrench.force), h * toEigen(patch.wrench.torque);
+	Equations equations;
+	using Rows = Eigen::Matrix<double, 6, 6 + kRight, Eigen::RowMajor>;
+	Map<Rows> rows(&equations[0][0]);
+	rows.leftCols<6>() = Mat6::Identity() + S * W;
+	rows.middleCols<6>(6) = S;
+	rows.col(12) = push;
+	rows.rightCols<3>() = E;
+	eliminate(equations);
+	Map<Mat6> C(m_C);
+	C = rows.middleCols<6>(6);
+	Map<Vec6> alone(m_push);
+	alone = rows.col(12);
+	const Mat63 eased = rows.rightCols<3>();
+	if (friction > 0) prepareFriction(eased.data());
+	Map<Vec6>(m_elastic).setZero();
+	Map<Vector3d>(m_tangent).setZero();
+}
+
+/// `eased`: (I + S W)^-1 E.
+void btVolumetricRow::prepareFriction(const double* eased)
+{
+	const Map<const Mat63> E(m_E), easedE(eased);
+	Map<Mat63> WE(m_WE), CWE(m_CWE);
+	Map<Matrix3d> EWE(m_EWE);
+	WE = Map<const Mat6>(m_W) * E;
+	CWE = E - easedE;
+	EWE = E.transpose() * WE;
+	const Matrix3d response = WE.transpose() * easedE;
+	double symmetric[3][3];
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) symmetric[i][j] = 0.5 * (response(i, j) + response(j, i));
+	Map<Matrix3d> stick(m_stick);
 	stick.setZero();
+	m_slide = 0;
+	ist::SymmetricEigen<3> eigen;
+	if (!eigen.decompose(symmetric)) return;
+	const double largest = std::max({eigen.values[0], eigen.values[1], eigen.values[2]});
+	if (!(largest > 0)) return;
+	m_slide = 1 / largest;
 	for (int i = 0; i < 3; ++i)
 	{
-		const double value = eigen.eigenvalues()(i);
-		const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
-		if (value > kImmovable * largest) stick += axis * axis.transpose() / value;
+		if (!(eigen.values[i] > kImmovable * largest)) continue;
+		const Map<const Vector3d> axis(eigen.vectors[i]);
+		stick += axis * (axis.transpose() / eigen.values[i]);
 	}
-	MapVec6(m_elastic).setZero();
-	Eigen::Map<Eigen::Vector3d>(m_tangent).setZero();
 }
 
 ist::Wrench btVolumetricRow::solve(const ist::Twist& relative)
 {
-	const ConstMat6 W(m_W), S(m_S), inverse(m_B);
-	const ConstVec6 push(m_push);
-	const ConstMat63 E(m_E);
-	const Eigen::Vector3d n = toEigen(m_normal);
-	MapVec6 elastic(m_elastic);
-	Eigen::Map<Eigen::Vector3d> tangent(m_tangent);
+	const Map<const Mat6> W(m_W), C(m_C);
+	const Map<const Mat63> E(m_E), WE(m_WE), CWE(m_CWE);
+	const Vector3d n = toEigen(m_normal);
+	Map<Vec6> elastic(m_elastic);
+	Map<Vector3d> tangent(m_tangent);
 	const auto normalPart = [&] { return n.dot(elastic.head<3>()); };
-	const auto answerTo = [&](const Vec6& twist)
+	const auto answer = [&](const Vec6& impulse)
 	{
-		elastic = inverse * (push - S * twist);
+		elastic = impulse;
 		if (!(normalPart() > 0)) elastic.setZero();
 	};
 
-	const Vec6 before = elastic + E * tangent;
-	Vec6 without;
+	Vec6 before = elastic, without;
+	if (m_friction > 0) before += E * tangent;
 	without << toEigen(relative.linear), toEigen(relative.angular);
 	without -= W * before;
-	answerTo(without + W * (E * tangent));
+	const Vec6 alone = Map<const Vec6>(m_push) - C * without;
+	if (!(m_friction > 0))
+	{
+		answer(alone);
+		const Vec6 change = elastic - before;
+		return {{change(0), change(1), change(2)}, {change(3), change(4), change(5)}};
+	}
+	answer(alone - CWE * tangent);
 	const double limit = m_friction * normalPart();
 	if (limit > 0)
 	{
-		const Eigen::Vector3d slip = E.transpose() * (without + W * (elastic + E * tangent));
-		Eigen::Vector3d wanted = tangent - Eigen::Map<const Eigen::Matrix3d>(m_stick) * slip;
+		const Vector3d slip = E.transpose() * without + WE.transpose() * elastic + Map<const Matrix3d>(m_EWE) * tangent;
+		Vector3d wanted = tangent - Map<const Matrix3d>(m_stick) * slip;
 		// Sliding: along the slip itself. Scaling `wanted` back would turn the force towards the directions that move easily.
 		if (wanted.norm() > limit) wanted = tangent - m_slide * slip;
-		tangent = wanted.norm() > limit ? Eigen::Vector3d(wanted * (limit / wanted.norm())) : wanted;
-		answerTo(without + W * (E * tangent));
+		tangent = wanted.norm() > limit ? Vector3d(wanted * (limit / wanted.norm())) : wanted;
+		answer(alone - CWE * tangent);
 	}
 	const double finalLimit = m_friction * normalPart();
 	if (tangent.norm() > finalLimit) tangent *= finalLimit / tangent.norm();
@@ -133,7 +209,7 @@ ist::Wrench btVolumetricRow::solve(const ist::Twist& relative)
 
 ist::Wrench btVolumetricRow::impulse() const
 {
-	const Vec6 total = ConstVec6(m_elastic) + ConstMat63(m_E) * Eigen::Map<const Eigen::Vector3d>(m_tangent);
+	const Vec6 total = Map<const Vec6>(m_elastic) + Map<const Mat63>(m_E) * Map<const Vector3d>(m_tangent);
 	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
 }
 
@@ -142,4 +218,4 @@ ist::Wrench btVolumetricRow::elasticImpulse() const
 	return {{m_elastic[0], m_elastic[1], m_elastic[2]}, {m_elastic[3], m_elastic[4], m_elastic[5]}};
 }
 
-double btVolumetricRow::normalImpulse() const { return ConstVec6(m_elastic).head<3>().dot(toEigen(m_normal)); }
+double btVolumetricRow::normalImpulse() const { return Map<const Vec6>(m_elastic).head<3>().dot(toEigen(m_normal)); }

@@ -41,13 +41,19 @@ public:
 	double normalImpulse() const;
 
 private:
+	void prepareFriction(const double* eased);
+
 	using Vector6 = double[6];
-	using Matrix6 = double[36];  // row major
+	using Matrix6 = double[36];   // symmetric
+	using Matrix63 = double[18];  // column major
 	ist::Vec3 m_point, m_normal;
 	Matrix6 m_W;               // J M^-1 J^T
-	Matrix6 m_S, m_B;          // S, (I + S W)^-1
-	Vector6 m_push;            // h w0
-	double m_E[18];            // 6x3: unit friction impulses; the third is a moment over the friction radius
+	Matrix6 m_C;               // (I + S W)^-1 S: the elastic impulse that a twist takes away
+	Vector6 m_push;            // (I + S W)^-1 h w0: the elastic impulse when all else leaves no twist
+	Matrix63 m_E;              // unit friction impulses; the third is a moment over the friction radius
+	Matrix63 m_WE;             // the twists that these make
+	Matrix63 m_CWE;            // the elastic impulse that these twists take away
+	double m_EWE[9];
 	double m_stick[9];         // pseudo-inverse of E^T (W^-1 + S)^-1 E: friction while the elastic part answers
 	double m_slide = 0;        // 1 / largest eigenvalue of the same
 	double m_friction = 0;
