@@ -2,7 +2,7 @@
 #include "demos/BrowserRun.h"
 
 #include "demos/Present.h"
-#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/BesideStock.h"
 #include "demos/browser/DemoRun.h"
 #ifdef BULLETHAPTICS_BROWSER
 #include "demos/browser/view/Browser.h"
@@ -83,7 +83,9 @@ void listBrowserDemos()
 int runBrowserDemo(const DemoArguments& a)
 {
 	const browser::DemoEntry* entry = browser::findDemo(a.demo);
-	std::unique_ptr<browser::BrowsableDemo> demo = entry->make();
+	if (a.besideStock && !entry->make()->hasStockSide())
+		return refuse({a.demo + " has no side of stock Bullet: its own contact has no answer to this scene"});
+	std::unique_ptr<browser::BrowsableDemo> demo = browser::makeDemo(*entry, a.besideStock);
 	browser::DemoRunOptions options;
 	options.frames = a.frames;
 	options.dt = a.dt;
@@ -113,6 +115,7 @@ int openBrowser(const DemoArguments& a)
 	browser::WindowOptions options;
 	options.demo = demoOptions(a);
 	if (!a.demo.empty()) options.first = a.demo;
+	options.besideStock = a.besideStock;
 	options.pictures = a.frames;
 	options.width = a.sizeGiven ? a.width : 1280;
 	options.height = a.sizeGiven ? a.height : 800;

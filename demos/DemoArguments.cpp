@@ -29,6 +29,7 @@ const char* const kDemoUsage =
 	"  --frames N       so many steps; of the window: so many pictures until it closes itself\n"
 	"  --dt S           seconds a step (default: what the demo thinks right)\n"
 	"  --economy off|E  query every pair in every step, or leave out what adds errors up to E of the force (default 0.05; 0: what adds none)\n"
+	"  --beside-stock   two halves: the same with Bullet's own contact on the left\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
 	"  --record FOLDER  30 numbered PNG for each second of the demo's time\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
@@ -38,7 +39,7 @@ const char* const kDemoUsage =
 
 namespace
 {
-const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device", "--economy"};
+const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device", "--economy", "--beside-stock"};
 
 /// The whole of `text` as a positive finite number, else 0.
 double positiveNumber(const std::string& text)
@@ -112,7 +113,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 												{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime},
-												{"--decoupled", &a.decoupled}};
+												{"--decoupled", &a.decoupled}, {"--beside-stock", &a.besideStock}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
 														{"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
 														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &economy},

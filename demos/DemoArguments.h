@@ -16,7 +16,7 @@ struct DemoArguments
 	long long spheres = 10000;
 	bool meshGiven = false, spheresGiven = false;
 	// Of the browser's demos.
-	bool headless = false, sizeGiven = false;
+	bool headless = false, sizeGiven = false, besideStock = false;
 	std::string screenshot, record, gallery, windowScreenshot, device;
 	long long frames = -1;
 	double dt = 0;              ///< [s]; 0: the demo's own

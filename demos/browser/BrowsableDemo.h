@@ -107,6 +107,20 @@ public:
 	virtual std::vector<std::string> report() const { return {}; }
 	/// The same as one JSON value; empty where there is none.
 	virtual std::string reportJson() const { return {}; }
+	/// One half of the picture.
+	struct Half
+	{
+		BrowsableDemo* demo = nullptr;
+		std::string title;
+	};
+	/// Scenes that are seen side by side under one camera, from the left; empty: this one, in the whole picture. Of the halves themselves only
+	/// `draw` and `grab` are for others.
+	virtual std::vector<Half> halves() { return {}; }
+	/// True when Bullet's own contact can answer in the same scene.
+	virtual bool hasStockSide() const { return false; }
+	/// Which of both answers, from the next `restart` on; only where `hasStockSide`.
+	virtual void useStockContact(bool /*on*/) {}
+
 	/// From the next step on; stays over `restart`.
 	virtual void setEconomy(const EconomyChoice& /*economy*/) {}
 

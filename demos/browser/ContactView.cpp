@@ -51,6 +51,13 @@ void drawPlaneLenses(const btISTContact& contact, const Vec3& normal, double off
 	}
 	for (size_t i = 0; i < depths.size(); ++i) list.discs[first + i].colour = pressureColour(depths[i] / deepest);
 }
+
+/// Of the two opposite forces of a contact that on the body that moves; where both do, the one that carries.
+Vec3 shownForce(const btCollisionObject& A, const btCollisionObject& B, const Vec3& onA)
+{
+	const bool movesA = !A.isStaticOrKinematicObject(), movesB = !B.isStaticOrKinematicObject();
+	return movesA && (!movesB || onA.y >= 0) ? onA : -onA;
+}
 }  // namespace
 
 std::string formatForce(double newton)
@@ -112,19 +119,39 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 	}
 }
 
-void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, double arrowForce, double arrowLength,
-							  DrawList& list)
+void ContactView::drawForce(const Vec3& at, const Vec3& force, DrawList& list) const
 {
-	const bool movesA = !contact.bodyA->isStaticOrKinematicObject(), movesB = !contact.bodyB->isStaticOrKinematicObject();
+	const double strength = norm(force);
+	if (!(strength > 0.02 * m_strongest)) return;
+	// Small forces stay visible, large ones in the picture.
+	const double length = m_arrowLength * std::clamp(strength / m_arrowForce, 0.25, 2.0);
+	const Vec3 tip = at + length * normalized(force);
+	list.arrows.push_back({at, tip, 0.035 * m_arrowLength, {0.80f, 0.18f, 0.12f}});
+	// Words for those that matter: many would hide each other.
+	if (strength > 0.4 * m_strongest) list.texts.push_back({tip, formatForce(strength), {0.55f, 0.08f, 0.04f}});
+}
+
+void ContactView::drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list)
+{
+	const std::vector<StockContact> contacts = world.stockContacts();
+	for (const StockContact& c : contacts) m_strongest = std::max(m_strongest, norm(c.impulse) / world.lastStep());
+	for (const StockContact& c : contacts)
+	{
+		if (choice.patches)
+			for (const Vec3& p : c.points) list.discs.push_back({p, {0, 1, 0}, 0.03 * m_arrowLength, 0.03 * m_arrowLength, {0.05f, 0.05f, 0.08f}});
+		if (choice.wrenches) drawForce(c.center, shownForce(*c.bodyA, *c.bodyB, c.impulse / world.lastStep()), list);
+	}
+}
+
+void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list)
+{
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
 		const OverlapIntegrals& patch = contact.patches[i];
 		if (!(patch.volume > 0)) continue;
 		const Vec3 center = contact.X_WA * (contact.treeA->origin + patch.firstMoment / patch.volume);
-		// Of two opposite forces that on the body that moves; where both do, the one that carries.
-		const Vec3 onA = contact.impulses[i].force / world.lastStep();
-		const Vec3 force = movesA && (!movesB || onA.y >= 0) ? onA : -onA;
-		const double strength = norm(force), area = norm(patch.areaVector);
+		const Vec3 force = shownForce(*contact.bodyA, *contact.bodyB, contact.impulses[i].force / world.lastStep());
+		const double area = norm(patch.areaVector);
 		const Vec3 normal = area > 0 ? contact.X_WA.rotation * (patch.areaVector / area) : normalized(force);
 		if (choice.patches && area > 0)
 		{
@@ -139,13 +166,7 @@ void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contac
 									  {0.05f, 0.05f, 0.08f}});
 			}
 		}
-		if (!choice.wrenches || !(strength > 0.02 * m_strongest)) continue;
-		// Small forces stay visible, large ones in the picture.
-		const double length = arrowLength * std::clamp(strength / arrowForce, 0.25, 2.0);
-		const Vec3 tip = center + length * normalized(force);
-		list.arrows.push_back({center, tip, 0.035 * arrowLength, {0.80f, 0.18f, 0.12f}});
-		// Words for those that matter: many would hide each other.
-		if (strength > 0.4 * m_strongest) list.texts.push_back({tip, formatForce(strength), {0.55f, 0.08f, 0.04f}});
+		if (choice.wrenches) drawForce(center, force, list);
 	}
 }
 
@@ -153,15 +174,18 @@ void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowF
 {
 	drawBodies(world, choice, list);
 	world.debugLines(choice, list);
-	if (!world.volumetric() || !(world.lastStep() > 0)) return;
+	if (!(world.lastStep() > 0)) return;
+	m_arrowForce = arrowForce;
+	m_arrowLength = arrowLength;
 	m_strongest = 0;
+	if (!world.volumetric()) return drawStock(world, choice, list);
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
 		for (int i = 0; i < contact->patchCount; ++i) m_strongest = std::max(m_strongest, norm(contact->impulses[i].force) / world.lastStep());
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
 	{
 		if (contact->patchCount == 0) continue;
 		if (choice.lenses) drawLenses(*contact, list);
-		drawPatches(world, *contact, choice, arrowForce, arrowLength, list);
+		drawPatches(world, *contact, choice, list);
 	}
 }
 }  // namespace browser

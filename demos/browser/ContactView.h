@@ -16,10 +16,13 @@ public:
 private:
 	void drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const;
 	void drawLenses(const btISTContact& contact, DrawList& list);
-	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, double arrowForce, double arrowLength, DrawList& list);
+	void drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list);
+	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list);
+	void drawForce(const ist::Vec3& at, const ist::Vec3& force, DrawList& list) const;
 
 	ist::QueryWorkspace m_workspace;
-	double m_strongest = 0;  // of all patches in the picture [N]
+	double m_strongest = 0;  // of all forces in the picture [N]
+	double m_arrowForce = 1, m_arrowLength = 1;
 };
 
 /// A force in words: "12.3 N".

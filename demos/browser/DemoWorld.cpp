@@ -3,8 +3,8 @@
 
 #include "BulletISTCollision/btISTConversion.h"
 
-#include "BulletCollision/CollisionShapes/btConvexHullShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+#include "BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h"
 #include "LinearMath/btIDebugDraw.h"
 
 #include <chrono>
@@ -54,6 +54,7 @@ DemoWorld::DemoWorld(scenes::Response response, const Vec3& gravity)
 	if (response == scenes::Response::Stock)
 	{
 		m_stock = std::make_unique<Stock>();
+		btGImpactCollisionAlgorithm::registerAlgorithm(&m_stock->dispatcher);
 		m_stock->world.setGravity(toBullet(gravity));
 		return;
 	}
@@ -115,11 +116,9 @@ btRigidBody* DemoWorld::add(const SolidPtr& solid, BodySetup setup)
 	made.shape = std::move(setup.shape);
 	if (!made.shape)
 	{
-		auto hull = std::make_unique<btConvexHullShape>();
-		for (const Vec3& p : solid->mesh.vertices) hull->addPoint(toBullet(p), false);
-		hull->setMargin(btScalar(1e-3 * bounds(solid->mesh).longestSide()));
-		hull->recalcLocalAabb();
-		made.shape = std::move(hull);
+		StockShape own = m_stock ? makeStockShape(solid->mesh, setup.fixed) : StockShape{nullptr, makeHull(solid->mesh)};
+		made.triangles = std::move(own.triangles);
+		made.shape = std::move(own.shape);
 	}
 	const double mass = setup.mass > 0 ? setup.mass : setup.density * solid->tree->volume;
 	btVector3 inertia;
@@ -158,7 +157,9 @@ void DemoWorld::step(double h)
 ContactSums DemoWorld::contactSums() const
 {
 	ContactSums sums;
-	if (!m_volumetric || !(m_lastStep > 0)) return sums;
+	if (!(m_lastStep > 0)) return sums;
+	for (const StockContact& contact : stockContacts()) sums.force += norm(contact.impulse) / m_lastStep;
+	if (!m_volumetric) return sums;
 	for (const btISTContact* contact : m_volumetric->contacts().contacts())
 	{
 		if (contact->patchCount == 0) continue;
@@ -173,15 +174,42 @@ ContactSums DemoWorld::contactSums() const
 	return sums;
 }
 
+std::vector<StockContact> DemoWorld::stockContacts() const
+{
+	std::vector<StockContact> all;
+	if (!m_stock) return all;
+	for (int i = 0; i < m_stock->dispatcher.getNumManifolds(); ++i)
+	{
+		const btPersistentManifold& manifold = *m_stock->dispatcher.getManifoldByIndexInternal(i);
+		StockContact contact{manifold.getBody0(), manifold.getBody1(), {}, {}, {}};
+		for (int k = 0; k < manifold.getNumContacts(); ++k)
+		{
+			const btManifoldPoint& p = manifold.getContactPoint(k);
+			if (!(p.getAppliedImpulse() > 0)) continue;
+			contact.points.push_back(toVec3(p.getPositionWorldOnB()));
+			contact.center += contact.points.back();
+			contact.impulse += toVec3(p.getAppliedImpulse() * p.m_normalWorldOnB + p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
+									  p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
+		}
+		if (contact.points.empty()) continue;
+		contact.center = contact.center / double(contact.points.size());
+		all.push_back(std::move(contact));
+	}
+	return all;
+}
+
 Vec3 DemoWorld::contactForce(const btCollisionObject* body, const btCollisionObject* other) const
 {
 	Vec3 sum;
-	if (!m_volumetric || !(m_lastStep > 0)) return sum;
+	if (!(m_lastStep > 0)) return sum;
+	const auto touches = [&](const btCollisionObject* a, const btCollisionObject* b) { return (a == body && (!other || b == other)) || (b == body && (!other || a == other)); };
+	for (const StockContact& contact : stockContacts())
+		if (touches(contact.bodyA, contact.bodyB)) sum += (contact.bodyA == body ? 1 : -1) / m_lastStep * contact.impulse;
+	if (!m_volumetric) return sum;
 	for (const btISTContact* contact : m_volumetric->contacts().contacts())
 	{
-		const bool isA = contact->bodyA == body, isB = contact->bodyB == body;
-		if ((!isA && !isB) || (other && contact->bodyA != other && contact->bodyB != other)) continue;
-		for (int i = 0; i < contact->patchCount; ++i) sum += (isA ? 1 : -1) / m_lastStep * contact->impulses[i].force;
+		if (!touches(contact->bodyA, contact->bodyB)) continue;
+		for (int i = 0; i < contact->patchCount; ++i) sum += (contact->bodyA == body ? 1 : -1) / m_lastStep * contact->impulses[i].force;
 	}
 	return sum;
 }

@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/btISTWorld.h"
 #include "demos/browser/DemoSolid.h"
+#include "demos/browser/StockShape.h"
 #include "demos/scenes/ExtremeWorld.h"
 
 #include "BulletDynamics/ConstraintSolver/btTypedConstraint.h"
@@ -25,7 +26,7 @@ struct BodySetup
 	bool fixed = false;
 	ist::Pose X_WM;           ///< of the mesh as it was given to makeSolid
 	Colour colour;
-	std::unique_ptr<btCollisionShape> shape;  ///< for Bullet; where missing, the convex hull of the mesh
+	std::unique_ptr<btCollisionShape> shape;  ///< for Bullet; where missing, the convex hull of the mesh, in a stock world makeStockShape
 };
 
 /// Sums over the volumetric contacts of the last step.
@@ -35,6 +36,15 @@ struct ContactSums
 	double volume = 0;        ///< [m^3]
 	long long pairs = 0, patches = 0;
 	double queryMicroseconds = 0;
+};
+
+/// What Bullet's own contact said of two bodies in the last step, World.
+struct StockContact
+{
+	const btCollisionObject *bodyA = nullptr, *bodyB = nullptr;
+	std::vector<ist::Vec3> points;  ///< that touch
+	ist::Vec3 center;               ///< their mean
+	ist::Vec3 impulse;              ///< on A, friction included [N s]
 };
 
 /// A Bullet world, ours or the stock one, whose bodies can be drawn. Errors of `add` stay in `error()`, and nothing is added.
@@ -47,6 +57,7 @@ public:
 		SolidPtr solid;                    ///< null for Bullet's own shapes
 		ist::Mesh mesh;                    ///< of one without a solid
 		std::shared_ptr<const SurfaceModel> surface;
+		std::unique_ptr<btStridingMeshInterface> triangles;  ///< of the shape, where it reads some
 		std::unique_ptr<btCollisionShape> shape;
 		std::unique_ptr<btRigidBody> body;
 		btISTAttachment attachment;
@@ -76,8 +87,11 @@ public:
 	const std::vector<Body>& bodies() const { return m_bodies; }
 	const std::optional<ist::Error>& error() const { return m_error; }
 
+	/// Of the volumetric contacts; in a stock world the force alone.
 	ContactSums contactSums() const;
-	/// Force on `body` from all volumetric contacts with it in the last step, or with `other` alone [N].
+	/// Empty unless this is a stock world.
+	std::vector<StockContact> stockContacts() const;
+	/// Force on `body` from all contacts of the world's kind with it in the last step, or with `other` alone [N].
 	ist::Vec3 contactForce(const btCollisionObject* body, const btCollisionObject* other = nullptr) const;
 	/// Kinetic energy and that in the field of gravity [J].
 	double mechanicalEnergy() const;

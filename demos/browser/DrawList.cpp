@@ -78,5 +78,13 @@ void DrawList::clear()
 	arrows.clear();
 	lines.clear();
 	texts.clear();
+	const DrawList blank;
+	ground = blank.ground;
+	groundHeight = blank.groundHeight;
+	groundNormal = blank.groundNormal;
+	gridCell = blank.gridCell;
+	water = blank.water;
+	wireframe = blank.wireframe;
+	shadows = blank.shadows;
 }
 }  // namespace browser

@@ -100,6 +100,7 @@ struct DrawList
 	bool water = false;         ///< fills y < groundHeight instead
 	bool wireframe = false, shadows = true;
 
+	/// As if it were new; keeps its memory.
 	void clear();
 };
 }  // namespace browser

@@ -48,9 +48,9 @@ void take(std::vector<T>& to, std::vector<T>& from)
 }
 }  // namespace
 
-DemoWorld& WorldDemo::addWorld(scenes::Response response, const Vec3& gravity, const Vec3& shift, const std::string& title, double zoom)
+DemoWorld& WorldDemo::addWorld(const Vec3& gravity, const Vec3& shift, const std::string& title, double zoom)
 {
-	m_parts.push_back({std::make_unique<DemoWorld>(response, gravity), shift, title, zoom});
+	m_parts.push_back({std::make_unique<DemoWorld>(m_stock ? scenes::Response::Stock : scenes::Response::Volumetric, gravity), shift, title, zoom});
 	return *m_parts.back().world;
 }
 

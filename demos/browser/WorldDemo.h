@@ -24,6 +24,7 @@ public:
 	std::vector<std::string> report() const override;
 	std::string reportJson() const override;
 	void setEconomy(const EconomyChoice& economy) override;
+	void useStockContact(bool on) override { m_stock = on; }
 	/// Everything that steps, for those who measure.
 	std::vector<DemoWorld*> worlds() const;
 	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override;
@@ -35,8 +36,7 @@ public:
 protected:
 	/// A new world; in the picture it stands at `shift`, under its title, and `zoom` times as large as it is. What is drawn so steps so many
 	/// times slower as falling takes, that all sizes move alike: by the square root of the zoom.
-	DemoWorld& addWorld(scenes::Response response = scenes::Response::Volumetric, const ist::Vec3& gravity = {0, -9.81, 0},
-						const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
+	DemoWorld& addWorld(const ist::Vec3& gravity = {0, -9.81, 0}, const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
 	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
 	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
 	bool isBuilt() const { return !m_parts.empty(); }
@@ -71,7 +71,7 @@ private:
 	DrawList m_one;
 	Curve m_force{"contact force", "N", {}}, m_pairs{"pairs", "", {}}, m_energy{"mechanical energy", "J", {}}, m_cost{"time of a step", "us", {}};
 	double m_time = 0, m_nextSample = 0;
-	bool m_awake = true;
+	bool m_awake = true, m_stock = false;
 	EconomyChoice m_economy;
 };
 }  // namespace browser

@@ -34,6 +34,7 @@ public:
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1e-3; }
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 2.5; }
 	Viewpoint viewpoint() const override
 	{

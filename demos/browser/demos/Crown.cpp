@@ -23,6 +23,7 @@ public:
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1e-3; }
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 1.5; }
 	Viewpoint viewpoint() const override { return {{0, 0.04, 0}, 0.34, 0.5, 0.3}; }
 	DrawChoice firstChoice() const override { return {.lenses = true}; }

@@ -28,6 +28,7 @@ public:
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1e-3; }
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 2.2; }
 	Viewpoint viewpoint() const override { return {{0, 0, 0}, 0.75, 0.35, 1.0}; }
 	std::vector<Parameter> parameters() override
@@ -44,7 +45,7 @@ public:
 protected:
 	std::optional<Error> build() override
 	{
-		DemoWorld& w = addWorld(scenes::Response::Volumetric, {0, 0, 0});
+		DemoWorld& w = addWorld({0, 0, 0});
 		const double radii[] = {0.5 * kModule * kDriver, 0.5 * kModule * kDriven};
 		for (const int i : {0, 1})
 		{

@@ -22,6 +22,7 @@ public:
 		if (auto error = makeSolid(m_ring, "ring", ring, 1000, options)) return error;
 		return std::nullopt;
 	}
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 2; }
 	Viewpoint viewpoint() const override { return {{0, 0.25, 0}, 2.2, 0.6, 0.35}; }
 	std::vector<Parameter> parameters() override

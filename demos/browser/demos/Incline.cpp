@@ -21,6 +21,7 @@ public:
 		if (auto error = makeSolid(m_slab, "slab", makeBoxMesh({0.15, 0.03, 0.1}), 800, options)) return error;
 		return std::nullopt;
 	}
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 1.5; }
 	Viewpoint viewpoint() const override { return {{0.5, -0.2, 0}, 3.0, 0.25, 0.25}; }
 	std::vector<Parameter> parameters() override

@@ -25,6 +25,7 @@ public:
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 480; }
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 2.5; }
 	Viewpoint viewpoint() const override { return {{0, 0.05, 0}, 0.42, 0.5, 0.4}; }
 	DrawChoice firstChoice() const override { return {.lenses = true}; }

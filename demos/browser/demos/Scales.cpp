@@ -30,6 +30,7 @@ public:
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 240; }
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 3; }
 	Viewpoint viewpoint() const override { return {{0, 0.6, 0}, 7.5, 0.3, 0.2}; }
 	std::vector<Parameter> parameters() override { return {{"height of the fall over the edge", "", &m_height, 0, 2, true, false}}; }
@@ -51,7 +52,7 @@ protected:
 		for (size_t i = 0; i < kSizes; ++i)
 		{
 			const double edge = kEdges[i];
-			DemoWorld& w = addWorld(scenes::Response::Volumetric, {0, -kGravity, 0}, {1.5 * (double(i) - 1.5), 0, 0}, m_solids[i]->name, 1 / edge);
+			DemoWorld& w = addWorld({0, -kGravity, 0}, {1.5 * (double(i) - 1.5), 0, 0}, m_solids[i]->name, 1 / edge);
 			w.addPlane({0, 1, 0}, 0, 0.5);
 			BodySetup cube;
 			cube.name = m_solids[i]->name;

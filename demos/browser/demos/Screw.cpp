@@ -25,6 +25,7 @@ public:
 		return makeSolid(m_screw, "screw", screw(kThread, kLength, kHead, kHeadHeight), 6000, options);
 	}
 	double stepSize() const override { return 1.0 / 240; }
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 0.3; }
 	Viewpoint viewpoint() const override { return {{0, 0.02, 0}, 0.42, 0.3, 0.4}; }
 	std::vector<Parameter> parameters() override { return {{"friction of the second", "", &m_rubbing, 0, 1, true, false}}; }

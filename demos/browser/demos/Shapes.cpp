@@ -35,6 +35,7 @@ public:
 		if (auto error = makeSolid(m_solid, "body", mesh.value(), 1000, options)) return error;
 		return std::nullopt;
 	}
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 2.5; }
 	Viewpoint viewpoint() const override { return {{0, 0.15, 0}, 1.75, 0.5, 0.42}; }
 	std::vector<Figure> figures() const override

@@ -24,6 +24,7 @@ public:
 		if (auto error = makeSolid(m_knot, "knot", knotMesh(0.3), 1000, options)) return error;
 		return std::nullopt;
 	}
+	bool hasStockSide() const override { return true; }
 	double duration() const override { return 3; }
 	Viewpoint viewpoint() const override { return {{0, 0.24, 0}, 1.35, 0.6, 0.25}; }
 	std::vector<Parameter> parameters() override { return {{"offset of each", "mm", &m_offset, 0, 40, true, false}}; }

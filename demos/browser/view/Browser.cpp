@@ -31,18 +31,20 @@ Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_r
 	if (renderer.software()) m_quality = {1, 2, 1024, false};
 }
 
-void Browser::start(const DemoEntry& entry)
+bool Browser::start(const DemoEntry& entry)
 {
-	std::unique_ptr<BrowsableDemo> made = entry.make();
+	std::unique_ptr<BrowsableDemo> made = makeDemo(entry, m_halves);
 	std::optional<Error> error = made->prepare(m_options);
 	if (!error) error = made->restart();
 	if (error)
 	{
 		m_message = std::string(entry.name) + ": " + error->message;
-		return;
+		return false;
 	}
+	m_views.clear();
 	m_demo = std::move(made);
 	m_entry = &entry;
+	m_hasStockSide = entry.make()->hasStockSide();
 	m_message.clear();
 	m_choice = m_demo->firstChoice();
 	m_camera.set(m_demo->viewpoint());
@@ -52,6 +54,36 @@ void Browser::start(const DemoEntry& entry)
 	m_held = m_touched = false;
 	m_stepTimes.clear();
 	if (m_device) m_device->forget();
+	return true;
+}
+
+void Browser::toggleHalves()
+{
+	if (!m_entry)
+	{
+		m_halves = !m_halves;  // of the first demo
+		return;
+	}
+	if (!m_hasStockSide)
+	{
+		m_message = std::string(m_entry->name) + (m_demo->halves().empty() ? ": Bullet's own contact has no answer to this scene" : ": stands beside stock Bullet already");
+		return;
+	}
+	std::vector<double> values;
+	for (const Parameter& p : m_demo->parameters()) values.push_back(*p.value);
+	const DrawChoice choice = m_choice;
+	const Viewpoint view = m_camera.viewpoint();
+	m_halves = !m_halves;
+	if (!start(*m_entry))
+	{
+		m_halves = !m_halves;
+		return;
+	}
+	m_choice = choice;
+	m_camera.set(view);
+	const std::vector<Parameter> parameters = m_demo->parameters();
+	for (size_t i = 0; i < parameters.size(); ++i) *parameters[i].value = values[i];
+	key(Key::Restart);
 }
 
 void Browser::open(const std::string& name)
@@ -100,19 +132,34 @@ void Browser::key(Key key)
 		case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
 		case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
 		case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
+		case Key::Halves: toggleHalves(); break;
 		case Key::Picture: m_wantsPicture = true; break;
 	}
 }
 
 bool Browser::wantsPicture() { return std::exchange(m_wantsPicture, false); }
 
+const SceneView* Browser::viewAt(double& x) const
+{
+	const double pixel = m_sceneLeft + x * m_sceneWidth;
+	for (const SceneView& view : m_views)
+	{
+		const double share = (pixel - view.area.left) / view.area.width;
+		if (view.area.empty() || (&view != &m_views.back() && share >= 1)) continue;
+		x = share;
+		return &view;
+	}
+	return nullptr;
+}
+
 void Browser::press(double x, double y, bool onCamera)
 {
 	m_mouseX = x;
 	m_mouseY = y;
 	// A second button, while a body is held, says how it is dragged.
-	if (m_held || onCamera || !m_demo || !(m_sceneHeight > 0)) return;
-	const auto grip = m_demo->grab(m_camera.eye(), m_camera.ray(x, y, m_sceneWidth / m_sceneHeight));
+	const SceneView* view = viewAt(x);
+	if (m_held || onCamera || !m_demo || !view) return;
+	const auto grip = view->demo->grab(m_camera.eye(), m_camera.ray(x, y, view->area.aspect()));
 	if (!grip) return;
 	m_held = m_touched = true;
 	m_grip = *grip;
@@ -125,13 +172,13 @@ void Browser::drag(double x, double y, bool turns, bool pans, bool zooms)
 	m_mouseY = y;
 	if (!m_held)
 	{
-		if (pans) m_camera.pan(right, down);
+		if (pans) m_camera.pan(right, down, viewAspect());
 		else if (zooms) m_camera.zoom(-20 * down);
 		else m_camera.turn(right, down);
 		return;
 	}
 	const Mat3 axes = m_camera.axes();
-	const double height = m_camera.heightAt(m_grip);
+	const double height = m_camera.heightAt(m_grip, viewAspect());
 	if (turns) m_demo->drag({}, 4 * (down * axes.column(0) + right * axes.column(1)));
 	else if (zooms) m_demo->drag(height * down * axes.column(2), {});
 	else m_demo->drag(height * (right * axes.column(0) - down * axes.column(1)), {});
@@ -179,14 +226,9 @@ void Browser::draw(unsigned target, int width, int height)
 	m_sceneWidth = width - panel;
 	m_sceneHeight = height;
 	if (width <= 0 || height <= 0) return;
-	m_list.clear();
-	m_list.water = false;
-	m_list.ground = m_choice.ground;
-	m_list.groundHeight = 0;
-	m_list.groundNormal = {0, 1, 0};
-	if (m_demo) m_demo->draw(m_choice, m_list);
-	m_renderer.draw(m_list, m_camera, target, int(panel), width, height, m_quality);
-	drawTexts(*ImGui::GetBackgroundDrawList(), m_list, m_camera, panel, 0, m_sceneWidth, height);
+	const PixelArea area{int(panel), width - int(panel), height};
+	m_views = m_demo ? sceneViews(*m_demo, area) : std::vector<SceneView>{{nullptr, "", area}};
+	m_painter.paint(m_views, m_choice, m_camera, m_renderer, target, m_quality, true);
 	if (m_panels) drawTree(float(panel), float(height));
 	else if (!m_message.empty()) ImGui::GetForegroundDrawList()->AddText({10, 10}, IM_COL32(170, 30, 10, 255), m_message.c_str());
 }

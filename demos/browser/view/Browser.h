@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/BesideStock.h"
 #include "demos/browser/DeviceHand.h"
 #include "demos/browser/view/Gui.h"
-#include "demos/browser/view/Renderer.h"
+#include "demos/browser/view/SceneView.h"
 
 #include <deque>
 #include <memory>
@@ -31,6 +31,7 @@ enum class Key
 	Spheres,      ///< b
 	Leaves,       ///< n
 	Lenses,       ///< m
+	Halves,       ///< h: beside stock Bullet
 	Picture       ///< F1
 };
 
@@ -84,7 +85,11 @@ private:
 	void drawPairs();
 	void drawChoices();
 	void stepOnce();
-	void start(const DemoEntry& entry);
+	bool start(const DemoEntry& entry);
+	void toggleHalves();
+	/// The view under a share of the width of the scene, which becomes that of the view; null before the first picture.
+	const SceneView* viewAt(double& x) const;
+	double viewAspect() const { return m_views.empty() ? 1 : m_views.front().area.aspect(); }
 
 	Renderer& m_renderer;
 	Gui& m_gui;
@@ -94,13 +99,15 @@ private:
 	const DemoEntry* m_entry = nullptr;
 	Camera m_camera;
 	DrawChoice m_choice;
-	DrawList m_list;
+	ScenePainter m_painter;
+	std::vector<SceneView> m_views;
 	RenderQuality m_quality;
 	std::string m_message;
 	char m_search[64] = {};
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;
 	double m_mouseX = 0, m_mouseY = 0, m_grip = 0;
 	EconomyChoice m_economy;
+	bool m_halves = false, m_hasStockSide = false;
 	bool m_paused = false, m_panels = true, m_profile = true, m_noSleep = true, m_held = false, m_touched = false, m_wantsPicture = false;
 	std::deque<float> m_stepTimes, m_frameTimes;  // [us, ms]
 };

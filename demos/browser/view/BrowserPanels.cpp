@@ -104,6 +104,7 @@ void Browser::drawControls()
 	if (ImGui::Button("Restart (r)")) key(Key::Restart);
 	float speed = float(m_speed);
 	if (ImGui::SliderFloat("speed", &speed, 0.01f, 1, "%.2f of real time", ImGuiSliderFlags_Logarithmic)) m_speed = double(speed);
+	if (bool halves = m_halves; m_hasStockSide && ImGui::Checkbox("beside stock Bullet (h)", &halves)) key(Key::Halves);
 	if (m_demo) ImGui::TextColored(kQuiet, "time %.2f s, step %.3g ms", m_demo->time(), 1e3 * m_demo->stepSize());
 }
 

@@ -26,10 +26,10 @@ void Camera::turn(double right, double down)
 	m_view.pitch = std::clamp(m_view.pitch + kPi * down, -kSteepest, kSteepest);
 }
 
-void Camera::pan(double right, double down)
+void Camera::pan(double right, double down, double aspect)
 {
 	const Mat3 a = axes();
-	m_view.target += heightAt(m_view.distance) * (-right * a.column(0) + down * a.column(1));
+	m_view.target += heightAt(m_view.distance, aspect) * (-right * a.column(0) + down * a.column(1));
 }
 
 void Camera::zoom(double notches) { m_view.distance = std::clamp(m_view.distance * std::pow(0.88, notches), 1e-6, 1e6); }
@@ -45,13 +45,13 @@ Vec3 Camera::eye() const { return m_view.target + m_view.distance * axes().colum
 
 Matrix4 Camera::view() const { return matrixOf(inverse(Pose{axes(), eye()})); }
 
-Matrix4 Camera::projection(double aspect) const { return perspective(kVerticalAngle, aspect, nearest(), farthest()); }
+Matrix4 Camera::projection(double aspect) const { return perspective(2 * std::atan(0.5 * heightAt(1, aspect)), aspect, nearest(), farthest()); }
 
-double Camera::heightAt(double distance) const { return 2 * distance * std::tan(kVerticalAngle / 2); }
+double Camera::heightAt(double distance, double aspect) const { return 2 * distance * std::tan(kVerticalAngle / 2) * std::max(1.0, kFullAspect / aspect); }
 
 Vec3 Camera::ray(double x, double y, double aspect) const
 {
-	const double h = heightAt(1);
+	const double h = heightAt(1, aspect);
 	return normalized(axes() * Vec3{(x - 0.5) * h * aspect, (0.5 - y) * h, -1});
 }
 
@@ -59,7 +59,7 @@ std::optional<std::array<double, 2>> Camera::project(const Vec3& point, double a
 {
 	const Vec3 p = transpose(axes()) * (point - eye());
 	if (p.z >= -nearest()) return std::nullopt;
-	const double h = heightAt(-p.z);
+	const double h = heightAt(-p.z, aspect);
 	return std::array<double, 2>{0.5 + p.x / (h * aspect), 0.5 - p.y / h};
 }
 }  // namespace browser

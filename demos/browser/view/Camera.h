@@ -13,12 +13,14 @@ class Camera
 {
 public:
 	static constexpr double kVerticalAngle = 0.6;  ///< between lower and upper edge of the picture [rad]
+	/// Width over height from which on that is so. Narrower pictures see as much from left to right, and more above and below.
+	static constexpr double kFullAspect = 1.4;
 
 	void set(const Viewpoint& view);
 	const Viewpoint& viewpoint() const { return m_view; }
 	/// Shares of the picture's height that the mouse went, right and down.
 	void turn(double right, double down);
-	void pan(double right, double down);
+	void pan(double right, double down, double aspect);
 	/// Nearer for positive.
 	void zoom(double notches);
 
@@ -35,7 +37,7 @@ public:
 	/// Where a point of the World is seen, in the same measure; nothing behind the eye.
 	std::optional<std::array<double, 2>> project(const ist::Vec3& point, double aspect) const;
 	/// Height of the picture at a distance from the eye [m].
-	double heightAt(double distance) const;
+	double heightAt(double distance, double aspect) const;
 
 private:
 	Viewpoint m_view;

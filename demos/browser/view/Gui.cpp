@@ -88,17 +88,19 @@ void Gui::end(unsigned target, int width, int height)
 	ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, double left, double top, double width, double height)
+void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, const PixelArea& area)
 {
+	to.PushClipRect({float(area.left), 0}, {float(area.left + area.width), float(area.height)});
 	for (const DrawnText& text : list.texts)
 	{
-		const auto at = camera.project(text.at, width / height);
+		const auto at = camera.project(text.at, area.aspect());
 		if (!at) continue;
 		const ImVec2 size = ImGui::CalcTextSize(text.text.c_str());
 		const float pad = 0.25f * size.y;
-		const ImVec2 p(float(left + (*at)[0] * width) + pad, float(top + (*at)[1] * height) - size.y - pad);
+		const ImVec2 p(float(area.left + (*at)[0] * area.width) + pad, float((*at)[1] * area.height) - size.y - pad);
 		to.AddRectFilled({p.x - pad, p.y - 0.4f * pad}, {p.x + size.x + pad, p.y + size.y + 0.4f * pad}, IM_COL32(255, 255, 255, 205), pad);
 		to.AddText(p, ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
 	}
+	to.PopClipRect();
 }
 }  // namespace browser

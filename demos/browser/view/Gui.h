@@ -2,7 +2,7 @@
 #pragma once
 
 #include "demos/browser/DrawList.h"
-#include "demos/browser/view/Camera.h"
+#include "demos/browser/view/Renderer.h"
 
 struct ImDrawList;
 
@@ -30,6 +30,6 @@ private:
 	double m_density;
 };
 
-/// Texts of a list where the camera sees their places, in a rectangle of the screen [pixels].
-void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, double left, double top, double width, double height);
+/// Texts of a list where the camera sees their places, within an area of the picture.
+void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, const PixelArea& area);
 }  // namespace browser

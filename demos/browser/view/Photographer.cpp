@@ -3,9 +3,7 @@
 
 #include "demos/browser/view/Gui.h"
 #include "demos/browser/view/OffscreenContext.h"
-#include "demos/browser/view/Renderer.h"
-
-#include <imgui.h>
+#include "demos/browser/view/SceneView.h"
 
 namespace browser
 {
@@ -17,7 +15,7 @@ struct Photographer::Implementation
 	std::unique_ptr<PictureTarget> target;
 	std::unique_ptr<Gui> gui;
 	int width = 0, height = 0;
-	DrawList list;
+	ScenePainter painter;
 };
 
 Photographer::Photographer(std::unique_ptr<Implementation> implementation) : m_impl(std::move(implementation)) {}
@@ -47,17 +45,11 @@ Picture Photographer::take(BrowsableDemo& demo, bool texts) { return take(demo, 
 Picture Photographer::take(BrowsableDemo& demo, const DrawChoice& choice, const Viewpoint& view, bool texts)
 {
 	Implementation& im = *m_impl;
-	im.list = {};
-	demo.draw(choice, im.list);
 	Camera camera;
 	camera.set(view);
-	im.renderer->draw(im.list, camera, im.target->frame(), 0, im.width, im.height, {});
-	if (texts)
-	{
-		im.gui->beginOffscreen(im.width, im.height);
-		drawTexts(*ImGui::GetBackgroundDrawList(), im.list, camera, 0, 0, im.width, im.height);
-		im.gui->end(im.target->frame(), im.width, im.height);
-	}
+	if (texts) im.gui->beginOffscreen(im.width, im.height);
+	im.painter.paint(sceneViews(demo, {0, im.width, im.height}), choice, camera, *im.renderer, im.target->frame(), {}, texts);
+	if (texts) im.gui->end(im.target->frame(), im.width, im.height);
 	return im.target->read();
 }
 }  // namespace browser

@@ -81,7 +81,7 @@ struct Renderer::Implementation
 	void drawShadows(const DrawList& list, const Lamp& lamp, const RenderQuality& quality);
 	void drawGround(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality);
 	void drawGlyphs(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality);
-	void finish(const Camera& camera, unsigned target, int left, int width, int height, const RenderQuality& quality);
+	void finish(const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& quality);
 	~Implementation()
 	{
 		if (ramp) glDeleteTextures(1, &ramp);
@@ -244,14 +244,14 @@ void Renderer::Implementation::drawGlyphs(const DrawList& list, const Lamp& lamp
 	cost.drawCalls += 6;
 }
 
-void Renderer::Implementation::finish(const Camera& camera, unsigned target, int left, int width, int height, const RenderQuality& quality)
+void Renderer::Implementation::finish(const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& quality)
 {
 	glDisable(GL_DEPTH_TEST);
 	glBindVertexArray(empty);
-	const double aspect = double(width) / height;
+	const double aspect = area.aspect();
 	if (quality.occlusion)
 	{
-		share.resize(width, height, GL_R8, false);
+		share.resize(area.width, area.height, GL_R8, false);
 		share.bind();
 		occlusion.use();
 		glBindTexture(GL_TEXTURE_2D, picture.depth());
@@ -259,11 +259,11 @@ void Renderer::Implementation::finish(const Camera& camera, unsigned target, int
 		occlusion.set("uFromClip", inversePerspective(camera.projection(aspect)));
 		occlusion.set("uReach", float(0.07 * camera.viewpoint().distance));
 		occlusion.set("uAspect", float(aspect));
-		occlusion.set("uHeightShare", float(1 / camera.heightAt(1)));
+		occlusion.set("uHeightShare", float(1 / camera.heightAt(1, aspect)));
 		glDrawArrays(GL_TRIANGLES, 0, 3);
 	}
 	glBindFramebuffer(GL_FRAMEBUFFER, target);
-	glViewport(left, 0, width, height);
+	glViewport(area.left, 0, area.width, area.height);
 	compose.use();
 	compose.set("uColour", 0);
 	compose.set("uShare", 1);
@@ -279,16 +279,14 @@ void Renderer::Implementation::finish(const Camera& camera, unsigned target, int
 	glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target, int left, int fullWidth, int height, const RenderQuality& wanted)
+void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& wanted)
 {
-	const int width = fullWidth - left;
-	if (width <= 0 || height <= 0) return;
+	if (area.empty()) return;
 	const auto start = std::chrono::steady_clock::now();
 	Implementation& im = *m_impl;
-	im.cost = {};
 	RenderQuality quality = wanted;
 	if (!list.shadows) quality.shadowTaps = 0;
-	const double aspect = double(width) / height;
+	const double aspect = area.aspect();
 	const Lamp lamp = lampFor(boundsOf(list));
 	const Matrix4 view = camera.view(), projection = camera.projection(aspect), both = projection * view;
 	glEnable(GL_DEPTH_TEST);
@@ -296,7 +294,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	glDisable(GL_BLEND);
 	glDisable(GL_SCISSOR_TEST);
 	if (quality.shadowTaps > 0) im.drawShadows(list, lamp, quality);
-	im.picture.resize(width * quality.supersampling, height * quality.supersampling, GL_RGBA8, true);
+	im.picture.resize(area.width * quality.supersampling, area.height * quality.supersampling, GL_RGBA8, true);
 	im.picture.bind();
 	glClear(GL_DEPTH_BUFFER_BIT);
 	glDepthMask(GL_FALSE);
@@ -316,7 +314,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	im.ball.use();
 	im.light(im.ball, lamp, camera, quality);
 	im.ball.set("uFromView", matrixOf(Pose{camera.axes(), camera.eye()}));
-	im.drawBalls(list, im.ball, view, projection, false, height * quality.supersampling / camera.heightAt(1), camera.eye());
+	im.drawBalls(list, im.ball, view, projection, false, area.height * quality.supersampling / camera.heightAt(1, aspect), camera.eye());
 
 	glEnable(GL_BLEND);
 	glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
@@ -330,13 +328,14 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	if (list.water) im.drawGround(list, lamp, camera, both, quality);
 	glDepthMask(GL_TRUE);
 	glDisable(GL_BLEND);
-	im.finish(camera, target, left, width, height, quality);
+	im.finish(camera, target, area, quality);
 	im.models.forgetUnused();
-	im.cost.microseconds = 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	im.cost.microseconds += 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 Renderer::Renderer(std::unique_ptr<Implementation> implementation) : m_impl(std::move(implementation)) {}
 Renderer::~Renderer() = default;
+void Renderer::beginPicture() { m_impl->cost = {}; }
 const RenderCost& Renderer::cost() const { return m_impl->cost; }
 bool Renderer::software() const { return m_impl->software; }
 const std::string& Renderer::device() const { return m_impl->device; }

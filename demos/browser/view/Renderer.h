@@ -17,7 +17,15 @@ struct RenderQuality
 	bool occlusion = true;  ///< ambient
 };
 
-/// What drawing cost.
+/// Columns of a picture, over its whole height.
+struct PixelArea
+{
+	int left = 0, width = 0, height = 0;
+	bool empty() const { return width <= 0 || height <= 0; }
+	double aspect() const { return double(width) / height; }
+};
+
+/// What drawing a picture cost, all its areas together.
 struct RenderCost
 {
 	double microseconds = 0;   ///< of our own thread, the driver's work in it included where the driver works at once
@@ -32,8 +40,10 @@ public:
 	static ist::Result<std::unique_ptr<Renderer>> make();
 	~Renderer();
 
-	/// Into frame buffer `target` (0: the window) of so many pixels, right of the column `left`; nothing where no pixel is left.
-	void draw(const DrawList& list, const Camera& camera, unsigned target, int left, int width, int height, const RenderQuality& quality);
+	/// From here on costs are counted anew.
+	void beginPicture();
+	/// Into an area of the frame buffer `target` (0: the window).
+	void draw(const DrawList& list, const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& quality);
 	const RenderCost& cost() const;
 	/// True when no graphics card draws: shadows and pixels are dear.
 	bool software() const;

@@ -126,6 +126,95 @@ TEST(Browser, MouseTakesABodyAndDragsIt)
 	EXPECT_NE(camera.viewpoint().yaw, yaw);
 }
 
+/// The columns of a picture from one share of its width to another, below the titles.
+Picture columns(const Picture& p, double from, double to)
+{
+	const int first = int(from * p.width), last = int(to * p.width), top = p.height / 8;
+	Picture part{last - first, p.height - top, {}};
+	for (int y = top; y < p.height; ++y)
+		part.pixels.insert(part.pixels.end(), p.pixels.begin() + 3 * (y * p.width + first), p.pixels.begin() + 3 * (y * p.width + last));
+	return part;
+}
+
+// The same start looks the same in both halves; later stock Bullet has dropped what ours carries.
+TEST(Browser, HalvesShowTwoScenesUnderOneCamera)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->open("heavy-on-light");
+	rig.browser->key(Key::Panels);
+	const Picture whole = rig.draw();
+	const double distance = rig.browser->camera().viewpoint().distance;
+	rig.browser->camera().zoom(2);
+	rig.browser->key(Key::Halves);
+	EXPECT_LT(rig.browser->camera().viewpoint().distance, distance) << "the camera stays";
+	EXPECT_EQ(rig.browser->demo()->time(), 0);
+	rig.browser->key(Key::Pause);
+	const auto alike = [&] { const Picture p = rig.draw(); return worstSimilarity(columns(p, 0.02, 0.48), columns(p, 0.52, 0.98)); };
+	const double start = alike();
+	for (int i = 0; i < 180; ++i) rig.browser->key(Key::Step);
+	const double end = alike();
+	rig.browser->camera().turn(0.3, 0.1);
+	const double turned = alike();
+	std::printf("  halves alike: %.2f at first, %.2f after 3 s, %.2f turned\n", start, end, turned);
+	EXPECT_GT(start, 0.9);
+	EXPECT_LT(end, 0.3);
+	rig.browser->key(Key::Halves);
+	rig.browser->camera().set(rig.browser->demo()->viewpoint());
+	EXPECT_GT(worstSimilarity(whole, rig.draw()), 0.9);
+}
+
+TEST(Browser, HalvesKeepTheParametersAndSayWhereThereAreNone)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->open("heavy-on-light");
+	*const_cast<BrowsableDemo*>(rig.browser->demo())->parameters()[0].value = 77;
+	rig.browser->key(Key::Halves);
+	EXPECT_EQ(*const_cast<BrowsableDemo*>(rig.browser->demo())->parameters()[0].value, 77);
+	EXPECT_FALSE(const_cast<BrowsableDemo*>(rig.browser->demo())->halves().empty());
+	rig.browser->open("floating");
+	EXPECT_TRUE(const_cast<BrowsableDemo*>(rig.browser->demo())->halves().empty());
+	rig.browser->key(Key::Halves);
+	EXPECT_NE(rig.browser->message().find("floating"), std::string::npos);
+	rig.browser->open("stack");
+	EXPECT_FALSE(const_cast<BrowsableDemo*>(rig.browser->demo())->halves().empty()) << "the choice stays";
+}
+
+TEST(Browser, MouseTakesWhatIsInTheHalfUnderIt)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->key(Key::Halves);
+	rig.browser->open("heavy-on-light");
+	auto halves = const_cast<BrowsableDemo*>(rig.browser->demo())->halves();
+	ASSERT_EQ(halves.size(), 2u);
+	rig.draw();
+	const auto heightIn = [&](size_t i)
+	{
+		DrawList list;
+		halves[i].demo->draw({}, list);
+		return list.surfaces[1].X_WM.translation.y;
+	};
+	const double aspect = 0.5 * rig.browser->sceneWidth() / Rig::kHeight;
+	for (const int i : {0, 1})
+	{
+		rig.browser->key(Key::Restart);
+		const auto seen = rig.browser->camera().project({0, 1.5, 0}, aspect);
+		ASSERT_TRUE(seen);
+		const double x = 0.5 * (i + (*seen)[0]);
+		rig.browser->press(x, (*seen)[1], false);
+		for (int k = 1; k <= 20; ++k)
+		{
+			rig.browser->drag(x, (*seen)[1] - 0.01 * k, false, false, false);
+			rig.browser->advance(0.05);
+		}
+		EXPECT_GT(heightIn(size_t(i)), 1.7) << i;
+		EXPECT_LT(heightIn(size_t(1 - i)), 1.51) << i;
+		rig.browser->releaseMouse();
+	}
+}
+
 TEST(Browser, DrawsInEverySize)
 {
 	Rig rig;
@@ -134,6 +223,8 @@ TEST(Browser, DrawsInEverySize)
 	for (const auto& [width, height] : {std::pair{640, 360}, {640, 0}, {0, 0}, {17, 300}, {1, 1}, {639, 359}}) rig.draw(width, height);
 	rig.browser->key(Key::Panels);
 	rig.draw(1, 1);
+	rig.browser->key(Key::Halves);
+	for (const auto& [width, height] : {std::pair{640, 360}, {639, 359}, {1, 1}, {0, 0}, {2, 300}}) rig.draw(width, height);
 }
 
 // What a key shows can be seen.

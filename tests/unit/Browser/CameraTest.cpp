@@ -65,11 +65,27 @@ TEST(Camera, KeepsThePointUnderTheMouseWhilePanning)
 	std::mt19937_64 random(5);
 	Camera camera = randomCamera(random, 1);
 	const Vec3 p = camera.viewpoint().target;
-	camera.pan(0.2, -0.1);
+	camera.pan(0.2, -0.1, 1);
 	const auto seen = camera.project(p, 1);
 	ASSERT_TRUE(seen);
 	EXPECT_NEAR((*seen)[0], 0.7, 1e-9);
 	EXPECT_NEAR((*seen)[1], 0.4, 1e-9);
+}
+
+TEST(Camera, SeesAsMuchFromLeftToRightInANarrowPicture)
+{
+	std::mt19937_64 random(6);
+	for (int i = 0; i < 20; ++i)
+	{
+		const Camera camera = randomCamera(random, 3);
+		for (const double narrow : {1.2, 0.8, 0.3})
+		{
+			const Vec3 edge = camera.eye() + 2 * camera.ray(0.05, 0.5, Camera::kFullAspect);
+			EXPECT_NEAR((*camera.project(edge, narrow))[0], 0.05, 1e-9);
+			EXPECT_GT(camera.heightAt(1, narrow), camera.heightAt(1, 2));
+		}
+		EXPECT_EQ(camera.heightAt(1, 1.5), camera.heightAt(1, 3));
+	}
 }
 
 TEST(Camera, NeverTurnsOverAndNeverReachesItsTarget)

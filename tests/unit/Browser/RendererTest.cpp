@@ -83,7 +83,7 @@ TEST(Renderer, BallsAndMeshesAppearWhereTheyAreAndAsLargeAsTheyAre)
 		camera.set({{0.3 * u(random), 0.3 * u(random), 0}, 3, 3 * u(random), 1.2 * u(random)});
 		DrawList list;
 		list.ground = false;
-		renderer.value()->draw(list, camera, target.frame(), 0, kWidth, kHeight, quality);
+		renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, quality);
 		const Picture empty = target.read();
 		ist::Pose X;
 		X.rotation = rotationMatrix(ist::quaternionFromRotationVector({u(random), u(random), u(random)}));
@@ -96,7 +96,7 @@ TEST(Renderer, BallsAndMeshesAppearWhereTheyAreAndAsLargeAsTheyAre)
 			X_mesh.translation = center;
 			if (asBall) drawn.spheres.push_back({one, X, 1, 1});
 			else drawn.surfaces.push_back({mesh, X_mesh, {0.9f, 0.2f, 0.1f}});
-			renderer.value()->draw(drawn, camera, target.frame(), 0, kWidth, kHeight, quality);
+			renderer.value()->draw(drawn, camera, target.frame(), {0, kWidth, kHeight}, quality);
 			const Seen seen = look(target.read(), empty);
 			const auto expected = camera.project(center, double(kWidth) / kHeight);
 			ASSERT_TRUE(expected);
@@ -104,7 +104,7 @@ TEST(Renderer, BallsAndMeshesAppearWhereTheyAreAndAsLargeAsTheyAre)
 			EXPECT_NEAR(seen.y, (*expected)[1], 0.012) << asBall;
 			// Half-axes of the ellipse on the picture plane, to first order in the angle off the axis.
 			const ist::Vec3 off = center - camera.eye();
-			const double deep = -dot(off, camera.axes().column(2)), t = 0.25 / std::sqrt(deep * deep - 0.0625), pixels = kHeight / camera.heightAt(1);
+			const double deep = -dot(off, camera.axes().column(2)), t = 0.25 / std::sqrt(deep * deep - 0.0625), pixels = kHeight / camera.heightAt(1, double(kWidth) / kHeight);
 			EXPECT_NEAR(std::sqrt(seen.share * kWidth * kHeight / 3.14159265), t * pixels, 0.05 * t * pixels) << asBall;
 		}
 	}
@@ -121,7 +121,7 @@ TEST(Renderer, LeavesOutWhatIsSmallerThanAPixelAndKeepsTheRest)
 	list.spheres.push_back({cloud(100000, 1, 0.02), {}, 100000, 1});
 	Camera camera;
 	camera.set({{}, 4, 0.4, 0.3});
-	renderer.value()->draw(list, camera, target.frame(), 0, kWidth, kHeight, {});
+	renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, {});
 	const RenderCost near = renderer.value()->cost();
 	EXPECT_EQ(near.ballsDrawn + near.ballsLeftOut, 100000u);
 	EXPECT_GT(near.ballsDrawn, 50000u);
@@ -129,7 +129,7 @@ TEST(Renderer, LeavesOutWhatIsSmallerThanAPixelAndKeepsTheRest)
 	EXPECT_LT(near.drawCalls, 12u);
 	std::printf("  100,000 balls: %.1f ms of the thread that draws\n", near.microseconds / 1e3);
 	camera.set({{}, 80, 0.4, 0.3});
-	renderer.value()->draw(list, camera, target.frame(), 0, kWidth, kHeight, {});
+	renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, {});
 	EXPECT_LT(renderer.value()->cost().ballsDrawn, near.ballsDrawn / 2);
 }
 
@@ -149,10 +149,10 @@ TEST(Renderer, ShadowFallsUnderTheBody)
 	camera.set({{0, 0.3, 0}, 7, 0.5, 0.5});
 	RenderQuality quality;
 	quality.occlusion = false;
-	renderer.value()->draw(list, camera, target.frame(), 0, kWidth, kHeight, quality);
+	renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, quality);
 	const Picture with = target.read();
 	list.shadows = false;
-	renderer.value()->draw(list, camera, target.frame(), 0, kWidth, kHeight, quality);
+	renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, quality);
 	const Picture without = target.read();
 	const Seen shadow = look(with, without);
 	// The light comes from (0.45, 0.85, 0.30): the plate's middle is seen on the ground at -(0.45, 0.30) / 0.85.

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/browser/BrowsableDemo.h"
+#include "demos/browser/view/Renderer.h"
+
+#include <string>
+#include <vector>
+
+namespace browser
+{
+/// Where a demo, or one of its halves, is seen.
+struct SceneView
+{
+	BrowsableDemo* demo = nullptr;  ///< null: an empty scene
+	std::string title;
+	PixelArea area;
+};
+
+/// One view for the whole area, or one for each half of the demo, alike in size.
+std::vector<SceneView> sceneViews(BrowsableDemo& demo, const PixelArea& area);
+
+/// Draws the views of a demo with one camera.
+class ScenePainter
+{
+public:
+	/// `texts`: with forces and titles in words, which go to the background of the picture that ImGui has begun.
+	void paint(const std::vector<SceneView>& views, const DrawChoice& choice, const Camera& camera, Renderer& renderer, unsigned target, const RenderQuality& quality,
+			   bool texts);
+
+private:
+	DrawList m_list;
+};
+}  // namespace browser
