@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Tools/WorldNeeds.h"
 
 #include <cstdint>
 #include <string>
@@ -73,6 +74,7 @@ struct TuneArguments
 	std::string fileA, fileB;
 	double error = 0.05;      ///< force error accepted
 	int64_t spheres = 30000;  ///< most of a mesh's tree
+	WorldSetup world;
 	bool json = false;
 };
 

@@ -79,6 +79,18 @@ holds "tune's answer is its cheapest alternative that will do" 'r["time_us"] == 
 holds "tune: finer levels have more pairs" 'all(a["pairs"] > b["pairs"] for a, b in zip(r["alternatives"], r["alternatives"][1:-1]))'
 expect "tune a mesh" 0 "$ist" tune "$dir/cube.obj" "$cube" --error 0.58 --max-spheres 900 --json
 holds "tune a mesh" 'r["spheres_b"] == 300 and 300 < r["spheres_a"] <= 900'
+holds "tune counts patches" '1 <= r["patches"] <= 8 and all(a["patches"] <= 8 for a in r["alternatives"])'
+holds "tune without a world" '"substeps" not in r and "precision" not in r'
+expect "tune a world" 0 "$ist" tune "$cube" "$cube" --error 0.9 --stiffness 1e5 --mass 2 --speed 3 --step 0.05 --distance 10 --json
+holds "tune: the contact carries the weight" 'near(r["rest_depth_m"] * r["frequency_rad_s"] ** 2, 9.81, 1e-6) and r["frequency_rad_s"] ** 2 < 1e5 / 2 * 3'
+holds "tune: explicit limit" 'near(r["explicit_step_s"] * r["frequency_rad_s"], 2, 1e-9) and r["explicit"] == (1 / r["rate_hz"] < r["explicit_step_s"])'
+holds "tune: restitution" 'near(math.exp(-math.pi / 2 * r["restitution_step_s"] * r["frequency_rad_s"]), 0.1, 1e-9)'
+holds "tune: thickness of a cube" 'near(r["thickness_step_s"] * 3, 0.25 / 3, 1e-4)'
+holds "tune: substeps" 'r["substeps"] == math.ceil(0.05 / min(r["restitution_step_s"], r["thickness_step_s"])) > 1 and near(r["rate_hz"], r["substeps"] / 0.05, 1e-6)'
+holds "tune: float is enough" 'r["precision"] == "float"'
+expect "tune far away" 0 "$ist" tune "$cube" "$cube" --error 0.9 --stiffness 1e6 --mass 2 --distance 1e5 --json
+holds "tune: double is needed" 'r["precision"] == "double" and r["substeps"] == 1 and r["restitution_step_s"] is None and 2 ** (16 - 23) > 0.9 * r["rest_depth_m"]'
+expect "tune half a world" 2 "$ist" tune "$cube" "$cube" --error 0.9 --stiffness 1e6
 expect "tune out of reach" 1 "$ist" tune "$cube" "$cube" --error 0.001 --json
 says "tune out of reach" "out of reach"
 holds "tune out of reach" 'r["kept"] is False and r["error"] > 0.001'

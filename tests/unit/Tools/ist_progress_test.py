@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 IST = sys.argv[1]
 CUBE = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
@@ -79,6 +80,18 @@ def interruption(folder, number):
     expect(not [f for f in os.listdir(folder) if f.startswith("interrupted")], "an interrupted build leaves no file")
 
 
+def interrupted_tuning(folder, number):
+    """Between builds and while it measures, too: builds of 1,000, 3,000 ... spheres take turns with measurements."""
+    cube = os.path.join(folder, "cube.obj")
+    for seconds in [1, 1.7, 2.9]:
+        process = subprocess.Popen([IST, "tune", cube, cube, "--error", "0.001", "--max-spheres", "10000000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(seconds)
+        process.send_signal(number)
+        stdout, stderr = process.communicate()
+        expect(process.returncode == 130, f"tune: exit {process.returncode} after signal {number}: {stderr}")
+        expect("interrupted" in stderr and stdout == "", f"tune: {stdout} {stderr}")
+
+
 def small_files():
     resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
 
@@ -118,6 +131,7 @@ with tempfile.TemporaryDirectory() as folder:
     bar_with_the_time_left(folder)
     for number in [signal.SIGINT, signal.SIGTERM]:
         interruption(folder, number)
+        interrupted_tuning(folder, number)
 
 print("\n".join("FAILED " + f for f in failures) or "all passed")
 sys.exit(1 if failures else 0)
