@@ -70,13 +70,17 @@ int main(int argc, char** argv)
 	double error = 0.05;
 	int repeat = 3;
 	std::string only, cache = ".";
-	for (int i = 1; i + 1 < argc; i += 2)
+	for (int i = 1; i < argc; i += 2)
 	{
 		const std::string key = argv[i];
-		if (key == "--error") error = std::atof(argv[i + 1]);
-		if (key == "--repeat") repeat = std::max(1, std::atoi(argv[i + 1]));
-		if (key == "--only") only = argv[i + 1];
-		if (key == "--cache") cache = argv[i + 1];
+		std::string value = i + 1 < argc ? argv[i + 1] : "";
+		if (key == "--error") error = std::atof(value.c_str());
+		else if (key == "--repeat") repeat = std::atoi(value.c_str());
+		else if (key == "--only") only = value;
+		else if (key == "--cache") cache = value;
+		else value.clear();
+		if (value.empty() || !(error >= 0 && error <= 0.5) || repeat < 1)
+			return std::fprintf(stderr, "usage: bench_economy [--error E=0.05, 0 to 0.5] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]\n"), 2;
 	}
 	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step [us], always / economy | error 95 %% | largest | figures |\n");
 	std::printf("|---|---|---|---|---|---|---|---|---|---|---|\n");
