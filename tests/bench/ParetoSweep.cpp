@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/bench/ParetoSweep.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/ForcePromise.h"
 #include "BulletISTCollision/Core/LevelCalibration.h"
+#include "BulletISTCollision/Core/StepChoice.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/TreeCache.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
+#include "demos/scenes/AssetCache.h"
+#include "demos/scenes/ForceAlongPath.h"
 #include "tests/bench/BenchBodies.h"
+#include "tests/bench/PeerContacts.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,8 +19,10 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 
 using namespace ist;
 
@@ -51,25 +57,18 @@ double treeBytes(const InnerSphereTree& tree)
 /// Built, or loaded with the time that it took when it was built.
 SweptBody makeBody(const std::string& name, int spheres, const std::string& folder)
 {
-	const std::string path = folder + "/" + name + "-" + std::to_string(spheres) + ".ist";
 	SweptBody body;
-	if (!folder.empty())
-		if (Result<InnerSphereTree> kept = loadAsset(path); kept && std::ifstream(path + ".seconds") >> body.buildSeconds) body.tree = std::move(kept).value();
-	if (body.tree.law.empty())
-	{
-		BuildOptions options;
-		options.maxSpheres = spheres;
-		const double start = now();
-		Result<InnerSphereTree> tree = buildTree(placed(meshNamed(name)), options);
-		body.buildSeconds = now() - start;
-		if (!tree)
-		{
-			std::fprintf(stderr, "%s: %s\n", name.c_str(), tree.error().message.c_str());
-			return body;
-		}
-		body.tree = std::move(tree).value();
-		if (!folder.empty() && saveAsset(body.tree, path)) std::ofstream(path + ".seconds") << body.buildSeconds;
-	}
+	BuildOptions options;
+	options.maxSpheres = spheres;
+	const Mesh mesh = placed(meshNamed(name));
+	const auto say = [](const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); };
+	Result<scenes::CachedTree> tree = scenes::treeFromCache(mesh, options, folder, name, say);
+	if (!tree) return say(name + ": " + tree.error().message), body;
+	const std::string seconds = folder + "/" + name + "-" + std::to_string(treeKey(mesh, options)) + ".seconds";
+	body.buildSeconds = tree.value().seconds;
+	if (tree.value().loaded) std::ifstream(seconds) >> body.buildSeconds;
+	else if (!folder.empty()) std::ofstream(seconds) << body.buildSeconds;
+	body.tree = *tree.value().tree;
 	addLevels(body.tree);
 	body.bytes = treeBytes(body.tree);
 	return body;
@@ -101,6 +100,17 @@ std::unique_ptr<AnalyticField> closedForm(const std::string& name)
 	return nullptr;
 }
 
+/// What a library returns, its contacts summed up as depth times normal, instead of a force.
+Estimator ofPeer(Peer& peer)
+{
+	return [&peer](const Pose& X)
+	{
+		const PeerAnswer answer = peer.ask(X);
+		constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+		return Estimate{kNone, double(answer.contacts), {answer.push, {kNone, kNone, kNone}}, {kNone, kNone, kNone}};
+	};
+}
+
 class PairSweep
 {
 public:
@@ -117,6 +127,7 @@ public:
 
 	void run(Sweep& sweep)
 	{
+		measureDepths();
 		for (int level = 0; level <= levelCount(m_A, m_B); ++level) measure("level " + std::to_string(level), fixedLevel(level), 1, sweep);
 		for (const int budget : m_settings.budgets) measure("budget " + std::to_string(budget), budgeted(budget), 1, sweep);
 		for (const double error : m_settings.errors)
@@ -124,8 +135,19 @@ public:
 			measure("dial " + std::to_string(int(std::lround(100 * error))) + " %", dialled(error), 1, sweep);
 			sweep.promises.push_back(promiseOf(error));
 		}
-		measure("paper", paper(), paperGain(), sweep);
+		measure("paper", paper(), gainOf(paper()), sweep);
 		if (const std::unique_ptr<AnalyticField> field = closedForm(m_nameB)) measure("closed form", against(*field), 1, sweep);
+	}
+	/// Once for each pair of meshes: peers know no spheres.
+	void runPeers(const Mesh& A, const Mesh& B, Sweep& sweep)
+	{
+		measureDepths();
+		m_row.spheres = 0;
+		m_row.bytes = m_row.buildSeconds = std::numeric_limits<double>::quiet_NaN();
+		for (const std::unique_ptr<Peer>& peer : makePeers(A, B))
+		{
+			measure(peer->name(), ofPeer(*peer), gainOf(ofPeer(*peer)), sweep);
+		}
 	}
 
 private:
@@ -187,14 +209,27 @@ private:
 		X.translation = {0.3, -0.2, 0.5};
 		return X;
 	}
-	/// Its stiffness is "empirically determined": the one that fits these poses best.
-	double paperGain()
+	/// For the stiffness that a law leaves to experience: the one that fits these poses best.
+	double gainOf(const Estimator& estimator) const
 	{
-		const Estimator estimator = paper();
 		std::vector<double> gains;
 		for (const TruePose& pose : m_poses)
 			if (const double force = norm(estimator(pose.X_AB).wrench.force); force > 0) gains.push_back(norm(pose.truth.wrench().force) / force);
 		return quantile(gains, 0.5);
+	}
+	/// Median depth of the overlap at each of the shares that were asked for.
+	void measureDepths()
+	{
+		for (const double overlap : m_settings.truth.overlaps)
+		{
+			std::vector<double> depths;
+			for (const TruePose& pose : m_poses)
+			{
+				const OverlapIntegrals total = queryOverlap(m_A, m_B, pose.X_AB, m_workspace, plain()).total;
+				if (pose.overlap == overlap && total.volume > 0) depths.push_back(total.volume / norm(total.areaVector));
+			}
+			m_depths[overlap] = quantile(depths, 0.5) / (m_A.errorLength() + m_B.errorLength());
+		}
 	}
 
 	void measure(const std::string& name, const Estimator& estimator, double gain, Sweep& sweep)
@@ -208,8 +243,10 @@ private:
 			m_row.estimator = name;
 			m_row.overlap = overlap;
 			m_row.poses = int(poses.size());
+			m_row.depthOverGap = m_depths[overlap];
 			judge(poses, estimator, gain);
 			clock(poses, estimator);
+			lead(poses, estimator, gain);
 			sweep.rows.push_back(m_row);
 		}
 	}
@@ -266,6 +303,31 @@ private:
 		m_row.p999 = quantile(times, 0.999);
 	}
 
+	/// Along paths through the first of the poses.
+	void lead(const std::vector<const TruePose*>& poses, const Estimator& estimator, double gain)
+	{
+		constexpr double kFar = 1000, kTick = 1e-3, kDamping = 5, kGravity = 9.81, kLoss = 0.05;
+		const auto force = [&](const Pose& X) { return gain * estimator(X).wrench.force; };
+		m_row.noise = m_row.loopWork = m_row.restDepth = m_row.inFloat = 0;
+		m_row.implicitStep = m_row.explicitK = std::numeric_limits<double>::infinity();
+		for (size_t i = 0; i < std::min(poses.size(), size_t(m_settings.paths)); ++i)
+		{
+			const TruePose& pose = *poses[i];
+			const scenes::PathStart start{pose.X_AB, pose.truth.wrench().force, m_size};
+			const scenes::PathQuality q = scenes::followPath(start, force);
+			m_row.noise = std::max(m_row.noise, q.noise);
+			m_row.loopWork = std::max(m_row.loopWork, q.loopWork);
+			// A depth that does not exist is the worst there is.
+			if (!(std::fabs(q.restDepth) <= std::fabs(m_row.restDepth))) m_row.restDepth = q.restDepth;
+			m_row.inFloat = std::max(m_row.inFloat, scenes::changeInFloat(start, kFar, force));
+			const double h = longestExplicitStep({q.stiffness, 1, 0});  // for k = 1
+			m_row.explicitK = std::min(m_row.explicitK, h * h / (kTick * kTick));
+			// With k = m g / |F| the body rests here.
+			m_row.implicitStep = std::min(m_row.implicitStep, longestStepForRestitution({q.stiffness * kGravity / norm(start.trueForce), 1, 0}, kLoss));
+		}
+		m_row.zWidth = kDamping / (0.5 * kTick + 1e-6 * m_row.p999);
+	}
+
 	PromiseRow promiseOf(double error)
 	{
 		PromiseRow row{m_row.pair, error, m_row.spheres, int(m_poses.size())};
@@ -306,6 +368,7 @@ private:
 	std::string m_nameB;
 	QueryWorkspace m_workspace;
 	ParetoRow m_row;
+	std::map<double, double> m_depths;  ///< by overlap
 	double m_size = 1;
 };
 }  // namespace
@@ -324,12 +387,16 @@ Sweep runSweep(const SweepSettings& settings)
 		const double start = now();
 		const std::vector<TruePose> poses = truePoses(a, b, settings.truth, settings.folder);
 		std::fprintf(stderr, "%s-%s: %zu poses integrated in %.1f s\n", a.c_str(), b.c_str(), poses.size(), now() - start);
+		bool peersAsked = !settings.peers;
 		for (const int spheres : settings.spheres)
 		{
 			for (const std::string& name : {a, b})
 				if (!bodies.count({name, spheres})) bodies[{name, spheres}] = makeBody(name, spheres, settings.folder);
 			const SweptBody &A = bodies[{a, spheres}], &B = bodies[{b, spheres}];
-			if (!A.tree.law.empty() && !B.tree.law.empty()) PairSweep(settings, a, b, spheres, A, B, poses).run(sweep);
+			if (A.tree.law.empty() || B.tree.law.empty()) continue;
+			PairSweep pair(settings, a, b, spheres, A, B, poses);
+			pair.run(sweep);
+			if (!std::exchange(peersAsked, true)) pair.runPeers(placed(meshNamed(a)), placed(meshNamed(b)), sweep);
 			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s\n", a.c_str(), b.c_str(), spheres, now() - start);
 		}
 	}

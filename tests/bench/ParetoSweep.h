@@ -19,6 +19,8 @@ struct SweepSettings
 	std::vector<double> errors = {0.02, 0.05, 0.1, 0.2};  ///< accepted, by the dial
 	std::vector<int> budgets = {100, 1000};               ///< of pairs
 	int passes = 5;
+	int paths = 3;  ///< poses of each overlap through which B is led
+	bool peers = true;
 	std::string folder;  ///< keeps truth and trees from run to run; empty: nowhere
 };
 
@@ -33,9 +35,10 @@ struct SweptBody
 /// One estimator on one pair of bodies at one overlap. Errors are against quadrature; of the force, of its true size.
 struct ParetoRow
 {
-	std::string pair, estimator;  ///< "level 3", "budget 100", "dial 5 %", "paper", "closed form"
+	std::string pair, estimator;  ///< "level 3", "budget 100", "dial 5 %", "paper", "closed form", or the name of another library
 	double overlap = 0;
-	int spheres = 0, poses = 0;
+	double depthOverGap = 0;  ///< mean depth of the overlap, V over the area vector, in sums of both bodies' gaps; as the leaves see it
+	int spheres = 0, poses = 0;  ///< no spheres: another library
 	double buildSeconds = 0, bytes = 0;
 	double p50 = 0, p99 = 0, p999 = 0;  ///< [us]
 	double pairs = 0;
@@ -44,6 +47,12 @@ struct ParetoRow
 	double direction = 0;                         ///< median [deg]
 	double torque = 0;                            ///< rms, of |F_true| times the smaller body's size
 	double point = 0;                             ///< rms distance of the centre of the overlap, of the smaller body's size
+	// On paths through some of the poses (PathQuality), the worst of them.
+	double noise = 0, loopWork = 0, restDepth = 0;
+	double inFloat = 0;        ///< what floats change in the force, 1 km from the origin, of the force
+	double explicitK = 0;      ///< largest k [Pa/m] at which explicit steps of 1 ms of 1 kg do not diverge
+	double implicitStep = 0;   ///< longest implicit step [s] that keeps 95 % of the speed of a body whose weight presses it in this deep
+	double zWidth = 0;         ///< largest wall [N/m] that stays passive at 1 kHz with 5 N s/m, when the query takes its p99.9: b / (T/2 + t)
 };
 
 /// How the dial fared on one pair: over all overlaps together.

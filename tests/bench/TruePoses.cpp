@@ -56,12 +56,12 @@ void write(const std::string& path, std::vector<TruePose>& poses)
 
 std::vector<TruePose> truePoses(const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder)
 {
+	const Mesh A = placed(meshNamed(bodyA)), B = placed(meshNamed(bodyB));
 	std::ostringstream name;
-	name << folder << '/' << bodyA << '-' << bodyB << '-' << settings.poses << '-' << settings.lines << '-' << settings.points << '-' << settings.seed;
+	name << folder << '/' << bodyA << '-' << bodyB << '-' << std::hex << meshHash(A) << '-' << meshHash(B) << std::dec << '-' << settings.poses << '-' << settings.lines << '-' << settings.points << '-' << settings.seed;
 	for (const double overlap : settings.overlaps) name << '-' << overlap;
 	if (!folder.empty())
 		if (std::vector<TruePose> kept = read(name.str()); !kept.empty()) return kept;
-	const Mesh A = placed(meshNamed(bodyA)), B = placed(meshNamed(bodyB));
 	const scenes::OverlapQuadrature quadrature(A, B);
 	std::vector<TruePose> poses;
 	for (const double overlap : settings.overlaps)

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Speed against accuracy: bodies x spheres x level, budget or accepted error, at several overlaps, against quadrature on the triangles; beside them
-// the paper's own estimator and closed forms. Writes pareto.csv, pareto.json, pareto.html and a front as SVG for each pair. Usage:
-// bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N]
+// the paper's own estimator, closed forms and other libraries; in single poses and on paths. Writes pareto.csv, pareto.json, pareto.html and a front as SVG for each pair. Usage:
+// bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] [--peers 0|1]
 // All of it takes about an hour, --quick two minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run.
 #include "demos/scenes/WholeText.h"
 #include "tests/bench/ParetoPage.h"
 
-#include <algorithm>
+#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -36,6 +35,7 @@ SweepSettings quick()
 	s.spheres = {300, 1000, 3000};
 	s.truth = {{0.001, 0.01, 0.1}, 8, 60, 10000, 23};
 	s.passes = 5;
+	s.paths = 2;
 	return s;
 }
 
@@ -46,6 +46,7 @@ SweepSettings tiny()
 	s.spheres = {100, 400};
 	s.truth = {{0.01, 0.1}, 3, 40, 3000, 23};
 	s.passes = 2;
+	s.paths = 1;
 	return s;
 }
 
@@ -57,22 +58,36 @@ std::vector<std::string> split(const std::string& text, char at)
 	return parts;
 }
 
+/// False when the text is not wholly a number, or too small.
+bool takeNumber(const std::string& text, int least, int& into)
+{
+	const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), into);
+	return error == std::errc() && end == text.data() + text.size() && into >= least;
+}
+
 /// False when the argument is none.
 bool takeOption(SweepSettings& settings, std::string& folder, const std::string& name, const std::string& value)
 {
 	if (name == "--out") return folder = value, true;
 	if (name == "--keep") return settings.folder = value, true;
-	if (name == "--passes") return settings.passes = std::max(1, std::atoi(value.c_str())), true;
+	if (name == "--passes") return takeNumber(value, 1, settings.passes);
+	if (name == "--paths") return takeNumber(value, 0, settings.paths);
+	if (name == "--peers") return value == "0" || value == "1" ? settings.peers = value == "1", true : false;
 	if (name == "--spheres")
 	{
 		settings.spheres.clear();
-		for (const std::string& number : split(value, ',')) settings.spheres.push_back(std::max(1, std::atoi(number.c_str())));
-		return true;
+		for (const std::string& number : split(value, ','))
+			if (!takeNumber(number, 1, settings.spheres.emplace_back())) return false;
+		return !settings.spheres.empty();
 	}
 	if (name != "--pairs") return false;
 	settings.pairs.clear();
 	for (const std::string& pair : split(value, ','))
-		if (const std::vector<std::string> names = split(pair, '-'); names.size() == 2) settings.pairs.push_back({names[0], names[1]});
+	{
+		const std::vector<std::string> names = split(pair, '-');
+		if (names.size() != 2) return false;
+		settings.pairs.push_back({names[0], names[1]});
+	}
 	return !settings.pairs.empty();
 }
 
@@ -95,7 +110,8 @@ int main(int argc, char** argv)
 	if (argc > 1 && (argv[1] == std::string("--quick") || argv[1] == std::string("--tiny"))) settings = argv[i++] == std::string("--quick") ? quick() : tiny();
 	for (; i < argc; i += 2)
 		if (i + 1 == argc || !takeOption(settings, folder, argv[i], argv[i + 1]))
-			return std::fprintf(stderr, "usage: bench_pareto [--quick | --tiny] [--out FOLDER] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N]\n"), 2;
+			return std::fprintf(stderr, "usage: bench_pareto [--quick | --tiny] [--out FOLDER] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] "
+										"[--peers 0|1]\n"), 2;
 	std::error_code error;
 	for (const std::string& wanted : {folder, settings.folder})
 		if (!wanted.empty()) std::filesystem::create_directories(wanted, error);
