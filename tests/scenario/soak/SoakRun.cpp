@@ -165,7 +165,7 @@ void runWorld(const Solids& solids, Random& random, const std::string& folder, T
 }
 }  // namespace
 
-Tally run(uint64_t seed, double seconds, const std::string& folder)
+Tally run(uint64_t seed, double seconds, const std::string& folder, std::optional<uint64_t> only)
 {
 	btAlignedAllocSetCustom(countedAllocate, countedFree);
 	std::filesystem::create_directories(folder);
@@ -176,7 +176,7 @@ Tally run(uint64_t seed, double seconds, const std::string& folder)
 	Tally tally;
 	while (double(tally.steps) < seconds * kRate && !testing::Test::HasFailure())
 	{
-		const uint64_t state = random();
+		const uint64_t state = only ? *only : random();
 		SCOPED_TRACE("seed " + std::to_string(seed) + ", world " + std::to_string(tally.worlds) + ", state " + std::to_string(state));
 		Random own(state);
 		runWorld(solids, own, folder, tally);

@@ -14,6 +14,7 @@ namespace soak
 /// - a contact callback that begins ends;
 /// - contacts name bodies that are in the world; registry, store and manifolds are empty in the end;
 /// - every allocation is given back: between two worlds always the same number live, of Bullet's and of operator new's.
+/// `only`: every world is the one of this state, as a failure names it.
 /// `folder`: for the trees, which are written, read again, damaged and refused.
-Tally run(uint64_t seed, double seconds, const std::string& folder);
+Tally run(uint64_t seed, double seconds, const std::string& folder, std::optional<uint64_t> only = std::nullopt);
 }  // namespace soak

@@ -15,7 +15,9 @@ namespace
 constexpr double kHalfPit = 3;
 constexpr int kSpheres = 120;
 
-bool isFinite(const btVector3& v) { return std::isfinite(double(v.length2())); }
+constexpr double kAbsurdSpeed = 1e6;
+
+bool isFinite(const btVector3& v) { return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z())); }
 }  // namespace
 
 Solids::Solids()
@@ -219,6 +221,8 @@ void SoakWorld::spreadPoison()
 		if (!a || !b || a->poisoned == b->poisoned) return;
 		a->poisoned = b->poisoned = spread = true;
 	};
+	// A blow at an absurd speed is a blow: what has one passes it on.
+	for (Actor& actor : m_actors) actor.poisoned = actor.poisoned || (actor.isFinite() && !(double(actor.body->getLinearVelocity().length()) < kAbsurdSpeed));
 	while (std::exchange(spread, false))
 	{
 		for (auto& joint : m_joints) touch(actorOf(&joint->getRigidBodyA()), actorOf(&joint->getRigidBodyB()));

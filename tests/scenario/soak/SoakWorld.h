@@ -79,7 +79,8 @@ public:
 	void place(Actor& actor, const btTransform& pose);
 	btTransform somewhere(Random& random) const;
 
-	/// Marks all that a poisoned body reaches through joints and Bullet's own contact, which hands on whatever it is given.
+	/// Marks all that a poisoned body reaches through joints and Bullet's own contact, which hands on whatever it is given, and what was struck absurdly
+	/// hard by it.
 	void spreadPoison();
 	/// Puts every poisoned body back into the pit, and forgets what Bullet kept of its contacts.
 	void heal(Random& random);
