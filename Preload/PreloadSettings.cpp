@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#include "Preload/PreloadSettings.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace preload
+{
+namespace
+{
+/// `value` as it is when the variable is not set, or is no whole number between `least` and `most`.
+int number(const char* variable, int value, int least, int most)
+{
+	const char* text = std::getenv(variable);
+	if (!text) return value;
+	char* end = nullptr;
+	const long read = std::strtol(text, &end, 10);
+	if (*text && !*end && read >= least && read <= most) return int(read);
+	std::fprintf(stderr, "bullethaptics-preload: %s=%s is no whole number from %d to %d; %d is taken\n", variable, text, least, most, value);
+	return value;
+}
+
+std::string defaultCache()
+{
+	const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+	if (cache && *cache) return std::string(cache) + "/bullethaptics";
+	return home && *home ? std::string(home) + "/.cache/bullethaptics" : std::string();
+}
+}  // namespace
+
+Settings settingsFromEnvironment()
+{
+	Settings settings;
+	const char *on = std::getenv("BULLETHAPTICS_PRELOAD"), *cache = std::getenv("BULLETHAPTICS_CACHE");
+	settings.on = !on || std::strcmp(on, "off") != 0;
+	settings.spheres = number("BULLETHAPTICS_SPHERES", settings.spheres, 10, 1000000);
+	settings.cacheFolder = cache ? cache : defaultCache();
+	settings.verbosity = number("BULLETHAPTICS_VERBOSE", settings.verbosity, 0, 2);
+	settings.waits = number("BULLETHAPTICS_WAIT", 0, 0, 1) == 1;
+	return settings;
+}
+
+void say(const Settings& settings, int level, const std::string& sentence)
+{
+	if (level <= settings.verbosity) std::fprintf(stderr, "bullethaptics-preload: %s\n", sentence.c_str());
+}
+}  // namespace preload

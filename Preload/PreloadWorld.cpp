@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Zlib
+#include "Preload/PreloadWorld.h"
+
+#include "BulletCollision/CollisionShapes/btCompoundShape.h"
+#include "BulletCollision/Gimpact/btGImpactShape.h"
+
+#include <algorithm>
+
+namespace preload
+{
+namespace
+{
+// Triangles that move would be packed anew for ever.
+constexpr int kMostChanges = 3;
+
+bool isMesh(const btCollisionShape& shape)
+{
+	return shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
+		   static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() != CONST_GIMPACT_COMPOUND_SHAPE;
+}
+
+/// Every GImpact mesh of a shape: itself, or among the children of a compound.
+template <class Visit>
+void forEachMesh(const btCollisionShape* shape, const Visit& visit)
+{
+	if (shape->getShapeType() == COMPOUND_SHAPE_PROXYTYPE)
+	{
+		const auto* compound = static_cast<const btCompoundShape*>(shape);
+		for (int i = 0; i < compound->getNumChildShapes(); ++i) forEachMesh(compound->getChildShape(i), visit);
+	}
+	else if (isMesh(*shape))
+		visit(shape);
+}
+
+template <class Visit>
+void forEachMesh(const btDiscreteDynamicsWorld& world, const Visit& visit)
+{
+	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i) forEachMesh(objects[i]->getCollisionShape(), visit);
+}
+
+btISTTreeSettings treeSettings(const Settings& settings)
+{
+	btISTTreeSettings result;
+	result.build.maxSpheres = settings.spheres;
+	result.cacheFolder = settings.cacheFolder;
+	return result;
+}
+}  // namespace
+
+World::Likeness::Likeness(const btCollisionShape& shape)
+{
+	const auto& gimpact = static_cast<const btGImpactShapeInterface&>(shape);
+	if (gimpact.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE) mesh = static_cast<const btGImpactMeshShape&>(shape).getMeshInterface();
+	shape.getAabb(btTransform::getIdentity(), lower, upper);
+}
+
+bool World::hasGImpact(const btDiscreteDynamicsWorld& world)
+{
+	bool found = false;
+	forEachMesh(world, [&found](const btCollisionShape*) { found = true; });
+	return found;
+}
+
+World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
+	: m_world(world), m_settings(settings), m_dispatcher(world.getDispatcher()), m_gamesSolver(world.getConstraintSolver())
+{
+	m_ist.emplace(world);
+	m_trees.emplace(m_ist->registration().registry(), treeSettings(settings));
+}
+
+World::~World()
+{
+	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone.
+	m_ist->registration().cleanPairs(m_world.getPairCache());
+	m_ist->registration().setPairCache(nullptr);
+	m_shapes.clear();
+	m_trees.reset();
+	say(m_settings, 2, "a world goes, and volumetric contact with it");
+}
+
+void World::see(const btCollisionShape* shape)
+{
+	const auto found = m_shapes.find(shape);
+	const Likeness likeness(*shape);
+	if (found != m_shapes.end() && found->second.likeness == likeness)
+	{
+		found->second.seen = m_step;
+		return;
+	}
+	const int changes = found == m_shapes.end() ? 0 : found->second.changes + 1;
+	if (found != m_shapes.end()) m_shapes.erase(found);
+	Entry entry{likeness, {}, m_step, changes};
+	if (changes <= kMostChanges && m_trees) entry.attachment = m_trees->attach(shape);
+	if (changes == kMostChanges + 1) say(m_settings, 1, "a mesh whose triangles move stays GImpact's");
+	m_shapes.emplace(shape, std::move(entry));
+}
+
+void World::beforeStep()
+{
+	++m_step;
+	if (!m_ist->registration().isRegistered()) m_ist->registration().reinstall();  // GImpact came after us
+	forEachMesh(m_world, [this](const btCollisionShape* shape) { see(shape); });
+	for (auto i = m_shapes.begin(); i != m_shapes.end();) i = i->second.seen == m_step ? std::next(i) : m_shapes.erase(i);
+	if (!m_trees) return;
+	if (m_settings.waits) m_trees->finish();
+	else m_trees->update();
+	report();
+}
+
+void World::report()
+{
+	size_t attached = 0, waiting = 0;
+	for (auto& [shape, entry] : m_shapes)
+	{
+		attached += entry.attachment.isAttached();
+		waiting += entry.attachment.isPending();
+		if (entry.reported || entry.attachment.isPending()) continue;
+		entry.reported = true;
+		if (!entry.attachment.error().empty()) say(m_settings, 1, "a mesh stays GImpact's: " + entry.attachment.error());
+		if (!entry.attachment.note().empty()) say(m_settings, 2, entry.attachment.note());
+		if (entry.attachment.isAttached()) say(m_settings, 2, "a mesh has its tree");
+	}
+	if (waiting > 0 || attached == m_attached) return;
+	m_attached = attached;
+	int bodies = 0;
+	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		bool volumetric = false;
+		forEachMesh(objects[i]->getCollisionShape(), [&](const btCollisionShape* shape) { volumetric = volumetric || m_shapes.at(shape).attachment.isAttached(); });
+		bodies += volumetric;
+	}
+	say(m_settings, 1, std::to_string(bodies) + " GImpact bodies of " + std::to_string(attached) + " meshes have volumetric contact from step " +
+						   std::to_string(m_step) + " on");
+}
+}  // namespace preload

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/btISTWorld.h"
+#include "BulletISTCollision/btISTTreeSource.h"
+#include "Preload/PreloadSettings.h"
+
+#include <map>
+
+class btStridingMeshInterface;
+
+namespace preload
+{
+/// Volumetric contact for the GImpact meshes of one world of a game that knows nothing of it. Made when the world steps with such a mesh in it
+/// for the first time; before that the world is not touched.
+class World
+{
+public:
+	/// Whether anything in the world can be helped. O(objects).
+	static bool hasGImpact(const btDiscreteDynamicsWorld& world);
+
+	World(btDiscreteDynamicsWorld& world, const Settings& settings);
+	/// The game gets back its solver and its tables. The world must live; shapes and bodies need not, where Bullet does not need them either.
+	~World();
+
+	/// Why the world was left as it is; empty when it was not.
+	const std::string& refusal() const { return m_ist->solverRefusal(); }
+	/// Before each step: new shapes are looked for, those that nobody uses any more forgotten, trees that are ready attached.
+	void beforeStep();
+	bool uses(const void* part) const { return part == m_dispatcher || part == m_gamesSolver; }
+	/// Nothing is built any more from here on.
+	void stopBuilding() { m_trees.reset(); }
+
+private:
+	/// By which a shape is told from another one at the same address, or from itself with other triangles.
+	struct Likeness
+	{
+		const btStridingMeshInterface* mesh = nullptr;
+		btVector3 lower, upper;
+		explicit Likeness(const btCollisionShape& shape);
+		bool operator==(const Likeness& other) const { return mesh == other.mesh && lower == other.lower && upper == other.upper; }
+	};
+	struct Entry
+	{
+		Likeness likeness;
+		btISTPendingAttachment attachment;
+		uint64_t seen = 0;  // step
+		int changes = 0;
+		bool reported = false;
+	};
+	void see(const btCollisionShape* shape);
+	void report();
+
+	btDiscreteDynamicsWorld& m_world;
+	const Settings& m_settings;
+	const void *m_dispatcher, *m_gamesSolver;
+	std::optional<btISTWorld> m_ist;
+	std::optional<btISTTreeSource> m_trees;
+	std::map<const btCollisionShape*, Entry> m_shapes;
+	uint64_t m_step = 0;
+	size_t m_attached = 0;
+};
+}  // namespace preload

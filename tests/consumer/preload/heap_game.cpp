@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+// A game that keeps everything on the heap and clears up as Bullet's examples do: bodies, shapes, world, solver, broad phase, dispatcher. Boxes on a
+// plane and a hinge; with `--gimpact` two rings, too, one of which goes halfway. Prints where every body is after each frame, exactly.
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+namespace
+{
+btTriangleMesh* makeRing()
+{
+	const auto point = [](int i, int j)
+	{
+		const double u = i * 0.39269908169872414, v = j * 0.7853981633974483, r = 0.5 + 0.2 * std::cos(v);
+		return btVector3(btScalar(r * std::cos(u)), btScalar(0.2 * std::sin(v)), btScalar(-r * std::sin(u)));
+	};
+	auto* mesh = new btTriangleMesh;
+	for (int i = 0; i < 16; ++i)
+		for (int j = 0; j < 8; ++j)
+		{
+			mesh->addTriangle(point(i, j), point(i + 1, j), point(i + 1, j + 1));
+			mesh->addTriangle(point(i, j), point(i + 1, j + 1), point(i, j + 1));
+		}
+	return mesh;
+}
+
+btRigidBody* add(btDynamicsWorld& world, std::vector<btRigidBody*>& bodies, btCollisionShape* shape, double mass, const btVector3& place)
+{
+	btVector3 inertia(0, 0, 0);
+	if (mass > 0) shape->calculateLocalInertia(btScalar(mass), inertia);
+	auto* body = new btRigidBody(btScalar(mass), nullptr, shape, inertia);
+	body->setWorldTransform(btTransform(btQuaternion::getIdentity(), place));
+	world.addRigidBody(body);
+	bodies.push_back(body);
+	return body;
+}
+}  // namespace
+
+int main(int argc, char** argv)
+{
+	const bool gimpact = argc > 1 && std::strcmp(argv[1], "--gimpact") == 0;
+	auto* configuration = new btDefaultCollisionConfiguration;
+	auto* dispatcher = new btCollisionDispatcher(configuration);
+	auto* broadphase = new btDbvtBroadphase;
+	auto* solver = new btSequentialImpulseConstraintSolver;
+	btDynamicsWorld* world = new btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration);
+	auto* plane = new btStaticPlaneShape(btVector3(0, 1, 0), 0);
+	auto* box = new btBoxShape(btVector3(btScalar(.4), btScalar(.3), btScalar(.5)));
+	std::vector<btRigidBody*> bodies;
+	add(*world, bodies, plane, 0, btVector3(0, 0, 0));
+	for (int i = 0; i < 8; ++i) add(*world, bodies, box, 1, btVector3(btScalar(0.03 * i), btScalar(0.4 + 0.7 * i), btScalar(0.02 * i)));
+	auto* hinge = new btHingeConstraint(*bodies[7], *bodies[8], btVector3(0, btScalar(.35), 0), btVector3(0, btScalar(-.35), 0), btVector3(0, 0, 1), btVector3(0, 0, 1));
+	world->addConstraint(hinge);
+	btTriangleMesh* triangles = nullptr;
+	btGImpactMeshShape* ring = nullptr;
+	if (gimpact)
+	{
+		btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher);
+		triangles = makeRing();
+		ring = new btGImpactMeshShape(triangles);
+		ring->updateBound();
+		for (int i = 0; i < 2; ++i) add(*world, bodies, ring, 2, btVector3(-3, btScalar(0.3 + 0.6 * i), btScalar(0.05 * i)));
+	}
+	bool sound = true;
+	for (int frame = 0; frame < 240; ++frame)
+	{
+		if (gimpact && frame == 120)
+		{
+			world->removeRigidBody(bodies.back());
+			delete bodies.back();
+			bodies.pop_back();
+		}
+		world->stepSimulation(btScalar(1.0 / 60), 2, btScalar(1.0 / 120));
+		for (const btRigidBody* body : bodies)
+		{
+			const btVector3 p = body->getWorldTransform().getOrigin();
+			std::printf("%a %a %a\n", double(p.x()), double(p.y()), double(p.z()));
+			sound = sound && std::isfinite(double(p.length2())) && p.y() > btScalar(-0.1);
+		}
+	}
+	world->removeConstraint(hinge);
+	delete hinge;
+	for (btRigidBody* body : bodies)
+	{
+		world->removeRigidBody(body);
+		delete body;
+	}
+	delete ring;
+	delete triangles;
+	delete box;
+	delete plane;
+	delete world;
+	delete solver;
+	delete broadphase;
+	delete dispatcher;
+	delete configuration;
+	return sound ? 0 : 1;
+}
