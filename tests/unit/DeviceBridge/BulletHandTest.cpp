@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 using namespace devicebridge;
@@ -127,13 +128,13 @@ TEST(BulletHand, FingersMeetEachOtherButNotTheirNeighboursInTheChain)
 	EXPECT_LT(w.away(kMiddle3), 1e-3);
 }
 
-TEST(BulletHand, OverlapAtTheStartIsPushedOutGently)
+TEST(BulletHand, OverlapAtTheStartIsPushedOutGentlyUntilThereIsNone)
 {
 	HandWorld w(handAt({}));
-	const double mass = 0.1;
-	w.addBox({0.02, 0.02, 0.02}, {-0.004, 0, -0.175}, mass);  // around the tip of the middle finger
-	double fastest = 0;
-	for (int i = 0; i < 400; ++i)
+	// Its lower face lies in the middle of the fingertips: the way out is up.
+	w.addBox({0.02, 0.02, 0.02}, {-0.004, 0.02, -0.175}, 0.1);
+	double fastest = 0, hardest = 0;
+	for (int i = 0; i < 1500; ++i)
 	{
 		w.step(handAt({}));
 		fastest = std::max(fastest, double(w.box->getLinearVelocity().length()));
@@ -142,9 +143,89 @@ TEST(BulletHand, OverlapAtTheStartIsPushedOutGently)
 		{
 			EXPECT_GT(touch.pairs, 0);
 		}
-		for (int part = 0; part < kHandParts; ++part) ASSERT_TRUE(isFinite(touch.force[part]));
+		for (int part = 0; part < kHandParts; ++part)
+		{
+			ASSERT_TRUE(isFinite(touch.force[part]));
+			hardest = std::max(hardest, norm(touch.force[part]));
+		}
 	}
 	EXPECT_LT(fastest, 0.5);
+	EXPECT_LE(hardest, 12 * 1.02);
+	EXPECT_EQ(w.hand->touch(kStep).parts, 0);
+	EXPECT_GT(double(w.box->getWorldTransform().getOrigin().y()), 0.02 + 0.004);
+	for (int part = 0; part < kHandParts; ++part) EXPECT_LT(w.away(part), 1e-3) << part;
+}
+
+TEST(BulletHand, TwoHandsThatBeginInEachOtherPushNoHarderThanTheirCouplingsAndPart)
+{
+	HandWorld w(handAt({}));
+	const auto leftAt = [](double y)
+	{
+		HandPosture p;
+		p.X_WR.translation = {0, y, 0};
+		return posedHand(p, {true, 0.189});
+	};
+	// Palm in palm, 5 mm deep.
+	auto made = BulletHand::create(w.world, lightHand(TREE_FOLDER, true), leftAt(-0.015));
+	ASSERT_TRUE(made) << made.error().message;
+	const std::unique_ptr<BulletHand> left = std::move(made).value();
+	int most = 0;
+	double hardest = 0, deepest = 0;
+	for (int i = 0; i < 900; ++i)
+	{
+		const double u = std::clamp((i - 300) / 300.0, 0.0, 1.0);
+		left->drive(leftAt(-0.015 - 0.04 * u), kStep);
+		w.step(handAt({}));
+		for (const BulletHand* hand : {w.hand.get(), left.get()})
+		{
+			const BulletHand::Touch touch = hand->touch(kStep);
+			most = std::max(most, touch.parts);
+			for (int part = 0; part < kHandParts; ++part)
+			{
+				ASSERT_TRUE(isFinite(touch.force[part]));
+				if (part != kHandPart) hardest = std::max(hardest, norm(touch.force[part]));
+				else deepest = std::max(deepest, norm(touch.force[part]));
+			}
+		}
+		if (i == 299)
+		{
+			// What one feels, the other does, and each knows its own parts only.
+			Vec3 onRight, onLeft;
+			for (int part = 0; part < kHandParts; ++part) onRight += w.hand->touch(kStep).force[part], onLeft += left->touch(kStep).force[part];
+			EXPECT_GT(norm(onRight), 1);
+			EXPECT_NEAR(norm(onRight + onLeft), 0, 1e-3 * norm(onRight));
+			EXPECT_EQ(w.hand->partOf(&left->body(kIndex2)), -1);
+		}
+	}
+	EXPECT_GT(most, 3);
+	EXPECT_LE(hardest, 12 * 1.05);
+	EXPECT_LE(deepest, 60 * 1.05);
+	EXPECT_EQ(w.hand->touch(kStep).parts, 0);
+	EXPECT_EQ(left->touch(kStep).parts, 0);
+	EXPECT_EQ(w.hand->watch().complaints().sentence(), "");
+}
+
+TEST(BulletHand, HandsWhoseSamplesAreMixedUpFreezeAndSaySo)
+{
+	HandWorld w(handAt({}));
+	HandPosture there;
+	there.X_WR.translation = {0.3, 0, 0};
+	const HandState leftHand = posedHand(there, {true, 0.189});
+	auto made = BulletHand::create(w.world, lightHand(TREE_FOLDER, true), leftHand);
+	ASSERT_TRUE(made) << made.error().message;
+	const std::unique_ptr<BulletHand> left = std::move(made).value();
+	const Vec3 before = w.place(kIndex3);
+	for (int i = 0; i < 100; ++i)
+	{
+		left->drive(handAt({}), kStep);
+		w.step(leftHand);
+	}
+	EXPECT_LT(distance(w.place(kIndex3), before), 1e-4);
+	for (const BulletHand* hand : {w.hand.get(), left.get()})
+	{
+		EXPECT_EQ(hand->watch().complaints().wrongSide, 100u);
+		EXPECT_NE(hand->watch().complaints().sentence().find("other hand"), std::string::npos) << hand->watch().complaints().sentence();
+	}
 }
 
 TEST(BulletHand, BadSamplesNeitherThrowItNorPushHarder)
