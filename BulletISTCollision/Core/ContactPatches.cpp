@@ -1,33 +1,44 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/ContactPatches.h"
 
-#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
-
 #include <algorithm>
-#include <limits>
 
 namespace ist
 {
-using kernels::PairStream;
+using namespace kernels;
 
 namespace
 {
-constexpr uint16_t kNoPatch = 0xffff;
-constexpr uint32_t kNoLabel = 0xffffffffu;
-constexpr double kConeCosine = 0.70710678;
-/// A component's remainder below this share of its weight founds no patch of its own.
+constexpr uint32_t kNoComponent = 0xffffffffu;
+constexpr float kConeCosine = 0.70710678f;
+/// A component's remainder below this share of its rank founds no patch of its own.
 constexpr double kLeastShare = 0.05;
+
+/// Whoever has no parent but itself is a root. Mostly it is not more than two steps away; farther ways are halved.
+inline uint32_t rootOf(uint32_t* parent, uint32_t ball)
+{
+	uint32_t root = parent[parent[ball]];
+	while (parent[root] != root) root = parent[root] = parent[parent[root]];
+	return parent[ball] = root;
+}
 }  // namespace
 
 void PatchGrouper::reserve(size_t pairs, size_t balls, int patches)
 {
-	m_patches.reserve(size_t(patches));
-	if (m_open.size() < pairs)
+	const size_t listed = pairs + kListSlack, wanted = size_t(patches);
+	if (m_patches.component.size() < wanted)
 	{
-		m_open.resize(pairs);
-		m_componentOf.resize(pairs);
-		m_patch.resize(pairs);
-		m_components.resize(pairs);
+		m_patches.component.resize(wanted);
+		for (int i = 0; i < 3; ++i)
+		{
+			m_patches.center[i].resize(wanted);
+			m_patches.direction[i].resize(wanted);
+		}
+	}
+	if (m_group.size() < listed)
+	{
+		m_group.resize(listed);
+		m_components.resize(listed);
 	}
 	if (m_parent.size() < balls)
 	{
@@ -36,161 +47,128 @@ void PatchGrouper::reserve(size_t pairs, size_t balls, int patches)
 	}
 }
 
-uint32_t PatchGrouper::find(uint32_t ball)
-{
-	while (m_parent[ball] != ball)
-	{
-		m_parent[ball] = m_parent[m_parent[ball]];
-		ball = m_parent[ball];
-	}
-	return ball;
-}
-
+/// Balls that hang together get a common root, a ball of A.
 void PatchGrouper::connect(const PairStream& pairs, int count, uint32_t offsetB)
 {
 	// Only balls that occur are initialised: the cost follows the pairs, not the trees.
-	for (int i = 0; i < count; ++i)
-		for (const uint32_t ball : {pairs.a[i], pairs.b[i] + offsetB})
-		{
-			m_parent[ball] = ball;
-			m_label[ball] = kNoLabel;
-		}
+	uint32_t* const parent = m_parent.data();
+	for (int i = 0; i < count; ++i) parent[pairs.a[i]] = pairs.a[i];
+	for (int i = 0; i < count; ++i) parent[pairs.b[i] + offsetB] = pairs.a[i];
 	for (int i = 0; i < count; ++i)
 	{
-		const uint32_t a = find(pairs.a[i]), b = find(pairs.b[i] + offsetB);
-		// The smaller index becomes the root: with path halving this stays near linear.
-		if (a < b)
-			m_parent[b] = a;
-		else
-			m_parent[a] = b;
+		const uint32_t a = rootOf(parent, pairs.a[i]), b = rootOf(parent, pairs.b[i] + offsetB);
+		// The smaller index becomes the root: with path halving this stays near linear. Without a branch, which nothing could foresee.
+		parent[std::max(a, b)] = std::min(a, b);
 	}
+}
+
+/// Numbers the components in the order of their first pairs.
+void PatchGrouper::number(const PairStream& pairs, int count)
+{
+	constexpr GroupNumber kNone = 0;
+	uint32_t* const parent = m_parent.data();
+	GroupNumber *const label = m_label.data(), *const group = m_group.data();
+	for (int i = 0; i < count; ++i) label[pairs.a[i]] = kNone;
 	m_componentCount = 0;
 	for (int i = 0; i < count; ++i)
 	{
-		// Neighbours in the list often share the ball.
-		if (i > 0 && pairs.a[i] == pairs.a[i - 1])
+		const uint32_t root = rootOf(parent, pairs.a[i]);
+		if (label[root] == kNone)
 		{
-			m_componentOf[i] = m_componentOf[i - 1];
-			continue;
+			m_components[m_componentCount] = {};
+			label[root] = -GroupNumber(++m_componentCount);
 		}
-		uint32_t& label = m_label[find(pairs.a[i])];
-		if (label == kNoLabel)
-		{
-			label = m_componentCount++;
-			m_components[label] = {};
-		}
-		m_componentOf[i] = label;
+		group[i] = label[root];
 	}
 }
 
-void PatchGrouper::measure(const PairStream& pairs, int count)
+/// Adds up what the pairs of each component rank.
+void PatchGrouper::rank(const PairStream& pairs, int count)
 {
-	m_openCount = size_t(count);
-	for (int i = 0; i < count; ++i)
-	{
-		m_components[m_componentOf[i]].weight += pairs.weight[i];
-		m_patch[i] = kNoPatch;
-		m_open[i] = uint32_t(i);
-	}
-	for (uint32_t c = 0; c < m_componentCount; ++c) m_components[c].left = m_components[c].weight;
+	const float* const ranks = columnOf(pairs, PairStream::Rank);
+	for (int i = 0; i < count; ++i) m_components[size_t(-1 - int(m_group[i]))].rank += double(ranks[i]);
+	for (uint32_t c = 0; c < m_componentCount; ++c) m_components[c].left = m_components[c].rank;
 }
 
-/// Founds a patch at the strongest free pair of the component with the most weight left. False when little is left.
-bool PatchGrouper::seedPatch(const PairStream& pairs)
+/// Founds a patch at the strongest free pair of the component with the most rank left. False when little is left.
+bool PatchGrouper::seedPatch(const QueryKernel& kernel, const PairStream& pairs, int count)
 {
-	uint32_t best = kNoLabel;
+	uint32_t best = kNoComponent;
 	for (uint32_t c = 0; c < m_componentCount; ++c)
 	{
 		const Component& component = m_components[c];
-		if (component.hasPatch && component.left <= kLeastShare * component.weight) continue;
-		if (best == kNoLabel || component.left > m_components[best].left) best = c;
+		if (component.hasPatch && component.left <= kLeastShare * component.rank) continue;
+		if (best == kNoComponent || component.left > m_components[best].left) best = c;
 	}
-	if (best == kNoLabel) return false;
+	if (best == kNoComponent) return false;
 	Component& component = m_components[best];
 
-	int seed = -1;
-	float strongest = 0;
-	for (size_t k = 0; k < m_openCount; ++k)
+	ConeSearch search{};
+	search.component = -1 - GroupNumber(best);
+	search.patch = GroupNumber(m_patches.count);
+	const auto force = [&](int i) { return columnOf(pairs, PairStream::Force + i); };
+	if (!component.hasPatch)
 	{
-		const uint32_t i = m_open[k];
-		if (m_componentOf[i] != best || !(pairs.size[i] > strongest)) continue;
-		seed = int(i);
-		strongest = pairs.size[i];
+		search.cosine = 2;  // nobody
+		kernel.joinCone(pairs, m_group.data(), count, search);
+		component.strongest = search.strongest;
+		component.rank = search.left;
 	}
+	const int seed = component.strongest;
 	if (seed < 0 && component.hasPatch)
 	{
 		component.left = 0;
 		return true;
 	}
-
-	const uint16_t index = uint16_t(m_patches.size());
-	Patch patch;
-	patch.component = best;
-	const int at = std::max(seed, 0);
-	const float ax = pairs.fx[at], ay = pairs.fy[at], az = pairs.fz[at], cone = float(kConeCosine) * strongest;
-	size_t open = 0;
-	for (size_t k = 0; k < m_openCount; ++k)
-	{
-		const uint32_t i = m_open[k];
-		const float along = pairs.fx[i] * ax + pairs.fy[i] * ay + pairs.fz[i] * az;
-		// Without any direction in the component all its pairs belong together.
-		const bool inCone = seed < 0 || int(i) == seed || (pairs.size[i] > 0 && along >= cone * pairs.size[i]);
-		if (!(inCone && m_componentOf[i] == best))
-		{
-			m_open[open++] = i;
-			continue;
-		}
-		m_patch[i] = index;
-		patch.force += {pairs.fx[i], pairs.fy[i], pairs.fz[i]};
-		patch.moment += Vec3{pairs.cx[i], pairs.cy[i], pairs.cz[i]} * double(pairs.weight[i]);
-		patch.weight += pairs.weight[i];
-	}
-	m_openCount = open;
-	patch.direction = normalized(patch.force);
-	patch.center = patch.weight > 0 ? patch.moment / patch.weight : Vec3{pairs.cx[at], pairs.cy[at], pairs.cz[at]};
-	component.left = std::max(0.0, component.left - patch.weight);
+	// Without any direction in the component all its pairs belong together.
+	search.all = seed < 0;
+	search.cosine = kConeCosine;
+	if (seed >= 0)
+		for (int i = 0; i < 3; ++i) search.axis[i] = force(i)[seed] / columnOf(pairs, PairStream::Size)[seed];
+	kernel.joinCone(pairs, m_group.data(), count, search);
+	component.strongest = search.strongest;
+	component.left = search.left;
 	component.hasPatch = true;
-	m_patches.push_back(patch);
+
+	const Vec3 direction = normalized(Vec3{search.force[0], search.force[1], search.force[2]});
+	const size_t index = m_patches.count++;
+	m_patches.component[index] = search.component;
+	for (int i = 0; i < 3; ++i)
+	{
+		m_patches.direction[i][index] = float(direction[i]);
+		m_patches.center[i][index] = float(search.rank > 0 ? search.moment[i] / search.rank : columnOf(pairs, PairStream::Centroid + i)[std::max(seed, 0)]);
+	}
 	return true;
 }
 
-void PatchGrouper::assignRest(const PairStream& pairs)
+void PatchGrouper::assignRest(const QueryKernel& kernel, const PairStream& pairs, int count)
 {
+	const auto center = [&](size_t p) { return Vec3{m_patches.center[0][p], m_patches.center[1][p], m_patches.center[2][p]}; };
 	double size = 0;
-	for (const Patch& patch : m_patches) size = std::max(size, distance(patch.center, m_patches[0].center));
-	const double perLength = size > 0 ? 1 / size : 0;
-	for (size_t k = 0; k < m_openCount; ++k)
+	for (size_t p = 0; p < m_patches.count; ++p) size = std::max(size, distance(center(p), center(0)));
+	PatchList list{};
+	list.component = m_patches.component.data();
+	for (int i = 0; i < 3; ++i)
 	{
-		const uint32_t i = m_open[k];
-		const Vec3 force{pairs.fx[i], pairs.fy[i], pairs.fz[i]}, center{pairs.cx[i], pairs.cy[i], pairs.cz[i]};
-		const uint32_t own = m_componentOf[i];
-		const bool stay = m_components[own].hasPatch;
-		double best = -std::numeric_limits<double>::infinity();
-		for (size_t p = 0; p < m_patches.size(); ++p)
-		{
-			const Patch& patch = m_patches[p];
-			if (stay && patch.component != own) continue;
-			double score = -distance(patch.center, center) * perLength;
-			if (pairs.size[i] > 0) score += dot(patch.direction, force) / pairs.size[i];
-			if (score <= best) continue;
-			best = score;
-			m_patch[i] = uint16_t(p);
-		}
-		// Only a score that is not finite leaves the pair without a patch.
-		if (m_patch[i] == kNoPatch) m_patch[i] = 0;
+		list.center[i] = m_patches.center[i].data();
+		list.direction[i] = m_patches.direction[i].data();
 	}
+	list.count = int(m_patches.count);
+	list.perLength = float(size > 0 ? 1 / size : 0);
+	kernel.joinNearest(pairs, m_group.data(), count, list);
 }
 
-int PatchGrouper::group(const PairStream& pairs, int count, uint32_t ballsA, int maxPatches)
+int PatchGrouper::group(const QueryKernel& kernel, const PairStream& pairs, int count, uint32_t ballsA, int maxPatches)
 {
-	m_patches.clear();
+	m_patches.count = 0;
 	if (count == 0) return 0;
 	connect(pairs, count, ballsA);
-	measure(pairs, count);
-	while (int(m_patches.size()) < maxPatches && seedPatch(pairs))
+	number(pairs, count);
+	if (m_componentCount > 1) rank(pairs, count);  // one alone need not be compared with any
+	while (int(m_patches.count) < maxPatches && seedPatch(kernel, pairs, count))
 	{
 	}
-	assignRest(pairs);
-	return int(m_patches.size());
+	assignRest(kernel, pairs, count);
+	return int(m_patches.count);
 }
 }  // namespace ist

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/Vec3.h"
 
 #include <cstdint>
 #include <vector>
-
-namespace ist::kernels
-{
-struct PairStream;
-}
 
 namespace ist
 {
@@ -23,37 +19,35 @@ public:
 	void reserve(size_t pairs, size_t balls, int patches);
 
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
-	/// `ballsA`: number of balls of A's tree, padding included.
-	int group(const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
-	const uint16_t* patch() const { return m_patch.data(); }
+	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
+	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
+	/// Numbers from 0; with room for kListSlack entries behind the last.
+	const kernels::GroupNumber* patch() const { return m_group.data(); }
 
 private:
 	struct Component
 	{
-		double weight = 0, left = 0;  ///< of all its pairs, of those without a patch
+		double rank = 0, left = 0;  ///< of all its pairs, of those without a patch
 		bool hasPatch = false;
+		int strongest = -1;         ///< of those without a patch, where it has one
 	};
-	struct Patch
+	struct Patches
 	{
-		uint32_t component = 0;
-		Vec3 force, moment;
-		double weight = 0;
-		Vec3 direction, center;
+		std::vector<float> component, center[3], direction[3];
+		size_t count = 0;
 	};
 
-	uint32_t find(uint32_t ball);
 	void connect(const kernels::PairStream& pairs, int count, uint32_t offsetB);
-	void measure(const kernels::PairStream& pairs, int count);
-	bool seedPatch(const kernels::PairStream& pairs);
-	void assignRest(const kernels::PairStream& pairs);
+	void number(const kernels::PairStream& pairs, int count);
+	void rank(const kernels::PairStream& pairs, int count);
+	bool seedPatch(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
+	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
-	std::vector<uint32_t> m_parent, m_label;
-	std::vector<uint32_t> m_componentOf;
-	std::vector<uint16_t> m_patch;
-	std::vector<uint32_t> m_open;  ///< pairs without a patch, in order
-	size_t m_openCount = 0;
+	std::vector<uint32_t> m_parent;
+	std::vector<kernels::GroupNumber> m_label;  ///< of the component of a root
+	std::vector<kernels::GroupNumber> m_group;
 	std::vector<Component> m_components;
-	std::vector<Patch> m_patches;
+	Patches m_patches;
 	uint32_t m_componentCount = 0;
 };
 }  // namespace ist

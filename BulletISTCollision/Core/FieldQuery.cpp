@@ -193,29 +193,31 @@ void FieldQuery::list(const FieldTerm& term)
 {
 	const size_t at = m_work.terms.size();
 	m_work.terms.push_back(term);
-	const kernels::PairStream& s = m_work.stream;
+	using kernels::PairStream, kernels::columnOf;
+	const PairStream& s = m_work.stream;
 	const Vec3 f = term.normal * term.volume;
 	s.a[at] = term.ball;
 	s.b[at] = 0;
-	s.fx[at] = float(f.x);
-	s.fy[at] = float(f.y);
-	s.fz[at] = float(f.z);
-	s.size[at] = s.weight[at] = float(norm(f));
-	s.cx[at] = float(term.centroid.x);
-	s.cy[at] = float(term.centroid.y);
-	s.cz[at] = float(term.centroid.z);
+	for (int i = 0; i < 3; ++i)
+	{
+		columnOf(s, PairStream::Force + i)[at] = float(f[i]);
+		columnOf(s, PairStream::Centroid + i)[at] = float(term.centroid[i]);
+	}
+	columnOf(s, PairStream::Size)[at] = columnOf(s, PairStream::Rank)[at] = float(norm(f));
 }
 
 void FieldQuery::publish()
 {
 	const int listed = int(m_work.terms.size());
 	const bool grouped = listed > 0 && m_result.pairListComplete;
-	const int groups = grouped ? m_work.grouper.group(m_work.stream, listed, uint32_t(m_A.balls.size()), m_work.capacity.patches) : 1;
+	// Fields need no kernel for themselves, and answer without one.
+	const kernels::QueryKernel& kernel = m_work.kernel ? *m_work.kernel : kernels::kPortableKernel;
+	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.balls.size()), m_work.capacity.patches) : 1;
 	for (int p = 0; p < groups; ++p)
 	{
 		Accumulator sums = p == 0 ? m_rest : Accumulator();
 		for (int i = 0; i < listed; ++i)
-			if (groups == 1 || m_work.grouper.patch()[i] == p)
+			if (groups == 1 || m_work.grouper.patch()[i] == kernels::GroupNumber(p))
 				sums.add(m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options.stiffness);
 		m_work.patches[p] = sums.finished();
 	}

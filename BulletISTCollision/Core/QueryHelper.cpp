@@ -17,16 +17,12 @@ void pause()
 QueryHelper::Implementation::Implementation(const QueryCapacity& capacity, double spin) : work(capacity, nullptr), m_spin(spin)
 {
 	const size_t room = size_t(work.capacity.pairs);
-	m_numbers.resize(8 * room);
+	m_numbers.resize(kernels::PairStream::ColumnCount * room);
 	m_indices.resize(2 * room);
 	sorted.a = m_indices.data();
 	sorted.b = sorted.a + room;
-	float* next = m_numbers.data();
-	for (float** to : {&sorted.fx, &sorted.fy, &sorted.fz, &sorted.size, &sorted.weight, &sorted.cx, &sorted.cy, &sorted.cz})
-	{
-		*to = next;
-		next += room;
-	}
+	sorted.numbers = m_numbers.data();
+	sorted.stride = room;
 	m_thread = std::thread([this] { loop(); });
 }
 

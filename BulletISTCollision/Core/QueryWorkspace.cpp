@@ -40,8 +40,8 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 
 	const size_t open = size_t(capacity.listEntries) + kListSlack, found = size_t(capacity.pairs) + kPairBatch + kListSlack;
 	const size_t batch = kPairBatch + kListSlack;
-	indices.resize(4 * open + 2 * kLeafEntries + 2 * kBallEntries + 2 * batch + 4 * found);
-	numbers.resize(8 * open + 4 * kLeafEntries + 8 * found);
+	indices.resize(4 * open + 2 * kLeafEntries + 2 * kBallEntries + 2 * batch + 2 * found);
+	numbers.resize(8 * open + 4 * kLeafEntries + PairStream::ColumnCount * found);
 	uint32_t* index = indices.data();
 	float* number = numbers.data();
 	const auto column = [](auto*& next, size_t size) { return next += size, next - size; };
@@ -59,10 +59,8 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 	pairB = column(index, batch);
 	stream.a = column(index, found);
 	stream.b = column(index, found);
-	patchPairA = column(index, found);
-	patchPairB = column(index, found);
-	for (float** to :
-		 {&stream.fx, &stream.fy, &stream.fz, &stream.size, &stream.weight, &stream.cx, &stream.cy, &stream.cz}) *to = column(number, found);
+	stream.numbers = column(number, PairStream::ColumnCount * found);
+	stream.stride = found;
 	terms.reserve(size_t(capacity.pairs));  // pages that no query fills are never touched
 	patches.resize(size_t(capacity.patches));
 	keptPatches.resize(patches.size());

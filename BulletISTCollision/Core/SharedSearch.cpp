@@ -34,13 +34,13 @@ void append(SharedEntries& entries, const SubtreeList& list, bool openA)
 	}
 }
 
-/// Columns of a list of pairs: indices, numbers.
-struct Columns
+/// `count` pairs from one list to another.
+void copy(const PairStream& from, int begin, int count, const PairStream& to, int at)
 {
-	uint32_t* index[2];
-	float* number[8];
-	explicit Columns(const PairStream& s) : index{s.a, s.b}, number{s.fx, s.fy, s.fz, s.size, s.weight, s.cx, s.cy, s.cz} {}
-};
+	std::copy_n(from.a + begin, count, to.a + at);
+	std::copy_n(from.b + begin, count, to.b + at);
+	for (int c = 0; c < PairStream::ColumnCount; ++c) std::copy_n(columnOf(from, c) + begin, count, columnOf(to, c) + at);
+}
 }  // namespace
 
 void TreeQuery::searchPart(const SharedEntries& entries, int part, PartResult& result)
@@ -118,21 +118,15 @@ bool TreeQuery::collectParts(Helper& helper, const PartResult* const* parts)
 	}
 	if (!complete || m_listed > m_work.capacity.pairs) return false;
 	if (m_listed == begin) return true;
-	// In the order of the parts, whoever found them: by way of a list beside both. What the helper moved it has for itself.
-	PairSearch moving = newSearch();
-	const Columns own(m_work.stream), found(helper.work.stream), sorted(helper.sorted);
+	// In the order of the parts, whoever found them: by way of a list beside both.
 	int to = 0;
 	for (int part = 0; part < Helper::kParts; ++part)
 	{
 		const PartResult& from = *parts[part];
-		const Columns& source = parts[part] == &helper.own[part] ? own : found;
-		for (int c = 0; c < 2; ++c) std::copy_n(source.index[c] + from.begin, from.count, sorted.index[c] + to);
-		for (int c = 0; c < 8; ++c) std::copy_n(source.number[c] + from.begin, from.count, sorted.number[c] + to);
-		if (hasShapes() && parts[part] != &helper.own[part]) m_work.kernel->moveBlocks(moving, found.index[1] + from.begin, from.count);
+		copy(parts[part] == &helper.own[part] ? m_work.stream : helper.work.stream, from.begin, from.count, helper.sorted, to);
 		to += from.count;
 	}
-	for (int c = 0; c < 2; ++c) std::copy_n(sorted.index[c], to, own.index[c] + begin);
-	for (int c = 0; c < 8; ++c) std::copy_n(sorted.number[c], to, own.number[c] + begin);
+	copy(helper.sorted, 0, to, m_work.stream, begin);
 	return true;
 }
 }  // namespace ist

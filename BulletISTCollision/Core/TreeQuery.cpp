@@ -106,10 +106,10 @@ bool TreeQuery::answer()
 	if (m_late || (m_limits.pairs >= 0 && m_listed > m_limits.pairs)) return false;
 	if (m_options.sortPairs) publishPairs();
 	const int groups = m_grouped && m_result.pairListComplete
-						   ? m_work.grouper.group(m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
+						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
 						   : 0;
 	if (groups > 1) return publishPatches(groups), true;
-	evaluate(m_work.stream.a, m_work.stream.b, m_listed, m_sums);
+	if (m_listed > 0) m_work.kernel->sumGroup(m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
 	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit);
 	m_result.patches = m_work.patches.data();
 	m_result.patchCount = m_result.total.pairs > 0 ? 1 : 0;
@@ -274,23 +274,10 @@ void TreeQuery::take(int count)
 
 void TreeQuery::publishPatches(int groups)
 {
-	const uint16_t* patch = m_work.grouper.patch();
-	int begin[1025] = {};
-	for (int i = 0; i < m_listed; ++i) ++begin[patch[i] + 1];
-	for (int p = 0; p < groups; ++p) begin[p + 1] += begin[p];
-	int next[1024];
-	std::copy_n(begin, groups, next);
-	for (int i = 0; i < m_listed; ++i)
-	{
-		const int to = next[patch[i]]++;
-		m_work.patchPairA[to] = m_work.stream.a[i];
-		m_work.patchPairB[to] = m_work.stream.b[i];
-	}
-	// From the last to the first: what is read behind a patch's end may be overwritten then.
-	for (int p = groups - 1; p >= 0; --p)
+	for (int p = 0; p < groups; ++p)
 	{
 		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
-		evaluate(m_work.patchPairA + begin[p], m_work.patchPairB + begin[p], begin[p + 1] - begin[p], m_sums);
+		m_work.kernel->sumGroup(m_work.stream, m_work.grouper.patch(), GroupNumber(p), m_listed, m_terms, m_sums);
 		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit);
 	}
 	for (int p = 0; p < groups; ++p) m_result.total.add(m_work.patches[p]);

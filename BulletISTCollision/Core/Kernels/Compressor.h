@@ -73,4 +73,34 @@ private:
 
 /// Lanes that are compressed together.
 constexpr int kGroup = least(kLanes, 8);
+
+/// The same of all lanes of a vector of pairs, out of registers where that can be done. Writes a whole vector whatever the bits.
+class LaneCompressor
+{
+public:
+	IST_INLINE explicit LaneCompressor(uint32_t bits) : m_bits(bits), m_compressor(bits & ((1u << kGroup) - 1)) {}
+	IST_INLINE int count() const { return __builtin_popcount(m_bits); }
+	IST_INLINE void move(const FloatVector<kLanes>& from, float* to) const
+	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		_mm512_storeu_ps(to, _mm512_maskz_compress_ps(__mmask16(m_bits), (__m512)from.part[0]));
+#else
+		float lanes[kLanes];  // stays in registers where those compress
+		from.store(lanes);
+		m_compressor.move(lanes, to);
+#endif
+	}
+	IST_INLINE void move(const uint32_t* from, uint32_t* to) const
+	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		_mm512_storeu_si512(to, _mm512_maskz_compress_epi32(__mmask16(m_bits), _mm512_loadu_si512(from)));
+#else
+		m_compressor.move(from, to);
+#endif
+	}
+
+private:
+	uint32_t m_bits;
+	Compressor m_compressor;  // of all lanes, where there are no more than eight
+};
 }  // namespace

@@ -76,6 +76,24 @@ IST_INLINE uint32_t lessBits(Part a, Part b)
 	return bits;
 }
 
+/// Of floats.
+template <class Part>
+IST_INLINE uint32_t equalBits(Part a, Part b)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	if constexpr (sizeof(Part) == 64) return uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_EQ_OQ));
+#endif
+#if defined(IST_SSE) && defined(__AVX2__)
+	if constexpr (sizeof(Part) == 32) return uint32_t(_mm256_movemask_ps((__m256)(a == b)));
+#endif
+#if defined(IST_SSE)
+	if constexpr (sizeof(Part) == 16) return uint32_t(_mm_movemask_ps((__m128)(a == b)));
+#endif
+	uint32_t bits = 0;
+	for (unsigned k = 0; k < sizeof(Part) / sizeof(a[0]); ++k) bits |= uint32_t(a[k] == b[k]) << k;
+	return bits;
+}
+
 template <class Part>
 IST_INLINE Part rootOf(Part a)
 {
@@ -201,6 +219,14 @@ struct FloatVector
 		uint32_t bits = 0;
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) bits |= lessBits(a.part[i], b.part[i]) << (i * kRegister);
+		return bits;
+	}
+	/// Bit k set where a[k] == b[k].
+	static IST_INLINE uint32_t equal(const FloatVector& a, const FloatVector& b)
+	{
+		uint32_t bits = 0;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) bits |= equalBits(a.part[i], b.part[i]) << (i * kRegister);
 		return bits;
 	}
 	/// Lane k of `a` where bit k is set, else of `b`.

@@ -177,18 +177,44 @@ IST_INLINE uint32_t firstLanes(int count)
 	return count >= kLanes ? (1u << kLanes) - 1 : (1u << count) - 1;
 }
 
+/// Pairs that are summed next. A column is no power of two long: the same place of several columns would compete for one cache set.
 struct alignas(64) Stage
 {
-	float mass[kStage], area[kStage], C[3][kStage], n[3][kStage], mA[3][kStage], mB[3][kStage];
+	static constexpr int kLength = kStage + kListSlack;
+	float column[PairStream::Force][kLength];
 };
 
-IST_INLINE void store3(float (*to)[kStage], int at, const F3& v)
+/// Columns that sums of these terms need.
+template <Terms terms>
+constexpr int kSummedColumns = terms == kLineTerms ? int(PairStream::MeanNormalA) : int(PairStream::Force);
+
+/// Calls `visit(column, lanes)` for each of them.
+template <Terms terms, class Visit>
+IST_INLINE void forEachColumn(const Lenses& l, const Visit& visit)
 {
-	v.x.store(to[0] + at);
-	v.y.store(to[1] + at);
-	v.z.store(to[2] + at);
+	const auto visit3 = [&](int column, const F3& v) __attribute__((always_inline)) {
+		visit(column, v.x);
+		visit(column + 1, v.y);
+		visit(column + 2, v.z);
+	};
+	visit(PairStream::Mass, l.mass);
+	visit(PairStream::Area, l.area);
+	visit3(PairStream::Centroid, l.C);
+	visit3(PairStream::Normal, l.n);
+	visit(PairStream::Spread, l.spread);
+	if constexpr (terms != kLineTerms)
+	{
+		visit3(PairStream::MeanNormalA, l.mA);
+		visit3(PairStream::MeanNormalB, l.mB);
+		visit(PairStream::DepthA, l.depthA);
+		visit(PairStream::DepthB, l.depthB);
+	}
 }
-IST_INLINE F3 load3(const float (*from)[kStage], int at) { return {F::load(from[0] + at), F::load(from[1] + at), F::load(from[2] + at)}; }
+
+IST_INLINE F3 load3(const Stage& stage, int column, int at)
+{
+	return {F::load(stage.column[column] + at), F::load(stage.column[column + 1] + at), F::load(stage.column[column + 2] + at)};
+}
 
 template <int N>
 IST_INLINE void addSums(double* sums, const F (&lanes)[N])
@@ -196,44 +222,30 @@ IST_INLINE void addSums(double* sums, const F (&lanes)[N])
 	for (int i = 0; i < N; ++i) sums[i] += lanes[i].sum();
 }
 
-/// Lenses of up to kStage pairs into the stage; sums what needs no second pass. Returns the staged length, whole vectors.
+/// Lenses of up to kStage pairs into the stage; counts those that intersect. Returns the staged length, whole vectors.
 template <Terms terms>
 int stagePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Stage& stage, double* sums)
 {
-	F depth[2] = {F::all(0), F::all(0)}, spread[1] = {F::all(0)};
 	int64_t pairs = 0;
 	int k = 0;
 	for (; k < count; k += kLanes)
 	{
 		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, firstLanes(count - k));
-		l.mass.store(stage.mass + k);
-		l.area.store(stage.area + k);
-		store3(stage.C, k, l.C);
-		store3(stage.n, k, l.n);
-		if constexpr (terms != kLineTerms)
-		{
-			store3(stage.mA, k, l.mA);
-			store3(stage.mB, k, l.mB);
-			depth[0] += l.mass * l.depthA;
-			depth[1] += l.mass * l.depthB;
-		}
-		spread[0] += l.spread * l.spread;
+		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + k); });
 		pairs += __builtin_popcount(l.hits);
 	}
 	sums[kPairs] += double(pairs);
-	addSums(sums + kSpread, spread);
-	if constexpr (terms != kLineTerms) addSums(sums + kDepthA, depth);
 	return k;
 }
 
 /// sum w m and sum C x (w m).
-void sumWrench(const float* weight, const float (*m)[kStage], const Stage& stage, int length, double* sums)
+void sumWrench(const Stage& stage, int m, int length, double* sums)
 {
 	F s[6] = {F::all(0), F::all(0), F::all(0), F::all(0), F::all(0), F::all(0)};
 	for (int k = 0; k < length; k += kLanes)
 	{
-		const F w = F::load(weight + k);
-		const F3 v = load3(m, k), f{v.x * w, v.y * w, v.z * w}, turn = cross(load3(stage.C, k), f);
+		const F w = F::load(stage.column[PairStream::Mass] + k);
+		const F3 v = load3(stage, m, k), f{v.x * w, v.y * w, v.z * w}, turn = cross(load3(stage, PairStream::Centroid, k), f);
 		s[0] += f.x;
 		s[1] += f.y;
 		s[2] += f.z;
@@ -251,8 +263,8 @@ void sumMoments(const Stage& stage, int length, double* sums)
 	for (F& v : area) v = F::all(0);
 	for (int k = 0; k < length; k += kLanes)
 	{
-		const F mass = F::load(stage.mass + k), disc = F::load(stage.area + k);
-		const F3 C = load3(stage.C, k), n = load3(stage.n, k), first{C.x * mass, C.y * mass, C.z * mass};
+		const F mass = F::load(stage.column[PairStream::Mass] + k), disc = F::load(stage.column[PairStream::Area] + k);
+		const F3 C = load3(stage, PairStream::Centroid, k), n = load3(stage, PairStream::Normal, k), first{C.x * mass, C.y * mass, C.z * mass};
 		s[0] += mass;
 		s[1] += first.x;
 		s[2] += first.y;
@@ -270,6 +282,23 @@ void sumMoments(const Stage& stage, int length, double* sums)
 	static_assert(kFirst == kVolume + 1 && kSecond == kVolume + 4);
 	addSums(sums + kVolume, s);
 	addSums(sums + kArea, area);
+}
+
+template <Terms terms>
+void sumScalars(const Stage& stage, int length, double* sums)
+{
+	F depth[2] = {F::all(0), F::all(0)}, spread[1] = {F::all(0)};
+	for (int k = 0; k < length; k += kLanes)
+	{
+		const F s = F::load(stage.column[PairStream::Spread] + k);
+		spread[0] += s * s;
+		if constexpr (terms == kLineTerms) continue;
+		const F mass = F::load(stage.column[PairStream::Mass] + k);
+		depth[0] += mass * F::load(stage.column[PairStream::DepthA] + k);
+		depth[1] += mass * F::load(stage.column[PairStream::DepthB] + k);
+	}
+	addSums(sums + kSpread, spread);
+	if constexpr (terms != kLineTerms) addSums(sums + kDepthA, depth);
 }
 
 /// Three rows by four columns of the product g_n (g_wA, g_wB)^T: as many sums as fit into sixteen registers.
@@ -298,12 +327,21 @@ struct alignas(64) Factors
 	float g[6][kStage], w[12][kStage];
 };
 
-void sumStiffness(const Stage& stage, int length, Factors& factors, double* product)
+IST_INLINE void store3(float (*to)[kStage], int at, const F3& v)
 {
+	v.x.store(to[0] + at);
+	v.y.store(to[1] + at);
+	v.z.store(to[2] + at);
+}
+
+void sumStiffness(const Stage& stage, int length, double* product)
+{
+	Factors factors;
 	for (int k = 0; k < length; k += kLanes)
 	{
-		const F area = F::load(stage.area + k);
-		const F3 C = load3(stage.C, k), n = load3(stage.n, k), mA = load3(stage.mA, k), mB = load3(stage.mB, k);
+		const F area = F::load(stage.column[PairStream::Area] + k);
+		const F3 C = load3(stage, PairStream::Centroid, k), n = load3(stage, PairStream::Normal, k);
+		const F3 mA = load3(stage, PairStream::MeanNormalA, k), mB = load3(stage, PairStream::MeanNormalB, k);
 		const F3 g{area * n.x, area * n.y, area * n.z}, wA{-mA.x, -mA.y, -mA.z};
 		store3(factors.g, k, g);
 		store3(factors.g + 3, k, cross(C, g));
@@ -316,6 +354,22 @@ void sumStiffness(const Stage& stage, int length, Factors& factors, double* prod
 		for (int j = 0; j < 12; j += 4) sumTile(factors.g + i, factors.w + j, length, product + 12 * i + j);
 }
 
+/// `length`: whole vectors.
+template <Terms terms>
+void sumStage(const Stage& stage, int length, double* sums)
+{
+	sumMoments(stage, length, sums);
+	sumScalars<terms>(stage, length, sums);
+	if constexpr (terms == kLineTerms)
+		sumWrench(stage, PairStream::Normal, length, sums + kLine);
+	else
+	{
+		sumWrench(stage, PairStream::MeanNormalA, length, sums + kNormalA);
+		sumWrench(stage, PairStream::MeanNormalB, length, sums + kNormalB);
+	}
+	if constexpr (terms == kStiffnessTerms) sumStiffness(stage, length, sums + kProduct);
+}
+
 template <Terms terms>
 void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
@@ -323,20 +377,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	for (int first = 0; first < count; first += kStage)
 	{
 		const int rest = count - first < kStage ? count - first : kStage;
-		const int length = stagePairs<terms>(bodies, a + first, b + first, rest, stage, sums);
-		sumMoments(stage, length, sums);
-		if constexpr (terms == kLineTerms)
-			sumWrench(stage.mass, stage.n, stage, length, sums + kLine);
-		else
-		{
-			sumWrench(stage.mass, stage.mA, stage, length, sums + kNormalA);
-			sumWrench(stage.mass, stage.mB, stage, length, sums + kNormalB);
-		}
-		if constexpr (terms == kStiffnessTerms)
-		{
-			Factors factors;
-			sumStiffness(stage, length, factors, sums + kProduct);
-		}
+		sumStage<terms>(stage, stagePairs<terms>(bodies, a + first, b + first, rest, stage, sums), sums);
 	}
 }
 
@@ -348,39 +389,5 @@ void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, in
 		case kFieldTerms: return evaluatePairs<kFieldTerms>(bodies, a, b, count, sums);
 		case kStiffnessTerms: return evaluatePairs<kStiffnessTerms>(bodies, a, b, count, sums);
 	}
-}
-
-template <Terms terms>
-int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
-{
-	constexpr float kWeakNormal = 0.1f, kLeastWeight = 1e-3f;
-	float* to[8] = {stream.fx, stream.fy, stream.fz, stream.size, stream.weight, stream.cx, stream.cy, stream.cz};
-	for (int k = 0; k < count; k += kLanes)
-	{
-		const uint32_t real = firstLanes(count - k);
-		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, real);
-		const F3 f = terms == kLineTerms ? F3{F::all(0), F::all(0), F::all(0)}
-										 : F3{l.mass * (l.mB.x - l.mA.x), l.mass * (l.mB.y - l.mA.y), l.mass * (l.mB.z - l.mA.z)};
-		const F length = F::squareRoot(dot(f, f)), strength = F::select(F::less(length, F::all(kWeakNormal) * l.mass), F::all(0), length);
-		const F values[8] = {f.x, f.y, f.z, strength, F::larger(length, F::all(kLeastWeight) * l.mass), l.C.x, l.C.y, l.C.z};
-		const uint32_t kept = bodies.keepMeeting ? l.meeting : l.hits;
-		float lanes[8][kLanes];
-		for (int i = 0; i < 8; ++i) values[i].store(lanes[i]);
-		for (int part = 0; part < kLanes; part += kGroup)
-		{
-			const Compressor compressor(kept >> part & ((1u << kGroup) - 1));
-			compressor.move(a + k + part, stream.a + size);
-			compressor.move(b + k + part, stream.b + size);
-			for (int i = 0; i < 8; ++i) compressor.move(lanes[i] + part, to[i] + size);
-			size += compressor.count();
-		}
-	}
-	return size;
-}
-
-int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size)
-{
-	return terms == kLineTerms ? refinePairs<kLineTerms>(bodies, a, b, count, stream, size)
-							   : refinePairs<kFieldTerms>(bodies, a, b, count, stream, size);
 }
 }  // namespace

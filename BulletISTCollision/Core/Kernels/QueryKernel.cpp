@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Compiled once for each instruction set; IST_KERNEL names the table. Everything but the table has internal linkage.
+#include "BulletISTCollision/Core/Kernels/PairGroups.h"
 #include "BulletISTCollision/Core/Kernels/PairIntegrals.h"
+#include "BulletISTCollision/Core/Kernels/PairList.h"
 #include "BulletISTCollision/Core/Kernels/PairSearch.h"
 #include "BulletISTCollision/Core/Kernels/PairSift.h"
 
 namespace ist::kernels
 {
-const QueryKernel IST_KERNEL{search, moveBlocks, sift, evaluate, refine};
+const QueryKernel IST_KERNEL{search, moveBlocks, sift, evaluate, refine, sumGroup, joinCone, joinNearest};
 }

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/BallTree.h"
 #include "BulletISTCollision/Core/Kernels/TreeLimits.h"
 
+#include <cstddef>
 #include <cstdint>
 
 // What the query's driver and its kernels share. Plain structs and raw pointers only: this header is compiled for several
@@ -113,14 +114,55 @@ enum Terms
 	kStiffnessTerms   ///< field terms and stiffness
 };
 
-/// What grouping into patches needs of each pair.
+/// Intersecting pairs, one column for each thing that sums and grouping need of them.
 struct PairStream
 {
+	enum Column
+	{
+		Mass,                    ///< dd L
+		Area,                    ///< dd times the disc's area
+		Centroid,                ///< C
+		Normal = Centroid + 3,   ///< n
+		Spread = Normal + 3,     ///< s_ij in units of the query's typical volume
+		MeanNormalA,             ///< of A's leaf; all from here on: none of packed spheres
+		MeanNormalB = MeanNormalA + 3,
+		DepthA = MeanNormalB + 3,  ///< at C
+		DepthB,
+		Force,                   ///< dd L (m_j - m_i); sums need none from here on
+		Size = Force + 3,        ///< |f|; 0 where the normals cancel to less than a tenth of dd L, so that f has no direction
+		Rank,                    ///< of the pair: |f|, or a small share of dd L where that is more
+		ColumnCount
+	};
 	uint32_t *a, *b;
-	float *fx, *fy, *fz;  ///< dd L (m_j - m_i)
-	float* size;          ///< |f|; 0 where the normals cancel to less than a tenth of dd L, so that f has no direction
-	float* weight;        ///< rank of the pair: |f|, or a small share of dd L where that is more
-	float *cx, *cy, *cz;  ///< lens centroid
+	float* numbers;  ///< the columns, one after the other
+	size_t stride;
+};
+/// Without linkage, see above.
+static inline float* columnOf(const PairStream& stream, int column) { return stream.numbers + size_t(column) * stream.stride; }
+
+/// What a pair belongs to: a patch, from 0 on, or as yet to a component alone, from -1 down. A float, to be looked at side by side with the rest;
+/// exact up to 2^24.
+using GroupNumber = float;
+
+/// A look at those pairs of a component that belong to no patch yet.
+struct ConeSearch
+{
+	GroupNumber component, patch;
+	float axis[3], cosine;  ///< pairs whose force is within the cone join the patch
+	bool all;               ///< all of the component join it, whatever their force
+	double force[3], moment[3], rank;  ///< of those that joined: sums of f, of C times the rank, of the rank
+	double left;            ///< sum of the rank of those that did not
+	int strongest;          ///< of those that did not, the first with the largest size; negative: none has a direction
+	float size;             ///< of that one
+};
+
+/// What a pair without a patch is compared with.
+struct PatchList
+{
+	const GroupNumber* component;  ///< of each patch
+	const float *center[3], *direction[3];
+	int count;
+	float perLength;  ///< what a distance counts beside the cosine of a direction [1/m]
 };
 
 struct QueryKernel
@@ -136,6 +178,12 @@ struct QueryKernel
 	/// Appends those pairs that do intersect to `stream` at `size` (needs kListSlack beyond size + count); returns the new size. Reads
 	/// as far behind the end.
 	int (*refine)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size);
+	/// As `evaluate`, of those of the first `count` pairs of `stream` that are in a group; null: of all. Reads up to kListSlack behind the end.
+	void (*sumGroup)(const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums);
+	/// Writes the patch's number to `groups` for the pairs that join it. Reads as far behind the end.
+	void (*joinCone)(const PairStream& stream, GroupNumber* groups, int count, ConeSearch& search);
+	/// Pairs without a patch join the best in their component, or of all where it has none. Reads as far behind the end, and writes what it read there.
+	void (*joinNearest)(const PairStream& stream, GroupNumber* groups, int count, const PatchList& list);
 };
 
 extern const QueryKernel kPortableKernel;

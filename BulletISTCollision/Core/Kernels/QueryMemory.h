@@ -33,7 +33,6 @@ struct QueryWorkspace::Implementation
 	uint32_t epoch = 0;
 
 	kernels::PairStream stream{};           ///< intersecting pairs, in the order in which they were found
-	uint32_t *patchPairA = nullptr, *patchPairB = nullptr;  ///< the same by patch
 	std::vector<uint64_t> keys;
 	std::vector<OverlapPair> pairs, keptPairs;  ///< of the last look, of one that may still be wanted
 	std::vector<FieldTerm> terms;          ///< against an analytic field, in the order of `stream`; never more than it has room for

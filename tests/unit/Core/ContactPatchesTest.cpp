@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/ContactPatches.h"
+
+#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "tests/unit/Core/PatchReference.h"
+#include "tests/unit/Core/QueryBodies.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+using namespace ist;
+using namespace ist::kernels;
+
+namespace
+{
+constexpr InstructionSet kAllSets[] = {InstructionSet::Portable, InstructionSet::Baseline, InstructionSet::V3, InstructionSet::V4};
+
+/// A list of pairs between balls that hang together in `clusters` heaps, with forces all over `directions` cones, a few of them weak.
+class RandomPairs
+{
+public:
+	RandomPairs(int count, int clusters, int directions, unsigned seed) : m_random(seed)
+	{
+		const size_t room = size_t(count) + kListSlack;
+		m_index.resize(2 * room);
+		m_numbers.resize(PairStream::ColumnCount * room);
+		stream = {m_index.data(), m_index.data() + room, m_numbers.data(), room};
+		std::uniform_real_distribution<float> any(-1, 1), positive(0.1f, 1);
+		std::vector<Vec3> axes(static_cast<size_t>(directions));
+		for (Vec3& axis : axes) axis = normalized(Vec3{any(m_random), any(m_random), any(m_random)});
+		for (int i = 0; i < count; ++i)
+		{
+			const uint32_t cluster = pick(clusters);
+			stream.a[i] = cluster * kBalls / uint32_t(clusters) + pick(kBalls / clusters);
+			stream.b[i] = cluster * kBalls / uint32_t(clusters) + pick(kBalls / clusters);
+			const bool weak = pick(12) == 0;
+			const Vec3 f = (axes[pick(directions)] + 0.5 * Vec3{any(m_random), any(m_random), any(m_random)}) * double(weak ? 1e-3f : positive(m_random));
+			for (int k = 0; k < 3; ++k)
+			{
+				columnOf(stream, PairStream::Force + k)[i] = float(f[k]);
+				columnOf(stream, PairStream::Centroid + k)[i] = float(3 * cluster) + any(m_random);
+			}
+			columnOf(stream, PairStream::Size)[i] = weak ? 0 : float(norm(f));
+			columnOf(stream, PairStream::Rank)[i] = float(norm(f));
+			columnOf(stream, PairStream::Mass)[i] = 1;
+		}
+	}
+	static constexpr int kBalls = 960;
+	PairStream stream;
+
+private:
+	uint32_t pick(int below) { return std::uniform_int_distribution<uint32_t>(0, uint32_t(below) - 1)(m_random); }
+	std::mt19937 m_random;
+	std::vector<uint32_t> m_index;
+	std::vector<float> m_numbers;
+};
+
+/// Null: not on this machine.
+const QueryKernel* kernelOf(InstructionSet set)
+{
+	QueryCapacity small;
+	small.pairs = 1;
+	return QueryWorkspace(small, set).implementation().kernel;
+}
+}  // namespace
+
+TEST(PatchGrouper, AgreesWithTheReferencePairByPair)
+{
+	for (const InstructionSet set : kAllSets)
+	{
+		const QueryKernel* kernel = kernelOf(set);
+		if (!kernel) continue;
+		PatchGrouper grouper;
+		int manyPatches = 0, manyComponents = 0;
+		for (unsigned seed = 1; seed <= 60; ++seed)
+		{
+			const int count = int(1 + seed * seed * 7 % 1300), clusters = int(1 + seed % 5), directions = int(1 + seed % 4);
+			const RandomPairs pairs(count, clusters, directions, seed);
+			const int most = seed % 7 == 0 ? 2 : 8;
+			grouper.reserve(size_t(count), 2 * RandomPairs::kBalls, most);
+			const int found = grouper.group(*kernel, pairs.stream, count, RandomPairs::kBalls, most);
+			const PatchReference reference(pairs.stream, count, RandomPairs::kBalls, most);
+			ASSERT_EQ(found, reference.count()) << seed << ' ' << toString(set);
+			for (int i = 0; i < count; ++i) ASSERT_EQ(int(grouper.patch()[i]), reference.patch()[size_t(i)]) << seed << ' ' << i << ' ' << toString(set);
+			manyPatches += found > 4;
+			manyComponents += reference.components() > 4;
+		}
+		EXPECT_GT(manyPatches, 10);
+		EXPECT_GT(manyComponents, 10);
+	}
+}
+
+TEST(PatchGrouper, PairsWithoutAnyDirectionAreOnePatch)
+{
+	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
+	RandomPairs pairs(100, 1, 2, 3);
+	for (int i = 0; i < 100; ++i) columnOf(pairs.stream, PairStream::Size)[i] = 0;
+	// One ball that all share, so that they are one component.
+	std::fill_n(pairs.stream.a, 100, 5u);
+	PatchGrouper grouper;
+	grouper.reserve(100, 2 * RandomPairs::kBalls, 8);
+	EXPECT_EQ(grouper.group(*kernel, pairs.stream, 100, RandomPairs::kBalls, 8), 1);
+	for (int i = 0; i < 100; ++i) EXPECT_EQ(grouper.patch()[i], 0);
+	EXPECT_EQ(grouper.group(*kernel, pairs.stream, 0, RandomPairs::kBalls, 8), 0);
+}
+
+// Patches are sums of the very pairs that the query without patches sums: in any number they add up to it, with every instruction set.
+TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
+{
+	const InnerSphereTree A = cloudBody(700, 3), B = cloudBody(650, 4, {0.1, 0.2, -0.1});
+	for (const InstructionSet set : kAllSets)
+	{
+		if (!isAvailable(set)) continue;
+		std::mt19937 random(11);
+		std::uniform_real_distribution<double> u(-1, 1);
+		for (int k = 0; k < 8; ++k)
+		{
+			const Pose X = Pose{rotationMatrix(quaternionFromRotationVector({u(random), 2, u(random)})), {0.5 * u(random), 0.5 * u(random), 0.2}};
+			QueryOptions plain;
+			plain.patches = false;
+			QueryWorkspace one({}, set), several({}, set);
+			const OverlapResult whole = queryOverlap(A, B, X, one, plain), divided = queryOverlap(A, B, X, several);
+			ASSERT_GT(whole.total.pairs, 20);
+			EXPECT_EQ(divided.total.pairs, whole.total.pairs);
+			EXPECT_NEAR(divided.total.volume, whole.total.volume, 1e-6 * whole.total.volume);
+			EXPECT_NEAR(divided.total.spread, whole.total.spread, 1e-5 * whole.total.spread);
+			EXPECT_NEAR(divided.total.depthA, whole.total.depthA, 1e-5 * std::fabs(whole.total.depthA));
+			double scale = 0;
+			for (int i = 0; i < 6; ++i) scale = std::max(scale, std::fabs(whole.total.stiffnessA(i, i)));
+			for (int i = 0; i < 21; ++i) EXPECT_NEAR(divided.total.stiffnessA.m[i], whole.total.stiffnessA.m[i], 1e-4 * scale);
+		}
+	}
+}
