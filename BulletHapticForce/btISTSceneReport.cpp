@@ -155,6 +155,7 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 		contacts.emplace(sorted(contact->manifold->getBody0(), contact->manifold->getBody1()), contact);
 	const auto add = [&](btISTPairReport pair, const btCollisionObject* a, const btCollisionObject* b)
 	{
+		pair.acceptedError = pair.model == btISTPairReport::Trees ? registration.forceErrorOf(a, b) : 0;
 		pair.bodyA = a;
 		pair.bodyB = b;
 		report.savedSeconds += pair.savedSeconds;
@@ -207,7 +208,7 @@ std::vector<std::string> btISTSceneReport::lines() const
 		}
 		if (std::isfinite(p.promisedError))
 		{
-			std::snprintf(row, sizeof row, ", promised within %.2g %%%s", 100 * p.promisedError, p.promiseKept ? "" : ": not what is accepted");
+			std::snprintf(row, sizeof row, ", promised within %.2g %%, %.2g %% accepted%s", 100 * p.promisedError, 100 * p.acceptedError, p.promiseKept ? "" : ": not kept");
 			line += row;
 		}
 		if (p.cost.asked > 0)
@@ -239,7 +240,7 @@ std::string btISTSceneReport::json() const
 		out += std::string(i ? "," : "") + "{\"a\":" + quoted(namesA[i]) + ",\"b\":" + quoted(namesB[i]) + ",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) +
 			   ",\"level\":" + std::to_string(p.level) + ",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
 			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + number(p.force) + ",\"expected_error\":" + number(p.expectedError) +
-			   ",\"promised_error\":" + number(p.promisedError) + ",\"promise_kept\":" + (!std::isfinite(p.promisedError) ? "null" : p.promiseKept ? "true" : "false") + "," +
+			   ",\"accepted_error\":" + number(p.acceptedError) + ",\"promised_error\":" + number(p.promisedError) + ",\"promise_kept\":" + (!std::isfinite(p.promisedError) ? "null" : p.promiseKept ? "true" : "false") + "," +
 			   costJson(p.cost) + ",\"saved_seconds\":" + number(p.savedSeconds) + "}";
 	}
 	return out + "]}";

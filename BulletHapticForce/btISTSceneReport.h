@@ -33,9 +33,9 @@ struct btISTPairReport
 	/// Expected error of the force as a share of the larger of the force and the floor (btISTEconomy): the error bar of the query, and on
 	/// top of it what was granted to a result that is kept. Not a number where nothing is promised.
 	double expectedError = 0;
-	/// Of two trees where a force error is accepted (btISTWorld::setForceError): the error that 95 % of such contacts stay under at the level that answered last
+	/// Of two trees where a force error is accepted (btISTWorld::setForceError, setForceErrorOf): what is accepted of this pair, the error that 95 % of such contacts stay under at the level that answered last
 	/// (ist::PromisedOverlap), and whether it is within the accepted one. Not a number where no level is chosen.
-	double promisedError = 0;
+	double acceptedError = 0, promisedError = 0;
 	bool promiseKept = false;
 	btISTQueryCost cost;      ///< since the pair began
 	double savedSeconds = 0;  ///< steps without a query times the mean time of one, less what those steps took; needs measureQueryTime
@@ -52,7 +52,7 @@ struct btISTSceneReport
 
 	std::vector<btISTPairReport> pairs;
 	btISTEconomy economy;
-	double acceptedError = 0; ///< force error; 0: the leaves answer always
+	double acceptedError = 0; ///< force error, of all pairs that have none of their own; 0: the leaves answer always
 	btISTQueryCost total;     ///< of all volumetric pairs, those that are gone among them
 	double savedSeconds = 0;  ///< of the pairs above
 
@@ -63,7 +63,7 @@ struct btISTSceneReport
 	std::vector<std::string> lines() const;
 	std::string text() const;
 	/// One object; not-finite numbers are null. {"schema":1,"economy","kept_error","accepted_error","queries","kept","factor","seconds","query_seconds",
-	/// "saved_seconds","largest_kept_error","pairs":[{"a","b","model","level","reason","patches","leaf_pairs","force","expected_error","promised_error","promise_kept",
+	/// "saved_seconds","largest_kept_error","pairs":[{"a","b","model","level","reason","patches","leaf_pairs","force","expected_error","accepted_error","promised_error","promise_kept",
 	/// "queries","kept","node_visits","ball_tests","seconds","query_seconds","saved_seconds"}]}. Seconds are those of queries and of what was done instead;
 	/// "promise_kept" is null where "promised_error" is.
 	std::string json() const;

@@ -67,6 +67,8 @@ public:
 	btISTWatch& watch() { return m_registration.watch(); }
 	/// The force error that is accepted from now on, of each pair: see btISTRegistration::setForceError.
 	std::optional<ist::Error> setForceError(double share) { return m_registration.setForceError(share); }
+	/// The same for the pairs of one body, as the one in the hand: see btISTRegistration::setForceErrorOf.
+	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share) { return m_registration.setForceErrorOf(body, share); }
 	/// What the last step found and did.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }

@@ -50,13 +50,14 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 ist::OverlapResult btISTCollisionAlgorithm::query(const btISTShapeField& field, btISTContact& contact) const
 {
 	ist::PairAccuracy& pair = contact.accuracy;
-	const bool accepts = m_context->forceError() > 0;
+	const double error = m_context->forceErrorOf(contact.bodyA, contact.bodyB);
+	const bool accepts = error > 0;
 	if (m_treeB && (accepts || pair.level > 0 || pair.fadedShare > 0))
 	{
 		// What the leaves pressed until now fades out, too.
 		if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
 		ist::AcceptedError accepted;
-		accepted.error = m_context->forceError();
+		accepted.error = error;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
 		const ist::OverlapResult result = ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options(), pair);
@@ -86,7 +87,7 @@ double btISTCollisionAlgorithm::clearance(const btISTShapeField& field, const is
 btISTKeptResult::Measures btISTCollisionAlgorithm::measures(const btISTShapeField& field, const btISTContact& contact) const
 {
 	if (!m_treeB) return field.measures();
-	return {m_context->forceError() > 0 ? contact.constants.weightA : 0};
+	return {m_context->forceErrorOf(contact.bodyA, contact.bodyB) > 0 ? contact.constants.weightA : 0};
 }
 
 /// The sums of `contact` at its X_AB, kept or asked for.

@@ -51,6 +51,11 @@ public:
 	/// promises is in btISTContact::accuracy. Refused when it is no such share. Between steps only.
 	std::optional<ist::Error> setForceError(double share);
 	double forceError() const;
+	/// The same for the pairs of one body, whatever is accepted of all others: coarse everywhere, say, and fine where the hand is. Of two such bodies the smaller
+	/// share counts. Without a share the body is as all others; take it out before it is deleted. Meant for a few bodies: each is compared with in every query.
+	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share);
+	/// What is accepted of this pair.
+	double forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const;
 	/// What may be left out of the queries; to begin with what changes nothing. Refused when the error is not within its range.
 	std::optional<ist::Error> setEconomy(const btISTEconomy& economy);
 	const btISTEconomy& economy() const;

@@ -210,6 +210,17 @@ std::optional<ist::Error> btISTRegistration::setForceError(double share)
 	return std::nullopt;
 }
 
+std::optional<ist::Error> btISTRegistration::setForceErrorOf(const btCollisionObject* body, std::optional<double> share)
+{
+	if (share && !(*share >= 0 && *share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
+	btISTContext& context = *m_installation->context;
+	if (share && *share > 0) context.registry->keepLevels();
+	context.setForceErrorOf(body, share);
+	return std::nullopt;
+}
+
+double btISTRegistration::forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const { return m_installation->context->forceErrorOf(a, b); }
+
 double btISTRegistration::forceError() const { return m_installation->context->forceError(); }
 
 void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }

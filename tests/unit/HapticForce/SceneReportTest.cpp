@@ -160,12 +160,14 @@ TEST(btISTSceneReport, SaysWhatTheDialPromisesAndWhetherThatIsWhatIsAccepted)
 		EXPECT_FALSE(box->promiseKept);
 		const auto json = nlohmann::json::parse(report.json());
 		EXPECT_EQ(json["accepted_error"], accepted);
+		EXPECT_EQ(tree->acceptedError, accepted);
+		EXPECT_EQ(box->acceptedError, 0);
 		for (const auto& pair : json["pairs"])
 		{
 			EXPECT_EQ(pair["promised_error"].is_null(), pair["a"] == "box" || pair["b"] == "box");
 			EXPECT_EQ(pair["promise_kept"].is_boolean(), !pair["promised_error"].is_null());
 		}
-		EXPECT_EQ(report.text().find("not what is accepted") == std::string::npos, tree->promiseKept);
+		EXPECT_EQ(report.text().find("not kept") == std::string::npos, tree->promiseKept);
 		EXPECT_NE(report.text().find("% accepted"), std::string::npos);
 	}
 }
@@ -183,6 +185,39 @@ TEST(btISTSceneReport, TimeOfQueriesIsNotThatOfWhatWasDoneInstead)
 	EXPECT_NEAR(json["query_seconds"], report.total.querySeconds, 1e-8 * report.total.querySeconds);
 	EXPECT_LT(json["query_seconds"], json["seconds"]);
 	EXPECT_LT(json["pairs"][0]["query_seconds"], json["pairs"][0]["seconds"]);
+}
+
+TEST(btISTSceneReport, NothingIsAskedOfTwoThatCannotMove)
+{
+	Row row;
+	row.add("floor", &row.treeFloor, 0, 0, 0);
+	row.add("wall", &row.cube, 0, .3, .4);
+	ASSERT_FALSE(row.world.setEconomy({false, 0}));
+	for (int i = 0; i < 5; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	EXPECT_EQ(row.world.contacts().cost().asked, 0u);
+	EXPECT_TRUE(row.world.contacts().contacts().empty());
+	row.add("cube", &row.cube, 1, .3, .8);
+	for (int i = 0; i < 5; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	EXPECT_EQ(row.world.contacts().cost().asked, 10u) << "of the one that moves with both, in five steps";
+}
+
+// Neither a bound nor a gate nor another look: as much work as the leaves' sums take.
+TEST(btISTSceneReport, AWorldAsksForNothingThatNobodyReads)
+{
+	Row row;
+	row.add("floor tree", &row.treeFloor, 0, 0, -.5);
+	row.add("tree", &row.cube, 1, 0.1, .48);
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	const auto& contacts = row.world.contacts().contacts();
+	ASSERT_EQ(contacts.size(), 1u);
+	const btISTContact& contact = *contacts[0];
+	ist::QueryWorkspace workspace;
+	const ist::OverlapResult once = ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace);
+	ASSERT_GT(once.total.pairs, 0);
+	EXPECT_EQ(contact.cost.asked, 1u);
+	EXPECT_EQ(contact.cost.nodeVisits, once.nodeVisits);
+	EXPECT_EQ(contact.cost.ballTests, once.ballTests);
+	EXPECT_EQ(contact.cost.leafPairs, once.total.pairs);
 }
 
 TEST(btISTSceneReport, PairsThatAreToldNotToCollideAreNamed)

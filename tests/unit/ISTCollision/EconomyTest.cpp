@@ -368,6 +368,35 @@ TEST(btISTEconomy, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 	EXPECT_EQ(changed.level, hard.level);
 }
 
+TEST(btISTEconomy, CoarseWhereTheHandIsNot)
+{
+	const auto look = [](std::optional<double> general, std::optional<double> ofUpper, std::optional<double> ofLower)
+	{
+		Pair pair(kTolerant);
+		EXPECT_FALSE(pair.registration.setForceError(general.value_or(0)));
+		EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.upper, ofUpper));
+		EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.lower, ofLower));
+		for (int i = 0; i < 300; ++i) pair.look(at(vec(.05, .8, .02), vec(.03, .02, .01)));
+		return *pair.contact();
+	};
+	const btISTContact coarse = look(0.5, {}, {}), leaves = look({}, {}, {});
+	ASSERT_GT(coarse.level, 0);
+	ASSERT_LT(coarse.total.pairs, leaves.total.pairs / 2);
+	EXPECT_EQ(look(0.5, 0.0, {}).total.pairs, leaves.total.pairs) << "of the hand's body the leaves";
+	EXPECT_EQ(look({}, {}, 0.5).total.pairs, coarse.total.pairs) << "of one body alone";
+	EXPECT_EQ(look(0.5, 0.02, 0.9).total.pairs, look(0.02, {}, {}).total.pairs) << "the smaller of two";
+
+	Pair pair(kTolerant);
+	EXPECT_TRUE(pair.registration.setForceErrorOf(&pair.upper, 1.1));
+	EXPECT_TRUE(pair.registration.setForceErrorOf(&pair.upper, -0.1));
+	EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.upper, 0.5));
+	for (int i = 0; i < 300; ++i) pair.look(at(vec(.05, .8, .02), vec(.03, .02, .01)));
+	EXPECT_EQ(pair.contact()->total.pairs, coarse.total.pairs);
+	EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.upper, std::nullopt));
+	for (int i = 0; i < 300; ++i) pair.look();
+	EXPECT_EQ(pair.contact()->total.pairs, leaves.total.pairs) << "taken out while nothing moved";
+}
+
 TEST(btISTEconomy, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
 {
 	for (const bool teleported : {false, true})
