@@ -463,6 +463,25 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
 }
 
+// A row of contacts that hang together, on a floor that bends by so much from end to end.
+TEST(ContactPatches, OneWhereTheNormalsAgree)
+{
+	QueryWorkspace workspace;
+	for (const double bend : {0.0, 0.3, 0.6, 2.6})
+	{
+		std::vector<MomentEllipsoid> A, B;
+		for (int i = 0; i <= 20; ++i)
+		{
+			const double angle = bend * (i / 20.0 - 0.5);
+			const Vec3 normal{std::sin(angle), 0, std::cos(angle)};
+			A.push_back(ballAt({0.05 * i, 0, 0.08}, -0.9 * normal));
+			B.push_back(ballAt({0.05 * i, 0, -0.08}, 0.9 * normal));
+		}
+		const OverlapResult r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace);
+		EXPECT_EQ(r.patchCount == 1, bend < 1) << bend << ": " << r.patchCount << " patches";
+	}
+}
+
 TEST(ContactPatches, SeparateContactsAndCorners)
 {
 	// Two feet far apart on one floor, and a wall that belongs to the second foot's component.

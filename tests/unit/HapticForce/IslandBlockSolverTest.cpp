@@ -184,6 +184,7 @@ TEST(btIslandBlockSolver, AgreesWithADenseSolutionWithoutFriction)
 		const Scene scene = randomScene(seed, 0, std::pow(10.0, 2 + double(seed % 5)));
 		btIslandBlockSolver solver;
 		ASSERT_TRUE(scene.solve(solver));
+		EXPECT_EQ(solver.sweeps(), 0) << "nothing rubs";
 		std::vector<size_t> active;
 		for (size_t k = 0; k < scene.contacts.size(); ++k)
 			if (solver.normalImpulse(int(k)) > 0) active.push_back(k);
