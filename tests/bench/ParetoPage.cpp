@@ -188,7 +188,7 @@ std::string paretoJson(const Sweep& sweep)
 	{
 		if (&p != &sweep.promises.front()) text += ",\n";
 		text += "{\"pair\":\"" + p.pair + "\",\"spheres\":" + std::to_string(p.spheres) + ",\"poses\":" + std::to_string(p.poses) + ",\"error\":" + number(p.error) +
-				",\"held\":" + number(p.held) + ",\"kept\":" + number(p.kept) + ",\"of_leaves\":" + number(p.ofLeaves) +
+				",\"held\":" + number(p.held) + ",\"kept\":" + number(p.kept) + ",\"of_promise\":" + number(p.ofPromise) + ",\"of_leaves\":" + number(p.ofLeaves) +
 				",\"of_fixed\":" + (p.ofFixed > 0 ? number(p.ofFixed) : "null") + '}';
 	}
 	return text + "]}\n";

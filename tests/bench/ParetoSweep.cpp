@@ -69,7 +69,11 @@ SweptBody makeBody(const std::string& name, int spheres, const std::string& fold
 	if (tree.value().loaded) std::ifstream(seconds) >> body.buildSeconds;
 	else if (!folder.empty()) std::ofstream(seconds) << body.buildSeconds;
 	body.tree = *tree.value().tree;
-	addLevels(body.tree);
+	const double start = now();
+	body.tree.levels = buildLevels(body.tree.law);
+	const double levels = now();
+	body.tree.calibration = measuredCalibration(body.tree);
+	std::fprintf(stderr, "%s, %d spheres: levels in %.3f s, calibration in %.3f s\n", name.c_str(), spheres, levels - start, now() - levels);
 	body.bytes = treeBytes(body.tree);
 	return body;
 }
@@ -333,6 +337,7 @@ private:
 		PromiseRow row{m_row.pair, error, m_row.spheres, int(m_poses.size())};
 		const double floor = forceFloor(m_poses), n = double(m_poses.size());
 		std::vector<double> pairs(size_t(levelCount(m_A, m_B)) + 1), within(pairs.size());
+		std::vector<double> shares;
 		double asked = 0, answered = 0;
 		for (const TruePose& pose : m_poses)
 		{
@@ -343,6 +348,8 @@ private:
 			const PromisedOverlap answer = queryToError(m_A, m_B, pose.X_AB, m_workspace, accepted, plain());
 			const double off = norm(pressureWrench(answer.overlap.total, {}).force - truth) / size;
 			row.held += (off <= std::max(error, answer.promise)) / n;
+			shares.push_back(off / answer.promise);
+			if (answer.promise > 0 && shares.back() > row.worst / row.worstPromise) row.worst = off, row.worstPromise = answer.promise;
 			row.kept += answer.kept / n;
 			asked += double(answer.pairs);
 			answered += double(answer.overlap.total.pairs);
@@ -353,6 +360,7 @@ private:
 				within[level] += norm(e.wrench.force - truth) <= error * size;
 			}
 		}
+		row.ofPromise = quantile(shares, 0.5);
 		row.ofLeaves = answered / pairs[0];
 		double cheapest = 0;
 		for (size_t level = 0; level < pairs.size(); ++level)
