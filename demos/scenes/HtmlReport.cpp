@@ -13,8 +13,8 @@ namespace scenes
 namespace
 {
 // Okabe-Ito, without its yellow, which is too pale for thin lines.
-constexpr const char* kColors[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
-constexpr size_t kColorCount = 6;
+constexpr const char* kColors[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#A6761D"};
+constexpr size_t kColorCount = 8;
 
 constexpr const char* kStyle =
 	"body{font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,Helvetica,Arial,sans-serif;color:#222;background:#fafaf8;"
@@ -212,13 +212,15 @@ std::string drawLine(const Frame& frame, const ChartSeries& series, const std::s
 std::string drawLegend(const Chart& chart)
 {
 	std::string out;
-	double x = Frame::kLeft + 4;
+	double x = Frame::kLeft + 4, y = 12;
 	for (size_t i = 0; i < chart.series.size(); ++i)
 	{
+		const double width = 24 + 7.2 * static_cast<double>(chart.series[i].name.size());
+		if (i > 0 && x + width > Frame::kWidth - Frame::kRight) x = Frame::kLeft + 4, y += 16;
 		const std::string color = kColors[i % kColorCount];
-		out += "<rect x=\"" + pixel(x) + "\" y=\"12\" width=\"18\" height=\"5\" rx=\"2\" fill=\"" + color + "\"/>";
-		out += textTag(x + 24, 19, "start", chart.series[i].name);
-		x += 48 + 7.2 * static_cast<double>(chart.series[i].name.size());
+		out += "<rect x=\"" + pixel(x) + "\" y=\"" + pixel(y) + "\" width=\"18\" height=\"5\" rx=\"2\" fill=\"" + color + "\"/>";
+		out += textTag(x + 24, y + 7, "start", chart.series[i].name);
+		x += width + 24;
 	}
 	return out;
 }
@@ -262,14 +264,14 @@ std::string chartSvg(const Chart& chart)
 	std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + pixel(Frame::kWidth) + " " + pixel(Frame::kHeight) +
 					  "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\" style=\"background:#fff\">\n";
 	out += drawGrid(frame, chart);
-	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), [](const ChartSeries& series) { return series.markers; });
-	// Marker series are set side by side, so that error bars at the same abscissa stay apart.
+	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), [](const ChartSeries& series) { return series.markers && !series.sigma.empty(); });
+	// Series with error bars are set side by side, so that those at the same abscissa stay apart.
 	double shift = -2.5 * static_cast<double>(marked + 1);
 	for (size_t i = 0; i < chart.series.size(); ++i)
 	{
 		const ChartSeries& series = chart.series[i];
-		if (series.markers) shift += 5;
-		out += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], shift) : drawLine(frame, series, kColors[i % kColorCount]);
+		if (!series.sigma.empty()) shift += 5;
+		out += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], series.sigma.empty() ? 0 : shift) : drawLine(frame, series, kColors[i % kColorCount]);
 	}
 	return out + drawLegend(chart) + "</svg>";
 }
