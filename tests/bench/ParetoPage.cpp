@@ -100,8 +100,8 @@ Chart estimatorChart(const Sweep& sweep, const std::string& pair, double overlap
 	chart.series.push_back(seriesOf("the dial", all("dial"), true));
 	chart.series.push_back(seriesOf("budget of pairs", all("budget"), true));
 	chart.series.push_back(seriesOf("paper, gain fitted", all("paper"), true));
-	for (const std::string& peer : peersOf(sweep, pair)) chart.series.push_back(seriesOf(peer + ", gain fitted", all(peer), true));
 	if (const auto closed = all("closed form"); !closed.empty()) chart.series.push_back(seriesOf("closed form", closed, true));
+	for (const std::string& peer : peersOf(sweep, pair)) chart.series.push_back(seriesOf(peer, all(peer), true));
 	return chart;
 }
 
@@ -204,7 +204,8 @@ std::string paretoHtml(const Sweep& sweep)
 				   "under a load of the true force, of the size; -: nothing within a tenth of the size bears it. Float at 1 km: what the force changes by when places are rounded. "
 				   "Explicit k: the largest at which explicit steps of 1 ms of 1 kg do not diverge; implicit steps of btVolumetricSolver have no such limit, and their column is the "
 				   "longest step that keeps 95 % of the speed of an impact, for a body whose weight presses it in this deep. Z-width: b / (T/2 + t), T = 1 ms, b = 5 N s/m, t the p99.9 "
-				   "of the query. Other libraries return contacts: depth times normal, summed up, with the gain that fits these poses best, as for the paper's estimator.");
+				   "of the query. Other libraries return contacts: depth times normal, summed up, with the gain that fits these poses best, as for the paper's estimator. The dial is asked anew in each pose, "
+				   "without the fading of queryPair: that its levels change is in its noise.");
 	addPromises(page, sweep);
 	for (const std::string& pair : pairsOf(sweep))
 	{
