@@ -2,10 +2,8 @@
 #include "demos/scenes/GraspRun.h"
 
 #include "BulletHapticForce/btContactLaw.h"
-#include "BulletISTCollision/Core/TreeCache.h"
 #include "BulletISTCollision/btISTConversion.h"
 
-#include "BulletCollision/CollisionShapes/btConvexHullShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
 #include <algorithm>
@@ -38,13 +36,9 @@ Result<std::unique_ptr<GraspScene>> GraspScene::make(const GraspOptions& options
 	scene->m_object = std::move(object).value();
 	scene->m_model = std::move(model).value();
 	const GraspObject& o = scene->m_object;
-	scene->m_centre = massProperties(o.mesh).centerOfMass;
-	BuildOptions build;
-	build.maxSpheres = options.objectSpheres;
-	build.progress = options.progress;
-	Result<ist::CachedTree> tree = ist::cachedTree(translated(o.mesh, -scene->m_centre), build, options.cache);
-	if (!tree) return Error{o.name + ": " + tree.error().message, tree.error().cancelled};
-	scene->m_tree = tree.value().tree;
+	Result<GraspSolid> solid = GraspSolid::make(o.mesh, options.objectSpheres, options.cache, options.progress);
+	if (!solid) return Error{o.name + ": " + solid.error().message, solid.error().cancelled};
+	scene->m_solid = std::move(solid).value();
 	scene->m_motion.size = size;
 	scene->m_motion.gripX = o.gripX;
 	scene->m_motion.gripZ = o.gripZ;
@@ -62,9 +56,8 @@ void GraspScene::leave()
 	if (!m_world) return;
 	m_audit.reset();
 	m_hand.reset();
-	m_world->bullet().removeRigidBody(m_body.get());
+	m_body.reset();
 	m_world->bullet().removeRigidBody(m_ground.get());
-	m_attachment.detach();
 	m_world.reset();
 }
 
@@ -78,22 +71,10 @@ std::optional<Error> GraspScene::start(double friction)
 	m_ground->setFriction(btScalar(1));
 	m_world->bullet().addRigidBody(m_ground.get());
 
-	auto hull = std::make_unique<btConvexHullShape>();
-	for (const Vec3& p : m_object.mesh.vertices) hull->addPoint(toBullet(p - m_centre), false);
-	hull->recalcLocalAabb();
-	m_shape = std::move(hull);
-	btVector3 inertia;
-	for (int i = 0; i < 3; ++i) inertia[i] = btScalar(m_object.mass / m_tree->volume * m_tree->inertia.m[i][i]);
-	m_body = std::make_unique<btRigidBody>(btScalar(m_object.mass), nullptr, m_shape.get(), inertia);
-	m_body->setWorldTransform(btTransform(btQuaternion::getIdentity(), toBullet(m_centre)));
-	m_body->setInterpolationWorldTransform(m_body->getWorldTransform());
-	m_body->setFriction(btScalar(friction));
-	m_body->setActivationState(DISABLE_DEACTIVATION);
-	Result<btISTAttachment> attached = m_world->attach(m_shape.get(), m_tree);
-	if (!attached) return attached.error();
-	m_attachment = std::move(attached).value();
 	if (auto refused = m_world->materials().set(m_ground.get(), {kTableStiffness, 2})) return refused;
-	m_world->bullet().addRigidBody(m_body.get());
+	Result<std::unique_ptr<GraspBody>> body = GraspBody::make(*m_world, m_solid, {}, m_object.mass, friction);
+	if (!body) return body.error();
+	m_body = std::move(body).value();
 
 	Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*m_world, m_model, posedHand(m_motion.at(0), m_motion.size), m_options.hand);
 	if (!hand) return hand.error();
@@ -113,29 +94,28 @@ void GraspScene::step(const HandState& hand)
 	m_time += m_options.step;
 }
 
-Pose GraspScene::X_WM() const { return toPose(m_body->getWorldTransform()) * Pose{{}, -m_centre}; }
-
 double GraspScene::addTouches(HeatMap& map, int steps, int only) const
 {
-	return devicebridge::addTouches(map, *m_hand, m_world->contacts(), *m_body, {{}, -m_centre}, m_options.step, steps * m_options.step, only);
+	return devicebridge::addTouches(map, *m_hand, m_world->contacts(), m_body->body(), m_body->X_BM(), m_options.step, steps * m_options.step, only);
 }
 
 std::vector<GraspContact> GraspScene::graspContacts() const
 {
 	std::vector<GraspContact> contacts;
-	const Pose X_BW = inverse(toPose(m_body->getWorldTransform()));
+	const btRigidBody& body = m_body->body();
+	const Pose X_BW = inverse(toPose(body.getWorldTransform()));
 	for (const btISTContact* contact : m_world->contacts().contacts())
 	{
 		if (!touchedInLastStep(m_world->contacts(), *contact)) continue;
-		const bool objectIsA = contact->bodyA == m_body.get();
-		if (!objectIsA && contact->bodyB != m_body.get()) continue;
+		const bool objectIsA = contact->bodyA == &body;
+		if (!objectIsA && contact->bodyB != &body) continue;
 		const btCollisionObject* other = objectIsA ? contact->bodyB : contact->bodyA;
 		if (m_hand->partOf(other) < 0) continue;
 		for (int i = 0; i < contact->patchCount; ++i)
 		{
 			btContactPatch patch;
 			if (!evaluateContactPatch(*contact, i, patch)) continue;
-			contacts.push_back({X_BW * patch.point, (objectIsA ? 1.0 : -1.0) * (X_BW.rotation * patch.normal), double(m_body->getFriction() * other->getFriction()), patch.frictionRadius});
+			contacts.push_back({X_BW * patch.point, (objectIsA ? 1.0 : -1.0) * (X_BW.rotation * patch.normal), double(body.getFriction() * other->getFriction()), patch.frictionRadius});
 		}
 	}
 	return contacts;

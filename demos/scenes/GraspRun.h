@@ -4,6 +4,7 @@
 #include "BulletHapticForce/btEnergyAudit.h"
 #include "DeviceBridge/BulletHeatMap.h"
 #include "DeviceBridge/Hand/GraspQuality.h"
+#include "demos/scenes/GraspBody.h"
 #include "demos/scenes/GraspMotion.h"
 #include "demos/scenes/GraspObjects.h"
 
@@ -46,12 +47,12 @@ public:
 	double stepSize() const { return m_options.step; }
 	const GraspObject& object() const { return m_object; }
 	const GraspMotion& motion() const { return m_motion; }
-	const std::shared_ptr<const ist::InnerSphereTree>& objectTree() const { return m_tree; }
+	const std::shared_ptr<const ist::InnerSphereTree>& objectTree() const { return m_solid.tree; }
 	devicebridge::BulletHand& hand() { return *m_hand; }
 	btISTWorld& world() { return *m_world; }
-	btRigidBody& body() { return *m_body; }
+	btRigidBody& body() { return m_body->body(); }
 	/// Of the object's mesh, as GraspObject has it, in World.
-	ist::Pose X_WM() const;
+	ist::Pose X_WM() const { return m_body->X_WM(); }
 	const btEnergyBalance& energy() const { return m_audit->total(); }
 	/// The contacts between the hand and the object in the last step, for GraspQuality: one a patch, in the frame of the object's centre of mass.
 	std::vector<devicebridge::GraspContact> graspContacts() const;
@@ -67,15 +68,12 @@ private:
 	GraspOptions m_options;
 	GraspObject m_object;
 	GraspMotion m_motion;
-	ist::Vec3 m_centre;  // of mass, in the mesh
-	std::shared_ptr<const ist::InnerSphereTree> m_tree;
+	GraspSolid m_solid;
 	std::shared_ptr<const devicebridge::HandModel> m_model;
 	std::unique_ptr<btISTWorld> m_world;
 	std::unique_ptr<btCollisionShape> m_groundShape;
 	std::unique_ptr<btRigidBody> m_ground;
-	std::unique_ptr<btCollisionShape> m_shape;
-	btISTAttachment m_attachment;
-	std::unique_ptr<btRigidBody> m_body;
+	std::unique_ptr<GraspBody> m_body;
 	std::unique_ptr<devicebridge::BulletHand> m_hand;
 	std::unique_ptr<btEnergyAudit> m_audit;
 	double m_time = 0;
