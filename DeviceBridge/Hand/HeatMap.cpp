@@ -214,13 +214,9 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 	for (int i = 0; i < kMostSteps && field.depth > 0; ++i)
 	{
 		const double facing = dot(field.normal, inward);
-		if (facing > kFacing || i + 1 == kMostSteps)
-		{
-			s.thickness[vertex] += field.depth / std::max(facing, kFacing);
-			break;
-		}
-		// The nearest side is not the one below: no other is nearer than this.
-		s.thickness[vertex] += field.depth;
+		// Where the nearest side is not the one below, no other is nearer than this.
+		s.thickness[vertex] += facing > kFacing ? field.depth / facing : field.depth;
+		if (facing > kFacing || i + 1 == kMostSteps) break;
 		p += field.depth * inward;
 		field = s.part->field(p);
 	}

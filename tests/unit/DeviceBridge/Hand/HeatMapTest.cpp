@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -314,6 +315,54 @@ TEST(HeatMapFile, PlyAndTableCanBeReadByOthers)
 	EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
 	EXPECT_TRUE(saveHeatMap(map, folder + "/none/map.ply"));
 	std::filesystem::remove_all(folder);
+}
+
+// Two slabs on a slab: the left one in both grasps, the right one in the second, at rest and then deeper.
+TEST(HeatMapFile, TheTableHasEveryColumnOfManyGrasps)
+{
+	const double a = 0.006, d = 0.0002;
+	HeatMap map(gridBox({0.01, 0.005, 0.01}, 100));
+	const Mesh slab = ist::makeBoxMesh({a / 2, 0.01, a / 2});
+	const int left = map.addPart("L_Thumb3", 40, slab), right = map.addPart("R_Thumb3", 55, slab);
+	map.addPart("R_Pinky1", 47, slab);
+	const auto press = [&](int part, double x, double depth, double seconds) 
+	{
+		const Pose X{rotationMatrix(ist::quaternionFromRotationVector({0, 0.4, 0})), {x, 0.015 - depth, 0.0003}};
+		map.add(part, {X, kK * a * a * depth, {x, 0.005, 0}, seconds});
+	};
+	press(left, -0.005, d, 0.25);
+	map.beginGrasp();
+	press(left, -0.005, d, 0.25);
+	press(right, 0.005, d, 0.75);
+	press(right, 0.005, 3 * d, 0.25);
+
+	std::istringstream table(heatMapTable(map));
+	std::string header, line;
+	std::getline(table, header);
+	EXPECT_EQ(header, "part,id,area_m2,dwell_s,mean_force_N,peak_force_N,impulse_Ns,grasps,largest_depth_m,peak_pressure_Pa");
+	const double force = kK * a * a * d;
+	const struct
+	{
+		const char* part;
+		double values[9];
+	} rows[] = {{"L_Thumb3", {40, a * a, 0.5, force, force, 0.5 * force, 2, d, kK * d}}, {"R_Thumb3", {55, a * a, 1, 1.5 * force, 3 * force, 1.5 * force, 1, 3 * d, kK * 3 * d}}};
+	for (const auto& row : rows)
+	{
+		ASSERT_TRUE(std::getline(table, line));
+		std::replace(line.begin(), line.end(), ',', ' ');
+		std::istringstream cells(line);
+		std::string name;
+		cells >> name;
+		EXPECT_EQ(name, row.part);
+		for (size_t i = 0; i < 9; ++i)
+		{
+			double value = 0;
+			ASSERT_TRUE(cells >> value) << i;
+			// The area is that of the vertices inside, 0.2 mm apart.
+			EXPECT_NEAR(value, row.values[i], (i == 1 ? 0.03 : 0.02) * row.values[i]) << name << " " << i;
+		}
+	}
+	EXPECT_FALSE(std::getline(table, line));  // the little finger touched nothing
 }
 
 TEST(HeatMapFile, FingersHaveTheirOwnColours)
