@@ -16,7 +16,7 @@ const char* const kDemoUsage =
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
 	"  --scenes FOLDER  where --paper-figures finds its scenes (default data/scenes, from the current folder)\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data)\n"
-	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m)\n"
+	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m; of --demo grasps, 0.1 m)\n"
 	"  --spheres N      spheres to pack (default 10000)\n"
 	"  --cache DIR      where trees are kept for the next run (default: the current folder; \"\": nowhere)\n"
 	"  --virtual-time   as fast as possible and reproducible, instead of at 1 kHz\n"
@@ -57,7 +57,8 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
-	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity" || a.demo == "grasps" || a.demo == "grasp-load";
+	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load";
+	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity" || grasps;
 	if (others)
 		if (std::string wrong = clash(given.count("--scene") ? "--scene" : a.demo.empty() ? "--paper-figures" : "--demo " + a.demo, kOfTheBrowser, "only the browser's demos know it"); !wrong.empty())
 			return wrong;
@@ -73,7 +74,8 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--scene", {"--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate"}, "the file says all that");
 	if (a.demo == "continuity")
 		return clash("--demo continuity", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its longest side is 0.2 m, and it has neither clock nor world");
-	if (a.demo == "grasps" || a.demo == "grasp-load")
+	if (a.demo == "grasps") return clash("--demo grasps", {"--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has its own bodies, or one mesh, and no clock");
+	if (grasps)
 		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has its own bodies, and no clock");
 	if (a.demo == "z-width" || a.demo == "safety")
 		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has neither bodies nor clock");

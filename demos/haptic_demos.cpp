@@ -93,6 +93,7 @@ int runGrasps(const DemoArguments& a)
 	scenes::GraspReportOptions options;
 	options.grasp.cache = a.cache;
 	options.grasp.progress = showProgress;
+	if (a.meshGiven) options.grasp.mesh = a.mesh, options.grasp.unit = a.unit;
 	if (!a.report.empty()) options.maps = std::filesystem::path(a.report).replace_extension().string();
 	const auto outcome = scenes::runGraspReport(options);
 	if (!outcome) return refuse(a, outcome.error());
@@ -187,7 +188,7 @@ int run(int argc, char** argv)
 		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
 		std::printf("z-width       stiffness and damping of a wall that devices bear, stably and passively\n");
 		std::printf("safety        what reaches a device without each stage of the safety chain, and with it\n");
-		std::printf("grasps        a hand lifts, turns and shakes six objects, with friction and without; with --report, heat maps beside it\n");
+		std::printf("grasps        a hand lifts, turns and shakes six objects, or a --mesh, with friction and without; with --report, heat maps beside it\n");
 		std::printf("grasp-load    time of a tick while a hand of 80,000 spheres holds an object of 10,000\n");
 		std::printf("of the browser, which opens without --headless:\n");
 		scenes::listBrowserDemos();

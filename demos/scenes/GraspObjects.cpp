@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/GraspObjects.h"
 
+#include "BulletISTCollision/Core/MeshDivision.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "demos/scenes/ImplicitMesh.h"
+#include "demos/scenes/Unwrap.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 using namespace ist;
 
@@ -15,6 +18,8 @@ namespace scenes
 namespace
 {
 constexpr double kBunnySize = 0.09;
+constexpr double kLoadedSize = 0.1, kLoadedEdge = 0.002, kLoadedMass = 0.15;           // of files [m, m, kg]
+constexpr double kHandBreadth = 0.07, kWidestGrip = 0.076, kLowestGrip = 0.014;  // [m]
 constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 
 /// Depth below the surface, positive inside, as far as these shapes know it [m].
@@ -46,14 +51,25 @@ double joined(double a, double b, double fillet)
 	return std::max(a, b) + 0.25 * h * h * fillet;
 }
 
+constexpr double kMugRadius = 0.032, kArch = 0.022;
+/// A point from the middle of the mug's handle, an upright arch.
+Vec3 fromArch(const Vec3& p) { return p - Vec3{0.03, 0.043, 0}; }
 double mug(const Vec3& p)
 {
-	const double wall = tube(p, 0.0275, 0.032, 0, 0.085, 0.002), floor = tube(p, -0.031, 0.031, 0, 0.006, 0.002);
-	// The handle: an upright arch, cut off inside of the wall.
-	const Vec3 q = p - Vec3{0.03, 0.043, 0};
-	const double handle = std::min(torus({q.x, q.z, q.y}, 0.022, 0.0045), std::hypot(p.x, p.z) - 0.0285);
+	const double wall = tube(p, 0.0275, kMugRadius, 0, 0.085, 0.002), floor = tube(p, -0.031, 0.031, 0, 0.006, 0.002);
+	// The handle is cut off inside of the wall.
+	const Vec3 q = fromArch(p);
+	const double handle = std::min(torus({q.x, q.z, q.y}, kArch, 0.0045), std::hypot(p.x, p.z) - 0.0285);
 	return joined(joined(wall, floor, 0.003), handle, 0.004);
 }
+const TurnedHandle kMugHandle = {
+	[](const Vec3& p)
+	{
+		const Vec3 q = fromArch(p);
+		return std::hypot(p.x, p.z) > kMugRadius + 0.0015 && std::hypot(std::hypot(q.x, q.y) - kArch, q.z) < 0.009;
+	},
+	[](const Vec3& p) { return std::atan2(fromArch(p).y, fromArch(p).x); },
+	[](const Vec3& p) { return std::atan2(fromArch(p).z, std::hypot(fromArch(p).x, fromArch(p).y) - kArch); }};
 double duck(const Vec3& p)
 {
 	const double body = ellipsoid(p - Vec3{0, 0.026, 0}, {0.046, 0.028, 0.031}), tail = ellipsoid(p - Vec3{0.04, 0.04, 0}, {0.016, 0.012, 0.014});
@@ -91,6 +107,37 @@ Result<Mesh> bunny()
 	return std::move(repaired).value().mesh;
 }
 
+/// How far the section of a body at height `y` reaches along z, within a hand's breadth of x = 0.
+struct Reach
+{
+	double low = 1e300, high = -1e300;
+};
+Reach reachAt(const Mesh& mesh, double y)
+{
+	Reach reach;
+	for (const auto& t : mesh.triangles)
+		for (size_t c = 0; c < 3; ++c)
+		{
+			const Vec3 &a = mesh.vertices[t[c]], &b = mesh.vertices[t[(c + 1) % 3]];
+			if ((a.y > y) == (b.y > y)) continue;
+			const Vec3 p = a + (y - a.y) / (b.y - a.y) * (b - a);
+			if (std::fabs(p.x) > kHandBreadth / 2) continue;
+			reach.low = std::min(reach.low, p.z);
+			reach.high = std::max(reach.high, p.z);
+		}
+	return reach;
+}
+
+/// The file's surface, with its places in a texture where it has some.
+Result<TexturedMesh> readSurface(const std::string& path)
+{
+	Result<TexturedMesh> textured = importTexturedMesh(path);
+	if (textured) return textured;
+	Result<Mesh> bare = importMesh(path);
+	if (!bare) return bare.error();
+	return TexturedMesh{std::move(bare).value(), {}};
+}
+
 struct Row
 {
 	GraspObject object;
@@ -101,12 +148,12 @@ struct Row
 const std::vector<Row>& rows()
 {
 	static const std::vector<Row> all = {
-		{{"mug", {}, 0.18, 0.05, 0, 0, 0.064}, mug, {{-0.037, -0.005, -0.037}, {0.063, 0.09, 0.037}}, 0.0016},
-		{{"bunny", {}, 0.15, 0.019, 0, 0.006, 0.056}, nullptr, {}, 0},
-		{{"duck", {}, 0.12, 0.016, 0, 0, 0.062}, duck, {{-0.067, -0.006, -0.038}, {0.063, 0.092, 0.038}}, 0.002},
-		{{"nut", {}, 0.2, 0.014, 0, 0, 0.05}, nut, {{-0.036, -0.006, -0.032}, {0.036, 0.036, 0.032}}, 0.0012},
-		{{"plate", {}, 0.08, 0.04, 0, 0, 0.005}, plate, {{-0.056, -0.006, -0.0085}, {0.056, 0.066, 0.0085}}, 0.0011},
-		{{"ring", {}, 0.1, 0.016, 0, 0, 0.06}, ring, {{-0.036, -0.006, -0.036}, {0.036, 0.036, 0.036}}, 0.0016}};
+		{{"mug", {}, 0.18, 0.05, 0, 0, 0.064, {}}, mug, {{-0.037, -0.005, -0.037}, {0.063, 0.09, 0.037}}, 0.0016},
+		{{"bunny", {}, 0.15, 0.019, 0, 0.006, 0.056, {}}, nullptr, {}, 0},
+		{{"duck", {}, 0.12, 0.016, 0, 0, 0.062, {}}, duck, {{-0.067, -0.006, -0.038}, {0.063, 0.092, 0.038}}, 0.002},
+		{{"nut", {}, 0.2, 0.014, 0, 0, 0.05, {}}, nut, {{-0.036, -0.006, -0.032}, {0.036, 0.036, 0.032}}, 0.0012},
+		{{"plate", {}, 0.08, 0.04, 0, 0, 0.005, {}}, plate, {{-0.056, -0.006, -0.0085}, {0.056, 0.066, 0.0085}}, 0.0011},
+		{{"ring", {}, 0.1, 0.016, 0, 0, 0.06, {}}, ring, {{-0.036, -0.006, -0.036}, {0.036, 0.036, 0.036}}, 0.0016}};
 	return all;
 }
 }  // namespace
@@ -131,6 +178,8 @@ Result<GraspObject> makeGraspObject(const std::string& name)
 		if (row.field)
 		{
 			object.mesh = meshOfField(row.field, row.box, row.cell);
+			if (row.field == mug) object.texture = unwrapTurned(object.mesh, &kMugHandle);
+			if (row.field == ring) object.texture = unwrapTurned(object.mesh);
 			return object;
 		}
 		Result<Mesh> mesh = bunny();
@@ -141,5 +190,32 @@ Result<GraspObject> makeGraspObject(const std::string& name)
 	std::string known;
 	for (const std::string& other : graspObjectNames()) known += (known.empty() ? "" : ", ") + other;
 	return Error{"nothing to grasp is called " + name + ": there are " + known};
+}
+
+Result<GraspObject> loadGraspObject(const std::string& path, double unit)
+{
+	Result<TexturedMesh> read = readSurface(path);
+	if (!read) return read.error();
+	TexturedMesh file = std::move(read).value();
+	const double scale = unit > 0 ? unit : kLoadedSize / bounds(file.mesh).longestSide();
+	for (Vec3& p : file.mesh.vertices) p = scale * p;
+	Result<RepairedMesh> repaired = repair(file.mesh);
+	if (!repaired) return Error{path + ": " + repaired.error().message};
+	Mesh mesh = std::move(repaired).value().mesh;
+	const Vec3 middle = massProperties(mesh).centerOfMass, foot{middle.x, bounds(mesh).lower.y, middle.z};
+	GraspObject object;
+	object.name = std::filesystem::path(path).stem().string();
+	object.mesh = dividedMesh(translated(mesh, -foot), kLoadedEdge);
+	if (!file.places.empty()) object.texture = {translated(file.mesh, -foot), std::move(file.places)};
+	object.mass = kLoadedMass;
+	object.gripHeight = std::max(middle.y - foot.y, kLowestGrip);
+	const Reach reach = reachAt(object.mesh, object.gripHeight);
+	object.width = reach.high - reach.low;
+	object.gripZ = 0.5 * (reach.low + reach.high);
+	if (!(object.width > 0)) return Error{path + ": there is nothing between thumb and fingers at the height of " + std::to_string(int(1e3 * object.gripHeight)) + " mm: give another --unit"};
+	if (object.width > kWidestGrip)
+		return Error{path + ": it is " + std::to_string(int(std::lround(1e3 * object.width))) + " mm wide along z where it would be gripped, and the hand opens to " +
+					 std::to_string(int(1e3 * kWidestGrip)) + " mm: turn it, or give another --unit"};
+	return object;
 }
 }  // namespace scenes

@@ -19,7 +19,9 @@ bool isGood(const GraspReportOutcome::Row& row, double strongest)
 {
 	for (const GraspOutcome* o : {&row.rough, &row.smooth})
 		if (o->peakForce > kForceSlack * strongest) return false;
-	return row.rough.held && row.rough.putDown && row.rough.quality.forceClosure && !row.smooth.held && std::fabs(row.mapForce - 1) <= kMapSlack;
+	if (std::fabs(row.mapForce - 1) > kMapSlack || !row.rough.held) return false;
+	// Of a body of the user's own nobody knows whether it can stand, and whether the hand can hook it.
+	return row.own || (row.rough.putDown && row.rough.quality.forceClosure && !row.smooth.held);
 }
 
 Chart chartOf(const GraspOutcome& o, const std::string& title, const std::string& label, double GraspSample::*value, double scale)
@@ -34,6 +36,14 @@ Chart chartOf(const GraspOutcome& o, const std::string& title, const std::string
 	return chart;
 }
 
+Result<TextureScales> saveMaps(const devicebridge::HeatMap& map, const GraspObject& object, const std::string& path)
+{
+	if (auto error = devicebridge::saveHeatMap(map, path + ".ply")) return *error;
+	if (auto error = devicebridge::saveHeatMapTable(map, path + ".csv")) return *error;
+	if (object.texture.places.empty()) return TextureScales();
+	return saveTextures(map, object.texture, path);
+}
+
 Result<GraspReportOutcome::Row> runRow(const std::string& object, const GraspReportOptions& options)
 {
 	GraspOptions grasp = options.grasp;
@@ -43,6 +53,7 @@ Result<GraspReportOutcome::Row> runRow(const std::string& object, const GraspRep
 	GraspScene& s = *scene.value();
 	GraspReportOutcome::Row row;
 	row.mass = s.object().mass;
+	row.own = !grasp.mesh.empty();
 	const auto map = s.makeHeatMap();
 	double impulse = 0, onMap = 0;
 	Result<GraspOutcome> rough = runGrasp(s, options.enough, [&] { impulse += s.addTouches(*map) * s.stepSize(); });
@@ -55,8 +66,9 @@ Result<GraspReportOutcome::Row> runRow(const std::string& object, const GraspRep
 	if (!smooth) return smooth.error();
 	row.smooth = std::move(smooth).value();
 	if (options.maps.empty()) return row;
-	if (auto error = devicebridge::saveHeatMap(*map, options.maps + "-" + object + ".ply")) return *error;
-	if (auto error = devicebridge::saveHeatMapTable(*map, options.maps + "-" + object + ".csv")) return *error;
+	const auto scales = saveMaps(*map, s.object(), options.maps + "-" + s.object().name);
+	if (!scales) return scales.error();
+	row.scales = scales.value();
 	return row;
 }
 }  // namespace
@@ -72,7 +84,8 @@ Result<GraspReportOutcome> runGraspReport(const GraspReportOptions& options)
 {
 	GraspReportOutcome outcome;
 	outcome.strongestAllowed = devicebridge::BulletHandSettings().maxForce;
-	for (const std::string& object : graspObjectNames())
+	const bool own = !options.grasp.mesh.empty();
+	for (const std::string& object : own ? std::vector<std::string>{std::string()} : graspObjectNames())
 	{
 		Result<GraspReportOutcome::Row> row = runRow(object, options);
 		if (!row) return row.error();
@@ -100,7 +113,7 @@ std::vector<std::vector<std::string>> summaryRows(const GraspReportOutcome& o)
 
 HtmlReport makeReport(const GraspReportOutcome& o)
 {
-	HtmlReport report("Grasps of six objects");
+	HtmlReport report(o.rows.size() == 1 ? "A grasp of " + o.rows[0].rough.object : std::string("Grasps of six objects"));
 	report.paragraph("A hand of sixteen parts, each pulled to its place by a saturating coupling, approaches, closes, lifts, turns, rests, shakes at 2 Hz, puts "
 					 "down and lets go. Slip: largest way of the centre of mass in the palm between lifting and the end of shaking. Epsilon: Ferrari and Canny, "
 					 "torques over half the object's longest side.");
@@ -113,6 +126,9 @@ HtmlReport makeReport(const GraspReportOutcome& o)
 			if (part.dwell > 0)
 				table.push_back({part.name, std::to_string(part.id), formatNumber(1e6 * part.area, 3), formatNumber(part.dwell, 3), formatNumber(part.meanForce, 3), formatNumber(part.peakForce, 3), formatNumber(1e3 * part.depth, 3)});
 		report.table({"Part", "GRAB's label", "area [mm^2]", "dwell [s]", "mean force [N]", "peak force [N]", "largest depth [mm]"}, table);
+		if (row.scales.pressure > 0)
+			report.paragraph("Painted into its texture: beside this page lie " + row.rough.object + "'s picture in the fingers' colours, which the .obj shows on the mesh, and pictures of impulse (white: " +
+							 formatNumber(row.scales.impulse, 3) + " N s/m^2) and mean pressure (white: " + formatNumber(1e-3 * row.scales.pressure, 3) + " kPa).");
 		report.chart(chartOf(row.rough, "Sum of the forces on the parts", "force [N]", &GraspSample::force, 1));
 		report.chart(chartOf(row.rough, "Height over the place where it stood", "height [mm]", &GraspSample::height, 1e3));
 		report.chart(chartOf(row.rough, "Slip in the palm", "slip [mm]", &GraspSample::slip, 1e3));
@@ -129,7 +145,7 @@ std::string makeJson(const GraspReportOutcome& o)
 			json["grasps"].push_back({{"object", g->object}, {"mass", row.mass}, {"friction", g->friction}, {"held", g->held}, {"put_down", g->putDown}, {"slip", g->slip}, {"slip_angle", g->slipAngle},
 									  {"peak_force", g->peakForce}, {"coupling_force", g->couplingForce}, {"holding_force", g->holdingForce}, {"parts", g->parts},
 									  {"force_closure", g->quality.forceClosure}, {"epsilon", g->quality.epsilon}, {"energy_residual", g->energy.residual},
-									  {"complaints", g->complaints}});
+									  {"white_impulse", row.scales.impulse}, {"white_pressure", row.scales.pressure}, {"complaints", g->complaints}});
 	return json.dump();
 }
 }  // namespace scenes

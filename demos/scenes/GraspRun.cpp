@@ -23,7 +23,7 @@ constexpr double kSampleEvery = 0.01;
 
 Result<std::unique_ptr<GraspScene>> GraspScene::make(const GraspOptions& options)
 {
-	Result<GraspObject> object = makeGraspObject(options.object);
+	Result<GraspObject> object = options.mesh.empty() ? makeGraspObject(options.object) : loadGraspObject(options.mesh, options.unit);
 	if (!object) return object.error();
 	const GloveHandSize size{options.left, options.handLength};
 	Result<HandShape> shape = measureHand(posedHand({}, size));

@@ -18,6 +18,8 @@ namespace scenes
 struct GraspOptions
 {
 	std::string object = "mug";
+	std::string mesh;        ///< a file instead (loadGraspObject)
+	double unit = 0;         ///< of that file [m]; 0: as loadGraspObject thinks right
 	double friction = 0.5;   ///< of the pair
 	bool left = false;
 	double handLength = 0.189;  ///< [m]

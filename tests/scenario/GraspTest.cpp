@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/btISTConversion.h"
+#include "DeviceBridge/Hand/HandMotion.h"
 #include "demos/scenes/GraspLoad.h"
 #include "demos/scenes/GraspReport.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <random>
 
 using namespace devicebridge;
 using namespace scenes;
@@ -132,6 +138,78 @@ TEST(GraspScenarios, AHandThatIsLostInTheAirLetsGoAndSaysSo)
 	EXPECT_TRUE(heldOn);
 	EXPECT_LT(double(scene->body().getWorldTransform().getOrigin().y()), 0.05);
 	EXPECT_NE(scene->hand().watch().complaints().sentence().find("tracking was lost"), std::string::npos);
+}
+
+TEST(GraspScenarios, ARecordedHandHoldsLikeTheLiveOneToTheLastBit)
+{
+	const auto scene = makeScene("nut");
+	ASSERT_TRUE(scene);
+	HandMotion recorded;
+	const auto run = [&](const std::function<HandState(double)>& hand)
+	{
+		EXPECT_FALSE(scene->start(0.5));
+		while (scene->time() < GraspMotion::kLifted) scene->step(hand(scene->time() + scene->stepSize()));
+		return toPose(scene->body().getWorldTransform());
+	};
+	const ist::Pose live = run([&](double time)
+	{
+		recorded.frames.push_back({time, posedHand(scene->motion().at(time), scene->motion().size)});
+		return recorded.frames.back().hand;
+	});
+	EXPECT_GT(live.translation.y, 0.1);
+	const auto read = readHandMotion(handMotionText(recorded), "recorded");
+	ASSERT_TRUE(read) << read.error().message;
+	const ist::Pose replayed = run([&](double time) { return read.value().at(time); });
+	EXPECT_EQ(std::memcmp(&live, &replayed, sizeof live), 0);
+}
+
+TEST(GraspScenarios, TheTextureHoldsTheImpulseOfTheContacts)
+{
+	const auto scene = makeScene("mug");
+	ASSERT_TRUE(scene);
+	const auto map = scene->makeHeatMap();
+	double impulse = 0;
+	while (scene->time() < GraspMotion::kLifted)
+	{
+		scene->step();
+		impulse += scene->addTouches(*map) * scene->stepSize();
+	}
+	const ist::TexturedMesh& surface = scene->object().texture;
+	const auto texture = HeatMapTexture::make(map->mesh(), surface);
+	ASSERT_TRUE(texture) << texture.error().message;
+	const std::vector<double> values = texture.value().values(*map, HeatMapValue::Impulse);
+	double painted = 0;
+	for (size_t i = 0; i < values.size(); ++i) painted += values[i] * texture.value().areas()[i];
+	EXPECT_GT(impulse, 1);
+	EXPECT_NEAR(painted, impulse, 0.02 * impulse);
+
+	// What is written can be read by others: places in the mesh, and in the picture the colours of thumb and index finger.
+	const std::string folder = (std::filesystem::temp_directory_path() / ("textures" + std::to_string(std::random_device()()))).string();
+	std::filesystem::create_directory(folder);
+	const auto scales = saveTextures(*map, surface, folder + "/mug");
+	ASSERT_TRUE(scales) << scales.error().message;
+	const auto read = ist::importTexturedMesh(folder + "/mug.obj");
+	ASSERT_TRUE(read) << read.error().message;
+	ASSERT_EQ(read.value().places.size(), surface.places.size());
+	for (size_t t = 0; t < surface.places.size(); t += 97) EXPECT_NEAR(read.value().places[t][1].u, surface.places[t][1].u, 1e-5);
+	const auto picture = loadPicture(folder + "/mug.png");
+	ASSERT_TRUE(picture) << picture.error().message;
+	EXPECT_EQ(picture.value().pixels, texture.value().colours(*map).pixels);
+	for (const int part : {kThumb3, kIndex3})
+	{
+		const HeatMapColour c = handPartColour(handPartId(part, false));
+		int texels = 0;
+		for (size_t i = 0; i < picture.value().pixels.size(); i += 3)
+			texels += picture.value().pixels[i] == c.r && picture.value().pixels[i + 1] == c.g && picture.value().pixels[i + 2] == c.b;
+		EXPECT_GT(texels, 100) << part;
+	}
+	const auto grey = loadGreyPicture(folder + "/mug-impulse.png");
+	ASSERT_TRUE(grey);
+	double fromPicture = 0;
+	for (size_t i = 0; i < values.size(); ++i) fromPicture += grey.value().pixels[i] / 65535.0 * scales.value().impulse * texture.value().areas()[i];
+	EXPECT_NEAR(fromPicture, painted, 1e-3 * painted);
+	EXPECT_FALSE(saveTextures(*map, {surface.mesh, {}}, folder + "/none"));
+	std::filesystem::remove_all(folder);
 }
 
 TEST(GraspScenarios, UnknownObjectsAreRefusedByName)

@@ -62,7 +62,8 @@ expect "the figures have their own meshes" 2 "--paper-figures goes without --mes
 expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$demos" --scenes "$dir" --demo continuity
 expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
 expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj
-expect "grasps have no mesh of yours" 2 "--demo grasps goes without --mesh" "$demos" --demo grasps --mesh x.obj
+expect "a grasp of a mesh that is not there" 1 "x.obj" "$demos" --demo grasps --mesh x.obj
+expect "grasps have their own trees" 2 "--demo grasps goes without --spheres" "$demos" --demo grasps --spheres 100
 expect "the load has its own spheres" 2 "--demo grasp-load goes without --spheres" "$demos" --demo grasp-load --spheres 10
 expect "a scene needs a file" 2 "--scene needs a value" "$demos" --scene
 expect "a wrong name is said" 2 "no demo is called nonsense" "$demos" --demo nonsense
