@@ -57,7 +57,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
-	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load";
+	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load" || a.demo == "grasp-compare";
 	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity" || grasps;
 	if (others)
 		if (std::string wrong = clash(given.count("--scene") ? "--scene" : a.demo.empty() ? "--paper-figures" : "--demo " + a.demo, kOfTheBrowser, "only the browser's demos know it"); !wrong.empty())

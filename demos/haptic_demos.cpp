@@ -3,6 +3,7 @@
 #include "demos/BrowserRun.h"
 #include "demos/DemoArguments.h"
 #include "demos/Present.h"
+#include "demos/scenes/CarryReport.h"
 #include "demos/scenes/Continuity.h"
 #include "demos/scenes/GraspLoad.h"
 #include "demos/scenes/GraspReport.h"
@@ -113,6 +114,17 @@ int runGraspLoad(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runGraspCompare(const DemoArguments& a)
+{
+	scenes::CarryOptions options;
+	options.cache = a.cache;
+	options.progress = showProgress;
+	const auto outcome = scenes::runCarryReport(options);
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
 int runHapticBunny(const DemoArguments& a)
 {
 	scenes::HapticBunnyOptions options;
@@ -190,6 +202,7 @@ int run(int argc, char** argv)
 		std::printf("safety        what reaches a device without each stage of the safety chain, and with it\n");
 		std::printf("grasps        a hand lifts, turns and shakes six objects, or a --mesh, with friction and without; with --report, heat maps beside it\n");
 		std::printf("grasp-load    time of a tick while a hand of 80,000 spheres holds an object of 10,000\n");
+		std::printf("grasp-compare one hand against two, 3 against 6 degrees of freedom: a beam with a nut and a ring on it is carried to its place\n");
 		std::printf("of the browser, which opens without --headless:\n");
 		scenes::listBrowserDemos();
 		return 0;
@@ -200,6 +213,7 @@ int run(int argc, char** argv)
 	if (a.demo == "continuity") return runContinuity(a);
 	if (a.demo == "grasps") return runGrasps(a);
 	if (a.demo == "grasp-load") return runGraspLoad(a);
+	if (a.demo == "grasp-compare") return runGraspCompare(a);
 	if (a.demo == "z-width") return runZWidth(a);
 	if (a.demo == "safety") return runSafety(a);
 	if (a.demo == "bunny-query") return runBunnyQuery(a);

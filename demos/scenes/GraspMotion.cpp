@@ -37,14 +37,13 @@ struct TwoLinks
 		bend = std::max(0.0, inner - kinked);
 	}
 };
+}  // namespace
 
-double smooth(double u)
+double smoothShare(double time, double from, double to)
 {
-	u = std::clamp(u, 0.0, 1.0);
+	const double u = std::clamp((time - from) / (to - from), 0.0, 1.0);
 	return u * u * (3 - 2 * u);
 }
-double share(double time, double from, double to) { return smooth((time - from) / (to - from)); }
-}  // namespace
 
 HandPosture pinchPosture(const GloveHandSize& size, double gap, double depth, double middle)
 {
@@ -80,16 +79,16 @@ HandPosture pinchPosture(const GloveHandSize& size, double gap, double depth, do
 
 HandPosture GraspMotion::at(double time) const
 {
-	const double grip = share(time, kApproached, kClosed) * (1 - share(time, kPutDown, kOpened));
+	const double grip = smoothShare(time, kApproached, kClosed) * (1 - smoothShare(time, kPutDown, kOpened));
 	// The hand hangs so high that straight fingers reach a little deeper than the grip.
 	const double scale = size.length / kModelLength, depth = 0.098 * scale, middle = -0.086 * scale;
 	const double wide = std::min(width + open, 0.1 * scale), narrow = std::max(width - squeeze, -squeeze);
 	HandPosture p = between(pinchPosture(size, wide, depth, middle), pinchPosture(size, narrow, depth, middle), grip);
-	const double above = 0.07 * (1 - share(time, 0, kApproached) + share(time, kOpened, kOpened + 0.4));
-	const double raised = lift * share(time, kClosed, kLifted) * (1 - share(time, kTurnedBack, kPutDown));
-	const double turned = turn * share(time, kLifted, kTurned) * (1 - share(time, kShaken, kTurnedBack));
+	const double above = 0.07 * (1 - smoothShare(time, 0, kApproached) + smoothShare(time, kOpened, kOpened + 0.4));
+	const double raised = lift * smoothShare(time, kClosed, kLifted) * (1 - smoothShare(time, kTurnedBack, kPutDown));
+	const double turned = turn * smoothShare(time, kLifted, kTurned) * (1 - smoothShare(time, kShaken, kTurnedBack));
 	const double whole = 2 * 3.14159265358979323846, inShake = std::clamp(time - kRested, 0.0, kShaken - kRested);
-	const double swing = shake * std::sin(whole * frequency * inShake) * share(time, kRested, kRested + 0.1) * (1 - share(time, kShaken - 0.1, kShaken));
+	const double swing = shake * std::sin(whole * frequency * inShake) * smoothShare(time, kRested, kRested + 0.1) * (1 - smoothShare(time, kShaken - 0.1, kShaken));
 	const Vec3 fingers{0.012 * scale * (size.left ? 1 : -1), -depth, middle};  // where they meet, in the wrist's frame
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector(turned * Vec3{1, 0.5, 0}));
 	const Vec3 meet{gripX + swing, gripHeight + above + raised + 0.5 * swing, gripZ};

@@ -9,6 +9,9 @@ namespace scenes
 /// sides of z = `middle` in the wrist's frame. What is out of reach is approached as far as it goes.
 devicebridge::HandPosture pinchPosture(const devicebridge::GloveHandSize& size, double gap, double depth, double middle);
 
+/// From 0 at `from` to 1 at `to`, at rest at both ends.
+double smoothShare(double time, double from, double to);
+
 /// A grasp from above, without a plan: approach, close, lift, turn, rest, shake, turn back, put down, let go.
 struct GraspMotion
 {

@@ -64,6 +64,7 @@ expect "continuity has no world" 2 "--demo continuity goes without --world-rate"
 expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj
 expect "a grasp of a mesh that is not there" 1 "x.obj" "$demos" --demo grasps --mesh x.obj
 expect "grasps have their own trees" 2 "--demo grasps goes without --spheres" "$demos" --demo grasps --spheres 100
+expect "a comparison has its own bodies" 2 "--demo grasp-compare goes without --mesh" "$demos" --demo grasp-compare --mesh x.obj
 expect "the load has its own spheres" 2 "--demo grasp-load goes without --spheres" "$demos" --demo grasp-load --spheres 10
 expect "a scene needs a file" 2 "--scene needs a value" "$demos" --scene
 expect "a wrong name is said" 2 "no demo is called nonsense" "$demos" --demo nonsense
