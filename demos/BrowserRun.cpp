@@ -24,7 +24,7 @@ browser::DemoOptions demoOptions(const DemoArguments& a)
 	options.mesh = a.meshGiven ? a.mesh : "";
 	options.cache = a.cache;
 	options.spheres = a.spheresGiven ? a.spheres : 0;
-	options.economy = {a.economy, a.keptError};
+	options.economy = {a.economy, a.keptError, a.forceError};
 	options.progress = showProgress;
 	options.say = say;
 	return options;
@@ -36,10 +36,28 @@ int refuse(const ist::Error& error)
 	return error.cancelled ? 130 : 1;
 }
 
+std::optional<ist::Error> checkShow(const DemoArguments& a)
+{
+	browser::DrawChoice choice;
+	const std::string unknown = browser::applyChoices(a.show, choice);
+	if (unknown.empty()) return std::nullopt;
+	std::string known;
+	for (const browser::DrawChoiceRow& row : browser::drawChoiceRows()) known += std::string(known.empty() ? "" : ", ") + row.name;
+	return ist::Error{"--show knows no \"" + unknown + "\", but " + known};
+}
+
 constexpr double kFramesPerSecond = 30;
 
 #ifdef BULLETHAPTICS_BROWSER
 using browser::Photographer;
+
+/// Unknown names were refused before.
+browser::DrawChoice shown(const DemoArguments& a, const browser::BrowsableDemo& demo)
+{
+	browser::DrawChoice choice = demo.firstChoice();
+	browser::applyChoices(a.show, choice);
+	return choice;
+}
 
 /// Takes the pictures of a run: every 1/30 s of the demo's time for a recording, and one at the end.
 struct Pictures
@@ -63,7 +81,7 @@ struct Pictures
 		if (a.record.empty() || demo.time() < double(taken) / kFramesPerSecond) return true;
 		char name[32];
 		std::snprintf(name, sizeof name, "%05lld.png", taken++);
-		error = browser::savePicture(photographer->take(demo), (std::filesystem::path(a.record) / name).string());
+		error = browser::savePicture(photographer->take(demo, shown(a, demo), demo.viewpoint(), true), (std::filesystem::path(a.record) / name).string());
 		return !error;
 	}
 };
@@ -83,6 +101,7 @@ void listBrowserDemos()
 int runBrowserDemo(const DemoArguments& a)
 {
 	const browser::DemoEntry* entry = browser::findDemo(a.demo);
+	if (const auto error = checkShow(a)) return refuse(*error);
 	if (a.besideStock && !entry->make()->hasStockSide())
 		return refuse({a.demo + " has no side of stock Bullet: its own contact has no answer to this scene"});
 	std::unique_ptr<browser::BrowsableDemo> demo = browser::makeDemo(*entry, a.besideStock);
@@ -102,7 +121,7 @@ int runBrowserDemo(const DemoArguments& a)
 	const auto outcome = browser::runDemo(*demo, entry->name, entry->about, options);
 	if (!outcome) return refuse(outcome.error());
 #ifdef BULLETHAPTICS_BROWSER
-	if (!pictures.error && !a.screenshot.empty()) pictures.error = browser::savePicture(pictures.photographer->take(*demo), a.screenshot);
+	if (!pictures.error && !a.screenshot.empty()) pictures.error = browser::savePicture(pictures.photographer->take(*demo, shown(a, *demo), demo->viewpoint(), true), a.screenshot);
 	if (pictures.error) return refuse(*pictures.error);
 #endif
 	const int presented = present(a, outcome.value());
@@ -112,10 +131,12 @@ int runBrowserDemo(const DemoArguments& a)
 #ifdef BULLETHAPTICS_BROWSER
 int openBrowser(const DemoArguments& a)
 {
+	if (const auto error = checkShow(a)) return refuse(*error);
 	browser::WindowOptions options;
 	options.demo = demoOptions(a);
 	if (!a.demo.empty()) options.first = a.demo;
 	options.besideStock = a.besideStock;
+	options.show = a.show;
 	options.pictures = a.frames;
 	options.width = a.sizeGiven ? a.width : 1280;
 	options.height = a.sizeGiven ? a.height : 800;

@@ -29,7 +29,9 @@ const char* const kDemoUsage =
 	"  --frames N       so many steps; of the window: so many pictures until it closes itself\n"
 	"  --dt S           seconds a step (default: what the demo thinks right)\n"
 	"  --economy off|E  query every pair in every step, or leave out what adds errors up to E of the force (default 0.05; 0: what adds none)\n"
+	"  --force-error E  ask trees only as finely as keeps forces within this share, 0 (default: the leaves always) to 1\n"
 	"  --beside-stock   two halves: the same with Bullet's own contact on the left\n"
+	"  --show LIST      in pictures and the window, besides what the demo shows: spheres,leaves,levels,lenses,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
 	"  --record FOLDER  30 numbered PNG for each second of the demo's time\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
@@ -39,7 +41,7 @@ const char* const kDemoUsage =
 
 namespace
 {
-const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device", "--economy", "--beside-stock"};
+const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device", "--economy", "--force-error", "--beside-stock", "--show"};
 
 /// The whole of `text` as a positive finite number, else 0.
 double positiveNumber(const std::string& text)
@@ -99,6 +101,13 @@ void readBrowserNumbers(const std::string& frames, const std::string& dt, const 
 	else a.width = int(width), a.height = int(height);
 }
 
+void readForceError(const std::string& share, DemoArguments& a)
+{
+	if (share.empty()) return;
+	a.forceError = positiveNumber(share);
+	if (share != "0" && !(a.forceError > 0 && a.forceError <= 1)) a.error = "--force-error must be a number from 0 to 1, not " + share;
+}
+
 void readEconomy(const std::string& economy, DemoArguments& a)
 {
 	if (economy.empty()) return;
@@ -111,16 +120,16 @@ void readEconomy(const std::string& economy, DemoArguments& a)
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres, worldRate, frames, dt, size, economy;
+	std::string unit, spheres, worldRate, frames, dt, size, economy, forceError;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 												{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime},
 												{"--decoupled", &a.decoupled}, {"--beside-stock", &a.besideStock}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
 														{"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
-														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &economy},
+														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &economy}, {"--force-error", &forceError},
 														{"--screenshot", &a.screenshot}, {"--record", &a.record}, {"--gallery", &a.gallery},
-														{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}};
+														{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
@@ -142,6 +151,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";
 	readBrowserNumbers(frames, dt, size, a);
 	readEconomy(economy, a);
+	readForceError(forceError, a);
 	a.meshGiven = given.count("--mesh") > 0;
 	a.spheresGiven = !spheres.empty();
 	if (spheres.empty()) return a;

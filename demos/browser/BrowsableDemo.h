@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
+#include "demos/browser/DrawChoice.h"
 #include "demos/browser/DrawList.h"
 
 #include <cmath>
@@ -42,6 +43,7 @@ struct Curve
 {
 	std::string name, unit;
 	std::vector<float> values;  ///< the newest last, one for every 1/60 s of the demo's own time
+	std::vector<float> errors{};  ///< half lengths of the error bars, one for each value; or none
 };
 
 /// Where the camera begins.
@@ -54,18 +56,12 @@ struct Viewpoint
 
 constexpr double kDegree = 0.017453292519943295;  ///< [rad]
 
-/// Which of the things that can be shown are.
-struct DrawChoice
-{
-	bool surfaces = true, spheres = false, leaves = false, lenses = false, patches = true, wrenches = true, boxes = false, frames = false,
-		 constraints = false, wireframe = false, shadows = true, ground = true;
-};
-
 /// What a demo may leave out of its queries (btISTEconomy).
 struct EconomyChoice
 {
 	bool on = true;
 	double keptError = 0.05;
+	double forceError = 0;  ///< share of the force of each pair of trees that coarser levels may take; 0: the leaves always
 };
 
 struct DemoOptions

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/ContactView.h"
 
+#include "BulletISTCollision/Core/TreeLevels.h"
 #include "BulletISTCollision/btISTConversion.h"
-
-#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+#include "BulletISTCollision/btISTShapeField.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,7 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 constexpr size_t kMostLeaves = 4000, kMostLenses = 6000;
+constexpr Colour kMomentColour{0.42f, 0.20f, 0.62f};
 
 void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, DrawList& list)
 {
@@ -32,24 +33,42 @@ void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, DrawList& list)
 	}
 }
 
-/// Leaves that reach below a plane, seen in it, coloured by how deep.
-void drawPlaneLenses(const btISTContact& contact, const Vec3& normal, double offset, DrawList& list)
+/// Leaves that reach into a closed form, seen in its surface, coloured by how deep.
+void drawFieldLenses(const btISTContact& contact, const btISTShapeField& shape, DrawList& list)
 {
 	const InnerSphereTree& tree = *contact.treeA;
+	const Pose X_AF = contact.X_AB * shape.X_SF(), X_FA = inverse(X_AF);
 	double deepest = 0;
 	const size_t first = list.discs.size();
 	std::vector<double> depths;
 	for (const MomentEllipsoid& ball : tree.law.balls)
 	{
 		if (!(ball.density > 0)) continue;
-		const Vec3 at = contact.X_WA * (tree.origin + ball.center()), n = transpose(contact.X_WA.rotation) * normal;
-		const double half = std::sqrt(dot(n, ball.shape() * n)), depth = half + offset - dot(at, normal);
+		const Vec3 inField = X_FA * (tree.origin + ball.center()), n = X_AF.rotation * shape.field()->normal(inField);
+		const double below = shape.field()->depth(inField), depth = std::sqrt(dot(n, ball.shape() * n)) + below;
 		if (!(depth > 0)) continue;
 		deepest = std::max(deepest, depth);
 		depths.push_back(depth);
-		list.discs.push_back({at + (offset - dot(at, normal)) * normal, normal, 0.7 * ball.meanRadius(), std::min(0.5 * depth, 0.15 * ball.meanRadius()), {}});
+		list.discs.push_back({contact.X_WA * (tree.origin + ball.center() + below * n), contact.X_WA.rotation * n, 0.7 * ball.meanRadius(),
+							  std::min(0.5 * depth, 0.15 * ball.meanRadius()), {}});
 	}
 	for (size_t i = 0; i < depths.size(); ++i) list.discs[first + i].colour = pressureColour(depths[i] / deepest);
+}
+
+Colour colourOfLevel(int level) { return levelColour(0.1 + 0.14 * level); }
+
+/// Balls of the tree that answered, in the colour of its level; returns how many there are.
+size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, int level, DrawList& list)
+{
+	const size_t count = balls.ballCount(), stride = std::max<size_t>(1, count / kMostLeaves);
+	size_t i = 0;
+	for (const MomentEllipsoid& ball : balls.balls)
+	{
+		if (!(ball.density > 0) || i++ % stride) continue;
+		const Vec3 normal = squaredNorm(ball.normal()) > 0 ? normalized(ball.normal()) : Vec3{0, 0, 1};
+		list.discs.push_back({X_WM * (origin + ball.center()), X_WM.rotation * normal, 0.6 * ball.meanRadius(), 0.3 * ball.meanRadius(), colourOfLevel(level)});
+	}
+	return count;
 }
 
 /// Of the two opposite forces of a contact that on the body that moves; where both do, the one that carries.
@@ -71,7 +90,7 @@ std::string formatForce(double newton)
 
 void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const
 {
-	const bool glass = choice.spheres || choice.leaves || choice.lenses;
+	const bool glass = choice.spheres || choice.leaves || choice.levels || choice.lenses;
 	for (const DemoWorld::Body& b : world.bodies())
 	{
 		const Pose X = b.X_WP();
@@ -90,15 +109,12 @@ void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawLis
 
 void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 {
-	if (contact.halfSpace && contact.treeA)
+	if (!contact.treeB)
 	{
-		const btCollisionShape* shape = contact.bodyB->getCollisionShape();
-		if (shape->getShapeType() != STATIC_PLANE_PROXYTYPE) return;
-		const auto& plane = static_cast<const btStaticPlaneShape&>(*shape);
-		drawPlaneLenses(contact, toVec3(plane.getPlaneNormal()), double(plane.getPlaneConstant()), list);
+		const btISTShapeField shape(contact.bodyB->getCollisionShape());
+		if (shape.field()) drawFieldLenses(contact, shape, list);
 		return;
 	}
-	if (!contact.treeA || !contact.treeB) return;
 	QueryOptions options;
 	options.sortPairs = true;
 	options.stiffness = options.patches = false;
@@ -119,6 +135,44 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 	}
 }
 
+void ContactView::drawLevels(const btISTContact& contact, DrawList& list)
+{
+	const auto draw = [&](const btCollisionObject* body, const InnerSphereTree& tree, const BallTree& balls, const Pose& X_WM, int level)
+	{
+		// Several pairs of a body are often asked at the same level.
+		if (!m_drawnLevels.insert({body, &balls}).second) return;
+		const size_t count = drawLevel(balls, tree.origin, X_WM, level, list);
+		m_ballsOfLevel[level] += count;
+	};
+	LevelPair pair{&contact.treeA->law, contact.treeB ? &contact.treeB->law : nullptr, 0, 0};
+	if (contact.treeB) pair = levelOf(*contact.treeA, *contact.treeB, contact.level);
+	draw(contact.bodyA, *contact.treeA, *pair.treeA, contact.X_WA, pair.a);
+	if (contact.treeB) draw(contact.bodyB, *contact.treeB, *pair.treeB, contact.X_WA * contact.X_AB, pair.b);
+	if (!(contact.total.volume > 0)) return;
+	char text[64];
+	const auto pairs = static_cast<long long>(contact.total.pairs);
+	if (contact.treeB) std::snprintf(text, sizeof text, "levels %d and %d: %lld pairs", pair.a, pair.b, pairs);
+	else std::snprintf(text, sizeof text, "level 0: %lld leaves", pairs);
+	list.texts.push_back({contact.X_WA * (contact.treeA->origin + contact.total.firstMoment / contact.total.volume), text, {0.1f, 0.1f, 0.12f}});
+}
+
+void ContactView::addKeys(const DrawChoice& choice, DrawList& list) const
+{
+	for (const auto& [level, count] : m_ballsOfLevel)
+		list.addKey(colourOfLevel(level), "level " + std::to_string(level) + (level == 0 ? ", the leaves: " : ": ") + std::to_string(count) + " balls answer");
+	if (choice.spheres && !list.spheres.empty())
+	{
+		list.addKey(levelColour(0.06), "a body's largest spheres");
+		list.addKey(levelColour(0.52), "the middle of their sizes");
+		list.addKey(levelColour(0.98), "its smallest");
+	}
+	if (choice.lenses && !list.discs.empty())
+	{
+		list.addKey(pressureColour(0.1), "least pressure");
+		list.addKey(pressureColour(0.95), "most pressure");
+	}
+}
+
 void ContactView::drawForce(const Vec3& at, const Vec3& force, DrawList& list) const
 {
 	const double strength = norm(force);
@@ -129,6 +183,15 @@ void ContactView::drawForce(const Vec3& at, const Vec3& force, DrawList& list) c
 	list.arrows.push_back({at, tip, 0.035 * m_arrowLength, {0.80f, 0.18f, 0.12f}});
 	// Words for those that matter: many would hide each other.
 	if (strength > 0.4 * m_strongest) list.texts.push_back({tip, formatForce(strength), {0.55f, 0.08f, 0.04f}});
+}
+
+void ContactView::drawMoment(const Vec3& at, const Vec3& moment, double lever, DrawList& list) const
+{
+	const double strength = lever > 0 ? norm(moment) / lever : 0;
+	if (!(strength > 0.05 * m_strongest)) return;
+	const double length = m_arrowLength * std::clamp(strength / m_arrowForce, 0.15, 1.0);
+	list.arrows.push_back({at, at + length * normalized(moment), 0.02 * m_arrowLength, kMomentColour});
+	list.addKey(kMomentColour, "moment about a patch's middle");
 }
 
 void ContactView::drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list)
@@ -166,7 +229,11 @@ void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contac
 									  {0.05f, 0.05f, 0.08f}});
 			}
 		}
-		if (choice.wrenches) drawForce(center, force, list);
+		if (choice.patches && area > 0) list.lines.push_back({center, center + 0.6 * std::sqrt(area / kPi) * normal, {0.05f, 0.05f, 0.08f}});
+		if (!choice.wrenches) continue;
+		drawForce(center, force, list);
+		const double lever = std::sqrt(area / kPi);
+		drawMoment(center, (dot(force, contact.impulses[i].force) < 0 ? -1 : 1) / world.lastStep() * contact.impulses[i].torque, lever, list);
 	}
 }
 
@@ -178,14 +245,18 @@ void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowF
 	m_arrowForce = arrowForce;
 	m_arrowLength = arrowLength;
 	m_strongest = 0;
+	m_drawnLevels.clear();
+	m_ballsOfLevel.clear();
 	if (!world.volumetric()) return drawStock(world, choice, list);
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
 		for (int i = 0; i < contact->patchCount; ++i) m_strongest = std::max(m_strongest, norm(contact->impulses[i].force) / world.lastStep());
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
 	{
 		if (contact->patchCount == 0) continue;
+		if (choice.levels) drawLevels(*contact, list);
 		if (choice.lenses) drawLenses(*contact, list);
 		drawPatches(world, *contact, choice, list);
 	}
+	addKeys(choice, list);
 }
 }  // namespace browser

@@ -4,9 +4,12 @@
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "demos/browser/DemoWorld.h"
 
+#include <map>
+#include <set>
+
 namespace browser
 {
-/// Shows what the bodies of a world say to each other. Allocates its memory once; may ask a query again to have the pairs.
+/// Shows what the bodies of a world say to each other. May ask a query again to have the pairs.
 class ContactView
 {
 public:
@@ -16,11 +19,17 @@ public:
 private:
 	void drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const;
 	void drawLenses(const btISTContact& contact, DrawList& list);
+	void drawLevels(const btISTContact& contact, DrawList& list);
+	void addKeys(const DrawChoice& choice, DrawList& list) const;
 	void drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list);
 	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list);
 	void drawForce(const ist::Vec3& at, const ist::Vec3& force, DrawList& list) const;
+	/// `lever`: a force at this distance has such a moment [m]; what is small beside the forces is left out.
+	void drawMoment(const ist::Vec3& at, const ist::Vec3& moment, double lever, DrawList& list) const;
 
 	ist::QueryWorkspace m_workspace;
+	std::set<std::pair<const void*, const void*>> m_drawnLevels;  // bodies with the trees that answer for them
+	std::map<int, size_t> m_ballsOfLevel;
 	double m_strongest = 0;  // of all forces in the picture [N]
 	double m_arrowForce = 1, m_arrowLength = 1;
 };

@@ -80,7 +80,7 @@ scenes::HtmlReport makeReport(const DemoOutcome& o)
 	{
 		if (curve.values.size() < 2) continue;
 		scenes::Chart chart{curve.name, "time before the end [s]", curve.name + (curve.unit.empty() ? "" : " [" + curve.unit + "]"), {}};
-		chart.series.push_back({curve.name, {}, {}, {}, false});
+		chart.series.push_back({curve.name, {}, {}, {curve.errors.begin(), curve.errors.end()}, false});
 		for (size_t i = 0; i < curve.values.size(); ++i)
 		{
 			chart.series[0].x.push_back((double(i) - double(curve.values.size() - 1)) / 60);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/DemoWorld.h"
 
+#include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/btISTConversion.h"
 
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h"
 #include "LinearMath/btIDebugDraw.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 using namespace ist;
@@ -45,6 +48,18 @@ private:
 	DrawList& m_list;
 	int m_mode = 0;
 };
+}  // namespace
+
+namespace
+{
+/// Of the pressure of one contact [N].
+double forceError(const btISTContact& contact, const btISTEconomy& economy)
+{
+	const btISTPairConstants& c = contact.constants;
+	const double force = std::max(norm(pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force), btISTKeptResult::floorForce(contact));
+	const double asked = contact.accuracy.level >= 0 ? contact.accuracy.promise * force : contact.error.force;
+	return std::hypot(asked, contact.use == btISTKeptResult::Moved ? economy.keptError * force : 0);
+}
 }  // namespace
 
 Pose DemoWorld::Body::X_WP() const { return toPose(body->getWorldTransform()); }
@@ -166,6 +181,7 @@ ContactSums DemoWorld::contactSums() const
 		Vec3 impulse;
 		for (int i = 0; i < contact->patchCount; ++i) impulse += contact->impulses[i].force;
 		sums.force += norm(impulse) / m_lastStep;
+		sums.forceError = std::hypot(sums.forceError, forceError(*contact, m_volumetric->registration().economy()));
 		sums.volume += contact->total.volume;
 		sums.pairs += contact->total.pairs;
 		sums.patches += contact->patchCount;

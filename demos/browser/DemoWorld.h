@@ -33,6 +33,7 @@ struct BodySetup
 struct ContactSums
 {
 	double force = 0;         ///< of magnitudes [N]
+	double forceError = 0;    ///< that the queries and what was kept or merged of them may have, as if each pair's were independent [N]
 	double volume = 0;        ///< [m^3]
 	long long pairs = 0, patches = 0;
 	double queryMicroseconds = 0;

@@ -70,6 +70,13 @@ std::shared_ptr<const SpheresModel> makeSpheresModel(const InnerSphereTree& tree
 	return model;
 }
 
+void DrawList::addKey(const Colour& colour, const std::string& text)
+{
+	for (const DrawnKey& key : keys)
+		if (key.text == text) return;
+	keys.push_back({colour, text});
+}
+
 void DrawList::clear()
 {
 	surfaces.clear();
@@ -78,6 +85,7 @@ void DrawList::clear()
 	arrows.clear();
 	lines.clear();
 	texts.clear();
+	keys.clear();
 	const DrawList blank;
 	ground = blank.ground;
 	groundHeight = blank.groundHeight;

@@ -85,6 +85,13 @@ struct DrawnText
 	Colour colour;
 };
 
+/// What a colour in the picture means.
+struct DrawnKey
+{
+	Colour colour;
+	std::string text;
+};
+
 struct DrawList
 {
 	std::vector<DrawnSurface> surfaces;
@@ -93,6 +100,7 @@ struct DrawList
 	std::vector<DrawnArrow> arrows;
 	std::vector<DrawnLine> lines;
 	std::vector<DrawnText> texts;
+	std::vector<DrawnKey> keys;
 	bool ground = true;         ///< the plane y = groundHeight, with a grid
 	double groundHeight = 0;
 	ist::Vec3 groundNormal{0, 1, 0};
@@ -100,6 +108,8 @@ struct DrawList
 	bool water = false;         ///< fills y < groundHeight instead
 	bool wireframe = false, shadows = true;
 
+	/// A key that is not there yet.
+	void addKey(const Colour& colour, const std::string& text);
 	/// As if it were new; keeps its memory.
 	void clear();
 };

@@ -15,10 +15,10 @@ namespace
 {
 constexpr size_t kMostSamples = 600;
 
-void append(Curve& curve, double value)
+void append(std::vector<float>& line, double value)
 {
-	if (curve.values.size() == kMostSamples) curve.values.erase(curve.values.begin());
-	curve.values.push_back(float(value));
+	if (line.size() == kMostSamples) line.erase(line.begin());
+	line.push_back(float(value));
 }
 
 void shiftBy(DrawList& list, const Vec3& shift)
@@ -60,7 +60,7 @@ std::optional<Error> WorldDemo::restart()
 	leave();
 	m_parts.clear();
 	m_time = m_nextSample = 0;
-	for (Curve* curve : {&m_force, &m_pairs, &m_energy, &m_cost}) curve->values.clear();
+	for (Curve* curve : {&m_force, &m_pairs, &m_energy, &m_cost}) curve->values.clear(), curve->errors.clear();
 	if (auto error = build()) return error;
 	for (Part& part : m_parts)
 	{
@@ -85,19 +85,21 @@ void WorldDemo::step(double seconds)
 
 void WorldDemo::sample()
 {
-	double force = 0, pairs = 0, energy = 0, cost = 0;
+	double force = 0, error = 0, pairs = 0, energy = 0, cost = 0;
 	for (const Part& part : m_parts)
 	{
 		const ContactSums sums = part.world->contactSums();
 		force += sums.force;
+		error = std::hypot(error, sums.forceError);
 		pairs += double(sums.pairs);
 		energy += part.world->mechanicalEnergy();
 		cost += part.world->stepMicroseconds();
 	}
-	append(m_force, force);
-	append(m_pairs, pairs);
-	append(m_energy, energy);
-	append(m_cost, cost);
+	append(m_force.values, force);
+	append(m_force.errors, error);
+	append(m_pairs.values, pairs);
+	append(m_energy.values, energy);
+	append(m_cost.values, cost);
 }
 
 void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
@@ -118,6 +120,7 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 		take(list.arrows, m_one.arrows);
 		take(list.lines, m_one.lines);
 		take(list.texts, m_one.texts);
+		for (const DrawnKey& key : m_one.keys) list.addKey(key.colour, key.text);
 		const Viewpoint view = viewpoint();
 		if (!part.title.empty())
 			list.texts.push_back({part.shift + Vec3{0, 2 * view.target.y + 0.09 * view.distance, 0}, part.title, {0.1f, 0.1f, 0.12f}});
@@ -132,7 +135,10 @@ std::vector<Curve> WorldDemo::curves() const { return {m_force, m_pairs, m_energ
 
 void WorldDemo::applyEconomy(Part& part) const
 {
-	if (btISTWorld* world = part.world->volumetric()) world->setEconomy({m_economy.on, m_economy.on ? m_economy.keptError : 0});
+	btISTWorld* world = part.world->volumetric();
+	if (!world) return;
+	world->setEconomy({m_economy.on, m_economy.on ? m_economy.keptError : 0});
+	world->setForceError(m_economy.forceError);
 }
 
 void WorldDemo::setEconomy(const EconomyChoice& economy)

@@ -132,6 +132,7 @@ void Browser::key(Key key)
 		case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
 		case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
 		case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
+		case Key::Levels: m_choice.levels = !m_choice.levels; break;
 		case Key::Halves: toggleHalves(); break;
 		case Key::Picture: m_wantsPicture = true; break;
 	}

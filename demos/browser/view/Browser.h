@@ -31,6 +31,7 @@ enum class Key
 	Spheres,      ///< b
 	Leaves,       ///< n
 	Lenses,       ///< m
+	Levels,       ///< t: what answers
 	Halves,       ///< h: beside stock Bullet
 	Picture       ///< F1
 };

@@ -13,18 +13,43 @@ namespace
 {
 const ImVec4 kGood{0.0f, 0.45f, 0.33f, 1}, kBad{0.78f, 0.25f, 0.0f, 1}, kQuiet{0.42f, 0.45f, 0.50f, 1};
 
-/// Range, newest value and line of a curve.
-void plot(const char* name, const char* unit, const float* values, int count, float height)
+/// Error bars over the line that ImGui has just drawn between two values.
+void drawErrorBars(const Curve& curve, float least, float most)
 {
-	if (count < 2) return;
-	const auto [least, most] = std::minmax_element(values, values + count);
-	char text[96];
-	std::snprintf(text, sizeof text, "%.4g %s  (%.3g to %.3g)", double(values[count - 1]), unit, double(*least), double(*most));
-	ImGui::TextUnformatted(name);
+	const float pad = ImGui::GetStyle().FramePadding.x, tall = ImGui::GetStyle().FramePadding.y;
+	const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
+	const size_t count = curve.errors.size();
+	const auto height = [&](float value) { return upper.y - tall - (upper.y - lower.y - 2 * tall) * std::clamp((value - least) / (most - least), 0.0f, 1.0f); };
+	ImDrawList& to = *ImGui::GetWindowDrawList();
+	const size_t stride = std::max<size_t>(1, count / 60);
+	for (size_t i = 0; i < count; i += stride)
+	{
+		const float x = lower.x + pad + (upper.x - lower.x - 2 * pad) * float(i) / float(count - 1);
+		to.AddLine({x, height(curve.values[i] - curve.errors[i])}, {x, height(curve.values[i] + curve.errors[i])}, IM_COL32(0, 114, 178, 110), 1.5f);
+	}
+}
+
+/// Range, newest value and line of a curve, with its error bars.
+void plot(const Curve& curve, float height)
+{
+	if (curve.values.size() < 2) return;
+	const bool bars = curve.errors.size() == curve.values.size();
+	float least = curve.values.front(), most = least;
+	for (size_t i = 0; i < curve.values.size(); ++i)
+	{
+		least = std::min(least, curve.values[i] - (bars ? curve.errors[i] : 0));
+		most = std::max(most, curve.values[i] + (bars ? curve.errors[i] : 0));
+	}
+	most += 1e-6f * std::fabs(most) + 1e-30f;
+	char text[128], error[32] = "";
+	if (bars) std::snprintf(error, sizeof error, "+- %.2g ", double(curve.errors.back()));
+	std::snprintf(text, sizeof text, "%.4g %s%s  (%.3g to %.3g)", double(curve.values.back()), error, curve.unit.c_str(), double(least), double(most));
+	ImGui::TextUnformatted(curve.name.c_str());
 	ImGui::SameLine();
 	ImGui::TextColored(kQuiet, "%s", text);
 	ImGui::PushItemWidth(-1);
-	ImGui::PlotLines((std::string("##") + name).c_str(), values, count, 0, nullptr, *least, *most + 1e-6f * std::fabs(*most) + 1e-30f, {0, height});
+	ImGui::PlotLines(("##" + curve.name).c_str(), curve.values.data(), int(curve.values.size()), 0, nullptr, least, most, {0, height});
+	if (bars) drawErrorBars(curve, least, most);
 	ImGui::PopItemWidth();
 }
 
@@ -142,22 +167,13 @@ void Browser::drawCurves()
 {
 	if (!m_demo || !ImGui::CollapsingHeader("Plots", ImGuiTreeNodeFlags_DefaultOpen)) return;
 	const float height = 2.6f * ImGui::GetTextLineHeight();
-	for (const Curve& curve : m_demo->curves()) plot(curve.name.c_str(), curve.unit.c_str(), curve.values.data(), int(curve.values.size()), height);
+	for (const Curve& curve : m_demo->curves()) plot(curve, height);
 }
 
 void Browser::drawChoices()
 {
 	if (!ImGui::CollapsingHeader("Show")) return;
-	struct Row
-	{
-		const char* name;
-		bool* value;
-	};
-	const Row rows[] = {{"meshes (v)", &m_choice.surfaces}, {"inner spheres (b)", &m_choice.spheres}, {"leaves (n)", &m_choice.leaves},
-						{"lenses by pressure (m)", &m_choice.lenses}, {"patches", &m_choice.patches}, {"forces (c)", &m_choice.wrenches},
-						{"boxes (a)", &m_choice.boxes}, {"frames (j)", &m_choice.frames}, {"constraints (k)", &m_choice.constraints},
-						{"wireframe (w)", &m_choice.wireframe}, {"shadows (s)", &m_choice.shadows}, {"ground", &m_choice.ground}};
-	for (const Row& row : rows) ImGui::Checkbox(row.name, row.value);
+	for (const DrawChoiceRow& row : drawChoiceRows()) ImGui::Checkbox(row.label, &(m_choice.*row.member));
 	ImGui::Checkbox("ambient occlusion", &m_quality.occlusion);
 	bool sleepless = m_noSleep;
 	if (ImGui::Checkbox("nothing sleeps (d)", &sleepless)) key(Key::NoSleep);
@@ -178,6 +194,12 @@ void Browser::drawPairs()
 {
 	if (!m_demo || !ImGui::CollapsingHeader("What answers for which pair")) return;
 	if (ImGui::Checkbox("leave out what is not needed", &m_economy.on)) m_demo->setEconomy(m_economy);
+	float accepted = 100 * float(m_economy.forceError);
+	if (ImGui::SliderFloat("error accepted", &accepted, 0, 50, accepted > 0 ? "%.0f %% of the force" : "always the leaves", ImGuiSliderFlags_AlwaysClamp))
+	{
+		m_economy.forceError = 0.01 * double(accepted);
+		m_demo->setEconomy(m_economy);
+	}
 	for (const std::string& row : m_demo->report()) ImGui::TextWrapped("%s", row.c_str());
 }
 }  // namespace browser

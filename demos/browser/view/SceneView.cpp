@@ -17,6 +17,20 @@ void drawTitle(ImDrawList& to, const SceneView& view)
 	to.AddText({middle - 0.5f * size.x, top}, IM_COL32(255, 255, 255, 255), view.title.c_str());
 }
 
+void drawKeys(ImDrawList& to, const std::vector<DrawnKey>& keys, const PixelArea& area)
+{
+	const float line = ImGui::GetTextLineHeight(), pad = 0.3f * line;
+	float y = float(area.height) - 1.25f * line * float(keys.size()) - pad;
+	for (const DrawnKey& key : keys)
+	{
+		const ImVec2 size = ImGui::CalcTextSize(key.text.c_str()), p(float(area.left) + 2 * pad, y);
+		to.AddRectFilled({p.x - pad, p.y - 0.2f * pad}, {p.x + 1.6f * line + size.x + pad, p.y + line + 0.4f * pad}, IM_COL32(255, 255, 255, 205), pad);
+		to.AddRectFilled({p.x, p.y + 0.1f * line}, {p.x + 1.2f * line, p.y + 0.9f * line}, ImGui::ColorConvertFloat4ToU32({key.colour.r, key.colour.g, key.colour.b, 1}), 0.5f * pad);
+		to.AddText({p.x + 1.6f * line, p.y}, IM_COL32(25, 28, 33, 255), key.text.c_str());
+		y += 1.25f * line;
+	}
+}
+
 void drawDivider(ImDrawList& to, const SceneView& view)
 {
 	const float x = float(view.area.left);
@@ -50,6 +64,7 @@ void ScenePainter::paint(const std::vector<SceneView>& views, const DrawChoice& 
 		if (!texts) continue;
 		ImDrawList& to = *ImGui::GetBackgroundDrawList();
 		drawTexts(to, m_list, camera, view.area);
+		drawKeys(to, m_list.keys, view.area);
 		if (!view.title.empty()) drawTitle(to, view);
 		if (&view != &views.front()) drawDivider(to, view);
 	}

@@ -42,7 +42,7 @@ const std::map<int, Key>& keys()
 		{GLFW_KEY_A, Key::Boxes}, {GLFW_KEY_C, Key::Contacts}, {GLFW_KEY_D, Key::NoSleep}, {GLFW_KEY_J, Key::Frames}, {GLFW_KEY_K, Key::Constraints},
 		{GLFW_KEY_L, Key::Constraints}, {GLFW_KEY_W, Key::Wireframe}, {GLFW_KEY_V, Key::Surfaces}, {GLFW_KEY_G, Key::Panels}, {GLFW_KEY_I, Key::Pause},
 		{GLFW_KEY_SPACE, Key::Pause}, {GLFW_KEY_O, Key::Step}, {GLFW_KEY_P, Key::Profile}, {GLFW_KEY_S, Key::Shadows}, {GLFW_KEY_R, Key::Restart},
-		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
+		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses}, {GLFW_KEY_T, Key::Levels}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
 	return table;
 }
 
@@ -195,6 +195,7 @@ std::optional<ist::Error> openWindow(const WindowOptions& options)
 	ImGui_ImplGlfw_InitForOpenGL(glfw.window, true);
 	if (options.besideStock) browser.key(Key::Halves);
 	browser.open(options.first);
+	applyChoices(options.show, browser.choice());
 	if (!options.device.empty())
 	{
 		auto device = DeviceHand::open(options.device);

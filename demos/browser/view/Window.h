@@ -12,6 +12,7 @@ struct WindowOptions
 	DemoOptions demo;
 	std::string first = "hello";   ///< demo to begin with
 	bool besideStock = false;      ///< in two halves, where it can be
+	std::string show;              ///< see applyChoices
 	long long pictures = -1;       ///< closes itself after so many; negative: stays
 	int width = 1280, height = 800;
 	std::string pictureFolder = ".";  ///< where F1 leaves its pictures

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/DemoCatalog.h"
+#include "demos/browser/WorldDemo.h"
+
+#include "BulletHapticForce/btISTSceneReport.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+using namespace browser;
+
+namespace
+{
+/// A demo of a world after so many seconds; null where it is none.
+std::unique_ptr<WorldDemo> ran(const DemoEntry& entry, double seconds, double forceError, long long spheres = 300)
+{
+	std::unique_ptr<BrowsableDemo> demo = entry.make();
+	if (!dynamic_cast<WorldDemo*>(demo.get())) return nullptr;
+	DemoOptions options;
+	options.cache = TREE_FOLDER;
+	options.spheres = spheres;
+	EXPECT_FALSE(demo->prepare(options));
+	demo->setEconomy({true, 0.05, forceError});
+	EXPECT_FALSE(demo->restart());
+	while (demo->time() < std::min(seconds, demo->duration())) demo->step(demo->stepSize());
+	return std::unique_ptr<WorldDemo>(static_cast<WorldDemo*>(demo.release()));
+}
+
+struct Answering
+{
+	size_t balls = 0;
+	std::set<int> levels;
+};
+/// What the contacts themselves say, each tree of a body once.
+Answering answering(WorldDemo& demo)
+{
+	Answering all;
+	std::set<std::pair<const void*, const void*>> counted;
+	const auto count = [&](const void* body, const ist::BallTree& tree, int level)
+	{
+		if (!counted.insert({body, &tree}).second) return;
+		all.balls += tree.ballCount();
+		all.levels.insert(level);
+	};
+	for (DemoWorld* world : demo.worlds())
+		for (const btISTContact* c : world->volumetric()->contacts().contacts())
+		{
+			if (c->patchCount == 0) continue;
+			if (!c->treeB)
+			{
+				count(c->bodyA, c->treeA->law, 0);
+				continue;
+			}
+			const ist::LevelPair pair = ist::levelOf(*c->treeA, *c->treeB, c->level);
+			count(c->bodyA, *pair.treeA, pair.a);
+			count(c->bodyB, *pair.treeB, pair.b);
+		}
+	return all;
+}
+
+DrawList levelsOf(WorldDemo& demo)
+{
+	DrawChoice choice;
+	choice.levels = true;
+	choice.wrenches = choice.patches = false;
+	DrawList list;
+	demo.draw(choice, list);
+	return list;
+}
+}  // namespace
+
+TEST(ContactView, DrawsTheLevelsThatAnswerEachInItsColour)
+{
+	std::set<int> met;
+	for (const double accepted : {0.0, 0.9})
+	{
+		const auto demo = ran(*findDemo("hello"), 1.5, accepted, 1000);
+		const Answering expected = answering(*demo);
+		const DrawList list = levelsOf(*demo);
+		EXPECT_EQ(list.discs.size(), expected.balls) << accepted;
+		ASSERT_EQ(list.keys.size(), expected.levels.size()) << accepted;
+		size_t key = 0;
+		for (const int level : expected.levels) EXPECT_EQ(list.keys[key++].text.rfind("level " + std::to_string(level), 0), 0u) << accepted;
+		if (accepted == 0)
+		{
+			EXPECT_EQ(expected.levels, std::set<int>{0});
+		}
+		met.insert(expected.levels.begin(), expected.levels.end());
+		std::set<float> reds;
+		for (const DrawnDisc& d : list.discs) reds.insert(d.colour.r);
+		EXPECT_EQ(reds.size(), expected.levels.size());
+		bool said = false;
+		for (const DrawnText& t : list.texts) said = said || t.text.rfind("levels ", 0) == 0;
+		EXPECT_TRUE(said);
+	}
+	EXPECT_GT(met.size(), 1u) << "a coarser level was never asked";
+}
+
+TEST(ContactView, ErrorBarsAreThoseOfTheReport)
+{
+	for (const double accepted : {0.0, 0.5})
+	{
+		const auto demo = ran(*findDemo("hello"), 2, accepted);
+		double squares = 0;
+		for (const btISTPairReport& pair : btISTSceneReport::of(*demo->worlds()[0]->volumetric()).pairs)
+			if (pair.patches > 0) squares += std::pow(pair.expectedError * pair.force, 2);
+		const Curve force = demo->curves()[0];
+		ASSERT_EQ(force.errors.size(), force.values.size());
+		ASSERT_GT(squares, 0);
+		// Without the dial the report tells the same; with it the promise, which is no less.
+		if (accepted == 0)
+		{
+			EXPECT_NEAR(force.errors.back(), std::sqrt(squares), 0.02 * std::sqrt(squares));
+		}
+		EXPECT_GT(force.errors.back(), 0.001 * force.values.back());
+		EXPECT_LT(force.errors.back(), force.values.back());
+	}
+}
+
+/// Every demo of bodies in a world shows which level answers as soon as they touch.
+class LevelsShown : public testing::TestWithParam<DemoEntry>
+{
+};
+TEST_P(LevelsShown, WhereBodiesTouch)
+{
+	const auto demo = ran(GetParam(), 1, 0.5);
+	if (!demo) GTEST_SKIP() << "not of bodies in a world";
+	const Answering expected = answering(*demo);
+	const DrawList list = levelsOf(*demo);
+	EXPECT_EQ(list.keys.size(), expected.levels.size());
+	EXPECT_EQ(list.discs.empty(), expected.balls == 0);
+	for (const DrawnDisc& d : list.discs) ASSERT_TRUE(ist::isFinite(d.center) && std::fabs(norm(d.normal) - 1) < 1e-4 && d.radius > 0);
+}
+INSTANTIATE_TEST_SUITE_P(Demos, LevelsShown, testing::ValuesIn(demoCatalog()),
+						 [](const auto& info)
+						 {
+							 std::string name = info.param.name;
+							 std::erase(name, '-');
+							 return name;
+						 });
