@@ -186,7 +186,8 @@ void Browser::drawProfile()
 	histogram("steps", "us", m_stepTimes, height);
 	histogram("pictures", "ms", m_frameTimes, height);
 	const RenderCost& cost = m_renderer.cost();
-	ImGui::TextWrapped("drawing: %.0f us, %zu calls, %zu balls, %zu too small to be seen", cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
+	ImGui::TextWrapped("drawing: %.2f ms of our own, %.2f ms with OpenGL; %zu draw calls, %zu balls, %zu too small to be seen", 1e-3 * cost.ownMicroseconds,
+					   1e-3 * cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
 	ImGui::TextColored(kQuiet, "%s", m_renderer.device().c_str());
 }
 

@@ -2,6 +2,7 @@
 #include "demos/browser/view/ModelStore.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "demos/browser/view/Stopwatch.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -114,25 +115,7 @@ void ModelStore::drawSurface(const DrawnSurface& surface)
 	for (GLuint i = 0; i < 4; ++i) glVertexAttrib3fv(2 + i, &m.m[4 * i]);
 	glVertexAttrib4f(6, surface.colour.r, surface.colour.g, surface.colour.b, surface.colour.a);
 	glDrawArrays(GL_TRIANGLES, 0, GLsizei(surface.model->corners.size()));
-}
-
-void ModelStore::drawBalls(const std::shared_ptr<const SpheresModel>& model, size_t count)
-{
-	Stored& stored = m_stored[model.get()];
-	if (!stored.array)
-	{
-		stored.model = model;
-		glGenVertexArrays(1, &stored.array);
-		glBindVertexArray(stored.array);
-		glGenBuffers(1, &stored.buffer);
-		glBindBuffer(GL_ARRAY_BUFFER, stored.buffer);
-		glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(model->spheres.size() * sizeof(SpheresModel::Instance)), model->spheres.data(), GL_STATIC_DRAW);
-		attribute(0, 4, sizeof(SpheresModel::Instance), 0, 1);
-		attribute(1, 1, sizeof(SpheresModel::Instance), offsetof(SpheresModel::Instance, shade), 1);
-	}
-	stored.unused = 0;
-	glBindVertexArray(stored.array);
-	glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, GLsizei(count));
+	++m_drawCalls;
 }
 
 void ModelStore::drawGlyphs(const Shape& shape)
@@ -142,10 +125,12 @@ void ModelStore::drawGlyphs(const Shape& shape)
 	glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(m_glyphs.size() * sizeof(Glyph)), m_glyphs.data(), GL_STREAM_DRAW);
 	glBindVertexArray(shape.array);
 	glDrawArraysInstanced(GL_TRIANGLES, 0, shape.corners, GLsizei(m_glyphs.size()));
+	++m_drawCalls;
 }
 
-void ModelStore::drawDiscs(const std::vector<DrawnDisc>& discs)
+void ModelStore::fillDiscs(const std::vector<DrawnDisc>& discs)
 {
+	const Stopwatch watch(m_fill);
 	m_glyphs.clear();
 	for (const DrawnDisc& d : discs)
 	{
@@ -161,46 +146,64 @@ void ModelStore::drawDiscs(const std::vector<DrawnDisc>& discs)
 		std::copy_n(colour, 4, g.colour);
 		m_glyphs.push_back(g);
 	}
+}
+
+void ModelStore::drawDiscs(const std::vector<DrawnDisc>& discs)
+{
+	fillDiscs(discs);
 	drawGlyphs(m_ball);
+}
+
+void ModelStore::fillArrows(const std::vector<DrawnArrow>& arrows, bool tips, float opacity)
+{
+	const Stopwatch watch(m_fill);
+	m_glyphs.clear();
+	for (const DrawnArrow& a : arrows)
+	{
+		const double length = distance(a.from, a.to), head = std::min(5 * a.width, 0.5 * length);
+		if (!(length > 0)) continue;
+		const Vec3 n = normalized(a.to - a.from);
+		Glyph g;
+		Vec3 u, v;
+		completeFrame(n, u, v);
+		const double wide = tips ? 2.2 * a.width : a.width, tall = tips ? head : length - head;
+		store(g.x, wide * u);
+		store(g.y, wide * v);
+		store(g.z, tall * n);
+		store(g.origin, tips ? a.to - 0.5 * head * n : a.from + 0.5 * tall * n);
+		const float colour[] = {a.colour.r, a.colour.g, a.colour.b, opacity};
+		std::copy_n(colour, 4, g.colour);
+		m_glyphs.push_back(g);
+	}
 }
 
 void ModelStore::drawArrows(const std::vector<DrawnArrow>& arrows, float opacity)
 {
-	for (const bool tip : {false, true})
+	for (const bool tips : {false, true})
 	{
-		m_glyphs.clear();
-		for (const DrawnArrow& a : arrows)
-		{
-			const double length = distance(a.from, a.to), head = std::min(5 * a.width, 0.5 * length);
-			if (!(length > 0)) continue;
-			const Vec3 n = normalized(a.to - a.from);
-			Glyph g;
-			Vec3 u, v;
-			completeFrame(n, u, v);
-			const double wide = tip ? 2.2 * a.width : a.width, tall = tip ? head : length - head;
-			store(g.x, wide * u);
-			store(g.y, wide * v);
-			store(g.z, tall * n);
-			store(g.origin, tip ? a.to - 0.5 * head * n : a.from + 0.5 * tall * n);
-			const float colour[] = {a.colour.r, a.colour.g, a.colour.b, opacity};
-			std::copy_n(colour, 4, g.colour);
-			m_glyphs.push_back(g);
-		}
-		drawGlyphs(tip ? m_tip : m_shaft);
+		fillArrows(arrows, tips, opacity);
+		drawGlyphs(tips ? m_tip : m_shaft);
 	}
+}
+
+void ModelStore::fillLines(const std::vector<DrawnLine>& lines)
+{
+	const Stopwatch watch(m_fill);
+	m_lineData.clear();
+	for (const DrawnLine& l : lines)
+		for (const double x : {l.from.x, l.from.y, l.from.z, l.to.x, l.to.y, l.to.z, double(l.colour.r), double(l.colour.g), double(l.colour.b), double(l.colour.a)})
+			m_lineData.push_back(float(x));
 }
 
 void ModelStore::drawLines(const std::vector<DrawnLine>& lines)
 {
 	if (lines.empty()) return;
-	m_lineData.clear();
-	for (const DrawnLine& l : lines)
-		for (const double x : {l.from.x, l.from.y, l.from.z, l.to.x, l.to.y, l.to.z, double(l.colour.r), double(l.colour.g), double(l.colour.b), double(l.colour.a)})
-			m_lineData.push_back(float(x));
+	fillLines(lines);
 	glBindBuffer(GL_ARRAY_BUFFER, m_lineBuffer);
 	glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(m_lineData.size() * sizeof(float)), m_lineData.data(), GL_STREAM_DRAW);
 	glBindVertexArray(m_lineArray);
 	glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, GLsizei(lines.size()));
+	++m_drawCalls;
 }
 
 void ModelStore::forgetUnused()

@@ -5,11 +5,12 @@
 #include "demos/browser/view/Gl.h"
 
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace browser
 {
-/// Models in the memory of the graphics card, and the calls that draw them. Attribute locations are those of the shaders.
+/// Surfaces in the memory of the graphics card, glyphs and lines, and the calls that draw them. Attribute locations are those of the shaders.
 class ModelStore
 {
 public:
@@ -17,10 +18,13 @@ public:
 	/// Shapes of the glyphs.
 	void start();
 	void drawSurface(const DrawnSurface& surface);
-	void drawBalls(const std::shared_ptr<const SpheresModel>& model, size_t count);
 	void drawDiscs(const std::vector<DrawnDisc>& discs);
 	void drawArrows(const std::vector<DrawnArrow>& arrows, float opacity);
 	void drawLines(const std::vector<DrawnLine>& lines);
+	/// Time that went into the glyphs and lines since the last call, without that of OpenGL [us].
+	double takeFillMicroseconds() { return std::exchange(m_fill, 0.0); }
+	/// Draw calls since the last call of this.
+	size_t takeDrawCalls() { return std::exchange(m_drawCalls, size_t(0)); }
 	/// Once a picture: drops what was not drawn in the last 300.
 	void forgetUnused();
 
@@ -40,6 +44,9 @@ private:
 		GLuint array = 0, buffer = 0;
 		GLsizei corners = 0;
 	};
+	void fillDiscs(const std::vector<DrawnDisc>& discs);
+	void fillArrows(const std::vector<DrawnArrow>& arrows, bool tips, float opacity);
+	void fillLines(const std::vector<DrawnLine>& lines);
 	void drawGlyphs(const Shape& shape);
 	Shape makeShape(const ist::Mesh& mesh);
 
@@ -48,5 +55,7 @@ private:
 	GLuint m_glyphBuffer = 0, m_lineArray = 0, m_lineBuffer = 0;
 	std::vector<Glyph> m_glyphs;
 	std::vector<float> m_lineData;
+	double m_fill = 0;
+	size_t m_drawCalls = 0;
 };
 }  // namespace browser

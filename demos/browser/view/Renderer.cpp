@@ -2,8 +2,10 @@
 #include "demos/browser/view/Renderer.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "demos/browser/view/BallBatch.h"
 #include "demos/browser/view/ModelStore.h"
 #include "demos/browser/view/Shaders.h"
+#include "demos/browser/view/Stopwatch.h"
 
 #include <algorithm>
 #include <chrono>
@@ -68,6 +70,7 @@ struct Renderer::Implementation
 	GlProgram solid, solidShadow, ball, ballShadow, line, ground, backdrop, occlusion, compose;
 	GlTarget shadow, picture, share;
 	ModelStore models;
+	BallBatch balls;
 	GLuint ramp = 0, empty = 0;
 	RenderCost cost;
 	std::string device;
@@ -77,7 +80,8 @@ struct Renderer::Implementation
 	void makeRamp();
 	void light(const GlProgram& program, const Lamp& lamp, const Camera& camera, const RenderQuality& quality) const;
 	void drawSurfaces(const DrawList& list, bool glass);
-	void drawBalls(const DrawList& list, const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic, double pixels, const Vec3& eye);
+	void drawBalls(const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic, double pixels);
+	Lamp prepare(const DrawList& list, const Vec3& eye, double pixels);
 	void drawShadows(const DrawList& list, const Lamp& lamp, const RenderQuality& quality);
 	void drawGround(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality);
 	void drawGlyphs(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality);
@@ -127,6 +131,7 @@ std::optional<Error> Renderer::Implementation::start()
 	glGenVertexArrays(1, &empty);
 	makeRamp();
 	models.start();
+	balls.start();
 	return std::nullopt;
 }
 
@@ -143,45 +148,41 @@ void Renderer::Implementation::light(const GlProgram& program, const Lamp& lamp,
 	glActiveTexture(GL_TEXTURE0);
 }
 
+Lamp Renderer::Implementation::prepare(const DrawList& list, const Vec3& eye, double pixels)
+{
+	Lamp lamp;
+	{
+		const Stopwatch watch(cost.ownMicroseconds);
+		lamp = lampFor(boundsOf(list));
+		balls.choose(list.spheres, eye, pixels);
+	}
+	balls.upload(GL_TEXTURE3);
+	cost.ballsDrawn += balls.count();
+	cost.ballsLeftOut += balls.leftOut();
+	return lamp;
+}
+
 void Renderer::Implementation::drawSurfaces(const DrawList& list, bool glass)
 {
 	for (const DrawnSurface& s : list.surfaces)
-	{
-		if (s.glass != glass) continue;
-		models.drawSurface(s);
-		++cost.drawCalls;
-	}
+		if (s.glass == glass) models.drawSurface(s);
 }
 
-void Renderer::Implementation::drawBalls(const DrawList& list, const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic,
-										 double pixels, const Vec3& eye)
+void Renderer::Implementation::drawBalls(const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic, double pixels)
 {
+	if (balls.count() == 0) return;
 	program.use();
 	program.set("uProjection", projection);
+	program.set("uView", view);
 	program.set("uOrthographic", orthographic ? 1 : 0);
 	program.set("uPixels", float(pixels));
 	program.set("uRamp", 2);
+	program.set("uBodies", 3);
 	glActiveTexture(GL_TEXTURE2);
 	glBindTexture(GL_TEXTURE_1D, ramp);
 	glActiveTexture(GL_TEXTURE0);
-	for (const DrawnSpheres& s : list.spheres)
-	{
-		const auto& balls = s.model->spheres;
-		size_t count = std::min(s.count, balls.size());
-		if (count == 0) continue;
-		// Largest first: what would be smaller than a third of a pixel even at the nearest point is a tail of the list.
-		const auto& first = balls.front();
-		const double nearest = std::max(norm(s.X_WM * (s.scale * Vec3{first.x, first.y, first.z}) - eye) - 8 * s.scale * first.r, 1e-3 * norm(eye));
-		const double least = nearest / (3 * pixels * s.scale);
-		const auto end = std::partition_point(balls.begin(), balls.begin() + std::ptrdiff_t(count), [&](const SpheresModel::Instance& b) { return double(b.r) >= least; });
-		cost.ballsLeftOut += count - size_t(end - balls.begin());
-		count = size_t(end - balls.begin());
-		program.set("uModelView", view * matrixOf(s.X_WM, s.scale));
-		program.set("uScale", float(s.scale));
-		models.drawBalls(s.model, count);
-		cost.ballsDrawn += count;
-		++cost.drawCalls;
-	}
+	balls.draw();
+	++cost.drawCalls;
 }
 
 void Renderer::Implementation::drawShadows(const DrawList& list, const Lamp& lamp, const RenderQuality& quality)
@@ -192,10 +193,7 @@ void Renderer::Implementation::drawShadows(const DrawList& list, const Lamp& lam
 	solidShadow.use();
 	solidShadow.set("uViewProjection", lamp.projection * lamp.view);
 	drawSurfaces(list, false);
-	const RenderCost before = cost;
-	drawBalls(list, ballShadow, lamp.view, lamp.projection, true, 1e6, {});
-	cost.ballsDrawn = before.ballsDrawn;
-	cost.ballsLeftOut = before.ballsLeftOut;
+	drawBalls(ballShadow, lamp.view, lamp.projection, true, 1e6);
 }
 
 void Renderer::Implementation::drawGround(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality)
@@ -241,7 +239,6 @@ void Renderer::Implementation::drawGlyphs(const DrawList& list, const Lamp& lamp
 	line.set("uSize", float(picture.width()), float(picture.height()));
 	line.set("uWidth", float(1.1 * quality.supersampling * picture.height() / quality.supersampling / 540.0 + 0.4 * quality.supersampling));
 	models.drawLines(list.lines);
-	cost.drawCalls += 6;
 }
 
 void Renderer::Implementation::finish(const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& quality)
@@ -261,6 +258,7 @@ void Renderer::Implementation::finish(const Camera& camera, unsigned target, con
 		occlusion.set("uAspect", float(aspect));
 		occlusion.set("uHeightShare", float(1 / camera.heightAt(1, aspect)));
 		glDrawArrays(GL_TRIANGLES, 0, 3);
+		++cost.drawCalls;
 	}
 	glBindFramebuffer(GL_FRAMEBUFFER, target);
 	glViewport(area.left, 0, area.width, area.height);
@@ -277,6 +275,7 @@ void Renderer::Implementation::finish(const Camera& camera, unsigned target, con
 	}
 	glActiveTexture(GL_TEXTURE0);
 	glDrawArrays(GL_TRIANGLES, 0, 3);
+	++cost.drawCalls;
 }
 
 void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& wanted)
@@ -286,8 +285,8 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	Implementation& im = *m_impl;
 	RenderQuality quality = wanted;
 	if (!list.shadows) quality.shadowTaps = 0;
-	const double aspect = area.aspect();
-	const Lamp lamp = lampFor(boundsOf(list));
+	const double aspect = area.aspect(), pixels = area.height * quality.supersampling / camera.heightAt(1, aspect);
+	const Lamp lamp = im.prepare(list, camera.eye(), pixels);
 	const Matrix4 view = camera.view(), projection = camera.projection(aspect), both = projection * view;
 	glEnable(GL_DEPTH_TEST);
 	glDepthFunc(GL_LESS);
@@ -301,6 +300,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	im.backdrop.use();
 	glBindVertexArray(im.empty);
 	glDrawArrays(GL_TRIANGLES, 0, 3);
+	++im.cost.drawCalls;
 	glDepthMask(GL_TRUE);
 	if (!list.water) im.drawGround(list, lamp, camera, both, quality);
 
@@ -314,7 +314,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	im.ball.use();
 	im.light(im.ball, lamp, camera, quality);
 	im.ball.set("uFromView", matrixOf(Pose{camera.axes(), camera.eye()}));
-	im.drawBalls(list, im.ball, view, projection, false, area.height * quality.supersampling / camera.heightAt(1, aspect), camera.eye());
+	im.drawBalls(im.ball, view, projection, false, pixels);
 
 	glEnable(GL_BLEND);
 	glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
@@ -330,12 +330,15 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	glDisable(GL_BLEND);
 	im.finish(camera, target, area, quality);
 	im.models.forgetUnused();
+	im.cost.ownMicroseconds += im.models.takeFillMicroseconds();
+	im.cost.drawCalls += im.models.takeDrawCalls();
 	im.cost.microseconds += 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 Renderer::Renderer(std::unique_ptr<Implementation> implementation) : m_impl(std::move(implementation)) {}
 Renderer::~Renderer() = default;
 void Renderer::beginPicture() { m_impl->cost = {}; }
+void Renderer::addOwnTime(double microseconds) { m_impl->cost.ownMicroseconds += microseconds; }
 const RenderCost& Renderer::cost() const { return m_impl->cost; }
 bool Renderer::software() const { return m_impl->software; }
 const std::string& Renderer::device() const { return m_impl->device; }

@@ -28,7 +28,8 @@ struct PixelArea
 /// What drawing a picture cost, all its areas together.
 struct RenderCost
 {
-	double microseconds = 0;   ///< of our own thread, the driver's work in it included where the driver works at once
+	double microseconds = 0;     ///< wall clock, the driver's work included where it works at once
+	double ownMicroseconds = 0;  ///< processor time of our thread for lists, culling and instances: what is not a call of OpenGL
 	size_t ballsDrawn = 0, ballsLeftOut = 0, drawCalls = 0;
 };
 
@@ -42,6 +43,8 @@ public:
 
 	/// From here on costs are counted anew.
 	void beginPicture();
+	/// Counts processor time that went into the picture elsewhere [us].
+	void addOwnTime(double microseconds);
 	/// Into an area of the frame buffer `target` (0: the window).
 	void draw(const DrawList& list, const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& quality);
 	const RenderCost& cost() const;

@@ -2,6 +2,7 @@
 #include "demos/browser/view/SceneView.h"
 
 #include "demos/browser/view/Gui.h"
+#include "demos/browser/view/Stopwatch.h"
 
 #include <imgui.h>
 
@@ -57,9 +58,14 @@ void ScenePainter::paint(const std::vector<SceneView>& views, const DrawChoice& 
 	for (const SceneView& view : views)
 	{
 		if (view.area.empty()) continue;
-		m_list.clear();
-		m_list.ground = choice.ground;
-		if (view.demo) view.demo->draw(choice, m_list);
+		double own = 0;
+		{
+			const Stopwatch watch(own);
+			m_list.clear();
+			m_list.ground = choice.ground;
+			if (view.demo) view.demo->draw(choice, m_list);
+		}
+		renderer.addOwnTime(own);
 		renderer.draw(m_list, camera, target, view.area, quality);
 		if (!texts) continue;
 		ImDrawList& to = *ImGui::GetBackgroundDrawList();

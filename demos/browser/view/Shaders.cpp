@@ -100,9 +100,10 @@ std::string ballVertex()
 {
 	return kHead + R"(
 layout(location = 0) in vec4 aBall;
-layout(location = 1) in float aShade;
-uniform mat4 uModelView, uProjection;
-uniform float uScale, uPixels;
+layout(location = 1) in vec2 aShadeAndBody;
+uniform samplerBuffer uBodies;
+uniform mat4 uView, uProjection;
+uniform float uPixels;
 uniform int uOrthographic;
 uniform sampler1D uRamp;
 flat out vec3 vCenter;
@@ -112,9 +113,11 @@ out vec3 vPosition;
 void main()
 {
 	vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1)) * 2.0 - 1.0;
-	vCenter = (uModelView * vec4(aBall.xyz, 1.0)).xyz;
-	vRadius = aBall.w * uScale;
-	vColour = texture(uRamp, 0.5 / 256.0 + aShade * 255.0 / 256.0).rgb;
+	int body = 3 * int(aShadeAndBody.y + 0.5);
+	vec4 x = texelFetch(uBodies, body), y = texelFetch(uBodies, body + 1), z = texelFetch(uBodies, body + 2), place = vec4(aBall.xyz, 1.0);
+	vCenter = (uView * vec4(dot(x, place), dot(y, place), dot(z, place), 1.0)).xyz;
+	vRadius = aBall.w * length(vec3(x.x, y.x, z.x));
+	vColour = texture(uRamp, 0.5 / 256.0 + aShadeAndBody.x * 255.0 / 256.0).rgb;
 	float d = length(vCenter), grown = vRadius;
 	vec3 back = vec3(0.0, 0.0, 1.0);
 	if (uOrthographic == 0)
