@@ -59,7 +59,7 @@ browser::DrawChoice shown(const DemoArguments& a, const browser::BrowsableDemo& 
 	return choice;
 }
 
-/// Takes the pictures of a run: every 1/30 s of the demo's time for a recording, and one at the end.
+/// Takes the pictures of a run: a recording, and one at the end.
 struct Pictures
 {
 	std::unique_ptr<Photographer> photographer;
@@ -73,16 +73,32 @@ struct Pictures
 		if (!made) error = made.error();
 		else photographer = std::move(made).value();
 		std::error_code failed;
-		if (!a.record.empty() && !std::filesystem::is_directory(a.record, failed) && !std::filesystem::create_directories(a.record, failed))
+		if (a.record.empty()) return;
+		if (!std::filesystem::is_directory(a.record, failed) && !std::filesystem::create_directories(a.record, failed))
 			error = ist::Error{a.record + ": the folder cannot be made"};
+		else if (std::filesystem::exists(pathOf(a, 0)))
+			// The end of a longer recording would become the end of this one.
+			error = ist::Error{a.record + ": holds a recording already; give another folder, or empty this one"};
 	}
+	static std::string pathOf(const DemoArguments& a, long long picture)
+	{
+		char name[32];
+		std::snprintf(name, sizeof name, "%05lld.png", picture);
+		return (std::filesystem::path(a.record) / name).string();
+	}
+	/// Every 1/30 s of the demo's time, from its beginning; a step that is longer leaves several alike.
 	bool record(const DemoArguments& a, browser::BrowsableDemo& demo)
 	{
-		if (a.record.empty() || demo.time() < double(taken) / kFramesPerSecond) return true;
-		char name[32];
-		std::snprintf(name, sizeof name, "%05lld.png", taken++);
-		error = browser::savePicture(photographer->take(demo, shown(a, demo), demo.viewpoint(), true), (std::filesystem::path(a.record) / name).string());
+		if (a.record.empty() || demo.time() < double(taken) / kFramesPerSecond - 1e-9) return true;
+		const browser::Picture picture = photographer->take(demo, shown(a, demo), demo.viewpoint(), true);
+		while (!error && demo.time() >= double(taken) / kFramesPerSecond - 1e-9) error = browser::savePicture(picture, pathOf(a, taken++));
 		return !error;
+	}
+	void sayWhatWasRecorded(const DemoArguments& a) const
+	{
+		if (taken > 0)
+			say(std::to_string(taken) + " pictures in " + a.record + "; a film: ffmpeg -framerate 30 -i " + (std::filesystem::path(a.record) / "%05d.png").string() +
+				" -pix_fmt yuv420p film.mp4");
 	}
 };
 #else
@@ -123,6 +139,7 @@ int runBrowserDemo(const DemoArguments& a)
 #ifdef BULLETHAPTICS_BROWSER
 	if (!pictures.error && !a.screenshot.empty()) pictures.error = browser::savePicture(pictures.photographer->take(*demo, shown(a, *demo), demo->viewpoint(), true), a.screenshot);
 	if (pictures.error) return refuse(*pictures.error);
+	pictures.sayWhatWasRecorded(a);
 #endif
 	const int presented = present(a, outcome.value());
 	return outcome.value().ok() ? presented : 1;

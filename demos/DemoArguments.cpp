@@ -33,7 +33,7 @@ const char* const kDemoUsage =
 	"  --beside-stock   two halves: the same with Bullet's own contact on the left\n"
 	"  --show LIST      in pictures and the window, besides what the demo shows: spheres,leaves,levels,lenses,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
-	"  --record FOLDER  30 numbered PNG for each second of the demo's time\n"
+	"  --record FOLDER  30 numbered PNG for each second of the demo's time, from its beginning; an empty or a new folder\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
 	"  --size WxH       of pictures (default 960x540) or of the window (1280x800)\n"
 	"  --device ADDRESS a device that moves what the browser's hand holds (`devicebridge list` shows addresses)\n"

@@ -25,8 +25,9 @@ Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const 
 	out.dt = options.dt > 0 ? options.dt : demo.stepSize();
 	const long long whole = std::llround(std::ceil(demo.duration() / out.dt - 1e-9)), frames = options.frames >= 0 ? options.frames : whole;
 	if (auto error = demo.restart()) return *error;
+	const bool begins = !options.afterStep || options.afterStep(0);
 	const auto start = std::chrono::steady_clock::now();
-	while (out.frames < frames)
+	while (begins && out.frames < frames)
 	{
 		demo.step(out.dt);
 		++out.frames;

@@ -10,7 +10,7 @@ struct DemoRunOptions
 {
 	long long frames = -1;  ///< steps; negative: as many as the demo's duration takes
 	double dt = 0;          ///< [s]; 0: the demo's own step
-	/// After each step, with the number of steps done; false ends the run.
+	/// Before the first step and after each, with the number of steps done; false ends the run.
 	std::function<bool(long long)> afterStep;
 };
 

@@ -147,11 +147,19 @@ std::string freeName(const std::string& folder)
 	return (std::filesystem::path(folder) / "haptic-demos.png").string();
 }
 
+void resize(GLFWwindow* window, const std::pair<int, int>& size)
+{
+	if (size.first == 0 || size.second == 0) return glfwIconifyWindow(window);
+	glfwRestoreWindow(window);
+	glfwSetWindowSize(window, size.first, size.second);
+}
+
 void loop(GLFWwindow* window, Browser& browser, Gui& gui, const WindowOptions& options)
 {
 	double last = glfwGetTime();
 	for (long long picture = 0; !glfwWindowShouldClose(window) && (options.pictures < 0 || picture < options.pictures); ++picture)
 	{
+		if (picture < static_cast<long long>(options.sizes.size())) resize(window, options.sizes[size_t(picture)]);
 		glfwPollEvents();
 		int width = 0, height = 0;
 		glfwGetFramebufferSize(window, &width, &height);

@@ -4,6 +4,8 @@
 #include "demos/browser/BrowsableDemo.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace browser
 {
@@ -17,6 +19,7 @@ struct WindowOptions
 	int width = 1280, height = 800;
 	std::string pictureFolder = ".";  ///< where F1 leaves its pictures
 	std::string device;            ///< address of a device that moves what the hand holds; empty: the mouse alone
+	std::vector<std::pair<int, int>> sizes;  ///< what becomes of the window before each of its first pictures, as a user may do it; {0, 0}: minimised
 	std::string screenshot;        ///< of the last picture before it closes itself, panels and all; empty: none
 };
 

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/view/Picture.h"
+#include "demos/browser/view/Window.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <unistd.h>
+
+using namespace browser;
+
+namespace
+{
+WindowOptions hello()
+{
+	WindowOptions options;
+	options.demo.cache = TREE_FOLDER;
+	options.demo.spheres = 300;
+	options.width = 400;
+	options.height = 300;
+	return options;
+}
+
+/// A window needs a display: window_test.sh gives one.
+#define OPEN_OR_SKIP(options) \
+	if (const auto failed = openWindow(options)) \
+	{ \
+		if (failed->message.find("no window can be opened") != std::string::npos) GTEST_SKIP() << failed->message; \
+		FAIL() << failed->message; \
+	}
+}  // namespace
+
+TEST(Window, BearsEverySizeAndBeingMinimised)
+{
+	WindowOptions options = hello();
+	options.besideStock = true;
+	options.sizes = {{400, 300}, {800, 600}, {1, 1}, {0, 0}, {0, 0}, {399, 17}, {17, 399}, {640, 361}, {640, 361}, {640, 361}};
+	options.pictures = static_cast<long long>(options.sizes.size()) + 2;
+	options.screenshot = (std::filesystem::temp_directory_path() / ("window-test-" + std::to_string(::getpid()) + ".png")).string();
+	OPEN_OR_SKIP(options);
+	const auto picture = loadPicture(options.screenshot);
+	std::filesystem::remove(options.screenshot);
+	ASSERT_TRUE(picture) << picture.error().message;
+	EXPECT_EQ(picture.value().width, 640);
+	EXPECT_EQ(picture.value().height, 361);
+}
+
+TEST(Window, OpensAgainAfterItWasClosed)
+{
+	WindowOptions options = hello();
+	options.pictures = 2;
+	OPEN_OR_SKIP(options);
+	OPEN_OR_SKIP(options);
+}
+
+TEST(Window, NamesADeviceThatIsNotThere)
+{
+	WindowOptions options = hello();
+	options.pictures = 2;
+	options.device = "nosuchdriver:0";
+	const auto failed = openWindow(options);
+	ASSERT_TRUE(failed);
+	if (failed->message.find("no window can be opened") != std::string::npos) GTEST_SKIP() << failed->message;
+	EXPECT_NE(failed->message.find("nosuchdriver"), std::string::npos) << failed->message;
+}
