@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTCollisionAlgorithm.h"
 
-#include "BulletISTCollision/Core/LeafClearance.h"
 #include "BulletISTCollision/btISTConversion.h"
 #include "BulletISTCollision/btISTContext.h"
+#include "BulletISTCollision/btISTPairQuery.h"
+#include "BulletISTCollision/btISTQueryThreads.h"
 #include "BulletISTCollision/btISTRepresentativePoints.h"
 #include "BulletISTCollision/btISTShapeField.h"
 
@@ -14,7 +15,6 @@
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #ifdef BT_USE_DOUBLE_PRECISION
@@ -22,6 +22,12 @@ extern const int btISTBuiltForScalarOfSize8 = 8;
 #else
 extern const int btISTBuiltForScalarOfSize4 = 4;
 #endif
+
+namespace
+{
+/// Whether a shape is where its body is: not a child, which its parent puts somewhere.
+bool isBody(const btCollisionObjectWrapper& wrap) { return &wrap.getWorldTransform() == &wrap.getCollisionObject()->getWorldTransform(); }
+}  // namespace
 
 btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context,
 												 Mode mode, std::shared_ptr<const ist::InnerSphereTree> treeA,
@@ -47,77 +53,14 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 	m_dispatcher->releaseManifold(m_manifold);
 }
 
-ist::OverlapResult btISTCollisionAlgorithm::query(const btISTShapeField& field, btISTContact& contact) const
-{
-	ist::PairAccuracy& pair = contact.accuracy;
-	const double error = m_context->forceErrorOf(contact.bodyA, contact.bodyB);
-	const bool accepts = error > 0;
-	if (m_treeB && (accepts || pair.level > 0 || pair.fadedShare > 0))
-	{
-		// What the leaves pressed until now fades out, too.
-		if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
-		ist::AcceptedError accepted;
-		accepted.error = error;
-		accepted.weightA = contact.constants.weightA;  // of the last step
-		accepted.weightB = contact.constants.weightB;
-		const ist::OverlapResult result = ist::queryPair(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, accepted, m_context->options(), pair);
-		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
-		return result;
-	}
-	pair = ist::PairAccuracy();
-	if (m_treeB) return ist::queryOverlap(*m_treeA, *m_treeB, contact.X_AB, m_context->workspace, m_context->options());
-	contact.halfSpace = field.isHalfSpace();
-	ist::OverlapResult none;
-	none.status = ist::QueryStatus::InvalidPose;
-	if (!field.field()) return none;  // scaled to nothing since the pair was made
-	contact.volumeB = field.field()->volume();
-	return ist::queryField(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), m_context->workspace, m_context->options());
-}
-
-/// Zero where there is none, or where a query is as cheap, or where balls answered that reach farther than the leaves.
-double btISTCollisionAlgorithm::clearance(const btISTShapeField& field, const ist::OverlapResult& result, btISTContact& contact) const
-{
-	constexpr int kMostOpened = 12;
-	if (result.level > 0) return 0;
-	if (result.status != ist::QueryStatus::Ok || result.total.pairs > 0 || result.nodeVisits == 0 || !contact.kept.wantsClearance()) return 0;
-	if (m_treeB) return ist::leafClearance(*m_treeA, *m_treeB, contact.X_AB, kMostOpened);
-	return ist::leafClearance(*m_treeA, *field.field(), contact.X_AB * field.X_SF(), kMostOpened);
-}
-
-btISTKeptResult::Measures btISTCollisionAlgorithm::measures(const btISTShapeField& field, const btISTContact& contact) const
-{
-	if (!m_treeB) return field.measures();
-	return {m_context->forceErrorOf(contact.bodyA, contact.bodyB) > 0 ? contact.constants.weightA : 0};
-}
-
-/// The sums of `contact` at its X_AB, kept or asked for.
+/// The sums of `contact` at its X_AB: answered ahead of its turn, or now.
 void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact& contact) const
 {
 	btISTContactStore& store = m_context->store;
-	const bool timed = m_contact && store.measuresQueryTime();
-	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
-	const auto seconds = [&] { return timed ? std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() : 0.0; };
-	const uint64_t version = m_context->optionsVersion();
-	const btISTKeptResult::Measures on = measures(field, contact);
-	const btISTEconomy& economy = m_context->economy;
-	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
-	const int before = contact.accuracy.level;
-	contact.use = m_contact && !fading ? contact.kept.use(contact, on, version, economy) : btISTKeptResult::Ask;
-	if (contact.use != btISTKeptResult::Ask) return store.count(contact, nullptr, seconds());
-
-	const ist::OverlapResult result = query(field, contact);
-	contact.status = result.status;
-	contact.level = result.level;
-	const bool good = result.status == ist::QueryStatus::Ok;
-	contact.total = good ? result.total : ist::OverlapIntegrals();
-	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;
-	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
-	if (!m_contact) return;
-	// Where the level has just changed, or begins to, the next query at the same pose may say something else.
-	const bool settled = !fading && contact.accuracy.fadedShare == 0 && contact.accuracy.level == before;
-	if (economy.on && settled) contact.kept.keep(contact, on, version, clearance(field, result, contact), economy);
-	else contact.kept.forget();
-	store.count(contact, &result, seconds());
+	btISTQueryWork work;
+	if (!m_contact || !m_context->threads || !m_context->threads->take(contact, work))
+		work = btISTPairQuery(field, m_context->rules, m_contact).answer(contact, m_context->workspace, m_contact && store.measuresQueryTime());
+	if (m_contact) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
 }
 
 void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,
@@ -130,6 +73,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	contact.stamp = m_context->store.step();
 	contact.X_WA = toPose(wrapA->getWorldTransform());
 	contact.X_AB = ist::inverse(contact.X_WA) * toPose(wrapB->getWorldTransform());
+	contact.foreseeable = isBody(*wrapA) && isBody(*wrapB);
 	update(m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape()), contact);
 
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
@@ -158,6 +102,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	const btCollisionObjectWrapper* wrapB = swapped ? body0Wrap : body1Wrap;
 	if (m_contact)
 	{
+		if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
 		evaluate(wrapA, wrapB, *m_contact);
 		btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
 		return;

@@ -11,6 +11,17 @@
 #include <memory>
 #include <optional>
 
+/// The queries that the threads of a world shared in a step (btISTRegistration::setQueryThreads).
+struct btISTSharedQueries
+{
+	int pairs = 0;         ///< that were queried side by side
+	int byOthers = 0;      ///< of them, not by the owner's thread
+	int late = 0;          ///< of them, given up, and queried again by the owner
+	/// While the store measures query time, processor time [us]: of all of these queries, of the owner's thread for them, waiting included, and of the
+	/// busiest of as many threads that are never interrupted, each taking the next query when it is free.
+	double sumMicroseconds = 0, ownMicroseconds = 0, pathMicroseconds = 0;
+};
+
 class btCollisionDispatcher;
 class btOverlappingPairCache;
 class btISTContext;
@@ -60,6 +71,16 @@ public:
 	std::optional<ist::Error> setEconomy(const btISTEconomy& economy);
 	const btISTEconomy& economy() const;
 
+	/// By how many threads the pairs of a step are queried, 1 to 64; 1 to begin with. The owner of the world is one of them, and he waits for none that has lost its
+	/// processor for longer than his own longest query took; callbacks are called by him alone. A step is the same, bit for bit, for any number. Only pairs that
+	/// touched in the step before are queried side by side, of shapes that are not children of a compound, and only where that is worth it. Each thread has the memory of a
+	/// workspace (20 MB), and spins for so many microseconds after each step before it sleeps: waking it takes tens of them. Refused out of range. Between
+	/// steps only.
+	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50);
+	int queryThreads() const;
+	/// What was queried side by side in the last step.
+	btISTSharedQueries sharedQueries() const;
+
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
 	void setPairCache(btOverlappingPairCache* pairCache);
 	/// Throws away the algorithms of all existing pairs; they are chosen anew in the next step. Between steps only.
@@ -103,9 +124,6 @@ public:
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
 	void update(const btISTShapeField& field, btISTContact& contact) const;
-	btISTKeptResult::Measures measures(const btISTShapeField& field, const btISTContact& contact) const;
-	ist::OverlapResult query(const btISTShapeField& field, btISTContact& contact) const;
-	double clearance(const btISTShapeField& field, const ist::OverlapResult& result, btISTContact& contact) const;
 	bool isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const;
 	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
 	void destroyStock();

@@ -99,6 +99,10 @@ struct btISTContact
 	btISTContactWork work;  ///< written by the solver
 	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
 
+	bool foreseeable = false;  ///< the shapes are where their bodies are, and not children of a compound
+	uint64_t pass = 0;         ///< of collision detection, in which it was last met; counted where threads share queries
+	int ahead = -1;            ///< where threads that share queries have its answer
+
 	/// How the sums came about: see btISTEconomy. What was kept has followed the motion to first order.
 	btISTKeptResult::Use use = btISTKeptResult::Ask;
 	btISTQueryCost cost;  ///< since the pair began

@@ -185,28 +185,28 @@ void btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 
 void btISTRegistration::setGate(bool on)
 {
-	btISTContext& context = *m_installation->context;
-	ist::QueryOptions options = context.options();
+	btISTQueryRules& rules = m_installation->context->rules;
+	ist::QueryOptions options = rules.options();
 	options.gate = on;
-	context.setQueries(options, context.forceError());
+	rules.set(options, rules.forceError());
 }
 
 std::optional<ist::Error> btISTRegistration::setEconomy(const btISTEconomy& economy)
 {
 	if (!(economy.keptError >= 0 && economy.keptError <= 0.5))
 		return ist::Error{"the error that kept results may add must be a share of the force between 0 and 0.5"};
-	m_installation->context->economy = economy;
+	m_installation->context->rules.economy = economy;
 	return std::nullopt;
 }
 
-const btISTEconomy& btISTRegistration::economy() const { return m_installation->context->economy; }
+const btISTEconomy& btISTRegistration::economy() const { return m_installation->context->rules.economy; }
 
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {
 	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
 	btISTContext& context = *m_installation->context;
 	if (share > 0) context.registry->keepLevels();
-	context.setQueries(context.options(), share);
+	context.rules.set(context.rules.options(), share);
 	return std::nullopt;
 }
 
@@ -215,13 +215,36 @@ std::optional<ist::Error> btISTRegistration::setForceErrorOf(const btCollisionOb
 	if (share && !(*share >= 0 && *share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
 	btISTContext& context = *m_installation->context;
 	if (share && *share > 0) context.registry->keepLevels();
-	context.setForceErrorOf(body, share);
+	context.rules.setForceErrorOf(body, share);
 	return std::nullopt;
 }
 
-double btISTRegistration::forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const { return m_installation->context->forceErrorOf(a, b); }
+double btISTRegistration::forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const { return m_installation->context->rules.forceErrorOf(a, b); }
 
-double btISTRegistration::forceError() const { return m_installation->context->forceError(); }
+double btISTRegistration::forceError() const { return m_installation->context->rules.forceError(); }
+
+std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double spinMicroseconds)
+{
+	constexpr int kMostThreads = 64;
+	if (threads < 1 || threads > kMostThreads) return ist::Error{"queries can have 1 to 64 threads"};
+	if (!(spinMicroseconds >= 0)) return ist::Error{"threads of queries can spin for no less than 0 microseconds"};
+	btISTContext& context = *m_installation->context;
+	context.threads.reset();
+	if (threads > 1) context.threads = std::make_unique<btISTQueryThreads>(threads, context.workspace.capacity(), spinMicroseconds);
+	return std::nullopt;
+}
+
+int btISTRegistration::queryThreads() const
+{
+	const auto& threads = m_installation->context->threads;
+	return threads ? threads->count() : 1;
+}
+
+btISTSharedQueries btISTRegistration::sharedQueries() const
+{
+	const auto& threads = m_installation->context->threads;
+	return threads ? threads->shared() : btISTSharedQueries();
+}
 
 void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/ContactPatches.h"
 
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/Vec3.h"
+
 #include <algorithm>
 
 namespace ist

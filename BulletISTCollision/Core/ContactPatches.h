@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
-#include "BulletISTCollision/Core/Vec3.h"
-
+#include <cstddef>
 #include <cstdint>
 #include <vector>
+
+namespace ist::kernels
+{
+struct PairStream;
+struct QueryKernel;
+}
 
 namespace ist
 {
@@ -21,8 +25,8 @@ public:
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
 	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
-	/// Numbers from 0; with room for kListSlack entries behind the last.
-	const kernels::GroupNumber* patch() const { return m_group.data(); }
+	/// kernels::GroupNumber, from 0 on; with room for kListSlack entries behind the last.
+	const float* patch() const { return m_group.data(); }
 
 private:
 	struct Component
@@ -44,8 +48,8 @@ private:
 	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
 	std::vector<uint32_t> m_parent;
-	std::vector<kernels::GroupNumber> m_label;  ///< of the component of a root
-	std::vector<kernels::GroupNumber> m_group;
+	std::vector<float> m_label;  ///< of the component of a root
+	std::vector<float> m_group;
 	std::vector<Component> m_components;
 	Patches m_patches;
 	uint32_t m_componentCount = 0;

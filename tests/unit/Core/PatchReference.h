@@ -2,6 +2,8 @@
 #pragma once
 
 #include "BulletISTCollision/Core/ContactPatches.h"
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/Vec3.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <ctime>
+
+namespace ist
+{
+/// Time that the calling thread has spent on a processor, kernel included [us]; zero where the platform does not count it.
+/// Unlike the time of day it does not grow while other threads have the processor.
+inline double threadMicroseconds() noexcept
+{
+#if defined(CLOCK_THREAD_CPUTIME_ID)
+	timespec t{};
+	if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t) == 0) return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
+#endif
+	return 0;
+}
+}  // namespace ist
