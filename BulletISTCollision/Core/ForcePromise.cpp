@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/ForcePromise.h"
 
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "BulletISTCollision/Core/PromiseShare.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
 
 #include <algorithm>
@@ -45,9 +46,8 @@ double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int lev
 
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error)
 {
-	const double accepted = error * std::max(seen.force, forceFloor(A, B));
 	for (int level = levelCount(A, B); level > 0; --level)
-		if (promisedError(A, B, level, seen) <= accepted) return level;
+		if (shareOfTrueForce(promisedError(A, B, level, seen), seen.force, forceFloor(A, B)) <= error) return level;
 	return 0;
 }
 
@@ -67,7 +67,7 @@ PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B,
 		answer.pairs += answer.overlap.total.pairs;
 		if (answer.overlap.status != QueryStatus::Ok) return answer;
 		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
-		answer.promise = promisedError(A, B, answer.overlap.level, seen) / std::max(seen.force, forceFloor(A, B));
+		answer.promise = shareOfTrueForce(promisedError(A, B, answer.overlap.level, seen), seen.force, forceFloor(A, B));
 		answer.kept = answer.promise <= accepted.error;
 		const int chosen = std::max(finest, chooseLevel(A, B, seen, accepted.error));
 		if (answer.kept || at.level == finest || answer.overlap.coarsened)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/PairAccuracy.h"
 
+#include "BulletISTCollision/Core/PromiseShare.h"
+
 #include <algorithm>
 
 namespace ist
@@ -35,8 +37,8 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	at.otherShare = pair.fadedShare;
 	const OverlapResult result = queryOverlap(A, B, X_AB, workspace, at);
 	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
-	const double size = std::max(seen.force, forceFloor(A, B));
-	pair.promise = ((1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) + pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen)) / size;
+	const double error = (1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) + pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen);
+	pair.promise = shareOfTrueForce(error, seen.force, forceFloor(A, B));
 	pair.kept = pair.promise <= accepted.error;
 	if (!(result.total.volume > 0)) pair.fadedShare = 0;
 	return result;
