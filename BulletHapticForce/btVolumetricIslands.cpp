@@ -360,37 +360,46 @@ void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bo
 	btLedgerPatch patches[btISTContact::kMaxPatches];
 	gatherLedger(first, bodies, patches);
 	Entry& e = m_entries[first];
-	btISTContactLedger& ledger = e.contact->ledger;
-	const double share = btContactLedger::share(ledger, patches, count);
-	if (share < 1)
+	const double share = btContactLedger::share(e.contact->ledger, patches, count);
+	if (!(share < 1)) return;
+	++m_statistics.contactsHeldToLedger;
+	for (int i = 0; i < count; ++i)
 	{
-		++m_statistics.contactsHeldToLedger;
-		for (int i = 0; i < count; ++i)
-		{
-			Entry& entry = m_entries[first + size_t(i)];
-			const ist::Wrench change = (share - 1) * entry.impulse;
-			applyImpulse(bodies[e.bodyA], change, entry.patch.point);
-			applyImpulse(bodies[e.bodyB], -1.0 * change, entry.patch.point);
-			addChange(entry, change, bodies);
-			btContactLedger::hold(patches[i], share);
-			entry.impulse = patches[i].impulse;
-			entry.elastic = patches[i].elastic;
-			entry.normalImpulse *= share;
-		}
+		Entry& entry = m_entries[first + size_t(i)];
+		const ist::Wrench change = (share - 1) * entry.impulse;
+		applyImpulse(bodies[e.bodyA], change, entry.patch.point);
+		applyImpulse(bodies[e.bodyB], -1.0 * change, entry.patch.point);
+		addChange(entry, change, bodies);
+		entry.impulse = share * entry.impulse;
+		entry.elastic = share * entry.elastic;
+		entry.normalImpulse *= share;
 	}
-	btContactLedger::enter(ledger, patches, count, m_step);
-	e.contact->work = btContactLedger::workOf(patches, count, e.contact->constants.dissipation);
+}
+
+void btVolumetricIslands::enterWork(size_t first, int count, const btSolverBody* bodies)
+{
+	btLedgerPatch patches[btISTContact::kMaxPatches];
+	gatherLedger(first, bodies, patches);
+	btISTContact& contact = *m_entries[first].contact;
+	btContactLedger::enter(contact.ledger, patches, count, m_step);
+	contact.work = btContactLedger::workOf(patches, count, contact.constants.dissipation);
 }
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
-	for (size_t first = 0; first < m_entries.size();)
+	const auto forEachContact = [&](const auto& act)
 	{
-		size_t end = first + 1;
-		while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
-		holdToLedger(first, int(end - first), bodies);
-		first = end;
-	}
+		for (size_t first = 0; first < m_entries.size();)
+		{
+			size_t end = first + 1;
+			while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
+			act(first, int(end - first));
+			first = end;
+		}
+	};
+	forEachContact([&](size_t first, int count) { holdToLedger(first, count, bodies); });
+	// Not before: each contact that was held has changed what the others do.
+	forEachContact([&](size_t first, int count) { enterWork(first, count, bodies); });
 	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->ledger.friction), std::end(e.contact->ledger.friction), ist::Wrench());
 	for (const Entry& e : m_entries)
 	{

@@ -89,6 +89,7 @@ private:
 	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
 	int gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const;
 	void holdToLedger(size_t first, int count, btSolverBody* bodies);
+	void enterWork(size_t first, int count, const btSolverBody* bodies);
 
 	double m_step = 0;
 	uint64_t m_stepNumber = 0;

@@ -177,6 +177,28 @@ TEST(EnergyAudit, CollisionsLoseWhatWasDissipated)
 	EXPECT_GT(touched, 180);
 }
 
+// A contact that may return less than it would changes what its neighbours in the pile do: their work counts after that.
+TEST(EnergyAudit, PileWhoseContactsAreHeldBackLeavesNoResidual)
+{
+	Audited scene(kGravity, 1.0 / 120);
+	scene.world.addFloor();
+	std::mt19937_64 random(4);
+	std::uniform_real_distribution<double> u(-0.5, 0.5);
+	double energy = 0;
+	for (int i = 0; i < 8; ++i)
+	{
+		const double height = 0.9 + 1.3 * i;
+		scene.world.add(unitCube(), 1, 1.0 / 6, transformOf({u(random), height, u(random)}, {u(random), u(random), u(random)}), 1e9);
+		energy += kGravity * height;
+	}
+	scene.steps(360);
+	const auto held = scene.world.volumetric().statistics().contactsHeldToLedger;
+	std::printf("  %llu contacts held, residual %.1e of %.0f J\n", static_cast<unsigned long long>(held), scene.audit.total().residual, energy);
+	EXPECT_GT(held, 20u);
+	scene.expectClosed(energy);
+	EXPECT_LT(scene.audit.total().kinetic + scene.audit.total().potential, energy);
+}
+
 TEST(EnergyAudit, AllocatesNothingOnceItHasSeenTheWorld)
 {
 	Audited scene(kGravity, 1.0 / 240);
