@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <system_error>
 
 namespace devicebridge
@@ -207,13 +208,18 @@ void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
 /// Linear models that still belong to tenants, moved to where tool and copies are.
 void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, double factor) noexcept
 {
+	std::optional<ContactMotion> motion;
+	int motionOf = -1;
 	for (int i = 0; i < count; ++i)
 	{
 		const int slot = contacts[i].b;
 		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
 		if (body.epoch == 0 || body.leaving || body.epoch != contacts[i].epoch) continue;
+		// The patches of one body stand together, and were found at the same poses.
+		if (motionOf != slot) motion.emplace(contacts[i], m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB);
+		motionOf = slot;
 		double way = 0;
-		LinearContact& moved = m_touching[m_touchingCount] = movedTo(contacts[i], m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB, &way);
+		LinearContact& moved = m_touching[m_touchingCount] = movedTo(contacts[i], *motion, &way);
 		if (!(dot(moved.wrench.force, moved.normal) > 0)) continue;
 		scale(moved, factor * trust(way, m_settings.trustedModel));
 		++m_touchingCount;

@@ -9,6 +9,12 @@ namespace devicebridge
 {
 namespace
 {
+bool isMovable(const btVolumetricRowBody& body)
+{
+	const ist::Mat3& inertia = body.inverseInertia;
+	return body.inverseMass != ist::Vec3() || inertia.row(0) != ist::Vec3() || inertia.row(1) != ist::Vec3() || inertia.row(2) != ist::Vec3();
+}
+
 ist::Mat3 inWorld(const ist::Mat3& tensor, const ist::Mat3& R) { return R * tensor * transpose(R); }
 
 ist::Vec3 turnFrom(const ist::Mat3& before, const ist::Mat3& now)
@@ -135,16 +141,23 @@ bool BulletLocalWorld::isSettled(const ist::Wrench& change, const ist::Wrench& w
 
 void BulletLocalWorld::solve() noexcept
 {
+	bool moves[kIndices], stands[kIndices];  // what is moved by others is neither
+	for (int i = 0; i < kIndices; ++i)
+	{
+		moves[i] = isMovable(m_rowBodies[i]);
+		stands[i] = !moves[i] && m_twists[i].linear == ist::Vec3() && m_twists[i].angular == ist::Vec3();
+	}
+	const auto twistOf = [&](int index, const ist::Vec3& point) { return stands[index] ? ist::Twist() : twistAt(index, point); };
 	for (int sweep = 0; sweep < kSweeps; ++sweep)
 	{
 		bool settled = true;
 		for (int row = 0; row < m_rowCount; ++row)
 		{
 			const ist::Vec3& point = m_rows[row].point();
-			const ist::Twist a = twistAt(m_rowA[row], point), b = twistAt(m_rowB[row], point);
+			const ist::Twist a = twistOf(m_rowA[row], point), b = twistOf(m_rowB[row], point);
 			const ist::Wrench change = m_rows[row].solve({a.linear - b.linear, a.angular - b.angular}), whole = m_rows[row].impulse();
-			kick(m_rowA[row], point, change);
-			kick(m_rowB[row], point, -1.0 * change);
+			if (moves[m_rowA[row]]) kick(m_rowA[row], point, change);
+			if (moves[m_rowB[row]]) kick(m_rowB[row], point, -1.0 * change);
 			settled = settled && isSettled(change, whole);
 		}
 		if (settled) return;

@@ -24,23 +24,39 @@ struct LinearContact
 	int pairs = 0;
 };
 
-/// The same contact where A and B are now: the point goes with both, and the wrench falls by the stiffness times the way and the turn
-/// of A relative to B. `way`, if given, receives the length of that way [m].
-inline LinearContact movedTo(const LinearContact& c, const ist::Pose& X_WA, const ist::Pose& X_WB, double* way = nullptr) noexcept
+/// How A and B have moved since a contact between them was found.
+struct ContactMotion
 {
-	const auto carried = [&](const ist::Pose& before, const ist::Pose& now) { return now * (inverse(before) * c.point); };
-	const auto turned = [](const ist::Pose& before, const ist::Pose& now)
-	{ return rotationVector(ist::quaternion(now.rotation * transpose(before.rotation))); };
-	const ist::Vec3 onA = carried(c.X_WA, X_WA), onB = carried(c.X_WB, X_WB);
-	const ist::Vec3 shift = onA - onB, turn = turned(c.X_WA, X_WA) - turned(c.X_WB, X_WB);
-	const double displacement[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
+	ist::Pose X_WA, X_WB;    ///< now
+	ist::Pose A, B;          ///< from where a point of each body was to where it is
+	ist::Vec3 turn;          ///< of A relative to B
+
+	ContactMotion(const LinearContact& found, const ist::Pose& nowA, const ist::Pose& nowB) noexcept
+		: X_WA(nowA), X_WB(nowB), A(nowA * inverse(found.X_WA)), B(nowB * inverse(found.X_WB)), turn(turnOf(A) - turnOf(B))
+	{
+	}
+
+private:
+	static ist::Vec3 turnOf(const ist::Pose& X) noexcept { return rotationVector(ist::quaternion(X.rotation)); }
+};
+
+/// The same contact after that: the point goes with both, and the wrench falls by the stiffness times the way and the turn
+/// of A relative to B. `way`, if given, receives the length of that way [m].
+inline LinearContact movedTo(const LinearContact& c, const ContactMotion& motion, double* way = nullptr) noexcept
+{
+	const ist::Vec3 onA = motion.A * c.point, onB = motion.B * c.point, shift = onA - onB;
+	const double displacement[6] = {shift.x, shift.y, shift.z, motion.turn.x, motion.turn.y, motion.turn.z};
 	LinearContact moved = c;
 	moved.point = 0.5 * (onA + onB);
-	moved.X_WA = X_WA;
-	moved.X_WB = X_WB;
+	moved.X_WA = motion.X_WA;
+	moved.X_WB = motion.X_WB;
 	for (int i = 0; i < 6; ++i)
 		for (int j = 0; j < 6; ++j) (i < 3 ? moved.wrench.force[i] : moved.wrench.torque[i - 3]) -= c.stiffness(i, j) * displacement[j];
 	if (way) *way = norm(shift);
 	return moved;
+}
+inline LinearContact movedTo(const LinearContact& c, const ist::Pose& X_WA, const ist::Pose& X_WB, double* way = nullptr) noexcept
+{
+	return movedTo(c, ContactMotion(c, X_WA, X_WB), way);
 }
 }  // namespace devicebridge
