@@ -188,8 +188,8 @@ void ContactView::drawForce(const Vec3& at, const Vec3& force, DrawList& list) c
 void ContactView::drawMoment(const Vec3& at, const Vec3& moment, double lever, DrawList& list) const
 {
 	const double strength = lever > 0 ? norm(moment) / lever : 0;
-	if (!(strength > 0.05 * m_strongest)) return;
-	const double length = m_arrowLength * std::clamp(strength / m_arrowForce, 0.15, 1.0);
+	if (!(strength > 0.25 * m_strongest)) return;
+	const double length = m_arrowLength * std::clamp(strength / m_arrowForce, 0.25, 1.0);
 	list.arrows.push_back({at, at + length * normalized(moment), 0.02 * m_arrowLength, kMomentColour});
 	list.addKey(kMomentColour, "moment about a patch's middle");
 }

@@ -53,6 +53,8 @@ bool Browser::start(const DemoEntry& entry)
 	m_owed = 0;
 	m_held = m_touched = false;
 	m_stepTimes.clear();
+	m_rates.clear();
+	m_rate = 0;
 	if (m_device) m_device->forget();
 	return true;
 }
@@ -212,12 +214,18 @@ void Browser::advance(double seconds)
 	}
 	const double h = m_demo->stepSize(), start = now(), most = kMostSteppingShare * std::max(seconds, 1.0 / 60);
 	m_owed = std::min(m_owed + m_speed * std::min(seconds, 0.1), 0.1);
+	int steps = 0;
 	while (m_owed >= h)
 	{
 		stepOnce();
+		++steps;
 		m_owed -= h;
 		if (now() - start > most) m_owed = 0;  // slower than the clock, rather than ever later
 	}
+	// Pictures have a step more or less by turns: a mean over about a quarter of a second.
+	m_rate += std::min(1.0, 4 * seconds) * (steps / seconds - m_rate);
+	if (m_rates.size() == kTimes) m_rates.erase(m_rates.begin());
+	m_rates.push_back(float(m_rate));
 }
 
 void Browser::draw(unsigned target, int width, int height)

@@ -111,5 +111,7 @@ private:
 	bool m_halves = false, m_hasStockSide = false;
 	bool m_paused = false, m_panels = true, m_profile = true, m_noSleep = true, m_held = false, m_touched = false, m_wantsPicture = false;
 	std::deque<float> m_stepTimes, m_frameTimes;  // [us, ms]
+	std::vector<float> m_rates;                   // steps in a second of the wall clock, for each picture
+	double m_rate = 0;
 };
 }  // namespace browser

@@ -41,9 +41,9 @@ void plot(const Curve& curve, float height)
 		most = std::max(most, curve.values[i] + (bars ? curve.errors[i] : 0));
 	}
 	most += 1e-6f * std::fabs(most) + 1e-30f;
-	char text[128], error[32] = "";
-	if (bars) std::snprintf(error, sizeof error, "+- %.2g ", double(curve.errors.back()));
-	std::snprintf(text, sizeof text, "%.4g %s%s  (%.3g to %.3g)", double(curve.values.back()), error, curve.unit.c_str(), double(least), double(most));
+	char text[128];
+	if (bars) std::snprintf(text, sizeof text, "%.4g +- %.2g %s", double(curve.values.back()), double(curve.errors.back()), curve.unit.c_str());
+	else std::snprintf(text, sizeof text, "%.4g %s  (%.3g to %.3g)", double(curve.values.back()), curve.unit.c_str(), double(least), double(most));
 	ImGui::TextUnformatted(curve.name.c_str());
 	ImGui::SameLine();
 	ImGui::TextColored(kQuiet, "%s", text);
@@ -183,6 +183,7 @@ void Browser::drawProfile()
 {
 	if (!m_profile || !ImGui::CollapsingHeader("Profile (p)")) return;
 	const float height = 2.6f * ImGui::GetTextLineHeight();
+	if (m_demo) plot({"rate, of " + std::to_string(std::lround(m_speed / m_demo->stepSize())) + " Hz wanted", "Hz", m_rates}, height);
 	histogram("steps", "us", m_stepTimes, height);
 	histogram("pictures", "ms", m_frameTimes, height);
 	const RenderCost& cost = m_renderer.cost();

@@ -21,7 +21,7 @@ struct Rig
 	std::unique_ptr<Gui> gui;
 	std::unique_ptr<Browser> browser;
 
-	bool start()
+	bool start(double density = 1)
 	{
 		auto made = OffscreenContext::make();
 		if (!made) return false;
@@ -30,8 +30,8 @@ struct Rig
 		EXPECT_TRUE(drawn) << drawn.error().message;
 		if (!drawn) return false;
 		renderer = std::move(drawn).value();
-		target = std::make_unique<PictureTarget>(kWidth, kHeight);
-		gui = std::make_unique<Gui>(1);
+		target = std::make_unique<PictureTarget>(int(density * kWidth), int(density * kHeight));
+		gui = std::make_unique<Gui>(density);
 		DemoOptions options;
 		options.cache = TREE_FOLDER;
 		options.spheres = 300;
@@ -213,6 +213,33 @@ TEST(Browser, MouseTakesWhatIsInTheHalfUnderIt)
 		EXPECT_LT(heightIn(size_t(1 - i)), 1.51) << i;
 		rig.browser->releaseMouse();
 	}
+}
+
+// Twice the pixels to the inch: twice the text, and a picture that looks the same at half the size.
+TEST(Browser, TextGrowsWithTheDensityOfTheScreen)
+{
+	Picture pictures[2];
+	for (const int density : {1, 2})
+	{
+		Rig rig;
+		if (!rig.start(density)) GTEST_SKIP() << "no OpenGL without a window";
+		rig.browser->open("hello");
+		rig.browser->key(Key::Pause);
+		// Windows are laid out in the first pictures.
+		for (int i = 0; i < 3; ++i) pictures[density - 1] = rig.draw(density * Rig::kWidth, density * Rig::kHeight);
+		EXPECT_EQ(rig.browser->sceneLeft(), std::min(330.0 * density, std::round(0.45 * density * Rig::kWidth)));
+	}
+	Picture halved{Rig::kWidth, Rig::kHeight, std::vector<uint8_t>(3 * Rig::kWidth * Rig::kHeight)};
+	for (int y = 0; y < Rig::kHeight; ++y)
+		for (int x = 0; x < Rig::kWidth; ++x)
+			for (int c = 0; c < 3; ++c)
+			{
+				const auto at = [&](int dx, int dy) { return int(pictures[1].pixels[size_t(3 * ((2 * y + dy) * 2 * Rig::kWidth + 2 * x + dx) + c)]); };
+				halved.pixels[size_t(3 * (y * Rig::kWidth + x) + c)] = uint8_t((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4);
+			}
+	const double alike = similarity(pictures[0], halved);
+	std::printf("  similarity %.3f\n", alike);
+	EXPECT_GT(alike, 0.85);
 }
 
 TEST(Browser, DrawsInEverySize)
