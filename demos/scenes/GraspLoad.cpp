@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/GraspLoad.h"
 
+#include "BulletISTCollision/Core/PressureField.h"
 #include "DeviceBridge/ThreadTime.h"
 #include "demos/scenes/TraceChart.h"
 
@@ -17,7 +18,10 @@ namespace
 {
 constexpr int64_t kHandSpheres = 5000, kObjectSpheres = 10000;
 constexpr double kStep = 0.001, kMostRate = 1000;
-constexpr double kSoftSkin = 6e6, kDeepSqueeze = 0.04;  // [Pa/m], [m]
+constexpr double kSoftSkin = 6e6, kMiddleSkin = 1e7, kDeepSqueeze = 0.04;  // [Pa/m], [m]
+/// The paper's estimator errs by 40 % and more (NUMBERS.md, the dial).
+constexpr double kAccepted[] = {0, 0.05, 0.1};
+constexpr int kErrorEvery = 25;  ///< ticks
 
 Chart chartOf(const GraspLoad& o, const std::string& title, const std::string& label, const std::function<double(const GraspLoadTick&)>& value)
 {
@@ -29,10 +33,17 @@ Chart chartOf(const GraspLoad& o, const std::string& title, const std::string& l
 double rateOf(double microseconds) { return microseconds > 0 ? std::min(kMostRate, 1e6 / microseconds) : kMostRate; }
 }  // namespace
 
-double GraspLoad::quantileMicroseconds(double p) const
+double GraspLoad::quantileMicroseconds(double p, double GraspLoadTick::*of) const
 {
 	std::vector<double> values;
-	for (const GraspLoadTick& tick : ticks) values.push_back(tick.microseconds);
+	for (const GraspLoadTick& tick : ticks) values.push_back(tick.*of);
+	return quantile(std::move(values), p);
+}
+
+double GraspLoad::quantileError(double p, double GraspLoadError::*of) const
+{
+	std::vector<double> values;
+	for (const GraspLoadError& error : errors) values.push_back(error.*of);
 	return quantile(std::move(values), p);
 }
 
@@ -59,17 +70,41 @@ int GraspLoad::mostParts() const
 
 namespace
 {
-Result<GraspLoad> runLoad(const std::string& name, const GraspOptions& grasp)
+/// Of all contacts of the hand with the object, against the leaves at the same poses.
+void addErrors(GraspScene& scene, QueryWorkspace& workspace, std::vector<GraspLoadError>& errors)
+{
+	const btISTContactStore& store = scene.world().contacts();
+	for (const btISTContact* contact : store.contacts())
+	{
+		if (!touchedInLastStep(store, *contact) || !contact->treeB) continue;
+		if (contact->bodyA != &scene.body() && contact->bodyB != &scene.body()) continue;
+		QueryOptions plain;
+		plain.patches = plain.stiffness = false;
+		const OverlapResult leaves = queryOverlap(*contact->treeA, *contact->treeB, contact->X_AB, workspace, plain);
+		const PressurePair weights{contact->constants.k, contact->constants.weightA, contact->constants.weightB};
+		const Vec3 told = pressureWrench(contact->total, weights).force, all = pressureWrench(leaves.total, weights).force;
+		const double size = std::max(norm(all), btISTKeptResult::floorForce(*contact));
+		if (leaves.status == QueryStatus::Ok && size > 0) errors.push_back({contact->accuracy.promise, norm(told - all) / size});
+	}
+}
+
+Result<GraspLoad> runLoad(const std::string& name, const GraspOptions& grasp, double accepted)
 {
 	const auto scene = GraspScene::make(grasp);
 	if (!scene) return scene.error();
 	GraspScene& s = *scene.value();
 	const auto map = s.makeHeatMap();
+	btISTWorld& world = s.world();
+	if (const auto refused = world.setForceError(accepted)) return *refused;
+	if (const auto refused = world.setQueryThreads(2)) return *refused;
+	world.contacts().measureQueryTime(true);
 	GraspLoad out;
 	out.name = name;
+	out.accepted = accepted;
 	out.objectSpheres = s.objectTree()->spheres.size();
 	for (const HandModel::Part& part : s.hand().model().parts) out.handSpheres += part.tree->spheres.size();
 	out.step = grasp.step;
+	QueryWorkspace workspace;
 	for (int tick = 0; s.time() < GraspMotion::kShaken; ++tick)
 	{
 		GraspLoadTick now;
@@ -78,13 +113,17 @@ Result<GraspLoad> runLoad(const std::string& name, const GraspOptions& grasp)
 		const double stepped = threadMicroseconds();
 		s.addTouches(*map, kHandParts, tick % kHandParts);
 		const double end = threadMicroseconds();
+		const btISTSharedQueries shared = world.registration().sharedQueries();
 		const BulletHand::Touch touch = s.hand().touch(grasp.step, &s.body());
 		now.time = s.time();
-		now.microseconds = end - begin;
+		now.oneMicroseconds = end - begin - shared.ownMicroseconds + shared.sumMicroseconds;
+		now.twoMicroseconds = end - begin - shared.ownMicroseconds + shared.pathMicroseconds;
+		now.queryMicroseconds = shared.sumMicroseconds;
 		now.mapMicroseconds = end - stepped;
 		now.pairs = double(touch.pairs);
 		now.parts = touch.parts;
 		if (touch.pairs > 0) out.ticks.push_back(now);
+		if (accepted > 0 && touch.pairs > 0 && tick % kErrorEvery == 0) addErrors(s, workspace, out.errors);
 	}
 	out.held = s.X_WM().translation.y > 0.02;
 	return out;
@@ -101,16 +140,19 @@ Result<GraspLoadOutcome> runGraspLoad(const GraspLoadOptions& options)
 		grasp.objectSpheres = kObjectSpheres;
 		grasp.step = kStep;
 	}
-	GraspOptions deep = grasp;
+	GraspOptions middle = grasp, deep = grasp;
+	middle.hand.skin.stiffness = kMiddleSkin;
 	deep.hand.skin.stiffness = kSoftSkin;
-	deep.squeeze = kDeepSqueeze;
+	middle.squeeze = deep.squeeze = kDeepSqueeze;
 	GraspLoadOutcome outcome;
-	for (const auto& [name, load] : {std::pair{"firm skin", grasp}, {"soft skin", deep}})
-	{
-		Result<GraspLoad> ran = runLoad(name, load);
-		if (!ran) return ran.error();
-		outcome.loads.push_back(std::move(ran).value());
-	}
+	for (const auto& [name, load] : {std::pair{"firm skin", grasp}, {"skin in between", middle}, {"soft skin", deep}})
+		for (const double accepted : kAccepted)
+		{
+			const std::string title = accepted > 0 ? std::string(name) + ", " + formatNumber(100 * accepted, 3) + " % accepted" : name;
+			Result<GraspLoad> ran = runLoad(title, load, accepted);
+			if (!ran) return ran.error();
+			outcome.loads.push_back(std::move(ran).value());
+		}
 	return outcome;
 }
 
@@ -118,8 +160,6 @@ namespace
 {
 void addRows(const GraspLoad& o, std::vector<std::vector<std::string>>& rows)
 {
-	std::vector<double> maps;
-	for (const GraspLoadTick& tick : o.ticks) maps.push_back(tick.mapMicroseconds);
 	const auto add = [&](const char* what, const std::string& value, const char* unit) { rows.push_back({o.name + ": " + what, value, unit}); };
 	add("spheres of the hand", std::to_string(o.handSpheres), "");
 	add("spheres of the object", std::to_string(o.objectSpheres), "");
@@ -127,11 +167,22 @@ void addRows(const GraspLoad& o, std::vector<std::vector<std::string>>& rows)
 	add("held at the end of shaking", o.held ? "yes" : "no", "");
 	add("most pairs", formatNumber(o.mostPairs(), 5), "");
 	add("most parts in contact", std::to_string(o.mostParts()), "");
-	add("time of a tick, median", formatNumber(o.quantileMicroseconds(0.5), 4), "us");
-	add("99th percentile", formatNumber(o.quantileMicroseconds(0.99), 4), "us");
-	add("longest", formatNumber(o.quantileMicroseconds(1), 4), "us");
-	add("heat map, 99th percentile", formatNumber(quantile(maps, 0.99), 4), "us");
-	add("rate at the 99th percentile, 1000 Hz at most", formatNumber(rateOf(o.quantileMicroseconds(0.99)), 4), "Hz");
+	const auto us = [&](double p, double GraspLoadTick::*of) { return formatNumber(o.quantileMicroseconds(p, of), 4); };
+	add("tick on two threads, median", us(0.5, &GraspLoadTick::twoMicroseconds), "us");
+	add("tick on two threads, 99th percentile", us(0.99, &GraspLoadTick::twoMicroseconds), "us");
+	add("tick on one thread, median", us(0.5, &GraspLoadTick::oneMicroseconds), "us");
+	add("tick on one thread, 99th percentile", us(0.99, &GraspLoadTick::oneMicroseconds), "us");
+	add("queries that are shared, median", us(0.5, &GraspLoadTick::queryMicroseconds), "us");
+	add("heat map, 99th percentile", us(0.99, &GraspLoadTick::mapMicroseconds), "us");
+	add("rate of two threads in the median, 1000 Hz at most", formatNumber(rateOf(o.quantileMicroseconds(0.5)), 4), "Hz");
+	if (o.accepted > 0)
+	{
+		const auto percent = [&](double p, double GraspLoadError::*of) { return formatNumber(100 * o.quantileError(p, of), 3); };
+		add("error promised, 95th percentile", percent(0.95, &GraspLoadError::promised), "%");
+		add("error against the leaves, median", percent(0.5, &GraspLoadError::found), "%");
+		add("error against the leaves, 95th percentile", percent(0.95, &GraspLoadError::found), "%");
+	}
+	add("rate of two threads at the 99th percentile, 1000 Hz at most", formatNumber(rateOf(o.quantileMicroseconds(0.99)), 4), "Hz");
 }
 }  // namespace
 
@@ -145,15 +196,16 @@ std::vector<std::vector<std::string>> summaryRows(const GraspLoadOutcome& outcom
 HtmlReport makeReport(const GraspLoadOutcome& outcome)
 {
 	HtmlReport report("The load of a grasp");
-	report.paragraph("Contact, response and heat map in every tick, by one thread; ticks with contact only. The time is the processor's, of that thread; the rate is "
-					 "its inverse, capped at 1000 Hz.");
+	report.paragraph("Contact, response and heat map in every tick; ticks with contact only. Times are the processor's. On two threads: what the owner does alone, and the "
+					 "busier one's share of the queries as two free cores would deal them; so other programs do not count. The rate is the inverse, capped "
+					 "at 1000 Hz. With an accepted error coarser levels answer where they promise it; the error is that of a part's force, against all leaves.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(outcome));
 	for (const GraspLoad& o : outcome.loads)
 	{
 		report.heading(o.name);
 		report.chart(chartOf(o, "Intersecting pairs", "pairs", [](const GraspLoadTick& t) { return t.pairs; }));
 		report.chart(chartOf(o, "Parts in contact with the object", "parts", [](const GraspLoadTick& t) { return double(t.parts); }));
-		report.chart(chartOf(o, "Rate", "rate [Hz]", [](const GraspLoadTick& t) { return rateOf(t.microseconds); }));
+		report.chart(chartOf(o, "Rate", "rate [Hz]", [](const GraspLoadTick& t) { return rateOf(t.twoMicroseconds); }));
 	}
 	return report;
 }
@@ -166,7 +218,9 @@ std::string makeJson(const GraspLoadOutcome& outcome)
 	{
 		json["loads"].push_back({{"name", o.name}, {"hand_spheres", o.handSpheres}, {"object_spheres", o.objectSpheres}, {"ticks", o.ticks.size()}, {"most_pairs", o.mostPairs()},
 								 {"most_parts", o.mostParts()}, {"median_us", o.quantileMicroseconds(0.5)}, {"p99_us", o.quantileMicroseconds(0.99)},
-								 {"max_us", o.quantileMicroseconds(1)}, {"held", o.held}});
+								 {"max_us", o.quantileMicroseconds(1)}, {"held", o.held},
+								 {"one_thread_p99_us", o.quantileMicroseconds(0.99, &GraspLoadTick::oneMicroseconds)}, {"accepted_error", o.accepted},
+								 {"promised_error_p95", o.quantileError(0.95, &GraspLoadError::promised)}, {"error_p95", o.quantileError(0.95, &GraspLoadError::found)}});
 	}
 	json["ok"] = outcome.ok();
 	return json.dump();

@@ -229,8 +229,9 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	options.grasp.cache = TREE_FOLDER;
 	const auto outcome = runGraspLoad(options);
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	ASSERT_EQ(outcome.value().loads.size(), 2u);
-	const GraspLoad &firm = outcome.value().loads[0], &soft = outcome.value().loads[1];
+	// Three skins, each with the leaves and with two accepted errors.
+	ASSERT_EQ(outcome.value().loads.size(), 9u);
+	const GraspLoad &firm = outcome.value().loads[0], &middle = outcome.value().loads[3], &soft = outcome.value().loads[6];
 	// Closing to shaking, at 500 Hz.
 	EXPECT_GT(firm.ticks.size(), 1200u);
 	EXPECT_LT(firm.ticks.size(), 1700u);
@@ -238,7 +239,20 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	EXPECT_GE(firm.mostParts(), 5);
 	EXPECT_LE(firm.mostParts(), kHandParts);
 	EXPECT_GT(soft.mostPairs(), 2 * firm.mostPairs());
+	EXPECT_GT(soft.mostPairs(), middle.mostPairs());
+	EXPECT_GT(middle.mostPairs(), firm.mostPairs());
 	EXPECT_LE(firm.quantileMicroseconds(0.5), firm.quantileMicroseconds(0.99));
+	for (const GraspLoad& load : outcome.value().loads)
+	{
+		EXPECT_EQ(load.errors.empty(), load.accepted == 0) << load.name;
+		for (const GraspLoadTick& tick : load.ticks)
+		{
+			ASSERT_GE(tick.twoMicroseconds, tick.oneMicroseconds - 0.5001 * tick.queryMicroseconds);
+			ASSERT_LE(tick.twoMicroseconds, tick.oneMicroseconds);
+		}
+		if (load.accepted == 0) continue;
+		EXPECT_LE(load.quantileError(0.95, &GraspLoadError::found), load.quantileError(0.95, &GraspLoadError::promised)) << load.name;
+	}
 	EXPECT_NE(makeJson(outcome.value()).find("\"most_pairs\""), std::string::npos);
 	EXPECT_TRUE(outcome.value().ok());
 }
