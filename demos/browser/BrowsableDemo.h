@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Result.h"
 #include "demos/browser/DrawChoice.h"
 #include "demos/browser/DrawList.h"
+#include "demos/scenes/HtmlReport.h"
 
 #include <cmath>
 #include <functional>
@@ -99,6 +100,8 @@ public:
 	virtual std::vector<Parameter> parameters() { return {}; }
 	virtual std::vector<Figure> figures() const = 0;
 	virtual std::vector<Curve> curves() const { return {}; }
+	/// Over something else than time; drawn in the picture's corner.
+	virtual std::vector<scenes::Chart> charts() const { return {}; }
 	/// Rows for people: which model answers for which pair, what sleeps, what an answer costs.
 	virtual std::vector<std::string> report() const { return {}; }
 	/// The same as one JSON value; empty where there is none.

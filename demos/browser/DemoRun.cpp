@@ -39,6 +39,7 @@ Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const 
 	out.complete = out.frames >= whole;
 	out.figures = demo.figures();
 	out.curves = demo.curves();
+	out.charts = demo.charts();
 	out.report = demo.report();
 	out.reportJson = demo.reportJson();
 	return out;
@@ -76,6 +77,7 @@ scenes::HtmlReport makeReport(const DemoOutcome& o)
 	scenes::HtmlReport report(o.name);
 	report.paragraph(o.about + ".");
 	report.table({"number", "value", "unit"}, summaryRows(o));
+	for (const scenes::Chart& chart : o.charts) report.chart(chart);
 	for (const std::string& row : o.report) report.paragraph(row);
 	for (const Curve& curve : o.curves)
 	{

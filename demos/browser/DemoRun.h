@@ -2,7 +2,6 @@
 #pragma once
 
 #include "demos/browser/BrowsableDemo.h"
-#include "demos/scenes/HtmlReport.h"
 
 namespace browser
 {
@@ -19,6 +18,7 @@ struct DemoOutcome
 	std::string name, about;
 	std::vector<Figure> figures;
 	std::vector<Curve> curves;
+	std::vector<scenes::Chart> charts;
 	std::vector<std::string> report;  ///< which model answers for which pair, at the end
 	std::string reportJson;
 	long long frames = 0;

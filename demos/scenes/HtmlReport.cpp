@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/HtmlReport.h"
 
+#include "demos/scenes/ChartAxes.h"
 #include "demos/scenes/WholeText.h"
 
 #include <algorithm>
@@ -12,10 +13,6 @@ namespace scenes
 {
 namespace
 {
-// Okabe-Ito, without its yellow, which is too pale for thin lines.
-constexpr const char* kColors[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#A6761D"};
-constexpr size_t kColorCount = 8;
-
 constexpr const char* kStyle =
 	"body{font:16px/1.55 system-ui,-apple-system,'Segoe UI',Roboto,Helvetica,Arial,sans-serif;color:#222;background:#fafaf8;"
 	"margin:0 auto;max-width:60rem;padding:2rem 1.25rem}"
@@ -50,100 +47,27 @@ std::string pixel(double value)
 	return buffer;
 }
 
-/// An axis from data to pixels, with ticks at round numbers (1, 2 or 5 times a power of ten). A logarithmic one has the logarithms of its ends.
-struct Axis
-{
-	double lower = 0, upper = 1, step = 0.2;
-	double from = 0, to = 1;  // pixels
-	bool logarithmic = false;
-
-	double operator()(double value) const { return from + ((logarithmic ? std::log10(value) : value) - lower) / (upper - lower) * (to - from); }
-
-	void fitLogarithms(double least, double most)
-	{
-		logarithmic = true;
-		lower = least <= most ? std::log10(least) - 0.05 : 0;
-		upper = least <= most ? std::log10(most) + 0.05 : 1;
-	}
-
-	void fit(double least, double most, bool grow)
-	{
-		if (!(least <= most)) least = 0, most = 1;
-		if (most - least <= 1e-12 * std::max(std::fabs(least), std::fabs(most)))
-		{
-			const double pad = most != 0 ? 0.1 * std::fabs(most) : 1;
-			least -= pad;
-			most += pad;
-		}
-		const double raw = (most - least) / 6;
-		const double power = std::pow(10.0, std::floor(std::log10(raw)));
-		const double digit = raw / power;
-		step = power * (digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10);
-		lower = grow ? step * std::floor(least / step + 1e-9) : least;
-		upper = grow ? step * std::ceil(most / step - 1e-9) : most;
-	}
-
-	std::vector<double> ticks() const
-	{
-		std::vector<double> values;
-		for (int power = int(std::floor(lower)); logarithmic && power <= upper; ++power)
-			for (const double digit : {1, 2, 5})
-				if (const double at = power + std::log10(digit); at >= lower && at <= upper && (digit == 1 || upper - lower < 3)) values.push_back(std::pow(10.0, at));
-		if (logarithmic) return values;
-		const double first = std::ceil(lower / step - 1e-9);
-		for (int i = 0; (first + i) * step <= upper + 1e-9 * step; ++i) values.push_back((first + i) * step);
-		return values;
-	}
-};
-
-struct Frame
+struct Frame : ChartAxes
 {
 	static constexpr double kWidth = 860, kHeight = 340, kLeft = 84, kRight = 20, kTop = 38, kBottom = 52;
-	Axis x, y;
+	bool logarithmic = false;
 };
-
-struct Point
-{
-	double x, y, sigma;
-	bool valid() const { return std::isfinite(x) && std::isfinite(y) && std::isfinite(sigma); }
-};
-
-Point pointOf(const ChartSeries& series, size_t i)
-{
-	return {series.x[i], series.y[i], i < series.sigma.size() ? series.sigma[i] : 0.0};
-}
-
-size_t pointCount(const ChartSeries& series) { return std::min(series.x.size(), series.y.size()); }
 
 Frame fitFrame(const Chart& chart)
 {
-	double xLeast = 1e300, xMost = -1e300, yLeast = 1e300, yMost = -1e300;
-	for (const ChartSeries& series : chart.series)
-		for (size_t i = 0; i < pointCount(series); ++i)
-		{
-			const Point p = pointOf(series, i);
-			if (!p.valid() || (chart.logarithmic && !(p.x > 0 && p.y > 0))) continue;
-			xLeast = std::min(xLeast, p.x);
-			xMost = std::max(xMost, p.x);
-			yLeast = std::min(yLeast, p.y - p.sigma);
-			yMost = std::max(yMost, p.y + p.sigma);
-		}
-	Frame frame;
-	if (chart.logarithmic)
-	{
-		frame.x.fitLogarithms(xLeast, xMost);
-		frame.y.fitLogarithms(yLeast, yMost);
-	}
-	else
-	{
-		frame.x.fit(xLeast, xMost, false);
-		frame.y.fit(yLeast, yMost, true);
-	}
+	Frame frame{fitAxes(chart), chart.logarithmic};
 	frame.x.from = Frame::kLeft;
 	frame.x.to = Frame::kWidth - Frame::kRight;
 	frame.y.from = Frame::kHeight - Frame::kBottom;
 	frame.y.to = Frame::kTop;
 	return frame;
+}
+
+std::string colourOf(size_t i)
+{
+	char text[8];
+	std::snprintf(text, sizeof text, "#%06X", seriesColour(i));
+	return text;
 }
 
 std::string lineTag(double x1, double y1, double x2, double y2, const std::string& stroke)
@@ -168,7 +92,7 @@ std::string drawGrid(const Frame& frame, const Chart& chart)
 	}
 	for (const double v : frame.y.ticks())
 	{
-		out += lineTag(left, frame.y(v), right, frame.y(v), std::fabs(v) < 1e-9 * frame.y.step ? "#a8a8a4" : "#e8e8e4");
+		out += lineTag(left, frame.y(v), right, frame.y(v), frame.y.isZero(v) ? "#a8a8a4" : "#e8e8e4");
 		out += textTag(left - 8, frame.y(v) + 4.5, "end", formatNumber(v));
 	}
 	out += lineTag(left, bottom, right, bottom, "#777") + lineTag(left, top, left, bottom, "#777");
@@ -183,8 +107,8 @@ std::string drawMarkers(const Frame& frame, const ChartSeries& series, const std
 	std::string out;
 	for (size_t i = 0; i < pointCount(series); ++i)
 	{
-		const Point p = pointOf(series, i);
-		if (!p.valid()) continue;
+		const ChartPoint p = pointOf(series, i);
+		if (!isShown(p, frame.logarithmic)) continue;
 		const double x = frame.x(p.x) + shift;
 		if (p.sigma > 0)
 		{
@@ -202,9 +126,10 @@ std::string drawLine(const Frame& frame, const ChartSeries& series, const std::s
 	bool pen = false;
 	for (size_t i = 0; i < pointCount(series); ++i)
 	{
-		const Point p = pointOf(series, i);
-		if (p.valid()) path += (pen ? "L" : "M") + pixel(frame.x(p.x)) + " " + pixel(frame.y(p.y));
-		pen = p.valid();
+		const ChartPoint p = pointOf(series, i);
+		const bool shown = isShown(p, frame.logarithmic);
+		if (shown) path += (pen ? "L" : "M") + pixel(frame.x(p.x)) + " " + pixel(frame.y(p.y));
+		pen = shown;
 	}
 	return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"2\" stroke-linejoin=\"round\"/>";
 }
@@ -215,9 +140,10 @@ std::string drawLegend(const Chart& chart)
 	double x = Frame::kLeft + 4, y = 12;
 	for (size_t i = 0; i < chart.series.size(); ++i)
 	{
+		if (chart.series[i].like >= 0) continue;
 		const double width = 24 + 7.2 * static_cast<double>(chart.series[i].name.size());
 		if (i > 0 && x + width > Frame::kWidth - Frame::kRight) x = Frame::kLeft + 4, y += 16;
-		const std::string color = kColors[i % kColorCount];
+		const std::string color = colourOf(i);
 		out += "<rect x=\"" + pixel(x) + "\" y=\"" + pixel(y) + "\" width=\"18\" height=\"5\" rx=\"2\" fill=\"" + color + "\"/>";
 		out += textTag(x + 24, y + 7, "start", chart.series[i].name);
 		x += width + 24;
@@ -264,14 +190,16 @@ std::string chartSvg(const Chart& chart)
 	std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + pixel(Frame::kWidth) + " " + pixel(Frame::kHeight) +
 					  "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\" style=\"background:#fff\">\n";
 	out += drawGrid(frame, chart);
-	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), [](const ChartSeries& series) { return series.markers && !series.sigma.empty(); });
+	const auto isBeside = [](const ChartSeries& series) { return series.markers && !series.sigma.empty() && series.like < 0; };
+	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), isBeside);
 	// Series with error bars are set side by side, so that those at the same abscissa stay apart.
 	double shift = -2.5 * static_cast<double>(marked + 1);
 	for (size_t i = 0; i < chart.series.size(); ++i)
 	{
 		const ChartSeries& series = chart.series[i];
-		if (!series.sigma.empty()) shift += 5;
-		out += series.markers ? drawMarkers(frame, series, kColors[i % kColorCount], series.sigma.empty() ? 0 : shift) : drawLine(frame, series, kColors[i % kColorCount]);
+		const std::string colour = colourOf(series.like < 0 ? i : size_t(series.like));
+		if (isBeside(series)) shift += 5;
+		out += series.markers ? drawMarkers(frame, series, colour, isBeside(series) ? shift : 0) : drawLine(frame, series, colour);
 	}
 	return out + drawLegend(chart) + "</svg>";
 }

@@ -12,6 +12,7 @@ struct ChartSeries
 	std::vector<double> x, y;
 	std::vector<double> sigma;  ///< half length of the error bars; empty: none
 	bool markers = false;       ///< points instead of a line
+	int like = -1;              ///< points in the colour of this series, without a name of their own
 };
 
 struct Chart

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Browser.h"
 
+#include "demos/browser/view/ChartView.h"
+
 #include <imgui.h>
 
 #include <algorithm>
@@ -238,6 +240,7 @@ void Browser::draw(unsigned target, int width, int height)
 	const PixelArea area{int(panel), width - int(panel), height};
 	m_views = m_demo ? sceneViews(*m_demo, area) : std::vector<SceneView>{{nullptr, "", area}};
 	m_painter.paint(m_views, m_choice, m_camera, m_renderer, target, m_quality, true);
+	if (m_demo && m_panels) drawCharts(*ImGui::GetBackgroundDrawList(), m_demo->charts(), panel, 0, m_sceneWidth, height);
 	if (m_panels) drawTree(float(panel), float(height));
 	else if (!m_message.empty()) ImGui::GetForegroundDrawList()->AddText({10, 10}, IM_COL32(170, 30, 10, 255), m_message.c_str());
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Photographer.h"
 
+#include "demos/browser/view/ChartView.h"
 #include "demos/browser/view/Gui.h"
 #include "demos/browser/view/OffscreenContext.h"
 #include "demos/browser/view/SceneView.h"
@@ -49,6 +50,7 @@ Picture Photographer::take(BrowsableDemo& demo, const DrawChoice& choice, const 
 	camera.set(view);
 	if (texts) im.gui->beginOffscreen(im.width, im.height);
 	im.painter.paint(sceneViews(demo, {0, im.width, im.height}), choice, camera, *im.renderer, im.target->frame(), {}, texts);
+	if (texts) drawCharts(*ImGui::GetBackgroundDrawList(), demo.charts(), 0, 0, im.width, im.height);
 	if (texts) im.gui->end(im.target->frame(), im.width, im.height);
 	return im.target->read();
 }
