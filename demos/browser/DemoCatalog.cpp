@@ -9,7 +9,7 @@
 #define BROWSER_DEMOS(demo) \
 	demo(makeHello, "hello", "First steps", "Two rings on a plane, one lying, one falling: the whole library in one file") \
 	demo(makePacking, "packing", "First steps", "Any mesh, or one that is dropped on the window, is filled with spheres, the largest first") \
-	demo(makeDial, "dial", "First steps", "The error that you accept, against what it costs: turn it, and see which level answers") \
+	demo(makeDial, "dial", "First steps", "The error that you accept, against what is promised, what is true, and what it costs: turn it") \
 	demo(makeBunny, "bunny", "To be felt", "A steel ball presses on a soft body and slides over it; the mouse takes the ball in six degrees of freedom") \
 	demo(makeCrown, "crown", "To be felt", "A glass plate on the sixteen thin points of a crown") \
 	demo(makeSword, "sword", "To be felt", "A sword falls through a ring and hangs in it by its guard") \

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/DemoSolid.h"
 
+#include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
-#include "demos/scenes/OverlapQuadrature.h"
+#include "demos/scenes/DialSweep.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 using namespace ist;
@@ -16,152 +16,208 @@ namespace browser
 {
 namespace
 {
-constexpr double kSize = 0.2, kBall = 0.025, kStiffness = 1e7, kTruthEvery = 0.5;
+constexpr double kSize = 0.2, kBall = 0.035, kStiffness = 1e7, kPi = 3.14159265358979323846;
+constexpr double kTick = 1e-3;
+constexpr int kTicksBetween = 100;              // two poses that the quadrature judges
+constexpr int kPoses = 60, kPeriod = kPoses * kTicksBetween;  // of the ball's way
+constexpr double kFinest = 0.02, kCoarsest = 0.5;
 
-/// Error against cost: the user says what error of the force he accepts, and the coarsest level answers that keeps to it: its bound is the
-/// distance of its force from that of the leaves, plus the error bar of the leaves. (The bars of coarse levels alone promise too much where
-/// the contact is as small as their balls.)
+/// The dial turned: the user says what error of the force he accepts, and the library chooses how finely it asks. A ball rolls over a body, asked at
+/// 1 kHz; beside it, what every error accepted would promise, cost and truly be, the truth being an integral over the triangles.
 class Dial : public BrowsableDemo
 {
 public:
-	std::optional<Error> prepare(const DemoOptions& options) override
-	{
-		Result<Mesh> mesh = chosenMesh(options, kSize, knotMesh(kSize));
-		if (!mesh) return mesh.error();
-		const Mesh meshes[] = {mesh.value(), makeSphereMesh(kBall, 4)};
-		for (const int i : {0, 1})
-		{
-			if (auto error = makeSolid(m_solids[i], i ? "ball" : "body", meshes[i], i ? 800 : 3000, options)) return error;
-			m_trees[i] = *m_solids[i]->tree;
-			m_trees[i].levels = buildLevels(m_trees[i].law);
-		}
-		m_levels = int(m_trees[0].levels.size() + m_trees[1].levels.size());
-		m_truth = std::make_unique<scenes::OverlapQuadrature>(m_solids[0]->mesh, m_solids[1]->mesh);
-		const Box box = bounds(m_solids[0]->mesh);
-		m_up = -box.lower.y;
-		for (const Vec3& p : m_solids[0]->mesh.vertices)
-			if (p.y == box.upper.y) m_top = p;
-		return std::nullopt;
-	}
-	std::optional<Error> restart() override
-	{
-		m_time = m_nextTruth = m_nextSample = 0;
-		m_rows.clear();
-		for (Curve* curve : {&m_bar, &m_rate, &m_pairs, &m_error}) curve->values.clear();
-		ask();
-		return std::nullopt;
-	}
-	void step(double seconds) override
-	{
-		m_time += seconds;
-		ask();
-		if (m_time < m_nextSample) return;
-		m_nextSample += 1.0 / 60;
-		append(m_bar, 100 * m_answer.bar);
-		append(m_rate, 1e6 / std::max(m_answer.microseconds, 0.1));
-		append(m_pairs, double(m_answer.pairs));
-		append(m_error, 100 * m_trueError);
-	}
+	std::optional<Error> prepare(const DemoOptions& options) override;
+	std::optional<Error> restart() override;
+	void step(double seconds) override;
 	double stepSize() const override { return 1.0 / 60; }
-	double duration() const override { return 2; }
+	double duration() const override { return kPeriod * kTick; }
 	double time() const override { return m_time; }
-	Viewpoint viewpoint() const override { return {{m_top.x, m_up + m_top.y + 0.01, m_top.z}, 0.28, 0.7, 0.4}; }
+	Viewpoint viewpoint() const override { return {{m_top.x + 0.03, m_up + m_top.y + 0.005, m_top.z}, 0.3, 0.7, 0.4}; }
 	DrawChoice firstChoice() const override { return {.leaves = true}; }
 	void draw(const DrawChoice& choice, DrawList& list) override;
-	std::vector<Parameter> parameters() override { return {{"error accepted", "%", &m_accepted, 0.5, 50, false, true}}; }
-	std::vector<Figure> figures() const override
-	{
-		return {{"level", "", double(m_answer.level)},
-				{"pairs", "", double(m_answer.pairs)},
-				{"bound of the error", "%", 100 * m_answer.bar},
-				{"true error, by quadrature on the triangles", "%", 100 * m_trueError, 0, std::max(m_accepted, 200 * m_finest.bar)}};
-	}
-	std::vector<Curve> curves() const override { return {m_bar, m_error, m_rate, m_pairs}; }
-	std::vector<std::string> report() const override { return m_rows; }
+	std::vector<Parameter> parameters() override { return {{"error accepted", "%", &m_accepted, 100 * kFinest, 100 * kCoarsest, false, true}}; }
+	std::vector<Figure> figures() const override;
+	std::vector<Curve> curves() const override { return {m_dial, m_promise, m_error, m_rate, m_pairs}; }
+	std::vector<scenes::Chart> charts() const override;
+	std::vector<std::string> report() const override;
 
 private:
-	struct Answer
-	{
-		int level = 0;
-		long long pairs = 0;
-		double bar = 0, microseconds = 0;
-		Vec3 force;
-		const BallTree* balls = nullptr;
-	};
-	static void append(Curve& curve, double value)
-	{
-		if (curve.values.size() == 600) curve.values.erase(curve.values.begin());
-		curve.values.push_back(float(value));
-	}
-	Pose X_AB() const
-	{
-		Pose X;
-		X.translation = m_top + Vec3{0.004 * std::sin(3.1 * m_time), kBall - 0.010 + 0.003 * std::sin(2 * m_time), 0.004 * std::cos(2.3 * m_time)};
-		X.rotation = rotationMatrix(quaternionFromRotationVector({0.3 * m_time, 0.5, 0}));
-		return X;
-	}
-	Answer askLevel(int level)
-	{
-		QueryOptions options;
-		options.level = level;
-		const auto start = std::chrono::steady_clock::now();
-		const OverlapResult result = queryOverlap(m_trees[0], m_trees[1], X_AB(), m_workspace, options);
-		Answer answer;
-		answer.microseconds = 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		answer.level = result.level;
-		answer.pairs = result.total.pairs;
-		answer.balls = result.ballsA;
-		answer.force = pressureWrench(result.total, {kStiffness, 0.5, 0.5}).force;
-		const double sigma = overlapError(result.total, m_trees[0].errorLength() + m_trees[1].errorLength(), kStiffness).force;
-		answer.bar = norm(answer.force) > 0 ? sigma / norm(answer.force) : 0;
-		return answer;
-	}
-	double boundOf(const Answer& answer) const
-	{
-		const double force = norm(m_finest.force);
-		return force > 0 ? norm(answer.force - m_finest.force) / force + m_finest.bar : 0;
-	}
-	void ask()
-	{
-		m_finest = askLevel(0);
-		for (int level = m_levels; level >= 0; --level)
-		{
-			m_answer = askLevel(level);
-			m_answer.bar = boundOf(m_answer);
-			if (100 * m_answer.bar <= m_accepted) break;
-		}
-		if (m_time < m_nextTruth) return;
-		m_nextTruth = m_time + kTruthEvery;
-		judge();
-	}
-	/// All levels beside the integral over the triangles.
-	void judge()
-	{
-		m_rows.clear();
-		const Vec3 truth = kStiffness * m_truth->integrate(X_AB(), {}, 48, 20000).wrench().force;
-		const auto errorOf = [&](const Answer& a) { return norm(truth) > 0 ? norm(a.force - truth) / norm(truth) : 0; };
-		m_trueError = errorOf(m_answer);
-		for (int level = m_levels; level >= 0; --level)
-		{
-			const Answer a = askLevel(level);
-			char row[120];
-			std::snprintf(row, sizeof row, "%slevel %d: %lld pairs, %.0f us, bound %.1f %%, true error %.1f %%", a.level == m_answer.level ? "> " : "", a.level, a.pairs,
-						  a.microseconds, 100 * boundOf(a), 100 * errorOf(a));
-			m_rows.push_back(row);
-		}
-	}
+	Pose X_AB(int tick) const;
+	static double turned(double time);
+	void tick();
+	Vec3 forceOf(const OverlapResult& result) const { return pressureWrench(result.total, {}).force; }
 
 	SolidPtr m_solids[2];
 	InnerSphereTree m_trees[2];
-	std::unique_ptr<scenes::OverlapQuadrature> m_truth;
+	std::vector<scenes::JudgedPose> m_truths;
+	std::vector<scenes::DialPoint> m_sweep;
 	QueryWorkspace m_workspace;
-	Answer m_answer, m_finest;
-	std::vector<std::string> m_rows;
-	Curve m_bar{"bound of the error", "%", {}}, m_rate{"queries a second", "Hz", {}}, m_pairs{"pairs", "", {}}, m_error{"true error", "%", {}};
-	Vec3 m_top;
-	int m_levels = 0;
-	double m_time = 0, m_nextTruth = 0, m_nextSample = 0, m_trueError = 0, m_accepted = 5, m_up = 0;
+	PairAccuracy m_pair;
+	const BallTree* m_balls = nullptr;  // of the body, at the level that answers
+	Vec3 m_top, m_force, m_finest;      // forces for 1 Pa/m
+	double m_floor = 0, m_up = 0, m_time = 0, m_accepted = 5, m_byItself = 5;
+	int m_ticks = 0, m_judged = 0, m_held = 0;
+	long long m_nowPairs = 0, m_nowBalls = 0;
+	double m_nowError = 0, m_nowMicroseconds = 0, m_largestLeap = 0;
+	Curve m_dial{"error accepted", "%", {}}, m_promise{"error promised", "%", {}}, m_error{"true error", "%", {}}, m_rate{"queries a second", "Hz", {}},
+		m_pairs{"pairs", "", {}};
 };
+
+std::optional<Error> Dial::prepare(const DemoOptions& options)
+{
+	Result<Mesh> mesh = chosenMesh(options, kSize, knotMesh(kSize));
+	if (!mesh) return mesh.error();
+	const Mesh meshes[] = {mesh.value(), makeSphereMesh(kBall, 4)};
+	for (const int i : {0, 1})
+	{
+		if (auto error = makeSolid(m_solids[i], i ? "ball" : "body", meshes[i], i ? 3000 : 8000, options)) return error;
+		m_trees[i] = *m_solids[i]->tree;
+		addLevels(m_trees[i]);
+	}
+	m_floor = promiseFloor(m_trees[0], m_trees[1]);
+	const Box box = bounds(m_solids[0]->mesh);
+	m_up = -box.lower.y;
+	for (const Vec3& p : m_solids[0]->mesh.vertices)
+		if (p.y == box.upper.y) m_top = p;
+
+	std::vector<Pose> poses;
+	for (int i = 0; i < kPoses; ++i) poses.push_back(X_AB(i * kTicksBetween));
+	m_truths = scenes::judgePoses(scenes::OverlapQuadrature(m_solids[0]->mesh, m_solids[1]->mesh), poses, 48, 8000);
+	std::vector<double> accepted;
+	for (int i = 0; i <= 12; ++i) accepted.push_back(kFinest * std::pow(kCoarsest / kFinest, i / 12.0));
+	m_sweep = scenes::sweepDial(m_trees[0], m_trees[1], m_truths, accepted);
+	return std::nullopt;
+}
+
+std::optional<Error> Dial::restart()
+{
+	m_time = m_largestLeap = m_nowError = m_nowMicroseconds = 0;
+	m_ticks = m_judged = m_held = 0;
+	m_pair = {};
+	for (Curve* curve : {&m_dial, &m_promise, &m_error, &m_rate, &m_pairs}) curve->values.clear();
+	tick();
+	return std::nullopt;
+}
+
+/// From one touch to the next: deeper and shallower, around the top of the body, rolling.
+Pose Dial::X_AB(int tick) const
+{
+	const double turn = 2 * kPi * tick / kPeriod, depth = 0.001 + 0.0075 * (1 + std::cos(3 * turn));
+	Pose X;
+	X.translation = m_top + Vec3{0.012 * std::sin(turn), kBall - depth, 0.012 * std::sin(2 * turn)};
+	X.rotation = rotationMatrix(quaternionFromRotationVector({2 * std::sin(turn), 0.5, std::sin(2 * turn)}));
+	return X;
+}
+
+/// Where the dial is while nobody has taken it: leaps, as when a mouse is let go elsewhere, and one whole way from end to end.
+double Dial::turned(double time)
+{
+	const double t = std::fmod(time, kPeriod * kTick);
+	if (t < 2) return t < 0.7 ? 5 : t < 1.3 ? 40 : 3;
+	return t < 5 ? 100 * kFinest * std::pow(kCoarsest / kFinest, (t - 2) / 3) : 10;
+}
+
+void Dial::tick()
+{
+	AcceptedError accepted;
+	accepted.error = m_accepted / 100;
+	const int at = m_ticks % kPeriod;
+	const auto start = std::chrono::steady_clock::now();
+	const OverlapResult result = queryPair(m_trees[0], m_trees[1], X_AB(at), m_workspace, accepted, {}, m_pair);
+	m_nowMicroseconds = 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	m_nowPairs = result.total.pairs;
+	m_nowBalls = (long long)(result.ballsA->ballCount() + result.ballsB->ballCount());
+	m_balls = result.ballsA;
+	const Vec3 force = forceOf(result), finest = forceOf(queryOverlap(m_trees[0], m_trees[1], X_AB(at), m_workspace));
+	// What the leaves change by is the motion's doing; the rest is the dial's.
+	if (m_ticks > 0) m_largestLeap = std::max(m_largestLeap, norm(force - m_force - (finest - m_finest)) / std::max({norm(force), norm(m_force), m_floor}));
+	m_force = force;
+	m_finest = finest;
+	if (at % kTicksBetween == 0)
+	{
+		m_nowError = scenes::forceError(force, m_truths[size_t(at / kTicksBetween)], m_floor);
+		++m_judged;
+		m_held += m_nowError <= m_pair.promise;
+	}
+	++m_ticks;
+}
+
+void Dial::step(double seconds)
+{
+	m_time += seconds;
+	const auto append = [](Curve& curve, double value)
+	{
+		if (curve.values.size() == 600) curve.values.erase(curve.values.begin());
+		curve.values.push_back(float(value));
+	};
+	// Until somebody takes it.
+	if (m_accepted == m_byItself) m_accepted = m_byItself = turned(m_time);
+	while (m_ticks * kTick <= m_time) tick();
+	append(m_dial, m_accepted);
+	append(m_promise, 100 * m_pair.promise);
+	append(m_error, 100 * m_nowError);
+	append(m_rate, 1e6 / std::max(m_nowMicroseconds, 0.1));
+	append(m_pairs, double(m_nowPairs));
+}
+
+std::vector<Figure> Dial::figures() const
+{
+	double held = 0, least = 1;
+	for (const scenes::DialPoint& p : m_sweep)
+	{
+		held += p.held / double(m_sweep.size());
+		least = std::min(least, p.held);
+	}
+	const int judged = std::max(m_judged, 1);
+	return {{"error accepted", "%", m_accepted},
+			{"error promised", "%", 100 * m_pair.promise},
+			{"level", "", double(m_pair.level)},
+			{"spheres that speak", "", double(m_nowBalls)},
+			{"pairs", "", double(m_nowPairs)},
+			{"true error, by quadrature on the triangles", "%", 100 * m_nowError},
+			{"poses so far in which the promise held", "%", 100.0 * m_held / judged, 100, 5},
+			{"the same, over all errors accepted", "%", 100 * held, 100, 5},
+			{"where it held least often", "%", 100 * least},
+			{"largest leap of the force in 1 ms, the dial's doing", "%", 100 * m_largestLeap, 0, 1}};
+}
+
+std::vector<scenes::Chart> Dial::charts() const
+{
+	const auto line = [](const char* name) { return scenes::ChartSeries{name, {}, {}, {}, false, -1}; };
+	scenes::Chart errors{"Error of the force", "error accepted [%]", "error [%]", {line("accepted"), line("promised (half)"), line("true (half)"), line("true (95 %)")}, true};
+	scenes::Chart cost{"What it costs", "error accepted [%]", "", {line("queries a second"), line("spheres"), line("pairs")}, true};
+	for (const scenes::DialPoint& p : m_sweep)
+	{
+		const double percents[] = {p.accepted, p.middlePromise, p.middleError, p.error}, costs[] = {1e6 / p.microseconds, p.balls, p.pairs};
+		for (size_t i = 0; i < 4; ++i) errors.series[i].x.push_back(100 * p.accepted), errors.series[i].y.push_back(100 * percents[i]);
+		for (size_t i = 0; i < 3; ++i) cost.series[i].x.push_back(100 * p.accepted), cost.series[i].y.push_back(costs[i]);
+	}
+	// Where the dial is now.
+	const auto mark = [&](scenes::Chart& chart, size_t like, double value)
+	{
+		chart.series.push_back({"", {m_accepted}, {value}, {}, true, int(like)});
+	};
+	mark(errors, 1, 100 * m_pair.promise);
+	mark(errors, 2, 100 * m_nowError);
+	mark(cost, 0, 1e6 / std::max(m_nowMicroseconds, 0.1));
+	mark(cost, 1, double(m_nowBalls));
+	mark(cost, 2, double(m_nowPairs));
+	return {errors, cost};
+}
+
+std::vector<std::string> Dial::report() const
+{
+	std::vector<std::string> rows;
+	for (const scenes::DialPoint& p : m_sweep)
+	{
+		char row[200];
+		std::snprintf(row, sizeof row, "accepted %.1f %%: promised %.1f (half of the poses: %.1f), true %.1f (half: %.2f) %%, held in %.0f %%, kept in %.0f %%; %.0f spheres, %.0f pairs, %.0f us",
+					  100 * p.accepted, 100 * p.promise, 100 * p.middlePromise, 100 * p.error, 100 * p.middleError, 100 * p.held, 100 * p.kept, p.balls, p.pairs, p.microseconds);
+		rows.push_back(row);
+	}
+	return rows;
+}
 
 void Dial::draw(const DrawChoice& choice, DrawList& list)
 {
@@ -171,22 +227,22 @@ void Dial::draw(const DrawChoice& choice, DrawList& list)
 	list.gridCell = 0.02;
 	Pose X_WA;
 	X_WA.translation.y = m_up;
-	const Pose X_WB = X_WA * X_AB();
+	const Pose X_WB = X_WA * X_AB(std::max(m_ticks - 1, 0) % kPeriod);
 	if (choice.surfaces)
 	{
 		list.surfaces.push_back({m_solids[0]->surface, X_WA, bodyColour(0), 1, true});
 		list.surfaces.push_back({m_solids[1]->surface, X_WB, bodyColour(1), 1, true});
 	}
-	if (choice.leaves && m_answer.balls)
-		for (const MomentEllipsoid& ball : m_answer.balls->balls)
+	if (choice.leaves && m_balls)
+		for (const MomentEllipsoid& ball : m_balls->balls)
 			if (ball.density > 0)
 				list.discs.push_back({X_WA * (m_trees[0].origin + ball.center()), normalized(Vec3{ball.nx + 1e-6, ball.ny, ball.nz}), 0.6 * ball.meanRadius(),
 									  0.25 * ball.meanRadius(), levelColour(0.2 + 0.7 * norm(ball.normal()))});
-	if (!choice.wrenches || !(norm(m_answer.force) > 0)) return;
-	const Vec3 from = X_WB.translation, tip = from - 0.05 * normalized(m_answer.force);
+	if (!choice.wrenches || !(norm(m_force) > 0)) return;
+	const Vec3 from = X_WB.translation, tip = from - 0.05 * normalized(m_force);
 	list.arrows.push_back({from, tip, 0.0015, {0.80f, 0.18f, 0.12f}});
 	char text[80];
-	std::snprintf(text, sizeof text, "%.3g N +- %.2g %%, level %d", norm(m_answer.force), 100 * m_answer.bar, m_answer.level);
+	std::snprintf(text, sizeof text, "%.3g N +- %.2g %%, level %d", kStiffness * norm(m_force), 100 * m_pair.promise, m_pair.level);
 	list.texts.push_back({tip, text, {0.55f, 0.08f, 0.04f}});
 }
 }  // namespace

@@ -6,6 +6,8 @@
 #include "demos/browser/view/OffscreenContext.h"
 #include "demos/browser/view/SceneView.h"
 
+#include <imgui.h>
+
 namespace browser
 {
 struct Photographer::Implementation
