@@ -20,11 +20,11 @@ for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources; do [ -
 
 if [ ! -d "$root" ]; then
 	mkdir -p "$folder"
-	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,libeigen3-dev,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev
+	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,zlib1g-dev,libeigen3-dev,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev
 	mmdebstrap --quiet --architectures=arm64 --variant=extract --include=$packages "$VERSION_CODENAME" "$root.new" "${sources[@]}"
 	# Links and CMake files that name files from the root of the file system.
 	find "$root.new" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do ln -sfn "$root$target" "$link"; done
-	sed -i "s#\"/usr#\"$root/usr#g" "$root.new"/usr/lib/aarch64-linux-gnu/cmake/draco/*.cmake
+	sed -i "s#/usr/\(lib\|include\)#$root/usr/\1#g" "$root.new"/usr/lib/aarch64-linux-gnu/cmake/{assimp-*,draco}/*.cmake
 	mv "$root.new" "$root"
 fi
 
