@@ -163,6 +163,26 @@ int openBrowser(const DemoArguments& a)
 	return error ? refuse(*error) : 0;
 }
 
+namespace
+{
+/// A picture of the end of a demo's run, and what it found, to the page.
+std::optional<ist::Error> addToGallery(const DemoArguments& a, const browser::DemoEntry& entry, bool besideStock, Photographer& photographer, std::string& page, bool& good)
+{
+	const std::unique_ptr<browser::BrowsableDemo> demo = browser::makeDemo(entry, besideStock);
+	if (auto error = demo->prepare(demoOptions(a))) return error;
+	const auto outcome = browser::runDemo(*demo, entry.name, entry.about, {});
+	if (!outcome) return outcome.error();
+	const std::string name = std::string(entry.name) + (besideStock ? "-beside-stock" : ""), file = name + ".png";
+	if (auto error = browser::savePicture(browser::withFewerColours(photographer.take(*demo)), (std::filesystem::path(a.gallery) / file).string())) return error;
+	page += "\n**" + std::string(entry.name) + ".** " + entry.about + ".\n\n![" + name + "](" + file + ")\n\n| number | found | unit |\n|---|---|---|\n";
+	for (const auto& row : browser::summaryRows(outcome.value()))
+		if (row[2] != "us") page += "| " + row[0] + " | " + row[1] + " | " + row[2] + " |\n";
+	good = good && outcome.value().ok();
+	say(name + (outcome.value().ok() ? ": good" : ": NOT as expected"));
+	return std::nullopt;
+}
+}  // namespace
+
 int makeGallery(const DemoArguments& a)
 {
 	const std::filesystem::path folder = a.gallery;
@@ -181,19 +201,12 @@ int makeGallery(const DemoArguments& a)
 	bool good = true;
 	for (const browser::DemoEntry& entry : browser::demoCatalog())
 	{
-		const std::unique_ptr<browser::BrowsableDemo> demo = entry.make();
-		if (const auto error = demo->prepare(demoOptions(a))) return refuse(*error);
-		const auto outcome = browser::runDemo(*demo, entry.name, entry.about, {});
-		if (!outcome) return refuse(outcome.error());
-		const std::string file = std::string(entry.name) + ".png";
-		if (const auto error = browser::savePicture(browser::withFewerColours(photographer.value()->take(*demo)), (folder / file).string())) return refuse(*error);
 		if (group != entry.group) page += "\n## " + (group = entry.group) + "\n";
-		page += "\n**" + std::string(entry.name) + ".** " + entry.about + ".\n\n![" + entry.name + "](" + file + ")\n\n| number | found | unit |\n|---|---|---|\n";
-		for (const auto& row : browser::summaryRows(outcome.value()))
-			if (row[2] != "us") page += "| " + row[0] + " | " + row[1] + " | " + row[2] + " |\n";
-		good = good && outcome.value().ok();
-		say(std::string(entry.name) + (outcome.value().ok() ? ": good" : ": NOT as expected"));
+		if (const auto error = addToGallery(a, entry, false, *photographer.value(), page, good)) return refuse(*error);
 	}
+	page += "\n## Beside stock Bullet\nThe same scenes with Bullet's own contact on the left: `haptic_demos --demo NAME --beside-stock`, or key h.\n";
+	for (const char* name : {"stack", "peg", "gears"})
+		if (const auto error = addToGallery(a, *browser::findDemo(name), true, *photographer.value(), page, good)) return refuse(*error);
 	if (!writeWholeText((folder / "README.md").string(), page)) return refuse({a.gallery + ": the page cannot be written"});
 	return good ? 0 : 1;
 }
