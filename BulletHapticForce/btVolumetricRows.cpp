@@ -70,19 +70,26 @@ void eliminate(Equations& rows)
 		for (int i = k + 1; i < 6; ++i)
 			if (std::fabs(rows[i][k]) > std::fabs(rows[best][k])) best = i;
 		if (best != k) std::swap(rows[k], rows[best]);
-		const double inverse = 1 / rows[k][k];
+		// Whole rows from a copy: vectors of the compiler's, where the few numbers that are zero already cost less than their leaving out.
+		double pivot[6 + kRight];
+		std::copy(rows[k], rows[k] + 6 + kRight, pivot);
+		const double inverse = 1 / pivot[k];
 		for (int i = k + 1; i < 6; ++i)
 		{
 			const double factor = rows[i][k] * inverse;
-			for (int j = k & ~1; j < 6 + kRight; ++j) rows[i][j] -= factor * rows[k][j];
+			for (int j = 0; j < 6 + kRight; ++j) rows[i][j] -= factor * pivot[j];
 		}
 	}
 	for (int k = 5; k >= 0; --k)
 	{
 		const double inverse = 1 / rows[k][k];
-		for (int j = 6; j < 6 + kRight; ++j) rows[k][j] *= inverse;
+		double found[kRight];
+		for (int j = 0; j < kRight; ++j) rows[k][6 + j] = found[j] = rows[k][6 + j] * inverse;
 		for (int i = 0; i < k; ++i)
-			for (int j = 6; j < 6 + kRight; ++j) rows[i][j] -= rows[i][k] * rows[k][j];
+		{
+			const double factor = rows[i][k];
+			for (int j = 0; j < kRight; ++j) rows[i][6 + j] -= factor * found[j];
+		}
 	}
 }
 }  // namespace

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/BulletContactSource.h"
 
+#include "BulletHapticForce/btContactLaw.h"
 #include "BulletISTCollision/btISTConversion.h"
 
+#include "BulletCollision/CollisionDispatch/btManifoldResult.h"
 #include "BulletDynamics/Dynamics/btDynamicsWorld.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -26,7 +28,7 @@ double leastInertia(const btRigidBody& body)
 
 BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool,
 										 const BulletToolSettings& settings)
-	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_X_WB(inverse(settings.X_BW)),
+	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_coupling(settings.gains), m_X_WB(inverse(settings.X_BW)),
 	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite)
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
@@ -45,6 +47,7 @@ void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& 
 		return;
 	}
 	const ist::Vec3 toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
+	adapt(dt, hand);
 	forgetMomentum(dt);
 	step.coupling = pull(dt, hand);
 	applyToTool(step.coupling);
@@ -52,7 +55,8 @@ void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& 
 	m_world.stepSimulation(btScalar(dt), 0);
 	step.queryMicroseconds = 1e6 * m_store.querySeconds();
 	step.tool = toolState();
-	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_settings.gains, step.coupling, step.tool.twist, dt);
+	step.couplingFactor = m_coupling.factor();
+	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_coupling.gains(), step.coupling, step.tool.twist, dt);
 	collectContacts(dt, toolOrigin, step);
 }
 
@@ -63,20 +67,53 @@ ToolState BulletContactSource::toolState() const noexcept
 			{R_WB * toVec3(m_tool.getLinearVelocity()), R_WB * toVec3(m_tool.getAngularVelocity())}};
 }
 
+/// By Bullet's own contacts or by joints, which have no stiffness that one could know.
+bool BulletContactSource::isHeldByBullet() const noexcept
+{
+	if (m_tool.getNumConstraintRefs() > 0) return true;
+	btDispatcher& dispatcher = *m_world.getDispatcher();
+	for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+	{
+		const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+		const bool ofTool = manifold->getBody0() == &m_tool || manifold->getBody1() == &m_tool;
+		if (ofTool && manifold->getNumContacts() > 0 && !m_store.find(manifold)) return true;
+	}
+	return false;
+}
+
+/// To the contacts of the step before: those of this one are found in it.
+void BulletContactSource::adapt(double dt, const DeviceState& hand) noexcept
+{
+	if (!m_coupling.adapts() || !(dt > 0)) return;
+	ist::SymmetricMatrix6 resistance;
+	bool rigid = isHeldByBullet();
+	btContactPatch patch;
+	for (const btISTContact* contact : m_store.contacts())
+	{
+		if (!isFresh(*contact)) continue;
+		rigid = rigid || gCalculateCombinedFrictionCallback(contact->bodyA, contact->bodyB) > 0;
+		for (int i = 0; i < contact->patchCount; ++i)
+			if (evaluateContactPatch(*contact, i, patch))
+				addResistance(resistance, patch.stiffness, patch.damping, patch.point - toVec3(m_tool.getWorldTransform().getOrigin()), dt);
+	}
+	const bool hasMass = !m_settings.gains.isStatic;
+	m_coupling.adapt(resistance, rigid, hasMass ? m_mass : 0, hasMass ? leastInertia(m_tool) : 0, hand.X_WH, toolState().X_WT, dt);
+}
+
 ist::Wrench BulletContactSource::pull(double dt, const DeviceState& hand) const noexcept
 {
 	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
-	if (m_settings.gains.isStatic) return staticPull(m_settings.gains, hand.X_WH, toolState().X_WT);
+	if (m_settings.gains.isStatic) return staticPull(m_coupling.gains(), hand.X_WH, toolState().X_WT);
 	const double inverseMass = double(m_tool.getInvMass());
 	const double mass = inverseMass > 0 ? 1 / inverseMass : kInfinite;
-	ist::Wrench wanted = couplingOnTool(m_settings.gains, hand.X_WH, hand.twist, toolState(), mass, leastInertia(m_tool), dt);
+	ist::Wrench wanted = couplingOnTool(m_coupling.gains(), hand.X_WH, hand.twist, toolState(), mass, leastInertia(m_tool), dt);
 	return isFinite(wanted) ? wanted : ist::Wrench();
 }
 
 /// Before a step on a static coupling.
 void BulletContactSource::forgetMomentum(double dt) noexcept
 {
-	const CouplingGains& gains = m_settings.gains;
+	const CouplingGains& gains = m_coupling.gains();
 	if (!gains.isStatic || !(m_tool.getInvMass() > 0)) return;
 	const bool turns = gains.angularStiffness > 0, goes = gains.stiffness > 0;
 	const btVector3 inverse = m_tool.getInvInertiaDiagLocal();
@@ -98,13 +135,17 @@ void BulletContactSource::applyToTool(const ist::Wrench& inW) noexcept
 	m_tool.applyTorque(toBullet(R_BW * inW.torque));
 }
 
+/// Of the tool, in the step that is over. The solver has gone on to the next one; what is older sleeps or was not evaluated.
+bool BulletContactSource::isFresh(const btISTContact& contact) const noexcept
+{
+	return contact.stamp + 1 == m_store.step() && contact.patchCount > 0 && (contact.bodyA == &m_tool || contact.bodyB == &m_tool);
+}
+
 void BulletContactSource::collectContacts(double dt, const ist::Vec3& toolOrigin, ToolStep& step) const noexcept
 {
 	for (const btISTContact* contact : m_store.contacts())
 	{
-		// The solver has gone on to the next step; what is older sleeps or was not evaluated.
-		const bool fresh = contact->stamp + 1 == m_store.step();
-		if (!fresh || contact->patchCount == 0 || (contact->bodyA != &m_tool && contact->bodyB != &m_tool)) continue;
+		if (!isFresh(*contact)) continue;
 		step.overlapVolume += contact->total.volume;
 		step.pairs += contact->total.pairs;
 		if (step.contactCount < kMaxToolContacts) step.contacts[step.contactCount++] = contactInW(*contact, dt, toolOrigin);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletHapticForce/btISTWorld.h"
+#include "DeviceBridge/AdaptiveCoupling.h"
 #include "DeviceBridge/ContactSource.h"
-#include "DeviceBridge/VirtualCoupling.h"
 
 namespace devicebridge
 {
@@ -39,6 +39,9 @@ public:
 	ToolState toolState() const noexcept;
 
 private:
+	void adapt(double dt, const DeviceState& hand) noexcept;
+	bool isFresh(const btISTContact& contact) const noexcept;
+	bool isHeldByBullet() const noexcept;
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
 	void forgetMomentum(double dt) noexcept;
 	void applyToTool(const ist::Wrench& inW) noexcept;
@@ -49,6 +52,7 @@ private:
 	btISTContactStore& m_store;
 	btRigidBody& m_tool;
 	BulletToolSettings m_settings;
+	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;
 	double m_mass;  // of the tool as it came [kg]
 };

@@ -34,7 +34,7 @@ void scale(LinearContact& c, double factor)
 
 BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock,
 											 const BulletDecoupledSettings& settings)
-	: m_tool(tool), m_tree(std::move(tree)), m_time(clock), m_settings(settings), m_X_WB(inverse(settings.X_BW)),
+	: m_tool(tool), m_tree(std::move(tree)), m_time(clock), m_settings(settings), m_coupling(settings.gains), m_X_WB(inverse(settings.X_BW)),
 	  m_topology(settings.topology), m_finder(*m_tree, settings.maxPairs), m_lastTopology(settings.topology),
 	  m_threadFinder(*m_tree, settings.maxPairs)
 {
@@ -76,19 +76,21 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 		for (int slot = 0; slot < kMirroredBodies; ++slot) m_local.body(slot).share = 0;
 	step.overdue = m_worldAge.known() ? m_worldAge.overdue(now) : 0;
 
-	forgetMomentum(dt);
-	step.coupling = pull(dt, hand);
 	const auto begin = std::chrono::steady_clock::now();
 	step.queryMicroseconds = 0;
 	m_touchingCount = 0;
 	findContacts(now, step);
 	if (topology() == ContactTopology::InTick) step.queryMicroseconds = microsecondsSince(begin);
 	weighContacts(dt, factor);
+	adapt(dt, hand);
+	forgetMomentum(dt);
+	step.coupling = pull(dt, hand);
 	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
 	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
 	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching, m_touchingCount, m_mirror.snapshot());
 	step.tool = toolState();
-	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_settings.gains, step.coupling, step.tool.twist, dt);
+	step.couplingFactor = m_coupling.factor();
+	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_coupling.gains(), step.coupling, step.tool.twist, dt);
 	fill(dt, origin, step);
 	post();
 }
@@ -108,19 +110,35 @@ void BulletDecoupledSource::takeSnapshot(std::int64_t now) noexcept
 	m_period.store(m_worldAge.period(), std::memory_order_relaxed);
 }
 
+/// To the contacts of this very step.
+void BulletDecoupledSource::adapt(double dt, const DeviceState& hand) noexcept
+{
+	if (!m_coupling.adapts() || !(dt > 0)) return;
+	ist::SymmetricMatrix6 resistance;
+	bool rigid = false;
+	for (int i = 0; i < m_touchingCount; ++i)
+	{
+		const LinearContact& c = m_touching[i];
+		addResistance(resistance, c.stiffness, c.damping, c.point - m_local.tool.state.X_WT.translation, dt);
+		rigid = rigid || c.friction > 0;
+	}
+	const bool hasMass = !m_settings.gains.isStatic;
+	m_coupling.adapt(resistance, rigid, hasMass ? m_local.tool.mass : 0, hasMass ? m_leastInertia : 0, hand.X_WH, toolState().X_WT, dt);
+}
+
 ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) const noexcept
 {
 	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
-	if (m_settings.gains.isStatic) return staticPull(m_settings.gains, hand.X_WH, toolState().X_WT);
+	if (m_settings.gains.isStatic) return staticPull(m_coupling.gains(), hand.X_WH, toolState().X_WT);
 	const ist::Wrench wanted =
-		couplingOnTool(m_settings.gains, hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
+		couplingOnTool(m_coupling.gains(), hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
 	return isFinite(wanted) ? wanted : ist::Wrench();
 }
 
 /// Before a step on a static coupling.
 void BulletDecoupledSource::forgetMomentum(double dt) noexcept
 {
-	const CouplingGains& gains = m_settings.gains;
+	const CouplingGains& gains = m_coupling.gains();
 	LocalTool& tool = m_local.tool;
 	if (!gains.isStatic) return;
 	if (gains.stiffness > 0)

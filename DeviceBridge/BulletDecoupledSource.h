@@ -5,6 +5,7 @@
 #include <memory>
 #include <thread>
 
+#include "DeviceBridge/AdaptiveCoupling.h"
 #include "DeviceBridge/BulletLocalWorld.h"
 #include "DeviceBridge/BulletToolContacts.h"
 #include "DeviceBridge/ModelAge.h"
@@ -133,6 +134,7 @@ private:
 		std::uint64_t coarsened = 0, overBudget = 0, refused = 0;
 	};
 
+	void adapt(double dt, const DeviceState& hand) noexcept;
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
 	void forgetMomentum(double dt) noexcept;
 	void takeSnapshot(std::int64_t now) noexcept;
@@ -150,6 +152,7 @@ private:
 	std::shared_ptr<const ist::InnerSphereTree> m_tree;
 	SteadyTime m_time;
 	BulletDecoupledSettings m_settings;
+	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;
 	double m_leastInertia = 0;
 	ist::Vec3 m_weight;  // of the tool, in World, as far as the hand is to feel it [N]

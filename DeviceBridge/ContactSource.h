@@ -33,6 +33,7 @@ struct ToolStep
 {
 	ToolState tool;
 	ist::Wrench coupling;  ///< that the virtual coupling exerts on the tool, about its origin, in W
+	double couplingFactor = 1;  ///< its stiffness over that of its gains, where it adapts (AdaptiveCoupling.h)
 	ToolContact contacts[kMaxToolContacts];
 	int contactCount = 0;
 	double overlapVolume = 0;  ///< over all contacts, also those beyond kMaxToolContacts [m^3]

@@ -13,6 +13,8 @@ struct CouplingGains
 	/// The static coupling: the tool has no momentum, each step puts it where coupling and contact balance, and the damping has no meaning. A freedom
 	/// without stiffness stays dynamic. Source: Wan and McNeely 2003.
 	bool isStatic = false;
+	/// As long as contact is soft, up to so many times stiffer (AdaptiveCoupling.h); 1: never.
+	double softContact = 1;
 };
 
 /// Mass of a tool that stands for a static coupling of stiffness K [N/m], or inertia for one of K [N m/rad]: at rest before the step, and pulled

@@ -293,6 +293,7 @@ private:
 		c.angularDamping = f.number("angularDamping", -1, 0, 1e4);
 		c.maxForce = f.number("maxForce", -1, 0, 1e4);
 		c.maxTorque = f.number("maxTorque", -1, 0, 1e4);
+		c.softContact = f.number("softContact", 1, 1, 1e3);
 		f.finish();
 	}
 

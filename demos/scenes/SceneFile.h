@@ -104,6 +104,7 @@ struct SceneCoupling
 	// Negative: as passiveGains() says for the device.
 	double stiffness = -1, angularStiffness = -1, damping = -1, angularDamping = -1, maxForce = -1, maxTorque = -1;
 	bool isStatic = false;
+	double softContact = 1;
 };
 
 struct Scene

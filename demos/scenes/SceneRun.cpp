@@ -84,6 +84,7 @@ void apply(const SceneCoupling& wanted, CouplingGains& gains)
 	take(wanted.maxForce, gains.maxForce);
 	take(wanted.maxTorque, gains.maxTorque);
 	gains.isStatic = wanted.isStatic;
+	gains.softContact = wanted.softContact;
 }
 
 std::vector<HandKeyFrame> framesInW(const Scene& scene, const Pose& X_MP, const Pose& X_BW)

@@ -195,37 +195,60 @@ TEST(ReplacedModules, AUsersLawThatIsNotFiniteIsHeldBack)
 	EXPECT_FALSE(thread.faulted());
 }
 
-// What the hand feels is the coupling, however stiff the contact is: six decades beyond what direct rendering bears.
+namespace
+{
+struct CoupledHand
+{
+	const char* profile;
+	bool isStatic;
+	double softContact;
+};
+
+/// Whether a simulated hand that presses a ball on a plane comes to rest there, and feels its own spring.
+void expectRest(const CoupledHand& coupled, double stiffness)
+{
+	SCOPED_TRACE(std::string(coupled.profile) + (coupled.isStatic ? ", static" : ", dynamic") + ", " + std::to_string(stiffness));
+	const SimulatedProfile profile = simulatedProfile(coupled.profile).value();
+	SimulatedDevice device(profile);
+	device.place({{}, {0, kStart, 0}});
+	device.setHand(handThrough({{0.6, {{}, {0, kStart, 0}}}, {0.8, {{}, {0, kTarget, 0}}}}));
+	device.open();
+	BallOnPlane scene(stiffness);
+	if (coupled.softContact > 1) scene.ball.setFriction(0);
+	BulletToolSettings settings;
+	settings.gains = passiveGains(profile.info, profile.damping, profile.angularDamping, 1e-3);
+	settings.gains.isStatic = coupled.isStatic;
+	settings.gains.softContact = coupled.softContact;
+	BulletContactSource source(scene.world, scene.ball, settings);
+	VirtualClock clock;
+	SteppingThread thread(device, source, clock);
+	double low = 1e300, high = -1e300, taken = 0;  // by the mechanism [J]
+	for (int i = 0; i < 3000; ++i)
+	{
+		const double from = device.truePose().translation.y;
+		thread.run(1);
+		const double way = device.truePose().translation.y - from;
+		taken += profile.damping * way * way / 1e-3;
+		if (i < 2500) continue;
+		low = std::min(low, device.truePose().translation.y);
+		high = std::max(high, device.truePose().translation.y);
+	}
+	EXPECT_LT(high - low, 5e-6);
+	const double spring = profile.handStiffness * (high - kTarget);
+	EXPECT_GT(spring, stiffness < 1e6 ? 1e-6 : 0.5);
+	EXPECT_NEAR(thread.sentWrench().force.y, spring, 0.01 * spring + 1e-4);
+	EXPECT_FALSE(thread.faulted());
+	// Of both the landing and the rest. It comes after the ramp, which itself raises a spring that is pressed. The steps of a coarse sensor feign some; and a tool without
+	// momentum chatters on a contact that yields by less than single precision knows of its place. The mechanism must have taken up all of it.
+	const bool exact = !coupled.isStatic && profile.info.resolution < 1e-5 && stiffness >= 1e6;
+	EXPECT_LT(thread.energy().generated, exact ? 1e-9 : taken);
+}
+}  // namespace
+
+// What the hand feels is the coupling, however stiff the contact is: six decades beyond what direct rendering bears. So it is for devices of three and of six
+// freedoms, with a tool that has mass or none, and with a coupling that adapts.
 TEST(CoupledStiffness, ContactUpToATrillionPascalsPerMetreIsAtRest)
 {
-	const SimulatedProfile profile = simulatedProfile("sigma7").value();
-	for (const double stiffness : {1e6, 1e8, 1e10, 1e12})
-	{
-		SCOPED_TRACE(stiffness);
-		SimulatedDevice device(profile);
-		device.place({{}, {0, kStart, 0}});
-		device.setHand(handThrough({{0.6, {{}, {0, kStart, 0}}}, {0.8, {{}, {0, kTarget, 0}}}}));
-		device.open();
-		BallOnPlane scene(stiffness);
-		BulletToolSettings settings;
-		settings.gains = passiveGains(profile.info, profile.damping, profile.angularDamping, 1e-3);
-		BulletContactSource source(scene.world, scene.ball, settings);
-		VirtualClock clock;
-		SteppingThread thread(device, source, clock);
-		double low = 1e300, high = -1e300;
-		for (int i = 0; i < 3000; ++i)
-		{
-			thread.run(1);
-			if (i < 2500) continue;
-			low = std::min(low, device.truePose().translation.y);
-			high = std::max(high, device.truePose().translation.y);
-		}
-		EXPECT_LT(high - low, 5e-6);
-		const double spring = profile.handStiffness * (high - kTarget);
-		EXPECT_GT(spring, 1);
-		EXPECT_NEAR(thread.sentWrench().force.y, spring, 0.01 * spring);
-		EXPECT_FALSE(thread.faulted());
-		// Of both the landing and the rest. It comes after the ramp, which itself raises a spring that is pressed.
-		EXPECT_LT(thread.energy().generated, 1e-9);
-	}
+	for (const CoupledHand& coupled : {CoupledHand{"sigma7", false, 1}, CoupledHand{"sigma7", true, 1}, CoupledHand{"sigma7", true, 8}, CoupledHand{"touchx", false, 1}, CoupledHand{"touchx", true, 8}})
+		for (const double stiffness : {1e2, 1e4, 1e6, 1e8, 1e10, 1e12}) expectRest(coupled, stiffness);
 }

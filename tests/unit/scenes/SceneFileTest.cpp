@@ -44,7 +44,7 @@ const char* const kWhole = R"({
 		"tool": "tool",
 		"gravity": true,
 		"origin": {"position": [0, 0, 1], "turn": [0, 0, 45]},
-		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05},
+		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05, "softContact": 4},
 		"path": [
 			{"time": 0, "position": [0, 0, 1]},
 			{"time": 1, "position": [0, 0, 2], "turn": [10, 0, 0]}
@@ -138,6 +138,7 @@ TEST(SceneFile, ReadsBodiesHandAndHooks)
 	EXPECT_EQ(s.coupling.angularDamping, 0.001);
 	EXPECT_EQ(s.coupling.maxForce, 5);
 	EXPECT_EQ(s.coupling.maxTorque, 0.05);
+	EXPECT_EQ(s.coupling.softContact, 4);
 	ASSERT_EQ(s.path.size(), 2u);
 	EXPECT_EQ(s.path[1].time, 1);
 	EXPECT_EQ(s.path[1].X_BM.translation, (Vec3{0, 0, 2}));
@@ -206,6 +207,7 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"tool\": \"tool\",", "\"tool\": \"two\",", "s.json:29: hand.tool: two is fixed"},
 		{"\"tool\": \"tool\",", "", "s.json:27: hand.tool: is missing"},
 		{"\"turn\": [0, 0, 45]", "\"turn\": 45", "s.json:31: hand.origin.turn: wants three numbers"},
+		{"\"softContact\": 4", "\"softContact\": 0.5", "s.json:32: hand.coupling.softContact: wants a number from"},
 		{"\"maxForce\": 5", "\"maxForce\": -5", "s.json:32: hand.coupling.maxForce: wants a number from"},
 		{"\"time\": 1,", "\"time\": 0,", "s.json:35: hand.path[1].time: wants more than that of the frame before"},
 		{"{\"time\": 0, \"position\": [0, 0, 1]}", "7", "s.json:34: hand.path[0]: wants an object in braces"},
