@@ -19,7 +19,7 @@ struct GraspLoadTick
 	double oneMicroseconds = 0;  ///< of it all, by one thread
 	double twoMicroseconds = 0;  ///< of the busier of two threads that share the queries, and all the rest
 	double queryMicroseconds = 0;  ///< of the queries that can be shared, together
-	double mapMicroseconds = 0;
+	double mapMicroseconds = 0, restMicroseconds = 0;  ///< of the heat map; of the response and all that is no shared query, by one thread
 	double pairs = 0;            ///< with the object
 	int parts = 0;               ///< in contact with the object
 };
