@@ -100,9 +100,7 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
 	patch.stiffness = ist::projectedPositive(movedToWorld(ist::pressureStiffness(sums, pair), R, c), length);
 
-	Matrix6 damping = Matrix6::Zero();
-	damping.topLeftCorner<3, 3>() = n * n.transpose();
-	damping.bottomRightCorner<3, 3>() = crossMatrix(n) * spread * crossMatrix(n).transpose();
-	patch.damping = toSymmetric(contact.constants.dissipation * force * damping);
+	const Matrix6 damping = contact.constants.dissipation * movedToWorld(ist::pressureDamping(sums, pair), R, c);
+	patch.damping = ist::projectedPositive(toSymmetric(damping), length);
 	return true;
 }

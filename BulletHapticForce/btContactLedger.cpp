@@ -108,7 +108,7 @@ double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* p
 	return total;
 }
 
-btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count, double dissipation)
+btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count)
 {
 	btISTContactWork sum;
 	sum.acted = true;
@@ -116,11 +116,11 @@ btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count
 	{
 		const btLedgerPatch& p = patches[i];
 		const ist::Twist u = mean(p);
-		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal), approach = -dot(u.linear, p.patch.normal);
-		const double product = dissipation * approach;
+		const ist::Wrench drag = p.patch.damping * u;  // -d(wrench), so that what approaches has a negative normal part
+		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal);
 		double dissipated = 0;
 		if (force > 0 && normal > 0)
-			dissipated = normal * work(p.patch.damping * u, u) / force / std::max(1 + product, kLeastPressure);
+			dissipated = normal * work(drag, u) / force / std::max(1 - dot(drag.force, p.patch.normal) / force, kLeastPressure);
 		sum.damping -= dissipated;
 		sum.elastic += work(p.elastic, u) + dissipated;
 		sum.friction += work(p.impulse - p.elastic, u);

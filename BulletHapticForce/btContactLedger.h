@@ -31,7 +31,7 @@ void hold(btLedgerPatch& patch, double share);
 /// Enters what the impulses did; `after` and `own` with the impulses as they were applied at last. Returns the work on the bodies [J].
 double enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h);
 /// What the impulses did, part by part. Damping is what Hunt and Crossley's law dissipates at the mean velocity under the elastic impulse that
-/// was exerted, L_n d a^2 / (1 + d a) with a the approach speed (and its like for rotations), never negative; what is left of the elastic
-/// impulse's work is `elastic`. `patches` as for `enter`; `dissipation` [s/m].
-btISTContactWork workOf(const btLedgerPatch* patches, int count, double dissipation);
+/// was exerted, L_n d a^2 / (1 + d a) with a the approach speed (and its like for rotations and for normals that differ, by the patch's damping), never
+/// negative; what is left of the elastic impulse's work is `elastic`. `patches` as for `enter`.
+btISTContactWork workOf(const btLedgerPatch* patches, int count);
 }  // namespace btContactLedger

@@ -382,7 +382,7 @@ void btVolumetricIslands::enterWork(size_t first, int count, const btSolverBody*
 	gatherLedger(first, bodies, patches);
 	btISTContact& contact = *m_entries[first].contact;
 	btContactLedger::enter(contact.ledger, patches, count, m_step);
-	contact.work = btContactLedger::workOf(patches, count, contact.constants.dissipation);
+	contact.work = btContactLedger::workOf(patches, count);
 }
 
 void btVolumetricIslands::finish(btSolverBody* bodies)

@@ -27,7 +27,7 @@ public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
 	/// See btISTRegistration::sharedStore.
-	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) {}
+	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) { m_store->sumDamping(true); }
 
 	void prepareSolve(int bodyCount, int manifoldCount) override;
 	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;

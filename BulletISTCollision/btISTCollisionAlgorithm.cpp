@@ -54,12 +54,12 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 }
 
 /// The sums of `contact` at its X_AB: answered ahead of its turn, or now.
-void btISTCollisionAlgorithm::update(const btISTShapeField& field, btISTContact& contact) const
+void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& contact) const
 {
 	btISTContactStore& store = m_context->store;
 	btISTQueryWork work;
 	if (!m_contact || !m_context->threads || !m_context->threads->take(contact, work))
-		work = btISTPairQuery(field, m_context->rules, m_contact).answer(contact, m_context->workspace, m_contact && store.measuresQueryTime());
+		work = query.answer(contact, m_context->workspace, m_contact && store.measuresQueryTime());
 	if (m_contact) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
 }
 
@@ -74,13 +74,20 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	contact.X_WA = toPose(wrapA->getWorldTransform());
 	contact.X_AB = ist::inverse(contact.X_WA) * toPose(wrapB->getWorldTransform());
 	contact.foreseeable = isBody(*wrapA) && isBody(*wrapB);
-	update(m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape()), contact);
+	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
+	const btISTPairQuery query(field, m_context->rules, m_contact, m_contact && m_context->store.sumsDamping());
+	update(query, contact);
 
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
 	contact.work = btISTContactWork();
 	if (contact.patchCount == 0) contact.ledger = btISTContactLedger();
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
+	if (query.lacksDamping(contact))  // the constants of the last step were others
+	{
+		contact.kept.forget();
+		update(query, contact);
+	}
 	contact.error = ist::OverlapError();
 	const double gap = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
 	if (contact.total.volume > 0) contact.error = ist::overlapError(contact.total, gap, contact.constants.k);

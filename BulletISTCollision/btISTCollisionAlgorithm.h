@@ -26,7 +26,7 @@ class btCollisionDispatcher;
 class btOverlappingPairCache;
 class btISTContext;
 class btISTInstallation;
-class btISTShapeField;
+class btISTPairQuery;
 
 /// Handle on what `registerAlgorithm` did; the last one to go puts back every entry of the dispatch tables that is still ours.
 /// It must go before the dispatcher (or be told `dispatcherIsGone`). Pairs that exist keep their volumetric contact until they
@@ -123,7 +123,7 @@ public:
 
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
-	void update(const btISTShapeField& field, btISTContact& contact) const;
+	void update(const btISTPairQuery& query, btISTContact& contact) const;
 	bool isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const;
 	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
 	void destroyStock();

@@ -133,6 +133,10 @@ public:
 	uint64_t step() const { return m_step; }
 	void nextStep() { ++m_step; }
 
+	/// Whether the sums of respond-mode pairs have their damping (ist::QueryOptions::damping) where the pair has a dissipation: for a solver that uses it.
+	void sumDamping(bool on) { m_sumsDamping = on; }
+	bool sumsDamping() const { return m_sumsDamping; }
+
 	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]; counted only when switched on,
 	/// for two readings of the clock a pair.
 	/// Also counted in each pair's `cost`.
@@ -153,7 +157,7 @@ private:
 	std::vector<btISTContact*> m_active, m_free;
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
 	uint64_t m_step = 1;
-	bool m_measures = false;
+	bool m_measures = false, m_sumsDamping = false;
 	double m_querySeconds = 0;
 	btISTQueryCost m_cost;
 };

@@ -31,8 +31,23 @@ void btISTQueryRules::setForceErrorOf(const btCollisionObject* body, std::option
 	++m_version;
 }
 
+/// That the sums of `contact` should have; both zero: none.
+ist::DampingWeights btISTPairQuery::dampingWeights(const btISTContact& contact) const
+{
+	const bool wanted = m_damping && contact.constants.dissipation > 0;
+	return wanted ? ist::DampingWeights{contact.constants.weightA, contact.constants.weightB} : ist::DampingWeights();
+}
+
+bool btISTPairQuery::lacksDamping(const btISTContact& contact) const
+{
+	const ist::DampingWeights wanted = dampingWeights(contact);
+	return contact.patchCount > 0 && wanted != ist::DampingWeights() && wanted != contact.total.dampingWeights;
+}
+
 ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspace& workspace) const
 {
+	ist::QueryOptions options = m_rules.options();
+	options.damping = dampingWeights(contact);
 	ist::PairAccuracy& pair = contact.accuracy;
 	const double error = m_rules.forceErrorOf(contact.bodyA, contact.bodyB);
 	const bool accepts = error > 0;
@@ -44,18 +59,18 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 		accepted.error = error;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		const ist::OverlapResult result = ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, m_rules.options(), pair);
+		const ist::OverlapResult result = ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair);
 		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
 		return result;
 	}
 	pair = ist::PairAccuracy();
-	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, m_rules.options());
+	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
 	contact.halfSpace = m_field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;
 	if (!m_field.field()) return none;  // scaled to nothing since the pair was made
 	contact.volumeB = m_field.field()->volume();
-	return ist::queryField(*contact.treeA, *m_field.field(), contact.X_AB * m_field.X_SF(), workspace, m_rules.options());
+	return ist::queryField(*contact.treeA, *m_field.field(), contact.X_AB * m_field.X_SF(), workspace, options);
 }
 
 /// Zero where there is none, or where a query is as cheap, or where balls answered that reach farther than the leaves.

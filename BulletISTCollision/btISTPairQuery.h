@@ -47,11 +47,18 @@ struct btISTQueryWork
 class btISTPairQuery
 {
 public:
-	/// `field`: B's shape where it has no tree. `responds`: the contact remembers from step to step. All outlive this.
-	btISTPairQuery(const btISTShapeField& field, const btISTQueryRules& rules, bool responds) : m_field(field), m_rules(rules), m_responds(responds) {}
+	/// `field`: B's shape where it has no tree. `responds`: the contact remembers from step to step. `damping`: sums are to have theirs, where the pair
+	/// has a dissipation. All outlive this.
+	btISTPairQuery(const btISTShapeField& field, const btISTQueryRules& rules, bool responds, bool damping)
+		: m_field(field), m_rules(rules), m_responds(responds), m_damping(damping)
+	{
+	}
 	btISTQueryWork answer(btISTContact& contact, ist::QueryWorkspace& workspace, bool timed) const;
+	/// Whether the sums were asked for with other weights than the pair has now.
+	bool lacksDamping(const btISTContact& contact) const;
 
 private:
+	ist::DampingWeights dampingWeights(const btISTContact& contact) const;
 	ist::OverlapResult ask(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 	void take(btISTContact& contact, const ist::OverlapResult& result) const;
 	btISTKeptResult::Measures measures(const btISTContact& contact) const;
@@ -59,5 +66,5 @@ private:
 
 	const btISTShapeField& m_field;
 	const btISTQueryRules& m_rules;
-	bool m_responds;
+	bool m_responds, m_damping;
 };

@@ -81,6 +81,7 @@ void btISTQueryThreads::askAhead(const btISTContactStore& store, const btISTQuer
 	{
 		m_rules = rules;
 		m_timed = store.measuresQueryTime();
+		m_damping = store.sumsDamping();
 		gather(store, dispatcher);
 	}
 	if (free && m_count > 0) answerShared(own);
@@ -123,7 +124,7 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 void btISTQueryThreads::answer(Answer& answer, ist::QueryWorkspace& workspace) const
 {
 	const double begin = m_timed ? ist::threadMicroseconds() : 0;
-	answer.work = btISTPairQuery(answer.field, m_rules, true).answer(answer.contact, workspace, m_timed);
+	answer.work = btISTPairQuery(answer.field, m_rules, true, m_damping).answer(answer.contact, workspace, m_timed);
 	if (m_timed) answer.microseconds = ist::threadMicroseconds() - begin;
 }
 

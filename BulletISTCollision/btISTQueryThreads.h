@@ -71,7 +71,7 @@ private:
 	int m_count = 0;
 	uint64_t m_pass = 1;
 	btISTQueryRules m_rules;  ///< of this pass
-	bool m_timed = false;
+	bool m_timed = false, m_damping = false;
 	btISTSharedQueries m_shared;
 	std::vector<double> m_ends;  ///< of the threads, as if they were never interrupted [us]
 	double m_spin;  ///< [us]

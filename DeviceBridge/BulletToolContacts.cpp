@@ -16,24 +16,27 @@ std::shared_ptr<const ist::InnerSphereTree> notOwned(const ist::InnerSphereTree*
 }
 }  // namespace
 
-BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::int64_t maxPairs) : m_tool(tool)
+BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::int64_t maxPairs) : m_tool(tool), m_maxPairs(maxPairs)
 {
-	m_options.maxPairs = maxPairs;
 	m_contact.treeA = notOwned(&tool);
 }
 
 ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB) noexcept
 {
+	ist::QueryOptions options;
+	if (body.dissipation > 0) options.damping = {body.toolWeight, 1 - body.toolWeight};
 	if (!body.tree)  // a half-space has no levels
 	{
 		const ist::Vec3 normal = transpose(X_WT.rotation) * body.planeNormal;
-		return queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace);
+		return queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace, options);
 	}
 	const ist::Pose X_TB = inverse(X_WT) * X_WB;
-	const ist::OverlapResult result = queryOverlap(m_tool, *body.tree, X_TB, m_workspace, m_options);
+	options.maxPairs = m_maxPairs;
+	const ist::OverlapResult result = queryOverlap(m_tool, *body.tree, X_TB, m_workspace, options);
 	if (result.status != ist::QueryStatus::BudgetTooSmall) return result;
 	++m_overBudget;
-	return queryOverlap(m_tool, *body.tree, X_TB, m_workspace);
+	options.maxPairs = -1;
+	return queryOverlap(m_tool, *body.tree, X_TB, m_workspace, options);
 }
 
 int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,

@@ -34,7 +34,7 @@ private:
 
 	const ist::InnerSphereTree& m_tool;
 	ist::QueryWorkspace m_workspace;
-	ist::QueryOptions m_options;
+	std::int64_t m_maxPairs;
 	btISTContact m_contact;  // the law reads from it; its trees are not owned
 	std::uint64_t m_coarsened = 0, m_overBudget = 0, m_refused = 0;
 	bool m_measures = false;

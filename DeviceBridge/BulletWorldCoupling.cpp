@@ -55,6 +55,7 @@ ist::Vec3 freely(const ist::Vec3& response, const ist::Vec3& whole)
 BulletWorldCoupling::BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule)
 	: m_world(world), m_registration(registration), m_rule(rule)
 {
+	m_registration.store().sumDamping(true);  // for the hands, whoever solves the world
 }
 
 BulletWorldCoupling::~BulletWorldCoupling() = default;

@@ -50,19 +50,27 @@ SymmetricMatrix3 symmetricProduct(const Vec3& a, const Vec3& b)
 struct Accumulator
 {
 	OverlapIntegrals sums;
-	PointStiffness stiffnessA, stiffnessB;
+	PointStiffness stiffnessA, stiffnessB, damping;
 
-	void add(const FieldTerm& term, const MomentEllipsoid& leaf, bool stiffness);
+	void add(const FieldTerm& term, const MomentEllipsoid& leaf, const QueryOptions& options);
+	void addDamping(const FieldTerm& term, const Vec3& mA);
 	OverlapIntegrals finished() const
 	{
 		OverlapIntegrals result = sums;
 		stiffnessA.addTo(result.stiffnessA);
 		stiffnessB.addTo(result.stiffnessB);
+		damping.addTo(result.damping);
 		return result;
 	}
 };
 
-void Accumulator::add(const FieldTerm& term, const MomentEllipsoid& leaf, bool stiffness)
+void Accumulator::addDamping(const FieldTerm& term, const Vec3& mA)
+{
+	const Vec3 w = sums.dampingWeights.B * term.normal - sums.dampingWeights.A * mA;
+	damping.add(SymmetricMatrix3::square(w) * term.volume, term.centroid);
+}
+
+void Accumulator::add(const FieldTerm& term, const MomentEllipsoid& leaf, const QueryOptions& options)
 {
 	const double mass = term.volume;
 	const Vec3 &C = term.centroid, mA = leaf.normal(), first = C * mass, nA = mA * mass, nB = term.normal * mass;
@@ -81,7 +89,9 @@ void Accumulator::add(const FieldTerm& term, const MomentEllipsoid& leaf, bool s
 	sums.areaVector += term.area;
 	sums.depthA += mass * (leaf.depth - dot(mA, C - leaf.center()));
 	sums.depthB += mass * term.depth;
-	if (!stiffness) return;
+	sums.dampingWeights = options.damping;
+	if (options.damping != DampingWeights()) addDamping(term, mA);
+	if (!options.stiffness) return;
 	const bool cut = squaredNorm(term.area) > 0, bent = term.bend.trace() > 0;
 	if (cut) stiffnessA.add(symmetricProduct(term.area, -mA), C);
 	if (cut || bent) stiffnessB.add(symmetricProduct(term.area, term.normal) + term.bend * -1.0, C);
@@ -185,7 +195,7 @@ void FieldQuery::take(const FieldTerm& term)
 	m_area += term.area;
 	if (m_grouped && int(m_work.terms.size()) < m_work.capacity.pairs) return list(term);
 	if (m_grouped) m_result.pairListComplete = false;
-	m_rest.add(term, m_A.balls[term.ball], m_options.stiffness);
+	m_rest.add(term, m_A.balls[term.ball], m_options);
 }
 
 // Grouped by the field's normals alone: they tell one face of a box from the next, and those of a plane are all the same.
@@ -218,7 +228,7 @@ void FieldQuery::publish()
 		Accumulator sums = p == 0 ? m_rest : Accumulator();
 		for (int i = 0; i < listed; ++i)
 			if (groups == 1 || m_work.grouper.patch()[i] == kernels::GroupNumber(p))
-				sums.add(m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options.stiffness);
+				sums.add(m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options);
 		m_work.patches[p] = sums.finished();
 	}
 	OverlapIntegrals& total = m_result.total;

@@ -36,7 +36,9 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	{
 		stiffnessA.m[i] += o.stiffnessA.m[i];
 		stiffnessB.m[i] += o.stiffnessB.m[i];
+		damping.m[i] += o.damping.m[i];
 	}
+	if (o.dampingWeights != DampingWeights()) dampingWeights = o.dampingWeights;
 	depthA += o.depthA;
 	depthB += o.depthB;
 	spread += o.spread;
@@ -50,7 +52,7 @@ void OverlapIntegrals::scale(double factor)
 	for (double& m : secondMoment) m *= factor;
 	for (Wrench* w : {&normalA, &normalB, &line}) *w = factor * *w;
 	areaVector *= factor;
-	for (SymmetricMatrix6* K : {&stiffnessA, &stiffnessB})
+	for (SymmetricMatrix6* K : {&stiffnessA, &stiffnessB, &damping})
 		for (double& k : K->m) k *= factor;
 	depthA *= factor;
 	depthB *= factor;

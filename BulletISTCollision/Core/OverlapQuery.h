@@ -18,7 +18,15 @@ struct SymmetricMatrix6
 	double& operator()(int i, int j) { return m[index(i, j)]; }
 };
 
-/// Material-free integrals over the overlap of A and B (or over one patch of it). Axes of A's mesh frame; moments are taken
+/// Which fields press, for `OverlapIntegrals::damping`: that of A with weight A, that of B with weight B, neither negative. Both 0: none.
+struct DampingWeights
+{
+	double A = 0, B = 0;
+};
+inline bool operator==(const DampingWeights& a, const DampingWeights& b) { return a.A == b.A && a.B == b.B; }
+inline bool operator!=(const DampingWeights& a, const DampingWeights& b) { return !(a == b); }
+
+/// Integrals over the overlap of A and B (or over one patch of it), free of materials but for the damping's weights. Axes of A's mesh frame; moments are taken
 /// about A's `origin` (its centre of mass). Derived in ARCHITECTURE.md "Pressure field law". dd = d_i d_j, L = volume that two
 /// ellipsoids share in units of their densities (Lens.h; for Model::Inner the lens of two balls), C = its centroid, m = mean outward normal
 /// of a leaf, area n = minus the gradient of L by c_i - c_j, with n of unit length.
@@ -31,6 +39,10 @@ struct OverlapIntegrals
 	Wrench line;                ///< sum dd L n and sum C x the same: the paper's eq. (1) at rest; only with Model::Inner
 	Vec3 areaVector;            ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
+	/// sum dd L G G^T with w = w_B m_j - w_A m_i, which is the direction in which the pair presses, and G = (w, C x w): over twists of A, the square of
+	/// the speed at which the pair comes together, weighted with its pressure [m^3, m^4, m^5]. Zero where `dampingWeights` are.
+	SymmetricMatrix6 damping;
+	DampingWeights dampingWeights;
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i.(C - c_i)) and the same of j: Int depth dV [m^4]
 	double spread = 0;          ///< sum s_ij^2, s_ij = dd min(L, L_0 - L) [m^6]; L_0 = L with both in one place
 	int64_t pairs = 0;          ///< intersecting pairs
@@ -78,6 +90,7 @@ struct QueryOptions
 	double otherShare = 0;
 	int otherLevel = 0;
 	bool stiffness = true;  ///< fill stiffnessA/B
+	DampingWeights damping;  ///< fill `damping` for fields of these weights; not with Model::Inner
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
 	/// The list also has pairs whose bounding balls meet though they share nothing (lens 0); one patch; not with `maxPairs`.
@@ -163,5 +176,6 @@ OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, doubl
 							 const QueryOptions& options = {});
 
 /// Slow, obvious reference: all pairs in double, one patch. For tests and benchmarks.
-OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model = Model::Law);
+OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model = Model::Law,
+									 const DampingWeights& damping = {});
 }  // namespace ist

@@ -23,6 +23,12 @@ void addSymmetricProduct(SymmetricMatrix6& K, double factor, const Vec3& C, cons
 			K(i, j) += factor * 0.5 * (gn[i / 3][i % 3] * gw[j / 3][j % 3] + gn[j / 3][j % 3] * gw[i / 3][i % 3]);
 }
 
+void addDamping(OverlapIntegrals& sums, double mass, const Vec3& C, const Vec3& mA, const Vec3& mB)
+{
+	const Vec3 w = sums.dampingWeights.B * mB - sums.dampingWeights.A * mA;
+	addSymmetricProduct(sums.damping, mass, C, w, w);
+}
+
 void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R,
 			 const Lens& lens, double whole)
 {
@@ -39,6 +45,7 @@ void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllip
 	sums.areaVector += dd * lens.area * lens.normal;
 	addSymmetricProduct(sums.stiffnessA, dd * lens.area, C, lens.normal, -mA);
 	addSymmetricProduct(sums.stiffnessB, dd * lens.area, C, lens.normal, mB);
+	addDamping(sums, mass, C, mA, mB);
 	sums.depthA += mass * (a.depth - dot(mA, C - a.center()));
 	sums.depthB += mass * (b.depth - dot(mB, C - centerB));
 	const double s = dd * std::max(0.0, std::min(lens.volume, whole - lens.volume));
@@ -64,7 +71,8 @@ bool addEllipsoids(OverlapIntegrals& sums, const MomentEllipsoid& a, const Momen
 }
 }  // namespace
 
-OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model)
+OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model,
+									 const DampingWeights& damping)
 {
 	OverlapResult result;
 	if (!isRigid(X_AB))
@@ -80,6 +88,7 @@ OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphere
 		return result;
 	}
 	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
+	if (model != Model::Inner) result.total.dampingWeights = damping;
 	for (const MomentEllipsoid& b : treeB.balls)
 	{
 		const Vec3 centerB = X * b.center();

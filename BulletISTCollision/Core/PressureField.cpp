@@ -26,6 +26,13 @@ SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const Pres
 	return K;
 }
 
+SymmetricMatrix6 pressureDamping(const OverlapIntegrals& integrals, const PressurePair& pair)
+{
+	SymmetricMatrix6 D = integrals.damping;
+	for (double& d : D.m) d *= pair.stiffness;
+	return D;
+}
+
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length)
 {
 	const double unit = length > 0 && std::isfinite(length) ? length : 1;

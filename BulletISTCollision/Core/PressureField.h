@@ -20,6 +20,10 @@ Wrench pressureWrench(const OverlapIntegrals& integrals, const PressurePair& pai
 double pressureEnergy(const OverlapIntegrals& integrals, const PressurePair& pair);
 /// -d(force, torque)/d(translation, rotation) of A about A's origin, before projection [N/m, N, N m].
 SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const PressurePair& pair);
+/// -d(force, torque)/d(twist) of A about A's origin for a dissipation of 1 s/m: at each pair the pressure grows with the speed at which the bodies
+/// approach along that pair's own normals [N s/m, N s, N m s]. Positive semidefinite but for rounding; bodies that slide along each other, however
+/// curved, are not held back. Of integrals that were asked for with the pair's weights (QueryOptions::damping).
+SymmetricMatrix6 pressureDamping(const OverlapIntegrals& integrals, const PressurePair& pair);
 /// The nearest positive semidefinite matrix: negative eigenvalues set to zero. `length` [m] scales rotations to lengths first,
 /// so that the choice of unit does not enter.
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length);

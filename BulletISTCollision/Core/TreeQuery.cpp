@@ -41,7 +41,7 @@ double stretch(const Mat3& R)
 	return 1 + sum;
 }
 
-OverlapIntegrals collect(const double* sums, float spreadUnit)
+OverlapIntegrals collect(const double* sums, float spreadUnit, const DampingWeights& damping)
 {
 	const auto vector = [&](int i) { return Vec3{sums[i], sums[i + 1], sums[i + 2]}; };
 	const auto wrench = [&](int i) { return Wrench{vector(i), vector(i + 3)}; };
@@ -64,6 +64,16 @@ OverlapIntegrals collect(const double* sums, float spreadUnit)
 			o.stiffnessA(i, j) = 0.5 * (product(i, j) + product(j, i));
 			o.stiffnessB(i, j) = 0.5 * (product(i, j + 6) + product(j, i + 6));
 		}
+	const double* blocks = sums + kDamping;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			o.damping(i, j + 3) = blocks[9 + 3 * i + j];
+			if (j < i) continue;
+			o.damping(i, j) = 0.5 * (blocks[3 * i + j] + blocks[3 * j + i]);
+			o.damping(i + 3, j + 3) = 0.5 * (blocks[18 + 3 * i + j] + blocks[18 + 3 * j + i]);
+		}
+	o.dampingWeights = damping;
 	return o;
 }
 
@@ -83,6 +93,9 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 	m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
 	m_grouped = options.patches && limits.patches > 1 && !options.listMeetingBounds;
 	m_bodies.keepMeeting = options.listMeetingBounds;
+	if (hasShapes()) m_damping = options.damping;
+	m_bodies.weightA = float(m_damping.A);
+	m_bodies.weightB = float(m_damping.B);
 	m_bodies.ballsA = A.balls.data();
 	m_bodies.ballsB = B.balls.data();
 	m_bodies.movedB = work.movedBalls.data();
@@ -109,8 +122,8 @@ bool TreeQuery::answer()
 						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
 						   : 0;
 	if (groups > 1) return publishPatches(groups), true;
-	if (m_listed > 0) m_work.kernel->sumGroup(m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
-	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit);
+	if (m_listed > 0) m_work.kernel->sumGroup(m_bodies, m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
+	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit, m_damping);
 	m_result.patches = m_work.patches.data();
 	m_result.patchCount = m_result.total.pairs > 0 ? 1 : 0;
 	return true;
@@ -277,8 +290,8 @@ void TreeQuery::publishPatches(int groups)
 	for (int p = 0; p < groups; ++p)
 	{
 		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
-		m_work.kernel->sumGroup(m_work.stream, m_work.grouper.patch(), GroupNumber(p), m_listed, m_terms, m_sums);
-		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit);
+		m_work.kernel->sumGroup(m_bodies, m_work.stream, m_work.grouper.patch(), GroupNumber(p), m_listed, m_terms, m_sums);
+		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit, m_damping);
 	}
 	for (int p = 0; p < groups; ++p) m_result.total.add(m_work.patches[p]);
 	m_result.patches = m_work.patches.data();

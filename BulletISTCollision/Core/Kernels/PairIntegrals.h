@@ -301,25 +301,26 @@ void sumScalars(const Stage& stage, int length, double* sums)
 	if constexpr (terms != kLineTerms) addSums(sums + kDepthA, depth);
 }
 
-/// Three rows by four columns of the product g_n (g_wA, g_wB)^T: as many sums as fit into sixteen registers.
-void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product)
+/// Three rows of g by some columns of w, into rows of `stride`. No more than four columns: as many sums as fit into sixteen registers.
+template <int kColumns>
+void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product, int stride)
 {
-	F s[12];
+	F s[3 * kColumns];
 	for (F& v : s) v = F::all(0);
 	for (int k = 0; k < length; k += kLanes)
 	{
 		const F g0 = F::load(g[0] + k), g1 = F::load(g[1] + k), g2 = F::load(g[2] + k);
 		IST_UNROLL
-		for (int j = 0; j < 4; ++j)
+		for (int j = 0; j < kColumns; ++j)
 		{
 			const F wj = F::load(w[j] + k);
 			s[j] += g0 * wj;
-			s[4 + j] += g1 * wj;
-			s[8 + j] += g2 * wj;
+			s[kColumns + j] += g1 * wj;
+			s[2 * kColumns + j] += g2 * wj;
 		}
 	}
 	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 4; ++j) product[12 * i + j] += s[4 * i + j].sum();
+		for (int j = 0; j < kColumns; ++j) product[stride * i + j] += s[kColumns * i + j].sum();
 }
 
 struct alignas(64) Factors
@@ -334,6 +335,7 @@ IST_INLINE void store3(float (*to)[kStage], int at, const F3& v)
 	v.z.store(to[2] + at);
 }
 
+/// The product g_n (g_wA, g_wB)^T.
 void sumStiffness(const Stage& stage, int length, double* product)
 {
 	Factors factors;
@@ -351,12 +353,34 @@ void sumStiffness(const Stage& stage, int length, double* product)
 		store3(factors.w + 9, k, cross(C, mB));
 	}
 	for (int i = 0; i < 6; i += 3)
-		for (int j = 0; j < 12; j += 4) sumTile(factors.g + i, factors.w + j, length, product + 12 * i + j);
+		for (int j = 0; j < 12; j += 4) sumTile<4>(factors.g + i, factors.w + j, length, product + 12 * i + j, 12);
+}
+
+/// What each pair presses with, G = (w, C x w), by itself.
+void sumDamping(const PairBodies& bodies, const Stage& stage, int length, double* product)
+{
+	Factors factors;
+	const F weightA = F::all(bodies.weightA), weightB = F::all(bodies.weightB);
+	for (int k = 0; k < length; k += kLanes)
+	{
+		const F mass = F::load(stage.column[PairStream::Mass] + k);
+		const F3 C = load3(stage, PairStream::Centroid, k);
+		const F3 mA = load3(stage, PairStream::MeanNormalA, k), mB = load3(stage, PairStream::MeanNormalB, k);
+		const F3 w{weightB * mB.x - weightA * mA.x, weightB * mB.y - weightA * mA.y, weightB * mB.z - weightA * mA.z};
+		const F3 turn = cross(C, w);
+		store3(factors.w, k, w);
+		store3(factors.w + 3, k, turn);
+		store3(factors.g, k, {mass * w.x, mass * w.y, mass * w.z});
+		store3(factors.g + 3, k, {mass * turn.x, mass * turn.y, mass * turn.z});
+	}
+	sumTile<3>(factors.g, factors.w, length, product, 3);
+	sumTile<3>(factors.g, factors.w + 3, length, product + 9, 3);
+	sumTile<3>(factors.g + 3, factors.w + 3, length, product + 18, 3);
 }
 
 /// `length`: whole vectors.
 template <Terms terms>
-void sumStage(const Stage& stage, int length, double* sums)
+void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* sums)
 {
 	sumMoments(stage, length, sums);
 	sumScalars<terms>(stage, length, sums);
@@ -368,6 +392,8 @@ void sumStage(const Stage& stage, int length, double* sums)
 		sumWrench(stage, PairStream::MeanNormalB, length, sums + kNormalB);
 	}
 	if constexpr (terms == kStiffnessTerms) sumStiffness(stage, length, sums + kProduct);
+	if constexpr (terms != kLineTerms)
+		if (bodies.weightA > 0 || bodies.weightB > 0) sumDamping(bodies, stage, length, sums + kDamping);
 }
 
 template <Terms terms>
@@ -377,7 +403,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	for (int first = 0; first < count; first += kStage)
 	{
 		const int rest = count - first < kStage ? count - first : kStage;
-		sumStage<terms>(stage, stagePairs<terms>(bodies, a + first, b + first, rest, stage, sums), sums);
+		sumStage<terms>(bodies, stage, stagePairs<terms>(bodies, a + first, b + first, rest, stage, sums), sums);
 	}
 }
 

@@ -61,7 +61,7 @@ IST_INLINE void stageLanes(const PairStream& from, int at, uint32_t bits, Stage&
 }
 
 template <Terms terms>
-void sumListed(const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, double* sums)
+void sumListed(const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, double* sums)
 {
 	constexpr int kColumns = kSummedColumns<terms>;
 	Stage stage;
@@ -69,7 +69,7 @@ void sumListed(const PairStream& stream, const GroupNumber* groups, GroupNumber 
 	int64_t pairs = 0;
 	const auto flush = [&] {
 		for (int c = 0; c < kColumns; ++c) F::all(0).store(stage.column[c] + length);
-		sumStage<terms>(stage, (length + kLanes - 1) / kLanes * kLanes, sums);
+		sumStage<terms>(bodies, stage, (length + kLanes - 1) / kLanes * kLanes, sums);
 		length = 0;
 	};
 	for (int k = 0; k < count; k += kLanes)
@@ -87,13 +87,13 @@ void sumListed(const PairStream& stream, const GroupNumber* groups, GroupNumber 
 	sums[kPairs] += double(pairs);
 }
 
-void sumGroup(const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums)
+void sumGroup(const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums)
 {
 	switch (terms)
 	{
-		case kLineTerms: return sumListed<kLineTerms>(stream, groups, group, count, sums);
-		case kFieldTerms: return sumListed<kFieldTerms>(stream, groups, group, count, sums);
-		case kStiffnessTerms: return sumListed<kStiffnessTerms>(stream, groups, group, count, sums);
+		case kLineTerms: return sumListed<kLineTerms>(bodies, stream, groups, group, count, sums);
+		case kFieldTerms: return sumListed<kFieldTerms>(bodies, stream, groups, group, count, sums);
+		case kStiffnessTerms: return sumListed<kStiffnessTerms>(bodies, stream, groups, group, count, sums);
 	}
 }
 }  // namespace

@@ -86,6 +86,7 @@ struct PairBodies
 	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
 	float slack;       ///< covers the rounding of float positions [m]
 	float margin;      ///< of `sift`: keeps pairs that meet when no point of B has moved further [m]
+	float weightA, weightB;  ///< of the fields, for the damping; both zero: none
 	float spreadUnit;  ///< 1 / a typical volume of this query [m^-3]: keeps squares of volumes inside of a float's range
 };
 
@@ -104,7 +105,8 @@ enum Sum
 	kSpread,                  ///< times spreadUnit^2
 	kPairs,
 	kProduct,                 ///< 6x12: g_n by (g_wA, g_wB), row major
-	kSumCount = kProduct + 72
+	kDamping = kProduct + 72, ///< 3x3 blocks of sum dd L G G^T, row major: linear, linear by angular, angular
+	kSumCount = kDamping + 27
 };
 
 enum Terms
@@ -178,8 +180,9 @@ struct QueryKernel
 	/// Appends those pairs that do intersect to `stream` at `size` (needs kListSlack beyond size + count); returns the new size. Reads
 	/// as far behind the end.
 	int (*refine)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size);
-	/// As `evaluate`, of those of the first `count` pairs of `stream` that are in a group; null: of all. Reads up to kListSlack behind the end.
-	void (*sumGroup)(const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums);
+	/// As `evaluate`, of those of the first `count` pairs of `stream` that are in a group; null: of all. Reads up to kListSlack behind the end;
+	/// of the bodies the weights alone.
+	void (*sumGroup)(const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums);
 	/// Writes the patch's number to `groups` for the pairs that join it. Reads as far behind the end.
 	void (*joinCone)(const PairStream& stream, GroupNumber* groups, int count, ConeSearch& search);
 	/// Pairs without a patch join the best in their component, or of all where it has none. Reads as far behind the end, and writes what it read there.

@@ -81,6 +81,7 @@ private:
 	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame
 	float m_margin = 0;  ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
+	DampingWeights m_damping;
 	bool m_grouped;
 	kernels::PairBodies m_bodies;
 	int m_listed = 0;

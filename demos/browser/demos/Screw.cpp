@@ -14,15 +14,15 @@ constexpr double kPi = 3.14159265358979323846, kGravity = 9.81, kDensity = 7800,
 constexpr double kLength = 0.1, kNut = 0.045, kClearance = 4e-4, kHead = 0.032, kHeadHeight = 0.014, kApart = 0.055;
 constexpr Thread kThread;
 
-/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself. Without dissipation: a patch has one normal
-/// for it, so that it would hold back what slides along a curved surface.
+/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself. With the default dissipation, which
+/// holds nothing back that slides along a surface, however curved.
 class Screw : public WorldDemo
 {
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		if (auto error = makeSolid(m_nut, "nut", nut(kThread, kClearance, 0.07, kNut), 6000, options)) return error;
-		return makeSolid(m_screw, "screw", screw(kThread, kLength, kHead, kHeadHeight), 6000, options);
+		if (auto error = makeSolid(m_nut, "nut", nut(kThread, kClearance, 0.07, kNut), 12000, options)) return error;
+		return makeSolid(m_screw, "screw", screw(kThread, kLength, kHead, kHeadHeight), 12000, options);
 	}
 	double stepSize() const override { return 1.0 / 240; }
 	bool hasStockSide() const override { return true; }
@@ -35,7 +35,7 @@ public:
 		const double turnsToWay = 2 * kPi / kThread.lead, inertia = double(m_free->getLocalInertia().y()) * double(m_free->getInvMass());
 		const double fall = kGravity / (1 + inertia * turnsToWay * turnsToWay), took = time() - m_from;
 		return {{"way of the free one for a turn", "mm", m_turned > 0 ? 1e3 * 2 * kPi * m_sunk / m_turned : 0, 1e3 * kThread.lead, 5 * kThread.lead},
-				{"its acceleration, from its spin", "m/s^2", took > 0 ? m_gained / took / turnsToWay : 0, fall, 0.02 * fall},
+				{"its acceleration, from its spin", "m/s^2", took > 0 ? m_gained / took / turnsToWay : 0, fall, 0.01 * fall},
 				{"turn of the one that locks itself", "deg", m_slipped / kDegree, 0, 0.5}};
 	}
 
@@ -72,7 +72,6 @@ private:
 		BodySetup held;
 		held.stiffness = kStiffness;
 		held.friction = friction;
-		held.dissipation = 0;
 		held.name = friction > 0 ? "rough nut" : "smooth nut";
 		held.fixed = true;
 		held.colour = {0.62f, 0.68f, 0.75f};
@@ -81,7 +80,6 @@ private:
 		BodySetup thread;
 		thread.stiffness = kStiffness;
 		thread.friction = friction;
-		thread.dissipation = 0;
 		thread.name = friction > 0 ? "rough screw" : "smooth screw";
 		thread.density = kDensity;
 		thread.colour = bodyColour(colour);

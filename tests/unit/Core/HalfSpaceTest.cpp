@@ -30,6 +30,33 @@ TEST(HalfSpace, OneBallHasTheClosedForm)
 	EXPECT_NEAR(queryHalfSpace(A, {0, 0, 1}, 40, workspace).total.volume, ballVolume(R), 1e-6);
 }
 
+// Of the plane's field alone: every pair presses along the plane's normal, so that the moments of the volume say it all.
+TEST(HalfSpace, DampingIsThatOfTheVolumeAlongTheNormal)
+{
+	std::mt19937 random(8);
+	std::uniform_real_distribution<double> u(-1, 1);
+	const InnerSphereTree A = cloudBody(200, 4, {3, -2, 5});
+	QueryWorkspace workspace;
+	QueryOptions options;
+	options.damping = {0, 1};
+	for (int trial = 0; trial < 20; ++trial)
+	{
+		const Vec3 n = normalized({u(random), u(random), u(random)});
+		const OverlapIntegrals o = queryHalfSpace(A, n, 0.4 * u(random) + dot(n, A.origin), workspace, options).total;
+		ASSERT_GT(o.volume, 0);
+		const Vec3 v{u(random), u(random), u(random)}, w{u(random), u(random), u(random)}, turn = cross(n, w);  // n . (v + w x C) = n . v + C . turn
+		const double *s = o.secondMoment, along = dot(n, v);
+		const double square = s[0] * turn.x * turn.x + s[1] * turn.y * turn.y + s[2] * turn.z * turn.z +
+							  2 * (s[3] * turn.x * turn.y + s[4] * turn.x * turn.z + s[5] * turn.y * turn.z);
+		const double expected = o.volume * along * along + 2 * along * dot(o.firstMoment, turn) + square;
+		const double twist[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+		double found = 0;
+		for (int i = 0; i < 6; ++i)
+			for (int j = 0; j < 6; ++j) found += twist[i] * o.damping(i, j) * twist[j];
+		EXPECT_NEAR(found, expected, 1e-9 * o.volume);
+	}
+}
+
 TEST(HalfSpace, CapOfAnEllipsoidAgreesWithCountedPoints)
 {
 	std::mt19937 random(3);

@@ -47,7 +47,9 @@ void expectSame(const OverlapIntegrals& a, const OverlapIntegrals& b, double abs
 	{
 		EXPECT_NEAR(a.stiffnessA.m[i], b.stiffnessA.m[i], areaTolerance);
 		EXPECT_NEAR(a.stiffnessB.m[i], b.stiffnessB.m[i], areaTolerance);
+		EXPECT_NEAR(a.damping.m[i], b.damping.m[i], 4 * tolerance);
 	}
+	EXPECT_TRUE(b.pairs == 0 || a.dampingWeights == b.dampingWeights);
 }
 
 double absoluteArea(const OverlapResult& r, const BallTree& A, const BallTree& B)
@@ -71,8 +73,9 @@ void compare(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, 
 	QueryOptions options;
 	options.model = model;
 	options.sortPairs = true;
+	options.damping = {0.3, 0.8};
 	const OverlapResult fast = queryOverlap(A, B, X, workspace, options);
-	const OverlapResult slow = queryOverlapBruteForce(A, B, X, model);
+	const OverlapResult slow = queryOverlapBruteForce(A, B, X, model, options.damping);
 	ASSERT_EQ(fast.status, QueryStatus::Ok);
 	ASSERT_TRUE(fast.pairListComplete);
 	EXPECT_EQ(fast.pairCount, fast.total.pairs);
@@ -108,6 +111,25 @@ TEST(OverlapQuery, AgreesWithBruteForceInEveryInstructionSet)
 					for (const Model model : {Model::Law, Model::Cell, Model::Inner})
 						compare(A, B, randomPose(random, A, B, reach), workspace, model);
 			}
+	}
+}
+
+// Two leaves of known normals, one lens: the sum has one term, whose normal is (0, 0.3, 0.4).
+TEST(OverlapQuery, DampingOfOnePairIsItsVolumeAlongItsOwnNormal)
+{
+	const InnerSphereTree A = bodyOf({ballAt({0.2, 0, 0}, {0, -0.3, 0}, 0.5)}), B = bodyOf({ballAt({-0.2, 0, 0}, {0, 0, 0.8}, 0.5)});
+	for (const InstructionSet set : availableSets())
+	{
+		QueryWorkspace workspace({}, set);
+		QueryOptions options;
+		options.damping = {1, 0.5};
+		const OverlapIntegrals sums = queryOverlap(A, B, Pose{}, workspace, options).total;
+		const double d = 0.6, volume = kPi * d * d * (1.5 - d / 2) / 6, square = 0.25 * volume;  // two caps of height d / 2
+		ASSERT_NEAR(sums.volume, volume, 1e-6);
+		const double direction[6] = {0, 0.6, 0.8, 0, 0, 0};  // through the origin
+		for (int i = 0; i < 6; ++i)
+			for (int j = i; j < 6; ++j) EXPECT_NEAR(sums.damping(i, j), square * direction[i] * direction[j], 1e-6) << i << j;
+		EXPECT_EQ(queryOverlap(A, B, Pose{}, workspace).total.damping(1, 1), 0);
 	}
 }
 

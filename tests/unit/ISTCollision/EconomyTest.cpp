@@ -397,6 +397,37 @@ TEST(btISTEconomy, CoarseWhereTheHandIsNot)
 	EXPECT_EQ(pair.contact()->total.pairs, leaves.total.pairs) << "taken out while nothing moved";
 }
 
+// The damping of a kept result is that of its weights: others ask again, even where nothing moves.
+TEST(btISTEconomy, DampingIsThatOfTheWeightsThatThePairHasNow)
+{
+	for (const btISTEconomy& economy : {kExact, kTolerant, kAlways})
+	{
+		auto rule = std::make_shared<SetRule>();
+		Pair pair(economy);
+		pair.registration.setPairRule(rule);
+		const auto expectDamping = [&](double weightA, double dissipation)
+		{
+			rule->constants.weightA = weightA;
+			rule->constants.weightB = 1 - weightA;
+			rule->constants.dissipation = dissipation;
+			pair.look(at(vec(.1, .8, .2)));
+			const btISTContact& c = *pair.contact();
+			const auto exact = ist::queryOverlapBruteForce(*cubeTree(), *cubeTree(), c.X_AB, ist::Model::Law, {weightA, 1 - weightA}).total.damping;
+			ist::OverlapIntegrals sum;
+			for (int i = 0; i < c.patchCount; ++i) sum.add(c.patches[i]);
+			for (const ist::OverlapIntegrals& o : {c.total, sum})
+				for (int i = 0; i < 21; ++i) EXPECT_NEAR(o.damping.m[i], exact.m[i], 1e-5 * c.total.volume) << weightA;
+		};
+		pair.look(at(vec(.1, .8, .2)));
+		EXPECT_EQ(pair.contact()->total.damping(0, 0), 0) << "nobody wants it";
+		pair.registration.store().sumDamping(true);
+		for (const double weightA : {0.5, 0.0, 0.0, 0.25, 1.0}) expectDamping(weightA, 5);
+		const auto asked = pair.cost().asked;
+		expectDamping(1, 3);
+		EXPECT_EQ(pair.cost().asked, asked + (economy.on ? 0 : 1));
+	}
+}
+
 TEST(btISTEconomy, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
 {
 	for (const bool teleported : {false, true})
