@@ -154,15 +154,17 @@ std::vector<DemoWorld*> WorldDemo::worlds() const
 	return all;
 }
 
-btISTSceneReport WorldDemo::sceneReport(const Part& part) const
+std::string WorldDemo::nameOf(const btCollisionObject* object) const
 {
-	const auto nameOf = [&](const btCollisionObject* object) -> std::string
-	{
+	for (const Part& part : m_parts)
 		for (const DemoWorld::Body& b : part.world->bodies())
 			if (b.body.get() == object) return b.name;
-		return "ground";
-	};
-	return btISTSceneReport::of(*part.world->volumetric(), nameOf);
+	return "ground";
+}
+
+btISTSceneReport WorldDemo::sceneReport(const Part& part) const
+{
+	return btISTSceneReport::of(*part.world->volumetric(), [this](const btCollisionObject* object) { return nameOf(object); });
 }
 
 std::vector<std::string> WorldDemo::report() const

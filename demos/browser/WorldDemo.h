@@ -46,6 +46,8 @@ protected:
 	virtual std::optional<ist::Error> build() = 0;
 	virtual void beforeStep(double /*h*/) {}
 	virtual void afterStep(double /*h*/) {}
+	/// Of a body, in the report.
+	virtual std::string nameOf(const btCollisionObject* object) const;
 	/// More to see, and the ground.
 	virtual void decorate(const DrawChoice& /*choice*/, DrawList& /*list*/) {}
 	/// Force whose arrow is `arrowLength` long.

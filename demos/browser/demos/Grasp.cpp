@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/ToolDemo.h"
+#include "demos/browser/HandDemo.h"
 
 #include "BulletISTCollision/btISTConversion.h"
 #include "DeviceBridge/BulletHeatMap.h"
-#include "DeviceBridge/Hand/HeatMapFile.h"
 #include "demos/scenes/GraspMotion.h"
 #include "demos/scenes/GraspObjects.h"
 
@@ -16,27 +15,21 @@ namespace browser
 namespace
 {
 constexpr double kGravity = 9.81, kMapEvery = 0.1;
-constexpr long long kPartSpheres = 150, kObjectSpheres = 1500;
+constexpr long long kObjectSpheres = 1500;
 const Vec3 kFingerSide{-0.12, 0, -0.05}, kThumbSide{-0.21, 0, 0.01};
 
 /// A hand of sixteen parts closes on a mug, lifts it, turns it and shakes it at 2 Hz. Beside it stands, seen from both sides, the map of where it was
 /// touched, in a colour for each finger.
-class Grasp : public WorldDemo
+class Grasp : public HandDemo
 {
 public:
-	~Grasp() override { leave(); }
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
 		Result<scenes::GraspObject> object = scenes::makeGraspObject("mug");
 		if (!object) return object.error();
 		m_object = std::move(object).value();
 		if (auto error = makeSolid(m_mug, m_object.name, m_object.mesh, kObjectSpheres, options)) return error;
-		const Result<HandShape> shape = measureHand(posedHand({}, m_motion.size));
-		if (!shape) return shape.error();
-		const Result<std::shared_ptr<const HandModel>> model = buildHandModel(shape.value(), {kPartSpheres, options.cache, 0, options.progress});
-		if (!model) return model.error();
-		m_model = model.value();
-		for (size_t i = 0; i < kHandParts; ++i) m_skins[i] = makeSurfaceModel(m_model->parts[i].mesh);
+		if (auto error = prepareHand(m_motion.size, options)) return error;
 		m_motion.gripX = m_object.gripX;
 		m_motion.gripZ = m_object.gripZ;
 		m_motion.gripHeight = m_object.gripHeight;
@@ -58,11 +51,11 @@ public:
 		double strongest = 0;
 		for (int i = 0; i < kHandParts; ++i)
 		{
-			const Vec3 force = world().contactForce(m_body, &m_hand->body(i));
+			const Vec3 force = world().contactForce(m_body, &parts().body(i));
 			carried += force;
 			strongest = std::max(strongest, norm(force));
 		}
-		const BulletHand::Touch touch = m_hand->touch(world().lastStep());
+		const BulletHand::Touch touch = parts().touch(world().lastStep());
 		return {{"weight that the hand carries", "N", carried.y, weight, 0.02 * weight},
 				{"forces on the mug out of balance, sideways", "N", std::hypot(carried.x, carried.z), 0, 0.02 * weight},
 				{"lifted", "mm", 1e3 * (toVec3(m_body->getWorldTransform().getOrigin()).y - m_mug->X_MP.translation.y), 1e3 * m_motion.lift, 4},
@@ -72,7 +65,6 @@ public:
 	}
 
 protected:
-	void leave() override { m_hand.reset(); }
 	std::optional<Error> build() override
 	{
 		DemoWorld& w = addWorld();
@@ -84,18 +76,16 @@ protected:
 		mug.colour = {0.93f, 0.91f, 0.87f};
 		m_body = w.add(m_mug, std::move(mug));
 		if (!m_body) return std::nullopt;
-		Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*w.volumetric(), m_model, posedHand(m_motion.at(0), m_motion.size));
-		if (!hand) return hand.error();
-		m_hand = std::move(hand).value();
-		m_map = makeHeatMap(*m_model, m_mug->mesh);
+		if (auto error = putHand(w)) return error;
+		m_map = makeHeatMap(model(), m_mug->mesh);
 		m_mapModel.reset();
 		m_nextMap = m_impulse = 0;
 		return std::nullopt;
 	}
-	void beforeStep(double h) override { m_hand->drive(posedHand(m_motion.at(time() + h), m_motion.size), h); }
+	HandPosture motion(double at) const override { return m_motion.at(at); }
 	void afterStep(double h) override
 	{
-		m_impulse += h * addTouches(*m_map, *m_hand, world().volumetric()->contacts(), *m_body, {}, h, h);
+		m_impulse += h * addTouches(*m_map, parts(), world().volumetric()->contacts(), *m_body, {}, h, h);
 		if (time() < m_nextMap) return;
 		m_nextMap += kMapEvery;
 		m_mapModel.reset();
@@ -103,9 +93,8 @@ protected:
 	void decorate(const DrawChoice& choice, DrawList& list) override
 	{
 		list.gridCell = 0.02;
+		drawHand(choice, list);
 		if (!choice.surfaces) return;
-		for (int i = 0; i < kHandParts; ++i)
-			list.surfaces.push_back({m_skins[size_t(i)], toPose(m_hand->body(i).getWorldTransform()), skin(i)});
 		if (!m_mapModel) paintMap();
 		const Mat3 turned{{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}}};
 		list.surfaces.push_back({m_mapModel, {{}, kFingerSide + m_mug->X_MP.translation}, {1, 1, 1}});
@@ -117,17 +106,11 @@ protected:
 	double arrowLength() const override { return 0.04; }
 
 private:
-	static Colour of(const HeatMapColour& c, double share, const Colour& rest)
-	{
-		return mixed(rest, {float(c.r) / 255, float(c.g) / 255, float(c.b) / 255}, share);
-	}
-	/// The fingers' own colours, pale.
-	static Colour skin(int part) { return of(handPartColour(handPartId(part, false)), part == kHandPart ? 0.1 : 0.45, {0.9f, 0.82f, 0.75f}); }
 	void paintMap()
 	{
 		std::vector<Colour> colours;
 		for (const HeatMap::Vertex& v : m_map->vertices())
-			colours.push_back(v.part < 0 ? Colour{0.93f, 0.91f, 0.87f} : of(handPartColour(m_map->partId(v.part)), 1, {}));
+			colours.push_back(v.part < 0 ? Colour{0.93f, 0.91f, 0.87f} : fingerColour(m_map->partId(v.part)));
 		m_mapModel = colouredModel(*m_mug->surface, m_mug->mesh, colours);
 	}
 	double mapImpulse() const
@@ -140,10 +123,8 @@ private:
 	scenes::GraspObject m_object;
 	GraspMotion m_motion;
 	SolidPtr m_mug;
-	std::shared_ptr<const HandModel> m_model;
-	std::shared_ptr<const SurfaceModel> m_skins[kHandParts], m_mapModel;
+	std::shared_ptr<const SurfaceModel> m_mapModel;
 	btRigidBody* m_body = nullptr;
-	std::unique_ptr<BulletHand> m_hand;
 	std::unique_ptr<HeatMap> m_map;
 	double m_friction = 0.5, m_nextMap = 0, m_impulse = 0;
 };
