@@ -59,7 +59,7 @@ Result<CarryReportOutcome> runCarryReport(const CarryOptions& options)
 	const auto scene = CarryScene::make(options);
 	if (!scene) return scene.error();
 	CarryReportOutcome outcome;
-	outcome.strongestAllowed = options.hand.palmForce;
+	outcome.strongestAllowed = options.hand.maxForce;
 	outcome.weight = 9.81 * scene.value()->mass();
 	for (const int hands : {1, 2})
 		for (const Felt felt : kAllFelt)

@@ -10,7 +10,7 @@ namespace scenes
 struct CarryReportOutcome
 {
 	std::vector<CarryOutcome> runs;
-	double strongestAllowed = 0;  ///< that a coupling exerts [N]
+	double strongestAllowed = 0;  ///< that the coupling of a bone exerts [N]
 	double weight = 0;            ///< of beam, nut and ring [N]
 
 	/// Every run carries the beam to its place with no force above what the couplings exert, and two hands tilt it less than one.

@@ -27,7 +27,7 @@ void expectSound(const CarryOutcome& outcome)
 {
 	EXPECT_TRUE(outcome.lifted);
 	EXPECT_TRUE(outcome.arrived);
-	EXPECT_LE(outcome.peakForce, 1.02 * kSettings.palmForce);
+	EXPECT_LE(outcome.peakForce, 1.02 * kSettings.maxForce);
 	EXPECT_EQ(outcome.complaints, "");
 	EXPECT_LT(std::fabs(outcome.energy.residual), 2e-3 * outcome.energy.injected);
 	EXPECT_GT(outcome.energy.physical, 0);
@@ -101,7 +101,7 @@ TEST(Carry, WithoutFrictionNothingIsLifted)
 	const CarryOutcome outcome = runCarry(*scene.value(), 2, Felt::Nothing).value();
 	EXPECT_FALSE(outcome.lifted);
 	EXPECT_FALSE(outcome.ok());
-	EXPECT_LE(outcome.peakForce, 1.02 * kSettings.palmForce);
+	EXPECT_LE(outcome.peakForce, 1.02 * kSettings.maxForce);
 	EXPECT_TRUE(scene.value()->start(3, Felt::Nothing));
 }
 
@@ -109,7 +109,7 @@ TEST(CarryReport, IsBadAsSoonAsOneRunIs)
 {
 	CarryReportOutcome outcome;
 	EXPECT_FALSE(outcome.ok());
-	outcome.strongestAllowed = 60;
+	outcome.strongestAllowed = 12;
 	CarryOutcome one, two;
 	one.hands = 1, two.hands = 2;
 	one.lifted = one.arrived = two.lifted = two.arrived = true;
@@ -121,7 +121,7 @@ TEST(CarryReport, IsBadAsSoonAsOneRunIs)
 		outcome.runs = {one, two};
 		if (wrong == 0) outcome.runs[0].lifted = false;
 		if (wrong == 1) outcome.runs[1].arrived = false;
-		if (wrong == 2) outcome.runs[1].peakForce = 62;
+		if (wrong == 2) outcome.runs[1].peakForce = 12.5;
 		if (wrong == 3) outcome.runs[1].tilt = 0.2;
 		if (wrong == 4) outcome.runs[0].complaints = "tracking was lost";
 		EXPECT_FALSE(outcome.ok()) << wrong;
