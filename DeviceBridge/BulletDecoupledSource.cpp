@@ -4,6 +4,7 @@
 #include "BulletISTCollision/btISTConversion.h"
 #include "DeviceBridge/RealTimePriority.h"
 #include "DeviceBridge/ThreadTime.h"
+#include "DeviceBridge/ThreadWake.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -220,7 +221,7 @@ void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
 	m_askedAt = now;
 	m_questions.publish();
 	m_wake.fetch_add(1, std::memory_order_release);
-	m_wake.notify_one();
+	wakeOne(m_wake);
 }
 
 /// Linear models that still belong to tenants, moved to where tool and copies are.
@@ -364,7 +365,7 @@ void BulletDecoupledSource::stopContactThread() noexcept
 {
 	m_stopping = true;
 	m_wake.fetch_add(1, std::memory_order_release);
-	m_wake.notify_one();
+	wakeOne(m_wake);
 	if (m_thread.joinable()) m_thread.join();
 	m_threadTime = -1;
 }
@@ -376,7 +377,7 @@ void BulletDecoupledSource::contactLoop() noexcept
 	while (!m_stopping)
 	{
 		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
-		if (!serveContacts() && !m_stopping) m_wake.wait(seen, std::memory_order_acquire);
+		if (!serveContacts() && !m_stopping) sleepWhile(m_wake, seen);
 	}
 	serveContacts();
 }

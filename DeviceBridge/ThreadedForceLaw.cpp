@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/ThreadedForceLaw.h"
 
+#include "DeviceBridge/ThreadWake.h"
+
 #include <system_error>
 
 namespace devicebridge
@@ -28,7 +30,7 @@ ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep
 		question.step = step;
 		m_questions.publish();
 		m_wake.fetch_add(1, std::memory_order_release);
-		m_wake.notify_one();
+		wakeOne(m_wake);
 	}
 	return m_held.number == 0 ? ist::Wrench() : reaction(step) + m_held.beyondCoupling;
 }
@@ -71,7 +73,7 @@ void ThreadedForceLaw::stop() noexcept
 {
 	m_stopping = true;
 	m_wake.fetch_add(1, std::memory_order_release);
-	m_wake.notify_one();
+	wakeOne(m_wake);
 	if (m_thread.joinable()) m_thread.join();
 }
 
@@ -80,7 +82,7 @@ void ThreadedForceLaw::loop() noexcept
 	while (!m_stopping)
 	{
 		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
-		if (!serve() && !m_stopping) m_wake.wait(seen, std::memory_order_acquire);
+		if (!serve() && !m_stopping) sleepWhile(m_wake, seen);
 	}
 	serve();
 }
