@@ -23,9 +23,9 @@ using Map = Eigen::Map<M>;
 constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
 constexpr int kMaxSweeps = 400;
 // Where many patches share one load, sticking and sliding may take turns for ever at a hundred-thousandth of the load: the search ends
-// when so many sweeps have not brought the change down to this share of what it was.
+// when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's beginning.
 constexpr int kPatience = 24;
-constexpr double kProgress = 0.9;
+constexpr double kProgress = 0.5;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse.
 constexpr double kFrictionTolerance = 1e-9;
 constexpr double kImmovable = 1e-12;
@@ -312,34 +312,41 @@ void btIslandBlockSolver::prepareFriction()
 	m_frictionPrepared = true;
 }
 
+/// One visit of a patch while the others stay as they are. Gives how much its friction changed, and by which normal impulse it is pressed.
+double btIslandBlockSolver::visitFriction(int patch, double& normal)
+{
+	Patch& p = m_patches[size_t(patch)];
+	Vec6 u;
+	relativeTwist(p, u.data());
+	const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
+	normal = std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0);
+	const double limit = p.friction * normal;
+	const Eigen::Vector3d slip = Map<const Mat63>(p.E).transpose() * u;
+	Map<Eigen::Vector3d> tangent(p.tangent);
+	Eigen::Vector3d wanted = tangent - Map<const Mat3>(p.stick) * slip;
+	if (wanted.norm() > limit) wanted = tangent - p.slide * slip;
+	if (wanted.norm() > limit) wanted *= limit / wanted.norm();
+	const Eigen::Vector3d change = wanted - tangent;
+	tangent = wanted;
+	const Eigen::Index stride = 6 * Eigen::Index(m_bodyCount);
+	const double* columns = &m_response[3 * size_t(stride) * size_t(patch)];
+	const auto column = [&](int c) { return Map<const Vector>(columns + stride * c, stride); };
+	if (!change.isZero(0)) Map<Vector>(m_z.data(), stride) += change(0) * column(0) + change(1) * column(1) + change(2) * column(2);
+	return change.norm();
+}
+
 void btIslandBlockSolver::iterateFriction()
 {
-	const size_t stride = 6 * size_t(m_bodyCount);
 	double largestNormal = 0, before = 0;
 	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
 	{
 		m_remainingChange = 0;
 		for (int k = 0; k < m_patchCount; ++k)
 		{
-			Patch& p = m_patches[size_t(k)];
-			if (!p.active || !(p.friction > 0)) continue;
-			Vec6 u;
-			relativeTwist(p, u.data());
-			const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
-			const double normal = std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0), limit = p.friction * normal;
+			if (!m_patches[size_t(k)].active || !(m_patches[size_t(k)].friction > 0)) continue;
+			double normal = 0;
+			m_remainingChange = std::max(m_remainingChange, visitFriction(k, normal));
 			largestNormal = std::max(largestNormal, normal);
-			const Eigen::Vector3d slip = Map<const Mat63>(p.E).transpose() * u;
-			Map<Eigen::Vector3d> tangent(p.tangent);
-			Eigen::Vector3d wanted = tangent - Map<const Mat3>(p.stick) * slip;
-			if (wanted.norm() > limit) wanted = tangent - p.slide * slip;
-			if (wanted.norm() > limit) wanted *= limit / wanted.norm();
-			const Eigen::Vector3d change = wanted - tangent;
-			tangent = wanted;
-			m_remainingChange = std::max(m_remainingChange, change.norm());
-			const double* columns = &m_response[3 * stride * size_t(k)];
-			for (int c = 0; c < 3; ++c)
-				Map<Vector>(m_z.data(), Eigen::Index(stride)) +=
-					change(c) * Map<const Vector>(columns + stride * size_t(c), Eigen::Index(stride));
 		}
 		if (m_remainingChange <= kFrictionTolerance * largestNormal) return;
 		if (m_sweeps % kPatience != kPatience - 1) continue;

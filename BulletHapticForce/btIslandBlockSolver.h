@@ -72,6 +72,7 @@ private:
 	bool factorise();
 	void solveElastic();
 	void prepareFriction();
+	double visitFriction(int patch, double& normal);
 	void iterateFriction();
 	bool wouldPush(const Patch& patch);
 	bool changeActiveSet(int mayReturn);
