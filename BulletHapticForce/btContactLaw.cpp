@@ -9,7 +9,6 @@
 namespace
 {
 using Matrix3 = Eigen::Matrix3d;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr double kFrictionRadiusPerRms = 0.93;
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
@@ -26,14 +25,6 @@ Matrix3 crossMatrix(const Eigen::Vector3d& v)
 {
 	Matrix3 r;
 	r << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-	return r;
-}
-
-ist::SymmetricMatrix6 toSymmetric(const Matrix6& a)
-{
-	ist::SymmetricMatrix6 r;
-	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j) r(i, j) = 0.5 * (a(i, j) + a(j, i));
 	return r;
 }
 
@@ -100,7 +91,10 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
 	patch.stiffness = ist::projectedPositive(movedToWorld(ist::pressureStiffness(sums, pair), R, c), length);
 
-	const Matrix6 damping = contact.constants.dissipation * movedToWorld(ist::pressureDamping(sums, pair), R, c);
-	patch.damping = ist::projectedPositive(toSymmetric(damping), length);
+	patch.damping = ist::SymmetricMatrix6();
+	if (!(contact.constants.dissipation > 0)) return true;
+	ist::SymmetricMatrix6 damping = movedToWorld(ist::pressureDamping(sums, pair), R, c);
+	for (double& d : damping.m) d *= contact.constants.dissipation;
+	patch.damping = ist::projectedPositive(damping, length);
 	return true;
 }
