@@ -4,6 +4,7 @@
 #include "BulletHapticForce/btContactLaw.h"
 #include "BulletHapticForce/btContactMaterial.h"
 #include "BulletHapticForce/btEnergyAudit.h"
+#include "BulletHapticForce/btEnergyLaw.h"
 #include "BulletHapticForce/btISTSceneReport.h"
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletHapticForce/btPaperLaw.h"

@@ -3,8 +3,6 @@
 
 #include "BulletISTCollision/btISTConversion.h"
 
-#include "BulletDynamics/Dynamics/btRigidBody.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -87,26 +85,14 @@ btPaperLaw::btPaperLaw(int pairCapacity)
 std::optional<ist::Error> btPaperLaw::add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
 										  std::shared_ptr<const ist::InnerSphereTree> treeB, const btPaperMaterial& material)
 {
-	if (!A || !B || A == B) return ist::Error{"the paper's law needs two different bodies"};
 	if (!treeA || !treeB || treeA->inner.balls.empty() || treeB->inner.balls.empty())
 		return ist::Error{"the paper's law needs a tree with inner spheres for each body"};
 	for (const double constant : {material.epsilonC, material.epsilonD})
 		if (!std::isfinite(constant) || constant < 0) return ist::Error{"epsilon_c and epsilon_d must be finite numbers, 0 or more"};
-	for (const Pair& p : m_pairs)
-		if ((p.A == A && p.B == B) || (p.A == B && p.B == A)) return ist::Error{"the paper's law holds this pair of bodies already"};
-	A->setIgnoreCollisionCheck(B, true);
-	m_pairs.push_back({A, B, std::move(treeA), std::move(treeB), material, {}});
-	return std::nullopt;
+	return m_pairs.add({A, B, std::move(treeA), std::move(treeB), material, {}});
 }
 
-void btPaperLaw::remove(btRigidBody* body)
-{
-	for (const Pair& p : m_pairs)
-		if (p.A == body || p.B == body) p.A->setIgnoreCollisionCheck(p.B, false);
-	m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), [body](const Pair& p) { return p.A == body || p.B == body; }), m_pairs.end());
-}
-
-void btPaperLaw::evaluate(Pair& pair, double h)
+void btPaperLaw::evaluate(Pairs::Pair& pair, double h)
 {
 	btPaperContact& contact = pair.contact;
 	contact = btPaperContact();
@@ -147,18 +133,12 @@ void btPaperLaw::evaluate(Pair& pair, double h)
 
 void btPaperLaw::apply(double h)
 {
-	for (Pair& pair : m_pairs)
+	for (Pairs::Pair& pair : m_pairs.all())
 	{
 		evaluate(pair, h);
 		const btPaperContact& contact = pair.contact;
 		m_refused += !contact.complete;
 		m_unstable += contact.stability > 4;
-		if (contact.pairs == 0 || !ist::isFinite(contact.onA) || !ist::isFinite(contact.onB)) continue;
-		pair.A->activate();
-		pair.B->activate();
-		pair.A->applyCentralForce(toBullet(contact.onA.force));
-		pair.A->applyTorque(toBullet(contact.onA.torque));
-		pair.B->applyCentralForce(toBullet(contact.onB.force));
-		pair.B->applyTorque(toBullet(contact.onB.torque));
+		if (contact.pairs > 0) exertExplicitly(*pair.A, contact.onA, *pair.B, contact.onB);
 	}
 }

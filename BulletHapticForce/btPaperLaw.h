@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/btExplicitPairs.h"
+
 #include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/Pose.h"
-#include "BulletISTCollision/Core/Result.h"
-#include "BulletISTCollision/btPrecisionGuard.h"
 
 #include <cstdint>
-#include <memory>
-#include <optional>
-#include <vector>
-
-class btRigidBody;
 
 /// Constants of the paper's law. They do not carry over between units, nor between packings: the inner spheres fill only a part of a body.
 struct btPaperMaterial
@@ -52,29 +46,23 @@ public:
 	std::optional<ist::Error> add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
 								  std::shared_ptr<const ist::InnerSphereTree> treeB, const btPaperMaterial& material);
 	/// All pairs of this body; Bullet's own contact returns.
-	void remove(btRigidBody* body);
+	void remove(btRigidBody* body) { m_pairs.remove(body); }
 
 	/// Adds the forces of this moment to the bodies (applyForce, applyTorque). Call before each step of `h` [s]; Bullet clears them at the end
 	/// of stepSimulation.
 	void apply(double h);
 	/// In the order of `add`.
-	const btPaperContact& contact(int pair) const { return m_pairs[size_t(pair)].contact; }
-	int pairCount() const { return int(m_pairs.size()); }
+	const btPaperContact& contact(int pair) const { return m_pairs.all()[size_t(pair)].contact; }
+	int pairCount() const { return int(m_pairs.all().size()); }
 	/// Times that a pair was beyond the predicted limit, and that nothing was exerted because the list of pairs was full or a pose was refused.
 	uint64_t unstable() const { return m_unstable; }
 	uint64_t refused() const { return m_refused; }
 
 private:
-	struct Pair
-	{
-		btRigidBody *A, *B;
-		std::shared_ptr<const ist::InnerSphereTree> treeA, treeB;
-		btPaperMaterial material;
-		btPaperContact contact;
-	};
-	void evaluate(Pair& pair, double h);
+	using Pairs = btExplicitPairs<btPaperMaterial, btPaperContact>;
+	void evaluate(Pairs::Pair& pair, double h);
 
 	ist::QueryWorkspace m_workspace;
-	std::vector<Pair> m_pairs;
+	Pairs m_pairs;
 	uint64_t m_unstable = 0, m_refused = 0;
 };

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/AnalyticField.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
+#include "demos/scenes/PairMotion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,18 +18,10 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 
-ist::Vec3 positionOf(const btRigidBody* body) { return toVec3(body->getWorldTransform().getOrigin()); }
-
 bool isFinite(const btRigidBody* body)
 {
 	const btVector3 sum = body->getWorldTransform().getOrigin() + body->getLinearVelocity() + body->getAngularVelocity();
 	return std::isfinite(double(sum.length2()));
-}
-
-double kineticEnergy(const btRigidBody* body, double mass, double inertia)
-{
-	const ist::Vec3 v = toVec3(body->getLinearVelocity()), w = toVec3(body->getAngularVelocity());
-	return 0.5 * mass * dot(v, v) + 0.5 * inertia * dot(w, w);
 }
 
 double sideways(const ist::Vec3& d) { return std::hypot(d.x, d.z); }
@@ -132,28 +125,6 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 	return out;
 }
 
-namespace
-{
-/// Of two bodies of equal mass and isotropic inertia.
-struct PairMotion
-{
-	ist::Vec3 linear, angular;
-	double kinetic = 0;
-
-	PairMotion(const btRigidBody* const* bodies, const CollisionSetup& s)
-	{
-		const ist::Vec3 center = 0.5 * (positionOf(bodies[0]) + positionOf(bodies[1]));
-		for (int i = 0; i < 2; ++i)
-		{
-			const ist::Vec3 v = toVec3(bodies[i]->getLinearVelocity());
-			linear += s.mass * v;
-			angular += cross(positionOf(bodies[i]) - center, s.mass * v) + s.inertia * toVec3(bodies[i]->getAngularVelocity());
-			kinetic += kineticEnergy(bodies[i], s.mass, s.inertia);
-		}
-	}
-};
-}  // namespace
-
 CollisionOutcome collide(Response response, const ExtremeSolid& solid, const CollisionSetup& s, uint64_t seed)
 {
 	std::mt19937_64 random(seed);
@@ -176,7 +147,7 @@ CollisionOutcome collide(Response response, const ExtremeSolid& solid, const Col
 		if (s.dissipation >= 0 && response == Response::Volumetric)
 			if (world.volumetric().materials().set(bodies[i], {2 * s.k, s.dissipation})) return {};
 	}
-	const PairMotion before(bodies, s);
+	const PairMotion before(bodies, s.mass, s.inertia);
 	CollisionOutcome out;
 	std::optional<btEnergyAudit> audit;
 	if (response == Response::Volumetric) audit.emplace(world.bullet(), world.volumetric().contacts());
@@ -194,7 +165,7 @@ CollisionOutcome collide(Response response, const ExtremeSolid& solid, const Col
 			out.deepest = std::max(out.deepest, contact->total.volume / solid.tree->volume);
 		}
 	}
-	const PairMotion after(bodies, s);
+	const PairMotion after(bodies, s.mass, s.inertia);
 	const double momentum = s.mass * s.speed;
 	out.momentum = norm(after.linear - before.linear) / momentum;
 	out.angular = norm(after.angular - before.angular) / (momentum * 0.5 * size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "tests/scenario/extremes/ExtremeTest.h"
+#include "tests/scenario/extremes/EnergyLawRow.h"
 
 using namespace extremes;
 
@@ -46,6 +46,8 @@ TEST(Tower, OfTwentyCubesStandsAtTwoHundredAndFortyHertz)
 	setup.plainBetween = true;
 	expectStraightTower(setup, 150000);
 }
+
+TEST(EnergyLaw, AThousandCollisionsGiveBackWhatTheyStored) { expectConserved(1000); }
 
 // What the row above is measured against.
 TEST(Tower, OfTenCubesFallsInStockBullet)

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/btPrecisionGuard.h"
+
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+/// As forces of the step to come; wakes the bodies. Each wrench in World axes about its body's centre of mass. Nothing where one is not finite.
+void exertExplicitly(btRigidBody& A, const ist::Wrench& onA, btRigidBody& B, const ist::Wrench& onB);
+
+/// Pairs of bodies whose contact is that of an explicit law: Bullet's own is switched off (setIgnoreCollisionCheck) for as long as a pair is
+/// held. Bodies outlive this or are removed.
+template <class Material, class Contact>
+class btExplicitPairs
+{
+public:
+	struct Pair
+	{
+		btRigidBody *A, *B;
+		std::shared_ptr<const ist::InnerSphereTree> treeA, treeB;
+		Material material;
+		Contact contact;
+	};
+
+	/// Refused: null, one body, a pair that is held already.
+	std::optional<ist::Error> add(Pair pair)
+	{
+		if (!pair.A || !pair.B || pair.A == pair.B) return ist::Error{"a law of contact needs two different bodies"};
+		for (const Pair& p : m_pairs)
+			if ((p.A == pair.A && p.B == pair.B) || (p.A == pair.B && p.B == pair.A)) return ist::Error{"this law holds this pair of bodies already"};
+		pair.A->setIgnoreCollisionCheck(pair.B, true);
+		m_pairs.push_back(std::move(pair));
+		return std::nullopt;
+	}
+	/// All pairs of this body.
+	void remove(btRigidBody* body)
+	{
+		const auto has = [body](const Pair& p) { return p.A == body || p.B == body; };
+		for (const Pair& p : m_pairs)
+			if (has(p)) p.A->setIgnoreCollisionCheck(p.B, false);
+		m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), has), m_pairs.end());
+	}
+	/// In the order of `add`.
+	std::vector<Pair>& all() { return m_pairs; }
+	const std::vector<Pair>& all() const { return m_pairs; }
+
+private:
+	std::vector<Pair> m_pairs;
+};
