@@ -15,6 +15,7 @@
 	demo(makeSword, "sword", "To be felt", "A sword falls through a ring and hangs in it by its guard") \
 	demo(makePeg, "peg", "To be felt", "A peg falls, tilted, into a hole that is hardly wider") \
 	demo(makeGrasp, "grasp", "Mechanisms", "A hand of sixteen parts lifts a mug, and paints where each finger touched it") \
+	demo(makePile, "pile", "Mechanisms", "A hand presses on a pile of concave bodies in a tray, rakes through it and comes to rest on it") \
 	demo(makeGears, "gears", "Mechanisms", "A gear drives another one against a load, tooth by tooth") \
 	demo(makeScrew, "screw", "Mechanisms", "A screw runs down its nut under its own weight; a rough one locks itself") \
 	demo(makeStack, "stack", "Stability", "A stack of rings with a knot on top: no body is convex") \
