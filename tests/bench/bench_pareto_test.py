@@ -11,7 +11,7 @@ import xml.etree.ElementTree
 
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
-    subprocess.run([sys.argv[1], "--tiny", "--out", folder], check=True, timeout=300)
+    subprocess.run([sys.argv[1], "--tiny", "--out", folder], check=True, timeout=1400)
     rows = list(csv.DictReader(open(folder / "pareto.csv")))
     page = json.loads((folder / "pareto.json").read_text())
     assert len(rows) == len(page["rows"]) > 20
