@@ -215,14 +215,14 @@ bool btIslandBlockSolver::factorise()
 	return true;
 }
 
-/// `x` in the order of elimination.
-void btIslandBlockSolver::backSubstitute(double* x) const
+/// `x` in the order of elimination, zero before `begin`.
+void btIslandBlockSolver::backSubstitute(double* x, int begin) const
 {
 	const int n = 6 * m_bodyCount;
-	for (int i = 0; i < n; ++i)
+	for (int i = begin; i < n; ++i)
 	{
 		const double* row = &m_factor[size_t(i) * size_t(n)];
-		const int from = m_first[size_t(i)];
+		const int from = std::max(m_first[size_t(i)], begin);
 		x[i] = (x[i] - Map<const Vector>(row + from, i - from).dot(Map<const Vector>(x + from, i - from))) / row[i];
 	}
 	for (int i = n - 1; i >= 0; --i)
@@ -248,6 +248,15 @@ void btIslandBlockSolver::relativeTwist(const Patch& p, double* twist) const
 		atPoint.head<3>() += free.tail<3>().cross(toEigen(p.point - body.center));
 		u += (side == 0 ? 1.0 : -1.0) * atPoint + Map<const Mat6>(p.jacobian[side]) * Map<const Vec6>(&m_z[6 * size_t(body.place)]);
 	}
+}
+
+/// Where the pushes of a patch begin, in the order of elimination.
+int btIslandBlockSolver::firstPlace(const Patch& p) const
+{
+	int first = 6 * m_bodyCount;
+	for (const int body : p.body)
+		if (body >= 0) first = std::min(first, 6 * m_bodies[size_t(body)].place);
+	return first;
 }
 
 /// R J^T impulse, added to `target` in the order of elimination.
@@ -276,7 +285,7 @@ void btIslandBlockSolver::solveElastic()
 			Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
 		addPush(p, push.data(), right);
 	}
-	backSubstitute(right);
+	backSubstitute(right, 0);
 	std::copy(right, right + 6 * m_bodyCount, m_z.begin());
 }
 
@@ -294,7 +303,7 @@ void btIslandBlockSolver::prepareFriction()
 		{
 			double* column = columns + stride * size_t(c);
 			addPush(p, p.E + 6 * c, column);
-			backSubstitute(column);
+			backSubstitute(column, firstPlace(p));
 			for (int side = 0; side < 2; ++side)
 				if (p.body[side] >= 0)
 					G.col(c) += Map<const Mat63>(p.E).transpose() * (Map<const Mat6>(p.jacobian[side]) *
@@ -368,7 +377,7 @@ bool btIslandBlockSolver::wouldPush(const Patch& p)
 		unit(c) = 1;
 		std::fill(column, column + 6 * m_bodyCount, 0.0);
 		addPush(p, unit.data(), column);
-		backSubstitute(column);
+		backSubstitute(column, firstPlace(p));
 		for (int side = 0; side < 2; ++side)
 			if (p.body[side] >= 0)
 				W.col(c) += Map<const Mat6>(p.jacobian[side]) * Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place);

@@ -78,7 +78,8 @@ private:
 	bool changeActiveSet(int mayReturn);
 	void relativeTwist(const Patch& patch, double* twist) const;
 	void addPush(const Patch& patch, const double* impulse, double* target) const;
-	void backSubstitute(double* x) const;
+	void backSubstitute(double* x, int begin) const;
+	int firstPlace(const Patch& p) const;
 	double* scratch() { return m_scratch.data(); }
 
 	int m_bodyCount = 0, m_patchCount = 0;
