@@ -13,7 +13,7 @@ namespace ist
 namespace
 {
 constexpr double kOfBalls = 0.9, kOfFew = 0.1, kOfGaps = 0.38, kMostGaps = 3, kUnmeasured = 0.4;
-constexpr double kFloorOverlap = 0.001, kFloorForce = 0.5;
+constexpr double kFloorOverlap = 0.001;
 /// A coarser level is tried next only where it is sure to do, lest two levels take turns.
 constexpr double kReserve = 0.8;
 
@@ -31,7 +31,7 @@ ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA, double wei
 	return {integrals.volume, norm(pressureWrench(integrals, {1, weightA, weightB}).force), norm(integrals.areaVector)};
 }
 
-double forceFloor(double volumeA, double volumeB) { return kFloorForce * kFloorOverlap * std::min(volumeA, volumeB); }
+double forceFloor(double volumeA, double volumeB) { return kFloorOverlap * std::min(volumeA, volumeB); }
 
 double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B) { return forceFloor(A.volume, B.volume); }
 

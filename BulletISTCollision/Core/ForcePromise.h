@@ -14,8 +14,8 @@ struct ContactSeen
 };
 ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA = 0.5, double weightB = 0.5);
 
-/// Below this force, for 1 Pa/m, errors count as if the force were so large [m^3]: half of 0.1 % of the smaller body's volume, which is about
-/// what an overlap of 0.1 % presses. For every error that is promised, granted or reported as a share of a force.
+/// Below this force, for 1 Pa/m, errors count as if the force were so large [m^3]: 0.1 % of the smaller body's volume, which is what an
+/// overlap of 0.1 % presses in flat contact. For every error that is promised, granted or reported as a share of a force.
 double forceFloor(double volumeA, double volumeB);
 double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 

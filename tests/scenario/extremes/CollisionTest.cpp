@@ -76,15 +76,19 @@ TEST(Restitution, FollowsHuntAndCrossleysClosedForm)
 		}
 }
 
-// The cube of the bounce has an edge of 1 m and weighs 1 kg: K = k.
+// The cube of the bounce has an edge of 1 m and weighs 1 kg: K = k. It goes 1 / omega deep; less deep than a few gaps the force grows faster than with depth, and
+// less is lost.
 TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
 {
 	for (const double hw : {0.02, 0.1, 0.2})
-	{
-		const double k = 1e4, e = bounce(unitCube(), k, 0, hw).restitution, foretold = ist::implicitRestitution({k, 1, 0}, hw / std::sqrt(k));
-		std::printf("  h omega %.2f: e %.4f, foretold %.4f\n", hw, e, foretold);
-		EXPECT_NEAR(e, foretold, 0.01 + hw * hw);
-	}
+		for (const double k : {1e2, 1e3, 1e4})
+		{
+			const double e = bounce(unitCube(), k, 0, hw).restitution, foretold = ist::implicitRestitution({k, 1, 0}, hw / std::sqrt(k));
+			std::printf("  %.2f m deep, h omega %.2f: e %.4f, foretold %.4f\n", 1 / std::sqrt(k), hw, e, foretold);
+			EXPECT_GE(e, foretold - 0.001);
+			if (k > 1e2) continue;
+			EXPECT_NEAR(e, foretold, 0.001 + 0.25 * hw * hw);
+		}
 }
 
 // From h omega far below to far above 1, undamped.
