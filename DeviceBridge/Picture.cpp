@@ -27,7 +27,7 @@ std::optional<ist::Error> save(int width, int height, png_uint_32 format, const 
 	std::vector<std::byte> file(size);
 	if (!png_image_write_to_memory(&image, file.data(), &size, 0, pixels, 0, nullptr)) return ist::Error{path + ": " + image.message};
 	const ist::Result<size_t> written = ist::writeWholeFile(path, file.data(), size);
-	if (!written) return written.error();
+	if (!written) return ist::Error{path + ": the picture cannot be written: " + written.error().message};
 	return std::nullopt;
 }
 

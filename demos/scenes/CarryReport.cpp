@@ -14,17 +14,23 @@ namespace
 constexpr double kForceSlack = 1.02, kDegrees = 57.29577951308232;
 constexpr Felt kAllFelt[] = {Felt::Nothing, Felt::Force, Felt::ForceAndTorque};
 
-const char* nameOf(Felt felt)
+int freedoms(Felt felt) { return felt == Felt::Nothing ? 0 : felt == Felt::Force ? 3 : 6; }
+std::string nameOf(const CarryOutcome& run) { return (run.hands == 1 ? "1 hand, " : "2 hands, ") + std::to_string(freedoms(run.felt)) + " felt"; }
+const char* fateOf(const CarryOutcome& run) { return !run.lifted ? "NOT LIFTED" : run.arrived ? "arrives" : "LOST ON THE WAY"; }
+
+/// What is told of a run.
+struct Column
 {
-	switch (felt)
-	{
-		case Felt::Nothing: return "nothing felt";
-		case Felt::Force: return "3 degrees of freedom";
-		case Felt::ForceAndTorque: return "6 degrees of freedom";
-	}
-	return "";
+	const char *name, *unit;
+	double value;
+	int digits;
+};
+std::vector<Column> columnsOf(const CarryOutcome& run)
+{
+	return {{"off", "mm", 1e3 * run.off, 2}, {"largest tilt", "deg", kDegrees * run.tilt, 2}, {"slip in a palm", "mm", 1e3 * run.slip, 2}, {"turn in a palm", "deg", kDegrees * run.slipAngle, 2},
+			{"nut and ring slide", "mm", 1e3 * run.passengers, 2}, {"strongest part", "N", run.peakForce, 3}, {"force on a wrist, at rest", "N", run.wristForce, 3},
+			{"torque on a wrist, at rest", "N m", run.wristTorque, 3}, {"energy without a name", "mJ", 1e3 * run.energy.residual, 2}};
 }
-std::string nameOf(const CarryOutcome& run) { return std::string(run.hands == 1 ? "one hand, " : "two hands, ") + nameOf(run.felt); }
 
 Chart chartOf(const CarryReportOutcome& o, const std::string& title, const std::string& label, double CarrySample::*value, double scale)
 {
@@ -76,16 +82,8 @@ std::vector<std::vector<std::string>> summaryRows(const CarryReportOutcome& o)
 	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""}};
 	for (const CarryOutcome& run : o.runs)
 	{
-		const std::string name = nameOf(run) + ": ";
-		rows.push_back({name + (run.lifted ? (run.arrived ? "arrives, off by" : "LOST ON THE WAY, off by") : "NOT LIFTED, off by"), formatNumber(1e3 * run.off, 3), "mm"});
-		rows.push_back({name + "largest tilt", formatNumber(kDegrees * run.tilt, 2), "deg"});
-		rows.push_back({name + "slip in the palm", formatNumber(1e3 * run.slip, 2), "mm"});
-		rows.push_back({name + "turn in the palm", formatNumber(kDegrees * run.slipAngle, 2), "deg"});
-		rows.push_back({name + "nut and ring slide", formatNumber(1e3 * run.passengers, 2), "mm"});
-		rows.push_back({name + "strongest part", formatNumber(run.peakForce, 3), "N"});
-		rows.push_back({name + "force on a wrist, at rest in the air", formatNumber(run.wristForce, 3), "N"});
-		rows.push_back({name + "torque on a wrist, at rest in the air", formatNumber(run.wristTorque, 3), "N m"});
-		rows.push_back({name + "energy without a name", formatNumber(1e3 * run.energy.residual, 2), "mJ"});
+		rows.push_back({nameOf(run), fateOf(run), ""});
+		for (const Column& c : columnsOf(run)) rows.push_back({nameOf(run) + ": " + c.name, formatNumber(c.value, c.digits), c.unit});
 	}
 	return rows;
 }
@@ -98,7 +96,15 @@ HtmlReport makeReport(const CarryReportOutcome& o)
 					 "What is felt, the arm of the hand yields to: nothing, as of a tracked hand; the force, as on a device of three degrees of freedom; or force and torque, as on one of six.");
 	report.paragraph("What this shows and what not: the arm is a mass on a spring (1.5 kg and 300 N/m, 0.01 kg m^2 and 3 N m/rad, assumed), and the script neither looks nor learns. It shows "
 					 "what the task asks of hands and wrists, and what reaches them. It does not show how well a person does it who feels more.");
-	report.table({"Quantity", "Value", "Unit"}, summaryRows(o));
+	std::vector<std::string> head{"Freedoms that are felt", "outcome"};
+	std::vector<std::vector<std::string>> table;
+	for (const CarryOutcome& run : o.runs)
+	{
+		table.push_back({nameOf(run), fateOf(run)});
+		for (const Column& c : columnsOf(run)) table.back().push_back(formatNumber(c.value, c.digits));
+	}
+	for (const Column& c : columnsOf({})) head.push_back(std::string(c.name) + " [" + c.unit + "]");
+	report.table(head, table);
 	report.chart(chartOf(o, "Angle between the beam and where the script has it", "tilt [deg]", &CarrySample::tilt, kDegrees));
 	report.chart(chartOf(o, "Height of the beam", "height [mm]", &CarrySample::height, 1e3));
 	report.chart(chartOf(o, "Strongest force on a part", "force [N]", &CarrySample::force, 1));
@@ -111,7 +117,7 @@ std::string makeJson(const CarryReportOutcome& o)
 	using Json = nlohmann::ordered_json;
 	Json json = {{"schema", 1}, {"demo", "grasp-compare"}, {"ok", o.ok()}, {"weight", o.weight}, {"runs", Json::array()}};
 	for (const CarryOutcome& run : o.runs)
-		json["runs"].push_back({{"hands", run.hands}, {"felt_freedoms", run.felt == Felt::Nothing ? 0 : run.felt == Felt::Force ? 3 : 6}, {"lifted", run.lifted}, {"arrived", run.arrived},
+		json["runs"].push_back({{"hands", run.hands}, {"felt_freedoms", freedoms(run.felt)}, {"lifted", run.lifted}, {"arrived", run.arrived},
 								{"off", run.off}, {"tilt", run.tilt}, {"slip", run.slip}, {"slip_angle", run.slipAngle}, {"passengers_slide", run.passengers}, {"peak_force", run.peakForce},
 								{"wrist_force", run.wristForce}, {"wrist_torque", run.wristTorque}, {"energy_residual", run.energy.residual},
 								{"complaints", run.complaints}});

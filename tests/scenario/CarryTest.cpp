@@ -127,5 +127,5 @@ TEST(CarryReport, IsBadAsSoonAsOneRunIs)
 		EXPECT_FALSE(outcome.ok()) << wrong;
 		EXPECT_NE(makeJson(outcome).find("\"ok\":false"), std::string::npos);
 	}
-	EXPECT_EQ(summaryRows(outcome).size(), 1u + 2 * 9);
+	EXPECT_EQ(summaryRows(outcome).size(), 1u + 2 * 10);
 }
