@@ -46,7 +46,7 @@ std::vector<DialPoint> sweepDial(const InnerSphereTree& A, const InnerSphereTree
 {
 	using Clock = std::chrono::steady_clock;
 	QueryWorkspace workspace;
-	const double floor = promiseFloor(A, B);
+	const double floor = forceFloor(A, B);
 	std::vector<DialPoint> points;
 	for (const double share : accepted)
 	{

@@ -75,7 +75,7 @@ std::optional<Error> Dial::prepare(const DemoOptions& options)
 		m_trees[i] = *m_solids[i]->tree;
 		addLevels(m_trees[i]);
 	}
-	m_floor = promiseFloor(m_trees[0], m_trees[1]);
+	m_floor = forceFloor(m_trees[0], m_trees[1]);
 	const Box box = bounds(m_solids[0]->mesh);
 	m_up = -box.lower.y;
 	for (const Vec3& p : m_solids[0]->mesh.vertices)
