@@ -121,6 +121,7 @@ TEST(Renderer, LeavesOutWhatIsSmallerThanAPixelAndKeepsTheRest)
 	list.spheres.push_back({cloud(100000, 1, 0.02), {}, 100000, 1});
 	Camera camera;
 	camera.set({{}, 4, 0.4, 0.3});
+	renderer.value()->beginPicture();
 	renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, {});
 	const RenderCost near = renderer.value()->cost();
 	EXPECT_EQ(near.ballsDrawn + near.ballsLeftOut, 100000u);
@@ -129,6 +130,7 @@ TEST(Renderer, LeavesOutWhatIsSmallerThanAPixelAndKeepsTheRest)
 	EXPECT_LT(near.drawCalls, 12u);
 	std::printf("  100,000 balls: %.1f ms of the thread that draws\n", near.microseconds / 1e3);
 	camera.set({{}, 80, 0.4, 0.3});
+	renderer.value()->beginPicture();
 	renderer.value()->draw(list, camera, target.frame(), {0, kWidth, kHeight}, {});
 	EXPECT_LT(renderer.value()->cost().ballsDrawn, near.ballsDrawn / 2);
 }
