@@ -12,7 +12,6 @@ ALLOWED = {
     "BulletISTCollision/Python": ["BulletISTCollision/Core", "BulletISTCollision/Python"],
     "BulletHapticForce": ["BulletISTCollision", "BulletHapticForce"],
     "TestSupport": ["BulletISTCollision", "BulletHapticForce", "TestSupport"],
-    "Preload": ["BulletISTCollision", "BulletHapticForce", "Preload"],
     "DeviceBridge": ["BulletISTCollision/Core", "DeviceBridge"],
     # The half of DeviceBridge that knows Bullet; the other half must not.
     "DeviceBridge/Bullet": ["BulletISTCollision", "BulletHapticForce", "DeviceBridge"],
@@ -24,7 +23,7 @@ GUARDED = {
     r"^<png": ["DeviceBridge/Picture.cpp"],
     r"^<Eigen/": ["BulletISTCollision/Core/MomentEllipsoid.cpp", "BulletISTCollision/Core/PressureField.cpp", "BulletHapticForce/btContactLaw.cpp", "BulletHapticForce/btVolumetricRows.cpp",
                   "BulletHapticForce/btIslandBlockSolver.cpp"],
-    r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/": ["BulletISTCollision/bt", "BulletHapticForce/", "TestSupport/", "Preload/", "DeviceBridge/Bullet", "demos/"],
+    r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/": ["BulletISTCollision/bt", "BulletHapticForce/", "TestSupport/", "DeviceBridge/Bullet", "demos/"],
 }
 
 
@@ -34,7 +33,7 @@ def rules(path):
 
 
 def violations(root):
-    for folder in ("BulletISTCollision", "BulletHapticForce", "TestSupport", "Preload", "DeviceBridge", "demos"):
+    for folder in ("BulletISTCollision", "BulletHapticForce", "TestSupport", "DeviceBridge", "demos"):
         for file in sorted((root / folder).rglob("*")):
             if file.suffix not in (".h", ".cpp"):
                 continue

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Functions of Bullet that a program finds here first when this library is preloaded. Each does its part and goes on to Bullet's own.
-#include "Preload/PreloadWorld.h"
+#include "BulletHapticForce/Preload/PreloadWorld.h"
 
 #include <dlfcn.h>
 #include <link.h>

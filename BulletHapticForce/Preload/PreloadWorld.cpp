@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "Preload/PreloadWorld.h"
+#include "BulletHapticForce/Preload/PreloadWorld.h"
 
 #include "BulletCollision/CollisionShapes/btCompoundShape.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"

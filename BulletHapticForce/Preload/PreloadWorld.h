@@ -3,7 +3,7 @@
 
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletISTCollision/btISTTreeSource.h"
-#include "Preload/PreloadSettings.h"
+#include "BulletHapticForce/Preload/PreloadSettings.h"
 
 #include <map>
 

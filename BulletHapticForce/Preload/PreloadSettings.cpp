@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "Preload/PreloadSettings.h"
+#include "BulletHapticForce/Preload/PreloadSettings.h"
 
 #include <cstdio>
 #include <cstdlib>
