@@ -31,7 +31,16 @@ public:
 		Contact contact;
 	};
 
-	/// Refused: null, one body, a pair that is held already.
+	btExplicitPairs() = default;
+	btExplicitPairs(const btExplicitPairs&) = delete;
+	btExplicitPairs& operator=(const btExplicitPairs&) = delete;
+	~btExplicitPairs()
+	{
+		for (const Pair& p : m_pairs) p.A->setIgnoreCollisionCheck(p.B, false);
+	}
+
+	/// Refused: null, one body, a pair that is held already. Bullet keeps the points of bodies that touch already: clean their pairs afterwards
+	/// (cleanProxyFromPairs).
 	std::optional<ist::Error> add(Pair pair)
 	{
 		if (!pair.A || !pair.B || pair.A == pair.B) return ist::Error{"a law of contact needs two different bodies"};

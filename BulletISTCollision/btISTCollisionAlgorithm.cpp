@@ -76,6 +76,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	contact.foreseeable = isBody(*wrapA) && isBody(*wrapB);
 	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
 	const btISTPairQuery query(field, m_context->rules, m_contact, m_contact && m_context->store.sumsDamping());
+	const ist::PairAccuracy before = contact.accuracy;
 	update(query, contact);
 
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
@@ -86,6 +87,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	if (query.lacksDamping(contact))  // the constants of the last step were others
 	{
 		contact.kept.forget();
+		contact.accuracy = before;
 		update(query, contact);
 	}
 	contact.error = ist::OverlapError();

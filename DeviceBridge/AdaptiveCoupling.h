@@ -19,7 +19,7 @@ void addResistance(ist::SymmetricMatrix6& sum, const ist::SymmetricMatrix6& K, c
 /// So contact softer than the device bears is shown nearly as it is, and stiffer contact as what the device bears. What resists a motion to and fro within two ticks
 /// counts as C: dampers by 2 D / h, the mass of a tool that has one by 4 M / h^2 (a heavy one gets no more than L), friction as rigid, for it sticks.
 ///
-/// A spring that stiffens while it is stretched makes energy, one that softens destroys it. Softening is immediate, since the bound must hold; what it destroys goes
+/// A spring that stiffens while it is stretched makes energy, one that softens destroys it. Softening is immediate, since the bound must hold (against the contacts that the source knows: BulletContactSource knows those of the tick before); what it destroys goes
 /// into a tank. Stiffening takes kRise, begins kHold after it, and never costs more than the tank holds. Hence work done on the coupling's two ends - stored in its spring - tank >= 0 at
 /// all times, whatever the contact does: the coupling is passive. At rest without a stretch stiffening is free. O(1), no allocation.
 class AdaptiveCoupling

@@ -33,6 +33,7 @@ BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactSto
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
 	m_store.measureQueryTime(true);
+	if (m_coupling.adapts()) m_store.sumDamping(true);  // a damper resists, whoever solves the world
 	if (settings.gravity) return;
 	m_tool.setFlags(m_tool.getFlags() | BT_DISABLE_WORLD_GRAVITY);
 	m_tool.setGravity(btVector3(0, 0, 0));

@@ -36,7 +36,7 @@ onlyAdded() { abidiff --no-added-syms --drop-private-types --headers-dir1 "$1/in
 
 install_tree() { # SOURCE PREFIX
 	cmake -S "$1" -B "$2.build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=-g -DBUILD_SHARED_LIBS=ON -DBULLETHAPTICS_TESTS=OFF \
-		-DBULLETHAPTICS_TOOLS=OFF -DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_PYTHON=OFF -DCMAKE_INSTALL_PREFIX="$2" >/dev/null
+		-DBULLETHAPTICS_TOOLS=OFF -DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_PYTHON=OFF -DBULLETHAPTICS_PRELOAD=OFF -DCMAKE_INSTALL_PREFIX="$2" >/dev/null
 	cmake --build "$2.build" --target install >/dev/null
 }
 

@@ -71,6 +71,7 @@ OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	}
 	QueryOptions plain = options;
 	plain.patches = plain.stiffness = false;
+	plain.damping = {};
 	const auto answerAt = [&](int level)
 	{
 		plain.level = level;

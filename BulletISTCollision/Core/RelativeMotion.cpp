@@ -53,6 +53,7 @@ void moveB(OverlapIntegrals& sums, const Twist& motion)
 	sums.volume *= growth;
 	sums.firstMoment *= growth;
 	for (double& m : sums.secondMoment) m *= growth;
+	for (double& d : sums.damping.m) d *= growth;
 	sums.spread *= growth * growth;
 }
 }  // namespace ist

@@ -48,10 +48,6 @@ private:
 	DrawList& m_list;
 	int m_mode = 0;
 };
-}  // namespace
-
-namespace
-{
 /// Of the pressure of one contact [N].
 double forceError(const btISTContact& contact, const btISTEconomy& economy)
 {

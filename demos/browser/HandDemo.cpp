@@ -108,7 +108,7 @@ void HandDemo::drawHand(const DrawChoice& choice, DrawList& list) const
 	for (int i = 0; i < kHandParts; ++i)
 	{
 		const Pose X = X_WB(i);
-		if (choice.surfaces) list.surfaces.push_back({m_skins[size_t(i)], X, skinColour(i), 1, choice.spheres || choice.leaves || choice.lenses});
+		if (choice.surfaces) list.surfaces.push_back({m_skins[size_t(i)], X, skinColour(i), 1, choice.spheres || choice.leaves || choice.levels || choice.lenses});
 		if (choice.spheres) list.spheres.push_back({m_spheres[size_t(i)], X, m_spheres[size_t(i)]->spheres.size(), 1});
 	}
 }

@@ -35,7 +35,7 @@ class BulletHapticsConan(ConanFile):
 
     def export_sources(self):
         folders = ("BulletISTCollision", "BulletHapticForce", "DeviceBridge", "TestSupport", "cmake")
-        for pattern in ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "packaging/*"] + [f + "/*" for f in folders]:
+        for pattern in ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "data/devices/*", "packaging/*"] + [f + "/*" for f in folders]:
             copy(self, pattern, self._checkout, self.export_sources_folder)
 
     def layout(self):
@@ -57,7 +57,7 @@ class BulletHapticsConan(ConanFile):
 
     def generate(self):
         toolchain = CMakeToolchain(self)
-        for part in ("TOOLS", "DEMOS", "TESTS", "PYTHON", "BENCH", "WERROR"):
+        for part in ("TOOLS", "DEMOS", "TESTS", "PYTHON", "PRELOAD", "PNG", "BENCH", "WERROR"):
             toolchain.cache_variables["BULLETHAPTICS_" + part] = False
         # Drivers of the system's device libraries: such a build is made from the sources, or as Debian packages.
         for driver in ("HAPLY", "OPENXR", "RUMBLE", "SPNAV"):

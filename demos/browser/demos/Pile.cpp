@@ -116,7 +116,7 @@ public:
 	Viewpoint viewpoint() const override { return {{0, 0.045, 0.01}, 0.5, 0.7, 0.8}; }
 	DrawChoice firstChoice() const override { return {.patches = false, .wrenches = false}; }
 	/// Exact answers alone are kept: followed to first order, one contact among thin bars was once wrong by half of its force.
-	void setEconomy(const EconomyChoice& economy) override { HandDemo::setEconomy({economy.on, 0}); }
+	void setEconomy(const EconomyChoice& economy) override { HandDemo::setEconomy({economy.on, 0, economy.forceError}); }
 	std::vector<Parameter> parameters() override
 	{
 		return {{"hand presses with", "N", &m_press, 1, 60, false, false}, {"friction", "", &m_friction, 0, 1, true, false}};
@@ -298,7 +298,7 @@ std::vector<Figure> Pile::figures() const
 	return {{"impulse that carried the pile, for weight times time", "N s", carried.y, whole, 1e-3 * whole},
 			{"the same, sideways", "N s", std::hypot(carried.x, carried.z), 0, 1e-3 * whole},
 			{"of contacts and couplings on the hand, off Newton's law", "%", couplings > 0 ? 100 * off / couplings : 0, 0, 0.1},
-			{"strongest coupling, of what it may exert", "%", 100 * m_couplingShare, 50, 50 + 1e-6},
+			{"strongest coupling, of what it may exert", "%", 100 * m_couplingShare, 45, 45},
 			{"bodies in the tray", "", inTray, kBodies, 0},
 			{"deepest in the tray's boards, on the triangles", "mm", 1e3 * m_inTray, 0, 6},
 			{"deepest in the hand, on the triangles", "mm", 1e3 * m_inHand, 0, 6},

@@ -291,7 +291,8 @@ TEST(btIslandBlockSolver, FrictionInStacksSticksOrSlidesAsCoulombSays)
 	for (uint64_t seed = 1; seed <= 60; ++seed) expectCoulomb(stackScene(seed, seed % 2 ? 1 : 0.02), seed, count);
 	EXPECT_GT(count.sticking, 50);
 	EXPECT_GT(count.sliding, 50);
-	EXPECT_LE(count.undecided, 3);
+	// Where sweeps no longer halve the change, what they would still find is left to the next step.
+	EXPECT_LE(count.undecided, 6);
 }
 
 // Friction that begins where it ended is there at once, and where it was.
