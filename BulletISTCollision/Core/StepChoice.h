@@ -20,7 +20,8 @@ double contactFrequency(const ContactSpring& spring);
 double longestExplicitStep(const ContactSpring& spring);
 
 /// Speed away over speed towards of a body that hits the spring without damping, in implicit steps of h (btVolumetricSolver): exp(-pi h omega / 2), from the amplitude
-/// sqrt(1 / (1 + h^2 omega^2)) that each step leaves. For h omega below about 0.3; beyond, what comes back depends on where in a step contact begins.
+/// sqrt(1 / (1 + h^2 omega^2)) that each step leaves. For h omega below about 0.3; beyond, what comes back depends on where in a step contact begins. Contact less
+/// deep than a few gaps of the bodies is softer at first, and loses less.
 double implicitRestitution(const ContactSpring& spring, double h);
 /// The longest implicit step [s] that leaves 1 - `error` of the speed; 0 < error < 1.
 double longestStepForRestitution(const ContactSpring& spring, double error);

@@ -92,9 +92,9 @@ assert d[:4] == b'\\x89PNG' and struct.unpack('>II', d[16:24]) == (960, 540)
 " || failures=$((failures + 1))
 	expect "a picture that cannot be written is said" 1 "$dir/no/p.png: the picture cannot be written" \
 		"$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 2 --screenshot "$dir/no/p.png"
-	expect "a recording has a picture for every thirtieth of a second" 0 "" \
+	expect "a recording has a picture of the beginning and of every thirtieth of a second" 0 "" \
 		"$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 12 --size 64x36 --record "$dir/film"
-	[ "$(ls "$dir/film" | wc -l)" -eq 6 ] || { echo "FAILED: $(ls "$dir/film" | wc -l) pictures in 0.2 s"; failures=$((failures + 1)); }
+	[ "$(ls "$dir/film" | wc -l)" -eq 7 ] || { echo "FAILED: $(ls "$dir/film" | wc -l) pictures in 0.2 s"; failures=$((failures + 1)); }
 else
 	grep -qE "apt-get install" "$dir/err" || { echo "FAILED: no pictures, and nobody says what to install"; failures=$((failures + 1)); }
 fi
