@@ -291,7 +291,7 @@ std::vector<Figure> Pile::figures() const
 		couplings += norm(m_byCouplings[i]);
 		off += norm(m_onParts[i] + m_byCouplings[i] - toVec3(part.getLinearVelocity()) / double(part.getInvMass()));
 	}
-	// What is less deep than half of a finger, or of a board, has not passed through it.
+	// What is less deep than half of a finger (8 mm), or of a board (12 mm), has not passed through it.
 	// Newton: what tray and hand gave to the pile, less what it moves with, is its weight times the time.
 	const Vec3 carried = m_onPile - pile;
 	const btEnergyBalance& t = m_audit->total();
@@ -299,9 +299,9 @@ std::vector<Figure> Pile::figures() const
 			{"the same, sideways", "N s", std::hypot(carried.x, carried.z), 0, 1e-3 * whole},
 			{"of contacts and couplings on the hand, off Newton's law", "%", couplings > 0 ? 100 * off / couplings : 0, 0, 0.1},
 			{"strongest coupling, of what it may exert", "%", 100 * m_couplingShare, 45, 45},
-			{"bodies in the tray", "", inTray, kBodies, 0},
+			{"bodies that were not raked out of the tray", "", inTray},
 			{"deepest in the tray's boards, on the triangles", "mm", 1e3 * m_inTray, 0, 6},
-			{"deepest in the hand, on the triangles", "mm", 1e3 * m_inHand, 0, 6},
+			{"deepest in the hand, on the triangles", "mm", 1e3 * m_inHand, 0, 8},
 			{"fastest body", "m/s", fastest},
 			{"energy that came in", "J", t.injected},
 			{"of it without a name", "%", t.injected > 0 ? 100 * std::fabs(t.residual) / t.injected : 0, 0, 0.5},
