@@ -71,8 +71,9 @@ World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
 
 World::~World()
 {
-	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone.
-	m_ist->registration().cleanPairs(m_world.getPairCache());
+	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone. Where we were refused no pair is ours, and the registration may be
+	// with another dispatcher than the one that the pairs' algorithms are from.
+	if (refusal().empty()) m_ist->registration().cleanPairs(m_world.getPairCache());
 	m_ist->registration().setPairCache(nullptr);
 	m_shapes.clear();
 	m_trees.reset();

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // A game that keeps everything on the heap and clears up as Bullet's examples do: bodies, shapes, world, solver, broad phase, dispatcher. Boxes on a
-// plane and a hinge; with `--gimpact` two rings, too, one of which goes halfway. Prints where every body is after each frame, exactly.
+// plane and a hinge; with `--gimpact` two rings, too, one of which goes halfway; with `--threaded` they come late, into a world whose dispatcher may have
+// several threads. Prints where every body is after each frame, exactly.
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <LinearMath/btThreads.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
@@ -43,9 +46,12 @@ btRigidBody* add(btDynamicsWorld& world, std::vector<btRigidBody*>& bodies, btCo
 
 int main(int argc, char** argv)
 {
-	const bool gimpact = argc > 1 && std::strcmp(argv[1], "--gimpact") == 0;
+	const bool threaded = argc > 1 && std::strcmp(argv[1], "--threaded") == 0;
+	const bool gimpact = threaded || (argc > 1 && std::strcmp(argv[1], "--gimpact") == 0);
+	const int ringsCome = threaded ? 60 : 0, ringGoes = 120;  // frames
+	if (threaded) btSetTaskScheduler(btGetSequentialTaskScheduler());
 	auto* configuration = new btDefaultCollisionConfiguration;
-	auto* dispatcher = new btCollisionDispatcher(configuration);
+	btCollisionDispatcher* dispatcher = threaded ? new btCollisionDispatcherMt(configuration) : new btCollisionDispatcher(configuration);
 	auto* broadphase = new btDbvtBroadphase;
 	auto* solver = new btSequentialImpulseConstraintSolver;
 	btDynamicsWorld* world = new btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration);
@@ -58,18 +64,19 @@ int main(int argc, char** argv)
 	world->addConstraint(hinge);
 	btTriangleMesh* triangles = nullptr;
 	btGImpactMeshShape* ring = nullptr;
-	if (gimpact)
+	const auto addRings = [&]
 	{
 		btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher);
 		triangles = makeRing();
 		ring = new btGImpactMeshShape(triangles);
 		ring->updateBound();
 		for (int i = 0; i < 2; ++i) add(*world, bodies, ring, 2, btVector3(-3, btScalar(0.3 + 0.6 * i), btScalar(0.05 * i)));
-	}
+	};
 	bool sound = true;
 	for (int frame = 0; frame < 240; ++frame)
 	{
-		if (gimpact && frame == 120)
+		if (gimpact && frame == ringsCome) addRings();
+		if (gimpact && frame == ringGoes)
 		{
 			world->removeRigidBody(bodies.back());
 			delete bodies.back();
