@@ -78,7 +78,7 @@ public:
 	/// steps only.
 	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50);
 	int queryThreads() const;
-	/// What was queried side by side in the last step.
+	/// What was queried side by side in the last step; in a world without our solver, in the last one in which a pair was met.
 	btISTSharedQueries sharedQueries() const;
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.

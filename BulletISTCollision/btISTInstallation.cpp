@@ -243,7 +243,7 @@ int btISTRegistration::queryThreads() const
 btISTSharedQueries btISTRegistration::sharedQueries() const
 {
 	const auto& threads = m_installation->context->threads;
-	return threads ? threads->shared() : btISTSharedQueries();
+	return threads ? threads->shared(m_installation->context->store.step()) : btISTSharedQueries();
 }
 
 void btISTRegistration::setPairCache(btOverlappingPairCache* pairCache) { m_installation->pairCache = pairCache; }

@@ -124,3 +124,17 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 	work.seconds = seconds();
 	return work;
 }
+
+void btISTPairQuery::copyAnswer(const btISTContact& from, btISTContact& to)
+{
+	to.status = from.status;
+	to.level = from.level;
+	to.total = from.total;
+	to.patchCount = from.patchCount;
+	std::copy(from.patches, from.patches + from.patchCount, to.patches);
+	to.accuracy = from.accuracy;
+	to.halfSpace = from.halfSpace;
+	to.volumeB = from.volumeB;
+	to.use = from.use;
+	to.kept = from.kept;
+}

@@ -54,6 +54,8 @@ public:
 	{
 	}
 	btISTQueryWork answer(btISTContact& contact, ist::QueryWorkspace& workspace, bool timed) const;
+	/// All that `answer` may have written. What else a contact has is its owner's, who may have gone on since.
+	static void copyAnswer(const btISTContact& from, btISTContact& to);
 	/// Whether the sums were asked for with other weights than the pair has now.
 	bool lacksDamping(const btISTContact& contact) const;
 

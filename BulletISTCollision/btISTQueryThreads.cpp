@@ -67,8 +67,9 @@ bool btISTQueryThreads::isFree() const
 void btISTQueryThreads::meet(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own,
 							 btDispatcher& dispatcher)
 {
-	// Who is met again is met in another pass.
-	if (contact.pass == m_pass) askAhead(store, rules, own, dispatcher);
+	// Who is met again is met in another pass: that tells in worlds without our solver, where steps are not counted. Alone it would not do, for a pair that
+	// missed a pass would seem to belong to the one before ever after.
+	if (contact.pass == m_pass || store.step() != m_step) askAhead(store, rules, own, dispatcher);
 	contact.pass = m_pass;
 }
 
@@ -76,6 +77,7 @@ void btISTQueryThreads::askAhead(const btISTContactStore& store, const btISTQuer
 {
 	m_shared = btISTSharedQueries();
 	++m_pass;
+	m_step = store.step();
 	const bool free = isFree();
 	if (free)
 	{
@@ -192,11 +194,7 @@ bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
 	const bool holds = isSame(answer.contact.X_AB, contact.X_AB);
 	if (holds)
 	{
-		const uint64_t stamp = contact.stamp;
-		contact = answer.contact;
-		contact.stamp = stamp;
-		contact.pass = m_pass;
-		contact.ahead = -1;
+		btISTPairQuery::copyAnswer(answer.contact, contact);
 		work = answer.work;
 	}
 	// Trees are large; nobody keeps them alive by an old answer.

@@ -28,7 +28,8 @@ public:
 	bool take(btISTContact& contact, btISTQueryWork& work);
 
 	int count() const { return int(m_helpers.size()) + 1; }
-	const btISTSharedQueries& shared() const { return m_shared; }
+	/// What was shared in the last step, or in the one in progress; `step` of the store.
+	btISTSharedQueries shared(uint64_t step) const { return m_step + 1 >= step ? m_shared : btISTSharedQueries(); }
 
 private:
 	enum State
@@ -69,7 +70,7 @@ private:
 	std::vector<std::unique_ptr<Answer>> m_answers;  ///< the first m_count are of this pass, the longest first
 	std::vector<std::pair<int64_t, btISTContact*>> m_wanted;
 	int m_count = 0;
-	uint64_t m_pass = 1;
+	uint64_t m_pass = 1, m_step = 0;  ///< of the store, in which the pass began
 	btISTQueryRules m_rules;  ///< of this pass
 	bool m_timed = false, m_damping = false;
 	btISTSharedQueries m_shared;

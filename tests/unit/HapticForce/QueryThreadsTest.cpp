@@ -79,7 +79,13 @@ public:
 		m_world.bullet().removeRigidBody(m_bodies.back().get());
 		m_bodies.pop_back();
 	}
+	/// Beside each other, flat on the block and apart.
+	void addRow(int cubes)
+	{
+		for (int i = 0; i < cubes; ++i) add(m_cube, 20, {btScalar(0.7 * (i % 4) - 1), btScalar(0.249), btScalar(0.7 * (i / 4) - 1)}, 0);
+	}
 	void step() { EXPECT_FALSE(m_world.step(kStep)); }
+	btRigidBody& body(int i) { return *m_bodies[size_t(i)]; }
 	btISTWorld& world() { return m_world; }
 	std::vector<btTransform> poses() const
 	{
@@ -164,6 +170,79 @@ TEST(QueryThreads, AStepIsTheSameBitForBitForAnyNumber)
 	EXPECT_GT(byOthers, 0);
 }
 
+namespace
+{
+/// What all pairs remember, number by number.
+std::vector<double> memoryOf(const btISTContactStore& store)
+{
+	std::vector<double> all;
+	const auto append = [&all](const ist::Vec3& v) { all.insert(all.end(), {v.x, v.y, v.z}); };
+	for (const btISTContact* contact : store.contacts())
+	{
+		const btISTContactLedger& ledger = contact->ledger;
+		all.insert(all.end(), {double(ledger.open), ledger.stored, contact->accuracy.promise, contact->accuracy.fadedShare, double(contact->accuracy.level)});
+		append(ledger.direction);
+		for (int i = 0; i < contact->patchCount; ++i)
+		{
+			append(ledger.friction[i].force);
+			append(ledger.friction[i].torque);
+		}
+	}
+	return all;
+}
+
+struct Hold
+{
+	std::vector<std::vector<double>> memory;
+	std::vector<std::vector<btTransform>> poses;
+	int64_t shared = 0;
+};
+/// Cubes in a row, the one whose turn is first held where it is, though it would slide; it sleeps for a step, and wakes; later another
+/// error is accepted.
+Hold holdOf(const Settings& settings)
+{
+	constexpr int kSleeps = 20, kDials = 40, kSteps = 60;
+	Heap heap(settings, 0);
+	heap.addRow(12);
+	btRigidBody& held = heap.body(1);
+	const btTransform place = held.getWorldTransform();
+	Hold out;
+	for (int i = 0; i < kSteps; ++i)
+	{
+		EXPECT_FALSE(heap.world().setForceError(i < kDials ? settings.forceError : 0.1 - settings.forceError));
+		held.forceActivationState(i == kSleeps ? ISLAND_SLEEPING : ACTIVE_TAG);
+		held.setWorldTransform(place);
+		held.setLinearVelocity({btScalar(0.05), btScalar(-0.02), 0});
+		held.setAngularVelocity({0, 0, 0});
+		heap.step();
+		out.shared += heap.world().registration().sharedQueries().pairs;
+		out.memory.push_back(memoryOf(heap.world().contacts()));
+		out.poses.push_back(heap.poses());
+	}
+	return out;
+}
+}  // namespace
+
+TEST(QueryThreads, APairThatSleptForAStepIsInStepWithTheOthersAgain)
+{
+	Settings plain, dialled;
+	plain.economy = dialled.economy = false;
+	dialled.forceError = 0.1;
+	for (Settings settings : {plain, dialled})
+	{
+		settings.threads = 1;
+		const Hold alone = holdOf(settings);
+		settings.threads = 2;
+		const Hold shared = holdOf(settings);
+		EXPECT_GT(shared.shared, 500);
+		for (size_t i = 0; i < alone.memory.size(); ++i)
+		{
+			ASSERT_EQ(alone.memory[i], shared.memory[i]) << "step " << i;
+			for (size_t k = 0; k < alone.poses[i].size(); ++k) ASSERT_TRUE(alone.poses[i][k] == shared.poses[i][k]) << "step " << i << ", body " << k;
+		}
+	}
+}
+
 TEST(QueryThreads, TheGamesRulesAreCalledByTheOwnerAlone)
 {
 	class Rule : public btISTPairRule
@@ -219,6 +298,20 @@ TEST(QueryThreads, SmallScenesAreNotShared)
 		heap.step();
 		EXPECT_EQ(heap.world().registration().sharedQueries().pairs, 0);
 	}
+}
+
+TEST(QueryThreads, AStepThatAsksNothingSharesNothing)
+{
+	Settings settings;
+	settings.threads = 2;
+	settings.economy = false;
+	Heap heap(settings, 0);
+	heap.addRow(12);
+	for (int i = 0; i < 10; ++i) heap.step();
+	EXPECT_GT(heap.world().registration().sharedQueries().pairs, 0);
+	for (int i = 1; i <= 12; ++i) heap.body(i).forceActivationState(ISLAND_SLEEPING);
+	heap.step();
+	EXPECT_EQ(heap.world().registration().sharedQueries().pairs, 0);
 }
 
 TEST(QueryThreads, BodiesAndThreadsComeAndGo)
