@@ -25,15 +25,6 @@ namespace
 {
 using namespace preload;
 
-/// The worlds that are helped; the others are here, too, with nothing, when they were refused. Never destroyed: worlds of a game may outlive it.
-struct Everything
-{
-	Settings settings = settingsFromEnvironment();
-	std::mutex mutex;  // games may step several worlds in several threads
-	std::unordered_map<const btDiscreteDynamicsWorld*, std::unique_ptr<World>> worlds;
-	bool helped = false, ended = false;
-};
-
 /// Whether the other precision's Bullet is in this process, which has ours because this library brings it.
 bool isOtherPrecision()
 {
@@ -47,18 +38,27 @@ bool isOtherPrecision()
 	return found;
 }
 
+Settings settingsOfProcess()
+{
+	Settings settings = settingsFromEnvironment();
+	if (!settings.on || !isOtherPrecision()) return settings;
+	std::fprintf(stderr, "bullethaptics-preload: %s\n", kAdvice);  // whatever the verbosity
+	settings.on = false;
+	return settings;
+}
+
+/// The worlds that are helped; the others are here, too, with nothing, when they were refused or given up. Never destroyed: worlds of a game may outlive it.
+struct Everything
+{
+	const Settings settings = settingsOfProcess();
+	std::mutex mutex;  // games may step several worlds in several threads
+	std::unordered_map<const btDiscreteDynamicsWorld*, std::unique_ptr<World>> worlds;
+	bool helped = false, ended = false;
+};
+
 Everything& everything()
 {
-	static Everything* const all = []
-	{
-		auto* made = new Everything;
-		if (made->settings.on && isOtherPrecision())
-		{
-			std::fprintf(stderr, "bullethaptics-preload: %s\n", kAdvice);  // whatever the verbosity
-			made->settings.on = false;
-		}
-		return made;
-	}();
+	static Everything* const all = new Everything;
 	return *all;
 }
 
@@ -85,11 +85,14 @@ World* worldOf(btDiscreteDynamicsWorld& world)
 	const auto found = all.worlds.find(&world);
 	if (found != all.worlds.end()) return found->second.get();
 	if (all.ended || !World::hasGImpact(world)) return nullptr;
+	std::unique_ptr<World>& entry = all.worlds[&world];
 	lock.unlock();
 	std::unique_ptr<World> made = helpFor(world, all.settings);
 	lock.lock();
 	all.helped = all.helped || made;
-	return (all.worlds[&world] = std::move(made)).get();
+	if (made && all.ended) made->stopBuilding();
+	entry = std::move(made);
+	return entry.get();
 }
 
 void forget(const btDiscreteDynamicsWorld* world)
@@ -98,6 +101,17 @@ void forget(const btDiscreteDynamicsWorld* world)
 	std::unique_lock lock(all.mutex);
 	const auto leaving = all.worlds.extract(world);
 	lock.unlock();
+}
+
+/// The world becomes again what it was, for good. The others go on.
+void giveUp(const btDiscreteDynamicsWorld& world, const std::exception& problem)
+{
+	std::fprintf(stderr, "bullethaptics-preload: gives a world up: %s\n", problem.what());
+	Everything& all = everything();
+	std::unique_ptr<World> leaving;
+	const std::lock_guard lock(all.mutex);
+	const auto found = all.worlds.find(&world);
+	if (found != all.worlds.end()) leaving = std::move(found->second);
 }
 
 /// A dispatcher or a solver goes: the worlds that it belongs to are left before. Of such a world nothing is known any more.
@@ -136,8 +150,7 @@ int btISTPreloadStep(btDiscreteDynamicsWorld* world, btScalar seconds, int mostS
 		}
 		catch (const std::exception& problem)
 		{
-			everything().settings.on = false;
-			std::fprintf(stderr, "bullethaptics-preload: gives up: %s\n", problem.what());
+			giveUp(*world, problem);
 		}
 	return bullets(world, seconds, mostSteps, step);
 }

@@ -97,8 +97,15 @@ void World::see(const btCollisionShape* shape)
 	m_shapes.emplace(shape, std::move(entry));
 }
 
+void World::stopBuilding()
+{
+	const std::lock_guard lock(m_mutex);
+	m_trees.reset();
+}
+
 void World::beforeStep()
 {
+	const std::lock_guard lock(m_mutex);
 	++m_step;
 	if (!m_ist->registration().isRegistered()) m_ist->registration().reinstall();  // GImpact came after us
 	forEachMesh(m_world, [this](const btCollisionShape* shape) { see(shape); });

@@ -6,6 +6,7 @@
 #include "BulletHapticForce/Preload/PreloadSettings.h"
 
 #include <map>
+#include <mutex>
 
 class btStridingMeshInterface;
 
@@ -28,8 +29,8 @@ public:
 	/// Before each step: new shapes are looked for, those that nobody uses any more forgotten, trees that are ready attached.
 	void beforeStep();
 	bool uses(const void* part) const { return part == m_dispatcher || part == m_gamesSolver; }
-	/// Nothing is built any more from here on.
-	void stopBuilding() { m_trees.reset(); }
+	/// Nothing is built any more from here on. Of any thread; waits for a `beforeStep` in progress.
+	void stopBuilding();
 
 private:
 	/// By which a shape is told from another one at the same address, or from itself with other triangles.
@@ -57,6 +58,7 @@ private:
 	std::optional<btISTWorld> m_ist;
 	std::optional<btISTTreeSource> m_trees;
 	std::map<const btCollisionShape*, Entry> m_shapes;
+	std::mutex m_mutex;  ///< a program may end in one thread while it steps in another
 	uint64_t m_step = 0;
 	size_t m_attached = 0;
 };

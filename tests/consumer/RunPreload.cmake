@@ -1,5 +1,5 @@
-# Runs programs that know nothing of us, which nobody compiled for this, without and with the preload library. STOCK (stock_game), HEAP (heap_game), PRELOAD,
-# OTHER (the library for Bullet's other precision), WORK.
+# Runs programs that know nothing of us, which nobody compiled for this, without and with the preload library. STOCK (stock_game), HEAP (heap_game), EXIT (early_exit),
+# PRELOAD, OTHER (the library for Bullet's other precision), WORK.
 cmake_minimum_required(VERSION 3.25)
 
 # run(LIBRARY EXPECTED COMMAND...): `text` is what it prints on stdout, `errors` on stderr.
@@ -65,4 +65,9 @@ set(before "${text}")
 run(${PRELOAD} ${HEAP} --threaded)
 expect_same("a world that is refused because its dispatcher may have several threads")
 expect_said("a world with GImpact meshes is left as it is: the world's dispatcher")
+# The end of a program, caught at several places of a step.
+set(ENV{BULLETHAPTICS_WAIT} 0)
+foreach(milliseconds RANGE 100 160 5)
+	run(${PRELOAD} ${EXIT} ${milliseconds})
+endforeach()
 run(${PRELOAD} ${CMAKE_COMMAND} -E true)

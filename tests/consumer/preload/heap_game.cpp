@@ -2,6 +2,8 @@
 // A game that keeps everything on the heap and clears up as Bullet's examples do: bodies, shapes, world, solver, broad phase, dispatcher. Boxes on a
 // plane and a hinge; with `--gimpact` two rings, too, one of which goes halfway; with `--threaded` they come late, into a world whose dispatcher may have
 // several threads. Prints where every body is after each frame, exactly.
+#include "ring.h"
+
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
@@ -15,23 +17,6 @@
 
 namespace
 {
-btTriangleMesh* makeRing()
-{
-	const auto point = [](int i, int j)
-	{
-		const double u = i * 0.39269908169872414, v = j * 0.7853981633974483, r = 0.5 + 0.2 * std::cos(v);
-		return btVector3(btScalar(r * std::cos(u)), btScalar(0.2 * std::sin(v)), btScalar(-r * std::sin(u)));
-	};
-	auto* mesh = new btTriangleMesh;
-	for (int i = 0; i < 16; ++i)
-		for (int j = 0; j < 8; ++j)
-		{
-			mesh->addTriangle(point(i, j), point(i + 1, j), point(i + 1, j + 1));
-			mesh->addTriangle(point(i, j), point(i + 1, j + 1), point(i, j + 1));
-		}
-	return mesh;
-}
-
 btRigidBody* add(btDynamicsWorld& world, std::vector<btRigidBody*>& bodies, btCollisionShape* shape, double mass, const btVector3& place)
 {
 	btVector3 inertia(0, 0, 0);
