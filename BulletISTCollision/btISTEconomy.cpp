@@ -2,6 +2,7 @@
 #include "BulletISTCollision/btISTEconomy.h"
 
 #include "BulletISTCollision/Core/ForcePromise.h"
+#include "BulletISTCollision/Core/Kernels/SamePose.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/RelativeMotion.h"
 #include "BulletISTCollision/btISTContactStore.h"
@@ -14,14 +15,6 @@ namespace
 {
 constexpr double kShareOfError = 0.5, kShareOfLength = 0.25;
 constexpr double kLeastTrust = 1.0 / 64, kRegain = 1.5;
-
-bool isSame(const ist::Pose& X, const ist::Pose& Y)
-{
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j)
-			if (X.rotation.m[i][j] != Y.rotation.m[i][j]) return false;
-	return X.translation.x == Y.translation.x && X.translation.y == Y.translation.y && X.translation.z == Y.translation.z;
-}
 
 /// Of all leaves about the tree's origin [m].
 double reachOf(const ist::BallTree& tree)
@@ -58,7 +51,7 @@ btISTKeptResult::Use btISTKeptResult::use(btISTContact& contact, const Measures&
 	m_hasPrediction = false;
 	if (!economy.on || !m_valid || version != m_version || measures != m_measures || !isRigid(contact.X_AB)) return Ask;
 	const bool tolerant = economy.keptError > 0;
-	if (isSame(contact.X_AB, tolerant ? m_X_last : m_X_asked)) return Still;
+	if (ist::isSame(contact.X_AB, tolerant ? m_X_last : m_X_asked)) return Still;
 	if (contact.patchCount == 0)
 	{
 		const bool far = isFar(contact);

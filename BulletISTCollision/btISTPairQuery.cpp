@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTPairQuery.h"
 
+#include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 #include "BulletISTCollision/Core/LeafClearance.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -101,8 +101,7 @@ void btISTPairQuery::take(btISTContact& contact, const ist::OverlapResult& resul
 
 btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace& workspace, bool timed) const
 {
-	const auto begin = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
-	const auto seconds = [&] { return timed ? std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() : 0.0; };
+	const double begin = timed ? ist::steadyMicroseconds() : 0;
 	btISTQueryWork work;
 	const btISTKeptResult::Measures on = measures(contact);
 	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
@@ -121,7 +120,7 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 		if (m_rules.economy.on && settled) contact.kept.keep(contact, on, m_rules.version(), clearance(work.result, contact), m_rules.economy);
 		else contact.kept.forget();
 	}
-	work.seconds = seconds();
+	if (timed) work.seconds = 1e-6 * (ist::steadyMicroseconds() - begin);
 	return work;
 }
 

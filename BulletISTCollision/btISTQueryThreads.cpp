@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTQueryThreads.h"
 
+#include "BulletISTCollision/Core/Kernels/SamePose.h"
+#include "BulletISTCollision/Core/Kernels/SpinPause.h"
+#include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 #include "BulletISTCollision/Core/ThreadTime.h"
 #include "BulletISTCollision/btISTConversion.h"
 
@@ -8,7 +11,6 @@
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace
 {
@@ -17,30 +19,6 @@ namespace
 constexpr int64_t kWorthCopying = 64, kWorthSharing = 512;
 /// For how long the owner waits at least for an answer that someone else has begun [us].
 constexpr double kShortestWait = 20;
-
-class Stopwatch
-{
-public:
-	double microseconds() const { return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - m_start).count(); }
-
-private:
-	std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
-};
-
-void relax()
-{
-#if defined(__x86_64__)
-	__builtin_ia32_pause();
-#endif
-}
-
-bool isSame(const ist::Pose& X, const ist::Pose& Y)
-{
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j)
-			if (X.rotation.m[i][j] != Y.rotation.m[i][j]) return false;
-	return X.translation.x == Y.translation.x && X.translation.y == Y.translation.y && X.translation.z == Y.translation.z;
-}
 }  // namespace
 
 btISTQueryThreads::btISTQueryThreads(int threads, const ist::QueryCapacity& capacity, double spinMicroseconds)
@@ -140,12 +118,12 @@ void btISTQueryThreads::answerShared(ist::QueryWorkspace& own)
 	double longest = kShortestWait;
 	for (int i; (i = m_next.fetch_add(1, std::memory_order_relaxed)) < m_count;)
 	{
-		const Stopwatch watch;
+		const double start = ist::steadyMicroseconds();
 		Answer& mine = *m_answers[size_t(i)];
 		mine.byOwner = true;
 		answer(mine, own);
 		mine.state.store(Answered, std::memory_order_relaxed);
-		longest = std::max(longest, watch.microseconds());
+		longest = std::max(longest, ist::steadyMicroseconds() - start);
 	}
 	for (int i = 0; i < m_count; ++i)
 		if (!m_answers[size_t(i)]->byOwner) waitFor(*m_answers[size_t(i)], longest);
@@ -157,11 +135,11 @@ void btISTQueryThreads::answerShared(ist::QueryWorkspace& own)
 void btISTQueryThreads::waitFor(Answer& answer, double microseconds)
 {
 	++m_shared.byOthers;
-	const Stopwatch watch;
+	const double start = ist::steadyMicroseconds();
 	while (answer.state.load(std::memory_order_acquire) != Answered)
 	{
-		relax();
-		if (watch.microseconds() < microseconds) continue;
+		ist::spinPause();
+		if (ist::steadyMicroseconds() - start < microseconds) continue;
 		int open = Open;
 		m_shared.late += answer.state.compare_exchange_strong(open, Closed, std::memory_order_acq_rel);
 		return;
@@ -191,7 +169,7 @@ bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
 	Answer& answer = *m_answers[size_t(place)];
 	if (answer.of != &contact || answer.pass != m_pass || answer.state.load(std::memory_order_acquire) != Answered) return false;
 	answer.state.store(Closed, std::memory_order_relaxed);
-	const bool holds = isSame(answer.contact.X_AB, contact.X_AB);
+	const bool holds = ist::isSame(answer.contact.X_AB, contact.X_AB);
 	if (holds)
 	{
 		btISTPairQuery::copyAnswer(answer.contact, contact);
@@ -219,7 +197,8 @@ void btISTQueryThreads::loop(Helper& helper)
 	uint32_t seen = 0;
 	for (;;)
 	{
-		for (const Stopwatch watch; m_turn.load(std::memory_order_seq_cst) == seen && watch.microseconds() < m_spin;) relax();
+		const double start = ist::steadyMicroseconds();
+		while (m_turn.load(std::memory_order_seq_cst) == seen && ist::steadyMicroseconds() - start < m_spin) ist::spinPause();
 		m_turn.wait(seen, std::memory_order_seq_cst);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;

@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
+#include "BulletISTCollision/Core/Kernels/SpinPause.h"
 #include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 
 namespace ist
 {
-namespace
-{
-void pause()
-{
-#if defined(__x86_64__)
-	__builtin_ia32_pause();
-#endif
-}
-}  // namespace
-
 QueryHelper::Implementation::Implementation(const QueryCapacity& capacity, double spin) : work(capacity, nullptr), m_spin(spin)
 {
 	const size_t room = size_t(work.capacity.pairs);
@@ -66,7 +57,7 @@ bool QueryHelper::Implementation::finished(int part, double microseconds)
 	const double start = steadyMicroseconds();
 	while (m_state[part].load(std::memory_order_acquire) != kDone)
 	{
-		pause();
+		spinPause();
 		if (steadyMicroseconds() - start < microseconds) continue;
 		int pending = kPending;
 		const bool late = m_state[part].compare_exchange_strong(pending, kTakenBack, std::memory_order_acq_rel);
@@ -106,7 +97,7 @@ void QueryHelper::Implementation::loop()
 	uint32_t seen = 0;
 	for (;;)
 	{
-		for (const double start = steadyMicroseconds(); m_turn.load(std::memory_order_seq_cst) == seen && steadyMicroseconds() - start < m_spin;) pause();
+		for (const double start = steadyMicroseconds(); m_turn.load(std::memory_order_seq_cst) == seen && steadyMicroseconds() - start < m_spin;) spinPause();
 		m_turn.wait(seen, std::memory_order_seq_cst);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;
