@@ -410,9 +410,11 @@ TEST(LevelCalibration, HoldsInPosesThatItWasNotMeasuredIn)
 	{
 		const double c = body.calibration[i + 1];
 		const auto held = double(std::upper_bound(needed[i].begin(), needed[i].end(), c) - needed[i].begin());
-		EXPECT_GE(held, 0.86 * kPoses) << "level " << i;
+		// Of 60 poses 57 hold in the mean; fewer than 52, by chance, once in a thousand.
+		EXPECT_GE(held, 52) << "level " << i;
 		if (c > 0.15)
 		{
+			// The largest of two sets of poses: of thin contacts, whose tail is long, they differ by a factor of two.
 			EXPECT_LE(c, 2.5 * needed[i][kPoses * 95 / 100]) << "what is above the least is measured, not guessed";
 		}
 	}
