@@ -14,6 +14,8 @@ namespace
 {
 constexpr std::uint32_t kNowhere = UINT32_MAX;
 constexpr int kLargest = 16384;
+/// Some 3 GB: of the picture 8 bytes a texel, and as much again while it is painted; of what covers it 32.
+constexpr double kMostTexels = 1 << 26, kMostCovered = 1 << 27;
 constexpr double kMostRepeats = 64, kFurthest = 1e6, kReach = 0.01;
 
 /// A place in the picture, in texels from the centre of the upper left one; y downwards.
@@ -82,20 +84,26 @@ std::optional<Error> check(const Mesh& object, const TexturedMesh& surface, cons
 {
 	if (std::min(options.width, options.height) < 1 || std::max(options.width, options.height) > kLargest)
 		return Error{"a texture has 1 to " + std::to_string(kLargest) + " texels on each side, not " + std::to_string(options.width) + " by " + std::to_string(options.height)};
+	const double texels = double(options.width) * options.height;
+	if (texels > kMostTexels)
+		return Error{"a texture of " + std::to_string(options.width) + " by " + std::to_string(options.height) + " texels is too large: at most 8192 by 8192, or as many otherwise"};
 	if (!(options.reach >= 0) || options.margin < 0) return Error{"margin and reach of a texture must not be negative"};
 	if (object.triangles.empty()) return Error{"the heat map has no surface to paint"};
 	if (surface.places.empty() || surface.places.size() != surface.mesh.triangles.size())
 		return Error{"the mesh has no texture coordinates: importTexturedMesh reads them, and says how to make some"};
-	double covered = 0;
+	double boxes = 0, covered = 0;
 	for (const auto& t : surface.places)
 	{
 		for (const TexturePlace& place : t)
 			if (!(std::fabs(place.u) <= kFurthest && std::fabs(place.v) <= kFurthest)) return Error{"the mesh has texture coordinates that are not finite, or further than a million pictures away"};
 		const auto [left, right] = std::minmax({t[0].u, t[1].u, t[2].u});
 		const auto [low, high] = std::minmax({t[0].v, t[1].v, t[2].v});
-		covered += (right - left) * (high - low);
+		boxes += (right - left) * (high - low);
+		covered += 0.5 * std::fabs((t[1].u - t[0].u) * (t[2].v - t[0].v) - (t[2].u - t[0].u) * (t[1].v - t[0].v));
 	}
-	if (covered > kMostRepeats) return Error{"the texture repeats too often over the surface, so that each texel would show many places: unwrap the mesh"};
+	if (boxes > kMostRepeats) return Error{"the texture repeats too often over the surface, so that each texel would show many places: unwrap the mesh"};
+	if (covered * texels > kMostCovered)
+		return Error{"the texture repeats so often that it covers " + std::to_string(std::llround(covered * texels)) + " texels, more than can be kept: take a smaller picture, or unwrap the mesh"};
 	return std::nullopt;
 }
 }  // namespace
@@ -132,6 +140,7 @@ Result<HeatMapTexture> HeatMapTexture::make(const Mesh& object, const TexturedMe
 	HeatMapTexture texture;
 	texture.m_width = options.width;
 	texture.m_height = options.height;
+	texture.m_object = meshHash(object);
 	texture.m_triangles = object.triangles;
 	texture.m_vertexAreas.resize(object.vertices.size());
 	for (const auto& t : object.triangles)
@@ -211,16 +220,17 @@ std::vector<double> HeatMapTexture::blended(double bare, const At& atVertex) con
 	return sums;
 }
 
-std::vector<HeatMap::Vertex> HeatMapTexture::found(const HeatMap& map, int part) const
+std::optional<Error> HeatMapTexture::checkObject(const HeatMap& map) const
 {
-	if (map.mesh().vertices.size() != m_vertexAreas.size()) return std::vector<HeatMap::Vertex>(m_vertexAreas.size());
-	return map.vertices(part);
+	if (meshHash(map.mesh()) == m_object) return std::nullopt;
+	return Error{"the heat map is of another object than the one that this texture was made for"};
 }
 
-Picture HeatMapTexture::colours(const HeatMap& map, HeatMapColours colours, int part) const
+Result<Picture> HeatMapTexture::colours(const HeatMap& map, HeatMapColours colours, int part) const
 {
+	if (auto error = checkObject(map)) return *error;
 	std::vector<HeatMapColour> painted;
-	for (const HeatMap::Vertex& v : found(map, part)) painted.push_back(heatMapColour(map, v, colours));
+	for (const HeatMap::Vertex& v : map.vertices(part)) painted.push_back(heatMapColour(map, v, colours));
 	const HeatMapColour bare = heatMapColour(map, {}, colours);
 	Picture picture{m_width, m_height, std::vector<std::uint8_t>(3 * m_areas.size())};
 	const auto paint = [&](size_t channel, std::uint8_t HeatMapColour::*member)
@@ -234,9 +244,10 @@ Picture HeatMapTexture::colours(const HeatMap& map, HeatMapColours colours, int 
 	return picture;
 }
 
-std::vector<double> HeatMapTexture::values(const HeatMap& map, HeatMapValue value, int part) const
+Result<std::vector<double>> HeatMapTexture::values(const HeatMap& map, HeatMapValue value, int part) const
 {
-	const std::vector<HeatMap::Vertex> vertices = found(map, part);
+	if (auto error = checkObject(map)) return *error;
+	const std::vector<HeatMap::Vertex> vertices = map.vertices(part);
 	return blended(0, [&](std::uint32_t i)
 	{
 		const HeatMap::Vertex& v = vertices[i];

@@ -5,6 +5,8 @@
 #include "DeviceBridge/Hand/HeatMapFile.h"
 #include "DeviceBridge/Picture.h"
 
+#include <optional>
+
 namespace devicebridge
 {
 enum class HeatMapValue
@@ -18,7 +20,7 @@ enum class HeatMapValue
 
 struct HeatMapTextureOptions
 {
-	int width = 1024, height = 1024;  ///< texels, 1 to 16384
+	int width = 1024, height = 1024;  ///< texels, 1 to 16384 on each side and 2^26 in all, as 8192 by 8192
 	int margin = 4;    ///< texels around each island of the picture that take the nearest one's value, so that no seam shows when the picture is blurred
 	double reach = 0;  ///< texels whose place on the surface is further from the map's object stay bare [m]; 0: a hundredth of its longest side
 };
@@ -31,8 +33,8 @@ struct HeatMapTextureOptions
 class HeatMapTexture
 {
 public:
-	/// Offline, 1 to 2 us a texel. `object`: mesh() of the maps that are to be painted. Refused: a size out of range, a texture without places, one that
-	/// covers no texel or covers the picture more than 64 times.
+	/// Offline, 1 to 2 us and some 50 bytes a texel. `object`: mesh() of the maps that are to be painted. Refused: a size out of range, a texture without
+	/// places, one that covers no texel, covers the picture more than 64 times, or covers more than 2^27 texels, each counted as often as it repeats.
 	static ist::Result<HeatMapTexture> make(const ist::Mesh& object, const ist::TexturedMesh& surface, const HeatMapTextureOptions& options = {});
 
 	int width() const { return m_width; }
@@ -40,10 +42,9 @@ public:
 	/// Of the surface, for each texel, rows from the top; 0 where there is none, as in the margins [m^2].
 	const std::vector<double>& areas() const { return m_areas; }
 
-	/// The whole picture; what no surface lies on, and is in no margin, is bare, and so is all of it for the map of another object. `part`: one alone;
-	/// negative: all.
-	Picture colours(const HeatMap& map, HeatMapColours colours = HeatMapColours::Fingers, int part = -1) const;
-	std::vector<double> values(const HeatMap& map, HeatMapValue value, int part = -1) const;
+	/// The whole picture; what no surface lies on, and is in no margin, is bare. `part`: one alone; negative: all. Refused: the map of another object.
+	ist::Result<Picture> colours(const HeatMap& map, HeatMapColours colours = HeatMapColours::Fingers, int part = -1) const;
+	ist::Result<std::vector<double>> values(const HeatMap& map, HeatMapValue value, int part = -1) const;
 
 private:
 	struct Sample
@@ -61,11 +62,12 @@ private:
 	HeatMapTexture() = default;
 	void cover(const ist::TexturedMesh& surface, const Object& object);
 	void grow(int margin);
-	std::vector<HeatMap::Vertex> found(const HeatMap& map, int part) const;
+	std::optional<ist::Error> checkObject(const HeatMap& map) const;
 	template <class At>
 	std::vector<double> blended(double bare, const At& atVertex) const;
 
 	int m_width = 0, m_height = 0;
+	uint64_t m_object = 0;  // ist::meshHash
 	std::vector<std::array<std::uint32_t, 3>> m_triangles;  // of the object
 	std::vector<double> m_vertexAreas;
 	std::vector<Sample> m_samples;

@@ -44,13 +44,16 @@ Result<TextureScales> saveTextures(const HeatMap& map, const TexturedMesh& surfa
 	const Result<HeatMapTexture> made = HeatMapTexture::make(map.mesh(), surface);
 	if (!made) return made.error();
 	const HeatMapTexture& texture = made.value();
-	if (auto error = savePicture(texture.colours(map), path + ".png")) return *error;
+	const Result<Picture> colours = texture.colours(map);
+	if (!colours) return colours.error();
+	if (auto error = savePicture(colours.value(), path + ".png")) return *error;
 	TextureScales scales;
 	for (const auto& [value, name, scale] : {std::tuple{HeatMapValue::Impulse, "-impulse.png", &scales.impulse}, std::tuple{HeatMapValue::Pressure, "-pressure.png", &scales.pressure}})
 	{
-		const std::vector<double> values = texture.values(map, value);
-		*scale = *std::max_element(values.begin(), values.end());
-		if (auto error = savePicture(greyPicture(texture, values, *scale), path + name)) return *error;
+		const Result<std::vector<double>> values = texture.values(map, value);
+		if (!values) return values.error();
+		*scale = *std::max_element(values.value().begin(), values.value().end());
+		if (auto error = savePicture(greyPicture(texture, values.value(), *scale), path + name)) return *error;
 	}
 	const std::string name = std::filesystem::path(path).filename().string();
 	if (!writeWholeText(path + ".obj", objText(surface, name)) || !writeWholeText(path + ".mtl", "newmtl touched\nKd 1 1 1\nmap_Kd " + name + ".png\n"))

@@ -69,7 +69,7 @@ TEST(HeatMapTexture, SlabOnSlabHasTheClosedFormInEveryTexel)
 	const std::vector<double> ones(texture.value().areas().size(), 1);
 	const double area = 8 * (kHalf.x * kHalf.y + kHalf.y * kHalf.z + kHalf.z * kHalf.x);
 	EXPECT_NEAR(sum(texture.value(), ones), area, area / 136);  // each side is 136.5 texels wide
-	const std::vector<double> impulse = texture.value().values(slab.map, HeatMapValue::Impulse), pressure = texture.value().values(slab.map, HeatMapValue::Pressure);
+	const std::vector<double> impulse = texture.value().values(slab.map, HeatMapValue::Impulse).value(), pressure = texture.value().values(slab.map, HeatMapValue::Pressure).value();
 	EXPECT_NEAR(sum(texture.value(), impulse), kForce * kSeconds, 0.02 * kForce * kSeconds);
 
 	// The upper side is the upper one of the second pair; x grows upwards and z to the right.
@@ -112,7 +112,7 @@ TEST(HeatMapTexture, TheFilesMeshMayBeAnotherThanTheMapsOwn)
 	}
 	const auto fine = HeatMapTexture::make(slab.map.mesh(), texturedGridBox(kHalf, 50), {300, 200, 2, 0}), other = HeatMapTexture::make(slab.map.mesh(), file, {300, 200, 2, 0});
 	ASSERT_TRUE(fine && other);
-	const auto a = fine.value().values(slab.map, HeatMapValue::Impulse), b = other.value().values(slab.map, HeatMapValue::Impulse);
+	const auto a = fine.value().values(slab.map, HeatMapValue::Impulse).value(), b = other.value().values(slab.map, HeatMapValue::Impulse).value();
 	for (size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5 * kK * kDepth * kSeconds);
 	EXPECT_NEAR(sum(other.value(), b), kForce * kSeconds, 0.02 * kForce * kSeconds);
 	// What lies beside the object was not touched.
@@ -120,7 +120,7 @@ TEST(HeatMapTexture, TheFilesMeshMayBeAnotherThanTheMapsOwn)
 	away.mesh = translated(away.mesh, {0, 0.003, 0});
 	const auto bare = HeatMapTexture::make(slab.map.mesh(), away, {300, 200, 2, 1e-3});
 	ASSERT_TRUE(bare);
-	EXPECT_EQ(sum(bare.value(), bare.value().values(slab.map, HeatMapValue::Impulse)), 0);
+	EXPECT_EQ(sum(bare.value(), bare.value().values(slab.map, HeatMapValue::Impulse).value()), 0);
 }
 
 TEST(HeatMapTexture, EveryTexelBelongsToOneTriangleOfASheet)
@@ -175,7 +175,7 @@ TEST(HeatMapTexture, ShowsNoSeamBetweenIslands)
 	map.add(0, {{{}, {0.012, 0.012, 0.0007}}, 3, {0.01, 0.01, 0}, 1});
 	const auto texture = HeatMapTexture::make(map.mesh(), box, {600, 400, 3, 0}), hard = HeatMapTexture::make(map.mesh(), box, {600, 400, 0, 0});
 	ASSERT_TRUE(texture && hard);
-	const auto values = texture.value().values(map, HeatMapValue::Impulse), cut = hard.value().values(map, HeatMapValue::Impulse);
+	const auto values = texture.value().values(map, HeatMapValue::Impulse).value(), cut = hard.value().values(map, HeatMapValue::Impulse).value();
 	const std::vector<HeatMap::Vertex> vertices = map.vertices();
 	double peak = 0, worst = 0, worstCut = 0;
 	for (const double value : values) peak = std::max(peak, value);
@@ -211,7 +211,7 @@ TEST(HeatMapTexture, TexelsOfSeveralPlacesTakeTheirMeanAndLoseNothing)
 	const SlabOnBox slab(box.mesh);
 	const auto texture = HeatMapTexture::make(slab.map.mesh(), box, {200, 200, 0, 0});
 	ASSERT_TRUE(texture) << texture.error().message;
-	const auto values = texture.value().values(slab.map, HeatMapValue::Impulse);
+	const auto values = texture.value().values(slab.map, HeatMapValue::Impulse).value();
 	EXPECT_NEAR(sum(texture.value(), values), kForce * kSeconds, 0.02 * kForce * kSeconds);
 	EXPECT_LT(*std::max_element(values.begin(), values.end()), 0.5 * kK * kDepth * kSeconds);
 }
@@ -223,15 +223,15 @@ TEST(HeatMapTexture, PicturesHaveTheFingersColoursAndTheValuesShade)
 	const auto made = HeatMapTexture::make(slab.map.mesh(), box, {120, 80, 2, 0});
 	ASSERT_TRUE(made);
 	const HeatMapTexture& texture = made.value();
-	const Picture fingers = texture.colours(slab.map);
-	const std::vector<double> pressure = texture.values(slab.map, HeatMapValue::Pressure);
+	const Picture fingers = texture.colours(slab.map).value();
+	const std::vector<double> pressure = texture.values(slab.map, HeatMapValue::Pressure).value();
 	const HeatMapColour blue = handPartColour(43);
 	const size_t middle = size_t(20 * 120 + 60), corner = 0;
 	EXPECT_EQ(fingers.pixels[3 * middle], blue.r);
 	EXPECT_EQ(fingers.pixels[3 * middle + 1], blue.g);
 	EXPECT_EQ(fingers.pixels[3 * middle + 2], blue.b);
 	EXPECT_EQ(fingers.pixels[3 * corner], heatMapColour(slab.map, {}, HeatMapColours::Fingers).r);
-	EXPECT_EQ(texture.colours(slab.map, HeatMapColours::ContactPose).pixels[3 * middle], 255);
+	EXPECT_EQ(texture.colours(slab.map, HeatMapColours::ContactPose).value().pixels[3 * middle], 255);
 	const GreyPicture grey = greyPicture(texture, pressure, 2 * kK * kDepth);
 	EXPECT_NEAR(grey.pixels[middle], 65535 / 2.0, 0.03 * 65535);
 	EXPECT_EQ(grey.pixels[corner], 0);
@@ -248,10 +248,27 @@ TEST(HeatMapTexture, PicturesHaveTheFingersColoursAndTheValuesShade)
 	EXPECT_EQ(readGrey.value().width, 120);
 	EXPECT_EQ(readGrey.value().pixels, grey.pixels);
 	std::filesystem::remove(path);
+}
 
-	// Another object's map has nothing to say here.
-	const SlabOnBox other(gridBox(kHalf, 10));
-	for (const double value : texture.values(other.map, HeatMapValue::Dwell)) ASSERT_EQ(value, 0);
+TEST(HeatMapTexture, RefusesTheMapOfAnotherObject)
+{
+	const TexturedMesh box = texturedGridBox(kHalf, 20);
+	const auto texture = HeatMapTexture::make(box.mesh, box, {120, 80, 2, 0});
+	ASSERT_TRUE(texture);
+	EXPECT_TRUE(texture.value().values(SlabOnBox(box.mesh).map, HeatMapValue::Dwell));
+	// Fewer vertices; as many of them a little elsewhere; the same vertices in triangles that look inwards.
+	ist::Mesh moved = box.mesh, turned = box.mesh;
+	moved.vertices[7].x += 1e-9;
+	for (auto& t : turned.triangles) std::swap(t[0], t[1]);
+	for (const ist::Mesh& mesh : {gridBox(kHalf, 10), moved, turned})
+	{
+		const SlabOnBox other(mesh);
+		const auto values = texture.value().values(other.map, HeatMapValue::Dwell);
+		const auto colours = texture.value().colours(other.map);
+		ASSERT_FALSE(values || colours);
+		EXPECT_NE(values.error().message.find("another object"), std::string::npos);
+		EXPECT_EQ(values.error().message, colours.error().message);
+	}
 }
 
 TEST(HeatMapTexture, RefusesInASentence)
@@ -261,6 +278,9 @@ TEST(HeatMapTexture, RefusesInASentence)
 	EXPECT_NE(refusal({}, box).find("no surface"), std::string::npos);
 	EXPECT_NE(refusal(box.mesh, box, {0, 100, 4, 0}).find("1 to 16384"), std::string::npos);
 	EXPECT_NE(refusal(box.mesh, box, {100, 100, -1, 0}).find("negative"), std::string::npos);
+	// Each side is within its bounds, but not the picture.
+	EXPECT_NE(refusal(box.mesh, box, {8193, 8192, 4, 0}).find("8193 by 8192"), std::string::npos);
+	EXPECT_NE(refusal(box.mesh, box, {16384, 16384, 4, 0}).find("too large"), std::string::npos);
 	TexturedMesh bad = box;
 	bad.places[3][1].u = std::numeric_limits<double>::quiet_NaN();
 	EXPECT_NE(refusal(box.mesh, bad).find("not finite"), std::string::npos);
@@ -272,6 +292,12 @@ TEST(HeatMapTexture, RefusesInASentence)
 	for (auto& t : bad.places)
 		for (auto& place : t) place = {20 * place.u, 20 * place.v};
 	EXPECT_NE(refusal(box.mesh, bad).find("repeats"), std::string::npos);
+	// Seven times over: too much of a picture of that size alone.
+	bad = box;
+	for (auto& t : bad.places)
+		for (auto& place : t) place = {7 * place.u, place.v};
+	EXPECT_NE(refusal(box.mesh, bad, {8192, 8192, 4, 0}).find("smaller picture"), std::string::npos);
+	EXPECT_TRUE(HeatMapTexture::make(box.mesh, bad, {64, 64, 4, 0}));
 	bad = box;
 	for (auto& t : bad.places)
 		for (auto& place : t) place = {1e-6 * place.u, 1e-6 * place.v};
