@@ -31,7 +31,7 @@ const char* const kDemoUsage =
 	"  --economy off|E  query every pair in every step, or leave out what adds errors up to E of the force (default 0.05; 0: what adds none)\n"
 	"  --force-error E  ask trees only as finely as keeps forces within this share, 0 (default: the leaves always) to 1\n"
 	"  --beside-stock   two halves: the same with Bullet's own contact on the left\n"
-	"  --show LIST      in pictures and the window, besides what the demo shows: spheres,leaves,levels,lenses,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
+	"  --show LIST      in pictures and the window, besides what the demo shows: spheres,sphere-levels,leaves,levels,lenses,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
 	"  --record FOLDER  30 numbered PNG for each second of the demo's time, from its beginning; an empty or a new folder\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"

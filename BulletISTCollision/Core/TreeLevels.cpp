@@ -83,6 +83,20 @@ public:
 		return balls;
 	}
 
+	/// Calls `found(sphere)` with the largest sphere of each cluster.
+	template <class Found>
+	void forEachLeader(const Found& found) const
+	{
+		const auto sphere = [&](uint32_t ball) { return m_balls[ball].sphere; };
+		for (const Cluster& cluster : m_clusters)
+		{
+			// Spheres are packed largest first.
+			uint32_t leader = sphere(m_order[cluster.begin]);
+			for (size_t k = cluster.begin + 1; k < cluster.end; ++k) leader = std::min(leader, sphere(m_order[k]));
+			found(leader);
+		}
+	}
+
 private:
 	struct Cluster
 	{
@@ -131,15 +145,29 @@ void Cut::split()
 	add(cluster.begin, at);
 	add(at, cluster.end);
 }
-}  // namespace
 
-std::vector<BallTree> buildLevels(const BallTree& leaves)
+/// Balls without padding.
+std::vector<MomentEllipsoid> solidBalls(const BallTree& leaves)
 {
 	std::vector<MomentEllipsoid> balls;
 	for (const MomentEllipsoid& b : leaves.balls)
 		if (b.density > 0) balls.push_back(b);
+	return balls;
+}
+
+/// How many balls each coarser level has, the finest first.
+std::vector<size_t> levelSizes(size_t balls)
+{
 	std::vector<size_t> sizes;
-	for (size_t size = balls.size() / kMerged; size >= kFewestBalls; size /= kMerged) sizes.push_back(size);
+	for (size_t size = balls / kMerged; size >= kFewestBalls; size /= kMerged) sizes.push_back(size);
+	return sizes;
+}
+}  // namespace
+
+std::vector<BallTree> buildLevels(const BallTree& leaves)
+{
+	const std::vector<MomentEllipsoid> balls = solidBalls(leaves);
+	const std::vector<size_t> sizes = levelSizes(balls.size());
 	std::vector<BallTree> levels(sizes.size());
 	if (sizes.empty()) return levels;
 	Cut cut(balls);
@@ -147,6 +175,22 @@ std::vector<BallTree> buildLevels(const BallTree& leaves)
 	{
 		cut.refine(sizes[i]);
 		levels[i] = buildBallTree(cut.balls());
+	}
+	return levels;
+}
+
+std::vector<int> levelsOfSpheres(const BallTree& leaves, size_t spheres)
+{
+	const std::vector<MomentEllipsoid> balls = solidBalls(leaves);
+	const std::vector<size_t> sizes = levelSizes(balls.size());
+	std::vector<int> levels(spheres, 0);
+	if (sizes.empty()) return levels;
+	Cut cut(balls);
+	for (size_t i = sizes.size(); i-- > 0;)
+	{
+		cut.refine(sizes[i]);
+		// Who leads a cluster leads one of its parts.
+		cut.forEachLeader([&](uint32_t sphere) { levels[sphere] = std::max(levels[sphere], int(i) + 1); });
 	}
 	return levels;
 }

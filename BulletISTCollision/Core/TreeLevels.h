@@ -9,6 +9,9 @@ namespace ist
 /// Cuts of one binary tree, refined where the law loses most: clusters are split by place and normal together, for a ball over both
 /// sides of a thin part would have no normal. About half the memory of the leaves' tree. Deterministic; O(n log n).
 std::vector<BallTree> buildLevels(const BallTree& leaves);
+/// For each packed sphere the coarsest of these levels at which it leads: is the largest that some ball speaks for. It does so at all finer
+/// levels, too, and among the leaves (0) each does. `spheres`: how many were packed. O(n log n), as above.
+std::vector<int> levelsOfSpheres(const BallTree& leaves, size_t spheres);
 
 /// The trees that answer at a level of a pair of bodies, and which of each body's own levels they are (0: the leaves).
 struct LevelPair

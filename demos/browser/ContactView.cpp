@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/ContactView.h"
 
-#include "BulletISTCollision/Core/TreeLevels.h"
 #include "BulletISTCollision/btISTConversion.h"
 #include "BulletISTCollision/btISTShapeField.h"
 
@@ -55,7 +54,14 @@ void drawFieldLenses(const btISTContact& contact, const btISTShapeField& shape, 
 	for (size_t i = 0; i < depths.size(); ++i) list.discs[first + i].colour = pressureColour(depths[i] / deepest);
 }
 
-Colour colourOfLevel(int level) { return levelColour(0.1 + 0.14 * level); }
+/// The trees that answered; of a closed form there is none.
+LevelPair answeringTrees(const btISTContact& contact)
+{
+	if (!contact.treeB) return {&contact.treeA->law, nullptr, 0, 0};
+	return levelOf(*contact.treeA, *contact.treeB, contact.level);
+}
+
+Colour colourOfLevel(int level) { return shadeColour(levelShade(level)); }
 
 /// Balls of the tree that answered, in the colour of its level; returns how many there are.
 size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, int level, DrawList& list)
@@ -90,7 +96,7 @@ std::string formatForce(double newton)
 
 void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const
 {
-	const bool glass = choice.spheres || choice.leaves || choice.levels || choice.lenses;
+	const bool glass = choice.showsInside();
 	for (const DemoWorld::Body& b : world.bodies())
 	{
 		const Pose X = b.X_WP();
@@ -102,7 +108,7 @@ void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawLis
 			for (int axis = 0; axis < 3; ++axis)
 				list.lines.push_back({X.translation, X.translation + 0.7 * b.surface->box.longestSide() * X.rotation.column(axis), bodyColour(axis == 0 ? 6 : axis == 1 ? 2 : 5)});
 		if (!b.solid) continue;
-		if (choice.spheres) list.spheres.push_back({b.solid->spheres, X, b.solid->spheres->spheres.size(), 1});
+		b.solid->spheres.draw(choice, X, list);
 		if (choice.leaves) drawLeaves(*b.solid->tree, X, list);
 	}
 }
@@ -135,7 +141,7 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 	}
 }
 
-void ContactView::drawLevels(const btISTContact& contact, DrawList& list)
+void ContactView::drawLevels(const btISTContact& contact, const LevelPair& trees, DrawList& list)
 {
 	const auto draw = [&](const btCollisionObject* body, const InnerSphereTree& tree, const BallTree& balls, const Pose& X_WM, int level)
 	{
@@ -144,14 +150,12 @@ void ContactView::drawLevels(const btISTContact& contact, DrawList& list)
 		const size_t count = drawLevel(balls, tree.origin, X_WM, level, list);
 		m_ballsOfLevel[level] += count;
 	};
-	LevelPair pair{&contact.treeA->law, contact.treeB ? &contact.treeB->law : nullptr, 0, 0};
-	if (contact.treeB) pair = levelOf(*contact.treeA, *contact.treeB, contact.level);
-	draw(contact.bodyA, *contact.treeA, *pair.treeA, contact.X_WA, pair.a);
-	if (contact.treeB) draw(contact.bodyB, *contact.treeB, *pair.treeB, contact.X_WA * contact.X_AB, pair.b);
+	draw(contact.bodyA, *contact.treeA, *trees.treeA, contact.X_WA, trees.a);
+	if (contact.treeB) draw(contact.bodyB, *contact.treeB, *trees.treeB, contact.X_WA * contact.X_AB, trees.b);
 	if (!(contact.total.volume > 0)) return;
 	char text[64];
 	const auto pairs = static_cast<long long>(contact.total.pairs);
-	if (contact.treeB) std::snprintf(text, sizeof text, "levels %d and %d: %lld pairs", pair.a, pair.b, pairs);
+	if (contact.treeB) std::snprintf(text, sizeof text, "levels %d and %d: %lld pairs", trees.a, trees.b, pairs);
 	else std::snprintf(text, sizeof text, "level 0: %lld leaves", pairs);
 	list.texts.push_back({contact.X_WA * (contact.treeA->origin + contact.total.firstMoment / contact.total.volume), text, {0.1f, 0.1f, 0.12f}});
 }
@@ -160,12 +164,6 @@ void ContactView::addKeys(const DrawChoice& choice, DrawList& list) const
 {
 	for (const auto& [level, count] : m_ballsOfLevel)
 		list.addKey(colourOfLevel(level), "level " + std::to_string(level) + (level == 0 ? ", the leaves: " : ": ") + std::to_string(count) + " balls answer");
-	if (choice.spheres && !list.spheres.empty())
-	{
-		list.addKey(levelColour(0.06), "a body's largest spheres");
-		list.addKey(levelColour(0.52), "the middle of their sizes");
-		list.addKey(levelColour(0.98), "its smallest");
-	}
 	if (choice.lenses && !list.discs.empty())
 	{
 		list.addKey(pressureColour(0.1), "least pressure");
@@ -239,6 +237,7 @@ void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contac
 
 void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowForce, double arrowLength, DrawList& list)
 {
+	m_answering.clear();
 	drawBodies(world, choice, list);
 	world.debugLines(choice, list);
 	if (!(world.lastStep() > 0)) return;
@@ -253,7 +252,9 @@ void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowF
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
 	{
 		if (contact->patchCount == 0) continue;
-		if (choice.levels) drawLevels(*contact, list);
+		const LevelPair trees = answeringTrees(*contact);
+		m_answering.insert({trees.a, trees.b});
+		if (choice.levels) drawLevels(*contact, trees, list);
 		if (choice.lenses) drawLenses(*contact, list);
 		drawPatches(world, *contact, choice, list);
 	}

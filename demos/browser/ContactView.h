@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 #include "demos/browser/DemoWorld.h"
 
 #include <map>
@@ -16,10 +17,13 @@ public:
 	/// Adds everything that is chosen. `arrowForce`: force whose arrow is `arrowLength` long [N, m].
 	void draw(DemoWorld& world, const DrawChoice& choice, double arrowForce, double arrowLength, DrawList& list);
 
+	/// Levels of bodies' trees that answered in what was drawn last.
+	const std::set<int>& answering() const { return m_answering; }
+
 private:
 	void drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const;
 	void drawLenses(const btISTContact& contact, DrawList& list);
-	void drawLevels(const btISTContact& contact, DrawList& list);
+	void drawLevels(const btISTContact& contact, const ist::LevelPair& trees, DrawList& list);
 	void addKeys(const DrawChoice& choice, DrawList& list) const;
 	void drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list);
 	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list);
@@ -30,6 +34,7 @@ private:
 	ist::QueryWorkspace m_workspace;
 	std::set<std::pair<const void*, const void*>> m_drawnLevels;  // bodies with the trees that answer for them
 	std::map<int, size_t> m_ballsOfLevel;
+	std::set<int> m_answering;
 	double m_strongest = 0;  // of all forces in the picture [N]
 	double m_arrowForce = 1, m_arrowLength = 1;
 };

@@ -35,7 +35,7 @@ std::optional<Error> makeSolid(SolidPtr& solid, const std::string& name, const M
 	if (!tree) return Error{name + ": " + tree.error().message, tree.error().cancelled};
 	made.tree = tree.value().tree;
 	made.surface = makeSurfaceModel(made.mesh);
-	made.spheres = makeSpheresModel(*made.tree);
+	made.spheres = PackedSpheres(made.tree);
 	solid = std::make_shared<const DemoSolid>(std::move(made));
 	return std::nullopt;
 }

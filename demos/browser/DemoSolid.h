@@ -2,6 +2,7 @@
 #pragma once
 
 #include "demos/browser/BrowsableDemo.h"
+#include "demos/browser/PackedSpheres.h"
 
 #include <memory>
 #include <optional>
@@ -15,7 +16,7 @@ struct DemoSolid
 	ist::Mesh mesh;
 	std::shared_ptr<const ist::InnerSphereTree> tree;
 	std::shared_ptr<const SurfaceModel> surface;
-	std::shared_ptr<const SpheresModel> spheres;
+	PackedSpheres spheres;
 	ist::Pose X_MP;  ///< of the principal frame in that of the mesh as given
 };
 using SolidPtr = std::shared_ptr<const DemoSolid>;

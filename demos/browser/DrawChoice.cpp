@@ -8,7 +8,8 @@ namespace browser
 const std::vector<DrawChoiceRow>& drawChoiceRows()
 {
 	static const std::vector<DrawChoiceRow> rows = {{"meshes", "meshes (v)", &DrawChoice::surfaces},
-													{"spheres", "inner spheres (b)", &DrawChoice::spheres},
+													{"spheres", "inner spheres by size (b)", &DrawChoice::spheres},
+													{"sphere-levels", "inner spheres by level (e)", &DrawChoice::sphereLevels},
 													{"leaves", "leaves (n)", &DrawChoice::leaves},
 													{"levels", "levels that answer (t)", &DrawChoice::levels},
 													{"lenses", "lenses by pressure (m)", &DrawChoice::lenses},

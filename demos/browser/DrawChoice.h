@@ -9,8 +9,11 @@ namespace browser
 /// Which of the things that can be shown are.
 struct DrawChoice
 {
-	bool surfaces = true, spheres = false, leaves = false, levels = false, lenses = false, patches = true, wrenches = true, boxes = false, frames = false,
+	bool surfaces = true, spheres = false, sphereLevels = false, leaves = false, levels = false, lenses = false, patches = true, wrenches = true, boxes = false, frames = false,
 		 constraints = false, wireframe = false, shadows = true, ground = true;
+
+	/// Meshes must be of glass.
+	bool showsInside() const { return spheres || sphereLevels || leaves || levels || lenses; }
 };
 
 /// One of them, for people.

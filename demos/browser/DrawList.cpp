@@ -54,22 +54,6 @@ std::shared_ptr<const SurfaceModel> colouredModel(const SurfaceModel& model, con
 	return coloured;
 }
 
-std::shared_ptr<const SpheresModel> makeSpheresModel(const InnerSphereTree& tree)
-{
-	auto model = std::make_shared<SpheresModel>();
-	if (tree.spheres.empty()) return model;
-	const double largest = tree.spheres.front().r;
-	double smallest = largest;
-	for (const Sphere& s : tree.spheres) smallest = std::min(smallest, double(s.r));
-	const double range = std::max(std::log(largest / smallest), 1e-6);
-	for (const Sphere& s : tree.spheres)
-	{
-		const Vec3 c = tree.origin + s.center();
-		model->spheres.push_back({float(c.x), float(c.y), float(c.z), s.r, float(std::log(largest / s.r) / range)});
-	}
-	return model;
-}
-
 void DrawList::addKey(const Colour& colour, const std::string& text)
 {
 	for (const DrawnKey& key : keys)

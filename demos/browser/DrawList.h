@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/Pose.h"
 #include "demos/browser/Palette.h"
 
 #include <cstdint>
@@ -34,11 +35,11 @@ struct SpheresModel
 	struct Instance
 	{
 		float x, y, z, r;
-		float shade;  ///< 0 for the largest radius, 1 for the smallest, by its logarithm
+		float shade;  ///< see shadeColour
 	};
 	std::vector<Instance> spheres;
+	std::vector<uint8_t> levels;  ///< of each, where shades are of levels; otherwise empty
 };
-std::shared_ptr<const SpheresModel> makeSpheresModel(const ist::InnerSphereTree& tree);
 
 struct DrawnSurface
 {

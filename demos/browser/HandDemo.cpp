@@ -34,7 +34,7 @@ std::optional<Error> HandDemo::prepareHand(const GloveHandSize& size, const Demo
 	for (size_t i = 0; i < kHandParts; ++i)
 	{
 		m_skins[i] = makeSurfaceModel(m_model->parts[i].mesh);
-		m_spheres[i] = makeSpheresModel(*m_model->parts[i].tree);
+		m_spheres[i] = PackedSpheres(m_model->parts[i].tree);
 	}
 	return std::nullopt;
 }
@@ -108,8 +108,8 @@ void HandDemo::drawHand(const DrawChoice& choice, DrawList& list) const
 	for (int i = 0; i < kHandParts; ++i)
 	{
 		const Pose X = X_WB(i);
-		if (choice.surfaces) list.surfaces.push_back({m_skins[size_t(i)], X, skinColour(i), 1, choice.spheres || choice.leaves || choice.levels || choice.lenses});
-		if (choice.spheres) list.spheres.push_back({m_spheres[size_t(i)], X, m_spheres[size_t(i)]->spheres.size(), 1});
+		if (choice.surfaces) list.surfaces.push_back({m_skins[size_t(i)], X, skinColour(i), 1, choice.showsInside()});
+		m_spheres[size_t(i)].draw(choice, X, list);
 	}
 }
 }  // namespace browser

@@ -3,6 +3,7 @@
 
 #include "DeviceBridge/BulletHand.h"
 #include "DeviceBridge/Hand/HandPosture.h"
+#include "demos/browser/PackedSpheres.h"
 #include "demos/browser/WorldDemo.h"
 
 namespace browser
@@ -38,7 +39,7 @@ private:
 	devicebridge::GloveHandSize m_size;
 	std::shared_ptr<const devicebridge::HandModel> m_model;
 	std::shared_ptr<const SurfaceModel> m_skins[devicebridge::kHandParts];
-	std::shared_ptr<const SpheresModel> m_spheres[devicebridge::kHandParts];
+	PackedSpheres m_spheres[devicebridge::kHandParts];
 	std::unique_ptr<devicebridge::BulletHand> m_parts;
 	devicebridge::HandPosture m_posture;  // once taken
 	bool m_taken = false, m_led = false;

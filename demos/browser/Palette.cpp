@@ -33,6 +33,10 @@ Colour levelColour(double t)
 	return onRamp(ramp, t);
 }
 
+Colour shadeColour(double shade) { return levelColour(0.06 + 0.92 * shade); }
+
+double levelShade(int level) { return std::min(1.0, 0.02 + 0.14 * level); }
+
 Colour pressureColour(double t)
 {
 	static const Colour ramp[] = {{0.200f, 0.040f, 0.320f}, {0.470f, 0.110f, 0.430f}, {0.735f, 0.216f, 0.330f},

@@ -107,11 +107,13 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 	list.wireframe = choice.wireframe;
 	list.shadows = choice.shadows;
 	list.ground = choice.ground;
+	std::set<int> answering;
 	for (Part& part : m_parts)
 	{
 		m_one.clear();
 		// Weights grow with the third power of lengths.
 		m_view.draw(*part.world, choice, arrowForce() / (part.zoom * part.zoom * part.zoom), arrowLength() / part.zoom, m_one);
+		answering.insert(m_view.answering().begin(), m_view.answering().end());
 		if (part.zoom != 1) enlarge(m_one, part.zoom);
 		shiftBy(m_one, part.shift);
 		take(list.surfaces, m_one.surfaces);
@@ -128,6 +130,7 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 	if (m_hand.holds())
 		list.lines.push_back({toVec3(m_hand.body()->getWorldTransform().getOrigin()), m_hand.target().translation, {0.1f, 0.1f, 0.8f}});
 	decorate(choice, list);
+	addSphereKeys(answering, list);
 	list.ground = list.ground && choice.ground;
 }
 

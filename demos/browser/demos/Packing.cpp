@@ -55,7 +55,8 @@ public:
 		Pose X;
 		X.translation.y = -bounds(m_solid->mesh).lower.y;
 		if (choice.surfaces) list.surfaces.push_back({m_solid->surface, X, bodyColour(0), 1, true});
-		list.spheres.push_back({m_solid->spheres, X, shown(), 1});
+		m_solid->spheres.draw(choice, X, list, shown());
+		addSphereKeys({}, list);
 	}
 	std::vector<Parameter> parameters() override { return {{"spheres", "", &m_most, 1, double(m_solid->tree->spheres.size()), false, true}}; }
 	std::vector<Figure> figures() const override

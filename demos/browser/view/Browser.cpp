@@ -134,6 +134,7 @@ void Browser::key(Key key)
 			m_held = m_touched = false;
 			break;
 		case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
+		case Key::SphereLevels: m_choice.sphereLevels = !m_choice.sphereLevels; break;
 		case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
 		case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
 		case Key::Levels: m_choice.levels = !m_choice.levels; break;

@@ -28,7 +28,8 @@ enum class Key
 	Profile,      ///< p
 	Shadows,      ///< s
 	Restart,      ///< r
-	Spheres,      ///< b
+	Spheres,      ///< b: by size
+	SphereLevels, ///< e: by level
 	Leaves,       ///< n
 	Lenses,       ///< m
 	Levels,       ///< t: what answers

@@ -98,7 +98,7 @@ void Renderer::Implementation::makeRamp()
 	std::vector<unsigned char> texels;
 	for (int i = 0; i < 256; ++i)
 	{
-		const Colour c = levelColour(0.06 + 0.92 * i / 255.0);
+		const Colour c = shadeColour(i / 255.0);
 		for (const float part : {c.r, c.g, c.b}) texels.push_back(static_cast<unsigned char>(255 * part + 0.5f));
 	}
 	glGenTextures(1, &ramp);

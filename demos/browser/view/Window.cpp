@@ -42,7 +42,7 @@ const std::map<int, Key>& keys()
 		{GLFW_KEY_A, Key::Boxes}, {GLFW_KEY_C, Key::Contacts}, {GLFW_KEY_D, Key::NoSleep}, {GLFW_KEY_J, Key::Frames}, {GLFW_KEY_K, Key::Constraints},
 		{GLFW_KEY_L, Key::Constraints}, {GLFW_KEY_W, Key::Wireframe}, {GLFW_KEY_V, Key::Surfaces}, {GLFW_KEY_G, Key::Panels}, {GLFW_KEY_I, Key::Pause},
 		{GLFW_KEY_SPACE, Key::Pause}, {GLFW_KEY_O, Key::Step}, {GLFW_KEY_P, Key::Profile}, {GLFW_KEY_S, Key::Shadows}, {GLFW_KEY_R, Key::Restart},
-		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses}, {GLFW_KEY_T, Key::Levels}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
+		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_E, Key::SphereLevels}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses}, {GLFW_KEY_T, Key::Levels}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
 	return table;
 }
 

@@ -266,7 +266,7 @@ TEST(Browser, EveryKeyChangesThePicture)
 	rig.browser->key(Key::Panels);
 	EXPECT_LT(worstSimilarity(panels, rig.draw()), 0.5);
 	// Without panels, whose numbers change by themselves.
-	for (const Key key : {Key::Boxes, Key::Contacts, Key::Frames, Key::Wireframe, Key::Surfaces, Key::Shadows, Key::Spheres, Key::Leaves, Key::Levels, Key::Lenses})
+	for (const Key key : {Key::Boxes, Key::Contacts, Key::Frames, Key::Wireframe, Key::Surfaces, Key::Shadows, Key::Spheres, Key::SphereLevels, Key::Leaves, Key::Levels, Key::Lenses})
 	{
 		const Picture before = rig.draw();
 		rig.browser->key(key);

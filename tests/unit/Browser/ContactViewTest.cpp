@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 
 using namespace browser;
@@ -97,6 +98,49 @@ TEST(ContactView, DrawsTheLevelsThatAnswerEachInItsColour)
 		EXPECT_TRUE(said);
 	}
 	EXPECT_GT(met.size(), 1u) << "a coarser level was never asked";
+}
+
+TEST(ContactView, SpheresHaveTheColourOfTheLevelAtWhichTheyLead)
+{
+	const auto demo = ran(*findDemo("hello"), 1.5, 0.9, 1000);
+	DrawChoice choice;
+	choice.sphereLevels = true;
+	DrawList list;
+	demo->draw(choice, list);
+	ASSERT_FALSE(list.spheres.empty());
+	std::map<int, size_t> counts;
+	for (const DrawnSpheres& drawn : list.spheres)
+	{
+		const SpheresModel& model = *drawn.model;
+		ASSERT_EQ(model.levels.size(), model.spheres.size());
+		EXPECT_EQ(drawn.count, model.spheres.size());
+		for (size_t i = 0; i < model.levels.size(); ++i)
+		{
+			++counts[model.levels[i]];
+			ASSERT_EQ(model.spheres[i].shade, float(levelShade(model.levels[i])));
+		}
+	}
+	EXPECT_GE(counts.size(), 3u);
+	// The legend: coarsest level first, each with its colour and number, and what answers is marked.
+	const std::set<int> answers = answering(*demo).levels;
+	ASSERT_EQ(list.keys.size(), counts.size());
+	auto count = counts.rbegin();
+	for (const DrawnKey& key : list.keys)
+	{
+		EXPECT_EQ(key.colour.g, shadeColour(levelShade(count->first)).g);
+		EXPECT_NE(key.text.find(": " + std::to_string(count->second) + " spheres"), std::string::npos) << key.text;
+		EXPECT_EQ(key.text.find("answers") != std::string::npos, answers.count(count->first) > 0) << key.text;
+		++count;
+	}
+	// By size the same spheres have other shades, and another legend.
+	const auto byLevel = list.spheres.front().model;
+	choice.sphereLevels = false;
+	choice.spheres = true;
+	list.clear();
+	demo->draw(choice, list);
+	EXPECT_TRUE(list.spheres.front().model->levels.empty());
+	EXPECT_EQ(list.spheres.front().model->spheres.back().r, byLevel->spheres.back().r);
+	EXPECT_EQ(list.keys.size(), 3u);
 }
 
 TEST(ContactView, ErrorBarsAreThoseOfTheReport)

@@ -51,6 +51,15 @@ TEST(Palette, RampsGrowLighterAllTheWay)
 	}
 }
 
+TEST(Palette, LevelsDifferForEveryEyeUpToTheSeventh)
+{
+	for (Cones* const eye : {&kNobody, &kProtan, &kDeutan, &kTritan})
+		for (int i = 0; i <= 7; ++i)
+			for (int j = 0; j < i; ++j)
+				EXPECT_GT(apart(seenBy(*eye, shadeColour(levelShade(i))), seenBy(*eye, shadeColour(levelShade(j)))), 0.035) << i << " and " << j;
+	EXPECT_EQ(levelShade(40), levelShade(8));
+}
+
 TEST(Palette, EndsHoldBeyondTheRamp)
 {
 	EXPECT_EQ(apart(levelColour(-3), levelColour(0)), 0);

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
 #include <random>
 
 using namespace ist;
@@ -120,4 +122,53 @@ TEST(TreeLevels, FewBallsHaveNoLevels)
 {
 	EXPECT_TRUE(buildLevels(BallTree{}).empty());
 	EXPECT_TRUE(buildLevels(buildBallTree(cloud(20, 1, 0))).empty());
+}
+
+// Thirty-two groups far apart, each of three lumps of three leaves, none of them where a larger cluster has its middle: the cuts are the lumps and
+// the groups.
+TEST(TreeLevels, ASphereHasTheCoarsestLevelAtWhichItLeads)
+{
+	constexpr int kGroups = 32;
+	constexpr float kLumps[] = {0, 30, 100};
+	std::mt19937 random(8);
+	std::uniform_real_distribution<float> u(-1, 1);
+	std::vector<uint32_t> names(9 * kGroups);
+	std::iota(names.begin(), names.end(), 0u);
+	std::shuffle(names.begin(), names.end(), random);
+	std::vector<MomentEllipsoid> balls;
+	std::vector<int> expected(names.size(), 0);
+	for (int group = 0; group < kGroups; ++group)
+	{
+		const auto first = names.begin() + 9 * group;
+		for (int leaf = 0; leaf < 9; ++leaf)
+		{
+			Sphere sphere;
+			sphere.x = 10000.0f * float(group) + kLumps[leaf / 3] + u(random);
+			sphere.y = u(random);
+			sphere.z = u(random);
+			sphere.r = 0.1f;
+			balls.push_back(ballOf(sphere, first[leaf]));
+		}
+		for (int lump = 0; lump < 3; ++lump) expected[*std::min_element(first + 3 * lump, first + 3 * lump + 3)] = 1;
+		expected[*std::min_element(first, first + 9)] = 2;
+	}
+	EXPECT_EQ(levelsOfSpheres(buildBallTree(balls), names.size()), expected);
+}
+
+TEST(TreeLevels, NoMoreSpheresLeadThanALevelHasBalls)
+{
+	std::vector<MomentEllipsoid> balls = cloud(5000, 3, 0);
+	for (size_t i = 0; i < balls.size(); ++i) balls[i].sphere = uint32_t(i * 7919 % balls.size() / 2);
+	const BallTree leaves = buildBallTree(balls);
+	const std::vector<BallTree> levels = buildLevels(leaves);
+	const std::vector<int> ofSpheres = levelsOfSpheres(leaves, 2500);
+	EXPECT_EQ(ofSpheres[0], int(levels.size())) << "nothing is larger than the largest";
+	for (int level = 1; level <= int(levels.size()); ++level)
+	{
+		const auto leading = size_t(std::count_if(ofSpheres.begin(), ofSpheres.end(), [&](int own) { return own >= level; }));
+		EXPECT_LE(leading, levels[size_t(level - 1)].ballCount());
+		EXPECT_GT(leading, levels[size_t(level - 1)].ballCount() / 4) << level;
+	}
+	// Too few balls for a second level.
+	EXPECT_EQ(levelsOfSpheres(buildBallTree(cloud(40, 1, 0)), 3), std::vector<int>(3, 0));
 }
