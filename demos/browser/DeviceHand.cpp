@@ -16,7 +16,7 @@ Result<std::unique_ptr<DeviceHand>> DeviceHand::open(const std::string& address)
 	return std::make_unique<DeviceHand>(std::move(device).value());
 }
 
-std::optional<Error> DeviceHand::update(BrowsableDemo& demo, double scale)
+void DeviceHand::update(BrowsableDemo& demo, double scale)
 {
 	const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
 	devicebridge::DeviceState state;
@@ -24,17 +24,17 @@ std::optional<Error> DeviceHand::update(BrowsableDemo& demo, double scale)
 	if (status != devicebridge::DeviceStatus::Ok || !isRigid(state.X_WH))
 	{
 		m_known = false;
-		if (std::exchange(m_lost, true)) return std::nullopt;
+		if (!m_trouble.empty()) return;
 		const std::string complaint = m_device->complaint();
-		return Error{"the device is lost: " + (complaint.empty() ? std::string(devicebridge::describe(status)) : complaint)};
+		m_trouble = "the device is lost: " + (complaint.empty() ? std::string(devicebridge::describe(status)) : complaint);
+		return;
 	}
-	m_lost = false;
+	m_trouble.clear();
 	const Pose X = state.X_WH;
 	// A clutch: the hand may rest while nothing is held.
 	if (m_known && demo.grabTool())
 		demo.drag(scale * (X.translation - m_last.translation), rotationVector(quaternion(X.rotation * transpose(m_last.rotation))));
 	m_last = X;
 	m_known = true;
-	return std::nullopt;
 }
 }  // namespace browser

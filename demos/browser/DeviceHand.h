@@ -18,8 +18,10 @@ public:
 	explicit DeviceHand(std::unique_ptr<devicebridge::Device> device) : m_device(std::move(device)) {}
 
 	/// Moves the demo's tool by what the hand moved since the last call; `scale`: metres of the scene for one of the hand's. A device that
-	/// does not answer moves nothing; the sentence says so, once for each time that it is lost.
-	std::optional<ist::Error> update(BrowsableDemo& demo, double scale);
+	/// does not answer moves nothing, and goes on without a leap when it is back.
+	void update(BrowsableDemo& demo, double scale);
+	/// Why the device does not answer, in a sentence; empty while it does.
+	const std::string& trouble() const { return m_trouble; }
 	/// The next call begins anew, without a move.
 	void forget() { m_known = false; }
 	double workspaceRadius() const { return m_device->info().workspaceRadius; }
@@ -27,6 +29,7 @@ public:
 private:
 	std::unique_ptr<devicebridge::Device> m_device;
 	ist::Pose m_last;
-	bool m_known = false, m_lost = false;
+	bool m_known = false;
+	std::string m_trouble;
 };
 }  // namespace browser

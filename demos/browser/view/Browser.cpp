@@ -213,7 +213,7 @@ void Browser::advance(double seconds)
 		m_touched = true;
 		// The device's workspace spans what is seen.
 		const double radius = m_device->workspaceRadius() > 0 ? m_device->workspaceRadius() : 0.1;
-		if (const auto error = m_device->update(*m_demo, 0.3 * m_camera.viewpoint().distance / radius)) m_message = error->message;
+		m_device->update(*m_demo, 0.3 * m_camera.viewpoint().distance / radius);
 	}
 	const double h = m_demo->stepSize(), start = now(), most = kMostSteppingShare * std::max(seconds, 1.0 / 60);
 	m_owed = std::min(m_owed + m_speed * std::min(seconds, 0.1), 0.1);
@@ -243,6 +243,12 @@ void Browser::draw(unsigned target, int width, int height)
 	m_painter.paint(m_views, m_choice, m_camera, m_renderer, target, m_quality, true);
 	if (m_demo && m_panels) drawCharts(*ImGui::GetBackgroundDrawList(), m_demo->charts(), panel, 0, m_sceneWidth, height);
 	if (m_panels) drawTree(float(panel), float(height));
-	else if (!m_message.empty()) ImGui::GetForegroundDrawList()->AddText({10, 10}, IM_COL32(170, 30, 10, 255), m_message.c_str());
+	else ImGui::GetForegroundDrawList()->AddText({10, 10}, IM_COL32(170, 30, 10, 255), message().c_str());
+}
+
+std::string Browser::message() const
+{
+	const std::string trouble = m_device ? m_device->trouble() : "";
+	return m_message + (m_message.empty() || trouble.empty() ? "" : "\n") + trouble;
 }
 }  // namespace browser

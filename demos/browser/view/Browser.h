@@ -73,7 +73,8 @@ public:
 	void beautiful() { m_quality = {}; }
 	bool paused() const { return m_paused; }
 	const BrowsableDemo* demo() const { return m_demo.get(); }
-	const std::string& message() const { return m_message; }
+	/// What went wrong, for as long as it matters: what could not be opened, a device that does not answer. Empty: nothing.
+	std::string message() const;
 	DrawChoice& choice() { return m_choice; }
 	Camera& camera() { return m_camera; }
 

@@ -101,10 +101,10 @@ void Browser::drawTree(float width, float height)
 	ImGui::EndChild();
 	ImGui::Separator();
 	if (m_entry) ImGui::TextWrapped("%s.", m_entry->about);
-	if (!m_message.empty())
+	if (const std::string wrong = message(); !wrong.empty())
 	{
 		ImGui::PushStyleColor(ImGuiCol_Text, kBad);
-		ImGui::TextWrapped("%s", m_message.c_str());
+		ImGui::TextWrapped("%s", wrong.c_str());
 		ImGui::PopStyleColor();
 	}
 	ImGui::BeginChild("rest");

@@ -3,6 +3,8 @@
 #include "demos/browser/view/Browser.h"
 #include "demos/browser/view/OffscreenContext.h"
 
+#include "tests/unit/Browser/RecordedHand.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -252,6 +254,30 @@ TEST(Browser, DrawsInEverySize)
 	rig.draw(1, 1);
 	rig.browser->key(Key::Halves);
 	for (const auto& [width, height] : {std::pair{640, 360}, {639, 359}, {1, 1}, {0, 0}, {2, 300}}) rig.draw(width, height);
+}
+
+// Its hand is at rest where it was; the browser goes on, and says so until the device is back.
+TEST(Browser, ALostDeviceIsSaidAndTheDemoGoesOn)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->open("hello");
+	const RecordedHand recorded({0, 0.05, 0}, 5);
+	auto device = DeviceHand::open(recorded.address());
+	ASSERT_TRUE(device);
+	rig.browser->use(std::move(device).value());
+	for (int i = 0; i < 5; ++i) rig.browser->advance(0.02);
+	EXPECT_EQ(rig.browser->message(), "");
+	const Picture well = rig.draw();
+	for (int i = 0; i < 3; ++i) rig.browser->advance(0.02);
+	EXPECT_EQ(rig.browser->message().rfind("the device is lost", 0), 0u) << rig.browser->message();
+	EXPECT_LT(worstSimilarity(well, rig.draw()), 0.9) << "it can be read in the panel";
+	const double lost = rig.browser->demo()->time();
+	rig.browser->advance(0.05);
+	EXPECT_GT(rig.browser->demo()->time(), lost);
+	rig.browser->open("packing");
+	rig.browser->advance(0.02);
+	EXPECT_EQ(rig.browser->message().rfind("the device is lost", 0), 0u) << "of whatever demo";
 }
 
 // What a key shows can be seen.

@@ -2,6 +2,8 @@
 #include "demos/browser/view/Picture.h"
 #include "demos/browser/view/Window.h"
 
+#include "tests/unit/Browser/RecordedHand.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -62,4 +64,13 @@ TEST(Window, NamesADeviceThatIsNotThere)
 	ASSERT_TRUE(failed);
 	if (failed->message.find("no window can be opened") != std::string::npos) GTEST_SKIP() << failed->message;
 	EXPECT_NE(failed->message.find("nosuchdriver"), std::string::npos) << failed->message;
+}
+
+TEST(Window, StaysWhenItsDeviceIsLost)
+{
+	const RecordedHand recorded({0.05, 0, 0}, 4);
+	WindowOptions options = hello();
+	options.pictures = 12;
+	options.device = recorded.address();
+	OPEN_OR_SKIP(options);
 }
