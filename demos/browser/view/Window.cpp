@@ -166,9 +166,11 @@ void loop(GLFWwindow* window, Browser& browser, Gui& gui, const WindowOptions& o
 		const double time = glfwGetTime();
 		browser.advance(time - last);
 		last = time;
-		if (width <= 0 || height <= 0)
+		// X11 leaves a minimised window its size, others take it away.
+		const bool minimised = width <= 0 || height <= 0 || glfwGetWindowAttrib(window, GLFW_ICONIFIED);
+		if (options.beforePicture) options.beforePicture(minimised);
+		if (minimised)
 		{
-			// Minimised.
 			glfwWaitEventsTimeout(0.05);
 			continue;
 		}

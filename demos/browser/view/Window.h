@@ -3,6 +3,7 @@
 
 #include "demos/browser/BrowsableDemo.h"
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@ struct WindowOptions
 	std::string pictureFolder = ".";  ///< where F1 leaves its pictures
 	std::string device;            ///< address of a device that moves what the hand holds; empty: the mouse alone
 	std::vector<std::pair<int, int>> sizes;  ///< what becomes of the window before each of its first pictures, as a user may do it; {0, 0}: minimised
+	std::function<void(bool minimised)> beforePicture;  ///< for those who watch; may be empty
 	std::string screenshot;        ///< of the last picture before it closes itself, panels and all; empty: none
 };
 

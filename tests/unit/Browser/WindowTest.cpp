@@ -8,6 +8,11 @@
 
 #include <filesystem>
 #include <unistd.h>
+#include <vector>
+
+#ifdef HAS_X11
+#include "tests/unit/Browser/TinyWindowManager.h"  // last: it brings the macros of Xlib
+#endif
 
 using namespace browser;
 
@@ -74,3 +79,27 @@ TEST(Window, StaysWhenItsDeviceIsLost)
 	options.device = recorded.address();
 	OPEN_OR_SKIP(options);
 }
+
+#ifdef HAS_X11
+// The demo goes on, nothing is drawn, and the window comes back as it was.
+TEST(Window, RestsWhileItIsMinimised)
+{
+	TinyWindowManager manager;
+	WindowOptions options = hello();
+	options.sizes.assign(24, {0, 0});
+	for (int i = 0; i < 12; ++i) options.sizes.push_back({500, 400});
+	options.pictures = static_cast<long long>(options.sizes.size());
+	std::vector<bool> minimised;
+	options.beforePicture = [&](bool is) { minimised.push_back(is); };
+	options.screenshot = (std::filesystem::temp_directory_path() / ("minimised-test-" + std::to_string(::getpid()) + ".png")).string();
+	OPEN_OR_SKIP(options);
+	EXPECT_GE(manager.minimised(), 1);
+	ASSERT_EQ(minimised.size(), options.sizes.size());
+	EXPECT_TRUE(minimised[23]);
+	EXPECT_FALSE(minimised.back());
+	const auto picture = loadPicture(options.screenshot);
+	std::filesystem::remove(options.screenshot);
+	ASSERT_TRUE(picture) << picture.error().message;
+	EXPECT_EQ(picture.value().width, 500);
+}
+#endif
