@@ -111,7 +111,7 @@ private:
 	double m_mouseX = 0, m_mouseY = 0, m_grip = 0;
 	EconomyChoice m_economy;
 	bool m_halves = false, m_hasStockSide = false;
-	bool m_paused = false, m_panels = true, m_profile = true, m_noSleep = true, m_held = false, m_touched = false, m_wantsPicture = false;
+	bool m_paused = false, m_panels = true, m_profile = false, m_noSleep = true, m_held = false, m_touched = false, m_wantsPicture = false;
 	std::deque<float> m_stepTimes, m_frameTimes;  // [us, ms]
 	std::vector<float> m_rates;                   // steps in a second of the wall clock, for each picture
 	double m_rate = 0;

@@ -65,9 +65,9 @@ void histogram(const char* name, const char* unit, const std::deque<float>& time
 	for (const float t : sorted) ++counts[std::clamp(int(kParts * (t - least) / (most - least)), 0, kParts - 1)];
 	ImGui::TextUnformatted(name);
 	ImGui::SameLine();
-	ImGui::TextColored(kQuiet, "median %.3g, 99th percentile %.3g %s", double(sorted[sorted.size() / 2]), double(most), unit);
+	ImGui::TextColored(kQuiet, "median %.3g, 99 %% within %.3g %s", double(sorted[sorted.size() / 2]), double(most), unit);
 	ImGui::PushItemWidth(-1);
-	ImGui::PlotHistogram((std::string("##") + name).c_str(), counts, kParts, 0, nullptr, 0, 3.4e38f, {0, height});
+	ImGui::PlotHistogram((std::string("##") + name).c_str(), counts, kParts, 0, nullptr, 0, *std::max_element(counts, counts + kParts), {0, height});
 	ImGui::PopItemWidth();
 }
 }  // namespace
@@ -181,7 +181,9 @@ void Browser::drawChoices()
 
 void Browser::drawProfile()
 {
-	if (!m_profile || !ImGui::CollapsingHeader("Profile (p)")) return;
+	ImGui::SetNextItemOpen(m_profile);
+	m_profile = ImGui::CollapsingHeader("Profile (p)");
+	if (!m_profile) return;
 	const float height = 2.6f * ImGui::GetTextLineHeight();
 	if (m_demo) plot({"rate, of " + std::to_string(std::lround(m_speed / m_demo->stepSize())) + " Hz wanted", "Hz", m_rates}, height);
 	histogram("steps", "us", m_stepTimes, height);
@@ -189,7 +191,7 @@ void Browser::drawProfile()
 	const RenderCost& cost = m_renderer.cost();
 	ImGui::TextWrapped("drawing: %.2f ms of our own, %.2f ms with OpenGL; %zu draw calls, %zu balls, %zu too small to be seen", 1e-3 * cost.ownMicroseconds,
 					   1e-3 * cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
-	ImGui::TextColored(kQuiet, "%s", m_renderer.device().c_str());
+	ImGui::TextWrapped("%s", m_renderer.device().c_str());
 }
 
 void Browser::drawPairs()

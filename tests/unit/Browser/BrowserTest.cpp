@@ -280,6 +280,40 @@ TEST(Browser, ALostDeviceIsSaidAndTheDemoGoesOn)
 	EXPECT_EQ(rig.browser->message().rfind("the device is lost", 0), 0u) << "of whatever demo";
 }
 
+// The bars of the two histograms, of the times of steps and of pictures, are the only blue that the profile adds while the demo rests.
+TEST(Browser, ProfileShowsHowTimesAreSpread)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	constexpr int kWide = 700, kTall = 1400;
+	rig.target = std::make_unique<PictureTarget>(kWide, kTall);
+	rig.browser->open("hello");
+	for (int i = 0; i < 60; ++i) rig.browser->key(Key::Step);
+	ASSERT_TRUE(rig.browser->paused());
+	for (int i = 0; i < 40; ++i) rig.browser->advance(i % 4 ? 0.016 : 0.024);
+	const auto blue = [&]
+	{
+		rig.draw(kWide, kTall);
+		const Picture picture = rig.draw(kWide, kTall);
+		int count = 0;
+		for (int y = 0; y < kTall; ++y)
+			for (int x = 0; x < int(rig.browser->sceneLeft()); ++x)
+			{
+				const uint8_t* p = &picture.pixels[size_t(3 * (y * kWide + x))];
+				count += std::abs(p[0] - 0) < 8 && std::abs(p[1] - 114) < 8 && std::abs(p[2] - 178) < 8;
+			}
+		return count;
+	};
+	const int without = blue();
+	rig.browser->key(Key::Profile);
+	// Pictures take three times in four as long as the shortest: a bar over the whole height.
+	const int bars = blue() - without;
+	std::printf("  %d pixels of bars\n", bars);
+	EXPECT_GT(bars, 200);
+	rig.browser->key(Key::Profile);
+	EXPECT_EQ(blue(), without);
+}
+
 // What a key shows can be seen.
 TEST(Browser, EveryKeyChangesThePicture)
 {
