@@ -11,13 +11,13 @@ namespace browser
 {
 namespace
 {
-// Largest first: what would be smaller than a third of a pixel even at the nearest point is a tail of the list.
-size_t seen(const DrawnSpheres& s, size_t count, const Vec3& eye, double pixels)
+// Largest first: what would be too small even at the nearest point is a tail of the list.
+size_t seen(const DrawnSpheres& s, size_t count, const Vec3& eye, double angle)
 {
 	const auto& balls = s.model->spheres;
 	const auto& first = balls.front();
 	const double nearest = std::max(norm(s.X_WM * (s.scale * Vec3{first.x, first.y, first.z}) - eye) - 8 * s.scale * first.r, 1e-3 * norm(eye));
-	const double least = nearest / (3 * pixels * s.scale);
+	const double least = angle * nearest / s.scale;
 	const auto end = std::partition_point(balls.begin(), balls.begin() + std::ptrdiff_t(count), [&](const SpheresModel::Instance& b) { return double(b.r) >= least; });
 	return size_t(end - balls.begin());
 }
@@ -54,14 +54,14 @@ void BallBatch::start()
 	glGenTextures(1, &m_poseTexture);
 }
 
-void BallBatch::choose(const std::vector<DrawnSpheres>& bodies, const Vec3& eye, double pixels)
+void BallBatch::choose(const std::vector<DrawnSpheres>& bodies, const Vec3& eye, double angle)
 {
 	m_count = m_leftOut = 0;
 	m_poses.clear();
 	size_t used = 0;
 	for (const DrawnSpheres& s : bodies)
 	{
-		const size_t wanted = std::min(s.count, s.model->spheres.size()), visible = wanted > 0 ? seen(s, wanted, eye, pixels) : 0;
+		const size_t wanted = std::min(s.count, s.model->spheres.size()), visible = wanted > 0 ? seen(s, wanted, eye, angle) : 0;
 		if (visible == 0)
 		{
 			m_leftOut += wanted;

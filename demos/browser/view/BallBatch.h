@@ -16,9 +16,9 @@ public:
 	~BallBatch();
 	void start();
 
-	/// Chooses what is large enough to be seen from `eye`, where a thing of 1 m at a distance of 1 m is `pixels` tall. O(bodies); where other models
-	/// than before are drawn, or much more or less of them, O(spheres).
-	void choose(const std::vector<DrawnSpheres>& bodies, const ist::Vec3& eye, double pixels);
+	/// Chooses what is seen from `eye` with a radius of at least `angle` [rad]. O(bodies); where other models than before are drawn, or much more or less
+	/// of them, O(spheres).
+	void choose(const std::vector<DrawnSpheres>& bodies, const ist::Vec3& eye, double angle);
 	/// To the graphics card, what is new; the poses to texture unit `unit`.
 	void upload(GLenum unit);
 	/// Instances of a square of four corners; attributes 0 and 1 are place and radius, shade and body.

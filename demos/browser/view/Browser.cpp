@@ -30,7 +30,16 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_renderer(renderer), m_gui(gui), m_options(options), m_economy(options.economy)
 {
 	// Without a graphics card pixels are dear.
-	if (renderer.software()) m_quality = {1, 2, 1024, false};
+	m_thrifty = renderer.software();
+	if (m_thrifty) m_quality.occlusion = false;
+}
+
+RenderQuality Browser::quality() const
+{
+	if (!m_thrifty) return m_quality;
+	RenderQuality affordable = m_affordable.quality();
+	affordable.occlusion = m_quality.occlusion;
+	return affordable;
 }
 
 bool Browser::start(const DemoEntry& entry)
@@ -207,6 +216,7 @@ void Browser::stepOnce()
 void Browser::advance(double seconds)
 {
 	keep(m_frameTimes, 1e3 * seconds);
+	m_affordable.took(seconds - std::exchange(m_stepping, 0));
 	if (!m_demo || m_paused || !(seconds > 0)) return;
 	if (m_device)
 	{
@@ -225,6 +235,7 @@ void Browser::advance(double seconds)
 		m_owed -= h;
 		if (now() - start > most) m_owed = 0;  // slower than the clock, rather than ever later
 	}
+	m_stepping = now() - start;
 	// Pictures have a step more or less by turns: a mean over about a quarter of a second.
 	m_rate += std::min(1.0, 4 * seconds) * (steps / seconds - m_rate);
 	if (m_rates.size() == kTimes) m_rates.erase(m_rates.begin());
@@ -240,7 +251,7 @@ void Browser::draw(unsigned target, int width, int height)
 	if (width <= 0 || height <= 0) return;
 	const PixelArea area{int(panel), width - int(panel), height};
 	m_views = m_demo ? sceneViews(*m_demo, area) : std::vector<SceneView>{{nullptr, "", area}};
-	m_painter.paint(m_views, m_choice, m_camera, m_renderer, target, m_quality, true);
+	m_painter.paint(m_views, m_choice, m_camera, m_renderer, target, quality(), true);
 	if (m_demo && m_panels) drawCharts(*ImGui::GetBackgroundDrawList(), m_demo->charts(), panel, 0, m_sceneWidth, height);
 	if (m_panels) drawTree(float(panel), float(height));
 	else ImGui::GetForegroundDrawList()->AddText({10, 10}, IM_COL32(170, 30, 10, 255), message().c_str());

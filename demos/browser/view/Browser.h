@@ -3,6 +3,7 @@
 
 #include "demos/browser/BesideStock.h"
 #include "demos/browser/DeviceHand.h"
+#include "demos/browser/view/AffordableQuality.h"
 #include "demos/browser/view/Gui.h"
 #include "demos/browser/view/SceneView.h"
 
@@ -70,7 +71,7 @@ public:
 	/// True once when F1 was pressed.
 	bool wantsPicture();
 	/// As well as it can be drawn, however long that takes.
-	void beautiful() { m_quality = {}; }
+	void beautiful() { m_thrifty = false, m_quality = {}; }
 	bool paused() const { return m_paused; }
 	const BrowsableDemo* demo() const { return m_demo.get(); }
 	/// What went wrong, for as long as it matters: what could not be opened, a device that does not answer. Empty: nothing.
@@ -88,6 +89,7 @@ private:
 	void drawPairs();
 	void drawChoices();
 	void stepOnce();
+	RenderQuality quality() const;
 	bool start(const DemoEntry& entry);
 	void toggleHalves();
 	/// The view under a share of the width of the scene, which becomes that of the view; null before the first picture.
@@ -105,6 +107,9 @@ private:
 	ScenePainter m_painter;
 	std::vector<SceneView> m_views;
 	RenderQuality m_quality;
+	AffordableQuality m_affordable;
+	bool m_thrifty = false;  // as good as can be afforded, but for the occlusion, which the user chooses
+	double m_stepping = 0;   // of the time between the last two pictures [s]
 	std::string m_message;
 	char m_search[64] = {};
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;

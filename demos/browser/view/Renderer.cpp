@@ -52,6 +52,8 @@ Around boundsOf(const DrawList& list)
 	return {0.5 * (lower + upper), 0.5 * norm(upper - lower)};
 }
 
+int drawnPixels(int seen, const RenderQuality& quality) { return std::max(1, int(std::lround(seen * quality.pixels))); }
+
 Lamp lampFor(const Around& around)
 {
 	Lamp lamp;
@@ -81,7 +83,7 @@ struct Renderer::Implementation
 	void light(const GlProgram& program, const Lamp& lamp, const Camera& camera, const RenderQuality& quality) const;
 	void drawSurfaces(const DrawList& list, bool glass);
 	void drawBalls(const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic, double pixels);
-	Lamp prepare(const DrawList& list, const Vec3& eye, double pixels);
+	Lamp prepare(const DrawList& list, const Vec3& eye, double leastAngle);
 	void drawShadows(const DrawList& list, const Lamp& lamp, const RenderQuality& quality);
 	void drawGround(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality);
 	void drawGlyphs(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality);
@@ -148,13 +150,13 @@ void Renderer::Implementation::light(const GlProgram& program, const Lamp& lamp,
 	glActiveTexture(GL_TEXTURE0);
 }
 
-Lamp Renderer::Implementation::prepare(const DrawList& list, const Vec3& eye, double pixels)
+Lamp Renderer::Implementation::prepare(const DrawList& list, const Vec3& eye, double leastAngle)
 {
 	Lamp lamp;
 	{
 		const Stopwatch watch(cost.ownMicroseconds);
 		lamp = lampFor(boundsOf(list));
-		balls.choose(list.spheres, eye, pixels);
+		balls.choose(list.spheres, eye, leastAngle);
 	}
 	balls.upload(GL_TEXTURE3);
 	cost.ballsDrawn += balls.count();
@@ -237,7 +239,7 @@ void Renderer::Implementation::drawGlyphs(const DrawList& list, const Lamp& lamp
 	line.use();
 	line.set("uViewProjection", both);
 	line.set("uSize", float(picture.width()), float(picture.height()));
-	line.set("uWidth", float(1.1 * quality.supersampling * picture.height() / quality.supersampling / 540.0 + 0.4 * quality.supersampling));
+	line.set("uWidth", float(1.1 * picture.height() / 540.0 + 0.4 * quality.pixels));
 	models.drawLines(list.lines);
 }
 
@@ -285,15 +287,15 @@ void Renderer::draw(const DrawList& list, const Camera& camera, unsigned target,
 	Implementation& im = *m_impl;
 	RenderQuality quality = wanted;
 	if (!list.shadows) quality.shadowTaps = 0;
-	const double aspect = area.aspect(), pixels = area.height * quality.supersampling / camera.heightAt(1, aspect);
-	const Lamp lamp = im.prepare(list, camera.eye(), pixels);
+	const double aspect = area.aspect(), pixels = area.height * quality.pixels / camera.heightAt(1, aspect);
+	const Lamp lamp = im.prepare(list, camera.eye(), quality.leastRadius / pixels);
 	const Matrix4 view = camera.view(), projection = camera.projection(aspect), both = projection * view;
 	glEnable(GL_DEPTH_TEST);
 	glDepthFunc(GL_LESS);
 	glDisable(GL_BLEND);
 	glDisable(GL_SCISSOR_TEST);
 	if (quality.shadowTaps > 0) im.drawShadows(list, lamp, quality);
-	im.picture.resize(area.width * quality.supersampling, area.height * quality.supersampling, GL_RGBA8, true);
+	im.picture.resize(drawnPixels(area.width, quality), drawnPixels(area.height, quality), GL_RGBA8, true);
 	im.picture.bind();
 	glClear(GL_DEPTH_BUFFER_BIT);
 	glDepthMask(GL_FALSE);

@@ -11,10 +11,11 @@ namespace browser
 {
 struct RenderQuality
 {
-	int supersampling = 2;  ///< pixels drawn for one seen, along each side
+	double pixels = 2;      ///< drawn for one seen, along each side
 	int shadowTaps = 12;    ///< 0: no shadows
 	int shadowSize = 2048;  ///< of the map, along each side
 	bool occlusion = true;  ///< ambient
+	double leastRadius = 1.0 / 3;  ///< of packed spheres, in drawn pixels: smaller ones are left out
 };
 
 /// Columns of a picture, over its whole height.

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/view/AffordableQuality.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace browser
+{
+namespace
+{
+// Further apart than two rungs, so that what is taken back does not prove too slow at once.
+constexpr double kTooLong = 1.0 / 12, kFast = 1.0 / 40;  // [s]
+constexpr int kPatience = 60;
+
+/// What is missed least goes first: pixels, and spheres that have hardly one, then shadows.
+constexpr RenderQuality kLadder[] = {{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1.5}, {0.35, 0, 512, false, 1.5}};
+}  // namespace
+
+void AffordableQuality::took(double seconds)
+{
+	m_slow = seconds > kTooLong ? m_slow + 1 : 0;
+	m_fast = seconds < kFast ? m_fast + 1 : 0;
+	// One slow picture may be due to anything.
+	if (m_slow >= 2) turn(1);
+	else if (m_fast >= kPatience) turn(-1);
+}
+
+void AffordableQuality::turn(int by)
+{
+	m_rung = std::clamp(m_rung + by, 0, int(std::size(kLadder)) - 1);
+	m_slow = m_fast = 0;
+}
+
+RenderQuality AffordableQuality::quality() const { return kLadder[m_rung]; }
+}  // namespace browser
