@@ -87,10 +87,21 @@ Vec3 shownForce(const btCollisionObject& A, const btCollisionObject& B, const Ve
 
 std::string formatForce(double newton)
 {
-	const double size = std::fabs(newton);
-	const char* unit = size >= 1e9 ? "GN" : size >= 1e6 ? "MN" : size >= 1e3 ? "kN" : size >= 1 || size == 0 ? "N" : size >= 1e-3 ? "mN" : "uN";
+	struct Unit
+	{
+		double size;
+		const char* name;
+	};
+	constexpr Unit kUnits[] = {{1e12, "TN"}, {1e9, "GN"}, {1e6, "MN"}, {1e3, "kN"}, {1, "N"}, {1e-3, "mN"}, {1e-6, "uN"}};
+	Unit unit = newton == 0 ? Unit{1, "N"} : kUnits[6];
+	for (const Unit& larger : kUnits)
+		if (std::fabs(newton) >= larger.size)
+		{
+			unit = larger;
+			break;
+		}
 	char text[40];
-	std::snprintf(text, sizeof text, "%.3g %s", size >= 1e9 ? newton / 1e9 : size >= 1e6 ? newton / 1e6 : size >= 1e3 ? newton / 1e3 : size >= 1 || size == 0 ? newton : size >= 1e-3 ? 1e3 * newton : 1e6 * newton, unit);
+	std::snprintf(text, sizeof text, "%.3g %s", newton / unit.size, unit.name);
 	return text;
 }
 

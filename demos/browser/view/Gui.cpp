@@ -4,10 +4,13 @@
 #include "demos/browser/view/Gl.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>  // ImRect
 #include <backends/imgui_impl_opengl3.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
 namespace browser
 {
@@ -88,18 +91,38 @@ void Gui::end(unsigned target, int width, int height)
 	ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+namespace
+{
+/// Where a label of this size goes whose lower left corner is wanted at `at`: there, or above those that are in its way.
+ImVec2 freePlace(ImVec2 at, const ImVec2& size, const std::vector<ImRect>& taken)
+{
+	// Each of them can be in the way once.
+	for (size_t moves = 0; moves <= taken.size(); ++moves)
+	{
+		const ImRect wanted({at.x, at.y - size.y}, {at.x + size.x, at.y});
+		const auto other = std::find_if(taken.begin(), taken.end(), [&](const ImRect& t) { return t.Overlaps(wanted); });
+		if (other == taken.end()) break;
+		at.y = other->Min.y;
+	}
+	return at;
+}
+}  // namespace
+
 void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, const PixelArea& area)
 {
 	to.PushClipRect({float(area.left), 0}, {float(area.left + area.width), float(area.height)});
+	std::vector<ImRect> taken;
 	for (const DrawnText& text : list.texts)
 	{
 		const auto at = camera.project(text.at, area.aspect());
 		if (!at) continue;
-		const ImVec2 size = ImGui::CalcTextSize(text.text.c_str());
-		const float pad = 0.25f * size.y;
-		const ImVec2 p(float(area.left + (*at)[0] * area.width) + pad, float((*at)[1] * area.height) - size.y - pad);
-		to.AddRectFilled({p.x - pad, p.y - 0.4f * pad}, {p.x + size.x + pad, p.y + size.y + 0.4f * pad}, IM_COL32(255, 255, 255, 205), pad);
-		to.AddText(p, ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
+		const ImVec2 letters = ImGui::CalcTextSize(text.text.c_str());
+		const float pad = 0.25f * letters.y;
+		const ImVec2 size{letters.x + 2 * pad, letters.y + 0.8f * pad};
+		const ImVec2 corner = freePlace({float(area.left + (*at)[0] * area.width), float((*at)[1] * area.height) - 0.6f * pad}, size, taken);
+		taken.push_back({{corner.x, corner.y - size.y}, {corner.x + size.x, corner.y}});
+		to.AddRectFilled(taken.back().Min, taken.back().Max, IM_COL32(255, 255, 255, 205), pad);
+		to.AddText({corner.x + pad, corner.y - size.y + 0.4f * pad}, ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
 	}
 	to.PopClipRect();
 }

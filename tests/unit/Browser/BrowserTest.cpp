@@ -53,6 +53,54 @@ struct Rig
 	if (!rig.start()) GTEST_SKIP() << "no OpenGL without a window: apt-get install libegl1 libgl1-mesa-dri"
 }  // namespace
 
+/// Words alone, all in one place.
+class Labels : public BrowsableDemo
+{
+public:
+	std::optional<ist::Error> prepare(const DemoOptions&) override { return std::nullopt; }
+	std::optional<ist::Error> restart() override { return std::nullopt; }
+	void step(double) override {}
+	double duration() const override { return 1; }
+	double time() const override { return 0; }
+	void draw(const DrawChoice&, DrawList& list) override
+	{
+		for (int i = 0; i < count; ++i) list.texts.push_back({{0, 0, 0}, "12.3 N", {0.1f, 0.1f, 0.12f}});
+	}
+	Viewpoint viewpoint() const override { return {}; }
+	std::vector<Figure> figures() const override { return {}; }
+
+	int count = 0;
+};
+
+TEST(ScenePainter, LabelsDoNotHideEachOther)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	Labels labels;
+	Camera camera;
+	camera.set({{}, 1, 0.4, 0.3});
+	ScenePainter painter;
+	const auto picture = [&](int count)
+	{
+		labels.count = count;
+		rig.gui->beginOffscreen(Rig::kWidth, Rig::kHeight);
+		painter.paint({{&labels, "", {0, Rig::kWidth, Rig::kHeight}}}, {}, camera, *rig.renderer, rig.target->frame(), {}, true);
+		rig.gui->end(rig.target->frame(), Rig::kWidth, Rig::kHeight);
+		return rig.target->read();
+	};
+	const Picture none = picture(0);
+	const auto covered = [&](int count)
+	{
+		const Picture with = picture(count);
+		int pixels = 0;
+		for (size_t i = 0; i < with.pixels.size(); i += 3) pixels += with.pixels[i] != none.pixels[i];
+		return double(pixels);
+	};
+	const double one = covered(1);
+	ASSERT_GT(one, 100);
+	EXPECT_NEAR(covered(4), 4 * one, 0.3 * one);
+}
+
 TEST(Browser, OpensDemosAndSaysWhatItCannotOpen)
 {
 	Rig rig;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "demos/browser/ContactView.h"
 #include "demos/browser/DemoCatalog.h"
 #include "demos/browser/WorldDemo.h"
 
@@ -141,6 +142,13 @@ TEST(ContactView, SpheresHaveTheColourOfTheLevelAtWhichTheyLead)
 	EXPECT_TRUE(list.spheres.front().model->levels.empty());
 	EXPECT_EQ(list.spheres.front().model->spheres.back().r, byLevel->spheres.back().r);
 	EXPECT_EQ(list.keys.size(), 3u);
+}
+
+TEST(ContactView, ForcesAreReadInTheUnitOfTheirSize)
+{
+	for (const auto& [newton, text] : {std::pair{0.0, "0 N"}, {9.81, "9.81 N"}, {-0.5, "-500 mN"}, {9.81e-6, "9.81 uN"}, {2e-8, "0.02 uN"}, {1000.0, "1 kN"}, {2.65e8, "265 MN"}, {9.81e9, "9.81 GN"},
+									   {9.81e12, "9.81 TN"}, {5e15, "5e+03 TN"}})
+		EXPECT_EQ(formatForce(newton), text);
 }
 
 TEST(ContactView, ErrorBarsAreThoseOfTheReport)
