@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 using namespace browser;
@@ -55,6 +57,25 @@ TEST(DemoCatalog, SearchWantsEveryWordInAnyCase)
 	EXPECT_STREQ(searchDemos("SWORD ring")[0]->name, "sword");
 	EXPECT_TRUE(searchDemos("sword archimedes").empty());
 	EXPECT_GE(searchDemos("physics").size(), 3u);
+}
+
+// As many pictures as demos, each shown with the words of today.
+TEST(DemoCatalog, TheGalleryShowsEveryDemoAndNothingElse)
+{
+	const std::filesystem::path folder = GALLERY;
+	std::ifstream file(folder / "README.md");
+	const std::string page{std::istreambuf_iterator<char>(file), {}};
+	for (const DemoEntry& entry : demoCatalog())
+	{
+		const std::string name = entry.name;
+		EXPECT_NE(page.find("**" + name + ".** " + entry.about + ".\n\n![" + name + "](" + name + ".png)"), std::string::npos) << name;
+		EXPECT_TRUE(std::filesystem::exists(folder / (name + ".png"))) << name;
+	}
+	for (const auto& entry : std::filesystem::directory_iterator(folder))
+		if (entry.path().extension() == ".png")
+		{
+			EXPECT_NE(page.find("(" + entry.path().filename().string() + ")"), std::string::npos) << entry.path() << " is shown nowhere";
+		}
 }
 
 TEST(DemoRun, JudgesOnlyWhatRanToItsEnd)
