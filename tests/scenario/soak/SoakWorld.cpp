@@ -198,13 +198,20 @@ void SoakWorld::place(Actor& actor, const btTransform& pose)
 bool SoakWorld::isVolumetric(const btBroadphasePair& pair)
 {
 	const void *a = pair.m_pProxy0->m_clientObject, *b = pair.m_pProxy1->m_clientObject;
-	for (const btISTContact* contact : m_ist->contacts().contacts())
+	btDispatcher& dispatcher = *bullet().getDispatcher();
+	bool volumetric = false;
+	for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
 	{
-		const bool isBulletsForNow = contact->stamp + 1 != m_ist->contacts().step();  // scaled, or out of the region
-		const bool isOfBoth = (contact->bodyA == a && contact->bodyB == b) || (contact->bodyA == b && contact->bodyB == a);
-		if (isOfBoth && !isBulletsForNow) return true;
+		const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+		const void *first = manifold->getBody0(), *second = manifold->getBody1();
+		if (!(first == a && second == b) && !(first == b && second == a)) continue;
+		const btISTContact* contact = m_ist->contacts().find(manifold);
+		const bool isOurs = contact && contact->stamp + 1 == m_ist->contacts().step();  // else scaled, or out of the region
+		// Of a compound's children one can be ours and another Bullet's.
+		if (!isOurs && manifold->getNumContacts() > 0) return false;
+		volumetric = volumetric || isOurs;
 	}
-	return false;
+	return volumetric;
 }
 
 void SoakWorld::spreadPoison()

@@ -91,6 +91,7 @@ public:
 private:
 	void install();
 	void addPlanes();
+	/// Whether nothing but our contact was between the two in the last step.
 	bool isVolumetric(const btBroadphasePair& pair);
 	void cleanStockPairs(btRigidBody& body);
 
