@@ -12,6 +12,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace ist
@@ -55,7 +56,7 @@ private:
 };
 
 /// Reads in blocks, between which the caller is asked. Goes on reading when the caller wants to stop: assimp's loaders leak what they
-/// hold when a read fails.
+/// hold when a read fails. Throws, all the same, when a loader goes through the file without end, as that of PLY does where the header is damaged.
 class WatchedStream : public Assimp::IOStream
 {
 public:
@@ -69,6 +70,8 @@ public:
 		{
 			const size_t wanted = std::min(atOnce, count - done), read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
 			done += read;
+			m_taken += 1 + read * size;
+			if (m_taken > kMostTimes * m_stream->FileSize() + kAtLeast) throw std::runtime_error("it is damaged: assimp finds no end in it");
 			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
 			m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
 			if (read < wanted) break;
@@ -82,8 +85,11 @@ public:
 	void Flush() override {}
 
 private:
+	// A loader reads a file once, or a few times.
+	static constexpr size_t kMostTimes = 16, kAtLeast = size_t(1) << 20;
 	std::unique_ptr<Assimp::IOStream> m_stream;
 	Watch& m_watch;
+	size_t m_taken = 0;
 };
 
 class WatchedFiles : public Assimp::DefaultIOSystem

@@ -139,6 +139,15 @@ TEST(MeshImport, EmptyAndUnreadableFilesAreRefused)
 	EXPECT_FALSE(importMesh(TemporaryFile("nothing that is a mesh", ".xyzw").path()));
 }
 
+TEST(MeshImport, AFileInWhichAssimpFindsNoEndIsRefused)
+{
+	const TemporaryFile file("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\ne}\nment face 4\n"
+							 "property nt vertex_indices\ne,d_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n", ".ply");
+	const Result<Mesh> mesh = importMesh(file.path());
+	ASSERT_FALSE(mesh);
+	EXPECT_NE(mesh.error().message.find("finds no end"), std::string::npos) << mesh.error().message;
+}
+
 TEST(MeshImport, AUnitThatIsNotPositiveIsRefused)
 {
 	const TemporaryFile file(kCube);
