@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Result.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+/// What a fuzzer holds a parser to, besides what sanitizers see: each function ends the process when a promise is broken.
+namespace fuzz
+{
+inline void require(bool condition, const char* what)
+{
+	if (condition) return;
+	std::fprintf(stderr, "broken promise: %s\n", what);
+	std::abort();
+}
+
+/// True when there is a value; a refusal must say why.
+template <class T>
+bool accepted(const ist::Result<T>& result)
+{
+	require(static_cast<bool>(result) || !result.error().message.empty(), "a refusal has a reason");
+	return static_cast<bool>(result);
+}
+
+inline std::string text(const std::uint8_t* data, std::size_t size) { return {reinterpret_cast<const char*>(data), size}; }
+}  // namespace fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+// Hands over time as CSV: what is accepted has times that grow, and comes back to the last bit after another trip.
+#include "DeviceBridge/Hand/HandMotion.h"
+
+#include "tests/fuzz/Promises.h"
+
+using fuzz::require;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+	const ist::Result<devicebridge::HandMotion> motion = devicebridge::readHandMotion(fuzz::text(data, size), "a.csv");
+	if (!fuzz::accepted(motion)) return 0;
+	const auto& frames = motion.value().frames;
+	for (size_t i = 1; i < frames.size(); ++i) require(frames[i - 1].time < frames[i].time, "times grow");
+	const std::string again = devicebridge::handMotionText(motion.value());
+	const ist::Result<devicebridge::HandMotion> back = devicebridge::readHandMotion(again, "b.csv");
+	require(fuzz::accepted(back) && back.value().frames.size() == frames.size(), "what was read can be written and read");
+	for (size_t i = 0; i < frames.size(); ++i)
+		require(back.value().frames[i].time == frames[i].time && isSameHand(back.value().frames[i].hand, frames[i].hand), "to the last bit");
+	if (!frames.empty()) (void)motion.value().at(0.5 * (frames.front().time + frames.back().time));
+	return 0;
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+// Mesh files: whatever the bytes, they are refused or give triangles of finite corners that are there. What lies between is assimp, which is as robust as its release:
+// the readers of OFF and PLY in 5.2.5 end the process on some damaged files, so that two other formats are tried.
+#include "BulletISTCollision/Core/MeshImport.h"
+
+#include "tests/fuzz/Promises.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <unistd.h>
+
+using fuzz::require;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+	static const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("fuzz_mesh_file." + std::to_string(getpid()));
+	static const bool made = std::filesystem::create_directories(folder);
+	require(made, "a folder for the file");
+	if (size == 0) return 0;
+	static constexpr const char* endings[] = {".obj", ".stl"};
+	const std::string path = folder / (std::string("mesh") + endings[data[0] % 2]);
+	std::FILE* file = std::fopen(path.c_str(), "wb");
+	require(file && std::fwrite(data + 1, 1, size - 1, file) == size - 1, "the file is written");
+	std::fclose(file);
+	const ist::Result<ist::Mesh> mesh = ist::importMesh(path);
+	std::filesystem::remove(path);
+	if (!fuzz::accepted(mesh)) return 0;
+	require(!mesh.value().triangles.empty(), "there are triangles");
+	for (const ist::Vec3& p : mesh.value().vertices) require(ist::isFinite(p), "corners are finite");
+	for (const auto& triangle : mesh.value().triangles)
+		for (const std::uint32_t corner : triangle) require(corner < mesh.value().vertices.size(), "corners of triangles are there");
+	return 0;
+}

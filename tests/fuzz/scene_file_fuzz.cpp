@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Zlib
+// Scene files: whatever the text, it is refused with its name, or gives a scene that is sound.
+#include "demos/scenes/SceneFile.h"
+
+#include "tests/fuzz/Promises.h"
+
+using fuzz::require;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+	const ist::Result<scenes::Scene> scene = scenes::parseScene("a.json", fuzz::text(data, size), "/nowhere");
+	if (!fuzz::accepted(scene))
+	{
+		require(scene.error().message.starts_with("a.json"), "a refusal names the file");
+		return 0;
+	}
+	const scenes::Scene& s = scene.value();
+	require(s.tool < s.bodies.size(), "the tool is a body");
+	for (const scenes::SceneBody& body : s.bodies)
+	{
+		require(body.kind != scenes::SceneBody::Kind::Asset || body.asset < s.assets.size(), "a body's asset is there");
+		require(std::isfinite(body.mass) && body.mass >= 0, "a mass is none or positive");
+	}
+	for (const auto& [a, b] : s.pairs) require(a < s.bodies.size() && b < s.bodies.size(), "pairs are of bodies");
+	for (size_t i = 1; i < s.path.size(); ++i) require(s.path[i - 1].time < s.path[i].time, "times of the path grow");
+	require(std::isfinite(s.worldRate) && s.worldRate > 0, "a rate is positive");
+	return 0;
+}
