@@ -93,20 +93,12 @@ MeshDistance::Implementation::Implementation(Mesh source) : mesh(std::move(sourc
 
 void MeshDistance::Implementation::addClusters()
 {
-	// The triangles of a node are those from the first of its leftmost leaf to the last of its rightmost.
-	const auto range = [this](const Child& child)
-	{
-		const Child *left = &child, *right = &child;
-		while (left->count == 0) left = &hierarchy.nodes[left->first].child[0];
-		while (right->count == 0) right = &hierarchy.nodes[right->first].child[1];
-		return std::pair{left->first, right->first + right->count};
-	};
 	clusters.resize(hierarchy.nodes.size());
 	for (size_t i = 0; i < clusters.size(); ++i)
 	{
 		for (int k = 0; k < 2; ++k)
 		{
-			const auto [begin, end] = range(hierarchy.nodes[i].child[k]);
+			const auto [begin, end] = hierarchy.range(hierarchy.nodes[i].child[k]);
 			clusters[i][size_t(k)] = clusterOf(hierarchy.nodes[i].child[k], begin, end);
 		}
 	}

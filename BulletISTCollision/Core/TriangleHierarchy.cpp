@@ -175,4 +175,13 @@ TriangleHierarchy::TriangleHierarchy(const Mesh& mesh, const Vec3& origin)
 	root = Builder{mesh, origin, *this}.build(items, 0, n, 0);
 	nodes.shrink_to_fit();
 }
+
+std::pair<uint32_t, uint32_t> TriangleHierarchy::range(const Child& child) const
+{
+	// From the first of its leftmost leaf to the last of its rightmost.
+	const Child *left = &child, *right = &child;
+	while (left->count == 0) left = &nodes[left->first].child[0];
+	while (right->count == 0) right = &nodes[right->first].child[1];
+	return {left->first, right->first + right->count};
+}
 }  // namespace ist

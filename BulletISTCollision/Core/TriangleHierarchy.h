@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace ist
@@ -93,6 +94,9 @@ struct TriangleHierarchy
 
 	TriangleHierarchy() = default;
 	TriangleHierarchy(const Mesh& mesh, const Vec3& origin);
+
+	/// Places of the first triangle below and of the one after the last.
+	std::pair<uint32_t, uint32_t> range(const Child& child) const;
 };
 
 inline double squaredDistance(const TriangleHierarchy::Child& box, const Vec3& p)

@@ -12,10 +12,10 @@ namespace
 constexpr float farAway = 1e18f;  // its square, three times over, still fits
 constexpr double largestSquare = 1e35;
 constexpr double floatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
-constexpr double slack = 2e-6;    // of the diagonal: more than thirty roundings of a coordinate
+constexpr float farRounding = 4e-6f;
+constexpr double slack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
 
 typedef float Lanes __attribute__((vector_size(16)));
-typedef int32_t LaneBits __attribute__((vector_size(16)));
 
 inline Lanes load(const float* p)
 {
@@ -29,41 +29,27 @@ inline Lanes squareRoot(const Lanes& a)
 	for (int k = 0; k < 4; ++k) roots[k] = std::sqrt(roots[k]);
 	return roots;
 }
-inline bool any(const LaneBits& bits)
-{
-	int64_t halves[2];
-	std::memcpy(halves, &bits, sizeof halves);
-	return (halves[0] | halves[1]) != 0;
-}
 inline Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 }  // namespace
 
 struct TriangleQuads::Point
 {
 	Lanes x, y, z;
+	float rounding;  // of a coordinate [m]
 
-	explicit Point(const Vec3& p) : x(Lanes{} + float(p.x)), y(Lanes{} + float(p.y)), z(Lanes{} + float(p.z)) {}
+	Point(const Vec3& p, float slack) : x(Lanes{} + float(p.x)), y(Lanes{} + float(p.y)), z(Lanes{} + float(p.z)), rounding(slack) {}
 
-	/// Squared distances to the four boxes.
-	inline Lanes toBoxes(const Quad& q) const
+	/// What lies in the cylinders is not nearer; squared.
+	inline Lanes lowerBounds(const Cylinders& c) const
 	{
-		const Lanes zero{};
-		const Lanes dx = larger(zero, larger(load(q.lowerX) - x, x - load(q.upperX)));
-		const Lanes dy = larger(zero, larger(load(q.lowerY) - y, y - load(q.upperY)));
-		const Lanes dz = larger(zero, larger(load(q.lowerZ) - z, z - load(q.upperZ)));
-		return dx * dx + dy * dy + dz * dz;
-	}
-
-	/// Not zero where a triangle can come within reach: no point of it is nearer than the disc in its plane that holds it.
-	inline LaneBits within(const Leaf& leaf, float reach, float slack) const
-	{
-		const Lanes dx = x - load(leaf.x), dy = y - load(leaf.y), dz = z - load(leaf.z), radius = load(leaf.radius);
-		const Lanes height = x * load(leaf.nx) + y * load(leaf.ny) + z * load(leaf.nz) - load(leaf.height);
-		const Lanes height2 = height * height;
-		const Lanes beyond = larger(Lanes{}, squareRoot(larger(Lanes{}, dx * dx + dy * dy + dz * dz - height2)) - radius);
-		// Rounding moves the height and the way to the middle by less than the slack each, and so the sum of squares by a few times their product.
-		const Lanes rounding = (reach + radius) * (8 * slack + 4e-6f * reach);
-		return height2 + beyond * beyond <= reach * reach + rounding;
+		const Lanes zero{}, radius = load(c.radius), half = load(c.half);
+		const Lanes dx = x - load(c.x), dy = y - load(c.y), dz = z - load(c.z);
+		const Lanes height = x * load(c.nx) + y * load(c.ny) + z * load(c.nz) - load(c.height);
+		const Lanes above = larger(zero, larger(height, -height) - half);
+		const Lanes beside = larger(zero, squareRoot(larger(zero, dx * dx + dy * dy + dz * dz - height * height)) - radius);
+		// Rounding moves the height and the way to the middle by less than `rounding` each, and so the sum of squares by a few times their product.
+		const Lanes distance = above + beside;
+		return above * above + beside * beside - (distance + radius + half) * (8 * rounding + farRounding * distance);
 	}
 };
 
@@ -77,6 +63,66 @@ TriangleQuads::TriangleQuads(const TriangleHierarchy& hierarchy, double size) : 
 	m_leaves.shrink_to_fit();
 }
 
+/// The axis is the mean normal or, where normals cancel, that of the shortest side of the box.
+Vec3 TriangleQuads::axisOf(uint32_t begin, uint32_t end) const
+{
+	Vec3 lower = m_triangles[begin].a, upper = lower, normal;
+	double twiceArea = 0;
+	for (uint32_t i = begin; i < end; ++i)
+	{
+		const PreparedTriangle& t = m_triangles[i];
+		normal += t.normal;
+		twiceArea += norm(t.normal);
+		for (const Vec3& corner : {t.a, t.a + t.ab, t.a + t.ac})
+		{
+			lower = componentMin(lower, corner);
+			upper = componentMax(upper, corner);
+		}
+	}
+	if (norm(normal) > 0.5 * twiceArea) return normalized(normal);
+	const Vec3 size = upper - lower;
+	if (size.x <= size.y && size.x <= size.z) return {1, 0, 0};
+	return size.y <= size.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+}
+
+void TriangleQuads::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const
+{
+	const Vec3 axis = axisOf(begin, end);
+	Vec3 frame[3] = {{}, {}, axis};
+	completeFrame(axis, frame[0], frame[1]);
+	const auto forEachCorner = [&](const auto& visit)
+	{
+		for (uint32_t i = begin; i < end; ++i)
+		{
+			const PreparedTriangle& t = m_triangles[i];
+			visit(t.a), visit(t.a + t.ab), visit(t.a + t.ac);
+		}
+	};
+	double least[3] = {1e300, 1e300, 1e300}, most[3] = {-1e300, -1e300, -1e300};
+	forEachCorner([&](const Vec3& p)
+				  {
+					  for (int k = 0; k < 3; ++k)
+					  {
+						  least[k] = std::min(least[k], dot(p, frame[k]));
+						  most[k] = std::max(most[k], dot(p, frame[k]));
+					  }
+				  });
+	Vec3 middle;
+	for (int k = 0; k < 3; ++k) middle += frame[k] * (0.5 * (least[k] + most[k]));
+	bound.x[lane] = float(middle.x), bound.y[lane] = float(middle.y), bound.z[lane] = float(middle.z);
+	bound.nx[lane] = float(axis.x), bound.ny[lane] = float(axis.y), bound.nz[lane] = float(axis.z);
+	bound.height[lane] = float(dot(middle, axis));
+	double radius2 = 0;
+	forEachCorner([&](const Vec3& p)
+				  {
+					  const Vec3 d = p - middle;
+					  const double along = dot(d, axis);
+					  radius2 = std::max(radius2, squaredNorm(d - axis * along));
+				  });
+	bound.radius[lane] = float(std::sqrt(radius2)) + m_slack;
+	bound.half[lane] = float(0.5 * (most[2] - least[2]));
+}
+
 uint32_t TriangleQuads::addLeaf(const TriangleHierarchy::Child& child)
 {
 	Leaf leaf{};
@@ -84,14 +130,8 @@ uint32_t TriangleQuads::addLeaf(const TriangleHierarchy::Child& child)
 	leaf.count = child.count;
 	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
 	{
-		leaf.x[k] = farAway;
-		if (k >= child.count) continue;
-		const PreparedTriangle& t = m_triangles[child.first + k];
-		const Vec3 c = t.a + (t.ab + t.ac) / 3;
-		const double radius = std::sqrt(std::max({squaredNorm(t.a - c), squaredNorm(t.a + t.ab - c), squaredNorm(t.a + t.ac - c)}));
-		const Vec3 n = t.inverseNormal2 > 0 ? t.normal * std::sqrt(t.inverseNormal2) : Vec3{};
-		leaf.x[k] = float(c.x), leaf.y[k] = float(c.y), leaf.z[k] = float(c.z), leaf.radius[k] = float(radius);
-		leaf.nx[k] = float(n.x), leaf.ny[k] = float(n.y), leaf.nz[k] = float(n.z), leaf.height[k] = float(dot(n, t.a));
+		if (k < child.count) enclose(leaf.bound, int(k), child.first + k, child.first + k + 1);
+		else leaf.bound.x[k] = farAway;
 	}
 	m_leaves.push_back(leaf);
 	return uint32_t(m_leaves.size() - 1) | kLeafBit;
@@ -122,14 +162,13 @@ uint32_t TriangleQuads::add(const TriangleHierarchy& hierarchy, const TriangleHi
 	m_quads.emplace_back();
 	for (int k = 0; k < kWidth; ++k)
 	{
-		const bool real = k < count;
-		const uint32_t below = real ? add(hierarchy, *lanes[k]) : kNone;
-		const Vec3 lower = real ? lanes[k]->lower : Vec3{}, upper = real ? lanes[k]->upper : Vec3{};
+		const uint32_t below = k < count ? add(hierarchy, *lanes[k]) : kNone;
 		Quad& quad = m_quads[index];
-		quad.lowerX[k] = real ? float(lower.x) - m_slack : farAway;
-		quad.lowerY[k] = float(lower.y) - m_slack, quad.lowerZ[k] = float(lower.z) - m_slack;
-		quad.upperX[k] = float(upper.x) + m_slack, quad.upperY[k] = float(upper.y) + m_slack, quad.upperZ[k] = float(upper.z) + m_slack;
 		quad.child[k] = below;
+		quad.bound.x[k] = farAway;
+		if (k >= count) continue;
+		const auto [begin, end] = hierarchy.range(*lanes[k]);
+		enclose(quad.bound, k, begin, end);
 	}
 	return index;
 }
@@ -140,7 +179,7 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 	best.distance2 = upperBound > 0 ? upperBound * upperBound : 0;
 	if (!m_triangles) return best;
 	if (hint < m_count) offer(hint, p, best);
-	const Point at(p);
+	const Point at(p, m_slack);
 	const auto limitOf = [](double distance2) { return float(std::min(largestSquare, distance2 * floatSlack)); };
 	float limit = limitOf(best.distance2);
 	Open stack[kStackSize];
@@ -153,15 +192,17 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 		if (open.child & kLeafBit)
 		{
 			const Leaf& leaf = m_leaves[open.child & ~kLeafBit];
-			const LaneBits possible = at.within(leaf, std::sqrt(limit) + m_slack, m_slack);
-			if (!any(possible)) continue;
+			const Lanes squared = at.lowerBounds(leaf.bound);
 			for (uint32_t k = 0; k < leaf.count; ++k)
-				if (possible[k]) offer(leaf.first + k, p, best);
-			limit = limitOf(best.distance2);
+			{
+				if (squared[k] > limit) continue;
+				offer(leaf.first + k, p, best);
+				limit = limitOf(best.distance2);
+			}
 			continue;
 		}
 		const Quad& quad = m_quads[open.child];
-		const Lanes squared = at.toBoxes(quad);
+		const Lanes squared = at.lowerBounds(quad.bound);
 		const int bottom = top;
 		for (int k = 0; k < kWidth; ++k)
 		{
@@ -182,8 +223,7 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 	if (!m_triangles) return true;
 	const double reach2 = reach * reach * kPruneSlack;
 	const float limit = float(std::min(largestSquare, reach2 * floatSlack));
-	const float floatReach = std::sqrt(limit) + m_slack;
-	const Point at(p);
+	const Point at(p, m_slack);
 	uint32_t stack[kStackSize];
 	int top = 0;
 	stack[top++] = m_root;
@@ -193,16 +233,16 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 		if (!(child & kLeafBit))
 		{
 			const Quad& quad = m_quads[child];
-			const Lanes squared = at.toBoxes(quad);
+			const Lanes squared = at.lowerBounds(quad.bound);
 			for (int k = 0; k < kWidth; ++k)
 				if (squared[k] <= limit && quad.child[k] != kNone) stack[top++] = quad.child[k];
 			continue;
 		}
 		const Leaf& leaf = m_leaves[child & ~kLeafBit];
-		const LaneBits possible = at.within(leaf, floatReach, m_slack);
+		const Lanes squared = at.lowerBounds(leaf.bound);
 		for (uint32_t k = 0; k < leaf.count; ++k)
 		{
-			if (!possible[k]) continue;
+			if (squared[k] > limit) continue;
 			const PreparedTriangle& t = m_triangles[leaf.first + k];
 			double d2;
 			offsetToTriangle(t, t.a - p, d2);

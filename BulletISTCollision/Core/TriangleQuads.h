@@ -46,17 +46,21 @@ private:
 	// Boxes this much (relative, squared) beyond the best distance are still opened: rounding must not hide an equally near triangle.
 	static constexpr double kPruneSlack = 1 + 1e-13;
 
-	struct alignas(16) Quad
-	{
-		float lowerX[kWidth], lowerY[kWidth], lowerZ[kWidth];
-		float upperX[kWidth], upperY[kWidth], upperZ[kWidth];
-		uint32_t child[kWidth];  ///< with kLeafBit: a leaf, else a quad; empty lanes are far away
-	};
-	/// A bounding ball and a plane for each triangle.
-	struct alignas(16) Leaf
+	/// Four flat cylinders: each holds a triangle, or what a child holds. A patch of a smooth surface is much thinner than its box.
+	struct alignas(16) Cylinders
 	{
 		float x[kWidth], y[kWidth], z[kWidth], radius[kWidth];
-		float nx[kWidth], ny[kWidth], nz[kWidth], height[kWidth];
+		float nx[kWidth], ny[kWidth], nz[kWidth], height[kWidth];  ///< axis, and the middle's height along it
+		float half[kWidth];                                        ///< of the thickness
+	};
+	struct Quad
+	{
+		Cylinders bound;         ///< empty lanes are far away
+		uint32_t child[kWidth];  ///< with kLeafBit: a leaf, else a quad
+	};
+	struct Leaf
+	{
+		Cylinders bound;
 		uint32_t first = 0, count = 0;
 	};
 	struct Point;
@@ -68,6 +72,8 @@ private:
 
 	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
 	uint32_t addLeaf(const TriangleHierarchy::Child& child);
+	Vec3 axisOf(uint32_t begin, uint32_t end) const;
+	void enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
 
 	const PreparedTriangle* m_triangles = nullptr;
 	uint32_t m_count = 0;
