@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/TriangleQuads.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -15,7 +16,9 @@ constexpr double floatSlack = 1 + 4e-6;  // of a square, for what grows with the
 constexpr float farRounding = 4e-6f;
 constexpr double slack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
 
+constexpr int kLanes = 4;
 typedef float Lanes __attribute__((vector_size(16)));
+typedef int32_t LaneBits __attribute__((vector_size(16)));
 
 inline Lanes load(const float* p)
 {
@@ -23,14 +26,39 @@ inline Lanes load(const float* p)
 	std::memcpy(&v, p, sizeof v);
 	return v;
 }
+inline void store(float* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 inline Lanes squareRoot(const Lanes& a)
 {
 	Lanes roots = a;
-	for (int k = 0; k < 4; ++k) roots[k] = std::sqrt(roots[k]);
+	for (int k = 0; k < kLanes; ++k) roots[k] = std::sqrt(roots[k]);
 	return roots;
+}
+/// Bit k set where lane k is true.
+inline uint32_t signBits(const LaneBits& lanes)
+{
+#if defined(__SSE__)
+	return uint32_t(__builtin_ia32_movmskps((Lanes)lanes));
+#else
+	uint32_t bits = 0;
+	for (int k = 0; k < kLanes; ++k) bits |= uint32_t(lanes[k] != 0) << k;
+	return bits;
+#endif
 }
 inline Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 }  // namespace
+
+struct TriangleQuads::Bounds
+{
+	alignas(16) float squared[kWidth];
+
+	/// Bit k set where the bound k is not beyond the limit.
+	inline uint32_t notBeyond(float limit) const
+	{
+		uint32_t bits = 0;
+		for (int k = 0; k < kWidth; k += kLanes) bits |= signBits(load(squared + k) <= limit) << k;
+		return bits;
+	}
+};
 
 struct TriangleQuads::Point
 {
@@ -40,11 +68,19 @@ struct TriangleQuads::Point
 	Point(const Vec3& p, float slack) : x(Lanes{} + float(p.x)), y(Lanes{} + float(p.y)), z(Lanes{} + float(p.z)), rounding(slack) {}
 
 	/// What lies in the cylinders is not nearer; squared.
-	inline Lanes lowerBounds(const Cylinders& c) const
+	inline Bounds lowerBounds(const Cylinders& c) const
 	{
-		const Lanes zero{}, radius = load(c.radius), half = load(c.half);
-		const Lanes dx = x - load(c.x), dy = y - load(c.y), dz = z - load(c.z);
-		const Lanes height = x * load(c.nx) + y * load(c.ny) + z * load(c.nz) - load(c.height);
+		Bounds bounds;
+		for (int k = 0; k < kWidth; k += kLanes) store(bounds.squared + k, lowerBounds(c, k));
+		return bounds;
+	}
+
+private:
+	inline Lanes lowerBounds(const Cylinders& c, int k) const
+	{
+		const Lanes zero{}, radius = load(c.radius + k), half = load(c.half + k);
+		const Lanes dx = x - load(c.x + k), dy = y - load(c.y + k), dz = z - load(c.z + k);
+		const Lanes height = x * load(c.nx + k) + y * load(c.ny + k) + z * load(c.nz + k) - load(c.height + k);
 		const Lanes above = larger(zero, larger(height, -height) - half);
 		const Lanes beside = larger(zero, squareRoot(larger(zero, dx * dx + dy * dy + dz * dz - height * height)) - radius);
 		// Rounding moves the height and the way to the middle by less than `rounding` each, and so the sum of squares by a few times their product.
@@ -123,14 +159,13 @@ void TriangleQuads::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t
 	bound.half[lane] = float(0.5 * (most[2] - least[2]));
 }
 
-uint32_t TriangleQuads::addLeaf(const TriangleHierarchy::Child& child)
+uint32_t TriangleQuads::addLeaf(uint32_t begin, uint32_t end)
 {
 	Leaf leaf{};
-	leaf.first = child.first;
-	leaf.count = child.count;
+	leaf.first = begin;
 	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
 	{
-		if (k < child.count) enclose(leaf.bound, int(k), child.first + k, child.first + k + 1);
+		if (begin + k < end) enclose(leaf.bound, int(k), begin + k, begin + k + 1);
 		else leaf.bound.x[k] = farAway;
 	}
 	m_leaves.push_back(leaf);
@@ -139,7 +174,7 @@ uint32_t TriangleQuads::addLeaf(const TriangleHierarchy::Child& child)
 
 uint32_t TriangleQuads::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
 {
-	if (child.count > 0) return addLeaf(child);
+	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kWidth)) return addLeaf(begin, end);
 	const auto halfArea = [](const TriangleHierarchy::Child& c)
 	{
 		const Vec3 s = c.upper - c.lower;
@@ -192,22 +227,23 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 		if (open.child & kLeafBit)
 		{
 			const Leaf& leaf = m_leaves[open.child & ~kLeafBit];
-			const Lanes squared = at.lowerBounds(leaf.bound);
-			for (uint32_t k = 0; k < leaf.count; ++k)
+			const Bounds bounds = at.lowerBounds(leaf.bound);
+			for (uint32_t bits = bounds.notBeyond(limit); bits; bits &= bits - 1)
 			{
-				if (squared[k] > limit) continue;
+				const auto k = uint32_t(std::countr_zero(bits));
+				if (bounds.squared[k] > limit) continue;
 				offer(leaf.first + k, p, best);
 				limit = limitOf(best.distance2);
 			}
 			continue;
 		}
 		const Quad& quad = m_quads[open.child];
-		const Lanes squared = at.lowerBounds(quad.bound);
+		const Bounds bounds = at.lowerBounds(quad.bound);
 		const int bottom = top;
-		for (int k = 0; k < kWidth; ++k)
+		for (uint32_t bits = bounds.notBeyond(limit); bits; bits &= bits - 1)
 		{
-			const float d2 = squared[k];
-			if (d2 > limit || quad.child[k] == kNone) continue;
+			const int k = std::countr_zero(bits);
+			const float d2 = bounds.squared[k];
 			int place = top++;
 			// The nearest on top.
 			for (; place > bottom && stack[place - 1].distance2 < d2; --place) stack[place] = stack[place - 1];
@@ -233,22 +269,19 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 		if (!(child & kLeafBit))
 		{
 			const Quad& quad = m_quads[child];
-			const Lanes squared = at.lowerBounds(quad.bound);
-			for (int k = 0; k < kWidth; ++k)
-				if (squared[k] <= limit && quad.child[k] != kNone) stack[top++] = quad.child[k];
+			for (uint32_t bits = at.lowerBounds(quad.bound).notBeyond(limit); bits; bits &= bits - 1) stack[top++] = quad.child[std::countr_zero(bits)];
 			continue;
 		}
 		const Leaf& leaf = m_leaves[child & ~kLeafBit];
-		const Lanes squared = at.lowerBounds(leaf.bound);
-		for (uint32_t k = 0; k < leaf.count; ++k)
+		for (uint32_t bits = at.lowerBounds(leaf.bound).notBeyond(limit); bits; bits &= bits - 1)
 		{
-			if (squared[k] > limit) continue;
-			const PreparedTriangle& t = m_triangles[leaf.first + k];
+			const uint32_t place = leaf.first + uint32_t(std::countr_zero(bits));
+			const PreparedTriangle& t = m_triangles[place];
 			double d2;
 			offsetToTriangle(t, t.a - p, d2);
 			if (!(d2 <= reach2)) continue;
 			if (out.size() == most) return false;
-			out.push_back({std::sqrt(d2), leaf.first + k});
+			out.push_back({std::sqrt(d2), place});
 		}
 	}
 	return true;

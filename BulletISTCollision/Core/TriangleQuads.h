@@ -39,14 +39,14 @@ public:
 	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
 
 private:
-	static constexpr int kWidth = 4;
+	static constexpr int kWidth = 8;
 	static constexpr uint32_t kLeafBit = 0x80000000u;
-	// Every level leaves at most three siblings behind.
-	static constexpr int kStackSize = 3 * TriangleHierarchy::kMostLevels + 8;
+	// Every level leaves at most seven siblings behind.
+	static constexpr int kStackSize = (kWidth - 1) * TriangleHierarchy::kMostLevels + 8;
 	// Boxes this much (relative, squared) beyond the best distance are still opened: rounding must not hide an equally near triangle.
 	static constexpr double kPruneSlack = 1 + 1e-13;
 
-	/// Four flat cylinders: each holds a triangle, or what a child holds. A patch of a smooth surface is much thinner than its box.
+	/// Flat cylinders: each holds a triangle, or what a child holds. A patch of a smooth surface is much thinner than its box.
 	struct alignas(16) Cylinders
 	{
 		float x[kWidth], y[kWidth], z[kWidth], radius[kWidth];
@@ -61,8 +61,9 @@ private:
 	struct Leaf
 	{
 		Cylinders bound;
-		uint32_t first = 0, count = 0;
+		uint32_t first = 0;
 	};
+	struct Bounds;
 	struct Point;
 	struct Open
 	{
@@ -71,7 +72,7 @@ private:
 	};
 
 	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
-	uint32_t addLeaf(const TriangleHierarchy::Child& child);
+	uint32_t addLeaf(uint32_t begin, uint32_t end);
 	Vec3 axisOf(uint32_t begin, uint32_t end) const;
 	void enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
 
