@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Touch and Phantom devices through OpenHaptics' libHD, loaded at run time. Signatures and constants: hdDevice.h, hdScheduler.h and
-// hdDefines.h of HDAPI 3.00, public in github.com/hhmai/PhantomAPI (include/HD/hdDefines.h); the order of calls as in
+// hdDefines.h of HDAPI 3.00, public in github.com/danepowell/openhaptics (usr/include/HD); the order of calls as in
 // github.com/jhu-saw/sawSensablePhantom, components/code/mtsSensableHD.cpp. W is the SDK's frame: x right, y up, z towards the user.
 // Millimetres there, metres here. Forces only: how libHD wants torques of six-axis devices rests on no public source.
 #include <atomic>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures and constants: VirtuoseAPI.h 4.04, public in
-// github.com/nkuligaofeng/Haption_Virtuose; the meaning of poses and forces as in vpVirtuose.cpp of github.com/lagadic/visp. W is the
-// base frame. virtuose:HOST?peak_force=N&peak_torque=N: the API tells no limits, so the smallest device's are taken unless given.
+// Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures, constants and the name of the library: VirtuoseAPI.h 4.03 and
+// virtuoseAPI.so, public in github.com/gabrielegiudici93/ROS-Virtuose (virtuose/external/VirtuoseAPI), which exports every function that is looked up
+// here; the meaning of poses and forces as in vpVirtuose.cpp of github.com/lagadic/visp. W is the base frame. virtuose:HOST?peak_force=N&peak_torque=N: the API tells no limits, so the smallest device's are taken unless given.
 #include "DeviceBridge/DeviceAddress.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
@@ -42,7 +42,7 @@ struct VirtuoseFunctions
 VirtuoseFunctions loadVirtuose()
 {
 	VirtuoseFunctions f;
-	VendorLibrary library("DEVICEBRIDGE_VIRTUOSE_LIBRARY", {"libVirtuoseAPI.so", "libvirtuose.so"});
+	VendorLibrary library("DEVICEBRIDGE_VIRTUOSE_LIBRARY", {"virtuoseAPI.so"});
 	library.find("virtOpen", f.open), library.find("virtClose", f.close), library.find("virtSetCommandType", f.setCommandType);
 	library.find("virtSetIndexingMode", f.setIndexing), library.find("virtSetTimeStep", f.setTimeStep);
 	library.find("virtSetForceFactor", f.setForceFactor), library.find("virtSetSpeedFactor", f.setSpeedFactor);

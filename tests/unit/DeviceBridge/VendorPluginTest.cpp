@@ -17,19 +17,20 @@ namespace
 {
 struct Vendor
 {
-	const char *name, *variable, *file, *uri, *wrongUri, *error;
+	const char *name, *variable, *shipped, *file, *uri, *wrongUri, *error;
 	double peakForce, peakTorque, stiffness;
 	bool hasDeadMan;
 };
 void PrintTo(const Vendor& vendor, std::ostream* out) { *out << vendor.name; }
 
 const Vendor kVendors[] = {
-	{"chai3d", nullptr, TEST_VENDOR_FOLDER "/libmock_chai3d.so", "chai3d:0", "chai3d:1", "CHAI3D has lost", 12, 0.1, 5000, false},
-	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2, 4000, false},
-	{"hd", "DEVICEBRIDGE_HD_LIBRARY", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device", "device communication error", 3.3, 0, 500, false},
-	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", TEST_VENDOR_FOLDER "/libmock_virtuose.so", "virtuose:arm.local?peak_force=30&peak_torque=3", "virtuose:nobody",
-	 "communication failure", 30, 3, 700, true},
-	{"vrpn", nullptr, TEST_VENDOR_FOLDER "/libmock_vrpn.so", "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300", "vrpn://lab:3883/Tool9?sensor=2",
+	{"chai3d", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_chai3d.so", "chai3d:0", "chai3d:1", "CHAI3D has lost", 12, 0.1, 5000, false},
+	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", "libdhd.so", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2, 4000, false},
+	{"hd", "DEVICEBRIDGE_HD_LIBRARY", "libHD.so", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device", "device communication error", 3.3, 0, 500,
+	 false},
+	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", "virtuoseAPI.so", TEST_VENDOR_FOLDER "/libmock_virtuose.so", "virtuose:arm.local?peak_force=30&peak_torque=3",
+	 "virtuose:nobody", "communication failure", 30, 3, 700, true},
+	{"vrpn", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_vrpn.so", "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300", "vrpn://lab:3883/Tool9?sensor=2",
 	 "closed the connection", 5, 0, 300, false}};
 
 // What was built against the mocks comes before what was built against the real library.
@@ -202,6 +203,19 @@ TEST_P(VendorPlugin, WhatIsMissingIsSaid)
 	const auto other = registry.open(GetParam().uri);
 	ASSERT_FALSE(other);
 	EXPECT_NE(other.error().message.find("lacks the function"), std::string::npos) << other.error().message;
+}
+
+// As the vendors ship it, and not the mock: a folder of the vendor's on the loader's path is all that is needed.
+TEST_P(VendorPlugin, LooksForTheVendorsOwnFile)
+{
+	if (!GetParam().variable) return;
+	unsetenv(GetParam().variable);
+	for (const DriverReport& driver : DeviceRegistry().drivers())
+	{
+		if (driver.scheme != GetParam().name) continue;
+		// Empty: it is installed here.
+		EXPECT_TRUE(driver.missing.empty() || driver.missing.find(GetParam().shipped) != std::string::npos) << driver.missing;
+	}
 }
 
 INSTANTIATE_TEST_SUITE_P(Mocks, VendorPlugin, testing::ValuesIn(kVendors), [](const auto& info) { return std::string(info.param.name); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A libHD without devices behind it, with a scheduler thread: one Touch that the test moves. Signatures and constants: hdDevice.h,
-// hdScheduler.h and hdDefines.h of HDAPI 3.00 (2004), public in github.com/hhmai/PhantomAPI, include/HD/hdDefines.h.
+// hdScheduler.h and hdDefines.h of HDAPI 3.00 (2004), public in github.com/danepowell/openhaptics, usr/include/HD.
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A Virtuose API without a device behind it: one arm that the test moves. Signatures and constants: VirtuoseAPI.h 4.04 (2020),
-// github.com/nkuligaofeng/Haption_Virtuose.
+// A Virtuose API without a device behind it: one arm that the test moves. Signatures and constants: VirtuoseAPI.h 4.03 (2020),
+// github.com/gabrielegiudici93/ROS-Virtuose, virtuose/external/VirtuoseAPI.
 #include <cstring>
 
 #include "tests/unit/DeviceBridge/vendors/MockHandle.h"
