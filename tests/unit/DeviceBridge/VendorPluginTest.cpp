@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <limits>
@@ -46,7 +47,13 @@ protected:
 		void* const library = dlopen(GetParam().file, RTLD_NOW);
 		ASSERT_NE(library, nullptr) << dlerror();
 		m_mock = reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
-		change([](MockHandle& m) { m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0; });
+		change(
+			[](MockHandle& m)
+			{
+				m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0;
+				// One that says it moves, and repeats its pose, is frozen from the tenth millisecond on.
+				std::fill_n(m.linear, 3, 0), std::fill_n(m.angular, 3, 0);
+			});
 	}
 	void TearDown() override
 	{
