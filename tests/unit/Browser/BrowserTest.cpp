@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
 
 using namespace browser;
 
@@ -118,6 +121,26 @@ TEST(Browser, OpensDemosAndSaysWhatItCannotOpen)
 	rig.browser->open("packing");
 	EXPECT_NE(rig.browser->demo(), hello);
 	EXPECT_TRUE(rig.browser->message().empty());
+}
+
+TEST(Browser, PacksAMeshThatIsDropped)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	const std::string path = (std::filesystem::temp_directory_path() / ("dropped" + std::to_string(std::random_device()()) + ".obj")).string();
+	std::ofstream(path) << "v 0 0 0\nv 3 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+	rig.browser->open("hello");
+	rig.browser->openMesh(path);
+	std::filesystem::remove(path);
+	EXPECT_EQ(rig.browser->message(), "");
+	DrawList list;
+	const_cast<BrowsableDemo*>(rig.browser->demo())->draw({.spheres = true}, list);
+	ASSERT_EQ(list.spheres.size(), 1u);
+	EXPECT_EQ(list.spheres[0].model->spheres.size(), 300u);
+	// As long as it is drawn, three to one to one.
+	const ist::Vec3 size = list.surfaces.at(0).model->box.size();
+	EXPECT_NEAR(size.x / size.y, 3, 1e-6);
+	EXPECT_NEAR(size.x / size.z, 3, 1e-6);
 }
 
 TEST(Browser, KeysPauseStepAndRestart)
