@@ -13,7 +13,7 @@ constexpr double kTooLong = 1.0 / 12, kFast = 1.0 / 40;  // [s]
 constexpr int kPatience = 60;
 
 /// What is missed least goes first: pixels, and spheres that have hardly one, then shadows.
-constexpr RenderQuality kLadder[] = {{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1.5}, {0.35, 0, 512, false, 1.5}};
+constexpr RenderQuality kLadder[] = {{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1}, {0.35, 0, 512, false, 1}};
 }  // namespace
 
 void AffordableQuality::took(double seconds)

@@ -191,6 +191,8 @@ void Browser::drawProfile()
 	const RenderCost& cost = m_renderer.cost();
 	ImGui::TextWrapped("drawing: %.2f ms of our own, %.2f ms with OpenGL; %zu draw calls, %zu balls, %zu too small to be seen", 1e-3 * cost.ownMicroseconds,
 					   1e-3 * cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
+	if (const RenderQuality drawn = quality(); drawn.pixels < 1)
+		ImGui::TextWrapped("for want of time: %.0f %% of the pixels along each side%s", 100 * drawn.pixels, drawn.shadowTaps > 0 ? "" : ", no shadows");
 	ImGui::TextWrapped("%s", m_renderer.device().c_str());
 }
 
