@@ -4,8 +4,9 @@
 #include "BulletISTCollision/Core/TreeLevels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
+#include <string>
 
 using namespace ist;
 
@@ -46,7 +47,7 @@ std::shared_ptr<const SpheresModel> spheresByLevel(const InnerSphereTree& tree)
 
 void addSphereKeys(const std::set<int>& answering, DrawList& list)
 {
-	std::map<int, size_t> counts;
+	std::array<size_t, 256> counts{};
 	bool bySize = false;
 	for (const DrawnSpheres& s : list.spheres)
 	{
@@ -59,8 +60,11 @@ void addSphereKeys(const std::set<int>& answering, DrawList& list)
 		list.addKey(shadeColour(0.5), "the middle of their sizes");
 		list.addKey(shadeColour(1), "its smallest");
 	}
-	for (auto level = counts.rbegin(); level != counts.rend(); ++level)
-		list.addKey(shadeColour(levelShade(level->first)), (level->first > 0 ? "lead at level " + std::to_string(level->first) : "lead among the leaves alone") + ": " +
-														  std::to_string(level->second) + " spheres" + (answering.count(level->first) ? "; this level answers" : ""));
+	for (int level = int(counts.size()) - 1; level >= 0; --level)
+	{
+		if (counts[size_t(level)] == 0) continue;
+		const std::string lead = level > 0 ? "lead at level " + std::to_string(level) : "lead among the leaves alone";
+		list.addKey(shadeColour(levelShade(level)), lead + ": " + std::to_string(counts[size_t(level)]) + " spheres" + (answering.count(level) ? "; this level answers" : ""));
+	}
 }
 }  // namespace browser

@@ -134,7 +134,7 @@ TEST(DrawingCost, OfDemosIsReported)
 	ASSERT_TRUE(made);
 	Renderer& renderer = *made.value();
 	ScenePainter painter;
-	for (const char* name : {"stack", "shapes", "energy"})
+	for (const char* name : {"stack", "shapes", "energy", "packing"})
 	{
 		const auto demo = findDemo(name)->make();
 		DemoOptions options;
@@ -144,7 +144,7 @@ TEST(DrawingCost, OfDemosIsReported)
 		for (int i = 0; i < 200; ++i) demo->step(demo->stepSize());
 		Camera camera;
 		camera.set(demo->viewpoint());
-		for (const char* shown : {"", "spheres", "spheres,levels,frames,boxes", "lenses"})
+		for (const char* shown : {"", "spheres", "sphere-levels", "spheres,levels,frames,boxes", "lenses"})
 		{
 			DrawChoice choice;
 			ASSERT_EQ(applyChoices(shown, choice), "");
