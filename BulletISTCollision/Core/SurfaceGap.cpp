@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 namespace ist
@@ -39,12 +40,23 @@ std::array<SurfacePatch, 2> bisected(const SurfacePatch& p)
 	return {SurfacePatch{a, middle, c}, SurfacePatch{middle, b, c}};
 }
 
-void measureGap(SurfacePatch& p, const NearestSphere& nearest)
+/// `hint`: the sphere nearest to the patch before, and then to this one.
+void measureGap(SurfacePatch& p, const NearestSphere& nearest, uint32_t& hint)
 {
 	const Vec3 m = p.centroid();
-	p.gap = std::max(0.0, nearest.nearest(m).distance);
+	const NearestSphere::Hit hit = nearest.nearest(m, hint);
+	hint = hit.sphere;
+	p.gap = std::max(0.0, hit.distance);
 	// The gap changes by no more than the way along the surface: Lipschitz constant 1.
 	p.bound = p.gap + std::sqrt(std::max({squaredNorm(p.a - m), squaredNorm(p.b - m), squaredNorm(p.c - m)}));
+}
+
+/// Each thread takes `share` neighbours at a time.
+void measureGaps(std::vector<SurfacePatch>& patches, [[maybe_unused]] int share, const NearestSphere& nearest, [[maybe_unused]] int threads)
+{
+	uint32_t hint = UINT32_MAX;
+#pragma omp parallel for schedule(dynamic, share) num_threads(threads) firstprivate(hint)
+	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k) measureGap(patches[size_t(k)], nearest, hint);
 }
 
 std::vector<SurfacePatch> surfacePatches(const Mesh& mesh)
@@ -68,7 +80,7 @@ std::vector<SurfacePatch> surfacePatches(const Mesh& mesh)
 }
 
 /// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there.
-double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& nearest, [[maybe_unused]] int threads)
+double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& nearest, int threads)
 {
 	const auto before = [](const SurfacePatch& a, const SurfacePatch& b) { return a.bound < b.bound; };
 	double seen = 0;
@@ -84,8 +96,7 @@ double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& neares
 			for (const SurfacePatch& half : bisected(patches.back())) halves.push_back(half);
 			patches.pop_back();
 		}
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
-		for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(halves.size()); ++k) measureGap(halves[size_t(k)], nearest);
+		measureGaps(halves, 16, nearest, threads);
 		for (const SurfacePatch& half : halves)
 		{
 			seen = std::max(seen, half.gap);
@@ -102,9 +113,7 @@ SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, int
 {
 	SurfaceGap result;
 	std::vector<SurfacePatch> patches = surfacePatches(mesh);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(threads)
-	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k) measureGap(patches[size_t(k)], nearest);
-
+	measureGaps(patches, 256, nearest, threads);
 	double area = 0, sum = 0, uncovered = 0;
 	for (const SurfacePatch& p : patches)
 	{
