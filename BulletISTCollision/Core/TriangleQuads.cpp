@@ -11,6 +11,7 @@ namespace ist
 namespace
 {
 constexpr float farAway = 1e18f;  // its square, three times over, still fits
+constexpr double beyond = -1;
 constexpr double largestSquare = 1e35;
 constexpr double floatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
 constexpr float farRounding = 4e-6f;
@@ -74,18 +75,40 @@ struct TriangleQuads::Point
 		for (int k = 0; k < kWidth; k += kLanes) store(bounds.squared + k, lowerBounds(c, k));
 		return bounds;
 	}
+	/// Distances within the plane are those to the line of one edge: right but beyond a corner.
+	inline Bounds lowerBounds(const Leaf& leaf) const
+	{
+		Bounds bounds;
+		for (int k = 0; k < kWidth; k += kLanes) store(bounds.squared + k, lowerBounds(leaf, k));
+		return bounds;
+	}
 
 private:
 	inline Lanes lowerBounds(const Cylinders& c, int k) const
 	{
 		const Lanes zero{}, radius = load(c.radius + k), half = load(c.half + k);
 		const Lanes dx = x - load(c.x + k), dy = y - load(c.y + k), dz = z - load(c.z + k);
-		const Lanes height = x * load(c.nx + k) + y * load(c.ny + k) + z * load(c.nz + k) - load(c.height + k);
+		const Lanes height = over(c.axis, k);
 		const Lanes above = larger(zero, larger(height, -height) - half);
 		const Lanes beside = larger(zero, squareRoot(larger(zero, dx * dx + dy * dy + dz * dz - height * height)) - radius);
-		// Rounding moves the height and the way to the middle by less than `rounding` each, and so the sum of squares by a few times their product.
+		return rounded(above, beside, radius + half);
+	}
+	inline Lanes lowerBounds(const Leaf& leaf, int k) const
+	{
+		const Lanes height = over(leaf.plane, k);
+		const Lanes beside = larger(larger(Lanes{}, over(leaf.edge[0], k)), larger(over(leaf.edge[1], k), over(leaf.edge[2], k)));
+		return rounded(larger(height, -height), beside, Lanes{});
+	}
+	inline Lanes over(const Planes& planes, int k) const
+	{
+		return x * load(planes.x + k) + y * load(planes.y + k) + z * load(planes.z + k) - load(planes.height + k);
+	}
+	/// The sum of squares less what rounding may have added: it moves heights and the way to the middle by less than `rounding` each, and
+	/// so the sum by a few times their product.
+	inline Lanes rounded(const Lanes& above, const Lanes& beside, const Lanes& size) const
+	{
 		const Lanes distance = above + beside;
-		return above * above + beside * beside - (distance + radius + half) * (8 * rounding + farRounding * distance);
+		return above * above + beside * beside - (distance + size) * (8 * rounding + farRounding * distance);
 	}
 };
 
@@ -97,6 +120,12 @@ TriangleQuads::TriangleQuads(const TriangleHierarchy& hierarchy, double size) : 
 	m_root = add(hierarchy, hierarchy.root);
 	m_quads.shrink_to_fit();
 	m_leaves.shrink_to_fit();
+}
+
+void TriangleQuads::setPlane(Planes& planes, int lane, const Vec3& normal, const Vec3& point)
+{
+	planes.x[lane] = float(normal.x), planes.y[lane] = float(normal.y), planes.z[lane] = float(normal.z);
+	planes.height[lane] = float(dot(normal, point));
 }
 
 /// The axis is the mean normal or, where normals cancel, that of the shortest side of the box.
@@ -146,8 +175,7 @@ void TriangleQuads::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t
 	Vec3 middle;
 	for (int k = 0; k < 3; ++k) middle += frame[k] * (0.5 * (least[k] + most[k]));
 	bound.x[lane] = float(middle.x), bound.y[lane] = float(middle.y), bound.z[lane] = float(middle.z);
-	bound.nx[lane] = float(axis.x), bound.ny[lane] = float(axis.y), bound.nz[lane] = float(axis.z);
-	bound.height[lane] = float(dot(middle, axis));
+	setPlane(bound.axis, lane, axis, middle);
 	double radius2 = 0;
 	forEachCorner([&](const Vec3& p)
 				  {
@@ -163,10 +191,18 @@ uint32_t TriangleQuads::addLeaf(uint32_t begin, uint32_t end)
 {
 	Leaf leaf{};
 	leaf.first = begin;
-	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
+	for (uint32_t i = begin; i < begin + uint32_t(kWidth); ++i)
 	{
-		if (begin + k < end) enclose(leaf.bound, int(k), begin + k, begin + k + 1);
-		else leaf.bound.x[k] = farAway;
+		const int lane = int(i - begin);
+		if (i >= end) leaf.plane.height[lane] = farAway;
+		// A needle's planes say nothing: it is always looked at.
+		if (i >= end || m_triangles[i].inverseNormal2 == 0) continue;
+		const PreparedTriangle& t = m_triangles[i];
+		const Vec3 normal = normalized(t.normal);
+		setPlane(leaf.plane, lane, normal, t.a);
+		setPlane(leaf.edge[0], lane, normalized(cross(t.ab, normal)), t.a);
+		setPlane(leaf.edge[1], lane, normalized(cross(t.ac - t.ab, normal)), t.a + t.ab);
+		setPlane(leaf.edge[2], lane, normalized(cross(normal, t.ac)), t.a);
 	}
 	m_leaves.push_back(leaf);
 	return uint32_t(m_leaves.size() - 1) | kLeafBit;
@@ -227,7 +263,7 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 		if (open.child & kLeafBit)
 		{
 			const Leaf& leaf = m_leaves[open.child & ~kLeafBit];
-			const Bounds bounds = at.lowerBounds(leaf.bound);
+			const Bounds bounds = at.lowerBounds(leaf);
 			for (uint32_t bits = bounds.notBeyond(limit); bits; bits &= bits - 1)
 			{
 				const auto k = uint32_t(std::countr_zero(bits));
@@ -260,6 +296,7 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 	const double reach2 = reach * reach * kPruneSlack;
 	const float limit = float(std::min(largestSquare, reach2 * floatSlack));
 	const Point at(p, m_slack);
+	size_t certain = 0;  // triangles with a corner in reach
 	uint32_t stack[kStackSize];
 	int top = 0;
 	stack[top++] = m_root;
@@ -273,17 +310,25 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 			continue;
 		}
 		const Leaf& leaf = m_leaves[child & ~kLeafBit];
-		for (uint32_t bits = at.lowerBounds(leaf.bound).notBeyond(limit); bits; bits &= bits - 1)
+		for (uint32_t bits = at.lowerBounds(leaf).notBeyond(limit); bits; bits &= bits - 1)
 		{
 			const uint32_t place = leaf.first + uint32_t(std::countr_zero(bits));
-			const PreparedTriangle& t = m_triangles[place];
-			double d2;
-			offsetToTriangle(t, t.a - p, d2);
-			if (!(d2 <= reach2)) continue;
-			if (out.size() == most) return false;
-			out.push_back({std::sqrt(d2), place});
+			out.push_back({0, place});
+			if (squaredNorm(m_triangles[place].a - p) <= reach2 && ++certain > most)
+			{
+				out.clear();
+				return false;
+			}
 		}
 	}
-	return true;
+	for (auto& [distance, place] : out)
+	{
+		const PreparedTriangle& t = m_triangles[place];
+		double d2;
+		offsetToTriangle(t, t.a - p, d2);
+		distance = d2 <= reach2 ? std::sqrt(d2) : beyond;
+	}
+	std::erase_if(out, [](const auto& entry) { return entry.first == beyond; });
+	return out.size() <= most;
 }
 }  // namespace ist

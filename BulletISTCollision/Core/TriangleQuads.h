@@ -32,8 +32,7 @@ public:
 	/// Nothing when nothing is nearer than the bound. `hint`: place of any triangle likely to be near; it changes the time taken, never
 	/// the answer.
 	Nearest nearest(const Vec3& p, double upperBound, uint32_t hint = kNone) const;
-	/// Replaces `out` by the triangles within reach: distance, place in leaf order; false, and a part of them, where there are more
-	/// than `most`.
+	/// Replaces `out` by the triangles within reach: distance, place in leaf order; false where there are more than `most`.
 	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
 
 	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
@@ -46,12 +45,16 @@ private:
 	// Boxes this much (relative, squared) beyond the best distance are still opened: rounding must not hide an equally near triangle.
 	static constexpr double kPruneSlack = 1 + 1e-13;
 
-	/// Flat cylinders: each holds a triangle, or what a child holds. A patch of a smooth surface is much thinner than its box.
+	struct alignas(16) Planes
+	{
+		float x[kWidth], y[kWidth], z[kWidth], height[kWidth];  ///< unit normal, and the plane's height along it
+	};
+	/// Flat cylinders: each holds what a child holds. A patch of a smooth surface is much thinner than its box.
 	struct alignas(16) Cylinders
 	{
 		float x[kWidth], y[kWidth], z[kWidth], radius[kWidth];
-		float nx[kWidth], ny[kWidth], nz[kWidth], height[kWidth];  ///< axis, and the middle's height along it
-		float half[kWidth];                                        ///< of the thickness
+		Planes axis;         ///< through the middle
+		float half[kWidth];  ///< of the thickness
 	};
 	struct Quad
 	{
@@ -60,7 +63,8 @@ private:
 	};
 	struct Leaf
 	{
-		Cylinders bound;
+		Planes plane;    ///< of each triangle
+		Planes edge[3];  ///< at right angles to it, outwards; the triangle is where all are negative
 		uint32_t first = 0;
 	};
 	struct Bounds;
@@ -73,6 +77,7 @@ private:
 
 	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
 	uint32_t addLeaf(uint32_t begin, uint32_t end);
+	static void setPlane(Planes& planes, int lane, const Vec3& normal, const Vec3& point);
 	Vec3 axisOf(uint32_t begin, uint32_t end) const;
 	void enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
 
