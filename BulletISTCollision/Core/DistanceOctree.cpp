@@ -11,7 +11,7 @@ namespace ist
 namespace
 {
 constexpr uint32_t leafCapacity = 32;
-constexpr size_t mostListedTriangles = 160;  // of a node that can be split
+constexpr size_t mostListedTriangles = 48;  // of a node that can be split
 constexpr int sharedLevels = 3;              // an insertion goes through these together, below in parallel
 constexpr size_t fewestToShare = 24;
 constexpr double splitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
