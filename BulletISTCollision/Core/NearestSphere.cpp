@@ -52,16 +52,11 @@ uint32_t NearestSphere::build(uint32_t first, uint32_t last)
 	m_nodes.emplace_back();
 	Node node;
 	node.centerLower = node.centerUpper = m_entries[first].center;
-	node.ballLower = {1e300, 1e300, 1e300};
-	node.ballUpper = {-1e300, -1e300, -1e300};
 	for (uint32_t i = first; i < last; ++i)
 	{
 		const Entry& e = m_entries[i];
-		const Vec3 r{e.radius, e.radius, e.radius};
 		node.centerLower = componentMin(node.centerLower, e.center);
 		node.centerUpper = componentMax(node.centerUpper, e.center);
-		node.ballLower = componentMin(node.ballLower, e.center - r);
-		node.ballUpper = componentMax(node.ballUpper, e.center + r);
 		node.largestRadius = std::max(node.largestRadius, e.radius);
 	}
 	node.first = first;
@@ -84,9 +79,7 @@ uint32_t NearestSphere::build(uint32_t first, uint32_t last)
 
 double NearestSphere::lowerBound(const Node& node, const Vec3& p)
 {
-	const double outside = distanceToBox(p, node.ballLower, node.ballUpper);
-	const double centers = distanceToBox(p, node.centerLower, node.centerUpper) - node.largestRadius;
-	return outside > 0 ? std::max(outside, centers) : centers;
+	return distanceToBox(p, node.centerLower, node.centerUpper) - node.largestRadius;
 }
 
 NearestSphere::Hit NearestSphere::nearest(const Vec3& p, uint32_t hint) const

@@ -39,8 +39,7 @@ public:
 private:
 	struct Node
 	{
-		Vec3 ballLower, ballUpper;      // of the balls
-		Vec3 centerLower, centerUpper;  // of their centres
+		Vec3 centerLower, centerUpper;  // box of the balls' centres
 		double largestRadius = 0;
 		uint32_t first = 0, count = 0;  // count > 0: leaf
 		uint32_t right = 0;             // the left child follows its parent
