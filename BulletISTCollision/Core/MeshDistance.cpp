@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshDistance.h"
 
-#include "BulletISTCollision/Core/TriangleQuads.h"
+#include "BulletISTCollision/Core/TriangleSieve.h"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFarRadiiSide = 2.5;
 constexpr double kFarRadii = 5;
 
-using Nearest = TriangleQuads::Nearest;
+using Nearest = TriangleSieve::Nearest;
 using Child = TriangleHierarchy::Child;
 
 /// Solid angle of a triangle seen from `p`, positive from behind (van Oosterom and Strackee 1983).
@@ -60,7 +60,7 @@ struct MeshDistance::Implementation
 	Vec3 origin;
 	double size = 0;
 	TriangleHierarchy hierarchy;
-	TriangleQuads quads;
+	TriangleSieve sieve;
 	Cluster rootCluster;
 	std::vector<std::array<Cluster, 2>> clusters;  // of hierarchy.nodes[i].child
 
@@ -87,7 +87,7 @@ MeshDistance::Implementation::Implementation(Mesh source) : mesh(std::move(sourc
 	origin = (lower + upper) * 0.5;
 	size = norm(upper - lower);
 	hierarchy = TriangleHierarchy(mesh, origin);
-	quads = TriangleQuads(hierarchy, size);
+	sieve = TriangleSieve(hierarchy, size);
 	addClusters();
 }
 
@@ -181,14 +181,14 @@ const Mesh& MeshDistance::mesh() const
 
 MeshDistance::Closest MeshDistance::closest(const Vec3& p, double upperBound) const
 {
-	const Nearest n = m_impl->quads.nearest(p - m_impl->origin, upperBound);
-	if (n.triangle == TriangleQuads::kNone) return {p, upperBound, TriangleQuads::kNone};
+	const Nearest n = m_impl->sieve.nearest(p - m_impl->origin, upperBound);
+	if (n.triangle == TriangleSieve::kNone) return {p, upperBound, TriangleSieve::kNone};
 	return {p + n.offset, std::sqrt(n.distance2), n.triangle};
 }
 
 bool MeshDistance::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
 {
-	const bool all = m_impl->quads.within(p - m_impl->origin, reach, most, out);
+	const bool all = m_impl->sieve.within(p - m_impl->origin, reach, most, out);
 	for (auto& [distance, triangle] : out) triangle = m_impl->hierarchy.triangles[triangle].index;
 	return all;
 }
@@ -216,12 +216,12 @@ MeshDistance::Field MeshDistance::field(const Vec3& p) const
 
 MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside) const
 {
-	return m_impl->fieldFrom(m_impl->quads.nearest(p - m_impl->origin, kInfinity), inside);
+	return m_impl->fieldFrom(m_impl->sieve.nearest(p - m_impl->origin, kInfinity), inside);
 }
 
 MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside, uint32_t& hint) const
 {
-	const Nearest n = m_impl->quads.nearest(p - m_impl->origin, kInfinity, hint);
+	const Nearest n = m_impl->sieve.nearest(p - m_impl->origin, kInfinity, hint);
 	hint = n.place;
 	return m_impl->fieldFrom(n, inside);
 }
@@ -230,7 +230,7 @@ MeshDistance::Field MeshDistance::Implementation::fieldFrom(const Nearest& c, bo
 {
 	const double distance = std::sqrt(c.distance2);
 	Field f{inside ? distance : -distance, {0, 0, 1}};
-	if (c.triangle == TriangleQuads::kNone) return f;
+	if (c.triangle == TriangleSieve::kNone) return f;
 	if (distance >= 1e-12 * size && distance > 0)
 	{
 		f.normal = normalized(inside ? c.offset : -c.offset);

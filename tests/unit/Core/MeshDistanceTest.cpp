@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshDistance.h"
 
+#include "BulletISTCollision/Core/MeshShapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -170,6 +172,27 @@ TEST(MeshDistance, ClosestPointKeepsItsDigitsAKilometreFromTheOrigin)
 	Pose X = random.pose(1);
 	X.translation += {600, -700, 400};
 	expectClosestMatches(torusMesh(40, 16), random, X, 1e-12);
+}
+
+/// Where bounds of patches and of triangles are all but equal: above corners, edges and faces as near as roundings, and far below the surface.
+TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
+{
+	Random random(17);
+	const Pose X = random.pose(1);
+	for (const Mesh& shape : {makeSphereMesh(1, 4), makeTorusMesh(1, 0.3, 60, 30), makeBoxMesh({1, 0.7, 0.02})})
+	{
+		const Mesh mesh = moved(shape, X);
+		const MeshDistance tree(mesh);
+		for (int i = 0; i < 300; ++i)
+		{
+			const auto t = corners(mesh, uint32_t(random.uniform(0, double(mesh.triangles.size()))));
+			const Vec3 n = normalized(cross(t[1] - t[0], t[2] - t[0]));
+			const double u = i % 3 == 0 ? 1 : random.uniform(0, 1), v = i % 3 < 2 ? 1 - u : random.uniform(0, 1 - u);
+			const double away = std::pow(10.0, random.uniform(-9, 0)) * (i % 2 == 0 ? 1 : -1);
+			const Vec3 p = t[0] * u + t[1] * v + t[2] * (1 - u - v) + n * away;
+			EXPECT_NEAR(tree.closest(p).distance, referenceDistance(p, mesh), 1e-13) << away;
+		}
+	}
 }
 
 TEST(MeshDistance, ClosestPointAgreesWithBruteForceFromFarAway)

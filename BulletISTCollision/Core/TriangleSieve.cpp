@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/TriangleQuads.h"
+#include "BulletISTCollision/Core/TriangleSieve.h"
 
 #include <algorithm>
 #include <bit>
@@ -48,7 +48,7 @@ inline uint32_t signBits(const LaneBits& lanes)
 inline Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 }  // namespace
 
-struct TriangleQuads::Bounds
+struct TriangleSieve::Bounds
 {
 	alignas(16) float squared[kWidth];
 
@@ -61,7 +61,7 @@ struct TriangleQuads::Bounds
 	}
 };
 
-struct TriangleQuads::Point
+struct TriangleSieve::Point
 {
 	Lanes x, y, z;
 	float rounding;  // of a coordinate [m]
@@ -112,24 +112,24 @@ private:
 	}
 };
 
-TriangleQuads::TriangleQuads(const TriangleHierarchy& hierarchy, double size) : m_slack(float(slack * size))
+TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size) : m_slack(float(slack * size))
 {
 	if (hierarchy.triangles.empty()) return;
 	m_triangles = hierarchy.triangles.data();
 	m_count = uint32_t(hierarchy.triangles.size());
 	m_root = add(hierarchy, hierarchy.root);
-	m_quads.shrink_to_fit();
+	m_nodes.shrink_to_fit();
 	m_leaves.shrink_to_fit();
 }
 
-void TriangleQuads::setPlane(Planes& planes, int lane, const Vec3& normal, const Vec3& point)
+void TriangleSieve::setPlane(Planes& planes, int lane, const Vec3& normal, const Vec3& point)
 {
 	planes.x[lane] = float(normal.x), planes.y[lane] = float(normal.y), planes.z[lane] = float(normal.z);
 	planes.height[lane] = float(dot(normal, point));
 }
 
 /// The axis is the mean normal or, where normals cancel, that of the shortest side of the box.
-Vec3 TriangleQuads::axisOf(uint32_t begin, uint32_t end) const
+Vec3 TriangleSieve::axisOf(uint32_t begin, uint32_t end) const
 {
 	Vec3 lower = m_triangles[begin].a, upper = lower, normal;
 	double twiceArea = 0;
@@ -150,7 +150,7 @@ Vec3 TriangleQuads::axisOf(uint32_t begin, uint32_t end) const
 	return size.y <= size.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
 }
 
-void TriangleQuads::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const
+void TriangleSieve::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const
 {
 	const Vec3 axis = axisOf(begin, end);
 	Vec3 frame[3] = {{}, {}, axis};
@@ -187,7 +187,7 @@ void TriangleQuads::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t
 	bound.half[lane] = float(0.5 * (most[2] - least[2]));
 }
 
-uint32_t TriangleQuads::addLeaf(uint32_t begin, uint32_t end)
+uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
 {
 	Leaf leaf{};
 	leaf.first = begin;
@@ -208,7 +208,7 @@ uint32_t TriangleQuads::addLeaf(uint32_t begin, uint32_t end)
 	return uint32_t(m_leaves.size() - 1) | kLeafBit;
 }
 
-uint32_t TriangleQuads::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
+uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
 {
 	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kWidth)) return addLeaf(begin, end);
 	const auto halfArea = [](const TriangleHierarchy::Child& c)
@@ -229,22 +229,22 @@ uint32_t TriangleQuads::add(const TriangleHierarchy& hierarchy, const TriangleHi
 		lanes[widest] = &open.child[0];
 		lanes[count++] = &open.child[1];
 	}
-	const auto index = uint32_t(m_quads.size());
-	m_quads.emplace_back();
+	const auto index = uint32_t(m_nodes.size());
+	m_nodes.emplace_back();
 	for (int k = 0; k < kWidth; ++k)
 	{
 		const uint32_t below = k < count ? add(hierarchy, *lanes[k]) : kNone;
-		Quad& quad = m_quads[index];
-		quad.child[k] = below;
-		quad.bound.x[k] = farAway;
+		Node& node = m_nodes[index];
+		node.child[k] = below;
+		node.bound.x[k] = farAway;
 		if (k >= count) continue;
 		const auto [begin, end] = hierarchy.range(*lanes[k]);
-		enclose(quad.bound, k, begin, end);
+		enclose(node.bound, k, begin, end);
 	}
 	return index;
 }
 
-TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, uint32_t hint) const
+TriangleSieve::Nearest TriangleSieve::nearest(const Vec3& p, double upperBound, uint32_t hint) const
 {
 	Nearest best;
 	best.distance2 = upperBound > 0 ? upperBound * upperBound : 0;
@@ -273,8 +273,8 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 			}
 			continue;
 		}
-		const Quad& quad = m_quads[open.child];
-		const Bounds bounds = at.lowerBounds(quad.bound);
+		const Node& node = m_nodes[open.child];
+		const Bounds bounds = at.lowerBounds(node.bound);
 		const int bottom = top;
 		for (uint32_t bits = bounds.notBeyond(limit); bits; bits &= bits - 1)
 		{
@@ -283,13 +283,13 @@ TriangleQuads::Nearest TriangleQuads::nearest(const Vec3& p, double upperBound, 
 			int place = top++;
 			// The nearest on top.
 			for (; place > bottom && stack[place - 1].distance2 < d2; --place) stack[place] = stack[place - 1];
-			stack[place] = {d2, quad.child[k]};
+			stack[place] = {d2, node.child[k]};
 		}
 	}
 	return best;
 }
 
-bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
+bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
 {
 	out.clear();
 	if (!m_triangles) return true;
@@ -305,8 +305,8 @@ bool TriangleQuads::within(const Vec3& p, double reach, size_t most, std::vector
 		const uint32_t child = stack[--top];
 		if (!(child & kLeafBit))
 		{
-			const Quad& quad = m_quads[child];
-			for (uint32_t bits = at.lowerBounds(quad.bound).notBeyond(limit); bits; bits &= bits - 1) stack[top++] = quad.child[std::countr_zero(bits)];
+			const Node& node = m_nodes[child];
+			for (uint32_t bits = at.lowerBounds(node.bound).notBeyond(limit); bits; bits &= bits - 1) stack[top++] = node.child[std::countr_zero(bits)];
 			continue;
 		}
 		const Leaf& leaf = m_leaves[child & ~kLeafBit];

@@ -10,9 +10,9 @@
 
 namespace ist
 {
-/// The same hierarchy four wide, in single precision and rounded outwards: it rules out, and the
+/// The same hierarchy eight wide, in single precision and rounded outwards: it rules out, and the
 /// exact triangles decide, so that the answers are those of double precision.
-class TriangleQuads
+class TriangleSieve
 {
 public:
 	static constexpr uint32_t kNone = UINT32_MAX;
@@ -25,9 +25,9 @@ public:
 		uint32_t place = kNone;     ///< of it in leaf order
 	};
 
-	TriangleQuads() = default;
+	TriangleSieve() = default;
 	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles.
-	TriangleQuads(const TriangleHierarchy& hierarchy, double size);
+	TriangleSieve(const TriangleHierarchy& hierarchy, double size);
 
 	/// Nothing when nothing is nearer than the bound. `hint`: place of any triangle likely to be near; it changes the time taken, never
 	/// the answer.
@@ -56,10 +56,10 @@ private:
 		Planes axis;         ///< through the middle
 		float half[kWidth];  ///< of the thickness
 	};
-	struct Quad
+	struct Node
 	{
 		Cylinders bound;         ///< empty lanes are far away
-		uint32_t child[kWidth];  ///< with kLeafBit: a leaf, else a quad
+		uint32_t child[kWidth];  ///< with kLeafBit: a leaf, else a node
 	};
 	struct Leaf
 	{
@@ -83,13 +83,13 @@ private:
 
 	const PreparedTriangle* m_triangles = nullptr;
 	uint32_t m_count = 0;
-	std::vector<Quad> m_quads;
+	std::vector<Node> m_nodes;
 	std::vector<Leaf> m_leaves;
 	uint32_t m_root = 0;
 	float m_slack = 0;  ///< more than single precision can be wrong anywhere in the mesh [m]
 };
 
-inline void TriangleQuads::offer(uint32_t place, const Vec3& p, Nearest& best) const
+inline void TriangleSieve::offer(uint32_t place, const Vec3& p, Nearest& best) const
 {
 	const PreparedTriangle& t = m_triangles[place];
 	const Vec3 pa = t.a - p;
