@@ -4,9 +4,33 @@
 #include "BulletISTCollision/Core/SymmetricEigen.h"
 
 #include <cmath>
+#include <limits>
 
 namespace ist
 {
+namespace
+{
+/// Elimination without exchanges finds no pivot that is not positive, beyond what rounding could feign. A tenth of an eigenvalue problem.
+bool isPositiveDefinite(const SymmetricMatrix6& matrix)
+{
+	constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+	double rows[6][6];
+	for (int i = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j) rows[i][j] = matrix(i, j);
+	for (int k = 0; k < 6; ++k)
+	{
+		if (!(rows[k][k] > kRounding * matrix(k, k))) return false;
+		const double inverse = 1 / rows[k][k];
+		for (int i = k + 1; i < 6; ++i)
+		{
+			const double factor = rows[k][i] * inverse;
+			for (int j = i; j < 6; ++j) rows[i][j] -= factor * rows[k][j];
+		}
+	}
+	return true;
+}
+}  // namespace
+
 Wrench pressureWrench(const OverlapIntegrals& integrals, const PressurePair& pair)
 {
 	return pair.stiffness * (pair.weightB * integrals.normalB - pair.weightA * integrals.normalA);
@@ -35,6 +59,7 @@ SymmetricMatrix6 pressureDamping(const OverlapIntegrals& integrals, const Pressu
 
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length)
 {
+	if (isPositiveDefinite(matrix)) return matrix;
 	const double unit = length > 0 && std::isfinite(length) ? length : 1;
 	const double scale[6] = {1, 1, 1, 1 / unit, 1 / unit, 1 / unit};
 	double scaled[6][6];

@@ -25,7 +25,7 @@ SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const Pres
 /// curved, are not held back. Of integrals that were asked for with the pair's weights (QueryOptions::damping).
 SymmetricMatrix6 pressureDamping(const OverlapIntegrals& integrals, const PressurePair& pair);
 /// The nearest positive semidefinite matrix: negative eigenvalues set to zero. `length` [m] scales rotations to lengths first,
-/// so that the choice of unit does not enter.
+/// so that the choice of unit does not enter. A matrix that is positive definite is given back as it is, for a tenth of the cost.
 SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length);
 
 /// The force and torque that a stiffness or damping answers a displacement or twist with.

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 using namespace ist;
@@ -116,6 +118,51 @@ TEST(PressureField, ProjectionKeepsPositiveAndClipsNegative)
 	EXPECT_NEAR(Q(5, 5), 0, 1e-12);
 	const SymmetricMatrix6 again = projectedPositive(Q, 1);
 	for (int i = 0; i < 21; ++i) EXPECT_NEAR(again.m[i], Q.m[i], 1e-12);
+}
+
+namespace
+{
+/// Q diag(values) Q^T with rows of Q at random, orthonormal by Gram and Schmidt.
+SymmetricMatrix6 withEigenvalues(const double (&values)[6], std::mt19937& random)
+{
+	std::normal_distribution<double> normal;
+	double q[6][6];
+	for (int k = 0; k < 6; ++k)
+	{
+		for (double& x : q[k]) x = normal(random);
+		for (int twice = 0; twice < 2; ++twice)
+			for (int other = 0; other < k; ++other)
+			{
+				double along = 0;
+				for (int i = 0; i < 6; ++i) along += q[k][i] * q[other][i];
+				for (int i = 0; i < 6; ++i) q[k][i] -= along * q[other][i];
+			}
+		double square = 0;
+		for (const double x : q[k]) square += x * x;
+		for (double& x : q[k]) x /= std::sqrt(square);
+	}
+	SymmetricMatrix6 M;
+	for (int i = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j)
+			for (int k = 0; k < 6; ++k) M(i, j) += values[k] * q[k][i] * q[k][j];
+	return M;
+}
+}  // namespace
+
+// From clearly positive to clearly not, over the border, where which of the two ways is taken must not show.
+TEST(PressureField, ProjectionIsTheSameOnBothSidesOfDefinite)
+{
+	for (const double least : {1.0, 1e-3, 1e-9, 1e-14, 1e-17, 0.0, -1e-17, -1e-14, -1e-9, -1e-3, -1.0})
+		for (unsigned seed = 0; seed < 20; ++seed)
+		{
+			const double values[6] = {2, least, 1, 0.5, 1e-2, 3}, positive[6] = {2, std::max(0.0, least), 1, 0.5, 1e-2, 3};
+			std::mt19937 random(seed), again(seed);
+			const SymmetricMatrix6 M = withEigenvalues(values, random), expected = withEigenvalues(positive, again);
+			const SymmetricMatrix6 P = projectedPositive(M, 1);
+			for (int i = 0; i < 21; ++i) EXPECT_NEAR(P.m[i], expected.m[i], 3e-14) << least << ", seed " << seed;
+			if (least < 1e-9) continue;
+			for (int i = 0; i < 21; ++i) EXPECT_EQ(P.m[i], M.m[i]) << least << ", seed " << seed;
+		}
 }
 
 TEST(PressureField, ProjectionDoesNotDependOnTheUnitOfLength)
