@@ -21,5 +21,5 @@ struct btContactPatch
 /// Damping is Hunt-Crossley, the pressure times dissipation times the local approach speed, each pair along its own normal (ist::pressureDamping):
 /// the contact's sums must have it, for the weights of its constants, or there is none. The friction radius is 0.93 of the rms distance from the axis, weighted with the
 /// pressure: within 1.5 % of Int p rho dA / Int p dA for a flat disc (2/3 a) and for a ball on a plane (8/15 a).
-/// O(1), about 5 us, twice that with dissipation: eigenvalue problems of size 6. No allocation.
+/// O(1), about 5 us, a third more with dissipation: an eigenvalue problem of size 6. No allocation.
 bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContactPatch& patch);
