@@ -345,6 +345,37 @@ TEST(BulletDecoupled, ASleepingBodyIsFeltAndWakes)
 	EXPECT_GT(hand.largest, 0.3 * 0.8 * 0.3 * 9.81);
 }
 
+// Between two steps of a slow world the tool slides 20 mm on what was found at the first of them.
+TEST(BulletDecoupled, ALinearModelCountsAsFarAsItIsTrusted)
+{
+	for (const double trusted : {0.005, 1.0})
+	{
+		DecoupledRig rig(5);
+		rig.add(rig.boxShape, 0, {0, 0, 0});
+		BulletDecoupledSettings settings = handSettings();
+		settings.topology = ContactTopology::InWorld;
+		settings.trustedModel = trusted;
+		Hand& hand = rig.addHand({-0.01, 0.0385, 0}, settings);
+		hand.script = [](double t) { return ist::Twist{{t > 1 && t <= 1.2 ? 0.1 : 0, 0, 0}, {}}; };
+		Vec3 found;
+		rig.afterWorldStep = [&] { found = hand.source.toolState().X_WT.translation; };
+		rig.run(0.9);
+		int near = 0, far = 0, feltNear = 0, feltFar = 0;
+		rig.afterTick = [&]
+		{
+			const double way = distance(hand.source.toolState().X_WT.translation, found);
+			const bool felt = hand.step.contactCount > 0 && norm(hand.step.contacts[0].onTool.force) > 0;
+			if (way < 0.0095) ++near, feltNear += felt;
+			if (way > 0.0105) ++far, feltFar += felt;
+		};
+		rig.run(0.3);
+		EXPECT_GT(near, 100);
+		EXPECT_GT(far, 50);
+		EXPECT_EQ(feltNear, near) << trusted;
+		EXPECT_EQ(feltFar, trusted < 1 ? 0 : far) << trusted;
+	}
+}
+
 TEST(BulletDecoupled, ABudgetOfPairsIsKeptAndCounted)
 {
 	double felt[3] = {};
