@@ -2,9 +2,11 @@
 #include "BulletISTCollision/Core/ContactPatches.h"
 
 #include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+#include "BulletISTCollision/Core/MomentEllipsoid.h"
 #include "BulletISTCollision/Core/Vec3.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace ist
 {
@@ -159,6 +161,41 @@ void PatchGrouper::assignRest(const QueryKernel& kernel, const PairStream& pairs
 	list.count = int(m_patches.count);
 	list.perLength = float(size > 0 ? 1 / size : 0);
 	kernel.joinNearest(pairs, m_group.data(), count, list);
+}
+
+size_t PatchGrouper::nearestPatch(const MomentEllipsoid& ball) const
+{
+	size_t best = 0;
+	double least = std::numeric_limits<double>::infinity();
+	for (size_t p = 0; p < m_patches.count; ++p)
+	{
+		const double d = distance({m_patches.center[0][p], m_patches.center[1][p], m_patches.center[2][p]}, ball.center());
+		if (!(d < least)) continue;
+		best = p;
+		least = d;
+	}
+	return best;
+}
+
+void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const PairIndices& all, const MomentEllipsoid* ballsA, uint8_t* patchOf)
+{
+	// The components are not needed any more.
+	uint32_t* const patchOfBall = m_parent.data();
+	constexpr uint32_t kNone = kNoComponent;
+	for (size_t i = 0; i < all.count; ++i) patchOfBall[all.a[i]] = patchOfBall[all.b[i] + all.offsetB] = kNone;
+	for (int i = 0; i < groupedCount; ++i) patchOfBall[grouped.a[i]] = patchOfBall[grouped.b[i] + all.offsetB] = uint32_t(m_group[size_t(i)]);
+	int next = 0;
+	for (size_t i = 0; i < all.count; ++i)
+	{
+		const uint32_t a = all.a[i], b = all.b[i];
+		if (next < groupedCount && grouped.a[next] == a && grouped.b[next] == b)
+		{
+			patchOf[i] = uint8_t(m_group[size_t(next++)]);
+			continue;
+		}
+		const uint32_t ofA = patchOfBall[a], ofB = patchOfBall[b + all.offsetB];
+		patchOf[i] = uint8_t(ofA != kNone ? ofA : ofB != kNone ? ofB : nearestPatch(ballsA[a]));
+	}
 }
 
 int PatchGrouper::group(const QueryKernel& kernel, const PairStream& pairs, int count, uint32_t ballsA, int maxPatches)

@@ -13,6 +13,16 @@ struct QueryKernel;
 
 namespace ist
 {
+struct MomentEllipsoid;
+
+/// Pairs of balls by their indices.
+struct PairIndices
+{
+	const uint32_t *a, *b;
+	size_t count;
+	uint32_t offsetB;  ///< number of balls of A's tree, padding included
+};
+
 /// Groups intersecting pairs into contact patches: pairs that share a ball hang together (connected components), and a component
 /// whose force directions spread is split into cones of 45 degrees around its strongest pairs. The strongest patches stay; pairs
 /// of the others go to the nearest. Deterministic; O(pairs * patches).
@@ -25,6 +35,9 @@ public:
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
 	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
+	/// After `group`, whose pairs are among these, in the same order: writes the patch of each of `all`, at most 255. What was not grouped gets the
+	/// patch of a pair that has a ball in common with it, or else the one whose centre is nearest. `ballsA`: A's. O(all), and O(patches) for each of the latter.
+	void extend(const kernels::PairStream& grouped, int groupedCount, const PairIndices& all, const MomentEllipsoid* ballsA, uint8_t* patchOf);
 	/// kernels::GroupNumber, from 0 on; with room for kListSlack entries behind the last.
 	const float* patch() const { return m_group.data(); }
 
@@ -45,6 +58,7 @@ private:
 	void number(const kernels::PairStream& pairs, int count);
 	void rank(const kernels::PairStream& pairs, int count);
 	bool seedPatch(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
+	size_t nearestPatch(const MomentEllipsoid& ball) const;
 	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
 	std::vector<uint32_t> m_parent;

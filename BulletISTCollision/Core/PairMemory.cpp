@@ -43,7 +43,8 @@ double SeenPose::motionTo(const Pose& other) const
 PairMemory::Implementation::Implementation(int pairs)
 {
 	a.resize(size_t(std::max(0, pairs)));
-	b.resize(a.size());
+	for (auto* like : {&b, &m_sortedA, &m_sortedB}) like->resize(a.size());
+	m_patchOf.resize(a.size());
 }
 
 bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
@@ -81,6 +82,7 @@ double PairMemory::Implementation::marginToFill()
 void PairMemory::Implementation::begin(double wanted)
 {
 	count = 0;
+	m_patches = 0;
 	valid = wanted > 0;
 	m_margin = wanted;
 	m_filled = m_last;
@@ -101,6 +103,22 @@ void PairMemory::Implementation::end(int64_t found)
 	const double ratio = double(count) / double(std::max<int64_t>(1, found));
 	if (!valid || ratio > limits.tooMany) m_most *= 0.8;
 	else if (ratio < limits.few) m_most *= 1.1;
+}
+
+void PairMemory::Implementation::divide(int patches)
+{
+	size_t next[kMostPatches + 1] = {};
+	for (size_t i = 0; i < count; ++i) ++next[m_patchOf[i] + 1];
+	for (int p = 0; p < patches; ++p) m_first[p + 1] = next[p + 1] += next[p];
+	for (size_t i = 0; i < count; ++i)
+	{
+		const size_t to = next[m_patchOf[i]]++;
+		m_sortedA[to] = a[i];
+		m_sortedB[to] = b[i];
+	}
+	a.swap(m_sortedA);
+	b.swap(m_sortedB);
+	m_patches = patches;
 }
 
 PairMemory::PairMemory(int pairs) : m_impl(std::make_unique<Implementation>(pairs)) {}

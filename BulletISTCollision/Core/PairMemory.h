@@ -10,12 +10,15 @@ namespace ist
 /// What two bodies that move little from query to query need not be searched for again: the pairs that come within a margin of each other,
 /// good for as long as no point of B has moved by more than the margin, seen from A. One for each pair of bodies.
 ///
+/// Patches are remembered with their pairs: those of the query that filled the memory. What comes to touch since belongs to a patch of its
+/// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too.
+///
 /// The margin follows the motion of the queries before; where bodies move too fast for it to pay, each query searches anew. The tick that
 /// fills the memory costs up to a third more than a query without.
 class PairMemory
 {
 public:
-	/// `pairs`: room; with more to remember, each query searches anew. Eight bytes each.
+	/// `pairs`: room; with more to remember, each query searches anew. Seventeen bytes each.
 	explicit PairMemory(int pairs = 200000);
 	~PairMemory();
 	PairMemory(PairMemory&&) noexcept;
@@ -31,8 +34,8 @@ private:
 	std::unique_ptr<Implementation> m_impl;
 };
 
-/// The same answer, with the same pairs: sums agree to the rounding of floats, whose order differs. A query that did not search has no
-/// `nodeVisits`. Within budgets nothing is remembered. No allocation.
+/// The same answer, with the same pairs: sums agree to the rounding of floats, whose order differs; how they are divided into patches may be
+/// older, see above. A query that did not search has no `nodeVisits`. Within budgets nothing is remembered. No allocation.
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
 						   const QueryOptions& options = {});
 }  // namespace ist

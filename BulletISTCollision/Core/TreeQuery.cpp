@@ -121,6 +121,7 @@ bool TreeQuery::answer()
 	const int groups = m_grouped && m_result.pairListComplete
 						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
 						   : 0;
+	if (m_memory) rememberPatches(groups);
 	if (groups > 1) return publishPatches(groups), true;
 	if (m_listed > 0) m_work.kernel->sumGroup(m_bodies, m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
 	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit, m_damping);
@@ -159,8 +160,11 @@ bool TreeQuery::find()
 	m_search = &s;
 	if (m_remembered)
 	{
-		recall();
-		return true;
+		// Without a search most of a block's balls would be turned for nothing.
+		m_bodies.movedB = nullptr;
+		const bool whole = remembersPatches();
+		whole ? recallPatches() : recall();
+		return !whole;
 	}
 	const double margin = m_memory ? m_memory->marginToFill() : 0;
 	m_margin = float(margin * (1 + 1e-6));
@@ -243,17 +247,45 @@ PairSearch TreeQuery::newSearch()
 	return s;
 }
 
+int TreeQuery::recallBatch(size_t first, size_t end)
+{
+	const int count = int(std::min<size_t>(kPairBatch, end - first));
+	std::copy_n(m_memory->a.data() + first, count, m_work.pairA);
+	std::copy_n(m_memory->b.data() + first, count, m_work.pairB);
+	return count;
+}
+
 void TreeQuery::recall()
 {
-	const uint32_t *a = m_memory->a.data(), *b = m_memory->b.data();
-	for (size_t first = 0; first < m_memory->count; first += kPairBatch)
+	for (size_t first = 0; first < m_memory->count; first += kPairBatch) take(recallBatch(first, m_memory->count));
+}
+
+bool TreeQuery::remembersPatches() const
+{
+	return m_grouped && !m_options.sortPairs && m_memory->patches() > 0 && m_memory->patches() <= m_limits.patches;
+}
+
+void TreeQuery::recallPatches()
+{
+	int found = 0;
+	for (int p = 0; p < m_memory->patches(); ++p)
 	{
-		const int count = int(std::min<size_t>(kPairBatch, m_memory->count - first));
-		std::copy_n(a + first, count, m_work.pairA);
-		std::copy_n(b + first, count, m_work.pairB);
-		if (hasShapes()) m_work.kernel->moveBlocks(*m_search, m_work.pairB, count);
-		take(count);
+		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+		for (size_t first = m_memory->firstOf(p); first < m_memory->firstOf(p + 1); first += kPairBatch)
+		{
+			evaluate(m_work.pairA, m_work.pairB, recallBatch(first, m_memory->firstOf(p + 1)), m_sums);
+		}
+		if (m_sums[kPairs] > 0) m_work.patches[size_t(found++)] = collect(m_sums, m_bodies.spreadUnit, m_damping);
 	}
+	publishSums(found);
+}
+
+void TreeQuery::rememberPatches(int groups)
+{
+	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > PairMemory::Implementation::kMostPatches) return;
+	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.balls.size())};
+	m_work.grouper.extend(m_work.stream, m_listed, all, m_bodies.ballsA, m_memory->patchOf());
+	m_memory->divide(groups);
 }
 
 /// In place: those whose ellipsoids come within the margin.
@@ -293,9 +325,15 @@ void TreeQuery::publishPatches(int groups)
 		m_work.kernel->sumGroup(m_bodies, m_work.stream, m_work.grouper.patch(), GroupNumber(p), m_listed, m_terms, m_sums);
 		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit, m_damping);
 	}
-	for (int p = 0; p < groups; ++p) m_result.total.add(m_work.patches[p]);
+	publishSums(groups);
+}
+
+/// Of the patches.
+void TreeQuery::publishSums(int patches)
+{
+	for (int p = 0; p < patches; ++p) m_result.total.add(m_work.patches[size_t(p)]);
 	m_result.patches = m_work.patches.data();
-	m_result.patchCount = groups;
+	m_result.patchCount = patches;
 }
 
 void TreeQuery::publishPairs()

@@ -131,13 +131,27 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	return s;
 }
 
+/// B's balls, turned to A's axes, with their centres still in B's tree frame.
+template <Terms terms>
+IST_INLINE Balls fetchTurned(const PairBodies& bodies, const uint32_t* index)
+{
+	if constexpr (terms == kLineTerms) return fetch<terms>(bodies.ballsB, index);
+	Balls b = fetch<terms>(bodies.movedB ? bodies.movedB : bodies.ballsB, index);
+	if (bodies.movedB)
+	{
+		// The centre once more: as it was moved, it has lost digits.
+		fetchRow(bodies.ballsB, index, 0, b.x, b.y, b.z, b.R);
+		return b;
+	}
+	b.normal = turned(bodies.R, b.normal);
+	b.shape = turned(bodies.R, b.shape);
+	return b;
+}
+
 template <Terms terms>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, uint32_t real)
 {
-	const Balls a = fetch<terms>(bodies.ballsA, indexA);
-	Balls b = fetch<terms>(terms == kLineTerms ? bodies.ballsB : bodies.movedB, indexB);
-	// The centre once more: as it was moved, it has lost digits.
-	if constexpr (terms != kLineTerms) fetchRow(bodies.ballsB, indexB, 0, b.x, b.y, b.z, b.R);
+	const Balls a = fetch<terms>(bodies.ballsA, indexA), b = fetchTurned<terms>(bodies, indexB);
 	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R), reach = Ri + Rj;
 	const D3 from{D::from(a.x) - moved(bodies, 0, bx, by, bz), D::from(a.y) - moved(bodies, 1, bx, by, bz),
 				  D::from(a.z) - moved(bodies, 2, bx, by, bz)};
@@ -220,22 +234,6 @@ template <int N>
 IST_INLINE void addSums(double* sums, const F (&lanes)[N])
 {
 	for (int i = 0; i < N; ++i) sums[i] += lanes[i].sum();
-}
-
-/// Lenses of up to kStage pairs into the stage; counts those that intersect. Returns the staged length, whole vectors.
-template <Terms terms>
-int stagePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Stage& stage, double* sums)
-{
-	int64_t pairs = 0;
-	int k = 0;
-	for (; k < count; k += kLanes)
-	{
-		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, firstLanes(count - k));
-		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + k); });
-		pairs += __builtin_popcount(l.hits);
-	}
-	sums[kPairs] += double(pairs);
-	return k;
 }
 
 /// sum w m and sum C x (w m).
@@ -396,15 +394,32 @@ void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* 
 		if (bodies.weightA > 0 || bodies.weightB > 0) sumDamping(bodies, stage, length, sums + kDamping);
 }
 
+/// Sums the first `length` staged pairs, and empties the stage.
+template <Terms terms>
+void flushStage(const PairBodies& bodies, Stage& stage, int& length, double* sums)
+{
+	for (int c = 0; c < kSummedColumns<terms>; ++c) F::all(0).store(stage.column[c] + length);
+	sumStage<terms>(bodies, stage, (length + kLanes - 1) / kLanes * kLanes, sums);
+	length = 0;
+}
+
 template <Terms terms>
 void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
 	Stage stage;
-	for (int first = 0; first < count; first += kStage)
+	int length = 0;
+	int64_t pairs = 0;
+	for (int k = 0; k < count; k += kLanes)
 	{
-		const int rest = count - first < kStage ? count - first : kStage;
-		sumStage<terms>(bodies, stage, stagePairs<terms>(bodies, a + first, b + first, rest, stage, sums), sums);
+		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, firstLanes(count - k));
+		const LaneCompressor kept(l.hits);
+		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, stage.column[c] + length); });
+		length += kept.count();
+		pairs += kept.count();
+		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
 	}
+	if (length > 0) flushStage<terms>(bodies, stage, length, sums);
+	sums[kPairs] += double(pairs);
 }
 
 void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums)

@@ -67,11 +67,6 @@ void sumListed(const PairBodies& bodies, const PairStream& stream, const GroupNu
 	Stage stage;
 	int length = 0;
 	int64_t pairs = 0;
-	const auto flush = [&] {
-		for (int c = 0; c < kColumns; ++c) F::all(0).store(stage.column[c] + length);
-		sumStage<terms>(bodies, stage, (length + kLanes - 1) / kLanes * kLanes, sums);
-		length = 0;
-	};
 	for (int k = 0; k < count; k += kLanes)
 	{
 		uint32_t bits = firstLanes(count - k);
@@ -81,9 +76,9 @@ void sumListed(const PairBodies& bodies, const PairStream& stream, const GroupNu
 		length += __builtin_popcount(bits);
 		// Pairs whose bounds alone meet may be listed, too.
 		pairs += __builtin_popcount(bits & F::less(F::all(0), F::load(columnOf(stream, PairStream::Mass) + k)));
-		if (length > kStage - kLanes) flush();
+		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
 	}
-	if (length > 0) flush();
+	if (length > 0) flushStage<terms>(bodies, stage, length, sums);
 	sums[kPairs] += double(pairs);
 }
 

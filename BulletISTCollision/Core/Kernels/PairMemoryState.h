@@ -31,6 +31,15 @@ struct PairMemory::Implementation
 	/// `found`: of those remembered, the pairs that intersect.
 	void end(int64_t found);
 
+	/// Room for the patch of each remembered pair, for `divide`.
+	uint8_t* patchOf() { return m_patchOf.data(); }
+	/// Sorts the pairs by their patches, and keeps their order within each. At most kMostPatches.
+	void divide(int patches);
+	/// Into how many patches the pairs are divided; 0: not.
+	int patches() const { return m_patches; }
+	size_t firstOf(int patch) const { return m_first[patch]; }
+
+	static constexpr int kMostPatches = 64;
 	std::vector<uint32_t> a, b;  ///< indices of balls
 	size_t count = 0;
 	bool valid = false;
@@ -44,5 +53,9 @@ private:
 	double m_margin = 0;   ///< of what is remembered [m]
 	double m_most = 0;     ///< largest margin that pays, as far as is known [m]
 	double m_step = -1;    ///< motion from query to query, lately [m]; negative: not known yet
+	std::vector<uint8_t> m_patchOf;
+	std::vector<uint32_t> m_sortedA, m_sortedB;  ///< of `divide`
+	size_t m_first[kMostPatches + 1] = {};
+	int m_patches = 0;
 };
 }  // namespace ist

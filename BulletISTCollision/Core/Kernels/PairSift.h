@@ -15,13 +15,26 @@ IST_INLINE F extended(const F& most, const Whitening& w, const F& margin)
 	return root * root;
 }
 
+/// In A's tree frame, in floats.
+IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
+{
+	if (bodies.movedB) return fetchEllipsoids(bodies.movedB, index);
+	Balls b = fetchEllipsoids(bodies.ballsB, index);
+	const D x = D::from(b.x), y = D::from(b.y), z = D::from(b.z);
+	b.x = moved(bodies, 0, x, y, z).rounded();
+	b.y = moved(bodies, 1, x, y, z).rounded();
+	b.z = moved(bodies, 2, x, y, z).rounded();
+	b.shape = turned(bodies.R, b.shape);
+	return b;
+}
+
 /// Bit k set where ellipsoids k may share volume, x^T (P_a + P_b)^-1 x < 2, within the margin. Over the directions u the root of the left side is
 /// the largest u.x / h(u), h(u)^2 = u^T (P_a + P_b) u. Where no point of B moves by more than s, u.x and B's share in h change by |u| s together at
 /// most, and h is at least |u| times the root of the smallest eigenvalue: a root of sqrt(2) was at most sqrt(2) s over the latter larger.
 template <bool hasMargin>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
-	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchEllipsoids(bodies.movedB, indexB);
+	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchMoved(bodies, indexB);
 	const Whitening w = whitening(a, b);
 	const F u = w.perUnit, slack = F::all(bodies.slack) * u;
 	const F3 x{(a.x - b.x) * u, (a.y - b.y) * u, (a.z - b.z) * u};

@@ -81,7 +81,7 @@ struct PairSearch
 struct PairBodies
 {
 	const MomentEllipsoid *ballsA, *ballsB;
-	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats: those that the search found in pairs
+	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats: those that the search found in pairs; null: each pair turns its own
 	double R[9], t[3];
 	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
 	float slack;       ///< covers the rounding of float positions [m]

@@ -49,7 +49,7 @@ public:
 
 private:
 	bool answer();
-	/// False when the bodies' bounds are apart.
+	/// False when there is nothing left to do: the bodies' bounds are apart, or the memory had the patches, too.
 	bool find();
 	kernels::PairSearch newSearch();
 	void beginAtRoots(kernels::PairSearch& search) const;
@@ -59,12 +59,20 @@ private:
 	bool collectParts(QueryHelper::Implementation& helper, const PartResult* const* parts);
 	/// What the memory holds, as if it had been searched for.
 	void recall();
+	/// The next of the remembered pairs from `first` on, as if the search had found them; returns how many.
+	int recallBatch(size_t first, size_t end);
+	bool remembersPatches() const;
+	/// The whole answer, in the patches that the memory has.
+	void recallPatches();
+	/// Remembers the patches of the pairs that were listed.
+	void rememberPatches(int groups);
 	int sift(int count, float margin);
 	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
 	void take(int count);
 	static bool isLate(void* query) { return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed(); }
 	void publishPatches(int groups);
+	void publishSums(int patches);
 	void publishPairs();
 	void evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const;
 

@@ -134,3 +134,44 @@ TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
 		}
 	}
 }
+
+TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
+{
+	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
+	PatchGrouper grouper;
+	constexpr uint32_t kUnknown = RandomPairs::kBalls, kBalls = kUnknown + 1;  // one that no pair has
+	const std::vector<MomentEllipsoid> balls(kBalls);
+	for (unsigned seed = 1; seed <= 20; ++seed)
+	{
+		const int count = int(20 + seed * 37);
+		RandomPairs random(count, int(1 + seed % 5), int(1 + seed % 4), seed);
+		const PairStream& pairs = random.stream;
+		grouper.reserve(size_t(count), 2 * kBalls, 8);
+		const int patches = grouper.group(*kernel, pairs, count, kBalls, 8);
+		const std::vector<float> group(grouper.patch(), grouper.patch() + count);
+		// After each that was grouped: one with its ball of A alone, one with that of B alone. In the end one with neither.
+		std::vector<uint32_t> a, b;
+		for (int i = 0; i < count; ++i)
+		{
+			a.insert(a.end(), {pairs.a[i], pairs.a[i], kUnknown});
+			b.insert(b.end(), {pairs.b[i], kUnknown, pairs.b[i]});
+		}
+		a.push_back(kUnknown);
+		b.push_back(kUnknown);
+		std::vector<uint8_t> patchOf(a.size());
+		grouper.extend(pairs, count, {a.data(), b.data(), a.size(), kBalls}, balls.data(), patchOf.data());
+		const auto someOf = [&](const uint32_t* list, uint32_t ball, uint8_t patch)
+		{
+			for (int i = 0; i < count; ++i)
+				if (list[i] == ball && group[size_t(i)] == float(patch)) return true;
+			return false;
+		};
+		for (int i = 0; i < count; ++i)
+		{
+			ASSERT_EQ(float(patchOf[size_t(3 * i)]), group[size_t(i)]);
+			ASSERT_TRUE(someOf(pairs.a, pairs.a[i], patchOf[size_t(3 * i) + 1]));
+			ASSERT_TRUE(someOf(pairs.b, pairs.b[i], patchOf[size_t(3 * i) + 2]));
+		}
+		ASSERT_LT(int(patchOf.back()), patches);
+	}
+}
