@@ -14,6 +14,7 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat3 = Eigen::Matrix3d;
 using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Mat63 = Eigen::Matrix<double, 6, 3>;
+using Mat46 = Eigen::Matrix<double, 4, 6>;
 using Vector = Eigen::VectorXd;
 template <class M>
 using Map = Eigen::Map<M>;
@@ -141,7 +142,8 @@ void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 	}
 }
 
-// Breadth first from the body with the fewest neighbours: neighbours stay close together, and the envelope small.
+// Breadth first from the body with the fewest neighbours, and then the other way round (Cuthill and McKee's order, reversed): neighbours stay close together,
+// and a body with many of them, as what a hand holds, comes after them. So the envelope is small.
 void btIslandBlockSolver::orderBodies()
 {
 	m_order.clear();
@@ -170,6 +172,8 @@ void btIslandBlockSolver::orderBodies()
 					m_order.push_back(other);
 				}
 	}
+	std::reverse(m_order.begin(), m_order.end());
+	for (int i = 0; i < m_bodyCount; ++i) m_bodies[size_t(m_order[size_t(i)])].place = i;
 }
 
 bool btIslandBlockSolver::factorise()
@@ -268,7 +272,7 @@ void btIslandBlockSolver::addPush(const Patch& p, const double* impulse, double*
 				Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Vec6>(impulse);
 }
 
-/// `m_z` with the elastic answer and the friction impulses so far.
+/// `m_z` with the elastic answer and the friction impulses so far; what friction asks for without any impulse.
 void btIslandBlockSolver::solveElastic()
 {
 	std::fill(m_z.begin(), m_z.begin() + 6 * m_bodyCount, 0.0);
@@ -277,16 +281,26 @@ void btIslandBlockSolver::solveElastic()
 	std::fill(right, right + 6 * m_bodyCount, 0.0);
 	for (int k = 0; k < m_patchCount; ++k)
 	{
-		const Patch& p = m_patches[size_t(k)];
+		Patch& p = m_patches[size_t(k)];
 		if (!p.active) continue;
 		Vec6 u;
 		relativeTwist(p, u.data());
-		const Vec6 push =
-			Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
+		const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
+		const Vec6 push = elastic + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
 		addPush(p, push.data(), right);
+		Map<Eigen::Vector4d>(p.askedAtRest) << Map<const Mat63>(p.E).transpose() * u, elastic.head<3>().dot(toEigen(p.normal));
 	}
 	backSubstitute(right, 0);
 	std::copy(right, right + 6 * m_bodyCount, m_z.begin());
+}
+
+/// By the bodies of the patch: how the slip and the elastic normal impulse change with the state.
+void btIslandBlockSolver::prepareAsked(Patch& p) const
+{
+	Mat46 ofTwist;
+	ofTwist << Map<const Mat63>(p.E).transpose(), -toEigen(p.normal).transpose() * Map<const Mat6>(p.S).topRows<3>();
+	for (int side = 0; side < 2; ++side)
+		if (p.body[side] >= 0) Map<Mat46>(p.asked[side]) = ofTwist * Map<const Mat6>(p.jacobian[side]);
 }
 
 void btIslandBlockSolver::prepareFriction()
@@ -296,6 +310,7 @@ void btIslandBlockSolver::prepareFriction()
 	{
 		Patch& p = m_patches[size_t(k)];
 		if (!p.active || !(p.friction > 0)) continue;
+		prepareAsked(p);
 		double* columns = &m_response[3 * stride * size_t(k)];
 		std::fill(columns, columns + 3 * stride, 0.0);
 		Mat3 G = Mat3::Zero();
@@ -306,8 +321,7 @@ void btIslandBlockSolver::prepareFriction()
 			backSubstitute(column, firstPlace(p));
 			for (int side = 0; side < 2; ++side)
 				if (p.body[side] >= 0)
-					G.col(c) += Map<const Mat63>(p.E).transpose() * (Map<const Mat6>(p.jacobian[side]) *
-																	 Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place));
+					G.col(c) += Map<const Mat46>(p.asked[side]).topRows<3>() * Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place);
 		}
 		const Eigen::SelfAdjointEigenSolver<Mat3> eigen(0.5 * (G + G.transpose()));
 		const double largest = eigen.eigenvalues()(2);
@@ -325,12 +339,12 @@ void btIslandBlockSolver::prepareFriction()
 double btIslandBlockSolver::visitFriction(int patch, double& normal)
 {
 	Patch& p = m_patches[size_t(patch)];
-	Vec6 u;
-	relativeTwist(p, u.data());
-	const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
-	normal = std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0);
+	Eigen::Vector4d asked = Map<const Eigen::Vector4d>(p.askedAtRest);
+	for (int side = 0; side < 2; ++side)
+		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(m_bodies[size_t(p.body[side])].place)]);
+	normal = std::max(asked(3), 0.0);
 	const double limit = p.friction * normal;
-	const Eigen::Vector3d slip = Map<const Mat63>(p.E).transpose() * u;
+	const Eigen::Vector3d slip = asked.head<3>();
 	Map<Eigen::Vector3d> tangent(p.tangent);
 	Eigen::Vector3d wanted = tangent - Map<const Mat3>(p.stick) * slip;
 	if (wanted.norm() > limit) wanted = tangent - p.slide * slip;

@@ -63,6 +63,8 @@ private:
 		int body[2] = {-1, -1};
 		double S[36], push[6], E[18], given[6];
 		double jacobian[2][36];  // J R of A, and -J R of B
+		// What friction asks for is affine in the state: the slip along E and the elastic normal impulse.
+		double asked[2][24], askedAtRest[4];
 		double stick[9], slide = 0, friction = 0;
 		double elastic[6], tangent[3];
 		bool active = true;
@@ -72,6 +74,7 @@ private:
 	bool factorise();
 	void solveElastic();
 	void prepareFriction();
+	void prepareAsked(Patch& patch) const;
 	double visitFriction(int patch, double& normal);
 	void iterateFriction();
 	bool wouldPush(const Patch& patch);
