@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace ist;
 
@@ -59,6 +60,16 @@ struct GraspCount
 
 struct HeatMap::Part
 {
+	/// A point, and how far the surface is from it.
+	struct Near
+	{
+		Vec3 point;
+		double distance = std::numeric_limits<double>::infinity();
+		bool outside = false;
+		/// Whether that says that `p` is outside, too.
+		bool provesOutside(const Vec3& p) const { return outside && ist::distance(p, point) < (1 - 1e-6) * distance; }
+	};
+
 	std::string name;
 	int id = 0;
 	MeshDistance distance;
@@ -77,13 +88,17 @@ struct HeatMap::Part
 		for (const auto& t : m.triangles) normals.push_back(normalized(cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]])));
 	}
 
-	/// As MeshDistance::field, but the winding number is asked only where the nearest triangle does not tell the side.
-	MeshDistance::Field field(const Vec3& p) const
+	/// As MeshDistance::field, but the winding number is asked only where the nearest triangle does not tell the side. `near`: where the surface was found last;
+	/// from there it is no further than by the way between.
+	MeshDistance::Field field(const Vec3& p, Near& near) const
 	{
-		const MeshDistance::Closest closest = distance.closest(p);
+		constexpr double kSlack = 1 + 1e-6;  // of roundings
+		MeshDistance::Closest closest = distance.closest(p, kSlack * (near.distance + ist::distance(p, near.point)));
+		if (closest.triangle >= normals.size()) closest = distance.closest(p);
 		const Vec3& face = normals[closest.triangle];
 		const double lean = dot(p - closest.point, face);
 		const bool inside = std::fabs(lean) > kFacing * closest.distance ? lean < 0 : distance.contains(p);
+		near = {p, closest.distance, !inside};
 		const Vec3 out = inside ? closest.point - p : p - closest.point;
 		return {inside ? closest.distance : -closest.distance, closest.distance > 0 ? out / closest.distance : face};
 	}
@@ -107,6 +122,7 @@ struct HeatMap::Surface
 	uint32_t now = 0;
 	Pose X_PO;
 	const Part* part = nullptr;
+	Part::Near near;
 
 	GraspCount graspsAt;  // by any part
 
@@ -208,7 +224,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 	s.share[vertex] = s.thickness[vertex] = 0;
 	Vec3 p = s.X_PO * mesh().vertices[vertex];
 	const Vec3 inward = -(s.X_PO.rotation * s.vertexNormals[vertex]);
-	MeshDistance::Field field = s.part->field(p);
+	MeshDistance::Field field = s.part->field(p, s.near);
 	s.distanceIn[vertex] = field.depth;
 	s.facing[vertex] = dot(field.normal, inward);
 	for (int i = 0; i < kMostSteps && field.depth > 0; ++i)
@@ -218,7 +234,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 		s.thickness[vertex] += facing > kFacing ? field.depth / facing : field.depth;
 		if (facing > kFacing || i + 1 == kMostSteps) break;
 		p += field.depth * inward;
-		field = s.part->field(p);
+		field = s.part->field(p, s.near);
 	}
 	return s.distanceIn[vertex];
 }
@@ -247,7 +263,7 @@ void HeatMap::collect(const Part& part) noexcept
 				const uint32_t v = s.vertexOf[i];
 				const Vec3 p = s.X_PO * mesh().vertices[v];
 				if (p.x < part.box.lower.x || p.y < part.box.lower.y || p.z < part.box.lower.z || p.x > part.box.upper.x || p.y > part.box.upper.y || p.z > part.box.upper.z) continue;
-				if (depthOf(v) > 0) s.touched.push_back(v);
+				if (!s.near.provesOutside(p) && depthOf(v) > 0) s.touched.push_back(v);
 			}
 }
 
@@ -319,6 +335,7 @@ HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
 	}
 	s.X_PO = inverse(contact.X_OP);
 	s.part = &part;
+	s.near = {};
 	collect(part);
 	const double force = contact.force;
 	const Cut found = cut();
