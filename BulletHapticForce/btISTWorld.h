@@ -71,6 +71,8 @@ public:
 	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share) { return m_registration.setForceErrorOf(body, share); }
 	/// By how many threads pairs are queried; see btISTRegistration::setQueryThreads.
 	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50) { return m_registration.setQueryThreads(threads, spinMicroseconds); }
+	/// How many pairs remember which of their leaves were near; see btISTRegistration::setPairMemory.
+	std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000) { return m_registration.setPairMemory(pairsOfBodies, leafPairs); }
 	/// What the last step found and did.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }

@@ -118,6 +118,7 @@ void btISTContactStore::release(const btPersistentManifold* manifold)
 	m_active.pop_back();
 	// Trees are large; a pooled entry must not keep them alive.
 	contact->treeA.reset();
+	contact->memory.reset();
 	contact->treeB.reset();
 	contact->manifold = nullptr;
 	m_free.push_back(contact);

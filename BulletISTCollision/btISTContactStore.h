@@ -16,6 +16,7 @@
 
 class btCollisionObject;
 class btPersistentManifold;
+class btISTPairMemory;
 struct btISTContact;
 
 /// The constants of a pair in the pressure field law (ARCHITECTURE.md).
@@ -102,6 +103,7 @@ struct btISTContact
 	bool foreseeable = false;  ///< the shapes are where their bodies are, and not children of a compound
 	uint64_t pass = 0;         ///< of collision detection, in which it was last met; counted where threads share queries
 	int ahead = -1;            ///< where threads that share queries have its answer
+	std::shared_ptr<btISTPairMemory> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setPairMemory)
 
 	/// How the sums came about: see btISTEconomy. What was kept has followed the motion to first order.
 	btISTKeptResult::Use use = btISTKeptResult::Ask;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/btISTContactStore.h"
+#include "BulletISTCollision/btISTPairMemories.h"
 #include "BulletISTCollision/btISTPairQuery.h"
 #include "BulletISTCollision/btISTQueryThreads.h"
 #include "BulletISTCollision/btISTRegistry.h"
@@ -52,6 +53,7 @@ public:
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
+	std::unique_ptr<btISTPairMemories> memories;  ///< null: each query searches anew
 	std::unique_ptr<btISTQueryThreads> threads;  ///< null: the owner's alone
 	std::weak_ptr<btISTInstallation> installation;
 };

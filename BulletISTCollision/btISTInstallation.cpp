@@ -234,6 +234,24 @@ std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double
 	return std::nullopt;
 }
 
+std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, int leafPairs)
+{
+	constexpr int kMostMemories = 1024, kMostLeafPairs = 10000000;
+	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a memory"};
+	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a memory can have room for 1 to 10000000 pairs of leaves"};
+	btISTContext& context = *m_installation->context;
+	for (btISTContact* contact : context.store.contacts()) contact->memory.reset();
+	context.memories.reset();
+	if (pairsOfBodies > 0) context.memories = std::make_unique<btISTPairMemories>(pairsOfBodies, leafPairs);
+	return std::nullopt;
+}
+
+int btISTRegistration::pairMemory() const
+{
+	const auto& memories = m_installation->context->memories;
+	return memories ? memories->count() : 0;
+}
+
 int btISTRegistration::queryThreads() const
 {
 	const auto& threads = m_installation->context->threads;

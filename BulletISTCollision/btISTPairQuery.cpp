@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 #include "BulletISTCollision/Core/LeafClearance.h"
+#include "BulletISTCollision/btISTPairMemories.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +65,12 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 		return result;
 	}
 	pair = ist::PairAccuracy();
-	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
+	if (contact.treeB)
+	{
+		const btISTPairMemory::Loan memory(contact.memory.get());
+		return memory.get() ? ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, *memory.get(), options)
+							: ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
+	}
 	contact.halfSpace = m_field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;

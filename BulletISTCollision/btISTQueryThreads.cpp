@@ -178,6 +178,7 @@ bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
 	// Trees are large; nobody keeps them alive by an old answer.
 	answer.contact.treeA.reset();
 	answer.contact.treeB.reset();
+	answer.contact.memory.reset();
 	return holds;
 }
 

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Zlib
+// Pairs that remember their leaves: btISTRegistration::setPairMemory.
+#include "BulletHapticForce/btISTWorld.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "tests/unit/CountingAllocator.h"
+
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace
+{
+constexpr double kSoft = 3e4;  // a cube sinks in by 5 cm, so that many leaves meet [Pa/m]
+
+std::shared_ptr<const ist::InnerSphereTree> cubeTree(double side, int spheres)
+{
+	ist::BuildOptions options;
+	options.maxSpheres = spheres;
+	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({side / 2, side / 2, side / 2}), options).value());
+}
+
+/// Cubes that rock and slide on a soft block.
+class Row
+{
+public:
+	Row(int threads, int memories)
+	{
+		static const auto table = cubeTree(3, 1500), cube = cubeTree(0.5, 300);
+		EXPECT_FALSE(m_world.setQueryThreads(threads));
+		EXPECT_FALSE(m_world.setPairMemory(memories));
+		btISTEconomy economy;
+		economy.on = false;
+		EXPECT_FALSE(m_world.setEconomy(economy));
+		m_attachments.push_back(m_world.attach(&m_table, table).value());
+		m_attachments.push_back(m_world.attach(&m_cube, cube).value());
+		add(m_table, 0, {0, btScalar(-1.5), 0}, 0);
+		for (int i = 0; i < 6; ++i) add(m_cube, 20, {btScalar(0.7 * (i % 3) - 0.7), btScalar(0.2), btScalar(0.7 * (i / 3))}, btScalar(0.03 * i));
+	}
+	~Row()
+	{
+		for (const auto& body : m_bodies) m_world.bullet().removeRigidBody(body.get());
+	}
+	void step() { EXPECT_FALSE(m_world.step(0.001)); }
+	btISTWorld& world() { return m_world; }
+	btRigidBody& body(int i) { return *m_bodies[size_t(i)]; }
+
+private:
+	void add(btCollisionShape& shape, btScalar mass, const btVector3& at, btScalar tilt)
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) shape.calculateLocalInertia(mass, inertia);
+		m_bodies.push_back(std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, &shape, inertia)));
+		m_bodies.back()->setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 1).normalized(), tilt), at));
+		m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+		EXPECT_FALSE(m_world.materials().set(m_bodies.back().get(), {kSoft, 5}));
+		m_bodies.back()->setLinearVelocity(mass > 0 ? btVector3(btScalar(0.1), btScalar(-0.05), 0) : btVector3(0, 0, 0));
+		m_world.bullet().addRigidBody(m_bodies.back().get());
+	}
+
+	btISTWorld m_world;
+	btBoxShape m_table{btVector3(1.5, 1.5, 1.5)}, m_cube{btVector3(0.25, 0.25, 0.25)};
+	std::vector<btISTAttachment> m_attachments;
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+};
+
+int remembering(Row& row)
+{
+	const auto& contacts = row.world().contacts().contacts();
+	return int(std::count_if(contacts.begin(), contacts.end(), [](const btISTContact* contact) { return contact->memory != nullptr; }));
+}
+
+/// What the last step found, against queries of their own.
+void expectAsAlone(Row& row, ist::QueryWorkspace& workspace)
+{
+	for (const btISTContact* contact : row.world().contacts().contacts())
+	{
+		const ist::OverlapResult alone = ist::queryOverlap(*contact->treeA, *contact->treeB, contact->X_AB, workspace);
+		const double slack = 1e-5 * alone.total.volume + 1e-15;
+		ASSERT_EQ(contact->total.pairs, alone.total.pairs);
+		ASSERT_NEAR(contact->total.volume, alone.total.volume, slack);
+		ASSERT_LT(norm(contact->total.normalA.force - alone.total.normalA.force), slack);
+		ASSERT_LT(norm(contact->total.normalB.torque - alone.total.normalB.torque), 3 * slack);
+		double sum = 0;
+		for (int i = 0; i < contact->patchCount; ++i) sum += contact->patches[i].volume;
+		ASSERT_NEAR(sum, contact->total.volume, slack);
+	}
+}
+}  // namespace
+
+TEST(PairMemoryOfAWorld, FindsWhatEachQueryWouldFindAndSearchesSeldom)
+{
+	int64_t visits[2];
+	for (const int memories : {0, 16})
+	{
+		Row row(1, memories);
+		ist::QueryWorkspace workspace;
+		for (int i = 0; i < 200; ++i)
+		{
+			row.step();
+			expectAsAlone(row, workspace);
+		}
+		EXPECT_EQ(row.world().registration().pairMemory(), memories);
+		EXPECT_EQ(remembering(row), std::min(memories, 6));
+		visits[memories > 0] = row.world().contacts().cost().nodeVisits;
+	}
+	EXPECT_LT(4 * visits[1], visits[0]);
+}
+
+TEST(PairMemoryOfAWorld, BodiesMoveAsWithout)
+{
+	Row with(2, 16), without(1, 0);
+	for (int i = 0; i < 400; ++i)
+	{
+		with.step();
+		without.step();
+	}
+	for (int i = 1; i <= 6; ++i)
+	{
+		const btVector3 a = with.body(i).getWorldTransform().getOrigin(), b = without.body(i).getWorldTransform().getOrigin();
+		// Friction is shared by patches that are some steps older: a hundredth of how deep the cubes sink.
+		EXPECT_LT(double(a.distance(b)), 5e-4) << i;
+	}
+	EXPECT_LT(double(with.world().statistics().contactsTurnedOver), 1);
+}
+
+TEST(PairMemoryOfAWorld, IsGivenBackWhenAPairParts)
+{
+	Row row(1, 2);
+	for (int i = 0; i < 5; ++i) row.step();
+	EXPECT_EQ(remembering(row), 2);
+	// Those that have one leave; the others get theirs.
+	std::vector<btRigidBody*> away;
+	for (const btISTContact* contact : row.world().contacts().contacts())
+		if (contact->memory) away.push_back(static_cast<btRigidBody*>(const_cast<btCollisionObject*>(contact->bodyA->isStaticObject() ? contact->bodyB : contact->bodyA)));
+	for (btRigidBody* body : away) body->translate(btVector3(0, 5, 0));
+	for (int i = 0; i < 5; ++i) row.step();
+	EXPECT_EQ(remembering(row), 2);
+	ist::QueryWorkspace workspace;
+	expectAsAlone(row, workspace);
+	EXPECT_FALSE(row.world().setPairMemory(0));
+	EXPECT_EQ(remembering(row), 0);
+	row.step();
+	expectAsAlone(row, workspace);
+}
+
+TEST(PairMemoryOfAWorld, ASteadyStepAllocatesNothing)
+{
+	Row row(1, 16);
+	for (int i = 0; i < 120; ++i) row.step();
+	long least = 1000000;
+	for (int i = 0; i < 20; ++i)
+	{
+		const long before = allocationCount();
+		row.step();
+		least = std::min(least, allocationCount() - before);
+	}
+	EXPECT_EQ(least, 0);
+}
+
+TEST(PairMemoryOfAWorld, RefusesWhatIsOutOfRange)
+{
+	btISTWorld world;
+	EXPECT_TRUE(world.setPairMemory(-1));
+	EXPECT_TRUE(world.setPairMemory(1025));
+	EXPECT_TRUE(world.setPairMemory(4, 0));
+	EXPECT_FALSE(world.setPairMemory(4, 1));
+}
