@@ -35,8 +35,9 @@ struct GraspLoad
 {
 	std::string name;
 	double accepted = 0;  ///< force error that the world accepts; 0: the leaves answer
+	bool remembers = false;  ///< pairs remember which leaves were near (btISTWorld::setPairMemory)
 	std::vector<GraspLoadTick> ticks;  ///< those with contact only
-	std::vector<GraspLoadError> errors;  ///< where an error is accepted: of all contacts of some ticks
+	std::vector<GraspLoadError> errors;  ///< where not every query searches among the leaves: of all contacts of some ticks
 	size_t handSpheres = 0, objectSpheres = 0;
 	double step = 0;
 	bool held = false;
@@ -57,7 +58,7 @@ struct GraspLoadOutcome
 
 /// The load of Weller et al.'s grasping: 16 parts of 5,000 spheres and an object of 10,000, contact, response and heat map in each tick of a
 /// millisecond; the map looks at one part a tick. Once with the hand as it is, and with skins so soft that fingers sink in about as far as those
-/// of a hand that nothing holds back; each with the leaves, and with accepted force errors. Queries have two threads. What two free cores would take is the
+/// of a hand that nothing holds back; each with the leaves, with leaves that pairs remember, and with accepted force errors. Queries have two threads. What two free cores would take is the
 /// owner's own time and that of the busier thread, the queries dealt in the order in which they are claimed: it does not depend on what else the machine
 /// does, and leaves out that two cores share memory. Offline: a minute for the trees that the cache lacks.
 ist::Result<GraspLoadOutcome> runGraspLoad(const GraspLoadOptions& options);

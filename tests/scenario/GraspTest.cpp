@@ -232,9 +232,9 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	options.grasp.cache = TREE_FOLDER;
 	const auto outcome = runGraspLoad(options);
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	// Three skins, each with the leaves and with two accepted errors.
-	ASSERT_EQ(outcome.value().loads.size(), 9u);
-	const GraspLoad &firm = outcome.value().loads[0], &middle = outcome.value().loads[3], &soft = outcome.value().loads[6];
+	// Three skins, each with the leaves, with leaves that are remembered, and with two accepted errors.
+	ASSERT_EQ(outcome.value().loads.size(), 12u);
+	const GraspLoad &firm = outcome.value().loads[0], &middle = outcome.value().loads[4], &soft = outcome.value().loads[8];
 	// Closing to shaking, at 500 Hz.
 	EXPECT_GT(firm.ticks.size(), 1200u);
 	EXPECT_LT(firm.ticks.size(), 1700u);
@@ -247,7 +247,11 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	EXPECT_LE(firm.quantileMicroseconds(0.5), firm.quantileMicroseconds(0.99));
 	for (const GraspLoad& load : outcome.value().loads)
 	{
-		EXPECT_EQ(load.errors.empty(), load.accepted == 0) << load.name;
+		EXPECT_EQ(load.errors.empty(), load.accepted == 0 && !load.remembers) << load.name;
+		if (load.remembers)
+		{
+			EXPECT_LT(load.quantileError(1, &GraspLoadError::found), 1e-4) << load.name;
+		}
 		for (const GraspLoadTick& tick : load.ticks)
 		{
 			ASSERT_GE(tick.twoMicroseconds, tick.oneMicroseconds - 0.5001 * tick.queryMicroseconds);
