@@ -217,15 +217,6 @@ void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
 }
 
-void moveBlocks(PairSearch& s, const uint32_t* balls, int count)
-{
-	for (int k = 0; k < count; ++k)
-	{
-		const uint32_t block = balls[k] / BallBlock::kWidth;
-		if (s.moved[block].epoch != s.epoch) moveBlock(s, block, s.moved[block]);
-	}
-}
-
 /// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
 int ballsNearBlocks(PairSearch& s, int first, int end)
 {

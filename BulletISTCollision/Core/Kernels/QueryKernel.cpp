@@ -8,5 +8,5 @@
 
 namespace ist::kernels
 {
-const QueryKernel IST_KERNEL{search, moveBlocks, sift, evaluate, refine, sumGroup, joinCone, joinNearest};
+const QueryKernel IST_KERNEL{search, sift, evaluate, refine, sumGroup, joinCone, joinNearest};
 }

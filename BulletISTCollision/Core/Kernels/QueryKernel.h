@@ -170,8 +170,6 @@ struct PatchList
 struct QueryKernel
 {
 	void (*search)(PairSearch& search);
-	/// Moves the blocks of these balls of B, where that is still to be done.
-	void (*moveBlocks)(PairSearch& search, const uint32_t* balls, int count);
 	/// Drops pairs whose ellipsoids are surely apart from a list in place; returns the new length. Reads up to kListSlack entries behind
 	/// the end.
 	int (*sift)(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count);
