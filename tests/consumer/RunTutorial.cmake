@@ -1,0 +1,9 @@
+# Installs into a folder and does there what the tutorial says. BUILD, SOURCE (the project), WORK.
+cmake_minimum_required(VERSION 3.25)
+
+include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+run(python3 ${SOURCE}/tests/docs/run_tutorial.py ${SOURCE}/docs/tutorial.md ${WORK}/prefix ${WORK}/folders)
+message(STATUS "${text}")
