@@ -37,8 +37,8 @@ public:
 	/// `distance` is the bound and `triangle` is UINT32_MAX.
 	Closest closest(const Vec3& p, double upperBound = 1e300) const;
 
-	/// Replaces `out` by the triangles within `reach` of p (unsigned distance [m], index), in no order to rely on; false, and not all of
-	/// them, where there are more than `most`.
+	/// Replaces `out` by the triangles within `reach` of p (unsigned distance [m], index), in no order to rely on; false, and `out` of no
+	/// use, where there are more than `most`.
 	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
 
 	/// Generalised winding number: 1 inside, 0 outside a closed mesh (Jacobson et al. 2013), from exact solid angles of near

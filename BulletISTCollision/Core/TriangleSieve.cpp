@@ -11,6 +11,7 @@ namespace ist
 namespace
 {
 constexpr float farAway = 1e18f;  // its square, three times over, still fits
+constexpr double farthestPoint = 1e17;
 constexpr double beyond = -1;
 constexpr double largestSquare = 1e35;
 constexpr double floatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
@@ -66,7 +67,10 @@ struct TriangleSieve::Point
 	Lanes x, y, z;
 	float rounding;  // of a coordinate [m]
 
-	Point(const Vec3& p, float slack) : x(Lanes{} + float(p.x)), y(Lanes{} + float(p.y)), z(Lanes{} + float(p.z)), rounding(slack) {}
+	Point(const Vec3& p, float slack) : x(Lanes{} + near(p.x)), y(Lanes{} + near(p.y)), z(Lanes{} + near(p.z)), rounding(slack) {}
+
+	/// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what `farAway` stands for.
+	static float near(double coordinate) { return float(std::clamp(coordinate, -farthestPoint, farthestPoint)); }
 
 	/// What lies in the cylinders is not nearer; squared.
 	inline Bounds lowerBounds(const Cylinders& c) const

@@ -10,7 +10,7 @@
 
 namespace ist
 {
-/// The same hierarchy eight wide, in single precision and rounded outwards: it rules out, and the
+/// The same hierarchy eight wide, in single precision with a slack for its rounding: it rules out, and the
 /// exact triangles decide, so that the answers are those of double precision.
 class TriangleSieve
 {
@@ -42,7 +42,7 @@ private:
 	static constexpr uint32_t kLeafBit = 0x80000000u;
 	// Every level leaves at most seven siblings behind.
 	static constexpr int kStackSize = (kWidth - 1) * TriangleHierarchy::kMostLevels + 8;
-	// Boxes this much (relative, squared) beyond the best distance are still opened: rounding must not hide an equally near triangle.
+	// Triangles whose planes are this much (relative, squared) beyond the best distance are still asked: rounding must not hide an equally near one.
 	static constexpr double kPruneSlack = 1 + 1e-13;
 
 	struct alignas(16) Planes

@@ -14,7 +14,7 @@ namespace
 {
 constexpr std::uint32_t kNowhere = UINT32_MAX;
 constexpr int kLargest = 16384;
-/// Some 3 GB: of the picture 8 bytes a texel, and as much again while it is painted; of what covers it 32.
+/// Some 5 GB: of the picture 8 bytes a texel, and as much again while it is painted; of what covers it 32.
 constexpr double kMostTexels = 1 << 26, kMostCovered = 1 << 27;
 constexpr double kMostRepeats = 64, kFurthest = 1e6, kReach = 0.01;
 
