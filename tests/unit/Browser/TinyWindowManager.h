@@ -20,9 +20,17 @@ public:
 		if (!m_display) return;
 		m_state = XInternAtom(m_display, "WM_STATE", False);
 		m_changeState = XInternAtom(m_display, "WM_CHANGE_STATE", False);
-		m_before = XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // of windows that were closed meanwhile
+		refused() = false;
+		// Other errors are of windows that were closed meanwhile.
+		m_before = XSetErrorHandler(
+			[](Display*, XErrorEvent* error)
+			{
+				if (error->error_code == BadAccess) refused() = true;
+				return 0;
+			});
 		XSelectInput(m_display, DefaultRootWindow(m_display), SubstructureRedirectMask | SubstructureNotifyMask);
 		XSync(m_display, False);
+		m_manages = !refused();
 		m_thread = std::thread([this] { live(); });
 	}
 	~TinyWindowManager()
@@ -33,9 +41,16 @@ public:
 		XCloseDisplay(m_display);
 		XSetErrorHandler(m_before);
 	}
+	/// False without a display, and on one that has a window manager.
+	bool manages() const { return m_manages; }
 	int minimised() const { return m_minimised; }
 
 private:
+	static std::atomic<bool>& refused()
+	{
+		static std::atomic<bool> is{false};
+		return is;
+	}
 	void setState(Window window, long state) const
 	{
 		const long data[2] = {state, None};
@@ -77,6 +92,7 @@ private:
 	}
 
 	Display* m_display;
+	bool m_manages = false;
 	XErrorHandler m_before = nullptr;
 	Atom m_state = 0, m_changeState = 0;
 	std::atomic<bool> m_ending{false};
