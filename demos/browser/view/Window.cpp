@@ -181,6 +181,7 @@ void loop(GLFWwindow* window, Browser& browser, Gui& gui, const WindowOptions& o
 		if (browser.wantsPicture()) savePictureOf(width, height, freeName(options.pictureFolder));
 		if (!options.screenshot.empty() && picture + 1 == options.pictures) savePictureOf(width, height, options.screenshot);
 		glfwSwapBuffers(window);
+		if (options.afterPicture) options.afterPicture();
 	}
 }
 }  // namespace

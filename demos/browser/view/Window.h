@@ -22,6 +22,7 @@ struct WindowOptions
 	std::string device;            ///< address of a device that moves what the hand holds; empty: the mouse alone
 	std::vector<std::pair<int, int>> sizes;  ///< what becomes of the window before each of its first pictures, as a user may do it; {0, 0}: minimised
 	std::function<void(bool minimised)> beforePicture;  ///< for those who watch; may be empty
+	std::function<void()> afterPicture;  ///< once one is drawn; may be empty
 	std::string screenshot;        ///< of the last picture before it closes itself, panels and all; empty: none
 };
 

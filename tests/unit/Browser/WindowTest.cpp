@@ -91,13 +91,16 @@ TEST(Window, RestsWhileItIsMinimised)
 	for (int i = 0; i < 12; ++i) options.sizes.push_back({500, 400});
 	options.pictures = static_cast<long long>(options.sizes.size());
 	std::vector<bool> minimised;
-	options.beforePicture = [&](bool is) { minimised.push_back(is); };
+	std::vector<int> drawn;
+	options.beforePicture = [&](bool is) { minimised.push_back(is), drawn.push_back(0); };
+	options.afterPicture = [&] { ++drawn.back(); };
 	options.screenshot = (std::filesystem::temp_directory_path() / ("minimised-test-" + std::to_string(::getpid()) + ".png")).string();
 	OPEN_OR_SKIP(options);
 	EXPECT_GE(manager.minimised(), 1);
 	ASSERT_EQ(minimised.size(), options.sizes.size());
 	EXPECT_TRUE(minimised[23]);
 	EXPECT_FALSE(minimised.back());
+	for (size_t i = 0; i < drawn.size(); ++i) EXPECT_EQ(drawn[i], minimised[i] ? 0 : 1) << i;
 	const auto picture = loadPicture(options.screenshot);
 	std::filesystem::remove(options.screenshot);
 	ASSERT_TRUE(picture) << picture.error().message;
