@@ -6,19 +6,37 @@
 #include "tests/fuzz/Promises.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
-#include <unistd.h>
 
 using fuzz::require;
 
+namespace
+{
+/// Of this process alone, and gone with it.
+struct Folder
+{
+	std::filesystem::path path;
+	Folder()
+	{
+		std::string name = (std::filesystem::temp_directory_path() / "fuzz_mesh_file.XXXXXX").string();
+		require(mkdtemp(name.data()), "a folder for the file");
+		path = name;
+	}
+	~Folder()
+	{
+		std::error_code ignored;
+		std::filesystem::remove_all(path, ignored);
+	}
+};
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-	static const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("fuzz_mesh_file." + std::to_string(getpid()));
-	static const bool made = std::filesystem::create_directories(folder);
-	require(made, "a folder for the file");
+	static const Folder folder;
 	if (size == 0) return 0;
 	static constexpr const char* endings[] = {".obj", ".stl"};
-	const std::string path = folder / (std::string("mesh") + endings[data[0] % 2]);
+	const std::string path = folder.path / (std::string("mesh") + endings[data[0] % 2]);
 	std::FILE* file = std::fopen(path.c_str(), "wb");
 	require(file && std::fwrite(data + 1, 1, size - 1, file) == size - 1, "the file is written");
 	std::fclose(file);
