@@ -217,12 +217,15 @@ TEST_P(VendorPlugin, LooksForTheVendorsOwnFile)
 {
 	if (!GetParam().variable) return;
 	unsetenv(GetParam().variable);
+	int listed = 0;
 	for (const DriverReport& driver : DeviceRegistry().drivers())
 	{
 		if (driver.scheme != GetParam().name) continue;
+		++listed;
 		// Empty: it is installed here.
 		EXPECT_TRUE(driver.missing.empty() || driver.missing.find(GetParam().shipped) != std::string::npos) << driver.missing;
 	}
+	EXPECT_EQ(listed, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Mocks, VendorPlugin, testing::ValuesIn(kVendors), [](const auto& info) { return std::string(info.param.name); });
