@@ -19,13 +19,13 @@ namespace
 constexpr int64_t kHandSpheres = 5000, kObjectSpheres = 10000;
 constexpr double kStep = 0.001, kMostRate = 1000;
 constexpr double kSoftSkin = 6e6, kMiddleSkin = 1e7, kDeepSqueeze = 0.04;  // [Pa/m], [m]
-/// The paper's estimator errs by 40 % and more (NUMBERS.md, the dial).
 struct Way
 {
-	double accepted;
+	double accepted;  // error, as a share of the force
 	bool remembers;
 	const char* name;
 };
+/// The paper's estimator errs by 40 % and more (NUMBERS.md, the dial).
 constexpr Way kWays[] = {{0, false, ""}, {0, true, ", leaves remembered"}, {0.1, false, ", 10 % accepted"}, {0.3, false, ", 30 % accepted"}};
 constexpr int kMemories = 32;  // pairs of bodies
 constexpr int kErrorEvery = 25;  ///< ticks
