@@ -8,9 +8,9 @@ namespace browser
 {
 namespace
 {
-// Further apart than two rungs, so that what is taken back does not prove too slow at once.
+// Further apart than most rungs, so that what is taken back seldom proves too slow at once.
 constexpr double kTooLong = 1.0 / 12, kFast = 1.0 / 40;  // [s]
-constexpr int kPatience = 60;
+constexpr int kPatience = 60, kMostCaution = 64;
 
 /// What is missed least goes first: pixels, and spheres that have hardly one, then shadows.
 constexpr RenderQuality kLadder[] = {{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1}, {0.35, 0, 512, false, 1}};
@@ -20,14 +20,19 @@ void AffordableQuality::took(double seconds)
 {
 	m_slow = seconds > kTooLong ? m_slow + 1 : 0;
 	m_fast = seconds < kFast ? m_fast + 1 : 0;
+	// Taken back, and fast: there was time for it.
+	if (m_tookBack && m_fast >= kPatience) m_caution = 1;
 	// One slow picture may be due to anything.
 	if (m_slow >= 2) turn(1);
-	else if (m_fast >= kPatience) turn(-1);
+	else if (m_fast >= m_caution * kPatience) turn(-1);
 }
 
 void AffordableQuality::turn(int by)
 {
+	if (m_tookBack && by > 0) m_caution = std::min(2 * m_caution, kMostCaution);
+	const int before = m_rung;
 	m_rung = std::clamp(m_rung + by, 0, int(std::size(kLadder)) - 1);
+	m_tookBack = m_rung < before;
 	m_slow = m_fast = 0;
 }
 

@@ -72,6 +72,26 @@ TEST(AffordableQuality, IsSoonFastEnoughAndStaysSo)
 	}
 }
 
+// Where a rung between fast and too slow is missing: taken back, it is given up again, ever less often, and at most once a minute in the end.
+TEST(AffordableQuality, TriesEverLessOftenWhatProvedTooSlow)
+{
+	for (const Machine& machine : {Machine{0, 0.3, 0.005}, Machine{0.01, 0.1, 0.005}})
+	{
+		AffordableQuality affordable;
+		EXPECT_GT(run(affordable, machine, 1000).slow, 2);
+		run(affordable, machine, 20000);
+		EXPECT_LE(run(affordable, machine, 38400).slow, 2 * 10);
+		// A lighter demo has all of it back soon, though.
+		run(affordable, {0.01, 0.001, 0.001}, 4200);
+		EXPECT_EQ(affordable.quality().pixels, 1);
+		EXPECT_GT(affordable.quality().shadowTaps, 0);
+		// That one was not to blame: the next heavy one is asked as often as the first.
+		run(affordable, {0.4, 1, 0.01}, 100);
+		run(affordable, {0.01, 0.001, 0.001}, 2000);
+		EXPECT_EQ(affordable.quality().pixels, 1);
+	}
+}
+
 TEST(AffordableQuality, TakesBackWhatItGaveUp)
 {
 	AffordableQuality affordable;
