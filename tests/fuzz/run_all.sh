@@ -1,13 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
 # Every fuzzer of a build by clang (see CMakeLists.txt) for so many seconds each, one after the other; what it finds stays in FOLDER/NAME.
-# Usage: run_all.sh BUILD SECONDS FOLDER [NAME...]       an hour each: run_all.sh build/fuzz 3600 found
+# Usage: run_all.sh BUILD SECONDS FOLDER [NAME...]       an hour each: run_all.sh build/fuzz 3600 build/found
 set -u
 build=$1 seconds=$2 folder=$3
 shift 3
 source=$(cd "$(dirname "$0")/../.." && pwd)
 names=("$@")
 [ ${#names[@]} -gt 0 ] || for program in "$build"/tests/fuzz/fuzz_*; do [ -x "$program" ] && [ -f "$program" ] && names+=("${program##*/fuzz_}"); done
+[ ${#names[@]} -gt 0 ] || { echo "no fuzzers in $build/tests/fuzz: build them first"; exit 1; }
+for name in "${names[@]}"; do
+	"$build/tests/fuzz/fuzz_$name" -help=1 2>&1 </dev/null | grep -q max_total_time || { echo "$build/tests/fuzz/fuzz_$name is not there, or has no libFuzzer: configure with clang (CONTRIBUTING.md)"; exit 1; }
+done
 status=0
 for name in "${names[@]}"; do
 	corpus=$folder/$name/corpus
