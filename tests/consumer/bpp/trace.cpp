@@ -14,7 +14,7 @@ namespace
 {
 struct Trace
 {
-	std::FILE* file = std::fopen(std::getenv("TRACE"), "w");
+	std::FILE* file = std::fopen(std::getenv("TRACE") ? std::getenv("TRACE") : "/dev/null", "w");
 	std::vector<double> milliseconds;
 	~Trace()
 	{
