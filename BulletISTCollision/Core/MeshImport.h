@@ -14,7 +14,7 @@ namespace ist
 /// all coordinates by `unit` (metres per unit of the file). Points and lines are ignored. Duplicate positions are not welded:
 /// that is repair's work. Errors: file missing or unreadable, no triangles, coordinates that are not finite (names the first one) or
 /// that lie so far from the origin that single precision, in which assimp reads them, blurs the shape. Stage "import": the share of the
-/// file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file is parsed. Files from strangers belong into a process of their
+/// file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file is parsed. Files from strangers belong in a process of their
 /// own (`ist build`): on damaged OFF and PLY files assimp 5.2.5 may crash.
 Result<Mesh> importMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
 
