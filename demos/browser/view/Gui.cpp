@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace browser
@@ -93,18 +94,19 @@ void Gui::end(unsigned target, int width, int height)
 
 namespace
 {
-/// Where a label of this size goes whose lower left corner is wanted at `at`: there, or above those that are in its way.
-ImVec2 freePlace(ImVec2 at, const ImVec2& size, const std::vector<ImRect>& taken)
+constexpr int kMostMoves = 12;
+
+/// Where a label of this size goes whose lower left corner is wanted at `at`: there, or above those that are in its way. None where that would be far off.
+std::optional<ImVec2> freePlace(ImVec2 at, const ImVec2& size, const std::vector<ImRect>& taken)
 {
-	// Each of them can be in the way once.
-	for (size_t moves = 0; moves <= taken.size(); ++moves)
+	for (int moves = 0; moves <= kMostMoves; ++moves)
 	{
 		const ImRect wanted({at.x, at.y - size.y}, {at.x + size.x, at.y});
 		const auto other = std::find_if(taken.begin(), taken.end(), [&](const ImRect& t) { return t.Overlaps(wanted); });
-		if (other == taken.end()) break;
+		if (other == taken.end()) return at;
 		at.y = other->Min.y;
 	}
-	return at;
+	return std::nullopt;
 }
 }  // namespace
 
@@ -119,10 +121,11 @@ void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, const
 		const ImVec2 letters = ImGui::CalcTextSize(text.text.c_str());
 		const float pad = 0.25f * letters.y;
 		const ImVec2 size{letters.x + 2 * pad, letters.y + 0.8f * pad};
-		const ImVec2 corner = freePlace({float(area.left + (*at)[0] * area.width), float((*at)[1] * area.height) - 0.6f * pad}, size, taken);
-		taken.push_back({{corner.x, corner.y - size.y}, {corner.x + size.x, corner.y}});
+		const auto corner = freePlace({float(area.left + (*at)[0] * area.width), float((*at)[1] * area.height) - 0.6f * pad}, size, taken);
+		if (!corner) continue;
+		taken.push_back({{corner->x, corner->y - size.y}, {corner->x + size.x, corner->y}});
 		to.AddRectFilled(taken.back().Min, taken.back().Max, IM_COL32(255, 255, 255, 205), pad);
-		to.AddText({corner.x + pad, corner.y - size.y + 0.4f * pad}, ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
+		to.AddText({corner->x + pad, corner->y - size.y + 0.4f * pad}, ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
 	}
 	to.PopClipRect();
 }

@@ -91,7 +91,7 @@ TEST(ScenePainter, LabelsDoNotHideEachOther)
 		rig.gui->end(rig.target->frame(), Rig::kWidth, Rig::kHeight);
 		return rig.target->read();
 	};
-	const Picture none = picture(0);
+	Picture none = picture(0);
 	const auto covered = [&](int count)
 	{
 		const Picture with = picture(count);
@@ -102,6 +102,11 @@ TEST(ScenePainter, LabelsDoNotHideEachOther)
 	const double one = covered(1);
 	ASSERT_GT(one, 100);
 	EXPECT_NEAR(covered(4), 4 * one, 0.3 * one);
+	// Nor do they climb without end: from near the lower edge all of these would still be in the picture.
+	camera.set({{0, 0.23, 0}, 1, 0.4, 0.3});
+	none = picture(0);
+	EXPECT_NEAR(covered(16), covered(13), 0.1 * one);
+	EXPECT_GT(covered(13), covered(12) + 0.5 * one);
 }
 
 TEST(Browser, OpensDemosAndSaysWhatItCannotOpen)
