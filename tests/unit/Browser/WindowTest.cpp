@@ -71,13 +71,17 @@ TEST(Window, NamesADeviceThatIsNotThere)
 	EXPECT_NE(failed->message.find("nosuchdriver"), std::string::npos) << failed->message;
 }
 
+// After four pictures; what is then said is Browser.ALostDeviceIsSaidAndTheDemoGoesOn.
 TEST(Window, StaysWhenItsDeviceIsLost)
 {
 	const RecordedHand recorded({0.05, 0, 0}, 4);
 	WindowOptions options = hello();
 	options.pictures = 12;
 	options.device = recorded.address();
+	int drawn = 0;
+	options.afterPicture = [&] { ++drawn; };
 	OPEN_OR_SKIP(options);
+	EXPECT_EQ(drawn, 12);
 }
 
 #ifdef HAS_X11

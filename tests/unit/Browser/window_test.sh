@@ -22,7 +22,7 @@ head -c 8 "$dir/window.png" 2>/dev/null | grep -q PNG || fail "it leaves a pictu
 [ ! -s "$dir/out" ] || fail "a window prints nothing to stdout"
 "$demos" $few --demo stack --beside-stock --show levels --frames 3 --size 640x360 --window-screenshot "$dir/halves.png" >"$dir/out" 2>"$dir/err" || fail "two halves open"
 cmp -s "$dir/window.png" "$dir/halves.png" && fail "two halves look otherwise"
-"$demos" $few --demo hello --frames 5 --size 320x240 --device sim:sigma7 >"$dir/out" 2>"$dir/err" || fail "a device leads the tool"
+"$demos" $few --demo hello --frames 5 --size 320x240 --device sim:sigma7 >"$dir/out" 2>"$dir/err" || fail "a window with a device opens and closes itself"
 "$tests" --gtest_filter='Window.*' >"$dir/out" 2>"$dir/err" || { cat "$dir/out"; fail "sizes, minimising, a device that is not there"; }
 grep -q SKIPPED "$dir/out" && fail "the window's own tests ran"
 
