@@ -111,9 +111,10 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	const btCollisionObjectWrapper* wrapB = swapped ? body0Wrap : body1Wrap;
 	if (m_contact)
 	{
-		if (m_context->memories) m_context->memories->serve(*m_contact);
 		if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
 		evaluate(wrapA, wrapB, *m_contact);
+		// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
+		if (m_context->memories) m_context->memories->serve(*m_contact, m_context->rules);
 		btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
 		return;
 	}
@@ -144,6 +145,7 @@ void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0W
 		m_contact->accuracy = ist::PairAccuracy();
 		m_contact->kept.forget();
 		m_contact->memory.reset();
+		if (m_context->threads) m_context->threads->drop(*m_contact);
 	}
 	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
 	info.m_dispatcher1 = m_dispatcher;

@@ -67,11 +67,21 @@ void btISTQueryThreads::askAhead(const btISTContactStore& store, const btISTQuer
 	if (free && m_count > 0) answerShared(own);
 }
 
+/// Trees are large, and memories few: nobody keeps them by an old answer.
+void btISTQueryThreads::letGo(Answer& answer)
+{
+	answer.contact.treeA.reset();
+	answer.contact.treeB.reset();
+	answer.contact.memory.reset();
+}
+
 /// Copies of the contacts that touched in the last pass, were asked for then, and come again.
 void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dispatcher)
 {
 	m_count = 0;
 	m_wanted.clear();
+	// What came late nobody took.
+	for (const auto& answer : m_answers) letGo(*answer);
 	int64_t sum = 0, largest = 0;
 	for (btISTContact* contact : store.contacts())
 	{
@@ -161,25 +171,35 @@ void btISTQueryThreads::measure(double ownMicroseconds)
 	m_shared.pathMicroseconds = *std::max_element(m_ends.begin(), m_ends.end());
 }
 
-bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
+/// Once: what it returns is closed. Null: none, or late.
+btISTQueryThreads::Answer* btISTQueryThreads::answerTo(btISTContact& contact)
 {
 	const int place = contact.ahead;
 	contact.ahead = -1;
-	if (place < 0 || place >= m_count) return false;
+	if (place < 0 || place >= m_count) return nullptr;
 	Answer& answer = *m_answers[size_t(place)];
-	if (answer.of != &contact || answer.pass != m_pass || answer.state.load(std::memory_order_acquire) != Answered) return false;
+	if (answer.of != &contact || answer.pass != m_pass || answer.state.load(std::memory_order_acquire) != Answered) return nullptr;
 	answer.state.store(Closed, std::memory_order_relaxed);
-	const bool holds = ist::isSame(answer.contact.X_AB, contact.X_AB);
+	return &answer;
+}
+
+bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
+{
+	Answer* answer = answerTo(contact);
+	if (!answer) return false;
+	const bool holds = ist::isSame(answer->contact.X_AB, contact.X_AB);
 	if (holds)
 	{
-		btISTPairQuery::copyAnswer(answer.contact, contact);
-		work = answer.work;
+		btISTPairQuery::copyAnswer(answer->contact, contact);
+		work = answer->work;
 	}
-	// Trees are large; nobody keeps them alive by an old answer.
-	answer.contact.treeA.reset();
-	answer.contact.treeB.reset();
-	answer.contact.memory.reset();
+	letGo(*answer);
 	return holds;
+}
+
+void btISTQueryThreads::drop(btISTContact& contact)
+{
+	if (Answer* answer = answerTo(contact)) letGo(*answer);
 }
 
 void btISTQueryThreads::help(Helper& helper)

@@ -26,6 +26,8 @@ public:
 	void meet(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher);
 	/// The answer for `contact` at its X_AB; false where there is none.
 	bool take(btISTContact& contact, btISTQueryWork& work);
+	/// `contact` wants none any more.
+	void drop(btISTContact& contact);
 
 	int count() const { return int(m_helpers.size()) + 1; }
 	/// What was shared in the last step, or in the one in progress; `step` of the store.
@@ -59,6 +61,8 @@ private:
 
 	bool isFree() const;
 	void askAhead(const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher);
+	static void letGo(Answer& answer);
+	Answer* answerTo(btISTContact& contact);
 	void gather(const btISTContactStore& store, btDispatcher& dispatcher);
 	void answerShared(ist::QueryWorkspace& own);
 	void answer(Answer& answer, ist::QueryWorkspace& workspace) const;

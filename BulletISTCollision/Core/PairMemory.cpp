@@ -47,6 +47,12 @@ PairMemory::Implementation::Implementation(int pairs)
 	m_patchOf.resize(a.size());
 }
 
+void PairMemory::Implementation::forget()
+{
+	valid = false;
+	m_A = m_B = nullptr;
+}
+
 bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
 {
 	const bool same = m_A == &A && m_B == &B && m_ballsA == A.balls.size() && m_ballsB == B.balls.size() && m_model == options.model &&
@@ -125,5 +131,5 @@ PairMemory::PairMemory(int pairs) : m_impl(std::make_unique<Implementation>(pair
 PairMemory::~PairMemory() = default;
 PairMemory::PairMemory(PairMemory&&) noexcept = default;
 PairMemory& PairMemory::operator=(PairMemory&&) noexcept = default;
-void PairMemory::forget() { m_impl->valid = false; }
+void PairMemory::forget() { m_impl->forget(); }
 }  // namespace ist

@@ -22,6 +22,8 @@ struct PairMemory::Implementation
 {
 	explicit Implementation(int pairs);
 
+	/// The bodies, too: where they were last is no motion of the next ones, though these may have the same trees.
+	void forget();
 	/// Whether what is remembered holds for this query; learns from its motion.
 	bool covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now);
 	/// The margin to fill the memory with [m]; 0: this query had better not.
