@@ -237,12 +237,22 @@ std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double
 std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, int leafPairs)
 {
 	constexpr int kMostMemories = 1024, kMostLeafPairs = 10000000;
+	constexpr int64_t kMostTogether = 200000000;  // some 3 GB
 	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a memory"};
 	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a memory can have room for 1 to 10000000 pairs of leaves"};
+	if (int64_t(pairsOfBodies) * leafPairs > kMostTogether) return ist::Error{"all memories together can have room for 200000000 pairs of leaves"};
+	std::unique_ptr<btISTPairMemories> memories;
+	try
+	{
+		if (pairsOfBodies > 0) memories = std::make_unique<btISTPairMemories>(pairsOfBodies, leafPairs);
+	}
+	catch (const std::bad_alloc&)
+	{
+		return ist::Error{"there is no room for so many memories; fewer, or for fewer pairs of leaves, take less"};
+	}
 	btISTContext& context = *m_installation->context;
 	for (btISTContact* contact : context.store.contacts()) contact->memory.reset();
-	context.memories.reset();
-	if (pairsOfBodies > 0) context.memories = std::make_unique<btISTPairMemories>(pairsOfBodies, leafPairs);
+	context.memories = std::move(memories);
 	return std::nullopt;
 }
 

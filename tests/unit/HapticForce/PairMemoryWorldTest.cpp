@@ -275,5 +275,8 @@ TEST(PairMemoryOfAWorld, RefusesWhatIsOutOfRange)
 	EXPECT_TRUE(world.setPairMemory(-1));
 	EXPECT_TRUE(world.setPairMemory(1025));
 	EXPECT_TRUE(world.setPairMemory(4, 0));
+	EXPECT_TRUE(world.setPairMemory(4, 10000001));
 	EXPECT_FALSE(world.setPairMemory(4, 1));
+	EXPECT_TRUE(world.setPairMemory(1024, 10000000)) << "170 GB";
+	EXPECT_EQ(world.registration().pairMemory(), 4) << "what was refused changes nothing";
 }
