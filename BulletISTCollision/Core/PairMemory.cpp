@@ -19,6 +19,10 @@ struct Ratios
 	double tooMany, few;
 };
 constexpr Ratios kWithShapes{1.9, 1.6}, kOfSpheres{1.6, 1.35};
+/// Intersecting pairs over the room: where more are found, no margin is worth its search, until they are clearly fewer.
+constexpr double kFull = 0.8, kRoomAgain = 0.6;
+/// By how much of it a grouping may change before the pairs are grouped anew.
+constexpr double kOldGrouping = 0.1;
 }  // namespace
 
 double SeenPose::motionTo(const Pose& other) const
@@ -65,7 +69,7 @@ bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, co
 		m_ballsB = B.balls.size();
 		m_model = options.model;
 		m_bounds = options.listMeetingBounds;
-		valid = false;
+		valid = m_full = false;
 		// Less than half of what lies between the middles of neighbouring balls.
 		m_most = 0.35 * now.reach / std::cbrt(double(std::max<size_t>(1, m_ballsB)));
 		m_step = -1;
@@ -81,7 +85,7 @@ bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, co
 
 double PairMemory::Implementation::marginToFill()
 {
-	if (m_step < 0 || !(m_step * kLeastSteps <= m_most)) return 0;
+	if (m_full || m_step < 0 || !(m_step * kLeastSteps <= m_most)) return 0;
 	return std::clamp(kWantedSteps * m_step, 0.25 * m_most, m_most);
 }
 
@@ -105,6 +109,8 @@ void PairMemory::Implementation::append(const uint32_t* pairA, const uint32_t* p
 
 void PairMemory::Implementation::end(int64_t found)
 {
+	m_full = double(found) > (m_full ? kRoomAgain : kFull) * double(a.size());
+	if (m_full || m_margin <= 0) return;
 	const Ratios limits = m_model == Model::Inner ? kOfSpheres : kWithShapes;
 	const double ratio = double(count) / double(std::max<int64_t>(1, found));
 	if (!valid || ratio > limits.tooMany) m_most *= 0.8;
@@ -125,6 +131,23 @@ void PairMemory::Implementation::divide(int patches)
 	a.swap(m_sortedA);
 	b.swap(m_sortedB);
 	m_patches = patches;
+}
+
+PairMemory::Implementation::Grouping::Grouping(const OverlapIntegrals* patches, int number)
+{
+	for (int p = 0; p < number; ++p)
+	{
+		pairs += patches[p].pairs;
+		volume += patches[p].volume;
+		aligned += norm(patches[p].normalA.force);
+	}
+}
+
+bool PairMemory::Implementation::isGrouping(const OverlapIntegrals* patches, int number) const
+{
+	const Grouping now(patches, number);
+	const bool asMany = std::fabs(double(now.pairs - m_grouped.pairs)) <= kOldGrouping * double(m_grouped.pairs);
+	return asMany && now.aligned * m_grouped.volume >= (1 - kOldGrouping) * m_grouped.aligned * now.volume;
 }
 
 PairMemory::PairMemory(int pairs) : m_impl(std::make_unique<Implementation>(pairs)) {}

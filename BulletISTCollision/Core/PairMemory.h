@@ -10,15 +10,16 @@ namespace ist
 /// What two bodies that move little from query to query need not be searched for again: the pairs that come within a margin of each other,
 /// good for as long as no point of B has moved by more than the margin, seen from A. One for each pair of bodies.
 ///
-/// Patches are remembered with their pairs: those of the query that filled the memory. What comes to touch since belongs to a patch of its
-/// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too.
+/// Patches are remembered with their pairs: those of the last query that grouped them. What comes to touch since belongs to a patch of its
+/// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too, until a tenth more
+/// or fewer pairs intersect, or normals within the patches cancel by a tenth more: then they are grouped anew.
 ///
 /// The margin follows the motion of the queries before; where bodies move too fast for it to pay, each query searches anew. The tick that
 /// fills the memory costs up to a third more than a query without.
 class PairMemory
 {
 public:
-	/// `pairs`: room; with more to remember, each query searches anew. Seventeen bytes each.
+	/// `pairs`: room; while more than four fifths of it intersect, each query searches anew. Seventeen bytes each.
 	explicit PairMemory(int pairs = 200000);
 	~PairMemory();
 	PairMemory(PairMemory&&) noexcept;

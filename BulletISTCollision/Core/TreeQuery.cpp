@@ -107,7 +107,7 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 bool TreeQuery::run()
 {
 	const bool answered = answer();
-	if (m_margin > 0) m_memory->end(m_result.total.pairs);
+	if (m_filled) m_memory->end(m_result.total.pairs);
 	return answered;
 }
 
@@ -121,13 +121,22 @@ bool TreeQuery::answer()
 	const int groups = m_grouped && m_result.pairListComplete
 						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
 						   : 0;
-	if (m_memory) rememberPatches(groups);
-	if (groups > 1) return publishPatches(groups), true;
+	const bool remembers = m_memory && rememberPatches(groups);
+	if (groups > 1)
+		publishPatches(groups);
+	else
+		publishWhole();
+	if (remembers) m_memory->note(m_result.patches, m_result.patchCount);
+	return true;
+}
+
+/// As one patch.
+void TreeQuery::publishWhole()
+{
 	if (m_listed > 0) m_work.kernel->sumGroup(m_bodies, m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
 	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit, m_damping);
 	m_result.patches = m_work.patches.data();
 	m_result.patchCount = m_result.total.pairs > 0 ? 1 : 0;
-	return true;
 }
 
 void TreeQuery::evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const
@@ -162,14 +171,15 @@ bool TreeQuery::find()
 	{
 		// Without a search most of a block's balls would be turned for nothing.
 		m_bodies.movedB = nullptr;
-		const bool whole = remembersPatches();
-		whole ? recallPatches() : recall();
-		return !whole;
+		if (remembersPatches() && recallPatches()) return false;
+		recall();
+		return true;
 	}
 	const double margin = m_memory ? m_memory->marginToFill() : 0;
 	m_margin = float(margin * (1 + 1e-6));
 	s.slack += m_margin;
 	if (m_memory) m_memory->begin(margin);
+	m_filled = m_memory != nullptr;
 	beginAtRoots(s);
 	Helper* helper = m_work.helper ? &m_work.helper->implementation() : nullptr;
 	const bool shareable = helper && !m_alone && m_margin == 0 && m_limits.pairs < 0 && !s.expired;
@@ -265,9 +275,10 @@ bool TreeQuery::remembersPatches() const
 	return m_grouped && !m_options.sortPairs && m_memory->patches() > 0 && m_memory->patches() <= m_limits.patches;
 }
 
-void TreeQuery::recallPatches()
+bool TreeQuery::recallPatches()
 {
 	int found = 0;
+	int64_t pairs = 0;
 	for (int p = 0; p < m_memory->patches(); ++p)
 	{
 		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
@@ -276,16 +287,22 @@ void TreeQuery::recallPatches()
 			evaluate(m_work.pairA, m_work.pairB, recallBatch(first, m_memory->firstOf(p + 1)), m_sums);
 		}
 		if (m_sums[kPairs] > 0) m_work.patches[size_t(found++)] = collect(m_sums, m_bodies.spreadUnit, m_damping);
+		pairs += int64_t(m_sums[kPairs]);
 	}
-	publishSums(found);
+	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
+	// More than a list holds would be one patch without a memory, too.
+	if ( m_memory->isGrouping(m_work.patches.data(), found)) return publishSums(found), true;
+	m_memory->dropPatches();
+	return false;
 }
 
-void TreeQuery::rememberPatches(int groups)
+bool TreeQuery::rememberPatches(int groups)
 {
-	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > PairMemory::Implementation::kMostPatches) return;
+	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > PairMemory::Implementation::kMostPatches) return false;
 	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.balls.size())};
 	m_work.grouper.extend(m_work.stream, m_listed, all, m_bodies.ballsA, m_memory->patchOf());
 	m_memory->divide(groups);
+	return true;
 }
 
 /// In place: those whose ellipsoids come within the margin.

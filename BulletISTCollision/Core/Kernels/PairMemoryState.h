@@ -30,7 +30,7 @@ struct PairMemory::Implementation
 	double marginToFill();
 	void begin(double wanted);
 	void append(const uint32_t* pairA, const uint32_t* pairB, int number);
-	/// `found`: of those remembered, the pairs that intersect.
+	/// After each search; `found`: the pairs that intersect.
 	void end(int64_t found);
 
 	/// Room for the patch of each remembered pair, for `divide`.
@@ -39,6 +39,11 @@ struct PairMemory::Implementation
 	void divide(int patches);
 	/// Into how many patches the pairs are divided; 0: not.
 	int patches() const { return m_patches; }
+	/// What the patches came to in the query whose pairs were grouped.
+	void note(const OverlapIntegrals* patches, int number) { m_grouped = Grouping(patches, number); }
+	/// Whether patches that come to this now are still a grouping: about as many pairs intersect, and each patch presses in one direction as it did.
+	bool isGrouping(const OverlapIntegrals* patches, int number) const;
+	void dropPatches() { m_patches = 0; }
 	size_t firstOf(int patch) const { return m_first[patch]; }
 
 	static constexpr int kMostPatches = 64;
@@ -47,6 +52,14 @@ struct PairMemory::Implementation
 	bool valid = false;
 
 private:
+	struct Grouping
+	{
+		Grouping() = default;
+		Grouping(const OverlapIntegrals* patches, int number);
+		int64_t pairs = 0;
+		double volume = 0, aligned = 0;  ///< what is left of the volume when normals cancel within each patch [m^3]
+	};
+
 	const BallTree *m_A = nullptr, *m_B = nullptr;
 	size_t m_ballsA = 0, m_ballsB = 0;
 	Model m_model = Model::Law;
@@ -59,5 +72,7 @@ private:
 	std::vector<uint32_t> m_sortedA, m_sortedB;  ///< of `divide`
 	size_t m_first[kMostPatches + 1] = {};
 	int m_patches = 0;
+	Grouping m_grouped;
+	bool m_full = false;  ///< what intersects leaves too little room for a margin
 };
 }  // namespace ist

@@ -62,16 +62,17 @@ private:
 	/// The next of the remembered pairs from `first` on, as if the search had found them; returns how many.
 	int recallBatch(size_t first, size_t end);
 	bool remembersPatches() const;
-	/// The whole answer, in the patches that the memory has.
-	void recallPatches();
+	/// The whole answer, in the patches that the memory has. False, and the memory has none any more, where these are no grouping of what intersects now.
+	bool recallPatches();
 	/// Remembers the patches of the pairs that were listed.
-	void rememberPatches(int groups);
+	bool rememberPatches(int groups);
 	int sift(int count, float margin);
 	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
 	void take(int count);
 	static bool isLate(void* query) { return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed(); }
 	void publishPatches(int groups);
+	void publishWhole();
 	void publishSums(int patches);
 	void publishPairs();
 	void evaluate(uint32_t* a, uint32_t* b, int count, double* sums) const;
@@ -87,6 +88,7 @@ private:
 	bool m_remembered = false;  ///< the memory holds for this pose
 	double m_lengthening = 1;   ///< of B by its pose, at most
 	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame
+	bool m_filled = false;  ///< the memory, with whatever the margin allowed
 	float m_margin = 0;  ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
 	DampingWeights m_damping;

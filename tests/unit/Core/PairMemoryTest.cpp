@@ -6,7 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <vector>
 
 using namespace ist;
 
@@ -154,7 +157,12 @@ TEST(PairMemory, NoticesOtherTreesAndOtherQuestions)
 	}
 	for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, memory);
 	memory.forget();
-	EXPECT_GT(queryOverlap(A, B, Pose{}, workspace, memory).nodeVisits, 0);
+	// Where these trees were last is nothing that they moved from.
+	Pose far;
+	far.translation.x = 0.5;
+	EXPECT_GT(queryOverlap(A, B, far, workspace, memory).nodeVisits, 0);
+	queryOverlap(A, B, far, workspace, memory);
+	EXPECT_EQ(queryOverlap(A, B, far, workspace, memory).nodeVisits, 0);
 	Pose bad;
 	bad.translation.x = NAN;
 	EXPECT_EQ(queryOverlap(A, B, bad, workspace, memory).status, QueryStatus::InvalidPose);
@@ -181,7 +189,7 @@ TEST(PairMemory, GroupsAndGatesAsWithout)
 	}
 }
 
-TEST(PairMemory, RemembersThePatchesOfTheQueryThatFilledIt)
+TEST(PairMemory, RemembersThePatchesOfItsPairs)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace, other;
@@ -189,24 +197,178 @@ TEST(PairMemory, RemembersThePatchesOfTheQueryThatFilledIt)
 	QueryOptions options;
 	options.stiffness = true;
 	Motion motion(A, B, 0.0005, 11);
-	std::vector<OverlapIntegrals> filled;
-	int compared = 0;
+	int compared = 0, older = 0;
 	for (int tick = 0; tick < 60; ++tick)
 	{
 		const Pose X = motion.next();
 		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options);
-		if (r.nodeVisits > 0) filled.assign(r.patches, r.patches + r.patchCount);
+		const std::vector<OverlapIntegrals> patches(r.patches, r.patches + r.patchCount);
 		// At the same pose the memory alone answers, if it holds.
 		const OverlapResult again = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
 		expectSameSums(again.total, fresh.total);
 		if (again.nodeVisits > 0) continue;
-		for (int i = 0; i < 21; ++i) EXPECT_NEAR(again.total.stiffnessA.m[i], fresh.total.stiffnessA.m[i], 1e-4 * norm(fresh.total.areaVector) + 1e-9);
-		ASSERT_EQ(again.patchCount, int(filled.size())) << tick;
-		// A pair or two in a thousand have come or gone since.
-		for (int p = 0; p < again.patchCount; ++p) EXPECT_NEAR(double(again.patches[p].pairs), double(filled[size_t(p)].pairs), 5 + 0.05 * double(filled[size_t(p)].pairs));
+		double scale = 0;
+		for (int i = 0; i < 6; ++i) scale = std::max(scale, std::fabs(fresh.total.stiffnessA(i, i)));
+		for (int i = 0; i < 21; ++i) EXPECT_NEAR(again.total.stiffnessA.m[i], fresh.total.stiffnessA.m[i], 1e-5 * scale);
+		ASSERT_EQ(again.patchCount, int(patches.size())) << tick;
+		for (int p = 0; p < again.patchCount; ++p) expectSameSums(again.patches[p], patches[size_t(p)]);
 		compared += again.patchCount > 1;
+		older += again.patchCount != fresh.patchCount || again.patches[0].pairs != fresh.patches[0].pairs;
 	}
 	EXPECT_GT(compared, 40);
+	EXPECT_GT(older, 10) << "they were grouped anew in every query";
+}
+
+namespace
+{
+/// Share of the volume that is left when normals cancel within each patch.
+double alignment(const OverlapResult& r)
+{
+	double sum = 0;
+	for (int p = 0; p < r.patchCount; ++p) sum += norm(r.patches[p].normalA.force);
+	return r.total.volume > 0 ? sum / r.total.volume : 1;
+}
+
+/// A row of balls across x, so far apart that each meets only the one across from it.
+void addWall(std::vector<MomentEllipsoid>& balls, double x, double normal, int count)
+{
+	for (int i = 0; i < count; ++i) balls.push_back(ballAt({x, 0.25 * i, 0}, {normal, 0, 0}));
+}
+
+/// A grid of such balls across z whose normals point to its middle from both sides, or, for -1, from it.
+InnerSphereTree slopes(double sign)
+{
+	std::vector<MomentEllipsoid> balls;
+	for (int i = 0; i < 12; ++i)
+		for (int j = 0; j < 12; ++j) balls.push_back(ballAt({0.25 * i, 0.25 * j, 0}, normalized(Vec3{i < 6 ? 2.0 : -2.0, 0, 1}) * sign));
+	return bodyOf(balls);
+}
+
+/// Tilted a little: a corner comes first.
+Pose above(double height) { return {rotationMatrix(quaternionFromRotationVector({-0.002, 0.002, 0})), {0, 0, height}}; }
+}  // namespace
+
+// A peg leaves one wall of its hole and comes to touch the other: that must not become part of the first one's patch.
+TEST(PairMemory, GroupsAnewWhatComesToTouchOnTheOtherSide)
+{
+	constexpr int kFirst = 12;
+	QueryCapacity capacity;
+	capacity.patches = 32;  // one for each pair
+	for (const int second : {1, kFirst})
+	{
+		std::vector<MomentEllipsoid> hole, peg;
+		addWall(hole, -1, 1, kFirst);
+		addWall(hole, 1, -1, second);
+		addWall(peg, -0.82, -1, kFirst);
+		addWall(peg, 0.82, 1, second);
+		const InnerSphereTree A = bodyOf(hole), B = bodyOf(peg);
+		QueryWorkspace workspace(capacity), other(capacity);
+		PairMemory memory;
+		int without = 0;
+		for (double at = -0.03; at < 0.002; at += 0.002)
+		{
+			Pose X;
+			X.translation.x = at;
+			const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+			expectSameSums(r.total, fresh.total);
+			ASSERT_NEAR(alignment(fresh), 1, 1e-5);
+			EXPECT_GE(alignment(r), 0.9 - 1e-5) << second << " at " << at;
+			without += r.nodeVisits == 0 && fresh.total.pairs == kFirst + second;
+		}
+		EXPECT_GT(without, 3);
+	}
+}
+
+// What is filled while nothing touches has no patches yet, and the first pair that touches does not found the only one.
+TEST(PairMemory, GroupsAnewWhileBodiesComeToTouch)
+{
+	const InnerSphereTree A = slopes(1), B = slopes(-1);
+	QueryWorkspace workspace, other;
+	PairMemory memory;
+	int without = 0;
+	for (double height = 0.215; height > 0.19; height -= 0.001)
+	{
+		const Pose X = above(height);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		expectSameSums(r.total, fresh.total);
+		EXPECT_GE(alignment(r), 0.9 * alignment(fresh) - 1e-6) << height;
+		without += r.nodeVisits == 0 && fresh.total.pairs > 0;
+	}
+	EXPECT_GT(without, 5);
+}
+
+TEST(PairMemory, AnswersWhatIsAskedThoughItWasAskedOtherwiseBefore)
+{
+	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
+	QueryCapacity few;
+	few.patches = 2;
+	QueryWorkspace workspace, narrow(few), other;
+	PairMemory memory;
+	Motion motion(A, B, 0.0005, 13);
+	int without = 0;
+	for (int tick = 0; tick < 60; ++tick)
+	{
+		const Pose X = motion.next();
+		QueryOptions options;
+		options.sortPairs = tick % 3 == 1;
+		options.patches = tick % 5 != 2;
+		const OverlapResult r = queryOverlap(A, B, X, tick % 4 == 3 ? narrow : workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		expectSamePairs(r, fresh);
+		expectSameSums(r.total, fresh.total);
+		EXPECT_LE(r.patchCount, tick % 4 == 3 ? 2 : 8);
+		EXPECT_TRUE(options.patches || r.patchCount == 1);
+		without += r.nodeVisits == 0;
+	}
+	EXPECT_GT(without, 40);
+}
+
+TEST(PairMemory, IsNotFilledWhileItsRoomIsTooSmall)
+{
+	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
+	QueryWorkspace workspace, other;
+	Pose X;
+	const int found = int(queryOverlap(A, B, X, other).total.pairs);
+	PairMemory memory(found);
+	int more = 0;
+	for (int tick = 0; tick < 20; ++tick)
+	{
+		X.translation.x += 0.0002;
+		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		EXPECT_GT(r.nodeVisits, 0);
+		more += r.ballTests > fresh.ballTests;
+	}
+	EXPECT_LE(more, 1) << "searches with a margin, for nothing";
+	// Half of them are gone.
+	X.translation.x = 1;
+	int without = 0;
+	for (int tick = 0; tick < 40; ++tick)
+	{
+		X.translation.x += 0.0002;
+		without += queryOverlap(A, B, X, workspace, memory).nodeVisits == 0;
+	}
+	EXPECT_GT(without, 15);
+}
+
+TEST(PairMemory, AListThatIsTooShortIsCutAsWithout)
+{
+	const InnerSphereTree A = slopes(1), B = slopes(-1);
+	QueryCapacity capacity;
+	capacity.pairs = 70;  // half of those that come to touch
+	QueryWorkspace workspace(capacity), other(capacity);
+	PairMemory memory;
+	int whole = 0, cut = 0;
+	for (double height = 0.215; height > 0.19; height -= 0.0005)
+	{
+		const Pose X = above(height);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		expectSameSums(r.total, fresh.total);
+		EXPECT_EQ(r.pairListComplete, fresh.pairListComplete);
+		EXPECT_TRUE(fresh.pairListComplete || r.patchCount == 1);
+		if (r.nodeVisits > 0 || fresh.total.pairs == 0) continue;
+		++(fresh.pairListComplete ? whole : cut);
+	}
+	EXPECT_GT(whole, 5);
+	EXPECT_GT(cut, 5);
 }
 
 TEST(PairMemory, AllocatesNothing)
