@@ -142,7 +142,7 @@ void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 	}
 }
 
-// Breadth first from the body with the fewest neighbours, and then the other way round (Cuthill and McKee's order, reversed): neighbours stay close together,
+// Breadth first from the body with the fewest neighbours, and then the other way round: neighbours stay close together,
 // and a body with many of them, as what a hand holds, comes after them. So the envelope is small.
 void btIslandBlockSolver::orderBodies()
 {
@@ -217,6 +217,13 @@ bool btIslandBlockSolver::factorise()
 		}
 	}
 	return true;
+}
+
+int64_t btIslandBlockSolver::envelopeEntries() const
+{
+	int64_t entries = 0;
+	for (int i = 0; i < 6 * m_bodyCount; ++i) entries += i + 1 - m_first[size_t(i)];
+	return entries;
 }
 
 /// `x` in the order of elimination, zero before `begin`.

@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/btVolumetricRows.h"
 
+#include <cstdint>
 #include <vector>
 
 /// All patches that hang together through bodies that move, solved at once: what iterations over single patches cannot hold at mass
@@ -10,7 +11,7 @@
 ///
 /// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), twists v = v_free + R z, with R the
 /// square root of the inverse mass matrix (so that what cannot move needs no special case) and S = h^2 K + h D; an envelope Cholesky
-/// factorisation in breadth-first order of the bodies, so that a stack costs O(bodies). Patches that would pull are taken out
+/// factorisation in reversed breadth-first order of the bodies, so that a stack costs O(bodies), and so does what a hand holds. Patches that would pull are taken out
 /// and the rest is solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the response of the whole
 /// elastic island. The form with square roots needs no inverse of a stiffness.
 ///
@@ -49,6 +50,8 @@ public:
 	/// Changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
 	double remainingChange() const { return m_remainingChange; }
+	/// Numbers within the envelope of the factor of the last solve: what one substitution costs.
+	int64_t envelopeEntries() const;
 
 private:
 	struct Body

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -394,6 +395,31 @@ TEST(btIslandBlockSolver, StackCarriesItsWeightAtAnyMassRatio)
 			for (int i = 0; i < count; ++i)
 				EXPECT_NEAR(solver.normalImpulse(i) / kStep / (g * (count - 1 - i + top)), 1, 1e-6) << count << " bodies, top " << top;
 		}
+}
+
+// Neither what a hand holds, all fingers around one body, nor a stack has an envelope of more than the blocks of its bodies and of its pairs.
+TEST(btIslandBlockSolver, StarsAndStacksFillNothingIn)
+{
+	for (const int bodies : {3, 17})
+		for (const bool star : {true, false})
+			for (uint64_t seed = 1; seed <= 10; ++seed)
+			{
+				Scene scene(seed, 0);
+				std::vector<int> order;
+				for (int i = 0; i < bodies; ++i) order.push_back(scene.addBody(1));
+				std::shuffle(order.begin(), order.end(), scene.random);
+				for (int i = 1; i < bodies; ++i)
+				{
+					const int to = order[size_t(star ? 0 : i - 1)];
+					for (int patch = 0; patch < 2; ++patch) scene.addContact(order[size_t(i)], to, 1000, 0.5);
+				}
+				scene.addContact(order[0], -1, 1000, 0.5);
+				std::shuffle(scene.contacts.begin(), scene.contacts.end(), scene.random);
+				btIslandBlockSolver solver;
+				ASSERT_TRUE(scene.solve(solver));
+				EXPECT_LE(solver.envelopeEntries(), 21 * bodies + 36 * (bodies - 1)) << (star ? "star" : "stack");
+				EXPECT_GT(solver.envelopeEntries(), 21 * bodies + 36);
+			}
 }
 
 TEST(btIslandBlockSolver, LockedAxesDoNotMove)
