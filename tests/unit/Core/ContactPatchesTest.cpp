@@ -175,3 +175,30 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 		ASSERT_LT(int(patchOf.back()), patches);
 	}
 }
+
+TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
+{
+	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
+	constexpr uint32_t kBalls = RandomPairs::kBalls + 2;
+	std::vector<MomentEllipsoid> balls(kBalls);
+	// One in the middle of each cluster.
+	const uint32_t unknown[] = {kBalls - 2, kBalls - 1};
+	for (int cluster = 0; cluster < 2; ++cluster) balls[unknown[cluster]] = ballAt({3.0 * cluster, 3.0 * cluster, 3.0 * cluster}, {0, 0, 1});
+	for (unsigned seed = 1; seed <= 20; ++seed)
+	{
+		constexpr int kCount = 3000;  // so many that each cluster hangs together, but for a few
+		RandomPairs random(kCount, 2, 2, seed);
+		PatchGrouper grouper;
+		grouper.reserve(kCount, 2 * kBalls, 8);
+		ASSERT_GT(grouper.group(*kernel, random.stream, kCount, kBalls, 8), 1);
+		uint8_t patchOf[2];
+		grouper.extend(random.stream, kCount, {unknown, unknown, 2, kBalls}, balls.data(), patchOf);
+		for (uint32_t cluster = 0; cluster < 2; ++cluster)
+		{
+			int here = 0, there = 0;
+			for (int i = 0; i < kCount; ++i)
+				if (grouper.patch()[i] == GroupNumber(patchOf[cluster])) ++(random.stream.a[i] / (RandomPairs::kBalls / 2) == cluster ? here : there);
+			EXPECT_GT(here, 10 * there) << "mostly a patch of the other cluster";
+		}
+	}
+}
