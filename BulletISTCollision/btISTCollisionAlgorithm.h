@@ -72,7 +72,7 @@ public:
 	const btISTEconomy& economy() const;
 
 	/// By how many threads the pairs of a step are queried, 1 to 64; 1 to begin with. The owner of the world is one of them, and he waits for none that has lost its
-	/// processor for longer than his own longest query took; callbacks are called by him alone. A step is the same, bit for bit, for any number. Only pairs that
+	/// processor for longer than his own longest query took; callbacks are called by him alone. A step is the same, bit for bit, for any number (with setPairMemory, where none was late). Only pairs that
 	/// touched in the step before are queried side by side, of shapes that are not children of a compound, and only where that is worth it. Each thread has the memory of a
 	/// workspace (some 30 MB), and spins for so many microseconds after each step before it sleeps: waking it takes tens of them. Refused out of range. Between
 	/// steps only.
