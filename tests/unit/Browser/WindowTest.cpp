@@ -89,7 +89,7 @@ TEST(Window, StaysWhenItsDeviceIsLost)
 TEST(Window, RestsWhileItIsMinimised)
 {
 	TinyWindowManager manager;
-	if (!manager.manages()) GTEST_SKIP() << "runs under xvfb-run: ctest -R browser_window";
+	if (!manager.manages()) GTEST_SKIP() << "runs on a display without a window manager: ctest -R browser_window";
 	WindowOptions options = hello();
 	options.sizes.assign(24, {0, 0});
 	for (int i = 0; i < 12; ++i) options.sizes.push_back({500, 400});
