@@ -176,7 +176,7 @@ TEST(QueryThreads, AStepIsTheSameBitForBitForAnyNumber)
 
 TEST(QueryThreads, WithMemoriesAStepIsTheSameBitForBitAsLongAsNobodyIsLate)
 {
-	constexpr int kSteps = 40, kAttempts = 20;
+	constexpr int kSteps = 40, kAttempts = 8;
 	Settings plain, few, sparing;
 	plain.economy = few.economy = false;
 	plain.memories = sparing.memories = 64;
