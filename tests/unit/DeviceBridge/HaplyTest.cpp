@@ -198,18 +198,25 @@ TEST(Haply, AngularVelocityIsThatOfTheTurningGrip)
 	RealClock clock;
 	const ist::Vec3 omega{0.5, -1, 0.25};
 	const std::int64_t start = clock.now();
-	std::vector<double> errors;
+	std::vector<double> estimates[3];
 	DeviceState s;
 	while (clock.now() < start + 500'000'000)
 	{
 		service.place({}, {}, ist::quaternionFromRotationVector((1e-9 * static_cast<double>(clock.now() - start)) * omega), 0);
 		ASSERT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
-		if (clock.now() > start + 50'000'000) errors.push_back(distance(s.twist.angular, omega));
+		if (clock.now() > start + 50'000'000)
+			for (int k = 0; k < 3; ++k) estimates[k].push_back(s.twist.angular[k]);
 		clock.sleepUntil(clock.now() + 200'000);
 	}
-	ASSERT_GT(errors.size(), 20U);
-	std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
-	EXPECT_LT(errors[errors.size() / 2], 0.3 * norm(omega));  // the median: the machine may stop anywhere between two poses
+	ASSERT_GT(estimates[0].size(), 20U);
+	ist::Vec3 median;  // of each component: the machine may stop anywhere between two poses, and makes some too slow and the next too fast
+	for (int k = 0; k < 3; ++k)
+	{
+		const auto middle = estimates[k].begin() + static_cast<std::ptrdiff_t>(estimates[k].size() / 2);
+		std::nth_element(estimates[k].begin(), middle, estimates[k].end());
+		median[k] = *middle;
+	}
+	EXPECT_LT(distance(median, omega), 0.3 * norm(omega));
 }
 
 TEST(Haply, ForcesReachTheDeviceThatWasNamed)
