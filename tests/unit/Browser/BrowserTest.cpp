@@ -4,6 +4,7 @@
 #include "demos/browser/view/OffscreenContext.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
+#include "tests/unit/Browser/StillDemo.h"
 
 #include <gtest/gtest.h>
 
@@ -57,20 +58,13 @@ struct Rig
 }  // namespace
 
 /// Words alone, all in one place.
-class Labels : public BrowsableDemo
+class Labels : public StillDemo
 {
 public:
-	std::optional<ist::Error> prepare(const DemoOptions&) override { return std::nullopt; }
-	std::optional<ist::Error> restart() override { return std::nullopt; }
-	void step(double) override {}
-	double duration() const override { return 1; }
-	double time() const override { return 0; }
 	void draw(const DrawChoice&, DrawList& list) override
 	{
 		for (int i = 0; i < count; ++i) list.texts.push_back({{0, 0, 0}, "12.3 N", {0.1f, 0.1f, 0.12f}});
 	}
-	Viewpoint viewpoint() const override { return {}; }
-	std::vector<Figure> figures() const override { return {}; }
 
 	int count = 0;
 };

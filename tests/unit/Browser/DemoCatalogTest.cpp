@@ -2,6 +2,8 @@
 #include "demos/browser/DemoCatalog.h"
 #include "demos/browser/DemoRun.h"
 
+#include "tests/unit/Browser/StillDemo.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -14,17 +16,13 @@ using namespace browser;
 namespace
 {
 /// A demo that counts its steps.
-class Counting : public BrowsableDemo
+class Counting : public StillDemo
 {
 public:
-	std::optional<ist::Error> prepare(const DemoOptions&) override { return std::nullopt; }
 	std::optional<ist::Error> restart() override { return m_time = 0, std::nullopt; }
 	void step(double seconds) override { m_time += seconds; }
 	double stepSize() const override { return 0.1; }
-	double duration() const override { return 1; }
 	double time() const override { return m_time; }
-	void draw(const DrawChoice&, DrawList&) override {}
-	Viewpoint viewpoint() const override { return {}; }
 	std::vector<Figure> figures() const override { return {{"time", "s", m_time, expected, 1e-9}}; }
 
 	double expected = 1;

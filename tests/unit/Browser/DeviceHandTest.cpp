@@ -3,6 +3,7 @@
 #include "demos/browser/DeviceHand.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
+#include "tests/unit/Browser/StillDemo.h"
 #include "tests/unit/DeviceBridge/DriverRun.h"
 #include "tests/unit/DeviceBridge/SpnavRig.h"
 
@@ -14,17 +15,9 @@ using devicebridge::DeviceStatus;
 namespace
 {
 /// What the hand asked of the demo.
-class Held : public BrowsableDemo
+class Held : public StillDemo
 {
 public:
-	std::optional<ist::Error> prepare(const DemoOptions&) override { return std::nullopt; }
-	std::optional<ist::Error> restart() override { return std::nullopt; }
-	void step(double) override {}
-	double duration() const override { return 1; }
-	double time() const override { return 0; }
-	void draw(const DrawChoice&, DrawList&) override {}
-	Viewpoint viewpoint() const override { return {}; }
-	std::vector<Figure> figures() const override { return {}; }
 	bool grabTool() override { return true; }
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { shifted += shift, turned += turn; }
 
