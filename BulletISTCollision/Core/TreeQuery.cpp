@@ -291,7 +291,8 @@ bool TreeQuery::recallPatches()
 	}
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 	// More than a list holds would be one patch without a memory, too.
-	if ( m_memory->isGrouping(m_work.patches.data(), found)) return publishSums(found), true;
+	if (pairs <= m_work.capacity.pairs && m_memory->isGrouping(m_work.patches.data(), found))
+		return publishSums(found), true;
 	m_memory->dropPatches();
 	return false;
 }

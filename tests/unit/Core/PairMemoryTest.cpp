@@ -371,6 +371,33 @@ TEST(PairMemory, AListThatIsTooShortIsCutAsWithout)
 	EXPECT_GT(cut, 5);
 }
 
+TEST(PairMemory, AListThatIsFullByAFewPairsIsCutAsWithout)
+{
+	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
+	QueryWorkspace measuring;
+	std::vector<Pose> poses;
+	std::vector<int64_t> pairs;
+	Motion motion(A, B, 0.0005, 5);
+	for (int tick = 0; tick < 100; ++tick)
+	{
+		poses.push_back(motion.next());
+		pairs.push_back(queryOverlap(A, B, poses.back(), measuring).total.pairs);
+	}
+	QueryCapacity capacity;  // so many are exceeded now and then, by too few to group anew
+	capacity.pairs = int(*std::min_element(pairs.begin(), pairs.end()) + *std::max_element(pairs.begin(), pairs.end())) / 2;
+	QueryWorkspace workspace(capacity), other(capacity);
+	PairMemory memory;
+	int cut = 0;
+	for (const Pose& X : poses)
+	{
+		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		expectSameSums(r.total, fresh.total);
+		EXPECT_EQ(r.pairListComplete, fresh.pairListComplete);
+		cut += r.nodeVisits == 0 && !fresh.pairListComplete;
+	}
+	EXPECT_GT(cut, 5);
+}
+
 TEST(PairMemory, AllocatesNothing)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
