@@ -27,15 +27,20 @@ void* operator new(std::size_t size)
 	if (void* p = operator new(size, std::nothrow)) return p;
 	throw std::bad_alloc();
 }
-void* operator new(std::size_t size, std::align_val_t alignment)
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept
 {
 	++allocations;
 	const std::size_t a = static_cast<std::size_t>(alignment);
-	if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+	return std::aligned_alloc(a, (size + a - 1) / a * a);
+}
+void* operator new(std::size_t size, std::align_val_t alignment)
+{
+	if (void* p = operator new(size, alignment, std::nothrow)) return p;
 	throw std::bad_alloc();
 }
 void operator delete(void* p) noexcept { giveBack(p); }
 void operator delete(void* p, std::size_t) noexcept { giveBack(p); }
 void operator delete(void* p, const std::nothrow_t&) noexcept { giveBack(p); }
 void operator delete(void* p, std::align_val_t) noexcept { giveBack(p); }
+void operator delete(void* p, std::align_val_t, const std::nothrow_t&) noexcept { giveBack(p); }
 void operator delete(void* p, std::size_t, std::align_val_t) noexcept { giveBack(p); }
