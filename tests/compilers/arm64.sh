@@ -30,7 +30,7 @@ fi
 
 cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBULLETHAPTICS_SYSROOT="$root" \
 	-DCMAKE_TOOLCHAIN_FILE="$source/cmake/aarch64-linux-gnu.cmake" >/dev/null
-programs=(test_core test_collision test_collision-float64 test_force test_force-float64)
+programs=(test_core test_core_threads test_collision test_collision-float64 test_force test_force-float64)
 cmake --build "$build" --target ist >/dev/null
 status=0
 for program in "${programs[@]}"; do
