@@ -134,14 +134,17 @@ IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* i
 	return b;
 }
 
+/// Of packed spheres, which are wholly filled and have no normal, just place and radius.
 template <Terms terms>
 IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 {
 	Balls b;
 	if constexpr (terms == kLineTerms)
+	{
 		fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
-	else
-		b = fetchEllipsoids(balls, index);
+		return b;
+	}
+	b = fetchEllipsoids(balls, index);
 	fetchRow(balls, index, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
 	return b;
 }

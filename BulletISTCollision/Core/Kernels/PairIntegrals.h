@@ -171,7 +171,9 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 		shared = sharedByEllipsoids(a, b, offset, l.n);
 	l.meeting = real & D::less(squared, reach * reach);
 	l.hits = l.meeting & shared.hits;
-	const F dd = F::select(l.hits, a.density * b.density, zero);
+	F density = F::all(1);
+	if constexpr (terms != kLineTerms) density = a.density * b.density;
+	const F dd = F::select(l.hits, density, zero);
 	l.mass = F::select(l.hits, dd * shared.volume, zero);
 	l.area = F::select(l.hits, dd * shared.disc, zero);
 	l.C = {a.x - offset.x * shared.share, a.y - offset.y * shared.share, a.z - offset.z * shared.share};

@@ -111,7 +111,7 @@ enum Sum
 
 enum Terms
 {
-	kLineTerms,       ///< no normals, no depths: packed spheres
+	kLineTerms,       ///< packed spheres: density 1, no normals, no depths
 	kFieldTerms,      ///< no line terms
 	kStiffnessTerms   ///< field terms and stiffness
 };
