@@ -26,7 +26,8 @@ constexpr size_t fewestSamplesOfBall = 16;
 constexpr int mostLinesPerSide = 1024;
 constexpr int rowsOfSlab = 8;
 constexpr int slabsPerReport = 32;
-constexpr size_t ballsPerReport = 8192;
+constexpr size_t mostPairsTogether = 4096;
+constexpr size_t partsPerReport = 8192;
 constexpr double gapShare = 0.7;  // of the time
 constexpr size_t clusterSize = 24;
 
@@ -35,13 +36,18 @@ double ballVolume(double r)
 	return 4.0 / 3.0 * std::numbers::pi * r * r * r;
 }
 
-/// Even number of points in the unit ball in antipodal pairs, so that their mean is the centre: radii stratified in volume,
-/// directions from the additive recurrence of the plastic number (Roberts 2018).
-void sampleBall(const Sphere& sphere, size_t count, CounterRandom& random, CellSample* out)
+/// Some of a ball's pairs of samples.
+struct BallPart
+{
+	size_t sphere, first, last;
+};
+
+/// Points of a ball in antipodal pairs, so that their mean is the centre: radii stratified in volume, directions from the additive
+/// recurrence of the plastic number (Roberts 2018). `out`: where the samples of the whole ball begin.
+void sampleBall(const Sphere& sphere, const BallPart& part, size_t pairs, CounterRandom random, CellSample* out)
 {
 	const double shiftZ = random.next(), shiftAngle = random.next();
-	const size_t pairs = count / 2;
-	for (size_t k = 0; k < pairs; ++k)
+	for (size_t k = part.first; k < part.last; ++k)
 	{
 		const double radius = sphere.r * std::cbrt((double(k) + 0.5) / double(pairs));
 		const double a = double(k) * 0.7548776662466927 + shiftZ, b = double(k) * 0.5698402909980532 + shiftAngle;
@@ -252,15 +258,26 @@ void addGapSamples(const std::vector<Slab>& slabs, int threads, SampledCells& re
 		addGapSamples(slabs, cut(part), part + 1 < threads ? cut(part + 1) : result.gapBegin.size(), result);
 }
 
-void addBallSamples(const Sphere& sphere, uint64_t index, uint64_t seed, FieldSampler& field, SampledCells& result)
+/// The largest ball has a tenth of all samples and more: in parts, no thread is left alone with it.
+std::vector<BallPart> ballParts(const SampledCells& cells)
 {
-	CellSample* first = &result.samples[result.begin[index]];
-	const size_t count = result.gapBegin[index] - result.begin[index];
-	CounterRandom random(seed, 3, index);
-	sampleBall(sphere, count, random, first);
+	std::vector<BallPart> parts;
+	for (size_t i = 0; i < cells.gapBegin.size(); ++i)
+	{
+		const size_t pairs = (cells.gapBegin[i] - cells.begin[i]) / 2;
+		for (size_t first = 0; first < pairs; first += mostPairsTogether) parts.push_back({i, first, std::min(pairs, first + mostPairsTogether)});
+	}
+	return parts;
+}
+
+void addBallSamples(const Sphere& sphere, const BallPart& part, uint64_t seed, FieldSampler& field, SampledCells& result)
+{
+	CellSample* samples = &result.samples[result.begin[part.sphere]];
+	const size_t count = result.gapBegin[part.sphere] - result.begin[part.sphere];
+	sampleBall(sphere, part, count / 2, CounterRandom(seed, 3, part.sphere), samples);
 	const float weight = float(result.ballScale * ballVolume(sphere.r) / double(count));
-	for (size_t k = 0; k < count; ++k) first[k].weight = weight;
-	field.evaluate(first, count);
+	for (size_t k = 2 * part.first; k < 2 * part.last; ++k) samples[k].weight = weight;
+	field.evaluate(samples + 2 * part.first, 2 * (part.last - part.first));
 }
 }  // namespace
 
@@ -287,16 +304,17 @@ SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>&
 	addGapSamples(slabs, threads, result);
 	slabs = {};
 
-	for (size_t first = 0; first < spheres.size(); first += ballsPerReport)
+	const std::vector<BallPart> parts = ballParts(result);
+	for (size_t first = 0; first < parts.size(); first += partsPerReport)
 	{
-		if (!goesOn(gapShare + (1 - gapShare) * double(first) / double(spheres.size()))) return {};
-		const size_t last = std::min(spheres.size(), first + ballsPerReport);
+		if (!goesOn(gapShare + (1 - gapShare) * double(first) / double(parts.size()))) return {};
+		const size_t last = std::min(parts.size(), first + partsPerReport);
 #pragma omp parallel num_threads(threads)
 		{
 			FieldSampler field(surface);
 #pragma omp for schedule(dynamic, 4)
 			for (std::ptrdiff_t i = std::ptrdiff_t(first); i < std::ptrdiff_t(last); ++i)
-				addBallSamples(spheres[size_t(i)], uint64_t(i), seed, field, result);
+				addBallSamples(spheres[parts[size_t(i)].sphere], parts[size_t(i)], seed, field, result);
 		}
 	}
 	return result;
