@@ -230,7 +230,7 @@ void layOut(const std::vector<Sphere>& spheres, const std::vector<Slab>& slabs, 
 		result.gapBegin[i] = result.begin[i] + ballCounts[i];
 		result.begin[i + 1] = result.gapBegin[i] + gapCounts[i];
 	}
-	result.samples.resize(result.begin[n]);
+	result.samples = std::make_unique_for_overwrite<CellSample[]>(result.begin[n]);
 }
 
 /// Of the cells [first, last).
@@ -252,7 +252,7 @@ void addGapSamples(const std::vector<Slab>& slabs, size_t first, size_t last, Sa
 void addGapSamples(const std::vector<Slab>& slabs, int threads, SampledCells& result)
 {
 	const auto cut = [&](int part)
-	{ return size_t(std::lower_bound(result.begin.begin(), result.begin.end(), result.samples.size() * size_t(part) / size_t(threads)) - result.begin.begin()); };
+	{ return size_t(std::lower_bound(result.begin.begin(), result.begin.end(), result.begin.back() * size_t(part) / size_t(threads)) - result.begin.begin()); };
 #pragma omp parallel for schedule(static, 1) num_threads(threads)
 	for (int part = 0; part < threads; ++part)
 		addGapSamples(slabs, cut(part), part + 1 < threads ? cut(part + 1) : result.gapBegin.size(), result);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace ist
@@ -17,8 +18,8 @@ class NearestSphere;
 /// Samples grouped by cell: first those of the ball, then those of the gap.
 struct SampledCells
 {
-	std::vector<CellSample> samples;
-	std::vector<size_t> begin;     ///< n + 1
+	std::unique_ptr<CellSample[]> samples;
+	std::vector<size_t> begin;     ///< n + 1; the last is the number of samples
 	std::vector<size_t> gapBegin;  ///< n
 	double gapSampleVolume = 0;    ///< [m^3]
 	double ballScale = 1;  ///< of the balls' volumes; 1 where there are gap samples to take up the rest

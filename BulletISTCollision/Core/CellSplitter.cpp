@@ -71,7 +71,7 @@ struct Cut
 };
 
 /// Across the principal axis at the mean.
-Cut firstCut(const std::vector<CellSample>& samples, const CellPiece& piece)
+Cut firstCut(const CellSample* samples, const CellPiece& piece)
 {
 	Vec6 mean{};
 	Mat6 second{};
@@ -95,7 +95,7 @@ Cut firstCut(const std::vector<CellSample>& samples, const CellPiece& piece)
 }
 
 /// One step of Lloyd's algorithm: to the plane halfway between the means of the halves, or of some hundred samples of each.
-bool move(Cut& cut, const std::vector<CellSample>& samples, const CellPiece& piece)
+bool move(Cut& cut, const CellSample* samples, const CellPiece& piece)
 {
 	Vec6 sum[2] = {};
 	double weight[2] = {};
@@ -120,7 +120,7 @@ bool move(Cut& cut, const std::vector<CellSample>& samples, const CellPiece& pie
 	return cut.axis != before.axis;
 }
 
-CellPiece pieceOfSamples(const std::vector<CellSample>& samples, size_t begin, size_t end, uint32_t sphere)
+CellPiece pieceOfSamples(const CellSample* samples, size_t begin, size_t end, uint32_t sphere)
 {
 	CellPiece piece;
 	piece.begin = begin;
@@ -143,16 +143,16 @@ CellPiece pieceOfSamples(const std::vector<CellSample>& samples, size_t begin, s
 	return piece;
 }
 
-std::optional<std::pair<CellPiece, CellPiece>> split(std::vector<CellSample>& samples, const CellPiece& parent)
+std::optional<std::pair<CellPiece, CellPiece>> split(CellSample* samples, const CellPiece& parent)
 {
 	if (parent.end - parent.begin < minimumToSplit || !(parent.meanRadius() > 0)) return {};
 	Cut cut = firstCut(samples, parent);
 	for (int step = 0; step < mostMoves && move(cut, samples, parent); ++step) {}
-	const auto begin = samples.begin() + std::ptrdiff_t(parent.begin), end = samples.begin() + std::ptrdiff_t(parent.end);
-	const auto middle = std::partition(begin, end, [&](const CellSample& s) { return cut.below(feature(s, parent)); });
+	CellSample *begin = samples + parent.begin, *end = samples + parent.end;
+	CellSample* middle = std::partition(begin, end, [&](const CellSample& s) { return cut.below(feature(s, parent)); });
 	if (size_t(middle - begin) < minimumOfChild || size_t(end - middle) < minimumOfChild) return {};
 
-	const size_t at = size_t(middle - samples.begin());
+	const size_t at = size_t(middle - samples);
 	CellPiece a = pieceOfSamples(samples, parent.begin, at, parent.sphere);
 	CellPiece b = pieceOfSamples(samples, at, parent.end, parent.sphere);
 	if (!(a.meanRadius() > 0) || !(b.meanRadius() > 0)) return {};
@@ -172,7 +172,7 @@ MomentEllipsoid momentEllipsoid(const CellPiece& piece)
 	return e;
 }
 
-std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount, [[maybe_unused]] int threads)
+std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPiece>& cells, size_t leafCount, [[maybe_unused]] int threads)
 {
 	std::vector<CellPiece> pieces = cells;
 	using Waiting = std::pair<double, size_t>;  // priority, piece

@@ -8,13 +8,14 @@
 
 namespace ist
 {
-/// A point of a cell with the depth and outward normal of the body there, and the volume it stands for.
+/// A point of a cell with the depth and outward normal of the body there, and the volume it stands for. Nothing is set at first:
+/// there are millions of them, and the threads that write them are the first to touch their memory.
 struct CellSample
 {
-	float x = 0, y = 0, z = 0;
-	float nx = 0, ny = 0, nz = 0;
-	float depth = 0;
-	float weight = 0;  ///< [m^3]
+	float x, y, z;
+	float nx, ny, nz;
+	float depth;
+	float weight;  ///< [m^3]
 	Vec3 position() const { return {x, y, z}; }
 	Vec3 normal() const { return {nx, ny, nz}; }
 };
@@ -45,5 +46,5 @@ inline double splitPriority(double volume, double meanRadius, const Vec3& normal
 /// Splits cells by two means of place and normal, the one with the largest splitPriority first, until there are `leafCount` of
 /// them or none can be split. Reorders the samples inside each cell. The pieces come grouped by cell, in the order of `cells`;
 /// the same for any thread count.
-std::vector<CellPiece> splitCells(std::vector<CellSample>& samples, const std::vector<CellPiece>& cells, size_t leafCount, int threads = 1);
+std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPiece>& cells, size_t leafCount, int threads = 1);
 }  // namespace ist

@@ -104,7 +104,7 @@ Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packi
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(n); ++i) bases[size_t(i)] = baseCell(sampled, packing.spheres[size_t(i)], uint32_t(i));
 	Cells result;
 	for (const CellPiece& piece : bases) result.cells.push_back(momentEllipsoid(piece));
-	for (const CellPiece& piece : splitCells(sampled.samples, bases, leafCountOf(options, n), threads)) result.leaves.push_back(momentEllipsoid(piece));
+	for (const CellPiece& piece : splitCells(sampled.samples.get(), bases, leafCountOf(options, n), threads)) result.leaves.push_back(momentEllipsoid(piece));
 	if (cancelled(0.9)) return cancelledError;
 	const SurfaceGap gap = measureSurfaceGap(mesh, nearest, threads);
 	result.meanGap = gap.mean;
