@@ -10,11 +10,11 @@ namespace ist
 /// that holds in 95 % of poses, V being the overlap. Measured on the body against itself in seeded poses of 0.1 to 20 % overlap, each level beside the
 /// leaves; the leaves, which have nothing finer beside them, get the coefficient of the first level. Round bodies have 0.1; of a body thinner than a level's balls the
 /// coefficient grows to 1. Kept within the range in which the law was compared with quadrature (bench_pareto). Levels must be there.
-/// Deterministic; some hundred queries.
-std::vector<double> measuredCalibration(const InnerSphereTree& tree);
+/// The same for any thread count; some hundred queries.
+std::vector<double> measuredCalibration(const InnerSphereTree& tree, int threads = 1);
 
 bool hasLevels(const InnerSphereTree& tree);
 
 /// Builds the levels of a tree and measures their calibration, unless it has them.
-void addLevels(InnerSphereTree& tree);
+void addLevels(InnerSphereTree& tree, int threads = 1);
 }  // namespace ist

@@ -18,13 +18,18 @@ Vec3 randomDirection(std::mt19937_64& random)
 }
 }  // namespace
 
-std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random,
-								  QueryWorkspace& workspace)
+Departure randomDeparture(std::mt19937_64& random)
 {
 	const Vec3 axis = randomDirection(random), direction = randomDirection(random);
 	const double angle = std::uniform_real_distribution<double>(0, 3.14159265358979)(random);
-	const Mat3 R = rotationMatrix(quaternionFromRotationVector(angle * axis));
-	const auto apart = [&](double distance) { return Pose{R, A.origin - R * B.origin + distance * direction}; };
+	return {rotationMatrix(quaternionFromRotationVector(angle * axis)), direction};
+}
+
+std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure,
+								  QueryWorkspace& workspace)
+{
+	const Mat3& R = departure.rotation;
+	const auto apart = [&](double distance) { return Pose{R, A.origin - R * B.origin + distance * departure.direction}; };
 	QueryOptions options;
 	options.level = level;
 	options.stiffness = options.patches = false;
@@ -38,5 +43,11 @@ std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTre
 		(overlaps(middle) ? near : far) = middle;
 	}
 	return apart(near);
+}
+
+std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random,
+								  QueryWorkspace& workspace)
+{
+	return poseAtOverlap(A, B, fraction, level, randomDeparture(random), workspace);
 }
 }  // namespace ist

@@ -95,7 +95,7 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 	if (!goesOn(progress, "tree", 0.8)) return false;
 	// Levels are made anew where they are wanted, sooner than they are read; what they err is kept.
 	InnerSphereTree levelled = tree;
-	addLevels(levelled);
+	addLevels(levelled, threads);
 	tree.calibration = levelled.calibration;
 	return goesOn(progress, "tree", 1);
 }

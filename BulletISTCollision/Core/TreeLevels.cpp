@@ -164,7 +164,7 @@ std::vector<size_t> levelSizes(size_t balls)
 }
 }  // namespace
 
-std::vector<BallTree> buildLevels(const BallTree& leaves)
+std::vector<BallTree> buildLevels(const BallTree& leaves, int threads)
 {
 	const std::vector<MomentEllipsoid> balls = solidBalls(leaves);
 	const std::vector<size_t> sizes = levelSizes(balls.size());
@@ -174,7 +174,7 @@ std::vector<BallTree> buildLevels(const BallTree& leaves)
 	for (size_t i = sizes.size(); i-- > 0;)
 	{
 		cut.refine(sizes[i]);
-		levels[i] = buildBallTree(cut.balls());
+		levels[i] = buildBallTree(cut.balls(), threads);
 	}
 	return levels;
 }

@@ -7,8 +7,8 @@ namespace ist
 {
 /// Coarser versions of a tree of leaves, the finest first; each has a third of the balls of the one before, down to a few dozen.
 /// Cuts of one binary tree, refined where the law loses most: clusters are split by place and normal together, for a ball over both
-/// sides of a thin part would have no normal. About half the memory of the leaves' tree. Deterministic; O(n log n).
-std::vector<BallTree> buildLevels(const BallTree& leaves);
+/// sides of a thin part would have no normal. About half the memory of the leaves' tree. The same for any thread count; O(n log n).
+std::vector<BallTree> buildLevels(const BallTree& leaves, int threads = 1);
 /// For each packed sphere the coarsest of these levels at which it leads: is the largest that some ball speaks for. It does so at all finer
 /// levels, too, and among the leaves (0) each does. `spheres`: how many were packed. O(n log n), as above.
 std::vector<int> levelsOfSpheres(const BallTree& leaves, size_t spheres);

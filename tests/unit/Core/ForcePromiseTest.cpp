@@ -337,6 +337,11 @@ TEST(LevelCalibration, IsTheSameWhateverTheMachine)
 	chosen ? setenv("BULLETHAPTICS_ISA", before.c_str(), 1) : unsetenv("BULLETHAPTICS_ISA");
 }
 
+TEST(LevelCalibration, IsTheSameForAnyNumberOfThreads)
+{
+	EXPECT_EQ(measuredCalibration(bodyB(), 3), bodyB().calibration);
+}
+
 namespace
 {
 /// Two layers of balls that look away from each other, closer than coarse balls are wide: those mix both sides.
