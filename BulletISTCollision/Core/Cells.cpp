@@ -66,6 +66,14 @@ CellPiece baseCell(const SampledCells& cells, const Sphere& sphere, uint32_t ind
 	return cell;
 }
 
+std::vector<MomentEllipsoid> momentEllipsoids(const std::vector<CellPiece>& pieces, [[maybe_unused]] int threads)
+{
+	std::vector<MomentEllipsoid> ellipsoids(pieces.size());
+#pragma omp parallel for schedule(static) num_threads(threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(pieces.size()); ++i) ellipsoids[size_t(i)] = momentEllipsoid(pieces[size_t(i)]);
+	return ellipsoids;
+}
+
 std::string whyUnusable(const std::vector<Sphere>& spheres, double volume)
 {
 	if (!(volume > 0)) return "The mesh encloses no volume; close it and orient it outwards before building cells.";
@@ -103,8 +111,8 @@ Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packi
 #pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(n); ++i) bases[size_t(i)] = baseCell(sampled, packing.spheres[size_t(i)], uint32_t(i));
 	Cells result;
-	for (const CellPiece& piece : bases) result.cells.push_back(momentEllipsoid(piece));
-	for (const CellPiece& piece : splitCells(sampled.samples.get(), bases, leafCountOf(options, n), threads)) result.leaves.push_back(momentEllipsoid(piece));
+	result.cells = momentEllipsoids(bases, threads);
+	result.leaves = momentEllipsoids(splitCells(sampled.samples.get(), bases, leafCountOf(options, n), threads), threads);
 	if (cancelled(0.9)) return cancelledError;
 	const SurfaceGap gap = measureSurfaceGap(mesh, nearest, threads);
 	result.meanGap = gap.mean;

@@ -17,6 +17,7 @@ namespace
 constexpr double surfaceSamples = 2e5;
 constexpr int surfaceRefinements = 100000;
 constexpr int refinedTogether = 256;
+constexpr size_t trianglesTogether = 256;
 
 struct SurfacePatch
 {
@@ -51,52 +52,77 @@ void measureGap(SurfacePatch& p, const NearestSphere& nearest, uint32_t& hint)
 	p.bound = p.gap + std::sqrt(std::max({squaredNorm(p.a - m), squaredNorm(p.b - m), squaredNorm(p.c - m)}));
 }
 
-/// Each thread takes `share` neighbours at a time.
-void measureGaps(std::vector<SurfacePatch>& patches, [[maybe_unused]] int share, const NearestSphere& nearest, [[maybe_unused]] int threads)
+/// Of the triangles [first, last), in pieces of at most `largest` area, measured.
+std::vector<SurfacePatch> patchesOf(const Mesh& mesh, size_t first, size_t last, double largest, const NearestSphere& nearest)
 {
-	uint32_t hint = UINT32_MAX;
-#pragma omp parallel for schedule(dynamic, share) num_threads(threads) firstprivate(hint)
-	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k) measureGap(patches[size_t(k)], nearest, hint);
-}
-
-std::vector<SurfacePatch> surfacePatches(const Mesh& mesh)
-{
-	const double largest = surfaceArea(mesh) / surfaceSamples;
 	std::vector<SurfacePatch> patches, stack;
-	for (const auto& t : mesh.triangles)
+	uint32_t hint = UINT32_MAX;
+	for (size_t i = first; i < last; ++i)
 	{
+		const auto& t = mesh.triangles[i];
 		stack.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
 		while (!stack.empty())
 		{
 			const SurfacePatch p = stack.back();
 			stack.pop_back();
-			if (!(p.area() > largest))
-				patches.push_back(p);
-			else
+			if (p.area() > largest)
+			{
 				for (const SurfacePatch& half : bisected(p)) stack.push_back(half);
+				continue;
+			}
+			patches.push_back(p);
+			measureGap(patches.back(), nearest, hint);
 		}
 	}
 	return patches;
 }
 
+/// Of some neighbouring triangles each.
+std::vector<std::vector<SurfacePatch>> surfacePatches(const Mesh& mesh, const NearestSphere& nearest, [[maybe_unused]] int threads)
+{
+	const double largest = surfaceArea(mesh) / surfaceSamples;
+	const size_t count = mesh.triangles.size();
+	std::vector<std::vector<SurfacePatch>> parts((count + trianglesTogether - 1) / trianglesTogether);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(parts.size()); ++i)
+	{
+		const size_t first = size_t(i) * trianglesTogether;
+		parts[size_t(i)] = patchesOf(mesh, first, std::min(count, first + trianglesTogether), largest, nearest);
+	}
+	return parts;
+}
+
+void measureGaps(std::vector<SurfacePatch>& patches, const NearestSphere& nearest, [[maybe_unused]] int threads)
+{
+	uint32_t hint = UINT32_MAX;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) firstprivate(hint)
+	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k) measureGap(patches[size_t(k)], nearest, hint);
+}
+
 /// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there.
-double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& nearest, int threads)
+double largestGap(const std::vector<std::vector<SurfacePatch>>& parts, const NearestSphere& nearest, int threads)
 {
 	const auto before = [](const SurfacePatch& a, const SurfacePatch& b) { return a.bound < b.bound; };
-	double seen = 0;
-	for (const SurfacePatch& p : patches) seen = std::max(seen, p.gap);
+	double seen = 0, settled = 0;  // a gap that is there, and the bound of the patches that need no refinement
+	for (const auto& part : parts)
+		for (const SurfacePatch& p : part) seen = std::max(seen, p.gap);
+	std::vector<SurfacePatch> patches, halves;
+	for (const auto& part : parts)
+		for (const SurfacePatch& p : part)
+			if (p.bound > 1.01 * seen) patches.push_back(p);
+			else settled = std::max(settled, p.bound);
 	std::make_heap(patches.begin(), patches.end(), before);
-	std::vector<SurfacePatch> halves;
-	for (int step = 0; step < surfaceRefinements && patches.front().bound > 1.01 * seen; step += refinedTogether)
+	const auto open = [&] { return !patches.empty() && patches.front().bound > 1.01 * seen; };
+	for (int step = 0; step < surfaceRefinements && open(); step += refinedTogether)
 	{
 		halves.clear();
-		for (int k = 0; k < refinedTogether && !patches.empty() && patches.front().bound > 1.01 * seen; ++k)
+		for (int k = 0; k < refinedTogether && open(); ++k)
 		{
 			std::pop_heap(patches.begin(), patches.end(), before);
 			for (const SurfacePatch& half : bisected(patches.back())) halves.push_back(half);
 			patches.pop_back();
 		}
-		measureGaps(halves, 16, nearest, threads);
+		measureGaps(halves, nearest, threads);
 		for (const SurfacePatch& half : halves)
 		{
 			seen = std::max(seen, half.gap);
@@ -104,27 +130,27 @@ double largestGap(std::vector<SurfacePatch> patches, const NearestSphere& neares
 			std::push_heap(patches.begin(), patches.end(), before);
 		}
 	}
-	return patches.front().bound;
+	return patches.empty() ? settled : std::max(settled, patches.front().bound);
 }
-
 }  // namespace
 
 SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, int threads)
 {
 	SurfaceGap result;
-	std::vector<SurfacePatch> patches = surfacePatches(mesh);
-	measureGaps(patches, 256, nearest, threads);
+	const std::vector<std::vector<SurfacePatch>> parts = surfacePatches(mesh, nearest, threads);
 	double area = 0, sum = 0, uncovered = 0;
-	for (const SurfacePatch& p : patches)
-	{
-		area += p.area();
-		sum += p.area() * p.gap;
-	}
+	for (const auto& part : parts)
+		for (const SurfacePatch& p : part)
+		{
+			area += p.area();
+			sum += p.area() * p.gap;
+		}
 	result.mean = sum / area;
-	for (const SurfacePatch& p : patches)
-		if (p.gap > 3 * result.mean) uncovered += p.area();
+	for (const auto& part : parts)
+		for (const SurfacePatch& p : part)
+			if (p.gap > 3 * result.mean) uncovered += p.area();
 	result.uncoveredArea = uncovered / area;
-	result.largest = largestGap(std::move(patches), nearest, threads);
+	result.largest = largestGap(parts, nearest, threads);
 	return result;
 }
 }  // namespace ist
