@@ -22,7 +22,7 @@ constexpr size_t minimumOfChild = 8;
 // Pieces split at the same time: a half seldom comes before a piece of this share of its parent's priority.
 constexpr double batchSpan = 0.5;
 constexpr size_t largestBatch = 16384;
-[[maybe_unused]] constexpr size_t fewestToShare = 24;
+[[maybe_unused]] constexpr size_t fewestToShare = 2000;  // samples
 
 using Vec6 = std::array<double, 6>;
 using Mat6 = std::array<Vec6, 6>;
@@ -188,7 +188,10 @@ std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPie
 		const size_t most = std::min(largestBatch, leafCount - pieces.size());
 		for (batch.clear(); !queue.empty() && batch.size() < most && queue.top().first >= least; queue.pop()) batch.push_back(queue.top());
 		halves.assign(batch.size(), {});
-#pragma omp parallel for schedule(dynamic, 8) num_threads(threads) if (batch.size() >= fewestToShare)
+		size_t reordered = 0;
+		for (const Waiting& waiting : batch) reordered += pieces[waiting.second].end - pieces[waiting.second].begin;
+		// Few pieces hold most of the samples at first.
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (reordered >= fewestToShare)
 		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(batch.size()); ++i) halves[size_t(i)] = split(samples, pieces[batch[size_t(i)].second]);
 		size_t done = 0;
 		for (; done < batch.size() && (queue.empty() || !before(batch[done], queue.top())); ++done)
