@@ -2,7 +2,7 @@
 #include "BulletHapticForce/btVolumetricInstallation.h"
 
 #include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
-#include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
+#include "BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h"
 #include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
 
 #include <typeinfo>
@@ -12,22 +12,22 @@ ist::Result<std::unique_ptr<btSequentialImpulseConstraintSolver>> installVolumet
 {
 	if (!registration.isRegistered())
 		return ist::Error{"the registration does not hold all entries of a dispatcher: register the algorithm first, or reinstall it"};
-	const bool hasLinks = typeid(world) == typeid(btMultiBodyDynamicsWorld);
-	if (!hasLinks && typeid(world) != typeid(btDiscreteDynamicsWorld))
-		return ist::Error{"volumetric contact is solved in btDiscreteDynamicsWorld and btMultiBodyDynamicsWorld only; in other worlds its "
-						  "representative points are"};
+	if (dynamic_cast<const btDiscreteDynamicsWorldMt*>(&world))
+		return ist::Error{"the world may solve islands in several threads at once, which volumetric contact does not allow; its representative "
+						  "points are solved there"};
+	auto* multiBodyWorld = dynamic_cast<btMultiBodyDynamicsWorld*>(&world);
 	const btConstraintSolver* old = world.getConstraintSolver();
 	if (!old) return ist::Error{"the world has no solver"};
-	if (hasLinks && typeid(*old) == typeid(btMultiBodyConstraintSolver))
+	if (multiBodyWorld && typeid(*old) == typeid(btMultiBodyConstraintSolver))
 	{
 		auto multiBody = std::make_unique<btVolumetricSolver<btMultiBodyConstraintSolver>>(registration.sharedStore());
-		static_cast<btMultiBodyDynamicsWorld&>(world).setMultiBodyConstraintSolver(multiBody.get());
+		multiBodyWorld->setMultiBodyConstraintSolver(multiBody.get());
 		return std::unique_ptr<btSequentialImpulseConstraintSolver>(std::move(multiBody));
 	}
 	std::unique_ptr<btSequentialImpulseConstraintSolver> solver;
-	if (!hasLinks && typeid(*old) == typeid(btSequentialImpulseConstraintSolver))
+	if (!multiBodyWorld && typeid(*old) == typeid(btSequentialImpulseConstraintSolver))
 		solver = std::make_unique<btVolumetricSolver<btSequentialImpulseConstraintSolver>>(registration.sharedStore());
-	else if (!hasLinks && typeid(*old) == typeid(btNNCGConstraintSolver))
+	else if (!multiBodyWorld && typeid(*old) == typeid(btNNCGConstraintSolver))
 		solver = std::make_unique<btVolumetricSolver<btNNCGConstraintSolver>>(registration.sharedStore());
 	else
 		return ist::Error{

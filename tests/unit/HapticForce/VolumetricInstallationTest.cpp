@@ -20,6 +20,23 @@ struct OwnSolver : btSequentialImpulseConstraintSolver
 {
 };
 
+/// A game's own world: it has its say after each solve, as for bodies that break.
+struct OwnWorld : btDiscreteDynamicsWorld
+{
+	using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+	void solveConstraints(btContactSolverInfo& info) override
+	{
+		btDiscreteDynamicsWorld::solveConstraints(info);
+		++solves;
+	}
+	int solves = 0;
+};
+
+struct OwnMultiBodyWorld : btMultiBodyDynamicsWorld
+{
+	using btMultiBodyDynamicsWorld::btMultiBodyDynamicsWorld;
+};
+
 /// A world over a given solver, with the algorithm registered.
 struct Scene
 {
@@ -33,35 +50,34 @@ struct Scene
 };
 
 /// Force that a cube at rest on a plane gets, over its weight.
-double carriedWeight(btConstraintSolver& base)
+double carriedWeight(btDiscreteDynamicsWorld& world, btISTRegistration& registration)
 {
 	ist::BuildOptions options;
 	options.maxSpheres = 200;
 	const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
-	Scene scene(&base);
-	auto solver = installVolumetricSolver(scene.world, scene.registration);
+	auto solver = installVolumetricSolver(world, registration);
 	if (!solver) return 0;
-	EXPECT_EQ(scene.world.getConstraintSolver(), solver.value().get());
+	EXPECT_EQ(world.getConstraintSolver(), solver.value().get());
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
 	btBoxShape box(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5)));
-	auto attached = scene.registration.registry().attach(&box, tree);
+	auto attached = registration.registry().attach(&box, tree);
 	EXPECT_TRUE(attached);
 	btRigidBody floor(0, nullptr, &plane), stock(1, nullptr, &box, btVector3(1, 1, 1));
 	btTransform pose(btQuaternion::getIdentity(), btVector3(btScalar(0.3), btScalar(0.49), btScalar(-0.2)));
 	stock.setWorldTransform(pose);
 	stock.setActivationState(DISABLE_DEACTIVATION);
-	scene.world.addRigidBody(&floor);
-	scene.world.addRigidBody(&stock);
+	world.addRigidBody(&floor);
+	world.addRigidBody(&stock);
 	double impulse = 0;
 	for (int i = 0; i < 360; ++i)
 	{
-		scene.world.stepSimulation(btScalar(1.0 / 60), 0);
+		world.stepSimulation(btScalar(1.0 / 60), 0);
 		if (i < 300) continue;
-		for (const btISTContact* contact : scene.registration.store().contacts()) impulse += contact->normalImpulse;
+		for (const btISTContact* contact : registration.store().contacts()) impulse += contact->normalImpulse;
 	}
-	scene.world.removeRigidBody(&floor);
-	scene.world.removeRigidBody(&stock);
-	return impulse / std::fabs(double(scene.world.getGravity().y()));
+	world.removeRigidBody(&floor);
+	world.removeRigidBody(&stock);
+	return impulse / std::fabs(double(world.getGravity().y()));
 }
 }  // namespace
 
@@ -69,8 +85,30 @@ TEST(installVolumetricSolver, CarriesTheWeightOverSequentialImpulsesAndNncg)
 {
 	btSequentialImpulseConstraintSolver sequential;
 	btNNCGConstraintSolver nncg;
-	EXPECT_NEAR(carriedWeight(sequential), 1, 1e-3);
-	EXPECT_NEAR(carriedWeight(nncg), 1, 1e-3);
+	for (btConstraintSolver* solver : {static_cast<btConstraintSolver*>(&sequential), static_cast<btConstraintSolver*>(&nncg)})
+	{
+		Scene scene(solver);
+		EXPECT_NEAR(carriedWeight(scene.world, scene.registration), 1, 1e-3);
+	}
+}
+
+TEST(installVolumetricSolver, CarriesTheWeightInWorldsThatAGameDerived)
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher(&configuration);
+	btDbvtBroadphase broadphase;
+	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
+	{
+		btSequentialImpulseConstraintSolver stock;
+		OwnWorld world(&dispatcher, &broadphase, &stock, &configuration);
+		EXPECT_NEAR(carriedWeight(world, registration), 1, 1e-3);
+		EXPECT_EQ(world.solves, 360);
+	}
+	{
+		btMultiBodyConstraintSolver stock;
+		OwnMultiBodyWorld world(&dispatcher, &broadphase, &stock, &configuration);
+		EXPECT_NEAR(carriedWeight(world, registration), 1, 1e-3);
+	}
 }
 
 TEST(installVolumetricSolver, RefusesWhatItWouldReplaceSilently)
