@@ -4,7 +4,6 @@
 #include "BulletHapticForce/btVolumetricInstallation.h"
 #include "BulletISTCollision/Core/AssetFile.h"
 
-#include "BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h"
 #include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
 #include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
 #include "LinearMath/btAlignedAllocator.h"
@@ -42,18 +41,6 @@ void copySettings(const btConstraintSolver* from, btSequentialImpulseConstraintS
 	auto* nncg = dynamic_cast<btNNCGConstraintSolver*>(&to);
 	if (oldNncg && nncg) nncg->m_onlyForNoneContact = oldNncg->m_onlyForNoneContact;
 }
-
-/// Empty when our algorithm may work in this dispatcher.
-std::string dispatcherRefusal(const btDispatcher* dispatcher)
-{
-	if (!dynamic_cast<const btCollisionDispatcher*>(dispatcher))
-		return "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
-	// Its scheduler may get its threads at any later time.
-	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher))
-		return "the world's dispatcher may call algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
-			   "give the world a btCollisionDispatcher";
-	return {};
-}
 }  // namespace
 
 btISTWorld::btISTWorld()
@@ -68,19 +55,21 @@ btISTWorld::btISTWorld()
 }
 
 btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
-	: m_materials(std::make_shared<btContactMaterialTable>()), m_world(&game), m_refusal(dispatcherRefusal(game.getDispatcher())),
-	  m_statistics(&kNoStatistics)
+	: m_materials(std::make_shared<btContactMaterialTable>()), m_world(&game), m_statistics(&kNoStatistics)
 {
 	const double gravity = double(game.getGravity().length());
 	if (std::isfinite(gravity)) m_materials->setGravity(gravity);
-	if (!m_refusal.empty())
+	auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(game.getDispatcher());
+	if (!dispatcher)
 	{
+		m_refusal = "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
 		m_parts = std::make_unique<Parts>();  // to register with, so that everything else here has something to speak of
 		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
 		return;
 	}
-	auto* dispatcher = static_cast<btCollisionDispatcher*>(game.getDispatcher());
 	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher, game.getPairCache());
+	m_refusal = m_registration.refusal();
+	if (!m_refusal.empty()) return;
 	m_registration.reinstall();
 	m_registration.setPairRule(m_materials);
 	installInto(game);

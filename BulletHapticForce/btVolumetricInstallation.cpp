@@ -10,6 +10,7 @@
 ist::Result<std::unique_ptr<btSequentialImpulseConstraintSolver>> installVolumetricSolver(btDiscreteDynamicsWorld& world,
 																						  btISTRegistration& registration)
 {
+	if (!registration.refusal().empty()) return ist::Error{registration.refusal()};
 	if (!registration.isRegistered())
 		return ist::Error{"the registration does not hold all entries of a dispatcher: register the algorithm first, or reinstall it"};
 	if (dynamic_cast<const btDiscreteDynamicsWorldMt*>(&world))

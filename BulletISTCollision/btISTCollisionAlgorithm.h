@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 /// The queries that the threads of a world shared in a step (btISTRegistration::setQueryThreads).
 struct btISTSharedQueries
@@ -39,8 +40,10 @@ public:
 	btISTRegistration(btISTRegistration&&) noexcept;
 	btISTRegistration& operator=(btISTRegistration&&) noexcept;
 
-	/// True while every entry of both tables is ours. False when someone registered after us (GImpact does): see `reinstall`.
+	/// True while every entry of both tables is ours. False when someone registered after us (GImpact does): see `reinstall`; and always after a `refusal`.
 	bool isRegistered() const;
+	/// Why the dispatcher keeps its tables, and all contact stays Bullet's; empty as a rule.
+	const std::string& refusal() const;
 	/// Takes back the entries that someone else wrote, and delegates to him.
 	void reinstall();
 	/// What the destructor does.
@@ -119,7 +122,8 @@ public:
 
 	/// Registers for every pair of proxy types but soft bodies, in the tables of contacts and of closest points, and delegates to
 	/// what was registered before for every pair that is not volumetric. A second call on one dispatcher returns a second handle.
-	/// Bullet's pools and tables have one owner thread; so has this. `registry` may be shared by several worlds of one thread.
+	/// Bullet's pools and tables have one owner thread; so has this. `registry` may be shared by several worlds of one thread. A btCollisionDispatcherMt is refused
+	/// (btISTRegistration::refusal): it calls algorithms from several threads. A world with a btCollisionDispatcher has its queries shared out by `setQueryThreads`.
 	static btISTRegistration registerAlgorithm(btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache = nullptr,
 											   std::shared_ptr<btISTRegistry> registry = nullptr);
 

@@ -5,12 +5,13 @@
 #include "BulletISTCollision/btISTShapeParts.h"
 
 #include "BulletCollision/BroadphaseCollision/btOverlappingPairCache.h"
-#include "BulletCollision/CollisionDispatch/btCollisionDispatcher.h"
+#include "BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 
 #include <new>
+#include <string>
 #include <utility>
 
 namespace
@@ -81,7 +82,17 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 class btISTInstallation : public btISTRegistryListener
 {
 public:
-	btISTInstallation(btCollisionDispatcher* d, std::shared_ptr<btISTContext> c) : dispatcher(d), context(std::move(c)) { install(); }
+	btISTInstallation(btCollisionDispatcher* d, std::shared_ptr<btISTContext> c) : dispatcher(d), context(std::move(c))
+	{
+		// Its scheduler may get its threads at any later time.
+		if (dynamic_cast<const btCollisionDispatcherMt*>(d))
+		{
+			dispatcher = nullptr;
+			refusal = "the dispatcher may call algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
+					  "give the world a btCollisionDispatcher, and its queries threads of their own";
+		}
+		install();
+	}
 	~btISTInstallation() override { uninstall(); }
 
 	void install()
@@ -149,7 +160,8 @@ public:
 		}
 	}
 
-	btCollisionDispatcher* dispatcher;
+	btCollisionDispatcher* dispatcher;  ///< null: there is none any more, or it was refused
+	std::string refusal;
 	btOverlappingPairCache* pairCache = nullptr;
 	std::shared_ptr<btISTContext> context;
 };
@@ -158,6 +170,13 @@ btISTRegistration::~btISTRegistration() = default;
 btISTRegistration::btISTRegistration(btISTRegistration&&) noexcept = default;
 btISTRegistration& btISTRegistration::operator=(btISTRegistration&&) noexcept = default;
 bool btISTRegistration::isRegistered() const { return m_installation && m_installation->isComplete(); }
+
+const std::string& btISTRegistration::refusal() const
+{
+	static const std::string none;
+	return m_installation ? m_installation->refusal : none;
+}
+
 void btISTRegistration::reinstall() { m_installation->install(); }
 void btISTRegistration::release() { m_installation.reset(); }
 

@@ -5,6 +5,8 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "tests/unit/CountingAllocator.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
+#include <LinearMath/btThreads.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
@@ -166,17 +168,23 @@ TEST(btISTCollisionAlgorithm, AnswersThroughBothDispatchTables)
 	EXPECT_EQ(whole.count, query.count);
 }
 
+namespace
+{
+/// A dispatcher that shows its tables.
+template <class Dispatcher>
+struct Peek : Dispatcher
+{
+	using Dispatcher::Dispatcher;
+	btCollisionAlgorithmCreateFunc* contacts(int i, int j) { return this->m_doubleDispatchContactPoints[i][j]; }
+	btCollisionAlgorithmCreateFunc* closest(int i, int j) { return this->m_doubleDispatchClosestPoints[i][j]; }
+};
+}  // namespace
+
 TEST(btISTCollisionAlgorithm, EveryEntryButSoftBodiesIsRegisteredAndPutBack)
 {
-	struct Peek : btCollisionDispatcher
-	{
-		using btCollisionDispatcher::btCollisionDispatcher;
-		btCollisionAlgorithmCreateFunc* contacts(int i, int j) { return m_doubleDispatchContactPoints[i][j]; }
-		btCollisionAlgorithmCreateFunc* closest(int i, int j) { return m_doubleDispatchClosestPoints[i][j]; }
-	};
 	btDefaultCollisionConfiguration configuration;
-	Peek d(&configuration);
-	Peek untouched(&configuration);
+	Peek<btCollisionDispatcher> d(&configuration);
+	Peek<btCollisionDispatcher> untouched(&configuration);
 	{
 		const auto r = btISTCollisionAlgorithm::registerAlgorithm(&d);
 		const auto second = btISTCollisionAlgorithm::registerAlgorithm(&d);
@@ -195,6 +203,32 @@ TEST(btISTCollisionAlgorithm, EveryEntryButSoftBodiesIsRegisteredAndPutBack)
 			EXPECT_EQ(d.contacts(i, j), untouched.contacts(i, j));
 			EXPECT_EQ(d.closest(i, j), untouched.closest(i, j));
 		}
+}
+
+TEST(btISTCollisionAlgorithm, LeavesTheTablesOfADispatcherWithThreadsAlone)
+{
+	btSetTaskScheduler(btGetSequentialTaskScheduler());
+	btDefaultCollisionConfiguration configuration;
+	Peek<btCollisionDispatcherMt> d(&configuration);
+	Peek<btCollisionDispatcher> untouched(&configuration);
+	btBoxShape box(btVector3(.5, .5, .5));
+	{
+		auto r = btISTCollisionAlgorithm::registerAlgorithm(&d);
+		EXPECT_NE(r.refusal().find("threads"), std::string::npos);
+		EXPECT_FALSE(r.isRegistered());
+		r.reinstall();
+		EXPECT_FALSE(r.isRegistered());
+		const auto attachment = attach(r, box);  // without a use, and without harm
+		for (int i = 0; i < MAX_BROADPHASE_COLLISION_TYPES; ++i)
+			for (int j = 0; j < MAX_BROADPHASE_COLLISION_TYPES; ++j)
+			{
+				EXPECT_EQ(d.contacts(i, j), untouched.contacts(i, j));
+				EXPECT_EQ(d.closest(i, j), untouched.closest(i, j));
+			}
+	}
+	btCollisionDispatcher plain(&configuration);
+	EXPECT_EQ(btISTCollisionAlgorithm::registerAlgorithm(&plain).refusal(), "");
+	btSetTaskScheduler(nullptr);
 }
 
 TEST(btISTCollisionAlgorithm, NoticesThatSomeoneRegisteredAfterIt)
