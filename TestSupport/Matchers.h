@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "TestSupport/TestScenes.h"
 #include "TestSupport/TestWorld.h"
 
 #include <gmock/gmock.h>
@@ -48,5 +49,18 @@ MATCHER_P(SlipsAtMost, metres, "")
 	const double way = arg.log().slip();
 	*result_listener << "with a pair that slid " << way << " m";
 	return way <= metres;
+}
+
+/// What a scene measured is what theory says, up to that share of it: SceneValue::error.
+MATCHER_P(AgreesWithTheory, share, "")
+{
+	bool agrees = !arg.empty();
+	for (const SceneValue& value : arg)
+		if (!(value.error() <= share))
+		{
+			*result_listener << (agrees ? "" : "; ") << value;
+			agrees = false;
+		}
+	return agrees;
 }
 }  // namespace ist::test

@@ -25,3 +25,16 @@ TEST(Crate, ComesToRestOnTheBunny)
 	EXPECT_THAT(world, GainsNoEnergy(1e-3));
 	EXPECT_GT(crate.getWorldTransform().getOrigin().y(), .05) << "on it, not below it";
 }
+
+TEST(Crate, BehavesAsTheorySays)
+{
+	const auto makeCrate = [](TestWorld& world, const btTransform& pose) -> btRigidBody&
+	{
+		world.keepTreesIn(TREE_FOLDER);
+		btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.2, .15, .1}), 8, pose);
+		crate.setFriction(.4);
+		EXPECT_FALSE(world.world().materials().set(&crate, {2e6, 3}));
+		return crate;
+	};
+	for (const TestScene& scene : testScenes()) EXPECT_THAT(scene.play(makeCrate, 1.0 / 60), AgreesWithTheory(.01)) << scene.name << ": " << scene.law;
+}

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Zlib
+#include "TestSupport/TestScenes.h"
+
+#include "BulletISTCollision/btISTConversion.h"
+
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <stdexcept>
+
+namespace ist::test
+{
+namespace
+{
+constexpr double kGravity = 9.81;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSettling = 6, kWatching = 2;  // swings; what oscillates is averaged over whole ones
+constexpr double kMoreThanFriction = 0.5;
+
+/// What is tried, in the world of a scene.
+struct Subject
+{
+	btRigidBody& body;
+	double mass, volume;
+	double size;    ///< edge of the cube of its volume [m]
+	double swing;   ///< period of a pendulum as long as that [s]
+};
+
+Subject make(const BodyMaker& maker, TestWorld& world, const btTransform& pose)
+{
+	btRigidBody& body = maker(world, pose);
+	const auto tree = world.world().registration().registry().find(body.getCollisionShape());
+	if (!tree) throw std::runtime_error("a scene needs a body with a tree: one of TestWorld::addMesh, addMeshFile or addAsset");
+	if (body.isStaticOrKinematicObject()) throw std::runtime_error("a scene needs a body that moves: give it a mass");
+	body.setDamping(0, 0);
+	const double size = std::cbrt(tree->volume);
+	return {body, 1 / double(body.getInvMass()), tree->volume, size, 2 * kPi * std::sqrt(size / kGravity)};
+}
+
+/// Turned about the vertical, so that nothing lies along the axes of the world, with its lowest point at y = 0.
+Subject makeOnFloor(const BodyMaker& maker, TestWorld& world)
+{
+	const Subject subject = make(maker, world, at(0, 0, 0, btVector3(0, 1, 0), 0.7));
+	btVector3 lower, upper;
+	subject.body.getAabb(lower, upper);
+	subject.body.translate(btVector3(0, -lower.y(), 0));
+	subject.body.setInterpolationWorldTransform(subject.body.getWorldTransform());
+	return subject;
+}
+
+/// Of the overlaps of the body with all others [m^3], over the steps since the last mark.
+double meanOverlap(const TestWorld& world, const btRigidBody& body, double seconds, double h)
+{
+	double sum = 0;
+	for (const ContactRecord& record : world.log().records())
+		if (record.a == &body || record.b == &body) sum += record.volume;
+	return sum / double(std::lround(seconds / h));
+}
+
+double stiffnessOfContact(TestWorld& world)
+{
+	for (const btISTContact* contact : world.world().contacts().contacts())
+		if (contact->patchCount > 0) return contact->constants.k;
+	return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The mean overlap when it has come to rest.
+double overlapAtRest(TestWorld& world, const Subject& subject, double h)
+{
+	world.run(kSettling * subject.swing, h);
+	world.mark();
+	world.run(kWatching * subject.swing, h);
+	return meanOverlap(world, subject.body, kWatching * subject.swing, h);
+}
+
+/// The second on its way to the first, which waits; returns how long it takes until they have met and parted.
+double sendTowardsTheFirst(Subject (&subjects)[2], double speed)
+{
+	btVector3 centre;
+	btScalar radius;
+	subjects[1].body.getCollisionShape()->getBoundingSphere(centre, radius);
+	subjects[1].body.translate(btVector3(2 * radius, btScalar(0.2 * subjects[1].size), 0));
+	subjects[1].body.setInterpolationWorldTransform(subjects[1].body.getWorldTransform());
+	subjects[1].body.setLinearVelocity(btVector3(btScalar(-speed), 0, 0));
+	return 4 * double(radius) / speed;
+}
+}  // namespace
+
+double SceneValue::error() const { return std::fabs(measured - expected) / scale; }
+
+std::ostream& operator<<(std::ostream& stream, const SceneValue& value)
+{
+	return stream << value.what << ": " << value.measured << ", expected " << value.expected << ", off by " << 100 * value.error() << " %";
+}
+
+std::vector<SceneValue> restOnFloor(const BodyMaker& body, double h)
+{
+	TestWorld world;
+	world.addFloor().setFriction(1);
+	const Subject subject = makeOnFloor(body, world);
+	const double overlap = overlapAtRest(world, subject, h);
+	const double expected = subject.mass * kGravity / stiffnessOfContact(world);
+	return {{"overlap with the floor [m^3]", overlap, expected, expected},
+			{"speed [m/s]", speed(subject.body), 0, std::sqrt(kGravity * subject.size)}};
+}
+
+std::vector<SceneValue> slideDownSlope(const BodyMaker& body, double h)
+{
+	TestWorld world;
+	world.addFloor().setFriction(1);
+	const Subject subject = makeOnFloor(body, world);
+	subject.body.setAngularFactor(btScalar(0));
+	const double angle = std::atan(double(subject.body.getFriction()) + kMoreThanFriction);
+	// The slope is level, and gravity leans.
+	world.world().setGravity(btVector3(btScalar(kGravity * std::sin(angle)), btScalar(-kGravity * std::cos(angle)), 0));
+	world.run(subject.swing, h);
+	const double before = double(subject.body.getLinearVelocity().x()), begun = world.time();
+	world.run(kWatching * subject.swing, h);
+	const double acceleration = (double(subject.body.getLinearVelocity().x()) - before) / (world.time() - begun);
+	const double expected = kGravity * std::cos(angle) * kMoreThanFriction;
+	return {{"acceleration down the slope [m/s^2]", acceleration, expected, expected}};
+}
+
+std::vector<SceneValue> floatInFluid(const BodyMaker& body, double h)
+{
+	TestWorld world;
+	btRigidBody& surface = world.addFloor();
+	surface.setFriction(0);
+	const Subject subject = make(body, world, at(0, 0, 0, btVector3(0, 1, 0), 0.7));
+	btContactMaterial fluid = btContactMaterial::fluid(2 * subject.mass / subject.volume);
+	fluid.dissipation = 1 / std::sqrt(kGravity * subject.size);
+	if (const auto refused = world.world().materials().set(&surface, fluid)) throw std::runtime_error(refused->message);
+	const double overlap = overlapAtRest(world, subject, h), expected = subject.volume / 2;
+	return {{"displaced volume [m^3]", overlap, expected, expected}};
+}
+
+std::vector<SceneValue> collideWithItsLike(const BodyMaker& body, double h)
+{
+	TestWorld world;
+	world.world().setGravity(btVector3(0, 0, 0));
+	Subject subjects[2] = {make(body, world, at(0, 0, 0)), make(body, world, at(0, 0, 0, btVector3(0, 1, 0), 0.7))};
+	const double speed = 0.2 * std::sqrt(kGravity * subjects[0].size);
+	const double seconds = sendTowardsTheFirst(subjects, speed);
+	world.mark();
+	world.run(seconds, h);
+	const bool met = world.log().haveTouched(&subjects[0].body, &subjects[1].body);
+	const double momentum = subjects[0].mass * speed, energy = momentum * speed / 2;
+	return {{"meetings [1: they met]", double(met), 1, 1},
+			{"momentum from nowhere [N s]", norm(world.momentumFromNowhere()), 0, momentum},
+			{"energy from nowhere [J]", larger(0, world.energyGained()), 0, energy}};
+}
+
+const std::vector<TestScene>& testScenes()
+{
+	static const std::vector<TestScene> scenes = {
+		{"RestOnFloor", "the overlap times the stiffness of the contact is the weight, and nothing moves", restOnFloor},
+		{"SlideDownSlope", "the acceleration is g (sin a - mu cos a)", slideDownSlope},
+		{"FloatInFluid", "the displaced fluid weighs as much as the body: half of it is immersed", floatInFluid},
+		{"CollideWithItsLike", "momentum stays, and no energy is gained", collideWithItsLike},
+	};
+	return scenes;
+}
+}  // namespace ist::test
