@@ -54,3 +54,5 @@ install(FILES
 	cmake/BulletHapticsAssets.cmake
 	cmake/FindBulletPhysics.cmake
 	DESTINATION ${package_folder} COMPONENT dev)
+# Where ROS looks for it.
+install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/bullethaptics COMPONENT dev)

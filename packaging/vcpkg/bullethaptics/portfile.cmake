@@ -17,7 +17,7 @@ vcpkg_cmake_configure(
 		-DBULLETHAPTICS_DRIVER_SPNAV=OFF
 )
 vcpkg_cmake_install()
-vcpkg_cmake_config_fixup(PACKAGE_NAME BulletHaptics CONFIG_PATH lib/cmake/BulletHaptics)
+vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/BulletHaptics)
 vcpkg_fixup_pkgconfig()
 file(REMOVE_RECURSE "${CURRENT_PACKAGES_DIR}/debug/include" "${CURRENT_PACKAGES_DIR}/debug/share")
 vcpkg_install_copyright(FILE_LIST "${SOURCE_PATH}/LICENSE")

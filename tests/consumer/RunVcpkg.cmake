@@ -1,0 +1,31 @@
+# Builds the vcpkg port by vcpkg's own scripts, as its program would call them, with Debian's libraries in place of vcpkg's, and uses what came of it.
+# SOURCE (the project), WORK, VCPKG (a checkout of github.com/microsoft/vcpkg; its program is not needed), LAUNCHER.
+cmake_minimum_required(VERSION 3.25)
+
+include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
+
+if(NOT EXISTS ${VCPKG}/scripts/ports.cmake)
+	message("skipped: no vcpkg (git clone https://github.com/microsoft/vcpkg, and VCPKG_ROOT its folder)")
+	return()
+endif()
+file(REMOVE_RECURSE ${WORK})
+set(triplet ${WORK}/triplet.cmake)
+file(WRITE ${triplet} "include(${VCPKG}/triplets/x64-linux.cmake)
+set(VCPKG_BUILD_TYPE release)
+set(VCPKG_CMAKE_CONFIGURE_OPTIONS -DBulletPhysics_Double_LinearMath= -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+")
+set(helpers ${VCPKG}/ports/vcpkg-cmake/vcpkg-port-config.cmake ${VCPKG}/ports/vcpkg-cmake-config/vcpkg-port-config.cmake)
+set(ENV{VCPKG_FORCE_SYSTEM_BINARIES} 1)
+run(${CMAKE_COMMAND} -DCMD=BUILD -DPORT=bullethaptics -DCURRENT_PORT_DIR=${SOURCE}/packaging/vcpkg/bullethaptics -DFEATURES=core
+	-DTARGET_TRIPLET=x64-linux -DTARGET_TRIPLET_FILE=${triplet} -D_HOST_TRIPLET=x64-linux "-DVCPKG_PORT_CONFIGS=${helpers}"
+	-DVCPKG_ROOT_DIR=${VCPKG} -DDOWNLOADS=${WORK}/downloads -D_VCPKG_INSTALLED_DIR=${WORK}/installed -DVCPKG_BASE_VERSION=2025-01-01 -DVCPKG_CONCURRENCY=2
+	-DCURRENT_BUILDTREES_DIR=${WORK}/build -DCURRENT_PACKAGES_DIR=${WORK}/package -DVERSION=0 -DGIT=git -P ${VCPKG}/scripts/ports.cmake)
+foreach(file share/bullethaptics/copyright share/bullethaptics/BulletHapticsConfig.cmake lib/pkgconfig/bullethaptics-core.pc)
+	if(NOT EXISTS ${WORK}/package/${file})
+		message(FATAL_ERROR "the port left no ${file}")
+	endif()
+endforeach()
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consumer -DCMAKE_PREFIX_PATH=${WORK}/package -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${WORK}/consumer --parallel 2)
+run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/consumer --output-on-failure --no-tests=error)
+message(STATUS "${text}")
