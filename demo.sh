@@ -6,7 +6,7 @@ cd "$(dirname "$0")"
 
 yes=
 if [ "${1:-}" = "--yes" ]; then yes=--yes; shift; fi
-bash cmake/setup.sh $yes
+bash cmake/setup.sh demos $yes
 cmake --preset release >build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }
 echo "Building (build-log.txt has the details) ..." >&2
 cmake --build --preset release --target haptic_demos ist >>build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-bash cmake/setup.sh "${1:-}"
+bash cmake/setup.sh tests "$@"
 cmake --preset release
 cmake --build --preset release
 ctest --preset release

@@ -1,12 +1,28 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
-# Usage: cmake/setup.sh [--yes]     --yes: do not ask
+# Usage: cmake/setup.sh [library|demos|tests] [--yes]
+#   library   for the libraries and the ist command
+#   demos     for the demos and the drivers of devices, too
+#   tests     for all tests, the Python module and the documentation, too (default)
+#   --yes     do not ask
 set -euo pipefail
 
-packages=(g++ cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev libgtest-dev libgmock-dev
-	libcli11-dev nlohmann-json3-dev glmark2-data python3 python3-dev python3-numpy pybind11-dev doxygen
-	libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev spacenavd
-	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core xvfb xauth)
+scope=tests yes=
+for argument in "$@"; do
+	case $argument in
+	library | demos | tests) scope=$argument ;;
+	--yes) yes=1 ;;
+	*)
+		echo "setup.sh: what is $argument? Known are library, demos, tests, --yes" >&2
+		exit 2
+		;;
+	esac
+done
+
+packages=(g++ cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev libcli11-dev nlohmann-json3-dev)
+[ $scope = library ] || packages+=(glmark2-data libgtest-dev libgmock-dev python3 libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev
+	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core)
+[ $scope != tests ] || packages+=(python3-dev python3-numpy pybind11-dev doxygen spacenavd xvfb xauth)
 
 missing=()
 for package in "${packages[@]}"; do
@@ -20,7 +36,7 @@ if [ "$(id -u)" -eq 0 ]; then
 elif command -v sudo >/dev/null; then
 	run=(sudo)
 	echo "These packages are missing and will be installed with: sudo $line" >&2
-	if [ "${1:-}" != "--yes" ]; then
+	if [ -z "$yes" ]; then
 		if [ ! -t 0 ]; then
 			echo "Nobody is there to ask: run it yourself, or give --yes." >&2
 			exit 1
