@@ -6,7 +6,9 @@
 #include "BulletISTCollision/Core/TriangleHierarchy.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -17,6 +19,8 @@ namespace
 {
 /// Of the lengths involved: what passes a plane or an edge by less touches it. A hundred times what rounding can do.
 constexpr double kTouching = 1e-12;
+/// Pairs of nodes, among threads.
+constexpr std::size_t kFewestShares = 256;
 
 using Child = TriangleHierarchy::Child;
 
@@ -53,42 +57,62 @@ bool shareVertex(const Triangle& s, const Triangle& t)
 class Search
 {
 public:
-	Search(const Mesh& mesh, int64_t most) : m_mesh(mesh), m_most(most)
+	Search(const Mesh& mesh, int64_t most, int threads) : m_mesh(mesh), m_most(most), m_threads(threads)
 	{
 		const Box box = bounds(mesh);
-		m_hierarchy = TriangleHierarchy(mesh, box.lower + 0.5 * box.size());
+		m_hierarchy = TriangleHierarchy(mesh, box.lower + 0.5 * box.size(), threads);
 	}
 
 	int64_t run()
 	{
-		m_open.emplace_back(&m_hierarchy.root, &m_hierarchy.root);
-		while (!m_open.empty() && m_found < m_most)
+		// Breadth first until there is something for every thread, then depth first.
+		std::vector<Pair> open{{&m_hierarchy.root, &m_hierarchy.root}}, below;
+		for (; !open.empty() && open.size() < kFewestShares; open.swap(below))
 		{
-			const auto [a, b] = m_open.back();
-			m_open.pop_back();
-			if (a != b && !overlap(*a, *b)) continue;
-			if (a->count > 0 && b->count > 0) compare(*a, *b);
-			else open(*a, *b);
+			below.clear();
+			for (const Pair& pair : open) look(pair, below);
 		}
-		return std::min(m_found, m_most);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(m_threads)
+		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(open.size()); ++i)
+		{
+			std::vector<Pair> mine{open[size_t(i)]};
+			while (!mine.empty() && m_found < m_most)
+			{
+				const Pair pair = mine.back();
+				mine.pop_back();
+				look(pair, mine);
+			}
+		}
+		return std::min<int64_t>(m_found, m_most);
 	}
 
 private:
-	void open(const Child& a, const Child& b)
+	using Pair = std::pair<const Child*, const Child*>;
+
+	/// Compares the triangles of two leaves; of others, appends the pairs of their children.
+	void look(const Pair& pair, std::vector<Pair>& below)
+	{
+		const auto [a, b] = pair;
+		if (a != b && !overlap(*a, *b)) return;
+		if (a->count > 0 && b->count > 0) compare(*a, *b);
+		else open(*a, *b, below);
+	}
+
+	void open(const Child& a, const Child& b, std::vector<Pair>& below) const
 	{
 		const auto children = [this](const Child& c) { return m_hierarchy.nodes[c.first].child; };
 		if (&a == &b)
 		{
 			const Child* c = children(a);
-			m_open.emplace_back(&c[0], &c[0]);
-			m_open.emplace_back(&c[1], &c[1]);
-			m_open.emplace_back(&c[0], &c[1]);
+			below.emplace_back(&c[0], &c[0]);
+			below.emplace_back(&c[1], &c[1]);
+			below.emplace_back(&c[0], &c[1]);
 			return;
 		}
 		const bool openA = b.count > 0 || (a.count == 0 && squaredNorm(a.upper - a.lower) > squaredNorm(b.upper - b.lower));
 		const Child *c = children(openA ? a : b), *other = openA ? &b : &a;
-		m_open.emplace_back(&c[0], other);
-		m_open.emplace_back(&c[1], other);
+		below.emplace_back(&c[0], other);
+		below.emplace_back(&c[1], other);
 	}
 
 	void compare(const Child& a, const Child& b)
@@ -103,15 +127,16 @@ private:
 	}
 
 	const Mesh& m_mesh;
-	int64_t m_most, m_found = 0;
+	const int64_t m_most;
+	[[maybe_unused]] const int m_threads;
+	std::atomic<int64_t> m_found = 0;
 	TriangleHierarchy m_hierarchy;
-	std::vector<std::pair<const Child*, const Child*>> m_open;
 };
 }  // namespace
 
-int64_t countCuts(const Mesh& mesh, int64_t most)
+int64_t countCuts(const Mesh& mesh, int64_t most, int threads)
 {
-	return mesh.triangles.empty() ? 0 : Search(mesh, most).run();
+	return mesh.triangles.empty() ? 0 : Search(mesh, most, threads).run();
 }
 
 double miscountedShare(const Mesh& mesh, int cells)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -64,15 +65,15 @@ struct MeshDistance::Implementation
 	Cluster rootCluster;
 	std::vector<std::array<Cluster, 2>> clusters;  // of hierarchy.nodes[i].child
 
-	explicit Implementation(Mesh source);
-	void addClusters();
+	Implementation(Mesh source, int threads);
+	void addClusters(int threads);
 	Cluster clusterOf(const Child& child, uint32_t begin, uint32_t end) const;
 	Field fieldFrom(const Nearest& c, bool inside) const;
 	double winding(const Vec3& p, double farRadii) const;
 	bool contains(const Vec3& p) const;
 };
 
-MeshDistance::Implementation::Implementation(Mesh source) : mesh(std::move(source))
+MeshDistance::Implementation::Implementation(Mesh source, int threads) : mesh(std::move(source))
 {
 	if (mesh.triangles.empty()) return;
 	Vec3 lower = mesh.vertices[mesh.triangles[0][0]], upper = lower;
@@ -86,20 +87,23 @@ MeshDistance::Implementation::Implementation(Mesh source) : mesh(std::move(sourc
 	}
 	origin = (lower + upper) * 0.5;
 	size = norm(upper - lower);
-	hierarchy = TriangleHierarchy(mesh, origin);
+	hierarchy = TriangleHierarchy(mesh, origin, threads);
 	sieve = TriangleSieve(hierarchy, size);
-	addClusters();
+	addClusters(threads);
 }
 
-void MeshDistance::Implementation::addClusters()
+void MeshDistance::Implementation::addClusters([[maybe_unused]] int threads)
 {
 	clusters.resize(hierarchy.nodes.size());
-	for (size_t i = 0; i < clusters.size(); ++i)
+	// Those of the first nodes are the largest.
+#pragma omp parallel for schedule(dynamic, 64) num_threads(threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(clusters.size()); ++i)
 	{
 		for (int k = 0; k < 2; ++k)
 		{
-			const auto [begin, end] = hierarchy.range(hierarchy.nodes[i].child[k]);
-			clusters[i][size_t(k)] = clusterOf(hierarchy.nodes[i].child[k], begin, end);
+			const Child& child = hierarchy.nodes[size_t(i)].child[k];
+			const auto [begin, end] = hierarchy.range(child);
+			clusters[size_t(i)][size_t(k)] = clusterOf(child, begin, end);
 		}
 	}
 	rootCluster = clusterOf(hierarchy.root, 0, uint32_t(hierarchy.triangles.size()));
@@ -169,7 +173,7 @@ Vec3 closestPointOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const V
 	return p + offsetToTriangle(t, a - p, d2);
 }
 
-MeshDistance::MeshDistance(Mesh mesh) : m_impl(std::make_unique<Implementation>(std::move(mesh))) {}
+MeshDistance::MeshDistance(Mesh mesh, int threads) : m_impl(std::make_unique<Implementation>(std::move(mesh), threads)) {}
 MeshDistance::~MeshDistance() = default;
 MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
 MeshDistance& MeshDistance::operator=(MeshDistance&&) noexcept = default;

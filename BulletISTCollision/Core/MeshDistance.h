@@ -26,7 +26,8 @@ public:
 		uint32_t triangle = 0;  ///< lowest index among equally near ones
 	};
 
-	explicit MeshDistance(Mesh mesh);
+	/// `threads`: of the construction; it changes nothing else.
+	explicit MeshDistance(Mesh mesh, int threads = 1);
 	~MeshDistance();
 	MeshDistance(MeshDistance&&) noexcept;
 	MeshDistance& operator=(MeshDistance&&) noexcept;

@@ -134,9 +134,10 @@ std::vector<TriangleKey> sortedTriangles(const Mesh& mesh)
 		if (!even) std::swap(t[1], t[2]);
 		keys.push_back({t, even, static_cast<uint32_t>(i)});
 	}
-	std::sort(keys.begin(), keys.end(), [](const TriangleKey& a, const TriangleKey& b) {
-		return a.corners != b.corners ? a.corners < b.corners : a.triangle < b.triangle;
-	});
+	const auto firstTwo = [](const TriangleKey& key) { return uint64_t(key.corners[0]) << 32 | key.corners[1]; };
+	const auto rest = [](const TriangleKey& key) { return uint64_t(key.corners[2]) << 32 | key.triangle; };
+	std::sort(keys.begin(), keys.end(), [&](const TriangleKey& a, const TriangleKey& b)
+			  { return firstTwo(a) != firstTwo(b) ? firstTwo(a) < firstTwo(b) : rest(a) < rest(b); });
 	return keys;
 }
 
@@ -424,9 +425,9 @@ std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
 	return std::nullopt;
 }
 
-std::optional<Error> settleCuts(Attempt& attempt, int64_t& cuts, Steps& steps)
+std::optional<Error> settleCuts(Attempt& attempt, int64_t& cuts, Steps& steps, int threads)
 {
-	cuts = countCuts(attempt.mesh, kMostCuts);
+	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if (cuts == 0) return std::nullopt;
 	const std::string found = (cuts == kMostCuts ? "at least " : "") +
 							  counted(cuts, "pair of triangles that cut each other", "pairs of triangles that cut each other");
@@ -533,7 +534,7 @@ Closedness inspect(const Mesh& mesh)
 	return found;
 }
 
-Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& progress)
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& progress, int threads)
 {
 	const Error cancelled{"the repair was cancelled", true};
 	Steps steps(progress);
@@ -560,7 +561,7 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 											? "use the automatic repair"
 											: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
 	if (mode == RepairMode::Auto)
-		if (const auto error = settleCuts(attempt, result.cuts, steps)) return *error;
+		if (const auto error = settleCuts(attempt, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;
 	if (const auto error = finish(attempt, welded, mode, result)) return *error;
 	if (welded.vertices.size() != mesh.vertices.size())

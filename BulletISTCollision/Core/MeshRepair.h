@@ -46,5 +46,6 @@ struct RepairedMesh
 Closedness inspect(const Mesh& mesh);
 
 /// Error: empty, flat (no volume), not closed and not closable; the sentence says what was found and how much of it. Stage "repair".
-Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto, const Progress& progress = {});
+/// The same for any thread count.
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto, const Progress& progress = {}, int threads = 1);
 }  // namespace ist

@@ -111,10 +111,11 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	if (!goesOn(options.progress, "repair", 0)) return cancelled();
 	Progress repairing;
 	if (options.progress) repairing = [&](const char* stage, double fraction) { return options.progress(stage, 0.9 * fraction); };
-	Result<RepairedMesh> repaired = repair(mesh, options.repair, repairing);
+	const int threads = threadCount(options.threads);
+	Result<RepairedMesh> repaired = repair(mesh, options.repair, repairing, threads);
 	if (!repaired) return repaired.error();
 	describe(tree, mesh, repaired.value(), options);
-	const MeshDistance surface(translated(repaired.value().mesh, -tree.origin));
+	const MeshDistance surface(translated(repaired.value().mesh, -tree.origin), threads);
 	tree.box = bounds(surface.mesh());
 	if (!goesOn(options.progress, "repair", 1)) return cancelled();
 	seconds.setup = watch.lap();
@@ -139,7 +140,7 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	tree.spheres = std::move(packing.value().spheres);
 	seconds.leaves = watch.lap();
 
-	if (!buildTrees(tree, cells.value(), threadCount(options.threads), options.progress)) return cancelled();
+	if (!buildTrees(tree, cells.value(), threads, options.progress)) return cancelled();
 	seconds.tree = watch.lap();
 	if (const std::string problem = tree.validate(); !problem.empty()) return Error{"internal: the built tree is not valid: " + problem};
 	return tree;

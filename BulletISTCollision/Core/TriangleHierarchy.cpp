@@ -14,6 +14,7 @@ constexpr int bins = 16;
 constexpr int deepestBinned = TriangleHierarchy::kMostLevels - 32;
 // A triangle lower than this fraction of its longest edge has a normal too inexact to be relied on alone.
 constexpr double needleRatio = 1e-6;
+constexpr uint32_t fewestToShare = 4096;  // triangles, among threads
 
 struct Bounds
 {
@@ -44,6 +45,8 @@ struct BuildItem
 };
 
 using Items = std::vector<BuildItem>;
+using Child = TriangleHierarchy::Child;
+using Nodes = std::vector<TriangleHierarchy::Node>;
 
 struct Split
 {
@@ -120,11 +123,25 @@ struct Builder
 	const Mesh& mesh;
 	const Vec3& origin;
 	TriangleHierarchy& hierarchy;
+	Items& items;
 
-	TriangleHierarchy::Child build(Items& items, uint32_t begin, uint32_t end, int depth);
+	Child build(uint32_t begin, uint32_t end, int depth, Nodes& nodes);
 };
 
-TriangleHierarchy::Child Builder::build(Items& items, uint32_t begin, uint32_t end, int depth)
+/// Appends the nodes below `child`, whose numbers count from their first.
+void append(Nodes& nodes, const Nodes& below, Child& child)
+{
+	const auto shift = static_cast<uint32_t>(nodes.size());
+	const auto renumber = [shift](Child& c) { c.first += c.count == 0 ? shift : 0; };
+	renumber(child);
+	for (const TriangleHierarchy::Node& node : below)
+	{
+		nodes.push_back(node);
+		for (Child& c : nodes.back().child) renumber(c);
+	}
+}
+
+Child Builder::build(uint32_t begin, uint32_t end, int depth, Nodes& nodes)
 {
 	Bounds box;
 	for (uint32_t i = begin; i < end; ++i) box.include(items[i].box);
@@ -141,10 +158,24 @@ TriangleHierarchy::Child Builder::build(Items& items, uint32_t begin, uint32_t e
 		return {box.lower, box.upper, begin, end - begin};
 	}
 	const uint32_t split = partition(items, begin, end, depth);
-	const auto self = static_cast<uint32_t>(hierarchy.nodes.size());
-	hierarchy.nodes.emplace_back();
-	const TriangleHierarchy::Child left = build(items, begin, split, depth + 1), right = build(items, split, end, depth + 1);
-	hierarchy.nodes[self] = {{left, right}};
+	const auto self = static_cast<uint32_t>(nodes.size());
+	nodes.emplace_back();
+	Child left, right;
+	if (end - begin < fewestToShare)
+	{
+		left = build(begin, split, depth + 1, nodes);
+		right = build(split, end, depth + 1, nodes);
+	}
+	else
+	{
+		Nodes below;
+#pragma omp task shared(below, right)
+		right = build(split, end, depth + 1, below);
+		left = build(begin, split, depth + 1, nodes);
+#pragma omp taskwait
+		append(nodes, below, right);
+	}
+	nodes[self] = {{left, right}};
 	return {box.lower, box.upper, self, 0};
 }
 }  // namespace
@@ -159,7 +190,7 @@ PreparedTriangle prepareTriangle(const Vec3& a, const Vec3& b, const Vec3& c, ui
 	return t;
 }
 
-TriangleHierarchy::TriangleHierarchy(const Mesh& mesh, const Vec3& origin)
+TriangleHierarchy::TriangleHierarchy(const Mesh& mesh, const Vec3& origin, [[maybe_unused]] int threads)
 {
 	const auto n = static_cast<uint32_t>(mesh.triangles.size());
 	if (n == 0) return;
@@ -172,7 +203,10 @@ TriangleHierarchy::TriangleHierarchy(const Mesh& mesh, const Vec3& origin)
 	}
 	triangles.resize(n);
 	nodes.reserve(n / 2);
-	root = Builder{mesh, origin, *this}.build(items, 0, n, 0);
+	Builder builder{mesh, origin, *this, items};
+#pragma omp parallel num_threads(threads) if (n >= fewestToShare)
+#pragma omp single
+	root = builder.build(0, n, 0, nodes);
 	nodes.shrink_to_fit();
 }
 

@@ -93,7 +93,8 @@ struct TriangleHierarchy
 	std::vector<PreparedTriangle> triangles;  ///< in leaf order; inside a leaf by index
 
 	TriangleHierarchy() = default;
-	TriangleHierarchy(const Mesh& mesh, const Vec3& origin);
+	/// The same for any thread count.
+	TriangleHierarchy(const Mesh& mesh, const Vec3& origin, int threads = 1);
 
 	/// Places of the first triangle below and of the one after the last.
 	std::pair<uint32_t, uint32_t> range(const Child& child) const;

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/MeshDistance.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TriangleHierarchy.h"
 
 #include <gtest/gtest.h>
 
@@ -438,6 +439,29 @@ TEST(MeshDistance, FieldAfterAnyOtherPointAgreesWithBruteForceAndWithNoHint)
 				EXPECT_LT(hint, mesh.triangles.size());
 			}
 		}
+	}
+}
+
+TEST(MeshDistance, TheThreadCountChangesNothing)
+{
+	const Mesh mesh = translated(makeSphereMesh(1, 5), {1000, 0, 0});
+	const TriangleHierarchy one(mesh, {1000, 0, 0}), many(mesh, {1000, 0, 0}, 3);
+	ASSERT_EQ(many.nodes.size(), one.nodes.size());
+	for (size_t i = 0; i < one.nodes.size(); ++i)
+		for (int k = 0; k < 2; ++k)
+		{
+			const TriangleHierarchy::Child &a = one.nodes[i].child[k], &b = many.nodes[i].child[k];
+			ASSERT_TRUE(a.first == b.first && a.count == b.count && a.lower == b.lower && a.upper == b.upper) << i;
+		}
+	for (size_t i = 0; i < one.triangles.size(); ++i) ASSERT_EQ(many.triangles[i].index, one.triangles[i].index);
+
+	const MeshDistance surface(mesh), shared(mesh, 3);
+	Random random(31);
+	for (int i = 0; i < 100; ++i)
+	{
+		const Vec3 p = Vec3{1000, 0, 0} + random.inCube(1.2);
+		EXPECT_EQ(shared.windingNumber(p), surface.windingNumber(p));
+		EXPECT_EQ(shared.closest(p).triangle, surface.closest(p).triangle);
 	}
 }
 

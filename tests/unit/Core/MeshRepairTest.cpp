@@ -404,6 +404,18 @@ TEST(MeshRepair, VolumeChangesAreToldAndNothingElse)
 	EXPECT_EQ(turned.value().actions.back(), "The volume changed from -8 to 8 m^3.");
 }
 
+TEST(MeshRepair, TheThreadCountChangesNothing)
+{
+	const Mesh spheres = joined(makeSphereMesh(1, 5), translated(makeSphereMesh(1, 5), {1.7, 0.01, 0.02}));
+	const Result<RepairedMesh> one = repair(spheres), many = repair(spheres, RepairMode::Auto, {}, 3);
+	ASSERT_TRUE(one && many);
+	EXPECT_GT(one.value().cuts, 100);
+	EXPECT_LT(one.value().cuts, 1000);
+	EXPECT_EQ(many.value().cuts, one.value().cuts);
+	EXPECT_EQ(many.value().actions, one.value().actions);
+	EXPECT_EQ(many.value().mesh.triangles, one.value().mesh.triangles);
+}
+
 TEST(MeshRepair, ProgressRisesAndCancelsAnywhere)
 {
 	Mesh mesh = joined(makeSphereMesh(1, 2), translated(makeSphereMesh(1, 2), {0.9, 0, 0}));
