@@ -53,6 +53,27 @@ MUTATIONS = {
     "normal of a half-space flipped": (
         CORE + "FieldQuery.cpp", "sums.normalB.force += nB;", "sums.normalB.force -= nB;",
         "test_core", "HalfSpace.OneBallHasTheClosedForm"),
+    "remembered pairs outlive their margin": (
+        CORE + "PairMemory.cpp", "return valid = valid && m_filled.motionTo(now.X) <= m_margin;", "return valid;",
+        "test_core", "PairMemory.*"),
+    "a turn uses up no margin": (
+        CORE + "PairMemory.cpp", " + (std::sqrt(0.5 * squared) + skew) * reach;", ";",
+        "test_core", "PairMemory.*"),
+    "remembered patches are never grouped anew": (
+        CORE + "PairMemory.cpp", "return asMany && now.aligned", "return asMany || !asMany || now.aligned",
+        "test_core", "PairMemory.*"),
+    "clearance without the radius of one ball": (
+        CORE + "LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding", "return distance(a.center, b.center) - a.r - kRounding",
+        "test_core", "LeafClearance.*"),
+    "bodies that came near stay apart": (
+        COLLISION + "btISTEconomy.cpp", "return way < m_clearance;", "return true;",
+        "test_collision", "btISTEconomy.*"),
+    "kept beyond what is granted": (
+        COLLISION + "btISTEconomy.cpp", "return used <= 1;", "return true;",
+        "test_collision", "btISTEconomy.*"),
+    "kept answers do not follow the motion": (
+        COLLISION + "btISTEconomy.cpp", "	ist::moveB(contact.total, motion);\n", "",
+        "test_collision", "btISTEconomy.*"),
     "normal of Bullet's plane flipped": (
         COLLISION + "btISTShapeField.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
         "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),

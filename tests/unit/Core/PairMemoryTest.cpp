@@ -113,6 +113,28 @@ TEST(PairMemory, AnswersAsAFreshQueryInEveryInstructionSet)
 	}
 }
 
+// The middle of B stays where it is; only its other points move.
+TEST(PairMemory, ATurnInPlaceUsesUpTheMargin)
+{
+	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
+	QueryWorkspace workspace, other;
+	QueryOptions options;
+	options.sortPairs = true;
+	PairMemory memory;
+	int without = 0;
+	for (int tick = 0; tick < 200; ++tick)
+	{
+		Pose X;
+		X.rotation = rotationMatrix(quaternionFromRotationVector(Vec3{0.3, -0.5, 0.8} * (0.0005 * tick)));
+		X.translation = A.origin + Vec3{0.4, 0.2, -0.3} - X.rotation * B.origin;
+		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		expectSamePairs(r, fresh);
+		expectSameSums(r.total, fresh.total);
+		without += r.nodeVisits == 0 && fresh.nodeVisits > 0;
+	}
+	EXPECT_GT(without, 150);
+}
+
 TEST(PairMemory, SearchesAnewWhereBodiesMoveFast)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
