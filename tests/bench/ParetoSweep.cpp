@@ -38,6 +38,9 @@ double now()
 	return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// Of all threads [s].
+double processorTime() { return double(std::clock()) / CLOCKS_PER_SEC; }
+
 double quantile(std::vector<double> values, double share)
 {
 	if (values.empty()) return 0;
@@ -71,12 +74,11 @@ SweptBody makeBody(const std::string& name, int spheres, const std::string& fold
 	else if (!folder.empty()) std::ofstream(seconds) << body.buildSeconds;
 	body.tree = *tree.value().tree;
 	// Of the processor: both run on one thread.
-	const auto processor = [] { return double(std::clock()) / CLOCKS_PER_SEC; };
-	const double start = processor();
+	const double start = processorTime();
 	body.tree.levels = buildLevels(body.tree.law);
-	const double levels = processor();
+	const double levels = processorTime();
 	body.tree.calibration = measuredCalibration(body.tree);
-	std::fprintf(stderr, "%s, %d spheres: levels in %.3f s, calibration in %.3f s of processor time\n", name.c_str(), spheres, levels - start, processor() - levels);
+	std::fprintf(stderr, "%s, %d spheres: levels in %.3f s, calibration in %.3f s of processor time\n", name.c_str(), spheres, levels - start, processorTime() - levels);
 	body.bytes = treeBytes(body.tree);
 	return body;
 }
@@ -338,7 +340,7 @@ private:
 	PromiseRow promiseOf(double error)
 	{
 		PromiseRow row{m_row.pair, error, m_row.spheres, int(m_poses.size())};
-		const double floor = forceFloor(m_poses), n = double(m_poses.size());
+		const double floor = forceFloor(m_A, m_B), n = double(m_poses.size());
 		std::vector<double> pairs(size_t(levelCount(m_A, m_B)) + 1), within(pairs.size());
 		std::vector<double> shares;
 		double asked = 0, answered = 0;
@@ -384,33 +386,37 @@ private:
 };
 }  // namespace
 
-Sweep runSweep(const SweepSettings& settings)
+bool runSweep(const SweepSettings& settings, Sweep& sweep, const std::function<bool()>& keep)
 {
-	Sweep sweep;
+	size_t done = 0;
 	std::map<std::pair<std::string, int>, SweptBody> bodies;
 	for (const auto& [a, b] : settings.pairs)
 	{
 		if (placed(meshNamed(a)).triangles.empty() || placed(meshNamed(b)).triangles.empty())
 		{
 			std::fprintf(stderr, "%s-%s: skipped; apt-get install glmark2-data\n", a.c_str(), b.c_str());
+			done += settings.spheres.size();
 			continue;
 		}
-		const double start = now();
+		const double start = processorTime();
 		const std::vector<TruePose> poses = truePoses(a, b, settings.truth, settings.folder);
-		std::fprintf(stderr, "%s-%s: %zu poses integrated in %.1f s\n", a.c_str(), b.c_str(), poses.size(), now() - start);
+		std::fprintf(stderr, "%s-%s: %zu poses integrated in %.1f s of processor time\n", a.c_str(), b.c_str(), poses.size(), processorTime() - start);
 		bool peersAsked = !settings.peers;
 		for (const int spheres : settings.spheres)
 		{
 			for (const std::string& name : {a, b})
 				if (!bodies.count({name, spheres})) bodies[{name, spheres}] = makeBody(name, spheres, settings.folder);
 			const SweptBody &A = bodies[{a, spheres}], &B = bodies[{b, spheres}];
+			++done;
 			if (A.tree.law.empty() || B.tree.law.empty()) continue;
 			PairSweep pair(settings, a, b, spheres, A, B, poses);
 			pair.run(sweep);
 			if (!std::exchange(peersAsked, true)) pair.runPeers(placed(meshNamed(a)), placed(meshNamed(b)), sweep);
-			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s\n", a.c_str(), b.c_str(), spheres, now() - start);
+			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s of processor time; %zu of %zu\n", a.c_str(), b.c_str(), spheres, processorTime() - start, done,
+						 settings.pairs.size() * settings.spheres.size());
+			if (!keep()) return false;
 		}
 	}
-	return sweep;
+	return true;
 }
 }  // namespace bench

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 #include "tests/bench/TruePoses.h"
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -75,6 +76,7 @@ struct Sweep
 	std::vector<PromiseRow> promises;
 };
 
-/// Builds, asks and compares. Progress goes to stderr.
-Sweep runSweep(const SweepSettings& settings);
+/// Builds, asks and compares, into `sweep`. Progress goes to stderr. `keep` is called whenever a pair of bodies is done with a number of spheres; where it returns
+/// false the sweep ends, and returns false.
+bool runSweep(const SweepSettings& settings, Sweep& sweep, const std::function<bool()>& keep);
 }  // namespace bench

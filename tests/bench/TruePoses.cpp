@@ -4,7 +4,6 @@
 #include "demos/scenes/PoseSampler.h"
 #include "tests/bench/BenchBodies.h"
 
-#include <algorithm>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
@@ -69,17 +68,5 @@ std::vector<TruePose> truePoses(const std::string& bodyA, const std::string& bod
 			poses.push_back({X, overlap, quadrature.integrate(X, quadrature.extentA().center, settings.lines, settings.points)});
 	if (!folder.empty()) write(name.str(), poses);
 	return poses;
-}
-
-double forceFloor(const std::vector<TruePose>& poses)
-{
-	double least = 1;
-	for (const TruePose& pose : poses) least = std::min(least, pose.overlap);
-	std::vector<double> forces;
-	for (const TruePose& pose : poses)
-		if (pose.overlap == least) forces.push_back(norm(pose.truth.wrench().force));
-	if (forces.empty()) return 0;
-	std::nth_element(forces.begin(), forces.begin() + ptrdiff_t(forces.size() / 2), forces.end());
-	return forces[forces.size() / 2];
 }
 }  // namespace bench

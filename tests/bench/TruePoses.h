@@ -28,7 +28,4 @@ struct TruthSettings
 /// Seeded random poses of two of the bodies of `meshNamed`, placed; the truth by quadrature on their triangles. `folder`, when not empty,
 /// keeps what was integrated from run to run.
 std::vector<TruePose> truePoses(const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder = {});
-
-/// Median length of the true force at the least overlap among the poses, for k = 1: below it an error counts as if the force were that large.
-double forceFloor(const std::vector<TruePose>& poses);
 }  // namespace bench

@@ -2,7 +2,8 @@
 // Speed against accuracy: bodies x spheres x level, budget or accepted error, at several overlaps, against quadrature on the triangles; beside them
 // the paper's own estimator, closed forms and other libraries; in single poses and on paths. Writes pareto.csv, pareto.json, pareto.html and a front as SVG for each pair. Usage:
 // bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] [--peers 0|1]
-// All of it takes about an hour, --quick two minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run.
+// All of it takes about an hour, --quick two minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run. What was found so far is written whenever
+// a pair is done with a number of spheres.
 #include "demos/scenes/WholeText.h"
 #include "tests/bench/ParetoPage.h"
 
@@ -115,8 +116,8 @@ int main(int argc, char** argv)
 	std::error_code error;
 	for (const std::string& wanted : {folder, settings.folder})
 		if (!wanted.empty()) std::filesystem::create_directories(wanted, error);
-	const Sweep sweep = runSweep(settings);
-	if (!writeAll(sweep, folder)) return std::fprintf(stderr, "bench_pareto: cannot write to %s\n", folder.c_str()), 1;
+	Sweep sweep;
+	if (!runSweep(settings, sweep, [&] { return writeAll(sweep, folder); })) return std::fprintf(stderr, "bench_pareto: cannot write to %s\n", folder.c_str()), 1;
 	for (const PromiseRow& p : sweep.promises)
 		std::printf("%-14s %6d spheres, accepted %4.1f %%: held in %5.1f %% of %d poses, kept in %5.1f %%, true error %.2f of the promise in the median, "
 					"%.0f %% of the force where %.0f %% was promised at worst, cost %.2f of the leaves', %.2f of the cheapest fixed level's\n",
