@@ -12,10 +12,14 @@ namespace ist
 {
 namespace
 {
-constexpr double kOfBalls = 0.9, kOfFew = 0.1, kOfGaps = 0.38, kMostGaps = 3, kUnmeasured = 0.4;
+constexpr double kOfBalls = 0.7, kOfFew = 0.25, kOfGaps = 0.2, kMostGaps = 3, kUnmeasured = 0.4;
 constexpr double kFloorOverlap = 0.001;
 /// A coarser level is tried next only where it is sure to do, lest two levels take turns.
 constexpr double kReserve = 0.8;
+/// Share of its promised error by which the force of a level that did not keep the error may prove larger, and how many levels finer than with that the
+/// next look would have to be without: one level less, and a look that falls short costs more than it may save. Chosen with the factors.
+constexpr double kHope = 0.7;
+constexpr int kWorthALook = 2;
 
 /// Square of one body's part in the relative error. Blocks but the last few of a tree are full.
 double squaredPart(const InnerSphereTree& body, const BallTree& tree, int level, double overlap)
@@ -51,6 +55,19 @@ int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Contac
 	return 0;
 }
 
+namespace
+{
+/// The level to look at after `level` did not keep the error. Where forces cancel, a coarse level sees too little of them, or too much: leaves would often be
+/// asked where a level between says that it will do.
+int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen, double error)
+{
+	ContactSeen hoped = seen;
+	hoped.force += kHope * promisedError(A, B, level, seen);
+	const int sure = std::min(chooseLevel(A, B, seen, error), level - 1), coarsest = std::min(chooseLevel(A, B, hoped, error), level - 1);
+	return coarsest - sure < kWorthALook ? sure : coarsest;
+}
+}  // namespace
+
 PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
 							 const QueryOptions& options)
 {
@@ -69,13 +86,12 @@ PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B,
 		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
 		answer.promise = shareOfTrueForce(promisedError(A, B, answer.overlap.level, seen), seen.force, forceFloor(A, B));
 		answer.kept = answer.promise <= accepted.error;
-		const int chosen = std::max(finest, chooseLevel(A, B, seen, accepted.error));
 		if (answer.kept || at.level == finest || answer.overlap.coarsened)
 		{
 			answer.nextLevel = std::max(at.level, chooseLevel(A, B, seen, kReserve * accepted.error));
 			return answer;
 		}
-		at.level = std::min(chosen, at.level - 1);
+		at.level = std::max(finest, nextLook(A, B, at.level, seen, accepted.error));
 	}
 }
 }  // namespace ist

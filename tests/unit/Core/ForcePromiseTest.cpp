@@ -64,10 +64,10 @@ TEST(ForcePromise, FollowsItsLaw)
 	const int level = 3;
 	const LevelPair trees = levelOf(A, B, level);
 	const double V = 0.05, area = 0.4, nA = trees.treeA->ballCount() * V / A.volume, nB = trees.treeB->ballCount() * V / B.volume;
-	const double gaps = 0.38 * 0.02 * area / V;
-	const double expected = V * std::sqrt(0.18 * 0.18 / nA + 0.27 * 0.27 / nB + gaps * gaps);
+	const double balls = 0.14 * 0.14 / nA + 0.21 * 0.21 / nB + 0.25 * 0.25 * (1 / (nA * nA) + 1 / (nB * nB));
+	const double expected = V * std::hypot(std::sqrt(balls), 0.2 * 0.02 * area / V);
 	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, area}), expected, 0.02 * expected);
-	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * 0.38 * 3, 0.05 * V) << "nothing is known of what is shallower than a third of the gaps";
+	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * std::hypot(std::sqrt(balls), 0.2 * 3), 0.02 * V) << "nothing more is known of what is shallower still";
 	A.calibration.clear();
 	EXPECT_GT(promisedError(A, B, level, {V, 0.04, area}), expected) << "a body that was never measured is trusted less";
 	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {forceFloor(A, B), 0, 0})) << "what was not seen may still be as much as the floor";

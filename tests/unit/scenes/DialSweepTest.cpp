@@ -34,12 +34,12 @@ TEST(DialSweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
 	const InnerSphereTree A = treeOf(ring), B = treeOf(ball);
 	const std::vector<Pose> poses = {shifted(0.25), shifted(0.2), shifted(0.15), shifted(0.05)};
 	const OverlapQuadrature quadrature(ring, ball);
-	std::vector<JudgedPose> truths = judgePoses(quadrature, poses, 40, 4000);
+	std::vector<JudgedPose> truths = judgePoses(quadrature, poses, 50, 6000);
 	ASSERT_EQ(truths.size(), poses.size());
 	for (size_t i = 0; i < poses.size(); ++i)
 	{
 		EXPECT_EQ(truths[i].X_AB.translation.z, poses[i].translation.z);
-		EXPECT_GT(norm(truths[i].force), 10 * truths[i].uncertain);
+		EXPECT_GT(norm(truths[i].force), 40 * truths[i].uncertain);
 	}
 	const std::vector<double> accepted = {0.02, 0.3, 0.9};
 	const std::vector<DialPoint> sweep = sweepDial(A, B, truths, accepted);
