@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // What the economy saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and the error
-// that it adds. Times are the least of the repeats, both ways in turn in one process. Usage:
+// that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the repeats, both ways in turn in one process. Usage:
 // bench_economy [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
+#include "BulletHapticForce/btContactLaw.h"
+#include "BulletISTCollision/Core/StepChoice.h"
+#include "BulletISTCollision/btISTConversion.h"
 #include "demos/browser/DemoCatalog.h"
 #include "demos/browser/DemoRun.h"
 #include "demos/browser/KeptCheck.h"
@@ -34,16 +37,53 @@ void add(btISTQueryCost& sum, const btISTQueryCost& cost)
 	sum.seconds += cost.seconds;
 }
 
-/// One run from the beginning; `check` may be null, and costs time.
-void run(WorldDemo& demo, const EconomyChoice& economy, KeptCheck* check, Row& row)
+/// Each patch in each step as a spring along its normal between its two bodies, turning included.
+class PatchSprings
+{
+public:
+	void look(btISTWorld& world, double h)
+	{
+		btContactPatch patch;
+		for (const btISTContact* contact : world.contacts().contacts())
+			for (int p = 0; p < contact->patchCount; ++p)
+				if (evaluateContactPatch(*contact, p, patch)) add(patch, mobility(*contact->bodyA, patch) + mobility(*contact->bodyB, patch), h);
+	}
+	/// h^2 K/m + 2 h c/m: beyond 4 explicit forces diverge.
+	std::vector<double> numbers;
+	double share(long long of) const { return numbers.empty() ? 0 : 100 * double(of) / double(numbers.size()); }
+	long long borne = 0;  ///< explicit forces would not diverge
+	long long alike = 0;  ///< nor leave an impact with a speed more than kLoss from what implicit rows leave it
+	static constexpr double kLoss = 0.05;
+
+private:
+	static double mobility(const btCollisionObject& object, const btContactPatch& patch)
+	{
+		const btRigidBody* body = btRigidBody::upcast(&object);
+		return body ? double(body->computeImpulseDenominator(toBullet(patch.point), toBullet(patch.normal))) : 0;
+	}
+	void add(const btContactPatch& patch, double inverseMass, double h)
+	{
+		if (!(inverseMass > 0)) return;
+		const ist::Twist along{patch.normal, {}};
+		const ist::ContactSpring spring{dot((patch.stiffness * along).force, patch.normal), 1 / inverseMass, dot((patch.damping * along).force, patch.normal)};
+		numbers.push_back((h * h * spring.stiffness + 2 * h * spring.damping) * inverseMass);
+		borne += ist::longestExplicitStep(spring) >= h;
+		alike += ist::longestExplicitStep(spring) >= h && ist::longestStepForRestitution(spring, kLoss) >= h;
+	}
+};
+
+/// One run from the beginning; `check` and `springs` may be null, and cost time.
+void run(WorldDemo& demo, const EconomyChoice& economy, KeptCheck* check, PatchSprings* springs, Row& row)
 {
 	demo.setEconomy(economy);
 	DemoRunOptions options;
 	options.afterStep = [&](long long)
 	{
-		if (check)
-			for (DemoWorld* world : demo.worlds())
-				if (world->volumetric()) check->look(*world->volumetric());
+		for (DemoWorld* world : demo.worlds())
+		{
+			if (check && world->volumetric()) check->look(*world->volumetric());
+			if (springs && world->volumetric()) springs->look(*world->volumetric(), demo.stepSize());
+		}
 		return true;
 	};
 	const auto outcome = runDemo(demo, "", "", options);
@@ -82,8 +122,8 @@ int main(int argc, char** argv)
 		if (value.empty() || !(error >= 0 && error <= 0.5) || repeat < 1)
 			return std::fprintf(stderr, "usage: bench_economy [--error E=0.05, 0 to 0.5] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]\n"), 2;
 	}
-	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step [us], always / economy | error 95 %% | largest | figures |\n");
-	std::printf("|---|---|---|---|---|---|---|---|---|---|---|\n");
+	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step [us], always / economy | error 95 %% | largest | figures | h^2 K/m + 2 h c/m, median | borne explicitly, alike |\n");
+	std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 	std::vector<double> factors, counts;
 	for (const DemoEntry& entry : demoCatalog())
 	{
@@ -96,18 +136,19 @@ int main(int argc, char** argv)
 		Row always, economy, checked;
 		for (int i = 0; i < repeat; ++i)
 		{
-			run(*scene, {false, 0}, nullptr, always);
-			run(*scene, {true, error}, nullptr, economy);
+			run(*scene, {false, 0}, nullptr, nullptr, always);
+			run(*scene, {true, error}, nullptr, nullptr, economy);
 		}
 		KeptCheck check;
-		run(*scene, {true, error}, &check, checked);
+		PatchSprings springs;
+		run(*scene, {true, error}, &check, &springs, checked);
 		factors.push_back(always.querySeconds / economy.querySeconds);
 		counts.push_back(double(always.cost.leafPairs) / double(std::max<int64_t>(economy.cost.leafPairs, 1)));
-		std::printf("| %s | %llu | %llu | %.3g | %lld / %lld | %.3g / %.3g | %.3g | %.0f / %.0f | %.2f %% | %.2f %% | %s |\n", entry.name,
+		std::printf("| %s | %llu | %llu | %.3g | %lld / %lld | %.3g / %.3g | %.3g | %.0f / %.0f | %.2f %% | %.2f %% | %s | %.2g | %.0f %%, %.1f %% |\n", entry.name,
 					static_cast<unsigned long long>(economy.cost.asked), static_cast<unsigned long long>(economy.cost.kept()), economy.cost.factor(),
 					static_cast<long long>(always.cost.leafPairs), static_cast<long long>(economy.cost.leafPairs), 1e3 * always.querySeconds,
 					1e3 * economy.querySeconds, factors.back(), always.stepMicroseconds, economy.stepMicroseconds, 100 * check.share(0.95), 100 * check.largest(),
-					always.good && economy.good ? "good" : "NOT as expected");
+					always.good && economy.good ? "good" : "NOT as expected", median(springs.numbers), springs.share(springs.borne), springs.share(springs.alike));
 		std::fflush(stdout);
 	}
 	std::printf("\nmedian factor of the time of queries %.3g, of the leaf pairs %.3g; at most %.3g of the force granted to what is kept\n", median(factors), median(counts), error);
