@@ -25,11 +25,14 @@ constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
 constexpr int kMaxSweeps = 400;
 // Where many patches share one load, sticking and sliding may take turns for ever at a hundred-thousandth of the load: the search ends
 // when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's beginning.
-constexpr int kPatience = 24;
+constexpr int kPatience = 8;
 constexpr double kProgress = 0.5;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse.
 constexpr double kFrictionTolerance = 1e-9;
 constexpr double kImmovable = 1e-12;
+// Of the search for a sliding patch's friction; steps double the digits.
+constexpr int kMostNewtonSteps = 20;
+constexpr double kLimitTolerance = 1e-12;
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -67,6 +70,39 @@ Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 		eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 	return root;
 }
+
+/// The friction of one patch, no longer than `limit`, that leaves as little slip as it can, all along the axes in which the slip answers to each part
+/// of it alone, `yielding` times: (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit. Newton's method for 1/|wanted|, which
+/// comes from below and does not overshoot.
+Eigen::Vector3d frictionWithin(double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding)
+{
+	Eigen::Vector3d wanted;
+	for (int i = 0; i < 3; ++i) wanted(i) = yielding[i] > 0 ? now(i) - slip(i) / yielding[i] : now(i);
+	if (wanted.squaredNorm() <= limit * limit) return wanted;
+	if (!(limit > 0)) return Eigen::Vector3d::Zero();
+	Eigen::Vector3d pull;
+	double m = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		pull(i) = yielding[i] * now(i) - slip(i);
+		m = std::max(m, std::fabs(pull(i)) / limit - yielding[i]);
+	}
+	for (int i = 0; i < kMostNewtonSteps; ++i)
+	{
+		double square = 0, slope = 0;
+		for (int k = 0; k < 3; ++k)
+		{
+			const double inverse = yielding[k] + m > 0 ? 1 / (yielding[k] + m) : 0;
+			wanted(k) = pull(k) * inverse;
+			square += wanted(k) * wanted(k);
+			slope += wanted(k) * wanted(k) * inverse;
+		}
+		const double length = std::sqrt(square);
+		if (length <= (1 + kLimitTolerance) * limit) break;
+		m += (length - limit) / limit * square / slope;
+	}
+	return wanted * (limit / std::max(limit, wanted.norm()));
+}
 }  // namespace
 
 void btIslandBlockSolver::reserve(int bodies, int patches)
@@ -79,6 +115,8 @@ void btIslandBlockSolver::reserve(int bodies, int patches)
 	m_factor.reserve(stride * stride);
 	for (auto* perBody : {&m_free, &m_z, &m_scratch}) perBody->resize(std::max(perBody->size(), stride));
 	m_response.resize(std::max(m_response.size(), 3 * stride * size_t(patches)));
+	m_tangents.resize(std::max(m_tangents.size(), 3 * size_t(patches)));
+	m_acceleration.reserve(3 * size_t(patches), stride);
 }
 
 void btIslandBlockSolver::clear()
@@ -99,6 +137,7 @@ int btIslandBlockSolver::addBody(const btVolumetricRowBody& body)
 int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction)
 {
 	if (m_patchCount == int(m_patches.size())) m_patches.emplace_back();
+	m_tangents.resize(std::max(m_tangents.size(), 3 * m_patches.size()));
 	Patch& p = m_patches[size_t(m_patchCount)];
 	p.point = patch.point;
 	p.normal = patch.normal;
@@ -110,7 +149,7 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	Map<Vec6>(p.push) = h * toEigen(patch.wrench.force, patch.wrench.torque);
 	Map<Vec6>(p.given) = toEigen(given.linear, given.angular);
 	Map<Vec6>(p.elastic).setZero();
-	Map<Eigen::Vector3d>(p.tangent).setZero();
+	Map<Eigen::Vector3d>(tangent(m_patchCount)).setZero();
 	for (int side = 0; side < 2; ++side)
 	{
 		if (p.body[side] < 0) continue;
@@ -131,14 +170,14 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 
 void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 {
-	Patch& p = m_patches[size_t(patch)];
+	const Patch& p = m_patches[size_t(patch)];
 	if (!(p.friction > 0)) return;
 	const Map<const Mat63> E(p.E);
 	const Vec6 whole = toEigen(impulse.force, impulse.torque);
 	for (int i = 0; i < 3; ++i)
 	{
 		const double square = E.col(i).squaredNorm();
-		p.tangent[i] = square > 0 ? E.col(i).dot(whole) / square : 0;
+		tangent(patch)[i] = square > 0 ? E.col(i).dot(whole) / square : 0;
 	}
 }
 
@@ -293,7 +332,7 @@ void btIslandBlockSolver::solveElastic()
 		Vec6 u;
 		relativeTwist(p, u.data());
 		const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
-		const Vec6 push = elastic + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
+		const Vec6 push = elastic + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(tangent(k));
 		addPush(p, push.data(), right);
 		Map<Eigen::Vector4d>(p.askedAtRest) << Map<const Mat63>(p.E).transpose() * u, elastic.head<3>().dot(toEigen(p.normal));
 	}
@@ -331,13 +370,9 @@ void btIslandBlockSolver::prepareFriction()
 					G.col(c) += Map<const Mat46>(p.asked[side]).topRows<3>() * Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place);
 		}
 		const Eigen::SelfAdjointEigenSolver<Mat3> eigen(0.5 * (G + G.transpose()));
-		const double largest = eigen.eigenvalues()(2);
-		p.slide = largest > 0 ? 1 / largest : 0;
-		Map<Mat3> stick(p.stick);
-		stick.setZero();
-		for (int i = 0; i < 3; ++i)
-			if (eigen.eigenvalues()(i) > kImmovable * largest)
-				stick += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose() / eigen.eigenvalues()(i);
+		Map<Mat3>(p.axes) = eigen.eigenvectors();
+		const double immovable = kImmovable * eigen.eigenvalues()(2);
+		Map<Eigen::Vector3d>(p.yielding) = (eigen.eigenvalues().array() > immovable).select(eigen.eigenvalues(), 0.0);
 	}
 	m_frictionPrepared = true;
 }
@@ -350,14 +385,11 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 	for (int side = 0; side < 2; ++side)
 		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(m_bodies[size_t(p.body[side])].place)]);
 	normal = std::max(asked(3), 0.0);
-	const double limit = p.friction * normal;
-	const Eigen::Vector3d slip = asked.head<3>();
-	Map<Eigen::Vector3d> tangent(p.tangent);
-	Eigen::Vector3d wanted = tangent - Map<const Mat3>(p.stick) * slip;
-	if (wanted.norm() > limit) wanted = tangent - p.slide * slip;
-	if (wanted.norm() > limit) wanted *= limit / wanted.norm();
-	const Eigen::Vector3d change = wanted - tangent;
-	tangent = wanted;
+	Map<Eigen::Vector3d> now(tangent(patch));
+	const Map<const Mat3> axes(p.axes);
+	const Eigen::Vector3d wanted = axes * frictionWithin(p.friction * normal, axes.transpose() * now, axes.transpose() * asked.head<3>(), p.yielding);
+	const Eigen::Vector3d change = wanted - now;
+	now = wanted;
 	const Eigen::Index stride = 6 * Eigen::Index(m_bodyCount);
 	const double* columns = &m_response[3 * size_t(stride) * size_t(patch)];
 	const auto column = [&](int c) { return Map<const Vector>(columns + stride * c, stride); };
@@ -368,6 +400,7 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 void btIslandBlockSolver::iterateFriction()
 {
 	double largestNormal = 0, before = 0;
+	m_acceleration.begin(m_tangents.data(), 3 * size_t(m_patchCount), 6 * size_t(m_bodyCount));
 	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
 	{
 		m_remainingChange = 0;
@@ -379,9 +412,12 @@ void btIslandBlockSolver::iterateFriction()
 			largestNormal = std::max(largestNormal, normal);
 		}
 		if (m_remainingChange <= kFrictionTolerance * largestNormal) return;
-		if (m_sweeps % kPatience != kPatience - 1) continue;
-		if (m_sweeps >= kPatience && m_remainingChange > kProgress * before) break;
-		before = m_remainingChange;
+		if (m_sweeps % kPatience == kPatience - 1)
+		{
+			if (m_sweeps >= kPatience && m_remainingChange > kProgress * before) break;
+			before = m_remainingChange;
+		}
+		m_acceleration.advance(m_tangents.data(), m_z.data());
 	}
 	m_frictionNotConverged = true;
 }
@@ -434,8 +470,7 @@ bool btIslandBlockSolver::changeActiveSet(int mayReturn)
 		}
 		Map<Vec6> elastic(p.elastic);
 		elastic.setZero();
-		Map<Eigen::Vector3d> tangent(p.tangent);
-		tangent.setZero();
+		Map<Eigen::Vector3d>(tangent(k)).setZero();
 	}
 	return changed;
 }
@@ -460,7 +495,7 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 				for (int k = 0; k < m_patchCount; ++k)
 				{
 					Map<Vec6>(m_patches[size_t(k)].elastic).setZero();
-					Map<Eigen::Vector3d>(m_patches[size_t(k)].tangent).setZero();
+					Map<Eigen::Vector3d>(tangent(k)).setZero();
 				}
 				return false;
 			}
@@ -477,7 +512,7 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 ist::Wrench btIslandBlockSolver::impulse(int patch) const
 {
 	const Patch& p = m_patches[size_t(patch)];
-	const Vec6 total = Map<const Vec6>(p.elastic) + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(p.tangent);
+	const Vec6 total = Map<const Vec6>(p.elastic) + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(tangent(patch));
 	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
 }
 

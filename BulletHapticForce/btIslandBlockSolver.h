@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/btSweepAcceleration.h"
 #include "BulletHapticForce/btVolumetricRows.h"
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 /// square root of the inverse mass matrix (so that what cannot move needs no special case) and S = h^2 K + h D; an envelope Cholesky
 /// factorisation in reversed breadth-first order of the bodies, so that a stack costs O(bodies), and so does what a hand holds. Patches that would pull are taken out
 /// and the rest is solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the response of the whole
-/// elastic island. The form with square roots needs no inverse of a stiffness.
+/// elastic island, each patch solved exactly while the others stand still, the sweeps accelerated. The form with square roots needs no inverse of a stiffness.
 ///
 /// No allocation once the largest island has been seen.
 class btIslandBlockSolver
@@ -68,8 +69,8 @@ private:
 		double jacobian[2][36];  // J R of A, and -J R of B
 		// What friction asks for is affine in the state: the slip along E and the elastic normal impulse.
 		double asked[2][24], askedAtRest[4];
-		double stick[9], slide = 0, friction = 0;
-		double elastic[6], tangent[3];
+		double axes[9], yielding[3], friction = 0;  // principal axes of how the slip answers to friction, and by how much along each
+		double elastic[6];
 		bool active = true;
 	};
 
@@ -79,6 +80,8 @@ private:
 	void prepareFriction();
 	void prepareAsked(Patch& patch) const;
 	double visitFriction(int patch, double& normal);
+	double* tangent(int patch) { return m_tangents.data() + 3 * size_t(patch); }
+	const double* tangent(int patch) const { return m_tangents.data() + 3 * size_t(patch); }
 	void iterateFriction();
 	bool wouldPush(const Patch& patch);
 	bool changeActiveSet(int mayReturn);
@@ -95,6 +98,8 @@ private:
 	std::vector<double> m_factor;                 // rows of the envelope, dense stride
 	std::vector<double> m_free, m_z, m_scratch;  // 6 per body
 	std::vector<double> m_response;              // to friction: 3 columns of 6 per body for each patch
+	std::vector<double> m_tangents;              // friction impulses, 3 per patch along its E
+	btSweepAcceleration m_acceleration;
 	int m_sweeps = 0, m_rounds = 0;
 	bool m_frictionNotConverged = false;
 	double m_remainingChange = 0;

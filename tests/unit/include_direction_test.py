@@ -22,7 +22,7 @@ GUARDED = {
     r"^<assimp/": ["BulletISTCollision/Core/MeshImport.cpp"],
     r"^<png": ["DeviceBridge/Picture.cpp"],
     r"^<Eigen/": ["BulletISTCollision/Core/MomentEllipsoid.cpp", "BulletISTCollision/Core/PressureField.cpp", "BulletHapticForce/btContactLaw.cpp", "BulletHapticForce/btVolumetricRows.cpp",
-                  "BulletHapticForce/btIslandBlockSolver.cpp"],
+                  "BulletHapticForce/btIslandBlockSolver.cpp", "BulletHapticForce/btSweepAcceleration.cpp"],
     r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/": ["BulletISTCollision/bt", "BulletHapticForce/", "TestSupport/", "DeviceBridge/Bullet", "demos/"],
 }
 
