@@ -199,6 +199,8 @@ std::string paretoHtml(const Sweep& sweep)
 	scenes::HtmlReport page("Speed against accuracy");
 	page.paragraph("Error of the force of two bodies against the time of a query, over random poses of the same overlap; truth by quadrature on the triangles, which shares no "
 				   "code with the library. Printed by bench_pareto; times are those of one thread on a shared machine, their last digits mean little.");
+	page.paragraph("Left is fast, down is true. Level 0 are the leaves, each level above it has a third of one body's. The dial chooses the level in each pose by the force error that is accepted "
+				   "(ist::queryToError); a budget answers with the finest level of at most so many intersecting pairs. The front of fixed levels is the best of all numbers of spheres.");
 	page.paragraph("Depth / gaps: mean depth of the overlap, V over its area vector, in sums of both bodies' mean surface gaps. Noise: of the force above 50 Hz while a body "
 				   "slides by a quarter of the size in a second, 1 kHz. Loop work: on a closed circle of 1 % of the size, of the energy that goes up and down on it. Rests deeper: "
 				   "under a load of the true force, of the size; -: nothing within a tenth of the size bears it. Float at 1 km: what the force changes by when places are rounded. "
