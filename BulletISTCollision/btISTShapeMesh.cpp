@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/btISTShapeMesh.h"
 
+#include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/btISTConversion.h"
 
 #include "BulletCollision/CollisionShapes/btConcaveShape.h"
 #include "BulletCollision/CollisionShapes/btConvexHullShape.h"
 #include "BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h"
+#include "BulletCollision/CollisionShapes/btMultiSphereShape.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 #include "LinearMath/btConvexHullComputer.h"
 
@@ -115,6 +117,16 @@ std::vector<btVector3> pointsOf(const btConvexTriangleMeshShape& shape)
 	return std::move(corners.points);
 }
 
+/// Of each sphere 642 points: their hull lies within .4 % of a radius of the spheres'.
+std::vector<btVector3> pointsOf(const btMultiSphereShape& shape)
+{
+	const ist::Mesh unit = ist::makeSphereMesh(1, 3);
+	std::vector<btVector3> points;
+	for (int i = 0; i < shape.getSphereCount(); ++i)
+		for (const ist::Vec3& v : unit.vertices) points.push_back((shape.getSpherePosition(i) + toBullet(v) * shape.getSphereRadius(i)) * shape.getLocalScaling());
+	return points;
+}
+
 ist::Result<ist::Mesh> meshOfType(const btCollisionShape& shape)
 {
 	switch (shape.getShapeType())
@@ -126,6 +138,7 @@ ist::Result<ist::Mesh> meshOfType(const btCollisionShape& shape)
 		case FAST_CONCAVE_MESH_PROXYTYPE: return meshOfConcave(static_cast<const btConcaveShape&>(shape));
 		case CONVEX_HULL_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexHullShape&>(shape)));
 		case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexTriangleMeshShape&>(shape)));
+		case MULTI_SPHERE_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btMultiSphereShape&>(shape)));
 		case TERRAIN_SHAPE_PROXYTYPE: return ist::Error{"terrain is a surface without an inside; Bullet's own contact goes on there"};
 		case COMPOUND_SHAPE_PROXYTYPE: return ist::Error{"a compound has no triangles of its own; attach trees to its children"};
 		default:

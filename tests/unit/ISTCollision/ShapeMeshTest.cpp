@@ -5,12 +5,15 @@
 #include "tests/unit/ISTCollision/BulletMesh.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btMultiSphereShape.h>
 #include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
+#include <random>
 
 namespace
 {
@@ -91,6 +94,34 @@ TEST(meshOfShape, HullsRunAroundTheirPoints)
 	expectMesh(shape, scaled(box, kScaling));
 	const BulletMesh lens(ist::makeSphereMesh(0.7, 2));
 	expectMesh(btConvexTriangleMeshShape(lens.interface()), lens.mesh());
+}
+
+// Judged by Bullet's own support: how far the shape reaches in a direction.
+TEST(meshOfShape, MultiSpheresReachAsFarAsBulletSays)
+{
+	const btVector3 centres[3] = {{btScalar(-.7), btScalar(1.7), btScalar(-.1)}, {btScalar(.6), btScalar(-2), 0}, {0, btScalar(-.4), btScalar(.5)}};
+	const btScalar radii[3] = {btScalar(.3), btScalar(.4), btScalar(.35)};
+	btMultiSphereShape shape(centres, radii, 3);
+	std::mt19937 random(5);
+	std::normal_distribution<double> normal;
+	for (const btScalar scaling : {btScalar(1), btScalar(2)})
+	{
+		shape.setLocalScaling(btVector3(scaling, scaling, scaling));
+		const ist::Result<ist::Mesh> mesh = meshOfShape(shape);
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		EXPECT_TRUE(ist::inspect(mesh.value()).watertight);
+		EXPECT_GT(massProperties(mesh.value()).volume, 0) << "oriented outwards";
+		for (int i = 0; i < 200; ++i)
+		{
+			const ist::Vec3 direction = ist::normalized(ist::Vec3{normal(random), normal(random), normal(random)});
+			double reach = -1e9;
+			for (const ist::Vec3& p : mesh.value().vertices) reach = std::max(reach, dot(p, direction));
+			const btVector3 d(btScalar(direction.x), btScalar(direction.y), btScalar(direction.z));
+			const double exact = double(shape.localGetSupportingVertex(d).dot(d));
+			EXPECT_LT(reach, exact + 1e-5);
+			EXPECT_GT(reach, exact - 0.004 * 0.4 * double(scaling));
+		}
+	}
 }
 
 TEST(meshOfShape, RefusesWhatHasNoInsideOrNoTriangles)
