@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // To be preloaded into any program that steps a btDiscreteDynamicsWorld: writes the pose of every object after each frame to the file TRACE, to the last bit, and in the
-// end the processor time of the frames' steps to stderr.
+// end the processor time of the frames' steps to stderr. After TRACE_FRAMES of them, if that is said, it counts no more and asks the program to end.
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -15,7 +16,9 @@ namespace
 struct Trace
 {
 	std::FILE* file = std::fopen(std::getenv("TRACE") ? std::getenv("TRACE") : "/dev/null", "w");
+	const size_t most = std::getenv("TRACE_FRAMES") ? size_t(std::atol(std::getenv("TRACE_FRAMES"))) : size_t(-1);
 	std::vector<double> milliseconds;
+	bool isFull() const { return milliseconds.size() >= most; }
 	~Trace()
 	{
 		if (file) std::fclose(file);
@@ -41,6 +44,7 @@ int btDiscreteDynamicsWorld::stepSimulation(btScalar seconds, int most, btScalar
 	static Trace trace;
 	const double begin = now();
 	const int steps = bullets(this, seconds, most, fixed);
+	if (trace.isFull()) return steps;
 	trace.milliseconds.push_back(now() - begin);
 	for (int i = 0; trace.file && i < getNumCollisionObjects(); ++i)
 	{
@@ -49,5 +53,6 @@ int btDiscreteDynamicsWorld::stepSimulation(btScalar seconds, int most, btScalar
 			std::fprintf(trace.file, "%a %a %a %a ", double(X.getBasis()[row][0]), double(X.getBasis()[row][1]), double(X.getBasis()[row][2]), double(X.getOrigin()[row]));
 		std::fputc('\n', trace.file);
 	}
+	if (trace.isFull()) std::raise(SIGTERM);
 	return steps;
 }
