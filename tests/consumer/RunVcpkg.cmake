@@ -9,15 +9,21 @@ if(NOT EXISTS ${VCPKG}/scripts/ports.cmake)
 	return()
 endif()
 file(REMOVE_RECURSE ${WORK})
+# The libraries are static and have no paths to put right, for which vcpkg would download a program.
 set(triplet ${WORK}/triplet.cmake)
 file(WRITE ${triplet} "include(${VCPKG}/triplets/x64-linux.cmake)
 set(VCPKG_BUILD_TYPE release)
+set(VCPKG_FIXUP_ELF_RPATH OFF)
 set(VCPKG_CMAKE_CONFIGURE_OPTIONS -DBulletPhysics_Double_LinearMath= -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 ")
-set(helpers ${VCPKG}/ports/vcpkg-cmake/vcpkg-port-config.cmake ${VCPKG}/ports/vcpkg-cmake-config/vcpkg-port-config.cmake)
+# What the helper ports would have installed.
+set(helpers ${WORK}/helpers.cmake)
+file(WRITE ${helpers} "include(${VCPKG}/ports/vcpkg-cmake/vcpkg-port-config.cmake)
+include(${VCPKG}/ports/vcpkg-cmake-config/vcpkg-port-config.cmake)
+")
 set(ENV{VCPKG_FORCE_SYSTEM_BINARIES} 1)
 run(${CMAKE_COMMAND} -DCMD=BUILD -DPORT=bullethaptics -DCURRENT_PORT_DIR=${SOURCE}/packaging/vcpkg/bullethaptics -DFEATURES=core
-	-DTARGET_TRIPLET=x64-linux -DTARGET_TRIPLET_FILE=${triplet} -D_HOST_TRIPLET=x64-linux "-DVCPKG_PORT_CONFIGS=${helpers}"
+	-DTARGET_TRIPLET=x64-linux -DTARGET_TRIPLET_FILE=${triplet} -DZ_VCPKG_CHAINLOAD_TOOLCHAIN_FILE=${VCPKG}/scripts/toolchains/linux.cmake -D_HOST_TRIPLET=x64-linux -DVCPKG_PORT_CONFIGS=${helpers}
 	-DVCPKG_ROOT_DIR=${VCPKG} -DDOWNLOADS=${WORK}/downloads -D_VCPKG_INSTALLED_DIR=${WORK}/installed -DVCPKG_BASE_VERSION=2025-01-01 -DVCPKG_CONCURRENCY=2
 	-DCURRENT_BUILDTREES_DIR=${WORK}/build -DCURRENT_PACKAGES_DIR=${WORK}/package -DVERSION=0 -DGIT=git -P ${VCPKG}/scripts/ports.cmake)
 foreach(file share/bullethaptics/copyright share/bullethaptics/BulletHapticsConfig.cmake lib/pkgconfig/bullethaptics-core.pc)
