@@ -24,8 +24,8 @@ constexpr double ballSamplesPerSphere = 40;
 constexpr double fewestBallSamples = 8e5, mostBallSamples = 8e6;
 constexpr size_t fewestSamplesOfBall = 16;
 constexpr int mostLinesPerSide = 1024;
-constexpr int rowsOfSlab = 4;
-constexpr int slabsPerReport = 64;
+constexpr int rowsOfSlab = 8;
+constexpr int slabsPerReport = 32;
 constexpr size_t mostPairsTogether = 4096;
 constexpr size_t partsPerReport = 8192;
 constexpr double gapShare = 0.7;  // of the time
