@@ -27,7 +27,8 @@ struct SceneValue
 std::ostream& operator<<(std::ostream& stream, const SceneValue& value);
 
 /// A scene whose outcome is known in closed form for every closed body, whatever its shape and material: it tells whether a game's own asset, with
-/// its mass, its material and the game's step, behaves as it should. How long it runs follows from the size of the body.
+/// its mass, its material and the game's step, behaves as it should. How long it runs follows from the size of the body, whose own damping
+/// (btRigidBody::setDamping) is taken off.
 struct TestScene
 {
 	const char* name;  ///< in letters alone, as GoogleTest wants the names of parameters
