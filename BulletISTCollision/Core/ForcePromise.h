@@ -23,7 +23,7 @@ double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 ///     V sqrt(e_A^2 + e_B^2 + (0.2 min(g / delta, 3))^2),   e_X^2 = (0.7 c_X)^2 / n_X + (0.25 / n_X)^2
 /// with c and n as in LevelCalibration.h, g the sum of both bodies' errorLength() and delta = V / area: few balls share the contact, or it is shallow
 /// against the gaps. V counts as `forceFloor` at least. The factors were chosen on nine pairs of bodies round and thin of 1,000 to 10,000 spheres against
-/// quadrature, in each of which they hold; how far they do on others bench_pareto prints. Bodies that were never calibrated have the largest c.
+/// quadrature, in each of which accepted errors held; how far they do on others bench_pareto prints. Bodies that were never calibrated have the largest c.
 double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 
 /// The coarsest level of the pair whose promise is within `error` (0..1) of the force or of the floor; 0, the leaves, when none is. No queries: O(levels^2).
