@@ -17,7 +17,7 @@ namespace
 constexpr double surfaceSamples = 2e5;
 constexpr int surfaceRefinements = 100000;
 constexpr int refinedTogether = 256;
-constexpr size_t trianglesTogether = 256;
+constexpr size_t mostTrianglesTogether = 256, fewestParts = 64;
 
 struct SurfacePatch
 {
@@ -82,12 +82,14 @@ std::vector<std::vector<SurfacePatch>> surfacePatches(const Mesh& mesh, const Ne
 {
 	const double largest = surfaceArea(mesh) / surfaceSamples;
 	const size_t count = mesh.triangles.size();
-	std::vector<std::vector<SurfacePatch>> parts((count + trianglesTogether - 1) / trianglesTogether);
+	// Of a box, each triangle is a part, and has thousands of patches.
+	const size_t together = std::clamp<size_t>(count / fewestParts, 1, mostTrianglesTogether);
+	std::vector<std::vector<SurfacePatch>> parts((count + together - 1) / together);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(parts.size()); ++i)
 	{
-		const size_t first = size_t(i) * trianglesTogether;
-		parts[size_t(i)] = patchesOf(mesh, first, std::min(count, first + trianglesTogether), largest, nearest);
+		const size_t first = size_t(i) * together;
+		parts[size_t(i)] = patchesOf(mesh, first, std::min(count, first + together), largest, nearest);
 	}
 	return parts;
 }
