@@ -114,7 +114,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 		if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
 		evaluate(wrapA, wrapB, *m_contact);
 		// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
-		if (m_context->memories) m_context->memories->serve(*m_contact, m_context->rules);
+		if (m_context->memories) m_context->memories->serve(*m_contact);
 		btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
 		return;
 	}

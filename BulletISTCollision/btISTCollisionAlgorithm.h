@@ -87,7 +87,7 @@ public:
 	/// So many pairs of bodies remember which of their leaves were near each other (ist::PairMemory), up to `leafPairs` each: where bodies move little from step to
 	/// step, as in a hand, a query with patches costs about two fifths of what it does. The sums are the same but for the rounding of floats; contacts may be divided
 	/// into patches as some steps before, and a query that was late and is asked again (setQueryThreads) may differ by that rounding, and in its patches. Pairs of two
-	/// trees, where no force error is accepted. 0 to 1024 pairs, none to begin with, of 17 bytes for each pair of leaves, of which there is room for 200 million in all;
+	/// trees, at whatever level they answer. 0 to 1024 pairs, none to begin with, of 17 bytes for each pair of leaves, of which there is room for 200 million in all;
 	/// refused out of range, or where memory ends: all is as it was then. Between steps only.
 	std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000);
 	int pairMemory() const;

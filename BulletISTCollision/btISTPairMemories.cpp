@@ -2,7 +2,6 @@
 #include "BulletISTCollision/btISTPairMemories.h"
 
 #include "BulletISTCollision/btISTContactStore.h"
-#include "BulletISTCollision/btISTPairQuery.h"
 
 #include <algorithm>
 
@@ -17,10 +16,9 @@ btISTPairMemories::btISTPairMemories(int count, int leafPairs)
 	for (int i = 0; i < count; ++i) m_all.push_back(std::make_shared<btISTPairMemory>(leafPairs));
 }
 
-void btISTPairMemories::serve(btISTContact& contact, const btISTQueryRules& rules) const
+void btISTPairMemories::serve(btISTContact& contact) const
 {
-	const bool asksWithIt = contact.treeB && rules.forceErrorOf(contact.bodyA, contact.bodyB) == 0;
-	if (contact.total.pairs == 0 || !asksWithIt) return contact.memory.reset();
+	if (contact.total.pairs == 0 || !contact.treeB) return contact.memory.reset();
 	if (contact.memory || contact.total.pairs < kWorthRemembering) return;
 	// Copies of contacts that threads answer hold it, too: what nobody but this list holds, nobody asks with.
 	const auto free = std::find_if(m_all.begin(), m_all.end(), [](const auto& memory) { return memory.use_count() == 1; });

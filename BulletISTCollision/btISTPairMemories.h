@@ -8,7 +8,6 @@
 #include <vector>
 
 struct btISTContact;
-class btISTQueryRules;
 
 /// Of one pair of bodies, for as long as its contact holds it. A thread that was late may still be asking with it while the owner asks again:
 /// one of them has it, the other does without. Not installed.
@@ -39,14 +38,14 @@ private:
 	std::atomic<bool> m_lent{false};
 };
 
-/// A fixed number of memories for the pairs of a world, first come, first served: a pair of two trees whose leaves always answer has one from the step after
+/// A fixed number of memories for the pairs of a world, first come, first served: a pair of two trees has one from the step after
 /// they met in many pairs until they part. Not installed.
 class btISTPairMemories
 {
 public:
 	btISTPairMemories(int count, int leafPairs);
 	/// For the step after this one, once the pair was asked. The owner's thread alone; no allocation.
-	void serve(btISTContact& contact, const btISTQueryRules& rules) const;
+	void serve(btISTContact& contact) const;
 	int count() const { return int(m_all.size()); }
 
 private:

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 double btISTQueryRules::forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const
 {
@@ -52,6 +53,7 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 	ist::PairAccuracy& pair = contact.accuracy;
 	const double error = m_rules.forceErrorOf(contact.bodyA, contact.bodyB);
 	const bool accepts = error > 0;
+	const btISTPairMemory::Loan memory(contact.treeB ? contact.memory.get() : nullptr);
 	if (contact.treeB && (accepts || pair.level > 0 || pair.fadedShare > 0))
 	{
 		// What the leaves pressed until now fades out, too.
@@ -60,14 +62,15 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 		accepted.error = error;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		const ist::OverlapResult result = ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair);
+		const auto& [A, B, X_AB] = std::tie(*contact.treeA, *contact.treeB, contact.X_AB);
+		const ist::OverlapResult result = memory.get() ? ist::queryPair(A, B, X_AB, workspace, *memory.get(), accepted, options, pair)
+													   : ist::queryPair(A, B, X_AB, workspace, accepted, options, pair);
 		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
 		return result;
 	}
 	pair = ist::PairAccuracy();
 	if (contact.treeB)
 	{
-		const btISTPairMemory::Loan memory(contact.memory.get());
 		return memory.get() ? ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, *memory.get(), options)
 							: ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
 	}

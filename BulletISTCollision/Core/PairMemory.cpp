@@ -12,6 +12,10 @@ namespace
 constexpr double kWantedSteps = 10;
 /// With fewer, a query alone is cheaper.
 constexpr double kLeastSteps = 3;
+/// Weight of the last query in what is known of the motion.
+constexpr double kLearning = 0.3;
+/// Share of the margin that the way to the pose of the fill may take.
+constexpr double kAhead = 0.8;
 /// Remembered pairs over those that intersect: beyond the first the margin shrinks, below the second it may grow. Most of those that do not
 /// intersect cost a look at their distance; of packed spheres each is evaluated.
 struct Ratios
@@ -42,6 +46,12 @@ double SeenPose::motionTo(const Pose& other) const
 		}
 	// Of a difference of rotations two singular values are equal and the third is zero; what is no rotation adds its own share.
 	return distance(X * center, other * center) + (std::sqrt(0.5 * squared) + skew) * reach;
+}
+
+Pose SeenPose::moved(const Vec3& drift, const Vec3& turn) const
+{
+	const Mat3 R = rotationMatrix(quaternionFromRotationVector(turn)) * X.rotation;
+	return {R, X * center + drift - R * center};
 }
 
 PairMemory::Implementation::Implementation(int pairs)
@@ -75,27 +85,47 @@ bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, co
 		m_step = -1;
 	}
 	else
-	{
-		const double motion = m_last.motionTo(now.X);
-		m_step = m_step < 0 ? motion : m_step + 0.3 * (motion - m_step);
-	}
+		learnMotion(now);
 	m_last = now;
 	return valid = valid && m_filled.motionTo(now.X) <= m_margin;
 }
 
-double PairMemory::Implementation::marginToFill()
+void PairMemory::Implementation::learnMotion(const SeenPose& now)
 {
-	if (m_full || m_step < 0 || !(m_step * kLeastSteps <= m_most)) return 0;
-	return std::clamp(kWantedSteps * m_step, 0.25 * m_most, m_most);
+	const double motion = m_last.motionTo(now.X);
+	const Vec3 drift = now.X * now.center - m_last.X * m_last.center, turn = rotationVector(quaternion(now.X.rotation * transpose(m_last.X.rotation)));
+	const bool first = m_step < 0;
+	const double swerve = first ? motion : SeenPose{m_last.moved(m_drift, m_turn), now.center, now.reach}.motionTo(now.X);
+	const auto learn = [first](auto& of, const auto& seen) { of = first ? seen : of + kLearning * (seen - of); };
+	learn(m_step, motion);
+	learn(m_swerve, swerve);
+	learn(m_drift, drift);
+	learn(m_turn, turn);
 }
 
-void PairMemory::Implementation::begin(double wanted)
+double PairMemory::Implementation::marginToFill() const
+{
+	if (m_full || m_step < 0 || !(pace() * kLeastSteps <= m_most)) return 0;
+	return std::clamp(kWantedSteps * pace(), 0.25 * m_most, m_most);
+}
+
+Pose PairMemory::Implementation::poseToFill(double margin) const
+{
+	const double way = SeenPose{m_last.moved(m_drift, m_turn), m_last.center, m_last.reach}.motionTo(m_last.X);
+	if (!(way > 0)) return m_last.X;
+	const double queries = std::min(kAhead * margin / way, 0.5 * kWantedSteps);
+	const Pose ahead = m_last.moved(queries * m_drift, queries * m_turn);
+	return m_last.motionTo(ahead) <= margin ? ahead : m_last.X;
+}
+
+void PairMemory::Implementation::begin(double margin, const Pose& X)
 {
 	count = 0;
 	m_patches = 0;
-	valid = wanted > 0;
-	m_margin = wanted;
+	valid = margin > 0;
+	m_margin = margin;
 	m_filled = m_last;
+	m_filled.X = X;
 }
 
 void PairMemory::Implementation::append(const uint32_t* pairA, const uint32_t* pairB, int number)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PairAccuracy.h"
 
 #include <memory>
 
@@ -14,7 +14,7 @@ namespace ist
 /// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too, until a tenth more
 /// or fewer pairs intersect, or normals within the patches cancel by a tenth more: then they are grouped anew.
 ///
-/// The margin follows the motion of the queries before; where bodies move too fast for it to pay, each query searches anew. The tick that
+/// It is filled around a pose ahead, to which the motion of late will lead, and so lasts twice as long. The margin follows that motion, too; where bodies move too fast for it to pay, each query searches anew. The tick that
 /// fills the memory costs up to a third more than a query without.
 class PairMemory
 {
@@ -39,4 +39,11 @@ private:
 /// older, see above. A query that did not search has no `nodeVisits`. Within budgets nothing is remembered. No allocation.
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
 						   const QueryOptions& options = {});
+
+/// `queryToError` and `queryPair` with a memory, which holds the pairs of one level: each look at another one begins it anew. While two levels fade, neither is
+/// remembered.
+PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
+							 const AcceptedError& accepted, const QueryOptions& options = {});
+OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
+						const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair);
 }  // namespace ist

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
 
+#include "BulletISTCollision/Core/Kernels/SamePose.h"
 #include "BulletISTCollision/Core/Lens.h"
 
 #include <algorithm>
@@ -165,6 +166,10 @@ bool TreeQuery::place()
 bool TreeQuery::find()
 {
 	if (!place()) return false;
+	const double margin = m_memory && !m_remembered ? m_memory->marginToFill() : 0;
+	const Pose around = margin > 0 ? m_memory->poseToFill(margin) : m_X;
+	const bool isAhead = margin > 0 && !isSame(around, m_X);
+	if (isAhead) m_remembered = fillAround(around, margin);
 	PairSearch s = newSearch();
 	m_search = &s;
 	if (m_remembered)
@@ -175,10 +180,9 @@ bool TreeQuery::find()
 		recall();
 		return true;
 	}
-	const double margin = m_memory ? m_memory->marginToFill() : 0;
 	m_margin = float(margin * (1 + 1e-6));
 	s.slack += m_margin;
-	if (m_memory) m_memory->begin(margin);
+	if (m_memory) m_memory->begin(margin, m_X);
 	m_filled = m_memory != nullptr;
 	beginAtRoots(s);
 	Helper* helper = m_work.helper ? &m_work.helper->implementation() : nullptr;
@@ -197,6 +201,28 @@ bool TreeQuery::find()
 	m_result.pairListComplete = true;
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 	return find();
+}
+
+bool TreeQuery::fillAround(const Pose& around, double margin)
+{
+	OverlapResult nothing;
+	TreeQuery there(m_A, m_B, around, m_work, m_options, m_limits, nothing);
+	// Bodies whose bounds are apart there are not worth the trouble.
+	if (!there.place()) return false;
+	there.m_memory = m_memory;
+	there.m_margin = float(margin * (1 + 1e-6));
+	there.m_onlyFills = true;
+	m_memory->begin(margin, around);
+	PairSearch s = there.newSearch();
+	there.m_search = &s;
+	s.slack += there.m_margin;
+	there.beginAtRoots(s);
+	m_work.kernel->search(s);
+	count(s.counts);
+	m_filled = true;
+	// Blocks that were turned for that pose are not for this one.
+	m_work.reserveFor(m_A, m_B);
+	return m_memory->valid;
 }
 
 void TreeQuery::beginAtRoots(PairSearch& s) const
@@ -322,6 +348,7 @@ void TreeQuery::take(int count)
 	{
 		count = sift(count, m_margin);
 		m_memory->append(m_work.pairA, m_work.pairB, count);
+		if (m_onlyFills) return;
 	}
 	count = sift(count, 0);
 	if (!(m_grouped || m_options.sortPairs || m_limits.pairs >= 0) || !m_result.pairListComplete) return evaluate(m_work.pairA, m_work.pairB, count, m_sums);

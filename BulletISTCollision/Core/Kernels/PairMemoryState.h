@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/PairMemory.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace ist
@@ -15,6 +16,8 @@ struct SeenPose
 	double reach = 0;
 	/// No point of that ball has moved further [m].
 	double motionTo(const Pose& other) const;
+	/// The pose after a drift of the ball's center and a turn about it.
+	Pose moved(const Vec3& drift, const Vec3& turn) const;
 };
 
 /// What PairMemory owns.
@@ -27,8 +30,11 @@ struct PairMemory::Implementation
 	/// Whether what is remembered holds for this query; learns from its motion.
 	bool covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now);
 	/// The margin to fill the memory with [m]; 0: this query had better not.
-	double marginToFill();
-	void begin(double wanted);
+	double marginToFill() const;
+	/// Where to fill it: half of the way that the motion of late will take while the margin lasts, so that it lasts twice as long.
+	Pose poseToFill(double margin) const;
+	/// Begins to fill it with what comes within `margin` at `X`.
+	void begin(double margin, const Pose& X);
 	void append(const uint32_t* pairA, const uint32_t* pairB, int number);
 	/// After each search; `found`: the pairs that intersect.
 	void end(int64_t found);
@@ -52,6 +58,10 @@ struct PairMemory::Implementation
 	bool valid = false;
 
 private:
+	void learnMotion(const SeenPose& now);
+	/// Margin that a query uses up, with the memory filled ahead of the motion [m].
+	double pace() const { return std::min(m_step, 0.5 * m_step + m_swerve); }
+
 	struct Grouping
 	{
 		Grouping() = default;
@@ -68,6 +78,8 @@ private:
 	double m_margin = 0;   ///< of what is remembered [m]
 	double m_most = 0;     ///< largest margin that pays, as far as is known [m]
 	double m_step = -1;    ///< motion from query to query, lately [m]; negative: not known yet
+	double m_swerve = 0;   ///< by how much that differed from `m_drift`, lately [m]
+	Vec3 m_drift, m_turn;  ///< of B's ball from query to query, lately: of its center [m], and as a rotation vector, axes of A
 	std::vector<uint8_t> m_patchOf;
 	std::vector<uint32_t> m_sortedA, m_sortedB;  ///< of `divide`
 	size_t m_first[kMostPatches + 1] = {};

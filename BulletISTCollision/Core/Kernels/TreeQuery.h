@@ -57,6 +57,8 @@ private:
 	/// What `begun` has left open, shared with the helper. False when there are more pairs than the list holds.
 	bool finishWith(QueryHelper::Implementation& helper, kernels::PairSearch& begun);
 	bool collectParts(QueryHelper::Implementation& helper, const PartResult* const* parts);
+	/// Fills the memory with what comes within `margin` at `around`. False where it could not.
+	bool fillAround(const Pose& around, double margin);
 	/// What the memory holds, as if it had been searched for.
 	void recall();
 	/// The next of the remembered pairs from `first` on, as if the search had found them; returns how many.
@@ -89,6 +91,7 @@ private:
 	double m_lengthening = 1;   ///< of B by its pose, at most
 	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame
 	bool m_filled = false;  ///< the memory, with whatever the margin allowed
+	bool m_onlyFills = false;  ///< and evaluates nothing
 	float m_margin = 0;  ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
 	DampingWeights m_damping;

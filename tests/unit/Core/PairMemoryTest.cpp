@@ -150,6 +150,26 @@ TEST(PairMemory, SearchesAnewWhereBodiesMoveFast)
 	EXPECT_LT(followed(A, B, 0.004, options, workspace, faster), slowly);
 }
 
+TEST(PairMemory, LastsLongerWhereItsFillLooksAhead)
+{
+	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
+	QueryWorkspace workspace, other;
+	PairMemory memory;
+	QueryOptions options;
+	options.sortPairs = true;
+	int searches = 0;
+	const Vec3 step = normalized(Vec3{1, 2, -1}) * 0.002;
+	for (int tick = 0; tick < 200; ++tick)
+	{
+		const Pose X{{}, A.origin - B.origin + step * (tick - 100)};
+		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		expectSamePairs(r, fresh);
+		expectSameSums(r.total, fresh.total);
+		searches += r.nodeVisits > 0;
+	}
+	EXPECT_LT(searches, 25);
+}
+
 TEST(PairMemory, WithoutRoomEachQuerySearches)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);

@@ -228,14 +228,37 @@ TEST(PairMemoryOfAWorld, PairsThatAskWithoutItHaveNone)
 		closedForms += !contact->treeB && contact->total.pairs > 100;
 	}
 	EXPECT_GT(closedForms, 0);
-	// Nor those of which a coarser answer is accepted, for as long as it is.
-	EXPECT_FALSE(row.world().setForceErrorOf(&row.body(1), 0.1));
-	row.step();
-	EXPECT_EQ(remembering(row), 5);
-	EXPECT_EQ(holders(row).count(&row.body(1)), 0u);
-	EXPECT_FALSE(row.world().setForceErrorOf(&row.body(1), std::nullopt));
-	for (int i = 0; i < 5; ++i) row.step();
-	EXPECT_EQ(remembering(row), 6);
+}
+
+// At whatever level answers, and exactly what that level says.
+TEST(PairMemoryOfAWorld, PairsOfWhichAnErrorIsAcceptedRememberToo)
+{
+	Row row(1, 16);
+	EXPECT_FALSE(row.world().setForceError(0.3));
+	ist::QueryWorkspace workspace;
+	int fading = 0;
+	for (int i = 0; i < 200; ++i)
+	{
+		row.step();
+		for (const btISTContact* contact : row.world().contacts().contacts())
+		{
+			fading += contact->accuracy.fadedShare > 0;
+			if (contact->accuracy.fadedShare > 0 || contact->total.pairs == 0) continue;
+			ist::QueryOptions options;
+			options.level = contact->level;
+			const ist::OverlapResult alone = ist::queryOverlap(*contact->treeA, *contact->treeB, contact->X_AB, workspace, options);
+			ASSERT_EQ(contact->total.pairs, alone.total.pairs);
+			ASSERT_NEAR(contact->total.volume, alone.total.volume, 1e-5 * alone.total.volume + 1e-15);
+		}
+	}
+	EXPECT_LT(fading, 200);
+	const int64_t before = row.world().contacts().cost().nodeVisits;
+	for (int i = 0; i < 50; ++i) row.step();
+	const int64_t with = row.world().contacts().cost().nodeVisits - before;
+	EXPECT_FALSE(row.world().setPairMemory(0));
+	const int64_t after = row.world().contacts().cost().nodeVisits;
+	for (int i = 0; i < 50; ++i) row.step();
+	EXPECT_LT(2 * with, row.world().contacts().cost().nodeVisits - after);
 }
 
 TEST(PairMemoryOfAWorld, ForgetsATreeThatIsExchanged)
