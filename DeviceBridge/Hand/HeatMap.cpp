@@ -121,8 +121,15 @@ struct HeatMap::Surface
 	std::vector<uint32_t> touched;
 	uint32_t now = 0;
 	Pose X_PO;
-	const Part* part = nullptr;
+	Part* part = nullptr;  // null: none in progress
+	HeatMapContact contact;
 	Part::Near near;
+	size_t from[3] = {}, to[3] = {};  // cells that the part's box touches
+	size_t row = 0, vertex = 0;       // of these cells along x, and in it: where collecting goes on
+	bool collected = false;
+	size_t cutUntil = 0;              // of `touched`
+	double area = 0, sum = 0;         // of the surface inside of the part, and the thickness summed over it
+	int looksLeft = 0;
 
 	GraspCount graspsAt;  // by any part
 
@@ -193,12 +200,6 @@ struct HeatMap::Surface
 	}
 };
 
-/// What of the surface lies inside of the part.
-struct HeatMap::Cut
-{
-	double area = 0, sum = 0;
-};
-
 HeatMap::HeatMap(Mesh object) : m_surface(std::make_unique<Surface>(std::move(object))) {}
 HeatMap::~HeatMap() = default;
 
@@ -225,6 +226,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 	Vec3 p = s.X_PO * mesh().vertices[vertex];
 	const Vec3 inward = -(s.X_PO.rotation * s.vertexNormals[vertex]);
 	MeshDistance::Field field = s.part->field(p, s.near);
+	--s.looksLeft;
 	s.distanceIn[vertex] = field.depth;
 	s.facing[vertex] = dot(field.normal, inward);
 	for (int i = 0; i < kMostSteps && field.depth > 0; ++i)
@@ -235,44 +237,60 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 		if (facing > kFacing || i + 1 == kMostSteps) break;
 		p += field.depth * inward;
 		field = s.part->field(p, s.near);
+		--s.looksLeft;
 	}
 	return s.distanceIn[vertex];
 }
 
-/// The vertices inside of the part.
-void HeatMap::collect(const Part& part) noexcept
+/// Which cells to look into.
+void HeatMap::beginCollecting(const Part& part) noexcept
 {
 	Surface& s = *m_surface;
 	s.touched.clear();
+	s.row = s.vertex = 0;
+	s.collected = false;
 	// The part's box in the object's frame.
 	const Pose X_OP = inverse(s.X_PO);
 	const Vec3 centre = X_OP * (0.5 * (part.box.lower + part.box.upper)), half = 0.5 * part.box.size();
-	size_t from[3], to[3];
 	for (int a = 0; a < 3; ++a)
 	{
 		const Vec3 row = X_OP.rotation.row(a);
 		const double reach = std::fabs(row.x) * half.x + std::fabs(row.y) * half.y + std::fabs(row.z) * half.z;
-		if (centre[a] + reach < s.box.lower[a] || centre[a] - reach > s.box.upper[a]) return;
-		from[a] = s.place(centre[a] - reach, a);
-		to[a] = s.place(centre[a] + reach, a);
+		s.collected = s.collected || centre[a] + reach < s.box.lower[a] || centre[a] - reach > s.box.upper[a];
+		s.from[a] = s.place(centre[a] - reach, a);
+		s.to[a] = s.place(centre[a] + reach, a);
 	}
-	for (size_t z = from[2]; z <= to[2]; ++z)
-		for (size_t y = from[1]; y <= to[1]; ++y)
-			for (size_t i = s.firstVertex[(z * s.n[1] + y) * s.n[0] + from[0]]; i < s.firstVertex[(z * s.n[1] + y) * s.n[0] + to[0] + 1]; ++i)
-			{
-				const uint32_t v = s.vertexOf[i];
-				const Vec3 p = s.X_PO * mesh().vertices[v];
-				if (p.x < part.box.lower.x || p.y < part.box.lower.y || p.z < part.box.lower.z || p.x > part.box.upper.x || p.y > part.box.upper.y || p.z > part.box.upper.z) continue;
-				if (!s.near.provesOutside(p) && depthOf(v) > 0) s.touched.push_back(v);
-			}
 }
 
-/// Every triangle at a touched vertex, once; each corner's share of the depth that is summed.
-HeatMap::Cut HeatMap::cut() noexcept
+/// The vertices inside of the part, for as long as there are looks left. True when all are found.
+bool HeatMap::collect(const Part& part) noexcept
 {
 	Surface& s = *m_surface;
-	Cut cut;
-	for (const uint32_t v : s.touched)
+	const size_t rows = s.collected ? 0 : (s.to[1] - s.from[1] + 1) * (s.to[2] - s.from[2] + 1);
+	for (; s.row < rows; ++s.row, s.vertex = 0)
+	{
+		const size_t y = s.from[1] + s.row % (s.to[1] - s.from[1] + 1), z = s.from[2] + s.row / (s.to[1] - s.from[1] + 1);
+		const size_t line = (z * s.n[1] + y) * s.n[0], first = s.firstVertex[line + s.from[0]], end = s.firstVertex[line + s.to[0] + 1];
+		for (; first + s.vertex < end; ++s.vertex)
+		{
+			if (s.looksLeft <= 0) return false;
+			const uint32_t v = s.vertexOf[first + s.vertex];
+			const Vec3 p = s.X_PO * mesh().vertices[v];
+			if (p.x < part.box.lower.x || p.y < part.box.lower.y || p.z < part.box.lower.z || p.x > part.box.upper.x || p.y > part.box.upper.y || p.z > part.box.upper.z) continue;
+			if (!s.near.provesOutside(p) && depthOf(v) > 0) s.touched.push_back(v);
+		}
+	}
+	return s.collected = true;
+}
+
+/// Every triangle at a touched vertex, once; each corner's share of the depth that is summed. True when all are done.
+bool HeatMap::cut() noexcept
+{
+	Surface& s = *m_surface;
+	for (; s.cutUntil < s.touched.size(); ++s.cutUntil)
+	{
+		if (s.looksLeft <= 0) return false;
+		const uint32_t v = s.touched[s.cutUntil];
 		for (uint32_t i = s.firstTriangle[v]; i < s.firstTriangle[v + 1]; ++i)
 		{
 			const uint32_t t = s.triangleOf[i];
@@ -282,13 +300,14 @@ HeatMap::Cut HeatMap::cut() noexcept
 			if (*first != v) continue;
 			const double thick[3] = {s.thickness[corners[0]], s.thickness[corners[1]], s.thickness[corners[2]]}, facing[3] = {s.facing[corners[0]], s.facing[corners[1]], s.facing[corners[2]]};
 			const Clipped part = clip(s.triangleArea[t], d, thick, facing);
-			cut.area += part.area;
-			cut.sum += part.sum;
+			s.area += part.area;
+			s.sum += part.sum;
 			const double inside = thick[0] + thick[1] + thick[2];
 			for (int c = 0; c < 3; ++c)
 				if (d[c] > 0) s.share[corners[size_t(c)]] += part.sum * thick[c] / inside;
 		}
-	return cut;
+	}
+	return true;
 }
 
 void HeatMap::enter(Part& part, uint32_t v, double force, double pressure, double seconds, HeatMapTouch& touch) noexcept
@@ -321,38 +340,66 @@ void HeatMap::enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch
 	enter(part, v, contact.force, s.pressureOf(contact.force, v), contact.seconds, touch);
 }
 
-HeatMapTouch HeatMap::add(int index, const HeatMapContact& contact) noexcept
+HeatMapTouch HeatMap::add(int part, const HeatMapContact& contact) noexcept
 {
-	HeatMapTouch touch;
+	begin(part, contact);
+	int looks = std::numeric_limits<int>::max();
+	advance(looks);
+	return m_touch;
+}
+
+void HeatMap::begin(int index, const HeatMapContact& contact) noexcept
+{
+	m_touch = {};
 	const bool good = index >= 0 && index < parts() && isRigid(contact.X_OP) && contact.force >= 0 && std::isfinite(contact.force) && isFinite(contact.point) && contact.seconds > 0 && std::isfinite(contact.seconds);
-	if (!good || mesh().triangles.empty() || m_parts[size_t(index)]->normals.empty()) return touch;
-	Part& part = *m_parts[size_t(index)];
 	Surface& s = *m_surface;
+	s.part = nullptr;
+	if (!good || mesh().triangles.empty() || m_parts[size_t(index)]->normals.empty()) return;
 	if (++s.now == 0)
 	{
 		std::fill(s.stamp.begin(), s.stamp.end(), 0u);
 		s.now = 1;
 	}
+	s.part = m_parts[size_t(index)].get();
+	s.contact = contact;
 	s.X_PO = inverse(contact.X_OP);
-	s.part = &part;
 	s.near = {};
-	collect(part);
-	const double force = contact.force;
-	const Cut found = cut();
-	touch.area = found.area;
-	touch.depthSum = found.sum;
-	if (found.sum > 0) enterArea(part, contact, force / found.sum, touch);
-	else enterPoint(part, contact, touch);
+	s.area = s.sum = 0;
+	s.cutUntil = 0;
+	beginCollecting(*s.part);
+}
+
+bool HeatMap::advance(int& looks) noexcept
+{
+	Surface& s = *m_surface;
+	if (!s.part) return true;
+	s.looksLeft = looks;
+	const bool done = collect(*s.part) && cut();
+	looks = s.looksLeft;
+	if (done) finish();
+	return done;
+}
+
+/// Enters the contact, once all of it was looked at.
+void HeatMap::finish() noexcept
+{
+	Surface& s = *m_surface;
+	Part& part = *s.part;
+	const HeatMapContact& contact = s.contact;
+	s.part = nullptr;
+	m_touch.area = s.area;
+	m_touch.depthSum = s.sum;
+	if (s.sum > 0) enterArea(part, contact, contact.force / s.sum, m_touch);
+	else enterPoint(part, contact, m_touch);
 	part.seconds += contact.seconds;
-	part.forceSum += force * contact.seconds;
-	part.peakForce = std::max(part.peakForce, force);
-	part.depth = std::max(part.depth, touch.depth);
+	part.forceSum += contact.force * contact.seconds;
+	part.peakForce = std::max(part.peakForce, contact.force);
+	part.depth = std::max(part.depth, m_touch.depth);
 	if (part.lastGrasp != m_grasps)
 	{
 		part.lastGrasp = m_grasps;
 		++part.grasps;
 	}
-	return touch;
 }
 
 HeatMap::Vertex HeatMap::merged(uint32_t v, int only) const

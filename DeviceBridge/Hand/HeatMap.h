@@ -52,6 +52,12 @@ public:
 	/// each: some 100 us for a fingertip on vertices 1 mm apart.
 	HeatMapTouch add(int part, const HeatMapContact& contact) noexcept;
 
+	/// The same in shares: `begin`, and then `advance` until it is true. The contact counts when it is done; whatever is begun or added before that takes its place.
+	void begin(int part, const HeatMapContact& contact) noexcept;
+	/// Goes on until `looks` closest points were found, of some 0.5 us each, and to the end of the vertex that it is at; `looks` is what is left of them. True when
+	/// done, and where nothing was begun.
+	bool advance(int& looks) noexcept;
+
 	struct Vertex
 	{
 		double contact = 0;   ///< share of the grasps in which it was touched, 0 to 1
@@ -87,10 +93,11 @@ public:
 private:
 	struct Part;
 	struct Surface;
-	struct Cut;
 	double depthOf(uint32_t vertex) noexcept;
-	void collect(const Part& part) noexcept;
-	Cut cut() noexcept;
+	void beginCollecting(const Part& part) noexcept;
+	bool collect(const Part& part) noexcept;
+	bool cut() noexcept;
+	void finish() noexcept;
 	void enter(Part& part, uint32_t vertex, double force, double pressure, double seconds, HeatMapTouch& touch) noexcept;
 	void enterArea(Part& part, const HeatMapContact& contact, double scale, HeatMapTouch& touch) noexcept;
 	void enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch& touch) noexcept;
@@ -98,6 +105,7 @@ private:
 
 	std::unique_ptr<Surface> m_surface;
 	std::vector<std::unique_ptr<Part>> m_parts;
+	HeatMapTouch m_touch;
 	int m_grasps = 1;
 };
 }  // namespace devicebridge

@@ -40,6 +40,7 @@ struct GraspLoad
 	std::vector<GraspLoadError> errors;  ///< where not every query searches among the leaves: of all contacts of some ticks
 	size_t handSpheres = 0, objectSpheres = 0;
 	double step = 0;
+	double mapSeconds = 0;  ///< most time from one moment that the heat map looks at to the next [s]
 	bool held = false;
 
 	double quantileMicroseconds(double p, double GraspLoadTick::*of = &GraspLoadTick::twoMicroseconds) const;
@@ -57,8 +58,8 @@ struct GraspLoadOutcome
 };
 
 /// The load of Weller et al.'s grasping: 16 parts of 5,000 spheres and an object of 10,000, contact, response and heat map in each tick of a
-/// millisecond; the map looks at one part a tick. Once with the hand as it is, and with skins so soft that fingers sink in about as far as those
-/// of a hand that nothing holds back; each with the leaves, with leaves that pairs remember, and with accepted force errors. Queries have two threads. What two free cores would take is the
+/// millisecond; the map takes its share of each (BulletHeatMapRounds). Once with the hand as it is, and with skins so soft that fingers sink in about as far as those
+/// of a hand that nothing holds back; each with the leaves, with leaves that pairs remember, and with accepted force errors, remembered and not. Queries have two threads. What two free cores would take is the
 /// owner's own time and that of the busier thread, the queries dealt in the order in which they are claimed: it does not depend on what else the machine
 /// does, and leaves out that two cores share memory. Offline: a minute for the trees that the cache lacks.
 ist::Result<GraspLoadOutcome> runGraspLoad(const GraspLoadOptions& options);

@@ -94,9 +94,14 @@ void GraspScene::step(const HandState& hand)
 	m_time += m_options.step;
 }
 
-double GraspScene::addTouches(HeatMap& map, int steps, int only) const
+double GraspScene::addTouches(HeatMap& map) const
 {
-	return devicebridge::addTouches(map, *m_hand, m_world->contacts(), m_body->body(), m_body->X_BM(), m_options.step, steps * m_options.step, only);
+	return devicebridge::addTouches(map, *m_hand, m_world->contacts(), m_body->body(), m_body->X_BM(), m_options.step, m_options.step);
+}
+
+void GraspScene::addTouches(BulletHeatMapRounds& rounds) const
+{
+	rounds.step(*m_hand, m_world->contacts(), m_body->body(), m_body->X_BM(), m_options.step);
 }
 
 std::vector<GraspContact> GraspScene::graspContacts() const

@@ -60,8 +60,9 @@ public:
 	std::vector<devicebridge::GraspContact> graspContacts() const;
 	/// Of the object, as GraspObject has it.
 	std::unique_ptr<devicebridge::HeatMap> makeHeatMap() const { return devicebridge::makeHeatMap(*m_model, m_object.mesh); }
-	/// The last step, standing for so many; the force that was added [N].
-	double addTouches(devicebridge::HeatMap& map, int steps = 1, int only = -1) const;
+	/// The last step; the force that was added [N].
+	double addTouches(devicebridge::HeatMap& map) const;
+	void addTouches(devicebridge::BulletHeatMapRounds& rounds) const;
 
 private:
 	GraspScene() = default;

@@ -163,6 +163,36 @@ TEST(GraspScenarios, ARecordedHandHoldsLikeTheLiveOneToTheLastBit)
 	EXPECT_EQ(std::memcmp(&live, &replayed, sizeof live), 0);
 }
 
+// A little in each step, and yet the same impulse, for as long.
+TEST(GraspScenarios, AMapInRoundsHoldsTheImpulseOfTheContactsToo)
+{
+	const auto scene = makeScene("mug");
+	ASSERT_TRUE(scene);
+	const auto whole = scene->makeHeatMap(), map = scene->makeHeatMap();
+	BulletHeatMapRounds rounds(*map, 100);
+	double impulse = 0, begun = 0, longest = 0;
+	int round = 0;
+	while (scene->time() < GraspMotion::kLifted)
+	{
+		scene->step();
+		impulse += scene->addTouches(*whole) * scene->stepSize();
+		scene->addTouches(rounds);
+		if (rounds.rounds() != round) longest = std::max(longest, scene->time() - begun), begun = scene->time();
+		round = rounds.rounds();
+	}
+	rounds.finish();
+	EXPECT_GT(longest, 3 * scene->stepSize()) << "it takes several steps";
+	EXPECT_LT(longest, 0.1);
+	EXPECT_NEAR(rounds.seconds(), begun, 1e-9);
+	double onVertices = 0, dwell = 0, dwellOfWhole = 0;
+	for (const HeatMap::Vertex& v : map->vertices()) onVertices += v.impulse;
+	for (const HeatMap::Summary& row : map->summary()) dwell += row.dwell;
+	for (const HeatMap::Summary& row : whole->summary()) dwellOfWhole += row.dwell;
+	EXPECT_NEAR(onVertices, rounds.impulse(), 1e-6 * impulse);
+	EXPECT_NEAR(rounds.impulse(), impulse, 0.02 * impulse);
+	EXPECT_NEAR(dwell, dwellOfWhole, 0.03 * dwellOfWhole);
+}
+
 TEST(GraspScenarios, TheTextureHoldsTheImpulseOfTheContacts)
 {
 	const auto scene = makeScene("mug");
@@ -232,9 +262,9 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	options.grasp.cache = TREE_FOLDER;
 	const auto outcome = runGraspLoad(options);
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	// Three skins, each with the leaves, with leaves that are remembered, and with two accepted errors.
-	ASSERT_EQ(outcome.value().loads.size(), 12u);
-	const GraspLoad &firm = outcome.value().loads[0], &middle = outcome.value().loads[4], &soft = outcome.value().loads[8];
+	// Three skins, each with the leaves, with leaves that are remembered, with an accepted error, once remembered, and with a larger one.
+	ASSERT_EQ(outcome.value().loads.size(), 15u);
+	const GraspLoad &firm = outcome.value().loads[0], &middle = outcome.value().loads[5], &soft = outcome.value().loads[10];
 	// Closing to shaking, at 500 Hz.
 	EXPECT_GT(firm.ticks.size(), 1200u);
 	EXPECT_LT(firm.ticks.size(), 1700u);
@@ -248,7 +278,9 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	for (const GraspLoad& load : outcome.value().loads)
 	{
 		EXPECT_EQ(load.errors.empty(), load.accepted == 0 && !load.remembers) << load.name;
-		if (load.remembers)
+		EXPECT_GT(load.mapSeconds, 0) << load.name;
+		EXPECT_LT(load.mapSeconds, 0.3) << load.name;
+		if (load.remembers && load.accepted == 0)
 		{
 			EXPECT_LT(load.quantileError(1, &GraspLoadError::found), 1e-4) << load.name;
 		}

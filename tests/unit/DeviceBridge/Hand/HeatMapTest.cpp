@@ -245,6 +245,39 @@ TEST(HeatMap, CountsNothingThatIsNotFiniteAndDoesNotAllocate)
 	EXPECT_GT(touch.area, 0);
 }
 
+TEST(HeatMap, InSharesItIsTheSameMap)
+{
+	for (const int share : {1, 7, 40})
+	{
+		HeatMap whole(gridBox({0.01, 0.01, 0.01}, 20)), shared(gridBox({0.01, 0.01, 0.01}, 20));
+		for (HeatMap* map : {&whole, &shared}) map->addPart("tip", 43, ist::makeSphereMesh(0.005, 3));
+		int most = 0;
+		for (int i = 0; i < 4; ++i)
+		{
+			const HeatMapContact contact{{{}, {0.002 * i, 0.0135 + 0.0006 * i, 0.001 * i}}, 1.0 + i, {0.002 * i, 0.01, 0.001 * i}, 0.1};
+			whole.add(0, contact);
+			// One that gives way to another counts for nothing.
+			shared.begin(0, {{{}, {0, 0.013, 0}}, 50, {0, 0.01, 0}, 1});
+			int looks = share;
+			EXPECT_FALSE(shared.advance(looks));
+			EXPECT_LE(looks, 0);
+			shared.begin(0, contact);
+			int turns = 1;
+			for (looks = share; !shared.advance(looks); looks = share) ++turns;
+			most = std::max(most, turns);
+			EXPECT_TRUE(shared.advance(looks)) << "nothing was begun";
+		}
+		EXPECT_GT(most, 1);
+		const HeatMap::Summary a = whole.summary()[0], b = shared.summary()[0];
+		EXPECT_EQ(a.area, b.area);
+		EXPECT_EQ(a.dwell, b.dwell);
+		EXPECT_EQ(a.impulse, b.impulse);
+		EXPECT_EQ(a.peakPressure, b.peakPressure);
+		const std::vector<HeatMap::Vertex> of = whole.vertices(), in = shared.vertices();
+		for (size_t v = 0; v < of.size(); ++v) ASSERT_EQ(of[v].impulse, in[v].impulse);
+	}
+}
+
 namespace
 {
 /// The vertices of a file that saveHeatMap wrote, by its own header.
