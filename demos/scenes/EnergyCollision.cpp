@@ -51,7 +51,7 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 	const PairMotion before(bodies, kMass, inertia);
 	EnergyCollisionOutcome out;
 	bool met = false;
-	double apart = 0;
+	double apart = 0, least = 0, most = 0;
 	for (int i = 0; i < kMostSteps && apart < 0.02 * size / speed; ++i)
 	{
 		law.apply();
@@ -59,12 +59,14 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 		const bool touching = contact.energy != 0 || norm(contact.onA.force) > 0;
 		met |= touching;
 		apart = met && !touching ? apart + h : 0;
-		out.swing = std::max(out.swing, contact.energy);
+		least = std::min(least, contact.energy);
+		most = std::max(most, contact.energy);
 		if (touching) out.worst = std::max(out.worst, std::fabs(PairMotion(bodies, kMass, inertia).kinetic + contact.energy - before.kinetic));
 		world.step(h);
 	}
 	const PairMotion after(bodies, kMass, inertia);
 	out.finished = met && apart > 0;
+	out.swing = most - least;
 	out.gain = after.kinetic - before.kinetic;
 	out.momentum = norm(after.linear - before.linear) / (kMass * speed);
 	out.angular = norm(after.angular - before.angular) / (kMass * speed * 0.5 * size);

@@ -16,7 +16,7 @@ struct EnergyCollisionSetup
 struct EnergyCollisionOutcome
 {
 	bool finished = false;  ///< met, and parted
-	double swing = 0;       ///< most energy stored in the contact [J]
+	double swing = 0;       ///< most less least energy stored in the contact; a graze may store less than none, above the surface the leaves' depths are negative [J]
 	double gain = 0;        ///< of kinetic energy from before to after [J]
 	double worst = 0;       ///< largest deviation of kinetic and stored energy together from the start, while they touch [J]
 	double momentum = 0, angular = 0;  ///< error over m v, over m v R
