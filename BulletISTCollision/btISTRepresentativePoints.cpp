@@ -249,6 +249,8 @@ void announceAdded(btPersistentManifold& manifold, int slot, const btCollisionOb
 
 btISTRepresentativePoints::btISTRepresentativePoints(const btISTContact& contact)
 {
+	// Most pairs do not touch, and groups are large.
+	if (!(contact.total.volume > 0)) return;
 	const PatchGroups groups(contact);
 	for (int i = 0; i < groups.count(); ++i)
 	{
@@ -260,7 +262,7 @@ btISTRepresentativePoints::btISTRepresentativePoints(const btISTContact& contact
 		else
 			append(*this, plane, contact.X_WA, 0, 0, plane.force, plane.stiffness);
 	}
-	if (count == 0 && contact.total.volume > 0) appendTouch(*this, contact);
+	if (count == 0) appendTouch(*this, contact);
 }
 
 // In place: clearing would tell games that contact ended and began again, and would lose warm starting and their own pointers.
