@@ -113,7 +113,8 @@ void btIslandBlockSolver::reserve(int bodies, int patches)
 	m_order.reserve(size_t(bodies));
 	m_first.reserve(stride);
 	m_factor.reserve(stride * stride);
-	for (auto* perBody : {&m_free, &m_z, &m_scratch}) perBody->resize(std::max(perBody->size(), stride));
+	for (auto* perBody : {&m_free, &m_z}) perBody->resize(std::max(perBody->size(), stride));
+	m_scratch.resize(std::max(m_scratch.size(), 6 * stride));
 	m_response.resize(std::max(m_response.size(), 3 * stride * size_t(patches)));
 	m_tangents.resize(std::max(m_tangents.size(), 3 * size_t(patches)));
 	m_acceleration.reserve(3 * size_t(patches), stride);
@@ -225,7 +226,6 @@ bool btIslandBlockSolver::factorise()
 		m_first[size_t(i)] = i - i % 6;
 		m_factor[size_t(i) * size_t(n) + size_t(i)] = 1;
 	}
-	const auto place = [this](const Patch& p, int side) { return 6 * m_bodies[size_t(p.body[side])].place; };
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		const Patch& p = m_patches[size_t(k)];
@@ -233,9 +233,9 @@ bool btIslandBlockSolver::factorise()
 		for (int row = 0; row < 2; ++row)
 			for (int column = 0; column < 2; ++column)
 			{
-				if (p.body[row] < 0 || p.body[column] < 0 || place(p, row) < place(p, column)) continue;
+				if (p.body[row] < 0 || p.body[column] < 0 || placeOf(p, row) < placeOf(p, column)) continue;
 				const Mat6 block = Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) * Map<const Mat6>(p.jacobian[column]);
-				const int r = place(p, row), c = place(p, column);
+				const int r = placeOf(p, row), c = placeOf(p, column);
 				for (int i = 0; i < 6; ++i)
 				{
 					m_first[size_t(r + i)] = std::min(m_first[size_t(r + i)], c);
@@ -252,7 +252,7 @@ bool btIslandBlockSolver::factorise()
 			const int from = std::max(m_first[size_t(i)], m_first[size_t(j)]);
 			const double rest = rowI[j] - Map<const Vector>(rowI + from, j - from).dot(Map<const Vector>(rowJ + from, j - from));
 			if (i == j && !(rest > 0)) return false;
-			rowI[j] = i == j ? std::sqrt(rest) : rest / rowJ[j];
+			rowI[j] = i == j ? 1 / std::sqrt(rest) : rest * rowJ[j];
 		}
 	}
 	return true;
@@ -265,22 +265,26 @@ int64_t btIslandBlockSolver::envelopeEntries() const
 	return entries;
 }
 
-/// `x` in the order of elimination, zero before `begin`.
+/// `x`: right-hand sides side by side, in the order of elimination, zero before `begin`.
+template <int N>
 void btIslandBlockSolver::backSubstitute(double* x, int begin) const
 {
+	using Side = Eigen::Matrix<double, N, 1>;
 	const int n = 6 * m_bodyCount;
+	const auto at = [x](int i) { return Map<Side>(x + N * i); };
 	for (int i = begin; i < n; ++i)
 	{
 		const double* row = &m_factor[size_t(i) * size_t(n)];
-		const int from = std::max(m_first[size_t(i)], begin);
-		x[i] = (x[i] - Map<const Vector>(row + from, i - from).dot(Map<const Vector>(x + from, i - from))) / row[i];
+		Side rest = at(i);
+		for (int j = std::max(m_first[size_t(i)], begin); j < i; ++j) rest -= row[j] * at(j);
+		at(i) = row[i] * rest;
 	}
 	for (int i = n - 1; i >= 0; --i)
 	{
 		const double* row = &m_factor[size_t(i) * size_t(n)];
-		x[i] /= row[i];
-		const int from = m_first[size_t(i)];
-		Map<Vector>(x + from, i - from) -= x[i] * Map<const Vector>(row + from, i - from);
+		const Side found = row[i] * at(i);
+		at(i) = found;
+		for (int j = m_first[size_t(i)]; j < i; ++j) at(j) -= row[j] * found;
 	}
 }
 
@@ -304,8 +308,8 @@ void btIslandBlockSolver::relativeTwist(const Patch& p, double* twist) const
 int btIslandBlockSolver::firstPlace(const Patch& p) const
 {
 	int first = 6 * m_bodyCount;
-	for (const int body : p.body)
-		if (body >= 0) first = std::min(first, 6 * m_bodies[size_t(body)].place);
+	for (int side = 0; side < 2; ++side)
+		if (p.body[side] >= 0) first = std::min(first, placeOf(p, side));
 	return first;
 }
 
@@ -314,7 +318,7 @@ void btIslandBlockSolver::addPush(const Patch& p, const double* impulse, double*
 {
 	for (int side = 0; side < 2; ++side)
 		if (p.body[side] >= 0)
-			Map<Vec6>(target + 6 * m_bodies[size_t(p.body[side])].place) +=
+			Map<Vec6>(target + placeOf(p, side)) +=
 				Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Vec6>(impulse);
 }
 
@@ -336,7 +340,7 @@ void btIslandBlockSolver::solveElastic()
 		addPush(p, push.data(), right);
 		Map<Eigen::Vector4d>(p.askedAtRest) << Map<const Mat63>(p.E).transpose() * u, elastic.head<3>().dot(toEigen(p.normal));
 	}
-	backSubstitute(right, 0);
+	backSubstitute<1>(right, 0);
 	std::copy(right, right + 6 * m_bodyCount, m_z.begin());
 }
 
@@ -357,18 +361,17 @@ void btIslandBlockSolver::prepareFriction()
 		Patch& p = m_patches[size_t(k)];
 		if (!p.active || !(p.friction > 0)) continue;
 		prepareAsked(p);
-		double* columns = &m_response[3 * stride * size_t(k)];
-		std::fill(columns, columns + 3 * stride, 0.0);
+		// A fourth column, which stays zero, makes of each row two vectors of the processor.
+		using Columns = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+		Map<Columns> columns(scratch(), Eigen::Index(stride), 4);
+		columns.setZero();
+		for (int side = 0; side < 2; ++side)
+			if (p.body[side] >= 0) columns.block<6, 3>(placeOf(p, side), 0) += Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Mat63>(p.E);
+		backSubstitute<4>(columns.data(), firstPlace(p));
 		Mat3 G = Mat3::Zero();
-		for (int c = 0; c < 3; ++c)
-		{
-			double* column = columns + stride * size_t(c);
-			addPush(p, p.E + 6 * c, column);
-			backSubstitute(column, firstPlace(p));
-			for (int side = 0; side < 2; ++side)
-				if (p.body[side] >= 0)
-					G.col(c) += Map<const Mat46>(p.asked[side]).topRows<3>() * Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place);
-		}
+		for (int side = 0; side < 2; ++side)
+			if (p.body[side] >= 0) G += Map<const Mat46>(p.asked[side]).topRows<3>() * columns.block<6, 3>(placeOf(p, side), 0);
+		Map<Eigen::Matrix<double, Eigen::Dynamic, 3>>(&m_response[3 * stride * size_t(k)], Eigen::Index(stride), 3) = columns.leftCols<3>();
 		const Eigen::SelfAdjointEigenSolver<Mat3> eigen(0.5 * (G + G.transpose()));
 		Map<Mat3>(p.axes) = eigen.eigenvectors();
 		const double immovable = kImmovable * eigen.eigenvalues()(2);
@@ -383,7 +386,7 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 	Patch& p = m_patches[size_t(patch)];
 	Eigen::Vector4d asked = Map<const Eigen::Vector4d>(p.askedAtRest);
 	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(m_bodies[size_t(p.body[side])].place)]);
+		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[size_t(placeOf(p, side))]);
 	normal = std::max(asked(3), 0.0);
 	Map<Eigen::Vector3d> now(tangent(patch));
 	const Map<const Mat3> axes(p.axes);
@@ -426,19 +429,15 @@ void btIslandBlockSolver::iterateFriction()
 /// back patches that pull as soon as they act.
 bool btIslandBlockSolver::wouldPush(const Patch& p)
 {
+	using Columns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
+	Map<Columns> columns(scratch(), 6 * m_bodyCount, 6);
+	columns.setZero();
+	for (int side = 0; side < 2; ++side)
+		if (p.body[side] >= 0) columns.middleRows<6>(placeOf(p, side)) += Map<const Mat6>(p.jacobian[side]).transpose();
+	backSubstitute<6>(columns.data(), firstPlace(p));
 	Mat6 W = Mat6::Zero();
-	double* column = scratch();
-	for (int c = 0; c < 6; ++c)
-	{
-		Vec6 unit = Vec6::Zero();
-		unit(c) = 1;
-		std::fill(column, column + 6 * m_bodyCount, 0.0);
-		addPush(p, unit.data(), column);
-		backSubstitute(column, firstPlace(p));
-		for (int side = 0; side < 2; ++side)
-			if (p.body[side] >= 0)
-				W.col(c) += Map<const Mat6>(p.jacobian[side]) * Map<const Vec6>(column + 6 * m_bodies[size_t(p.body[side])].place);
-	}
+	for (int side = 0; side < 2; ++side)
+		if (p.body[side] >= 0) W += Map<const Mat6>(p.jacobian[side]) * columns.middleRows<6>(placeOf(p, side));
 	Vec6 u;
 	relativeTwist(p, u.data());
 	const Map<const Mat6> S(p.S);

@@ -87,7 +87,9 @@ private:
 	bool changeActiveSet(int mayReturn);
 	void relativeTwist(const Patch& patch, double* twist) const;
 	void addPush(const Patch& patch, const double* impulse, double* target) const;
+	template <int N>
 	void backSubstitute(double* x, int begin) const;
+	int placeOf(const Patch& p, int side) const { return 6 * m_bodies[size_t(p.body[side])].place; }
 	int firstPlace(const Patch& p) const;
 	double* scratch() { return m_scratch.data(); }
 
@@ -95,8 +97,9 @@ private:
 	std::vector<Body> m_bodies;
 	std::vector<Patch> m_patches;
 	std::vector<int> m_order, m_first;            // bodies in the order of elimination; first column of each row of the envelope
-	std::vector<double> m_factor;                 // rows of the envelope, dense stride
-	std::vector<double> m_free, m_z, m_scratch;  // 6 per body
+	std::vector<double> m_factor;                 // rows of the envelope, dense stride; one over the diagonal
+	std::vector<double> m_free, m_z;             // 6 per body
+	std::vector<double> m_scratch;               // 36 per body
 	std::vector<double> m_response;              // to friction: 3 columns of 6 per body for each patch
 	std::vector<double> m_tangents;              // friction impulses, 3 per patch along its E
 	btSweepAcceleration m_acceleration;
