@@ -334,6 +334,52 @@ TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 	EXPECT_LE(count.undecided, 4);
 }
 
+namespace
+{
+/// Ten bodies that press on one from all sides through two patches each, as the parts of a hand do.
+Scene heldScene(uint64_t seed)
+{
+	Scene scene(seed, 0.05);
+	const int held = scene.addBody(1), parts = 10;
+	scene.free[size_t(held)].linear.z -= 9.81 * kStep;
+	for (int i = 0; i < parts; ++i)
+	{
+		const double angle = 2 * M_PI * i / parts;
+		const ist::Vec3 inwards{-std::cos(angle), -std::sin(angle), 0};
+		const int part = scene.addBody(0.2);
+		scene.bodies[size_t(part)].center = scene.bodies[size_t(held)].center - 0.6 * inwards;
+		for (int k = 0; k < 2; ++k)
+		{
+			scene.addContact(part, held, 2000, 0.5);
+			btContactPatch& patch = scene.contacts.back().patch;
+			patch = {};
+			patch.point = scene.bodies[size_t(held)].center - 0.4 * inwards + scene.vector(0.1);
+			patch.normal = normalized(scene.vector(0.1) - inwards);
+			patch.wrench.force = scene.uniform(0.5, 2) * patch.normal;
+			// What pushes the part inwards holds the patch as deep as it is.
+			scene.free[size_t(part)].linear = scene.free[size_t(part)].linear - kStep / 0.2 * patch.wrench.force;
+			patch.frictionRadius = 0.04;
+			for (int axis = 0; axis < 3; ++axis)
+			{
+				for (int other = axis; other < 3; ++other) patch.stiffness(axis, other) = 2000 * patch.normal[axis] * patch.normal[other];
+				patch.stiffness(3 + axis, 3 + axis) = 2000 * 2e-3;
+			}
+		}
+	}
+	return scene;
+}
+}  // namespace
+
+// Twenty patches share one load, two on each part: sweeps alone come closer by a ten-thousandth each time, and reach the end in none of these scenes.
+TEST(btIslandBlockSolver, FrictionOfWhatIsHeldIsFoundWhereSweepsAloneWouldCreep)
+{
+	FrictionCount count;
+	for (uint64_t seed = 1; seed <= 20; ++seed) expectCoulomb(heldScene(seed), seed, count);
+	EXPECT_GT(count.sticking, 10);
+	EXPECT_GT(count.sliding, 100);
+	EXPECT_LE(count.undecided, 14);
+}
+
 TEST(btIslandBlockSolver, AgreesWithARowOnOnePatch)
 {
 	for (uint64_t seed = 1; seed <= 20; ++seed)
