@@ -25,7 +25,7 @@ constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
 constexpr int kMaxSweeps = 400;
 // Where many patches share one load, sticking and sliding may take turns for ever at a hundred-thousandth of the load: the search ends
 // when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's beginning.
-constexpr int kPatience = 8;
+constexpr int kPatience = 24;
 constexpr double kProgress = 0.5;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse.
 constexpr double kFrictionTolerance = 1e-9;

@@ -40,12 +40,14 @@ void btSweepAcceleration::note(const double* x, const double* carried)
 	const Eigen::Index n = Eigen::Index(m_unknowns), rest = Eigen::Index(m_carried);
 	const int to = (m_sweeps + kDepth - 1) % kDepth;  // the first sweep has none before it: its step is never looked at
 	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n + rest), result(m_result.data(), n + rest);
+	const double before = m_sweeps > 0 ? change.norm() : 0;
 	changeStep = ConstColumn(x, n) - ConstColumn(m_start.data(), n) - change;
 	change += changeStep;
+	const bool farther = m_sweeps > 0 && change.norm() > before;
 	resultStep.head(n) = ConstColumn(x, n) - result.head(n);
 	resultStep.tail(rest) = ConstColumn(carried, rest) - result.tail(rest);
 	result += resultStep;
-	++m_sweeps;
+	m_sweeps = farther ? 1 : m_sweeps + 1;  // what was learnt no longer helps
 	const int steps = std::min(m_sweeps - 1, kDepth);
 	for (int i = 0; i < steps; ++i) m_products[to][i] = m_products[i][to] = changeStep.dot(Column(m_changeStep[i].data(), n));
 }

@@ -5,7 +5,8 @@
 #include <vector>
 
 /// Anderson acceleration of sweeps x -> g(x) that creep along a few directions: of the last ones it takes the combination whose changes g(x) - x cancel
-/// best. What is affine in x may be carried along. If x must obey limits, the next sweep sees to them, so that one should be the last.
+/// best, until one changes more than the one before. What is affine in x may be carried along. If x must obey limits, the next sweep sees to them, so that one
+/// should be the last.
 /// No allocation once `reserve` has seen the size.
 class btSweepAcceleration
 {
