@@ -64,7 +64,7 @@ run("" ${HEAP} --threaded)
 set(before "${text}")
 run(${PRELOAD} ${HEAP} --threaded)
 expect_same("a world that is refused because its dispatcher may have several threads")
-expect_said("a world with GImpact meshes is left as it is: the world's dispatcher")
+expect_said("a world with GImpact meshes is left as it is: the dispatcher may call algorithms from several threads")
 # The end of a program, caught at several places of a step.
 set(ENV{BULLETHAPTICS_WAIT} 0)
 foreach(milliseconds RANGE 100 160 5)
