@@ -15,7 +15,7 @@ namespace ist
 /// or fewer pairs intersect, or normals within the patches cancel by a tenth more: then they are grouped anew.
 ///
 /// It is filled around a pose ahead, to which the motion of late will lead, and so lasts twice as long. The margin follows that motion, too; where bodies move too fast for it to pay, each query searches anew. The tick that
-/// fills the memory costs up to a third more than a query without.
+/// fills the memory costs as much as one and a half to three queries without.
 class PairMemory
 {
 public:
