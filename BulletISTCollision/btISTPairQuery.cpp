@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 double btISTQueryRules::forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const
 {
@@ -62,9 +61,9 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 		accepted.error = error;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		const auto& [A, B, X_AB] = std::tie(*contact.treeA, *contact.treeB, contact.X_AB);
-		const ist::OverlapResult result = memory.get() ? ist::queryPair(A, B, X_AB, workspace, *memory.get(), accepted, options, pair)
-													   : ist::queryPair(A, B, X_AB, workspace, accepted, options, pair);
+		const ist::InnerSphereTree &A = *contact.treeA, &B = *contact.treeB;
+		const ist::OverlapResult result = memory.get() ? ist::queryPair(A, B, contact.X_AB, workspace, *memory.get(), accepted, options, pair)
+													   : ist::queryPair(A, B, contact.X_AB, workspace, accepted, options, pair);
 		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
 		return result;
 	}
