@@ -37,13 +37,18 @@ struct OwnMultiBodyWorld : btMultiBodyDynamicsWorld
 	using btMultiBodyDynamicsWorld::btMultiBodyDynamicsWorld;
 };
 
-/// A world over a given solver, with the algorithm registered.
-struct Scene
+/// What a world is made of, with the algorithm registered.
+struct Parts
 {
 	btDefaultCollisionConfiguration configuration;
 	btCollisionDispatcher dispatcher{&configuration};
 	btDbvtBroadphase broadphase;
 	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
+};
+
+/// A world over a given solver.
+struct Scene : Parts
+{
 	btDiscreteDynamicsWorld world;
 
 	explicit Scene(btConstraintSolver* solver) : world(&dispatcher, &broadphase, solver, &configuration) {}
@@ -94,20 +99,17 @@ TEST(installVolumetricSolver, CarriesTheWeightOverSequentialImpulsesAndNncg)
 
 TEST(installVolumetricSolver, CarriesTheWeightInWorldsThatAGameDerived)
 {
-	btDefaultCollisionConfiguration configuration;
-	btCollisionDispatcher dispatcher(&configuration);
-	btDbvtBroadphase broadphase;
-	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
+	Parts parts;
 	{
 		btSequentialImpulseConstraintSolver stock;
-		OwnWorld world(&dispatcher, &broadphase, &stock, &configuration);
-		EXPECT_NEAR(carriedWeight(world, registration), 1, 1e-3);
+		OwnWorld world(&parts.dispatcher, &parts.broadphase, &stock, &parts.configuration);
+		EXPECT_NEAR(carriedWeight(world, parts.registration), 1, 1e-3);
 		EXPECT_EQ(world.solves, 360);
 	}
 	{
 		btMultiBodyConstraintSolver stock;
-		OwnMultiBodyWorld world(&dispatcher, &broadphase, &stock, &configuration);
-		EXPECT_NEAR(carriedWeight(world, registration), 1, 1e-3);
+		OwnMultiBodyWorld world(&parts.dispatcher, &parts.broadphase, &stock, &parts.configuration);
+		EXPECT_NEAR(carriedWeight(world, parts.registration), 1, 1e-3);
 	}
 }
 
@@ -166,19 +168,16 @@ TEST(installVolumetricSolver, LeavesTheRefusedSolversWithTheRepresentativePoints
 TEST(installVolumetricSolver, RefusesThreadedWorldsAndSolvers)
 {
 	btSetTaskScheduler(btGetSequentialTaskScheduler());
-	btDefaultCollisionConfiguration configuration;
-	btCollisionDispatcher dispatcher(&configuration);
-	btDbvtBroadphase broadphase;
-	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
+	Parts parts;
 	btSequentialImpulseConstraintSolverMt threaded;
-	btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &threaded, &configuration);
-	EXPECT_FALSE(installVolumetricSolver(world, registration));
+	btDiscreteDynamicsWorld world(&parts.dispatcher, &parts.broadphase, &threaded, &parts.configuration);
+	EXPECT_FALSE(installVolumetricSolver(world, parts.registration));
 	EXPECT_EQ(world.getConstraintSolver(), &threaded);
-	EXPECT_NEAR(restHeight(world, registration), 0.5, 0.05);
+	EXPECT_NEAR(restHeight(world, parts.registration), 0.5, 0.05);
 
 	btConstraintSolverPoolMt pool(1);
-	btDiscreteDynamicsWorldMt threadedWorld(&dispatcher, &broadphase, &pool, nullptr, &configuration);
-	const auto refused = installVolumetricSolver(threadedWorld, registration);
+	btDiscreteDynamicsWorldMt threadedWorld(&parts.dispatcher, &parts.broadphase, &pool, nullptr, &parts.configuration);
+	const auto refused = installVolumetricSolver(threadedWorld, parts.registration);
 	ASSERT_FALSE(refused);
 	EXPECT_NE(refused.error().message.find("representative points"), std::string::npos);
 	btSetTaskScheduler(nullptr);
@@ -195,12 +194,9 @@ TEST(installVolumetricSolver, RefusesForeignSolversInMultibodyWorlds)
 	OwnMultiBodySolver own;
 	for (btMultiBodyConstraintSolver* solver : {static_cast<btMultiBodyConstraintSolver*>(&mlcp), static_cast<btMultiBodyConstraintSolver*>(&own)})
 	{
-		btDefaultCollisionConfiguration configuration;
-		btCollisionDispatcher dispatcher(&configuration);
-		btDbvtBroadphase broadphase;
-		btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
-		btMultiBodyDynamicsWorld world(&dispatcher, &broadphase, solver, &configuration);
-		EXPECT_FALSE(installVolumetricSolver(world, registration));
+		Parts parts;
+		btMultiBodyDynamicsWorld world(&parts.dispatcher, &parts.broadphase, solver, &parts.configuration);
+		EXPECT_FALSE(installVolumetricSolver(world, parts.registration));
 		EXPECT_EQ(world.getConstraintSolver(), solver);
 	}
 }
