@@ -188,7 +188,7 @@ std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPie
 		const size_t most = std::min(largestBatch, leafCount - pieces.size());
 		for (batch.clear(); !queue.empty() && batch.size() < most && queue.top().first >= least; queue.pop()) batch.push_back(queue.top());
 		halves.assign(batch.size(), {});
-		size_t reordered = 0;
+		[[maybe_unused]] size_t reordered = 0;  // by builds with OpenMP
 		for (const Waiting& waiting : batch) reordered += pieces[waiting.second].end - pieces[waiting.second].begin;
 		// Few pieces hold most of the samples at first.
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (reordered >= fewestToShare)
