@@ -384,36 +384,41 @@ private:
 	std::map<double, double> m_depths;  ///< by overlap
 	double m_size = 1;
 };
+
+std::vector<int> numbersOfSpheres(const SweepSettings& settings, size_t pair)
+{
+	std::vector<int> numbers = settings.spheres;
+	if (pair == 0) numbers.insert(numbers.end(), settings.manySpheres.begin(), settings.manySpheres.end());
+	return numbers;
+}
 }  // namespace
 
 bool runSweep(const SweepSettings& settings, Sweep& sweep, const std::function<bool()>& keep)
 {
-	size_t done = 0;
 	std::map<std::pair<std::string, int>, SweptBody> bodies;
-	for (const auto& [a, b] : settings.pairs)
+	for (size_t p = 0; p < settings.pairs.size(); ++p)
 	{
+		const auto& [a, b] = settings.pairs[p];
 		if (placed(meshNamed(a)).triangles.empty() || placed(meshNamed(b)).triangles.empty())
 		{
 			std::fprintf(stderr, "%s-%s: skipped; apt-get install glmark2-data\n", a.c_str(), b.c_str());
-			done += settings.spheres.size();
 			continue;
 		}
 		const double start = processorTime();
 		const std::vector<TruePose> poses = truePoses(a, b, settings.truth, settings.folder);
 		std::fprintf(stderr, "%s-%s: %zu poses integrated in %.1f s of processor time\n", a.c_str(), b.c_str(), poses.size(), processorTime() - start);
 		bool peersAsked = !settings.peers;
-		for (const int spheres : settings.spheres)
+		for (const int spheres : numbersOfSpheres(settings, p))
 		{
 			for (const std::string& name : {a, b})
 				if (!bodies.count({name, spheres})) bodies[{name, spheres}] = makeBody(name, spheres, settings.folder);
 			const SweptBody &A = bodies[{a, spheres}], &B = bodies[{b, spheres}];
-			++done;
 			if (A.tree.law.empty() || B.tree.law.empty()) continue;
 			PairSweep pair(settings, a, b, spheres, A, B, poses);
 			pair.run(sweep);
 			if (!std::exchange(peersAsked, true)) pair.runPeers(placed(meshNamed(a)), placed(meshNamed(b)), sweep);
-			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s of processor time; %zu of %zu\n", a.c_str(), b.c_str(), spheres, processorTime() - start, done,
-						 settings.pairs.size() * settings.spheres.size());
+			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s of processor time; pair %zu of %zu\n", a.c_str(), b.c_str(), spheres, processorTime() - start, p + 1,
+						 settings.pairs.size());
 			if (!keep()) return false;
 		}
 	}

@@ -16,6 +16,7 @@ struct SweepSettings
 {
 	std::vector<std::pair<std::string, std::string>> pairs;  ///< names of `meshNamed`
 	std::vector<int> spheres;
+	std::vector<int> manySpheres;  ///< so many that they take minutes: for the first pair only
 	TruthSettings truth;
 	std::vector<double> errors = {0.02, 0.05, 0.1, 0.2};  ///< accepted, by the dial
 	std::vector<int> budgets = {100, 1000};               ///< of pairs
