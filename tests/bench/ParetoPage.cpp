@@ -117,6 +117,36 @@ void addPromises(scenes::HtmlReport& page, const Sweep& sweep)
 	page.table({"pair", "spheres", "accepted, %", "poses", "held, %", "kept, %", "cost of the leaves', %", "over the cheapest fixed level that holds"}, rows);
 }
 
+std::string text(double value, int digits = 3) { return std::isfinite(value) ? formatNumber(value, digits) : "-"; }
+std::string textPercent(double share) { return text(100 * share); }
+
+/// The fixed level that gets below an error in the shortest time, whatever the number of spheres; then the least error that there is of the levels and of all others.
+void addCosts(scenes::HtmlReport& page, const Sweep& sweep)
+{
+	constexpr double kErrors[] = {0.1, 0.05, 0.02, 0.01};
+	page.heading("What an error costs");
+	page.paragraph("Median time of the fastest level, of any number of spheres, whose force error 95 % of the poses stay under; spheres / level behind it. Last: the least error of any level, "
+				   "of the paper's estimator with any number of spheres, and of the best other library, with their gains fitted to these poses.");
+	std::vector<std::vector<std::string>> table;
+	for (const std::string& pair : pairsOf(sweep))
+		for (const double overlap : overlapsOf(sweep, pair))
+		{
+			const auto front = [&](const auto& wanted) { return frontOf(sweep, [&](const ParetoRow& r) { return r.pair == pair && r.overlap == overlap && wanted(r); }); };
+			const auto least = [](const std::vector<const ParetoRow*>& rows) { return rows.empty() ? "-" : textPercent(rows.back()->force95); };
+			const std::vector<const ParetoRow*> levels = front(isLevel);
+			std::vector<std::string>& cells = table.emplace_back(std::vector<std::string>{pair, percent(overlap)});
+			for (const double error : kErrors)
+			{
+				const auto found = std::find_if(levels.begin(), levels.end(), [&](const ParetoRow* r) { return r->force95 <= error; });
+				cells.push_back(found == levels.end() ? "-" : text((*found)->p50) + " us, " + std::to_string((*found)->spheres) + " / " + (*found)->estimator.substr(6));
+			}
+			cells.push_back(least(levels));
+			cells.push_back(least(front([](const ParetoRow& r) { return r.estimator == "paper"; })));
+			cells.push_back(least(front([](const ParetoRow& r) { return r.spheres == 0; })));
+		}
+	page.table({"pair", "overlap %", "10 %", "5 %", "2 %", "1 %", "least %", "paper %", "other libraries %"}, table);
+}
+
 void addBodies(scenes::HtmlReport& page, const Sweep& sweep, const std::string& pair)
 {
 	std::vector<std::vector<std::string>> rows;
@@ -126,9 +156,6 @@ void addBodies(scenes::HtmlReport& page, const Sweep& sweep, const std::string& 
 			rows.push_back({std::to_string(row.spheres), formatNumber(row.buildSeconds, 3), formatNumber(row.bytes / 1e6, 3)});
 	page.table({"spheres", "build of both [s]", "memory of both [MB]"}, rows);
 }
-
-std::string text(double value, int digits = 3) { return std::isfinite(value) ? formatNumber(value, digits) : "-"; }
-std::string textPercent(double share) { return text(100 * share); }
 
 /// The front of the fixed levels, then all others.
 std::vector<const ParetoRow*> rowsToShow(const Sweep& sweep, const std::string& pair, double overlap)
@@ -209,6 +236,7 @@ std::string paretoHtml(const Sweep& sweep)
 				   "of the query. Other libraries return contacts: depth times normal, summed up, with the gain that fits these poses best, as for the paper's estimator. The dial is asked anew in each pose, "
 				   "without the fading of queryPair: that its levels change is in its noise.");
 	addPromises(page, sweep);
+	addCosts(page, sweep);
 	for (const std::string& pair : pairsOf(sweep))
 	{
 		page.heading(pair);
