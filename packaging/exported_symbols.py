@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 OURS = re.compile(r"(ist(?!::kernels)|devicebridge|bullethaptics|bt[A-Z]\w*)(<.*>)?::|"
-                  r"(bt(IST|Volumetric|Contact|Haptic)\w*|meshOfShape|evaluateContactPatch|installVolumetricSolver)\b")
+                  r"(bt(IST|Volumetric|Contact|Haptic)\w*|meshOfShape|evaluateContactPatch|exertExplicitly|installVolumetricSolver)\b")
 
 def exported(library):
     """Strong definitions alone: what is inline is defined by whoever uses it."""
