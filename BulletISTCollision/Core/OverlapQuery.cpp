@@ -66,6 +66,21 @@ Pose treeToTree(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& 
 	return {X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
 }
 
+bool isLimited(const QueryOptions& options) { return options.maxPairs >= 0 || options.maxMicroseconds >= 0; }
+
+/// Whether the options go together, and these bodies have the levels that they name.
+bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options)
+{
+	if (options.level < -1 || std::isnan(options.maxMicroseconds)) return false;
+	const bool limited = isLimited(options), fades = options.otherShare != 0;
+	if (options.model != Model::Law) return options.level <= 0 && !limited && !fades;
+	if (options.level > levelCount(A, B)) return false;
+	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return false;
+	if (!fades) return true;
+	const bool shares = options.otherShare > 0 && options.otherShare <= 1 && options.otherLevel >= 0 && options.otherLevel <= levelCount(A, B);
+	return shares && !limited && !options.sortPairs && !options.listMeetingBounds;
+}
+
 OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 						 PairMemory::Implementation* memory, const QueryOptions& options)
 {
@@ -73,24 +88,16 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	QueryWorkspace::Implementation& work = workspace.implementation();
 	if (!isRigid(X_AB)) return result.status = QueryStatus::InvalidPose, result;
 	if (!work.kernel) return result.status = QueryStatus::InstructionSet, result;
-	const bool law = options.model == Model::Law;
-	const int finest = std::max(0, options.level);
-	const bool limited = options.maxPairs >= 0 || options.maxMicroseconds >= 0;
-	if (!law && (finest > 0 || limited)) return result.status = QueryStatus::Unsupported, result;
-	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return result.status = QueryStatus::Unsupported, result;
-	if (std::isnan(options.maxMicroseconds)) return result.status = QueryStatus::Unsupported, result;
-	if (options.level < -1 || (law && finest > levelCount(A, B))) return result.status = QueryStatus::Unsupported, result;
-	const bool two = options.otherShare != 0;
-	if (two && (!law || limited || options.sortPairs || options.listMeetingBounds || !(options.otherShare > 0 && options.otherShare <= 1) ||
-				options.otherLevel < 0 || options.otherLevel > levelCount(A, B)))
-		return result.status = QueryStatus::Unsupported, result;
+	if (!isSupported(A, B, options)) return result.status = QueryStatus::Unsupported, result;
 	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
 	if (treeA.empty() || treeB.empty()) return result.status = QueryStatus::EmptyTree, result;
 
 	const Pose X = treeToTree(A, B, X_AB);
+	const bool law = options.model == Model::Law;
+	const int finest = std::max(0, options.level);
 	const int64_t capacity = work.capacity.pairs;
-	if (limited) return queryWithin(A, B, X, work, options, finest, capacity);
-	if (two) return queryTwoLevels(A, B, X, work, options, finest);
+	if (isLimited(options)) return queryWithin(A, B, X, work, options, finest, capacity);
+	if (options.otherShare != 0) return queryTwoLevels(A, B, X, work, options, finest);
 	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
 	work.reserveFor(*trees.treeA, *trees.treeB);
 	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory).run();
