@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/LeafClearance.h"
 
+#include "BulletISTCollision/Core/Kernels/TreePose.h"
+
 #include <algorithm>
 #include <limits>
 #include <new>
@@ -78,7 +80,7 @@ double gap(const Ball& a, const Ball& b)
 double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, int mostOpened)
 {
 	if (!isRigid(X_AB) || A.law.empty() || B.law.empty()) return 0;
-	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
+	const Pose X = treePose(A, B, X_AB);
 	const auto expand = [&](const BallPair& pair, const auto& keep)
 	{
 		const bool first = pair.b.isBlock() || (!pair.a.isBlock() && pair.a.r >= pair.b.r);

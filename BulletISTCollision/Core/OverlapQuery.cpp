@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/OverlapQuery.h"
 
-#include "BulletISTCollision/Core/Kernels/OverlapGate.h"
 #include "BulletISTCollision/Core/Kernels/LevelQuery.h"
+#include "BulletISTCollision/Core/Kernels/OverlapGate.h"
+#include "BulletISTCollision/Core/Kernels/TreePose.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,11 +62,6 @@ void OverlapIntegrals::scale(double factor)
 
 namespace
 {
-Pose treeToTree(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
-{
-	return {X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
-}
-
 bool isLimited(const QueryOptions& options) { return options.maxPairs >= 0 || options.maxMicroseconds >= 0; }
 
 /// Whether the options go together, and these bodies have the levels that they name.
@@ -92,7 +88,7 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
 	if (treeA.empty() || treeB.empty()) return result.status = QueryStatus::EmptyTree, result;
 
-	const Pose X = treeToTree(A, B, X_AB);
+	const Pose X = treePose(A, B, X_AB);
 	const bool law = options.model == Model::Law;
 	const int finest = std::max(0, options.level);
 	const int64_t capacity = work.capacity.pairs;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/PairLaws.h"
 
+#include "BulletISTCollision/Core/Kernels/TreePose.h"
+
 #include <numbers>
 
 namespace ist
@@ -48,19 +50,13 @@ Lens lensOf(const Vec3& a, double rA, const Vec3& b, double rB)
 	lens.capB = capVolume(rB, lens.xB);
 	return lens;
 }
-
-/// From B's tree frame to A's.
-Pose betweenOrigins(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
-{
-	return {X_AB.rotation, X_AB * B.origin - A.origin};
-}
 }  // namespace
 
 PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
 					   double epsilon)
 {
 	PairLawResult sum;
-	const Pose X = betweenOrigins(A, B, X_AB);
+	const Pose X = treePose(A, B, X_AB);
 	for (int k = 0; k < pairCount; ++k)
 	{
 		const MomentEllipsoid& i = A.inner.balls[pairs[k].ballA];
@@ -77,7 +73,7 @@ PairLawResult energyLaw(const InnerSphereTree& A, const InnerSphereTree& B, cons
 						const PressurePair& pair)
 {
 	PairLawResult sum;
-	const Pose X = betweenOrigins(A, B, X_AB);
+	const Pose X = treePose(A, B, X_AB);
 	for (int k = 0; k < pairCount; ++k)
 	{
 		const MomentEllipsoid& i = A.law.balls[pairs[k].ballA];

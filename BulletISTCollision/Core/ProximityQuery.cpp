@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/ProximityQuery.h"
 
 #include "BulletISTCollision/Core/Kernels/TreeLimits.h"
+#include "BulletISTCollision/Core/Kernels/TreePose.h"
 
 #include <algorithm>
 #include <limits>
@@ -130,7 +131,7 @@ Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const
 {
 	// Nothing is known about a pose that is not rigid: the widest interval holds.
 	if (!isRigid(X_AB) || A.inner.empty() || B.inner.empty()) return {std::numeric_limits<double>::infinity(), 0, {}, {}};
-	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
+	const Pose X = treePose(A, B, X_AB);
 	Distance result = NearestPair(A.inner, B.inner, X).run();
 	result.lower = std::max(0.0, result.upper - A.maxGap - B.maxGap);
 	result.pointA += A.origin;
