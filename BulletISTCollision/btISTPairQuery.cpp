@@ -61,18 +61,13 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 		accepted.error = error;
 		accepted.weightA = contact.constants.weightA;  // of the last step
 		accepted.weightB = contact.constants.weightB;
-		const ist::InnerSphereTree &A = *contact.treeA, &B = *contact.treeB;
-		const ist::OverlapResult result = memory.get() ? ist::queryPair(A, B, contact.X_AB, workspace, *memory.get(), accepted, options, pair)
-													   : ist::queryPair(A, B, contact.X_AB, workspace, accepted, options, pair);
+		const ist::OverlapResult result =
+			ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
 		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
 		return result;
 	}
 	pair = ist::PairAccuracy();
-	if (contact.treeB)
-	{
-		return memory.get() ? ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, *memory.get(), options)
-							: ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
-	}
+	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options, memory.get());
 	contact.halfSpace = m_field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;

@@ -2,7 +2,6 @@
 #include "BulletISTCollision/Core/ForcePromise.h"
 
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
-#include "BulletISTCollision/Core/PairMemory.h"
 #include "BulletISTCollision/Core/PromiseShare.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
 
@@ -67,11 +66,10 @@ int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, cons
 	const int sure = std::min(chooseLevel(A, B, seen, error), level - 1), coarsest = std::min(chooseLevel(A, B, hoped, error), level - 1);
 	return coarsest - sure < kWorthALook ? sure : coarsest;
 }
+}  // namespace
 
-/// `look`: a query of the two with these options.
-template <class Look>
-PromisedOverlap lookToError(const InnerSphereTree& A, const InnerSphereTree& B, QueryWorkspace& workspace, const AcceptedError& accepted, const QueryOptions& options,
-							const Look& look)
+PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
+							 const QueryOptions& options, PairMemory* memory)
 {
 	PromisedOverlap answer;
 	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));
@@ -81,7 +79,7 @@ PromisedOverlap lookToError(const InnerSphereTree& A, const InnerSphereTree& B, 
 	workspace.implementation().reserveFor(A.law, B.law);
 	for (;;)
 	{
-		answer.overlap = look(at);
+		answer.overlap = queryOverlap(A, B, X_AB, workspace, at, memory);
 		++answer.looks;
 		answer.pairs += answer.overlap.total.pairs;
 		if (answer.overlap.status != QueryStatus::Ok) return answer;
@@ -95,18 +93,5 @@ PromisedOverlap lookToError(const InnerSphereTree& A, const InnerSphereTree& B, 
 		}
 		at.level = std::max(finest, nextLook(A, B, at.level, seen, accepted.error));
 	}
-}
-}  // namespace
-
-PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-							 const QueryOptions& options)
-{
-	return lookToError(A, B, workspace, accepted, options, [&](const QueryOptions& at) { return queryOverlap(A, B, X_AB, workspace, at); });
-}
-
-PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
-							 const AcceptedError& accepted, const QueryOptions& options)
-{
-	return lookToError(A, B, workspace, accepted, options, [&](const QueryOptions& at) { return queryOverlap(A, B, X_AB, workspace, memory, at); });
 }
 }  // namespace ist

@@ -49,7 +49,7 @@ struct PromisedOverlap
 
 /// The coarsest level that keeps the accepted error: looks at one level, then finer as far as its promise says, mostly two or three times; with
 /// `firstLevel`, mostly once. `options.level` is the finest allowed; a budget of pairs has the last word. Bodies without levels answer with their
-/// leaves. No allocation.
+/// leaves. `memory`: as for queryOverlap. No allocation.
 PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-							 const QueryOptions& options = {});
+							 const QueryOptions& options = {}, PairMemory* memory = nullptr);
 }  // namespace ist

@@ -78,7 +78,7 @@ bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const Query
 }
 
 OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						 PairMemory::Implementation* memory, const QueryOptions& options)
+						 const QueryOptions& options, PairMemory* memory)
 {
 	OverlapResult result;
 	QueryWorkspace::Implementation& work = workspace.implementation();
@@ -96,7 +96,7 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	if (options.otherShare != 0) return queryTwoLevels(A, B, X, work, options, finest);
 	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
 	work.reserveFor(*trees.treeA, *trees.treeB);
-	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory).run();
+	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr).run();
 	result.level = finest;
 	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
 	{
@@ -109,17 +109,11 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 }  // namespace
 
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						   const QueryOptions& options)
-{
-	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, nullptr, o); });
-}
-
-OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
-						   const QueryOptions& options)
+						   const QueryOptions& options, PairMemory* memory)
 {
 	// The gate's own query of the packed spheres would drive out what is remembered.
 	return gatedAnswer(options, workspace, [&](const QueryOptions& o) {
-		return queryTrees(A, B, X_AB, workspace, o.model == options.model ? &memory.implementation() : nullptr, o);
+		return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr);
 	});
 }
 }  // namespace ist

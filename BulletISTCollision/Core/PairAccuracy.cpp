@@ -44,10 +44,10 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	if (!(result.total.volume > 0)) pair.fadedShare = 0;
 	return result;
 }
+}  // namespace
 
-/// `memory`: null for none.
-OverlapResult queryRemembering(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory* memory,
-							   const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair)
+OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
+						const QueryOptions& options, PairAccuracy& pair, PairMemory* memory)
 {
 	if (options.otherShare != 0)
 	{
@@ -60,7 +60,7 @@ OverlapResult queryRemembering(const InnerSphereTree& A, const InnerSphereTree& 
 	if (pair.fadedShare > 0) return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
 	AcceptedError along = accepted;
 	along.firstLevel = pair.level;
-	const PromisedOverlap answer = memory ? queryToError(A, B, X_AB, workspace, *memory, along, options) : queryToError(A, B, X_AB, workspace, along, options);
+	const PromisedOverlap answer = queryToError(A, B, X_AB, workspace, along, options, memory);
 	if (answer.overlap.status != QueryStatus::Ok) return answer.overlap;
 	pair.promise = answer.promise;
 	pair.kept = answer.kept;
@@ -87,18 +87,5 @@ OverlapResult queryRemembering(const InnerSphereTree& A, const InnerSphereTree& 
 	// When it is asked again, both bodies have moved on.
 	if (memory) memory->forget();
 	return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
-}
-}  // namespace
-
-OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-						const QueryOptions& options, PairAccuracy& pair)
-{
-	return queryRemembering(A, B, X_AB, workspace, nullptr, accepted, options, pair);
-}
-
-OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
-						const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair)
-{
-	return queryRemembering(A, B, X_AB, workspace, &memory, accepted, options, pair);
 }
 }  // namespace ist

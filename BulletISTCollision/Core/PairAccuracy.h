@@ -22,7 +22,8 @@ constexpr double kMostFadeStep = 0.005;
 
 /// As `queryToError`, for the same pair again and again: where another level becomes the right one, the first answers fade into the second. The level
 /// does not change while it fades. Neither bodies that are apart fade, nor answers within a budget (`QueryOptions::blend`), nor
-/// those with a list of pairs (`sortPairs`, `listMeetingBounds`). `options.otherShare` is its own, and refused. Allocates nothing.
+/// those with a list of pairs (`sortPairs`, `listMeetingBounds`). `options.otherShare` is its own, and refused. `memory`: as for queryOverlap.
+/// Allocates nothing.
 OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-						const QueryOptions& options, PairAccuracy& pair);
+						const QueryOptions& options, PairAccuracy& pair, PairMemory* memory = nullptr);
 }  // namespace ist

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/PairAccuracy.h"
-
 #include <memory>
 
 namespace ist
 {
 /// What two bodies that move little from query to query need not be searched for again: the pairs that come within a margin of each other,
-/// good for as long as no point of B has moved by more than the margin, seen from A. One for each pair of bodies.
+/// good for as long as no point of B has moved by more than the margin, seen from A. One for each pair of bodies, used by one query at a time.
+///
+/// The answer is that of a query without it, with the same pairs: sums agree to the rounding of floats, whose order differs; how they are divided into
+/// patches may be older. A query that did not search has no `nodeVisits`. Within budgets, and while two levels share an answer, nothing is remembered. It
+/// holds the pairs of one level: each look of `queryToError` at another one begins it anew. No allocation after the constructor.
 ///
 /// Patches are remembered with their pairs: those of the last query that grouped them. What comes to touch since belongs to a patch of its
 /// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too, until a tenth more
@@ -34,16 +36,4 @@ public:
 private:
 	std::unique_ptr<Implementation> m_impl;
 };
-
-/// The same answer, with the same pairs: sums agree to the rounding of floats, whose order differs; how they are divided into patches may be
-/// older, see above. A query that did not search has no `nodeVisits`. Within budgets nothing is remembered. No allocation.
-OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
-						   const QueryOptions& options = {});
-
-/// `queryToError` and `queryPair` with a memory, which holds the pairs of one level: each look at another one begins it anew. While two levels fade, neither is
-/// remembered.
-PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
-							 const AcceptedError& accepted, const QueryOptions& options = {});
-OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, PairMemory& memory,
-						const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair);
 }  // namespace ist

@@ -3,6 +3,7 @@
 // without, side by side; each step's least of several passes over the same path.
 // Usage: bench_motion [--steps N=200] [--passes N=8] [--speed S=0.0005 (sizes a query)] BODY.ist...
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PairMemory.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "tests/bench/BenchPoses.h"
@@ -72,7 +73,7 @@ Outcome measure(const InnerSphereTree& body, const std::vector<Pose>& poses, con
 		{
 			OverlapResult a, b;
 			fresh[i] = std::min(fresh[i], microseconds([&] { a = queryOverlap(body, body, poses[i], other, options); }));
-			kept[i] = std::min(kept[i], microseconds([&] { b = queryOverlap(body, body, poses[i], workspace, memory, options); }));
+			kept[i] = std::min(kept[i], microseconds([&] { b = queryOverlap(body, body, poses[i], workspace, options, &memory); }));
 			if (pass > 0) continue;
 			o.pairs += double(a.total.pairs) / double(n);
 			o.searched += (b.nodeVisits > 0) / double(n);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PairMemory.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/PairMemory.h"
 
+#include "BulletISTCollision/Core/OverlapQuery.h"
 #include "tests/unit/Core/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
 
@@ -75,7 +76,7 @@ int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, co
 	for (int tick = 0; tick < 60; ++tick)
 	{
 		const Pose X = motion.next();
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		EXPECT_EQ(r.status, QueryStatus::Ok);
 		expectSamePairs(r, fresh);
 		expectSameSums(r.total, fresh.total);
@@ -127,7 +128,7 @@ TEST(PairMemory, ATurnInPlaceUsesUpTheMargin)
 		Pose X;
 		X.rotation = rotationMatrix(quaternionFromRotationVector(Vec3{0.3, -0.5, 0.8} * (0.0005 * tick)));
 		X.translation = A.origin + Vec3{0.4, 0.2, -0.3} - X.rotation * B.origin;
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		expectSamePairs(r, fresh);
 		expectSameSums(r.total, fresh.total);
 		without += r.nodeVisits == 0 && fresh.nodeVisits > 0;
@@ -162,7 +163,7 @@ TEST(PairMemory, LastsLongerWhereItsFillLooksAhead)
 	for (int tick = 0; tick < 200; ++tick)
 	{
 		const Pose X{{}, A.origin - B.origin + step * (tick - 100)};
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		expectSamePairs(r, fresh);
 		expectSameSums(r.total, fresh.total);
 		searches += r.nodeVisits > 0;
@@ -192,23 +193,23 @@ TEST(PairMemory, NoticesOtherTreesAndOtherQuestions)
 	packed.model = Model::Inner;
 	for (int repeat = 0; repeat < 3; ++repeat)
 	{
-		for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, memory);
-		EXPECT_EQ(queryOverlap(A, B, Pose{}, workspace, memory).nodeVisits, 0);
-		expectSameSums(queryOverlap(A, C, Pose{}, workspace, memory).total, queryOverlap(A, C, Pose{}, other).total);
-		expectSameSums(queryOverlap(A, B, Pose{}, workspace, memory, packed).total, queryOverlap(A, B, Pose{}, other, packed).total);
+		for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, {}, &memory);
+		EXPECT_EQ(queryOverlap(A, B, Pose{}, workspace, {}, &memory).nodeVisits, 0);
+		expectSameSums(queryOverlap(A, C, Pose{}, workspace, {}, &memory).total, queryOverlap(A, C, Pose{}, other).total);
+		expectSameSums(queryOverlap(A, B, Pose{}, workspace, packed, &memory).total, queryOverlap(A, B, Pose{}, other, packed).total);
 	}
-	for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, memory);
+	for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, {}, &memory);
 	memory.forget();
 	// Where these trees were last is nothing that they moved from.
 	Pose far;
 	far.translation.x = 0.5;
-	EXPECT_GT(queryOverlap(A, B, far, workspace, memory).nodeVisits, 0);
-	queryOverlap(A, B, far, workspace, memory);
-	EXPECT_EQ(queryOverlap(A, B, far, workspace, memory).nodeVisits, 0);
+	EXPECT_GT(queryOverlap(A, B, far, workspace, {}, &memory).nodeVisits, 0);
+	queryOverlap(A, B, far, workspace, {}, &memory);
+	EXPECT_EQ(queryOverlap(A, B, far, workspace, {}, &memory).nodeVisits, 0);
 	Pose bad;
 	bad.translation.x = NAN;
-	EXPECT_EQ(queryOverlap(A, B, bad, workspace, memory).status, QueryStatus::InvalidPose);
-	expectSameSums(queryOverlap(A, B, Pose{}, workspace, memory).total, queryOverlap(A, B, Pose{}, other).total);
+	EXPECT_EQ(queryOverlap(A, B, bad, workspace, {}, &memory).status, QueryStatus::InvalidPose);
+	expectSameSums(queryOverlap(A, B, Pose{}, workspace, {}, &memory).total, queryOverlap(A, B, Pose{}, other).total);
 }
 
 TEST(PairMemory, GroupsAndGatesAsWithout)
@@ -222,7 +223,7 @@ TEST(PairMemory, GroupsAndGatesAsWithout)
 	for (int tick = 0; tick < 30; ++tick)
 	{
 		const Pose X = motion.next();
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		expectSameSums(r.total, fresh.total);
 		EXPECT_GT(fresh.patchCount, 1);
 		OverlapIntegrals sum;
@@ -243,10 +244,10 @@ TEST(PairMemory, RemembersThePatchesOfItsPairs)
 	for (int tick = 0; tick < 60; ++tick)
 	{
 		const Pose X = motion.next();
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory, options);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, options, &memory);
 		const std::vector<OverlapIntegrals> patches(r.patches, r.patches + r.patchCount);
 		// At the same pose the memory alone answers, if it holds.
-		const OverlapResult again = queryOverlap(A, B, X, workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult again = queryOverlap(A, B, X, workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		expectSameSums(again.total, fresh.total);
 		if (again.nodeVisits > 0) continue;
 		double scale = 0;
@@ -311,7 +312,7 @@ TEST(PairMemory, GroupsAnewWhatComesToTouchOnTheOtherSide)
 		{
 			Pose X;
 			X.translation.x = at;
-			const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+			const OverlapResult r = queryOverlap(A, B, X, workspace, {}, &memory), fresh = queryOverlap(A, B, X, other);
 			expectSameSums(r.total, fresh.total);
 			ASSERT_NEAR(alignment(fresh), 1, 1e-5);
 			EXPECT_GE(alignment(r), 0.9 - 1e-5) << second << " at " << at;
@@ -331,7 +332,7 @@ TEST(PairMemory, GroupsAnewWhileBodiesComeToTouch)
 	for (double height = 0.215; height > 0.19; height -= 0.001)
 	{
 		const Pose X = above(height);
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, {}, &memory), fresh = queryOverlap(A, B, X, other);
 		expectSameSums(r.total, fresh.total);
 		EXPECT_GE(alignment(r), 0.9 * alignment(fresh) - 1e-6) << height;
 		without += r.nodeVisits == 0 && fresh.total.pairs > 0;
@@ -354,7 +355,7 @@ TEST(PairMemory, AnswersWhatIsAskedThoughItWasAskedOtherwiseBefore)
 		QueryOptions options;
 		options.sortPairs = tick % 3 == 1;
 		options.patches = tick % 5 != 2;
-		const OverlapResult r = queryOverlap(A, B, X, tick % 4 == 3 ? narrow : workspace, memory, options), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult r = queryOverlap(A, B, X, tick % 4 == 3 ? narrow : workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		expectSamePairs(r, fresh);
 		expectSameSums(r.total, fresh.total);
 		EXPECT_LE(r.patchCount, tick % 4 == 3 ? 2 : 8);
@@ -375,7 +376,7 @@ TEST(PairMemory, IsNotFilledWhileItsRoomIsTooSmall)
 	for (int tick = 0; tick < 20; ++tick)
 	{
 		X.translation.x += 0.0002;
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, {}, &memory), fresh = queryOverlap(A, B, X, other);
 		EXPECT_GT(r.nodeVisits, 0);
 		more += r.ballTests > fresh.ballTests;
 	}
@@ -386,7 +387,7 @@ TEST(PairMemory, IsNotFilledWhileItsRoomIsTooSmall)
 	for (int tick = 0; tick < 40; ++tick)
 	{
 		X.translation.x += 0.0002;
-		without += queryOverlap(A, B, X, workspace, memory).nodeVisits == 0;
+		without += queryOverlap(A, B, X, workspace, {}, &memory).nodeVisits == 0;
 	}
 	EXPECT_GT(without, 15);
 }
@@ -402,7 +403,7 @@ TEST(PairMemory, AListThatIsTooShortIsCutAsWithout)
 	for (double height = 0.215; height > 0.19; height -= 0.0005)
 	{
 		const Pose X = above(height);
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, {}, &memory), fresh = queryOverlap(A, B, X, other);
 		expectSameSums(r.total, fresh.total);
 		EXPECT_EQ(r.pairListComplete, fresh.pairListComplete);
 		EXPECT_TRUE(fresh.pairListComplete || r.patchCount == 1);
@@ -432,7 +433,7 @@ TEST(PairMemory, AListThatIsFullByAFewPairsIsCutAsWithout)
 	int cut = 0;
 	for (const Pose& X : poses)
 	{
-		const OverlapResult r = queryOverlap(A, B, X, workspace, memory), fresh = queryOverlap(A, B, X, other);
+		const OverlapResult r = queryOverlap(A, B, X, workspace, {}, &memory), fresh = queryOverlap(A, B, X, other);
 		expectSameSums(r.total, fresh.total);
 		EXPECT_EQ(r.pairListComplete, fresh.pairListComplete);
 		cut += r.nodeVisits == 0 && !fresh.pairListComplete;
@@ -448,6 +449,6 @@ TEST(PairMemory, AllocatesNothing)
 	queryOverlap(A, B, Pose{}, workspace);
 	const long before = allocationCount();
 	Motion motion(A, B, 0.001, 5);
-	for (int tick = 0; tick < 50; ++tick) queryOverlap(A, B, motion.next(), workspace, memory);
+	for (int tick = 0; tick < 50; ++tick) queryOverlap(A, B, motion.next(), workspace, {}, &memory);
 	EXPECT_EQ(allocationCount(), before);
 }
