@@ -39,7 +39,6 @@ protected:
 	DemoWorld& addWorld(const ist::Vec3& gravity = {0, -9.81, 0}, const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
 	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
 	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
-	bool isBuilt() const { return !m_parts.empty(); }
 	/// Before the worlds go, for what must not outlive them.
 	virtual void leave() {}
 	/// The scene, anew. Errors of the worlds need not be looked for.

@@ -53,7 +53,6 @@ public:
 	}
 	const SteppingThread& thread() const { return m_thread; }
 	SteppingThread& thread() { return m_thread; }
-	FaultCause lastFault() const { return m_lastFault; }
 	double force() const { return norm(m_thread.sentWrench().force); }
 	double torque() const { return norm(m_thread.sentWrench().torque); }
 
