@@ -12,13 +12,7 @@
 #include "BulletCollision/BroadphaseCollision/btBroadphaseProxy.h"
 #include "BulletCollision/CollisionDispatch/btCollisionCreateFunc.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
-#include <optional>
-#include <utility>
-#include <vector>
 
 class btISTContext;
 class btISTInstallation;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/BulletLocalWorld.h"
 
-#include <algorithm>
-
 #include "DeviceBridge/BulletToolContacts.h"
 
 namespace devicebridge

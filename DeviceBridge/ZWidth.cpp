@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <utility>
 
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 

@@ -11,7 +11,6 @@
 #endif
 #include "demos/scenes/WholeText.h"
 
-#include <cmath>
 #include <filesystem>
 
 namespace scenes

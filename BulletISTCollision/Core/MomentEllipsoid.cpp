@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
+#include <cmath>
 
 namespace ist
 {

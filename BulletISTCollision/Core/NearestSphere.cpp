@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Core/NearestSphere.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
 #include <utility>
 
 namespace ist

@@ -2,7 +2,6 @@
 #include "BulletISTCollision/Core/OverlapPoses.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace ist
 {

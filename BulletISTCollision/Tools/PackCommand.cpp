@@ -6,7 +6,6 @@
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 namespace ist::tools

@@ -3,7 +3,6 @@
 // hdDefines.h of HDAPI 3.00, public in github.com/danepowell/openhaptics (usr/include/HD); the order of calls as in
 // github.com/jhu-saw/sawSensablePhantom, components/code/mtsSensableHD.cpp. W is the SDK's frame: x right, y up, z towards the user.
 // Millimetres there, metres here. Forces only: how libHD wants torques of six-axis devices rests on no public source.
-#include <atomic>
 #include <mutex>
 
 #include "DeviceBridge/TripleBuffer.h"

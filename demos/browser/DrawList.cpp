@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/DrawList.h"
 
-#include <algorithm>
-#include <cmath>
-
 using namespace ist;
 
 namespace browser

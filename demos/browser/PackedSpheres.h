@@ -5,7 +5,6 @@
 #include "demos/browser/DrawChoice.h"
 #include "demos/browser/DrawList.h"
 
-#include <cstdint>
 #include <memory>
 #include <set>
 

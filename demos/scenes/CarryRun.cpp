@@ -4,7 +4,6 @@
 #include "BulletISTCollision/btISTConversion.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace ist;
 using namespace devicebridge;

@@ -6,7 +6,6 @@
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 

@@ -9,7 +9,6 @@
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace scenes

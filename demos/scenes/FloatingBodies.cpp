@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/FloatingBodies.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

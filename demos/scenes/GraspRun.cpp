@@ -7,7 +7,6 @@
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace ist;
 using namespace devicebridge;

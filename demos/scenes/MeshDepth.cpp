@@ -2,7 +2,6 @@
 #include "demos/scenes/MeshDepth.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace ist;
 

@@ -14,7 +14,6 @@
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 using namespace ist;

@@ -3,7 +3,6 @@
 
 #include "BulletISTCollision/Core/Result.h"
 
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

@@ -4,8 +4,8 @@
 
 #include "tests/fuzz/Promises.h"
 
-#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 using fuzz::require;

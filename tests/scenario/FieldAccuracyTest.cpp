@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <string>
 
 using namespace ist;
 using namespace scenes;

@@ -4,8 +4,6 @@
 #include "BulletISTCollision/Core/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Kernels/EllipsoidLanes.h"
 
-#include <climits>
-
 // Included by QueryKernel.cpp only. Staged and free of unpredictable branches: every step tests a vector and appends what survives
 // to a list, hit or not; the next step works through the list. No recursion, no branch that depends on a hit.
 namespace

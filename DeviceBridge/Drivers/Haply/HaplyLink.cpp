@@ -9,7 +9,6 @@
 
 #include <chrono>
 #include <exception>
-#include <functional>
 #include <utility>
 
 #include "DeviceBridge/Clock.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
+#include <cmath>
 
 using namespace browser;
 using ist::Vec3;

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <map>
-#include <numbers>
 #include <random>
 
 using namespace ist;

@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <string>
 #include <thread>
 
 #include "DeviceBridge/SteppingThread.h"

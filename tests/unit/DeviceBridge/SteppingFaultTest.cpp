@@ -4,7 +4,6 @@
 #include <atomic>
 #include <csignal>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <vector>
 

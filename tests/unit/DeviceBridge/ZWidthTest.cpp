@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <random>
-#include <string>
 #include <vector>
 
 using namespace devicebridge;

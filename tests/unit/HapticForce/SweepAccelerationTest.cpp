@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <random>
 
 namespace

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 #include <random>
 
 namespace

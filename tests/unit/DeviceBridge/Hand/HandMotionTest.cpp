@@ -6,10 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
+#include <random>
 #include <sstream>
 
 using namespace devicebridge;

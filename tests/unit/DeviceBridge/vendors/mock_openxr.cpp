@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstring>
 #include <deque>
-#include <string>
 
 #include "tests/unit/DeviceBridge/vendors/MockOpenXr.h"
 
