@@ -15,11 +15,11 @@ struct btContactPatch
 	double frictionRadius = 0;  ///< lever of the drilling moment: sliding friction times it is the largest moment about `normal` [m]
 };
 
-/// The pressure field law (DESIGN section 5) on one patch of a contact. False, and `patch` undefined, when it exerts no force: beyond
+/// The pressure field law (ARCHITECTURE.md) on one patch of a contact. False, and `patch` undefined, when it exerts no force: beyond
 /// the medial axis the field ends.
 ///
 /// Damping is Hunt-Crossley, the pressure times dissipation times the local approach speed, each pair along its own normal (ist::pressureDamping):
 /// the contact's sums must have it, for the weights of its constants, or there is none. The friction radius is 0.93 of the rms distance from the axis, weighted with the
 /// pressure: within 1.5 % of Int p rho dA / Int p dA for a flat disc (2/3 a) and for a ball on a plane (8/15 a).
-/// O(1), about 5 us, a third more with dissipation: an eigenvalue problem of size 6. No allocation.
+/// O(1), one to two microseconds, most of them for an eigenvalue problem of size 6; a tenth more with dissipation. No allocation.
 bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContactPatch& patch);

@@ -61,6 +61,7 @@ public:
 
 	/// Null when nothing is attached, or when the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;
+	/// Shapes that have a tree.
 	int size() const;
 	/// Whether its local scaling is `scaling`: a tree speaks for no other.
 	static bool hasScaling(const btCollisionShape& shape, const btVector3& scaling);
@@ -70,6 +71,7 @@ public:
 	void keepLevels();
 	bool keepsLevels() const;
 
+	/// Called for as long as it lives.
 	void addListener(std::weak_ptr<btISTRegistryListener> listener);
 
 private:

@@ -9,9 +9,9 @@ namespace devicebridge
 /// The tool, with the hand's thread as its only owner.
 struct LocalTool
 {
-	double mass = 1;
-	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< axes of T
-	ist::Vec3 gravity;
+	double mass = 1;  ///< [kg]
+	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< axes of T [1/(kg m^2)]
+	ist::Vec3 gravity;  ///< World [m/s^2]
 	ToolState state;  ///< in World
 };
 

@@ -23,7 +23,7 @@ struct ToolContact
 	ist::Vec3 normal;    ///< unit length, in W: the way in which the tool leaves
 	double volume = 0;   ///< overlap [m^3]
 	int pairs = 0;
-	const void* other = nullptr;
+	const void* other = nullptr;  ///< the body, by what the source knows it by: a Bullet source's btCollisionObject
 };
 
 constexpr int kMaxToolContacts = 16;

@@ -16,12 +16,12 @@ struct LinearContact
 	int a = kFixed, b = kFixed;
 	std::uint64_t epoch = 0;  ///< of the tenant of slot `b`, where A is the tool
 	ist::Vec3 point, normal;  ///< centroid; direction of the elastic force on A
-	ist::Wrench wrench;
-	ist::SymmetricMatrix6 stiffness, damping;
-	double frictionRadius = 0, friction = 0;
-	ist::Pose X_WA, X_WB;
-	double volume = 0;
-	int pairs = 0;
+	ist::Wrench wrench;  ///< elastic [N, N m]
+	ist::SymmetricMatrix6 stiffness, damping;  ///< as btContactPatch has them
+	double frictionRadius = 0, friction = 0;  ///< [m]; Coulomb's coefficient of the pair
+	ist::Pose X_WA, X_WB;  ///< in which it was found
+	double volume = 0;     ///< of the overlap [m^3]
+	int pairs = 0;         ///< of leaves
 };
 
 /// How A and B have moved since a contact between them was found.

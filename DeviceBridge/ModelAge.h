@@ -31,10 +31,11 @@ public:
 		m_period = std::max(nominal, sorted[kKept / 2]);
 	}
 	bool known() const noexcept { return m_count > 0; }
-	/// Since the last answer.
+	/// Since the last answer [ns].
 	std::int64_t age(std::int64_t now) const noexcept { return now - m_last; }
+	/// As learnt [ns].
 	std::int64_t period() const noexcept { return m_period; }
-	/// By how much the next answer is late.
+	/// By how much the next answer is late [ns].
 	std::int64_t overdue(std::int64_t now) const noexcept { return std::max<std::int64_t>(0, age(now) - m_period); }
 	/// 1 while it counts in full, 0 when it does not count, or there was none.
 	double factor(std::int64_t now) const noexcept

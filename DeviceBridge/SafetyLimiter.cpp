@@ -130,7 +130,7 @@ double SafetyLimiter::elapsed(std::int64_t now) noexcept
 	return dt;
 }
 
-/// Stages 2, 4 and 5. The share of the device's damping that may be added: none where nothing may be felt.
+/// Age, latch and ramp. The share of the device's damping that may be added: none where nothing may be felt.
 double SafetyLimiter::fadeIn(ist::Wrench& wrench, const DeviceCommand& wanted, bool inContact, std::int64_t now) noexcept
 {
 	const double age = m_age.factor(wanted, now);

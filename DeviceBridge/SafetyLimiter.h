@@ -51,7 +51,7 @@ struct HandSample
 	bool inContact = false;
 };
 
-/// Last station before a device. Stages in order: finite, age, enabled, ramp, start-inside latch, actuated degrees of
+/// Last station before a device. Stages in order: finite, enabled, age, start-inside latch, ramp, actuated degrees of
 /// freedom, passivity, slew, saturation, continuous budget, over-speed brake. Nothing is sent of a grip force, since no stage
 /// limits it.
 class SafetyLimiter
@@ -77,6 +77,7 @@ public:
 	bool faulted() const noexcept { return m_faulted; }
 	SafetyCounts counts() const noexcept;
 	EnergyLog energy() const noexcept { return m_passivity.energy(); }
+	/// HeatBudget::load() of force or torque, whichever is more.
 	double heatLoad() const noexcept { return m_heatLoad.load(std::memory_order_relaxed); }
 
 private:

@@ -16,6 +16,7 @@ class SteadyTime
 public:
 	explicit SteadyTime(Clock& clock) : m_clock(clock) {}
 
+	/// [ns]
 	std::int64_t now() noexcept
 	{
 		std::int64_t t = m_clock.now() + m_offset;

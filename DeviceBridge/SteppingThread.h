@@ -83,18 +83,24 @@ public:
 	void enableForces(bool on) noexcept { m_limiter.enable(on); }
 	/// As if a listener had thrown: zero until clearFault().
 	void raiseFault() noexcept { m_limiter.raiseFault(); }
+	/// Of the last tick; None: nothing held the device at zero.
 	FaultCause faultCause() const noexcept { return m_cause.load(std::memory_order_relaxed); }
+	/// How often onFault was called.
 	std::uint64_t faults() const noexcept { return m_faults.load(std::memory_order_relaxed); }
 	/// How often the clock ran backwards.
 	std::uint64_t clockJumps() const noexcept { return m_time.jumps(); }
+	/// What the passivity controller has seen.
 	EnergyLog energy() const noexcept { return m_limiter.energy(); }
-	/// Mean square of the force over that of the continuous limit.
+	/// SafetyLimiter::heatLoad().
 	double heatLoad() const noexcept { return m_limiter.heatLoad(); }
 	std::uint64_t ticks() const noexcept { return m_ticks.load(std::memory_order_relaxed); }
 	/// Ticks that began later than one period after their deadline.
 	std::uint64_t overruns() const noexcept { return m_overruns.load(std::memory_order_relaxed); }
+	/// Reads without a sample to act on, and writes that failed.
 	std::uint64_t deviceErrors() const noexcept { return m_deviceErrors.load(std::memory_order_relaxed); }
+	/// From the beginning of a tick to that of the next.
 	const DurationHistogram& periods() const noexcept { return m_periods; }
+	/// From the beginning of a tick to its end.
 	const DurationHistogram& costs() const noexcept { return m_costs; }
 	SafetyCounts safetyCounts() const noexcept { return m_limiter.counts(); }
 	bool faulted() const noexcept { return m_limiter.faulted(); }
@@ -105,11 +111,13 @@ public:
 	const char* memory() const noexcept { return m_memory.load(std::memory_order_relaxed); }
 
 	// From a listener, or while nothing runs:
+	/// The last good sample.
 	const DeviceState& state() const noexcept { return m_state; }
+	/// What the world gave in the last tick.
 	const ToolStep& step() const noexcept { return m_step; }
-	/// As the force law and the listeners wanted it.
+	/// On the hand, about the origin of H, in W: as the force law and the listeners wanted it; zero without a sample to act on.
 	const ist::Wrench& wantedWrench() const noexcept { return m_wanted; }
-	/// As it went to the device; zero where that did not take it.
+	/// The same as it went to the device; zero where that did not take it.
 	const ist::Wrench& sentWrench() const noexcept { return m_sent.wrench; }
 
 private:

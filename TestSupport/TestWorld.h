@@ -14,7 +14,7 @@
 
 namespace ist::test
 {
-/// A pose with a turn by `angle` [rad] about `axis`.
+/// A place in World [m], with the axes of World or turned by `angle` [rad] about `axis` (any length but zero).
 btTransform at(double x, double y, double z);
 btTransform at(double x, double y, double z, const btVector3& axis, double angle);
 

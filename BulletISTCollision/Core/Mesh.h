@@ -39,7 +39,7 @@ struct MassProperties
 
 /// Axis-aligned bounds of the referenced vertices; both corners zero for an empty mesh.
 Box bounds(const Mesh& mesh);
-double surfaceArea(const Mesh& mesh);
+double surfaceArea(const Mesh& mesh);  ///< [m^2]
 MassProperties massProperties(const Mesh& mesh);
 Mesh transformed(const Mesh& mesh, const Pose& X);
 Mesh translated(const Mesh& mesh, const Vec3& offset);

@@ -65,7 +65,7 @@ enum class QueryStatus
 	Ok,
 	InvalidPose,  ///< not finite or not rigid, or an analytic field that is not valid; nothing else in the result was touched
 	EmptyTree,
-	Unsupported,  ///< a level or a budget with another model than the law's, or with an analytic field; a visitor's list of a blend
+	Unsupported,  ///< options that do not go together, a level that the two do not have, a level or a budget with an analytic field
 	BudgetTooSmall,  ///< more pairs than `maxPairs` even at the coarsest level: no answer
 	InstructionSet  ///< BULLETHAPTICS_ISA, or the workspace's maker, names one that cannot run here
 };
@@ -86,14 +86,14 @@ struct QueryOptions
 	/// force does not leap where the level changes. All looks together find less than four times the budget. Not with `sortPairs`.
 	bool blend = false;
 	/// Above 0: so much of the answer, up to 1, is that of `otherLevel`, the rest that of `level`; for fading from one to the other. Costs both. Only
-	/// with Model::Law, without a budget and without `sortPairs`.
+	/// with Model::Law, without a budget, `sortPairs` and `listMeetingBounds`; not of an analytic field.
 	double otherShare = 0;
 	int otherLevel = 0;
 	bool stiffness = true;  ///< fill stiffnessA/B
 	DampingWeights damping;  ///< fill `damping` for fields of these weights; not with Model::Inner
 	bool patches = true;    ///< group the pairs; otherwise one patch
 	bool sortPairs = false; ///< keep the pair list in the workspace in a reproducible order for visiting
-	/// The list also has pairs whose bounding balls meet though they share nothing (lens 0); one patch; not with `maxPairs`.
+	/// The list also has pairs whose bounding balls meet though they share nothing (lens 0); one patch; not within a budget.
 	bool listMeetingBounds = false;
 	/// Nothing while the packed spheres of both bodies are apart. Leaves reach beyond the surface by up to a gap, so bodies that only touch
 	/// already press a little; with the gate they do not, but contact shallower than the gaps is lost too. Multiplies the integrals, not the

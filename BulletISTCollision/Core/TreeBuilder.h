@@ -15,9 +15,9 @@ inline constexpr uint32_t kBuilderVersion = 2;
 
 struct BuildOptions
 {
-	int64_t maxSpheres = 10000;
-	double targetFill = 1.0;
-	double minRadius = 0;  ///< [m]
+	int64_t maxSpheres = 10000;  ///< the packing stops at the first of these three (PackingOptions)
+	double targetFill = 1.0;     ///< 0..1
+	double minRadius = 0;        ///< [m]
 	RepairMode repair = RepairMode::Auto;
 	double unit = 1;  ///< recorded in the asset; the mesh is already in metres
 	uint64_t seed = 1;
@@ -31,6 +31,6 @@ struct BuildTimes
 	double setup = 0, packing = 0, leaves = 0, tree = 0;
 };
 
-/// Mesh to tree, the whole offline chain: repair, packing, cells, trees.
+/// Mesh to tree, the whole offline chain: repair, packing, cells, trees. The same for any thread count. Errors: those of repair() and packSpheres(), cancelled.
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times = nullptr);
 }  // namespace ist

@@ -19,7 +19,7 @@ struct HandTarget
 
 struct HandKeyFrame
 {
-	double time = 0;  ///< [s] since open()
+	double time = 0;  ///< [s] since the first read()
 	ist::Pose pose;
 };
 
