@@ -279,9 +279,13 @@ TEST(FieldQuery, FarBodiesShareNothingAndBadOnesAreRefused)
 		EXPECT_EQ(norm(far.total.normalB.force), 0);
 		X.translation.x = std::nan("");
 		EXPECT_EQ(queryField(A, *shape.field, X, workspace).status, QueryStatus::InvalidPose);
-		QueryOptions options;
-		options.maxPairs = 10;
-		EXPECT_EQ(queryField(A, *shape.field, {}, workspace, options).status, QueryStatus::Unsupported);
+		QueryOptions budget, time, level, share;
+		budget.maxPairs = 10;
+		time.maxMicroseconds = std::nan("");
+		level.level = 1;
+		share.otherShare = 0.5;
+		for (const QueryOptions& options : {budget, time, level, share})
+			EXPECT_EQ(queryField(A, *shape.field, {}, workspace, options).status, QueryStatus::Unsupported);
 	}
 	EXPECT_EQ(queryField(A, SphereField(0), {}, workspace).status, QueryStatus::InvalidPose);
 	EXPECT_EQ(queryField(A, ConeField(1, -1), {}, workspace).status, QueryStatus::InvalidPose);
