@@ -85,7 +85,7 @@ btPaperLaw::btPaperLaw(int pairCapacity)
 std::optional<ist::Error> btPaperLaw::add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
 										  std::shared_ptr<const ist::InnerSphereTree> treeB, const btPaperMaterial& material)
 {
-	if (!treeA || !treeB || treeA->inner.balls.empty() || treeB->inner.balls.empty())
+	if (!treeA || !treeB || treeA->inner.empty() || treeB->inner.empty())
 		return ist::Error{"the paper's law needs a tree with inner spheres for each body"};
 	for (const double constant : {material.epsilonC, material.epsilonD})
 		if (!std::isfinite(constant) || constant < 0) return ist::Error{"epsilon_c and epsilon_d must be finite numbers, 0 or more"};

@@ -124,7 +124,7 @@ void collectLeaves(const InnerSphereTree& tree, Contents& contents)
 	offset.add(0);
 	for (size_t i = 0; i < tree.law.balls.size(); ++i)
 	{
-		if (i % BallBlock::kWidth >= tree.law.blocks[i / BallBlock::kWidth].count) continue;
+		if (!(tree.law.balls[i].R > 0)) continue;
 		const MomentEllipsoid& b = tree.law.balls[i];
 		contents.leaves[b.sphere].push_back(b);
 		const Vec3 from = contents.scales.center(contents.centers[b.sphere]);

@@ -20,7 +20,7 @@ constexpr bool isStored = std::is_trivially_copyable_v<T> && std::is_standard_la
 static_assert(std::endian::native == std::endian::little, "assets are read in place: only for little-endian machines");
 static_assert(isStored<Sphere, 4> && offsetof(Sphere, r) == 12);
 static_assert(isStored<BallNode, 40> && offsetof(BallNode, r) == 96 && offsetof(BallNode, child) == 128);
-static_assert(isStored<BallBlock, 80> && offsetof(BallBlock, R) == 192 && offsetof(BallBlock, count) == 256 && offsetof(BallBlock, br) == 272);
+static_assert(isStored<BallBlock, 64> && offsetof(BallBlock, R) == 192);
 static_assert(isStored<MomentEllipsoid, 16> && offsetof(MomentEllipsoid, R) == 12 && offsetof(MomentEllipsoid, density) == 16 &&
 			  offsetof(MomentEllipsoid, nx) == 20 && offsetof(MomentEllipsoid, depth) == 32 && offsetof(MomentEllipsoid, sphere) == 36 &&
 			  offsetof(MomentEllipsoid, xx) == 40 && offsetof(MomentEllipsoid, xy) == 52);
@@ -48,27 +48,28 @@ void writeTree(ByteWriter& w, const BallTree& tree)
 	writeArray(w, tree.nodes);
 	writeArray(w, tree.blocks);
 	writeArray(w, tree.balls);
+	writeArray(w, tree.spheres);
+	writeArray(w, tree.sphereIndex);
 }
 
-bool readTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree)
+/// Nodes and blocks.
+void readBounds(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t bytesPerBall)
 {
-	const size_t nodes = r.count(sizeof(BallNode)), blocks = r.count(sizeof(BallBlock) + kWidth * sizeof(MomentEllipsoid));
+	const size_t nodes = r.count(sizeof(BallNode)), blocks = r.count(sizeof(BallBlock) + kWidth * bytesPerBall);
 	tree.nodes = readArray<BallNode>(r, owner, nodes);
 	tree.blocks = readArray<BallBlock>(r, owner, blocks);
-	tree.balls = readArray<MomentEllipsoid>(r, owner, blocks * kWidth);
-	return r.complete();
 }
 
-/// Looks at each block once, with its balls at hand; `accepts` is asked about every ball that is not padding.
-template <class Accepts>
-SectionState stateOf(const BallTree& tree, Accepts accepts)
+/// Looks at each block once, with its `balls` at hand; `accepts` is asked about every slot that is not padding.
+template <class Ball, class Accepts>
+SectionState stateOf(const BallTree& tree, const FrozenArray<Ball>& balls, Accepts accepts)
 {
 	bool accepted = true, sure = true;
 	for (size_t block = 0; block < tree.blocks.size(); ++block)
 	{
-		const MomentEllipsoid* balls = tree.balls.data() + block * kWidth;
-		for (uint32_t k = 0; k < std::min(tree.blocks[block].count, kWidth); ++k) accepted &= accepts(balls[k]);
-		sure &= surelyValid(tree.blocks[block], balls);
+		const size_t first = block * kWidth, end = first + tree.blocks[block].count();
+		for (size_t slot = first; slot < end; ++slot) accepted &= accepts(slot);
+		sure &= surelyValid(tree.blocks[block], balls.data() + first);
 	}
 	if (!accepted) return SectionState::Bad;
 	return sure && surelyValidNodes(tree) ? SectionState::Good : SectionState::Doubtful;
@@ -76,25 +77,30 @@ SectionState stateOf(const BallTree& tree, Accepts accepts)
 
 SectionState readMomentTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t sphereCount)
 {
-	if (!readTree(r, owner, tree)) return SectionState::Bad;
-	return stateOf(tree, [&](const MomentEllipsoid& ball) { return ball.sphere < sphereCount; });
+	readBounds(r, owner, tree, sizeof(MomentEllipsoid));
+	tree.balls = readArray<MomentEllipsoid>(r, owner, tree.slotCount());
+	if (!r.complete()) return SectionState::Bad;
+	return stateOf(tree, tree.balls, [&](size_t slot) { return tree.balls[slot].sphere < sphereCount; });
 }
 
 /// Every sphere stands in the inner tree once.
 SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, const FrozenArray<Sphere>& spheres)
 {
-	if (!readTree(r, owner, tree)) return SectionState::Bad;
+	readBounds(r, owner, tree, sizeof(Sphere) + sizeof(uint32_t));
+	tree.spheres = readArray<Sphere>(r, owner, tree.slotCount());
+	tree.sphereIndex = readArray<uint32_t>(r, owner, tree.slotCount());
+	if (!r.complete()) return SectionState::Bad;
 	std::vector<char> seen(spheres.size());
 	size_t found = 0;
-	const auto isNext = [&](const MomentEllipsoid& ball)
+	const auto isNext = [&](size_t slot)
 	{
-		if (ball.sphere >= seen.size() || seen[ball.sphere]) return false;
-		seen[ball.sphere] = 1;
+		const uint32_t index = tree.sphereIndex[slot];
+		if (index >= seen.size() || seen[index]) return false;
+		seen[index] = 1;
 		++found;
-		const MomentEllipsoid whole = ballOf(spheres[ball.sphere], ball.sphere);
-		return std::memcmp(&whole, &ball, sizeof ball) == 0;
+		return std::memcmp(&spheres[index], &tree.spheres[slot], sizeof(Sphere)) == 0;
 	};
-	const SectionState state = stateOf(tree, isNext);
+	const SectionState state = stateOf(tree, tree.spheres, isNext);
 	return found == spheres.size() ? state : SectionState::Bad;
 }
 }  // namespace

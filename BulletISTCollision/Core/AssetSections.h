@@ -28,7 +28,7 @@ const char* sectionName(uint32_t id);
 constexpr size_t kSectionAlignment = 64;
 
 /// The bytes of a section as this version writes it. A tree is the numbers of its nodes and blocks, then the arrays of nodes, blocks and
-/// balls, words of 32 bits in the order of the members.
+/// balls, of the inner tree nodes, blocks, spheres and their indices: words of 32 bits in the order of the members.
 std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree);
 enum class SectionState
 {

@@ -60,7 +60,7 @@ public:
 	{
 		m_nodes.emplace_back();
 		fillNode(0, 0);
-		return {std::move(m_nodes), std::move(m_blocks), std::move(m_leaves)};
+		return {std::move(m_nodes), std::move(m_blocks), std::move(m_leaves), {}, {}};
 	}
 
 private:
@@ -268,16 +268,12 @@ uint32_t Builder::makeBlock(const BinaryNode& leaf)
 {
 	constexpr int W = BallBlock::kWidth;
 	BallBlock block;
-	block.count = uint32_t(leaf.end - leaf.begin);
-	block.bx = leaf.bound.x;
-	block.by = leaf.bound.y;
-	block.bz = leaf.bound.z;
-	block.br = leaf.bound.r;
+	const int count = leaf.end - leaf.begin;
 	for (int k = 0; k < W; ++k)
 	{
 		MomentEllipsoid ball;
 		ball.x = ball.y = ball.z = kFarAway;
-		if (k < int(block.count)) ball = m_source[m_order[0][leaf.begin + k]];
+		if (k < count) ball = m_source[m_order[0][leaf.begin + k]];
 		block.x[k] = ball.x;
 		block.y[k] = ball.y;
 		block.z[k] = ball.z;
@@ -347,40 +343,60 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 {
 	constexpr int W = BallBlock::kWidth;
 	const BallBlock& block = tree.blocks[index];
-	if (block.count < 1 || block.count > uint32_t(W)) return violation("block count out of range", index);
-	const Bound own{block.bx, block.by, block.bz, block.br};
-	if (!isFinite(Vec3{own.x, own.y, own.z}) || !std::isfinite(own.r)) return violation("block bound not finite", index);
+	const int count = int(block.count());
+	if (count < 1) return violation("block without balls", index);
 	for (int k = 0; k < W; ++k)
 	{
-		const MomentEllipsoid& ball = tree.balls[size_t(index) * W + k];
-		if (!finite(ball)) return violation("ball not finite", size_t(index) * W + k);
+		const size_t slot = size_t(index) * W + k;
+		const MomentEllipsoid ball = tree.ball(slot);
+		if (!finite(ball)) return violation("ball not finite", slot);
 		if (block.x[k] != ball.x || block.y[k] != ball.y || block.z[k] != ball.z || block.R[k] != ball.R)
-			return violation("block and ball differ", size_t(index) * W + k);
-		if (k >= int(block.count))
+			return violation("block and ball differ", slot);
+		if (k >= count)
 		{
-			if (ball.R != 0 || ball.density != 0 || !(ball.x >= kFarPadding)) return violation("padding is not empty and far away", size_t(index) * W + k);
+			if (ball.R != 0 || ball.density != 0 || !(ball.x >= kFarPadding)) return violation("padding is not empty and far away", slot);
 			continue;
 		}
-		if (!(ball.R > 0) || !(ball.density > 0)) return violation("ball without mass", size_t(index) * W + k);
-		if (!ball.isSolid()) return violation("ellipsoid flat or larger than its bounding ball", size_t(index) * W + k);
-		if (!inside(own, ball)) return violation("block bound does not contain its balls", index);
+		if (!(ball.R > 0) || !(ball.density > 0)) return violation("ball without mass", slot);
+		if (!ball.isSolid()) return violation("ellipsoid flat or larger than its bounding ball", slot);
 		for (const Bound& bound : path)
-			if (!inside(bound, ball)) return violation("node bound does not contain ball", size_t(index) * W + k);
+			if (!inside(bound, ball)) return violation("node bound does not contain ball", slot);
 	}
 	return {};
+}
+
+/// As many as the blocks have slots, and of one kind.
+bool hasItsBalls(const BallTree& tree)
+{
+	const bool packed = !tree.spheres.empty();
+	return tree.balls.size() == (packed ? 0 : tree.slotCount()) && tree.spheres.size() == (packed ? tree.slotCount() : 0) &&
+		   tree.sphereIndex.size() == tree.spheres.size();
 }
 }  // namespace
 
 uint32_t BallTree::ballCount() const
 {
 	uint32_t count = 0;
-	for (const BallBlock& block : blocks) count += block.count;
+	for (const BallBlock& block : blocks) count += block.count();
 	return count;
+}
+
+size_t BallTree::memory() const
+{
+	return nodes.size() * sizeof(BallNode) + blocks.size() * sizeof(BallBlock) + balls.size() * sizeof(MomentEllipsoid) +
+		   spheres.size() * (sizeof(Sphere) + sizeof(uint32_t));
+}
+
+MomentEllipsoid BallTree::packedBall(size_t slot) const
+{
+	MomentEllipsoid ball = ballOf(spheres[slot], sphereIndex[slot]);
+	if (!(ball.R > 0)) ball.density = 0;
+	return ball;
 }
 
 std::string BallTree::validate() const
 {
-	if (balls.size() != blocks.size() * BallBlock::kWidth) return "ball count is not sixteen for each block";
+	if (!hasItsBalls(*this)) return "ball count is not sixteen for each block";
 	if (nodes.empty()) return blocks.empty() ? std::string() : "blocks without nodes";
 	std::vector<char> nodeSeen(nodes.size()), blockSeen(blocks.size());
 	struct Cursor
@@ -411,6 +427,8 @@ std::string BallTree::validate() const
 			if (bound.r != 0) return violation("empty lane with a radius", top.node);
 			continue;
 		}
+		if (!(std::fabs(bound.x) + std::fabs(bound.y) + std::fabs(bound.z) + bound.r < kFarthestBound))
+			return violation("node bound comes near to the padding", top.node);
 		const uint32_t index = child & ~BallNode::kLeafBit;
 		const bool leaf = (child & BallNode::kLeafBit) != 0;
 		if (index >= (leaf ? blocks.size() : nodes.size())) return violation("child out of range", top.node);
@@ -445,6 +463,14 @@ BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads)
 {
 	std::vector<MomentEllipsoid> balls(spheres.size());
 	for (size_t i = 0; i < spheres.size(); ++i) balls[i] = ballOf(spheres[i], static_cast<uint32_t>(i));
-	return buildBallTree(balls, threads);
+	BallTree tree = buildBallTree(balls, threads);
+	std::vector<Sphere> inOrder;
+	std::vector<uint32_t> index;
+	for (const MomentEllipsoid& ball : tree.balls)
+	{
+		inOrder.push_back({ball.x, ball.y, ball.z, ball.R});
+		index.push_back(ball.sphere);
+	}
+	return {tree.nodes, tree.blocks, {}, std::move(inOrder), std::move(index)};
 }
 }  // namespace ist

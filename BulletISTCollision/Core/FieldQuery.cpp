@@ -162,7 +162,7 @@ void FieldQuery::descend()
 				continue;
 			}
 			++m_result.blockPairs;
-			const uint32_t block = node.child[k] & ~BallNode::kLeafBit, first = block * BallBlock::kWidth, count = m_A.blocks[block].count;
+			const uint32_t block = node.child[k] & ~BallNode::kLeafBit, first = block * BallBlock::kWidth, count = m_A.blocks[block].count();
 			m_result.ballTests += count;
 			for (uint32_t ball = first; ball < first + count; ++ball) test(ball);
 		}
@@ -171,7 +171,7 @@ void FieldQuery::descend()
 
 void FieldQuery::test(uint32_t index)
 {
-	const MomentEllipsoid& leaf = m_A.balls[index];
+	const MomentEllipsoid leaf = m_A.ball(index);
 	m_volume = 0;
 	m_moment = m_area = {};
 	m_press.press(leaf, index);
@@ -195,7 +195,7 @@ void FieldQuery::take(const FieldTerm& term)
 	m_area += term.area;
 	if (m_grouped && int(m_work.terms.size()) < m_work.capacity.pairs) return list(term);
 	if (m_grouped) m_result.pairListComplete = false;
-	m_rest.add(term, m_A.balls[term.ball], m_options);
+	m_rest.add(term, m_A.ball(term.ball), m_options);
 }
 
 // Grouped by the field's normals alone: they tell one face of a box from the next, and those of a plane are all the same.
@@ -222,13 +222,13 @@ void FieldQuery::publish()
 	const bool grouped = listed > 0 && m_result.pairListComplete;
 	// Fields need no kernel for themselves, and answer without one.
 	const kernels::QueryKernel& kernel = m_work.kernel ? *m_work.kernel : kernels::kPortableKernel;
-	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.balls.size()), m_work.capacity.patches) : 1;
+	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.slotCount()), m_work.capacity.patches) : 1;
 	for (int p = 0; p < groups; ++p)
 	{
 		Accumulator sums = p == 0 ? m_rest : Accumulator();
 		for (int i = 0; i < listed; ++i)
 			if (groups == 1 || m_work.grouper.patch()[i] == kernels::GroupNumber(p))
-				sums.add(m_work.terms[i], m_A.balls[m_work.terms[i].ball], m_options);
+				sums.add(m_work.terms[i], m_A.ball(m_work.terms[i].ball), m_options);
 		m_work.patches[p] = sums.finished();
 	}
 	OverlapIntegrals& total = m_result.total;

@@ -41,6 +41,7 @@ struct alignas(64) MomentEllipsoid
 	/// Positive density, R between 1e-12 and 1e12 m (powers of such lengths stay inside of a float's range), a shape that the ball of
 	/// radius R contains and that is flat in no direction.
 	bool isSolid() const;
+	static bool isRadius(float R) { return (R > 1e-12) & (R < 1e12); }
 };
 static_assert(sizeof(MomentEllipsoid) == 64);
 
@@ -53,7 +54,7 @@ inline bool MomentEllipsoid::isSolid() const
 	};
 	// 1e-5 covers the rounding of the shape to floats.
 	const double bound = double(R) * R, high = bound * (1 + 1e-5), low = 0.5 * kFlattest * kFlattest * bound;
-	return (R > 1e-12) & (R < 1e12) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
+	return isRadius(R) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
 		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
 }
 

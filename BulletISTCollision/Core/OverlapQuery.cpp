@@ -86,7 +86,7 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	if (!work.kernel) return result.status = QueryStatus::InstructionSet, result;
 	if (!isSupported(A, B, options)) return result.status = QueryStatus::Unsupported, result;
 	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
-	if (treeA.empty() || treeB.empty()) return result.status = QueryStatus::EmptyTree, result;
+	if (!answers(treeA, options.model) || !answers(treeB, options.model)) return result.status = QueryStatus::EmptyTree, result;
 
 	const Pose X = treePose(A, B, X_AB);
 	const bool law = options.model == Model::Law;

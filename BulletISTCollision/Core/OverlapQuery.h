@@ -64,7 +64,7 @@ enum class QueryStatus
 {
 	Ok,
 	InvalidPose,  ///< not finite or not rigid, or an analytic field that is not valid; nothing else in the result was touched
-	EmptyTree,
+	EmptyTree,    ///< of a body: it has no tree for the model
 	Unsupported,  ///< options that do not go together, a level that the two do not have, a level or a budget with an analytic field
 	BudgetTooSmall,  ///< more pairs than `maxPairs` even at the coarsest level: no answer
 	InstructionSet  ///< BULLETHAPTICS_ISA, or the workspace's maker, names one that cannot run here

@@ -89,12 +89,14 @@ OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphere
 	}
 	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
 	if (model != Model::Inner) result.total.dampingWeights = damping;
-	for (const MomentEllipsoid& b : treeB.balls)
+	for (size_t j = 0; j < treeB.slotCount(); ++j)
 	{
+		const MomentEllipsoid b = treeB.ball(j);
 		const Vec3 centerB = X * b.center();
 		const SymmetricMatrix3 shapeB = rotated(X.rotation, b.shape());
-		for (const MomentEllipsoid& a : treeA.balls)
+		for (size_t i = 0; i < treeA.slotCount(); ++i)
 		{
+			const MomentEllipsoid a = treeA.ball(i);
 			const bool met = model == Model::Inner ? addBalls(result.total, packed(a), packed(b), centerB, X.rotation)
 												   : addEllipsoids(result.total, a, b, centerB, shapeB, X.rotation);
 			if (!met) continue;

@@ -59,8 +59,8 @@ PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const
 	const Pose X = treePose(A, B, X_AB);
 	for (int k = 0; k < pairCount; ++k)
 	{
-		const MomentEllipsoid& i = A.inner.balls[pairs[k].ballA];
-		const MomentEllipsoid& j = B.inner.balls[pairs[k].ballB];
+		const MomentEllipsoid i = A.inner.ball(pairs[k].ballA);
+		const MomentEllipsoid j = B.inner.ball(pairs[k].ballB);
 		const Lens lens = lensOf(i.center(), i.R, X * j.center(), j.R);
 		const Vec3 f = lens.n * (epsilon * i.density * j.density * lens.volume());
 		sum.wrench.force += f;

@@ -69,14 +69,14 @@ void PairMemory::Implementation::forget()
 
 bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
 {
-	const bool same = m_A == &A && m_B == &B && m_ballsA == A.balls.size() && m_ballsB == B.balls.size() && m_model == options.model &&
+	const bool same = m_A == &A && m_B == &B && m_ballsA == A.slotCount() && m_ballsB == B.slotCount() && m_model == options.model &&
 					  m_bounds == options.listMeetingBounds;
 	if (!same)
 	{
 		m_A = &A;
 		m_B = &B;
-		m_ballsA = A.balls.size();
-		m_ballsB = B.balls.size();
+		m_ballsA = A.slotCount();
+		m_ballsB = B.slotCount();
 		m_model = options.model;
 		m_bounds = options.listMeetingBounds;
 		valid = m_full = false;

@@ -78,13 +78,14 @@ private:
 		constexpr int W = BallBlock::kWidth;
 		const BallBlock& a = m_A.blocks[item.a.block()];
 		const BallBlock& b = m_B.blocks[item.b.block()];
+		const uint32_t countA = a.count(), countB = b.count();
 		Vec3 moved[W];
-		for (uint32_t j = 0; j < b.count; ++j) moved[j] = m_X * Vec3{b.x[j], b.y[j], b.z[j]};
-		for (uint32_t i = 0; i < a.count; ++i)
+		for (uint32_t j = 0; j < countB; ++j) moved[j] = m_X * Vec3{b.x[j], b.y[j], b.z[j]};
+		for (uint32_t i = 0; i < countA; ++i)
 		{
 			const Vec3 c{a.x[i], a.y[i], a.z[i]};
 			if (distance(c, item.b.center) - a.R[i] - item.b.r >= m_best) continue;
-			for (uint32_t j = 0; j < b.count; ++j)
+			for (uint32_t j = 0; j < countB; ++j)
 			{
 				const double gap = distance(c, moved[j]) - a.R[i] - b.R[j];
 				if (gap >= m_best) continue;

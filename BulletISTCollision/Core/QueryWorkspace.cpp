@@ -71,7 +71,7 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 {
 	if (moved.size() < B.blocks.size()) moved.resize(B.blocks.size());
 	if (movedBalls.size() < B.balls.size()) movedBalls.resize(B.balls.size());
-	grouper.reserve(size_t(capacity.pairs), A.balls.size() + B.balls.size(), capacity.patches);
+	grouper.reserve(size_t(capacity.pairs), A.slotCount() + B.slotCount(), capacity.patches);
 	if (++epoch == 0)
 	{
 		for (MovedBlock& block : moved) block.epoch = 0;
@@ -82,7 +82,7 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 void QueryWorkspace::Implementation::reserveTerms(const BallTree& A)
 {
 	terms.clear();
-	grouper.reserve(size_t(capacity.pairs), A.balls.size() + 1, capacity.patches);
+	grouper.reserve(size_t(capacity.pairs), A.slotCount() + 1, capacity.patches);
 }
 
 void QueryWorkspace::Implementation::reservePairs()

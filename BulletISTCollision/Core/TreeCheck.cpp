@@ -22,6 +22,11 @@ bool isFinite(const Bound& b)
 	return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) && std::isfinite(b.r);
 }
 
+bool isNear(const Bound& b)
+{
+	return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kFarthestBound && b.r >= 0;
+}
+
 // All operands are floats as stored, so that each difference is exact but for one rounding: the share covers them all.
 // Below the smallest square the products lose digits.
 constexpr float kShare = 1 + 1e-6f, kSmallestSquare = 1e-30f;
@@ -53,7 +58,7 @@ bool isInside(const BallBlock& block, const Bound& bound)
 	{
 		const Vec3 offset{double(block.x[k]) - bound.x, double(block.y[k]) - bound.y, double(block.z[k]) - bound.z};
 		const double room = double(bound.r) * (1 + 1e-12) - block.R[k];
-		inside &= int(k >= int(block.count)) | (int(room >= 0) & int(squaredNorm(offset) <= room * room));
+		inside &= int(block.R[k] == 0) | (int(room >= 0) & int(squaredNorm(offset) <= room * room));
 	}
 	return inside != 0;
 }
@@ -80,9 +85,9 @@ private:
 		for (int k = 0; k < BallNode::kWidth; ++k)
 		{
 			const Bound bound{node.x[k], node.y[k], node.z[k], node.r[k]};
-			if (!isFinite(bound) || bound.r < 0) return false;
 			const uint32_t child = node.child[k];
-			if (child == BallNode::kNoChild ? bound.r != 0 : !descend(child, bound, path, depth + 1)) return false;
+			const bool good = child == BallNode::kNoChild ? isFinite(bound) && bound.r == 0 : isNear(bound) && descend(child, bound, path, depth + 1);
+			if (!good) return false;
 		}
 		return true;
 	}
@@ -97,7 +102,10 @@ private:
 		if (leaf)
 		{
 			++m_blocks;
-			return contains(bound, index) && std::all_of(path, m_end, [&](const Bound& outer) { return contains(outer, index); });
+			// Its own bound fits too tightly for floats to be sure.
+			const BallBlock& block = m_tree.blocks[index];
+			const auto contains = [&](const Bound& o) { return surelyInside(bound, o) || surelyInside(block, o) || isInside(block, o); };
+			return isInside(block, bound) && std::all_of(path, m_end, contains);
 		}
 		Bound* const end = m_end;
 		Bound* const below = end;
@@ -107,12 +115,6 @@ private:
 		const bool good = visit(index, below, depth);
 		m_end = end;
 		return good;
-	}
-
-	bool contains(const Bound& outer, uint32_t index) const
-	{
-		const BallBlock& block = m_tree.blocks[index];
-		return surelyInside(Bound{block.bx, block.by, block.bz, block.br}, outer) || surelyInside(block, outer) || isInside(block, outer);
 	}
 
 	const BallTree& m_tree;
@@ -128,7 +130,8 @@ bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls)
 {
 	// Overflows for balls that are finite but of no known world.
 	float sum = 0;
-	int good = 1;
+	const uint32_t count = block.count();
+	int good = count >= 1;
 	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
 	{
 		const MomentEllipsoid& b = balls[k];
@@ -136,11 +139,25 @@ bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls)
 			   (std::fabs(b.nx) + std::fabs(b.ny) + std::fabs(b.nz)) + (std::fabs(b.xx) + std::fabs(b.yy) + std::fabs(b.zz)) +
 			   (std::fabs(b.xy) + std::fabs(b.xz) + std::fabs(b.yz));
 		const int solid = int(b.isSolid()), empty = int(b.R == 0) & int(b.density == 0) & int(b.x >= kFarPadding);
-		good &= k < block.count ? solid : empty;
+		good &= k < count ? solid : empty;
 		good &= int(block.x[k] == b.x) & int(block.y[k] == b.y) & int(block.z[k] == b.z) & int(block.R[k] == b.R);
 	}
-	const Bound own{block.bx, block.by, block.bz, block.br};
-	return good && std::isfinite(sum) && block.count >= 1 && block.count <= uint32_t(kWidth) && isFinite(own) && isInside(block, own);
+	return good && std::isfinite(sum);
+}
+
+bool surelyValid(const BallBlock& block, const Sphere* spheres)
+{
+	float sum = 0;
+	const uint32_t count = block.count();
+	int good = count >= 1;
+	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
+	{
+		const Sphere& s = spheres[k];
+		sum += (std::fabs(s.x) + std::fabs(s.y)) + (std::fabs(s.z) + s.r);
+		good &= k < count ? int(MomentEllipsoid::isRadius(s.r)) : int(s.r == 0) & int(s.x >= kFarPadding);
+		good &= int(block.x[k] == s.x) & int(block.y[k] == s.y) & int(block.z[k] == s.z) & int(block.R[k] == s.r);
+	}
+	return good && std::isfinite(sum);
 }
 
 bool surelyValidNodes(const BallTree& tree)
@@ -150,9 +167,13 @@ bool surelyValidNodes(const BallTree& tree)
 
 bool surelyValid(const BallTree& tree)
 {
-	if (tree.balls.size() != tree.blocks.size() * kWidth) return false;
+	const bool packed = !tree.spheres.empty();
+	if ((packed ? tree.spheres.size() : tree.balls.size()) != tree.slotCount() || tree.sphereIndex.size() != tree.spheres.size()) return false;
 	for (size_t i = 0; i < tree.blocks.size(); ++i)
-		if (!surelyValid(tree.blocks[i], tree.balls.data() + i * kWidth)) return false;
+	{
+		const BallBlock& block = tree.blocks[i];
+		if (!(packed ? surelyValid(block, tree.spheres.data() + i * kWidth) : surelyValid(block, tree.balls.data() + i * kWidth))) return false;
+	}
 	return surelyValidNodes(tree);
 }
 }  // namespace ist

@@ -78,6 +78,12 @@ OverlapIntegrals collect(const double* sums, float spreadUnit, const DampingWeig
 	return o;
 }
 
+BallRows rowsOf(const BallTree& tree)
+{
+	if (!tree.spheres.empty()) return {&tree.spheres.data()->x, kSphereRow};
+	return {&tree.balls.data()->x, kEllipsoidRow};
+}
+
 /// The entries behind the last are read with it: they must name balls too, moved ones.
 void pad(uint32_t* a, uint32_t* b, int count)
 {
@@ -99,6 +105,8 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 	m_bodies.weightB = float(m_damping.B);
 	m_bodies.ballsA = A.balls.data();
 	m_bodies.ballsB = B.balls.data();
+	m_bodies.spheresA = A.spheres.data();
+	m_bodies.spheresB = B.spheres.data();
 	m_bodies.movedB = work.movedBalls.data();
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) m_bodies.R[3 * i + j] = X.rotation.m[i][j];
@@ -120,7 +128,7 @@ bool TreeQuery::answer()
 	if (m_late || (m_limits.pairs >= 0 && m_listed > m_limits.pairs)) return false;
 	if (m_options.sortPairs) publishPairs();
 	const int groups = m_grouped && m_result.pairListComplete
-						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.balls.size()), m_limits.patches)
+						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.slotCount()), m_limits.patches)
 						   : 0;
 	const bool remembers = m_memory && rememberPatches(groups);
 	if (groups > 1)
@@ -257,7 +265,7 @@ PairSearch TreeQuery::newSearch()
 	s.nodesB = m_B.nodes.data();
 	s.blocksA = m_A.blocks.data();
 	s.blocksB = m_B.blocks.data();
-	s.ballsA = m_bodies.ballsA;
+	s.rowsA = rowsOf(m_A);
 	s.ballsB = m_bodies.ballsB;
 	std::copy_n(m_bodies.R, 9, s.R);
 	std::copy_n(m_bodies.t, 3, s.t);
@@ -326,8 +334,8 @@ bool TreeQuery::recallPatches()
 bool TreeQuery::rememberPatches(int groups)
 {
 	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > PairMemory::Implementation::kMostPatches) return false;
-	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.balls.size())};
-	m_work.grouper.extend(m_work.stream, m_listed, all, m_bodies.ballsA, m_memory->patchOf());
+	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.slotCount())};
+	m_work.grouper.extend(m_work.stream, m_listed, all, rowsOf(m_A), m_memory->patchOf());
 	m_memory->divide(groups);
 	return true;
 }
@@ -391,7 +399,7 @@ void TreeQuery::publishPairs()
 		OverlapPair& pair = m_work.pairs[i];
 		pair.ballA = uint32_t(m_work.keys[i] >> 32);
 		pair.ballB = uint32_t(m_work.keys[i]);
-		const MomentEllipsoid &a = m_A.balls[pair.ballA], &b = m_B.balls[pair.ballB];
+		const MomentEllipsoid a = m_A.ball(pair.ballA), b = m_B.ball(pair.ballB);
 		const Vec3 centerB = m_X * b.center();
 		Lens lens;
 		if (m_options.model == Model::Inner)

@@ -25,7 +25,7 @@ void writeLeaves(std::ostream& out, const InnerSphereTree& tree)
 {
 	out << "x,y,z,r,density,nx,ny,nz,depth,sphere,xx,yy,zz,xy,xz,yz\n";
 	for (size_t block = 0; block < tree.law.blocks.size(); ++block)
-		for (uint32_t lane = 0; lane < tree.law.blocks[block].count; ++lane)
+		for (uint32_t lane = 0; lane < tree.law.blocks[block].count(); ++lane)
 		{
 			const MomentEllipsoid& b = tree.law.balls[block * BallBlock::kWidth + lane];
 			const Vec3 c = b.center() + tree.origin;

@@ -224,7 +224,7 @@ private:
 		{
 			const OverlapPair& p = overlap.pairs[i];
 			const Vec3 c = p.centroid + m_A.origin;
-			for (uint64_t id : {uint64_t(index), uint64_t(overlap.ballsA->balls[p.ballA].sphere), uint64_t(overlap.ballsB->balls[p.ballB].sphere)})
+			for (uint64_t id : {uint64_t(index), uint64_t(overlap.ballsA->ball(p.ballA).sphere), uint64_t(overlap.ballsB->ball(p.ballB).sphere)})
 				text += std::to_string(id) + ',';
 			for (double v : {c.x, c.y, c.z, p.normal.x, p.normal.y, p.normal.z}) text += numberText(v) + ',';
 			text += numberText(p.lens) + ',' + numberText(p.area) + '\n';

@@ -102,8 +102,8 @@ std::unique_ptr<Node> NaiveSphereTree::build(std::vector<MomentEllipsoid>& balls
 NaiveSphereTree::NaiveSphereTree(const BallTree& tree)
 {
 	std::vector<MomentEllipsoid> balls;
-	for (const MomentEllipsoid& b : tree.balls)
-		if (b.density > 0) balls.push_back(b);
+	for (size_t slot = 0; slot < tree.slotCount(); ++slot)
+		if (const MomentEllipsoid b = tree.ball(slot); b.density > 0) balls.push_back(b);
 	m_root = build(balls, 0, balls.size());
 }
 NaiveSphereTree::~NaiveSphereTree() = default;

@@ -51,11 +51,9 @@ double quantile(std::vector<double> values, double share)
 
 double treeBytes(const InnerSphereTree& tree)
 {
-	const auto of = [](const BallTree& t)
-	{ return double(t.nodes.size() * sizeof(BallNode) + t.blocks.size() * sizeof(BallBlock) + t.balls.size() * sizeof(MomentEllipsoid)); };
-	double sum = of(tree.law) + of(tree.cells) + of(tree.inner) + double(tree.spheres.size() * sizeof(Sphere));
-	for (const BallTree& level : tree.levels) sum += of(level);
-	return sum;
+	size_t sum = tree.law.memory() + tree.cells.memory() + tree.inner.memory() + tree.spheres.size() * sizeof(Sphere);
+	for (const BallTree& level : tree.levels) sum += level.memory();
+	return double(sum);
 }
 
 /// Built, or loaded with the time that it took when it was built.

@@ -196,12 +196,9 @@ void instructionSets(const Body& body)
 
 void memory(const InnerSphereTree& body)
 {
-	const auto bytes = [](const BallTree& t) {
-		return double(t.nodes.size() * sizeof(BallNode) + t.blocks.size() * sizeof(BallBlock) + t.balls.size() * sizeof(MomentEllipsoid));
-	};
-	double law = bytes(body.law);
-	for (const BallTree& level : buildLevels(body.law)) law += bytes(level);
-	row("bytes a leaf, law tree with all levels; a sphere, inner tree", "96; 70", "%.0f; %.0f", law / body.law.ballCount(), bytes(body.inner) / body.inner.ballCount());
+	size_t law = body.law.memory();
+	for (const BallTree& level : buildLevels(body.law)) law += level.memory();
+	row("bytes a leaf, law tree with all levels; a sphere, inner tree", "96; 70", "%.0f; %.0f", double(law) / body.law.ballCount(), double(body.inner.memory()) / body.inner.ballCount());
 }
 }  // namespace
 

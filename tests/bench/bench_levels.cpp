@@ -72,14 +72,11 @@ int main(int argc, char** argv)
 	const auto start = std::chrono::steady_clock::now();
 	body.value().levels = buildLevels(body.value().law);
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-	const auto bytes = [](const BallTree& t) {
-		return t.nodes.size() * sizeof(BallNode) + t.blocks.size() * sizeof(BallBlock) + t.balls.size() * sizeof(MomentEllipsoid);
-	};
-	size_t all = bytes(body.value().law);
-	for (const BallTree& level : body.value().levels) all += bytes(level);
+	size_t all = body.value().law.memory();
+	for (const BallTree& level : body.value().levels) all += level.memory();
 	const double leaves = body.value().law.ballCount();
 	std::printf("%zu levels built in %.3f s; bytes a leaf: %.1f, with all levels %.1f\n", body.value().levels.size(), seconds,
-				double(bytes(body.value().law)) / leaves, double(all) / leaves);
+				double(body.value().law.memory()) / leaves, double(all) / leaves);
 	std::printf("%8s %8s %9s %7s %9s %9s %9s %10s %6s %8s\n", "overlap", "budget", "pairs", "level", "us", "force rms", "x full", "p95/sigma", "over", "refused");
 	for (const double overlap : {0.001, 0.01, 0.1, 0.5})
 	{

@@ -43,10 +43,11 @@ struct Balls
 	F6 shape;
 };
 
-static_assert(sizeof(MomentEllipsoid) == 64);
+static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16);
 
 /// Columns 0..3 of the rows of four floats that begin `offset` floats into each of kLanes balls.
-IST_INLINE void fetchRow(const MomentEllipsoid* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
+template <class Ball>
+IST_INLINE void fetchRow(const Ball* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
 {
 #if defined(IST_SSE)
 	const auto row = [&](int k) __attribute__((always_inline)) { return _mm_loadu_ps(reinterpret_cast<const float*>(balls + index[k]) + offset); };
@@ -134,18 +135,18 @@ IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* i
 	return b;
 }
 
-/// Of packed spheres, which are wholly filled and have no normal, just place and radius.
-template <Terms terms>
 IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 {
-	Balls b;
-	if constexpr (terms == kLineTerms)
-	{
-		fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
-		return b;
-	}
-	b = fetchEllipsoids(balls, index);
+	Balls b = fetchEllipsoids(balls, index);
 	fetchRow(balls, index, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
+	return b;
+}
+
+/// Packed spheres are wholly filled and have no normal: just place and radius.
+IST_INLINE Balls fetch(const Sphere* spheres, const uint32_t* index)
+{
+	Balls b;
+	fetchRow(spheres, index, 0, b.x, b.y, b.z, b.R);
 	return b;
 }
 

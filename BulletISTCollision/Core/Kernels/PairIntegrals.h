@@ -132,11 +132,9 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 }
 
 /// B's balls, turned to A's axes, with their centres still in B's tree frame.
-template <Terms terms>
 IST_INLINE Balls fetchTurned(const PairBodies& bodies, const uint32_t* index)
 {
-	if constexpr (terms == kLineTerms) return fetch<terms>(bodies.ballsB, index);
-	Balls b = fetch<terms>(bodies.movedB ? bodies.movedB : bodies.ballsB, index);
+	Balls b = fetch(bodies.movedB ? bodies.movedB : bodies.ballsB, index);
 	if (bodies.movedB)
 	{
 		// The centre once more: as it was moved, it has lost digits.
@@ -149,9 +147,23 @@ IST_INLINE Balls fetchTurned(const PairBodies& bodies, const uint32_t* index)
 }
 
 template <Terms terms>
+IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
+{
+	if constexpr (terms == kLineTerms) return fetch(bodies.spheresA, index);
+	else return fetch(bodies.ballsA, index);
+}
+
+template <Terms terms>
+IST_INLINE Balls fetchB(const PairBodies& bodies, const uint32_t* index)
+{
+	if constexpr (terms == kLineTerms) return fetch(bodies.spheresB, index);
+	else return fetchTurned(bodies, index);
+}
+
+template <Terms terms>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, uint32_t real)
 {
-	const Balls a = fetch<terms>(bodies.ballsA, indexA), b = fetchTurned<terms>(bodies, indexB);
+	const Balls a = fetchA<terms>(bodies, indexA), b = fetchB<terms>(bodies, indexB);
 	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R), reach = Ri + Rj;
 	const D3 from{D::from(a.x) - moved(bodies, 0, bx, by, bz), D::from(a.y) - moved(bodies, 1, bx, by, bz),
 				  D::from(a.z) - moved(bodies, 2, bx, by, bz)};

@@ -187,7 +187,7 @@ void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, const Moment
 	for (int k = 0; k < kLanes; ++k) index[k] = uint32_t(k);
 	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
 	{
-		const Balls b = fetch<kFieldTerms>(from + lane, index);
+		const Balls b = fetch(from + lane, index);
 		const F3 normal = turned(s.R, b.normal);
 		const F6 shape = turned(s.R, b.shape);
 		storeRow(to + lane, 0, F::load(centers.x + lane), F::load(centers.y + lane), F::load(centers.z + lane), b.R);
@@ -199,6 +199,7 @@ void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, const Moment
 
 void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 {
+	using V16 = FloatVector<BallBlock::kWidth>;
 	const BallBlock& block = s.blocksB[index];
 	float* to[3] = {moved.x, moved.y, moved.z};
 	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
@@ -211,6 +212,7 @@ void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 		(V::load(block.R + lane) + V::all(s.slack)).store(moved.reach + lane);
 	}
 	moved.epoch = s.epoch;
+	moved.count = uint32_t(__builtin_popcount(V16::less(V16::all(0), V16::load(block.R))));
 	const size_t first = size_t(index) * BallBlock::kWidth;
 	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
 }
@@ -219,7 +221,7 @@ void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 int ballsNearBlocks(PairSearch& s, int first, int end)
 {
 	using V = FloatVector<16>;
-	const BallBlock *blocksA = s.blocksA, *blocksB = s.blocksB;
+	const BallBlock* blocksA = s.blocksA;
 	MovedBlock* moved = s.moved;
 	const SubtreeList leaves = s.leaves;
 	uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
@@ -231,13 +233,13 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 	{
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
 		const BallBlock& a = blocksA[blockA];
-		const uint32_t real = (1u << a.count) - 1;
-		// The mask keeps A's padding out: both sides' lies at the same far point when the poses coincide. B's is then far from every ball.
-		const uint32_t near = real & touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
-											  leaves.r[i] + slack);
+		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
+		const uint32_t near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
+									   leaves.r[i] + slack);
 		const int count = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf + n, blockOf + n);
 		if ((near != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blockB, moved[blockB]);
-		tests += int64_t(count) * blocksB[blockB].count;
+		// Of a block that nothing is near the number does not matter.
+		tests += int64_t(count) * moved[blockB].count;
 		n += count;
 	}
 	s.counts.blockPairs += end - first;
@@ -245,13 +247,14 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 	return n;
 }
 
-/// Balls of A against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
+/// Balls of A, in rows of kStride floats, against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
+template <size_t kStride>
 int pairsOfBalls(PairSearch& s, int count, int pairs)
 {
 	using V = FloatVector<16>;
 	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
 	uint32_t *pairA = s.pairA, *pairB = s.pairB;
-	const MomentEllipsoid* ballsA = s.ballsA;
+	const float* rows = s.rowsA.first;
 	const MovedBlock* moved = s.moved;
 	for (int i = 0; i < count && !s.stop;)
 	{
@@ -266,9 +269,9 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 		for (; i < end; ++i)
 		{
 			const uint32_t ball = ballOf[i], index = blockOf[i];
-			const MomentEllipsoid& a = ballsA[ball];
+			const float* const a = rows + ball * kStride;
 			const MovedBlock& b = moved[index];
-			const uint32_t hits = touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a.x, a.y, a.z, a.R);
+			const uint32_t hits = touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a[0], a[1], a[2], a[3]);
 			pairs += appendLanes(hits, index * BallBlock::kWidth, ball, pairB + pairs, pairA + pairs);
 		}
 	}
@@ -283,7 +286,7 @@ int drainLeaves(PairSearch& s, int pairs)
 		if (s.expired) s.stop = s.expired(s.context);
 		const int end = s.leaves.size - first < kLeafBatch ? s.leaves.size : first + kLeafBatch;
 		const int near = ballsNearBlocks(s, first, end);
-		pairs = pairsOfBalls(s, near, pairs);
+		pairs = s.rowsA.stride == kSphereRow ? pairsOfBalls<kSphereRow>(s, near, pairs) : pairsOfBalls<kEllipsoidRow>(s, near, pairs);
 	}
 	s.leaves.size = 0;
 	return pairs;

@@ -15,8 +15,16 @@ namespace ist::kernels
 struct alignas(64) MovedBlock
 {
 	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth], reach[BallBlock::kWidth];
-	uint32_t epoch;
+	uint32_t epoch, count;  ///< count: of its balls, without padding
 };
+
+/// Centres and radii of balls, each at the front of a row of so many floats: kSphereRow or kEllipsoidRow.
+struct BallRows
+{
+	const float* first;
+	size_t stride;
+};
+constexpr size_t kSphereRow = sizeof(Sphere) / sizeof(float), kEllipsoidRow = sizeof(MomentEllipsoid) / sizeof(float);
 
 /// Room that a list of vectors needs behind its end: stores are always whole vectors.
 constexpr int kListSlack = 16;
@@ -56,7 +64,8 @@ struct PairSearch
 {
 	const BallNode *nodesA, *nodesB;
 	const BallBlock *blocksA, *blocksB;
-	const MomentEllipsoid *ballsA, *ballsB;
+	BallRows rowsA;
+	const MomentEllipsoid* ballsB;  ///< where movedB is wanted
 	double R[9], t[3];    ///< B's tree frame to A's
 	float stretch;        ///< by how much R may lengthen
 	float slack;          ///< covers the rounding of float positions [m]
@@ -81,6 +90,7 @@ struct PairSearch
 struct PairBodies
 {
 	const MomentEllipsoid *ballsA, *ballsB;
+	const Sphere *spheresA, *spheresB;  ///< all that kLineTerms read
 	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats: those that the search found in pairs; null: each pair turns its own
 	double R[9], t[3];
 	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume

@@ -16,6 +16,12 @@ inline const BallTree& treeOf(const InnerSphereTree& body, Model model)
 	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
 }
 
+/// False for an empty tree, and for one of the other kind.
+inline bool answers(const BallTree& tree, Model model)
+{
+	return !tree.empty() && !(model == Model::Inner ? tree.spheres.empty() : tree.balls.empty());
+}
+
 /// What QueryWorkspace owns.
 struct QueryWorkspace::Implementation
 {

@@ -41,14 +41,13 @@ btPaperContact reference(const ExtremeSolid& solid, const btRigidBody& a, const 
 	const ist::Pose X_A = toPose(a.getWorldTransform()), X_B = toPose(b.getWorldTransform());
 	btPaperContact out;
 	for (const bool summing : {true, false})
-		for (const ist::MomentEllipsoid& i : solid.tree->inner.balls)
-			for (const ist::MomentEllipsoid& j : solid.tree->inner.balls)
+		for (const ist::Sphere& i : solid.tree->spheres)
+			for (const ist::Sphere& j : solid.tree->spheres)
 			{
-				if (!(i.density > 0) || !(j.density > 0)) continue;
 				const ist::Vec3 ci = X_A * (solid.tree->origin + i.center()), cj = X_B * (solid.tree->origin + j.center());
 				const double d = norm(ci - cj);
-				if (d >= i.R + j.R) continue;
-				const LensForm lens(i.R, j.R, d);
+				if (d >= i.r + j.r) continue;
+				const LensForm lens(i.r, j.r, d);
 				if (summing)
 				{
 					out.volume += lens.volume;
@@ -76,7 +75,7 @@ struct OneSphere
 		return solid;
 	}
 	const ExtremeSolid& ball = body();
-	double radius = double(ball.tree->inner.balls[0].R);
+	double radius = double(ball.tree->spheres[0].r);
 	const double mass = 2, weight = 50, depth = 0.1;
 	btPaperMaterial material;
 

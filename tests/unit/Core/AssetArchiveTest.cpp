@@ -87,7 +87,7 @@ TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 	{
 		std::vector<MomentEllipsoid> cells(tree.spheres.size());
 		for (size_t i = 0; i < tree.cells.balls.size(); ++i)
-			if (i % BallBlock::kWidth < tree.cells.blocks[i / BallBlock::kWidth].count) cells[tree.cells.balls[i].sphere] = tree.cells.balls[i];
+			if (i % BallBlock::kWidth < tree.cells.blocks[i / BallBlock::kWidth].count()) cells[tree.cells.balls[i].sphere] = tree.cells.balls[i];
 		return cells;
 	};
 	const std::vector<MomentEllipsoid> before = bySphere(p.tree), after = bySphere(p.archived);

@@ -74,10 +74,10 @@ TEST(AssetFile, EveryCutIsRefused)
 TEST(AssetFile, VersionsBeforeTheFirstReleaseAreNamed)
 {
 	std::vector<std::byte> bytes = encodeAsset(smallTree());
-	bytes[8] = std::byte(3);
+	bytes[8] = std::byte(4);
 	const Result<InnerSphereTree> older = decodeAsset(bytes.data(), bytes.size());
 	ASSERT_FALSE(older);
-	EXPECT_EQ(older.error().message, "written by version 3, which was never released; build the file again");
+	EXPECT_EQ(older.error().message, "written by version 4, which was never released; build the file again");
 }
 
 TEST(AssetFile, TheTreeOutlivesTheFileThatItWasReadFrom)
@@ -97,7 +97,7 @@ TEST(AssetFile, NewerVersionIsNamed)
 	bytes[8] = std::byte(7);
 	const Result<InnerSphereTree> newer = decodeAsset(bytes.data(), bytes.size());
 	ASSERT_FALSE(newer);
-	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 4"), std::string::npos);
+	EXPECT_NE(newer.error().message.find("newer version (7), this library reads up to 5"), std::string::npos);
 }
 
 TEST(AssetFile, FailedSaveLeavesNothing)

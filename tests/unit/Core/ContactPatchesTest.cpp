@@ -159,7 +159,7 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 		a.push_back(kUnknown);
 		b.push_back(kUnknown);
 		std::vector<uint8_t> patchOf(a.size());
-		grouper.extend(pairs, count, {a.data(), b.data(), a.size(), kBalls}, balls.data(), patchOf.data());
+		grouper.extend(pairs, count, {a.data(), b.data(), a.size(), kBalls}, {&balls[0].x, kEllipsoidRow}, patchOf.data());
 		const auto someOf = [&](const uint32_t* list, uint32_t ball, uint8_t patch)
 		{
 			for (int i = 0; i < count; ++i)
@@ -192,7 +192,7 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 		grouper.reserve(kCount, 2 * kBalls, 8);
 		ASSERT_GT(grouper.group(*kernel, random.stream, kCount, kBalls, 8), 1);
 		uint8_t patchOf[2];
-		grouper.extend(random.stream, kCount, {unknown, unknown, 2, kBalls}, balls.data(), patchOf);
+		grouper.extend(random.stream, kCount, {unknown, unknown, 2, kBalls}, {&balls[0].x, kEllipsoidRow}, patchOf);
 		for (uint32_t cluster = 0; cluster < 2; ++cluster)
 		{
 			int here = 0, there = 0;

@@ -9,13 +9,16 @@ namespace ist
 struct LooseTree
 {
 	explicit LooseTree(const BallTree& tree)
-		: nodes(tree.nodes.begin(), tree.nodes.end()), blocks(tree.blocks.begin(), tree.blocks.end()), balls(tree.balls.begin(), tree.balls.end())
+		: nodes(tree.nodes.begin(), tree.nodes.end()), blocks(tree.blocks.begin(), tree.blocks.end()), balls(tree.balls.begin(), tree.balls.end()),
+		  spheres(tree.spheres.begin(), tree.spheres.end()), sphereIndex(tree.sphereIndex.begin(), tree.sphereIndex.end())
 	{
 	}
-	BallTree frozen() const { return {nodes, blocks, balls}; }
+	BallTree frozen() const { return {nodes, blocks, balls, spheres, sphereIndex}; }
 
 	std::vector<BallNode> nodes;
 	std::vector<BallBlock> blocks;
 	std::vector<MomentEllipsoid> balls;
+	std::vector<Sphere> spheres;
+	std::vector<uint32_t> sphereIndex;
 };
 }  // namespace ist

@@ -56,7 +56,7 @@ double absoluteArea(const OverlapResult& r, const BallTree& A, const BallTree& B
 {
 	double sum = 0;
 	for (int i = 0; i < r.pairCount; ++i)
-		sum += double(A.balls[r.pairs[i].ballA].density) * B.balls[r.pairs[i].ballB].density * r.pairs[i].area;
+		sum += double(A.ball(r.pairs[i].ballA).density) * B.ball(r.pairs[i].ballB).density * r.pairs[i].area;
 	return sum;
 }
 
@@ -162,7 +162,8 @@ TEST(OverlapQuery, ThinLensesKeepTheirDigits)
 	ball[0].density = 1;
 	makeRound(ball[0]);
 	InnerSphereTree A;
-	A.law = A.inner = buildBallTree(ball);
+	A.law = buildBallTree(ball);
+	A.inner = packedTree(ball);
 	for (const InstructionSet set : availableSets())
 	{
 		QueryWorkspace workspace({}, set);
@@ -474,6 +475,14 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	options.maxPairs = 0;
 	EXPECT_EQ(queryOverlap(A, A, Pose{}, workspace, options).status, QueryStatus::BudgetTooSmall);
 	EXPECT_EQ(queryOverlap(A, InnerSphereTree{}, Pose{}, workspace).status, QueryStatus::EmptyTree);
+	InnerSphereTree swapped = A;
+	std::swap(swapped.law, swapped.inner);
+	for (const Model model : {Model::Law, Model::Inner})
+	{
+		QueryOptions other;
+		other.model = model;
+		EXPECT_EQ(queryOverlap(A, swapped, Pose{}, workspace, other).status, QueryStatus::EmptyTree);
+	}
 	EXPECT_EQ(queryHalfSpace(A, {0, 0, 2}, 0, workspace).status, QueryStatus::InvalidPose);
 	EXPECT_EQ(queryHalfSpace(A, {0, 0, 1}, INFINITY, workspace).status, QueryStatus::InvalidPose);
 	Pose far;

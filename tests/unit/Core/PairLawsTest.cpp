@@ -84,11 +84,7 @@ TEST(PairLaws, EnergyForceIsTheGradient)
 TEST(PairLaws, PaperForceOfTwoSpheres)
 {
 	InnerSphereTree A, B;
-	MomentEllipsoid unit;
-	unit.R = 1;
-	unit.density = 1;
-	unit.y = 0.5f;
-	A.inner.balls = B.inner.balls = std::vector{unit};
+	A.inner = B.inner = buildInnerTree(std::vector<Sphere>{{0, 0.5f, 0, 1}});
 	const std::vector<OverlapPair> pairs = allPairs(1, 1);
 	const double d = 1.2;
 	const Wrench w = paperLaw(A, B, {Mat3(), {d, 0, 0}}, pairs.data(), 1, 3).wrench;

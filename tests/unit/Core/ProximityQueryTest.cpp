@@ -20,31 +20,30 @@ InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> place(-1, 1), radius(0.005f, 0.05f);
-	std::vector<MomentEllipsoid> balls(static_cast<size_t>(count));
-	for (MomentEllipsoid& b : balls)
+	std::vector<Sphere> spheres(static_cast<size_t>(count));
+	for (Sphere& s : spheres)
 	{
-		b.x = place(random);
-		b.y = place(random);
-		b.z = place(random);
-		b.R = radius(random);
-		b.density = 1;
+		s.x = place(random);
+		s.y = place(random);
+		s.z = place(random);
+		s.r = radius(random);
 	}
 	InnerSphereTree body;
 	body.origin = origin;
 	body.maxGap = 0.01;
-	body.inner = buildBallTree(balls);
+	body.spheres = std::move(spheres);
+	body.inner = buildInnerTree(body.spheres);
 	return body;
 }
 
 double bruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
 	double best = std::numeric_limits<double>::infinity();
-	for (const MomentEllipsoid& a : A.inner.balls)
-		for (const MomentEllipsoid& b : B.inner.balls)
+	for (const Sphere& a : A.spheres)
+		for (const Sphere& b : B.spheres)
 		{
-			if (a.density == 0 || b.density == 0) continue;
 			const Vec3 p = X_AB * (B.origin + b.center());
-			best = std::min(best, distance(p, A.origin + a.center()) - a.R - b.R);
+			best = std::min(best, distance(p, A.origin + a.center()) - a.r - b.r);
 		}
 	return std::max(0.0, best);
 }
@@ -156,12 +155,9 @@ TEST(ProximityQuery, BoundsTheExactDistanceOfMeshes)
 TEST(ProximityQuery, PointsOfTwoSpheresHaveAClosedForm)
 {
 	const auto ball = [](double r) {
-		std::vector<MomentEllipsoid> balls(1);
-		balls[0].R = float(r);
-		balls[0].density = 1;
 		InnerSphereTree body;
 		body.origin = {1, 2, 3};
-		body.inner = buildBallTree(balls);
+		body.inner = buildInnerTree(std::vector<Sphere>{{0, 0, 0, float(r)}});
 		return body;
 	};
 	const InnerSphereTree A = ball(0.5), B = ball(0.25);

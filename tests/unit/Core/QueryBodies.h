@@ -11,6 +11,14 @@
 // Bodies of a few leaves for tests of the queries.
 namespace ist
 {
+/// The inner tree of packed spheres where these balls are.
+inline BallTree packedTree(const std::vector<MomentEllipsoid>& balls)
+{
+	std::vector<Sphere> spheres;
+	for (const MomentEllipsoid& b : balls) spheres.push_back({b.x, b.y, b.z, b.R});
+	return buildInnerTree(spheres);
+}
+
 /// Balls all over a cube of side 2; their normals point away from the centre.
 inline InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
 {
@@ -48,7 +56,7 @@ inline InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = 
 		b.nx = b.ny = b.nz = 0;
 		makeRound(b);
 	}
-	body.inner = buildBallTree(balls);
+	body.inner = packedTree(balls);
 	return body;
 }
 
