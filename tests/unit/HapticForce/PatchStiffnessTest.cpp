@@ -125,6 +125,19 @@ void expectTenPercentInTheMedian(const char* name, const InnerSphereTree& A, con
 		EXPECT_LT(e[e.size() / 2], 0.1) << name;
 	}
 }
+
+/// A face of 1 m^2, and what is wider.
+const InnerSphereTree& flatBox()
+{
+	static const InnerSphereTree tree = built(makeBoxMesh({0.5, 0.5, 0.5}), 2000);
+	return tree;
+}
+
+const InnerSphereTree& flatSlab()
+{
+	static const InnerSphereTree tree = built(makeBoxMesh({0.9, 0.3, 0.8}), 2000);
+	return tree;
+}
 }  // namespace
 
 // Oracle: the model's own wrench at displaced poses. What the solver is given is the positive semidefinite part. Beyond a tenth of the
@@ -141,7 +154,7 @@ TEST(PatchStiffness, IsThePositivePartOfTheSlopeOfTheWrench)
 // that one loses what lies nearer to the box's sides: (1 - 2 depth)^2 of a face of 1 m^2.
 TEST(PatchStiffness, FlatContactHasStiffnessTimesArea)
 {
-	const InnerSphereTree box = built(makeBoxMesh({0.5, 0.5, 0.5}), 2000), slab = built(makeBoxMesh({0.9, 0.3, 0.8}), 2000);
+	const InnerSphereTree &box = flatBox(), &slab = flatSlab();
 	std::mt19937_64 random(9);
 	QueryWorkspace workspace;
 	for (int i = 0; i < 9; ++i)
@@ -157,5 +170,34 @@ TEST(PatchStiffness, FlatContactHasStiffnessTimesArea)
 		EXPECT_NEAR(onSlab, 1, tolerance) << share << " g";
 		EXPECT_NEAR(halved, 0.5 + 0.5 * (1 - 2 * both) * (1 - 2 * both), tolerance) << share << " g";
 		std::printf("  %.1f g: on a half-space %.3f, on a slab %.3f, halved %.3f at %.3f\n", share, onPlane, onSlab, halved, both);
+	}
+}
+
+// Where a face still shows its leaves, force and stiffness are one: what is not k A is in the model's force, not in how its slope is found.
+TEST(PatchStiffness, FlatContactHasTheSlopeOfItsForceAtEveryDepth)
+{
+	const InnerSphereTree &box = flatBox(), &slab = flatSlab();
+	constexpr int kPoses = 8;
+	QueryWorkspace workspace;
+	for (const double share : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0})
+	{
+		std::mt19937_64 random(3);
+		const double depth = share * (box.meanGap + slab.meanGap), step = 0.05 * (box.meanGap + slab.meanGap);
+		double stiffness = 0, square = 0, slope = 0, force = 0, worst = 0;
+		for (int i = 0; i < kPoses; ++i)
+		{
+			const Vec3 turn{0, random3(random, 0.1).x, 0}, aside = random3(random, 0.1);
+			const auto sumsAt = [&](double d) { return queryOverlap(box, slab, turnedBy(turn, {aside.x, d - 0.8, aside.z}), workspace).total; };
+			const auto forceAt = [&](double d) { return pressureWrench(sumsAt(d), {1, 0, 1}).force.y; };
+			const double found = pressureStiffness(sumsAt(depth), {1, 0, 1})(1, 1), expected = (forceAt(depth + step) - forceAt(depth - step)) / (2 * step);
+			stiffness += found / kPoses;
+			square += found * found / kPoses;
+			slope += expected / kPoses;
+			force += forceAt(depth) / depth / kPoses;
+			worst = std::max(worst, std::fabs(found / expected - 1));
+		}
+		EXPECT_LT(worst, 2e-3) << share << " g";
+		std::printf("  %.1f g: stiffness / k A %.3f, standard deviation %.3f; slope of the force %.3f, worst %.4f; force / k A depth %.3f\n", share, stiffness,
+					std::sqrt(std::max(square - stiffness * stiffness, 0.0)), slope, worst, force);
 	}
 }
