@@ -56,9 +56,9 @@ public:
 	const btVolumetricStatistics& statistics() const { return *m_statistics; }
 
 	/// From the next step on, `shape` speaks through `tree` against everything that is volumetric. See btISTRegistry::attach.
-	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 	/// The same with the tree of an .ist file, which is loaded here and now. btISTTreeSource loads and builds without anybody waiting.
-	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, const std::string& path);
+	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, const std::string& path);
 	/// See btContactMaterialTable.
 	btContactMaterialTable& materials() { return *m_materials; }
 	/// What queries may be left out; see btISTEconomy. To begin with only those whose answer cannot have changed.

@@ -32,7 +32,7 @@ class btISTPairQuery;
 /// Handle on what `registerAlgorithm` did; the last one to go puts back every entry of the dispatch tables that is still ours.
 /// It must go before the dispatcher (or be told `dispatcherIsGone`). Pairs that exist keep their volumetric contact until they
 /// are cleaned or the world goes: what they need they own. Move-only.
-class btISTRegistration
+class [[nodiscard]] btISTRegistration
 {
 public:
 	btISTRegistration() = default;

@@ -54,10 +54,10 @@ public:
 
 	/// Refused, with the reason: no shape, no tree, a tree that breaks an invariant (O(leaves)), a shape that has a tree already, an
 	/// unbounded or soft shape, a local scaling other than 1. Not to be called while a step is in progress.
-	ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
 	/// As `attach`, with a tree of the shape as it is now, local scaling included. It speaks for the shape while it has that scaling.
-	ist::Result<btISTAttachment> attachScaled(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+	[[nodiscard]] ist::Result<btISTAttachment> attachScaled(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
 	/// Null when nothing is attached, or when the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;

@@ -26,7 +26,7 @@ struct btISTTreeSettings
 
 /// A tree that is on its way to a shape, then its attachment: keep it for as long as the shape is to be volumetric, and destroy it
 /// before the shape. Until the tree is there Bullet's own contact goes on. Move-only; may outlive its source.
-class btISTPendingAttachment
+class [[nodiscard]] btISTPendingAttachment
 {
 public:
 	btISTPendingAttachment() = default;
@@ -94,7 +94,7 @@ public:
 	}
 	/// Every file NAME.ist of a folder goes to the shape or body of that name, when the loaded file has one.
 	template <class Importer>
-	std::vector<btISTPendingAttachment> attachFolder(Importer& importer, const std::string& folder)
+	[[nodiscard]] std::vector<btISTPendingAttachment> attachFolder(Importer& importer, const std::string& folder)
 	{
 		std::vector<btISTPendingAttachment> result;
 		for (const std::string& name : assetNames(folder))
@@ -103,7 +103,7 @@ public:
 	}
 	/// Every GImpact mesh among the shapes of a world's objects, the children of btCompoundShapes too, that has no tree yet and waits for
 	/// none. Not the children of a btGImpactCompoundShape: their contact stays Bullet's.
-	std::vector<btISTPendingAttachment> attachGImpact(const btCollisionWorld& world);
+	[[nodiscard]] std::vector<btISTPendingAttachment> attachGImpact(const btCollisionWorld& world);
 
 	/// From now on a tree is loaded or built only when something comes near an object of this world that has the shape: when the broad phase finds it
 	/// within one longest side of the object's bounding box. Until then nothing but the triangles is kept. What was ordered before stays so. The
