@@ -8,9 +8,9 @@ namespace ist
 {
 namespace
 {
-constexpr int maxSteps = 60;
-constexpr size_t maxBlockers = 12;
-constexpr double riseTolerance = 1e-7;  // of the radius
+constexpr int kMaxSteps = 60;
+constexpr size_t kMaxBlockers = 12;
+constexpr double kRiseTolerance = 1e-7;  // of the radius
 
 /// Up to four gradients and their weights in the min-norm point of the convex hull.
 struct WorkingSet
@@ -187,7 +187,7 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 	if (!(ball.radius > 0)) return ball;
 	double trust = 0.5 * ball.radius;
 	bool moved = true;
-	for (int k = 0; k < maxSteps; ++k)
+	for (int k = 0; k < kMaxSteps; ++k)
 	{
 		if (moved)
 		{
@@ -196,7 +196,7 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 		}
 		const Step step = solve(trust);
 		active = step.active;
-		if (!(step.value > ball.radius * (1 + riseTolerance))) break;
+		if (!(step.value > ball.radius * (1 + kRiseTolerance))) break;
 		const Vec3 to = ball.center + step.s;
 		const DistanceOctree::Nearest there = m_space.nearest(to);
 		moved = there.distance > ball.radius && norm(step.s) < ball.radius + there.distance;
@@ -206,15 +206,15 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 			ball = {to, there.distance};
 			if (step.atRim) trust *= 2;
 			else trust = std::max(4 * norm(step.s), 1e-3 * ball.radius);
-			if (rise < riseTolerance * ball.radius) break;
+			if (rise < kRiseTolerance * ball.radius) break;
 			continue;
 		}
-		const bool known = there.item == DistanceOctree::noItem ||
+		const bool known = there.item == DistanceOctree::kNoItem ||
 						   std::any_of(m_planes.begin(), m_planes.end(), [&](const DistanceOctree::Plane& p) { return p.item == there.item; });
 		if (!known)
 		{
 			m_planes.push_back(m_space.plane(there.item, ball.center));
-			if (m_blockers.size() == maxBlockers) m_blockers.erase(m_blockers.begin());
+			if (m_blockers.size() == kMaxBlockers) m_blockers.erase(m_blockers.begin());
 			m_blockers.push_back(there.item);
 			continue;
 		}

@@ -16,20 +16,20 @@ namespace ist
 namespace
 {
 // Samples a sphere and totals. The mean normal of a leaf needs some hundred points.
-constexpr double gapSamplesPerSphere = 100;
-constexpr double fewestGapSamples = 2e5;
-constexpr double manyGapSamples = 1e6;  // beyond, half as many a sphere
+constexpr double kGapSamplesPerSphere = 100;
+constexpr double kFewestGapSamples = 2e5;
+constexpr double kManyGapSamples = 1e6;  // beyond, half as many a sphere
 // Large balls are split into many leaves, each of which needs some dozens of points for its shape.
-constexpr double ballSamplesPerSphere = 40;
-constexpr double fewestBallSamples = 8e5, mostBallSamples = 8e6;
-constexpr size_t fewestSamplesOfBall = 16;
-constexpr int mostLinesPerSide = 1024;
-constexpr int rowsOfSlab = 8;
-constexpr int slabsPerReport = 32;
-constexpr size_t mostPairsTogether = 4096;
-constexpr size_t partsPerReport = 8192;
-constexpr double gapShare = 0.7;  // of the time
-constexpr size_t clusterSize = 24;
+constexpr double kBallSamplesPerSphere = 40;
+constexpr double kFewestBallSamples = 8e5, kMostBallSamples = 8e6;
+constexpr size_t kFewestSamplesOfBall = 16;
+constexpr int kMostLinesPerSide = 1024;
+constexpr int kRowsOfSlab = 8;
+constexpr int kSlabsPerReport = 32;
+constexpr size_t kMostPairsTogether = 4096;
+constexpr size_t kPartsPerReport = 8192;
+constexpr double kGapShare = 0.7;  // of the time
+constexpr size_t kClusterSize = 24;
 
 double ballVolume(double r)
 {
@@ -64,13 +64,13 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 {
 	double total = 0;
 	for (const Sphere& s : spheres) total += ballVolume(s.r);
-	const double samples = std::clamp(ballSamplesPerSphere * double(spheres.size()), fewestBallSamples, mostBallSamples);
+	const double samples = std::clamp(kBallSamplesPerSphere * double(spheres.size()), kFewestBallSamples, kMostBallSamples);
 	std::vector<size_t> counts;
 	counts.reserve(spheres.size());
 	for (const Sphere& s : spheres)
 	{
 		const size_t share = size_t(samples * ballVolume(s.r) / total);
-		counts.push_back(std::max(share, fewestSamplesOfBall) / 2 * 2);
+		counts.push_back(std::max(share, kFewestSamplesOfBall) / 2 * 2);
 	}
 	return counts;
 }
@@ -80,7 +80,7 @@ template <class Position, class Visit>
 void forEachCluster(uint32_t* first, uint32_t* last, const Position& position, const Visit& visit)
 {
 	if (first == last) return;
-	if (size_t(last - first) <= clusterSize)
+	if (size_t(last - first) <= kClusterSize)
 	{
 		visit(first, last);
 		return;
@@ -188,28 +188,28 @@ std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Spher
 {
 	const Mesh& mesh = surface.mesh();
 	const double n = double(spheres.size());
-	double target = std::max(fewestGapSamples, gapSamplesPerSphere * n);
-	if (target > manyGapSamples) target = std::max(manyGapSamples, target / 2);
+	double target = std::max(kFewestGapSamples, kGapSamplesPerSphere * n);
+	if (target > kManyGapSamples) target = std::max(kManyGapSamples, target / 2);
 	const Box box = bounds(mesh);
 	const double longest = box.longestSide();
 	const double volumePerPoint = 3 * gapVolume / target;  // within the third of the points on lines of one axis
-	const double spacing = std::max(std::cbrt(volumePerPoint), longest / mostLinesPerSide);
+	const double spacing = std::max(std::cbrt(volumePerPoint), longest / kMostLinesPerSide);
 	const double step = volumePerPoint / (spacing * spacing);
 
 	std::vector<Slab> slabs;
 	for (int axis = 0; axis < 3; ++axis)
 	{
 		const GapLines lines(mesh, spheres, axis, box, spacing, step, seed);
-		const int count = (lines.rows() + rowsOfSlab - 1) / rowsOfSlab;
+		const int count = (lines.rows() + kRowsOfSlab - 1) / kRowsOfSlab;
 		const size_t before = slabs.size();
 		slabs.resize(before + size_t(count));
-		for (int first = 0; first < count; first += slabsPerReport)
+		for (int first = 0; first < count; first += kSlabsPerReport)
 		{
 			if (!goesOn((axis + double(first) / count) / 3)) return {};
-			const int last = std::min(count, first + slabsPerReport);
+			const int last = std::min(count, first + kSlabsPerReport);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
 			for (int i = first; i < last; ++i)
-				slabs[before + size_t(i)] = sampleSlab(lines, i * rowsOfSlab, std::min(lines.rows(), (i + 1) * rowsOfSlab), nearest, surface);
+				slabs[before + size_t(i)] = sampleSlab(lines, i * kRowsOfSlab, std::min(lines.rows(), (i + 1) * kRowsOfSlab), nearest, surface);
 		}
 	}
 	return slabs;
@@ -265,7 +265,7 @@ std::vector<BallPart> ballParts(const SampledCells& cells)
 	for (size_t i = 0; i < cells.gapBegin.size(); ++i)
 	{
 		const size_t pairs = (cells.gapBegin[i] - cells.begin[i]) / 2;
-		for (size_t first = 0; first < pairs; first += mostPairsTogether) parts.push_back({i, first, std::min(pairs, first + mostPairsTogether)});
+		for (size_t first = 0; first < pairs; first += kMostPairsTogether) parts.push_back({i, first, std::min(pairs, first + kMostPairsTogether)});
 	}
 	return parts;
 }
@@ -291,7 +291,7 @@ SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>&
 	// A gap of less than rounding error has no shape to sample.
 	if (gap > 1e-9 * volume)
 	{
-		slabs = sampleGap(surface, spheres, gap, nearest, seed, threads, [&goesOn](double f) { return goesOn(gapShare * f); });
+		slabs = sampleGap(surface, spheres, gap, nearest, seed, threads, [&goesOn](double f) { return goesOn(kGapShare * f); });
 		if (slabs.empty()) return {};
 	}
 	size_t points = 0;
@@ -305,10 +305,10 @@ SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>&
 	slabs = {};
 
 	const std::vector<BallPart> parts = ballParts(result);
-	for (size_t first = 0; first < parts.size(); first += partsPerReport)
+	for (size_t first = 0; first < parts.size(); first += kPartsPerReport)
 	{
-		if (!goesOn(gapShare + (1 - gapShare) * double(first) / double(parts.size()))) return {};
-		const size_t last = std::min(parts.size(), first + partsPerReport);
+		if (!goesOn(kGapShare + (1 - kGapShare) * double(first) / double(parts.size()))) return {};
+		const size_t last = std::min(parts.size(), first + kPartsPerReport);
 #pragma omp parallel num_threads(threads)
 		{
 			FieldSampler field(surface);

@@ -12,15 +12,15 @@ namespace ist
 namespace
 {
 // Measured by bench_truth: with half of it cells are cut into curved slabs that no ellipsoid fits.
-constexpr double positionWeight = 1;
-constexpr int mostMoves = 8;  // of the plane between the halves
-constexpr size_t enoughToMove = 1000;
+constexpr double kPositionWeight = 1;
+constexpr int kMostMoves = 8;  // of the plane between the halves
+constexpr size_t kEnoughToMove = 1000;
 
-constexpr size_t minimumToSplit = 24;
-constexpr size_t minimumOfChild = 8;
+constexpr size_t kMinimumToSplit = 24;
+constexpr size_t kMinimumOfChild = 8;
 // Pieces split at the same time: a half seldom comes before a piece of this share of its parent's priority.
-constexpr double batchSpan = 0.5;
-constexpr size_t largestBatch = 16384;
+constexpr double kBatchSpan = 0.5;
+constexpr size_t kLargestBatch = 16384;
 [[maybe_unused]] constexpr size_t fewestToShare = 2000;  // samples
 
 using Vec6 = std::array<double, 6>;
@@ -33,7 +33,7 @@ double priority(const CellPiece& piece)
 
 Vec6 feature(const CellSample& s, const CellPiece& piece)
 {
-	const Vec3 x = (s.position() - piece.centroid) * (positionWeight / piece.meanRadius());
+	const Vec3 x = (s.position() - piece.centroid) * (kPositionWeight / piece.meanRadius());
 	const Vec3 n = s.normal() - piece.normal;
 	return {x.x, x.y, x.z, n.x, n.y, n.z};
 }
@@ -98,7 +98,7 @@ bool move(Cut& cut, const CellSample* samples, const CellPiece& piece)
 {
 	Vec6 sum[2] = {};
 	double weight[2] = {};
-	const size_t stride = std::max<size_t>(1, (piece.end - piece.begin) / enoughToMove);
+	const size_t stride = std::max<size_t>(1, (piece.end - piece.begin) / kEnoughToMove);
 	for (size_t k = piece.begin; k < piece.end; k += stride)
 	{
 		const double w = samples[k].weight;
@@ -144,12 +144,12 @@ CellPiece pieceOfSamples(const CellSample* samples, size_t begin, size_t end, ui
 
 std::optional<std::pair<CellPiece, CellPiece>> split(CellSample* samples, const CellPiece& parent)
 {
-	if (parent.end - parent.begin < minimumToSplit || !(parent.meanRadius() > 0)) return {};
+	if (parent.end - parent.begin < kMinimumToSplit || !(parent.meanRadius() > 0)) return {};
 	Cut cut = firstCut(samples, parent);
-	for (int step = 0; step < mostMoves && move(cut, samples, parent); ++step) {}
+	for (int step = 0; step < kMostMoves && move(cut, samples, parent); ++step) {}
 	CellSample *begin = samples + parent.begin, *end = samples + parent.end;
 	CellSample* middle = std::partition(begin, end, [&](const CellSample& s) { return cut.below(feature(s, parent)); });
-	if (size_t(middle - begin) < minimumOfChild || size_t(end - middle) < minimumOfChild) return {};
+	if (size_t(middle - begin) < kMinimumOfChild || size_t(end - middle) < kMinimumOfChild) return {};
 
 	const size_t at = size_t(middle - samples);
 	CellPiece a = pieceOfSamples(samples, parent.begin, at, parent.sphere);
@@ -183,8 +183,8 @@ std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPie
 	std::vector<std::optional<std::pair<CellPiece, CellPiece>>> halves;
 	while (pieces.size() < leafCount && !queue.empty())
 	{
-		const double least = batchSpan * queue.top().first;
-		const size_t most = std::min(largestBatch, leafCount - pieces.size());
+		const double least = kBatchSpan * queue.top().first;
+		const size_t most = std::min(kLargestBatch, leafCount - pieces.size());
 		for (batch.clear(); !queue.empty() && batch.size() < most && queue.top().first >= least; queue.pop()) batch.push_back(queue.top());
 		halves.assign(batch.size(), {});
 		[[maybe_unused]] size_t reordered = 0;  // by builds with OpenMP

@@ -17,13 +17,13 @@ namespace ist
 {
 namespace
 {
-constexpr size_t smallPacking = 200;
-constexpr size_t leavesOfSmallPacking = 300;
+constexpr size_t kSmallPacking = 200;
+constexpr size_t kLeavesOfSmallPacking = 300;
 
 size_t leafCountOf(const CellOptions& options, size_t spheres)
 {
 	const size_t count = size_t(std::llround(std::max(1.0, options.leavesPerSphere) * double(spheres)));
-	return std::max({count, spheres < smallPacking ? leavesOfSmallPacking : 0, size_t(std::max<int64_t>(0, options.fewestLeaves))});
+	return std::max({count, spheres < kSmallPacking ? kLeavesOfSmallPacking : 0, size_t(std::max<int64_t>(0, options.fewestLeaves))});
 }
 
 double ballVolume(double r)

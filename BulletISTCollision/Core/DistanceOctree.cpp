@@ -10,12 +10,12 @@ namespace ist
 {
 namespace
 {
-constexpr uint32_t leafCapacity = 32;
-constexpr size_t mostListedTriangles = 48;  // of a node that can be split
-constexpr int sharedLevels = 3;              // an insertion goes through these together, below in parallel
-constexpr size_t fewestToShare = 24;
-constexpr double splitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
-constexpr double halfDiagonal = 1.7320508075688774;
+constexpr uint32_t kLeafCapacity = 32;
+constexpr size_t kMostListedTriangles = 48;  // of a node that can be split
+constexpr int kSharedLevels = 3;              // an insertion goes through these together, below in parallel
+constexpr size_t kFewestToShare = 24;
+constexpr double kSplitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
+constexpr double kHalfDiagonal = 1.7320508075688774;
 
 float lowerBound(double d) { return float(d - std::fabs(d) * 1.2e-7); }
 
@@ -97,7 +97,7 @@ DistanceOctree::Plane DistanceOctree::plane(uint32_t item, const Vec3& x) const
 
 double DistanceOctree::keepLimit(const Node& node) const
 {
-	return node.nearest + 2 * halfDiagonal * node.half + m_slack;
+	return node.nearest + 2 * kHalfDiagonal * node.half + m_slack;
 }
 
 bool DistanceOctree::isFartherThan(uint32_t item, const Vec3& x, double limit) const
@@ -111,12 +111,12 @@ bool DistanceOctree::isFartherThan(uint32_t item, const Vec3& x, double limit) c
 /// Splitting it would pay if its list were long.
 bool DistanceOctree::isCoarse(const Node& node) const
 {
-	return node.half > m_finest && halfDiagonal * node.half > splitRatio * node.nearest;
+	return node.half > m_finest && kHalfDiagonal * node.half > kSplitRatio * node.nearest;
 }
 
 bool DistanceOctree::wantsSplit(const Node& node) const
 {
-	return !node.covered && (!node.triangles || node.listed > leafCapacity) && isCoarse(node);
+	return !node.covered && (!node.triangles || node.listed > kLeafCapacity) && isCoarse(node);
 }
 
 /// `bound`: of f(center). Lowers node.nearest.
@@ -124,7 +124,7 @@ void DistanceOctree::addTriangles(Node& node, double bound, std::vector<Entry>& 
 {
 	node.nearest = std::min(node.nearest, m_surface.closest(node.center, bound + m_slack).distance);
 	std::vector<std::pair<double, uint32_t>> near;
-	node.triangles = m_surface.within(node.center, keepLimit(node), isCoarse(node) ? mostListedTriangles : SIZE_MAX, near);
+	node.triangles = m_surface.within(node.center, keepLimit(node), isCoarse(node) ? kMostListedTriangles : SIZE_MAX, near);
 	if (!node.triangles) return;
 	entries.reserve(entries.size() + near.size());
 	for (const auto& [distance, triangle] : near) entries.push_back({lowerBound(distance), triangle});
@@ -139,7 +139,7 @@ void DistanceOctree::takeOver(Node& node, const Node& parent) const
 	{
 		if (limit >= 0 && isFartherThan(candidate.item, node.center, limit)) continue;
 		const double d = distanceTo(candidate.item, node.center);
-		if (d <= -halfDiagonal * node.half)
+		if (d <= -kHalfDiagonal * node.half)
 		{
 			node.covered = true;
 			node.nearest = d;
@@ -232,10 +232,10 @@ const DistanceOctree::Node* DistanceOctree::leafOf(const Vec3& x)
 DistanceOctree::Nearest DistanceOctree::nearest(const Vec3& x)
 {
 	const Node* leaf = leafOf(x);
-	if (!leaf) return {-1, noItem};
+	if (!leaf) return {-1, kNoItem};
 	const Node& node = *leaf;
 	const double reach = distance(x, node.center) + m_slack;
-	Nearest best{1e300, noItem};
+	Nearest best{1e300, kNoItem};
 	for (const Entry& entry : node.entries)
 	{
 		if (entry.distance - reach > best.distance) break;
@@ -250,10 +250,10 @@ DistanceOctree::Nearest DistanceOctree::gather(const Vec3& x, double reach, std:
 {
 	out.clear();
 	const Node* leaf = leafOf(x);
-	if (!leaf) return {-1, noItem};
+	if (!leaf) return {-1, kNoItem};
 	const Node& node = *leaf;
 	const double fromCenter = distance(x, node.center) + m_slack;
-	Nearest best{1e300, noItem};
+	Nearest best{1e300, kNoItem};
 	for (const Entry& entry : node.entries)
 	{
 		if (entry.distance - fromCenter > best.distance + reach) break;
@@ -319,7 +319,7 @@ bool DistanceOctree::admit(Node& node, uint32_t item)
 	if (d > keepLimit(node)) return false;
 	node.nearest = std::min(node.nearest, d);
 	const Entry entry{lowerBound(d), item};
-	if (d <= -halfDiagonal * node.half)
+	if (d <= -kHalfDiagonal * node.half)
 	{
 		cover(node, entry);
 		return false;
@@ -349,7 +349,7 @@ void DistanceOctree::insert(const std::vector<Sphere>& balls, WorkerCrew& crew)
 		open[0].items.push_back(uint32_t(m_triangles.size() + m_balls.size()));
 		m_balls.push_back({s.center(), s.r});
 	}
-	for (int level = 0; level < sharedLevels && balls.size() >= fewestToShare; ++level)
+	for (int level = 0; level < kSharedLevels && balls.size() >= kFewestToShare; ++level)
 	{
 		below.clear();
 		for (Insertion& at : open)

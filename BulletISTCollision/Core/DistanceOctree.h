@@ -23,19 +23,19 @@ class WorkerCrew;
 class DistanceOctree
 {
 public:
-	static constexpr uint32_t noItem = UINT32_MAX;
+	static constexpr uint32_t kNoItem = UINT32_MAX;
 
 	struct Nearest
 	{
 		double distance = 0;
-		uint32_t item = noItem;
+		uint32_t item = kNoItem;
 	};
 	/// An item seen from a point x: d(x + s) >= distance + dot(gradient, s), since distances to convex sets are convex.
 	struct Plane
 	{
 		double distance = 0;
 		Vec3 gradient;
-		uint32_t item = noItem;
+		uint32_t item = kNoItem;
 	};
 
 	/// `finest`: leaves are not split below this half side [m].

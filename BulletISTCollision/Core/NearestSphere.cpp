@@ -9,8 +9,8 @@ namespace ist
 {
 namespace
 {
-constexpr uint32_t leafSize = 6;
-constexpr size_t mostGathered = 160;  // a longer list costs more than the way down the trees
+constexpr uint32_t kLeafSize = 6;
+constexpr size_t kMostGathered = 160;  // a longer list costs more than the way down the trees
 
 double distanceToBox(const Vec3& p, const Vec3& lower, const Vec3& upper)
 {
@@ -61,7 +61,7 @@ uint32_t NearestSphere::build(uint32_t first, uint32_t last)
 	}
 	node.first = first;
 	node.count = last - first;
-	if (node.count > leafSize)
+	if (node.count > kLeafSize)
 	{
 		const Vec3 size = node.centerUpper - node.centerLower;
 		const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -136,7 +136,7 @@ void NearestSphere::gather(const Vec3& center, double radius, Neighbourhood& out
 			const double d = distance(center, m_entries[i].center) - m_entries[i].radius;
 			if (d <= reach) out.spheres.push_back({d, i});
 		}
-		if (out.spheres.size() > mostGathered)
+		if (out.spheres.size() > kMostGathered)
 		{
 			out.spheres.clear();
 			return;

@@ -20,29 +20,29 @@ namespace ist
 {
 namespace
 {
-constexpr double pi = 3.14159265358979323846;
-constexpr double smallestRelativeRadius = 1e-4;  // of the longest side
-constexpr int gridCells = 32;                    // along the longest side
-constexpr size_t coarseTriangles = 2000;         // smaller meshes have short lists anyway
-constexpr int coarseSpheres = 12;
-constexpr int coarseStarts = 4;
-constexpr int surfaceStarts = 2000;
-constexpr double surfaceInset = 2e-4;  // of the longest side
-constexpr int childStarts = 6;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSmallestRelativeRadius = 1e-4;  // of the longest side
+constexpr int kGridCells = 32;                    // along the longest side
+constexpr size_t kCoarseTriangles = 2000;         // smaller meshes have short lists anyway
+constexpr int kCoarseSpheres = 12;
+constexpr int kCoarseStarts = 4;
+constexpr int kSurfaceStarts = 2000;
+constexpr double kSurfaceInset = 2e-4;  // of the longest side
+constexpr int kChildStarts = 6;
 // A hole missed among the large ones costs more than among the many small ones.
-constexpr uint32_t firstSpheres = 100;
-constexpr int firstStarts = 32;
-constexpr double childDistance = 1.03;  // of the radius
-constexpr size_t startsPerReport = 4000;
+constexpr uint32_t kFirstSpheres = 100;
+constexpr int kFirstStarts = 32;
+constexpr double kChildDistance = 1.03;  // of the radius
+constexpr size_t kStartsPerReport = 4000;
 // A batch is placed in order of radius before its surroundings are searched anew. The holes around a sphere are much smaller than
 // it is, so a batch that spans few per cent of the radius leaves the order almost as if spheres were placed one by one.
-constexpr double batchSpan = 0.97;
-constexpr size_t largestBatch = 8192;
-constexpr size_t spheresPerBatchMember = 4;
-constexpr size_t shareOfGrowth = 8, shareOfBatch = 24;  // done by a thread at a time
-constexpr uint64_t surfaceStream = 1, awayStream = 2, childStream = 3;  // of the random numbers
+constexpr double kBatchSpan = 0.97;
+constexpr size_t kLargestBatch = 8192;
+constexpr size_t kSpheresPerBatchMember = 4;
+constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;  // done by a thread at a time
+constexpr uint64_t kSurfaceStream = 1, kAwayStream = 2, kChildStream = 3;  // of the random numbers
 
-double ballVolume(double r) { return 4.0 / 3.0 * pi * r * r * r; }
+double ballVolume(double r) { return 4.0 / 3.0 * kPi * r * r * r; }
 
 /// A sphere that fitted when it was grown.
 struct Candidate
@@ -68,7 +68,7 @@ public:
 	void add(const Sphere& sphere)
 	{
 		const Vec3 c = sphere.center();
-		uint32_t& first = m_first.try_emplace(key(column(c.x), column(c.y), column(c.z)), none).first->second;
+		uint32_t& first = m_first.try_emplace(key(column(c.x), column(c.y), column(c.z)), kNone).first->second;
 		m_next.push_back(first);
 		first = uint32_t(m_spheres.size());
 		m_spheres.push_back(sphere);
@@ -82,7 +82,7 @@ public:
 		{
 			const auto found = m_first.find(key(x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1));
 			if (found == m_first.end()) continue;
-			for (uint32_t i = found->second; i != none; i = m_next[i])
+			for (uint32_t i = found->second; i != kNone; i = m_next[i])
 				limit = std::min(limit, distance(p, m_spheres[i].center()) - m_spheres[i].r);
 		}
 		return limit;
@@ -91,7 +91,7 @@ public:
 	const std::vector<Sphere>& spheres() const { return m_spheres; }
 
 private:
-	static constexpr uint32_t none = UINT32_MAX;
+	static constexpr uint32_t kNone = UINT32_MAX;
 
 	int64_t column(double v) const { return int64_t(std::floor(v / m_cell)); }
 	// Columns that share a key cost time only.
@@ -108,7 +108,7 @@ class Packer
 public:
 	Packer(const MeshDistance& surface, const PackingOptions& options, double volume, const Box& box)
 		: m_surface(surface), m_options(options), m_crew(threadCount(options.threads)), m_volume(volume), m_box(box), m_side(box.longestSide()),
-		  m_floor(std::max(options.minRadius, smallestRelativeRadius * m_side)), m_space(surface, 0.02 * m_floor),
+		  m_floor(std::max(options.minRadius, kSmallestRelativeRadius * m_side)), m_space(surface, 0.02 * m_floor),
 		  m_ascents(size_t(threadCount(options.threads)), BallAscent(m_space))
 	{
 	}
@@ -140,9 +140,9 @@ private:
 	{
 		Vec3 position;
 		double fromInside = 0;       // way from a point inside that the surface may cross; 0: the start is inside
-		uint32_t sphere = noSphere;  // of which it is a child
+		uint32_t sphere = kNoSphere;  // of which it is a child
 	};
-	static constexpr uint32_t noSphere = UINT32_MAX;
+	static constexpr uint32_t kNoSphere = UINT32_MAX;
 
 	void buildGrid();
 	void buildGridLayer(const int (&count)[3], int k, std::vector<GridPoint>& layer) const;
@@ -210,7 +210,7 @@ Error Packer::nothingFits() const
 
 void Packer::buildGrid()
 {
-	m_gridStep = m_side / gridCells;
+	m_gridStep = m_side / kGridCells;
 	const Vec3 size = m_box.size();
 	int count[3];
 	for (int a = 0; a < 3; ++a) count[a] = std::max(1, int(std::ceil(size[a] / m_gridStep - 1e-9)));
@@ -246,12 +246,12 @@ void Packer::claimAround(const EmptyBall& ball)
 // The first large balls empty the interior before the octree is refined there, which keeps its lists short.
 void Packer::placeCoarse()
 {
-	if (m_surface.mesh().triangles.size() < coarseTriangles) return;
+	if (m_surface.mesh().triangles.size() < kCoarseTriangles) return;
 	std::vector<GridPoint> open;
-	while (!m_done && int(m_packing.spheres.size()) < coarseSpheres)
+	while (!m_done && int(m_packing.spheres.size()) < kCoarseSpheres)
 	{
 		open = m_grid;
-		for (int k = 0; k < coarseStarts; ++k)
+		for (int k = 0; k < kCoarseStarts; ++k)
 		{
 			const auto best = std::max_element(open.begin(), open.end(), [](const GridPoint& a, const GridPoint& b) { return a.clearance < b.clearance; });
 			if (best == open.end() || best->clearance < 1.5 * m_gridStep)
@@ -259,7 +259,7 @@ void Packer::placeCoarse()
 				if (k == 0) return;
 				break;
 			}
-			const EmptyBall ball = m_ascents[0].grow(best->position, CounterRandom(m_options.seed, awayStream, m_grown++).direction());
+			const EmptyBall ball = m_ascents[0].grow(best->position, CounterRandom(m_options.seed, kAwayStream, m_grown++).direction());
 			push(fitting(ball.center));
 			best->clearance = -1;
 			for (GridPoint& point : open)
@@ -293,10 +293,10 @@ void Packer::addSurfaceStarts()
 		area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 		cumulative.push_back(area);
 	}
-	CounterRandom random(m_options.seed, surfaceStream, 0);
-	for (int i = 0; i < surfaceStarts; ++i)
+	CounterRandom random(m_options.seed, kSurfaceStream, 0);
+	for (int i = 0; i < kSurfaceStarts; ++i)
 	{
-		const double at = area * (i + random.next()) / surfaceStarts;
+		const double at = area * (i + random.next()) / kSurfaceStarts;
 		const size_t index = std::min(size_t(std::upper_bound(cumulative.begin(), cumulative.end(), at) - cumulative.begin()), cumulative.size() - 1);
 		const auto& t = mesh.triangles[index];
 		const Vec3 a = mesh.vertices[t[0]], ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a;
@@ -306,7 +306,7 @@ void Packer::addSurfaceStarts()
 			u = 1 - u;
 			v = 1 - v;
 		}
-		m_starts.push_back({a + ab * u + ac * v - normalized(cross(ab, ac)) * (surfaceInset * m_side), 1e300});
+		m_starts.push_back({a + ab * u + ac * v - normalized(cross(ab, ac)) * (kSurfaceInset * m_side), 1e300});
 	}
 }
 
@@ -314,15 +314,15 @@ void Packer::addSurfaceStarts()
 void Packer::addChildren(uint32_t index)
 {
 	const Sphere& sphere = m_packing.spheres[index];
-	const Vec3 axis = CounterRandom(m_options.seed, childStream, index).direction();
+	const Vec3 axis = CounterRandom(m_options.seed, kChildStream, index).direction();
 	Vec3 t1, t2;
 	completeFrame(axis, t1, t2);
-	const int starts = index < firstSpheres ? firstStarts : childStarts;
+	const int starts = index < kFirstSpheres ? kFirstStarts : kChildStarts;
 	for (int k = 0; k < starts; ++k)
 	{
 		const double z = 1 - (2 * k + 1.0) / starts, ring = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
 		const Vec3 direction = axis * z + t1 * (ring * std::cos(angle)) + t2 * (ring * std::sin(angle));
-		m_starts.push_back({sphere.center() + direction * (childDistance * sphere.r), (childDistance - 1) * sphere.r, index});
+		m_starts.push_back({sphere.center() + direction * (kChildDistance * sphere.r), (kChildDistance - 1) * sphere.r, index});
 	}
 }
 
@@ -330,18 +330,18 @@ void Packer::addChildren(uint32_t index)
 void Packer::growAll()
 {
 	std::vector<Sphere> grown;
-	for (size_t first = 0; first < m_starts.size() && !m_done; first += startsPerReport)
+	for (size_t first = 0; first < m_starts.size() && !m_done; first += kStartsPerReport)
 	{
-		const size_t last = std::min(m_starts.size(), first + startsPerReport);
+		const size_t last = std::min(m_starts.size(), first + kStartsPerReport);
 		grown.assign(last - first, {});
-		m_crew.run(last - first, shareOfGrowth,
+		m_crew.run(last - first, kShareOfGrowth,
 				   [&](size_t i, int worker) { grown[i] = growOne(m_starts[first + i], m_grown + i, m_ascents[size_t(worker)]); });
 		m_grown += last - first;
 		for (size_t i = 0; i < grown.size(); ++i)
 		{
 			const Sphere& s = grown[i];
 			bool twin = false;
-			for (size_t j = i; j-- > 0 && !twin && m_starts[first + i].sphere != noSphere && m_starts[first + j].sphere == m_starts[first + i].sphere;)
+			for (size_t j = i; j-- > 0 && !twin && m_starts[first + i].sphere != kNoSphere && m_starts[first + j].sphere == m_starts[first + i].sphere;)
 				twin = grown[j].r > 0 && distance(grown[j].center(), s.center()) < 1e-3 * s.r;
 			if (!twin) push(s);
 		}
@@ -358,7 +358,7 @@ Sphere Packer::growOne(const Start& start, uint64_t key, BallAscent& ascent)
 	// Farther from the surface than the way from the ball: on the same side of it.
 	const double way = 1.001 * start.fromInside;
 	if (way > 0 && clearance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position)) return {};
-	const Vec3 away = CounterRandom(m_options.seed, awayStream, key).direction();
+	const Vec3 away = CounterRandom(m_options.seed, kAwayStream, key).direction();
 	return fitting(ascent.grow(start.position, away).center);
 }
 
@@ -391,8 +391,8 @@ Sphere Packer::fitting(const Vec3& center)
 bool Packer::popBatch()
 {
 	m_batch.clear();
-	const size_t most = std::min(largestBatch, 1 + m_packing.spheres.size() / spheresPerBatchMember);
-	while (!m_queue.empty() && m_batch.size() < most && (m_batch.empty() || m_queue.top().sphere.r >= batchSpan * m_batch[0].sphere.r))
+	const size_t most = std::min(kLargestBatch, 1 + m_packing.spheres.size() / kSpheresPerBatchMember);
+	while (!m_queue.empty() && m_batch.size() < most && (m_batch.empty() || m_queue.top().sphere.r >= kBatchSpan * m_batch[0].sphere.r))
 	{
 		m_batch.push_back(m_queue.top());
 		m_queue.pop();
@@ -404,7 +404,7 @@ bool Packer::popBatch()
 void Packer::validateBatch()
 {
 	m_clearances.resize(m_batch.size());
-	m_crew.run(m_batch.size(), shareOfBatch, [&](size_t i, int)
+	m_crew.run(m_batch.size(), kShareOfBatch, [&](size_t i, int)
 			   {
 				   Sphere& sphere = m_batch[i].sphere;
 				   double& clearance = m_clearances[i];

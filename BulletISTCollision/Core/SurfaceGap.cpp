@@ -13,10 +13,10 @@ namespace ist
 {
 namespace
 {
-constexpr double surfaceSamples = 2e5;
-constexpr int surfaceRefinements = 100000;
-constexpr int refinedTogether = 256;
-constexpr size_t mostTrianglesTogether = 256, fewestParts = 64;
+constexpr double kSurfaceSamples = 2e5;
+constexpr int kSurfaceRefinements = 100000;
+constexpr int kRefinedTogether = 256;
+constexpr size_t kMostTrianglesTogether = 256, kFewestParts = 64;
 
 struct SurfacePatch
 {
@@ -79,10 +79,10 @@ std::vector<SurfacePatch> patchesOf(const Mesh& mesh, size_t first, size_t last,
 /// Of some neighbouring triangles each.
 std::vector<std::vector<SurfacePatch>> surfacePatches(const Mesh& mesh, const NearestSphere& nearest, [[maybe_unused]] int threads)
 {
-	const double largest = surfaceArea(mesh) / surfaceSamples;
+	const double largest = surfaceArea(mesh) / kSurfaceSamples;
 	const size_t count = mesh.triangles.size();
 	// Of a box, each triangle is a part, and has thousands of patches.
-	const size_t together = std::clamp<size_t>(count / fewestParts, 1, mostTrianglesTogether);
+	const size_t together = std::clamp<size_t>(count / kFewestParts, 1, kMostTrianglesTogether);
 	std::vector<std::vector<SurfacePatch>> parts((count + together - 1) / together);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(parts.size()); ++i)
@@ -114,10 +114,10 @@ double largestGap(const std::vector<std::vector<SurfacePatch>>& parts, const Nea
 			else settled = std::max(settled, p.bound);
 	std::make_heap(patches.begin(), patches.end(), before);
 	const auto open = [&] { return !patches.empty() && patches.front().bound > 1.01 * seen; };
-	for (int step = 0; step < surfaceRefinements && open(); step += refinedTogether)
+	for (int step = 0; step < kSurfaceRefinements && open(); step += kRefinedTogether)
 	{
 		halves.clear();
-		for (int k = 0; k < refinedTogether && open(); ++k)
+		for (int k = 0; k < kRefinedTogether && open(); ++k)
 		{
 			std::pop_heap(patches.begin(), patches.end(), before);
 			for (const SurfacePatch& half : bisected(patches.back())) halves.push_back(half);

@@ -12,7 +12,7 @@ namespace ist
 {
 namespace
 {
-constexpr int64_t mostSpheresForLeaves = 100000;
+constexpr int64_t kMostSpheresForLeaves = 100000;
 
 class Stopwatch
 {
@@ -128,7 +128,7 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	CellOptions cellOptions;
 	// Smooth bodies pack as a few spheres; their leaves must still be as small as the number asked for allows.
 	if (options.targetFill >= 1 && options.minRadius <= 0)
-		cellOptions.fewestLeaves = int64_t(cellOptions.leavesPerSphere * double(std::min(options.maxSpheres, mostSpheresForLeaves)));
+		cellOptions.fewestLeaves = int64_t(cellOptions.leavesPerSphere * double(std::min(options.maxSpheres, kMostSpheresForLeaves)));
 	cellOptions.seed = options.seed;
 	cellOptions.threads = options.threads;
 	cellOptions.progress = options.progress;

@@ -8,17 +8,17 @@ namespace ist
 {
 namespace
 {
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int bins = 16;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kBins = 16;
 // Below this depth the builder halves by count, which adds at most 32 levels.
-constexpr int deepestBinned = TriangleHierarchy::kMostLevels - 32;
+constexpr int kDeepestBinned = TriangleHierarchy::kMostLevels - 32;
 // A triangle lower than this fraction of its longest edge has a normal too inexact to be relied on alone.
-constexpr double needleRatio = 1e-6;
-constexpr uint32_t fewestToShare = 4096;  // triangles, among threads
+constexpr double kNeedleRatio = 1e-6;
+constexpr uint32_t kFewestToShare = 4096;  // triangles, among threads
 
 struct Bounds
 {
-	Vec3 lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
+	Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
 
 	void include(const Vec3& p)
 	{
@@ -52,44 +52,44 @@ struct Split
 {
 	int axis = -1;
 	int bin = 0;
-	double cost = infinity;
+	double cost = kInfinity;
 };
 
 int binOf(const BuildItem& item, int axis, const Bounds& centers)
 {
 	const double extent = centers.upper[axis] - centers.lower[axis];
 	const double f = (item.center[axis] - centers.lower[axis]) / extent;
-	return std::clamp(static_cast<int>(f * bins), 0, bins - 1);
+	return std::clamp(static_cast<int>(f * kBins), 0, kBins - 1);
 }
 
-/// The cheapest plane by the surface area heuristic over bins bins of one axis; items of bins <= split.bin go left.
+/// The cheapest plane by the surface area heuristic over kBins bins of one axis; items of bins <= split.bin go left.
 Split bestSplitOnAxis(const Items& items, uint32_t begin, uint32_t end, int axis, const Bounds& centers)
 {
-	std::array<Bounds, bins> box;
-	std::array<uint32_t, bins> count{};
+	std::array<Bounds, kBins> box;
+	std::array<uint32_t, kBins> count{};
 	for (uint32_t i = begin; i < end; ++i)
 	{
 		const int b = binOf(items[i], axis, centers);
 		box[b].include(items[i].box);
 		++count[b];
 	}
-	std::array<double, bins> rightCost{};
+	std::array<double, kBins> rightCost{};
 	Bounds right;
 	uint32_t rightCount = 0;
-	for (int b = bins - 1; b > 0; --b)
+	for (int b = kBins - 1; b > 0; --b)
 	{
 		right.include(box[b]);
 		rightCount += count[b];
-		rightCost[b] = rightCount ? right.halfArea() * rightCount : infinity;
+		rightCost[b] = rightCount ? right.halfArea() * rightCount : kInfinity;
 	}
 	Split best;
 	Bounds left;
 	uint32_t leftCount = 0;
-	for (int b = 0; b + 1 < bins; ++b)
+	for (int b = 0; b + 1 < kBins; ++b)
 	{
 		left.include(box[b]);
 		leftCount += count[b];
-		const double cost = leftCount ? left.halfArea() * leftCount + rightCost[b + 1] : infinity;
+		const double cost = leftCount ? left.halfArea() * leftCount + rightCost[b + 1] : kInfinity;
 		if (cost < best.cost) best = {axis, b, cost};
 	}
 	return best;
@@ -101,7 +101,7 @@ uint32_t partition(Items& items, uint32_t begin, uint32_t end, int depth)
 	Bounds centers;
 	for (uint32_t i = begin; i < end; ++i) centers.include(items[i].center);
 	Split best;
-	if (depth < deepestBinned)
+	if (depth < kDeepestBinned)
 		for (int axis = 0; axis < 3; ++axis)
 			if (centers.upper[axis] > centers.lower[axis])
 			{
@@ -161,7 +161,7 @@ Child Builder::build(uint32_t begin, uint32_t end, int depth, Nodes& nodes)
 	const auto self = static_cast<uint32_t>(nodes.size());
 	nodes.emplace_back();
 	Child left, right;
-	if (end - begin < fewestToShare)
+	if (end - begin < kFewestToShare)
 	{
 		left = build(begin, split, depth + 1, nodes);
 		right = build(split, end, depth + 1, nodes);
@@ -186,7 +186,7 @@ PreparedTriangle prepareTriangle(const Vec3& a, const Vec3& b, const Vec3& c, ui
 	t.normal = cross(t.ab, t.ac);
 	const double n2 = squaredNorm(t.normal);
 	const double edge2 = std::max({squaredNorm(t.ab), squaredNorm(t.ac), squaredNorm(c - b)});
-	if (n2 > needleRatio * needleRatio * edge2 * edge2) t.inverseNormal2 = 1 / n2;
+	if (n2 > kNeedleRatio * kNeedleRatio * edge2 * edge2) t.inverseNormal2 = 1 / n2;
 	return t;
 }
 
@@ -204,7 +204,7 @@ TriangleHierarchy::TriangleHierarchy(const Mesh& mesh, const Vec3& origin, [[may
 	triangles.resize(n);
 	nodes.reserve(n / 2);
 	Builder builder{mesh, origin, *this, items};
-#pragma omp parallel num_threads(threads) if (n >= fewestToShare)
+#pragma omp parallel num_threads(threads) if (n >= kFewestToShare)
 #pragma omp single
 	root = builder.build(0, n, 0, nodes);
 	nodes.shrink_to_fit();

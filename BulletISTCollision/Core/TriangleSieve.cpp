@@ -10,13 +10,13 @@ namespace ist
 {
 namespace
 {
-constexpr float farAway = 1e18f;  // its square, three times over, still fits
-constexpr double farthestPoint = 1e17;
-constexpr double beyond = -1;
-constexpr double largestSquare = 1e35;
-constexpr double floatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
-constexpr float farRounding = 4e-6f;
-constexpr double slack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
+constexpr float kFarAway = 1e18f;  // its square, three times over, still fits
+constexpr double kFarthestPoint = 1e17;
+constexpr double kBeyond = -1;
+constexpr double kLargestSquare = 1e35;
+constexpr double kFloatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
+constexpr float kFarRounding = 4e-6f;
+constexpr double kSlack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
 
 constexpr int kLanes = 4;
 typedef float Lanes __attribute__((vector_size(16)));
@@ -69,8 +69,8 @@ struct TriangleSieve::Point
 
 	Point(const Vec3& p, float slack) : x(Lanes{} + near(p.x)), y(Lanes{} + near(p.y)), z(Lanes{} + near(p.z)), rounding(slack) {}
 
-	/// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what `farAway` stands for.
-	static float near(double coordinate) { return float(std::clamp(coordinate, -farthestPoint, farthestPoint)); }
+	/// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what kFarAway stands for.
+	static float near(double coordinate) { return float(std::clamp(coordinate, -kFarthestPoint, kFarthestPoint)); }
 
 	/// What lies in the cylinders is not nearer; squared.
 	inline Bounds lowerBounds(const Cylinders& c) const
@@ -112,11 +112,11 @@ private:
 	inline Lanes rounded(const Lanes& above, const Lanes& beside, const Lanes& size) const
 	{
 		const Lanes distance = above + beside;
-		return above * above + beside * beside - (distance + size) * (8 * rounding + farRounding * distance);
+		return above * above + beside * beside - (distance + size) * (8 * rounding + kFarRounding * distance);
 	}
 };
 
-TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size) : m_slack(float(slack * size))
+TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size) : m_slack(float(kSlack * size))
 {
 	if (hierarchy.triangles.empty()) return;
 	m_triangles = hierarchy.triangles.data();
@@ -198,7 +198,7 @@ uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
 	for (uint32_t i = begin; i < begin + uint32_t(kWidth); ++i)
 	{
 		const int lane = int(i - begin);
-		if (i >= end) leaf.plane.height[lane] = farAway;
+		if (i >= end) leaf.plane.height[lane] = kFarAway;
 		// A needle's planes say nothing: it is always looked at.
 		if (i >= end || m_triangles[i].inverseNormal2 == 0) continue;
 		const PreparedTriangle& t = m_triangles[i];
@@ -240,7 +240,7 @@ uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHi
 		const uint32_t below = k < count ? add(hierarchy, *lanes[k]) : kNone;
 		Node& node = m_nodes[index];
 		node.child[k] = below;
-		node.bound.x[k] = farAway;
+		node.bound.x[k] = kFarAway;
 		if (k >= count) continue;
 		const auto [begin, end] = hierarchy.range(*lanes[k]);
 		enclose(node.bound, k, begin, end);
@@ -255,7 +255,7 @@ TriangleSieve::Nearest TriangleSieve::nearest(const Vec3& p, double upperBound, 
 	if (!m_triangles) return best;
 	if (hint < m_count) offer(hint, p, best);
 	const Point at(p, m_slack);
-	const auto limitOf = [](double distance2) { return float(std::min(largestSquare, distance2 * floatSlack)); };
+	const auto limitOf = [](double distance2) { return float(std::min(kLargestSquare, distance2 * kFloatSlack)); };
 	float limit = limitOf(best.distance2);
 	Open stack[kStackSize];
 	int top = 0;
@@ -298,7 +298,7 @@ bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector
 	out.clear();
 	if (!m_triangles) return true;
 	const double reach2 = reach * reach * kPruneSlack;
-	const float limit = float(std::min(largestSquare, reach2 * floatSlack));
+	const float limit = float(std::min(kLargestSquare, reach2 * kFloatSlack));
 	const Point at(p, m_slack);
 	size_t certain = 0;  // triangles with a corner in reach
 	uint32_t stack[kStackSize];
@@ -330,9 +330,9 @@ bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector
 		const PreparedTriangle& t = m_triangles[place];
 		double d2;
 		offsetToTriangle(t, t.a - p, d2);
-		distance = d2 <= reach2 ? std::sqrt(d2) : beyond;
+		distance = d2 <= reach2 ? std::sqrt(d2) : kBeyond;
 	}
-	std::erase_if(out, [](const auto& entry) { return entry.first == beyond; });
+	std::erase_if(out, [](const auto& entry) { return entry.first == kBeyond; });
 	return out.size() <= most;
 }
 }  // namespace ist
