@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/CounterRandom.h"
 #include "BulletISTCollision/Core/GapLines.h"
+#include "BulletISTCollision/Core/Lens.h"
 #include "BulletISTCollision/Core/NearestSphere.h"
 
 #include <algorithm>
@@ -30,11 +31,6 @@ constexpr size_t kMostPairsTogether = 4096;
 constexpr size_t kPartsPerReport = 8192;
 constexpr double kGapShare = 0.7;  // of the time
 constexpr size_t kClusterSize = 24;
-
-double ballVolume(double r)
-{
-	return 4.0 / 3.0 * std::numbers::pi * r * r * r;
-}
 
 /// Some of a ball's pairs of samples.
 struct BallPart

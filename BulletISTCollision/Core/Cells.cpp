@@ -3,13 +3,13 @@
 
 #include "BulletISTCollision/Core/CellSampling.h"
 #include "BulletISTCollision/Core/CellSplitter.h"
+#include "BulletISTCollision/Core/Lens.h"
 #include "BulletISTCollision/Core/NearestSphere.h"
 #include "BulletISTCollision/Core/SurfaceGap.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -24,11 +24,6 @@ size_t leafCountOf(const CellOptions& options, size_t spheres)
 {
 	const size_t count = size_t(std::llround(std::max(1.0, options.leavesPerSphere) * double(spheres)));
 	return std::max({count, spheres < kSmallPacking ? kLeavesOfSmallPacking : 0, size_t(std::max<int64_t>(0, options.fewestLeaves))});
-}
-
-double ballVolume(double r)
-{
-	return 4.0 / 3.0 * std::numbers::pi * r * r * r;
 }
 
 /// Moments: exact for the ball, sampled for the gap. Normal and depth: sampled in both.

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/BallAscent.h"
 #include "BulletISTCollision/Core/CounterRandom.h"
 #include "BulletISTCollision/Core/DistanceOctree.h"
+#include "BulletISTCollision/Core/Lens.h"
 #include "BulletISTCollision/Core/MeshDistance.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
 #include "BulletISTCollision/Core/WorkerCrew.h"
@@ -20,7 +21,6 @@ namespace ist
 {
 namespace
 {
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmallestRelativeRadius = 1e-4;  // of the longest side
 constexpr int kGridCells = 32;                    // along the longest side
 constexpr size_t kCoarseTriangles = 2000;         // smaller meshes have short lists anyway
@@ -41,8 +41,6 @@ constexpr size_t kLargestBatch = 8192;
 constexpr size_t kSpheresPerBatchMember = 4;
 constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;  // done by a thread at a time
 constexpr uint64_t kSurfaceStream = 1, kAwayStream = 2, kChildStream = 3;  // of the random numbers
-
-double ballVolume(double r) { return 4.0 / 3.0 * kPi * r * r * r; }
 
 /// A sphere that fitted when it was grown.
 struct Candidate
