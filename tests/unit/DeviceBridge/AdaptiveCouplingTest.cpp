@@ -206,7 +206,7 @@ TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 			gains.maxForce = gains.maxTorque = limit;
 			AdaptiveCoupling coupling(gains);
 			Audit audit, withoutTank;
-			double most = -kInf, mostWithout = -kInf, lowest = kInf, highest = 0;
+			double most = -kInf, mostWithout = -kInf, mostInStore = -kInf, lowest = kInf, highest = 0;
 			for (int i = 0; i < 4000; ++i)
 			{
 				const double to = onPurpose ? (i / 100 % 2 ? 0 : 0.02) : place(random);
@@ -216,6 +216,7 @@ TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 				const ist::Pose hand{{}, {audit.stretch, 0, 0}};
 				coupling.adapt(contact, false, 0, 0, hand, {}, kTick);
 				const double G = coupling.gains().stiffness, c = contact(0, 0) / 1000;
+				mostInStore = std::max(mostInStore, audit.done + Audit::potential(G, audit.stretch, limit) + coupling.tank());
 				audit.go(to, G, limit);
 				withoutTank.go(to, c > 1 ? 1000 * std::min(8.0, c / (c - 1)) : 8000, limit);
 				most = std::max(most, audit.done);
@@ -224,6 +225,7 @@ TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 				highest = std::max(highest, coupling.factor());
 			}
 			EXPECT_LT(most, 1e-12) << limit << onPurpose;
+			EXPECT_LT(mostInStore, 1e-12) << "spring and tank hold no more than was put in: " << limit << onPurpose;
 			EXPECT_GT(mostWithout, 5e-3) << limit << onPurpose;
 			EXPECT_LT(lowest, 1.1);
 			EXPECT_GT(highest, 1.5);

@@ -6,12 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -180,6 +177,9 @@ TEST(SteppingThread, AListenerMayChangeTheWrench)
 	NoContact empty;
 	SteppingThread thread(rig.device, empty, rig.clock, activeWorld());
 	thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.y = 2; });
+	thread.run(1);
+	EXPECT_EQ(thread.wantedWrench().force.y, 2);
+	EXPECT_LT(thread.sentWrench().force.y, 0.1) << "the ramp has only begun";
 	thread.run(kAfterRamp);
 	EXPECT_NEAR(rig.device.lastCommand().wrench.force.y, 2, 1e-12);
 }
