@@ -4,14 +4,12 @@
 #include "BulletISTCollision/btISTConversion.h"
 #include "DeviceBridge/RealTimePriority.h"
 #include "DeviceBridge/ThreadTime.h"
-#include "DeviceBridge/ThreadWake.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
-#include <system_error>
 
 namespace devicebridge
 {
@@ -220,8 +218,7 @@ void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
 	}
 	m_askedAt = now;
 	m_questions.publish();
-	m_wake.fetch_add(1, std::memory_order_release);
-	wakeOne(m_wake);
+	m_thread.wake();
 }
 
 /// Linear models that still belong to tenants, moved to where tool and copies are.
@@ -348,38 +345,18 @@ bool BulletDecoupledSource::serveContacts() noexcept
 
 bool BulletDecoupledSource::startContactThread()
 {
-	if (m_thread.joinable()) return false;
-	m_stopping = false;
-	try
+	const auto begin = [this]
 	{
-		m_thread = std::thread([this] { contactLoop(); });
-	}
-	catch (const std::system_error&)
-	{
-		return false;
-	}
-	return true;
+		m_threadTime = threadMicroseconds();
+		if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
+	};
+	return m_thread.start(begin, [this] { return serveContacts(); });
 }
 
 void BulletDecoupledSource::stopContactThread() noexcept
 {
-	m_stopping = true;
-	m_wake.fetch_add(1, std::memory_order_release);
-	wakeOne(m_wake);
-	if (m_thread.joinable()) m_thread.join();
+	m_thread.stop();
 	m_threadTime = -1;
-}
-
-void BulletDecoupledSource::contactLoop() noexcept
-{
-	m_threadTime = threadMicroseconds();
-	if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
-	while (!m_stopping)
-	{
-		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
-		if (!serveContacts() && !m_stopping) sleepWhile(m_wake, seen);
-	}
-	serveContacts();
 }
 
 ist::Vec3 BulletDecoupledSource::undelivered() const noexcept

@@ -3,9 +3,9 @@
 
 #include <atomic>
 #include <memory>
-#include <thread>
 
 #include "DeviceBridge/AdaptiveCoupling.h"
+#include "DeviceBridge/AnsweringThread.h"
 #include "DeviceBridge/BulletLocalWorld.h"
 #include "DeviceBridge/BulletToolContacts.h"
 #include "DeviceBridge/ModelAge.h"
@@ -146,7 +146,6 @@ private:
 	void fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept;
 	void post() noexcept;
 	bool mayRelease(int slot) const noexcept;
-	void contactLoop() noexcept;
 
 	btRigidBody& m_tool;
 	std::shared_ptr<const ist::InnerSphereTree> m_tree;
@@ -173,11 +172,10 @@ private:
 	double m_threadTime = -1;  // when the last answer was published; negative: none yet on this thread
 	std::uint64_t m_asked = 0, m_lastQuestion[kMirroredBodies] = {};
 	std::int64_t m_askedAt = 0;
-	std::thread m_thread;
-	std::atomic<bool> m_stopping{false}, m_contactRealTime{false};
-	std::atomic<std::uint32_t> m_wake{0};
+	std::atomic<bool> m_contactRealTime{false};
 
 	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};
 	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
+	AnsweringThread m_thread;
 };
 }  // namespace devicebridge

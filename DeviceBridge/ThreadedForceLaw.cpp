@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/ThreadedForceLaw.h"
 
-#include "DeviceBridge/ThreadWake.h"
-
-#include <system_error>
-
 namespace devicebridge
 {
 namespace
@@ -29,8 +25,7 @@ ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep
 		question.hand = hand;
 		question.step = step;
 		m_questions.publish();
-		m_wake.fetch_add(1, std::memory_order_release);
-		wakeOne(m_wake);
+		m_thread.wake();
 	}
 	return m_held.number == 0 ? ist::Wrench() : reaction(step) + m_held.beyondCoupling;
 }
@@ -56,34 +51,8 @@ bool ThreadedForceLaw::serve() noexcept
 
 bool ThreadedForceLaw::start()
 {
-	if (m_thread.joinable()) return false;
-	m_stopping = false;
-	try
-	{
-		m_thread = std::thread([this] { loop(); });
-	}
-	catch (const std::system_error&)
-	{
-		return false;
-	}
-	return true;
+	return m_thread.start([] {}, [this] { return serve(); });
 }
 
-void ThreadedForceLaw::stop() noexcept
-{
-	m_stopping = true;
-	m_wake.fetch_add(1, std::memory_order_release);
-	wakeOne(m_wake);
-	if (m_thread.joinable()) m_thread.join();
-}
-
-void ThreadedForceLaw::loop() noexcept
-{
-	while (!m_stopping)
-	{
-		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
-		if (!serve() && !m_stopping) sleepWhile(m_wake, seen);
-	}
-	serve();
-}
+void ThreadedForceLaw::stop() noexcept { m_thread.stop(); }
 }  // namespace devicebridge

@@ -3,8 +3,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <thread>
 
+#include "DeviceBridge/AnsweringThread.h"
 #include "DeviceBridge/ForceLaw.h"
 #include "DeviceBridge/TripleBuffer.h"
 
@@ -55,16 +55,14 @@ private:
 		ist::Wrench beyondCoupling;
 		std::int64_t computedAt = 0;
 	};
-	void loop() noexcept;
 
 	ForceLaw& m_law;
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	std::uint64_t m_asked = 0;
 	Answer m_held;  // what counts: the newest answer, or what the law said on the tick; number 0: nothing yet
-	std::thread m_thread;
-	std::atomic<bool> m_threaded{true}, m_stopping{false};
-	std::atomic<std::uint32_t> m_wake{0};
+	std::atomic<bool> m_threaded{true};
 	std::atomic<std::uint64_t> m_answered{0};
+	AnsweringThread m_thread;
 };
 }  // namespace devicebridge
