@@ -120,11 +120,15 @@ std::string readSections(const std::shared_ptr<const void>& owner, std::vector<S
 {
 	const int trees = kLawSection - 1, end = kSectionEnd - 1;
 	const auto sum = [](Section& s) { s.whole = checksum64(s.bytes, s.size) == s.checksum; };
-	const auto decode = [&](Section& s) { s.state = decodeSection(s.id, owner, s.bytes, s.size, tree); };
+	const auto decode = [&](Section& s)
+	{
+		populate(s.bytes, s.size);
+		s.state = decodeSection(s.id, owner, s.bytes, s.size, tree);
+	};
 	for (int i = 0; i < trees; ++i)
 	{
-		sum(sections[i]);
 		decode(sections[i]);
+		sum(sections[i]);
 		if (const std::string problem = problemOf(sections[i]); !problem.empty()) return problem;
 	}
 	// Each fills a part of its own, and decoding is safe whatever the bytes. The longest first.

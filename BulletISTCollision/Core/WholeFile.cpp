@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -18,11 +19,6 @@ namespace ist
 namespace
 {
 constexpr size_t kChunk = size_t(1) << 22;
-#ifdef MAP_POPULATE
-constexpr int kPopulate = MAP_POPULATE;
-#else
-constexpr int kPopulate = 0;
-#endif
 
 Error systemError(const std::string& path, const char* doing, int reason)
 {
@@ -135,6 +131,15 @@ std::shared_ptr<std::byte> makeAlignedBytes(size_t size)
 	return {bytes, [](std::byte* p) { ::operator delete(p, line); }};
 }
 
+void populate([[maybe_unused]] const std::byte* bytes, [[maybe_unused]] size_t size)
+{
+#ifdef MADV_POPULATE_READ
+	const size_t page = size_t(::sysconf(_SC_PAGESIZE)), before = reinterpret_cast<uintptr_t>(bytes) % page;
+	// Where the system cannot, the first access to each page will.
+	if (size > 0) (void)::madvise(const_cast<std::byte*>(bytes - before), size + before, MADV_POPULATE_READ);
+#endif
+}
+
 MappedFile::~MappedFile()
 {
 	if (m_mapped) ::munmap(const_cast<std::byte*>(m_mapped), m_size);
@@ -156,7 +161,7 @@ Result<MappedFile> MappedFile::open(const std::string& path)
 	if (!S_ISREG(about.st_mode)) return Error{"\"" + path + "\" is not a file"};
 	MappedFile content;
 	content.m_size = static_cast<size_t>(about.st_size);
-	void* mapped = ::mmap(nullptr, content.m_size, PROT_READ, MAP_PRIVATE | kPopulate, file.number(), 0);
+	void* mapped = ::mmap(nullptr, content.m_size, PROT_READ, MAP_PRIVATE, file.number(), 0);
 	if (mapped != MAP_FAILED)
 	{
 		content.m_mapped = static_cast<const std::byte*>(mapped);

@@ -18,6 +18,10 @@ Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, s
 /// At a multiple of 64; not zeroed. Null when there is not as much.
 std::shared_ptr<std::byte> makeAlignedBytes(size_t size);
 
+/// Brings a part of a mapped file into the process at once, in less time than page by page at the first access. Several threads may do
+/// so side by side, each with a part of its own.
+void populate(const std::byte* bytes, size_t size);
+
 /// The bytes of a file, mapped, or read where the file system cannot map. A file that another program cuts short meanwhile ends
 /// the process with SIGBUS, as any mapped file; one that is replaced, as `writeWholeFile` does, stays whole.
 class MappedFile

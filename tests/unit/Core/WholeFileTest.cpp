@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -153,5 +154,34 @@ TEST_F(WholeFile, AFileThatGrowsTooLargeLeavesTheOldOne)
 	EXPECT_EQ(content(at("a")), "old");
 	EXPECT_EQ(entries(), 1);
 }
+
+// Sanitizers have faults of their own.
+#if defined(MADV_POPULATE_READ) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_F(WholeFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
+{
+	const std::string text(4'000'000, 'x');
+	ASSERT_TRUE(write(at("a"), text));
+	Result<MappedFile> file = MappedFile::open(at("a"));
+	ASSERT_TRUE(file);
+	const std::byte* bytes = file.value().bytes();
+	const size_t page = size_t(::sysconf(_SC_PAGESIZE));
+	if (::madvise(const_cast<std::byte*>(bytes), page, MADV_POPULATE_READ) != 0) GTEST_SKIP() << "this system cannot";
+	// From the middle of a page to that of another; nothing; up to the end, which is no whole page.
+	populate(bytes + page + 17, 100 * page);
+	populate(bytes + 3, 0);
+	populate(bytes + 102 * page + 5, text.size() - (102 * page + 5));
+	const auto faults = []
+	{
+		rusage usage;
+		getrusage(RUSAGE_THREAD, &usage);
+		return usage.ru_minflt;
+	};
+	const long before = faults();
+	size_t same = 0;
+	for (size_t i = page; i < text.size(); i += page) same += bytes[i] == std::byte('x');
+	EXPECT_LE(faults() - before, 2);
+	EXPECT_EQ(same, (text.size() - 1) / page);
+}
+#endif
 }  // namespace
 }  // namespace ist
