@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "tests/unit/Core/LooseTree.h"
 
 #include <gtest/gtest.h>
 
@@ -69,6 +70,27 @@ TEST(AssetFile, EveryCutIsRefused)
 		ASSERT_FALSE(cut) << size;
 		ASSERT_NE(cut.error().message.find("cut short"), std::string::npos) << size;
 	}
+}
+
+// Written with checksums of its own, so that these do not speak for it.
+TEST(AssetFile, AnInnerTreeOfOtherSpheresThanThePackingIsRefused)
+{
+	const auto refused = [](auto change)
+	{
+		LooseTree inner(smallTree().inner);
+		change(inner);
+		InnerSphereTree tree = smallTree();
+		tree.inner = inner.frozen();
+		EXPECT_EQ(tree.validate(), "");
+		const std::vector<std::byte> bytes = encodeAsset(tree);
+		const Result<InnerSphereTree> back = decodeAsset(bytes.data(), bytes.size());
+		return !back && back.error().message.find("the inner tree section contradicts itself") != std::string::npos;
+	};
+	EXPECT_FALSE(refused([](LooseTree&) {}));
+	EXPECT_TRUE(refused([](LooseTree& t) { t.sphereIndex[3] = 1000; }));
+	EXPECT_TRUE(refused([](LooseTree& t) { t.sphereIndex[3] = t.sphereIndex[4]; }));
+	EXPECT_TRUE(refused([](LooseTree& t) { std::swap(t.sphereIndex[3], t.sphereIndex[4]); }));
+	EXPECT_TRUE(refused([](LooseTree& t) { t.spheres[3].r = t.blocks[0].R[3] *= 0.99f; }));
 }
 
 TEST(AssetFile, VersionsBeforeTheFirstReleaseAreNamed)
