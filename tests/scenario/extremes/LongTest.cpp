@@ -47,6 +47,28 @@ TEST(Tower, OfTwentyCubesStandsAtTwoHundredAndFortyHertz)
 	expectStraightTower(setup, 150000);
 }
 
+// A column of elastic contacts buckles: by theory with 14 cubes of these leaves, whose contacts tilt more easily than faces without gaps.
+TEST(Tower, FallsWhereAColumnOfItsTiltStiffnessBuckles)
+{
+	constexpr double kSinkage = 3e-4;
+	const ExtremeSolid cube = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
+	const double tilt = tiltStiffness(cube, kSinkage);
+	EXPECT_GT(tilt, leastTiltStiffness(13));
+	EXPECT_LT(tilt, leastTiltStiffness(14));
+	for (const int cubes : {13, 14})
+	{
+		TowerSetup setup;
+		setup.cubes = cubes;
+		setup.k = cubes * kGravity / kSinkage;
+		setup.h = 1.0 / 240;
+		setup.seconds = 25;
+		setup.turn = 1.5707963267948966;
+		const TowerOutcome tower = stackCubes(Response::Volumetric, cube, setup);
+		std::printf("  %d cubes: drift %.2e of an edge, falls after %.1f s (never: negative)\n", cubes, tower.drift, tower.fellAfter);
+		EXPECT_EQ(tower.fellAfter < 0, cubes == 13);
+	}
+}
+
 TEST(EnergyLaw, AThousandCollisionsGiveBackWhatTheyStored) { expectConserved(1000); }
 
 // What the row above is measured against.
