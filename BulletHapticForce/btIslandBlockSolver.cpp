@@ -53,8 +53,9 @@ Vec6 toEigen(const ist::Vec3& a, const ist::Vec3& b)
 Mat6 toEigen(const ist::SymmetricMatrix6& a)
 {
 	Mat6 r;
+	const double* next = a.m;
 	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 6; ++j) r(i, j) = a(i, j);
+		for (int j = i; j < 6; ++j) r(i, j) = r(j, i) = *next++;
 	return r;
 }
 
@@ -73,35 +74,37 @@ Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 
 /// The friction of one patch, no longer than `limit`, that leaves as little slip as it can, all along the axes in which the slip answers to each part
 /// of it alone, `yielding` times: (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit. Newton's method for 1/|wanted|, which
-/// comes from below and does not overshoot.
-Eigen::Vector3d frictionWithin(double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding)
+/// comes from below and does not overshoot; from above one step leads below. `excess`: m, and where the search for it begins.
+Eigen::Vector3d frictionWithin(double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding, double& excess)
 {
 	Eigen::Vector3d wanted;
 	for (int i = 0; i < 3; ++i) wanted(i) = yielding[i] > 0 ? now(i) - slip(i) / yielding[i] : now(i);
 	if (wanted.squaredNorm() <= limit * limit) return wanted;
 	if (!(limit > 0)) return Eigen::Vector3d::Zero();
 	Eigen::Vector3d pull;
-	double m = 0;
+	double least = 0;
 	for (int i = 0; i < 3; ++i)
 	{
 		pull(i) = yielding[i] * now(i) - slip(i);
-		m = std::max(m, std::fabs(pull(i)) / limit - yielding[i]);
+		least = std::max(least, std::fabs(pull(i)) / limit - yielding[i]);
 	}
+	excess = std::max(excess, least);
+	double length = limit;
 	for (int i = 0; i < kMostNewtonSteps; ++i)
 	{
 		double square = 0, slope = 0;
 		for (int k = 0; k < 3; ++k)
 		{
-			const double inverse = yielding[k] + m > 0 ? 1 / (yielding[k] + m) : 0;
+			const double inverse = yielding[k] + excess > 0 ? 1 / (yielding[k] + excess) : 0;
 			wanted(k) = pull(k) * inverse;
 			square += wanted(k) * wanted(k);
 			slope += wanted(k) * wanted(k) * inverse;
 		}
-		const double length = std::sqrt(square);
-		if (length <= (1 + kLimitTolerance) * limit) break;
-		m += (length - limit) / limit * square / slope;
+		length = std::sqrt(square);
+		if (std::fabs(length - limit) <= kLimitTolerance * limit || !(slope > 0)) break;
+		excess = std::max(excess + (length - limit) * square / (limit * slope), least);
 	}
-	return wanted * (limit / std::max(limit, wanted.norm()));
+	return wanted * (limit / std::max(limit, length));
 }
 }  // namespace
 
@@ -146,6 +149,7 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	p.body[1] = bodyB;
 	p.friction = friction;
 	p.active = true;
+	p.excess = 0;
 	Map<Mat6>(p.S) = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
 	Map<Vec6>(p.push) = h * toEigen(patch.wrench.force, patch.wrench.torque);
 	Map<Vec6>(p.given) = toEigen(given.linear, given.angular);
@@ -155,9 +159,10 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	{
 		if (p.body[side] < 0) continue;
 		const Body& body = m_bodies[size_t(p.body[side])];
-		Mat6 J = Mat6::Identity();
-		J.topRightCorner<3, 3>() = -crossMatrix(patch.point - body.center);
-		Map<Mat6>(p.jacobian[side]) = (side == 0 ? 1.0 : -1.0) * J * Map<const Mat6>(body.root);
+		// Of a root whose mixed quarters are zero.
+		Map<Mat6> J(p.jacobian[side]);
+		J = (side == 0 ? 1.0 : -1.0) * Map<const Mat6>(body.root);
+		J.topRightCorner<3, 3>().noalias() -= crossMatrix(patch.point - body.center) * J.bottomRightCorner<3, 3>();
 	}
 	ist::Vec3 t1, t2;
 	ist::completeFrame(patch.normal, t1, t2);
@@ -390,7 +395,7 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 	normal = std::max(asked(3), 0.0);
 	Map<Eigen::Vector3d> now(tangent(patch));
 	const Map<const Mat3> axes(p.axes);
-	const Eigen::Vector3d wanted = axes * frictionWithin(p.friction * normal, axes.transpose() * now, axes.transpose() * asked.head<3>(), p.yielding);
+	const Eigen::Vector3d wanted = axes * frictionWithin(p.friction * normal, axes.transpose() * now, axes.transpose() * asked.head<3>(), p.yielding, p.excess);
 	const Eigen::Vector3d change = wanted - now;
 	now = wanted;
 	const Eigen::Index stride = 6 * Eigen::Index(m_bodyCount);

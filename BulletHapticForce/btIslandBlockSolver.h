@@ -70,6 +70,7 @@ private:
 		// What friction asks for is affine in the state: the slip along E and the elastic normal impulse.
 		double asked[2][24], askedAtRest[4];
 		double axes[9], yielding[3], friction = 0;  // principal axes of how the slip answers to friction, and by how much along each
+		double excess = 0;  // of the last visit: by how much more it would have to answer for the friction to come out within its limit
 		double elastic[6];
 		bool active = true;
 	};
