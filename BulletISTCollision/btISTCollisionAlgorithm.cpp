@@ -68,8 +68,9 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 {
 	contact.bodyA = wrapA->getCollisionObject();
 	contact.bodyB = wrapB->getCollisionObject();
-	contact.treeA = m_treeA;
-	contact.treeB = m_treeB;
+	// Counting owners is atomic.
+	if (contact.treeA != m_treeA) contact.treeA = m_treeA;
+	if (contact.treeB != m_treeB) contact.treeB = m_treeB;
 	contact.stamp = m_context->store.step();
 	contact.X_WA = toPose(wrapA->getWorldTransform());
 	contact.X_AB = ist::inverse(contact.X_WA) * toPose(wrapB->getWorldTransform());

@@ -269,6 +269,7 @@ btISTRepresentativePoints::btISTRepresentativePoints(const btISTContact& contact
 void btISTRepresentativePoints::write(btPersistentManifold& manifold, double dissipation, const btCollisionObjectWrapper* wrapA,
 									  const btCollisionObjectWrapper* wrapB) const
 {
+	if (count == 0 && manifold.getNumContacts() == 0) return;
 	btManifoldPoint fresh[MANIFOLD_CACHE_SIZE];
 	for (int i = 0; i < count; ++i) fresh[i] = manifoldPoint(point[i], dissipation, wrapA, wrapB);
 	int slotOf[MANIFOLD_CACHE_SIZE];

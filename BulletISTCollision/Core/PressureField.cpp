@@ -88,8 +88,16 @@ Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist)
 {
 	const double x[6] = {twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.x, twist.angular.y, twist.angular.z};
 	double y[6] = {};
+	const double* next = matrix.m;
 	for (int i = 0; i < 6; ++i)
-		for (int j = 0; j < 6; ++j) y[i] += matrix(i, j) * x[j];
+	{
+		y[i] += *next++ * x[i];
+		for (int j = i + 1; j < 6; ++j, ++next)
+		{
+			y[i] += *next * x[j];
+			y[j] += *next * x[i];
+		}
+	}
 	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
 }
 
