@@ -73,6 +73,7 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 	out.finished = met && apart > 0;
 	out.swing = most - least;
 	out.stepTimesFrequency = std::sqrt(bend / (2 * out.swing));
+	out.kinetic = before.kinetic;
 	out.gain = after.kinetic - before.kinetic;
 	out.momentum = norm(after.linear - before.linear) / (kMass * speed);
 	out.angular = norm(after.angular - before.angular) / (kMass * speed * 0.5 * size);
