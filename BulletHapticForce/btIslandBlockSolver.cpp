@@ -27,6 +27,8 @@ constexpr int kMaxSweeps = 400;
 // when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's beginning.
 constexpr int kPatience = 24;
 constexpr double kProgress = 0.5;
+// Sweeps and their combinations carry the state along, and with it rounding, which may double from one to the next. It is made anew from the impulses after so many, and at the end.
+constexpr int kTrust = 8;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse.
 constexpr double kFrictionTolerance = 1e-9;
 constexpr double kImmovable = 1e-12;
@@ -419,15 +421,17 @@ void btIslandBlockSolver::iterateFriction()
 			m_remainingChange = std::max(m_remainingChange, visitFriction(k, normal));
 			largestNormal = std::max(largestNormal, normal);
 		}
-		if (m_remainingChange <= kFrictionTolerance * largestNormal) return;
+		m_frictionNotConverged = m_remainingChange > kFrictionTolerance * largestNormal;
+		if (!m_frictionNotConverged || m_sweeps == kMaxSweeps - 1) break;
 		if (m_sweeps % kPatience == kPatience - 1)
 		{
 			if (m_sweeps >= kPatience && m_remainingChange > kProgress * before) break;
 			before = m_remainingChange;
 		}
 		m_acceleration.advance(m_tangents.data(), m_z.data());
+		if (m_sweeps % kTrust == kTrust - 1) solveElastic();
 	}
-	m_frictionNotConverged = true;
+	if (m_sweeps > 0) solveElastic();
 }
 
 /// Of a patch that is out: whether its impulse would push if it were in. The test of the force at this state alone would bring
