@@ -135,7 +135,6 @@ void ThreadedDevice::Worker::run() noexcept
 			status.store(DeviceStatus::Ok, std::memory_order_release);
 			stepTo(Phase::Running);
 		}
-		status.store(DeviceStatus::Disconnected, std::memory_order_release);
 		if (event == DeviceLink::Event::Lost) complain(link->complaint());
 		else
 		{
@@ -143,7 +142,7 @@ void ThreadedDevice::Worker::run() noexcept
 			link->exchange({}, last);
 		}
 	}
-	else status.store(DeviceStatus::Disconnected, std::memory_order_release);
+	status.store(DeviceStatus::Disconnected, std::memory_order_release);  // whoever sees it finds the reason told
 	link->disconnect();
 	stepTo(Phase::Ended);
 }

@@ -67,7 +67,11 @@ public:
 		++m_bench->disconnections;
 		m_bench->exerted = 0;
 	}
-	std::string complaint() const override { return "the cable is out"; }
+	std::string complaint() const override
+	{
+		std::this_thread::sleep_for(std::chrono::milliseconds(50));  // whoever hears of the loss before the reason is told, asks for it by then
+		return "the cable is out";
+	}
 
 private:
 	void check()
