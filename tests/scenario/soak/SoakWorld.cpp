@@ -6,6 +6,8 @@
 #include "BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h"
 #include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
 
+#include <limits>
+
 using namespace scenario;
 
 namespace soak
@@ -283,6 +285,16 @@ double SoakWorld::energy() const
 		sum += 0.5 * double(w.x() * w.x() * i.x() + w.y() * w.y() * i.y() + w.z() * w.z() * i.z());
 	}
 	return sum;
+}
+
+double SoakWorld::deepestWith(double energy, const Actor& actor)
+{
+	const double stiffness = m_ist->materials().find(actor.body.get()).stiffness;
+	if (stiffness == 0) return 0;
+	double volume = 0;
+	for (const Actor::Part& part : actor.parts) volume += ist::massProperties(m_solids.of(part.solid).mesh).volume;
+	const double resistance = stiffness * volume - 9.81 / double(actor.body->getInvMass());
+	return resistance > 0 ? energy / resistance : std::numeric_limits<double>::infinity();
 }
 
 void SoakWorld::step(double h)
