@@ -289,11 +289,11 @@ double SoakWorld::energy() const
 
 double SoakWorld::deepestWith(double energy, const Actor& actor)
 {
-	const double stiffness = m_ist->materials().find(actor.body.get()).stiffness;
-	if (stiffness == 0) return 0;
-	double volume = 0;
-	for (const Actor::Part& part : actor.parts) volume += ist::massProperties(m_solids.of(part.solid).mesh).volume;
-	const double resistance = stiffness * volume - 9.81 / double(actor.body->getInvMass());
+	const ist::InnerSphereTree& part = *m_solids.of(actor.parts[0].solid).tree;  // all parts are alike
+	const double weight = 9.81 / double(actor.body->getInvMass()), size = std::cbrt(part.volume);
+	double stiffness = m_ist->materials().find(actor.body.get()).stiffness;
+	if (stiffness == 0) stiffness = weight / (std::max(0.001 * size, part.meanGap) * size * size);
+	const double resistance = stiffness * part.volume * double(actor.parts.size()) - weight;
 	return resistance > 0 ? energy / resistance : std::numeric_limits<double>::infinity();
 }
 

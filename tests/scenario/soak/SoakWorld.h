@@ -87,7 +87,8 @@ public:
 	/// Kinetic and potential, of all that moves [J].
 	double energy() const;
 	/// How deep in the floor [m] that energy can press a body's centre of mass. A pressure of k times the depth stores at least k times the body's volume
-	/// times the mean depth of its points (Jensen), and weight gives back its own share; 0 where the stiffness is ours to choose.
+	/// times the mean depth of its points (Jensen), and weight gives back its own share. Where no k is set it is at least that of btISTDefaultPairRule for the
+	/// body alone.
 	double deepestWith(double energy, const Actor& actor);
 	void step(double h);
 
