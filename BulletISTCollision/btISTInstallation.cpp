@@ -60,6 +60,7 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 {
 	const btCollisionShape* shape0 = wrap0->getCollisionShape();
 	const btCollisionShape* shape1 = wrap1->getCollisionShape();
+	int type0 = shape0->getShapeType(), type1 = shape1->getShapeType();
 	if (context->active && context->registry->size() > 0)
 	{
 		auto treeA = context->registry->find(shape0);
@@ -74,8 +75,11 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 			return new (memory) btISTCollisionAlgorithm(info, context->shared_from_this(), mode, std::move(treeA), std::move(treeB),
 														*(swapped ? wrap1 : wrap0), *(swapped ? wrap0 : wrap1));
 		}
+		// GImpact takes a compound apart by itself and asks nobody about the children. Bullet's algorithm for compounds does, as with any convex shape.
+		if (treeA && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
+		if (treeB && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
 	}
-	return previous[shape0->getShapeType()][shape1->getShapeType()]->CreateCollisionAlgorithm(info, wrap0, wrap1);
+	return previous[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
 }
 
 /// Our entries in one dispatcher.

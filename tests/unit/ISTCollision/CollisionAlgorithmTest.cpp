@@ -4,8 +4,10 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "tests/unit/CountingAllocator.h"
+#include "tests/unit/ISTCollision/BulletMesh.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <LinearMath/btThreads.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -312,6 +314,36 @@ TEST(btISTCollisionAlgorithm, WorksForAChildOfACompoundAndOfANestedOne)
 		w.world->addRigidBody(b);
 		w.step(10);
 		EXPECT_NEAR(double(b->getWorldTransform().getOrigin().y()), 1.5, .25);
+	}
+}
+
+// GImpact has an algorithm of its own for a mesh on a compound, which asks nobody about the children.
+TEST(btISTCollisionAlgorithm, WorksForAChildOfACompoundOnAGImpactMesh)
+{
+	const BulletMesh triangles(ist::makeBoxMesh({0.5, 0.5, 0.5}));
+	for (const bool compoundFirst : {false, true})
+	{
+		TestWorld w;
+		btGImpactCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+		auto r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache());
+		btGImpactMeshShape mesh(triangles.interface());
+		mesh.updateBound();
+		btBoxShape volumetric(btVector3(.5, .5, .5)), plain(btVector3(.5, .5, .5));
+		btCompoundShape compound;
+		compound.addChildShape(at(-1, 0, 0), &volumetric);
+		compound.addChildShape(at(1, 0, 0), &plain);
+		if (compoundFirst) w.add(&compound, 0, at(1, .9, 0));
+		w.add(&mesh, 1, at(0, 0, 0));
+		if (!compoundFirst) w.add(&compound, 0, at(1, .9, 0));
+		w.step(1);
+		EXPECT_EQ(r.store().contacts().size(), 0u) << "nothing is attached";
+		EXPECT_GT(w.points(), 0);
+		const auto keep = attach(r, mesh), keepToo = attach(r, volumetric);
+		w.bodies[compoundFirst ? 1 : 0]->setWorldTransform(at(0, 0, 0));
+		w.step(1);
+		double volume = 0;
+		for (const btISTContact* contact : r.store().contacts()) volume += contact->total.volume;
+		EXPECT_NEAR(volume, 0.1, 0.01);  // of a layer of a tenth of the cube
 	}
 }
 
