@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btIslandBlockSolver.h"
 
+#include "BulletISTCollision/Core/SymmetricEigen.h"
+
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace
 {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat3 = Eigen::Matrix3d;
 using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+using Axes = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // an axis a row
 using Mat63 = Eigen::Matrix<double, 6, 3>;
 using Mat46 = Eigen::Matrix<double, 4, 6>;
 using Vector = Eigen::VectorXd;
@@ -29,8 +33,9 @@ constexpr int kPatience = 24;
 constexpr double kProgress = 0.5;
 // Sweeps and their combinations carry the state along, and with it rounding, which may double from one to the next. It is made anew from the impulses after so many, and at the end.
 constexpr int kTrust = 8;
-// Friction is done when no impulse changes by more than this share of the largest normal impulse.
-constexpr double kFrictionTolerance = 1e-9;
+// Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision. What sticks then
+// creeps by no more than this share of g h, since the next step begins where this one ends.
+constexpr double kFrictionTolerance = 1e-7;
 constexpr double kImmovable = 1e-12;
 // Of the search for a sliding patch's friction; steps double the digits.
 constexpr int kMostNewtonSteps = 20;
@@ -63,14 +68,16 @@ Mat6 toEigen(const ist::SymmetricMatrix6& a)
 
 Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 {
-	Mat3 inertia;
+	double inertia[3][3];
 	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) inertia(i, j) = 0.5 * (body.inverseInertia.m[i][j] + body.inverseInertia.m[j][i]);
-	const Eigen::SelfAdjointEigenSolver<Mat3> eigen(inertia);
+		for (int j = 0; j < 3; ++j) inertia[i][j] = 0.5 * (body.inverseInertia.m[i][j] + body.inverseInertia.m[j][i]);
 	Mat6 root = Mat6::Zero();
 	root.topLeftCorner<3, 3>().diagonal() = toEigen(body.inverseMass).cwiseMax(0.0).cwiseSqrt();
-	root.bottomRightCorner<3, 3>() =
-		eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+	ist::SymmetricEigen<3> eigen;
+	if (!eigen.decompose(inertia)) return Mat6::Constant(std::numeric_limits<double>::quiet_NaN());  // refused when it is factorised
+	const Map<const Axes> axes(eigen.vectors[0]);
+	const Eigen::Array3d values = Map<const Eigen::Array3d>(eigen.values).max(0.0);
+	root.bottomRightCorner<3, 3>() = axes.transpose() * values.sqrt().matrix().asDiagonal() * axes;
 	return root;
 }
 
@@ -379,10 +386,14 @@ void btIslandBlockSolver::prepareFriction()
 		for (int side = 0; side < 2; ++side)
 			if (p.body[side] >= 0) G += Map<const Mat46>(p.asked[side]).topRows<3>() * columns.block<6, 3>(placeOf(p, side), 0);
 		Map<Eigen::Matrix<double, Eigen::Dynamic, 3>>(&m_response[3 * stride * size_t(k)], Eigen::Index(stride), 3) = columns.leftCols<3>();
-		const Eigen::SelfAdjointEigenSolver<Mat3> eigen(0.5 * (G + G.transpose()));
-		Map<Mat3>(p.axes) = eigen.eigenvectors();
-		const double immovable = kImmovable * eigen.eigenvalues()(2);
-		Map<Eigen::Vector3d>(p.yielding) = (eigen.eigenvalues().array() > immovable).select(eigen.eigenvalues(), 0.0);
+		double yielding[3][3];
+		Map<Axes> symmetric(yielding[0]);
+		symmetric = 0.5 * (G + G.transpose());
+		ist::SymmetricEigen<3> eigen;
+		if (!eigen.decompose(yielding)) eigen = {};  // not finite: no friction
+		Map<Axes>(p.axes) = Map<const Axes>(eigen.vectors[0]);
+		const Map<const Eigen::Vector3d> values(eigen.values);
+		Map<Eigen::Vector3d>(p.yielding) = (values.array() > kImmovable * values.maxCoeff()).select(values, 0.0);
 	}
 	m_frictionPrepared = true;
 }
@@ -396,8 +407,8 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[size_t(placeOf(p, side))]);
 	normal = std::max(asked(3), 0.0);
 	Map<Eigen::Vector3d> now(tangent(patch));
-	const Map<const Mat3> axes(p.axes);
-	const Eigen::Vector3d wanted = axes * frictionWithin(p.friction * normal, axes.transpose() * now, axes.transpose() * asked.head<3>(), p.yielding, p.excess);
+	const Map<const Axes> axes(p.axes);
+	const Eigen::Vector3d wanted = axes.transpose() * frictionWithin(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
 	const Eigen::Vector3d change = wanted - now;
 	now = wanted;
 	const Eigen::Index stride = 6 * Eigen::Index(m_bodyCount);

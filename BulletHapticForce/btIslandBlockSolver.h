@@ -46,7 +46,7 @@ public:
 	double normalImpulse(int patch) const;
 	/// Sweeps of the friction iteration in the last solve, and largest change of an impulse in the last of them [N s].
 	int sweeps() const { return m_sweeps; }
-	/// True when the sweeps of any round of the last solve ended before the impulses stood still.
+	/// True when the last solve's sweeps ended before the impulses stood still.
 	bool frictionNotConverged() const { return m_frictionNotConverged; }
 	/// Changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
@@ -69,7 +69,7 @@ private:
 		double jacobian[2][36];  // J R of A, and -J R of B
 		// What friction asks for is affine in the state: the slip along E and the elastic normal impulse.
 		double asked[2][24], askedAtRest[4];
-		double axes[9], yielding[3], friction = 0;  // principal axes of how the slip answers to friction, and by how much along each
+		double axes[9], yielding[3], friction = 0;  // principal axes, a row each, of how the slip answers to friction, and by how much
 		double excess = 0;  // of the last visit: by how much more it would have to answer for the friction to come out within its limit
 		double elastic[6];
 		bool active = true;

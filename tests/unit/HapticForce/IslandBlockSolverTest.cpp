@@ -252,7 +252,7 @@ void expectCoulomb(const Scene& scene, uint64_t seed, FrictionCount& count)
 {
 	btIslandBlockSolver solver;
 	ASSERT_TRUE(scene.solve(solver));
-	if (solver.remainingChange() > 1e-7)
+	if (solver.frictionNotConverged())
 	{
 		++count.undecided;
 		return;
