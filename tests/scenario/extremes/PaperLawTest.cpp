@@ -99,7 +99,11 @@ struct OneSphere
 		for (int i = 0; i < 300; ++i)
 		{
 			law.apply(h);
-			if (i == 0) predicted = law.contact(0).stability;
+			if (i == 0)
+			{
+				predicted = law.contact(0).stability;
+				EXPECT_EQ(law.unstable(), predicted > 4 ? 1u : 0u);
+			}
 			world.step(h);
 			worst = std::max(worst, std::fabs(double(body->getWorldTransform().getOrigin().y()) - rest));
 			if (worst > 1e-2 * depth) return true;
