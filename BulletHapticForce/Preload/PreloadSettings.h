@@ -11,7 +11,7 @@ struct Settings
 	bool on = true;           ///< BULLETHAPTICS_PRELOAD=off turns everything off
 	int spheres = 3000;       ///< BULLETHAPTICS_SPHERES, of each tree, 10 to a million
 	std::string cacheFolder;  ///< BULLETHAPTICS_CACHE; else $XDG_CACHE_HOME/bullethaptics or ~/.cache/bullethaptics; empty: nothing is kept
-	int verbosity = 1;        ///< BULLETHAPTICS_VERBOSE: 0 says nothing, 1 what is done to a world, 2 also what becomes of each shape
+	int verbosity = 1;        ///< BULLETHAPTICS_VERBOSE: 0 says nothing but mistakes, 1 also what is done to a world, 2 also what becomes of each shape
 	bool waits = false;       ///< BULLETHAPTICS_WAIT=1: the first steps wait for the trees, so that a run can be repeated
 };
 

@@ -167,7 +167,7 @@ private:
 			"(0..1]");
 	}
 
-	CLI::App m_app{"Inner sphere trees: build, inspect, check, export, query", "ist"};
+	CLI::App m_app{"Inner sphere trees: build, inspect, check, export, pack, query, tune", "ist"};
 	std::function<int()> m_command;
 	BuildArguments m_build;
 	InfoArguments m_info;
