@@ -1,5 +1,5 @@
-# pkg-config files: bullethaptics-core, and bullethaptics-collision, -force and -test-support in both precisions of Bullet. They find their
-# folder themselves, so that an installation may be moved.
+# pkg-config files: bullethaptics-core and -devices, and bullethaptics-collision, -force, -test-support and -device-bridge in both precisions of
+# Bullet. They find their folder themselves, so that an installation may be moved.
 function(bullethaptics_pkg_config name description requires libraries)
 	set(definitions "${ARGN}")
 	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
@@ -20,8 +20,28 @@ Cflags: -I${includedir}@definitions@
 	install(FILES ${CMAKE_CURRENT_BINARY_DIR}/pkgconfig/bullethaptics-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 endfunction()
 
+# The libraries that a static target was given by path or by name, as the linker finds them.
+function(bullethaptics_linker_flags target output)
+	set(flags "")
+	get_target_property(links ${target} LINK_LIBRARIES)
+	foreach(link ${links})
+		cmake_path(GET link PARENT_PATH folder)
+		cmake_path(GET link STEM name)
+		if(IS_ABSOLUTE "${link}" AND name MATCHES "^lib")
+			if(NOT folder IN_LIST CMAKE_CXX_IMPLICIT_LINK_DIRECTORIES)
+				string(APPEND flags " -L${folder}")
+			endif()
+			string(REGEX REPLACE "^lib" " -l" name "${name}")
+			string(APPEND flags "${name}")
+		endif()
+	endforeach()
+	list(TRANSFORM CMAKE_DL_LIBS PREPEND " -l" OUTPUT_VARIABLE dl)
+	set(${output} "${flags}${dl}" PARENT_SCOPE)
+endfunction()
+
 set(core_libraries "-listcore")
 set(core_requires "")
+set(devices_libraries "-lBulletHapticsDevices")
 if(NOT BUILD_SHARED_LIBS)
 	if(BULLETHAPTICS_ASSIMP)
 		set(core_requires "assimp")
@@ -30,8 +50,11 @@ if(NOT BUILD_SHARED_LIBS)
 	if(BULLETHAPTICS_OPENMP)
 		string(APPEND core_libraries " ${OpenMP_CXX_FLAGS}")
 	endif()
+	bullethaptics_linker_flags(devices flags)
+	string(APPEND devices_libraries "${flags}")
 endif()
 bullethaptics_pkg_config(core "Overlap of closed meshes from inner sphere trees" "${core_requires}" "${core_libraries}")
+bullethaptics_pkg_config(devices "Haptic devices and hands" "bullethaptics-core" "${devices_libraries}")
 foreach(precision ${BULLETHAPTICS_PRECISIONS})
 	set(suffix ${suffix_${precision}})
 	# As FindBulletPhysics.cmake does: Bullet's own build names its package alike in both precisions, and does not say that it was made for threads.
@@ -45,4 +68,6 @@ foreach(precision ${BULLETHAPTICS_PRECISIONS})
 	bullethaptics_pkg_config(force${suffix} "Volumetric contact for Bullet" "bullethaptics-collision${suffix}" "-lBulletHapticForce${suffix}")
 	bullethaptics_pkg_config(test-support${suffix} "Physics tests for games with volumetric contact" "bullethaptics-force${suffix}"
 		"-lBulletHapticsTestSupport${suffix}")
+	bullethaptics_pkg_config(device-bridge${suffix} "Haptic devices and hands in a Bullet world" "bullethaptics-devices bullethaptics-force${suffix}"
+		"-lDeviceBridge${suffix}")
 endforeach()
