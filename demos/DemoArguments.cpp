@@ -24,7 +24,7 @@ const char* const kDemoUsage =
 	"  --world-rate HZ  at this rate (default 60)\n"
 	"  --report FILE    write a report as one HTML file\n"
 	"  --json           print the result as JSON instead of a table\n"
-	"  --headless       no window (haptic-bunny, bunny-query, continuity and scenes never open one)\n"
+	"  --headless       no window (only the browser and its demos open one; --list says which those are)\n"
 	"of the browser's demos:\n"
 	"  --frames N       so many steps; of the window: so many pictures until it closes itself\n"
 	"  --dt S           seconds a step (default: what the demo thinks right)\n"
@@ -67,6 +67,9 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 	if (!others)
 		if (std::string wrong = clash("the browser", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its demos scale their meshes and step as they are drawn"); !wrong.empty())
 			return wrong;
+	if (!others && a.demo.empty() && !given.count("--gallery"))
+		for (const char* name : {"--headless", "--json", "--report", "--screenshot", "--record"})
+			if (given.count(name)) return std::string(name) + " needs --demo NAME or --scene FILE: without either the browser opens in a window (--list names the demos)";
 	if (given.count("--window-screenshot") && !given.count("--frames")) return "--window-screenshot goes with --frames";
 	if (given.count("--paper-figures"))
 		return clash("--paper-figures", {"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},

@@ -57,6 +57,8 @@ expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --s
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
 expect "a folder is no scene" 1 "$dir: cannot be read" "$demos" --scene "$dir"
 expect "the figures take their scenes from where one says" 1 "$dir/bunny.json: cannot be read" "$demos" --paper-figures "$dir/figures" --scenes "$dir"
+expect "without a window there must be something to run" 2 "--headless needs --demo NAME or --scene FILE" "$demos" --headless
+expect "nor is there anything to report" 2 "--report needs --demo NAME or --scene FILE" "$demos" --report "$dir/none.html"
 expect "the figures run in real time" 2 "--paper-figures goes without --virtual-time" "$demos" --paper-figures "$dir/figures" --virtual-time
 expect "the figures have their own meshes" 2 "--paper-figures goes without --mesh" "$demos" --paper-figures "$dir/figures" --mesh x.obj
 expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$demos" --scenes "$dir" --demo continuity
