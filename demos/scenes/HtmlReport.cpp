@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <utility>
 
 namespace scenes
@@ -157,6 +159,7 @@ std::string formatNumber(double value, int digits)
 	if (std::fabs(value) < 1e-300) return "0";
 	char buffer[40];
 	std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+	if (std::fabs(value) >= 1 && std::fabs(value) < 1e6 && std::strchr(buffer, 'e')) std::snprintf(buffer, sizeof buffer, "%.0f", std::strtod(buffer, nullptr));
 	return buffer;
 }
 

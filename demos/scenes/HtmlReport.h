@@ -47,6 +47,6 @@ private:
 	std::string m_title, m_body;
 };
 
-/// `value` with the given number of significant digits, without needless zeros.
+/// `value` with the given number of significant digits, without needless zeros and, below a million, without an exponent: 2070 rather than 2.07e+03.
 std::string formatNumber(double value, int digits = 4);
 }  // namespace scenes
