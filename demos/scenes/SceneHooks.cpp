@@ -25,8 +25,8 @@ constexpr const char* kHandHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,h
 constexpr const char* kToolHeader = ",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
 }  // namespace
 
-SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, const Pose& X_BW, SteppingThread& thread, size_t ticks)
-	: m_world(world), m_X_BW(X_BW), m_X_PM(inverse(world.body(scene.tool).X_MP)), m_thread(thread)
+SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, const Pose& X_BW, SteppingThread& thread, std::int64_t begun, size_t ticks)
+	: m_world(world), m_X_BW(X_BW), m_X_PM(inverse(world.body(scene.tool).X_MP)), m_thread(thread), m_begun(begun)
 {
 	m_faults.reserve(kMostFaults);
 	for (const SceneBody& body : scene.bodies) m_counts.push_back({body.name, 0, 0, 0});
@@ -125,7 +125,7 @@ void SceneHooks::finish(SceneOutcome& outcome)
 	for (const Fault& fault : m_faults)
 	{
 		char at[40];
-		std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at));
+		std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at - m_begun));
 		outcome.faults.push_back(describe(fault.cause) + std::string(at));
 	}
 	if (m_moreFaults > 0) outcome.faults.push_back("and " + std::to_string(m_moreFaults) + " more");

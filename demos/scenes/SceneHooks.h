@@ -10,8 +10,8 @@ namespace scenes
 class SceneHooks
 {
 public:
-	/// `X_BW`: of the device's world; `ticks`: how many a recording can hold.
-	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, size_t ticks);
+	/// `X_BW`: of the device's world; `begun`: when the session begins, by the clock of `thread`; `ticks`: how many a recording can hold.
+	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, std::int64_t begun, size_t ticks);
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
@@ -45,6 +45,7 @@ private:
 	const SceneWorld& m_world;
 	ist::Pose m_X_BW, m_X_PM;  // of the device's world; of the tool's mesh frame
 	devicebridge::SteppingThread& m_thread;
+	std::int64_t m_begun;
 	std::vector<SceneContactCount> m_counts;
 	std::vector<std::unique_ptr<Recording>> m_recordings;
 	std::vector<devicebridge::Fault> m_faults;

@@ -327,7 +327,7 @@ std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecou
 {
 	SteppingThread thread(*stage.hand.device, source, *stage.hand.clock);
 	TickRecorder recorder(thread, stage.hand, stage.ticks, decoupled);
-	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.ticks);
+	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.hand.clock->now(), stage.ticks);
 	std::unique_ptr<WorldBeside> beside;
 	if (decoupled) beside = std::make_unique<WorldBeside>(stage.world, *decoupled, *stage.hand.clock, stage.scene.worldRate);
 	const bool ownThread = decoupled && decoupled->topology() == ContactTopology::OwnThread && !stage.options.virtualTime;
