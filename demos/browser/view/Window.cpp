@@ -109,14 +109,14 @@ void onDrop(GLFWwindow* window, int count, const char** paths)
 std::optional<ist::Error> openGlfw(GlfwWindow& glfw, const WindowOptions& options)
 {
 	if (!glfwInit())
-		return ist::Error{"no window can be opened (" + lastGlfwError() + "); without a display, give --headless or --screenshot FILE.png"};
+		return ist::Error{"no window can be opened (" + lastGlfwError() + "); without a display, give --demo NAME and --headless or --screenshot FILE.png"};
 	glfw.begun = true;
 	glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
 	glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
 	glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
 	glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
 	glfw.window = glfwCreateWindow(options.width, options.height, "BulletHaptics", nullptr, nullptr);
-	if (!glfw.window) return ist::Error{"no window with OpenGL 3.3 (" + lastGlfwError() + "); --headless and --screenshot FILE.png need none"};
+	if (!glfw.window) return ist::Error{"no window with OpenGL 3.3 (" + lastGlfwError() + "); --demo NAME with --headless or --screenshot FILE.png needs none"};
 	glfwMakeContextCurrent(glfw.window);
 	glfwSwapInterval(1);
 	return std::nullopt;

@@ -28,7 +28,7 @@ grep -q SKIPPED "$dir/out" && fail "the window's own tests ran"
 
 # says TEXT WHAT CODE COMMAND...
 says() { local text=$1 what=$2 code=$3; shift 3; "$@" >"$dir/out" 2>"$dir/err"; local rc=$?; { [ $rc -eq "$code" ] && grep -q -- "$text" "$dir/err"; } || { echo "exit code $rc"; fail "$what"; }; }
-says "without a display, give --headless" "no display is said in a sentence" 1 env -u DISPLAY -u WAYLAND_DISPLAY "$demos" --cache "$dir"
+says "without a display, give --demo NAME and --headless" "no display is said in a sentence" 1 env -u DISPLAY -u WAYLAND_DISPLAY "$demos" --cache "$dir"
 says "no window with OpenGL 3.3" "an old OpenGL is said in a sentence" 1 env MESA_GL_VERSION_OVERRIDE=2.1 "$demos" --cache "$dir"
 says "no OpenGL 3.3 without a window" "an old OpenGL is said for pictures" 1 env MESA_GL_VERSION_OVERRIDE=2.1 "$demos" $few --demo hello --screenshot "$dir/a.png"
 says "nosuchdriver" "a device that is not there is named" 1 "$demos" $few --demo hello --frames 2 --device nosuchdriver:0
