@@ -8,6 +8,13 @@ yes=
 if [ "${1:-}" = "--yes" ]; then yes=--yes; shift; fi
 bash cmake/setup.sh demos $yes
 cmake --preset release >build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }
-echo "Building (build-log.txt has the details) ..." >&2
-cmake --build --preset release --target haptic_demos ist >>build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }
+# On a terminal with the steps that ninja counts.
+build()
+{
+	cmake --build --preset release --target haptic_demos ist 2>&1 | tee -a build-log.txt | while read -r step _; do
+		if [[ -t 2 && $step == \[*\] ]]; then printf '%s\r' "$step" >&2; fi
+	done
+}
+echo "Building, for minutes the first time (build-log.txt has the details) ..." >&2
+build || { cat build-log.txt >&2; exit 1; }
 exec build/release/demos/haptic_demos --demo haptic-bunny --headless --report bunny-report.html "$@"
