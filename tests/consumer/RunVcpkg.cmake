@@ -1,9 +1,10 @@
 # Builds the vcpkg port by vcpkg's own scripts, as its program would call them, with Debian's libraries in place of vcpkg's, and uses what came of it.
-# SOURCE (the project), WORK, VCPKG (a checkout of github.com/microsoft/vcpkg; its program is not needed), LAUNCHER.
+# SOURCE (the project), WORK, LAUNCHER; in the environment VCPKG_ROOT, a checkout of github.com/microsoft/vcpkg, whose program is not needed.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
 
+set(VCPKG $ENV{VCPKG_ROOT})
 if(NOT EXISTS ${VCPKG}/scripts/ports.cmake)
 	message("skipped: no vcpkg (git clone https://github.com/microsoft/vcpkg, and VCPKG_ROOT its folder)")
 	return()
