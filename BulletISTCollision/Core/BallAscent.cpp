@@ -180,10 +180,10 @@ void BallAscent::addBlockers(const Vec3& x)
 			m_planes.push_back(m_space.plane(item, x));
 }
 
-EmptyBall BallAscent::climb(const Vec3& start, int& active)
+EmptyBall BallAscent::climb(const Vec3& start, DistanceOctree::Nearest at, int& active)
 {
 	m_blockers.clear();
-	EmptyBall ball{start, m_space.nearest(start).distance};
+	EmptyBall ball{start, at.distance};
 	if (!(ball.radius > 0)) return ball;
 	double trust = 0.5 * ball.radius;
 	bool moved = true;
@@ -191,7 +191,7 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 	{
 		if (moved)
 		{
-			m_space.gather(ball.center, 2 * trust, m_planes);
+			m_space.gather(ball.center, at, 2 * trust, m_planes);
 			addBlockers(ball.center);
 		}
 		const Step step = solve(trust);
@@ -204,6 +204,7 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 		{
 			const double rise = there.distance - ball.radius;
 			ball = {to, there.distance};
+			at = there;
 			if (step.atRim) trust *= 2;
 			else trust = std::max(4 * norm(step.s), 1e-3 * ball.radius);
 			if (rise < kRiseTolerance * ball.radius) break;
@@ -224,13 +225,14 @@ EmptyBall BallAscent::climb(const Vec3& start, int& active)
 	return ball;
 }
 
-EmptyBall BallAscent::grow(const Vec3& start, const Vec3& away)
+EmptyBall BallAscent::grow(const Vec3& start, const DistanceOctree::Nearest& at, const Vec3& away)
 {
 	int active = 0;
-	EmptyBall ball = climb(start, active);
+	EmptyBall ball = climb(start, at, active);
 	if (!(ball.radius > 0) || active >= 4) return ball;
 	// Held by fewer than four items the ball may sit on a saddle, such as midway between two balls.
-	const EmptyBall other = climb(ball.center + away * (0.1 * ball.radius), active);
+	const Vec3 aside = ball.center + away * (0.1 * ball.radius);
+	const EmptyBall other = climb(aside, m_space.nearest(aside), active);
 	return other.radius > ball.radius ? other : ball;
 }
 }  // namespace ist

@@ -23,9 +23,9 @@ class BallAscent
 public:
 	explicit BallAscent(DistanceOctree& space) : m_space(space) {}
 
-	/// `start` must lie in the empty space; radius <= 0 otherwise. `away` (unit length): which way to try once more from where
+	/// `start` must lie in the empty space; radius <= 0 otherwise. `at`: what the space says of `start`. `away` (unit length): which way to try once more from where
 	/// fewer than four items hold the ball.
-	EmptyBall grow(const Vec3& start, const Vec3& away);
+	EmptyBall grow(const Vec3& start, const DistanceOctree::Nearest& at, const Vec3& away);
 
 private:
 	struct Step
@@ -36,7 +36,7 @@ private:
 		bool atRim = false;  ///< |s| = D
 	};
 
-	EmptyBall climb(const Vec3& start, int& active);
+	EmptyBall climb(const Vec3& start, DistanceOctree::Nearest at, int& active);
 	Step solve(double trust);
 	void setClosingRates(const Vec3& v, double rate);  ///< for a ball that moves by v and grows by `rate`
 	void addBlockers(const Vec3& x);

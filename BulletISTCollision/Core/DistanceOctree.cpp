@@ -235,35 +235,29 @@ DistanceOctree::Nearest DistanceOctree::nearest(const Vec3& x)
 	if (!leaf) return {-1, kNoItem};
 	const Node& node = *leaf;
 	const double reach = distance(x, node.center) + m_slack;
-	Nearest best{1e300, kNoItem};
+	Nearest best{1e300, kNoItem, leaf};
 	for (const Entry& entry : node.entries)
 	{
 		if (entry.distance - reach > best.distance) break;
 		if (isFartherThan(entry.item, x, best.distance + m_slack)) continue;
 		const double d = distanceTo(entry.item, x);
-		if (d < best.distance) best = {d, entry.item};
+		if (d < best.distance) best = {d, entry.item, leaf};
 	}
 	return best;
 }
 
-DistanceOctree::Nearest DistanceOctree::gather(const Vec3& x, double reach, std::vector<Plane>& out)
+void DistanceOctree::gather(const Vec3& x, const Nearest& at, double reach, std::vector<Plane>& out) const
 {
 	out.clear();
-	const Node* leaf = leafOf(x);
-	if (!leaf) return {-1, kNoItem};
-	const Node& node = *leaf;
-	const double fromCenter = distance(x, node.center) + m_slack;
-	Nearest best{1e300, kNoItem};
-	for (const Entry& entry : node.entries)
+	if (!at.leaf) return;
+	const double limit = at.distance + reach, fromCenter = distance(x, at.leaf->center) + m_slack;
+	for (const Entry& entry : at.leaf->entries)
 	{
-		if (entry.distance - fromCenter > best.distance + reach) break;
-		if (isFartherThan(entry.item, x, best.distance + reach + m_slack)) continue;
+		if (entry.distance - fromCenter > limit) break;
+		if (isFartherThan(entry.item, x, limit + m_slack)) continue;
 		const Plane p = plane(entry.item, x);
-		if (p.distance < best.distance) best = {p.distance, entry.item};
-		if (p.distance <= best.distance + reach) out.push_back(p);
+		if (p.distance <= limit) out.push_back(p);
 	}
-	std::erase_if(out, [&](const Plane& p) { return p.distance > best.distance + reach; });
-	return best;
 }
 
 void DistanceOctree::insertIntoLeaf(Node& node, const Entry& entry)

@@ -22,6 +22,8 @@ class WorkerCrew;
 /// asked before. Nobody may ask during an insert.
 class DistanceOctree
 {
+	struct Node;
+
 public:
 	static constexpr uint32_t kNoItem = UINT32_MAX;
 
@@ -29,6 +31,7 @@ public:
 	{
 		double distance = 0;
 		uint32_t item = kNoItem;
+		const Node* leaf = nullptr;  ///< where x lies, for gather()
 	};
 	/// An item seen from a point x: d(x + s) >= distance + dot(gradient, s), since distances to convex sets are convex.
 	struct Plane
@@ -43,8 +46,8 @@ public:
 
 	/// f(x); distance -1 and no item outside the box of the mesh.
 	Nearest nearest(const Vec3& x);
-	/// Replaces `out` by the items of the leaf of x with distance <= f(x) + reach; returns f(x).
-	Nearest gather(const Vec3& x, double reach, std::vector<Plane>& out);
+	/// Replaces `out` by the items of the leaf of x with distance <= f(x) + reach. `at`: nearest(x), not before the last insert.
+	void gather(const Vec3& x, const Nearest& at, double reach, std::vector<Plane>& out) const;
 	Plane plane(uint32_t item, const Vec3& x) const;
 	bool isTriangle(uint32_t item) const { return item < m_triangles.size(); }
 

@@ -257,7 +257,8 @@ void Packer::placeCoarse()
 				if (k == 0) return;
 				break;
 			}
-			const EmptyBall ball = m_ascents[0].grow(best->position, CounterRandom(m_options.seed, kAwayStream, m_grown++).direction());
+			const Vec3 start = best->position;
+			const EmptyBall ball = m_ascents[0].grow(start, m_space.nearest(start), CounterRandom(m_options.seed, kAwayStream, m_grown++).direction());
 			push(fitting(ball.center));
 			best->clearance = -1;
 			for (GridPoint& point : open)
@@ -351,13 +352,13 @@ void Packer::growAll()
 /// The hole that a start leads to; radius 0 where there is none.
 Sphere Packer::growOne(const Start& start, uint64_t key, BallAscent& ascent)
 {
-	const double clearance = m_space.nearest(start.position).distance;
-	if (!(clearance > 0)) return {};
+	const DistanceOctree::Nearest at = m_space.nearest(start.position);
+	if (!(at.distance > 0)) return {};
 	// Farther from the surface than the way from the ball: on the same side of it.
 	const double way = 1.001 * start.fromInside;
-	if (way > 0 && clearance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position)) return {};
+	if (way > 0 && at.distance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position)) return {};
 	const Vec3 away = CounterRandom(m_options.seed, kAwayStream, key).direction();
-	return fitting(ascent.grow(start.position, away).center);
+	return fitting(ascent.grow(start.position, at, away).center);
 }
 
 void Packer::push(const Sphere& sphere)
