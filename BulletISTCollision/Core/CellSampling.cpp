@@ -161,12 +161,12 @@ Slab sampleSlab(const GapLines& lines, int firstRow, int lastRow, const NearestS
 	std::iota(order.begin(), order.end(), 0u);
 	NearestSphere::Neighbourhood spheres;
 	FieldSampler field(surface);
+	uint32_t hint = UINT32_MAX;
 	const auto position = [&points](uint32_t k) { return points[k]; };
 	forEachCluster(order.data(), order.data() + order.size(), position, [&](const uint32_t* first, const uint32_t* last)
 				   {
 					   const auto [center, radius] = clusterBall(first, last, position);
-					   nearest.gather(center, radius, spheres);
-					   uint32_t hint = UINT32_MAX;
+					   nearest.gather(center, radius, spheres, hint);
 					   for (const uint32_t* k = first; k < last; ++k)
 					   {
 						   slab.owners[*k] = hint = nearest.nearest(points[*k], spheres, hint).sphere;

@@ -111,13 +111,13 @@ NearestSphere::Hit NearestSphere::nearest(const Vec3& p, uint32_t hint) const
 	return best;
 }
 
-void NearestSphere::gather(const Vec3& center, double radius, Neighbourhood& out) const
+void NearestSphere::gather(const Vec3& center, double radius, Neighbourhood& out, uint32_t hint) const
 {
 	out.center = center;
 	out.radius = radius;
 	out.spheres.clear();
 	out.complete = false;
-	const double reach = nearest(center).distance + 2 * radius + m_slack;
+	const double reach = nearest(center, hint).distance + 2 * radius + m_slack;
 	std::vector<uint32_t> open(m_roots.begin(), m_roots.end());
 	while (!open.empty())
 	{

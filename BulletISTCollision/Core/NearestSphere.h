@@ -32,7 +32,7 @@ public:
 		std::vector<std::pair<double, uint32_t>> spheres;  ///< by distance from the centre; second: entry
 		bool complete = false;  ///< false: too many spheres to list, and the list is empty
 	};
-	void gather(const Vec3& center, double radius, Neighbourhood& out) const;
+	void gather(const Vec3& center, double radius, Neighbourhood& out, uint32_t hint = UINT32_MAX) const;
 	/// The same answer for a point of the ball of `near`.
 	Hit nearest(const Vec3& p, const Neighbourhood& near, uint32_t hint = UINT32_MAX) const;
 

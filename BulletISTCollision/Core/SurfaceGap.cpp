@@ -23,8 +23,15 @@ struct SurfacePatch
 	Vec3 a, b, c;
 	double gap = 0;    // at the centroid
 	double bound = 0;  // of the gap anywhere on the patch
+	uint32_t sphere = UINT32_MAX;  // nearest to the centroid; of a half that is not measured yet, to the whole
 	double area() const { return 0.5 * norm(cross(b - a, c - a)); }
 	Vec3 centroid() const { return (a + b + c) / 3; }
+	/// About the centroid.
+	double radius() const
+	{
+		const Vec3 m = centroid();
+		return std::sqrt(std::max({squaredNorm(a - m), squaredNorm(b - m), squaredNorm(c - m)}));
+	}
 };
 
 /// Halves across the longest edge.
@@ -37,29 +44,28 @@ std::array<SurfacePatch, 2> bisected(const SurfacePatch& p)
 	else if (ca >= ab)
 		a = p.c, b = p.a, c = p.b;
 	const Vec3 middle = (a + b) * 0.5;
-	return {SurfacePatch{a, middle, c}, SurfacePatch{middle, b, c}};
+	return {SurfacePatch{.a = a, .b = middle, .c = c, .sphere = p.sphere}, SurfacePatch{.a = middle, .b = b, .c = c, .sphere = p.sphere}};
 }
 
-/// `hint`: the sphere nearest to the patch before, and then to this one.
-void measureGap(SurfacePatch& p, const NearestSphere& nearest, uint32_t& hint)
+void measureGap(SurfacePatch& p, const NearestSphere::Hit& hit)
 {
-	const Vec3 m = p.centroid();
-	const NearestSphere::Hit hit = nearest.nearest(m, hint);
-	hint = hit.sphere;
+	p.sphere = hit.sphere;
 	p.gap = std::max(0.0, hit.distance);
 	// The gap changes by no more than the way along the surface: Lipschitz constant 1.
-	p.bound = p.gap + std::sqrt(std::max({squaredNorm(p.a - m), squaredNorm(p.b - m), squaredNorm(p.c - m)}));
+	p.bound = p.gap + p.radius();
 }
 
 /// Of the triangles [first, last), in pieces of at most `largest` area, measured.
 std::vector<SurfacePatch> patchesOf(const Mesh& mesh, size_t first, size_t last, double largest, const NearestSphere& nearest)
 {
 	std::vector<SurfacePatch> patches, stack;
-	uint32_t hint = UINT32_MAX;
+	NearestSphere::Neighbourhood near;
+	uint32_t sphere = UINT32_MAX;
 	for (size_t i = first; i < last; ++i)
 	{
 		const auto& t = mesh.triangles[i];
-		stack.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+		stack.push_back({.a = mesh.vertices[t[0]], .b = mesh.vertices[t[1]], .c = mesh.vertices[t[2]]});
+		nearest.gather(stack[0].centroid(), stack[0].radius(), near, sphere);
 		while (!stack.empty())
 		{
 			const SurfacePatch p = stack.back();
@@ -70,7 +76,8 @@ std::vector<SurfacePatch> patchesOf(const Mesh& mesh, size_t first, size_t last,
 				continue;
 			}
 			patches.push_back(p);
-			measureGap(patches.back(), nearest, hint);
+			measureGap(patches.back(), nearest.nearest(p.centroid(), near, sphere));
+			sphere = patches.back().sphere;
 		}
 	}
 	return patches;
@@ -95,9 +102,12 @@ std::vector<std::vector<SurfacePatch>> surfacePatches(const Mesh& mesh, const Ne
 
 void measureGaps(std::vector<SurfacePatch>& patches, const NearestSphere& nearest, [[maybe_unused]] int threads)
 {
-	uint32_t hint = UINT32_MAX;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) firstprivate(hint)
-	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k) measureGap(patches[size_t(k)], nearest, hint);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads)
+	for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(patches.size()); ++k)
+	{
+		SurfacePatch& p = patches[size_t(k)];
+		measureGap(p, nearest.nearest(p.centroid(), p.sphere));
+	}
 }
 
 /// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there.
