@@ -9,7 +9,7 @@ namespace ist
 {
 namespace
 {
-constexpr uint32_t kLeafSize = 6;
+constexpr uint32_t kLeafSize = 16;
 constexpr size_t kMostGathered = 160;  // a longer list costs more than the way down the trees
 
 double distanceToBox(const Vec3& p, const Vec3& lower, const Vec3& upper)
@@ -32,13 +32,13 @@ NearestSphere::NearestSphere(const std::vector<Sphere>& spheres)
 	std::sort(m_entries.begin(), m_entries.end(),
 			  [](const Entry& a, const Entry& b) { return a.radius != b.radius ? a.radius > b.radius : a.sphere < b.sphere; });
 
-	// One tree for each factor of two in the radius: a large ball among small ones would loosen every box above it.
+	// One tree for each factor of four in the radius: a large ball among small ones would loosen every box above it.
 	const uint32_t n = uint32_t(m_entries.size());
 	for (uint32_t first = 0; first < n;)
 	{
 		uint32_t last = first;
 		const bool rest = m_roots.size() >= 15;
-		while (last < n && (rest || m_entries[last].radius > 0.5 * m_entries[first].radius || last < first + 8)) ++last;
+		while (last < n && (rest || m_entries[last].radius > 0.25 * m_entries[first].radius || last < first + 8)) ++last;
 		m_roots.push_back(build(first, last));
 		first = last;
 	}
