@@ -55,43 +55,42 @@ template <> struct DoublePart<2> { typedef double Type __attribute__((vector_siz
 template <> struct DoublePart<4> { typedef double Type __attribute__((vector_size(32))); };
 template <> struct DoublePart<8> { typedef double Type __attribute__((vector_size(64))); };
 
+/// Bit k: the sign of lane k.
+template <class Mask>
+IST_INLINE uint32_t signBits(Mask m)
+{
+#if defined(IST_SSE) && defined(__AVX2__)
+	if constexpr (sizeof(Mask) == 32) return sizeof(m[0]) == 4 ? uint32_t(_mm256_movemask_ps((__m256)m)) : uint32_t(_mm256_movemask_pd((__m256d)m));
+#endif
+#if defined(IST_SSE)
+	if constexpr (sizeof(Mask) == 16) return sizeof(m[0]) == 4 ? uint32_t(_mm_movemask_ps((__m128)m)) : uint32_t(_mm_movemask_pd((__m128d)m));
+#endif
+	uint32_t bits = 0;
+	for (unsigned k = 0; k < sizeof(Mask) / sizeof(m[0]); ++k) bits |= uint32_t(m[k] < 0) << k;
+	return bits;
+}
+
+/// Bit k set where a[k] < b[k].
 template <class Part>
 IST_INLINE uint32_t lessBits(Part a, Part b)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
+	constexpr bool kFloats = sizeof(a[0]) == 4;
 	if constexpr (sizeof(Part) == 64)
-		return sizeof(a[0]) == 4 ? uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ))
-								 : uint32_t(_mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ));
+		return kFloats ? uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ)) : uint32_t(_mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ));
+	if constexpr (sizeof(Part) == 32 && kFloats) return uint32_t(_mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LT_OQ));
 #endif
-#if defined(IST_SSE) && defined(__AVX2__)
-	if constexpr (sizeof(Part) == 32)
-		return sizeof(a[0]) == 4 ? uint32_t(_mm256_movemask_ps((__m256)(a < b))) : uint32_t(_mm256_movemask_pd((__m256d)(a < b)));
-#endif
-#if defined(IST_SSE)
-	if constexpr (sizeof(Part) == 16)
-		return sizeof(a[0]) == 4 ? uint32_t(_mm_movemask_ps((__m128)(a < b))) : uint32_t(_mm_movemask_pd((__m128d)(a < b)));
-#endif
-	uint32_t bits = 0;
-	for (unsigned k = 0; k < sizeof(Part) / sizeof(a[0]); ++k) bits |= uint32_t(a[k] < b[k]) << k;
-	return bits;
+	return signBits(a < b);
 }
 
-/// Of floats.
+/// Bit k set where a[k] == b[k]. Of floats.
 template <class Part>
 IST_INLINE uint32_t equalBits(Part a, Part b)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Part) == 64) return uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_EQ_OQ));
 #endif
-#if defined(IST_SSE) && defined(__AVX2__)
-	if constexpr (sizeof(Part) == 32) return uint32_t(_mm256_movemask_ps((__m256)(a == b)));
-#endif
-#if defined(IST_SSE)
-	if constexpr (sizeof(Part) == 16) return uint32_t(_mm_movemask_ps((__m128)(a == b)));
-#endif
-	uint32_t bits = 0;
-	for (unsigned k = 0; k < sizeof(Part) / sizeof(a[0]); ++k) bits |= uint32_t(a[k] == b[k]) << k;
-	return bits;
+	return signBits(a == b);
 }
 
 template <class Part>
@@ -123,6 +122,62 @@ IST_INLINE Part rootOf(Part a)
 	return a;
 }
 
+/// Yes or no for each of `W` floats. As comparisons leave it, so that a choice by it needs no unpacking of bits: as bits where there are registers for
+/// masks, as lanes of all ones or none elsewhere.
+template <int W>
+struct LaneMask
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	uint32_t lanes;
+	static IST_INLINE LaneMask of(uint32_t bits) { return {bits}; }
+	IST_INLINE uint32_t bits() const { return lanes; }
+	friend IST_INLINE LaneMask operator&(LaneMask a, LaneMask b) { return {a.lanes & b.lanes}; }
+	friend IST_INLINE LaneMask operator|(LaneMask a, LaneMask b) { return {a.lanes | b.lanes}; }
+	friend IST_INLINE LaneMask operator~(LaneMask a) { return {a.lanes ^ ((1u << W) - 1)}; }
+#else
+	static constexpr int kRegister = least(W, kRegisterBytes / 4);
+	static constexpr int kParts = W / kRegister;
+	using Part = typename FloatPart<kRegister>::Mask;
+	Part part[kParts];
+
+	static IST_INLINE LaneMask of(uint32_t bits)
+	{
+		Part lane;
+		IST_UNROLL
+		for (int k = 0; k < kRegister; ++k) lane[k] = 1 << k;
+		LaneMask m;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) m.part[i] = ((Part{} + int32_t(bits >> (i * kRegister))) & lane) != 0;
+		return m;
+	}
+	IST_INLINE uint32_t bits() const
+	{
+		uint32_t bits = 0;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) bits |= signBits(part[i]) << (i * kRegister);
+		return bits;
+	}
+	friend IST_INLINE LaneMask operator&(LaneMask a, const LaneMask& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] &= b.part[i];
+		return a;
+	}
+	friend IST_INLINE LaneMask operator|(LaneMask a, const LaneMask& b)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] |= b.part[i];
+		return a;
+	}
+	friend IST_INLINE LaneMask operator~(LaneMask a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = ~a.part[i];
+		return a;
+	}
+#endif
+};
+
 /// `W` floats, made of the widest registers that fit.
 template <int W>
 struct FloatVector
@@ -131,6 +186,7 @@ struct FloatVector
 	static constexpr int kParts = W / kRegister;
 	using Part = typename FloatPart<kRegister>::Type;
 	using Mask = typename FloatPart<kRegister>::Mask;
+	using Lanes = LaneMask<W>;
 	Part part[kParts];
 
 	// Part by part: GCC copies several at once through memory, and the load behind that copy stalls.
@@ -213,6 +269,18 @@ struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)(0x7f000000 - (Mask)a.part[i]);
 		return a;
 	}
+	/// Where a[k] < b[k].
+	static IST_INLINE Lanes isLess(const FloatVector& a, const FloatVector& b)
+	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+		return Lanes::of(less(a, b));
+#else
+		Lanes m;
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) m.part[i] = a.part[i] < b.part[i];
+		return m;
+#endif
+	}
 	/// Bit k set where a[k] < b[k].
 	static IST_INLINE uint32_t less(const FloatVector& a, const FloatVector& b)
 	{
@@ -229,28 +297,21 @@ struct FloatVector
 		for (int i = 0; i < kParts; ++i) bits |= equalBits(a.part[i], b.part[i]) << (i * kRegister);
 		return bits;
 	}
-	/// Lane k of `a` where bit k is set, else of `b`.
-	static IST_INLINE FloatVector select(uint32_t bits, FloatVector a, const FloatVector& b)
+	/// Lane k of `a` where it is set, else of `b`.
+	static IST_INLINE FloatVector select(const Lanes& lanes, FloatVector a, const FloatVector& b)
 	{
 #if defined(IST_SSE) && defined(__AVX512VL__)
-		if constexpr (kRegister == 16)
-		{
-			IST_UNROLL
-			for (int i = 0; i < kParts; ++i) a.part[i] = (Part)_mm512_mask_blend_ps(__mmask16(bits >> (i * kRegister)), (__m512)b.part[i], (__m512)a.part[i]);
-			return a;
-		}
+		static_assert(kRegister == 16);
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)_mm512_mask_blend_ps(__mmask16(lanes.lanes >> (i * kRegister)), (__m512)b.part[i], (__m512)a.part[i]);
+#else
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = lanes.part[i] ? a.part[i] : b.part[i];
 #endif
-		Mask lane;
-		IST_UNROLL
-		for (int k = 0; k < kRegister; ++k) lane[k] = 1 << k;
-		IST_UNROLL
-		for (int i = 0; i < kParts; ++i)
-		{
-			const Mask spread = Mask{} + int32_t(bits >> (i * kRegister));
-			a.part[i] = (spread & lane) != 0 ? a.part[i] : b.part[i];
-		}
 		return a;
 	}
+	/// The same by bits.
+	static IST_INLINE FloatVector select(uint32_t bits, const FloatVector& a, const FloatVector& b) { return select(Lanes::of(bits), a, b); }
 	IST_INLINE double sum() const
 	{
 		float lanes[W];
@@ -340,12 +401,20 @@ struct DoubleVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = rootOf(a.part[i]);
 		return a;
 	}
-	static IST_INLINE uint32_t less(const DoubleVector& a, const DoubleVector& b)
+	/// Where a[k] < b[k].
+	static IST_INLINE LaneMask<W> isLess(const DoubleVector& a, const DoubleVector& b)
 	{
+#if defined(IST_SSE) && defined(__AVX2__) && !defined(__AVX512VL__)
+		const __m256 even = _mm256_shuffle_ps((__m256)(a.part[0] < b.part[0]), (__m256)(a.part[1] < b.part[1]), 0x88);
+		return {(typename LaneMask<W>::Part)_mm256_permute4x64_pd((__m256d)even, 0xd8)};
+#elif defined(IST_SSE) && !defined(__AVX512VL__)
+		return {(typename LaneMask<W>::Part)_mm_shuffle_ps((__m128)(a.part[0] < b.part[0]), (__m128)(a.part[1] < b.part[1]), 0x88)};
+#else
 		uint32_t bits = 0;
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) bits |= lessBits(a.part[i], b.part[i]) << (i * kRegister);
-		return bits;
+		return LaneMask<W>::of(bits);
+#endif
 	}
 };
 

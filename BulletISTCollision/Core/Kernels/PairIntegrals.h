@@ -13,6 +13,7 @@ using namespace ist;
 using namespace ist::kernels;
 
 using D = DoubleVector<kLanes>;
+using Lanes = F::Lanes;
 
 /// Pairs that are staged before they are summed; lane sums are floats within a stage, doubles beyond.
 constexpr int kStage = 256;
@@ -27,7 +28,7 @@ IST_INLINE D dot(const D3& a, const D3& b) { return a.x * b.x + a.y * b.y + a.z 
 /// One vector of pairs. What does not intersect has mass and area zero.
 struct Lenses
 {
-	uint32_t hits, meeting;
+	Lanes hits, meeting;
 	F mass, area;      ///< dd L, dd times the disc's area
 	F3 C, n, mA, mB;   ///< n: of unit length for balls; area times n is meant for all
 	F depthA, depthB;  ///< at C
@@ -43,26 +44,26 @@ IST_INLINE D moved(const PairBodies& bodies, int row, const D& x, const D& y, co
 /// What two balls share.
 struct Shared
 {
-	uint32_t hits;
+	Lanes hits;
 	F volume, disc, share;  ///< share: of the cap of ball j in the volume
 	F whole;                ///< volume of the smaller ball
 };
 
 /// By radii, distance of the centres, and the signs and values of r_i + r_j - d, r_j - r_i + d and r_i - r_j + d.
-IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, uint32_t overlapping, uint32_t apart, const F& overlap, const F& towardsI,
+IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& overlapping, const Lanes& apart, const F& overlap, const F& towardsI,
 						   const F& towardsJ)
 {
 	const F small = F::smaller(ri, rj), zero = F::all(0);
-	const F inverse = F::select(F::less(zero, d), F::all(1) / d, zero), half = F::all(0.5f) * overlap * inverse;
+	const F inverse = F::select(F::isLess(zero, d), F::all(1) / d, zero), half = F::all(0.5f) * overlap * inverse;
 	const F hi = towardsI * half, hj = towardsJ * half;
 	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * ri - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * rj - hj);
 	Shared s;
-	s.hits = F::less(zero, small) & (~apart | overlapping);
+	s.hits = F::isLess(zero, small) & (~apart | overlapping);
 	s.whole = F::all(4 * kPiF / 3) * small * small * small;
 	s.disc = F::select(apart, F::all(kPiF) * hi * (F::all(2) * ri - hi), zero);
 	s.volume = F::select(apart, capI + capJ, s.whole);
-	const F inside = F::select(~F::less(ri, rj), F::all(1), zero);
-	s.share = F::select(apart & F::less(zero, s.volume), capJ / s.volume, inside);
+	const F inside = F::select(F::isLess(ri, rj), zero, F::all(1));
+	s.share = F::select(apart & F::isLess(zero, s.volume), capJ / s.volume, inside);
 	return s;
 }
 
@@ -70,8 +71,8 @@ IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 {
 	const D overlap = Ri + Rj - distance, towardsI = Rj - Ri + distance, towardsJ = Ri - Rj + distance;
 	// Contained: the smaller radius exceeds neither difference. Rounding is monotonic, so these signs are exact.
-	const uint32_t apart = D::less(D::all(0), towardsI) & D::less(D::all(0), towardsJ);
-	return sharedBy(Ri.rounded(), Rj.rounded(), distance.rounded(), D::less(D::all(0), overlap), apart, overlap.rounded(), towardsI.rounded(),
+	const Lanes apart = D::isLess(D::all(0), towardsI) & D::isLess(D::all(0), towardsJ);
+	return sharedBy(Ri.rounded(), Rj.rounded(), distance.rounded(), D::isLess(D::all(0), overlap), apart, overlap.rounded(), towardsI.rounded(),
 					towardsJ.rounded());
 }
 
@@ -115,13 +116,13 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	const F ri = F::squareRoot(dot(white.A, Q) * third), rj = F::squareRoot(dot(white.B, Q) * third), sum = ri + rj;
 	const F3 x{offset.x * u, offset.y * u, offset.z * u}, w = Q * x;
 	const F own = dot(x, w) * inverse, share = sum * sum * perReach2, least = share * dot(x, x);
-	const uint32_t bounded = F::less(own, least);
+	const Lanes bounded = F::isLess(own, least);
 	const F d = F::squareRoot(F::larger(own, least));
 	const F overlap = sum - d, towardsI = rj - ri + d, towardsJ = ri - rj + d;
-	Shared s = sharedBy(ri, rj, d, F::less(zero, overlap), F::less(zero, towardsI) & F::less(zero, towardsJ), overlap, towardsI, towardsJ);
+	Shared s = sharedBy(ri, rj, d, F::isLess(zero, overlap), F::isLess(zero, towardsI) & F::isLess(zero, towardsJ), overlap, towardsI, towardsJ);
 
 	const F length = Ri * Rj / (ri * rj) * white.unit, scale = length * length * length * F::squareRoot(inverse);
-	const F steepness = F::select(F::less(zero, d), u / d, zero);
+	const F steepness = F::select(F::isLess(zero, d), u / d, zero);
 	const F alongOffset = F::select(bounded, share, zero) * steepness, alongW = F::select(bounded, zero, inverse) * steepness;
 	const auto component = [&](const F& along, const F& wx) { return along * alongOffset + wx * alongW; };
 	n = {component(x.x, w.x), component(x.y, w.y), component(x.z, w.z)};
@@ -161,7 +162,7 @@ IST_INLINE Balls fetchB(const PairBodies& bodies, const uint32_t* index)
 }
 
 template <Terms terms>
-IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, uint32_t real)
+IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
 	const Balls a = fetchA<terms>(bodies, indexA), b = fetchB<terms>(bodies, indexB);
 	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R), reach = Ri + Rj;
@@ -176,12 +177,12 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	{
 		const D distance = D::squareRoot(squared);
 		shared = sharedByBalls(Ri, Rj, distance);
-		const F d = distance.rounded(), inverse = F::select(F::less(zero, d), F::all(1) / d, zero);
+		const F d = distance.rounded(), inverse = F::select(F::isLess(zero, d), F::all(1) / d, zero);
 		l.n = {offset.x * inverse, offset.y * inverse, offset.z * inverse};
 	}
 	else
 		shared = sharedByEllipsoids(a, b, offset, l.n);
-	l.meeting = real & D::less(squared, reach * reach);
+	l.meeting = D::isLess(squared, reach * reach);
 	l.hits = l.meeting & shared.hits;
 	F density = F::all(1);
 	if constexpr (terms != kLineTerms) density = a.density * b.density;
@@ -425,8 +426,8 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	int64_t pairs = 0;
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, firstLanes(count - k));
-		const LaneCompressor kept(l.hits);
+		const Lenses l = lensesOf<terms>(bodies, a + k, b + k);
+		const LaneCompressor kept(l.hits.bits() & firstLanes(count - k));
 		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, stage.column[c] + length); });
 		length += kept.count();
 		pairs += kept.count();

@@ -21,7 +21,7 @@ IST_INLINE void forEachListed(const Lenses& l, const Visit& visit)
 	visit(PairStream::Force, f.x);
 	visit(PairStream::Force + 1, f.y);
 	visit(PairStream::Force + 2, f.z);
-	visit(PairStream::Size, F::select(F::less(length, F::all(kWeakNormal) * l.mass), zero, length));
+	visit(PairStream::Size, F::select(F::isLess(length, F::all(kWeakNormal) * l.mass), zero, length));
 	visit(PairStream::Rank, F::larger(length, F::all(kLeastRank) * l.mass));
 }
 
@@ -30,8 +30,8 @@ int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, 
 {
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const Lenses l = lensesOf<terms>(bodies, a + k, b + k, firstLanes(count - k));
-		const LaneCompressor kept(bodies.keepMeeting ? l.meeting : l.hits);
+		const Lenses l = lensesOf<terms>(bodies, a + k, b + k);
+		const LaneCompressor kept((bodies.keepMeeting ? l.meeting : l.hits).bits() & firstLanes(count - k));
 		kept.move(a + k, stream.a + size);
 		kept.move(b + k, stream.b + size);
 		forEachListed<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, columnOf(stream, c) + size); });
