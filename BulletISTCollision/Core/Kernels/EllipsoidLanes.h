@@ -45,12 +45,26 @@ struct Balls
 
 static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16);
 
-/// Columns 0..3 of the rows of four floats that begin `offset` floats into each of kLanes balls.
+/// Where each of kLanes balls begins.
+struct Places
+{
+	const char* ball[kLanes];
+};
+
 template <class Ball>
-IST_INLINE void fetchRow(const Ball* balls, const uint32_t* index, int offset, F& c0, F& c1, F& c2, F& c3)
+IST_INLINE Places placesOf(const Ball* balls, const uint32_t* index)
+{
+	Places p;
+	IST_UNROLL
+	for (int k = 0; k < kLanes; ++k) p.ball[k] = reinterpret_cast<const char*>(balls + index[k]);
+	return p;
+}
+
+/// Columns 0..3 of the rows of four floats that begin `offset` floats into each ball.
+IST_INLINE void fetchRow(const Places& places, int offset, F& c0, F& c1, F& c2, F& c3)
 {
 #if defined(IST_SSE)
-	const auto row = [&](int k) __attribute__((always_inline)) { return _mm_loadu_ps(reinterpret_cast<const float*>(balls + index[k]) + offset); };
+	const auto row = [&](int k) __attribute__((always_inline)) { return _mm_loadu_ps(reinterpret_cast<const float*>(places.ball[k]) + offset); };
 #if defined(__AVX512VL__)
 	const auto rows = [&](int k) __attribute__((always_inline)) {
 		__m512 r = _mm512_castps128_ps512(row(k));
@@ -86,7 +100,7 @@ IST_INLINE void fetchRow(const Ball* balls, const uint32_t* index, int offset, F
 	for (int k = 0; k < kLanes; ++k)
 	{
 		float row[4];
-		std::memcpy(row, reinterpret_cast<const char*>(balls + index[k]) + 4 * offset, sizeof row);
+		std::memcpy(row, places.ball[k] + 4 * offset, sizeof row);
 		c0.part[0][k] = row[0];
 		c1.part[0][k] = row[1];
 		c2.part[0][k] = row[2];
@@ -125,20 +139,22 @@ IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, const F& c0, const 
 }
 
 /// Without density and normal.
-IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index)
+IST_INLINE Balls fetchEllipsoids(const Places& places)
 {
 	Balls b;
 	F sphere;
-	fetchRow(balls, index, 0, b.x, b.y, b.z, b.R);
-	fetchRow(balls, index, 8, b.depth, sphere, b.shape.xx, b.shape.yy);
-	fetchRow(balls, index, 12, b.shape.zz, b.shape.xy, b.shape.xz, b.shape.yz);
+	fetchRow(places, 0, b.x, b.y, b.z, b.R);
+	fetchRow(places, 8, b.depth, sphere, b.shape.xx, b.shape.yy);
+	fetchRow(places, 12, b.shape.zz, b.shape.xy, b.shape.xz, b.shape.yz);
 	return b;
 }
+IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index) { return fetchEllipsoids(placesOf(balls, index)); }
 
 IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 {
-	Balls b = fetchEllipsoids(balls, index);
-	fetchRow(balls, index, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
+	const Places places = placesOf(balls, index);
+	Balls b = fetchEllipsoids(places);
+	fetchRow(places, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
 	return b;
 }
 
@@ -146,7 +162,7 @@ IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 IST_INLINE Balls fetch(const Sphere* spheres, const uint32_t* index)
 {
 	Balls b;
-	fetchRow(spheres, index, 0, b.x, b.y, b.z, b.R);
+	fetchRow(placesOf(spheres, index), 0, b.x, b.y, b.z, b.R);
 	return b;
 }
 

@@ -139,7 +139,7 @@ IST_INLINE Balls fetchTurned(const PairBodies& bodies, const uint32_t* index)
 	if (bodies.movedB)
 	{
 		// The centre once more: as it was moved, it has lost digits.
-		fetchRow(bodies.ballsB, index, 0, b.x, b.y, b.z, b.R);
+		fetchRow(placesOf(bodies.ballsB, index), 0, b.x, b.y, b.z, b.R);
 		return b;
 	}
 	b.normal = turned(bodies.R, b.normal);
