@@ -69,7 +69,11 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 
 void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTree& B)
 {
-	if (moved.size() < B.blocks.size()) moved.resize(B.blocks.size());
+	if (moved.size() < B.blocks.size())
+	{
+		moved.resize(B.blocks.size());
+		movedCenters.resize(B.slotCount());
+	}
 	if (movedBalls.size() < B.balls.size()) movedBalls.resize(B.balls.size());
 	grouper.reserve(size_t(capacity.pairs), A.slotCount() + B.slotCount(), capacity.patches);
 	if (++epoch == 0)

@@ -107,6 +107,7 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 	m_bodies.ballsB = B.balls.data();
 	m_bodies.spheresA = A.spheres.data();
 	m_bodies.spheresB = B.spheres.data();
+	m_bodies.centersB = work.movedCenters.data();
 	m_bodies.movedB = work.movedBalls.data();
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) m_bodies.R[3 * i + j] = X.rotation.m[i][j];
@@ -183,7 +184,7 @@ bool TreeQuery::find()
 	if (m_remembered)
 	{
 		// Without a search most of a block's balls would be turned for nothing.
-		m_bodies.movedB = nullptr;
+		m_bodies.centersB = nullptr;
 		if (remembersPatches() && recallPatches()) return false;
 		recall();
 		return true;
@@ -278,6 +279,7 @@ PairSearch TreeQuery::newSearch()
 	s.ballOf = m_work.ballOf;
 	s.blockOf = m_work.blockOf;
 	s.moved = m_work.moved.data();
+	s.centersB = m_work.movedCenters.data();
 	s.movedB = hasShapes() ? m_work.movedBalls.data() : nullptr;
 	s.epoch = m_work.epoch;
 	s.pairA = m_work.pairA;

@@ -12,7 +12,6 @@ namespace
 using namespace ist;
 using namespace ist::kernels;
 
-using D = DoubleVector<kLanes>;
 using Lanes = F::Lanes;
 
 /// Pairs that are staged before they are summed; lane sums are floats within a stage, doubles beyond.
@@ -35,10 +34,12 @@ struct Lenses
 	F spread;          ///< s_ij in units of the query's typical volume
 };
 
-/// B's tree frame to A's, one component; the reference's order of operations.
-IST_INLINE D moved(const PairBodies& bodies, int row, const D& x, const D& y, const D& z)
+/// To A's tree frame.
+IST_INLINE Centers movedCenters(const PairBodies& bodies, const F& x, const F& y, const F& z, const F& R)
 {
-	return D::all(bodies.R[3 * row]) * x + D::all(bodies.R[3 * row + 1]) * y + D::all(bodies.R[3 * row + 2]) * z + D::all(bodies.t[row]);
+	const D dx = D::from(x), dy = D::from(y), dz = D::from(z);
+	const auto component = [&](int row) __attribute__((always_inline)) { return movedComponent(bodies.R, bodies.t, row, dx, dy, dz); };
+	return {component(0), component(1), component(2), D::from(R)};
 }
 
 /// What two balls share.
@@ -132,19 +133,29 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	return s;
 }
 
-/// B's balls, turned to A's axes, with their centres still in B's tree frame.
-IST_INLINE Balls fetchTurned(const PairBodies& bodies, const uint32_t* index)
+/// B's balls in A's tree frame: `b` without the centres, those unrounded. `isMoved`: as the search has moved them.
+template <Terms terms, bool isMoved>
+IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls& b)
 {
-	Balls b = fetch(bodies.movedB ? bodies.movedB : bodies.ballsB, index);
-	if (bodies.movedB)
+	if constexpr (isMoved)
 	{
-		// The centre once more: as it was moved, it has lost digits.
-		fetchRow(placesOf(bodies.ballsB, index), 0, b.x, b.y, b.z, b.R);
-		return b;
+		const Centers c = fetchCenters(bodies.centersB, index);
+		if constexpr (terms != kLineTerms) b = fetch(bodies.movedB, index);
+		b.R = c.R.rounded();
+		return c;
 	}
-	b.normal = turned(bodies.R, b.normal);
-	b.shape = turned(bodies.R, b.shape);
-	return b;
+	else
+	{
+		if constexpr (terms == kLineTerms)
+			b = fetch(bodies.spheresB, index);
+		else
+		{
+			b = fetch(bodies.ballsB, index);
+			b.normal = turned(bodies.R, b.normal);
+			b.shape = turned(bodies.R, b.shape);
+		}
+		return movedCenters(bodies, b.x, b.y, b.z, b.R);
+	}
 }
 
 template <Terms terms>
@@ -154,20 +165,14 @@ IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
 	else return fetch(bodies.ballsA, index);
 }
 
-template <Terms terms>
-IST_INLINE Balls fetchB(const PairBodies& bodies, const uint32_t* index)
-{
-	if constexpr (terms == kLineTerms) return fetch(bodies.spheresB, index);
-	else return fetchTurned(bodies, index);
-}
-
-template <Terms terms>
+template <Terms terms, bool isMoved>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
-	const Balls a = fetchA<terms>(bodies, indexA), b = fetchB<terms>(bodies, indexB);
-	const D bx = D::from(b.x), by = D::from(b.y), bz = D::from(b.z), Ri = D::from(a.R), Rj = D::from(b.R), reach = Ri + Rj;
-	const D3 from{D::from(a.x) - moved(bodies, 0, bx, by, bz), D::from(a.y) - moved(bodies, 1, bx, by, bz),
-				  D::from(a.z) - moved(bodies, 2, bx, by, bz)};
+	Balls b;
+	const Centers centers = fetchB<terms, isMoved>(bodies, indexB, b);
+	const Balls a = fetchA<terms>(bodies, indexA);
+	const D Ri = D::from(a.R), Rj = centers.R, reach = Ri + Rj;
+	const D3 from{D::from(a.x) - centers.x, D::from(a.y) - centers.y, D::from(a.z) - centers.z};
 	const D squared = dot(from, from);
 	const F3 offset{from.x.rounded(), from.y.rounded(), from.z.rounded()};
 	const F zero = F::all(0);
@@ -418,7 +423,7 @@ void flushStage(const PairBodies& bodies, Stage& stage, int& length, double* sum
 	length = 0;
 }
 
-template <Terms terms>
+template <Terms terms, bool isMoved>
 void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
 	Stage stage;
@@ -426,7 +431,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	int64_t pairs = 0;
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const Lenses l = lensesOf<terms>(bodies, a + k, b + k);
+		const Lenses l = lensesOf<terms, isMoved>(bodies, a + k, b + k);
 		const LaneCompressor kept(l.hits.bits() & firstLanes(count - k));
 		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, stage.column[c] + length); });
 		length += kept.count();
@@ -437,13 +442,22 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	sums[kPairs] += double(pairs);
 }
 
+template <Terms terms>
+void evaluateAs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
+{
+	if (bodies.centersB)
+		evaluatePairs<terms, true>(bodies, a, b, count, sums);
+	else
+		evaluatePairs<terms, false>(bodies, a, b, count, sums);
+}
+
 void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums)
 {
 	switch (terms)
 	{
-		case kLineTerms: return evaluatePairs<kLineTerms>(bodies, a, b, count, sums);
-		case kFieldTerms: return evaluatePairs<kFieldTerms>(bodies, a, b, count, sums);
-		case kStiffnessTerms: return evaluatePairs<kStiffnessTerms>(bodies, a, b, count, sums);
+		case kLineTerms: return evaluateAs<kLineTerms>(bodies, a, b, count, sums);
+		case kFieldTerms: return evaluateAs<kFieldTerms>(bodies, a, b, count, sums);
+		case kStiffnessTerms: return evaluateAs<kStiffnessTerms>(bodies, a, b, count, sums);
 	}
 }
 }  // namespace

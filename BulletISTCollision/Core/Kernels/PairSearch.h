@@ -201,19 +201,21 @@ void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 {
 	using V16 = FloatVector<BallBlock::kWidth>;
 	const BallBlock& block = s.blocksB[index];
-	float* to[3] = {moved.x, moved.y, moved.z};
+	const size_t first = size_t(index) * BallBlock::kWidth;
 	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
 	{
-		using V = FloatVector<kLanes>;
-		using D = DoubleVector<kLanes>;
-		const D x = D::from(V::load(block.x + lane)), y = D::from(V::load(block.y + lane)), z = D::from(V::load(block.z + lane));
-		for (int i = 0; i < 3; ++i)
-			(D::all(s.R[3 * i]) * x + D::all(s.R[3 * i + 1]) * y + D::all(s.R[3 * i + 2]) * z + D::all(s.t[i])).rounded().store(to[i] + lane);
-		(V::load(block.R + lane) + V::all(s.slack)).store(moved.reach + lane);
+		const F R = F::load(block.R + lane);
+		const D x = D::from(F::load(block.x + lane)), y = D::from(F::load(block.y + lane)), z = D::from(F::load(block.z + lane));
+		const auto component = [&](int i) __attribute__((always_inline)) { return movedComponent(s.R, s.t, i, x, y, z); };
+		const Centers c{component(0), component(1), component(2), D::from(R)};
+		c.x.rounded().store(moved.x + lane);
+		c.y.rounded().store(moved.y + lane);
+		c.z.rounded().store(moved.z + lane);
+		(R + F::all(s.slack)).store(moved.reach + lane);
+		storeCenters(s.centersB + first + lane, c);
 	}
 	moved.epoch = s.epoch;
 	moved.count = uint32_t(__builtin_popcount(V16::less(V16::all(0), V16::load(block.R))));
-	const size_t first = size_t(index) * BallBlock::kWidth;
 	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
 }
 

@@ -16,14 +16,15 @@ IST_INLINE F extended(const F& most, const Whitening& w, const F& margin)
 }
 
 /// In A's tree frame, in floats.
+template <bool isMoved>
 IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 {
-	if (bodies.movedB) return fetchEllipsoids(bodies.movedB, index);
+	if constexpr (isMoved) return fetchEllipsoids(bodies.movedB, index);
 	Balls b = fetchEllipsoids(bodies.ballsB, index);
-	const D x = D::from(b.x), y = D::from(b.y), z = D::from(b.z);
-	b.x = moved(bodies, 0, x, y, z).rounded();
-	b.y = moved(bodies, 1, x, y, z).rounded();
-	b.z = moved(bodies, 2, x, y, z).rounded();
+	const Centers c = movedCenters(bodies, b.x, b.y, b.z, b.R);
+	b.x = c.x.rounded();
+	b.y = c.y.rounded();
+	b.z = c.z.rounded();
 	b.shape = turned(bodies.R, b.shape);
 	return b;
 }
@@ -31,10 +32,10 @@ IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 /// Bit k set where ellipsoids k may share volume, x^T (P_a + P_b)^-1 x < 2, within the margin. Over the directions u the root of the left side is
 /// the largest u.x / h(u), h(u)^2 = u^T (P_a + P_b) u. Where no point of B moves by more than s, u.x and B's share in h change by |u| s together at
 /// most, and h is at least |u| times the root of the smallest eigenvalue: a root of sqrt(2) was at most sqrt(2) s over the latter larger.
-template <bool hasMargin>
+template <bool hasMargin, bool isMoved>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
-	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchMoved(bodies, indexB);
+	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchMoved<isMoved>(bodies, indexB);
 	const Whitening w = whitening(a, b);
 	const F u = w.perUnit, slack = F::all(bodies.slack) * u;
 	const F3 x{(a.x - b.x) * u, (a.y - b.y) * u, (a.z - b.z) * u};
@@ -46,13 +47,13 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 }
 
 /// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.
-template <bool hasMargin>
+template <bool hasMargin, bool isMoved>
 int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
 	int kept = 0;
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const uint32_t bits = firstLanes(count - k) & mayMeet<hasMargin>(bodies, a + k, b + k);
+		const uint32_t bits = firstLanes(count - k) & mayMeet<hasMargin, isMoved>(bodies, a + k, b + k);
 		for (int part = 0; part < kLanes; part += kGroup)
 		{
 			const Compressor compressor(bits >> part & ((1u << kGroup) - 1));
@@ -64,8 +65,14 @@ int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 	return kept;
 }
 
+template <bool hasMargin>
+int siftAs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+{
+	return bodies.centersB ? siftPairs<hasMargin, true>(bodies, a, b, count) : siftPairs<hasMargin, false>(bodies, a, b, count);
+}
+
 int sift(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
-	return bodies.margin > 0 ? siftPairs<true>(bodies, a, b, count) : siftPairs<false>(bodies, a, b, count);
+	return bodies.margin > 0 ? siftAs<true>(bodies, a, b, count) : siftAs<false>(bodies, a, b, count);
 }
 }  // namespace

@@ -18,6 +18,12 @@ struct alignas(64) MovedBlock
 	uint32_t epoch, count;  ///< count: of its balls, without padding
 };
 
+/// Of a ball of B: its centre in A's tree frame, unrounded, and its radius.
+struct alignas(32) MovedCenter
+{
+	double x, y, z, R;
+};
+
 /// Centres and radii of balls, each at the front of a row of so many floats: kSphereRow or kEllipsoidRow.
 struct BallRows
 {
@@ -73,7 +79,8 @@ struct PairSearch
 	int openBatch;
 	uint32_t *ballOf, *blockOf;  ///< kBallEntries: balls of A against blocks of B
 	MovedBlock* moved;           ///< one for each block of B
-	MomentEllipsoid* movedB;     ///< the balls of moved blocks, for the pairs' evaluation; null: not wanted
+	MovedCenter* centersB;       ///< of the balls of moved blocks, for the pairs' evaluation
+	MomentEllipsoid* movedB;     ///< these balls; null: not wanted
 	uint32_t epoch;              ///< of this search: blocks with another one are still to be moved
 	uint32_t *pairA, *pairB;     ///< kPairBatch + kListSlack: indices of balls
 	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
@@ -91,7 +98,8 @@ struct PairBodies
 {
 	const MomentEllipsoid *ballsA, *ballsB;
 	const Sphere *spheresA, *spheresB;  ///< all that kLineTerms read
-	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats: those that the search found in pairs; null: each pair turns its own
+	const MovedCenter* centersB;    ///< of those balls that the search found in pairs; null: each pair moves and turns its own
+	const MomentEllipsoid* movedB;  ///< with centersB: B's balls in A's tree frame, in floats
 	double R[9], t[3];
 	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
 	float slack;       ///< covers the rounding of float positions [m]

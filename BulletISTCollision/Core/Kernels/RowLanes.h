@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Kernels/FloatVector.h"
+#include "BulletISTCollision/Core/Kernels/QueryKernel.h"
+
+// Included by QueryKernel.cpp only. Balls are rows in memory and columns in registers: fetched and stored sixteen bytes at a time, and
+// transposed in between.
+namespace
+{
+using namespace ist;
+using namespace ist::kernels;
+
+using F = FloatVector<kLanes>;
+using D = DoubleVector<kLanes>;
+static_assert(F::kParts == 1);
+
+// By sixteen bytes of a register: of two floats, or of one double, from each of two registers, those in front and those behind.
+#if defined(IST_SSE) && defined(__AVX512VL__)
+IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return (F::Part)_mm512_unpacklo_ps((__m512)a, (__m512)b); }
+IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return (F::Part)_mm512_unpackhi_ps((__m512)a, (__m512)b); }
+IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return (F::Part)_mm512_unpacklo_pd((__m512d)a, (__m512d)b); }
+IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return (F::Part)_mm512_unpackhi_pd((__m512d)a, (__m512d)b); }
+#elif defined(IST_SSE) && defined(__AVX2__)
+IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return (F::Part)_mm256_unpacklo_ps((__m256)a, (__m256)b); }
+IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return (F::Part)_mm256_unpackhi_ps((__m256)a, (__m256)b); }
+IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return (F::Part)_mm256_unpacklo_pd((__m256d)a, (__m256d)b); }
+IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return (F::Part)_mm256_unpackhi_pd((__m256d)a, (__m256d)b); }
+#else
+IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return F::Part{a[0], b[0], a[1], b[1]}; }
+IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return F::Part{a[2], b[2], a[3], b[3]}; }
+IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return F::Part{a[0], a[1], b[0], b[1]}; }
+IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return F::Part{a[2], a[3], b[2], b[3]}; }
+#endif
+
+/// Sixteen bytes from each of `at(first)`, `at(first + step)` and so on, as many as fit.
+template <int step, class At>
+IST_INLINE F::Part gathered(int first, const At& at)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	__m512 r = _mm512_castps128_ps512(_mm_loadu_ps(at(first)));
+	r = _mm512_insertf32x4(r, _mm_loadu_ps(at(first + step)), 1);
+	r = _mm512_insertf32x4(r, _mm_loadu_ps(at(first + 2 * step)), 2);
+	return (F::Part)_mm512_insertf32x4(r, _mm_loadu_ps(at(first + 3 * step)), 3);
+#elif defined(IST_SSE) && defined(__AVX2__)
+	return (F::Part)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(first))), _mm_loadu_ps(at(first + step)), 1);
+#else
+	F::Part r;
+	std::memcpy(&r, at(first), sizeof r);
+	return r;
+#endif
+}
+
+/// The reverse.
+template <int step, class At>
+IST_INLINE void scatter(F::Part v, int first, const At& at)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	const __m512 r = (__m512)v;
+	_mm_storeu_ps(at(first), _mm512_castps512_ps128(r));
+	_mm_storeu_ps(at(first + step), _mm512_extractf32x4_ps(r, 1));
+	_mm_storeu_ps(at(first + 2 * step), _mm512_extractf32x4_ps(r, 2));
+	_mm_storeu_ps(at(first + 3 * step), _mm512_extractf32x4_ps(r, 3));
+#elif defined(IST_SSE) && defined(__AVX2__)
+	const __m256 r = (__m256)v;
+	_mm_storeu_ps(at(first), _mm256_castps256_ps128(r));
+	_mm_storeu_ps(at(first + step), _mm256_extractf128_ps(r, 1));
+#else
+	std::memcpy(at(first), &v, sizeof v);
+#endif
+}
+
+/// Rows of four floats to columns, and back: lane k of register j holds what lane j of register k held, in each four by four.
+IST_INLINE void transpose(F::Part& r0, F::Part& r1, F::Part& r2, F::Part& r3)
+{
+	const F::Part a = frontFloats(r0, r1), b = backFloats(r0, r1), c = frontFloats(r2, r3), d = backFloats(r2, r3);
+	r0 = frontDouble(a, c);
+	r1 = backDouble(a, c);
+	r2 = frontDouble(b, d);
+	r3 = backDouble(b, d);
+}
+
+/// Where each of kLanes balls begins.
+struct Places
+{
+	const char* ball[kLanes];
+};
+
+template <class Ball>
+IST_INLINE Places placesOf(const Ball* balls, const uint32_t* index)
+{
+	Places p;
+	IST_UNROLL
+	for (int k = 0; k < kLanes; ++k) p.ball[k] = reinterpret_cast<const char*>(balls + index[k]);
+	return p;
+}
+
+/// Columns 0..3 of the rows of four floats that begin `offset` floats into each ball.
+IST_INLINE void fetchRow(const Places& places, int offset, F& c0, F& c1, F& c2, F& c3)
+{
+	const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(places.ball[k]) + offset; };
+	c0.part[0] = gathered<4>(0, row);
+	c1.part[0] = gathered<4>(1, row);
+	c2.part[0] = gathered<4>(2, row);
+	c3.part[0] = gathered<4>(3, row);
+	transpose(c0.part[0], c1.part[0], c2.part[0], c3.part[0]);
+}
+
+/// The reverse: row k from lane k of the columns, into ball k from `balls` on.
+IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, F c0, F c1, F c2, F c3)
+{
+	const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<float*>(balls + k) + offset; };
+	transpose(c0.part[0], c1.part[0], c2.part[0], c3.part[0]);
+	scatter<4>(c0.part[0], 0, row);
+	scatter<4>(c1.part[0], 1, row);
+	scatter<4>(c2.part[0], 2, row);
+	scatter<4>(c3.part[0], 3, row);
+}
+
+/// Of moved balls: their centres, and their radii.
+struct Centers
+{
+	D x, y, z, R;
+};
+
+IST_INLINE Centers fetchCenters(const MovedCenter* centers, const uint32_t* index)
+{
+	const Places places = placesOf(centers, index);
+	const auto front = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(places.ball[k]); };
+	const auto back = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(places.ball[k]) + 4; };
+	Centers c;
+	IST_UNROLL
+	for (int i = 0; i < D::kParts; ++i)
+	{
+		const int first = i * D::kRegister;
+		const F::Part xy0 = gathered<2>(first, front), xy1 = gathered<2>(first + 1, front);
+		const F::Part zR0 = gathered<2>(first, back), zR1 = gathered<2>(first + 1, back);
+		c.x.part[i] = (D::Part)frontDouble(xy0, xy1);
+		c.y.part[i] = (D::Part)backDouble(xy0, xy1);
+		c.z.part[i] = (D::Part)frontDouble(zR0, zR1);
+		c.R.part[i] = (D::Part)backDouble(zR0, zR1);
+	}
+	return c;
+}
+
+/// Ball k from lane k.
+IST_INLINE void storeCenters(MovedCenter* centers, const Centers& c)
+{
+	const auto front = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<float*>(centers + k); };
+	const auto back = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<float*>(centers + k) + 4; };
+	IST_UNROLL
+	for (int i = 0; i < D::kParts; ++i)
+	{
+		const int first = i * D::kRegister;
+		const F::Part x = (F::Part)c.x.part[i], y = (F::Part)c.y.part[i], z = (F::Part)c.z.part[i], R = (F::Part)c.R.part[i];
+		scatter<2>(frontDouble(x, y), first, front);
+		scatter<2>(backDouble(x, y), first + 1, front);
+		scatter<2>(frontDouble(z, R), first, back);
+		scatter<2>(backDouble(z, R), first + 1, back);
+	}
+}
+}  // namespace
