@@ -93,6 +93,19 @@ IST_INLINE uint32_t equalBits(Part a, Part b)
 	return signBits(a == b);
 }
 
+/// a b + c of floats.
+template <class Part>
+IST_INLINE Part fused(Part a, Part b, Part c)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	if constexpr (sizeof(Part) == 64) return (Part)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+#endif
+#if defined(IST_SSE) && defined(__FMA__)
+	if constexpr (sizeof(Part) == 32) return (Part)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#endif
+	return a * b + c;
+}
+
 template <class Part>
 IST_INLINE Part rootOf(Part a)
 {
@@ -236,6 +249,13 @@ struct FloatVector
 		return a;
 	}
 	friend IST_INLINE FloatVector operator-(const FloatVector& a) { return all(0) - a; }
+	/// a b + c, rounded once where the machine can: not for what all machines agree on.
+	friend IST_INLINE FloatVector multiplyAdd(FloatVector a, const FloatVector& b, const FloatVector& c)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = fused(a.part[i], b.part[i], c.part[i]);
+		return a;
+	}
 	IST_INLINE FloatVector& operator+=(const FloatVector& b) { return *this = *this + b; }
 
 	static IST_INLINE FloatVector smaller(FloatVector a, const FloatVector& b)
@@ -418,13 +438,24 @@ struct DoubleVector
 	}
 };
 
-/// Bit k set where the sphere k of the arrays comes nearer than `reach` to touching the sphere (cx, cy, cz, r).
+/// Where the sphere k of the arrays comes nearer than `reach` to touching the sphere (cx, cy, cz, r).
 template <int W>
-IST_INLINE uint32_t touching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
-							 float cx, float cy, float cz, float reach)
+IST_INLINE LaneMask<W> touching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
+								float cx, float cy, float cz, float reach)
 {
 	using V = FloatVector<W>;
-	const V dx = x - V::all(cx), dy = y - V::all(cy), dz = z - V::all(cz), sum = r + V::all(reach);
-	return V::less(dx * dx + dy * dy + dz * dz, sum * sum);
+	// The arrays as subtrahends: an instruction takes that operand from memory.
+	const V dx = V::all(cx) - x, dy = V::all(cy) - y, dz = V::all(cz) - z, sum = V::all(reach) + r;
+	return V::isLess(dx * dx + dy * dy + dz * dz, sum * sum);
+}
+
+/// The same but for the rounding.
+template <int W>
+IST_INLINE LaneMask<W> nearlyTouching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
+									  float cx, float cy, float cz, float reach)
+{
+	using V = FloatVector<W>;
+	const V dx = V::all(cx) - x, dy = V::all(cy) - y, dz = V::all(cz) - z, sum = V::all(reach) + r;
+	return V::isLess(multiplyAdd(dz, dz, multiplyAdd(dy, dy, dx * dx)), sum * sum);
 }
 }  // namespace

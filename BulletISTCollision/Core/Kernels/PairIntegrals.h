@@ -80,10 +80,9 @@ IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 /// P_i + P_j in units of the square of a power of two next to the reach, so that no power of a length leaves a float's range.
 struct Whitening
 {
-	F unit, perUnit;  ///< that length; 1 over it
-	F6 A, B;          ///< P_i, P_j
-	F6 Q;             ///< adjugate of the sum
-	F det;            ///< of the sum
+	F unit, perUnit, perUnit2;  ///< that length; 1 over it; the square of that
+	F6 Q;   ///< adjugate of the sum
+	F det;  ///< of the sum
 };
 
 /// Both in A's frame.
@@ -92,11 +91,10 @@ IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 	Whitening w;
 	w.unit = F::powerOfTwoBelow(a.R + b.R);
 	w.perUnit = F::inverseOfPower(w.unit);
-	const F unit = w.perUnit * w.perUnit;
-	const auto scaled = [&](const F6& P) { return F6{P.xx * unit, P.yy * unit, P.zz * unit, P.xy * unit, P.xz * unit, P.yz * unit}; };
-	w.A = scaled(a.shape);
-	w.B = scaled(b.shape);
-	const F6 P{w.A.xx + w.B.xx, w.A.yy + w.B.yy, w.A.zz + w.B.zz, w.A.xy + w.B.xy, w.A.xz + w.B.xz, w.A.yz + w.B.yz};
+	w.perUnit2 = w.perUnit * w.perUnit;
+	const F6 A = a.shape, B = b.shape;
+	const auto entry = [&](const F& p, const F& q) __attribute__((always_inline)) { return (p + q) * w.perUnit2; };
+	const F6 P{entry(A.xx, B.xx), entry(A.yy, B.yy), entry(A.zz, B.zz), entry(A.xy, B.xy), entry(A.xz, B.xz), entry(A.yz, B.yz)};
 	w.Q = {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
 		   P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 	w.det = P.xx * w.Q.xx + P.xy * w.Q.xy + P.xz * w.Q.xz;
@@ -113,8 +111,8 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	// One division for two.
 	const F both = one / (white.det * reach2), inverse = both * reach2, perReach2 = both * white.det;
 	// Each from its own shape: their squares add up to one, and the smaller would vanish in the rounding of the larger.
-	const F third = inverse * F::all(1.0f / 3);
-	const F ri = F::squareRoot(dot(white.A, Q) * third), rj = F::squareRoot(dot(white.B, Q) * third), sum = ri + rj;
+	const F third = inverse * F::all(1.0f / 3) * white.perUnit2;
+	const F ri = F::squareRoot(dot(a.shape, Q) * third), rj = F::squareRoot(dot(b.shape, Q) * third), sum = ri + rj;
 	const F3 x{offset.x * u, offset.y * u, offset.z * u}, w = Q * x;
 	const F own = dot(x, w) * inverse, share = sum * sum * perReach2, least = share * dot(x, x);
 	const Lanes bounded = F::isLess(own, least);

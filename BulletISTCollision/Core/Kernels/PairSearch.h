@@ -13,12 +13,13 @@ using namespace ist::kernels;
 
 static_assert(BallNode::kWidth == 8 && BallBlock::kWidth == 16);
 
-/// Appends first + lane for each set bit of sixteen to `lanes`, and `same` beside it. Returns the number of set bits.
-IST_INLINE int appendLanes(uint32_t bits, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside)
+/// Appends first + lane for each lane that is set to `lanes`, and `same` beside it. Returns their number.
+IST_INLINE int appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 	const __m512i all = _mm512_add_epi32(_mm512_set1_epi32(int(first)), lane);
+	const uint32_t bits = set.bits();
 	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
 	const int count = __builtin_popcount(bits);
 	// More than half of the lanes are rarely chosen, and a store of a whole line at any address touches two.
@@ -31,21 +32,20 @@ IST_INLINE int appendLanes(uint32_t bits, uint32_t first, uint32_t same, uint32_
 	}
 	return count;
 #elif defined(IST_SSE) && defined(__AVX2__)
-	const uint32_t low = bits & 0xff, high = bits >> 8;
+	const uint32_t low = signBits(set.part[0]), high = signBits(set.part[1]);
 	const int lowCount = __builtin_popcount(low);
-	const auto row = [](uint32_t b, uint32_t base) {
-		return _mm256_add_epi32(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[b]))),
-								_mm256_set1_epi32(int(base)));
+	const auto chosen = [](uint32_t b, __m256i base) {
+		return _mm256_add_epi32(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[b]))), base);
 	};
-	const __m256i other = _mm256_set1_epi32(int(same));
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), row(low, first));
+	const __m256i base = _mm256_set1_epi32(int(first)), other = _mm256_set1_epi32(int(same));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), chosen(low, base));
 	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside), other);
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + lowCount), row(high, first + 8));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + lowCount), chosen(high, _mm256_add_epi32(base, _mm256_set1_epi32(8))));
 	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + lowCount), other);
 	return lowCount + __builtin_popcount(high);
 #else
 	int count = 0;
-	for (; bits; bits &= bits - 1)
+	for (uint32_t bits = set.bits(); bits; bits &= bits - 1)
 	{
 		lanes[count] = first + uint32_t(__builtin_ctz(bits));
 		beside[count++] = same;
@@ -153,7 +153,7 @@ IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, Su
 	const BallNode& node = s.nodesA[sameList.a[index]];
 	const Partner b{sameList.b[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
 	const Children c{node.child, Vector8::load(node.x), Vector8::load(node.y), Vector8::load(node.z), Vector8::load(node.r)};
-	const uint32_t hits = touching(c.x, c.y, c.z, c.r, b.x, b.y, b.z, b.r + s.slack);
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, b.x, b.y, b.z, b.r + s.slack).bits();
 	const uint32_t notSmaller = ~Vector8::less(c.r, Vector8::all(b.r));
 	const Routes to = route(hits, childBits(node.child), notSmaller, (b.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.a, sameList.b, to.same, c, b);
@@ -171,7 +171,7 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 		return Vector8::all(s.R[3 * i]) * x + Vector8::all(s.R[3 * i + 1]) * y + Vector8::all(s.R[3 * i + 2]) * z + Vector8::all(s.t[i]);
 	};
 	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * Vector8::all(s.stretch)};
-	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack);
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack).bits();
 	// Of two equal nodes A's is opened.
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
@@ -236,10 +236,10 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
 		const BallBlock& a = blocksA[blockA];
 		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
-		const uint32_t near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
-									   leaves.r[i] + slack);
+		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
+										   leaves.r[i] + slack);
 		const int count = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf + n, blockOf + n);
-		if ((near != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blockB, moved[blockB]);
+		if ((count != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blockB, moved[blockB]);
 		// Of a block that nothing is near the number does not matter.
 		tests += int64_t(count) * moved[blockB].count;
 		n += count;
@@ -273,7 +273,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 			const uint32_t ball = ballOf[i], index = blockOf[i];
 			const float* const a = rows + ball * kStride;
 			const MovedBlock& b = moved[index];
-			const uint32_t hits = touching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a[0], a[1], a[2], a[3]);
+			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a[0], a[1], a[2], a[3]);
 			pairs += appendLanes(hits, index * BallBlock::kWidth, ball, pairB + pairs, pairA + pairs);
 		}
 	}
