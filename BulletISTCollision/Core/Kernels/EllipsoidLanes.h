@@ -40,31 +40,29 @@ struct Balls
 static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16);
 
 /// Without density and normal.
-IST_INLINE Balls fetchEllipsoids(const Places& places)
+IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index)
 {
-	Balls b;
-	F sphere;
-	fetchRow(places, 0, b.x, b.y, b.z, b.R);
-	fetchRow(places, 8, b.depth, sphere, b.shape.xx, b.shape.yy);
-	fetchRow(places, 12, b.shape.zz, b.shape.xy, b.shape.xz, b.shape.yz);
-	return b;
+	constexpr int offset[3] = {0, 32, 48};
+	F::Part c[12];
+	fetchRows<3>(balls, index, offset, c);
+	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {}, {}, {c[4]}, {{c[6]}, {c[7]}, {c[8]}, {c[9]}, {c[10]}, {c[11]}}};
 }
-IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index) { return fetchEllipsoids(placesOf(balls, index)); }
 
 IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 {
-	const Places places = placesOf(balls, index);
-	Balls b = fetchEllipsoids(places);
-	fetchRow(places, 4, b.density, b.normal.x, b.normal.y, b.normal.z);
-	return b;
+	constexpr int offset[4] = {0, 16, 32, 48};
+	F::Part c[16];
+	fetchRows<4>(balls, index, offset, c);
+	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {{c[5]}, {c[6]}, {c[7]}}, {c[8]}, {{c[10]}, {c[11]}, {c[12]}, {c[13]}, {c[14]}, {c[15]}}};
 }
 
 /// Packed spheres are wholly filled and have no normal: just place and radius.
 IST_INLINE Balls fetch(const Sphere* spheres, const uint32_t* index)
 {
-	Balls b;
-	fetchRow(placesOf(spheres, index), 0, b.x, b.y, b.z, b.R);
-	return b;
+	constexpr int offset[1] = {0};
+	F::Part c[4];
+	fetchRows<1>(spheres, index, offset, c);
+	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {}, {}, {}, {}};
 }
 
 /// B's tree frame to A's, one component; the reference's order of operations.

@@ -56,7 +56,11 @@ IST_INLINE int appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t sam
 
 IST_INLINE void fill8(uint32_t* to, uint32_t value)
 {
+#if defined(IST_SSE) && defined(__AVX2__)
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_set1_epi32(int(value)));
+#else
 	for (int k = 0; k < 8; ++k) to[k] = value;
+#endif
 }
 
 /// The survivors among a node's children, against one partner.

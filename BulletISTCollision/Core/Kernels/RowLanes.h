@@ -33,25 +33,59 @@ IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return F::Part{a[0], a[1]
 IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return F::Part{a[2], a[3], b[2], b[3]}; }
 #endif
 
-/// Sixteen bytes from each of `at(first)`, `at(first + step)` and so on, as many as fit.
-template <int step, class At>
-IST_INLINE F::Part gathered(int first, const At& at)
+template <int N>
+struct Constant
+{
+	static constexpr int value = N;
+};
+
+/// Of kRows rows of sixteen bytes of each ball, `place(k) + offset[r]`: those of the balls first + j, first + j + step and so on, side by side in
+/// `to[step * r + j]`, for each j below `step`.
+template <int step, int kRows, class Place>
+IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows], F::Part (&to)[step * kRows])
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
-	__m512 r = _mm512_castps128_ps512(_mm_loadu_ps(at(first)));
-	r = _mm512_insertf32x4(r, _mm_loadu_ps(at(first + step)), 1);
-	r = _mm512_insertf32x4(r, _mm_loadu_ps(at(first + 2 * step)), 2);
-	return (F::Part)_mm512_insertf32x4(r, _mm_loadu_ps(at(first + 3 * step)), 3);
-#elif defined(IST_SSE) && defined(__AVX2__)
-	return (F::Part)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at(first))), _mm_loadu_ps(at(first + step)), 1);
+	// Ball by ball, so that each place is wanted for a moment only: there are not enough registers for all.
+	const auto quarter = [&](auto q) __attribute__((always_inline)) {
+		IST_UNROLL
+		for (int j = 0; j < step; ++j)
+		{
+			const char* const ball = place(first + step * decltype(q)::value + j);
+			IST_UNROLL
+			for (int r = 0; r < kRows; ++r)
+			{
+				const __m128 row = _mm_loadu_ps(reinterpret_cast<const float*>(ball + offset[r]));
+				F::Part& v = to[step * r + j];
+				if constexpr (decltype(q)::value == 0)
+					v = (F::Part)_mm512_castps128_ps512(row);
+				else
+					v = (F::Part)_mm512_insertf32x4((__m512)v, row, decltype(q)::value);
+			}
+		}
+	};
+	quarter(Constant<0>{});
+	quarter(Constant<1>{});
+	quarter(Constant<2>{});
+	quarter(Constant<3>{});
 #else
-	F::Part r;
-	std::memcpy(&r, at(first), sizeof r);
-	return r;
+	IST_UNROLL
+	for (int r = 0; r < kRows; ++r)
+	{
+		IST_UNROLL
+		for (int j = 0; j < step; ++j)
+		{
+			const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(place(first + k) + offset[r]); };
+#if defined(IST_SSE) && defined(__AVX2__)
+			to[step * r + j] = (F::Part)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(row(j))), _mm_loadu_ps(row(j + step)), 1);
+#else
+			std::memcpy(&to[step * r + j], row(j), sizeof(F::Part));
+#endif
+		}
+	}
 #endif
 }
 
-/// The reverse.
+/// Sixteen bytes of `v` to each of `at(first)`, `at(first + step)` and so on.
 template <int step, class At>
 IST_INLINE void scatter(F::Part v, int first, const At& at)
 {
@@ -80,33 +114,22 @@ IST_INLINE void transpose(F::Part& r0, F::Part& r1, F::Part& r2, F::Part& r3)
 	r3 = backDouble(b, d);
 }
 
-/// Where each of kLanes balls begins.
-struct Places
-{
-	const char* ball[kLanes];
-};
-
 template <class Ball>
-IST_INLINE Places placesOf(const Ball* balls, const uint32_t* index)
+IST_INLINE auto placesOf(const Ball* balls, const uint32_t* index)
 {
-	Places p;
+	return [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + index[k]); };
+}
+
+/// Columns of the rows of four floats that begin `offset[r]` bytes into each ball, four of each row.
+template <int kRows, class Ball>
+IST_INLINE void fetchRows(const Ball* balls, const uint32_t* index, const int (&offset)[kRows], F::Part (&columns)[4 * kRows])
+{
+	gather<4, kRows>(0, placesOf(balls, index), offset, columns);
 	IST_UNROLL
-	for (int k = 0; k < kLanes; ++k) p.ball[k] = reinterpret_cast<const char*>(balls + index[k]);
-	return p;
+	for (int r = 0; r < kRows; ++r) transpose(columns[4 * r], columns[4 * r + 1], columns[4 * r + 2], columns[4 * r + 3]);
 }
 
-/// Columns 0..3 of the rows of four floats that begin `offset` floats into each ball.
-IST_INLINE void fetchRow(const Places& places, int offset, F& c0, F& c1, F& c2, F& c3)
-{
-	const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(places.ball[k]) + offset; };
-	c0.part[0] = gathered<4>(0, row);
-	c1.part[0] = gathered<4>(1, row);
-	c2.part[0] = gathered<4>(2, row);
-	c3.part[0] = gathered<4>(3, row);
-	transpose(c0.part[0], c1.part[0], c2.part[0], c3.part[0]);
-}
-
-/// The reverse: row k from lane k of the columns, into ball k from `balls` on.
+/// Row k from lane k of the columns, into ball k from `balls` on.
 IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, F c0, F c1, F c2, F c3)
 {
 	const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<float*>(balls + k) + offset; };
@@ -125,20 +148,17 @@ struct Centers
 
 IST_INLINE Centers fetchCenters(const MovedCenter* centers, const uint32_t* index)
 {
-	const Places places = placesOf(centers, index);
-	const auto front = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(places.ball[k]); };
-	const auto back = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(places.ball[k]) + 4; };
+	constexpr int offset[2] = {0, 16};
 	Centers c;
 	IST_UNROLL
 	for (int i = 0; i < D::kParts; ++i)
 	{
-		const int first = i * D::kRegister;
-		const F::Part xy0 = gathered<2>(first, front), xy1 = gathered<2>(first + 1, front);
-		const F::Part zR0 = gathered<2>(first, back), zR1 = gathered<2>(first + 1, back);
-		c.x.part[i] = (D::Part)frontDouble(xy0, xy1);
-		c.y.part[i] = (D::Part)backDouble(xy0, xy1);
-		c.z.part[i] = (D::Part)frontDouble(zR0, zR1);
-		c.R.part[i] = (D::Part)backDouble(zR0, zR1);
+		F::Part half[4];
+		gather<2, 2>(i * D::kRegister, placesOf(centers, index), offset, half);
+		c.x.part[i] = (D::Part)frontDouble(half[0], half[1]);
+		c.y.part[i] = (D::Part)backDouble(half[0], half[1]);
+		c.z.part[i] = (D::Part)frontDouble(half[2], half[3]);
+		c.R.part[i] = (D::Part)backDouble(half[2], half[3]);
 	}
 	return c;
 }
