@@ -72,13 +72,14 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 	if (moved.size() < B.blocks.size())
 	{
 		moved.resize(B.blocks.size());
+		marks.resize(B.blocks.size());
 		movedCenters.resize(B.slotCount());
 	}
 	if (movedBalls.size() < B.balls.size()) movedBalls.resize(B.balls.size());
 	grouper.reserve(size_t(capacity.pairs), A.slotCount() + B.slotCount(), capacity.patches);
 	if (++epoch == 0)
 	{
-		for (MovedBlock& block : moved) block.epoch = 0;
+		for (BlockMark& mark : marks) mark.epoch = 0;
 		epoch = 1;
 	}
 }

@@ -279,6 +279,7 @@ PairSearch TreeQuery::newSearch()
 	s.ballOf = m_work.ballOf;
 	s.blockOf = m_work.blockOf;
 	s.moved = m_work.moved.data();
+	s.marks = m_work.marks.data();
 	s.centersB = m_work.movedCenters.data();
 	s.movedB = hasShapes() ? m_work.movedBalls.data() : nullptr;
 	s.epoch = m_work.epoch;

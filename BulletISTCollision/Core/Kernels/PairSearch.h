@@ -13,44 +13,43 @@ using namespace ist::kernels;
 
 static_assert(BallNode::kWidth == 8 && BallBlock::kWidth == 16);
 
-/// Appends first + lane for each lane that is set to `lanes`, and `same` beside it. Returns their number.
-IST_INLINE int appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside)
+/// Appends first + lane for each lane that is set to `lanes`, which has `size` entries, and `same` beside it. Returns the new size.
+IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside, size_t size)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 	const __m512i all = _mm512_add_epi32(_mm512_set1_epi32(int(first)), lane);
 	const uint32_t bits = set.bits();
 	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
-	const int count = __builtin_popcount(bits);
+	const unsigned count = unsigned(__builtin_popcount(bits));
 	// More than half of the lanes are rarely chosen, and a store of a whole line at any address touches two.
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), _mm512_castsi512_si256(chosen));
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside), _mm512_castsi512_si256(other));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size), _mm512_castsi512_si256(chosen));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size), _mm512_castsi512_si256(other));
 	if (__builtin_expect(count > 8, 0))
 	{
-		_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + 8), _mm512_extracti64x4_epi64(chosen, 1));
-		_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + 8), _mm512_castsi512_si256(other));
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size + 8), _mm512_extracti64x4_epi64(chosen, 1));
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size + 8), _mm512_castsi512_si256(other));
 	}
-	return count;
+	return size + count;
 #elif defined(IST_SSE) && defined(__AVX2__)
 	const uint32_t low = signBits(set.part[0]), high = signBits(set.part[1]);
-	const int lowCount = __builtin_popcount(low);
+	const size_t middle = size + unsigned(__builtin_popcount(low));
 	const auto chosen = [](uint32_t b, __m256i base) {
 		return _mm256_add_epi32(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[b]))), base);
 	};
 	const __m256i base = _mm256_set1_epi32(int(first)), other = _mm256_set1_epi32(int(same));
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), chosen(low, base));
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside), other);
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + lowCount), chosen(high, _mm256_add_epi32(base, _mm256_set1_epi32(8))));
-	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + lowCount), other);
-	return lowCount + __builtin_popcount(high);
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size), chosen(low, base));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size), other);
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + middle), chosen(high, _mm256_add_epi32(base, _mm256_set1_epi32(8))));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + middle), other);
+	return middle + unsigned(__builtin_popcount(high));
 #else
-	int count = 0;
 	for (uint32_t bits = set.bits(); bits; bits &= bits - 1)
 	{
-		lanes[count] = first + uint32_t(__builtin_ctz(bits));
-		beside[count++] = same;
+		lanes[size] = first + uint32_t(__builtin_ctz(bits));
+		beside[size++] = same;
 	}
-	return count;
+	return size;
 #endif
 }
 
@@ -201,10 +200,11 @@ void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, const Moment
 	}
 }
 
-void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
+void moveBlock(const PairSearch& s, uint32_t index)
 {
 	using V16 = FloatVector<BallBlock::kWidth>;
 	const BallBlock& block = s.blocksB[index];
+	MovedBlock& moved = s.moved[index];
 	const size_t first = size_t(index) * BallBlock::kWidth;
 	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
 	{
@@ -218,8 +218,7 @@ void moveBlock(const PairSearch& s, uint32_t index, MovedBlock& moved)
 		(R + F::all(s.slack)).store(moved.reach + lane);
 		storeCenters(s.centersB + first + lane, c);
 	}
-	moved.epoch = s.epoch;
-	moved.count = uint32_t(__builtin_popcount(V16::less(V16::all(0), V16::load(block.R))));
+	s.marks[index] = {s.epoch, uint32_t(__builtin_popcount(V16::less(V16::all(0), V16::load(block.R))))};
 	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
 }
 
@@ -228,13 +227,12 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 {
 	using V = FloatVector<16>;
 	const BallBlock* blocksA = s.blocksA;
-	MovedBlock* moved = s.moved;
+	const BlockMark* marks = s.marks;
 	const SubtreeList leaves = s.leaves;
 	uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
 	const float slack = s.slack;
 	const uint32_t epoch = s.epoch;
-	int n = 0;
-	int64_t tests = 0;
+	size_t n = 0, tests = 0;
 	for (int i = first; i < end; ++i)
 	{
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
@@ -242,15 +240,15 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
 		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
 										   leaves.r[i] + slack);
-		const int count = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf + n, blockOf + n);
-		if ((count != 0) & (moved[blockB].epoch != epoch)) moveBlock(s, blockB, moved[blockB]);
+		const size_t size = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf, blockOf, n), count = size - n;
+		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
 		// Of a block that nothing is near the number does not matter.
-		tests += int64_t(count) * moved[blockB].count;
-		n += count;
+		tests += count * marks[blockB].count;
+		n = size;
 	}
 	s.counts.blockPairs += end - first;
-	s.counts.ballTests += tests;
-	return n;
+	s.counts.ballTests += int64_t(tests);
+	return int(n);
 }
 
 /// Balls of A, in rows of kStride floats, against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
@@ -272,14 +270,16 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 			continue;
 		}
 		const int end = count - i < safe ? count : i + safe;
+		size_t size = size_t(pairs);
 		for (; i < end; ++i)
 		{
 			const uint32_t ball = ballOf[i], index = blockOf[i];
 			const float* const a = rows + ball * kStride;
 			const MovedBlock& b = moved[index];
 			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a[0], a[1], a[2], a[3]);
-			pairs += appendLanes(hits, index * BallBlock::kWidth, ball, pairB + pairs, pairA + pairs);
+			size = appendLanes(hits, index * BallBlock::kWidth, ball, pairB, pairA, size);
 		}
+		pairs = int(size);
 	}
 	return pairs;
 }

@@ -15,7 +15,12 @@ namespace ist::kernels
 struct alignas(64) MovedBlock
 {
 	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth], reach[BallBlock::kWidth];
-	uint32_t epoch, count;  ///< count: of its balls, without padding
+};
+
+/// When a block of B was moved last, and how many balls it has without padding.
+struct BlockMark
+{
+	uint32_t epoch, count;
 };
 
 /// Of a ball of B: its centre in A's tree frame, unrounded, and its radius.
@@ -79,6 +84,7 @@ struct PairSearch
 	int openBatch;
 	uint32_t *ballOf, *blockOf;  ///< kBallEntries: balls of A against blocks of B
 	MovedBlock* moved;           ///< one for each block of B
+	BlockMark* marks;            ///< of these
 	MovedCenter* centersB;       ///< of the balls of moved blocks, for the pairs' evaluation
 	MomentEllipsoid* movedB;     ///< these balls; null: not wanted
 	uint32_t epoch;              ///< of this search: blocks with another one are still to be moved

@@ -35,6 +35,7 @@ struct QueryWorkspace::Implementation
 	int openBatch = 1;
 	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
 	std::vector<kernels::MovedBlock> moved;
+	std::vector<kernels::BlockMark> marks;
 	std::vector<kernels::MovedCenter> movedCenters;
 	std::vector<MomentEllipsoid> movedBalls;
 	uint32_t epoch = 0;
