@@ -92,7 +92,7 @@ IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 	w.unit = F::powerOfTwoBelow(a.R + b.R);
 	w.perUnit = F::inverseOfPower(w.unit);
 	w.perUnit2 = w.perUnit * w.perUnit;
-	const F6 A = a.shape, B = b.shape;
+	const F6 &A = a.shape, &B = b.shape;
 	const auto entry = [&](const F& p, const F& q) __attribute__((always_inline)) { return (p + q) * w.perUnit2; };
 	const F6 P{entry(A.xx, B.xx), entry(A.yy, B.yy), entry(A.zz, B.zz), entry(A.xy, B.xy), entry(A.xz, B.xz), entry(A.yz, B.yz)};
 	w.Q = {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
@@ -196,8 +196,9 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	l.spread = F::select(l.hits, F::larger(zero, dd * F::smaller(shared.volume, shared.whole - shared.volume) * F::all(bodies.spreadUnit)), zero);
 	if constexpr (terms != kLineTerms)
 	{
-		l.mA = a.normal;
-		l.mB = b.normal;
+		// Lane by lane: GCC copies a whole vector of three through memory.
+		l.mA = {a.normal.x, a.normal.y, a.normal.z};
+		l.mB = {b.normal.x, b.normal.y, b.normal.z};
 		l.depthA = a.depth + shared.share * dot(l.mA, offset);
 		l.depthB = b.depth - (F::all(1) - shared.share) * dot(l.mB, offset);
 	}
