@@ -54,13 +54,10 @@ int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 	for (int k = 0; k < count; k += kLanes)
 	{
 		const uint32_t bits = firstLanes(count - k) & mayMeet<hasMargin, isMoved>(bodies, a + k, b + k);
-		for (int part = 0; part < kLanes; part += kGroup)
-		{
-			const Compressor compressor(bits >> part & ((1u << kGroup) - 1));
-			compressor.move(a + k + part, a + kept);
-			compressor.move(b + k + part, b + kept);
-			kept += compressor.count();
-		}
+		const LaneCompressor compressor(bits);
+		compressor.move(a + k, a + kept);
+		compressor.move(b + k, b + kept);
+		kept += compressor.count();
 	}
 	return kept;
 }
