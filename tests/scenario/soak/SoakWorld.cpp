@@ -17,7 +17,7 @@ namespace
 constexpr double kHalfPit = 3;
 constexpr int kSpheres = 120;
 
-constexpr double kAbsurdSpeed = 1e6;
+constexpr double kAbsurdSpeed = 1e6;  // [m/s], [rad/s]
 
 bool isFinite(const btVector3& v) { return std::isfinite(double(v.x())) && std::isfinite(double(v.y())) && std::isfinite(double(v.z())); }
 }  // namespace
@@ -231,7 +231,11 @@ void SoakWorld::spreadPoison()
 		a->poisoned = b->poisoned = spread = true;
 	};
 	// A blow at an absurd speed is a blow: what has one passes it on.
-	for (Actor& actor : m_actors) actor.poisoned = actor.poisoned || (actor.isFinite() && !(double(actor.body->getLinearVelocity().length()) < kAbsurdSpeed));
+	for (Actor& actor : m_actors)
+	{
+		const double speed = std::max(double(actor.body->getLinearVelocity().length()), double(actor.body->getAngularVelocity().length()));
+		actor.poisoned = actor.poisoned || (actor.isFinite() && !(speed < kAbsurdSpeed));
+	}
 	while (std::exchange(spread, false))
 	{
 		for (auto& joint : m_joints) touch(actorOf(&joint->getRigidBodyA()), actorOf(&joint->getRigidBodyB()));
