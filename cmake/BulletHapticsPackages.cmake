@@ -64,7 +64,7 @@ bullethaptics_package(tools bullethaptics-tools "volumetric contact for Bullet P
 	"ist packs meshes with spheres, checks and queries the result; devicebridge" "lists, tries, records and measures haptic devices.")
 bullethaptics_package(demos bullethaptics-demos "volumetric contact for Bullet Physics, demos" SECTION science
 	DEPENDS "libbullethaptics${abi} ${same}" PAGES haptic_demos.1 EXPLANATION
-	"A browser of demos in a window; they and scene files of one's own also run" "without a display, and write reports with charts: bodies that fall, grasp and"
+	"A browser of demos in a window. They and scene files of one's own also run" "without a display, and write reports with charts: bodies that fall, grasp and"
 	"screw, and a simulated hand that presses a rod on a mesh, among others.")
 if(TARGET bullethaptics_python)
 	math(EXPR next "${BULLETHAPTICS_PYTHON_MINOR} + 1")
