@@ -14,6 +14,8 @@ using namespace ist::kernels;
 static_assert(BallNode::kWidth == 8 && BallBlock::kWidth == 16);
 
 /// Appends first + lane for each lane that is set to `lanes`, which has `size` entries, and `same` beside it. Returns the new size.
+/// `areFew`: more than half of them rarely are.
+template <bool areFew>
 IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside, size_t size)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -22,7 +24,13 @@ IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t 
 	const uint32_t bits = set.bits();
 	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
 	const unsigned count = unsigned(__builtin_popcount(bits));
-	// More than half of the lanes are rarely chosen, and a store of a whole line at any address touches two.
+	// A store of a whole line at any address touches two, but a branch that is taken now and then costs more.
+	if constexpr (!areFew)
+	{
+		_mm512_storeu_si512(lanes + size, chosen);
+		_mm512_storeu_si512(beside + size, other);
+		return size + count;
+	}
 	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size), _mm512_castsi512_si256(chosen));
 	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size), _mm512_castsi512_si256(other));
 	if (__builtin_expect(count > 8, 0))
@@ -240,7 +248,7 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
 		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
 										   leaves.r[i] + slack);
-		const size_t size = appendLanes(near, blockA * BallBlock::kWidth, blockB, ballOf, blockOf, n), count = size - n;
+		const size_t size = appendLanes<false>(near, blockA * BallBlock::kWidth, blockB, ballOf, blockOf, n), count = size - n;
 		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
 		// Of a block that nothing is near the number does not matter.
 		tests += count * marks[blockB].count;
@@ -277,7 +285,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 			const float* const a = rows + ball * kStride;
 			const MovedBlock& b = moved[index];
 			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a[0], a[1], a[2], a[3]);
-			size = appendLanes(hits, index * BallBlock::kWidth, ball, pairB, pairA, size);
+			size = appendLanes<true>(hits, index * BallBlock::kWidth, ball, pairB, pairA, size);
 		}
 		pairs = int(size);
 	}
