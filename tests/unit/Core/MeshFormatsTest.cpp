@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <assimp/Exporter.hpp>
 #include <assimp/scene.h>
@@ -41,7 +42,7 @@ protected:
 private:
 	std::filesystem::path m_folder = std::filesystem::path(::testing::TempDir()) /
 									 ("ist_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()).substr(0, 8) + "_" +
-									  GetParam().id);
+									  GetParam().id + "_" + std::to_string(getpid()));
 };
 
 void fill(aiMesh& out, const Mesh& mesh)
