@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Recording.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "BulletISTCollision/Core/ByteStream.h"
@@ -90,6 +91,14 @@ void visitHand(HandState& h, const Visit& visit)
 	}
 }
 
+/// Times are shifted to other clocks: sums of several must stay numbers.
+bool areTimesSane(const RecordedTick& t)
+{
+	constexpr std::int64_t kLatest = std::int64_t(1) << 60;  // [ns]
+	const auto isSane = [](std::int64_t time) { return time > -kLatest && time < kLatest; };
+	return isSane(t.now) && isSane(t.state.sampledAt) && isSane(t.command.computedAt) && isSane(t.command.expiresAt);
+}
+
 ist::Error refused(const std::string& why) { return {"Not a readable recording: " + why, false}; }
 }  // namespace
 
@@ -133,6 +142,9 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 	for (HandState& hand : recording.hands) visitHand(hand, read);
 	if (!recording.hands.empty() && recording.hands.size() != recording.ticks.size()) in.fail();
 	if (!in.complete()) return refused("its fields and its length do not agree");
+	const auto insane = std::find_if_not(recording.ticks.begin(), recording.ticks.end(), areTimesSane);
+	if (insane != recording.ticks.end())
+		return refused("a time of its tick " + std::to_string(insane - recording.ticks.begin()) + " lies more than 36 years from the zero of its clock");
 	return recording;
 }
 

@@ -79,7 +79,7 @@ Recording oddRecording()
 	for (int i = 0; i < 5; ++i)
 	{
 		RecordedTick t;
-		t.now = static_cast<std::int64_t>(random());
+		t.now = static_cast<std::int64_t>(random() >> 4) - (std::int64_t(1) << 59);
 		t.readStatus = static_cast<DeviceStatus>(i);
 		t.written = i % 2;
 		t.state.sequence = random();
@@ -142,6 +142,22 @@ TEST(Recording, AnyFlippedBitAndAnyCutIsRefused)
 		ASSERT_FALSE(decodeRecording(bytes.data(), i)) << "cut to " << i;
 	}
 	EXPECT_FALSE(decodeRecording(nullptr, 0));
+}
+
+// They are shifted to the clock of whoever replays them.
+TEST(Recording, TimesThatNoClockShowsAreRefused)
+{
+	for (const std::int64_t time : {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()})
+		for (int which = 0; which < 4; ++which)
+		{
+			Recording recording = oddRecording();
+			RecordedTick& tick = recording.ticks[1];
+			*(which == 0 ? &tick.now : which == 1 ? &tick.state.sampledAt : which == 2 ? &tick.command.computedAt : &tick.command.expiresAt) = time;
+			const auto bytes = encodeRecording(recording);
+			const auto decoded = decodeRecording(bytes.data(), bytes.size());
+			ASSERT_FALSE(decoded) << which;
+			EXPECT_NE(decoded.error().message.find("tick 1 lies more than 36 years"), std::string::npos) << decoded.error().message;
+		}
 }
 
 // A seal over nonsense is still nonsense: counts and enumerators out of range, with a checksum that fits.
