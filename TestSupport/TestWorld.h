@@ -23,8 +23,9 @@ btTransform at(double x, double y, double z, const btVector3& axis, double angle
 /// is missing) throws std::runtime_error with the reason, which GoogleTest reports as a failure. Nothing ever sleeps.
 ///
 ///     ist::test::TestWorld world;
-///     world.addAsset("bunny.ist", 0, at(0, 0, 0));
-///     btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.05, .05, .05}), 1, at(0, .2, 0));
+///     world.addMeshFile("bunny.obj", 0, at(0, 0, 0), .1).setFriction(1);  // 20 cm tall
+///     btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.08, .02, .08}), 1, at(0, .14, 0));
+///     crate.setFriction(1);
 ///     world.run(3);
 ///     EXPECT_THAT(crate, IsAtRest());
 class TestWorld
