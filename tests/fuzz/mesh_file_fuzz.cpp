@@ -5,6 +5,7 @@
 
 #include "tests/fuzz/Promises.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -41,7 +42,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 	require(file && std::fwrite(data + 1, 1, size - 1, file) == size - 1, "the file is written");
 	std::fclose(file);
 	const ist::Result<ist::Mesh> mesh = ist::importMesh(path);
+	const ist::Result<ist::TexturedMesh> textured = ist::importTexturedMesh(path);
 	std::filesystem::remove(path);
+	if (fuzz::accepted(textured))
+	{
+		require(mesh && textured.value().mesh.triangles == mesh.value().triangles && textured.value().places.size() == mesh.value().triangles.size(), "the same triangles, each with its places");
+		for (const auto& corners : textured.value().places)
+			for (const ist::TexturePlace& place : corners) require(std::isfinite(place.u) && std::isfinite(place.v), "places in the picture are finite");
+	}
 	if (!fuzz::accepted(mesh)) return 0;
 	require(!mesh.value().triangles.empty(), "there are triangles");
 	for (const ist::Vec3& p : mesh.value().vertices) require(ist::isFinite(p), "corners are finite");
