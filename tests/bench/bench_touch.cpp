@@ -148,7 +148,7 @@ void printFlat(int spheres, int poses)
 	const OverlapQuadrature quadrature(large, small);
 	QueryWorkspace workspace;
 	std::printf("\nflat on flat, gap sum %.5f; force over the continuum's\n%10s %10s %8s %8s %10s\n", gaps, "depth", "gap sums", "mean", "std %", "gated");
-	for (const double depth : {0.25 * gaps, 0.5 * gaps, gaps, 1.5 * gaps, 2 * gaps, 4 * gaps, 8 * gaps})
+	for (const double depth : {0.21 * gaps, 0.25 * gaps, 0.42 * gaps, 0.5 * gaps, 0.83 * gaps, gaps, 1.5 * gaps, 2 * gaps, 4 * gaps, 8 * gaps})
 	{
 		double sum = 0, squares = 0, gated = 0;
 		std::mt19937_64 random(3);
