@@ -57,6 +57,7 @@ Mesh meshNamed(const std::string& name)
 	if (name == "ellipsoid") return ellipsoidMesh();
 	if (name == "plate") return makeBoxMesh({0.5, 0.35, 0.01});
 	if (name == "rod") return makeCapsuleMesh(0.03, 0.47);
+	if (name == "wire") return makeTorusKnotMesh(2, 1, 0.08);
 	if (name == "crown") return scenes::makeCrownMesh();
 	if (name == "sword") return scenes::makeSwordMesh();
 	return makeSphereMesh(1, 5);

@@ -11,6 +11,6 @@ namespace bench
 ist::Mesh placed(ist::Mesh mesh);
 /// Repaired; empty where Debian's glmark2-data is not installed.
 ist::Mesh bunnyMesh();
-/// bunny, box, torus, knot, jack, ellipsoid or ball; thin ones: plate, rod, crown or sword. As they come.
+/// bunny, box, torus, knot, jack, ellipsoid or ball; thin ones: plate, rod, wire (a knot), crown or sword. As they come.
 ist::Mesh meshNamed(const std::string& name);
 }  // namespace bench

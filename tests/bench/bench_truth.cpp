@@ -267,8 +267,8 @@ int main(int argc, char** argv)
 	const Options options = parse(argc, argv);
 	using Names = std::array<const char*, 2>;
 	const std::vector<Names> compact{{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"jack", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
-	const std::vector<Names> thin{{"plate", "bunny"}, {"rod", "jack"}, {"crown", "bunny"}, {"sword", "torus"}, {"plate", "knot"}};
-	const std::vector<const char*> ofCompact{"bunny", "torus", "jack", "knot", "box", "ellipsoid", "ball"}, ofThin{"plate", "rod", "crown", "sword", "bunny", "torus", "jack", "knot"};
+	const std::vector<Names> thin{{"plate", "bunny"}, {"rod", "jack"}, {"wire", "jack"}, {"crown", "bunny"}, {"sword", "torus"}, {"plate", "knot"}};
+	const std::vector<const char*> ofCompact{"bunny", "torus", "jack", "knot", "box", "ellipsoid", "ball"}, ofThin{"plate", "rod", "wire", "crown", "sword", "bunny", "torus", "jack", "knot"};
 	std::vector<Body> bodies;
 	for (const char* name : options.thin ? ofThin : ofCompact)
 	{
