@@ -13,7 +13,7 @@ namespace
 constexpr float kFarAway = 1e18f;  // its square, three times over, still fits
 constexpr double kFarthestPoint = 1e17;
 constexpr double kBeyond = -1;
-constexpr double kLargestSquare = 1e35;
+constexpr float kLargestSquare = 1e35f;
 constexpr double kFloatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
 constexpr float kFarRounding = 4e-6f;
 constexpr double kSlack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
@@ -46,13 +46,23 @@ inline uint32_t signBits(const LaneBits& lanes)
 	return bits;
 #endif
 }
+inline Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 inline Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
+inline float limitOf(double distance2) { return float(std::min(double(kLargestSquare), distance2 * kFloatSlack)); }
 }  // namespace
 
 struct TriangleSieve::Bounds
 {
 	alignas(16) float squared[kWidth];
 
+	inline float least() const
+	{
+		float least[kLanes];
+		Lanes lanes = load(squared);
+		for (int k = kLanes; k < kWidth; k += kLanes) lanes = smaller(lanes, load(squared + k));
+		store(least, lanes);
+		return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+	}
 	/// Bit k set where the bound k is not beyond the limit.
 	inline uint32_t notBeyond(float limit) const
 	{
@@ -79,12 +89,16 @@ struct TriangleSieve::Point
 		for (int k = 0; k < kWidth; k += kLanes) store(bounds.squared + k, lowerBounds(c, k));
 		return bounds;
 	}
-	/// Distances within the plane are those to the line of one edge: right but beyond a corner.
-	inline Bounds lowerBounds(const Leaf& leaf) const
+	/// Each triangle's distance is between the two; squared.
+	inline void bound(const Leaf& leaf, Bounds& lower, Bounds& upper) const
 	{
-		Bounds bounds;
-		for (int k = 0; k < kWidth; k += kLanes) store(bounds.squared + k, lowerBounds(leaf, k));
-		return bounds;
+		for (int k = 0; k < kWidth; k += kLanes)
+		{
+			const Lanes above = over(leaf.above, k), distance2 = above * above + besideSquared(leaf, k);
+			const Lanes error = roundingOf(squareRoot(distance2 + distance2), Lanes{});
+			store(lower.squared + k, distance2 - error);
+			store(upper.squared + k, distance2 + error + (8 * rounding * rounding + load(leaf.unknown + k)));
+		}
 	}
 
 private:
@@ -95,24 +109,37 @@ private:
 		const Lanes height = over(c.axis, k);
 		const Lanes above = larger(zero, larger(height, -height) - half);
 		const Lanes beside = larger(zero, squareRoot(larger(zero, dx * dx + dy * dy + dz * dz - height * height)) - radius);
-		return rounded(above, beside, radius + half);
+		return above * above + beside * beside - roundingOf(above + beside, radius + half);
 	}
-	inline Lanes lowerBounds(const Leaf& leaf, int k) const
+	/// Of the way to the triangle, the part within its plane: none from above it, else that to the nearest edge.
+	inline Lanes besideSquared(const Leaf& leaf, int k) const
 	{
-		const Lanes height = over(leaf.plane, k);
-		const Lanes beside = larger(larger(Lanes{}, over(leaf.edge[0], k)), larger(over(leaf.edge[1], k), over(leaf.edge[2], k)));
-		return rounded(larger(height, -height), beside, Lanes{});
+		const Lanes zero{}, along = over(leaf.along, k), across = over(leaf.across, k);
+		const Lanes lengths[3] = {load(leaf.length[0] + k), load(leaf.length[1] + k), load(leaf.length[2] + k)};
+		const Lanes fromB = along - lengths[0];
+		const Lanes bcAlong = load(leaf.alongEdge[0][0] + k), bcAcross = load(leaf.alongEdge[0][1] + k);
+		const Lanes acAlong = load(leaf.alongEdge[1][0] + k), acAcross = load(leaf.alongEdge[1][1] + k);
+		const Lanes outwards[3] = {-across, bcAcross * fromB - bcAlong * across, acAlong * across - acAcross * along};
+		const Lanes onwards[3] = {along, bcAlong * fromB + bcAcross * across, acAlong * along + acAcross * across};
+		Lanes squared[3];
+		for (int i = 0; i < 3; ++i)
+		{
+			const Lanes past = larger(zero, larger(-onwards[i], onwards[i] - lengths[i]));
+			squared[i] = outwards[i] * outwards[i] + past * past;
+		}
+		// Inside beyond doubt: a side that rounding turned could hide how far it is from the corner of a thin triangle.
+		const Lanes outermost = larger(larger(outwards[0], outwards[1]), outwards[2]);
+		return outermost < zero - rounding ? zero : smaller(smaller(squared[0], squared[1]), squared[2]);
 	}
 	inline Lanes over(const Planes& planes, int k) const
 	{
 		return x * load(planes.x + k) + y * load(planes.y + k) + z * load(planes.z + k) - load(planes.height + k);
 	}
-	/// The sum of squares less what rounding may have added: it moves heights and the way to the middle by less than `rounding` each, and
-	/// so the sum by a few times their product.
-	inline Lanes rounded(const Lanes& above, const Lanes& beside, const Lanes& size) const
+	/// What rounding may have added to the sum of the squares of two lengths, or taken from it: it moves heights and the way to the middle by
+	/// less than `rounding` each, and so the sum by a few times their product. `distance`: not less than the sum of the two.
+	inline Lanes roundingOf(const Lanes& distance, const Lanes& size) const
 	{
-		const Lanes distance = above + beside;
-		return above * above + beside * beside - (distance + size) * (8 * rounding + kFarRounding * distance);
+		return (distance + size) * (8 * rounding + kFarRounding * distance);
 	}
 };
 
@@ -191,6 +218,24 @@ void TriangleSieve::enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t
 	bound.half[lane] = float(0.5 * (most[2] - least[2]));
 }
 
+void TriangleSieve::setTriangle(Leaf& leaf, int lane, const PreparedTriangle& t)
+{
+	const double length = norm(t.ab);
+	const Vec3 normal = normalized(t.normal), along = t.ab / length, across = cross(normal, along);
+	setPlane(leaf.along, lane, along, t.a);
+	setPlane(leaf.across, lane, across, t.a);
+	setPlane(leaf.above, lane, normal, t.a);
+	leaf.length[0][lane] = float(length);
+	const Vec3 edges[2] = {t.ac - t.ab, t.ac};
+	for (int i = 0; i < 2; ++i)
+	{
+		const Vec3 edge = normalized(edges[i]);
+		leaf.length[i + 1][lane] = float(norm(edges[i]));
+		leaf.alongEdge[i][0][lane] = float(dot(edge, along));
+		leaf.alongEdge[i][1][lane] = float(dot(edge, across));
+	}
+}
+
 uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
 {
 	Leaf leaf{};
@@ -198,15 +243,13 @@ uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
 	for (uint32_t i = begin; i < begin + uint32_t(kWidth); ++i)
 	{
 		const int lane = int(i - begin);
-		if (i >= end) leaf.plane.height[lane] = kFarAway;
-		// A needle's planes say nothing: it is always looked at.
-		if (i >= end || m_triangles[i].inverseNormal2 == 0) continue;
-		const PreparedTriangle& t = m_triangles[i];
-		const Vec3 normal = normalized(t.normal);
-		setPlane(leaf.plane, lane, normal, t.a);
-		setPlane(leaf.edge[0], lane, normalized(cross(t.ab, normal)), t.a);
-		setPlane(leaf.edge[1], lane, normalized(cross(t.ac - t.ab, normal)), t.a + t.ab);
-		setPlane(leaf.edge[2], lane, normalized(cross(normal, t.ac)), t.a);
+		if (i >= end)
+			leaf.above.height[lane] = kFarAway;
+		// A needle's coordinates say nothing: it is always looked at.
+		else if (m_triangles[i].inverseNormal2 == 0)
+			leaf.unknown[lane] = kLargestSquare;
+		else
+			setTriangle(leaf, lane, m_triangles[i]);
 	}
 	m_leaves.push_back(leaf);
 	return uint32_t(m_leaves.size() - 1) | kLeafBit;
@@ -242,55 +285,125 @@ uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHi
 		node.child[k] = below;
 		node.bound.x[k] = kFarAway;
 		if (k >= count) continue;
+		if (below & kLeafBit) node.leaves |= 1u << k;
 		const auto [begin, end] = hierarchy.range(*lanes[k]);
 		enclose(node.bound, k, begin, end);
 	}
 	return index;
 }
 
-TriangleSieve::Nearest TriangleSieve::nearest(const Vec3& p, double upperBound, uint32_t hint) const
+void TriangleSieve::offer(uint32_t place, const Vec3& p, Nearest& best) const
 {
+	const PreparedTriangle& t = m_triangles[place];
+	const Vec3 pa = t.a - p;
+	const double height = dot(pa, t.normal);
+	if (height * height * t.inverseNormal2 > best.distance2 * kPruneSlack) return;
+	double d2;
+	const Vec3 candidate = offsetToTriangle(t, pa, d2);
+	if (d2 < best.distance2 || (d2 == best.distance2 && best.triangle != kNone && t.index < best.triangle))
+		best = {candidate, d2, t.index, place};
+}
+
+/// Triangles whose bounds do not tell which is the nearest wait until all are bounded: then few are left to be looked at in double.
+struct TriangleSieve::NearestSearch
+{
+	static constexpr int kMostWaiting = 64;
+	struct Waiting
+	{
+		float lower;
+		uint32_t place;
+	};
+
+	const TriangleSieve& sieve;
+	const Vec3 p;
+	const Point at;
 	Nearest best;
-	best.distance2 = upperBound > 0 ? upperBound * upperBound : 0;
-	if (!m_triangles) return best;
-	if (hint < m_count) offer(hint, p, best);
-	const Point at(p, m_slack);
-	const auto limitOf = [](double distance2) { return float(std::min(kLargestSquare, distance2 * kFloatSlack)); };
-	float limit = limitOf(best.distance2);
-	Open stack[kStackSize];
+	float limit = 0;  ///< squared
+	int count = 0;
+	Waiting waiting[kMostWaiting + kWidth];
+
+	NearestSearch(const TriangleSieve& triangles, const Vec3& point, double bound2, uint32_t hint) : sieve(triangles), p(point), at(point, triangles.m_slack)
+	{
+		best.distance2 = bound2;
+		if (hint < sieve.m_count) sieve.offer(hint, p, best);
+		limit = limitOf(best.distance2);
+	}
+
+	void run();
+	inline void look(const Leaf& leaf);
+	void settle();
+};
+
+inline void TriangleSieve::NearestSearch::look(const Leaf& leaf)
+{
+	Bounds lower, upper;
+	at.bound(leaf, lower, upper);
+	limit = std::min(limit, upper.least());
+	const uint32_t bits = lower.notBeyond(limit);
+	// Without a branch that is hard to foresee.
+	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
+	{
+		waiting[count] = {lower.squared[k], leaf.first + k};
+		count += int(bits >> k & 1);
+	}
+	if (count > kMostWaiting) settle();
+}
+
+void TriangleSieve::NearestSearch::settle()
+{
+	const uint32_t known = best.place;
+	for (int i = 0; i < count; ++i)
+	{
+		if (waiting[i].lower > limit || waiting[i].place == known) continue;
+		sieve.offer(waiting[i].place, p, best);
+		limit = std::min(limit, limitOf(best.distance2));
+	}
+	count = 0;
+}
+
+void TriangleSieve::NearestSearch::run()
+{
+	// A bound's bits above, which are in its order since it is not negative, and the node's number below.
+	uint64_t stack[kStackSize];
 	int top = 0;
-	stack[top++] = {0, m_root};
+	stack[top++] = sieve.m_root;
 	while (top > 0)
 	{
-		const Open open = stack[--top];
-		if (open.distance2 > limit) continue;
-		if (open.child & kLeafBit)
+		const uint64_t open = stack[--top];
+		if (std::bit_cast<float>(uint32_t(open >> 32)) > limit) continue;
+		const auto child = uint32_t(open);
+		if (child & kLeafBit)
 		{
-			const Leaf& leaf = m_leaves[open.child & ~kLeafBit];
-			const Bounds bounds = at.lowerBounds(leaf);
-			for (uint32_t bits = bounds.notBeyond(limit); bits; bits &= bits - 1)
-			{
-				const auto k = uint32_t(std::countr_zero(bits));
-				if (bounds.squared[k] > limit) continue;
-				offer(leaf.first + k, p, best);
-				limit = limitOf(best.distance2);
-			}
+			look(sieve.m_leaves[child & ~kLeafBit]);
 			continue;
 		}
-		const Node& node = m_nodes[open.child];
+		const Node& node = sieve.m_nodes[child];
 		const Bounds bounds = at.lowerBounds(node.bound);
-		const int bottom = top;
-		for (uint32_t bits = bounds.notBeyond(limit); bits; bits &= bits - 1)
+		const uint32_t near = bounds.notBeyond(limit);
+		for (uint32_t bits = near & node.leaves; bits; bits &= bits - 1)
 		{
 			const int k = std::countr_zero(bits);
-			const float d2 = bounds.squared[k];
+			if (bounds.squared[k] <= limit) look(sieve.m_leaves[node.child[k] & ~kLeafBit]);
+		}
+		const int bottom = top;
+		for (uint32_t bits = near & ~node.leaves; bits; bits &= bits - 1)
+		{
+			const int k = std::countr_zero(bits);
+			const uint64_t key = uint64_t(std::bit_cast<uint32_t>(std::max(0.0f, bounds.squared[k]))) << 32 | node.child[k];
 			int place = top++;
 			// The nearest on top.
-			for (; place > bottom && stack[place - 1].distance2 < d2; --place) stack[place] = stack[place - 1];
-			stack[place] = {d2, node.child[k]};
+			for (; place > bottom && stack[place - 1] < key; --place) stack[place] = stack[place - 1];
+			stack[place] = key;
 		}
 	}
-	return best;
+	settle();
+}
+
+TriangleSieve::Nearest TriangleSieve::nearest(const Vec3& p, double upperBound, uint32_t hint) const
+{
+	NearestSearch search(*this, p, upperBound > 0 ? upperBound * upperBound : 0, hint);
+	if (m_triangles) search.run();
+	return search.best;
 }
 
 bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
@@ -298,9 +411,9 @@ bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector
 	out.clear();
 	if (!m_triangles) return true;
 	const double reach2 = reach * reach * kPruneSlack;
-	const float limit = float(std::min(kLargestSquare, reach2 * kFloatSlack));
+	const float limit = limitOf(reach2), surely = float(std::min(double(kLargestSquare), reach2 / kFloatSlack));
 	const Point at(p, m_slack);
-	size_t certain = 0;  // triangles with a corner in reach
+	size_t certain = 0;  // triangles that are in reach beyond doubt
 	uint32_t stack[kStackSize];
 	int top = 0;
 	stack[top++] = m_root;
@@ -314,16 +427,15 @@ bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector
 			continue;
 		}
 		const Leaf& leaf = m_leaves[child & ~kLeafBit];
-		for (uint32_t bits = at.lowerBounds(leaf).notBeyond(limit); bits; bits &= bits - 1)
+		Bounds lower, upper;
+		at.bound(leaf, lower, upper);
+		certain += size_t(std::popcount(upper.notBeyond(surely)));
+		if (certain > most)
 		{
-			const uint32_t place = leaf.first + uint32_t(std::countr_zero(bits));
-			out.push_back({0, place});
-			if (squaredNorm(m_triangles[place].a - p) <= reach2 && ++certain > most)
-			{
-				out.clear();
-				return false;
-			}
+			out.clear();
+			return false;
 		}
+		for (uint32_t bits = lower.notBeyond(limit); bits; bits &= bits - 1) out.push_back({0, leaf.first + uint32_t(std::countr_zero(bits))});
 	}
 	for (auto& [distance, place] : out)
 	{

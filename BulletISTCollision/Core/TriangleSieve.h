@@ -35,8 +35,6 @@ public:
 	/// Replaces `out` by the triangles within reach: distance, place in leaf order; false where there are more than `most`.
 	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
 
-	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
-
 private:
 	static constexpr int kWidth = 8;
 	static constexpr uint32_t kLeafBit = 0x80000000u;
@@ -56,27 +54,30 @@ private:
 		Planes axis;         ///< through the middle
 		float half[kWidth];  ///< of the thickness
 	};
+	/// Triangles, each in coordinates of its own: from the first corner along the first edge, from there towards the third corner, and
+	/// along the normal.
+	struct Leaf
+	{
+		Planes along, across, above;
+		float length[3][kWidth];          ///< of the edges ab, bc, ac
+		float alongEdge[2][2][kWidth];    ///< directions of bc and ac: along, across
+		float unknown[kWidth];            ///< 0, or more than any square where the coordinates say nothing
+		uint32_t first = 0;
+	};
 	struct Node
 	{
 		Cylinders bound;         ///< empty lanes are far away
 		uint32_t child[kWidth];  ///< with kLeafBit: a leaf, else a node
-	};
-	struct Leaf
-	{
-		Planes plane;    ///< of each triangle
-		Planes edge[3];  ///< at right angles to it, outwards; the triangle is where all are negative
-		uint32_t first = 0;
+		uint32_t leaves = 0;     ///< bit k set where child k is a leaf
 	};
 	struct Bounds;
 	struct Point;
-	struct Open
-	{
-		float distance2;
-		uint32_t child;
-	};
+	struct NearestSearch;
 
+	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
 	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
 	uint32_t addLeaf(uint32_t begin, uint32_t end);
+	static void setTriangle(Leaf& leaf, int lane, const PreparedTriangle& t);
 	static void setPlane(Planes& planes, int lane, const Vec3& normal, const Vec3& point);
 	Vec3 axisOf(uint32_t begin, uint32_t end) const;
 	void enclose(Cylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
@@ -89,15 +90,4 @@ private:
 	float m_slack = 0;  ///< more than single precision can be wrong anywhere in the mesh [m]
 };
 
-inline void TriangleSieve::offer(uint32_t place, const Vec3& p, Nearest& best) const
-{
-	const PreparedTriangle& t = m_triangles[place];
-	const Vec3 pa = t.a - p;
-	const double height = dot(pa, t.normal);
-	if (height * height * t.inverseNormal2 > best.distance2 * kPruneSlack) return;
-	double d2;
-	const Vec3 candidate = offsetToTriangle(t, pa, d2);
-	if (d2 < best.distance2 || (d2 == best.distance2 && best.triangle != kNone && t.index < best.triangle))
-		best = {candidate, d2, t.index, place};
-}
 }  // namespace ist

@@ -197,6 +197,47 @@ TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
 	}
 }
 
+/// Where single precision can hardly tell on which side of the long edges a point lies, and so whether it is in the triangle or far beyond its tip.
+TEST(MeshDistance, DistancesBeyondTheTipsOfShardsAgreeWithBruteForce)
+{
+	Random random(18);
+	for (int i = 0; i < 400; ++i)
+	{
+		Mesh mesh;
+		std::vector<Vec3> points;
+		const auto add = [&mesh](const Vec3& a, const Vec3& b, const Vec3& c)
+		{
+			const auto first = uint32_t(mesh.vertices.size());
+			mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
+			mesh.triangles.push_back({first, first + 1, first + 2});
+		};
+		for (int k = 0; k < 20; ++k)
+		{
+			const Vec3 tip = random.inCube(1), onwards = normalized(random.inCube(1));
+			Vec3 side, up;
+			completeFrame(onwards, side, up);
+			const double length = random.uniform(0.3, 1), beyond = std::pow(10.0, random.uniform(-7, 0));
+			const Vec3 b = tip - onwards * length, c = tip - onwards * (0.9 * length) + side * std::pow(10.0, random.uniform(-6, -3));
+			if (k % 3 == 0) add(tip, b, c);
+			else if (k % 3 == 1) add(b, c, tip);
+			else add(c, tip, b);
+			// A speck that is nearer than the shard.
+			points.push_back(tip + onwards * beyond);
+			const Vec3 speck = points.back() + up * (0.5 * beyond);
+			add(speck, speck + random.inCube(0.2 * beyond), speck + random.inCube(0.2 * beyond));
+		}
+		const MeshDistance tree(mesh);
+		for (const Vec3& p : points)
+		{
+			const double d = referenceDistance(p, mesh);
+			EXPECT_NEAR(tree.closest(p).distance, d, 1e-12);
+			std::vector<std::pair<double, uint32_t>> found;
+			EXPECT_TRUE(tree.within(p, 0.999 * d, 0, found)) << d;
+			EXPECT_FALSE(tree.within(p, 1.001 * d, 0, found)) << d;
+		}
+	}
+}
+
 TEST(MeshDistance, ClosestPointAgreesWithBruteForceFromFarAway)
 {
 	Random random(13);
