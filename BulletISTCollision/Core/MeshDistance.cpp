@@ -88,7 +88,8 @@ MeshDistance::Implementation::Implementation(Mesh source, int threads) : mesh(st
 	origin = (lower + upper) * 0.5;
 	size = norm(upper - lower);
 	hierarchy = TriangleHierarchy(mesh, origin, threads);
-	sieve = TriangleSieve(hierarchy, size);
+	const Result<InstructionSet> set = chosenInstructionSet();
+	sieve = TriangleSieve(hierarchy, size, set ? set.value() : bestInstructionSet());
 	addClusters(threads);
 }
 

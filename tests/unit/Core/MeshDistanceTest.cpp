@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TriangleHierarchy.h"
+#include "BulletISTCollision/Core/TriangleSieve.h"
 
 #include <gtest/gtest.h>
 
@@ -478,6 +479,33 @@ TEST(MeshDistance, FieldAfterAnyOtherPointAgreesWithBruteForceAndWithNoHint)
 				EXPECT_EQ(hinted.depth, plain.depth);
 				EXPECT_EQ(hinted.normal, plain.normal);
 				EXPECT_LT(hint, mesh.triangles.size());
+			}
+		}
+	}
+}
+
+TEST(TriangleSieve, EveryInstructionSetGivesTheSameAnswers)
+{
+	Random random(19);
+	// The soup has more candidates than wait at a time.
+	for (const Mesh& mesh : {torusMesh(48, 24), soupMesh(random, 400, 2.0), makeSphereMesh(1, 4), soupMesh(random, 3, 1)})
+	{
+		const TriangleHierarchy hierarchy(mesh, {});
+		const TriangleSieve portable(hierarchy, 4, InstructionSet::Portable);
+		for (const InstructionSet set : kInstructionSets)
+		{
+			if (!isAvailable(set)) continue;
+			const TriangleSieve sieve(hierarchy, 4, set);
+			for (int i = 0; i < 200; ++i)
+			{
+				const Vec3 p = i == 0 ? Vec3{} : random.inCube(1.4);
+				const auto hint = uint32_t(i) % uint32_t(mesh.triangles.size());
+				const TriangleSieve::Nearest a = portable.nearest(p, 1e300), b = sieve.nearest(p, 1e300, hint);
+				EXPECT_TRUE(b.offset == a.offset && b.distance2 == a.distance2 && b.triangle == a.triangle && b.place == a.place) << toString(set);
+				std::vector<std::pair<double, uint32_t>> found, expected;
+				const double reach = random.uniform(0, 1.5);
+				EXPECT_EQ(sieve.within(p, reach, 300, found), portable.within(p, reach, 300, expected));
+				EXPECT_EQ(found, expected) << toString(set);
 			}
 		}
 	}
