@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/InnerSphereTree.h"
-#include "BulletISTCollision/Core/Result.h"
-#include "BulletISTCollision/Tools/WorldNeeds.h"
+#include "BulletISTCollision/Core/PairTuning.h"
 
 #include <cstdint>
 #include <string>
@@ -72,9 +70,7 @@ struct QueryArguments
 struct TuneArguments
 {
 	std::string fileA, fileB;
-	double error = 0.05;      ///< force error accepted
-	int64_t spheres = 30000;  ///< most of a mesh's tree
-	WorldSetup world;
+	TuneOptions options;
 	bool json = false;
 };
 

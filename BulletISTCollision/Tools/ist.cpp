@@ -144,15 +144,15 @@ private:
 		TuneArguments& a = m_tune;
 		sub->add_option("A", a.fileA, "asset or mesh of A")->required();
 		sub->add_option("B", a.fileB, "asset or mesh of B")->required();
-		sub->add_option("--error", a.error, "force error accepted between 0.1 and 20 % overlap, 0..1")->required()->check(fraction());
-		WorldSetup& w = a.world;
+		sub->add_option("--error", a.options.error, "force error accepted between 0.1 and 20 % overlap, 0..1")->required()->check(fraction());
+		WorldSetup& w = a.options.world;
 		auto* stiffness = sub->add_option("--stiffness", w.stiffness, "k of the pair [Pa/m]: also chooses precision, substeps and rate")->check(CLI::PositiveNumber);
 		auto* mass = sub->add_option("--mass", w.mass, "of the lighter body [kg]")->check(CLI::PositiveNumber)->needs(stiffness);
 		stiffness->needs(mass);
 		sub->add_option("--speed", w.speed, "with which they meet [m/s]")->check(CLI::NonNegativeNumber)->needs(mass)->capture_default_str();
 		sub->add_option("--step", w.step, "of the world [s]")->check(CLI::PositiveNumber)->needs(mass)->capture_default_str();
 		sub->add_option("--distance", w.distance, "from the origin of the world [m]")->check(CLI::NonNegativeNumber)->needs(mass)->capture_default_str();
-		sub->add_option("--max-spheres", a.spheres, "most spheres of a mesh's tree")->check(CLI::Range(int64_t(1), int64_t(10000000)))->capture_default_str();
+		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")->check(CLI::Range(int64_t(1), int64_t(10000000)))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 	}
 

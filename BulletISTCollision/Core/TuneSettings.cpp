@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Tools/TuneSettings.h"
+#include "BulletISTCollision/Core/TuneSettings.h"
 
 #include "BulletISTCollision/Core/ForcePromise.h"
 #include "BulletISTCollision/Core/OverlapPoses.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
-#include "BulletISTCollision/Tools/Interruption.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-namespace ist::tools
+namespace ist
 {
 namespace
 {
@@ -46,7 +45,8 @@ double jointError(const std::vector<double>& promises)
 class Measurement
 {
 public:
-	Measurement(const InnerSphereTree& A, const InnerSphereTree& B) : m_A(A), m_B(B)
+	Measurement(const InnerSphereTree& A, const InnerSphereTree& B, const Progress& progress)
+		: m_A(A), m_B(B), m_progress(progress), m_rounds(kPasses * (levelCount(A, B) + 2))
 	{
 		std::mt19937_64 random(1);
 		for (const double overlap : kOverlapsOfContact)
@@ -77,13 +77,15 @@ private:
 	Result<TuneSetting> measured(int level, const AcceptedError& accepted, std::vector<TuneContact>* contacts)
 	{
 		TuneSetting setting;
+		setting.spheres = std::max(m_A.spheres.size(), m_B.spheres.size());
 		setting.level = level;
 		std::vector<double> times(m_poses.size(), 1e300), errors(m_poses.size());
 		std::vector<int> patches(m_poses.size());
-		for (int pass = 0; pass < kPasses; ++pass)
+		for (int pass = 0; pass < kPasses; ++pass, ++m_round)
 			for (size_t i = 0; i < m_poses.size(); ++i)
 			{
-				if (interrupted()) return Error{"interrupted"};
+				const double done = (m_round + double(i) / double(m_poses.size())) / m_rounds;
+				if (m_progress && !m_progress("tune", done)) return Error{"Tuning was cancelled.", true};
 				const auto start = std::chrono::steady_clock::now();
 				const PromisedOverlap answer = queryToError(m_A, m_B, m_poses[i], m_workspace, accepted);
 				times[i] = std::min(times[i], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
@@ -102,10 +104,15 @@ private:
 
 	const InnerSphereTree& m_A;
 	const InnerSphereTree& m_B;
+	const Progress& m_progress;
+	int m_round = 0, m_rounds;  ///< passes over the poses: done, and of all levels
 	QueryWorkspace m_workspace;
 	std::vector<Pose> m_poses;
 };
 }  // namespace
 
-Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError) { return Measurement(A, B).all(acceptedError); }
-}  // namespace ist::tools
+Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError, const Progress& progress)
+{
+	return Measurement(A, B, progress).all(acceptedError);
+}
+}  // namespace ist

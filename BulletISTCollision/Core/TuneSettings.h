@@ -2,15 +2,17 @@
 #pragma once
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Progress.h"
 #include "BulletISTCollision/Core/Result.h"
 
 #include <vector>
 
-namespace ist::tools
+namespace ist
 {
 /// What one setting promises and costs over the poses.
 struct TuneSetting
 {
+	size_t spheres = 0;  ///< of the larger packing
 	int level = 0;     ///< -1: chosen anew in every pose
 	double error = 0;  ///< force error that 95 % of the poses stay under, of max(|F|, floor)
 	double microseconds = 0, pairs = 0;  ///< median; mean
@@ -29,6 +31,7 @@ struct TuneSettings
 	std::vector<TuneContact> contacts;
 };
 
-/// Asks both trees, with levels, at every level in seeded poses of `kOverlapsOfContact`. Errors: no pose overlaps, a query is refused, interrupted.
-Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError);
-}  // namespace ist::tools
+/// Asks both trees, with levels, at every level in seeded poses of `kOverlapsOfContact`; the choice by pose accepts `acceptedError`. The same for two trees,
+/// but for the times. `progress` (stage "tune") hears of each query and may be empty. Errors: no pose overlaps, a query is refused, cancelled.
+Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError, const Progress& progress = {});
+}  // namespace ist

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Tools/WorldNeeds.h"
+#include "BulletISTCollision/Core/WorldNeeds.h"
 
 #include "BulletISTCollision/Core/StepChoice.h"
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ist::tools
+namespace ist
 {
 namespace
 {
@@ -27,9 +27,15 @@ double areaAt(std::vector<TuneContact> contacts, double volume)
 }
 }  // namespace
 
+std::optional<Error> problemOf(const WorldSetup& setup)
+{
+	if (setup.stiffness && setup.mass) return std::nullopt;
+	return Error{"a step can be chosen only with both a stiffness and a mass"};
+}
+
 Result<WorldNeeds> worldNeeds(const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error)
 {
-	if (!setup.stiffness || !setup.mass) return Error{"a step can be chosen only with both a stiffness and a mass"};
+	if (const std::optional<Error> problem = problemOf(setup)) return *problem;
 	const double k = *setup.stiffness, m = *setup.mass, volume = m * kGravity / k, area = areaAt(contacts, volume);
 	if (!(area > 0)) return Error{"no pose has a contact with an area"};
 	const ContactSpring spring{k * area, m, 0};
@@ -47,4 +53,4 @@ Result<WorldNeeds> worldNeeds(const WorldSetup& setup, const InnerSphereTree& A,
 	needs.inDouble = 2 * placeRounding(setup.distance, false) > error * needs.restDepth;
 	return needs;
 }
-}  // namespace ist::tools
+}  // namespace ist

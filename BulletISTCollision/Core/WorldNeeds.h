@@ -2,11 +2,11 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Result.h"
-#include "BulletISTCollision/Tools/TuneSettings.h"
+#include "BulletISTCollision/Core/TuneSettings.h"
 
 #include <optional>
 
-namespace ist::tools
+namespace ist
 {
 /// How two bodies meet.
 struct WorldSetup
@@ -32,6 +32,9 @@ struct WorldNeeds
 	bool inDouble = false;       ///< places in float would move the resting force by more than the error
 };
 
-/// Errors: no stiffness or mass, contacts without area.
+/// Why no step can be chosen for it: it lacks a stiffness or a mass.
+std::optional<Error> problemOf(const WorldSetup& setup);
+
+/// Errors: `problemOf`, contacts without area.
 Result<WorldNeeds> worldNeeds(const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error);
-}  // namespace ist::tools
+}  // namespace ist
