@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/PairTuning.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace ist::tools
@@ -62,6 +63,7 @@ struct QueryArguments
 	int level = -1;
 	int64_t maxPairs = -1;
 	double budget = -1;  ///< [us]
+	std::optional<double> error;  ///< force error accepted
 	bool blend = false, lowerBound = false, gate = false, shuffle = false, json = false;
 	int threads = 1, repeat = 1;
 };

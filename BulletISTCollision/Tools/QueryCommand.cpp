@@ -2,10 +2,10 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/ForcePromise.h"
+#include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/PairLaws.h"
-#include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/ProximityQuery.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/PoseRows.h"
 #include "BulletISTCollision/Tools/Report.h"
@@ -37,6 +37,8 @@ int threadNumber()
 struct Answer
 {
 	OverlapResult overlap;
+	double promise = 0;  ///< with an accepted error
+	bool kept = false;
 	Wrench wrench;
 	double energy = 0;
 	SymmetricMatrix6 stiffness;
@@ -61,11 +63,11 @@ public:
 		m_energyLaw = arguments.law == "energy";
 		m_volumeOnly = arguments.law == "volume";
 		m_length = 0.5 * std::max(m_A.box.longestSide(), m_B.box.longestSide());
-		if (arguments.level > 0 || arguments.maxPairs >= 0 || arguments.budget >= 0)
+		if (arguments.level > 0 || arguments.maxPairs >= 0 || arguments.budget >= 0 || arguments.error)
 		{
-			if (arguments.law != "pressure") m_unsupported = "unsupported: --level, --max-pairs and --budget-us go with --law pressure only";
-			m_A.levels = buildLevels(m_A.law);
-			m_B.levels = buildLevels(m_B.law);
+			if (arguments.law != "pressure") m_unsupported = "unsupported: --level, --max-pairs, --budget-us and --error go with --law pressure only";
+			addLevels(m_A);
+			addLevels(m_B);
 		}
 		if (arguments.blend && arguments.maxPairs < 0 && arguments.budget < 0) m_unsupported = "unsupported: --blend needs --max-pairs or --budget-us";
 		if (arguments.blend && !arguments.pairsOut.empty()) m_unsupported = "unsupported: --blend mixes two levels, whose pairs make no one list for --pairs-out";
@@ -94,6 +96,21 @@ public:
 private:
 	Model model() const { return m_paper ? Model::Inner : m_volumeOnly ? Model::Cell : Model::Law; }
 
+	void ask(const Pose& X, QueryWorkspace& workspace, const QueryOptions& options, Answer& a) const
+	{
+		if (!m_arguments.error)
+		{
+			a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
+			return;
+		}
+		AcceptedError accepted;
+		accepted.error = *m_arguments.error;
+		const PromisedOverlap promised = queryToError(m_A, m_B, X, workspace, accepted, options);
+		a.overlap = promised.overlap;
+		a.promise = promised.promise;
+		a.kept = promised.kept;
+	}
+
 	Answer evaluate(const Pose& X, QueryWorkspace& workspace) const
 	{
 		Answer a;
@@ -107,7 +124,7 @@ private:
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
 		options.listMeetingBounds = m_energyLaw;
 		options.gate = m_arguments.gate;
-		a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
+		ask(X, workspace, options, a);
 		if (a.overlap.status != QueryStatus::Ok) return a;
 		a.enoughPairs = !(m_paper || m_energyLaw) || a.overlap.pairListComplete;
 		const OverlapIntegrals& total = a.overlap.total;
@@ -188,6 +205,8 @@ private:
 		r["time_us"] = nullptr;
 		r["level"] = a.overlap.level;
 		r["level_share"] = a.overlap.levelShare;
+		r["promise"] = m_arguments.error ? Report(a.promise) : Report();
+		r["kept"] = m_arguments.error ? Report(a.kept) : Report();
 		r["complete"] = a.overlap.pairListComplete && !a.overlap.coarsened;
 		return r;
 	}

@@ -128,6 +128,7 @@ private:
 		sub->add_option("--level", a.level, "level of the trees")->check(CLI::NonNegativeNumber);
 		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(CLI::NonNegativeNumber);
 		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(CLI::NonNegativeNumber);
+		sub->add_option("--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")->check(fraction());
 		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
 		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
