@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Python/QueryArrays.h"
 
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/ForcePromise.h"
 #include "BulletISTCollision/Core/ProximityQuery.h"
 
 #include <algorithm>
@@ -71,6 +70,12 @@ public:
 		m_columns.emplace_back(name, column);
 		return column.mutable_data();
 	}
+	bool* truths(const char* name)
+	{
+		py::array_t<bool> column(m_rows);
+		m_columns.emplace_back(name, column);
+		return column.mutable_data();
+	}
 	py::dict dict() const
 	{
 		py::dict d;
@@ -94,16 +99,19 @@ void put(double* column, size_t row, const Vec3& v)
 /// Where each figure of a row goes.
 struct Columns
 {
-	explicit Columns(Answer& a)
+	Columns(Answer& a, bool promised)
 		: volume(a.numbers("volume")), volumeSigma(a.numbers("volume_sigma")), energy(a.numbers("energy")),
 		  centroid(a.numbers("centroid", {3})), normal(a.numbers("normal", {3})), areaVector(a.numbers("area_vector", {3})),
 		  force(a.numbers("force", {3})), forceSigma(a.numbers("force_sigma")), torque(a.numbers("torque", {3})),
 		  stiffness(a.numbers("stiffness", {6, 6})), distance(a.numbers("distance")), distanceLower(a.numbers("distance_lower")),
-		  patches(a.counts("patches")), pairs(a.counts("pairs")), level(a.counts("level"))
+		  patches(a.counts("patches")), pairs(a.counts("pairs")), level(a.counts("level")), promise(promised ? a.numbers("promise") : nullptr),
+		  kept(promised ? a.truths("kept") : nullptr)
 	{
 	}
 	double *volume, *volumeSigma, *energy, *centroid, *normal, *areaVector, *force, *forceSigma, *torque, *stiffness, *distance, *distanceLower;
 	int64_t *patches, *pairs, *level;
+	double* promise;  ///< null, as is `kept`, without an accepted error
+	bool* kept;
 };
 
 class Bodies
@@ -146,6 +154,43 @@ private:
 	PressurePair m_pair;
 	double m_length;  ///< [m] makes rotations comparable with translations
 };
+
+void check(const InnerSphereTree& A, const InnerSphereTree& B, double stiffness, int level, int64_t maxPairs, std::optional<double> error)
+{
+	if (!(stiffness > 0) || !std::isfinite(stiffness)) throw py::value_error("stiffness must be positive and finite");
+	if (level < -1) throw py::value_error("level must be at least 0, or -1 for any");
+	if (maxPairs < -1) throw py::value_error("max_pairs must not be negative, or -1 for any number");
+	if (error && !(*error > 0 && *error <= 1)) throw py::value_error("error must be above 0 and at most 1");
+	if ((level > 0 || maxPairs >= 0 || error) && (A.levels.empty() || B.levels.empty()))
+		throw py::value_error("level, max_pairs and error need trees with levels; make them by with_levels()");
+}
+
+/// Each pose for itself: what a row says does not depend on the rows before it.
+class Rows
+{
+public:
+	Rows(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options, std::optional<double> error)
+		: m_A(A), m_B(B), m_options(options), m_error(error)
+	{
+	}
+
+	OverlapResult answer(const Pose& X_AB, const Columns& to, size_t row)
+	{
+		if (!m_error) return queryOverlap(m_A, m_B, X_AB, m_workspace, m_options);
+		AcceptedError accepted;
+		accepted.error = *m_error;
+		const PromisedOverlap promised = queryToError(m_A, m_B, X_AB, m_workspace, accepted, m_options);
+		to.promise[row] = promised.promise;
+		to.kept[row] = promised.kept;
+		return promised.overlap;
+	}
+
+private:
+	const InnerSphereTree &m_A, &m_B;
+	QueryOptions m_options;
+	std::optional<double> m_error;
+	QueryWorkspace m_workspace;
+};
 }  // namespace
 
 Poses posesFrom(const py::object& object)
@@ -171,16 +216,13 @@ Poses posesFrom(const py::object& object)
 	return poses;
 }
 
-py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object, double stiffness, int level, int64_t maxPairs)
+py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object, double stiffness, int level, int64_t maxPairs,
+			   std::optional<double> error)
 {
-	if (!(stiffness > 0) || !std::isfinite(stiffness)) throw py::value_error("stiffness must be positive and finite");
-	if (level < -1) throw py::value_error("level must be at least 0, or -1 for any");
-	if (maxPairs < -1) throw py::value_error("max_pairs must not be negative, or -1 for any number");
-	if ((level > 0 || maxPairs >= 0) && (A.levels.empty() || B.levels.empty()))
-		throw py::value_error("level and max_pairs need trees with levels; make them by with_levels()");
+	check(A, B, stiffness, level, maxPairs, error);
 	const Poses poses = posesFrom(object);
 	Answer answer(poses);
-	const Columns columns(answer);
+	const Columns columns(answer, error.has_value());
 	const Bodies bodies(A, B, stiffness);
 	QueryOptions options;
 	options.level = level;
@@ -189,10 +231,10 @@ py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::obj
 	size_t row = 0;
 	{
 		const py::gil_scoped_release others;
-		QueryWorkspace workspace;
+		Rows rows(A, B, options, error);
 		for (; row < poses.X_AB.size(); ++row)
 		{
-			const OverlapResult overlap = queryOverlap(A, B, poses.X_AB[row], workspace, options);
+			const OverlapResult overlap = rows.answer(poses.X_AB[row], columns, row);
 			status = overlap.status;
 			if (status != QueryStatus::Ok) break;
 			bodies.describe(overlap, poses.X_AB[row], columns, row);

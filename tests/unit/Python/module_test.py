@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """The Python module against closed forms, brute force in NumPy, and the ist command."""
+import functools
 import json
 import os
 import pathlib
@@ -33,10 +35,27 @@ def rotation(q):
                      [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
+@functools.cache
+def packed_box():
+    return bh.build(*box((.2, .1, .06), centre=(3, 4, 5)), spheres=3000)
+
+
 class Shared(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.box = bh.build(*box((.2, .1, .06), centre=(3, 4, 5)), spheres=3000)
+        cls.box = packed_box()
+
+    def poses(self, n):
+        """Of the box in itself, near enough to overlap, as PyBullet's pairs."""
+        centre = np.array([3, 4, 5.])
+        for _ in range(n):
+            q = random_quaternion()
+            yield centre + rng.uniform(-.04, .04, 3) - rotation(q) @ centre, q
+
+    def force_errors(self, answer, full):
+        """Of each row, as shares of the force, or of that at 0.1 % overlap where it is less."""
+        floor = .001 * self.box.volume  # k = 1
+        return np.linalg.norm(answer["force"] - full["force"], axis=1) / np.maximum(np.linalg.norm(full["force"], axis=1), floor)
 
 
 class Build(Shared):
@@ -90,12 +109,10 @@ class Build(Shared):
 
 
 class Query(Shared):
-    def poses(self, n):
-        """Of the box in itself, near enough to overlap, as PyBullet's pairs."""
-        centre = np.array([3, 4, 5.])
-        for _ in range(n):
-            q = random_quaternion()
-            yield centre + rng.uniform(-.04, .04, 3) - rotation(q) @ centre, q
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.levelled = bh.with_levels(cls.box)
 
     def test_volume_and_force_of_slabs(self):
         depth = .02  # on the faces of .1 x .06: V = A depth; at depth s the face is the nearest side on (.1 - 2 s) (.06 - 2 s)
@@ -126,13 +143,16 @@ class Query(Shared):
             asset, poses = os.path.join(folder, "box.ist"), os.path.join(folder, "poses.csv")
             self.box.save(asset)
             np.savetxt(poses, sevens, delimiter=",", header="tx,ty,tz,qx,qy,qz,qw", comments="", fmt="%.17g")
-            out = subprocess.run([IST, "query", asset, asset, "--poses", poses, "--stiffness", "1e5", "--json"], check=True, capture_output=True, text=True)
-        ours = bh.query(self.box, self.box, sevens, stiffness=1e5)
-        for line in out.stdout.splitlines():
-            row = json.loads(line)
-            for name, column in ours.items():
-                theirs = np.array(np.nan if row[name] is None else row[name], dtype=float)
-                np.testing.assert_allclose(column[row["row"]].ravel(), np.broadcast_to(theirs, column[row["row"]].size), rtol=1e-9, atol=1e-15, err_msg=name)
+            for options, named in (([], {}), (["--error", ".2"], {"error": .2}), (["--level", "3"], {"level": 3})):
+                out = subprocess.run([IST, "query", asset, asset, "--poses", poses, "--stiffness", "1e5", "--json", *options], check=True, capture_output=True, text=True)
+                ours = bh.query(self.levelled, self.levelled, sevens, stiffness=1e5, **named)
+                self.assertEqual({"promise", "kept"} <= set(ours), "error" in named)
+                for line in out.stdout.splitlines():
+                    row = json.loads(line)
+                    for name, column in ours.items():
+                        theirs = np.array(np.nan if row[name] is None else row[name], dtype=float)
+                        mine = column[row["row"]].ravel().astype(float)
+                        np.testing.assert_allclose(mine, np.broadcast_to(theirs, mine.size), rtol=1e-9, atol=1e-15, err_msg=name)
 
     def test_distance_of_boxes(self):
         upper, lower = bh.distance(self.box, self.box, np.array([[.3, 0, 0, 0, 0, 0, 1], [.25, 0, 0, 0, 0, 0, 1]]))
@@ -149,13 +169,103 @@ class Query(Shared):
             np.testing.assert_allclose(rotation(qa) @ (rotation(X[3:]) @ p + X[:3]) + ta, rotation(qb) @ p + tb, atol=1e-12)
 
     def test_levels_keep_the_budget(self):
-        tree = bh.with_levels(self.box)
+        tree = self.levelled
         X = (.1, .01, .005, 0, 0, 0, 1)
         full = bh.query(tree, tree, X)
         coarse = bh.query(tree, tree, X, max_pairs=int(full["pairs"]) // 4)
         self.assertLessEqual(coarse["pairs"], full["pairs"] // 4)
         self.assertGreater(coarse["level"], 0)
         self.assertAlmostEqual(coarse["volume"], full["volume"], delta=.05 * full["volume"])
+
+
+    def test_an_accepted_error_costs_less_and_holds(self):
+        poses = np.array([np.concatenate(p) for p in self.poses(100)])
+        full = bh.query(self.levelled, self.levelled, poses)
+        for error in (.1, .3):
+            answer = bh.query(self.levelled, self.levelled, poses, error=error)
+            np.testing.assert_array_equal(answer["kept"], answer["promise"] <= error)
+            self.assertGreater(answer["kept"].mean(), .9)
+            self.assertGreaterEqual((self.force_errors(answer, full) <= answer["promise"]).mean(), .9)  # 95 % is what is promised
+            self.assertLess(answer["pairs"].sum(), full["pairs"].sum() * (.5 if error == .1 else .1))
+
+    def test_an_error_out_of_reach_is_answered_in_full(self):
+        poses = np.array([np.concatenate(p) for p in self.poses(5)])
+        full, answer = bh.query(self.levelled, self.levelled, poses), bh.query(self.levelled, self.levelled, poses, error=1e-6)
+        self.assertFalse(answer["kept"].any())
+        for name, column in full.items():
+            np.testing.assert_array_equal(answer[name], column, err_msg=name)
+
+
+class Tune(Shared):
+    def command(self, a, b, *options):
+        out = subprocess.run([IST, "tune", a, b, "--json", *options], capture_output=True, text=True)
+        self.assertLessEqual(out.returncode, 1, out.stderr)
+        answer = json.loads(out.stdout)
+        self.assertEqual(answer.pop("schema"), 1)
+        return answer
+
+    def same(self, ours, theirs):
+        """But for times, and what is chosen by them."""
+        self.assertEqual(list(ours), list(theirs))
+        for chosen in (ours, theirs):
+            best = {name: chosen[name] for name in chosen["alternatives"][0]}
+            self.assertIn(best, chosen["alternatives"])
+            for a in [chosen, *chosen["alternatives"]]:
+                self.assertGreater(a.pop("time_us"), 0)
+            for name in best.keys() - {"time_us"}:
+                chosen.pop(name)
+        self.assertEqual(ours, theirs)
+
+    def test_it_answers_what_the_command_answers(self):
+        with tempfile.TemporaryDirectory() as folder:
+            asset, mesh = os.path.join(folder, "box.ist"), os.path.join(folder, "cube.obj")
+            self.box.save(asset)
+            for error, options, world in ((.2, [], {}), (.0001, ["--stiffness", "1e5", "--mass", "2"], {"stiffness": 1e5, "mass": 2}),
+                                          (.5, ["--stiffness", "1e6", "--mass", "2", "--speed", "3", "--step", ".02", "--distance", "1e6"],
+                                           {"stiffness": 1e6, "mass": 2, "speed": 3, "step": .02, "distance": 1e6})):
+                self.same(bh.tune(self.box, self.box, error, **world), self.command(asset, asset, "--error", str(error), *options))
+            cube = box((1, 1, 1))
+            with open(mesh, "w") as file:
+                file.writelines(f"v {x} {y} {z}\n" for x, y, z in cube[0])
+                file.writelines(f"f {a} {b} {c}\n" for a, b, c in cube[1] + 1)
+            self.same(bh.tune(cube, cube, .25, max_spheres=30), self.command(mesh, mesh, "--error", ".25", "--max-spheres", "30"))
+
+    def test_it_is_the_cheapest_level_that_keeps_the_error(self):
+        answer = bh.tune(self.box, self.box, .3)
+        fixed = [a for a in answer["alternatives"] if a["level"] != "by pose"]
+        self.assertEqual([a["level"] for a in fixed], list(range(len(fixed))))
+        self.assertTrue(answer["kept"])
+        self.assertEqual(answer["time_us"], min(a["time_us"] for a in fixed if a["error"] <= .3))
+        self.assertEqual((answer["spheres"], answer["spheres_a"], answer["spheres_b"]), (3000, 3000, 3000))
+
+        tree = bh.with_levels(self.box)
+        poses = np.array([np.concatenate(p) for p in self.poses(100)])
+        errors = self.force_errors(bh.query(tree, tree, poses, level=answer["level"]), bh.query(tree, tree, poses))
+        self.assertGreaterEqual((errors <= answer["error"]).mean(), .9)
+
+    def test_out_of_reach_is_an_answer(self):
+        answer = bh.tune(self.box, self.box, .0001)
+        self.assertIs(answer["kept"], False)
+        self.assertEqual(answer["error"], min(a["error"] for a in answer["alternatives"]))
+
+    def test_a_mesh_gets_trees(self):
+        stages = []
+        answer = bh.tune(box((1, 1, 1)), self.box, .0001, max_spheres=30, progress=lambda stage, fraction: stages.append((stage, fraction)))
+        self.assertEqual((answer["spheres_a"], answer["spheres_b"], answer["kept"]), (30, 3000, False))
+        self.assertTrue({"packing", "tune"} <= {stage for stage, _ in stages})
+        self.assertTrue(all(0 <= fraction <= 1 for _, fraction in stages))
+
+    def test_a_world_follows_closed_forms(self):
+        answer = bh.tune(self.box, self.box, .5, stiffness=1e6, mass=2, speed=3, step=.05)
+        self.assertAlmostEqual(answer["rest_depth_m"] * answer["frequency_rad_s"] ** 2, 9.81, delta=1e-9)
+        self.assertAlmostEqual(answer["explicit_step_s"] * answer["frequency_rad_s"], 2, delta=1e-9)
+        thickness = 2 * self.box.volume / self.box.area
+        self.assertAlmostEqual(answer["thickness_step_s"] * 3, thickness / 4, delta=1e-9)
+        self.assertEqual(answer["substeps"], np.ceil(.05 / min(answer["thickness_step_s"], answer["restitution_step_s"])))
+        self.assertEqual(answer["precision"], "float")
+        far = bh.tune(self.box, self.box, .5, stiffness=1e6, mass=2, distance=1e6)
+        self.assertEqual(far["precision"], "double")  # a float that is a million has its neighbour at a sixteenth
+        self.assertIsNone(far["thickness_step_s"])
 
 
 class Refusals(Shared):
@@ -190,6 +300,37 @@ class Refusals(Shared):
         self.refused(ValueError, "level", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), level=3)
         self.refused(ValueError, "level", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), level=-2)
         self.refused(ValueError, "max_pairs", bh.query, self.box, self.box, (0, 0, 0, 0, 0, 0, 1), max_pairs=-2)
+
+    def test_accepted_errors(self):
+        def ask(error):
+            return bh.query(self.box, self.box, (0, 0, 0, 0, 0, 0, 1), error=error)
+        self.refused(ValueError, "with_levels()", ask, .1)
+        for error in (0, -1, 1.5, np.nan, np.inf):
+            self.refused(ValueError, "error must be above 0", ask, error)
+            self.refused(ValueError, "error must be above 0", bh.tune, self.box, self.box, error)
+
+    def test_tunings(self):
+        def tune(a=self.box, b=self.box, **named):
+            return bh.tune(a, b, .5, **named)
+        self.refused(ValueError, "a must be a Tree, or a mesh", tune, a="box.ist")
+        self.refused(ValueError, "b must be a Tree, or a mesh", tune, b=None)
+        self.refused(ValueError, "b must be a Tree, or a mesh", tune, b=np.zeros((2, 3)))
+        self.refused(ValueError, "a: vertices must be", tune, a=("here", None))
+        self.refused(ValueError, "vertex 8", tune, a=(box((1, 1, 1))[0], box((1, 1, 1))[1] + 1))
+        self.refused(bh.Error, "b: ", tune, b=([], []))
+        self.refused(ValueError, "max_spheres", tune, max_spheres=0)
+        for name in ("stiffness", "mass"):
+            self.refused(ValueError, "both a stiffness and a mass", tune, **{name: 1})
+        for name in ("speed", "step", "distance"):
+            self.refused(ValueError, "both a stiffness and a mass", tune, **{name: .5})
+        for name, values in {"stiffness": (0, -1, np.nan), "mass": (0, np.inf), "speed": (-1, np.nan), "step": (0, np.inf), "distance": (-1, np.inf)}.items():
+            for value in values:
+                self.refused(ValueError, f"{name} must be", tune, **{**{"stiffness": 1e5, "mass": 1}, name: value})
+        self.refused(bh.Error, "cancelled", tune, progress=lambda stage, fraction: False)
+
+        def fail(stage, fraction):
+            raise KeyError("mine")
+        self.refused(KeyError, "mine", tune, progress=fail)
 
     def test_progress_can_cancel_and_raise(self):
         stages = []
