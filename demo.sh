@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Zlib
 # Installs what is missing, builds, and runs the bunny demo.
 # Usage: ./demo.sh [--yes] [--mesh FILE] [other options of haptic_demos]
 set -euo pipefail

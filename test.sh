@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Zlib
 # Installs what is missing, builds in Release, and runs all tests except those labelled "long".
 # Usage: ./test.sh [--yes]
 set -euo pipefail

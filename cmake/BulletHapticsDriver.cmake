@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # bullethaptics_driver(NAME PACKAGE debian-package HEADERS h... [LIBRARIES l...] SOURCES s...): a driver of the target `devices`, left
 # out with one line when its headers or libraries are not there or BULLETHAPTICS_DRIVER_<NAME> is off. DEVICEBRIDGE_WITH_<NAME> is
 # defined for the file that lists the drivers, and BULLETHAPTICS_HAS_<NAME> for the tests.

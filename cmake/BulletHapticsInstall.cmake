@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Install and export: find_package(BulletHaptics) gives BulletHaptics::Core, ::ISTCollision, ::ISTCollision-float64, ::Devices,
 # ::HapticForce, ::TestSupport and ::DeviceBridge with their -float64. Components: runtime (shared libraries), dev, tools, demos.
 include(CMakePackageConfigHelpers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # pkg-config files: bullethaptics-core and -devices, and bullethaptics-collision, -force, -test-support and -device-bridge in both precisions of
 # Bullet. They find their folder themselves, so that an installation may be moved.
 function(bullethaptics_pkg_config name description requires libraries)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # cmake --build build/release --target site: the pages and interfaces as a site, build/release/site/html/index.html.
 find_package(Doxygen QUIET)
 if(NOT DOXYGEN_FOUND)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Settings that every target of this project shares.
 function(bullethaptics_target target)
 	target_compile_features(${target} PRIVATE cxx_std_20)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Cross build for 64-bit ARM with Debian's compiler. BULLETHAPTICS_SYSROOT: a folder with the libraries of that architecture, as
 # tests/compilers/arm64.sh unpacks one. What is built runs under QEMU's user mode, so that ctest works as usual.
 set(CMAKE_SYSTEM_NAME Linux)

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Zlib
 # Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
 # Usage: cmake/setup.sh [library|demos|tests] [--yes]
 #   library   for the libraries and the ist command

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # The libraries with nothing that can be left out: no assimp, no OpenMP, no drivers of devices, no pictures, no library to preload, no demos,
 # no Python, no Bullet in double precision. A program that makes its mesh itself uses them from an installation. Without OpenMP every file is
 # compiled anew, for minutes; with ccache the second time takes seconds. SOURCE (the project), WORK, GENERATOR, LAUNCHER.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Builds and installs the project as a package of ROS by colcon, which reads package.xml, and uses it from there. SOURCE (the project), WORK, LAUNCHER.
 cmake_minimum_required(VERSION 3.25)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Makes the Conan package with Debian's libraries and runs a program against it. SOURCE (the project), WORK, CONAN (the program).
 cmake_minimum_required(VERSION 3.25)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 function(run)
 	execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
 	if(NOT code EQUAL 0)

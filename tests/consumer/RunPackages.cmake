@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Makes the Debian packages, unpacks them into a bare folder, and uses them from there as an installed library. SOURCE (the project), WORK,
 # GENERATOR, LAUNCHER; BUILD, a build folder of its own when it is to be kept. lintian has a word when it is there.
 cmake_minimum_required(VERSION 3.25)

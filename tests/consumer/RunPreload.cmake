@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Runs programs that know nothing of us, which nobody compiled for this, without and with the preload library. STOCK (stock_game), HEAP (heap_game), EXIT (early_exit),
 # PRELOAD, OTHER (the library for Bullet's other precision), WORK.
 cmake_minimum_required(VERSION 3.25)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Installs into a folder and does there what the tutorial says. BUILD, SOURCE (the project), WORK.
 cmake_minimum_required(VERSION 3.25)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Builds the vcpkg port by vcpkg's own scripts, as its program would call them, with Debian's libraries in place of vcpkg's, and uses what came of it.
 # SOURCE (the project), WORK, LAUNCHER; in the environment VCPKG_ROOT, a checkout of github.com/microsoft/vcpkg, whose program is not needed.
 cmake_minimum_required(VERSION 3.25)

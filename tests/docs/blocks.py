@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """Writes the C++ blocks of Markdown pages as source files, one for each run of blocks that belong together.
 
 A block that begins with ```cpp file is a whole file. ```cpp in: ARGUMENTS is the body of a function with these arguments. ```cpp more goes on

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """Runs the Python blocks of a page in order, as one program, in a folder of its own. Usage: run_python.py PAGE"""
 import os
 import pathlib

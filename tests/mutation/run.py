@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """Does a test fail when the code is wrong? Builds a copy of the source tree once as it is and once for each mutation below, and
 demands that the named tests pass in the first and that one of them fails in each of the others.
 

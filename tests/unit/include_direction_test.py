@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """Data flows one way: a file includes only what stands to its left in the chain, or beside it (ARCHITECTURE.md)."""
 import pathlib
 import re

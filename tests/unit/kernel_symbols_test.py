@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """A kernel's object defines one symbol, its table: anything else that the linker can see, it could merge with another set's.
 Usage: kernel_symbols_test.py NM OBJECT..."""
 import subprocess

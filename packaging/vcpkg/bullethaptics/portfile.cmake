@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # An overlay port of this checkout: vcpkg install bullethaptics --overlay-ports=packaging/vcpkg
 # Bullet in single precision, as vcpkg's own port builds it by default.
 set(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../../..")

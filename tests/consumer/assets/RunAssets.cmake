@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Installs, configures a game with three assets, and looks at which are packed on each build.
 cmake_minimum_required(VERSION 3.25)
 

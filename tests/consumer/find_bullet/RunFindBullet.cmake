@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Bullet as its own build installs it, both precisions under the same names: FindBulletPhysics.cmake must tell them apart, and never mix folders. MODULES: where the
 # module is; WORK; INCLUDE: Bullet's headers; SINGLE and DOUBLE: BulletDynamics in each precision, as Debian has it.
 cmake_minimum_required(VERSION 3.25)

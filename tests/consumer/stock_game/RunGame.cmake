@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # Builds the game without and with our lines and compares their motion. SOURCE, WORK, WAY; BUILD or BULLETHAPTICS_SOURCE; LAUNCHER.
 cmake_minimum_required(VERSION 3.25)
 

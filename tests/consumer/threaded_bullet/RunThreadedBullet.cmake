@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Zlib
 # The libraries built against a Bullet that has threads, installed, and used from there. BULLET: where it is, one folder for each precision; SOURCE (the project), WORK,
 # GENERATOR, LAUNCHER.
 cmake_minimum_required(VERSION 3.25)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
 """Runs `devicebridge calibrate` on a glove of 18 sensors behind a pseudo terminal. Arguments: the command, the file to write."""
 import json
 import os
