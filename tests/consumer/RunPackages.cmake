@@ -60,3 +60,6 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consume
 run(${CMAKE_COMMAND} --build ${WORK}/consumer --parallel 2)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/consumer --output-on-failure --no-tests=error)
 message(STATUS "${text}")
+run(${CMAKE_COMMAND} -DPREFIX=${WORK}/root/usr -DWAY=pkg_config -DSOURCE=${SOURCE}/tests/consumer/stock_game -DWORK=${WORK}/game -DLAUNCHER=${LAUNCHER}
+	-P ${SOURCE}/tests/consumer/stock_game/RunGame.cmake)
+message(STATUS "${text}")
