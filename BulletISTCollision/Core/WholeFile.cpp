@@ -101,17 +101,53 @@ Result<size_t> writeInPlace(const std::string& path, const std::byte* bytes, siz
 	}
 	return result(outcome, path, size, reason);
 }
+
+/// What stands at `path`, behind any symbolic links.
+std::filesystem::file_type typeOf(const std::string& path)
+{
+	std::error_code missing;
+	return std::filesystem::status(path, missing).type();
+}
+
+bool isDeviceOrPipe(std::filesystem::file_type type)
+{
+	using enum std::filesystem::file_type;
+	return type != none && type != not_found && type != regular && type != directory;
+}
+
+/// Where symbolic links lead.
+std::string followed(const std::string& path)
+{
+	std::error_code missing;
+	const std::filesystem::path target = std::filesystem::canonical(path, missing);
+	return missing ? path : target.string();
+}
 }  // namespace
+
+std::optional<Error> whyNotWritable(const std::string& path)
+{
+	const std::filesystem::file_type there = typeOf(path);
+	if (there == std::filesystem::file_type::directory) return systemError(path, "writing the file", EISDIR);
+	if (isDeviceOrPipe(there))
+	{
+		// Opening a pipe would wait for its reader, and closing it again would be the end of what it reads.
+		if (::access(path.c_str(), W_OK) != 0) return systemError(path, "opening the file", errno);
+		return std::nullopt;
+	}
+	std::string temporary;
+	const OpenFile file(createBeside(followed(path), temporary));
+	if (!file.good()) return systemError(path, "creating the file", errno);
+	::unlink(temporary.c_str());
+	return std::nullopt;
+}
 
 Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress)
 {
-	std::error_code missing;
-	const std::filesystem::file_status there = std::filesystem::status(path, missing);
-	if (std::filesystem::is_directory(there)) return systemError(path, "writing the file", EISDIR);
-	if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) return writeInPlace(path, bytes, size, progress);
-	const std::filesystem::path followed = std::filesystem::canonical(path, missing);
-	const std::string target = missing ? path : followed.string();
+	const std::filesystem::file_type there = typeOf(path);
+	if (there == std::filesystem::file_type::directory) return systemError(path, "writing the file", EISDIR);
+	if (isDeviceOrPipe(there)) return writeInPlace(path, bytes, size, progress);
 
+	const std::string target = followed(path);
 	std::string temporary;
 	OpenFile file(createBeside(target, temporary));
 	if (!file.good()) return systemError(path, "creating the file", errno);

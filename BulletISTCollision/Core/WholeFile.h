@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace ist
@@ -14,6 +15,9 @@ namespace ist
 /// new one, also when the disk fills up or `progress` (stage "write") cancels. A symbolic link stays a link to the new content;
 /// a device or a pipe is written in place. Gives the number of bytes.
 Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
+/// Why writeWholeFile() would fail now, before anything is spent on what it is to write; null if it would not, as far as can be known: a disk
+/// may fill up meanwhile. Leaves nothing behind.
+std::optional<Error> whyNotWritable(const std::string& path);
 
 /// At a multiple of 64; not zeroed. Null when there is not as much.
 std::shared_ptr<std::byte> makeAlignedBytes(size_t size);

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "BulletISTCollision/Tools/Interruption.h"
+#include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
 #include "BulletISTCollision/Tools/Report.h"
 
@@ -60,6 +61,7 @@ double peakMemoryBytes()
 
 int runBuild(const BuildArguments& a)
 {
+	if (const int code = checkOutput(a.output, {a.mesh}); code != kGood) return code;
 	catchInterrupts();
 	const auto start = std::chrono::steady_clock::now();
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Tools/NumberText.h"
+#include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <sstream>
@@ -47,6 +48,8 @@ int writeFile(const std::string& path, const InnerSphereTree& tree, void (*write
 
 int runExport(const ExportArguments& a)
 {
+	for (const std::string& output : {a.spheres, a.leaves})
+		if (const int code = output.empty() ? kGood : checkOutput(output, {a.file}); code != kGood) return code;
 	const Result<InnerSphereTree> tree = loadAsset(a.file);
 	if (!tree) return fail(tree.error().message);
 	if (!a.spheres.empty())

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/AssetArchive.h"
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <algorithm>
@@ -40,6 +41,7 @@ void describeLoss(Report& report, const InnerSphereTree& tree, const InnerSphere
 
 int runPack(const PackArguments& a)
 {
+	if (const int code = checkOutput(a.output, {a.input}); code != kGood) return code;
 	const Result<InnerSphereTree> tree = loadAsset(a.input);
 	if (!tree) return fail(tree.error().message);
 	const Result<std::vector<std::byte>> bytes = encodeArchive(tree.value());
@@ -60,6 +62,7 @@ int runPack(const PackArguments& a)
 
 int runUnpack(const PackArguments& a)
 {
+	if (const int code = checkOutput(a.output, {a.input}); code != kGood) return code;
 	const Result<InnerSphereTree> tree = loadAsset(a.input);
 	if (!tree) return fail(tree.error().message);
 	const Result<size_t> written = saveAsset(tree.value(), a.output);

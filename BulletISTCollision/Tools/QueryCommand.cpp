@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/PairLaws.h"
 #include "BulletISTCollision/Core/ProximityQuery.h"
 #include "BulletISTCollision/Tools/NumberText.h"
+#include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/PoseRows.h"
 #include "BulletISTCollision/Tools/Report.h"
 
@@ -304,6 +305,8 @@ int writePairs(const std::string& path, const std::vector<Row>& rows)
 
 int runQuery(const QueryArguments& a)
 {
+	if (!a.pairsOut.empty())
+		if (const int code = checkOutput(a.pairsOut, {a.fileA, a.fileB, a.poses}); code != kGood) return code;
 	Result<InnerSphereTree> A = loadAsset(a.fileA);
 	if (!A) return fail(A.error().message);
 	Result<InnerSphereTree> B = a.fileA == a.fileB ? A : loadAsset(a.fileB);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Report.h"
 
-#include "BulletISTCollision/Core/WholeFile.h"
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include <cstdio>
@@ -55,12 +54,6 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["uncovered_area"] = tree.uncoveredArea;
 	report["bytes"] = bytes;
 	report["bytes_per_sphere"] = static_cast<double>(bytes) / static_cast<double>(tree.spheres.size());
-}
-
-int writeText(const std::string& path, const std::string& text)
-{
-	const Result<size_t> written = writeWholeFile(path, reinterpret_cast<const std::byte*>(text.data()), text.size());
-	return written ? kGood : fail(written.error().message);
 }
 
 int fail(const std::string& message, int code)

@@ -19,6 +19,4 @@ Report toJson(const Vec3& v);
 std::string format(const Report& report, bool json);
 /// What an asset says of itself, shared by `build` and `info`.
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes);
-/// The whole file or none; a sentence on stderr and its exit code when it cannot be written.
-int writeText(const std::string& path, const std::string& text);
 }  // namespace ist::tools

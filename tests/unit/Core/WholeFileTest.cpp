@@ -12,6 +12,7 @@
 
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace ist
@@ -97,6 +98,34 @@ TEST_F(WholeFile, AnUnwritablePathIsSaidAndLeavesNothing)
 	ASSERT_FALSE(folder);
 	EXPECT_NE(folder.error().message.find("directory"), std::string::npos);
 	EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(WholeFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
+{
+	std::filesystem::create_directory(at("folder"));
+	ASSERT_TRUE(write(at("there"), "old"));
+	for (const char* name : {"none/file", "folder"})
+	{
+		const std::optional<Error> obstacle = whyNotWritable(at(name));
+		ASSERT_TRUE(obstacle) << name;
+		EXPECT_EQ(obstacle->message, write(at(name), "text").error().message);
+	}
+	for (const char* name : {"new", "there"}) EXPECT_FALSE(whyNotWritable(at(name))) << name;
+	EXPECT_FALSE(whyNotWritable("/dev/null"));
+	EXPECT_EQ(content(at("there")), "old");
+	EXPECT_EQ(entries(), 2);
+}
+
+TEST_F(WholeFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
+{
+	ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
+	EXPECT_FALSE(whyNotWritable(at("pipe")));  // without a reader, too
+	std::string read;
+	std::thread reader([&] { read = content(at("pipe")); });
+	EXPECT_FALSE(whyNotWritable(at("pipe")));
+	EXPECT_TRUE(write(at("pipe"), "text"));
+	reader.join();
+	EXPECT_EQ(read, "text");
 }
 
 TEST_F(WholeFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)

@@ -122,6 +122,22 @@ if ls "$dir"/no.ist* "$cube".tmp* > /dev/null 2>&1; then
 	failures=$((failures + 1))
 fi
 
+# Nobody's mesh or asset is lost to a slip of the keyboard, and nobody waits for what cannot be kept.
+ln -s cube.obj "$dir/link.obj"
+cp "$dir/cube.obj" "$dir/kept.obj"
+expect "build: missing folder, before any work" 1 "$ist" build "$dir/cube.obj" -o "$dir/none/no.ist"
+grep -q import "$dir/err" && { echo "FAILED build: missing folder: worked in vain"; failures=$((failures + 1)); }
+for name in cube.obj link.obj; do
+	expect "build onto $name" 1 "$ist" build "$dir/cube.obj" -o "$dir/$name" --spheres 10
+	says "build onto $name" "is the file that is read"
+done
+cmp -s "$dir/cube.obj" "$dir/kept.obj" || { echo "FAILED build: the mesh was overwritten"; failures=$((failures + 1)); }
+expect "pack onto itself" 1 "$ist" pack "$cube" -o "$cube"
+expect "unpack onto itself" 1 "$ist" unpack "$cube" -o "$cube"
+expect "export onto the asset" 1 "$ist" export "$cube" --leaves "$cube"
+expect "query onto an asset" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --pairs-out "$cube"
+holds "query onto an asset" 'not rows'
+
 expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --spheres 50 --unit mm --json
 holds "build in mm" 'near(r["volume"], 1e-9, 1e-18)'
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Tools/OutputFile.h"
+
+#include "BulletISTCollision/Core/WholeFile.h"
+#include "BulletISTCollision/Tools/Commands.h"
+
+#include <filesystem>
+
+namespace ist::tools
+{
+int checkOutput(const std::string& output, std::initializer_list<std::string> inputs)
+{
+	std::error_code missing;
+	for (const std::string& input : inputs)
+		if (std::filesystem::is_regular_file(input, missing) && std::filesystem::equivalent(input, output, missing))
+			return fail("\"" + output + "\" is the file that is read; name another one to write");
+	const std::optional<Error> obstacle = whyNotWritable(output);
+	return obstacle ? fail(obstacle->message) : kGood;
+}
+
+int writeText(const std::string& path, const std::string& text)
+{
+	const Result<size_t> written = writeWholeFile(path, reinterpret_cast<const std::byte*>(text.data()), text.size());
+	return written ? kGood : fail(written.error().message);
+}
+}  // namespace ist::tools
