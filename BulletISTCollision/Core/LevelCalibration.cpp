@@ -20,6 +20,8 @@ constexpr double kHeld = 0.95;
 /// Below, what else errs dominates; above, it was never needed: there a level's balls are thicker than the body.
 constexpr double kLeast = 0.15, kMost = 0.4;
 constexpr uint64_t kSeed = 1;
+/// The queries only add up, without a list of their pairs, for which every thread would hold twenty megabytes.
+constexpr QueryCapacity kNoList{.pairs = 1, .patches = 1};
 /// Coefficients are multiples of 1 over this: more of their digits say nothing.
 constexpr double kSteps = 1000;
 
@@ -89,7 +91,7 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree, [[maybe_unu
 	std::vector<Trial> trials = drawTrials();
 #pragma omp parallel num_threads(threads)
 	{
-		QueryWorkspace workspace({}, InstructionSet::Portable);  // the same whatever machine builds
+		QueryWorkspace workspace(kNoList, InstructionSet::Portable);  // the same whatever machine builds
 		// The deepest take longest and come first.
 #pragma omp for schedule(dynamic, 1)
 		for (std::ptrdiff_t i = std::ptrdiff_t(trials.size()) - 1; i >= 0; --i) measure(tree, trials[size_t(i)], workspace);

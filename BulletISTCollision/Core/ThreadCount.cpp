@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/ThreadCount.h"
 
+#include <algorithm>
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -10,7 +12,8 @@ namespace ist
 int threadCount([[maybe_unused]] int wanted)
 {
 #ifdef _OPENMP
-	return wanted > 0 ? wanted : omp_get_max_threads();
+	constexpr int kAlwaysGranted = 64;
+	return std::min(wanted > 0 ? wanted : omp_get_max_threads(), std::max(kAlwaysGranted, omp_get_num_procs()));
 #else
 	return 1;
 #endif

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/PairLaws.h"
 #include "BulletISTCollision/Core/ProximityQuery.h"
+#include "BulletISTCollision/Core/ThreadCount.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/PoseRows.h"
@@ -83,7 +84,7 @@ public:
 		for (size_t i = 0; i < rows.size(); ++i)
 			if (rows[i].input.error.empty()) order.push_back(i);
 		if (m_arguments.shuffle) std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
-		const int threads = std::min<int>(m_arguments.threads, std::max<int>(1, static_cast<int>(order.size())));
+		const int threads = std::min<int>(threadCount(m_arguments.threads), std::max<int>(1, static_cast<int>(order.size())));
 		std::vector<QueryWorkspace> workspaces(static_cast<size_t>(threads));
 		for (int pass = 0; pass < m_arguments.repeat; ++pass)
 		{

@@ -73,6 +73,9 @@ expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
 holds "build fields" 'set("spheres leaves fill volume mesh_volume area seconds seconds_setup seconds_packing seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes peak_memory_bytes".split()) <= set(r)'
 holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
+expect "build by many threads" 0 "$ist" build "$dir/cube.obj" -o "$dir/many.ist" --spheres 300 --threads 64 --json
+holds "build by many threads" 'r["peak_memory_bytes"] < 1e9'
+cmp -s "$cube" "$dir/many.ist" || { echo "FAILED build by many threads: another asset"; failures=$((failures + 1)); }
 expect "build to tune" 0 "$ist" build "$dir/cube.obj" -o "$dir/tuned.ist" --spheres 1000 --quiet
 tuned=$dir/tuned.ist
 expect tune 0 "$ist" tune "$tuned" "$tuned" --error 0.9 --json
