@@ -11,6 +11,7 @@
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include <sys/resource.h>
@@ -21,6 +22,9 @@ namespace
 {
 /// A build stopped by --fill, --min-radius or --error alone ends here.
 constexpr int64_t kMostSpheres = 5'000'000;
+
+/// Of the volume.
+constexpr double kNoticedChange = 1e-3;
 
 double unitLength(const std::string& unit)
 {
@@ -49,6 +53,18 @@ BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
 	options.threads = a.threads;
 	options.progress = shown(bar, a.quiet);
 	return options;
+}
+
+/// In place of the report, one line on stderr where the body that was packed is another than the mesh described: a build farm's log is read for such.
+void warnOfRepair(const std::string& mesh, const InnerSphereTree& tree)
+{
+	const double change = volumeChange(tree);
+	if (tree.provenance.watertight && std::fabs(change) <= kNoticedChange) return;
+	char text[64] = "";
+	if (std::isfinite(change)) std::snprintf(text, sizeof text, ", volume %+.3g %%", 100 * change);
+	std::string line = "warning: " + mesh + ": repaired" + text + ":";
+	for (const std::string& action : tree.provenance.repair) line += " " + action;
+	fail(line, kGood);
 }
 
 double peakMemoryBytes()
@@ -83,7 +99,11 @@ int runBuild(const BuildArguments& a)
 	const Result<size_t> bytes = saveAsset(tree.value(), a.output, shown(bar, a.quiet));
 	bar.finish();
 	if (!bytes) return fail(bytes.error().message, bytes.error().cancelled ? kInterrupted : kBadInput);
-	if (a.quiet) return kGood;
+	if (a.quiet)
+	{
+		warnOfRepair(a.mesh, tree.value());
+		return kGood;
+	}
 
 	Report report = newReport();
 	describeTree(report, tree.value(), bytes.value());

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Tools/Commands.h"
 
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -34,6 +35,12 @@ std::string format(const Report& report, bool json)
 	return text;
 }
 
+double volumeChange(const InnerSphereTree& tree)
+{
+	const double before = std::fabs(tree.provenance.meshVolume);
+	return before > 0 ? (tree.volume - before) / before : std::numeric_limits<double>::quiet_NaN();
+}
+
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 {
 	const InnerSphereTree::Provenance& p = tree.provenance;
@@ -46,8 +53,7 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["area"] = tree.area;
 	report["watertight"] = p.watertight;
 	report["repair"] = p.repair;
-	const double before = std::fabs(p.meshVolume);
-	report["volume_change"] = before > 0 ? (tree.volume - before) / before : none;
+	report["volume_change"] = volumeChange(tree);
 	report["mean_gap"] = tree.meanGap;
 	report["max_gap"] = tree.maxGap;
 	report["min_radius"] = tree.spheres.empty() ? none : static_cast<double>(tree.spheres.back().r);

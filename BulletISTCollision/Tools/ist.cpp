@@ -73,7 +73,7 @@ private:
 		sub->add_option("--threads", a.threads, "threads (all)")->check(CLI::Range(1, 4096));
 		sub->add_option("--seed", a.seed, "seed")->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
-		sub->add_flag("--quiet", a.quiet, "no progress and no report, errors only");
+		sub->add_flag("--quiet", a.quiet, "no progress and no report, only a warning of a mesh that repair changed");
 	}
 
 	void addInfo()

@@ -114,6 +114,10 @@ for mode in auto wrap; do
 	expect "check after --repair $mode" 0 "$ist" check "$dir/holed.ist" --mesh "$dir/holed.obj" --json
 	holds "check after --repair $mode" 'r["ok"] is True and r["protruding"] == 0'
 done
+# A farm that builds quietly hears of it; of a mesh that needed nothing, nothing.
+expect "build --quiet" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --quiet
+says "build --quiet" "^ist: warning: .*/holed.obj: repaired, volume .* %: .*Closed 1 hole; .*volume changed from"
+[ "$(wc -l < "$dir/err")" -eq 1 ] && [ ! -s "$dir/out" ] || { echo "FAILED build --quiet: not one line"; failures=$((failures + 1)); }
 expect "build --repair off" 1 "$ist" build "$dir/holed.obj" -o "$dir/no.ist" --spheres 50 --repair off
 says "build --repair off" "4 open edges, the first at"
 rm -f "$dir/holed.ist"
