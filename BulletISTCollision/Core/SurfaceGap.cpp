@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 
 namespace ist
 {
@@ -110,45 +111,59 @@ void measureGaps(std::vector<SurfacePatch>& patches, const NearestSphere& neares
 	}
 }
 
-/// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there.
-double largestGap(const std::vector<std::vector<SurfacePatch>>& parts, const NearestSphere& nearest, int threads)
+/// A patch whose bound says most, before it is refined.
+struct OpenPatch
 {
-	const auto before = [](const SurfacePatch& a, const SurfacePatch& b) { return a.bound < b.bound; };
+	double bound;
+	SurfacePatch* patch;
+	bool operator<(const OpenPatch& o) const { return bound < o.bound; }
+};
+
+/// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there. Of a refined
+/// patch the halves are left.
+double largestGap(std::vector<std::vector<SurfacePatch>>& parts, const NearestSphere& nearest, int threads)
+{
 	double seen = 0, settled = 0;  // a gap that is there, and the bound of the patches that need no refinement
 	for (const auto& part : parts)
 		for (const SurfacePatch& p : part) seen = std::max(seen, p.gap);
-	std::vector<SurfacePatch> patches, halves;
-	for (const auto& part : parts)
-		for (const SurfacePatch& p : part)
-			if (p.bound > 1.01 * seen) patches.push_back(p);
+	std::vector<OpenPatch> open, refined;
+	std::vector<SurfacePatch> halves;
+	std::deque<SurfacePatch> others;  // second halves: the first take the place of the whole
+	for (auto& part : parts)
+		for (SurfacePatch& p : part)
+			if (p.bound > 1.01 * seen) open.push_back({p.bound, &p});
 			else settled = std::max(settled, p.bound);
-	std::make_heap(patches.begin(), patches.end(), before);
-	const auto open = [&] { return !patches.empty() && patches.front().bound > 1.01 * seen; };
-	for (int step = 0; step < kSurfaceRefinements && open(); step += kRefinedTogether)
+	std::make_heap(open.begin(), open.end());
+	const auto goesOn = [&] { return !open.empty() && open.front().bound > 1.01 * seen; };
+	for (int step = 0; step < kSurfaceRefinements && goesOn(); step += kRefinedTogether)
 	{
 		halves.clear();
-		for (int k = 0; k < kRefinedTogether && open(); ++k)
+		refined.clear();
+		for (int k = 0; k < kRefinedTogether && goesOn(); ++k)
 		{
-			std::pop_heap(patches.begin(), patches.end(), before);
-			for (const SurfacePatch& half : bisected(patches.back())) halves.push_back(half);
-			patches.pop_back();
+			std::pop_heap(open.begin(), open.end());
+			for (const SurfacePatch& half : bisected(*open.back().patch)) halves.push_back(half);
+			refined.push_back(open.back());
+			open.pop_back();
 		}
 		measureGaps(halves, nearest, threads);
-		for (const SurfacePatch& half : halves)
+		for (size_t k = 0; k < halves.size(); ++k)
 		{
-			seen = std::max(seen, half.gap);
-			patches.push_back(half);
-			std::push_heap(patches.begin(), patches.end(), before);
+			SurfacePatch* place = k % 2 == 0 ? refined[k / 2].patch : &others.emplace_back();
+			*place = halves[k];
+			seen = std::max(seen, place->gap);
+			open.push_back({place->bound, place});
+			std::push_heap(open.begin(), open.end());
 		}
 	}
-	return patches.empty() ? settled : std::max(settled, patches.front().bound);
+	return open.empty() ? settled : std::max(settled, open.front().bound);
 }
 }  // namespace
 
 SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, int threads)
 {
 	SurfaceGap result;
-	const std::vector<std::vector<SurfacePatch>> parts = surfacePatches(mesh, nearest, threads);
+	std::vector<std::vector<SurfacePatch>> parts = surfacePatches(mesh, nearest, threads);
 	double area = 0, sum = 0, uncovered = 0;
 	for (const auto& part : parts)
 		for (const SurfacePatch& p : part)
