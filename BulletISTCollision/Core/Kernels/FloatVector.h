@@ -106,6 +106,19 @@ IST_INLINE Part fused(Part a, Part b, Part c)
 	return a * b + c;
 }
 
+/// c - a b of floats.
+template <class Part>
+IST_INLINE Part fusedNegated(Part a, Part b, Part c)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	if constexpr (sizeof(Part) == 64) return (Part)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
+#endif
+#if defined(IST_SSE) && defined(__FMA__)
+	if constexpr (sizeof(Part) == 32) return (Part)_mm256_fnmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#endif
+	return c - a * b;
+}
+
 template <class Part>
 IST_INLINE Part rootOf(Part a)
 {
@@ -254,6 +267,13 @@ struct FloatVector
 	{
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) a.part[i] = fused(a.part[i], b.part[i], c.part[i]);
+		return a;
+	}
+	/// c - a b, the same.
+	friend IST_INLINE FloatVector negatedMultiplyAdd(FloatVector a, const FloatVector& b, const FloatVector& c)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = fusedNegated(a.part[i], b.part[i], c.part[i]);
 		return a;
 	}
 	IST_INLINE FloatVector& operator+=(const FloatVector& b) { return *this = *this + b; }
