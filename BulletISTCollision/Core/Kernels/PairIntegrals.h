@@ -47,6 +47,7 @@ struct Shared
 {
 	Lanes hits;
 	F volume, disc, share;  ///< share: of the cap of ball j in the volume
+	F inverse;              ///< 1 / distance of the centres, 0 where they coincide
 	F whole;                ///< volume of the smaller ball
 };
 
@@ -55,10 +56,10 @@ IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& ov
 						   const F& towardsJ)
 {
 	const F small = F::smaller(ri, rj), zero = F::all(0);
-	const F inverse = F::select(F::isLess(zero, d), F::all(1) / d, zero), half = F::all(0.5f) * overlap * inverse;
-	const F hi = towardsI * half, hj = towardsJ * half;
-	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * ri - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * rj - hj);
 	Shared s;
+	s.inverse = F::select(F::isLess(zero, d), F::all(1) / d, zero);
+	const F half = F::all(0.5f) * overlap * s.inverse, hi = towardsI * half, hj = towardsJ * half;
+	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * ri - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * rj - hj);
 	s.hits = F::isLess(zero, small) & (~apart | overlapping);
 	s.whole = F::all(4 * kPiF / 3) * small * small * small;
 	s.disc = F::select(apart, F::all(kPiF) * hi * (F::all(2) * ri - hi), zero);
@@ -121,7 +122,7 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	Shared s = sharedBy(ri, rj, d, F::isLess(zero, overlap), F::isLess(zero, towardsI) & F::isLess(zero, towardsJ), overlap, towardsI, towardsJ);
 
 	const F length = Ri * Rj / (ri * rj) * white.unit, scale = length * length * length * F::squareRoot(inverse);
-	const F steepness = F::select(F::isLess(zero, d), u / d, zero);
+	const F steepness = u * s.inverse;
 	const F alongOffset = F::select(bounded, share, zero) * steepness, alongW = F::select(bounded, zero, inverse) * steepness;
 	const auto component = [&](const F& along, const F& wx) { return along * alongOffset + wx * alongW; };
 	n = {component(x.x, w.x), component(x.y, w.y), component(x.z, w.z)};
@@ -180,8 +181,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	{
 		const D distance = D::squareRoot(squared);
 		shared = sharedByBalls(Ri, Rj, distance);
-		const F d = distance.rounded(), inverse = F::select(F::isLess(zero, d), F::all(1) / d, zero);
-		l.n = {offset.x * inverse, offset.y * inverse, offset.z * inverse};
+		l.n = {offset.x * shared.inverse, offset.y * shared.inverse, offset.z * shared.inverse};
 	}
 	else
 		shared = sharedByEllipsoids(a, b, offset, l.n);
@@ -422,6 +422,21 @@ void flushStage(const PairBodies& bodies, Stage& stage, int& length, double* sum
 	length = 0;
 }
 
+/// Appends those of the first `count` lanes that intersect. Where few do not, all are: to move the others together costs more than to sum zeros.
+template <Terms terms>
+IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
+{
+	const uint32_t hits = l.hits.bits();
+	if ((__builtin_popcount(hits) >= kLanes * 3 / 4) & (count >= kLanes))
+	{
+		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
+		return length + kLanes;
+	}
+	const LaneCompressor kept(hits & firstLanes(count));
+	forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, stage.column[c] + length); });
+	return length + kept.count();
+}
+
 template <Terms terms, bool isMoved>
 void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
@@ -431,10 +446,8 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	for (int k = 0; k < count; k += kLanes)
 	{
 		const Lenses l = lensesOf<terms, isMoved>(bodies, a + k, b + k);
-		const LaneCompressor kept(l.hits.bits() & firstLanes(count - k));
-		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, stage.column[c] + length); });
-		length += kept.count();
-		pairs += kept.count();
+		length = stageLenses<terms>(l, count - k, stage, length);
+		pairs += __builtin_popcount(l.hits.bits() & firstLanes(count - k));
 		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
 	}
 	if (length > 0) flushStage<terms>(bodies, stage, length, sums);
