@@ -114,6 +114,22 @@ IST_INLINE void transpose(F::Part& r0, F::Part& r1, F::Part& r2, F::Part& r3)
 	r3 = backDouble(b, d);
 }
 
+#if defined(IST_SSE) && defined(__AVX512VL__)
+/// Of four registers, each the rows of a ball: row r of all four, in to[r].
+IST_INLINE void transposeRows(const F::Part (&ball)[4], F::Part (&to)[4])
+{
+	const auto mixed = [](F::Part a, F::Part b, auto choice) __attribute__((always_inline)) {
+		return (F::Part)_mm512_shuffle_f32x4((__m512)a, (__m512)b, decltype(choice)::value);
+	};
+	const F::Part front = mixed(ball[0], ball[1], Constant<0x44>{}), back = mixed(ball[0], ball[1], Constant<0xee>{});
+	const F::Part front2 = mixed(ball[2], ball[3], Constant<0x44>{}), back2 = mixed(ball[2], ball[3], Constant<0xee>{});
+	to[0] = mixed(front, front2, Constant<0x88>{});
+	to[1] = mixed(front, front2, Constant<0xdd>{});
+	to[2] = mixed(back, back2, Constant<0x88>{});
+	to[3] = mixed(back, back2, Constant<0xdd>{});
+}
+#endif
+
 template <class Ball>
 IST_INLINE auto placesOf(const Ball* balls, const uint32_t* index)
 {
@@ -124,7 +140,24 @@ IST_INLINE auto placesOf(const Ball* balls, const uint32_t* index)
 template <int kRows, class Ball>
 IST_INLINE void fetchRows(const Ball* balls, const uint32_t* index, const int (&offset)[kRows], F::Part (&columns)[4 * kRows])
 {
-	gather<4, kRows>(0, placesOf(balls, index), offset, columns);
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	if constexpr (sizeof(Ball) == sizeof(F::Part))
+	{
+		// A ball is a register: one load instead of one for each of its rows.
+		IST_UNROLL
+		for (int j = 0; j < 4; ++j)
+		{
+			F::Part ball[4], row[4];
+			IST_UNROLL
+			for (int q = 0; q < 4; ++q) std::memcpy(&ball[q], balls + index[4 * q + j], sizeof(F::Part));
+			transposeRows(ball, row);
+			IST_UNROLL
+			for (int r = 0; r < kRows; ++r) columns[4 * r + j] = row[offset[r] / 16];
+		}
+	}
+	else
+#endif
+		gather<4, kRows>(0, placesOf(balls, index), offset, columns);
 	IST_UNROLL
 	for (int r = 0; r < kRows; ++r) transpose(columns[4 * r], columns[4 * r + 1], columns[4 * r + 2], columns[4 * r + 3]);
 }
