@@ -14,7 +14,7 @@ using ist::Vec3;
 
 namespace
 {
-constexpr double kPi = 3.14159265358979323846, kStiffness = 1e5;
+constexpr double kStiffness = 1e5;
 
 std::shared_ptr<const ist::InnerSphereTree> build(const ist::Mesh& mesh, int64_t spheres)
 {
