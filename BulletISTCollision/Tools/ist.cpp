@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -66,12 +68,12 @@ private:
 		sub->add_option("-o,--output", a.output, "asset to write")->required();
 		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")->check(CLI::Range(int64_t(1), int64_t(100000000)));
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
-		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(CLI::PositiveNumber);
+		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
 		sub->add_option("--unit", a.unit, "length unit of the mesh file")->check(CLI::IsMember({"m", "cm", "mm"}))->capture_default_str();
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")->check(CLI::IsMember({"auto", "off", "wrap"}))->capture_default_str();
 		sub->add_option("--threads", a.threads, "threads (all)")->check(CLI::Range(1, 4096));
-		sub->add_option("--seed", a.seed, "seed")->capture_default_str();
+		sub->add_option("--seed", a.seed, "seed")->check(wholeNumber())->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 		sub->add_flag("--quiet", a.quiet, "no progress and no report, only a warning of a mesh that repair changed");
 	}
@@ -124,10 +126,10 @@ private:
 		poses->add_option("--poses", a.poses, "CSV of poses");
 		poses->require_option(1);
 		sub->add_option("--law", a.law, "force law")->check(CLI::IsMember({"pressure", "paper", "energy", "volume"}))->capture_default_str();
-		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(CLI::PositiveNumber)->capture_default_str();
-		sub->add_option("--level", a.level, "level of the trees")->check(CLI::NonNegativeNumber);
-		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(CLI::NonNegativeNumber);
-		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(CLI::NonNegativeNumber);
+		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(positive())->capture_default_str();
+		sub->add_option("--level", a.level, "level of the trees")->check(notNegative());
+		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(notNegative());
+		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(notNegative());
 		sub->add_option("--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")->check(fraction());
 		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
@@ -147,25 +149,51 @@ private:
 		sub->add_option("B", a.fileB, "asset or mesh of B")->required();
 		sub->add_option("--error", a.options.error, "force error accepted between 0.1 and 20 % overlap, 0..1")->required()->check(fraction());
 		WorldSetup& w = a.options.world;
-		auto* stiffness = sub->add_option("--stiffness", w.stiffness, "k of the pair [Pa/m]: also chooses precision, substeps and rate")->check(CLI::PositiveNumber);
-		auto* mass = sub->add_option("--mass", w.mass, "of the lighter body [kg]")->check(CLI::PositiveNumber)->needs(stiffness);
+		auto* stiffness = sub->add_option("--stiffness", w.stiffness, "k of the pair [Pa/m]: also chooses precision, substeps and rate")->check(positive());
+		auto* mass = sub->add_option("--mass", w.mass, "of the lighter body [kg]")->check(positive())->needs(stiffness);
 		stiffness->needs(mass);
-		sub->add_option("--speed", w.speed, "with which they meet [m/s]")->check(CLI::NonNegativeNumber)->needs(mass)->capture_default_str();
-		sub->add_option("--step", w.step, "of the world [s]")->check(CLI::PositiveNumber)->needs(mass)->capture_default_str();
-		sub->add_option("--distance", w.distance, "from the origin of the world [m]")->check(CLI::NonNegativeNumber)->needs(mass)->capture_default_str();
+		sub->add_option("--speed", w.speed, "with which they meet [m/s]")->check(notNegative())->needs(mass)->capture_default_str();
+		sub->add_option("--step", w.step, "of the world [s]")->check(positive())->needs(mass)->capture_default_str();
+		sub->add_option("--distance", w.distance, "from the origin of the world [m]")->check(notNegative())->needs(mass)->capture_default_str();
 		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")->check(CLI::Range(int64_t(1), int64_t(10000000)))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 	}
 
+	/// Of finite numbers. Those of CLI write out the largest double, all 309 digits of it, when they refuse one.
+	static CLI::Validator number(const char* range, const char* wanted, bool (*holds)(double))
+	{
+		return CLI::Validator(
+			[wanted, holds](std::string& text)
+			{
+				double v = 0;
+				return CLI::detail::lexical_cast(text, v) && std::isfinite(v) && holds(v) ? std::string() : std::string("must ") + wanted + ": " + text;
+			},
+			range);
+	}
 	static CLI::Validator fraction()
+	{
+		return number("(0..1]", "lie above 0 and not above 1", [](double v) { return v > 0 && v <= 1; });
+	}
+	static CLI::Validator positive()
+	{
+		return number("above 0", "be a number above 0", [](double v) { return v > 0; });
+	}
+	static CLI::Validator notNegative()
+	{
+		return number("0 or more", "be a number, 0 or more", [](double v) { return v >= 0; });
+	}
+
+	/// CLI reads -1 as the largest number.
+	static CLI::Validator wholeNumber()
 	{
 		return CLI::Validator(
 			[](std::string& text)
 			{
-				double v = 0;
-				return CLI::detail::lexical_cast(text, v) && v > 0 && v <= 1 ? std::string() : "must lie above 0 and not above 1: " + text;
+				uint64_t v = 0;
+				const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
+				return error == std::errc() && end == text.data() + text.size() ? std::string() : "must be a whole number from 0 to 2^64 - 1: " + text;
 			},
-			"(0..1]");
+			"whole number");
 	}
 
 	CLI::App m_app{"Inner sphere trees: build, inspect, check, export, pack, query, tune", "ist"};

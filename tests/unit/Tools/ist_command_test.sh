@@ -122,6 +122,10 @@ expect "build --repair off" 1 "$ist" build "$dir/holed.obj" -o "$dir/no.ist" --s
 says "build --repair off" "4 open edges, the first at"
 rm -f "$dir/holed.ist"
 expect "build --fill 2" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --fill 2
+for wrong in "--min-radius 0" "--min-radius nan" "--seed -1" "--seed 1.5" "--seed 99999999999999999999" "--threads 0"; do
+	expect "build $wrong" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" $wrong
+	[ "$(head -n 1 "$dir/err" | wc -c)" -le 80 ] || { echo "FAILED build $wrong: $(cat "$dir/err")"; failures=$((failures + 1)); }
+done
 expect "build: missing mesh" 1 "$ist" build "$dir/none.obj" -o "$dir/no.ist"
 expect "build: missing folder" 1 "$ist" build "$dir/cube.obj" -o "$dir/none/no.ist" --spheres 10
 if ls "$dir"/no.ist* "$cube".tmp* > /dev/null 2>&1; then
