@@ -492,6 +492,16 @@ std::optional<Error> whyUnreadable(const Mesh& mesh)
 	return std::nullopt;
 }
 
+/// Says where shells count twice or against each other, for who chose to have them left so.
+void noteUnsettled(Attempt& attempt)
+{
+	Mesh settled = attempt.mesh;
+	const ShellVerdict verdict = settleShells(settled);
+	if (verdict.turned + verdict.dropped + verdict.redundant == 0) return;
+	attempt.actions.push_back("Left shells as they face: the automatic repair would turn or drop some, and make the volume " +
+							  number(massProperties(settled).volume) + " m^3.");
+}
+
 /// Off: nothing but welding, which may collapse triangles.
 Attempt asGiven(const Mesh& welded)
 {
@@ -499,8 +509,10 @@ Attempt asGiven(const Mesh& welded)
 	attempt.note(dropCollapsed(attempt.mesh), "Dropped", "triangle with repeated corners", "triangles with repeated corners");
 	attempt.mesh = withoutUnusedVertices(attempt.mesh);
 	attempt.state = closedness(attempt.mesh);
+	if (attempt.state.watertight && attempt.state.components > 1) noteUnsettled(attempt);
 	return attempt;
 }
+
 /// Moves the attempt into the result unless it encloses nothing.
 std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mode, RepairedMesh& result)
 {

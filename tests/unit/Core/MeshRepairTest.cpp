@@ -207,6 +207,21 @@ TEST(MeshRepair, ACavityStaysACavity)
 	EXPECT_EQ(repaired.value().before.components, 2);
 }
 
+TEST(MeshRepair, WithoutRepairShellsThatCountTwiceAreSaid)
+{
+	const Mesh inner = translated(makeBoxMesh({0.5, 0.5, 0.5}), {0.2, 0.1, -0.3});
+	const auto remarks = [](const Mesh& mesh, double volume) {
+		const Result<RepairedMesh> repaired = repair(mesh, RepairMode::Off);
+		EXPECT_TRUE(repaired && std::fabs(repaired.value().volumeAfter - volume) < 1e-9);
+		return repaired ? repaired.value().actions : std::vector<std::string>();
+	};
+	const std::vector<std::string> twice = remarks(joined(kBox, inner), 9);
+	ASSERT_EQ(twice.size(), 1u);
+	EXPECT_NE(twice[0].find("would turn or drop some, and make the volume 8 m^3"), std::string::npos) << twice[0];
+	EXPECT_TRUE(remarks(joined(kBox, insideOut(inner)), 7).empty());
+	EXPECT_TRUE(remarks(joined(kBox, translated(inner, {4, 0, 0})), 9).empty());
+}
+
 TEST(MeshRepair, ShellsThatCutEachOtherBothFaceOutwards)
 {
 	// The union of two boxes of 8 m^3 that have 1.3 x 1.6 x 1.9 m in common.
