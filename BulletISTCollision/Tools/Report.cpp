@@ -51,6 +51,7 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["volume"] = tree.volume;
 	report["mesh_volume"] = p.meshVolume;
 	report["area"] = tree.area;
+	report["longest_side"] = tree.box.longestSide();
 	report["watertight"] = p.watertight;
 	report["repair"] = p.repair;
 	report["volume_change"] = volumeChange(tree);

@@ -71,7 +71,7 @@ expect "no command" 2 "$ist"
 
 expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
-holds "build fields" 'set("spheres leaves fill volume mesh_volume area seconds seconds_setup seconds_packing seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes peak_memory_bytes".split()) <= set(r)'
+holds "build fields" 'set("spheres leaves fill volume mesh_volume area longest_side seconds seconds_setup seconds_packing seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes peak_memory_bytes".split()) <= set(r)'
 holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
 expect "build by many threads" 0 "$ist" build "$dir/cube.obj" -o "$dir/many.ist" --spheres 300 --threads 64 --json
 holds "build by many threads" 'r["peak_memory_bytes"] < 1e9'
@@ -150,11 +150,11 @@ expect "query onto an asset" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0
 holds "query onto an asset" 'not rows'
 
 expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --spheres 50 --unit mm --json
-holds "build in mm" 'near(r["volume"], 1e-9, 1e-18)'
+holds "build in mm" 'near(r["volume"], 1e-9, 1e-18) and near(r["longest_side"], 1e-3, 1e-9)'
 
 expect info 0 "$ist" info "$cube" --json
 holds info 'r["version"] == 5 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and len(r["calibration"]["levels"]) > 2'
-holds "info mass" 'all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
+holds "info mass" 'near(r["longest_side"], 1) and all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
 
 expect check 0 "$ist" check "$cube" --json
 holds check 'r["ok"] is True and r["overlapping_pairs"] == 0 and r["max_overlap"] == 0 and r["max_protrusion"] is None and r["problems"] == []'
