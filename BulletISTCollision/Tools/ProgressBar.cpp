@@ -5,10 +5,35 @@
 #include <cmath>
 #include <cstdio>
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace ist::tools
 {
+namespace
+{
+int terminalWidth()
+{
+	winsize size{};
+	return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+/// Within the width, or the terminal would break the line and the next one could not take its place.
+std::string barLine(const char* stage, int percent, const std::string& left, int width)
+{
+	constexpr int kWidestBar = 40, kNarrowestBar = 10, kBeside = 49;  // with the longest time
+	const int bar = std::min(kWidestBar, width - 1 - kBeside), done = bar * percent / 100;
+	char text[32];
+	std::snprintf(text, sizeof text, "%-8s ", stage);
+	std::string line = text;
+	if (bar >= kNarrowestBar) line += "[" + std::string(size_t(done), '#') + std::string(size_t(bar - done), ' ') + "] ";
+	std::snprintf(text, sizeof text, "%3d %%", percent);
+	line += text;
+	if (!left.empty()) line += "  " + left + " of this stage";
+	return line.substr(0, size_t(width - 1));
+}
+}  // namespace
+
 ProgressBar::ProgressBar() : m_terminal(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar()
@@ -36,18 +61,15 @@ void ProgressBar::show(const char* stage, double fraction)
 
 void ProgressBar::draw(const char* stage, double fraction)
 {
-	constexpr int kBarWidth = 40;
 	const Clock::time_point now = Clock::now();
 	const int percent = static_cast<int>(fraction * 100);
 	// The time left moves on while the share stands still.
 	if (percent <= m_shown && now - m_drawn < std::chrono::milliseconds(500)) return;
 	m_shown = std::max(m_shown, percent);
 	m_drawn = now;
-	const int done = m_shown * kBarWidth / 100;
 	const std::string left = timeLeft(std::chrono::duration<double>(now - m_stageStart).count(), fraction);
 	// Clears what a longer text left behind.
-	std::fprintf(stderr, "\r%-8s [%s%s] %3d %%  %s\x1b[K", stage, std::string(done, '#').c_str(), std::string(kBarWidth - done, ' ').c_str(),
-				 m_shown, left.c_str());
+	std::fprintf(stderr, "\r%s\x1b[K", barLine(stage, m_shown, left, terminalWidth()).c_str());
 	std::fflush(stderr);
 	m_open = true;
 }

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
 """Progress, interruption and failed writes of the ist command. Usage: ist_progress_test.py PATH_TO_IST"""
+import fcntl
 import os
 import pty
 import re
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 
 IST = sys.argv[1]
@@ -42,26 +45,37 @@ def lines_every_ten_per_cent(folder):
     expect(quiet.stdout == "" and quiet.stderr == "", "--quiet says nothing")
 
 
-def bar_with_the_time_left(folder):
-    """The bar stands on a terminal; the time left comes after half a second of a stage."""
-    leader, follower = pty.openpty()
-    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "100000", "--threads", "1"),
-                               stdout=subprocess.DEVNULL, stderr=follower)
-    os.close(follower)
+def read_until(terminal, pattern):
+    """The first match in what is written to the terminal, or None when that ends."""
     text = ""
-    while not re.search(r"packing +\[#* *\] +\d+ %  \d+ (s|min \d\d s|h \d\d min) left", text):
+    while True:
         try:
-            more = os.read(leader, 4096).decode()
+            more = os.read(terminal, 4096).decode()
         except OSError:  # the other end is closed
-            break
-        if not more:
-            break
+            return None
         text += more
-    else:
-        process.send_signal(signal.SIGINT)
+        if match := re.search(pattern, text):
+            return match[0]
+        if not more:
+            return None
+
+
+def bar_with_the_time_left(folder):
+    """The bar stands on a terminal and keeps to its width; the time left comes after half a second of a stage. A narrow one has no bar."""
+    leader, follower = pty.openpty()
+    process = None
+    for columns, bar in [(70, r"\[#* *\] +"), (44, " *")]:
+        fcntl.ioctl(leader, termios.TIOCSWINSZ, struct.pack("4H", 24, columns, 0, 0))
+        if not process:
+            process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "100000", "--threads", "1"),
+                                       stdout=subprocess.DEVNULL, stderr=follower)
+            os.close(follower)
+        line = read_until(leader, rf"(?<=\r)packing +{bar}\d+ %  \d+ (s|min \d\d s|h \d\d min) left of this stage(?=\x1b)")
+        expect(line and len(line) < columns, f"a bar with the time left in {columns} columns: {line}")
+    process.send_signal(signal.SIGINT)
     # Nobody reads the terminal any more: closing it keeps the command from waiting for that.
     os.close(leader)
-    expect(process.wait() == 130, "a bar with the time left, then 130: " + text[-300:])
+    expect(process.wait() == 130, "130 after the interruption")
 
 
 def interruption(folder, number):
