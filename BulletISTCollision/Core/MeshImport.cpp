@@ -126,6 +126,13 @@ double blur(const aiMesh& part)
 	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
 }
 
+/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of.
+double roundingOf(const aiMatrix4x4& m, const aiVector3D& v)
+{
+	const auto sum = [&](double a, double b, double c, double d) { return std::fabs(a * v.x) + std::fabs(b * v.y) + std::fabs(c * v.z) + std::fabs(d); };
+	return 0x1p-23 * std::max({sum(m.a1, m.a2, m.a3, m.a4), sum(m.b1, m.b2, m.b3, m.b4), sum(m.c1, m.c2, m.c3, m.c4)});
+}
+
 /// What is taken from a file.
 enum class Wanted
 {
@@ -141,12 +148,17 @@ TexturePlace placeOf(const aiMesh& part, uint32_t corner)
 	return {place.x, place.y};
 }
 
-void append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
+/// Adds a part; returns how coarsely its coordinates were stored [m].
+double append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
 {
 	Mesh& out = textured.mesh;
 	const auto base = static_cast<uint32_t>(out.vertices.size());
+	double rounding = 0;
 	for (unsigned i = 0; i < part.mNumVertices; ++i)
+	{
 		out.vertices.push_back(unit * transformedPoint(transform, part.mVertices[i]));
+		rounding = std::max(rounding, unit * roundingOf(transform, part.mVertices[i]));
+	}
 	const bool mirrored = mirrors(transform);
 	for (unsigned i = 0; i < part.mNumFaces; ++i)
 	{
@@ -158,11 +170,13 @@ void append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& trans
 		out.triangles.push_back({base + a, base + b, base + c});
 		if (wanted == Wanted::SurfaceAndPlaces) textured.places.push_back({placeOf(part, a), placeOf(part, b), placeOf(part, c)});
 	}
+	return rounding;
 }
 
 TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& watch)
 {
 	TexturedMesh textured;
+	double rounding = 0;
 	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
 	for (size_t done = 1; !open.empty() && watch.reach(kReading + (1 - kReading) * double(done) / double(done + open.size())); ++done)
 	{
@@ -172,10 +186,12 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& wat
 		for (unsigned i = 0; i < node->mNumMeshes; ++i)
 		{
 			const aiMesh& part = *scene.mMeshes[node->mMeshes[i]];
-			if (part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) append(textured, part, transform, unit, wanted);
+			if (part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) rounding = std::max(rounding, append(textured, part, transform, unit, wanted));
 		}
 		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
 	}
+	if (const double side = bounds(textured.mesh).longestSide(); side > 0)
+		textured.mesh.rounding = std::max(textured.mesh.rounding, rounding / side);
 	return textured;
 }
 

@@ -20,6 +20,8 @@ namespace
 {
 /// Of the longest side: positions nearer than this are the same position in Auto mode, when the mesh is open otherwise.
 constexpr double kNearlyEqual = 1e-9;
+/// Of the mesh's rounding: the same, when the mesh is still open. Each of two corners may be off by one value along each axis.
+constexpr double kRoundedApart = 4;
 /// Of the longest side cubed: a smaller volume is no volume.
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
@@ -251,15 +253,29 @@ void clean(Attempt& attempt, OppositePairs policy)
 	attempt.note(dropDuplicates(attempt.mesh, policy), "Dropped", "duplicate triangle", "duplicate triangles");
 }
 
+void weldSeams(Attempt& attempt, OppositePairs policy)
+{
+	const double side = bounds(attempt.mesh).longestSide();
+	WeldedVertices all;
+	for (const double apart : {kNearlyEqual, kRoundedApart * attempt.mesh.rounding})
+	{
+		const std::vector<uint32_t> open = verticesOfOpenEdges(attempt.mesh);
+		if (open.empty() || !(apart * side > 0)) break;
+		const WeldedVertices welded = weldNear(attempt.mesh, open, apart * side);
+		all.count += welded.count;
+		all.doubt += welded.doubt;
+		if (welded.count) clean(attempt, policy);
+	}
+	attempt.note(all.count, "Welded", "nearly equal vertex", "nearly equal vertices");
+	attempt.doubt += all.doubt;
+}
+
 /// All that can be done without new triangles.
 Attempt cleaned(const Mesh& welded, OppositePairs policy)
 {
 	Attempt attempt{welded, {}, {}, 0};
 	clean(attempt, policy);
-	const double tolerance = kNearlyEqual * bounds(attempt.mesh).longestSide();
-	const int64_t joined = tolerance > 0 ? weldOpenEdges(attempt.mesh, tolerance) : 0;
-	attempt.note(joined, "Welded", "nearly equal vertex", "nearly equal vertices");
-	if (joined) clean(attempt, policy);
+	weldSeams(attempt, policy);
 	attempt.note(orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours",
 				 "triangles to agree with their neighbours");
 	attempt.state = closedness(attempt.mesh);
@@ -282,7 +298,7 @@ Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double e
 	if (!attempt.state.watertight && attempt.state.flippedEdges == 0)
 	{
 		const ClosedHoles closed = closeHoles(attempt.mesh);
-		attempt.doubt = closed.doubt;
+		attempt.doubt += closed.doubt;
 		if (closed.count)
 			attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
 									  number(closed.doubt) + " m^3.");
@@ -427,7 +443,7 @@ std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mod
 	result.volumeDoubt = attempt.doubt;
 	result.actions = std::move(attempt.actions);
 	const double change = result.volumeAfter - result.volumeBefore;
-	if (std::fabs(change) > 1e-9 * result.volumeAfter)
+	if (std::fabs(change) > 1e-9 * result.volumeAfter && number(result.volumeBefore) != number(result.volumeAfter))
 		result.actions.push_back("The volume changed from " + number(result.volumeBefore) + " to " + number(result.volumeAfter) + " m^3.");
 	return std::nullopt;
 }

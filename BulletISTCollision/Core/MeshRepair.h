@@ -38,7 +38,7 @@ struct RepairedMesh
 	std::vector<std::string> actions;  ///< one sentence for each thing that was done; empty when nothing was needed
 	double volumeBefore = 0;           ///< signed volume as read [m^3]; of an open mesh, about the middle of its box
 	double volumeAfter = 0;
-	double volumeDoubt = 0;            ///< what closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate
+	double volumeDoubt = 0;            ///< what welding, closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate
 	int64_t cuts = 0;                  ///< pairs of triangles that passed through each other (see MeshCuts.h); counted by Auto, up to 1000
 };
 

@@ -46,6 +46,7 @@ std::array<int64_t, 3> exactKey(const Vec3& v)
 Mesh renumbered(const Mesh& mesh, const std::vector<uint32_t>& target)
 {
 	Mesh result;
+	result.rounding = mesh.rounding;
 	std::vector<uint8_t> used(mesh.vertices.size(), 0);
 	for (const Triangle& t : mesh.triangles)
 		for (const uint32_t corner : t) used[target[corner]] = 1;
@@ -60,6 +61,21 @@ Mesh renumbered(const Mesh& mesh, const std::vector<uint32_t>& target)
 	for (const Triangle& t : mesh.triangles)
 		result.triangles.push_back({number[target[t[0]]], number[target[t[1]]], number[target[t[2]]]});
 	return result;
+}
+
+/// At most what the corners of the triangles sweep on their way to their targets.
+double sweptVolume(const Mesh& mesh, const std::vector<uint32_t>& target)
+{
+	double volume = 0;
+	for (const Triangle& t : mesh.triangles)
+	{
+		double way = 0;
+		for (const uint32_t corner : t) way += distance(mesh.vertices[corner], mesh.vertices[target[corner]]);
+		if (way == 0) continue;
+		const Vec3& a = mesh.vertices[t[0]];
+		volume += way / 3 * 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+	}
+	return volume;
 }
 }  // namespace
 
@@ -80,12 +96,20 @@ Mesh weldedEqual(const Mesh& mesh)
 	return renumbered(mesh, target);
 }
 
-int64_t weldOpenEdges(Mesh& mesh, double tolerance)
+std::vector<uint32_t> verticesOfOpenEdges(const Mesh& mesh)
 {
 	std::vector<uint8_t> isOpen(mesh.vertices.size(), 0);
 	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
 		if (count == 1) isOpen[use->low] = isOpen[use->high] = 1;
 	});
+	std::vector<uint32_t> open;
+	for (uint32_t i = 0; i < isOpen.size(); ++i)
+		if (isOpen[i]) open.push_back(i);
+	return open;
+}
+
+WeldedVertices weldNear(Mesh& mesh, const std::vector<uint32_t>& vertices, double tolerance)
+{
 	const Vec3 origin = bounds(mesh).lower;
 	const auto cellOf = [&](const Vec3& v, int axis) {
 		return static_cast<int64_t>(std::floor((v[axis] - origin[axis]) / tolerance));
@@ -93,10 +117,9 @@ int64_t weldOpenEdges(Mesh& mesh, double tolerance)
 	IntegerTripleMap<std::vector<uint32_t>> grid;
 	std::vector<uint32_t> target(mesh.vertices.size());
 	std::iota(target.begin(), target.end(), 0u);
-	int64_t vanished = 0;
-	for (uint32_t i = 0; i < mesh.vertices.size(); ++i)
+	WeldedVertices welded;
+	for (const uint32_t i : vertices)
 	{
-		if (!isOpen[i]) continue;
 		const Vec3& v = mesh.vertices[i];
 		const std::array<int64_t, 3> cell{cellOf(v, 0), cellOf(v, 1), cellOf(v, 2)};
 		for (int k = 0; k < 27 && target[i] == i; ++k)
@@ -107,9 +130,11 @@ int64_t weldOpenEdges(Mesh& mesh, double tolerance)
 				if (distance(mesh.vertices[other], v) <= tolerance) target[i] = other;
 		}
 		if (target[i] == i) grid[cell].push_back(i);
-		else ++vanished;
+		else ++welded.count;
 	}
-	if (vanished) mesh = renumbered(mesh, target);
-	return vanished;
+	if (welded.count == 0) return welded;
+	welded.doubt = sweptVolume(mesh, target);
+	mesh = renumbered(mesh, target);
+	return welded;
 }
 }  // namespace ist

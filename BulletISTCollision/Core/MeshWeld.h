@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Mesh.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace ist
 {
@@ -12,6 +13,15 @@ Mesh withoutUnusedVertices(const Mesh& mesh);
 /// Vertices at exactly equal positions become one; those that no triangle uses are dropped. O(n).
 Mesh weldedEqual(const Mesh& mesh);
 
-/// Joins vertices of open edges that lie within `tolerance` of each other. Returns how many vanished.
-int64_t weldOpenEdges(Mesh& mesh, double tolerance);
+/// In ascending order.
+std::vector<uint32_t> verticesOfOpenEdges(const Mesh& mesh);
+
+struct WeldedVertices
+{
+	int64_t count = 0;  ///< that vanished
+	double doubt = 0;   ///< at most what moving them added or took [m^3]
+};
+
+/// Joins those of the given vertices that lie within `tolerance` [m] of each other. O(n).
+WeldedVertices weldNear(Mesh& mesh, const std::vector<uint32_t>& vertices, double tolerance);
 }  // namespace ist

@@ -117,6 +117,32 @@ TEST(MeshImport, BinaryTrianglesThatAreNotFiniteOrCutShortAreRefused)
 	}
 }
 
+TEST(MeshImport, SeamsAreWeldedToThePrecisionOfTheFile)
+{
+	// A cube a hundred metres away whose faces are apart by one value of single precision there.
+	const double step = 0x1p-17, far = 100;
+	std::string text;
+	const auto face = [&](std::array<Vec3, 4> corners, double off) {
+		for (const Vec3& c : corners)
+			text += "v " + std::to_string(far + c.x + off) + " " + std::to_string(far + c.y + off) + " " + std::to_string(far + c.z + off) + "\n";
+		text += "f -4 -3 -2 -1\n";
+	};
+	face({Vec3{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}, step);
+	face({Vec3{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, 0);
+	face({Vec3{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}}, 0);
+	face({Vec3{0, 1, 0}, {0, 1, 1}, {1, 1, 1}, {1, 1, 0}}, -step);
+	face({Vec3{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 1, 0}}, -step);
+	face({Vec3{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1}}, step);
+	const TemporaryFile file(text);
+	const Result<Mesh> mesh = importMesh(file.path(), 0.001);
+	ASSERT_TRUE(mesh) << mesh.error().message;
+	EXPECT_GT(inspect(mesh.value()).openEdges, 0);
+	const Result<RepairedMesh> repaired = repair(mesh.value());
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	EXPECT_EQ(repaired.value().mesh.vertices.size(), 8u);
+	EXPECT_NEAR(repaired.value().volumeAfter, 1e-9, 6 * 2 * step * 1e-9);
+}
+
 TEST(MeshImport, AMissingFileIsRefusedByName)
 {
 	const Result<Mesh> mesh = importMesh("no_such_file.obj");

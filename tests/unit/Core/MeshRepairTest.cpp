@@ -116,6 +116,44 @@ TEST(MeshRepair, NearlyEqualPositionsAreWeldedOnlyInAuto)
 	expectRefused(mesh, "36 open edges", RepairMode::Off);
 }
 
+TEST(MeshRepair, SeamsOfSinglePrecisionAreWelded)
+{
+	// Every corner of every triangle up to one value of single precision off along each axis, as a mesh is whose faces were stored one by one.
+	const Mesh torus = makeTorusMesh(0.1, 0.04, 60, 30);
+	Mesh mesh = soup(torus);
+	std::mt19937 random(3);
+	for (Vec3& v : mesh.vertices)
+		for (double* x : {&v.x, &v.y, &v.z})
+		{
+			const auto stored = static_cast<float>(*x);
+			const int way = int(random() % 3) - 1;
+			*x = way == 0 ? stored : std::nextafter(stored, way * std::numeric_limits<float>::infinity());
+		}
+	const Result<RepairedMesh> repaired = repair(mesh);
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	const double volume = massProperties(torus).volume;
+	EXPECT_NEAR(repaired.value().volumeAfter, volume, 1e-6 * volume);
+	EXPECT_LT(std::fabs(repaired.value().volumeAfter - volume), repaired.value().volumeDoubt);
+	EXPECT_LT(repaired.value().volumeDoubt, 1e-5 * volume);
+	EXPECT_EQ(repaired.value().mesh.vertices.size(), torus.vertices.size());
+	EXPECT_EQ(repaired.value().mesh.triangles.size(), torus.triangles.size());
+	// Its size and place do not matter, nor do those of a double's rounding a thousand kilometres away.
+	for (Vec3& v : mesh.vertices) v = 1000 * v;
+	expectVolume(mesh, 1e9 * volume, 1e3 * volume);
+	expectVolume(translated(mesh, {1e6, 1e6, 0}), 1e9 * volume, 1e3 * volume);
+}
+
+TEST(MeshRepair, OpenMeshesOfDoublesAreNotBlurredFarFromTheOrigin)
+{
+	// Single precision would merge the whole body.
+	Mesh box = makeBoxMesh({0.01, 0.01, 0.01});
+	box.triangles.pop_back();
+	const Result<RepairedMesh> repaired = repair(translated(box, {1e6, 0, 0}));
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	EXPECT_NEAR(repaired.value().volumeAfter, 8e-6, 1e-13);
+	EXPECT_EQ(repaired.value().mesh.triangles.size(), 12u);
+}
+
 TEST(MeshRepair, RandomlyTurnedTrianglesAreOrientedOutwardsAnywhere)
 {
 	std::mt19937 random(11);
