@@ -111,7 +111,7 @@ void measureGaps(std::vector<SurfacePatch>& patches, const NearestSphere& neares
 	}
 }
 
-/// A patch whose bound says most, before it is refined.
+/// A patch that may be refined.
 struct OpenPatch
 {
 	double bound;

@@ -31,7 +31,6 @@ const SieveKernel* kernelFor(InstructionSet set)
 	{
 		case InstructionSet::Portable: return &kPortableSieveKernel;
 		case InstructionSet::Baseline: return &kBaselineSieveKernel;
-		// Eight floats have no use for wider registers.
 		case InstructionSet::V3:
 		case InstructionSet::V4: return &kV3SieveKernel;
 	}

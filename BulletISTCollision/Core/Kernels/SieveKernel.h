@@ -30,8 +30,8 @@ struct SieveSearch
 	float x, y, z;   ///< the point
 	float rounding;  ///< of a coordinate [m]
 	float limit;     ///< of the squared distance; `nearest` lowers it to that which some triangle is known to have
-	float surely;    ///< of `within`: triangles with no larger squared distance than this are counted, and the search ends when there are
-	uint64_t certain, most;  ///< more than `most`
+	float surely;    ///< `within` counts the triangles that certainly have no larger squared distance than this,
+	uint64_t certain, most;  ///< and ends when there are more than `most` of them
 	SieveCandidate waiting[kMostWaiting + kSieveWidth];
 	int count;
 	void (*settle)(SieveSearch& search);  ///< takes the candidates that wait and sets their count to 0; may lower the limit
