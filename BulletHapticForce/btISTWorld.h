@@ -69,6 +69,8 @@ public:
 	std::optional<ist::Error> setForceError(double share) { return m_registration.setForceError(share); }
 	/// The same for the pairs of one body, as the one in the hand: see btISTRegistration::setForceErrorOf.
 	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share) { return m_registration.setForceErrorOf(body, share); }
+	/// How many pairs of leaves a query may find; see btISTRegistration::setPairBudget.
+	std::optional<ist::Error> setPairBudget(int64_t leafPairs) { return m_registration.setPairBudget(leafPairs); }
 	/// By how many threads pairs are queried; see btISTRegistration::setQueryThreads.
 	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50) { return m_registration.setQueryThreads(threads, spinMicroseconds); }
 	/// How many pairs remember which of their leaves were near; see btISTRegistration::setPairMemory.

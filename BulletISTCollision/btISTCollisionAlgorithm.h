@@ -70,6 +70,12 @@ public:
 	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share);
 	/// What is accepted of this pair.
 	double forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const;
+	/// No query of two trees finds more pairs of leaves than this, 1 or more: where the two share more, balls of coarser levels answer in place of the leaves, levels
+	/// fading into each other (ist::QueryOptions::maxPairs, blend), in half as many patches; where even the coarsest have more, they answer. For bodies that a game makes inside one
+	/// another. btISTContact::level tells. -1, as it is at first: any number. All else is refused. The first time, all attached trees get levels (btISTRegistry::keepLevels). Between
+	/// steps only.
+	std::optional<ist::Error> setPairBudget(int64_t leafPairs);
+	int64_t pairBudget() const;
 	/// What may be left out of the queries; to begin with what changes nothing. Refused when the error is not within its range.
 	std::optional<ist::Error> setEconomy(const btISTEconomy& economy);
 	const btISTEconomy& economy() const;

@@ -244,6 +244,20 @@ std::optional<ist::Error> btISTRegistration::setForceErrorOf(const btCollisionOb
 
 double btISTRegistration::forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const { return m_installation->context->rules.forceErrorOf(a, b); }
 
+std::optional<ist::Error> btISTRegistration::setPairBudget(int64_t leafPairs)
+{
+	if (leafPairs < 1 && leafPairs != -1) return ist::Error{"a query must be allowed to find 1 pair of leaves at least; -1: any number"};
+	btISTContext& context = *m_installation->context;
+	if (leafPairs > 0) context.registry->keepLevels();
+	ist::QueryOptions options = context.rules.options();
+	options.maxPairs = leafPairs;
+	options.blend = leafPairs > 0;
+	context.rules.set(options, context.rules.forceError());
+	return std::nullopt;
+}
+
+int64_t btISTRegistration::pairBudget() const { return m_installation->context->rules.options().maxPairs; }
+
 double btISTRegistration::forceError() const { return m_installation->context->rules.forceError(); }
 
 std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double spinMicroseconds)

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Kernels/SteadyTime.h"
 #include "BulletISTCollision/Core/LeafClearance.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 #include "BulletISTCollision/btISTPairMemories.h"
 
 #include <algorithm>
@@ -45,29 +46,42 @@ bool btISTPairQuery::lacksDamping(const btISTContact& contact) const
 	return contact.patchCount > 0 && wanted != ist::DampingWeights() && wanted != contact.total.dampingWeights;
 }
 
+ist::OverlapResult btISTPairQuery::askTrees(btISTContact& contact, ist::QueryWorkspace& workspace, const ist::QueryOptions& options) const
+{
+	ist::PairAccuracy& pair = contact.accuracy;
+	const double error = m_rules.forceErrorOf(contact.bodyA, contact.bodyB);
+	const btISTPairMemory::Loan memory(contact.memory.get());
+	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0)
+	{
+		pair = ist::PairAccuracy();
+		return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options, memory.get());
+	}
+	// What the leaves pressed until now fades out, too.
+	if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
+	ist::AcceptedError accepted;
+	accepted.error = error;
+	accepted.weightA = contact.constants.weightA;  // of the last step
+	accepted.weightB = contact.constants.weightB;
+	const ist::OverlapResult result = ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
+	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
+	return result;
+}
+
 ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspace& workspace) const
 {
 	ist::QueryOptions options = m_rules.options();
 	options.damping = dampingWeights(contact);
-	ist::PairAccuracy& pair = contact.accuracy;
-	const double error = m_rules.forceErrorOf(contact.bodyA, contact.bodyB);
-	const bool accepts = error > 0;
-	const btISTPairMemory::Loan memory(contact.treeB ? contact.memory.get() : nullptr);
-	if (contact.treeB && (accepts || pair.level > 0 || pair.fadedShare > 0))
+	if (contact.treeB)
 	{
-		// What the leaves pressed until now fades out, too.
-		if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
-		ist::AcceptedError accepted;
-		accepted.error = error;
-		accepted.weightA = contact.constants.weightA;  // of the last step
-		accepted.weightB = contact.constants.weightB;
-		const ist::OverlapResult result =
-			ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
-		if (!accepts && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
-		return result;
+		const ist::OverlapResult result = askTrees(contact, workspace, options);
+		if (result.status != ist::QueryStatus::BudgetTooSmall) return result;
+		// Without an answer the two would pass through each other.
+		options.level = ist::levelCount(*contact.treeA, *contact.treeB);
 	}
-	pair = ist::PairAccuracy();
-	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options, memory.get());
+	options.maxPairs = -1;
+	options.blend = false;
+	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
+	contact.accuracy = ist::PairAccuracy();
 	contact.halfSpace = m_field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;

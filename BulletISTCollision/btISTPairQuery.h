@@ -61,6 +61,7 @@ public:
 
 private:
 	ist::DampingWeights dampingWeights(const btISTContact& contact) const;
+	ist::OverlapResult askTrees(btISTContact& contact, ist::QueryWorkspace& workspace, const ist::QueryOptions& options) const;
 	ist::OverlapResult ask(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 	void take(btISTContact& contact, const ist::OverlapResult& result) const;
 	btISTKeptResult::Measures measures(const btISTContact& contact) const;
