@@ -168,8 +168,10 @@ IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, Su
 	const uint32_t notSmaller = ~Vector8::less(c.r, Vector8::all(b.r));
 	const Routes to = route(hits, childBits(node.child), notSmaller, (b.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.a, sameList.b, to.same, c, b);
-	appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
-	appendPartnerBounds(leaves, leaves.a, leaves.b, to.leaf, c, b);
+	if (b.id & BallNode::kLeafBit)
+		appendPartnerBounds(leaves, leaves.a, leaves.b, to.leaf, c, b);
+	else
+		appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
 }
 
 /// Opens entry `index` of openB: the children of B's node, moved to A's frame, against the bound of A's.
@@ -187,8 +189,10 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
-	appendChildBounds(otherList, otherList.b, otherList.a, to.other, c, a);
-	appendChildBounds(leaves, leaves.b, leaves.a, to.leaf, c, a);
+	if (a.id & BallNode::kLeafBit)
+		appendChildBounds(leaves, leaves.b, leaves.a, to.leaf, c, a);
+	else
+		appendChildBounds(otherList, otherList.b, otherList.a, to.other, c, a);
 }
 
 /// Centres as they were moved already.
