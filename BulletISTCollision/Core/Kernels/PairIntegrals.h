@@ -427,13 +427,11 @@ template <Terms terms>
 IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
 {
 	const uint32_t hits = l.hits.bits();
-	if ((__builtin_popcount(hits) >= kLanes * 3 / 4) & (count >= kLanes))
-	{
-		forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
-		return length + kLanes;
-	}
+	forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
+	if ((__builtin_popcount(hits) >= kLanes * 3 / 4) & (count >= kLanes)) return length + kLanes;
+	// Out of memory: kept in registers for this branch, columns would be spilled for all.
 	const LaneCompressor kept(hits & firstLanes(count));
-	forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, stage.column[c] + length); });
+	for (int c = 0; c < kSummedColumns<terms>; ++c) kept.move(F::load(stage.column[c] + length), stage.column[c] + length);
 	return length + kept.count();
 }
 
