@@ -77,7 +77,7 @@ TEST(MountedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
 	for (int i = 0; i < 200; ++i)
 	{
 		const double scale = std::exp(2 * u(random));
-		auto [device, puppet] = decorated<MountedDevice>(ist::Pose{turn(any(3)), i == 0 ? Vec3(1000, 0, 0) : any(1)}, scale);
+		auto [device, puppet] = decorated<MountedDevice>(ist::Pose{turn(any(3)), i == 0 ? Vec3{1000, 0, 0} : any(1)}, scale);
 		puppet->state.X_WH = {turn(any(3)), any(0.1)};
 		puppet->state.twist = {any(1), any(5)};
 		const DeviceState before = readAt(*device, 0);
@@ -112,7 +112,7 @@ TEST(ClutchedDevice, MovesOnlyTheHandleWhileOpen)
 {
 	auto [device, puppet] = decorated<ClutchedDevice>(2U);
 	puppet->state.X_WH = {turn({0, 0, 0.5}), {0.01, 0, 0}};
-	EXPECT_EQ(readAt(*device, 0).X_WH.translation, Vec3(0.01, 0, 0));
+	EXPECT_EQ(readAt(*device, 0).X_WH.translation, (Vec3{0.01, 0, 0}));
 	puppet->state.buttons = 2;
 	puppet->state.X_WH = {turn({0.3, 0, 0}), {0.05, 0.02, 0}};
 	puppet->state.twist.linear = {1, 0, 0};
@@ -203,11 +203,11 @@ TEST(DeviceDecorator, DecoratorsCompose)
 	device.read(0, state);
 	puppet->state.X_WH.translation = {9, 9, 9};
 	ASSERT_EQ(device.read(kMs, state), DeviceStatus::Ok);
-	EXPECT_EQ(state.X_WH.translation, Vec3(0.2, 0, 1));
+	EXPECT_EQ(state.X_WH.translation, (Vec3{0.2, 0, 1}));
 	DeviceCommand command;
 	command.wrench.force = {1, 0, 0};
 	device.write(command);
-	EXPECT_EQ(puppet->last.wrench.force, Vec3(2, 0, 0));
+	EXPECT_EQ(puppet->last.wrench.force, (Vec3{2, 0, 0}));
 	EXPECT_EQ(device.info().model, puppet->description.model);
 }
 
@@ -364,7 +364,7 @@ TEST(LimitedDevice, WhatTheDeviceRefusesDoesNoWork)
 	const double force = puppet->last.wrench.force.x, before = limited->limiter().energy().stored;
 	DeviceCommand command;
 	command.wrench.force.x = force;
-	const auto move = [&](int ms)
+	const auto move = [&, &limited = limited, &puppet = puppet](int ms)
 	{
 		puppet->state.X_WH.translation.x -= 1e-4;
 		readAt(*limited, ms * kMs);

@@ -182,10 +182,10 @@ TEST(GloveHand, LeftIsTheMirrorImageAndTheWristTurnsTheWholeHand)
 	for (int j = 0; j < kHandJoints; ++j)
 	{
 		const ist::Vec3 r = at(right, j), l = at(left, j);
-		EXPECT_EQ(ist::Vec3(-r.x, r.y, r.z), l);
+		EXPECT_EQ((ist::Vec3{-r.x, r.y, r.z}), l);
 		const ist::Vec3 forward = rotationMatrix(right.joints[static_cast<std::size_t>(j)].orientation) * ist::Vec3{0, 0, -1};
 		const ist::Vec3 mirrored = rotationMatrix(left.joints[static_cast<std::size_t>(j)].orientation) * ist::Vec3{0, 0, -1};
-		EXPECT_LT(distance(ist::Vec3(-forward.x, forward.y, forward.z), mirrored), 1e-12);
+		EXPECT_LT(distance({-forward.x, forward.y, forward.z}, mirrored), 1e-12);
 	}
 	GloveAngles straight = a;
 	straight[kWristPitch] = straight[kWristYaw] = 0;

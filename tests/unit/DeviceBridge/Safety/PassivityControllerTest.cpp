@@ -15,8 +15,6 @@ using ist::Vec3;
 
 namespace
 {
-constexpr std::int64_t kMs = 1'000'000;
-
 PassivityLimits limits()
 {
 	PassivityLimits l;
@@ -114,7 +112,7 @@ TEST(PassivityController, PaysADebtInOneTickWhereTheDampingSuffices)
 	ist::Wrench wrench{{1, 0, 0}, {}};
 	const ist::Twist twist{{0.1, 0.2, 0}, {0, 1, 0}};
 	ASSERT_TRUE(controller.correct(wrench, twist, 1e-3));
-	const ist::Wrench damping{wrench.force - Vec3(1, 0, 0), wrench.torque};
+	const ist::Wrench damping{wrench.force - Vec3{1, 0, 0}, wrench.torque};
 	EXPECT_NEAR(-1e-3 * (dot(damping.force, twist.linear) + dot(damping.torque, twist.angular)), 1e-5, 1e-12);
 	EXPECT_NEAR(controller.energy().dissipated, 1e-5, 1e-12);
 	EXPECT_EQ(controller.energy().ticks, 1U);

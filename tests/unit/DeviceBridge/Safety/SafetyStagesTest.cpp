@@ -218,7 +218,7 @@ TEST(SafetyStages, AboveTheSpeedLimitTheDeviceOnlyDamps)
 		hand.twist.linear = v;
 		return limiter.limit(command({10, 0, 0}, at * kMs), hand, at * kMs).wrench.force;
 	};
-	EXPECT_EQ(with({0.99, 0, 0}, 1), Vec3(10, 0, 0));
+	EXPECT_EQ(with({0.99, 0, 0}, 1), (Vec3{10, 0, 0}));
 	const Vec3 braked = with({0, 1.5, 0}, 2);
 	EXPECT_EQ(braked.x, 0);
 	EXPECT_EQ(braked.y, -2);  // half of 20 N s/m, no more than the continuous 2 N
