@@ -3,13 +3,14 @@
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/ExpectedError.h"
-#include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
 #include "BulletISTCollision/Tools/Report.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -69,9 +70,10 @@ void warnOfRepair(const std::string& mesh, const InnerSphereTree& tree)
 
 double peakMemoryBytes()
 {
-	rusage usage{};
-	getrusage(RUSAGE_SELF, &usage);
-	return static_cast<double>(usage.ru_maxrss) * 1024;
+	rusage self{}, reader{};
+	getrusage(RUSAGE_SELF, &self);
+	getrusage(RUSAGE_CHILDREN, &reader);
+	return static_cast<double>(std::max(self.ru_maxrss, reader.ru_maxrss)) * 1024;
 }
 }  // namespace
 
@@ -83,7 +85,7 @@ int runBuild(const BuildArguments& a)
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
 
 	ProgressBar bar;
-	const Result<Mesh> mesh = importMesh(a.mesh, unitLength(a.unit), shown(bar, a.quiet));
+	const Result<Mesh> mesh = importApart(a.mesh, unitLength(a.unit), shown(bar, a.quiet));
 	bar.finish();
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);

@@ -2,9 +2,9 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Tools/AssetCheck.h"
+#include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <cstdio>
@@ -21,7 +21,7 @@ RepairMode repairMode(const std::string& name)
 /// The surface that was packed: the mesh after the recorded repair, in the tree frame.
 Result<Mesh> packedSurface(const InnerSphereTree& tree, const std::string& path, std::vector<std::string>& problems)
 {
-	const Result<Mesh> mesh = importMesh(path, tree.provenance.unit);
+	const Result<Mesh> mesh = importApart(path, tree.provenance.unit);
 	if (!mesh) return mesh.error();
 	if (meshHash(mesh.value()) != tree.provenance.meshHash) problems.push_back("the mesh is not the one that the asset was built from");
 	const Result<RepairedMesh> repaired = repair(mesh.value(), repairMode(tree.provenance.repairMode));

@@ -91,6 +91,12 @@ def interruption(folder, number):
         expect(process.returncode == 130, f"{stage}: exit {process.returncode} after signal {number}")
         expect("interrupted; nothing was written" in stderr, f"{stage}: {stderr}")
         expect(stdout == "", f"{stage}: no report")
+    # As a terminal does it: the process that reads the mesh has it, too.
+    process = subprocess.Popen(build(folder, out), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    process.stderr.readline()
+    os.killpg(process.pid, number)
+    stderr = process.communicate()[1]
+    expect(process.returncode == 130 and "interrupted; nothing was written" in stderr, f"a group: exit {process.returncode} after signal {number}: {stderr}")
     expect(not [f for f in os.listdir(folder) if f.startswith("interrupted")], "an interrupted build leaves no file")
 
 
