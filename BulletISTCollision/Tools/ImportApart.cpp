@@ -119,8 +119,8 @@ bool importAndSend(const std::string& path, double unit, PipeEnd& pipe) noexcept
 		const bool forMemory = mesh.error().message.find("bad_alloc") != std::string::npos;
 		return pipe.send(Part::Failure) && pipe.sendArray(forMemory ? tooLarge(path).message : mesh.error().message);
 	}
-	const auto& [vertices, triangles] = mesh.value();
-	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles);
+	const auto& [vertices, triangles, rounding] = mesh.value();
+	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles) && pipe.send(rounding);
 }
 
 /// Nothing when the other process ended without an answer.
@@ -145,7 +145,7 @@ std::optional<Result<Mesh>> receiveAnswer(PipeEnd& pipe, const Progress& progres
 			return error;
 		}
 		Mesh mesh;
-		if (!pipe.receiveArray(mesh.vertices) || !pipe.receiveArray(mesh.triangles)) return std::nullopt;
+		if (!pipe.receiveArray(mesh.vertices) || !pipe.receiveArray(mesh.triangles) || !pipe.receive(mesh.rounding)) return std::nullopt;
 		return mesh;
 	}
 }
