@@ -198,11 +198,12 @@ void Packer::report(double fraction)
 
 Error Packer::nothingFits() const
 {
-	char text[240];
+	const bool asked = m_options.minRadius >= m_floor;
+	char text[320];
 	std::snprintf(text, sizeof text,
-				  "No sphere of radius %.3g m or more fits into the mesh: the largest ball found inside has radius %.3g m (thickness %.3g m); "
-				  "lower minRadius or thicken the mesh.",
-				  m_floor, m_largestSeen, 2 * m_largestSeen);
+				  "no sphere of radius %.3g m or more%s fits into the mesh: the largest ball found inside has radius %.3g m (thickness %.3g m); %s",
+				  m_floor, asked ? "" : ", which is the least for its size,", m_largestSeen, 2 * m_largestSeen,
+				  asked ? "lower the least radius (minRadius, --min-radius), or thicken the mesh" : "thicken the mesh, or build its parts one by one");
 	return {text, false};
 }
 
