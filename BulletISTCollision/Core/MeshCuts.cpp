@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshCuts.h"
 
-#include "BulletISTCollision/Core/MeshDistance.h"
 #include "BulletISTCollision/Core/MeshEdges.h"
 #include "BulletISTCollision/Core/TriangleHierarchy.h"
 
@@ -9,7 +8,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -137,23 +135,5 @@ private:
 int64_t countCuts(const Mesh& mesh, int64_t most, int threads)
 {
 	return mesh.triangles.empty() ? 0 : Search(mesh, most, threads).run();
-}
-
-double miscountedShare(const Mesh& mesh, int cells)
-{
-	const MeshDistance surface(mesh);
-	const Box box = bounds(mesh);
-	const double step = box.longestSide() / cells;
-	int64_t inside = 0;
-	double wrong = 0;
-	for (double z = box.lower.z + 0.5 * step; z < box.upper.z; z += step)
-		for (double y = box.lower.y + 0.5 * step; y < box.upper.y; y += step)
-			for (double x = box.lower.x + 0.5 * step; x < box.upper.x; x += step)
-			{
-				const double winding = std::round(surface.windingNumber({x, y, z}));
-				inside += winding > 0;
-				wrong += std::fabs(winding - (winding > 0));
-			}
-	return inside > 0 ? wrong / static_cast<double>(inside) : std::numeric_limits<double>::infinity();
 }
 }  // namespace ist

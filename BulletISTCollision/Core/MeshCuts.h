@@ -10,8 +10,4 @@ namespace ist
 /// Pairs of triangles without a common vertex of which an edge of one passes through the inside of the other; pairs that merely touch or
 /// lie in one plane do not count. Stops at `most`. O(n log n + pairs of overlapping boxes).
 int64_t countCuts(const Mesh& mesh, int64_t most, int threads = 1);
-
-/// Of a closed mesh: the volume that the sum of signed tetrahedra gets wrong, because the winding number there is neither 0 nor 1, as a
-/// share of the volume inside (winding number > 1/2); from `cells` points along the longest side. Infinite when no point is inside.
-double miscountedShare(const Mesh& mesh, int cells);
 }  // namespace ist

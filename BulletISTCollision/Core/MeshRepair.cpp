@@ -4,13 +4,14 @@
 #include "BulletISTCollision/Core/MeshCuts.h"
 #include "BulletISTCollision/Core/MeshEdges.h"
 #include "BulletISTCollision/Core/MeshHoles.h"
+#include "BulletISTCollision/Core/MeshProbes.h"
 #include "BulletISTCollision/Core/MeshShells.h"
 #include "BulletISTCollision/Core/MeshWeld.h"
+#include "BulletISTCollision/Core/MeshWords.h"
 #include "BulletISTCollision/Core/MeshWrap.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -26,17 +27,12 @@ constexpr double kRoundedApart = 4;
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
 constexpr int kWrapCells = 128;
-/// Points along the longest side that tell how much is counted twice.
-constexpr int kCutProbes = 32;
-/// Of the volume: where triangles cut each other and the volume is wrong by less, the surface stays as it is.
-constexpr double kHarmlessCuts = 0.01;
-
-std::string number(double value)
-{
-	char text[32];
-	std::snprintf(text, sizeof text, "%.6g", value);
-	return text;
-}
+/// Points along the longest side that tell how much of the volume is wrong.
+constexpr int kProbes = 32;
+/// Of the volume: where less is wrong, the surface stays as it is.
+constexpr double kHarmless = 0.01;
+/// Longest sides [m] whose trees can be stored, down to the smallest spheres that the packer makes.
+constexpr double kShortestSide = 1e-7, kLongestSide = 1e12;
 
 std::string counted(int64_t n, const char* singular, const char* plural)
 {
@@ -239,6 +235,9 @@ struct Attempt
 	Closedness state;
 	std::vector<std::string> actions;
 	double doubt = 0;
+	int64_t holes = 0;          ///< that were closed
+	bool contradicts = false;   ///< closing them made much of what was plainly inside outside, or the other way round
+	bool mayOverlap = false;    ///< see ShellVerdict
 
 	void note(int64_t count, const char* verb, const char* singular, const char* plural)
 	{
@@ -288,6 +287,24 @@ void settle(Attempt& attempt)
 	attempt.note(verdict.dropped, "Dropped", "sheet without volume", "sheets without volume");
 	attempt.note(verdict.turned, "Turned", "inside-out shell", "inside-out shells");
 	attempt.note(verdict.redundant, "Dropped", "shell inside solid material", "shells inside solid material");
+	attempt.mayOverlap = verdict.mayOverlap;
+}
+
+void closeHoles(Attempt& attempt)
+{
+	const Mesh open = attempt.mesh;
+	const ClosedHoles closed = closeHoles(attempt.mesh);
+	attempt.holes = closed.count;
+	attempt.doubt += closed.doubt;
+	if (closed.count)
+		attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
+								  number(closed.doubt) + " m^3.");
+	dropDuplicates(attempt.mesh, OppositePairs::Cancel);
+	attempt.state = closedness(attempt.mesh);
+	// Nothing but sheets that were each closed by their own reverse.
+	if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
+	attempt.contradicts = closed.doubt > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
+						  contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
 }
 
 Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double end)
@@ -295,18 +312,7 @@ Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double e
 	const Progress part = steps.upTo(end);
 	Attempt attempt = cleaned(welded, policy);
 	if (!part("repair", 0.5)) return attempt;
-	if (!attempt.state.watertight && attempt.state.flippedEdges == 0)
-	{
-		const ClosedHoles closed = closeHoles(attempt.mesh);
-		attempt.doubt += closed.doubt;
-		if (closed.count)
-			attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
-									  number(closed.doubt) + " m^3.");
-		dropDuplicates(attempt.mesh, OppositePairs::Cancel);
-		attempt.state = closedness(attempt.mesh);
-		// Nothing but sheets that were each closed by their own reverse.
-		if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
-	}
+	if (!attempt.state.watertight && attempt.state.flippedEdges == 0) closeHoles(attempt);
 	if (!part("repair", 0.7)) return attempt;
 	if (attempt.state.watertight) settle(attempt);
 	attempt.mesh = withoutUnusedVertices(attempt.mesh);
@@ -321,6 +327,7 @@ Attempt closeUp(const Mesh& welded, Steps& steps)
 	if (!steps.goesOn() || attempt.isManifold()) return attempt;
 	Attempt withoutWalls = closeUp(welded, OppositePairs::DropBoth, steps, 0.6);
 	if (!withoutWalls.state.watertight || withoutWalls.mesh.triangles.empty()) return attempt;
+	if (withoutWalls.contradicts != attempt.contradicts) return withoutWalls.contradicts ? attempt : withoutWalls;
 	return withoutWalls.isManifold() || !attempt.state.watertight || withoutWalls.doubt < attempt.doubt ? withoutWalls : attempt;
 }
 
@@ -340,34 +347,6 @@ std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
 	return std::nullopt;
 }
 
-std::optional<Error> settleCuts(Attempt& attempt, int64_t& cuts, Steps& steps, int threads)
-{
-	cuts = countCuts(attempt.mesh, kMostCuts, threads);
-	if (cuts == 0) return std::nullopt;
-	const std::string found = (cuts == kMostCuts ? "at least " : "") +
-							  counted(cuts, "pair of triangles that cut each other", "pairs of triangles that cut each other");
-	if (!steps.reach(0.7) || miscountedShare(attempt.mesh, kCutProbes) <= kHarmlessCuts)
-	{
-		attempt.actions.push_back("Left " + found + ": the volume is wrong by less than " + number(100 * kHarmlessCuts) + " % for it.");
-		return std::nullopt;
-	}
-	attempt.actions.push_back("Found " + found + ".");
-	return wrap(attempt, steps.upTo(0.95));
-}
-
-Attempt prepareToWrap(const Mesh& welded)
-{
-	Attempt attempt = cleaned(welded, OppositePairs::KeepOne);
-	if (attempt.state.watertight) settle(attempt);
-	else if (massProperties(attempt.mesh).volume < 0)
-	{
-		for (Triangle& t : attempt.mesh.triangles) std::swap(t[1], t[2]);
-		attempt.actions.push_back("Turned the surface inside out.");
-	}
-	attempt.mesh = withoutUnusedVertices(attempt.mesh);
-	return attempt;
-}
-
 /// The middle of the first edge that triangles do not run through as often one way as the other.
 std::string firstBadEdge(const Mesh& mesh)
 {
@@ -377,7 +356,7 @@ std::string firstBadEdge(const Mesh& mesh)
 		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
 		if (balance != 0 && !found) found = 0.5 * (mesh.vertices[use->low] + mesh.vertices[use->high]);
 	});
-	return found ? ", the first at (" + number(found->x) + ", " + number(found->y) + ", " + number(found->z) + ") m" : "";
+	return found ? ", the first at " + place(*found) : "";
 }
 
 Error notClosed(const Mesh& mesh, const Closedness& found, const char* remedy)
@@ -393,6 +372,55 @@ Error notClosed(const Mesh& mesh, const Closedness& found, const char* remedy)
 	return Error{"the mesh is not closed: " + list + firstBadEdge(mesh) + "; " + remedy};
 }
 
+Attempt prepareToWrap(const Mesh& welded)
+{
+	Attempt attempt = cleaned(welded, OppositePairs::KeepOne);
+	if (attempt.state.watertight) settle(attempt);
+	else if (massProperties(attempt.mesh).volume < 0)
+	{
+		for (Triangle& t : attempt.mesh.triangles) std::swap(t[1], t[2]);
+		attempt.actions.push_back("Turned the surface inside out.");
+	}
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	return attempt;
+}
+
+/// In place of an attempt whose caps are not to be relied on: what lies inside the surface by its winding number, holes and all.
+std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps)
+{
+	Attempt rebuilt = prepareToWrap(welded);
+	const Error open = notClosed(rebuilt.mesh, rebuilt.state, "what is missing may be as much as the body; close it in a modelling program and export it again");
+	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
+	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
+	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return open;
+	attempt = std::move(rebuilt);
+	return std::nullopt;
+}
+
+/// Where the surface covers some places more than once, wraps it unless that changes the volume by little.
+std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& cuts, Steps& steps, int threads)
+{
+	if (attempt.contradicts) return wrapOpen(attempt, welded, steps);
+	cuts = countCuts(attempt.mesh, kMostCuts, threads);
+	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
+	const double wrong = miscountedShare(attempt.mesh, kProbes);
+	// Shells that pass through one another without overlapping, as links of a chain do.
+	if (cuts == 0 && (wrong == 0 || std::isinf(wrong))) return std::nullopt;
+	const std::string found = cuts == 0 ? "shells that overlap"
+										: (cuts == kMostCuts ? "at least " : "") + counted(cuts, "pair of triangles that cut each other",
+																						   "pairs of triangles that cut each other");
+	if (wrong <= kHarmless)
+	{
+		attempt.actions.push_back("Left " + found + ": less than " + number(100 * kHarmless) +
+								  " % of what the surface encloses is counted wrongly for it.");
+		return std::nullopt;
+	}
+	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps);
+	attempt.actions.push_back("Found " + found + ".");
+	return wrap(attempt, steps.upTo(0.95));
+}
+
 std::optional<Error> whyUnreadable(const Mesh& mesh)
 {
 	if (mesh.triangles.empty()) return Error{"the mesh is empty: it has no triangles; give it a surface"};
@@ -401,9 +429,12 @@ std::optional<Error> whyUnreadable(const Mesh& mesh)
 		if (!indicesAreValid(mesh, mesh.triangles[i]))
 			return Error{"triangle " + std::to_string(i) + " refers to a vertex that does not exist; export the mesh again"};
 		for (const uint32_t corner : mesh.triangles[i])
-			if (!isFinite(mesh.vertices[corner]))
-				return Error{"the coordinates of vertex " + std::to_string(corner) + " are not finite; export the mesh again"};
+			if (!isFinite(mesh.vertices[corner])) return Error{whereNotFinite(mesh) + "; export the mesh again"};
 	}
+	const double side = bounds(mesh).longestSide();
+	if (side > 0 && (side < kShortestSide || !(side <= kLongestSide)))
+		return Error{"the mesh is " + number(side) + " m long, and a tree may be " + number(kShortestSide) + " to " + number(kLongestSide) +
+					 " m; say in what unit its file is (unit, --unit), or scale it"};
 	return std::nullopt;
 }
 
@@ -428,14 +459,22 @@ Attempt asGiven(const Mesh& welded)
 	return attempt;
 }
 
+/// `found`: what was tried.
+Error enclosesNothing(const Mesh& mesh, const std::string& found)
+{
+	if (enclosesInsideOut(mesh, kProbes))
+		return Error{"the surface passes through itself " + extent(bounds(mesh)) + ", so that as much of what it encloses is inside out as is not; "
+					 "part it where it crosses itself and turn what is inside out"};
+	return Error{"the mesh is flat" + found + " " + extent(bounds(mesh)) + "; give it thickness"};
+}
+
 /// Moves the attempt into the result unless it encloses nothing.
 std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mode, RepairedMesh& result)
 {
-	const double side = bounds(welded).longestSide();
+	const double side = bounds(attempt.mesh).longestSide();
 	result.volumeAfter = massProperties(attempt.mesh).volume;
 	if (!(std::fabs(result.volumeAfter) >= kFlat * side * side * side) || side == 0)
-		return Error{"the mesh is flat: it encloses " + number(result.volumeAfter) + " m^3 at a longest side of " + number(side) +
-					 " m; give it thickness, or wrap it (repair mode \"wrap\") where its triangles do not meet"};
+		return enclosesNothing(welded, ": it encloses " + number(result.volumeAfter) + " m^3");
 	if (result.volumeAfter < 0)
 		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3; " +
 					 (mode == RepairMode::Off ? "use the automatic repair or turn its triangles" : "turn its triangles")};
@@ -480,15 +519,14 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	{
 		if (const auto error = wrap(attempt, steps.upTo(0.95))) return *error;
 		if (attempt.mesh.triangles.empty())
-			return Error{"the mesh is flat or open: no point of a grid of " + std::to_string(kWrapCells) +
-						 " cells along its longest side lies inside it; give it thickness"};
+			return enclosesNothing(welded, " or open: no point of a grid of " + number(bounds(welded).longestSide() / kWrapCells) + " m lies inside it");
 	}
 	if (!attempt.state.watertight)
 		return notClosed(attempt.mesh, attempt.state, mode == RepairMode::Off
 											? "use the automatic repair"
 											: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
 	if (mode == RepairMode::Auto)
-		if (const auto error = settleCuts(attempt, result.cuts, steps, threads)) return *error;
+		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;
 	if (const auto error = finish(attempt, welded, mode, result)) return *error;
 	if (welded.vertices.size() != mesh.vertices.size())

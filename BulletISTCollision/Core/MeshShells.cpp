@@ -110,6 +110,13 @@ bool encloses(const Box& outer, const Box& inner)
 	return true;
 }
 
+bool overlap(const Box& a, const Box& b)
+{
+	for (int axis = 0; axis < 3; ++axis)
+		if (a.lower[axis] >= b.upper[axis] || b.lower[axis] >= a.upper[axis]) return false;
+	return true;
+}
+
 Mesh meshOf(const Mesh& mesh, const Shell& shell)
 {
 	Mesh part;
@@ -137,9 +144,11 @@ bool encloses(const Mesh& mesh, Shell& outer, const Shell& inner)
 	return true;
 }
 
-/// Sweeps along x: a shell that encloses another began before it and has not ended.
-void findNesting(const Mesh& mesh, std::vector<Shell>& all)
+/// Sweeps along x: a shell that encloses another began before it and has not ended. Returns whether any two shells that do not enclose
+/// each other may overlap.
+bool findNesting(const Mesh& mesh, std::vector<Shell>& all)
 {
+	bool mayOverlap = false;
 	std::vector<uint32_t> order, active;
 	for (uint32_t i = 0; i < all.size(); ++i)
 		if (all[i].kept) order.push_back(i);
@@ -153,8 +162,14 @@ void findNesting(const Mesh& mesh, std::vector<Shell>& all)
 		for (; entered < order.size() && all[order[entered]].box.lower.x <= inner.box.lower.x; ++entered) active.push_back(order[entered]);
 		std::erase_if(active, [&](uint32_t i) { return all[i].box.upper.x < inner.box.lower.x; });
 		for (const uint32_t i : active)
-			if (i != order[k] && encloses(mesh, all[i], inner)) inner.around.push_back(i);
+		{
+			if (i == order[k]) continue;
+			// A pair that begins at the same x is met both ways round.
+			if (encloses(mesh, all[i], inner)) inner.around.push_back(i);
+			else if (!encloses(inner.box, all[i].box) || encloses(all[i].box, inner.box)) mayOverlap = mayOverlap || overlap(all[i].box, inner.box);
+		}
 	}
+	return mayOverlap;
 }
 
 void decide(std::vector<Shell>& all, ShellVerdict& verdict)
@@ -185,7 +200,7 @@ ShellVerdict settleShells(Mesh& mesh)
 {
 	std::vector<Shell> all = shells(mesh);
 	ShellVerdict verdict;
-	findNesting(mesh, all);
+	verdict.mayOverlap = findNesting(mesh, all);
 	decide(all, verdict);
 	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
 	for (const Shell& shell : all)

@@ -12,6 +12,8 @@ struct ShellVerdict
 	int64_t turned = 0;     ///< shells that now face the other way
 	int64_t dropped = 0;    ///< shells that enclosed nothing: sheets of no thickness
 	int64_t redundant = 0;  ///< shells with material on both sides, dropped
+	/// The boxes of two shells overlap, and neither shell lies in the other: they may have material in common.
+	bool mayOverlap = false;
 };
 
 /// Of a mesh whose every edge is used as often one way as the other. A shell is the least set of connected triangles of which the same is true. The

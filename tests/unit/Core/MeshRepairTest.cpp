@@ -275,6 +275,86 @@ TEST(MeshRepair, ShellsThatCutEachOtherBothFaceOutwards)
 				 massProperties(makeTorusMesh(1, 0.5)).volume + 0.032);
 }
 
+TEST(MeshRepair, ShellsThatOverlapInPlanesAndDiagonalsOnlyCountOnce)
+{
+	// No edge passes through the inside of a triangle: faces lie on each other, and edges meet edges and diagonals.
+	const Mesh box = makeBoxMesh({0.5, 0.5, 0.5});
+	for (const Vec3& shift : {Vec3{0.5, 0.5, 0.5}, Vec3{0.5, 0, 0}})
+	{
+		const double whole = 2 - (1 - shift.x) * (1 - shift.y) * (1 - shift.z);
+		const Result<RepairedMesh> repaired = repair(joined(box, translated(box, shift)));
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_EQ(repaired.value().cuts, 0);
+		EXPECT_NEAR(repaired.value().volumeAfter, whole, 0.002 * whole);
+		EXPECT_LT(std::fabs(repaired.value().volumeAfter - whole), repaired.value().volumeDoubt);
+	}
+}
+
+TEST(MeshRepair, ShellsWhoseBoxesOverlapStayAsTheyAre)
+{
+	// Two links of a chain, and boxes that touch in part of a face.
+	const Mesh ring = makeTorusMesh(1, 0.2, 24, 12);
+	const Mesh across = transformed(ring, {rotationMatrix(quaternionFromRotationVector({1.5, 0.1, 0})), {1, 0, 0}});
+	for (const Mesh& mesh : {joined(ring, across), joined(kBox, translated(makeBoxMesh({0.5, 0.5, 0.5}), {1.5, 0.25, 0.25}))})
+	{
+		const Result<RepairedMesh> repaired = repair(mesh);
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_TRUE(repaired.value().actions.empty());
+		EXPECT_EQ(meshHash(repaired.value().mesh), meshHash(mesh));
+	}
+}
+
+TEST(MeshRepair, CracksWhoseCapsWouldTakeTheBodyApartAreWrapped)
+{
+	const Mesh torus = makeTorusMesh(1, 0.4, 40, 20);
+	Mesh mesh = soup(torus);
+	std::mt19937 random(2);
+	std::uniform_real_distribution<double> noise(-1e-4, 1e-4);
+	for (Vec3& v : mesh.vertices) v += {noise(random), noise(random), noise(random)};
+	const Result<RepairedMesh> repaired = repair(mesh);
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	const double volume = massProperties(torus).volume;
+	EXPECT_NEAR(repaired.value().volumeAfter, volume, 0.002 * volume);
+	EXPECT_LT(std::fabs(repaired.value().volumeAfter - volume), repaired.value().volumeDoubt);
+	EXPECT_LT(repaired.value().volumeDoubt, 0.2 * volume);
+}
+
+TEST(MeshRepair, ATriangleFarAwayIsNoReasonToRefuse)
+{
+	Mesh far;
+	far.vertices = {{1e6, 0, 0}, {1e6, 1, 0}, {1e6, 0, 1}};
+	far.triangles = {{0, 1, 2}};
+	expectVolume(joined(kBox, far), 8);
+}
+
+TEST(MeshRepair, WhatIsRefusedIsNamedTruly)
+{
+	// A prism over a symmetric bow tie: half of it is inside out, and no wrap or thickness would help.
+	Mesh tie;
+	for (const double z : {0.0, 1.0})
+		for (const Vec3& v : {Vec3{0, 0, z}, Vec3{1, 1, z}, Vec3{1, 0, z}, Vec3{0, 1, z}}) tie.vertices.push_back(v);
+	tie.triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}};
+	for (uint32_t i = 0, j = 1; i < 4; ++i, j = (j + 1) % 4)
+	{
+		tie.triangles.push_back({i, j, j + 4});
+		tie.triangles.push_back({i, j + 4, i + 4});
+	}
+	expectRefused(tie, "passes through itself between (0, 0, 0) m and (1, 1, 1) m");
+	expectRefused(tie, "passes through itself", RepairMode::Wrap);
+	expectRefused(makeBoxMesh({1, 1, 1e-11}), "between (-1, -1, -1e-11) m and (1, 1, 1e-11) m; give it thickness");
+	Mesh broken = makeTetrahedronMesh(1);
+	broken.vertices[broken.triangles[1][0]].y = std::numeric_limits<double>::infinity();
+	expectRefused(broken, "inf, ");
+	expectRefused(broken, "m, beside (");
+}
+
+TEST(MeshRepair, SizesThatNoTreeCanStoreAreRefused)
+{
+	for (const double side : {1e-30, 1e-9, 1e13, 1e18, 1e30}) expectRefused(makeBoxMesh({side / 2, side / 2, side / 2}), "in what unit");
+	for (const double side : {1e-6, 1e12})
+		for (const RepairMode mode : {RepairMode::Auto, RepairMode::Off}) EXPECT_TRUE(repair(makeBoxMesh({side / 2, side / 2, side / 2}), mode));
+}
+
 TEST(MeshRepair, ABodyInTheHoleOfATorusIsNoCavityButOneInItsTubeIs)
 {
 	const Mesh torus = makeTorusMesh(1, 0.3, 41, 23), box = makeBoxMesh({0.1, 0.1, 0.1});
