@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshImport.h"
 
+#include "BulletISTCollision/Core/MeshWords.h"
+
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
@@ -10,9 +12,11 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace ist
@@ -208,21 +212,39 @@ std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& sc
 	return std::nullopt;
 }
 
+std::optional<Error> whyNoMeshFile(const std::string& path)
+{
+	std::error_code failure;
+	const std::filesystem::file_status status = std::filesystem::status(path, failure);
+	if (!std::filesystem::exists(status)) return Error{"cannot read " + path + ": there is no such file; check the path"};
+	if (std::filesystem::is_directory(status)) return Error{"cannot read " + path + ": it is a folder; name a file in it"};
+	if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, failure) == 0 && !failure)
+		return Error{"cannot read " + path + ": it is empty (0 bytes); export the mesh again"};
+	return std::nullopt;
+}
+
+/// What assimp says, without the full stop.
+std::string reasonOf(const Assimp::Importer& importer)
+{
+	std::string reason = importer.GetErrorString();
+	while (!reason.empty() && (reason.back() == '.' || reason.back() == ';' || reason.back() == ' ')) reason.pop_back();
+	return reason.empty() ? "assimp does not say why" : reason;
+}
+
 Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wanted, Watch& watch)
 {
+	if (const auto error = whyNoMeshFile(path)) return *error;
 	Assimp::Importer importer;
 	importer.SetIOHandler(new WatchedFiles(watch));
 	const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
 	if (watch.cancelled()) return Error{"the import was cancelled", true};
 	if (!scene || !scene->mRootNode)
-		return Error{"cannot read " + path + ": " + importer.GetErrorString() +
-					 "; check the path and that the file is a mesh format that assimp knows"};
+		return Error{"cannot read " + path + ": " + reasonOf(importer) +
+					 "; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it again"};
 	TexturedMesh textured = gather(*scene, unit, wanted, watch);
 	const Mesh& mesh = textured.mesh;
 	if (watch.cancelled()) return Error{"the import was cancelled", true};
-	for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-		if (!isFinite(mesh.vertices[i]))
-			return Error{path + ": the coordinates of vertex " + std::to_string(i) + " are not finite; export the mesh again"};
+	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
 	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
 	double worst = 0;
 	for (unsigned i = 0; i < scene->mNumMeshes; ++i) worst = std::max(worst, blur(*scene->mMeshes[i]));

@@ -147,7 +147,20 @@ TEST(MeshImport, AMissingFileIsRefusedByName)
 {
 	const Result<Mesh> mesh = importMesh("no_such_file.obj");
 	ASSERT_FALSE(mesh);
-	EXPECT_NE(mesh.error().message.find("no_such_file.obj"), std::string::npos) << mesh.error().message;
+	EXPECT_EQ(mesh.error().message, "cannot read no_such_file.obj: there is no such file; check the path");
+}
+
+TEST(MeshImport, FoldersEmptyFilesAndWrongNamesAreToldApart)
+{
+	const auto refusal = [](const std::string& path) {
+		const Result<Mesh> mesh = importMesh(path);
+		return mesh ? std::string() : mesh.error().message;
+	};
+	EXPECT_NE(refusal(::testing::TempDir()).find(": it is a folder; name a file in it"), std::string::npos);
+	EXPECT_NE(refusal(TemporaryFile("", ".stl").path()).find(": it is empty (0 bytes); export"), std::string::npos);
+	const std::string wrong = refusal(TemporaryFile(kCube, ".stl").path());
+	EXPECT_NE(wrong.find("of another one than its name ends with"), std::string::npos) << wrong;
+	EXPECT_EQ(wrong.find(".;"), std::string::npos) << wrong;
 }
 
 TEST(MeshImport, FilesWithoutTrianglesAreRefused)
