@@ -51,7 +51,7 @@ std::string keep(const InnerSphereTree& tree, const std::string& folder, const s
 uint64_t treeKey(const Mesh& mesh, const BuildOptions& options)
 {
 	const uint64_t words[] = {meshHash(mesh), kAssetVersion, kBuilderVersion, uint64_t(options.maxSpheres), options.seed, uint64_t(options.repair)};
-	const double numbers[] = {options.targetFill, options.minRadius, options.unit};
+	const double numbers[] = {options.targetFill, options.minRadius, options.unit, mesh.rounding};
 	std::byte bytes[sizeof words + sizeof numbers];
 	std::memcpy(bytes, words, sizeof words);
 	std::memcpy(bytes + sizeof words, numbers, sizeof numbers);

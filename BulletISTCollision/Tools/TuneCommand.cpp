@@ -2,8 +2,8 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TuneFigures.h"
+#include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/Report.h"
@@ -30,7 +30,7 @@ Result<TuneBody> bodyOf(const std::string& path)
 		body.tree = std::move(tree).value();
 		return body;
 	}
-	Result<Mesh> mesh = importMesh(path);
+	Result<Mesh> mesh = importApart(path, 1);
 	if (!mesh) return mesh.error();
 	body.mesh = std::move(mesh).value();
 	return body;
