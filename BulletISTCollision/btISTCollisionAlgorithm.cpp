@@ -92,8 +92,9 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 		update(query, contact);
 	}
 	contact.error = ist::OverlapError();
+	if (!(contact.total.volume > 0)) return;
 	const double gap = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
-	if (contact.total.volume > 0) contact.error = ist::overlapError(contact.total, gap, contact.constants.k);
+	contact.error = ist::overlapError(contact.total, gap, contact.constants.k, m_treeB ? ist::leafDensity(*m_treeA, *m_treeB, contact.level) : 0);
 }
 
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,

@@ -2,7 +2,9 @@
 #include "BulletISTCollision/Core/PressureField.h"
 
 #include "BulletISTCollision/Core/SymmetricEigen.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -101,13 +103,21 @@ Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist)
 	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
 }
 
-OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness)
+OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness, double leafDensity)
 {
 	const double V = integrals.volume;
 	if (!(V > 0)) return {};
-	const double S = std::sqrt(integrals.spread) / V;
+	const double leaves = leafDensity * V, shared = leaves > 0 ? std::max(1.0, double(integrals.pairs) / (kPairsOfALeaf * leaves)) : 1;
+	const double S = std::sqrt(integrals.spread * shared) / V;
 	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
 	const double r = kGapError * relativeGap * relativeGap;
 	return {V * std::hypot(kVolumeSpread * S, r), stiffness * V * std::hypot(kForceSpread * S, r)};
+}
+
+double leafDensity(const InnerSphereTree& A, const InnerSphereTree& B, int level)
+{
+	const LevelPair trees = levelOf(A, B, level);
+	// Blocks but the last few of a tree are full.
+	return std::min(double(trees.treeA->slotCount()) / A.volume, double(trees.treeB->slotCount()) / B.volume);
 }
 }  // namespace ist

@@ -32,15 +32,17 @@ SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length
 Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist);
 
 /// Of the error bar, by bench_truth.
-constexpr double kVolumeSpread = 0.16, kForceSpread = 0.25, kGapError = 0.04;
-
+constexpr double kVolumeSpread = 0.16, kForceSpread = 0.25, kGapError = 0.04, kPairsOfALeaf = 12;
 /// Standard errors, fitted to bench_truth: sigma_V = V sqrt((kVolumeSpread S)^2 + r^2) [m^3],
-/// sigma_F = k V sqrt((kForceSpread S)^2 + r^2) [N], S = sqrt(spread)/V, r = kGapError (g/delta)^2, g the sum of both bodies' errorLength(),
-/// delta = V/|area vector|. In flat contact shallower than 2 g the true error is up to four times r; of thin bodies (a rod, a plate, a sword) it is
-/// within 2 sigma in 40 to 90 % of poses only: what queryToError (ForcePromise.h) promises knows them.
+/// sigma_F = k V sqrt((kForceSpread S)^2 + r^2) [N], S^2 = spread / V^2 max(1, pairs / (kPairsOfALeaf n)), r = kGapError (g/delta)^2, g the sum of both
+/// bodies' errorLength(), delta = V/|area vector|. n = `leafDensity` V leaves of the body that has fewer there: where one of its leaves meets many of a
+/// thin body, they share its error. Without a density pairs count as if each erred by itself. In flat contact shallower than 2 g the true error is up to
+/// four times r.
 struct OverlapError
 {
 	double volume = 0, force = 0;
 };
-OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness);
+OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness, double leafDensity = 0);
+/// Leaves over volume of that of the two bodies which has fewer for its volume, at a level of the pair [1/m^3]. O(level).
+double leafDensity(const InnerSphereTree& A, const InnerSphereTree& B, int level = 0);
 }  // namespace ist

@@ -75,7 +75,7 @@ std::vector<PathStep> runPath(const InnerSphereTree& body, const InnerSphereTree
 		const OverlapResult found = queryOverlap(body, probe, X, workspace);
 		const double seconds = secondsSince(start);
 		steps.push_back({center, found.total.volume, norm(pressureWrench(found.total, pair).force),
-						 overlapError(found.total, body.errorLength() + probe.errorLength(), stiffness), found.total.pairs, seconds});
+						 overlapError(found.total, body.errorLength() + probe.errorLength(), stiffness, leafDensity(body, probe)), found.total.pairs, seconds});
 	}
 	return steps;
 }

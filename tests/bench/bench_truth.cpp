@@ -149,7 +149,7 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		const double arm = size * std::min(A.tree.box.longestSide(), B.tree.box.longestSide());
 		sums.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
 		sums.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
-		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(law, A.tree.errorLength() + B.tree.errorLength(), 1));
+		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(law, A.tree.errorLength() + B.tree.errorLength(), 1, leafDensity(A.tree, B.tree)));
 	}
 	std::sort(sums.angles.begin(), sums.angles.end());
 	return sums;

@@ -195,4 +195,8 @@ TEST(PressureField, ErrorFollowsItsFormula)
 	const OverlapError e = overlapError(I, 0.1, 10);
 	EXPECT_NEAR(e.volume, 2 * std::sqrt(0.0256 * S * S + r * r), 1e-15);
 	EXPECT_NEAR(e.force, 20 * std::sqrt(0.0625 * S * S + r * r), 1e-14);
+	// Ten leaves in the overlap, each of which has 120 pairs: as if there were ten times fewer.
+	I.pairs = 1200;
+	EXPECT_NEAR(overlapError(I, 0, 1, 5).force, 2 * 0.25 * S * std::sqrt(10), 1e-14);
+	EXPECT_EQ(overlapError(I, 0, 1, 60).force, overlapError(I, 0, 1).force);
 }
