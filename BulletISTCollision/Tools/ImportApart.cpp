@@ -8,7 +8,9 @@
 #include <csignal>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -63,6 +65,17 @@ public:
 		if (!receive(size)) return false;
 		array.resize(size);
 		return receive(array.data(), size * sizeof array[0]);
+	}
+	bool sendTexts(const std::vector<std::string>& texts)
+	{
+		return send(texts.size()) && std::ranges::all_of(texts, [&](const std::string& text) { return sendArray(text); });
+	}
+	bool receiveTexts(std::vector<std::string>& texts)
+	{
+		size_t count = 0;
+		if (!receive(count)) return false;
+		texts.resize(count);
+		return std::ranges::all_of(texts, [&](std::string& text) { return receiveArray(text); });
 	}
 	/// Whether something can be received now, or never any more.
 	bool waits() const
@@ -119,8 +132,8 @@ bool importAndSend(const std::string& path, double unit, PipeEnd& pipe) noexcept
 		const bool forMemory = mesh.error().message.find("bad_alloc") != std::string::npos;
 		return pipe.send(Part::Failure) && pipe.sendArray(forMemory ? tooLarge(path).message : mesh.error().message);
 	}
-	const auto& [vertices, triangles, rounding] = mesh.value();
-	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles) && pipe.send(rounding);
+	const auto& [vertices, triangles, rounding, notTaken] = mesh.value();
+	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles) && pipe.send(rounding) && pipe.sendTexts(notTaken);
 }
 
 /// Nothing when the other process ended without an answer.
@@ -145,7 +158,8 @@ std::optional<Result<Mesh>> receiveAnswer(PipeEnd& pipe, const Progress& progres
 			return error;
 		}
 		Mesh mesh;
-		if (!pipe.receiveArray(mesh.vertices) || !pipe.receiveArray(mesh.triangles) || !pipe.receive(mesh.rounding)) return std::nullopt;
+		if (!pipe.receiveArray(mesh.vertices) || !pipe.receiveArray(mesh.triangles) || !pipe.receive(mesh.rounding) || !pipe.receiveTexts(mesh.notTaken))
+			return std::nullopt;
 		return mesh;
 	}
 }
