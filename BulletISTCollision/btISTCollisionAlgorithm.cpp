@@ -93,8 +93,9 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	}
 	contact.error = ist::OverlapError();
 	if (!(contact.total.volume > 0)) return;
-	const double gap = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
-	contact.error = ist::overlapError(contact.total, gap, contact.constants.k, m_treeB ? ist::leafDensity(*m_treeA, *m_treeB, contact.level) : 0);
+	const double gaps = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
+	const double density = m_treeB ? ist::leafDensity(*m_treeA, *m_treeB, contact.level, contact.levelShare) : ist::leafDensity(*m_treeA);
+	contact.error = ist::overlapError(contact.total, gaps, density, contact.constants.k);
 }
 
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,

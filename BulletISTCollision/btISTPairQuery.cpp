@@ -110,6 +110,7 @@ void btISTPairQuery::take(btISTContact& contact, const ist::OverlapResult& resul
 {
 	contact.status = result.status;
 	contact.level = result.level;
+	contact.levelShare = result.levelShare;
 	const bool good = result.status == ist::QueryStatus::Ok;
 	contact.total = good ? result.total : ist::OverlapIntegrals();
 	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;

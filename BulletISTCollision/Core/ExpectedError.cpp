@@ -27,7 +27,7 @@ double errorAt(const InnerSphereTree& tree, double fraction, std::mt19937_64& ra
 	if (!X) return -1;
 	const OverlapResult result = queryOverlap(tree, tree, *X, workspace);
 	const double force = norm(pressureWrench(result.total, {}).force);
-	return force > 0 ? overlapError(result.total, 2 * tree.errorLength(), 1, leafDensity(tree, tree)).force / force : -1;
+	return force > 0 ? overlapError(result, tree, tree, 1).force / force : -1;
 }
 }  // namespace
 

@@ -31,6 +31,13 @@ bool isPositiveDefinite(const SymmetricMatrix6& matrix)
 	}
 	return true;
 }
+
+double densityAt(const InnerSphereTree& A, const InnerSphereTree& B, int level)
+{
+	const LevelPair trees = levelOf(A, B, level);
+	// Blocks but the last few of a tree are full.
+	return std::min(double(trees.treeA->slotCount()) / A.volume, double(trees.treeB->slotCount()) / B.volume);
+}
 }  // namespace
 
 Wrench pressureWrench(const OverlapIntegrals& integrals, const PressurePair& pair)
@@ -103,21 +110,33 @@ Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist)
 	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
 }
 
-OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double stiffness, double leafDensity)
+OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double leafDensity, double stiffness)
 {
 	const double V = integrals.volume;
 	if (!(V > 0)) return {};
-	const double leaves = leafDensity * V, shared = leaves > 0 ? std::max(1.0, double(integrals.pairs) / (kPairsOfALeaf * leaves)) : 1;
-	const double S = std::sqrt(integrals.spread * shared) / V;
+	const double across = std::cbrt(leafDensity * V) + kLeastAcross;
 	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
 	const double r = kGapError * relativeGap * relativeGap;
-	return {V * std::hypot(kVolumeSpread * S, r), stiffness * V * std::hypot(kForceSpread * S, r)};
+	return {V * std::hypot(kVolumeError / std::pow(across, kVolumePower), r), stiffness * V * std::hypot(kForceError / std::pow(across, kForcePower), r)};
 }
 
-double leafDensity(const InnerSphereTree& A, const InnerSphereTree& B, int level)
+OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B, double stiffness)
 {
-	const LevelPair trees = levelOf(A, B, level);
-	// Blocks but the last few of a tree are full.
-	return std::min(double(trees.treeA->slotCount()) / A.volume, double(trees.treeB->slotCount()) / B.volume);
+	return overlapError(answer.total, A.errorLength() + B.errorLength(), leafDensity(A, B, answer.level, answer.levelShare), stiffness);
 }
+
+OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& body, double stiffness)
+{
+	return overlapError(answer.total, body.errorLength(), leafDensity(body), stiffness);
+}
+
+double leafDensity(const InnerSphereTree& A, const InnerSphereTree& B, int level, double share)
+{
+	const double fine = densityAt(A, B, level);
+	if (share == 1) return fine;
+	constexpr double kPower = kForcePower / 3;
+	return std::pow(share * std::pow(fine, -kPower) + (1 - share) * std::pow(densityAt(A, B, level + 1), -kPower), -1 / kPower);
+}
+
+double leafDensity(const InnerSphereTree& body) { return double(body.law.slotCount()) / body.volume; }
 }  // namespace ist

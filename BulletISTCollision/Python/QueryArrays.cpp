@@ -126,7 +126,7 @@ public:
 	{
 		const OverlapIntegrals& total = overlap.total;
 		const bool touching = total.volume > 0;
-		const OverlapError error = touching ? overlapError(total, m_A.errorLength() + m_B.errorLength(), m_pair.stiffness, leafDensity(m_A, m_B, overlap.level)) : OverlapError{};
+		const OverlapError error = overlapError(overlap, m_A, m_B, m_pair.stiffness);
 		const Wrench wrench = pressureWrench(total, m_pair);
 		const Distance distance = touching ? Distance{} : queryDistance(m_A, m_B, X_AB);
 		const Vec3 none{kNaN, kNaN, kNaN};

@@ -48,7 +48,7 @@ int runInfo(const InfoArguments& a)
 	for (const auto& row : tree.inertia.m)
 		for (double v : row) inertia.push_back(v);
 	report["inertia"] = inertia;
-	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_spread", kVolumeSpread}, {"force_spread", kForceSpread}, {"gap", kGapError}, {"pairs_of_a_leaf", kPairsOfALeaf}, {"levels", tree.calibration}};
+	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_error", {kVolumeError, kVolumePower}}, {"force_error", {kForceError, kForcePower}}, {"least_across", kLeastAcross}, {"gap", kGapError}, {"levels", tree.calibration}};
 	std::fputs(format(report, a.json).c_str(), stdout);
 	return kGood;
 }

@@ -183,7 +183,7 @@ private:
 	{
 		const OverlapIntegrals& total = a.overlap.total;
 		const bool touching = total.volume > 0;
-		const OverlapError error = touching ? overlapError(total, m_A.errorLength() + m_B.errorLength(), m_arguments.stiffness, leafDensity(m_A, m_B, a.overlap.level)) : OverlapError{};
+		const OverlapError error = overlapError(a.overlap, m_A, m_B, m_arguments.stiffness);
 		Report r = newReport();
 		r["row"] = index;
 		r["volume"] = total.volume;

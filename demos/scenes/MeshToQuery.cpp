@@ -74,8 +74,8 @@ std::vector<PathStep> runPath(const InnerSphereTree& body, const InnerSphereTree
 		const auto start = std::chrono::steady_clock::now();
 		const OverlapResult found = queryOverlap(body, probe, X, workspace);
 		const double seconds = secondsSince(start);
-		steps.push_back({center, found.total.volume, norm(pressureWrench(found.total, pair).force),
-						 overlapError(found.total, body.errorLength() + probe.errorLength(), stiffness, leafDensity(body, probe)), found.total.pairs, seconds});
+		steps.push_back({center, found.total.volume, norm(pressureWrench(found.total, pair).force), overlapError(found, body, probe, stiffness),
+						 found.total.pairs, seconds});
 	}
 	return steps;
 }

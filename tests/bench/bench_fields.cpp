@@ -54,11 +54,12 @@ Row measure(const Mesh& mesh, const InnerSphereTree& tree, const FieldBody& body
 	for (const Pose& X : posesAtOverlap(quadrature, overlap, count, 11))
 	{
 		const QuadratureTruth truth = quadrature.integrate(X, tree.origin, overlap < 0.005 ? 160 : 120, 60000);
-		const OverlapIntegrals found = queryField(tree, *body.field, X, workspace).total;
+		const OverlapResult answer = queryField(tree, *body.field, X, workspace);
+		const OverlapIntegrals& found = answer.total;
 		const Wrench expected = truth.wrench(), actual = pressureWrench(found, {});
 		const double relative = found.volume / truth.volume - 1, size = norm(expected.force), error = norm(actual.force - expected.force);
 		const double arm = size * std::min(bounds(mesh).longestSide(), bounds(body.mesh).longestSide());
-		const OverlapError sigma = overlapError(found, tree.errorLength(), 1);
+		const OverlapError sigma = overlapError(answer, tree, 1);
 		++row.poses;
 		row.volume += relative * relative;
 		row.bias += relative;

@@ -48,7 +48,7 @@ Errors measure(const InnerSphereTree& body, const InnerSphereTree& truth, const 
 		if (share < 1 && r.total.pairs > limited.maxPairs) ++errors.over;
 		const double error = norm(pressureWrench(r.total, kPair).force - exact);
 		errors.squares += squaredNorm(exact) > 0 ? error * error / squaredNorm(exact) : 0;
-		errors.overSigma.push_back(error / overlapError(r.total, 2 * body.errorLength(), kPair.stiffness, leafDensity(body, body, r.level)).force);
+		errors.overSigma.push_back(error / overlapError(r, body, body, kPair.stiffness).force);
 		errors.pairs += double(r.total.pairs) / double(poses.size());
 		errors.level += r.level / double(poses.size());
 	}

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Error of the model against quadrature on the triangles, and whether the reported sigma says so: bodies against bodies at 0.1, 1 and
 // 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
-// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE] [--levels 1] [--thin 1]
+// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE] [--levels 1] [--pairs compact]
 // Lines and points are those of the quadrature; the last two columns are its own standard error. With --levels also the coarser levels of the same trees;
-// with --thin pairs with a thin body instead. Errors of the force are shares of it, or of a quarter of k V where opposing forces leave less.
+// with --pairs thin those of a thin body with another, with --pairs small those of a body with one that is six or twenty times as small. Errors of the force are shares of it, or of a quarter of k V where opposing forces leave less.
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
@@ -37,8 +37,8 @@ constexpr double kShares[] = {0.01, 0.03, 0.1};  // of the longest side
 struct Options
 {
 	int spheres = 1000, poses = 10, directions = 40, lines = 120, points = 40000;
-	std::string only, csv;
-	bool levels = false, thin = false;
+	std::string only, csv, pairs = "compact";
+	bool levels = false;
 };
 
 struct Body
@@ -48,16 +48,40 @@ struct Body
 	InnerSphereTree tree;
 };
 
+/// Pairs of bodies that are measured; "torus/6" is a sixth as large.
+using Pairs = std::vector<std::array<std::string, 2>>;
+
+Pairs pairsNamed(const std::string& name)
+{
+	if (name == "thin") return {{"plate", "bunny"}, {"rod", "jack"}, {"wire", "jack"}, {"crown", "bunny"}, {"sword", "torus"}, {"plate", "knot"}};
+	if (name == "small") return {{"bunny", "torus/6"}, {"knot", "bunny/6"}, {"torus", "jack/6"}, {"bunny", "knot/20"}, {"jack", "bunny/20"}};
+	if (name == "compact") return {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"jack", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
+	return {};
+}
+
+/// Each once, in the order in which they come.
+std::vector<std::string> bodiesOf(const Pairs& pairs)
+{
+	std::vector<std::string> names;
+	for (const auto& pair : pairs)
+		for (const std::string& name : pair)
+			if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+	return names;
+}
+
 /// Without spheres when the mesh is not there.
 Body makeBody(const std::string& name, int spheres)
 {
-	Body body{name, meshNamed(name), {}};
+	const size_t slash = name.find('/');
+	Body body{name, meshNamed(name.substr(0, slash)), {}};
 	if (body.mesh.triangles.empty())
 	{
 		std::printf("%s: skipped; apt-get install glmark2-data\n", name.c_str());
 		return body;
 	}
 	body.mesh = placed(std::move(body.mesh));
+	if (slash != std::string::npos)
+		for (Vec3& p : body.mesh.vertices) p = p / std::atof(name.c_str() + slash + 1);
 	BuildOptions options;
 	options.maxSpheres = spheres;
 	Result<InnerSphereTree> tree = buildTree(body.mesh, options);
@@ -129,14 +153,15 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 	{
 		QueryOptions cells;
 		cells.model = Model::Cell;
-		const OverlapIntegrals law = queryOverlap(A.tree, B.tree, at.X, workspace).total;
+		const OverlapResult answer = queryOverlap(A.tree, B.tree, at.X, workspace);
+		const OverlapIntegrals law = answer.total;
 		const double volume = law.volume / at.truth.volume - 1;
 		const double ofCells = queryOverlap(A.tree, B.tree, at.X, workspace, cells).total.volume / at.truth.volume - 1;
 		const Wrench expected = at.truth.wrench(), actual = pressureWrench(law, {});
 		const double size = std::max(norm(expected.force), kCancelled * at.truth.volume), error = norm(actual.force - expected.force);
 		if (csv)
 			std::fprintf(csv, "%s-%s,%g,%lld,%g,%g,%g,%g,%g\n", A.name.c_str(), B.name.c_str(), at.truth.volume, (long long)law.pairs, volume,
-						 error / law.volume, norm(expected.force) / law.volume, std::sqrt(law.spread) / law.volume,
+						 error / law.volume, norm(expected.force) / law.volume, leafDensity(A.tree, B.tree) * law.volume,
 						 (A.tree.errorLength() + B.tree.errorLength()) * norm(law.areaVector) / law.volume);
 		++sums.poses;
 		sums.pairs += double(law.pairs);
@@ -149,7 +174,7 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		const double arm = size * std::min(A.tree.box.longestSide(), B.tree.box.longestSide());
 		sums.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
 		sums.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
-		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(law, A.tree.errorLength() + B.tree.errorLength(), 1, leafDensity(A.tree, B.tree)));
+		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(answer, A.tree, B.tree, 1));
 	}
 	std::sort(sums.angles.begin(), sums.angles.end());
 	return sums;
@@ -207,13 +232,14 @@ Sums measureHalfSpace(const Body& body, double depth, int directions)
 	{
 		const Pose X{rotationMatrix(randomRotation(uint64_t(100 + i))), {}};
 		const double height = lowestPoint(body.mesh, X) + depth, truth = volumeBelow(body.mesh, X, height);
-		const OverlapIntegrals law = queryHalfSpace(body.tree, transpose(X.rotation) * Vec3{0, 1, 0}, height, workspace).total;
+		const OverlapResult answer = queryHalfSpace(body.tree, transpose(X.rotation) * Vec3{0, 1, 0}, height, workspace);
+		const OverlapIntegrals& law = answer.total;
 		const double relative = law.volume / truth - 1;
 		++sums.poses;
 		sums.pairs += double(law.pairs);
 		sums.bias += relative;
 		sums.volume += relative * relative;
-		addSigma(sums, std::fabs(law.volume - truth), 0, overlapError(law, body.tree.errorLength(), 1));
+		addSigma(sums, std::fabs(law.volume - truth), 0, overlapError(answer, body.tree, 1));
 	}
 	return sums;
 }
@@ -251,8 +277,8 @@ Options parse(int argc, char** argv)
 			options.points = std::atoi(argv[i + 1]);
 		else if (key == "--levels")
 			options.levels = std::atoi(argv[i + 1]) != 0;
-		else if (key == "--thin")
-			options.thin = std::atoi(argv[i + 1]) != 0;
+		else if (key == "--pairs")
+			options.pairs = argv[i + 1];
 		else if (key == "--only")
 			options.only = argv[i + 1];
 		else if (key == "--csv")
@@ -265,12 +291,12 @@ Options parse(int argc, char** argv)
 int main(int argc, char** argv)
 {
 	const Options options = parse(argc, argv);
-	using Names = std::array<const char*, 2>;
-	const std::vector<Names> compact{{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"jack", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
-	const std::vector<Names> thin{{"plate", "bunny"}, {"rod", "jack"}, {"wire", "jack"}, {"crown", "bunny"}, {"sword", "torus"}, {"plate", "knot"}};
-	const std::vector<const char*> ofCompact{"bunny", "torus", "jack", "knot", "box", "ellipsoid", "ball"}, ofThin{"plate", "rod", "wire", "crown", "sword", "bunny", "torus", "jack", "knot"};
+	const Pairs pairs = pairsNamed(options.pairs);
+	if (pairs.empty()) return std::printf("--pairs compact, thin or small\n"), 1;
+	std::vector<std::string> names = bodiesOf(pairs);
+	if (options.pairs == "compact") names.insert(names.end(), {"ellipsoid", "ball"});  // for the half-spaces
 	std::vector<Body> bodies;
-	for (const char* name : options.thin ? ofThin : ofCompact)
+	for (const std::string& name : names)
 	{
 		if (options.only.find(name) == std::string::npos && !options.only.empty()) continue;
 		bodies.push_back(makeBody(name, options.spheres));
@@ -285,10 +311,10 @@ int main(int argc, char** argv)
 	if (options.poses <= 0) return 0;
 	std::FILE* const csv = options.csv.empty() ? nullptr : std::fopen(options.csv.c_str(), "w");
 	if (!options.csv.empty() && !csv) return std::printf("cannot write %s\n", options.csv.c_str()), 1;
-	if (csv) std::fprintf(csv, "pair,volume,pairs,volume_error,force_error_over_kV,force_over_kV,S,gap_over_depth\n");
+	if (csv) std::fprintf(csv, "pair,volume,pairs,volume_error,force_error_over_kV,force_over_kV,leaves,gap_over_depth\n");
 	printPairHead();
-	const auto find = [&](const char* name) { return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; }); };
-	for (const Names& pair : options.thin ? thin : compact)
+	const auto find = [&](const std::string& name) { return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; }); };
+	for (const auto& pair : pairs)
 	{
 		const auto A = find(pair[0]), B = find(pair[1]);
 		if (A == bodies.end() || B == bodies.end()) continue;

@@ -187,16 +187,16 @@ TEST(PressureField, ProjectionDoesNotDependOnTheUnitOfLength)
 TEST(PressureField, ErrorFollowsItsFormula)
 {
 	OverlapIntegrals I;
-	EXPECT_EQ(overlapError(I, 1, 1).volume, 0);
+	EXPECT_EQ(overlapError(I, 1, 5, 1).volume, 0);
 	I.volume = 2;
-	I.spread = 0.04;
 	I.areaVector = {4, 0, 0};
-	const double r = 0.04 * 0.04, S = 0.1;
-	const OverlapError e = overlapError(I, 0.1, 10);
-	EXPECT_NEAR(e.volume, 2 * std::sqrt(0.0256 * S * S + r * r), 1e-15);
-	EXPECT_NEAR(e.force, 20 * std::sqrt(0.0625 * S * S + r * r), 1e-14);
-	// Ten leaves in the overlap, each of which has 120 pairs: as if there were ten times fewer.
-	I.pairs = 1200;
-	EXPECT_NEAR(overlapError(I, 0, 1, 5).force, 2 * 0.25 * S * std::sqrt(10), 1e-14);
-	EXPECT_EQ(overlapError(I, 0, 1, 60).force, overlapError(I, 0, 1).force);
+	// 59.319 = 3.9^3 leaves: four side by side, with the tenth.
+	const double density = 59.319 / 2, r = 0.04 * 0.2 * 0.2;
+	const OverlapError none = overlapError(I, 0, density, 1), e = overlapError(I, 0.1, density, 10);
+	EXPECT_NEAR(none.volume, 2 * 0.1 / (4 * std::sqrt(4 * std::sqrt(4))), 1e-12);
+	EXPECT_NEAR(none.force, 2 * 0.105 / 8, 1e-12);
+	EXPECT_NEAR(e.volume, std::hypot(none.volume, 2 * r), 1e-12);
+	EXPECT_NEAR(e.force, 10 * std::hypot(none.force, 2 * r), 1e-12);
+	// Less than a leaf: an error of a few times the answer, and no more.
+	EXPECT_LT(overlapError(I, 0, 0, 1).force, 10 * I.volume);
 }

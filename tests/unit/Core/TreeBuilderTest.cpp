@@ -79,9 +79,9 @@ TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
 			const double reach = norm(Vec3{axes.x * n.x, axes.y * n.y, axes.z * n.z}), depth = 0.03, h = depth / reach;
 			const double truth = 3.14159265358979 / 3 * h * h * (3 - h) * axes.x * axes.y * axes.z;
 			// The solid of the plane lies on its far side: it touches the body where -n points.
-			const OverlapIntegrals found = queryHalfSpace(tree, n, dot(n, Vec3{3, -5, 7}) - reach + depth, workspace).total;
-			error += std::pow(found.volume / truth - 1, 2) / kPlanes;
-			honest += std::fabs(found.volume - truth) < 2 * overlapError(found, tree.errorLength(), 1).volume;
+			const OverlapResult found = queryHalfSpace(tree, n, dot(n, Vec3{3, -5, 7}) - reach + depth, workspace);
+			error += std::pow(found.total.volume / truth - 1, 2) / kPlanes;
+			honest += std::fabs(found.total.volume - truth) < 2 * overlapError(found, tree, 1).volume;
 		}
 		// 0.18 for a ball of 300 round leaves.
 		EXPECT_LT(std::sqrt(error), 0.13) << (ball ? "ball" : "ellipsoid");
