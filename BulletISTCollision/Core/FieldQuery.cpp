@@ -129,7 +129,6 @@ private:
 	Accumulator m_rest;       // what is not listed
 	Vec3 m_moment, m_area;    // of the leaf in hand
 	double m_volume = 0;      // of the leaf in hand
-	double m_spread = 0;
 	int64_t m_leaves = 0;
 	int m_pairs = 0;
 	uint32_t m_stack[kPairStackSize];
@@ -177,8 +176,6 @@ void FieldQuery::test(uint32_t index)
 	m_press.press(leaf, index);
 	if (!(m_volume > 0)) return;
 	++m_leaves;
-	const double s = std::max(0.0, std::min(m_volume, leaf.volume() - m_volume));
-	m_spread += s * s;
 	if (!m_options.sortPairs) return;
 	if (m_pairs >= m_work.capacity.pairs)
 	{
@@ -233,13 +230,11 @@ void FieldQuery::publish()
 	}
 	OverlapIntegrals& total = m_result.total;
 	for (int p = 0; p < groups; ++p) total.add(m_work.patches[p]);
-	total.spread = m_spread;
 	total.pairs = m_leaves;
 	// A leaf that an edge divides belongs to two patches: each has its share by volume.
 	for (int p = 0; p < groups; ++p)
 	{
 		const double share = total.volume > 0 ? m_work.patches[p].volume / total.volume : 0;
-		m_work.patches[p].spread = m_spread * share;
 		m_work.patches[p].pairs = groups == 1 ? m_leaves : int64_t(std::llround(double(m_leaves) * share));
 	}
 	m_result.patches = m_work.patches.data();

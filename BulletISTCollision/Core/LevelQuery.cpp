@@ -26,10 +26,7 @@ void fade(OverlapResult& fine, const OverlapResult& coarse, double share, Overla
 		OverlapIntegrals sum = f, rest = c;
 		sum.scale(share);
 		rest.scale(1 - share);
-		// Both err together.
-		const double spread = std::sqrt(sum.spread) + std::sqrt(rest.spread);
 		sum.add(rest);
-		sum.spread = spread * spread;
 		return sum;
 	};
 	fine.patches = patches;  // where the finer level is apart, it has none

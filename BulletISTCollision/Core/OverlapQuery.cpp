@@ -42,7 +42,6 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	if (o.dampingWeights != DampingWeights()) dampingWeights = o.dampingWeights;
 	depthA += o.depthA;
 	depthB += o.depthB;
-	spread += o.spread;
 	pairs += o.pairs;
 }
 
@@ -57,7 +56,6 @@ void OverlapIntegrals::scale(double factor)
 		for (double& k : K->m) k *= factor;
 	depthA *= factor;
 	depthB *= factor;
-	spread *= factor * factor;
 }
 
 namespace

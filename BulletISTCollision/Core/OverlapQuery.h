@@ -44,11 +44,10 @@ struct OverlapIntegrals
 	SymmetricMatrix6 damping;
 	DampingWeights dampingWeights;
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i.(C - c_i)) and the same of j: Int depth dV [m^4]
-	double spread = 0;          ///< sum s_ij^2, s_ij = dd min(L, L_0 - L) [m^6]; L_0 = L with both in one place
 	int64_t pairs = 0;          ///< intersecting pairs
 
 	void add(const OverlapIntegrals& other);
-	/// All but the number of pairs times `factor`; `spread`, a square, times its square.
+	/// All but the number of pairs times `factor`.
 	void scale(double factor);
 };
 
@@ -153,7 +152,7 @@ struct OverlapResult
 	const OverlapPair* pairs = nullptr;  ///< in the workspace; filled only on `QueryOptions::sortPairs`
 	int pairCount = 0;
 	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< the trees that the pairs' indices point into
-	int level = 0;        ///< at which it was answered; `spread` grows with it and holds what the merging costs
+	int level = 0;        ///< at which it was answered; the error bar (PressureField.h) grows with it
 	double levelShare = 1;  ///< of `level` in the answer; the rest is the next coarser one's (`QueryOptions::blend`)
 	bool coarsened = false;  ///< coarser than asked for, to keep within `maxPairs` or the capacity
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine

@@ -30,7 +30,7 @@ void addDamping(OverlapIntegrals& sums, double mass, const Vec3& C, const Vec3& 
 }
 
 void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R,
-			 const Lens& lens, double whole)
+			 const Lens& lens)
 {
 	const double dd = double(a.density) * b.density, mass = dd * lens.volume;
 	const Vec3 C = lens.centroid, mA = a.normal(), mB = R * b.normal();
@@ -48,25 +48,22 @@ void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllip
 	addDamping(sums, mass, C, mA, mB);
 	sums.depthA += mass * (a.depth - dot(mA, C - a.center()));
 	sums.depthB += mass * (b.depth - dot(mB, C - centerB));
-	const double s = dd * std::max(0.0, std::min(lens.volume, whole - lens.volume));
-	sums.spread += s * s;
 }
 
 bool addBalls(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R)
 {
 	Lens lens;
 	if (!lensOf(a.center(), a.R, centerB, b.R, lens)) return false;
-	addPair(sums, a, b, centerB, R, lens, ballVolume(std::min(a.R, b.R)));
+	addPair(sums, a, b, centerB, R, lens);
 	return true;
 }
 
 bool addEllipsoids(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const SymmetricMatrix3& shapeB,
 				   const Mat3& R)
 {
-	Lens lens, concentric;
+	Lens lens;
 	if (!lensOf(a.center(), a.R, a.shape(), centerB, b.R, shapeB, lens)) return false;
-	lensOf(a.center(), a.R, a.shape(), a.center(), b.R, shapeB, concentric);
-	addPair(sums, a, b, centerB, R, lens, concentric.volume);
+	addPair(sums, a, b, centerB, R, lens);
 	return true;
 }
 }  // namespace

@@ -54,6 +54,5 @@ void moveB(OverlapIntegrals& sums, const Twist& motion)
 	sums.firstMoment *= growth;
 	for (double& m : sums.secondMoment) m *= growth;
 	for (double& d : sums.damping.m) d *= growth;
-	sums.spread *= growth * growth;
 }
 }  // namespace ist

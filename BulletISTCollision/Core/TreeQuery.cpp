@@ -42,7 +42,7 @@ double stretch(const Mat3& R)
 	return 1 + sum;
 }
 
-OverlapIntegrals collect(const double* sums, float spreadUnit, const DampingWeights& damping)
+OverlapIntegrals collect(const double* sums, const DampingWeights& damping)
 {
 	const auto vector = [&](int i) { return Vec3{sums[i], sums[i + 1], sums[i + 2]}; };
 	const auto wrench = [&](int i) { return Wrench{vector(i), vector(i + 3)}; };
@@ -56,7 +56,6 @@ OverlapIntegrals collect(const double* sums, float spreadUnit, const DampingWeig
 	o.areaVector = vector(kArea);
 	o.depthA = sums[kDepthA];
 	o.depthB = sums[kDepthB];
-	o.spread = sums[kSpread] / (double(spreadUnit) * spreadUnit);
 	o.pairs = int64_t(sums[kPairs]);
 	const auto product = [&](int i, int j) { return sums[kProduct + 12 * i + j]; };
 	for (int i = 0; i < 6; ++i)
@@ -144,7 +143,7 @@ bool TreeQuery::answer()
 void TreeQuery::publishWhole()
 {
 	if (m_listed > 0) m_work.kernel->sumGroup(m_bodies, m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
-	m_result.total = m_work.patches[0] = collect(m_sums, m_bodies.spreadUnit, m_damping);
+	m_result.total = m_work.patches[0] = collect(m_sums, m_damping);
 	m_result.patches = m_work.patches.data();
 	m_result.patchCount = m_result.total.pairs > 0 ? 1 : 0;
 }
@@ -162,7 +161,6 @@ bool TreeQuery::place()
 	m_lengthening = stretch(m_X.rotation);
 	const double reachB = own.r * m_lengthening;
 	const double scale = norm(centerA) + a.r + norm(centerB) + reachB + norm(ownCenter) + norm(m_X.translation);
-	m_bodies.spreadUnit = float(1 / ballVolume(std::min(a.r, own.r)));
 	m_bodies.slack = float(1e-6 * scale);
 	m_rootA = {a.x, a.y, a.z, a.r};
 	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
@@ -323,7 +321,7 @@ bool TreeQuery::recallPatches()
 		{
 			evaluate(m_work.pairA, m_work.pairB, recallBatch(first, m_memory->firstOf(p + 1)), m_sums);
 		}
-		if (m_sums[kPairs] > 0) m_work.patches[size_t(found++)] = collect(m_sums, m_bodies.spreadUnit, m_damping);
+		if (m_sums[kPairs] > 0) m_work.patches[size_t(found++)] = collect(m_sums, m_damping);
 		pairs += int64_t(m_sums[kPairs]);
 	}
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
@@ -379,7 +377,7 @@ void TreeQuery::publishPatches(int groups)
 	{
 		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 		m_work.kernel->sumGroup(m_bodies, m_work.stream, m_work.grouper.patch(), GroupNumber(p), m_listed, m_terms, m_sums);
-		m_work.patches[p] = collect(m_sums, m_bodies.spreadUnit, m_damping);
+		m_work.patches[p] = collect(m_sums, m_damping);
 	}
 	publishSums(groups);
 }

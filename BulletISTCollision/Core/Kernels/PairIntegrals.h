@@ -31,7 +31,6 @@ struct Lenses
 	F mass, area;      ///< dd L, dd times the disc's area
 	F3 C, n, mA, mB;   ///< n: of unit length for balls; area times n is meant for all
 	F depthA, depthB;  ///< at C
-	F spread;          ///< s_ij in units of the query's typical volume
 };
 
 /// To A's tree frame.
@@ -48,7 +47,6 @@ struct Shared
 	Lanes hits;
 	F volume, disc, share;  ///< share: of the cap of ball j in the volume
 	F inverse;              ///< 1 / distance of the centres, 0 where they coincide
-	F whole;                ///< volume of the smaller ball
 };
 
 /// By radii, distance of the centres, and the signs and values of r_i + r_j - d, r_j - r_i + d and r_i - r_j + d.
@@ -61,9 +59,8 @@ IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& ov
 	const F half = F::all(0.5f) * overlap * s.inverse, hi = towardsI * half, hj = towardsJ * half;
 	const F capI = F::all(kPiF / 3) * hi * hi * (F::all(3) * ri - hi), capJ = F::all(kPiF / 3) * hj * hj * (F::all(3) * rj - hj);
 	s.hits = F::isLess(zero, small) & (~apart | overlapping);
-	s.whole = F::all(4 * kPiF / 3) * small * small * small;
 	s.disc = F::select(apart, F::all(kPiF) * hi * (F::all(2) * ri - hi), zero);
-	s.volume = F::select(apart, capI + capJ, s.whole);
+	s.volume = F::select(apart, capI + capJ, F::all(4 * kPiF / 3) * small * small * small);
 	const F inside = F::select(F::isLess(ri, rj), zero, F::all(1));
 	s.share = F::select(apart & F::isLess(zero, s.volume), capJ / s.volume, inside);
 	return s;
@@ -127,7 +124,6 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	const auto component = [&](const F& along, const F& wx) { return along * alongOffset + wx * alongW; };
 	n = {component(x.x, w.x), component(x.y, w.y), component(x.z, w.z)};
 	s.volume = s.volume * scale;
-	s.whole = s.whole * scale;
 	s.disc = s.disc * scale;
 	return s;
 }
@@ -193,7 +189,6 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	l.mass = F::select(l.hits, dd * shared.volume, zero);
 	l.area = F::select(l.hits, dd * shared.disc, zero);
 	l.C = {a.x - offset.x * shared.share, a.y - offset.y * shared.share, a.z - offset.z * shared.share};
-	l.spread = F::select(l.hits, F::larger(zero, dd * F::smaller(shared.volume, shared.whole - shared.volume) * F::all(bodies.spreadUnit)), zero);
 	if constexpr (terms != kLineTerms)
 	{
 		// Lane by lane: GCC copies a whole vector of three through memory.
@@ -234,7 +229,6 @@ IST_INLINE void forEachColumn(const Lenses& l, const Visit& visit)
 	visit(PairStream::Area, l.area);
 	visit3(PairStream::Centroid, l.C);
 	visit3(PairStream::Normal, l.n);
-	visit(PairStream::Spread, l.spread);
 	if constexpr (terms != kLineTerms)
 	{
 		visit3(PairStream::MeanNormalA, l.mA);
@@ -301,21 +295,16 @@ void sumMoments(const Stage& stage, int length, double* sums)
 	addSums(sums + kArea, area);
 }
 
-template <Terms terms>
-void sumScalars(const Stage& stage, int length, double* sums)
+void sumDepths(const Stage& stage, int length, double* sums)
 {
-	F depth[2] = {F::all(0), F::all(0)}, spread[1] = {F::all(0)};
+	F depth[2] = {F::all(0), F::all(0)};
 	for (int k = 0; k < length; k += kLanes)
 	{
-		const F s = F::load(stage.column[PairStream::Spread] + k);
-		spread[0] += s * s;
-		if constexpr (terms == kLineTerms) continue;
 		const F mass = F::load(stage.column[PairStream::Mass] + k);
 		depth[0] += mass * F::load(stage.column[PairStream::DepthA] + k);
 		depth[1] += mass * F::load(stage.column[PairStream::DepthB] + k);
 	}
-	addSums(sums + kSpread, spread);
-	if constexpr (terms != kLineTerms) addSums(sums + kDepthA, depth);
+	addSums(sums + kDepthA, depth);
 }
 
 /// Three rows of g by some columns of w, into rows of `stride`. No more than four columns: as many sums as fit into sixteen registers.
@@ -400,11 +389,11 @@ template <Terms terms>
 void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* sums)
 {
 	sumMoments(stage, length, sums);
-	sumScalars<terms>(stage, length, sums);
 	if constexpr (terms == kLineTerms)
 		sumWrench(stage, PairStream::Normal, length, sums + kLine);
 	else
 	{
+		sumDepths(stage, length, sums);
 		sumWrench(stage, PairStream::MeanNormalA, length, sums + kNormalA);
 		sumWrench(stage, PairStream::MeanNormalB, length, sums + kNormalB);
 	}

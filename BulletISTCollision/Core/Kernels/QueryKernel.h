@@ -111,7 +111,6 @@ struct PairBodies
 	float slack;       ///< covers the rounding of float positions [m]
 	float margin;      ///< of `sift`: keeps pairs that meet when no point of B has moved further [m]
 	float weightA, weightB;  ///< of the fields, for the damping; both zero: none
-	float spreadUnit;  ///< 1 / a typical volume of this query [m^-3]: keeps squares of volumes inside of a float's range
 };
 
 /// Sums over pairs, in the units and axes of OverlapIntegrals.
@@ -126,7 +125,6 @@ enum Sum
 	kArea = kLine + 6,
 	kDepthA = kArea + 3,
 	kDepthB,
-	kSpread,                  ///< times spreadUnit^2
 	kPairs,
 	kProduct,                 ///< 6x12: g_n by (g_wA, g_wB), row major
 	kDamping = kProduct + 72, ///< 3x3 blocks of sum dd L G G^T, row major: linear, linear by angular, angular
@@ -149,8 +147,7 @@ struct PairStream
 		Area,                    ///< dd times the disc's area
 		Centroid,                ///< C
 		Normal = Centroid + 3,   ///< n
-		Spread = Normal + 3,     ///< s_ij in units of the query's typical volume
-		MeanNormalA,             ///< of A's leaf; all from here on: none of packed spheres
+		MeanNormalA = Normal + 3,  ///< of A's leaf; all from here on: none of packed spheres
 		MeanNormalB = MeanNormalA + 3,
 		DepthA = MeanNormalB + 3,  ///< at C
 		DepthB,

@@ -126,7 +126,6 @@ TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
 			ASSERT_GT(whole.total.pairs, 20);
 			EXPECT_EQ(divided.total.pairs, whole.total.pairs);
 			EXPECT_NEAR(divided.total.volume, whole.total.volume, 1e-6 * whole.total.volume);
-			EXPECT_NEAR(divided.total.spread, whole.total.spread, 1e-5 * whole.total.spread);
 			EXPECT_NEAR(divided.total.depthA, whole.total.depthA, 1e-5 * std::fabs(whole.total.depthA));
 			double scale = 0;
 			for (int i = 0; i < 6; ++i) scale = std::max(scale, std::fabs(whole.total.stiffnessA(i, i)));
