@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshImport.h"
 
+#include "BulletISTCollision/Core/MeshReaderWarnings.h"
 #include "BulletISTCollision/Core/MeshWords.h"
 
 #include <assimp/DefaultIOSystem.h>
@@ -137,6 +138,67 @@ double roundingOf(const aiMatrix4x4& m, const aiVector3D& v)
 	return 0x1p-23 * std::max({sum(m.a1, m.a2, m.a3, m.a4), sum(m.b1, m.b2, m.b3, m.b4), sum(m.c1, m.c2, m.c3, m.c4)});
 }
 
+/// What a file holds beside the faces that can be taken.
+struct LeftOut
+{
+	int64_t faces = 0, damaged = 0;  ///< of three corners or more; with corners that are not there
+	int64_t firstDamaged = 0;        ///< among the faces
+	int64_t lines = 0, points = 0;
+};
+
+/// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond the vertices.
+void sieveFaces(aiMesh& part, LeftOut& out)
+{
+	unsigned kept = 0;
+	for (unsigned i = 0; i < part.mNumFaces; ++i)
+	{
+		aiFace& face = part.mFaces[i];
+		if (face.mNumIndices < 3)
+		{
+			out.points += face.mNumIndices == 1;
+			out.lines += face.mNumIndices == 2;
+			continue;
+		}
+		++out.faces;
+		if (std::any_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) { return corner >= part.mNumVertices; }))
+		{
+			if (out.damaged++ == 0) out.firstDamaged = out.faces;
+			continue;
+		}
+		std::swap(part.mFaces[kept].mNumIndices, face.mNumIndices);
+		std::swap(part.mFaces[kept++].mIndices, face.mIndices);
+	}
+	part.mNumFaces = kept;
+}
+
+LeftOut sieveFaces(aiScene& scene)
+{
+	LeftOut out;
+	for (unsigned i = 0; i < scene.mNumMeshes; ++i) sieveFaces(*scene.mMeshes[i], out);
+	return out;
+}
+
+/// "1 line", "3 lines"
+std::string counted(int64_t n, const char* thing)
+{
+	return std::to_string(n) + " " + thing + (n == 1 ? "" : "s");
+}
+
+std::vector<std::string> sentences(const LeftOut& out, const std::vector<std::string>& warnings)
+{
+	std::vector<std::string> all;
+	if (out.damaged)
+		all.push_back(std::to_string(out.damaged) + " of " + counted(out.faces, "face") + " " + (out.damaged == 1 ? "was" : "were") +
+					  " left out: they name corners that are not in the file, the first is face " + std::to_string(out.firstDamaged) + "; export the mesh again.");
+	for (const std::string& warning : warnings)
+		all.push_back("The reader left faces out, or gave them other corners, because the file is damaged (\"" + warning + "\"); export the mesh again.");
+	const std::string both = out.lines && out.points ? " and " : "";
+	if (out.lines || out.points)
+		all.push_back((out.lines ? counted(out.lines, "line") : "") + both + (out.points ? counted(out.points, "point") : "") +
+					  (out.lines + out.points == 1 ? " was" : " were") + " left out: they have no surface.");
+	return all;
+}
+
 /// What is taken from a file.
 enum class Wanted
 {
@@ -169,7 +231,6 @@ double append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& tra
 		const aiFace& face = part.mFaces[i];
 		if (face.mNumIndices != 3) continue;
 		uint32_t a = face.mIndices[0], b = face.mIndices[1], c = face.mIndices[2];
-		if (a >= part.mNumVertices || b >= part.mNumVertices || c >= part.mNumVertices) continue;
 		if (mirrored) std::swap(b, c);
 		out.triangles.push_back({base + a, base + b, base + c});
 		if (wanted == Wanted::SurfaceAndPlaces) textured.places.push_back({placeOf(part, a), placeOf(part, b), placeOf(part, c)});
@@ -236,7 +297,14 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 	if (const auto error = whyNoMeshFile(path)) return *error;
 	Assimp::Importer importer;
 	importer.SetIOHandler(new WatchedFiles(watch));
-	const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+	const MeshReaderWarnings warnings;
+	const aiScene* scene = importer.ReadFile(path, 0);
+	// The importer's own, which it gives out for reading alone.
+	const LeftOut leftOut = scene ? sieveFaces(const_cast<aiScene&>(*scene)) : LeftOut();
+	if (2 * leftOut.damaged > leftOut.faces)
+		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
+					 " name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) + "; export the mesh again"};
+	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
 	if (watch.cancelled()) return Error{"the import was cancelled", true};
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
@@ -254,6 +322,7 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
 	if (!watch.reach(1)) return Error{"the import was cancelled", true};
+	textured.mesh.notTaken = sentences(leftOut, warnings.ofFaces());
 	return textured;
 }
 

@@ -11,8 +11,9 @@
 namespace ist
 {
 /// Reads every triangle of a file in any format that assimp knows, with the scene's node transforms applied, and multiplies
-/// all coordinates by `unit` (metres per unit of the file). Points and lines are ignored. Duplicate positions are not welded:
-/// that is repair's work. Errors: file missing or unreadable, no triangles, coordinates that are not finite (names the first one) or
+/// all coordinates by `unit` (metres per unit of the file). Points, lines and faces with corners that are not there are left out, and
+/// `Mesh::notTaken` says so; where the reader itself gives such faces other corners (OFF, AC, 3DS), it says that. Duplicate positions are not welded:
+/// that is repair's work. Errors: file missing or unreadable, no triangles, more than half of its faces with corners that are not there, coordinates that are not finite (names the first one) or
 /// that lie so far from the origin that single precision, in which assimp reads them, blurs the shape. Stage "import": the share of the
 /// file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file is parsed. Files from strangers belong in a process of their
 /// own (`ist build`): on damaged OFF and PLY files assimp 5.2.5 may crash.

@@ -532,6 +532,7 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	if (welded.vertices.size() != mesh.vertices.size())
 		result.actions.insert(result.actions.begin(), "Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
 														  std::to_string(welded.vertices.size()) + ".");
+	result.actions.insert(result.actions.begin(), mesh.notTaken.begin(), mesh.notTaken.end());
 	if (!steps.reach(1)) return cancelled;
 	return result;
 }

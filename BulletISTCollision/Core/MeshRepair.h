@@ -35,7 +35,7 @@ struct RepairedMesh
 {
 	Mesh mesh;
 	Closedness before;
-	std::vector<std::string> actions;  ///< one sentence for each thing that was done; empty when nothing was needed
+	std::vector<std::string> actions;  ///< the mesh's notTaken, then one sentence for each thing that was done; empty when nothing was needed
 	double volumeBefore = 0;           ///< signed volume as read [m^3]; of an open mesh, about the middle of its box
 	double volumeAfter = 0;
 	double volumeDoubt = 0;            ///< what welding, closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate

@@ -105,6 +105,12 @@ void bindTree(py::module_& module)
 		});
 }
 
+void warnOfNotTaken(const std::string& path, const Mesh& mesh)
+{
+	for (const std::string& sentence : mesh.notTaken)
+		if (PyErr_WarnEx(PyExc_UserWarning, (path + ": " + sentence).c_str(), 1) != 0) throw py::error_already_set();
+}
+
 void bindFunctions(py::module_& module)
 {
 	module.def("build", &build, "vertices"_a, "triangles"_a = py::none(), py::kw_only(), "spheres"_a = int64_t(10000), "fill"_a = 1.0,
@@ -114,8 +120,10 @@ void bindFunctions(py::module_& module)
 			   "return False to cancel. Raises bullethaptics.Error with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
 	module.def("read_mesh", [](const std::string& path, double unit) {
-			return arraysFrom(run(py::none(), [&](const Progress& watch) { return importMesh(path, unit, watch); }));
-		}, "path"_a, "unit"_a = 1.0, "(vertices, triangles) of a mesh file; `unit` is metres per unit of the file.");
+			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path, unit, watch); });
+			warnOfNotTaken(path, mesh);
+			return arraysFrom(mesh);
+		}, "path"_a, "unit"_a = 1.0, "(vertices, triangles) of a mesh file; `unit` is metres per unit of the file. What could not be taken is a UserWarning.");
 	module.def("query", &query, "a"_a, "b"_a, "poses"_a, py::kw_only(), "stiffness"_a = 1.0, "level"_a = -1, "max_pairs"_a = int64_t(-1),
 			   "error"_a = py::none(),
 			   "Overlap, force and torque of body b at `poses` in a's mesh frame, by the pressure field law with `stiffness` [Pa/m]. A dict of arrays, "

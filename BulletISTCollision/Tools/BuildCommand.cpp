@@ -56,14 +56,14 @@ BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
 	return options;
 }
 
-/// In place of the report, one line on stderr where the body that was packed is another than the mesh described: a build farm's log is read for such.
-void warnOfRepair(const std::string& mesh, const InnerSphereTree& tree)
+/// In place of the report, one line on stderr where the body that was packed is another than the file described: a build farm's log is read for such.
+void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree)
 {
 	const double change = volumeChange(tree);
-	if (tree.provenance.watertight && std::fabs(change) <= kNoticedChange) return;
+	if (mesh.notTaken.empty() && tree.provenance.watertight && std::fabs(change) <= kNoticedChange) return;
 	char text[64] = "";
 	if (std::isfinite(change)) std::snprintf(text, sizeof text, ", volume %+.3g %%", 100 * change);
-	std::string line = "warning: " + mesh + ": repaired" + text + ":";
+	std::string line = "warning: " + path + ": repaired" + text + ":";
 	for (const std::string& action : tree.provenance.repair) line += " " + action;
 	fail(line, kGood);
 }
@@ -103,7 +103,7 @@ int runBuild(const BuildArguments& a)
 	if (!bytes) return fail(bytes.error().message, bytes.error().cancelled ? kInterrupted : kBadInput);
 	if (a.quiet)
 	{
-		warnOfRepair(a.mesh, tree.value());
+		warnOfRepair(a.mesh, mesh.value(), tree.value());
 		return kGood;
 	}
 

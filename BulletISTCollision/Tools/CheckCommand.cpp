@@ -23,6 +23,7 @@ Result<Mesh> packedSurface(const InnerSphereTree& tree, const std::string& path,
 {
 	const Result<Mesh> mesh = importApart(path, tree.provenance.unit);
 	if (!mesh) return mesh.error();
+	warnOfNotTaken(path, mesh.value());
 	if (meshHash(mesh.value()) != tree.provenance.meshHash) problems.push_back("the mesh is not the one that the asset was built from");
 	const Result<RepairedMesh> repaired = repair(mesh.value(), repairMode(tree.provenance.repairMode));
 	if (!repaired) return Error{path + ": " + repaired.error().message};

@@ -87,4 +87,7 @@ int runTune(const TuneArguments& arguments);
 
 /// Prints the message on stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);
+
+/// One line on stderr for each thing that the file held and that is not in its mesh; for commands whose report does not say so.
+void warnOfNotTaken(const std::string& path, const Mesh& mesh);
 }  // namespace ist::tools

@@ -68,4 +68,9 @@ int fail(const std::string& message, int code)
 	std::fprintf(stderr, "ist: %s\n", message.c_str());
 	return code;
 }
+
+void warnOfNotTaken(const std::string& path, const Mesh& mesh)
+{
+	for (const std::string& sentence : mesh.notTaken) fail("warning: " + path + ": " + sentence, kGood);
+}
 }  // namespace ist::tools

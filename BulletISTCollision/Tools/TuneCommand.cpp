@@ -32,6 +32,7 @@ Result<TuneBody> bodyOf(const std::string& path)
 	}
 	Result<Mesh> mesh = importApart(path, 1);
 	if (!mesh) return mesh.error();
+	warnOfNotTaken(path, mesh.value());
 	body.mesh = std::move(mesh).value();
 	return body;
 }

@@ -20,7 +20,7 @@ ALLOWED = {
 }
 # Packages that only files with these names may include.
 GUARDED = {
-    r"^<assimp/": ["BulletISTCollision/Core/MeshImport.cpp"],
+    r"^<assimp/": ["BulletISTCollision/Core/MeshImport.cpp", "BulletISTCollision/Core/MeshReaderWarnings.cpp"],
     r"^<png": ["DeviceBridge/Picture.cpp"],
     r"^<Eigen/": ["BulletISTCollision/Core/MomentEllipsoid.cpp", "BulletISTCollision/Core/PressureField.cpp", "BulletHapticForce/btContactLaw.cpp", "BulletHapticForce/btVolumetricRows.cpp",
                   "BulletHapticForce/btIslandBlockSolver.cpp", "BulletHapticForce/btSweepAcceleration.cpp"],

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 
 import bullethaptics as bh
 import numpy as np
@@ -106,6 +107,16 @@ class Build(Shared):
             path.write_text("v 0 0 0\nv 1000 0 0\nv 0 2000 0\nf 1 2 3\n")
             vertices, triangles = bh.read_mesh(str(path), unit=.001)
         np.testing.assert_allclose(vertices[triangles[0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
+
+    def test_read_mesh_warns_of_what_it_could_not_take(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "t.obj")
+            path.write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\nl 1 2\n")
+            with self.assertWarnsRegex(UserWarning, "t.obj: 1 line was left out"):
+                bh.read_mesh(str(path))
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                self.assertRaises(UserWarning, bh.read_mesh, str(path))
 
 
 class Query(Shared):

@@ -118,6 +118,22 @@ done
 expect "build --quiet" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --quiet
 says "build --quiet" "^ist: warning: .*/holed.obj: repaired, volume .* %: .*Closed 1 hole; .*volume changed from"
 [ "$(wc -l < "$dir/err")" -eq 1 ] && [ ! -s "$dir/out" ] || { echo "FAILED build --quiet: not one line"; failures=$((failures + 1)); }
+# What a file holds and cannot be taken is said before the repair, across the process that reads the file.
+{
+	printf 'ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 8\nproperty list uchar int vertex_indices\nend_header\n'
+	printf '0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n'
+	printf '4 0 3 2 1\n4 4 5 6 7\n4 0 1 8 4\n4 0 1 5 4\n4 2 3 7 6\n4 0 4 7 3\n4 1 2 6 5\n2 0 1\n'
+} > "$dir/damaged.ply"
+expect "build of a damaged file" 0 "$ist" build "$dir/damaged.ply" -o "$dir/damaged.ist" --spheres 50 --json
+holds "build of a damaged file" 'r["repair"][0].startswith("1 of 7 faces was left out: ") and r["repair"][1].startswith("1 line was left out: ") and near(r["volume"], 1)'
+expect "build --quiet of a damaged file" 0 "$ist" build "$dir/damaged.ply" -o "$dir/damaged.ist" --spheres 50 --quiet
+says "build --quiet of a damaged file" "^ist: warning: .*/damaged.ply: repaired, .*1 of 7 faces was left out"
+expect "check with a damaged file" 0 "$ist" check "$dir/damaged.ist" --mesh "$dir/damaged.ply" --json
+says "check with a damaged file" "^ist: warning: .*/damaged.ply: 1 of 7 faces was left out"
+sed 's/^4 0 4 7 3$/4 0 4 9 3/; s/^4 1 2 6 5$/4 1 2 6 9/; s/^4 2 3 7 6$/4 2 9 7 6/' "$dir/damaged.ply" > "$dir/ruined.ply"
+expect "build of a ruined file" 1 "$ist" build "$dir/ruined.ply" -o "$dir/no.ist"
+says "build of a ruined file" "4 of its 7 faces name corners that are not in the file"
+
 expect "build --repair off" 1 "$ist" build "$dir/holed.obj" -o "$dir/no.ist" --spheres 50 --repair off
 says "build --repair off" "4 open edges, the first at"
 rm -f "$dir/holed.ist"
