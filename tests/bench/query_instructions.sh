@@ -4,6 +4,7 @@
 # Usage: query_instructions.sh BENCH_QUERY FOLDER [SPHERES=10000] [OVERLAP=0.1] (the folder keeps the bodies)
 set -eu
 bench=$1 folder=$2 spheres=${3:-10000} overlap=${4:-0.1}
+mkdir -p "$folder"
 export BULLETHAPTICS_ISA="${BULLETHAPTICS_ISA:-v3}"
 
 counts()
