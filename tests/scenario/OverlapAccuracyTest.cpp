@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
+#include "demos/scenes/SceneShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -31,11 +32,11 @@ struct Body
 	InnerSphereTree tree;
 };
 
-Body makeBody(const Mesh& source)
+Body makeBody(const Mesh& source, int spheres = 10000)
 {
 	Result<RepairedMesh> repaired = repair(source);
 	BuildOptions options;
-	options.maxSpheres = 10000;
+	options.maxSpheres = spheres;
 	Result<InnerSphereTree> tree = buildTree(source, options);
 	if (!repaired || !tree)
 	{
@@ -157,6 +158,43 @@ void expectBruteForceAgrees(const Body& A, const Body& B)
 		EXPECT_NEAR(static_cast<double>(fast.pairs), static_cast<double>(slow.pairs), 1e-3 * static_cast<double>(slow.pairs) + 1);
 	}
 }
+
+/// In how many poses the true error was within the bar.
+struct Coverage
+{
+	int poses = 0, oneSigmaVolume = 0, twoSigmaVolume = 0, oneSigmaForce = 0, twoSigmaForce = 0;
+
+	void look(const Body& A, const Body& B)
+	{
+		const OverlapQuadrature quadrature(A.mesh, B.mesh);
+		QueryWorkspace workspace;
+		for (const double fraction : {0.001, 0.01, 0.1})
+			for (const Pose& X : posesAtOverlap(quadrature, fraction, 12, 23))
+			{
+				const QuadratureTruth truth = quadrature.integrate(X, A.tree.origin, 100, 20000);
+				const OverlapResult found = queryOverlap(A.tree, B.tree, X, workspace);
+				const OverlapError sigma = overlapError(found, A.tree, B.tree, 1);
+				const double volume = std::fabs(found.total.volume - truth.volume), force = norm(pressureWrench(found.total, {}).force - truth.wrench().force);
+				++poses;
+				oneSigmaVolume += volume <= sigma.volume;
+				twoSigmaVolume += volume <= 2 * sigma.volume;
+				oneSigmaForce += force <= sigma.force;
+				twoSigmaForce += force <= 2 * sigma.force;
+			}
+	}
+};
+
+/// Of two sigma at least the 92 % that are promised, less what so few poses scatter by; of one sigma less than a bar that is twice too large would have.
+void expectHonest(const char* name, const Coverage& found)
+{
+	std::printf("  %s, %d poses: volume %d within 1 sigma, %d within 2; force %d, %d\n", name, found.poses, found.oneSigmaVolume, found.twoSigmaVolume, found.oneSigmaForce,
+				found.twoSigmaForce);
+	EXPECT_GE(found.poses, 70) << name;
+	EXPECT_GE(found.twoSigmaVolume, 0.9 * found.poses) << name;
+	EXPECT_GE(found.twoSigmaForce, 0.9 * found.poses) << name;
+	EXPECT_LE(found.oneSigmaVolume, 0.92 * found.poses) << name;
+	EXPECT_LE(found.oneSigmaForce, 0.88 * found.poses) << name;
+}
 }  // namespace
 
 #define NEED_BUNNY() \
@@ -218,4 +256,31 @@ TEST(OverlapAccuracy, SlabOnSlabForceIsEvenOverShiftsAndYaws)
 		EXPECT_NEAR(mean, 1, 0.03) << "depth " << depth;
 		EXPECT_LE(deviation, 0.02) << "depth " << depth;
 	}
+}
+
+// A number of spheres that the bar was not fitted to.
+TEST(OverlapAccuracy, ErrorBarHoldsForCompactThinAndSmallBodies)
+{
+	constexpr int kSpheres = 3000;
+	const auto body = [](Mesh mesh, double size)
+	{
+		const double unit = size / bounds(mesh).longestSide();
+		for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
+		return makeBody(mesh, kSpheres);
+	};
+	const Mesh knot = makeTorusKnotMesh(2, 1, 0.45);
+	const Body ring = body(makeTorusMesh(0.5, 0.2), 1), tied = body(knot, 1), box = body(makeBoxMesh({0.5, 0.35, 0.25}), 1);
+	const Body plate = body(makeBoxMesh({0.5, 0.35, 0.01}), 1), crown = body(makeCrownMesh(), 1), wire = body(makeTorusKnotMesh(2, 1, 0.08), 1);
+	const Body sixth = body(knot, 1.0 / 6), twentieth = body(makeTorusMesh(0.5, 0.2), 1.0 / 20);
+	Coverage compact, thin, small;
+	compact.look(tied, ring);
+	compact.look(box, tied);
+	thin.look(plate, tied);
+	thin.look(crown, ring);
+	thin.look(wire, ring);
+	small.look(ring, sixth);
+	small.look(tied, twentieth);
+	expectHonest("compact", compact);
+	expectHonest("thin", thin);
+	expectHonest("small", small);
 }
