@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/CellSampling.h"
 #include "BulletISTCollision/Core/CellSplitter.h"
 #include "BulletISTCollision/Core/Lens.h"
+#include "BulletISTCollision/Core/MeshWords.h"
 #include "BulletISTCollision/Core/NearestSphere.h"
 #include "BulletISTCollision/Core/SurfaceGap.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
@@ -78,7 +79,8 @@ std::string whyUnusable(const std::vector<Sphere>& spheres, double volume)
 	{
 		const Sphere& s = spheres[i];
 		if (!isFinite(s.center()) || !std::isfinite(s.r) || !(s.r > 0))
-			return "Sphere " + std::to_string(i) + " of the packing has no finite centre and positive radius; pack the mesh again.";
+			return "Sphere " + std::to_string(i) + " of the packing, of radius " + number(s.r) + " m at " + place(s.center()) +
+				   ", has no finite centre and positive radius; pack the mesh again.";
 		balls += ballVolume(s.r);
 	}
 	if (balls > volume * (1 + 1e-6)) return "The spheres hold more volume than the mesh; use a packing made for this mesh.";

@@ -61,7 +61,8 @@ Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const B
 		const bool stuck = int64_t(tree.value().spheres.size()) < attempt.maxSpheres;
 		if (stuck || attempt.maxSpheres >= options.maxSpheres)
 			return Error{"a force error of " + std::to_string(error) + " is out of reach: " + std::to_string(tree.value().spheres.size()) +
-						 " spheres give " + std::to_string(reached)};
+						 " spheres give " + std::to_string(reached) +
+						 (stuck ? ", and no more fit; accept a larger error, or lower the least radius" : "; allow more spheres (maxSpheres, --spheres), or accept a larger error")};
 		// A little beyond the estimate, so that the next attempt is likely the last.
 		const double factor = std::clamp(1.2 * std::pow(error / reached, kSpheresPerError), 1.3, 100.0);
 		attempt.maxSpheres = std::min(options.maxSpheres, int64_t(double(attempt.maxSpheres) * factor));

@@ -269,7 +269,8 @@ std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& sc
 	for (std::size_t t = 0; t < textured.places.size(); ++t)
 		for (const TexturePlace& place : textured.places[t])
 			if (!std::isfinite(place.u) || !std::isfinite(place.v))
-				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " are not finite; export the mesh again"};
+				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " at " +
+							 ist::place(textured.mesh.vertices[textured.mesh.triangles[t][0]]) + " are not finite; export the mesh again"};
 	return std::nullopt;
 }
 
@@ -317,7 +318,7 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 	double worst = 0;
 	for (unsigned i = 0; i < scene->mNumMeshes; ++i) worst = std::max(worst, blur(*scene->mMeshes[i]));
 	if (worst > kBlurred)
-		return Error{path + ": the mesh lies so far from its origin that its coordinates, read in single precision, are exact to " +
+		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) + ", that its coordinates, read in single precision, are exact to " +
 					 std::to_string(100 * worst) + " % of its size only; move it to the origin and export it again"};
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;

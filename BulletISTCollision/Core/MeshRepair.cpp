@@ -421,19 +421,27 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 	return wrap(attempt, steps.upTo(0.95));
 }
 
+/// Empty where it has none.
+std::string placeOfAnyCorner(const Mesh& mesh, const Triangle& t)
+{
+	for (const uint32_t corner : t)
+		if (corner < mesh.vertices.size()) return ", which has a corner at " + place(mesh.vertices[corner]) + ",";
+	return {};
+}
+
 std::optional<Error> whyUnreadable(const Mesh& mesh)
 {
 	if (mesh.triangles.empty()) return Error{"the mesh is empty: it has no triangles; give it a surface"};
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
 	{
 		if (!indicesAreValid(mesh, mesh.triangles[i]))
-			return Error{"triangle " + std::to_string(i) + " refers to a vertex that does not exist; export the mesh again"};
+			return Error{"triangle " + std::to_string(i) + placeOfAnyCorner(mesh, mesh.triangles[i]) + " refers to a vertex that does not exist; export the mesh again"};
 		for (const uint32_t corner : mesh.triangles[i])
 			if (!isFinite(mesh.vertices[corner])) return Error{whereNotFinite(mesh) + "; export the mesh again"};
 	}
 	const double side = bounds(mesh).longestSide();
 	if (side > 0 && (side < kShortestSide || !(side <= kLongestSide)))
-		return Error{"the mesh is " + number(side) + " m long, and a tree may be " + number(kShortestSide) + " to " + number(kLongestSide) +
+		return Error{"the mesh is " + number(side) + " m long, " + extent(bounds(mesh)) + ", and a tree may be " + number(kShortestSide) + " to " + number(kLongestSide) +
 					 " m; say in what unit its file is (unit, --unit), or scale it"};
 	return std::nullopt;
 }
@@ -476,7 +484,7 @@ std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mod
 	if (!(std::fabs(result.volumeAfter) >= kFlat * side * side * side) || side == 0)
 		return enclosesNothing(welded, ": it encloses " + number(result.volumeAfter) + " m^3");
 	if (result.volumeAfter < 0)
-		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3; " +
+		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3 " + extent(bounds(attempt.mesh)) + "; " +
 					 (mode == RepairMode::Off ? "use the automatic repair or turn its triangles" : "turn its triangles")};
 	result.mesh = std::move(attempt.mesh);
 	result.volumeDoubt = attempt.doubt;

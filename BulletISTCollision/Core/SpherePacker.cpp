@@ -6,13 +6,13 @@
 #include "BulletISTCollision/Core/DistanceOctree.h"
 #include "BulletISTCollision/Core/Lens.h"
 #include "BulletISTCollision/Core/MeshDistance.h"
+#include "BulletISTCollision/Core/MeshWords.h"
 #include "BulletISTCollision/Core/ThreadCount.h"
 #include "BulletISTCollision/Core/WorkerCrew.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <queue>
 #include <string>
 #include <unordered_map>
@@ -181,10 +181,17 @@ private:
 	PlacedGrid m_placed;               // of the batch, not yet in the octree
 	std::vector<GridPoint> m_grid;
 	double m_gridStep = 0;
-	double m_largestSeen = 0;
+	Sphere m_largestSeen;
 	bool m_done = false;
 	bool m_cancelled = false;
 };
+
+/// Three digits of a positive value.
+std::string roundedDown(double value)
+{
+	const double digit = std::pow(10, std::floor(std::log10(value)) - 2);
+	return number(std::floor(value / digit) * digit);
+}
 
 double Packer::progress() const
 {
@@ -198,13 +205,12 @@ void Packer::report(double fraction)
 
 Error Packer::nothingFits() const
 {
-	const bool asked = m_options.minRadius >= m_floor;
-	char text[320];
-	std::snprintf(text, sizeof text,
-				  "no sphere of radius %.3g m or more%s fits into the mesh: the largest ball found inside has radius %.3g m (thickness %.3g m); %s",
-				  m_floor, asked ? "" : ", which is the least for its size,", m_largestSeen, 2 * m_largestSeen,
-				  asked ? "lower the least radius (minRadius, --min-radius), or thicken the mesh" : "thicken the mesh, or build its parts one by one");
-	return {text, false};
+	const double radius = m_largestSeen.r, least = kSmallestRelativeRadius * m_side;
+	const std::string found = "no sphere of radius " + number(m_floor) + " m or more" + (m_options.minRadius >= m_floor ? "" : ", which is the least for its size,") +
+							  " fits into the mesh" +
+							  (radius > 0 ? ": the largest ball that fits has radius " + number(radius) + " m at " + ist::place(m_options.origin + m_largestSeen.center()) : "");
+	if (radius >= least) return {found + "; lower the least radius (minRadius, --min-radius) to " + roundedDown(radius) + " m or less, or thicken the mesh", false};
+	return {found + "; thicken the mesh to more than " + number(2 * least) + " m, or build its parts one by one", false};
 }
 
 void Packer::buildGrid()
@@ -364,7 +370,7 @@ Sphere Packer::growOne(const Start& start, uint64_t key, BallAscent& ascent)
 
 void Packer::push(const Sphere& sphere)
 {
-	m_largestSeen = std::max(m_largestSeen, double(sphere.r));
+	if (sphere.r > m_largestSeen.r) m_largestSeen = sphere;
 	if (sphere.r >= m_floor) m_queue.push({sphere, m_created++});
 }
 
@@ -475,8 +481,9 @@ Result<SpherePacking> packSpheres(const MeshDistance& surface, const PackingOpti
 	if (mesh.triangles.empty()) return Error{"The mesh has no triangles, so there is nothing to pack."};
 	const Box box = bounds(mesh);
 	const double volume = massProperties(mesh).volume;
-	if (!isFinite(box.lower) || !isFinite(box.upper)) return Error{"The mesh has a vertex that is not a finite number."};
-	if (!(volume > 0)) return Error{"The mesh encloses no volume (" + std::to_string(volume) + " m^3): close it and turn its triangles outwards first."};
+	if (!isFinite(box.lower) || !isFinite(box.upper)) return Error{whereNotFinite(mesh) + "; export the mesh again"};
+	if (!(volume > 0)) return Error{"The mesh encloses no volume (" + std::to_string(volume) + " m^3) " + extent({box.lower + options.origin, box.upper + options.origin}) +
+									": close it and turn its triangles outwards first."};
 	return Packer(surface, options, volume, box).run();
 }
 }  // namespace ist

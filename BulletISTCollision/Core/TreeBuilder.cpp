@@ -70,7 +70,7 @@ void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& rep
 	tree.area = surfaceArea(repaired.mesh);
 }
 
-Result<SpherePacking> pack(const MeshDistance& surface, const BuildOptions& options)
+Result<SpherePacking> pack(const MeshDistance& surface, const Vec3& origin, const BuildOptions& options)
 {
 	PackingOptions packing;
 	packing.maxSpheres = options.maxSpheres;
@@ -79,6 +79,7 @@ Result<SpherePacking> pack(const MeshDistance& surface, const BuildOptions& opti
 	packing.seed = options.seed;
 	packing.threads = options.threads;
 	packing.progress = options.progress;
+	packing.origin = origin;
 	return packSpheres(surface, packing);
 }
 
@@ -120,7 +121,7 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 	if (!goesOn(options.progress, "repair", 1)) return cancelled();
 	seconds.setup = watch.lap();
 
-	Result<SpherePacking> packing = pack(surface, options);
+	Result<SpherePacking> packing = pack(surface, tree.origin, options);
 	if (!packing) return packing.error();
 	tree.fill = packing.value().fill;
 	seconds.packing = watch.lap();

@@ -168,7 +168,7 @@ TEST(MeshRepair, RandomlyTurnedTrianglesAreOrientedOutwardsAnywhere)
 		expectVolume(mesh, volume);
 	}
 	expectVolume(insideOut(torus), volume);
-	expectRefused(insideOut(torus), "inside out", RepairMode::Off);
+	expectRefused(insideOut(torus), "m^3 between (", RepairMode::Off);
 }
 
 TEST(MeshRepair, DegenerateAndDuplicateTrianglesAreDropped)
@@ -474,12 +474,13 @@ TEST(MeshRepair, EmptyFlatAndUnreadableMeshesAreRefused)
 	point.vertices = {{1, 2, 3}};
 	point.triangles = {{0, 0, 0}};
 	expectRefused(point, "not closed");
+	expectRefused(makeBoxMesh({1e13, 1, 1}), "m long, between (-1e+13, -1, -1) m and (1e+13, 1, 1) m, and a tree may be");
 	Mesh mesh = kBox;
 	mesh.vertices[3].y = std::numeric_limits<double>::quiet_NaN();
 	expectRefused(mesh, "not finite");
 	mesh = kBox;
 	mesh.triangles[2][1] = 99;
-	expectRefused(mesh, "does not exist");
+	expectRefused(mesh, "m, refers to a vertex that does not exist");
 	EXPECT_FALSE(inspect(mesh).watertight);
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -193,5 +194,55 @@ TEST(SpherePacker, RefusesBadOptionsInWords)
 		EXPECT_FALSE(result.error().message.empty());
 	}
 	EXPECT_FALSE(packSpheres(MeshDistance(Mesh{}), {}));
+}
+
+/// The number after `text` in a sentence.
+double numberAfter(const std::string& sentence, const std::string& text)
+{
+	const size_t at = sentence.find(text);
+	return at == sentence.npos ? std::numeric_limits<double>::quiet_NaN() : std::stod(sentence.substr(at + text.size()));
+}
+
+TEST(SpherePacker, SaysWhereTheLargestBallLiesAndWhichLeastRadiusWouldDo)
+{
+	// A slab and a box beside each other: the largest ball is in the box, of half side 0.25, and cannot be moved.
+	Mesh mesh = makeBoxMesh({1, 0.7, 0.1});
+	const Mesh box = translated(makeBoxMesh({0.25, 0.25, 0.25}), {3, 1, 2});
+	for (const auto& [a, b, c] : box.triangles)
+	{
+		const auto first = uint32_t(mesh.vertices.size());
+		mesh.triangles.push_back({first, first + 1, first + 2});
+		for (const uint32_t corner : {a, b, c}) mesh.vertices.push_back(box.vertices[corner]);
+	}
+	PackingOptions options;
+	options.minRadius = 0.3;
+	options.origin = {10, 20, 30};
+	const Result<SpherePacking> result = packSpheres(MeshDistance(mesh), options);
+	ASSERT_FALSE(result);
+	const std::string& told = result.error().message;
+	EXPECT_NEAR(numberAfter(told, "the largest ball that fits has radius "), 0.25, 1e-3) << told;
+	const size_t place = told.find(" m at (");
+	ASSERT_NE(place, std::string::npos) << told;
+	double x = 0, y = 0, z = 0;
+	ASSERT_EQ(std::sscanf(told.c_str() + place, " m at (%lf, %lf, %lf) m", &x, &y, &z), 3) << told;
+	EXPECT_NEAR(distance(Vec3{x, y, z}, Vec3{13, 21, 32}), 0, 2e-3) << told;
+	options.minRadius = numberAfter(told, "lower the least radius (minRadius, --min-radius) to ");
+	EXPECT_TRUE(packSpheres(MeshDistance(mesh), options)) << told;
+}
+
+TEST(SpherePacker, ABodyThatIsTooThinForAnyRadiusIsToBeThickened)
+{
+	PackingOptions options;
+	for (const double asked : {0.0, 0.1})
+	{
+		options.minRadius = asked;
+		const Result<SpherePacking> result = packSpheres(MeshDistance(makeBoxMesh({1, 1, 5e-5})), options);
+		ASSERT_FALSE(result);
+		const std::string& told = result.error().message;
+		EXPECT_NEAR(numberAfter(told, "the largest ball that fits has radius "), 5e-5, 1e-6) << told;
+		EXPECT_NEAR(numberAfter(told, "thicken the mesh to more than "), 4e-4, 1e-9) << told;
+		EXPECT_EQ(told.find("lower the least radius"), std::string::npos) << told;
+	}
+	EXPECT_TRUE(packSpheres(MeshDistance(makeBoxMesh({1, 1, 2.1e-4})), {}));
 }
 }  // namespace

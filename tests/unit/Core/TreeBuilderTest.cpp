@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <set>
 
@@ -37,6 +38,20 @@ TEST(TreeBuilder, FillsEveryPart)
 	EXPECT_GE(tree.law.ballCount(), 200u);
 	EXPECT_GT(times.packing, 0);
 	for (const char* stage : {"repair", "packing", "cells", "tree"}) EXPECT_TRUE(stages.count(stage)) << stage;
+}
+
+TEST(TreeBuilder, RefusalsNamePlacesInTheFrameOfTheMesh)
+{
+	BuildOptions options;
+	options.minRadius = 2;
+	const Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({1, 1, 1}), {100, -20, 3}), options);
+	ASSERT_FALSE(built);
+	const std::string& told = built.error().message;
+	double x = 0, y = 0, z = 0;
+	const size_t place = told.find(" m at (");
+	ASSERT_NE(place, std::string::npos) << told;
+	ASSERT_EQ(std::sscanf(told.c_str() + place, " m at (%lf, %lf, %lf) m", &x, &y, &z), 3) << told;
+	EXPECT_NEAR(distance(Vec3{x, y, z}, Vec3{100, -20, 3}), 0, 1e-3) << told;
 }
 
 TEST(TreeBuilder, CanBeCancelledInEveryStage)
