@@ -195,7 +195,9 @@ std::string roundedDown(double value)
 
 double Packer::progress() const
 {
-	return std::max(double(m_packing.spheres.size()) / double(m_options.maxSpheres), m_packing.fill / m_options.targetFill);
+	const double spheres = double(m_packing.spheres.size()) / double(m_options.maxSpheres);
+	// Where nothing but their number ends it, what is full says nothing of the time: the first hundred fill most of a body.
+	return m_options.targetFill >= 1 && m_options.minRadius <= 0 ? spheres : std::max(spheres, m_packing.fill / m_options.targetFill);
 }
 
 void Packer::report(double fraction)

@@ -3,17 +3,21 @@
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/ExpectedError.h"
+#include "BulletISTCollision/Core/ThreadCount.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
 #include "BulletISTCollision/Tools/Report.h"
+#include "BulletISTCollision/Tools/WholeBuild.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 
 #include <sys/resource.h>
 
@@ -32,27 +36,46 @@ double unitLength(const std::string& unit)
 	return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
 }
 
-Progress shown(ProgressBar& bar, bool quiet)
+/// Without `whole`, the bar is of each stage.
+Progress shown(ProgressBar& bar, const std::optional<WholeBuild>& whole, bool quiet)
 {
-	return [&bar, quiet](const char* stage, double fraction)
+	return [&bar, &whole, quiet](const char* stage, double fraction)
 	{
-		if (!quiet) bar.show(stage, fraction);
+		if (!quiet) whole ? bar.show(stage, fraction, whole->done(stage, fraction)) : bar.show(stage, fraction);
 		return !interrupted();
 	};
 }
 
-BuildOptions buildOptions(const BuildArguments& a, ProgressBar& bar)
+/// How many spheres there will be is known only where nothing else ends the build.
+bool otherLimit(const BuildArguments& a)
+{
+	return a.fill > 0 || a.minRadius > 0 || a.error > 0;
+}
+
+std::optional<WholeBuild> wholeBuild(const BuildArguments& a, double triangles)
+{
+	if (otherLimit(a)) return std::nullopt;
+	return WholeBuild(triangles, double(a.spheres > 0 ? a.spheres : BuildOptions().maxSpheres), threadCount(a.threads));
+}
+
+double fileBytes(const std::string& path)
+{
+	std::error_code failure;
+	const auto bytes = std::filesystem::file_size(path, failure);
+	return failure ? 0 : double(bytes);
+}
+
+BuildOptions buildOptions(const BuildArguments& a, const Progress& progress)
 {
 	BuildOptions options;
-	const bool otherLimit = a.fill > 0 || a.minRadius > 0 || a.error > 0;
-	options.maxSpheres = a.spheres > 0 ? a.spheres : otherLimit ? kMostSpheres : options.maxSpheres;
+	options.maxSpheres = a.spheres > 0 ? a.spheres : otherLimit(a) ? kMostSpheres : options.maxSpheres;
 	if (a.fill > 0) options.targetFill = a.fill;
 	options.minRadius = a.minRadius;
 	options.repair = a.repair == "off" ? RepairMode::Off : a.repair == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
 	options.unit = unitLength(a.unit);
 	options.seed = a.seed;
 	options.threads = a.threads;
-	options.progress = shown(bar, a.quiet);
+	options.progress = progress;
 	return options;
 }
 
@@ -85,20 +108,24 @@ int runBuild(const BuildArguments& a)
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
 
 	ProgressBar bar;
-	const Result<Mesh> mesh = importApart(a.mesh, unitLength(a.unit), shown(bar, a.quiet));
-	bar.finish();
+	std::optional<WholeBuild> whole = wholeBuild(a, likelyTriangles(fileBytes(a.mesh)));
+	const Progress progress = shown(bar, whole, a.quiet);
+	const auto end = [&](bool good) { if (!good || !whole) bar.finish(); };
+	const Result<Mesh> mesh = importApart(a.mesh, unitLength(a.unit), progress);
+	end(bool(mesh) && !interrupted());
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);
 	if (interrupted()) return fail("interrupted; nothing was written", kInterrupted);
 	const double importSeconds = seconds();
+	whole = wholeBuild(a, double(mesh.value().triangles.size()));
 	BuildTimes times;
-	const BuildOptions options = buildOptions(a, bar);
+	const BuildOptions options = buildOptions(a, progress);
 	const Result<InnerSphereTree> tree =
 		a.error > 0 ? buildTreeToError(mesh.value(), a.error, options, &times) : buildTree(mesh.value(), options, &times);
-	bar.finish();
+	end(bool(tree));
 	if (!tree && tree.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!tree) return fail(a.mesh + ": " + tree.error().message);
-	const Result<size_t> bytes = saveAsset(tree.value(), a.output, shown(bar, a.quiet));
+	const Result<size_t> bytes = saveAsset(tree.value(), a.output, progress);
 	bar.finish();
 	if (!bytes) return fail(bytes.error().message, bytes.error().cancelled ? kInterrupted : kBadInput);
 	if (a.quiet)

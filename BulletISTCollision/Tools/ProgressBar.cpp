@@ -19,7 +19,7 @@ int terminalWidth()
 }
 
 /// Within the width, or the terminal would break the line and the next one could not take its place.
-std::string barLine(const char* stage, int percent, const std::string& left, int width)
+std::string barLine(const char* stage, int percent, const std::string& left, const char* of, int width)
 {
 	constexpr int kWidestBar = 40, kNarrowestBar = 10, kBeside = 49;  // with the longest time
 	const int bar = std::min(kWidestBar, width - 1 - kBeside), done = bar * percent / 100;
@@ -29,7 +29,7 @@ std::string barLine(const char* stage, int percent, const std::string& left, int
 	if (bar >= kNarrowestBar) line += "[" + std::string(size_t(done), '#') + std::string(size_t(bar - done), ' ') + "] ";
 	std::snprintf(text, sizeof text, "%3d %%", percent);
 	line += text;
-	if (!left.empty()) line += "  " + left + " of this stage";
+	if (!left.empty()) line += "  " + left + of;
 	return line.substr(0, size_t(width - 1));
 }
 }  // namespace
@@ -52,14 +52,27 @@ void ProgressBar::show(const char* stage, double fraction)
 		m_shown = -1;
 	}
 	fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
-	if (m_terminal) return draw(stage, fraction);
+	m_terminal ? draw(stage, fraction, m_stageStart, " of this stage") : list(stage, fraction);
+}
+
+void ProgressBar::show(const char* stage, double fraction, double whole)
+{
+	if (!m_terminal) return show(stage, fraction);
+	// A new stage is to be seen at once.
+	if (m_stage != stage) m_drawn = {};
+	m_stage = stage;
+	draw(stage, std::isfinite(whole) ? std::clamp(whole, 0.0, 1.0) : 0.0, m_start, "");
+}
+
+void ProgressBar::list(const char* stage, double fraction)
+{
 	const int step = static_cast<int>(fraction * 10);
 	if (step <= m_shown) return;
 	m_shown = step;
 	std::fprintf(stderr, "%s %d %%\n", stage, step * 10);
 }
 
-void ProgressBar::draw(const char* stage, double fraction)
+void ProgressBar::draw(const char* stage, double fraction, Clock::time_point start, const char* of)
 {
 	const Clock::time_point now = Clock::now();
 	const int percent = static_cast<int>(fraction * 100);
@@ -67,9 +80,9 @@ void ProgressBar::draw(const char* stage, double fraction)
 	if (percent <= m_shown && now - m_drawn < std::chrono::milliseconds(500)) return;
 	m_shown = std::max(m_shown, percent);
 	m_drawn = now;
-	const std::string left = timeLeft(std::chrono::duration<double>(now - m_stageStart).count(), fraction);
+	const std::string left = timeLeft(std::chrono::duration<double>(now - start).count(), fraction);
 	// Clears what a longer text left behind.
-	std::fprintf(stderr, "\r%s\x1b[K", barLine(stage, m_shown, left, terminalWidth()).c_str());
+	std::fprintf(stderr, "\r%s\x1b[K", barLine(stage, m_shown, left, of, terminalWidth()).c_str());
 	std::fflush(stderr);
 	m_open = true;
 }

@@ -61,7 +61,7 @@ def read_until(terminal, pattern):
 
 
 def bar_with_the_time_left(folder):
-    """The bar stands on a terminal and keeps to its width; the time left comes after half a second of a stage. A narrow one has no bar."""
+    """One bar of the whole build stands on a terminal and keeps to its width; the time left comes after half a second. A narrow one has no bar."""
     leader, follower = pty.openpty()
     process = None
     for columns, bar in [(70, r"\[#* *\] +"), (44, " *")]:
@@ -70,12 +70,38 @@ def bar_with_the_time_left(folder):
             process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "100000", "--threads", "1"),
                                        stdout=subprocess.DEVNULL, stderr=follower)
             os.close(follower)
-        line = read_until(leader, rf"(?<=\r)packing +{bar}\d+ %  \d+ (s|min \d\d s|h \d\d min) left of this stage(?=\x1b)")
+        line = read_until(leader, rf"(?<=\r)packing +{bar}\d+ %  \d+ (s|min \d\d s|h \d\d min) left(?=\x1b)")
         expect(line and len(line) < columns, f"a bar with the time left in {columns} columns: {line}")
     process.send_signal(signal.SIGINT)
     # Nobody reads the terminal any more: closing it keeps the command from waiting for that.
     os.close(leader)
     expect(process.wait() == 130, "130 after the interruption")
+
+
+def a_bar_of_a_stage_where_the_end_is_not_known(folder):
+    leader, follower = pty.openpty()
+    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--min-radius", "0.002", "--threads", "1"), stdout=subprocess.DEVNULL, stderr=follower)
+    os.close(follower)
+    expect(read_until(leader, r" left of this stage"), "the time left of a stage")
+    process.send_signal(signal.SIGINT)
+    os.close(leader)
+    process.wait()
+
+
+def one_line_for_the_whole_build(folder):
+    leader, follower = pty.openpty()
+    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "300"), stdout=subprocess.DEVNULL, stderr=follower)
+    os.close(follower)
+    text = ""
+    try:
+        while more := os.read(leader, 4096).decode():
+            text += more
+    except OSError:
+        pass
+    os.close(leader)
+    expect(process.wait() == 0, "built")
+    shares = [int(share) for share in re.findall(r"(\d+) %", text)]
+    expect(text.count("\n") == 1 and shares == sorted(shares) and shares[-1] == 100, f"one line that ends at 100 %: {text!r}")
 
 
 def interruption(folder, number):
@@ -149,6 +175,8 @@ with tempfile.TemporaryDirectory() as folder:
     lines_every_ten_per_cent(folder)
     failed_writes(folder)
     bar_with_the_time_left(folder)
+    a_bar_of_a_stage_where_the_end_is_not_known(folder)
+    one_line_for_the_whole_build(folder)
     for number in [signal.SIGINT, signal.SIGTERM]:
         interruption(folder, number)
         interrupted_tuning(folder, number)
