@@ -94,8 +94,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	contact.error = ist::OverlapError();
 	if (!(contact.total.volume > 0)) return;
 	const double gaps = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
-	const double density = m_treeB ? ist::leafDensity(*m_treeA, *m_treeB, contact.level, contact.levelShare) : ist::leafDensity(*m_treeA);
-	contact.error = ist::overlapError(contact.total, gaps, density, contact.constants.k);
+	contact.error = ist::overlapError(contact.total, gaps, contact.leafDensity, contact.constants.k);
 }
 
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,

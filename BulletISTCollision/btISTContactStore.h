@@ -88,8 +88,8 @@ struct btISTContact
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];
 	int patchCount = 0;
-	int level = 0;          ///< of the trees that answered
-	double levelShare = 1;  ///< of `level` in the answer; the rest is the next coarser one's
+	int level = 0;           ///< of the trees that answered
+	double leafDensity = 0;  ///< of these trees (PressureField.h) [1/m^3]
 	ist::OverlapError error;
 	ist::PairAccuracy accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
 	btISTPairConstants constants;

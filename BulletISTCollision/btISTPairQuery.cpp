@@ -110,7 +110,7 @@ void btISTPairQuery::take(btISTContact& contact, const ist::OverlapResult& resul
 {
 	contact.status = result.status;
 	contact.level = result.level;
-	contact.levelShare = result.levelShare;
+	contact.leafDensity = contact.treeB ? ist::leafDensity(result, *contact.treeA, *contact.treeB) : ist::leafDensity(*contact.treeA);
 	const bool good = result.status == ist::QueryStatus::Ok;
 	contact.total = good ? result.total : ist::OverlapIntegrals();
 	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;

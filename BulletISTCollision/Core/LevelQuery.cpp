@@ -32,6 +32,7 @@ void fade(OverlapResult& fine, const OverlapResult& coarse, double share, Overla
 	fine.patches = patches;  // where the finer level is apart, it has none
 	fine.total = mixed(fine.total, coarse.total);
 	fine.levelShare = share;
+	fine.otherLevel = coarse.level;
 	if (fine.patchCount + coarse.patchCount > room)
 	{
 		patches[0] = fine.total;

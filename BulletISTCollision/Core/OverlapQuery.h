@@ -153,7 +153,8 @@ struct OverlapResult
 	int pairCount = 0;
 	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< the trees that the pairs' indices point into
 	int level = 0;        ///< at which it was answered; the error bar (PressureField.h) grows with it
-	double levelShare = 1;  ///< of `level` in the answer; the rest is the next coarser one's (`QueryOptions::blend`)
+	double levelShare = 1;  ///< of `level` in the answer; the rest is that of `otherLevel` (`QueryOptions::blend`, `otherShare`)
+	int otherLevel = 0;
 	bool coarsened = false;  ///< coarser than asked for, to keep within `maxPairs` or the capacity
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine
 };

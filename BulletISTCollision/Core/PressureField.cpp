@@ -122,7 +122,7 @@ OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, d
 
 OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B, double stiffness)
 {
-	return overlapError(answer.total, A.errorLength() + B.errorLength(), leafDensity(A, B, answer.level, answer.levelShare), stiffness);
+	return overlapError(answer.total, A.errorLength() + B.errorLength(), leafDensity(answer, A, B), stiffness);
 }
 
 OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& body, double stiffness)
@@ -130,12 +130,12 @@ OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& bo
 	return overlapError(answer.total, body.errorLength(), leafDensity(body), stiffness);
 }
 
-double leafDensity(const InnerSphereTree& A, const InnerSphereTree& B, int level, double share)
+double leafDensity(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B)
 {
-	const double fine = densityAt(A, B, level);
-	if (share == 1) return fine;
+	const double density = densityAt(A, B, answer.level), share = answer.levelShare;
+	if (share == 1) return density;
 	constexpr double kPower = kForcePower / 3;
-	return std::pow(share * std::pow(fine, -kPower) + (1 - share) * std::pow(densityAt(A, B, level + 1), -kPower), -1 / kPower);
+	return std::pow(share * std::pow(density, -kPower) + (1 - share) * std::pow(densityAt(A, B, answer.otherLevel), -kPower), -1 / kPower);
 }
 
 double leafDensity(const InnerSphereTree& body) { return double(body.law.slotCount()) / body.volume; }

@@ -47,8 +47,9 @@ OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& A,
 OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& body, double stiffness);
 /// Of sums by themselves. `lengthSum`: g [m]; `leafDensity` [1/m^3].
 OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double leafDensity, double stiffness);
-/// Leaves over volume of that of the two bodies which has fewer for its volume, at a level of the pair [1/m^3]; of two levels blended, with `share` of
-/// the finer one (OverlapResult::levelShare), that which blends their force's error bars. O(level).
-double leafDensity(const InnerSphereTree& A, const InnerSphereTree& B, int level = 0, double share = 1);
+/// Leaves over volume of that of the two bodies which has fewer for its volume, at the level that answered [1/m^3]; where two levels did, that which blends
+/// their error bars of the force. O(level).
+double leafDensity(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B);
+/// Of a body's own leaves.
 double leafDensity(const InnerSphereTree& body);
 }  // namespace ist

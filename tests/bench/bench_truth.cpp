@@ -161,7 +161,7 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		const double size = std::max(norm(expected.force), kCancelled * at.truth.volume), error = norm(actual.force - expected.force);
 		if (csv)
 			std::fprintf(csv, "%s-%s,%g,%lld,%g,%g,%g,%g,%g\n", A.name.c_str(), B.name.c_str(), at.truth.volume, (long long)law.pairs, volume,
-						 error / law.volume, norm(expected.force) / law.volume, leafDensity(A.tree, B.tree) * law.volume,
+						 error / law.volume, norm(expected.force) / law.volume, leafDensity(answer, A.tree, B.tree) * law.volume,
 						 (A.tree.errorLength() + B.tree.errorLength()) * norm(law.areaVector) / law.volume);
 		++sums.poses;
 		sums.pairs += double(law.pairs);

@@ -290,13 +290,18 @@ TEST(OverlapQuery, TwoLevelsShareTheAnswer)
 	mixed.otherShare = 0.3;
 	for (const Pose& X : poses())
 	{
-		const OverlapIntegrals a = queryOverlap(bodyA(), bodyB(), X, one, fine).total, b = queryOverlap(bodyA(), bodyB(), X, two, coarse).total,
-							   m = queryOverlap(bodyA(), bodyB(), X, both, mixed).total;
+		const OverlapResult ofFine = queryOverlap(bodyA(), bodyB(), X, one, fine), ofCoarse = queryOverlap(bodyA(), bodyB(), X, two, coarse),
+							ofBoth = queryOverlap(bodyA(), bodyB(), X, both, mixed);
+		const OverlapIntegrals &a = ofFine.total, &b = ofCoarse.total, &m = ofBoth.total;
 		// Patches are grouped, and so added up in floats, in another order.
 		const double tolerance = 1e-6 * (a.volume + b.volume);
 		EXPECT_NEAR(m.volume, 0.7 * a.volume + 0.3 * b.volume, tolerance);
 		expectNear(m.normalB.torque, 0.7 * a.normalB.torque + 0.3 * b.normalB.torque, tolerance);
 		EXPECT_NEAR(m.stiffnessA(1, 4), 0.7 * a.stiffnessA(1, 4) + 0.3 * b.stiffnessA(1, 4), 1e-5 * (a.volume + b.volume));
+		EXPECT_EQ(ofBoth.level, 1);
+		EXPECT_EQ(ofBoth.otherLevel, 4);
+		const auto bar = [&](const OverlapResult& answer) { return 1 / std::sqrt(leafDensity(answer, bodyA(), bodyB())); };
+		EXPECT_NEAR(bar(ofBoth), 0.7 * bar(ofFine) + 0.3 * bar(ofCoarse), 1e-12 * bar(ofCoarse));
 	}
 	mixed.otherShare = 1.5;
 	EXPECT_EQ(queryOverlap(bodyA(), bodyB(), {}, both, mixed).status, QueryStatus::Unsupported);

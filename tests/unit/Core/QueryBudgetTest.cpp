@@ -118,13 +118,15 @@ TEST(QueryBudget, ABlendKeepsTheBudgetAndIsTheMeanOfItsLevels)
 		QueryOptions fine, coarse;
 		fine.level = r.level;
 		coarse.level = r.level + 1;
-		const OverlapIntegrals f = queryOverlap(A, B, X, other, fine).total, c = queryOverlap(A, B, X, other, coarse).total;
+		const OverlapResult atFine = queryOverlap(A, B, X, other, fine), atCoarse = queryOverlap(A, B, X, other, coarse);
+		const OverlapIntegrals &f = atFine.total, &c = atCoarse.total;
 		const double s = r.levelShare;
 		EXPECT_EQ(r.total.pairs, f.pairs + c.pairs);
 		EXPECT_NEAR(r.total.volume, s * f.volume + (1 - s) * c.volume, 1e-6 * f.volume);
 		expectNear(r.total.normalA.force, s * f.normalA.force + (1 - s) * c.normalA.force, 1e-5 * f.volume);
-		const auto sigma = [&](const OverlapIntegrals& sums, int level, double share) { return overlapError(sums, 0, leafDensity(A, B, level, share), 1).force / sums.volume; };
-		const double blended = sigma(r.total, r.level, s), ofFine = sigma(r.total, r.level, 1), ofCoarse = sigma(r.total, r.level + 1, 1);
+		EXPECT_EQ(r.otherLevel, r.level + 1);
+		const auto sigma = [&](const OverlapResult& answer) { return overlapError(answer.total, 0, leafDensity(answer, A, B), 1).force / answer.total.volume; };
+		const double blended = sigma(r), ofFine = sigma(atFine), ofCoarse = sigma(atCoarse);
 		EXPECT_GT(ofCoarse, ofFine);
 		EXPECT_NEAR(blended, s * ofFine + (1 - s) * ofCoarse, 0.02 * blended);
 		double volume = 0;
