@@ -146,6 +146,7 @@ void btISTPairQuery::copyAnswer(const btISTContact& from, btISTContact& to)
 {
 	to.status = from.status;
 	to.level = from.level;
+	to.leafDensity = from.leafDensity;
 	to.total = from.total;
 	to.patchCount = from.patchCount;
 	std::copy(from.patches, from.patches + from.patchCount, to.patches);

@@ -116,6 +116,7 @@ private:
 struct Motion
 {
 	std::vector<std::vector<btTransform>> poses;
+	std::vector<double> errors;  ///< error bars of the force, contact by contact [N]
 	int64_t shared = 0, byOthers = 0;
 	uint64_t asked = 0, kept = 0;
 	size_t inTime = 0;  ///< steps before the first in which somebody was late
@@ -128,6 +129,7 @@ Motion motionOf(const Settings& settings, int steps)
 	{
 		heap.step();
 		out.poses.push_back(heap.poses());
+		for (const btISTContact* contact : heap.world().contacts().contacts()) out.errors.push_back(contact->error.force);
 		const btISTSharedQueries shared = heap.world().registration().sharedQueries();
 		out.shared += shared.pairs;
 		out.byOthers += shared.byOthers - shared.late;
@@ -143,6 +145,7 @@ void expectSame(const Motion& one, const Motion& other)
 	ASSERT_EQ(one.poses.size(), other.poses.size());
 	for (size_t i = 0; i < one.poses.size(); ++i)
 		for (size_t k = 0; k < one.poses[i].size(); ++k) ASSERT_TRUE(one.poses[i][k] == other.poses[i][k]) << "step " << i << ", body " << k;
+	EXPECT_EQ(one.errors, other.errors);
 	EXPECT_EQ(one.asked, other.asked);
 	EXPECT_EQ(one.kept, other.kept);
 }
