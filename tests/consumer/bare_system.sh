@@ -27,8 +27,8 @@ inside()
 
 apt() { inside apt-get -qq -o Dpkg::Use-Pty=0 --no-install-recommends "$@" >/dev/null; }
 
-# The file of a package, as it is called inside.
-file_of() { (cd "$root" && echo /packages/"$1"_*.deb); }
+# The file of a package, as it is called inside. A pattern may stand for the name.
+file_of() { (cd "$root" && printf '/%s' packages/$1_*.deb); }
 
 # Alone beside the library, and gone again afterwards: no package gets from another what it should have asked for itself.
 try()
