@@ -189,10 +189,9 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
-	if (a.id & BallNode::kLeafBit)
-		appendChildBounds(leaves, leaves.b, leaves.a, to.leaf, c, a);
-	else
-		appendChildBounds(otherList, otherList.b, otherList.a, to.other, c, a);
+	// No branch: which partner is a leaf cannot be foreseen.
+	SubtreeList& list = *(a.id & BallNode::kLeafBit ? &leaves : &otherList);
+	appendChildBounds(list, list.b, list.a, to.leaf | to.other, c, a);
 }
 
 /// Centres as they were moved already.
