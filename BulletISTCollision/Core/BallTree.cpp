@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace ist
 {
@@ -60,7 +61,7 @@ public:
 	{
 		m_nodes.emplace_back();
 		fillNode(0, 0);
-		return {std::move(m_nodes), std::move(m_blocks), std::move(m_leaves), {}, {}};
+		return {std::move(m_nodes), std::move(m_blocks), std::move(m_leaves), {}, {}, {}};
 	}
 
 private:
@@ -350,6 +351,7 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 		const size_t slot = size_t(index) * W + k;
 		const MomentEllipsoid ball = tree.ball(slot);
 		if (!finite(ball)) return violation("ball not finite", slot);
+		if (!isFinite(tree.gradient(slot).matrix())) return violation("gradient not finite", slot);
 		if (block.x[k] != ball.x || block.y[k] != ball.y || block.z[k] != ball.z || block.R[k] != ball.R)
 			return violation("block and ball differ", slot);
 		if (k >= count)
@@ -370,7 +372,7 @@ bool hasItsBalls(const BallTree& tree)
 {
 	const bool packed = !tree.spheres.empty();
 	return tree.balls.size() == (packed ? 0 : tree.slotCount()) && tree.spheres.size() == (packed ? tree.slotCount() : 0) &&
-		   tree.sphereIndex.size() == tree.spheres.size();
+		   tree.sphereIndex.size() == tree.spheres.size() && (tree.gradients.empty() || tree.gradients.size() == tree.balls.size());
 }
 }  // namespace
 
@@ -384,7 +386,7 @@ uint32_t BallTree::ballCount() const
 size_t BallTree::memory() const
 {
 	return nodes.size() * sizeof(BallNode) + blocks.size() * sizeof(BallBlock) + balls.size() * sizeof(MomentEllipsoid) +
-		   spheres.size() * (sizeof(Sphere) + sizeof(uint32_t));
+		   spheres.size() * (sizeof(Sphere) + sizeof(uint32_t)) + gradients.size() * sizeof(NormalGradient);
 }
 
 MomentEllipsoid BallTree::packedBall(size_t slot) const
@@ -459,6 +461,23 @@ BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads)
 	return Builder(balls, threads).collapse();
 }
 
+BallTree buildBallTree(std::vector<MomentEllipsoid> balls, const std::vector<NormalGradient>& gradients, int threads)
+{
+	// Numbered by their places in the list, to be found again in the tree's order.
+	std::vector<uint32_t> spheres;
+	for (MomentEllipsoid& ball : balls) spheres.push_back(std::exchange(ball.sphere, uint32_t(spheres.size())));
+	const BallTree tree = buildBallTree(balls, threads);
+	std::vector<MomentEllipsoid> inOrder(tree.balls.begin(), tree.balls.end());
+	std::vector<NormalGradient> ofThese(inOrder.size());
+	for (size_t slot = 0; slot < inOrder.size(); ++slot)
+	{
+		if (!(inOrder[slot].density > 0)) continue;
+		ofThese[slot] = gradients[inOrder[slot].sphere];
+		inOrder[slot].sphere = spheres[inOrder[slot].sphere];
+	}
+	return {tree.nodes, tree.blocks, std::move(inOrder), {}, {}, std::move(ofThese)};
+}
+
 BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads)
 {
 	std::vector<MomentEllipsoid> balls(spheres.size());
@@ -471,6 +490,6 @@ BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads)
 		inOrder.push_back({ball.x, ball.y, ball.z, ball.R});
 		index.push_back(ball.sphere);
 	}
-	return {tree.nodes, tree.blocks, {}, std::move(inOrder), std::move(index)};
+	return {tree.nodes, tree.blocks, {}, std::move(inOrder), std::move(index), {}};
 }
 }  // namespace ist

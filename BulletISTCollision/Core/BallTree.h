@@ -50,6 +50,7 @@ public:
 	FrozenArray<MomentEllipsoid> balls;  ///< 16 for each block, in block order; padding has density 0. None in the inner tree:
 	FrozenArray<Sphere> spheres;         ///< there the same balls as in the blocks, one after the other; else none
 	FrozenArray<uint32_t> sphereIndex;   ///< of each of `spheres` in the packing
+	FrozenArray<NormalGradient> gradients;  ///< of each of `balls` where they are merged from others (TreeLevels.h); else none: normals do not change
 
 	bool empty() const { return nodes.empty(); }
 	uint32_t ballCount() const;  ///< without padding
@@ -63,6 +64,9 @@ public:
 	/// they bound, all finite. Returns an empty string, or the first violation in words.
 	std::string validate() const;
 
+	/// Of the ball at a slot. O(1)
+	NormalGradient gradient(size_t slot) const { return gradients.empty() ? NormalGradient() : gradients[slot]; }
+
 private:
 	MomentEllipsoid packedBall(size_t slot) const;
 };
@@ -70,6 +74,8 @@ private:
 /// SAH-like top-down build (cost n * diagonal^3), splits at multiples of a block, binary tree collapsed to width 8. O(n log n).
 /// Node bounds enclose the R-balls of everything below, rounded up. The same tree for any thread count.
 BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads = 1);
+/// The same over balls with gradients, one for each.
+BallTree buildBallTree(std::vector<MomentEllipsoid> balls, const std::vector<NormalGradient>& gradients, int threads = 1);
 /// The same over packed spheres.
 BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads = 1);
 }  // namespace ist

@@ -13,6 +13,8 @@ constexpr double kBallVolume = 4.18879020478639098462;
 // Where two ellipsoids are looked at together they can reach beyond their bounding balls and are cut there (Lens.h): at balls no larger
 // than the ellipsoids that costs a few tenths of a percent of every volume, at these a few hundredths (bench_truth).
 constexpr double kReach = 1.03;
+// Of a homogeneous ellipsoid.
+constexpr double kShapePerMoment = 5;
 // Shapes of few samples vary. Enlarged to their piece's volume they would on average be too large.
 constexpr double kLeastVolume = 1.0 / 3;
 }  // namespace
@@ -60,12 +62,38 @@ MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, siz
 	for (size_t i = 0; i < count; ++i)
 	{
 		const MomentEllipsoid& piece = pieces[index[i]];
-		shape += (piece.shape() + SymmetricMatrix3::square(piece.center() - centroid) * 5) * (piece.volume() / volume);
+		shape += (piece.shape() + SymmetricMatrix3::square(piece.center() - centroid) * kShapePerMoment) * (piece.volume() / volume);
 	}
 	MomentEllipsoid whole = momentEllipsoid(centroid, shape, volume);
 	whole.setNormal(normal / volume);
 	whole.depth = float(depth / volume);
 	whole.sphere = pieces[index[0]].sphere;
 	return whole;
+}
+
+NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count)
+{
+	NormalGradient gradient;
+	if (count < 2) return gradient;
+	const auto vector = [](const Vec3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
+	Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
+	for (size_t i = 0; i < count; ++i)
+	{
+		const MomentEllipsoid& piece = pieces[index[i]];
+		slope += piece.volume() * vector(piece.normal() - whole.normal()) * vector(piece.center() - whole.center()).transpose();
+	}
+	// Least squares among symmetric matrices, G S + S G = C + C^T, in the axes of S: what lies in one layer tells nothing of a change across it.
+	const SymmetricMatrix3 S = whole.shape() * (whole.volume() / kShapePerMoment);
+	Eigen::Matrix3d spread;
+	spread << S.xx, S.xy, S.xz, S.xy, S.yy, S.yz, S.xz, S.yz, S.zz;
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+	const Eigen::Matrix3d& Q = axes.eigenvectors();
+	Eigen::Matrix3d G = Q.transpose() * (slope + slope.transpose()) * Q;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) G(i, j) /= axes.eigenvalues()[i] + axes.eigenvalues()[j];
+	G = Q * G * Q.transpose();
+	if (!G.allFinite()) return gradient;
+	gradient.setMatrix({G(0, 0), G(1, 1), G(2, 2), G(0, 1), G(0, 2), G(1, 2)});
+	return gradient;
 }
 }  // namespace ist

@@ -58,6 +58,20 @@ inline bool MomentEllipsoid::isSolid() const
 		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
 }
 
+/// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Half a cache line.
+struct alignas(32) NormalGradient
+{
+	float xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;  ///< G [1/m]
+	float unused[2] = {};
+
+	SymmetricMatrix3 matrix() const { return {xx, yy, zz, xy, xz, yz}; }
+	void setMatrix(const SymmetricMatrix3& G)
+	{
+		xx = float(G.xx), yy = float(G.yy), zz = float(G.zz), xy = float(G.xy), xz = float(G.xz), yz = float(G.yz);
+	}
+};
+static_assert(sizeof(NormalGradient) == 32);
+
 /// A whole ball, without normal and depth.
 inline MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
 {
@@ -77,4 +91,7 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 
 /// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.
 MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
+/// The slope of the linear function of place that fits their normals best, by volume, each piece having one normal throughout; the symmetric
+/// part of it, as normals are minus the gradient of the depth. `whole`: merged from these. Zero for one piece.
+NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
 }  // namespace ist

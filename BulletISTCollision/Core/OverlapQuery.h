@@ -35,7 +35,7 @@ struct OverlapIntegrals
 	double volume = 0;          ///< sum dd L [m^3]
 	Vec3 firstMoment;           ///< sum dd L C [m^4]
 	double secondMoment[6] = {};  ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
-	Wrench normalA, normalB;    ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV
+	Wrench normalA, normalB;    ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV; m_i: mean normal, of merged balls that at C
 	Wrench line;                ///< sum dd L n and sum C x the same: the paper's eq. (1) at rest; only with Model::Inner
 	Vec3 areaVector;            ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected

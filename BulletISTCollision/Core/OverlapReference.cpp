@@ -8,11 +8,22 @@ namespace ist
 {
 namespace
 {
+struct Piece
+{
+	MomentEllipsoid ball;
+	SymmetricMatrix3 gradient;  ///< of its normal
+};
+
 /// The ball as Model::Inner counts it.
-MomentEllipsoid packed(MomentEllipsoid ball)
+Piece packed(MomentEllipsoid ball)
 {
 	ball.nx = ball.ny = ball.nz = ball.depth = 0;
-	return ball;
+	return {ball, {}};
+}
+
+Piece pieceOf(const BallTree& tree, size_t slot, Model model)
+{
+	return model == Model::Inner ? packed(tree.ball(slot)) : Piece{tree.ball(slot), tree.gradient(slot).matrix()};
 }
 
 void addSymmetricProduct(SymmetricMatrix6& K, double factor, const Vec3& C, const Vec3& n, const Vec3& w)
@@ -29,11 +40,12 @@ void addDamping(OverlapIntegrals& sums, double mass, const Vec3& C, const Vec3& 
 	addSymmetricProduct(sums.damping, mass, C, w, w);
 }
 
-void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R,
-			 const Lens& lens)
+void addPair(OverlapIntegrals& sums, const Piece& pieceA, const Piece& pieceB, const Vec3& centerB, const Mat3& R, const Lens& lens)
 {
+	const MomentEllipsoid &a = pieceA.ball, &b = pieceB.ball;
 	const double dd = double(a.density) * b.density, mass = dd * lens.volume;
-	const Vec3 C = lens.centroid, mA = a.normal(), mB = R * b.normal();
+	const Vec3 C = lens.centroid;
+	const Vec3 mA = a.normal() + pieceA.gradient * (C - a.center()), mB = R * (b.normal() + pieceB.gradient * (transpose(R) * (C - centerB)));
 	sums.pairs += 1;
 	sums.volume += mass;
 	sums.firstMoment += mass * C;
@@ -46,23 +58,24 @@ void addPair(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllip
 	addSymmetricProduct(sums.stiffnessA, dd * lens.area, C, lens.normal, -mA);
 	addSymmetricProduct(sums.stiffnessB, dd * lens.area, C, lens.normal, mB);
 	addDamping(sums, mass, C, mA, mB);
-	sums.depthA += mass * (a.depth - dot(mA, C - a.center()));
-	sums.depthB += mass * (b.depth - dot(mB, C - centerB));
+	sums.depthA += mass * (a.depth - dot(a.normal(), C - a.center()));
+	sums.depthB += mass * (b.depth - dot(R * b.normal(), C - centerB));
 }
 
-bool addBalls(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const Mat3& R)
+bool addBalls(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3& centerB, const Mat3& R)
 {
 	Lens lens;
-	if (!lensOf(a.center(), a.R, centerB, b.R, lens)) return false;
+	if (!lensOf(a.ball.center(), a.ball.R, centerB, b.ball.R, lens)) return false;
 	addPair(sums, a, b, centerB, R, lens);
 	return true;
 }
 
-bool addEllipsoids(OverlapIntegrals& sums, const MomentEllipsoid& a, const MomentEllipsoid& b, const Vec3& centerB, const SymmetricMatrix3& shapeB,
-				   const Mat3& R)
+/// `normalsChange`: over a ball of A's or B's.
+bool addEllipsoids(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3& centerB, const SymmetricMatrix3& shapeB, const Mat3& R, bool normalsChange)
 {
 	Lens lens;
-	if (!lensOf(a.center(), a.R, a.shape(), centerB, b.R, shapeB, lens)) return false;
+	if (!lensOf(a.ball.center(), a.ball.R, a.ball.shape(), centerB, b.ball.R, shapeB, lens)) return false;
+	if (normalsChange) lens.centroid = lensCentroid(lens, a.ball.center(), a.ball.shape(), centerB, shapeB);
 	addPair(sums, a, b, centerB, R, lens);
 	return true;
 }
@@ -86,16 +99,17 @@ OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphere
 	}
 	const Pose X{X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
 	if (model != Model::Inner) result.total.dampingWeights = damping;
+	const bool normalsChange = !treeA.gradients.empty() || !treeB.gradients.empty();
 	for (size_t j = 0; j < treeB.slotCount(); ++j)
 	{
-		const MomentEllipsoid b = treeB.ball(j);
-		const Vec3 centerB = X * b.center();
-		const SymmetricMatrix3 shapeB = rotated(X.rotation, b.shape());
+		const Piece b = pieceOf(treeB, j, model);
+		const Vec3 centerB = X * b.ball.center();
+		const SymmetricMatrix3 shapeB = rotated(X.rotation, b.ball.shape());
 		for (size_t i = 0; i < treeA.slotCount(); ++i)
 		{
-			const MomentEllipsoid a = treeA.ball(i);
-			const bool met = model == Model::Inner ? addBalls(result.total, packed(a), packed(b), centerB, X.rotation)
-												   : addEllipsoids(result.total, a, b, centerB, shapeB, X.rotation);
+			const Piece a = pieceOf(treeA, i, model);
+			const bool met = model == Model::Inner ? addBalls(result.total, a, b, centerB, X.rotation)
+												   : addEllipsoids(result.total, a, b, centerB, shapeB, X.rotation, normalsChange);
 			if (!met) continue;
 			++result.ballTests;
 		}

@@ -3,6 +3,8 @@
 
 #include "BulletISTCollision/Core/Pose.h"
 
+#include <cmath>
+
 namespace ist
 {
 struct SymmetricMatrix3
@@ -29,6 +31,7 @@ inline Vec3 operator*(const SymmetricMatrix3& a, const Vec3& v)
 {
 	return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.xz * v.x + a.yz * v.y + a.zz * v.z};
 }
+inline bool isFinite(const SymmetricMatrix3& a) { return std::isfinite(a.xx + a.yy + a.zz + a.xy + a.xz + a.yz); }
 /// Trace of the product.
 inline double dot(const SymmetricMatrix3& a, const SymmetricMatrix3& b)
 {

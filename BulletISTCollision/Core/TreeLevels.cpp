@@ -76,11 +76,16 @@ public:
 		while (m_clusters.size() < count) split();
 	}
 
-	std::vector<MomentEllipsoid> balls() const
+	BallTree tree(int threads) const
 	{
 		std::vector<MomentEllipsoid> balls;
-		for (const Cluster& cluster : m_clusters) balls.push_back(cluster.ball);
-		return balls;
+		std::vector<NormalGradient> gradients;
+		for (const Cluster& cluster : m_clusters)
+		{
+			balls.push_back(cluster.ball);
+			gradients.push_back(normalGradient(cluster.ball, m_balls.data(), m_order.data() + cluster.begin, cluster.end - cluster.begin));
+		}
+		return buildBallTree(std::move(balls), gradients, threads);
 	}
 
 	/// Calls `found(sphere)` with the largest sphere of each cluster.
@@ -174,7 +179,7 @@ std::vector<BallTree> buildLevels(const BallTree& leaves, int threads)
 	for (size_t i = sizes.size(); i-- > 0;)
 	{
 		cut.refine(sizes[i]);
-		levels[i] = buildBallTree(cut.balls(), threads);
+		levels[i] = cut.tree(threads);
 	}
 	return levels;
 }

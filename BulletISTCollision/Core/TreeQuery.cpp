@@ -106,6 +106,8 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 	m_bodies.ballsB = B.balls.data();
 	m_bodies.spheresA = A.spheres.data();
 	m_bodies.spheresB = B.spheres.data();
+	m_bodies.gradientsA = A.gradients.data();
+	m_bodies.gradientsB = B.gradients.data();
 	m_bodies.centersB = work.movedCenters.data();
 	m_bodies.movedB = work.movedBalls.data();
 	for (int i = 0; i < 3; ++i)

@@ -11,6 +11,8 @@ struct F3
 	F x, y, z;
 };
 IST_INLINE F3 cross(const F3& a, const F3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+IST_INLINE F3 operator+(const F3& a, const F3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+IST_INLINE F3 operator*(const F& s, const F3& v) { return {s * v.x, s * v.y, s * v.z}; }
 IST_INLINE F dot(const F3& a, const F3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 struct F6
@@ -20,6 +22,11 @@ struct F6
 IST_INLINE F3 operator*(const F6& a, const F3& v)
 {
 	return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.xz * v.x + a.yz * v.y + a.zz * v.z};
+}
+IST_INLINE F6 adjugate(const F6& P)
+{
+	return {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
+			P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 }
 
 /// Trace of the product.
@@ -65,6 +72,14 @@ IST_INLINE Balls fetch(const Sphere* spheres, const uint32_t* index)
 	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {}, {}, {}, {}};
 }
 
+IST_INLINE F6 fetch(const NormalGradient* gradients, const uint32_t* index)
+{
+	constexpr int offset[2] = {0, 16};
+	F::Part c[8];
+	fetchRows<2>(gradients, index, offset, c);
+	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {c[5]}};
+}
+
 /// B's tree frame to A's, one component; the reference's order of operations.
 IST_INLINE D movedComponent(const double* R, const double* t, int row, const D& x, const D& y, const D& z)
 {
@@ -77,6 +92,15 @@ IST_INLINE F3 turned(const double* R, const F3& v)
 		return F::all(float(R[3 * i])) * v.x + F::all(float(R[3 * i + 1])) * v.y + F::all(float(R[3 * i + 2])) * v.z;
 	};
 	return {row(0), row(1), row(2)};
+}
+
+/// R^T v
+IST_INLINE F3 turnedBack(const double* R, const F3& v)
+{
+	const auto column = [&](int i) {
+		return F::all(float(R[i])) * v.x + F::all(float(R[3 + i])) * v.y + F::all(float(R[6 + i])) * v.z;
+	};
+	return {column(0), column(1), column(2)};
 }
 
 /// R P R^T

@@ -4,6 +4,8 @@
 #include "BulletISTCollision/Core/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Kernels/EllipsoidLanes.h"
 
+#include <type_traits>
+
 // Included by QueryKernel.cpp only. Offsets of centres are computed in double with the operations of the reference in their order, and so
 // is all that decides whether two balls intersect. Two ellipsoids go on in floats: their depth in each other is good to some 2e-7 of
 // their size.
@@ -47,6 +49,7 @@ struct Shared
 	Lanes hits;
 	F volume, disc, share;  ///< share: of the cap of ball j in the volume
 	F inverse;              ///< 1 / distance of the centres, 0 where they coincide
+	F squareI, squareJ;     ///< of ellipsoids only: r_i^2 and r_j^2 in the coordinates that lensOf compares them in
 };
 
 /// By radii, distance of the centres, and the signs and values of r_i + r_j - d, r_j - r_i + d and r_i - r_j + d.
@@ -93,8 +96,7 @@ IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 	const F6 &A = a.shape, &B = b.shape;
 	const auto entry = [&](const F& p, const F& q) __attribute__((always_inline)) { return (p + q) * w.perUnit2; };
 	const F6 P{entry(A.xx, B.xx), entry(A.yy, B.yy), entry(A.zz, B.zz), entry(A.xy, B.xy), entry(A.xz, B.xz), entry(A.yz, B.yz)};
-	w.Q = {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
-		   P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
+	w.Q = adjugate(P);
 	w.det = P.xx * w.Q.xx + P.xy * w.Q.xy + P.xz * w.Q.xz;
 	return w;
 }
@@ -123,6 +125,8 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	const F alongOffset = F::select(bounded, share, zero) * steepness, alongW = F::select(bounded, zero, inverse) * steepness;
 	const auto component = [&](const F& along, const F& wx) { return along * alongOffset + wx * alongW; };
 	n = {component(x.x, w.x), component(x.y, w.y), component(x.z, w.z)};
+	s.squareI = ri * ri;
+	s.squareJ = rj * rj;
 	s.volume = s.volume * scale;
 	s.disc = s.disc * scale;
 	return s;
@@ -160,7 +164,27 @@ IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
 	else return fetch(bodies.ballsA, index);
 }
 
-template <Terms terms, bool isMoved>
+/// What normals that change over a ball, of A's, of B's or of both, make of a lens: its centroid, as lensCentroid() has it, and the normals there.
+IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, const Balls& a, const Balls& b, const F3& offset,
+							  const Shared& shared, Lenses& l)
+{
+	const F zero = F::all(0), one = F::all(1), ofA = shared.share * shared.squareJ, ofB = (one - shared.share) * shared.squareI;
+	const F perUnit = F::inverseOfPower(F::powerOfTwoBelow(a.R + b.R)), scale = perUnit * perUnit / (ofA + ofB);
+	const F weightA = ofA * scale, weightB = ofB * scale;
+	const F6 &A = a.shape, &B = b.shape;
+	const auto entry = [&](const F& p, const F& q) __attribute__((always_inline)) { return p * weightA + q * weightB; };
+	const F6 N{entry(A.xx, B.xx), entry(A.yy, B.yy), entry(A.zz, B.zz), entry(A.xy, B.xy), entry(A.xz, B.xz), entry(A.yz, B.yz)}, Q = adjugate(N);
+	const F det = N.xx * Q.xx + N.xy * Q.xy + N.xz * Q.xz;
+	const F3 w = F::select(F::isLess(zero, det), one / det, zero) * (Q * offset), fromA = -weightA * (A * w), fromB = weightB * (B * w);
+	l.C = {a.x + fromA.x, a.y + fromA.y, a.z + fromA.z};
+	l.depthA = a.depth - dot(l.mA, fromA);
+	l.depthB = b.depth - dot(l.mB, fromB);
+	if (bodies.gradientsA) l.mA = l.mA + fetch(bodies.gradientsA, indexA) * fromA;
+	if (bodies.gradientsB) l.mB = l.mB + turned(bodies.R, fetch(bodies.gradientsB, indexB) * turnedBack(bodies.R, fromB));
+}
+
+/// `normalsChange`: over a ball of A's or of B's.
+template <Terms terms, bool isMoved, bool normalsChange>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
 	Balls b;
@@ -196,6 +220,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 		l.mB = {b.normal.x, b.normal.y, b.normal.z};
 		l.depthA = a.depth + shared.share * dot(l.mA, offset);
 		l.depthB = b.depth - (F::all(1) - shared.share) * dot(l.mB, offset);
+		if constexpr (normalsChange) changeNormals(bodies, indexA, indexB, a, b, offset, shared, l);
 	}
 	return l;
 }
@@ -424,7 +449,7 @@ IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
 	return length + kept.count();
 }
 
-template <Terms terms, bool isMoved>
+template <Terms terms, bool isMoved, bool normalsChange>
 void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
 	Stage stage;
@@ -432,7 +457,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	int64_t pairs = 0;
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const Lenses l = lensesOf<terms, isMoved>(bodies, a + k, b + k);
+		const Lenses l = lensesOf<terms, isMoved, normalsChange>(bodies, a + k, b + k);
 		length = stageLenses<terms>(l, count - k, stage, length);
 		pairs += __builtin_popcount(l.hits.bits() & firstLanes(count - k));
 		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
@@ -441,13 +466,21 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	sums[kPairs] += double(pairs);
 }
 
+/// Calls `evaluate(isMoved, normalsChange)`, both known to the compiler.
+template <Terms terms, typename Evaluate>
+IST_INLINE auto specialized(const PairBodies& bodies, const Evaluate& evaluate)
+{
+	using Yes = std::true_type;
+	using No = std::false_type;
+	if constexpr (terms != kLineTerms)
+		if (bodies.gradientsA || bodies.gradientsB) return bodies.centersB ? evaluate(Yes(), Yes()) : evaluate(No(), Yes());
+	return bodies.centersB ? evaluate(Yes(), No()) : evaluate(No(), No());
+}
+
 template <Terms terms>
 void evaluateAs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
-	if (bodies.centersB)
-		evaluatePairs<terms, true>(bodies, a, b, count, sums);
-	else
-		evaluatePairs<terms, false>(bodies, a, b, count, sums);
+	specialized<terms>(bodies, [&](auto isMoved, auto normalsChange) { evaluatePairs<terms, isMoved, normalsChange>(bodies, a, b, count, sums); });
 }
 
 void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums)

@@ -25,12 +25,12 @@ IST_INLINE void forEachListed(const Lenses& l, const Visit& visit)
 	visit(PairStream::Rank, F::larger(length, F::all(kLeastRank) * l.mass));
 }
 
-template <Terms terms, bool isMoved>
+template <Terms terms, bool isMoved, bool normalsChange>
 int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
 {
 	for (int k = 0; k < count; k += kLanes)
 	{
-		const Lenses l = lensesOf<terms, isMoved>(bodies, a + k, b + k);
+		const Lenses l = lensesOf<terms, isMoved, normalsChange>(bodies, a + k, b + k);
 		const LaneCompressor kept((bodies.keepMeeting ? l.meeting : l.hits).bits() & firstLanes(count - k));
 		kept.move(a + k, stream.a + size);
 		kept.move(b + k, stream.b + size);
@@ -43,7 +43,7 @@ int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, 
 template <Terms terms>
 int refineAs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
 {
-	return bodies.centersB ? refinePairs<terms, true>(bodies, a, b, count, stream, size) : refinePairs<terms, false>(bodies, a, b, count, stream, size);
+	return specialized<terms>(bodies, [&](auto isMoved, auto normalsChange) { return refinePairs<terms, isMoved, normalsChange>(bodies, a, b, count, stream, size); });
 }
 
 int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size)

@@ -104,6 +104,7 @@ struct PairBodies
 {
 	const MomentEllipsoid *ballsA, *ballsB;
 	const Sphere *spheresA, *spheresB;  ///< all that kLineTerms read
+	const NormalGradient *gradientsA, *gradientsB;  ///< in each body's own tree frame; null: none
 	const MovedCenter* centersB;    ///< of those balls that the search found in pairs; null: each pair moves and turns its own
 	const MomentEllipsoid* movedB;  ///< with centersB: B's balls in A's tree frame, in floats
 	double R[9], t[3];

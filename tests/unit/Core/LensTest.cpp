@@ -233,3 +233,90 @@ TEST(LensOfEllipsoids, IsContinuousThroughTheCommonCentreAndToTheRim)
 		EXPECT_EQ(before, 0);
 	}
 }
+
+namespace
+{
+/// Centroid of what two ellipsoids share, from points spread evenly over the first. False when that are few.
+bool sampledCentroid(const Ellipsoid& a, const Ellipsoid& b, const std::vector<Vec3>& unitBall, const Mat3& root, Vec3& centroid)
+{
+	const SymmetricMatrix3 inverseB = adjugate(b.P) * (1 / determinant(b.P));
+	Vec3 sum;
+	int inside = 0;
+	for (const Vec3& u : unitBall)
+	{
+		const Vec3 x = a.c + root * u, y = x - b.c;
+		if (dot(y, inverseB * y) > 1) continue;
+		sum += x;
+		++inside;
+	}
+	if (inside < 500) return false;
+	centroid = sum / inside;
+	return true;
+}
+
+std::vector<Vec3> pointsInUnitBall(int count, std::mt19937& random)
+{
+	std::uniform_real_distribution<double> u(-1, 1);
+	std::vector<Vec3> points;
+	while (int(points.size()) < count)
+	{
+		const Vec3 p{u(random), u(random), u(random)};
+		if (squaredNorm(p) < 1) points.push_back(p);
+	}
+	return points;
+}
+}  // namespace
+
+TEST(LensOfEllipsoids, CentroidOfBallsLiesOnTheirLine)
+{
+	std::mt19937 random(17);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (int i = 0; i < 200; ++i)
+	{
+		const double Ri = 0.6 + 0.5 * u(random), Rj = 0.6 + 0.5 * u(random);
+		const Vec3 ci{u(random), u(random), u(random)}, cj{u(random), u(random), u(random)};
+		Lens lens;
+		if (!lensOf(ci, Ri, cj, Rj, lens)) continue;
+		EXPECT_LT(distance(lensCentroid(lens, ci, SymmetricMatrix3::identity(Ri * Ri), cj, SymmetricMatrix3::identity(Rj * Rj)), lens.centroid), 1e-12);
+	}
+}
+
+TEST(LensOfEllipsoids, CentroidOfWhatIsInsideIsItsCentre)
+{
+	const SymmetricMatrix3 flat{1, 1, 0.01, 0, 0, 0}, round = SymmetricMatrix3::identity(100);
+	const Vec3 ci{1, 2, 3}, cj{3, 1, 2};
+	Lens lens;
+	ASSERT_TRUE(lensOf(ci, 1, flat, cj, 10, round, lens));
+	EXPECT_EQ(lensCentroid(lens, ci, flat, cj, round), ci);
+	ASSERT_TRUE(lensOf(cj, 10, round, ci, 1, flat, lens));
+	EXPECT_LT(distance(lensCentroid(lens, cj, round, ci, flat), ci), 1e-12);
+}
+
+// A disc a tenth as thick as wide, at random beside rounder ellipsoids: across the disc, in half its thickness, the line of the centres leads far outside.
+TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
+{
+	constexpr double kThick = 0.1;
+	std::mt19937 random(19);
+	std::uniform_real_distribution<double> u(-1, 1);
+	const std::vector<Vec3> points = pointsInUnitBall(20000, random);
+	const Mat3 root{1, 0, 0, 0, 1, 0, 0, 0, kThick};
+	const Ellipsoid disc{{}, {1, 1, kThick * kThick, 0, 0, 0}, 1};
+	double off = 0, offOnTheLine = 0;
+	int met = 0;
+	for (int i = 0; i < 300; ++i)
+	{
+		Ellipsoid other = randomEllipsoid(random, 1.5);
+		other.c = Vec3{u(random), u(random), u(random)} * 1.5;
+		Lens lens;
+		Vec3 truth;
+		if (!lensOf(disc.c, disc.R, disc.P, other.c, other.R, other.P, lens) || !sampledCentroid(disc, other, points, root, truth)) continue;
+		const Vec3 found = lensCentroid(lens, disc.c, disc.P, other.c, other.P);
+		EXPECT_LT(std::fabs(found.z), kThick);
+		off += std::fabs(found.z - truth.z) / kThick;
+		offOnTheLine += std::fabs(lens.centroid.z - truth.z) / kThick;
+		++met;
+	}
+	ASSERT_GT(met, 80);
+	EXPECT_LT(off / met, 0.15);
+	EXPECT_GT(offOnTheLine / met, 1);
+}

@@ -13,7 +13,7 @@ struct LooseTree
 		  spheres(tree.spheres.begin(), tree.spheres.end()), sphereIndex(tree.sphereIndex.begin(), tree.sphereIndex.end())
 	{
 	}
-	BallTree frozen() const { return {nodes, blocks, balls, spheres, sphereIndex}; }
+	BallTree frozen() const { return {nodes, blocks, balls, spheres, sphereIndex, {}}; }
 
 	std::vector<BallNode> nodes;
 	std::vector<BallBlock> blocks;

@@ -114,6 +114,54 @@ TEST(OverlapQuery, AgreesWithBruteForceInEveryInstructionSet)
 	}
 }
 
+TEST(OverlapQuery, NormalsThatChangeInOneOfTheBodiesAgreeWithBruteForce)
+{
+	for (const InstructionSet set : availableSets())
+	{
+		SCOPED_TRACE(toString(set));
+		std::mt19937 random(12);
+		QueryWorkspace workspace({}, set);
+		for (const int count : {1, 5, 300})
+		{
+			InnerSphereTree A = cloudBody(count, 1, {3, 2, 1});
+			const InnerSphereTree B = cloudBody(count + 3, 2);
+			A.law = A.cells;
+			ASSERT_FALSE(A.law.gradients.empty());
+			ASSERT_TRUE(B.law.gradients.empty());
+			for (const double reach : {0.2, 1.5})
+			{
+				compare(A, B, randomPose(random, A, B, reach), workspace, Model::Law);
+				compare(B, A, randomPose(random, B, A, reach), workspace, Model::Law);
+			}
+		}
+	}
+}
+
+// One lens: the normal at its centroid C is m + G (C - c), so that of the sums is m V + G (Int x dV - c V), G turned as the body is.
+TEST(OverlapQuery, NormalThatChangesIsTheOneAtTheCentroid)
+{
+	const MomentEllipsoid ball = ballAt({0.1, 0.2, -0.1}, {0.3, 0, -0.2}, 0.5);
+	const SymmetricMatrix3 G{0.5, -0.4, 0.3, 0.2, -0.1, 0.6};
+	NormalGradient gradient;
+	gradient.setMatrix(G);
+	InnerSphereTree A;
+	A.law = buildBallTree({ball}, {gradient});
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.7, -1.1, 0.4})), {0.3, 0.3, 0.2}};
+	for (const InstructionSet set : availableSets())
+	{
+		QueryWorkspace workspace({}, set);
+		const OverlapIntegrals sums = queryOverlap(A, A, X, workspace).total;
+		ASSERT_EQ(sums.pairs, 1);
+		ASSERT_LT(sums.volume, 0.9 * ballVolume(0.5)) << "all of a ball has its centre's";
+		const Vec3 own = ball.normal(), c = ball.center();
+		const Vec3 expectedA = own * sums.volume + G * (sums.firstMoment - c * sums.volume);
+		const Vec3 expectedB = X.rotation * own * sums.volume + rotated(X.rotation, G) * (sums.firstMoment - X * c * sums.volume);
+		ASSERT_GT(norm(expectedA - own * sums.volume), 1e-2 * sums.volume);
+		expectNear(sums.normalA.force, expectedA, 1e-6);
+		expectNear(sums.normalB.force, expectedB, 1e-6);
+	}
+}
+
 // Two leaves of known normals, one lens: the sum has one term, whose normal is (0, 0.3, 0.4).
 TEST(OverlapQuery, DampingOfOnePairIsItsVolumeAlongItsOwnNormal)
 {

@@ -19,7 +19,17 @@ inline BallTree packedTree(const std::vector<MomentEllipsoid>& balls)
 	return buildInnerTree(spheres);
 }
 
-/// Balls all over a cube of side 2; their normals point away from the centre.
+/// As steep as lets a normal change by a half over a ball.
+inline std::vector<NormalGradient> randomGradients(const std::vector<MomentEllipsoid>& balls, std::mt19937& random)
+{
+	std::uniform_real_distribution<double> u(-0.2, 0.2);
+	std::vector<NormalGradient> gradients(balls.size());
+	for (std::size_t i = 0; i < balls.size(); ++i)
+		gradients[i].setMatrix(SymmetricMatrix3{u(random), u(random), u(random), u(random), u(random), u(random)} * (1 / balls[i].R));
+	return gradients;
+}
+
+/// Balls all over a cube of side 2; their normals point away from the centre. Those of the cells change over each, as those of levels do.
 inline InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
 {
 	std::mt19937 random(seed);
@@ -48,7 +58,7 @@ inline InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = 
 		b.R *= 1.1f;
 		giveRandomShape(b, random);
 	}
-	body.cells = buildBallTree(balls);
+	body.cells = buildBallTree(balls, randomGradients(balls, random));
 	for (MomentEllipsoid& b : balls)
 	{
 		b.R *= 0.7f;

@@ -85,7 +85,7 @@ TEST(QueryBudget, LevelsFadeIntoEachOtherAlongAPath)
 	options.maxSpheres = 1500;
 	InnerSphereTree A = buildTree(translated(makeTorusMesh(0.5, 0.2, 48, 24), {3, 4, 5}), options).value();
 	A.levels = buildLevels(A.law);
-	const Leap faded = leapAlongPath(A, A, true, 500), sudden = leapAlongPath(A, A, false, 500);
+	const Leap faded = leapAlongPath(A, A, true, 300), sudden = leapAlongPath(A, A, false, 300);
 	EXPECT_GE(faded.levels, 2);
 	EXPECT_GT(faded.blended, 20);
 	EXPECT_LT(faded.most, 0.01);

@@ -2,6 +2,8 @@
 #include "BulletISTCollision/Core/TreeLevels.h"
 
 #include "BulletISTCollision/Core/Lens.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/PressureField.h"
 #include "tests/unit/Core/RandomShapes.h"
 
 #include <gtest/gtest.h>
@@ -116,6 +118,137 @@ TEST(TreeLevels, SidesOfAPlateAreNotMerged)
 	int mixed = 0;
 	for (const MomentEllipsoid& b : real(levels[0])) mixed += std::fabs(b.nz) < 0.999;
 	EXPECT_EQ(mixed, 0);
+}
+
+// n = G x, in pieces so small that each has one normal; in a ball and in a layer.
+TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
+{
+	std::mt19937 random(5);
+	std::uniform_real_distribution<float> u(-1, 1);
+	const SymmetricMatrix3 G{0.4, -0.3, 0.2, 0.1, 0.25, -0.15};
+	std::vector<MomentEllipsoid> pieces(40);
+	std::vector<uint32_t> all(pieces.size());
+	std::iota(all.begin(), all.end(), 0u);
+	for (const double thickness : {1.0, 0.1})
+	{
+		for (MomentEllipsoid& p : pieces)
+		{
+			p = {};
+			p.setPlace(Vec3{5 + u(random), u(random), thickness * u(random)});
+			p.R = 1e-3f * (1.5f + u(random));
+			p.density = 1;
+			makeRound(p);
+			p.setNormal(G * p.center());
+		}
+		const SymmetricMatrix3 found = normalGradient(merged(pieces.data(), all.data(), all.size()), pieces.data(), all.data(), all.size()).matrix();
+		const SymmetricMatrix3 off = found + G * -1;
+		for (double v : {off.xx, off.yy, off.zz, off.xy, off.xz, off.yz}) EXPECT_NEAR(v, 0, 1e-5 / thickness);
+	}
+	EXPECT_EQ(normalGradient(pieces[3], pieces.data(), all.data() + 3, 1).matrix().trace(), 0) << "one piece has one normal";
+}
+
+// Normals at random in a layer: a step in any slope makes the sum of squares larger, by as much as a step back.
+TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
+{
+	std::mt19937 random(6);
+	std::normal_distribution<double> gauss;
+	std::vector<MomentEllipsoid> pieces(30);
+	std::vector<uint32_t> all(pieces.size());
+	std::iota(all.begin(), all.end(), 0u);
+	for (MomentEllipsoid& p : pieces)
+	{
+		p.setPlace({gauss(random), gauss(random), 0.2 * gauss(random)});
+		p.R = 1e-3f;
+		p.density = 1;
+		makeRound(p);
+		p.setNormal(Vec3{gauss(random), gauss(random), gauss(random)} * 0.3);
+	}
+	const MomentEllipsoid whole = merged(pieces.data(), all.data(), all.size());
+	const SymmetricMatrix3 G = normalGradient(whole, pieces.data(), all.data(), all.size()).matrix();
+	const auto squares = [&](const SymmetricMatrix3& slopes)
+	{
+		double sum = 0;
+		for (const MomentEllipsoid& p : pieces) sum += squaredNorm(p.normal() - whole.normal() - slopes * (p.center() - whole.center()));
+		return sum;
+	};
+	const double least = squares(G), step = 1e-2;
+	for (double SymmetricMatrix3::*entry : {&SymmetricMatrix3::xx, &SymmetricMatrix3::yy, &SymmetricMatrix3::zz, &SymmetricMatrix3::xy, &SymmetricMatrix3::xz, &SymmetricMatrix3::yz})
+	{
+		SymmetricMatrix3 more = G, less = G;
+		more.*entry += step;
+		less.*entry -= step;
+		const double curvature = squares(more) + squares(less) - 2 * least;
+		ASSERT_GT(curvature, 0);
+		EXPECT_LT(std::fabs(squares(more) - squares(less)), 1e-3 * curvature) << "a minimum: a parabola with its vertex at G";
+	}
+}
+
+// Two balls of radius r at x = -a and a, of normals -1 and 1: the best slope is Int n x over Int x^2, a / (a^2 + r^2 / 5).
+TEST(TreeLevels, GradientCountsThePiecesOwnSize)
+{
+	MomentEllipsoid pieces[2];
+	for (const float side : {-1.0f, 1.0f})
+	{
+		MomentEllipsoid& p = pieces[side > 0];
+		p.x = 0.3f * side;
+		p.R = 0.25f;
+		p.density = 1;
+		p.nx = side;
+		makeRound(p);
+	}
+	const uint32_t both[2] = {0, 1};
+	const SymmetricMatrix3 G = normalGradient(merged(pieces, both, 2), pieces, both, 2).matrix();
+	EXPECT_NEAR(G.xx, 0.3 / (0.09 + 0.0625 / 5), 1e-5);
+	for (double v : {G.yy, G.zz, G.xy, G.xz, G.yz}) EXPECT_NEAR(v, 0, 1e-6);
+}
+
+// Balls of small cubes, whose normals are those of the ball. With their mean normals alone coarse levels press too little, the more the coarser.
+TEST(TreeLevels, PressAsMuchAsTheLeaves)
+{
+	constexpr double kSide = 0.1;
+	std::vector<MomentEllipsoid> cubes;
+	for (double x = -0.95; x < 1; x += kSide)
+		for (double y = -0.95; y < 1; y += kSide)
+			for (double z = -0.95; z < 1; z += kSide)
+			{
+				const Vec3 c{x, y, z};
+				if (!(norm(c) < 1)) continue;
+				MomentEllipsoid cube = momentEllipsoid(c, SymmetricMatrix3::identity(kSide * kSide * 5 / 12), kSide * kSide * kSide);
+				cube.setNormal(c / norm(c));
+				cube.depth = float(1 - norm(c));
+				cubes.push_back(cube);
+			}
+	InnerSphereTree body, without;
+	body.law = without.law = buildBallTree(cubes);
+	body.volume = without.volume = double(cubes.size()) * kSide * kSide * kSide;
+	body.levels = without.levels = buildLevels(body.law);
+	for (BallTree& level : without.levels) level.gradients = {};
+	ASSERT_GE(body.levels.size(), 3u);
+	QueryWorkspace workspace;
+	QueryOptions options;
+	const auto force = [&](const InnerSphereTree& tree, const Pose& X, int level)
+	{
+		options.level = level;
+		return pressureWrench(queryOverlap(tree, tree, X, workspace, options).total, {}).force;
+	};
+	std::mt19937 random(8);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (const int level : {2, 4, 6})
+	{
+		double off = 0, offWithout = 0;
+		constexpr int kPoses = 20;
+		for (int i = 0; i < kPoses; ++i)
+		{
+			Vec3 direction{u(random), u(random), u(random)};
+			direction = direction / norm(direction);
+			const Pose X{rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)})), direction * 1.2};
+			const Vec3 exact = force(body, X, 0);
+			off += dot(force(body, X, level) - exact, exact) / squaredNorm(exact) / kPoses;
+			offWithout += dot(force(without, X, level) - exact, exact) / squaredNorm(exact) / kPoses;
+		}
+		EXPECT_LT(offWithout, -0.005) << "else this test shows nothing; level " << level;
+		EXPECT_LT(std::fabs(off), std::fabs(offWithout) / 3) << "level " << level;
+	}
 }
 
 TEST(TreeLevels, FewBallsHaveNoLevels)
