@@ -24,5 +24,9 @@ function(bullethaptics_target target)
 		target_compile_options(${target} PRIVATE -fsanitize=${BULLETHAPTICS_SANITIZE} -fno-omit-frame-pointer
 			-fno-sanitize-recover=all $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)
 		target_link_options(${target} PUBLIC -fsanitize=${BULLETHAPTICS_SANITIZE})
+		# As is usual for libFuzzer; clang does not define it for its libraries.
+		if(BULLETHAPTICS_SANITIZE MATCHES "fuzzer")
+			target_compile_definitions(${target} PRIVATE FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION)
+		endif()
 	endif()
 endfunction()
