@@ -91,7 +91,8 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 
 /// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.
 MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
-/// The slope of the linear function of place that fits their normals best, by volume, each piece having one normal throughout; the symmetric
-/// part of it, as normals are minus the gradient of the depth. `whole`: merged from these. Zero for one piece.
+/// The symmetric slope that fits their normals best, by volume, each piece having one normal throughout; symmetric, as normals are minus the
+/// gradient of the depth. G with G S + S G = C + C^T, S the second moment of `whole`, merged from these, about its centroid, and C = Sum V (n - m) (x - c)^T
+/// over the pieces. Zero for one piece.
 NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
 }  // namespace ist
