@@ -372,7 +372,7 @@ bool hasItsBalls(const BallTree& tree)
 {
 	const bool packed = !tree.spheres.empty();
 	return tree.balls.size() == (packed ? 0 : tree.slotCount()) && tree.spheres.size() == (packed ? tree.slotCount() : 0) &&
-		   tree.sphereIndex.size() == tree.spheres.size() && (tree.gradients.empty() || tree.gradients.size() == tree.balls.size());
+		   tree.sphereIndex.size() == tree.spheres.size();
 }
 }  // namespace
 
@@ -399,6 +399,7 @@ MomentEllipsoid BallTree::packedBall(size_t slot) const
 std::string BallTree::validate() const
 {
 	if (!hasItsBalls(*this)) return "ball count is not sixteen for each block";
+	if (!gradients.empty() && gradients.size() != balls.size()) return "not one gradient for each ball";
 	if (nodes.empty()) return blocks.empty() ? std::string() : "blocks without nodes";
 	std::vector<char> nodeSeen(nodes.size()), blockSeen(blocks.size());
 	struct Cursor
@@ -465,7 +466,11 @@ BallTree buildBallTree(std::vector<MomentEllipsoid> balls, const std::vector<Nor
 {
 	// Numbered by their places in the list, to be found again in the tree's order.
 	std::vector<uint32_t> spheres;
-	for (MomentEllipsoid& ball : balls) spheres.push_back(std::exchange(ball.sphere, uint32_t(spheres.size())));
+	for (size_t i = 0; i < balls.size(); ++i)
+	{
+		spheres.push_back(balls[i].sphere);
+		balls[i].sphere = uint32_t(i);
+	}
 	const BallTree tree = buildBallTree(balls, threads);
 	std::vector<MomentEllipsoid> inOrder(tree.balls.begin(), tree.balls.end());
 	std::vector<NormalGradient> ofThese(inOrder.size());

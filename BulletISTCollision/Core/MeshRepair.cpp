@@ -27,7 +27,7 @@ constexpr double kRoundedApart = 4;
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-constexpr int kWrapCells = 16;  // the same code, sixty times as often
+constexpr int kWrapCells = 16;  // asks the same questions, a sixtieth of them
 #else
 constexpr int kWrapCells = 128;
 #endif

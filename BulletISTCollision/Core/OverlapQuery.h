@@ -29,13 +29,13 @@ inline bool operator!=(const DampingWeights& a, const DampingWeights& b) { retur
 /// Integrals over the overlap of A and B (or over one patch of it), free of materials but for the damping's weights. Axes of A's mesh frame; moments are taken
 /// about A's `origin` (its centre of mass). Derived in ARCHITECTURE.md "Pressure field law". dd = d_i d_j, L = volume that two
 /// ellipsoids share in units of their densities (Lens.h; for Model::Inner the lens of two balls), C = its centroid, m = mean outward normal
-/// of a leaf, area n = minus the gradient of L by c_i - c_j, with n of unit length.
+/// there: a leaf has one, m(c), that of a merged ball changes over it (NormalGradient); area n = minus the gradient of L by c_i - c_j, with n of unit length.
 struct OverlapIntegrals
 {
 	double volume = 0;          ///< sum dd L [m^3]
 	Vec3 firstMoment;           ///< sum dd L C [m^4]
 	double secondMoment[6] = {};  ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
-	Wrench normalA, normalB;    ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV; m_i: mean normal, of merged balls that at C
+	Wrench normalA, normalB;    ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV
 	Wrench line;                ///< sum dd L n and sum C x the same: the paper's eq. (1) at rest; only with Model::Inner
 	Vec3 areaVector;            ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
@@ -43,7 +43,7 @@ struct OverlapIntegrals
 	/// the speed at which the pair comes together, weighted with its pressure [m^3, m^4, m^5]. Zero where `dampingWeights` are.
 	SymmetricMatrix6 damping;
 	DampingWeights dampingWeights;
-	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i.(C - c_i)) and the same of j: Int depth dV [m^4]
+	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)) and the same of j: Int depth dV [m^4]
 	int64_t pairs = 0;          ///< intersecting pairs
 
 	void add(const OverlapIntegrals& other);

@@ -11,7 +11,7 @@ namespace ist
 {
 namespace
 {
-// With three, the levels together take half the memory of the leaves; with two as much again.
+// With three, the levels together take two thirds of the memory of the leaves; with two a third more than the leaves.
 constexpr int kMerged = 3;
 /// The coarsest level has at least this many balls.
 constexpr size_t kFewestBalls = 24;

@@ -404,11 +404,12 @@ void TreeQuery::publishPairs()
 		pair.ballB = uint32_t(m_work.keys[i]);
 		const MomentEllipsoid a = m_A.ball(pair.ballA), b = m_B.ball(pair.ballB);
 		const Vec3 centerB = m_X * b.center();
+		const SymmetricMatrix3 shapeB = rotated(m_X.rotation, b.shape());
 		Lens lens;
 		if (m_options.model == Model::Inner)
 			lensOf(a.center(), a.R, centerB, b.R, lens);
-		else
-			lensOf(a.center(), a.R, a.shape(), centerB, b.R, rotated(m_X.rotation, b.shape()), lens);
+		else if (lensOf(a.center(), a.R, a.shape(), centerB, b.R, shapeB, lens) && (m_bodies.gradientsA || m_bodies.gradientsB))
+			lens.centroid = lensCentroid(lens, a.center(), a.shape(), centerB, shapeB);
 		pair.lens = float(lens.volume);
 		pair.area = float(lens.area);
 		pair.centroid = lens.centroid;

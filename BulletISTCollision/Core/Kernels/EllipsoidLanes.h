@@ -23,11 +23,16 @@ IST_INLINE F3 operator*(const F6& a, const F3& v)
 {
 	return {a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.xz * v.x + a.yz * v.y + a.zz * v.z};
 }
+IST_INLINE F6 operator+(const F6& a, const F6& b) { return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz}; }
+IST_INLINE F6 operator*(const F& s, const F6& a) { return {s * a.xx, s * a.yy, s * a.zz, s * a.xy, s * a.xz, s * a.yz}; }
+IST_INLINE F trace(const F6& a) { return a.xx + a.yy + a.zz; }
 IST_INLINE F6 adjugate(const F6& P)
 {
 	return {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
 			P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 }
+/// `Q`: its adjugate.
+IST_INLINE F determinant(const F6& P, const F6& Q) { return P.xx * Q.xx + P.xy * Q.xy + P.xz * Q.xz; }
 
 /// Trace of the product.
 IST_INLINE F dot(const F6& a, const F6& b)

@@ -93,11 +93,9 @@ IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 	w.unit = F::powerOfTwoBelow(a.R + b.R);
 	w.perUnit = F::inverseOfPower(w.unit);
 	w.perUnit2 = w.perUnit * w.perUnit;
-	const F6 &A = a.shape, &B = b.shape;
-	const auto entry = [&](const F& p, const F& q) __attribute__((always_inline)) { return (p + q) * w.perUnit2; };
-	const F6 P{entry(A.xx, B.xx), entry(A.yy, B.yy), entry(A.zz, B.zz), entry(A.xy, B.xy), entry(A.xz, B.xz), entry(A.yz, B.yz)};
+	const F6 P = w.perUnit2 * (a.shape + b.shape);
 	w.Q = adjugate(P);
-	w.det = P.xx * w.Q.xx + P.xy * w.Q.xy + P.xz * w.Q.xz;
+	w.det = determinant(P, w.Q);
 	return w;
 }
 
@@ -168,14 +166,13 @@ IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
 IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, const Balls& a, const Balls& b, const F3& offset,
 							  const Shared& shared, Lenses& l)
 {
+	// The sum of both shapes has a trace of one: so its determinant stays in a float's range, however unlike the two are.
+	constexpr float kLeastTrace = 1e-37f;
 	const F zero = F::all(0), one = F::all(1), ofA = shared.share * shared.squareJ, ofB = (one - shared.share) * shared.squareI;
-	const F perUnit = F::inverseOfPower(F::powerOfTwoBelow(a.R + b.R)), scale = perUnit * perUnit / (ofA + ofB);
-	const F weightA = ofA * scale, weightB = ofB * scale;
-	const F6 &A = a.shape, &B = b.shape;
-	const auto entry = [&](const F& p, const F& q) __attribute__((always_inline)) { return p * weightA + q * weightB; };
-	const F6 N{entry(A.xx, B.xx), entry(A.yy, B.yy), entry(A.zz, B.zz), entry(A.xy, B.xy), entry(A.xz, B.xz), entry(A.yz, B.yz)}, Q = adjugate(N);
-	const F det = N.xx * Q.xx + N.xy * Q.xy + N.xz * Q.xz;
-	const F3 w = F::select(F::isLess(zero, det), one / det, zero) * (Q * offset), fromA = -weightA * (A * w), fromB = weightB * (B * w);
+	const F together = ofA * trace(a.shape) + ofB * trace(b.shape), scale = F::select(F::isLess(F::all(kLeastTrace), together), one / together, zero);
+	const F6 A = (ofA * scale) * a.shape, B = (ofB * scale) * b.shape, N = A + B, Q = adjugate(N);
+	const F det = determinant(N, Q);
+	const F3 w = F::select(shared.hits & F::isLess(zero, det), one / det, zero) * (Q * offset), fromA = -one * (A * w), fromB = B * w;
 	l.C = {a.x + fromA.x, a.y + fromA.y, a.z + fromA.z};
 	l.depthA = a.depth - dot(l.mA, fromA);
 	l.depthB = b.depth - dot(l.mB, fromB);
@@ -473,7 +470,9 @@ IST_INLINE auto specialized(const PairBodies& bodies, const Evaluate& evaluate)
 	using Yes = std::true_type;
 	using No = std::false_type;
 	if constexpr (terms != kLineTerms)
+	{
 		if (bodies.gradientsA || bodies.gradientsB) return bodies.centersB ? evaluate(Yes(), Yes()) : evaluate(No(), Yes());
+	}
 	return bodies.centersB ? evaluate(Yes(), No()) : evaluate(No(), No());
 }
 

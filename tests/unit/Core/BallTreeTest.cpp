@@ -105,6 +105,35 @@ TEST(BallTree, HoldsEveryBallOnceAndIsValid)
 	}
 }
 
+TEST(BallTree, EveryBallKeepsItsGradientAndItsSphere)
+{
+	const auto gradientAt = [](const MomentEllipsoid& b)
+	{
+		NormalGradient gradient;
+		gradient.setMatrix({b.x, b.y, b.z, 2 * b.x, 3 * b.y, 4 * b.z});
+		return gradient;
+	};
+	std::vector<MomentEllipsoid> balls = cloud(1000, 7);
+	std::vector<NormalGradient> gradients;
+	for (size_t i = 0; i < balls.size(); ++i)
+	{
+		balls[i].sphere = uint32_t(5000 - 3 * i);
+		gradients.push_back(gradientAt(balls[i]));
+	}
+	const BallTree tree = buildBallTree(balls, gradients);
+	EXPECT_EQ(tree.validate(), "");
+	EXPECT_EQ(sorted(tree.balls), sorted(balls));
+	ASSERT_EQ(tree.gradients.size(), tree.balls.size());
+	for (size_t slot = 0; slot < tree.balls.size(); ++slot)
+	{
+		const MomentEllipsoid& ball = tree.balls[slot];
+		if (!(ball.density > 0)) continue;
+		EXPECT_EQ(tree.gradients[slot].zz, ball.z);
+		EXPECT_EQ(tree.gradients[slot].xy, 2 * ball.x);
+		EXPECT_EQ(balls[(5000 - ball.sphere) / 3].center(), ball.center());
+	}
+}
+
 TEST(BallTree, TheThreadCountChangesNothing)
 {
 	const std::vector<MomentEllipsoid> balls = cloud(30000, 11);
@@ -173,6 +202,9 @@ TEST(BallTree, ValidateFindsDamage)
 	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].density = 0; }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.balls.pop_back(); }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes.clear(); }), "");
+	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); }), "");
+	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size() - 1); }), "not one gradient for each ball");
+	EXPECT_NE(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); t.gradients[7].yz = NAN; }), "");
 }
 
 TEST(BallTree, ValidateRefusesAChainDeeperThanQueriesAllow)

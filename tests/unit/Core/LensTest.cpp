@@ -301,7 +301,7 @@ TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
 	const std::vector<Vec3> points = pointsInUnitBall(20000, random);
 	const Mat3 root{1, 0, 0, 0, 1, 0, 0, 0, kThick};
 	const Ellipsoid disc{{}, {1, 1, kThick * kThick, 0, 0, 0}, 1};
-	double off = 0, offOnTheLine = 0;
+	double off = 0, offOnTheLine = 0, inPlane = 0, inPlaneOnTheLine = 0;
 	int met = 0;
 	for (int i = 0; i < 300; ++i)
 	{
@@ -314,9 +314,12 @@ TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
 		EXPECT_LT(std::fabs(found.z), kThick);
 		off += std::fabs(found.z - truth.z) / kThick;
 		offOnTheLine += std::fabs(lens.centroid.z - truth.z) / kThick;
+		inPlane += std::hypot(found.x - truth.x, found.y - truth.y);
+		inPlaneOnTheLine += std::hypot(lens.centroid.x - truth.x, lens.centroid.y - truth.y);
 		++met;
 	}
 	ASSERT_GT(met, 80);
 	EXPECT_LT(off / met, 0.15);
 	EXPECT_GT(offOnTheLine / met, 1);
+	EXPECT_LT(inPlane, inPlaneOnTheLine);
 }
