@@ -17,13 +17,21 @@ constexpr double kReach = 1.03;
 constexpr double kShapePerMoment = 5;
 // Shapes of few samples vary. Enlarged to their piece's volume they would on average be too large.
 constexpr double kLeastVolume = 1.0 / 3;
+
+Eigen::Matrix3d matrixOf(const SymmetricMatrix3& m)
+{
+	Eigen::Matrix3d M;
+	M << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
+	return M;
+}
+
+/// Of a symmetric one.
+SymmetricMatrix3 entriesOf(const Eigen::Matrix3d& M) { return {M(0, 0), M(1, 1), M(2, 2), M(0, 1), M(0, 2), M(1, 2)}; }
 }  // namespace
 
 MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume)
 {
-	Eigen::Matrix3d P;
-	P << shape.xx, shape.xy, shape.xz, shape.xy, shape.yy, shape.yz, shape.xz, shape.yz, shape.zz;
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(P);
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrixOf(shape));
 	Eigen::Vector3d squares = solver.eigenvalues();
 	squares = squares.cwiseMax(MomentEllipsoid::kFlattest * MomentEllipsoid::kFlattest * squares.maxCoeff());
 	const double own = kBallVolume * std::sqrt(squares.prod());
@@ -35,7 +43,7 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 
 	MomentEllipsoid e;
 	e.setPlace(centroid);
-	e.setShape({kept(0, 0), kept(1, 1), kept(2, 2), kept(0, 1), kept(0, 2), kept(1, 2)});
+	e.setShape(entriesOf(kept));
 	e.R = float(std::sqrt(squares.maxCoeff()) * kReach);
 	// From the rounded radius, so that no volume is lost in the rounding.
 	e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));
@@ -83,17 +91,13 @@ NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoi
 		slope += piece.volume() * vector(piece.normal() - whole.normal()) * vector(piece.center() - whole.center()).transpose();
 	}
 	// Least squares among symmetric matrices, G S + S G = C + C^T, in the axes of S: what lies in one layer tells nothing of a change across it.
-	const SymmetricMatrix3 S = whole.shape() * (whole.volume() / kShapePerMoment);
-	Eigen::Matrix3d spread;
-	spread << S.xx, S.xy, S.xz, S.xy, S.yy, S.yz, S.xz, S.yz, S.zz;
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(matrixOf(whole.shape() * (whole.volume() / kShapePerMoment)));
 	const Eigen::Matrix3d& Q = axes.eigenvectors();
 	Eigen::Matrix3d G = Q.transpose() * (slope + slope.transpose()) * Q;
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) G(i, j) /= axes.eigenvalues()[i] + axes.eigenvalues()[j];
 	G = Q * G * Q.transpose();
-	if (!G.allFinite()) return gradient;
-	gradient.setMatrix({G(0, 0), G(1, 1), G(2, 2), G(0, 1), G(0, 2), G(1, 2)});
+	if (G.allFinite()) gradient.setMatrix(entriesOf(G));
 	return gradient;
 }
 }  // namespace ist

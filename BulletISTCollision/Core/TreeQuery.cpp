@@ -395,6 +395,7 @@ void TreeQuery::publishSums(int patches)
 void TreeQuery::publishPairs()
 {
 	m_work.reservePairs();
+	const bool normalsChange = m_bodies.gradientsA || m_bodies.gradientsB;
 	for (int i = 0; i < m_listed; ++i) m_work.keys[i] = uint64_t(m_work.stream.a[i]) << 32 | m_work.stream.b[i];
 	std::sort(m_work.keys.begin(), m_work.keys.begin() + m_listed);
 	for (int i = 0; i < m_listed; ++i)
@@ -404,12 +405,15 @@ void TreeQuery::publishPairs()
 		pair.ballB = uint32_t(m_work.keys[i]);
 		const MomentEllipsoid a = m_A.ball(pair.ballA), b = m_B.ball(pair.ballB);
 		const Vec3 centerB = m_X * b.center();
-		const SymmetricMatrix3 shapeB = rotated(m_X.rotation, b.shape());
 		Lens lens;
 		if (m_options.model == Model::Inner)
 			lensOf(a.center(), a.R, centerB, b.R, lens);
-		else if (lensOf(a.center(), a.R, a.shape(), centerB, b.R, shapeB, lens) && (m_bodies.gradientsA || m_bodies.gradientsB))
-			lens.centroid = lensCentroid(lens, a.center(), a.shape(), centerB, shapeB);
+		else
+		{
+			const SymmetricMatrix3 shapeB = rotated(m_X.rotation, b.shape());
+			const bool met = lensOf(a.center(), a.R, a.shape(), centerB, b.R, shapeB, lens);
+			if (met && normalsChange) lens.centroid = lensCentroid(lens, a.center(), a.shape(), centerB, shapeB);
+		}
 		pair.lens = float(lens.volume);
 		pair.area = float(lens.area);
 		pair.centroid = lens.centroid;

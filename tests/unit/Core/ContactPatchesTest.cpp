@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/ContactPatches.h"
 
 #include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "BulletISTCollision/Core/OverlapQuery.h"
 #include "tests/unit/Core/PatchReference.h"
 #include "tests/unit/Core/QueryBodies.h"
 
@@ -200,4 +201,55 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 			EXPECT_GT(here, 10 * there) << "mostly a patch of the other cluster";
 		}
 	}
+}
+
+// A row of contacts that hang together, on a floor that bends by so much from end to end.
+TEST(ContactPatches, OneWhereTheNormalsAgree)
+{
+	QueryWorkspace workspace;
+	for (const double bend : {0.0, 0.3, 0.6, 2.6})
+	{
+		std::vector<MomentEllipsoid> A, B;
+		for (int i = 0; i <= 20; ++i)
+		{
+			const double angle = bend * (i / 20.0 - 0.5);
+			const Vec3 normal{std::sin(angle), 0, std::cos(angle)};
+			A.push_back(ballAt({0.05 * i, 0, 0.08}, -0.9 * normal));
+			B.push_back(ballAt({0.05 * i, 0, -0.08}, 0.9 * normal));
+		}
+		const OverlapResult r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace);
+		EXPECT_EQ(r.patchCount == 1, bend < 1) << bend << ": " << r.patchCount << " patches";
+	}
+}
+
+TEST(ContactPatches, SeparateContactsAndCorners)
+{
+	// Two feet far apart on one floor, and a wall that belongs to the second foot's component.
+	std::vector<MomentEllipsoid> A, B;
+	for (int i = 0; i < 5; ++i)
+	{
+		A.push_back(ballAt({-2 + 0.05 * i, 0, 0.08}, {0, 0, -0.9}));
+		B.push_back(ballAt({-2 + 0.05 * i, 0, -0.08}, {0, 0, 0.9}));
+		A.push_back(ballAt({2 + 0.05 * i, 0, 0.08}, {0, 0, -0.9}));
+		B.push_back(ballAt({2 + 0.05 * i, 0, -0.08}, {0, 0, 0.9}));
+	}
+	QueryWorkspace workspace;
+	OverlapResult r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace);
+	ASSERT_EQ(r.patchCount, 2);
+	EXPECT_NEAR(std::fabs(r.patches[0].firstMoment.x / r.patches[0].volume), 2, 0.3);
+	for (int i = 0; i < 5; ++i) B.push_back(ballAt({2.32, 0, 0.1 + 0.03 * i}, {-0.9, 0, 0}));
+	for (int i = 0; i < 5; ++i) A.push_back(ballAt({2.2, 0, 0.1 + 0.03 * i}, {0.9, 0, 0}));
+	r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace);
+	EXPECT_GE(r.patchCount, 3);
+	QueryCapacity two;
+	two.patches = 2;
+	QueryWorkspace limited(two);
+	const double volume = r.total.volume;
+	r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, limited);
+	EXPECT_EQ(r.patchCount, 2);
+	// Grouped otherwise, the floats of a lane are added in another order.
+	EXPECT_NEAR(r.patches[0].volume + r.patches[1].volume, volume, 1e-6 * volume);
+	QueryOptions options;
+	options.patches = false;
+	EXPECT_EQ(queryOverlap(bodyOf(A), bodyOf(B), Pose{}, workspace, options).patchCount, 1);
 }

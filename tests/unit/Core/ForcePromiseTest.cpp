@@ -347,20 +347,20 @@ namespace
 /// Two sheets of two layers of balls each that look away from each other, all closer than coarse balls are wide: those mix both sides of both sheets.
 InnerSphereTree thinBody(int count, unsigned seed)
 {
-	constexpr double kHalf = 0.07, kTilt = 0.3;
+	constexpr double kApart = 0.07, kTilt = 0.3;
 	std::mt19937 random(seed);
 	std::normal_distribution<double> gauss;
 	std::uniform_real_distribution<double> place(-1, 1), size(0.7, 1.3);
 	std::vector<MomentEllipsoid> balls;
 	for (int i = 0; i < count; ++i)
 	{
-		const double side = i % 2 ? 1 : -1, height = (i % 4 - 1.5) * kHalf, x = place(random), y = place(random);
+		const double side = i % 2 ? 1 : -1, height = (i % 4 - 1.5) * kApart, x = place(random), y = place(random);
 		balls.push_back(ballAt({x, y, height}, normalized({kTilt * gauss(random), kTilt * gauss(random), side}), 1.2 / std::sqrt(count) * size(random)));
 	}
 	InnerSphereTree body = bodyOf(balls);
 	body.origin = {3, 0, 0};
 	body.volume = 0.36;
-	body.box = {{2, -1, -1.5 * kHalf}, {4, 1, 1.5 * kHalf}};
+	body.box = {{2, -1, -1.5 * kApart}, {4, 1, 1.5 * kApart}};
 	addLevels(body);
 	return body;
 }

@@ -151,6 +151,7 @@ TEST(LensOfEllipsoids, IsTheLensOfBalls)
 		EXPECT_NEAR(ellipsoids.volume, balls.volume, 1e-9);
 		EXPECT_NEAR(ellipsoids.area, balls.area, 1e-6);
 		EXPECT_LT(distance(ellipsoids.centroid, balls.centroid), 1e-6);
+		EXPECT_LT(distance(lensCentroid(balls, ci, SymmetricMatrix3::identity(Ri * Ri), cj, SymmetricMatrix3::identity(Rj * Rj)), balls.centroid), 1e-12);
 		if (balls.area > 0)
 		{
 			EXPECT_LT(distance(ellipsoids.normal, balls.normal), 1e-9);
@@ -267,20 +268,6 @@ std::vector<Vec3> pointsInUnitBall(int count, std::mt19937& random)
 }
 }  // namespace
 
-TEST(LensOfEllipsoids, CentroidOfBallsLiesOnTheirLine)
-{
-	std::mt19937 random(17);
-	std::uniform_real_distribution<double> u(-1, 1);
-	for (int i = 0; i < 200; ++i)
-	{
-		const double Ri = 0.6 + 0.5 * u(random), Rj = 0.6 + 0.5 * u(random);
-		const Vec3 ci{u(random), u(random), u(random)}, cj{u(random), u(random), u(random)};
-		Lens lens;
-		if (!lensOf(ci, Ri, cj, Rj, lens)) continue;
-		EXPECT_LT(distance(lensCentroid(lens, ci, SymmetricMatrix3::identity(Ri * Ri), cj, SymmetricMatrix3::identity(Rj * Rj)), lens.centroid), 1e-12);
-	}
-}
-
 TEST(LensOfEllipsoids, CentroidOfWhatIsInsideIsItsCentre)
 {
 	const SymmetricMatrix3 flat{1, 1, 0.01, 0, 0, 0}, round = SymmetricMatrix3::identity(100);
@@ -292,7 +279,7 @@ TEST(LensOfEllipsoids, CentroidOfWhatIsInsideIsItsCentre)
 	EXPECT_LT(distance(lensCentroid(lens, cj, round, ci, flat), ci), 1e-12);
 }
 
-// A disc a tenth as thick as wide, at random beside rounder ellipsoids: across the disc, in half its thickness, the line of the centres leads far outside.
+// A disc a tenth as thick as wide, at random beside rounder ellipsoids: across the disc the line of the centres leads far outside.
 TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
 {
 	constexpr double kThick = 0.1;

@@ -120,6 +120,16 @@ TEST(TreeLevels, SidesOfAPlateAreNotMerged)
 	EXPECT_EQ(mixed, 0);
 }
 
+namespace
+{
+SymmetricMatrix3 gradientOf(const std::vector<MomentEllipsoid>& pieces)
+{
+	std::vector<uint32_t> all(pieces.size());
+	std::iota(all.begin(), all.end(), 0u);
+	return normalGradient(merged(pieces.data(), all.data(), all.size()), pieces.data(), all.data(), all.size()).matrix();
+}
+}  // namespace
+
 // n = G x, in pieces so small that each has one normal; in a ball and in a layer.
 TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 {
@@ -127,8 +137,6 @@ TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 	std::uniform_real_distribution<float> u(-1, 1);
 	const SymmetricMatrix3 G{0.4, -0.3, 0.2, 0.1, 0.25, -0.15};
 	std::vector<MomentEllipsoid> pieces(40);
-	std::vector<uint32_t> all(pieces.size());
-	std::iota(all.begin(), all.end(), 0u);
 	for (const double thickness : {1.0, 0.1})
 	{
 		for (MomentEllipsoid& p : pieces)
@@ -140,11 +148,10 @@ TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 			makeRound(p);
 			p.setNormal(G * p.center());
 		}
-		const SymmetricMatrix3 found = normalGradient(merged(pieces.data(), all.data(), all.size()), pieces.data(), all.data(), all.size()).matrix();
-		const SymmetricMatrix3 off = found + G * -1;
+		const SymmetricMatrix3 off = gradientOf(pieces) + G * -1;
 		for (double v : {off.xx, off.yy, off.zz, off.xy, off.xz, off.yz}) EXPECT_NEAR(v, 0, 1e-5 / thickness);
 	}
-	EXPECT_EQ(normalGradient(pieces[3], pieces.data(), all.data() + 3, 1).matrix().trace(), 0) << "one piece has one normal";
+	EXPECT_EQ(gradientOf({pieces[3]}).trace(), 0) << "one piece has one normal";
 }
 
 // Normals at random in a layer: a step in any slope makes the sum of squares larger, by as much as a step back.
@@ -164,7 +171,7 @@ TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
 		p.setNormal(Vec3{gauss(random), gauss(random), gauss(random)} * 0.3);
 	}
 	const MomentEllipsoid whole = merged(pieces.data(), all.data(), all.size());
-	const SymmetricMatrix3 G = normalGradient(whole, pieces.data(), all.data(), all.size()).matrix();
+	const SymmetricMatrix3 G = gradientOf(pieces);
 	const auto squares = [&](const SymmetricMatrix3& slopes)
 	{
 		double sum = 0;
@@ -186,7 +193,7 @@ TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
 // Two balls of radius r at x = -a and a, of normals -1 and 1: the best slope is Int n x over Int x^2, a / (a^2 + r^2 / 5).
 TEST(TreeLevels, GradientCountsThePiecesOwnSize)
 {
-	MomentEllipsoid pieces[2];
+	std::vector<MomentEllipsoid> pieces(2);
 	for (const float side : {-1.0f, 1.0f})
 	{
 		MomentEllipsoid& p = pieces[side > 0];
@@ -196,8 +203,7 @@ TEST(TreeLevels, GradientCountsThePiecesOwnSize)
 		p.nx = side;
 		makeRound(p);
 	}
-	const uint32_t both[2] = {0, 1};
-	const SymmetricMatrix3 G = normalGradient(merged(pieces, both, 2), pieces, both, 2).matrix();
+	const SymmetricMatrix3 G = gradientOf(pieces);
 	EXPECT_NEAR(G.xx, 0.3 / (0.09 + 0.0625 / 5), 1e-5);
 	for (double v : {G.yy, G.zz, G.xy, G.xz, G.yz}) EXPECT_NEAR(v, 0, 1e-6);
 }
