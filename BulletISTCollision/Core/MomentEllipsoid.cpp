@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <bit>
 #include <cmath>
 
 namespace ist
@@ -28,6 +29,29 @@ Eigen::Matrix3d matrixOf(const SymmetricMatrix3& m)
 /// Of a symmetric one.
 SymmetricMatrix3 entriesOf(const Eigen::Matrix3d& M) { return {M(0, 0), M(1, 1), M(2, 2), M(0, 1), M(0, 2), M(1, 2)}; }
 }  // namespace
+
+namespace
+{
+/// The upper half of the nearest float that has no more, ties to even.
+uint32_t halfOf(double v)
+{
+	const uint32_t bits = std::bit_cast<uint32_t>(float(v));
+	return (bits + 0x7fff + (bits >> 16 & 1)) >> 16;
+}
+}  // namespace
+
+SymmetricMatrix3 NormalGradient::matrix() const
+{
+	const auto above = [&](int i) { return double(std::bit_cast<float>(diagonalOverRest[i] & 0xffff0000)); };
+	const auto below = [&](int i) { return double(std::bit_cast<float>(diagonalOverRest[i] << 16)); };
+	return {above(0), above(1), above(2), below(0), below(1), below(2)};
+}
+
+void NormalGradient::setMatrix(const SymmetricMatrix3& G)
+{
+	const double diagonal[3] = {G.xx, G.yy, G.zz}, rest[3] = {G.xy, G.xz, G.yz};
+	for (int i = 0; i < 3; ++i) diagonalOverRest[i] = halfOf(diagonal[i]) << 16 | halfOf(rest[i]);
+}
 
 MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume)
 {

@@ -79,10 +79,11 @@ IST_INLINE Balls fetch(const Sphere* spheres, const uint32_t* index)
 
 IST_INLINE F6 fetch(const NormalGradient* gradients, const uint32_t* index)
 {
-	constexpr int offset[2] = {0, 16};
-	F::Part c[8];
-	fetchRows<2>(gradients, index, offset, c);
-	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {c[5]}};
+	constexpr int offset[1] = {0};
+	F::Part c[4];
+	fetchRows<1>(gradients, index, offset, c);
+	const F words[3] = {{c[0]}, {c[1]}, {c[2]}};
+	return {F::upperHalf(words[0]), F::upperHalf(words[1]), F::upperHalf(words[2]), F::lowerHalf(words[0]), F::lowerHalf(words[1]), F::lowerHalf(words[2])};
 }
 
 /// B's tree frame to A's, one component; the reference's order of operations.

@@ -309,6 +309,19 @@ struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)(0x7f000000 - (Mask)a.part[i]);
 		return a;
 	}
+	/// Of two floats that share each word, each without its lower half.
+	static IST_INLINE FloatVector upperHalf(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)((Mask)a.part[i] & int32_t(0xffff0000));
+		return a;
+	}
+	static IST_INLINE FloatVector lowerHalf(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)((Mask)a.part[i] << 16);
+		return a;
+	}
 	/// Where a[k] < b[k].
 	static IST_INLINE Lanes isLess(const FloatVector& a, const FloatVector& b)
 	{

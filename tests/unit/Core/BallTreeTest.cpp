@@ -105,6 +105,23 @@ TEST(BallTree, HoldsEveryBallOnceAndIsValid)
 	}
 }
 
+TEST(NormalGradient, IsRoundedToTheNearestUpperHalfOfAFloat)
+{
+	std::mt19937 random(9);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (int i = 0; i < 1000; ++i)
+	{
+		const auto value = [&] { return u(random) * std::pow(10, 20 * u(random)); };
+		const SymmetricMatrix3 G{value(), value(), value(), value(), value(), value()};
+		NormalGradient gradient;
+		gradient.setMatrix(G);
+		const SymmetricMatrix3 found = gradient.matrix();
+		for (double SymmetricMatrix3::*entry : {&SymmetricMatrix3::xx, &SymmetricMatrix3::yy, &SymmetricMatrix3::zz, &SymmetricMatrix3::xy, &SymmetricMatrix3::xz, &SymmetricMatrix3::yz})
+			EXPECT_LE(std::fabs(found.*entry - G.*entry), std::fabs(G.*entry) / 255);
+	}
+	EXPECT_EQ(NormalGradient().matrix().trace(), 0);
+}
+
 TEST(BallTree, EveryBallKeepsItsGradientAndItsSphere)
 {
 	const auto gradientAt = [](const MomentEllipsoid& b)
@@ -128,8 +145,9 @@ TEST(BallTree, EveryBallKeepsItsGradientAndItsSphere)
 	{
 		const MomentEllipsoid& ball = tree.balls[slot];
 		if (!(ball.density > 0)) continue;
-		EXPECT_EQ(tree.gradients[slot].zz, ball.z);
-		EXPECT_EQ(tree.gradients[slot].xy, 2 * ball.x);
+		const SymmetricMatrix3 G = tree.gradients[slot].matrix(), expected = gradientAt(ball).matrix();
+		EXPECT_EQ(G.zz, expected.zz);
+		EXPECT_EQ(G.xy, expected.xy);
 		EXPECT_EQ(balls[(5000 - ball.sphere) / 3].center(), ball.center());
 	}
 }
@@ -204,7 +222,7 @@ TEST(BallTree, ValidateFindsDamage)
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes.clear(); }), "");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); }), "");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size() - 1); }), "not one gradient for each ball");
-	EXPECT_NE(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); t.gradients[7].yz = NAN; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); t.gradients[7].setMatrix({0, 0, 0, 0, 0, NAN}); }), "");
 }
 
 TEST(BallTree, ValidateRefusesAChainDeeperThanQueriesAllow)

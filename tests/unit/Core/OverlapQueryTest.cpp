@@ -152,9 +152,9 @@ TEST(OverlapQuery, NormalsThatChangeInOneOfTheBodiesAgreeWithBruteForce)
 TEST(OverlapQuery, NormalThatChangesIsTheOneAtTheCentroid)
 {
 	const MomentEllipsoid ball = ballAt({0.1, 0.2, -0.1}, {0.3, 0, -0.2}, 0.5);
-	const SymmetricMatrix3 G{0.5, -0.4, 0.3, 0.2, -0.1, 0.6};
 	NormalGradient gradient;
-	gradient.setMatrix(G);
+	gradient.setMatrix({0.5, -0.4, 0.3, 0.2, -0.1, 0.6});
+	const SymmetricMatrix3 G = gradient.matrix();
 	InnerSphereTree A;
 	A.law = buildBallTree({ball}, {gradient});
 	const Pose X{rotationMatrix(quaternionFromRotationVector({0.7, -1.1, 0.4})), {0.3, 0.3, 0.2}};
