@@ -22,7 +22,7 @@ btEnergyLaw::btEnergyLaw(int pairCapacity) : m_workspace(capacityOf(pairCapacity
 std::optional<ist::Error> btEnergyLaw::add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
 										   std::shared_ptr<const ist::InnerSphereTree> treeB, const ist::PressurePair& material)
 {
-	if (!treeA || !treeB || treeA->law.balls.empty() || treeB->law.balls.empty()) return ist::Error{"the energy law needs a tree for each body"};
+	if (!treeA || !treeB || treeA->law.empty() || treeB->law.empty()) return ist::Error{"the energy law needs a tree for each body"};
 	for (const double constant : {material.stiffness, material.weightA, material.weightB})
 		if (!std::isfinite(constant) || constant < 0) return ist::Error{"stiffness and weights must be finite numbers, 0 or more"};
 	if (!(material.weightA + material.weightB > 0)) return ist::Error{"the field of one body at least must have a weight"};

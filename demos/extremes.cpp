@@ -71,7 +71,7 @@ void printTallTower(const ExtremeSolid& cube, int cubes, bool plainBetween)
 	setup.plainBetween = plainBetween;
 	const TowerOutcome ours = stackCubes(Response::Volumetric, cube, setup);
 	const std::string name = text("tower of %d, %s of %zu leaves, %g Hz, %g s (stock 60 s)", cubes, plainBetween ? "Bullet's boxes between cubes" : "cubes",
-								  cube.tree->law.balls.size(), 1 / setup.h, setup.seconds);
+								  cube.tree->law.slotCount(), 1 / setup.h, setup.seconds);
 	setup.seconds = 60;
 	row(name, describe(stackCubes(Response::Stock, cube, setup)),
 		ours.fellAfter < 0 && ours.drift < 0.5 ? text("stands, drift %.1e edges, force of a layer off by %.0e", ours.drift, ours.forceError) : describe(ours),

@@ -122,10 +122,9 @@ void collectLeaves(const InnerSphereTree& tree, Contents& contents)
 	Range offset, normal, depth, radius, volume;
 	normal.add(1e-6);
 	offset.add(0);
-	for (size_t i = 0; i < tree.law.balls.size(); ++i)
+	for (const MomentEllipsoid& b : tree.law.slots())
 	{
-		if (!(tree.law.balls[i].R > 0)) continue;
-		const MomentEllipsoid& b = tree.law.balls[i];
+		if (!(b.R > 0)) continue;
 		contents.leaves[b.sphere].push_back(b);
 		const Vec3 from = contents.scales.center(contents.centers[b.sphere]);
 		for (int axis = 0; axis < 3; ++axis)

@@ -12,7 +12,7 @@
 namespace ist
 {
 /// `.ist` version this library writes. Older versions that were released stay readable.
-constexpr uint32_t kAssetVersion = 5;
+constexpr uint32_t kAssetVersion = 6;
 
 /// Little-endian bytes: magic, version, section table, sections, each with its checksum (XXH64).
 std::vector<std::byte> encodeAsset(const InnerSphereTree& tree);

@@ -12,18 +12,14 @@ namespace ist
 {
 namespace
 {
-constexpr uint32_t kWidth = BallBlock::kWidth;
-
-/// Arrays of a file are used where they lie: their elements are 32-bit words, little endian, in exactly this order.
+/// Arrays of a file are used where they lie: their elements are words of 32 or 16 bits, little endian, in exactly this order.
 template <class T, size_t words>
 constexpr bool isStored = std::is_trivially_copyable_v<T> && std::is_standard_layout_v<T> && sizeof(T) == 4 * words && alignof(T) <= kSectionAlignment;
 static_assert(std::endian::native == std::endian::little, "assets are read in place: only for little-endian machines");
 static_assert(isStored<Sphere, 4> && offsetof(Sphere, r) == 12);
 static_assert(isStored<BallNode, 40> && offsetof(BallNode, r) == 96 && offsetof(BallNode, child) == 128);
-static_assert(isStored<BallBlock, 64> && offsetof(BallBlock, R) == 192);
-static_assert(isStored<MomentEllipsoid, 16> && offsetof(MomentEllipsoid, R) == 12 && offsetof(MomentEllipsoid, density) == 16 &&
-			  offsetof(MomentEllipsoid, nx) == 20 && offsetof(MomentEllipsoid, depth) == 32 && offsetof(MomentEllipsoid, sphere) == 36 &&
-			  offsetof(MomentEllipsoid, xx) == 40 && offsetof(MomentEllipsoid, xy) == 52);
+static_assert(isStored<StoredEllipsoid, 8> && offsetof(StoredEllipsoid, depth) == 4 && offsetof(StoredEllipsoid, normal) == 8 &&
+			  offsetof(StoredEllipsoid, shape) == 16 && offsetof(StoredEllipsoid, sphere) == 28);
 
 template <class T>
 void writeArray(ByteWriter& w, const FrozenArray<T>& array)
@@ -44,32 +40,31 @@ FrozenArray<T> readArray(ByteReader& r, const std::shared_ptr<const void>& owner
 void writeTree(ByteWriter& w, const BallTree& tree)
 {
 	w.u64(tree.nodes.size());
-	w.u64(tree.blocks.size());
+	w.u64(tree.blockCount());
 	writeArray(w, tree.nodes);
-	writeArray(w, tree.blocks);
 	writeArray(w, tree.balls);
-	writeArray(w, tree.spheres);
+	writeArray(w, tree.ellipsoids);
 	writeArray(w, tree.sphereIndex);
 }
 
-/// Nodes and blocks.
-void readBounds(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t bytesPerBall)
+/// Nodes and balls.
+void readBounds(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t restOfBall)
 {
-	const size_t nodes = r.count(sizeof(BallNode)), blocks = r.count(sizeof(BallBlock) + kWidth * bytesPerBall);
+	const size_t nodes = r.count(sizeof(BallNode)), blocks = r.count(kBlockWidth * (sizeof(Sphere) + restOfBall));
 	tree.nodes = readArray<BallNode>(r, owner, nodes);
-	tree.blocks = readArray<BallBlock>(r, owner, blocks);
+	tree.balls = readArray<Sphere>(r, owner, blocks * kBlockWidth);
 }
 
-/// Looks at each block once, with its `balls` at hand; `accepts` is asked about every slot that is not padding.
-template <class Ball, class Accepts>
-SectionState stateOf(const BallTree& tree, const FrozenArray<Ball>& balls, Accepts accepts)
+/// Looks at each block once; `accepts` is asked about every slot that is not padding.
+template <class Accepts>
+SectionState stateOf(const BallTree& tree, Accepts accepts)
 {
 	bool accepted = true, sure = true;
-	for (size_t block = 0; block < tree.blocks.size(); ++block)
+	for (size_t block = 0; block < tree.blockCount(); ++block)
 	{
-		const size_t first = block * kWidth, end = first + tree.blocks[block].count();
+		const size_t first = block * kBlockWidth, end = first + tree.ballCount(block);
 		for (size_t slot = first; slot < end; ++slot) accepted &= accepts(slot);
-		sure &= surelyValid(tree.blocks[block], balls.data() + first);
+		sure &= surelyValid(tree, block);
 	}
 	if (!accepted) return SectionState::Bad;
 	return sure && surelyValidNodes(tree) ? SectionState::Good : SectionState::Doubtful;
@@ -77,17 +72,16 @@ SectionState stateOf(const BallTree& tree, const FrozenArray<Ball>& balls, Accep
 
 SectionState readMomentTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t sphereCount)
 {
-	readBounds(r, owner, tree, sizeof(MomentEllipsoid));
-	tree.balls = readArray<MomentEllipsoid>(r, owner, tree.slotCount());
+	readBounds(r, owner, tree, sizeof(StoredEllipsoid));
+	tree.ellipsoids = readArray<StoredEllipsoid>(r, owner, tree.slotCount());
 	if (!r.complete()) return SectionState::Bad;
-	return stateOf(tree, tree.balls, [&](size_t slot) { return tree.balls[slot].sphere < sphereCount; });
+	return stateOf(tree, [&](size_t slot) { return tree.ellipsoids[slot].sphere < sphereCount; });
 }
 
 /// Every sphere stands in the inner tree once.
 SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, const FrozenArray<Sphere>& spheres)
 {
-	readBounds(r, owner, tree, sizeof(Sphere) + sizeof(uint32_t));
-	tree.spheres = readArray<Sphere>(r, owner, tree.slotCount());
+	readBounds(r, owner, tree, sizeof(uint32_t));
 	tree.sphereIndex = readArray<uint32_t>(r, owner, tree.slotCount());
 	if (!r.complete()) return SectionState::Bad;
 	std::vector<char> seen(spheres.size());
@@ -95,15 +89,15 @@ SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& own
 	const auto isNext = [&](size_t slot)
 	{
 		// Spheres that are neighbours in space are not so in the packing: without this, most of the time would be spent waiting for them.
-		const size_t ahead = std::min(slot + 2 * kWidth, tree.slotCount() - 1);
+		const size_t ahead = std::min(slot + 2 * kBlockWidth, tree.slotCount() - 1);
 		__builtin_prefetch(spheres.data() + std::min<size_t>(tree.sphereIndex[ahead], spheres.size()));
 		const uint32_t index = tree.sphereIndex[slot];
 		if (index >= seen.size() || seen[index]) return false;
 		seen[index] = 1;
 		++found;
-		return std::memcmp(&spheres[index], &tree.spheres[slot], sizeof(Sphere)) == 0;
+		return std::memcmp(&spheres[index], &tree.balls[slot], sizeof(Sphere)) == 0;
 	};
-	const SectionState state = stateOf(tree, tree.spheres, isNext);
+	const SectionState state = stateOf(tree, isNext);
 	return found == spheres.size() ? state : SectionState::Bad;
 }
 }  // namespace

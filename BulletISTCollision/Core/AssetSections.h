@@ -27,8 +27,8 @@ const char* sectionName(uint32_t id);
 /// Sections, and the arrays in them, begin at multiples of so many bytes of the file: a cache line.
 constexpr size_t kSectionAlignment = 64;
 
-/// The bytes of a section as this version writes it. A tree is the numbers of its nodes and blocks, then the arrays of nodes, blocks and
-/// balls, of the inner tree nodes, blocks, spheres and their indices: words of 32 bits in the order of the members.
+/// The bytes of a section as this version writes it. A tree is the numbers of its nodes and blocks, then the arrays of nodes, balls and
+/// ellipsoids, of the inner tree nodes, balls and their indices: words of 32 or 16 bits in the order of the members.
 std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree);
 enum class SectionState
 {

@@ -41,8 +41,11 @@ struct BuildBall
 class Builder
 {
 public:
+	/// Of a slot without a ball.
+	static constexpr uint32_t kPadding = 0xffffffffu;
+
 	Builder(const std::vector<MomentEllipsoid>& balls, [[maybe_unused]] int threads)
-		: m_source(balls), m_side(balls.size()), m_buffer(balls.size()), m_cost(balls.size() / BallBlock::kWidth + 2)
+		: m_side(balls.size()), m_buffer(balls.size()), m_cost(balls.size() / kBlockWidth + 2)
 	{
 		m_balls.reserve(balls.size());
 		for (const MomentEllipsoid& b : balls) m_balls.push_back({b.x, b.y, b.z, b.R});
@@ -57,15 +60,17 @@ public:
 		}
 	}
 
-	BallTree collapse()
+	void collapse()
 	{
 		m_nodes.emplace_back();
 		fillNode(0, 0);
-		return {std::move(m_nodes), std::move(m_blocks), std::move(m_leaves), {}, {}, {}};
 	}
+	std::vector<BallNode>& nodes() { return m_nodes; }
+	/// Of each slot, the index of its ball.
+	const std::vector<uint32_t>& slots() const { return m_slots; }
 
 private:
-	static int blocksOf(int count) { return (count + BallBlock::kWidth - 1) / BallBlock::kWidth; }
+	static int blocksOf(int count) { return (count + kBlockWidth - 1) / kBlockWidth; }
 	void sortAlong(int axis);
 	void split(int index, int begin, int end);
 	bool bestSplit(int begin, int end, int& bestAxis, int& bestSplit);
@@ -90,7 +95,6 @@ private:
 		}
 	};
 
-	const std::vector<MomentEllipsoid>& m_source;
 	std::vector<BuildBall> m_balls;
 	std::vector<int> m_order[3];
 	// Parts of the tree that are built at the same time use parts of these that do not meet.
@@ -99,8 +103,7 @@ private:
 	std::vector<double> m_cost;
 	std::vector<BinaryNode> m_binary;  ///< a node, what is left below it, what is right below it
 	std::vector<BallNode> m_nodes;
-	std::vector<BallBlock> m_blocks;
-	std::vector<MomentEllipsoid> m_leaves;
+	std::vector<uint32_t> m_slots;
 };
 
 void Builder::sortAlong(int axis)
@@ -123,7 +126,7 @@ void Builder::sortAlong(int axis)
 
 bool Builder::bestSplit(int begin, int end, int& bestAxis, int& bestSplit)
 {
-	constexpr int W = BallBlock::kWidth;
+	constexpr int W = kBlockWidth;
 	const int count = end - begin, blocks = blocksOf(count);
 	if (blocks < 2) return false;
 	// A quarter on either side at least: bounds the depth whatever the cloud.
@@ -267,22 +270,8 @@ void Builder::split(int index, int begin, int end)
 
 uint32_t Builder::makeBlock(const BinaryNode& leaf)
 {
-	constexpr int W = BallBlock::kWidth;
-	BallBlock block;
-	const int count = leaf.end - leaf.begin;
-	for (int k = 0; k < W; ++k)
-	{
-		MomentEllipsoid ball;
-		ball.x = ball.y = ball.z = kFarAway;
-		if (k < count) ball = m_source[m_order[0][leaf.begin + k]];
-		block.x[k] = ball.x;
-		block.y[k] = ball.y;
-		block.z[k] = ball.z;
-		block.R[k] = ball.R;
-		m_leaves.push_back(ball);
-	}
-	m_blocks.push_back(block);
-	return uint32_t(m_blocks.size() - 1);
+	for (int k = leaf.begin; k < leaf.begin + kBlockWidth; ++k) m_slots.push_back(k < leaf.end ? uint32_t(m_order[0][size_t(k)]) : kPadding);
+	return uint32_t(m_slots.size() / kBlockWidth - 1);
 }
 
 void Builder::fillNode(uint32_t node, int binary)
@@ -342,9 +331,8 @@ std::string violation(const char* what, size_t index) { return std::string(what)
 
 std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<Bound>& path)
 {
-	constexpr int W = BallBlock::kWidth;
-	const BallBlock& block = tree.blocks[index];
-	const int count = int(block.count());
+	constexpr int W = kBlockWidth;
+	const int count = int(tree.ballCount(index));
 	if (count < 1) return violation("block without balls", index);
 	for (int k = 0; k < W; ++k)
 	{
@@ -352,8 +340,6 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 		const MomentEllipsoid ball = tree.ball(slot);
 		if (!finite(ball)) return violation("ball not finite", slot);
 		if (!isFinite(tree.gradient(slot).matrix())) return violation("gradient not finite", slot);
-		if (block.x[k] != ball.x || block.y[k] != ball.y || block.z[k] != ball.z || block.R[k] != ball.R)
-			return violation("block and ball differ", slot);
 		if (k >= count)
 		{
 			if (ball.R != 0 || ball.density != 0 || !(ball.x >= kFarPadding)) return violation("padding is not empty and far away", slot);
@@ -367,41 +353,52 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 	return {};
 }
 
-/// As many as the blocks have slots, and of one kind.
+/// Whole blocks of one kind.
 bool hasItsBalls(const BallTree& tree)
 {
-	const bool packed = !tree.spheres.empty();
-	return tree.balls.size() == (packed ? 0 : tree.slotCount()) && tree.spheres.size() == (packed ? tree.slotCount() : 0) &&
-		   tree.sphereIndex.size() == tree.spheres.size();
+	const size_t slots = tree.slotCount(), ofPacked = tree.ellipsoids.empty() ? slots : 0;
+	return slots % kBlockWidth == 0 && tree.ellipsoids.size() == slots - ofPacked && tree.sphereIndex.size() == ofPacked;
 }
 }  // namespace
 
 uint32_t BallTree::ballCount() const
 {
-	uint32_t count = 0;
-	for (const BallBlock& block : blocks) count += block.count();
-	return count;
+	return uint32_t(std::count_if(balls.begin(), balls.end(), [](const Sphere& b) { return b.r > 0; }));
+}
+
+uint32_t BallTree::ballCount(size_t block) const
+{
+	const Sphere* first = balls.data() + block * kBlockWidth;
+	return uint32_t(std::count_if(first, first + kBlockWidth, [](const Sphere& b) { return b.r > 0; }));
 }
 
 size_t BallTree::memory() const
 {
-	return nodes.size() * sizeof(BallNode) + blocks.size() * sizeof(BallBlock) + balls.size() * sizeof(MomentEllipsoid) +
-		   spheres.size() * (sizeof(Sphere) + sizeof(uint32_t)) + gradients.size() * sizeof(NormalGradient);
+	return nodes.size() * sizeof(BallNode) + balls.size() * sizeof(Sphere) + ellipsoids.size() * sizeof(StoredEllipsoid) +
+		   sphereIndex.size() * sizeof(uint32_t) + gradients.size() * sizeof(NormalGradient);
 }
 
 MomentEllipsoid BallTree::packedBall(size_t slot) const
 {
-	MomentEllipsoid ball = ballOf(spheres[slot], sphereIndex[slot]);
+	MomentEllipsoid ball = ballOf(balls[slot], sphereIndex[slot]);
 	if (!(ball.R > 0)) ball.density = 0;
 	return ball;
+}
+
+std::vector<MomentEllipsoid> BallTree::slots() const
+{
+	std::vector<MomentEllipsoid> all;
+	all.reserve(slotCount());
+	for (size_t slot = 0; slot < slotCount(); ++slot) all.push_back(ball(slot));
+	return all;
 }
 
 std::string BallTree::validate() const
 {
 	if (!hasItsBalls(*this)) return "ball count is not sixteen for each block";
-	if (!gradients.empty() && gradients.size() != balls.size()) return "not one gradient for each ball";
-	if (nodes.empty()) return blocks.empty() ? std::string() : "blocks without nodes";
-	std::vector<char> nodeSeen(nodes.size()), blockSeen(blocks.size());
+	if (!gradients.empty() && gradients.size() != ellipsoids.size()) return "not one gradient for each ball";
+	if (nodes.empty()) return balls.empty() ? std::string() : "blocks without nodes";
+	std::vector<char> nodeSeen(nodes.size()), blockSeen(blockCount());
 	struct Cursor
 	{
 		uint32_t node;
@@ -434,7 +431,7 @@ std::string BallTree::validate() const
 			return violation("node bound comes near to the padding", top.node);
 		const uint32_t index = child & ~BallNode::kLeafBit;
 		const bool leaf = (child & BallNode::kLeafBit) != 0;
-		if (index >= (leaf ? blocks.size() : nodes.size())) return violation("child out of range", top.node);
+		if (index >= (leaf ? blockCount() : nodes.size())) return violation("child out of range", top.node);
 		char& seen = leaf ? blockSeen[index] : nodeSeen[index];
 		if (seen) return violation(leaf ? "block reached twice" : "node reached twice", index);
 		seen = 1;
@@ -451,50 +448,57 @@ std::string BallTree::validate() const
 	}
 	for (size_t i = 0; i < nodes.size(); ++i)
 		if (!nodeSeen[i]) return violation("node never reached", i);
-	for (size_t i = 0; i < blocks.size(); ++i)
+	for (size_t i = 0; i < blockCount(); ++i)
 		if (!blockSeen[i]) return violation("block never reached", i);
 	return {};
 }
 
-BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads)
+namespace
 {
-	if (balls.empty()) return {};
-	return Builder(balls, threads).collapse();
+/// `of(index)` of the balls in the order of the slots, `padding` where there is none.
+template <class T, class Of>
+std::vector<T> inSlots(const std::vector<uint32_t>& slots, const T& padding, const Of& of)
+{
+	std::vector<T> all;
+	all.reserve(slots.size());
+	for (const uint32_t index : slots) all.push_back(index == Builder::kPadding ? padding : of(index));
+	return all;
 }
 
-BallTree buildBallTree(std::vector<MomentEllipsoid> balls, const std::vector<NormalGradient>& gradients, int threads)
+/// Nodes and balls alone.
+BallTree boundingTree(const std::vector<MomentEllipsoid>& balls, int threads, std::vector<uint32_t>& slots)
 {
-	// Numbered by their places in the list, to be found again in the tree's order.
-	std::vector<uint32_t> spheres;
-	for (size_t i = 0; i < balls.size(); ++i)
-	{
-		spheres.push_back(balls[i].sphere);
-		balls[i].sphere = uint32_t(i);
-	}
-	const BallTree tree = buildBallTree(balls, threads);
-	std::vector<MomentEllipsoid> inOrder(tree.balls.begin(), tree.balls.end());
-	std::vector<NormalGradient> ofThese(inOrder.size());
-	for (size_t slot = 0; slot < inOrder.size(); ++slot)
-	{
-		if (!(inOrder[slot].density > 0)) continue;
-		ofThese[slot] = gradients[inOrder[slot].sphere];
-		inOrder[slot].sphere = spheres[inOrder[slot].sphere];
-	}
-	return {tree.nodes, tree.blocks, std::move(inOrder), {}, {}, std::move(ofThese)};
+	if (balls.empty()) return {};
+	Builder builder(balls, threads);
+	builder.collapse();
+	slots = builder.slots();
+	const Sphere padding{kFarAway, kFarAway, kFarAway, 0};
+	const auto bound = [&](uint32_t i) { return Sphere{balls[i].x, balls[i].y, balls[i].z, balls[i].R}; };
+	return {std::move(builder.nodes()), inSlots(slots, padding, bound), {}, {}, {}};
+}
+}  // namespace
+
+BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads)
+{
+	return buildBallTree(balls, {}, threads);
+}
+
+BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, const std::vector<NormalGradient>& gradients, int threads)
+{
+	std::vector<uint32_t> slots;
+	BallTree tree = boundingTree(balls, threads, slots);
+	tree.ellipsoids = inSlots(slots, StoredEllipsoid(), [&](uint32_t i) { return StoredEllipsoid(balls[i]); });
+	if (!gradients.empty()) tree.gradients = inSlots(slots, NormalGradient(), [&](uint32_t i) { return gradients[i]; });
+	return tree;
 }
 
 BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads)
 {
 	std::vector<MomentEllipsoid> balls(spheres.size());
 	for (size_t i = 0; i < spheres.size(); ++i) balls[i] = ballOf(spheres[i], static_cast<uint32_t>(i));
-	BallTree tree = buildBallTree(balls, threads);
-	std::vector<Sphere> inOrder;
-	std::vector<uint32_t> index;
-	for (const MomentEllipsoid& ball : tree.balls)
-	{
-		inOrder.push_back({ball.x, ball.y, ball.z, ball.R});
-		index.push_back(ball.sphere);
-	}
-	return {tree.nodes, tree.blocks, {}, std::move(inOrder), std::move(index), {}};
+	std::vector<uint32_t> slots;
+	BallTree tree = boundingTree(balls, threads, slots);
+	tree.sphereIndex = inSlots(slots, uint32_t(0), [](uint32_t i) { return i; });
+	return tree;
 }
 }  // namespace ist

@@ -22,16 +22,8 @@ struct alignas(32) BallNode
 	uint32_t child[kWidth];
 };
 
-/// Sixteen leaf balls, structure of arrays. Padding lanes (at the end of the block) have R = 0 and a centre far away (finite). The sphere
-/// that bounds them stands in the node above.
-struct alignas(64) BallBlock
-{
-	static constexpr int kWidth = 16;
-	float x[kWidth], y[kWidth], z[kWidth], R[kWidth];
-
-	/// Without padding.
-	uint32_t count() const { return uint32_t(std::count_if(R, R + kWidth, [](float r) { return r > 0; })); }
-};
+/// Leaf balls of a block, which a node's child with kLeafBit names. The sphere that bounds them all stands in that node.
+constexpr int kBlockWidth = 16;
 
 /// Padding lies at least so far out along x [m]: no ball of a body comes near it, nor is it told apart from balls by the queries.
 constexpr float kFarPadding = 1e16f;
@@ -46,17 +38,20 @@ class BallTree
 {
 public:
 	FrozenArray<BallNode> nodes;    ///< node 0 is the root; empty for a tree without balls
-	FrozenArray<BallBlock> blocks;
-	FrozenArray<MomentEllipsoid> balls;  ///< 16 for each block, in block order; padding has density 0. None in the inner tree:
-	FrozenArray<Sphere> spheres;         ///< there the same balls as in the blocks, one after the other; else none
-	FrozenArray<uint32_t> sphereIndex;   ///< of each of `spheres` in the packing
-	FrozenArray<NormalGradient> gradients;  ///< of each of `balls` where they are merged from others (TreeLevels.h); else none: normals do not change
+	FrozenArray<Sphere> balls;      ///< sixteen for each block, in block order; padding, at the end of a block, has r = 0 and a centre far away (finite)
+	FrozenArray<StoredEllipsoid> ellipsoids;  ///< what each of `balls` bounds; padding has density 0. None in the inner tree, whose balls are whole:
+	FrozenArray<uint32_t> sphereIndex;        ///< there the index of each in the packing; else none
+	FrozenArray<NormalGradient> gradients;    ///< of each of `ellipsoids` where they are merged from others (TreeLevels.h); else none: normals do not change
 
 	bool empty() const { return nodes.empty(); }
-	uint32_t ballCount() const;  ///< without padding
-	size_t slotCount() const { return blocks.size() * BallBlock::kWidth; }  ///< with padding
+	uint32_t ballCount() const;                        ///< without padding
+	uint32_t ballCount(size_t block) const;            ///< of one block
+	size_t slotCount() const { return balls.size(); }  ///< with padding
+	size_t blockCount() const { return balls.size() / kBlockWidth; }
 	/// The ball at a slot; of a packed sphere as `ballOf` makes it. O(1)
-	MomentEllipsoid ball(size_t slot) const { return spheres.empty() ? balls[slot] : packedBall(slot); }
+	MomentEllipsoid ball(size_t slot) const { return ellipsoids.empty() ? packedBall(slot) : ellipsoids[slot].in(balls[slot]); }
+	/// Those of all slots, with padding.
+	std::vector<MomentEllipsoid> slots() const;
 	/// Of all arrays [bytes].
 	size_t memory() const;
 
@@ -75,7 +70,7 @@ private:
 /// Node bounds enclose the R-balls of everything below, rounded up. The same tree for any thread count.
 BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads = 1);
 /// The same over balls with gradients, one for each.
-BallTree buildBallTree(std::vector<MomentEllipsoid> balls, const std::vector<NormalGradient>& gradients, int threads = 1);
+BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, const std::vector<NormalGradient>& gradients, int threads = 1);
 /// The same over packed spheres.
 BallTree buildInnerTree(const FrozenArray<Sphere>& spheres, int threads = 1);
 }  // namespace ist

@@ -163,9 +163,8 @@ void PatchGrouper::assignRest(const QueryKernel& kernel, const PairStream& pairs
 	kernel.joinNearest(pairs, m_group.data(), count, list);
 }
 
-size_t PatchGrouper::nearestPatch(const float* ball) const
+size_t PatchGrouper::nearestPatch(const Vec3& center) const
 {
-	const Vec3 center{ball[0], ball[1], ball[2]};
 	size_t best = 0;
 	double least = std::numeric_limits<double>::infinity();
 	for (size_t p = 0; p < m_patches.count; ++p)
@@ -178,7 +177,7 @@ size_t PatchGrouper::nearestPatch(const float* ball) const
 	return best;
 }
 
-void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const PairIndices& all, const BallRows& rowsA, uint8_t* patchOf)
+void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf)
 {
 	// The components are not needed any more.
 	uint32_t* const patchOfBall = m_parent.data();
@@ -195,7 +194,7 @@ void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const Pai
 			continue;
 		}
 		const uint32_t ofA = patchOfBall[a], ofB = patchOfBall[b + all.offsetB];
-		patchOf[i] = uint8_t(ofA != kNone ? ofA : ofB != kNone ? ofB : nearestPatch(rowsA.first + a * rowsA.stride));
+		patchOf[i] = uint8_t(ofA != kNone ? ofA : ofB != kNone ? ofB : nearestPatch(ballsA[a].center()));
 	}
 }
 

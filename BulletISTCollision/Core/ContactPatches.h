@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/SpherePacking.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace ist::kernels
 {
-struct BallRows;
 struct PairStream;
 struct QueryKernel;
 }
@@ -37,8 +38,8 @@ public:
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
 	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
 	/// After `group`, whose pairs are among these, in the same order: writes the patch of each of `all`, at most 255. What was not grouped gets the
-	/// patch of a pair that has a ball in common with it, or else the one whose centre is nearest. `rowsA`: of A's balls. O(all), and O(patches) for each of the latter.
-	void extend(const kernels::PairStream& grouped, int groupedCount, const PairIndices& all, const kernels::BallRows& rowsA, uint8_t* patchOf);
+	/// patch of a pair that has a ball in common with it, or else the one whose centre is nearest. `ballsA`: of A's slots. O(all), and O(patches) for each of the latter.
+	void extend(const kernels::PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf);
 	/// kernels::GroupNumber, from 0 on; with room for kListSlack entries behind the last.
 	const float* patch() const { return m_group.data(); }
 
@@ -59,7 +60,7 @@ private:
 	void number(const kernels::PairStream& pairs, int count);
 	void rank(const kernels::PairStream& pairs, int count);
 	bool seedPatch(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
-	size_t nearestPatch(const float* ball) const;  ///< `ball`: centre
+	size_t nearestPatch(const Vec3& center) const;
 	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
 	std::vector<uint32_t> m_parent;

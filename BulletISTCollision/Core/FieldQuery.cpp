@@ -161,7 +161,7 @@ void FieldQuery::descend()
 				continue;
 			}
 			++m_result.blockPairs;
-			const uint32_t block = node.child[k] & ~BallNode::kLeafBit, first = block * BallBlock::kWidth, count = m_A.blocks[block].count();
+			const uint32_t block = node.child[k] & ~BallNode::kLeafBit, first = block * kBlockWidth, count = m_A.ballCount(block);
 			m_result.ballTests += count;
 			for (uint32_t ball = first; ball < first + count; ++ball) test(ball);
 		}

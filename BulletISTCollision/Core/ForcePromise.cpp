@@ -25,7 +25,7 @@ constexpr int kWorthALook = 2;
 double squaredPart(const InnerSphereTree& body, const BallTree& tree, int level, double overlap)
 {
 	const double c = size_t(level) < body.calibration.size() ? body.calibration[size_t(level)] : kUnmeasured;
-	const double perBall = body.volume / (double(tree.blocks.size()) * BallBlock::kWidth * overlap), few = kOfFew * perBall;
+	const double perBall = body.volume / (double(tree.slotCount()) * overlap), few = kOfFew * perBall;
 	return kOfBalls * kOfBalls * c * c * perBall + few * few;
 }
 }  // namespace

@@ -28,7 +28,7 @@ std::string InnerSphereTree::validate() const
 	for (const auto& [name, tree] : trees)
 	{
 		if (tree.empty()) return std::string(name) + " tree: empty";
-		if (tree.spheres.empty() == (&tree == &inner)) return std::string(name) + " tree: not of its kind of balls";
+		if (tree.ellipsoids.empty() != (&tree == &inner)) return std::string(name) + " tree: not of its kind of balls";
 		const std::string problem = tree.validate();
 		if (!problem.empty()) return std::string(name) + " tree: " + problem;
 	}

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -28,10 +29,7 @@ Eigen::Matrix3d matrixOf(const SymmetricMatrix3& m)
 
 /// Of a symmetric one.
 SymmetricMatrix3 entriesOf(const Eigen::Matrix3d& M) { return {M(0, 0), M(1, 1), M(2, 2), M(0, 1), M(0, 2), M(1, 2)}; }
-}  // namespace
 
-namespace
-{
 /// The upper half of the nearest float that has no more, ties to even.
 uint32_t halfOf(double v)
 {
@@ -39,6 +37,16 @@ uint32_t halfOf(double v)
 	return (bits + 0x7fff + (bits >> 16 & 1)) >> 16;
 }
 }  // namespace
+
+StoredEllipsoid::StoredEllipsoid(const MomentEllipsoid& e) : density(e.density), depth(e.depth), sphere(e.sphere)
+{
+	const double steps = 1 / double(kStep), perSquare = steps / (double(e.R) * e.R);
+	const float n[3] = {e.nx, e.ny, e.nz}, P[6] = {e.xx, e.yy, e.zz, e.xy, e.xz, e.yz};
+	// A unit normal can be one by a rounding more.
+	const auto rounded = [](double v) { return int16_t(std::lround(std::clamp(v, -32767.0, 32767.0))); };
+	for (int i = 0; i < 3; ++i) normal[i] = rounded(n[i] * steps);
+	for (int i = 0; i < 6 && e.R > 0; ++i) shape[i] = rounded(P[i] * perSquare);
+}
 
 SymmetricMatrix3 NormalGradient::matrix() const
 {

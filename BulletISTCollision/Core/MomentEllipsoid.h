@@ -52,10 +52,39 @@ inline bool MomentEllipsoid::isSolid() const
 		const double minor = ax * ay - bx * bx;
 		return (ax > 0) & (minor > 0) & (minor * az - ax * bz * bz - ay * by * by + 2 * bx * by * bz > 0);
 	};
-	// 1e-5 covers the rounding of the shape to floats.
-	const double bound = double(R) * R, high = bound * (1 + 1e-5), low = 0.5 * kFlattest * kFlattest * bound;
+	// 6e-5 covers the rounding of the shape's entries to steps of 3e-5 (StoredEllipsoid).
+	const double bound = double(R) * R, high = bound * (1 + 6e-5), low = 0.5 * kFlattest * kFlattest * bound;
 	return isRadius(R) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
 		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
+}
+
+/// What a tree stores of a MomentEllipsoid beside its bounding ball, half a cache line: normal and shape in steps of 3e-5, far below what the samples
+/// of a piece can tell.
+struct alignas(32) StoredEllipsoid
+{
+	static constexpr float kStep = 1.0f / 32767;
+	float density = 0, depth = 0;
+	int16_t normal[3] = {}, unused = 0;  ///< over kStep
+	int16_t shape[6] = {};               ///< P over kStep R^2: xx, yy, zz, xy, xz, yz
+	uint32_t sphere = 0;
+
+	StoredEllipsoid() = default;
+	explicit StoredEllipsoid(const MomentEllipsoid& ellipsoid);  ///< rounded
+	/// `bound`: of radius R around its centroid.
+	MomentEllipsoid in(const Sphere& bound) const;
+};
+static_assert(sizeof(StoredEllipsoid) == 32);
+
+inline MomentEllipsoid StoredEllipsoid::in(const Sphere& bound) const
+{
+	MomentEllipsoid e;
+	e.x = bound.x, e.y = bound.y, e.z = bound.z, e.R = bound.r;
+	e.density = density, e.depth = depth, e.sphere = sphere;
+	e.nx = normal[0] * kStep, e.ny = normal[1] * kStep, e.nz = normal[2] * kStep;
+	const float scale = bound.r * bound.r * kStep;
+	e.xx = shape[0] * scale, e.yy = shape[1] * scale, e.zz = shape[2] * scale;
+	e.xy = shape[3] * scale, e.xz = shape[4] * scale, e.yz = shape[5] * scale;
+	return e;
 }
 
 /// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Two entries share a word, each the upper half

@@ -76,8 +76,8 @@ PairLawResult energyLaw(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	const Pose X = treePose(A, B, X_AB);
 	for (int k = 0; k < pairCount; ++k)
 	{
-		const MomentEllipsoid& i = A.law.balls[pairs[k].ballA];
-		const MomentEllipsoid& j = B.law.balls[pairs[k].ballB];
+		const MomentEllipsoid i = A.law.ball(pairs[k].ballA);
+		const MomentEllipsoid j = B.law.ball(pairs[k].ballB);
 		const Vec3 a = i.center(), b = X * j.center();
 		const double radiusA = i.meanRadius(), radiusB = j.meanRadius();
 		const Lens lens = lensOf(a, radiusA, b, radiusB);

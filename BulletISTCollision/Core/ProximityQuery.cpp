@@ -75,25 +75,24 @@ private:
 
 	void blockPair(const Item& item)
 	{
-		constexpr int W = BallBlock::kWidth;
-		const BallBlock& a = m_A.blocks[item.a.block()];
-		const BallBlock& b = m_B.blocks[item.b.block()];
-		const uint32_t countA = a.count(), countB = b.count();
-		Vec3 moved[W];
-		for (uint32_t j = 0; j < countB; ++j) moved[j] = m_X * Vec3{b.x[j], b.y[j], b.z[j]};
+		const uint32_t countA = m_A.ballCount(item.a.block()), countB = m_B.ballCount(item.b.block());
+		const Sphere* a = m_A.balls.data() + item.a.block() * kBlockWidth;
+		const Sphere* b = m_B.balls.data() + item.b.block() * kBlockWidth;
+		Vec3 moved[kBlockWidth];
+		for (uint32_t j = 0; j < countB; ++j) moved[j] = m_X * b[j].center();
 		for (uint32_t i = 0; i < countA; ++i)
 		{
-			const Vec3 c{a.x[i], a.y[i], a.z[i]};
-			if (distance(c, item.b.center) - a.R[i] - item.b.r >= m_best) continue;
+			const Vec3 c = a[i].center();
+			if (distance(c, item.b.center) - a[i].r - item.b.r >= m_best) continue;
 			for (uint32_t j = 0; j < countB; ++j)
 			{
-				const double gap = distance(c, moved[j]) - a.R[i] - b.R[j];
+				const double gap = distance(c, moved[j]) - a[i].r - b[j].r;
 				if (gap >= m_best) continue;
 				m_best = gap;
 				m_centerA = c;
 				m_centerB = moved[j];
-				m_radiusA = a.R[i];
-				m_radiusB = b.R[j];
+				m_radiusA = a[i].r;
+				m_radiusB = b[j].r;
 			}
 		}
 	}

@@ -69,13 +69,13 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 
 void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTree& B)
 {
-	if (moved.size() < B.blocks.size())
+	if (moved.size() < B.blockCount())
 	{
-		moved.resize(B.blocks.size());
-		marks.resize(B.blocks.size());
+		moved.resize(B.blockCount());
+		marks.resize(B.blockCount());
 		movedCenters.resize(B.slotCount());
 	}
-	if (movedBalls.size() < B.balls.size()) movedBalls.resize(B.balls.size());
+	if (movedBalls.size() < B.ellipsoids.size()) movedBalls.resize(B.ellipsoids.size());
 	grouper.reserve(size_t(capacity.pairs), A.slotCount() + B.slotCount(), capacity.patches);
 	if (++epoch == 0)
 	{

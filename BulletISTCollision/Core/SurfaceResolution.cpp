@@ -6,7 +6,7 @@ namespace ist
 double surfaceResolution(const BallTree& law)
 {
 	double sum = 0, area = 0;
-	for (const MomentEllipsoid& leaf : law.balls)
+	for (const MomentEllipsoid& leaf : law.slots())
 	{
 		const Vec3 m = leaf.normal();
 		const double squared = squaredNorm(m);

@@ -10,8 +10,6 @@ namespace ist
 {
 namespace
 {
-constexpr int kWidth = BallBlock::kWidth;
-
 struct Bound
 {
 	float x, y, z, r;
@@ -38,27 +36,28 @@ bool surelyInside(const Bound& inner, const Bound& outer)
 	return room > 0 && room2 > kSmallestSquare && (dx * dx + dy * dy + dz * dz) * kShare <= room2;
 }
 
-bool surelyInside(const BallBlock& block, const Bound& bound)
+/// All of the block that begins there.
+bool surelyInside(const Sphere* block, const Bound& bound)
 {
 	int inside = 1;
-	for (int k = 0; k < kWidth; ++k)
+	for (const Sphere* s = block; s < block + kBlockWidth; ++s)
 	{
-		const float dx = block.x[k] - bound.x, dy = block.y[k] - bound.y, dz = block.z[k] - bound.z;
-		const float room = bound.r - block.R[k], room2 = room * room;
+		const float dx = s->x - bound.x, dy = s->y - bound.y, dz = s->z - bound.z;
+		const float room = bound.r - s->r, room2 = room * room;
 		inside &= int(room > 0) & int(room2 > kSmallestSquare) & int((dx * dx + dy * dy + dz * dz) * kShare <= room2);
 	}
 	return inside != 0;
 }
 
 /// In double, padding left out; the same tolerance as BallTree::validate.
-bool isInside(const BallBlock& block, const Bound& bound)
+bool isInside(const Sphere* block, const Bound& bound)
 {
 	int inside = 1;
-	for (int k = 0; k < kWidth; ++k)
+	for (const Sphere* s = block; s < block + kBlockWidth; ++s)
 	{
-		const Vec3 offset{double(block.x[k]) - bound.x, double(block.y[k]) - bound.y, double(block.z[k]) - bound.z};
-		const double room = double(bound.r) * (1 + 1e-12) - block.R[k];
-		inside &= int(block.R[k] == 0) | (int(room >= 0) & int(squaredNorm(offset) <= room * room));
+		const Vec3 offset{double(s->x) - bound.x, double(s->y) - bound.y, double(s->z) - bound.z};
+		const double room = double(bound.r) * (1 + 1e-12) - s->r;
+		inside &= int(s->r == 0) | (int(room >= 0) & int(squaredNorm(offset) <= room * room));
 	}
 	return inside != 0;
 }
@@ -67,12 +66,12 @@ bool isInside(const BallBlock& block, const Bound& bound)
 class Walk
 {
 public:
-	explicit Walk(const BallTree& tree) : m_tree(tree), m_nodeSeen(tree.nodes.size()), m_blockSeen(tree.blocks.size()) {}
+	explicit Walk(const BallTree& tree) : m_tree(tree), m_nodeSeen(tree.nodes.size()), m_blockSeen(tree.blockCount()) {}
 
 	bool run()
 	{
 		m_nodeSeen[0] = 1;
-		return visit(0, m_path, 0) && m_nodes == m_tree.nodes.size() && m_blocks == m_tree.blocks.size();
+		return visit(0, m_path, 0) && m_nodes == m_tree.nodes.size() && m_blocks == m_tree.blockCount();
 	}
 
 private:
@@ -103,7 +102,7 @@ private:
 		{
 			++m_blocks;
 			// Its own bound fits too tightly for floats to be sure.
-			const BallBlock& block = m_tree.blocks[index];
+			const Sphere* block = m_tree.balls.data() + size_t(index) * kBlockWidth;
 			const auto contains = [&](const Bound& o) { return surelyInside(bound, o) || surelyInside(block, o) || isInside(block, o); };
 			return isInside(block, bound) && std::all_of(path, m_end, contains);
 		}
@@ -126,36 +125,23 @@ private:
 };
 }  // namespace
 
-bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls)
+bool surelyValid(const BallTree& tree, size_t block)
 {
 	// Overflows for balls that are finite but of no known world.
 	float sum = 0;
-	const uint32_t count = block.count();
+	const Sphere* first = tree.balls.data() + block * kBlockWidth;
+	const StoredEllipsoid* ellipsoids = tree.ellipsoids.empty() ? nullptr : tree.ellipsoids.data() + block * kBlockWidth;
+	const uint32_t count = tree.ballCount(block);
 	int good = count >= 1;
-	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
+	for (uint32_t k = 0; k < uint32_t(kBlockWidth); ++k)
 	{
-		const MomentEllipsoid& b = balls[k];
-		sum += (std::fabs(b.x) + std::fabs(b.y)) + (std::fabs(b.z) + b.R) + (b.density + std::fabs(b.depth)) +
-			   (std::fabs(b.nx) + std::fabs(b.ny) + std::fabs(b.nz)) + (std::fabs(b.xx) + std::fabs(b.yy) + std::fabs(b.zz)) +
-			   (std::fabs(b.xy) + std::fabs(b.xz) + std::fabs(b.yz));
-		const int solid = int(b.isSolid()), empty = int(b.R == 0) & int(b.density == 0) & int(b.x >= kFarPadding);
-		good &= k < count ? solid : empty;
-		good &= int(block.x[k] == b.x) & int(block.y[k] == b.y) & int(block.z[k] == b.z) & int(block.R[k] == b.R);
-	}
-	return good && std::isfinite(sum);
-}
-
-bool surelyValid(const BallBlock& block, const Sphere* spheres)
-{
-	float sum = 0;
-	const uint32_t count = block.count();
-	int good = count >= 1;
-	for (uint32_t k = 0; k < uint32_t(kWidth); ++k)
-	{
-		const Sphere& s = spheres[k];
+		const Sphere& s = first[k];
 		sum += (std::fabs(s.x) + std::fabs(s.y)) + (std::fabs(s.z) + s.r);
 		good &= k < count ? int(MomentEllipsoid::isRadius(s.r)) : int(s.r == 0) & int(s.x >= kFarPadding);
-		good &= int(block.x[k] == s.x) & int(block.y[k] == s.y) & int(block.z[k] == s.z) & int(block.R[k] == s.r);
+		if (!ellipsoids) continue;
+		const StoredEllipsoid& e = ellipsoids[k];
+		sum += e.density + std::fabs(e.depth);
+		good &= k < count ? int(e.in(s).isSolid()) : int(e.density == 0);
 	}
 	return good && std::isfinite(sum);
 }
@@ -167,13 +153,10 @@ bool surelyValidNodes(const BallTree& tree)
 
 bool surelyValid(const BallTree& tree)
 {
-	const bool packed = !tree.spheres.empty();
-	if ((packed ? tree.spheres.size() : tree.balls.size()) != tree.slotCount() || tree.sphereIndex.size() != tree.spheres.size()) return false;
-	for (size_t i = 0; i < tree.blocks.size(); ++i)
-	{
-		const BallBlock& block = tree.blocks[i];
-		if (!(packed ? surelyValid(block, tree.spheres.data() + i * kWidth) : surelyValid(block, tree.balls.data() + i * kWidth))) return false;
-	}
+	const size_t slots = tree.slotCount();
+	if (slots % kBlockWidth != 0 || (tree.ellipsoids.empty() ? tree.sphereIndex.size() : tree.ellipsoids.size()) != slots) return false;
+	for (size_t i = 0; i < tree.blockCount(); ++i)
+		if (!surelyValid(tree, i)) return false;
 	return surelyValidNodes(tree);
 }
 }  // namespace ist

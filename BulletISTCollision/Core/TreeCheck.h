@@ -8,10 +8,8 @@ namespace ist
 /// Quick answers for a loader; false also when in doubt. A tree for which all of them are
 /// true passes `BallTree::validate()`; ask that for certainty and for words.
 
-/// Sixteen balls of a block: the same there, finite, with mass, padding behind them.
-bool surelyValid(const BallBlock& block, const MomentEllipsoid* balls);
-/// The same of packed spheres.
-bool surelyValid(const BallBlock& block, const Sphere* spheres);
+/// The sixteen balls of a block: finite, with mass, padding behind them.
+bool surelyValid(const BallTree& tree, size_t block);
 /// Nodes: each node and block reached once, bounds contain what they bound. Assumes that every block is valid.
 bool surelyValidNodes(const BallTree& tree);
 /// All of it. O(balls).

@@ -85,7 +85,7 @@ public:
 			balls.push_back(cluster.ball);
 			gradients.push_back(normalGradient(cluster.ball, m_balls.data(), m_order.data() + cluster.begin, cluster.end - cluster.begin));
 		}
-		return buildBallTree(std::move(balls), gradients, threads);
+		return buildBallTree(balls, gradients, threads);
 	}
 
 	/// Calls `found(sphere)` with the largest sphere of each cluster.
@@ -155,7 +155,7 @@ void Cut::split()
 std::vector<MomentEllipsoid> solidBalls(const BallTree& leaves)
 {
 	std::vector<MomentEllipsoid> balls;
-	for (const MomentEllipsoid& b : leaves.balls)
+	for (const MomentEllipsoid& b : leaves.slots())
 		if (b.density > 0) balls.push_back(b);
 	return balls;
 }
@@ -208,7 +208,7 @@ LevelPair levelOf(const InnerSphereTree& A, const InnerSphereTree& B, int level)
 	const auto tree = [](const InnerSphereTree& body, size_t i) -> const BallTree& { return i == 0 ? body.law : body.levels[i - 1]; };
 	for (int step = 0; step < level; ++step)
 	{
-		const bool takeA = b == B.levels.size() || (a < A.levels.size() && tree(A, a).blocks.size() >= tree(B, b).blocks.size());
+		const bool takeA = b == B.levels.size() || (a < A.levels.size() && tree(A, a).blockCount() >= tree(B, b).blockCount());
 		++(takeA ? a : b);
 	}
 	return {&tree(A, a), &tree(B, b), int(a), int(b)};

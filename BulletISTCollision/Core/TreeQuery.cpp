@@ -77,12 +77,6 @@ OverlapIntegrals collect(const double* sums, const DampingWeights& damping)
 	return o;
 }
 
-BallRows rowsOf(const BallTree& tree)
-{
-	if (!tree.spheres.empty()) return {&tree.spheres.data()->x, kSphereRow};
-	return {&tree.balls.data()->x, kEllipsoidRow};
-}
-
 /// The entries behind the last are read with it: they must name balls too, moved ones.
 void pad(uint32_t* a, uint32_t* b, int count)
 {
@@ -104,8 +98,8 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 	m_bodies.weightB = float(m_damping.B);
 	m_bodies.ballsA = A.balls.data();
 	m_bodies.ballsB = B.balls.data();
-	m_bodies.spheresA = A.spheres.data();
-	m_bodies.spheresB = B.spheres.data();
+	m_bodies.ellipsoidsA = A.ellipsoids.data();
+	m_bodies.ellipsoidsB = B.ellipsoids.data();
 	m_bodies.gradientsA = A.gradients.data();
 	m_bodies.gradientsB = B.gradients.data();
 	m_bodies.centersB = work.movedCenters.data();
@@ -264,10 +258,9 @@ PairSearch TreeQuery::newSearch()
 	PairSearch s;
 	s.nodesA = m_A.nodes.data();
 	s.nodesB = m_B.nodes.data();
-	s.blocksA = m_A.blocks.data();
-	s.blocksB = m_B.blocks.data();
-	s.rowsA = rowsOf(m_A);
+	s.ballsA = m_bodies.ballsA;
 	s.ballsB = m_bodies.ballsB;
+	s.ellipsoidsB = m_bodies.ellipsoidsB;
 	std::copy_n(m_bodies.R, 9, s.R);
 	std::copy_n(m_bodies.t, 3, s.t);
 	s.stretch = float(m_lengthening);
@@ -338,7 +331,7 @@ bool TreeQuery::rememberPatches(int groups)
 {
 	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > PairMemory::Implementation::kMostPatches) return false;
 	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.slotCount())};
-	m_work.grouper.extend(m_work.stream, m_listed, all, rowsOf(m_A), m_memory->patchOf());
+	m_work.grouper.extend(m_work.stream, m_listed, all, m_A.balls.data(), m_memory->patchOf());
 	m_memory->divide(groups);
 	return true;
 }

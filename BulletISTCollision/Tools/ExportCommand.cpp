@@ -25,17 +25,16 @@ void writeSpheres(std::ostream& out, const InnerSphereTree& tree)
 void writeLeaves(std::ostream& out, const InnerSphereTree& tree)
 {
 	out << "x,y,z,r,density,nx,ny,nz,depth,sphere,xx,yy,zz,xy,xz,yz\n";
-	for (size_t block = 0; block < tree.law.blocks.size(); ++block)
-		for (uint32_t lane = 0; lane < tree.law.blocks[block].count(); ++lane)
-		{
-			const MomentEllipsoid& b = tree.law.balls[block * BallBlock::kWidth + lane];
-			const Vec3 c = b.center() + tree.origin;
-			for (double v : {c.x, c.y, c.z}) out << numberText(v) << ',';
-			for (float v : {b.R, b.density, b.nx, b.ny, b.nz, b.depth}) out << numberText(v) << ',';
-			out << b.sphere;
-			for (float v : {b.xx, b.yy, b.zz, b.xy, b.xz, b.yz}) out << ',' << numberText(v);
-			out << '\n';
-		}
+	for (const MomentEllipsoid& b : tree.law.slots())
+	{
+		if (!(b.R > 0)) continue;
+		const Vec3 c = b.center() + tree.origin;
+		for (double v : {c.x, c.y, c.z}) out << numberText(v) << ',';
+		for (float v : {b.R, b.density, b.nx, b.ny, b.nz, b.depth}) out << numberText(v) << ',';
+		out << b.sphere;
+		for (float v : {b.xx, b.yy, b.zz, b.xy, b.xz, b.yz}) out << ',' << numberText(v);
+		out << '\n';
+	}
 }
 
 int writeFile(const std::string& path, const InnerSphereTree& tree, void (*write)(std::ostream&, const InnerSphereTree&))

@@ -16,7 +16,7 @@ namespace
 double leafVolume(const InnerSphereTree& tree)
 {
 	double sum = 0;
-	for (const MomentEllipsoid& b : tree.law.balls) sum += b.volume();
+	for (const MomentEllipsoid& b : tree.law.slots()) sum += b.volume();
 	return sum;
 }
 

@@ -22,8 +22,9 @@ void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, DrawList& list)
 {
 	const size_t stride = std::max<size_t>(1, tree.law.ballCount() / kMostLeaves);
 	size_t i = 0;
-	for (const MomentEllipsoid& ball : tree.law.balls)
+	for (size_t slot = 0; slot < tree.law.slotCount(); ++slot)
 	{
+		const MomentEllipsoid ball = tree.law.ball(slot);
 		if (!(ball.density > 0) || i++ % stride) continue;
 		const Vec3 at = X_WP * (tree.origin + ball.center()), normal = X_WP.rotation * ball.normal();
 		const Colour colour = levelColour(0.15 + 0.8 * norm(normal));
@@ -40,8 +41,9 @@ void drawFieldLenses(const btISTContact& contact, const btISTShapeField& shape, 
 	double deepest = 0;
 	const size_t first = list.discs.size();
 	std::vector<double> depths;
-	for (const MomentEllipsoid& ball : tree.law.balls)
+	for (size_t slot = 0; slot < tree.law.slotCount(); ++slot)
 	{
+		const MomentEllipsoid ball = tree.law.ball(slot);
 		if (!(ball.density > 0)) continue;
 		const Vec3 inField = X_FA * (tree.origin + ball.center()), n = X_AF.rotation * shape.field()->normal(inField);
 		const double below = shape.field()->depth(inField), depth = std::sqrt(dot(n, ball.shape() * n)) + below;
@@ -68,8 +70,9 @@ size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, in
 {
 	const size_t count = balls.ballCount(), stride = std::max<size_t>(1, count / kMostLeaves);
 	size_t i = 0;
-	for (const MomentEllipsoid& ball : balls.balls)
+	for (size_t slot = 0; slot < balls.slotCount(); ++slot)
 	{
+		const MomentEllipsoid ball = balls.ball(slot);
 		if (!(ball.density > 0) || i++ % stride) continue;
 		const Vec3 normal = squaredNorm(ball.normal()) > 0 ? normalized(ball.normal()) : Vec3{0, 0, 1};
 		list.discs.push_back({X_WM * (origin + ball.center()), X_WM.rotation * normal, 0.6 * ball.meanRadius(), 0.3 * ball.meanRadius(), colourOfLevel(level)});

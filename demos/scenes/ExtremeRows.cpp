@@ -38,7 +38,7 @@ ist::Vec3 randomVector(std::mt19937_64& random, double size)
 double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT, double height)
 {
 	double volume = 0;
-	for (const ist::MomentEllipsoid& ball : tree.law.balls)
+	for (const ist::MomentEllipsoid& ball : tree.law.slots())
 	{
 		if (!(ball.density > 0)) continue;
 		// The share of an ellipsoid below a plane depends on the plane's distance in half-widths alone.

@@ -99,7 +99,7 @@ void printLeaves(const Body& body)
 	double densest = 0, sum = 0;
 	int dense = 0;
 	const double leaves = body.tree.law.ballCount();
-	for (const MomentEllipsoid& b : body.tree.law.balls)
+	for (const MomentEllipsoid& b : body.tree.law.slots())
 	{
 		densest = std::max<double>(densest, b.density);
 		sum += b.density;

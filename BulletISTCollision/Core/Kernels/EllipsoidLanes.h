@@ -49,10 +49,10 @@ struct Balls
 	F6 shape;
 };
 
-static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16);
+static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16 && sizeof(StoredEllipsoid) == 32);
 
 /// Without density and normal.
-IST_INLINE Balls fetchEllipsoids(const MomentEllipsoid* balls, const uint32_t* index)
+IST_INLINE Balls fetchShapes(const MomentEllipsoid* balls, const uint32_t* index)
 {
 	constexpr int offset[3] = {0, 32, 48};
 	F::Part c[12];
@@ -68,13 +68,47 @@ IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {{c[5]}, {c[6]}, {c[7]}}, {c[8]}, {{c[10]}, {c[11]}, {c[12]}, {c[13]}, {c[14]}, {c[15]}}};
 }
 
-/// Packed spheres are wholly filled and have no normal: just place and radius.
-IST_INLINE Balls fetch(const Sphere* spheres, const uint32_t* index)
+/// Places and radii: all that there is of packed spheres.
+IST_INLINE Balls fetch(const Sphere* balls, const uint32_t* index)
 {
 	constexpr int offset[1] = {0};
 	F::Part c[4];
-	fetchRows<1>(spheres, index, offset, c);
+	fetchRows<1>(balls, index, offset, c);
 	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {}, {}, {}, {}};
+}
+
+/// Of the numbers in a word.
+constexpr float kStoredStep = StoredEllipsoid::kStep / 65536;
+
+/// `R`: of the balls; the words of their shapes.
+IST_INLINE F6 storedShape(const F& R, F xxyy, F zzxy, F xzyz)
+{
+	return R * R * F::all(kStoredStep) * F6{F::lowerNumber(xxyy), F::upperNumber(xxyy), F::lowerNumber(zzxy), F::upperNumber(zzxy), F::lowerNumber(xzyz), F::upperNumber(xzyz)};
+}
+
+/// Without density, normal and depth.
+IST_INLINE Balls fetchShapes(const Sphere* balls, const StoredEllipsoid* ellipsoids, const uint32_t* index)
+{
+	constexpr int offset[1] = {offsetof(StoredEllipsoid, shape)};
+	Balls b = fetch(balls, index);
+	F::Part c[4];
+	fetchRows<1>(ellipsoids, index, offset, c);
+	b.shape = storedShape(b.R, {c[0]}, {c[1]}, {c[2]});
+	return b;
+}
+
+IST_INLINE Balls fetch(const Sphere* balls, const StoredEllipsoid* ellipsoids, const uint32_t* index)
+{
+	constexpr int offset[2] = {0, offsetof(StoredEllipsoid, shape)};
+	Balls b = fetch(balls, index);
+	F::Part c[8];
+	fetchRows<2>(ellipsoids, index, offset, c);
+	const F step = F::all(kStoredStep), xy{c[2]}, z{c[3]};
+	b.density = {c[0]};
+	b.depth = {c[1]};
+	b.normal = step * F3{F::lowerNumber(xy), F::upperNumber(xy), F::lowerNumber(z)};
+	b.shape = storedShape(b.R, {c[4]}, {c[5]}, {c[6]});
+	return b;
 }
 
 IST_INLINE F6 fetch(const NormalGradient* gradients, const uint32_t* index)

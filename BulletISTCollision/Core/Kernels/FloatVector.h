@@ -322,6 +322,19 @@ struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)((Mask)a.part[i] << 16);
 		return a;
 	}
+	/// Of two whole numbers that share each word, 65536 times each.
+	static IST_INLINE FloatVector upperNumber(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = __builtin_convertvector((Mask)a.part[i] & int32_t(0xffff0000), Part);
+		return a;
+	}
+	static IST_INLINE FloatVector lowerNumber(FloatVector a)
+	{
+		IST_UNROLL
+		for (int i = 0; i < kParts; ++i) a.part[i] = __builtin_convertvector((Mask)a.part[i] << 16, Part);
+		return a;
+	}
 	/// Where a[k] < b[k].
 	static IST_INLINE Lanes isLess(const FloatVector& a, const FloatVector& b)
 	{

@@ -144,10 +144,10 @@ IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls
 	else
 	{
 		if constexpr (terms == kLineTerms)
-			b = fetch(bodies.spheresB, index);
+			b = fetch(bodies.ballsB, index);
 		else
 		{
-			b = fetch(bodies.ballsB, index);
+			b = fetch(bodies.ballsB, bodies.ellipsoidsB, index);
 			b.normal = turned(bodies.R, b.normal);
 			b.shape = turned(bodies.R, b.shape);
 		}
@@ -158,8 +158,8 @@ IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls
 template <Terms terms>
 IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
 {
-	if constexpr (terms == kLineTerms) return fetch(bodies.spheresA, index);
-	else return fetch(bodies.ballsA, index);
+	if constexpr (terms == kLineTerms) return fetch(bodies.ballsA, index);
+	else return fetch(bodies.ballsA, bodies.ellipsoidsA, index);
 }
 
 /// What normals that change over a ball, of A's, of B's or of both, make of a lens: its centroid, as lensCentroid() has it, and the normals there.

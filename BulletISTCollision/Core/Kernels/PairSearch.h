@@ -11,7 +11,7 @@ namespace
 using namespace ist;
 using namespace ist::kernels;
 
-static_assert(BallNode::kWidth == 8 && BallBlock::kWidth == 16);
+static_assert(BallNode::kWidth == 8 && kBlockWidth == 16);
 
 /// Appends first + lane for each lane that is set to `lanes`, which has `size` entries, and `same` beside it. Returns the new size.
 /// `areFew`: more than half of them rarely are.
@@ -195,13 +195,14 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 }
 
 /// Centres as they were moved already.
-void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, const MomentEllipsoid* from, MomentEllipsoid* to)
+void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, size_t first)
 {
+	MomentEllipsoid* const to = s.movedB + first;
 	uint32_t index[kLanes];
 	for (int k = 0; k < kLanes; ++k) index[k] = uint32_t(k);
-	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
+	for (int lane = 0; lane < kBlockWidth; lane += kLanes)
 	{
-		const Balls b = fetch(from + lane, index);
+		const Balls b = fetch(s.ballsB + first + lane, s.ellipsoidsB + first + lane, index);
 		const F3 normal = turned(s.R, b.normal);
 		const F6 shape = turned(s.R, b.shape);
 		storeRow(to + lane, 0, F::load(centers.x + lane), F::load(centers.y + lane), F::load(centers.z + lane), b.R);
@@ -213,14 +214,16 @@ void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, const Moment
 
 void moveBlock(const PairSearch& s, uint32_t index)
 {
-	using V16 = FloatVector<BallBlock::kWidth>;
-	const BallBlock& block = s.blocksB[index];
+	using V = FloatVector<kBlockWidth>;
 	MovedBlock& moved = s.moved[index];
-	const size_t first = size_t(index) * BallBlock::kWidth;
-	for (int lane = 0; lane < BallBlock::kWidth; lane += kLanes)
+	const size_t first = size_t(index) * kBlockWidth;
+	const Block block = fetchBlock(s.ballsB + first);
+	IST_UNROLL
+	for (int part = 0; part < V::kParts; ++part)
 	{
-		const F R = F::load(block.R + lane);
-		const D x = D::from(F::load(block.x + lane)), y = D::from(F::load(block.y + lane)), z = D::from(F::load(block.z + lane));
+		const int lane = part * kLanes;
+		const F R{block.r.part[part]};
+		const D x = D::from(F{block.x.part[part]}), y = D::from(F{block.y.part[part]}), z = D::from(F{block.z.part[part]});
 		const auto component = [&](int i) __attribute__((always_inline)) { return movedComponent(s.R, s.t, i, x, y, z); };
 		const Centers c{component(0), component(1), component(2), D::from(R)};
 		c.x.rounded().store(moved.x + lane);
@@ -229,15 +232,14 @@ void moveBlock(const PairSearch& s, uint32_t index)
 		(R + F::all(s.slack)).store(moved.reach + lane);
 		storeCenters(s.centersB + first + lane, c);
 	}
-	s.marks[index] = {s.epoch, uint32_t(__builtin_popcount(V16::less(V16::all(0), V16::load(block.R))))};
-	if (s.movedB) moveEllipsoids(s, moved, s.ballsB + first, s.movedB + first);
+	s.marks[index] = {s.epoch, uint32_t(__builtin_popcount(V::less(V::all(0), block.r)))};
+	if (s.movedB) moveEllipsoids(s, moved, first);
 }
 
 /// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
 int ballsNearBlocks(PairSearch& s, int first, int end)
 {
-	using V = FloatVector<16>;
-	const BallBlock* blocksA = s.blocksA;
+	const Sphere* ballsA = s.ballsA;
 	const BlockMark* marks = s.marks;
 	const SubtreeList leaves = s.leaves;
 	uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
@@ -247,11 +249,10 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 	for (int i = first; i < end; ++i)
 	{
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
-		const BallBlock& a = blocksA[blockA];
+		const Block a = fetchBlock(ballsA + size_t(blockA) * kBlockWidth);
 		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
-		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.R), leaves.x[i], leaves.y[i], leaves.z[i],
-										   leaves.r[i] + slack);
-		const size_t size = appendLanes<false>(near, blockA * BallBlock::kWidth, blockB, ballOf, blockOf, n), count = size - n;
+		const LaneMask<16> near = touching(a.x, a.y, a.z, a.r, leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
+		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
 		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
 		// Of a block that nothing is near the number does not matter.
 		tests += count * marks[blockB].count;
@@ -262,18 +263,17 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 	return int(n);
 }
 
-/// Balls of A, in rows of kStride floats, against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
-template <size_t kStride>
+/// Balls of A against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
 int pairsOfBalls(PairSearch& s, int count, int pairs)
 {
 	using V = FloatVector<16>;
 	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
 	uint32_t *pairA = s.pairA, *pairB = s.pairB;
-	const float* rows = s.rowsA.first;
+	const Sphere* ballsA = s.ballsA;
 	const MovedBlock* moved = s.moved;
 	for (int i = 0; i < count && !s.stop;)
 	{
-		const int safe = (kPairBatch - pairs) / BallBlock::kWidth;
+		const int safe = (kPairBatch - pairs) / kBlockWidth;
 		if (safe == 0)
 		{
 			s.sink(s.context, pairs);
@@ -285,10 +285,10 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 		for (; i < end; ++i)
 		{
 			const uint32_t ball = ballOf[i], index = blockOf[i];
-			const float* const a = rows + ball * kStride;
+			const Sphere& a = ballsA[ball];
 			const MovedBlock& b = moved[index];
-			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a[0], a[1], a[2], a[3]);
-			size = appendLanes<true>(hits, index * BallBlock::kWidth, ball, pairB, pairA, size);
+			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a.x, a.y, a.z, a.r);
+			size = appendLanes<true>(hits, index * kBlockWidth, ball, pairB, pairA, size);
 		}
 		pairs = int(size);
 	}
@@ -303,7 +303,7 @@ int drainLeaves(PairSearch& s, int pairs)
 		if (s.expired) s.stop = s.expired(s.context);
 		const int end = s.leaves.size - first < kLeafBatch ? s.leaves.size : first + kLeafBatch;
 		const int near = ballsNearBlocks(s, first, end);
-		pairs = s.rowsA.stride == kSphereRow ? pairsOfBalls<kSphereRow>(s, near, pairs) : pairsOfBalls<kEllipsoidRow>(s, near, pairs);
+		pairs = pairsOfBalls(s, near, pairs);
 	}
 	s.leaves.size = 0;
 	return pairs;

@@ -27,8 +27,8 @@ IST_INLINE F determinant(const F6& M)
 template <bool isMoved>
 IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 {
-	if constexpr (isMoved) return fetchEllipsoids(bodies.movedB, index);
-	Balls b = fetchEllipsoids(bodies.ballsB, index);
+	if constexpr (isMoved) return fetchShapes(bodies.movedB, index);
+	Balls b = fetchShapes(bodies.ballsB, bodies.ellipsoidsB, index);
 	const Centers c = movedCenters(bodies, b.x, b.y, b.z, b.R);
 	b.x = c.x.rounded();
 	b.y = c.y.rounded();
@@ -43,7 +43,7 @@ IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 template <bool hasMargin, bool isMoved>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
-	const Balls a = fetchEllipsoids(bodies.ballsA, indexA), b = fetchMoved<isMoved>(bodies, indexB);
+	const Balls a = fetchShapes(bodies.ballsA, bodies.ellipsoidsA, indexA), b = fetchMoved<isMoved>(bodies, indexB);
 	const F6 &A = a.shape, &B = b.shape;
 	F6 P{A.xx + B.xx, A.yy + B.yy, A.zz + B.zz, A.xy + B.xy, A.xz + B.xz, A.yz + B.yz};
 	if constexpr (hasMargin) P = grown(P, F::all(bodies.margin));

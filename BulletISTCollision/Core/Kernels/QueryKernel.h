@@ -14,7 +14,7 @@ namespace ist::kernels
 /// A block of B in A's tree frame, for the tests. `reach`: radius and slack.
 struct alignas(64) MovedBlock
 {
-	float x[BallBlock::kWidth], y[BallBlock::kWidth], z[BallBlock::kWidth], reach[BallBlock::kWidth];
+	float x[kBlockWidth], y[kBlockWidth], z[kBlockWidth], reach[kBlockWidth];
 };
 
 /// When a block of B was moved last, and how many balls it has without padding.
@@ -29,14 +29,6 @@ struct alignas(32) MovedCenter
 	double x, y, z, R;
 };
 
-/// Centres and radii of balls, each at the front of a row of so many floats: kSphereRow or kEllipsoidRow.
-struct BallRows
-{
-	const float* first;
-	size_t stride;
-};
-constexpr size_t kSphereRow = sizeof(Sphere) / sizeof(float), kEllipsoidRow = sizeof(MomentEllipsoid) / sizeof(float);
-
 /// Room that a list of vectors needs behind its end: stores are always whole vectors.
 constexpr int kListSlack = 16;
 /// Entries that one level of the descent can add to a list for each entry that it opens, the hole it leaves included.
@@ -47,7 +39,7 @@ constexpr int kLeastListEntries = 2 * kMaxTreeDepth * kEntriesPerOpen + BallNode
 constexpr int kOpenBatch = 32;
 constexpr int kLeafBatch = 64;
 constexpr int kLeafEntries = kLeafBatch + kOpenBatch * BallNode::kWidth + kListSlack;
-constexpr int kBallEntries = kLeafBatch * BallBlock::kWidth + kListSlack;
+constexpr int kBallEntries = kLeafBatch * kBlockWidth + kListSlack;
 constexpr int kPairBatch = 1024;
 
 /// Pairs of subtrees: node or block (without its leaf bit) of A and of B, and the bound of that one of the two which is not opened
@@ -74,9 +66,8 @@ struct SearchCounts
 struct PairSearch
 {
 	const BallNode *nodesA, *nodesB;
-	const BallBlock *blocksA, *blocksB;
-	BallRows rowsA;
-	const MomentEllipsoid* ballsB;  ///< where movedB is wanted
+	const Sphere *ballsA, *ballsB;
+	const StoredEllipsoid* ellipsoidsB;  ///< where movedB is wanted
 	double R[9], t[3];    ///< B's tree frame to A's
 	float stretch;        ///< by how much R may lengthen
 	float slack;          ///< covers the rounding of float positions [m]
@@ -102,8 +93,8 @@ struct PairSearch
 /// The bodies of a list of pairs.
 struct PairBodies
 {
-	const MomentEllipsoid *ballsA, *ballsB;
-	const Sphere *spheresA, *spheresB;  ///< all that kLineTerms read
+	const Sphere *ballsA, *ballsB;  ///< all that kLineTerms read
+	const StoredEllipsoid *ellipsoidsA, *ellipsoidsB;
 	const NormalGradient *gradientsA, *gradientsB;  ///< in each body's own tree frame; null: none
 	const MovedCenter* centersB;    ///< of those balls that the search found in pairs; null: each pair moves and turns its own
 	const MomentEllipsoid* movedB;  ///< with centersB: B's balls in A's tree frame, in floats

@@ -162,6 +162,40 @@ IST_INLINE void fetchRows(const Ball* balls, const uint32_t* index, const int (&
 	for (int r = 0; r < kRows; ++r) transpose(columns[4 * r], columns[4 * r + 1], columns[4 * r + 2], columns[4 * r + 3]);
 }
 
+/// Sixteen balls, one behind the other in memory.
+struct Block
+{
+	FloatVector<kBlockWidth> x, y, z, r;
+};
+
+IST_INLINE Block fetchBlock(const Sphere* balls)
+{
+	Block block;
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	F::Part c[4];
+	IST_UNROLL
+	for (int i = 0; i < 4; ++i) std::memcpy(&c[i], balls + 4 * i, sizeof(F::Part));
+	transpose(c[0], c[1], c[2], c[3]);
+	const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
+	const auto inOrder = [&](F::Part v) __attribute__((always_inline)) { return (F::Part)_mm512_permutexvar_ps(order, (__m512)v); };
+	block = {{inOrder(c[0])}, {inOrder(c[1])}, {inOrder(c[2])}, {inOrder(c[3])}};
+#else
+	IST_UNROLL
+	for (int i = 0; i < kBlockWidth / kLanes; ++i)
+	{
+		constexpr int offset[1] = {0};
+		F::Part c[4];
+		gather<4, 1>(i * kLanes, [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + k); }, offset, c);
+		transpose(c[0], c[1], c[2], c[3]);
+		block.x.part[i] = c[0];
+		block.y.part[i] = c[1];
+		block.z.part[i] = c[2];
+		block.r.part[i] = c[3];
+	}
+#endif
+	return block;
+}
+
 /// Row k from lane k of the columns, into ball k from `balls` on.
 IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, F c0, F c1, F c2, F c3)
 {

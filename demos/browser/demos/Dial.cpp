@@ -234,8 +234,8 @@ void Dial::draw(const DrawChoice& choice, DrawList& list)
 		list.surfaces.push_back({m_solids[1]->surface, X_WB, bodyColour(1), 1, true});
 	}
 	if (choice.leaves && m_balls)
-		for (const MomentEllipsoid& ball : m_balls->balls)
-			if (ball.density > 0)
+		for (size_t slot = 0; slot < m_balls->slotCount(); ++slot)
+			if (const MomentEllipsoid ball = m_balls->ball(slot); ball.density > 0)
 				list.discs.push_back({X_WA * (m_trees[0].origin + ball.center()), normalized(Vec3{ball.nx + 1e-6, ball.ny, ball.nz}), 0.6 * ball.meanRadius(),
 									  0.25 * ball.meanRadius(), levelColour(0.2 + 0.7 * norm(ball.normal()))});
 	if (!choice.wrenches || !(norm(m_force) > 0)) return;

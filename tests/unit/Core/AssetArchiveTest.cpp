@@ -86,8 +86,8 @@ TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 	const auto bySphere = [](const InnerSphereTree& tree)
 	{
 		std::vector<MomentEllipsoid> cells(tree.spheres.size());
-		for (size_t i = 0; i < tree.cells.balls.size(); ++i)
-			if (i % BallBlock::kWidth < tree.cells.blocks[i / BallBlock::kWidth].count()) cells[tree.cells.balls[i].sphere] = tree.cells.balls[i];
+		for (const MomentEllipsoid& cell : tree.cells.slots())
+			if (cell.density > 0) cells[cell.sphere] = cell;
 		return cells;
 	};
 	const std::vector<MomentEllipsoid> before = bySphere(p.tree), after = bySphere(p.archived);

@@ -55,7 +55,7 @@ std::string goldenPath(const std::string& name)
 double ballVolume(const BallTree& tree)
 {
 	double sum = 0;
-	for (const MomentEllipsoid& b : tree.balls) sum += b.density * 4 * kPi / 3 * b.R * b.R * b.R;
+	for (const MomentEllipsoid& b : tree.slots()) sum += b.density * 4 * kPi / 3 * b.R * b.R * b.R;
 	return sum;
 }
 

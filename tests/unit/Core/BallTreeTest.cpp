@@ -49,6 +49,12 @@ std::vector<std::array<float, 16>> sorted(std::span<const MomentEllipsoid> balls
 	return keys;
 }
 
+std::vector<MomentEllipsoid> stored(std::vector<MomentEllipsoid> balls)
+{
+	std::transform(balls.begin(), balls.end(), balls.begin(), asStored);
+	return balls;
+}
+
 std::vector<MomentEllipsoid> ballsBelow(const BallTree& tree, uint32_t child)
 {
 	std::vector<MomentEllipsoid> below;
@@ -61,7 +67,7 @@ std::vector<MomentEllipsoid> ballsBelow(const BallTree& tree, uint32_t child)
 		if (at & BallNode::kLeafBit)
 		{
 			const size_t block = at & ~BallNode::kLeafBit;
-			for (size_t i = 0; i < tree.blocks[block].count(); ++i) below.push_back(tree.balls[block * BallBlock::kWidth + i]);
+			for (size_t i = 0; i < tree.ballCount(block); ++i) below.push_back(tree.ball(block * kBlockWidth + i));
 			continue;
 		}
 		open.insert(open.end(), tree.nodes[at].child, tree.nodes[at].child + BallNode::kWidth);
@@ -100,8 +106,8 @@ TEST(BallTree, HoldsEveryBallOnceAndIsValid)
 		const BallTree tree = buildBallTree(balls);
 		EXPECT_EQ(tree.validate(), "") << count;
 		EXPECT_EQ(tree.ballCount(), uint32_t(count));
-		EXPECT_EQ(tree.blocks.size(), size_t(count + 15) / 16);
-		EXPECT_EQ(sorted(tree.balls), sorted(balls));
+		EXPECT_EQ(tree.blockCount(), size_t(count + 15) / 16);
+		EXPECT_EQ(sorted(tree.slots()), sorted(stored(balls)));
 	}
 }
 
@@ -139,11 +145,11 @@ TEST(BallTree, EveryBallKeepsItsGradientAndItsSphere)
 	}
 	const BallTree tree = buildBallTree(balls, gradients);
 	EXPECT_EQ(tree.validate(), "");
-	EXPECT_EQ(sorted(tree.balls), sorted(balls));
-	ASSERT_EQ(tree.gradients.size(), tree.balls.size());
-	for (size_t slot = 0; slot < tree.balls.size(); ++slot)
+	EXPECT_EQ(sorted(tree.slots()), sorted(stored(balls)));
+	ASSERT_EQ(tree.gradients.size(), tree.slotCount());
+	for (size_t slot = 0; slot < tree.slotCount(); ++slot)
 	{
-		const MomentEllipsoid& ball = tree.balls[slot];
+		const MomentEllipsoid ball = tree.ball(slot);
 		if (!(ball.density > 0)) continue;
 		const SymmetricMatrix3 G = tree.gradients[slot].matrix(), expected = gradientAt(ball).matrix();
 		EXPECT_EQ(G.zz, expected.zz);
@@ -159,11 +165,11 @@ TEST(BallTree, TheThreadCountChangesNothing)
 	for (const int threads : {2, 5})
 	{
 		const BallTree many = buildBallTree(balls, threads);
-		EXPECT_EQ(sorted(many.balls), sorted(one.balls));
+		EXPECT_EQ(sorted(many.slots()), sorted(one.slots()));
 		ASSERT_EQ(many.nodes.size(), one.nodes.size());
-		ASSERT_EQ(many.blocks.size(), one.blocks.size());
+		ASSERT_EQ(many.slotCount(), one.slotCount());
 		EXPECT_EQ(std::memcmp(many.nodes.data(), one.nodes.data(), one.nodes.size() * sizeof(BallNode)), 0);
-		EXPECT_EQ(std::memcmp(many.blocks.data(), one.blocks.data(), one.blocks.size() * sizeof(BallBlock)), 0);
+		EXPECT_EQ(std::memcmp(many.balls.data(), one.balls.data(), one.balls.size() * sizeof(Sphere)), 0);
 	}
 }
 
@@ -214,10 +220,13 @@ TEST(BallTree, ValidateFindsDamage)
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].r[0] *= 0.5f; }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].x[0] = NAN; }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes[0].r[0] = kFarthestBound; }), "");
-	EXPECT_NE(damaged([](LooseTree& t) { t.blocks[3].R[2] = 0; }), "");
-	EXPECT_NE(damaged([](LooseTree& t) { t.blocks[3].x[2] += 1; }), "");
-	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].nx = INFINITY; }), "");
-	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].density = 0; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.balls[50].r = 0; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.balls[50].x += 1; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].y = INFINITY; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids[5].density = 0; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids[5].depth = NAN; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids[5].shape[1] = 0; }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids.pop_back(); }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.balls.pop_back(); }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes.clear(); }), "");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); }), "");
@@ -275,7 +284,7 @@ TEST(InnerSphereTree, ValidateNamesTheTree)
 	EXPECT_NE(body.validate().find("law"), std::string::npos);
 	std::swap(body.law, body.inner);
 	LooseTree empty(body.cells);
-	std::fill_n(empty.blocks[0].R, BallBlock::kWidth, 0.0f);
+	for (int k = 0; k < kBlockWidth; ++k) empty.balls[size_t(k)].r = 0;
 	body.cells = empty.frozen();
 	EXPECT_NE(body.validate().find("cells"), std::string::npos);
 	body.cells = {};

@@ -140,7 +140,7 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
 	PatchGrouper grouper;
 	constexpr uint32_t kUnknown = RandomPairs::kBalls, kBalls = kUnknown + 1;  // one that no pair has
-	const std::vector<MomentEllipsoid> balls(kBalls);
+	const std::vector<Sphere> balls(kBalls);
 	for (unsigned seed = 1; seed <= 20; ++seed)
 	{
 		const int count = int(20 + seed * 37);
@@ -159,7 +159,7 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 		a.push_back(kUnknown);
 		b.push_back(kUnknown);
 		std::vector<uint8_t> patchOf(a.size());
-		grouper.extend(pairs, count, {a.data(), b.data(), a.size(), kBalls}, {&balls[0].x, kEllipsoidRow}, patchOf.data());
+		grouper.extend(pairs, count, {a.data(), b.data(), a.size(), kBalls}, balls.data(), patchOf.data());
 		const auto someOf = [&](const uint32_t* list, uint32_t ball, uint8_t patch)
 		{
 			for (int i = 0; i < count; ++i)
@@ -180,10 +180,10 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 {
 	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
 	constexpr uint32_t kBalls = RandomPairs::kBalls + 2;
-	std::vector<MomentEllipsoid> balls(kBalls);
+	std::vector<Sphere> balls(kBalls);
 	// One in the middle of each cluster.
 	const uint32_t unknown[] = {kBalls - 2, kBalls - 1};
-	for (int cluster = 0; cluster < 2; ++cluster) balls[unknown[cluster]] = ballAt({3.0 * cluster, 3.0 * cluster, 3.0 * cluster}, {0, 0, 1});
+	for (int cluster = 0; cluster < 2; ++cluster) balls[unknown[cluster]] = {3.0f * float(cluster), 3.0f * float(cluster), 3.0f * float(cluster), 1};
 	for (unsigned seed = 1; seed <= 20; ++seed)
 	{
 		constexpr int kCount = 3000;  // so many that each cluster hangs together, but for a few
@@ -192,7 +192,7 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 		grouper.reserve(kCount, 2 * kBalls, 8);
 		ASSERT_GT(grouper.group(*kernel, random.stream, kCount, kBalls, 8), 1);
 		uint8_t patchOf[2];
-		grouper.extend(random.stream, kCount, {unknown, unknown, 2, kBalls}, {&balls[0].x, kEllipsoidRow}, patchOf);
+		grouper.extend(random.stream, kCount, {unknown, unknown, 2, kBalls}, balls.data(), patchOf);
 		for (uint32_t cluster = 0; cluster < 2; ++cluster)
 		{
 			int here = 0, there = 0;

@@ -375,7 +375,7 @@ OverlapIntegrals bruteForceAt(const InnerSphereTree& body, const BallTree& balls
 
 double ballsIn(const BallTree& tree)
 {
-	return double(std::count_if(tree.balls.begin(), tree.balls.end(), [](const MomentEllipsoid& b) { return b.density > 0; }));
+	return double(tree.ballCount());
 }
 
 /// What the coefficient of each level would have to be, in poses of 0.1 to 20 % overlap that have nothing to do with those it was measured in; sorted.

@@ -16,8 +16,9 @@ namespace
 double bruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
 	double best = std::numeric_limits<double>::infinity();
-	for (const MomentEllipsoid& a : A.law.balls)
-		for (const MomentEllipsoid& b : B.law.balls)
+	const std::vector<MomentEllipsoid> ofB = B.law.slots();
+	for (const MomentEllipsoid& a : A.law.slots())
+		for (const MomentEllipsoid& b : ofB)
 			if (a.density > 0 && b.density > 0)
 				best = std::min(best, distance(X_AB * (B.origin + b.center()), A.origin + a.center()) - a.R - b.R);
 	return best;
@@ -101,7 +102,7 @@ TEST(LeafClearance, OfASphereIsItsDistanceFromTheNearestBall)
 		const SphereField sphere(0.4);
 		const Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 2))), A.origin + 2.6 * normalized(randomVector(random, 1))};
 		double truth = std::numeric_limits<double>::infinity();
-		for (const MomentEllipsoid& a : A.law.balls)
+		for (const MomentEllipsoid& a : A.law.slots())
 			if (a.density > 0) truth = std::min(truth, distance(A.origin + a.center(), X.translation) - a.R - 0.4);
 		const double all = leafClearance(A, sphere, X, kMostOpenedForClearance);
 		EXPECT_LE(all, std::max(truth, 0.0));

@@ -9,17 +9,16 @@ namespace ist
 struct LooseTree
 {
 	explicit LooseTree(const BallTree& tree)
-		: nodes(tree.nodes.begin(), tree.nodes.end()), blocks(tree.blocks.begin(), tree.blocks.end()), balls(tree.balls.begin(), tree.balls.end()),
-		  spheres(tree.spheres.begin(), tree.spheres.end()), sphereIndex(tree.sphereIndex.begin(), tree.sphereIndex.end()),
+		: nodes(tree.nodes.begin(), tree.nodes.end()), balls(tree.balls.begin(), tree.balls.end()),
+		  ellipsoids(tree.ellipsoids.begin(), tree.ellipsoids.end()), sphereIndex(tree.sphereIndex.begin(), tree.sphereIndex.end()),
 		  gradients(tree.gradients.begin(), tree.gradients.end())
 	{
 	}
-	BallTree frozen() const { return {nodes, blocks, balls, spheres, sphereIndex, gradients}; }
+	BallTree frozen() const { return {nodes, balls, ellipsoids, sphereIndex, gradients}; }
 
 	std::vector<BallNode> nodes;
-	std::vector<BallBlock> blocks;
-	std::vector<MomentEllipsoid> balls;
-	std::vector<Sphere> spheres;
+	std::vector<Sphere> balls;
+	std::vector<StoredEllipsoid> ellipsoids;
 	std::vector<uint32_t> sphereIndex;
 	std::vector<NormalGradient> gradients;
 };

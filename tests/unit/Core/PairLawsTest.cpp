@@ -34,7 +34,15 @@ InnerSphereTree randomBody(uint64_t seed, int balls)
 		giveRandomShape(b, random);
 		leaves.push_back(b);
 	}
-	tree.law.balls = leaves;
+	std::vector<Sphere> bounds;
+	std::vector<StoredEllipsoid> ellipsoids;
+	for (const MomentEllipsoid& b : leaves)
+	{
+		bounds.push_back({b.x, b.y, b.z, b.R});
+		ellipsoids.emplace_back(b);
+	}
+	tree.law.balls = bounds;
+	tree.law.ellipsoids = ellipsoids;
 	return tree;
 }
 

@@ -22,3 +22,6 @@ void giveRandomShape(ist::MomentEllipsoid& e, Random& random, double flattest = 
 	e.density *= float(b * c / (longest * longest));
 	e.setShape(ist::rotated(R, {longest * longest, b * b, c * c, 0, 0, 0}));
 }
+
+/// As a tree gives it back.
+inline ist::MomentEllipsoid asStored(const ist::MomentEllipsoid& e) { return ist::StoredEllipsoid(e).in({e.x, e.y, e.z, e.R}); }

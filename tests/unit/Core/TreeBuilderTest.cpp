@@ -83,7 +83,7 @@ TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
 		const InnerSphereTree& tree = built.value();
 		EXPECT_EQ(tree.law.ballCount(), 1200u);
 		EXPECT_GT(tree.errorLength(), 0.003);
-		for (const MomentEllipsoid& leaf : tree.law.balls) EXPECT_LE(leaf.density, 1.0001f);
+		for (const MomentEllipsoid& leaf : tree.law.slots()) EXPECT_LE(leaf.density, 1.0001f);
 		QueryWorkspace workspace;
 		double error = 0, honest = 0;
 		constexpr int kPlanes = 40;

@@ -36,7 +36,7 @@ BallTree randomTree(size_t count, double scale, double farOff, uint64_t seed)
 BallTree packedOf(const BallTree& tree)
 {
 	std::vector<MomentEllipsoid> balls;
-	for (const MomentEllipsoid& b : tree.balls)
+	for (const MomentEllipsoid& b : tree.slots())
 		if (b.density > 0) balls.push_back(b);
 	return packedTree(balls);
 }
@@ -56,39 +56,41 @@ TEST(TreeCheck, PassesWhatTheBuilderMakes)
 constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0f, 0.0f, 1e30f};
 
 /// Sets one number of an ellipsoid to something else.
-void damage(MomentEllipsoid& ball, const std::function<size_t(size_t)>& below)
+void damage(StoredEllipsoid& ellipsoid, const std::function<size_t(size_t)>& below)
 {
-	float* const numbers[] = {&ball.xx, &ball.yy, &ball.zz, &ball.xy, &ball.xz, &ball.yz, &ball.depth, &ball.density};
-	float& number = *numbers[below(std::size(numbers))];
+	const size_t of = below(8);
+	if (of < 6)
+	{
+		int16_t& entry = ellipsoid.shape[of];
+		entry = below(2) ? int16_t(int(below(65536)) - 32768) : int16_t(entry * (0.9 + 0.0005 * double(below(200))));
+		return;
+	}
+	float& number = of == 6 ? ellipsoid.depth : ellipsoid.density;
 	number = below(2) ? kOdd[below(std::size(kOdd))] : number * (0.9f + 0.001f * float(below(200)));
 }
 
-/// Sets one number of the tree, most often in ball and block alike, to something else.
+/// Sets one number of the tree to something else.
 void damage(LooseTree& tree, std::mt19937_64& random)
 {
 	const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
 	BallNode& node = tree.nodes[below(tree.nodes.size())];
-	const size_t index = below(tree.blocks.size() * BallBlock::kWidth), lane = below(BallNode::kWidth);
-	const bool packed = !tree.spheres.empty();
-	BallBlock& block = tree.blocks[index / BallBlock::kWidth];
-	float& x = packed ? tree.spheres[index].x : tree.balls[index].x;
-	float& R = packed ? tree.spheres[index].r : tree.balls[index].R;
-	float &blockX = block.x[index % BallBlock::kWidth], &blockR = block.R[index % BallBlock::kWidth];
-	switch (below(12))
+	const size_t index = below(tree.balls.size()), lane = below(BallNode::kWidth);
+	const bool packed = tree.ellipsoids.empty();
+	Sphere& ball = tree.balls[index];
+	switch (below(11))
 	{
 		case 0: node.r[lane] *= 0.9f + 0.0001f * float(below(1000)); break;
 		case 1: node.x[lane] += node.r[lane] * 0.0001f * float(below(1000)); break;
 		case 2: node.child[lane] = uint32_t(below(tree.nodes.size())); break;
-		case 3: node.child[lane] = BallNode::kLeafBit | uint32_t(below(tree.blocks.size() + 1)); break;
+		case 3: node.child[lane] = BallNode::kLeafBit | uint32_t(below(tree.balls.size() / kBlockWidth + 1)); break;
 		case 4: node.r[lane] = below(4) == 0 ? kFarthestBound : kOdd[below(std::size(kOdd))]; break;
-		case 5: R = blockR = kOdd[below(std::size(kOdd))]; break;
-		case 6: blockR *= 0.9f + 0.001f * float(below(200)); break;
-		case 7: x = blockX = kOdd[below(std::size(kOdd))]; break;
-		case 8: block.z[index % BallBlock::kWidth] += 0.01f * float(below(3)); break;
-		case 9: R = blockR *= 1 + 0.01f * float(below(100)); break;
+		case 5: ball.r = kOdd[below(std::size(kOdd))]; break;
+		case 6: ball.x = kOdd[below(std::size(kOdd))]; break;
+		case 7: ball.z += 0.01f * float(below(3)); break;
+		case 8: ball.r *= 1 + 0.01f * float(below(100)); break;
 		default:
-			if (!packed) return damage(tree.balls[index], below);
-			R *= 1 + 0.01f * float(below(3));
+			if (!packed) return damage(tree.ellipsoids[index], below);
+			ball.r *= 0.9f + 0.001f * float(below(200));
 	}
 }
 

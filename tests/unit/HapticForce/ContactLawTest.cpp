@@ -197,7 +197,7 @@ TEST(ContactLaw, DampingIsTheIntegralOfThePressureTimesTheSquaredApproach)
 			for (int p = 0; p < found.pairCount; ++p)
 			{
 				const ist::OverlapPair& pair = found.pairs[p];
-				const ist::MomentEllipsoid &a = cube()->law.balls[pair.ballA], &b = cube()->law.balls[pair.ballB];
+				const ist::MomentEllipsoid a = cube()->law.ball(pair.ballA), b = cube()->law.ball(pair.ballB);
 				const Vec3 arm = X_WA * (contact.treeA->origin + pair.centroid) - patch.point;
 				const Vec3 w = X_WA.rotation * (0.7 * (X_AB.rotation * b.normal()) - 0.3 * a.normal());
 				const double approach = dot(w, linear + cross(angular, arm));

@@ -185,7 +185,7 @@ expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --sphere
 holds "build in mm" 'near(r["volume"], 1e-9, 1e-18) and near(r["longest_side"], 1e-3, 1e-9)'
 
 expect info 0 "$ist" info "$cube" --json
-holds info 'r["version"] == 5 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and len(r["calibration"]["levels"]) > 2'
+holds info 'r["version"] == 6 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and len(r["calibration"]["levels"]) > 2'
 holds "info mass" 'near(r["longest_side"], 1) and all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
 
 expect check 0 "$ist" check "$cube" --json
