@@ -2,7 +2,6 @@
 #include "BulletISTCollision/Core/ContactPatches.h"
 
 #include "BulletISTCollision/Core/Kernels/QueryKernel.h"
-#include "BulletISTCollision/Core/MomentEllipsoid.h"
 #include "BulletISTCollision/Core/Vec3.h"
 
 #include <algorithm>

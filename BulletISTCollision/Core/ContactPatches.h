@@ -15,8 +15,6 @@ struct QueryKernel;
 
 namespace ist
 {
-struct MomentEllipsoid;
-
 /// Pairs of balls by their indices.
 struct PairIndices
 {

@@ -19,7 +19,7 @@ inline const BallTree& treeOf(const InnerSphereTree& body, Model model)
 /// False for an empty tree, and for one of the other kind.
 inline bool answers(const BallTree& tree, Model model)
 {
-	return !tree.empty() && !(model == Model::Inner ? !tree.ellipsoids.empty() : tree.ellipsoids.empty());
+	return !tree.empty() && tree.ellipsoids.empty() == (model == Model::Inner);
 }
 
 /// What QueryWorkspace owns.
