@@ -45,17 +45,20 @@ struct alignas(64) MomentEllipsoid
 };
 static_assert(sizeof(MomentEllipsoid) == 64);
 
+/// Whether a symmetric matrix, diagonal first, is positive definite.
+template <class Number>
+constexpr bool isPositiveDefinite(Number xx, Number yy, Number zz, Number xy, Number xz, Number yz)
+{
+	const Number minor = xx * yy - xy * xy;
+	return (xx > 0) & (minor > 0) & (minor * zz - xx * yz * yz - yy * xz * xz + 2 * xy * xz * yz > 0);
+}
+
 inline bool MomentEllipsoid::isSolid() const
 {
-	const auto isPositive = [](double ax, double ay, double az, double bx, double by, double bz)
-	{
-		const double minor = ax * ay - bx * bx;
-		return (ax > 0) & (minor > 0) & (minor * az - ax * bz * bz - ay * by * by + 2 * bx * by * bz > 0);
-	};
-	// 6e-5 covers the rounding of the shape's entries to steps of 3e-5 (StoredEllipsoid).
-	const double bound = double(R) * R, high = bound * (1 + 6e-5), low = 0.5 * kFlattest * kFlattest * bound;
-	return isRadius(R) & (density > 0) & isPositive(xx - low, yy - low, zz - low, xy, xz, yz) &
-		   isPositive(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
+	// 1e-4 covers the rounding of the shape's entries to steps of 3e-5 (StoredEllipsoid).
+	const double bound = double(R) * R, high = bound * (1 + 1e-4), low = 0.5 * kFlattest * kFlattest * bound;
+	return isRadius(R) & (density > 0) & isPositiveDefinite<double>(xx - low, yy - low, zz - low, xy, xz, yz) &
+		   isPositiveDefinite<double>(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
 }
 
 /// What a tree stores of a MomentEllipsoid beside its bounding ball, half a cache line: normal and shape in steps of 3e-5, far below what the samples
@@ -72,6 +75,8 @@ struct alignas(32) StoredEllipsoid
 	explicit StoredEllipsoid(const MomentEllipsoid& ellipsoid);  ///< rounded
 	/// `bound`: of radius R around its centroid.
 	MomentEllipsoid in(const Sphere& bound) const;
+	/// Implies that the ellipsoid in a bound of a good radius is solid. Exact, in whole steps.
+	bool isSolid() const;
 };
 static_assert(sizeof(StoredEllipsoid) == 32);
 
@@ -85,6 +90,14 @@ inline MomentEllipsoid StoredEllipsoid::in(const Sphere& bound) const
 	e.xx = shape[0] * scale, e.yy = shape[1] * scale, e.zz = shape[2] * scale;
 	e.xy = shape[3] * scale, e.xz = shape[4] * scale, e.yz = shape[5] * scale;
 	return e;
+}
+
+inline bool StoredEllipsoid::isSolid() const
+{
+	constexpr int64_t kMost = int64_t((1 + 1e-4) / double(kStep)), kLeast = 1 + int64_t(0.5 * MomentEllipsoid::kFlattest * MomentEllipsoid::kFlattest / double(kStep));
+	const int64_t xx = shape[0], yy = shape[1], zz = shape[2], xy = shape[3], xz = shape[4], yz = shape[5];
+	return (density > 0) & isPositiveDefinite<int64_t>(xx - kLeast, yy - kLeast, zz - kLeast, xy, xz, yz) &
+		   isPositiveDefinite<int64_t>(kMost - xx, kMost - yy, kMost - zz, -xy, -xz, -yz);
 }
 
 /// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Two entries share a word, each the upper half

@@ -138,10 +138,13 @@ bool surelyValid(const BallTree& tree, size_t block)
 		const Sphere& s = first[k];
 		sum += (std::fabs(s.x) + std::fabs(s.y)) + (std::fabs(s.z) + s.r);
 		good &= k < count ? int(MomentEllipsoid::isRadius(s.r)) : int(s.r == 0) & int(s.x >= kFarPadding);
-		if (!ellipsoids) continue;
+	}
+	for (uint32_t k = 0; k < uint32_t(kBlockWidth) && ellipsoids; ++k)
+	{
 		const StoredEllipsoid& e = ellipsoids[k];
 		sum += e.density + std::fabs(e.depth);
-		good &= k < count ? int(e.in(s).isSolid()) : int(e.density == 0);
+		const int solid = int(e.isSolid()), empty = int(e.density == 0);
+		good &= k < count ? solid : empty;
 	}
 	return good && std::isfinite(sum);
 }
