@@ -69,6 +69,11 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 
 void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTree& B)
 {
+	if (columnsA.size() < A.blockCount())
+	{
+		columnsA.resize(A.blockCount());
+		epochsA.resize(A.blockCount());
+	}
 	if (moved.size() < B.blockCount())
 	{
 		moved.resize(B.blockCount());
@@ -79,6 +84,7 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 	grouper.reserve(size_t(capacity.pairs), A.slotCount() + B.slotCount(), capacity.patches);
 	if (++epoch == 0)
 	{
+		std::fill(epochsA.begin(), epochsA.end(), 0u);
 		for (BlockMark& mark : marks) mark.epoch = 0;
 		epoch = 1;
 	}

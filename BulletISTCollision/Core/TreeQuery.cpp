@@ -271,6 +271,8 @@ PairSearch TreeQuery::newSearch()
 	s.openBatch = m_work.openBatch;
 	s.ballOf = m_work.ballOf;
 	s.blockOf = m_work.blockOf;
+	s.columnsA = m_work.columnsA.data();
+	s.epochsA = m_work.epochsA.data();
 	s.moved = m_work.moved.data();
 	s.marks = m_work.marks.data();
 	s.centersB = m_work.movedCenters.data();

@@ -195,7 +195,7 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 }
 
 /// Centres as they were moved already.
-void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, size_t first)
+void moveEllipsoids(const PairSearch& s, const BlockColumns& centers, size_t first)
 {
 	MomentEllipsoid* const to = s.movedB + first;
 	uint32_t index[kLanes];
@@ -215,7 +215,7 @@ void moveEllipsoids(const PairSearch& s, const MovedBlock& centers, size_t first
 void moveBlock(const PairSearch& s, uint32_t index)
 {
 	using V = FloatVector<kBlockWidth>;
-	MovedBlock& moved = s.moved[index];
+	BlockColumns& moved = s.moved[index];
 	const size_t first = size_t(index) * kBlockWidth;
 	const Block block = fetchBlock(s.ballsB + first);
 	IST_UNROLL
@@ -236,10 +236,24 @@ void moveBlock(const PairSearch& s, uint32_t index)
 	if (s.movedB) moveEllipsoids(s, moved, first);
 }
 
+/// Once a search: blocks are looked at against many others.
+void writeColumns(const PairSearch& s, uint32_t index)
+{
+	const Block block = fetchBlock(s.ballsA + size_t(index) * kBlockWidth);
+	BlockColumns& to = s.columnsA[index];
+	block.x.store(to.x);
+	block.y.store(to.y);
+	block.z.store(to.z);
+	block.r.store(to.reach);
+	s.epochsA[index] = s.epoch;
+}
+
 /// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
 int ballsNearBlocks(PairSearch& s, int first, int end)
 {
-	const Sphere* ballsA = s.ballsA;
+	using V = FloatVector<kBlockWidth>;
+	const BlockColumns* columnsA = s.columnsA;
+	const uint32_t* epochsA = s.epochsA;
 	const BlockMark* marks = s.marks;
 	const SubtreeList leaves = s.leaves;
 	uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
@@ -249,9 +263,10 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 	for (int i = first; i < end; ++i)
 	{
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
-		const Block a = fetchBlock(ballsA + size_t(blockA) * kBlockWidth);
+		if (epochsA[blockA] != epoch) writeColumns(s, blockA);
+		const BlockColumns& a = columnsA[blockA];
 		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
-		const LaneMask<16> near = touching(a.x, a.y, a.z, a.r, leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
+		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
 		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
 		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
 		// Of a block that nothing is near the number does not matter.
@@ -270,7 +285,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
 	uint32_t *pairA = s.pairA, *pairB = s.pairB;
 	const Sphere* ballsA = s.ballsA;
-	const MovedBlock* moved = s.moved;
+	const BlockColumns* moved = s.moved;
 	for (int i = 0; i < count && !s.stop;)
 	{
 		const int safe = (kPairBatch - pairs) / kBlockWidth;
@@ -286,7 +301,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 		{
 			const uint32_t ball = ballOf[i], index = blockOf[i];
 			const Sphere& a = ballsA[ball];
-			const MovedBlock& b = moved[index];
+			const BlockColumns& b = moved[index];
 			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a.x, a.y, a.z, a.r);
 			size = appendLanes<true>(hits, index * kBlockWidth, ball, pairB, pairA, size);
 		}

@@ -11,8 +11,8 @@
 // instruction sets, and a function that two of them define would be merged into one by the linker.
 namespace ist::kernels
 {
-/// A block of B in A's tree frame, for the tests. `reach`: radius and slack.
-struct alignas(64) MovedBlock
+/// The balls of a block by columns, for the tests. `reach`: radius, of B's also the slack.
+struct alignas(64) BlockColumns
 {
 	float x[kBlockWidth], y[kBlockWidth], z[kBlockWidth], reach[kBlockWidth];
 };
@@ -74,11 +74,13 @@ struct PairSearch
 	SubtreeList openA, openB, leaves;
 	int openBatch;
 	uint32_t *ballOf, *blockOf;  ///< kBallEntries: balls of A against blocks of B
-	MovedBlock* moved;           ///< one for each block of B
+	BlockColumns* columnsA;      ///< one for each block of A
+	uint32_t* epochsA;           ///< when these were written last
+	BlockColumns* moved;         ///< one for each block of B, in A's tree frame
 	BlockMark* marks;            ///< of these
 	MovedCenter* centersB;       ///< of the balls of moved blocks, for the pairs' evaluation
 	MomentEllipsoid* movedB;     ///< these balls; null: not wanted
-	uint32_t epoch;              ///< of this search: blocks with another one are still to be moved
+	uint32_t epoch;              ///< of this search: blocks with another one are still to be written, or moved
 	uint32_t *pairA, *pairB;     ///< kPairBatch + kListSlack: indices of balls
 	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
 	bool (*expired)(void* context);          ///< null: never; else asked before each batch, true ends the search

@@ -34,7 +34,8 @@ struct QueryWorkspace::Implementation
 	kernels::SubtreeList openA{}, openB{}, leaves{};
 	int openBatch = 1;
 	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
-	std::vector<kernels::MovedBlock> moved;
+	std::vector<kernels::BlockColumns> columnsA, moved;
+	std::vector<uint32_t> epochsA;
 	std::vector<kernels::BlockMark> marks;
 	std::vector<kernels::MovedCenter> movedCenters;
 	std::vector<MomentEllipsoid> movedBalls;
