@@ -105,7 +105,7 @@ private:
 
 	void addPack()
 	{
-		CLI::App* pack = add("pack", "Write an archive: about 15 % of the size, and slower to load", [this] { return runPack(m_pack); });
+		CLI::App* pack = add("pack", "Write an archive: about a quarter of the size, and slower to load", [this] { return runPack(m_pack); });
 		CLI::App* unpack = add("unpack", "Write the asset of an archive", [this] { return runUnpack(m_pack); });
 		for (CLI::App* sub : {pack, unpack})
 		{
