@@ -53,7 +53,7 @@ struct Scales
 		constexpr double kFarthest = 1e12;
 		for (double v : {lower.x, lower.y, lower.z, gridStep * kGridMask, offsetStep * kOffsetLimit, normalLimit, depthLower, depthStep * kDepthLimit})
 			if (!(std::fabs(v) < kFarthest)) return false;
-		return codes && sphereRadius.decoded(kGridMask) < kFarthest && leafRadius.decoded((1u << kLeafRadiusBits) - 1) < kFarthest;
+		return codes && normalLimit < 1.001 && sphereRadius.decoded(kGridMask) < kFarthest && leafRadius.decoded((1u << kLeafRadiusBits) - 1) < kFarthest;
 	}
 
 	Vec3 center(uint64_t code) const

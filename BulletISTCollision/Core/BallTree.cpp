@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/BallTree.h"
 
 #include "BulletISTCollision/Core/Kernels/TreeLimits.h"
+#include "BulletISTCollision/Core/TreeCheck.h"
 
 #include <algorithm>
 #include <array>
@@ -67,7 +68,7 @@ public:
 	}
 	std::vector<BallNode>& nodes() { return m_nodes; }
 	/// Of each slot, the index of its ball.
-	const std::vector<uint32_t>& slots() const { return m_slots; }
+	std::vector<uint32_t>& slots() { return m_slots; }
 
 private:
 	static int blocksOf(int count) { return (count + kBlockWidth - 1) / kBlockWidth; }
@@ -352,13 +353,6 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 	}
 	return {};
 }
-
-/// Whole blocks of one kind.
-bool hasItsBalls(const BallTree& tree)
-{
-	const size_t slots = tree.slotCount(), ofPacked = tree.ellipsoids.empty() ? slots : 0;
-	return slots % kBlockWidth == 0 && tree.ellipsoids.size() == slots - ofPacked && tree.sphereIndex.size() == ofPacked;
-}
 }  // namespace
 
 uint32_t BallTree::ballCount() const
@@ -395,9 +389,10 @@ std::vector<MomentEllipsoid> BallTree::slots() const
 
 std::string BallTree::validate() const
 {
-	if (!hasItsBalls(*this)) return "ball count is not sixteen for each block";
+	if (!hasWholeBlocks(*this)) return "ball count is not sixteen for each block";
 	if (!gradients.empty() && gradients.size() != ellipsoids.size()) return "not one gradient for each ball";
 	if (nodes.empty()) return balls.empty() ? std::string() : "blocks without nodes";
+	if (balls.empty()) return "nodes without blocks";
 	std::vector<char> nodeSeen(nodes.size()), blockSeen(blockCount());
 	struct Cursor
 	{
@@ -471,7 +466,7 @@ BallTree boundingTree(const std::vector<MomentEllipsoid>& balls, int threads, st
 	if (balls.empty()) return {};
 	Builder builder(balls, threads);
 	builder.collapse();
-	slots = builder.slots();
+	slots = std::move(builder.slots());
 	const Sphere padding{kFarAway, kFarAway, kFarAway, 0};
 	const auto bound = [&](uint32_t i) { return Sphere{balls[i].x, balls[i].y, balls[i].z, balls[i].R}; };
 	return {std::move(builder.nodes()), inSlots(slots, padding, bound), {}, {}, {}};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace ist
 {
@@ -42,10 +43,15 @@ StoredEllipsoid::StoredEllipsoid(const MomentEllipsoid& e) : density(e.density),
 {
 	const double steps = 1 / double(kStep), perSquare = steps / (double(e.R) * e.R);
 	const float n[3] = {e.nx, e.ny, e.nz}, P[6] = {e.xx, e.yy, e.zz, e.xy, e.xz, e.yz};
-	// A unit normal can be one by a rounding more.
-	const auto rounded = [](double v) { return int16_t(std::lround(std::clamp(v, -32767.0, 32767.0))); };
+	// A component can exceed one, or R^2, by a rounding. What is no number is passed on, for the tree to be refused.
+	const auto rounded = [&](double v)
+	{
+		if (!(std::fabs(v) < 1.001 * steps)) density = std::numeric_limits<float>::quiet_NaN();
+		return int16_t(std::fabs(v) <= steps ? std::lround(v) : v > 0 ? 32767 : -32767);
+	};
 	for (int i = 0; i < 3; ++i) normal[i] = rounded(n[i] * steps);
-	for (int i = 0; i < 6 && e.R > 0; ++i) shape[i] = rounded(P[i] * perSquare);
+	if (!(e.R > 0)) return;
+	for (int i = 0; i < 6; ++i) shape[i] = rounded(P[i] * perSquare);
 }
 
 SymmetricMatrix3 NormalGradient::matrix() const

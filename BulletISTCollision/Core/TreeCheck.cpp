@@ -125,6 +125,12 @@ private:
 };
 }  // namespace
 
+bool hasWholeBlocks(const BallTree& tree)
+{
+	const size_t slots = tree.slotCount(), ofPacked = tree.ellipsoids.empty() ? slots : 0;
+	return slots % kBlockWidth == 0 && tree.ellipsoids.size() == slots - ofPacked && tree.sphereIndex.size() == ofPacked;
+}
+
 bool surelyValid(const BallTree& tree, size_t block)
 {
 	// Overflows for balls that are finite but of no known world.
@@ -139,7 +145,8 @@ bool surelyValid(const BallTree& tree, size_t block)
 		sum += (std::fabs(s.x) + std::fabs(s.y)) + (std::fabs(s.z) + s.r);
 		good &= k < count ? int(MomentEllipsoid::isRadius(s.r)) : int(s.r == 0) & int(s.x >= kFarPadding);
 	}
-	for (uint32_t k = 0; k < uint32_t(kBlockWidth) && ellipsoids; ++k)
+	if (ellipsoids == nullptr) return good && std::isfinite(sum);
+	for (uint32_t k = 0; k < uint32_t(kBlockWidth); ++k)
 	{
 		const StoredEllipsoid& e = ellipsoids[k];
 		sum += e.density + std::fabs(e.depth);
@@ -151,13 +158,12 @@ bool surelyValid(const BallTree& tree, size_t block)
 
 bool surelyValidNodes(const BallTree& tree)
 {
-	return !tree.nodes.empty() && Walk(tree).run();
+	return !tree.nodes.empty() && !tree.balls.empty() && Walk(tree).run();
 }
 
 bool surelyValid(const BallTree& tree)
 {
-	const size_t slots = tree.slotCount();
-	if (slots % kBlockWidth != 0 || (tree.ellipsoids.empty() ? tree.sphereIndex.size() : tree.ellipsoids.size()) != slots) return false;
+	if (!hasWholeBlocks(tree)) return false;
 	for (size_t i = 0; i < tree.blockCount(); ++i)
 		if (!surelyValid(tree, i)) return false;
 	return surelyValidNodes(tree);

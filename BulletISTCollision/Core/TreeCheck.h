@@ -8,6 +8,8 @@ namespace ist
 /// Quick answers for a loader; false also when in doubt. A tree for which all of them are
 /// true passes `BallTree::validate()`; ask that for certainty and for words.
 
+/// Whole blocks of one kind of balls.
+bool hasWholeBlocks(const BallTree& tree);
 /// The sixteen balls of a block: finite, with mass, padding behind them.
 bool surelyValid(const BallTree& tree, size_t block);
 /// Nodes: each node and block reached once, bounds contain what they bound. Assumes that every block is valid.

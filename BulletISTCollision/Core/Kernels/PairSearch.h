@@ -281,7 +281,7 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 /// Balls of A against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
 int pairsOfBalls(PairSearch& s, int count, int pairs)
 {
-	using V = FloatVector<16>;
+	using V = FloatVector<kBlockWidth>;
 	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
 	uint32_t *pairA = s.pairA, *pairB = s.pairB;
 	const Sphere* ballsA = s.ballsA;

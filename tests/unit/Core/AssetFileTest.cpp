@@ -96,10 +96,13 @@ TEST(AssetFile, AnInnerTreeOfOtherSpheresThanThePackingIsRefused)
 TEST(AssetFile, VersionsBeforeTheFirstReleaseAreNamed)
 {
 	std::vector<std::byte> bytes = encodeAsset(smallTree());
-	bytes[8] = std::byte(4);
-	const Result<InnerSphereTree> older = decodeAsset(bytes.data(), bytes.size());
-	ASSERT_FALSE(older);
-	EXPECT_EQ(older.error().message, "written by version 4, which was never released; build the file again");
+	for (uint32_t version = 1; version < kAssetVersion; ++version)
+	{
+		bytes[8] = std::byte(version);
+		const Result<InnerSphereTree> older = decodeAsset(bytes.data(), bytes.size());
+		ASSERT_FALSE(older);
+		EXPECT_EQ(older.error().message, "written by version " + std::to_string(version) + ", which was never released; build the file again");
+	}
 }
 
 TEST(AssetFile, TheTreeOutlivesTheFileThatItWasReadFrom)

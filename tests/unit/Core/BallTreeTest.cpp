@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/BallTree.h"
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/TreeCheck.h"
 #include "tests/unit/Core/LooseTree.h"
 #include "tests/unit/Core/QueryBodies.h"
 
@@ -157,6 +158,24 @@ TEST(StoredEllipsoid, IsRoundedToTheNearestStep)
 	}
 }
 
+TEST(StoredEllipsoid, OfWhatIsNoEllipsoidMakesNoValidTree)
+{
+	const auto refused = [](auto change)
+	{
+		std::vector<MomentEllipsoid> balls = cloud(20, 5);
+		change(balls[7]);
+		const BallTree tree = buildBallTree(balls);
+		return !tree.validate().empty() && !surelyValid(tree);
+	};
+	EXPECT_FALSE(refused([](MomentEllipsoid&) {}));
+	EXPECT_TRUE(refused([](MomentEllipsoid& e) { e.ny = NAN; }));
+	EXPECT_TRUE(refused([](MomentEllipsoid& e) { e.nx = -INFINITY; }));
+	EXPECT_TRUE(refused([](MomentEllipsoid& e) { e.nz = 1.5f; }));
+	EXPECT_TRUE(refused([](MomentEllipsoid& e) { e.xy = NAN; }));
+	EXPECT_TRUE(refused([](MomentEllipsoid& e) { e.zz = INFINITY; }));
+	EXPECT_TRUE(refused([](MomentEllipsoid& e) { e.xx *= 1.5f; }));
+}
+
 TEST(BallTree, EveryBallKeepsItsGradientAndItsSphere)
 {
 	const auto gradientAt = [](const MomentEllipsoid& b)
@@ -258,6 +277,14 @@ TEST(BallTree, ValidateFindsDamage)
 	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids.pop_back(); }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.balls.pop_back(); }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.nodes.clear(); }), "");
+	EXPECT_NE(damaged([](LooseTree& t) { t.sphereIndex.resize(t.balls.size()); }), "");
+	EXPECT_EQ(damaged([](LooseTree& t) {
+		t.balls.clear();
+		t.ellipsoids.clear();
+		t.nodes.resize(1);
+		std::fill(t.nodes[0].child, t.nodes[0].child + BallNode::kWidth, BallNode::kNoChild);
+		std::fill(t.nodes[0].r, t.nodes[0].r + BallNode::kWidth, 0.0f);
+	}), "nodes without blocks");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); }), "");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size() - 1); }), "not one gradient for each ball");
 	EXPECT_NE(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); t.gradients[7].setMatrix({0, 0, 0, 0, 0, NAN}); }), "");

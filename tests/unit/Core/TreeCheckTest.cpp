@@ -94,6 +94,24 @@ void damage(LooseTree& tree, std::mt19937_64& random)
 	}
 }
 
+TEST(TreeCheck, RefusesArraysThatDoNotBelongTogether)
+{
+	const BallTree ellipsoids = randomTree(100, 1, 0, 3);
+	for (const BallTree& original : {ellipsoids, packedOf(ellipsoids)})
+	{
+		const auto refused = [&](auto change)
+		{
+			LooseTree tree(original);
+			change(tree);
+			return !surelyValid(tree.frozen()) && !tree.frozen().validate().empty();
+		};
+		EXPECT_FALSE(refused([](LooseTree&) {}));
+		EXPECT_TRUE(refused([](LooseTree& t) { t.balls.pop_back(); }));
+		EXPECT_TRUE(refused([](LooseTree& t) { t.sphereIndex.resize(t.ellipsoids.empty() ? t.balls.size() - 1 : t.balls.size()); }));
+		EXPECT_TRUE(refused([](LooseTree& t) { t.ellipsoids.resize(t.ellipsoids.empty() ? t.balls.size() : t.balls.size() - 1); }));
+	}
+}
+
 // The slow check is the oracle: what the quick one passes, it must pass. What it passes the quick one may doubt, but rarely does.
 TEST(TreeCheck, NeverPassesWhatValidateRefuses)
 {
