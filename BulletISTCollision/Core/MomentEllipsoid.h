@@ -38,6 +38,8 @@ struct alignas(64) MomentEllipsoid
 	}
 	/// Half-axes, shortest over longest. With needles of this shape the queries' floats still find distances to .05 %.
 	static constexpr double kFlattest = 1.0 / 20;
+	/// Between these times R^2 lie the eigenvalues of a solid shape; the margins cover the rounding to StoredEllipsoid's steps of 3e-5.
+	static constexpr double kLeastShape = 0.5 * kFlattest * kFlattest, kMostShape = 1 + 1e-4;
 	/// Positive density, R between 1e-12 and 1e12 m (powers of such lengths stay inside of a float's range), a shape that the ball of
 	/// radius R contains and that is flat in no direction.
 	bool isSolid() const;
@@ -55,10 +57,10 @@ constexpr bool isPositiveDefinite(Number xx, Number yy, Number zz, Number xy, Nu
 
 inline bool MomentEllipsoid::isSolid() const
 {
-	// 1e-4 covers the rounding of the shape's entries to steps of 3e-5 (StoredEllipsoid).
-	const double bound = double(R) * R, high = bound * (1 + 1e-4), low = 0.5 * kFlattest * kFlattest * bound;
-	return isRadius(R) & (density > 0) & isPositiveDefinite<double>(xx - low, yy - low, zz - low, xy, xz, yz) &
-		   isPositiveDefinite<double>(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
+	const double low = kLeastShape * R * R, high = kMostShape * R * R;
+	const bool thick = isPositiveDefinite<double>(xx - low, yy - low, zz - low, xy, xz, yz);
+	const bool inBall = isPositiveDefinite<double>(high - xx, high - yy, high - zz, -double(xy), -double(xz), -double(yz));
+	return isRadius(R) && density > 0 && thick && inBall;
 }
 
 /// What a tree stores of a MomentEllipsoid beside its bounding ball, half a cache line: normal and shape in steps of 3e-5, far below what the samples
@@ -94,10 +96,11 @@ inline MomentEllipsoid StoredEllipsoid::in(const Sphere& bound) const
 
 inline bool StoredEllipsoid::isSolid() const
 {
-	constexpr int64_t kMost = int64_t((1 + 1e-4) / double(kStep)), kLeast = 1 + int64_t(0.5 * MomentEllipsoid::kFlattest * MomentEllipsoid::kFlattest / double(kStep));
+	constexpr int64_t kMost = int64_t(MomentEllipsoid::kMostShape / double(kStep)), kLeast = 1 + int64_t(MomentEllipsoid::kLeastShape / double(kStep));
 	const int64_t xx = shape[0], yy = shape[1], zz = shape[2], xy = shape[3], xz = shape[4], yz = shape[5];
-	return (density > 0) & isPositiveDefinite<int64_t>(xx - kLeast, yy - kLeast, zz - kLeast, xy, xz, yz) &
-		   isPositiveDefinite<int64_t>(kMost - xx, kMost - yy, kMost - zz, -xy, -xz, -yz);
+	const bool thick = isPositiveDefinite<int64_t>(xx - kLeast, yy - kLeast, zz - kLeast, xy, xz, yz);
+	const bool inBall = isPositiveDefinite<int64_t>(kMost - xx, kMost - yy, kMost - zz, -xy, -xz, -yz);
+	return density > 0 && thick && inBall;
 }
 
 /// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Two entries share a word, each the upper half

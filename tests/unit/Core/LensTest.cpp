@@ -286,7 +286,7 @@ TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
 	std::mt19937 random(19);
 	std::uniform_real_distribution<double> u(-1, 1);
 	const std::vector<Vec3> points = pointsInUnitBall(20000, random);
-	const Mat3 root{1, 0, 0, 0, 1, 0, 0, 0, kThick};
+	const Mat3 root{{{1, 0, 0}, {0, 1, 0}, {0, 0, kThick}}};
 	const Ellipsoid disc{{}, {1, 1, kThick * kThick, 0, 0, 0}, 1};
 	double off = 0, offOnTheLine = 0, inPlane = 0, inPlaneOnTheLine = 0;
 	int met = 0;

@@ -264,7 +264,7 @@ TEST(Haply, EveryLossEndsTheForceAndIsExplained)
 		const auto device = opened(service.uri());
 		ASSERT_TRUE(device);
 		DriverRun run(*device);
-		run.expectLossIsSafe(*device, [&] { pull(service); });
+		run.expectLossIsSafe(*device, [&, &pull = pull] { pull(service); });
 		EXPECT_NE(device->complaint().find(word), std::string::npos) << device->complaint();
 	}
 }

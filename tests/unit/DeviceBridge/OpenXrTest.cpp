@@ -191,14 +191,14 @@ TEST_F(OpenXr, WhatIsMissingIsSaid)
 	const DeviceRegistry registry;
 	for (const auto& [has, word] : switches)
 	{
-		change([&](MockOpenXr& m) { m.*has = false; });
+		change([has = has](MockOpenXr& m) { m.*has = false; });
 		const auto device = registry.open("openxr:hand/right");
 		ASSERT_FALSE(device) << word;
 		EXPECT_NE(device.error().message.find(word), std::string::npos) << device.error().message;
 		bool listed = false;
 		for (const DriverReport& driver : registry.drivers()) listed |= driver.scheme == "openxr" && driver.missing.find(word) != std::string::npos;
 		EXPECT_TRUE(listed);
-		change([&](MockOpenXr& m) { m.*has = true; });
+		change([has = has](MockOpenXr& m) { m.*has = true; });
 	}
 	setenv("XR_RUNTIME_JSON", "/nowhere/runtime.json", 1);
 	const auto device = registry.open("openxr:hand/right");

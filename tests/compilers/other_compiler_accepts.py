@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
+"""Has the other of g++ and clang++ read every source that a build has in some folders, warnings as errors; writes no objects.
+Usage: other_compiler_accepts.py SOURCE BUILD THIS_COMPILER_ID FOLDER...      BUILD: with compile_commands.json
+Exit status 77: the other compiler, or that file, is missing."""
+import concurrent.futures
+import json
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+
+SKIPPED = 77
+# What each compiler has a way of its own for, or a package.
+LEFT_OUT = ("-fopenmp", "-fsanitize", "-fschedule-insns", "-fsched-pressure")
+ADDED = ["-fsyntax-only", "-Wno-unknown-pragmas", "-Wno-unknown-warning-option"]
+
+
+def options(entry):
+    """Of one line of compile_commands.json: what stands between compiler and output."""
+    words = shlex.split(entry["command"])
+    first = next(i for i, word in enumerate(words) if word.startswith("-"))
+    return [word for word in words[first:words.index("-o")] if not word.startswith(LEFT_OUT)]
+
+
+def chosen(entries, source, folders):
+    """One entry for each file and choice of its code; Bullet's precision chooses too little to read all twice."""
+    found = {}
+    for entry in entries:
+        file = pathlib.Path(entry["file"])
+        if file.suffix != ".cpp" or not file.is_relative_to(source) or file.relative_to(source).parts[0] not in folders:
+            continue
+        choice = frozenset(word for word in options(entry) if word.startswith(("-D", "-m")) and word != "-DBT_USE_DOUBLE_PRECISION")
+        found.setdefault((file, choice), entry)
+    return found.values()
+
+
+def main():
+    source, build, this_compiler, *folders = sys.argv[1:]
+    compiler, package = ("clang++", "clang") if this_compiler == "GNU" else ("g++", "g++")
+    if not shutil.which(compiler):
+        print(f"skipped: no {compiler} (apt-get install {package})")
+        return SKIPPED
+    commands = pathlib.Path(build, "compile_commands.json")
+    if not commands.exists():
+        print(f"skipped: no {commands}, which generators for Ninja and make write")
+        return SKIPPED
+    entries = chosen(json.loads(commands.read_text()), source, folders)
+
+    def complaints(entry):
+        line = [compiler, *options(entry), *ADDED, entry["file"]]
+        run = subprocess.run(line, cwd=entry["directory"], capture_output=True, text=True)
+        return run.stderr or (f"{entry['file']}: {compiler} ended with {run.returncode}" if run.returncode else "")
+
+    with concurrent.futures.ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
+        found = [text for text in pool.map(complaints, entries) if text]
+    print("\n".join(found))
+    print(f"{compiler} read {len(entries)} sources, {len(found)} with complaints")
+    return 1 if found or not entries else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
