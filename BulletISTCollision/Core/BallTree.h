@@ -4,7 +4,6 @@
 #include "BulletISTCollision/Core/FrozenArray.h"
 #include "BulletISTCollision/Core/MomentEllipsoid.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -117,10 +117,9 @@ MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, siz
 	return whole;
 }
 
-NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count)
+SymmetricMatrix3 normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count)
 {
-	NormalGradient gradient;
-	if (count < 2) return gradient;
+	if (count < 2) return {};
 	const auto vector = [](const Vec3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
 	Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
 	for (size_t i = 0; i < count; ++i)
@@ -135,7 +134,6 @@ NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoi
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) G(i, j) /= axes.eigenvalues()[i] + axes.eigenvalues()[j];
 	G = Q * G * Q.transpose();
-	if (G.allFinite()) gradient.setMatrix(entriesOf(G));
-	return gradient;
+	return G.allFinite() ? entriesOf(G) : SymmetricMatrix3();
 }
 }  // namespace ist

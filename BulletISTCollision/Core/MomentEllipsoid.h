@@ -137,5 +137,5 @@ MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, siz
 /// The symmetric slope that fits their normals best, by volume, each piece having one normal throughout; symmetric, as normals are minus the
 /// gradient of the depth. G with G S + S G = C + C^T, S the second moment of `whole`, merged from these, about its centroid, and C = Sum V (n - m) (x - c)^T
 /// over the pieces. Zero for one piece.
-NormalGradient normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
+SymmetricMatrix3 normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
 }  // namespace ist

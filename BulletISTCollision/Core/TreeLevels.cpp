@@ -83,7 +83,7 @@ public:
 		for (const Cluster& cluster : m_clusters)
 		{
 			balls.push_back(cluster.ball);
-			gradients.push_back(normalGradient(cluster.ball, m_balls.data(), m_order.data() + cluster.begin, cluster.end - cluster.begin));
+			gradients.emplace_back().setMatrix(normalGradient(cluster.ball, m_balls.data(), m_order.data() + cluster.begin, cluster.end - cluster.begin));
 		}
 		return buildBallTree(balls, gradients, threads);
 	}
