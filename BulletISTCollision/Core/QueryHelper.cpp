@@ -7,13 +7,6 @@ namespace ist
 {
 QueryHelper::Implementation::Implementation(const QueryCapacity& capacity, double spin) : work(capacity, nullptr), m_spin(spin)
 {
-	const size_t room = size_t(work.capacity.pairs);
-	m_numbers.resize(kernels::PairStream::ColumnCount * room);
-	m_indices.resize(2 * room);
-	sorted.a = m_indices.data();
-	sorted.b = sorted.a + room;
-	sorted.numbers = m_numbers.data();
-	sorted.stride = room;
 	m_thread = std::thread([this] { loop(); });
 }
 
@@ -46,7 +39,7 @@ void QueryHelper::Implementation::open(const BallTree& A, const BallTree& B, con
 	work.kernel = kernel;
 	work.reserveFor(A, B);
 	for (std::atomic<int>& state : m_state) state.store(kPending, std::memory_order_relaxed);
-	m_next.store(0, std::memory_order_relaxed);
+	m_claimed.store(0, std::memory_order_relaxed);
 	m_open.store(true, std::memory_order_seq_cst);
 	m_turn.fetch_add(1, std::memory_order_seq_cst);
 	m_turn.notify_one();
@@ -69,7 +62,7 @@ bool QueryHelper::Implementation::finished(int part, double microseconds)
 
 void QueryHelper::Implementation::close()
 {
-	m_next.store(kParts, std::memory_order_relaxed);
+	m_claimed.store(kParts, std::memory_order_relaxed);
 	m_open.store(false, std::memory_order_seq_cst);
 }
 
@@ -83,8 +76,9 @@ void QueryHelper::Implementation::takeParts()
 	OverlapResult result;
 	TreeQuery query(*m_A, *m_B, m_X, work, m_options, m_limits, result);
 	if (!query.place()) return;
-	for (int part; (part = claim()) < kParts;)
+	for (int part = kParts; claim();)
 	{
+		--part;
 		query.searchPart(entries, part, found[part]);
 		int pending = kPending;
 		if (!m_state[part].compare_exchange_strong(pending, kDone, std::memory_order_acq_rel)) return;

@@ -78,55 +78,44 @@ bool TreeQuery::finishWith(Helper& helper, PairSearch& begun)
 	append(helper.entries, begun.openB, false);
 	double sums[kSumCount];
 	std::copy(std::begin(m_sums), std::end(m_sums), sums);
-	const int listed = m_listed;
-	helper.open(m_A, m_B, m_X, m_options, m_limits, m_work.kernel);
-	const PartResult* parts[Helper::kParts] = {};
 	const auto searchAlone = [&](int part) {
-		searchPart(helper.entries, part, helper.own[part]);
-		parts[part] = &helper.own[part];
+		searchPart(helper.entries, part, helper.own);
+		collectPart(helper.own, sums);
 	};
+	helper.open(m_A, m_B, m_X, m_options, m_limits, m_work.kernel);
 	double longest = 0;
-	for (int part; (part = helper.claim()) < Helper::kParts;)
+	int part = 0;
+	for (; helper.claim(); ++part)
 	{
 		const double start = steadyMicroseconds();
 		searchAlone(part);
 		longest = std::max(longest, steadyMicroseconds() - start);
 	}
-	for (int part = 0; part < Helper::kParts; ++part)
+	// The helper came from the other end: all lies in the order of the parts, whoever searched them.
+	for (; part < Helper::kParts; ++part)
 	{
-		if (parts[part]) continue;
-		if (helper.finished(part, longest)) parts[part] = &helper.found[part];
-		else searchAlone(part);
+		if (!helper.finished(part, longest))
+			searchAlone(part);
+		else if (takeOver(helper, helper.found[part]))
+			collectPart(helper.found[part], sums);
 	}
 	helper.close();
 	std::copy(std::begin(sums), std::end(sums), m_sums);
-	m_listed = listed;
-	return collectParts(helper, parts);
+	return m_result.pairListComplete;
 }
 
-bool TreeQuery::collectParts(Helper& helper, const PartResult* const* parts)
+/// Its pairs, to the end of the list; false: they do not all fit.
+bool TreeQuery::takeOver(const Helper& helper, const PartResult& part)
 {
-	const int begin = m_listed;
-	bool complete = m_result.pairListComplete;
-	for (int part = 0; part < Helper::kParts; ++part)
-	{
-		const PartResult& from = *parts[part];
-		for (int i = 0; i < kSumCount; ++i) m_sums[i] += from.sums[i];
-		count(from.counts);
-		complete = complete && from.complete;
-		m_listed += from.count;
-	}
-	if (!complete || m_listed > m_work.capacity.pairs) return false;
-	if (m_listed == begin) return true;
-	// In the order of the parts, whoever found them: by way of a list beside both.
-	int to = 0;
-	for (int part = 0; part < Helper::kParts; ++part)
-	{
-		const PartResult& from = *parts[part];
-		copy(parts[part] == &helper.own[part] ? m_work.stream : helper.work.stream, from.begin, from.count, helper.sorted, to);
-		to += from.count;
-	}
-	copy(helper.sorted, 0, to, m_work.stream, begin);
+	if (!part.complete || part.count > m_work.capacity.pairs - m_listed) return m_result.pairListComplete = false;
+	copy(helper.work.stream, part.begin, part.count, m_work.stream, m_listed);
+	m_listed += part.count;
 	return true;
+}
+
+void TreeQuery::collectPart(const PartResult& part, double* sums)
+{
+	for (int i = 0; i < kSumCount; ++i) sums[i] += part.sums[i];
+	count(part.counts);
 }
 }  // namespace ist

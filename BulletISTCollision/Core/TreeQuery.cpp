@@ -202,6 +202,7 @@ bool TreeQuery::find()
 	m_alone = true;
 	m_listed = 0;
 	m_result.pairListComplete = true;
+	m_result.nodeVisits = m_result.blockPairs = m_result.ballTests = 0;
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 	return find();
 }

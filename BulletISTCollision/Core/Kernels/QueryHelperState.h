@@ -44,17 +44,16 @@ struct QueryHelper::Implementation
 	/// Whether it can take a search. Only then may what follows be written.
 	bool isFree() const { return !m_working.load(std::memory_order_seq_cst); }
 	void open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits, const kernels::QueryKernel* kernel);
-	/// A part that is nobody's yet; kParts or more: there is none.
-	int claim() { return m_next.fetch_add(1, std::memory_order_relaxed); }
+	/// Whether there is one more part for who asks: for the caller the next from the first on, for the helper the next from the last on.
+	bool claim() { return m_claimed.fetch_add(1, std::memory_order_relaxed) < kParts; }
 	/// Whether the helper has done its part within so long [us]; if not, it is the caller's.
 	bool finished(int part, double microseconds);
 	void close();
 	void settle() const;
 
 	SharedEntries entries;
-	PartResult found[kParts], own[kParts];  ///< by the helper, by the caller
+	PartResult found[kParts], own;          ///< by the helper; by the caller, the last
 	QueryWorkspace::Implementation work;    ///< the helper's
-	kernels::PairStream sorted{};           ///< room for a list in the order of the parts
 	std::atomic<int64_t> partsDone{0}, partsLate{0};
 
 private:
@@ -62,14 +61,12 @@ private:
 	void loop();
 	void takeParts();
 
-	std::vector<float> m_numbers;  ///< columns of `sorted`
-	std::vector<uint32_t> m_indices;
 	const BallTree *m_A = nullptr, *m_B = nullptr;
 	Pose m_X;
 	QueryOptions m_options;
 	QueryLimits m_limits;
 	double m_spin;  ///< [us]
-	std::atomic<int> m_next{kParts};
+	std::atomic<int> m_claimed{kParts};
 	std::atomic<int> m_state[kParts];
 	std::atomic<bool> m_open{false}, m_working{false}, m_stop{false};
 	std::atomic<uint32_t> m_turn{0};

@@ -56,7 +56,8 @@ private:
 	void count(const kernels::SearchCounts& counts);
 	/// What `begun` has left open, shared with the helper. False when there are more pairs than the list holds.
 	bool finishWith(QueryHelper::Implementation& helper, kernels::PairSearch& begun);
-	bool collectParts(QueryHelper::Implementation& helper, const PartResult* const* parts);
+	bool takeOver(const QueryHelper::Implementation& helper, const PartResult& part);
+	void collectPart(const PartResult& part, double* sums);
 	/// Fills the memory with what comes within `margin` at `around`. False where it could not.
 	bool fillAround(const Pose& around, double margin);
 	/// What the memory holds, as if it had been searched for.

@@ -9,8 +9,10 @@
 #include <atomic>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 using namespace ist;
 
@@ -111,6 +113,39 @@ TEST(QueryHelper, IsNotNeededWhereOtherProgramsHoldTheCores)
 	RecordProperty("partsLate", int(helper.partsLate()));
 }
 
+// Bit for bit one of two answers, alone or in parts: what a part finds lies in its place, whoever found it.
+TEST(QueryHelper, AnswersDoNotDependOnWhoSearchedWhat)
+{
+	const InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(3500, 2);
+	QueryWorkspace shared;
+	QueryHelper helper;
+	shared.setHelper(&helper);
+	for (const bool patches : {false, true})
+	{
+		QueryOptions options;
+		options.patches = patches;
+		std::set<std::vector<double>> answers;
+		const auto ask = [&](int times) {
+			for (int i = 0; i < times; ++i)
+			{
+				const OverlapResult r = queryOverlap(A, B, Pose{}, shared, options);
+				std::vector<double> answer;
+				for (int p = 0; p < r.patchCount; ++p)
+					answer.insert(answer.end(), {r.patches[p].volume, r.patches[p].normalA.force.x, r.patches[p].normalB.torque.z});
+				answers.insert(answer);
+			}
+		};
+		ask(100);
+		{
+			const Neighbours neighbours(int(std::thread::hardware_concurrency()));
+			ask(50);
+		}
+		EXPECT_FALSE(answers.begin()->empty());
+		EXPECT_LE(answers.size(), 2u) << (patches ? "in patches" : "as one");
+	}
+	RecordProperty("parts_done", std::to_string(helper.partsDone()));
+}
+
 TEST(QueryHelper, LetsGoOfTreesThatWillGo)
 {
 	QueryWorkspace shared, alone;
@@ -140,6 +175,8 @@ TEST(QueryHelper, CapacityCutsTheListAsAlone)
 		EXPECT_FALSE(r.pairListComplete);
 		EXPECT_EQ(r.total.pairs, expected.total.pairs);
 		EXPECT_EQ(r.pairCount, expected.pairCount);
+		EXPECT_EQ(r.nodeVisits, expected.nodeVisits);
+		EXPECT_EQ(r.ballTests, expected.ballTests);
 		EXPECT_NEAR(r.total.volume, expected.total.volume, 1e-5 * expected.total.volume);
 	}
 	// With less room than the workspace it is of no use, and harmless.
