@@ -348,6 +348,7 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 		}
 		if (!(ball.R > 0) || !(ball.density > 0)) return violation("ball without mass", slot);
 		if (!ball.isSolid()) return violation("ellipsoid flat or larger than its bounding ball", slot);
+		if (!isOfABody(ball.density, ball.depth)) return violation("density or depth of no body", slot);
 		for (const Bound& bound : path)
 			if (!inside(bound, ball)) return violation("node bound does not contain ball", slot);
 	}

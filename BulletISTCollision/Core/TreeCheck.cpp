@@ -125,6 +125,11 @@ private:
 };
 }  // namespace
 
+bool isOfABody(float density, float depth)
+{
+	return (density < 4) & (std::fabs(depth) < 1e12f);
+}
+
 bool hasWholeBlocks(const BallTree& tree)
 {
 	const size_t slots = tree.slotCount(), ofPacked = tree.ellipsoids.empty() ? slots : 0;
@@ -145,15 +150,15 @@ bool surelyValid(const BallTree& tree, size_t block)
 		sum += (std::fabs(s.x) + std::fabs(s.y)) + (std::fabs(s.z) + s.r);
 		good &= k < count ? int(MomentEllipsoid::isRadius(s.r)) : int(s.r == 0) & int(s.x >= kFarPadding);
 	}
-	if (ellipsoids == nullptr) return good && std::isfinite(sum);
+	if (!good || !std::isfinite(sum)) return false;
+	if (ellipsoids == nullptr) return true;
 	for (uint32_t k = 0; k < uint32_t(kBlockWidth); ++k)
 	{
 		const StoredEllipsoid& e = ellipsoids[k];
-		sum += e.density + std::fabs(e.depth);
-		const int solid = int(e.isSolid()), empty = int(e.density == 0);
+		const int solid = int(e.isSolid()) & int(isOfABody(e.density, e.depth)), empty = int(e.density == 0) & int(std::isfinite(e.depth));
 		good &= k < count ? solid : empty;
 	}
-	return good && std::isfinite(sum);
+	return good != 0;
 }
 
 bool surelyValidNodes(const BallTree& tree)

@@ -8,6 +8,8 @@ namespace ist
 /// Quick answers for a loader; false also when in doubt. A tree for which all of them are
 /// true passes `BallTree::validate()`; ask that for certainty and for words.
 
+/// Density and depth [m] that a piece of a body can have: the build lets none be denser than 3. With far larger ones forces would overflow.
+bool isOfABody(float density, float depth);
 /// Whole blocks of one kind of balls.
 bool hasWholeBlocks(const BallTree& tree);
 /// The sixteen balls of a block: finite, with mass, padding behind them.

@@ -273,6 +273,8 @@ TEST(BallTree, ValidateFindsDamage)
 	EXPECT_NE(damaged([](LooseTree& t) { t.balls[5].y = INFINITY; }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids[5].density = 0; }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids[5].depth = NAN; }), "");
+	EXPECT_EQ(damaged([](LooseTree& t) { t.ellipsoids[5].density = 1e30f; }).substr(0, 27), "density or depth of no body");
+	EXPECT_EQ(damaged([](LooseTree& t) { t.ellipsoids[5].depth = -1e30f; }).substr(0, 27), "density or depth of no body");
 	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids[5].shape[1] = 0; }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.ellipsoids.pop_back(); }), "");
 	EXPECT_NE(damaged([](LooseTree& t) { t.balls.pop_back(); }), "");
