@@ -44,6 +44,12 @@ void get(ByteReader& in, DeviceStatus& v)
 	if (byte > static_cast<std::uint8_t>(DeviceStatus::Refused)) in.fail();
 	v = static_cast<DeviceStatus>(byte);
 }
+void get(ByteReader& in, Handedness& v)
+{
+	const std::uint8_t byte = in.u8();
+	if (byte > static_cast<std::uint8_t>(Handedness::Right)) in.fail();
+	v = static_cast<Handedness>(byte);
+}
 
 // Each list of fields stands once, for reading and for writing.
 template <class Visit>
@@ -116,6 +122,7 @@ std::vector<std::byte> encodeRecording(const Recording& recording)
 	for (RecordedTick tick : recording.ticks) visitTick(tick, write);
 	out.u64(recording.hands.size());
 	for (HandState hand : recording.hands) visitHand(hand, write);
+	out.u8(static_cast<std::uint8_t>(info.handedness));
 	out.u64(ist::checksum64(out.bytes().data(), out.size()));
 	return out.take();
 }
@@ -140,6 +147,7 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 	for (RecordedTick& tick : recording.ticks) visitTick(tick, read);
 	if (version >= 2) recording.hands.resize(in.count(kHandBytes));
 	for (HandState& hand : recording.hands) visitHand(hand, read);
+	if (version >= 3) get(in, recording.info.handedness);
 	if (!recording.hands.empty() && recording.hands.size() != recording.ticks.size()) in.fail();
 	if (!in.complete()) return refused("its fields and its length do not agree");
 	const auto insane = std::find_if_not(recording.ticks.begin(), recording.ticks.end(), areTimesSane);

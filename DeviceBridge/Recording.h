@@ -29,12 +29,12 @@ struct Recording
 	std::uint64_t dropped = 0;  ///< reads for which there was no room
 };
 
-constexpr std::uint32_t kRecordingVersion = 2;
+constexpr std::uint32_t kRecordingVersion = 3;
 
-/// Little endian: "ISTDREC", version, the device, sizes, the ticks, the hands, and XXH64 of all that stands before. Numbers to the last
+/// Little endian: "ISTDREC", version, the device, sizes, the ticks, the hands, whose hand it is, and XXH64 of all that stands before. Numbers to the last
 /// bit.
 std::vector<std::byte> encodeRecording(const Recording& recording);
-/// Refuses, with the reason: other files, newer versions, cut and changed ones. Version 1 knew no hands.
+/// Refuses, with the reason: other files, newer versions, cut and changed ones. Version 1 knew no hands, 2 not whether a device is for the left or the right one.
 ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size);
 
 /// The whole file or none; gives the number of bytes.

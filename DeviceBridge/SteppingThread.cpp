@@ -101,7 +101,7 @@ bool SteppingThread::start()
 void SteppingThread::stop() noexcept
 {
 	m_stopping = true;
-	if (m_thread.joinable()) m_thread.join();
+	if (m_thread.joinable() && m_thread.get_id() != std::this_thread::get_id()) m_thread.join();
 }
 
 void SteppingThread::loop() noexcept
@@ -157,7 +157,6 @@ void SteppingThread::waitForTick() noexcept
 	m_time.sleepUntil(m_deadline);
 	const std::int64_t now = m_time.now();
 	m_periods.add(now - m_lastTick);
-	m_elapsed = 1e-9 * static_cast<double>(now - m_lastTick);
 	m_lastTick = now;
 	// After a jump back the sleep may have ended early as well: the schedule starts anew.
 	if (m_time.jumps() != m_seenJumps) m_deadline = now;
@@ -176,6 +175,7 @@ void SteppingThread::tick() noexcept
 	{
 		const std::int64_t computedAt = fresh ? computeWrench() : now;
 		if (!fresh && m_hasState) advanceWorld();
+		if (fresh) m_lastSampleTick = m_lastTick;
 		if (fresh) send(computedAt);
 		else sendZero(m_watchCause, now);
 	}
@@ -238,7 +238,8 @@ void SteppingThread::advanceWorld()
 	m_step.overdue = 0;
 	const double period = 1e-9 * static_cast<double>(m_settings.period);
 	DeviceState hand = m_state;
-	hand.X_WH = m_gapBridge.reference(m_state.X_WH, m_elapsed, period);
+	// While the device gives no sample, and while the thread is stopped, the hand goes on as well.
+	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
 	m_source.advance(period, hand, m_step);
 	m_step.contactCount = std::clamp(m_step.contactCount, 0, kMaxToolContacts);
 	for (int i = 0; i < m_step.contactCount; ++i) onCollision.broadcast(m_step.contacts[i]);

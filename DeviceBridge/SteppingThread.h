@@ -46,7 +46,8 @@ struct SteppingSettings
 
 /// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
 /// onHapticTick, SafetyLimiter, write the device. A tick allocates nothing and takes no lock. After a gap between ticks the schedule
-/// begins anew, the world takes one step of the nominal period, and the tool follows the hand as GapBridge says.
+/// begins anew, the world takes one step of the nominal period, and the tool follows the hand as GapBridge says; so it does after an outage of
+/// the device and after stop() and start().
 /// Device, source, law and clock outlive the thread. Set up listeners and law before start(). What a listener throws ends at
 /// the tick: the device gets zero until clearFault().
 class SteppingThread
@@ -64,7 +65,7 @@ public:
 	bool run(std::int64_t ticks) noexcept;
 	/// Ticks on an own thread until stop(). False when it runs already or cannot be started.
 	bool start();
-	/// Waits for the tick in progress and leaves the device at zero.
+	/// Waits for the tick in progress and leaves the device at zero. From a listener, which is on the tick, it is requestStop().
 	void stop() noexcept;
 	/// Ends the loop after the tick in progress, without waiting. From any thread and from a signal handler.
 	void requestStop() noexcept { m_stopping.store(true, std::memory_order_release); }
@@ -148,11 +149,10 @@ private:
 	ist::Wrench m_wanted;
 	DeviceCommand m_sent;
 	std::uint64_t m_sequence = 0;
-	std::int64_t m_deadline = 0, m_lastTick = 0;
+	std::int64_t m_deadline = 0, m_lastTick = 0, m_lastSampleTick = 0;
 	std::int64_t m_outageSince = 0;
 	std::uint64_t m_seenJumps = 0;
 	FaultCause m_watchCause = FaultCause::None, m_latchedCause = FaultCause::None;
-	double m_elapsed = 0;  // since the last tick [s]
 	bool m_scheduled = false;
 	bool m_hasState = false, m_outage = false;
 

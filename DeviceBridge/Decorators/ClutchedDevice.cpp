@@ -14,11 +14,11 @@ DeviceStatus ClutchedDevice::read(std::int64_t now, DeviceState& state) noexcept
 	m_hasPose = true;
 	if (wasOpen || m_open)
 	{
-		m_turn = m_frozen.rotation * transpose(own.X_WH.rotation);
+		m_turn = rotationMatrix(ist::quaternion(transpose(own.X_WH.rotation) * m_frozen.rotation));
 		m_shift = m_frozen.translation - own.X_WH.translation;
 	}
 	state = own;
-	state.X_WH = {m_turn * own.X_WH.rotation, own.X_WH.translation + m_shift};
+	state.X_WH = {own.X_WH.rotation * m_turn, own.X_WH.translation + m_shift};
 	m_frozen = m_open ? m_frozen : state.X_WH;
 	m_moved = m_frozen * inverse(own.X_WH);
 	if (!m_open) return status;

@@ -6,7 +6,8 @@
 namespace devicebridge
 {
 /// While a button is held the handle moves alone: the reported pose stays, the twist and the force are zero. Afterwards the
-/// pose goes on from where it stayed, turned and shifted by what the handle did meanwhile.
+/// pose goes on from where it stayed: shifted in W, and turned in the handle's own axes, so that it moves and turns about the axes of W
+/// as the handle does, and twist and wrench mean the same on both sides.
 class ClutchedDevice final : public DeviceDecorator
 {
 public:
@@ -21,7 +22,7 @@ public:
 
 private:
 	std::uint32_t m_buttons;
-	ist::Mat3 m_turn;        ///< R_W of the reported over that of the true handle
+	ist::Mat3 m_turn;        ///< from the axes of the reported handle to those of the true one
 	ist::Vec3 m_shift;       ///< reported minus true position [m]
 	ist::Pose m_frozen;
 	ist::Pose m_moved;       ///< from the true to the reported handle

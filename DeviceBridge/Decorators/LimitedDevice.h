@@ -11,6 +11,7 @@ namespace devicebridge
 class LimitedDevice final : public DeviceDecorator
 {
 public:
+	/// The limits are those that `inner` knows of now: open it before, where it learns them only by that (ThreadedDevice). Else it exerts nothing.
 	explicit LimitedDevice(std::unique_ptr<Device> inner, const SafetySettings& settings = {});
 
 	DeviceStatus open() noexcept override;

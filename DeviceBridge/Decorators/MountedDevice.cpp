@@ -7,13 +7,26 @@ namespace devicebridge
 {
 MountedDevice::MountedDevice(std::unique_ptr<Device> inner, const ist::Pose& X_WD, double scale)
 	: DeviceDecorator(std::move(inner)),
-	  m_info(m_inner->info()),
 	  m_X_WD(isRigid(X_WD) ? X_WD : ist::Pose()),
 	  m_scale(std::isfinite(scale) && scale > 0 ? scale : 1)
 {
+	scaleInfo();
+}
+
+void MountedDevice::scaleInfo()
+{
+	m_info = m_inner->info();
 	for (double* length : {&m_info.resolution, &m_info.workspaceRadius}) *length *= m_scale;
 	for (double* force : {&m_info.peakForce, &m_info.continuousForce}) *force /= m_scale;
 	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping}) *gain /= m_scale * m_scale;
+}
+
+// Some drivers know what they have only once it is open.
+DeviceStatus MountedDevice::open() noexcept
+{
+	const DeviceStatus status = m_inner->open();
+	if (status == DeviceStatus::Ok) scaleInfo();
+	return status;
 }
 
 DeviceStatus MountedDevice::read(std::int64_t now, DeviceState& state) noexcept

@@ -16,11 +16,14 @@ public:
 	MountedDevice(std::unique_ptr<Device> inner, const ist::Pose& X_WD, double scale = 1);
 
 	const DeviceInfo& info() const noexcept override { return m_info; }
+	DeviceStatus open() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
 	bool readHand(HandState& hand) noexcept override;
 
 private:
+	void scaleInfo();
+
 	DeviceInfo m_info;
 	ist::Pose m_X_WD;
 	double m_scale;

@@ -31,8 +31,11 @@ DeviceStatus ReconnectingDevice::open() noexcept
 {
 	endThread();
 	m_owner = Owner::User;
-	const DeviceStatus status = m_inner->open();
-	if (status != DeviceStatus::Ok) return status;
+	{
+		const std::lock_guard<std::mutex> opening(m_opening);
+		const DeviceStatus status = m_inner->open();
+		if (status != DeviceStatus::Ok) return status;
+	}
 	try
 	{
 		m_ending = false;
@@ -40,17 +43,31 @@ DeviceStatus ReconnectingDevice::open() noexcept
 	}
 	catch (const std::system_error&)
 	{
+		const std::lock_guard<std::mutex> opening(m_opening);
 		m_inner->close();
 		return DeviceStatus::Refused;
 	}
-	return status;
+	return DeviceStatus::Ok;
 }
 
 void ReconnectingDevice::close() noexcept
 {
 	endThread();
 	m_owner = Owner::User;
+	const std::lock_guard<std::mutex> opening(m_opening);
 	m_inner->close();
+}
+
+DeviceStatus ReconnectingDevice::reopen()
+{
+	const std::lock_guard<std::mutex> opening(m_opening);
+	std::string said = m_inner->complaint();
+	{
+		const std::lock_guard<std::mutex> lock(m_mutex);
+		m_complaint = std::move(said);
+	}
+	m_inner->close();
+	return m_inner->open();
 }
 
 void ReconnectingDevice::endThread() noexcept
@@ -84,6 +101,19 @@ DeviceStatus ReconnectingDevice::write(const DeviceCommand& command) noexcept
 	return judge(m_inner->write(command));
 }
 
+bool ReconnectingDevice::readHand(HandState& hand) noexcept
+{
+	return m_owner.load(std::memory_order_acquire) == Owner::User && m_inner->readHand(hand);
+}
+
+std::string ReconnectingDevice::complaint() const
+{
+	const std::unique_lock<std::mutex> opening(m_opening, std::try_to_lock);
+	if (opening) return m_inner->complaint();
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	return m_complaint;
+}
+
 /// False when it is time to end.
 bool ReconnectingDevice::sleepFor(std::int64_t nanoseconds)
 {
@@ -101,9 +131,8 @@ void ReconnectingDevice::reconnectLoop()
 			attempt = 0;
 			continue;
 		}
-		m_inner->close();
 		++attempt;
-		if (m_inner->open() != DeviceStatus::Ok) continue;
+		if (reopen() != DeviceStatus::Ok) continue;
 		m_reconnections.fetch_add(1, std::memory_order_relaxed);
 		m_owner.store(Owner::User, std::memory_order_release);
 	}

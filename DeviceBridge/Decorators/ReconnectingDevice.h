@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "DeviceBridge/Decorators/DeviceDecorator.h"
@@ -34,7 +35,9 @@ public:
 	void close() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
-
+	bool readHand(HandState& hand) noexcept override;
+	/// From any thread; while the device is being opened, what it said before.
+	std::string complaint() const override;
 	/// From any thread.
 	std::uint64_t reconnections() const noexcept { return m_reconnections.load(std::memory_order_relaxed); }
 
@@ -46,15 +49,18 @@ private:
 	};
 	DeviceStatus judge(DeviceStatus status) noexcept;
 	void reconnectLoop();
+	DeviceStatus reopen();
 	bool sleepFor(std::int64_t nanoseconds);
 	void endThread() noexcept;
 
 	ReconnectSettings m_settings;
 	std::atomic<Owner> m_owner{Owner::User};
 	std::atomic<std::uint64_t> m_reconnections{0};
-	std::mutex m_mutex;  // of m_ending; never taken by read() or write()
+	mutable std::mutex m_opening;  // held while the device is closed and opened, and while it is asked for its complaint
+	mutable std::mutex m_mutex;    // of what follows; neither is ever taken by read() or write()
 	std::condition_variable m_wake;
 	bool m_ending = false;
+	std::string m_complaint;
 	std::thread m_thread;
 };
 }  // namespace devicebridge

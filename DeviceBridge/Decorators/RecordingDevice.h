@@ -15,6 +15,8 @@ public:
 	/// After `capacity` reads nothing more is kept.
 	RecordingDevice(std::unique_ptr<Device> inner, std::size_t capacity);
 
+	/// Before the first read the recording takes over what the device says of itself once it is open.
+	DeviceStatus open() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
 
@@ -22,6 +24,8 @@ public:
 	const Recording& recording() const { return m_recording; }
 
 private:
+	void describe();
+
 	Recording m_recording;
 	std::size_t m_capacity;
 	bool m_keeping = false, m_hasHand = false;

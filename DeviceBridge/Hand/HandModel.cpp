@@ -30,6 +30,9 @@ Result<std::shared_ptr<const HandModel>> buildHandModel(const HandShape& shape, 
 	return std::shared_ptr<const HandModel>(std::move(model));
 }
 
+// Farther out nothing is a hand [m]: differences of such places and their squares stay numbers.
+constexpr double kFarthestHand = 1e9;
+
 HandPartPoses handPartPoses(const HandModel& model, const HandState& hand) noexcept
 {
 	HandPartPoses poses;
@@ -37,7 +40,7 @@ HandPartPoses handPartPoses(const HandModel& model, const HandState& hand) noexc
 	{
 		const HandJoint& joint = hand.joints[static_cast<std::size_t>(handPartJoint(int(i)))];
 		const Quaternion& q = joint.orientation;
-		if (!joint.tracked || !isFinite(joint.position) || !isNearUnit(q)) continue;
+		if (!joint.tracked || !(norm(joint.position) < kFarthestHand) || !isNearUnit(q)) continue;
 		const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
 		const Pose X_WJ{rotationMatrix({q.x / length, q.y / length, q.z / length, q.w / length}), joint.position};
 		poses.X_WB[i] = {X_WJ.rotation, X_WJ * model.parts[i].centre};

@@ -53,7 +53,8 @@ ist::Result<std::unique_ptr<Chai3dDevice>> Chai3dDevice::open(const std::string&
 {
 	int index = 0;
 	const char* const end = address.data() + address.size();
-	if (!address.empty() && (std::from_chars(address.data(), end, index).ptr != end || index < 0))
+	const auto [stop, failure] = std::from_chars(address.data(), end, index);
+	if (!address.empty() && (failure != std::errc() || stop != end || index < 0))
 		return ist::Error{"chai3d:" + address + ": the index must be a number", false};
 	chai3d::cHapticDeviceHandler handler;
 	const unsigned count = handler.getNumDevices();

@@ -108,7 +108,8 @@ ist::Result<std::unique_ptr<DhdDevice>> DhdDevice::open(const std::string& addre
 	if (!f.missing.empty()) return ist::Error{f.missing, false};
 	int index = 0;
 	const char* const end = address.data() + address.size();
-	if (!address.empty() && std::from_chars(address.data(), end, index).ptr != end) return ist::Error{"dhd:" + address + ": the index must be a number", false};
+	const auto [stop, failure] = std::from_chars(address.data(), end, index);
+	if (!address.empty() && (failure != std::errc() || stop != end)) return ist::Error{"dhd:" + address + ": the index must be a number", false};
 	const int count = f.count();
 	if (index < 0 || index >= count)
 		return ist::Error{"libdhd finds " + std::to_string(count < 0 ? 0 : count) + " devices, there is no dhd:" + std::to_string(index), false};

@@ -76,11 +76,12 @@ public:
 
 private:
 	bool prepare();
-	std::string lastError() const
+	static std::string errorOf(const VirtuoseFunctions& f, Context context)
 	{
-		const char* const text = m_f.errorText(m_f.errorCode(m_context));
+		const char* const text = f.errorText(f.errorCode(context));
 		return text ? text : "unknown error";
 	}
+	std::string lastError() const { return errorOf(m_f, m_context); }
 
 	VirtuoseFunctions m_f;
 	Context m_context;
@@ -98,7 +99,7 @@ ist::Result<std::unique_ptr<VirtuoseDevice>> VirtuoseDevice::open(const std::str
 	if (!f.missing.empty()) return ist::Error{f.missing, false};
 	const std::string host = address.path().empty() ? "localhost#5000" : address.path();
 	const Context context = f.open(host.c_str());
-	if (!context) return ist::Error{"the Virtuose API cannot open '" + host + "': " + f.errorText(f.errorCode(nullptr)), false};
+	if (!context) return ist::Error{"the Virtuose API cannot open '" + host + "': " + errorOf(f, nullptr), false};
 	auto device = std::make_unique<VirtuoseDevice>(f, context);
 	if (!device->prepare()) return ist::Error{"the Virtuose at '" + host + "' cannot be switched on: " + device->lastError(), false};
 	info.sensed = info.actuated = DEVICEBRIDGE_TRANSLATION | DEVICEBRIDGE_ROTATION;

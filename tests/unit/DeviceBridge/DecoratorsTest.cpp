@@ -9,6 +9,7 @@
 #include "DeviceBridge/Decorators/DelayedDevice.h"
 #include "DeviceBridge/Decorators/LimitedDevice.h"
 #include "DeviceBridge/Decorators/MountedDevice.h"
+#include "DeviceBridge/Decorators/RecordingDevice.h"
 #include "DeviceBridge/Decorators/VelocityFilter.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 
@@ -135,6 +136,108 @@ TEST(ClutchedDevice, MovesOnlyTheHandleWhileOpen)
 	EXPECT_NEAR(distance(moved.X_WH.translation, {0.01, 0, 0.03}), 0, 1e-15);
 	device->write(command);
 	EXPECT_EQ(puppet->last.wrench.force, command.wrench.force);
+}
+
+// Oracles: the same power on both sides, and a twist that is the derivative of the pose, after clutches that turned and shifted.
+TEST(ClutchedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
+{
+	std::mt19937_64 random(31);
+	std::uniform_real_distribution<double> u(-1, 1);
+	const auto any = [&](double size) { return Vec3{size * u(random), size * u(random), size * u(random)}; };
+	auto [device, puppet] = decorated<ClutchedDevice>(1U);
+	for (int i = 0; i < 200; ++i)
+	{
+		puppet->state.X_WH = {turn(any(3)), any(0.1)};
+		puppet->state.buttons = 1;
+		readAt(*device, 0);
+		puppet->state.X_WH = {turn(any(3)), any(0.1)};
+		const DeviceState stayed = readAt(*device, 0);
+		puppet->state.buttons = 0;
+		puppet->state.twist = {any(1), any(5)};
+		const DeviceState before = readAt(*device, 0);
+		EXPECT_LT(norm(rotationVector(ist::quaternion(before.X_WH.rotation * transpose(stayed.X_WH.rotation)))), 1e-7);
+		DeviceCommand command;
+		command.wrench = {any(5), any(0.1)};
+		device->write(command);
+		const auto power = [](const ist::Wrench& w, const ist::Twist& v) { return dot(w.force, v.linear) + dot(w.torque, v.angular); };
+		EXPECT_NEAR(power(puppet->last.wrench, puppet->state.twist), power(command.wrench, before.twist), 1e-12);
+
+		const double h = 1e-6;
+		puppet->state.X_WH.translation += h * puppet->state.twist.linear;
+		puppet->state.X_WH.rotation = turn(h * puppet->state.twist.angular) * puppet->state.X_WH.rotation;
+		const DeviceState after = readAt(*device, 1);
+		EXPECT_LT(distance((after.X_WH.translation - before.X_WH.translation) / h, before.twist.linear), 1e-5);
+		EXPECT_LT(distance(rotationVector(ist::quaternion(after.X_WH.rotation * transpose(before.X_WH.rotation))) / h, before.twist.angular), 1e-4);
+	}
+}
+
+// A driver's axes are not quite at right angles; no number of clutches may add that up.
+TEST(ClutchedDevice, StaysRigidOverManyClutches)
+{
+	std::mt19937_64 random(32);
+	std::uniform_real_distribution<double> u(-1, 1);
+	auto [device, puppet] = decorated<ClutchedDevice>(1U);
+	for (int i = 0; i < 20000; ++i)
+	{
+		ist::Mat3 R = turn({3 * u(random), 3 * u(random), 3 * u(random)});
+		for (int row = 0; row < 3; ++row)
+			for (int column = 0; column < 3; ++column) R.m[row][column] *= 1 + 1e-6;
+		puppet->state.X_WH.rotation = R;
+		puppet->state.buttons = i & 1;
+		ASSERT_TRUE(isRigid(readAt(*device, i).X_WH, 1e-5)) << i;
+	}
+}
+
+TEST(VelocityFilter, ForgetsASampleThatIsNoNumber)
+{
+	for (const bool fromPositions : {false, true})
+	{
+		auto [device, puppet] = decorated<VelocityFilter>(20.0, fromPositions);
+		device->open();
+		readAt(*device, 0);
+		for (double* broken : {&puppet->state.twist.linear.x, &puppet->state.X_WH.translation.y, &puppet->state.X_WH.rotation.m[0][0]})
+		{
+			const double good = *broken;
+			*broken = std::numeric_limits<double>::quiet_NaN();
+			DeviceState state;
+			device->read(1 * kMs, state);
+			EXPECT_FALSE(isFinite(state.twist) && isRigid(state.X_WH)) << "not hidden from those who judge";
+			*broken = good;
+			for (int i = 2; i < 5; ++i) EXPECT_TRUE(isFinite(readAt(*device, i * kMs).twist));
+		}
+	}
+}
+
+namespace
+{
+/// Knows what it is once it is open.
+class LateDevice final : public Device
+{
+public:
+	DeviceInfo known;
+	const DeviceInfo& info() const noexcept override { return known; }
+	DeviceStatus open() noexcept override
+	{
+		known.peakForce = 8;
+		known.sensed = kHandJointsSensed;
+		return DeviceStatus::Ok;
+	}
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t, DeviceState&) noexcept override { return DeviceStatus::Ok; }
+	DeviceStatus write(const DeviceCommand&) noexcept override { return DeviceStatus::Ok; }
+	bool readHand(HandState&) noexcept override { return true; }
+};
+}  // namespace
+
+TEST(Decorators, TakeWhatADeviceLearnsOfItselfWhenItIsOpened)
+{
+	MountedDevice mounted(std::make_unique<LateDevice>(), ist::Pose(), 2);
+	RecordingDevice recorded(std::make_unique<LateDevice>(), 5);
+	for (Device* device : {static_cast<Device*>(&mounted), static_cast<Device*>(&recorded)}) ASSERT_EQ(device->open(), DeviceStatus::Ok);
+	EXPECT_EQ(mounted.info().peakForce, 4);
+	readAt(recorded, 1);
+	EXPECT_EQ(recorded.recording().info.peakForce, 8);
+	EXPECT_EQ(recorded.recording().hands.size(), 1U);
 }
 
 TEST(VelocityFilter, FollowsAStepAsAnRCCircuit)

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <thread>
 
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/SteppingThread.h"
@@ -158,4 +159,77 @@ TEST(GapBridge, AGapInTheTicksWindsUpNoForce)
 			std::printf("gap %lld ms every %d ticks: largest force %.2f N (calm %.2f), rise %.2f N, farthest %.2f mm\n",
 						static_cast<long long>(gap / kMs), every, busy.largestForce, calm.largestForce, busy.largestRise, 1e3 * busy.farthest);
 		}
+}
+
+namespace
+{
+/// A free tool, which the coupling draws to the hand.
+class FreeTool final : public ContactSource
+{
+public:
+	double farthest = 0;
+	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override
+	{
+		constexpr double kMass = 0.1;
+		step.coupling = couplingOnTool({4000, 1, 0, 0, 12, 0.2}, hand.X_WH, hand.twist, m_tool, kMass, 1e-5, dt);
+		step.coupling.torque = {};
+		m_tool.twist.linear += step.coupling.force * (dt / kMass);
+		m_tool.X_WT.translation += dt * m_tool.twist.linear;
+		step.tool = m_tool;
+		farthest = std::max(farthest, distance(hand.X_WH.translation, m_tool.X_WT.translation));
+	}
+	const ist::Vec3& place() const { return m_tool.X_WT.translation; }
+
+private:
+	ToolState m_tool;
+};
+
+/// Where its hand was moved to; answers as told.
+class MovedDevice final : public Device
+{
+public:
+	DeviceInfo description = simulatedProfile("sigma7").value().info;
+	DeviceStatus answer = DeviceStatus::Ok;
+	ist::Vec3 place;
+	const DeviceInfo& info() const noexcept override { return description; }
+	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		if (answer != DeviceStatus::Ok) return answer;
+		++state.sequence;
+		state.sampledAt = now;
+		state.X_WH.translation = place;
+		return answer;
+	}
+	DeviceStatus write(const DeviceCommand&) noexcept override { return answer; }
+};
+}  // namespace
+
+// 5 cm, which the coupling would follow with all its force.
+TEST(GapBridge, TheWayOfAnOutageAndOfAStopComesBackSlowly)
+{
+	for (const bool stopped : {false, true})
+	{
+		MovedDevice device;
+		FreeTool tool;
+		VirtualClock clock;
+		SteppingSettings settings;
+		settings.realTime = settings.lockMemory = false;
+		SteppingThread thread(device, tool, clock, settings);
+		thread.run(50);
+		if (!stopped) device.answer = DeviceStatus::Disconnected;
+		if (stopped) clock.sleepUntil(clock.now() + 100 * kMs);
+		else thread.run(100);
+		device.answer = DeviceStatus::Ok;
+		device.place = {0.05, 0, 0};
+		const std::uint64_t before = thread.ticks();
+		ASSERT_EQ(stopped && thread.start(), stopped);
+		while (stopped && thread.ticks() < before + 1000) std::this_thread::yield();
+		thread.stop();
+		if (!stopped) thread.run(1000);
+		// The way comes back at up to .05 m / .1 s, against 12 N s/m: 1.5 mm of 4 kN/m; and .5 mm come in the first tick.
+		EXPECT_LT(tool.farthest, 0.0025) << "stopped: " << stopped;
+		EXPECT_LT(distance(tool.place(), device.place), 1e-4);
+	}
 }

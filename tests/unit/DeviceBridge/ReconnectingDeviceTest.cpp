@@ -37,6 +37,8 @@ public:
 		return DeviceStatus::Ok;
 	}
 	DeviceStatus write(const DeviceCommand&) noexcept override { return m_open && in ? DeviceStatus::Ok : DeviceStatus::Disconnected; }
+	bool readHand(HandState&) noexcept override { return m_open; }
+	std::string complaint() const override { return m_open ? "" : "no cable"; }
 
 private:
 	bool m_open = false;  // touched by one thread at a time, which the thread sanitizer checks
@@ -83,6 +85,31 @@ TEST(ReconnectingDevice, OpensAgainAwayFromTheTick)
 	}
 	device.close();
 	EXPECT_EQ(device.read(4, state), DeviceStatus::Disconnected);
+}
+
+// The thread sanitizer sees what meets in the device.
+TEST(ReconnectingDevice, MayBeAskedForAHandAndForAReasonWhileItIsOpened)
+{
+	auto owned = std::make_unique<Cable>();
+	Cable& cable = *owned;
+	ReconnectingDevice device(std::move(owned), {10'000, 10'000});
+	ASSERT_EQ(device.open(), DeviceStatus::Ok);
+	DeviceState state;
+	HandState hand;
+	EXPECT_TRUE(device.readHand(hand));
+	cable.in = false;
+	EXPECT_EQ(device.read(1, state), DeviceStatus::Disconnected);
+	int reasons = 0;
+	const bool tried = within([&] {
+		EXPECT_FALSE(device.readHand(hand));
+		reasons += device.complaint() == "no cable";
+		return cable.openings > 20 && reasons > 0;
+	});
+	EXPECT_TRUE(tried);
+	cable.in = true;
+	EXPECT_TRUE(within([&] { return device.read(3, state) == DeviceStatus::Ok; }));
+	EXPECT_TRUE(device.readHand(hand));
+	EXPECT_EQ(device.complaint(), "");
 }
 
 TEST(ReconnectingDevice, EndsWhileTheCableIsOut)

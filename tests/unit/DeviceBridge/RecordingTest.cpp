@@ -74,6 +74,7 @@ Recording oddRecording()
 {
 	Recording r;
 	r.info = simulatedProfile("touchx").value().info;
+	r.info.handedness = Handedness::Right;
 	r.dropped = 7;
 	std::mt19937_64 random(9);
 	for (int i = 0; i < 5; ++i)
@@ -109,6 +110,7 @@ TEST(Recording, EncodesEveryFieldToTheLastBit)
 	EXPECT_EQ(r.info.source, original.info.source);
 	EXPECT_EQ(r.info.actuated, original.info.actuated);
 	EXPECT_EQ(r.info.maxDamping, original.info.maxDamping);
+	EXPECT_EQ(r.info.handedness, Handedness::Right);
 	EXPECT_EQ(r.dropped, 7U);
 	ASSERT_EQ(r.ticks.size(), original.ticks.size());
 	for (std::size_t i = 0; i < r.ticks.size(); ++i)
@@ -257,19 +259,24 @@ TEST(Recording, HandsComeBackToTheLastBit)
 	EXPECT_FALSE(decodeRecording(wrong.data(), wrong.size()));
 }
 
-TEST(Recording, TheFirstVersionIsStillRead)
+TEST(Recording, OlderVersionsAreStillRead)
 {
 	const Recording original = oddRecording();
-	auto bytes = encodeRecording(original);
-	bytes.resize(bytes.size() - 16);  // version 1 ends after the ticks
-	bytes[8] = std::byte{1};
-	const std::uint64_t seal = ist::checksum64(bytes.data(), bytes.size());
-	for (int k = 0; k < 8; ++k) bytes.push_back(static_cast<std::byte>(seal >> (8 * k)));
-	const auto decoded = decodeRecording(bytes.data(), bytes.size());
-	ASSERT_TRUE(decoded) << decoded.error().message;
-	EXPECT_EQ(decoded.value().ticks.size(), original.ticks.size());
-	EXPECT_EQ(decoded.value().ticks.back().state.sequence, original.ticks.back().state.sequence);
-	EXPECT_TRUE(decoded.value().hands.empty());
+	// The first ends after the ticks, the second after the hands.
+	for (const auto& [version, missing] : {std::pair{1, 8 + 1}, std::pair{2, 1}})
+	{
+		auto bytes = encodeRecording(original);
+		bytes.resize(bytes.size() - 8 - missing);
+		bytes[8] = static_cast<std::byte>(version);
+		const std::uint64_t seal = ist::checksum64(bytes.data(), bytes.size());
+		for (int k = 0; k < 8; ++k) bytes.push_back(static_cast<std::byte>(seal >> (8 * k)));
+		const auto decoded = decodeRecording(bytes.data(), bytes.size());
+		ASSERT_TRUE(decoded) << decoded.error().message;
+		EXPECT_EQ(decoded.value().ticks.size(), original.ticks.size());
+		EXPECT_EQ(decoded.value().ticks.back().state.sequence, original.ticks.back().state.sequence);
+		EXPECT_TRUE(decoded.value().hands.empty());
+		EXPECT_EQ(decoded.value().info.handedness, Handedness::Either);
+	}
 }
 
 TEST(Recording, ANewerVersionIsNamed)

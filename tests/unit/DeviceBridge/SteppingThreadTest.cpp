@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
@@ -252,6 +254,24 @@ TEST(SteppingThread, ATickDoesNotAllocate)
 	thread.run(2000);
 	EXPECT_EQ(allocationCount(), before);
 	EXPECT_GT(heard, 4000);
+}
+
+TEST(SteppingThread, AListenerMayStopIt)
+{
+	SimulatedDevice device(simulatedProfile("sigma7").value());
+	device.open();
+	AnalyticWall wall;
+	RealClock clock;
+	SteppingThread thread(device, wall, clock);
+	std::atomic<int> ticks{0};
+	thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) {
+		if (++ticks == 3) thread.stop();
+	});
+	ASSERT_TRUE(thread.start());
+	while (thread.running()) std::this_thread::yield();
+	EXPECT_EQ(ticks, 3);
+	EXPECT_EQ(thread.sentWrench().force, ist::Vec3());
+	thread.stop();
 }
 
 TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)

@@ -108,6 +108,20 @@ TEST(HandWatch, LostHandsStandStillThenLetGoAndComeBack)
 	EXPECT_NE(w.watch.complaints().sentence().find("lost"), std::string::npos);
 }
 
+TEST(HandWatch, PlacesBeyondAnyRoomAreNone)
+{
+	Watched w;
+	const HandState good = w.hand;
+	for (const double place : {1e30, 1e308, std::numeric_limits<double>::infinity()})
+	{
+		w.hand.joints[kThumbTip].position = w.hand.joints[kPalm].position = {place, -place, place};
+		for (int i = 0; i < 3; ++i) w.watch.update(w.hand, kTick);
+		w.hand = good;
+		w.watch.update(w.hand, kTick);
+		for (int part = 0; part < kHandParts; ++part) EXPECT_TRUE(isRigid(w.watch.target(part).X_WB) && isFinite(w.watch.target(part).twist));
+	}
+}
+
 TEST(HandWatch, TheOtherHandIsNotUsed)
 {
 	Watched w;
