@@ -33,7 +33,7 @@ void btEnergyLaw::evaluate(Pairs::Pair& pair)
 {
 	btEnergyContact& contact = pair.contact;
 	contact = btEnergyContact();
-	const ist::Pose X_WA = toPose(pair.A->getWorldTransform()), X_AB = ist::inverse(X_WA) * toPose(pair.B->getWorldTransform());
+	const ist::Pose X_WA = toRigidPose(pair.A->getWorldTransform()), X_AB = ist::inverse(X_WA) * toRigidPose(pair.B->getWorldTransform());
 	ist::QueryOptions options;
 	options.stiffness = options.patches = false;
 	options.sortPairs = options.listMeetingBounds = true;

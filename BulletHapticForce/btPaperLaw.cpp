@@ -96,7 +96,7 @@ void btPaperLaw::evaluate(Pairs::Pair& pair, double h)
 {
 	btPaperContact& contact = pair.contact;
 	contact = btPaperContact();
-	const ist::Pose X_WA = toPose(pair.A->getWorldTransform()), X_WB = toPose(pair.B->getWorldTransform());
+	const ist::Pose X_WA = toRigidPose(pair.A->getWorldTransform()), X_WB = toRigidPose(pair.B->getWorldTransform());
 	ist::QueryOptions options;
 	options.model = ist::Model::Inner;
 	options.stiffness = options.patches = false;

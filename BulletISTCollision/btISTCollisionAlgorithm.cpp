@@ -15,6 +15,8 @@
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 
 #include <algorithm>
+#include <cmath>
+#include <typeinfo>
 #include <utility>
 
 #ifdef BT_USE_DOUBLE_PRECISION
@@ -27,6 +29,20 @@ namespace
 {
 /// Whether a shape is where its body is: not a child, which its parent puts somewhere.
 bool isBody(const btCollisionObjectWrapper& wrap) { return &wrap.getWorldTransform() == &wrap.getCollisionObject()->getWorldTransform(); }
+
+/// Whether its axes are too far from unit length and right angles for a rigid body, whose shape trees speak for. What is no number is none of that.
+bool isSkewed(const btCollisionObjectWrapper& wrap)
+{
+	const ist::Pose X = toRigidPose(wrap.getWorldTransform());
+	return !isRigid(X) && isFinite(X.translation) && std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
+}
+
+void announceProcessed(btPersistentManifold& manifold)
+{
+	if (!gContactProcessedCallback) return;
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+		gContactProcessedCallback(manifold.getContactPoint(i), const_cast<btCollisionObject*>(manifold.getBody0()), const_cast<btCollisionObject*>(manifold.getBody1()));
+}
 }  // namespace
 
 btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context,
@@ -39,11 +55,45 @@ btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConst
 	  m_manifold(m_dispatcher->getNewManifold(a.getCollisionObject(), b.getCollisionObject())),
 	  m_contact(mode == Respond ? m_context->store.acquire(m_manifold) : nullptr)
 {
+	keepShapes(a.getCollisionShape(), b.getCollisionShape());
+}
+
+void btISTCollisionAlgorithm::keepShapes(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
+{
+	m_shapeA = shapeA;
+	m_shapeB = shapeB;
+	m_typeB = shapeB->getShapeType();
+	m_version = uint32_t(m_context->registry->version());
 	for (int i = 0; i < 3; ++i)
 	{
-		m_scalingA[i] = float(a.getCollisionShape()->getLocalScaling()[i]);
-		m_scalingB[i] = float(b.getCollisionShape()->getLocalScaling()[i]);
+		m_scalingA[i] = float(shapeA->getLocalScaling()[i]);
+		m_scalingB[i] = float(shapeB->getLocalScaling()[i]);
 	}
+	if (!m_contact) return;
+	m_contact->shapeA = shapeA;
+	m_contact->shapeB = shapeB;
+}
+
+/// Whether other shapes are there, or other trees may be. Without a registration the pair keeps what it has.
+bool btISTCollisionAlgorithm::isChanged(const btCollisionShape* shapeA, const btCollisionShape* shapeB) const
+{
+	return shapeA != m_shapeA || shapeB != m_shapeB || shapeB->getShapeType() != m_typeB ||
+		   (m_context->active && m_version != uint32_t(m_context->registry->version()));
+}
+
+/// Of the shapes as they are. Without a tree A has none, and all is Bullet's: the manifold's order cannot change.
+void btISTCollisionAlgorithm::findTrees(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
+{
+	auto treeA = m_context->registry->find(shapeA), treeB = m_context->registry->find(shapeB);
+	if (treeA && !treeB && !btISTShapeField(shapeB).field()) treeA.reset();
+	if (treeA != m_treeA || treeB != m_treeB || shapeA != m_shapeA || shapeB != m_shapeB || shapeB->getShapeType() != m_typeB)
+	{
+		forget();
+		destroyStock();
+	}
+	m_treeA = std::move(treeA);
+	m_treeB = std::move(treeB);
+	keepShapes(shapeA, shapeB);
 }
 
 btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
@@ -57,10 +107,11 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& contact) const
 {
 	btISTContactStore& store = m_context->store;
+	const bool kept = &contact == m_contact;
 	btISTQueryWork work;
-	if (!m_contact || !m_context->threads || !m_context->threads->take(contact, work))
-		work = query.answer(contact, m_context->workspace, m_contact && store.measuresQueryTime());
-	if (m_contact) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
+	if (!kept || !m_context->threads || !m_context->threads->take(contact, work))
+		work = query.answer(contact, m_context->workspace, kept && store.measuresQueryTime());
+	if (kept) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
 }
 
 void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,
@@ -72,11 +123,12 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	if (contact.treeA != m_treeA) contact.treeA = m_treeA;
 	if (contact.treeB != m_treeB) contact.treeB = m_treeB;
 	contact.stamp = m_context->store.step();
-	contact.X_WA = toPose(wrapA->getWorldTransform());
-	contact.X_AB = ist::inverse(contact.X_WA) * toPose(wrapB->getWorldTransform());
+	contact.X_WA = toRigidPose(wrapA->getWorldTransform());
+	contact.X_AB = ist::inverse(contact.X_WA) * toRigidPose(wrapB->getWorldTransform());
 	contact.foreseeable = isBody(*wrapA) && isBody(*wrapB);
 	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
-	const btISTPairQuery query(field, m_context->rules, m_contact, m_contact && m_context->store.sumsDamping());
+	const bool kept = &contact == m_contact;
+	const btISTPairQuery query(field, m_context->rules, kept, kept && m_context->store.sumsDamping());
 	const ist::PairAccuracy before = contact.accuracy;
 	update(query, contact);
 
@@ -100,55 +152,73 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,
 											   const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut)
 {
+	const bool swapped = body0Wrap->getCollisionObject() != m_manifold->getBody0();
+	const btCollisionObjectWrapper* wrapA = swapped ? body1Wrap : body0Wrap;
+	const btCollisionObjectWrapper* wrapB = swapped ? body0Wrap : body1Wrap;
+	const btCollisionShape *shapeA = wrapA->getCollisionShape(), *shapeB = wrapB->getCollisionShape();
+	if (isChanged(shapeA, shapeB)) findTrees(shapeA, shapeB);
 	const bool was = !m_stock && m_contact && m_contact->stamp > 0;
-	if (isScaled(*body0Wrap, *body1Wrap) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
+	if (!m_treeA || isScaled(*shapeA, *shapeB) || isSkewed(*wrapA) || isSkewed(*wrapB) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
 	{
 		if (!m_stock) createStock(body0Wrap, body1Wrap);
 		return m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
 	}
 	destroyStock();
 	resultOut->setPersistentManifold(m_manifold);
-	const bool swapped = body0Wrap->getCollisionObject() != m_manifold->getBody0();
-	const btCollisionObjectWrapper* wrapA = swapped ? body1Wrap : body0Wrap;
-	const btCollisionObjectWrapper* wrapB = swapped ? body0Wrap : body1Wrap;
-	if (m_contact)
+	// Within a contact test Bullet has the children of a compound answered by those who respond, too.
+	if (!m_contact || typeid(*resultOut) != typeid(btManifoldResult))
 	{
-		if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
-		evaluate(wrapA, wrapB, *m_contact);
-		// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
-		if (m_context->memories) m_context->memories->serve(*m_contact);
-		btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
-		return;
+		if (report(wrapA, wrapB, *resultOut) || !(resultOut->m_closestPointDistanceThreshold > 0)) return;
+		createStock(body0Wrap, body1Wrap);  // the bodies are apart, and how far is asked
+		m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
+		return destroyStock();
 	}
+	if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
+	evaluate(wrapA, wrapB, *m_contact);
+	// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
+	if (m_context->memories) m_context->memories->serve(*m_contact);
+	btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
+	// Those of a compound's children Bullet announces itself.
+	if (m_contact->foreseeable) announceProcessed(*m_manifold);
+}
+
+/// To a contact test; whether there is overlap. What the pair keeps is left as it is.
+bool btISTCollisionAlgorithm::report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const
+{
 	btISTContact contact;
 	evaluate(wrapA, wrapB, contact);
-	btISTRepresentativePoints(contact).report(*resultOut);
+	const btISTRepresentativePoints points(contact);
+	points.report(out);
+	return points.count > 0;
 }
 
 /// Whether a shape with a tree was scaled since the pair was made.
-bool btISTCollisionAlgorithm::isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const
+bool btISTCollisionAlgorithm::isScaled(const btCollisionShape& shapeA, const btCollisionShape& shapeB) const
 {
-	const bool swapped = body0.getCollisionObject() != m_manifold->getBody0();
-	const auto isKept = [](const btCollisionObjectWrapper& w, const float* s)
-	{ return btISTRegistry::hasScaling(*w.getCollisionShape(), btVector3(btScalar(s[0]), btScalar(s[1]), btScalar(s[2]))); };
-	return !isKept(swapped ? body1 : body0, m_scalingA) || (m_treeB && !isKept(swapped ? body0 : body1, m_scalingB));
+	const auto isKept = [](const btCollisionShape& shape, const float* s)
+	{ return btISTRegistry::hasScaling(shape, btVector3(btScalar(s[0]), btScalar(s[1]), btScalar(s[2]))); };
+	return !isKept(shapeA, m_scalingA) || (m_treeB && !isKept(shapeB, m_scalingB));
+}
+
+/// What was known of the contact, and its points.
+void btISTCollisionAlgorithm::forget()
+{
+	m_manifold->clearManifold();
+	if (!m_contact) return;
+	m_contact->total = ist::OverlapIntegrals();
+	m_contact->patchCount = 0;
+	m_contact->normalImpulse = 0;
+	m_contact->work = btISTContactWork();
+	m_contact->ledger = btISTContactLedger();
+	m_contact->accuracy = ist::PairAccuracy();
+	m_contact->kept.forget();
+	m_contact->memory.reset();
+	if (m_context->threads) m_context->threads->drop(*m_contact);
 }
 
 void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)
 {
-	m_manifold->clearManifold();
-	if (m_contact)
-	{
-		m_contact->total = ist::OverlapIntegrals();
-		m_contact->patchCount = 0;
-		m_contact->normalImpulse = 0;
-		m_contact->work = btISTContactWork();
-		m_contact->ledger = btISTContactLedger();
-		m_contact->accuracy = ist::PairAccuracy();
-		m_contact->kept.forget();
-		m_contact->memory.reset();
-		if (m_context->threads) m_context->threads->drop(*m_contact);
-	}
+	forget();
 	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
 	info.m_dispatcher1 = m_dispatcher;
 	btISTCreateFunc& ours = m_context->function(!m_contact);

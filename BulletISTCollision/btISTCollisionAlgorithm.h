@@ -108,9 +108,9 @@ private:
 	std::shared_ptr<btISTInstallation> m_installation;
 };
 
-/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. While the pair is not watched
-/// (btISTWatch), or a shape with a tree has another local scaling than when the pair was made, Bullet's own algorithm works in its place, and the manifold stays empty. Lives in the dispatcher's pool, which does not
-/// check sizes.
+/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. Bullet's own algorithm works in its place, and the manifold stays
+/// empty, while the pair is not watched (btISTWatch), a shape with a tree has another local scaling than when the pair was made, a body got a shape without one or lost its
+/// tree, or axes of a body are more than 5 % from unit length and right angles. Lives in the dispatcher's pool, which does not check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
 public:
@@ -142,7 +142,12 @@ public:
 private:
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
 	void update(const btISTPairQuery& query, btISTContact& contact) const;
-	bool isScaled(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1) const;
+	bool report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const;
+	bool isChanged(const btCollisionShape* shapeA, const btCollisionShape* shapeB) const;
+	void findTrees(const btCollisionShape* shapeA, const btCollisionShape* shapeB);
+	void keepShapes(const btCollisionShape* shapeA, const btCollisionShape* shapeB);
+	bool isScaled(const btCollisionShape& shapeA, const btCollisionShape& shapeB) const;
+	void forget();
 	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
 	void destroyStock();
 
@@ -150,7 +155,11 @@ private:
 	std::shared_ptr<const ist::InnerSphereTree> m_treeA, m_treeB;
 	btPersistentManifold* m_manifold;
 	btISTContact* m_contact;  // null in Query mode
-	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's, while the pair is not watched
+	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's, while it works in place of this
+	const btCollisionShape* m_shapeA;
+	const btCollisionShape* m_shapeB;
 	float m_scalingA[3], m_scalingB[3];
+	int m_typeB;  // of shapes: one without a tree may be deleted, and its place be given to another
+	uint32_t m_version;  // of the registry
 };
-static_assert(sizeof(btISTCollisionAlgorithm) <= 128, "a pool element has 192 bytes, of which 64 are left to Bullet's future");
+static_assert(sizeof(btISTCollisionAlgorithm) <= 136, "a pool element has 192 bytes, of which some are left to Bullet's future");

@@ -15,6 +15,7 @@
 #include <vector>
 
 class btCollisionObject;
+class btCollisionShape;
 class btPersistentManifold;
 class btISTPairMemory;
 struct btISTContact;
@@ -78,6 +79,8 @@ struct btISTContact
 	const btPersistentManifold* manifold = nullptr;
 	const btCollisionObject* bodyA = nullptr;
 	const btCollisionObject* bodyB = nullptr;
+	const btCollisionShape* shapeA = nullptr;  ///< of the child, in a compound; may be gone once its tree is detached
+	const btCollisionShape* shapeB = nullptr;
 	std::shared_ptr<const ist::InnerSphereTree> treeA, treeB;
 	bool halfSpace = false;
 	double volumeB = std::numeric_limits<double>::infinity();  ///< of a B without a tree [m^3]; infinite for a half-space

@@ -23,6 +23,9 @@ struct btISTCreateFunc : btCollisionAlgorithmCreateFunc
 	btISTContext* context = nullptr;
 	bool closest = false;
 	btCollisionAlgorithmCreateFunc* previous[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
+	/// Those that stood there first. Who registered after us may delegate to us, and be delegated to since we took the tables back: then these end the round.
+	btCollisionAlgorithmCreateFunc* first[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
+	const btCollisionObjectWrapper* delegated[2] = {};  ///< what is being delegated
 
 	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
 												   const btCollisionObjectWrapper* wrap1) override;

@@ -13,6 +13,7 @@
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace
 {
@@ -79,7 +80,12 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 		if (treeA && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
 		if (treeB && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
 	}
-	return previous[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
+	if (delegated[0] == wrap0 && delegated[1] == wrap1) return first[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
+	const btCollisionObjectWrapper* const outer[2] = {delegated[0], delegated[1]};
+	delegated[0] = wrap0, delegated[1] = wrap1;
+	btCollisionAlgorithm* algorithm = previous[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
+	delegated[0] = outer[0], delegated[1] = outer[1];
+	return algorithm;
 }
 
 /// Our entries in one dispatcher.
@@ -109,6 +115,7 @@ public:
 				btISTCreateFunc& ours = context->function(closest);
 				if (entry == &ours) return;
 				ours.previous[i][j] = entry;
+				if (!ours.first[i][j]) ours.first[i][j] = entry;
 				entry = &ours;
 			});
 	}
@@ -146,7 +153,33 @@ public:
 
 	void treeChanged(const btCollisionShape* shape) override
 	{
-		if (pairCache && dispatcher) clean(pairCache, shape);
+		if (!pairCache || !dispatcher) return;
+		// A shape that loses its tree may be the next to go, and others before it may have gone: they are not asked.
+		if (context->registry->isAttached(shape)) clean(pairCache, shape);
+		else cleanPairsOf(shape);
+	}
+
+	/// Those that have a contact of that shape. Pairs of another cache, as a ghost's, find out by themselves.
+	void cleanPairsOf(const btCollisionShape* shape)
+	{
+		const std::vector<btISTContact*>& contacts = context->store.contacts();
+		for (size_t i = 0; i < contacts.size();)
+		{
+			const btISTContact& contact = *contacts[i];
+			const size_t before = contacts.size();
+			if (contact.shapeA == shape || contact.shapeB == shape) cleanPair(*contact.manifold);
+			// The last contact has moved into the gap.
+			if (contacts.size() < before) i = 0;
+			else ++i;
+		}
+	}
+
+	void cleanPair(const btPersistentManifold& manifold)
+	{
+		btBroadphaseProxy* const a = const_cast<btBroadphaseProxy*>(manifold.getBody0()->getBroadphaseHandle());
+		btBroadphaseProxy* const b = const_cast<btBroadphaseProxy*>(manifold.getBody1()->getBroadphaseHandle());
+		btBroadphasePair* pair = a && b ? pairCache->findPair(a, b) : nullptr;
+		if (pair) pairCache->cleanOverlappingPair(*pair, dispatcher);
 	}
 
 	/// All pairs when `shape` is null.

@@ -100,8 +100,8 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 		Answer& answer = *m_answers[size_t(m_count)];
 		answer.of = contact;
 		answer.contact = *contact;
-		answer.contact.X_WA = toPose(contact->bodyA->getWorldTransform());
-		answer.contact.X_AB = ist::inverse(answer.contact.X_WA) * toPose(contact->bodyB->getWorldTransform());
+		answer.contact.X_WA = toRigidPose(contact->bodyA->getWorldTransform());
+		answer.contact.X_AB = ist::inverse(answer.contact.X_WA) * toRigidPose(contact->bodyB->getWorldTransform());
 		contact->ahead = m_count++;
 		answer.pass = m_pass;
 		answer.field = contact->treeB ? btISTShapeField() : btISTShapeField(contact->bodyB->getCollisionShape());

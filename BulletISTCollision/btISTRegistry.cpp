@@ -22,6 +22,7 @@ struct btISTAttachment::Table
 	std::unordered_map<const btCollisionShape*, Entry> trees;
 	std::vector<std::weak_ptr<btISTRegistryListener>> listeners;
 	bool keepsLevels = false;
+	uint64_t version = 0;
 	/// Trees as they came, and the copies with levels that stand for them.
 	struct Levelled
 	{
@@ -44,6 +45,7 @@ struct btISTAttachment::Table
 
 	void announce(const btCollisionShape* shape)
 	{
+		++version;
 		listeners.erase(std::remove_if(listeners.begin(), listeners.end(), [](const auto& l) { return l.expired(); }), listeners.end());
 		const auto current = listeners;
 		for (const auto& weak : current)
@@ -135,6 +137,8 @@ bool btISTRegistry::hasScaling(const btCollisionShape& shape, const btVector3& s
 	return true;
 }
 
+bool btISTRegistry::isAttached(const btCollisionShape* shape) const { return m_table->trees.count(shape) > 0; }
+uint64_t btISTRegistry::version() const { return m_table->version; }
 int btISTRegistry::size() const { return int(m_table->trees.size()); }
 
 void btISTRegistry::keepLevels()

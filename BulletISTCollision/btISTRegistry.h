@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Result.h"
 #include "BulletISTCollision/btPrecisionGuard.h"
 
+#include <cstdint>
 #include <memory>
 
 class btCollisionShape;
@@ -61,6 +62,9 @@ public:
 
 	/// Null when nothing is attached, or when the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;
+	bool isAttached(const btCollisionShape* shape) const;
+	/// Grows whenever a shape gains or loses a tree.
+	uint64_t version() const;
 	/// Shapes that have a tree.
 	int size() const;
 	/// Whether its local scaling is `scaling`: a tree speaks for no other.

@@ -188,13 +188,20 @@ void appendTouch(btISTRepresentativePoints& out, const btISTContact& contact)
 	p.stiffness = contact.constants.k * std::cbrt(contact.total.volume * contact.total.volume);
 }
 
+/// Whether Bullet's solver moves it, as it does nothing that is a ghost.
+bool isSolved(const btCollisionObject* object)
+{
+	return (object->getInternalType() & (btCollisionObject::CO_RIGID_BODY | btCollisionObject::CO_FEATHERSTONE_LINK)) != 0;
+}
+
 /// Bullet's point for `p`; the positions on both bodies lie half the depth to either side.
 btManifoldPoint manifoldPoint(const btISTRepresentativePoint& p, double dissipation, const btCollisionObjectWrapper* wrapA,
 							  const btCollisionObjectWrapper* wrapB)
 {
-	const double depth = std::min(p.depth(), kDeepestDistance);
 	const btCollisionObject* a = wrapA->getCollisionObject();
 	const btCollisionObject* b = wrapB->getCollisionObject();
+	// Whoever moves a ghost, as a character's controller does, needs the whole depth.
+	const double depth = isSolved(a) && isSolved(b) ? std::min(p.depth(), kDeepestDistance) : p.depth();
 	const btVector3 onA = toBullet(p.position - (depth / 2) * p.normal), onB = toBullet(p.position + (depth / 2) * p.normal);
 	btManifoldPoint m(a->getWorldTransform().invXform(onA), b->getWorldTransform().invXform(onB), toBullet(p.normal), btScalar(-depth));
 	m.m_positionWorldOnA = onA;
@@ -203,10 +210,10 @@ btManifoldPoint manifoldPoint(const btISTRepresentativePoint& p, double dissipat
 	m.m_index0 = wrapA->m_index;
 	m.m_partId1 = wrapB->m_partId;
 	m.m_index1 = wrapB->m_index;
-	m.m_combinedFriction = btManifoldResult::calculateCombinedFriction(a, b);
-	m.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(a, b);
-	m.m_combinedRollingFriction = btManifoldResult::calculateCombinedRollingFriction(a, b);
-	m.m_combinedSpinningFriction = btManifoldResult::calculateCombinedSpinningFriction(a, b);
+	m.m_combinedFriction = gCalculateCombinedFrictionCallback(a, b);
+	m.m_combinedRestitution = gCalculateCombinedRestitutionCallback(a, b);
+	m.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback(a, b);
+	m.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback(a, b);
 	btPlaneSpace1(m.m_normalWorldOnB, m.m_lateralFrictionDir1, m.m_lateralFrictionDir2);
 	m.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
 	m.m_combinedContactStiffness1 = btScalar(depth > 0 ? p.force / depth : p.stiffness);

@@ -153,8 +153,8 @@ std::vector<std::string> btISTTreeSource::assetNames(const std::string& folder)
 {
 	std::vector<std::string> names;
 	std::error_code ignored;
-	for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-		if (entry.path().extension() == ".ist") names.push_back(entry.path().stem().string());
+	for (std::filesystem::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored))
+		if (entry->path().extension() == ".ist") names.push_back(entry->path().stem().string());
 	std::sort(names.begin(), names.end());
 	return names;
 }

@@ -72,8 +72,8 @@ World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
 World::~World()
 {
 	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone. Where we were refused no pair is ours, and the registration may be
-	// with another dispatcher than the one that the pairs' algorithms are from.
-	if (refusal().empty()) m_ist->registration().cleanPairs(m_world.getPairCache());
+	// with another dispatcher than the one that the pairs' algorithms are from. A game that has emptied its world may have deleted the broad phase before it.
+	if (refusal().empty() && !m_ist->contacts().contacts().empty()) m_ist->registration().cleanPairs(m_world.getPairCache());
 	m_ist->registration().setPairCache(nullptr);
 	m_shapes.clear();
 	m_trees.reset();

@@ -232,6 +232,46 @@ TEST(btISTCollisionAlgorithm, LeavesTheTablesOfADispatcherWithThreadsAlone)
 	btSetTaskScheduler(nullptr);
 }
 
+namespace
+{
+/// Registers as we do, and delegates to whom it finds.
+struct Delegating : btCollisionAlgorithmCreateFunc
+{
+	btCollisionAlgorithmCreateFunc* found = nullptr;
+	int calls = 0;
+	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b) override
+	{
+		++calls;
+		return found->CreateCollisionAlgorithm(info, a, b);
+	}
+};
+}  // namespace
+
+TEST(btISTCollisionAlgorithm, TwoThatDelegateToEachOtherComeToAnEnd)
+{
+	btDefaultCollisionConfiguration configuration;
+	Peek<btCollisionDispatcher> d(&configuration);
+	btBoxShape box(btVector3(.5, .5, .5));
+	auto r = btISTCollisionAlgorithm::registerAlgorithm(&d);
+	const auto keep = attach(r, box);
+	constexpr int kBall = SPHERE_SHAPE_PROXYTYPE;
+	Delegating other;
+	other.found = d.contacts(kBall, kBall);
+	d.registerCollisionCreateFunc(kBall, kBall, &other);
+	r.reinstall();
+	EXPECT_EQ(d.contacts(kBall, kBall), other.found);
+	btSphereShape shape(1);
+	btCollisionObject a, b;
+	a.setCollisionShape(&shape);
+	b.setCollisionShape(&shape);
+	const btCollisionObjectWrapper wrapA(nullptr, &shape, &a, a.getWorldTransform(), -1, -1), wrapB(nullptr, &shape, &b, b.getWorldTransform(), -1, -1);
+	btCollisionAlgorithm* algorithm = d.findAlgorithm(&wrapA, &wrapB, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+	ASSERT_NE(algorithm, nullptr);
+	EXPECT_EQ(other.calls, 1);
+	algorithm->~btCollisionAlgorithm();
+	d.freeCollisionAlgorithm(algorithm);
+}
+
 TEST(btISTCollisionAlgorithm, NoticesThatSomeoneRegisteredAfterIt)
 {
 	TestWorld w;
