@@ -3,7 +3,7 @@
 # Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
 # Usage: cmake/setup.sh [library|demos|tests] [--yes]
 #   library   for the libraries and the ist command
-#   demos     for the demos and the drivers of devices, too
+#   demos     for the demos, the drivers of devices and the Debian packages, too
 #   tests     for all tests, the Python module and the documentation, too (default)
 #   --yes     do not ask
 set -euo pipefail
@@ -22,7 +22,7 @@ done
 
 packages=(g++ make cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev zlib1g-dev libcli11-dev nlohmann-json3-dev)
 [ $scope = library ] || packages+=(glmark2-data libgtest-dev libgmock-dev python3 libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev
-	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core)
+	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core file dpkg-dev)
 [ $scope != tests ] || packages+=(clang python3-dev python3-numpy pybind11-dev doxygen spacenavd xvfb xauth)
 
 missing=()
