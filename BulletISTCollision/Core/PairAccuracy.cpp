@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/PairMemory.h"
 #include "BulletISTCollision/Core/PromiseShare.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 
 #include <algorithm>
 
@@ -31,12 +32,13 @@ double fadeStep(const Vec3& before, const Vec3& after, double floor)
 OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
 					 const QueryOptions& options, PairAccuracy& pair)
 {
-	pair.fadedShare = std::max(0.0, pair.fadedShare - pair.fadeStep);
 	QueryOptions at = options;
 	at.level = pair.level;
 	at.otherLevel = pair.fadedLevel;
-	at.otherShare = pair.fadedShare;
+	at.otherShare = std::max(0.0, pair.fadedShare - pair.fadeStep);
 	const OverlapResult result = queryOverlap(A, B, X_AB, workspace, at);
+	if (result.status != QueryStatus::Ok) return result;
+	pair.fadedShare = at.otherShare;
 	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
 	const double error = (1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) + pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen);
 	pair.promise = shareOfTrueForce(error, seen.force, forceFloor(A, B));
@@ -55,6 +57,8 @@ OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, cons
 		refused.status = QueryStatus::Unsupported;
 		return refused;
 	}
+	// Of other bodies, with more levels.
+	if (std::max(pair.level, pair.fadedLevel) > levelCount(A, B)) pair = {};
 	const bool whole = isWhole(options);
 	if (whole) pair.fadedShare = 0;
 	if (pair.fadedShare > 0) return fadeOn(A, B, X_AB, workspace, accepted, options, pair);

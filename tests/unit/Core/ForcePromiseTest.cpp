@@ -259,6 +259,48 @@ TEST(PairAccuracy, AnswersWithAListChangeTheirLevelAtOnce)
 		}
 }
 
+TEST(PairAccuracy, BeginsAnewWithBodiesOfFewerLevels)
+{
+	QueryWorkspace workspace;
+	InnerSphereTree plainA = bodyA(), plainB = bodyB();
+	plainA.levels.clear();
+	plainB.levels.clear();
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
+	PairAccuracy pair;
+	AcceptedError accepted;
+	for (const double error : {0.02, 0.6})
+	{
+		accepted.error = error;
+		queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+	}
+	ASSERT_GT(pair.fadedShare, 0);
+	const OverlapResult result = queryPair(plainA, plainB, X, workspace, accepted, {}, pair), leaves = queryOverlap(plainA, plainB, X, workspace);
+	EXPECT_EQ(result.status, QueryStatus::Ok);
+	EXPECT_EQ(result.total.volume, leaves.total.volume);
+	EXPECT_EQ(pair.level, 0);
+	EXPECT_EQ(pair.fadedShare, 0);
+}
+
+TEST(PairAccuracy, FadesOnAfterAQueryThatWasRefused)
+{
+	QueryWorkspace workspace;
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
+	PairAccuracy pair;
+	AcceptedError accepted;
+	for (const double error : {0.02, 0.6})
+	{
+		accepted.error = error;
+		queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+	}
+	const PairAccuracy before = pair;
+	ASSERT_GT(before.fadedShare, 0);
+	Pose bad = X;
+	bad.translation.x = std::nan("");
+	EXPECT_EQ(queryPair(bodyA(), bodyB(), bad, workspace, accepted, {}, pair).status, QueryStatus::InvalidPose);
+	EXPECT_EQ(pair.fadedShare, before.fadedShare);
+	EXPECT_EQ(pair.promise, before.promise);
+}
+
 TEST(PairAccuracy, EndsWhereTheDialStands)
 {
 	QueryWorkspace workspace;
