@@ -55,6 +55,8 @@ public:
 				  const QueryOptions& options, int finest, int64_t capacity)
 		: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_finest(finest), m_capacity(capacity), m_pairs(capacity)
 	{
+		// At once, lest a finer level allocate in a later query.
+		work.reserveFor(A.law, B.law);
 		if (options.maxPairs >= 0) m_pairs = std::min(m_pairs, options.maxPairs);
 		m_patches = options.blend ? std::max(1, work.capacity.patches / 2) : work.capacity.patches;
 		if (options.maxMicroseconds < 0) return;
@@ -175,6 +177,7 @@ OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 							 const QueryOptions& options, int level)
 {
 	const int room = options.patches ? work.capacity.patches : 1;
+	work.reserveFor(A.law, B.law);
 	const auto answer = [&](int of)
 	{
 		OverlapResult result;

@@ -109,6 +109,8 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 						   const QueryOptions& options, PairMemory* memory)
 {
+	// At once, lest bodies that come to meet behind the gate allocate.
+	if (options.gate) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
 	// The gate's own query of the packed spheres would drive out what is remembered.
 	return gatedAnswer(options, workspace, [&](const QueryOptions& o) {
 		return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr);

@@ -3,6 +3,7 @@
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
 
@@ -110,6 +111,15 @@ TEST(OverlapGate, OpensWithoutAJump)
 		EXPECT_LE(steepest, 1.5 * openSteepest);
 		EXPECT_EQ(before, openBefore);
 	}
+}
+
+TEST(OverlapGate, OpensWithoutAllocating)
+{
+	QueryWorkspace workspace;
+	EXPECT_EQ(ask({{}, {0, 0, 1}}, true, workspace).total.volume, 0);
+	const long before = allocationCount();
+	EXPECT_GT(ask({{}, {0, 0, 0.1}}, true, workspace).total.volume, 0);
+	EXPECT_EQ(allocationCount(), before);
 }
 
 TEST(OverlapGate, HoldsForClosedFormsToo)

@@ -217,13 +217,30 @@ TEST(QueryBudget, AllocatesNothing)
 	QueryOptions options;
 	options.blend = true;
 	options.maxMicroseconds = 1e9;
-	queryOverlap(A, B, Pose{}, workspace);
+	options.maxPairs = 300;
+	ASSERT_GT(queryOverlap(A, B, shifted({1.5, 0.1, 0}, {}, A, B), workspace, options).level, 0);
 	const long before = allocationCount();
 	for (const int64_t pairs : {300, 1000, 3000, 10000, 100000})
 	{
 		options.maxPairs = pairs;
 		queryOverlap(A, B, Pose{}, workspace, options);
 	}
+	EXPECT_EQ(allocationCount(), before);
+}
+
+TEST(QueryBudget, TwoLevelsAllocateNothing)
+{
+	const InnerSphereTree A = levelled(3000, 5), B = levelled(3000, 6);
+	QueryWorkspace workspace;
+	QueryOptions options;
+	options.otherShare = 0.5;
+	options.level = 3;
+	options.otherLevel = 4;
+	queryOverlap(A, B, Pose{}, workspace, options);
+	const long before = allocationCount();
+	options.level = 0;
+	options.otherLevel = 1;
+	queryOverlap(A, B, Pose{}, workspace, options);
 	EXPECT_EQ(allocationCount(), before);
 }
 
