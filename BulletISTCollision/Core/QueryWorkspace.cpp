@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Kernels/QueryMemory.h"
+#include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
 
 #include <algorithm>
 
@@ -88,6 +88,10 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 		for (BlockMark& mark : marks) mark.epoch = 0;
 		epoch = 1;
 	}
+	// Else the first search that is long enough to be shared would.
+	if (!helper) return;
+	QueryHelper::Implementation& shared = helper->implementation();
+	if (shared.suits(*this) && shared.isFree()) shared.work.reserveFor(A, B);
 }
 
 void QueryWorkspace::Implementation::reserveTerms(const BallTree& A)
