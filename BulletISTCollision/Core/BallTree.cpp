@@ -425,6 +425,8 @@ std::string BallTree::validate() const
 		}
 		if (!(std::fabs(bound.x) + std::fabs(bound.y) + std::fabs(bound.z) + bound.r < kFarthestBound))
 			return violation("node bound comes near to the padding", top.node);
+		if (!(std::fabs(bound.x) + std::fabs(bound.y) + std::fabs(bound.z) + bound.r < kMostReach))
+			return violation("node bound of a body larger than 10,000 km, whose moments would overflow", top.node);
 		const uint32_t index = child & ~BallNode::kLeafBit;
 		const bool leaf = (child & BallNode::kLeafBit) != 0;
 		if (index >= (leaf ? blockCount() : nodes.size())) return violation("child out of range", top.node);

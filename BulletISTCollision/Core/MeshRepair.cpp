@@ -35,8 +35,8 @@ constexpr int kWrapCells = 128;
 constexpr int kProbes = 32;
 /// Of the volume: where less is wrong, the surface stays as it is.
 constexpr double kHarmless = 0.01;
-/// Longest sides [m] whose trees can be stored, down to the smallest spheres that the packer makes.
-constexpr double kShortestSide = 1e-7, kLongestSide = 1e12;
+/// Longest sides [m] of trees: down to the smallest spheres that the packer makes, up to moments that are floats (kMostReach).
+constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
 
 std::string counted(int64_t n, const char* singular, const char* plural)
 {

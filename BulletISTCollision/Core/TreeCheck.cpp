@@ -22,7 +22,7 @@ bool isFinite(const Bound& b)
 
 bool isNear(const Bound& b)
 {
-	return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kFarthestBound && b.r >= 0;
+	return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kMostReach && b.r >= 0;
 }
 
 // All operands are floats as stored, so that each difference is exact but for one rounding: the share covers them all.
@@ -127,7 +127,7 @@ private:
 
 bool isOfABody(float density, float depth)
 {
-	return (density < 4) & (std::fabs(depth) < 1e12f);
+	return (density < 4) & (std::fabs(depth) < kMostReach);
 }
 
 bool hasWholeBlocks(const BallTree& tree)

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/TreeLevels.h"
 
 #include <gtest/gtest.h>
 
@@ -52,6 +53,33 @@ TEST(TreeBuilder, RefusalsNamePlacesInTheFrameOfTheMesh)
 	ASSERT_NE(place, std::string::npos) << told;
 	ASSERT_EQ(std::sscanf(told.c_str() + place, " m at (%lf, %lf, %lf) m", &x, &y, &z), 3) << told;
 	EXPECT_NEAR(distance(Vec3{x, y, z}, Vec3{100, -20, 3}), 0, 1e-3) << told;
+}
+
+// Coarse levels have the fewest balls, and so the largest terms.
+TEST(TreeBuilder, MomentsOfTheLargestBodyStayInsideOfAFloatsRange)
+{
+	for (const double side : {1e-6, 1.0, 1e7})
+	{
+		BuildOptions options;
+		options.maxSpheres = 10;
+		Result<InnerSphereTree> built = buildTree(makeBoxMesh({side / 2, side / 2, side / 2}), options);
+		ASSERT_TRUE(built);
+		InnerSphereTree tree = std::move(built).value();
+		tree.levels = buildLevels(tree.law);
+		QueryWorkspace workspace;
+		QueryOptions query;
+		query.damping = {1, 1};
+		for (const int level : {0, levelCount(tree, tree)})
+		{
+			query.level = level;
+			const OverlapIntegrals whole = queryOverlap(tree, tree, Pose{}, workspace, query).total;
+			const double expected = std::pow(side, 5) / 12;
+			for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(whole.secondMoment[axis], expected, 0.4 * expected) << side << ' ' << level;
+			for (const SymmetricMatrix6* matrix : {&whole.stiffnessA, &whole.stiffnessB, &whole.damping})
+				for (const double entry : matrix->m) EXPECT_TRUE(std::isfinite(entry)) << side << ' ' << level;
+			EXPECT_TRUE(isFinite(whole.normalA.torque) && isFinite(whole.firstMoment)) << side << ' ' << level;
+		}
+	}
 }
 
 TEST(TreeBuilder, CanBeCancelledInEveryStage)

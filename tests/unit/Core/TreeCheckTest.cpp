@@ -53,6 +53,18 @@ TEST(TreeCheck, PassesWhatTheBuilderMakes)
 			}
 }
 
+TEST(TreeCheck, RefusesBodiesTooLargeForTheirMoments)
+{
+	for (const double scale : {1e7, 1e8, 1e9, 9e11})
+	{
+		const BallTree tree = randomTree(400, scale, 0, 3);
+		const std::string problem = tree.validate();
+		EXPECT_EQ(problem.empty(), scale == 1e7) << scale << ": " << problem;
+		EXPECT_EQ(surelyValid(tree), scale == 1e7) << scale;
+		EXPECT_EQ(surelyValid(packedOf(tree)), scale == 1e7) << scale;
+	}
+}
+
 constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0f, 0.0f, 1e30f};
 
 /// Sets one number of an ellipsoid to something else.
