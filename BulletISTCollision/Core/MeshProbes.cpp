@@ -23,9 +23,12 @@ double forEachProbe(const Mesh& mesh, int cells, Visitor visit)
 	const Box box = bounds(mesh);
 	const double step = box.longestSide() / cells;
 	if (!(step > 0)) return 0;
-	for (double z = box.lower.z + kShift * step; z < box.upper.z; z += step)
-		for (double y = box.lower.y + kShift * step; y < box.upper.y; y += step)
-			for (double x = box.lower.x + kShift * step; x < box.upper.x; x += step) visit(Vec3{x, y, z});
+	// Counted: very far from the origin a step may be less than coordinates can tell.
+	const auto count = [&](int axis) { return int(std::ceil((box.upper[axis] - box.lower[axis]) / step - kShift)); };
+	const auto at = [&](int axis, int i) { return box.lower[axis] + (i + kShift) * step; };
+	for (int k = 0; k < count(2); ++k)
+		for (int j = 0; j < count(1); ++j)
+			for (int i = 0; i < count(0); ++i) visit(Vec3{at(0, i), at(1, j), at(2, k)});
 	return step * step * step;
 }
 }  // namespace

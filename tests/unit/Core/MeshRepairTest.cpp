@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/MeshProbes.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 
 #include <gtest/gtest.h>
@@ -346,6 +347,18 @@ TEST(MeshRepair, WhatIsRefusedIsNamedTruly)
 	broken.vertices[broken.triangles[1][0]].y = std::numeric_limits<double>::infinity();
 	expectRefused(broken, "inf, ");
 	expectRefused(broken, "m, beside (");
+}
+
+// Coordinates there are 16 m apart.
+TEST(MeshRepair, EndsVeryFarFromTheOrigin)
+{
+	const Mesh far = translated(joined(makeBoxMesh({64, 64, 64}), makeBoxMesh({96, 32, 32})), {1e17, -1e17, 1e17});
+	EXPECT_GT(miscountedShare(far, 32), 0);
+	for (const RepairMode mode : {RepairMode::Auto, RepairMode::Off, RepairMode::Wrap})
+	{
+		const Result<RepairedMesh> repaired = repair(far, mode);
+		EXPECT_TRUE(repaired || !repaired.error().message.empty());
+	}
 }
 
 TEST(MeshRepair, SizesThatNoTreeCanStoreAreRefused)
