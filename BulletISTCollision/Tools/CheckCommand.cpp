@@ -56,7 +56,7 @@ int runCheck(const CheckArguments& a)
 		if (!a.mesh.empty())
 		{
 			const Result<Mesh> surface = packedSurface(tree.value(), a.mesh, problems);
-			if (!surface) return fail(surface.error().message);
+			if (!surface) return fail(surface.error().message, surface.error().cancelled ? kInterrupted : kBadInput);
 			const ProtrusionFinding protrusions = findProtrusions(spheres, surface.value());
 			report["protruding"] = protrusions.spheres;
 			report["max_protrusion"] = protrusions.farthest;

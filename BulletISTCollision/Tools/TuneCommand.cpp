@@ -18,6 +18,8 @@ namespace ist::tools
 {
 namespace
 {
+bool goesOn(const char*, double) { return !interrupted(); }
+
 /// An asset or a mesh, as the user named it.
 Result<TuneBody> bodyOf(const std::string& path)
 {
@@ -30,7 +32,7 @@ Result<TuneBody> bodyOf(const std::string& path)
 		body.tree = std::move(tree).value();
 		return body;
 	}
-	Result<Mesh> mesh = importApart(path, 1);
+	Result<Mesh> mesh = importApart(path, 1, goesOn);
 	if (!mesh) return mesh.error();
 	warnOfNotTaken(path, mesh.value());
 	body.mesh = std::move(mesh).value();
@@ -67,11 +69,12 @@ int runTune(const TuneArguments& a)
 	{
 		if (!bodies.empty() && file == bodies.front().name) continue;
 		Result<TuneBody> body = bodyOf(file);
+		if (!body && body.error().cancelled) return fail("interrupted", kInterrupted);
 		if (!body) return fail(body.error().message);
 		bodies.push_back(std::move(body).value());
 	}
 	TuneOptions options = a.options;
-	options.progress = [](const char*, double) { return !interrupted(); };
+	options.progress = goesOn;
 	const Result<PairTuning> tuning = tunePair(bodies.front(), bodies.back(), options);
 	if (!tuning) return interrupted() ? fail("interrupted", kInterrupted) : fail(tuning.error().message);
 	std::fputs(format(describe(tuning.value()), a.json).c_str(), stdout);

@@ -126,6 +126,21 @@ def interruption(folder, number):
     expect(not [f for f in os.listdir(folder) if f.startswith("interrupted")], "an interrupted build leaves no file")
 
 
+def interrupted_reading(folder, number):
+    """Of a mesh that nobody writes: by the signal to all processes, as a terminal sends it, and to the first alone."""
+    pipe, cube = os.path.join(folder, "pipe.obj"), os.path.join(folder, "lines.ist")
+    os.mkfifo(pipe)
+    for files in [[pipe, cube], [cube, pipe]]:
+        for send in [os.killpg, os.kill]:
+            process = subprocess.Popen([IST, "tune", *files, "--error", "0.2"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+            time.sleep(0.5)
+            send(process.pid, number)
+            stdout, stderr = process.communicate()
+            expect(process.returncode == 130, f"tune, reading: exit {process.returncode} after signal {number}: {stderr}")
+            expect(stderr == "ist: interrupted\n" and stdout == "", f"tune, reading: {stdout} {stderr}")
+    os.remove(pipe)
+
+
 def interrupted_tuning(folder, number):
     """Between builds and while it measures, too: builds of 1,000, 3,000 ... spheres take turns with measurements."""
     cube = os.path.join(folder, "cube.obj")
@@ -179,6 +194,7 @@ with tempfile.TemporaryDirectory() as folder:
     one_line_for_the_whole_build(folder)
     for number in [signal.SIGINT, signal.SIGTERM]:
         interruption(folder, number)
+        interrupted_reading(folder, number)
         interrupted_tuning(folder, number)
 
 print("\n".join("FAILED " + f for f in failures) or "all passed")
