@@ -98,10 +98,10 @@ void bindTree(py::module_& module)
 		.def_property_readonly("center_of_mass", [](const InnerSphereTree& t) { return toArray(t.origin); }, "In the mesh frame [m].")
 		.def_property_readonly("inertia", [](const InnerSphereTree& t) { return toArray(t.inertia); }, "About the centre of mass, density 1 [m^5].")
 		.def_property_readonly("spheres", &spheres, "(n, 4) x y z radius [m], about the centre of mass, largest first; not writable.")
-		.def_property_readonly("leaves", [](const InnerSphereTree& t) { return t.law.slotCount(); }, "Number of leaves of the law's tree.")
+		.def_property_readonly("leaves", [](const InnerSphereTree& t) { return t.law.ballCount(); }, "Number of leaves of the law's tree.")
 		.def_property_readonly("repair", [](const InnerSphereTree& t) { return t.provenance.repair; }, "What repair did to the mesh, in sentences.")
 		.def("__repr__", [](const InnerSphereTree& t) {
-			return "<bullethaptics.Tree of " + std::to_string(t.spheres.size()) + " spheres, " + std::to_string(t.law.slotCount()) + " leaves>";
+			return "<bullethaptics.Tree of " + std::to_string(t.spheres.size()) + " spheres, " + std::to_string(t.law.ballCount()) + " leaves>";
 		});
 }
 

@@ -96,6 +96,9 @@ class Build(Shared):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "box.ist")
             self.assertEqual(self.box.save(path), os.path.getsize(path))
+            info = json.loads(subprocess.run([IST, "info", path, "--json"], check=True, capture_output=True, text=True).stdout)
+            self.assertEqual(self.box.leaves, info["leaves"])
+            self.assertEqual(repr(self.box), f"<bullethaptics.Tree of {info['spheres']} spheres, {info['leaves']} leaves>")
             loaded = bh.load(path)
             np.testing.assert_array_equal(loaded.spheres, self.box.spheres)
             X = (3.15, 4.02, 5.01, 0, 0, 0, 1)
