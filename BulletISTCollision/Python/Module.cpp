@@ -12,7 +12,9 @@
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,14 +59,14 @@ Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres
 	}));
 }
 
-Tree load(const std::string& path)
+Tree load(const std::filesystem::path& path)
 {
-	return std::make_shared<InnerSphereTree>(run(py::none(), [&](const Progress&) { return loadAsset(path); }));
+	return std::make_shared<InnerSphereTree>(run(py::none(), [&](const Progress&) { return loadAsset(path.string()); }));
 }
 
-size_t save(const InnerSphereTree& tree, const std::string& path)
+size_t save(const InnerSphereTree& tree, const std::filesystem::path& path)
 {
-	return run(py::none(), [&](const Progress& watch) { return saveAsset(tree, path, watch); });
+	return run(py::none(), [&](const Progress& watch) { return saveAsset(tree, path.string(), watch); });
 }
 
 py::array_t<float> spheres(const Tree& tree)
@@ -119,9 +121,9 @@ void bindFunctions(py::module_& module)
 			   "each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
 			   "return False to cancel. Raises bullethaptics.Error with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
-	module.def("read_mesh", [](const std::string& path, double unit) {
-			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path, unit, watch); });
-			warnOfNotTaken(path, mesh);
+	module.def("read_mesh", [](const std::filesystem::path& path, double unit) {
+			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path.string(), unit, watch); });
+			warnOfNotTaken(path.string(), mesh);
 			return arraysFrom(mesh);
 		}, "path"_a, "unit"_a = 1.0, "(vertices, triangles) of a mesh file; `unit` is metres per unit of the file. What could not be taken is a UserWarning.");
 	module.def("query", &query, "a"_a, "b"_a, "poses"_a, py::kw_only(), "stiffness"_a = 1.0, "level"_a = -1, "max_pairs"_a = int64_t(-1),

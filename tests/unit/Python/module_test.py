@@ -101,6 +101,9 @@ class Build(Shared):
             self.assertEqual(repr(self.box), f"<bullethaptics.Tree of {info['spheres']} spheres, {info['leaves']} leaves>")
             loaded = bh.load(path)
             np.testing.assert_array_equal(loaded.spheres, self.box.spheres)
+            by_path = pathlib.Path(folder, "path.ist")
+            self.assertEqual(loaded.save(by_path), by_path.stat().st_size)
+            np.testing.assert_array_equal(bh.load(by_path).spheres, self.box.spheres)
             X = (3.15, 4.02, 5.01, 0, 0, 0, 1)
             self.assertEqual(bh.query(loaded, self.box, X)["volume"], bh.query(self.box, self.box, X)["volume"])
 
@@ -109,6 +112,7 @@ class Build(Shared):
             path = pathlib.Path(folder, "t.obj")
             path.write_text("v 0 0 0\nv 1000 0 0\nv 0 2000 0\nf 1 2 3\n")
             vertices, triangles = bh.read_mesh(str(path), unit=.001)
+            np.testing.assert_array_equal(bh.read_mesh(path, unit=.001)[0], vertices)
         np.testing.assert_allclose(vertices[triangles[0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
 
     def test_read_mesh_warns_of_what_it_could_not_take(self):
