@@ -19,6 +19,7 @@ namespace ist
 namespace
 {
 constexpr size_t kChunk = size_t(1) << 22;
+constexpr int kMostLinks = 40;  // as many as the system follows
 
 Error systemError(const std::string& path, const char* doing, int reason)
 {
@@ -48,15 +49,29 @@ private:
 	int m_file;
 };
 
-/// A new file beside `target`. No two writers share one, be they threads of a process or of the same number in two containers.
-int createBeside(const std::string& target, std::string& name)
+/// For `file`, which will replace `old`: whoever may read and write the one may the other. Where the owner or the group cannot be kept, it is nobody more.
+void keepAccess(int file, const struct stat& old)
 {
-	const std::string stem = target + ".tmp" + std::to_string(::getpid()) + "_";
+	mode_t mode = old.st_mode & 0777;
+	if (::fchown(file, uid_t(-1), old.st_gid) != 0) mode &= ~mode_t(0070);
+	(void)::fchmod(file, mode);
+	(void)!::fchown(file, old.st_uid, gid_t(-1));
+}
+
+/// A new file beside `target`, never open to more than may read what stands there. No two writers share one, be they threads of a process or of the same
+/// number in two containers. Its name is short: that of the target may be as long as the system allows.
+int createBeside(const std::filesystem::path& target, std::string& name)
+{
+	struct stat old;
+	const bool replaces = ::stat(target.c_str(), &old) == 0;
+	const std::string stem = (target.parent_path() / (".tmp" + std::to_string(::getpid()) + "_")).string();
 	for (unsigned long i = 0;; ++i)
 	{
 		name = stem + std::to_string(i);
-		const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-		if (file >= 0 || errno != EEXIST) return file;
+		const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, replaces ? 0600 : 0666);
+		if (file < 0 && errno == EEXIST) continue;
+		if (file >= 0 && replaces) keepAccess(file, old);
+		return file;
 	}
 }
 
@@ -102,33 +117,42 @@ Result<size_t> writeInPlace(const std::string& path, const std::byte* bytes, siz
 	return result(outcome, path, size, reason);
 }
 
-/// What stands at `path`, behind any symbolic links.
-std::filesystem::file_type typeOf(const std::string& path)
-{
-	std::error_code missing;
-	return std::filesystem::status(path, missing).type();
-}
-
 bool isDeviceOrPipe(std::filesystem::file_type type)
 {
 	using enum std::filesystem::file_type;
 	return type != none && type != not_found && type != regular && type != directory;
 }
 
-/// Where symbolic links lead.
-std::string followed(const std::string& path)
+/// Where symbolic links lead, also where nothing stands yet.
+std::filesystem::path followed(std::filesystem::path path)
 {
-	std::error_code missing;
-	const std::filesystem::path target = std::filesystem::canonical(path, missing);
-	return missing ? path : target.string();
+	std::error_code isNoLink;
+	for (int links = 0; links < kMostLinks; ++links)
+	{
+		const std::filesystem::path next = std::filesystem::read_symlink(path, isNoLink);
+		if (isNoLink) return path;
+		path = path.parent_path() / next;
+	}
+	return path;
+}
+
+/// What stands at `path`, behind any symbolic links, where that can be written to.
+Result<std::filesystem::file_type> targetType(const std::string& path)
+{
+	if (path.empty()) return Error{"the file to write has no name; give it one"};
+	std::error_code reason;
+	const std::filesystem::file_type there = std::filesystem::status(path, reason).type();
+	if (there == std::filesystem::file_type::directory) return systemError(path, "writing the file", EISDIR);
+	if (there == std::filesystem::file_type::none) return systemError(path, "writing the file", reason.value());
+	return there;
 }
 }  // namespace
 
 std::optional<Error> whyNotWritable(const std::string& path)
 {
-	const std::filesystem::file_type there = typeOf(path);
-	if (there == std::filesystem::file_type::directory) return systemError(path, "writing the file", EISDIR);
-	if (isDeviceOrPipe(there))
+	const Result<std::filesystem::file_type> there = targetType(path);
+	if (!there) return there.error();
+	if (isDeviceOrPipe(there.value()))
 	{
 		// Opening a pipe would wait for its reader, and closing it again would be the end of what it reads.
 		if (::access(path.c_str(), W_OK) != 0) return systemError(path, "opening the file", errno);
@@ -143,11 +167,11 @@ std::optional<Error> whyNotWritable(const std::string& path)
 
 Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress)
 {
-	const std::filesystem::file_type there = typeOf(path);
-	if (there == std::filesystem::file_type::directory) return systemError(path, "writing the file", EISDIR);
-	if (isDeviceOrPipe(there)) return writeInPlace(path, bytes, size, progress);
+	const Result<std::filesystem::file_type> there = targetType(path);
+	if (!there) return there.error();
+	if (isDeviceOrPipe(there.value())) return writeInPlace(path, bytes, size, progress);
 
-	const std::string target = followed(path);
+	const std::filesystem::path target = followed(path);
 	std::string temporary;
 	OpenFile file(createBeside(target, temporary));
 	if (!file.good()) return systemError(path, "creating the file", errno);

@@ -77,6 +77,71 @@ TEST_F(WholeFile, ALinkStaysALink)
 	EXPECT_EQ(content(at("target")), "new");
 }
 
+TEST_F(WholeFile, ALinkToNothingYetStaysALink)
+{
+	std::filesystem::create_directory(at("folder"));
+	std::filesystem::create_symlink("folder/second", at("first"));
+	std::filesystem::create_symlink("target", at("folder/second"));
+	EXPECT_FALSE(whyNotWritable(at("first")));
+	ASSERT_TRUE(write(at("first"), "new"));
+	EXPECT_TRUE(std::filesystem::is_symlink(at("first")));
+	EXPECT_TRUE(std::filesystem::is_symlink(at("folder/second")));
+	EXPECT_EQ(content(at("folder/target")), "new");
+
+	std::filesystem::create_symlink("none/target", at("astray"));
+	EXPECT_TRUE(whyNotWritable(at("astray")));
+	EXPECT_FALSE(write(at("astray"), "new"));
+	EXPECT_TRUE(std::filesystem::is_symlink(at("astray")));
+}
+
+TEST_F(WholeFile, LinksInACircleAreRefused)
+{
+	std::filesystem::create_symlink("there", at("here"));
+	std::filesystem::create_symlink("here", at("there"));
+	EXPECT_TRUE(whyNotWritable(at("here")));
+	EXPECT_FALSE(write(at("here"), "new"));
+	EXPECT_TRUE(std::filesystem::is_symlink(at("here")));
+	EXPECT_EQ(entries(), 2);
+}
+
+TEST_F(WholeFile, WhoMayReadAFileStaysAsItWas)
+{
+	const mode_t mask = ::umask(022);
+	for (const unsigned mode : {0600u, 0640u, 0644u, 0664u, 0400u})
+	{
+		ASSERT_TRUE(write(at("a"), "old"));
+		ASSERT_EQ(::chmod(at("a").c_str(), mode), 0);
+		ASSERT_TRUE(write(at("a"), "new", [&](const char*, double) {
+			for (const auto& entry : std::filesystem::directory_iterator(m_folder)) EXPECT_EQ(unsigned(entry.status().permissions()), mode);
+			return true;
+		}));
+		struct stat now;
+		ASSERT_EQ(::stat(at("a").c_str(), &now), 0);
+		EXPECT_EQ(now.st_mode & 0777, mode);
+		EXPECT_EQ(content(at("a")), "new");
+	}
+	ASSERT_TRUE(write(at("fresh"), "new"));
+	EXPECT_EQ(unsigned(std::filesystem::status(at("fresh")).permissions()), 0644u);
+	::umask(mask);
+}
+
+TEST_F(WholeFile, NamesMayBeAsLongAsTheSystemAllows)
+{
+	const std::string name(255, 'n'), tooLong(256, 'n');
+	ASSERT_TRUE(write(at(name.c_str()), "text"));
+	EXPECT_EQ(content(at(name.c_str())), "text");
+	EXPECT_TRUE(whyNotWritable(at(tooLong.c_str())));
+	EXPECT_FALSE(write(at(tooLong.c_str()), "text"));
+}
+
+TEST_F(WholeFile, AFileWithoutANameIsRefused)
+{
+	EXPECT_TRUE(whyNotWritable(""));
+	const Result<size_t> written = write("", "text");
+	ASSERT_FALSE(written);
+	EXPECT_NE(written.error().message.find("no name"), std::string::npos);
+}
+
 TEST_F(WholeFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
 {
 	if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";

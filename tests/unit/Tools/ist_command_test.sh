@@ -143,8 +143,10 @@ for wrong in "--min-radius 0" "--min-radius nan" "--seed -1" "--seed 1.5" "--see
 	[ "$(head -n 1 "$dir/err" | wc -c)" -le 80 ] || { echo "FAILED build $wrong: $(cat "$dir/err")"; failures=$((failures + 1)); }
 done
 expect "build: missing mesh" 1 "$ist" build "$dir/none.obj" -o "$dir/no.ist"
+expect "build: no name" 1 "$ist" build "$dir/cube.obj" -o "" --spheres 10
+says "build: no name" "has no name"
 expect "build: missing folder" 1 "$ist" build "$dir/cube.obj" -o "$dir/none/no.ist" --spheres 10
-if ls "$dir"/no.ist* "$cube".tmp* > /dev/null 2>&1; then
+if ls "$dir"/no.ist* "$dir"/.tmp* > /dev/null 2>&1; then
 	echo "FAILED: a failed build left a file"
 	failures=$((failures + 1))
 fi
