@@ -183,6 +183,14 @@ Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, s
 	return result(outcome, path, size, reason);
 }
 
+bool isSameFile(const std::string& path, const std::string& other)
+{
+	std::error_code unknown;
+	if (isDeviceOrPipe(std::filesystem::status(path, unknown).type())) return false;
+	const auto place = [&](const std::string& p) { return std::filesystem::weakly_canonical(std::filesystem::absolute(followed(p), unknown), unknown); };
+	return place(path) == place(other);
+}
+
 std::shared_ptr<std::byte> makeAlignedBytes(size_t size)
 {
 	constexpr std::align_val_t line{64};

@@ -20,6 +20,9 @@ Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, s
 /// may fill up meanwhile. Leaves nothing behind.
 std::optional<Error> whyNotWritable(const std::string& path);
 
+/// Whether writeWholeFile() of one path would replace what it wrote to the other: a file, however it is named. False for devices and pipes.
+bool isSameFile(const std::string& path, const std::string& other);
+
 /// At a multiple of 64; not zeroed. Null when there is not as much.
 std::shared_ptr<std::byte> makeAlignedBytes(size_t size);
 

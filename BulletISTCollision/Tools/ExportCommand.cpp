@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/WholeFile.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/Report.h"
@@ -49,6 +50,8 @@ int runExport(const ExportArguments& a)
 {
 	for (const std::string& output : {a.spheres, a.leaves})
 		if (const int code = output.empty() ? kGood : checkOutput(output, {a.file}); code != kGood) return code;
+	if (!a.spheres.empty() && !a.leaves.empty() && isSameFile(a.spheres, a.leaves))
+		return fail("\"" + a.leaves + "\" is to hold spheres and leaves; name two files");
 	const Result<InnerSphereTree> tree = loadAsset(a.file);
 	if (!tree) return fail(tree.error().message);
 	if (!a.spheres.empty())

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/WholeFile.h"
 #include "DeviceBridge/Decorators/RecordingDevice.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Hand/HandRecording.h"
@@ -42,6 +43,15 @@ void describe(Report& report, const SteppingThread& thread)
 	report["energy"] = {{"stored", e.stored}, {"generated", e.generated}, {"dissipated", e.dissipated}};
 }
 
+/// Told before anything is recorded.
+std::optional<ist::Error> whyNotKept(const RunArguments& arguments)
+{
+	if (auto obstacle = ist::whyNotWritable(arguments.output)) return obstacle;
+	if (arguments.hand.empty()) return std::nullopt;
+	if (ist::isSameFile(arguments.output, arguments.hand)) return ist::Error{"\"" + arguments.hand + "\" is to hold the recording and the hand; name two files"};
+	return ist::whyNotWritable(arguments.hand);
+}
+
 /// The motion of the hand, where it was asked for.
 std::optional<ist::Error> writeHand(const Recording& recording, const std::string& path, Report& report)
 {
@@ -56,6 +66,7 @@ std::optional<ist::Error> writeHand(const Recording& recording, const std::strin
 
 int runRecord(const RunArguments& arguments)
 {
+	if (const auto obstacle = whyNotKept(arguments)) return fail(obstacle->message);
 	auto opened = openWithHand(arguments.uri);
 	if (!opened) return fail(opened.error().message);
 	if (!arguments.hand.empty() && !(opened.value()->info().sensed & kHandJointsSensed)) return fail(arguments.uri + " senses no joints of a hand: leave --hand out");

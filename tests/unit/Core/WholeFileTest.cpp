@@ -134,6 +134,26 @@ TEST_F(WholeFile, NamesMayBeAsLongAsTheSystemAllows)
 	EXPECT_FALSE(write(at(tooLong.c_str()), "text"));
 }
 
+TEST_F(WholeFile, OneFileIsKnownByAllOfItsNames)
+{
+	std::filesystem::create_directory(at("folder"));
+	std::filesystem::create_symlink("file", at("link"));
+	std::filesystem::create_directory_symlink(m_folder, at("folder/up"));
+	for (const bool there : {false, true})
+	{
+		if (there)
+		{
+			ASSERT_TRUE(write(at("file"), "text"));
+		}
+		for (const char* name : {"file", "./file", "folder/../file", "link", "folder/up/file", "folder/up/link"})
+			EXPECT_TRUE(isSameFile(at("file"), at(name))) << name << ' ' << there;
+		EXPECT_TRUE(isSameFile(at("file"), std::filesystem::relative(at("file")).string()));
+		EXPECT_FALSE(isSameFile(at("file"), at("other")));
+		EXPECT_FALSE(isSameFile(at("file"), at("folder/file")));
+	}
+	EXPECT_FALSE(isSameFile("/dev/null", "/dev/null"));
+}
+
 TEST_F(WholeFile, AFileWithoutANameIsRefused)
 {
 	EXPECT_TRUE(whyNotWritable(""));

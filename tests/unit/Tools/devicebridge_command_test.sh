@@ -106,6 +106,8 @@ expect "record a hand" 0 "$bridge" record "motion:$dir/in.csv" -o "$dir/hand.ist
 holds "record a hand" 'r["hand_frames"] > 80'
 expect "record it again" 0 "$bridge" record "motion:$dir/a.csv" -o "$dir/hand.istdrec" --hand "$dir/b.csv" --seconds 0.2
 cmp "$dir/a.csv" "$dir/b.csv" || { echo "FAILED a hand recorded twice"; failures=$((failures + 1)); }
+expect "record both into one file" 1 "$bridge" record "motion:$dir/in.csv" -o "$dir/both.csv" --hand "$dir/./both.csv" --seconds 0.1
+says "record both into one file" "name two files"
 expect "record the hand of a device without one" 1 "$bridge" record sim:touch -o "$dir/x.istdrec" --hand "$dir/x.csv" --seconds 0.1
 says "record the hand of a device without one" "senses no joints"
 

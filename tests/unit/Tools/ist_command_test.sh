@@ -199,6 +199,12 @@ expect "check with another mesh" 1 "$ist" check "$cube" --mesh "$dir/other.obj" 
 holds "check with another mesh" 'r["ok"] is False and r["protruding"] > 0 and r["max_protrusion"] > 0 and len(r["problems"]) == 2'
 
 expect export 0 "$ist" export "$cube" --spheres "$dir/spheres.csv" --leaves "$dir/leaves.csv"
+ln -s one.csv "$dir/one_link.csv"
+for name in one.csv ./one.csv one_link.csv; do
+	expect "export two things into $name" 1 "$ist" export "$cube" --spheres "$dir/one.csv" --leaves "$dir/$name"
+	says "export two things into $name" "name two files"
+	[ ! -e "$dir/one.csv" ] || { echo "FAILED export two things into $name: a file was left"; failures=$((failures + 1)); }
+done
 expect "export nothing" 2 "$ist" export "$cube"
 [ "$(head -1 "$dir/spheres.csv")" = "x,y,z,r" ] && [ "$(wc -l < "$dir/spheres.csv")" -eq 301 ] || { echo "FAILED spheres.csv"; failures=$((failures + 1)); }
 [ "$(head -1 "$dir/leaves.csv")" = "x,y,z,r,density,nx,ny,nz,depth,sphere,xx,yy,zz,xy,xz,yz" ] || { echo "FAILED leaves.csv"; failures=$((failures + 1)); }
