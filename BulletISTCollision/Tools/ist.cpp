@@ -2,10 +2,10 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Version.h"
+#include "BulletISTCollision/Tools/WholeNumber.h"
 
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -66,14 +66,14 @@ private:
 		BuildArguments& a = m_build;
 		sub->add_option("mesh", a.mesh, "mesh file")->required();
 		sub->add_option("-o,--output", a.output, "asset to write")->required();
-		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")->check(CLI::Range(int64_t(1), int64_t(100000000)));
+		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")->transform(wholeNumber<int64_t>(1, 100000000));
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
 		sub->add_option("--unit", a.unit, "length unit of the mesh file")->check(CLI::IsMember({"m", "cm", "mm"}))->capture_default_str();
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")->check(CLI::IsMember({"auto", "off", "wrap"}))->capture_default_str();
-		sub->add_option("--threads", a.threads, "threads (all)")->check(CLI::Range(1, 4096));
-		sub->add_option("--seed", a.seed, "seed")->check(wholeNumber())->capture_default_str();
+		sub->add_option("--threads", a.threads, "threads (all)")->transform(wholeNumber(1, 4096));
+		sub->add_option("--seed", a.seed, "seed")->transform(wholeNumber<uint64_t>(0))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 		sub->add_flag("--quiet", a.quiet, "no progress and no report, only a warning of a mesh that repair changed");
 	}
@@ -127,15 +127,15 @@ private:
 		poses->require_option(1);
 		sub->add_option("--law", a.law, "force law")->check(CLI::IsMember({"pressure", "paper", "energy", "volume"}))->capture_default_str();
 		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(positive())->capture_default_str();
-		sub->add_option("--level", a.level, "level of the trees")->check(notNegative());
-		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->check(notNegative());
+		sub->add_option("--level", a.level, "level of the trees")->transform(wholeNumber(0));
+		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->transform(wholeNumber<int64_t>(0));
 		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(notNegative());
 		sub->add_option("--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")->check(fraction());
 		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
 		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
-		sub->add_option("--threads", a.threads, "threads over rows")->check(CLI::Range(1, 4096))->capture_default_str();
-		sub->add_option("--repeat", a.repeat, "passes over all poses")->check(CLI::Range(1, 1000000))->capture_default_str();
+		sub->add_option("--threads", a.threads, "threads over rows")->transform(wholeNumber(1, 4096))->capture_default_str();
+		sub->add_option("--repeat", a.repeat, "passes over all poses")->transform(wholeNumber(1, 1000000))->capture_default_str();
 		sub->add_flag("--shuffle", a.shuffle, "run in another order");
 		sub->add_option("--pairs-out", a.pairsOut, "CSV of the intersecting pairs");
 		sub->add_flag("--json", a.json, "one JSON object per pose");
@@ -155,7 +155,7 @@ private:
 		sub->add_option("--speed", w.speed, "with which they meet [m/s]")->check(notNegative())->needs(mass)->capture_default_str();
 		sub->add_option("--step", w.step, "of the world [s]")->check(positive())->needs(mass)->capture_default_str();
 		sub->add_option("--distance", w.distance, "from the origin of the world [m]")->check(notNegative())->needs(mass)->capture_default_str();
-		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")->check(CLI::Range(int64_t(1), int64_t(10000000)))->capture_default_str();
+		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")->transform(wholeNumber<int64_t>(1, 10000000))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 	}
 
@@ -181,19 +181,6 @@ private:
 	static CLI::Validator notNegative()
 	{
 		return number("0 or more", "be a number, 0 or more", [](double v) { return v >= 0; });
-	}
-
-	/// CLI reads -1 as the largest number.
-	static CLI::Validator wholeNumber()
-	{
-		return CLI::Validator(
-			[](std::string& text)
-			{
-				uint64_t v = 0;
-				const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-				return error == std::errc() && end == text.data() + text.size() ? std::string() : "must be a whole number from 0 to 2^64 - 1: " + text;
-			},
-			"whole number");
 	}
 
 	CLI::App m_app{"Inner sphere trees: build, inspect, check, export, pack, query, tune", "ist"};

@@ -82,6 +82,10 @@ expect "zwidth" 0 "$bridge" zwidth sim:sigma7 --steps 3 --json
 holds "zwidth" 'all(abs(p["stable"] / p["predicted"] - 1) < 0.05 for p in r["points"]) and len(r["points"]) == 3'
 expect "zwidth in steps" 0 "$bridge" zwidth sim:sigma7 --steps 3 --quantised --delay-ticks 2 --json
 holds "zwidth in steps" 'r["resolution"] == 1.5e-06 and all(p["passive_measured"] <= p["stable"] for p in r["points"])'
+for option in steps delay-ticks; do
+	expect "zwidth --$option 0x2" 2 "$bridge" zwidth "--$option" 0x2
+	says "zwidth --$option 0x2" "whole number from"
+done
 expect "zwidth of a recording" 1 "$bridge" zwidth replay:x
 expect "monitor" 0 "$bridge" monitor sim:touch --seconds 1 --rate 10
 [ "$(wc -l < "$dir/out")" -eq 11 ] || { echo "FAILED monitor: $(wc -l < "$dir/out") lines"; failures=$((failures + 1)); }

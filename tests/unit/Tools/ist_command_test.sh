@@ -142,6 +142,23 @@ for wrong in "--min-radius 0" "--min-radius nan" "--seed -1" "--seed 1.5" "--see
 	expect "build $wrong" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" $wrong
 	[ "$(head -n 1 "$dir/err" | wc -c)" -le 80 ] || { echo "FAILED build $wrong: $(cat "$dir/err")"; failures=$((failures + 1)); }
 done
+for zeros in 10 010 00010; do
+	expect "build --spheres $zeros" 0 "$ist" build "$dir/cube.obj" -o "$dir/ten.ist" --spheres $zeros --seed 0$zeros --threads 02 --json
+	holds "build --spheres $zeros" 'r["spheres"] == 10'
+	cp "$dir/ten.ist" "$dir/ten_$zeros.ist"
+	cmp "$dir/ten_10.ist" "$dir/ten_$zeros.ist" || { echo "FAILED build --seed 0$zeros"; failures=$((failures + 1)); }
+done
+for option in spheres seed threads; do
+	for wrong in 0x10 010x 1e2 1.0 " 5" ""; do
+		expect "build --$option '$wrong'" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" "--$option" "$wrong"
+		says "build --$option '$wrong'" "whole number from"
+	done
+done
+for option in level max-pairs threads repeat; do
+	expect "query --$option 0x1" 2 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 "--$option" 0x1
+done
+expect "query --max-pairs 0900" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --max-pairs 0900 --json
+holds "query --max-pairs 0900" '0 < r["pairs"] <= 900'
 expect "build: missing mesh" 1 "$ist" build "$dir/none.obj" -o "$dir/no.ist"
 expect "build: no name" 1 "$ist" build "$dir/cube.obj" -o "" --spheres 10
 says "build: no name" "has no name"
