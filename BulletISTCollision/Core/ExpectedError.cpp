@@ -49,6 +49,7 @@ double expectedForceError(const InnerSphereTree& tree, double fraction, int pose
 
 Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const BuildOptions& options, BuildTimes* times)
 {
+	if (const Result<InstructionSet> chosen = chosenInstructionSet(); !chosen) return chosen.error();
 	BuildOptions attempt = options;
 	attempt.maxSpheres = std::min(kFirstSpheres, options.maxSpheres);
 	for (;;)

@@ -60,6 +60,7 @@ Result<InstructionSet> parseInstructionSet(const char* name)
 
 Result<InstructionSet> chosenInstructionSet()
 {
-	return parseInstructionSet(std::getenv("BULLETHAPTICS_ISA"));
+	const Result<InstructionSet> named = parseInstructionSet(std::getenv("BULLETHAPTICS_ISA"));
+	return named ? named : Error{"BULLETHAPTICS_ISA: " + named.error().message};
 }
 }  // namespace ist

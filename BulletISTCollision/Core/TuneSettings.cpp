@@ -113,6 +113,7 @@ private:
 
 Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError, const Progress& progress)
 {
+	if (const Result<InstructionSet> chosen = chosenInstructionSet(); !chosen) return chosen.error();
 	return Measurement(A, B, progress).all(acceptedError);
 }
 }  // namespace ist

@@ -32,6 +32,7 @@ struct TuneSettings
 };
 
 /// Asks both trees, with levels, at every level in seeded poses of `kOverlapsOfContact`; the choice by pose accepts `acceptedError`. The same for two trees,
-/// but for the times. `progress` (stage "tune") hears of each query and may be empty. Errors: no pose overlaps, a query is refused, cancelled.
+/// but for the times. `progress` (stage "tune") hears of each query and may be empty. Errors: BULLETHAPTICS_ISA names what cannot run
+/// here, no pose overlaps, a query is refused, cancelled.
 Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError, const Progress& progress = {});
 }  // namespace ist

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/InstructionSet.h"
 
+#include "BulletISTCollision/Core/ExpectedError.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/TuneSettings.h"
 #include "tests/unit/Core/RandomShapes.h"
 
 #include <gtest/gtest.h>
@@ -69,4 +72,23 @@ TEST(InstructionSet, TheEnvironmentChooses)
 	EXPECT_NE(std::string(toString(r.status)).find("BULLETHAPTICS_ISA"), std::string::npos);
 	QueryWorkspace forced({}, InstructionSet::Portable);
 	EXPECT_EQ(queryOverlap(body, body, Pose{}, forced).total.pairs, 1);
+}
+
+TEST(InstructionSet, AWrongChoiceIsNotBlamedOnTheBody)
+{
+	const Mesh box = makeBoxMesh({1, 1, 1});
+	BuildOptions options;
+	options.maxSpheres = 20;
+	const Result<InnerSphereTree> tree = buildTree(box, options);
+	ASSERT_TRUE(tree);
+	const Choice wrong("avx9000");
+	const Result<TuneSettings> tuned = measureSettings(tree.value(), tree.value(), 0.2);
+	ASSERT_FALSE(tuned);
+	const Result<InnerSphereTree> built = buildTreeToError(box, 0.5, options);
+	ASSERT_FALSE(built);
+	for (const std::string& message : {tuned.error().message, built.error().message})
+	{
+		EXPECT_NE(message.find("BULLETHAPTICS_ISA"), std::string::npos) << message;
+		EXPECT_NE(message.find("avx9000"), std::string::npos) << message;
+	}
 }
