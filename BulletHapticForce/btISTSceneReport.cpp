@@ -38,8 +38,8 @@ std::string whyStock(const Objects& pair, const btISTRegistry& registry)
 	const btCollisionShape *a = pair.first->getCollisionShape(), *b = pair.second->getCollisionShape();
 	const bool treeA = hasTree(a, registry), treeB = hasTree(b, registry);
 	if (!treeA && !treeB) return "neither shape has a tree";
-	if (treeA && treeB) return "not watched, or not looked at yet";
-	return std::string("the other shape (") + (treeA ? b : a)->getName() + ") has neither a tree nor a closed form, or the pair is not watched";
+	if (treeA && treeB) return "not watched, scaled, of skewed axes, or not looked at yet";
+	return std::string("the other shape (") + (treeA ? b : a)->getName() + ") has neither a tree nor a closed form, or the pair is not watched, of skewed axes, or began with other shapes";
 }
 
 std::string whyModel(const btISTContact& contact)

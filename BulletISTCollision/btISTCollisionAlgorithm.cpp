@@ -16,6 +16,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <typeinfo>
 #include <utility>
 
@@ -35,6 +37,12 @@ bool isSkewed(const btCollisionObjectWrapper& wrap)
 {
 	const ist::Pose X = toRigidPose(wrap.getWorldTransform());
 	return !isRigid(X) && isFinite(X.translation) && std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
+}
+
+/// Within a contact test Bullet has the children of a compound answered by those who respond, too. Games may have results of their own.
+bool isOfContactTest(const btManifoldResult& result)
+{
+	return typeid(result) != typeid(btManifoldResult) && std::strstr(typeid(result).name(), "btBridgedManifoldResult");
 }
 
 void announceProcessed(btPersistentManifold& manifold)
@@ -60,33 +68,40 @@ btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConst
 
 void btISTCollisionAlgorithm::keepShapes(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
 {
-	m_shapeA = shapeA;
-	m_shapeB = shapeB;
-	m_typeB = shapeB->getShapeType();
 	m_version = uint32_t(m_context->registry->version());
-	for (int i = 0; i < 3; ++i)
-	{
-		m_scalingA[i] = float(shapeA->getLocalScaling()[i]);
-		m_scalingB[i] = float(shapeB->getLocalScaling()[i]);
-	}
+	m_A.keep(shapeA);
+	m_B.keep(shapeB);
 	if (!m_contact) return;
 	m_contact->shapeA = shapeA;
 	m_contact->shapeB = shapeB;
 }
 
-/// Whether other shapes are there, or other trees may be. Without a registration the pair keeps what it has.
-bool btISTCollisionAlgorithm::isChanged(const btCollisionShape* shapeA, const btCollisionShape* shapeB) const
+void btISTCollisionAlgorithm::KnownShape::keep(const btCollisionShape* known)
 {
-	return shapeA != m_shapeA || shapeB != m_shapeB || shapeB->getShapeType() != m_typeB ||
-		   (m_context->active && m_version != uint32_t(m_context->registry->version()));
+	shape = known;
+	type = known->getShapeType();
+	for (int i = 0; i < 3; ++i) scaling[i] = float(known->getLocalScaling()[i]);
 }
 
-/// Of the shapes as they are. Without a tree A has none, and all is Bullet's: the manifold's order cannot change.
-void btISTCollisionAlgorithm::findTrees(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
+bool btISTCollisionAlgorithm::KnownShape::is(const btCollisionShape* other) const
 {
-	auto treeA = m_context->registry->find(shapeA), treeB = m_context->registry->find(shapeB);
-	if (treeA && !treeB && !btISTShapeField(shapeB).field()) treeA.reset();
-	if (treeA != m_treeA || treeB != m_treeB || shapeA != m_shapeA || shapeB != m_shapeB || shapeB->getShapeType() != m_typeB)
+	return isKindOf(other) && btISTRegistry::hasScaling(*other, btVector3(btScalar(scaling[0]), btScalar(scaling[1]), btScalar(scaling[2])));
+}
+
+bool btISTCollisionAlgorithm::KnownShape::isKindOf(const btCollisionShape* other) const { return other == shape && other->getShapeType() == type; }
+
+/// Looks again at what the shapes are, where they are others, or other trees may be there. Without a registration trees stay as they are for what does not change.
+void btISTCollisionAlgorithm::see(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
+{
+	// A closed form is taken at its size in every step.
+	const bool same = m_A.is(shapeA) && (m_treeA && !m_treeB ? m_B.isKindOf(shapeB) : m_B.is(shapeB));
+	if (same && (!m_context->active || m_version == uint32_t(m_context->registry->version()))) return;
+	const btISTRegistry& registry = *m_context->registry;
+	auto treeA = registry.find(shapeA), treeB = registry.find(shapeB);
+	// Without a tree of A all is Bullet's: the manifold's order cannot change.
+	const bool known = treeB || (!registry.isAttached(shapeB) && btISTShapeField(shapeB).field());
+	if (!known) treeA.reset();
+	if (!same || treeA != m_treeA || treeB != m_treeB)
 	{
 		forget();
 		destroyStock();
@@ -156,17 +171,16 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	const btCollisionObjectWrapper* wrapA = swapped ? body1Wrap : body0Wrap;
 	const btCollisionObjectWrapper* wrapB = swapped ? body0Wrap : body1Wrap;
 	const btCollisionShape *shapeA = wrapA->getCollisionShape(), *shapeB = wrapB->getCollisionShape();
-	if (isChanged(shapeA, shapeB)) findTrees(shapeA, shapeB);
+	see(shapeA, shapeB);
 	const bool was = !m_stock && m_contact && m_contact->stamp > 0;
-	if (!m_treeA || isScaled(*shapeA, *shapeB) || isSkewed(*wrapA) || isSkewed(*wrapB) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
+	if (!m_treeA || isSkewed(*wrapA) || isSkewed(*wrapB) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
 	{
 		if (!m_stock) createStock(body0Wrap, body1Wrap);
 		return m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
 	}
 	destroyStock();
 	resultOut->setPersistentManifold(m_manifold);
-	// Within a contact test Bullet has the children of a compound answered by those who respond, too.
-	if (!m_contact || typeid(*resultOut) != typeid(btManifoldResult))
+	if (!m_contact || isOfContactTest(*resultOut))
 	{
 		if (report(wrapA, wrapB, *resultOut) || !(resultOut->m_closestPointDistanceThreshold > 0)) return;
 		createStock(body0Wrap, body1Wrap);  // the bodies are apart, and how far is asked
@@ -178,7 +192,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
 	if (m_context->memories) m_context->memories->serve(*m_contact);
 	btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
-	// Those of a compound's children Bullet announces itself.
+	// Those of a compound's children Bullet announces itself, as they were a step before.
 	if (m_contact->foreseeable) announceProcessed(*m_manifold);
 }
 
@@ -192,19 +206,13 @@ bool btISTCollisionAlgorithm::report(const btCollisionObjectWrapper* wrapA, cons
 	return points.count > 0;
 }
 
-/// Whether a shape with a tree was scaled since the pair was made.
-bool btISTCollisionAlgorithm::isScaled(const btCollisionShape& shapeA, const btCollisionShape& shapeB) const
-{
-	const auto isKept = [](const btCollisionShape& shape, const float* s)
-	{ return btISTRegistry::hasScaling(shape, btVector3(btScalar(s[0]), btScalar(s[1]), btScalar(s[2]))); };
-	return !isKept(shapeA, m_scalingA) || (m_treeB && !isKept(shapeB, m_scalingB));
-}
-
 /// What was known of the contact, and its points.
 void btISTCollisionAlgorithm::forget()
 {
 	m_manifold->clearManifold();
 	if (!m_contact) return;
+	m_contact->halfSpace = false;
+	m_contact->volumeB = std::numeric_limits<double>::infinity();
 	m_contact->total = ist::OverlapIntegrals();
 	m_contact->patchCount = 0;
 	m_contact->normalImpulse = 0;
@@ -221,9 +229,8 @@ void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0W
 	forget();
 	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
 	info.m_dispatcher1 = m_dispatcher;
-	btISTCreateFunc& ours = m_context->function(!m_contact);
 	const int type0 = body0Wrap->getCollisionShape()->getShapeType(), type1 = body1Wrap->getCollisionShape()->getShapeType();
-	m_stock = ours.previous[type0][type1]->CreateCollisionAlgorithm(info, body0Wrap, body1Wrap);
+	m_stock = m_context->function(!m_contact).delegate(info, body0Wrap, body1Wrap, type0, type1);
 }
 
 void btISTCollisionAlgorithm::destroyStock()

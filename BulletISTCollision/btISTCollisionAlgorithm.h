@@ -140,13 +140,23 @@ public:
 	void getAllContactManifolds(btManifoldArray& manifoldArray) override;
 
 private:
+	/// One without a tree may be deleted, and its address be given to another.
+	struct KnownShape
+	{
+		const btCollisionShape* shape;
+		float scaling[3];
+		int type;
+
+		void keep(const btCollisionShape* known);
+		bool is(const btCollisionShape* other) const;
+		bool isKindOf(const btCollisionShape* other) const;  // whatever its scaling
+	};
+
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
 	void update(const btISTPairQuery& query, btISTContact& contact) const;
 	bool report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const;
-	bool isChanged(const btCollisionShape* shapeA, const btCollisionShape* shapeB) const;
-	void findTrees(const btCollisionShape* shapeA, const btCollisionShape* shapeB);
+	void see(const btCollisionShape* shapeA, const btCollisionShape* shapeB);
 	void keepShapes(const btCollisionShape* shapeA, const btCollisionShape* shapeB);
-	bool isScaled(const btCollisionShape& shapeA, const btCollisionShape& shapeB) const;
 	void forget();
 	void createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap);
 	void destroyStock();
@@ -156,10 +166,7 @@ private:
 	btPersistentManifold* m_manifold;
 	btISTContact* m_contact;  // null in Query mode
 	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's, while it works in place of this
-	const btCollisionShape* m_shapeA;
-	const btCollisionShape* m_shapeB;
-	float m_scalingA[3], m_scalingB[3];
-	int m_typeB;  // of shapes: one without a tree may be deleted, and its place be given to another
+	KnownShape m_A, m_B;
 	uint32_t m_version;  // of the registry
 };
-static_assert(sizeof(btISTCollisionAlgorithm) <= 136, "a pool element has 192 bytes, of which some are left to Bullet's future");
+static_assert(sizeof(btISTCollisionAlgorithm) <= 144, "a pool element has 192 bytes, of which some are left to Bullet's future");

@@ -25,10 +25,21 @@ struct btISTCreateFunc : btCollisionAlgorithmCreateFunc
 	btCollisionAlgorithmCreateFunc* previous[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
 	/// Those that stood there first. Who registered after us may delegate to us, and be delegated to since we took the tables back: then these end the round.
 	btCollisionAlgorithmCreateFunc* first[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
-	const btCollisionObjectWrapper* delegated[2] = {};  ///< what is being delegated
 
 	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
 												   const btCollisionObjectWrapper* wrap1) override;
+	/// What stood there before us makes for these types.
+	btCollisionAlgorithm* delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0, const btCollisionObjectWrapper* wrap1,
+								   int type0, int type1);
+
+private:
+	struct Delegated
+	{
+		const btCollisionObjectWrapper* wrap0 = nullptr;
+		const btCollisionObjectWrapper* wrap1 = nullptr;
+		int type0 = 0, type1 = 0;
+	};
+	Delegated m_delegated;  // what is being delegated
 };
 
 /// What algorithms need, for as long as one of them or a registration lives.

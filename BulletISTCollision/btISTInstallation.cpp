@@ -59,6 +59,8 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 																const btCollisionObjectWrapper* wrap0,
 																const btCollisionObjectWrapper* wrap1)
 {
+	if (m_delegated.wrap0 == wrap0 && m_delegated.wrap1 == wrap1)
+		return first[m_delegated.type0][m_delegated.type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
 	const btCollisionShape* shape0 = wrap0->getCollisionShape();
 	const btCollisionShape* shape1 = wrap1->getCollisionShape();
 	int type0 = shape0->getShapeType(), type1 = shape1->getShapeType();
@@ -80,11 +82,15 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 		if (treeA && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
 		if (treeB && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
 	}
-	if (delegated[0] == wrap0 && delegated[1] == wrap1) return first[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
-	const btCollisionObjectWrapper* const outer[2] = {delegated[0], delegated[1]};
-	delegated[0] = wrap0, delegated[1] = wrap1;
+	return delegate(info, wrap0, wrap1, type0, type1);
+}
+
+btCollisionAlgorithm* btISTCreateFunc::delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
+												const btCollisionObjectWrapper* wrap1, int type0, int type1)
+{
+	const Delegated outer = std::exchange(m_delegated, {wrap0, wrap1, type0, type1});
 	btCollisionAlgorithm* algorithm = previous[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
-	delegated[0] = outer[0], delegated[1] = outer[1];
+	m_delegated = outer;
 	return algorithm;
 }
 
@@ -159,9 +165,13 @@ public:
 		else cleanPairsOf(shape);
 	}
 
-	/// Those that have a contact of that shape. Pairs of another cache, as a ghost's, find out by themselves.
+	/// Those of bodies with that shape, and of compounds whose children have a contact. Pairs of another cache, as a ghost's, find out by themselves.
 	void cleanPairsOf(const btCollisionShape* shape)
 	{
+		const auto hasIt = [shape](const btBroadphaseProxy* proxy) { return static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape() == shape; };
+		btBroadphasePairArray& pairs = pairCache->getOverlappingPairArray();
+		for (int i = 0; i < pairs.size(); ++i)
+			if (hasIt(pairs[i].m_pProxy0) || hasIt(pairs[i].m_pProxy1)) pairCache->cleanOverlappingPair(pairs[i], dispatcher);
 		const std::vector<btISTContact*>& contacts = context->store.contacts();
 		for (size_t i = 0; i < contacts.size();)
 		{

@@ -188,11 +188,7 @@ void appendTouch(btISTRepresentativePoints& out, const btISTContact& contact)
 	p.stiffness = contact.constants.k * std::cbrt(contact.total.volume * contact.total.volume);
 }
 
-/// Whether Bullet's solver moves it, as it does nothing that is a ghost.
-bool isSolved(const btCollisionObject* object)
-{
-	return (object->getInternalType() & (btCollisionObject::CO_RIGID_BODY | btCollisionObject::CO_FEATHERSTONE_LINK)) != 0;
-}
+bool isGhost(const btCollisionObject* object) { return (object->getInternalType() & btCollisionObject::CO_GHOST_OBJECT) != 0; }
 
 /// Bullet's point for `p`; the positions on both bodies lie half the depth to either side.
 btManifoldPoint manifoldPoint(const btISTRepresentativePoint& p, double dissipation, const btCollisionObjectWrapper* wrapA,
@@ -201,7 +197,7 @@ btManifoldPoint manifoldPoint(const btISTRepresentativePoint& p, double dissipat
 	const btCollisionObject* a = wrapA->getCollisionObject();
 	const btCollisionObject* b = wrapB->getCollisionObject();
 	// Whoever moves a ghost, as a character's controller does, needs the whole depth.
-	const double depth = isSolved(a) && isSolved(b) ? std::min(p.depth(), kDeepestDistance) : p.depth();
+	const double depth = isGhost(a) || isGhost(b) ? p.depth() : std::min(p.depth(), kDeepestDistance);
 	const btVector3 onA = toBullet(p.position - (depth / 2) * p.normal), onB = toBullet(p.position + (depth / 2) * p.normal);
 	btManifoldPoint m(a->getWorldTransform().invXform(onA), b->getWorldTransform().invXform(onB), toBullet(p.normal), btScalar(-depth));
 	m.m_positionWorldOnA = onA;

@@ -94,18 +94,20 @@ bool SteppingThread::start()
 	catch (const std::system_error&)
 	{
 		m_running = false;
+		return false;
 	}
-	return m_running;
+	return true;  // it may have ended already
 }
 
 void SteppingThread::stop() noexcept
 {
 	m_stopping = true;
-	if (m_thread.joinable() && m_thread.get_id() != std::this_thread::get_id()) m_thread.join();
+	if (m_loopThread.load() != std::this_thread::get_id() && m_thread.joinable()) m_thread.join();
 }
 
 void SteppingThread::loop() noexcept
 {
+	m_loopThread = std::this_thread::get_id();
 	askForRealTime();
 	askForMemory();
 	while (!m_stopping.load(std::memory_order_acquire))
@@ -114,6 +116,7 @@ void SteppingThread::loop() noexcept
 		tick();
 	}
 	sendZero(FaultCause::None, m_time.now());
+	m_loopThread = std::thread::id();
 	m_running.store(false, std::memory_order_release);
 }
 
@@ -175,7 +178,6 @@ void SteppingThread::tick() noexcept
 	{
 		const std::int64_t computedAt = fresh ? computeWrench() : now;
 		if (!fresh && m_hasState) advanceWorld();
-		if (fresh) m_lastSampleTick = m_lastTick;
 		if (fresh) send(computedAt);
 		else sendZero(m_watchCause, now);
 	}
@@ -240,6 +242,7 @@ void SteppingThread::advanceWorld()
 	DeviceState hand = m_state;
 	// While the device gives no sample, and while the thread is stopped, the hand goes on as well.
 	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
+	if (m_watchCause == FaultCause::None) m_lastSampleTick = m_lastTick;
 	m_source.advance(period, hand, m_step);
 	m_step.contactCount = std::clamp(m_step.contactCount, 0, kMaxToolContacts);
 	for (int i = 0; i < m_step.contactCount; ++i) onCollision.broadcast(m_step.contacts[i]);

@@ -157,6 +157,7 @@ private:
 	bool m_hasState = false, m_outage = false;
 
 	std::thread m_thread;
+	std::atomic<std::thread::id> m_loopThread{};
 	std::atomic<bool> m_running{false}, m_stopping{false};
 	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0}, m_faults{0};
 	std::atomic<FaultCause> m_cause{FaultCause::None};

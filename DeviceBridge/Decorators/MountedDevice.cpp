@@ -2,6 +2,7 @@
 #include "DeviceBridge/Decorators/MountedDevice.h"
 
 #include <cmath>
+#include <new>
 
 namespace devicebridge
 {
@@ -21,11 +22,21 @@ void MountedDevice::scaleInfo()
 	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping}) *gain /= m_scale * m_scale;
 }
 
-// Some drivers know what they have only once it is open.
+// Some drivers know what they have only once it is open; what the first time has told stays, for others may read it.
 DeviceStatus MountedDevice::open() noexcept
 {
 	const DeviceStatus status = m_inner->open();
-	if (status == DeviceStatus::Ok) scaleInfo();
+	if (status != DeviceStatus::Ok || m_wasOpen) return status;
+	try
+	{
+		scaleInfo();
+		m_wasOpen = true;
+	}
+	catch (const std::bad_alloc&)
+	{
+		m_inner->close();
+		return DeviceStatus::Refused;
+	}
 	return status;
 }
 

@@ -27,5 +27,6 @@ private:
 	DeviceInfo m_info;
 	ist::Pose m_X_WD;
 	double m_scale;
+	bool m_wasOpen = false;
 };
 }  // namespace devicebridge

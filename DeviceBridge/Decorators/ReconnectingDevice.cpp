@@ -67,7 +67,10 @@ DeviceStatus ReconnectingDevice::reopen()
 		m_complaint = std::move(said);
 	}
 	m_inner->close();
-	return m_inner->open();
+	const DeviceStatus status = m_inner->open();
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	if (status == DeviceStatus::Ok) m_complaint.clear();
+	return status;
 }
 
 void ReconnectingDevice::endThread() noexcept
@@ -109,7 +112,7 @@ bool ReconnectingDevice::readHand(HandState& hand) noexcept
 std::string ReconnectingDevice::complaint() const
 {
 	const std::unique_lock<std::mutex> opening(m_opening, std::try_to_lock);
-	if (opening) return m_inner->complaint();
+	if (opening) return m_inner->complaint();  // nobody else asks, and it is not being opened
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	return m_complaint;
 }

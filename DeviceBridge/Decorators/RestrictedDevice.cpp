@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Decorators/RestrictedDevice.h"
 
+#include <new>
+
 namespace devicebridge
 {
 RestrictedDevice::RestrictedDevice(std::unique_ptr<Device> inner, unsigned sensed, unsigned actuated)
@@ -19,11 +21,21 @@ void RestrictedDevice::restrictInfo()
 	m_info.peakTorque = m_info.continuousTorque = m_info.maxAngularStiffness = m_info.maxAngularDamping = 0;
 }
 
-// Some drivers know what they have only once it is open.
+// Some drivers know what they have only once it is open; what the first time has told stays, for others may read it.
 DeviceStatus RestrictedDevice::open() noexcept
 {
 	const DeviceStatus status = m_inner->open();
-	if (status == DeviceStatus::Ok) restrictInfo();
+	if (status != DeviceStatus::Ok || m_wasOpen) return status;
+	try
+	{
+		restrictInfo();
+		m_wasOpen = true;
+	}
+	catch (const std::bad_alloc&)
+	{
+		m_inner->close();
+		return DeviceStatus::Refused;
+	}
 	return status;
 }
 

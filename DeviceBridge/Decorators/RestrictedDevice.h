@@ -26,5 +26,6 @@ private:
 
 	unsigned m_sensed, m_actuated;
 	DeviceInfo m_info;
+	bool m_wasOpen = false;
 };
 }  // namespace devicebridge

@@ -143,7 +143,14 @@ TEST(GameHabits, ContactTestsSeeTheChildrenOfCompoundsAndLeaveNoTrace)
 		compound.addChildShape(at(0, 0, 0), &game.cubeShape);
 		btRigidBody& a = game.add(compound, 1, at(0, 0, 0));
 		btRigidBody& b = game.cube(0.9);
+		game.run(2);
+		a.setWorldTransform(at(0, 0, 0));
+		b.setWorldTransform(at(0, 0.9, 0));
 		const CountedEvents events;
+		const size_t contacts = game.ist.contacts().contacts().size();
+		const double volume = contacts > 0 ? game.ist.contacts().contacts()[0]->total.volume : 0;
+		const std::uint64_t asked = game.ist.contacts().cost().asked;
+		EXPECT_EQ(volume > 0, trees);
 		for (int i = 0; i < 3; ++i)
 		{
 			Hits pair, any;
@@ -155,7 +162,9 @@ TEST(GameHabits, ContactTestsSeeTheChildrenOfCompoundsAndLeaveNoTrace)
 		}
 		EXPECT_EQ(started, 0);
 		EXPECT_EQ(ended, 0);
-		EXPECT_EQ(game.ist.contacts().contacts().size(), 0U);
+		ASSERT_EQ(game.ist.contacts().contacts().size(), contacts);
+		EXPECT_EQ(contacts > 0 ? game.ist.contacts().contacts()[0]->total.volume : 0, volume);
+		EXPECT_EQ(game.ist.contacts().cost().asked, asked);
 	}
 }
 
@@ -177,9 +186,10 @@ TEST(GameHabits, ContactTestsTellTheDistanceThatTheyAreAskedFor)
 
 TEST(GameHabits, BodiesMayGetOtherShapes)
 {
-	const auto settled = [](bool trees, auto change)
+	const auto settled = [](bool trees, auto change, bool shared = false)
 	{
 		Game game(trees);
+		EXPECT_FALSE(shared && (game.ist.setQueryThreads(2) || game.ist.setPairMemory(4) || game.ist.setEconomy({true, 0.05})));
 		game.ground();
 		btRigidBody& body = game.cube();
 		game.run(60);
@@ -194,10 +204,15 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 	// In Bullet alone only between shapes of one type.
 	for (const bool trees : {false, true})
 		EXPECT_NEAR(settled(trees, [&](Game&, btRigidBody& b) { b.setCollisionShape(&flat); }), 0.1, 0.04) << trees << ": the cube flat";
-	EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&wide); }), 0.5, 0.06) << "the ground a hull";
-	EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.attachment.detach(); }), 0.1, 0.04) << "flat, and no tree any more";
-	EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.run(30), b.setCollisionShape(&g.cubeShape); }), 0.5, 0.04) << "and back";
-	EXPECT_NEAR(settled(true, [&](Game&, btRigidBody& b) { b.setCollisionShape(&ball); }), 0.3, 0.04) << "a ball";
+	btStaticPlaneShape plane(btVector3(0, 1, 0), btScalar(0.5));
+	for (const bool shared : {false, true})
+	{
+		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&wide); }, shared), 0.5, 0.06) << "the ground a hull";
+		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&plane); }, shared), 0.5, 0.04) << "and a plane";
+		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.attachment.detach(); }, shared), 0.1, 0.04) << "no tree any more";
+		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.run(30), b.setCollisionShape(&g.cubeShape); }, shared), 0.5, 0.04) << "back";
+		EXPECT_NEAR(settled(true, [&](Game&, btRigidBody& b) { b.setCollisionShape(&ball); }, shared), 0.3, 0.04) << "a ball";
+	}
 	// Back on its tree, and no longer on Bullet's box.
 	Game game(true);
 	game.ground();
@@ -210,6 +225,86 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 	body.setCollisionShape(&game.cubeShape);
 	game.run(30);
 	EXPECT_GT(game.ist.contacts().contacts().at(0)->total.volume, 0);
+}
+
+// A plane takes all the weight; another tree in its place must not.
+TEST(GameHabits, APlaneMayBecomeABodyWithATree)
+{
+	double weight[2];
+	bool halfSpace[2];
+	for (const bool wasPlane : {false, true})
+	{
+		Game game(true);
+		btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+		btRigidBody& below = game.add(wasPlane ? static_cast<btCollisionShape&>(plane) : game.cubeShape, 0, at(0, 0, 0));
+		btRigidBody& above = game.cube(wasPlane ? 0.5 : 0.95);
+		game.run(5);
+		below.setCollisionShape(&game.cubeShape);
+		above.setWorldTransform(at(0, 0.95, 0));
+		above.setLinearVelocity(btVector3(0, 0, 0));
+		game.run(1);
+		const btISTContact& contact = *game.ist.contacts().contacts().at(0);
+		ASSERT_TRUE(contact.treeB);
+		weight[wasPlane] = contact.constants.weightA;
+		halfSpace[wasPlane] = contact.halfSpace;
+	}
+	EXPECT_EQ(weight[0], weight[1]);
+	EXPECT_FALSE(halfSpace[0] || halfSpace[1]);
+}
+
+TEST(GameHabits, AScaledBodyIsVolumetricAgainAtItsSizeWhateverElseIsAttachedMeanwhile)
+{
+	Game game(true);
+	game.ground();
+	game.cube();
+	btBoxShape other(btVector3(0.5, 0.5, 0.5));
+	game.run(10);
+	EXPECT_GT(game.ist.contacts().contacts().at(0)->total.volume, 0);
+	game.cubeShape.setLocalScaling(btVector3(1, 2, 1));
+	game.run(2);
+	const auto attachment = game.ist.attach(&other, cubeTree());
+	game.run(2);
+	EXPECT_EQ(game.ist.contacts().contacts().at(0)->total.volume, 0);
+	game.cubeShape.setLocalScaling(btVector3(1, 1, 1));
+	game.bodies[1]->setWorldTransform(at(0, 0.48, 0));
+	game.run(1);
+	EXPECT_GT(game.ist.contacts().contacts().at(0)->total.volume, 0);
+}
+
+namespace
+{
+struct OwnResult : btManifoldResult
+{
+	using btManifoldResult::btManifoldResult;
+	void addContactPoint(const btVector3& normal, const btVector3& point, btScalar depth) override { btManifoldResult::addContactPoint(normal, point, depth); }
+};
+
+/// As Bullet's, with a result of the game's.
+void ownNearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info)
+{
+	auto* a = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
+	auto* b = static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
+	const btCollisionObjectWrapper wrapA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1), wrapB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
+	if (!pair.m_algorithm) pair.m_algorithm = dispatcher.findAlgorithm(&wrapA, &wrapB, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+	OwnResult result(&wrapA, &wrapB);
+	pair.m_algorithm->processCollision(&wrapA, &wrapB, info, &result);
+}
+}  // namespace
+
+TEST(GameHabits, ANearCallbackMayHaveAResultOfItsOwn)
+{
+	double height[2];
+	for (const bool own : {false, true})
+	{
+		Game game(true);
+		if (own) game.dispatcher.setNearCallback(ownNearCallback);
+		game.ground();
+		const btRigidBody& cube = game.cube();
+		game.run(60);
+		height[own] = heightOf(cube);
+	}
+	EXPECT_LT(height[0], 0.49);
+	EXPECT_EQ(height[0], height[1]);
 }
 
 TEST(GameHabits, EachContactPointIsAnnouncedInEachStep)

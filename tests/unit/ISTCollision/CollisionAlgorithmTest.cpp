@@ -272,6 +272,37 @@ TEST(btISTCollisionAlgorithm, TwoThatDelegateToEachOtherComeToAnEnd)
 	d.freeCollisionAlgorithm(algorithm);
 }
 
+// Ours has another make its stock algorithm, who asks us.
+TEST(btISTCollisionAlgorithm, AnUnwatchedPairIsBulletsThoughSomeoneDelegatesToUs)
+{
+	btBoxShape box(btVector3(.5, .5, .5));
+	Delegating other;
+	constexpr int kBox = BOX_SHAPE_PROXYTYPE;
+	btDefaultCollisionConfiguration configuration;
+	Peek<btCollisionDispatcher> d(&configuration);
+	auto second = btISTCollisionAlgorithm::registerAlgorithm(&d);
+	const auto keepHere = attach(second, box);
+	other.found = d.contacts(kBox, kBox);
+	d.registerCollisionCreateFunc(kBox, kBox, &other);
+	second.reinstall();
+	btCollisionObject a, b, c;
+	for (btCollisionObject* object : {&a, &b, &c}) object->setCollisionShape(&box);
+	second.watch().watchPair(&a, &c);
+	b.setWorldTransform(at(0, .9, 0));
+	const btCollisionObjectWrapper wrapA(nullptr, &box, &a, a.getWorldTransform(), -1, -1), wrapB(nullptr, &box, &b, b.getWorldTransform(), -1, -1);
+	btCollisionAlgorithm* algorithm = d.findAlgorithm(&wrapA, &wrapB, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+	btManifoldResult result(&wrapA, &wrapB);
+	algorithm->processCollision(&wrapA, &wrapB, btDispatcherInfo(), &result);
+	EXPECT_EQ(other.calls, 1);
+	btManifoldArray manifolds;
+	algorithm->getAllContactManifolds(manifolds);
+	int points = 0;
+	for (int i = 0; i < manifolds.size(); ++i) points += manifolds[i]->getNumContacts();
+	EXPECT_GT(points, 0);
+	algorithm->~btCollisionAlgorithm();
+	d.freeCollisionAlgorithm(algorithm);
+}
+
 TEST(btISTCollisionAlgorithm, NoticesThatSomeoneRegisteredAfterIt)
 {
 	TestWorld w;
