@@ -62,6 +62,7 @@ BulletWorldCoupling::~BulletWorldCoupling() = default;
 
 void BulletWorldCoupling::add(BulletDecoupledSource& hand)
 {
+	hand.mirror().leaveAll();
 	Hand added;
 	added.source = &hand;
 	added.finder = std::make_unique<BulletToolContacts>(*hand.toolTree(), hand.settings().maxPairs);
@@ -70,7 +71,11 @@ void BulletWorldCoupling::add(BulletDecoupledSource& hand)
 
 void BulletWorldCoupling::remove(BulletDecoupledSource& hand)
 {
-	m_hands.erase(std::remove_if(m_hands.begin(), m_hands.end(), [&](const Hand& h) { return h.source == &hand; }), m_hands.end());
+	const auto found = std::find_if(m_hands.begin(), m_hands.end(), [&](const Hand& h) { return h.source == &hand; });
+	if (found == m_hands.end()) return;
+	m_hands.erase(found);
+	hand.serveContacts();  // a question that is out points to trees
+	hand.mirror().clear();
 }
 
 void BulletWorldCoupling::forget(const btCollisionObject* body)
@@ -194,7 +199,7 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 	const double reach = radius + kReach + kHandSpeed * m_seconds;
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 	{
-		if (mirror.releaseIfDone(slot)) hand.bodies[slot] = nullptr, hand.trees[slot] = nullptr;
+		if (mirror.releaseIfDone(slot)) hand.bodies[slot] = nullptr;
 		if (!hand.bodies[slot]) continue;
 		btVector3 low, high;
 		hand.bodies[slot]->getCollisionShape()->getAabb(hand.bodies[slot]->getWorldTransform(), low, high);
@@ -228,21 +233,19 @@ void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist
 	if (distanceToBox(center, low, high) > reach || hand.source->mirror().find(&object) >= 0) return;
 	auto tree = m_registration.registry().find(shape);
 	if (!tree && shape->getShapeType() != STATIC_PLANE_PROXYTYPE) return;
-	const int slot = hand.source->mirror().admit(&object);
+	const int slot = hand.source->mirror().admit(&object, std::move(tree));
 	if (slot < 0)
 	{
 		++m_crowded;
 		return;
 	}
 	hand.bodies[slot] = &object;
-	hand.trees[slot] = std::move(tree);
 }
 
 void BulletWorldCoupling::describe(Hand& hand, int slot)
 {
 	MirroredBody& out = hand.source->mirror().body(slot);
 	const btRigidBody& body = *btRigidBody::upcast(hand.bodies[slot]);
-	out.tree = hand.trees[slot].get();
 	out.X_WB = toPose(body.getWorldTransform());
 	out.X_WB.rotation = rotationMatrix(quaternion(out.X_WB.rotation));
 	out.twist = {toVec3(body.getLinearVelocity()), toVec3(body.getAngularVelocity())};
@@ -265,7 +268,7 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 	btRigidBody& tool = hand.source->tool();
 	btISTContact pair;
 	pair.treeA = hand.source->toolTree();
-	pair.treeB = hand.trees[slot];
+	pair.treeB = hand.source->mirror().tree(slot);
 	pair.halfSpace = !pair.treeB;
 	const btISTPairConstants constants = m_rule.decide(pair, &tool, &body);
 	out.k = constants.k;

@@ -28,9 +28,10 @@ public:
 	BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule);
 	~BulletWorldCoupling();
 
-	/// Between steps. A hand that was added outlives this or is removed, and its threads are stopped before either: they use the trees
-	/// that are kept here.
+	/// Between steps. A hand that was added lives as long as this takes steps, or is removed first. One that was in another coupling lets go of the
+	/// bodies of that.
 	void add(BulletDecoupledSource& hand);
+	/// While the hand's threads are stopped. It holds no body and no tree any more; what it gave and no step has taken is lost.
 	void remove(BulletDecoupledSource& hand);
 	/// Before a body is removed from the world: what hands gave it and it has not got yet is lost.
 	void forget(const btCollisionObject* body);
@@ -55,7 +56,6 @@ private:
 		BulletDecoupledSource* source;
 		std::unique_ptr<BulletToolContacts> finder;
 		btCollisionObject* bodies[kMirroredBodies] = {};
-		std::shared_ptr<const ist::InnerSphereTree> trees[kMirroredBodies];
 		ist::Vec3 applied;
 		std::uint64_t tick = 0;
 		bool moving = false;  ///< it has posted since the last step

@@ -2,6 +2,7 @@
 #include "DeviceBridge/WorldMirror.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace devicebridge
 {
@@ -33,7 +34,7 @@ int WorldMirror::find(const void* id) const noexcept
 	return -1;
 }
 
-int WorldMirror::admit(const void* id) noexcept
+int WorldMirror::admit(const void* id, std::shared_ptr<const ist::InnerSphereTree> tree) noexcept
 {
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 	{
@@ -41,6 +42,8 @@ int WorldMirror::admit(const void* id) noexcept
 		m_bodies[slot] = {};
 		m_bodies[slot].epoch = ++m_epochs;
 		m_bodies[slot].id = id;
+		m_bodies[slot].tree = tree.get();
+		m_trees[slot] = std::move(tree);
 		return slot;
 	}
 	return -1;
@@ -50,8 +53,22 @@ bool WorldMirror::releaseIfDone(int slot) noexcept
 {
 	MirroredBody& body = m_bodies[slot];
 	const bool done = body.leaving && body.seen.epoch == body.epoch && body.seen.released;
-	if (done) body = {};
+	if (done) body = {}, m_trees[slot] = nullptr;
 	return done;
+}
+
+void WorldMirror::leaveAll() noexcept
+{
+	for (MirroredBody& body : m_bodies)
+		if (body.epoch != 0) body.leaving = true, body.id = nullptr;
+}
+
+void WorldMirror::clear() noexcept
+{
+	std::fill(m_bodies, m_bodies + kMirroredBodies, MirroredBody());
+	writable().contactCount = writable().toolContactCount = 0;
+	publish(writable().period);
+	std::fill(m_trees, m_trees + kMirroredBodies, nullptr);
 }
 
 void WorldMirror::publish(double period) noexcept

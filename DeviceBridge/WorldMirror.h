@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 #include "DeviceBridge/ContactSource.h"
@@ -89,12 +90,17 @@ public:
 	const Taken& taken(int slot) const noexcept { return m_taken[slot]; }
 	/// The slot of `id`, or -1.
 	int find(const void* id) const noexcept;
-	/// A slot for a new tenant, or -1 when all are taken.
-	int admit(const void* id) noexcept;
+	/// A slot for a new tenant, or -1 when all are taken. The tree is kept until the tenant is released, whoever else lets go of it.
+	int admit(const void* id, std::shared_ptr<const ist::InnerSphereTree> tree = nullptr) noexcept;
+	const std::shared_ptr<const ist::InnerSphereTree>& tree(int slot) const noexcept { return m_trees[slot]; }
 	void leave(int slot) noexcept { m_bodies[slot].leaving = true; }
 	/// Empties the slots whose tenants were released; true for those.
 	bool releaseIfDone(int slot) noexcept;
-	/// To be filled before publish(); epoch, leaving, id and seen are the mirror's.
+	/// Every tenant leaves, its id forgotten: who admitted them is not there any more.
+	void leaveAll() noexcept;
+	/// While the hand's threads are stopped: no tenants, no contacts, no trees, and so it is published.
+	void clear() noexcept;
+	/// To be filled before publish(); epoch, leaving, id, tree and seen are the mirror's.
 	MirroredBody& body(int slot) noexcept { return m_bodies[slot]; }
 	/// For contacts, to be filled before publish(). Holds an older snapshot.
 	WorldSnapshot& writable() noexcept { return m_snapshots.writable(); }
@@ -111,6 +117,7 @@ private:
 	TripleBuffer<WorldSnapshot> m_snapshots;
 	TripleBuffer<HandPost> m_posts;
 	MirroredBody m_bodies[kMirroredBodies];
+	std::shared_ptr<const ist::InnerSphereTree> m_trees[kMirroredBodies];
 	Taken m_taken[kMirroredBodies];
 	std::uint64_t m_epochs = 0, m_steps = 0;
 };

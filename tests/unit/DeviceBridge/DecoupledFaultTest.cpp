@@ -212,6 +212,73 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayIsForgotten)
 	EXPECT_GT(r.force(), 1.5);
 }
 
+TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)
+{
+	for (const ContactTopology topology : kTopologies)
+	{
+		PressedRig r(60, topology);
+		r.run(1500);
+		const double pressing = r.force();
+		ASSERT_GT(pressing, 1.5) << nameOf(topology);
+		r.rig.coupling.remove(r.source);
+		for (int i = 0; i < 300; ++i)
+		{
+			r.run(1);
+			ASSERT_EQ(r.thread.step().contactCount, 0) << nameOf(topology) << ", tick " << i;
+		}
+		r.rig.coupling.add(r.source);
+		r.run(2000);
+		EXPECT_NEAR(r.force(), pressing, 0.15 * pressing) << nameOf(topology);
+		// What the table carries beyond the weight is what the hand presses with.
+		const Vec3 before = r.rig.coupling.appliedImpulse(r.source);
+		r.run(1000);
+		EXPECT_NEAR(before.y - r.rig.coupling.appliedImpulse(r.source).y, pressing, 0.2 * pressing) << nameOf(topology);
+	}
+}
+
+TEST(DecoupledFault, ATreeGoesWithTheHandThatIsRemoved)
+{
+	for (const ContactTopology topology : kTopologies)
+		for (const bool destroyed : {false, true})
+		{
+			PressedRig r(60, topology);
+			btBoxShape shape(r.rig.boxShape);
+			std::shared_ptr<const ist::InnerSphereTree> tree(new ist::InnerSphereTree(*boxTree()));  // in memory of its own, which goes with it
+			const std::weak_ptr<const ist::InnerSphereTree> kept = tree;
+			auto attached = std::move(r.rig.world.attach(&shape, std::move(tree))).value();
+			r.box->setCollisionShape(&shape);
+			r.rig.coupling.remove(r.source);
+			auto coupling = std::make_unique<BulletWorldCoupling>(r.rig.world);
+			coupling->add(r.source);
+			coupling->show(r.rig.period);
+			const auto run = [&](int ticks)
+			{
+				for (int i = 0; i < ticks; ++i)
+				{
+					if (coupling && i % 10 == 0) coupling->step(0.01);
+					r.thread.run(1);
+					if (i + 1 < ticks) r.source.serveContacts();  // the last question stays open
+				}
+			};
+			run(1500);
+			ASSERT_GT(r.force(), 1.5) << nameOf(topology);
+			if (destroyed) coupling = nullptr;
+			else coupling->remove(r.source);
+			r.box->setCollisionShape(&r.rig.boxShape);
+			attached.detach();
+			EXPECT_EQ(kept.expired(), !destroyed) << nameOf(topology);
+			r.source.serveContacts();
+			run(100);
+			EXPECT_EQ(r.force(), 0) << nameOf(topology) << destroyed;
+			// Of the next world, too, only what that shows is felt.
+			r.rig.coupling.add(r.source);
+			r.rig.worldSteps = static_cast<std::int64_t>(r.rig.time() / r.rig.period);
+			r.run(2000);
+			EXPECT_TRUE(kept.expired()) << nameOf(topology);
+			EXPECT_GT(r.force(), 1.5) << nameOf(topology);
+		}
+}
+
 TEST(DecoupledFault, ABodyThatIsNotFiniteIsLetGo)
 {
 	for (const bool velocity : {true, false})

@@ -176,6 +176,36 @@ TEST(WorldMirror, ManyTenantsAreRefusedWhenAllSlotsAreTaken)
 	EXPECT_EQ(mirror->admit(&bodies[kMirroredBodies]), -1);
 }
 
+TEST(WorldMirror, WhatIsClearedIsEmptyAndTheNextTenantIsAnother)
+{
+	auto mirror = std::make_unique<WorldMirror>();
+	GivingHand hand(*mirror);
+	TakingWorld world(*mirror);
+	auto tree = std::make_shared<const ist::InnerSphereTree>();
+	const std::weak_ptr<const ist::InnerSphereTree> kept = tree;
+	int body = 0;
+	const int slot = mirror->admit(&body, std::move(tree));
+	mirror->writable().contactCount = mirror->writable().toolContactCount = 3;
+	world.step(0.01);
+	mirror->writable().contactCount = mirror->writable().toolContactCount = 3;
+	hand.tick(1);
+	const std::uint64_t epoch = mirror->snapshot().bodies[slot].epoch;
+	mirror->clear();
+	EXPECT_TRUE(kept.expired());
+	EXPECT_EQ(mirror->find(&body), -1);
+	hand.tick(1);
+	EXPECT_EQ(hand.given[slot], 1);
+	EXPECT_EQ(mirror->snapshot().contactCount + mirror->snapshot().toolContactCount, 0);
+	for (const MirroredBody& seen : mirror->snapshot().bodies) EXPECT_TRUE(seen.epoch == 0 && !seen.tree);
+	EXPECT_EQ(mirror->admit(&body), slot);
+	world.step(0.01);
+	EXPECT_EQ(world.taken[slot], 0);  // what the former tenant was given is not the next one's
+	hand.tick(2);
+	EXPECT_GT(mirror->snapshot().bodies[slot].epoch, epoch);
+	world.step(0.01);
+	EXPECT_EQ(world.taken[slot], 2);
+}
+
 // Both threads at their own pace, tenants that come and go, no lock, no allocation; in the end the books agree to the last bit.
 TEST(WorldMirror, NothingIsLostBetweenTwoThreads)
 {
