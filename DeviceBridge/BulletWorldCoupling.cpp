@@ -88,6 +88,7 @@ void BulletWorldCoupling::forget(const btCollisionObject* body)
 			hand.source->mirror().body(slot).id = nullptr;
 			hand.source->mirror().leave(slot);
 		}
+	m_pushed.erase(std::remove_if(m_pushed.begin(), m_pushed.end(), [&](const Pushed& p) { return p.body == body; }), m_pushed.end());
 }
 
 void BulletWorldCoupling::step(double seconds)

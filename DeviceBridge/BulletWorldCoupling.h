@@ -33,7 +33,7 @@ public:
 	void add(BulletDecoupledSource& hand);
 	/// While the hand's threads are stopped. It holds no body and no tree any more; what it gave and no step has taken is lost.
 	void remove(BulletDecoupledSource& hand);
-	/// Before a body is removed from the world: what hands gave it and it has not got yet is lost.
+	/// Before a body is removed from the world, at any time, in a callback of a step too: what hands gave it and it has not got yet is lost.
 	void forget(const btCollisionObject* body);
 
 	/// What the game calls. `seconds`: what Bullet will simulate until afterStep(), in one step or several.

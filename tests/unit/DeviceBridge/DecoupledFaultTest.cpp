@@ -212,6 +212,26 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayIsForgotten)
 	EXPECT_GT(r.force(), 1.5);
 }
 
+TEST(DecoupledFault, ABodyThatIsTakenAwayWithinAStepIsNotTouchedAfterIt)
+{
+	PressedRig r(60);
+	r.run(1500);
+	ASSERT_GT(r.force(), 1.5);
+	r.rig.coupling.beforeStep(r.rig.period);
+	r.rig.world.bullet().stepSimulation(btScalar(r.rig.period), 0);
+	r.rig.coupling.forget(r.box);
+	r.rig.world.bullet().removeRigidBody(r.box);
+	// It would be put back by the way of this velocity.
+	r.box->setLinearVelocity(btVector3(0, -1, 0));
+	const btVector3 left = r.box->getWorldTransform().getOrigin();
+	r.rig.coupling.afterStep();
+	EXPECT_EQ(r.box->getWorldTransform().getOrigin(), left);
+	r.box->setLinearVelocity(btVector3(0, 0, 0));
+	r.rig.world.bullet().addRigidBody(r.box);
+	r.run(1500);
+	EXPECT_GT(r.force(), 1.5);
+}
+
 TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)
 {
 	for (const ContactTopology topology : kTopologies)
