@@ -9,6 +9,7 @@
 #include "LinearMath/btMotionState.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace devicebridge
 {
@@ -94,14 +95,21 @@ void BulletWorldCoupling::forget(const btCollisionObject* body)
 void BulletWorldCoupling::step(double seconds)
 {
 	beforeStep(seconds);
-	m_world.stepSimulation(btScalar(seconds), 0);
+	if (m_seconds > 0) m_world.stepSimulation(btScalar(seconds), 0);
 	afterStep();
+}
+
+/// Forces are impulses over seconds. False, and no step begun, where there are none.
+bool BulletWorldCoupling::begin(double seconds)
+{
+	m_pushed.clear();
+	m_seconds = seconds > 0 && std::isfinite(seconds) ? seconds : 0;
+	return m_seconds > 0;
 }
 
 void BulletWorldCoupling::show(double seconds)
 {
-	m_seconds = seconds;
-	m_pushed.clear();
+	if (!begin(seconds)) return;
 	for (Hand& hand : m_hands)
 	{
 		hand.source->mirror().collect();
@@ -113,8 +121,7 @@ void BulletWorldCoupling::show(double seconds)
 
 void BulletWorldCoupling::beforeStep(double seconds)
 {
-	m_seconds = seconds;
-	m_pushed.clear();
+	if (!begin(seconds)) return;
 	for (Hand& hand : m_hands)
 	{
 		WorldMirror& mirror = hand.source->mirror();
@@ -167,7 +174,10 @@ void BulletWorldCoupling::putBack()
 	}
 }
 
-void BulletWorldCoupling::afterStep() { publish(m_registration.store().step() - 1); }
+void BulletWorldCoupling::afterStep()
+{
+	if (m_seconds > 0) publish(m_registration.store().step() - 1);
+}
 
 /// `stamp`: of the contacts that belong to the world as it is.
 void BulletWorldCoupling::publish(std::uint64_t stamp)

@@ -36,12 +36,14 @@ public:
 	/// Before a body is removed from the world, at any time, in a callback of a step too: what hands gave it and it has not got yet is lost.
 	void forget(const btCollisionObject* body);
 
-	/// What the game calls. `seconds`: what Bullet will simulate until afterStep(), in one step or several.
+	/// What the game calls. `seconds`: what Bullet will simulate until afterStep(), in one step or several: of a world with a fixed step not the
+	/// length of the frame, but that of the steps in it, 0 in a frame without one. Unless it is above 0, neither of the two does anything, and
+	/// what hands give waits for the next step. A game that is paused fades out of its hands as a world that stalls does.
 	void beforeStep(double seconds);
 	void afterStep();
-	/// All three: one step of so many seconds.
+	/// All three: one step of so many seconds; none unless that is above 0.
 	void step(double seconds);
-	/// Shows the hands the world as it is, before the first step, which will come in so many seconds. Otherwise a body that lies on a
+	/// Shows the hands the world as it is, before the first step, which will come in so many seconds (above 0). Otherwise a body that lies on a
 	/// tool falls until the first step is done.
 	void show(double seconds);
 
@@ -68,6 +70,7 @@ private:
 		double share = 0;  ///< times the length of the impulse
 	};
 
+	bool begin(double seconds);
 	void push(Hand& hand, int slot);
 	void publish(std::uint64_t stamp);
 	void putBack();
@@ -85,7 +88,7 @@ private:
 	const btISTPairRule& m_rule;
 	std::vector<Hand> m_hands;
 	std::vector<Pushed> m_pushed;
-	double m_seconds = 0;
+	double m_seconds = 0;  ///< of the step that has begun; 0: none
 	std::uint64_t m_crowded = 0;
 };
 }  // namespace devicebridge

@@ -320,6 +320,39 @@ TEST(BulletDecoupled, ABodyThatIsThrownAtTheToolBringsNoEnergyBack)
 		});
 }
 
+// Frames in which nothing is simulated, between the steps: the body has what the hand gave, all of it and nothing else.
+TEST(BulletDecoupled, FramesOfNoLengthNeitherPushNorLoseImpulses)
+{
+	for (const double none : {0.0, -0.01, std::nan(""), HUGE_VAL})
+		for (const bool whole : {false, true})
+		{
+			DecoupledRig rig(60);
+			btRigidBody* box = rig.addBox(0.3, {0.0405, 0, 0});
+			Hand& hand = rig.addHand({});
+			hand.script = [](double t) { return ist::Twist{{t > 0.1 ? std::min(0.4, t - 0.1) : 0, 0, 0}, {}}; };
+			const auto frame = [&]
+			{
+				if (whole) return rig.coupling.step(none);
+				rig.coupling.beforeStep(none);
+				rig.world.bullet().stepSimulation(0, 0);
+				rig.coupling.afterStep();
+			};
+			rig.coupling.show(none);
+			EXPECT_FALSE(hand.source.mirror().fetch());
+			rig.afterTick = [&]
+			{
+				if (rig.ticks % 3 == 0) frame();
+			};
+			rig.run(0.6);
+			rig.stepWorld();
+			const Vec3 given = -hand.source.receivedImpulse(), momentum = 0.3 * vec3(box->getLinearVelocity());
+			EXPECT_GT(given.x, 0.05) << none;
+			EXPECT_LT(norm(momentum - given), 1e-5) << none;
+			EXPECT_LT(norm(rig.coupling.appliedImpulse(hand.source) - given), 1e-12) << none;
+			EXPECT_EQ(hand.source.statistics().worldSteps, static_cast<std::uint64_t>(rig.worldSteps)) << none;  // the first was shown, the last not seen
+		}
+}
+
 // A sleeping body has no fresh contacts; what carries it is known all the same, and a push wakes it.
 TEST(BulletDecoupled, ASleepingBodyIsFeltAndWakes)
 {
