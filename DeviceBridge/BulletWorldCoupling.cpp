@@ -215,11 +215,21 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 		btVector3 low, high;
 		hand.bodies[slot]->getCollisionShape()->getAabb(hand.bodies[slot]->getWorldTransform(), low, high);
 		const bool near = distanceToBox(center, low, high) <= kLeaveAt * reach;
-		if (!near || !watches(hand, *hand.bodies[slot], true) || !isFiniteBody(*hand.bodies[slot])) mirror.leave(slot);
+		const bool stays = near && isAsAdmitted(hand, slot) && watches(hand, *hand.bodies[slot], true) && isFiniteBody(*hand.bodies[slot]);
+		if (!stays) mirror.leave(slot);
 	}
 	if (!hand.moving) return;
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
 	for (int i = 0; i < objects.size(); ++i) admit(hand, *objects[i], center, reach);
+}
+
+/// Whether a tenant is touched by others at all, and the tree that it came with still speaks for its shape, which without one still is a plane.
+bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
+{
+	const btCollisionShape* shape = hand.bodies[slot]->getCollisionShape();
+	const auto tree = m_registration.registry().find(shape);
+	if (tree != hand.source->mirror().tree(slot) || !hand.bodies[slot]->hasContactResponse()) return false;
+	return tree || shape->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }
 
 /// The tool is in no world: its box is that of its last post.
@@ -270,6 +280,7 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 		out.inverseInertia = transpose(R) * inertia.rotation * R;
 		out.gravity = toVec3(body.getGravity());
 	}
+	if (out.leaving) return;  // its shape may be another by now
 	if (!out.tree)
 	{
 		const auto* plane = static_cast<const btStaticPlaneShape*>(body.getCollisionShape());

@@ -18,7 +18,7 @@ namespace devicebridge
 ///
 /// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTWatch), those that are watched with
 /// the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt: the children
-/// of compounds, and shapes without a tree. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the
+/// of compounds, and shapes without a tree. A body whose shape, or the tree of it, is another than before is let go and felt anew. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the
 /// same body, by nothing but where the body is after each step: between two steps the hand feels the body without it.
 class BulletWorldCoupling
 {
@@ -79,6 +79,7 @@ private:
 	void showContacts(Hand& hand, WorldSnapshot& out, std::uint64_t stamp);
 	void showStockContacts(Hand& hand, WorldSnapshot& out);
 	void findToolContacts(Hand& hand, WorldSnapshot& out);
+	bool isAsAdmitted(const Hand& hand, int slot) const;
 	void describe(Hand& hand, int slot);
 	bool watches(const Hand& hand, const btCollisionObject& body, bool was) const;
 	ist::Pose begunAt(const btCollisionObject* body) const;

@@ -232,6 +232,80 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayWithinAStepIsNotTouchedAfterIt)
 	EXPECT_GT(r.force(), 1.5);
 }
 
+// Each change takes the tree away from a body that is pressed, and back again.
+TEST(DecoupledFault, ABodyWhoseTreeDoesNotSpeakForItAnyMoreIsNotFelt)
+{
+	btBoxShape stock{btVector3(btScalar(kBoxHalf), btScalar(kBoxHalf), btScalar(kBoxHalf))};
+	using Change = std::function<void(PressedRig&)>;
+	const std::pair<Change, Change> changes[] = {
+		{[](PressedRig& r) { r.rig.boxTreeAttached.detach(); },
+		 [](PressedRig& r) { r.rig.boxTreeAttached = std::move(r.rig.world.attach(&r.rig.boxShape, boxTree())).value(); }},
+		{[&](PressedRig& r) { r.box->setCollisionShape(&stock); }, [](PressedRig& r) { r.box->setCollisionShape(&r.rig.boxShape); }},
+		{[](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, btScalar(1.1))); },
+		 [](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, 1)); }},
+		{[](PressedRig& r) { r.box->setCollisionFlags(r.box->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE); },
+		 [](PressedRig& r) { r.box->setCollisionFlags(r.box->getCollisionFlags() & ~btCollisionObject::CF_NO_CONTACT_RESPONSE); }}};
+	int which = 0;
+	for (const auto& [take, giveBack] : changes)
+	{
+		++which;
+		PressedRig r(60);
+		r.run(1500);
+		ASSERT_GT(r.force(), 1.5);
+		const btTransform before = r.box->getWorldTransform();
+		take(r);
+		r.run(18);
+		for (int i = 0; i < 100; ++i)
+		{
+			r.run(1);
+			ASSERT_EQ(r.thread.step().contactCount, 0) << which << ", tick " << i;
+		}
+		giveBack(r);
+		r.box->setWorldTransform(before);  // it may have fallen
+		r.box->setLinearVelocity(btVector3(0, 0, 0));
+		r.box->setAngularVelocity(btVector3(0, 0, 0));
+		r.run(2000);
+		EXPECT_GT(r.force(), 1.5) << which;
+	}
+}
+
+TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
+{
+	btBoxShape stock{btVector3(1, btScalar(0.01), 1)};
+	DecoupledRig rig(60);
+	btRigidBody* body = rig.addPlane();
+	Hand& hand = rig.addHand({0, 0.025, 0});
+	hand.script = [](double t) { return ist::Twist{{0, t < 0.2 ? -0.05 : 0, 0}, {}}; };
+	const auto tenant = [&]() -> const MirroredBody*
+	{
+		for (const MirroredBody& b : hand.source.mirror().snapshot().bodies)
+			if (b.epoch != 0) return &b;
+		return nullptr;
+	};
+	rig.run(0.5);
+	ASSERT_TRUE(tenant() && !tenant()->tree);
+	EXPECT_GT(hand.step.contactCount, 0);
+	body->setCollisionShape(&stock);
+	rig.afterWorldStep = [&, steps = 0]() mutable
+	{
+		if (steps++ > 0) return;
+		hand.source.mirror().fetch();
+		ASSERT_TRUE(tenant() && tenant()->leaving);
+		EXPECT_EQ(tenant()->planeNormal, Vec3(0, 1, 0));  // what it was; it is no plane any more
+	};
+	rig.run(0.2);
+	EXPECT_FALSE(tenant());
+	EXPECT_EQ(hand.step.contactCount, 0);
+	body->setCollisionShape(&rig.ballShape);
+	rig.run(0.2);
+	ASSERT_TRUE(tenant());
+	EXPECT_EQ(tenant()->tree, rig.world.registration().registry().find(&rig.ballShape).get());
+	EXPECT_GT(hand.step.contactCount, 0);
+	body->setCollisionShape(&rig.planeShape);
+	rig.run(0.2);
+	ASSERT_TRUE(tenant() && !tenant()->tree);
+}
+
 TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)
 {
 	for (const ContactTopology topology : kTopologies)
