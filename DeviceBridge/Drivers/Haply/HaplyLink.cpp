@@ -127,12 +127,14 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	Failure lost;
 	// The first message comes unasked and holds the inventory.
 	if (!m_socket->receive(kAnswering, text, lost)) return ist::Error{"what answers at " + where + " is no Haply Inverse service", false};
-	const auto read = readHaplyMessage(text, m_address.device);
+	const auto read = readHaplyMessage(text, m_address.device, m_address.grip);
 	if (!read) return ist::Error{where + ": " + read.error().message, false};
 	if (!read.value())
 		return ist::Error{"the Haply Inverse service at " + where + " has no device" + (m_address.device.empty() ? "" : " " + m_address.device), false};
 	const HaplyState& state = *read.value();
 	m_deviceId = state.deviceId, m_kind = state.kind;
+	m_gripId = state.orientation ? state.gripId : m_address.grip;
+	m_orientation = state.orientation.value_or(ist::Quaternion());
 	m_lastMessage = RealClock().now();
 	m_turnedAt = 0;
 	m_angular = {};
@@ -178,7 +180,7 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 		return Event::Nothing;
 	}
 	m_awaiting = false;
-	const auto read = readHaplyMessage(text, m_deviceId);
+	const auto read = readHaplyMessage(text, m_deviceId, m_gripId);
 	if (!read) return lost(read.error().message);
 	const std::int64_t now = RealClock().now();
 	// A message about other things is no news; one second without the device is its loss.
@@ -189,21 +191,27 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 	sample.state.twist.linear = state.velocity;
 	sample.state.buttons = state.buttons;
 	sample.state.sampledAt = now;
-	if (state.orientation) turn(*state.orientation, now, sample.state);
+	turn(state, now, sample.state);
 	return Event::Sample;
 }
 
-/// The service gives no angular velocity.
-void HaplyLink::turn(const ist::Quaternion& q, std::int64_t now, DeviceState& state)
+/// The service gives no angular velocity. A grip that is asleep or out of range stands as it was heard last; the grip is the same from then on.
+void HaplyLink::turn(const HaplyState& heard, std::int64_t now, DeviceState& state)
 {
-	if (m_turnedAt == 0) m_turnedAt = now, m_turned = q;
-	if (now - m_turnedAt >= kTurnSpan)
+	if (heard.orientation)
 	{
-		m_angular = (1e9 / static_cast<double>(now - m_turnedAt)) * rotationVector(q * conjugate(m_turned));
-		m_turnedAt = now;
-		m_turned = q;
+		m_gripId = heard.gripId;
+		m_orientation = *heard.orientation;
+		if (m_turnedAt == 0) m_turnedAt = now, m_turned = m_orientation;
+		if (now - m_turnedAt >= kTurnSpan)
+		{
+			m_angular = (1e9 / static_cast<double>(now - m_turnedAt)) * rotationVector(m_orientation * conjugate(m_turned));
+			m_turnedAt = now;
+			m_turned = m_orientation;
+		}
 	}
-	state.X_WH.rotation = rotationMatrix(q);
+	else m_turnedAt = 0, m_angular = {};
+	state.X_WH.rotation = rotationMatrix(m_orientation);
 	state.twist.angular = m_angular;
 }
 

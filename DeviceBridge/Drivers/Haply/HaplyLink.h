@@ -8,10 +8,13 @@
 
 namespace devicebridge
 {
+struct HaplyState;
+
 struct HaplyAddress
 {
 	std::string host = "localhost", port = "10001";
 	std::string device;            ///< its id; empty: the first
+	std::string grip;              ///< its id; empty: the first that has an orientation
 	bool valuesForVector = false;  ///< services before 3.5
 };
 
@@ -32,15 +35,15 @@ private:
 	class Socket;
 	ist::Result<DeviceInfo> connectOrThrow();
 	Event exchangeOrThrow(const DeviceCommand& command, DeviceSample& sample);
-	void turn(const ist::Quaternion& q, std::int64_t now, DeviceState& state);
+	void turn(const HaplyState& heard, std::int64_t now, DeviceState& state);
 	Event lost(const std::string& why);
 
 	HaplyAddress m_address;
-	std::string m_uri, m_complaint, m_deviceId, m_kind;
+	std::string m_uri, m_complaint, m_deviceId, m_gripId, m_kind;
 	std::unique_ptr<Socket> m_socket;
 	bool m_awaiting = false;
 	std::int64_t m_lastMessage = 0, m_turnedAt = 0;
-	ist::Quaternion m_turned;
+	ist::Quaternion m_orientation, m_turned;
 	ist::Vec3 m_angular;
 };
 }  // namespace devicebridge

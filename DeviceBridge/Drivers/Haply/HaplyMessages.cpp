@@ -29,15 +29,19 @@ std::optional<ist::Vec3> vectorOf(const Json& object, const char* name)
 	return ist::Vec3{v[0], v[1], v[2]};
 }
 
-void readGrip(const Json& grip, HaplyState& state)
+void readGrip(const Json& grip, const std::string& wanted, HaplyState& state)
 {
+	if (!grip.is_object()) return;
+	const auto name = grip.find("device_id");
+	const std::string id = name != grip.end() && name->is_string() ? name->get<std::string>() : std::string();
+	if (!wanted.empty() && id != wanted) return;
 	const auto members = grip.find("state");
 	if (members == grip.end() || !members->is_object()) return;
 	const std::optional<ist::Vec3> v = vectorOf(*members, "orientation");
 	if (v && (*members)["orientation"].contains("w") && (*members)["orientation"]["w"].is_number())
 	{
 		const double w = (*members)["orientation"]["w"].get<double>(), length = std::sqrt(dot(*v, *v) + w * w);
-		if (length > 0.5 && length < 2) state.orientation = ist::Quaternion{v->x / length, v->y / length, v->z / length, w / length};
+		if (length > 0.5 && length < 2) state.orientation = ist::Quaternion{v->x / length, v->y / length, v->z / length, w / length}, state.gripId = id;
 	}
 	const auto buttons = members->find("buttons");
 	if (buttons == members->end() || !buttons->is_object()) return;
@@ -71,7 +75,7 @@ std::optional<HaplyState> readDevice(const Json& device, const char* kind, const
 }
 }  // namespace
 
-ist::Result<std::optional<HaplyState>> readHaplyMessage(const std::string& text, const std::string& wanted)
+ist::Result<std::optional<HaplyState>> readHaplyMessage(const std::string& text, const std::string& wanted, const std::string& grip)
 {
 	const Json message = Json::parse(text, nullptr, false);
 	if (message.is_discarded() || !message.is_object()) return ist::Error{"what the service sends is no JSON object", false};
@@ -81,8 +85,8 @@ ist::Result<std::optional<HaplyState>> readHaplyMessage(const std::string& text,
 			if (!state) state = readDevice(device, kind, wanted);
 	if (!state) return state;
 	for (const char* kind : kGrips)
-		for (const Json& grip : listOf(message, kind))
-			if (!state->orientation && grip.is_object()) readGrip(grip, *state);
+		for (const Json& candidate : listOf(message, kind))
+			if (!state->orientation) readGrip(candidate, grip, *state);
 	return state;
 }
 

@@ -33,10 +33,11 @@ ist::Result<std::unique_ptr<Device>> makeHaply(const std::string& rest)
 	DeviceAddress address(rest);
 	HaplyAddress to;
 	to.device = address.take("device").value_or("");
+	to.grip = address.take("grip").value_or("");
 	const std::string api = address.take("api").value_or("3.5");
 	if (api != "3.5" && api != "3.1") return ist::Error{"The option api=" + api + " must be 3.5 or 3.1", false};
 	to.valuesForVector = api == "3.1";
-	if (!address.leftOver().empty()) return ist::Error{address.leftOver() + "; it knows device and api", false};
+	if (!address.leftOver().empty()) return ist::Error{address.leftOver() + "; it knows device, grip and api", false};
 	if (!readHost(address.path(), to)) return ist::Error{"'haply:" + rest + "' names no service; write haply://HOST:PORT", false};
 	return std::unique_ptr<Device>(std::make_unique<ThreadedDevice>(std::make_unique<HaplyLink>(to, "haply:" + rest)));
 }
@@ -59,5 +60,5 @@ std::string haplyMissing()
 }
 }  // namespace
 
-void addHaply(DeviceRegistry& registry) { registry.addScheme("haply", makeHaply, "Haply Inverse service, haply://HOST:PORT?device=ID&api=3.5", haplyMissing); }
+void addHaply(DeviceRegistry& registry) { registry.addScheme("haply", makeHaply, "Haply Inverse service, haply://HOST:PORT?device=ID&grip=ID&api=3.5", haplyMissing); }
 }  // namespace devicebridge

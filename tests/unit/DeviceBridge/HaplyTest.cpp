@@ -36,7 +36,7 @@ public:
 		Babbling  // no JSON
 	};
 	std::atomic<Mood> mood{Mood::Good};
-	std::atomic<bool> hasGrip{true};
+	std::atomic<bool> hasGrip{true};  // the first of two, of which the other is turned the other way
 	std::atomic<int> messages{0}, refused{0};
 
 	FakeService() : m_acceptor(m_context, {asio::ip::address_v4::loopback(), 0}), m_thread([this] { serve(); }) {}
@@ -79,11 +79,16 @@ private:
 			const ist::Vec3 p = id[1] == '4' ? m_position : -m_position;
 			message["inverse3"].push_back({{"device_id", id}, {"state", {{"cursor_position", vectorOf(p)}, {"cursor_velocity", vectorOf(m_velocity)}}}});
 		}
-		if (!hasGrip) return message.dump();
-		Json orientation = vectorOf({m_orientation.x, m_orientation.y, m_orientation.z});
-		orientation["w"] = m_orientation.w;
+		message["wireless_verse_grip"] = Json::array();
 		const Json buttons = {{"a", (m_buttons & 1) != 0}, {"b", (m_buttons & 2) != 0}, {"c", (m_buttons & 4) != 0}};
-		message["wireless_verse_grip"] = Json::array({{{"device_id", "61576"}, {"state", {{"orientation", orientation}, {"buttons", buttons}}}}});
+		for (const char* id : {"61576", "61580"})
+		{
+			const bool first = id[3] == '7';
+			if (first && !hasGrip) continue;
+			Json orientation = vectorOf((first ? 1 : -1) * ist::Vec3{m_orientation.x, m_orientation.y, m_orientation.z});
+			orientation["w"] = m_orientation.w;
+			message["wireless_verse_grip"].push_back({{"device_id", id}, {"state", {{"orientation", orientation}, {"buttons", buttons}}}});
+		}
 		return message.dump();
 	}
 	void take(const std::string& text)
@@ -217,6 +222,63 @@ TEST(Haply, AngularVelocityIsThatOfTheTurningGrip)
 		median[k] = *middle;
 	}
 	EXPECT_LT(distance(median, omega), 0.3 * norm(omega));
+}
+
+TEST(Haply, ASilentGripStaysAsItWas)
+{
+	FakeService service;
+	RealClock clock;
+	const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{0.4, -0.8, 0.3}), later = ist::quaternionFromRotationVector(ist::Vec3{-1, 0.2, 2});
+	service.place({}, {}, q, 5);
+	const auto device = opened(service.uri());
+	ASSERT_TRUE(device);
+	DeviceState s;
+	const auto turned = [&](const ist::Quaternion& from) { return norm(rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(from))))); };
+	const auto reach = [&](double x) { return within([&] { return device->read(clock.now(), s) == DeviceStatus::Ok && s.X_WH.translation.x == x; }); };
+	service.place({1, 0, 0}, {}, q, 5);
+	ASSERT_TRUE(reach(1));
+	EXPECT_EQ(s.buttons, 5U);
+	service.hasGrip = false;
+	service.place({2, 0, 0}, {}, later, 5);
+	ASSERT_TRUE(reach(2));
+	EXPECT_LT(turned(q), 1e-9);
+	EXPECT_EQ(s.buttons, 0U);
+	const std::int64_t end = clock.now() + 20'000'000;
+	for (; clock.now() < end; clock.sleepUntil(clock.now() + 500'000))
+	{
+		ASSERT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+		ASSERT_TRUE(turned(q) < 1e-9 && s.twist.angular == ist::Vec3());
+	}
+	// Awake again it is where it is, and has not turned there.
+	service.hasGrip = true;
+	service.place({3, 0, 0}, {}, later, 1);
+	ASSERT_TRUE(reach(3));
+	EXPECT_LT(turned(later), 1e-9);
+	const std::int64_t still = clock.now() + 20'000'000;
+	for (; clock.now() < still; clock.sleepUntil(clock.now() + 500'000))
+	{
+		ASSERT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+		ASSERT_LT(norm(s.twist.angular), 1e-6);
+	}
+}
+
+TEST(Haply, TheGripThatWasNamedTurnsTheHandle)
+{
+	FakeService service;
+	RealClock clock;
+	const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{0.4, -0.8, 0.3});
+	service.place({1, 0, 0}, {}, q, 0);
+	const std::pair<const char*, ist::Mat3> grips[] = {
+		{"", rotationMatrix(q)}, {"?grip=61576", rotationMatrix(q)}, {"?grip=61580", transpose(rotationMatrix(q))}, {"?grip=1", ist::Pose().rotation}};
+	for (const auto& [option, R] : grips)
+	{
+		const auto device = opened(service.uri(option));
+		ASSERT_TRUE(device);
+		DeviceState s;
+		ASSERT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+		EXPECT_LT(norm(rotationVector(ist::quaternion(s.X_WH.rotation * transpose(R)))), 1e-9) << option;
+		EXPECT_EQ((device->info().sensed & kRotation) != 0, std::string(option) != "?grip=1") << option;
+	}
 }
 
 TEST(Haply, ForcesReachTheDeviceThatWasNamed)
