@@ -13,7 +13,7 @@ enum class FaultCause
 	InvalidState,   ///< pose or twist not finite, or pose not rigid
 	Disconnected,   ///< read or write failed
 	Frozen,         ///< samples repeat
-	Jump,           ///< the handle is further away than a hand can have moved it
+	Jump,           ///< the handle is further away, or turned further, than a hand can have moved it
 	Stalled,        ///< a tick took so long that the last command expired
 	ClockJump,      ///< the clock ran backwards
 	HookException,  ///< a listener or the force law threw

@@ -2,6 +2,7 @@
 #include "DeviceBridge/Safety/StateWatch.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace devicebridge
 {
@@ -12,6 +13,15 @@ bool samePose(const ist::Pose& a, const ist::Pose& b)
 	return a.translation == b.translation && a.rotation.row(0) == b.rotation.row(0) &&
 		   a.rotation.row(1) == b.rotation.row(1) && a.rotation.row(2) == b.rotation.row(2);
 }
+
+/// The angle between two orientations, from the Frobenius norm of their difference, which is sqrt(8) sin(angle / 2) [rad].
+double turnBetween(const ist::Mat3& a, const ist::Mat3& b)
+{
+	double sum = 0;
+	for (int i = 0; i < 3; ++i) sum += squaredNorm(a.row(i) - b.row(i));
+	return 2 * std::asin(std::min(1.0, std::sqrt(sum / 8)));
+}
+
 constexpr double kMovingSpeed = 0.02;  // [m/s]: at this speed 10 ms are more than the resolution of any device
 }  // namespace
 
@@ -27,7 +37,8 @@ bool StateWatch::jumped(const DeviceState& state, std::int64_t now) const noexce
 {
 	const double seconds = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - m_lastRead));
 	const double way = distance(state.X_WH.translation, m_last.X_WH.translation);
-	return way > m_settings.longestJump + m_settings.speed * seconds;
+	const double turn = turnBetween(state.X_WH.rotation, m_last.X_WH.rotation);
+	return way > m_settings.longestJump + m_settings.speed * seconds || turn > m_settings.longestTurn + m_settings.angularSpeed * seconds;
 }
 
 FaultCause StateWatch::judge(const DeviceState& state, std::int64_t now) noexcept

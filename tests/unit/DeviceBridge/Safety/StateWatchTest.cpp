@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 using namespace devicebridge;
@@ -36,6 +37,27 @@ TEST(StateWatch, AJumpIsBelievedOnlyAfterSteadySamples)
 	for (int i = 1; i < 10; ++i) watch.judge(sample(i, {}), i * kMs);
 	for (int i = 10; i < 30; ++i) ASSERT_EQ(watch.judge(sample(i, {0.1, 0, 0}), i * kMs), FaultCause::Jump) << i;
 	EXPECT_EQ(watch.judge(sample(30, {0.1, 0, 0}), 30 * kMs), FaultCause::None);
+}
+
+TEST(StateWatch, ATurnThatNoHandMakesIsAJump)
+{
+	const auto turned = [](int tick, double angle)
+	{
+		DeviceState s = sample(tick, {});
+		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(angle * ist::Vec3{0.6, 0, -0.8}));
+		return s;
+	};
+	StateWatch watch;
+	for (int i = 1; i < 500; ++i) ASSERT_EQ(watch.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
+	// Around the limit after a millisecond, which is 1.1 rad, and up to half a turn.
+	for (const double angle : {1.05, -1.05, 1.15, -1.15, 2.0, 3.14})
+	{
+		const FaultCause expected = std::abs(angle) > 1.1 ? FaultCause::Jump : FaultCause::None;
+		StateWatch fresh;
+		fresh.judge(turned(1, 1), kMs);
+		for (int i = 2; i < 22; ++i) ASSERT_EQ(fresh.judge(turned(i, 1 + angle), i * kMs), expected) << angle << ", sample " << i;
+		EXPECT_EQ(fresh.judge(turned(22, 1 + angle), 22 * kMs), FaultCause::None) << angle;
+	}
 }
 
 TEST(StateWatch, RepeatedSamplesAreFrozenAfterTenMilliseconds)
