@@ -31,8 +31,8 @@ public:
 	{
 	}
 
-	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and contacts); allocates only what Bullet does when its
-	/// world grows.
+	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and contacts); allocates only when
+	/// the world grows: what Bullet does, and a query at the first meeting of trees larger than any before.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
 	/// In W.

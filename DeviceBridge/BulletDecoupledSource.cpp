@@ -52,6 +52,12 @@ BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<
 
 BulletDecoupledSource::~BulletDecoupledSource() { stopContactThread(); }
 
+void BulletDecoupledSource::makeRoom(const ist::InnerSphereTree& tree)
+{
+	m_finder.makeRoom(tree);
+	m_threadFinder.makeRoom(tree);
+}
+
 ToolState BulletDecoupledSource::toolState() const noexcept
 {
 	const ToolState& t = m_local.tool.state;

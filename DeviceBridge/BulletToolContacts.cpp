@@ -19,6 +19,17 @@ std::shared_ptr<const ist::InnerSphereTree> notOwned(const ist::InnerSphereTree*
 BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::int64_t maxPairs) : m_tool(tool), m_maxPairs(maxPairs)
 {
 	m_contact.treeA = notOwned(&tool);
+	m_workspace.reserve(tool, tool);
+	m_roomFor = mostSlots(tool);
+}
+
+void BulletToolContacts::makeRoom(const ist::InnerSphereTree& tree)
+{
+	const std::size_t slots = mostSlots(tree);
+	if (slots <= m_roomFor) return;
+	m_rooms.writable() = std::make_unique<ist::QueryRoom>(m_tool, tree);
+	m_rooms.publish();
+	m_roomFor = slots;
 }
 
 ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB) noexcept
@@ -42,6 +53,7 @@ ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const Mirrored
 int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,
 							 int capacity, double& volume) noexcept
 {
+	if (m_rooms.fetch()) m_workspace.take(*m_rooms.readable());
 	const double begin = m_measures ? threadMicroseconds() : 0;
 	const ist::OverlapResult result = ask(X_WT, body, X_WB);
 	if (m_measures) m_queryMicroseconds += threadMicroseconds() - begin;

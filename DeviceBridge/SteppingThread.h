@@ -45,9 +45,9 @@ struct SteppingSettings
 };
 
 /// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
-/// onHapticTick, SafetyLimiter, write the device. A tick allocates nothing and takes no lock. After a gap between ticks the schedule
-/// begins anew, the world takes one step of the nominal period, and the tool follows the hand as GapBridge says; so it does after an outage of
-/// the device and after stop() and start().
+/// onHapticTick, SafetyLimiter, write the device. Of itself a tick allocates nothing and takes no lock; what its source does, that says.
+/// After a gap between ticks the schedule begins anew, the world takes one step of the nominal period, and the tool follows the hand as
+/// GapBridge says; so it does after an outage of the device and after stop() and start().
 /// Device, source, law and clock outlive the thread. Set up listeners and law before start(). What a listener throws ends at
 /// the tick: the device gets zero until clearFault().
 class SteppingThread

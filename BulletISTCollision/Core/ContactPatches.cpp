@@ -27,6 +27,13 @@ inline uint32_t rootOf(uint32_t* parent, uint32_t ball)
 }
 }  // namespace
 
+void PatchGrouper::BallRoom::reserve(size_t balls)
+{
+	if (parent.size() >= balls) return;
+	parent.resize(balls);
+	label.resize(balls);
+}
+
 void PatchGrouper::reserve(size_t pairs, size_t balls, int patches)
 {
 	const size_t listed = pairs + kListSlack, wanted = size_t(patches);
@@ -44,18 +51,14 @@ void PatchGrouper::reserve(size_t pairs, size_t balls, int patches)
 		m_group.resize(listed);
 		m_components.resize(listed);
 	}
-	if (m_parent.size() < balls)
-	{
-		m_parent.resize(balls);
-		m_label.resize(balls);
-	}
+	m_balls.reserve(balls);
 }
 
 /// Balls that hang together get a common root, a ball of A.
 void PatchGrouper::connect(const PairStream& pairs, int count, uint32_t offsetB)
 {
 	// Only balls that occur are initialised: the cost follows the pairs, not the trees.
-	uint32_t* const parent = m_parent.data();
+	uint32_t* const parent = m_balls.parent.data();
 	for (int i = 0; i < count; ++i) parent[pairs.a[i]] = pairs.a[i];
 	for (int i = 0; i < count; ++i) parent[pairs.b[i] + offsetB] = pairs.a[i];
 	for (int i = 0; i < count; ++i)
@@ -70,8 +73,8 @@ void PatchGrouper::connect(const PairStream& pairs, int count, uint32_t offsetB)
 void PatchGrouper::number(const PairStream& pairs, int count)
 {
 	constexpr GroupNumber kNone = 0;
-	uint32_t* const parent = m_parent.data();
-	GroupNumber *const label = m_label.data(), *const group = m_group.data();
+	uint32_t* const parent = m_balls.parent.data();
+	GroupNumber *const label = m_balls.label.data(), *const group = m_group.data();
 	for (int i = 0; i < count; ++i) label[pairs.a[i]] = kNone;
 	m_componentCount = 0;
 	for (int i = 0; i < count; ++i)
@@ -179,7 +182,7 @@ size_t PatchGrouper::nearestPatch(const Vec3& center) const
 void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf)
 {
 	// The components are not needed any more.
-	uint32_t* const patchOfBall = m_parent.data();
+	uint32_t* const patchOfBall = m_balls.parent.data();
 	constexpr uint32_t kNone = kNoComponent;
 	for (size_t i = 0; i < all.count; ++i) patchOfBall[all.a[i]] = patchOfBall[all.b[i] + all.offsetB] = kNone;
 	for (int i = 0; i < groupedCount; ++i) patchOfBall[grouped.a[i]] = patchOfBall[grouped.b[i] + all.offsetB] = uint32_t(m_group[size_t(i)]);

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ist::kernels
@@ -29,8 +30,21 @@ struct PairIndices
 class PatchGrouper
 {
 public:
+	/// What grows with the number of balls, and holds nothing between two calls.
+	struct BallRoom
+	{
+		std::vector<uint32_t> parent;
+		std::vector<float> label;  ///< of the component of a root
+		void reserve(size_t balls);
+	};
+
 	/// Grows the memory; allocates only when a size exceeds every earlier one.
 	void reserve(size_t pairs, size_t balls, int patches);
+	/// The larger room of both.
+	void takeLarger(BallRoom& other) noexcept
+	{
+		if (m_balls.parent.size() < other.parent.size()) std::swap(m_balls, other);
+	}
 
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
@@ -61,8 +75,7 @@ private:
 	size_t nearestPatch(const Vec3& center) const;
 	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
-	std::vector<uint32_t> m_parent;
-	std::vector<float> m_label;  ///< of the component of a root
+	BallRoom m_balls;
 	std::vector<float> m_group;
 	std::vector<Component> m_components;
 	Patches m_patches;

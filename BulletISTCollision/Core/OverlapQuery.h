@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/InnerSphereTree.h"
 #include "BulletISTCollision/Core/InstructionSet.h"
 
+#include <cstddef>
 #include <memory>
 
 namespace ist
@@ -120,7 +121,26 @@ struct OverlapPair
 
 class QueryHelper;
 
-/// All memory of a query. One per thread; reuse it: a query allocates nothing.
+/// Slots of the largest tree of a body for Model::Law, levels among them: the room that a query needs grows with it.
+std::size_t mostSlots(const InnerSphereTree& body);
+
+/// What a workspace needs for trees beyond its capacity, made by a thread that may allocate for one that may not. 120 bytes a slot of B, 24 of A.
+class QueryRoom
+{
+public:
+	/// For all queries of A and B with Model::Law, and of bodies with no more slots.
+	QueryRoom(const InnerSphereTree& A, const InnerSphereTree& B);
+	~QueryRoom();
+
+	struct Implementation;
+	Implementation& implementation() { return *m_impl; }
+
+private:
+	std::unique_ptr<Implementation> m_impl;
+};
+
+/// All memory of a query. One per thread; reuse it: a query allocates nothing but where a tree has more slots than any before, and none
+/// of these was made room for.
 class QueryWorkspace
 {
 public:
@@ -131,6 +151,10 @@ public:
 	QueryWorkspace(QueryWorkspace&&) noexcept;
 	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
 	const QueryCapacity& capacity() const;
+	/// Room as a QueryRoom has it.
+	void reserve(const InnerSphereTree& A, const InnerSphereTree& B);
+	/// Takes what is larger there and leaves its own, which is of no more use. Once for each room. Allocates and frees nothing.
+	void take(QueryRoom& room) noexcept;
 	/// A thread that takes part in long queries (QueryHelper.h); null: none. Of no more than one workspace, with at least its capacity. It outlives this,
 	/// or is taken away before it goes.
 	void setHelper(QueryHelper* helper);

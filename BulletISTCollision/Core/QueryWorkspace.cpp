@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Kernels/QueryHelperState.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ist
 {
@@ -67,20 +68,40 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);
 }
 
+void TreeRoom::reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB)
+{
+	const size_t blocksA = slotsA / kBlockWidth, blocksB = slotsB / kBlockWidth;
+	if (columnsA.size() < blocksA)
+	{
+		columnsA.resize(blocksA);
+		epochsA.resize(blocksA);
+	}
+	if (moved.size() < blocksB)
+	{
+		moved.resize(blocksB);
+		marks.resize(blocksB);
+		movedCenters.resize(slotsB);
+	}
+	if (movedBalls.size() < ellipsoidsB) movedBalls.resize(ellipsoidsB);
+}
+
+void TreeRoom::takeLarger(TreeRoom& other) noexcept
+{
+	const auto take = [](auto& mine, auto& theirs)
+	{
+		if (mine.size() < theirs.size()) mine.swap(theirs);
+	};
+	take(columnsA, other.columnsA);
+	take(epochsA, other.epochsA);
+	take(moved, other.moved);
+	take(marks, other.marks);
+	take(movedCenters, other.movedCenters);
+	take(movedBalls, other.movedBalls);
+}
+
 void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTree& B)
 {
-	if (columnsA.size() < A.blockCount())
-	{
-		columnsA.resize(A.blockCount());
-		epochsA.resize(A.blockCount());
-	}
-	if (moved.size() < B.blockCount())
-	{
-		moved.resize(B.blockCount());
-		marks.resize(B.blockCount());
-		movedCenters.resize(B.slotCount());
-	}
-	if (movedBalls.size() < B.ellipsoids.size()) movedBalls.resize(B.ellipsoids.size());
+	reserveSlots(A.slotCount(), B.slotCount(), B.ellipsoids.size());
 	grouper.reserve(size_t(capacity.pairs), A.slotCount() + B.slotCount(), capacity.patches);
 	if (++epoch == 0)
 	{
@@ -118,4 +139,34 @@ QueryWorkspace::QueryWorkspace(QueryWorkspace&&) noexcept = default;
 QueryWorkspace& QueryWorkspace::operator=(QueryWorkspace&&) noexcept = default;
 void QueryWorkspace::setHelper(QueryHelper* helper) { m_impl->helper = helper; }
 const QueryCapacity& QueryWorkspace::capacity() const { return m_impl->capacity; }
+
+void QueryWorkspace::reserve(const InnerSphereTree& A, const InnerSphereTree& B)
+{
+	const size_t slotsA = mostSlots(A), slotsB = mostSlots(B);
+	m_impl->reserveSlots(slotsA, slotsB, slotsB);
+	m_impl->grouper.reserve(size_t(m_impl->capacity.pairs), slotsA + slotsB, m_impl->capacity.patches);
+}
+
+void QueryWorkspace::take(QueryRoom& room) noexcept
+{
+	QueryRoom::Implementation& from = room.implementation();
+	if (std::exchange(from.taken, true)) return;
+	m_impl->takeLarger(from);
+	m_impl->grouper.takeLarger(from.balls);
+}
+
+QueryRoom::QueryRoom(const InnerSphereTree& A, const InnerSphereTree& B) : m_impl(std::make_unique<Implementation>())
+{
+	const size_t slotsA = mostSlots(A), slotsB = mostSlots(B);
+	m_impl->reserveSlots(slotsA, slotsB, slotsB);
+	m_impl->balls.reserve(slotsA + slotsB);
+}
+QueryRoom::~QueryRoom() = default;
+
+size_t mostSlots(const InnerSphereTree& body)
+{
+	size_t most = body.law.slotCount();
+	for (const BallTree& level : body.levels) most = std::max(most, level.slotCount());
+	return most;
+}
 }  // namespace ist

@@ -22,8 +22,29 @@ inline bool answers(const BallTree& tree, Model model)
 	return !tree.empty() && tree.ellipsoids.empty() == (model == Model::Inner);
 }
 
+/// What grows with the trees of a query. An entry holds for the query that has its number (`QueryWorkspace::Implementation::epoch`) only.
+struct TreeRoom
+{
+	std::vector<kernels::BlockColumns> columnsA, moved;
+	std::vector<uint32_t> epochsA;
+	std::vector<kernels::BlockMark> marks;
+	std::vector<kernels::MovedCenter> movedCenters;
+	std::vector<MomentEllipsoid> movedBalls;
+
+	/// Of A, of B, and those of B that have an ellipsoid.
+	void reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB);
+	/// Column by column the larger of both.
+	void takeLarger(TreeRoom& other) noexcept;
+};
+
+struct QueryRoom::Implementation : TreeRoom
+{
+	PatchGrouper::BallRoom balls;
+	bool taken = false;  ///< what is here has numbers of another workspace
+};
+
 /// What QueryWorkspace owns.
-struct QueryWorkspace::Implementation
+struct QueryWorkspace::Implementation : TreeRoom
 {
 	const kernels::QueryKernel* kernel = nullptr;  ///< null: the wanted instruction set cannot run here
 	QueryCapacity capacity;
@@ -34,11 +55,6 @@ struct QueryWorkspace::Implementation
 	kernels::SubtreeList openA{}, openB{}, leaves{};
 	int openBatch = 1;
 	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
-	std::vector<kernels::BlockColumns> columnsA, moved;
-	std::vector<uint32_t> epochsA;
-	std::vector<kernels::BlockMark> marks;
-	std::vector<kernels::MovedCenter> movedCenters;
-	std::vector<MomentEllipsoid> movedBalls;
 	uint32_t epoch = 0;
 
 	kernels::PairStream stream{};           ///< intersecting pairs, in the order in which they were found

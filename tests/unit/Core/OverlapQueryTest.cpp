@@ -571,3 +571,38 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	EXPECT_EQ(apart.patchCount, 0);
 	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
 }
+
+// Of a body with few leaves against one with many, in a workspace that knows only the former; at leaves and levels, and against a half-space.
+TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
+{
+	std::mt19937 random(17);
+	InnerSphereTree A = cloudBody(40, 1, {3, 0, 1}), B = cloudBody(3000, 2);
+	B.levels = buildLevels(B.law);
+	for (const bool taken : {true, false})
+	{
+		QueryWorkspace workspace, fresh;
+		for (int i = 0; i < 50 && taken; ++i) queryOverlap(A, A, randomPose(random, A, A, 0.5), workspace);
+		QueryRoom room(A, B), again(A, A);
+		if (!taken) workspace.reserve(A, B);
+		for (int i = 0; i < 20; ++i)
+		{
+			const Pose X = randomPose(random, A, B, 0.5);
+			QueryOptions options;
+			if (i % 4 == 1) options.maxPairs = 200;
+			if (i % 4 == 2) options.level = 2;
+			const long before = allocationCount();
+			if (taken) workspace.take(i == 0 ? room : again);
+			const OverlapResult result = i % 4 == 3 ? queryHalfSpace(A, {0, 1, 0}, 0.1, workspace) : queryOverlap(A, B, X, workspace, options);
+			EXPECT_EQ(allocationCount(), before) << i;
+			const OverlapResult expected = i % 4 == 3 ? queryHalfSpace(A, {0, 1, 0}, 0.1, fresh) : queryOverlap(A, B, X, fresh, options);
+			ASSERT_EQ(result.status, QueryStatus::Ok);
+			ASSERT_GT(result.total.pairs, 0);
+			EXPECT_EQ(result.patchCount, expected.patchCount);
+			EXPECT_EQ(result.total.pairs, expected.total.pairs);
+			EXPECT_EQ(result.total.volume, expected.total.volume);
+			EXPECT_EQ(result.total.normalA.force, expected.total.normalA.force);
+			EXPECT_EQ(result.total.normalB.torque, expected.total.normalB.torque);
+			if (taken && i == 0) workspace.take(room);  // holds what the workspace had; nothing of it comes back
+		}
+	}
+}

@@ -40,8 +40,9 @@ struct PressedRig
 
 	double largest = 0;  ///< [N]
 
-	explicit PressedRig(double rate, ContactTopology topology = ContactTopology::InTick, double mass = 0.3)
-		: rig(rate, kGravity), box((rig.addPlane(), rig.addBox(mass, {0, 0.02, 0}))), source(tool, ballTree(), rig.clock, settings(topology)),
+	explicit PressedRig(double rate, ContactTopology topology = ContactTopology::InTick, double mass = 0.3, std::int64_t maxPairs = -1,
+						const std::shared_ptr<const ist::InnerSphereTree>& tree = ballTree())
+		: rig(rate, kGravity), box((rig.addPlane(), rig.addBox(mass, {0, 0.02, 0}))), source(tool, tree, rig.clock, settings(topology, maxPairs)),
 		  thread(device, source, rig.clock)
 	{
 		if (const auto refused = rig.world.materials().set(&tool, {2e7, -1})) throw std::runtime_error(refused->message);
@@ -55,9 +56,10 @@ struct PressedRig
 		device.open();
 		rig.coupling.show(rig.period);
 	}
-	static BulletDecoupledSettings settings(ContactTopology topology)
+	static BulletDecoupledSettings settings(ContactTopology topology, std::int64_t maxPairs)
 	{
 		BulletDecoupledSettings s = handSettings();
+		s.maxPairs = maxPairs;
 		s.gains = {2000, 0.4, 0, 0, 12, 0.2};
 		s.topology = topology;
 		return s;
@@ -195,6 +197,39 @@ TEST(DecoupledFault, ATickDoesNotAllocate)
 		EXPECT_EQ(inTicks, 0) << nameOf(topology);
 		EXPECT_GT(r.thread.step().contactCount, 0);
 	}
+}
+
+// From the first tick on: a tool of few leaves comes near a plane and a body of many, which then is another.
+TEST(DecoupledFault, ATickDoesNotAllocateAtTheFirstMeetingWithALargerTree)
+{
+	auto coarse = std::make_shared<ist::InnerSphereTree>(*ballTree());
+	coarse->law = coarse->levels.back();
+	coarse->levels.clear();
+	for (const ContactTopology topology : kTopologies)
+		for (const std::int64_t maxPairs : {-1, 20})
+		{
+			PressedRig r(60, topology, 0.3, maxPairs, coarse);
+			ASSERT_GT(std::min(mostSlots(*ballTree()), mostSlots(*boxTree())), 2 * mostSlots(*coarse));
+			long inTicks = 0;
+			const auto run = [&](int ticks)
+			{
+				for (int i = 0; i < ticks; ++i)
+				{
+					while (static_cast<double>(r.rig.worldSteps + 1) * r.rig.period <= r.rig.time() + 1e-9) r.rig.stepWorld();
+					const long before = allocationCount();
+					r.thread.run(1);
+					r.source.serveContacts();
+					inTicks += allocationCount() - before;
+				}
+			};
+			run(1500);
+			EXPECT_GT(r.thread.step().contactCount, 0) << nameOf(topology);
+			r.box->setCollisionShape(&r.rig.ballShape);
+			run(1500);
+			EXPECT_GT(r.thread.step().contactCount, 0) << nameOf(topology);
+			EXPECT_EQ(inTicks, 0) << nameOf(topology) << ", " << maxPairs;
+			EXPECT_EQ(r.source.statistics().refusedQueries, 0U);
+		}
 }
 
 TEST(DecoupledFault, ABodyThatIsTakenAwayIsForgotten)
