@@ -24,7 +24,7 @@ bool isFiniteBody(const btCollisionObject& object)
 {
 	const btRigidBody* body = btRigidBody::upcast(&object);
 	const auto finite = [](const btVector3& v) { return isFinite(toVec3(v)); };
-	return isRigid(toPose(object.getWorldTransform())) && (!body || (finite(body->getLinearVelocity()) && finite(body->getAngularVelocity())));
+	return isRigid(toRigidPose(object.getWorldTransform())) && (!body || (finite(body->getLinearVelocity()) && finite(body->getAngularVelocity())));
 }
 
 bool movable(const btCollisionObject* object)

@@ -137,7 +137,7 @@ TEST(QueryHelper, AnswersDoNotDependOnWhoSearchedWhat)
 		};
 		ask(100);
 		{
-			const Neighbours neighbours(int(std::thread::hardware_concurrency()));
+			const Neighbours neighbours{static_cast<int>(std::thread::hardware_concurrency())};
 			ask(50);
 		}
 		EXPECT_FALSE(answers.begin()->empty());
