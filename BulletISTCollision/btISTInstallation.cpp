@@ -68,7 +68,9 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 	{
 		auto treeA = context->registry->find(shape0);
 		auto treeB = context->registry->find(shape1);
-		const bool volumetric = (treeA && treeB) || (treeA && btISTShapeField(shape1).field()) || (treeB && btISTShapeField(shape0).field());
+		// A shape whose tree does not speak for it now, as it was scaled, is Bullet's.
+		const auto hasForm = [this](const btCollisionShape* shape) { return !context->registry->isAttached(shape) && btISTShapeField(shape).field(); };
+		const bool volumetric = (treeA && treeB) || (treeA && hasForm(shape1)) || (treeB && hasForm(shape0));
 		if (volumetric && !isInGImpactCompound(wrap0) && !isInGImpactCompound(wrap1))
 		{
 			const bool swapped = !treeA;  // A has the tree

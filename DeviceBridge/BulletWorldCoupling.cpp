@@ -268,7 +268,7 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 {
 	MirroredBody& out = hand.source->mirror().body(slot);
 	const btRigidBody& body = *btRigidBody::upcast(hand.bodies[slot]);
-	out.X_WB = toPose(body.getWorldTransform());
+	out.X_WB = toRigidPose(body.getWorldTransform());
 	out.X_WB.rotation = rotationMatrix(quaternion(out.X_WB.rotation));
 	out.twist = {toVec3(body.getLinearVelocity()), toVec3(body.getAngularVelocity())};
 	out.inverseMass = {};
@@ -304,7 +304,7 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 ist::Pose BulletWorldCoupling::begunAt(const btCollisionObject* object) const
 {
 	const btRigidBody* body = btRigidBody::upcast(object);
-	const ist::Pose X = toPose(object->getWorldTransform());
+	const ist::Pose X = toRigidPose(object->getWorldTransform());
 	if (!movable(object) || !body->isActive()) return X;
 	return moved(X, -m_seconds * toVec3(body->getLinearVelocity()), -m_seconds * toVec3(body->getAngularVelocity()));
 }
@@ -344,8 +344,8 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 		if ((!movableA && !movableB) || m_registration.store().find(&manifold)) continue;
 		const double inverse = (movableA ? double(btRigidBody::upcast(manifold.getBody0())->getInvMass()) : 0) +
 							   (movableB ? double(btRigidBody::upcast(manifold.getBody1())->getInvMass()) : 0);
-		const ist::Pose X_WA = a >= 0 ? toPose(manifold.getBody0()->getWorldTransform()) : ist::Pose();
-		const ist::Pose X_WB = b >= 0 ? toPose(manifold.getBody1()->getWorldTransform()) : ist::Pose();
+		const ist::Pose X_WA = a >= 0 ? toRigidPose(manifold.getBody0()->getWorldTransform()) : ist::Pose();
+		const ist::Pose X_WB = b >= 0 ? toRigidPose(manifold.getBody1()->getWorldTransform()) : ist::Pose();
 		for (int i = 0; i < manifold.getNumContacts() && out.contactCount < kMirroredContacts; ++i)
 		{
 			const btManifoldPoint& point = manifold.getContactPoint(i);

@@ -12,6 +12,9 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#if defined(__linux__)
+#include <sys/xattr.h>
+#endif
 #include <unistd.h>
 
 namespace ist
@@ -49,11 +52,21 @@ private:
 	int m_file;
 };
 
-/// For `file`, which will replace `old`: whoever may read and write the one may the other. Where the owner or the group cannot be kept, it is nobody more.
-void keepAccess(int file, const struct stat& old)
+bool hasAccessList([[maybe_unused]] const char* path)
+{
+#if defined(__linux__)
+	return ::getxattr(path, "system.posix_acl_access", nullptr, 0) > 0;
+#else
+	return false;
+#endif
+}
+
+/// For `file`, which will replace `old` at `path`: whoever may read and write the one may the other. Where the owner or the group cannot be kept, it is nobody more.
+void keepAccess(int file, const struct stat& old, const char* path)
 {
 	mode_t mode = old.st_mode & 0777;
-	if (::fchown(file, uid_t(-1), old.st_gid) != 0) mode &= ~mode_t(0070);
+	// With an access list the bits of the group are what anybody on the list may at most.
+	if (hasAccessList(path) || ::fchown(file, uid_t(-1), old.st_gid) != 0) mode &= ~mode_t(0070);
 	(void)::fchmod(file, mode);
 	(void)!::fchown(file, old.st_uid, gid_t(-1));
 }
@@ -70,7 +83,7 @@ int createBeside(const std::filesystem::path& target, std::string& name)
 		name = stem + std::to_string(i);
 		const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, replaces ? 0600 : 0666);
 		if (file < 0 && errno == EEXIST) continue;
-		if (file >= 0 && replaces) keepAccess(file, old);
+		if (file >= 0 && replaces) keepAccess(file, old, target.c_str());
 		return file;
 	}
 }

@@ -33,9 +33,9 @@ bool StateWatch::repeats(const DeviceState& state) const noexcept
 	return !state.velocityEstimated && norm(state.twist.linear) > kMovingSpeed && samePose(state.X_WH, m_last.X_WH);
 }
 
-bool StateWatch::jumped(const DeviceState& state, std::int64_t now) const noexcept
+/// `seconds`: since the last sample that was new. Devices may be slower than who reads them.
+bool StateWatch::jumped(const DeviceState& state, double seconds) const noexcept
 {
-	const double seconds = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - m_lastRead));
 	const double way = distance(state.X_WH.translation, m_last.X_WH.translation);
 	const double turn = turnBetween(state.X_WH.rotation, m_last.X_WH.rotation);
 	return way > m_settings.longestJump + m_settings.speed * seconds || turn > m_settings.longestTurn + m_settings.angularSpeed * seconds;
@@ -45,11 +45,11 @@ FaultCause StateWatch::judge(const DeviceState& state, std::int64_t now) noexcep
 {
 	if (!isRigid(state.X_WH) || !isFinite(state.twist)) return FaultCause::InvalidState;
 	const bool first = !m_hasLast, repeated = !first && repeats(state);
+	const double seconds = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - m_lastFresh));
 	if (first || !repeated) m_lastFresh = now;
-	if (!first && jumped(state, now)) m_distrust = m_settings.steadySamples;
+	if (!first && jumped(state, seconds)) m_distrust = m_settings.steadySamples;
 	else if (m_distrust > 0 && !repeated) --m_distrust;
 	m_last = state;
-	m_lastRead = now;
 	m_hasLast = true;
 	if (m_distrust > 0) return FaultCause::Jump;
 	return now - m_lastFresh >= m_settings.frozenAfter ? FaultCause::Frozen : FaultCause::None;

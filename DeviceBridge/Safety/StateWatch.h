@@ -29,11 +29,11 @@ public:
 
 private:
 	bool repeats(const DeviceState& state) const noexcept;
-	bool jumped(const DeviceState& state, std::int64_t now) const noexcept;
+	bool jumped(const DeviceState& state, double seconds) const noexcept;
 
 	StateWatchSettings m_settings;
 	DeviceState m_last;
-	std::int64_t m_lastFresh = 0, m_lastRead = 0;
+	std::int64_t m_lastFresh = 0;
 	int m_distrust = 0;  ///< good samples still wanted after a jump
 	bool m_hasLast = false;
 };

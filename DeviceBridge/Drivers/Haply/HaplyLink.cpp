@@ -100,7 +100,7 @@ private:
 	Failure m_readFailure;
 };
 
-HaplyLink::HaplyLink(HaplyAddress address, std::string uri) : m_address(std::move(address)), m_uri(std::move(uri)) {}
+HaplyLink::HaplyLink(HaplyAddress address, std::string uri) : m_address(std::move(address)), m_uri(std::move(uri)), m_gripId(m_address.grip) {}
 
 HaplyLink::~HaplyLink() { disconnect(); }
 
@@ -127,14 +127,14 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	Failure lost;
 	// The first message comes unasked and holds the inventory.
 	if (!m_socket->receive(kAnswering, text, lost)) return ist::Error{"what answers at " + where + " is no Haply Inverse service", false};
-	const auto read = readHaplyMessage(text, m_address.device, m_address.grip);
+	const auto read = readHaplyMessage(text, m_address.device, m_gripId);
 	if (!read) return ist::Error{where + ": " + read.error().message, false};
 	if (!read.value())
 		return ist::Error{"the Haply Inverse service at " + where + " has no device" + (m_address.device.empty() ? "" : " " + m_address.device), false};
 	const HaplyState& state = *read.value();
 	m_deviceId = state.deviceId, m_kind = state.kind;
-	m_gripId = state.orientation ? state.gripId : m_address.grip;
-	m_orientation = state.orientation.value_or(ist::Quaternion());
+	// Connected again, a grip that is asleep stands as it was heard last.
+	if (state.orientation) m_gripId = state.gripId, m_orientation = *state.orientation;
 	m_lastMessage = RealClock().now();
 	m_turnedAt = 0;
 	m_angular = {};

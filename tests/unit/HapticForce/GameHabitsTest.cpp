@@ -271,6 +271,26 @@ TEST(GameHabits, AScaledBodyIsVolumetricAgainAtItsSizeWhateverElseIsAttachedMean
 	EXPECT_GT(game.ist.contacts().contacts().at(0)->total.volume, 0);
 }
 
+// A box whose tree does not speak for it is no closed form either.
+TEST(GameHabits, APairThatWasMadeWhileABodyWasScaledIsItsTreesLater)
+{
+	Game game(true);
+	btBoxShape other(btVector3(0.5, 0.5, 0.5));
+	const auto attachment = game.ist.attach(&other, cubeTree()).value();
+	other.setLocalScaling(btVector3(1, 2, 1));
+	game.add(other, 0, at(0, -0.5, 0));
+	game.cube(0.95);
+	game.run(2);
+	for (const btISTContact* contact : game.ist.contacts().contacts()) EXPECT_EQ(contact->total.volume, 0);
+	other.setLocalScaling(btVector3(1, 1, 1));
+	game.ist.registration().cleanPairs(game.broadphase.getOverlappingPairCache());
+	game.bodies[1]->setWorldTransform(at(0, 0.45, 0));
+	game.run(1);
+	ASSERT_EQ(game.ist.contacts().contacts().size(), 1U);
+	EXPECT_TRUE(game.ist.contacts().contacts()[0]->treeA && game.ist.contacts().contacts()[0]->treeB);
+	EXPECT_GT(game.ist.contacts().contacts()[0]->total.volume, 0);
+}
+
 namespace
 {
 struct OwnResult : btManifoldResult

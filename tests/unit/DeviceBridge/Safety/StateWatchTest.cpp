@@ -60,6 +60,21 @@ TEST(StateWatch, ATurnThatNoHandMakesIsAJump)
 	}
 }
 
+// A tracker of 30 Hz, read at 1 kHz: what it moves and turns between two samples of its own is no jump.
+TEST(StateWatch, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
+{
+	StateWatchSettings settings;
+	settings.frozenAfter = 100 * kMs;
+	StateWatch watch(settings);
+	for (int tick = 1; tick < 1000; ++tick)
+	{
+		const int sampled = tick - tick % 33;
+		DeviceState s = sample(sampled + 1, {0.005 * sampled, 0, 0});  // 5 m/s
+		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{0, 0.06 * sampled, 0}));  // 60 rad/s
+		ASSERT_EQ(watch.judge(s, tick * kMs), FaultCause::None) << tick;
+	}
+}
+
 TEST(StateWatch, RepeatedSamplesAreFrozenAfterTenMilliseconds)
 {
 	StateWatch numbered, still;
