@@ -326,7 +326,7 @@ TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
 		if (steps++ > 0) return;
 		hand.source.mirror().fetch();
 		ASSERT_TRUE(tenant() && tenant()->leaving);
-		EXPECT_EQ(tenant()->planeNormal, Vec3(0, 1, 0));  // what it was; it is no plane any more
+		EXPECT_EQ(tenant()->planeNormal, (Vec3{0, 1, 0}));  // what it was; it is no plane any more
 	};
 	rig.run(0.2);
 	EXPECT_FALSE(tenant());
