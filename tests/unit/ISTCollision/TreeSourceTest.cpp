@@ -293,19 +293,35 @@ TEST(btISTTreeSource, AttachesByNameAfterLoadingABulletFile)
 		std::fwrite(serializer.getBufferPointer(), size_t(serializer.getCurrentBufferSize()), 1, out);
 		std::fclose(out);
 	}
-	for (const char* name : {"cube of the editor", "its body"})
+	ist::BuildOptions options;
+	options.maxSpheres = 100;
+	const ist::InnerSphereTree tree = ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value();
+	for (const std::string name : {"cube of the editor", "its body"})
 	{
-		Game game;
-		btBulletWorldImporter importer(game.world.get());
-		ASSERT_TRUE(importer.loadFile(file.c_str()));
+		const std::filesystem::path assets = folder.path / ("assets of " + name);
+		std::filesystem::create_directories(assets);
+		const std::string asset = (assets / name).string() + ".ist";
+		ASSERT_TRUE(ist::saveAsset(tree, asset));
+		ASSERT_TRUE(ist::saveAsset(tree, (assets / "nobody.ist").string()));
+		for (const std::string way : {"attach", "attachAsset", "attachFolder"})
 		{
-			btISTTreeSource trees(game.registration.registry(), few());
-			const auto cube = trees.attach(importer, name);
-			EXPECT_EQ(trees.finish(), 1) << cube.error();
-			game.detect();
-			EXPECT_NEAR(game.onlyVolume(), 0.1, 0.005);
+			Game game;
+			btBulletWorldImporter importer(game.world.get());
+			ASSERT_TRUE(importer.loadFile(file.c_str()));
+			{
+				btISTTreeSource trees(game.registration.registry(), few());
+				std::vector<btISTPendingAttachment> cube;
+				if (way == "attachFolder")
+					cube = trees.attachFolder(importer, assets.string());
+				else
+					cube.push_back(way == "attach" ? trees.attach(importer, name.c_str()) : trees.attachAsset(importer, name.c_str(), asset));
+				ASSERT_EQ(cube.size(), 1u) << way << ", " << name;
+				EXPECT_EQ(trees.finish(), 1) << way << ", " << name << ": " << cube[0].error();
+				game.detect();
+				EXPECT_NEAR(game.onlyVolume(), 0.1, 0.005) << way << ", " << name;
+			}
+			importer.deleteAllData();
 		}
-		importer.deleteAllData();
 	}
 }
 #endif
