@@ -37,6 +37,8 @@ PREAMBLE = """#include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include <gtest/gtest.h>
 using namespace ist::test;
 """
+# Bullet's loader of .bullet files, which need not be installed.
+IMPORTER = "#include <BulletWorldImporter/btBulletWorldImporter.h>\n"
 
 
 def blocks(page):
@@ -56,7 +58,8 @@ def write(folder, page):
         elif how.startswith("in:"):
             arguments = how.removeprefix("in:").strip()
             name = f"block_{line}"
-            sources.append(f"{PREAMBLE}void {name}({arguments});\nvoid {name}({arguments})\n{{\n{at}{text}}}\n")
+            importer = IMPORTER if "btBulletWorldImporter" in text else ""
+            sources.append(f"{importer}{PREAMBLE}void {name}({arguments});\nvoid {name}({arguments})\n{{\n{at}{text}}}\n")
         else:
             sys.exit(f"{page}:{line}: say how this block is to be compiled: ```cpp file, ```cpp in: ARGUMENTS, or ```cpp more")
     for number, source in enumerate(sources):
