@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Zlib
-# Installs into a folder and does there what the tutorial says. BUILD, SOURCE (the project), WORK.
+# Installs into a folder and does there what the tutorial says, and with GMOCK the page about tests. BUILD, SOURCE (the project), WORK, GMOCK.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(python3 ${SOURCE}/tests/docs/run_tutorial.py ${SOURCE}/docs/tutorial.md ${WORK}/prefix ${WORK}/folders)
+set(testing "")
+if(GMOCK)
+	set(testing ${SOURCE}/docs/testing.md)
+endif()
+run(python3 ${SOURCE}/tests/docs/run_tutorial.py ${SOURCE}/docs/tutorial.md ${WORK}/prefix ${WORK}/folders ${testing})
 message(STATUS "${text}")

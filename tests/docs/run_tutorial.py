@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
 """Does what docs/tutorial.md says, in an empty folder: its CMakeLists.txt, each of its programs by its first ```sh block, the last of them by the other blocks, too;
-the library as part of the build, which is configured only (consumer_game_add_subdirectory builds one); and its assets, of two boxes.
-Usage: run_tutorial.py PAGE PREFIX FOLDER, PREFIX being where the library is installed, which the page calls ~/bullethaptics"""
+the library as part of the build, which is configured only (consumer_game_add_subdirectory builds one); and its assets, of two boxes. With TESTING, docs/testing.md, what
+that page says to build, too.
+Usage: run_tutorial.py PAGE PREFIX FOLDER [TESTING], PREFIX being where the library is installed, which the page calls ~/bullethaptics"""
 import os
 import pathlib
 import re
 import subprocess
 import sys
 
-tutorial, prefix, folder = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+tutorial, prefix, folder, *testing = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), *map(pathlib.Path, sys.argv[4:])
 loader = {**os.environ, "LD_LIBRARY_PATH": f"{prefix}/lib"}  # where the build made shared libraries, which pkg-config's flags alone do not find
 FIND = "find_package(BulletHaptics 0.1 REQUIRED)\n"
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
 
 
 def blocks(page, kind):
@@ -63,3 +65,11 @@ made = sorted(path.name for path in (place / "build").glob("*.ist"))
 if made != ["bunny.ist", "stairs.ist"]:
     sys.exit(f"{made}{told}")
 print("assets:", *made)
+
+for page in testing:
+    place = folder / "testing"
+    place.mkdir()
+    (place / "CMakeLists.txt").write_text(*blocks(page, "cmake"))
+    program = next(text for text in blocks(page, "cpp file") if BUNNY not in text or pathlib.Path(BUNNY).exists())
+    (place / "physics_tests.cpp").write_text(program)
+    print(last_line(run(commands[0].replace("build/first", "build/physics_tests"), place)))
