@@ -15,7 +15,7 @@ const char* const kDemoUsage =
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
 	"  --scenes FOLDER  where --paper-figures finds its scenes (default data/scenes, from the current folder)\n"
-	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data); a damaged OFF or PLY file may end the program: try it with `ist build` first\n"
+	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data; of the browser's demos, a shape of their own); a damaged OFF or PLY file may end the program: try it with `ist build` first\n"
 	"  --unit METRES    metres per unit of the file (default: the longest side becomes 0.2 m; of --demo grasps, 0.1 m)\n"
 	"  --spheres N      spheres to pack (default 10000)\n"
 	"  --cache DIR      where trees are kept for the next run (default: the current folder; \"\": nowhere)\n"
