@@ -16,7 +16,8 @@ struct btLedgerPatch
 
 /// Contact is passive: what a pair returns to the bodies' motion it has absorbed before. The law is not exactly conservative where
 /// contact is shallower than the packing's gaps, and in a step of finite length a body is inside another before any force has acted
-/// on it; either would add energy without this ledger. An impulse L does the work L . (before + after) / 2, exactly.
+/// on it; either would add energy without this ledger. What gravity does in a step to a body that contact holds is booked, too, m (g h)^2 / 2: much beside
+/// what a contact stores that is stiffer than docs/stability.md allows. An impulse L does the work L . (before + after) / 2, exactly.
 namespace btContactLedger
 {
 /// Call once per step before `share`: opens the ledger of a new overlap and forgets what the pair can no longer hold. Bodies that

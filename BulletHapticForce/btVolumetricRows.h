@@ -14,8 +14,9 @@ struct btVolumetricRowBody
 /// One patch as an implicit block of six rows with Coulomb friction: a step of backward Euler in the force. All in double.
 ///
 /// Elastic part: impulse L = (I + S W)^-1 (h w0 - S u), S = h^2 K + h D, w0 the wrench at the beginning of the step, u the twist of A
-/// relative to B that all else would give, W = J M^-1 J^T. Stable for every K, D and h; no inverse of K, so any rank will do.
-/// It never pulls: when its normal component is negative, the impulse is zero. Backward Euler in the force.
+/// relative to B that all else would give, W = J M^-1 J^T. Stable for every K, D and h that hold over the step (docs/stability.md says where
+/// trees are so stiff that they do not); no inverse of K, so any rank will do. It never pulls: when
+/// its normal component is negative, the impulse is zero. Backward Euler in the force.
 ///
 /// Friction: force along the surface and drilling moment over the friction radius, together within a ball of radius mu L_n (the
 /// ellipsoid that approximates the limit surface of a patch). No creep: within the ball the point does not slip.
