@@ -30,22 +30,6 @@ Pose poseOf(const btRigidBody& body)
 	return X;
 }
 
-PrincipalMesh inPrincipalFrame(const Mesh& mesh)
-{
-	const MassProperties mass = massProperties(mesh);
-	// Of order 1, so that Bullet's absolute thresholds do not matter.
-	const double scale = 3 / (mass.inertia.m[0][0] + mass.inertia.m[1][1] + mass.inertia.m[2][2]);
-	btMatrix3x3 inertia, axes;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) inertia[i][j] = btScalar(scale * mass.inertia.m[i][j]);
-	inertia.diagonalize(axes, btScalar(1e-6), 50);
-	Mat3 R;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) R.m[i][j] = double(axes[i][j]);
-	const Pose X_MP{rotationMatrix(quaternion(R)), mass.centerOfMass};
-	return {transformed(mesh, inverse(X_MP)), X_MP};
-}
-
 BodiesOnPlane::BodiesOnPlane(const BodyMaterial& plane)
 	: m_planeShape(btVector3(0, 1, 0), 0), m_plane(0, nullptr, &m_planeShape, btVector3(0, 0, 0))
 {

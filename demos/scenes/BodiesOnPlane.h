@@ -12,14 +12,6 @@
 
 namespace scenes
 {
-/// A mesh as Bullet wants a body: the origin at the centre of mass, the axes along the principal ones.
-struct PrincipalMesh
-{
-	ist::Mesh mesh;
-	ist::Pose X_MP;  ///< of the principal frame P in that of the mesh M as given
-};
-PrincipalMesh inPrincipalFrame(const ist::Mesh& mesh);
-
 struct BodyMaterial
 {
 	double density = 1000;    ///< [kg/m^3]

@@ -3,7 +3,7 @@
 
 #include "DeviceBridge/BulletDecoupledSource.h"
 #include "DeviceBridge/SafetyLimiter.h"
-#include "demos/scenes/SceneWorld.h"
+#include "SceneFiles/SceneWorld.h"
 
 #include <string>
 #include <vector>

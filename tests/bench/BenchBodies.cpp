@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/SceneShapes.h"
+#include "SceneFiles/SceneShapes.h"
 
 #include <filesystem>
 

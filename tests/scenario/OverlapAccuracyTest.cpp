@@ -5,9 +5,9 @@
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
+#include "SceneFiles/SceneShapes.h"
 #include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
-#include "demos/scenes/SceneShapes.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include "demos/browser/ToolDemo.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/SceneShapes.h"
+#include "SceneFiles/SceneShapes.h"
 
 using namespace ist;
 

@@ -5,8 +5,8 @@
 #include "BulletISTCollision/Core/PromiseShare.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
+#include "SceneFiles/SceneShapes.h"
 #include "demos/scenes/PoseSampler.h"
-#include "demos/scenes/SceneShapes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/AssetCache.h"
+#include "SceneFiles/AssetCache.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
 

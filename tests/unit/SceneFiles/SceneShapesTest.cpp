@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/SceneShapes.h"
+#include "SceneFiles/SceneShapes.h"
 
 #include "BulletISTCollision/Core/MeshRepair.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/JsonSource.h"
+#include "SceneFiles/JsonSource.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/SceneWorld.h"
+#include "SceneFiles/SceneWorld.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/btISTConversion.h"
-#include "demos/scenes/AssetCache.h"
-#include "demos/scenes/BodiesOnPlane.h"
+#include "SceneFiles/AssetCache.h"
+#include "SceneFiles/PrincipalMesh.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btConvexHullShape.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/SceneFile.h"
+#include "SceneFiles/SceneFile.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/JsonSource.h"
-#include "demos/scenes/SceneShapes.h"
+#include "SceneFiles/JsonSource.h"
+#include "SceneFiles/SceneShapes.h"
 
 #include <cmath>
 #include <filesystem>

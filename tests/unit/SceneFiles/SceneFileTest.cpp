@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/SceneFile.h"
+#include "SceneFiles/SceneFile.h"
 
 #include <gtest/gtest.h>
 
