@@ -43,6 +43,7 @@ public:
 		eachOf(root, "materials", [&](JsonFields& f, size_t) { readMaterial(f); });
 		root.need("bodies");
 		eachOf(root, "bodies", [&](JsonFields& f, size_t) { readBody(f); });
+		if (m_scene.bodies.empty()) root.refuse("bodies", "wants at least one");
 		readHand(root);
 		readWatch(root);
 		eachOf(root, "hooks", [&](JsonFields& f, size_t) { readHook(f); });
@@ -250,9 +251,10 @@ private:
 
 	void readHand(JsonFields& root)
 	{
-		root.need("hand");
+		m_scene.handPlace = placeOf(root, "hand");
 		const Json* object = root.object("hand");
 		if (!object || m_problem) return;
+		m_scene.hasHand = true;
 		JsonFields f = fields(*object, "hand");
 		f.need("device");
 		f.need("tool");

@@ -115,6 +115,8 @@ struct Scene
 	SceneTopology topology = SceneTopology::OneThread;
 	double worldRate = 60;
 	int64_t maxPairs = -1;
+	bool hasHand = false;        ///< a session wants one, tests do without: then what follows, up to `coupling`, and `tool` say nothing
+	std::string handPlace;
 	std::string device;          ///< address
 	std::string devicePlace;
 	std::optional<ist::Pose> X_BW;  ///< of the device's world; where missing, its origin lies at the first key frame

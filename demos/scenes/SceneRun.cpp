@@ -381,6 +381,7 @@ std::optional<Error> playDecoupled(const Stage& stage, SceneOutcome& outcome)
 
 Result<SceneOutcome> runScene(const Scene& scene, const SceneRunOptions& options, std::unique_ptr<SceneWorld>* world)
 {
+	if (!scene.hasHand) return at(scene.handPlace, "is missing: a session needs one");
 	if (auto refused = checkRecordings(scene)) return *refused;
 	const bool oneThread = scene.topology == SceneTopology::OneThread;
 	Result<std::unique_ptr<SceneWorld>> made = SceneWorld::make(scene, oneThread, options.build);

@@ -225,6 +225,7 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"factor\": 0.5", "\"factor\": 0.5, \"gain\": 1", "s.json:45: hooks[4].gain: no such field is known here"},
 		{"\"hooks\": [", "\"hooks\": {} , \"x\": [", "s.json:40: hooks: wants a list in brackets"},
 		{"\"bodies\": [", "\"corpses\": [", "s.json:1: bodies: is missing"},
+		{"\"bodies\": [", "\"bodies\": [], \"corpses\": [", "s.json:19: bodies: wants at least one"},
 		{"\"about\": \"words\",", "\"about\": \"words\"", "s.json:5: not JSON: "},
 	};
 	for (const Mistake& m : mistakes)
@@ -239,6 +240,18 @@ TEST(SceneFile, WithoutADurationThePathGivesIt)
 	const Result<Scene> scene = parseScene("s.json", with("\t\"duration\": 2.5,\n", ""), "");
 	ASSERT_TRUE(scene) << scene.error().message;
 	EXPECT_EQ(scene.value().duration, 1);
+}
+
+TEST(SceneFile, ASceneForTestsHasNoHand)
+{
+	const Result<Scene> whole = parseScene("s.json", kWhole, "");
+	ASSERT_TRUE(whole) << whole.error().message;
+	EXPECT_TRUE(whole.value().hasHand);
+	EXPECT_EQ(whole.value().handPlace, "s.json:27: hand");
+	const Result<Scene> scene = parseScene("s.json", R"({"schema": 1, "bodies": [{"name": "pea", "sphere": 0.01}]})", "");
+	ASSERT_TRUE(scene) << scene.error().message;
+	EXPECT_FALSE(scene.value().hasHand);
+	EXPECT_EQ(scene.value().handPlace, "s.json:1: hand");
 }
 
 TEST(SceneFile, ARecordingDoesNotTakeThePlaceOfItsScene)

@@ -31,6 +31,7 @@ cat > "$dir/good.json" <<'JSON'
 }
 JSON
 sed 's/"tool": "ball"/"tool": "bell"/' "$dir/good.json" > "$dir/bad.json"
+echo '{"schema": 1, "bodies": [{"name": "pea", "sphere": 0.01}]}' > "$dir/handless.json"
 
 expect "an economy beyond its range" 2 "--economy must be off or a number from 0 to 0.5" "$demos" --demo hello --headless --economy 0.7
 expect "an economy of a scene file" 2 "only the browser's demos know it" "$demos" --scene "$dir/good.json" --economy off
@@ -53,6 +54,7 @@ expect "a good scene runs at its own pace" 0 "report: $dir/r.html" "$demos" --sc
 grep -q "<svg" "$dir/r.html" || { echo "FAILED: no plot in the report"; failures=$((failures + 1)); }
 expect "a mistake is named with line and field" 1 "bad.json:6: hand.tool: no body is called bell; there are ball" "$demos" --scene "$dir/bad.json"
 [ ! -s "$dir/out" ] || { echo "FAILED: a refused scene wrote to stdout"; failures=$((failures + 1)); }
+expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one" "$demos" --scene "$dir/handless.json"
 expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --scene "$dir/none.json"
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
 expect "a folder is no scene" 1 "$dir: cannot be read" "$demos" --scene "$dir"
