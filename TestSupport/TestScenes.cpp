@@ -7,6 +7,7 @@
 #include <limits>
 #include <ostream>
 #include <stdexcept>
+#include <string>
 
 namespace ist::test
 {
@@ -16,6 +17,8 @@ constexpr double kGravity = 9.81;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kSettling = 6, kWatching = 2;  // swings; what oscillates is averaged over whole ones
 constexpr double kMoreThanFriction = 0.5;
+constexpr int kTower = 5;
+constexpr double kHeavier = 20;
 
 /// What is tried, in the world of a scene.
 struct Subject
@@ -37,15 +40,59 @@ Subject make(const BodyMaker& maker, TestWorld& world, const btTransform& pose)
 	return {body, 1 / double(body.getInvMass()), tree->volume, size, 2 * kPi * std::sqrt(size / kGravity)};
 }
 
-/// Turned about the vertical, so that nothing lies along the axes of the world, with its lowest point at y = 0.
-Subject makeOnFloor(const BodyMaker& maker, TestWorld& world)
+/// Turned about the vertical, so that nothing lies along the axes of the world, with its lowest point at `height`, which becomes that of its highest.
+Subject makeAbove(double& height, const BodyMaker& maker, TestWorld& world, double turn = 0.7)
 {
-	const Subject subject = make(maker, world, at(0, 0, 0, btVector3(0, 1, 0), 0.7));
+	const Subject subject = make(maker, world, at(0, 0, 0, btVector3(0, 1, 0), turn));
 	btVector3 lower, upper;
 	subject.body.getAabb(lower, upper);
-	subject.body.translate(btVector3(0, -lower.y(), 0));
+	subject.body.translate(btVector3(0, btScalar(height) - lower.y(), 0));
 	subject.body.setInterpolationWorldTransform(subject.body.getWorldTransform());
+	height += double(upper.y() - lower.y());
 	return subject;
+}
+
+Subject makeOnFloor(const BodyMaker& maker, TestWorld& world)
+{
+	double height = 0;
+	return makeAbove(height, maker, world);
+}
+
+/// From the floor on, each turned against the one below it. They move up and down and nowhere else.
+std::vector<Subject> makeTower(int count, const BodyMaker& maker, TestWorld& world)
+{
+	std::vector<Subject> tower;
+	double height = 0;
+	for (int i = 0; i < count; ++i)
+	{
+		tower.push_back(makeAbove(height, maker, world, 0.7 * (i + 1)));
+		tower.back().body.setLinearFactor(btVector3(0, 1, 0));
+		tower.back().body.setAngularFactor(btScalar(0));
+	}
+	return tower;
+}
+
+void makeHeavier(TestWorld& world, Subject& subject, double times)
+{
+	subject.mass *= times;
+	const btVector3 acceleration = subject.body.getGravity();
+	subject.body.setMassProps(btScalar(subject.mass), btScalar(times) * subject.body.getLocalInertia());
+	subject.body.setGravity(acceleration);
+	btContactMaterial material = world.world().materials().find(&subject.body);
+	material.stiffness *= times;
+	if (const auto refused = world.world().materials().set(&subject.body, material)) throw std::runtime_error(refused->message);
+}
+
+/// Of what the lower one does to the upper one [N], in the mean over the time since the last mark.
+double meanForceUp(const TestWorld& world, const btRigidBody& upper, const btRigidBody& lower, double seconds)
+{
+	double sum = 0;
+	for (const ContactRecord& record : world.log().records())
+	{
+		if (record.a == &upper && record.b == &lower) sum += record.impulseOnA.y;
+		if (record.b == &upper && record.a == &lower) sum -= record.impulseOnA.y;
+	}
+	return sum / seconds;
 }
 
 /// Of the overlaps of the body with all others [m^3], over the steps since the last mark.
@@ -64,13 +111,20 @@ double stiffnessOfContact(TestWorld& world)
 	return std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Lets it come to rest, and returns how long it is watched after that.
+double settle(TestWorld& world, double swing, double h)
+{
+	world.run(kSettling * swing, h);
+	world.mark();
+	const double begun = world.time();
+	world.run(kWatching * swing, h);
+	return world.time() - begun;
+}
+
 /// The mean overlap when it has come to rest.
 double overlapAtRest(TestWorld& world, const Subject& subject, double h)
 {
-	world.run(kSettling * subject.swing, h);
-	world.mark();
-	world.run(kWatching * subject.swing, h);
-	return meanOverlap(world, subject.body, kWatching * subject.swing, h);
+	return meanOverlap(world, subject.body, settle(world, subject.swing, h), h);
 }
 
 /// The second on its way to the first, which waits; returns how long it takes until they have met and parted.
@@ -150,12 +204,46 @@ std::vector<SceneValue> collideWithItsLike(const BodyMaker& body, double h)
 			{"energy from nowhere [J]", larger(0, world.energyGained()), 0, energy}};
 }
 
+std::vector<SceneValue> standInTower(const BodyMaker& body, double h)
+{
+	TestWorld world;
+	const btRigidBody& floor = world.addFloor();
+	const std::vector<Subject> tower = makeTower(kTower, body, world);
+	// Its slowest oscillation is that of a pendulum as high as the tower, at most.
+	const double seconds = settle(world, std::sqrt(double(kTower)) * tower[0].swing, h);
+	std::vector<SceneValue> values = {{"speed [m/s]", world.fastest(), 0, std::sqrt(kGravity * tower[0].size)}};
+	for (int i = 0; i < kTower; ++i)
+	{
+		const double carried = meanForceUp(world, tower[i].body, i == 0 ? floor : tower[i - 1].body, seconds);
+		const double expected = (kTower - i) * tower[i].mass * kGravity;
+		values.push_back({"force below number " + std::to_string(i + 1) + " from the floor [N]", carried, expected, expected});
+	}
+	return values;
+}
+
+std::vector<SceneValue> carryHeavyOne(const BodyMaker& body, double h)
+{
+	TestWorld world;
+	const btRigidBody& floor = world.addFloor();
+	std::vector<Subject> pair = makeTower(2, body, world);
+	const Subject& light = pair[0];
+	Subject& heavy = pair[1];
+	makeHeavier(world, heavy, kHeavier);
+	const double seconds = settle(world, std::sqrt(2) * light.swing, h);
+	const double weight = heavy.mass * kGravity, both = weight + light.mass * kGravity;
+	return {{"force below the heavy one [N]", meanForceUp(world, heavy.body, light.body, seconds), weight, weight},
+			{"force below the light one [N]", meanForceUp(world, light.body, floor, seconds), both, both},
+			{"speed [m/s]", world.fastest(), 0, std::sqrt(kGravity * light.size)}};
+}
+
 const std::vector<TestScene>& testScenes()
 {
 	static const std::vector<TestScene> scenes = {
 		{"RestOnFloor", "the overlap times the stiffness of the contact is the weight, and nothing moves", restOnFloor},
 		{"SlideDownSlope", "the acceleration is g (sin a - mu cos a)", slideDownSlope},
 		{"FloatInFluid", "the displaced fluid weighs as much as the body: half of it is immersed", floatInFluid},
+		{"StandInTower", "each of five carries those above it, and nothing moves", standInTower},
+		{"CarryHeavyOne", "the light one carries the heavy one, the floor both, and nothing moves", carryHeavyOne},
 		{"CollideWithItsLike", "momentum stays, and no energy is gained", collideWithItsLike},
 	};
 	return scenes;

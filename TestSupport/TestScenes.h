@@ -44,6 +44,11 @@ std::vector<SceneValue> restOnFloor(const BodyMaker& body, double h = 1.0 / 240)
 std::vector<SceneValue> slideDownSlope(const BodyMaker& body, double h = 1.0 / 240);
 /// A body floats in a fluid of twice its mean density.
 std::vector<SceneValue> floatInFluid(const BodyMaker& body, double h = 1.0 / 240);
+/// Five of the body stand on each other on a floor. Here and in the next scene bodies are guided: they move up and down and nowhere else, so that no
+/// shape topples. A body that is too soft for its load gives way, and fails.
+std::vector<SceneValue> standInTower(const BodyMaker& body, double h = 1.0 / 240);
+/// The body lies on a floor, and on it its like, of twenty times the mass and, where it has one, the stiffness.
+std::vector<SceneValue> carryHeavyOne(const BodyMaker& body, double h = 1.0 / 240);
 /// One of the body flies into another, off its centre, without gravity.
 std::vector<SceneValue> collideWithItsLike(const BodyMaker& body, double h = 1.0 / 240);
 
