@@ -20,15 +20,15 @@ using namespace ist;
 
 namespace scenes
 {
-struct SceneWorld::Asset
+namespace
+{
+struct Asset
 {
 	std::shared_ptr<const InnerSphereTree> tree;
 	PrincipalMesh principal;
 	std::vector<Vec3> hull;
 };
 
-namespace
-{
 std::vector<Vec3> cornersOf(const InnerSphereTree& tree)
 {
 	std::vector<Vec3> corners;
@@ -64,22 +64,10 @@ Result<Mesh> sourceMesh(const SceneAsset& asset, const SceneBuildOptions& option
 }
 
 Error at(const std::string& place, const Error& error) { return {place + ": " + error.message, error.cancelled}; }
-}  // namespace
 
-SceneWorld::~SceneWorld()
+Result<std::vector<Asset>> makeAssets(const Scene& scene, const SceneBuildOptions& options)
 {
-	for (btRigidBody* body : m_inWorld) m_world.bullet().removeRigidBody(body);
-}
-
-const char* SceneWorld::nameOf(const void* object) const
-{
-	for (const Body& body : m_bodies)
-		if (body.body.get() == object) return body.name.c_str();
-	return "world";
-}
-
-std::optional<Error> SceneWorld::addAssets(const Scene& scene, const SceneBuildOptions& options)
-{
+	std::vector<Asset> assets;
 	for (const SceneAsset& from : scene.assets)
 	{
 		Asset asset;
@@ -104,20 +92,21 @@ std::optional<Error> SceneWorld::addAssets(const Scene& scene, const SceneBuildO
 			asset.tree = built.value().tree;
 			asset.hull = asset.principal.mesh.vertices;
 		}
-		m_assets.push_back(std::move(asset));
+		assets.push_back(std::move(asset));
 	}
-	return std::nullopt;
+	return assets;
 }
 
-std::optional<Error> SceneWorld::addBody(const SceneBody& from, const Vec3& gravity, bool inWorld)
+/// In no world yet.
+Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset>& assets, const Vec3& gravity)
 {
-	Body body;
+	SceneWorld::Body body;
 	body.name = from.name;
 	double mass = from.mass;
 	btVector3 inertia(0, 0, 0);
 	if (from.kind == SceneBody::Kind::Asset)
 	{
-		const Asset& asset = m_assets[from.asset];
+		const Asset& asset = assets[from.asset];
 		if (!from.fixed && asset.principal.mesh.vertices.empty() && !isPrincipal(*asset.tree))
 			return Error{from.place + ": the asset of a body that moves has its centre of mass at the origin and its principal axes along x, y, z; "
 									  "name its mesh instead, which is turned so"};
@@ -150,44 +139,71 @@ std::optional<Error> SceneWorld::addBody(const SceneBody& from, const Vec3& grav
 	body.body->setInterpolationWorldTransform(pose);
 	body.body->setFriction(btScalar(from.material.friction));
 	body.body->setGravity(toBullet(gravity));
-	if (body.tree && inWorld)
-	{
-		Result<btISTAttachment> attached = m_world.attach(body.shape.get(), body.tree);
-		if (!attached) return at(from.place, attached.error());
-		body.attachment = std::move(attached).value();
-	}
-	if (auto refused = m_world.materials().set(body.body.get(), {from.material.stiffness, from.material.dissipation})) return at(from.place, *refused);
-	if (inWorld)
-	{
-		m_world.bullet().addRigidBody(body.body.get());
-		m_inWorld.push_back(body.body.get());
-	}
-	m_bodies.push_back(std::move(body));
-	return std::nullopt;
+	return body;
 }
 
-std::optional<Error> SceneWorld::watch(const Scene& scene)
+std::optional<Error> watch(btISTWorld& world, const Scene& scene, const std::vector<SceneWorld::Body>& bodies)
 {
-	btISTWatch& watch = m_world.watch();
-	for (const auto& [a, b] : scene.pairs) watch.watchPair(m_bodies[a].body.get(), m_bodies[b].body.get());
+	btISTWatch& watch = world.watch();
+	for (const auto& [a, b] : scene.pairs) watch.watchPair(bodies[a].body.get(), bodies[b].body.get());
 	if (scene.onlyPairs && scene.pairs.empty())
 	{
 		// An empty list: no pair is volumetric.
-		watch.watchPair(m_bodies[0].body.get(), m_bodies[0].body.get());
-		watch.unwatchPair(m_bodies[0].body.get(), m_bodies[0].body.get());
+		watch.watchPair(bodies[0].body.get(), bodies[0].body.get());
+		watch.unwatchPair(bodies[0].body.get(), bodies[0].body.get());
 	}
 	if (!scene.region) return std::nullopt;
 	return watch.watchRegion(toBullet(scene.region->lower), toBullet(scene.region->upper));
+}
+}  // namespace
+
+SceneWorld::~SceneWorld()
+{
+	for (Body& body : m_bodies)
+		if (body.body->isInWorld()) m_world.bullet().removeRigidBody(body.body.get());
+}
+
+const char* SceneWorld::nameOf(const void* object) const
+{
+	for (const Body& body : m_bodies)
+		if (body.body.get() == object) return body.name.c_str();
+	return "world";
+}
+
+Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options)
+{
+	const Result<std::vector<Asset>> assets = makeAssets(scene, options);
+	if (!assets) return assets.error();
+	std::vector<Body> bodies;
+	for (const SceneBody& from : scene.bodies)
+	{
+		Result<Body> body = makeBody(from, assets.value(), scene.gravity);
+		if (!body) return body.error();
+		bodies.push_back(std::move(body).value());
+	}
+	const auto inWorld = [&](size_t i) { return withTool || i != scene.tool; };
+	if (auto refused = world.setGravity(toBullet(scene.gravity))) return *refused;
+	for (size_t i = 0; i < bodies.size(); ++i)
+	{
+		const SceneBody& from = scene.bodies[i];
+		if (auto refused = world.materials().set(bodies[i].body.get(), {from.material.stiffness, from.material.dissipation})) return at(from.place, *refused);
+		if (!bodies[i].tree || !inWorld(i)) continue;
+		Result<btISTAttachment> attached = world.attach(bodies[i].shape.get(), bodies[i].tree);
+		if (!attached) return at(from.place, attached.error());
+		bodies[i].attachment = std::move(attached).value();
+	}
+	if (auto refused = watch(world, scene, bodies)) return *refused;
+	for (size_t i = 0; i < bodies.size(); ++i)
+		if (inWorld(i)) world.bullet().addRigidBody(bodies[i].body.get());
+	return bodies;
 }
 
 Result<std::unique_ptr<SceneWorld>> SceneWorld::make(const Scene& scene, bool withTool, const SceneBuildOptions& options)
 {
 	std::unique_ptr<SceneWorld> made(new SceneWorld);
-	if (auto refused = made->m_world.setGravity(toBullet(scene.gravity))) return *refused;
-	if (auto refused = made->addAssets(scene, options)) return *refused;
-	for (size_t i = 0; i < scene.bodies.size(); ++i)
-		if (auto refused = made->addBody(scene.bodies[i], scene.gravity, withTool || i != scene.tool)) return *refused;
-	if (auto refused = made->watch(scene)) return *refused;
+	Result<std::vector<Body>> bodies = addTo(made->m_world, scene, withTool, options);
+	if (!bodies) return bodies.error();
+	made->m_bodies = std::move(bodies).value();
 	return made;
 }
 }  // namespace scenes

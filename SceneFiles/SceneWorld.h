@@ -39,6 +39,9 @@ public:
 
 	/// `withTool`: the tool is a body of the world; otherwise it is left out of it.
 	static ist::Result<std::unique_ptr<SceneWorld>> make(const Scene& scene, bool withTool, const SceneBuildOptions& options);
+	/// The same in a world that is there, which takes gravity, pairs and region of the scene; bodies are the caller's, who takes them out of it. When
+	/// refused, none is in it.
+	static ist::Result<std::vector<Body>> addTo(btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options);
 	~SceneWorld();
 
 	btISTWorld& world() { return m_world; }
@@ -49,15 +52,9 @@ public:
 	const char* nameOf(const void* object) const;
 
 private:
-	struct Asset;
 	SceneWorld() = default;
-	std::optional<ist::Error> addAssets(const Scene& scene, const SceneBuildOptions& options);
-	std::optional<ist::Error> addBody(const SceneBody& body, const ist::Vec3& gravity, bool inWorld);
-	std::optional<ist::Error> watch(const Scene& scene);
 
 	btISTWorld m_world;
-	std::vector<Asset> m_assets;
 	std::vector<Body> m_bodies;
-	std::vector<btRigidBody*> m_inWorld;
 };
 }  // namespace scenes

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TreeCache.h"
 #include "BulletISTCollision/btISTConversion.h"
+#include "SceneFiles/SceneWorld.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
@@ -103,6 +104,31 @@ btRigidBody& TestWorld::addFloor(double height)
 {
 	m_shapes.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(height)));
 	return addShape(*m_shapes.back(), 0, btTransform::getIdentity());
+}
+
+void TestWorld::addScene(const std::string& path)
+{
+	const scenes::Scene scene = orThrow(scenes::loadScene(path));
+	for (const scenes::SceneBody& body : scene.bodies)
+		if (m_named.count(body.name)) throw std::runtime_error(body.place + ": the world has a body that is called " + body.name + " already");
+	for (scenes::SceneWorld::Body& made : orThrow(scenes::SceneWorld::addTo(m_world, scene, true, {m_folder, {}, {}})))
+	{
+		made.body->setActivationState(DISABLE_DEACTIVATION);
+		m_named[made.name] = made.body.get();
+		m_shapes.push_back(std::move(made.shape));
+		m_bodies.push_back(std::move(made.body));
+		m_attachments.push_back(std::move(made.attachment));
+	}
+	mark();
+}
+
+btRigidBody& TestWorld::body(const std::string& name)
+{
+	const auto found = m_named.find(name);
+	if (found != m_named.end()) return *found->second;
+	std::string known;
+	for (const auto& each : m_named) known += (known.empty() ? "; there are " : ", ") + each.first;
+	throw std::runtime_error("no body is called " + name + (known.empty() ? "; there is no scene" : known));
 }
 
 void TestWorld::run(double seconds, double h)

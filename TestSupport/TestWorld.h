@@ -8,6 +8,7 @@
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +52,11 @@ public:
 	btRigidBody& addShape(btCollisionShape& shape, double mass, const btTransform& pose);
 	/// The half-space below y = `height`.
 	btRigidBody& addFloor(double height = 0);
+	/// The bodies of a scene file (data/scenes/README.md), with its materials, pairs, region and numbers of spheres, in its gravity. A hand and hooks take
+	/// no part: what a hand would hold is a body like the others. Mistakes are thrown with file, line and field.
+	void addScene(const std::string& path);
+	/// One of those, by its name in the file.
+	btRigidBody& body(const std::string& name);
 
 	/// As many steps of `h` [s] as make up `seconds`.
 	void run(double seconds, double h = 1.0 / 240);
@@ -82,6 +88,7 @@ private:
 	std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
 	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
 	std::vector<btISTAttachment> m_attachments;
+	std::map<std::string, btRigidBody*> m_named;
 	ContactLog m_log{m_world.bullet(), m_world.contacts()};
 	std::unique_ptr<btEnergyAudit> m_audit = std::make_unique<btEnergyAudit>(m_world.bullet(), m_world.contacts());
 	double m_time = 0;

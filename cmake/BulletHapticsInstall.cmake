@@ -42,12 +42,16 @@ if(TARGET ist)
 	install(TARGETS ist EXPORT BulletHapticsTools RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 	install(EXPORT BulletHapticsTools NAMESPACE BulletHaptics:: DESTINATION ${package_folder} COMPONENT tools)
 endif()
+# Scene files are for the demos and for tests: beside the demos where these are built.
+set(scenes_component dev)
 if(TARGET haptic_demos)
 	install(TARGETS haptic_demos RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT demos)
-	install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT demos)
+	set(scenes_component demos)
 endif()
+install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT ${scenes_component})
+set(scene_folder ${CMAKE_INSTALL_DATADIR}/BulletHaptics/scenes)
 
-configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake INSTALL_DESTINATION ${package_folder})
+configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake INSTALL_DESTINATION ${package_folder} PATH_VARS scene_folder)
 write_basic_package_version_file(BulletHapticsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake

@@ -35,7 +35,7 @@ class BulletHapticsConan(ConanFile):
 
     def export_sources(self):
         folders = ("BulletISTCollision", "BulletHapticForce", "SceneFiles", "DeviceBridge", "TestSupport", "cmake")
-        for pattern in ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "data/devices/*", "packaging/*"] + [f + "/*" for f in folders]:
+        for pattern in ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "data/devices/*", "data/scenes/*", "packaging/*"] + [f + "/*" for f in folders]:
             copy(self, pattern, self._checkout, self.export_sources_folder)
 
     def layout(self):

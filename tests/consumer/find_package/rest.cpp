@@ -26,6 +26,32 @@ TEST(Crate, ComesToRestOnTheBunny)
 	EXPECT_GT(crate.getWorldTransform().getOrigin().y(), .05) << "on it, not below it";
 }
 
+TEST(Crate, ComesToRestInTheSceneOfAFile)
+{
+	TestWorld world;
+	world.keepTreesIn(TREE_FOLDER);
+	world.addScene(SCENE);
+	world.run(3);
+	EXPECT_THAT(world, IsAtRest());
+	EXPECT_THAT(world, GainsNoEnergy(1e-3));
+	EXPECT_NEAR(double(world.body("crate").getWorldTransform().getOrigin().y()), .15, 2e-3);
+}
+
+// The points reach up to 7 cm, and half of the plate is 4 mm thick.
+TEST(Plate, ComesToRestOnThePointsOfTheCrown)
+{
+	const char* crown = SCENE_FOLDER "/crown.json";
+	if (!std::filesystem::exists(crown)) GTEST_SKIP() << "needs the scene files: apt-get install bullethaptics-demos";
+
+	TestWorld world;
+	world.keepTreesIn(TREE_FOLDER);
+	world.addScene(crown);
+	world.run(2);
+	EXPECT_THAT(world, IsAtRest());
+	EXPECT_TRUE(world.log().haveTouched(&world.body("plate"), &world.body("crown")));
+	EXPECT_NEAR(double(world.body("plate").getWorldTransform().getOrigin().y()), .074, 5e-3);
+}
+
 TEST(Crate, BehavesAsTheorySays)
 {
 	const auto makeCrate = [](TestWorld& world, const btTransform& pose) -> btRigidBody&
