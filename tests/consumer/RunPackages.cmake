@@ -60,6 +60,15 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consume
 run(${CMAKE_COMMAND} --build ${WORK}/consumer --parallel 2)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/consumer --output-on-failure --no-tests=error)
 message(STATUS "${text}")
+# Debian's clang comes without OpenMP, which shared libraries bring for themselves.
+find_program(clang clang++)
+if(clang)
+	run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consumer_clang -DCMAKE_PREFIX_PATH=${WORK}/root/usr -DCMAKE_BUILD_TYPE=Release
+		-DCMAKE_CXX_COMPILER=${clang} -DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON)
+	run(${CMAKE_COMMAND} --build ${WORK}/consumer_clang --parallel 2 --target core force)
+	run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/consumer_clang --output-on-failure --no-tests=error -R "^(core|force)$")
+	message(STATUS "${text}")
+endif()
 run(${CMAKE_COMMAND} -DPREFIX=${WORK}/root/usr -DWAY=pkg_config -DSOURCE=${SOURCE}/tests/consumer/stock_game -DWORK=${WORK}/game -DLAUNCHER=${LAUNCHER}
 	-P ${SOURCE}/tests/consumer/stock_game/RunGame.cmake)
 message(STATUS "${text}")
