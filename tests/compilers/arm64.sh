@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
-# Builds libraries, command and tests for 64-bit ARM, and runs the tests of the query, the collision algorithm and the solver under QEMU, which takes
-# twenty times as long: of the core's tests those that take this machine itself no more than a second, and those that compare queries with brute force.
+# Builds all libraries, both commands and tests for 64-bit ARM, and runs the tests of the query, the collision algorithm, the solver and the devices under
+# QEMU, which takes twenty times as long: of the tests of core and devices those that take this machine itself no more than a second, and those that
+# compare queries with brute force; of the devices none that keeps time with a clock.
 # The libraries of that architecture are unpacked from this Debian's own package sources; nothing is installed.
 # Usage: tests/compilers/arm64.sh SOURCE FOLDER NATIVE
 #   NATIVE: a folder with the same test programs for this machine (BUILD/tests/unit)
@@ -43,13 +44,15 @@ quick()
 	done 2>/dev/null
 }
 
-cmake --build "$build" --target ist >/dev/null
+cmake --build "$build" --target ist devicebridge_command DeviceBridge DeviceBridge-float64 BulletHapticsTestSupport BulletHapticsTestSupport-float64 >/dev/null
 status=0
-for program in test_core test_core_threads test_collision test_collision-float64 test_force test_force-float64; do
+qemu-aarch64 -L "$root" "$build/DeviceBridge/Tools/devicebridge" list >/dev/null || status=1
+for program in test_core test_core_threads test_devices test_collision test_collision-float64 test_force test_force-float64; do
 	cmake --build "$build" --target $program >/dev/null
 	filter='*'
 	case $program in
 		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)" ;;
+		test_devices) filter="$(quick "$native/$program" | paste -sd:)-Stepping*:Threaded*:AnsweringThread.*:GapBridge.*" ;;
 	esac
 	echo "$program:"
 	(cd "$build/tests/unit" && timeout 3000 qemu-aarch64 -L "$root" ./$program --gtest_brief=1 --gtest_filter="$filter") || status=1
