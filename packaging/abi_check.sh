@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Zlib
 # May programs that were built against an earlier version run with this one, without being built anew?
 # Usage: packaging/abi_check.sh REVISION             builds the libraries of that revision and of the working tree, and compares
+#        packaging/abi_check.sh --release            the same with the highest of the tags v*
 #        packaging/abi_check.sh --installed OLD NEW  compares two install prefixes whose libraries hold debug information
-# Exit status: 0 yes, or the soname changed and says no by itself; 1 no; 77 abidiff is not there (apt-get install abigail-tools).
+# Exit status: 0 yes, or the soname changed and says no by itself; 1 no; 77 abidiff is not there (apt-get install abigail-tools), or there is no release yet.
 set -euo pipefail
 
 command -v abidiff >/dev/null || { echo "skipped: no abidiff (apt-get install abigail-tools)" >&2; exit 77; }
@@ -40,10 +41,16 @@ install_tree() { # SOURCE PREFIX
 	cmake --build "$2.build" --target install >/dev/null
 }
 
+source=$(cd "$(dirname "$0")/.." && pwd)
+if [ "${1:-}" = --release ] && [ $# -eq 1 ]; then
+	tag=$(git -C "$source" for-each-ref --count=1 --sort=-version:refname --format='%(refname:short)' 'refs/tags/v[0-9]*' 2>/dev/null) || true
+	[ -n "$tag" ] || { echo "skipped: no release yet: there is no tag v*" >&2; exit 77; }
+	echo "against $tag"
+	set -- "$tag"
+fi
 if [ "${1:-}" = --installed ] && [ $# -eq 3 ]; then
 	compare "$2" "$3"
 elif [ $# -eq 1 ] && [ "${1:0:1}" != - ]; then
-	source=$(cd "$(dirname "$0")/.." && pwd)
 	work=$(mktemp -d)
 	trap 'rm -rf "$work"' EXIT
 	mkdir "$work/source"
@@ -52,6 +59,6 @@ elif [ $# -eq 1 ] && [ "${1:0:1}" != - ]; then
 	install_tree "$source" "$work/new"
 	compare "$work/old" "$work/new"
 else
-	sed -n '3,6s/^# //p' "$0" >&2
+	sed -n '3,7s/^# //p' "$0" >&2
 	exit 2
 fi

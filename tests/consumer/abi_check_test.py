@@ -43,6 +43,13 @@ def main():
                 wrong.append(f"{case}: status {done.returncode}, expected {expected}\n{done.stdout}{done.stderr}")
         if subprocess.run(["bash", script, "--installed", old], capture_output=True).returncode != 2:
             wrong.append("one prefix is not refused as wrong usage")
+        checkout = folder / "checkout"
+        (checkout / "packaging").mkdir(parents=True)
+        shutil.copy(script, checkout / "packaging")
+        subprocess.run(["git", "init", "-q", checkout], check=True)
+        done = subprocess.run(["bash", checkout / "packaging" / pathlib.Path(script).name, "--release"], capture_output=True, text=True)
+        if done.returncode != 77 or "no release yet" not in done.stderr:
+            wrong.append(f"a checkout without a release: status {done.returncode}, expected 77\n{done.stderr}")
     print("\n".join(wrong))
     return bool(wrong)
 
