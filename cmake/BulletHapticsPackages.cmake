@@ -36,11 +36,13 @@ endfunction()
 compressed(${papers}/changelog ${papers}/changelog.Debian.gz)
 
 function(bullethaptics_package component name description)
-	cmake_parse_arguments(arg "" "DEPENDS;SECTION" "PAGES;EXPLANATION" ${ARGN})
+	cmake_parse_arguments(arg "" "DEPENDS;RECOMMENDS;SUGGESTS;SECTION" "PAGES;EXPLANATION" ${ARGN})
 	string(TOUPPER ${component} key)
 	set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${name} PARENT_SCOPE)
 	set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${arg_SECTION} PARENT_SCOPE)
-	set(CPACK_DEBIAN_${key}_PACKAGE_DEPENDS "${arg_DEPENDS}" PARENT_SCOPE)
+	foreach(relation DEPENDS RECOMMENDS SUGGESTS)
+		set(CPACK_DEBIAN_${key}_PACKAGE_${relation} "${arg_${relation}}" PARENT_SCOPE)
+	endforeach()
 	string(REPLACE ";" "\n" explanation "${arg_EXPLANATION}")
 	set(CPACK_DEBIAN_${key}_DESCRIPTION "${description}\n${explanation}" PARENT_SCOPE)
 	set(CPACK_COMPONENT_${key}_DESCRIPTION "${description}\n${explanation}" PARENT_SCOPE)
@@ -58,13 +60,13 @@ set(same "(= ${PROJECT_VERSION}-${revision})")
 bullethaptics_package(runtime libbullethaptics${abi} "volumetric contact for Bullet Physics, shared libraries" SECTION libs EXPLANATION
 	"Contact that can be felt: overlap volume, force and torque between any two" "closed meshes, from inner sphere trees. For Bullet in single and in double" "precision.")
 bullethaptics_package(dev libbullethaptics-dev "volumetric contact for Bullet Physics, development files" SECTION libdevel
-	DEPENDS "libbullethaptics${abi} ${same}, libbullet-dev, libassimp-dev" EXPLANATION
+	DEPENDS "libbullethaptics${abi} ${same}, libbullet-dev, libassimp-dev" SUGGESTS "libgmock-dev, libbullet-extras-dev" EXPLANATION
 	"Headers, CMake package and pkg-config files of BulletHaptics, for Bullet in" "single and in double precision, and matchers for the physics tests of games.")
 bullethaptics_package(tools bullethaptics-tools "volumetric contact for Bullet Physics, command-line tools" SECTION science
 	DEPENDS "libbullethaptics${abi} ${same}" PAGES ist.1 devicebridge.1 EXPLANATION
 	"ist packs meshes with spheres, checks and queries the result; devicebridge" "lists, tries, records and measures haptic devices.")
 bullethaptics_package(demos bullethaptics-demos "volumetric contact for Bullet Physics, demos" SECTION science
-	DEPENDS "libbullethaptics${abi} ${same}" PAGES haptic_demos.1 EXPLANATION
+	DEPENDS "libbullethaptics${abi} ${same}" RECOMMENDS glmark2-data PAGES haptic_demos.1 EXPLANATION
 	"A browser of demos in a window. They and scene files of one's own also run" "without a display, and write reports with charts: bodies that fall, grasp and"
 	"screw, and a simulated hand that presses a rod on a mesh, among others.")
 if(TARGET bullethaptics_python)
