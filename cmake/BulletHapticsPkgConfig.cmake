@@ -12,7 +12,6 @@ includedir=${prefix}/@CMAKE_INSTALL_INCLUDEDIR@
 
 Name: bullethaptics-@name@
 Description: @description@
-URL: @PROJECT_HOMEPAGE_URL@
 Version: @PROJECT_VERSION@
 Requires: @requires@
 Libs: -L${libdir} @libraries@
