@@ -63,11 +63,12 @@ foreach(precision ${BULLETHAPTICS_PRECISIONS})
 	if(BulletPhysics_${precision}_THREADSAFE)
 		set(threads " -DBT_THREADSAFE=1")
 	endif()
-	bullethaptics_pkg_config(collision${suffix} "Volumetric collision detection for Bullet" "bullethaptics-core bullet${bullet_suffix}"
+	# Bullet first: other packages name the system's folder, in which there may be another Bullet.
+	bullethaptics_pkg_config(collision${suffix} "Volumetric collision detection for Bullet" "bullet${bullet_suffix} bullethaptics-core"
 		"-lBulletISTCollision${suffix}" "${threads}")
 	bullethaptics_pkg_config(force${suffix} "Volumetric contact for Bullet" "bullethaptics-collision${suffix}" "-lBulletHapticForce${suffix}")
 	bullethaptics_pkg_config(test-support${suffix} "Physics tests for games with volumetric contact" "bullethaptics-force${suffix}"
 		"-lBulletHapticsTestSupport${suffix}")
-	bullethaptics_pkg_config(device-bridge${suffix} "Haptic devices and hands in a Bullet world" "bullethaptics-devices bullethaptics-force${suffix}"
+	bullethaptics_pkg_config(device-bridge${suffix} "Haptic devices and hands in a Bullet world" "bullethaptics-force${suffix} bullethaptics-devices"
 		"-lDeviceBridge${suffix}")
 endforeach()
