@@ -17,6 +17,10 @@
 #include <string>
 #include <vector>
 
+#if !BT_THREADSAFE
+#error "Either this Bullet was built without threads, or its users are not told (BT_THREADSAFE)"
+#endif
+
 namespace
 {
 int failures = 0;
