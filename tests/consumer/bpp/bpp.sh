@@ -3,7 +3,7 @@
 # A game that nobody here wrote, bullet-physics-playground (github.com/bullet-physics-playground/bpp, 2efed9c; LGPL), as it is and with our lines: are its scenes the same,
 # bit for bit, while nothing is attached, is it as stable with trees, and what do its frames cost?
 # Usage: bpp.sh STOCK OURS FOLDER [SCENE...]
-# STOCK and OURS are two folders in which the game was built. OURS has Volumetric.h, is linked with Volumetric.cpp and bullethaptics-force, and has four lines more:
+# STOCK and OURS are two folders in which the game was built, as build.sh does. OURS has Volumetric.h, is linked with Volumetric.cpp and bullethaptics-force, and has four lines more:
 #   viewer.h     after `btDiscreteDynamicsWorld *dynamicsWorld;`                     std::shared_ptr<Volumetric> volumetric;
 #   viewer.cpp   after `btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher);` volumetric = makeVolumetric(*dynamicsWorld);
 #   viewer.cpp   before `delete dynamicsWorld;`                                      volumetric.reset();

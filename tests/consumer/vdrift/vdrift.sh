@@ -3,7 +3,7 @@
 # A racing game that nobody here wrote, VDrift (github.com/VDrift/vdrift, 3c8741af; GPL), as it is and with our lines: does it drive the same, bit for bit, while nothing is
 # attached, and what do its frames cost?
 # Usage: vdrift.sh STOCK OURS DATA FOLDER
-# STOCK and OURS are two builds of the game, DATA is its data with the track zandvoort and the car 360. OURS has Volumetric.h, is linked with Volumetric.cpp and
+# STOCK and OURS are two builds of the game, by build.sh; DATA is its data with the track zandvoort and the car 360. OURS has Volumetric.h, is linked with Volumetric.cpp and
 # bullethaptics-force, and has three lines more:
 #   game.h     after `DynamicsWorld dynamics;`           std::shared_ptr<Volumetric> volumetric = makeVolumetric(dynamics);
 #   game.cpp   in NewGame, when the cars are loaded      attachVolumetric(*volumetric);
