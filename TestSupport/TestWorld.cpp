@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/TreeCache.h"
 #include "BulletISTCollision/btISTConversion.h"
-#include "SceneFiles/SceneWorld.h"
+#include "TestSupport/SceneFiles/SceneWorld.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"

@@ -4,8 +4,8 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "SceneFiles/AssetCache.h"
-#include "SceneFiles/PrincipalMesh.h"
+#include "TestSupport/SceneFiles/AssetCache.h"
+#include "TestSupport/SceneFiles/PrincipalMesh.h"
 #include "demos/scenes/BodiesOnPlane.h"
 
 #include <utility>

@@ -6,7 +6,7 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
-#include "SceneFiles/AssetCache.h"
+#include "TestSupport/SceneFiles/AssetCache.h"
 #include "demos/scenes/ContinuumGrid.h"
 #include "demos/scenes/TraceChart.h"
 

@@ -3,7 +3,7 @@
 
 #include "DeviceBridge/BulletDecoupledSource.h"
 #include "DeviceBridge/SafetyLimiter.h"
-#include "SceneFiles/SceneWorld.h"
+#include "TestSupport/SceneFiles/SceneWorld.h"
 
 #include <string>
 #include <vector>

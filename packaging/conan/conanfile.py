@@ -34,7 +34,7 @@ class BulletHapticsConan(ConanFile):
         copy(self, "CMakeLists.txt", self._checkout, self.export_folder)
 
     def export_sources(self):
-        folders = ("BulletISTCollision", "BulletHapticForce", "SceneFiles", "DeviceBridge", "TestSupport", "cmake")
+        folders = ("BulletISTCollision", "BulletHapticForce", "DeviceBridge", "TestSupport", "cmake")
         for pattern in ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "data/devices/*", "data/scenes/*", "packaging/*"] + [f + "/*" for f in folders]:
             copy(self, pattern, self._checkout, self.export_sources_folder)
 

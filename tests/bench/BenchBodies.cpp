@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "SceneFiles/SceneShapes.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
 
 #include <filesystem>
 

@@ -7,7 +7,7 @@
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "BulletISTCollision/Core/TreeCache.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
-#include "SceneFiles/AssetCache.h"
+#include "TestSupport/SceneFiles/AssetCache.h"
 #include "demos/scenes/ForceAlongPath.h"
 #include "tests/bench/BenchBodies.h"
 #include "tests/bench/PeerContacts.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Scene files: whatever the text, it is refused with its name, or gives a scene that is sound.
-#include "SceneFiles/SceneFile.h"
+#include "TestSupport/SceneFiles/SceneFile.h"
 
 #include "tests/fuzz/Promises.h"
 

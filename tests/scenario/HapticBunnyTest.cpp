@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "SceneFiles/AssetCache.h"
+#include "TestSupport/SceneFiles/AssetCache.h"
 #include "demos/scenes/MeshBelowPlane.h"
 
 #include <gtest/gtest.h>

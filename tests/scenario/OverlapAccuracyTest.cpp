@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
-#include "SceneFiles/SceneShapes.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
 #include "demos/scenes/OverlapQuadrature.h"
 #include "demos/scenes/PoseSampler.h"
 

@@ -2,7 +2,7 @@
 #include "demos/browser/WorldDemo.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "SceneFiles/SceneShapes.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
 
 using namespace ist;
 

@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/PromiseShare.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 #include "BulletISTCollision/Core/TreeLevels.h"
-#include "SceneFiles/SceneShapes.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
 #include "demos/scenes/PoseSampler.h"
 
 #include <gtest/gtest.h>

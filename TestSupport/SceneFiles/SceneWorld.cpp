@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/SceneWorld.h"
+#include "TestSupport/SceneFiles/SceneWorld.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/btISTConversion.h"
-#include "SceneFiles/AssetCache.h"
-#include "SceneFiles/PrincipalMesh.h"
+#include "TestSupport/SceneFiles/AssetCache.h"
+#include "TestSupport/SceneFiles/PrincipalMesh.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btConvexHullShape.h"

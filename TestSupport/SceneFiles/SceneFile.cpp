@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/SceneFile.h"
+#include "TestSupport/SceneFiles/SceneFile.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-#include "SceneFiles/JsonSource.h"
-#include "SceneFiles/SceneShapes.h"
+#include "TestSupport/SceneFiles/JsonSource.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
 
 #include <cmath>
 #include <filesystem>

@@ -3,7 +3,7 @@
 
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletISTCollision/Core/Progress.h"
-#include "SceneFiles/SceneFile.h"
+#include "TestSupport/SceneFiles/SceneFile.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/AssetCache.h"
+#include "TestSupport/SceneFiles/AssetCache.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/SceneShapes.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
 
 #include "BulletISTCollision/Core/MeshRepair.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/JsonSource.h"
+#include "TestSupport/SceneFiles/JsonSource.h"
 
 #include <algorithm>
 #include <cmath>

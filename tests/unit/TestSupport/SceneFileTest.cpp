@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/SceneFile.h"
+#include "TestSupport/SceneFiles/SceneFile.h"
 
 #include <gtest/gtest.h>
 

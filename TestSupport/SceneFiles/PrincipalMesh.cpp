@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "SceneFiles/PrincipalMesh.h"
+#include "TestSupport/SceneFiles/PrincipalMesh.h"
 
 #include "LinearMath/btMatrix3x3.h"
 
