@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -35,6 +36,8 @@ constexpr int kWrapCells = 128;
 constexpr int kProbes = 32;
 /// Of the volume: where less is wrong, the surface stays as it is.
 constexpr double kHarmless = 0.01;
+/// Of what lies inside: what rebuilding may lose at most, however much is counted wrongly.
+constexpr double kMostLost = 0.5;
 /// Longest sides [m] of trees: down to the smallest spheres that the packer makes, up to moments that are floats (kMostReach).
 constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
 
@@ -402,15 +405,44 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 	return std::nullopt;
 }
 
-/// Where the surface covers some places more than once, wraps it unless that changes the volume by little.
+/// Asks at more points where none lay inside: up to as many as the wrap has.
+double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
+{
+	double wrong = std::numeric_limits<double>::infinity();
+	for (int cells = 2 * kProbes; std::isinf(wrong) && cells <= kWrapCells && steps.reach(0.7); cells *= 2) wrong = miscountedShare(mesh, cells);
+	return wrong;
+}
+
+/// Wraps a surface of which a share is counted wrongly, unless the wrap loses more than that: parts that are thinner than a cell.
+std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps)
+{
+	if (std::isinf(wrong))
+	{
+		attempt.actions.push_back("Left " + found + ": the body is too thin to rebuild its surface on a grid; what lies in two of its parts is counted twice.");
+		return std::nullopt;
+	}
+	Attempt rebuilt = attempt;
+	rebuilt.actions.push_back("Found " + found + ".");
+	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	const double inside = massProperties(attempt.mesh).volume / (1 + wrong);
+	if (massProperties(rebuilt.mesh).volume >= (1 - std::min(wrong, kMostLost)) * inside) attempt = std::move(rebuilt);
+	else
+		attempt.actions.push_back("Left " + found + ": about " + number(std::round(1000 * wrong) / 10) +
+								  " % of what the surface encloses is counted wrongly for it, and rebuilding it on a grid would lose more.");
+	return std::nullopt;
+}
+
+/// Where the surface covers some places more than once, wraps it unless that changes the volume by little or loses more than it cures.
 std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& cuts, Steps& steps, int threads)
 {
 	if (attempt.contradicts) return wrapOpen(attempt, welded, steps);
 	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
-	const double wrong = miscountedShare(attempt.mesh, kProbes);
+	double wrong = miscountedShare(attempt.mesh, kProbes);
 	// Shells that pass through one another without overlapping, as links of a chain do.
 	if (cuts == 0 && (wrong == 0 || std::isinf(wrong))) return std::nullopt;
+	if (std::isinf(wrong)) wrong = miscountedShareOfThin(attempt.mesh, steps);
+	if (!steps.goesOn()) return std::nullopt;
 	const std::string found = cuts == 0 ? "shells that overlap"
 										: (cuts == kMostCuts ? "at least " : "") + counted(cuts, "pair of triangles that cut each other",
 																						   "pairs of triangles that cut each other");
@@ -421,8 +453,7 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 		return std::nullopt;
 	}
 	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps);
-	attempt.actions.push_back("Found " + found + ".");
-	return wrap(attempt, steps.upTo(0.95));
+	return wrapCuts(attempt, found, wrong, steps);
 }
 
 /// Empty where it has none.

@@ -11,7 +11,7 @@
 namespace ist
 {
 /// To be raised when the output of `buildTree` changes: trees that an older one built are then built anew (treeKey).
-inline constexpr uint32_t kBuilderVersion = 3;
+inline constexpr uint32_t kBuilderVersion = 4;
 
 struct BuildOptions
 {

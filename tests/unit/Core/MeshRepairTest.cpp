@@ -305,6 +305,36 @@ TEST(MeshRepair, ShellsWhoseBoxesOverlapStayAsTheyAre)
 	}
 }
 
+TEST(MeshRepair, ThinPartsThatCutEachOtherAreNotLost)
+{
+	const double pi = 3.14159265358979323846, r = 0.005, d = 0.009;
+	const Mesh plate = makeBoxMesh({0.5, 0.5, 0.0015}), ball = makeSphereMesh(r, 3);
+	// A stud that stands 6.5 mm out of a plate, a block through one, and four balls metres apart but for two that cut each other.
+	const Mesh stud = joined(plate, translated(makeBoxMesh({0.004, 0.004, 0.004}), {0.1, 0.03, 0.004}));
+	const Mesh block = joined(plate, translated(makeBoxMesh({0.05, 0.05, 0.05}), {0.2, 0.1, 0.00797}));
+	const Vec3 apart = d * normalized(Vec3{6, 1, 2});
+	const Mesh balls = joined(joined(ball, translated(ball, apart)), joined(translated(ball, {6, 0, 0}), translated(ball, {0, 3, 0})));
+	const double lens = pi * (2 * r - d) * (2 * r - d) * (d * d + 4 * d * r) / (12 * d);
+	const auto agrees = [](const Mesh& mesh, double volume, double tolerance) {
+		const Result<RepairedMesh> repaired = repair(mesh);
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_GT(repaired.value().cuts, 0);
+		EXPECT_NEAR(repaired.value().volumeAfter, volume, tolerance * volume);
+		EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
+	};
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> turn(-2, 2);
+	for (int i = 0; i < 6; ++i)
+	{
+		const Vec3 turned{turn(random), turn(random), turn(random)};
+		const Pose X = {rotationMatrix(quaternionFromRotationVector(i == 0 ? Vec3{} : turned)), {i == 5 ? 1000.0 : 0.0, 0, 0}};
+		SCOPED_TRACE(i);
+		agrees(transformed(stud, X), 0.003 + 0.008 * 0.008 * 0.0065, 0.01);
+		agrees(transformed(block, X), 0.003 + 0.1 * 0.1 * 0.097, 0.01);
+		agrees(transformed(balls, X), 4 * (4 * pi / 3) * r * r * r - lens, 0.05);
+	}
+}
+
 TEST(MeshRepair, CracksWhoseCapsWouldTakeTheBodyApartAreWrapped)
 {
 	const Mesh torus = makeTorusMesh(1, 0.4, 40, 20);
