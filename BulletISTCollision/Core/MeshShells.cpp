@@ -18,6 +18,10 @@ constexpr std::size_t kNestingProbes = 16;
 /// Of area times longest side: less volume than that is none.
 constexpr double kFlatShell = 1e-9;
 
+/// Of the outer shell's longest side, and of the mesh's rounding: a probe this near to the outer surface lies on it, where the winding
+/// number says nothing.
+constexpr double kOnSurface = 1e-6, kRoundedApart = 2;
+
 /// One closed component.
 struct Shell
 {
@@ -103,10 +107,10 @@ std::vector<Shell> shells(const Mesh& mesh)
 	return result;
 }
 
-bool encloses(const Box& outer, const Box& inner)
+bool encloses(const Box& outer, const Box& inner, double slack)
 {
 	for (int axis = 0; axis < 3; ++axis)
-		if (inner.lower[axis] < outer.lower[axis] || inner.upper[axis] > outer.upper[axis]) return false;
+		if (inner.lower[axis] < outer.lower[axis] - slack || inner.upper[axis] > outer.upper[axis] + slack) return false;
 	return true;
 }
 
@@ -129,26 +133,32 @@ Mesh meshOf(const Mesh& mesh, const Shell& shell)
 	return part;
 }
 
-/// Every probe must lie inside: shells that merely cut each other are not nested.
-bool encloses(const Mesh& mesh, Shell& outer, const Shell& inner)
+/// Every probe that is not on the outer surface must lie inside, and there must be one: shells that merely cut each other are not nested.
+/// `rounding`: of the mesh [m].
+bool encloses(const Mesh& mesh, double rounding, Shell& outer, const Shell& inner)
 {
-	if (!encloses(outer.box, inner.box) || std::fabs(outer.volume) <= std::fabs(inner.volume)) return false;
+	const double onSurface = std::max(kOnSurface * outer.box.longestSide(), kRoundedApart * rounding);
+	if (!encloses(outer.box, inner.box, onSurface) || std::fabs(outer.volume) <= std::fabs(inner.volume)) return false;
 	if (!outer.surface) outer.surface = std::make_unique<MeshDistance>(meshOf(mesh, outer));
 	const std::size_t stride = std::max<std::size_t>(1, inner.triangles.size() / kNestingProbes);
+	bool found = false;
 	for (std::size_t i = 0; i < inner.triangles.size(); i += stride)
 	{
 		const Triangle& t = mesh.triangles[inner.triangles[i]];
 		const Vec3 probe = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3;
+		if (outer.surface->closest(probe, onSurface).triangle != UINT32_MAX) continue;
 		if (std::fabs(outer.surface->windingNumber(probe)) < 0.5) return false;
+		found = true;
 	}
-	return true;
+	return found;
 }
 
-/// Sweeps along x: a shell that encloses another began before it and has not ended. Returns whether any two shells that do not enclose
-/// each other may overlap.
+/// Sweeps along x, so that a pair is met once, where both have begun and neither has ended. Returns whether any two shells that do not
+/// enclose each other may overlap.
 bool findNesting(const Mesh& mesh, std::vector<Shell>& all)
 {
 	bool mayOverlap = false;
+	const double rounding = mesh.rounding * bounds(mesh).longestSide();
 	std::vector<uint32_t> order, active;
 	for (uint32_t i = 0; i < all.size(); ++i)
 		if (all[i].kept) order.push_back(i);
@@ -156,18 +166,17 @@ bool findNesting(const Mesh& mesh, std::vector<Shell>& all)
 		const double xa = all[a].box.lower.x, xb = all[b].box.lower.x;
 		return xa != xb ? xa < xb : a < b;
 	});
-	for (std::size_t k = 0, entered = 0; k < order.size(); ++k)
+	for (const uint32_t k : order)
 	{
-		Shell& inner = all[order[k]];
-		for (; entered < order.size() && all[order[entered]].box.lower.x <= inner.box.lower.x; ++entered) active.push_back(order[entered]);
-		std::erase_if(active, [&](uint32_t i) { return all[i].box.upper.x < inner.box.lower.x; });
+		Shell& shell = all[k];
+		std::erase_if(active, [&](uint32_t i) { return all[i].box.upper.x < shell.box.lower.x; });
 		for (const uint32_t i : active)
 		{
-			if (i == order[k]) continue;
-			// A pair that begins at the same x is met both ways round.
-			if (encloses(mesh, all[i], inner)) inner.around.push_back(i);
-			else if (!encloses(inner.box, all[i].box) || encloses(all[i].box, inner.box)) mayOverlap = mayOverlap || overlap(all[i].box, inner.box);
+			if (encloses(mesh, rounding, all[i], shell)) shell.around.push_back(i);
+			else if (encloses(mesh, rounding, shell, all[i])) all[i].around.push_back(k);
+			else mayOverlap = mayOverlap || overlap(all[i].box, shell.box);
 		}
+		active.push_back(k);
 	}
 	return mayOverlap;
 }

@@ -246,6 +246,27 @@ TEST(MeshRepair, ACavityStaysACavity)
 	EXPECT_EQ(repaired.value().before.components, 2);
 }
 
+TEST(MeshRepair, APocketThatEndsInTheOuterFaceStaysInAnyPose)
+{
+	// Where its mouth lies in the face, the winding number is a half, give or take a rounding.
+	const Mesh pocketed = joined(makeBoxMesh({0.5, 0.5, 0.5}), insideOut(translated(makeBoxMesh({0.3, 0.3, 0.3}), {0.2, 0, 0})));
+	std::mt19937 random(8);
+	std::uniform_real_distribution<double> turn(-2, 2);
+	for (int i = 0; i < 20; ++i)
+	{
+		const Vec3 turned{turn(random), turn(random), turn(random)}, shift{turn(random), turn(random), turn(random)};
+		const bool far = i == 19;
+		// The first ones are shifted alone: the mouth lies in a side of the box of either shell.
+		const Mat3 R = rotationMatrix(quaternionFromRotationVector(i < 4 ? Vec3{} : turned));
+		Mesh mesh = transformed(pocketed, {R, far ? Vec3{1000, -700, 300} : shift});
+		for (Vec3& v : mesh.vertices)
+			if (i % 3 == 1) v = {double(float(v.x)), double(float(v.y)), double(float(v.z))};
+		if (far) mesh.rounding = 1000 * 0x1p-23;
+		SCOPED_TRACE(i);
+		expectVolume(mesh, 0.784, far ? 5e-4 : 1e-6);
+	}
+}
+
 TEST(MeshRepair, WithoutRepairShellsThatCountTwiceAreSaid)
 {
 	const Mesh inner = translated(makeBoxMesh({0.5, 0.5, 0.5}), {0.2, 0.1, -0.3});
