@@ -131,11 +131,23 @@ double blur(const aiMesh& part)
 	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
 }
 
-/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of.
-double roundingOf(const aiMatrix4x4& m, const aiVector3D& v)
+/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of [units of the file].
+struct Rounding
 {
-	const auto sum = [&](double a, double b, double c, double d) { return std::fabs(a * v.x) + std::fabs(b * v.y) + std::fabs(c * v.z) + std::fabs(d); };
-	return 0x1p-23 * std::max({sum(m.a1, m.a2, m.a3, m.a4), sum(m.b1, m.b2, m.b3, m.b4), sum(m.c1, m.c2, m.c3, m.c4)});
+	double inPart = 0;        ///< without the place of the part, which is the same for all of its corners
+	double betweenParts = 0;  ///< with it
+};
+
+void include(Rounding& rounding, const aiMatrix4x4& m, const aiVector3D& v)
+{
+	const auto add = [&](double a, double b, double c, double d) {
+		const double sum = std::fabs(a * v.x) + std::fabs(b * v.y) + std::fabs(c * v.z);
+		rounding.inPart = std::max(rounding.inPart, 0x1p-23 * sum);
+		rounding.betweenParts = std::max(rounding.betweenParts, 0x1p-23 * (sum + std::fabs(d)));
+	};
+	add(m.a1, m.a2, m.a3, m.a4);
+	add(m.b1, m.b2, m.b3, m.b4);
+	add(m.c1, m.c2, m.c3, m.c4);
 }
 
 /// What a file holds beside the faces that can be taken.
@@ -214,16 +226,14 @@ TexturePlace placeOf(const aiMesh& part, uint32_t corner)
 	return {place.x, place.y};
 }
 
-/// Adds a part; returns how coarsely its coordinates were stored [m].
-double append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
+void append(TexturedMesh& textured, Rounding& rounding, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
 {
 	Mesh& out = textured.mesh;
 	const auto base = static_cast<uint32_t>(out.vertices.size());
-	double rounding = 0;
 	for (unsigned i = 0; i < part.mNumVertices; ++i)
 	{
 		out.vertices.push_back(unit * transformedPoint(transform, part.mVertices[i]));
-		rounding = std::max(rounding, unit * roundingOf(transform, part.mVertices[i]));
+		include(rounding, transform, part.mVertices[i]);
 	}
 	const bool mirrored = mirrors(transform);
 	for (unsigned i = 0; i < part.mNumFaces; ++i)
@@ -235,13 +245,21 @@ double append(TexturedMesh& textured, const aiMesh& part, const aiMatrix4x4& tra
 		out.triangles.push_back({base + a, base + b, base + c});
 		if (wanted == Wanted::SurfaceAndPlaces) textured.places.push_back({placeOf(part, a), placeOf(part, b), placeOf(part, c)});
 	}
-	return rounding;
+}
+
+/// As a share of the mesh's longest side. Parts that may be farther apart than a shape may be blurred are not welded to each other.
+double share(const Rounding& rounding, bool inOnePlace, double side)
+{
+	const double between = rounding.betweenParts / side;
+	return inOnePlace || between > kBlurred ? rounding.inPart / side : between;
 }
 
 TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& watch)
 {
 	TexturedMesh textured;
-	double rounding = 0;
+	Rounding rounding;
+	std::optional<Vec3> place;
+	bool inOnePlace = true;
 	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
 	for (size_t done = 1; !open.empty() && watch.reach(kReading + (1 - kReading) * double(done) / double(done + open.size())); ++done)
 	{
@@ -251,12 +269,16 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& wat
 		for (unsigned i = 0; i < node->mNumMeshes; ++i)
 		{
 			const aiMesh& part = *scene.mMeshes[node->mMeshes[i]];
-			if (part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) rounding = std::max(rounding, append(textured, part, transform, unit, wanted));
+			if (!(part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
+			append(textured, rounding, part, transform, unit, wanted);
+			const Vec3 here{transform.a4, transform.b4, transform.c4};
+			inOnePlace = inOnePlace && here == place.value_or(here);
+			place = here;
 		}
 		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
 	}
 	if (const double side = bounds(textured.mesh).longestSide(); side > 0)
-		textured.mesh.rounding = std::max(textured.mesh.rounding, rounding / side);
+		textured.mesh.rounding = std::max(textured.mesh.rounding, unit * share(rounding, inOnePlace, side));
 	return textured;
 }
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -141,6 +144,45 @@ TEST(MeshImport, SeamsAreWeldedToThePrecisionOfTheFile)
 	ASSERT_TRUE(repaired) << repaired.error().message;
 	EXPECT_EQ(repaired.value().mesh.vertices.size(), 8u);
 	EXPECT_NEAR(repaired.value().volumeAfter, 1e-9, 6 * 2 * step * 1e-9);
+}
+
+TEST(MeshImport, AFarPlaceBlursNoPart)
+{
+	// A cup without a lid, 1 m high, at the origin and where a city's surveyors have theirs: alone, and with another one.
+	const Mesh cylinder = makeCylinderMesh(0.5, 0.5, 64);
+	std::string bytes;
+	const auto append = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+	for (const Vec3& v : cylinder.vertices)
+		for (int axis = 0; axis < 3; ++axis) append(float(v[axis]));
+	std::size_t triangles = 0;
+	for (const auto& t : cylinder.triangles)
+	{
+		if (std::all_of(t.begin(), t.end(), [&](uint32_t corner) { return cylinder.vertices[corner].z > 0; })) continue;
+		for (const uint32_t corner : t) append(corner);
+		++triangles;
+	}
+	const TemporaryFile buffer(bytes, ".bin");
+	const std::size_t points = cylinder.vertices.size();
+	const auto text = [](std::size_t n) { return std::to_string(n); };
+	const std::string shape =
+		R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" + text(points) +
+		R"(,"type":"VEC3","min":[-0.5,-0.5,-0.5],"max":[0.5,0.5,0.5]},{"bufferView":1,"componentType":5125,"count":)" + text(3 * triangles) +
+		R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":)" + text(12 * points) + R"(},{"buffer":0,"byteOffset":)" + text(12 * points) +
+		R"(,"byteLength":)" + text(12 * triangles) + R"(}],"buffers":[{"byteLength":)" + text(bytes.size()) + R"(,"uri":")" +
+		std::filesystem::path(buffer.path()).filename().string() + R"("}]})";
+	const double volume = 64 * 0.5 * 0.25 * std::sin(2 * 3.14159265358979323846 / 64);
+	for (const char* nodes : {R"([{"mesh":0}])", R"([{"mesh":0,"translation":[500000,5000000,0]}])",
+							  R"([{"mesh":0,"translation":[500000,5000000,0]},{"mesh":0,"translation":[500004,5000000,0]}])"})
+	{
+		const bool two = std::string(nodes).find("500004") != std::string::npos;
+		const TemporaryFile file(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0)" + std::string(two ? ",1" : "") + R"(]}],"nodes":)" + nodes + "," + shape, ".gltf");
+		const Result<Mesh> mesh = importMesh(file.path());
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		const Result<RepairedMesh> repaired = repair(mesh.value());
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_NEAR(repaired.value().volumeAfter, (two ? 2 : 1) * volume, 1e-6);
+		for (const std::string& action : repaired.value().actions) EXPECT_EQ(action.find("nearly equal"), std::string::npos) << action;
+	}
 }
 
 TEST(MeshImport, AMissingFileIsRefusedByName)
