@@ -14,6 +14,12 @@ namespace
 {
 constexpr int64_t kMostSpheresForLeaves = 100000;
 
+/// Unless it was asked for spheres up to a fill or a radius.
+bool splitsSmoothBodies(const BuildOptions& options)
+{
+	return options.targetFill >= 1 && options.minRadius <= 0;
+}
+
 class Stopwatch
 {
 public:
@@ -102,6 +108,11 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 }
 }  // namespace
 
+bool leavesBecomeSmaller(const BuildOptions& options)
+{
+	return splitsSmoothBodies(options) && options.maxSpheres < kMostSpheresForLeaves;
+}
+
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times)
 {
 	Stopwatch watch;
@@ -128,7 +139,7 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 
 	CellOptions cellOptions;
 	// Smooth bodies pack as a few spheres; their leaves must still be as small as the number asked for allows.
-	if (options.targetFill >= 1 && options.minRadius <= 0)
+	if (splitsSmoothBodies(options))
 		cellOptions.fewestLeaves = int64_t(cellOptions.leavesPerSphere * double(std::min(options.maxSpheres, kMostSpheresForLeaves)));
 	cellOptions.seed = options.seed;
 	cellOptions.threads = options.threads;

@@ -25,6 +25,9 @@ struct BuildOptions
 	Progress progress;
 };
 
+/// Of a body that is full with fewer spheres than were asked for, as smooth ones are: whether asking for more makes its leaves smaller.
+bool leavesBecomeSmaller(const BuildOptions& options);
+
 /// Wall-clock seconds of the stages.
 struct BuildTimes
 {

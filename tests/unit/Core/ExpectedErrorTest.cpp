@@ -42,3 +42,28 @@ TEST(ExpectedError, BuildKeepsThePromiseOrSaysWhatItReached)
 	ASSERT_FALSE(refused);
 	EXPECT_NE(refused.error().message.find("50 spheres give"), std::string::npos) << refused.error().message;
 }
+
+TEST(ExpectedError, ABallReachesAnErrorByItsLeaves)
+{
+	// One sphere fills it, whatever the number that may be used.
+	const Mesh ball = transformed(makeSphereMesh(0.5, 3), {rotationMatrix(quaternionFromRotationVector({0.3, -1, 0.4})), {2, 1, -1}});
+	const Result<InnerSphereTree> tree = buildTreeToError(ball, 0.028, BuildOptions());
+	ASSERT_TRUE(tree) << tree.error().message;
+	EXPECT_LE(expectedForceError(tree.value(), 0.01, 60), 0.028);
+
+	// Out of reach with so few, but not for ever.
+	BuildOptions options;
+	options.maxSpheres = 100;
+	const Result<InnerSphereTree> coarse = buildTreeToError(ball, 1e-3, options);
+	ASSERT_FALSE(coarse);
+	EXPECT_NE(coarse.error().message.find("allow more spheres"), std::string::npos) << coarse.error().message;
+}
+
+TEST(ExpectedError, AFillThatIsReachedIsSaid)
+{
+	BuildOptions options;
+	options.targetFill = 0.3;
+	const Result<InnerSphereTree> refused = buildTreeToError(makeTorusMesh(0.5, 0.2), 0.001, options);
+	ASSERT_FALSE(refused);
+	EXPECT_NE(refused.error().message.find("which fill the share that was asked for (targetFill, --fill); raise it"), std::string::npos) << refused.error().message;
+}
