@@ -33,6 +33,11 @@ Point outer(const Point& a, const Point& b)
 	return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+int longestAxis(const Vec3& size)
+{
+	return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
 /// Squared distance of the origin from the segment a, b.
 Real segmentDistance2(const Point& a, const Point& b)
 {
@@ -138,8 +143,7 @@ private:
 		node.count = last - first <= 4 ? last - first : 0;
 		m_nodes.push_back(node);
 		if (node.count > 0 || first == last) return index;
-		const Vec3 size = node.box.size();
-		const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+		const int axis = longestAxis(node.box.size());
 		const uint32_t half = first + (last - first) / 2;
 		std::nth_element(m_order.begin() + first, m_order.begin() + half, m_order.begin() + last,
 						 [&](uint32_t a, uint32_t b) { return middle(a)[axis] < middle(b)[axis]; });
@@ -218,7 +222,11 @@ private:
 OverlapFinding findOverlaps(std::span<const Sphere> spheres)
 {
 	std::vector<Sphere> sorted(spheres.begin(), spheres.end());
-	const auto lower = [](const Sphere& s) { return static_cast<double>(s.x) - s.r; };
+	Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+	for (const Sphere& s : sorted) box = {componentMin(box.lower, s.center()), componentMax(box.upper, s.center())};
+	// Along the longest side: across a plate, each would meet all others.
+	const int axis = longestAxis(box.size());
+	const auto lower = [axis](const Sphere& s) { return s.center()[axis] - s.r; };
 	std::sort(sorted.begin(), sorted.end(), [&](const Sphere& a, const Sphere& b) { return lower(a) < lower(b); });
 	std::vector<double> starts(sorted.size());
 	std::transform(sorted.begin(), sorted.end(), starts.begin(), lower);
@@ -226,12 +234,14 @@ OverlapFinding findOverlaps(std::span<const Sphere> spheres)
 	for (size_t i = 0; i < sorted.size(); ++i)
 	{
 		const Sphere& a = sorted[i];
-		const double end = static_cast<double>(a.x) + a.r;
+		const double end = a.center()[axis] + a.r;
 		for (size_t j = i + 1; j < sorted.size() && starts[j] < end; ++j)
 		{
+			++found.compared;
 			const Sphere& b = sorted[j];
 			const double reach = static_cast<double>(a.r) + b.r;
-			if (std::fabs(static_cast<double>(a.y) - b.y) >= reach || std::fabs(static_cast<double>(a.z) - b.z) >= reach) continue;
+			const Vec3 apart = a.center() - b.center();
+			if (std::fabs(apart.x) >= reach || std::fabs(apart.y) >= reach || std::fabs(apart.z) >= reach) continue;
 			const Point d = point(a.center()) - point(b.center());
 			const Real distance2 = inner(d, d);
 			if (distance2 >= static_cast<Real>(reach) * reach) continue;

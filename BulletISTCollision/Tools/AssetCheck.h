@@ -13,7 +13,8 @@ namespace ist::tools
 struct OverlapFinding
 {
 	int64_t pairs = 0;
-	double deepest = 0;  ///< [m]
+	double deepest = 0;    ///< [m]
+	int64_t compared = 0;  ///< pairs that were looked at: what the search costs
 };
 OverlapFinding findOverlaps(std::span<const Sphere> spheres);
 
