@@ -153,32 +153,42 @@ bool encloses(const Mesh& mesh, double rounding, Shell& outer, const Shell& inne
 	return found;
 }
 
-/// Sweeps along x, so that a pair is met once, where both have begun and neither has ended. Returns whether any two shells that do not
-/// enclose each other may overlap.
-bool findNesting(const Mesh& mesh, std::vector<Shell>& all)
+/// Of the box that holds all shells that are kept.
+int longestAxis(const std::vector<Shell>& all)
 {
-	bool mayOverlap = false;
+	Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+	for (const Shell& shell : all)
+		if (shell.kept) box = {componentMin(box.lower, shell.box.lower), componentMax(box.upper, shell.box.upper)};
+	const Vec3 size = box.size();
+	return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+/// Sweeps along the longest side (across a layer, each would meet all others), so that a pair is met once, where both have begun and
+/// neither has ended.
+void findNesting(const Mesh& mesh, std::vector<Shell>& all, ShellVerdict& verdict)
+{
+	const int axis = longestAxis(all);
 	const double rounding = mesh.rounding * bounds(mesh).longestSide();
 	std::vector<uint32_t> order, active;
 	for (uint32_t i = 0; i < all.size(); ++i)
 		if (all[i].kept) order.push_back(i);
 	std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-		const double xa = all[a].box.lower.x, xb = all[b].box.lower.x;
-		return xa != xb ? xa < xb : a < b;
+		const double begin = all[a].box.lower[axis], other = all[b].box.lower[axis];
+		return begin != other ? begin < other : a < b;
 	});
 	for (const uint32_t k : order)
 	{
 		Shell& shell = all[k];
-		std::erase_if(active, [&](uint32_t i) { return all[i].box.upper.x < shell.box.lower.x; });
+		std::erase_if(active, [&](uint32_t i) { return all[i].box.upper[axis] < shell.box.lower[axis]; });
+		verdict.compared += static_cast<int64_t>(active.size());
 		for (const uint32_t i : active)
 		{
 			if (encloses(mesh, rounding, all[i], shell)) shell.around.push_back(i);
 			else if (encloses(mesh, rounding, shell, all[i])) all[i].around.push_back(k);
-			else mayOverlap = mayOverlap || overlap(all[i].box, shell.box);
+			else verdict.mayOverlap = verdict.mayOverlap || overlap(all[i].box, shell.box);
 		}
 		active.push_back(k);
 	}
-	return mayOverlap;
 }
 
 void decide(std::vector<Shell>& all, ShellVerdict& verdict)
@@ -209,7 +219,7 @@ ShellVerdict settleShells(Mesh& mesh)
 {
 	std::vector<Shell> all = shells(mesh);
 	ShellVerdict verdict;
-	verdict.mayOverlap = findNesting(mesh, all);
+	findNesting(mesh, all, verdict);
 	decide(all, verdict);
 	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
 	for (const Shell& shell : all)
