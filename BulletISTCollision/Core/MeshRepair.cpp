@@ -24,7 +24,7 @@ namespace
 constexpr double kNearlyEqual = 1e-9;
 /// Of the mesh's rounding: the same, when the mesh is still open. Each of two corners may be off by one value along each axis.
 constexpr double kRoundedApart = 4;
-/// Of the longest side cubed: a smaller volume is no volume.
+/// Of the area times the longest side: a smaller volume is no volume, however far apart the parts that hold it are.
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
@@ -516,7 +516,7 @@ std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mod
 {
 	const double side = bounds(attempt.mesh).longestSide();
 	result.volumeAfter = massProperties(attempt.mesh).volume;
-	if (!(std::fabs(result.volumeAfter) >= kFlat * side * side * side) || side == 0)
+	if (!(std::fabs(result.volumeAfter) >= kFlat * side * surfaceArea(attempt.mesh)) || side == 0)
 		return enclosesNothing(welded, ": it encloses " + number(result.volumeAfter) + " m^3");
 	if (result.volumeAfter < 0)
 		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3 " + extent(bounds(attempt.mesh)) + "; " +

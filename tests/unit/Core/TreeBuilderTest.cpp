@@ -55,6 +55,32 @@ TEST(TreeBuilder, RefusalsNamePlacesInTheFrameOfTheMesh)
 	EXPECT_NEAR(distance(Vec3{x, y, z}, Vec3{100, -20, 3}), 0, 1e-3) << told;
 }
 
+TEST(TreeBuilder, PartsFarApartAreNotCalledFlat)
+{
+	const Mesh cube = makeBoxMesh({0.005, 0.005, 0.005});
+	BuildOptions options;
+	options.maxSpheres = 100;
+	for (const double apart : {20.0, 200.0})
+	{
+		Mesh mesh;
+		for (const double x : {0.0, apart})
+		{
+			const Pose X = {rotationMatrix(quaternionFromRotationVector({0.3, x, 1})), {x, 1000, 0}};
+			const auto base = static_cast<uint32_t>(mesh.vertices.size());
+			for (const Vec3& v : cube.vertices) mesh.vertices.push_back(X * v);
+			for (const auto& t : cube.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+		}
+		const Result<RepairedMesh> repaired = repair(mesh);
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_NEAR(repaired.value().volumeAfter, 2e-6, 1e-15);
+		const Result<InnerSphereTree> built = buildTree(mesh, options);
+		// Beside so long a body no sphere in a cube of 1 cm is large enough.
+		ASSERT_EQ(static_cast<bool>(built), apart < 100);
+		if (built) EXPECT_NEAR(built.value().volume, 2e-6, 1e-15);
+		else EXPECT_NE(built.error().message.find("build its parts one by one"), std::string::npos) << built.error().message;
+	}
+}
+
 // Coarse levels have the fewest balls, and so the largest terms.
 TEST(TreeBuilder, MomentsOfTheLargestBodyStayInsideOfAFloatsRange)
 {
