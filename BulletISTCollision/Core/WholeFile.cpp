@@ -235,7 +235,8 @@ void MappedFile::swap(MappedFile& other)
 
 Result<MappedFile> MappedFile::open(const std::string& path)
 {
-	const OpenFile file(path, O_RDONLY);
+	// A pipe must not wait for its writer: it is refused below.
+	const OpenFile file(path, O_RDONLY | O_NONBLOCK);
 	if (!file.good()) return systemError(path, "opening the file", errno);
 	struct stat about;
 	if (::fstat(file.number(), &about) != 0) return systemError(path, "reading the file", errno);

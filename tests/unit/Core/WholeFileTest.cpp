@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -211,6 +214,25 @@ TEST_F(WholeFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
 	EXPECT_TRUE(write(at("pipe"), "text"));
 	reader.join();
 	EXPECT_EQ(read, "text");
+}
+
+TEST_F(WholeFile, APipeIsRefusedAtOnce)
+{
+	ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
+	std::string refusal;
+	std::atomic<bool> refused = false;
+	std::thread reader([&] {
+		const Result<MappedFile> mapped = MappedFile::open(at("pipe"));
+		if (!mapped) refusal = mapped.error().message;
+		refused = true;
+	});
+	for (int i = 0; i < 1000 && !refused; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+	EXPECT_TRUE(refused);
+	// A writer lets a reader that waits go on.
+	const int writer = refused ? -1 : ::open(at("pipe").c_str(), O_WRONLY);
+	reader.join();
+	if (writer >= 0) ::close(writer);
+	EXPECT_NE(refusal.find("is not a file"), std::string::npos) << refusal;
 }
 
 TEST_F(WholeFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
