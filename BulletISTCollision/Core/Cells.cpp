@@ -83,7 +83,8 @@ std::string whyUnusable(const std::vector<Sphere>& spheres, double volume)
 				   ", has no finite centre and positive radius; pack the mesh again.";
 		balls += ballVolume(s.r);
 	}
-	if (balls > volume * (1 + 1e-6)) return "The spheres hold more volume than the mesh; use a packing made for this mesh.";
+	if (balls > volume * (1 + 1e-6))
+		return "The spheres hold more volume than the mesh: parts of it are inside out (use the automatic repair), or the packing was made for another mesh.";
 	return {};
 }
 }  // namespace

@@ -81,6 +81,24 @@ TEST(TreeBuilder, PartsFarApartAreNotCalledFlat)
 	}
 }
 
+TEST(TreeBuilder, PartsThatAreInsideOutAreNamedWhereNoneIsTurned)
+{
+	// A cube, and beside it one that is a ten-thousandth smaller and inside out.
+	Mesh mesh = makeBoxMesh({0.5, 0.5, 0.5});
+	const Mesh other = translated(makeBoxMesh({0.49995, 0.49995, 0.49995}), {2, 0, 0});
+	const auto base = static_cast<uint32_t>(mesh.vertices.size());
+	mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+	for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + base, t[2] + base, t[1] + base});
+	BuildOptions options;
+	options.maxSpheres = 50;
+	options.repair = RepairMode::Off;
+	const Result<InnerSphereTree> built = buildTree(transformed(mesh, {rotationMatrix(quaternionFromRotationVector({1, -0.4, 0.3})), {5, 6, -7}}), options);
+	ASSERT_FALSE(built);
+	EXPECT_NE(built.error().message.find("inside out (use the automatic repair)"), std::string::npos) << built.error().message;
+	options.repair = RepairMode::Auto;
+	EXPECT_NEAR(buildTree(mesh, options).value().volume, 1 + std::pow(0.9999, 3), 1e-9);
+}
+
 // Coarse levels have the fewest balls, and so the largest terms.
 TEST(TreeBuilder, MomentsOfTheLargestBodyStayInsideOfAFloatsRange)
 {
