@@ -37,8 +37,10 @@ std::string format(const Report& report, bool json)
 
 double volumeChange(const InnerSphereTree& tree)
 {
+	// Of the area times the longest side: what coordinates in single precision may add. A mesh that enclosed less enclosed nothing.
+	constexpr double kRounding = 0x1p-23;
 	const double before = std::fabs(tree.provenance.meshVolume);
-	return before > 0 ? (tree.volume - before) / before : std::numeric_limits<double>::quiet_NaN();
+	return before > kRounding * tree.area * tree.box.longestSide() ? (tree.volume - before) / before : std::numeric_limits<double>::quiet_NaN();
 }
 
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)

@@ -107,6 +107,18 @@ expect "build --error" 0 "$ist" build "$dir/cube.obj" -o "$dir/error.ist" --erro
 holds "build --error" 'r["spheres"] <= 1000'
 expect "build --error out of reach" 1 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.001 --spheres 50
 says "build --error out of reach" "out of reach: 50 spheres give .*; allow more spheres"
+# Two cubes far from the origin, one of them inside out: what they enclose as they are is nothing but rounding, of which no share can be told.
+python3 - > "$dir/opposed.obj" <<'PYTHON'
+corners = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+faces = ((1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8))
+for x in 0.1, 2.1:
+    for v in corners: print("v", 0.7 * v[0] + x, 0.7 * v[1] + 0.3, 0.7 * v[2] - 0.2)
+for f in faces: print("f", *f)
+for f in faces: print("f", *(8 + i for i in reversed(f)))
+PYTHON
+expect "build of nothing but rounding" 0 "$ist" build "$dir/opposed.obj" -o "$dir/opposed.ist" --spheres 20 --json
+holds "build of nothing but rounding" 'r["volume_change"] is None and near(r["volume"], 2 * 0.7 ** 3, 1e-6) and 0 < abs(r["mesh_volume"]) < 1e-6 and any("volume changed from" in t for t in r["repair"])'
+
 head -n 13 "$dir/cube.obj" > "$dir/holed.obj"
 for mode in auto wrap; do
 	expect "build --repair $mode" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --repair $mode --json
