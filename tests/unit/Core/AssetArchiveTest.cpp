@@ -4,11 +4,14 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
 #include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/SymmetricEigen.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
 
 namespace ist
@@ -102,6 +105,66 @@ TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 		EXPECT_LE(norm(a.normal() - b.normal()), 2e-3) << i;
 		EXPECT_NEAR(b.depth, a.depth, 1e-3 * a.depth + 1e-5) << i;
 	}
+}
+
+/// Shorter than a tenth of its length, or of less than .4 of its volume.
+bool isThin(const MomentEllipsoid& leaf)
+{
+	const SymmetricMatrix3 P = leaf.shape();
+	const double matrix[3][3] = {{P.xx, P.xy, P.xz}, {P.xy, P.yy, P.yz}, {P.xz, P.yz, P.zz}};
+	SymmetricEigen<3> eigen;
+	EXPECT_TRUE(eigen.decompose(matrix));
+	const auto& squares = eigen.values;
+	const auto [least, most] = std::minmax_element(std::begin(squares), std::end(squares));
+	return *least < 0.01 * *most || 4.18879 * std::sqrt(squares[0] * squares[1] * squares[2]) < 0.4 * leaf.volume();
+}
+
+TEST(AssetArchive, LeavesKeepTheirShapesAsFarAsIsPromised)
+{
+	// A plate, and two thinner ones that cross: there some leaves are thin.
+	const Mesh sheet = makeBoxMesh({0.5, 0.5, 0.0015});
+	Mesh crossed = sheet;
+	for (const auto& t : sheet.triangles) crossed.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+	for (const Vec3& v : transformed(sheet, {rotationMatrix(quaternionFromRotationVector({1.3, 0, 0})), {}}).vertices) crossed.vertices.push_back(v);
+	const Pose X = {rotationMatrix(quaternionFromRotationVector({0.3, 1, -0.5})), {100, 2, 3}};
+	BuildOptions options;
+	options.maxSpheres = 1500;
+	int thin = 0, thick = 0;
+	for (const Mesh& mesh : {transformed(makeBoxMesh({0.5, 0.5, 0.005}), X), transformed(crossed, X)})
+	{
+		const Result<InnerSphereTree> built = buildTree(mesh, options);
+		ASSERT_TRUE(built) << built.error().message;
+		const Result<std::vector<std::byte>> bytes = encodeArchive(built.value());
+		ASSERT_TRUE(bytes) << bytes.error().message;
+		const Result<InnerSphereTree> back = decodeArchive(bytes.value().data(), bytes.value().size());
+		ASSERT_TRUE(back) << back.error().message;
+		std::vector<std::vector<MomentEllipsoid>> ofSphere(built.value().spheres.size());
+		for (const MomentEllipsoid& leaf : back.value().law.slots())
+			if (leaf.density > 0) ofSphere[leaf.sphere].push_back(leaf);
+		for (const MomentEllipsoid& a : built.value().law.slots())
+		{
+			if (!(a.density > 0)) continue;
+			const std::vector<MomentEllipsoid>& leaves = ofSphere[a.sphere];
+			ASSERT_FALSE(leaves.empty());
+			const MomentEllipsoid& b = *std::min_element(leaves.begin(), leaves.end(), [&](const MomentEllipsoid& one, const MomentEllipsoid& other)
+														 { return distance(one.center(), a.center()) < distance(other.center(), a.center()); });
+			const bool isThinLeaf = isThin(a);
+			++(isThinLeaf ? thin : thick);
+			EXPECT_NEAR(b.volume(), a.volume(), 5e-3 * a.volume());
+			EXPECT_NEAR(b.meanRadius(), a.meanRadius(), (isThinLeaf ? 0.1 : 1e-3) * a.meanRadius());
+			if (isThinLeaf) continue;
+			const SymmetricMatrix3 P = a.shape(), Q = b.shape();
+			const double most = 0.013 * P.trace() / 3;
+			EXPECT_NEAR(Q.xx, P.xx, most);
+			EXPECT_NEAR(Q.yy, P.yy, most);
+			EXPECT_NEAR(Q.zz, P.zz, most);
+			EXPECT_NEAR(Q.xy, P.xy, most);
+			EXPECT_NEAR(Q.xz, P.xz, most);
+			EXPECT_NEAR(Q.yz, P.yz, most);
+		}
+	}
+	EXPECT_GT(thin, 500);
+	EXPECT_GT(thick, 2000);
 }
 
 TEST(AssetArchive, LosesLessThanATenthOfTheErrorBarOverRandomPoses)
