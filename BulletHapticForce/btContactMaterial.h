@@ -34,10 +34,15 @@ struct btContactMaterial
 class btContactMaterialTable : public btISTPairRule
 {
 public:
+	// Bodies of a centimetre and more rest with these, all at once, in steps of up to 1/60 s; a little beyond them one is flung away or falls through.
+	static constexpr double kStiffest = 1e15;        ///< [Pa/m]: steel, of which a fifth of a millimetre yields
+	static constexpr double kMostDissipation = 1e6;  ///< [s/m]
+	static constexpr double kDensest = 1e12;         ///< of a fluid [kg/m^3]: its pressure rises by kStiffest in 1000 m/s^2
+
 	/// See setGravity.
 	explicit btContactMaterialTable(double gravity = 9.81) : m_default(9.81), m_gravity(9.81) { setGravity(gravity); }
 
-	/// Refused, with the reason: values that are not finite, a negative stiffness or density, a fluid that is no plane or has a stiffness. Call `remove` before the body is deleted: its
+	/// Refused, with the reason: values that are not finite or beyond those above, a negative stiffness or density, a fluid that is no plane or has a stiffness. Call `remove` before the body is deleted: its
 	/// address may be given to a new one.
 	std::optional<ist::Error> set(const btCollisionObject* body, const btContactMaterial& material);
 	void remove(const btCollisionObject* body) { m_materials.erase(body); }

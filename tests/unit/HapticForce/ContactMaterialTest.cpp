@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btContactMaterial.h"
 
+#include "BulletHapticForce/btISTWorld.h"
+#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
+
+#include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btEmptyShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
+#include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <memory>
+#include <string>
+#include <utility>
 
 namespace
 {
@@ -138,6 +148,65 @@ TEST_F(Pair, RefusesWhatIsNoMaterialAndKeepsTheFormerOne)
 	EXPECT_EQ(table.find(&a).dissipation, 8);
 	EXPECT_EQ(table.find(&b).stiffness, 0);
 	EXPECT_DOUBLE_EQ(btContactMaterial::fromModulus(1e6, 0.05).stiffness, 2e7);
+}
+
+TEST_F(Pair, RefusesWhatNoStepWouldHold)
+{
+	constexpr double kStiffest = btContactMaterialTable::kStiffest, kMost = btContactMaterialTable::kMostDissipation, kDensest = btContactMaterialTable::kDensest;
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	btRigidBody ground(0, nullptr, &plane);
+	set(a, 1e6, 8);
+	EXPECT_FALSE(table.set(&ground, btContactMaterial::fluid(1000)));
+	for (const double beyond : {1.001, 1e15, 1e100})
+	{
+		EXPECT_TRUE(table.set(&a, {beyond * kStiffest, 3})) << beyond;
+		EXPECT_TRUE(table.set(&a, {1e6, beyond * kMost})) << beyond;
+		EXPECT_TRUE(table.set(&ground, btContactMaterial::fluid(beyond * kDensest))) << beyond;
+	}
+	EXPECT_EQ(table.find(&a).stiffness, 1e6);
+	EXPECT_EQ(table.find(&a).dissipation, 8);
+	EXPECT_EQ(table.find(&ground).fluidDensity, 1000);
+	EXPECT_EQ(table.set(&a, {1e60, 3})->message, "the stiffness of a contact material must be at most 1e15 Pa/m: no step of a game's length could hold it");
+	EXPECT_FALSE(table.set(&a, {kStiffest, kMost}));
+	EXPECT_FALSE(table.set(&ground, btContactMaterial::fluid(kDensest)));
+}
+
+// What is accepted does not throw bodies about: they fall by a twentieth of their size and stay.
+TEST(btContactMaterialTable, BoxesRestOnAPlaneAtTheBounds)
+{
+	using Table = btContactMaterialTable;
+	const btContactMaterial none, stiff{Table::kStiffest, 3}, both{Table::kStiffest, Table::kMostDissipation}, slow{1e7, Table::kMostDissipation};
+	for (const double half : {.01, .1, 1.})
+	{
+		ist::BuildOptions options;
+		options.maxSpheres = 300;
+		const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({half, half, half}), options).value());
+		for (const double h : {1 / 60., 1 / 240., 1 / 1000.})
+			for (const auto& [ofBox, ofPlane] : {std::pair(stiff, none), std::pair(stiff, stiff), std::pair(both, none), std::pair(both, both), std::pair(slow, none),
+												 std::pair(none, btContactMaterial::fluid(Table::kDensest))})
+			{
+				btISTWorld world;
+				btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+				btBoxShape shape{btVector3(btScalar(half), btScalar(half), btScalar(half))};
+				const double mass = 8000 * half * half * half;
+				btVector3 inertia;
+				shape.calculateLocalInertia(btScalar(mass), inertia);
+				btRigidBody ground(0, nullptr, &plane), box(btScalar(mass), nullptr, &shape, inertia);
+				box.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(3, btScalar(1.1 * half), -1)));
+				const btISTAttachment attached = world.attach(&shape, tree).value();
+				ASSERT_FALSE(world.materials().set(&box, ofBox));
+				ASSERT_FALSE(world.materials().set(&ground, ofPlane));
+				world.bullet().addRigidBody(&ground);
+				world.bullet().addRigidBody(&box);
+				for (int i = 0; i < std::lround(2 / h); ++i) world.bullet().stepSimulation(btScalar(h), 0);
+				const std::string where = "half an edge " + std::to_string(half) + ", h " + std::to_string(h) + ", k " + std::to_string(ofBox.stiffness) + ", d " +
+										  std::to_string(ofBox.dissipation);
+				EXPECT_NEAR(double(box.getWorldTransform().getOrigin().y()) / half, 1, .5) << where;
+				EXPECT_LE(double(box.getLinearVelocity().length()), .02 * std::sqrt(9.81 * half)) << where;
+				world.bullet().removeRigidBody(&box);
+				world.bullet().removeRigidBody(&ground);
+			}
+	}
 }
 
 TEST_F(Pair, FluidPressesWithItsDensityTimesGravityWhateverFloatsInIt)
