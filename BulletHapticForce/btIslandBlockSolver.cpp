@@ -36,6 +36,8 @@ constexpr int kTrust = 8;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision. What sticks then
 // creeps by no more than this share of g h, since the next step begins where this one ends.
 constexpr double kFrictionTolerance = 1e-7;
+// Friction beyond its limit, where sweeps did not end, is cut off; normal impulses, which this changes, are found anew at most so many times.
+constexpr int kMostCuts = 100;
 constexpr double kImmovable = 1e-12;
 // Of the search for a sliding patch's friction; steps double the digits.
 constexpr int kMostNewtonSteps = 20;
@@ -443,6 +445,29 @@ void btIslandBlockSolver::iterateFriction()
 		if (m_sweeps % kTrust == kTrust - 1) solveElastic();
 	}
 	if (m_sweeps > 0) solveElastic();
+	if (!m_frictionNotConverged) return;
+	for (int i = 0; cutFriction() > kFrictionTolerance * largestNormal && i < kMostCuts; ++i) solveElastic();
+}
+
+/// Takes friction back to its limit at the normal impulse of the state. Gives how much it cut off, at most.
+double btIslandBlockSolver::cutFriction()
+{
+	double most = 0;
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		const Patch& p = m_patches[size_t(k)];
+		if (!p.active) continue;
+		Vec6 u;
+		relativeTwist(p, u.data());
+		const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
+		const double limit = p.friction * std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0);
+		Map<Eigen::Vector3d> friction(tangent(k));
+		const double length = friction.norm();
+		if (!(length > limit)) continue;
+		friction *= limit / length;
+		most = std::max(most, length - limit);
+	}
+	return most;
 }
 
 /// Of a patch that is out: whether its impulse would push if it were in. The test of the force at this state alone would bring

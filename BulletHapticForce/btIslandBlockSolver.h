@@ -46,7 +46,7 @@ public:
 	double normalImpulse(int patch) const;
 	/// Sweeps of the friction iteration in the last solve, and largest change of an impulse in the last of them [N s].
 	int sweeps() const { return m_sweeps; }
-	/// True when the last solve's sweeps ended before the impulses stood still.
+	/// True when the last solve's sweeps ended before the impulses stood still. Friction is then within its limit, too, but need not oppose the slip.
 	bool frictionNotConverged() const { return m_frictionNotConverged; }
 	/// Changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
@@ -84,6 +84,7 @@ private:
 	double* tangent(int patch) { return m_tangents.data() + 3 * size_t(patch); }
 	const double* tangent(int patch) const { return m_tangents.data() + 3 * size_t(patch); }
 	void iterateFriction();
+	double cutFriction();
 	bool wouldPush(const Patch& patch);
 	bool changeActiveSet(int mayReturn);
 	void relativeTwist(const Patch& patch, double* twist) const;
