@@ -23,6 +23,17 @@ constexpr double kSmallestLength = 1e-5;   // [m]
 constexpr double kLongestRun = 3600;       // [s]
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
+/// However the two are spelled, through links too; none needs to be there.
+bool isSameFile(const std::string& a, const std::string& b)
+{
+	if (a.empty() || b.empty()) return false;
+	namespace fs = std::filesystem;
+	std::error_code failed;
+	if (fs::equivalent(a, b, failed)) return true;
+	const fs::path left = fs::weakly_canonical(fs::absolute(a, failed), failed), right = fs::weakly_canonical(fs::absolute(b, failed), failed);
+	return a == b || (!left.empty() && left == right);
+}
+
 class SceneReader
 {
 public:
@@ -339,15 +350,15 @@ private:
 		m_scene.region = box;
 	}
 
-	/// A recording writes over what has its name.
+	/// A recording writes over what is there.
 	void checkRecording(JsonFields& f, const std::string& file)
 	{
 		if (m_problem) return;
-		if (file == std::filesystem::path(m_scene.file).lexically_normal().string()) f.refuse("file", "is the scene file itself");
+		if (isSameFile(file, m_scene.file)) f.refuse("file", "is the scene file itself");
 		for (const SceneAsset& asset : m_scene.assets)
-			if (file == asset.mesh || file == asset.ist) f.refuse("file", "is that of the asset " + asset.name);
+			if (isSameFile(file, asset.mesh) || isSameFile(file, asset.ist)) f.refuse("file", "is that of the asset " + asset.name);
 		for (const SceneHook& other : m_scene.hooks)
-			if (file == other.file) f.refuse("file", "another hook records into it already");
+			if (isSameFile(file, other.file)) f.refuse("file", "another hook records into it already");
 	}
 
 	void readHook(JsonFields& f)

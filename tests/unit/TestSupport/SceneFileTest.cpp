@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 
@@ -259,6 +260,39 @@ TEST(SceneFile, ARecordingDoesNotTakeThePlaceOfItsScene)
 	const Result<Scene> scene = parseScene("./data/s.json", with("poses.csv", "sub/../s.json"), "./data");
 	ASSERT_FALSE(scene);
 	EXPECT_EQ(scene.error().message, "./data/s.json:41: hooks[0].file: is the scene file itself");
+}
+
+// The same file by its absolute name, through a link to it, and through a link to its folder; what shall be recorded need not be there yet.
+TEST(SceneFile, ARecordingIsKnownByItsFileAndNotByItsName)
+{
+	namespace fs = std::filesystem;
+	const fs::path folder = "scene-file-names";
+	fs::remove_all(folder);
+	fs::create_directories(folder / "sub");
+	for (const char* name : {"s.json", "c.ist", "b.obj", "sub/a.obj"}) std::ofstream(folder / name) << "kept\n";
+	fs::create_symlink("..", folder / "sub" / "up");
+	for (const char* name : {"s.json", "c.ist", "b.obj"}) fs::create_symlink(name, folder / (std::string("link to ") + name));
+	fs::create_hard_link(folder / "b.obj", folder / "twin.obj");
+
+	const std::string relative = folder.string(), absolute = fs::absolute(folder).string(), place = relative + "/s.json:41: hooks[0].file: ";
+	const auto refusal = [&](const std::string& from, const std::string& to)
+	{
+		const Result<Scene> scene = parseScene(relative + "/s.json", with(from, to), relative);
+		return scene ? "accepted" : scene.error().message;
+	};
+	EXPECT_EQ(refusal("poses.csv", "poses.csv"), "accepted");
+	EXPECT_EQ(refusal("poses.csv", absolute + "/poses.csv"), "accepted");
+	for (const std::string& way : {absolute + "/", std::string("link to "), std::string("sub/up/")})
+	{
+		EXPECT_EQ(refusal("poses.csv", way + "s.json"), place + "is the scene file itself");
+		EXPECT_EQ(refusal("poses.csv", way + "c.ist"), place + "is that of the asset c");
+		EXPECT_EQ(refusal("poses.csv", way + "b.obj"), place + "is that of the asset b");
+	}
+	EXPECT_EQ(refusal("poses.csv", "twin.obj"), place + "is that of the asset b");
+	for (const std::string& way : {absolute + "/", std::string("sub/up/")})
+		EXPECT_EQ(refusal("\"do\": \"scale\", \"factor\": 0.5", "\"do\": \"record\", \"file\": \"" + way + "poses.csv\""),
+				  relative + "/s.json:45: hooks[4].file: another hook records into it already");
+	fs::remove_all(folder);
 }
 
 TEST(SceneFile, AByteOrderMarkIsPassedOver)
