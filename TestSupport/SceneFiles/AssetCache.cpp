@@ -15,8 +15,11 @@ namespace scenes
 {
 namespace
 {
-std::string fileName(const std::string& name, uint64_t hash, const BuildOptions& options)
+/// Names of one mesh may share a file: the tree in it is the same.
+std::string fileName(std::string name, uint64_t hash, const BuildOptions& options)
 {
+	for (char& c : name)
+		if (c == '/' || c == '\\' || c == 0) c = '_';
 	char end[80];
 	std::snprintf(end, sizeof end, "-%016" PRIx64 "-%" PRId64 "-%" PRIu64 ".ist", hash, options.maxSpheres, options.seed);
 	return name + end;
