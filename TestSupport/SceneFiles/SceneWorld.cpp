@@ -2,6 +2,7 @@
 #include "TestSupport/SceneFiles/SceneWorld.h"
 
 #include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/LevelCalibration.h"
 #include "BulletISTCollision/Core/MeshImport.h"
 #include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/btISTConversion.h"
@@ -91,6 +92,12 @@ Result<std::vector<Asset>> makeAssets(const Scene& scene, const SceneBuildOption
 			if (!built) return at(from.place, built.error());
 			asset.tree = built.value().tree;
 			asset.hull = asset.principal.mesh.vertices;
+		}
+		if (scene.maxPairs >= 0 && !hasLevels(*asset.tree))  // without coarser levels a budget cannot be kept
+		{
+			auto levelled = std::make_shared<InnerSphereTree>(*asset.tree);
+			addLevels(*levelled);
+			asset.tree = std::move(levelled);
 		}
 		assets.push_back(std::move(asset));
 	}

@@ -84,6 +84,47 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 	}
 }
 
+// Two bodies of a thousand spheres pressed together have many more pairs than that.
+TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
+{
+	const auto most = [](const std::string& topology, const std::string& budget)
+	{
+		const Result<SceneOutcome> outcome = run(R"({"schema": 1, "topology": ")" + topology + R"(", "duration": 0.5)" + budget + R"(,
+			"assets": [{"name": "cube", "shape": "box", "halfExtents": [0.02, 0.02, 0.02], "spheres": 1000},
+				{"name": "base", "shape": "box", "halfExtents": [0.05, 0.02, 0.05], "spheres": 1000}],
+			"materials": [{"name": "m", "stiffness": 2e7, "dissipation": 3, "friction": 0.5}],
+			"bodies": [{"name": "base", "asset": "base", "fixed": true, "position": [0, 0.02, 0], "material": "m"},
+				{"name": "cube", "asset": "cube", "position": [0, 0.065, 0], "material": "m"}],
+			"hand": {"device": "sim:sigma7", "tool": "cube", "path": [{"time": 0, "position": [0, 0.065, 0]}, {"time": 0.2, "position": [0, 0.055, 0]},
+				{"time": 0.5, "position": [0.02, 0.055, 0], "turn": [0, 20, 0]}]}})");
+		EXPECT_TRUE(outcome) << outcome.error().message;
+		int64_t pairs = 0;
+		if (outcome)
+			for (const SceneTick& tick : outcome.value().ticks) pairs = std::max(pairs, tick.pairs);
+		return pairs;
+	};
+	for (const char* topology : {"contact-in-tick", "contact-thread", "force-thread", "local-model"})
+	{
+		EXPECT_GT(most(topology, ""), 100) << topology;
+		const int64_t kept = most(topology, R"(, "maxPairs": 100)");
+		EXPECT_GT(kept, 0) << topology;
+		EXPECT_LE(kept, 100) << topology;
+	}
+}
+
+// Nothing is volumetric: in a world that the hand's thread steps, Bullet's own contact holds the ball; a hand beside the world does not feel that.
+TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
+{
+	for (const char* topology : {"one-thread", "contact-in-tick"})
+	{
+		const Result<SceneOutcome> outcome = run(scene(topology, 0.04, 0.012, R"("pairs": [])"));
+		ASSERT_TRUE(outcome) << outcome.error().message;
+		const double force = outcome.value().ticks.back().wrench.force.y;
+		if (std::string(topology) == "one-thread") EXPECT_GT(force, 1);
+		else EXPECT_NEAR(force, 0, 0.02);
+	}
+}
+
 TEST(SceneRun, HooksActInTheirOrder)
 {
 	// Far from the floor the hand's spring alone holds against the hook's force, which the later hook halves.
