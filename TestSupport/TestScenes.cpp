@@ -133,7 +133,11 @@ double sendTowardsTheFirst(Subject (&subjects)[2], double speed)
 	btVector3 centre;
 	btScalar radius;
 	subjects[1].body.getCollisionShape()->getBoundingSphere(centre, radius);
-	subjects[1].body.translate(btVector3(2 * radius, btScalar(0.2 * subjects[1].size), 0));
+	btVector3 lower, upper;
+	subjects[1].body.getAabb(lower, upper);
+	// Off the middle by a share of the height, and not only of the size: a plate would pass over the other.
+	const double off = 0.2 * std::fmin(subjects[1].size, double(upper.y() - lower.y()));
+	subjects[1].body.translate(btVector3(2 * radius, btScalar(off), 0));
 	subjects[1].body.setInterpolationWorldTransform(subjects[1].body.getWorldTransform());
 	subjects[1].body.setLinearVelocity(btVector3(btScalar(-speed), 0, 0));
 	return 4 * double(radius) / speed;

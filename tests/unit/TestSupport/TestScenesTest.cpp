@@ -45,12 +45,13 @@ class EveryTestScene : public testing::TestWithParam<TestScene>
 };
 INSTANTIATE_TEST_SUITE_P(Of, EveryTestScene, testing::ValuesIn(testScenes()), [](const auto& scene) { return scene.param.name; });
 
-// A heavy crate, a ring that is hollow where a box is not, and a body of the size of a thumb in short steps.
+// A heavy crate, a ring that is hollow where a box is not, a body of the size of a thumb in short steps, and a tile that is thinner than its size says.
 TEST_P(EveryTestScene, AgreesWithItsLawWhateverTheBody)
 {
 	EXPECT_THAT(GetParam().play(crate(), 1.0 / 240), AgreesWithTheory(.002));
 	EXPECT_THAT(GetParam().play(bodyOf(ist::makeTorusMesh(.3, .12, 48, 24), 40, 2e6, .7), 1.0 / 120), AgreesWithTheory(.002));
 	EXPECT_THAT(GetParam().play(bodyOf(ist::makeConeMesh(.01, .03), .004, 0, 0), 1.0 / 1000), AgreesWithTheory(.002));
+	EXPECT_THAT(GetParam().play(bodyOf(ist::makeBoxMesh({.1, .005, .1}), 1, 0, .5), 1.0 / 240), AgreesWithTheory(.002));
 }
 
 TEST_P(EveryTestScene, RefusesABodyWithoutTreeOrMotion)
