@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/btISTConversion.h"
 
+#include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 #include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -43,6 +44,29 @@ ist::Vec3 gyroscopic(const btRigidBody& body, double h)
 	const int flags = body.getFlags();
 	if (flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD) sum += toVec3(body.computeGyroscopicImpulseImplicit_World(btScalar(h)));
 	if (flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) sum += toVec3(body.computeGyroscopicImpulseImplicit_Body(btScalar(h)));
+	return sum;
+}
+
+/// Of kinematic bodies through Bullet's own contact: its impulses on the other body, at their velocity.
+double kinematicWork(const btPersistentManifold& manifold)
+{
+	double sum = 0;
+	for (int side = 0; side < 2; ++side)
+	{
+		const btRigidBody* rigid = btRigidBody::upcast(side == 0 ? manifold.getBody0() : manifold.getBody1());
+		const btCollisionObject* other = side == 0 ? manifold.getBody1() : manifold.getBody0();
+		// Of a body that sleeps, the impulses are those of the step in which it fell asleep.
+		if (!rigid || !rigid->isKinematicObject() || other->isStaticOrKinematicObject() || !other->isActive()) continue;
+		for (int i = 0; i < manifold.getNumContacts(); ++i)
+		{
+			const btManifoldPoint& p = manifold.getContactPoint(i);
+			const ist::Vec3 onBody0 = double(p.m_appliedImpulse) * toVec3(p.m_normalWorldOnB) + double(p.m_appliedImpulseLateral1) * toVec3(p.m_lateralFrictionDir1) +
+									  double(p.m_appliedImpulseLateral2) * toVec3(p.m_lateralFrictionDir2);
+			const btVector3& at = side == 0 ? p.getPositionWorldOnA() : p.getPositionWorldOnB();
+			const ist::Vec3 v = toVec3(rigid->getVelocityInLocalPoint(at - rigid->getCenterOfMassPosition()));
+			sum += (side == 0 ? -1 : 1) * dot(onBody0, v);
+		}
+	}
 	return sum;
 }
 
@@ -167,6 +191,15 @@ void btEnergyAudit::afterStep()
 		m_open.numerical -= c->work.elastic;
 		m_open.injected += moved;
 		contactWork += c->work.elastic + c->work.damping + c->work.friction + moved;
+	}
+	for (int i = 0; i < m_world.getDispatcher()->getNumManifolds(); ++i)
+	{
+		const btPersistentManifold& manifold = *m_world.getDispatcher()->getManifoldByIndexInternal(i);
+		const btISTContact* ours = m_store.find(&manifold);
+		if (ours && ours->work.acted) continue;
+		const double moved = ::kinematicWork(manifold);
+		m_open.injected += moved;
+		contactWork += moved;
 	}
 	for (const Body& entry : m_bodies)
 	{

@@ -33,6 +33,7 @@ public:
 	btISTWorld& operator=(const btISTWorld&) = delete;
 
 	btDiscreteDynamicsWorld& bullet() { return *m_world; }
+	const btDiscreteDynamicsWorld& bullet() const { return *m_world; }
 	/// Why the world of a game keeps a solver of its own kind (see installVolumetricSolver): contact is then carried by its representative
 	/// points, or, where the sentence says so, stays Bullet's. Empty when all is well.
 	const std::string& solverRefusal() const { return m_refusal; }

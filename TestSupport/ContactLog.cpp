@@ -132,10 +132,21 @@ double ContactLog::deepest(const btCollisionObject* body) const
 
 double ContactLog::slip(const btCollisionObject* body) const
 {
-	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, double> ways;
+	// Of a pair with several records in a step the longest way counts, which is known when the step is over.
+	struct Way
+	{
+		double before = 0, now = 0, time = 0;
+	};
+	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, Way> ways;
 	double most = m_blownUp ? std::numeric_limits<double>::quiet_NaN() : 0;
 	for (const ContactRecord& record : m_records)
-		if (involves(record, body)) most = larger(most, ways[std::minmax(record.a, record.b)] += record.slip);
+	{
+		if (!involves(record, body)) continue;
+		Way& way = ways[std::minmax(record.a, record.b)];
+		if (way.time != record.time) way = {way.before + way.now, 0, record.time};
+		way.now = larger(way.now, record.slip);
+		most = larger(most, way.before + way.now);
+	}
 	return most;
 }
 

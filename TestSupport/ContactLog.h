@@ -16,7 +16,7 @@ namespace ist::test
 /// The larger of the two. Unlike std::max it keeps what is not a number, so that no world that has blown up looks well.
 inline double larger(double a, double b) { return std::isnan(a) || b <= a ? a : b; }
 
-/// One pair in one step, volumetric or Bullet's own.
+/// One pair in one step, volumetric or Bullet's own; of compounds, one pair of their parts.
 struct ContactRecord
 {
 	double time = 0;  ///< at the end of the step, from the beginning of the log [s]
@@ -47,7 +47,8 @@ public:
 	/// Over all records of the body, or of all bodies: the largest depth [m]. Not a number, as `slip`, once any body of the world was nowhere:
 	/// Bullet takes it out of contact.
 	double deepest(const btCollisionObject* body = nullptr) const;
-	/// The longest way that one of the body's pairs, or any pair, slid in all [m].
+	/// The longest way that one of the body's pairs, or any pair, slid in all [m]; where several parts of a pair touch in a step, that of the part that
+	/// slid farthest in it.
 	double slip(const btCollisionObject* body = nullptr) const;
 	/// The sum of what contacts did to the body, World [N s].
 	Vec3 impulseOn(const btCollisionObject* body) const;

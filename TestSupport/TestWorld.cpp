@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/AssetFile.h"
 #include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/TreeCache.h"
 #include "BulletISTCollision/btISTConversion.h"
 #include "TestSupport/SceneFiles/SceneWorld.h"
@@ -26,6 +27,15 @@ T orThrow(Result<T> result)
 }
 
 constexpr double kMostSteps = 1e9;
+
+/// Each rigid body of the world that moves by itself, whoever added it.
+template <class Visit>
+void eachMoving(const btDiscreteDynamicsWorld& world, const Visit& visit)
+{
+	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+		if (const btRigidBody* body = btRigidBody::upcast(objects[i]); body && !body->isStaticOrKinematicObject() && body->getInvMass() > 0) visit(*body);
+}
 }  // namespace
 
 btTransform at(double x, double y, double z) { return at(x, y, z, btVector3(0, 1, 0), 0); }
@@ -52,7 +62,9 @@ btRigidBody& TestWorld::addMesh(const Mesh& mesh, double mass, const btTransform
 {
 	BuildOptions options;
 	options.maxSpheres = m_spheres;
-	const Mesh centred = translated(mesh, -massProperties(mesh).centerOfMass);
+	// The tree's is that of what repair leaves, which may be elsewhere than that of the mesh as it came.
+	const RepairedMesh repaired = orThrow(repair(mesh));
+	const Mesh centred = translated(repaired.mesh, -massProperties(repaired.mesh).centerOfMass);
 	return addTree(orThrow(cachedTree(centred, options, m_folder)).tree, mass, pose);
 }
 
@@ -141,8 +153,9 @@ void TestWorld::run(double seconds, double h)
 	{
 		m_audit->beforeStep(h);
 		m_world.bullet().stepSimulation(btScalar(h), 0);
-		for (const auto& body : m_bodies)
-			if (body->isActive() && !body->isStaticOrKinematicObject()) m_gravityImpulse += (h / double(body->getInvMass())) * toVec3(body->getGravity());
+		eachMoving(m_world.bullet(),
+				   [&](const btRigidBody& body)
+				   { if (body.isActive()) m_gravityImpulse += (h / double(body.getInvMass())) * toVec3(body.getGravity() * body.getLinearFactor()); });
 		m_audit->afterStep();
 		m_log.record(h);
 		m_time += h;
@@ -166,24 +179,23 @@ double TestWorld::energyGained() const
 Vec3 TestWorld::momentum() const
 {
 	Vec3 sum;
-	for (const auto& body : m_bodies)
-		if (!body->isStaticOrKinematicObject()) sum += (1 / double(body->getInvMass())) * toVec3(body->getLinearVelocity());
+	eachMoving(m_world.bullet(), [&](const btRigidBody& body) { sum += (1 / double(body.getInvMass())) * toVec3(body.getLinearVelocity()); });
 	return sum;
 }
 
 Vec3 TestWorld::momentumFromNowhere() const
 {
 	Vec3 fromOutside = m_gravityImpulse;
-	for (const auto& body : m_bodies)
-		if (body->isStaticOrKinematicObject()) fromOutside -= m_log.impulseOn(body.get());
+	const btCollisionObjectArray& objects = m_world.bullet().getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+		if (objects[i]->isStaticOrKinematicObject()) fromOutside -= m_log.impulseOn(objects[i]);
 	return momentum() - m_markMomentum - fromOutside;
 }
 
 double TestWorld::fastest() const
 {
 	double most = 0;
-	for (const auto& body : m_bodies)
-		if (!body->isStaticOrKinematicObject()) most = larger(most, speed(*body));
+	eachMoving(m_world.bullet(), [&](const btRigidBody& body) { most = larger(most, speed(body)); });
 	return most;
 }
 }  // namespace ist::test

@@ -60,7 +60,7 @@ public:
 
 	/// As many steps of `h` [s] as make up `seconds`.
 	void run(double seconds, double h = 1.0 / 240);
-	/// The accounts below begin here. To be called after bodies were moved or pushed by hand, which is nobody's impulse.
+	/// The accounts below begin here. To be called after bodies were moved, pushed, or put into or out of `world` by hand, which is nobody's impulse.
 	void mark();
 
 	btISTWorld& world() { return m_world; }
@@ -72,8 +72,9 @@ public:
 	/// What kinetic, potential and contact energy have gained beyond what forces, kinematic bodies and the caller put in [J]. Negative
 	/// where energy was dissipated, as it should be. Joints and Bullet's own contact count: they may not make energy either.
 	double energyGained() const;
-	/// Momentum of all bodies that move, less that of the last mark, less what gravity and contacts with static and kinematic bodies gave
-	/// them [N s]: zero, but for rounding, in a world without joints to the world, damping, and forces of the caller.
+	/// Momentum of all rigid bodies that move, whoever added them, less that of the last mark, less what gravity and contacts with static and kinematic
+	/// bodies gave them [N s]: zero, but for rounding, in a world without joints to the world, damping, forces of the caller, and contacts that push
+	/// along an axis which a body's linear factor locks.
 	Vec3 momentumFromNowhere() const;
 	/// Of the fastest body that moves: see `speed`.
 	double fastest() const;

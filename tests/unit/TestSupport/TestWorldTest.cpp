@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/MeshDivision.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/TreeBuilder.h"
 #include "TestSupport/Matchers.h"
 
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <LinearMath/btMotionState.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 using namespace ist::test;
 using testing::Not;
@@ -105,6 +113,40 @@ TEST(TestWorld, SlipIsTheWayOfASlidingBody)
 	}
 }
 
+// A compound has a contact for each part that touches; all of them go the same way.
+TEST(TestWorld, ASledOnManyRunnersSlidesNoFartherThanOnOne)
+{
+	for (const bool volumetric : {true, false})
+		for (const int runners : {1, 4})
+		{
+			TestWorld world;
+			std::vector<std::unique_ptr<btBoxShape>> parts;
+			std::vector<btISTAttachment> attachments;
+			btCompoundShape shape;
+			ist::BuildOptions options;
+			options.maxSpheres = 300;
+			const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({.2, .02, .02}), options).value());
+			for (int i = 0; i < runners; ++i)
+			{
+				parts.push_back(std::make_unique<btBoxShape>(btVector3(btScalar(.2), btScalar(.02), btScalar(.02))));
+				shape.addChildShape(at(0, 0, .1 * i - .05 * (runners - 1)), parts.back().get());
+				if (volumetric) attachments.push_back(world.world().attach(parts.back().get(), tree).value());
+			}
+			world.addFloor().setFriction(1);
+			btRigidBody& sled = world.addShape(shape, 1, at(0, .02, 0));
+			sled.setFriction(btScalar(.2));
+			world.run(.5);
+			sled.setLinearVelocity(btVector3(1, 0, 0));
+			world.mark();
+			const double begin = double(sled.getWorldTransform().getOrigin().x());
+			world.run(.2);
+			const double way = double(sled.getWorldTransform().getOrigin().x()) - begin;
+			ASSERT_GT(way, .1);
+			ASSERT_GE(world.log().records().size(), 40u * unsigned(runners)) << "each runner has a contact of its own in nearly every step";
+			EXPECT_NEAR(world.log().slip(&sled), way, .02 * way) << runners << (volumetric ? " volumetric" : "") << " runners";
+		}
+}
+
 TEST(TestWorld, MomentumComesFromSomewhere)
 {
 	for (const bool volumetric : {true, false})
@@ -118,6 +160,44 @@ TEST(TestWorld, MomentumComesFromSomewhere)
 		scene.world.mark();
 		EXPECT_THAT(scene.world, ConservesMomentum(0));
 	}
+}
+
+// Bullet lets gravity act only along the axes that a body may move along.
+TEST(TestWorld, WhatCannotFallTakesNoMomentumFromGravity)
+{
+	TestWorld world;
+	btSphereShape sphere(btScalar(.1));
+	world.addShape(sphere, 2, at(0, 1, 0)).setLinearFactor(btVector3(1, 0, 1));
+	world.addShape(sphere, 3, at(1, 1, 0));
+	world.run(1);
+	EXPECT_NEAR(speed(world), kGravity, 1e-3);
+	EXPECT_THAT(world, ConservesMomentum(1e-4 * 3 * kGravity));
+}
+
+TEST(TestWorld, BodiesOfTheCallerCountAsItsOwn)
+{
+	TestWorld world;
+	btBoxShape box{btVector3(btScalar(.1), btScalar(.1), btScalar(.1))};
+	btVector3 inertia;
+	box.calculateLocalInertia(2, inertia);
+	btRigidBody crate(2, nullptr, &box, inertia), ground(0, nullptr, &box);
+	crate.setWorldTransform(at(0, .25, 0));
+	crate.setActivationState(DISABLE_DEACTIVATION);
+	world.world().bullet().addRigidBody(&crate);
+	world.world().bullet().addRigidBody(&ground);
+	EXPECT_THAT(world, IsAtRest());
+	world.run(.05);
+	EXPECT_NEAR(speed(world), kGravity * .05, 1e-3);
+	EXPECT_THAT(world, Not(IsAtRest(.1)));
+	EXPECT_THAT(world, ConservesMomentum(1e-5));
+	world.run(1);
+	EXPECT_TRUE(world.log().haveTouched(&crate, &ground));
+	EXPECT_THAT(world, IsAtRest());
+	EXPECT_THAT(world, ConservesMomentum(1e-4 * 2 * kGravity)) << "the ground carries it";
+	crate.setLinearVelocity(btVector3(0, 0, 1));
+	EXPECT_THAT(world, Not(ConservesMomentum(1.9))) << "2 N s of nobody";
+	world.world().bullet().removeRigidBody(&crate);
+	world.world().bullet().removeRigidBody(&ground);
 }
 
 TEST(TestWorld, NothingHappensToWhatSleeps)
@@ -151,6 +231,54 @@ TEST(TestWorld, EnergyComesFromSomewhere)
 	EXPECT_THAT(bounces, Not(GainsNoEnergy(1)));
 }
 
+namespace
+{
+/// Where a kinematic body is to be.
+struct Rail : btMotionState
+{
+	btTransform pose;
+
+	void getWorldTransform(btTransform& to) const override { to = pose; }
+	void setWorldTransform(const btTransform&) override {}
+};
+}  // namespace
+
+// A wagon on a rail pushes a box until it moves along at v: the box has got m v^2 / 2 and the wagon has done m v^2; a push that stops half way through
+// a step is another one.
+TEST(TestWorld, WhatAKinematicBodyPushesHasItsEnergyFromIt)
+{
+	constexpr double kSpeed = .5, kStep = 1.0 / 240;
+	for (const bool volumetric : {true, false})
+		for (const bool first : {true, false})  // which of the two Bullet's manifold has first
+		{
+			TestWorld world(200);
+			useKeptTrees(world);
+			world.world().setGravity(btVector3(0, 0, 0));
+			btBoxShape box(btVector3(btScalar(.1), btScalar(.1), btScalar(.1)));
+			const auto add = [&](double mass, double x) -> btRigidBody&
+			{ return volumetric ? world.addMesh(ist::makeBoxMesh({.1, .1, .1}), mass, at(x, 0, 0)) : world.addShape(box, mass, at(x, 0, 0)); };
+			btRigidBody* pushed = first ? nullptr : &add(1, 0);
+			btRigidBody& wagon = add(0, -.25);
+			if (first) pushed = &add(1, 0);
+			Rail rail;
+			rail.pose = at(-.25, 0, 0);
+			wagon.setMotionState(&rail);
+			wagon.setCollisionFlags(wagon.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+			world.mark();
+			for (int i = 1; i <= 240; ++i)
+			{
+				rail.pose.setOrigin(btVector3(btScalar(-.25 + kSpeed * kStep * i), 0, 0));
+				world.run(kStep, kStep);
+			}
+			wagon.setMotionState(nullptr);
+			ASSERT_GE(double(pushed->getLinearVelocity().x()), .99 * kSpeed);
+			EXPECT_THAT(world, GainsNoEnergy(1e-6)) << volumetric << first;
+			if (volumetric) continue;
+			EXPECT_NEAR(world.energy().injected, kSpeed * kSpeed, .02 * kSpeed * kSpeed) << first;
+			EXPECT_NEAR(world.energyGained(), -kSpeed * kSpeed / 2, .02 * kSpeed * kSpeed) << first;
+		}
+}
+
 // The lost body is the first of two, so that the other one comes after it in every account.
 TEST(TestWorld, NothingHoldsOfAWorldThatHasBlownUp)
 {
@@ -182,6 +310,33 @@ TEST(TestWorld, TheSameProgramGivesTheSameMotion)
 		position = scene.cube->getWorldTransform().getOrigin();
 	}
 	for (int i = 0; i < 3; ++i) EXPECT_EQ(where[0][i], where[1][i]);
+}
+
+// Repair turns faces that were wound the wrong way, and with them goes the centre of mass.
+TEST(TestWorld, AMeshThatIsRepairedIsCentredAfterwards)
+{
+	const ist::Mesh box = ist::dividedMesh(ist::makeBoxMesh({.1, .1, .1}), .05);
+	ist::Mesh oneFace = translated(box, {.3, .1, 0}), two = box;
+	for (auto& t : oneFace.triangles)
+	{
+		const auto x = [&](int i) { return oneFace.vertices[t[i]].x; };
+		if (x(0) + x(1) + x(2) > 3 * .399) std::swap(t[0], t[1]);
+	}
+	for (const ist::Vec3& p : box.vertices) two.vertices.push_back(p + ist::Vec3{1, 0, 0});
+	const auto count = std::uint32_t(box.vertices.size());
+	for (const auto& t : box.triangles) two.triangles.push_back({t[1] + count, t[0] + count, t[2] + count});
+
+	TestWorld world(200);
+	const auto halfWidthOf = [&](const ist::Mesh& mesh)
+	{
+		btVector3 lower, upper;
+		world.addMesh(mesh, 1, at(0, 0, 0)).getCollisionShape()->getAabb(btTransform::getIdentity(), lower, upper);
+		return double(upper.x());
+	};
+	// The box around the body is as far from its origin on the one side as on the other; Bullet adds what the packing leaves.
+	EXPECT_NEAR(halfWidthOf(box), .1, 1e-3);
+	EXPECT_NEAR(halfWidthOf(oneFace), .1, 1e-3);
+	EXPECT_NEAR(halfWidthOf(two), .6, 1e-3);
 }
 
 TEST(TestWorld, SaysWhyABodyCannotBeMade)
