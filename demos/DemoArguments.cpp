@@ -87,15 +87,19 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 	return {};
 }
 
+/// From 1 to 1e9, else 0 and an error.
+long long wholeNumber(const std::string& option, const std::string& text, DemoArguments& a)
+{
+	const double count = positiveNumber(text);
+	if (count >= 1 && count <= 1e9 && count == std::floor(count)) return static_cast<long long>(count);
+	a.error = option + " must be a positive whole number, not " + text;
+	return 0;
+}
+
 void readBrowserNumbers(const std::string& frames, const std::string& dt, const std::string& size, DemoArguments& a)
 {
 	if (!dt.empty() && !((a.dt = positiveNumber(dt)) > 0 && a.dt <= 1)) a.error = "--dt must be a positive number of seconds, at most 1, not " + dt;
-	if (!frames.empty())
-	{
-		const double count = positiveNumber(frames);
-		if (!(count >= 1 && count <= 1e9) || count != std::floor(count)) a.error = "--frames must be a positive whole number, not " + frames;
-		a.frames = static_cast<long long>(count);
-	}
+	if (!frames.empty()) a.frames = wholeNumber("--frames", frames, a);
 	if (size.empty()) return;
 	a.sizeGiven = true;
 	const size_t cross = size.find('x');
@@ -142,7 +146,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 		if (flag != flags.end()) *flag->second = true;
 		else if (value == values.end()) a.error = "unknown option " + name;
 		else if (i + 1 == argc) a.error = name + " needs a value";
-		else *value->second = argv[++i];
+		else if (*value->second = argv[++i]; value->second->empty() && name != "--cache") a.error = name + " needs a value";  // without a cache nothing is kept
 	}
 	if (!a.error.empty()) return a;
 	a.error = conflict(given, a);
@@ -158,8 +162,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	a.meshGiven = given.count("--mesh") > 0;
 	a.spheresGiven = !spheres.empty();
 	if (spheres.empty()) return a;
-	a.spheres = static_cast<long long>(std::fmin(positiveNumber(spheres), 1e9));
-	if (a.spheres < 1) a.error = "--spheres must be a positive number, not " + spheres;
+	a.spheres = wholeNumber("--spheres", spheres, a);
 	return a;
 }
 }  // namespace scenes

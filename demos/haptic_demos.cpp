@@ -57,7 +57,9 @@ int runBunnyQuery(const DemoArguments& a)
 	options.spheres = a.spheres;
 	options.progress = showProgress;
 	const ist::Result<scenes::MeshToQueryOutcome> outcome = scenes::runMeshToQuery(options);
-	return outcome ? present(a, outcome.value()) : refuse(a, outcome.error());
+	if (!outcome) return refuse(a, outcome.error());
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
 }
 
 int runContinuity(const DemoArguments& a)

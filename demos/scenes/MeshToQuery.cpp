@@ -236,7 +236,7 @@ HtmlReport makeReport(const MeshToQueryOutcome& outcome)
 std::string makeJson(const MeshToQueryOutcome& o)
 {
 	const auto field = [](const char* name, double value) { return std::string(",\"") + name + "\":" + formatNumber(value, 9); };
-	std::string out = "{\"demo\":\"bunny-query\"" + field("unit", o.unit) + field("triangles", static_cast<double>(o.triangles)) +
+	std::string out = "{\"schema\":1,\"demo\":\"bunny-query\",\"ok\":" + std::string(o.ok() ? "true" : "false") + field("unit", o.unit) + field("triangles", static_cast<double>(o.triangles)) +
 					  field("spheres", static_cast<double>(o.spheres)) + field("leaves", static_cast<double>(o.leaves)) + field("fill", o.fill) +
 					  field("mean_gap_m", o.meanGap) + field("build_s", o.buildSeconds) + field("query_median_s", o.medianSeconds) +
 					  field("query_p99_s", o.p99Seconds) + field("max_pairs", static_cast<double>(o.maxPairs)) +

@@ -58,6 +58,8 @@ struct MeshToQueryOutcome
 	double maxForce = 0;
 	/// rms of the errors over rms of the truths, so that grazing contact does not dominate.
 	double volumeRms = 0, forceRms = 0;
+	/// The probe touched, and what it felt was compared with the integral and errs by less than it is.
+	bool ok() const { return maxForce > 0 && !comparisons.empty() && forceRms < 1; }
 };
 
 ist::Result<MeshToQueryOutcome> runMeshToQuery(const MeshToQueryOptions& options);

@@ -85,6 +85,10 @@ grep -q "<table" "$dir/h.html" || { echo "FAILED: no table in the report"; failu
 "$demos" --list | grep -q "^floating" || { echo "FAILED: a demo is not listed"; failures=$((failures + 1)); }
 expect "sizes are checked" 2 "--size must be like 960x540" "$demos" --demo hello --headless --size 12
 expect "steps are checked" 2 "--dt must be a positive number" "$demos" --demo hello --headless --dt -1
+expect "spheres are counted" 2 "--spheres must be a positive whole number, not 2.7" "$demos" --demo hello --headless --spheres 2.7
+expect "so many spheres there are not" 2 "--spheres must be a positive whole number, not 1e300" "$demos" --demo hello --headless --spheres 1e300
+expect "a scene's file has a name" 2 "--scene needs a value" "$demos" --scene "" --json
+expect "a gallery's folder has a name" 2 "--gallery needs a value" "$demos" --gallery ""
 expect "counts are checked" 2 "--frames must be a positive whole number" "$demos" --demo hello --headless --frames 1.5
 expect "other demos take no picture" 2 "only the browser's demos know it" "$demos" --demo continuity --screenshot x.png
 expect "the browser has no clock" 2 "the browser goes without --virtual-time" "$demos" --demo hello --virtual-time
