@@ -36,8 +36,9 @@ constexpr int kTrust = 8;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision. What sticks then
 // creeps by no more than this share of g h, since the next step begins where this one ends.
 constexpr double kFrictionTolerance = 1e-7;
-// Friction beyond its limit, where sweeps did not end, is cut off; normal impulses, which this changes, are found anew at most so many times.
-constexpr int kMostCuts = 100;
+// Friction that sweeps which did not end have left beyond its limit is cut down, and the normal impulses, which this changes, are found anew. Cuts go
+// the farther below the limit the later they come, and after so many to nothing, so that they end: what has no friction is not cut again.
+constexpr int kCutsToNothing = 50;
 constexpr double kImmovable = 1e-12;
 // Of the search for a sliding patch's friction; steps double the digits.
 constexpr int kMostNewtonSteps = 20;
@@ -446,13 +447,13 @@ void btIslandBlockSolver::iterateFriction()
 	}
 	if (m_sweeps > 0) solveElastic();
 	if (!m_frictionNotConverged) return;
-	for (int i = 0; cutFriction() > kFrictionTolerance * largestNormal && i < kMostCuts; ++i) solveElastic();
+	for (int i = 0; cutFriction(kFrictionTolerance * largestNormal, std::max(1 - double(i) / kCutsToNothing, 0.0)); ++i) solveElastic();
 }
 
-/// Takes friction back to its limit at the normal impulse of the state. Gives how much it cut off, at most.
-double btIslandBlockSolver::cutFriction()
+/// Friction that is by more than `tolerance` [N s] beyond its limit at the normal impulse of the state becomes `share` of the limit. True when there was such.
+bool btIslandBlockSolver::cutFriction(double tolerance, double share)
 {
-	double most = 0;
+	bool cut = false;
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		const Patch& p = m_patches[size_t(k)];
@@ -463,11 +464,11 @@ double btIslandBlockSolver::cutFriction()
 		const double limit = p.friction * std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0);
 		Map<Eigen::Vector3d> friction(tangent(k));
 		const double length = friction.norm();
-		if (!(length > limit)) continue;
-		friction *= limit / length;
-		most = std::max(most, length - limit);
+		if (!(length > limit + tolerance)) continue;
+		friction *= share * limit / length;
+		cut = true;
 	}
-	return most;
+	return cut;
 }
 
 /// Of a patch that is out: whether its impulse would push if it were in. The test of the force at this state alone would bring

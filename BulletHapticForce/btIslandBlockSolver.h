@@ -84,7 +84,7 @@ private:
 	double* tangent(int patch) { return m_tangents.data() + 3 * size_t(patch); }
 	const double* tangent(int patch) const { return m_tangents.data() + 3 * size_t(patch); }
 	void iterateFriction();
-	double cutFriction();
+	bool cutFriction(double tolerance, double share);
 	bool wouldPush(const Patch& patch);
 	bool changeActiveSet(int mayReturn);
 	void relativeTwist(const Patch& patch, double* twist) const;

@@ -337,7 +337,7 @@ TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 // Where sweeps end too early, friction still stays within the limit of the normal impulse, and that goes with the motion which comes out.
 TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
 {
-	int undecided = 0, inconsistent = 0;
+	int undecided = 0;
 	for (uint64_t seed = 1; seed <= 600; ++seed)
 	{
 		const Scene scene = randomScene(seed, 0.9, seed % 2 ? 1e6 : 1e4, 1);
@@ -346,22 +346,21 @@ TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
 		if (!solver.frictionNotConverged()) continue;
 		++undecided;
 		const auto v = scene.after(solver);
-		double largest = 0, error = 0;
+		double largest = 0;
+		for (size_t k = 0; k < scene.contacts.size(); ++k) largest = std::max(largest, solver.normalImpulse(int(k)));
 		for (size_t k = 0; k < scene.contacts.size(); ++k)
 		{
 			const auto& c = scene.contacts[k];
 			const double normal = solver.normalImpulse(int(k));
 			const ist::Wrench elastic = solver.elasticImpulse(int(k)), friction = solver.impulse(int(k)) - elastic;
-			EXPECT_LE(std::hypot(norm(friction.force), norm(friction.torque) / c.patch.frictionRadius), c.friction * normal * (1 + 1e-9) + 1e-12)
+			EXPECT_LE(std::hypot(norm(friction.force), norm(friction.torque) / c.patch.frictionRadius), c.friction * normal + 1e-6 * largest)
 				<< "seed " << seed << " patch " << k;
-			largest = std::max(largest, normal);
 			const Vec6 expected = scene.push(c) - scene.S(c) * scene.relative(c, v);
-			if (normal > 0) error = std::max(error, (expected.head<3>() - Scene::eigen(elastic.force)).norm());
+			const double error = (expected.head<3>() - Scene::eigen(elastic.force)).norm();
+			EXPECT_LE(normal > 0 ? error : 0, 1e-6 * largest) << "seed " << seed << " patch " << k;
 		}
-		inconsistent += error > 0.01 * largest;
 	}
 	EXPECT_GT(undecided, 20);
-	EXPECT_LE(inconsistent, undecided / 5) << undecided;
 }
 
 namespace
