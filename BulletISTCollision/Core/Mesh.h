@@ -32,6 +32,12 @@ struct Box
 		const Vec3 s = size();
 		return s.x > s.y ? (s.x > s.z ? s.x : s.z) : (s.y > s.z ? s.y : s.z);
 	}
+	/// The axis of the longest side; of equal ones the first.
+	int longestAxis() const
+	{
+		const Vec3 s = size();
+		return s.x >= s.y && s.x >= s.z ? 0 : s.y >= s.z ? 1 : 2;
+	}
 };
 
 /// Volume [m^3], centre of mass [m] and inertia about the centre of mass for density 1 [m^5] of a closed mesh, from the

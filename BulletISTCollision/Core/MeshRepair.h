@@ -25,7 +25,7 @@ struct Closedness
 
 enum class RepairMode
 {
-	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap where the surface cuts itself badly
+	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap where the surface cuts itself badly, unless that loses more than it mends
 	Off,   ///< weld exactly equal positions only; refuse a mesh that is not watertight
 	Wrap   ///< rebuild the boundary of what lies inside on a grid (MeshWrap.h), whatever the triangles are like
 };

@@ -153,21 +153,20 @@ bool encloses(const Mesh& mesh, double rounding, Shell& outer, const Shell& inne
 	return found;
 }
 
-/// Of the box that holds all shells that are kept.
-int longestAxis(const std::vector<Shell>& all)
+/// The box that holds all shells that are kept.
+Box boundsOfKept(const std::vector<Shell>& all)
 {
 	Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
 	for (const Shell& shell : all)
 		if (shell.kept) box = {componentMin(box.lower, shell.box.lower), componentMax(box.upper, shell.box.upper)};
-	const Vec3 size = box.size();
-	return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+	return box;
 }
 
 /// Sweeps along the longest side (across a layer, each would meet all others), so that a pair is met once, where both have begun and
 /// neither has ended.
 void findNesting(const Mesh& mesh, std::vector<Shell>& all, ShellVerdict& verdict)
 {
-	const int axis = longestAxis(all);
+	const int axis = boundsOfKept(all).longestAxis();
 	const double rounding = mesh.rounding * bounds(mesh).longestSide();
 	std::vector<uint32_t> order, active;
 	for (uint32_t i = 0; i < all.size(); ++i)

@@ -33,11 +33,6 @@ Point outer(const Point& a, const Point& b)
 	return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-int longestAxis(const Vec3& size)
-{
-	return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-}
-
 /// Squared distance of the origin from the segment a, b.
 Real segmentDistance2(const Point& a, const Point& b)
 {
@@ -143,7 +138,7 @@ private:
 		node.count = last - first <= 4 ? last - first : 0;
 		m_nodes.push_back(node);
 		if (node.count > 0 || first == last) return index;
-		const int axis = longestAxis(node.box.size());
+		const int axis = node.box.longestAxis();
 		const uint32_t half = first + (last - first) / 2;
 		std::nth_element(m_order.begin() + first, m_order.begin() + half, m_order.begin() + last,
 						 [&](uint32_t a, uint32_t b) { return middle(a)[axis] < middle(b)[axis]; });
@@ -225,7 +220,7 @@ OverlapFinding findOverlaps(std::span<const Sphere> spheres)
 	Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
 	for (const Sphere& s : sorted) box = {componentMin(box.lower, s.center()), componentMax(box.upper, s.center())};
 	// Along the longest side: across a plate, each would meet all others.
-	const int axis = longestAxis(box.size());
+	const int axis = box.longestAxis();
 	const auto lower = [axis](const Sphere& s) { return s.center()[axis] - s.r; };
 	std::sort(sorted.begin(), sorted.end(), [&](const Sphere& a, const Sphere& b) { return lower(a) < lower(b); });
 	std::vector<double> starts(sorted.size());
