@@ -24,7 +24,7 @@ float limitOf(double distance2) { return float(std::min(double(kLargestSieveSqua
 /// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what kFarAway stands for.
 float near(double coordinate) { return float(std::clamp(coordinate, -kFarthestPoint, kFarthestPoint)); }
 
-const SieveKernel* kernelFor(InstructionSet set)
+const SieveKernel* kernelFor([[maybe_unused]] InstructionSet set)
 {
 #if defined(__x86_64__)
 	switch (set)

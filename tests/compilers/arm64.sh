@@ -31,8 +31,11 @@ if [ ! -d "$root" ]; then
 	mv "$root.new" "$root"
 fi
 
-cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBULLETHAPTICS_SYSROOT="$root" \
-	-DCMAKE_TOOLCHAIN_FILE="$source/cmake/aarch64-linux-gnu.cmake" >/dev/null
+# What a build says, where it fails.
+quiet() { "$@" >"$folder/log.txt" 2>&1 || { cat "$folder/log.txt" >&2; return 1; }; }
+
+quiet cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBULLETHAPTICS_SYSROOT="$root" \
+	-DCMAKE_TOOLCHAIN_FILE="$source/cmake/aarch64-linux-gnu.cmake"
 
 # Names of a program's tests that end within a second of processor time each, in a process of their own.
 quick()
@@ -44,11 +47,11 @@ quick()
 	done 2>/dev/null
 }
 
-cmake --build "$build" --target ist devicebridge_command DeviceBridge DeviceBridge-float64 BulletHapticsTestSupport BulletHapticsTestSupport-float64 >/dev/null
+quiet cmake --build "$build" --target ist devicebridge_command DeviceBridge DeviceBridge-float64 BulletHapticsTestSupport BulletHapticsTestSupport-float64
 status=0
 qemu-aarch64 -L "$root" "$build/DeviceBridge/Tools/devicebridge" list >/dev/null || status=1
 for program in test_core test_core_threads test_devices test_collision test_collision-float64 test_force test_force-float64; do
-	cmake --build "$build" --target $program >/dev/null
+	quiet cmake --build "$build" --target $program
 	filter='*'
 	case $program in
 		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)" ;;
