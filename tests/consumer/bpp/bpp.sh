@@ -9,7 +9,7 @@
 #   viewer.cpp   before `delete dynamicsWorld;`                                      volumetric.reset();
 #   viewer.cpp   before `dynamicsWorld->stepSimulation(`                             updateVolumetric(volumetric.get());
 # Some scenes want more than our lines (`wants` below); each of them is run without that, too, and both rows count in the last two lines. It fails where a scene is not
-# the same, or with what it wants wilder. 02-trimesh with our lines alone takes ten minutes.
+# the same, or with what it wants wilder. 02-trimesh with our lines alone takes a quarter of an hour.
 # It needs: libbullet-dev pkg-config
 set -euo pipefail
 [ $# -ge 3 ] || { sed -n 5,10p "$0"; exit 2; }
