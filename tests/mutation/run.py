@@ -80,13 +80,13 @@ MUTATIONS = {
         "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),
     "normal of Bullet's points flipped": (
         COLLISION + "btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)", "toBullet(-p.normal), btScalar(-depth)",
-        "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+        "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "table of closest points not registered": (
         COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || closest) return;",
-        "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+        "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "table of contacts not registered": (
         COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || !closest) return;",
-        "test_collision", "btISTCollisionAlgorithm.AnswersThroughBothDispatchTables"),
+        "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "what is not finite passes": (
         BRIDGE + "SafetyLimiter.cpp", "if (!finite)", "if (false)",
         "test_devices", "Safety*"),
