@@ -16,17 +16,6 @@ using namespace ist;
 
 namespace
 {
-/// Mesh pose that gives the tree frames the shift `t` and a random turn.
-Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B, double reach)
-{
-	std::uniform_real_distribution<double> u(-1, 1);
-	Pose X;
-	X.rotation = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
-	const Vec3 t{reach * u(random), reach * u(random), reach * u(random)};
-	X.translation = A.origin + t - X.rotation * B.origin;
-	return X;
-}
-
 /// Within 1e-5 of the sum of absolute values; all arms here are below 2 and all normals below 1.5.
 void expectSame(const OverlapIntegrals& a, const OverlapIntegrals& b, double absoluteArea)
 {
@@ -449,67 +438,6 @@ TEST(OverlapQuery, LevelsAgreeWithBruteForceOverTheirTrees)
 	beyond.level = 1;
 	beyond.model = Model::Inner;
 	EXPECT_EQ(queryOverlap(A, B, X, workspace, beyond).status, QueryStatus::Unsupported);
-}
-
-TEST(OverlapQuery, ABudgetOfPairsIsNeverExceeded)
-{
-	std::mt19937 random(29);
-	InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(4000, 2);
-	A.levels = buildLevels(A.law);
-	B.levels = buildLevels(B.law);
-	const int levels = int(A.levels.size() + B.levels.size());
-	QueryWorkspace workspace;
-	for (int trial = 0; trial < 20; ++trial)
-	{
-		const Pose X = randomPose(random, A, B, 1.5);
-		const OverlapResult full = queryOverlap(A, B, X, workspace);
-		for (const double share : {2.0, 1.0, 0.5, 0.25, 0.06, 0.01})
-		{
-			QueryOptions options;
-			options.maxPairs = int64_t(share * double(full.total.pairs));
-			const OverlapResult r = queryOverlap(A, B, X, workspace, options);
-			if (r.status == QueryStatus::BudgetTooSmall)
-			{
-				QueryOptions coarsest;
-				coarsest.level = levels;
-				EXPECT_GT(queryOverlap(A, B, X, workspace, coarsest).total.pairs, options.maxPairs);
-				continue;
-			}
-			ASSERT_EQ(r.status, QueryStatus::Ok);
-			EXPECT_LE(r.total.pairs, options.maxPairs);
-			EXPECT_EQ(r.coarsened, r.level > 0);
-			// The answer is that of its level.
-			QueryOptions same;
-			same.level = r.level;
-			const OverlapResult direct = queryOverlap(A, B, X, workspace, same);
-			EXPECT_EQ(r.total.pairs, direct.total.pairs);
-			EXPECT_NEAR(r.total.volume, direct.total.volume, 1e-6 * direct.total.volume);
-			if (share >= 2)
-			{
-				EXPECT_EQ(r.level, 0);
-			}
-		}
-	}
-}
-
-TEST(OverlapQuery, OverflowIsAnsweredByACoarserLevelAndCounted)
-{
-	InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(3000, 2);
-	A.levels = buildLevels(A.law);
-	B.levels = buildLevels(B.law);
-	QueryCapacity small;
-	small.pairs = 2000;
-	QueryWorkspace tight(small), roomy;
-	const OverlapResult full = queryOverlap(A, B, Pose{}, roomy), coarse = queryOverlap(A, B, Pose{}, tight);
-	ASSERT_GT(full.total.pairs, 2000);
-	EXPECT_FALSE(full.coarsened);
-	EXPECT_EQ(coarse.status, QueryStatus::Ok);
-	EXPECT_TRUE(coarse.coarsened);
-	EXPECT_GT(coarse.level, 0);
-	EXPECT_LE(coarse.total.pairs, 2000);
-	EXPECT_TRUE(coarse.pairListComplete);
-	// What was dropped is in sigma.
-	EXPECT_GT(overlapError(coarse, A, B, 1).force / coarse.total.volume, overlapError(full, A, B, 1).force / full.total.volume);
 }
 
 TEST(OverlapQuery, AllocatesNothingOnceWarm)

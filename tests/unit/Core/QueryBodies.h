@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <vector>
 
 // Bodies of a few leaves for tests of the queries.
@@ -91,6 +92,17 @@ inline InnerSphereTree bodyOf(const std::vector<MomentEllipsoid>& balls)
 	InnerSphereTree body;
 	body.law = buildBallTree(balls);
 	return body;
+}
+
+/// Mesh pose that gives the tree frames the shift `t` and a random turn.
+inline Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B, double reach)
+{
+	std::uniform_real_distribution<double> u(-1, 1);
+	Pose X;
+	X.rotation = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
+	const Vec3 t{reach * u(random), reach * u(random), reach * u(random)};
+	X.translation = A.origin + t - X.rotation * B.origin;
+	return X;
 }
 
 inline void expectNear(const Vec3& a, const Vec3& b, double tolerance)

@@ -258,3 +258,64 @@ TEST(QueryBudget, ReportsWhatItCannotDo)
 	options.model = Model::Cell;
 	EXPECT_EQ(queryOverlap(A, A, Pose{}, workspace, options).status, QueryStatus::Unsupported);
 }
+
+TEST(QueryBudget, ABudgetOfPairsIsNeverExceeded)
+{
+	std::mt19937 random(29);
+	InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(4000, 2);
+	A.levels = buildLevels(A.law);
+	B.levels = buildLevels(B.law);
+	const int levels = int(A.levels.size() + B.levels.size());
+	QueryWorkspace workspace;
+	for (int trial = 0; trial < 20; ++trial)
+	{
+		const Pose X = randomPose(random, A, B, 1.5);
+		const OverlapResult full = queryOverlap(A, B, X, workspace);
+		for (const double share : {2.0, 1.0, 0.5, 0.25, 0.06, 0.01})
+		{
+			QueryOptions options;
+			options.maxPairs = int64_t(share * double(full.total.pairs));
+			const OverlapResult r = queryOverlap(A, B, X, workspace, options);
+			if (r.status == QueryStatus::BudgetTooSmall)
+			{
+				QueryOptions coarsest;
+				coarsest.level = levels;
+				EXPECT_GT(queryOverlap(A, B, X, workspace, coarsest).total.pairs, options.maxPairs);
+				continue;
+			}
+			ASSERT_EQ(r.status, QueryStatus::Ok);
+			EXPECT_LE(r.total.pairs, options.maxPairs);
+			EXPECT_EQ(r.coarsened, r.level > 0);
+			// The answer is that of its level.
+			QueryOptions same;
+			same.level = r.level;
+			const OverlapResult direct = queryOverlap(A, B, X, workspace, same);
+			EXPECT_EQ(r.total.pairs, direct.total.pairs);
+			EXPECT_NEAR(r.total.volume, direct.total.volume, 1e-6 * direct.total.volume);
+			if (share >= 2)
+			{
+				EXPECT_EQ(r.level, 0);
+			}
+		}
+	}
+}
+
+TEST(QueryBudget, OverflowIsAnsweredByACoarserLevelAndCounted)
+{
+	InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(3000, 2);
+	A.levels = buildLevels(A.law);
+	B.levels = buildLevels(B.law);
+	QueryCapacity small;
+	small.pairs = 2000;
+	QueryWorkspace tight(small), roomy;
+	const OverlapResult full = queryOverlap(A, B, Pose{}, roomy), coarse = queryOverlap(A, B, Pose{}, tight);
+	ASSERT_GT(full.total.pairs, 2000);
+	EXPECT_FALSE(full.coarsened);
+	EXPECT_EQ(coarse.status, QueryStatus::Ok);
+	EXPECT_TRUE(coarse.coarsened);
+	EXPECT_GT(coarse.level, 0);
+	EXPECT_LE(coarse.total.pairs, 2000);
+	EXPECT_TRUE(coarse.pairListComplete);
+	// What was dropped is in sigma.
+	EXPECT_GT(overlapError(coarse, A, B, 1).force / coarse.total.volume, overlapError(full, A, B, 1).force / full.total.volume);
+}

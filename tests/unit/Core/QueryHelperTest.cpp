@@ -18,15 +18,6 @@ using namespace ist;
 
 namespace
 {
-Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B)
-{
-	std::uniform_real_distribution<double> u(-1, 1);
-	Pose X;
-	X.rotation = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
-	X.translation = A.origin + Vec3{0.5 * u(random), 0.5 * u(random), 0.5 * u(random)} - X.rotation * B.origin;
-	return X;
-}
-
 void expectSame(const OverlapResult& a, const OverlapResult& b)
 {
 	ASSERT_EQ(a.status, b.status);
@@ -88,7 +79,7 @@ TEST(QueryHelper, FindsTheSameAsAQueryAlone)
 			options.model = trial % 3 == 0 ? Model::Law : trial % 3 == 1 ? Model::Inner : Model::Cell;
 			options.patches = trial % 2;
 			options.sortPairs = trial % 4 == 0;
-			const Pose X = randomPose(random, A, B);
+			const Pose X = randomPose(random, A, B, 0.5);
 			expectSame(queryOverlap(A, B, X, shared, options), queryOverlap(A, B, X, alone, options));
 		}
 		// How many depends on whether the machine had a core to spare.
@@ -107,7 +98,7 @@ TEST(QueryHelper, IsNotNeededWhereOtherProgramsHoldTheCores)
 	// Until it has lost its processor within a part a few times, where it ever does.
 	for (int trial = 0; trial < 400 && (trial < 60 || helper.partsLate() < 3); ++trial)
 	{
-		const Pose X = randomPose(random, A, B);
+		const Pose X = randomPose(random, A, B, 0.5);
 		expectSame(queryOverlap(A, B, X, shared), queryOverlap(A, B, X, alone));
 	}
 	RecordProperty("partsLate", int(helper.partsLate()));
