@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshRepair.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-
 #include "SolidAngleWinding.h"
-
-#include <gtest/gtest.h>
+#include "tests/unit/Core/RepairChecks.h"
 
 #include <array>
 #include <map>
@@ -55,15 +51,6 @@ bool isBalanced(const Mesh& mesh)
 	for (const auto& [edge, sum] : balance)
 		if (sum != 0) return false;
 	return true;
-}
-
-Mesh joined(const Mesh& a, const Mesh& b)
-{
-	Mesh result = a;
-	const auto base = static_cast<uint32_t>(a.vertices.size());
-	result.vertices.insert(result.vertices.end(), b.vertices.begin(), b.vertices.end());
-	for (const auto& t : b.triangles) result.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-	return result;
 }
 
 Mesh goodMesh(Random& random)
