@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoCatalog.h"
 #include "demos/browser/DemoRun.h"
-
-#include <gtest/gtest.h>
+#include "tests/EachDemo.h"
 
 #include <cmath>
 
 using namespace browser;
 
-namespace browser
-{
-void PrintTo(const DemoEntry& entry, std::ostream* out) { *out << entry.name; }
-}  // namespace browser
-
 namespace
 {
-std::string nameOf(const testing::TestParamInfo<DemoEntry>& info)
-{
-	std::string name = info.param.name;
-	std::erase(name, '-');
-	return name;
-}
-
 bool isFinite(const ist::Pose& X) { return ist::isRigid(X, 1e-3); }
 
 void expectDrawable(const DrawList& list)
@@ -62,7 +48,7 @@ TEST_P(DemoFigures, AreAsPhysicsSays)
 	demo->draw(everything, list);
 	expectDrawable(list);
 }
-INSTANTIATE_TEST_SUITE_P(Demos, DemoFigures, testing::ValuesIn(demoCatalog()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Demos, DemoFigures, testing::ValuesIn(demoCatalog()), testNameOf);
 
 /// Parameters at both ends, and a hand that takes what it meets.
 class DemoUse : public testing::TestWithParam<DemoEntry>
@@ -107,7 +93,7 @@ TEST_P(DemoUse, RepeatsItselfAfterARestart)
 	ASSERT_TRUE(first && second);
 	for (size_t i = 0; i < first.value().figures.size(); ++i) EXPECT_EQ(first.value().figures[i].value, second.value().figures[i].value);
 }
-INSTANTIATE_TEST_SUITE_P(Demos, DemoUse, testing::ValuesIn(demoCatalog()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Demos, DemoUse, testing::ValuesIn(demoCatalog()), testNameOf);
 
 TEST(DemoMesh, ThatIsMissingIsNamed)
 {

@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // What the demos leave out of their queries, against the same demos with everything computed.
-#include "demos/browser/DemoCatalog.h"
 #include "demos/browser/DemoRun.h"
 #include "demos/browser/KeptCheck.h"
-#include "demos/browser/WorldDemo.h"
-
-#include <gtest/gtest.h>
+#include "tests/EachDemo.h"
 
 using namespace browser;
 
-namespace browser
-{
-void PrintTo(const DemoEntry& entry, std::ostream* out);
-}
-
 namespace
 {
-std::vector<DemoEntry> demosWithWorlds()
-{
-	std::vector<DemoEntry> all;
-	for (const DemoEntry& entry : demoCatalog())
-		if (const auto demo = entry.make(); dynamic_cast<WorldDemo*>(demo.get())) all.push_back(entry);
-	return all;
-}
-
-std::string nameOf(const testing::TestParamInfo<DemoEntry>& info)
-{
-	std::string name = info.param.name;
-	std::erase(name, '-');
-	return name;
-}
-
 std::unique_ptr<WorldDemo> prepared(const DemoEntry& entry, const EconomyChoice& economy)
 {
 	std::unique_ptr<BrowsableDemo> demo = entry.make();
@@ -119,4 +96,4 @@ TEST_P(DemoEconomy, WithoutAnErrorChangesNoBit)
 	EXPECT_EQ(costOf(*always).kept(), 0u);
 	EXPECT_EQ(costOf(*always).asked, costOf(*exact).asked + costOf(*exact).kept());
 }
-INSTANTIATE_TEST_SUITE_P(Demos, DemoEconomy, testing::ValuesIn(demosWithWorlds()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Demos, DemoEconomy, testing::ValuesIn(demosWithWorlds()), testNameOf);

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/BesideStock.h"
 #include "demos/browser/DemoRun.h"
-#include "demos/browser/WorldDemo.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/btISTConversion.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
-
-#include <gtest/gtest.h>
+#include "tests/EachDemo.h"
 
 #include <cmath>
 
 using namespace browser;
 using ist::Vec3;
-
-namespace browser
-{
-void PrintTo(const DemoEntry& entry, std::ostream* out) { *out << entry.name; }
-}  // namespace browser
 
 namespace
 {
@@ -167,10 +160,4 @@ TEST_P(StockSide, StepsAndShowsItself)
 	for (const Figure& f : demo->figures()) EXPECT_TRUE(std::isfinite(f.value)) << f.name;
 	EXPECT_FALSE(demo->report().empty());
 }
-INSTANTIATE_TEST_SUITE_P(Demos, StockSide, testing::ValuesIn(demoCatalog()),
-						 [](const auto& info)
-						 {
-							 std::string name = info.param.name;
-							 std::erase(name, '-');
-							 return name;
-						 });
+INSTANTIATE_TEST_SUITE_P(Demos, StockSide, testing::ValuesIn(demoCatalog()), testNameOf);

@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoCatalog.h"
 #include "demos/browser/view/OffscreenContext.h"
 #include "demos/browser/view/Photographer.h"
 #include "demos/browser/view/Renderer.h"
 
 #include "BulletISTCollision/Core/MeshShapes.h"
-
-#include <gtest/gtest.h>
+#include "tests/EachDemo.h"
 
 #include <cmath>
 #include <cstdlib>
 #include <random>
 
 using namespace browser;
-
-namespace browser
-{
-void PrintTo(const DemoEntry& entry, std::ostream* out) { *out << entry.name; }
-}  // namespace browser
 
 namespace
 {
@@ -196,10 +189,4 @@ TEST_P(Golden, PictureLooksAsItDid)
 	EXPECT_GT(worst, 0.3);
 	if (HasFailure()) savePicture(now, std::string(TREE_FOLDER) + "/" + GetParam().name + "-now.png");
 }
-INSTANTIATE_TEST_SUITE_P(Demos, Golden, testing::ValuesIn(demoCatalog()),
-						 [](const auto& info)
-						 {
-							 std::string name = info.param.name;
-							 std::erase(name, '-');
-							 return name;
-						 });
+INSTANTIATE_TEST_SUITE_P(Demos, Golden, testing::ValuesIn(demoCatalog()), testNameOf);

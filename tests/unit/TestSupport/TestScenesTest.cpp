@@ -8,12 +8,18 @@
 
 #include <limits>
 #include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 using namespace ist::test;
 using testing::Not;
+
+namespace ist::test
+{
+void PrintTo(const TestScene& scene, std::ostream* out) { *out << scene.name; }
+}  // namespace ist::test
 
 namespace
 {
