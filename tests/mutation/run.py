@@ -3,7 +3,8 @@
 """Does a test fail when the code is wrong? Builds a copy of the source tree once as it is and once for each mutation below, and
 demands that the named tests pass in the first and that one of them fails in each of the others.
 
-Usage: run.py SOURCE [--only NAME] [-- options for cmake]
+Usage: run.py SOURCE [--only NAME] [--check] [-- options for cmake]
+  --check: whether each mutation still finds the text that it replaces, and no more.
 """
 import argparse
 import os
@@ -22,7 +23,7 @@ MUTATIONS = {
         CORE + "MomentEllipsoid.cpp", "e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));", "e.density = 1;",
         "test_core", "Cells.OfEqualSpheresInABoxAreVoronoiCells"),
     "density dropped from the sums": (
-        CORE + "Kernels/PairIntegrals.h", "const F dd = F::select(l.hits, a.density * b.density, zero);", "const F dd = F::all(1);",
+        CORE + "Kernels/PairIntegrals.h", "density = a.density * b.density;", "density = F::all(1);",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "density dropped from the sums of a half-space": (
         CORE + "FieldPress.cpp", "term.volume = leaf.density * cap.volume;", "term.volume = cap.volume;",
@@ -31,7 +32,7 @@ MUTATIONS = {
         CORE + "CellSplitter.cpp", "e.setNormal(piece.normal);", "e.setNormal(normalized(piece.normal));",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
     "mean normal normalised in the sums": (
-        CORE + "Kernels/PairIntegrals.h", "		l.mA = a.normal;",
+        CORE + "Kernels/PairIntegrals.h", "		l.mA = {a.normal.x, a.normal.y, a.normal.z};",
         "		const F m = F::squareRoot(a.normal.x * a.normal.x + a.normal.y * a.normal.y + a.normal.z * a.normal.z);\n"
         "		l.mA = {a.normal.x / m, a.normal.y / m, a.normal.z / m};",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
@@ -177,17 +178,26 @@ class Tree:
         file, old, new = MUTATIONS[name][:3]
         path = self.root / file
         text = path.read_text()
-        if text.count(old) != 1:
-            sys.exit(f"{name}: {file} holds {text.count(old)} times instead of once: {old!r}")
         path.write_text(text.replace(old, new))
         return lambda: path.write_text(text)
+
+
+def misfits(source):
+    """A sentence for each mutation whose text does not stand in its file exactly once."""
+    counts = {name: (source / file).read_text().count(old) for name, (file, old, *_) in MUTATIONS.items()}
+    return [f"{name}: {MUTATIONS[name][0]} holds {count} times instead of once: {MUTATIONS[name][1]!r}" for name, count in counts.items() if count != 1]
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("source", type=pathlib.Path)
     parser.add_argument("--only", choices=MUTATIONS)
+    parser.add_argument("--check", action="store_true")
     known, options = parser.parse_known_args()
+    if wrong := misfits(known.source):
+        sys.exit("\n".join(wrong))
+    if known.check:
+        return
     options = [o for o in options if o != "--"]
     names = [known.only] if known.only else list(MUTATIONS)
     survivors = 0
