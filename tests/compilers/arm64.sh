@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Zlib
 # Builds all libraries, both commands and tests for 64-bit ARM, and runs the tests of the query, the collision algorithm, the solver and the devices under
 # QEMU, which takes twenty times as long: of the tests of core and devices those that take this machine itself no more than a second, and those that
-# compare queries with brute force; of the devices none that keeps time with a clock.
+# compare queries with brute force; of the devices none that keeps time with a clock, and none that counts page faults, which are QEMU's.
 # The libraries of that architecture are unpacked from this Debian's own package sources; nothing is installed.
 # Usage: tests/compilers/arm64.sh SOURCE FOLDER NATIVE
 #   NATIVE: a folder with the same test programs for this machine (BUILD/tests/unit)
@@ -23,11 +23,13 @@ for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources; do [ -
 
 if [ ! -d "$root" ]; then
 	mkdir -p "$folder"
-	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,zlib1g-dev,libeigen3-dev,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev
+	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,zlib1g-dev,libeigen3-dev,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev,libpng-dev
 	mmdebstrap --quiet --architectures=arm64 --variant=extract --include=$packages "$VERSION_CODENAME" "$root.new" "${sources[@]}"
 	# Links and CMake files that name files from the root of the file system.
 	find "$root.new" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do ln -sfn "$root$target" "$link"; done
 	sed -i "s#/usr/\(lib\|include\)#$root/usr/\1#g" "$root.new"/usr/lib/aarch64-linux-gnu/cmake/{assimp-*,draco}/*.cmake
+	# QEMU looks there first, and a copied /dev/ptmx has no terminals.
+	rm -r "$root.new/dev"
 	mv "$root.new" "$root"
 fi
 
@@ -54,7 +56,7 @@ for program in test_core test_core_threads test_devices test_collision test_coll
 	quiet cmake --build "$build" --target $program
 	filter='*'
 	case $program in
-		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)" ;;
+		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)-WholeFile.AMappedPartThatWasPopulated*" ;;
 		test_devices) filter="$(quick "$native/$program" | paste -sd:)-Stepping*:Threaded*:AnsweringThread.*:GapBridge.*" ;;
 	esac
 	echo "$program:"
