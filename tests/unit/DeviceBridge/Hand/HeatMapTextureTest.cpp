@@ -236,9 +236,21 @@ TEST(HeatMapTexture, PicturesHaveTheFingersColoursAndTheValuesShade)
 	EXPECT_NEAR(grey.pixels[middle], 65535 / 2.0, 0.03 * 65535);
 	EXPECT_EQ(grey.pixels[corner], 0);
 	EXPECT_EQ(greyPicture(texture, pressure, 0.1 * kK * kDepth).pixels[middle], 65535);
+}
+
+TEST(HeatMapTexture, PicturesComeBackFromTheirFiles)
+{
+	const TexturedMesh box = texturedGridBox(kHalf, 20);
+	const SlabOnBox slab(box.mesh);
+	const auto made = HeatMapTexture::make(slab.map.mesh(), box, {120, 80, 2, 0});
+	ASSERT_TRUE(made);
+	const Picture fingers = made.value().colours(slab.map).value();
+	const GreyPicture grey = greyPicture(made.value(), made.value().values(slab.map, HeatMapValue::Pressure).value(), 2 * kK * kDepth);
 
 	const std::string path = (std::filesystem::temp_directory_path() / ("texture" + std::to_string(std::random_device()()) + ".png")).string();
-	ASSERT_FALSE(savePicture(fingers, path));
+	const auto failed = savePicture(fingers, path);
+	if (failed && failed->message.find("install libpng-dev") != std::string::npos) GTEST_SKIP() << failed->message;
+	ASSERT_FALSE(failed) << failed->message;
 	const auto read = loadPicture(path);
 	ASSERT_TRUE(read) << read.error().message;
 	EXPECT_EQ(read.value().pixels, fingers.pixels);
