@@ -516,7 +516,7 @@ std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mod
 {
 	const double side = bounds(attempt.mesh).longestSide();
 	result.volumeAfter = massProperties(attempt.mesh).volume;
-	if (!(std::fabs(result.volumeAfter) >= kFlat * side * surfaceArea(attempt.mesh)) || side == 0)
+	if (!(std::fabs(result.volumeAfter) > kFlat * side * surfaceArea(attempt.mesh)))
 		return enclosesNothing(welded, ": it encloses " + number(result.volumeAfter) + " m^3");
 	if (result.volumeAfter < 0)
 		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3 " + extent(bounds(attempt.mesh)) + "; " +

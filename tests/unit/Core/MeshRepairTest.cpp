@@ -342,6 +342,11 @@ TEST(MeshRepair, EmptyFlatAndUnreadableMeshesAreRefused)
 	sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
 	expectRefused(sheet, "flat");
 	expectRefused(makeBoxMesh({1, 1, 1e-11}), "flat");
+	Mesh line;
+	line.vertices = {{0, 1, 0}, {0, 0, 0}, {0, 0.5, 0}};
+	line.triangles = {{0, 1, 2}, {1, 0, 2}};
+	for (const RepairMode mode : {RepairMode::Auto, RepairMode::Wrap}) EXPECT_FALSE(repair(line, mode));
+	expectRefused(line, "the mesh is flat: it encloses 0 m^3", RepairMode::Off);
 	Mesh point;
 	point.vertices = {{1, 2, 3}};
 	point.triangles = {{0, 0, 0}};
