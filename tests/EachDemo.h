@@ -16,7 +16,7 @@ namespace browser
 {
 inline void PrintTo(const DemoEntry& entry, std::ostream* out) { *out << entry.name; }
 
-/// "beside-stock" as a name of a test, which knows no hyphen.
+/// "heavy-on-light" becomes "heavyonlight": names of tests know no hyphens.
 inline std::string testNameOf(const testing::TestParamInfo<DemoEntry>& info)
 {
 	std::string name = info.param.name;
