@@ -94,15 +94,20 @@ inline InnerSphereTree bodyOf(const std::vector<MomentEllipsoid>& balls)
 	return body;
 }
 
-/// Mesh pose that gives the tree frames the shift `t` and a random turn.
+/// Mesh pose that gives the tree frames this shift and this turn.
+inline Pose shifted(const Vec3& t, const Vec3& turn, const InnerSphereTree& A, const InnerSphereTree& B)
+{
+	Pose X;
+	X.rotation = rotationMatrix(quaternionFromRotationVector(turn));
+	X.translation = A.origin + t - X.rotation * B.origin;
+	return X;
+}
+
 inline Pose randomPose(std::mt19937& random, const InnerSphereTree& A, const InnerSphereTree& B, double reach)
 {
 	std::uniform_real_distribution<double> u(-1, 1);
-	Pose X;
-	X.rotation = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
-	const Vec3 t{reach * u(random), reach * u(random), reach * u(random)};
-	X.translation = A.origin + t - X.rotation * B.origin;
-	return X;
+	const Vec3 turn{3 * u(random), 3 * u(random), 3 * u(random)}, t{reach * u(random), reach * u(random), reach * u(random)};
+	return shifted(t, turn, A, B);
 }
 
 inline void expectNear(const Vec3& a, const Vec3& b, double tolerance)

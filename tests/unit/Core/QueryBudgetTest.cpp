@@ -27,14 +27,6 @@ InnerSphereTree levelled(int count, unsigned seed, const Vec3& origin = {})
 	return body;
 }
 
-Pose shifted(const Vec3& t, const Vec3& turn, const InnerSphereTree& A, const InnerSphereTree& B)
-{
-	Pose X;
-	X.rotation = rotationMatrix(quaternionFromRotationVector(turn));
-	X.translation = A.origin + t - X.rotation * B.origin;
-	return X;
-}
-
 Vec3 forceOf(const OverlapResult& r) { return pressureWrench(r.total, {}).force; }
 
 /// Largest change of the force from tick to tick beyond that of the leaves, over the force.
