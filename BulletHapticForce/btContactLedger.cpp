@@ -61,10 +61,8 @@ bool btContactLedger::begin(btISTContact& contact, double speed, double h)
 		ledger.stored = std::min(ledger.stored, most);
 		return turned;
 	}
-	// Depth that a body may have come in one step. The area vector vanishes where one body contains the other.
-	const double volume = contact.total.volume, area = norm(contact.total.areaVector), widest = 2 * std::cbrt(std::max(volume, 0.0));
-	const double depth = area * widest > volume ? volume / area : widest;
-	const double flown = 2 * speed * h;
+	const double depth = ist::meanDepth(contact.total);
+	const double flown = 2 * speed * h;  // depth that a body may have come in one step
 	ledger.open = true;
 	ledger.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
 	return turned;

@@ -110,6 +110,12 @@ Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist)
 	return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
 }
 
+double meanDepth(const OverlapIntegrals& integrals)
+{
+	const double volume = integrals.volume, area = norm(integrals.areaVector), widest = 2 * std::cbrt(std::max(volume, 0.0));
+	return area * widest > volume ? volume / area : widest;
+}
+
 OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, double leafDensity, double stiffness)
 {
 	const double V = integrals.volume;

@@ -31,6 +31,10 @@ SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length
 /// The force and torque that a stiffness or damping answers a displacement or twist with.
 Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist);
 
+/// Depth of an overlap, volume over area [m]: of a flat contact its depth, of a ball on a plane half of it. Where one body surrounds
+/// the other the area vanishes, and the depth is at most twice the cube root of the volume. Zero without a volume.
+double meanDepth(const OverlapIntegrals& integrals);
+
 /// Of the error bar, fitted to bench_truth.
 constexpr double kVolumeError = 0.1, kVolumePower = 1.75, kForceError = 0.105, kForcePower = 1.5, kGapError = 0.04, kLeastAcross = 0.1;
 /// Standard errors of a query's answer: sigma_V = V hypot(kVolumeError / n^kVolumePower, r) [m^3], sigma_F = k V hypot(kForceError / n^kForcePower, r) [N].
