@@ -10,6 +10,15 @@ namespace
 {
 using Matrix3 = Eigen::Matrix3d;
 constexpr double kFrictionRadiusPerRms = 0.93;
+// A body that rests presses with its own weight; only what is twice that comes from above. Otherwise k would follow each bounce.
+constexpr double kThrough = 0.5;
+constexpr double kPressedBlend = 0.1;  // share of each step in the mean of what pressed
+
+/// No flat contact is larger than half of a surface [m^2].
+double largestContact(const btISTContact& contact)
+{
+	return 0.5 * std::min(contact.treeA->area, contact.treeB ? contact.treeB->area : contact.treeA->area);
+}
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -97,4 +106,40 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	for (double& d : damping.m) d *= contact.constants.dissipation;
 	patch.damping = ist::projectedPositive(damping, length);
 	return true;
+}
+
+double carryLoad(btISTContact& contact, double load, double mass, double h)
+{
+	btISTPairConstants& constants = contact.constants;
+	if (!(constants.load > 0)) return 1;
+	double factor = 1;
+	if (load > constants.load)
+	{
+		factor = load / constants.load;
+		constants.load = load;
+		constants.rule = btISTStiffnessRule::PileLoad;
+	}
+	// The area of this step would change k with every leaf that comes into touch, and nothing would find rest.
+	const double resting = std::max(mass, kThrough * contact.pressed / constants.gravity);
+	const double stiffest = kStiffestPerStep * resting / (h * h * largestContact(contact));
+	if (factor * constants.k > stiffest)
+	{
+		factor = stiffest / constants.k;
+		constants.rule = btISTStiffnessRule::StepBound;
+	}
+	constants.k *= factor;
+	contact.error.force *= factor;
+	return factor;
+}
+
+void notePressed(btISTContact& contact, double h)
+{
+	contact.pressed += kPressedBlend * (contact.normalImpulse / h - contact.pressed);
+}
+
+void multiply(btContactPatch& patch, double factor)
+{
+	patch.wrench = factor * patch.wrench;
+	for (double& s : patch.stiffness.m) s *= factor;
+	for (double& d : patch.damping.m) d *= factor;
 }

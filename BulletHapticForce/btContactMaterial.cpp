@@ -3,6 +3,7 @@
 
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
+#include "BulletDynamics/Dynamics/btDynamicsWorld.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,16 +51,41 @@ btContactMaterial btContactMaterialTable::find(const btCollisionObject* body) co
 	return found == m_materials.end() ? btContactMaterial() : found->second;
 }
 
+void btContactMaterialTable::setGravity(double gravity)
+{
+	if (!(gravity >= 0) || !std::isfinite(gravity)) return;
+	m_world = nullptr;
+	m_gravity = gravity;
+	if (gravity > 0) m_weighing = gravity;
+}
+
+void btContactMaterialTable::followGravity(const btDynamicsWorld* world)
+{
+	const double now = world ? double(world->getGravity().length()) : gravity();
+	m_world = world;
+	if (!std::isfinite(now)) return;
+	m_gravity = now;
+	if (now > 0) m_weighing = now;
+}
+
+double btContactMaterialTable::gravity() const
+{
+	const double ofWorld = m_world ? double(m_world->getGravity().length()) : m_gravity;
+	return std::isfinite(ofWorld) ? ofWorld : m_gravity;
+}
+
 btISTPairConstants btContactMaterialTable::decide(const btISTContact& contact, const btCollisionObject* bodyA,
 												  const btCollisionObject* bodyB) const
 {
-	btISTPairConstants constants = m_default.decide(contact, bodyA, bodyB);
+	const double gravity = this->gravity();
+	btISTPairConstants constants = btISTDefaultPairRule(gravity > 0 ? gravity : m_weighing).decide(contact, bodyA, bodyB);
 	const btContactMaterial A = find(bodyA), B = find(bodyB);
 	if (contact.halfSpace && B.fluidDensity > 0)
 	{
-		constants.k = B.fluidDensity * m_gravity;
-		constants.weightA = constants.loadMass = 0;
+		constants.k = B.fluidDensity * gravity;
+		constants.weightA = constants.load = 0;
 		constants.weightB = 1;
+		constants.rule = btISTStiffnessRule::Given;
 		constants.dissipation = std::max(B.dissipation, 0.0);
 		return constants;
 	}
@@ -74,7 +100,11 @@ btISTPairConstants btContactMaterialTable::decide(const btISTContact& contact, c
 		constants.k = A.stiffness + B.stiffness;
 		constants.weightA = A.stiffness > 0 ? 1 : 0;
 	}
-	if (A.stiffness > 0 || B.stiffness > 0) constants.loadMass = 0;
+	if (A.stiffness > 0 || B.stiffness > 0)
+	{
+		constants.load = 0;
+		constants.rule = btISTStiffnessRule::Given;
+	}
 	if (contact.halfSpace) constants.weightA = 0;
 	constants.weightB = 1 - constants.weightA;
 	return constants;

@@ -8,6 +8,8 @@
 #include <optional>
 #include <unordered_map>
 
+class btDynamicsWorld;
+
 /// What a body is made of, for the pressure field law. Friction stays where Bullet has it: btCollisionObject::setFriction.
 struct btContactMaterial
 {
@@ -28,7 +30,8 @@ struct btContactMaterial
 /// and the dissipation is that of the fluid, or none;
 /// (b) both stiffnesses set: in series, 1/k = 1/k_A + 1/k_B, w_A = k_B/(k_A + k_B): the softer body's field counts more;
 /// (c) one set: k is that one, all weight on its field;
-/// (d) none set: btISTDefaultPairRule, for the heaviest body that hangs together with the two through contacts (btVolumetricIslands).
+/// (d) none set: btISTDefaultPairRule. The solver raises k for the weight of all bodies that hang together with the two through contacts, and
+/// lowers it where the step could not bear it (carryLoad in btContactLaw.h).
 /// Dissipation: d = (k_B d_A + k_A d_B)/(k_A + k_B) when both stiffnesses and both dissipations are set, else the mean of those set,
 /// else that of (d). One owner thread: that of the world.
 class btContactMaterialTable : public btISTPairRule
@@ -40,7 +43,7 @@ public:
 	static constexpr double kDensest = 1e12;         ///< of a fluid [kg/m^3]: its pressure rises by kStiffest in 1000 m/s^2
 
 	/// See setGravity.
-	explicit btContactMaterialTable(double gravity = 9.81) : m_default(9.81), m_gravity(9.81) { setGravity(gravity); }
+	explicit btContactMaterialTable(double gravity = 9.81) : m_gravity(9.81) { setGravity(gravity); }
 
 	/// Refused, with the reason: values that are not finite or beyond those above, a negative stiffness or density, a fluid that is no plane or has a stiffness. Call `remove` before the body is deleted: its
 	/// address may be given to a new one.
@@ -48,19 +51,20 @@ public:
 	void remove(const btCollisionObject* body) { m_materials.erase(body); }
 	/// That of `set`, or one with nothing set.
 	btContactMaterial find(const btCollisionObject* body) const;
-	/// Magnitude of gravity [m/s^2], for fluids and for (d); ignored when negative or not finite. For (d) zero keeps the former one: bodies without weight shall not become
-	/// bodies without contact.
-	void setGravity(double gravity)
-	{
-		if (!(gravity >= 0) || !std::isfinite(gravity)) return;
-		m_gravity = gravity;
-		if (gravity > 0) m_default = btISTDefaultPairRule(gravity);
-	}
+	/// Magnitude of gravity [m/s^2], for fluids and, in (d), for bodies without a gravity of their own. Ignored when negative or not finite.
+	/// In (d) zero keeps the former one: bodies without weight shall not become bodies without contact.
+	void setGravity(double gravity);
+	/// Takes the gravity of `world` instead, as it is whenever a pair is decided. The world must stay until this is called again; null keeps
+	/// the last gravity of the former world.
+	void followGravity(const btDynamicsWorld* world);
+	/// In force now [m/s^2].
+	double gravity() const;
 
 	btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
 
 private:
-	btISTDefaultPairRule m_default;
-	double m_gravity;
+	const btDynamicsWorld* m_world = nullptr;  // whose gravity is followed
+	double m_gravity;  // where no world is followed [m/s^2]
+	double m_weighing = 9.81;  // the last that was not zero [m/s^2]
 	std::unordered_map<const btCollisionObject*, btContactMaterial> m_materials;
 };

@@ -57,8 +57,7 @@ btISTWorld::btISTWorld()
 btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	: m_materials(std::make_shared<btContactMaterialTable>()), m_world(&game), m_statistics(&kNoStatistics)
 {
-	const double gravity = double(game.getGravity().length());
-	if (std::isfinite(gravity)) m_materials->setGravity(gravity);
+	m_materials->followGravity(&game);
 	auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(game.getDispatcher());
 	if (!dispatcher)
 	{
@@ -75,7 +74,11 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	installInto(game);
 }
 
-btISTWorld::~btISTWorld() { restore(); }
+btISTWorld::~btISTWorld()
+{
+	m_materials->followGravity(nullptr);
+	restore();
+}
 
 void btISTWorld::installInto(btDiscreteDynamicsWorld& game)
 {
@@ -128,7 +131,7 @@ std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
 {
 	if (!std::isfinite(gravity.length2())) return ist::Error{"gravity must be three finite numbers of m/s^2"};
 	m_world->setGravity(gravity);
-	m_materials->setGravity(double(gravity.length()));
+	m_materials->followGravity(m_world);
 	return std::nullopt;
 }
 

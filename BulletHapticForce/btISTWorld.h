@@ -37,8 +37,8 @@ public:
 	/// Why the world of a game keeps a solver of its own kind (see installVolumetricSolver): contact is then carried by its representative
 	/// points, or, where the sentence says so, stays Bullet's. Empty when all is well.
 	const std::string& solverRefusal() const { return m_refusal; }
-	/// [m/s^2]. Also what sinkage under its own weight means for bodies without a material; of a game's world it is known from the
-	/// constructor on, and changes should go through here. Refused when not finite.
+	/// [m/s^2]. The same as the world's own setGravity, but refused when not finite. The stiffness of bodies without a material follows the gravity that
+	/// world and bodies have in each step.
 	std::optional<ist::Error> setGravity(const btVector3& gravity);
 	/// One step of so many seconds, in at most `setMostSubsteps` equal parts (btISTSubsteps). Refused, and nothing moves, when that is not
 	/// a positive finite number. Forces of the caller act over all parts.

@@ -3,8 +3,11 @@
 
 #include "BulletHapticForce/btSolverBodyMotion.h"
 
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <numeric>
 
 using namespace btSolverBodyMotion;
@@ -101,35 +104,52 @@ void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vec
 	}
 }
 
-/// The default rule sees two bodies; what lies on them further up has a weight, too.
-void btVolumetricIslands::carryHeaviest(const btSolverBody* bodies)
+namespace
+{
+/// Zero for a body that can only turn: it lies on nothing.
+double massOf(const btSolverBody& body)
+{
+	const ist::Vec3 w = toVec3(body.internalGetInvMass());
+	const double largest = std::max({w.x, w.y, w.z});
+	return largest > 0 ? 1 / largest : 0;
+}
+}  // namespace
+
+void btVolumetricIslands::weigh(const btSolverBody* bodies)
 {
 	for (int body = 0; body < int(m_parent.size()); ++body)
 	{
-		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
-		if (island < 0) continue;
-		const ist::Vec3 w = toVec3(bodies[body].internalGetInvMass());
-		const double largest = std::max({w.x, w.y, w.z});
-		// What can only turn lies on nobody.
-		if (largest > 0) m_islands[size_t(island)].heaviest = std::max(m_islands[size_t(island)].heaviest, 1 / largest);
+		const int index = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (index < 0) continue;
+		Island& island = m_islands[size_t(index)];
+		const double mass = massOf(bodies[body]), gravity = double(bodies[body].m_originalBody->getGravity().length());
+		if (gravity > 0) island.weight += mass * gravity;
+		else island.weightlessMass += mass;
 	}
+}
+
+/// The default rule sees two bodies; the others of a pile have a weight, too.
+void btVolumetricIslands::carryPiles(const btSolverBody* bodies)
+{
+	weigh(bodies);
 	for (const Island& island : m_islands)
+	{
+		const btISTContact* former = nullptr;
+		double factor = 1;
 		for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
 		{
 			Entry& e = m_entries[size_t(i)];
-			btISTPairConstants& constants = e.contact->constants;
-			const bool isFirst = i == 0 || m_entries[size_t(i) - 1].contact != e.contact;
-			const double ratio = constants.loadMass > 0 ? island.heaviest / constants.loadMass : 1;
-			if (isFirst) e.carried = std::max(ratio, 1.0);
-			else e.carried = m_entries[size_t(i) - 1].carried;
-			e.patch.wrench = e.carried * e.patch.wrench;
-			for (double& s : e.patch.stiffness.m) s *= e.carried;
-			for (double& d : e.patch.damping.m) d *= e.carried;
-			if (!isFirst) continue;
-			constants.k *= e.carried;
-			constants.loadMass *= e.carried;
-			e.contact->error.force *= e.carried;
+			if (e.contact != former)
+			{
+				double lighter = std::numeric_limits<double>::infinity();
+				for (const int body : {e.bodyA, e.bodyB})
+					if (const double mass = massOf(bodies[body]); mass > 0) lighter = std::min(lighter, mass);
+				factor = carryLoad(*e.contact, island.weight + island.weightlessMass * e.contact->constants.gravity, lighter, m_step);
+				former = e.contact;
+			}
+			if (factor != 1) multiply(e.patch, factor);
 		}
+	}
 }
 
 bool btVolumetricIslands::fitsBlock(const Island& island)
@@ -191,7 +211,7 @@ void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, con
 	m_change.assign(size_t(bodyCount), ist::Twist());
 	displaceByRounding(bodies);
 	findIslands(bodies, touched);
-	carryHeaviest(bodies);
+	carryPiles(bodies);
 	openLedgers(bodies);
 	for (const Island& island : m_islands)
 	{
@@ -407,4 +427,5 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 		e.contact->ledger.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
 		e.contact->normalImpulse += e.normalImpulse;
 	}
+	forEachContact([&](size_t first, int) { notePressed(*m_entries[first].contact, m_step); });
 }

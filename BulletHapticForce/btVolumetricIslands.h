@@ -55,13 +55,13 @@ private:
 		int next = -1;  // of the same island
 		ist::Wrench impulse, elastic;
 		double normalImpulse = 0;
-		double carried = 1;  // factor on k for a load that the pair does not see
 	};
 	struct Island
 	{
 		int first = -1, entryCount = 0, bodyCount = 0;
 		bool touched = false;
-		double heaviest = 0;  // [kg]
+		double weight = 0;       // of the bodies that have a gravity of their own [N]
+		double weightlessMass = 0;  // of the others [kg]
 	};
 	struct Block
 	{
@@ -77,7 +77,8 @@ private:
 
 	int rootOf(int body);
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
-	void carryHeaviest(const btSolverBody* bodies);
+	void weigh(const btSolverBody* bodies);
+	void carryPiles(const btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
 	void openLedgers(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace btSolverBodyMotion;
 
@@ -201,10 +202,27 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 			return;
 		}
 		++statistics.patches;
-		e.row.prepare(e.patch, responseOf(e, bodies), h, friction);
 		m_entries.push_back(e);
 	}
 	if (m_entries.size() == first) return;
+	ist::SymmetricMatrix6 responses[btISTContact::kMaxPatches];
+	double lightest = std::numeric_limits<double>::infinity();  // of what the patches push against along their normals
+	for (size_t i = first; i < m_entries.size(); ++i)
+	{
+		const Entry& e = m_entries[i];
+		responses[i - first] = responseOf(e, bodies);
+		const double n[3] = {e.patch.normal.x, e.patch.normal.y, e.patch.normal.z};
+		double moved = 0;
+		for (int row = 0; row < 3; ++row)
+			for (int column = 0; column < 3; ++column) moved += n[row] * responses[i - first](row, column) * n[column];
+		if (moved > 0) lightest = std::min(lightest, 1 / moved);
+	}
+	const double factor = carryLoad(contact, contact.constants.load, lightest, h);
+	for (size_t i = first; i < m_entries.size(); ++i)
+	{
+		multiply(m_entries[i].patch, factor);
+		m_entries[i].row.prepare(m_entries[i].patch, responses[i - first], h, friction);
+	}
 	const double speed = norm(relative(m_entries[first], bodies, state(m_entries[first], bodies, data)).linear);
 	statistics.contactsTurnedOver += btContactLedger::begin(contact, speed, h);
 }
@@ -325,4 +343,6 @@ void btVolumetricLinks::finish(btSolverBody* bodies, btMultiBodyJacobianData& da
 		e.contact->normalImpulse += e.normalImpulse;
 		writeFeedback(e);
 	}
+	for (size_t i = 0; i < m_entries.size(); ++i)
+		if (i == 0 || m_entries[i].contact != m_entries[i - 1].contact) notePressed(*m_entries[i].contact, m_step);
 }

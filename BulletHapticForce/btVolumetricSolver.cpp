@@ -14,6 +14,8 @@
 
 namespace
 {
+constexpr double kTooDeep = 0.25;  // of the thinner body's thickness
+
 bool isRigid(const btCollisionObject* object)
 {
 	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
@@ -65,6 +67,7 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	btVolumetricStatistics& statistics = m_islands.statistics();
 	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
+	statistics.contactsTooDeep += contact.depth > kTooDeep * contact.thickness();
 	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
 	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
 	if (kHasLinks && (linkOf(a) || linkOf(b)))

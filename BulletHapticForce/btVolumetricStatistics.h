@@ -14,6 +14,7 @@ struct btVolumetricStatistics
 	uint64_t blocksNotFactorised = 0;  ///< exerted nothing: input that is not finite
 	uint64_t contactsHeldToLedger = 0; ///< would have returned more than they had absorbed, and were held back
 	uint64_t contactsTurnedOver = 0;   ///< force against that of the step before: one was pushed, or fell, through the other
+	uint64_t contactsTooDeep = 0;      ///< in this step deeper than a quarter of the thinner body (btISTContact::thickness): it may be pushed through, and wants a stiffness
 	uint64_t contactsPrecisionLost = 0; ///< solved, but the force may be a twentieth off: btScalar places bodies too coarsely there
 	uint64_t contactsStale = 0;        ///< left to their representative points, as not evaluated in this step
 	uint64_t contactsNotRigid = 0;     ///< the same, as a body is neither a rigid body nor a link that the solver knows

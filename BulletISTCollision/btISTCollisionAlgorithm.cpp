@@ -159,6 +159,9 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 		update(query, contact);
 	}
 	contact.error = ist::OverlapError();
+	contact.depth = 0;
+	for (int i = 0; i < contact.patchCount; ++i) contact.depth = std::max(contact.depth, ist::meanDepth(contact.patches[i]));
+	contact.deepest = std::max(contact.deepest, contact.depth);
 	if (!(contact.total.volume > 0)) return;
 	const double gaps = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
 	contact.error = ist::overlapError(contact.total, gaps, contact.leafDensity, contact.constants.k);

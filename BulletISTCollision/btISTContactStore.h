@@ -20,12 +20,23 @@ class btPersistentManifold;
 class btISTPairMemory;
 struct btISTContact;
 
+/// What decided the stiffness k of a pair.
+enum class btISTStiffnessRule
+{
+	Given,     ///< a material, a fluid, or a rule of the caller; the solver leaves it as it is
+	OwnLoad,   ///< the weight of the heavier of the two bodies
+	PileLoad,  ///< the weight of all bodies that hang together with the two through contacts
+	StepBound  ///< the stiffest that a step of this length can bear (docs/stability.md); the load asks for more
+};
+
 /// The constants of a pair in the pressure field law (ARCHITECTURE.md).
 struct btISTPairConstants
 {
 	double k = 1;                        ///< stiffness [Pa/m]
 	double weightA = 0.5, weightB = 0.5; ///< of A's and of B's field; their sum is 1
-	double loadMass = 0;                 ///< k carries the weight of this mass; 0: k was set. A solver that knows of a heavier body further up makes k larger [kg]
+	double load = 0;                     ///< force that k carries at the depth allowed; the solver raises it to the weight of a pile. 0: k was given [N]
+	double gravity = 0;                  ///< where k follows from a load: the larger one that acts on the two bodies [m/s^2]
+	btISTStiffnessRule rule = btISTStiffnessRule::Given;
 	double dissipation = 5;              ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
 };
 
@@ -56,13 +67,16 @@ public:
 	virtual btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
 };
 
-/// For bodies without materials (rules (a) and (d) of btISTPairRule): the heavier dynamic body, lying on the square of the smaller body's
-/// size, sinks by the larger of 0.1 % of that size and the sum of the mean surface gaps. Size: cube root of the volume. Weights
-/// 1/2, or all on a half-space. With no dynamic body the weight is that of the smaller body made of water. Dissipation: 5 s/m, so
-/// that nothing leaves contact faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.
+/// For bodies without materials (rules (a) and (d) of btContactMaterialTable): under its weight the heavier dynamic body, on the square of the smaller
+/// body's size, sinks by the sum of the mean surface gaps, but by at least 0.1 % and at most 0.5 % of that size. Size: cube root of
+/// the volume. A sheet is thinner than its size, so nothing sinks by more than a twentieth of the thinner body's thickness (ist::thicknessOf).
+/// Weights 1/2, or all on a half-space. A body weighs its mass times its own gravity (btRigidBody::getGravity), or times `gravity` where it has
+/// none. Where neither body can move, the load is the smaller one made of water. Dissipation: 5 s/m, so that nothing leaves contact
+/// faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.
 class btISTDefaultPairRule : public btISTPairRule
 {
 public:
+	/// Of bodies that have no gravity of their own [m/s^2].
 	explicit btISTDefaultPairRule(double gravity = 9.81) : m_gravity(gravity) {}
 	btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
 
@@ -94,6 +108,8 @@ struct btISTContact
 	int level = 0;           ///< of the trees that answered
 	double leafDensity = 0;  ///< of these trees (PressureField.h) [1/m^3]
 	ist::OverlapError error;
+	double depth = 0;         ///< of the deepest patch, volume over area [m]
+	double deepest = 0;       ///< largest `depth` since the pair began [m]
 	ist::PairAccuracy accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
 	btISTPairConstants constants;
 	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
@@ -101,7 +117,11 @@ struct btISTContact
 	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
 	double normalImpulse = 0;  ///< their normal parts, added up [N s]
+	double pressed = 0;    ///< written by the solver: mean of the normal force over the last ten steps or so [N]
 	btISTContactWork work;  ///< written by the solver
+
+	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
+	double thickness() const;
 	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
 
 	bool foreseeable = false;  ///< the shapes are where their bodies are, and not children of a compound

@@ -65,8 +65,8 @@ private:
 	{
 		const TowerSetup& s = m_setup;
 		if (s.k > 0) return i == 0 ? 2 * s.k : s.k;
-		const double gap = 2 * m_cube.tree->meanGap, sinkage = std::max(1e-3 * m_edge, i == 0 ? gap / 2 : gap);
-		return std::max(s.topMass, s.mass) * kGravity / (sinkage * m_edge * m_edge);
+		const double gap = (i == 0 ? 1 : 2) * m_cube.tree->meanGap, depth = std::clamp(gap, 1e-3 * m_edge, 5e-3 * m_edge);
+		return ((s.cubes - 1) * s.mass + s.topMass) * kGravity / (depth * m_edge * m_edge);
 	}
 
 	void judge(TowerOutcome& out) const

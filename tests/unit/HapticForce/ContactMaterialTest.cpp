@@ -72,19 +72,61 @@ TEST_F(Pair, OneStiffnessMeansThatTheOtherBodyIsRigid)
 	EXPECT_EQ(c.weightB, 0);
 }
 
-TEST_F(Pair, NoStiffnessLetsTheHeavierBodySinkByAThousandthOfTheSmallerSizeOrTheGap)
+TEST_F(Pair, NoStiffnessLetsTheHeavierBodySinkByTheGapWithinBoundsOfTheSmallerSize)
 {
-	// gap sum 0.3 mm > 0.1 % of 0.2 m
-	btISTPairConstants c = decide();
-	EXPECT_NEAR(c.k, 4 * 9.81 / (0.0003 * 0.04), 1e-9 * c.k);
-	EXPECT_DOUBLE_EQ(c.weightA, 0.5);
-	EXPECT_DOUBLE_EQ(c.weightB, 0.5);
+	const auto depthAllowed = [&](double gapOfB)
+	{
+		auto tree = std::make_shared<ist::InnerSphereTree>(*contact.treeB);
+		tree->meanGap = gapOfB;
+		contact.treeB = tree;
+		const btISTPairConstants c = decide();
+		EXPECT_DOUBLE_EQ(c.weightA, 0.5);
+		EXPECT_DOUBLE_EQ(c.weightB, 0.5);
+		EXPECT_EQ(c.rule, btISTStiffnessRule::OwnLoad);
+		EXPECT_NEAR(c.load, 4 * 9.81, 1e-12);
+		return c.load / (c.k * 0.04);
+	};
+	EXPECT_NEAR(depthAllowed(0), 0.0002, 1e-12);       // 0.1 % of 0.2 m
+	EXPECT_NEAR(depthAllowed(0.0004), 0.0005, 1e-12);  // the sum of the gaps
+	EXPECT_NEAR(depthAllowed(0.5), 0.001, 1e-12);      // 0.5 %, however wide the gaps of the larger body
 	table.setGravity(1.62);
-	EXPECT_NEAR(decide().k, 4 * 1.62 / (0.0003 * 0.04), 1e-9 * c.k);
-	auto fine = std::make_shared<ist::InnerSphereTree>(*contact.treeB);
-	fine->meanGap = 0;
-	contact.treeB = fine;
-	EXPECT_NEAR(decide().k, 4 * 1.62 / (0.0002 * 0.04), 1e-9 * c.k);
+	EXPECT_NEAR(decide().k, 4 * 1.62 / (0.001 * 0.04), 1e-6);
+}
+
+// Else a sheet of a millimetre and a square metre would be pressed to half of its thickness.
+TEST_F(Pair, NothingSinksByMoreThanATwentiethOfTheThinnerBody)
+{
+	auto sheet = std::make_shared<ist::InnerSphereTree>(*contact.treeA);
+	sheet->volume = 0.001;
+	sheet->area = 2;
+	contact.treeA = sheet;
+	const btISTPairConstants c = decide();
+	EXPECT_NEAR(c.load / (c.k * 0.01), 0.05 * 0.001, 1e-12);
+}
+
+TEST_F(Pair, ABodyWeighsWithItsOwnGravity)
+{
+	b.setGravity(btVector3(0, 0, 98));
+	EXPECT_NEAR(decide().load, 4 * 98, 1e-4);
+	a.setGravity(btVector3(0, -1000, 0));
+	EXPECT_NEAR(decide().load, 2 * 1000, 1e-3);
+}
+
+TEST_F(Pair, FollowsTheGravityOfAWorld)
+{
+	btISTWorld world;
+	table.followGravity(&world.bullet());
+	world.bullet().setGravity(btVector3(3, 4, 0));
+	EXPECT_NEAR(decide().load, 4 * 5, 1e-4);
+	world.bullet().setGravity(btVector3(0, 0, 0));
+	EXPECT_NEAR(decide().load, 4 * 9.81, 1e-4);  // that of the world when it was followed
+	world.bullet().setGravity(btVector3(0, 0, -2));
+	table.followGravity(nullptr);
+	world.bullet().setGravity(btVector3(0, 0, -7));
+	EXPECT_NEAR(decide().load, 4 * 2, 1e-4);
+	table.followGravity(&world.bullet());
+	table.setGravity(1);
+	EXPECT_NEAR(decide().load, 4, 1e-4);
 }
 
 TEST_F(Pair, WithoutGravityTheStiffnessStays)
@@ -221,7 +263,7 @@ TEST_F(Pair, FluidPressesWithItsDensityTimesGravityWhateverFloatsInIt)
 	EXPECT_DOUBLE_EQ(c.k, 1025 * 9.81);
 	EXPECT_EQ(c.weightA, 0);
 	EXPECT_EQ(c.weightB, 1);
-	EXPECT_EQ(c.loadMass, 0);
+	EXPECT_EQ(c.load, 0);
 	EXPECT_EQ(c.dissipation, 0);
 	EXPECT_FALSE(table.set(&water, {0, 0.5, 1025}));
 	table.setGravity(1.62);

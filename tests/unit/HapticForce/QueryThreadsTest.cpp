@@ -79,6 +79,7 @@ public:
 	void remove()
 	{
 		m_world.bullet().removeRigidBody(m_bodies.back().get());
+		m_world.materials().remove(m_bodies.back().get());
 		m_bodies.pop_back();
 	}
 	/// Beside each other, flat on the block and apart.
@@ -103,9 +104,15 @@ private:
 		if (mass > 0) shape.calculateLocalInertia(mass, inertia);
 		m_bodies.push_back(std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, &shape, inertia)));
 		m_bodies.back()->setWorldTransform(btTransform(btQuaternion(btVector3(1, 1, 0).normalized(), turn), at));
+		// Soft, so that queries are long enough to be shared.
+		if (mass > 0)
+		{
+			EXPECT_FALSE(m_world.materials().set(m_bodies.back().get(), {kSoft, -1}));
+		}
 		m_world.bullet().addRigidBody(m_bodies.back().get());
 	}
 
+	static constexpr double kSoft = 2e4;  // [Pa/m]
 	btISTWorld m_world;
 	btBoxShape m_table{btVector3(1.5, 1.5, 1.5)}, m_cube{btVector3(0.25, 0.25, 0.25)};
 	std::vector<btISTAttachment> m_attachments;
