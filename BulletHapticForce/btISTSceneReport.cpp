@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/btISTSceneReport.h"
 
+#include "BulletHapticForce/btISTSubsteps.h"
 #include "BulletHapticForce/btISTWorld.h"
 #include "BulletISTCollision/Core/PressureField.h"
 #include "BulletISTCollision/btISTShapeParts.h"
@@ -63,7 +64,7 @@ std::string whyUse(const btISTContact& contact, double granted)
 	return "queried";
 }
 
-btISTPairReport ofContact(const btISTContact& contact, bool asleep, const btISTEconomy& economy)
+btISTPairReport ofContact(const btISTContact& contact, double thickness, bool asleep, const btISTEconomy& economy)
 {
 	btISTPairReport report;
 	report.model = contact.treeB ? btISTPairReport::Trees : contact.halfSpace ? btISTPairReport::HalfSpace : btISTPairReport::ClosedForm;
@@ -73,6 +74,10 @@ btISTPairReport ofContact(const btISTContact& contact, bool asleep, const btISTE
 	report.leafPairs = contact.total.pairs;
 	const btISTPairConstants& c = contact.constants;
 	report.force = norm(ist::pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force);
+	report.k = c.k;
+	report.stiffnessRule = c.rule;
+	report.depth = contact.depth;
+	report.deepest = contact.deepest / thickness;
 	const double floor = btISTKeptResult::floorForce(contact);
 	const double kept = contact.use == btISTKeptResult::Moved ? economy.keptError : 0;
 	report.expectedError = std::hypot(contact.error.force / std::max(report.force, floor), kept);
@@ -142,6 +147,18 @@ const char* btISTPairReport::nameOf(Model model)
 	return "";
 }
 
+const char* btISTPairReport::nameOf(btISTStiffnessRule rule)
+{
+	switch (rule)
+	{
+		case btISTStiffnessRule::Given: return "given";
+		case btISTStiffnessRule::OwnLoad: return "own load";
+		case btISTStiffnessRule::PileLoad: return "load of the pile";
+		case btISTStiffnessRule::StepBound: return "bound of the step";
+	}
+	return "";
+}
+
 btISTSceneReport btISTSceneReport::of(btISTWorld& world, const Names& names) { return of(world.bullet(), world.registration(), names); }
 
 btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegistration& registration, const Names& names)
@@ -176,7 +193,8 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 			const btISTContact& contact = *at->second;
 			// An older one was handed back to Bullet.
 			if (contact.stamp == 0 || (contact.stamp + 1 < step && !sleeps(pair))) continue;
-			add(ofContact(contact, sleeps(pair), report.economy), contact.bodyA, contact.bodyB);
+			const double thickness = contact.treeB ? contact.thickness() : std::min(contact.thickness(), btISTSubsteps::thickness(contact.shapeB, registration.registry()));
+			add(ofContact(contact, thickness, sleeps(pair), report.economy), contact.bodyA, contact.bodyB);
 			answered = true;
 		}
 		if (!answered) add(withoutContact(pair, registration.registry()), pair.first, pair.second);
@@ -201,6 +219,11 @@ std::vector<std::string> btISTSceneReport::lines() const
 		std::snprintf(row, sizeof row, ": %s, level %d, %d patches, %lld leaf pairs, %.3g N", btISTPairReport::nameOf(p.model), p.level, p.patches,
 					  static_cast<long long>(p.leafPairs), p.force);
 		std::string line = namesA[i] + " - " + namesB[i] + (p.model > btISTPairReport::Stock ? row : std::string(": ") + btISTPairReport::nameOf(p.model));
+		if (p.patches > 0)
+		{
+			std::snprintf(row, sizeof row, " (k %.3g Pa/m: %s; %.3g mm deep, at most %.2g %% of the thickness)", p.k, btISTPairReport::nameOf(p.stiffnessRule), 1e3 * p.depth, 100 * p.deepest);
+			line += row;
+		}
 		if (p.patches > 0 && std::isfinite(p.expectedError))
 		{
 			std::snprintf(row, sizeof row, " within %.2g %%", 100 * p.expectedError);
@@ -239,7 +262,8 @@ std::string btISTSceneReport::json() const
 		const btISTPairReport& p = pairs[i];
 		out += std::string(i ? "," : "") + "{\"a\":" + quoted(namesA[i]) + ",\"b\":" + quoted(namesB[i]) + ",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) +
 			   ",\"level\":" + std::to_string(p.level) + ",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
-			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + number(p.force) + ",\"expected_error\":" + number(p.expectedError) +
+			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + number(p.force) + ",\"k\":" + number(p.k) + ",\"stiffness_rule\":" + (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
+			   ",\"depth\":" + number(p.depth) + ",\"deepest\":" + number(p.deepest) + ",\"expected_error\":" + number(p.expectedError) +
 			   ",\"accepted_error\":" + number(p.acceptedError) + ",\"promised_error\":" + number(p.promisedError) + ",\"promise_kept\":" + (!std::isfinite(p.promisedError) ? "null" : p.promiseKept ? "true" : "false") + "," +
 			   costJson(p.cost) + ",\"saved_seconds\":" + number(p.savedSeconds) + "}";
 	}

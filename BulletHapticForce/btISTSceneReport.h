@@ -30,6 +30,10 @@ struct btISTPairReport
 	int patches = 0;
 	int64_t leafPairs = 0;
 	double force = 0;         ///< of the pressure, without damping and friction [N]
+	double k = 0;             ///< stiffness in the last step [Pa/m]; 0 where `model` is not ours
+	btISTStiffnessRule stiffnessRule = btISTStiffnessRule::Given;  ///< what decided `k`
+	double depth = 0;         ///< of the deepest patch in the last step, volume over area [m]
+	double deepest = 0;       ///< largest depth since the pair began, as a share of the thinner body's thickness (btISTSubsteps::thickness)
 	/// Expected error of the force as a share of the larger of the force and the floor (btISTEconomy): the error bar of the query, and on
 	/// top of it what was granted to a result that is kept. Not a number where nothing is promised.
 	double expectedError = 0;
@@ -41,6 +45,7 @@ struct btISTPairReport
 	double savedSeconds = 0;  ///< steps without a query times the mean time of one, less what those steps took; needs measureQueryTime
 
 	static const char* nameOf(Model model);
+	static const char* nameOf(btISTStiffnessRule rule);
 };
 
 /// For each pair that the broad phase of a world has: which model answers, why, its expected error, its cost, and what it saved.
@@ -63,7 +68,7 @@ struct btISTSceneReport
 	std::vector<std::string> lines() const;
 	std::string text() const;
 	/// One object; not-finite numbers are null. {"schema":1,"economy","kept_error","accepted_error","queries","kept","factor","seconds","query_seconds",
-	/// "saved_seconds","largest_kept_error","pairs":[{"a","b","model","level","reason","patches","leaf_pairs","force","expected_error","accepted_error","promised_error","promise_kept",
+	/// "saved_seconds","largest_kept_error","pairs":[{"a","b","model","level","reason","patches","leaf_pairs","force","k","stiffness_rule","depth","deepest","expected_error","accepted_error","promised_error","promise_kept",
 	/// "queries","kept","node_visits","ball_tests","seconds","query_seconds","saved_seconds"}]}. Seconds are those of queries and of what was done instead;
 	/// "promise_kept" is null where "promised_error" is.
 	std::string json() const;
