@@ -82,9 +82,9 @@ public:
 
 	/// By how many threads the pairs of a step are queried, 1 to 64; 1 to begin with. The owner of the world is one of them, and he waits for none that has lost its
 	/// processor for longer than his own longest query took; callbacks are called by him alone. A step is the same, bit for bit, for any number (with setPairMemory, where none was late). Only pairs that
-	/// touched in the step before are queried side by side, of shapes that are not children of a compound, and only where that is worth it. Each thread has the memory of a
-	/// workspace (some 30 MB), and spins for so many microseconds after each step before it sleeps: waking it takes tens of them. Refused out of range. Between
-	/// steps only.
+	/// touched in the step before are queried side by side, of shapes that are not children of a compound, and only where that is worth it. Each
+	/// thread has a workspace, which becomes resident as it is used, up to 30 MB. It spins for so many microseconds after each step before it sleeps:
+	/// waking it takes tens of them. Refused out of range. Between steps only.
 	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50);
 	int queryThreads() const;
 	/// What was queried side by side in the last step; in a world without our solver, in the last one in which a pair was met.

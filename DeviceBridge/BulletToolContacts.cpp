@@ -20,6 +20,7 @@ BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::in
 {
 	m_contact.treeA = notOwned(&tool);
 	m_workspace.reserve(tool, tool);
+	m_workspace.makeResident();
 	m_roomFor = mostSlots(tool);
 }
 

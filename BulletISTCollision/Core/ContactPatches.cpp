@@ -48,10 +48,16 @@ void PatchGrouper::reserve(size_t pairs, size_t balls, int patches)
 	}
 	if (m_group.size() < listed)
 	{
-		m_group.resize(listed);
-		m_components.resize(listed);
+		m_group = DemandZeroArray<float>(listed);
+		m_components = DemandZeroArray<Component>(listed);
 	}
 	m_balls.reserve(balls);
+}
+
+void PatchGrouper::makeResident()
+{
+	m_group.touch();
+	m_components.touch();
 }
 
 /// Balls that hang together get a common root, a ball of A.

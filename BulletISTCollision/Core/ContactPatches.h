@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/DemandZeroArray.h"
 #include "BulletISTCollision/Core/SpherePacking.h"
 
 #include <cstddef>
@@ -40,6 +41,8 @@ public:
 
 	/// Grows the memory; allocates only when a size exceeds every earlier one.
 	void reserve(size_t pairs, size_t balls, int patches);
+	/// Makes the memory that grows with the pairs resident.
+	void makeResident();
 	/// The larger room of both.
 	void takeLarger(BallRoom& other) noexcept
 	{
@@ -76,8 +79,8 @@ private:
 	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
 	BallRoom m_balls;
-	std::vector<float> m_group;
-	std::vector<Component> m_components;
+	DemandZeroArray<float> m_group;
+	DemandZeroArray<Component> m_components;  ///< an element counts from `number` on
 	Patches m_patches;
 	uint32_t m_componentCount = 0;
 };

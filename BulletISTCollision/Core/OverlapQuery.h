@@ -153,6 +153,9 @@ public:
 	const QueryCapacity& capacity() const;
 	/// Room as a QueryRoom has it.
 	void reserve(const InnerSphereTree& A, const InnerSphereTree& B);
+	/// Makes the lists of pairs of leaves resident: 30 MB with the default capacity. Otherwise a query that finds more pairs than any
+	/// before it waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
+	void makeResident();
 	/// Takes what is larger there and leaves its own, which is of no more use. Once for each room. Allocates and frees nothing.
 	void take(QueryRoom& room) noexcept;
 	/// A thread that takes part in long queries (QueryHelper.h); null: none. Of no more than one workspace, with at least its capacity. It outlives this,

@@ -41,8 +41,8 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 
 	const size_t open = size_t(capacity.listEntries) + kListSlack, found = size_t(capacity.pairs) + kPairBatch + kListSlack;
 	const size_t batch = kPairBatch + kListSlack;
-	indices.resize(4 * open + 2 * kLeafEntries + 2 * kBallEntries + 2 * batch + 2 * found);
-	numbers.resize(8 * open + 4 * kLeafEntries + PairStream::ColumnCount * found);
+	indices = DemandZeroArray<uint32_t>(4 * open + 2 * kLeafEntries + 2 * kBallEntries + 2 * batch + 2 * found);
+	numbers = DemandZeroArray<float>(8 * open + 4 * kLeafEntries + PairStream::ColumnCount * found);
 	uint32_t* index = indices.data();
 	float* number = numbers.data();
 	const auto column = [](auto*& next, size_t size) { return next += size, next - size; };
@@ -146,6 +146,15 @@ void QueryWorkspace::reserve(const InnerSphereTree& A, const InnerSphereTree& B)
 	m_impl->reserveSlots(slotsA, slotsB, slotsB);
 	m_impl->grouper.reserve(size_t(m_impl->capacity.pairs), slotsA + slotsB, m_impl->capacity.patches);
 }
+
+void QueryWorkspace::Implementation::makeResident()
+{
+	indices.touch();
+	numbers.touch();
+	grouper.makeResident();
+}
+
+void QueryWorkspace::makeResident() { m_impl->makeResident(); }
 
 void QueryWorkspace::take(QueryRoom& room) noexcept
 {

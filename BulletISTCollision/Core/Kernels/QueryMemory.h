@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/ContactPatches.h"
+#include "BulletISTCollision/Core/DemandZeroArray.h"
 #include "BulletISTCollision/Core/FieldTerm.h"
 #include "BulletISTCollision/Core/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/OverlapQuery.h"
@@ -50,8 +51,8 @@ struct QueryWorkspace::Implementation : TreeRoom
 	QueryCapacity capacity;
 	QueryHelper* helper = nullptr;
 
-	std::vector<uint32_t> indices;  ///< columns of the lists below
-	std::vector<float> numbers;
+	DemandZeroArray<uint32_t> indices;  ///< columns of the lists below
+	DemandZeroArray<float> numbers;
 	kernels::SubtreeList openA{}, openB{}, leaves{};
 	int openBatch = 1;
 	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
@@ -71,6 +72,8 @@ struct QueryWorkspace::Implementation : TreeRoom
 	void reserveFor(const BallTree& A, const BallTree& B);
 	/// An empty list of terms, and room for grouping. Allocates on the first query with a larger tree, never after.
 	void reserveTerms(const BallTree& A);
+	/// Makes the lists of pairs of leaves resident.
+	void makeResident();
 	/// Room for the visitors' list. Allocates on the first query that wants it.
 	void reservePairs();
 };
