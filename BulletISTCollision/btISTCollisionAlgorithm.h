@@ -32,6 +32,9 @@ class btISTPairQuery;
 /// Handle on what `registerAlgorithm` did; the last one to go puts back every entry of the dispatch tables that is still ours.
 /// It must go before the dispatcher (or be told `dispatcherIsGone`). Pairs that exist keep their volumetric contact until they
 /// are cleaned or the world goes: what they need they own. Move-only.
+/// A handle without a registration is one that was default-made, released or moved from. All its functions may be called: `refusal` and
+/// the setters say that there is no registration, getters give what a new one has, and `registry`, `store` and `watch` act on nothing.
+/// These three belong to the handle, and live until it gets another registration or goes.
 class [[nodiscard]] btISTRegistration
 {
 public:
@@ -42,11 +45,12 @@ public:
 
 	/// True while every entry of both tables is ours. False when someone registered after us (GImpact does): see `reinstall`; and always after a `refusal`.
 	bool isRegistered() const;
-	/// Why the dispatcher keeps its tables, and all contact stays Bullet's; empty as a rule.
+	/// Why this has no effect on a dispatcher; empty as a rule. A dispatcher with threads keeps its tables, and its contact stays Bullet's. A
+	/// dispatcher that has a registration with another registry keeps that one.
 	const std::string& refusal() const;
-	/// Takes back the entries that someone else wrote, and delegates to him.
-	void reinstall();
-	/// What the destructor does.
+	/// Takes back the entries that someone else wrote, and delegates to their functions. Refused where `refusal` is not empty.
+	std::optional<ist::Error> reinstall();
+	/// What the destructor does. The handle then has no registration.
 	void release();
 	/// Forget the dispatcher and the pair cache without touching them.
 	void dispatcherIsGone();
@@ -57,9 +61,11 @@ public:
 	std::shared_ptr<btISTContactStore> sharedStore() const;
 	/// Which pairs are volumetric, and where.
 	btISTWatch& watch();
-	void setPairRule(std::shared_ptr<const btISTPairRule> rule);
+	/// Decides the constants of pairs from now on. Refused while another handle of this dispatcher lives that has set a rule: each
+	/// btISTWorld sets one.
+	std::optional<ist::Error> setPairRule(std::shared_ptr<const btISTPairRule> rule);
 	/// No force before bodies surely overlap: see ist::QueryOptions::gate. Off at first.
-	void setGate(bool on);
+	std::optional<ist::Error> setGate(bool on);
 	/// Two trees are asked only as finely as keeps their force within this share of the true one (ist::queryToError), 0 to 1; 0, as it is at first: always
 	/// the leaves. Changes fade in over the next steps. The first time, all attached trees get levels (btISTRegistry::keepLevels). What each pair
 	/// promises is in btISTContact::accuracy. Refused when it is no such share. Between steps only.
@@ -82,9 +88,9 @@ public:
 
 	/// By how many threads the pairs of a step are queried, 1 to 64; 1 to begin with. The owner of the world is one of them, and he waits for none that has lost its
 	/// processor for longer than his own longest query took; callbacks are called by him alone. A step is the same, bit for bit, for any number (with setPairMemory, where none was late). Only pairs that
-	/// touched in the step before are queried side by side, of shapes that are not children of a compound, and only where that is worth it. Each
-	/// thread has a workspace, which becomes resident as it is used, up to 30 MB. It spins for so many microseconds after each step before it sleeps:
-	/// waking it takes tens of them. Refused out of range. Between steps only.
+	/// touched in the step before are queried side by side, of shapes that are not children of a compound, and only where that is worth it.
+	/// Each thread has a workspace, which becomes resident as it is used, up to 30 MB. It spins for so many microseconds after each step
+	/// before it sleeps: waking it takes tens of them. Refused out of range. Between steps only.
 	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50);
 	int queryThreads() const;
 	/// What was queried side by side in the last step; in a world without our solver, in the last one in which a pair was met.
@@ -99,13 +105,18 @@ public:
 	int pairMemory() const;
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
-	void setPairCache(btOverlappingPairCache* pairCache);
+	std::optional<ist::Error> setPairCache(btOverlappingPairCache* pairCache);
 	/// Throws away the algorithms of all existing pairs; they are chosen anew in the next step. Between steps only.
 	void cleanPairs(btOverlappingPairCache* pairCache);
 
 private:
 	friend class btISTCollisionAlgorithm;
+	struct Unregistered;
+	Unregistered& unregistered() const;
+
 	std::shared_ptr<btISTInstallation> m_installation;
+	mutable std::shared_ptr<Unregistered> m_unregistered;  // made when it is first asked for without a registration
+	std::shared_ptr<const void> m_ruleClaim;  // lives while this handle decides the pair rule
 };
 
 /// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. Bullet's own algorithm works in its place, and the manifold stays
@@ -127,9 +138,11 @@ public:
 	~btISTCollisionAlgorithm() override;
 
 	/// Registers for every pair of proxy types but soft bodies, in the tables of contacts and of closest points, and delegates to
-	/// what was registered before for every pair that is not volumetric. A second call on one dispatcher returns a second handle.
-	/// Bullet's pools and tables have one owner thread; so has this. `registry` may be shared by several worlds of one thread. A btCollisionDispatcherMt is refused
-	/// (btISTRegistration::refusal): it calls algorithms from several threads. A world with a btCollisionDispatcher has its queries shared out by `setQueryThreads`.
+	/// what was registered before for every pair that is not volumetric. A second call on one dispatcher returns a second handle; with
+	/// another `registry` than the first call it is refused (btISTRegistration::refusal), and the first registration stays as it is.
+	/// Bullet's pools and tables have one owner thread; so has this. `registry` may be shared by several worlds of one thread. A
+	/// btCollisionDispatcherMt is refused, too: it calls algorithms from several threads. A world with a btCollisionDispatcher has its
+	/// queries shared out by `setQueryThreads`.
 	static btISTRegistration registerAlgorithm(btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache = nullptr,
 											   std::shared_ptr<btISTRegistry> registry = nullptr);
 

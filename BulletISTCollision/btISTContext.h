@@ -59,6 +59,7 @@ public:
 	std::shared_ptr<btISTRegistry> registry;
 	btISTWatch watch;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
+	std::weak_ptr<const void> ruleClaim;  ///< of the handle that set the rule; expired: any handle may set one
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
 	std::unique_ptr<btISTPairMemories> memories;  ///< null: each query searches anew

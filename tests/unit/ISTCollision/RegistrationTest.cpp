@@ -5,6 +5,11 @@
 #include <LinearMath/btThreads.h>
 
 #include <cmath>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <regex>
+#include <set>
 #include <string>
 
 namespace
@@ -189,4 +194,156 @@ TEST(btISTRegistration, NoticesThatSomeoneRegisteredAfterIt)
 	EXPECT_FALSE(r.isRegistered());
 	r.reinstall();
 	EXPECT_TRUE(r.isRegistered());
+}
+
+TEST(btISTRegistration, ASecondOneWithAnotherRegistryIsRefusedInWordsAndChangesNothing)
+{
+	TestWorld w;
+	btBoxShape box(btVector3(.5, .5, .5));
+	const auto shared = std::make_shared<btISTRegistry>(), mine = std::make_shared<btISTRegistry>();
+	std::optional<btISTRegistration> first;
+	first = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache(), shared);
+	// Whoever registers for one pair of types afterwards does not hide the first registration.
+	auto* stock = w.configuration.getCollisionAlgorithmCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE);
+	for (const bool overwritten : {false, true})
+	{
+		if (overwritten) w.dispatcher.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, stock);
+		const auto same = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, nullptr, shared);
+		EXPECT_EQ(same.refusal(), "");
+		auto second = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, nullptr, mine);
+		EXPECT_NE(second.refusal().find("another registry"), std::string::npos) << second.refusal();
+		EXPECT_FALSE(second.isRegistered());
+		EXPECT_TRUE(second.reinstall());
+		EXPECT_EQ(&second.registry(), mine.get());
+		EXPECT_FALSE(second.setPairRule(std::make_shared<btISTDefaultPairRule>(1))) << "of its own, which nothing asks";
+		EXPECT_EQ(&first->registry(), shared.get());
+		EXPECT_EQ(first->isRegistered(), !overwritten);
+		EXPECT_FALSE(first->reinstall());
+	}
+	const auto attachment = attach(*first, box);
+	w.add(&box, 1, at(0, 0, 0));
+	w.add(&box, 1, at(0, .9, 0));
+	w.step(1);
+	EXPECT_EQ(first->store().contacts().size(), 1u);
+	first.reset();
+	auto third = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, nullptr, mine);
+	EXPECT_EQ(third.refusal(), "");
+	EXPECT_TRUE(third.isRegistered());
+	third.cleanPairs(w.broadphase.getOverlappingPairCache());
+}
+
+TEST(btISTRegistration, NeedsADispatcher)
+{
+	const auto r = btISTCollisionAlgorithm::registerAlgorithm(nullptr);
+	EXPECT_NE(r.refusal().find("no dispatcher"), std::string::npos);
+	EXPECT_FALSE(r.isRegistered());
+}
+
+TEST(btISTRegistration, OneHandleAtATimeDecidesThePairRule)
+{
+	TestWorld w;
+	const auto rule = std::make_shared<btISTDefaultPairRule>();
+	auto second = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+	{
+		auto first = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+		EXPECT_FALSE(first.setPairRule(rule));
+		EXPECT_FALSE(first.setPairRule(rule)) << "again, by the same handle";
+		const auto refused = second.setPairRule(rule);
+		ASSERT_TRUE(refused);
+		EXPECT_NE(refused->message.find("has set the pair rule"), std::string::npos);
+		btISTRegistration moved(std::move(first));
+		EXPECT_FALSE(moved.setPairRule(rule));
+		EXPECT_TRUE(second.setPairRule(rule));
+		EXPECT_TRUE(moved.setPairRule(nullptr));
+		moved.release();
+		EXPECT_FALSE(second.setPairRule(rule));
+	}
+	EXPECT_FALSE(second.setPairRule(rule));
+}
+
+namespace
+{
+/// One public function of btISTRegistration and what it answers without a registration.
+struct Use
+{
+	const char* name;
+	std::function<bool(btISTRegistration&)> isSafe;
+};
+
+bool isReleased(const std::optional<ist::Error>& error) { return error && error->message.find("this registration was released") == 0; }
+
+/// The shape may go first, the attachment last: neither knows a world.
+bool takesAttachments(btISTRegistry& registry)
+{
+	btBoxShape box(btVector3(.5, .5, .5));
+	const auto attachment = registry.attach(&box, boxTree());
+	return attachment && registry.size() == 1;
+}
+
+const Use kUses[] = {
+	{"isRegistered", [](auto& r) { return !r.isRegistered(); }},
+	{"refusal", [](auto& r) { return r.refusal().find("this registration was released") == 0; }},
+	{"reinstall", [](auto& r) { return isReleased(r.reinstall()); }},
+	{"release", [](auto& r) { return r.release(), !r.isRegistered(); }},
+	{"dispatcherIsGone", [](auto& r) { return r.dispatcherIsGone(), !r.isRegistered(); }},
+	{"registry", [](auto& r) { return takesAttachments(r.registry()) && r.registry().size() == 0; }},
+	{"store", [](auto& r) { return r.store().contacts().empty() && !r.store().find(nullptr) && r.store().step() > 0; }},
+	{"sharedStore", [](auto& r) { return r.sharedStore().get() == &r.store(); }},
+	{"watch", [](auto& r) { return r.watch().watchPair(nullptr, nullptr), &r.watch() == &r.watch(); }},
+	{"setPairRule", [](auto& r) { return isReleased(r.setPairRule(std::make_shared<btISTDefaultPairRule>())); }},
+	{"setGate", [](auto& r) { return isReleased(r.setGate(true)); }},
+	{"setForceError", [](auto& r) { return isReleased(r.setForceError(0.1)); }},
+	{"forceError", [](auto& r) { return r.forceError() == 0; }},
+	{"setForceErrorOf", [](auto& r) { return isReleased(r.setForceErrorOf(nullptr, 0.1)); }},
+	{"forceErrorOf", [](auto& r) { return r.forceErrorOf(nullptr, nullptr) == 0; }},
+	{"setPairBudget", [](auto& r) { return isReleased(r.setPairBudget(500)); }},
+	{"pairBudget", [](auto& r) { return r.pairBudget() == -1; }},
+	{"setEconomy", [](auto& r) { return isReleased(r.setEconomy({})); }},
+	{"economy", [](auto& r) { return r.economy().keptError == btISTEconomy().keptError; }},
+	{"setQueryThreads", [](auto& r) { return isReleased(r.setQueryThreads(2)); }},
+	{"queryThreads", [](auto& r) { return r.queryThreads() == 1; }},
+	{"sharedQueries", [](auto& r) { return r.sharedQueries().pairs == 0; }},
+	{"setPairMemory", [](auto& r) { return isReleased(r.setPairMemory(1)); }},
+	{"pairMemory", [](auto& r) { return r.pairMemory() == 0; }},
+	{"setPairCache", [](auto& r) { return isReleased(r.setPairCache(nullptr)); }},
+	{"cleanPairs", [](auto& r) { return r.cleanPairs(nullptr), true; }},
+};
+
+/// Names of the public functions that the header declares.
+std::set<std::string> publicFunctions()
+{
+	std::ifstream file(HEADER_FOLDER "/btISTCollisionAlgorithm.h");
+	const std::string text{std::istreambuf_iterator<char>(file), {}};
+	const size_t begin = text.find("class [[nodiscard]] btISTRegistration");
+	const std::string declared = text.substr(begin, text.find("private:", begin) - begin);
+	std::set<std::string> names;
+	const std::regex function("\n\t[^/\n]*?[ &](\\w+)\\([^\n]*;");
+	for (std::sregex_iterator i(declared.begin(), declared.end(), function), end; i != end; ++i)
+		if ((*i)[1] != "btISTRegistration" && (*i)[1] != "operator") names.insert((*i)[1]);
+	return names;
+}
+}  // namespace
+
+TEST(btISTRegistration, EveryFunctionIsSafeWithoutARegistration)
+{
+	std::set<std::string> tried;
+	for (const Use& use : kUses)
+	{
+		tried.insert(use.name);
+		TestWorld w;
+		btISTRegistration made;
+		EXPECT_TRUE(use.isSafe(made)) << use.name << " of one that was default-made";
+		auto released = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache());
+		released.release();
+		EXPECT_TRUE(use.isSafe(released)) << use.name << " of one that was released";
+		auto from = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache());
+		const btISTRegistration to(std::move(from));
+		EXPECT_TRUE(use.isSafe(from)) << use.name << " of one that was moved from";
+		EXPECT_TRUE(to.isRegistered());
+		btISTRegistration again = std::move(made);
+		EXPECT_TRUE(use.isSafe(again)) << use.name << " of a moved one without a registration";
+		again = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
+		EXPECT_TRUE(again.isRegistered());
+	}
+	EXPECT_EQ(tried, publicFunctions());
 }
