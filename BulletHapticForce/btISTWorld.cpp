@@ -50,7 +50,7 @@ btISTWorld::btISTWorld()
 	  m_own(std::make_unique<btDiscreteDynamicsWorld>(&m_parts->dispatcher, &m_parts->broadphase, m_solver.get(), &m_parts->configuration)),
 	  m_world(m_own.get()), m_statistics(&statisticsOf(*m_solver))
 {
-	m_registration.setPairRule(m_materials);
+	(void)m_registration.setPairRule(m_materials);
 	setGravity(btVector3(0, btScalar(-9.81), 0));
 }
 
@@ -69,8 +69,15 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher, game.getPairCache());
 	m_refusal = m_registration.refusal();
 	if (!m_refusal.empty()) return;
-	m_registration.reinstall();
-	m_registration.setPairRule(m_materials);
+	if (m_registration.setPairRule(m_materials))
+	{
+		m_isSecond = true;
+		m_refusal = "the world's dispatcher has a btISTWorld, or a registration that has set a pair rule: they stay as they are, and this "
+					"btISTWorld does nothing; use the first one";
+		m_registration.release();
+		return;
+	}
+	(void)m_registration.reinstall();
 	installInto(game);
 }
 
@@ -129,6 +136,7 @@ void btISTWorld::giveSolverBack()
 
 std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
 {
+	if (m_isSecond) return ist::Error{m_refusal};
 	if (!std::isfinite(gravity.length2())) return ist::Error{"gravity must be three finite numbers of m/s^2"};
 	m_world->setGravity(gravity);
 	m_materials->followGravity(m_world);
@@ -166,6 +174,7 @@ void btISTWorld::stepInParts(double seconds, double part)
 
 ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)
 {
+	if (m_isSecond) return ist::Error{m_refusal};
 	return m_registration.registry().attach(shape, std::move(tree));
 }
 

@@ -25,7 +25,8 @@ public:
 	btISTWorld();
 	/// The world of a game, which must outlive this: our algorithm goes into its dispatcher, our solver takes the place of the one it
 	/// has, with that one's settings. While nothing is attached it moves as before, bit for bit. Never fails: see `solverRefusal`.
-	/// Steps through `stepSimulation` of the game stay as they are.
+	/// Steps through `stepSimulation` of the game stay as they are. A game has one at a time: a second one, or one after a registration
+	/// that has set a pair rule, changes nothing; `attach`, `setGravity` and the settings below then return the reason.
 	explicit btISTWorld(btDiscreteDynamicsWorld& game);
 	/// The world of a game gets back its solver and its dispatch tables.
 	~btISTWorld();
@@ -101,6 +102,7 @@ private:
 	btDiscreteDynamicsWorld* m_world;
 	btConstraintSolver* m_gamesSolver = nullptr;  // whose place ours has
 	bool m_gameOwnedIt = false;
+	bool m_isSecond = false;  // the game has one already
 	std::string m_refusal;
 	const btVolumetricStatistics* m_statistics;
 	btISTSubsteps m_plan;

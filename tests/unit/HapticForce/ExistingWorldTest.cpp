@@ -321,3 +321,91 @@ TEST(ExistingWorld, AttachesAnAssetByItsPath)
 	EXPECT_NE(missing.error().message.find(path), std::string::npos);
 	std::filesystem::remove(path);
 }
+
+// Whichever goes first: the game moves as with one btISTWorld alone.
+TEST(ExistingWorld, ASecondOneIsRefusedInWordsAndLeavesTheFirstAsItIs)
+{
+	enum Second
+	{
+		None,
+		GoesFirst,
+		GoesLast
+	};
+	std::vector<btScalar> motion[3];
+	for (const Second second : {None, GoesFirst, GoesLast})
+	{
+		btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+		btBoxShape box(btVector3(.5, .5, .5));
+		Game game(Kind::Sequential);
+		btConstraintSolver* const before = game.world->getConstraintSolver();
+		game.add(&plane, 0, at(0, 0, 0));
+		btRigidBody* cube = game.add(&box, 3, at(0.3, 0.501, -0.2));
+		cube->setActivationState(DISABLE_DEACTIVATION);
+		std::optional<btISTWorld> first(*game.world), other;
+		const auto attachment = first->attach(&box, cubeTree());
+		ASSERT_TRUE(attachment);
+		ASSERT_FALSE(first->materials().set(cube, {1e5}));
+		btConstraintSolver* const ours = game.world->getConstraintSolver();
+		if (second != None)
+		{
+			other.emplace(*game.world);
+			EXPECT_NE(other->solverRefusal().find("use the first one"), std::string::npos) << other->solverRefusal();
+			EXPECT_EQ(game.world->getConstraintSolver(), ours);
+			EXPECT_FALSE(other->attach(&box, cubeTree()));
+			EXPECT_TRUE(other->setGravity(btVector3(0, -1, 0)));
+			EXPECT_TRUE(other->setPairBudget(10));
+			(void)other->materials().set(cube, {1e3});
+			EXPECT_EQ(game.world->getGravity().y(), btScalar(-9.81));
+			EXPECT_TRUE(other->contacts().contacts().empty());
+		}
+		if (second == GoesFirst) other.reset();
+		for (int i = 0; i < 60; ++i)
+		{
+			game.step(1);
+			motion[second].push_back(cube->getWorldTransform().getOrigin().y());
+		}
+		ASSERT_EQ(first->contacts().contacts().size(), 1u);
+		EXPECT_EQ(first->contacts().contacts()[0]->constants.k, 1e5);
+		EXPECT_GT(first->statistics().patches, 0u);
+		first.reset();
+		EXPECT_EQ(game.world->getConstraintSolver(), before);
+		game.step(60);
+		other.reset();
+		EXPECT_EQ(game.world->getConstraintSolver(), before);
+		// The game may have another one when the first is gone.
+		btISTWorld third(*game.world);
+		EXPECT_EQ(third.solverRefusal(), "");
+		EXPECT_NE(game.world->getConstraintSolver(), before);
+		game.step(1);
+	}
+	EXPECT_EQ(motion[GoesFirst], motion[None]);
+	EXPECT_EQ(motion[GoesLast], motion[None]);
+}
+
+TEST(ExistingWorld, MayComeAfterARegistrationAndBeforeOneThatLeavesTheRuleAlone)
+{
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	btBoxShape box(btVector3(.5, .5, .5));
+	Game game(Kind::Sequential);
+	game.add(&plane, 0, at(0, 0, 0));
+	btRigidBody* cube = game.add(&box, 3, at(0.3, 0.501, -0.2));
+	cube->setActivationState(DISABLE_DEACTIVATION);
+	auto narrow = btISTCollisionAlgorithm::registerAlgorithm(&game.dispatcher);
+	const auto attachment = narrow.registry().attach(&box, cubeTree());
+	{
+		btISTWorld ist(*game.world);
+		EXPECT_EQ(ist.solverRefusal(), "");
+		EXPECT_NEAR(carriedShare(game, ist, *cube), 1, 1e-3);
+		const auto refused = narrow.setPairRule(std::make_shared<btISTDefaultPairRule>());
+		EXPECT_TRUE(refused) << "the materials of the world stay";
+		EXPECT_FALSE(ist.registration().setPairRule(std::make_shared<btISTDefaultPairRule>())) << "through the world itself it may change";
+	}
+	EXPECT_TRUE(narrow.isRegistered());
+	// A rule that the game has chosen is not replaced.
+	EXPECT_FALSE(narrow.setPairRule(std::make_shared<btISTDefaultPairRule>()));
+	btConstraintSolver* const before = game.world->getConstraintSolver();
+	btISTWorld ist(*game.world);
+	EXPECT_NE(ist.solverRefusal(), "");
+	EXPECT_EQ(game.world->getConstraintSolver(), before);
+	game.step(1);
+}
