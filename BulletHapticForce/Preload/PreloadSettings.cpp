@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Preload/PreloadSettings.h"
 
+#include "BulletHapticForce/btContactMaterial.h"
+
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 
 namespace preload
 {
@@ -21,6 +22,19 @@ int number(const char* variable, int value, int least, int most)
 	return value;
 }
 
+/// 0 when the variable is not set, or is no stiffness that a body can have.
+double stiffness(const char* variable)
+{
+	const char* text = std::getenv(variable);
+	if (!text) return 0;
+	char* end = nullptr;
+	const double read = std::strtod(text, &end);
+	if (*text && !*end && read > 0 && read <= btContactMaterialTable::kStiffest) return read;
+	std::fprintf(stderr, "bullethaptics-preload: %s=%s is no stiffness above 0 and up to %g Pa/m; each body has the one of its weight\n",
+				 variable, text, btContactMaterialTable::kStiffest);
+	return 0;
+}
+
 std::string defaultCache()
 {
 	const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
@@ -32,12 +46,12 @@ std::string defaultCache()
 Settings settingsFromEnvironment()
 {
 	Settings settings;
-	const char *on = std::getenv("BULLETHAPTICS_PRELOAD"), *cache = std::getenv("BULLETHAPTICS_CACHE");
-	settings.on = !on || std::strcmp(on, "off") != 0;
+	const char* cache = std::getenv("BULLETHAPTICS_CACHE");
 	settings.spheres = number("BULLETHAPTICS_SPHERES", settings.spheres, 10, 1000000);
 	settings.cacheFolder = cache ? cache : defaultCache();
 	settings.verbosity = number("BULLETHAPTICS_VERBOSE", settings.verbosity, 0, 2);
 	settings.waits = number("BULLETHAPTICS_WAIT", 0, 0, 1) == 1;
+	settings.stiffness = stiffness("BULLETHAPTICS_STIFFNESS");
 	return settings;
 }
 

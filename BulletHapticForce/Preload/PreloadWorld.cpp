@@ -5,6 +5,8 @@
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace preload
 {
@@ -74,10 +76,11 @@ World::~World()
 	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone. Where we were refused no pair is ours, and the registration may be
 	// with another dispatcher than the one that the pairs' algorithms are from. A game that has emptied its world may have deleted the broad phase before it.
 	if (refusal().empty() && !m_ist->contacts().contacts().empty()) m_ist->registration().cleanPairs(m_world.getPairCache());
-	m_ist->registration().setPairCache(nullptr);
+	(void)m_ist->registration().setPairCache(nullptr);
+	conclude();
 	m_shapes.clear();
 	m_trees.reset();
-	say(m_settings, 2, "a world goes, and volumetric contact with it");
+	if (m_everVolumetric) say(m_settings, 2, "a world goes, and volumetric contact with it");
 }
 
 void World::see(const btCollisionShape* shape)
@@ -100,17 +103,55 @@ void World::see(const btCollisionShape* shape)
 void World::stopBuilding()
 {
 	const std::lock_guard lock(m_mutex);
+	conclude();
 	m_trees.reset();
+}
+
+void World::conclude()
+{
+	if (std::exchange(m_concluded, true) || m_everVolumetric || !refusal().empty()) return;
+	const bool waits = std::any_of(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return each.second.attachment.isPending(); });
+	if (waits) say(m_settings, 1, "trees were not ready: nothing was volumetric (BULLETHAPTICS_WAIT=1 waits for them)");
+	else say(m_settings, 2, "a world goes, and nothing in it was volumetric");
+}
+
+void World::setStiffness()
+{
+	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		bool isMeshed = false;
+		forEachMesh(objects[i]->getCollisionShape(), [&isMeshed](const btCollisionShape*) { isMeshed = true; });
+		if (!isMeshed) continue;
+		const bool isNew = m_stiffened.insert_or_assign(objects[i], m_step).second;
+		if (isNew) (void)m_ist->materials().set(objects[i], {m_settings.stiffness});  // the settings have no value that it refuses
+	}
+	for (auto i = m_stiffened.begin(); i != m_stiffened.end();)
+	{
+		if (i->second != m_step) m_ist->materials().remove(i->first);
+		i = i->second == m_step ? std::next(i) : m_stiffened.erase(i);
+	}
+}
+
+void World::announce()
+{
+	const auto isWaiting = [](const auto& each) { return each.second.attachment.isPending(); };
+	const size_t waiting = size_t(std::count_if(m_shapes.begin(), m_shapes.end(), isWaiting));
+	const std::string found = std::to_string(waiting) + " GImpact meshes found, trees are being packed";
+	if (waiting > m_waiting) say(m_settings, 1, found + (m_settings.waits ? "; the step waits" : ""));
+	m_waiting = waiting;
 }
 
 void World::beforeStep()
 {
 	const std::lock_guard lock(m_mutex);
 	++m_step;
-	if (!m_ist->registration().isRegistered()) m_ist->registration().reinstall();  // GImpact came after us
+	if (!m_ist->registration().isRegistered()) (void)m_ist->registration().reinstall();  // GImpact came after us
 	forEachMesh(m_world, [this](const btCollisionShape* shape) { see(shape); });
 	for (auto i = m_shapes.begin(); i != m_shapes.end();) i = i->second.seen == m_step ? std::next(i) : m_shapes.erase(i);
+	if (m_settings.stiffness > 0) setStiffness();
 	if (!m_trees) return;
+	announce();
 	if (m_settings.waits) m_trees->finish();
 	else m_trees->update();
 	report();
@@ -129,6 +170,7 @@ void World::report()
 		if (!entry.attachment.note().empty()) say(m_settings, 2, entry.attachment.note());
 		if (entry.attachment.isAttached()) say(m_settings, 2, "a mesh has its tree");
 	}
+	m_everVolumetric = m_everVolumetric || attached > 0;
 	if (waiting > 0 || attached == m_attached) return;
 	m_attached = attached;
 	int bodies = 0;

@@ -50,7 +50,13 @@ private:
 		bool reported = false;
 	};
 	void see(const btCollisionShape* shape);
+	/// Gives bodies with a mesh the stiffness of the settings, and forgets those that have left the world.
+	void setStiffness();
+	/// Says how many meshes have come that must wait for their trees.
+	void announce();
 	void report();
+	/// Says what has become of this world when nothing more can.
+	void conclude();
 
 	btDiscreteDynamicsWorld& m_world;
 	const Settings& m_settings;
@@ -60,6 +66,8 @@ private:
 	std::map<const btCollisionShape*, Entry> m_shapes;
 	std::mutex m_mutex;  ///< a program may end in one thread while it steps in another
 	uint64_t m_step = 0;
-	size_t m_attached = 0;
+	size_t m_attached = 0, m_waiting = 0;
+	bool m_everVolumetric = false, m_concluded = false;
+	std::map<const btCollisionObject*, uint64_t> m_stiffened;  ///< the step in which each was last seen
 };
 }  // namespace preload
