@@ -161,11 +161,22 @@ void BulletDecoupledSource::forgetMomentum(double dt) noexcept
 void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexcept
 {
 	const ContactTopology wanted = topology();
-	if (wanted != m_lastTopology) m_answerAge.forget();
+	// Whatever the topology is now: bodies are released only when no question points to them any more.
+	takeAnswer();
+	if (wanted != m_lastTopology)
+	{
+		m_answerAge.forget();
+		if (wanted == ContactTopology::OwnThread && m_answers.readable().number > 0) m_answerAge.arrived(m_answers.readable().askedAt, 0);
+	}
 	m_lastTopology = wanted;
 	const WorldSnapshot& world = m_mirror.snapshot();
+	if (wanted != ContactTopology::OwnThread) takeQuestionBack();
 	if (wanted == ContactTopology::InTick) askInTick(step);
-	else if (wanted == ContactTopology::OwnThread) askThread(now, step);
+	else if (wanted == ContactTopology::OwnThread)
+	{
+		feelAnswer(now, step);
+		ask(now);
+	}
 	else
 	{
 		if (world.step != m_toolAnswers) m_toolAnswers = world.step, m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
@@ -189,42 +200,62 @@ void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
 	m_refused.store(m_finder.refused(), std::memory_order_relaxed);
 }
 
-/// At most one question is out at a time: what it points to must live until it was answered.
-void BulletDecoupledSource::askThread(std::int64_t now, ToolStep& step) noexcept
+void BulletDecoupledSource::takeAnswer() noexcept
 {
-	if (m_answers.fetch())
-	{
-		m_answerAge.arrived(m_askedAt, 0);
-		m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
-		m_coarsened.store(m_answers.readable().coarsened, std::memory_order_relaxed);
-		m_overBudget.store(m_answers.readable().overBudget, std::memory_order_relaxed);
-		m_refused.store(m_answers.readable().refused, std::memory_order_relaxed);
-	}
+	if (!m_answers.fetch()) return;
+	const Answer& answer = m_answers.readable();
+	m_settled = std::max(m_settled, answer.number);
+	m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
+	m_coarsened.store(answer.coarsened, std::memory_order_relaxed);
+	m_overBudget.store(answer.overBudget, std::memory_order_relaxed);
+	m_refused.store(answer.refused, std::memory_order_relaxed);
+	if (m_lastTopology == ContactTopology::OwnThread) m_answerAge.arrived(answer.askedAt, 0);
+}
+
+void BulletDecoupledSource::feelAnswer(std::int64_t now, ToolStep& step) noexcept
+{
 	const Answer& answer = m_answers.readable();
 	step.queryMicroseconds = answer.microseconds;
-	if (m_answerAge.known())
-	{
-		takeModel(answer.contacts, answer.count, m_answerAge.factor(now));
-		step.overlapVolume = answer.volume;
-	}
-	if (answer.number != m_asked) return;
+	if (!m_answerAge.known()) return;
+	takeModel(answer.contacts, answer.count, m_answerAge.factor(now));
+	step.overlapVolume = answer.volume;
+}
+
+/// At most one question is out at a time: the trees that it points to must live until it was answered or taken back.
+void BulletDecoupledSource::ask(std::int64_t now) noexcept
+{
+	const WorldSnapshot& world = m_mirror.snapshot();
+	// A thread that does not run would keep a body that leaves for ever.
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+		if (world.bodies[slot].leaving && !mayRelease(slot)) takeQuestionBack();
+	if (awaitsAnswer()) return;
 	Question& question = m_questions.writable();
 	question.number = ++m_asked;
+	question.askedAt = now;
 	question.X_WT = m_local.tool.state.X_WT;
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 	{
-		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
+		const MirroredBody& body = world.bodies[slot];
 		MirroredBody& asked = question.bodies[slot];
-		// Empty slots are many, and a body is long: only who is there is copied.
+		// Empty slots are many, and a body is long: only tenants are copied.
 		asked.epoch = body.epoch;
 		if (body.epoch == 0) continue;
 		asked = body;
 		asked.X_WB = m_local.body(slot).spent.X_WB;
 		if (!asked.leaving) m_lastQuestion[slot] = m_asked;
 	}
-	m_askedAt = now;
+	m_triedToTakeBack = false;
 	m_questions.publish();
 	m_thread.wake();
+}
+
+/// A question that no thread has begun with is replaced by none. If a thread has begun with it, its answer will come: one try is enough.
+void BulletDecoupledSource::takeQuestionBack() noexcept
+{
+	if (!awaitsAnswer() || m_triedToTakeBack) return;
+	m_triedToTakeBack = true;
+	m_questions.writable().number = 0;
+	if (m_questions.publish()) m_settled = m_asked;
 }
 
 /// Linear models that still belong to tenants, moved to where tool and copies are.
@@ -303,7 +334,7 @@ void BulletDecoupledSource::fill(double dt, const ist::Vec3& origin, ToolStep& s
 	}
 }
 
-bool BulletDecoupledSource::mayRelease(int slot) const noexcept { return m_answers.readable().number >= m_lastQuestion[slot]; }
+bool BulletDecoupledSource::mayRelease(int slot) const noexcept { return m_settled >= m_lastQuestion[slot]; }
 
 void BulletDecoupledSource::post() noexcept
 {
@@ -324,8 +355,10 @@ bool BulletDecoupledSource::serveContacts() noexcept
 {
 	if (!m_questions.fetch()) return false;
 	const Question& question = m_questions.readable();
+	if (question.number == 0) return false;
 	Answer& answer = m_answers.writable();
 	answer.number = question.number;
+	answer.askedAt = question.askedAt;
 	answer.count = 0;
 	answer.volume = 0;
 	const auto begin = std::chrono::steady_clock::now();

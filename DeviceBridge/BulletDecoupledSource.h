@@ -123,7 +123,8 @@ public:
 private:
 	struct Question
 	{
-		std::uint64_t number = 0;
+		std::uint64_t number = 0;  // 0: none; it took the place of one that was taken back
+		std::int64_t askedAt = 0;  // [ns]
 		ist::Pose X_WT;
 		MirroredBody bodies[kMirroredBodies];  // with the poses of the copies
 	};
@@ -144,7 +145,11 @@ private:
 	void takeSnapshot(std::int64_t now) noexcept;
 	void findContacts(std::int64_t now, ToolStep& step) noexcept;
 	void askInTick(ToolStep& step) noexcept;
-	void askThread(std::int64_t now, ToolStep& step) noexcept;
+	void takeAnswer() noexcept;
+	void feelAnswer(std::int64_t now, ToolStep& step) noexcept;
+	void ask(std::int64_t now) noexcept;
+	void takeQuestionBack() noexcept;
+	bool awaitsAnswer() const noexcept { return m_settled < m_asked; }
 	void takeModel(const LinearContact* contacts, int count, double factor) noexcept;
 	void weighContacts(double dt, double factor) noexcept;
 	void fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept;
@@ -174,8 +179,9 @@ private:
 	TripleBuffer<Answer> m_answers;
 	BulletToolContacts m_threadFinder;
 	double m_threadTime = -1;  // when the last answer was published; negative: none yet on this thread
-	std::uint64_t m_asked = 0, m_lastQuestion[kMirroredBodies] = {};
-	std::int64_t m_askedAt = 0;
+	std::uint64_t m_asked = 0, m_settled = 0;  // newest question, and newest of those that were answered or taken back
+	std::uint64_t m_lastQuestion[kMirroredBodies] = {};  // that points to the tree of the slot
+	bool m_triedToTakeBack = false;
 	std::atomic<bool> m_contactRealTime{false};
 
 	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};

@@ -13,8 +13,13 @@ class TripleBuffer
 public:
 	/// Writer: the copy to fill. Holds an older value.
 	T& writable() noexcept { return m_values[m_write]; }
-	/// Writer: what was filled becomes the latest value.
-	void publish() noexcept { m_write = m_shared.exchange(m_write | kFresh, std::memory_order_acq_rel) & kIndex; }
+	/// Writer: what was filled becomes the latest value. True when it took the place of one that the reader had not taken, and never will.
+	bool publish() noexcept
+	{
+		const unsigned before = m_shared.exchange(m_write | kFresh, std::memory_order_acq_rel);
+		m_write = before & kIndex;
+		return (before & kFresh) != 0;
+	}
 
 	/// Writer: both.
 	void write(const T& value) noexcept

@@ -8,9 +8,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -157,6 +160,111 @@ TEST(DecoupledFault, TopologiesFeelAlikeAndSwitchWhileRunning)
 	EXPECT_LT(r.steepest, 0.3);
 	std::printf("%.3f N in the tick, %.3f N in its own thread, %.3f N in the world; steepest %.3f N at a switch\n", felt[0], felt[1], felt[2],
 				r.steepest);
+}
+
+namespace
+{
+/// How the questions of ContactTopology::OwnThread are answered.
+enum class Served
+{
+	Never,         ///< no thread was started
+	InTheTest,     ///< after each tick
+	ByItsThread,   ///< BulletDecoupledSource::startContactThread
+	UntilStopped,  ///< by its thread, which was stopped
+	Count
+};
+const char* const kServed[] = {"never served", "served in the test", "served by its thread", "its thread was stopped"};
+
+/// A hand at rest that overlaps a static box, whose tree only the registry and the mirror own.
+struct LeavingRig
+{
+	DecoupledRig rig{240};
+	btBoxShape shape{rig.boxShape};
+	std::shared_ptr<const ist::InnerSphereTree> tree{new ist::InnerSphereTree(*boxTree())};
+	btISTAttachment attached = std::move(rig.world.attach(&shape, tree)).value();
+	btRigidBody* box = rig.add(shape, 0, {100, 2, -3});
+	Hand* hand = nullptr;
+	Served served;
+
+	LeavingRig(ContactTopology topology, Served how) : served(how)
+	{
+		BulletDecoupledSettings settings = handSettings();
+		settings.topology = topology;
+		settings.realTime = false;
+		hand = &rig.addHand({100, 2 + 0.035, -3}, settings);
+		rig.serving = served == Served::InTheTest;
+		const bool threaded = served == Served::ByItsThread || served == Served::UntilStopped;
+		if (threaded && !hand->source.startContactThread()) throw std::runtime_error("no thread");
+	}
+	~LeavingRig() { hand->source.stopContactThread(); }
+	/// A real thread lives in real time: up to some seconds of it.
+	template <class Condition>
+	bool within(int ticks, Condition condition)
+	{
+		rig.run(1e-3 * ticks);
+		for (int i = 0; i < 5000 && served == Served::ByItsThread && !condition(); ++i)
+		{
+			std::this_thread::sleep_for(std::chrono::milliseconds(1));
+			rig.run(1e-3);
+		}
+		return condition();
+	}
+	/// The box comes, the hand goes over to `to`, and the box leaves.
+	void round(ContactTopology to)
+	{
+		const long before = tree.use_count();
+		rig.run(0.05);
+		ASSERT_EQ(tree.use_count(), before + 1) << "the hand holds it";
+		if (served == Served::UntilStopped) hand->source.stopContactThread();
+		rig.run(0.005);
+		hand->source.setTopology(to);
+		rig.run(0.005);
+		rig.coupling.forget(box);
+		rig.world.bullet().removeRigidBody(box);
+		EXPECT_TRUE(within(50, [&] { return tree.use_count() == before; })) << tree.use_count() - before;
+		EXPECT_EQ(rig.coupling.crowded(), 0U);
+		rig.world.bullet().addRigidBody(box);
+		if (served == Served::UntilStopped) { EXPECT_TRUE(hand->source.startContactThread()); }
+	}
+};
+}  // namespace
+
+// A question that nobody answers any more must not keep the bodies that it is about.
+TEST(DecoupledFault, ABodyThatLeavesIsReleasedInEveryTopologyAndWithoutAThread)
+{
+	for (const ContactTopology from : kTopologies)
+		for (const ContactTopology to : kTopologies)
+			for (int served = 0; served < static_cast<int>(Served::Count); ++served)
+			{
+				SCOPED_TRACE(std::string(nameOf(from)) + ", then " + nameOf(to) + ", " + kServed[served]);
+				LeavingRig r(from, static_cast<Served>(served));
+				r.round(to);
+			}
+}
+
+// More often than there are slots for bodies.
+TEST(DecoupledFault, AHandThatSwitchesForEverKeepsItsSlots)
+{
+	for (int served = 0; served < static_cast<int>(Served::Count); ++served)
+	{
+		SCOPED_TRACE(kServed[served]);
+		LeavingRig r(ContactTopology::OwnThread, static_cast<Served>(served));
+		for (int i = 1; i <= 2 * kMirroredBodies && !testing::Test::HasFatalFailure(); ++i) r.round(kTopologies[i % 3]);
+	}
+}
+
+// After a question was taken back, the thread that is started then answers the next one.
+TEST(DecoupledFault, AThreadThatComesLateIsAskedAnew)
+{
+	LeavingRig r(ContactTopology::OwnThread, Served::Never);
+	for (int i = 0; i < 3; ++i) r.round(kTopologies[i]);
+	r.hand->source.setTopology(ContactTopology::OwnThread);
+	r.rig.run(0.1);
+	EXPECT_EQ(r.hand->step.contactCount, 0);
+	r.rig.serving = true;
+	r.rig.run(0.1);
+	EXPECT_EQ(r.hand->step.contactCount, 1);
+	EXPECT_GT(r.hand->source.statistics().modelAnswers, 50U);
 }
 
 TEST(DecoupledFault, RunsInVirtualTimeAreAlikeToTheLastBit)

@@ -98,6 +98,7 @@ struct DecoupledRig
 	std::int64_t ticks = 0, worldSteps = 0;
 	bool shown = false;
 	bool worldRuns = true, sleeping = false;
+	bool serving = true;  ///< answers what hands ask for ContactTopology::OwnThread, in the test's own thread
 	std::function<void()> afterTick, afterWorldStep;
 
 	explicit DecoupledRig(double rate, const ist::Vec3& gravity = {}) : period(1 / rate) { world.setGravity(bullet(gravity)); }
@@ -148,7 +149,7 @@ struct DecoupledRig
 			for (auto& hand : hands)
 			{
 				hand->tick(time());
-				if (topologyNeedsServing(*hand)) hand->source.serveContacts();
+				if (serving && topologyNeedsServing(*hand)) hand->source.serveContacts();
 			}
 			if (afterTick) afterTick();
 		}

@@ -77,19 +77,21 @@ TEST(TripleBuffer, TheReaderSeesTheLatestWholeValue)
 	auto buffer = std::make_unique<TripleBuffer<Value>>();
 	EXPECT_FALSE(buffer->fetch());
 	constexpr std::uint64_t kLast = 200'000;
+	std::uint64_t replaced = 0, taken = 0;
 	std::thread writer(
 		[&]
 		{
 			for (std::uint64_t i = 1; i <= kLast; ++i)
 			{
 				for (std::uint64_t& word : buffer->writable().words) word = i;
-				buffer->publish();
+				replaced += buffer->publish();
 			}
 		});
 	std::uint64_t seen = 0, torn = 0, backwards = 0;
 	while (seen < kLast)
 	{
 		if (!buffer->fetch()) continue;
+		++taken;
 		const Value& value = buffer->readable();
 		for (const std::uint64_t word : value.words) torn += word != value.words[0];
 		backwards += value.words[0] <= seen;
@@ -97,6 +99,7 @@ TEST(TripleBuffer, TheReaderSeesTheLatestWholeValue)
 	}
 	writer.join();
 	EXPECT_EQ(torn + backwards, 0U);
+	EXPECT_EQ(taken + replaced, kLast) << "the writer knows which values the reader never takes";
 	EXPECT_FALSE(buffer->fetch());
 }
 
