@@ -38,7 +38,9 @@ struct SteppingSettings
 {
 	std::int64_t period = 1'000'000;  ///< [ns]
 	bool realTime = true;             ///< ask for SCHED_FIFO in start()
-	bool lockMemory = true;           ///< ask in start() that no page of the process is swapped out, now or later; it stays so
+	/// Ask in start() that no page of the process is swapped out, now or later. It holds for the whole program and stays so: every thread's
+	/// stack and every mapped file become resident. Set it where the haptic loop is what the program is for.
+	bool lockMemory = false;
 	int priority = 80;                ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
 	SafetySettings safety;
 	StateWatchSettings watch;

@@ -78,7 +78,9 @@ int runRecord(const RunArguments& arguments)
 	Clock& clock = arguments.realTime ? static_cast<Clock&>(realClock) : virtualClock;
 	Report report = newReport();
 	{
-		SteppingThread thread(device, world, clock);
+		SteppingSettings settings;
+		settings.lockMemory = arguments.realTime;
+		SteppingThread thread(device, world, clock, settings);
 		runFor(thread, clock, ticks, arguments.realTime);
 		describe(report, thread);
 	}

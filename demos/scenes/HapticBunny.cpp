@@ -224,6 +224,14 @@ void keepFigures(const HandSetup& hand, const SteppingThread& thread, TraceRecor
 	outcome.work = hand.device.work();
 }
 
+/// The hand is what this program is for.
+SteppingSettings sessionSettings()
+{
+	SteppingSettings settings;
+	settings.lockMemory = true;
+	return settings;
+}
+
 /// The hand's whole session, on a body that stands, in simple mode.
 bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, const ProbePath& path, const HapticBunnyOptions& options,
 			  HapticBunnyOutcome& outcome)
@@ -233,7 +241,7 @@ bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, 
 	settings.gains = hand.gains;
 	settings.X_BW = hand.X_BW;
 	BulletContactSource source(scene.world(), tool, settings);
-	SteppingThread thread(hand.device, source, *hand.clock);
+	SteppingThread thread(hand.device, source, *hand.clock, sessionSettings());
 	TraceRecorder recorder(
 		*hand.clock, thread, hand.ticks, [&](TraceSample& sample) { sample.body = poseOf(body), sample.tool = poseOf(tool); },
 		[&](TraceSample& sample) { fillFromStore(scene, body, tool, sample, outcome.droppedContacts); });
@@ -256,7 +264,7 @@ bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& pr
 	coupling.add(source);
 	const double period = 1 / options.worldRate;
 	coupling.show(period);
-	SteppingThread thread(hand.device, source, *hand.clock);
+	SteppingThread thread(hand.device, source, *hand.clock, sessionSettings());
 	TraceRecorder recorder(
 		*hand.clock, thread, hand.ticks,
 		[&](TraceSample& sample)

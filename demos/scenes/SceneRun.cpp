@@ -325,7 +325,9 @@ void keep(const SteppingThread& thread, TickRecorder& recorder, const SceneHooks
 
 std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecoupledSource* decoupled, SceneOutcome& outcome)
 {
-	SteppingThread thread(*stage.hand.device, source, *stage.hand.clock);
+	SteppingSettings settings;
+	settings.lockMemory = true;  // the hand is what this program is for
+	SteppingThread thread(*stage.hand.device, source, *stage.hand.clock, settings);
 	TickRecorder recorder(thread, stage.hand, stage.ticks, decoupled);
 	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.hand.clock->now(), stage.ticks);
 	std::unique_ptr<WorldBeside> beside;

@@ -5,10 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <thread>
@@ -290,9 +295,48 @@ TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)
 	EXPECT_FALSE(thread.running());
 	EXPECT_GE(thread.ticks(), 20U);
 	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3{});
-	EXPECT_EQ(std::string(thread.memory()).find(thread.memory()[0] == 'l' ? "locked" : "not locked: it was refused"), 0U) << thread.memory();
 	std::printf("memory %s; %s; period p50 %.0f us, longest %.0f us; tick p50 %.1f us; overruns %llu\n", thread.memory(), thread.scheduling(),
 				thread.periods().quantile(0.5) / 1e3, static_cast<double>(thread.periods().longest()) / 1e3,
 				thread.costs().quantile(0.5) / 1e3, static_cast<unsigned long long>(thread.overruns()));
 	ASSERT_TRUE(thread.start());
 }
+
+#if defined(__linux__)
+namespace
+{
+/// Memory of this process that is never swapped out [kB].
+long lockedMemory()
+{
+	std::ifstream status("/proc/self/status");
+	for (std::string word; status >> word;)
+		if (long kilobytes = 0; word == "VmLck:" && status >> kilobytes) return kilobytes;
+	return -1;
+}
+}  // namespace
+
+// A library does not decide that for the program that it is part of, whatever the program's rights are.
+TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
+{
+	for (const bool asked : {false, true})
+	{
+		Rig rig;
+		NoContact empty;
+		RealClock clock;
+		SteppingSettings settings;
+		EXPECT_FALSE(settings.lockMemory);
+		if (asked) settings.lockMemory = true;
+		const long before = lockedMemory();
+		SteppingThread thread(rig.device, empty, clock, settings);
+		ASSERT_TRUE(thread.start());
+		for (int i = 0; i < 2000 && thread.ticks() < 3; ++i) clock.sleepUntil(clock.now() + 5'000'000);
+		thread.stop();
+		const std::string said = thread.memory();
+		if (!asked) { EXPECT_EQ(said, "not locked: it was not asked for"); }
+		else { EXPECT_TRUE(said == "locked" || said.find("not locked: it was refused") == 0) << said; }
+		// Under the sanitizers mlockall() does nothing.
+		if (said == "locked") { EXPECT_GE(lockedMemory(), before); }
+		else { EXPECT_EQ(lockedMemory(), before); }
+		munlockall();
+	}
+}
+#endif
