@@ -47,8 +47,10 @@ class ContactSource
 {
 public:
 	virtual ~ContactSource() = default;
-	/// Advances the world by `dt` [s] with the hand pulling the tool. `step` comes in with the contact count, volume and
-	/// pairs at zero and the rest as the last step left it.
+	/// Advances the world by `dt` [s] with the hand pulling the tool. `step` comes in with the contact count, volume,
+	/// and pairs at zero and the rest as the last step left it.
 	virtual void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept = 0;
+	/// Why no hand may be led through this source, in a sentence; empty when nothing stands in the way. A stepping thread does not start then.
+	virtual const char* refusal() const noexcept { return ""; }
 };
 }  // namespace devicebridge

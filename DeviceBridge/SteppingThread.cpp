@@ -4,7 +4,9 @@
 #include "DeviceBridge/RealTimePriority.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
 #include <system_error>
 
 #if defined(__linux__)
@@ -18,6 +20,10 @@ namespace devicebridge
 namespace
 {
 constexpr std::int64_t kHour = 3'600'000'000'000;  // [ns]
+constexpr std::chrono::microseconds kPatience{200};  // between two looks at a loop that is to stop
+constexpr const char* kOnTheCaller = "on the caller's thread, as that is scheduled";
+
+bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3() && w.torque == ist::Vec3(); }
 
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
 
@@ -57,7 +63,7 @@ SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clo
 	  m_settings(settings),
 	  m_limiter(device.info(), settings.safety),
 	  m_watch(watchOf(device.info(), settings.watch)),
-	  m_scheduling("on the caller's thread, as that is scheduled"),
+	  m_scheduling(kOnTheCaller),
 	  m_memory("not locked: the loop has no thread of its own")
 {
 	m_settings.period = std::max<std::int64_t>(1, settings.period);
@@ -69,55 +75,91 @@ SteppingThread::~SteppingThread()
 	if (m_ticks > 0) sendZero(FaultCause::None, m_time.now());
 }
 
-bool SteppingThread::run(std::int64_t ticks) noexcept
+/// Makes the caller the only one who may tick. False, with a refusal.
+bool SteppingThread::claim() noexcept
 {
-	if (running()) return false;
-	for (std::int64_t i = 0; i < ticks; ++i)
+	const char* refused = m_source.refusal();
+	Loop idle = Loop::Idle;
+	if (refused[0] == '\0' && !m_loop.compare_exchange_strong(idle, Loop::Running))
+		refused = m_loopThread.load() == std::this_thread::get_id() ? "the loop runs on this very thread: a listener cannot start another"
+																	: "the loop runs already, in start() or run(): stop() it first";
+	m_refusal.store(refused, std::memory_order_relaxed);
+	return refused[0] == '\0';
+}
+
+/// A stop that came before the end of the last tick finds the device at zero.
+void SteppingThread::leave() noexcept
+{
+	m_loopThread = std::thread::id();
+	Loop running = Loop::Running;
+	if (m_loop.compare_exchange_strong(running, Loop::Idle)) return;
+	sendZero(FaultCause::None, m_time.now());
+	m_scheduled = false;
+	m_loop.store(Loop::Idle, std::memory_order_release);
+}
+
+void SteppingThread::loop(std::int64_t ticks) noexcept
+{
+	m_loopThread = std::this_thread::get_id();
+	for (std::int64_t i = 0; i < ticks && m_loop.load(std::memory_order_acquire) == Loop::Running; ++i)
 	{
 		waitForTick();
 		tick();
 	}
+	leave();
+}
+
+bool SteppingThread::run(std::int64_t ticks) noexcept
+{
+	if (!claim()) return false;
+	m_scheduling = kOnTheCaller;
+	loop(ticks);
 	return true;
 }
 
 bool SteppingThread::start()
 {
-	if (running()) return false;
+	if (!claim()) return false;
 	if (m_thread.joinable()) m_thread.join();
-	m_stopping = false;
 	m_scheduled = false;
-	m_running = true;
 	try
 	{
-		m_thread = std::thread([this] { loop(); });
+		m_thread = std::thread(
+			[this]
+			{
+				askForRealTime();
+				askForMemory();
+				loop(std::numeric_limits<std::int64_t>::max());
+			});
 	}
 	catch (const std::system_error&)
 	{
-		m_running = false;
+		m_refusal = "the system gives no thread for the loop";
+		m_loop = Loop::Idle;
 		return false;
 	}
 	return true;  // it may have ended already
 }
 
-void SteppingThread::stop() noexcept
+void SteppingThread::requestStop() noexcept
 {
-	m_stopping = true;
-	if (m_loopThread.load() != std::this_thread::get_id() && m_thread.joinable()) m_thread.join();
+	Loop running = Loop::Running;
+	m_loop.compare_exchange_strong(running, Loop::Stopping);
 }
 
-void SteppingThread::loop() noexcept
+void SteppingThread::stop() noexcept
 {
-	m_loopThread = std::this_thread::get_id();
-	askForRealTime();
-	askForMemory();
-	while (!m_stopping.load(std::memory_order_acquire))
-	{
-		waitForTick();
-		tick();
-	}
-	sendZero(FaultCause::None, m_time.now());
-	m_loopThread = std::thread::id();
-	m_running.store(false, std::memory_order_release);
+	requestStop();
+	if (m_loopThread.load() == std::this_thread::get_id()) return;
+	if (m_thread.joinable()) m_thread.join();
+	// A run() on another thread, which nothing can join. Whoever waits is not on the tick.
+	while (running()) std::this_thread::sleep_for(kPatience);
+	Loop idle = Loop::Idle;
+	if (!m_loop.compare_exchange_strong(idle, Loop::Stopping)) return;
+	// A run() that came to its own end has left the last command standing.
+	if (!isZero(m_sent.wrench)) sendZero(FaultCause::None, m_time.now());
+	m_scheduled = false;
+	m_loop.store(Loop::Idle, std::memory_order_release);
 }
 
 void SteppingThread::askForRealTime() noexcept

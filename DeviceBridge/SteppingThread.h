@@ -63,15 +63,21 @@ public:
 	/// Null restores the CouplingForceLaw.
 	void setForceLaw(ForceLaw* law) noexcept { m_law = law ? law : &m_couplingLaw; }
 
-	/// Ticks on the calling thread. False, and nothing done, while the own thread runs.
+	/// Ticks on the calling thread, as many or until a stop, and is running() meanwhile. False, with a refusal(), while a loop runs.
+	/// After its last tick the device keeps the last command until that expires, so that the next run() goes on from there. A stop
+	/// leaves it at zero.
 	bool run(std::int64_t ticks) noexcept;
-	/// Ticks on an own thread until stop(). False when it runs already or cannot be started.
+	/// Ticks on an own thread until a stop. False, with a refusal(), when the loop runs already or cannot be started.
 	bool start();
-	/// Waits for the tick in progress and leaves the device at zero. From a listener, which is on the tick, it is requestStop().
+	/// Waits for the tick in progress, in run() too, and leaves the device at zero. From a listener, which is on the tick, it is
+	/// requestStop(). Not while another thread is in start(), stop() or the destructor.
 	void stop() noexcept;
-	/// Ends the loop after the tick in progress, without waiting. From any thread and from a signal handler.
-	void requestStop() noexcept { m_stopping.store(true, std::memory_order_release); }
-	bool running() const noexcept { return m_running.load(std::memory_order_acquire); }
+	/// Ends the loop after the tick in progress, without waiting. While no loop runs it does nothing: the next one is not stopped.
+	/// From any thread and from a signal handler.
+	void requestStop() noexcept;
+	bool running() const noexcept { return m_loop.load(std::memory_order_acquire) != Loop::Idle; }
+	/// Why the last start() or run() did nothing, in a sentence; empty when it did.
+	const char* refusal() const noexcept { return m_refusal.load(std::memory_order_relaxed); }
 
 	Delegate<const DeviceState> onTransform;
 	Delegate<const ToolContact> onCollision;
@@ -124,7 +130,15 @@ public:
 	const ist::Wrench& sentWrench() const noexcept { return m_sent.wrench; }
 
 private:
-	void loop() noexcept;
+	enum class Loop
+	{
+		Idle,
+		Running,
+		Stopping  ///< after the tick in progress
+	};
+	bool claim() noexcept;
+	void leave() noexcept;
+	void loop(std::int64_t ticks) noexcept;
 	void waitForTick() noexcept;
 	void tick() noexcept;
 	bool readDevice(std::int64_t now) noexcept;
@@ -160,7 +174,9 @@ private:
 
 	std::thread m_thread;
 	std::atomic<std::thread::id> m_loopThread{};
-	std::atomic<bool> m_running{false}, m_stopping{false};
+	std::atomic<Loop> m_loop{Loop::Idle};
+	static_assert(std::atomic<Loop>::is_always_lock_free, "a signal handler changes it");
+	std::atomic<const char*> m_refusal{""};
 	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0}, m_faults{0};
 	std::atomic<FaultCause> m_cause{FaultCause::None};
 	std::atomic<const char*> m_scheduling, m_memory;

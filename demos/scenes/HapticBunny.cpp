@@ -173,7 +173,7 @@ bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks
 		while (recorder.size() < ticks)
 		{
 			between();
-			thread.run(1);
+			if (!thread.run(1)) return false;
 			if (recorder.size() % 250 == 0 && !report(options, "hand", fraction())) return false;
 		}
 		return true;

@@ -281,7 +281,7 @@ Result<bool> perform(const Stage& stage, SteppingThread& thread, const TickRecor
 		{
 			if (beside) beside->catchUp();
 			if (law) law->serve();
-			thread.run(1);
+			if (!thread.run(1)) return Error{thread.refusal()};
 			if (i % 250 == 0 && !report()) return false;
 		}
 		return true;
@@ -292,7 +292,7 @@ Result<bool> perform(const Stage& stage, SteppingThread& thread, const TickRecor
 	if (!thread.start())
 	{
 		if (beside) beside->stop();
-		return Error{"the thread of the hand cannot be started"};
+		return Error{std::string("the thread of the hand cannot be started: ") + thread.refusal()};
 	}
 	bool wanted = true;
 	while (wanted && thread.running() && recorder.size() < stage.ticks && stage.hand.clock->now() < end)

@@ -320,8 +320,14 @@ private:
 			m_thread->setForceLaw(&m_threaded);
 			ASSERT_TRUE(m_threaded.start());
 		}
-		ASSERT_TRUE(m_thread->start());
-		ASSERT_FALSE(m_thread->run(1));
+		// On a thread of its own, or in run() on one of the program's.
+		std::thread runner;
+		if (pick(2)) { ASSERT_TRUE(m_thread->start()); }
+		else runner = std::thread([this] { m_thread->run(INT64_MAX); });
+		while (!m_thread->running()) std::this_thread::yield();
+		EXPECT_FALSE(m_thread->run(1));
+		EXPECT_FALSE(m_thread->start());
+		EXPECT_NE(m_thread->refusal()[0], '\0');
 		++runs;
 		for (int i = 0; i < 20; ++i)
 		{
@@ -337,7 +343,9 @@ private:
 			std::this_thread::sleep_for(std::chrono::microseconds(100));
 		}
 		m_trouble = SpiedDevice::None;
+		if (pick(2)) m_thread->requestStop();
 		m_thread->stop();
+		if (runner.joinable()) runner.join();
 		m_threaded.stop();
 		ASSERT_FALSE(m_thread->running());
 		expectSilence();

@@ -11,10 +11,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <random>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -290,6 +293,7 @@ TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)
 	ASSERT_TRUE(thread.start());
 	EXPECT_FALSE(thread.start());
 	EXPECT_FALSE(thread.run(1));
+	EXPECT_NE(std::string(thread.refusal()).find("runs already"), std::string::npos) << thread.refusal();
 	for (int i = 0; i < 2000 && thread.ticks() < 20; ++i) clock.sleepUntil(clock.now() + 5'000'000);
 	thread.stop();
 	EXPECT_FALSE(thread.running());
@@ -299,6 +303,7 @@ TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)
 				thread.periods().quantile(0.5) / 1e3, static_cast<double>(thread.periods().longest()) / 1e3,
 				thread.costs().quantile(0.5) / 1e3, static_cast<unsigned long long>(thread.overruns()));
 	ASSERT_TRUE(thread.start());
+	EXPECT_STREQ(thread.refusal(), "");
 }
 
 #if defined(__linux__)
@@ -340,3 +345,232 @@ TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
 	}
 }
 #endif
+
+namespace
+{
+/// A device that stands still and remembers what it was asked for last; any thread may look.
+class Watched final : public Device
+{
+public:
+	DeviceInfo description = simulatedProfile("sigma7").value().info;
+	std::atomic<double> force{0};
+	std::atomic<int> inside{0}, most{0};  ///< threads that read or write at a time
+	std::atomic<std::uint64_t> writes{0};
+	const DeviceInfo& info() const noexcept override { return description; }
+	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		const int threads = ++inside;
+		if (threads > most) most = threads;
+		state.sampledAt = now;
+		std::this_thread::yield();
+		--inside;
+		return DeviceStatus::Ok;
+	}
+	DeviceStatus write(const DeviceCommand& command) noexcept override
+	{
+		++writes;
+		force = norm(command.wrench.force);
+		return DeviceStatus::Ok;
+	}
+};
+
+constexpr std::int64_t kForever = 1'000'000'000;
+
+struct WatchedRig
+{
+	Watched device;
+	NoContact empty;
+	ConstantLaw law;
+	RealClock clock;
+	SteppingThread thread;
+	WatchedRig() : thread(device, empty, clock, quick()) { thread.setForceLaw(&law); }
+	static SteppingSettings quick()
+	{
+		SteppingSettings settings = activeWorld();
+		settings.realTime = false;
+		settings.safety.rampTime = 5'000'000;
+		settings.safety.fullUntil = 500'000'000;
+		settings.safety.zeroFrom = 900'000'000;
+		return settings;
+	}
+	template <class Condition>
+	bool within(Condition condition)
+	{
+		for (int i = 0; i < 20000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+		return condition();
+	}
+};
+}  // namespace
+
+TEST(SteppingThread, RunEndsWithTheTickInProgressWhenItIsStopped)
+{
+	for (const bool requested : {false, true})
+	{
+		WatchedRig rig;
+		std::atomic<bool> ran{false};
+		std::thread runner([&] { ran = rig.thread.run(kForever); });
+		ASSERT_TRUE(rig.within([&] { return rig.device.force > 0.5; }));
+		EXPECT_TRUE(rig.thread.running());
+		EXPECT_FALSE(ran);
+		if (requested) rig.thread.requestStop();
+		rig.thread.stop();
+		const std::uint64_t at = rig.thread.ticks(), written = rig.device.writes;
+		EXPECT_FALSE(rig.thread.running());
+		EXPECT_EQ(rig.device.force, 0);
+		std::this_thread::sleep_for(std::chrono::milliseconds(20));
+		EXPECT_EQ(rig.thread.ticks(), at);
+		EXPECT_EQ(rig.device.writes, written);
+		runner.join();
+		EXPECT_TRUE(ran);
+		EXPECT_EQ(rig.thread.faults(), 0U);
+		EXPECT_EQ(rig.thread.periods().count(), at);
+	}
+}
+
+TEST(SteppingThread, WhileItRunsNoOtherLoopBegins)
+{
+	WatchedRig rig;
+	std::thread runner([&] { rig.thread.run(kForever); });
+	ASSERT_TRUE(rig.within([&] { return rig.thread.ticks() > 0; }));
+	EXPECT_FALSE(rig.thread.start());
+	EXPECT_NE(std::string(rig.thread.refusal()).find("runs already"), std::string::npos) << rig.thread.refusal();
+	EXPECT_FALSE(rig.thread.run(1));
+	EXPECT_TRUE(rig.thread.running());
+	rig.thread.stop();
+	runner.join();
+	EXPECT_TRUE(rig.thread.start());
+	EXPECT_STREQ(rig.thread.refusal(), "");
+	EXPECT_FALSE(rig.thread.run(1));
+	rig.thread.stop();
+	EXPECT_TRUE(rig.thread.run(3));
+	EXPECT_EQ(rig.device.most, 1);
+}
+
+// Many threads at once: one loop at a time, and nothing is left claimed.
+TEST(SteppingThread, OfManyThatRunAtOnceOneDoes)
+{
+	WatchedRig rig;
+	std::atomic<long> accepted{0};
+	std::vector<std::thread> threads;
+	for (int i = 0; i < 4; ++i)
+		threads.emplace_back(
+			[&]
+			{
+				for (int k = 0; k < 50; ++k) accepted += rig.thread.run(1);
+			});
+	for (std::thread& thread : threads) thread.join();
+	EXPECT_GT(accepted, 0);
+	EXPECT_EQ(rig.thread.ticks(), static_cast<std::uint64_t>(accepted));
+	EXPECT_EQ(rig.device.most, 1);
+	EXPECT_FALSE(rig.thread.running());
+}
+
+TEST(SteppingThread, AListenerStopsRunAndStartsNoOther)
+{
+	Rig rig;
+	NoContact empty;
+	ConstantLaw law;
+	SteppingThread thread(rig.device, empty, rig.clock, activeWorld());
+	thread.setForceLaw(&law);
+	int ticks = 0, begun = 0;
+	std::string refused;
+	thread.onHapticTick.addDelegate(
+		[&](const DeviceState&, ist::Wrench&)
+		{
+			if (++ticks != kAfterRamp) return;
+			begun += thread.run(1);
+			begun += thread.start();
+			refused = thread.refusal();
+			thread.stop();
+			EXPECT_TRUE(thread.running()) << "until the tick is over";
+		});
+	EXPECT_TRUE(thread.run(kForever));
+	EXPECT_EQ(ticks, kAfterRamp);
+	EXPECT_EQ(begun, 0);
+	EXPECT_NE(refused.find("listener"), std::string::npos) << refused;
+	EXPECT_FALSE(thread.running());
+	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3());
+	// The next one begins anew, with a schedule of its own.
+	EXPECT_TRUE(thread.run(5));
+	EXPECT_EQ(ticks, kAfterRamp + 5);
+	EXPECT_EQ(rig.device.lastCommand().wrench.force.x, 1);
+	EXPECT_EQ(thread.overruns(), 0U);
+}
+
+TEST(SteppingThread, AStopThatComesBeforeALoopDoesNotStopIt)
+{
+	WatchedRig rig;
+	rig.thread.requestStop();
+	EXPECT_TRUE(rig.thread.run(3));
+	EXPECT_EQ(rig.thread.ticks(), 3U);
+	rig.thread.stop();
+	rig.thread.requestStop();
+	ASSERT_TRUE(rig.thread.start());
+	EXPECT_TRUE(rig.within([&] { return rig.thread.ticks() > 6; }));
+	rig.thread.stop();
+	rig.thread.stop();
+	EXPECT_TRUE(rig.thread.run(0));
+	EXPECT_TRUE(rig.thread.run(-5));
+	EXPECT_FALSE(rig.thread.running());
+}
+
+// run() keeps the last command for the next one; stop() does not.
+TEST(SteppingThread, StopAfterRunLeavesTheDeviceAtZero)
+{
+	WatchedRig rig;
+	ASSERT_TRUE(rig.thread.run(50));
+	EXPECT_EQ(rig.device.force, 1);
+	rig.thread.stop();
+	EXPECT_EQ(rig.device.force, 0);
+	const std::uint64_t written = rig.device.writes;
+	rig.thread.stop();
+	EXPECT_EQ(rig.device.writes, written) << "it is at zero already";
+}
+
+TEST(SteppingThread, WhatAListenerThrowsLeavesRunStoppable)
+{
+	WatchedRig rig;
+	rig.thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench&) { throw std::runtime_error("a hook"); });
+	std::thread runner([&] { rig.thread.run(kForever); });
+	ASSERT_TRUE(rig.within([&] { return rig.thread.ticks() > 3; }));
+	EXPECT_TRUE(rig.thread.faulted());
+	rig.thread.stop();
+	runner.join();
+	EXPECT_FALSE(rig.thread.running());
+	EXPECT_EQ(rig.device.force, 0);
+}
+
+// In every order, from two threads, the loops never meet and the device is at zero after each stop.
+TEST(SteppingThread, RunStopAndStartInAnyOrder)
+{
+	WatchedRig rig;
+	std::atomic<bool> ending{false};
+	std::atomic<long> runs{0}, refused{0};
+	std::thread runner(
+		[&]
+		{
+			while (!ending) (rig.thread.run(7) ? runs : refused) += 1;
+		});
+	std::mt19937 random(3);
+	long started = 0;
+	for (int i = 0; i < 150; ++i)
+	{
+		switch (random() % 4)
+		{
+			case 0: started += rig.thread.start(); break;
+			case 1: rig.thread.requestStop(); break;
+			case 2: rig.thread.stop(); break;
+			default: std::this_thread::sleep_for(std::chrono::microseconds(random() % 3000));
+		}
+	}
+	ending = true;
+	rig.thread.stop();
+	runner.join();
+	rig.thread.stop();
+	EXPECT_EQ(rig.device.force, 0);
+	EXPECT_EQ(rig.device.most, 1);
+	EXPECT_FALSE(rig.thread.running());
+	EXPECT_GT(runs + started, 0);
+}
