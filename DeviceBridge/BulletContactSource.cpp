@@ -9,6 +9,7 @@
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace devicebridge
@@ -24,12 +25,20 @@ double leastInertia(const btRigidBody& body)
 	const double largest = std::max({double(inverse.x()), double(inverse.y()), double(inverse.z())});
 	return largest > 0 ? 1 / largest : kInfinite;
 }
+
+const char* whyNotLed(const btRigidBody& tool, const CouplingGains& gains)
+{
+	if (tool.getInvMass() == 0)
+		return "the tool has mass 0, and Bullet never moves such a body of its world: give it a mass, of which a static coupling lets only "
+			   "the weight be felt";
+	return whyNotCoupled(gains, double(tool.getInvMass()), toVec3(tool.getInvInertiaDiagLocal()));
+}
 }  // namespace
 
 BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool,
 										 const BulletToolSettings& settings)
 	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_coupling(settings.gains), m_X_WB(inverse(settings.X_BW)),
-	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite)
+	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite), m_refusal(whyNotLed(tool, settings.gains))
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
 	m_store.measureQueryTime(true);
@@ -56,6 +65,7 @@ void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& 
 	m_world.stepSimulation(btScalar(dt), 0);
 	step.queryMicroseconds = 1e6 * m_store.querySeconds();
 	step.tool = toolState();
+	step.toolIsBroken = !isFinite(step.tool.twist) || !isRigid(step.tool.X_WT);
 	step.couplingFactor = m_coupling.factor();
 	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_coupling.gains(), step.coupling, step.tool.twist, dt);
 	collectContacts(dt, toolOrigin, step);
@@ -98,12 +108,14 @@ void BulletContactSource::adapt(double dt, const DeviceState& hand) noexcept
 				addResistance(resistance, patch.stiffness, patch.damping, patch.point - toVec3(m_tool.getWorldTransform().getOrigin()), dt);
 	}
 	const bool hasMass = !m_settings.gains.isStatic;
-	m_coupling.adapt(resistance, rigid, hasMass ? m_mass : 0, hasMass ? leastInertia(m_tool) : 0, hand.X_WH, toolState().X_WT, dt);
+	// A tool that cannot turn is led by no spring there.
+	const double least = leastInertia(m_tool), inertia = hasMass && std::isfinite(least) ? least : 0;
+	m_coupling.adapt(resistance, rigid, hasMass ? m_mass : 0, inertia, hand.X_WH, toolState().X_WT, dt);
 }
 
 ist::Wrench BulletContactSource::pull(double dt, const DeviceState& hand) const noexcept
 {
-	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	if (m_refusal[0] != '\0' || !isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
 	if (m_settings.gains.isStatic) return staticPull(m_coupling.gains(), hand.X_WH, toolState().X_WT);
 	const double inverseMass = double(m_tool.getInvMass());
 	const double mass = inverseMass > 0 ? 1 / inverseMass : kInfinite;
@@ -115,7 +127,7 @@ ist::Wrench BulletContactSource::pull(double dt, const DeviceState& hand) const 
 void BulletContactSource::forgetMomentum(double dt) noexcept
 {
 	const CouplingGains& gains = m_coupling.gains();
-	if (!gains.isStatic || !(m_tool.getInvMass() > 0)) return;
+	if (!gains.isStatic || m_refusal[0] != '\0' || !(m_tool.getInvMass() > 0)) return;
 	const bool turns = gains.angularStiffness > 0, goes = gains.stiffness > 0;
 	const btVector3 inverse = m_tool.getInvInertiaDiagLocal();
 	const btVector3 before(inverse.x() > 0 ? 1 / inverse.x() : 0, inverse.y() > 0 ? 1 / inverse.y() : 0, inverse.z() > 0 ? 1 / inverse.z() : 0);

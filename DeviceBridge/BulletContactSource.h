@@ -23,7 +23,8 @@ struct BulletToolSettings
 class BulletContactSource final : public ContactSource
 {
 public:
-	/// `tool` is a dynamic body of `world`, which fills `store`. From here on the tool is never put to sleep; on a static coupling it has the mass and
+	/// `tool` is a dynamic body of `world`, which fills `store`. One of mass 0, which Bullet never moves, is refused.
+	/// From here on the tool is never put to sleep; on a static coupling it has the mass and
 	/// inertia of staticMass(), though its weight stays.
 	BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool, const BulletToolSettings& settings);
 	BulletContactSource(btISTWorld& world, btRigidBody& tool, const BulletToolSettings& settings)
@@ -34,6 +35,9 @@ public:
 	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and contacts); allocates only when
 	/// the world grows: what Bullet does, and a query at the first meeting of trees larger than any before.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
+
+	/// Why the tool cannot be led, as it came. If it is not empty, nothing pulls tool or hand; the world is stepped all the same.
+	const char* refusal() const noexcept override { return m_refusal; }
 
 	/// In W.
 	ToolState toolState() const noexcept;
@@ -55,5 +59,6 @@ private:
 	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;
 	double m_mass;  // of the tool as it came [kg]
+	const char* m_refusal;
 };
 }  // namespace devicebridge

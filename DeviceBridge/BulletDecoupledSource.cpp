@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 namespace devicebridge
@@ -19,6 +21,8 @@ double microsecondsSince(std::chrono::steady_clock::time_point begin)
 {
 	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
 }
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// 1 up to `trusted`, 0 from twice that on.
 double trust(double way, double trusted) { return std::clamp(2 - way / trusted, 0.0, 1.0); }
@@ -38,11 +42,14 @@ BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<
 	  m_threadFinder(*m_tree, settings.maxPairs)
 {
 	const ist::Vec3 inverseInertia = toVec3(tool.getInvInertiaDiagLocal());
-	m_local.tool.mass = 1 / double(tool.getInvMass());
-	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = inverseInertia[i];
+	m_refusal = whyNotCoupled(settings.gains, double(tool.getInvMass()), inverseInertia);
+	const bool accepted = m_refusal[0] == '\0', hasMass = accepted && tool.getInvMass() > 0;
+	m_local.tool.mass = hasMass ? 1 / double(tool.getInvMass()) : kInfinite;
+	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = accepted ? inverseInertia[i] : 0;
 	m_leastInertia = 1 / std::max({inverseInertia.x, inverseInertia.y, inverseInertia.z});
-	if (settings.gravity) m_local.tool.gravity = toVec3(tool.getGravity());
-	m_weight = m_local.tool.mass * m_local.tool.gravity;
+	// What never moves has no weight that could be felt: infinity times nothing would be no number.
+	if (settings.gravity && hasMass) m_local.tool.gravity = toVec3(tool.getGravity());
+	if (hasMass) m_weight = m_local.tool.mass * m_local.tool.gravity;
 	m_local.tool.state = {toPose(tool.getWorldTransform()), {toVec3(tool.getLinearVelocity()), toVec3(tool.getAngularVelocity())}};
 	m_threadFinder.measure();
 	m_worldAge.fullUntil = m_answerAge.fullUntil = settings.fullUntil;
@@ -84,7 +91,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	const auto begin = std::chrono::steady_clock::now();
 	step.queryMicroseconds = 0;
 	m_touchingCount = 0;
-	findContacts(now, step);
+	if (m_refusal[0] == '\0') findContacts(now, step);
 	if (topology() == ContactTopology::InTick) step.queryMicroseconds = microsecondsSince(begin);
 	weighContacts(dt, factor);
 	adapt(dt, hand);
@@ -94,6 +101,8 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
 	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching, m_touchingCount, m_mirror.snapshot());
 	step.tool = toolState();
+	step.toolIsBroken = m_local.toolIsBroken();
+	if (step.toolIsBroken) m_brokenSteps.fetch_add(1, std::memory_order_relaxed);
 	step.couplingFactor = m_coupling.factor();
 	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_coupling.gains(), step.coupling, step.tool.twist, dt);
 	fill(dt, origin, step);
@@ -128,12 +137,14 @@ void BulletDecoupledSource::adapt(double dt, const DeviceState& hand) noexcept
 		rigid = rigid || c.friction > 0;
 	}
 	const bool hasMass = !m_settings.gains.isStatic;
-	m_coupling.adapt(resistance, rigid, hasMass ? m_local.tool.mass : 0, hasMass ? m_leastInertia : 0, hand.X_WH, toolState().X_WT, dt);
+	// A tool that cannot turn, or move, is led by no spring there.
+	const auto momentum = [&](double inert) { return hasMass && std::isfinite(inert) ? inert : 0; };
+	m_coupling.adapt(resistance, rigid, momentum(m_local.tool.mass), momentum(m_leastInertia), hand.X_WH, toolState().X_WT, dt);
 }
 
 ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) const noexcept
 {
-	if (!isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	if (m_refusal[0] != '\0' || !isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
 	if (m_settings.gains.isStatic) return staticPull(m_coupling.gains(), hand.X_WH, toolState().X_WT);
 	const ist::Wrench wanted =
 		couplingOnTool(m_coupling.gains(), hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
@@ -430,6 +441,7 @@ DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 	s.coarsenedQueries = read(m_coarsened);
 	s.queriesOverBudget = read(m_overBudget);
 	s.refusedQueries = read(m_refused);
+	s.brokenSteps = read(m_brokenSteps);
 	s.contactRealTime = read(m_contactRealTime);
 	s.modelAge = 1e-9 * static_cast<double>(read(m_age));
 	s.longestModelAge = 1e-9 * static_cast<double>(read(m_longestAge));

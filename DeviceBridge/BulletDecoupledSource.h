@@ -48,6 +48,7 @@ struct DecoupledStatistics
 	std::uint64_t coarsenedQueries = 0;  ///< answered by a coarser level, to keep the budget
 	std::uint64_t queriesOverBudget = 0;  ///< that no level could answer within it; asked without
 	std::uint64_t refusedQueries = 0;  ///< without an answer (ist::QueryStatus), and so without a force; none in good health
+	std::uint64_t brokenSteps = 0;     ///< after which the tool's twist was not finite (ToolStep::toolIsBroken); none in good health
 	bool contactRealTime = false;  ///< the contact thread runs, or ran, with SCHED_FIFO
 	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
 	double period = 0;                 ///< of the world, as learnt [s]
@@ -73,12 +74,16 @@ class BulletDecoupledSource final : public ContactSource
 {
 public:
 	/// `tool` gives mass, inertia, pose, friction and, as the key in the table of materials, stiffness. It is in no world; its own pose
-	/// stays as it is. `tree` speaks for its shape. `tool` and `clock`, which is that of the stepping thread, outlive this.
+	/// stays as it is. Mass 0 is for static couplings: such a tool weighs nothing. With a dynamic coupling it is refused.
+	/// `tree` speaks for its shape. `tool` and `clock`, which is that of the stepping thread, outlive this.
 	BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
 	~BulletDecoupledSource() override;
 
 	/// Allocates nothing but where a tree is larger than the tool's and any that makeRoom() was told of.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
+
+	/// whyNotCoupled() of the tool as it came. If it is not empty, the tool stays where it is, and neither hand nor tool feels anything.
+	const char* refusal() const noexcept override { return m_refusal; }
 
 	// From any thread:
 	void setTopology(ContactTopology topology) noexcept { m_topology.store(topology, std::memory_order_relaxed); }
@@ -163,6 +168,7 @@ private:
 	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;
 	double m_leastInertia = 0;
+	const char* m_refusal;
 	ist::Vec3 m_weight;  // of the tool, in World, as far as the hand is to feel it [N]
 	std::atomic<ContactTopology> m_topology;
 
@@ -185,6 +191,7 @@ private:
 	std::atomic<bool> m_contactRealTime{false};
 
 	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};
+	std::atomic<std::uint64_t> m_brokenSteps{0};
 	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
 	AnsweringThread m_thread;
 };

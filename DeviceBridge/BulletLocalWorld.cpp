@@ -196,7 +196,8 @@ void BulletLocalWorld::move(double h, const WorldSnapshot& world) noexcept
 		copy.seconds += h;
 	}
 	ToolState& t = tool.state;
-	t.twist = isFinite(m_twists[kToolIndex]) ? m_twists[kToolIndex] : ist::Twist();
+	m_toolIsBroken = !isFinite(m_twists[kToolIndex]);
+	t.twist = m_toolIsBroken ? ist::Twist() : m_twists[kToolIndex];
 	t.X_WT = {turned(t.X_WT.rotation, h * t.twist.angular), t.X_WT.translation + h * t.twist.linear};
 }
 }  // namespace devicebridge

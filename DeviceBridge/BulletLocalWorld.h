@@ -49,6 +49,8 @@ public:
 	const Body& body(int slot) const noexcept { return m_bodies[slot]; }
 	/// That the last step put on the tool in the contact `touching[i]`, about its point, World [N s, N m s].
 	const ist::Wrench& impulse(int i) const noexcept { return m_impulses[i]; }
+	/// Whether the last step left the tool a twist that was not finite; it was set to zero.
+	bool toolIsBroken() const noexcept { return m_toolIsBroken; }
 	/// All that the tool has given, and that contacts have given to it [N s].
 	const ist::Vec3& given() const noexcept { return m_given; }
 
@@ -79,5 +81,6 @@ private:
 	int m_rowCount = 0;
 	ist::Wrench m_impulses[kToolContacts];
 	ist::Vec3 m_given;
+	bool m_toolIsBroken = false;
 };
 }  // namespace devicebridge

@@ -39,6 +39,7 @@ struct ToolStep
 	double overlapVolume = 0;  ///< over all contacts, also those beyond kMaxToolContacts [m^3]
 	std::int64_t pairs = 0;
 	double queryMicroseconds = 0;
+	bool toolIsBroken = false;  ///< the step left the tool a twist that is not finite: a fault, and the device gets zero until cleared
 	std::int64_t overdue = 0;  ///< by how much what the step was computed from is later than expected; the force fades with it [ns]
 };
 
@@ -48,9 +49,9 @@ class ContactSource
 public:
 	virtual ~ContactSource() = default;
 	/// Advances the world by `dt` [s] with the hand pulling the tool. `step` comes in with the contact count, volume,
-	/// and pairs at zero and the rest as the last step left it.
+	/// pairs and `toolIsBroken` at zero and the rest as the last step left it.
 	virtual void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept = 0;
-	/// Why no hand may be led through this source, in a sentence; empty when nothing stands in the way. A stepping thread does not start then.
+	/// Why no hand may be led through this source, in a sentence, and no stepping thread starts. Empty when nothing stands in the way.
 	virtual const char* refusal() const noexcept { return ""; }
 };
 }  // namespace devicebridge

@@ -280,12 +280,18 @@ void SteppingThread::advanceWorld()
 	m_step.overlapVolume = 0;
 	m_step.pairs = 0;
 	m_step.overdue = 0;
+	m_step.toolIsBroken = false;
 	const double period = 1e-9 * static_cast<double>(m_settings.period);
 	DeviceState hand = m_state;
 	// While the device gives no sample, and while the thread is stopped, the hand goes on as well.
 	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
 	if (m_watchCause == FaultCause::None) m_lastSampleTick = m_lastTick;
 	m_source.advance(period, hand, m_step);
+	if (m_step.toolIsBroken)
+	{
+		m_limiter.raiseFault();
+		m_latchedCause = FaultCause::ToolNotFinite;
+	}
 	m_step.contactCount = std::clamp(m_step.contactCount, 0, kMaxToolContacts);
 	for (int i = 0; i < m_step.contactCount; ++i) onCollision.broadcast(m_step.contacts[i]);
 }

@@ -2,6 +2,7 @@
 #include "DeviceBridge/VirtualCoupling.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace devicebridge
@@ -22,6 +23,21 @@ ist::Vec3 implicitPull(double k, double b, double inertia, double h, const ist::
 	return saturated(pull, limit);
 }
 }  // namespace
+
+const char* whyNotCoupled(const CouplingGains& gains, double inverseMass, const ist::Vec3& inverseInertia) noexcept
+{
+	const double least = std::min({inverseInertia.x, inverseInertia.y, inverseInertia.z});
+	if (!std::isfinite(inverseMass) || !isFinite(inverseInertia) || inverseMass < 0 || least < 0)
+		return "the tool's mass or inertia is no number above zero";
+	if (gains.isStatic) return "";
+	if (inverseMass == 0 && (gains.stiffness > 0 || gains.damping > 0))
+		return "the tool has mass 0, so it never moves, and a dynamic coupling would pull the hand to it for ever: "
+			   "give the tool a mass, or set CouplingGains::isStatic";
+	if (inverseInertia == ist::Vec3() && (gains.angularStiffness > 0 || gains.angularDamping > 0))
+		return "the tool has inertia 0, so it never turns, and a dynamic coupling would turn the hand to it for ever: "
+			   "give the tool an inertia, or set CouplingGains::isStatic";
+	return "";
+}
 
 ist::Wrench couplingOnTool(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Twist& hand,
 						   const ToolState& tool, double mass, double inertia, double h) noexcept

@@ -25,6 +25,11 @@ ist::Wrench staticPull(const CouplingGains& gains, const ist::Pose& X_WH, const 
 /// What the coupling exerts at the end of that step of `h` [s], after which the tool has the velocity `after`; saturated.
 ist::Wrench staticWrench(const CouplingGains& gains, const ist::Wrench& pull, const ist::Twist& after, double h) noexcept;
 
+/// Why a coupling cannot lead a tool with these inverses of mass and principal inertias, in a sentence. Empty when it can.
+/// A static coupling needs no mass. A dynamic one needs a finite mass, or inertia, for what it pulls.
+/// Otherwise it would pull for ever at a tool that never moves.
+const char* whyNotCoupled(const CouplingGains& gains, double inverseMass, const ist::Vec3& inverseInertia) noexcept;
+
 /// Wrench of the spring and damper on the tool at the end of a step `h` [s], the velocity of the tool taken implicitly,
 /// about the origin of the tool, in W:
 ///   F = (K (x_h - x - h v) + B (v_h - v)) / (1 + (h B + h^2 K) / m)

@@ -17,7 +17,8 @@ enum class FaultCause
 	Stalled,        ///< a tick took so long that the last command expired
 	ClockJump,      ///< the clock ran backwards
 	HookException,  ///< a listener or the force law threw
-	Raised          ///< by the program itself
+	Raised,         ///< by the program itself
+	ToolNotFinite   ///< the velocity that a step left the tool with
 };
 
 inline const char* describe(FaultCause cause) noexcept
@@ -34,6 +35,7 @@ inline const char* describe(FaultCause cause) noexcept
 		case FaultCause::ClockJump: return "the clock ran backwards";
 		case FaultCause::HookException: return "a hook threw an exception";
 		case FaultCause::Raised: return "the program raised a fault";
+		case FaultCause::ToolNotFinite: return "a step left the tool with a velocity that is not finite";
 	}
 	return "unknown fault";
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/BulletContactSource.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+#include "DeviceBridge/SteppingThread.h"
 #include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/DecoupledRig.h"
 
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 using namespace devicebridge;
 using ist::Vec3;
@@ -101,6 +104,217 @@ TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
 			EXPECT_GT(hand.largest, 0.1);
 		}
 	}
+}
+
+// Bullet's own way to say "in no world" is mass 0.
+TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
+{
+	for (const bool gravity : {false, true})
+		for (const bool onPlane : {false, true})
+			for (const bool turns : {true, false})
+			{
+				SCOPED_TRACE(std::string(gravity ? "gravity, " : "no gravity, ") + (onPlane ? "on a plane, " : "in the air, ") +
+							 (turns ? "turning" : "not turning"));
+				ist::Pose reached[2];
+				Vec3 felt[2];
+				for (const bool massless : {false, true})
+				{
+					DecoupledRig rig(60, {0, -9.81, 0});
+					if (onPlane) rig.addPlane();
+					BulletDecoupledSettings settings = staticSettings();
+					settings.gravity = gravity;
+					if (!turns) settings.gains.angularStiffness = 0;
+					btRigidBody tool(Hand::info(rig.ballShape, {0, 0.025, 0}));
+					tool.setFriction(0);
+					if (massless) tool.setMassProps(0, btVector3(0, 0, 0));
+					// Of mass 0 it weighs nothing all the same.
+					tool.setGravity(btVector3(0, btScalar(massless || !gravity ? -9.81 : 0), 0));
+					ASSERT_FALSE(rig.world.materials().set(&tool, {2e7, -1}));
+					BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
+					EXPECT_STREQ(source.refusal(), "");
+					rig.coupling.add(source);
+					DeviceState hand;
+					hand.X_WH.translation = {0, 0.025, 0};
+					ToolStep step;
+					rig.afterTick = [&]
+					{
+						const double t = rig.time();
+						hand.twist.linear = {0.2 * std::cos(20 * t), t < 0.15 ? -0.05 : 0, 0.1};
+						hand.X_WH.translation += kTick * hand.twist.linear;
+						step.contactCount = 0;
+						source.advance(kTick, hand, step);
+						EXPECT_FALSE(step.toolIsBroken);
+					};
+					rig.run(0.5);
+					reached[massless] = step.tool.X_WT;
+					felt[massless] = step.coupling.force;
+					if (!onPlane) { EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-9); }
+					else { EXPECT_GT(norm(step.coupling.force), 1); }
+					EXPECT_EQ(source.statistics().brokenSteps, 0U);
+					EXPECT_EQ(source.statistics().refusedQueries, 0U);
+				}
+				// What no spring turns has momentum of its own, or, of mass 0, stands: the two need not be alike on the plane.
+				if (onPlane && !turns) continue;
+				EXPECT_LT(distance(reached[0].translation, reached[1].translation), 1e-6);
+				EXPECT_LT(distance(felt[0], felt[1]), 2e-3);
+			}
+}
+
+// A freedom without stiffness stays dynamic, and what has no mass stands still there, under gravity too.
+TEST(StaticCoupling, AToolOfMassZeroThatNothingPullsStaysWhereItIs)
+{
+	VirtualClock clock;
+	btSphereShape shape{btScalar(kBallRadius)};
+	btRigidBody tool(0, nullptr, &shape);
+	tool.setGravity(btVector3(0, btScalar(-9.81), 0));
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.stiffness = 0;
+	settings.gravity = true;
+	BulletDecoupledSource source(tool, ballTree(), clock, settings);
+	DeviceState hand;
+	hand.X_WH = {rotationMatrix(ist::quaternionFromRotationVector(Vec3{0.1, 0, 0})), {0.01, 0, 0}};
+	ToolStep step;
+	for (int i = 0; i < 100; ++i) source.advance(kTick, hand, step);
+	EXPECT_EQ(step.tool.X_WT.translation, Vec3());
+	EXPECT_EQ(step.coupling.force, Vec3());
+	const ist::Mat3 apart = step.tool.X_WT.rotation * transpose(hand.X_WH.rotation);
+	EXPECT_LT(norm(rotationVector(ist::quaternion(apart))), 1e-9) << "but it turns with the hand";
+}
+
+// What would pull for ever is refused in words, and pulls nothing.
+TEST(DynamicCoupling, AToolThatCannotMoveOrTurnIsRefused)
+{
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	struct Row
+	{
+		btScalar mass, inertia;
+		bool isStatic, turns;
+		const char* word;  // of the refusal; null: accepted
+	};
+	const btScalar mass = btScalar(0.1), inertia = btScalar(1e-5);
+	const Row rows[] = {{0, 0, false, true, "mass 0"},
+						{mass, 0, false, true, "inertia 0"},
+						{mass, 0, false, false, nullptr},
+						{nan, inertia, true, true, "number"},
+						{mass, nan, true, true, "number"},
+						{-mass, inertia, true, true, "number"},
+						{0, 0, true, true, nullptr},
+						{mass, inertia, false, true, nullptr}};
+	for (const Row& row : rows)
+	{
+		SCOPED_TRACE("mass " + std::to_string(double(row.mass)) + ", inertia " + std::to_string(double(row.inertia)) +
+					 (row.isStatic ? ", static" : ", dynamic"));
+		VirtualClock clock;
+		btSphereShape shape{btScalar(kBallRadius)};
+		btRigidBody tool(row.mass, nullptr, &shape, btVector3(row.inertia, row.inertia, row.inertia));
+		BulletDecoupledSettings settings = staticSettings();
+		settings.gains.isStatic = row.isStatic;
+		settings.gains.softContact = 8;
+		if (!row.turns) settings.gains.angularStiffness = settings.gains.angularDamping = 0;
+		BulletDecoupledSource source(tool, ballTree(), clock, settings);
+		DeviceState hand;
+		hand.X_WH.translation = {0.01, 0, 0};
+		ToolStep step;
+		for (int i = 0; i < 500; ++i) source.advance(kTick, hand, step);
+		EXPECT_TRUE(isFinite(step.coupling));
+		EXPECT_FALSE(step.toolIsBroken);
+		EXPECT_EQ(source.statistics().brokenSteps, 0U);
+		if (row.word)
+		{
+			EXPECT_NE(std::string(source.refusal()).find(row.word), std::string::npos) << source.refusal();
+			EXPECT_EQ(norm(step.coupling.force) + norm(step.coupling.torque), 0);
+		}
+		else
+		{
+			EXPECT_STREQ(source.refusal(), "");
+			EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-4);
+		}
+	}
+}
+
+// In a world, a body of mass 0 is one that Bullet never moves.
+TEST(StaticCoupling, WithTheWorldInTheTickAToolOfMassZeroIsRefused)
+{
+	for (const bool isStatic : {true, false})
+		for (const bool gravity : {false, true})
+		{
+			OneThread scene({0, 0.5, 0}, gravity);
+			scene.world.bullet().removeRigidBody(&scene.tool);
+			scene.tool.setMassProps(0, btVector3(0, 0, 0));
+			scene.world.bullet().addRigidBody(&scene.tool);
+			BulletToolSettings settings;
+			settings.gains = staticSettings().gains;
+			settings.gains.isStatic = isStatic;
+			settings.gains.softContact = 8;
+			settings.gravity = gravity;
+			scene.source = std::make_unique<BulletContactSource>(scene.world, scene.tool, settings);
+			EXPECT_NE(std::string(scene.source->refusal()).find("mass 0"), std::string::npos) << scene.source->refusal();
+			for (int i = 0; i < 50; ++i) scene.tick({0.1, 0, 0});
+			EXPECT_EQ(norm(scene.step.coupling.force) + norm(scene.step.coupling.torque), 0);
+			EXPECT_FALSE(scene.step.toolIsBroken);
+		}
+}
+
+// A tool whose velocity is no number is never passed over in silence: the source counts it, and the thread holds the device at zero.
+TEST(CoupledTool, AStepThatBreaksItIsCountedAndAFault)
+{
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	for (const bool isStatic : {true, false})
+	{
+		VirtualClock clock;
+		SimulatedDevice device(simulatedProfile("sigma7").value());
+		device.open();
+		btSphereShape shape{btScalar(kBallRadius)};
+		btRigidBody tool(Hand::info(shape, {}));
+		tool.setGravity(btVector3(0, nan, 0));
+		BulletDecoupledSettings settings = staticSettings();
+		settings.gains.isStatic = isStatic;
+		settings.gravity = true;
+		BulletDecoupledSource source(tool, ballTree(), clock, settings);
+		SteppingThread thread(device, source, clock);
+		Fault heard;
+		thread.onFault.addDelegate([&](const Fault& fault) { heard = fault; });
+		ASSERT_TRUE(thread.run(10));
+		EXPECT_TRUE(thread.step().toolIsBroken);
+		EXPECT_EQ(source.statistics().brokenSteps, 10U);
+		EXPECT_TRUE(isRigid(source.toolState().X_WT));
+		EXPECT_EQ(heard.cause, FaultCause::ToolNotFinite);
+		EXPECT_TRUE(heard.latched && thread.faulted());
+		EXPECT_EQ(thread.faults(), 1U);
+		EXPECT_EQ(norm(device.lastCommand().wrench.force), 0);
+		EXPECT_NE(std::string(describe(heard.cause)).find("tool"), std::string::npos);
+	}
+	OneThread scene({0, 0.5, 0});
+	scene.tick({});
+	EXPECT_FALSE(scene.step.toolIsBroken);
+	scene.tool.setLinearVelocity(btVector3(0, nan, 0));
+	BulletToolSettings settings;
+	settings.gains = staticSettings().gains;
+	settings.gains.isStatic = false;
+	scene.source = std::make_unique<BulletContactSource>(scene.world, scene.tool, settings);
+	scene.tick({});
+	EXPECT_TRUE(scene.step.toolIsBroken);
+	EXPECT_TRUE(isFinite(scene.step.coupling));
+}
+
+// A hand is not led through a source that refuses its tool.
+TEST(CoupledTool, AThreadDoesNotStartWithAToolThatIsRefused)
+{
+	VirtualClock clock;
+	SimulatedDevice device(simulatedProfile("sigma7").value());
+	device.open();
+	btSphereShape shape{btScalar(kBallRadius)};
+	btRigidBody tool(0, nullptr, &shape);
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.isStatic = false;
+	BulletDecoupledSource source(tool, ballTree(), clock, settings);
+	SteppingThread thread(device, source, clock);
+	EXPECT_FALSE(thread.run(1));
+	EXPECT_NE(std::string(thread.refusal()).find("mass 0"), std::string::npos) << thread.refusal();
+	EXPECT_FALSE(thread.start());
+	EXPECT_NE(std::string(thread.refusal()).find("mass 0"), std::string::npos) << thread.refusal();
+	EXPECT_FALSE(thread.running());
+	EXPECT_EQ(thread.ticks(), 0U);
 }
 
 // Pressed on a plane, the spring and the contact balance in every tick, at once and without a swing. On a half-space F = k V, two stiffnesses of 2e7 in
