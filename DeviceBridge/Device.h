@@ -26,8 +26,24 @@ enum class Handedness
 	Right
 };
 
+/// Bits of DeviceInfo::assumed.
+enum AssumedLimit : unsigned
+{
+	kAssumedPeakForce = 0x01,
+	kAssumedContinuousForce = 0x02,
+	kAssumedPeakTorque = 0x04,
+	kAssumedContinuousTorque = 0x08,
+	kAssumedMaxStiffness = 0x10,
+	kAssumedMaxAngularStiffness = 0x20,
+	kAssumedMaxDamping = 0x40,
+	kAssumedMaxAngularDamping = 0x80,
+	kAssumedDamping = 0x100,
+	kAssumedAngularDamping = 0x200,
+	kAssumedWorkspaceRadius = 0x400
+};
+
 /// What a device is and what it can bear. A peak of zero is unknown, and nothing is sent through it; a continuous limit of
-/// zero is unknown, and a quarter of the peak is assumed.
+/// zero is unknown, and a quarter of the peak is assumed. Any other zero is unknown, too.
 struct DeviceInfo
 {
 	std::string model, maker, serial, uri;
@@ -37,10 +53,13 @@ struct DeviceInfo
 	double peakTorque = 0, continuousTorque = 0;       ///< [N m]
 	double maxStiffness = 0, maxAngularStiffness = 0;  ///< at 1 kHz [N/m, N m/rad]
 	double maxDamping = 0, maxAngularDamping = 0;      ///< at 1 kHz [N s/m, N m s/rad]
+	double damping = 0, angularDamping = 0;            ///< of the mechanism itself, for passiveGains() [N s/m, N m s/rad]
 	double resolution = 0, angularResolution = 0;      ///< [m, rad]
 	double workspaceRadius = 0;                        ///< of the inscribed ball [m]
 	double nominalRate = 1000;                         ///< [Hz]
 	std::string source;                                ///< where each of the values above comes from
+	unsigned assumed = 0;  ///< bits of AssumedLimit: limits that the device itself does not tell. They are those of its model, or a guess
+	std::string profile;   ///< of data/devices, from which limits were assumed; empty: none
 };
 
 enum class DeviceStatus

@@ -54,6 +54,22 @@ enum
 	DEVICEBRIDGE_HAND_PRESENT = 4
 };
 
+/* Bits of devicebridge_info.assumed, each for one member: limits that the device itself does not tell. */
+enum
+{
+	DEVICEBRIDGE_ASSUMED_PEAK_FORCE = 0x01,
+	DEVICEBRIDGE_ASSUMED_CONTINUOUS_FORCE = 0x02,
+	DEVICEBRIDGE_ASSUMED_PEAK_TORQUE = 0x04,
+	DEVICEBRIDGE_ASSUMED_CONTINUOUS_TORQUE = 0x08,
+	DEVICEBRIDGE_ASSUMED_MAX_STIFFNESS = 0x10,
+	DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_STIFFNESS = 0x20,
+	DEVICEBRIDGE_ASSUMED_MAX_DAMPING = 0x40,
+	DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_DAMPING = 0x80,
+	DEVICEBRIDGE_ASSUMED_DAMPING = 0x100,
+	DEVICEBRIDGE_ASSUMED_ANGULAR_DAMPING = 0x200,
+	DEVICEBRIDGE_ASSUMED_WORKSPACE_RADIUS = 0x400
+};
+
 /* Zeros mean unknown; through an unknown peak nothing is sent. Texts end with a zero. */
 struct devicebridge_info
 {
@@ -69,6 +85,10 @@ struct devicebridge_info
 	double nominal_rate;                             /* of the samples [Hz]; zero: 1000 */
 	char model[64], maker[64], serial[64];
 	char source[256];                                /* where the values come from */
+	/* From 0.2.0 on: touch them only where `size` reaches so far. */
+	double damping, angular_damping;                 /* that the mechanism itself dissipates [N s/m, N m s/rad] */
+	uint32_t assumed, reserved;                      /* DEVICEBRIDGE_ASSUMED_... of the values above */
+	char profile[64];                                /* of data/devices, for what is zero; empty: that of maker and model */
 };
 
 struct devicebridge_joint

@@ -19,7 +19,7 @@ void MountedDevice::scaleInfo()
 	m_info = m_inner->info();
 	for (double* length : {&m_info.resolution, &m_info.workspaceRadius}) *length *= m_scale;
 	for (double* force : {&m_info.peakForce, &m_info.continuousForce}) *force /= m_scale;
-	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping}) *gain /= m_scale * m_scale;
+	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping, &m_info.damping}) *gain /= m_scale * m_scale;
 }
 
 // Some drivers know what they have only once it is open; what the first time has told stays, for others may read it.

@@ -16,9 +16,10 @@ void RestrictedDevice::restrictInfo()
 	m_info = m_inner->info();
 	m_info.sensed &= m_sensed;
 	m_info.actuated &= m_actuated;
-	if (!(m_info.actuated & kTranslation)) m_info.peakForce = m_info.continuousForce = m_info.maxStiffness = m_info.maxDamping = 0;
+	if (!(m_info.actuated & kTranslation))
+		m_info.peakForce = m_info.continuousForce = m_info.maxStiffness = m_info.maxDamping = m_info.damping = 0;
 	if (m_info.actuated & kRotation) return;
-	m_info.peakTorque = m_info.continuousTorque = m_info.maxAngularStiffness = m_info.maxAngularDamping = 0;
+	m_info.peakTorque = m_info.continuousTorque = m_info.maxAngularStiffness = m_info.maxAngularDamping = m_info.angularDamping = 0;
 }
 
 // Some drivers know what they have only once it is open; what the first time has told stays, for others may read it.

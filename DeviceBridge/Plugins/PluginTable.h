@@ -36,6 +36,15 @@ void setText(char (&field)[N], const std::string& text)
 	say(field, N, text);
 }
 
+/// `assumed`: bits DEVICEBRIDGE_ASSUMED_... of limits that were filled in though the device does not tell them. `profile`: for those that
+/// are zero. A host that is older knows neither, and what is zero stays unknown to it.
+inline void setAssumed(devicebridge_info& info, uint32_t assumed, const std::string& profile = {})
+{
+	if (info.size < sizeof info) return;
+	info.assumed = assumed;
+	setText(info.profile, profile);
+}
+
 /// As devicebridge_plugin::exchange answers.
 enum class News
 {

@@ -5,6 +5,7 @@
 #include <chai3d.h>
 
 #include <charconv>
+#include <utility>
 
 #include "DeviceBridge/Plugins/PluginTable.h"
 
@@ -83,7 +84,18 @@ void Chai3dDevice::describe(devicebridge_info& info)
 	info.max_damping = s.m_maxLinearDamping, info.max_angular_damping = s.m_maxAngularDamping;
 	info.workspace_radius = s.m_workspaceRadius;
 	setText(info.model, s.m_modelName), setText(info.maker, s.m_manufacturerName);
-	setText(info.source, "specifications of CHAI3D");
+	setText(info.source, "specifications of CHAI3D, which has them in a table of models");
+	const std::pair<double, uint32_t> values[] = {{info.peak_force, DEVICEBRIDGE_ASSUMED_PEAK_FORCE},
+												  {info.peak_torque, DEVICEBRIDGE_ASSUMED_PEAK_TORQUE},
+												  {info.max_stiffness, DEVICEBRIDGE_ASSUMED_MAX_STIFFNESS},
+												  {info.max_angular_stiffness, DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_STIFFNESS},
+												  {info.max_damping, DEVICEBRIDGE_ASSUMED_MAX_DAMPING},
+												  {info.max_angular_damping, DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_DAMPING},
+												  {info.workspace_radius, DEVICEBRIDGE_ASSUMED_WORKSPACE_RADIUS}};
+	uint32_t assumed = 0;
+	for (const auto& [value, bit] : values)
+		if (value > 0) assumed |= bit;
+	setAssumed(info, assumed);
 }
 
 News Chai3dDevice::exchange(const devicebridge_command& command, devicebridge_state& state, std::string& why)

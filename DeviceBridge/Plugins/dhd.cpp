@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Force Dimension devices (delta, omega, sigma; Falcon) through libdhd, loaded at run time. Signatures and constants: dhdc.h of the
 // DHD Haptic SDK 3.7.2, public in github.com/DavidYaonanZhu/sigma7, include/dhdc.h. W is the SDK's frame: x towards the user, z up.
-// Limits: the device table of CHAI3D 3.3.0.
+// libdhd tells no limits: they are those of the profile of the type.
 #include <charconv>
 
 #include "DeviceBridge/Plugins/PluginTable.h"
@@ -59,20 +59,24 @@ DhdFunctions loadDhd()
 	return f;
 }
 
-/// By DHD_DEVICE_...; zeros for a type that is not known.
-void setLimits(int type, devicebridge_info& info)
+/// The profile in data/devices of a DHD_DEVICE_...; empty for a type that is not known.
+const char* profileOf(int type)
 {
-	const bool omega = type >= 33 && type <= 37, sigma = type >= 104 && type <= 107;
-	if (!omega && !sigma && type != 63 && type != 60) return;
-	info.peak_force = omega || sigma ? 12 : type == 63 ? 20 : 8;
-	info.max_stiffness = omega || type == 63 ? 5000 : sigma ? 4000 : 3000;
-	info.max_damping = type == 60 ? 20 : 30;
-	info.workspace_radius = type == 63 ? 0.15 : type == 60 ? 0.04 : 0.075;
-	setText(info.source, "device table of CHAI3D 3.3.0");
-	if (!sigma) return;
-	info.peak_torque = 0.2;
-	info.max_angular_stiffness = 1;
-	info.max_angular_damping = 0.07;
+	switch (type)
+	{
+		case 33: return "omega3";
+		case 34:
+		case 36: return "omega6";
+		case 35:
+		case 37: return "omega7";
+		case 60: return "falcon";
+		case 63: return "delta3";
+		case 104:
+		case 105:
+		case 106:
+		case 107: return "sigma7";
+		default: return "";
+	}
 }
 
 class DhdDevice
@@ -134,7 +138,8 @@ void DhdDevice::describe(devicebridge_info& info)
 	setText(info.maker, "Force Dimension");
 	unsigned short serial = 0;
 	if (m_f.serial(&serial, m_id) >= 0) setText(info.serial, std::to_string(serial));
-	setLimits(m_f.systemType(m_id), info);
+	setText(info.source, "libdhd tells no limits");
+	setAssumed(info, 0, profileOf(m_f.systemType(m_id)));
 }
 
 News DhdDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)

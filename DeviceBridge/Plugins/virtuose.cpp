@@ -14,6 +14,7 @@ namespace
 {
 using Context = void*;
 constexpr int kImpedance = 3, kIndexWithoutForce = 3, kButtonCount = 3;
+constexpr double kNotGiven = -1;
 constexpr float kTimeStep = 1e-3F;         // [s]
 constexpr std::int64_t kPeriod = 1'000'000;  // [ns]
 
@@ -91,7 +92,7 @@ private:
 ist::Result<std::unique_ptr<VirtuoseDevice>> VirtuoseDevice::open(const std::string& rest, devicebridge_info& info)
 {
 	DeviceAddress address(rest);
-	const auto force = address.takeNumber("peak_force", 10, 0, 100), torque = address.takeNumber("peak_torque", 0.8, 0, 20);
+	const auto force = address.takeNumber("peak_force", kNotGiven, 0, 100), torque = address.takeNumber("peak_torque", kNotGiven, 0, 20);
 	if (!force) return force.error();
 	if (!torque) return torque.error();
 	if (!address.leftOver().empty()) return ist::Error{address.leftOver(), false};
@@ -103,10 +104,17 @@ ist::Result<std::unique_ptr<VirtuoseDevice>> VirtuoseDevice::open(const std::str
 	auto device = std::make_unique<VirtuoseDevice>(f, context);
 	if (!device->prepare()) return ist::Error{"the Virtuose at '" + host + "' cannot be switched on: " + device->lastError(), false};
 	info.sensed = info.actuated = DEVICEBRIDGE_TRANSLATION | DEVICEBRIDGE_ROTATION;
-	info.peak_force = force.value(), info.peak_torque = torque.value();
+	const bool givesForce = force.value() != kNotGiven, givesTorque = torque.value() != kNotGiven;
+	info.peak_force = givesForce ? force.value() : 10;
+	info.peak_torque = givesTorque ? torque.value() : 0.8;
 	info.max_stiffness = 700;
 	setText(info.model, "Virtuose"), setText(info.maker, "Haption");
-	setText(info.source, "peaks: given, or of the Virtuose 6D Desktop, not verified; stiffness: default of HAPI");
+	setText(info.source, "the API does not tell the model; peaks: given, or of the smallest, not verified; max_stiffness: default of HAPI");
+	uint32_t assumed = DEVICEBRIDGE_ASSUMED_MAX_STIFFNESS;
+	if (!givesForce) assumed |= DEVICEBRIDGE_ASSUMED_PEAK_FORCE;
+	if (!givesTorque) assumed |= DEVICEBRIDGE_ASSUMED_PEAK_TORQUE;
+	// Peaks that were given are of another device than the smallest.
+	setAssumed(info, assumed, givesForce || givesTorque ? "" : "virtuose6d_desktop");
 	return device;
 }
 

@@ -227,7 +227,7 @@ ist::Result<std::unique_ptr<VrpnDevice>> VrpnDevice::open(const std::string& res
 	info.peak_force = options.peakForce, info.max_stiffness = options.stiffness;
 	info.nominal_rate = options.rate > 0 ? options.rate : measured;
 	setText(info.model, name->substr(0, name->find('@'))), setText(info.maker, "a VRPN server");
-	setText(info.source, "limits: given with the address; rate: given, or counted");
+	setText(info.source, "VRPN tells no limits: they are given with the address, or unknown; rate: given, or counted");
 	return device;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/AssumedLimits.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 #include "DeviceBridge/Tools/Commands.h"
 
@@ -61,8 +62,12 @@ int runInfo(const RunArguments& arguments)
 	number("peak_torque", info.peakTorque), number("continuous_torque", info.continuousTorque);
 	number("max_stiffness", info.maxStiffness), number("max_angular_stiffness", info.maxAngularStiffness);
 	number("max_damping", info.maxDamping), number("max_angular_damping", info.maxAngularDamping);
+	number("damping", info.damping), number("angular_damping", info.angularDamping);
 	number("resolution", info.resolution), number("angular_resolution", info.angularResolution);
 	number("workspace_radius", info.workspaceRadius), number("nominal_rate", info.nominalRate);
+	report["assumed"] = namesOfAssumed(info.assumed);
+	if (info.profile.empty()) report["profile"] = nullptr;
+	else report["profile"] = info.profile;
 	report["source"] = info.source;
 	print(report, arguments.json);
 	return kGood;

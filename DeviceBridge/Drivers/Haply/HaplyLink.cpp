@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Drivers/AssumedLimits.h"
 #include "DeviceBridge/Drivers/Haply/HaplyMessages.h"
 
 namespace devicebridge
@@ -143,8 +144,12 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	info.maker = "Haply", info.model = state.kind, info.serial = state.deviceId;
 	info.actuated = info.sensed = kTranslation;
 	if (state.orientation) info.sensed |= kRotation;
+	assumeLimits(info);
+	if (info.peakForce > 0) return info;
+	// The service tells no limits, and of an Inverse3x or a Minverse no profile knows any.
 	info.peakForce = 10, info.continuousForce = 4;
-	info.source = "forces: of the Inverse3, not verified (data/devices/inverse3.json)";
+	info.assumed |= kAssumedPeakForce | kAssumedContinuousForce;
+	info.source += "; assumed, of the Inverse3, not verified: peak_force, continuous_force";
 	return info;
 }
 

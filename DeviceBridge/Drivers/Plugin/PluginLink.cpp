@@ -4,10 +4,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "DeviceBridge/Drivers/AssumedLimits.h"
+
 namespace devicebridge
 {
 static_assert(static_cast<int>(kHandJoints) == DEVICEBRIDGE_HAND_JOINTS);
 static_assert(static_cast<int>(kHandJointsSensed) == DEVICEBRIDGE_HAND && static_cast<int>(kRotation) == DEVICEBRIDGE_ROTATION);
+static_assert(static_cast<int>(kAssumedPeakForce) == DEVICEBRIDGE_ASSUMED_PEAK_FORCE);
+static_assert(static_cast<int>(kAssumedMaxDamping) == DEVICEBRIDGE_ASSUMED_MAX_DAMPING);
+static_assert(static_cast<int>(kAssumedWorkspaceRadius) == DEVICEBRIDGE_ASSUMED_WORKSPACE_RADIUS);
 static_assert(static_cast<int>(kReady) == (DEVICEBRIDGE_CALIBRATED | DEVICEBRIDGE_FORCES_ENABLED | DEVICEBRIDGE_HAND_PRESENT));
 
 namespace
@@ -35,6 +40,9 @@ DeviceInfo infoOf(const devicebridge_info& from, const std::string& uri)
 	info.resolution = from.resolution, info.angularResolution = from.angular_resolution;
 	info.workspaceRadius = from.workspace_radius;
 	if (from.nominal_rate > 0) info.nominalRate = from.nominal_rate;
+	info.damping = from.damping, info.angularDamping = from.angular_damping;
+	info.assumed = from.assumed, info.profile = text(from.profile);
+	assumeLimits(info);
 	return info;
 }
 

@@ -160,6 +160,8 @@ ist::Result<SimulatedProfile> parseSimulatedProfile(const std::string& text)
 	}
 	for (const char* wanted : {"schema", "model", "maker", "sensed", "actuated", "peakForce", "damping"})
 		if (!seen.count(wanted)) return ist::Error{where(text, wanted) + "is missing", false};
+	profile.info.damping = profile.damping;
+	profile.info.angularDamping = profile.angularDamping;
 	return profile;
 }
 

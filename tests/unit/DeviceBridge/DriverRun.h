@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "DeviceBridge/SteppingThread.h"
+#include "DeviceBridge/VirtualCoupling.h"
 
 namespace devicebridge
 {
@@ -60,6 +61,20 @@ public:
 	{
 		for (int i = 0; i < ticks && !condition(); ++i) m_thread.run(1);
 		return condition();
+	}
+
+	/// The force that is sent when the hand is 5 mm from a tool that something holds. The coupling is that of the recipe of
+	/// docs/stability.md, with `damping` of the mechanism.
+	double forceByRecipe(const Device& device, double damping)
+	{
+		const CouplingGains gains = passiveGains(device.info(), damping, 0, 0.001);
+		EXPECT_GT(gains.stiffness, 0) << device.info().source;
+		EXPECT_GT(gains.maxForce, 0) << device.info().source;
+		ist::Pose X_WH;
+		X_WH.translation = {0, 0, 0.005};
+		law.wrench = -1.0 * staticPull(gains, X_WH, {});
+		until([&] { return force() > 0; });
+		return force();
 	}
 
 	/// `pull` takes the cable out while force flows: the force ends, the cause is told, and nothing hangs.

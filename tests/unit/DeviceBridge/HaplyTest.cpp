@@ -39,7 +39,10 @@ public:
 	std::atomic<bool> hasGrip{true};  // the first of two, of which the other is turned the other way
 	std::atomic<int> messages{0}, refused{0};
 
-	FakeService() : m_acceptor(m_context, {asio::ip::address_v4::loopback(), 0}), m_thread([this] { serve(); }) {}
+	explicit FakeService(std::string kind = "inverse3")
+		: m_kind(std::move(kind)), m_acceptor(m_context, {asio::ip::address_v4::loopback(), 0}), m_thread([this] { serve(); })
+	{
+	}
 	~FakeService()
 	{
 		m_ending = true;
@@ -72,12 +75,13 @@ private:
 	std::string state()
 	{
 		const std::lock_guard<std::mutex> lock(m_mutex);
-		Json message = {{"inverse3", Json::array()}, {"session", {{"id", 1}}}};
+		Json message = {{m_kind, Json::array()}, {"session", {{"id", 1}}}};
 		if (mood == Mood::Emptied) return message.dump();
 		for (const char* id : {"0432", "0577"})
 		{
 			const ist::Vec3 p = id[1] == '4' ? m_position : -m_position;
-			message["inverse3"].push_back({{"device_id", id}, {"state", {{"cursor_position", vectorOf(p)}, {"cursor_velocity", vectorOf(m_velocity)}}}});
+			const Json state = {{"cursor_position", vectorOf(p)}, {"cursor_velocity", vectorOf(m_velocity)}};
+			message[m_kind].push_back({{"device_id", id}, {"state", state}});
 		}
 		message["wireless_verse_grip"] = Json::array();
 		const Json buttons = {{"a", (m_buttons & 1) != 0}, {"b", (m_buttons & 2) != 0}, {"c", (m_buttons & 4) != 0}};
@@ -98,7 +102,7 @@ private:
 		const std::lock_guard<std::mutex> lock(m_mutex);
 		try
 		{
-			const Json& device = message.at("inverse3").at(0);
+			const Json& device = message.at(m_kind).at(0);
 			const Json& v = device.at("commands").at("set_cursor_force").at("vector");
 			if (device.at("device_id") == "0432") m_force = {v.at("x"), v.at("y"), v.at("z")};
 		}
@@ -147,6 +151,7 @@ private:
 		}
 	}
 
+	std::string m_kind;  ///< of its devices
 	asio::io_context m_context;
 	tcp::acceptor m_acceptor;
 	std::mutex m_mutex;
@@ -193,6 +198,39 @@ TEST(Haply, StatesOfTheServiceArrive)
 			}));
 	}
 	EXPECT_EQ(service.refused, 0);
+}
+
+// An Inverse3 is felt by the recipe of docs/stability.md with nothing set; of the others no source tells the stiffness.
+TEST(Haply, LimitsAreThoseOfItsModelAndSaySo)
+{
+	for (const std::string kind : {"inverse3", "inverse3x", "minverse"})
+	{
+		FakeService service(kind);
+		const auto device = opened(service.uri());
+		ASSERT_TRUE(device);
+		const DeviceInfo& info = device->info();
+		EXPECT_EQ(info.model, kind);
+		EXPECT_EQ(info.peakForce, 10);
+		EXPECT_EQ(info.continuousForce, 4);
+		EXPECT_TRUE(info.assumed & kAssumedPeakForce);
+		EXPECT_NE(info.source.find("assumed"), std::string::npos) << info.source;
+		if (kind != "inverse3")
+		{
+			EXPECT_EQ(info.maxStiffness, 0);
+			EXPECT_TRUE(info.profile.empty());
+			EXPECT_NE(info.source.find("unknown: max_stiffness"), std::string::npos) << info.source;
+			continue;
+		}
+		EXPECT_EQ(info.maxStiffness, 1000);
+		EXPECT_EQ(info.maxDamping, 5);
+		EXPECT_EQ(info.profile, "inverse3");
+		for (const double damping : {info.damping, 2.5})
+		{
+			DriverRun run(*device);
+			EXPECT_GT(run.forceByRecipe(*device, damping), 0);
+			EXPECT_TRUE(run.until([&] { return norm(service.force()) > 0; }));
+		}
+	}
 }
 
 TEST(Haply, AngularVelocityIsThatOfTheTurningGrip)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <random>
@@ -106,6 +107,42 @@ TEST_P(VendorPlugin, TellsWhatTheDeviceIs)
 	EXPECT_EQ((info.actuated & kRotation) != 0, GetParam().peakTorque > 0);
 	EXPECT_EQ(info.handedness, GetParam().name == std::string("dhd") ? Handedness::Left : Handedness::Either);
 	EXPECT_FALSE(info.model.empty() || info.maker.empty() || info.source.empty());
+}
+
+TEST_P(VendorPlugin, IsFeltByTheRecipeWithNothingSet)
+{
+	const std::string name = GetParam().name, uri = GetParam().uri;
+	auto opened = DeviceRegistry().open(name == "vrpn" ? uri.substr(0, uri.find('?')) + "?sensor=2" : uri.substr(0, uri.find('?')));
+	ASSERT_TRUE(opened) << opened.error().message;
+	Device& device = *opened.value();
+	const DeviceInfo& info = device.info();
+	if (name == "vrpn")  // it tells neither limits nor a model, and nothing is assumed
+	{
+		EXPECT_EQ(info.actuated + info.assumed, 0U);
+		EXPECT_EQ(info.peakForce + info.maxStiffness + info.damping, 0);
+		return;
+	}
+	EXPECT_TRUE(info.assumed & kAssumedDamping) << "of none of them it is known";
+	EXPECT_NE(info.source.find("assumed"), std::string::npos) << info.source;
+	EXPECT_EQ((info.assumed & kAssumedMaxStiffness) != 0, name != "hd") << "libHD tells it";
+	for (const double damping : {info.damping, 2.5})
+	{
+		DriverRun run(device);
+		EXPECT_GT(run.forceByRecipe(device, damping), 0);
+		EXPECT_TRUE(run.until([&] { return look([](MockHandle& m) { return std::abs(m.force[2]) > 0; }); }));
+	}
+}
+
+TEST_P(VendorPlugin, LimitsThatTheDeviceDoesNotTellSaySo)
+{
+	const auto device = opened();
+	ASSERT_TRUE(device);
+	const DeviceInfo& info = device->info();
+	const std::string name = GetParam().name;
+	const unsigned peak = info.assumed & kAssumedPeakForce;
+	EXPECT_EQ(peak != 0, name == "chai3d" || name == "dhd") << "the others are told, or given with the address";
+	EXPECT_EQ(info.profile, name == "dhd" ? "sigma7" : name == "hd" ? "touch" : name == "chai3d" ? "omega7" : "");
+	EXPECT_TRUE(info.continuousForce == 0 || info.continuousForce < info.peakForce);
 }
 
 TEST_P(VendorPlugin, PosesArriveInMetresAndRightHanded)

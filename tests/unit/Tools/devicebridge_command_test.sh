@@ -53,6 +53,7 @@ expect "list" 0 "$bridge" list --json
 holds "list" 'r["schema"] == 1 and {"sim:", "replay:"} <= {d["scheme"] for d in r["drivers"]} and len(r["devices"]) >= 15'
 expect "info" 0 "$bridge" info sim:touchx --json
 holds "info" 'r["peak_force"] == 7.9 and r["peak_torque"] is None and r["handedness"] == "either" and "peakForce: " in r["source"] and r["actuated"] == ["x", "y", "z"]'
+holds "info says what is assumed" 'r["damping"] == 0.5 and r["assumed"] == [] and r["profile"] is None'
 expect "info of an unknown device" 1 "$bridge" info sim:nothing
 says "unknown device" "sigma7"
 expect "info without a scheme" 1 "$bridge" info sigma7
