@@ -159,9 +159,10 @@ struct LeftOut
 };
 
 /// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond the vertices.
+/// The kinds of faces that the part says it has become those that are left: where assimp is told of polygons and finds none, it ends the process.
 void sieveFaces(aiMesh& part, LeftOut& out)
 {
-	unsigned kept = 0;
+	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
 	for (unsigned i = 0; i < part.mNumFaces; ++i)
 	{
 		aiFace& face = part.mFaces[i];
@@ -177,10 +178,12 @@ void sieveFaces(aiMesh& part, LeftOut& out)
 			if (out.damaged++ == 0) out.firstDamaged = out.faces;
 			continue;
 		}
+		kinds |= AI_PRIMITIVE_TYPE_FOR_N_INDICES(face.mNumIndices);
 		std::swap(part.mFaces[kept].mNumIndices, face.mNumIndices);
 		std::swap(part.mFaces[kept++].mIndices, face.mIndices);
 	}
 	part.mNumFaces = kept;
+	part.mPrimitiveTypes = kinds;
 }
 
 LeftOut sieveFaces(aiScene& scene)

@@ -271,6 +271,76 @@ TEST(MeshNotTakenOf, PolygonsWithCornersThatAreNotThere)
 	EXPECT_EQ(mesh.value().notTaken[0].find("1 of 7 faces was left out"), 0u) << mesh.value().notTaken[0];
 }
 
+namespace
+{
+/// A box of 12 triangles, and behind them faces with the given corners.
+std::string boxPly(const std::vector<std::vector<int>>& more)
+{
+	const Mesh box = makeBoxMesh({0.5, 1, 1.5});
+	std::string text = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+					   std::to_string(12 + more.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+	for (const Vec3& v : box.vertices) text += std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
+	for (const auto& [a, b, c] : box.triangles) text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+	for (const std::vector<int>& face : more)
+	{
+		text += std::to_string(face.size());
+		for (const int corner : face) text += " " + std::to_string(corner);
+		text += "\n";
+	}
+	return text;
+}
+
+/// The same box of quads as X3D, with one more face.
+std::string boxX3d(const std::string& more)
+{
+	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"0 3 2 -1 0 2 1 -1 4 5 6 -1 4 6 7 -1 0 1 5 -1 0 5 4 "
+		   "-1 2 3 7 -1 2 7 6 -1 0 4 7 -1 0 7 3 -1 1 2 6 -1 1 6 5 -1 " + more + " -1\"><Coordinate point=\"0 0 0, 1 0 0, 1 2 0, 0 2 0, 0 0 3, 1 0 3, 1 2 3, 0 2 3\"/></IndexedFaceSet>"
+		   "</Shape></Scene></X3D>";
+}
+}  // namespace
+
+TEST(MeshNotTakenOf, TheOnlyPolygonsOfAFileThatAreDamaged)
+{
+	// Without them there are triangles alone, and assimp has been told of polygons.
+	const std::vector<std::vector<std::vector<int>>> cases = {{{0, 1, 3, 99}}, {{0, 1, 3, -1}}, {{0, 1, 2, 3, 99}}, {{99, 1, 2, 3, 4, 5, 6}}, {{0, 1, 3, 99}, {8, 1, 2, 3, 4}},
+															  {{0, 1, 3, 99}, {0, 1}}, {{0, 1, 3, 99}, {0}}, {{0, 1, 3, 99}, {0, 1}, {0}, {0, 1, 99}}};
+	for (const auto& more : cases)
+	{
+		const auto damaged = std::count_if(more.begin(), more.end(), [](const auto& face) { return face.size() > 2; });
+		const auto faces = 12 + damaged;
+		const Result<Mesh> mesh = read(boxPly(more), ".ply");
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		EXPECT_EQ(mesh.value().triangles.size(), 12u);
+		EXPECT_NEAR(massProperties(mesh.value()).volume, 6, 1e-6);
+		ASSERT_FALSE(mesh.value().notTaken.empty());
+		const std::string told = std::to_string(damaged) + " of " + std::to_string(faces) + " faces " + (damaged == 1 ? "was" : "were") + " left out";
+		EXPECT_EQ(mesh.value().notTaken[0].find(told), 0u) << mesh.value().notTaken[0];
+		EXPECT_EQ(mesh.value().notTaken.size(), std::size_t(faces) == 12 + more.size() ? 1u : 2u);
+	}
+	for (const char* more : {"0 1 3 99", "0 1 2 3 8", "0 1 2 99 4 5"})
+	{
+		const Result<Mesh> mesh = read(boxX3d(more), ".x3d");
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		EXPECT_NEAR(massProperties(mesh.value()).volume, 6, 1e-6);
+		ASSERT_EQ(mesh.value().notTaken.size(), 1u);
+		EXPECT_EQ(mesh.value().notTaken[0].find("1 of 13 faces was left out"), 0u) << mesh.value().notTaken[0];
+	}
+}
+
+TEST(MeshNotTakenOf, DamagedPolygonsBesideGoodOnes)
+{
+	// Two quads and a hexagon of no area lie on the surface and add nothing to the volume.
+	for (const auto& damaged : std::vector<std::vector<int>>{{0, 1, 99}, {0, 1, 3, 99}, {0, 1, 2, 3, 99}})
+	{
+		const Result<Mesh> mesh = read(boxPly({{0, 3, 2, 1}, damaged, {1, 2, 3, 0}, {0, 1, 2, 2, 1, 0}}), ".ply");
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		EXPECT_GE(mesh.value().triangles.size(), 16u);
+		EXPECT_NEAR(massProperties(mesh.value()).volume, 6, 1e-6);
+		ASSERT_EQ(mesh.value().notTaken.size(), 1u);
+		EXPECT_EQ(mesh.value().notTaken[0].find("1 of 16 faces was left out"), 0u) << mesh.value().notTaken[0];
+	}
+}
+
 TEST(MeshNotTakenOf, NegativeCornersOfPly)
 {
 	const Result<Mesh> mesh = read("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
