@@ -7,16 +7,20 @@
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/version.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -186,11 +190,31 @@ void sieveFaces(aiMesh& part, LeftOut& out)
 	part.mPrimitiveTypes = kinds;
 }
 
-LeftOut sieveFaces(aiScene& scene)
+/// The parts that are there: the reader of 3MF leaves gaps where two objects have the same id.
+std::vector<aiMesh*> partsOf(const aiScene& scene)
+{
+	std::vector<aiMesh*> parts(scene.mMeshes, scene.mMeshes + scene.mNumMeshes);
+	std::erase(parts, nullptr);
+	return parts;
+}
+
+LeftOut sieveFaces(const aiScene& scene)
 {
 	LeftOut out;
-	for (unsigned i = 0; i < scene.mNumMeshes; ++i) sieveFaces(*scene.mMeshes[i], out);
+	for (aiMesh* part : partsOf(scene)) sieveFaces(*part, out);
 	return out;
+}
+
+/// The reader of 3MF in assimp 5.2.5 to 5.3 deletes the pictures of a file before it returns. The scene still lists them and would delete them again.
+/// Release 5.2.5 calls itself 5.2.4, and the releases before it call themselves 5.2.0.
+void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
+{
+	const std::array version{aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()}, first{5u, 2u, 4u}, good{5u, 4u, 0u};
+	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
+	if (version < first || version >= good || !reader || reader->mName != std::string_view("3mf Importer")) return;
+	delete[] scene.mTextures;
+	scene.mTextures = nullptr;
+	scene.mNumTextures = 0;
 }
 
 /// "1 line", "3 lines"
@@ -271,9 +295,9 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& wat
 		const aiMatrix4x4 transform = parentTransform * node->mTransformation;
 		for (unsigned i = 0; i < node->mNumMeshes; ++i)
 		{
-			const aiMesh& part = *scene.mMeshes[node->mMeshes[i]];
-			if (!(part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
-			append(textured, rounding, part, transform, unit, wanted);
+			const aiMesh* part = scene.mMeshes[node->mMeshes[i]];
+			if (!part || !(part->mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
+			append(textured, rounding, *part, transform, unit, wanted);
 			const Vec3 here{transform.a4, transform.b4, transform.c4};
 			inOnePlace = inOnePlace && here == place.value_or(here);
 			place = here;
@@ -287,9 +311,10 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& wat
 
 std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
 {
-	for (unsigned i = 0; i < scene.mNumMeshes; ++i)
-		if ((scene.mMeshes[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !scene.mMeshes[i]->HasTextureCoords(0))
-			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(scene.mNumMeshes) +
+	const std::vector<aiMesh*> parts = partsOf(scene);
+	for (std::size_t i = 0; i < parts.size(); ++i)
+		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
+			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
 						 " has no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them"};
 	for (std::size_t t = 0; t < textured.places.size(); ++t)
 		for (const TexturePlace& place : textured.places[t])
@@ -325,8 +350,9 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 	importer.SetIOHandler(new WatchedFiles(watch));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
-	// The importer's own, which it gives out for reading alone.
-	const LeftOut leftOut = scene ? sieveFaces(const_cast<aiScene&>(*scene)) : LeftOut();
+	// The importer owns the scene and gives it out for reading alone.
+	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
+	const LeftOut leftOut = scene ? sieveFaces(*scene) : LeftOut();
 	if (2 * leftOut.damaged > leftOut.faces)
 		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
 					 " name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) + "; export the mesh again"};
@@ -341,7 +367,7 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
 	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
 	double worst = 0;
-	for (unsigned i = 0; i < scene->mNumMeshes; ++i) worst = std::max(worst, blur(*scene->mMeshes[i]));
+	for (const aiMesh* part : partsOf(*scene)) worst = std::max(worst, blur(*part));
 	if (worst > kBlurred)
 		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) + ", that its coordinates, read in single precision, are exact to " +
 					 std::to_string(100 * worst) + " % of its size only; move it to the origin and export it again"};
