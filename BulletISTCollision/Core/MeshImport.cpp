@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/MeshReaderWarnings.h"
 #include "BulletISTCollision/Core/MeshWords.h"
+#include "BulletISTCollision/Core/ThreadLocale.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/IOStream.hpp>
@@ -46,12 +47,14 @@ constexpr double kBlurred = 1e-3;
 /// Of the stage: reading, the rest is taking the triangles over.
 constexpr double kReading = 0.9;
 
+/// Asks the caller, in the caller's locale.
 class Watch
 {
 public:
-	explicit Watch(const Progress& progress) : m_progress(progress) {}
+	Watch(const Progress& progress, locale_t callers) : m_progress(progress), m_callers(callers) {}
 	bool reach(double fraction)
 	{
+		const ThreadLocale callers(m_callers);
 		m_fraction = std::clamp(fraction, m_fraction, 1.0);
 		m_cancelled = m_cancelled || (m_progress && !m_progress("import", m_fraction));
 		return !m_cancelled;
@@ -60,6 +63,7 @@ public:
 
 private:
 	const Progress& m_progress;
+	locale_t m_callers;
 	double m_fraction = 0;
 	bool m_cancelled = false;
 };
@@ -382,7 +386,10 @@ Result<TexturedMesh> importSurface(const std::string& path, double unit, Wanted 
 {
 	if (!(unit > 0) || !std::isfinite(unit))
 		return Error{"the unit must be a positive number of metres, not " + std::to_string(unit)};
-	Watch watch(progress);
+	// assimp's readers of 3MF, AMF and X3D take numbers by strtod, which follows the locale: under a decimal comma 1.5 would become 1.
+	const PlainLocale plain;
+	const ThreadLocale readers(plain.get());
+	Watch watch(progress, readers.before());
 	if (!watch.reach(0)) return Error{"the import was cancelled", true};
 	try
 	{

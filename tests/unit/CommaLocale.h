@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <clocale>
+#include <cstdlib>
+#include <filesystem>
+#include <locale>
+#include <string>
+
+#include <unistd.h>
+
+/// Makes the whole program write numbers with a decimal comma while it lives, as a host does that calls setlocale(LC_ALL, ""). A locale that the system
+/// lacks is compiled by localedef into a folder of its own. `there()` is false where that fails, and then nothing is changed.
+class CommaLocale
+{
+public:
+	/// "de_DE", "fr_FR", "tr_TR" and the like.
+	explicit CommaLocale(const std::string& name)
+	{
+		const std::string locale = name + ".UTF-8";
+		if (std::setlocale(LC_ALL, locale.c_str()) || (compile(name, locale) && std::setlocale(LC_ALL, locale.c_str())))
+			m_there = std::string(std::localeconv()->decimal_point) == ",";
+		if (!m_there) std::setlocale(LC_ALL, m_before.c_str());
+	}
+	~CommaLocale()
+	{
+		std::setlocale(LC_ALL, m_before.c_str());
+		if (m_folder.empty()) return;
+		unsetenv("LOCPATH");
+		std::error_code ignored;
+		std::filesystem::remove_all(m_folder, ignored);
+	}
+	CommaLocale(const CommaLocale&) = delete;
+	CommaLocale& operator=(const CommaLocale&) = delete;
+
+	bool there() const { return m_there; }
+
+private:
+	bool compile(const std::string& name, const std::string& locale)
+	{
+		m_folder = (std::filesystem::temp_directory_path() / ("ist_locale_" + std::to_string(getpid()))).string();
+		std::filesystem::create_directories(m_folder);
+		const std::string command = "localedef -i " + name + " -f UTF-8 '" + m_folder + "/" + locale + "' > /dev/null 2>&1";
+		return std::system(command.c_str()) == 0 && setenv("LOCPATH", m_folder.c_str(), 1) == 0;
+	}
+
+	std::string m_before = std::setlocale(LC_ALL, nullptr), m_folder;
+	bool m_there = false;
+};
+
+/// Makes the streams of C++ write and read numbers as 1.234,5 while it lives, as a host does that calls std::locale::global.
+class CommaStreams
+{
+public:
+	CommaStreams() : m_before(std::locale::global(std::locale(std::locale::classic(), new Punctuation))) {}
+	~CommaStreams() { std::locale::global(m_before); }
+	CommaStreams(const CommaStreams&) = delete;
+	CommaStreams& operator=(const CommaStreams&) = delete;
+
+private:
+	struct Punctuation : std::numpunct<char>
+	{
+		char do_decimal_point() const override { return ','; }
+		char do_thousands_sep() const override { return '.'; }
+		std::string do_grouping() const override { return "\3"; }
+	};
+	std::locale m_before;
+};
