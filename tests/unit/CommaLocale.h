@@ -9,8 +9,9 @@
 
 #include <unistd.h>
 
-/// Makes the whole program write numbers with a decimal comma while it lives, as a host does that calls setlocale(LC_ALL, ""). A locale that the system
-/// lacks is compiled by localedef into a folder of its own. `there()` is false where that fails, and then nothing is changed.
+/// Makes the whole program write numbers with a decimal comma while it lives, as a host does that calls setlocale(LC_ALL, ""). A locale
+/// that the system lacks is compiled by localedef into a folder of its own. `there()` is false where that fails, and then nothing is
+/// changed.
 class CommaLocale
 {
 public:

@@ -293,8 +293,11 @@ std::string boxPly(const std::vector<std::vector<int>>& more)
 /// The same box of quads as X3D, with one more face.
 std::string boxX3d(const std::string& more)
 {
-	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"0 3 2 -1 0 2 1 -1 4 5 6 -1 4 6 7 -1 0 1 5 -1 0 5 4 "
-		   "-1 2 3 7 -1 2 7 6 -1 0 4 7 -1 0 7 3 -1 1 2 6 -1 1 6 5 -1 " + more + " -1\"><Coordinate point=\"0 0 0, 1 0 0, 1 2 0, 0 2 0, 0 0 3, 1 0 3, 1 2 3, 0 2 3\"/></IndexedFaceSet>"
+	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"0 3 2 -1 0 2 1 -1 "
+		   "4 5 6 -1 4 6 7 -1 0 1 5 -1 0 5 4 "
+		   "-1 2 3 7 -1 2 7 6 -1 0 4 7 -1 0 7 3 -1 1 2 6 -1 1 6 5 -1 " +
+		   more +
+		   " -1\"><Coordinate point=\"0 0 0, 1 0 0, 1 2 0, 0 2 0, 0 0 3, 1 0 3, 1 2 3, 0 2 3\"/></IndexedFaceSet>"
 		   "</Shape></Scene></X3D>";
 }
 }  // namespace
@@ -302,8 +305,14 @@ std::string boxX3d(const std::string& more)
 TEST(MeshNotTakenOf, TheOnlyPolygonsOfAFileThatAreDamaged)
 {
 	// Without them there are triangles alone, and assimp has been told of polygons.
-	const std::vector<std::vector<std::vector<int>>> cases = {{{0, 1, 3, 99}}, {{0, 1, 3, -1}}, {{0, 1, 2, 3, 99}}, {{99, 1, 2, 3, 4, 5, 6}}, {{0, 1, 3, 99}, {8, 1, 2, 3, 4}},
-															  {{0, 1, 3, 99}, {0, 1}}, {{0, 1, 3, 99}, {0}}, {{0, 1, 3, 99}, {0, 1}, {0}, {0, 1, 99}}};
+	const std::vector<std::vector<std::vector<int>>> cases = {{{0, 1, 3, 99}},
+															  {{0, 1, 3, -1}},
+															  {{0, 1, 2, 3, 99}},
+															  {{99, 1, 2, 3, 4, 5, 6}},
+															  {{0, 1, 3, 99}, {8, 1, 2, 3, 4}},
+															  {{0, 1, 3, 99}, {0, 1}},
+															  {{0, 1, 3, 99}, {0}},
+															  {{0, 1, 3, 99}, {0, 1}, {0}, {0, 1, 99}}};
 	for (const auto& more : cases)
 	{
 		const auto damaged = std::count_if(more.begin(), more.end(), [](const auto& face) { return face.size() > 2; });
@@ -313,7 +322,8 @@ TEST(MeshNotTakenOf, TheOnlyPolygonsOfAFileThatAreDamaged)
 		EXPECT_EQ(mesh.value().triangles.size(), 12u);
 		EXPECT_NEAR(massProperties(mesh.value()).volume, 6, 1e-6);
 		ASSERT_FALSE(mesh.value().notTaken.empty());
-		const std::string told = std::to_string(damaged) + " of " + std::to_string(faces) + " faces " + (damaged == 1 ? "was" : "were") + " left out";
+		const std::string told =
+			std::to_string(damaged) + " of " + std::to_string(faces) + " faces " + (damaged == 1 ? "was" : "were") + " left out";
 		EXPECT_EQ(mesh.value().notTaken[0].find(told), 0u) << mesh.value().notTaken[0];
 		EXPECT_EQ(mesh.value().notTaken.size(), std::size_t(faces) == 12 + more.size() ? 1u : 2u);
 	}

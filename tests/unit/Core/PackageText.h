@@ -5,16 +5,19 @@
 #include "tests/unit/Core/ZipText.h"
 
 /// The model of a 3MF file, of one mesh. `attributes` go into its root, `resources` before the mesh, `ofTriangle` into each triangle.
-inline std::string modelText(const ist::Mesh& mesh, const std::string& attributes, const std::string& resources = "", const std::string& ofTriangle = "")
+inline std::string modelText(const ist::Mesh& mesh, const std::string& attributes, const std::string& resources = "",
+							 const std::string& ofTriangle = "")
 {
 	std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- <model unit=\"foot\"> -->\n<model " + attributes +
-					   " xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"><resources>" +
+					   " xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
+					   "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"><resources>" +
 					   resources + "<object id=\"1\" type=\"model\"><mesh><vertices>";
 	for (const ist::Vec3& v : mesh.vertices)
 		text += "<vertex x=\"" + std::to_string(v.x) + "\" y=\"" + std::to_string(v.y) + "\" z=\"" + std::to_string(v.z) + "\"/>";
 	text += "</vertices><triangles>";
 	for (const auto& t : mesh.triangles)
-		text += "<triangle v1=\"" + std::to_string(t[0]) + "\" v2=\"" + std::to_string(t[1]) + "\" v3=\"" + std::to_string(t[2]) + "\" " + ofTriangle + "/>";
+		text += "<triangle v1=\"" + std::to_string(t[0]) + "\" v2=\"" + std::to_string(t[1]) + "\" v3=\"" + std::to_string(t[2]) + "\" " +
+				ofTriangle + "/>";
 	return text + "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
 }
 
@@ -24,8 +27,10 @@ inline std::string packageText(const std::string& model, const std::vector<std::
 	std::vector<std::pair<std::string, std::string>> files = {
 		{"[Content_Types].xml", "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\"/>"},
 		{"_rels/.rels", "<?xml version=\"1.0\"?><Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">"
-						"<Relationship Id=\"r1\" Type=\"http://schemas.openxmlformats.org/package/2006/relationships/metadata/thumbnail\" Target=\"/Metadata/thumbnail.png\"/>"
-						"<Relationship Id=\"r0\" Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\" Target=\"/3D/3dmodel.model\"/></Relationships>"},
+						"<Relationship Id=\"r1\" Type=\"http://schemas.openxmlformats.org/package/2006/relationships/metadata/thumbnail\" "
+						"Target=\"/Metadata/thumbnail.png\"/>"
+						"<Relationship Id=\"r0\" Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\" "
+						"Target=\"/3D/3dmodel.model\"/></Relationships>"},
 		{"3D/3dmodel.model", model}};
 	files.insert(files.end(), more.begin(), more.end());
 	return zipText(files);
