@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshWords.h"
 
+#include <charconv>
 #include <cstddef>
-#include <cstdio>
 
 namespace ist
 {
 std::string number(double value)
 {
 	char text[32];
-	std::snprintf(text, sizeof text, "%.6g", value);
-	return text;
+	return std::string(text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr);
 }
 
 std::string place(const Vec3& p)

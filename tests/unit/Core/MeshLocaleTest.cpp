@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/MeshRepair.h"
 #include "BulletISTCollision/Core/MeshShapes.h"
 
 #include "tests/unit/CommaLocale.h"
@@ -29,10 +30,12 @@ std::string amf()
 {
 	std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"meter\"><object id=\"0\"><mesh><vertices>";
 	for (const Vec3& v : box().vertices)
-		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) + "</z></coordinates></vertex>";
+		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) +
+				"</z></coordinates></vertex>";
 	text += "</vertices><volume>";
 	for (const auto& [a, b, c] : box().triangles)
-		text += "<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) + "</v3></triangle>";
+		text +=
+			"<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) + "</v3></triangle>";
 	return text + "</volume></mesh></object></amf>\n";
 }
 
@@ -41,14 +44,16 @@ std::string x3d()
 	std::string points, corners;
 	for (const Vec3& v : box().vertices) points += std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + ", ";
 	for (const auto& [a, b, c] : box().triangles) corners += std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + " -1 ";
-	return "<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"" + corners + "\"><Coordinate point=\"" + points + "\"/></IndexedFaceSet></Shape></Scene></X3D>";
+	return "<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"" + corners + "\"><Coordinate point=\"" + points +
+		   "\"/></IndexedFaceSet></Shape></Scene></X3D>";
 }
 
 std::string obj()
 {
 	std::string text;
 	for (const Vec3& v : box().vertices) text += "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
-	for (const auto& [a, b, c] : box().triangles) text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
+	for (const auto& [a, b, c] : box().triangles)
+		text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
 	return text;
 }
 
@@ -79,7 +84,8 @@ const std::vector<File>& files()
 
 void expectWhole(const File& file)
 {
-	const std::string path = (std::filesystem::path(::testing::TempDir()) / ("ist_locale_" + std::to_string(getpid()) + file.ending)).string();
+	const std::string path =
+		(std::filesystem::path(::testing::TempDir()) / ("ist_locale_" + std::to_string(getpid()) + file.ending)).string();
 	std::ofstream(path, std::ios::binary) << file.bytes;
 	const Result<Mesh> mesh = importMesh(path);
 	std::filesystem::remove(path);
@@ -116,6 +122,17 @@ TEST(MeshLocale, ADecimalCommaOfTheStreamsCutsNoCoordinates)
 	for (const File& file : files()) expectWhole(file);
 }
 
+TEST(MeshLocale, SentencesOfRepairHaveAPoint)
+{
+	// Some of them stand in assets, which are the same whoever builds them.
+	const auto refused = [] { return repair(makeBoxMesh({1.5e8, 1.5e8, 1.5e8})).error().message; };
+	ASSERT_NE(refused().find("(1.5e+08, 1.5e+08, 1.5e+08) m"), std::string::npos) << refused();
+	const std::string before = refused();
+	const CommaLocale comma("de_DE");
+	if (!comma.there()) GTEST_SKIP() << "there is no locale de_DE, and localedef cannot make it: install the package locales";
+	EXPECT_EQ(refused(), before);
+}
+
 TEST(MeshLocale, TheProgramKeepsItsOwn)
 {
 	files();
@@ -126,7 +143,9 @@ TEST(MeshLocale, TheProgramKeepsItsOwn)
 	for (const locale_t before : {LC_GLOBAL_LOCALE, own})
 	{
 		uselocale(before);
-		const std::string half = printedHalf(), path = (std::filesystem::path(::testing::TempDir()) / ("ist_locale_" + std::to_string(getpid()) + ".obj")).string();
+		const std::string half = printedHalf(),
+						  path =
+							  (std::filesystem::path(::testing::TempDir()) / ("ist_locale_" + std::to_string(getpid()) + ".obj")).string();
 		std::ofstream(path) << files().back().bytes;
 		int calls = 0, others = 0;
 		EXPECT_TRUE(importMesh(path, 1, [&](const char*, double) { return ++calls, others += printedHalf() != half, true; }));
