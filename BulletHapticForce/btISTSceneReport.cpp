@@ -12,13 +12,21 @@
 #include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
+#include <string_view>
 
 namespace
 {
+/// So many digits, with a point whatever the locale of the program: the report is read by machines, too.
+std::string number(double value, int digits)
+{
+	char text[32];
+	return std::string(text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits).ptr);
+}
+
 using Objects = std::pair<const btCollisionObject*, const btCollisionObject*>;
 using Contacts = std::multimap<Objects, const btISTContact*>;
 
@@ -51,14 +59,11 @@ std::string whyModel(const btISTContact& contact)
 
 std::string whyUse(const btISTContact& contact, double granted)
 {
-	char text[96];
 	switch (contact.use)
 	{
 		case btISTKeptResult::Apart: return "kept: the leaves cannot have met";
 		case btISTKeptResult::Still: return "kept: neither has moved";
-		case btISTKeptResult::Moved:
-			std::snprintf(text, sizeof text, "kept: moved by less than %.2g %% of the force", 100 * granted);
-			return text;
+		case btISTKeptResult::Moved: return "kept: moved by less than " + number(100 * granted, 2) + " % of the force";
 		case btISTKeptResult::Ask: break;
 	}
 	return "queried";
@@ -107,30 +112,49 @@ btISTPairReport withoutContact(const Objects& pair, const btISTRegistry& registr
 
 std::string numbered(const btCollisionObject* object) { return "body " + std::to_string(object->getWorldArrayIndex()); }
 
-std::string number(double value)
+std::string jsonNumber(double value) { return std::isfinite(value) ? number(value, 9) : "null"; }
+
+/// Bytes of the character that a text begins with, after table 3-7 of the Unicode standard; 0 where it begins with none.
+size_t utf8Length(std::string_view text)
 {
-	char text[32];
-	std::snprintf(text, sizeof text, "%.9g", value);
-	return std::isfinite(value) ? text : "null";
+	const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+	const unsigned first = byte(0), second = byte(1);
+	const size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+	// Of the bytes after the first, each is 10xxxxxx. The second is limited further: neither long forms of short characters, nor
+	// surrogates, nor what lies beyond U+10FFFF.
+	for (size_t i = 1; i < length; ++i)
+		if (byte(i) >> 6 != 2) return 0;
+	const bool allowed = first == 0xe0 ? second >= 0xa0
+					   : first == 0xed ? second < 0xa0
+					   : first == 0xf0 ? second >= 0x90
+					   : first == 0xf4 ? second < 0x90
+									   : true;
+	return allowed ? length : 0;
 }
 
-std::string quoted(const std::string& text)
+/// Names come from the program; what is no UTF-8 in them becomes U+FFFD.
+std::string quoted(std::string_view text)
 {
+	static constexpr char kDigits[] = "0123456789abcdef";
 	std::string out = "\"";
-	for (const char c : text)
+	while (!text.empty())
 	{
-		char escaped[8];
-		if (c == '"' || c == '\\') out += std::string("\\") + c;
-		else if (static_cast<unsigned char>(c) >= 0x20) out += c;
-		else std::snprintf(escaped, sizeof escaped, "\\u%04x", unsigned(c)), out += escaped;
+		const size_t length = utf8Length(text);
+		const char c = text.front();
+		if (length == 0) out += "\\ufffd";
+		else if (c == '"' || c == '\\') out += {'\\', c};
+		else if (static_cast<unsigned char>(c) < 0x20) out += std::string("\\u00") + kDigits[c >> 4] + kDigits[c & 15];
+		else out += text.substr(0, length);
+		text.remove_prefix(std::max<size_t>(1, length));
 	}
 	return out + "\"";
 }
 
 std::string costJson(const btISTQueryCost& cost)
 {
-	return "\"queries\":" + std::to_string(cost.asked) + ",\"kept\":" + std::to_string(cost.kept()) + ",\"node_visits\":" + std::to_string(cost.nodeVisits) +
-		   ",\"ball_tests\":" + std::to_string(cost.ballTests) + ",\"seconds\":" + number(cost.seconds) + ",\"query_seconds\":" + number(cost.querySeconds);
+	return "\"queries\":" + std::to_string(cost.asked) + ",\"kept\":" + std::to_string(cost.kept()) +
+		   ",\"node_visits\":" + std::to_string(cost.nodeVisits) + ",\"ball_tests\":" + std::to_string(cost.ballTests) +
+		   ",\"seconds\":" + jsonNumber(cost.seconds) + ",\"query_seconds\":" + jsonNumber(cost.querySeconds);
 }
 }  // namespace
 
@@ -205,40 +229,27 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 std::vector<std::string> btISTSceneReport::lines() const
 {
 	std::vector<std::string> rows;
-	char row[256];
 	std::string granted;
-	if (economy.on && economy.keptError > 0) granted += ", " + number(100 * economy.keptError) + " % granted";
-	if (acceptedError > 0) granted += ", force error of " + number(100 * acceptedError) + " % accepted";
-	std::snprintf(row, sizeof row, "economy %s%s; %llu queries, %llu kept: a query in %.3g steps of a pair; queries %.3g ms, saved about %.3g ms",
-				  economy.on ? "on" : "off", granted.c_str(),
-				  static_cast<unsigned long long>(total.asked), static_cast<unsigned long long>(total.kept()), total.factor(), 1e3 * total.querySeconds, 1e3 * savedSeconds);
-	rows.emplace_back(row);
+	if (economy.on && economy.keptError > 0) granted += ", " + number(100 * economy.keptError, 9) + " % granted";
+	if (acceptedError > 0) granted += ", force error of " + number(100 * acceptedError, 9) + " % accepted";
+	rows.push_back("economy " + std::string(economy.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) + " queries, " +
+				   std::to_string(total.kept()) + " kept: a query in " + number(total.factor(), 3) + " steps of a pair; queries " +
+				   number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
-		std::snprintf(row, sizeof row, ": %s, level %d, %d patches, %lld leaf pairs, %.3g N", btISTPairReport::nameOf(p.model), p.level, p.patches,
-					  static_cast<long long>(p.leafPairs), p.force);
-		std::string line = namesA[i] + " - " + namesB[i] + (p.model > btISTPairReport::Stock ? row : std::string(": ") + btISTPairReport::nameOf(p.model));
-		if (p.patches > 0)
-		{
-			std::snprintf(row, sizeof row, " (k %.3g Pa/m: %s; %.3g mm deep, at most %.2g %% of the thickness)", p.k, btISTPairReport::nameOf(p.stiffnessRule), 1e3 * p.depth, 100 * p.deepest);
-			line += row;
-		}
-		if (p.patches > 0 && std::isfinite(p.expectedError))
-		{
-			std::snprintf(row, sizeof row, " within %.2g %%", 100 * p.expectedError);
-			line += row;
-		}
+		std::string line = namesA[i] + " - " + namesB[i] + ": " + btISTPairReport::nameOf(p.model);
+		if (p.model > btISTPairReport::Stock)
+			line += ", level " + std::to_string(p.level) + ", " + std::to_string(p.patches) + " patches, " + std::to_string(p.leafPairs) +
+					" leaf pairs, " + number(p.force, 3) + " N";
+		if (p.patches > 0 && std::isfinite(p.expectedError)) line += " within " + number(100 * p.expectedError, 2) + " %";
+		if (p.deepest > 0)
+			line += ", " + number(1e3 * p.depth, 3) + " mm deep (at most " + number(100 * p.deepest, 2) + " % of the thinner body), k " + number(p.k, 3) +
+					" Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
 		if (std::isfinite(p.promisedError))
-		{
-			std::snprintf(row, sizeof row, ", promised within %.2g %%, %.2g %% accepted%s", 100 * p.promisedError, 100 * p.acceptedError, p.promiseKept ? "" : ": not kept");
-			line += row;
-		}
-		if (p.cost.asked > 0)
-		{
-			std::snprintf(row, sizeof row, ", 1 query in %.3g steps", p.cost.factor());
-			line += row;
-		}
+			line += ", promised within " + number(100 * p.promisedError, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
+					(p.promiseKept ? "" : ": not kept");
+		if (p.cost.asked > 0) line += ", 1 query in " + number(p.cost.factor(), 3) + " steps";
 		rows.push_back(line + " (" + p.reason + ")");
 	}
 	return rows;
@@ -253,19 +264,28 @@ std::string btISTSceneReport::text() const
 
 std::string btISTSceneReport::json() const
 {
-	std::string out = "{\"schema\":1,\"economy\":" + std::string(economy.on ? "true" : "false") + ",\"kept_error\":" + number(economy.keptError) +
-					  ",\"accepted_error\":" + number(acceptedError) + ",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) + ",\"factor\":" + number(total.factor()) +
-					  ",\"seconds\":" + number(total.seconds) + ",\"query_seconds\":" + number(total.querySeconds) + ",\"saved_seconds\":" + number(savedSeconds) +
-					  ",\"largest_kept_error\":" + number(total.largestKeptError) + ",\"pairs\":[";
+	std::string out = "{\"schema\":1,\"economy\":" + std::string(economy.on ? "true" : "false") +
+					  ",\"kept_error\":" + jsonNumber(economy.keptError) + ",\"accepted_error\":" + jsonNumber(acceptedError) +
+					  ",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) +
+					  ",\"factor\":" + jsonNumber(total.factor()) + ",\"seconds\":" + jsonNumber(total.seconds) +
+					  ",\"query_seconds\":" + jsonNumber(total.querySeconds) + ",\"saved_seconds\":" + jsonNumber(savedSeconds) +
+					  ",\"largest_kept_error\":" + jsonNumber(total.largestKeptError) + ",\"pairs\":[";
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
-		out += std::string(i ? "," : "") + "{\"a\":" + quoted(namesA[i]) + ",\"b\":" + quoted(namesB[i]) + ",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) +
-			   ",\"level\":" + std::to_string(p.level) + ",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
-			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + number(p.force) + ",\"k\":" + number(p.k) + ",\"stiffness_rule\":" + (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
-			   ",\"depth\":" + number(p.depth) + ",\"deepest\":" + number(p.deepest) + ",\"expected_error\":" + number(p.expectedError) +
-			   ",\"accepted_error\":" + number(p.acceptedError) + ",\"promised_error\":" + number(p.promisedError) + ",\"promise_kept\":" + (!std::isfinite(p.promisedError) ? "null" : p.promiseKept ? "true" : "false") + "," +
-			   costJson(p.cost) + ",\"saved_seconds\":" + number(p.savedSeconds) + "}";
+		out += std::string(i ? "," : "") + "{\"a\":" + quoted(namesA[i]) + ",\"b\":" + quoted(namesB[i]) +
+			   ",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) + ",\"level\":" + std::to_string(p.level) +
+			   ",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
+			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + jsonNumber(p.force) +
+			   ",\"k\":" + jsonNumber(p.k) + ",\"stiffness_rule\":" +
+			   (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
+			   ",\"depth\":" + jsonNumber(p.depth) + ",\"deepest\":" + jsonNumber(p.deepest) +
+			   ",\"expected_error\":" + jsonNumber(p.expectedError) + ",\"accepted_error\":" + jsonNumber(p.acceptedError) +
+			   ",\"promised_error\":" + jsonNumber(p.promisedError) + ",\"promise_kept\":" +
+			   (!std::isfinite(p.promisedError) ? "null"
+				: p.promiseKept                 ? "true"
+												: "false") +
+			   "," + costJson(p.cost) + ",\"saved_seconds\":" + jsonNumber(p.savedSeconds) + "}";
 	}
 	return out + "]}";
 }

@@ -5,6 +5,8 @@
 #include "BulletISTCollision/Core/MeshShapes.h"
 #include "BulletISTCollision/Core/TreeBuilder.h"
 
+#include "tests/unit/CommaLocale.h"
+
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -256,4 +258,63 @@ TEST(btISTSceneReport, JsonIsOneObjectWhateverTheNamesAre)
 	}
 	EXPECT_TRUE(named);
 	EXPECT_TRUE(unpromised);
+}
+
+TEST(btISTSceneReport, JsonHasPointsWhateverTheLocaleOfTheProgram)
+{
+	Row row;
+	row.add("floor", &row.floor, 0, 0, -.5);
+	row.add("cube", &row.cube, 1, 0, .495);
+	ASSERT_FALSE(row.world.setForceError(0.075));
+	for (int i = 0; i < 5; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	const btISTSceneReport report = row.report();
+	const std::string json = report.json(), text = report.text();
+	ASSERT_NE(json.find("0.075"), std::string::npos);
+	ASSERT_NE(text.find("7.5 %"), std::string::npos);
+	{
+		const CommaStreams streams;
+		EXPECT_EQ(report.json(), json);
+		EXPECT_EQ(report.text(), text);
+	}
+	const CommaLocale comma("de_DE");
+	if (!comma.there()) GTEST_SKIP() << "there is no locale de_DE, and localedef cannot make it: install the package locales";
+	EXPECT_EQ(report.json(), json);
+	EXPECT_EQ(report.text(), text);
+	EXPECT_EQ(row.report().json(), json);
+}
+
+TEST(btISTSceneReport, JsonIsUtf8WhateverTheNames)
+{
+	Row row;
+	btRigidBody* floor = row.add("floor", &row.floor, 0, 0, -.5);
+	row.add("cube", &row.cube, 1, 0, .495);
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	const std::string bad = "\xef\xbf\xbd";
+	const std::pair<std::string, std::string> names[] = {
+		{"", ""},
+		{"gr\xc3\xbcn \xe4\xb8\xad \xf0\x9f\xa6\xbe", "gr\xc3\xbcn \xe4\xb8\xad \xf0\x9f\xa6\xbe"},
+		{"a\xff\xc3", "a" + bad + bad},
+		{"\xc3(", bad + "("},
+		{"\xc0\xaf", bad + bad},
+		{"\xe0\x80\xaf", bad + bad + bad},
+		{"\xed\xa0\x80", bad + bad + bad},
+		{"\xf4\x90\x80\x80", bad + bad + bad + bad},
+		{"\xe2\x82", bad + bad},
+		{"\x80x", bad + "x"},
+		{std::string("\0\x1f\x7f\"\\/", 6), std::string("\0\x1f\x7f\"\\/", 6)}};
+	for (const auto& [name, expected] : names)
+	{
+		row.names[floor] = name;
+		const auto json = nlohmann::json::parse(row.report().json());
+		EXPECT_TRUE(json["pairs"][0]["a"] == expected || json["pairs"][0]["b"] == expected) << json.dump();
+	}
+	// Any bytes at all: nlohmann's parser refuses what is no UTF-8.
+	uint32_t seed = 1;
+	for (int i = 0; i < 2000; ++i)
+	{
+		std::string name;
+		for (int k = 0; k < 12; ++k) name += static_cast<char>((seed = seed * 1664525 + 1013904223) >> 24);
+		row.names[floor] = name;
+		EXPECT_TRUE(nlohmann::json::accept(row.report().json()));
+	}
 }
