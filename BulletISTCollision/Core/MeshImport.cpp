@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/MeshImport.h"
 
+#include "BulletISTCollision/Core/MeshFileUnit.h"
 #include "BulletISTCollision/Core/MeshReaderWarnings.h"
 #include "BulletISTCollision/Core/MeshWords.h"
 #include "BulletISTCollision/Core/ThreadLocale.h"
@@ -8,6 +9,7 @@
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -108,16 +110,25 @@ private:
 class WatchedFiles : public Assimp::DefaultIOSystem
 {
 public:
-	explicit WatchedFiles(Watch& watch) : m_watch(watch) {}
+	/// The content of the file at `path` is `unpacked` where there is such; it must outlive this.
+	WatchedFiles(Watch& watch, const std::string& path, const std::optional<std::string>& unpacked)
+		: m_watch(watch), m_path(path), m_unpacked(unpacked)
+	{
+	}
 	Assimp::IOStream* Open(const char* file, const char* mode) override
 	{
-		Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+		const bool isUnpacked = m_unpacked && m_path == file;
+		Assimp::IOStream* stream = isUnpacked
+									 ? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
+									 : DefaultIOSystem::Open(file, mode);
 		return stream ? new WatchedStream(stream, m_watch) : nullptr;
 	}
 	void Close(Assimp::IOStream* stream) override { delete stream; }
 
 private:
 	Watch& m_watch;
+	const std::string& m_path;
+	const std::optional<std::string>& m_unpacked;
 };
 
 /// How far apart neighbouring values of single precision are at the part's farthest coordinate, as a share of its longest side.
@@ -166,8 +177,9 @@ struct LeftOut
 	int64_t lines = 0, points = 0;
 };
 
-/// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond the vertices.
-/// The kinds of faces that the part says it has become those that are left: where assimp is told of polygons and finds none, it ends the process.
+/// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond
+/// the vertices. The kinds of faces that the part says it has become those that are left: where assimp is told of polygons and finds none,
+/// it ends the process.
 void sieveFaces(aiMesh& part, LeftOut& out)
 {
 	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
@@ -209,13 +221,21 @@ LeftOut sieveFaces(const aiScene& scene)
 	return out;
 }
 
-/// The reader of 3MF in assimp 5.2.5 to 5.3 deletes the pictures of a file before it returns. The scene still lists them and would delete them again.
-/// Release 5.2.5 calls itself 5.2.4, and the releases before it call themselves 5.2.0.
+constexpr std::string_view k3mfReader = "3mf Importer";
+
+/// Of the file that was read last.
+std::string_view readerName(const Assimp::Importer& importer)
+{
+	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
+	return reader ? reader->mName : "";
+}
+
+/// The reader of 3MF in assimp 5.2.5 to 5.3 deletes the pictures of a file before it returns. The scene still lists them and would delete
+/// them again. Release 5.2.5 calls itself 5.2.4, and the releases before it call themselves 5.2.0.
 void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
 {
 	const std::array version{aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()}, first{5u, 2u, 4u}, good{5u, 4u, 0u};
-	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
-	if (version < first || version >= good || !reader || reader->mName != std::string_view("3mf Importer")) return;
+	if (version < first || version >= good || readerName(importer) != k3mfReader) return;
 	delete[] scene.mTextures;
 	scene.mTextures = nullptr;
 	scene.mNumTextures = 0;
@@ -278,7 +298,8 @@ void append(TexturedMesh& textured, Rounding& rounding, const aiMesh& part, cons
 	}
 }
 
-/// As a share of the mesh's longest side. Parts that may be farther apart than a shape may be blurred are not welded to each other.
+/// As a share of the mesh's longest side [units of the file]. Parts that may be farther apart than a shape may be blurred are not welded to
+/// each other.
 double share(const Rounding& rounding, bool inOnePlace, double side)
 {
 	const double between = rounding.betweenParts / side;
@@ -309,7 +330,7 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& wat
 		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
 	}
 	if (const double side = bounds(textured.mesh).longestSide(); side > 0)
-		textured.mesh.rounding = std::max(textured.mesh.rounding, unit * share(rounding, inOnePlace, side));
+		textured.mesh.rounding = std::max(textured.mesh.rounding, share(rounding, inOnePlace, side / unit));
 	return textured;
 }
 
@@ -347,11 +368,60 @@ std::string reasonOf(const Assimp::Importer& importer)
 	return reason.empty() ? "assimp does not say why" : reason;
 }
 
-Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wanted, Watch& watch)
+/// How to come from the coordinates that the reader gives to metres.
+struct Scale
+{
+	double unit = 1;    ///< metres per unit of the file
+	double factor = 1;  ///< on the reader's coordinates
+	std::optional<std::string> notTaken;
+};
+
+/// Six digits, in the words that sentences have for a unit.
+std::string unitWords(double metres) { return number(metres) + " m"; }
+
+Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const std::optional<double>& given)
+{
+	// The text of a file has few digits.
+	constexpr double kSame = 1e-6;
+	if (!(file.metres > 0) && (!given || file.appliedByReader))
+		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
+					 (file.appliedByReader ? "" : ", or give the unit (unit, --unit)")};
+	const double applied = file.appliedByReader ? file.metres : 1;
+	if (!given) return Scale{file.metres, file.metres / applied, {}};
+	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
+	Scale scale{*given, *given / applied, {}};
+	const std::string states =
+		file.stated.empty() ? "The file states no unit, for which the " + file.format + " format has " + unitWords(file.metres)
+		: file.appliedByReader
+			? "The file states " + unitWords(file.metres) + " as its unit"
+			: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + unitWords(file.metres) : "");
+	if (!file.format.empty()) scale.notTaken = states + "; in its place the given unit was applied, " + unitWords(*given) + ".";
+	return scale;
+}
+
+/// FBX files state centimetres per unit. Many are in metres all the same, so that the reader's coordinates stay as they are.
+std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importer& importer, const std::optional<double>& given)
+{
+	float centimetres = 0;
+	if (given || readerName(importer) != "Autodesk FBX Importer" || !scene.mMetaData ||
+		!scene.mMetaData->Get("UnitScaleFactor", centimetres))
+		return std::nullopt;
+	if (!(centimetres > 0) || centimetres == 100) return std::nullopt;
+	const std::string metres = unitWords(0.01 * double(centimetres));
+	return "The file states " + metres +
+		   " as its unit, which is not applied to FBX files: its coordinates were taken as metres; give the unit (unit, --unit) if they "
+		   "are not.";
+}
+
+Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, Watch& watch)
 {
 	if (const auto error = whyNoMeshFile(path)) return *error;
+	const Result<MeshFileHead> head = readMeshFileHead(path);
+	if (!head) return head.error();
+	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
+	if (!scale) return scale.error();
 	Assimp::Importer importer;
-	importer.SetIOHandler(new WatchedFiles(watch));
+	importer.SetIOHandler(new WatchedFiles(watch, path, head.value().unpacked));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
 	// The importer owns the scene and gives it out for reading alone.
@@ -365,7 +435,10 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
 					 "; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it again"};
-	TexturedMesh textured = gather(*scene, unit, wanted, watch);
+	if (readerName(importer) == k3mfReader && head.value().unit.format != "3MF")
+		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
+	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, watch);
+	textured.mesh.unit = scale.value().unit;
 	const Mesh& mesh = textured.mesh;
 	if (watch.cancelled()) return Error{"the import was cancelled", true};
 	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
@@ -379,13 +452,15 @@ Result<TexturedMesh> readMesh(const std::string& path, double unit, Wanted wante
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
 	if (!watch.reach(1)) return Error{"the import was cancelled", true};
 	textured.mesh.notTaken = sentences(leftOut, warnings.ofFaces());
+	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
+		textured.mesh.notTaken.push_back(*std::move(sentence));
 	return textured;
 }
 
-Result<TexturedMesh> importSurface(const std::string& path, double unit, Wanted wanted, const Progress& progress)
+Result<TexturedMesh> importSurface(const std::string& path, const std::optional<double>& unit, Wanted wanted, const Progress& progress)
 {
-	if (!(unit > 0) || !std::isfinite(unit))
-		return Error{"the unit must be a positive number of metres, not " + std::to_string(unit)};
+	if (unit && (!(*unit > 0) || !std::isfinite(*unit)))
+		return Error{"the unit must be a positive number of metres, not " + std::to_string(*unit)};
 	// assimp's readers of 3MF, AMF and X3D take numbers by strtod, which follows the locale: under a decimal comma 1.5 would become 1.
 	const PlainLocale plain;
 	const ThreadLocale readers(plain.get());
@@ -403,14 +478,14 @@ Result<TexturedMesh> importSurface(const std::string& path, double unit, Wanted 
 }
 }  // namespace
 
-Result<Mesh> importMesh(const std::string& path, double unit, const Progress& progress)
+Result<Mesh> importMesh(const std::string& path, std::optional<double> unit, const Progress& progress)
 {
 	Result<TexturedMesh> read = importSurface(path, unit, Wanted::Surface, progress);
 	if (!read) return read.error();
 	return std::move(std::move(read).value().mesh);
 }
 
-Result<TexturedMesh> importTexturedMesh(const std::string& path, double unit, const Progress& progress)
+Result<TexturedMesh> importTexturedMesh(const std::string& path, std::optional<double> unit, const Progress& progress)
 {
 	return importSurface(path, unit, Wanted::SurfaceAndPlaces, progress);
 }

@@ -6,20 +6,28 @@
 #include "BulletISTCollision/Core/Result.h"
 #include "BulletISTCollision/Core/TexturedMesh.h"
 
+#include <optional>
 #include <string>
 
 namespace ist
 {
-/// Reads every triangle of a file in any format that assimp knows, with the scene's node transforms applied, and multiplies
-/// all coordinates by `unit` (metres per unit of the file). Points, lines and faces with corners that are not there are left out, and
-/// `Mesh::notTaken` says so; where the reader itself gives such faces other corners (OFF, AC, 3DS), it says that. Duplicate positions are not welded:
-/// that is repair's work. Errors: file missing or unreadable, no triangles, more than half of its faces with corners that are not there, coordinates that are not finite (names the first one) or
-/// that lie so far from the origin that single precision, in which assimp reads them, blurs the shape. Stage "import": the share of the
-/// file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file is parsed. Files from strangers belong in a process of their
-/// own (`ist build`): on damaged OFF and PLY files assimp 5.2.5 may crash.
-Result<Mesh> importMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
+/// Reads every triangle of a file in any format that assimp knows, with the scene's node transforms applied, in metres. Points, lines and
+/// faces with corners that are not there are left out, and `Mesh::notTaken` says so; where the reader itself gives such faces other corners
+/// (OFF, AC, 3DS), it says that. Duplicate positions are not welded: that is repair's work.
+///
+/// Without `unit`, the file's own unit is applied, once: what 3MF, AMF and COLLADA files state, millimetres where a 3MF or AMF file states
+/// none, and metres for all others. The unit that an FBX file states is not applied, and `notTaken` says so. With `unit`, metres per unit
+/// of the file, it takes the place of what the file states, and `notTaken` says where the two differ. `Mesh::unit` is the one that was
+/// applied.
+///
+/// Errors: file missing or unreadable, no triangles, more than half of its faces with corners that are not there, a unit that its format
+/// does not know, coordinates that are not finite (names the first one) or that lie so far from the origin that single precision, in which
+/// assimp reads them, blurs the shape. Stage "import": the share of the file's bytes that were read, then of the parts that were taken;
+/// cancelling takes effect once the file is parsed. The locale of the program plays no part. Files from strangers belong in a process of
+/// their own (`ist build`): on damaged OFF and PLY files assimp 5.2.5 may crash.
+Result<Mesh> importMesh(const std::string& path, std::optional<double> unit = std::nullopt, const Progress& progress = {});
 
 /// The same triangles in the same order, with their first set of texture coordinates. Also refused: a part without any, and coordinates that are
 /// not finite.
-Result<TexturedMesh> importTexturedMesh(const std::string& path, double unit = 1.0, const Progress& progress = {});
+Result<TexturedMesh> importTexturedMesh(const std::string& path, std::optional<double> unit = std::nullopt, const Progress& progress = {});
 }  // namespace ist

@@ -11,6 +11,6 @@ Error refused(const std::string& path)
 }
 }  // namespace
 
-Result<Mesh> importMesh(const std::string& path, double, const Progress&) { return refused(path); }
-Result<TexturedMesh> importTexturedMesh(const std::string& path, double, const Progress&) { return refused(path); }
+Result<Mesh> importMesh(const std::string& path, std::optional<double>, const Progress&) { return refused(path); }
+Result<TexturedMesh> importTexturedMesh(const std::string& path, std::optional<double>, const Progress&) { return refused(path); }
 }  // namespace ist

@@ -121,11 +121,13 @@ void bindFunctions(py::module_& module)
 			   "each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
 			   "return False to cancel. Raises bullethaptics.Error with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
-	module.def("read_mesh", [](const std::filesystem::path& path, double unit) {
+	module.def("read_mesh", [](const std::filesystem::path& path, std::optional<double> unit) {
 			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path.string(), unit, watch); });
 			warnOfNotTaken(path.string(), mesh);
 			return arraysFrom(mesh);
-		}, "path"_a, "unit"_a = 1.0, "(vertices, triangles) of a mesh file; `unit` is metres per unit of the file. What could not be taken is a UserWarning.");
+		}, "path"_a, "unit"_a = py::none(),
+		"(vertices, triangles) of a mesh file [m]. `unit`, metres per unit of the file, takes the place of the one that the file states, "
+		"if any. What was not taken is a UserWarning.");
 	module.def("query", &query, "a"_a, "b"_a, "poses"_a, py::kw_only(), "stiffness"_a = 1.0, "level"_a = -1, "max_pairs"_a = int64_t(-1),
 			   "error"_a = py::none(),
 			   "Overlap, force and torque of body b at `poses` in a's mesh frame, by the pressure field law with `stiffness` [Pa/m]. A dict of arrays, "

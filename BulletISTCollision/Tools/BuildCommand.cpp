@@ -31,8 +31,10 @@ constexpr int64_t kMostSpheres = 5'000'000;
 /// Of the volume.
 constexpr double kNoticedChange = 1e-3;
 
-double unitLength(const std::string& unit)
+/// Nothing: as the file states.
+std::optional<double> unitLength(const std::string& unit)
 {
+	if (unit.empty()) return std::nullopt;
 	return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
 }
 
@@ -65,14 +67,14 @@ double fileBytes(const std::string& path)
 	return failure ? 0 : double(bytes);
 }
 
-BuildOptions buildOptions(const BuildArguments& a, const Progress& progress)
+BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& progress)
 {
 	BuildOptions options;
 	options.maxSpheres = a.spheres > 0 ? a.spheres : otherLimit(a) ? kMostSpheres : options.maxSpheres;
 	if (a.fill > 0) options.targetFill = a.fill;
 	options.minRadius = a.minRadius;
 	options.repair = a.repair == "off" ? RepairMode::Off : a.repair == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
-	options.unit = unitLength(a.unit);
+	options.unit = unit;
 	options.seed = a.seed;
 	options.threads = a.threads;
 	options.progress = progress;
@@ -119,7 +121,7 @@ int runBuild(const BuildArguments& a)
 	const double importSeconds = seconds();
 	whole = wholeBuild(a, double(mesh.value().triangles.size()));
 	BuildTimes times;
-	const BuildOptions options = buildOptions(a, progress);
+	const BuildOptions options = buildOptions(a, mesh.value().unit, progress);
 	const Result<InnerSphereTree> tree =
 		a.error > 0 ? buildTreeToError(mesh.value(), a.error, options, &times) : buildTree(mesh.value(), options, &times);
 	end(bool(tree));
@@ -136,6 +138,7 @@ int runBuild(const BuildArguments& a)
 
 	Report report = newReport();
 	describeTree(report, tree.value(), bytes.value());
+	report["unit"] = unitName(tree.value().provenance.unit);
 	report["seconds"] = seconds();
 	report["seconds_setup"] = importSeconds + times.setup;
 	report["seconds_packing"] = times.packing;

@@ -8,6 +8,7 @@
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <cstdio>
+#include <optional>
 
 namespace ist::tools
 {
@@ -18,10 +19,20 @@ RepairMode repairMode(const std::string& name)
 	return name == "off" ? RepairMode::Off : name == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
 }
 
+/// The mesh in the unit that the asset records. Assets of releases before 0.2 record metres for files that state another unit, if they were
+/// built without one; COLLADA files were in the stated unit all the same.
+Result<Mesh> recordedMesh(const InnerSphereTree& tree, const std::string& path)
+{
+	Result<Mesh> mesh = importApart(path, tree.provenance.unit);
+	if (!mesh || meshHash(mesh.value()) == tree.provenance.meshHash) return mesh;
+	Result<Mesh> asStated = importApart(path, std::nullopt);
+	return asStated && meshHash(asStated.value()) == tree.provenance.meshHash ? asStated : mesh;
+}
+
 /// The surface that was packed: the mesh after the recorded repair, in the tree frame.
 Result<Mesh> packedSurface(const InnerSphereTree& tree, const std::string& path, std::vector<std::string>& problems)
 {
-	const Result<Mesh> mesh = importApart(path, tree.provenance.unit);
+	const Result<Mesh> mesh = recordedMesh(tree, path);
 	if (!mesh) return mesh.error();
 	warnOfNotTaken(path, mesh.value());
 	if (meshHash(mesh.value()) != tree.provenance.meshHash) problems.push_back("the mesh is not the one that the asset was built from");

@@ -26,7 +26,8 @@ struct BuildArguments
 	double fill = 0;         ///< 0: not given
 	double minRadius = 0;    ///< 0: not given
 	double error = 0;        ///< 0: not given
-	std::string unit = "m", repair = "auto";
+	std::string unit;        ///< empty: not given
+	std::string repair = "auto";
 	int threads = 0;
 	uint64_t seed = 1;
 	bool json = false, quiet = false;

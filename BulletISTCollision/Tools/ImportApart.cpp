@@ -123,7 +123,7 @@ void confine()
 #endif
 }
 
-bool importAndSend(const std::string& path, double unit, PipeEnd& pipe) noexcept
+bool importAndSend(const std::string& path, std::optional<double> unit, PipeEnd& pipe) noexcept
 {
 	confine();
 	Result<Mesh> mesh = importMesh(path, unit, [&](const char*, double fraction) { return pipe.send(Part::Fraction) && pipe.send(fraction); });
@@ -132,8 +132,9 @@ bool importAndSend(const std::string& path, double unit, PipeEnd& pipe) noexcept
 		const bool forMemory = mesh.error().message.find("bad_alloc") != std::string::npos;
 		return pipe.send(Part::Failure) && pipe.sendArray(forMemory ? tooLarge(path).message : mesh.error().message);
 	}
-	const auto& [vertices, triangles, rounding, notTaken] = mesh.value();
-	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles) && pipe.send(rounding) && pipe.sendTexts(notTaken);
+	const auto& [vertices, triangles, rounding, notTaken, applied] = mesh.value();
+	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles) && pipe.send(rounding) &&
+		   pipe.sendTexts(notTaken) && pipe.send(applied);
 }
 
 /// Nothing when the other process ended without an answer.
@@ -158,7 +159,8 @@ std::optional<Result<Mesh>> receiveAnswer(PipeEnd& pipe, const Progress& progres
 			return error;
 		}
 		Mesh mesh;
-		if (!pipe.receiveArray(mesh.vertices) || !pipe.receiveArray(mesh.triangles) || !pipe.receive(mesh.rounding) || !pipe.receiveTexts(mesh.notTaken))
+		if (!pipe.receiveArray(mesh.vertices) || !pipe.receiveArray(mesh.triangles) || !pipe.receive(mesh.rounding) ||
+			!pipe.receiveTexts(mesh.notTaken) || !pipe.receive(mesh.unit))
 			return std::nullopt;
 		return mesh;
 	}
@@ -173,7 +175,7 @@ Error brokeDown(const std::string& path, int status)
 }
 }  // namespace
 
-Result<Mesh> importApart(const std::string& path, double unit, const Progress& progress)
+Result<Mesh> importApart(const std::string& path, std::optional<double> unit, const Progress& progress)
 {
 	int ends[2];
 	if (::pipe(ends) != 0) return importMesh(path, unit, progress);

@@ -40,8 +40,7 @@ int runInfo(const InfoArguments& a)
 	char hash[17];
 	std::snprintf(hash, sizeof hash, "%016" PRIx64, tree.provenance.meshHash);
 	report["mesh_hash"] = hash;
-	const double unit = tree.provenance.unit;
-	report["unit"] = unit == 1 ? Report("m") : unit == 0.01 ? Report("cm") : unit == 0.001 ? Report("mm") : Report(unit);
+	report["unit"] = unitName(tree.provenance.unit);
 	report["nodes"] = tree.law.nodes.size();
 	report["center_of_mass"] = toJson(tree.origin);
 	Report inertia = Report::array();

@@ -21,6 +21,11 @@ Report toJson(const Vec3& v)
 	return Report::array({v.x, v.y, v.z});
 }
 
+Report unitName(double metres)
+{
+	return metres == 1 ? Report("m") : metres == 0.01 ? Report("cm") : metres == 0.001 ? Report("mm") : Report(metres);
+}
+
 std::string format(const Report& report, bool json)
 {
 	// File names need not be UTF-8; a bad byte must not end the program.

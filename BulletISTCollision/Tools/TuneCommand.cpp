@@ -10,6 +10,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -32,7 +33,7 @@ Result<TuneBody> bodyOf(const std::string& path)
 		body.tree = std::move(tree).value();
 		return body;
 	}
-	Result<Mesh> mesh = importApart(path, 1, goesOn);
+	Result<Mesh> mesh = importApart(path, std::nullopt, goesOn);
 	if (!mesh) return mesh.error();
 	warnOfNotTaken(path, mesh.value());
 	body.mesh = std::move(mesh).value();

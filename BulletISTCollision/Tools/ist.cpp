@@ -70,7 +70,8 @@ private:
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
-		sub->add_option("--unit", a.unit, "length unit of the mesh file")->check(CLI::IsMember({"m", "cm", "mm"}))->capture_default_str();
+		sub->add_option("--unit", a.unit, "length unit of the mesh file, in place of the one that it states")
+			->check(CLI::IsMember({"m", "cm", "mm"}));
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")->check(CLI::IsMember({"auto", "off", "wrap"}))->capture_default_str();
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(wholeNumber(1, 4096));
 		sub->add_option("--seed", a.seed, "seed")->transform(wholeNumber<uint64_t>(0))->capture_default_str();

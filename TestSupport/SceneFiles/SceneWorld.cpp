@@ -15,6 +15,7 @@
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 using namespace ist;
@@ -52,13 +53,15 @@ bool isPrincipal(const InnerSphereTree& tree)
 Result<Mesh> sourceMesh(const SceneAsset& asset, const SceneBuildOptions& options)
 {
 	if (asset.mesh.empty()) return asset.shape;
-	Result<Mesh> read = importMesh(asset.mesh, 1, options.progress);
+	Result<Mesh> read = importMesh(asset.mesh, asset.unit > 0 ? std::optional(asset.unit) : std::nullopt, options.progress);
 	if (!read) return read.error();
 	Mesh mesh = std::move(read).value();
-	const double unit = asset.unit > 0 ? asset.unit : asset.longestSide > 0 ? asset.longestSide / bounds(mesh).longestSide() : 1;
-	for (Vec3& p : mesh.vertices) p *= unit;
+	const double scale = asset.unit <= 0 && asset.longestSide > 0 ? asset.longestSide / bounds(mesh).longestSide() : 1;
+	for (Vec3& p : mesh.vertices) p *= scale;
 	const Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, options.progress);
 	if (!repaired) return repaired.error();
+	if (options.say)
+		for (const std::string& sentence : mesh.notTaken) options.say(asset.name + ": " + sentence);
 	if (options.say)
 		for (const std::string& action : repaired.value().actions) options.say(asset.name + ": " + action);
 	return repaired.value().mesh;

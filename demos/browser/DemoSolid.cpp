@@ -8,6 +8,7 @@
 #include "TestSupport/SceneFiles/PrincipalMesh.h"
 #include "demos/scenes/BodiesOnPlane.h"
 
+#include <optional>
 #include <utility>
 
 using namespace ist;
@@ -44,7 +45,7 @@ std::optional<Error> makeSolid(SolidPtr& solid, const std::string& name, const M
 Result<Mesh> chosenMesh(const DemoOptions& options, double size, const Mesh& otherwise)
 {
 	if (options.mesh.empty()) return otherwise;
-	Result<Mesh> read = importMesh(options.mesh, 1, options.progress);
+	Result<Mesh> read = importMesh(options.mesh, std::nullopt, options.progress);
 	if (!read) return read;
 	Mesh mesh = std::move(read).value();
 	const Box box = bounds(mesh);

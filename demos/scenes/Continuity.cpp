@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
 
 using namespace ist;
 
@@ -201,18 +202,18 @@ double powerAbove(const std::vector<double>& values, double rate, double cut)
 Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 {
 	const auto go = [&](const char* stage, double fraction) { return !options.progress || options.progress(stage, fraction); };
-	const Result<Mesh> read = importMesh(options.mesh, 1, options.progress);
+	const Result<Mesh> read = importMesh(options.mesh, std::nullopt, options.progress);
 	if (!read) return read.error();
 	Mesh mesh = read.value();
-	const double unit = kLongestSide / bounds(mesh).longestSide();
-	for (Vec3& p : mesh.vertices) p *= unit;
+	const double scale = kLongestSide / bounds(mesh).longestSide();
+	for (Vec3& p : mesh.vertices) p *= scale;
 	const Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, options.progress);
 	if (!repaired) return repaired.error();
 
 	const RodProbe rod;
 	BuildOptions build;
 	build.maxSpheres = options.spheres;
-	build.unit = unit;
+	build.unit = scale * mesh.unit;
 	build.progress = options.progress;
 	const Result<CachedTree> body = treeFromCache(repaired.value().mesh, build, options.cache, "continuity-body", options.say);
 	if (!body) return body.error();

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 using namespace ist;
 
@@ -129,11 +130,11 @@ Reach reachAt(const Mesh& mesh, double y)
 }
 
 /// The file's surface, with its places in a texture where it has some.
-Result<TexturedMesh> readSurface(const std::string& path)
+Result<TexturedMesh> readSurface(const std::string& path, const std::optional<double>& unit)
 {
-	Result<TexturedMesh> textured = importTexturedMesh(path);
+	Result<TexturedMesh> textured = importTexturedMesh(path, unit);
 	if (textured) return textured;
-	Result<Mesh> bare = importMesh(path);
+	Result<Mesh> bare = importMesh(path, unit);
 	if (!bare) return bare.error();
 	return TexturedMesh{std::move(bare).value(), {}};
 }
@@ -194,10 +195,10 @@ Result<GraspObject> makeGraspObject(const std::string& name)
 
 Result<GraspObject> loadGraspObject(const std::string& path, double unit)
 {
-	Result<TexturedMesh> read = readSurface(path);
+	Result<TexturedMesh> read = readSurface(path, unit > 0 ? std::optional(unit) : std::nullopt);
 	if (!read) return read.error();
 	TexturedMesh file = std::move(read).value();
-	const double scale = unit > 0 ? unit : kLoadedSize / bounds(file.mesh).longestSide();
+	const double scale = unit > 0 ? 1 : kLoadedSize / bounds(file.mesh).longestSide();
 	for (Vec3& p : file.mesh.vertices) p = scale * p;
 	Result<RepairedMesh> repaired = repair(file.mesh);
 	if (!repaired) return Error{path + ": " + repaired.error().message};

@@ -19,6 +19,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -45,11 +46,15 @@ constexpr BodyMaterial kFloorMaterial{0, 2e6, 0.8};
 
 Result<Mesh> sourceMesh(const HapticBunnyOptions& options, double& unit)
 {
-	Result<Mesh> read = options.mesh.empty() ? Result<Mesh>(options.given) : importMesh(options.mesh);
+	const std::optional<double> stated = options.unit > 0 ? std::optional(options.unit) : std::nullopt;
+	Result<Mesh> read = options.mesh.empty() ? Result<Mesh>(options.given) : importMesh(options.mesh, stated);
 	if (!read) return read.error();
 	Mesh mesh = std::move(read).value();
-	unit = options.unit > 0 ? options.unit : options.mesh.empty() ? 1 : kLongestSide / bounds(mesh).longestSide();
-	for (Vec3& p : mesh.vertices) p *= unit;
+	const double scale = options.mesh.empty() ? stated.value_or(1) : stated ? 1 : kLongestSide / bounds(mesh).longestSide();
+	for (Vec3& p : mesh.vertices) p *= scale;
+	unit = scale * mesh.unit;
+	if (options.say)
+		for (const std::string& sentence : mesh.notTaken) options.say(sentence);
 	return mesh;
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 using namespace ist;
@@ -134,14 +135,15 @@ void summarise(MeshToQueryOutcome& outcome)
 
 Result<MeshToQueryOutcome> runMeshToQuery(const MeshToQueryOptions& options)
 {
-	Result<Mesh> imported = importMesh(options.mesh);
+	Result<Mesh> imported = importMesh(options.mesh, options.unit > 0 ? std::optional(options.unit) : std::nullopt);
 	if (!imported) return imported.error();
 	Mesh mesh = std::move(imported).value();
 	MeshToQueryOutcome outcome;
 	outcome.mesh = options.mesh;
-	outcome.unit = options.unit > 0 ? options.unit : 0.2 / bounds(mesh).longestSide();
+	const double scale = options.unit > 0 ? 1 : 0.2 / bounds(mesh).longestSide();
+	outcome.unit = scale * mesh.unit;
 	outcome.stiffness = options.stiffness;
-	for (Vec3& p : mesh.vertices) p *= outcome.unit;
+	for (Vec3& p : mesh.vertices) p *= scale;
 
 	BuildOptions build;
 	build.maxSpheres = options.spheres;

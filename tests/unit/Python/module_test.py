@@ -115,6 +115,17 @@ class Build(Shared):
             np.testing.assert_array_equal(bh.read_mesh(path, unit=.001)[0], vertices)
         np.testing.assert_allclose(vertices[triangles[0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
 
+    def test_read_mesh_applies_the_unit_that_the_file_states(self):
+        corners = "".join(f"<vertex><coordinates><x>{x}</x><y>{y}</y><z>0</z></coordinates></vertex>" for x, y in ((0, 0), (1, 0), (0, 2)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "t.amf")
+            path.write_text(f'<amf unit="inch"><object id="0"><mesh><vertices>{corners}</vertices><volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle>'
+                            "</volume></mesh></object></amf>")
+            vertices, triangles = bh.read_mesh(path)
+            np.testing.assert_allclose(vertices[triangles[0]], [[0, 0, 0], [.0254, 0, 0], [0, .0508, 0]])
+            with self.assertWarnsRegex(UserWarning, 't.amf: The file states "inch" as its unit, 0.0254 m; in its place the given unit was applied, 1 m.'):
+                np.testing.assert_allclose(bh.read_mesh(path, unit=1)[0][triangles[0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
+
     def test_read_mesh_warns_of_what_it_could_not_take(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "t.obj")

@@ -215,6 +215,30 @@ holds "query onto an asset" 'not rows'
 expect "build in mm" 0 "$ist" build "$dir/cube.obj" -o "$dir/small.ist" --spheres 50 --unit mm --json
 holds "build in mm" 'near(r["volume"], 1e-9, 1e-18) and near(r["longest_side"], 1e-3, 1e-9)'
 
+holds "build in mm says so" 'r["unit"] == "mm" and not any("unit" in s for s in r["repair"])'
+
+# A COLLADA file in millimetres: its unit is applied once, and a given one takes its place, which is said. `check` finds the same mesh again.
+cat > "$dir/mm.dae" << 'END'
+<?xml version="1.0" encoding="utf-8"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">0 0 0 30 0 0 0 30 0 0 0 30</float_array><technique_common>
+<accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>
+</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+END
+for unit in "" "--unit mm"; do
+	# Without quotes: nothing, or two words.
+	expect "build a stated unit $unit" 0 "$ist" build "$dir/mm.dae" -o "$dir/stated.ist" --spheres 50 $unit --json
+	holds "build a stated unit $unit" 'near(r["longest_side"], 0.03, 1e-8) and r["unit"] == "mm" and not any("unit" in s for s in r["repair"])'
+	expect "check a stated unit $unit" 0 "$ist" check "$dir/stated.ist" --mesh "$dir/mm.dae" --json
+	holds "check a stated unit $unit" 'r["ok"] is True'
+done
+expect "build over a stated unit" 0 "$ist" build "$dir/mm.dae" -o "$dir/stated.ist" --spheres 50 --unit cm --json
+holds "build over a stated unit" 'near(r["longest_side"], 0.3, 1e-7) and r["unit"] == "cm" and r["repair"][0] == "The file states 0.001 m as its unit; in its place the given unit was applied, 0.01 m."'
+expect "check over a stated unit" 0 "$ist" check "$dir/stated.ist" --mesh "$dir/mm.dae" --json
+holds "check over a stated unit" 'r["ok"] is True'
+
 expect info 0 "$ist" info "$cube" --json
 holds info 'r["version"] == 6 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300 and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and len(r["calibration"]["levels"]) > 2'
 holds "info mass" 'near(r["longest_side"], 1) and all(near(v, 0.5) for v in r["center_of_mass"]) and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
