@@ -5,10 +5,9 @@
 #include "demos/scenes/WholeText.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <utility>
 
 namespace scenes
@@ -44,9 +43,7 @@ std::string escaped(const std::string& text)
 /// SVG coordinates: a tenth of a pixel is enough.
 std::string pixel(double value)
 {
-	char buffer[32];
-	std::snprintf(buffer, sizeof buffer, "%.1f", value);
-	return buffer;
+	return formatFixed(value, 1);
 }
 
 struct Frame : ChartAxes
@@ -158,9 +155,17 @@ std::string formatNumber(double value, int digits)
 {
 	if (std::fabs(value) < 1e-300) return "0";
 	char buffer[40];
-	std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
-	if (std::fabs(value) >= 1 && std::fabs(value) < 1e6 && std::strchr(buffer, 'e')) std::snprintf(buffer, sizeof buffer, "%.0f", std::strtod(buffer, nullptr));
-	return buffer;
+	char* const end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, digits).ptr;
+	if (std::fabs(value) < 1 || std::fabs(value) >= 1e6 || std::find(buffer, end, 'e') == end) return std::string(buffer, end);
+	double rounded = value;
+	std::from_chars(buffer, end, rounded);
+	return formatFixed(rounded, 0);
+}
+
+std::string formatFixed(double value, int decimals)
+{
+	char buffer[400];
+	return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals).ptr);
 }
 
 HtmlReport::HtmlReport(std::string title) : m_title(std::move(title)) {}

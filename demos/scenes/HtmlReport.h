@@ -47,6 +47,9 @@ private:
 	std::string m_title, m_body;
 };
 
-/// `value` with the given number of significant digits, without needless zeros and, below a million, without an exponent: 2070 rather than 2.07e+03.
+/// `value` with the given number of significant digits, without needless zeros and, below a million, without an exponent: 2070 rather
+/// than 2.07e+03. With a point, whatever the locale of the program, as files need it.
 std::string formatNumber(double value, int digits = 4);
+/// With so many decimals, and a point.
+std::string formatFixed(double value, int decimals);
 }  // namespace scenes

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cstdio>
 #include <thread>
 
 using namespace ist;
@@ -300,16 +299,10 @@ std::string paperCsv(const PaperScene& scene)
 	for (size_t i = 0; i < ticks.size(); ++i)
 	{
 		const SceneTick& t = ticks[i];
-		char row[240];
-		std::snprintf(row, sizeof row, "%.6f,%.9f,%.3f,%lld,%llu,", t.time, t.period, t.threadMicroseconds, static_cast<long long>(t.answer.pairs),
-					  static_cast<unsigned long long>(t.answer.number));
-		text += row;
-		row[0] = 0;
-		if (isNewAnswer(ticks, i)) std::snprintf(row, sizeof row, "%.3f,%.3f", t.answer.threadMicroseconds, scene.bareQuery[i]);
-		else std::snprintf(row, sizeof row, ",");
-		text += row;
-		std::snprintf(row, sizeof row, ",%.6g\n", norm(t.wrench.force));
-		text += row;
+		text += formatFixed(t.time, 6) + "," + formatFixed(t.period, 9) + "," + formatFixed(t.threadMicroseconds, 3) + "," +
+				std::to_string(t.answer.pairs) + "," + std::to_string(t.answer.number) + ",";
+		text += isNewAnswer(ticks, i) ? formatFixed(t.answer.threadMicroseconds, 3) + "," + formatFixed(scene.bareQuery[i], 3) : ",";
+		text += "," + formatNumber(norm(t.wrench.force), 6) + "\n";
 	}
 	return text;
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/SceneHooks.h"
 
+#include "demos/scenes/HtmlReport.h"
 #include "demos/scenes/WholeText.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <initializer_list>
 
 using namespace ist;
 using namespace devicebridge;
@@ -13,12 +15,18 @@ namespace scenes
 {
 namespace
 {
+/// Each after a comma.
+std::string cells(std::initializer_list<double> values)
+{
+	std::string text;
+	for (const double value : values) text += "," + formatNumber(value, 9);
+	return text;
+}
+
 std::string poseText(const Pose& X)
 {
 	const Quaternion q = quaternion(X.rotation);
-	char text[240];
-	std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", X.translation.x, X.translation.y, X.translation.z, q.x, q.y, q.z, q.w);
-	return text;
+	return cells({X.translation.x, X.translation.y, X.translation.z, q.x, q.y, q.z, q.w});
 }
 
 constexpr const char* kHandHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw";
@@ -104,15 +112,10 @@ std::string SceneHooks::textOf(const Recording& recording) const
 	text += "\n";
 	for (const Row& row : recording.rows)
 	{
-		char numbers[240];
-		std::snprintf(numbers, sizeof numbers, "%.9g", row.time - recording.rows.front().time);
-		text += numbers + poseText(row.hand);
+		text += formatNumber(row.time - recording.rows.front().time, 9) + poseText(row.hand);
+		const Wrench& w = row.wrench;
 		if (recording.whole)
-		{
-			std::snprintf(numbers, sizeof numbers, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row.wrench.force.x, row.wrench.force.y, row.wrench.force.z,
-						  row.wrench.torque.x, row.wrench.torque.y, row.wrench.torque.z);
-			text += poseText(m_X_BW * row.tool * m_X_PM) + numbers;
-		}
+			text += poseText(m_X_BW * row.tool * m_X_PM) + cells({w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z});
 		text += "\n";
 	}
 	return text;
