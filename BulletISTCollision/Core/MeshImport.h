@@ -20,11 +20,13 @@ namespace ist
 /// of the file, it takes the place of what the file states, and `notTaken` says where the two differ. `Mesh::unit` is the one that was
 /// applied.
 ///
-/// Errors: file missing or unreadable, no triangles, more than half of its faces with corners that are not there, a unit that its format
-/// does not know, coordinates that are not finite (names the first one) or that lie so far from the origin that single precision, in which
-/// assimp reads them, blurs the shape. Stage "import": the share of the file's bytes that were read, then of the parts that were taken;
-/// cancelling takes effect once the file is parsed. The locale of the program plays no part. Files from strangers belong in a process of
-/// their own (`ist build`): on damaged OFF and PLY files assimp 5.2.5 may crash.
+/// Errors: the file is missing or unreadable, has no triangles, or states a unit that its format does not know. More than half of its faces
+/// have corners that are not there. Coordinates are not finite; the first one is named. They lie so far from the origin that single
+/// precision, in which assimp reads them, blurs the shape.
+///
+/// Stage "import": the share of the file's bytes that were read, then of the parts that were taken; cancelling takes effect once the file
+/// is parsed. The locale of the program plays no part. Files from strangers belong in a process of their own (`ist build`): on damaged OFF
+/// and PLY files assimp 5.2.5 may crash.
 Result<Mesh> importMesh(const std::string& path, std::optional<double> unit = std::nullopt, const Progress& progress = {});
 
 /// The same triangles in the same order, with their first set of texture coordinates. Also refused: a part without any, and coordinates that are
