@@ -7,11 +7,18 @@
 
 namespace scenes
 {
+/// Progress of long work on stderr, as the `ist` command shows it: a bar on a terminal, a line for each tenth elsewhere. Always goes on.
+bool showProgress(const char* stage, double fraction);
+/// Call before something else is written to stderr: ends the line of an unfinished bar.
+void endProgress();
+/// A message for people.
+void say(const std::string& text);
+
 /// Prints what a demo found, in the form that was asked for, and writes its report. Returns the exit code.
 template <class Outcome>
 int present(const DemoArguments& a, const Outcome& outcome)
 {
-	std::fprintf(stderr, "\r%-20s\r", "");
+	endProgress();
 	if (a.json)
 		std::printf("%s\n", makeJson(outcome).c_str());
 	else
@@ -26,8 +33,4 @@ int present(const DemoArguments& a, const Outcome& outcome)
 	return 0;
 }
 
-/// Progress of long work, on one line of stderr. Always goes on.
-bool showProgress(const char* stage, double fraction);
-/// A message for people.
-void say(const std::string& text);
 }  // namespace scenes

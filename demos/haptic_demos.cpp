@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Version.h"
+#include "BulletISTCollision/Tools/ProgressBar.h"
 #include "demos/BrowserRun.h"
 #include "demos/DemoArguments.h"
 #include "demos/Present.h"
@@ -22,17 +23,28 @@
 
 namespace scenes
 {
+namespace
+{
+ist::tools::ProgressBar& progressBar()
+{
+	static ist::tools::ProgressBar bar;
+	return bar;
+}
+}  // namespace
+
 bool showProgress(const char* stage, double fraction)
 {
-	static std::string last;
-	char line[64];
-	std::snprintf(line, sizeof line, "%-12s %3.0f %%", stage, 100 * fraction);
-	if (line != last) std::fprintf(stderr, "\r%s", line);
-	last = line;
+	progressBar().show(stage, fraction);
 	return true;
 }
 
-void say(const std::string& text) { std::fprintf(stderr, "\r%-20s\rhaptic_demos: %s\n", "", text.c_str()); }
+void endProgress() { progressBar().finish(); }
+
+void say(const std::string& text)
+{
+	endProgress();
+	std::fprintf(stderr, "haptic_demos: %s\n", text.c_str());
+}
 }  // namespace scenes
 
 namespace
@@ -170,7 +182,7 @@ int runPaperFigures(const DemoArguments& a)
 	for (const scenes::PaperScene& scene : scenes.value())
 		written = written && scenes::writeWholeText((folder / (scene.run.scene.name + ".csv")).string(), scenes::paperCsv(scene));
 	if (!written) return say("cannot write to " + a.paperFigures), 1;
-	std::fprintf(stderr, "\r%-20s\r", "");
+	scenes::endProgress();
 	if (a.json) std::printf("%s\n", scenes::paperJson(scenes.value()).c_str());
 	else
 		for (const auto& row : scenes::paperRows(scenes.value()))

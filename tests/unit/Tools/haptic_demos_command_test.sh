@@ -19,6 +19,10 @@ expect()
 		cat "$dir/err"
 		failures=$((failures + 1))
 	fi
+	if grep -q $'\r' "$dir/err"; then
+		echo "FAILED $name: a carriage return, though stderr is no terminal"
+		failures=$((failures + 1))
+	fi
 }
 
 cat > "$dir/good.json" <<'JSON'
