@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Zlib
 # May programs that were built against an earlier version run with this one, without being built anew?
 # Usage: packaging/abi_check.sh REVISION             builds the libraries of that revision and of the working tree, and compares
-#        packaging/abi_check.sh --release            the same with the highest of the tags v*
+#        packaging/abi_check.sh --release            the same with the last release: the highest of the tags v*, else the commit that set the version
 #        packaging/abi_check.sh --installed OLD NEW  compares two install prefixes whose libraries hold debug information
 # Exit status: 0 yes, or the soname changed and says no by itself; 1 no; 77 abidiff is not there (apt-get install abigail-tools), or there is no release yet.
 set -euo pipefail
@@ -44,7 +44,8 @@ install_tree() { # SOURCE PREFIX
 source=$(cd "$(dirname "$0")/.." && pwd)
 if [ "${1:-}" = --release ] && [ $# -eq 1 ]; then
 	tag=$(git -C "$source" for-each-ref --count=1 --sort=-version:refname --format='%(refname:short)' 'refs/tags/v[0-9]*' 2>/dev/null) || true
-	[ -n "$tag" ] || { echo "skipped: no release yet: there is no tag v*" >&2; exit 77; }
+	[ -n "$tag" ] || tag=$(git -C "$source" log -1 --format=%H -G'^project\(BulletHaptics VERSION ' -- CMakeLists.txt 2>/dev/null) || true
+	[ -n "$tag" ] || { echo "skipped: no release yet: there is no tag v*, and no commit that set a version" >&2; exit 77; }
 	echo "against $tag"
 	set -- "$tag"
 fi

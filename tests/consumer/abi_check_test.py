@@ -25,6 +25,13 @@ def install(prefix, cxx, member="", more=False, soname="libsmall.so.0.1"):
     return prefix
 
 
+def commit(checkout, subject):
+    subprocess.run(["git", "-C", checkout, "add", "-A"], check=True)
+    who = ["-c", "user.name=test", "-c", "user.email=test@example.org"]
+    subprocess.run(["git", "-C", checkout, *who, "commit", "-q", "-m", subject], check=True)
+    return subprocess.run(["git", "-C", checkout, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+
+
 def main():
     script, cxx = sys.argv[1:]
     if not shutil.which("abidiff"):
@@ -50,6 +57,15 @@ def main():
         done = subprocess.run(["bash", checkout / "packaging" / pathlib.Path(script).name, "--release"], capture_output=True, text=True)
         if done.returncode != 77 or "no release yet" not in done.stderr:
             wrong.append(f"a checkout without a release: status {done.returncode}, expected 77\n{done.stderr}")
+        commits = []
+        for version in ("0.1.0", "0.2.0"):
+            (checkout / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.25)\nproject(BulletHaptics VERSION {version} LANGUAGES NONE)\ninstall(FILES CMakeLists.txt DESTINATION share)\n")
+            commits.append(commit(checkout, version))
+        (checkout / "CMakeLists.txt").write_text((checkout / "CMakeLists.txt").read_text() + "# later\n")
+        commit(checkout, "later")
+        done = subprocess.run(["bash", checkout / "packaging" / pathlib.Path(script).name, "--release"], capture_output=True, text=True)
+        if done.returncode != 0 or f"against {commits[1]}" not in done.stdout:
+            wrong.append(f"without tags the commit that set the version is not the base: status {done.returncode}\n{done.stdout}{done.stderr}")
     print("\n".join(wrong))
     return bool(wrong)
 
