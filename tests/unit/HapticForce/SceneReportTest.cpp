@@ -140,6 +140,61 @@ TEST(btISTSceneReport, ForceIsTheWeightOfWhatRestsAndSleepersKeepTheirs)
 	EXPECT_LE(report.pairs[0].cost.asked + report.pairs[0].cost.kept(), before);
 }
 
+// The deepest depth stays in the report when the bodies have come apart again, so that it can be read after a fall.
+TEST(btISTSceneReport, SaysHowStiffAPairIsByWhichRuleAndHowDeepItWas)
+{
+	Row row;
+	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+	row.add("ground", &plane, 0, 0, 0);
+	row.add("floor tree", &row.treeFloor, 0, 5, -.5);
+	btRigidBody *low = row.add("low", &row.cube, 2, 0, .5), *given = row.add("given", &row.cube, 2, 5, .4);
+	row.add("high", &row.cube, 1, 0, 1.5);
+	ASSERT_FALSE(row.world.materials().set(given, {3e4, 5}));
+	for (int i = 0; i < 60; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	btISTSceneReport report = row.report();
+	const btISTPairReport *onGround = nullptr, *onFloor = nullptr;
+	for (const btISTPairReport& pair : report.pairs)
+	{
+		if (pair.model == btISTPairReport::HalfSpace && (pair.bodyA == low || pair.bodyB == low)) onGround = &pair;
+		if (pair.bodyA == given || pair.bodyB == given) onFloor = pair.model == btISTPairReport::Trees ? &pair : onFloor;
+	}
+	ASSERT_TRUE(onGround && onFloor);
+	EXPECT_EQ(onGround->stiffnessRule, btISTStiffnessRule::PileLoad);
+	EXPECT_NEAR(onGround->k, 3 * 9.81 / (.005 * 1), .01 * onGround->k);  // both weights, half a per cent of the edge
+	EXPECT_GT(onGround->depth, 0);
+	EXPECT_LT(onGround->depth, .02);
+	EXPECT_GE(onGround->deepest * .333, .99 * onGround->depth);  // a cube is 2 V / A = a third of its edge thick
+	EXPECT_EQ(onFloor->stiffnessRule, btISTStiffnessRule::Given);
+	EXPECT_EQ(onFloor->k, 3e4);
+	EXPECT_NEAR(onFloor->deepest, .1 / .333, .06);  // where it began
+
+	const nlohmann::json json = nlohmann::json::parse(report.json());
+	bool found = false;
+	for (const auto& pair : json["pairs"])
+	{
+		if (pair["stiffness_rule"] != "load of the pile" || pair["model"] != "tree on plane") continue;
+		found = true;
+		EXPECT_NEAR(pair["k"], onGround->k, 1e-6 * onGround->k);
+		EXPECT_NEAR(pair["deepest"], onGround->deepest, 1e-6);
+	}
+	EXPECT_TRUE(found);
+	EXPECT_NE(report.text().find("Pa/m by load of the pile"), std::string::npos) << report.text();
+
+	const double deepest = onFloor->deepest;
+	given->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(5, btScalar(.5), 0)));
+	ASSERT_FALSE(row.world.step(1.0 / 240));
+	report = row.report();
+	found = false;
+	for (const btISTPairReport& pair : report.pairs)
+	{
+		if ((pair.bodyA != given && pair.bodyB != given) || pair.model != btISTPairReport::Trees) continue;
+		found = true;
+		EXPECT_LT(pair.depth, .4 * deepest * .333);
+		EXPECT_EQ(pair.deepest, deepest);
+	}
+	EXPECT_TRUE(found);
+}
+
 TEST(btISTSceneReport, SaysWhatTheDialPromisesAndWhetherThatIsWhatIsAccepted)
 {
 	for (const double accepted : {0.5, 1e-4})
