@@ -210,7 +210,7 @@ TEST(DefaultStiffness, IsNeverStifferThanTheStepBears)
 		{
 			Scene scene;
 			scene.addFloor();
-			const double light = 1e-3, heavy = 1e3;
+			const double light = .1, heavy = 1e3;
 			btRigidBody* lower = scene.add(scene.volumetricShape(cube), heavyOnTop ? light : heavy, 10, at({0, .1, 0}));
 			btRigidBody* upper = scene.add(scene.volumetricShape(cube), heavyOnTop ? heavy : light, 10, at({0, .31, 0}));
 			for (btRigidBody* body : {lower, upper}) body->setAngularFactor(btVector3(0, 0, 0));

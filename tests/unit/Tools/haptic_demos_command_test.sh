@@ -14,7 +14,7 @@ expect()
 	shift 3
 	"$@" > "$dir/out" 2> "$dir/err"
 	local code=$?
-	if [ "$code" -ne "$wanted" ] || ! grep -qF -- "$words" "$dir/err"; then
+	if [ "$code" -ne "$wanted" ] || { [ -n "$words" ] && ! grep -qF -- "$words" "$dir/err"; }; then
 		echo "FAILED $name: exit $code, wanted $wanted and '$words'"
 		cat "$dir/err"
 		failures=$((failures + 1))
