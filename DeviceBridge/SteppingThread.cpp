@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <system_error>
+#include <exception>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -95,6 +95,7 @@ void SteppingThread::leave() noexcept
 	if (m_loop.compare_exchange_strong(running, Loop::Idle)) return;
 	sendZero(FaultCause::None, m_time.now());
 	m_scheduled = false;
+	m_stops.fetch_add(1, std::memory_order_release);
 	m_loop.store(Loop::Idle, std::memory_order_release);
 }
 
@@ -132,7 +133,7 @@ bool SteppingThread::start()
 				loop(std::numeric_limits<std::int64_t>::max());
 			});
 	}
-	catch (const std::system_error&)
+	catch (const std::exception&)
 	{
 		m_refusal = "the system gives no thread for the loop";
 		m_loop = Loop::Idle;
@@ -149,11 +150,13 @@ void SteppingThread::requestStop() noexcept
 
 void SteppingThread::stop() noexcept
 {
+	const std::uint64_t stops = m_stops.load(std::memory_order_acquire);
 	requestStop();
 	if (m_loopThread.load() == std::this_thread::get_id()) return;
 	if (m_thread.joinable()) m_thread.join();
-	// A run() on another thread, which nothing can join. Whoever waits is not on the tick.
-	while (running()) std::this_thread::sleep_for(kPatience);
+	// A run() on another thread cannot be joined. The caller is not on the tick, so it may sleep. A run() that began between two of these requests
+	// is stopped, too; one that begins after a loop was stopped is not waited for.
+	for (; running() && m_stops.load(std::memory_order_acquire) == stops; std::this_thread::sleep_for(kPatience)) requestStop();
 	Loop idle = Loop::Idle;
 	if (!m_loop.compare_exchange_strong(idle, Loop::Stopping)) return;
 	// A run() that came to its own end has left the last command standing.

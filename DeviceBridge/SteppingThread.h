@@ -70,7 +70,7 @@ public:
 	/// Ticks on an own thread until a stop. False, with a refusal(), when the loop runs already or cannot be started.
 	bool start();
 	/// Waits for the tick in progress, in run() too, and leaves the device at zero. From a listener, which is on the tick, it is
-	/// requestStop(). Not while another thread is in start(), stop() or the destructor.
+	/// requestStop(). Not while another thread is in start(), stop() or the destructor. A run() that begins later is not stopped.
 	void stop() noexcept;
 	/// Ends the loop after the tick in progress, without waiting. While no loop runs it does nothing: the next one is not stopped.
 	/// From any thread and from a signal handler.
@@ -175,6 +175,7 @@ private:
 	std::thread m_thread;
 	std::atomic<std::thread::id> m_loopThread{};
 	std::atomic<Loop> m_loop{Loop::Idle};
+	std::atomic<std::uint64_t> m_stops{0};  // loops that a stop has ended
 	static_assert(std::atomic<Loop>::is_always_lock_free, "a signal handler changes it");
 	std::atomic<const char*> m_refusal{""};
 	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0}, m_faults{0};
