@@ -37,8 +37,10 @@ bool XmlTags::skipTo(std::string_view end)
 bool XmlTags::skipDeclaration()
 {
 	// A document type may hold declarations of its own between brackets.
-	const size_t bracket = m_text.find('[', m_at), end = m_text.find('>', m_at);
-	if (bracket < end && !skipTo("]")) return false;
+	const size_t end = m_text.find('>', m_at);
+	if (end == m_text.npos) return false;
+	const bool hasBracket = m_text.substr(m_at, end - m_at).find('[') != m_text.npos;
+	if (hasBracket && !skipTo("]")) return false;
 	return skipTo(">");
 }
 
