@@ -66,7 +66,8 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
 		return;
 	}
-	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher, game.getPairCache());
+	// A second one must leave the first one's pair cache alone, so ours is set once the rule is.
+	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher);
 	m_refusal = m_registration.refusal();
 	if (!m_refusal.empty()) return;
 	if (m_registration.setPairRule(m_materials))
@@ -77,6 +78,7 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 		m_registration.release();
 		return;
 	}
+	(void)m_registration.setPairCache(game.getPairCache());
 	(void)m_registration.reinstall();
 	installInto(game);
 }
@@ -145,6 +147,7 @@ std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
 
 std::optional<ist::Error> btISTWorld::step(double seconds)
 {
+	if (m_isSecond) return ist::Error{m_refusal};
 	if (!(seconds > 0) || !std::isfinite(seconds)) return ist::Error{"a step must be a positive finite number of seconds"};
 	m_substeps = m_plan.plan(*m_world, m_registration.registry(), seconds, m_mostSubsteps);
 	m_tooFast.clear();

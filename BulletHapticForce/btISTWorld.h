@@ -26,7 +26,8 @@ public:
 	/// The world of a game, which must outlive this: our algorithm goes into its dispatcher, our solver takes the place of the one it
 	/// has, with that one's settings. While nothing is attached it moves as before, bit for bit. Never fails: see `solverRefusal`.
 	/// Steps through `stepSimulation` of the game stay as they are. A game has one at a time: a second one, or one after a registration
-	/// that has set a pair rule, changes nothing; `attach`, `setGravity` and the settings below then return the reason.
+	/// that has set a pair rule, changes nothing: `attach`, `setGravity`, `step` and the settings below are refused in words, and `materials`
+	/// and `watch` have no effect.
 	explicit btISTWorld(btDiscreteDynamicsWorld& game);
 	/// The world of a game gets back its solver and its dispatch tables.
 	~btISTWorld();

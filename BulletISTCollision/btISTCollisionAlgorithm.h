@@ -50,6 +50,9 @@ public:
 	const std::string& refusal() const;
 	/// Takes back the entries that someone else wrote, and delegates to their functions. Refused where `refusal` is not empty.
 	std::optional<ist::Error> reinstall();
+	/// Makes the memory of the world's queries resident now, up to 30 MB. Otherwise pages come as contacts need them, which a step in a haptic
+	/// thread feels once. Refused where `refusal` is not empty.
+	std::optional<ist::Error> makeResident();
 	/// What the destructor does. The handle then has no registration.
 	void release();
 	/// Forget the dispatcher and the pair cache without touching them.

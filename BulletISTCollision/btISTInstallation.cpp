@@ -281,6 +281,13 @@ std::optional<ist::Error> btISTRegistration::reinstall()
 	return std::nullopt;
 }
 
+std::optional<ist::Error> btISTRegistration::makeResident()
+{
+	if (!refusal().empty()) return ist::Error{refusal()};
+	m_installation->context->workspace.makeResident();
+	return std::nullopt;
+}
+
 void btISTRegistration::release()
 {
 	m_installation.reset();
@@ -311,7 +318,7 @@ btISTWatch& btISTRegistration::watch() { return m_installation ? m_installation-
 
 std::optional<ist::Error> btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	if (!rule) return ist::Error{"there is no pair rule to set; the one before stays"};
 	btISTContext& context = *m_installation->context;
 	const std::shared_ptr<const void> claim = context.ruleClaim.lock();
@@ -326,7 +333,7 @@ std::optional<ist::Error> btISTRegistration::setPairRule(std::shared_ptr<const b
 
 std::optional<ist::Error> btISTRegistration::setGate(bool on)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	btISTQueryRules& rules = m_installation->context->rules;
 	ist::QueryOptions options = rules.options();
 	options.gate = on;
@@ -336,7 +343,7 @@ std::optional<ist::Error> btISTRegistration::setGate(bool on)
 
 std::optional<ist::Error> btISTRegistration::setEconomy(const btISTEconomy& economy)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	if (!(economy.keptError >= 0 && economy.keptError <= 0.5))
 		return ist::Error{"the error that kept results may add must be a share of the force between 0 and 0.5"};
 	m_installation->context->rules.economy = economy;
@@ -350,7 +357,7 @@ const btISTEconomy& btISTRegistration::economy() const
 
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
 	btISTContext& context = *m_installation->context;
 	if (share > 0) context.registry->keepLevels();
@@ -360,7 +367,7 @@ std::optional<ist::Error> btISTRegistration::setForceError(double share)
 
 std::optional<ist::Error> btISTRegistration::setForceErrorOf(const btCollisionObject* body, std::optional<double> share)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	if (share && !(*share >= 0 && *share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
 	btISTContext& context = *m_installation->context;
 	if (share && *share > 0) context.registry->keepLevels();
@@ -375,7 +382,7 @@ double btISTRegistration::forceErrorOf(const btCollisionObject* a, const btColli
 
 std::optional<ist::Error> btISTRegistration::setPairBudget(int64_t leafPairs)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	if (leafPairs < 1 && leafPairs != -1) return ist::Error{"a query must be allowed to find 1 pair of leaves at least; -1: any number"};
 	btISTContext& context = *m_installation->context;
 	if (leafPairs > 0) context.registry->keepLevels();
@@ -395,7 +402,7 @@ double btISTRegistration::forceError() const { return m_installation ? m_install
 
 std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double spinMicroseconds)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	constexpr int kMostThreads = 64;
 	if (threads < 1 || threads > kMostThreads) return ist::Error{"queries can have 1 to 64 threads"};
 	if (!(spinMicroseconds >= 0)) return ist::Error{"threads of queries can spin for no less than 0 microseconds"};
@@ -407,7 +414,7 @@ std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double
 
 std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, int leafPairs)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	constexpr int kMostMemories = 1024, kMostLeafPairs = 10000000;
 	constexpr int64_t kMostTogether = 200000000;  // some 3 GB
 	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a memory"};
@@ -451,7 +458,7 @@ btISTSharedQueries btISTRegistration::sharedQueries() const
 
 std::optional<ist::Error> btISTRegistration::setPairCache(btOverlappingPairCache* pairCache)
 {
-	if (!m_installation) return ist::Error{released()};
+	if (!refusal().empty()) return ist::Error{refusal()};
 	m_installation->pairCache = pairCache;
 	return std::nullopt;
 }

@@ -215,7 +215,8 @@ TEST(btISTRegistration, ASecondOneWithAnotherRegistryIsRefusedInWordsAndChangesN
 		EXPECT_FALSE(second.isRegistered());
 		EXPECT_TRUE(second.reinstall());
 		EXPECT_EQ(&second.registry(), mine.get());
-		EXPECT_FALSE(second.setPairRule(std::make_shared<btISTDefaultPairRule>(1))) << "of its own, which nothing asks";
+		EXPECT_TRUE(second.setPairRule(std::make_shared<btISTDefaultPairRule>(1))) << "nothing would ask it";
+		EXPECT_TRUE(second.setPairBudget(100));
 		EXPECT_EQ(&first->registry(), shared.get());
 		EXPECT_EQ(first->isRegistered(), !overwritten);
 		EXPECT_FALSE(first->reinstall());
@@ -284,6 +285,7 @@ const Use kUses[] = {
 	{"isRegistered", [](auto& r) { return !r.isRegistered(); }},
 	{"refusal", [](auto& r) { return r.refusal().find("this registration was released") == 0; }},
 	{"reinstall", [](auto& r) { return isReleased(r.reinstall()); }},
+	{"makeResident", [](auto& r) { return isReleased(r.makeResident()); }},
 	{"release", [](auto& r) { return r.release(), !r.isRegistered(); }},
 	{"dispatcherIsGone", [](auto& r) { return r.dispatcherIsGone(), !r.isRegistered(); }},
 	{"registry", [](auto& r) { return takesAttachments(r.registry()) && r.registry().size() == 0; }},
