@@ -41,6 +41,11 @@ bool isPreloadOn()
 
 void PreloadedBackend::load()
 {
+	if (!folder.path[0])
+	{
+		std::fprintf(stderr, "bullethaptics-preload: this library cannot find its own file, and so not the one beside it: nothing is changed\n");
+		return;
+	}
 	char path[PATH_MAX + 64];
 	std::snprintf(path, sizeof(path), "%spreload/libbullethaptics-%s.so", folder.path, m_precision);
 	// RTLD_LOCAL: plug-ins that are loaded later shall not find this library's Bullet.
