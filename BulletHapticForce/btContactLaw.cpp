@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace
 {
@@ -14,10 +15,16 @@ constexpr double kFrictionRadiusPerRms = 0.93;
 constexpr double kThrough = 0.5;
 constexpr double kPressedBlend = 0.1;  // share of each step in the mean of what pressed
 
-/// No flat contact is larger than half of a surface [m^2].
-double largestContact(const btISTContact& contact)
+/// The stiffest k that a step of `h` [s] bears [Pa/m]. On one of Bullet's own shapes there is no such bound (docs/stability.md).
+double stiffestOfStep(const btISTContact& contact, double mass, double h)
 {
-	return 0.5 * std::min(contact.treeA->area, contact.treeB ? contact.treeB->area : contact.treeA->area);
+	const double gravity = contact.constants.gravity;
+	const double resting = gravity > 0 ? std::max(mass, kThrough * contact.pressed / gravity) : mass;
+	if (!contact.treeB) return std::numeric_limits<double>::infinity();
+	// No flat contact is larger than half of a surface. The area of this step would change k with every leaf that comes into touch, and nothing
+	// would find rest.
+	const double area = 0.5 * std::min(contact.treeA->area, contact.treeB->area);
+	return kStiffestPerStep * resting / (h * h * area);
 }
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
@@ -119,9 +126,7 @@ double carryLoad(btISTContact& contact, double load, double mass, double h)
 		constants.load = load;
 		constants.rule = btISTStiffnessRule::PileLoad;
 	}
-	// The area of this step would change k with every leaf that comes into touch, and nothing would find rest.
-	const double resting = std::max(mass, kThrough * contact.pressed / constants.gravity);
-	const double stiffest = kStiffestPerStep * resting / (h * h * largestContact(contact));
+	const double stiffest = stiffestOfStep(contact, mass, h);
 	if (factor * constants.k > stiffest)
 	{
 		factor = stiffest / constants.k;
@@ -134,7 +139,8 @@ double carryLoad(btISTContact& contact, double load, double mass, double h)
 
 void notePressed(btISTContact& contact, double h)
 {
-	contact.pressed += kPressedBlend * (contact.normalImpulse / h - contact.pressed);
+	const double change = kPressedBlend * (contact.normalImpulse / h - contact.pressed);
+	if (std::isfinite(change)) contact.pressed += change;
 }
 
 void multiply(btContactPatch& patch, double factor)

@@ -32,7 +32,7 @@ void multiply(btContactPatch& patch, double factor);
 constexpr double kStiffestPerStep = 2e3;
 
 /// For a pair whose stiffness follows from a load: what its k is to be multiplied with so that it carries `load` [N], but is no stiffer than a
-/// step of `h` [s] bears; 1 for all others. Notes in the contact's constants what k, load and rule are now. The area is taken as half of the
+/// step of `h` [s] bears between two trees; 1 for all others. Notes in the contact's constants what k, load and rule are now. The area is taken as half of the
 /// smaller surface, the largest that a flat contact can have. The mass that rests on the contact is `mass` [kg], the lighter one that can
 /// move, or half of what a heavier one pressed through it of late (btISTContact::pressed), if that is more.
 double carryLoad(btISTContact& contact, double load, double mass, double h);

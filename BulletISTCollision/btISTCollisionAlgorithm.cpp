@@ -150,7 +150,11 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
 	contact.work = btISTContactWork();
-	if (contact.patchCount == 0) contact.ledger = btISTContactLedger();
+	if (contact.patchCount == 0)
+	{
+		contact.ledger = btISTContactLedger();
+		contact.pressed = 0;
+	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
 	if (query.lacksDamping(contact))  // the constants of the last step were others
 	{
@@ -218,7 +222,8 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->volumeB = std::numeric_limits<double>::infinity();
 	m_contact->total = ist::OverlapIntegrals();
 	m_contact->patchCount = 0;
-	m_contact->normalImpulse = 0;
+	m_contact->normalImpulse = m_contact->pressed = 0;
+	m_contact->depth = m_contact->deepest = 0;  // the next shapes may be of another thickness
 	m_contact->work = btISTContactWork();
 	m_contact->ledger = btISTContactLedger();
 	m_contact->accuracy = ist::PairAccuracy();

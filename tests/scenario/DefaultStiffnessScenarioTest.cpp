@@ -81,6 +81,20 @@ TEST(DefaultStiffness, ACrateRestsOnClosedSlabsOfAnySize)
 		}
 }
 
+// The step bears any stiffness there, and the area of the ground must not count as that of the contact.
+TEST(DefaultStiffness, ABoxOfBulletRestsOnClosedSlabsOfAnySize)
+{
+	for (const double side : {1., 10., 50.})
+	{
+		Scene scene;
+		addSlab(scene, {side, .2, side});
+		btRigidBody* body = scene.add(scene.shape<btBoxShape>(btVector3(btScalar(.15), btScalar(.15), btScalar(.15))), 1, .015, at({.04, .151, -.03}));
+		scene.run(3, 60);
+		EXPECT_NEAR(height(body), .15, .03) << side;
+		EXPECT_LT(std::fabs(double(body->getLinearVelocity().y())), .01) << side;
+	}
+}
+
 // Rod and table press on a tenth of the area that the rule assumes, and on ground with gaps of 15 mm.
 TEST(DefaultStiffness, ARodOnItsEndRestsOnClosedGround)
 {
