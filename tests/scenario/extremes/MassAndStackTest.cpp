@@ -16,20 +16,22 @@ TowerOutcome heavyOnLight(Response response, double ratio, bool defaults)
 	return stackCubes(response, unitCube(), setup);
 }
 
+/// `tolerance`: of the sinkage [m].
 void expectStands(const TowerOutcome& tower, double tolerance)
 {
 	ASSERT_TRUE(tower.finite);
 	ASSERT_EQ(tower.sinkage.size(), 2u);
 	EXPECT_LT(tower.fellAfter, 0);
-	EXPECT_NEAR(tower.sinkage[1], tower.expected[1], tolerance * std::fabs(tower.expected[1]));
+	EXPECT_NEAR(tower.sinkage[1], tower.expected[1], tolerance);
 	std::printf("  upper sinkage %.5f m, by the model %.5f m (%+.2f %%), drift %.1e\n", tower.sinkage[1], tower.expected[1],
 				100 * (tower.sinkage[1] / tower.expected[1] - 1), tower.drift);
 }
 }  // namespace
 
-TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousand) { expectStands(heavyOnLight(Response::Volumetric, 1e4, false), 0.05); }
+TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousand) { expectStands(heavyOnLight(Response::Volumetric, 1e4, false), 5e-4); }
 
-TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousandWithNothingSet) { expectStands(heavyOnLight(Response::Volumetric, 1e4, true), 0.05); }
+// 0.2 % of the edge: shallower than the gaps, where leaves bulge, the cubes still creep a little after 5 s.
+TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousandWithNothingSet) { expectStands(heavyOnLight(Response::Volumetric, 1e4, true), 2e-3); }
 
 TEST(HeavyCubeOnALightOne, DoesNotFallThroughAtOneToAMillion)
 {
