@@ -120,7 +120,7 @@ size_t utf8Length(std::string_view text)
 	const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
 	const unsigned first = byte(0), second = byte(1);
 	const size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
-	// Of the bytes after the first, each is 10xxxxxx. The second is limited further: neither long forms of short characters, nor
+	// Each byte after the first is 10xxxxxx. The second is limited further: neither long forms of short characters, nor
 	// surrogates, nor what lies beyond U+10FFFF.
 	for (size_t i = 1; i < length; ++i)
 		if (byte(i) >> 6 != 2) return 0;

@@ -41,7 +41,7 @@ void* definitionIn(const char* file, const char* symbol, const void* except)
 	return found == except ? nullptr : found;
 }
 
-/// Of the library with a number, in the order of loading; null behind the last.
+/// Returns the library with this number, in the order of loading; null behind the last.
 struct ByNumber
 {
 	int left;

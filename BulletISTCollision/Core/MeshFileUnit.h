@@ -29,6 +29,6 @@ struct MeshFileHead
 
 /// Errors: a 3MF file without the model that it names, at which assimp ends the process; an archive of AMF that is damaged.
 Result<MeshFileHead> readMeshFileHead(const std::string& path);
-/// The same for content that was read; of the path, the ending alone counts.
+/// States the unit of content that was read already. Only the ending of the path counts.
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content);
 }  // namespace ist

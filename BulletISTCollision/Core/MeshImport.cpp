@@ -223,7 +223,7 @@ LeftOut sieveFaces(const aiScene& scene)
 
 constexpr std::string_view k3mfReader = "3mf Importer";
 
-/// Of the file that was read last.
+/// Name of the reader that took the last file.
 std::string_view readerName(const Assimp::Importer& importer)
 {
 	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));

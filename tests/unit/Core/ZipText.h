@@ -11,7 +11,7 @@ inline std::string zipText(const std::vector<std::pair<std::string, std::string>
 {
 	const auto number = [](uint64_t value, size_t size) {
 		std::string bytes;
-		for (size_t i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
+		for (size_t i = 0; i < size; ++i) bytes += static_cast<char>(i < 8 ? value >> 8 * i & 0xff : 0);
 		return bytes;
 	};
 	const auto crc32 = [](const std::string& bytes) {
