@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
 # Debian packages: cmake --preset package && cmake --build --preset package && cpack --config build/package/CPackConfig.cmake
-# libbullethaptics0.1 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools, bullethaptics-demos, python3-bullethaptics.
+# libbullethaptics0.2 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools, bullethaptics-demos, python3-bullethaptics.
 if(NOT BUILD_SHARED_LIBS OR NOT UNIX)
 	return()
 endif()
