@@ -26,19 +26,6 @@ const Mesh& box()
 	return mesh;
 }
 
-std::string amf()
-{
-	std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"meter\"><object id=\"0\"><mesh><vertices>";
-	for (const Vec3& v : box().vertices)
-		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) +
-				"</z></coordinates></vertex>";
-	text += "</vertices><volume>";
-	for (const auto& [a, b, c] : box().triangles)
-		text +=
-			"<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) + "</v3></triangle>";
-	return text + "</volume></mesh></object></amf>\n";
-}
-
 std::string x3d()
 {
 	std::string points, corners;
@@ -46,15 +33,6 @@ std::string x3d()
 	for (const auto& [a, b, c] : box().triangles) corners += std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + " -1 ";
 	return "<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"" + corners + "\"><Coordinate point=\"" + points +
 		   "\"/></IndexedFaceSet></Shape></Scene></X3D>";
-}
-
-std::string obj()
-{
-	std::string text;
-	for (const Vec3& v : box().vertices) text += "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
-	for (const auto& [a, b, c] : box().triangles)
-		text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
-	return text;
 }
 
 std::string movedPackage()
@@ -76,9 +54,9 @@ const std::vector<File>& files()
 {
 	static const std::vector<File> all = {{".3mf", packageText(modelText(box(), "unit=\"meter\"")), {}, {1.5, 2.5, 3.9}},
 										  {".3mf", movedPackage(), {0.25, 0.25, 0.25}, {1, 1.5, 2.2}},
-										  {".amf", amf(), {}, {1.5, 2.5, 3.9}},
+										  {".amf", amfText(box(), "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"meter\">"), {}, {1.5, 2.5, 3.9}},
 										  {".x3d", x3d(), {}, {1.5, 2.5, 3.9}},
-										  {".obj", obj(), {}, {1.5, 2.5, 3.9}}};
+										  {".obj", objText(box()), {}, {1.5, 2.5, 3.9}}};
 	return all;
 }
 

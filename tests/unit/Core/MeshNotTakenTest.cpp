@@ -290,7 +290,7 @@ std::string boxPly(const std::vector<std::vector<int>>& more)
 	return text;
 }
 
-/// The same box of quads as X3D, with one more face.
+/// An X3D file of the box of quads above, with one more face.
 std::string boxX3d(const std::string& more)
 {
 	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"0 3 2 -1 0 2 1 -1 "

@@ -30,16 +30,8 @@ std::string package(const std::string& attributes) { return packageText(modelTex
 
 std::string amf(const std::string& attributes)
 {
-	std::string text = "\xef\xbb\xbf<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- <amf unit=\"inch\"> -->\n<amf " + attributes +
-					   " version=\"1.1\"><object id=\"0\"><mesh><vertices>";
-	for (const Vec3& v : box().vertices)
-		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) +
-				"</z></coordinates></vertex>";
-	text += "</vertices><volume>";
-	for (const auto& [a, b, c] : box().triangles)
-		text +=
-			"<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) + "</v3></triangle>";
-	return text + "</volume></mesh></object></amf>\n";
+	return amfText(box(), "\xef\xbb\xbf<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- <amf unit=\"inch\"> -->\n<amf " + attributes +
+							  " version=\"1.1\">");
 }
 
 /// `unit` is the element, or nothing.
@@ -63,15 +55,6 @@ std::string collada(const std::string& unit, const std::string& up = "Y_UP")
 		   "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node "
 		   "id=\"n\"><instance_geometry url=\"#g\"/></node>"
 		   "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
-}
-
-std::string obj()
-{
-	std::string text;
-	for (const Vec3& v : box().vertices) text += "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
-	for (const auto& [a, b, c] : box().triangles)
-		text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
-	return text;
 }
 
 Result<Mesh> read(const std::string& bytes, const std::string& ending, std::optional<double> unit = std::nullopt)
@@ -207,12 +190,12 @@ TEST(MeshUnit, ThatOfAnFbxFileIsToldAndNotApplied)
 TEST(MeshUnit, FormatsWithoutAUnitAreInMetres)
 {
 	for (const auto& [bytes, ending] :
-		 {std::pair(obj(), ".obj"), std::pair(collada(""), ".dae"), std::pair(collada("<unit name='u'/>"), ".dae")})
+		 {std::pair(objText(box()), ".obj"), std::pair(collada(""), ".dae"), std::pair(collada("<unit name='u'/>"), ".dae")})
 	{
 		expectSize(read(bytes, ending), 1);
 		expectSize(read(bytes, ending, 0.001), 0.001);
 	}
-	EXPECT_TRUE(read(obj(), ".obj", 0.001).value().notTaken.empty());
+	EXPECT_TRUE(read(objText(box()), ".obj", 0.001).value().notTaken.empty());
 }
 
 TEST(MeshUnit, AUnitThatTheFormatDoesNotKnowIsRefusedUnlessOneIsGiven)

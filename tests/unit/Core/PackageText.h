@@ -35,3 +35,27 @@ inline std::string packageText(const std::string& model, const std::vector<std::
 	files.insert(files.end(), more.begin(), more.end());
 	return zipText(files);
 }
+
+/// An AMF file of one mesh. `head`: all before its object, the root element last.
+inline std::string amfText(const ist::Mesh& mesh, const std::string& head)
+{
+	std::string text = head + "<object id=\"0\"><mesh><vertices>";
+	for (const ist::Vec3& v : mesh.vertices)
+		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) +
+				"</z></coordinates></vertex>";
+	text += "</vertices><volume>";
+	for (const auto& [a, b, c] : mesh.triangles)
+		text +=
+			"<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) + "</v3></triangle>";
+	return text + "</volume></mesh></object></amf>\n";
+}
+
+/// An OBJ file of one mesh.
+inline std::string objText(const ist::Mesh& mesh)
+{
+	std::string text;
+	for (const ist::Vec3& v : mesh.vertices) text += "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
+	for (const auto& [a, b, c] : mesh.triangles)
+		text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
+	return text;
+}
