@@ -18,9 +18,9 @@ constexpr double kPressedBlend = 0.1;  // share of each step in the mean of what
 /// The stiffest k that a step of `h` [s] bears [Pa/m]. On one of Bullet's own shapes there is no such bound (docs/stability.md).
 double stiffestOfStep(const btISTContact& contact, double mass, double h)
 {
+	if (!contact.treeB) return std::numeric_limits<double>::infinity();
 	const double gravity = contact.constants.gravity;
 	const double resting = gravity > 0 ? std::max(mass, kThrough * contact.pressed / gravity) : mass;
-	if (!contact.treeB) return std::numeric_limits<double>::infinity();
 	// No flat contact is larger than half of a surface. The area of this step would change k with every leaf that comes into touch, and nothing
 	// would find rest.
 	const double area = 0.5 * std::min(contact.treeA->area, contact.treeB->area);

@@ -127,7 +127,7 @@ TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 					btRigidBody tool(Hand::info(rig.ballShape, {0, 0.025, 0}));
 					tool.setFriction(0);
 					if (massless) tool.setMassProps(0, btVector3(0, 0, 0));
-					// Of mass 0 it weighs nothing all the same.
+					// A tool of mass 0 weighs nothing all the same.
 					tool.setGravity(btVector3(0, btScalar(massless || !gravity ? -9.81 : 0), 0));
 					ASSERT_FALSE(rig.world.materials().set(&tool, {2e7, -1}));
 					BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
