@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/ContactLog.h"
 
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 #include "BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Vec3.h"
-#include "BulletISTCollision/btISTContactStore.h"
+#include "BulletISTCollision/Core/Base/Vec3.h"
+#include "BulletISTCollision/Contact/btISTContactStore.h"
 
 #include <cmath>
 #include <vector>

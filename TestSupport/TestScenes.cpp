@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/TestScenes.h"
 
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include <cmath>
 #include <limits>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/TestWorld.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/MeshRepair.h"
-#include "BulletISTCollision/Core/TreeCache.h"
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Core/Build/TreeCache.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 #include "TestSupport/SceneFiles/SceneWorld.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletHapticForce/btEnergyAudit.h"
-#include "BulletHapticForce/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh.h"
+#include "BulletHapticForce/World/btEnergyAudit.h"
+#include "BulletHapticForce/World/btISTWorld.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "TestSupport/ContactLog.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"

@@ -13,27 +13,12 @@ set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)
 install(TARGETS ${libraries} EXPORT BulletHapticsTargets
 	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
 	LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
-install(DIRECTORY BulletISTCollision/Core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core COMPONENT dev
-	FILES_MATCHING PATTERN "*.h" PATTERN Kernels EXCLUDE)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/generated/BulletISTCollision/Core/Version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/generated/BulletISTCollision/Core/Base/Version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core/Base
 	COMPONENT dev)
-# By name: the module has headers of its own beside the ones for its users.
-install(FILES
-	BulletISTCollision/btBulletISTCollisionCommon.h
-	BulletISTCollision/btISTCollisionAlgorithm.h
-	BulletISTCollision/btISTContactStore.h
-	BulletISTCollision/btISTEconomy.h
-	BulletISTCollision/btISTRegistry.h
-	BulletISTCollision/btISTShapeMesh.h
-	BulletISTCollision/btISTTreeSource.h
-	BulletISTCollision/btISTWatch.h
-	BulletISTCollision/btPrecisionGuard.h
-	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision COMPONENT dev)
-install(DIRECTORY BulletHapticForce/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletHapticForce COMPONENT dev FILES_MATCHING PATTERN "*.h"
-	PATTERN btSolverBodyMotion.h EXCLUDE PATTERN Preload EXCLUDE)
-install(DIRECTORY TestSupport/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/TestSupport COMPONENT dev FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY DeviceBridge/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/DeviceBridge COMPONENT dev FILES_MATCHING PATTERN "*.h"
-	PATTERN Plugins EXCLUDE PATTERN OpenXrSession.h EXCLUDE)
+foreach(header ${BULLETHAPTICS_HEADERS})
+	cmake_path(GET header PARENT_PATH folder)
+	install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT dev)
+endforeach()
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
 install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics:: DESTINATION ${package_folder} COMPONENT dev)

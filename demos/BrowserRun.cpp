@@ -2,14 +2,14 @@
 #include "demos/BrowserRun.h"
 
 #include "demos/Present.h"
-#include "demos/browser/BesideStock.h"
-#include "demos/browser/DemoRun.h"
+#include "demos/browser/catalog/BesideStock.h"
+#include "demos/browser/catalog/DemoRun.h"
 #ifdef BULLETHAPTICS_BROWSER
 #include "demos/browser/view/Browser.h"
 #include "demos/browser/view/Photographer.h"
 #include "demos/browser/view/Window.h"
 #endif
-#include "demos/scenes/WholeText.h"
+#include "demos/scenes/Pages/WholeText.h"
 
 #include <filesystem>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/ExtremePage.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PassageBarrier.h"
-#include "demos/scenes/ExtremeMotions.h"
-#include "demos/scenes/ExtremeRows.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PassageBarrier.h"
+#include "demos/scenes/Extremes/ExtremeMotions.h"
+#include "demos/scenes/Extremes/ExtremeRows.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/scenes/ExtremeWorld.h"
+#include "demos/scenes/Extremes/ExtremeWorld.h"
 
 #include <string>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Prints the page of the extremes as Markdown: stock Bullet, ours, and the reference, in the precision that this was built for.
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "demos/ExtremePage.h"
-#include "demos/scenes/CubeTower.h"
-#include "demos/scenes/ExtremeRows.h"
-#include "demos/scenes/FloatingBodies.h"
+#include "demos/scenes/Extremes/CubeTower.h"
+#include "demos/scenes/Extremes/ExtremeRows.h"
+#include "demos/scenes/Extremes/FloatingBodies.h"
 
 #include <algorithm>
 #include <cmath>

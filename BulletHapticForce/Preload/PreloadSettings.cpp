@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Preload/PreloadSettings.h"
 
-#include "BulletHapticForce/btContactMaterial.h"
+#include "BulletHapticForce/Law/btContactMaterial.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletHapticForce/btISTWorld.h"
-#include "BulletISTCollision/btISTTreeSource.h"
+#include "BulletHapticForce/World/btISTWorld.h"
+#include "BulletISTCollision/Registry/btISTTreeSource.h"
 #include "BulletHapticForce/Preload/PreloadSettings.h"
 
 #include <map>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <pybind11/numpy.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Progress.h"
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Base/Progress.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 
 #include <pybind11/pybind11.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Python/QueryArrays.h"
 
-#include "BulletISTCollision/Core/ForcePromise.h"
-#include "BulletISTCollision/Core/ProximityQuery.h"
+#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Query/ProximityQuery.h"
 
 #include <algorithm>
 #include <cmath>

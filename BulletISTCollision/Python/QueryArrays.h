@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Python/MeshArguments.h"
 
 #include <optional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Python/Tune.h"
 
-#include "BulletISTCollision/Core/TuneFigures.h"
+#include "BulletISTCollision/Core/Tuning/TuneFigures.h"
 #include "BulletISTCollision/Python/MeshArguments.h"
 #include "BulletISTCollision/Python/OfflineWork.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/ExpectedError.h"
-#include "BulletISTCollision/Core/ThreadCount.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
+#include "BulletISTCollision/Core/Base/ThreadCount.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"

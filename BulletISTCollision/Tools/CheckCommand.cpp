@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Tools/AssetCheck.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Report.h"

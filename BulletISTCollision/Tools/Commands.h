@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/PairTuning.h"
+#include "BulletISTCollision/Core/Tuning/PairTuning.h"
 
 #include <cstdint>
 #include <optional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/ImportApart.h"
 
-#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <chrono>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/OutputFile.h"
 
-#include "BulletISTCollision/Core/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/WholeFile.h"
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include <filesystem>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Pose.h"
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 
 #include <string>
 #include <vector>

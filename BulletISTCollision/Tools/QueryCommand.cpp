@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/ForcePromise.h"
-#include "BulletISTCollision/Core/LevelCalibration.h"
-#include "BulletISTCollision/Core/PairLaws.h"
-#include "BulletISTCollision/Core/ProximityQuery.h"
-#include "BulletISTCollision/Core/ThreadCount.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Force/PairLaws.h"
+#include "BulletISTCollision/Core/Query/ProximityQuery.h"
+#include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/PoseRows.h"

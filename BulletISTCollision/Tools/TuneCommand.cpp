@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/TuneFigures.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Tuning/TuneFigures.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/NumberText.h"

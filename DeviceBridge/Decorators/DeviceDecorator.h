@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Device/Device.h"
 
 namespace devicebridge
 {

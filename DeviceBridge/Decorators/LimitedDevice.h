@@ -2,7 +2,7 @@
 #pragma once
 
 #include "DeviceBridge/Decorators/DeviceDecorator.h"
-#include "DeviceBridge/SafetyLimiter.h"
+#include "DeviceBridge/Safety/SafetyLimiter.h"
 
 namespace devicebridge
 {

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "DeviceBridge/Decorators/DeviceDecorator.h"
-#include "DeviceBridge/Recording.h"
+#include "DeviceBridge/Device/Recording.h"
 
 namespace devicebridge
 {

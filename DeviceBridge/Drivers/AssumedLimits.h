@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Device/Device.h"
 
 namespace devicebridge
 {

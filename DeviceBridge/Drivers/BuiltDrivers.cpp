@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Plugin/PluginSchemes.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/HandModel.h"
 
-#include "BulletISTCollision/Core/TreeCache.h"
+#include "BulletISTCollision/Core/Build/TreeCache.h"
 
 #include <cmath>
 

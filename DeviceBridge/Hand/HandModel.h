@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/InnerSphereTree.h"
-#include "BulletISTCollision/Core/Progress.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Base/Progress.h"
 #include "DeviceBridge/Hand/HandShape.h"
 
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/HandMotion.h"
 
-#include "BulletISTCollision/Core/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/WholeFile.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Result.h"
-#include "DeviceBridge/HandState.h"
+#include "BulletISTCollision/Core/Base/Result.h"
+#include "DeviceBridge/Device/HandState.h"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/HandState.h"
+#include "DeviceBridge/Device/HandState.h"
 
 #include <string>
 

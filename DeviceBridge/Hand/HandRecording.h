@@ -2,7 +2,7 @@
 #pragma once
 
 #include "DeviceBridge/Hand/HandMotion.h"
-#include "DeviceBridge/Recording.h"
+#include "DeviceBridge/Device/Recording.h"
 
 namespace devicebridge
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh.h"
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 #include "DeviceBridge/Hand/HandParts.h"
 
 #include <array>

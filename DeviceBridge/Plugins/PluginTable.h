@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "BulletISTCollision/Core/Result.h"
-#include "DeviceBridge/Clock.h"
-#include "DeviceBridge/devicebridge_plugin.h"
+#include "BulletISTCollision/Core/Base/Result.h"
+#include "DeviceBridge/Timing/Clock.h"
+#include "DeviceBridge/Plugins/devicebridge_plugin.h"
 
 namespace devicebridge::plugin
 {

@@ -5,7 +5,7 @@
 // Millimetres there, metres here. Forces only: how libHD wants torques of six-axis devices rests on no public source.
 #include <mutex>
 
-#include "DeviceBridge/TripleBuffer.h"
+#include "DeviceBridge/Timing/TripleBuffer.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
 

@@ -2,11 +2,11 @@
 // Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures, constants and the name of the library: VirtuoseAPI.h 4.03 and
 // virtuoseAPI.so, public in github.com/gabrielegiudici93/ROS-Virtuose (virtuose/external/VirtuoseAPI), which exports every function that is looked up
 // here; the meaning of poses and forces as in vpVirtuose.cpp of github.com/lagadic/visp. W is the base frame. virtuose:HOST?peak_force=N&peak_torque=N: the API tells no limits, so the smallest device's are taken unless given.
-#include "DeviceBridge/DeviceAddress.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
 
-#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
 
 namespace devicebridge::plugin
 {

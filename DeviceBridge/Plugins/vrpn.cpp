@@ -12,8 +12,8 @@
 #include <cmath>
 #include <optional>
 
-#include "BulletISTCollision/Core/Pose.h"
-#include "DeviceBridge/DeviceAddress.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 
 namespace devicebridge::plugin

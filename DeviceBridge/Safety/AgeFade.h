@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Device/Device.h"
 
 namespace devicebridge
 {

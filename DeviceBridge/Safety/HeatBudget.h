@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Vec3.h"
+#include "BulletISTCollision/Core/Base/Vec3.h"
 
 namespace devicebridge
 {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
 
 namespace devicebridge
 {

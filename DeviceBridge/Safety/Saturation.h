@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
 
 namespace devicebridge
 {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "BulletISTCollision/Core/Pose.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
 #include "DeviceBridge/Safety/Saturation.h"
 
 namespace devicebridge

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
 
-#include "BulletISTCollision/Core/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/WholeFile.h"
 #include "DeviceBridge/Drivers/Glove/GloveLink.h"
 #include "DeviceBridge/Tools/Commands.h"
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Device/Device.h"
 
 namespace devicebridge::tools
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/AssumedLimits.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 #include "DeviceBridge/Tools/Commands.h"

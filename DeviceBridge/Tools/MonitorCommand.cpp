@@ -3,7 +3,7 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Tools/Commands.h"
 #include "DeviceBridge/Tools/OpenedDevice.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "DeviceBridge/Decorators/DeviceDecorator.h"
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 
 namespace devicebridge::tools

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/WholeFile.h"
 #include "DeviceBridge/Decorators/RecordingDevice.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Hand/HandRecording.h"
-#include "DeviceBridge/SteppingThread.h"
-#include "DeviceBridge/StopSignals.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
+#include "DeviceBridge/Loop/StopSignals.h"
 #include "DeviceBridge/Tools/Commands.h"
 #include "DeviceBridge/Tools/OpenedDevice.h"
 #include "DeviceBridge/Tools/WallWorld.h"

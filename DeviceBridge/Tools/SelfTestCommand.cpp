@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "DeviceBridge/SteppingThread.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Tools/Commands.h"
 #include "DeviceBridge/Tools/OpenedDevice.h"
 #include "DeviceBridge/Tools/WallWorld.h"

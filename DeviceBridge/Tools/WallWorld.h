@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "DeviceBridge/ContactSource.h"
+#include "DeviceBridge/Loop/ContactSource.h"
 
 namespace devicebridge::tools
 {

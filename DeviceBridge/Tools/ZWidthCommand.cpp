@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Tools/Commands.h"
-#include "DeviceBridge/ZWidth.h"
+#include "DeviceBridge/Coupling/ZWidth.h"
 
 namespace devicebridge::tools
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/Version.h"
+#include "BulletISTCollision/Core/Base/Version.h"
 #include "BulletISTCollision/Tools/WholeNumber.h"
 
 #include <CLI/CLI.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/AssetCache.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
 
 #include <chrono>
 #include <cinttypes>

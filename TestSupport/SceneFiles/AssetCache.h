@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <functional>
 #include <memory>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Result.h"
-#include "BulletISTCollision/Core/Vec3.h"
+#include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Base/Vec3.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/SceneFile.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "TestSupport/SceneFiles/JsonSource.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
 

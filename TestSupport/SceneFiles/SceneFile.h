@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh.h"
-#include "BulletISTCollision/Core/Pose.h"
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 
 #include <optional>
 #include <string>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/SceneWorld.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/LevelCalibration.h"
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/MeshRepair.h"
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
 #include "TestSupport/SceneFiles/PrincipalMesh.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletHapticForce/btISTWorld.h"
-#include "BulletISTCollision/Core/Progress.h"
+#include "BulletHapticForce/World/btISTWorld.h"
+#include "BulletISTCollision/Core/Base/Progress.h"
 #include "TestSupport/SceneFiles/SceneFile.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"

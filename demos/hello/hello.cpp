@@ -2,9 +2,9 @@
 // A ring lies on Bullet's plane, a second one falls on it. Prints where they come to rest and what the floor feels.
 // Usage: hello [FILE.ist]          (an .ist file comes from `ist build MESH -o FILE.ist`)
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <btBulletDynamicsCommon.h>
 

@@ -3,8 +3,8 @@
 // what the chain looks like. Processor time of the thread. Usage:
 // bench_chain [--falls 1] [--links N=40] [--spheres N=1000] [--rate HZ=120] [--steps N=240] [--friction F=0.5] [--stiffness PA-PER-M=1e7]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <btBulletDynamicsCommon.h>
 

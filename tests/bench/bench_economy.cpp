@@ -2,13 +2,13 @@
 // What the economy saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and the error
 // that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the repeats, both ways in turn in one process. Usage:
 // bench_economy [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
-#include "BulletHapticForce/btContactLaw.h"
-#include "BulletISTCollision/Core/StepChoice.h"
-#include "BulletISTCollision/btISTConversion.h"
-#include "demos/browser/DemoCatalog.h"
-#include "demos/browser/DemoRun.h"
-#include "demos/browser/KeptCheck.h"
-#include "demos/browser/WorldDemo.h"
+#include "BulletHapticForce/Law/btContactLaw.h"
+#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "demos/browser/catalog/DemoCatalog.h"
+#include "demos/browser/catalog/DemoRun.h"
+#include "demos/browser/catalog/KeptCheck.h"
+#include "demos/browser/base/WorldDemo.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -2,14 +2,14 @@
 // Trees against bodies in closed form: error against quadrature on the triangles of both, and time, at 0.1, 1 and 10 % overlap of the
 // smaller body, in seeded random poses. Usage:
 // bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "demos/scenes/FieldBodies.h"
-#include "demos/scenes/OverlapQuadrature.h"
-#include "demos/scenes/PoseSampler.h"
-#include "tests/bench/BenchBodies.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "demos/scenes/Bodies/FieldBodies.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
+#include "demos/scenes/Truth/PoseSampler.h"
+#include "tests/bench/bodies/BenchBodies.h"
 
 #include <algorithm>
 #include <chrono>

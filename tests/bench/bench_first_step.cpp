@@ -2,9 +2,9 @@
 // Cost of the first step of a game's world that becomes volumetric: milliseconds of the caller's thread and resident memory, for the
 // making of btISTWorld, for the first step without a contact, and for the first step in which two rings overlap. Usage: bench_first_step
 // [ROUNDS=3]
-#include "BulletHapticForce/btISTWorld.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletHapticForce/World/btISTWorld.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>

@@ -2,13 +2,13 @@
 // The goals of the query beside what is measured, bunny against bunny, one row each: least times of several visits in shuffled order, and ratios
 // within this process. Makes the bodies it needs in FOLDER. Motion, threads, levels and instructions have programs of their own: bench_motion,
 // bench_threads, bench_levels, query_instructions.sh. Usage: bench_goals FOLDER [MESH]
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
-#include "tests/bench/BenchPoses.h"
-#include "tests/bench/NaiveSphereTree.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "tests/bench/bodies/BenchPoses.h"
+#include "tests/bench/bodies/NaiveSphereTree.h"
 
 #include <algorithm>
 #include <chrono>

@@ -4,15 +4,15 @@
 // for all sixteen, each in the paper's mode, by the law, and by the coarsest level of the law that errs no more than the paper's mode does.
 // Time of a tick, each tick's least of several passes: one thread, two threads, and one thread whose pairs are remembered.
 // Usage: bench_grasp [--ticks N=60] [--passes N=5]
-#include "BulletISTCollision/Core/BatchQuery.h"
-#include "BulletISTCollision/Core/LevelCalibration.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/PairMemory.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
-#include "tests/bench/BenchBodies.h"
-#include "tests/bench/BenchPoses.h"
+#include "BulletISTCollision/Core/Query/BatchQuery.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "tests/bench/bodies/BenchBodies.h"
+#include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
 #include <chrono>

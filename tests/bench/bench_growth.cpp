@@ -3,11 +3,11 @@
 // linear, and what follows for large scenes. Processor time of one thread, but for the threads themselves. Usage:
 // bench_growth [--spheres MOST=10000] [--bodies MOST=1000] [--poses N=8] [--page FILE.html] [--csv FILE]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "demos/scenes/HtmlReport.h"
-#include "tests/bench/BenchPoses.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "demos/scenes/Pages/HtmlReport.h"
+#include "tests/bench/bodies/BenchPoses.h"
 
 #include <btBulletDynamicsCommon.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Force error of budgets of pairs, bunny against bunny. The truth is a tree with many more leaves at the same poses.
 // Usage: bench_levels FINE.ist TRUTH.ist [POSES]
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
-#include "tests/bench/BenchPoses.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
 #include <chrono>

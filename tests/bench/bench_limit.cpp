@@ -5,9 +5,9 @@
 //     limit = (node visits + pairs of blocks + balls against blocks) times a look + pairs times a pair:
 // opening a node is a look of one bound at eight, choosing a block's balls one at sixteen. Usage: bench_limit FOLDER [SPHERES...] (FOLDER/bunny-N.ist,
 // as bench_goals makes them)
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "tests/bench/BenchPoses.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
 #include <chrono>

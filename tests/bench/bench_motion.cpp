@@ -2,11 +2,11 @@
 // What PairMemory saves where a body moves at 1 kHz with 0.1 m/s for each 0.2 m of its size, bunny against bunny: time of a query with it and
 // without, side by side; each step's least of several passes over the same path.
 // Usage: bench_motion [--steps N=200] [--passes N=8] [--speed S=0.0005 (sizes a query)] BODY.ist...
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PairMemory.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "tests/bench/BenchPoses.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Time and work of the overlap query, bunny against bunny. Usage: bench_query [--csv FILE] [--poses N] [--visits N]
 // [--cache FOLDER] [--mesh FILE] [--only MODE] [--overlap FRACTION] SPHERES...
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "tests/bench/BenchPoses.h"
-#include "tests/bench/NaiveSphereTree.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "tests/bench/bodies/BenchPoses.h"
+#include "tests/bench/bodies/NaiveSphereTree.h"
 
 #include <algorithm>
 #include <chrono>

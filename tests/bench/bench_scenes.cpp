@@ -4,9 +4,9 @@
 // bench_scenes [--bodies 1,10,100,1000] [--spheres N=1000] [--rate HZ=120] [--stiffness PA-PER-M=1e5] [--budget SECONDS=20 a row]
 // [--only PART-OF-NAME]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "tests/bench/PileBodies.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "tests/bench/bodies/PileBodies.h"
 
 #include "BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h"
 #include <btBulletDynamicsCommon.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // What a second thread saves: one query with a QueryHelper, side by side with the query alone, and a batch over 1 and 2 threads.
 // Each pose's least of several visits, in shuffled order. Usage: bench_threads [--visits N=20] BODY.ist...
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/BatchQuery.h"
-#include "BulletISTCollision/Core/QueryHelper.h"
-#include "tests/bench/BenchPoses.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Query/BatchQuery.h"
+#include "BulletISTCollision/Core/Query/QueryHelper.h"
+#include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
 #include <chrono>

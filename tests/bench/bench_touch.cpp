@@ -2,14 +2,14 @@
 // Contact shallower than the gaps: what bodies that only touch press already, because leaves reach beyond the surface; what the gate of the
 // query makes of it and costs; and the force of flat contact over that of the continuum.
 // Usage: bench_touch [--spheres N=10000] [--poses N=20]
-#include "BulletISTCollision/Core/MeshDistance.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "demos/scenes/OverlapQuadrature.h"
-#include "demos/scenes/PoseSampler.h"
-#include "tests/bench/BenchBodies.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
+#include "demos/scenes/Truth/PoseSampler.h"
+#include "tests/bench/bodies/BenchBodies.h"
 
 #include <algorithm>
 #include <chrono>

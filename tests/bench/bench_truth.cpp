@@ -4,15 +4,15 @@
 // bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE] [--levels 1] [--pairs compact]
 // Lines and points are those of the quadrature; the last two columns are its own standard error. With --levels also the coarser levels of the same trees;
 // with --pairs thin those of a thin body with another, with --pairs small those of a body with one that is six or twenty times as small. Errors of the force are shares of it, or of a quarter of k V where opposing forces leave less.
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
-#include "demos/scenes/MeshBelowPlane.h"
-#include "demos/scenes/OverlapQuadrature.h"
-#include "demos/scenes/PoseSampler.h"
-#include "tests/bench/BenchBodies.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "demos/scenes/Truth/MeshBelowPlane.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
+#include "demos/scenes/Truth/PoseSampler.h"
+#include "tests/bench/bodies/BenchBodies.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 
 #include <cstdint>
 #include <cstdio>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/ByteStream.h"
-#include "BulletISTCollision/Core/Checksum.h"
+#include "BulletISTCollision/Core/Asset/ByteStream.h"
+#include "BulletISTCollision/Core/Asset/Checksum.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // libFuzzer on the asset loader: whatever the bytes, it refuses them or gives a tree that is safe to query and to write again.
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
 #include "SealedAsset.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What stands behind the scheme of a device's address, and a pose on the command line.
 #include "BulletISTCollision/Tools/PoseRows.h"
-#include "DeviceBridge/DeviceAddress.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
 
 #include "tests/fuzz/Promises.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Mesh files: whatever the bytes, they are refused or give triangles of finite corners that are there. What lies between is assimp, which is as robust as its release:
 // the readers of OFF and PLY in 5.2.5 end the process on some damaged files, so that two other formats are tried.
-#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
 
 #include "tests/fuzz/Promises.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // What is looked up in a mesh file before assimp reads it: archives, what they pack, and the units in their XML. Whatever the bytes, there
 // is a unit or a refusal.
-#include "BulletISTCollision/Core/MeshFileUnit.h"
-#include "BulletISTCollision/Core/XmlTags.h"
-#include "BulletISTCollision/Core/ZipArchive.h"
+#include "BulletISTCollision/Core/Import/MeshFileUnit.h"
+#include "BulletISTCollision/Core/Import/XmlTags.h"
+#include "BulletISTCollision/Core/Import/ZipArchive.h"
 
 #include "tests/fuzz/Promises.h"
 

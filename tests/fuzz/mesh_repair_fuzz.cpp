@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Meshes as broken as they come: pairs of numbers of three bytes are corners on a small grid or anywhere, the rest triangles. What repair accepts is closed.
-#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include "tests/fuzz/Promises.h"
 

@@ -20,127 +20,127 @@ CORE, COLLISION, BRIDGE = "BulletISTCollision/Core/", "BulletISTCollision/", "De
 # Name: (file, text that occurs in it once, what takes its place, test program, tests of which one must fail).
 MUTATIONS = {
     "density of leaves dropped": (
-        CORE + "MomentEllipsoid.cpp", "e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));", "e.density = 1;",
+        CORE + "Geometry/MomentEllipsoid.cpp", "e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));", "e.density = 1;",
         "test_core", "Cells.OfEqualSpheresInABoxAreVoronoiCells"),
     "density dropped from the sums": (
-        CORE + "Kernels/PairIntegrals.h", "density = a.density * b.density;", "density = F::all(1);",
+        CORE + "Query/Kernels/PairIntegrals.h", "density = a.density * b.density;", "density = F::all(1);",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "density dropped from the sums of a half-space": (
-        CORE + "FieldPress.cpp", "term.volume = leaf.density * cap.volume;", "term.volume = cap.volume;",
+        CORE + "Query/FieldPress.cpp", "term.volume = leaf.density * cap.volume;", "term.volume = cap.volume;",
         "test_core", "HalfSpace.ManyBallsAgreeWithADirectSum"),
     "mean normal of leaves normalised": (
-        CORE + "CellSplitter.cpp", "e.setNormal(piece.normal);", "e.setNormal(normalized(piece.normal));",
+        CORE + "Leaves/CellSplitter.cpp", "e.setNormal(piece.normal);", "e.setNormal(normalized(piece.normal));",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
     "mean normal normalised in the sums": (
-        CORE + "Kernels/PairIntegrals.h", "		l.mA = {a.normal.x, a.normal.y, a.normal.z};",
+        CORE + "Query/Kernels/PairIntegrals.h", "		l.mA = {a.normal.x, a.normal.y, a.normal.z};",
         "		const F m = F::squareRoot(a.normal.x * a.normal.x + a.normal.y * a.normal.y + a.normal.z * a.normal.z);\n"
         "		l.mA = {a.normal.x / m, a.normal.y / m, a.normal.z / m};",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "splitting skipped": (
-        CORE + "CellSplitter.cpp", "while (pieces.size() < leafCount && !queue.empty())", "while (false)",
+        CORE + "Leaves/CellSplitter.cpp", "while (pieces.size() < leafCount && !queue.empty())", "while (false)",
         "test_core", "Cells.OneBallInASphereIsSplitIntoLeavesThatPointOutwards"),
     "shape of leaves dropped": (
-        CORE + "CellSplitter.cpp", "momentEllipsoid(piece.centroid, piece.shape, piece.mass)",
+        CORE + "Leaves/CellSplitter.cpp", "momentEllipsoid(piece.centroid, piece.shape, piece.mass)",
         "momentEllipsoid(piece.centroid, SymmetricMatrix3::identity(piece.shape.trace() / 3), piece.mass)",
         "test_core", "Cells.*"),
     "shape of B not turned": (
-        CORE + "Kernels/PairSearch.h", "const F6 shape = turned(s.R, b.shape);", "const F6 shape = b.shape;",
+        CORE + "Query/Kernels/PairSearch.h", "const F6 shape = turned(s.R, b.shape);", "const F6 shape = b.shape;",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "shape dropped from a half-space": (
-        CORE + "Lens.h", "const Vec3 conjugate = e.shape() * normal;", "const Vec3 conjugate = normal * (e.shape().trace() / 3);",
+        CORE + "Geometry/Lens.h", "const Vec3 conjugate = e.shape() * normal;", "const Vec3 conjugate = normal * (e.shape().trace() / 3);",
         "test_core", "HalfSpace.*"),
     "normal of a lens flipped": (
-        CORE + "Lens.h", "lens.normal = offset * inverse;", "lens.normal = offset * -inverse;",
+        CORE + "Geometry/Lens.h", "lens.normal = offset * inverse;", "lens.normal = offset * -inverse;",
         "test_core", "Lens.*"),
     "normal of a half-space flipped": (
-        CORE + "FieldQuery.cpp", "sums.normalB.force += nB;", "sums.normalB.force -= nB;",
+        CORE + "Query/FieldQuery.cpp", "sums.normalB.force += nB;", "sums.normalB.force -= nB;",
         "test_core", "HalfSpace.OneBallHasTheClosedForm"),
     "remembered pairs outlive their margin": (
-        CORE + "PairMemory.cpp", "return valid = valid && m_filled.motionTo(now.X) <= m_margin;", "return valid;",
+        CORE + "Query/PairMemory.cpp", "return valid = valid && m_filled.motionTo(now.X) <= m_margin;", "return valid;",
         "test_core", "PairMemory.*"),
     "a turn uses up no margin": (
-        CORE + "PairMemory.cpp", " + (std::sqrt(0.5 * squared) + skew) * reach;", ";",
+        CORE + "Query/PairMemory.cpp", " + (std::sqrt(0.5 * squared) + skew) * reach;", ";",
         "test_core", "PairMemory.*"),
     "remembered patches are never grouped anew": (
-        CORE + "PairMemory.cpp", "return asMany && now.aligned", "return asMany || !asMany || now.aligned",
+        CORE + "Query/PairMemory.cpp", "return asMany && now.aligned", "return asMany || !asMany || now.aligned",
         "test_core", "PairMemory.*"),
     "clearance without the radius of one ball": (
-        CORE + "LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding", "return distance(a.center, b.center) - a.r - kRounding",
+        CORE + "Query/LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding", "return distance(a.center, b.center) - a.r - kRounding",
         "test_core", "LeafClearance.*"),
     "bodies that came near stay apart": (
-        COLLISION + "btISTEconomy.cpp", "return way < m_clearance;", "return true;",
+        COLLISION + "Contact/btISTEconomy.cpp", "return way < m_clearance;", "return true;",
         "test_collision", "btISTEconomy.*"),
     "kept beyond what is granted": (
-        COLLISION + "btISTEconomy.cpp", "return used <= 1;", "return true;",
+        COLLISION + "Contact/btISTEconomy.cpp", "return used <= 1;", "return true;",
         "test_collision", "btISTEconomy.*"),
     "kept answers do not follow the motion": (
-        COLLISION + "btISTEconomy.cpp", "	ist::moveB(contact.total, motion);\n", "",
+        COLLISION + "Contact/btISTEconomy.cpp", "	ist::moveB(contact.total, motion);\n", "",
         "test_collision", "btISTEconomy.*"),
     "normal of Bullet's plane flipped": (
-        COLLISION + "btISTShapeField.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
+        COLLISION + "Registry/btISTShapeField.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
         "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),
     "normal of Bullet's points flipped": (
-        COLLISION + "btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)", "toBullet(-p.normal), btScalar(-depth)",
+        COLLISION + "Contact/btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)", "toBullet(-p.normal), btScalar(-depth)",
         "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "table of closest points not registered": (
-        COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || closest) return;",
+        COLLISION + "Dispatch/btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || closest) return;",
         "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "table of contacts not registered": (
-        COLLISION + "btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || !closest) return;",
+        COLLISION + "Dispatch/btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || !closest) return;",
         "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "what is not finite passes": (
-        BRIDGE + "SafetyLimiter.cpp", "if (!finite)", "if (false)",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if (!finite)", "if (false)",
         "test_devices", "Safety*"),
     "old commands count in full": (
         BRIDGE + "Safety/AgeFade.h", "if (age < 0 || age >= zeroFrom || now >= command.expiresAt) return 0;", "if (age != -1) return 1;",
         "test_devices", "Safety*"),
     "a handle that nobody holds is pushed": (
-        BRIDGE + "SafetyLimiter.cpp", "if (m_enabled && (hand.flags & kReady) == kReady) return true;", "if (m_enabled) return true;",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if (m_enabled && (hand.flags & kReady) == kReady) return true;", "if (m_enabled) return true;",
         "test_devices", "Safety*"),
     "no ramp after enabling": (
         BRIDGE + "Safety/GainRamp.h", "return age >= m_duration ? 1", "return age >= 0 ? 1",
         "test_devices", "Safety*"),
     "force inside when enabled": (
-        BRIDGE + "SafetyLimiter.cpp", "m_inside.holds(inContact) && m_settings.startInsideLatch", "m_inside.holds(inContact) && false",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "m_inside.holds(inContact) && m_settings.startInsideLatch", "m_inside.holds(inContact) && false",
         "test_devices", "Safety*"),
     "torque without motors for it": (
-        BRIDGE + "SafetyLimiter.cpp", "if ((m_info.actuated >> axis & 1U) || value == 0) continue;", "if (axis >= 0) continue;",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if ((m_info.actuated >> axis & 1U) || value == 0) continue;", "if (axis >= 0) continue;",
         "test_devices", "Safety*"),
     "no passivity controller": (
-        BRIDGE + "SafetyLimiter.cpp", "if (m_settings.passivity && m_passivity", "if (false && m_passivity",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if (m_settings.passivity && m_passivity", "if (false && m_passivity",
         "test_devices", "PassivityController.*"),
     "no slew limit": (
-        BRIDGE + "SafetyLimiter.cpp", "limitSlew(wrench.force, m_last.force, share * m_info.peakForce)", "false",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "limitSlew(wrench.force, m_last.force, share * m_info.peakForce)", "false",
         "test_devices", "Safety*"),
     "no saturation": (
-        BRIDGE + "SafetyLimiter.cpp", "if (saturate(wrench, m_info.peakForce, m_info.peakTorque, m_settings.oneFactor)) increment(m_saturated);", "",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if (saturate(wrench, m_info.peakForce, m_info.peakTorque, m_settings.oneFactor)) increment(m_saturated);", "",
         "test_devices", "Safety*"),
     "no continuous budget": (
-        BRIDGE + "SafetyLimiter.cpp", "m_forceHeat.limit(wrench.force)", "false",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "m_forceHeat.limit(wrench.force)", "false",
         "test_devices", "Safety*"),
     "no brake above the largest speed": (
-        BRIDGE + "SafetyLimiter.cpp", "if (m_brake.apply(out.wrench, hand.twist)) increment(m_overSpeed);", "",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if (m_brake.apply(out.wrench, hand.twist)) increment(m_overSpeed);", "",
         "test_devices", "Safety*"),
     "gap between ticks not bridged": (
-        BRIDGE + "GapBridge.h", "if (dt > kShortest * period && m_hasLast)", "if (false)",
+        BRIDGE + "Loop/GapBridge.h", "if (dt > kShortest * period && m_hasLast)", "if (false)",
         "test_devices", "GapBridge.*"),
     "impulses of the hand taken twice": (
-        BRIDGE + "WorldMirror.cpp", "		body.seen = now;\n", "",
+        BRIDGE + "Loop/WorldMirror.cpp", "		body.seen = now;\n", "",
         "test_devices", "WorldMirror.*"),
     "late world counts in full": (
-        BRIDGE + "ModelAge.h", "if (late <= fullUntil) return 1;", "if (late >= 0) return 1;",
+        BRIDGE + "Loop/ModelAge.h", "if (late <= fullUntil) return 1;", "if (late >= 0) return 1;",
         "test_devices", "ModelAge.*"),
     "copies feel half of the tool": (
-        BRIDGE + "BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * m_impulses[i];", "const ist::Wrench onBody = -0.5 * m_impulses[i];",
+        BRIDGE + "Bullet/BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * m_impulses[i];", "const ist::Wrench onBody = -0.5 * m_impulses[i];",
         "test_bridge", "BulletDecoupled.ImpulsesBalance*"),
     "copies that nothing carries": (
-        BRIDGE + "BulletLocalWorld.cpp", "i < world.contactCount; ++i)", "i < 0; ++i)",
+        BRIDGE + "Bullet/BulletLocalWorld.cpp", "i < world.contactCount; ++i)", "i < 0; ++i)",
         "test_bridge", "BulletDecoupled.ABodyOnATableIsPressed"),
     "copies never put right": (
-        BRIDGE + "BulletLocalWorld.cpp", "const double part = body.left > h ? h / body.left : 1;", "const double part = 0;",
+        BRIDGE + "Bullet/BulletLocalWorld.cpp", "const double part = body.left > h ? h / body.left : 1;", "const double part = 0;",
         "test_bridge", "BulletDecoupled.ABodyOnATableIsPressed"),
     "impulses as if they had come at once": (
-        BRIDGE + "BulletWorldCoupling.cpp", "const double late = std::min(", "const double late = 0 * std::min(",
+        BRIDGE + "Bullet/BulletWorldCoupling.cpp", "const double late = std::min(", "const double late = 0 * std::min(",
         "test_bridge", "BulletDecoupled.AFreeBodyIsPushedAlikeAtAnyRate"),
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoRun.h"
+#include "demos/browser/catalog/DemoRun.h"
 #include "tests/EachDemo.h"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/CarryReport.h"
+#include "demos/scenes/Carry/CarryReport.h"
 
 #include <gtest/gtest.h>
 

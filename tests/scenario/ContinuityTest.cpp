@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/Continuity.h"
+#include "demos/scenes/Extremes/Continuity.h"
 
 #include <gtest/gtest.h>
 

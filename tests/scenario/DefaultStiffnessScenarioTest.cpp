@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/scenario/VolumetricScene.h"
 
-#include "BulletHapticForce/btContactLaw.h"
+#include "BulletHapticForce/Law/btContactLaw.h"
 
 #include <string>
 

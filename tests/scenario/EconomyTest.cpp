@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What the demos leave out of their queries, against the same demos with everything computed.
-#include "demos/browser/DemoRun.h"
-#include "demos/browser/KeptCheck.h"
+#include "demos/browser/catalog/DemoRun.h"
+#include "demos/browser/catalog/KeptCheck.h"
 #include "tests/EachDemo.h"
 
 using namespace browser;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/Core/MeshRepair.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "demos/scenes/FieldBodies.h"
-#include "demos/scenes/OverlapQuadrature.h"
-#include "demos/scenes/PoseSampler.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "demos/scenes/Bodies/FieldBodies.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
+#include "demos/scenes/Truth/PoseSampler.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/scenario/VolumetricScene.h"
 
-#include "BulletISTCollision/Core/MeshImport.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshImport.h"
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 #include "DeviceBridge/Hand/HandMotion.h"
-#include "demos/scenes/GraspLoad.h"
-#include "demos/scenes/GraspReport.h"
+#include "demos/scenes/Grasp/GraspLoad.h"
+#include "demos/scenes/Grasp/GraspReport.h"
 
 #include <gtest/gtest.h>
 

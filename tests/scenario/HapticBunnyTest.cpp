@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/HapticBunny.h"
+#include "demos/scenes/HapticBunny/HapticBunny.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
-#include "demos/scenes/MeshBelowPlane.h"
+#include "demos/scenes/Truth/MeshBelowPlane.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/SafetyPage.h"
+#include "demos/scenes/Pages/SafetyPage.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/PaperFigures.h"
-#include "demos/scenes/SceneReport.h"
+#include "demos/scenes/Scene/PaperFigures.h"
+#include "demos/scenes/Scene/SceneReport.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <gtest/gtest.h>
 

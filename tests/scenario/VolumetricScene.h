@@ -2,9 +2,9 @@
 #pragma once
 
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>

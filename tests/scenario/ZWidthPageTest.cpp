@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/ZWidthPage.h"
+#include "demos/scenes/Pages/ZWidthPage.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 #include "DeviceBridge/Drivers/Glove/GloveAngles.h"
 
 namespace devicebridge

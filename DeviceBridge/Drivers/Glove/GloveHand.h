@@ -2,7 +2,7 @@
 #pragma once
 
 #include "DeviceBridge/Drivers/Glove/GloveAngles.h"
-#include "DeviceBridge/HandState.h"
+#include "DeviceBridge/Device/HandState.h"
 
 namespace devicebridge
 {

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 namespace devicebridge
 {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "DeviceBridge/DeviceLink.h"
+#include "DeviceBridge/Device/DeviceLink.h"
 #include "DeviceBridge/Drivers/Glove/GloveFrames.h"
 #include "DeviceBridge/Drivers/Glove/GloveHand.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/DeviceAddress.h"
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
 #include "DeviceBridge/Drivers/Glove/GloveLink.h"
-#include "DeviceBridge/ThreadedDevice.h"
+#include "DeviceBridge/Device/ThreadedDevice.h"
 
 namespace devicebridge
 {

@@ -11,7 +11,7 @@
 #include <exception>
 #include <utility>
 
-#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Drivers/AssumedLimits.h"
 #include "DeviceBridge/Drivers/Haply/HaplyMessages.h"
 

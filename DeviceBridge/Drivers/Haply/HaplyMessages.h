@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "BulletISTCollision/Core/Pose.h"
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 
 namespace devicebridge
 {

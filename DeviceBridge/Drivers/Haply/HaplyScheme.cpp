@@ -3,11 +3,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "DeviceBridge/DeviceAddress.h"
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
 #include "DeviceBridge/Drivers/Haply/HaplyLink.h"
-#include "DeviceBridge/ThreadedDevice.h"
+#include "DeviceBridge/Device/ThreadedDevice.h"
 
 namespace devicebridge
 {

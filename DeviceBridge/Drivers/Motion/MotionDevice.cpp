@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Drivers/Motion/MotionDevice.h"
 
-#include "DeviceBridge/DeviceAddress.h"
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
 #include "DeviceBridge/Hand/BvhHand.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Device/Device.h"
 #include "DeviceBridge/Hand/HandMotion.h"
 
 namespace devicebridge

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Drivers/OpenXr/OpenXrSession.h"
 
 namespace devicebridge

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "DeviceBridge/DeviceLink.h"
+#include "DeviceBridge/Device/DeviceLink.h"
 
 namespace devicebridge
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
 #include "DeviceBridge/Drivers/OpenXr/OpenXrLink.h"
-#include "DeviceBridge/ThreadedDevice.h"
+#include "DeviceBridge/Device/ThreadedDevice.h"
 
 namespace devicebridge
 {

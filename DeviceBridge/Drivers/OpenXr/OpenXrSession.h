@@ -11,7 +11,7 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
-#include "BulletISTCollision/Core/Result.h"
+#include "BulletISTCollision/Core/Base/Result.h"
 
 namespace devicebridge
 {

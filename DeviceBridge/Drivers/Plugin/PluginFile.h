@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "BulletISTCollision/Core/Result.h"
-#include "DeviceBridge/devicebridge_plugin.h"
+#include "BulletISTCollision/Core/Base/Result.h"
+#include "DeviceBridge/Plugins/devicebridge_plugin.h"
 
 namespace devicebridge
 {

@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
-#include "DeviceBridge/DeviceLink.h"
-#include "DeviceBridge/devicebridge_plugin.h"
+#include "DeviceBridge/Device/DeviceLink.h"
+#include "DeviceBridge/Plugins/devicebridge_plugin.h"
 
 namespace devicebridge
 {

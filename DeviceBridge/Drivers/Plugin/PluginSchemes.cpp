@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Plugin/PluginFile.h"
 #include "DeviceBridge/Drivers/Plugin/PluginLink.h"
-#include "DeviceBridge/ThreadedDevice.h"
+#include "DeviceBridge/Device/ThreadedDevice.h"
 
 namespace devicebridge
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/Clock.h"
-#include "DeviceBridge/Recording.h"
+#include "DeviceBridge/Timing/Clock.h"
+#include "DeviceBridge/Device/Recording.h"
 
 namespace devicebridge
 {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 namespace devicebridge
 {

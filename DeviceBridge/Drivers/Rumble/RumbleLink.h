@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "DeviceBridge/DeviceLink.h"
+#include "DeviceBridge/Device/DeviceLink.h"
 
 struct _SDL_GameController;
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include <charconv>
 
-#include "DeviceBridge/DeviceAddress.h"
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
 #include "DeviceBridge/Drivers/Rumble/RumbleLink.h"
-#include "DeviceBridge/ThreadedDevice.h"
+#include "DeviceBridge/Device/ThreadedDevice.h"
 
 namespace devicebridge
 {

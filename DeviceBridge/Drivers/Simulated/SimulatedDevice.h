@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "DeviceBridge/Device.h"
+#include "DeviceBridge/Device/Device.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 
 namespace devicebridge

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "BulletISTCollision/Core/Result.h"
-#include "DeviceBridge/Device.h"
+#include "BulletISTCollision/Core/Base/Result.h"
+#include "DeviceBridge/Device/Device.h"
 
 namespace devicebridge
 {

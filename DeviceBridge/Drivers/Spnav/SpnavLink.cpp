@@ -12,7 +12,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "DeviceBridge/Clock.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 #include <spnav.h>  // last: it brings the macros of Xlib
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/DeviceLink.h"
+#include "DeviceBridge/Device/DeviceLink.h"
 #include "DeviceBridge/Drivers/Spnav/SpnavMotion.h"
 
 namespace devicebridge

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/ToolDemo.h"
+#include "demos/browser/base/ToolDemo.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/btISTConversion.h"
-#include "demos/scenes/OverlapQuadrature.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
 
 #include <algorithm>
 

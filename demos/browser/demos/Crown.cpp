@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/ToolDemo.h"
+#include "demos/browser/base/ToolDemo.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
 
 using namespace ist;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoSolid.h"
+#include "demos/browser/base/DemoSolid.h"
 
-#include "BulletISTCollision/Core/LevelCalibration.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/DialSweep.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "demos/scenes/Extremes/DialSweep.h"
 
 #include <algorithm>
 #include <chrono>

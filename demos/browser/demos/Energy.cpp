@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/WorldDemo.h"
+#include "demos/browser/base/WorldDemo.h"
 
-#include "BulletHapticForce/btEnergyAudit.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletHapticForce/World/btEnergyAudit.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 using namespace ist;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/WorldDemo.h"
+#include "demos/browser/base/WorldDemo.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/btISTConversion.h"
-#include "demos/scenes/FloatingBodies.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "demos/scenes/Extremes/FloatingBodies.h"
 
 using namespace ist;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/HandDemo.h"
+#include "demos/browser/base/HandDemo.h"
 
-#include "BulletISTCollision/btISTConversion.h"
-#include "DeviceBridge/BulletHeatMap.h"
-#include "demos/scenes/GraspMotion.h"
-#include "demos/scenes/GraspObjects.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Bullet/BulletHeatMap.h"
+#include "demos/scenes/Grasp/GraspMotion.h"
+#include "demos/scenes/Grasp/GraspObjects.h"
 
 using namespace ist;
 using namespace devicebridge;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/BesideStock.h"
-#include "demos/browser/WorldDemo.h"
+#include "demos/browser/catalog/BesideStock.h"
+#include "demos/browser/base/WorldDemo.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/WorldDemo.h"
+#include "demos/browser/base/WorldDemo.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 
 using namespace ist;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoSolid.h"
+#include "demos/browser/base/DemoSolid.h"
 
-#include "BulletISTCollision/Core/MeshDistance.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
 #include <algorithm>
 

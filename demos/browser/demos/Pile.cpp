@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/HandDemo.h"
+#include "demos/browser/base/HandDemo.h"
 
-#include "BulletHapticForce/btEnergyAudit.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/btISTConversion.h"
-#include "demos/scenes/GraspObjects.h"
-#include "demos/scenes/ImplicitMesh.h"
-#include "demos/scenes/MeshDepth.h"
+#include "BulletHapticForce/World/btEnergyAudit.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "demos/scenes/Grasp/GraspObjects.h"
+#include "demos/scenes/Bodies/ImplicitMesh.h"
+#include "demos/scenes/Truth/MeshDepth.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 

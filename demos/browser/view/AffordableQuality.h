@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/view/Renderer.h"
+#include "demos/browser/render/Renderer.h"
 
 namespace browser
 {

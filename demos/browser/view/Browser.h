@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/BesideStock.h"
-#include "demos/browser/DeviceHand.h"
+#include "demos/browser/catalog/BesideStock.h"
+#include "demos/browser/base/DeviceHand.h"
 #include "demos/browser/view/AffordableQuality.h"
 #include "demos/browser/view/Gui.h"
 #include "demos/browser/view/SceneView.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/ChartView.h"
 
-#include "demos/scenes/ChartAxes.h"
+#include "demos/scenes/Pages/ChartAxes.h"
 
 #include <imgui.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/scenes/HtmlReport.h"
+#include "demos/scenes/Pages/HtmlReport.h"
 
 #include <vector>
 

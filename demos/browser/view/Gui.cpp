@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Gui.h"
 
-#include "demos/browser/view/Gl.h"
+#include "demos/browser/render/Gl.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>  // ImRect

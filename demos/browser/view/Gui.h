@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/DrawList.h"
-#include "demos/browser/view/Renderer.h"
+#include "demos/browser/drawing/DrawList.h"
+#include "demos/browser/render/Renderer.h"
 
 struct ImDrawList;
 

@@ -3,7 +3,7 @@
 
 #include "demos/browser/view/ChartView.h"
 #include "demos/browser/view/Gui.h"
-#include "demos/browser/view/OffscreenContext.h"
+#include "demos/browser/render/OffscreenContext.h"
 #include "demos/browser/view/SceneView.h"
 
 #include <imgui.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/BrowsableDemo.h"
-#include "demos/browser/view/Picture.h"
+#include "demos/browser/base/BrowsableDemo.h"
+#include "demos/browser/render/Picture.h"
 
 #include <memory>
 

@@ -2,7 +2,7 @@
 #include "demos/browser/view/SceneView.h"
 
 #include "demos/browser/view/Gui.h"
-#include "demos/browser/view/Stopwatch.h"
+#include "demos/browser/render/Stopwatch.h"
 
 #include <imgui.h>
 

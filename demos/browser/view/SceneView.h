@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/BrowsableDemo.h"
-#include "demos/browser/view/Renderer.h"
+#include "demos/browser/base/BrowsableDemo.h"
+#include "demos/browser/render/Renderer.h"
 
 #include <string>
 #include <vector>

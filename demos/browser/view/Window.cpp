@@ -2,7 +2,7 @@
 #include "demos/browser/view/Window.h"
 
 #include "demos/browser/view/Browser.h"
-#include "demos/browser/view/Gl.h"
+#include "demos/browser/render/Gl.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

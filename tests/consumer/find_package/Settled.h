@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <BulletISTCollision/Core/MeshShapes.h>
-#include <BulletISTCollision/Core/TreeBuilder.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
+#include <BulletISTCollision/Core/Build/TreeBuilder.h>
 
 #include <btBulletDynamicsCommon.h>
 

@@ -2,7 +2,7 @@
 // The cube as the tool of a hand that stays where the cube touches the plane: each tick is a step of the world.
 #include "Settled.h"
 
-#include <DeviceBridge/BulletContactSource.h>
+#include <DeviceBridge/Bullet/BulletContactSource.h>
 
 int main()
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Devices without Bullet: a simulated one, by its address, for a second. The registry knows the drivers of all others, and needs their libraries.
-#include <DeviceBridge/DeviceRegistry.h>
+#include <DeviceBridge/Drivers/DeviceRegistry.h>
 
 #include <cstdio>
 

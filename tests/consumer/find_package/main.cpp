@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A user's first program: two boxes, packed, one pressed 1 cm into the other. Flat contact: force = k * volume.
-#include <BulletISTCollision/Core/MeshShapes.h>
-#include <BulletISTCollision/Core/PressureField.h>
-#include <BulletISTCollision/Core/TreeBuilder.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
+#include <BulletISTCollision/Core/Force/PressureField.h>
+#include <BulletISTCollision/Core/Build/TreeBuilder.h>
 
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Nothing here has a scalar in its signature: only the guard can tell that the library was built for another precision.
-#include <BulletISTCollision/btISTRegistry.h>
+#include <BulletISTCollision/Registry/btISTRegistry.h>
 
 int main()
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A game's own test of its physics.
-#include <BulletISTCollision/Core/MeshShapes.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
 #include <TestSupport/Matchers.h>
 
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 // Volumetric contact beside threads of Bullet's own: a world that Bullet steps with one thread is volumetric, whoever else has threads; where Bullet would call us from
 // several at once, the dispatcher or the solver is refused in words, and the world is Bullet's.
 #include <BulletHapticForce/btBulletHapticForceCommon.h>
-#include <BulletISTCollision/Core/MeshShapes.h>
-#include <BulletISTCollision/Core/TreeBuilder.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
+#include <BulletISTCollision/Core/Build/TreeBuilder.h>
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolverMt.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/StepChoice.h"
-#include "demos/scenes/ExtremeMotions.h"
+#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "demos/scenes/Extremes/ExtremeMotions.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 #include <random>

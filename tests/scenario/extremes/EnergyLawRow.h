@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/scenes/EnergyCollision.h"
+#include "demos/scenes/Extremes/EnergyCollision.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 namespace extremes

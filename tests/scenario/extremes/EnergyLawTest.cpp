@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/btEnergyLaw.h"
+#include "BulletHapticForce/Law/btEnergyLaw.h"
 #include "tests/scenario/extremes/EnergyLawRow.h"
 #include "tests/unit/CountingAllocator.h"
 

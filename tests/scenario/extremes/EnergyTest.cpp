@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/btEnergyAudit.h"
+#include "BulletHapticForce/World/btEnergyAudit.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 #include "tests/unit/CountingAllocator.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/CubeTower.h"
-#include "demos/scenes/ExtremeRows.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "demos/scenes/Extremes/CubeTower.h"
+#include "demos/scenes/Extremes/ExtremeRows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/FloatingBodies.h"
+#include "demos/scenes/Extremes/FloatingBodies.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 using namespace extremes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/OverlapQuery.h"
-#include "BulletISTCollision/Core/PressureField.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 #include <random>

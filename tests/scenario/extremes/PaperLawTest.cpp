@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/btPaperLaw.h"
+#include "BulletHapticForce/Law/btPaperLaw.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 #include "tests/unit/CountingAllocator.h"
 

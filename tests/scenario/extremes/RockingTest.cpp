@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/scenario/extremes/ExtremeTest.h"
 
-#include "demos/scenes/PairMotion.h"
+#include "demos/scenes/Truth/PairMotion.h"
 
 using namespace extremes;
 

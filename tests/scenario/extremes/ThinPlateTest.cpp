@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/PassageBarrier.h"
-#include "demos/scenes/ExtremeMotions.h"
+#include "BulletISTCollision/Core/Force/PassageBarrier.h"
+#include "demos/scenes/Extremes/ExtremeMotions.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 using namespace extremes;

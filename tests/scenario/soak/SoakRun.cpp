@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/scenario/soak/SoakRun.h"
 
-#include "BulletISTCollision/Core/AssetFile.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include "LinearMath/btAlignedAllocator.h"

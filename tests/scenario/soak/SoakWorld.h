@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tests/scenario/VolumetricScene.h"
-#include "tests/unit/ISTCollision/BulletMesh.h"
+#include "tests/unit/ISTCollision/Registry/BulletMesh.h"
 
 #include <list>
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoSolid.h"
+#include "demos/browser/base/DemoSolid.h"
 #include "demos/browser/view/AffordableQuality.h"
-#include "demos/browser/view/OffscreenContext.h"
+#include "demos/browser/render/OffscreenContext.h"
 
 #include <gtest/gtest.h>
 

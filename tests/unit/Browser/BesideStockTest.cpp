@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/BesideStock.h"
-#include "demos/browser/DemoRun.h"
+#include "demos/browser/catalog/BesideStock.h"
+#include "demos/browser/catalog/DemoRun.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/btISTConversion.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "tests/EachDemo.h"

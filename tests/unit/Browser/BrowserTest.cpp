@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/WorldDemo.h"
+#include "demos/browser/base/WorldDemo.h"
 #include "demos/browser/view/Browser.h"
-#include "demos/browser/view/OffscreenContext.h"
+#include "demos/browser/render/OffscreenContext.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
 #include "tests/unit/Browser/StillDemo.h"

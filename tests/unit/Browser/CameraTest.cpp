@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/view/Camera.h"
+#include "demos/browser/render/Camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/ContactView.h"
+#include "demos/browser/base/ContactView.h"
 
-#include "BulletHapticForce/btISTSceneReport.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
+#include "BulletHapticForce/World/btISTSceneReport.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/EachDemo.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoCatalog.h"
-#include "demos/browser/DemoRun.h"
+#include "demos/browser/catalog/DemoCatalog.h"
+#include "demos/browser/catalog/DemoRun.h"
 
 #include "tests/unit/Browser/StillDemo.h"
 

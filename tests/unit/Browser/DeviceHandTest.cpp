@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoCatalog.h"
-#include "demos/browser/DeviceHand.h"
+#include "demos/browser/catalog/DemoCatalog.h"
+#include "demos/browser/base/DeviceHand.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
 #include "tests/unit/Browser/StillDemo.h"
-#include "tests/unit/DeviceBridge/DriverRun.h"
-#include "tests/unit/DeviceBridge/SpnavRig.h"
+#include "tests/unit/DeviceBridge/Drivers/DriverRun.h"
+#include "tests/unit/DeviceBridge/Drivers/SpnavRig.h"
 
 #include <gtest/gtest.h>
 

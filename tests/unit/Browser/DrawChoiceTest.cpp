@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DrawChoice.h"
+#include "demos/browser/drawing/DrawChoice.h"
 
 #include <gtest/gtest.h>
 

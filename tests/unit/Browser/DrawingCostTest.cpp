@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DemoCatalog.h"
-#include "demos/browser/view/Renderer.h"
+#include "demos/browser/catalog/DemoCatalog.h"
+#include "demos/browser/render/Renderer.h"
 #include "demos/browser/view/SceneView.h"
-#include "demos/browser/view/Stopwatch.h"
+#include "demos/browser/render/Stopwatch.h"
 #include "tests/unit/Browser/NullGl.h"
 
 #include <gtest/gtest.h>

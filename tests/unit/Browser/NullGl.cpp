@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/unit/Browser/NullGl.h"
 
-#include "demos/browser/view/Gl.h"
+#include "demos/browser/render/Gl.h"
 
 #include <algorithm>
 

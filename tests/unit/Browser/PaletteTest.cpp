@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/Palette.h"
+#include "demos/browser/drawing/Palette.h"
 
 #include <gtest/gtest.h>
 

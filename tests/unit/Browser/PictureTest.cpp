@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/view/Picture.h"
+#include "demos/browser/render/Picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/Recording.h"
+#include "DeviceBridge/Device/Recording.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/view/OffscreenContext.h"
+#include "demos/browser/render/OffscreenContext.h"
 #include "demos/browser/view/Photographer.h"
-#include "demos/browser/view/Renderer.h"
+#include "demos/browser/render/Renderer.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/EachDemo.h"
 
 #include <cmath>

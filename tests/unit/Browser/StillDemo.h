@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/BrowsableDemo.h"
+#include "demos/browser/base/BrowsableDemo.h"
 
 namespace browser
 {

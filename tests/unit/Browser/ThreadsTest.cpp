@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/Threads.h"
+#include "demos/browser/base/Threads.h"
 #include "tests/unit/ClosedMesh.h"
-#include "tests/unit/Core/SolidAngleWinding.h"
+#include "tests/unit/Core/Mesh/SolidAngleWinding.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/DrawList.h"
-#include "demos/browser/HandPull.h"
-#include "demos/browser/Turned.h"
+#include "demos/browser/drawing/DrawList.h"
+#include "demos/browser/base/HandPull.h"
+#include "demos/browser/drawing/Turned.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/ClosedMesh.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/view/Picture.h"
+#include "demos/browser/render/Picture.h"
 #include "demos/browser/view/Window.h"
 
 #include "tests/unit/Browser/RecordedHand.h"

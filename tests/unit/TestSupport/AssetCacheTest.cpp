@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/AssetCache.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 

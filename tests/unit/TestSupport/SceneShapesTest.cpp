@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/SceneShapes.h"
 
-#include "BulletISTCollision/Core/MeshRepair.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <gtest/gtest.h>
 

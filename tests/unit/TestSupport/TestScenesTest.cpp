@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "TestSupport/Matchers.h"
 
 #include <BulletCollision/CollisionShapes/btSphereShape.h>

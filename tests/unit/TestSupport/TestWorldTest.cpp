@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshDivision.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshDivision.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "TestSupport/Matchers.h"
 
 #include <BulletCollision/CollisionShapes/btSphereShape.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/ContinuumGrid.h"
+#include "demos/scenes/Truth/ContinuumGrid.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/Continuity.h"
-#include "demos/scenes/OverlapQuadrature.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "demos/scenes/Extremes/Continuity.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
 
 #include <gtest/gtest.h>
 

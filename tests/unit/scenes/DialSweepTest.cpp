@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/DialSweep.h"
+#include "demos/scenes/Extremes/DialSweep.h"
 
-#include "BulletISTCollision/Core/LevelCalibration.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <gtest/gtest.h>
 

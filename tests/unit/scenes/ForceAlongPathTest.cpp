@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/ForceAlongPath.h"
+#include "demos/scenes/Extremes/ForceAlongPath.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshRepair.h"
-#include "demos/scenes/GraspObjects.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "demos/scenes/Grasp/GraspObjects.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/HtmlReport.h"
+#include "demos/scenes/Pages/HtmlReport.h"
 
 #include "tests/unit/CommaLocale.h"
 

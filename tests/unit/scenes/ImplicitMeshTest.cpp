@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/ImplicitMesh.h"
+#include "demos/scenes/Bodies/ImplicitMesh.h"
 #include "tests/unit/ClosedMesh.h"
 
 #include <gtest/gtest.h>

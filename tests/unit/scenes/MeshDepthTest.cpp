@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/MeshDepth.h"
+#include "demos/scenes/Truth/MeshDepth.h"
 
-#include "BulletISTCollision/Core/MeshShapes.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "demos/scenes/OverlapQuadrature.h"
-#include "demos/scenes/PoseSampler.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "demos/scenes/Truth/OverlapQuadrature.h"
+#include "demos/scenes/Truth/PoseSampler.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/ForcePromise.h"
-#include "BulletISTCollision/Core/LevelCalibration.h"
-#include "BulletISTCollision/Core/MeshShapes.h"
-#include "BulletISTCollision/Core/PromiseShare.h"
-#include "BulletISTCollision/Core/TreeBuilder.h"
-#include "BulletISTCollision/Core/TreeLevels.h"
+#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
-#include "demos/scenes/PoseSampler.h"
+#include "demos/scenes/Truth/PoseSampler.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/GraspObjects.h"
+#include "demos/scenes/Grasp/GraspObjects.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/BvhHand.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
-#include "LightHand.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include <gtest/gtest.h>
 

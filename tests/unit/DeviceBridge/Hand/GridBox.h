@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/TexturedMesh.h"
+#include "BulletISTCollision/Core/Mesh/TexturedMesh.h"
 
 #include <map>
 #include <utility>

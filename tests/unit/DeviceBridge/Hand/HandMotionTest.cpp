@@ -2,7 +2,7 @@
 #include "DeviceBridge/Hand/ContactPoseHands.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
 #include "DeviceBridge/Hand/HandMotion.h"
-#include "LightHand.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "DeviceBridge/Decorators/RecordingDevice.h"
-#include "DeviceBridge/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Motion/MotionDevice.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
-#include "LightHand.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 #include "tests/unit/CountingAllocator.h"
 
 using namespace devicebridge;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/MeshDistance.h"
-#include "LightHand.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 #include "tests/unit/ClosedMesh.h"
 
 #include <gtest/gtest.h>

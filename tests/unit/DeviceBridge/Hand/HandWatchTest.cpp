@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "../../CountingAllocator.h"
+#include "tests/unit/CountingAllocator.h"
 #include "DeviceBridge/Hand/HandWatch.h"
-#include "LightHand.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/TreeCache.h"
+#include "BulletISTCollision/Core/Build/TreeCache.h"
 #include "DeviceBridge/Hand/HandModel.h"
 #include "DeviceBridge/Hand/HandPosture.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
-#include "DeviceBridge/SteppingThread.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
 
 using namespace devicebridge;
 using ist::Vec3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/SafetyLimiter.h"
+#include "DeviceBridge/Safety/SafetyLimiter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Zlib */
 /* A whole plug-in in C: a handle that swings along x, whose cable the test can pull. `address` is the amplitude in millimetres.
  * Compiled with BROKEN it is one that must be refused. */
-#include "DeviceBridge/devicebridge_plugin.h"
+#include "DeviceBridge/Plugins/devicebridge_plugin.h"
 
 #include <math.h>
 #include <stdio.h>

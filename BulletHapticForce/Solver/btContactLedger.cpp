@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/Solver/btContactLedger.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+/// Of a contact that leaves fast, over its elastic pressure: the closed form has nothing leave faster than 1/dissipation, a step may.
+constexpr double kLeastPressure = 0.5;
+
+double work(const ist::Wrench& impulse, const ist::Twist& twist)
+{
+	return dot(impulse.force, twist.linear) + dot(impulse.torque, twist.angular);
+}
+
+ist::Twist mean(const btLedgerPatch& p)
+{
+	return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)};
+}
+
+/// Twice the energy that the patches hold in linear contact: force times depth. Robust where the model's energy is not: above the
+/// surface the leaves' depths are negative.
+double capacity(const btISTContact& contact)
+{
+	double sum = 0;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const ist::OverlapIntegrals& p = contact.patches[i];
+		const double force = norm(ist::pressureWrench(p, {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force);
+		const double area = norm(p.areaVector), depth = p.volume / area;
+		sum += force * (area > 0 && std::isfinite(depth) ? depth : std::cbrt(std::max(p.volume, 0.0)));
+	}
+	return sum;
+}
+/// Patches that push against each other have no direction together; a body amid a thin one has such.
+bool turnsOver(btISTContact& contact)
+{
+	ist::Vec3 sum;
+	double strength = 0;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const ist::Vec3 force = ist::pressureWrench(contact.patches[i], {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force;
+		sum += force;
+		strength += norm(force);
+	}
+	if (!(norm(sum) > 0.5 * strength)) return false;
+	const ist::Vec3 direction = contact.X_WA.rotation * (sum / norm(sum)), former = contact.ledger.direction;
+	contact.ledger.direction = direction;
+	return dot(direction, former) < -0.5;
+}
+}  // namespace
+
+bool btContactLedger::begin(btISTContact& contact, double speed, double h)
+{
+	btISTContactLedger& ledger = contact.ledger;
+	const bool turned = turnsOver(contact);
+	const double most = capacity(contact);
+	if (ledger.open)
+	{
+		ledger.stored = std::min(ledger.stored, most);
+		return turned;
+	}
+	const double depth = ist::meanDepth(contact.total);
+	const double flown = 2 * speed * h;  // depth that a body may have come in one step
+	ledger.open = true;
+	ledger.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
+	return turned;
+}
+
+double btContactLedger::share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int count)
+{
+	double linear = 0, square = 0;
+	for (int i = 0; i < count; ++i)
+	{
+		const double own = work(patches[i].impulse, patches[i].own);
+		linear += work(patches[i].impulse, mean(patches[i])) - 0.5 * own;
+		square += 0.5 * own;
+	}
+	if (!(linear + square > ledger.stored)) return 1;
+	if (!(square > 0)) return linear > 0 ? std::clamp(ledger.stored / linear, 0.0, 1.0) : 1;
+	const double root = std::sqrt(linear * linear + 4 * square * ledger.stored);
+	// The larger root of square s^2 + linear s = stored, without cancellation.
+	const double share = linear > 0 ? 2 * ledger.stored / (root + linear) : (root - linear) / (2 * square);
+	return std::clamp(share, 0.0, 1.0);
+}
+
+void btContactLedger::hold(btLedgerPatch& patch, double share)
+{
+	patch.after.linear = patch.after.linear - (1 - share) * patch.own.linear;
+	patch.after.angular = patch.after.angular - (1 - share) * patch.own.angular;
+	patch.impulse = share * patch.impulse;
+	patch.elastic = share * patch.elastic;
+}
+
+double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h)
+{
+	double total = 0, elastic = 0;
+	for (int i = 0; i < count; ++i)
+	{
+		const btLedgerPatch& p = patches[i];
+		total += work(p.impulse, mean(p));
+		elastic += work(p.elastic + h * (p.patch.damping * p.after), mean(p));
+	}
+	ledger.stored = std::max(ledger.stored - std::max(elastic, total), 0.0);
+	return total;
+}
+
+btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count)
+{
+	btISTContactWork sum;
+	sum.acted = true;
+	for (int i = 0; i < count; ++i)
+	{
+		const btLedgerPatch& p = patches[i];
+		const ist::Twist u = mean(p);
+		const ist::Wrench drag = p.patch.damping * u;  // -d(wrench), so that what approaches has a negative normal part
+		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal);
+		double dissipated = 0;
+		if (force > 0 && normal > 0)
+			dissipated = normal * work(drag, u) / force / std::max(1 - dot(drag.force, p.patch.normal) / force, kLeastPressure);
+		sum.damping -= dissipated;
+		sum.elastic += work(p.elastic, u) + dissipated;
+		sum.friction += work(p.impulse - p.elastic, u);
+	}
+	return sum;
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/Solver/btVolumetricRows.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+
+#include "BulletDynamics/ConstraintSolver/btSolverBody.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+/// Bodies of Bullet's solver pool in double, as rows and islands see them. Not installed.
+namespace btSolverBodyMotion
+{
+/// A body whose linear factor is zero may still turn.
+inline bool canTurn(const btRigidBody& body)
+{
+	if (!(body.getInvMass() > 0) || body.isStaticOrKinematicObject()) return false;
+	const btVector3& factor = body.getAngularFactor();
+	const btMatrix3x3& inertia = body.getInvInertiaTensorWorld();
+	for (int i = 0; i < 3; ++i)
+		if (factor[i] * inertia[i][i] * factor[i] > 0) return true;
+	return false;
+}
+
+inline bool canMove(const btSolverBody& body)
+{
+	return body.m_originalBody && (!body.internalGetInvMass().isZero() || canTurn(*body.m_originalBody));
+}
+
+inline btVolumetricRowBody rowBody(const btSolverBody& body)
+{
+	btVolumetricRowBody r;
+	r.center = toVec3(body.getWorldTransform().getOrigin());
+	if (!canMove(body)) return r;
+	r.inverseMass = toVec3(body.internalGetInvMass());
+	const btVector3& factor = body.m_originalBody->getAngularFactor();
+	const btMatrix3x3& inertia = body.m_originalBody->getInvInertiaTensorWorld();
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) r.inverseInertia.m[i][j] = double(factor[i]) * double(inertia[i][j]) * double(factor[j]);
+	return r;
+}
+
+/// Of the centre of mass, with what Bullet's rows and ours have done so far.
+inline ist::Twist twist(const btSolverBody& body)
+{
+	if (!body.m_originalBody) return {};
+	return {toVec3(body.m_linearVelocity) + toVec3(body.m_externalForceImpulse) + toVec3(body.getDeltaLinearVelocity()),
+			toVec3(body.m_angularVelocity) + toVec3(body.m_externalTorqueImpulse) + toVec3(body.getDeltaAngularVelocity())};
+}
+
+/// A twist of the body's centre of mass, at a point [World].
+inline ist::Twist movedTo(const ist::Twist& t, const btSolverBody& body, const ist::Vec3& point)
+{
+	return {t.linear + cross(t.angular, point - toVec3(body.getWorldTransform().getOrigin())), t.angular};
+}
+
+inline ist::Twist twistAt(const btSolverBody& body, const ist::Vec3& point) { return movedTo(twist(body), body, point); }
+
+inline ist::Twist difference(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
+inline ist::Twist sum(const ist::Twist& a, const ist::Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
+
+/// Change of the twist of a body by an impulse at a point.
+inline ist::Twist response(const btVolumetricRowBody& r, const ist::Wrench& impulse, const ist::Vec3& point)
+{
+	const ist::Vec3& w = r.inverseMass;
+	const ist::Vec3& f = impulse.force;
+	return {{w.x * f.x, w.y * f.y, w.z * f.z}, r.inverseInertia * (impulse.torque + cross(point - r.center, f))};
+}
+
+inline void applyImpulse(btSolverBody& body, const ist::Wrench& impulse, const ist::Vec3& point)
+{
+	if (!canMove(body)) return;
+	const ist::Twist change = response(rowBody(body), impulse, point);
+	body.internalGetDeltaLinearVelocity() += toBullet(change.linear);
+	body.internalGetDeltaAngularVelocity() += toBullet(change.angular);
+}
+}  // namespace btSolverBodyMotion

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/Solver/btSweepAcceleration.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <algorithm>
+
+namespace
+{
+/// Share of the products' diagonal: steps may point the same way.
+constexpr double kRegularisation = 1e-10;
+/// In lengths of the last change: what would move x further is made of rounding.
+constexpr double kLongest = 1e4;
+
+using Column = Eigen::Map<Eigen::VectorXd>;
+using ConstColumn = Eigen::Map<const Eigen::VectorXd>;
+}  // namespace
+
+void btSweepAcceleration::reserve(std::size_t unknowns, std::size_t carried)
+{
+	const auto grow = [](std::vector<double>& column, std::size_t size) { column.resize(std::max(column.size(), size)); };
+	for (auto* column : {&m_start, &m_change}) grow(*column, unknowns);
+	for (auto& column : m_changeStep) grow(column, unknowns);
+	grow(m_result, unknowns + carried);
+	for (auto& column : m_resultStep) grow(column, unknowns + carried);
+}
+
+void btSweepAcceleration::begin(const double* x, std::size_t unknowns, std::size_t carried)
+{
+	reserve(unknowns, carried);
+	m_unknowns = unknowns;
+	m_carried = carried;
+	m_sweeps = 0;
+	std::copy_n(x, unknowns, m_start.begin());
+}
+
+void btSweepAcceleration::note(const double* x, const double* carried)
+{
+	const Eigen::Index n = Eigen::Index(m_unknowns), rest = Eigen::Index(m_carried);
+	const int to = (m_sweeps + kDepth - 1) % kDepth;  // the first sweep has none before it: its step is never looked at
+	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n + rest), result(m_result.data(), n + rest);
+	const double before = m_sweeps > 0 ? change.norm() : 0;
+	changeStep = ConstColumn(x, n) - ConstColumn(m_start.data(), n) - change;
+	change += changeStep;
+	const bool farther = m_sweeps > 0 && change.norm() > before;
+	resultStep.head(n) = ConstColumn(x, n) - result.head(n);
+	resultStep.tail(rest) = ConstColumn(carried, rest) - result.tail(rest);
+	result += resultStep;
+	m_sweeps = farther ? 1 : m_sweeps + 1;  // what was learnt no longer helps
+	const int steps = std::min(m_sweeps - 1, kDepth);
+	for (int i = 0; i < steps; ++i) m_products[to][i] = m_products[i][to] = changeStep.dot(Column(m_changeStep[i].data(), n));
+}
+
+void btSweepAcceleration::weigh(double* weights, int steps) const
+{
+	using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kDepth, kDepth>;
+	using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kDepth, 1>;
+	Small products(steps, steps);
+	SmallVector right(steps);
+	const ConstColumn change(m_change.data(), Eigen::Index(m_unknowns));
+	for (int i = 0; i < steps; ++i)
+	{
+		right(i) = change.dot(ConstColumn(m_changeStep[i].data(), change.size()));
+		for (int j = 0; j < steps; ++j) products(i, j) = m_products[i][j];
+		products(i, i) *= 1 + kRegularisation;
+	}
+	Eigen::Map<SmallVector>(weights, steps) = products.ldlt().solve(right);
+}
+
+void btSweepAcceleration::advance(double* x, double* carried)
+{
+	note(x, carried);
+	const int steps = std::min(m_sweeps - 1, kDepth);
+	const Eigen::Index n = Eigen::Index(m_unknowns), rest = Eigen::Index(m_carried);
+	double weights[kDepth] = {};
+	if (steps > 0) weigh(weights, steps);
+	Column start(m_start.data(), n), end(x, n);
+	start = end;
+	for (int i = 0; i < steps; ++i) start -= weights[i] * Column(m_resultStep[i].data(), n);
+	// Where the steps say nothing, weights may not be finite.
+	const bool good = (start - end).norm() <= kLongest * Column(m_change.data(), n).norm();
+	if (!good) start = end;
+	end = start;
+	if (!good) return;
+	for (int i = 0; i < steps; ++i) Column(carried, rest) -= weights[i] * Column(m_resultStep[i].data() + n, rest);
+}

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/Solver/btVolumetricIslands.h"
+
+#include "BulletHapticForce/Solver/btSolverBodyMotion.h"
+
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <numeric>
+
+using namespace btSolverBodyMotion;
+
+void btVolumetricIslands::reserve(size_t contacts)
+{
+	if (contacts <= m_reserved) return;
+	m_reserved = std::max(contacts, 2 * m_reserved);
+	const size_t patches = m_reserved * btISTContact::kMaxPatches;
+	m_entries.reserve(patches);
+	m_islands.reserve(patches);
+	m_rows.reserve(patches);
+	m_moved.reserve(2 * patches);
+	reserve(m_passing);
+	for (auto& block : m_lasting) reserve(*block);
+}
+
+void btVolumetricIslands::reserve(Block& block) const
+{
+	const size_t patches = std::min(m_reserved * btISTContact::kMaxPatches, size_t(kMaxBlockPatches));
+	const size_t bodies = std::min(2 * m_reserved, size_t(kMaxBlockBodies));
+	block.solver.reserve(int(bodies), int(patches));
+	block.bodies.reserve(bodies);
+	block.free.reserve(bodies);
+	block.entries.reserve(patches);
+}
+
+void btVolumetricIslands::clear()
+{
+	m_entries.clear();
+	m_islands.clear();
+	m_rows.clear();
+	m_lastingCount = 0;
+}
+
+bool btVolumetricIslands::isFinite(const btSolverBody& body)
+{
+	return ist::isFinite(twist(body)) && ist::isFinite(toVec3(body.getWorldTransform().getOrigin())) &&
+		   ist::isFinite(toVec3(body.internalGetInvMass()));
+}
+
+void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, double friction)
+{
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		Entry entry;
+		if (!evaluateContactPatch(contact, i, entry.patch))
+		{
+			++m_statistics.patchesWithoutForce;
+			continue;
+		}
+		++m_statistics.patches;
+		entry.contact = &contact;
+		entry.patchIndex = i;
+		entry.bodyA = bodyA;
+		entry.bodyB = bodyB;
+		entry.friction = friction;
+		m_entries.push_back(entry);
+	}
+}
+
+int btVolumetricIslands::rootOf(int body)
+{
+	while (m_parent[size_t(body)] != body) body = m_parent[size_t(body)] = m_parent[size_t(m_parent[size_t(body)])];
+	return body;
+}
+
+void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vector<int>& touched)
+{
+	for (const Entry& e : m_entries)
+		if (canMove(bodies[e.bodyA]) && canMove(bodies[e.bodyB])) m_parent[size_t(rootOf(e.bodyA))] = rootOf(e.bodyB);
+	for (int i = int(m_entries.size()) - 1; i >= 0; --i)
+	{
+		Entry& e = m_entries[size_t(i)];
+		int& island = m_islandOfRoot[size_t(rootOf(canMove(bodies[e.bodyA]) ? e.bodyA : e.bodyB))];
+		if (island < 0)
+		{
+			island = int(m_islands.size());
+			m_islands.emplace_back();
+		}
+		e.next = m_islands[size_t(island)].first;
+		m_islands[size_t(island)].first = i;
+		++m_islands[size_t(island)].entryCount;
+	}
+	for (int body = 0; body < int(m_parent.size()); ++body)
+	{
+		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (island >= 0) ++m_islands[size_t(island)].bodyCount;
+	}
+	for (const int body : touched)
+	{
+		const int island = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (island >= 0) m_islands[size_t(island)].touched = true;
+	}
+}
+
+namespace
+{
+/// Zero for a body that can only turn: it lies on nothing.
+double massOf(const btSolverBody& body)
+{
+	const ist::Vec3 w = toVec3(body.internalGetInvMass());
+	const double largest = std::max({w.x, w.y, w.z});
+	return largest > 0 ? 1 / largest : 0;
+}
+}  // namespace
+
+void btVolumetricIslands::weigh(const btSolverBody* bodies)
+{
+	for (int body = 0; body < int(m_parent.size()); ++body)
+	{
+		const int index = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (index < 0) continue;
+		Island& island = m_islands[size_t(index)];
+		const double mass = massOf(bodies[body]), gravity = double(bodies[body].m_originalBody->getGravity().length());
+		if (gravity > 0) island.weight += mass * gravity;
+		else island.weightlessMass += mass;
+	}
+}
+
+/// The default rule sees two bodies; the others of a pile have a weight, too.
+void btVolumetricIslands::carryPiles(const btSolverBody* bodies)
+{
+	weigh(bodies);
+	for (const Island& island : m_islands)
+	{
+		const btISTContact* former = nullptr;
+		double factor = 1;
+		for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+		{
+			Entry& e = m_entries[size_t(i)];
+			if (e.contact != former)
+			{
+				double lighter = std::numeric_limits<double>::infinity();
+				for (const int body : {e.bodyA, e.bodyB})
+					if (const double mass = massOf(bodies[body]); mass > 0) lighter = std::min(lighter, mass);
+				factor = carryLoad(*e.contact, island.weight + island.weightlessMass * e.contact->constants.gravity, lighter, m_step);
+				former = e.contact;
+			}
+			if (factor != 1) multiply(e.patch, factor);
+		}
+	}
+}
+
+bool btVolumetricIslands::fitsBlock(const Island& island)
+{
+	return island.bodyCount <= kMaxBlockBodies && island.entryCount <= kMaxBlockPatches;
+}
+
+/// The query knows the poses as rounded; to first order the stiffness knows the rest.
+void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
+{
+	m_moved.clear();
+	const auto lacking = [&](int body, const ist::Vec3& point)
+	{
+		if (!canMove(bodies[body])) return ist::Twist();
+		m_moved.push_back(bodies[body].m_originalBody);
+		return movedTo(m_unrounded.recall(*m_moved.back(), m_stepNumber), bodies[body], point);
+	};
+	for (Entry& e : m_entries)
+	{
+		const ist::Twist a = lacking(e.bodyA, e.patch.point), b = lacking(e.bodyB, e.patch.point);
+		e.patch.wrench = e.patch.wrench - e.patch.stiffness * difference(a, b);
+	}
+}
+
+void btVolumetricIslands::settlePoses()
+{
+	for (btRigidBody* body : m_moved) m_unrounded.settle(*body, m_step, m_stepNumber);
+	m_moved.clear();
+}
+
+void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
+{
+	const btISTContact* former = nullptr;
+	for (const Entry& e : m_entries)
+	{
+		if (e.contact == former) continue;
+		former = e.contact;
+		const auto velocityAt = [&](int body, const ist::Vec3& point)
+		{
+			// Those that moved the bodies here: without what this step has done so far.
+			const btSolverBody& b = bodies[body];
+			return toVec3(b.m_linearVelocity) + cross(toVec3(b.m_angularVelocity), point - toVec3(b.getWorldTransform().getOrigin()));
+		};
+		const ist::Vec3 centroid = e.contact->total.firstMoment / e.contact->total.volume;
+		const ist::Vec3 point = e.contact->X_WA * (e.contact->treeA->origin + centroid);
+		const double speed = norm(velocityAt(e.bodyA, point) - velocityAt(e.bodyB, point));
+		m_statistics.contactsTurnedOver += btContactLedger::begin(*e.contact, speed, m_step);
+	}
+}
+
+void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step)
+{
+	m_step = h;
+	m_stepNumber = step;
+	m_parent.resize(size_t(bodyCount));
+	std::iota(m_parent.begin(), m_parent.end(), 0);
+	m_islandOfRoot.assign(size_t(bodyCount), -1);
+	m_indexInBlock.assign(size_t(bodyCount), -1);
+	m_change.assign(size_t(bodyCount), ist::Twist());
+	displaceByRounding(bodies);
+	findIslands(bodies, touched);
+	carryPiles(bodies);
+	openLedgers(bodies);
+	for (const Island& island : m_islands)
+	{
+		++(fitsBlock(island) ? m_statistics.islands : m_statistics.islandsTooLarge);
+		if (!fitsBlock(island)) makeRows(island, bodies);
+		if (!fitsBlock(island) || !island.touched) continue;
+		if (m_lastingCount == m_lasting.size())
+		{
+			m_lasting.push_back(std::make_unique<Block>());
+			reserve(*m_lasting.back());
+		}
+		fill(*m_lasting[m_lastingCount++], island, bodies);
+	}
+}
+
+void btVolumetricIslands::fill(Block& block, const Island& island, const btSolverBody* bodies)
+{
+	block.solver.clear();
+	block.bodies.clear();
+	block.entries.clear();
+	const auto indexOf = [&](int body)
+	{
+		if (!canMove(bodies[body])) return -1;
+		int& index = m_indexInBlock[size_t(body)];
+		if (index < 0)
+		{
+			index = block.solver.addBody(rowBody(bodies[body]));
+			block.bodies.push_back(body);
+		}
+		return index;
+	};
+	for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+	{
+		const Entry& e = m_entries[size_t(i)];
+		const int a = indexOf(e.bodyA), b = indexOf(e.bodyB);
+		const ist::Twist givenA = a < 0 ? twistAt(bodies[e.bodyA], e.patch.point) : ist::Twist();
+		const ist::Twist givenB = b < 0 ? twistAt(bodies[e.bodyB], e.patch.point) : ist::Twist();
+		const int patch = block.solver.addPatch(e.patch, a, b, difference(givenA, givenB), m_step, e.friction);
+		block.solver.startFriction(patch, m_step * e.contact->ledger.friction[e.patchIndex]);
+		block.entries.push_back(i);
+	}
+	block.free.resize(block.bodies.size());
+}
+
+void btVolumetricIslands::makeRows(const Island& island, const btSolverBody* bodies)
+{
+	for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+	{
+		const Entry& e = m_entries[size_t(i)];
+		m_rows.emplace_back();
+		m_rows.back().entry = i;
+		m_rows.back().row.prepare(e.patch, rowBody(bodies[e.bodyA]), rowBody(bodies[e.bodyB]), m_step, e.friction);
+	}
+}
+
+double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
+{
+	Entry& e = m_entries[size_t(r.entry)];
+	const ist::Vec3& point = e.patch.point;
+	const ist::Wrench change = r.row.solve(difference(twistAt(bodies[e.bodyA], point), twistAt(bodies[e.bodyB], point)));
+	applyImpulse(bodies[e.bodyA], change, point);
+	applyImpulse(bodies[e.bodyB], -1.0 * change, point);
+	e.impulse = r.row.impulse();
+	e.elastic = r.row.elasticImpulse();
+	e.normalImpulse = r.row.normalImpulse();
+	return dot(change.force, change.force);
+}
+
+double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
+{
+	for (size_t b = 0; b < block.bodies.size(); ++b) block.free[b] = twist(bodies[block.bodies[b]]);
+	const auto takeBack = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point)
+	{
+		if (!canMove(bodies[body])) return;
+		ist::Twist& free = block.free[size_t(m_indexInBlock[size_t(body)])];
+		free = difference(free, response(rowBody(bodies[body]), impulse, point));
+	};
+	for (const int i : block.entries)
+	{
+		const Entry& e = m_entries[size_t(i)];
+		takeBack(e.bodyA, e.impulse, e.patch.point);
+		takeBack(e.bodyB, -1.0 * e.impulse, e.patch.point);
+	}
+	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
+	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
+	m_statistics.frictionNotConverged += block.solver.frictionNotConverged();
+	double residual = 0;
+	for (size_t k = 0; k < block.entries.size(); ++k)
+	{
+		Entry& e = m_entries[size_t(block.entries[k])];
+		const ist::Wrench impulse = block.solver.impulse(int(k)), change = impulse - e.impulse;
+		applyImpulse(bodies[e.bodyA], change, e.patch.point);
+		applyImpulse(bodies[e.bodyB], -1.0 * change, e.patch.point);
+		e.impulse = impulse;
+		e.elastic = block.solver.elasticImpulse(int(k));
+		e.normalImpulse = block.solver.normalImpulse(int(k));
+		residual = std::max(residual, dot(change.force, change.force));
+	}
+	return residual;
+}
+
+double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
+{
+	double residual = 0;
+	for (size_t i = 0; i < m_lastingCount; ++i) residual = std::max(residual, solve(*m_lasting[i], bodies));
+	for (Row& r : m_rows) residual = std::max(residual, solve(r, bodies));
+	if (iteration > 0) return residual;
+	for (const Island& island : m_islands)
+	{
+		if (island.touched || !fitsBlock(island)) continue;
+		fill(m_passing, island, bodies);
+		residual = std::max(residual, solve(m_passing, bodies));
+	}
+	return residual;
+}
+
+/// Enters in the bodies' changes what an impulse of `e` does.
+void btVolumetricIslands::addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies)
+{
+	for (int side = 0; side < 2; ++side)
+	{
+		const int body = side == 0 ? e.bodyA : e.bodyB;
+		if (!canMove(bodies[body])) continue;
+		const ist::Twist change = response(rowBody(bodies[body]), (side == 0 ? 1.0 : -1.0) * impulse, e.patch.point);
+		m_change[size_t(body)] = sum(m_change[size_t(body)], change);
+	}
+}
+
+std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bodies)
+{
+	std::fill(m_change.begin(), m_change.end(), ist::Twist());
+	for (const Entry& e : m_entries) addChange(e, e.impulse, bodies);
+	return m_change;
+}
+
+/// The patches of the contact whose first entry is `first`; returns how many they are.
+int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const
+{
+	const Entry& e = m_entries[first];
+	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point)
+	{ return difference(movedTo(a, bodies[e.bodyA], point), movedTo(b, bodies[e.bodyB], point)); };
+	ist::Twist own[2];
+	int count = 0;
+	for (size_t i = first; i < m_entries.size() && m_entries[i].contact == e.contact; ++i, ++count)
+		for (int side = 0; side < 2; ++side)
+		{
+			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
+			if (!canMove(body)) continue;
+			const ist::Twist change = response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
+			own[side] = sum(own[side], change);
+		}
+	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
+	const ist::Twist before[2] = {difference(after[0], m_change[size_t(e.bodyA)]), difference(after[1], m_change[size_t(e.bodyB)])};
+	for (int i = 0; i < count; ++i)
+	{
+		const Entry& entry = m_entries[first + size_t(i)];
+		const ist::Vec3& point = entry.patch.point;
+		patches[i] = {entry.patch, entry.impulse, entry.elastic, relativeAt(before[0], before[1], point),
+					  relativeAt(after[0], after[1], point), relativeAt(own[0], own[1], point)};
+	}
+	return count;
+}
+
+void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bodies)
+{
+	btLedgerPatch patches[btISTContact::kMaxPatches];
+	gatherLedger(first, bodies, patches);
+	Entry& e = m_entries[first];
+	const double share = btContactLedger::share(e.contact->ledger, patches, count);
+	if (!(share < 1)) return;
+	++m_statistics.contactsHeldToLedger;
+	for (int i = 0; i < count; ++i)
+	{
+		Entry& entry = m_entries[first + size_t(i)];
+		const ist::Wrench change = (share - 1) * entry.impulse;
+		applyImpulse(bodies[e.bodyA], change, entry.patch.point);
+		applyImpulse(bodies[e.bodyB], -1.0 * change, entry.patch.point);
+		addChange(entry, change, bodies);
+		entry.impulse = share * entry.impulse;
+		entry.elastic = share * entry.elastic;
+		entry.normalImpulse *= share;
+	}
+}
+
+void btVolumetricIslands::enterWork(size_t first, int count, const btSolverBody* bodies)
+{
+	btLedgerPatch patches[btISTContact::kMaxPatches];
+	gatherLedger(first, bodies, patches);
+	btISTContact& contact = *m_entries[first].contact;
+	btContactLedger::enter(contact.ledger, patches, count, m_step);
+	contact.work = btContactLedger::workOf(patches, count);
+}
+
+void btVolumetricIslands::finish(btSolverBody* bodies)
+{
+	const auto forEachContact = [&](const auto& act)
+	{
+		for (size_t first = 0; first < m_entries.size();)
+		{
+			size_t end = first + 1;
+			while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
+			act(first, int(end - first));
+			first = end;
+		}
+	};
+	forEachContact([&](size_t first, int count) { holdToLedger(first, count, bodies); });
+	// Not before: each contact that was held has changed what the others do.
+	forEachContact([&](size_t first, int count) { enterWork(first, count, bodies); });
+	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->ledger.friction), std::end(e.contact->ledger.friction), ist::Wrench());
+	for (const Entry& e : m_entries)
+	{
+		e.contact->impulses[e.patchIndex] = e.impulse;
+		e.contact->ledger.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
+		e.contact->normalImpulse += e.normalImpulse;
+	}
+	forEachContact([&](size_t first, int) { notePressed(*m_entries[first].contact, m_step); });
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/Solver/btContactLedger.h"
+#include "BulletHapticForce/Solver/btIslandBlockSolver.h"
+#include "BulletHapticForce/Solver/btUnroundedPoses.h"
+#include "BulletHapticForce/Solver/btVolumetricStatistics.h"
+
+#include <memory>
+#include <vector>
+
+class btRigidBody;
+struct btSolverBody;
+
+/// The volumetric contacts of one call of Bullet's solver, grouped into islands of bodies that hang together through them. An island
+/// is solved at once by btIslandBlockSolver; one that is too large for that is solved patch by patch, in Bullet's iterations. An
+/// island whose bodies no row of Bullet's touches is solved once, not in every iteration: there is nothing to iterate with.
+/// `bodies` is always Bullet's pool of solver bodies. No allocation once the largest scene has been seen.
+class btVolumetricIslands
+{
+public:
+	static constexpr int kMaxBlockBodies = 64, kMaxBlockPatches = 256;
+
+	/// Room for as many contacts with all their patches.
+	void reserve(size_t contacts);
+	/// Of the world, touching or not.
+	void reserveBodies(size_t bodies) { m_unrounded.reserve(bodies); }
+	void clear();
+	/// Velocity, with the forces of this step, place and mass. Anything else must not reach an island: it would poison all of it.
+	static bool isFinite(const btSolverBody& body);
+	/// All patches of a contact between two bodies of the pool, of which at least one can move.
+	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
+	/// After the last `add`. `touched`: bodies that Bullet's own rows move. `h`: step [s], the `step`-th of the store.
+	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step);
+	/// One visit of every island; returns the largest square of a change of force impulse [N^2 s^2].
+	double iterate(btSolverBody* bodies, int iteration);
+	/// Change of each body's twist by all these patches; others may add theirs before `finish`.
+	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
+	/// After `sumChanges`. Holds every contact to its ledger (btContactLedger.h), and writes the impulses into the contacts.
+	void finish(btSolverBody* bodies);
+	/// When Bullet has written the velocities into the bodies: see btUnroundedPoses.
+	void settlePoses();
+	/// Added to, never reset.
+	const btVolumetricStatistics& statistics() const { return m_statistics; }
+	btVolumetricStatistics& statistics() { return m_statistics; }
+
+private:
+	struct Entry
+	{
+		btISTContact* contact = nullptr;
+		int patchIndex = 0;
+		int bodyA = 0, bodyB = 0;
+		double friction = 0;
+		btContactPatch patch;
+		int next = -1;  // of the same island
+		ist::Wrench impulse, elastic;
+		double normalImpulse = 0;
+	};
+	struct Island
+	{
+		int first = -1, entryCount = 0, bodyCount = 0;
+		bool touched = false;
+		double weight = 0;       // of the bodies that have a gravity of their own [N]
+		double weightlessMass = 0;  // of the others [kg]
+	};
+	struct Block
+	{
+		btIslandBlockSolver solver;
+		std::vector<int> bodies, entries;
+		std::vector<ist::Twist> free;
+	};
+	struct Row
+	{
+		btVolumetricRow row;
+		int entry = 0;
+	};
+
+	int rootOf(int body);
+	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
+	void weigh(const btSolverBody* bodies);
+	void carryPiles(const btSolverBody* bodies);
+	void displaceByRounding(const btSolverBody* bodies);
+	void openLedgers(const btSolverBody* bodies);
+	static bool fitsBlock(const Island& island);
+	void reserve(Block& block) const;
+	void fill(Block& block, const Island& island, const btSolverBody* bodies);
+	void makeRows(const Island& island, const btSolverBody* bodies);
+	double solve(Block& block, btSolverBody* bodies);
+	double solve(Row& row, btSolverBody* bodies);
+	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
+	int gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const;
+	void holdToLedger(size_t first, int count, btSolverBody* bodies);
+	void enterWork(size_t first, int count, const btSolverBody* bodies);
+
+	double m_step = 0;
+	uint64_t m_stepNumber = 0;
+	size_t m_reserved = 0;  // contacts
+	std::vector<Entry> m_entries;
+	std::vector<Island> m_islands;
+	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
+	Block m_passing;                                   // for islands that are solved once
+	std::vector<std::unique_ptr<Block>> m_lasting;     // for those that stay through the iterations
+	size_t m_lastingCount = 0;
+	std::vector<Row> m_rows;
+	std::vector<ist::Twist> m_change;  // of each body by all volumetric contacts
+	btUnroundedPoses m_unrounded;
+	std::vector<btRigidBody*> m_moved;
+	btVolumetricStatistics m_statistics;
+};

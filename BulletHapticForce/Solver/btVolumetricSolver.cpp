@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/Solver/btVolumetricSolver.h"
+
+#include "BulletHapticForce/Solver/btSolverBodyMotion.h"
+
+#include "BulletCollision/CollisionDispatch/btCollisionObject.h"
+#include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace
+{
+constexpr double kTooDeep = 0.25;  // of the thinner body's thickness
+
+bool isRigid(const btCollisionObject* object)
+{
+	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
+}
+
+btMultiBodyLinkCollider* linkOf(const btCollisionObject* object)
+{
+	return btMultiBodyLinkCollider::upcast(const_cast<btCollisionObject*>(object));
+}
+
+bool isStep(btScalar h) { return h > 0 && std::isfinite(h); }
+
+bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, const btCollisionObject& b)
+{
+	const double distance = double(std::max(a.getWorldTransform().getOrigin().length(), b.getWorldTransform().getOrigin().length()));
+	const double rounding = distance * double(std::numeric_limits<btScalar>::epsilon());
+	return rounding * norm(contact.total.areaVector) > 0.05 * contact.total.volume;
+}
+
+/// Shares the normal impulse among the representative points as their springs do, for callbacks and games that read it.
+void writeAppliedImpulse(btPersistentManifold& manifold, double impulse)
+{
+	double sum = 0;
+	const auto weight = [&](int i)
+	{ return -double(manifold.getContactPoint(i).getDistance()) * double(manifold.getContactPoint(i).m_combinedContactStiffness1); };
+	for (int i = 0; i < manifold.getNumContacts(); ++i) sum += weight(i);
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+		manifold.getContactPoint(i).m_appliedImpulse = btScalar(sum > 0 ? impulse * weight(i) / sum : 0);
+}
+}  // namespace
+
+template <class Base>
+btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentManifold* manifold)
+{
+	btISTContact* contact = m_store->find(manifold);
+	if (!contact) return nullptr;
+	const auto isOurs = [](const btCollisionObject* object) { return isRigid(object) || (kHasLinks && linkOf(object)); };
+	const bool stale = contact->stamp != m_store->step(), rigid = isOurs(manifold->getBody0()) && isOurs(manifold->getBody1());
+	if (stale && manifold->getNumContacts() > 0) ++m_islands.statistics().contactsStale;
+	if (!stale && !rigid) ++m_islands.statistics().contactsNotRigid;
+	return !stale && rigid ? contact : nullptr;
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentManifold& manifold, const btContactSolverInfo& info)
+{
+	auto* a = const_cast<btCollisionObject*>(manifold.getBody0());
+	auto* b = const_cast<btCollisionObject*>(manifold.getBody1());
+	btVolumetricStatistics& statistics = m_islands.statistics();
+	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
+	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
+	statistics.contactsTooDeep += contact.depth > kTooDeep * contact.thickness();
+	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
+	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
+	if (kHasLinks && (linkOf(a) || linkOf(b)))
+		addLinkContact(contact, *a, *b, friction, info.m_timeStep);
+	else
+		addRigidContact(contact, *a, *b, friction, info.m_timeStep);
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction,
+											   btScalar step)
+{
+	const int bodyA = this->getOrInitSolverBody(a, step), bodyB = this->getOrInitSolverBody(b, step);
+	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+	if (!btSolverBodyMotion::canMove(pool[bodyA]) && !btSolverBodyMotion::canMove(pool[bodyB])) return;
+	if (!btVolumetricIslands::isFinite(pool[bodyA]) || !btVolumetricIslands::isFinite(pool[bodyB]) || !isStep(step))
+	{
+		++m_islands.statistics().contactsNotFinite;
+		return;
+	}
+	m_islands.statistics().contactsPrecisionLost += isPrecisionLost(contact, a, b);
+	m_islands.add(contact, bodyA, bodyB, friction);
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction,
+											  btScalar step)
+{
+	if constexpr (kHasLinks)
+	{
+		btVolumetricLinks::Side sides[2];
+		bool good = isStep(step);
+		for (int k = 0; k < 2; ++k)
+		{
+			btCollisionObject& object = k == 0 ? a : b;
+			if (const btMultiBodyLinkCollider* link = linkOf(&object))
+				sides[k] = {link->m_multiBody, link->m_link, 0};
+			else
+				sides[k].body = this->getOrInitSolverBody(object, step);
+			good = good && (sides[k].multiBody || btVolumetricIslands::isFinite(this->m_tmpSolverBodyPool[sides[k].body]));
+		}
+		m_islands.statistics().contactsPrecisionLost += good && isPrecisionLost(contact, a, b);
+		if (good)
+			m_links.add(contact, sides[0], sides[1], friction, double(step), &this->m_tmpSolverBodyPool[0], this->m_data, m_islands.statistics());
+		else
+			++m_islands.statistics().contactsNotFinite;
+	}
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::collectTouchedBodies()
+{
+	m_touched.clear();
+	for (const btConstraintArray* rows : {&this->m_tmpSolverContactConstraintPool, &this->m_tmpSolverNonContactConstraintPool})
+		for (int i = 0; i < rows->size(); ++i)
+		{
+			m_touched.push_back((*rows)[i].m_solverBodyIdA);
+			m_touched.push_back((*rows)[i].m_solverBodyIdB);
+		}
+	m_links.appendTouched(m_touched);
+	if constexpr (kHasLinks)
+		for (const btMultiBodyConstraintArray* rows : {&this->m_multiBodyNormalContactConstraints, &this->m_multiBodyNonContactConstraints})
+			for (int i = 0; i < rows->size(); ++i)
+			{
+				if (!(*rows)[i].m_multiBodyA) m_touched.push_back((*rows)[i].m_solverBodyIdA);
+				if (!(*rows)[i].m_multiBodyB) m_touched.push_back((*rows)[i].m_solverBodyIdB);
+			}
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info)
+{
+	m_islands.clear();
+	m_links.clear();
+	m_islands.reserve(m_store->contacts().size());
+	m_ours.clear();
+	m_others.clear();
+	for (int i = 0; i < count; ++i)
+	{
+		btISTContact* contact = volumetricContact(manifolds[i]);
+		(contact ? m_ours : m_others).push_back(manifolds[i]);
+		if (contact) addContact(*contact, *manifolds[i], info);
+	}
+	Base::convertContacts(m_others.data(), int(m_others.size()), info);
+	if (m_ours.empty()) return;
+	collectTouchedBodies();
+	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep), m_store->step());
+}
+
+template <class Base>
+btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount,
+														btPersistentManifold** manifolds, int manifoldCount,
+														btTypedConstraint** constraints, int constraintCount,
+														const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+{
+	const btScalar residual = Base::solveSingleIteration(iteration, bodies, bodyCount, manifolds, manifoldCount, constraints,
+														 constraintCount, info, debugDrawer);
+	if (m_ours.empty()) return residual;
+	// Without our share the iterations would end after the first when Bullet has no rows.
+	btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+	double change = m_islands.iterate(pool, iteration);
+	if constexpr (kHasLinks) change = std::max(change, m_links.iterate(pool, this->m_data));
+	return std::max(residual, btScalar(change));
+}
+
+template <class Base>
+btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info)
+{
+	if (!m_ours.empty())
+	{
+		btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+		std::vector<ist::Twist>& change = m_islands.sumChanges(pool);
+		if constexpr (kHasLinks)
+			if (!m_links.isEmpty())
+			{
+				m_links.sumChanges(pool, this->m_data, change);
+				m_links.finish(pool, this->m_data, change, m_islands.statistics());
+			}
+		m_islands.finish(pool);
+	}
+	for (btPersistentManifold* manifold : m_ours) writeAppliedImpulse(*manifold, m_store->find(manifold)->normalImpulse);
+	m_islands.clear();
+	m_links.clear();
+	m_ours.clear();
+	const btScalar residual = Base::solveGroupCacheFriendlyFinish(bodies, bodyCount, info);
+	m_islands.settlePoses();
+	return residual;
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::prepareSolve(int bodyCount, int manifoldCount)
+{
+	Base::prepareSolve(bodyCount, manifoldCount);
+	m_islands.reserveBodies(size_t(std::max(bodyCount, 0)));
+}
+
+template <class Base>
+void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+{
+	Base::allSolved(info, debugDrawer);
+	m_store->nextStep();
+}
+
+template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;
+template class btVolumetricSolver<btNNCGConstraintSolver>;
+template class btVolumetricSolver<btMultiBodyConstraintSolver>;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletHapticForce/Solver/btVolumetricIslands.h"
+#include "BulletHapticForce/Solver/btVolumetricLinks.h"
+
+#include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
+#include "BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h"
+#include "BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h"
+
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+/// One of Bullet's solvers that also solves volumetric contact: it takes the manifolds that have patches in the contact store out of
+/// Bullet's hands, solves their patches as implicit blocks with friction inside Bullet's own iterations (btVolumetricIslands), and
+/// writes the impulses back to the store and to the representative points of the manifolds. Everything else is the base's, unchanged.
+///
+/// A manifold stays with Bullet, that is with its representative points, when a body is neither a rigid body nor, over the multibody
+/// solver, a link (btVolumetricLinks), or when the contact was not evaluated in this step (both bodies slept until now).
+/// Available over btSequentialImpulseConstraintSolver, btNNCGConstraintSolver and btMultiBodyConstraintSolver. One owner thread; no
+/// allocation once the largest scene has been seen.
+template <class Base>
+class btVolumetricSolver : public Base
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// See btISTRegistration::sharedStore.
+	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) { m_store->sumDamping(true); }
+
+	void prepareSolve(int bodyCount, int manifoldCount) override;
+	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
+
+	/// Since the solver was made.
+	const btVolumetricStatistics& statistics() const { return m_islands.statistics(); }
+
+protected:
+	void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
+	btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+								  int manifoldCount, btTypedConstraint** constraints, int constraintCount,
+								  const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
+	btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info) override;
+
+private:
+	static constexpr bool kHasLinks = std::is_base_of_v<btMultiBodyConstraintSolver, Base>;
+
+	btISTContact* volumetricContact(const btPersistentManifold* manifold);
+	void addContact(btISTContact& contact, btPersistentManifold& manifold, const btContactSolverInfo& info);
+	void addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
+	void addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
+	void collectTouchedBodies();
+
+	std::shared_ptr<btISTContactStore> m_store;
+	btVolumetricIslands m_islands;
+	btVolumetricLinks m_links;
+	std::vector<btPersistentManifold*> m_others, m_ours;
+	std::vector<int> m_touched;
+};
+
+extern template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;
+extern template class btVolumetricSolver<btNNCGConstraintSolver>;
+extern template class btVolumetricSolver<btMultiBodyConstraintSolver>;

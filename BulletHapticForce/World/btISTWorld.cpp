@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/World/btISTWorld.h"
+
+#include "BulletHapticForce/World/btVolumetricInstallation.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+
+#include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
+#include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
+#include "LinearMath/btAlignedAllocator.h"
+
+#include <cmath>
+#include <limits>
+
+namespace
+{
+const btVolumetricStatistics kNoStatistics;
+
+/// Whether a world frees its solver is protected and has no getter; a member pointer named through a derived class may reach it.
+struct SolverOwnership : btDiscreteDynamicsWorld
+{
+	static bool& of(btDiscreteDynamicsWorld& world) { return world.*(&SolverOwnership::m_ownsConstraintSolver); }
+};
+
+const btVolumetricStatistics& statisticsOf(const btSequentialImpulseConstraintSolver& solver)
+{
+	if (const auto* multiBody = dynamic_cast<const btVolumetricSolver<btMultiBodyConstraintSolver>*>(&solver)) return multiBody->statistics();
+	if (const auto* nncg = dynamic_cast<const btVolumetricSolver<btNNCGConstraintSolver>*>(&solver)) return nncg->statistics();
+	const auto* plain = dynamic_cast<const btVolumetricSolver<btSequentialImpulseConstraintSolver>*>(&solver);
+	return plain ? plain->statistics() : kNoStatistics;
+}
+
+void copySettings(const btConstraintSolver* from, btSequentialImpulseConstraintSolver& to)
+{
+	const auto* old = dynamic_cast<const btSequentialImpulseConstraintSolver*>(from);
+	if (!old) return;
+	auto& source = const_cast<btSequentialImpulseConstraintSolver&>(*old);  // Bullet's getters are not const
+	to.setRandSeed(source.getRandSeed());
+	to.setConstraintRowSolverGeneric(source.getActiveConstraintRowSolverGeneric());
+	to.setConstraintRowSolverLowerLimit(source.getActiveConstraintRowSolverLowerLimit());
+	const auto* oldNncg = dynamic_cast<const btNNCGConstraintSolver*>(from);
+	auto* nncg = dynamic_cast<btNNCGConstraintSolver*>(&to);
+	if (oldNncg && nncg) nncg->m_onlyForNoneContact = oldNncg->m_onlyForNoneContact;
+}
+}  // namespace
+
+btISTWorld::btISTWorld()
+	: m_parts(std::make_unique<Parts>()), m_materials(std::make_shared<btContactMaterialTable>()),
+	  m_registration(btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher, m_parts->broadphase.getOverlappingPairCache())),
+	  m_solver(std::make_unique<btVolumetricSolver<btSequentialImpulseConstraintSolver>>(m_registration.sharedStore())),
+	  m_own(std::make_unique<btDiscreteDynamicsWorld>(&m_parts->dispatcher, &m_parts->broadphase, m_solver.get(), &m_parts->configuration)),
+	  m_world(m_own.get()), m_statistics(&statisticsOf(*m_solver))
+{
+	(void)m_registration.setPairRule(m_materials);
+	setGravity(btVector3(0, btScalar(-9.81), 0));
+}
+
+btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
+	: m_materials(std::make_shared<btContactMaterialTable>()), m_world(&game), m_statistics(&kNoStatistics)
+{
+	m_materials->followGravity(&game);
+	auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(game.getDispatcher());
+	if (!dispatcher)
+	{
+		m_refusal = "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
+		m_parts = std::make_unique<Parts>();  // to register with, so that everything else here has something to speak of
+		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
+		return;
+	}
+	// A second one must leave the first one's pair cache alone, so ours is set once the rule is.
+	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher);
+	m_refusal = m_registration.refusal();
+	if (!m_refusal.empty()) return;
+	if (m_registration.setPairRule(m_materials))
+	{
+		m_isSecond = true;
+		m_refusal = "the world's dispatcher has a btISTWorld, or a registration that has set a pair rule: they stay as they are, and this "
+					"btISTWorld does nothing; use the first one";
+		m_registration.release();
+		return;
+	}
+	(void)m_registration.setPairCache(game.getPairCache());
+	(void)m_registration.reinstall();
+	installInto(game);
+}
+
+btISTWorld::~btISTWorld()
+{
+	m_materials->followGravity(nullptr);
+	restore();
+}
+
+void btISTWorld::installInto(btDiscreteDynamicsWorld& game)
+{
+	btConstraintSolver* old = game.getConstraintSolver();
+	bool& owned = SolverOwnership::of(game);
+	m_gameOwnedIt = owned;
+	owned = false;  // it is wanted again in the end
+	auto solver = installVolumetricSolver(game, m_registration);
+	if (!solver)
+	{
+		owned = m_gameOwnedIt;
+		m_refusal = solver.error().message;
+		return;
+	}
+	m_solver = std::move(solver).value();
+	m_gamesSolver = old;
+	m_statistics = &statisticsOf(*m_solver);
+	copySettings(old, *m_solver);
+}
+
+void btISTWorld::restore()
+{
+	if (m_own) return;
+	if (m_gamesSolver) giveSolverBack();
+	if (!m_parts && !contacts().contacts().empty()) m_registration.cleanPairs(m_world->getPairCache());
+}
+
+void btISTWorld::giveSolverBack()
+{
+	const btConstraintSolver* now = m_world->getConstraintSolver();
+	if (now == m_solver.get())
+	{
+		if (auto* old = dynamic_cast<btSequentialImpulseConstraintSolver*>(m_gamesSolver)) old->setRandSeed(m_solver->getRandSeed());
+		if (auto* multiBody = dynamic_cast<btMultiBodyDynamicsWorld*>(m_world))
+			multiBody->setMultiBodyConstraintSolver(static_cast<btMultiBodyConstraintSolver*>(m_gamesSolver));
+		else
+			m_world->setConstraintSolver(m_gamesSolver);
+	}
+	if (now == m_solver.get() || now == m_gamesSolver)
+		SolverOwnership::of(*m_world) = m_gameOwnedIt;
+	else if (m_gameOwnedIt)
+	{
+		// The game chose another one meanwhile; this is how its world would have freed its own.
+		m_gamesSolver->~btConstraintSolver();
+		btAlignedFree(m_gamesSolver);
+	}
+}
+
+std::optional<ist::Error> btISTWorld::setGravity(const btVector3& gravity)
+{
+	if (m_isSecond) return ist::Error{m_refusal};
+	if (!std::isfinite(gravity.length2())) return ist::Error{"gravity must be three finite numbers of m/s^2"};
+	m_world->setGravity(gravity);
+	m_materials->followGravity(m_world);
+	return std::nullopt;
+}
+
+std::optional<ist::Error> btISTWorld::step(double seconds)
+{
+	if (m_isSecond) return ist::Error{m_refusal};
+	if (!(seconds > 0) || !std::isfinite(seconds)) return ist::Error{"a step must be a positive finite number of seconds"};
+	m_substeps = m_plan.plan(*m_world, m_registration.registry(), seconds, m_mostSubsteps);
+	m_tooFast.clear();
+	for (const btISTFastPair& pair : m_plan.pairs())
+		if (pair.substeps > m_substeps) m_tooFast.push_back(pair);
+	m_passingPairs += m_tooFast.size();
+	// Bullet divides by a clock of its own, which rounding must not leave one part short.
+	const double part = seconds / m_substeps * (1 - 8 * double(std::numeric_limits<btScalar>::epsilon()));
+	if (m_substeps == 1)
+		m_world->stepSimulation(btScalar(seconds), 0);
+	else
+		stepInParts(seconds, part);
+	return std::nullopt;
+}
+
+void btISTWorld::stepInParts(double seconds, double part)
+{
+	m_world->stepSimulation(btScalar(seconds), m_substeps, btScalar(part));
+	// Bullet shows a divided step one part late.
+	const btCollisionObjectArray& objects = m_world->getCollisionObjectArray();
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		btRigidBody* body = btRigidBody::upcast(objects[i]);
+		if (body && body->getMotionState() && !body->isStaticOrKinematicObject()) body->getMotionState()->setWorldTransform(body->getWorldTransform());
+	}
+}
+
+ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree)
+{
+	if (m_isSecond) return ist::Error{m_refusal};
+	return m_registration.registry().attach(shape, std::move(tree));
+}
+
+ist::Result<btISTAttachment> btISTWorld::attach(const btCollisionShape* shape, const std::string& path)
+{
+	ist::Result<ist::InnerSphereTree> tree = ist::loadAsset(path);
+	if (!tree) return tree.error();
+	return attach(shape, std::make_shared<const ist::InnerSphereTree>(std::move(tree).value()));
+}

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Contact/btISTContactStore.h"
+
+#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletDynamics/Featherstone/btMultiBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+// Depth that the load may reach. Between 0.5 and 2 % of the size nothing was seen to fall through large ground; towers want the lower end.
+constexpr double kLeastDepthPerSize = 1e-3, kMostDepthPerSize = 5e-3;
+constexpr double kMostDepthPerThickness = 0.05;  // a sheet of 1 mm stays a sheet
+constexpr double kWaterDensity = 1000;  // [kg/m^3]
+
+/// Of all links that can move: any one of them may carry the others.
+double massOf(const btMultiBody& multiBody)
+{
+	double mass = multiBody.isBaseStaticOrKinematic() ? 0 : double(multiBody.getBaseMass());
+	for (int i = 0; i < multiBody.getNumLinks(); ++i) mass += double(multiBody.getLinkMass(i));
+	return mass;
+}
+
+/// Zero for whatever the solver cannot move.
+double dynamicMass(const btCollisionObject* object)
+{
+	if (const auto* link = object ? btMultiBodyLinkCollider::upcast(object) : nullptr)
+		return link->isStaticOrKinematicObject() ? 0 : massOf(*link->m_multiBody);
+	const btRigidBody* body = object ? btRigidBody::upcast(object) : nullptr;
+	if (!body || body->isStaticOrKinematicObject() || !(body->getInvMass() > 0)) return 0;
+	return 1.0 / double(body->getInvMass());
+}
+
+/// Magnitude of the body's own gravity, or `otherwise` where it has none [m/s^2].
+double gravityOf(const btCollisionObject* object, double otherwise)
+{
+	const btRigidBody* body = object ? btRigidBody::upcast(object) : nullptr;
+	const double own = body ? double(body->getGravity().length()) : 0;
+	return own > 0 ? own : otherwise;
+}
+}  // namespace
+
+double btISTContact::thickness() const
+{
+	return std::min(ist::thicknessOf(*treeA), treeB ? ist::thicknessOf(*treeB) : std::numeric_limits<double>::infinity());
+}
+
+btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, const btCollisionObject* bodyA,
+													 const btCollisionObject* bodyB) const
+{
+	double volume = contact.treeA->volume, gap = contact.treeA->meanGap;
+	volume = std::min(volume, contact.treeB ? contact.treeB->volume : contact.volumeB);
+	if (contact.treeB) gap += contact.treeB->meanGap;
+	const double size = std::cbrt(volume);
+	const double depth = std::min(std::clamp(gap, kLeastDepthPerSize * size, kMostDepthPerSize * size), kMostDepthPerThickness * contact.thickness());
+	const double gravityA = gravityOf(bodyA, m_gravity), gravityB = gravityOf(bodyB, m_gravity);
+	double load = std::max(dynamicMass(bodyA) * gravityA, dynamicMass(bodyB) * gravityB);
+	if (!(load > 0)) load = kWaterDensity * volume * m_gravity;
+
+	btISTPairConstants constants;
+	constants.load = load;
+	constants.gravity = std::max(gravityA, gravityB);
+	constants.rule = btISTStiffnessRule::OwnLoad;
+	constants.k = load / (depth * size * size);
+	if (contact.halfSpace)
+	{
+		constants.weightA = 0;
+		constants.weightB = 1;
+	}
+	return constants;
+}
+
+void btISTContactStore::count(btISTContact& contact, const ist::OverlapResult* result, double seconds)
+{
+	addQueryTime(seconds);
+	for (btISTQueryCost* cost : {&contact.cost, &m_cost})
+	{
+		cost->seconds += seconds;
+		cost->asked += contact.use == btISTKeptResult::Ask;
+		cost->keptApart += contact.use == btISTKeptResult::Apart;
+		cost->keptStill += contact.use == btISTKeptResult::Still;
+		cost->keptMoved += contact.use == btISTKeptResult::Moved;
+		if (!result) continue;
+		cost->querySeconds += seconds;
+		cost->largestKeptError = std::max(cost->largestKeptError, contact.kept.foundError());
+		cost->nodeVisits += result->nodeVisits;
+		cost->ballTests += result->ballTests;
+		cost->leafPairs += result->total.pairs;
+	}
+}
+
+btISTContactStore::btISTContactStore() = default;
+btISTContactStore::~btISTContactStore() = default;
+
+btISTContact* btISTContactStore::find(const btPersistentManifold* manifold)
+{
+	const auto found = m_index.find(manifold);
+	return found == m_index.end() ? nullptr : m_active[found->second];
+}
+
+const btISTContact* btISTContactStore::find(const btPersistentManifold* manifold) const
+{
+	return const_cast<btISTContactStore*>(this)->find(manifold);
+}
+
+btISTContact* btISTContactStore::acquire(const btPersistentManifold* manifold)
+{
+	if (m_free.empty())
+	{
+		m_pool.push_back(std::make_unique<btISTContact>());
+		m_free.push_back(m_pool.back().get());
+	}
+	btISTContact* contact = m_free.back();
+	m_free.pop_back();
+	*contact = btISTContact();
+	contact->manifold = manifold;
+	m_index[manifold] = m_active.size();
+	m_active.push_back(contact);
+	return contact;
+}
+
+void btISTContactStore::release(const btPersistentManifold* manifold)
+{
+	const auto found = m_index.find(manifold);
+	if (found == m_index.end()) return;
+	const size_t at = found->second;
+	btISTContact* contact = m_active[at];
+	m_index.erase(found);
+	if (m_active.back() != contact)
+	{
+		m_active[at] = m_active.back();
+		m_index[m_active[at]->manifold] = at;
+	}
+	m_active.pop_back();
+	// Trees are large; a pooled entry must not keep them alive.
+	contact->treeA.reset();
+	contact->memory.reset();
+	contact->treeB.reset();
+	contact->manifold = nullptr;
+	m_free.push_back(contact);
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Contact/btISTEconomy.h"
+
+#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Base/SamePose.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Force/RelativeMotion.h"
+#include "BulletISTCollision/Contact/btISTContactStore.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace
+{
+constexpr double kShareOfError = 0.5, kShareOfLength = 0.25;
+constexpr double kLeastTrust = 1.0 / 64, kRegain = 1.5;
+
+/// Of all leaves about the tree's origin [m].
+double reachOf(const ist::BallTree& tree)
+{
+	double reach = 0;
+	const ist::BallNode& root = tree.nodes[0];
+	for (int k = 0; k < ist::BallNode::kWidth; ++k)
+		if (root.child[k] != ist::BallNode::kNoChild)
+			reach = std::max(reach, norm(ist::Vec3{root.x[k], root.y[k], root.z[k]}) + double(root.r[k]));
+	return reach;
+}
+
+double volumeOfB(const btISTContact& c) { return c.treeB ? c.treeB->volume : c.volumeB; }
+
+double smallerVolume(const btISTContact& c) { return std::min(c.treeA->volume, volumeOfB(c)); }
+
+/// With k = 1.
+double floorOf(const btISTContact& c) { return ist::forceFloor(c.treeA->volume, volumeOfB(c)); }
+
+/// Of the law with k = 1.
+ist::PressurePair weightsOf(const btISTContact& c) { return {1, c.constants.weightA, c.constants.weightB}; }
+
+ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, weightsOf(c)).force; }
+
+double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)), floorOf(c)); }
+
+double motionLimit(const btISTContact& c) { return kShareOfLength * (c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0)); }
+}  // namespace
+
+double btISTKeptResult::floorForce(const btISTContact& contact) { return contact.constants.k * floorOf(contact); }
+
+btISTKeptResult::Use btISTKeptResult::use(btISTContact& contact, const Measures& measures, uint64_t version, const btISTEconomy& economy)
+{
+	m_hasPrediction = false;
+	if (!economy.on || !m_valid || version != m_version || measures != m_measures || !isRigid(contact.X_AB)) return Ask;
+	const bool tolerant = economy.keptError > 0;
+	if (ist::isSame(contact.X_AB, tolerant ? m_X_last : m_X_asked)) return Still;
+	if (contact.patchCount == 0)
+	{
+		const bool far = isFar(contact);
+		if (far) m_pause = 0;
+		return far ? Apart : Ask;
+	}
+	return tolerant && follow(contact, kShareOfError * economy.keptError * m_trust) ? Moved : Ask;
+}
+
+bool btISTKeptResult::wantsClearance()
+{
+	constexpr uint8_t kLongestPause = 15;
+	if (m_skipped < m_pause) return ++m_skipped, false;
+	m_skipped = 0;
+	m_pause = std::min(uint8_t(2 * m_pause + 1), kLongestPause);
+	return true;
+}
+
+bool btISTKeptResult::isFar(const btISTContact& contact) const
+{
+	if (!(m_clearance > 0)) return false;
+	const ist::InnerSphereTree &A = *contact.treeA, *B = contact.treeB.get();
+	// Either body's points seen from the other: the smaller bound counts.
+	double way = ist::farthestMotion(inverse(m_X_asked), inverse(contact.X_AB), A.origin, reachOf(A.law));
+	if (B) way = std::min(way, ist::farthestMotion(m_X_asked, contact.X_AB, B->origin, reachOf(B->law)));
+	return way < m_clearance;
+}
+
+/// Moves the sums along; false when they do not say enough any more. `allowed`: change of the force, as a share of the reference, and angle.
+bool btISTKeptResult::follow(btISTContact& contact, double allowed)
+{
+	constexpr double kWorthLearning = 2;  // far beyond the bounds a first order says nothing about itself
+	if (!(contact.total.volume > 0)) return false;
+	const ist::Vec3 &origin = contact.treeA->origin, centroid = contact.total.firstMoment / contact.total.volume;
+	const ist::Twist sinceAsked = ist::motionOfB(m_X_asked, contact.X_AB, origin + centroid);
+	const double moved = std::max(norm(sinceAsked.angular) / allowed, norm(sinceAsked.linear) / (m_trust * motionLimit(contact)));
+	if (!(moved <= kWorthLearning)) return false;
+
+	const ist::Twist motion = ist::motionOfB(m_X_last, contact.X_AB, origin);
+	ist::moveB(contact.total, motion);
+	for (int i = 0; i < contact.patchCount; ++i) ist::moveB(contact.patches[i], motion);
+	m_X_last = contact.X_AB;
+	const double used = std::max(moved, change(contact) / allowed);
+	m_predicted = forceOf(contact);
+	m_hasPrediction = used <= kWorthLearning;
+	return used <= 1;
+}
+
+/// Of the forces of all patches since they were asked for, or of the torques over the size, added up; as a share of the reference.
+double btISTKeptResult::change(const btISTContact& contact) const
+{
+	double force = 0, torque = 0;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const ist::OverlapIntegrals& patch = contact.patches[i];
+		if (!(patch.volume > 0)) return std::numeric_limits<double>::infinity();
+		const ist::Wrench by = contact.constants.weightB * (patch.normalB - m_normalB[i]) - contact.constants.weightA * (patch.normalA - m_normalA[i]);
+		force += norm(by.force);
+		torque += norm(by.torque - cross(patch.firstMoment / patch.volume, by.force));
+	}
+	return std::max(force, torque / std::cbrt(smallerVolume(contact))) / referenceForce(contact);
+}
+
+void btISTKeptResult::judge(const btISTContact& contact, double granted)
+{
+	m_foundError = distance(m_predicted, forceOf(contact)) / referenceForce(contact);
+	if (m_foundError > granted / 2) m_trust = std::max(m_trust / 2, kLeastTrust);
+	else if (m_foundError < granted / 8) m_trust = std::min(m_trust * kRegain, 1.0);
+}
+
+void btISTKeptResult::keep(const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy)
+{
+	m_foundError = 0;
+	if (m_hasPrediction) judge(contact, economy.keptError);
+	m_hasPrediction = false;
+	m_valid = contact.status == ist::QueryStatus::Ok;
+	m_X_asked = m_X_last = contact.X_AB;
+	m_measures = measures;
+	m_version = version;
+	m_clearance = clearance;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		m_normalA[i] = contact.patches[i].normalA;
+		m_normalB[i] = contact.patches[i].normalB;
+	}
+}

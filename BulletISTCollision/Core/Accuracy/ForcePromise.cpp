@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+
+#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+constexpr double kOfBalls = 0.7, kOfFew = 0.25, kOfGaps = 0.2, kMostGaps = 3, kUnmeasured = 0.4;
+constexpr double kFloorOverlap = 0.001;
+/// A coarser level is tried next only where it is sure to do, lest two levels take turns.
+constexpr double kReserve = 0.8;
+/// A coarse level may see too little force. One that would do if this share of its promised error were added is looked at next, where that is at least so many
+/// levels coarser than what would do without: for one level less, a look that falls short costs more than it may save. Chosen with the factors.
+constexpr double kHope = 0.7;
+constexpr int kWorthALook = 2;
+
+/// Square of one body's part in the relative error. Blocks but the last few of a tree are full.
+double squaredPart(const InnerSphereTree& body, const BallTree& tree, int level, double overlap)
+{
+	const double c = size_t(level) < body.calibration.size() ? body.calibration[size_t(level)] : kUnmeasured;
+	const double perBall = body.volume / (double(tree.slotCount()) * overlap), few = kOfFew * perBall;
+	return kOfBalls * kOfBalls * c * c * perBall + few * few;
+}
+}  // namespace
+
+ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA, double weightB)
+{
+	return {integrals.volume, norm(pressureWrench(integrals, {1, weightA, weightB}).force), norm(integrals.areaVector)};
+}
+
+double forceFloor(double volumeA, double volumeB) { return kFloorOverlap * std::min(volumeA, volumeB); }
+
+double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B) { return forceFloor(A.volume, B.volume); }
+
+double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen)
+{
+	const LevelPair trees = levelOf(A, B, level);
+	const double V = std::max(seen.volume, forceFloor(A, B));
+	const double ofBalls = squaredPart(A, *trees.treeA, trees.a, V) + squaredPart(B, *trees.treeB, trees.b, V);
+	const double gaps = std::min((A.errorLength() + B.errorLength()) * seen.area / V, kMostGaps);
+	return V * std::hypot(std::sqrt(ofBalls), kOfGaps * gaps);
+}
+
+int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error)
+{
+	for (int level = levelCount(A, B); level > 0; --level)
+		if (shareOfTrueForce(promisedError(A, B, level, seen), seen.force, forceFloor(A, B)) <= error) return level;
+	return 0;
+}
+
+namespace
+{
+/// The level to look at after `level` did not keep the error. Where forces cancel, a coarse level knows little of what is left: by its own word the leaves would
+/// often be asked where a level between proves to do.
+int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen, double error)
+{
+	ContactSeen hoped = seen;
+	hoped.force += kHope * promisedError(A, B, level, seen);
+	const int sure = std::min(chooseLevel(A, B, seen, error), level - 1), coarsest = std::min(chooseLevel(A, B, hoped, error), level - 1);
+	return coarsest - sure < kWorthALook ? sure : coarsest;
+}
+}  // namespace
+
+PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
+							 const QueryOptions& options, PairMemory* memory)
+{
+	PromisedOverlap answer;
+	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));
+	QueryOptions at = options;
+	at.level = accepted.firstLevel < 0 ? coarsest : std::clamp(accepted.firstLevel, finest, coarsest);
+	// At once, lest a finer level allocate in a later query.
+	workspace.implementation().reserveFor(A.law, B.law);
+	for (;;)
+	{
+		answer.overlap = queryOverlap(A, B, X_AB, workspace, at, memory);
+		++answer.looks;
+		answer.pairs += answer.overlap.total.pairs;
+		if (answer.overlap.status != QueryStatus::Ok) return answer;
+		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
+		answer.promise = shareOfTrueForce(promisedError(A, B, answer.overlap.level, seen), seen.force, forceFloor(A, B));
+		answer.kept = answer.promise <= accepted.error;
+		if (answer.kept || at.level == finest || answer.overlap.coarsened)
+		{
+			answer.nextLevel = std::max(at.level, chooseLevel(A, B, seen, kReserve * accepted.error));
+			return answer;
+		}
+		at.level = std::max(finest, nextLook(A, B, at.level, seen, accepted.error));
+	}
+}
+}  // namespace ist

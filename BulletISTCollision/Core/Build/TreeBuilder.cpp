@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+
+#include "BulletISTCollision/Core/Leaves/Cells.h"
+#include "BulletISTCollision/Core/Base/SteadyTime.h"
+#include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Packing/SpherePacker.h"
+#include "BulletISTCollision/Core/Tree/SurfaceResolution.h"
+#include "BulletISTCollision/Core/Base/ThreadCount.h"
+
+namespace ist
+{
+namespace
+{
+constexpr int64_t kMostSpheresForLeaves = 100000;
+
+/// Unless it was asked for spheres up to a fill or a radius.
+bool splitsSmoothBodies(const BuildOptions& options)
+{
+	return options.targetFill >= 1 && options.minRadius <= 0;
+}
+
+class Stopwatch
+{
+public:
+	/// Seconds since construction or the last call.
+	double lap()
+	{
+		const double before = m_start;
+		m_start = steadyMicroseconds();
+		return 1e-6 * (m_start - before);
+	}
+
+private:
+	double m_start = steadyMicroseconds();
+};
+
+const char* modeName(RepairMode mode)
+{
+	switch (mode)
+	{
+		case RepairMode::Off: return "off";
+		case RepairMode::Wrap: return "wrap";
+		default: return "auto";
+	}
+}
+
+bool goesOn(const Progress& progress, const char* stage, double fraction)
+{
+	return !progress || progress(stage, fraction);
+}
+
+Error cancelled()
+{
+	return {"the build was cancelled", true};
+}
+
+void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& repaired, const BuildOptions& options)
+{
+	InnerSphereTree::Provenance& p = tree.provenance;
+	p.meshHash = meshHash(source);
+	p.unit = options.unit;
+	p.meshVolume = repaired.volumeBefore;
+	p.watertight = repaired.before.watertight;
+	p.repairMode = modeName(options.repair);
+	p.repair = repaired.actions;
+	p.requestedSpheres = options.maxSpheres;
+	p.requestedFill = options.targetFill;
+	p.requestedMinRadius = options.minRadius;
+	p.seed = options.seed;
+
+	const MassProperties mass = massProperties(repaired.mesh);
+	tree.origin = mass.centerOfMass;
+	tree.volume = mass.volume;
+	tree.inertia = mass.inertia;
+	tree.area = surfaceArea(repaired.mesh);
+}
+
+Result<SpherePacking> pack(const MeshDistance& surface, const Vec3& origin, const BuildOptions& options)
+{
+	PackingOptions packing;
+	packing.maxSpheres = options.maxSpheres;
+	packing.targetFill = options.targetFill;
+	packing.minRadius = options.minRadius;
+	packing.seed = options.seed;
+	packing.threads = options.threads;
+	packing.progress = options.progress;
+	packing.origin = origin;
+	return packSpheres(surface, packing);
+}
+
+/// False when cancelled.
+bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Progress& progress)
+{
+	if (!goesOn(progress, "tree", 0)) return false;
+	tree.law = buildBallTree(cells.leaves, threads);
+	tree.resolution = surfaceResolution(tree.law);
+	if (!goesOn(progress, "tree", 0.4)) return false;
+	tree.cells = buildBallTree(cells.cells, threads);
+	if (!goesOn(progress, "tree", 0.6)) return false;
+	tree.inner = buildInnerTree(tree.spheres, threads);
+	if (!goesOn(progress, "tree", 0.8)) return false;
+	// Levels are made anew where they are wanted, sooner than they are read; what they err is kept.
+	InnerSphereTree levelled = tree;
+	addLevels(levelled, threads);
+	tree.calibration = levelled.calibration;
+	return goesOn(progress, "tree", 1);
+}
+}  // namespace
+
+bool leavesBecomeSmaller(const BuildOptions& options)
+{
+	return splitsSmoothBodies(options) && options.maxSpheres < kMostSpheresForLeaves;
+}
+
+Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times)
+{
+	Stopwatch watch;
+	BuildTimes unused;
+	BuildTimes& seconds = times ? *times : unused;
+	InnerSphereTree tree;
+
+	if (!goesOn(options.progress, "repair", 0)) return cancelled();
+	Progress repairing;
+	if (options.progress) repairing = [&](const char* stage, double fraction) { return options.progress(stage, 0.9 * fraction); };
+	const int threads = threadCount(options.threads);
+	Result<RepairedMesh> repaired = repair(mesh, options.repair, repairing, threads);
+	if (!repaired) return repaired.error();
+	describe(tree, mesh, repaired.value(), options);
+	const MeshDistance surface(translated(repaired.value().mesh, -tree.origin), threads);
+	tree.box = bounds(surface.mesh());
+	if (!goesOn(options.progress, "repair", 1)) return cancelled();
+	seconds.setup = watch.lap();
+
+	Result<SpherePacking> packing = pack(surface, tree.origin, options);
+	if (!packing) return packing.error();
+	tree.fill = packing.value().fill;
+	seconds.packing = watch.lap();
+
+	CellOptions cellOptions;
+	// Smooth bodies pack as a few spheres; their leaves must still be as small as the number asked for allows.
+	if (splitsSmoothBodies(options))
+		cellOptions.fewestLeaves = int64_t(cellOptions.leavesPerSphere * double(std::min(options.maxSpheres, kMostSpheresForLeaves)));
+	cellOptions.seed = options.seed;
+	cellOptions.threads = options.threads;
+	cellOptions.progress = options.progress;
+	const Result<Cells> cells = buildCells(surface, packing.value(), cellOptions);
+	if (!cells) return cells.error();
+	tree.meanGap = cells.value().meanGap;
+	tree.maxGap = cells.value().maxGap;
+	tree.uncoveredArea = cells.value().uncoveredArea;
+	tree.spheres = std::move(packing.value().spheres);
+	seconds.leaves = watch.lap();
+
+	if (!buildTrees(tree, cells.value(), threads, options.progress)) return cancelled();
+	seconds.tree = watch.lap();
+	if (const std::string problem = tree.validate(); !problem.empty()) return Error{"internal: the built tree is not valid: " + problem};
+	return tree;
+}
+}  // namespace ist

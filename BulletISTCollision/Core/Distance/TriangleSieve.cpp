@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Distance/TriangleSieve.h"
+
+#include "BulletISTCollision/Core/Distance/SieveKernel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+using namespace kernels;
+
+namespace
+{
+constexpr float kFarAway = 1e18f;  // its square, three times over, still fits
+constexpr double kFarthestPoint = 1e17;
+constexpr double kBeyond = -1;
+constexpr double kFloatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
+constexpr double kSlack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
+static_assert(TriangleHierarchy::kMostLevels <= kMostSieveLevels);
+
+float limitOf(double distance2) { return float(std::min(double(kLargestSieveSquare), distance2 * kFloatSlack)); }
+
+/// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what kFarAway stands for.
+float near(double coordinate) { return float(std::clamp(coordinate, -kFarthestPoint, kFarthestPoint)); }
+
+const SieveKernel* kernelFor([[maybe_unused]] InstructionSet set)
+{
+#if defined(__x86_64__)
+	switch (set)
+	{
+		case InstructionSet::Portable: return &kPortableSieveKernel;
+		case InstructionSet::Baseline: return &kBaselineSieveKernel;
+		case InstructionSet::V3:
+		case InstructionSet::V4: return &kV3SieveKernel;
+	}
+#endif
+	return &kPortableSieveKernel;
+}
+}  // namespace
+
+TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size, InstructionSet set) : m_kernel(kernelFor(set)), m_slack(float(kSlack * size))
+{
+	if (hierarchy.triangles.empty()) return;
+	m_triangles = hierarchy.triangles.data();
+	m_count = uint32_t(hierarchy.triangles.size());
+	m_root = add(hierarchy, hierarchy.root);
+	m_nodes.shrink_to_fit();
+	m_leaves.shrink_to_fit();
+}
+
+void TriangleSieve::setPlane(SievePlanes& planes, int lane, const Vec3& normal, const Vec3& point)
+{
+	planes.x[lane] = float(normal.x), planes.y[lane] = float(normal.y), planes.z[lane] = float(normal.z);
+	planes.height[lane] = float(dot(normal, point));
+}
+
+/// The axis is the mean normal or, where normals cancel, that of the shortest side of the box.
+Vec3 TriangleSieve::axisOf(uint32_t begin, uint32_t end) const
+{
+	Vec3 lower = m_triangles[begin].a, upper = lower, normal;
+	double twiceArea = 0;
+	for (uint32_t i = begin; i < end; ++i)
+	{
+		const PreparedTriangle& t = m_triangles[i];
+		normal += t.normal;
+		twiceArea += norm(t.normal);
+		for (const Vec3& corner : {t.a, t.a + t.ab, t.a + t.ac})
+		{
+			lower = componentMin(lower, corner);
+			upper = componentMax(upper, corner);
+		}
+	}
+	if (norm(normal) > 0.5 * twiceArea) return normalized(normal);
+	const Vec3 size = upper - lower;
+	if (size.x <= size.y && size.x <= size.z) return {1, 0, 0};
+	return size.y <= size.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+}
+
+void TriangleSieve::enclose(SieveCylinders& bound, int lane, uint32_t begin, uint32_t end) const
+{
+	const Vec3 axis = axisOf(begin, end);
+	Vec3 frame[3] = {{}, {}, axis};
+	completeFrame(axis, frame[0], frame[1]);
+	const auto forEachCorner = [&](const auto& visit)
+	{
+		for (uint32_t i = begin; i < end; ++i)
+		{
+			const PreparedTriangle& t = m_triangles[i];
+			visit(t.a), visit(t.a + t.ab), visit(t.a + t.ac);
+		}
+	};
+	double least[3] = {1e300, 1e300, 1e300}, most[3] = {-1e300, -1e300, -1e300};
+	forEachCorner([&](const Vec3& p)
+				  {
+					  for (int k = 0; k < 3; ++k)
+					  {
+						  least[k] = std::min(least[k], dot(p, frame[k]));
+						  most[k] = std::max(most[k], dot(p, frame[k]));
+					  }
+				  });
+	Vec3 middle;
+	for (int k = 0; k < 3; ++k) middle += frame[k] * (0.5 * (least[k] + most[k]));
+	bound.x[lane] = float(middle.x), bound.y[lane] = float(middle.y), bound.z[lane] = float(middle.z);
+	setPlane(bound.axis, lane, axis, middle);
+	double radius2 = 0;
+	forEachCorner([&](const Vec3& p)
+				  {
+					  const Vec3 d = p - middle;
+					  const double along = dot(d, axis);
+					  radius2 = std::max(radius2, squaredNorm(d - axis * along));
+				  });
+	bound.radius[lane] = float(std::sqrt(radius2)) + m_slack;
+	bound.half[lane] = float(0.5 * (most[2] - least[2]));
+}
+
+void TriangleSieve::setTriangle(SieveLeaf& leaf, int lane, const PreparedTriangle& t)
+{
+	const double length = norm(t.ab);
+	const Vec3 normal = normalized(t.normal), along = t.ab / length, across = cross(normal, along);
+	setPlane(leaf.along, lane, along, t.a);
+	setPlane(leaf.across, lane, across, t.a);
+	setPlane(leaf.above, lane, normal, t.a);
+	leaf.length[0][lane] = float(length);
+	const Vec3 edges[2] = {t.ac - t.ab, t.ac};
+	for (int i = 0; i < 2; ++i)
+	{
+		const Vec3 edge = normalized(edges[i]);
+		leaf.length[i + 1][lane] = float(norm(edges[i]));
+		leaf.alongEdge[i][0][lane] = float(dot(edge, along));
+		leaf.alongEdge[i][1][lane] = float(dot(edge, across));
+	}
+}
+
+uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
+{
+	SieveLeaf leaf{};
+	leaf.first = begin;
+	for (uint32_t i = begin; i < begin + uint32_t(kSieveWidth); ++i)
+	{
+		const int lane = int(i - begin);
+		if (i >= end)
+			leaf.above.height[lane] = kFarAway;
+		// A needle's coordinates say nothing: it is always looked at.
+		else if (m_triangles[i].inverseNormal2 == 0)
+			leaf.unknown[lane] = kLargestSieveSquare;
+		else
+			setTriangle(leaf, lane, m_triangles[i]);
+	}
+	m_leaves.push_back(leaf);
+	return uint32_t(m_leaves.size() - 1) | kSieveLeafBit;
+}
+
+uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
+{
+	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kSieveWidth)) return addLeaf(begin, end);
+	const auto halfArea = [](const TriangleHierarchy::Child& c)
+	{
+		const Vec3 s = c.upper - c.lower;
+		return s.x * s.y + s.y * s.z + s.z * s.x;
+	};
+	const TriangleHierarchy::Node& top = hierarchy.nodes[child.first];
+	const TriangleHierarchy::Child* lanes[kSieveWidth] = {&top.child[0], &top.child[1]};
+	int count = 2;
+	while (count < kSieveWidth)
+	{
+		int widest = -1;
+		for (int k = 0; k < count; ++k)
+			if (lanes[k]->count == 0 && (widest < 0 || halfArea(*lanes[k]) > halfArea(*lanes[widest]))) widest = k;
+		if (widest < 0) break;
+		const TriangleHierarchy::Node& open = hierarchy.nodes[lanes[widest]->first];
+		lanes[widest] = &open.child[0];
+		lanes[count++] = &open.child[1];
+	}
+	const auto index = uint32_t(m_nodes.size());
+	m_nodes.emplace_back();
+	for (int k = 0; k < kSieveWidth; ++k)
+	{
+		const uint32_t below = k < count ? add(hierarchy, *lanes[k]) : kNone;
+		SieveNode& node = m_nodes[index];
+		node.child[k] = below;
+		node.bound.x[k] = kFarAway;
+		if (k >= count) continue;
+		if (below & kSieveLeafBit) node.leaves |= 1u << k;
+		const auto [begin, end] = hierarchy.range(*lanes[k]);
+		enclose(node.bound, k, begin, end);
+	}
+	return index;
+}
+
+void TriangleSieve::offer(uint32_t place, const Vec3& p, Nearest& best) const
+{
+	const PreparedTriangle& t = m_triangles[place];
+	const Vec3 pa = t.a - p;
+	const double height = dot(pa, t.normal);
+	if (height * height * t.inverseNormal2 > best.distance2 * kPruneSlack) return;
+	double d2;
+	const Vec3 candidate = offsetToTriangle(t, pa, d2);
+	if (d2 < best.distance2 || (d2 == best.distance2 && best.triangle != kNone && t.index < best.triangle))
+		best = {candidate, d2, t.index, place};
+}
+
+void TriangleSieve::begin(SieveSearch& search, const Vec3& p) const
+{
+	search.nodes = m_nodes.data();
+	search.leaves = m_leaves.data();
+	search.root = m_root;
+	search.x = near(p.x), search.y = near(p.y), search.z = near(p.z);
+	search.rounding = m_slack;
+	search.count = 0;
+}
+
+struct TriangleSieve::NearestSearch : SieveSearch
+{
+	const TriangleSieve& sieve;
+	const Vec3& p;
+	Nearest best;
+
+	NearestSearch(const TriangleSieve& triangles, const Vec3& point) : sieve(triangles), p(point) { sieve.begin(*this, p); }
+
+	void look()
+	{
+		const uint32_t known = best.place;
+		for (int i = 0; i < count; ++i)
+		{
+			if (waiting[i].lower > limit || waiting[i].place == known) continue;
+			sieve.offer(waiting[i].place, p, best);
+			limit = std::min(limit, limitOf(best.distance2));
+		}
+		count = 0;
+	}
+};
+
+TriangleSieve::Nearest TriangleSieve::nearest(const Vec3& p, double upperBound, uint32_t hint) const
+{
+	NearestSearch search(*this, p);
+	search.best.distance2 = upperBound > 0 ? upperBound * upperBound : 0;
+	if (!m_triangles) return search.best;
+	if (hint < m_count) offer(hint, p, search.best);
+	search.limit = limitOf(search.best.distance2);
+	search.settle = [](SieveSearch& s) { static_cast<NearestSearch&>(s).look(); };
+	m_kernel->nearest(search);
+	search.look();
+	return search.best;
+}
+
+struct TriangleSieve::WithinSearch : SieveSearch
+{
+	std::vector<std::pair<double, uint32_t>>& out;
+
+	WithinSearch(const TriangleSieve& triangles, const Vec3& p, std::vector<std::pair<double, uint32_t>>& found) : out(found) { triangles.begin(*this, p); }
+
+	void list()
+	{
+		for (int i = 0; i < count; ++i) out.push_back({0, waiting[i].place});
+		count = 0;
+	}
+};
+
+bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
+{
+	out.clear();
+	if (!m_triangles) return true;
+	const double reach2 = reach * reach * kPruneSlack;
+	WithinSearch search(*this, p, out);
+	search.limit = limitOf(reach2);
+	search.surely = float(std::min(double(kLargestSieveSquare), reach2 / kFloatSlack));
+	search.certain = 0;
+	search.most = most;
+	search.settle = [](SieveSearch& s) { static_cast<WithinSearch&>(s).list(); };
+	m_kernel->within(search);
+	if (search.certain > most)
+	{
+		out.clear();
+		return false;
+	}
+	search.list();
+	for (auto& [distance, place] : out)
+	{
+		const PreparedTriangle& t = m_triangles[place];
+		double d2;
+		offsetToTriangle(t, t.a - p, d2);
+		distance = d2 <= reach2 ? std::sqrt(d2) : kBeyond;
+	}
+	std::erase_if(out, [](const auto& entry) { return entry.first == kBeyond; });
+	return out.size() <= most;
+}
+}  // namespace ist

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Force/RelativeMotion.h"
+
+#include "BulletISTCollision/Core/Force/PressureField.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+double work(const Wrench& w, const Twist& t) { return dot(w.force, t.linear) + dot(w.torque, t.angular); }
+
+/// Forces that turn where they are, which is about their centre: the place of the overlap stays with A but for half of the way that B's surface
+/// goes there, and that is small where the two touch.
+Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
+{
+	const Vec3 force = cross(by, w.force), rest = w.torque - cross(center, w.force);
+	return {force, cross(center, force) + cross(by, rest)};
+}
+}  // namespace
+
+Twist motionOfB(const Pose& X_before, const Pose& X_after, const Vec3& point)
+{
+	const Vec3 onB = transpose(X_before.rotation) * (point - X_before.translation);
+	return {X_after * onB - point, rotationVector(quaternion(X_after.rotation * transpose(X_before.rotation)))};
+}
+
+double farthestMotion(const Pose& X_before, const Pose& X_after, const Vec3& center, double radius)
+{
+	double squares = 0;  // Frobenius' norm is never below the largest stretch.
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			const double difference = X_after.rotation.m[i][j] - X_before.rotation.m[i][j];
+			squares += difference * difference;
+		}
+	return distance(X_before * center, X_after * center) + radius * std::sqrt(squares);
+}
+
+void moveB(OverlapIntegrals& sums, const Twist& motion)
+{
+	const Wrench ofA = sums.stiffnessA * motion, ofB = sums.stiffnessB * motion;
+	sums.depthA += work(0.5 * ofA - sums.normalA, motion);
+	sums.depthB += work(0.5 * ofB + sums.normalB, motion);
+	const Vec3 centroid = sums.volume > 0 ? sums.firstMoment / sums.volume : Vec3();
+	sums.normalA = sums.normalA - ofA;
+	sums.normalB = sums.normalB + ofB + turnedAbout(centroid, sums.normalB, motion.angular);
+	if (!(sums.volume > 0)) return;
+	const Vec3 atCentroid = motion.linear + cross(motion.angular, centroid);
+	const double growth = std::max(1 + dot(sums.areaVector, atCentroid) / sums.volume, 0.0);
+	sums.volume *= growth;
+	sums.firstMoment *= growth;
+	for (double& m : sums.secondMoment) m *= growth;
+	for (double& d : sums.damping.m) d *= growth;
+}
+}  // namespace ist

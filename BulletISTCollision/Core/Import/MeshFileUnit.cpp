@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Import/MeshFileUnit.h"
+
+#include "BulletISTCollision/Core/Import/XmlTags.h"
+#include "BulletISTCollision/Core/Import/ZipArchive.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string_view>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+struct NamedUnit
+{
+	std::string_view name;
+	double metres;
+};
+// 3MF core specification, 3.4.1, and ISO/ASTM 52915 with the spellings that are found in AMF files. Files of both that state no unit are in
+// millimetres.
+constexpr NamedUnit kUnitsOf3mf[] = {{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2},
+									 {"inch", 0.0254}, {"foot", 0.3048},     {"meter", 1}};
+constexpr NamedUnit kUnitsOfAmf[] = {{"micron", 1e-6}, {"millimeter", 1e-3}, {"millimeters", 1e-3},
+									 {"inch", 0.0254}, {"feet", 0.3048},     {"meter", 1}};
+constexpr double kMillimetre = 1e-3;
+constexpr std::string_view kModelOf3mf = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+
+/// Blanks around it taken away, and in lower case.
+std::string plain(std::string text)
+{
+	const auto isBlank = [](unsigned char c) { return std::isspace(c) != 0; };
+	text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), isBlank));
+	text.erase(std::find_if_not(text.rbegin(), text.rend(), isBlank).base(), text.end());
+	std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+	return text;
+}
+
+MeshFileUnit namedUnit(const char* format, std::span<const NamedUnit> units, const std::optional<std::string>& stated)
+{
+	const std::string name = plain(stated.value_or(""));
+	if (name.empty()) return {format, "", kMillimetre, false};
+	const auto unit = std::find_if(units.begin(), units.end(), [&](const NamedUnit& u) { return u.name == name; });
+	return {format, *stated, unit == units.end() ? 0 : unit->metres, false};
+}
+
+/// assimp reads numbers with a comma, too.
+MeshFileUnit unitOfCollada(XmlTags& tags)
+{
+	bool inAsset = false;
+	while (tags.next())
+	{
+		if (tags.depth() <= 2) inAsset = tags.depth() == 2 && tags.name() == "asset";
+		if (!inAsset || tags.depth() != 3 || tags.name() != "unit") continue;
+		const std::optional<std::string> stated = tags.attribute("meter");
+		std::string number = plain(stated.value_or(""));
+		if (number.empty()) break;
+		if (number.front() == '+') number.erase(0, 1);
+		std::replace(number.begin(), number.end(), ',', '.');
+		double metres = 0;
+		const std::from_chars_result end = std::from_chars(number.data(), number.data() + number.size(), metres);
+		if (end.ec != std::errc() || !std::isfinite(metres) || metres < 0) metres = 0;
+		return {"COLLADA", *stated, metres, true};
+	}
+	return {"COLLADA", "", 1, true};
+}
+
+MeshFileUnit unitOfXml(std::string_view text)
+{
+	XmlTags tags(text);
+	if (!tags.next()) return {};
+	if (tags.name() == "amf") return namedUnit("AMF", kUnitsOfAmf, tags.attribute("unit"));
+	if (tags.name() == "COLLADA") return unitOfCollada(tags);
+	return {};
+}
+
+/// What the relations of a package name as its model; nothing when it is no 3MF.
+std::optional<std::string> modelName(const ZipArchive& archive)
+{
+	const std::optional<std::string> relations = archive.read("_rels/.rels");
+	if (!relations) return std::nullopt;
+	for (XmlTags tags(*relations); tags.next();)
+		if (tags.name() == "Relationship" && tags.attribute("Type") == kModelOf3mf) return nameInZip(tags.attribute("Target").value_or(""));
+	return std::nullopt;
+}
+
+Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& archive)
+{
+	if (const std::optional<std::string> name = modelName(archive))
+	{
+		const std::optional<std::string> model = archive.read(*name);
+		if (!model || model->empty())
+			return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
+		XmlTags tags(*model);
+		return MeshFileHead{namedUnit("3MF", kUnitsOf3mf, tags.next() ? tags.attribute("unit") : std::nullopt), {}};
+	}
+	const std::string ending = plain(std::filesystem::path(path).extension().string());
+	for (const std::string& name : archive.names())
+	{
+		const bool isCollada = ending == ".zae" && plain(name).ends_with(".dae");
+		const bool isAmf = ending == ".amf" && (plain(name).ends_with(".amf") || archive.names().size() == 1);
+		if (!isCollada && !isAmf) continue;
+		std::optional<std::string> text = archive.read(name);
+		if (!text) return Error{"cannot read " + path + ": \"" + name + "\" in it is damaged; export the mesh again"};
+		const MeshFileUnit unit = unitOfXml(*text);
+		return MeshFileHead{unit, isCollada ? std::nullopt : std::move(text)};
+	}
+	return MeshFileHead{};
+}
+
+/// Nothing when the file cannot be read, of which assimp says why.
+std::optional<std::string> contentOf(const std::string& path)
+{
+	std::error_code failure;
+	if (!std::filesystem::is_regular_file(path, failure)) return std::nullopt;
+	std::ifstream file(path, std::ios::binary);
+	char head[4] = {};
+	file.read(head, sizeof head);
+	const std::string_view start(head, static_cast<size_t>(file.gcount()));
+	const size_t first = start.find_first_not_of(" \t\r\n");
+	const bool isXml = first != start.npos && (start[first] == '<' || start.starts_with("\xef\xbb\xbf"));
+	const std::string ending = plain(std::filesystem::path(path).extension().string());
+	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae") return std::nullopt;
+	file.clear();
+	file.seekg(0);
+	std::string content(std::filesystem::file_size(path, failure), '\0');
+	file.read(content.data(), static_cast<std::streamsize>(content.size()));
+	content.resize(static_cast<size_t>(file.gcount()));
+	return content;
+}
+}  // namespace
+
+Result<MeshFileHead> readMeshFileHead(const std::string& path)
+{
+	const std::optional<std::string> content = contentOf(path);
+	return content ? meshFileHead(path, *content) : MeshFileHead{};
+}
+
+Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content)
+{
+	if (const std::optional<ZipArchive> archive = ZipArchive::open(content)) return headOfArchive(path, *archive);
+	return MeshFileHead{unitOfXml(content), {}};
+}
+}  // namespace ist

@@ -1,0 +1,492 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+
+#include "BulletISTCollision/Core/Import/MeshFileUnit.h"
+#include "BulletISTCollision/Core/Import/MeshReaderWarnings.h"
+#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Import/ThreadLocale.h"
+
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/IOStream.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
+#include <assimp/importerdesc.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/version.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+bool mirrors(const aiMatrix4x4& m)
+{
+	return aiMatrix3x3(m).Determinant() < 0;
+}
+
+/// Transform in double; assimp's own is single precision.
+Vec3 transformedPoint(const aiMatrix4x4& m, const aiVector3D& v)
+{
+	const double x = v.x, y = v.y, z = v.z;
+	return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4,
+			m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
+}
+
+/// Of the longest side: what coordinates in single precision may be apart at most.
+constexpr double kBlurred = 1e-3;
+/// Of the stage: reading, the rest is taking the triangles over.
+constexpr double kReading = 0.9;
+
+/// Asks the caller, in the caller's locale.
+class Watch
+{
+public:
+	Watch(const Progress& progress, locale_t callers) : m_progress(progress), m_callers(callers) {}
+	bool reach(double fraction)
+	{
+		const ThreadLocale callers(m_callers);
+		m_fraction = std::clamp(fraction, m_fraction, 1.0);
+		m_cancelled = m_cancelled || (m_progress && !m_progress("import", m_fraction));
+		return !m_cancelled;
+	}
+	bool cancelled() const { return m_cancelled; }
+
+private:
+	const Progress& m_progress;
+	locale_t m_callers;
+	double m_fraction = 0;
+	bool m_cancelled = false;
+};
+
+/// Reads in blocks, between which the caller is asked. Goes on reading when the caller wants to stop: assimp's loaders leak what they
+/// hold when a read fails. Throws, all the same, when a loader goes through the file without end, as that of PLY does where the header is damaged.
+class WatchedStream : public Assimp::IOStream
+{
+public:
+	WatchedStream(Assimp::IOStream* stream, Watch& watch) : m_stream(stream), m_watch(watch) {}
+	size_t Read(void* buffer, size_t size, size_t count) override
+	{
+		constexpr size_t kBlock = size_t(1) << 24;
+		const size_t atOnce = std::max<size_t>(1, kBlock / std::max<size_t>(1, size));
+		size_t done = 0;
+		while (done < count)
+		{
+			const size_t wanted = std::min(atOnce, count - done), read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
+			done += read;
+			m_taken += 1 + read * size;
+			if (m_taken > kMostTimes * m_stream->FileSize() + kAtLeast) throw std::runtime_error("it is damaged: assimp finds no end in it");
+			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
+			m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
+			if (read < wanted) break;
+		}
+		return done;
+	}
+	size_t Write(const void*, size_t, size_t) override { return 0; }
+	aiReturn Seek(size_t offset, aiOrigin origin) override { return m_stream->Seek(offset, origin); }
+	size_t Tell() const override { return m_stream->Tell(); }
+	size_t FileSize() const override { return m_stream->FileSize(); }
+	void Flush() override {}
+
+private:
+	// A loader reads a file once, or a few times.
+	static constexpr size_t kMostTimes = 16, kAtLeast = size_t(1) << 20;
+	std::unique_ptr<Assimp::IOStream> m_stream;
+	Watch& m_watch;
+	size_t m_taken = 0;
+};
+
+class WatchedFiles : public Assimp::DefaultIOSystem
+{
+public:
+	/// The content of the file at `path` is `unpacked` where there is such; it must outlive this.
+	WatchedFiles(Watch& watch, const std::string& path, const std::optional<std::string>& unpacked)
+		: m_watch(watch), m_path(path), m_unpacked(unpacked)
+	{
+	}
+	Assimp::IOStream* Open(const char* file, const char* mode) override
+	{
+		const bool isUnpacked = m_unpacked && m_path == file;
+		Assimp::IOStream* stream = isUnpacked
+									 ? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
+									 : DefaultIOSystem::Open(file, mode);
+		return stream ? new WatchedStream(stream, m_watch) : nullptr;
+	}
+	void Close(Assimp::IOStream* stream) override { delete stream; }
+
+private:
+	Watch& m_watch;
+	const std::string& m_path;
+	const std::optional<std::string>& m_unpacked;
+};
+
+/// How far apart neighbouring values of single precision are at the part's farthest coordinate, as a share of its longest side.
+double blur(const aiMesh& part)
+{
+	if (part.mNumVertices == 0) return 0;
+	double farthest = 0, longest = 0;
+	for (unsigned axis = 0; axis < 3; ++axis)
+	{
+		double low = part.mVertices[0][axis], high = low;
+		for (unsigned i = 0; i < part.mNumVertices; ++i)
+		{
+			low = std::min<double>(low, part.mVertices[i][axis]);
+			high = std::max<double>(high, part.mVertices[i][axis]);
+		}
+		farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
+		longest = std::max(longest, high - low);
+	}
+	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
+}
+
+/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of [units of the file].
+struct Rounding
+{
+	double inPart = 0;        ///< without the place of the part, which is the same for all of its corners
+	double betweenParts = 0;  ///< with it
+};
+
+void include(Rounding& rounding, const aiMatrix4x4& m, const aiVector3D& v)
+{
+	const auto add = [&](double a, double b, double c, double d) {
+		const double sum = std::fabs(a * v.x) + std::fabs(b * v.y) + std::fabs(c * v.z);
+		rounding.inPart = std::max(rounding.inPart, 0x1p-23 * sum);
+		rounding.betweenParts = std::max(rounding.betweenParts, 0x1p-23 * (sum + std::fabs(d)));
+	};
+	add(m.a1, m.a2, m.a3, m.a4);
+	add(m.b1, m.b2, m.b3, m.b4);
+	add(m.c1, m.c2, m.c3, m.c4);
+}
+
+/// What a file holds beside the faces that can be taken.
+struct LeftOut
+{
+	int64_t faces = 0, damaged = 0;  ///< of three corners or more; with corners that are not there
+	int64_t firstDamaged = 0;        ///< among the faces
+	int64_t lines = 0, points = 0;
+};
+
+/// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond
+/// the vertices. The kinds of faces that the part says it has become those that are left: where assimp is told of polygons and finds none,
+/// it ends the process.
+void sieveFaces(aiMesh& part, LeftOut& out)
+{
+	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
+	for (unsigned i = 0; i < part.mNumFaces; ++i)
+	{
+		aiFace& face = part.mFaces[i];
+		if (face.mNumIndices < 3)
+		{
+			out.points += face.mNumIndices == 1;
+			out.lines += face.mNumIndices == 2;
+			continue;
+		}
+		++out.faces;
+		if (std::any_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) { return corner >= part.mNumVertices; }))
+		{
+			if (out.damaged++ == 0) out.firstDamaged = out.faces;
+			continue;
+		}
+		kinds |= AI_PRIMITIVE_TYPE_FOR_N_INDICES(face.mNumIndices);
+		std::swap(part.mFaces[kept].mNumIndices, face.mNumIndices);
+		std::swap(part.mFaces[kept++].mIndices, face.mIndices);
+	}
+	part.mNumFaces = kept;
+	part.mPrimitiveTypes = kinds;
+}
+
+/// The parts that are there: the reader of 3MF leaves gaps where two objects have the same id.
+std::vector<aiMesh*> partsOf(const aiScene& scene)
+{
+	std::vector<aiMesh*> parts(scene.mMeshes, scene.mMeshes + scene.mNumMeshes);
+	std::erase(parts, nullptr);
+	return parts;
+}
+
+LeftOut sieveFaces(const aiScene& scene)
+{
+	LeftOut out;
+	for (aiMesh* part : partsOf(scene)) sieveFaces(*part, out);
+	return out;
+}
+
+constexpr std::string_view k3mfReader = "3mf Importer";
+
+/// Name of the reader that took the last file.
+std::string_view readerName(const Assimp::Importer& importer)
+{
+	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
+	return reader ? reader->mName : "";
+}
+
+/// The reader of 3MF in assimp 5.2.5 to 5.3 deletes the pictures of a file before it returns. The scene still lists them and would delete
+/// them again. Release 5.2.5 calls itself 5.2.4, and the releases before it call themselves 5.2.0.
+void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
+{
+	const std::array version{aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()}, first{5u, 2u, 4u}, good{5u, 4u, 0u};
+	if (version < first || version >= good || readerName(importer) != k3mfReader) return;
+	delete[] scene.mTextures;
+	scene.mTextures = nullptr;
+	scene.mNumTextures = 0;
+}
+
+/// "1 line", "3 lines"
+std::string counted(int64_t n, const char* thing)
+{
+	return std::to_string(n) + " " + thing + (n == 1 ? "" : "s");
+}
+
+std::vector<std::string> sentences(const LeftOut& out, const std::vector<std::string>& warnings)
+{
+	std::vector<std::string> all;
+	if (out.damaged)
+		all.push_back(std::to_string(out.damaged) + " of " + counted(out.faces, "face") + " " + (out.damaged == 1 ? "was" : "were") +
+					  " left out: they name corners that are not in the file, the first is face " + std::to_string(out.firstDamaged) + "; export the mesh again.");
+	for (const std::string& warning : warnings)
+		all.push_back("The reader left faces out, or gave them other corners, because the file is damaged (\"" + warning + "\"); export the mesh again.");
+	const std::string both = out.lines && out.points ? " and " : "";
+	if (out.lines || out.points)
+		all.push_back((out.lines ? counted(out.lines, "line") : "") + both + (out.points ? counted(out.points, "point") : "") +
+					  (out.lines + out.points == 1 ? " was" : " were") + " left out: they have no surface.");
+	return all;
+}
+
+/// What is taken from a file.
+enum class Wanted
+{
+	Surface,
+	SurfaceAndPlaces  // in a texture
+};
+
+/// NaN where the file has none.
+TexturePlace placeOf(const aiMesh& part, uint32_t corner)
+{
+	if (!part.HasTextureCoords(0)) return {std::nan(""), std::nan("")};
+	const aiVector3D& place = part.mTextureCoords[0][corner];
+	return {place.x, place.y};
+}
+
+void append(TexturedMesh& textured, Rounding& rounding, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
+{
+	Mesh& out = textured.mesh;
+	const auto base = static_cast<uint32_t>(out.vertices.size());
+	for (unsigned i = 0; i < part.mNumVertices; ++i)
+	{
+		out.vertices.push_back(unit * transformedPoint(transform, part.mVertices[i]));
+		include(rounding, transform, part.mVertices[i]);
+	}
+	const bool mirrored = mirrors(transform);
+	for (unsigned i = 0; i < part.mNumFaces; ++i)
+	{
+		const aiFace& face = part.mFaces[i];
+		if (face.mNumIndices != 3) continue;
+		uint32_t a = face.mIndices[0], b = face.mIndices[1], c = face.mIndices[2];
+		if (mirrored) std::swap(b, c);
+		out.triangles.push_back({base + a, base + b, base + c});
+		if (wanted == Wanted::SurfaceAndPlaces) textured.places.push_back({placeOf(part, a), placeOf(part, b), placeOf(part, c)});
+	}
+}
+
+/// As a share of the mesh's longest side [units of the file]. Parts that may be farther apart than a shape may be blurred are not welded to
+/// each other.
+double share(const Rounding& rounding, bool inOnePlace, double side)
+{
+	const double between = rounding.betweenParts / side;
+	return inOnePlace || between > kBlurred ? rounding.inPart / side : between;
+}
+
+TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& watch)
+{
+	TexturedMesh textured;
+	Rounding rounding;
+	std::optional<Vec3> place;
+	bool inOnePlace = true;
+	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
+	for (size_t done = 1; !open.empty() && watch.reach(kReading + (1 - kReading) * double(done) / double(done + open.size())); ++done)
+	{
+		const auto [node, parentTransform] = open.back();
+		open.pop_back();
+		const aiMatrix4x4 transform = parentTransform * node->mTransformation;
+		for (unsigned i = 0; i < node->mNumMeshes; ++i)
+		{
+			const aiMesh* part = scene.mMeshes[node->mMeshes[i]];
+			if (!part || !(part->mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
+			append(textured, rounding, *part, transform, unit, wanted);
+			const Vec3 here{transform.a4, transform.b4, transform.c4};
+			inOnePlace = inOnePlace && here == place.value_or(here);
+			place = here;
+		}
+		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
+	}
+	if (const double side = bounds(textured.mesh).longestSide(); side > 0)
+		textured.mesh.rounding = std::max(textured.mesh.rounding, share(rounding, inOnePlace, side / unit));
+	return textured;
+}
+
+std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
+{
+	const std::vector<aiMesh*> parts = partsOf(scene);
+	for (std::size_t i = 0; i < parts.size(); ++i)
+		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
+			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
+						 " has no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them"};
+	for (std::size_t t = 0; t < textured.places.size(); ++t)
+		for (const TexturePlace& place : textured.places[t])
+			if (!std::isfinite(place.u) || !std::isfinite(place.v))
+				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " at " +
+							 ist::place(textured.mesh.vertices[textured.mesh.triangles[t][0]]) + " are not finite; export the mesh again"};
+	return std::nullopt;
+}
+
+std::optional<Error> whyNoMeshFile(const std::string& path)
+{
+	std::error_code failure;
+	const std::filesystem::file_status status = std::filesystem::status(path, failure);
+	if (!std::filesystem::exists(status)) return Error{"cannot read " + path + ": there is no such file; check the path"};
+	if (std::filesystem::is_directory(status)) return Error{"cannot read " + path + ": it is a folder; name a file in it"};
+	if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, failure) == 0 && !failure)
+		return Error{"cannot read " + path + ": it is empty (0 bytes); export the mesh again"};
+	return std::nullopt;
+}
+
+/// What assimp says, without the full stop.
+std::string reasonOf(const Assimp::Importer& importer)
+{
+	std::string reason = importer.GetErrorString();
+	while (!reason.empty() && (reason.back() == '.' || reason.back() == ';' || reason.back() == ' ')) reason.pop_back();
+	return reason.empty() ? "assimp does not say why" : reason;
+}
+
+/// How to come from the coordinates that the reader gives to metres.
+struct Scale
+{
+	double unit = 1;    ///< metres per unit of the file
+	double factor = 1;  ///< on the reader's coordinates
+	std::optional<std::string> notTaken;
+};
+
+/// Six digits, in the words that sentences have for a unit.
+std::string unitWords(double metres) { return number(metres) + " m"; }
+
+Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const std::optional<double>& given)
+{
+	// The text of a file has few digits.
+	constexpr double kSame = 1e-6;
+	if (!(file.metres > 0) && (!given || file.appliedByReader))
+		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
+					 (file.appliedByReader ? "" : ", or give the unit (unit, --unit)")};
+	const double applied = file.appliedByReader ? file.metres : 1;
+	if (!given) return Scale{file.metres, file.metres / applied, {}};
+	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
+	Scale scale{*given, *given / applied, {}};
+	const std::string states =
+		file.stated.empty() ? "The file states no unit, for which the " + file.format + " format has " + unitWords(file.metres)
+		: file.appliedByReader
+			? "The file states " + unitWords(file.metres) + " as its unit"
+			: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + unitWords(file.metres) : "");
+	if (!file.format.empty()) scale.notTaken = states + "; in its place the given unit was applied, " + unitWords(*given) + ".";
+	return scale;
+}
+
+/// FBX files state centimetres per unit. Many are in metres all the same, so that the reader's coordinates stay as they are.
+std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importer& importer, const std::optional<double>& given)
+{
+	float centimetres = 0;
+	if (given || readerName(importer) != "Autodesk FBX Importer" || !scene.mMetaData ||
+		!scene.mMetaData->Get("UnitScaleFactor", centimetres))
+		return std::nullopt;
+	if (!(centimetres > 0) || centimetres == 100) return std::nullopt;
+	const std::string metres = unitWords(0.01 * double(centimetres));
+	return "The file states " + metres +
+		   " as its unit, which is not applied to FBX files: its coordinates were taken as metres; give the unit (unit, --unit) if they "
+		   "are not.";
+}
+
+Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, Watch& watch)
+{
+	if (const auto error = whyNoMeshFile(path)) return *error;
+	const Result<MeshFileHead> head = readMeshFileHead(path);
+	if (!head) return head.error();
+	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
+	if (!scale) return scale.error();
+	Assimp::Importer importer;
+	importer.SetIOHandler(new WatchedFiles(watch, path, head.value().unpacked));
+	const MeshReaderWarnings warnings;
+	const aiScene* scene = importer.ReadFile(path, 0);
+	// The importer owns the scene and gives it out for reading alone.
+	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
+	const LeftOut leftOut = scene ? sieveFaces(*scene) : LeftOut();
+	if (2 * leftOut.damaged > leftOut.faces)
+		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
+					 " name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) + "; export the mesh again"};
+	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+	if (watch.cancelled()) return Error{"the import was cancelled", true};
+	if (!scene || !scene->mRootNode)
+		return Error{"cannot read " + path + ": " + reasonOf(importer) +
+					 "; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it again"};
+	if (readerName(importer) == k3mfReader && head.value().unit.format != "3MF")
+		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
+	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, watch);
+	textured.mesh.unit = scale.value().unit;
+	const Mesh& mesh = textured.mesh;
+	if (watch.cancelled()) return Error{"the import was cancelled", true};
+	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
+	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
+	double worst = 0;
+	for (const aiMesh* part : partsOf(*scene)) worst = std::max(worst, blur(*part));
+	if (worst > kBlurred)
+		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) + ", that its coordinates, read in single precision, are exact to " +
+					 std::to_string(100 * worst) + " % of its size only; move it to the origin and export it again"};
+	if (wanted == Wanted::SurfaceAndPlaces)
+		if (auto error = checkPlaces(textured, *scene, path)) return *error;
+	if (!watch.reach(1)) return Error{"the import was cancelled", true};
+	textured.mesh.notTaken = sentences(leftOut, warnings.ofFaces());
+	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
+		textured.mesh.notTaken.push_back(*std::move(sentence));
+	return textured;
+}
+
+Result<TexturedMesh> importSurface(const std::string& path, const std::optional<double>& unit, Wanted wanted, const Progress& progress)
+{
+	if (unit && (!(*unit > 0) || !std::isfinite(*unit)))
+		return Error{"the unit must be a positive number of metres, not " + std::to_string(*unit)};
+	// assimp's readers of 3MF, AMF and X3D take numbers by strtod, which follows the locale: under a decimal comma 1.5 would become 1.
+	const PlainLocale plain;
+	const ThreadLocale readers(plain.get());
+	Watch watch(progress, readers.before());
+	if (!watch.reach(0)) return Error{"the import was cancelled", true};
+	try
+	{
+		return readMesh(path, unit, wanted, watch);
+	}
+	catch (const std::exception& exception)
+	{
+		if (watch.cancelled()) return Error{"the import was cancelled", true};
+		return Error{"cannot read " + path + ": " + exception.what() + "; export the mesh again"};
+	}
+}
+}  // namespace
+
+Result<Mesh> importMesh(const std::string& path, std::optional<double> unit, const Progress& progress)
+{
+	Result<TexturedMesh> read = importSurface(path, unit, Wanted::Surface, progress);
+	if (!read) return read.error();
+	return std::move(std::move(read).value().mesh);
+}
+
+Result<TexturedMesh> importTexturedMesh(const std::string& path, std::optional<double> unit, const Progress& progress)
+{
+	return importSurface(path, unit, Wanted::SurfaceAndPlaces, progress);
+}
+}  // namespace ist

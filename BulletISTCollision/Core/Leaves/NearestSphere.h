@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Geometry/SpherePacking.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace ist
+{
+/// The sphere with the smallest |p - c| - r among spheres that do not overlap. Immutable after construction: any number of threads may ask.
+class NearestSphere
+{
+public:
+	struct Hit
+	{
+		uint32_t sphere = UINT32_MAX;  ///< lowest index among equally near ones
+		double distance = 1e300;       ///< |p - c| - r; negative inside the sphere
+	};
+
+	explicit NearestSphere(const std::vector<Sphere>& spheres);
+
+	/// `hint`: any sphere likely to be near; it changes the time taken, never the answer.
+	Hit nearest(const Vec3& p, uint32_t hint = UINT32_MAX) const;
+
+	/// The spheres that can be nearest to a point of a ball, for many questions close together.
+	struct Neighbourhood
+	{
+		Vec3 center;
+		double radius = 0;
+		std::vector<std::pair<double, uint32_t>> spheres;  ///< by distance from the centre; second: entry
+		bool complete = false;  ///< false: too many spheres to list, and the list is empty
+	};
+	void gather(const Vec3& center, double radius, Neighbourhood& out, uint32_t hint = UINT32_MAX) const;
+	/// The same answer for a point of the ball of `near`.
+	Hit nearest(const Vec3& p, const Neighbourhood& near, uint32_t hint = UINT32_MAX) const;
+
+private:
+	struct Node
+	{
+		Vec3 centerLower, centerUpper;  // box of the balls' centres
+		double largestRadius = 0;
+		uint32_t first = 0, count = 0;  // count > 0: leaf
+		uint32_t right = 0;             // the left child follows its parent
+	};
+	struct Entry
+	{
+		Vec3 center;
+		double radius;
+		uint32_t sphere;
+
+		void offer(const Vec3& p, Hit& best) const
+		{
+			const double d = distance(p, center) - radius;
+			if (d < best.distance || (d == best.distance && sphere < best.sphere)) best = {sphere, d};
+		}
+	};
+
+	uint32_t build(uint32_t first, uint32_t last);
+	static double lowerBound(const Node& node, const Vec3& p);
+
+	std::vector<Node> m_nodes;
+	std::vector<Entry> m_entries;
+	std::vector<uint32_t> m_roots;
+	std::vector<uint32_t> m_slots;  // sphere -> entry
+	double m_slack = 0;             // far above rounding, far below any gap [m]
+};
+}  // namespace ist

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Geometry/SpherePacking.h"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <vector>
+
+namespace ist
+{
+class MeshDistance;
+class WorkerCrew;
+
+/// The empty space of a packing: f(x) = min over triangles (unsigned distance) and placed balls (|x - c| - r).
+/// An octree whose leaves list exactly the items that can be nearest to one of their points. Leaves split, and nodes are filled,
+/// when somebody asks for them; any number of threads may ask at once, and between two inserts the answers do not depend on who
+/// asked before. Nobody may ask during an insert.
+class DistanceOctree
+{
+	struct Node;
+
+public:
+	static constexpr uint32_t kNoItem = UINT32_MAX;
+
+	struct Nearest
+	{
+		double distance = 0;
+		uint32_t item = kNoItem;
+		const Node* leaf = nullptr;  ///< where x lies, for gather()
+	};
+	/// An item seen from a point x: d(x + s) >= distance + dot(gradient, s), since distances to convex sets are convex.
+	struct Plane
+	{
+		double distance = 0;
+		Vec3 gradient;
+		uint32_t item = kNoItem;
+	};
+
+	/// `finest`: leaves are not split below this half side [m].
+	DistanceOctree(const MeshDistance& surface, double finest);
+
+	/// f(x); distance -1 and no item outside the box of the mesh.
+	Nearest nearest(const Vec3& x);
+	/// Replaces `out` by the items of the leaf of x with distance <= f(x) + reach. `at`: nearest(x), not before the last insert.
+	void gather(const Vec3& x, const Nearest& at, double reach, std::vector<Plane>& out) const;
+	Plane plane(uint32_t item, const Vec3& x) const;
+	bool isTriangle(uint32_t item) const { return item < m_triangles.size(); }
+
+	/// The tree that comes out does not depend on the size of the crew.
+	void insert(const std::vector<Sphere>& balls, WorkerCrew& crew);
+
+private:
+	struct Triangle
+	{
+		Vec3 a, u, v;              ///< a corner and the edges from it
+		Vec3 n;                    ///< unit normal; zero for a triangle without area
+		Vec3 inAb, inBc, inCa;     ///< in the plane, across an edge towards the inside
+	};
+	struct Ball
+	{
+		Vec3 center;
+		double radius = 0;
+	};
+	/// An item and a lower bound, within float precision, of its distance to the centre of the node that lists it.
+	struct Entry
+	{
+		float distance = 0;
+		uint32_t item = 0;
+	};
+	enum class State : uint8_t
+	{
+		Unfilled,  ///< nobody has asked for the node yet
+		Filled,    ///< the entries have been taken over from the parent
+		Sorted     ///< by ascending distance: leaves that have been asked
+	};
+	struct Node
+	{
+		Vec3 center;
+		double half = 0;     ///< half side
+		double nearest = 0;  ///< f(center)
+		std::atomic<Node*> children{nullptr};  ///< eight
+		std::vector<Entry> entries;            ///< inner nodes keep them while a child is unfilled
+		uint32_t listed = 0;                   ///< number of entries before they are given up
+		std::atomic<int8_t> unfilled{0};       ///< children that nobody has asked for yet
+		std::atomic<State> state{State::Unfilled};
+		bool covered = false;    ///< wholly inside one ball, its only entry
+		bool triangles = false;  ///< the entries include the triangles; false where there are too many of them: it will be split
+	};
+	using Group = std::array<Node, 8>;
+	struct Insertion
+	{
+		Node* node = nullptr;
+		std::vector<uint32_t> items;
+	};
+
+	/// Vector from the nearest point of the triangle to x.
+	static Vec3 fromTriangle(const Triangle& t, const Vec3& x);
+	double distanceTo(uint32_t item, const Vec3& x) const;
+	const Node* leafOf(const Vec3& x);
+	bool isCoarse(const Node& node) const;
+	bool wantsSplit(const Node& node) const;
+	Node* split(Node& node);
+	void sortEntries(Node& node);
+	std::mutex& lockOf(const Node& node);
+	/// A cheap sufficient test.
+	bool isFartherThan(uint32_t item, const Vec3& x, double limit) const;
+	void fill(Node& child, Node& parent);
+	void takeOver(Node& node, const Node& parent) const;
+	void addTriangles(Node& node, double bound, std::vector<Entry>& entries) const;
+	double keepLimit(const Node& node) const;
+
+	bool admit(Node& node, uint32_t item);
+	void insertBelow(Node& node, uint32_t item);
+	void insertIntoLeaf(Node& node, const Entry& entry);
+	void cover(Node& node, const Entry& entry);
+	void recycle(Node* group);
+
+	const MeshDistance& m_surface;
+	std::vector<Triangle> m_triangles;
+	std::vector<Ball> m_hulls;  ///< bounding balls of the triangles
+	std::vector<Ball> m_balls;
+	Node m_root;
+	std::deque<Group> m_groups;
+	std::vector<Node*> m_unused;  ///< groups below covered nodes
+	std::mutex m_allocation;
+	std::array<std::mutex, 64> m_locks;
+	double m_finest = 0;
+	double m_slack = 0;  ///< absorbs rounding in the tests that drop items [m]
+};
+}  // namespace ist

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Geometry/AnalyticField.h"
+#include "BulletISTCollision/Core/Geometry/FieldPiece.h"
+#include "BulletISTCollision/Core/Geometry/FieldTerm.h"
+#include "BulletISTCollision/Core/Geometry/MomentEllipsoid.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+
+namespace ist
+{
+/// Takes the terms of a leaf.
+class FieldSink
+{
+public:
+	virtual ~FieldSink() = default;
+	virtual void take(const FieldTerm& term) = 0;
+};
+
+/// What leaves share with an analytic field. A leaf that is wider than the field's grain counts as the homogeneous box of the same
+/// moments, which halves until its cells are not. A cell, as the ellipsoid of its moments, is divided among the sides by depth, as if by
+/// planes, and each part is cut by its own side. Exact for a half-space. In shares of a leaf: a per cent or two where it was divided or
+/// an edge crosses it, third order in its size over the radius of curvature elsewhere, without bias. Continuous in the pose. No allocation.
+class FieldPress
+{
+public:
+	/// X_AF: pose of the field's frame in A's tree frame.
+	FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink);
+
+	/// A half-space: the exact cap of each leaf is the one term of it, and all normals are the same.
+	bool isFlat() const { return m_planar && m_sides == 1; }
+	/// False when a ball (A's tree frame) is surely outside of the field.
+	bool mayReach(const Vec3& center, double radius) const;
+	void press(const MomentEllipsoid& leaf, uint32_t index);
+
+private:
+	/// A homogeneous parallelepiped, by its half-axes.
+	struct FieldCell
+	{
+		Vec3 center, half[3];
+		double volume;
+	};
+
+	/// A side in A's tree frame: its depth is offset - normal . x.
+	struct Plane
+	{
+		Vec3 normal;
+		double offset;
+		double depth(const Vec3& x) const { return offset - dot(normal, x); }
+	};
+
+	bool pressAgainstOnePlane(const MomentEllipsoid& leaf);
+	FieldCell boxOf(const FieldPiece& piece) const;
+	bool isOutside(const FieldPiece& piece) const;
+	bool isOutside(const FieldCell& cell) const;
+	void divide(const FieldCell& cell, int axis, int unchanged, int divisions);
+	void assign(const FieldPiece& piece);
+	void contest(const FieldPiece& piece, int winner, int challenger, int first);
+	void cut(const FieldPiece& piece, int index, const FieldSide& own);
+	void addEdge(const PieceCut& edge, int winner, int challenger, int first);
+	void send(FieldTerm& term);
+
+	const AnalyticField& m_field;
+	const Pose& m_X;
+	const Mat3 m_toField;
+	const int m_sides;
+	const bool m_stiffness;
+	FieldSink& m_sink;
+	int m_order[3] = {0, 1, 2};  // axes, the one with the finest grain first
+	const bool m_planar;
+	double m_finest = 0;         // of the grain of a planar field
+	Plane m_planes[AnalyticField::kMaxSides];  // of a planar field
+	uint32_t m_index = 0;
+};
+}  // namespace ist

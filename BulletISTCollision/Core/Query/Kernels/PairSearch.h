@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Query/Kernels/Compressor.h"
+#include "BulletISTCollision/Core/Query/Kernels/EllipsoidLanes.h"
+
+// Included by QueryKernel.cpp only. Staged and free of unpredictable branches: every step tests a vector and appends what survives
+// to a list, hit or not; the next step works through the list. No recursion, no branch that depends on a hit.
+namespace
+{
+using namespace ist;
+using namespace ist::kernels;
+
+static_assert(BallNode::kWidth == 8 && kBlockWidth == 16);
+
+/// Appends first + lane for each lane that is set to `lanes`, which has `size` entries, and `same` beside it. Returns the new size.
+/// `areFew`: more than half of them rarely are.
+template <bool areFew>
+IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside, size_t size)
+{
+#if defined(IST_SSE) && defined(__AVX512VL__)
+	const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+	const __m512i all = _mm512_add_epi32(_mm512_set1_epi32(int(first)), lane);
+	const uint32_t bits = set.bits();
+	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
+	const unsigned count = unsigned(__builtin_popcount(bits));
+	// A store of a whole line at any address touches two, but a branch that is taken now and then costs more.
+	if constexpr (!areFew)
+	{
+		_mm512_storeu_si512(lanes + size, chosen);
+		_mm512_storeu_si512(beside + size, other);
+		return size + count;
+	}
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size), _mm512_castsi512_si256(chosen));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size), _mm512_castsi512_si256(other));
+	if (__builtin_expect(count > 8, 0))
+	{
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size + 8), _mm512_extracti64x4_epi64(chosen, 1));
+		_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size + 8), _mm512_castsi512_si256(other));
+	}
+	return size + count;
+#elif defined(IST_SSE) && defined(__AVX2__)
+	const uint32_t low = signBits(set.part[0]), high = signBits(set.part[1]);
+	const size_t middle = size + unsigned(__builtin_popcount(low));
+	const auto chosen = [](uint32_t b, __m256i base) {
+		return _mm256_add_epi32(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneTable.lane[b]))), base);
+	};
+	const __m256i base = _mm256_set1_epi32(int(first)), other = _mm256_set1_epi32(int(same));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + size), chosen(low, base));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + size), other);
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + middle), chosen(high, _mm256_add_epi32(base, _mm256_set1_epi32(8))));
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + middle), other);
+	return middle + unsigned(__builtin_popcount(high));
+#else
+	for (uint32_t bits = set.bits(); bits; bits &= bits - 1)
+	{
+		lanes[size] = first + uint32_t(__builtin_ctz(bits));
+		beside[size++] = same;
+	}
+	return size;
+#endif
+}
+
+IST_INLINE void fill8(uint32_t* to, uint32_t value)
+{
+#if defined(IST_SSE) && defined(__AVX2__)
+	_mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_set1_epi32(int(value)));
+#else
+	for (int k = 0; k < 8; ++k) to[k] = value;
+#endif
+}
+
+/// The survivors among a node's children, against one partner.
+struct Children
+{
+	const uint32_t* id;
+	Vector8 x, y, z, r;
+};
+struct Partner
+{
+	uint32_t id;
+	float x, y, z, r;
+};
+
+/// Appends pairs (child, partner); `child` and `partner` are the list's columns. The stored bound is the child's.
+IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c,
+								  const Partner& p)
+{
+	if (!kCompresses && !bits) return;
+	const Compressor compressor(bits);
+	const int n = list.size;
+	compressor.move(c.id, child + n);
+	compressor.move(c.x, list.x + n);
+	compressor.move(c.y, list.y + n);
+	compressor.move(c.z, list.z + n);
+	compressor.move(c.r, list.r + n);
+	fill8(partner + n, p.id);
+	list.size = n + compressor.count();
+}
+
+/// The same with the partner's bound.
+IST_INLINE void appendPartnerBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c,
+									const Partner& p)
+{
+	if (!kCompresses && !bits) return;
+	const Compressor compressor(bits);
+	const int n = list.size;
+	compressor.move(c.id, child + n);
+	fill8(partner + n, p.id);
+	Vector8::all(p.x).store(list.x + n);
+	Vector8::all(p.y).store(list.y + n);
+	Vector8::all(p.z).store(list.z + n);
+	Vector8::all(p.r).store(list.r + n);
+	list.size = n + compressor.count();
+}
+
+struct LaneBits
+{
+	uint32_t present, leaf;
+};
+
+IST_INLINE LaneBits childBits(const uint32_t* child)
+{
+#if defined(IST_SSE) && defined(__AVX2__)
+	const __m256i id = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(child));
+	const __m256i none = _mm256_cmpeq_epi32(id, _mm256_set1_epi32(-1));
+	return {uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(none))) ^ 0xff, uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(id)))};
+#else
+	LaneBits bits{0, 0};
+	for (int k = 0; k < 8; ++k)
+	{
+		bits.present |= uint32_t(child[k] != BallNode::kNoChild) << k;
+		bits.leaf |= (child[k] >> 31) << k;
+	}
+	return bits;
+#endif
+}
+
+/// Where the children of an opened node go: `same` opens the opened side again, `other` the partner.
+struct Routes
+{
+	uint32_t same, other, leaf;
+};
+
+/// The larger of two nodes is opened next; a block never is.
+IST_INLINE Routes route(uint32_t hits, LaneBits bits, uint32_t notSmaller, bool partnerIsLeaf)
+{
+	const uint32_t partnerLeaf = 0u - uint32_t(partnerIsLeaf);
+	hits &= bits.present;
+	const uint32_t leaf = hits & bits.leaf & partnerLeaf, same = hits & ~bits.leaf & (notSmaller | partnerLeaf);
+	return {same, hits & ~(leaf | same), leaf};
+}
+
+/// What the descent reads of the search, out of reach of the aliasing that vector stores imply.
+struct Descent
+{
+	const BallNode *nodesA, *nodesB;
+	float R[9], t[3], stretch, slack;
+};
+
+/// Opens entry `index` of openA: the children of A's node against the bound of B's.
+IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, SubtreeList& otherList, SubtreeList& leaves)
+{
+	const BallNode& node = s.nodesA[sameList.a[index]];
+	const Partner b{sameList.b[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
+	const Children c{node.child, Vector8::load(node.x), Vector8::load(node.y), Vector8::load(node.z), Vector8::load(node.r)};
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, b.x, b.y, b.z, b.r + s.slack).bits();
+	const uint32_t notSmaller = ~Vector8::less(c.r, Vector8::all(b.r));
+	const Routes to = route(hits, childBits(node.child), notSmaller, (b.id & BallNode::kLeafBit) != 0);
+	appendPartnerBounds(sameList, sameList.a, sameList.b, to.same, c, b);
+	if (b.id & BallNode::kLeafBit)
+		appendPartnerBounds(leaves, leaves.a, leaves.b, to.leaf, c, b);
+	else
+		appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
+}
+
+/// Opens entry `index` of openB: the children of B's node, moved to A's frame, against the bound of A's.
+IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, SubtreeList& otherList, SubtreeList& leaves)
+{
+	const BallNode& node = s.nodesB[sameList.b[index]];
+	const Partner a{sameList.a[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
+	const Vector8 x = Vector8::load(node.x), y = Vector8::load(node.y), z = Vector8::load(node.z);
+	const auto row = [&](int i) {
+		return Vector8::all(s.R[3 * i]) * x + Vector8::all(s.R[3 * i + 1]) * y + Vector8::all(s.R[3 * i + 2]) * z + Vector8::all(s.t[i]);
+	};
+	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * Vector8::all(s.stretch)};
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack).bits();
+	// Of two equal nodes A's is opened.
+	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
+	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
+	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
+	// No branch: which partner is a leaf cannot be foreseen.
+	SubtreeList& list = *(a.id & BallNode::kLeafBit ? &leaves : &otherList);
+	appendChildBounds(list, list.b, list.a, to.leaf | to.other, c, a);
+}
+
+/// Centres as they were moved already.
+void moveEllipsoids(const PairSearch& s, const BlockColumns& centers, size_t first)
+{
+	MomentEllipsoid* const to = s.movedB + first;
+	uint32_t index[kLanes];
+	for (int k = 0; k < kLanes; ++k) index[k] = uint32_t(k);
+	for (int lane = 0; lane < kBlockWidth; lane += kLanes)
+	{
+		const Balls b = fetch(s.ballsB + first + lane, s.ellipsoidsB + first + lane, index);
+		const F3 normal = turned(s.R, b.normal);
+		const F6 shape = turned(s.R, b.shape);
+		storeRow(to + lane, 0, F::load(centers.x + lane), F::load(centers.y + lane), F::load(centers.z + lane), b.R);
+		storeRow(to + lane, 4, b.density, normal.x, normal.y, normal.z);
+		storeRow(to + lane, 8, b.depth, F::all(0), shape.xx, shape.yy);
+		storeRow(to + lane, 12, shape.zz, shape.xy, shape.xz, shape.yz);
+	}
+}
+
+void moveBlock(const PairSearch& s, uint32_t index)
+{
+	using V = FloatVector<kBlockWidth>;
+	BlockColumns& moved = s.moved[index];
+	const size_t first = size_t(index) * kBlockWidth;
+	const Block block = fetchBlock(s.ballsB + first);
+	IST_UNROLL
+	for (int part = 0; part < V::kParts; ++part)
+	{
+		const int lane = part * kLanes;
+		const F R{block.r.part[part]};
+		const D x = D::from(F{block.x.part[part]}), y = D::from(F{block.y.part[part]}), z = D::from(F{block.z.part[part]});
+		const auto component = [&](int i) __attribute__((always_inline)) { return movedComponent(s.R, s.t, i, x, y, z); };
+		const Centers c{component(0), component(1), component(2), D::from(R)};
+		c.x.rounded().store(moved.x + lane);
+		c.y.rounded().store(moved.y + lane);
+		c.z.rounded().store(moved.z + lane);
+		(R + F::all(s.slack)).store(moved.reach + lane);
+		storeCenters(s.centersB + first + lane, c);
+	}
+	s.marks[index] = {s.epoch, uint32_t(__builtin_popcount(V::less(V::all(0), block.r)))};
+	if (s.movedB) moveEllipsoids(s, moved, first);
+}
+
+/// Once a search: blocks are looked at against many others.
+void writeColumns(const PairSearch& s, uint32_t index)
+{
+	const Block block = fetchBlock(s.ballsA + size_t(index) * kBlockWidth);
+	BlockColumns& to = s.columnsA[index];
+	block.x.store(to.x);
+	block.y.store(to.y);
+	block.z.store(to.z);
+	block.r.store(to.reach);
+	s.epochsA[index] = s.epoch;
+}
+
+/// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
+int ballsNearBlocks(PairSearch& s, int first, int end)
+{
+	using V = FloatVector<kBlockWidth>;
+	const BlockColumns* columnsA = s.columnsA;
+	const uint32_t* epochsA = s.epochsA;
+	const BlockMark* marks = s.marks;
+	const SubtreeList leaves = s.leaves;
+	uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
+	const float slack = s.slack;
+	const uint32_t epoch = s.epoch;
+	size_t n = 0, tests = 0;
+	for (int i = first; i < end; ++i)
+	{
+		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
+		if (epochsA[blockA] != epoch) writeColumns(s, blockA);
+		const BlockColumns& a = columnsA[blockA];
+		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
+		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
+		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
+		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
+		// Of a block that nothing is near the number does not matter.
+		tests += count * marks[blockB].count;
+		n = size;
+	}
+	s.counts.blockPairs += end - first;
+	s.counts.ballTests += int64_t(tests);
+	return int(n);
+}
+
+/// Balls of A against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
+int pairsOfBalls(PairSearch& s, int count, int pairs)
+{
+	using V = FloatVector<kBlockWidth>;
+	const uint32_t *ballOf = s.ballOf, *blockOf = s.blockOf;
+	uint32_t *pairA = s.pairA, *pairB = s.pairB;
+	const Sphere* ballsA = s.ballsA;
+	const BlockColumns* moved = s.moved;
+	for (int i = 0; i < count && !s.stop;)
+	{
+		const int safe = (kPairBatch - pairs) / kBlockWidth;
+		if (safe == 0)
+		{
+			s.sink(s.context, pairs);
+			pairs = 0;
+			continue;
+		}
+		const int end = count - i < safe ? count : i + safe;
+		size_t size = size_t(pairs);
+		for (; i < end; ++i)
+		{
+			const uint32_t ball = ballOf[i], index = blockOf[i];
+			const Sphere& a = ballsA[ball];
+			const BlockColumns& b = moved[index];
+			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a.x, a.y, a.z, a.r);
+			size = appendLanes<true>(hits, index * kBlockWidth, ball, pairB, pairA, size);
+		}
+		pairs = int(size);
+	}
+	return pairs;
+}
+
+/// Works off the list of pairs of blocks.
+int drainLeaves(PairSearch& s, int pairs)
+{
+	for (int first = 0; first < s.leaves.size && !s.stop; first += kLeafBatch)
+	{
+		if (s.expired) s.stop = s.expired(s.context);
+		const int end = s.leaves.size - first < kLeafBatch ? s.leaves.size : first + kLeafBatch;
+		const int near = ballsNearBlocks(s, first, end);
+		pairs = pairsOfBalls(s, near, pairs);
+	}
+	s.leaves.size = 0;
+	return pairs;
+}
+
+/// Entries that are still open, from the frames to the front of their lists.
+void gatherOpen(PairSearch& s, const DescentFrame* frames, int depth)
+{
+	s.openA.size = s.openB.size = 0;
+	for (int f = 0; f < depth; ++f)
+	{
+		SubtreeList& list = frames[f].openA ? s.openA : s.openB;
+		for (int i = frames[f].begin; i < frames[f].end; ++i)
+		{
+			const int to = list.size++;
+			list.a[to] = list.a[i];
+			list.b[to] = list.b[i];
+			list.x[to] = list.x[i];
+			list.y[to] = list.y[i];
+			list.z[to] = list.z[i];
+			list.r[to] = list.r[i];
+		}
+	}
+}
+
+bool hasEnoughOpen(const PairSearch& s, const DescentFrame* frames, int depth)
+{
+	int open = 0;
+	for (int f = 0; f < depth; ++f) open += frames[f].end - frames[f].begin;
+	return open >= s.stopAt;
+}
+
+/// The lists openA and openB hold entries on entry, at first the roots'. Opened in batches, the deepest first: short lists, and independent
+/// steps within a batch. Each frame is a run of entries of one list; a batch's children lie behind everything that is still open.
+void search(PairSearch& s)
+{
+	DescentFrame frames[4 * kMaxTreeDepth + 4];
+	int depth = 0, pairs = 0;
+	Descent d{s.nodesA, s.nodesB, {}, {}, s.stretch, s.slack};
+	for (int i = 0; i < 9; ++i) d.R[i] = float(s.R[i]);
+	for (int i = 0; i < 3; ++i) d.t[i] = float(s.t[i]);
+	for (const bool isA : {true, false})
+		if (const int size = isA ? s.openA.size : s.openB.size) frames[depth++] = {isA, 0, size};
+	while (depth > 0 && !s.stop)
+	{
+		if (s.expired) s.stop = s.expired(s.context);
+		if (s.stopAt != 0 && s.counts.nodeVisits >= s.stopAfter && hasEnoughOpen(s, frames, depth))
+		{
+			gatherOpen(s, frames, depth);
+			s.unfinished = true;
+			break;
+		}
+		DescentFrame& frame = frames[depth - 1];
+		SubtreeList& own = frame.openA ? s.openA : s.openB;
+		if (frame.begin == frame.end)
+		{
+			own.size = frame.begin;
+			--depth;
+			continue;
+		}
+		const int end = frame.end, batch = end - frame.begin < s.openBatch ? end - frame.begin : s.openBatch;
+		own.size = end;
+		frame.end = end - batch;
+		SubtreeList A = s.openA, B = s.openB, leaves = s.leaves;
+		if (frame.openA)
+			for (int i = end - batch; i < end; ++i) openNodeA(d, i, A, B, leaves);
+		else
+			for (int i = end - batch; i < end; ++i) openNodeB(d, i, B, A, leaves);
+		s.counts.nodeVisits += batch;
+		const int beginA = s.openA.size, beginB = s.openB.size;
+		s.openA.size = A.size;
+		s.openB.size = B.size;
+		s.leaves.size = leaves.size;
+		if (B.size > beginB) frames[depth++] = {false, beginB, B.size};
+		if (A.size > beginA) frames[depth++] = {true, beginA, A.size};
+		if (s.leaves.size >= kLeafBatch) pairs = drainLeaves(s, pairs);
+	}
+	pairs = drainLeaves(s, pairs);
+	if (pairs > 0 && !s.stop) s.sink(s.context, pairs);
+}
+}  // namespace

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+
+#include "BulletISTCollision/Core/Query/LevelQuery.h"
+#include "BulletISTCollision/Core/Query/OverlapGate.h"
+#include "BulletISTCollision/Core/Tree/TreePose.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ist
+{
+const char* toString(QueryStatus status)
+{
+	switch (status)
+	{
+		case QueryStatus::Ok: return "ok";
+		case QueryStatus::InvalidPose: return "invalid pose";
+		case QueryStatus::EmptyTree: return "empty tree";
+		case QueryStatus::Unsupported: return "unsupported";
+		case QueryStatus::BudgetTooSmall: return "more pairs than the budget at the coarsest level";
+		case QueryStatus::InstructionSet: return "this machine cannot run the chosen instruction set (BULLETHAPTICS_ISA)";
+	}
+	return "unknown";
+}
+
+void OverlapIntegrals::add(const OverlapIntegrals& o)
+{
+	volume += o.volume;
+	firstMoment += o.firstMoment;
+	for (int i = 0; i < 6; ++i) secondMoment[i] += o.secondMoment[i];
+	normalA = normalA + o.normalA;
+	normalB = normalB + o.normalB;
+	line = line + o.line;
+	areaVector += o.areaVector;
+	for (int i = 0; i < 21; ++i)
+	{
+		stiffnessA.m[i] += o.stiffnessA.m[i];
+		stiffnessB.m[i] += o.stiffnessB.m[i];
+		damping.m[i] += o.damping.m[i];
+	}
+	if (o.dampingWeights != DampingWeights()) dampingWeights = o.dampingWeights;
+	depthA += o.depthA;
+	depthB += o.depthB;
+	pairs += o.pairs;
+}
+
+void OverlapIntegrals::scale(double factor)
+{
+	volume *= factor;
+	firstMoment *= factor;
+	for (double& m : secondMoment) m *= factor;
+	for (Wrench* w : {&normalA, &normalB, &line}) *w = factor * *w;
+	areaVector *= factor;
+	for (SymmetricMatrix6* K : {&stiffnessA, &stiffnessB, &damping})
+		for (double& k : K->m) k *= factor;
+	depthA *= factor;
+	depthB *= factor;
+}
+
+namespace
+{
+bool isLimited(const QueryOptions& options) { return options.maxPairs >= 0 || options.maxMicroseconds >= 0; }
+
+/// Whether the options go together, and these bodies have the levels that they name.
+bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options)
+{
+	if (options.level < -1 || std::isnan(options.maxMicroseconds)) return false;
+	const bool limited = isLimited(options), fades = options.otherShare != 0;
+	if (options.model != Model::Law) return options.level <= 0 && !limited && !fades;
+	if (options.level > levelCount(A, B)) return false;
+	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return false;
+	if (!fades) return true;
+	const bool shares = options.otherShare > 0 && options.otherShare <= 1 && options.otherLevel >= 0 && options.otherLevel <= levelCount(A, B);
+	return shares && !limited && !options.sortPairs && !options.listMeetingBounds;
+}
+
+OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+						 const QueryOptions& options, PairMemory* memory)
+{
+	OverlapResult result;
+	QueryWorkspace::Implementation& work = workspace.implementation();
+	if (!isRigid(X_AB)) return result.status = QueryStatus::InvalidPose, result;
+	if (!work.kernel) return result.status = QueryStatus::InstructionSet, result;
+	if (!isSupported(A, B, options)) return result.status = QueryStatus::Unsupported, result;
+	const BallTree &treeA = treeOf(A, options.model), &treeB = treeOf(B, options.model);
+	if (!answers(treeA, options.model) || !answers(treeB, options.model)) return result.status = QueryStatus::EmptyTree, result;
+
+	const Pose X = treePose(A, B, X_AB);
+	const bool law = options.model == Model::Law;
+	const int finest = std::max(0, options.level);
+	const int64_t capacity = work.capacity.pairs;
+	if (isLimited(options)) return queryWithin(A, B, X, work, options, finest, capacity);
+	if (options.otherShare != 0) return queryTwoLevels(A, B, X, work, options, finest);
+	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
+	work.reserveFor(*trees.treeA, *trees.treeB);
+	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr).run();
+	result.level = finest;
+	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
+	{
+		OverlapResult coarser = queryWithin(A, B, X, work, options, finest + 1, capacity);
+		coarser.coarsened = true;
+		if (coarser.status == QueryStatus::Ok) return coarser;
+	}
+	return result;
+}
+}  // namespace
+
+OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+						   const QueryOptions& options, PairMemory* memory)
+{
+	// At once, lest bodies that come to meet behind the gate allocate.
+	if (options.gate) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
+	// The gate's own query of the packed spheres would drive out what is remembered.
+	return gatedAnswer(options, workspace, [&](const QueryOptions& o) {
+		return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr);
+	});
+}
+}  // namespace ist

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Repair/MeshHoles.h"
+
+#include "BulletISTCollision/Core/Mesh/MeshEdges.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+constexpr uint32_t kNone = UINT32_MAX;
+
+/// Edges that the caps must run through, each as (from, to), sorted. As many end as begin at each vertex.
+std::vector<std::pair<uint32_t, uint32_t>> missingUses(const Mesh& mesh)
+{
+	std::vector<std::pair<uint32_t, uint32_t>> missing;
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
+		int64_t balance = 0;
+		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
+		for (; balance > 0; --balance) missing.emplace_back(use->high, use->low);
+		for (; balance < 0; ++balance) missing.emplace_back(use->low, use->high);
+	});
+	std::sort(missing.begin(), missing.end());
+	return missing;
+}
+
+double triangleArea(const Mesh& mesh, const Triangle& t)
+{
+	const Vec3& a = mesh.vertices[t[0]];
+	return 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+}
+
+void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, ClosedHoles& closed)
+{
+	++closed.count;
+	const std::size_t first = mesh.triangles.size();
+	const Vec3 start = mesh.vertices[loop[0]];
+	Box box{start, start};
+	Vec3 sum;
+	for (std::size_t i = 0; i < length; ++i)
+	{
+		const Vec3& v = mesh.vertices[loop[i]];
+		box.lower = componentMin(box.lower, v);
+		box.upper = componentMax(box.upper, v);
+		sum += v - start;
+	}
+	if (length == 3) mesh.triangles.push_back({loop[0], loop[1], loop[2]});
+	else
+	{
+		const auto center = static_cast<uint32_t>(mesh.vertices.size());
+		mesh.vertices.push_back(start + sum / static_cast<double>(length));
+		for (std::size_t i = 0; i < length; ++i) mesh.triangles.push_back({loop[i], loop[(i + 1) % length], center});
+	}
+	double area = 0;
+	for (std::size_t i = first; i < mesh.triangles.size(); ++i) area += triangleArea(mesh, mesh.triangles[i]);
+	closed.doubt += area * norm(box.size()) / 4;
+}
+}  // namespace
+
+ClosedHoles closeHoles(Mesh& mesh)
+{
+	const std::vector<std::pair<uint32_t, uint32_t>> missing = missingUses(mesh);
+	ClosedHoles closed;
+	if (missing.empty()) return closed;
+	const std::size_t vertexCount = mesh.vertices.size();
+	std::vector<uint32_t> next(vertexCount + 1, 0), onPath(vertexCount, kNone), path;
+	for (const auto& edge : missing) ++next[edge.first + 1];
+	for (std::size_t v = 0; v < vertexCount; ++v) next[v + 1] += next[v];
+	const std::vector<uint32_t> begin = next;
+
+	// A walk that leaves a loop behind as soon as it meets itself: no loop passes a vertex twice, and since as many edges end as begin
+	// everywhere, the walk cannot stop but where it began.
+	for (const auto& seed : missing)
+	{
+		uint32_t v = seed.first;
+		while (true)
+		{
+			if (onPath[v] != kNone)
+			{
+				const std::size_t from = onPath[v];
+				cap(mesh, path.data() + from, path.size() - from, closed);
+				for (std::size_t i = from; i < path.size(); ++i) onPath[path[i]] = kNone;
+				path.resize(from);
+			}
+			if (next[v] == begin[v + 1]) break;
+			onPath[v] = static_cast<uint32_t>(path.size());
+			path.push_back(v);
+			v = missing[next[v]++].second;
+		}
+	}
+	return closed;
+}
+}  // namespace ist

@@ -1,0 +1,582 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+
+#include "BulletISTCollision/Core/Repair/MeshCuts.h"
+#include "BulletISTCollision/Core/Mesh/MeshEdges.h"
+#include "BulletISTCollision/Core/Repair/MeshHoles.h"
+#include "BulletISTCollision/Core/Repair/MeshProbes.h"
+#include "BulletISTCollision/Core/Repair/MeshShells.h"
+#include "BulletISTCollision/Core/Repair/MeshWeld.h"
+#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Repair/MeshWrap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+/// Of the longest side: positions nearer than this are the same position in Auto mode, when the mesh is open otherwise.
+constexpr double kNearlyEqual = 1e-9;
+/// Of the mesh's rounding: the same, when the mesh is still open. Each of two corners may be off by one value along each axis.
+constexpr double kRoundedApart = 4;
+/// Of the area times the longest side: a smaller volume is no volume, however far apart the parts that hold it are.
+constexpr double kFlat = 1e-9;
+constexpr int64_t kMostCuts = 1000;
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+constexpr int kWrapCells = 16;  // asks the same questions, a sixtieth of them
+#else
+constexpr int kWrapCells = 128;
+#endif
+/// Points along the longest side that tell how much of the volume is wrong.
+constexpr int kProbes = 32;
+/// Of the volume: where less is wrong, the surface stays as it is.
+constexpr double kHarmless = 0.01;
+/// Of what lies inside: what rebuilding may lose at most, however much is counted wrongly.
+constexpr double kMostLost = 0.5;
+/// Longest sides [m] of trees: down to the smallest spheres that the packer makes, up to moments that are floats (kMostReach).
+constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
+
+std::string counted(int64_t n, const char* singular, const char* plural)
+{
+	return std::to_string(n) + " " + (n == 1 ? singular : plural);
+}
+
+bool indicesAreValid(const Mesh& mesh, const Triangle& t)
+{
+	return std::all_of(t.begin(), t.end(), [&](uint32_t corner) { return corner < mesh.vertices.size(); });
+}
+
+/// The corners of a triangle in ascending order, and whether it runs through them in an even permutation.
+struct TriangleKey
+{
+	Triangle corners;
+	bool even;
+	uint32_t triangle;
+};
+
+std::vector<TriangleKey> sortedTriangles(const Mesh& mesh)
+{
+	std::vector<TriangleKey> keys;
+	keys.reserve(mesh.triangles.size());
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		Triangle t = mesh.triangles[i];
+		if (isCollapsed(t)) continue;
+		std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+		const bool even = t[1] < t[2];
+		if (!even) std::swap(t[1], t[2]);
+		keys.push_back({t, even, static_cast<uint32_t>(i)});
+	}
+	const auto firstTwo = [](const TriangleKey& key) { return uint64_t(key.corners[0]) << 32 | key.corners[1]; };
+	const auto rest = [](const TriangleKey& key) { return uint64_t(key.corners[2]) << 32 | key.triangle; };
+	std::sort(keys.begin(), keys.end(), [&](const TriangleKey& a, const TriangleKey& b)
+			  { return firstTwo(a) != firstTwo(b) ? firstTwo(a) < firstTwo(b) : rest(a) < rest(b); });
+	return keys;
+}
+
+int64_t countDuplicates(const Mesh& mesh)
+{
+	const std::vector<TriangleKey> keys = sortedTriangles(mesh);
+	int64_t count = 0;
+	for (std::size_t i = 1; i < keys.size(); ++i) count += keys[i].corners == keys[i - 1].corners;
+	return count;
+}
+
+/// Of a welded mesh.
+Closedness closedness(const Mesh& mesh)
+{
+	Closedness found;
+	const std::vector<EdgeUse> edges = sortedEdges(mesh);
+	bool balanced = true;
+	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+		int64_t balance = 0;
+		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
+		balanced = balanced && balance == 0;
+		if (count == 1) ++found.openEdges;
+		else if (count > 2) ++found.nonManifoldEdges;
+		else if (use[0].forward == use[1].forward) ++found.flippedEdges;
+	});
+	const std::vector<uint32_t> component = componentOfTriangle(mesh, edges);
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		const Triangle& t = mesh.triangles[i];
+		const Vec3& a = mesh.vertices[t[0]];
+		if (isCollapsed(t) || squaredNorm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a)) == 0)
+			++found.degenerateTriangles;
+		if (!isCollapsed(t) && component[i] == i) ++found.components;
+	}
+	found.duplicateTriangles = countDuplicates(mesh);
+	found.watertight = !edges.empty() && balanced;
+	return found;
+}
+
+int64_t dropCollapsed(Mesh& mesh)
+{
+	return static_cast<int64_t>(std::erase_if(mesh.triangles, isCollapsed));
+}
+
+/// What becomes of triangles that lie on each other and face opposite ways: the two sides of a doubled surface (keep one)
+/// or the wall between two bodies that touch (keep none). Cancel drops such pairs and nothing else: balanced edges stay balanced.
+enum class OppositePairs
+{
+	KeepOne,
+	DropBoth,
+	Cancel
+};
+
+int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
+{
+	const std::vector<TriangleKey> keys = sortedTriangles(mesh);
+	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
+	for (std::size_t i = 0; i < keys.size();)
+	{
+		std::size_t j = i;
+		int64_t balance = 0;
+		for (; j < keys.size() && keys[j].corners == keys[i].corners; ++j)
+		{
+			balance += keys[j].even ? 1 : -1;
+			keep[keys[j].triangle] = 0;
+		}
+		int64_t survivors = policy == OppositePairs::Cancel ? std::abs(balance) : balance != 0 || policy == OppositePairs::KeepOne;
+		for (std::size_t k = i; k < j && survivors > 0; ++k)
+			if (balance == 0 || keys[k].even == (balance > 0))
+			{
+				keep[keys[k].triangle] = 1;
+				--survivors;
+			}
+		i = j;
+	}
+	std::size_t kept = 0;
+	for (std::size_t i = 0; i < keep.size(); ++i)
+		if (keep[i]) mesh.triangles[kept++] = mesh.triangles[i];
+	const auto dropped = static_cast<int64_t>(mesh.triangles.size() - kept);
+	mesh.triangles.resize(kept);
+	return dropped;
+}
+
+/// Turns triangles until neighbours across edges of exactly two triangles agree, if that is possible; the larger part of each connected
+/// set, by number, stays as it is. Returns how many were turned.
+int64_t orientConsistently(Mesh& mesh)
+{
+	struct Neighbour
+	{
+		uint32_t triangle = UINT32_MAX;
+		bool agrees = true;
+	};
+	std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
+	std::vector<uint8_t> count(mesh.triangles.size(), 0);
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t uses) {
+		if (uses != 2) return;
+		const bool agrees = use[0].forward != use[1].forward;
+		for (int i = 0; i < 2; ++i)
+			neighbours[use[i].triangle][count[use[i].triangle]++] = {use[1 - i].triangle, agrees};
+	});
+
+	enum : uint8_t { Unknown, Stays, Turns };
+	std::vector<uint8_t> verdict(mesh.triangles.size(), Unknown);
+	std::vector<uint32_t> reached;
+	for (uint32_t seed = 0; seed < mesh.triangles.size(); ++seed)
+	{
+		if (verdict[seed] != Unknown) continue;
+		verdict[seed] = Stays;
+		reached.assign(1, seed);
+		std::size_t turns = 0;
+		for (std::size_t i = 0; i < reached.size(); ++i)
+		{
+			const uint32_t t = reached[i];
+			turns += verdict[t] == Turns;
+			for (uint8_t k = 0; k < count[t]; ++k)
+			{
+				const Neighbour n = neighbours[t][k];
+				if (verdict[n.triangle] != Unknown) continue;
+				verdict[n.triangle] = (verdict[t] == Stays) == n.agrees ? Stays : Turns;
+				reached.push_back(n.triangle);
+			}
+		}
+		if (2 * turns <= reached.size()) continue;
+		for (const uint32_t t : reached) verdict[t] = verdict[t] == Turns ? Stays : Turns;
+	}
+	int64_t turned = 0;
+	for (std::size_t i = 0; i < verdict.size(); ++i)
+		if (verdict[i] == Turns)
+		{
+			std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+			++turned;
+		}
+	return turned;
+}
+
+/// How far a repair is; remembers that the caller wants it to stop.
+class Steps
+{
+public:
+	explicit Steps(const Progress& progress) : m_progress(progress) {}
+	bool reach(double fraction)
+	{
+		m_fraction = std::max(m_fraction, fraction);
+		m_goesOn = m_goesOn && (!m_progress || m_progress("repair", m_fraction));
+		return m_goesOn;
+	}
+	bool goesOn() const { return m_goesOn; }
+	/// For a part of the work that begins now and ends at `end`.
+	Progress upTo(double end)
+	{
+		return [this, begin = m_fraction, end](const char*, double fraction) { return reach(begin + (end - begin) * fraction); };
+	}
+
+private:
+	const Progress& m_progress;
+	double m_fraction = 0;
+	bool m_goesOn = true;
+};
+
+/// A mesh on its way to being closed.
+struct Attempt
+{
+	Mesh mesh;
+	Closedness state;
+	std::vector<std::string> actions;
+	double doubt = 0;
+	int64_t holes = 0;          ///< that were closed
+	bool contradicts = false;   ///< closing them made much of what was plainly inside outside, or the other way round
+	bool mayOverlap = false;    ///< see ShellVerdict
+
+	void note(int64_t count, const char* verb, const char* singular, const char* plural)
+	{
+		if (count) actions.push_back(verb + (" " + counted(count, singular, plural)) + ".");
+	}
+	bool isManifold() const { return state.watertight && state.nonManifoldEdges == 0; }
+};
+
+void clean(Attempt& attempt, OppositePairs policy)
+{
+	attempt.note(dropCollapsed(attempt.mesh), "Dropped", "triangle with repeated corners", "triangles with repeated corners");
+	attempt.note(dropDuplicates(attempt.mesh, policy), "Dropped", "duplicate triangle", "duplicate triangles");
+}
+
+void weldSeams(Attempt& attempt, OppositePairs policy)
+{
+	const double side = bounds(attempt.mesh).longestSide();
+	WeldedVertices all;
+	for (const double apart : {kNearlyEqual, kRoundedApart * attempt.mesh.rounding})
+	{
+		const std::vector<uint32_t> open = verticesOfOpenEdges(attempt.mesh);
+		if (open.empty() || !(apart * side > 0)) break;
+		const WeldedVertices welded = weldNear(attempt.mesh, open, apart * side);
+		all.count += welded.count;
+		all.doubt += welded.doubt;
+		if (welded.count) clean(attempt, policy);
+	}
+	attempt.note(all.count, "Welded", "nearly equal vertex", "nearly equal vertices");
+	attempt.doubt += all.doubt;
+}
+
+/// All that can be done without new triangles.
+Attempt cleaned(const Mesh& welded, OppositePairs policy)
+{
+	Attempt attempt{welded, {}, {}, 0};
+	clean(attempt, policy);
+	weldSeams(attempt, policy);
+	attempt.note(orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours",
+				 "triangles to agree with their neighbours");
+	attempt.state = closedness(attempt.mesh);
+	return attempt;
+}
+
+void settle(Attempt& attempt)
+{
+	const ShellVerdict verdict = settleShells(attempt.mesh);
+	attempt.note(verdict.dropped, "Dropped", "sheet without volume", "sheets without volume");
+	attempt.note(verdict.turned, "Turned", "inside-out shell", "inside-out shells");
+	attempt.note(verdict.redundant, "Dropped", "shell inside solid material", "shells inside solid material");
+	attempt.mayOverlap = verdict.mayOverlap;
+}
+
+void closeHoles(Attempt& attempt)
+{
+	const Mesh open = attempt.mesh;
+	const ClosedHoles closed = closeHoles(attempt.mesh);
+	attempt.holes = closed.count;
+	attempt.doubt += closed.doubt;
+	if (closed.count)
+		attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
+								  number(closed.doubt) + " m^3.");
+	dropDuplicates(attempt.mesh, OppositePairs::Cancel);
+	attempt.state = closedness(attempt.mesh);
+	// Nothing but sheets that were each closed by their own reverse.
+	if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
+	attempt.contradicts = closed.doubt > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
+						  contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
+}
+
+Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double end)
+{
+	const Progress part = steps.upTo(end);
+	Attempt attempt = cleaned(welded, policy);
+	if (!part("repair", 0.5)) return attempt;
+	if (!attempt.state.watertight && attempt.state.flippedEdges == 0) closeHoles(attempt);
+	if (!part("repair", 0.7)) return attempt;
+	if (attempt.state.watertight) settle(attempt);
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	part("repair", 1);
+	return attempt;
+}
+
+/// A manifold if there is a way to one, else what leaves less in doubt.
+Attempt closeUp(const Mesh& welded, Steps& steps)
+{
+	Attempt attempt = closeUp(welded, OppositePairs::KeepOne, steps, 0.4);
+	if (!steps.goesOn() || attempt.isManifold()) return attempt;
+	Attempt withoutWalls = closeUp(welded, OppositePairs::DropBoth, steps, 0.6);
+	if (!withoutWalls.state.watertight || withoutWalls.mesh.triangles.empty()) return attempt;
+	if (withoutWalls.contradicts != attempt.contradicts) return withoutWalls.contradicts ? attempt : withoutWalls;
+	return withoutWalls.isManifold() || !attempt.state.watertight || withoutWalls.doubt < attempt.doubt ? withoutWalls : attempt;
+}
+
+/// Replaces the mesh by its wrap. Returns why not, if so.
+std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
+{
+	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress);
+	if (!wrapped) return wrapped.error();
+	const double cell = bounds(attempt.mesh).longestSide() / kWrapCells;
+	attempt.mesh = std::move(wrapped.value());
+	// Of the surface's two sides, each half a cell.
+	attempt.doubt += surfaceArea(attempt.mesh) * cell / 2;
+	attempt.actions.push_back("Rebuilt the surface as " + counted(static_cast<int64_t>(attempt.mesh.triangles.size()), "triangle", "triangles") +
+							  " on a grid of " + number(cell) + " m; what is thinner may be lost, and the surface may lie up to " +
+							  number(cell * std::sqrt(3.0)) + " m off.");
+	attempt.state = closedness(attempt.mesh);
+	return std::nullopt;
+}
+
+/// The middle of the first edge that triangles do not run through as often one way as the other.
+std::string firstBadEdge(const Mesh& mesh)
+{
+	std::optional<Vec3> found;
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
+		int64_t balance = 0;
+		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
+		if (balance != 0 && !found) found = 0.5 * (mesh.vertices[use->low] + mesh.vertices[use->high]);
+	});
+	return found ? ", the first at " + place(*found) : "";
+}
+
+Error notClosed(const Mesh& mesh, const Closedness& found, const char* remedy)
+{
+	std::string list;
+	const auto add = [&](int64_t count, const char* singular, const char* plural) {
+		if (count) list += (list.empty() ? "" : ", ") + counted(count, singular, plural);
+	};
+	add(found.openEdges, "open edge", "open edges");
+	add(found.nonManifoldEdges, "edge with more than two triangles", "edges with more than two triangles");
+	add(found.flippedEdges, "edge between triangles that face opposite ways", "edges between triangles that face opposite ways");
+	if (list.empty()) list = "no triangle with three different corners";
+	return Error{"the mesh is not closed: " + list + firstBadEdge(mesh) + "; " + remedy};
+}
+
+Attempt prepareToWrap(const Mesh& welded)
+{
+	Attempt attempt = cleaned(welded, OppositePairs::KeepOne);
+	if (attempt.state.watertight) settle(attempt);
+	else if (massProperties(attempt.mesh).volume < 0)
+	{
+		for (Triangle& t : attempt.mesh.triangles) std::swap(t[1], t[2]);
+		attempt.actions.push_back("Turned the surface inside out.");
+	}
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	return attempt;
+}
+
+/// In place of an attempt whose caps are not to be relied on: what lies inside the surface by its winding number, holes and all.
+std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps)
+{
+	Attempt rebuilt = prepareToWrap(welded);
+	const Error open = notClosed(rebuilt.mesh, rebuilt.state, "what is missing may be as much as the body; close it in a modelling program and export it again");
+	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
+	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
+	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return open;
+	attempt = std::move(rebuilt);
+	return std::nullopt;
+}
+
+/// Asks at more points where none lay inside: up to as many as the wrap has.
+double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
+{
+	double wrong = std::numeric_limits<double>::infinity();
+	for (int cells = 2 * kProbes; std::isinf(wrong) && cells <= kWrapCells && steps.reach(0.7); cells *= 2) wrong = miscountedShare(mesh, cells);
+	return wrong;
+}
+
+/// Wraps a surface of which a share is counted wrongly, unless the wrap loses more than that: parts that are thinner than a cell.
+std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps)
+{
+	if (std::isinf(wrong))
+	{
+		attempt.actions.push_back("Left " + found + ": the body is too thin to rebuild its surface on a grid; what lies in two of its parts is counted twice.");
+		return std::nullopt;
+	}
+	Attempt rebuilt = attempt;
+	rebuilt.actions.push_back("Found " + found + ".");
+	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	const double inside = massProperties(attempt.mesh).volume / (1 + wrong);
+	if (massProperties(rebuilt.mesh).volume >= (1 - std::min(wrong, kMostLost)) * inside) attempt = std::move(rebuilt);
+	else
+		attempt.actions.push_back("Left " + found + ": about " + number(std::round(1000 * wrong) / 10) +
+								  " % of what the surface encloses is counted wrongly for it, and rebuilding it on a grid would lose more.");
+	return std::nullopt;
+}
+
+/// Where the surface covers some places more than once, wraps it unless that changes the volume by little or loses more than it cures.
+std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& cuts, Steps& steps, int threads)
+{
+	if (attempt.contradicts) return wrapOpen(attempt, welded, steps);
+	cuts = countCuts(attempt.mesh, kMostCuts, threads);
+	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
+	double wrong = miscountedShare(attempt.mesh, kProbes);
+	// Shells that pass through one another without overlapping, as links of a chain do.
+	if (cuts == 0 && (wrong == 0 || std::isinf(wrong))) return std::nullopt;
+	if (std::isinf(wrong)) wrong = miscountedShareOfThin(attempt.mesh, steps);
+	if (!steps.goesOn()) return std::nullopt;
+	const std::string found = cuts == 0 ? "shells that overlap"
+										: (cuts == kMostCuts ? "at least " : "") + counted(cuts, "pair of triangles that cut each other",
+																						   "pairs of triangles that cut each other");
+	if (wrong <= kHarmless)
+	{
+		attempt.actions.push_back("Left " + found + ": less than " + number(100 * kHarmless) +
+								  " % of what the surface encloses is counted wrongly for it.");
+		return std::nullopt;
+	}
+	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps);
+	return wrapCuts(attempt, found, wrong, steps);
+}
+
+/// Empty where it has none.
+std::string placeOfAnyCorner(const Mesh& mesh, const Triangle& t)
+{
+	for (const uint32_t corner : t)
+		if (corner < mesh.vertices.size()) return ", which has a corner at " + place(mesh.vertices[corner]) + ",";
+	return {};
+}
+
+std::optional<Error> whyUnreadable(const Mesh& mesh)
+{
+	if (mesh.triangles.empty()) return Error{"the mesh is empty: it has no triangles; give it a surface"};
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		if (!indicesAreValid(mesh, mesh.triangles[i]))
+			return Error{"triangle " + std::to_string(i) + placeOfAnyCorner(mesh, mesh.triangles[i]) + " refers to a vertex that does not exist; export the mesh again"};
+		for (const uint32_t corner : mesh.triangles[i])
+			if (!isFinite(mesh.vertices[corner])) return Error{whereNotFinite(mesh) + "; export the mesh again"};
+	}
+	const double side = bounds(mesh).longestSide();
+	if (side > 0 && (side < kShortestSide || !(side <= kLongestSide)))
+		return Error{"the mesh is " + number(side) + " m long, " + extent(bounds(mesh)) + ", and a tree may be " + number(kShortestSide) + " to " + number(kLongestSide) +
+					 " m; say in what unit its file is (unit, --unit), or scale it"};
+	return std::nullopt;
+}
+
+/// Says where shells count twice or against each other, for who chose to have them left so.
+void noteUnsettled(Attempt& attempt)
+{
+	Mesh settled = attempt.mesh;
+	const ShellVerdict verdict = settleShells(settled);
+	if (verdict.turned + verdict.dropped + verdict.redundant == 0) return;
+	attempt.actions.push_back("Left shells as they face: the automatic repair would turn or drop some, and make the volume " +
+							  number(massProperties(settled).volume) + " m^3.");
+}
+
+/// Off: nothing but welding, which may collapse triangles.
+Attempt asGiven(const Mesh& welded)
+{
+	Attempt attempt{welded, {}, {}, 0};
+	attempt.note(dropCollapsed(attempt.mesh), "Dropped", "triangle with repeated corners", "triangles with repeated corners");
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	attempt.state = closedness(attempt.mesh);
+	if (attempt.state.watertight && attempt.state.components > 1) noteUnsettled(attempt);
+	return attempt;
+}
+
+/// `found`: what was tried.
+Error enclosesNothing(const Mesh& mesh, const std::string& found)
+{
+	if (enclosesInsideOut(mesh, kProbes))
+		return Error{"the surface passes through itself " + extent(bounds(mesh)) + ", so that as much of what it encloses is inside out as is not; "
+					 "part it where it crosses itself and turn what is inside out"};
+	return Error{"the mesh is flat" + found + " " + extent(bounds(mesh)) + "; give it thickness"};
+}
+
+/// Moves the attempt into the result unless it encloses nothing.
+std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mode, RepairedMesh& result)
+{
+	const double side = bounds(attempt.mesh).longestSide();
+	result.volumeAfter = massProperties(attempt.mesh).volume;
+	if (!(std::fabs(result.volumeAfter) > kFlat * side * surfaceArea(attempt.mesh)))
+		return enclosesNothing(welded, ": it encloses " + number(result.volumeAfter) + " m^3");
+	if (result.volumeAfter < 0)
+		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3 " + extent(bounds(attempt.mesh)) + "; " +
+					 (mode == RepairMode::Off ? "use the automatic repair or turn its triangles" : "turn its triangles")};
+	result.mesh = std::move(attempt.mesh);
+	result.volumeDoubt = attempt.doubt;
+	result.actions = std::move(attempt.actions);
+	const double change = result.volumeAfter - result.volumeBefore;
+	if (std::fabs(change) > 1e-9 * result.volumeAfter && number(result.volumeBefore) != number(result.volumeAfter))
+		result.actions.push_back("The volume changed from " + number(result.volumeBefore) + " to " + number(result.volumeAfter) + " m^3.");
+	return std::nullopt;
+}
+}  // namespace
+
+Closedness inspect(const Mesh& mesh)
+{
+	const auto isValid = [&](const Triangle& t) { return indicesAreValid(mesh, t); };
+	if (std::all_of(mesh.triangles.begin(), mesh.triangles.end(), isValid)) return closedness(weldedEqual(mesh));
+	Mesh readable = mesh;
+	const auto dropped = std::erase_if(readable.triangles, [&](const Triangle& t) { return !isValid(t); });
+	Closedness found = closedness(weldedEqual(readable));
+	found.degenerateTriangles += static_cast<int64_t>(dropped);
+	found.watertight = false;
+	return found;
+}
+
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& progress, int threads)
+{
+	const Error cancelled{"the repair was cancelled", true};
+	Steps steps(progress);
+	if (!steps.reach(0)) return cancelled;
+	if (const auto error = whyUnreadable(mesh)) return *error;
+	const Mesh welded = weldedEqual(mesh);
+	if (!steps.reach(0.1)) return cancelled;
+	RepairedMesh result;
+	result.before = closedness(welded);
+	result.volumeBefore = massProperties(mesh).volume;
+	if (!steps.reach(0.2)) return cancelled;
+
+	Attempt attempt = mode == RepairMode::Off ? asGiven(welded) : mode == RepairMode::Wrap ? prepareToWrap(welded) : closeUp(welded, steps);
+	if (!steps.goesOn()) return cancelled;
+	if (mode == RepairMode::Wrap)
+	{
+		if (const auto error = wrap(attempt, steps.upTo(0.95))) return *error;
+		if (attempt.mesh.triangles.empty())
+			return enclosesNothing(welded, " or open: no point of a grid of " + number(bounds(welded).longestSide() / kWrapCells) + " m lies inside it");
+	}
+	if (!attempt.state.watertight)
+		return notClosed(attempt.mesh, attempt.state, mode == RepairMode::Off
+											? "use the automatic repair"
+											: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
+	if (mode == RepairMode::Auto)
+		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
+	if (!steps.goesOn()) return cancelled;
+	if (const auto error = finish(attempt, welded, mode, result)) return *error;
+	if (welded.vertices.size() != mesh.vertices.size())
+		result.actions.insert(result.actions.begin(), "Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
+														  std::to_string(welded.vertices.size()) + ".");
+	result.actions.insert(result.actions.begin(), mesh.notTaken.begin(), mesh.notTaken.end());
+	if (!steps.reach(1)) return cancelled;
+	return result;
+}
+}  // namespace ist

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Repair/MeshWrap.h"
+
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+namespace ist
+{
+namespace
+{
+using Node = std::array<int, 3>;
+
+// So that no plane of the grid lies in a face of a mesh with round coordinates.
+constexpr double kShift = 1.3819660112501051;
+/// Steps of the coarse pass in cells: nothing that is thicker is overlooked, however far its boundary lies from any triangle.
+constexpr int kCoarse = 4;
+constexpr int kBisections = 12;
+/// Of an edge of the grid: vertices stay this far from its ends, so that no triangle collapses.
+constexpr double kMargin = 1e-3;
+
+class Wrapper
+{
+public:
+	Wrapper(const Mesh& mesh, int cells, const Progress& progress) : m_surface(mesh), m_progress(progress)
+	{
+		const Box box = bounds(mesh);
+		m_step = box.longestSide() / cells;
+		m_origin = box.lower - Vec3{1, 1, 1} * (kShift * m_step);
+		for (int axis = 0; axis < 3; ++axis) m_nodes[size_t(axis)] = int(std::floor(box.size()[axis] / m_step)) + 5;
+		m_side.assign(size_t(m_nodes[0]) * size_t(m_nodes[1]) * size_t(m_nodes[2]), kUnknown);
+		m_visited.assign(m_side.size(), 0);
+	}
+
+	/// False when cancelled.
+	bool run()
+	{
+		if (!seedFromTriangles() || !seedFromCoarseNodes()) return false;
+		for (size_t done = 0; !m_open.empty(); ++done)
+		{
+			if (done % 4096 == 0 && !goesOn(0.3 + 0.7 * double(done) / double(done + m_open.size() + 1))) return false;
+			const Node cell = m_open.back();
+			m_open.pop_back();
+			visit(cell);
+		}
+		return true;
+	}
+
+	Mesh take() { return std::move(m_result); }
+
+private:
+	enum : uint8_t { kOutside, kInside, kUnknown };
+
+	bool goesOn(double fraction)
+	{
+		m_fraction = std::max(m_fraction, fraction);
+		return !m_progress || m_progress("repair", m_fraction);
+	}
+	size_t number(const Node& n) const { return (size_t(n[2]) * size_t(m_nodes[1]) + size_t(n[1])) * size_t(m_nodes[0]) + size_t(n[0]); }
+	Vec3 position(const Node& n) const { return m_origin + Vec3{double(n[0]), double(n[1]), double(n[2])} * m_step; }
+
+	bool inside(const Node& n)
+	{
+		uint8_t& side = m_side[number(n)];
+		if (side == kUnknown) side = m_surface.contains(position(n)) ? kInside : kOutside;
+		return side == kInside;
+	}
+
+	void seed(const Node& cell)
+	{
+		for (size_t axis = 0; axis < 3; ++axis)
+			if (cell[axis] < 0 || cell[axis] + 1 >= m_nodes[axis]) return;
+		uint8_t& visited = m_visited[number(cell)];
+		if (visited) return;
+		visited = 1;
+		m_open.push_back(cell);
+	}
+
+	Node cellOf(const Vec3& p) const
+	{
+		const Vec3 x = (p - m_origin) / m_step;
+		return {int(std::floor(x.x)), int(std::floor(x.y)), int(std::floor(x.z))};
+	}
+
+	bool seedFromTriangles()
+	{
+		const Mesh& mesh = m_surface.mesh();
+		for (size_t i = 0; i < mesh.triangles.size(); ++i)
+		{
+			if (i % 65536 == 0 && !goesOn(0.1 * double(i) / double(mesh.triangles.size()))) return false;
+			const auto& t = mesh.triangles[i];
+			seed(cellOf((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3));
+			for (const uint32_t v : t) seed(cellOf(mesh.vertices[v]));
+		}
+		return true;
+	}
+
+	bool seedFromCoarseNodes()
+	{
+		for (int z = 0; z < m_nodes[2]; z += kCoarse)
+		{
+			if (!goesOn(0.1 + 0.2 * z / m_nodes[2])) return false;
+			for (int y = 0; y < m_nodes[1]; y += kCoarse)
+				for (int x = 0; x < m_nodes[0]; x += kCoarse)
+					for (size_t axis = 0; axis < 3; ++axis) seedBetween({x, y, z}, axis);
+		}
+		return true;
+	}
+
+	void seedBetween(Node from, size_t axis)
+	{
+		Node to = from;
+		to[axis] = std::min(to[axis] + kCoarse, m_nodes[axis] - 1);
+		if (inside(from) == inside(to)) return;
+		for (; from[axis] < to[axis]; ++from[axis])
+		{
+			Node cell = from;
+			for (size_t k = 0; k < 3; ++k) cell[k] = std::min(cell[k], m_nodes[k] - 2);
+			seed(cell);
+		}
+	}
+
+	void visit(const Node& cell)
+	{
+		std::array<bool, 8> in{};
+		int count = 0;
+		for (int c = 0; c < 8; ++c) count += in[size_t(c)] = inside({cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)});
+		if (count == 0 || count == 8) return;
+		for (int axis = 0; axis < 3; ++axis)
+			for (int side = 0; side < 2; ++side)
+			{
+				int onFace = 0;
+				for (int c = 0; c < 8; ++c) onFace += (c >> axis & 1) == side && in[size_t(c)];
+				if (onFace == 0 || onFace == 4) continue;
+				Node next = cell;
+				next[size_t(axis)] += side ? 1 : -1;
+				seed(next);
+			}
+		// Kuhn's six tetrahedra about the diagonal from corner 0 to corner 7; neighbouring cells split their common face alike.
+		constexpr int kTetrahedra[6][2] = {{1, 3}, {3, 2}, {2, 6}, {6, 4}, {4, 5}, {5, 1}};
+		for (const auto& [a, b] : kTetrahedra) cutTetrahedron(cell, in, {0, a, b, 7});
+	}
+
+	void cutTetrahedron(const Node& cell, const std::array<bool, 8>& in, const std::array<int, 4>& corner)
+	{
+		std::array<int, 4> inner{}, outer{};
+		size_t inners = 0, outers = 0;
+		for (const int c : corner) (in[size_t(c)] ? inner[inners++] : outer[outers++]) = c;
+		if (inners == 0 || outers == 0) return;
+		// Edges from an inner to an outer corner, around the cut.
+		std::array<std::pair<int, int>, 4> edges;
+		size_t count = 3;
+		if (inners == 1) edges = {{{inner[0], outer[0]}, {inner[0], outer[1]}, {inner[0], outer[2]}}};
+		else if (inners == 3) edges = {{{inner[0], outer[0]}, {inner[1], outer[0]}, {inner[2], outer[0]}}};
+		else
+		{
+			edges = {{{inner[0], outer[0]}, {inner[0], outer[1]}, {inner[1], outer[1]}, {inner[1], outer[0]}}};
+			count = 4;
+		}
+		std::array<uint32_t, 4> v{};
+		for (size_t i = 0; i < count; ++i) v[i] = vertex(cell, edges[i].first, edges[i].second);
+		// The order around the cut is that of the edges' middles, wherever on its edge each vertex lies.
+		const auto middle = [](const std::pair<int, int>& e) { return offset(e.first) + offset(e.second); };
+		const Vec3 a = middle(edges[0]), normal = cross(middle(edges[1]) - a, middle(edges[2]) - a);
+		if (dot(normal, offset(outer[0]) - offset(inner[0])) < 0) std::reverse(v.begin(), v.begin() + std::ptrdiff_t(count));
+		m_result.triangles.push_back({v[0], v[1], v[2]});
+		if (count == 4) m_result.triangles.push_back({v[0], v[2], v[3]});
+	}
+
+	static Vec3 offset(int corner) { return {double(corner & 1), double(corner >> 1 & 1), double(corner >> 2)}; }
+
+	uint32_t vertex(const Node& cell, int inner, int outer)
+	{
+		const auto node = [&](int c) { return Node{cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)}; };
+		// The corners of an edge differ in the bits of one of them only.
+		const auto key = uint64_t(number(node(inner & outer))) * 8 + uint64_t(inner ^ outer);
+		const auto [entry, isNew] = m_vertexOf.try_emplace(key, uint32_t(m_result.vertices.size()));
+		if (isNew) m_result.vertices.push_back(crossing(position(node(inner)), position(node(outer))));
+		return entry->second;
+	}
+
+	/// Where the only triangle that the edge passes through cuts it, as a share of the edge; negative when there are none or more.
+	double onlyCut(const Vec3& inner, const Vec3& outer)
+	{
+		constexpr size_t kMost = 24;
+		const Vec3 along = outer - inner;
+		if (!m_surface.within(inner + along * 0.5, norm(along) * 0.5, kMost, m_near)) return -1;
+		double cut = -1;
+		for (const auto& [distance, index] : m_near)
+		{
+			const auto& t = m_surface.mesh().triangles[index];
+			const Vec3 a = m_surface.mesh().vertices[t[0]];
+			const Vec3 ab = m_surface.mesh().vertices[t[1]] - a, ac = m_surface.mesh().vertices[t[2]] - a, n = cross(ab, ac);
+			const double from = dot(inner - a, n), to = dot(outer - a, n);
+			if ((from > 0) == (to > 0)) continue;
+			const Vec3 x = inner - a + along * (from / (from - to));
+			const double n2 = squaredNorm(n), v = dot(cross(x, ac), n), w = dot(cross(ab, x), n);
+			if (v < 0 || w < 0 || v + w > n2) continue;
+			if (cut >= 0) return -1;
+			cut = from / (from - to);
+		}
+		return cut;
+	}
+
+	Vec3 crossing(const Vec3& inner, const Vec3& outer)
+	{
+		if (const double cut = onlyCut(inner, outer); cut >= 0) return inner + (outer - inner) * std::clamp(cut, kMargin, 1 - kMargin);
+		double low = 0, high = 1;
+		for (int i = 0; i < kBisections; ++i)
+		{
+			const double middle = 0.5 * (low + high);
+			(m_surface.contains(inner + (outer - inner) * middle) ? low : high) = middle;
+		}
+		return inner + (outer - inner) * std::clamp(0.5 * (low + high), kMargin, 1 - kMargin);
+	}
+
+	MeshDistance m_surface;
+	const Progress& m_progress;
+	double m_step = 0, m_fraction = 0;
+	Vec3 m_origin;
+	Node m_nodes{};
+	std::vector<uint8_t> m_side, m_visited;  // of nodes; of cells, each numbered as its lowest node
+	std::vector<Node> m_open;
+	std::vector<std::pair<double, uint32_t>> m_near;
+	std::unordered_map<uint64_t, uint32_t> m_vertexOf;
+	Mesh m_result;
+};
+}  // namespace
+
+Result<Mesh> wrapSurface(const Mesh& mesh, int cells, const Progress& progress)
+{
+	if (mesh.triangles.empty() || !(bounds(mesh).longestSide() > 0)) return Mesh{};
+	Wrapper wrapper(mesh, cells, progress);
+	if (!wrapper.run()) return Error{"the repair was cancelled", true};
+	return wrapper.take();
+}
+}  // namespace ist

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+
+namespace ist
+{
+/// Pose of B's tree frame in A's, where X_AB is that of B's mesh frame in A's.
+inline Pose treePose(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
+{
+	return {X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
+}
+}  // namespace ist

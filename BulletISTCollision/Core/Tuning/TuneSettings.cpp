@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Tuning/TuneSettings.h"
+
+#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/OverlapPoses.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace ist
+{
+namespace
+{
+constexpr int kPosesPerOverlap = 10, kPasses = 3;
+constexpr double kHeld = 0.95;
+
+template <class Value>
+Value quantile(std::vector<Value> values, double share)
+{
+	const auto at = values.begin() + ptrdiff_t(share * double(values.size() - 1) + 0.5);
+	std::nth_element(values.begin(), at, values.end());
+	return *at;
+}
+
+/// The error that 95 % of the poses stay under: each promise is twice the standard deviation of a normal error.
+double jointError(const std::vector<double>& promises)
+{
+	const auto held = [&](double error)
+	{
+		double sum = 0;
+		for (double promise : promises) sum += promise > 0 ? std::erf(std::sqrt(2.0) * error / promise) : 1;
+		return sum / double(promises.size());
+	};
+	double low = 0, high = *std::max_element(promises.begin(), promises.end());
+	for (int i = 0; i < 60; ++i)
+	{
+		const double middle = 0.5 * (low + high);
+		(held(middle) < kHeld ? low : high) = middle;
+	}
+	return high;
+}
+
+class Measurement
+{
+public:
+	Measurement(const InnerSphereTree& A, const InnerSphereTree& B, const Progress& progress)
+		: m_A(A), m_B(B), m_progress(progress), m_rounds(kPasses * (levelCount(A, B) + 2))
+	{
+		std::mt19937_64 random(1);
+		for (const double overlap : kOverlapsOfContact)
+			for (int i = 0; i < kPosesPerOverlap; ++i)
+				if (const std::optional<Pose> X = poseAtOverlap(A, B, overlap, 0, random, m_workspace)) m_poses.push_back(*X);
+		std::shuffle(m_poses.begin(), m_poses.end(), random);
+	}
+
+	Result<TuneSettings> all(double acceptedError)
+	{
+		if (m_poses.empty()) return Error{"the bodies cannot overlap by 0.1 % of the smaller one when their centres of mass meet"};
+		TuneSettings found;
+		for (int level = 0; level <= levelCount(m_A, m_B) + 1; ++level)
+		{
+			const bool byPose = level > levelCount(m_A, m_B);
+			AcceptedError accepted;
+			accepted.error = byPose ? acceptedError : 1e300;  // whatever it promises, the first level that is looked at answers
+			accepted.firstLevel = byPose ? -1 : level;
+			Result<TuneSetting> setting = measured(byPose ? -1 : level, accepted, level == 0 ? &found.contacts : nullptr);
+			if (!setting) return setting.error();
+			found.settings.push_back(setting.value());
+		}
+		return found;
+	}
+
+private:
+	/// All poses, some times over. `contacts` may be null.
+	Result<TuneSetting> measured(int level, const AcceptedError& accepted, std::vector<TuneContact>* contacts)
+	{
+		TuneSetting setting;
+		setting.spheres = std::max(m_A.spheres.size(), m_B.spheres.size());
+		setting.level = level;
+		std::vector<double> times(m_poses.size(), 1e300), errors(m_poses.size());
+		std::vector<int> patches(m_poses.size());
+		for (int pass = 0; pass < kPasses; ++pass, ++m_round)
+			for (size_t i = 0; i < m_poses.size(); ++i)
+			{
+				const double done = (m_round + double(i) / double(m_poses.size())) / m_rounds;
+				if (m_progress && !m_progress("tune", done)) return Error{"Tuning was cancelled.", true};
+				const auto start = std::chrono::steady_clock::now();
+				const PromisedOverlap answer = queryToError(m_A, m_B, m_poses[i], m_workspace, accepted);
+				times[i] = std::min(times[i], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
+				if (answer.overlap.status != QueryStatus::Ok) return Error{std::string("a query was refused: ") + toString(answer.overlap.status)};
+				errors[i] = answer.promise;
+				patches[i] = answer.overlap.patchCount;
+				const OverlapIntegrals& total = answer.overlap.total;
+				setting.pairs += double(total.pairs) / double(kPasses * m_poses.size());
+				if (contacts && pass == 0) contacts->push_back({total.volume, norm(total.areaVector)});
+			}
+		setting.error = jointError(errors);
+		setting.microseconds = quantile(times, 0.5);
+		setting.patches = quantile(patches, kHeld);
+		return setting;
+	}
+
+	const InnerSphereTree& m_A;
+	const InnerSphereTree& m_B;
+	const Progress& m_progress;
+	int m_round = 0, m_rounds;  ///< passes over the poses: done, and of all levels
+	QueryWorkspace m_workspace;
+	std::vector<Pose> m_poses;
+};
+}  // namespace
+
+Result<TuneSettings> measureSettings(const InnerSphereTree& A, const InnerSphereTree& B, double acceptedError, const Progress& progress)
+{
+	if (const Result<InstructionSet> chosen = chosenInstructionSet(); !chosen) return chosen.error();
+	return Measurement(A, B, progress).all(acceptedError);
+}
+}  // namespace ist

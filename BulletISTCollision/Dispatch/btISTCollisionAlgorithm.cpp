@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
+
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "BulletISTCollision/Dispatch/btISTContext.h"
+#include "BulletISTCollision/PairQuery/btISTPairQuery.h"
+#include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
+#include "BulletISTCollision/Contact/btISTRepresentativePoints.h"
+#include "BulletISTCollision/Registry/btISTShapeField.h"
+
+#include "BulletCollision/BroadphaseCollision/btDispatcher.h"
+#include "BulletCollision/CollisionDispatch/btCollisionObject.h"
+#include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
+#include "BulletCollision/CollisionDispatch/btManifoldResult.h"
+#include "BulletCollision/CollisionShapes/btCollisionShape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <typeinfo>
+#include <utility>
+
+#ifdef BT_USE_DOUBLE_PRECISION
+extern const int btISTBuiltForScalarOfSize8 = 8;
+#else
+extern const int btISTBuiltForScalarOfSize4 = 4;
+#endif
+
+namespace
+{
+/// Whether a shape is where its body is: not a child, which its parent puts somewhere.
+bool isBody(const btCollisionObjectWrapper& wrap) { return &wrap.getWorldTransform() == &wrap.getCollisionObject()->getWorldTransform(); }
+
+/// Whether its axes are too far from unit length and right angles for a rigid body, whose shape trees speak for. What is no number is none of that.
+bool isSkewed(const btCollisionObjectWrapper& wrap)
+{
+	const ist::Pose X = toRigidPose(wrap.getWorldTransform());
+	return !isRigid(X) && isFinite(X.translation) && std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
+}
+
+/// Within a contact test Bullet has the children of a compound answered by those who respond, too. Games may have results of their own.
+bool isOfContactTest(const btManifoldResult& result)
+{
+	return typeid(result) != typeid(btManifoldResult) && std::strstr(typeid(result).name(), "btBridgedManifoldResult");
+}
+
+void announceProcessed(btPersistentManifold& manifold)
+{
+	if (!gContactProcessedCallback) return;
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+		gContactProcessedCallback(manifold.getContactPoint(i), const_cast<btCollisionObject*>(manifold.getBody0()), const_cast<btCollisionObject*>(manifold.getBody1()));
+}
+}  // namespace
+
+btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context,
+												 Mode mode, std::shared_ptr<const ist::InnerSphereTree> treeA,
+												 std::shared_ptr<const ist::InnerSphereTree> treeB,
+												 const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b)
+	: btCollisionAlgorithm(info), m_context(std::move(context)), m_treeA(std::move(treeA)), m_treeB(std::move(treeB)),
+	  // Never the manifold in `info`: nested compounds would have several pairs write into it. Kept while separated, too: an empty
+	  // manifold is what makes Bullet wake a sleeping body when a kinematic one comes near.
+	  m_manifold(m_dispatcher->getNewManifold(a.getCollisionObject(), b.getCollisionObject())),
+	  m_contact(mode == Respond ? m_context->store.acquire(m_manifold) : nullptr)
+{
+	keepShapes(a.getCollisionShape(), b.getCollisionShape());
+}
+
+void btISTCollisionAlgorithm::keepShapes(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
+{
+	m_version = uint32_t(m_context->registry->version());
+	m_A.keep(shapeA);
+	m_B.keep(shapeB);
+	if (!m_contact) return;
+	m_contact->shapeA = shapeA;
+	m_contact->shapeB = shapeB;
+}
+
+void btISTCollisionAlgorithm::KnownShape::keep(const btCollisionShape* known)
+{
+	shape = known;
+	type = known->getShapeType();
+	for (int i = 0; i < 3; ++i) scaling[i] = float(known->getLocalScaling()[i]);
+}
+
+bool btISTCollisionAlgorithm::KnownShape::is(const btCollisionShape* other) const
+{
+	return isKindOf(other) && btISTRegistry::hasScaling(*other, btVector3(btScalar(scaling[0]), btScalar(scaling[1]), btScalar(scaling[2])));
+}
+
+bool btISTCollisionAlgorithm::KnownShape::isKindOf(const btCollisionShape* other) const { return other == shape && other->getShapeType() == type; }
+
+/// Looks again at what the shapes are, where they are others, or other trees may be there. Without a registration trees stay as they are for what does not change.
+void btISTCollisionAlgorithm::see(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
+{
+	// A closed form is taken at its size in every step.
+	const bool same = m_A.is(shapeA) && (m_treeA && !m_treeB ? m_B.isKindOf(shapeB) : m_B.is(shapeB));
+	if (same && (!m_context->active || m_version == uint32_t(m_context->registry->version()))) return;
+	const btISTRegistry& registry = *m_context->registry;
+	auto treeA = registry.find(shapeA), treeB = registry.find(shapeB);
+	// Without a tree of A all is Bullet's: the manifold's order cannot change.
+	const bool known = treeB || (!registry.isAttached(shapeB) && btISTShapeField(shapeB).field());
+	if (!known) treeA.reset();
+	if (!same || treeA != m_treeA || treeB != m_treeB)
+	{
+		forget();
+		destroyStock();
+	}
+	m_treeA = std::move(treeA);
+	m_treeB = std::move(treeB);
+	keepShapes(shapeA, shapeB);
+}
+
+btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
+{
+	destroyStock();
+	if (m_contact) m_context->store.release(m_manifold);
+	m_dispatcher->releaseManifold(m_manifold);
+}
+
+/// The sums of `contact` at its X_AB: answered ahead of its turn, or now.
+void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& contact) const
+{
+	btISTContactStore& store = m_context->store;
+	const bool kept = &contact == m_contact;
+	btISTQueryWork work;
+	if (!kept || !m_context->threads || !m_context->threads->take(contact, work))
+		work = query.answer(contact, m_context->workspace, kept && store.measuresQueryTime());
+	if (kept) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
+}
+
+void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,
+									   btISTContact& contact) const
+{
+	contact.bodyA = wrapA->getCollisionObject();
+	contact.bodyB = wrapB->getCollisionObject();
+	// Counting owners is atomic.
+	if (contact.treeA != m_treeA) contact.treeA = m_treeA;
+	if (contact.treeB != m_treeB) contact.treeB = m_treeB;
+	contact.stamp = m_context->store.step();
+	contact.X_WA = toRigidPose(wrapA->getWorldTransform());
+	contact.X_AB = ist::inverse(contact.X_WA) * toRigidPose(wrapB->getWorldTransform());
+	contact.foreseeable = isBody(*wrapA) && isBody(*wrapB);
+	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
+	const bool kept = &contact == m_contact;
+	const btISTPairQuery query(field, m_context->rules, kept, kept && m_context->store.sumsDamping());
+	const ist::PairAccuracy before = contact.accuracy;
+	update(query, contact);
+
+	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
+	contact.normalImpulse = 0;
+	contact.work = btISTContactWork();
+	if (contact.patchCount == 0)
+	{
+		contact.ledger = btISTContactLedger();
+		contact.pressed = 0;
+	}
+	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
+	if (query.lacksDamping(contact))  // the constants of the last step were others
+	{
+		contact.kept.forget();
+		contact.accuracy = before;
+		update(query, contact);
+	}
+	contact.error = ist::OverlapError();
+	contact.depth = 0;
+	for (int i = 0; i < contact.patchCount; ++i) contact.depth = std::max(contact.depth, ist::meanDepth(contact.patches[i]));
+	contact.deepest = std::max(contact.deepest, contact.depth);
+	if (!(contact.total.volume > 0)) return;
+	const double gaps = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
+	contact.error = ist::overlapError(contact.total, gaps, contact.leafDensity, contact.constants.k);
+}
+
+void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,
+											   const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut)
+{
+	const bool swapped = body0Wrap->getCollisionObject() != m_manifold->getBody0();
+	const btCollisionObjectWrapper* wrapA = swapped ? body1Wrap : body0Wrap;
+	const btCollisionObjectWrapper* wrapB = swapped ? body0Wrap : body1Wrap;
+	const btCollisionShape *shapeA = wrapA->getCollisionShape(), *shapeB = wrapB->getCollisionShape();
+	see(shapeA, shapeB);
+	const bool was = !m_stock && m_contact && m_contact->stamp > 0;
+	if (!m_treeA || isSkewed(*wrapA) || isSkewed(*wrapB) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
+	{
+		if (!m_stock) createStock(body0Wrap, body1Wrap);
+		return m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
+	}
+	destroyStock();
+	resultOut->setPersistentManifold(m_manifold);
+	if (!m_contact || isOfContactTest(*resultOut))
+	{
+		if (report(wrapA, wrapB, *resultOut) || !(resultOut->m_closestPointDistanceThreshold > 0)) return;
+		createStock(body0Wrap, body1Wrap);  // the bodies are apart, and how far is asked
+		m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
+		return destroyStock();
+	}
+	if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
+	evaluate(wrapA, wrapB, *m_contact);
+	// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
+	if (m_context->memories) m_context->memories->serve(*m_contact);
+	btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
+	// Those of a compound's children Bullet announces itself, as they were a step before.
+	if (m_contact->foreseeable) announceProcessed(*m_manifold);
+}
+
+/// To a contact test; whether there is overlap. What the pair keeps is left as it is.
+bool btISTCollisionAlgorithm::report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const
+{
+	btISTContact contact;
+	evaluate(wrapA, wrapB, contact);
+	const btISTRepresentativePoints points(contact);
+	points.report(out);
+	return points.count > 0;
+}
+
+/// What was known of the contact, and its points.
+void btISTCollisionAlgorithm::forget()
+{
+	m_manifold->clearManifold();
+	if (!m_contact) return;
+	m_contact->halfSpace = false;
+	m_contact->volumeB = std::numeric_limits<double>::infinity();
+	m_contact->total = ist::OverlapIntegrals();
+	m_contact->patchCount = 0;
+	m_contact->normalImpulse = m_contact->pressed = 0;
+	m_contact->depth = m_contact->deepest = 0;  // the next shapes may be of another thickness
+	m_contact->work = btISTContactWork();
+	m_contact->ledger = btISTContactLedger();
+	m_contact->accuracy = ist::PairAccuracy();
+	m_contact->kept.forget();
+	m_contact->memory.reset();
+	if (m_context->threads) m_context->threads->drop(*m_contact);
+}
+
+void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)
+{
+	forget();
+	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
+	info.m_dispatcher1 = m_dispatcher;
+	const int type0 = body0Wrap->getCollisionShape()->getShapeType(), type1 = body1Wrap->getCollisionShape()->getShapeType();
+	m_stock = m_context->function(!m_contact).delegate(info, body0Wrap, body1Wrap, type0, type1);
+}
+
+void btISTCollisionAlgorithm::destroyStock()
+{
+	if (!m_stock) return;
+	m_stock->~btCollisionAlgorithm();
+	m_dispatcher->freeCollisionAlgorithm(m_stock);
+	m_stock = nullptr;
+}
+
+btScalar btISTCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&, btManifoldResult*)
+{
+	return btScalar(1);  // Bullet sweeps convex shapes itself; this is asked for only in DISPATCH_CONTINUOUS
+}
+
+void btISTCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifoldArray)
+{
+	if (m_contact) manifoldArray.push_back(m_manifold);
+	if (m_stock) m_stock->getAllContactManifolds(manifoldArray);
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Contact/btISTContactStore.h"
+#include "BulletISTCollision/PairQuery/btISTPairMemories.h"
+#include "BulletISTCollision/PairQuery/btISTPairQuery.h"
+#include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
+#include "BulletISTCollision/Registry/btISTRegistry.h"
+#include "BulletISTCollision/Registry/btISTWatch.h"
+#include "BulletISTCollision/Registry/btPrecisionGuard.h"
+
+#include "BulletCollision/BroadphaseCollision/btBroadphaseProxy.h"
+#include "BulletCollision/CollisionDispatch/btCollisionCreateFunc.h"
+
+#include <memory>
+
+class btISTContext;
+class btISTInstallation;
+
+/// One for each table: it finds out from the shapes for which entry it was called.
+struct btISTCreateFunc : btCollisionAlgorithmCreateFunc
+{
+	btISTContext* context = nullptr;
+	bool closest = false;
+	btCollisionAlgorithmCreateFunc* previous[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
+	/// Those that stood there first. Who registered after us may delegate to us, and be delegated to since we took the tables back: then these end the round.
+	btCollisionAlgorithmCreateFunc* first[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
+
+	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
+												   const btCollisionObjectWrapper* wrap1) override;
+	/// What stood there before us makes for these types.
+	btCollisionAlgorithm* delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0, const btCollisionObjectWrapper* wrap1,
+								   int type0, int type1);
+
+private:
+	struct Delegated
+	{
+		const btCollisionObjectWrapper* wrap0 = nullptr;
+		const btCollisionObjectWrapper* wrap1 = nullptr;
+		int type0 = 0, type1 = 0;
+	};
+	Delegated m_delegated;  // what is being delegated
+};
+
+/// What algorithms need, for as long as one of them or a registration lives.
+class btISTContext : public std::enable_shared_from_this<btISTContext>
+{
+public:
+	btISTContext()
+	{
+		contacts.context = closest.context = this;
+		closest.closest = true;
+	}
+	btISTCreateFunc& function(bool ofClosest) { return ofClosest ? closest : contacts; }
+
+	btISTCreateFunc contacts, closest;
+	bool active = true;
+	btISTContactStore store;
+	std::shared_ptr<btISTRegistry> registry;
+	btISTWatch watch;
+	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
+	std::weak_ptr<const void> ruleClaim;  ///< of the handle that set the rule; expired: any handle may set one
+	ist::QueryWorkspace workspace;
+	btISTQueryRules rules;
+	std::unique_ptr<btISTPairMemories> memories;  ///< null: each query searches anew
+	std::unique_ptr<btISTQueryThreads> threads;  ///< null: the owner's alone
+	std::weak_ptr<btISTInstallation> installation;
+};

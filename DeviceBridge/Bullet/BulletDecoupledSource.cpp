@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Bullet/BulletDecoupledSource.h"
+
+#include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Timing/RealTimePriority.h"
+#include "DeviceBridge/Timing/ThreadTime.h"
+
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace devicebridge
+{
+namespace
+{
+double microsecondsSince(std::chrono::steady_clock::time_point begin)
+{
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+}
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// 1 up to `trusted`, 0 from twice that on.
+double trust(double way, double trusted) { return std::clamp(2 - way / trusted, 0.0, 1.0); }
+
+void scale(LinearContact& c, double factor)
+{
+	c.wrench = factor * c.wrench;
+	for (double& k : c.stiffness.m) k *= factor;
+	for (double& d : c.damping.m) d *= factor;
+}
+}  // namespace
+
+BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock,
+											 const BulletDecoupledSettings& settings)
+	: m_tool(tool), m_tree(std::move(tree)), m_time(clock), m_settings(settings), m_coupling(settings.gains), m_X_WB(inverse(settings.X_BW)),
+	  m_topology(settings.topology), m_finder(*m_tree, settings.maxPairs), m_lastTopology(settings.topology),
+	  m_threadFinder(*m_tree, settings.maxPairs)
+{
+	const ist::Vec3 inverseInertia = toVec3(tool.getInvInertiaDiagLocal());
+	m_refusal = whyNotCoupled(settings.gains, double(tool.getInvMass()), inverseInertia);
+	const bool accepted = m_refusal[0] == '\0', hasMass = accepted && tool.getInvMass() > 0;
+	m_local.tool.mass = hasMass ? 1 / double(tool.getInvMass()) : kInfinite;
+	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = accepted ? inverseInertia[i] : 0;
+	m_leastInertia = 1 / std::max({inverseInertia.x, inverseInertia.y, inverseInertia.z});
+	// What never moves has no weight that could be felt: infinity times nothing would be no number.
+	if (settings.gravity && hasMass) m_local.tool.gravity = toVec3(tool.getGravity());
+	if (hasMass) m_weight = m_local.tool.mass * m_local.tool.gravity;
+	m_local.tool.state = {toPose(tool.getWorldTransform()), {toVec3(tool.getLinearVelocity()), toVec3(tool.getAngularVelocity())}};
+	m_threadFinder.measure();
+	m_worldAge.fullUntil = m_answerAge.fullUntil = settings.fullUntil;
+	m_worldAge.zeroFrom = m_answerAge.zeroFrom = settings.zeroFrom;
+	post();
+}
+
+BulletDecoupledSource::~BulletDecoupledSource() { stopContactThread(); }
+
+void BulletDecoupledSource::makeRoom(const ist::InnerSphereTree& tree)
+{
+	m_finder.makeRoom(tree);
+	m_threadFinder.makeRoom(tree);
+}
+
+ToolState BulletDecoupledSource::toolState() const noexcept
+{
+	const ToolState& t = m_local.tool.state;
+	const ist::Mat3& R_WB = m_X_WB.rotation;
+	return {m_X_WB * t.X_WT, {R_WB * t.twist.linear, R_WB * t.twist.angular}};
+}
+
+void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
+{
+	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass stands for a spring times the square of the step
+	{
+		step.coupling = {};
+		step.tool = toolState();
+		return;
+	}
+	const std::int64_t now = m_time.now();
+	takeSnapshot(now);
+	const double factor = m_worldAge.factor(now);
+	if (factor < 1) m_fadedTicks.fetch_add(1, std::memory_order_relaxed);
+	if (factor == 0)
+		for (int slot = 0; slot < kMirroredBodies; ++slot) m_local.body(slot).share = 0;
+	step.overdue = m_worldAge.known() ? m_worldAge.overdue(now) : 0;
+
+	const auto begin = std::chrono::steady_clock::now();
+	step.queryMicroseconds = 0;
+	m_touchingCount = 0;
+	if (m_refusal[0] == '\0') findContacts(now, step);
+	if (topology() == ContactTopology::InTick) step.queryMicroseconds = microsecondsSince(begin);
+	weighContacts(dt, factor);
+	adapt(dt, hand);
+	forgetMomentum(dt);
+	step.coupling = pull(dt, hand);
+	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
+	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
+	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching, m_touchingCount, m_mirror.snapshot());
+	step.tool = toolState();
+	step.toolIsBroken = m_local.toolIsBroken();
+	if (step.toolIsBroken) m_brokenSteps.fetch_add(1, std::memory_order_relaxed);
+	step.couplingFactor = m_coupling.factor();
+	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_coupling.gains(), step.coupling, step.tool.twist, dt);
+	fill(dt, origin, step);
+	post();
+}
+
+void BulletDecoupledSource::takeSnapshot(std::int64_t now) noexcept
+{
+	if (m_mirror.fetch())
+	{
+		const WorldSnapshot& world = m_mirror.snapshot();
+		m_worldAge.arrived(now, static_cast<std::int64_t>(1e9 * world.period));
+		m_local.reconcile(world);
+		m_worldSteps.fetch_add(1, std::memory_order_relaxed);
+	}
+	const std::int64_t age = m_worldAge.known() ? m_worldAge.age(now) : 0;
+	m_age.store(age, std::memory_order_relaxed);
+	m_longestAge.store(std::max(age, m_longestAge.load(std::memory_order_relaxed)), std::memory_order_relaxed);
+	m_period.store(m_worldAge.period(), std::memory_order_relaxed);
+}
+
+/// To the contacts of this very step.
+void BulletDecoupledSource::adapt(double dt, const DeviceState& hand) noexcept
+{
+	if (!m_coupling.adapts() || !(dt > 0)) return;
+	ist::SymmetricMatrix6 resistance;
+	bool rigid = false;
+	for (int i = 0; i < m_touchingCount; ++i)
+	{
+		const LinearContact& c = m_touching[i];
+		addResistance(resistance, c.stiffness, c.damping, c.point - m_local.tool.state.X_WT.translation, dt);
+		rigid = rigid || c.friction > 0;
+	}
+	const bool hasMass = !m_settings.gains.isStatic;
+	// A tool that cannot turn, or move, is led by no spring there.
+	const auto momentum = [&](double inert) { return hasMass && std::isfinite(inert) ? inert : 0; };
+	m_coupling.adapt(resistance, rigid, momentum(m_local.tool.mass), momentum(m_leastInertia), hand.X_WH, toolState().X_WT, dt);
+}
+
+ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) const noexcept
+{
+	if (m_refusal[0] != '\0' || !isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
+	if (m_settings.gains.isStatic) return staticPull(m_coupling.gains(), hand.X_WH, toolState().X_WT);
+	const ist::Wrench wanted =
+		couplingOnTool(m_coupling.gains(), hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
+	return isFinite(wanted) ? wanted : ist::Wrench();
+}
+
+/// Before a step on a static coupling.
+void BulletDecoupledSource::forgetMomentum(double dt) noexcept
+{
+	const CouplingGains& gains = m_coupling.gains();
+	LocalTool& tool = m_local.tool;
+	if (!gains.isStatic) return;
+	if (gains.stiffness > 0)
+	{
+		tool.mass = staticMass(gains.stiffness, dt);
+		tool.gravity = m_weight / tool.mass;
+		tool.state.twist.linear = {};
+	}
+	if (!(gains.angularStiffness > 0)) return;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) tool.inverseInertia.m[i][j] = i == j ? 1 / staticMass(gains.angularStiffness, dt) : 0;
+	tool.state.twist.angular = {};
+}
+
+void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexcept
+{
+	const ContactTopology wanted = topology();
+	// Whatever the topology is now: bodies are released only when no question points to them any more.
+	takeAnswer();
+	if (wanted != m_lastTopology)
+	{
+		m_answerAge.forget();
+		if (wanted == ContactTopology::OwnThread && m_answers.readable().number > 0) m_answerAge.arrived(m_answers.readable().askedAt, 0);
+	}
+	m_lastTopology = wanted;
+	const WorldSnapshot& world = m_mirror.snapshot();
+	if (wanted != ContactTopology::OwnThread) takeQuestionBack();
+	if (wanted == ContactTopology::InTick) askInTick(step);
+	else if (wanted == ContactTopology::OwnThread)
+	{
+		feelAnswer(now, step);
+		ask(now);
+	}
+	else
+	{
+		if (world.step != m_toolAnswers) m_toolAnswers = world.step, m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
+		takeModel(world.toolContacts, world.toolContactCount, 1);
+		for (int i = 0; i < m_touchingCount; ++i) step.overlapVolume += m_touching[i].volume;
+	}
+}
+
+void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
+{
+	const WorldSnapshot& world = m_mirror.snapshot();
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const MirroredBody& body = world.bodies[slot];
+		if (body.epoch == 0 || body.leaving) continue;
+		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, body, m_local.body(slot).spent.X_WB, slot, m_touching + m_touchingCount,
+										 kToolContacts - m_touchingCount, step.overlapVolume);
+	}
+	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
+	m_overBudget.store(m_finder.overBudget(), std::memory_order_relaxed);
+	m_refused.store(m_finder.refused(), std::memory_order_relaxed);
+}
+
+void BulletDecoupledSource::takeAnswer() noexcept
+{
+	if (!m_answers.fetch()) return;
+	const Answer& answer = m_answers.readable();
+	m_settled = std::max(m_settled, answer.number);
+	m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
+	m_coarsened.store(answer.coarsened, std::memory_order_relaxed);
+	m_overBudget.store(answer.overBudget, std::memory_order_relaxed);
+	m_refused.store(answer.refused, std::memory_order_relaxed);
+	if (m_lastTopology == ContactTopology::OwnThread) m_answerAge.arrived(answer.askedAt, 0);
+}
+
+void BulletDecoupledSource::feelAnswer(std::int64_t now, ToolStep& step) noexcept
+{
+	const Answer& answer = m_answers.readable();
+	step.queryMicroseconds = answer.microseconds;
+	if (!m_answerAge.known()) return;
+	takeModel(answer.contacts, answer.count, m_answerAge.factor(now));
+	step.overlapVolume = answer.volume;
+}
+
+/// At most one question is out at a time: the trees that it points to must live until it was answered or taken back.
+void BulletDecoupledSource::ask(std::int64_t now) noexcept
+{
+	const WorldSnapshot& world = m_mirror.snapshot();
+	// A thread that does not run would keep a body that leaves for ever.
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+		if (world.bodies[slot].leaving && !mayRelease(slot)) takeQuestionBack();
+	if (awaitsAnswer()) return;
+	Question& question = m_questions.writable();
+	question.number = ++m_asked;
+	question.askedAt = now;
+	question.X_WT = m_local.tool.state.X_WT;
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const MirroredBody& body = world.bodies[slot];
+		MirroredBody& asked = question.bodies[slot];
+		// Empty slots are many, and a body is long: only tenants are copied.
+		asked.epoch = body.epoch;
+		if (body.epoch == 0) continue;
+		asked = body;
+		asked.X_WB = m_local.body(slot).spent.X_WB;
+		if (!asked.leaving) m_lastQuestion[slot] = m_asked;
+	}
+	m_triedToTakeBack = false;
+	m_questions.publish();
+	m_thread.wake();
+}
+
+/// A question that no thread has begun with is replaced by none. If a thread has begun with it, its answer will come: one try is enough.
+void BulletDecoupledSource::takeQuestionBack() noexcept
+{
+	if (!awaitsAnswer() || m_triedToTakeBack) return;
+	m_triedToTakeBack = true;
+	m_questions.writable().number = 0;
+	if (m_questions.publish()) m_settled = m_asked;
+}
+
+/// Linear models that still belong to tenants, moved to where tool and copies are.
+void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, double factor) noexcept
+{
+	std::optional<ContactMotion> motion;
+	int motionOf = -1;
+	for (int i = 0; i < count; ++i)
+	{
+		const int slot = contacts[i].b;
+		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
+		if (body.epoch == 0 || body.leaving || body.epoch != contacts[i].epoch) continue;
+		// The patches of one body stand together, and were found at the same poses.
+		if (motionOf != slot) motion.emplace(contacts[i], m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB);
+		motionOf = slot;
+		double way = 0;
+		LinearContact& moved = m_touching[m_touchingCount] = movedTo(contacts[i], *motion, &way);
+		if (!(dot(moved.wrench.force, moved.normal) > 0)) continue;
+		scale(moved, factor * trust(way, m_settings.trustedModel));
+		++m_touchingCount;
+	}
+}
+
+/// A contact counts as far as its copy is trusted, the world is in time, and it did not begin inside.
+void BulletDecoupledSource::weighContacts(double dt, double factor) noexcept
+{
+	bool touched[kMirroredBodies] = {};
+	for (int i = 0; i < m_touchingCount; ++i) touched[m_touching[i].b] = true;
+	const WorldSnapshot& world = m_mirror.snapshot();
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		double& share = m_local.body(slot).share;
+		if (factor > 0) share = touched[slot] ? std::min(1.0, share + dt / m_settings.fadeIn) : 1;
+	}
+	for (int i = 0; i < m_touchingCount; ++i)
+	{
+		const int slot = m_touching[i].b;
+		const BulletLocalWorld::Body& body = m_local.body(slot);
+		const double way = distance(body.spent.X_WB.translation, world.bodies[slot].X_WB.translation);
+		scale(m_touching[i], factor * body.share * trust(way, m_settings.trustedWay));
+	}
+}
+
+void BulletDecoupledSource::fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept
+{
+	const ist::Mat3& R_WB = m_X_WB.rotation;
+	const double rate = dt > 0 ? 1 / dt : 0;
+	int contactOf[kMirroredBodies];
+	std::fill(contactOf, contactOf + kMirroredBodies, -1);
+	for (int i = 0; i < m_touchingCount; ++i)
+	{
+		const LinearContact& c = m_touching[i];
+		step.pairs += c.pairs;
+		int& at = contactOf[c.b];
+		if (at < 0)
+		{
+			if (step.contactCount == kMaxToolContacts) continue;
+			at = step.contactCount++;
+			step.contacts[at] = {};
+			step.contacts[at].other = m_mirror.snapshot().bodies[c.b].id;
+		}
+		ToolContact& out = step.contacts[at];
+		const ist::Wrench& impulse = m_local.impulse(i);
+		out.onTool.force += R_WB * (rate * impulse.force);
+		out.onTool.torque += R_WB * (rate * (impulse.torque + cross(c.point - origin, impulse.force)));
+		out.point += c.volume * (m_X_WB * c.point);
+		out.normal += R_WB * (c.volume * c.normal);
+		out.volume += c.volume;
+		out.pairs += c.pairs;
+	}
+	for (int i = 0; i < step.contactCount; ++i)
+	{
+		ToolContact& out = step.contacts[i];
+		out.point = out.point / out.volume;
+		out.normal = normalized(out.normal);
+	}
+}
+
+bool BulletDecoupledSource::mayRelease(int slot) const noexcept { return m_settled >= m_lastQuestion[slot]; }
+
+void BulletDecoupledSource::post() noexcept
+{
+	HandPost& out = m_mirror.post();
+	out.tick = ++m_tick;
+	out.tool = m_local.tool.state;
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const SpentImpulse& spent = m_local.body(slot).spent;
+		if (spent.epoch == 0) out.bodies[slot].epoch = 0;
+		else out.bodies[slot] = spent;
+		out.bodies[slot].released = m_mirror.snapshot().bodies[slot].leaving && mayRelease(slot);
+	}
+	m_mirror.send();
+}
+
+bool BulletDecoupledSource::serveContacts() noexcept
+{
+	if (!m_questions.fetch()) return false;
+	const Question& question = m_questions.readable();
+	if (question.number == 0) return false;
+	Answer& answer = m_answers.writable();
+	answer.number = question.number;
+	answer.askedAt = question.askedAt;
+	answer.count = 0;
+	answer.volume = 0;
+	const auto begin = std::chrono::steady_clock::now();
+	const double asked = m_threadFinder.queryMicroseconds();
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const MirroredBody& body = question.bodies[slot];
+		if (body.epoch == 0 || body.leaving) continue;
+		answer.count += m_threadFinder.find(question.X_WT, body, body.X_WB, slot, answer.contacts + answer.count,
+											kToolContacts - answer.count, answer.volume);
+	}
+	answer.microseconds = microsecondsSince(begin);
+	answer.coarsened = m_threadFinder.coarsened();
+	answer.overBudget = m_threadFinder.overBudget();
+	answer.refused = m_threadFinder.refused();
+	const double used = threadMicroseconds();
+	answer.cost = {answer.number, 0, used - (m_threadTime < 0 ? used : m_threadTime), m_threadFinder.queryMicroseconds() - asked};
+	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[i].pairs;
+	m_threadTime = used;
+	m_answers.publish();
+	return true;
+}
+
+bool BulletDecoupledSource::startContactThread()
+{
+	const auto begin = [this]
+	{
+		m_threadTime = threadMicroseconds();
+		if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
+	};
+	return m_thread.start(begin, [this] { return serveContacts(); });
+}
+
+void BulletDecoupledSource::stopContactThread() noexcept
+{
+	m_thread.stop();
+	m_threadTime = -1;
+}
+
+ist::Vec3 BulletDecoupledSource::undelivered() const noexcept
+{
+	ist::Vec3 sum;
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		const SpentImpulse &spent = m_local.body(slot).spent, &seen = m_mirror.snapshot().bodies[slot].seen;
+		if (spent.epoch != 0) sum += spent.impulse.force - (seen.epoch == spent.epoch ? seen.impulse.force : ist::Vec3());
+	}
+	return sum;
+}
+
+bool BulletDecoupledSource::copyOf(const void* object, ist::Pose& X_WB) const noexcept
+{
+	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	{
+		if (m_local.body(slot).spent.epoch == 0 || m_mirror.snapshot().bodies[slot].id != object) continue;
+		X_WB = m_local.body(slot).spent.X_WB;
+		return true;
+	}
+	return false;
+}
+
+DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
+{
+	const auto read = [](const auto& value) { return value.load(std::memory_order_relaxed); };
+	DecoupledStatistics s;
+	s.worldSteps = read(m_worldSteps);
+	s.modelAnswers = read(m_modelAnswers);
+	s.fadedTicks = read(m_fadedTicks);
+	s.coarsenedQueries = read(m_coarsened);
+	s.queriesOverBudget = read(m_overBudget);
+	s.refusedQueries = read(m_refused);
+	s.brokenSteps = read(m_brokenSteps);
+	s.contactRealTime = read(m_contactRealTime);
+	s.modelAge = 1e-9 * static_cast<double>(read(m_age));
+	s.longestModelAge = 1e-9 * static_cast<double>(read(m_longestAge));
+	s.period = 1e-9 * static_cast<double>(read(m_period));
+	return s;
+}
+}  // namespace devicebridge

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+
+namespace devicebridge
+{
+/// One patch of contact between A and B as a linear model about the poses in which it was found, World axes. Wrench, stiffness and
+/// damping are about `point` and act on A; B receives the opposite there.
+struct LinearContact
+{
+	static constexpr int kFixed = -1, kTool = -2;  ///< instead of a slot
+	int a = kFixed, b = kFixed;
+	std::uint64_t epoch = 0;  ///< of the tenant of slot `b`, where A is the tool
+	ist::Vec3 point, normal;  ///< centroid; direction of the elastic force on A
+	ist::Wrench wrench;  ///< elastic [N, N m]
+	ist::SymmetricMatrix6 stiffness, damping;  ///< as btContactPatch has them
+	double frictionRadius = 0, friction = 0;  ///< [m]; Coulomb's coefficient of the pair
+	ist::Pose X_WA, X_WB;  ///< in which it was found
+	double volume = 0;     ///< of the overlap [m^3]
+	int pairs = 0;         ///< of leaves
+};
+
+/// How A and B have moved since a contact between them was found.
+struct ContactMotion
+{
+	ist::Pose X_WA, X_WB;    ///< now
+	ist::Pose A, B;          ///< from where a point of each body was to where it is
+	ist::Vec3 turn;          ///< of A relative to B
+
+	ContactMotion(const LinearContact& found, const ist::Pose& nowA, const ist::Pose& nowB) noexcept
+		: X_WA(nowA), X_WB(nowB), A(nowA * inverse(found.X_WA)), B(nowB * inverse(found.X_WB)), turn(turnOf(A) - turnOf(B))
+	{
+	}
+
+private:
+	static ist::Vec3 turnOf(const ist::Pose& X) noexcept { return rotationVector(ist::quaternion(X.rotation)); }
+};
+
+/// The same contact after that: the point goes with both, and the wrench falls by the stiffness times the way and the turn
+/// of A relative to B. `way`, if given, receives the length of that way [m].
+inline LinearContact movedTo(const LinearContact& c, const ContactMotion& motion, double* way = nullptr) noexcept
+{
+	const ist::Vec3 onA = motion.A * c.point, onB = motion.B * c.point, shift = onA - onB;
+	const double displacement[6] = {shift.x, shift.y, shift.z, motion.turn.x, motion.turn.y, motion.turn.z};
+	LinearContact moved = c;
+	moved.point = 0.5 * (onA + onB);
+	moved.X_WA = motion.X_WA;
+	moved.X_WB = motion.X_WB;
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j) (i < 3 ? moved.wrench.force[i] : moved.wrench.torque[i - 3]) -= c.stiffness(i, j) * displacement[j];
+	if (way) *way = norm(shift);
+	return moved;
+}
+inline LinearContact movedTo(const LinearContact& c, const ist::Pose& X_WA, const ist::Pose& X_WB, double* way = nullptr) noexcept
+{
+	return movedTo(c, ContactMotion(c, X_WA, X_WB), way);
+}
+}  // namespace devicebridge

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Loop/SteppingThread.h"
+
+#include "DeviceBridge/Timing/RealTimePriority.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <exception>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
+namespace devicebridge
+{
+namespace
+{
+constexpr std::int64_t kHour = 3'600'000'000'000;  // [ns]
+constexpr std::chrono::microseconds kPatience{200};  // between two looks at a loop that is to stop
+constexpr const char* kOnTheCaller = "on the caller's thread, as that is scheduled";
+
+bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3() && w.torque == ist::Vec3(); }
+
+void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
+
+// A camera or a glove that samples at 60 Hz is not frozen between two samples.
+StateWatchSettings watchOf(const DeviceInfo& info, StateWatchSettings settings)
+{
+	const double threePeriods = info.nominalRate > 0 ? 3e9 / info.nominalRate : 0;
+	settings.frozenAfter = std::max(settings.frozenAfter, static_cast<std::int64_t>(std::min(threePeriods, 1e9)));
+	return settings;
+}
+}  // namespace
+
+void DurationHistogram::add(std::int64_t nanoseconds) noexcept
+{
+	const double octaves = std::log2(static_cast<double>(std::max<std::int64_t>(1, nanoseconds)));
+	increment(m_bins[static_cast<std::size_t>(std::clamp(static_cast<int>(4 * octaves), 0, kBins - 1))]);
+	increment(m_count);
+	if (nanoseconds > longest()) m_longest.store(nanoseconds, std::memory_order_relaxed);
+}
+
+double DurationHistogram::quantile(double p) const noexcept
+{
+	const double wanted = p * static_cast<double>(count());
+	double below = 0;
+	for (int i = 0; i < kBins; ++i)
+	{
+		below += static_cast<double>(m_bins[static_cast<std::size_t>(i)].load(std::memory_order_relaxed));
+		if (below > 0 && below >= wanted) return std::exp2((i + 1) / 4.0);
+	}
+	return 0;
+}
+
+SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clock, const SteppingSettings& settings)
+	: m_device(device),
+	  m_source(source),
+	  m_time(clock),
+	  m_settings(settings),
+	  m_limiter(device.info(), settings.safety),
+	  m_watch(watchOf(device.info(), settings.watch)),
+	  m_scheduling(kOnTheCaller),
+	  m_memory("not locked: the loop has no thread of its own")
+{
+	m_settings.period = std::max<std::int64_t>(1, settings.period);
+}
+
+SteppingThread::~SteppingThread()
+{
+	stop();
+	if (m_ticks > 0) sendZero(FaultCause::None, m_time.now());
+}
+
+/// Makes the caller the only one who may tick. False, with a refusal.
+bool SteppingThread::claim() noexcept
+{
+	const char* refused = m_source.refusal();
+	Loop idle = Loop::Idle;
+	if (refused[0] == '\0' && !m_loop.compare_exchange_strong(idle, Loop::Running))
+		refused = m_loopThread.load() == std::this_thread::get_id() ? "the loop runs on this very thread: a listener cannot start another"
+																	: "the loop runs already, in start() or run(): stop() it first";
+	m_refusal.store(refused, std::memory_order_relaxed);
+	return refused[0] == '\0';
+}
+
+/// A stop that came before the end of the last tick finds the device at zero.
+void SteppingThread::leave() noexcept
+{
+	m_loopThread = std::thread::id();
+	Loop running = Loop::Running;
+	if (m_loop.compare_exchange_strong(running, Loop::Idle)) return;
+	sendZero(FaultCause::None, m_time.now());
+	m_scheduled = false;
+	m_stops.fetch_add(1, std::memory_order_release);
+	m_loop.store(Loop::Idle, std::memory_order_release);
+}
+
+void SteppingThread::loop(std::int64_t ticks) noexcept
+{
+	m_loopThread = std::this_thread::get_id();
+	for (std::int64_t i = 0; i < ticks && m_loop.load(std::memory_order_acquire) == Loop::Running; ++i)
+	{
+		waitForTick();
+		tick();
+	}
+	leave();
+}
+
+bool SteppingThread::run(std::int64_t ticks) noexcept
+{
+	if (!claim()) return false;
+	m_scheduling = kOnTheCaller;
+	loop(ticks);
+	return true;
+}
+
+bool SteppingThread::start()
+{
+	if (!claim()) return false;
+	if (m_thread.joinable()) m_thread.join();
+	m_scheduled = false;
+	try
+	{
+		m_thread = std::thread(
+			[this]
+			{
+				askForRealTime();
+				askForMemory();
+				loop(std::numeric_limits<std::int64_t>::max());
+			});
+	}
+	catch (const std::exception&)
+	{
+		m_refusal = "the system gives no thread for the loop";
+		m_loop = Loop::Idle;
+		return false;
+	}
+	return true;  // it may have ended already
+}
+
+void SteppingThread::requestStop() noexcept
+{
+	Loop running = Loop::Running;
+	m_loop.compare_exchange_strong(running, Loop::Stopping);
+}
+
+void SteppingThread::stop() noexcept
+{
+	const std::uint64_t stops = m_stops.load(std::memory_order_acquire);
+	requestStop();
+	if (m_loopThread.load() == std::this_thread::get_id()) return;
+	if (m_thread.joinable()) m_thread.join();
+	// A run() on another thread cannot be joined. The caller is not on the tick, so it may sleep. A run() that began between two of these requests
+	// is stopped, too; one that begins after a loop was stopped is not waited for.
+	for (; running() && m_stops.load(std::memory_order_acquire) == stops; std::this_thread::sleep_for(kPatience)) requestStop();
+	Loop idle = Loop::Idle;
+	if (!m_loop.compare_exchange_strong(idle, Loop::Stopping)) return;
+	// A run() that came to its own end has left the last command standing.
+	if (!isZero(m_sent.wrench)) sendZero(FaultCause::None, m_time.now());
+	m_scheduled = false;
+	m_loop.store(Loop::Idle, std::memory_order_release);
+}
+
+void SteppingThread::askForRealTime() noexcept
+{
+	m_scheduling = "normal priority: real time was not asked for";
+	if (!m_settings.realTime) return;
+#if defined(__linux__)
+	m_scheduling = askForRealTimePriority(m_settings.priority)
+					   ? "real time (SCHED_FIFO)"
+					   : "normal priority: SCHED_FIFO was refused; it needs CAP_SYS_NICE or an rtprio limit";
+#else
+	m_scheduling = "normal priority: real time is not supported on this platform";
+#endif
+}
+
+void SteppingThread::askForMemory() noexcept
+{
+	m_memory = "not locked: it was not asked for";
+	if (!m_settings.lockMemory) return;
+#if defined(__linux__)
+	// Under a limit, pages to come would be refused later, in the middle of the program that uses this.
+	rlimit limit{};
+	const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+	m_memory = unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
+				   ? "locked"
+				   : "not locked: it was refused; it needs CAP_IPC_LOCK or an unlimited memlock limit";
+#else
+	m_memory = "not locked: that is not supported on this platform";
+#endif
+}
+
+void SteppingThread::waitForTick() noexcept
+{
+	if (!m_scheduled)
+	{
+		m_deadline = m_lastTick = m_time.now();
+		m_scheduled = true;
+	}
+	m_deadline += m_settings.period;
+	m_time.sleepUntil(m_deadline);
+	const std::int64_t now = m_time.now();
+	m_periods.add(now - m_lastTick);
+	m_lastTick = now;
+	// After a jump back the sleep may have ended early as well: the schedule starts anew.
+	if (m_time.jumps() != m_seenJumps) m_deadline = now;
+	if (now - m_deadline <= m_settings.period) return;
+	// Missed ticks are dropped: catching up would be a burst of force updates without time between them.
+	increment(m_overruns);
+	m_deadline = now;
+}
+
+void SteppingThread::tick() noexcept
+{
+	const std::int64_t now = m_lastTick;
+	const bool fresh = readDevice(now);
+	m_wanted = {};
+	try
+	{
+		const std::int64_t computedAt = fresh ? computeWrench() : now;
+		if (!fresh && m_hasState) advanceWorld();
+		if (fresh) send(computedAt);
+		else sendZero(m_watchCause, now);
+	}
+	catch (...)
+	{
+		m_limiter.raiseFault();
+		m_latchedCause = FaultCause::HookException;
+		sendZero(FaultCause::HookException, now);
+	}
+	increment(m_ticks);
+	m_costs.add(m_time.now() - now);
+}
+
+std::int64_t SteppingThread::computeWrench()
+{
+	onTransform.broadcast(m_state);
+	advanceWorld();
+	m_wanted = m_law->handWrench(m_state, m_step);
+	// What a law says of its time is believed to an hour: beyond that all is equally old, and sums with it would overflow.
+	const std::int64_t saidAt = std::clamp(m_law->computedAt(m_state), m_lastTick - kHour, m_lastTick + kHour);
+	const std::int64_t computedAt = saidAt - std::clamp<std::int64_t>(m_step.overdue, 0, kHour);
+	onHapticTick.broadcast(m_state, m_wanted);
+	return computedAt;
+}
+
+/// False when there is no sample to act on: the last good one stays, and `m_watchCause` says why.
+bool SteppingThread::readDevice(std::int64_t now) noexcept
+{
+	DeviceState state = m_state;
+	const DeviceStatus status = m_device.read(now, state);
+	m_watchCause = status == DeviceStatus::Ok			  ? m_watch.judge(state, now)
+				   : status == DeviceStatus::InvalidState ? FaultCause::InvalidState
+														  : FaultCause::Disconnected;
+	if (m_watchCause == FaultCause::InvalidState)
+	{
+		m_limiter.raiseFault();
+		m_latchedCause = FaultCause::InvalidState;
+	}
+	if (m_watchCause != FaultCause::None)
+	{
+		if (!m_outage) m_outageSince = now;
+		m_outage = true;
+		increment(m_deviceErrors);
+		return false;
+	}
+	// A glitch of one sample is bridged by the slew limit; after longer the hand may be anywhere.
+	if (m_outage && now - m_outageSince > m_settings.safety.fullUntil) m_limiter.restart();
+	m_outage = false;
+	m_state = state;
+	m_hasState = true;
+	return true;
+}
+
+// The nominal period, not the measured one: a late tick must not make the world take a longer, less stable step.
+void SteppingThread::advanceWorld()
+{
+	m_step.contactCount = 0;
+	m_step.overlapVolume = 0;
+	m_step.pairs = 0;
+	m_step.overdue = 0;
+	m_step.toolIsBroken = false;
+	const double period = 1e-9 * static_cast<double>(m_settings.period);
+	DeviceState hand = m_state;
+	// While the device gives no sample, and while the thread is stopped, the hand goes on as well.
+	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
+	if (m_watchCause == FaultCause::None) m_lastSampleTick = m_lastTick;
+	m_source.advance(period, hand, m_step);
+	if (m_step.toolIsBroken)
+	{
+		m_limiter.raiseFault();
+		m_latchedCause = FaultCause::ToolNotFinite;
+	}
+	m_step.contactCount = std::clamp(m_step.contactCount, 0, kMaxToolContacts);
+	for (int i = 0; i < m_step.contactCount; ++i) onCollision.broadcast(m_step.contacts[i]);
+}
+
+void SteppingThread::send(std::int64_t computedAt) noexcept
+{
+	DeviceCommand command;
+	command.sequence = ++m_sequence;
+	command.basedOn = m_state.sequence;
+	command.computedAt = computedAt;
+	command.expiresAt = computedAt + m_settings.safety.zeroFrom;
+	command.wrench = m_wanted;
+	// A tick that took longer than a period may have outlived its command. Any other counts as instantaneous, so that a
+	// recorded run can be replayed to the last bit.
+	const std::int64_t finished = m_time.now();
+	const bool slow = finished - m_lastTick >= m_settings.period;
+	const std::int64_t now = slow ? finished : std::max(m_lastTick, std::min(m_state.sampledAt, finished));
+	const bool jumped = m_time.jumps() != m_seenJumps, stalled = now - m_lastTick >= m_settings.safety.zeroFrom;
+	m_seenJumps = m_time.jumps();
+	if (jumped) m_limiter.restart();
+	const bool wasFaulted = m_limiter.faulted();
+	m_sent = m_limiter.limit(command, {m_state.X_WH, m_state.twist, m_state.flags, m_step.contactCount > 0}, now);
+	if (!wasFaulted && m_limiter.faulted()) m_latchedCause = FaultCause::NotFinite;
+	if (!m_limiter.faulted()) m_latchedCause = FaultCause::None;
+	const bool written = m_device.write(m_sent) == DeviceStatus::Ok;
+	if (!written)
+	{
+		increment(m_deviceErrors);
+		m_sent.wrench = {};
+		m_limiter.takeBack();
+	}
+	const FaultCause latched = m_latchedCause == FaultCause::None ? FaultCause::Raised : m_latchedCause;
+	if (m_limiter.faulted()) report(latched, true);
+	else report(!written ? FaultCause::Disconnected : jumped ? FaultCause::ClockJump : stalled ? FaultCause::Stalled : FaultCause::None, false);
+}
+
+void SteppingThread::sendZero(FaultCause cause, std::int64_t at) noexcept
+{
+	m_wanted = {};
+	DeviceCommand command;
+	command.sequence = ++m_sequence;
+	command.basedOn = m_state.sequence;
+	command.computedAt = at;
+	command.expiresAt = command.computedAt + m_settings.safety.zeroFrom;
+	m_sent = m_limiter.zero(command, command.computedAt);
+	if (m_device.write(m_sent) != DeviceStatus::Ok) increment(m_deviceErrors);
+	report(cause, m_limiter.faulted());
+}
+
+void SteppingThread::report(FaultCause cause, bool latched) noexcept
+{
+	const FaultCause before = m_cause.exchange(cause, std::memory_order_relaxed);
+	if (cause == before || cause == FaultCause::None) return;
+	increment(m_faults);
+	const Fault fault{cause, m_time.now(), latched};
+	try
+	{
+		onFault.broadcast(fault);
+	}
+	catch (...)
+	{
+		m_limiter.raiseFault();
+	}
+}
+}  // namespace devicebridge

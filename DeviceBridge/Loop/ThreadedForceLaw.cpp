@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Loop/ThreadedForceLaw.h"
+
+namespace devicebridge
+{
+namespace
+{
+ist::Wrench reaction(const ToolStep& step) { return -1.0 * step.coupling; }
+}  // namespace
+
+ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep& step) noexcept
+{
+	if (m_answers.fetch()) m_held = m_answers.readable();
+	const bool free = m_answers.readable().number == m_asked;
+	if (!threaded() && free)
+	{
+		const ist::Wrench wrench = m_law.handWrench(hand, step);
+		m_held = {1, wrench - reaction(step), m_law.computedAt(hand)};
+		return wrench;
+	}
+	if (free)
+	{
+		Question& question = m_questions.writable();
+		question.number = ++m_asked;
+		question.hand = hand;
+		question.step = step;
+		m_questions.publish();
+		m_thread.wake();
+	}
+	return m_held.number == 0 ? ist::Wrench() : reaction(step) + m_held.beyondCoupling;
+}
+
+std::int64_t ThreadedForceLaw::computedAt(const DeviceState& hand) const noexcept
+{
+	// Before the first answer there is nothing to be felt: neither force nor fault.
+	return m_held.number == 0 ? hand.sampledAt : m_held.computedAt;
+}
+
+bool ThreadedForceLaw::serve() noexcept
+{
+	if (!m_questions.fetch()) return false;
+	const Question& question = m_questions.readable();
+	Answer& answer = m_answers.writable();
+	answer.number = question.number;
+	answer.beyondCoupling = m_law.handWrench(question.hand, question.step) - reaction(question.step);
+	answer.computedAt = m_law.computedAt(question.hand);
+	m_answers.publish();
+	m_answered.fetch_add(1, std::memory_order_relaxed);
+	return true;
+}
+
+bool ThreadedForceLaw::start()
+{
+	return m_thread.start([] {}, [this] { return serve(); });
+}
+
+void ThreadedForceLaw::stop() noexcept { m_thread.stop(); }
+}  // namespace devicebridge

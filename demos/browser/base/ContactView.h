@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "demos/browser/base/DemoWorld.h"
+
+#include <map>
+#include <set>
+
+namespace browser
+{
+/// Shows what the bodies of a world say to each other. May ask a query again to have the pairs.
+class ContactView
+{
+public:
+	/// Adds everything that is chosen. `arrowForce`: force whose arrow is `arrowLength` long [N, m].
+	void draw(DemoWorld& world, const DrawChoice& choice, double arrowForce, double arrowLength, DrawList& list);
+
+	/// Levels of bodies' trees that answered in what was drawn last.
+	const std::set<int>& answering() const { return m_answering; }
+
+private:
+	void drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const;
+	void drawLenses(const btISTContact& contact, DrawList& list);
+	void drawLevels(const btISTContact& contact, const ist::LevelPair& trees, DrawList& list);
+	void addKeys(const DrawChoice& choice, DrawList& list) const;
+	void drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list);
+	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list);
+	void drawForce(const ist::Vec3& at, const ist::Vec3& force, DrawList& list) const;
+	/// `lever`: a force at this distance has such a moment [m]; what is small beside the forces is left out.
+	void drawMoment(const ist::Vec3& at, const ist::Vec3& moment, double lever, DrawList& list) const;
+
+	ist::QueryWorkspace m_workspace;
+	std::set<std::pair<const void*, const void*>> m_drawnLevels;  // bodies with the trees that answer for them
+	std::map<int, size_t> m_ballsOfLevel;
+	std::set<int> m_answering;
+	double m_strongest = 0;  // of all forces in the picture [N]
+	double m_arrowForce = 1, m_arrowLength = 1;
+};
+
+/// A force in words: "12.3 N".
+std::string formatForce(double newton);
+}  // namespace browser

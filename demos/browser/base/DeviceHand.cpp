@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/browser/base/DeviceHand.h"
+
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
+
+#include <chrono>
+
+using namespace ist;
+
+namespace browser
+{
+Result<std::unique_ptr<DeviceHand>> DeviceHand::open(const std::string& address)
+{
+	auto device = devicebridge::DeviceRegistry().open(address);
+	if (!device) return device.error();
+	return std::make_unique<DeviceHand>(std::move(device).value());
+}
+
+void DeviceHand::update(BrowsableDemo& demo, double scale)
+{
+	const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+	devicebridge::DeviceState state;
+	const devicebridge::DeviceStatus status = m_device->read(now, state);
+	if (status != devicebridge::DeviceStatus::Ok || !isRigid(state.X_WH))
+	{
+		m_known = false;
+		if (!m_trouble.empty()) return;
+		const std::string complaint = m_device->complaint();
+		m_trouble = "the device is lost: " + (complaint.empty() ? std::string(devicebridge::describe(status)) : complaint);
+		return;
+	}
+	m_trouble.clear();
+	const Pose X = state.X_WH;
+	// A clutch: the hand may rest while nothing is held.
+	if (m_known && demo.grabTool())
+		demo.drag(scale * (X.translation - m_last.translation), rotationVector(quaternion(X.rotation * transpose(m_last.rotation))));
+	m_last = X;
+	m_known = true;
+}
+}  // namespace browser

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/browser/base/ContactView.h"
+#include "demos/browser/base/HandPull.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+struct btISTSceneReport;
+
+namespace browser
+{
+/// What demos of Bullet worlds share: stepping, drawing, plots, the hand. A demo builds its bodies and names its figures.
+class WorldDemo : public BrowsableDemo
+{
+public:
+	std::optional<ist::Error> restart() final;
+	void step(double seconds) final;
+	double time() const final { return m_time; }
+	void draw(const DrawChoice& choice, DrawList& list) final;
+	std::vector<Curve> curves() const override;
+	std::vector<std::string> report() const override;
+	std::string reportJson() const override;
+	void setEconomy(const EconomyChoice& economy) override;
+	void useStockContact(bool on) override { m_stock = on; }
+	/// Everything that steps, for those who measure.
+	std::vector<DemoWorld*> worlds() const;
+	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override;
+	bool grabTool() override;
+	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { m_hand.move(shift, turn); }
+	void release() override { m_hand.release(); }
+	void keepAwake(bool on) override;
+
+protected:
+	/// A new world; in the picture it stands at `shift`, under its title, and `zoom` times as large as it is. What is drawn so steps so many
+	/// times slower as falling takes, that all sizes move alike: by the square root of the zoom.
+	DemoWorld& addWorld(const ist::Vec3& gravity = {0, -9.81, 0}, const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
+	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
+	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
+	/// Before the worlds go, for what must not outlive them.
+	virtual void leave() {}
+	/// The scene, anew. Errors of the worlds need not be looked for.
+	virtual std::optional<ist::Error> build() = 0;
+	virtual void beforeStep(double /*h*/) {}
+	virtual void afterStep(double /*h*/) {}
+	/// Of a body, in the report.
+	virtual std::string nameOf(const btCollisionObject* object) const;
+	/// More to see, and the ground.
+	virtual void decorate(const DrawChoice& /*choice*/, DrawList& /*list*/) {}
+	/// Force whose arrow is `arrowLength` long.
+	virtual double arrowForce() const = 0;
+	virtual double arrowLength() const = 0;
+	HandPull& hand() { return m_hand; }
+
+private:
+	struct Part
+	{
+		std::unique_ptr<DemoWorld> world;
+		ist::Vec3 shift;
+		std::string title;
+		double zoom = 1;
+	};
+	void sample();
+	void applyEconomy(Part& part) const;
+	btISTSceneReport sceneReport(const Part& part) const;
+
+	std::vector<Part> m_parts;
+	HandPull m_hand;
+	ContactView m_view;
+	DrawList m_one;
+	Curve m_force{"contact force", "N", {}}, m_pairs{"pairs", "", {}}, m_energy{"mechanical energy", "J", {}}, m_cost{"time of a step", "us", {}};
+	double m_time = 0, m_nextSample = 0;
+	bool m_awake = true, m_stock = false;
+	EconomyChoice m_economy;
+};
+}  // namespace browser

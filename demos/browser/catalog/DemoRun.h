@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "demos/browser/base/BrowsableDemo.h"
+
+namespace browser
+{
+struct DemoRunOptions
+{
+	long long frames = -1;  ///< steps; negative: as many as the demo's duration takes
+	double dt = 0;          ///< [s]; 0: the demo's own step
+	/// Before the first step and after each, with the number of steps done; false ends the run.
+	std::function<bool(long long)> afterStep;
+};
+
+struct DemoOutcome
+{
+	std::string name, about;
+	std::vector<Figure> figures;
+	std::vector<Curve> curves;
+	std::vector<scenes::Chart> charts;
+	std::vector<std::string> report;  ///< which model answers for which pair, at the end
+	std::string reportJson;
+	long long frames = 0;
+	double dt = 0, seconds = 0;      ///< simulated [s]
+	double stepMicroseconds = 0;     ///< mean, of the machine's time
+	bool complete = false;           ///< as long as the demo's duration: only then are the figures judged
+
+	bool ok() const;
+};
+
+/// Steps a prepared demo from its beginning.
+ist::Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const std::string& about, const DemoRunOptions& options);
+
+std::string makeJson(const DemoOutcome& outcome);
+std::vector<std::vector<std::string>> summaryRows(const DemoOutcome& outcome);
+scenes::HtmlReport makeReport(const DemoOutcome& outcome);
+}  // namespace browser

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/Grasp/GraspObjects.h"
+
+#include "BulletISTCollision/Core/Mesh/MeshDivision.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "demos/scenes/Bodies/ImplicitMesh.h"
+#include "demos/scenes/Grasp/Unwrap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+using namespace ist;
+
+namespace scenes
+{
+namespace
+{
+constexpr double kBunnySize = 0.09;
+constexpr double kLoadedSize = 0.1, kLoadedEdge = 0.002, kLoadedMass = 0.15;           // of files [m, m, kg]
+constexpr double kHandBreadth = 0.07, kWidestGrip = 0.076, kLowestGrip = 0.014;  // [m]
+constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
+
+/// Depth below the surface, positive inside, as far as these shapes know it [m].
+double roundBox(const Vec3& p, const Vec3& half, double rounding)
+{
+	const Vec3 q = Vec3{std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)} - half + Vec3{rounding, rounding, rounding};
+	return rounding - norm(componentMax(q, {})) - std::min(std::max({q.x, q.y, q.z}), 0.0);
+}
+double ellipsoid(const Vec3& p, const Vec3& r)
+{
+	const Vec3 q{p.x / r.x, p.y / r.y, p.z / r.z}, g{q.x / r.x, q.y / r.y, q.z / r.z};
+	const double k = norm(q), m = norm(g);
+	return m > 0 ? -k * (k - 1) / m : std::min({r.x, r.y, r.z});
+}
+double torus(const Vec3& p, double ring, double tube)
+{
+	return tube - std::hypot(std::hypot(p.x, p.z) - ring, p.y);
+}
+/// A rounded wall about y between two radii.
+double tube(const Vec3& p, double inner, double outer, double lower, double upper, double rounding)
+{
+	const Vec3 q{std::hypot(p.x, p.z) - 0.5 * (inner + outer), p.y - 0.5 * (lower + upper), 0};
+	return roundBox(q, {0.5 * (outer - inner), 0.5 * (upper - lower), 1}, rounding);
+}
+/// Union with a fillet about so wide.
+double joined(double a, double b, double fillet)
+{
+	const double h = std::max(fillet - std::fabs(a - b), 0.0) / fillet;
+	return std::max(a, b) + 0.25 * h * h * fillet;
+}
+
+constexpr double kMugRadius = 0.032, kArch = 0.022;
+/// A point from the middle of the mug's handle, an upright arch.
+Vec3 fromArch(const Vec3& p) { return p - Vec3{0.03, 0.043, 0}; }
+double mug(const Vec3& p)
+{
+	const double wall = tube(p, 0.0275, kMugRadius, 0, 0.085, 0.002), floor = tube(p, -0.031, 0.031, 0, 0.006, 0.002);
+	// The handle is cut off inside of the wall.
+	const Vec3 q = fromArch(p);
+	const double handle = std::min(torus({q.x, q.z, q.y}, kArch, 0.0045), std::hypot(p.x, p.z) - 0.0285);
+	return joined(joined(wall, floor, 0.003), handle, 0.004);
+}
+const TurnedHandle kMugHandle = {
+	[](const Vec3& p)
+	{
+		const Vec3 q = fromArch(p);
+		return std::hypot(p.x, p.z) > kMugRadius + 0.0015 && std::hypot(std::hypot(q.x, q.y) - kArch, q.z) < 0.009;
+	},
+	[](const Vec3& p) { return std::atan2(fromArch(p).y, fromArch(p).x); },
+	[](const Vec3& p) { return std::atan2(fromArch(p).z, std::hypot(fromArch(p).x, fromArch(p).y) - kArch); }};
+double duck(const Vec3& p)
+{
+	const double body = ellipsoid(p - Vec3{0, 0.026, 0}, {0.046, 0.028, 0.031}), tail = ellipsoid(p - Vec3{0.04, 0.04, 0}, {0.016, 0.012, 0.014});
+	const double head = ellipsoid(p - Vec3{-0.024, 0.064, 0}, {0.021, 0.02, 0.019}), beak = ellipsoid(p - Vec3{-0.046, 0.06, 0}, {0.014, 0.0055, 0.01});
+	const double all = joined(joined(joined(body, tail, 0.012), head, 0.012), beak, 0.004);
+	return std::min(all, p.y);  // flat below, to stand on
+}
+double nut(const Vec3& p)
+{
+	double hexagon = 1;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double angle = i * 3.14159265358979323846 / 3;
+		hexagon = std::min(hexagon, 0.025 - std::fabs(std::cos(angle) * p.z + std::sin(angle) * p.x));
+	}
+	// Corners cut off by a cone at both ends, as of nuts that were turned.
+	const double r = std::hypot(p.x, p.z), edge = 0.015 + (0.0265 - r) / std::sqrt(3.0) - std::fabs(p.y - 0.015);
+	// The thread, one start.
+	const double pitch = 0.006, phase = std::atan2(p.z, p.x) / 6.28318530717958648 - p.y / pitch, groove = std::fabs(phase - std::round(phase));
+	return std::min({hexagon, 0.015 - std::fabs(p.y - 0.015), edge, 0.8 * (r - 0.0125 + 0.003 * groove)});
+}
+double plate(const Vec3& p) { return roundBox(p - Vec3{0, 0.03, 0}, {0.05, 0.03, 0.0025}, 0.001); }
+double ring(const Vec3& p) { return tube(p, 0.024, 0.03, 0, 0.03, 0.0025); }
+
+Result<Mesh> bunny()
+{
+	Result<Mesh> read = importMesh(kBunny);
+	if (!read) return Error{read.error().message + "; the bunny comes with: apt-get install glmark2-data"};
+	Mesh mesh = std::move(read).value();
+	const Box box = bounds(mesh);
+	const Vec3 foot{0.5 * (box.lower.x + box.upper.x), box.lower.y, 0.5 * (box.lower.z + box.upper.z)};
+	for (Vec3& p : mesh.vertices) p = kBunnySize / box.longestSide() * (p - foot);
+	Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, {});
+	if (!repaired) return repaired.error();
+	return std::move(repaired).value().mesh;
+}
+
+/// How far the section of a body at height `y` reaches along z, within a hand's breadth of x = 0.
+struct Reach
+{
+	double low = 1e300, high = -1e300;
+};
+Reach reachAt(const Mesh& mesh, double y)
+{
+	Reach reach;
+	for (const auto& t : mesh.triangles)
+		for (size_t c = 0; c < 3; ++c)
+		{
+			const Vec3 &a = mesh.vertices[t[c]], &b = mesh.vertices[t[(c + 1) % 3]];
+			if ((a.y > y) == (b.y > y)) continue;
+			const Vec3 p = a + (y - a.y) / (b.y - a.y) * (b - a);
+			if (std::fabs(p.x) > kHandBreadth / 2) continue;
+			reach.low = std::min(reach.low, p.z);
+			reach.high = std::max(reach.high, p.z);
+		}
+	return reach;
+}
+
+/// The file's surface, with its places in a texture where it has some.
+Result<TexturedMesh> readSurface(const std::string& path, const std::optional<double>& unit)
+{
+	Result<TexturedMesh> textured = importTexturedMesh(path, unit);
+	if (textured) return textured;
+	Result<Mesh> bare = importMesh(path, unit);
+	if (!bare) return bare.error();
+	return TexturedMesh{std::move(bare).value(), {}};
+}
+
+struct Row
+{
+	GraspObject object;
+	double (*field)(const Vec3&);  // null: from a file
+	Box box;
+	double cell;
+};
+const std::vector<Row>& rows()
+{
+	static const std::vector<Row> all = {
+		{{"mug", {}, 0.18, 0.05, 0, 0, 0.064, {}}, mug, {{-0.037, -0.005, -0.037}, {0.063, 0.09, 0.037}}, 0.0016},
+		{{"bunny", {}, 0.15, 0.019, 0, 0.006, 0.056, {}}, nullptr, {}, 0},
+		{{"duck", {}, 0.12, 0.016, 0, 0, 0.062, {}}, duck, {{-0.067, -0.006, -0.038}, {0.063, 0.092, 0.038}}, 0.002},
+		{{"nut", {}, 0.2, 0.014, 0, 0, 0.05, {}}, nut, {{-0.036, -0.006, -0.032}, {0.036, 0.036, 0.032}}, 0.0012},
+		{{"plate", {}, 0.08, 0.04, 0, 0, 0.005, {}}, plate, {{-0.056, -0.006, -0.0085}, {0.056, 0.066, 0.0085}}, 0.0011},
+		{{"ring", {}, 0.1, 0.016, 0, 0, 0.06, {}}, ring, {{-0.036, -0.006, -0.036}, {0.036, 0.036, 0.036}}, 0.0016}};
+	return all;
+}
+}  // namespace
+
+const std::vector<std::string>& graspObjectNames()
+{
+	static const std::vector<std::string> names = []
+	{
+		std::vector<std::string> all;
+		for (const Row& row : rows()) all.push_back(row.object.name);
+		return all;
+	}();
+	return names;
+}
+
+Result<GraspObject> makeGraspObject(const std::string& name)
+{
+	for (const Row& row : rows())
+	{
+		if (row.object.name != name) continue;
+		GraspObject object = row.object;
+		if (row.field)
+		{
+			object.mesh = meshOfField(row.field, row.box, row.cell);
+			if (row.field == mug) object.texture = unwrapTurned(object.mesh, &kMugHandle);
+			if (row.field == ring) object.texture = unwrapTurned(object.mesh);
+			return object;
+		}
+		Result<Mesh> mesh = bunny();
+		if (!mesh) return mesh.error();
+		object.mesh = std::move(mesh).value();
+		return object;
+	}
+	std::string known;
+	for (const std::string& other : graspObjectNames()) known += (known.empty() ? "" : ", ") + other;
+	return Error{"nothing to grasp is called " + name + ": there are " + known};
+}
+
+Result<GraspObject> loadGraspObject(const std::string& path, double unit)
+{
+	Result<TexturedMesh> read = readSurface(path, unit > 0 ? std::optional(unit) : std::nullopt);
+	if (!read) return read.error();
+	TexturedMesh file = std::move(read).value();
+	const double scale = unit > 0 ? 1 : kLoadedSize / bounds(file.mesh).longestSide();
+	for (Vec3& p : file.mesh.vertices) p = scale * p;
+	Result<RepairedMesh> repaired = repair(file.mesh);
+	if (!repaired) return Error{path + ": " + repaired.error().message};
+	Mesh mesh = std::move(repaired).value().mesh;
+	const Vec3 middle = massProperties(mesh).centerOfMass, foot{middle.x, bounds(mesh).lower.y, middle.z};
+	GraspObject object;
+	object.name = std::filesystem::path(path).stem().string();
+	object.mesh = dividedMesh(translated(mesh, -foot), kLoadedEdge);
+	if (!file.places.empty()) object.texture = {translated(file.mesh, -foot), std::move(file.places)};
+	object.mass = kLoadedMass;
+	object.gripHeight = std::max(middle.y - foot.y, kLowestGrip);
+	const Reach reach = reachAt(object.mesh, object.gripHeight);
+	object.width = reach.high - reach.low;
+	object.gripZ = 0.5 * (reach.low + reach.high);
+	if (!(object.width > 0)) return Error{path + ": there is nothing between thumb and fingers at the height of " + std::to_string(int(1e3 * object.gripHeight)) + " mm: give another --unit"};
+	if (object.width > kWidestGrip)
+		return Error{path + ": it is " + std::to_string(int(std::lround(1e3 * object.width))) + " mm wide along z where it would be gripped, and the hand opens to " +
+					 std::to_string(int(1e3 * kWidestGrip)) + " mm: turn it, or give another --unit"};
+	return object;
+}
+}  // namespace scenes

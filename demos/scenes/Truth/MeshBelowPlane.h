@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+
+namespace scenes
+{
+/// Volume [m^3] of a closed mesh, in the pose X, below the plane y = height: exact, from the divergence theorem on its clipped
+/// triangles. Shares nothing with the library's queries. O(triangles).
+double volumeBelow(const ist::Mesh& mesh, const ist::Pose& X, double height);
+
+/// y of the lowest vertex in the pose X.
+double lowestPoint(const ist::Mesh& mesh, const ist::Pose& X);
+}  // namespace scenes

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/bench/bodies/BenchBodies.h"
+
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "TestSupport/SceneFiles/SceneShapes.h"
+
+#include <filesystem>
+
+using namespace ist;
+
+namespace bench
+{
+namespace
+{
+Mesh ellipsoidMesh()
+{
+	Mesh mesh = makeSphereMesh(1, 5);
+	for (Vec3& p : mesh.vertices) p = {p.x, 0.8 * p.y, 0.4 * p.z};
+	return mesh;
+}
+
+/// Six blunt horns with hollows between them.
+Mesh jackMesh()
+{
+	Mesh mesh = makeSphereMesh(1, 5);
+	for (Vec3& p : mesh.vertices) p = p * (0.4 + 0.6 * (p.x * p.x * p.x * p.x + p.y * p.y * p.y * p.y + p.z * p.z * p.z * p.z));
+	return mesh;
+}
+}  // namespace
+
+Mesh placed(Mesh mesh)
+{
+	const double unit = 1 / bounds(mesh).longestSide();
+	for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
+	return mesh;
+}
+
+Mesh bunnyMesh()
+{
+	constexpr const char* path = "/usr/share/glmark2/models/bunny.obj";
+	if (!std::filesystem::exists(path)) return {};
+	Result<Mesh> mesh = importMesh(path);
+	if (!mesh) return {};
+	Result<RepairedMesh> repaired = repair(mesh.value());
+	return repaired ? repaired.value().mesh : Mesh{};
+}
+
+Mesh meshNamed(const std::string& name)
+{
+	if (name == "bunny") return bunnyMesh();
+	if (name == "box") return makeBoxMesh({0.5, 0.35, 0.25});
+	if (name == "torus") return makeTorusMesh(0.5, 0.2, 144, 72);
+	if (name == "knot") return makeTorusKnotMesh(2, 1, 0.45);
+	if (name == "jack") return jackMesh();
+	if (name == "ellipsoid") return ellipsoidMesh();
+	if (name == "plate") return makeBoxMesh({0.5, 0.35, 0.01});
+	if (name == "rod") return makeCapsuleMesh(0.03, 0.47);
+	if (name == "wire") return makeTorusKnotMesh(2, 1, 0.08);
+	if (name == "crown") return scenes::makeCrownMesh();
+	if (name == "sword") return scenes::makeSwordMesh();
+	return makeSphereMesh(1, 5);
+}
+}  // namespace bench

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
+
+#include <vector>
+
+namespace bench
+{
+/// Poses X_AB with an overlap of `fraction` of the smaller body's volume: random rotation, random direction; distance by bisection on
+/// the volume of the unsplit cells, within 2 %. Always the same for the same bodies.
+std::vector<ist::Pose> posesAtOverlap(const ist::InnerSphereTree& A, const ist::InnerSphereTree& B, double fraction, int count);
+}  // namespace bench

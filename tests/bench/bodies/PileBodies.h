@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+
+#include "BulletCollision/CollisionShapes/btCollisionShape.h"
+
+#include <memory>
+#include <vector>
+
+namespace bench
+{
+/// A shape with what it is made of, which goes after it.
+struct PeerShape
+{
+	std::vector<std::shared_ptr<void>> parts;
+	std::shared_ptr<btCollisionShape> shape;
+	int hulls = 0;
+};
+
+PeerShape gimpactShape(const ist::Mesh& mesh);
+/// Approximate convex decomposition by HACD into at least so many hulls; without a shape where the library is not installed.
+PeerShape hullsByHacd(const ist::Mesh& mesh, int clusters);
+}  // namespace bench

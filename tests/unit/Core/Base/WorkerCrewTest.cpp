@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Base/WorkerCrew.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+
+using namespace ist;
+
+TEST(WorkerCrew, CallsEveryIndexOnceWithAWorkerOfTheCrew)
+{
+	for (const int threads : {1, 2, 7})
+	{
+		WorkerCrew crew(threads);
+		for (int round = 0; round < 300; ++round)
+		{
+			const size_t count = size_t(round) * 37 % 1000, grain = 1 + size_t(round) % 9;
+			std::vector<int> calls(count, 0);
+			std::atomic<int> strangers{0};
+			crew.run(count, grain, [&](size_t i, int worker) {
+				++calls[i];
+				if (worker < 0 || worker >= threads) ++strangers;
+			});
+			ASSERT_EQ(calls, std::vector<int>(count, 1)) << threads << " threads, round " << round;
+			ASSERT_EQ(strangers, 0);
+		}
+	}
+}
+
+TEST(WorkerCrew, NoTwoTasksOfOneWorkerOverlap)
+{
+	WorkerCrew crew(4);
+	std::atomic<int> busy[4] = {};
+	std::atomic<int> overlaps{0};
+	crew.run(5000, 3, [&](size_t, int worker) {
+		if (busy[worker]++ != 0) ++overlaps;
+		--busy[worker];
+	});
+	EXPECT_EQ(overlaps, 0);
+}
+
+TEST(WorkerCrew, AHelperTakesAShareWhileTheCallerIsBusy)
+{
+	WorkerCrew crew(2);
+	std::atomic<bool> helped{false};
+	crew.run(2, 1, [&](size_t, int worker) {
+		if (worker == 1) helped = true;
+		// The caller's task ends only when the helper's has been begun; ten seconds stand for a helper that never comes.
+		for (int wait = 0; wait < 10000 && !helped; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+	});
+	EXPECT_TRUE(helped);
+}

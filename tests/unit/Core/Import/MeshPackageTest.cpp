@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+
+#include "tests/unit/Core/Import/PackageText.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace ist;
+
+namespace
+{
+Result<Mesh> read(const std::string& bytes)
+{
+	const std::string path = (std::filesystem::path(::testing::TempDir()) / ("ist_package_" + std::to_string(getpid()) + ".3mf")).string();
+	std::ofstream(path, std::ios::binary) << bytes;
+	Result<Mesh> mesh = importMesh(path);
+	std::filesystem::remove(path);
+	return mesh;
+}
+
+const Mesh kBox = makeBoxMesh({0.5, 1, 1.5});
+const std::string kPicture = "\x89PNG\r\n\x1a\n", kUnit = "unit=\"millimeter\"";
+}  // namespace
+
+TEST(MeshPackage, PicturesBesideTheModelAreLeftAlone)
+{
+	// assimp takes what is called so for a texture, and deletes it twice.
+	using Files = std::vector<std::pair<std::string, std::string>>;
+	for (const Files& pictures :
+		 {Files{}, Files{{"Metadata/thumbnail.png", kPicture}},
+		  Files{{"Metadata/thumbnail.png", kPicture}, {"Metadata/thumbnail_small.png", kPicture}},
+		  Files{{"thumbnail.jpg", kPicture}, {"Thumbnails/thumbnail.png", std::string(100000, 'p')}, {"Metadata/plate_1.png", kPicture}},
+		  Files{{"Metadata/thumbnail.png", ""}, {"3D/Textures/thumbnail_of_wood.png", kPicture}}})
+		for (int time = 0; time < 3; ++time)
+		{
+			const Result<Mesh> mesh = read(packageText(modelText(kBox, kUnit), pictures));
+			ASSERT_TRUE(mesh) << mesh.error().message;
+			EXPECT_EQ(mesh.value().triangles.size(), 12u);
+			EXPECT_TRUE(mesh.value().notTaken.empty());
+		}
+}
+
+TEST(MeshPackage, AMeshWithATextureIsRead)
+{
+	const std::string resources = "<m:texture2d id=\"2\" path=\"/3D/Textures/thumbnail.png\" contenttype=\"image/png\"/><m:texture2d "
+								  "id=\"5\" path=\"/3D/Textures/b.png\" contenttype=\"image/png\"/>"
+								  "<m:texture2dgroup id=\"3\" texid=\"2\"><m:tex2coord u=\"0.5\" v=\"0\"/><m:tex2coord u=\"1\" "
+								  "v=\"1\"/><m:tex2coord u=\"0\" v=\"1\"/></m:texture2dgroup>";
+	const Result<Mesh> mesh =
+		read(packageText(modelText(kBox, kUnit, resources, "pid=\"3\" p1=\"0\" p2=\"1\" p3=\"2\""),
+						 {{"3D/Textures/thumbnail.png", kPicture}, {"3D/Textures/b.png", kPicture}, {"Metadata/thumbnail.png", kPicture}}));
+	ASSERT_TRUE(mesh) << mesh.error().message;
+	EXPECT_EQ(mesh.value().triangles.size(), 12u);
+}
+
+TEST(MeshPackage, ObjectsOfOneIdLeaveNoGap)
+{
+	std::string model = modelText(kBox, kUnit);
+	const std::size_t first = model.find("<object"), end = model.find("</object>") + std::string("</object>").size();
+	model.insert(end, model.substr(first, end - first));
+	const Result<Mesh> mesh = read(packageText(model));
+	ASSERT_TRUE(mesh) << mesh.error().message;
+	EXPECT_EQ(mesh.value().triangles.size(), 12u);
+}

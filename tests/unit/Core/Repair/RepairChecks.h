@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+namespace ist
+{
+inline Mesh joined(const Mesh& a, const Mesh& b)
+{
+	Mesh result = a;
+	const auto base = static_cast<uint32_t>(a.vertices.size());
+	result.vertices.insert(result.vertices.end(), b.vertices.begin(), b.vertices.end());
+	for (const auto& t : b.triangles) result.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+	return result;
+}
+
+inline Mesh insideOut(Mesh mesh)
+{
+	for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+	return mesh;
+}
+
+/// Repair gives a watertight mesh of this volume [m^3].
+inline void expectVolume(const Mesh& mesh, double volume, double tolerance = 1e-9)
+{
+	const Result<RepairedMesh> repaired = repair(mesh);
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	EXPECT_NEAR(massProperties(repaired.value().mesh).volume, volume, tolerance);
+	EXPECT_EQ(repaired.value().volumeAfter, massProperties(repaired.value().mesh).volume);
+	EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
+}
+
+/// Repair fails with a sentence that has `word` in it.
+inline void expectRefused(const Mesh& mesh, const char* word, RepairMode mode = RepairMode::Auto)
+{
+	const Result<RepairedMesh> repaired = repair(mesh, mode);
+	ASSERT_FALSE(repaired);
+	EXPECT_NE(repaired.error().message.find(word), std::string::npos) << repaired.error().message;
+}
+
+inline const Mesh kBox = makeBoxMesh({1, 1, 1});
+}  // namespace ist

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/unit/DeviceBridge/Bullet/DecoupledRig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+/// Two hands press balls on the floor, left and right of the origin.
+struct TwoPressing
+{
+	DecoupledRig rig{240};
+	Hand *left, *right;
+	double steepest = 0;  // rise of the force on the right one in a tick [N]
+
+	TwoPressing()
+	{
+		rig.addPlane();
+		left = &rig.addHand({-1, 0.025, 0});
+		right = &rig.addHand({1, 0.025, 0});
+		for (Hand* hand : {left, right}) hand->script = [](double t) { return ist::Twist{{0, t < 0.2 ? -0.05 : 0, 0}, {}}; };
+		double last = 0;
+		rig.afterTick = [this, last]() mutable
+		{
+			steepest = std::max(steepest, force(*right) - last);
+			last = force(*right);
+		};
+	}
+	/// Of all contacts of the tool; the coupling's would go on while a tool that was let go swings.
+	static double force(const Hand& hand)
+	{
+		Vec3 sum;
+		for (int i = 0; i < hand.step.contactCount; ++i) sum += hand.step.contacts[i].onTool.force;
+		return norm(sum);
+	}
+	void watch(double from, double to) { ASSERT_FALSE(rig.world.watch().watchRegion(btVector3(btScalar(from), -1, -1), btVector3(btScalar(to), 1, 1))); }
+};
+}  // namespace
+
+TEST(DecoupledWatch, OnlyWhatIsInTheRegionIsFelt)
+{
+	TwoPressing scene;
+	scene.watch(-2, 0);
+	scene.rig.run(0.6);
+	const double pressed = TwoPressing::force(*scene.left);
+	EXPECT_GT(pressed, 1);
+	EXPECT_EQ(TwoPressing::force(*scene.right), 0);
+	// The tool stands inside by now: its force fades in, over a quarter of a second.
+	scene.rig.world.watch().watchEverywhere();
+	scene.rig.run(0.6);
+	EXPECT_NEAR(TwoPressing::force(*scene.right), pressed, 0.01 * pressed);
+	EXPECT_LT(scene.steepest, 0.1 * pressed);
+	scene.watch(-2, 0);
+	scene.rig.run(0.1);
+	EXPECT_EQ(TwoPressing::force(*scene.right), 0);
+	EXPECT_NEAR(TwoPressing::force(*scene.left), pressed, 0.01 * pressed);
+}
+
+// The box of the tool is 40 mm wide, and the region keeps what it has until it is outside of one larger by a twentieth of its longest side (0.1 m).
+TEST(DecoupledWatch, AToolOnTheBorderKeepsWhatItHas)
+{
+	const std::pair<double, bool> ends[] = {{2, true}, {0.93, true}, {0.85, false}, {0.93, false}, {1.0, true}};
+	TwoPressing scene;
+	for (const auto& [end, felt] : ends)
+	{
+		scene.watch(0, end);
+		scene.rig.run(0.5);
+		EXPECT_EQ(TwoPressing::force(*scene.right) > 0.5, felt) << end;
+	}
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tree/TreeLevels.h"
+
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+
+/// Made once and kept in the build folder: making it takes seconds, and every test is a run of its own. With levels.
+inline std::shared_ptr<const ist::InnerSphereTree> keptTree(const ist::Mesh& mesh, const char* name)
+{
+	const std::filesystem::path file = std::filesystem::path(TREE_FOLDER) / name;
+	ist::Result<ist::InnerSphereTree> tree = ist::loadAsset(file.string());
+	if (!tree)
+	{
+		ist::BuildOptions options;
+		options.maxSpheres = 300;
+		tree = ist::buildTree(mesh, options);
+		const std::string unique = file.string() + std::to_string(std::random_device()());
+		if (ist::saveAsset(tree.value(), unique)) std::filesystem::rename(unique, file);
+	}
+	if (tree.value().levels.empty()) tree.value().levels = ist::buildLevels(tree.value().law);
+	return std::make_shared<const ist::InnerSphereTree>(std::move(tree).value());
+}

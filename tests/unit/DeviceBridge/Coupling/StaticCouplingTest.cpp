@@ -1,0 +1,602 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Bullet/BulletContactSource.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
+#include "tests/unit/CountingAllocator.h"
+#include "tests/unit/DeviceBridge/Bullet/DecoupledRig.h"
+
+#include "BulletCollision/CollisionShapes/btConvexHullShape.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+constexpr double kSpring = 1000, kTick = 1e-3;  // [N/m, s]
+
+BulletDecoupledSettings staticSettings()
+{
+	BulletDecoupledSettings settings = handSettings();
+	settings.gains.stiffness = kSpring;
+	settings.gains.isStatic = true;
+	return settings;
+}
+
+Vec3 contactForce(const ToolStep& step)
+{
+	Vec3 sum;
+	for (int i = 0; i < step.contactCount; ++i) sum += step.contacts[i].onTool.force;
+	return sum;
+}
+
+/// The same ball and hand with the world in the tick.
+struct OneThread
+{
+	btISTWorld world;
+	btSphereShape shape{btScalar(kBallRadius)};
+	btStaticPlaneShape planeShape{btVector3(0, 1, 0), 0};
+	btISTAttachment attached = std::move(world.attach(&shape, ballTree())).value();
+	btRigidBody tool, floor;
+	std::unique_ptr<BulletContactSource> source;
+	DeviceState hand;
+	ToolStep step;
+
+	explicit OneThread(const Vec3& at, bool gravity = false, double softContact = 1)
+		: tool(Hand::info(shape, at)), floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &planeShape))
+	{
+		world.setGravity(btVector3(0, btScalar(-9.81), 0));
+		world.bullet().addRigidBody(&tool);
+		world.bullet().addRigidBody(&floor);
+		for (btRigidBody* body : {&tool, &floor})
+			if (world.materials().set(body, {2e7, softContact > 1 ? 0.0 : -1.0})) throw std::runtime_error("material refused");
+		if (softContact > 1) floor.setFriction(0);
+		BulletToolSettings settings;
+		settings.gains = staticSettings().gains;
+		settings.gains.softContact = softContact;
+		settings.gravity = gravity;
+		source = std::make_unique<BulletContactSource>(world, tool, settings);
+		hand.X_WH.translation = at;
+	}
+	~OneThread()
+	{
+		world.bullet().removeRigidBody(&tool);
+		world.bullet().removeRigidBody(&floor);
+	}
+	void tick(const Vec3& velocity)
+	{
+		hand.X_WH.translation += kTick * velocity;
+		hand.twist.linear = velocity;
+		step.contactCount = 0;
+		step.overlapVolume = 0;
+		source->advance(kTick, hand, step);
+	}
+};
+}  // namespace
+
+// A tool without momentum is where the hand is, and a hand in free space feels nothing; a dynamic one drags its mass and what it lags behind.
+TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
+{
+	for (const bool isStatic : {true, false})
+	{
+		DecoupledRig rig(60);
+		BulletDecoupledSettings settings = staticSettings();
+		settings.gains.isStatic = isStatic;
+		Hand& hand = rig.addHand({100, 2, -3}, settings);
+		hand.script = [](double t) { return ist::Twist{{0.3 * std::cos(20 * t), 0.2 * std::sin(31 * t), 0.1}, {}}; };
+		double farthest = 0;
+		rig.afterTick = [&] { farthest = std::max(farthest, distance(hand.source.toolState().X_WT.translation, hand.state.X_WH.translation)); };
+		rig.run(0.5);
+		if (isStatic)
+		{
+			EXPECT_LT(farthest, 1e-9);
+			EXPECT_LT(hand.largest, 1e-6);
+		}
+		else
+		{
+			EXPECT_GT(farthest, 1e-4);
+			EXPECT_GT(hand.largest, 0.1);
+		}
+	}
+}
+
+// Bullet's own way to say "in no world" is mass 0.
+TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
+{
+	for (const bool gravity : {false, true})
+		for (const bool onPlane : {false, true})
+			for (const bool turns : {true, false})
+			{
+				SCOPED_TRACE(std::string(gravity ? "gravity, " : "no gravity, ") + (onPlane ? "on a plane, " : "in the air, ") +
+							 (turns ? "turning" : "not turning"));
+				ist::Pose reached[2];
+				Vec3 felt[2];
+				for (const bool massless : {false, true})
+				{
+					DecoupledRig rig(60, {0, -9.81, 0});
+					if (onPlane) rig.addPlane();
+					BulletDecoupledSettings settings = staticSettings();
+					settings.gravity = gravity;
+					if (!turns) settings.gains.angularStiffness = 0;
+					btRigidBody tool(Hand::info(rig.ballShape, {0, 0.025, 0}));
+					tool.setFriction(0);
+					if (massless) tool.setMassProps(0, btVector3(0, 0, 0));
+					// A tool of mass 0 weighs nothing all the same.
+					tool.setGravity(btVector3(0, btScalar(massless || !gravity ? -9.81 : 0), 0));
+					ASSERT_FALSE(rig.world.materials().set(&tool, {2e7, -1}));
+					BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
+					EXPECT_STREQ(source.refusal(), "");
+					rig.coupling.add(source);
+					DeviceState hand;
+					hand.X_WH.translation = {0, 0.025, 0};
+					ToolStep step;
+					rig.afterTick = [&]
+					{
+						const double t = rig.time();
+						hand.twist.linear = {0.2 * std::cos(20 * t), t < 0.15 ? -0.05 : 0, 0.1};
+						hand.X_WH.translation += kTick * hand.twist.linear;
+						step.contactCount = 0;
+						source.advance(kTick, hand, step);
+						EXPECT_FALSE(step.toolIsBroken);
+					};
+					rig.run(0.5);
+					reached[massless] = step.tool.X_WT;
+					felt[massless] = step.coupling.force;
+					if (!onPlane) { EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-9); }
+					else { EXPECT_GT(norm(step.coupling.force), 1); }
+					EXPECT_EQ(source.statistics().brokenSteps, 0U);
+					EXPECT_EQ(source.statistics().refusedQueries, 0U);
+				}
+				// What no spring turns has momentum of its own, or, of mass 0, stands: the two need not be alike on the plane.
+				if (onPlane && !turns) continue;
+				EXPECT_LT(distance(reached[0].translation, reached[1].translation), 1e-6);
+				EXPECT_LT(distance(felt[0], felt[1]), 2e-3);
+			}
+}
+
+// A freedom without stiffness stays dynamic, and what has no mass stands still there, under gravity too.
+TEST(StaticCoupling, AToolOfMassZeroThatNothingPullsStaysWhereItIs)
+{
+	VirtualClock clock;
+	btSphereShape shape{btScalar(kBallRadius)};
+	btRigidBody tool(0, nullptr, &shape);
+	tool.setGravity(btVector3(0, btScalar(-9.81), 0));
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.stiffness = 0;
+	settings.gravity = true;
+	BulletDecoupledSource source(tool, ballTree(), clock, settings);
+	DeviceState hand;
+	hand.X_WH = {rotationMatrix(ist::quaternionFromRotationVector(Vec3{0.1, 0, 0})), {0.01, 0, 0}};
+	ToolStep step;
+	for (int i = 0; i < 100; ++i) source.advance(kTick, hand, step);
+	EXPECT_EQ(step.tool.X_WT.translation, Vec3());
+	EXPECT_EQ(step.coupling.force, Vec3());
+	const ist::Mat3 apart = step.tool.X_WT.rotation * transpose(hand.X_WH.rotation);
+	EXPECT_LT(norm(rotationVector(ist::quaternion(apart))), 1e-9) << "but it turns with the hand";
+}
+
+// What would pull for ever is refused in words, and pulls nothing.
+TEST(DynamicCoupling, AToolThatCannotMoveOrTurnIsRefused)
+{
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	struct Row
+	{
+		btScalar mass, inertia;
+		bool isStatic, turns;
+		const char* word;  // of the refusal; null: accepted
+	};
+	const btScalar mass = btScalar(0.1), inertia = btScalar(1e-5);
+	const Row rows[] = {{0, 0, false, true, "mass 0"},
+						{mass, 0, false, true, "inertia 0"},
+						{mass, 0, false, false, nullptr},
+						{nan, inertia, true, true, "number"},
+						{mass, nan, true, true, "number"},
+						{-mass, inertia, true, true, "number"},
+						{0, 0, true, true, nullptr},
+						{mass, inertia, false, true, nullptr}};
+	for (const Row& row : rows)
+	{
+		SCOPED_TRACE("mass " + std::to_string(double(row.mass)) + ", inertia " + std::to_string(double(row.inertia)) +
+					 (row.isStatic ? ", static" : ", dynamic"));
+		VirtualClock clock;
+		btSphereShape shape{btScalar(kBallRadius)};
+		btRigidBody tool(row.mass, nullptr, &shape, btVector3(row.inertia, row.inertia, row.inertia));
+		BulletDecoupledSettings settings = staticSettings();
+		settings.gains.isStatic = row.isStatic;
+		settings.gains.softContact = 8;
+		if (!row.turns) settings.gains.angularStiffness = settings.gains.angularDamping = 0;
+		BulletDecoupledSource source(tool, ballTree(), clock, settings);
+		DeviceState hand;
+		hand.X_WH.translation = {0.01, 0, 0};
+		ToolStep step;
+		for (int i = 0; i < 500; ++i) source.advance(kTick, hand, step);
+		EXPECT_TRUE(isFinite(step.coupling));
+		EXPECT_FALSE(step.toolIsBroken);
+		EXPECT_EQ(source.statistics().brokenSteps, 0U);
+		if (row.word)
+		{
+			EXPECT_NE(std::string(source.refusal()).find(row.word), std::string::npos) << source.refusal();
+			EXPECT_EQ(norm(step.coupling.force) + norm(step.coupling.torque), 0);
+		}
+		else
+		{
+			EXPECT_STREQ(source.refusal(), "");
+			EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-4);
+		}
+	}
+}
+
+// In a world, a body of mass 0 is one that Bullet never moves.
+TEST(StaticCoupling, WithTheWorldInTheTickAToolOfMassZeroIsRefused)
+{
+	for (const bool isStatic : {true, false})
+		for (const bool gravity : {false, true})
+		{
+			OneThread scene({0, 0.5, 0}, gravity);
+			scene.world.bullet().removeRigidBody(&scene.tool);
+			scene.tool.setMassProps(0, btVector3(0, 0, 0));
+			scene.world.bullet().addRigidBody(&scene.tool);
+			BulletToolSettings settings;
+			settings.gains = staticSettings().gains;
+			settings.gains.isStatic = isStatic;
+			settings.gains.softContact = 8;
+			settings.gravity = gravity;
+			scene.source = std::make_unique<BulletContactSource>(scene.world, scene.tool, settings);
+			EXPECT_NE(std::string(scene.source->refusal()).find("mass 0"), std::string::npos) << scene.source->refusal();
+			for (int i = 0; i < 50; ++i) scene.tick({0.1, 0, 0});
+			EXPECT_EQ(norm(scene.step.coupling.force) + norm(scene.step.coupling.torque), 0);
+			EXPECT_FALSE(scene.step.toolIsBroken);
+		}
+}
+
+// A tool whose velocity is no number is never passed over in silence: the source counts it, and the thread holds the device at zero.
+TEST(CoupledTool, AStepThatBreaksItIsCountedAndAFault)
+{
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	for (const bool isStatic : {true, false})
+	{
+		VirtualClock clock;
+		SimulatedDevice device(simulatedProfile("sigma7").value());
+		device.open();
+		btSphereShape shape{btScalar(kBallRadius)};
+		btRigidBody tool(Hand::info(shape, {}));
+		tool.setGravity(btVector3(0, nan, 0));
+		BulletDecoupledSettings settings = staticSettings();
+		settings.gains.isStatic = isStatic;
+		settings.gravity = true;
+		BulletDecoupledSource source(tool, ballTree(), clock, settings);
+		SteppingThread thread(device, source, clock);
+		Fault heard;
+		thread.onFault.addDelegate([&](const Fault& fault) { heard = fault; });
+		ASSERT_TRUE(thread.run(10));
+		EXPECT_TRUE(thread.step().toolIsBroken);
+		EXPECT_EQ(source.statistics().brokenSteps, 10U);
+		EXPECT_TRUE(isRigid(source.toolState().X_WT));
+		EXPECT_EQ(heard.cause, FaultCause::ToolNotFinite);
+		EXPECT_TRUE(heard.latched && thread.faulted());
+		EXPECT_EQ(thread.faults(), 1U);
+		EXPECT_EQ(norm(device.lastCommand().wrench.force), 0);
+		EXPECT_NE(std::string(describe(heard.cause)).find("tool"), std::string::npos);
+	}
+	OneThread scene({0, 0.5, 0});
+	scene.tick({});
+	EXPECT_FALSE(scene.step.toolIsBroken);
+	scene.tool.setLinearVelocity(btVector3(0, nan, 0));
+	BulletToolSettings settings;
+	settings.gains = staticSettings().gains;
+	settings.gains.isStatic = false;
+	scene.source = std::make_unique<BulletContactSource>(scene.world, scene.tool, settings);
+	scene.tick({});
+	EXPECT_TRUE(scene.step.toolIsBroken);
+	EXPECT_TRUE(isFinite(scene.step.coupling));
+}
+
+// A hand is not led through a source that refuses its tool.
+TEST(CoupledTool, AThreadDoesNotStartWithAToolThatIsRefused)
+{
+	VirtualClock clock;
+	SimulatedDevice device(simulatedProfile("sigma7").value());
+	device.open();
+	btSphereShape shape{btScalar(kBallRadius)};
+	btRigidBody tool(0, nullptr, &shape);
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.isStatic = false;
+	BulletDecoupledSource source(tool, ballTree(), clock, settings);
+	SteppingThread thread(device, source, clock);
+	EXPECT_FALSE(thread.run(1));
+	EXPECT_NE(std::string(thread.refusal()).find("mass 0"), std::string::npos) << thread.refusal();
+	EXPECT_FALSE(thread.start());
+	EXPECT_NE(std::string(thread.refusal()).find("mass 0"), std::string::npos) << thread.refusal();
+	EXPECT_FALSE(thread.running());
+	EXPECT_EQ(thread.ticks(), 0U);
+}
+
+// Pressed on a plane, the spring and the contact balance in every tick, at once and without a swing. On a half-space F = k V, two stiffnesses of 2e7 in
+// series being 1e7.
+TEST(StaticCoupling, SpringAndContactBalanceInEveryTick)
+{
+	DecoupledRig rig(60);
+	rig.addPlane();
+	Hand& hand = rig.addHand({0, 0.025, 0}, staticSettings());
+	hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.05 : 0, 0}, {}}; };
+	double worst = 0, atStop = 0;
+	rig.afterTick = [&]
+	{
+		const Vec3 spring = kSpring * (hand.state.X_WH.translation - hand.source.toolState().X_WT.translation);
+		worst = std::max(worst, norm(spring + contactForce(hand.step)));
+		worst = std::max(worst, distance(spring, hand.step.coupling.force));
+		// The tick after the hand has stopped.
+		if (rig.ticks == 301) atStop = norm(hand.step.coupling.force);
+	};
+	rig.run(0.6);
+	const double force = norm(hand.step.coupling.force);
+	EXPECT_LT(worst, 1e-6);
+	EXPECT_GT(force, 1);
+	EXPECT_NEAR(1e7 * hand.step.overlapVolume, force, 0.03 * force);
+	EXPECT_NEAR(atStop, force, 0.02 * force);
+}
+
+TEST(StaticCoupling, TheWorldInTheTickBalancesAlike)
+{
+	OneThread scene({0, 0.025, 0});
+	double worst = 0;
+	for (int i = 0; i < 600; ++i)
+	{
+		scene.tick({0, i < 300 ? -0.05 : 0, 0});
+		const Vec3 spring = kSpring * (scene.hand.X_WH.translation - scene.step.tool.X_WT.translation);
+		worst = std::max({worst, norm(spring + contactForce(scene.step)), distance(spring, scene.step.coupling.force)});
+	}
+	const double force = norm(scene.step.coupling.force);
+	// In single precision the pose is good to a few nanometres: a few micronewtons.
+	EXPECT_LT(worst, 1e-4);
+	EXPECT_GT(force, 1);
+	EXPECT_NEAR(1e7 * scene.step.overlapVolume, force, 0.03 * force);
+}
+
+TEST(StaticCoupling, TheWeightThatIsFeltIsThatOfTheTool)
+{
+	OneThread scene({0, 0.5, 0}, true);
+	for (int i = 0; i < 100; ++i) scene.tick({});
+	EXPECT_NEAR(scene.step.coupling.force.y, kDecoupledToolMass * 9.81, 1e-3);
+	DecoupledRig rig(60, {0, -9.81, 0});
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gravity = true;
+	btRigidBody tool(Hand::info(rig.ballShape, {}));
+	tool.setGravity(btVector3(0, btScalar(-9.81), 0));
+	BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
+	DeviceState hand;
+	ToolStep step;
+	for (int i = 0; i < 100; ++i) source.advance(kTick, hand, step);
+	EXPECT_NEAR(step.coupling.force.y, kDecoupledToolMass * 9.81, 1e-6);
+}
+
+// Saturated, the hand is never pushed by more than the largest force.
+TEST(StaticCoupling, SaturatesAndAllocatesNothing)
+{
+	DecoupledRig rig(60);
+	rig.addPlane();
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.maxForce = 1.5;
+	Hand& hand = rig.addHand({0, 0.025, 0}, settings);
+	hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.1 : 0, 0}, {}}; };
+	rig.run(0.4);
+	EXPECT_NEAR(norm(hand.step.coupling.force), 1.5, 1e-6);
+	EXPECT_LE(hand.largest, 1.5 + 1e-9);
+	const long before = allocationCount();
+	for (int i = 0; i < 50; ++i) hand.tick(1);
+	EXPECT_EQ(allocationCount(), before);
+}
+
+// What the hand feels is the coupling in series with the contact, C = k A on a flat face, which grows without bound with k and area: never more than the
+// coupling's own K, which is what the device bears.
+TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
+{
+	const double area = 4 * kBoxHalf * kBoxHalf;
+	for (const bool isStatic : {true, false})
+		for (const double k : {3e5, 1e6, 1e9, 1e12})
+		{
+			DecoupledRig rig(240);
+			rig.add(rig.planeShape, 0, {}, 0.8, 2 * k);
+			BulletDecoupledSettings settings = staticSettings();
+			settings.gains.isStatic = isStatic;
+			settings.gains.angularDamping = 5e-3;
+			Hand& hand = rig.addHand({0, kBoxHalf + 0.001, 0}, settings, true);
+			ASSERT_FALSE(rig.world.materials().set(&hand.body, {2 * k, -1}));
+			hand.script = [](double t) { return ist::Twist{{0, t < 0.3 || (t > 1.35 && t < 1.45) ? -0.03 : 0, 0}, {}}; };
+			rig.run(1.3);
+			const double first = norm(hand.step.coupling.force), from = hand.state.X_WH.translation.y;
+			rig.run(1.1);
+			const double felt = (norm(hand.step.coupling.force) - first) / (from - hand.state.X_WH.translation.y);
+			// With mass the coupling is that of the end of a step that nothing held up (VirtualCoupling.h).
+			const double yielding = isStatic ? 1 : 1 + (kTick * settings.gains.damping + kTick * kTick * kSpring) / kDecoupledToolMass;
+			const double series = 1 / (yielding / kSpring + 1 / (k * area));
+			EXPECT_NEAR(felt, series, 0.06 * series) << k << (isStatic ? ", static" : ", dynamic");
+			EXPECT_LE(felt, kSpring * (1 + 1e-3)) << k << (isStatic ? ", static" : ", dynamic");
+		}
+}
+
+namespace
+{
+/// A coupling of kSpring that may be eight times stiffer while contact is soft. Nothing sticks, and the contact has no dampers: both would count as hard.
+BulletDecoupledSettings adaptingSettings(double softContact = 8)
+{
+	BulletDecoupledSettings settings = staticSettings();
+	settings.gains.softContact = softContact;
+	return settings;
+}
+
+btRigidBody* addSmoothPlane(DecoupledRig& rig, double stiffness)
+{
+	btRigidBody* plane = rig.add(rig.planeShape, 0, {}, 0, stiffness);
+	if (rig.world.materials().set(plane, {stiffness, 0})) throw std::runtime_error("material refused");
+	return plane;
+}
+
+Hand& addSmoothHand(DecoupledRig& rig, double stiffness, const BulletDecoupledSettings& settings)
+{
+	Hand& hand = rig.addHand({0, kBoxHalf + 0.003, 0}, settings, true);
+	if (rig.world.materials().set(&hand.body, {stiffness, 0})) throw std::runtime_error("material refused");
+	return hand;
+}
+}  // namespace
+
+// Contact softer than the device bears is felt nearly as it is, C = k A in series with eight times the bound; any other as what the device bears. Within the ticks that
+// matter for stability, that is: a hand that leaps by 20 um. The bound is kept as well as the contact knows its own stiffness.
+TEST(CoupledStiffness, AnAdaptingCouplingShowsWhatTheDeviceBearsAndNoMore)
+{
+	const double area = 4 * kBoxHalf * kBoxHalf;
+	constexpr double kLeap = 2e-5;
+	for (const double k : {1e5, 3e5, 1e6, 1e7, 1e9, 1e12})
+	{
+		DecoupledRig rig(240);
+		addSmoothPlane(rig, 2 * k);
+		Hand& hand = addSmoothHand(rig, 2 * k, adaptingSettings());
+		hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.03 : std::fabs(t - 0.7) < 0.5 * kTick ? -kLeap / kTick : 0, 0}, {}}; };
+		rig.run(0.699);
+		const double before = norm(hand.step.coupling.force), at = hand.state.X_WH.translation.y;
+		rig.run(0.001);
+		ASSERT_NEAR(at - hand.state.X_WH.translation.y, kLeap, 1e-12);
+		const double felt = (norm(hand.step.coupling.force) - before) / kLeap;
+		const double wanted = std::min(kSpring, 1 / (1 / (8 * kSpring) + 1 / (k * area)));
+		EXPECT_NEAR(felt, wanted, 0.08 * wanted) << k;
+		EXPECT_LE(felt, kSpring * 1.05) << k;
+	}
+}
+
+TEST(CoupledStiffness, WhatSticksOrIsHeldByBulletCountsAsHard)
+{
+	for (const double friction : {0.0, 0.5})
+	{
+		DecoupledRig rig(240);
+		rig.add(rig.planeShape, 0, {}, friction, 2e5);
+		Hand& hand = rig.addHand({0, kBoxHalf + 0.003, 0}, adaptingSettings(), true);
+		ASSERT_FALSE(rig.world.materials().set(&hand.body, {2e5, 0}));
+		hand.script = [](double t) { return ist::Twist{{0, t < 0.2 ? -0.03 : 0, 0}, {}}; };
+		rig.run(0.01);
+		EXPECT_GT(hand.step.couplingFactor, 7.9);
+		rig.run(0.4);
+		ASSERT_GT(hand.step.contactCount, 0);
+		if (friction > 0) { EXPECT_EQ(hand.step.couplingFactor, 1); }
+		else { EXPECT_GT(hand.step.couplingFactor, 5); }
+	}
+	OneThread scene({0, 0.5, 0}, false, 8);
+	scene.tick({});
+	EXPECT_GT(scene.step.couplingFactor, 7.9);
+	btConvexHullShape hull;
+	for (int i = 0; i < 8; ++i) hull.addPoint(btVector3(btScalar(i & 1 ? 1 : -1), btScalar(i & 2 ? 1 : -1), btScalar(i & 4 ? 1 : -1)));
+	btRigidBody block(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &hull));
+	block.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.5 - 1 - kBallRadius + 0.001), 0)));
+	scene.world.bullet().addRigidBody(&block);
+	for (int i = 0; i < 5; ++i) scene.tick({});
+	EXPECT_EQ(scene.step.couplingFactor, 1);
+	scene.world.bullet().removeRigidBody(&block);
+}
+
+// The ball's contact begins softer than the coupling's bound and ends harder. The hand feels no more than the bound on its way in, from one tick to the next; a
+// coupling that is always eight times stiffer shows twice as much.
+TEST(CoupledStiffness, WithTheWorldInTheTickItStaysWithinTheBoundAsTheContactGrows)
+{
+	for (const bool adapts : {true, false})
+	{
+		OneThread scene({0, 0.0215, 0}, false, adapts ? 8 : 1);
+		if (!adapts)
+		{
+			BulletToolSettings settings;
+			settings.gains = staticSettings().gains;
+			settings.gains.stiffness = 8 * kSpring;
+			scene.source = std::make_unique<BulletContactSource>(scene.world, scene.tool, settings);
+		}
+		double most = 0, before = 0, lowest = 8;
+		for (int i = 0; i < 500; ++i)
+		{
+			scene.tick({0, -0.01, 0});
+			const double force = norm(scene.step.coupling.force);
+			most = std::max(most, (force - before) / (kTick * 0.01));
+			before = force;
+			if (scene.step.contactCount > 0) lowest = std::min(lowest, scene.step.couplingFactor);
+		}
+		EXPECT_GT(most, 0.8 * kSpring);
+		if (adapts) { EXPECT_LT(most, 1.1 * kSpring); }
+		else { EXPECT_GT(most, 1.5 * kSpring); }
+		if (adapts) { EXPECT_LT(lowest, 2); }
+	}
+}
+
+namespace
+{
+/// The most that ever came out of the coupling at the hand [J], from rest in the air on, beyond what a mechanism takes up that makes a stiffness of kSpring
+/// passive, b = K T / 2. The hand presses on a plane and shakes with a period of so many ticks.
+double mostReturned(double k, const BulletDecoupledSettings& settings, int period, double seconds = 0.55)
+{
+	constexpr double kAmplitude = 5e-5;
+	DecoupledRig rig(240);
+	addSmoothPlane(rig, 2 * k);
+	Hand& hand = addSmoothHand(rig, 2 * k, settings);
+	hand.script = [period](double t)
+	{
+		const double angle = 2 * std::acos(-1.0) / period, tick = std::floor(t / kTick + 0.5);
+		const double shake = t > 0.15 ? std::sin(angle * (tick + 0.25)) - std::sin(angle * (tick - 0.75)) : 0;
+		return ist::Twist{{0, (t < 0.1 ? -0.04 : 0) + kAmplitude / kTick * shake, 0}, {}};
+	};
+	double energy = 0, most = 0, force = 0, at = hand.state.X_WH.translation.y;
+	rig.afterTick = [&]
+	{
+		const double way = hand.state.X_WH.translation.y - at;
+		energy += -force * way - 0.5 * kSpring * way * way;
+		most = std::max(most, energy);
+		at += way;
+		force = hand.step.coupling.force.y;
+	};
+	rig.run(seconds);
+	return most;
+}
+}  // namespace
+
+// A mechanism that bears kSpring bears the adapting coupling on every contact, at every frequency; it does not bear one that is always eight times stiffer, out of
+// which comes more than the press has put in.
+TEST(CoupledStiffness, IsPassiveOnWhateverContactAtEveryFrequency)
+{
+	for (const bool isStatic : {true, false})
+		for (const double k : {1e2, 1e5, 1e6, 1e7, 1e9, 1e12})
+			for (const int period : {2, 3, 5, 12, 40})
+			{
+				BulletDecoupledSettings settings = adaptingSettings();
+				settings.gains.isStatic = isStatic;
+				settings.gains.damping = 0;
+				EXPECT_LT(mostReturned(k, settings, period), 1e-9) << k << ' ' << period << (isStatic ? " static" : " dynamic");
+			}
+	BulletDecoupledSettings tooStiff = staticSettings();
+	tooStiff.gains.stiffness = 8 * kSpring;
+	for (const int period : {2, 3}) EXPECT_GT(mostReturned(1e9, tooStiff, period, 1.5), 1e-3) << period;
+}
+
+TEST(StaticCoupling, AStepOfNoLengthDoesNothing)
+{
+	OneThread inTick({0, 0.025, 0});
+	DecoupledRig rig(60);
+	Hand& decoupled = rig.addHand({0, 0.025, 0}, staticSettings());
+	inTick.tick({0, 0, 0.1});
+	rig.run(0.01);
+	DeviceState hand;
+	hand.X_WH.translation = {0, 0.035, 0};
+	for (ContactSource* source : {static_cast<ContactSource*>(inTick.source.get()), static_cast<ContactSource*>(&decoupled.source)})
+	{
+		ToolStep before, step;
+		source->advance(kTick, hand, before);
+		for (const double dt : {0.0, -kTick, std::numeric_limits<double>::quiet_NaN()})
+		{
+			step.coupling.force = {1, 2, 3};
+			source->advance(dt, hand, step);
+			EXPECT_EQ(step.tool.X_WT.translation, before.tool.X_WT.translation);
+			EXPECT_EQ(step.coupling.force, Vec3());
+		}
+		source->advance(kTick, hand, step);
+		EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-7);
+	}
+}

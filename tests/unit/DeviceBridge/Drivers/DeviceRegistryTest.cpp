@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
+
+#include <gtest/gtest.h>
+
+#include "DeviceBridge/Decorators/DeviceDecorator.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+
+using namespace devicebridge;
+
+TEST(DeviceRegistry, OpensBothSimulatedProfiles)
+{
+	const DeviceRegistry registry;
+	for (const std::string name : {"sim:touchx", "sim:sigma7"})
+	{
+		auto device = registry.open(name);
+		ASSERT_TRUE(device) << device.error().message;
+		EXPECT_EQ(device.value()->info().uri, name);
+		EXPECT_FALSE(device.value()->info().source.empty());
+		DeviceState state;
+		EXPECT_EQ(device.value()->read(0, state), DeviceStatus::Ok);
+	}
+}
+
+TEST(DeviceRegistry, UnknownSchemeNamesTheKnownOnes)
+{
+	DeviceRegistry registry;
+	registry.addScheme("mine", [](const std::string&) { return ist::Error{"no", false}; });
+	for (const std::string uri : {"nothing:at/all", "sim", ""})
+	{
+		const auto device = registry.open(uri);
+		ASSERT_FALSE(device);
+		EXPECT_NE(device.error().message.find("sim:"), std::string::npos);
+		EXPECT_NE(device.error().message.find("mine:"), std::string::npos);
+	}
+}
+
+TEST(DeviceRegistry, UnknownProfileNamesTheKnownOnes)
+{
+	const auto device = DeviceRegistry().open("sim:omega99");
+	ASSERT_FALSE(device);
+	EXPECT_NE(device.error().message.find("touchx"), std::string::npos);
+}
+
+TEST(DeviceRegistry, UsersAddSchemes)
+{
+	DeviceRegistry registry;
+	std::string heard;
+	const auto maker = [&](const std::string& rest) -> ist::Result<std::unique_ptr<Device>>
+	{
+		heard = rest;
+		return std::unique_ptr<Device>(std::make_unique<SimulatedDevice>(SimulatedProfile{}));
+	};
+	EXPECT_TRUE(registry.addScheme("mine", maker));
+	EXPECT_FALSE(registry.addScheme("mine", maker));
+	EXPECT_FALSE(registry.addScheme("a:b", maker));
+	EXPECT_TRUE(registry.open("mine:10.0.0.1:4000"));
+	EXPECT_EQ(heard, "10.0.0.1:4000");
+}
+
+TEST(DeviceRegistry, OptionsKeepADeviceToSomeOfItsFreedoms)
+{
+	const DeviceRegistry registry;
+	const auto plain = registry.open("sim:sigma7"), forceOnly = registry.open("sim:sigma7?dof=3"), both = registry.open("sim:sigma7?sense=3&dof=6");
+	ASSERT_TRUE(plain && forceOnly && both);
+	EXPECT_TRUE(plain.value()->info().actuated & kRotation);
+	EXPECT_EQ(forceOnly.value()->info().actuated, plain.value()->info().actuated & ~static_cast<unsigned>(kRotation));
+	EXPECT_EQ(forceOnly.value()->info().peakTorque, 0);
+	EXPECT_EQ(forceOnly.value()->info().peakForce, plain.value()->info().peakForce);
+	EXPECT_TRUE(forceOnly.value()->info().sensed & kRotation);
+	EXPECT_TRUE(both.value()->info().actuated & kRotation);
+	EXPECT_FALSE(both.value()->info().sensed & kRotation);
+}
+
+TEST(DeviceRegistry, AFreedomThatIsOffIsNeitherFeltNorSeen)
+{
+	auto made = DeviceRegistry().open("sim:sigma7?dof=3&sense=3");
+	ASSERT_TRUE(made);
+	auto& hand = dynamic_cast<SimulatedDevice&>(dynamic_cast<DeviceDecorator&>(*made.value()).inner());
+	const ist::Mat3 turned = rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{0.1, -0.4, 0.2}));
+	hand.place({turned, {0.01, 0.02, 0.03}});
+	DeviceState state;
+	ASSERT_EQ(made.value()->read(1000, state), DeviceStatus::Ok);
+	EXPECT_EQ(norm(rotationVector(ist::quaternion(state.X_WH.rotation))), 0);
+	EXPECT_NEAR(state.X_WH.translation.z, 0.03, 1e-5);
+	DeviceCommand command;
+	command.expiresAt = 1'000'000'000;
+	command.wrench = {{1, 2, 3}, {0.1, 0.2, 0.3}};
+	ASSERT_EQ(made.value()->write(command), DeviceStatus::Ok);
+	EXPECT_EQ(hand.lastCommand().wrench.force.z, 3);
+	EXPECT_EQ(norm(hand.lastCommand().wrench.torque), 0);
+}
+
+TEST(DeviceRegistry, RefusesOptionsThatCannotBeHad)
+{
+	const DeviceRegistry registry;
+	for (const std::string uri : {"sim:touchx?dof=6", "sim:sigma7?dof=4", "sim:sigma7?sense=2", "sim:sigma7?reconnect=yes", "sim:sigma7?colour=red"})
+	{
+		const auto device = registry.open(uri);
+		ASSERT_FALSE(device) << uri;
+		EXPECT_GT(device.error().message.size(), 20U);
+	}
+	EXPECT_TRUE(registry.open("sim:sigma7?reconnect=on"));
+}
+
+TEST(DeviceRegistry, ReportsWhatIsMissingAndWhy)
+{
+	DeviceRegistry registry;
+	EXPECT_TRUE(registry.addMissing("tele", "telepathy", "no nerve; install libnerve-dev"));
+	registry.addScheme("mood", [](const std::string&) { return ist::Error{"no", false}; }, "moods", [] { return std::string("asleep"); });
+	bool tele = false, mood = false, sim = false;
+	for (const DriverReport& driver : registry.drivers())
+	{
+		tele |= driver.scheme == "tele" && driver.missing.find("libnerve-dev") != std::string::npos;
+		mood |= driver.scheme == "mood" && driver.missing == "asleep" && driver.what == "moods";
+		sim |= driver.scheme == "sim" && driver.missing.empty() && !driver.what.empty();
+	}
+	EXPECT_TRUE(tele && mood && sim);
+	const auto device = registry.open("tele:x");
+	ASSERT_FALSE(device);
+	EXPECT_NE(device.error().message.find("libnerve-dev"), std::string::npos);
+}

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Zlib
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <csignal>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+#include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
+#include "DeviceBridge/Loop/StopSignals.h"
+
+using namespace devicebridge;
+
+namespace
+{
+constexpr std::int64_t kMs = 1'000'000;
+constexpr int kSettled = 1500;  // ticks: ramp over, hand at rest on the wall
+
+/// A simulated hand whose cable, encoders and firmware can be made to fail.
+class FaultyDevice final : public Device
+{
+public:
+	SimulatedDevice hand{simulatedProfile("sigma7").value()};
+	bool unplugged = false, frozen = false;
+	ist::Vec3 jump;
+	DeviceCommand last;
+
+	const DeviceInfo& info() const noexcept override { return hand.info(); }
+	DeviceStatus open() noexcept override { return hand.open(); }
+	void close() noexcept override { hand.close(); }
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		DeviceState fresh;
+		hand.read(now, fresh);
+		if (unplugged) return DeviceStatus::Disconnected;
+		if (!frozen) m_sample = fresh;
+		state = m_sample;
+		state.X_WH.translation += jump;
+		return DeviceStatus::Ok;
+	}
+	DeviceStatus write(const DeviceCommand& command) noexcept override
+	{
+		if (unplugged) return DeviceStatus::Disconnected;
+		last = command;
+		return hand.write(command);
+	}
+
+private:
+	DeviceState m_sample;
+};
+
+/// 800 N/m below z = 0. May take its time.
+class SlowWall final : public ContactSource
+{
+public:
+	Clock* clock = nullptr;
+	std::int64_t stall = 0;
+	void advance(double, const DeviceState& hand, ToolStep& step) noexcept override
+	{
+		if (clock && stall > 0) clock->sleepUntil(clock->now() + stall);
+		stall = 0;
+		step.tool = {hand.X_WH, hand.twist};
+		const double depth = std::max(0.0, -hand.X_WH.translation.z);
+		step.coupling = {{0, 0, -800 * depth}, {}};
+		if (depth > 0) step.contacts[step.contactCount++] = {{}, hand.X_WH.translation, {0, 0, 1}, depth, 1, this};
+	}
+};
+
+class JumpingClock final : public Clock
+{
+public:
+	std::int64_t offset = 0;
+	std::int64_t now() const noexcept override { return m_clock.now() + offset; }
+	void sleepUntil(std::int64_t deadline) noexcept override { m_clock.sleepUntil(deadline - offset); }
+	std::int64_t slept() const { return m_clock.now(); }
+
+private:
+	VirtualClock m_clock;
+};
+
+struct FaultRig
+{
+	FaultyDevice device;
+	SlowWall wall;
+	JumpingClock clock;
+	SteppingThread thread{device, wall, clock};
+	std::vector<Fault> faults;
+
+	FaultRig()
+	{
+		device.hand.place({{}, {0, 0, 0.02}});
+		device.hand.setHand(handThrough({{0, {{}, {0, 0, 0.02}}}, {0.2, {{}, {0, 0, -0.02}}}}));
+		device.open();
+		wall.clock = &clock;
+		thread.onFault.addDelegate([this](const Fault& fault) { faults.push_back(fault); });
+		thread.run(kSettled);
+	}
+	/// What the device exerts at the moment.
+	double force() const { return clock.now() < device.last.expiresAt ? norm(device.last.wrench.force) : 0; }
+	/// Ticks until the force is zero, no more than `most`.
+	int ticksToZero(int most = 100)
+	{
+		int n = 0;
+		while (n < most && force() > 0) thread.run(1), ++n;
+		return n;
+	}
+};
+}  // namespace
+
+TEST(SteppingFault, WithoutAFaultTheHandFeelsTheWall)
+{
+	FaultRig rig;
+	EXPECT_GT(rig.force(), 4);
+	EXPECT_TRUE(rig.faults.empty());
+	EXPECT_EQ(rig.thread.faultCause(), FaultCause::None);
+}
+
+TEST(SteppingFault, AnUnpluggedDeviceComesBackAtZeroAndNotInsideTheWall)
+{
+	FaultRig rig;
+	rig.device.unplugged = true;
+	EXPECT_LE(rig.ticksToZero(), 20);
+	rig.thread.run(100);
+	ASSERT_EQ(rig.faults.size(), 1U);
+	EXPECT_EQ(rig.faults[0].cause, FaultCause::Disconnected);
+	EXPECT_FALSE(rig.faults[0].latched);
+	rig.device.unplugged = false;
+	rig.thread.run(1000);
+	EXPECT_EQ(rig.force(), 0);  // the hand is 20 mm inside
+	EXPECT_GT(rig.thread.safetyCounts().startInside, 900U);
+	rig.device.hand.setHand([](double) { return HandTarget{{{}, {0, 0, 0.01}}, {}}; });
+	rig.thread.run(300);
+	rig.device.hand.setHand([](double) { return HandTarget{{{}, {0, 0, -0.02}}, {}}; });
+	rig.thread.run(kSettled);
+	EXPECT_GT(rig.force(), 4);
+	EXPECT_EQ(rig.thread.faultCause(), FaultCause::None);
+}
+
+TEST(SteppingFault, FrozenSamplesEndInZero)
+{
+	FaultRig rig;
+	rig.device.frozen = true;
+	EXPECT_LE(rig.ticksToZero(), 20);
+	ASSERT_FALSE(rig.faults.empty());
+	EXPECT_EQ(rig.faults[0].cause, FaultCause::Frozen);
+}
+
+TEST(SteppingFault, AJumpOfTenCentimetresIsNotFelt)
+{
+	FaultRig rig;
+	// Without the check the wall would push with 80 N, which saturation makes 12.
+	rig.device.jump = {0, 0, -0.1};
+	EXPECT_LE(rig.ticksToZero(), 1);
+	ASSERT_FALSE(rig.faults.empty());
+	EXPECT_EQ(rig.faults[0].cause, FaultCause::Jump);
+	double largest = 0;
+	for (int i = 0; i < 500; ++i)
+	{
+		rig.thread.run(1);
+		largest = std::max(largest, rig.force());
+	}
+	EXPECT_EQ(largest, 0);
+}
+
+TEST(SteppingFault, AWorldThatStallsLetsTheDeviceGoAfterTwentyMilliseconds)
+{
+	FaultRig rig;
+	const std::int64_t stalledAt = rig.clock.now();
+	rig.wall.stall = 100 * kMs;
+	// What is sent before the stall is all that the device has; it holds no longer than the command says.
+	EXPECT_LE(rig.device.last.expiresAt, stalledAt + 20 * kMs);
+	rig.thread.run(1);
+	EXPECT_GE(rig.clock.now(), stalledAt + 100 * kMs);
+	EXPECT_EQ(norm(rig.device.last.wrench.force), 0);
+	ASSERT_EQ(rig.faults.size(), 1U);
+	EXPECT_EQ(rig.faults[0].cause, FaultCause::Stalled);
+	rig.thread.run(2);
+	EXPECT_LT(rig.force(), 0.1);
+	rig.thread.run(kSettled);
+	EXPECT_GT(rig.force(), 4);
+}
+
+TEST(SteppingFault, AClockThatJumpsBackDoesNotHoldTheLoop)
+{
+	FaultRig rig;
+	for (const std::int64_t jump : {-10'000 * kMs, -1 * kMs, 5'000 * kMs, -60'000 * kMs})
+	{
+		rig.clock.offset += jump;
+		const std::int64_t slept = rig.clock.slept();
+		rig.thread.run(1);
+		EXPECT_LT(norm(rig.device.last.wrench.force), 0.1);
+		rig.thread.run(9);
+		EXPECT_LE(rig.clock.slept() - slept, 11 * kMs);
+		rig.thread.run(kSettled);
+	}
+	EXPECT_EQ(rig.thread.clockJumps(), 3U);
+}
+
+TEST(SteppingFault, AnExceptionInAHookIsAFaultAndZeroUntilCleared)
+{
+	const std::vector<std::function<void(SteppingThread&, bool&)>> hooks = {
+		[](SteppingThread& t, bool& bad) { t.onTransform.addDelegate([&](const DeviceState&) { if (bad) throw std::runtime_error("transform"); }); },
+		[](SteppingThread& t, bool& bad) { t.onCollision.addDelegate([&](const ToolContact&) { if (bad) throw 42; }); },
+		[](SteppingThread& t, bool& bad) { t.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) { if (bad) throw std::bad_alloc(); }); }};
+	for (const auto& hook : hooks)
+	{
+		FaultRig rig;
+		bool bad = false;
+		hook(rig.thread, bad);
+		rig.thread.run(10);
+		EXPECT_GT(rig.force(), 4);
+		bad = true;
+		rig.thread.run(1);
+		EXPECT_EQ(rig.force(), 0);
+		ASSERT_EQ(rig.faults.size(), 1U);
+		EXPECT_EQ(rig.faults[0].cause, FaultCause::HookException);
+		EXPECT_TRUE(rig.faults[0].latched);
+		bad = false;
+		rig.thread.run(100);
+		EXPECT_EQ(rig.force(), 0);
+		EXPECT_EQ(rig.thread.faultCause(), FaultCause::HookException);
+		rig.thread.clearFault();
+		rig.thread.run(1);
+		EXPECT_EQ(rig.thread.faultCause(), FaultCause::None);
+	}
+}
+
+TEST(SteppingFault, AnExceptionInTheFaultListenerItselfEndsAtTheTick)
+{
+	FaultRig rig;
+	rig.thread.onFault.addDelegate([](const Fault&) { throw 1; });
+	rig.device.unplugged = true;
+	rig.thread.run(25);
+	EXPECT_TRUE(rig.thread.faulted());
+	EXPECT_EQ(rig.force(), 0);
+}
+
+TEST(SteppingFault, SwitchedOffForcesAreZeroInTheNextTick)
+{
+	FaultRig rig;
+	rig.thread.enableForces(false);
+	EXPECT_LE(rig.ticksToZero(), 1);
+	EXPECT_GT(rig.thread.safetyCounts().disabled, 0U);
+	rig.thread.enableForces(true);
+	rig.thread.run(100);
+	EXPECT_EQ(rig.force(), 0);  // still inside
+}
+
+TEST(SteppingFault, SignalsEndTheThreadWithTheDeviceAtZero)
+{
+	for (const int number : {SIGINT, SIGTERM})
+	{
+		FaultyDevice device;
+		device.hand.place({{}, {0, 0, 0.02}});
+		device.open();
+		SlowWall wall;
+		RealClock clock;
+		SteppingThread thread(device, wall, clock);
+		thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.x = 1; });
+		std::atomic<bool> pushed{false};
+		thread.onHapticTick.addDelegate([&](const DeviceState&, const ist::Wrench&) { pushed = pushed || norm(thread.sentWrench().force) > 0; });
+		StopSignals stop(thread);
+		ASSERT_TRUE(stop.active());
+		ASSERT_TRUE(thread.start());
+		for (int i = 0; i < 4000 && !pushed; ++i) clock.sleepUntil(clock.now() + kMs);
+		EXPECT_TRUE(pushed);
+		std::raise(number);
+		// Bounded, so that a loop that goes on is a failure and not a hang.
+		for (int i = 0; i < 4000 && thread.running(); ++i) clock.sleepUntil(clock.now() + kMs);
+		EXPECT_FALSE(thread.running());
+		EXPECT_EQ(StopSignals::caught(), number);
+		thread.stop();
+		EXPECT_EQ(device.last.wrench.force, ist::Vec3{});
+	}
+}
+
+TEST(SteppingFault, TheDestructorLeavesTheDeviceAtZero)
+{
+	FaultyDevice device;
+	device.open();
+	SlowWall wall;
+	VirtualClock clock;
+	{
+		SteppingThread thread(device, wall, clock);
+		thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.x = 1; });
+		thread.run(600);
+		EXPECT_GT(norm(device.last.wrench.force), 0.1);
+	}
+	EXPECT_EQ(device.last.wrench.force, ist::Vec3{});
+}

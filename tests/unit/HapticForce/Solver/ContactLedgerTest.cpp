@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletHapticForce/Solver/btContactLedger.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace
+{
+/// A point mass meets a wall along `normal` at `speed`; an impulse of `size` [N s] acts on it.
+btLedgerPatch pointMass(const ist::Vec3& normal, double mass, double speed, double size)
+{
+	btLedgerPatch p;
+	p.impulse = {size * normal, {}};
+	p.elastic = p.impulse;
+	p.before = {-speed * normal, {}};
+	p.own = {(size / mass) * normal, {}};
+	p.after = {p.before.linear + p.own.linear, {}};
+	return p;
+}
+
+double kinetic(double mass, const btLedgerPatch& p, double share)
+{
+	const ist::Vec3 v = p.before.linear + share * p.own.linear;
+	return 0.5 * mass * dot(v, v);
+}
+}  // namespace
+
+// The oracle is the kinetic energy of the mass itself.
+TEST(btContactLedger, ShareReturnsExactlyWhatIsStored)
+{
+	std::mt19937_64 random(3);
+	std::uniform_real_distribution<double> u(0.1, 3);
+	int held = 0;
+	for (int i = 0; i < 1000; ++i)
+	{
+		const double mass = u(random), speed = u(random) - 1, size = 3 * mass * u(random);
+		const ist::Vec3 normal = ist::normalized({u(random) - 1.5, u(random) - 1.5, u(random) - 1.5});
+		const btLedgerPatch p = pointMass(normal, mass, speed, size);
+		btISTContactLedger ledger;
+		ledger.stored = i % 3 ? u(random) : 0;
+		const double share = btContactLedger::share(ledger, &p, 1), before = kinetic(mass, p, 0);
+		ASSERT_GE(share, 0);
+		ASSERT_LE(share, 1);
+		if (share == 1)
+			EXPECT_LE(kinetic(mass, p, 1), before + ledger.stored + 1e-12);
+		else
+			EXPECT_NEAR(kinetic(mass, p, share), before + ledger.stored, 1e-12 * (1 + before));
+		held += share < 1;
+	}
+	EXPECT_GT(held, 100);
+	EXPECT_LT(held, 1000);
+}
+
+TEST(btContactLedger, EntersTheWorkAndNeverGoesBelowZero)
+{
+	btISTContactLedger ledger;
+	btLedgerPatch p = pointMass({0, 1, 0}, 2, 3, 6);  // stops it
+	EXPECT_NEAR(btContactLedger::enter(ledger, &p, 1, 0.01), -9, 1e-12);
+	EXPECT_NEAR(ledger.stored, 9, 1e-12);
+	p = pointMass({0, 1, 0}, 2, 0, 4);  // sends it away at 2 m/s
+	EXPECT_NEAR(btContactLedger::enter(ledger, &p, 1, 0.01), 4, 1e-12);
+	EXPECT_NEAR(ledger.stored, 5, 1e-12);
+	p = pointMass({0, 1, 0}, 2, 0, 8);
+	btContactLedger::enter(ledger, &p, 1, 0.01);
+	EXPECT_EQ(ledger.stored, 0);
+}
+
+// What friction took is heat.
+TEST(btContactLedger, DoesNotStoreWhatFrictionTook)
+{
+	btISTContactLedger ledger;
+	btLedgerPatch p = pointMass({1, 0, 0}, 1, 2, 1);
+	p.elastic = {};
+	EXPECT_LT(btContactLedger::enter(ledger, &p, 1, 0.01), 0);
+	EXPECT_EQ(ledger.stored, 0);
+}
+
+TEST(btContactLedger, PaysForPlacedOverlapAndNotForFlight)
+{
+	const auto opened = [](double speed)
+	{
+		btISTContact contact;
+		contact.constants.k = 1000;
+		contact.patchCount = 1;
+		ist::OverlapIntegrals& o = contact.patches[0];
+		o.volume = 0.01;  // a face of 1 m^2, 1 cm deep
+		o.areaVector = {0, 1, 0};
+		o.normalA.force = {0, -0.01, 0};
+		o.normalB.force = {0, 0.01, 0};
+		contact.total = o;
+		btContactLedger::begin(contact, speed, 0.01);
+		EXPECT_TRUE(contact.ledger.open);
+		return contact.ledger.stored;
+	};
+	EXPECT_NEAR(opened(0), 0.5 * 1000 * 0.01 * 0.01, 1e-12);  // k A d^2 / 2
+	EXPECT_EQ(opened(1), 0);
+	EXPECT_GT(opened(0.1), 0);
+}
