@@ -34,8 +34,9 @@ Vec3 impulseOnA(const btPersistentManifold& manifold)
 	for (int i = 0; i < manifold.getNumContacts(); ++i)
 	{
 		const btManifoldPoint& point = manifold.getContactPoint(i);
-		sum += double(point.m_appliedImpulse) * toVec3(point.m_normalWorldOnB) + double(point.m_appliedImpulseLateral1) * toVec3(point.m_lateralFrictionDir1) +
-			   double(point.m_appliedImpulseLateral2) * toVec3(point.m_lateralFrictionDir2);
+		sum += double(point.m_appliedImpulse) * toVec3(point.m_normalWorldOnB) +
+			double(point.m_appliedImpulseLateral1) * toVec3(point.m_lateralFrictionDir1) +
+			double(point.m_appliedImpulseLateral2) * toVec3(point.m_lateralFrictionDir2);
 	}
 	return sum;
 }
@@ -47,7 +48,7 @@ bool isNowhere(const btCollisionObject& object)
 {
 	const btRigidBody* body = btRigidBody::upcast(&object);
 	return !isFinite(toVec3(object.getWorldTransform().getOrigin())) ||
-		   (body && !(isFinite(toVec3(body->getLinearVelocity())) && isFinite(toVec3(body->getAngularVelocity()))));
+		(body && !(isFinite(toVec3(body->getLinearVelocity())) && isFinite(toVec3(body->getAngularVelocity()))));
 }
 
 bool involves(const ContactRecord& record, const btCollisionObject* body) { return !body || record.a == body || record.b == body; }
@@ -60,7 +61,8 @@ void ContactLog::record(double h)
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
 	for (int i = 0; i < objects.size(); ++i) m_blownUp = m_blownUp || isNowhere(*objects[i]);
 	for (const btISTContact* contact : m_store.contacts())
-		if (contact->total.volume > 0 && contact->stamp + 1 >= m_store.step() && (isAwake(contact->bodyA) || isAwake(contact->bodyB))) add(*contact, h);
+		if (contact->total.volume > 0 && contact->stamp + 1 >= m_store.step() && (isAwake(contact->bodyA) || isAwake(contact->bodyB)))
+			add(*contact, h);
 	for (int i = 0; i < dispatcher->getNumManifolds(); ++i)
 	{
 		const btPersistentManifold* manifold = const_cast<btDispatcher*>(dispatcher)->getManifoldByIndexInternal(i);
@@ -163,7 +165,7 @@ Vec3 ContactLog::impulseOn(const btCollisionObject* body) const
 
 bool ContactLog::haveTouched(const btCollisionObject* a, const btCollisionObject* b) const
 {
-	return std::any_of(m_records.begin(), m_records.end(),
-					   [&](const ContactRecord& r) { return (r.a == a && r.b == b) || (r.a == b && r.b == a); });
+	return std::any_of(
+		m_records.begin(), m_records.end(), [&](const ContactRecord& r) { return (r.a == a && r.b == b) || (r.a == b && r.b == a); });
 }
 }  // namespace ist::test

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Base/Vec3.h"
 #include "BulletISTCollision/Contact/btISTContactStore.h"
+#include "BulletISTCollision/Core/Base/Vec3.h"
 
 #include <cmath>
 #include <vector>
@@ -24,11 +24,11 @@ struct ContactRecord
 	const btCollisionObject* b = nullptr;
 	bool volumetric = false;
 	double volume = 0;  ///< of the overlap [m^3]; 0 for Bullet's own
-	/// Volumetric: depth in A plus depth in B, in the mean over the overlap: how far the surfaces have passed each other, where the contact is
-	/// flat. Bullet's own: of the deepest point. Never negative [m].
+	/// Volumetric: depth in A plus depth in B, in the mean over the overlap: how far the surfaces have passed each other, where the contact
+	/// is flat. Bullet's own: of the deepest point. Never negative [m].
 	double depth = 0;
-	Vec3 impulseOnA;    ///< of the solver in this step, World [N s]
-	double slip = 0;    ///< way of A along B in this step, in the middle of the contact, across its normal [m]
+	Vec3 impulseOnA;  ///< of the solver in this step, World [N s]
+	double slip = 0;  ///< way of A along B in this step, in the middle of the contact, across its normal [m]
 };
 
 /// What touched what, how deeply, how hard, and how far it slid. Pairs that sleep are not in it. Grows with every step: for tests.
@@ -44,11 +44,11 @@ public:
 	void clear();
 
 	const std::vector<ContactRecord>& records() const { return m_records; }
-	/// Over all records of the body, or of all bodies: the largest depth [m]. Not a number, as `slip`, once any body of the world was nowhere:
-	/// Bullet takes it out of contact.
+	/// Over all records of the body, or of all bodies: the largest depth [m]. Not a number, as `slip`, once any body of the world was
+	/// nowhere: Bullet takes it out of contact.
 	double deepest(const btCollisionObject* body = nullptr) const;
-	/// The longest way that one of the body's pairs, or any pair, slid in all [m]; where several parts of a pair touch in a step, that of the part that
-	/// slid farthest in it.
+	/// The longest way that one of the body's pairs, or any pair, slid in all [m]; where several parts of a pair touch in a step, that of
+	/// the part that slid farthest in it.
 	double slip(const btCollisionObject* body = nullptr) const;
 	/// The sum of what contacts did to the body, World [N s].
 	Vec3 impulseOn(const btCollisionObject* body) const;

@@ -25,8 +25,8 @@ struct Subject
 {
 	btRigidBody& body;
 	double mass, volume;
-	double size;    ///< edge of the cube of its volume [m]
-	double swing;   ///< period of a pendulum as long as that [s]
+	double size;   ///< edge of the cube of its volume [m]
+	double swing;  ///< period of a pendulum as long as that [s]
 };
 
 Subject make(const BodyMaker& maker, TestWorld& world, const btTransform& pose)
@@ -40,7 +40,8 @@ Subject make(const BodyMaker& maker, TestWorld& world, const btTransform& pose)
 	return {body, 1 / double(body.getInvMass()), tree->volume, size, 2 * kPi * std::sqrt(size / kGravity)};
 }
 
-/// Turned about the vertical, so that nothing lies along the axes of the world, with its lowest point at `height`, which becomes that of its highest.
+/// Turned about the vertical, so that nothing lies along the axes of the world, with its lowest point at `height`, which becomes that of
+/// its highest.
 Subject makeAbove(double& height, const BodyMaker& maker, TestWorld& world, double turn = 0.7)
 {
 	const Subject subject = make(maker, world, at(0, 0, 0, btVector3(0, 1, 0), turn));
@@ -159,7 +160,7 @@ std::vector<SceneValue> restOnFloor(const BodyMaker& body, double h)
 	const double overlap = overlapAtRest(world, subject, h);
 	const double expected = subject.mass * kGravity / stiffnessOfContact(world);
 	return {{"overlap with the floor [m^3]", overlap, expected, expected},
-			{"speed [m/s]", speed(subject.body), 0, std::sqrt(kGravity * subject.size)}};
+		{"speed [m/s]", speed(subject.body), 0, std::sqrt(kGravity * subject.size)}};
 }
 
 std::vector<SceneValue> slideDownSlope(const BodyMaker& body, double h)
@@ -203,9 +204,8 @@ std::vector<SceneValue> collideWithItsLike(const BodyMaker& body, double h)
 	world.run(seconds, h);
 	const bool met = world.log().haveTouched(&subjects[0].body, &subjects[1].body);
 	const double momentum = subjects[0].mass * speed, energy = momentum * speed / 2;
-	return {{"meetings [1: they met]", double(met), 1, 1},
-			{"momentum from nowhere [N s]", norm(world.momentumFromNowhere()), 0, momentum},
-			{"energy from nowhere [J]", larger(0, world.energyGained()), 0, energy}};
+	return {{"meetings [1: they met]", double(met), 1, 1}, {"momentum from nowhere [N s]", norm(world.momentumFromNowhere()), 0, momentum},
+		{"energy from nowhere [J]", larger(0, world.energyGained()), 0, energy}};
 }
 
 std::vector<SceneValue> standInTower(const BodyMaker& body, double h)
@@ -236,8 +236,8 @@ std::vector<SceneValue> carryHeavyOne(const BodyMaker& body, double h)
 	const double seconds = settle(world, std::sqrt(2) * light.swing, h);
 	const double weight = heavy.mass * kGravity, both = weight + light.mass * kGravity;
 	return {{"force below the heavy one [N]", meanForceUp(world, heavy.body, light.body, seconds), weight, weight},
-			{"force below the light one [N]", meanForceUp(world, light.body, floor, seconds), both, both},
-			{"speed [m/s]", world.fastest(), 0, std::sqrt(kGravity * light.size)}};
+		{"force below the light one [N]", meanForceUp(world, light.body, floor, seconds), both, both},
+		{"speed [m/s]", world.fastest(), 0, std::sqrt(kGravity * light.size)}};
 }
 
 const std::vector<TestScene>& testScenes()

@@ -2,9 +2,9 @@
 #include "TestSupport/TestWorld.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Build/TreeCache.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
-#include "BulletISTCollision/Core/Build/TreeCache.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "TestSupport/SceneFiles/SceneWorld.h"
 
@@ -19,8 +19,7 @@ namespace ist::test
 {
 namespace
 {
-template <class T>
-T orThrow(Result<T> result)
+template <class T> T orThrow(Result<T> result)
 {
 	if (!result) throw std::runtime_error(result.error().message);
 	return std::move(result).value();
@@ -29,12 +28,12 @@ T orThrow(Result<T> result)
 constexpr double kMostSteps = 1e9;
 
 /// Each rigid body of the world that moves by itself, whoever added it.
-template <class Visit>
-void eachMoving(const btDiscreteDynamicsWorld& world, const Visit& visit)
+template <class Visit> void eachMoving(const btDiscreteDynamicsWorld& world, const Visit& visit)
 {
 	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
 	for (int i = 0; i < objects.size(); ++i)
-		if (const btRigidBody* body = btRigidBody::upcast(objects[i]); body && !body->isStaticOrKinematicObject() && body->getInvMass() > 0) visit(*body);
+		if (const btRigidBody* body = btRigidBody::upcast(objects[i]); body && !body->isStaticOrKinematicObject() && body->getInvMass() > 0)
+			visit(*body);
 }
 }  // namespace
 
@@ -79,7 +78,8 @@ btRigidBody& TestWorld::addAsset(const std::string& path, double mass, const btT
 {
 	auto tree = std::make_shared<const InnerSphereTree>(orThrow(loadAsset(path)));
 	if (mass > 0 && norm(tree->origin) > 1e-3 * tree->box.longestSide())
-		throw std::runtime_error(path + ": the centre of mass of the mesh is not its origin, about which Bullet's bodies turn; move the mesh and build it again");
+		throw std::runtime_error(path +
+			": the centre of mass of the mesh is not its origin, about which Bullet's bodies turn; move the mesh and build it again");
 	return addTree(std::move(tree), mass, pose);
 }
 
@@ -122,7 +122,8 @@ void TestWorld::addScene(const std::string& path)
 {
 	const scenes::Scene scene = orThrow(scenes::loadScene(path));
 	for (const scenes::SceneBody& body : scene.bodies)
-		if (m_named.count(body.name)) throw std::runtime_error(body.place + ": the world has a body that is called " + body.name + " already");
+		if (m_named.count(body.name))
+			throw std::runtime_error(body.place + ": the world has a body that is called " + body.name + " already");
 	for (scenes::SceneWorld::Body& made : orThrow(scenes::SceneWorld::addTo(m_world, scene, true, {m_folder, {}, {}})))
 	{
 		made.body->setActivationState(DISABLE_DEACTIVATION);
@@ -153,9 +154,9 @@ void TestWorld::run(double seconds, double h)
 	{
 		m_audit->beforeStep(h);
 		m_world.bullet().stepSimulation(btScalar(h), 0);
-		eachMoving(m_world.bullet(),
-				   [&](const btRigidBody& body)
-				   { if (body.isActive()) m_gravityImpulse += (h / double(body.getInvMass())) * toVec3(body.getGravity() * body.getLinearFactor()); });
+		eachMoving(m_world.bullet(), [&](const btRigidBody& body) {
+			if (body.isActive()) m_gravityImpulse += (h / double(body.getInvMass())) * toVec3(body.getGravity() * body.getLinearFactor());
+		});
 		m_audit->afterStep();
 		m_log.record(h);
 		m_time += h;
@@ -179,7 +180,8 @@ double TestWorld::energyGained() const
 Vec3 TestWorld::momentum() const
 {
 	Vec3 sum;
-	eachMoving(m_world.bullet(), [&](const btRigidBody& body) { sum += (1 / double(body.getInvMass())) * toVec3(body.getLinearVelocity()); });
+	eachMoving(
+		m_world.bullet(), [&](const btRigidBody& body) { sum += (1 / double(body.getInvMass())) * toVec3(body.getLinearVelocity()); });
 	return sum;
 }
 

@@ -52,15 +52,16 @@ public:
 	btRigidBody& addShape(btCollisionShape& shape, double mass, const btTransform& pose);
 	/// The half-space below y = `height`.
 	btRigidBody& addFloor(double height = 0);
-	/// The bodies of a scene file (data/scenes/README.md), with its materials, pairs, region and numbers of spheres, in its gravity. A hand and hooks take
-	/// no part: what a hand would hold is a body like the others. Mistakes are thrown with file, line and field.
+	/// The bodies of a scene file (data/scenes/README.md), with its materials, pairs, region and numbers of spheres, in its gravity. A hand
+	/// and hooks take no part: what a hand would hold is a body like the others. Mistakes are thrown with file, line and field.
 	void addScene(const std::string& path);
 	/// One of those, by its name in the file.
 	btRigidBody& body(const std::string& name);
 
 	/// As many steps of `h` [s] as make up `seconds`.
 	void run(double seconds, double h = 1.0 / 240);
-	/// The accounts below begin here. To be called after bodies were moved, pushed, or put into or out of `world` by hand, which is nobody's impulse.
+	/// The accounts below begin here. To be called after bodies were moved, pushed, or put into or out of `world` by hand, which is
+	/// nobody's impulse.
 	void mark();
 
 	btISTWorld& world() { return m_world; }
@@ -72,9 +73,9 @@ public:
 	/// What kinetic, potential and contact energy have gained beyond what forces, kinematic bodies and the caller put in [J]. Negative
 	/// where energy was dissipated, as it should be. Joints and Bullet's own contact count: they may not make energy either.
 	double energyGained() const;
-	/// Momentum of all rigid bodies that move, whoever added them, less that of the last mark, less what gravity and contacts with static and kinematic
-	/// bodies gave them [N s]: zero, but for rounding, in a world without joints to the world, damping, forces of the caller, and contacts that push
-	/// along an axis which a body's linear factor locks.
+	/// Momentum of all rigid bodies that move, whoever added them, less that of the last mark, less what gravity and contacts with static
+	/// and kinematic bodies gave them [N s]: zero, but for rounding, in a world without joints to the world, damping, forces of the caller,
+	/// and contacts that push along an axis which a body's linear factor locks.
 	Vec3 momentumFromNowhere() const;
 	/// Of the fastest body that moves: see `speed`.
 	double fastest() const;

@@ -96,13 +96,14 @@ struct Pictures
 	void sayWhatWasRecorded(const DemoArguments& a) const
 	{
 		if (taken > 0)
-			say(std::to_string(taken) + " pictures in " + a.record + "; a film: ffmpeg -framerate 30 -i " + (std::filesystem::path(a.record) / "%05d.png").string() +
-				" -pix_fmt yuv420p film.mp4");
+			say(std::to_string(taken) + " pictures in " + a.record + "; a film: ffmpeg -framerate 30 -i " +
+				(std::filesystem::path(a.record) / "%05d.png").string() + " -pix_fmt yuv420p film.mp4");
 	}
 };
 #else
-const char* const kWithout = "this build has no pictures and no window; apt-get install libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev, "
-							 "then build again (--headless needs none of it)";
+const char* const kWithout =
+	"this build has no pictures and no window; apt-get install libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev, "
+	"then build again (--headless needs none of it)";
 #endif
 }  // namespace
 
@@ -136,7 +137,8 @@ int runBrowserDemo(const DemoArguments& a)
 	const auto outcome = browser::runDemo(*demo, entry->name, entry->about, options);
 	if (!outcome) return refuse(outcome.error());
 #ifdef BULLETHAPTICS_BROWSER
-	if (!pictures.error && !a.screenshot.empty()) pictures.error = browser::savePicture(pictures.photographer->take(*demo, shown(a, *demo), demo->viewpoint(), true), a.screenshot);
+	if (!pictures.error && !a.screenshot.empty())
+		pictures.error = browser::savePicture(pictures.photographer->take(*demo, shown(a, *demo), demo->viewpoint(), true), a.screenshot);
 	if (pictures.error) return refuse(*pictures.error);
 	pictures.sayWhatWasRecorded(a);
 #endif
@@ -165,15 +167,19 @@ int openBrowser(const DemoArguments& a)
 namespace
 {
 /// A picture of the end of a demo's run, and what it found, to the page.
-std::optional<ist::Error> addToGallery(const DemoArguments& a, const browser::DemoEntry& entry, bool besideStock, Photographer& photographer, std::string& page, bool& good)
+std::optional<ist::Error> addToGallery(
+	const DemoArguments& a, const browser::DemoEntry& entry, bool besideStock, Photographer& photographer, std::string& page, bool& good)
 {
 	const std::unique_ptr<browser::BrowsableDemo> demo = browser::makeDemo(entry, besideStock);
 	if (auto error = demo->prepare(demoOptions(a))) return error;
 	const auto outcome = browser::runDemo(*demo, entry.name, entry.about, {});
 	if (!outcome) return outcome.error();
 	const std::string name = std::string(entry.name) + (besideStock ? "-beside-stock" : ""), file = name + ".png";
-	if (auto error = browser::savePicture(browser::withFewerColours(photographer.take(*demo)), (std::filesystem::path(a.gallery) / file).string())) return error;
-	page += "\n**" + std::string(entry.name) + ".** " + entry.about + ".\n\n![" + name + "](" + file + ")\n\n| number | found | unit |\n|---|---|---|\n";
+	if (auto error = browser::savePicture(
+			browser::withFewerColours(photographer.take(*demo)), (std::filesystem::path(a.gallery) / file).string()))
+		return error;
+	page += "\n**" + std::string(entry.name) + ".** " + entry.about + ".\n\n![" + name + "](" + file +
+		")\n\n| number | found | unit |\n|---|---|---|\n";
 	for (const auto& row : browser::summaryRows(outcome.value()))
 		if (row[2] != "us") page += "| " + row[0] + " | " + row[1] + " | " + row[2] + " |\n";
 	good = good && outcome.value().ok();
@@ -193,17 +199,21 @@ int makeGallery(const DemoArguments& a)
 	photographer.value().reset();  // one context at a time
 	const auto window = browser::takeBrowserPicture("bunny", 2.5, demoOptions(a), 880, 500);
 	if (!window) return refuse(window.error());
-	if (const auto error = browser::savePicture(browser::withFewerColours(window.value()), (folder / "window.png").string())) return refuse(*error);
+	if (const auto error = browser::savePicture(browser::withFewerColours(window.value()), (folder / "window.png").string()))
+		return refuse(*error);
 	photographer = Photographer::make(640, 360);
 	if (!photographer) return refuse(photographer.error());
-	std::string page = "# Gallery\nMade by `haptic_demos --gallery FOLDER`: every demo of the browser at the end of its run, with what it found. A mesh of your own: `--mesh FILE`, or drop it on the window.\n\n![the window](window.png)\n", group;
+	std::string page = "# Gallery\nMade by `haptic_demos --gallery FOLDER`: every demo of the browser at the end of its run, with what it "
+					   "found. A mesh of your own: `--mesh FILE`, or drop it on the window.\n\n![the window](window.png)\n",
+				group;
 	bool good = true;
 	for (const browser::DemoEntry& entry : browser::demoCatalog())
 	{
 		if (group != entry.group) page += "\n## " + (group = entry.group) + "\n";
 		if (const auto error = addToGallery(a, entry, false, *photographer.value(), page, good)) return refuse(*error);
 	}
-	page += "\n## Beside stock Bullet\nThe same scenes with Bullet's own contact on the left: `haptic_demos --demo NAME --beside-stock`, or key h.\n";
+	page += "\n## Beside stock Bullet\nThe same scenes with Bullet's own contact on the left: `haptic_demos --demo NAME --beside-stock`, "
+			"or key h.\n";
 	for (const char* name : {"stack", "peg", "gears"})
 		if (const auto error = addToGallery(a, *browser::findDemo(name), true, *photographer.value(), page, good)) return refuse(*error);
 	if (!writeWholeText((folder / "README.md").string(), page)) return refuse({a.gallery + ": the page cannot be written"});

@@ -45,7 +45,8 @@ const char* const kDemoUsage =
 
 namespace
 {
-const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery", "--window-screenshot", "--device", "--economy", "--force-error", "--beside-stock", "--show"};
+const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery",
+	"--window-screenshot", "--device", "--economy", "--force-error", "--beside-stock", "--show"};
 
 /// The whole of `text` as a positive finite number, else 0.
 double positiveNumber(const std::string& text)
@@ -57,37 +58,51 @@ double positiveNumber(const std::string& text)
 /// What was given and does not go with the rest; empty: nothing.
 std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 {
-	const auto clash = [&](const std::string& with, const std::vector<std::string>& without, const std::string& why)
-	{
+	const auto clash = [&](const std::string& with, const std::vector<std::string>& without, const std::string& why) {
 		for (const std::string& name : without)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
 	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load" || a.demo == "grasp-compare";
-	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" || a.demo == "continuity" || grasps;
+	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" ||
+		a.demo == "continuity" || grasps;
 	if (others)
-		if (std::string wrong = clash(given.count("--scene") ? "--scene" : a.demo.empty() ? "--paper-figures" : "--demo " + a.demo, kOfTheBrowser, "only the browser's demos know it"); !wrong.empty())
+		if (std::string wrong = clash(given.count("--scene") ? "--scene"
+					: a.demo.empty()                         ? "--paper-figures"
+															 : "--demo " + a.demo,
+				kOfTheBrowser, "only the browser's demos know it");
+			!wrong.empty())
 			return wrong;
 	if (!others)
-		if (std::string wrong = clash("the browser", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its demos scale their meshes and step as they are drawn"); !wrong.empty())
+		if (std::string wrong = clash("the browser", {"--unit", "--virtual-time", "--decoupled", "--world-rate"},
+				"its demos scale their meshes and step as they are drawn");
+			!wrong.empty())
 			return wrong;
 	if (!others && a.demo.empty() && !given.count("--gallery"))
 		for (const char* name : {"--headless", "--json", "--report", "--screenshot", "--record"})
-			if (given.count(name)) return std::string(name) + " needs --demo NAME or --scene FILE: without either the browser opens in a window (--list names the demos)";
+			if (given.count(name))
+				return std::string(name) +
+					" needs --demo NAME or --scene FILE: without either the browser opens in a window (--list names the demos)";
 	if (given.count("--window-screenshot") && !given.count("--frames")) return "--window-screenshot goes with --frames";
 	if (given.count("--paper-figures"))
-		return clash("--paper-figures", {"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
-					 "it runs its own scenes in real time and writes its own page");
+		return clash("--paper-figures",
+			{"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
+			"it runs its own scenes in real time and writes its own page");
 	if (given.count("--scenes")) return "--scenes goes with --paper-figures";
 	if (given.count("--scene"))
 		return clash("--scene", {"--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate"}, "the file says all that");
 	if (a.demo == "continuity")
-		return clash("--demo continuity", {"--unit", "--virtual-time", "--decoupled", "--world-rate"}, "its longest side is 0.2 m, and it has neither clock nor world");
-	if (a.demo == "grasps") return clash("--demo grasps", {"--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has its own bodies, or one mesh, and no clock");
+		return clash("--demo continuity", {"--unit", "--virtual-time", "--decoupled", "--world-rate"},
+			"its longest side is 0.2 m, and it has neither clock nor world");
+	if (a.demo == "grasps")
+		return clash("--demo grasps", {"--spheres", "--virtual-time", "--decoupled", "--world-rate"},
+			"it has its own bodies, or one mesh, and no clock");
 	if (grasps)
-		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has its own bodies, and no clock");
+		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"},
+			"it has its own bodies, and no clock");
 	if (a.demo == "z-width" || a.demo == "safety")
-		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"}, "it has neither bodies nor clock");
+		return clash("--demo " + a.demo, {"--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate"},
+			"it has neither bodies nor clock");
 	return {};
 }
 
@@ -102,13 +117,16 @@ long long wholeNumber(const std::string& option, const std::string& text, DemoAr
 
 void readBrowserNumbers(const std::string& frames, const std::string& dt, const std::string& size, DemoArguments& a)
 {
-	if (!dt.empty() && !((a.dt = positiveNumber(dt)) > 0 && a.dt <= 1)) a.error = "--dt must be a positive number of seconds, at most 1, not " + dt;
+	if (!dt.empty() && !((a.dt = positiveNumber(dt)) > 0 && a.dt <= 1))
+		a.error = "--dt must be a positive number of seconds, at most 1, not " + dt;
 	if (!frames.empty()) a.frames = wholeNumber("--frames", frames, a);
 	if (size.empty()) return;
 	a.sizeGiven = true;
 	const size_t cross = size.find('x');
-	const double width = positiveNumber(size.substr(0, cross)), height = cross == std::string::npos ? 0 : positiveNumber(size.substr(cross + 1));
-	if (!(width >= 16 && width <= 8192 && height >= 16 && height <= 8192)) a.error = "--size must be like 960x540, 16 to 8192 each, not " + size;
+	const double width = positiveNumber(size.substr(0, cross)),
+				 height = cross == std::string::npos ? 0 : positiveNumber(size.substr(cross + 1));
+	if (!(width >= 16 && width <= 8192 && height >= 16 && height <= 8192))
+		a.error = "--size must be like 960x540, 16 to 8192 each, not " + size;
 	else a.width = int(width), a.height = int(height);
 }
 
@@ -124,7 +142,8 @@ void readEconomy(const std::string& economy, DemoArguments& a)
 	if (economy.empty()) return;
 	a.economy = economy != "off";
 	a.keptError = a.economy ? positiveNumber(economy) : 0;
-	if (a.economy && economy != "0" && !(a.keptError > 0 && a.keptError <= 0.5)) a.error = "--economy must be off or a number from 0 to 0.5, not " + economy;
+	if (a.economy && economy != "0" && !(a.keptError > 0 && a.keptError <= 0.5))
+		a.error = "--economy must be off or a number from 0 to 0.5, not " + economy;
 }
 }  // namespace
 
@@ -134,13 +153,13 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	std::string unit, spheres, worldRate, frames, dt, size, economy, forceError;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
-												{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime},
-												{"--decoupled", &a.decoupled}, {"--beside-stock", &a.besideStock}};
-	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh}, {"--report", &a.report},
-														{"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
-														{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &economy}, {"--force-error", &forceError},
-														{"--screenshot", &a.screenshot}, {"--record", &a.record}, {"--gallery", &a.gallery},
-														{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}};
+		{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime}, {"--decoupled", &a.decoupled},
+		{"--beside-stock", &a.besideStock}};
+	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures},
+		{"--mesh", &a.mesh}, {"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit},
+		{"--spheres", &spheres}, {"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size},
+		{"--economy", &economy}, {"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record},
+		{"--gallery", &a.gallery}, {"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
@@ -150,7 +169,8 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 		if (flag != flags.end()) *flag->second = true;
 		else if (value == values.end()) a.error = "unknown option " + name;
 		else if (i + 1 == argc) a.error = name + " needs a value";
-		else if (*value->second = argv[++i]; value->second->empty() && name != "--cache") a.error = name + " needs a value";  // without a cache nothing is kept
+		else if (*value->second = argv[++i]; value->second->empty() && name != "--cache")
+			a.error = name + " needs a value";  // without a cache nothing is kept
 	}
 	if (!a.error.empty()) return a;
 	a.error = conflict(given, a);

@@ -19,10 +19,10 @@ struct DemoArguments
 	bool headless = false, sizeGiven = false, besideStock = false;
 	std::string screenshot, record, gallery, windowScreenshot, device, show;
 	long long frames = -1;
-	double dt = 0;              ///< [s]; 0: the demo's own
+	double dt = 0;  ///< [s]; 0: the demo's own
 	bool economy = true;
-	double keptError = 0.05;    ///< that the economy may add to forces
-	double forceError = 0;      ///< that coarser levels may add to them
+	double keptError = 0.05;  ///< that the economy may add to forces
+	double forceError = 0;    ///< that coarser levels may add to them
 	int width = 960, height = 540;
 	/// Something is asked for that a window does not give.
 	bool withoutWindow() const { return headless || json || !screenshot.empty() || !record.empty() || !report.empty(); }

@@ -15,12 +15,10 @@ void endProgress();
 void say(const std::string& text);
 
 /// Prints what a demo found, in the form that was asked for, and writes its report. Returns the exit code.
-template <class Outcome>
-int present(const DemoArguments& a, const Outcome& outcome)
+template <class Outcome> int present(const DemoArguments& a, const Outcome& outcome)
 {
 	endProgress();
-	if (a.json)
-		std::printf("%s\n", makeJson(outcome).c_str());
+	if (a.json) std::printf("%s\n", makeJson(outcome).c_str());
 	else
 		for (const auto& row : summaryRows(outcome)) std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
 	if (a.report.empty()) return 0;

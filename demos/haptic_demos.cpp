@@ -9,12 +9,12 @@
 #include "demos/scenes/Grasp/GraspLoad.h"
 #include "demos/scenes/Grasp/GraspReport.h"
 #include "demos/scenes/HapticBunny/HapticBunnyReport.h"
-#include "demos/scenes/Truth/MeshToQuery.h"
-#include "demos/scenes/Scene/PaperFigures.h"
 #include "demos/scenes/Pages/SafetyPage.h"
-#include "demos/scenes/Scene/SceneReport.h"
 #include "demos/scenes/Pages/WholeText.h"
 #include "demos/scenes/Pages/ZWidthPage.h"
+#include "demos/scenes/Scene/PaperFigures.h"
+#include "demos/scenes/Scene/SceneReport.h"
+#include "demos/scenes/Truth/MeshToQuery.h"
 
 #include <cstdio>
 #include <exception>
@@ -172,7 +172,8 @@ int runSceneFile(const DemoArguments& a)
 int runPaperFigures(const DemoArguments& a)
 {
 	std::vector<std::string> files;
-	for (const char* name : {"bunny.json", "crown.json", "sword-and-ring.json"}) files.push_back((std::filesystem::path(a.scenes) / name).string());
+	for (const char* name : {"bunny.json", "crown.json", "sword-and-ring.json"})
+		files.push_back((std::filesystem::path(a.scenes) / name).string());
 	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false});
 	if (!scenes) return say(scenes.error().message), scenes.error().cancelled ? 130 : 1;
 	std::error_code ignored;
@@ -214,9 +215,11 @@ int run(int argc, char** argv)
 		std::printf("continuity    force from tick to tick while a rod slides, beside that of the continuum\n");
 		std::printf("z-width       stiffness and damping of a wall that devices bear, stably and passively\n");
 		std::printf("safety        what reaches a device without each stage of the safety chain, and with it\n");
-		std::printf("grasps        a hand lifts, turns and shakes six objects, or a --mesh, with friction and without; with --report, heat maps beside it\n");
+		std::printf("grasps        a hand lifts, turns and shakes six objects, or a --mesh, with friction and without; with --report, heat "
+					"maps beside it\n");
 		std::printf("grasp-load    time of a tick while a hand of 80,000 spheres holds an object of 10,000\n");
-		std::printf("grasp-compare one hand against two, 3 against 6 degrees of freedom: a beam with a nut and a ring on it is carried to its place\n");
+		std::printf("grasp-compare one hand against two, 3 against 6 degrees of freedom: a beam with a nut and a ring on it is carried to "
+					"its place\n");
 		std::printf("of the browser, which opens without --headless:\n");
 		scenes::listBrowserDemos();
 		return 0;

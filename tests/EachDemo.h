@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/catalog/DemoCatalog.h"
 #include "demos/browser/base/WorldDemo.h"
+#include "demos/browser/catalog/DemoCatalog.h"
 
 #include <gtest/gtest.h>
 

@@ -21,8 +21,8 @@ double stiffestOfStep(const btISTContact& contact, double mass, double h)
 	if (!contact.treeB) return std::numeric_limits<double>::infinity();
 	const double gravity = contact.constants.gravity;
 	const double resting = gravity > 0 ? std::max(mass, kThrough * contact.pressed / gravity) : mass;
-	// No flat contact is larger than half of a surface. The area of this step would change k with every leaf that comes into touch, and nothing
-	// would find rest.
+	// No flat contact is larger than half of a surface. The area of this step would change k with every leaf that comes into touch, and
+	// nothing would find rest.
 	const double area = 0.5 * std::min(contact.treeA->area, contact.treeB->area);
 	return kStiffestPerStep * resting / (h * h * area);
 }

@@ -33,10 +33,12 @@ std::optional<ist::Error> btContactMaterialTable::set(const btCollisionObject* b
 	if (!std::isfinite(material.dissipation))
 		return ist::Error{"the dissipation of a contact material must be a finite number of s/m (negative: not set)"};
 	if (material.dissipation > kMostDissipation)
-		return ist::Error{"the dissipation of a contact material must be at most 1e6 s/m: with it nothing leaves contact faster than 1 um/s"};
+		return ist::Error{
+			"the dissipation of a contact material must be at most 1e6 s/m: with it nothing leaves contact faster than 1 um/s"};
 	if (!std::isfinite(material.fluidDensity) || material.fluidDensity < 0)
 		return ist::Error{"the density of a fluid must be a finite number of kg/m^3, 0 or more (0: a solid)"};
-	if (material.fluidDensity > kDensest) return ist::Error{"the density of a fluid must be at most 1e12 kg/m^3: no step of a game's length could hold its pressure"};
+	if (material.fluidDensity > kDensest)
+		return ist::Error{"the density of a fluid must be at most 1e12 kg/m^3: no step of a game's length could hold its pressure"};
 	if (material.fluidDensity > 0 && material.stiffness > 0)
 		return ist::Error{"a fluid has no stiffness of its own: its pressure is its density times gravity times depth"};
 	if (material.fluidDensity > 0 && (!body->getCollisionShape() || body->getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE))
@@ -74,8 +76,8 @@ double btContactMaterialTable::gravity() const
 	return std::isfinite(ofWorld) ? ofWorld : m_gravity;
 }
 
-btISTPairConstants btContactMaterialTable::decide(const btISTContact& contact, const btCollisionObject* bodyA,
-												  const btCollisionObject* bodyB) const
+btISTPairConstants btContactMaterialTable::decide(
+	const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const
 {
 	const double gravity = this->gravity();
 	btISTPairConstants constants = btISTDefaultPairRule(gravity > 0 ? gravity : m_weighing).decide(contact, bodyA, bodyB);

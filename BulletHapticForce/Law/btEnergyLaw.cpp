@@ -20,7 +20,7 @@ ist::Vec3 centerOf(const btRigidBody& body) { return toVec3(body.getWorldTransfo
 btEnergyLaw::btEnergyLaw(int pairCapacity) : m_workspace(capacityOf(pairCapacity)) {}
 
 std::optional<ist::Error> btEnergyLaw::add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
-										   std::shared_ptr<const ist::InnerSphereTree> treeB, const ist::PressurePair& material)
+	std::shared_ptr<const ist::InnerSphereTree> treeB, const ist::PressurePair& material)
 {
 	if (!treeA || !treeB || treeA->law.empty() || treeB->law.empty()) return ist::Error{"the energy law needs a tree for each body"};
 	for (const double constant : {material.stiffness, material.weightA, material.weightB})
@@ -43,7 +43,8 @@ void btEnergyLaw::evaluate(Pairs::Pair& pair)
 	contact.pairs = overlap.pairCount;
 	const ist::PairLawResult law = ist::energyLaw(*pair.treeA, *pair.treeB, X_AB, overlap.pairs, overlap.pairCount, pair.material);
 	contact.energy = law.energy;
-	const ist::Vec3 origin = X_WA * pair.treeA->origin, force = X_WA.rotation * law.wrench.force, torque = X_WA.rotation * law.wrench.torque;
+	const ist::Vec3 origin = X_WA * pair.treeA->origin, force = X_WA.rotation * law.wrench.force,
+					torque = X_WA.rotation * law.wrench.torque;
 	contact.onA = {force, torque + cross(origin - centerOf(*pair.A), force)};
 	contact.onB = {-force, -torque - cross(origin - centerOf(*pair.B), force)};
 }

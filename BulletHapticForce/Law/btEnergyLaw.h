@@ -16,27 +16,31 @@ struct btEnergyContact
 	bool complete = true;  ///< false: more pairs than the capacity, or a pose that is none, and nothing was exerted
 };
 
-/// Energy mode: the forces between two trees are the exact gradient of an energy (ist::energyLaw), so that a contact without friction and dissipation
-/// gives back all that it took, and neither more nor less on whatever way the bodies went. For studies of energy. The forces themselves are farther from the
-/// continuum's than those of the default law, by two to five times at 10,000 spheres, and cost more: every pair is listed, sorted and evaluated in double.
+/// Energy mode: the forces between two trees are the exact gradient of an energy (ist::energyLaw), so that a contact without friction and
+/// dissipation gives back all that it took, and neither more nor less on whatever way the bodies went. For studies of energy. The forces
+/// themselves are farther from the continuum's than those of the default law, by two to five times at 10,000 spheres, and cost more: every
+/// pair is listed, sorted and evaluated in double.
 ///
-/// Explicit: forces of the pose at the beginning of the step, which together with Bullet's own step is symplectic Euler: kinetic and stored energy stay
-/// together within a bound that falls with h omega, omega the frequency of the contact, and diverge where that is above 2. After a collision the kinetic energy
-/// is off by up to half of (h omega)^2 of what was stored, as the forces' slopes leap where leaves come and go; in a graze omega is that of its duration.
-/// Bodies should have three equal principal moments of inertia, as Bullet's own integration of others keeps neither their energy nor their momentum,
-/// and no gyroscopic flag, which they do not need and which rounds their spin in each step.
+/// Explicit: forces of the pose at the beginning of the step, which together with Bullet's own step is symplectic Euler: kinetic and stored
+/// energy stay together within a bound that falls with h omega, omega the frequency of the contact, and diverge where that is above 2.
+/// After a collision the kinetic energy is off by up to half of (h omega)^2 of what was stored, as the forces' slopes leap where leaves
+/// come and go; in a graze omega is that of its duration. Bodies should have three equal principal moments of inertia, as Bullet's own
+/// integration of others keeps neither their energy nor their momentum, and no gyroscopic flag, which they do not need and which rounds
+/// their spin in each step.
 ///
-/// Bodies that it holds must outlive it or be removed. One owner thread: that of the world. `apply` allocates nothing once it has seen its trees.
+/// Bodies that it holds must outlive it or be removed. One owner thread: that of the world. `apply` allocates nothing once it has seen its
+/// trees.
 class btEnergyLaw
 {
 public:
 	/// Of leaf pairs of two bodies; counted and refused beyond.
 	explicit btEnergyLaw(int pairCapacity = 200000);
 
-	/// From now on the pair's contact is this law's, and Bullet's own is switched off (setIgnoreCollisionCheck). Trees in the frames of the bodies.
-	/// Refused: null, one body or one pair twice, an empty tree, a stiffness or weights that are negative, not finite, or weights that are both 0.
+	/// From now on the pair's contact is this law's, and Bullet's own is switched off (setIgnoreCollisionCheck). Trees in the frames of the
+	/// bodies. Refused: null, one body or one pair twice, an empty tree, a stiffness or weights that are negative, not finite, or weights
+	/// that are both 0.
 	std::optional<ist::Error> add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
-								  std::shared_ptr<const ist::InnerSphereTree> treeB, const ist::PressurePair& material);
+		std::shared_ptr<const ist::InnerSphereTree> treeB, const ist::PressurePair& material);
 	/// All pairs of this body; Bullet's own contact returns.
 	void remove(btRigidBody* body) { m_pairs.remove(body); }
 

@@ -6,8 +6,7 @@
 void exertExplicitly(btRigidBody& A, const ist::Wrench& onA, btRigidBody& B, const ist::Wrench& onB)
 {
 	if (!ist::isFinite(onA) || !ist::isFinite(onB)) return;
-	const auto exert = [](btRigidBody& body, const ist::Wrench& wrench)
-	{
+	const auto exert = [](btRigidBody& body, const ist::Wrench& wrench) {
 		body.activate();
 		body.applyCentralForce(toBullet(wrench.force));
 		body.applyTorque(toBullet(wrench.torque));

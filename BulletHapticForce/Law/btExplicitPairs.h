@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -14,13 +14,13 @@
 #include <utility>
 #include <vector>
 
-/// As forces of the step to come; wakes the bodies. Each wrench in World axes about its body's centre of mass. Nothing where one is not finite.
+/// As forces of the step to come; wakes the bodies. Each wrench in World axes about its body's centre of mass. Nothing where one is not
+/// finite.
 void exertExplicitly(btRigidBody& A, const ist::Wrench& onA, btRigidBody& B, const ist::Wrench& onB);
 
-/// Pairs of bodies whose contact is that of an explicit law: Bullet's own is switched off (setIgnoreCollisionCheck) for as long as a pair is
-/// held. Bodies outlive this or are removed.
-template <class Material, class Contact>
-class btExplicitPairs
+/// Pairs of bodies whose contact is that of an explicit law: Bullet's own is switched off (setIgnoreCollisionCheck) for as long as a pair
+/// is held. Bodies outlive this or are removed.
+template <class Material, class Contact> class btExplicitPairs
 {
 public:
 	struct Pair
@@ -39,13 +39,14 @@ public:
 		for (const Pair& p : m_pairs) p.A->setIgnoreCollisionCheck(p.B, false);
 	}
 
-	/// Refused: null, one body, a pair that is held already. Bullet keeps the points of bodies that touch already: clean their pairs afterwards
-	/// (cleanProxyFromPairs).
+	/// Refused: null, one body, a pair that is held already. Bullet keeps the points of bodies that touch already: clean their pairs
+	/// afterwards (cleanProxyFromPairs).
 	std::optional<ist::Error> add(Pair pair)
 	{
 		if (!pair.A || !pair.B || pair.A == pair.B) return ist::Error{"a law of contact needs two different bodies"};
 		for (const Pair& p : m_pairs)
-			if ((p.A == pair.A && p.B == pair.B) || (p.A == pair.B && p.B == pair.A)) return ist::Error{"this law holds this pair of bodies already"};
+			if ((p.A == pair.A && p.B == pair.B) || (p.A == pair.B && p.B == pair.A))
+				return ist::Error{"this law holds this pair of bodies already"};
 		pair.A->setIgnoreCollisionCheck(pair.B, true);
 		m_pairs.push_back(std::move(pair));
 		return std::nullopt;

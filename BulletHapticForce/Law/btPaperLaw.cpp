@@ -17,7 +17,9 @@ struct Mover
 	ist::Mat3 inverseInertia = ist::zeroMat3();
 
 	explicit Mover(const btRigidBody& body)
-		: center(toVec3(body.getWorldTransform().getOrigin())), velocity(toVec3(body.getLinearVelocity())), spin(toVec3(body.getAngularVelocity()))
+		: center(toVec3(body.getWorldTransform().getOrigin())),
+		  velocity(toVec3(body.getLinearVelocity())),
+		  spin(toVec3(body.getAngularVelocity()))
 	{
 		if (body.isStaticOrKinematicObject()) return;
 		inverseMass = double(body.getInvMass()) * toVec3(body.getLinearFactor());
@@ -56,7 +58,7 @@ double largestEigenvalue(const MotionMatrix& K, const Mover& A, const Mover& B)
 		for (int i = 0; i < 12; ++i)
 			for (int j = 0; j < 12; ++j) f[i] += K.m[i][j] * x[j];
 		const ist::Vec3 v[4] = {scaled(A.inverseMass, {f[0], f[1], f[2]}), A.inverseInertia * ist::Vec3{f[3], f[4], f[5]},
-								scaled(B.inverseMass, {f[6], f[7], f[8]}), B.inverseInertia * ist::Vec3{f[9], f[10], f[11]}};
+			scaled(B.inverseMass, {f[6], f[7], f[8]}), B.inverseInertia * ist::Vec3{f[9], f[10], f[11]}};
 		for (int i = 0; i < 12; ++i)
 		{
 			energy += f[i] * x[i];
@@ -72,18 +74,15 @@ double largestEigenvalue(const MotionMatrix& K, const Mover& A, const Mover& B)
 }  // namespace
 
 btPaperLaw::btPaperLaw(int pairCapacity)
-	: m_workspace(
-		  [&]
-		  {
-			  ist::QueryCapacity capacity;
-			  capacity.pairs = std::max(pairCapacity, 1);
-			  return capacity;
-		  }())
-{
-}
+	: m_workspace([&] {
+		  ist::QueryCapacity capacity;
+		  capacity.pairs = std::max(pairCapacity, 1);
+		  return capacity;
+	  }())
+{}
 
 std::optional<ist::Error> btPaperLaw::add(btRigidBody* A, std::shared_ptr<const ist::InnerSphereTree> treeA, btRigidBody* B,
-										  std::shared_ptr<const ist::InnerSphereTree> treeB, const btPaperMaterial& material)
+	std::shared_ptr<const ist::InnerSphereTree> treeB, const btPaperMaterial& material)
 {
 	if (!treeA || !treeB || treeA->inner.empty() || treeB->inner.empty())
 		return ist::Error{"the paper's law needs a tree with inner spheres for each body"};

@@ -10,10 +10,11 @@
 #include <vector>
 
 // One function of each of Bullet's libraries, by the name that it has in both precisions.
-extern "C" {
-void btISTPreloadBoundMath() __asm__("_Z22btAlignedAllocInternalmi");
-void btISTPreloadBoundCollision() __asm__("_ZN16btCollisionWorld11updateAabbsEv");
-void btISTPreloadBoundDynamics() __asm__("_ZN11btRigidBody12applyGravityEv");
+extern "C"
+{
+	void btISTPreloadBoundMath() __asm__("_Z22btAlignedAllocInternalmi");
+	void btISTPreloadBoundCollision() __asm__("_ZN16btCollisionWorld11updateAabbsEv");
+	void btISTPreloadBoundDynamics() __asm__("_ZN11btRigidBody12applyGravityEv");
 }
 
 namespace
@@ -124,9 +125,8 @@ const void* addressOf(void (*function)()) { return reinterpret_cast<const void*>
 extern "C" __attribute__((visibility("default"))) const preload::Backend* bullethapticsPreloadBackend()
 {
 	static const BoundFunction bound[] = {{"_Z22btAlignedAllocInternalmi", addressOf(btISTPreloadBoundMath)},
-										  {"_ZN16btCollisionWorld11updateAabbsEv", addressOf(btISTPreloadBoundCollision)},
-										  {"_ZN11btRigidBody12applyGravityEv", addressOf(btISTPreloadBoundDynamics)},
-										  {nullptr, nullptr}};
+		{"_ZN16btCollisionWorld11updateAabbsEv", addressOf(btISTPreloadBoundCollision)},
+		{"_ZN11btRigidBody12applyGravityEv", addressOf(btISTPreloadBoundDynamics)}, {nullptr, nullptr}};
 	static const Backend backend{beforeStep, worldGoes, partGoes, bound};
 	return &backend;
 }

@@ -23,8 +23,7 @@ __attribute__((destructor)) void end()
 	std::fputs("bullethaptics-preload: no btDiscreteDynamicsWorld was stepped: nothing was changed\n", stderr);
 }
 
-template <class Scalar>
-int step(OwnFunction& own, PreloadedBackend& backends, void* world, Scalar seconds, int mostSteps, Scalar part)
+template <class Scalar> int step(OwnFunction& own, PreloadedBackend& backends, void* world, Scalar seconds, int mostSteps, Scalar part)
 {
 	auto* const bullets = own.of<int(void*, Scalar, int, Scalar)>(world);
 	if (!bullets) return 0;
@@ -34,8 +33,7 @@ int step(OwnFunction& own, PreloadedBackend& backends, void* world, Scalar secon
 }
 
 /// The object's precision is not known: both backends compare addresses.
-template <void (*Backend::*Goes)(void*)>
-void destroy(OwnFunction& own, void* object)
+template <void (*Backend::*Goes)(void*)> void destroy(OwnFunction& own, void* object)
 {
 	auto* const bullets = own.of<void(void*)>(object);
 	for (const PreloadedBackend* each : {&singles, &doubles})

@@ -15,8 +15,7 @@ public:
 	OwnFunction(const char* symbol, const void* interposed) : m_symbol(symbol), m_interposed(interposed) {}
 
 	/// `object` begins with the pointer to its virtual table. Null where no library defines the function.
-	template <class Function>
-	Function* of(const void* object)
+	template <class Function> Function* of(const void* object)
 	{
 		return reinterpret_cast<Function*>(find(*static_cast<const void* const*>(object)));
 	}

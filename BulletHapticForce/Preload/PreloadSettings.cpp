@@ -18,7 +18,8 @@ int number(const char* variable, int value, int least, int most)
 	char* end = nullptr;
 	const long read = std::strtol(text, &end, 10);
 	if (*text && !*end && read >= least && read <= most) return int(read);
-	std::fprintf(stderr, "bullethaptics-preload: %s=%s is no whole number from %d to %d; %d is taken\n", variable, text, least, most, value);
+	std::fprintf(
+		stderr, "bullethaptics-preload: %s=%s is no whole number from %d to %d; %d is taken\n", variable, text, least, most, value);
 	return value;
 }
 
@@ -31,7 +32,7 @@ double stiffness(const char* variable)
 	const double read = std::strtod(text, &end);
 	if (*text && !*end && read > 0 && read <= btContactMaterialTable::kStiffest) return read;
 	std::fprintf(stderr, "bullethaptics-preload: %s=%s is no stiffness above 0 and up to %g Pa/m; each body has the one of its weight\n",
-				 variable, text, btContactMaterialTable::kStiffest);
+		variable, text, btContactMaterialTable::kStiffest);
 	return 0;
 }
 

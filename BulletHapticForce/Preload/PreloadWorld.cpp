@@ -18,24 +18,21 @@ constexpr int kMostChanges = 3;
 bool isMesh(const btCollisionShape& shape)
 {
 	return shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE &&
-		   static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() != CONST_GIMPACT_COMPOUND_SHAPE;
+		static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() != CONST_GIMPACT_COMPOUND_SHAPE;
 }
 
 /// Every GImpact mesh of a shape: itself, or among the children of a compound.
-template <class Visit>
-void forEachMesh(const btCollisionShape* shape, const Visit& visit)
+template <class Visit> void forEachMesh(const btCollisionShape* shape, const Visit& visit)
 {
 	if (shape->getShapeType() == COMPOUND_SHAPE_PROXYTYPE)
 	{
 		const auto* compound = static_cast<const btCompoundShape*>(shape);
 		for (int i = 0; i < compound->getNumChildShapes(); ++i) forEachMesh(compound->getChildShape(i), visit);
 	}
-	else if (isMesh(*shape))
-		visit(shape);
+	else if (isMesh(*shape)) visit(shape);
 }
 
-template <class Visit>
-void forEachMesh(const btDiscreteDynamicsWorld& world, const Visit& visit)
+template <class Visit> void forEachMesh(const btDiscreteDynamicsWorld& world, const Visit& visit)
 {
 	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
 	for (int i = 0; i < objects.size(); ++i) forEachMesh(objects[i]->getCollisionShape(), visit);
@@ -53,7 +50,8 @@ btISTTreeSettings treeSettings(const Settings& settings)
 World::Likeness::Likeness(const btCollisionShape& shape)
 {
 	const auto& gimpact = static_cast<const btGImpactShapeInterface&>(shape);
-	if (gimpact.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE) mesh = static_cast<const btGImpactMeshShape&>(shape).getMeshInterface();
+	if (gimpact.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE)
+		mesh = static_cast<const btGImpactMeshShape&>(shape).getMeshInterface();
 	shape.getAabb(btTransform::getIdentity(), lower, upper);
 }
 
@@ -65,7 +63,10 @@ bool World::hasGImpact(const btDiscreteDynamicsWorld& world)
 }
 
 World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
-	: m_world(world), m_settings(settings), m_dispatcher(world.getDispatcher()), m_gamesSolver(world.getConstraintSolver())
+	: m_world(world),
+	  m_settings(settings),
+	  m_dispatcher(world.getDispatcher()),
+	  m_gamesSolver(world.getConstraintSolver())
 {
 	m_ist.emplace(world);
 	m_trees.emplace(m_ist->registration().registry(), treeSettings(settings));
@@ -73,8 +74,9 @@ World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
 
 World::~World()
 {
-	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone. Where we were refused no pair is ours, and the registration may be
-	// with another dispatcher than the one that the pairs' algorithms are from. A game that has emptied its world may have deleted the broad phase before it.
+	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone. Where we were refused no pair is ours, and the
+	// registration may be with another dispatcher than the one that the pairs' algorithms are from. A game that has emptied its world may
+	// have deleted the broad phase before it.
 	if (refusal().empty() && !m_ist->contacts().contacts().empty()) m_ist->registration().cleanPairs(m_world.getPairCache());
 	(void)m_ist->registration().setPairCache(nullptr);
 	conclude();
@@ -178,10 +180,12 @@ void World::report()
 	for (int i = 0; i < objects.size(); ++i)
 	{
 		bool volumetric = false;
-		forEachMesh(objects[i]->getCollisionShape(), [&](const btCollisionShape* shape) { volumetric = volumetric || m_shapes.at(shape).attachment.isAttached(); });
+		forEachMesh(objects[i]->getCollisionShape(),
+			[&](const btCollisionShape* shape) { volumetric = volumetric || m_shapes.at(shape).attachment.isAttached(); });
 		bodies += volumetric;
 	}
-	say(m_settings, 1, std::to_string(bodies) + " GImpact bodies of " + std::to_string(attached) + " meshes have volumetric contact from step " +
-						   std::to_string(m_step) + " on");
+	say(m_settings, 1,
+		std::to_string(bodies) + " GImpact bodies of " + std::to_string(attached) + " meshes have volumetric contact from step " +
+			std::to_string(m_step) + " on");
 }
 }  // namespace preload

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/Preload/PreloadSettings.h"
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Registry/btISTTreeSource.h"
-#include "BulletHapticForce/Preload/PreloadSettings.h"
 
 #include <map>
 #include <mutex>
@@ -12,8 +12,8 @@ class btStridingMeshInterface;
 
 namespace preload
 {
-/// Volumetric contact for the GImpact meshes of one world of a game that knows nothing of it. Made when the world steps with such a mesh in it
-/// for the first time; before that the world is not touched.
+/// Volumetric contact for the GImpact meshes of one world of a game that knows nothing of it. Made when the world steps with such a mesh in
+/// it for the first time; before that the world is not touched.
 class World
 {
 public:
@@ -21,7 +21,8 @@ public:
 	static bool hasGImpact(const btDiscreteDynamicsWorld& world);
 
 	World(btDiscreteDynamicsWorld& world, const Settings& settings);
-	/// The game gets back its solver and its tables. The world must live; shapes and bodies need not, where Bullet does not need them either.
+	/// The game gets back its solver and its tables. The world must live; shapes and bodies need not, where Bullet does not need them
+	/// either.
 	~World();
 
 	/// Why the world was left as it is; empty when it was not.

@@ -31,8 +31,7 @@ const OwnFolder folder;
 
 bool isPreloadOn()
 {
-	static const bool on = []
-	{
+	static const bool on = [] {
 		const char* text = std::getenv("BULLETHAPTICS_PRELOAD");
 		return !text || std::strcmp(text, "off") != 0;
 	}();
@@ -43,7 +42,8 @@ void PreloadedBackend::load()
 {
 	if (!folder.path[0])
 	{
-		std::fprintf(stderr, "bullethaptics-preload: this library cannot find its own file, and so not the one beside it: nothing is changed\n");
+		std::fprintf(
+			stderr, "bullethaptics-preload: this library cannot find its own file, and so not the one beside it: nothing is changed\n");
 		return;
 	}
 	char path[PATH_MAX + 64];
@@ -51,11 +51,10 @@ void PreloadedBackend::load()
 	// RTLD_LOCAL: plug-ins that are loaded later shall not find this library's Bullet.
 	void* const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
 	auto* const get = library ? reinterpret_cast<GetBackend*>(dlsym(library, kGetBackend)) : nullptr;
-	if (get)
-		m_backend.store(get(), std::memory_order_release);
+	if (get) m_backend.store(get(), std::memory_order_release);
 	else
 		std::fprintf(stderr, "bullethaptics-preload: the library for Bullet in %s precision cannot be loaded (%s): nothing is changed\n",
-					 m_precision, dlerror());
+			m_precision, dlerror());
 }
 
 bool PreloadedBackend::suits(const void* step) const
@@ -66,8 +65,9 @@ bool PreloadedBackend::suits(const void* step) const
 		if (definitionFor(step, each->symbol, nullptr) != each->address)
 		{
 			const char* file = moduleOf(step);
-			std::fprintf(stderr, "bullethaptics-preload: the program's Bullet (%s) is not the one that this library needs: nothing is changed\n",
-						 file && *file ? file : "in the program itself");
+			std::fprintf(stderr,
+				"bullethaptics-preload: the program's Bullet (%s) is not the one that this library needs: nothing is changed\n",
+				file && *file ? file : "in the program itself");
 			return false;
 		}
 	return true;

@@ -14,10 +14,7 @@ double work(const ist::Wrench& impulse, const ist::Twist& twist)
 	return dot(impulse.force, twist.linear) + dot(impulse.torque, twist.angular);
 }
 
-ist::Twist mean(const btLedgerPatch& p)
-{
-	return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)};
-}
+ist::Twist mean(const btLedgerPatch& p) { return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)}; }
 
 /// Twice the energy that the patches hold in linear contact: force times depth. Robust where the model's energy is not: above the
 /// surface the leaves' depths are negative.
@@ -27,7 +24,8 @@ double capacity(const btISTContact& contact)
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
 		const ist::OverlapIntegrals& p = contact.patches[i];
-		const double force = norm(ist::pressureWrench(p, {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force);
+		const double force = norm(
+			ist::pressureWrench(p, {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force);
 		const double area = norm(p.areaVector), depth = p.volume / area;
 		sum += force * (area > 0 && std::isfinite(depth) ? depth : std::cbrt(std::max(p.volume, 0.0)));
 	}
@@ -40,7 +38,8 @@ bool turnsOver(btISTContact& contact)
 	double strength = 0;
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
-		const ist::Vec3 force = ist::pressureWrench(contact.patches[i], {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force;
+		const ist::Vec3 force =
+			ist::pressureWrench(contact.patches[i], {contact.constants.k, contact.constants.weightA, contact.constants.weightB}).force;
 		sum += force;
 		strength += norm(force);
 	}

@@ -16,8 +16,9 @@ struct btLedgerPatch
 
 /// Contact is passive: what a pair returns to the bodies' motion it has absorbed before. The law is not exactly conservative where
 /// contact is shallower than the packing's gaps, and in a step of finite length a body is inside another before any force has acted
-/// on it; either would add energy without this ledger. What gravity does in a step to a body that contact holds is booked, too, m (g h)^2 / 2: much beside
-/// what a contact stores that is stiffer than docs/stability.md allows. An impulse L does the work L . (before + after) / 2, exactly.
+/// on it; either would add energy without this ledger. What gravity does in a step to a body that contact holds is booked, too, m (g h)^2 /
+/// 2: much beside what a contact stores that is stiffer than docs/stability.md allows. An impulse L does the work L . (before + after) / 2,
+/// exactly.
 namespace btContactLedger
 {
 /// Call once per step before `share`: opens the ledger of a new overlap and forgets what the pair can no longer hold. Bodies that
@@ -31,8 +32,8 @@ double share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int
 void hold(btLedgerPatch& patch, double share);
 /// Enters what the impulses did; `after` and `own` with the impulses as they were applied at last. Returns the work on the bodies [J].
 double enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h);
-/// What the impulses did, part by part. Damping is what Hunt and Crossley's law dissipates at the mean velocity under the elastic impulse that
-/// was exerted, L_n d a^2 / (1 + d a) with a the approach speed (and its like for rotations and for normals that differ, by the patch's damping), never
-/// negative; what is left of the elastic impulse's work is `elastic`. `patches` as for `enter`.
+/// What the impulses did, part by part. Damping is what Hunt and Crossley's law dissipates at the mean velocity under the elastic impulse
+/// that was exerted, L_n d a^2 / (1 + d a) with a the approach speed (and its like for rotations and for normals that differ, by the
+/// patch's damping), never negative; what is left of the elastic impulse's work is `elastic`. `patches` as for `enter`.
 btISTContactWork workOf(const btLedgerPatch* patches, int count);
 }  // namespace btContactLedger

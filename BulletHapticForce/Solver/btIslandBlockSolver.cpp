@@ -20,24 +20,26 @@ using Axes = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // an axis a row
 using Mat63 = Eigen::Matrix<double, 6, 3>;
 using Mat46 = Eigen::Matrix<double, 4, 6>;
 using Vector = Eigen::VectorXd;
-template <class M>
-using Map = Eigen::Map<M>;
+template <class M> using Map = Eigen::Map<M>;
 
 // Rounds in which all patches that would push come back into the active set; then, one at a time, which seldom cycles; then none, so
 // that the search ends.
 constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
 constexpr int kMaxSweeps = 400;
 // Where many patches share one load, sticking and sliding may take turns for ever at a hundred-thousandth of the load: the search ends
-// when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's beginning.
+// when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's
+// beginning.
 constexpr int kPatience = 24;
 constexpr double kProgress = 0.5;
-// Sweeps and their combinations carry the state along, and with it rounding, which may double from one to the next. It is made anew from the impulses after so many, and at the end.
+// Sweeps and their combinations carry the state along, and with it rounding, which may double from one to the next. It is made anew from
+// the impulses after so many, and at the end.
 constexpr int kTrust = 8;
-// Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision. What sticks then
-// creeps by no more than this share of g h, since the next step begins where this one ends.
+// Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision.
+// What sticks then creeps by no more than this share of g h, since the next step begins where this one ends.
 constexpr double kFrictionTolerance = 1e-7;
-// Friction that sweeps which did not end have left beyond its limit is cut down, and the normal impulses, which this changes, are found anew. Cuts go
-// the farther below the limit the later they come, and after so many to nothing, so that they end: what has no friction is not cut again.
+// Friction that sweeps which did not end have left beyond its limit is cut down, and the normal impulses, which this changes, are found
+// anew. Cuts go the farther below the limit the later they come, and after so many to nothing, so that they end: what has no friction is
+// not cut again.
 constexpr int kCutsToNothing = 50;
 constexpr double kImmovable = 1e-12;
 // Of the search for a sliding patch's friction; steps double the digits.
@@ -84,10 +86,12 @@ Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 	return root;
 }
 
-/// The friction of one patch, no longer than `limit`, that leaves as little slip as it can, all along the axes in which the slip answers to each part
-/// of it alone, `yielding` times: (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit. Newton's method for 1/|wanted|, which
-/// comes from below and does not overshoot; from above one step leads below. `excess`: m, and where the search for it begins.
-Eigen::Vector3d frictionWithin(double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding, double& excess)
+/// The friction of one patch, no longer than `limit`, that leaves as little slip as it can, all along the axes in which the slip answers to
+/// each part of it alone, `yielding` times: (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit.
+/// Newton's method for 1/|wanted|, which comes from below and does not overshoot; from above one step leads below. `excess`: m, and where
+/// the search for it begins.
+Eigen::Vector3d frictionWithin(
+	double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding, double& excess)
 {
 	Eigen::Vector3d wanted;
 	for (int i = 0; i < 3; ++i) wanted(i) = yielding[i] > 0 ? now(i) - slip(i) / yielding[i] : now(i);
@@ -205,10 +209,9 @@ void btIslandBlockSolver::orderBodies()
 {
 	m_order.clear();
 	for (int b = 0; b < m_bodyCount; ++b) m_bodies[size_t(b)].place = -1;
-	const auto degree = [this](int b)
-	{
+	const auto degree = [this](int b) {
 		return std::count_if(m_patches.begin(), m_patches.begin() + m_patchCount,
-							 [b](const Patch& p) { return (p.body[0] == b || p.body[1] == b) && p.body[0] >= 0 && p.body[1] >= 0; });
+			[b](const Patch& p) { return (p.body[0] == b || p.body[1] == b) && p.body[0] >= 0 && p.body[1] >= 0; });
 	};
 	while (int(m_order.size()) < m_bodyCount)
 	{
@@ -251,7 +254,8 @@ bool btIslandBlockSolver::factorise()
 			for (int column = 0; column < 2; ++column)
 			{
 				if (p.body[row] < 0 || p.body[column] < 0 || placeOf(p, row) < placeOf(p, column)) continue;
-				const Mat6 block = Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) * Map<const Mat6>(p.jacobian[column]);
+				const Mat6 block = Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) *
+					Map<const Mat6>(p.jacobian[column]);
 				const int r = placeOf(p, row), c = placeOf(p, column);
 				for (int i = 0; i < 6; ++i)
 				{
@@ -283,8 +287,7 @@ int64_t btIslandBlockSolver::envelopeEntries() const
 }
 
 /// `x`: right-hand sides side by side, in the order of elimination, zero before `begin`.
-template <int N>
-void btIslandBlockSolver::backSubstitute(double* x, int begin) const
+template <int N> void btIslandBlockSolver::backSubstitute(double* x, int begin) const
 {
 	using Side = Eigen::Matrix<double, N, 1>;
 	const int n = 6 * m_bodyCount;
@@ -335,8 +338,7 @@ void btIslandBlockSolver::addPush(const Patch& p, const double* impulse, double*
 {
 	for (int side = 0; side < 2; ++side)
 		if (p.body[side] >= 0)
-			Map<Vec6>(target + placeOf(p, side)) +=
-				Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Vec6>(impulse);
+			Map<Vec6>(target + placeOf(p, side)) += Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Vec6>(impulse);
 }
 
 /// `m_z` with the elastic answer and the friction impulses so far; what friction asks for without any impulse.
@@ -383,7 +385,8 @@ void btIslandBlockSolver::prepareFriction()
 		Map<Columns> columns(scratch(), Eigen::Index(stride), 4);
 		columns.setZero();
 		for (int side = 0; side < 2; ++side)
-			if (p.body[side] >= 0) columns.block<6, 3>(placeOf(p, side), 0) += Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Mat63>(p.E);
+			if (p.body[side] >= 0)
+				columns.block<6, 3>(placeOf(p, side), 0) += Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Mat63>(p.E);
 		backSubstitute<4>(columns.data(), firstPlace(p));
 		Mat3 G = Mat3::Zero();
 		for (int side = 0; side < 2; ++side)
@@ -411,7 +414,8 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 	normal = std::max(asked(3), 0.0);
 	Map<Eigen::Vector3d> now(tangent(patch));
 	const Map<const Axes> axes(p.axes);
-	const Eigen::Vector3d wanted = axes.transpose() * frictionWithin(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
+	const Eigen::Vector3d wanted = axes.transpose() *
+		frictionWithin(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
 	const Eigen::Vector3d change = wanted - now;
 	now = wanted;
 	const Eigen::Index stride = 6 * Eigen::Index(m_bodyCount);
@@ -450,7 +454,8 @@ void btIslandBlockSolver::iterateFriction()
 	for (int i = 0; cutFriction(kFrictionTolerance * largestNormal, std::max(1 - double(i) / kCutsToNothing, 0.0)); ++i) solveElastic();
 }
 
-/// Friction that is by more than `tolerance` [N s] beyond its limit at the normal impulse of the state becomes `share` of the limit. True when there was such.
+/// Friction that is by more than `tolerance` [N s] beyond its limit at the normal impulse of the state becomes `share` of the limit. True
+/// when there was such.
 bool btIslandBlockSolver::cutFriction(double tolerance, double share)
 {
 	bool cut = false;

@@ -12,9 +12,10 @@
 ///
 /// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), twists v = v_free + R z, with R the
 /// square root of the inverse mass matrix (so that what cannot move needs no special case) and S = h^2 K + h D; an envelope Cholesky
-/// factorisation in reversed breadth-first order of the bodies, so that a stack costs O(bodies), and so does what a hand holds. Patches that would pull are taken out
-/// and the rest is solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the response of the whole
-/// elastic island, each patch solved exactly while the others stand still, the sweeps accelerated. The form with square roots needs no inverse of a stiffness.
+/// factorisation in reversed breadth-first order of the bodies, so that a stack costs O(bodies), and so does what a hand holds. Patches
+/// that would pull are taken out and the rest is solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the
+/// response of the whole elastic island, each patch solved exactly while the others stand still, the sweeps accelerated. The form with
+/// square roots needs no inverse of a stiffness.
 ///
 /// No allocation once the largest island has been seen.
 class btIslandBlockSolver
@@ -46,7 +47,8 @@ public:
 	double normalImpulse(int patch) const;
 	/// Sweeps of the friction iteration in the last solve, and largest change of an impulse in the last of them [N s].
 	int sweeps() const { return m_sweeps; }
-	/// True when the last solve's sweeps ended before the impulses stood still. Friction is then within its limit, too, but need not oppose the slip.
+	/// True when the last solve's sweeps ended before the impulses stood still. Friction is then within its limit, too, but need not oppose
+	/// the slip.
 	bool frictionNotConverged() const { return m_frictionNotConverged; }
 	/// Changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
@@ -59,7 +61,7 @@ private:
 	{
 		double root[36];  // square root of the inverse mass matrix, row major
 		ist::Vec3 center;
-		int place = 0;    // in the order of elimination
+		int place = 0;  // in the order of elimination
 	};
 	struct Patch
 	{
@@ -89,8 +91,7 @@ private:
 	bool changeActiveSet(int mayReturn);
 	void relativeTwist(const Patch& patch, double* twist) const;
 	void addPush(const Patch& patch, const double* impulse, double* target) const;
-	template <int N>
-	void backSubstitute(double* x, int begin) const;
+	template <int N> void backSubstitute(double* x, int begin) const;
 	int placeOf(const Patch& p, int side) const { return 6 * m_bodies[size_t(p.body[side])].place; }
 	int firstPlace(const Patch& p) const;
 	double* scratch() { return m_scratch.data(); }
@@ -98,12 +99,12 @@ private:
 	int m_bodyCount = 0, m_patchCount = 0;
 	std::vector<Body> m_bodies;
 	std::vector<Patch> m_patches;
-	std::vector<int> m_order, m_first;            // bodies in the order of elimination; first column of each row of the envelope
-	std::vector<double> m_factor;                 // rows of the envelope, dense stride; one over the diagonal
-	std::vector<double> m_free, m_z;             // 6 per body
-	std::vector<double> m_scratch;               // 36 per body
-	std::vector<double> m_response;              // to friction: 3 columns of 6 per body for each patch
-	std::vector<double> m_tangents;              // friction impulses, 3 per patch along its E
+	std::vector<int> m_order, m_first;  // bodies in the order of elimination; first column of each row of the envelope
+	std::vector<double> m_factor;       // rows of the envelope, dense stride; one over the diagonal
+	std::vector<double> m_free, m_z;    // 6 per body
+	std::vector<double> m_scratch;      // 36 per body
+	std::vector<double> m_response;     // to friction: 3 columns of 6 per body for each patch
+	std::vector<double> m_tangents;     // friction impulses, 3 per patch along its E
 	btSweepAcceleration m_acceleration;
 	int m_sweeps = 0, m_rounds = 0;
 	bool m_frictionNotConverged = false;

@@ -44,7 +44,7 @@ inline ist::Twist twist(const btSolverBody& body)
 {
 	if (!body.m_originalBody) return {};
 	return {toVec3(body.m_linearVelocity) + toVec3(body.m_externalForceImpulse) + toVec3(body.getDeltaLinearVelocity()),
-			toVec3(body.m_angularVelocity) + toVec3(body.m_externalTorqueImpulse) + toVec3(body.getDeltaAngularVelocity())};
+		toVec3(body.m_angularVelocity) + toVec3(body.m_externalTorqueImpulse) + toVec3(body.getDeltaAngularVelocity())};
 }
 
 /// A twist of the body's centre of mass, at a point [World].

@@ -39,7 +39,8 @@ void btSweepAcceleration::note(const double* x, const double* carried)
 {
 	const Eigen::Index n = Eigen::Index(m_unknowns), rest = Eigen::Index(m_carried);
 	const int to = (m_sweeps + kDepth - 1) % kDepth;  // the first sweep has none before it: its step is never looked at
-	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n + rest), result(m_result.data(), n + rest);
+	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n + rest),
+		result(m_result.data(), n + rest);
 	const double before = m_sweeps > 0 ? change.norm() : 0;
 	changeStep = ConstColumn(x, n) - ConstColumn(m_start.data(), n) - change;
 	change += changeStep;

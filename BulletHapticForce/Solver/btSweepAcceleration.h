@@ -4,10 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-/// Anderson acceleration of sweeps x -> g(x) that creep along a few directions: of the last ones it takes the combination whose changes g(x) - x cancel
-/// best, until one changes more than the one before. What is affine in x may be carried along. If x must obey limits, the next sweep sees to them, so that one
-/// should be the last.
-/// No allocation once `reserve` has seen the size.
+/// Anderson acceleration of sweeps x -> g(x) that creep along a few directions: of the last ones it takes the combination whose changes
+/// g(x) - x cancel best, until one changes more than the one before. What is affine in x may be carried along. If x must obey limits, the
+/// next sweep sees to them, so that one should be the last. No allocation once `reserve` has seen the size.
 class btSweepAcceleration
 {
 public:
@@ -26,9 +25,9 @@ private:
 	void weigh(double* weights, int steps) const;
 
 	std::size_t m_unknowns = 0, m_carried = 0;
-	std::vector<double> m_start;                      // x before the sweep
-	std::vector<double> m_change, m_result;           // of the last sweep: g(x) - x, and g(x) with what is carried
+	std::vector<double> m_start;             // x before the sweep
+	std::vector<double> m_change, m_result;  // of the last sweep: g(x) - x, and g(x) with what is carried
 	std::vector<double> m_changeStep[kDepth], m_resultStep[kDepth];
-	double m_products[kDepth][kDepth] = {};           // of the steps of the change
+	double m_products[kDepth][kDepth] = {};  // of the steps of the change
 	int m_sweeps = 0;
 };

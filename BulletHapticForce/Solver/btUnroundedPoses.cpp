@@ -64,8 +64,7 @@ ist::Twist btUnroundedPoses::recall(const btRigidBody& body, uint64_t step)
 	if (place->body == &body && place->step + 1 == step &&
 		lostInStep(place->pose, toPose(body.getWorldTransform()), place->velocity, place->h, lost))
 		place->lacking = {place->lacking.linear + lost.linear, place->lacking.angular + lost.angular};
-	else
-		place->lacking = {};
+	else place->lacking = {};
 	place->body = &body;
 	place->step = step;
 	return place->lacking;

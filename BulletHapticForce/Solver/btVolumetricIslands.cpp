@@ -46,7 +46,7 @@ void btVolumetricIslands::clear()
 bool btVolumetricIslands::isFinite(const btSolverBody& body)
 {
 	return ist::isFinite(twist(body)) && ist::isFinite(toVec3(body.getWorldTransform().getOrigin())) &&
-		   ist::isFinite(toVec3(body.internalGetInvMass()));
+		ist::isFinite(toVec3(body.internalGetInvMass()));
 }
 
 void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, double friction)
@@ -161,8 +161,7 @@ bool btVolumetricIslands::fitsBlock(const Island& island)
 void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
 {
 	m_moved.clear();
-	const auto lacking = [&](int body, const ist::Vec3& point)
-	{
+	const auto lacking = [&](int body, const ist::Vec3& point) {
 		if (!canMove(bodies[body])) return ist::Twist();
 		m_moved.push_back(bodies[body].m_originalBody);
 		return movedTo(m_unrounded.recall(*m_moved.back(), m_stepNumber), bodies[body], point);
@@ -187,8 +186,7 @@ void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
 	{
 		if (e.contact == former) continue;
 		former = e.contact;
-		const auto velocityAt = [&](int body, const ist::Vec3& point)
-		{
+		const auto velocityAt = [&](int body, const ist::Vec3& point) {
 			// Those that moved the bodies here: without what this step has done so far.
 			const btSolverBody& b = bodies[body];
 			return toVec3(b.m_linearVelocity) + cross(toVec3(b.m_angularVelocity), point - toVec3(b.getWorldTransform().getOrigin()));
@@ -232,8 +230,7 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 	block.solver.clear();
 	block.bodies.clear();
 	block.entries.clear();
-	const auto indexOf = [&](int body)
-	{
+	const auto indexOf = [&](int body) {
 		if (!canMove(bodies[body])) return -1;
 		int& index = m_indexInBlock[size_t(body)];
 		if (index < 0)
@@ -283,8 +280,7 @@ double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
 double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 {
 	for (size_t b = 0; b < block.bodies.size(); ++b) block.free[b] = twist(bodies[block.bodies[b]]);
-	const auto takeBack = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point)
-	{
+	const auto takeBack = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point) {
 		if (!canMove(bodies[body])) return;
 		ist::Twist& free = block.free[size_t(m_indexInBlock[size_t(body)])];
 		free = difference(free, response(rowBody(bodies[body]), impulse, point));
@@ -351,8 +347,9 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const
 {
 	const Entry& e = m_entries[first];
-	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point)
-	{ return difference(movedTo(a, bodies[e.bodyA], point), movedTo(b, bodies[e.bodyB], point)); };
+	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point) {
+		return difference(movedTo(a, bodies[e.bodyA], point), movedTo(b, bodies[e.bodyB], point));
+	};
 	ist::Twist own[2];
 	int count = 0;
 	for (size_t i = first; i < m_entries.size() && m_entries[i].contact == e.contact; ++i, ++count)
@@ -370,7 +367,7 @@ int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, 
 		const Entry& entry = m_entries[first + size_t(i)];
 		const ist::Vec3& point = entry.patch.point;
 		patches[i] = {entry.patch, entry.impulse, entry.elastic, relativeAt(before[0], before[1], point),
-					  relativeAt(after[0], after[1], point), relativeAt(own[0], own[1], point)};
+			relativeAt(after[0], after[1], point), relativeAt(own[0], own[1], point)};
 	}
 	return count;
 }
@@ -407,8 +404,7 @@ void btVolumetricIslands::enterWork(size_t first, int count, const btSolverBody*
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
-	const auto forEachContact = [&](const auto& act)
-	{
+	const auto forEachContact = [&](const auto& act) {
 		for (size_t first = 0; first < m_entries.size();)
 		{
 			size_t end = first + 1;

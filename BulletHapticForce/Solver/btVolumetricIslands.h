@@ -60,7 +60,7 @@ private:
 	{
 		int first = -1, entryCount = 0, bodyCount = 0;
 		bool touched = false;
-		double weight = 0;       // of the bodies that have a gravity of their own [N]
+		double weight = 0;          // of the bodies that have a gravity of their own [N]
 		double weightlessMass = 0;  // of the others [kg]
 	};
 	struct Block
@@ -98,8 +98,8 @@ private:
 	std::vector<Entry> m_entries;
 	std::vector<Island> m_islands;
 	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
-	Block m_passing;                                   // for islands that are solved once
-	std::vector<std::unique_ptr<Block>> m_lasting;     // for those that stay through the iterations
+	Block m_passing;                                // for islands that are solved once
+	std::vector<std::unique_ptr<Block>> m_lasting;  // for those that stay through the iterations
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
 	std::vector<ist::Twist> m_change;  // of each body by all volumetric contacts

@@ -54,7 +54,8 @@ btVolumetricLinks::PlacedSide btVolumetricLinks::place(const Side& side, const i
 	{
 		btScalar *J = &data.m_jacobians[at], *R = J + n;
 		const btVector3 along = row < 3 ? unit(row) : btVector3(0, 0, 0), about = row < 3 ? btVector3(0, 0, 0) : unit(row - 3);
-		side.multiBody->fillConstraintJacobianMultiDof(side.link, toBullet(point), about, along, J, data.scratch_r, data.scratch_v, data.scratch_m);
+		side.multiBody->fillConstraintJacobianMultiDof(
+			side.link, toBullet(point), about, along, J, data.scratch_r, data.scratch_v, data.scratch_m);
 		side.multiBody->calcAccelerationDeltasMultiDof(J, R, data.scratch_r, data.scratch_v);
 		double* out = &m_jacobians[placed.jacobian + size_t(row * n)];
 		std::copy(J, J + n, out);
@@ -105,8 +106,7 @@ ist::Twist btVolumetricLinks::relative(const Entry& e, const btSolverBody* bodie
 					u[row] += m_jacobians[s.jacobian + size_t(row * s.dofs + d)] * motion.links[size_t(s.velocity + d)];
 			t = {{u[0], u[1], u[2]}, {u[3], u[4], u[5]}};
 		}
-		else
-			t = movedTo(motion.body[k], bodies[s.body], e.patch.point);
+		else t = movedTo(motion.body[k], bodies[s.body], e.patch.point);
 		result = k == 0 ? t : difference(result, t);
 	}
 	return result;
@@ -141,12 +141,11 @@ const btVolumetricLinks::Motion& btVolumetricLinks::state(const Entry& e, const 
 	for (int k = 0; k < 2; ++k)
 	{
 		const PlacedSide& s = e.side[k];
-		if (!s.multiBody)
-			m_motion.body[k] = twist(bodies[s.body]);
+		if (!s.multiBody) m_motion.body[k] = twist(bodies[s.body]);
 		else
 			for (int d = 0; d < s.dofs; ++d)
-				m_motion.links[size_t(s.velocity + d)] =
-					double(s.multiBody->getVelocityVector()[d]) + double(data.m_deltaVelocities[s.velocity + d]);
+				m_motion.links[size_t(s.velocity + d)] = double(s.multiBody->getVelocityVector()[d]) +
+					double(data.m_deltaVelocities[s.velocity + d]);
 	}
 	return m_motion;
 }
@@ -176,7 +175,7 @@ void btVolumetricLinks::apply(const Entry& e, const ist::Wrench& impulse, btSolv
 }
 
 void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b, double friction, double h, const btSolverBody* bodies,
-							btMultiBodyJacobianData& data, btVolumetricStatistics& statistics)
+	btMultiBodyJacobianData& data, btVolumetricStatistics& statistics)
 {
 	m_step = h;
 	const size_t first = m_entries.size();
@@ -265,7 +264,7 @@ void btVolumetricLinks::sumChanges(const btSolverBody* bodies, const btMultiBody
 }
 
 void btVolumetricLinks::holdToLedger(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data,
-									 std::vector<ist::Twist>& change, btVolumetricStatistics& statistics)
+	std::vector<ist::Twist>& change, btVolumetricStatistics& statistics)
 {
 	std::fill(m_own.links.begin(), m_own.links.end(), 0.0);
 	m_own.body[0] = m_own.body[1] = {};
@@ -311,7 +310,8 @@ void btVolumetricLinks::writeFeedback(const Entry& e) const
 		if (!s.multiBody) continue;
 		const double perSecond = (k == 0 ? 1 : -1) / m_step;
 		s.multiBody->setCompanionId(-1);
-		const ist::Vec3 origin = toVec3(s.link < 0 ? s.multiBody->getBasePos() : s.multiBody->getLink(s.link).m_cachedWorldTransform.getOrigin());
+		const ist::Vec3 origin = toVec3(
+			s.link < 0 ? s.multiBody->getBasePos() : s.multiBody->getLink(s.link).m_cachedWorldTransform.getOrigin());
 		const btVector3 force = toBullet(perSecond * e.impulse.force);
 		const btVector3 torque = toBullet(perSecond * (e.impulse.torque + cross(e.patch.point - origin, e.impulse.force)));
 		if (s.link < 0)
@@ -327,8 +327,8 @@ void btVolumetricLinks::writeFeedback(const Entry& e) const
 	}
 }
 
-void btVolumetricLinks::finish(btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change,
-							   btVolumetricStatistics& statistics)
+void btVolumetricLinks::finish(
+	btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change, btVolumetricStatistics& statistics)
 {
 	for (size_t first = 0; first < m_entries.size();)
 	{

@@ -30,7 +30,7 @@ public:
 	bool isEmpty() const { return m_entries.empty(); }
 	/// All patches of a contact. `h`: step [s]. Counts what exerts nothing.
 	void add(btISTContact& contact, const Side& a, const Side& b, double friction, double h, const btSolverBody* bodies,
-			 btMultiBodyJacobianData& data, btVolumetricStatistics& statistics);
+		btMultiBodyJacobianData& data, btVolumetricStatistics& statistics);
 	/// The bodies of the pool that these rows move.
 	void appendTouched(std::vector<int>& touched) const;
 	/// One visit of every patch; returns the largest square of a change of force impulse [N^2 s^2].
@@ -75,7 +75,7 @@ private:
 	const Motion& state(const Entry& e, const btSolverBody* bodies, const btMultiBodyJacobianData& data);
 	void apply(const Entry& e, const ist::Wrench& impulse, btSolverBody* bodies, btMultiBodyJacobianData& data) const;
 	void holdToLedger(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change,
-					  btVolumetricStatistics& statistics);
+		btVolumetricStatistics& statistics);
 	void writeFeedback(const Entry& e) const;
 
 	double m_step = 0;

@@ -94,8 +94,8 @@ void eliminate(Equations& rows)
 }
 }  // namespace
 
-void btVolumetricRow::prepare(const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h,
-							  double friction)
+void btVolumetricRow::prepare(
+	const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h, double friction)
 {
 	Mat6 both = Mat6::Zero();
 	addResponse(both, A, patch.point);
@@ -179,8 +179,7 @@ ist::Wrench btVolumetricRow::solve(const ist::Twist& relative)
 	Map<Vec6> elastic(m_elastic);
 	Map<Vector3d> tangent(m_tangent);
 	const auto normalPart = [&] { return n.dot(elastic.head<3>()); };
-	const auto answer = [&](const Vec6& impulse)
-	{
+	const auto answer = [&](const Vec6& impulse) {
 		elastic = impulse;
 		if (!(normalPart() > 0)) elastic.setZero();
 	};

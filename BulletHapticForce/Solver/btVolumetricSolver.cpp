@@ -39,16 +39,16 @@ bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, co
 void writeAppliedImpulse(btPersistentManifold& manifold, double impulse)
 {
 	double sum = 0;
-	const auto weight = [&](int i)
-	{ return -double(manifold.getContactPoint(i).getDistance()) * double(manifold.getContactPoint(i).m_combinedContactStiffness1); };
+	const auto weight = [&](int i) {
+		return -double(manifold.getContactPoint(i).getDistance()) * double(manifold.getContactPoint(i).m_combinedContactStiffness1);
+	};
 	for (int i = 0; i < manifold.getNumContacts(); ++i) sum += weight(i);
 	for (int i = 0; i < manifold.getNumContacts(); ++i)
 		manifold.getContactPoint(i).m_appliedImpulse = btScalar(sum > 0 ? impulse * weight(i) / sum : 0);
 }
 }  // namespace
 
-template <class Base>
-btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentManifold* manifold)
+template <class Base> btISTContact* btVolumetricSolver<Base>::volumetricContact(const btPersistentManifold* manifold)
 {
 	btISTContact* contact = m_store->find(manifold);
 	if (!contact) return nullptr;
@@ -70,15 +70,13 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	statistics.contactsTooDeep += contact.depth > kTooDeep * contact.thickness();
 	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
 	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
-	if (kHasLinks && (linkOf(a) || linkOf(b)))
-		addLinkContact(contact, *a, *b, friction, info.m_timeStep);
-	else
-		addRigidContact(contact, *a, *b, friction, info.m_timeStep);
+	if (kHasLinks && (linkOf(a) || linkOf(b))) addLinkContact(contact, *a, *b, friction, info.m_timeStep);
+	else addRigidContact(contact, *a, *b, friction, info.m_timeStep);
 }
 
 template <class Base>
-void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction,
-											   btScalar step)
+void btVolumetricSolver<Base>::addRigidContact(
+	btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step)
 {
 	const int bodyA = this->getOrInitSolverBody(a, step), bodyB = this->getOrInitSolverBody(b, step);
 	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
@@ -93,8 +91,8 @@ void btVolumetricSolver<Base>::addRigidContact(btISTContact& contact, btCollisio
 }
 
 template <class Base>
-void btVolumetricSolver<Base>::addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction,
-											  btScalar step)
+void btVolumetricSolver<Base>::addLinkContact(
+	btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step)
 {
 	if constexpr (kHasLinks)
 	{
@@ -103,22 +101,19 @@ void btVolumetricSolver<Base>::addLinkContact(btISTContact& contact, btCollision
 		for (int k = 0; k < 2; ++k)
 		{
 			btCollisionObject& object = k == 0 ? a : b;
-			if (const btMultiBodyLinkCollider* link = linkOf(&object))
-				sides[k] = {link->m_multiBody, link->m_link, 0};
-			else
-				sides[k].body = this->getOrInitSolverBody(object, step);
+			if (const btMultiBodyLinkCollider* link = linkOf(&object)) sides[k] = {link->m_multiBody, link->m_link, 0};
+			else sides[k].body = this->getOrInitSolverBody(object, step);
 			good = good && (sides[k].multiBody || btVolumetricIslands::isFinite(this->m_tmpSolverBodyPool[sides[k].body]));
 		}
 		m_islands.statistics().contactsPrecisionLost += good && isPrecisionLost(contact, a, b);
 		if (good)
-			m_links.add(contact, sides[0], sides[1], friction, double(step), &this->m_tmpSolverBodyPool[0], this->m_data, m_islands.statistics());
-		else
-			++m_islands.statistics().contactsNotFinite;
+			m_links.add(
+				contact, sides[0], sides[1], friction, double(step), &this->m_tmpSolverBodyPool[0], this->m_data, m_islands.statistics());
+		else ++m_islands.statistics().contactsNotFinite;
 	}
 }
 
-template <class Base>
-void btVolumetricSolver<Base>::collectTouchedBodies()
+template <class Base> void btVolumetricSolver<Base>::collectTouchedBodies()
 {
 	m_touched.clear();
 	for (const btConstraintArray* rows : {&this->m_tmpSolverContactConstraintPool, &this->m_tmpSolverNonContactConstraintPool})
@@ -159,12 +154,11 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 
 template <class Base>
 btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount,
-														btPersistentManifold** manifolds, int manifoldCount,
-														btTypedConstraint** constraints, int constraintCount,
-														const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+	btPersistentManifold** manifolds, int manifoldCount, btTypedConstraint** constraints, int constraintCount,
+	const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
 {
-	const btScalar residual = Base::solveSingleIteration(iteration, bodies, bodyCount, manifolds, manifoldCount, constraints,
-														 constraintCount, info, debugDrawer);
+	const btScalar residual = Base::solveSingleIteration(
+		iteration, bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
 	if (m_ours.empty()) return residual;
 	// Without our share the iterations would end after the first when Bullet has no rows.
 	btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
@@ -197,15 +191,13 @@ btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObje
 	return residual;
 }
 
-template <class Base>
-void btVolumetricSolver<Base>::prepareSolve(int bodyCount, int manifoldCount)
+template <class Base> void btVolumetricSolver<Base>::prepareSolve(int bodyCount, int manifoldCount)
 {
 	Base::prepareSolve(bodyCount, manifoldCount);
 	m_islands.reserveBodies(size_t(std::max(bodyCount, 0)));
 }
 
-template <class Base>
-void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+template <class Base> void btVolumetricSolver<Base>::allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
 {
 	Base::allSolved(info, debugDrawer);
 	m_store->nextStep();

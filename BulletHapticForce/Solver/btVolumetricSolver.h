@@ -20,8 +20,7 @@
 /// solver, a link (btVolumetricLinks), or when the contact was not evaluated in this step (both bodies slept until now).
 /// Available over btSequentialImpulseConstraintSolver, btNNCGConstraintSolver and btMultiBodyConstraintSolver. One owner thread; no
 /// allocation once the largest scene has been seen.
-template <class Base>
-class btVolumetricSolver : public Base
+template <class Base> class btVolumetricSolver : public Base
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -38,8 +37,8 @@ public:
 protected:
 	void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
 	btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
-								  int manifoldCount, btTypedConstraint** constraints, int constraintCount,
-								  const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
+		int manifoldCount, btTypedConstraint** constraints, int constraintCount, const btContactSolverInfo& info,
+		btIDebugDraw* debugDrawer) override;
 	btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info) override;
 
 private:

@@ -60,8 +60,9 @@ double kinematicWork(const btPersistentManifold& manifold)
 		for (int i = 0; i < manifold.getNumContacts(); ++i)
 		{
 			const btManifoldPoint& p = manifold.getContactPoint(i);
-			const ist::Vec3 onBody0 = double(p.m_appliedImpulse) * toVec3(p.m_normalWorldOnB) + double(p.m_appliedImpulseLateral1) * toVec3(p.m_lateralFrictionDir1) +
-									  double(p.m_appliedImpulseLateral2) * toVec3(p.m_lateralFrictionDir2);
+			const ist::Vec3 onBody0 = double(p.m_appliedImpulse) * toVec3(p.m_normalWorldOnB) +
+				double(p.m_appliedImpulseLateral1) * toVec3(p.m_lateralFrictionDir1) +
+				double(p.m_appliedImpulseLateral2) * toVec3(p.m_lateralFrictionDir2);
 			const btVector3& at = side == 0 ? p.getPositionWorldOnA() : p.getPositionWorldOnB();
 			const ist::Vec3 v = toVec3(rigid->getVelocityInLocalPoint(at - rigid->getCenterOfMassPosition()));
 			sum += (side == 0 ? -1 : 1) * dot(onBody0, v);
@@ -204,7 +205,7 @@ void btEnergyAudit::afterStep()
 	for (const Body& entry : m_bodies)
 	{
 		m_open.residual += kineticEnergy(massOf(*entry.body), entry.inertia, twistOf(*entry.body)) -
-						   kineticEnergy(massOf(*entry.body), entry.inertia, entry.pushed);
+			kineticEnergy(massOf(*entry.body), entry.inertia, entry.pushed);
 		enterMotion(entry);
 	}
 	m_open.residual -= contactWork;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Contact/btISTContactStore.h"
+#include "BulletISTCollision/Core/Base/Pose.h"
 
 #include <vector>
 
@@ -18,9 +18,10 @@ struct btEnergyBalance
 	double contact = 0;    ///< stored in volumetric contacts, by the law's own energy
 	double physical = 0;   ///< dissipated by Hunt-Crossley, friction and the bodies' damping
 	double numerical = 0;  ///< lost to steps of finite length and to what the law's energy does not account for; negative: gained
-	double injected = 0;   ///< by forces of the caller, by kinematic bodies through contacts of either kind, and by what the caller changed between the steps
-	/// Rounding, and all that is not ours: the rows of Bullet's solver (joints, contacts without trees) beyond what kinematic bodies do through its
-	/// contacts, and contacts with links of multibodies.
+	double injected = 0;   ///< by forces of the caller, by kinematic bodies through contacts of either kind, and by what the caller changed
+						   ///< between the steps
+	/// Rounding, and all that is not ours: the rows of Bullet's solver (joints, contacts without trees) beyond what kinematic bodies do
+	/// through its contacts, and contacts with links of multibodies.
 	double residual = 0;
 };
 
@@ -51,8 +52,8 @@ private:
 	{
 		btRigidBody* body;
 		ist::Vec3 position, gravity;
-		ist::Mat3 inertia;           // World axes
-		ist::Twist before, pushed;   // at the beginning; with all but contacts
+		ist::Mat3 inertia;          // World axes
+		ist::Twist before, pushed;  // at the beginning; with all but contacts
 		double gravityWork = 0;
 	};
 	struct Energies

@@ -48,7 +48,8 @@ std::string whyStock(const Objects& pair, const btISTRegistry& registry)
 	const bool treeA = hasTree(a, registry), treeB = hasTree(b, registry);
 	if (!treeA && !treeB) return "neither shape has a tree";
 	if (treeA && treeB) return "not watched, scaled, of skewed axes, or not looked at yet";
-	return std::string("the other shape (") + (treeA ? b : a)->getName() + ") has neither a tree nor a closed form, or the pair is not watched, of skewed axes, or began with other shapes";
+	return std::string("the other shape (") + (treeA ? b : a)->getName() +
+		") has neither a tree nor a closed form, or the pair is not watched, of skewed axes, or began with other shapes";
 }
 
 std::string whyModel(const btISTContact& contact)
@@ -61,10 +62,10 @@ std::string whyUse(const btISTContact& contact, double granted)
 {
 	switch (contact.use)
 	{
-		case btISTKeptResult::Apart: return "kept: the leaves cannot have met";
-		case btISTKeptResult::Still: return "kept: neither has moved";
-		case btISTKeptResult::Moved: return "kept: moved by less than " + number(100 * granted, 2) + " % of the force";
-		case btISTKeptResult::Ask: break;
+	case btISTKeptResult::Apart: return "kept: the leaves cannot have met";
+	case btISTKeptResult::Still: return "kept: neither has moved";
+	case btISTKeptResult::Moved: return "kept: moved by less than " + number(100 * granted, 2) + " % of the force";
+	case btISTKeptResult::Ask: break;
 	}
 	return "queried";
 }
@@ -90,7 +91,8 @@ btISTPairReport ofContact(const btISTContact& contact, double thickness, bool as
 	report.promiseKept = contact.accuracy.level >= 0 && contact.accuracy.kept;
 	report.cost = contact.cost;
 	if (contact.cost.asked > 0 && contact.cost.seconds > 0)
-		report.savedSeconds = double(contact.cost.kept()) * contact.cost.querySeconds / double(contact.cost.asked) - (contact.cost.seconds - contact.cost.querySeconds);
+		report.savedSeconds = double(contact.cost.kept()) * contact.cost.querySeconds / double(contact.cost.asked) -
+			(contact.cost.seconds - contact.cost.querySeconds);
 	return report;
 }
 
@@ -98,8 +100,7 @@ btISTPairReport withoutContact(const Objects& pair, const btISTRegistry& registr
 {
 	btISTPairReport report;
 	report.expectedError = report.promisedError = std::numeric_limits<double>::quiet_NaN();
-	if (sleeps(pair))
-		report.reason = "not looked at: both sleep or cannot move";
+	if (sleeps(pair)) report.reason = "not looked at: both sleep or cannot move";
 	else if (!pair.first->checkCollideWith(pair.second) || !pair.second->checkCollideWith(pair.first))
 		report.reason = "the two are told not to collide";
 	else
@@ -125,9 +126,9 @@ size_t utf8Length(std::string_view text)
 	for (size_t i = 1; i < length; ++i)
 		if (byte(i) >> 6 != 2) return 0;
 	const bool allowed = first == 0xe0 ? second >= 0xa0
-					   : first == 0xed ? second < 0xa0
-					   : first == 0xf0 ? second >= 0x90
-					   : first == 0xf4 ? second < 0x90
+		: first == 0xed                ? second < 0xa0
+		: first == 0xf0                ? second >= 0x90
+		: first == 0xf4                ? second < 0x90
 									   : true;
 	return allowed ? length : 0;
 }
@@ -153,8 +154,8 @@ std::string quoted(std::string_view text)
 std::string costJson(const btISTQueryCost& cost)
 {
 	return "\"queries\":" + std::to_string(cost.asked) + ",\"kept\":" + std::to_string(cost.kept()) +
-		   ",\"node_visits\":" + std::to_string(cost.nodeVisits) + ",\"ball_tests\":" + std::to_string(cost.ballTests) +
-		   ",\"seconds\":" + jsonNumber(cost.seconds) + ",\"query_seconds\":" + jsonNumber(cost.querySeconds);
+		",\"node_visits\":" + std::to_string(cost.nodeVisits) + ",\"ball_tests\":" + std::to_string(cost.ballTests) +
+		",\"seconds\":" + jsonNumber(cost.seconds) + ",\"query_seconds\":" + jsonNumber(cost.querySeconds);
 }
 }  // namespace
 
@@ -162,11 +163,11 @@ const char* btISTPairReport::nameOf(Model model)
 {
 	switch (model)
 	{
-		case None: return "none";
-		case Stock: return "bullet";
-		case HalfSpace: return "tree on plane";
-		case ClosedForm: return "tree on closed form";
-		case Trees: return "tree on tree";
+	case None: return "none";
+	case Stock: return "bullet";
+	case HalfSpace: return "tree on plane";
+	case ClosedForm: return "tree on closed form";
+	case Trees: return "tree on tree";
 	}
 	return "";
 }
@@ -175,10 +176,10 @@ const char* btISTPairReport::nameOf(btISTStiffnessRule rule)
 {
 	switch (rule)
 	{
-		case btISTStiffnessRule::Given: return "given";
-		case btISTStiffnessRule::OwnLoad: return "own load";
-		case btISTStiffnessRule::PileLoad: return "load of the pile";
-		case btISTStiffnessRule::StepBound: return "bound of the step";
+	case btISTStiffnessRule::Given: return "given";
+	case btISTStiffnessRule::OwnLoad: return "own load";
+	case btISTStiffnessRule::PileLoad: return "load of the pile";
+	case btISTStiffnessRule::StepBound: return "bound of the step";
 	}
 	return "";
 }
@@ -194,8 +195,7 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 	Contacts contacts;
 	for (const btISTContact* contact : registration.store().contacts())
 		contacts.emplace(sorted(contact->manifold->getBody0(), contact->manifold->getBody1()), contact);
-	const auto add = [&](btISTPairReport pair, const btCollisionObject* a, const btCollisionObject* b)
-	{
+	const auto add = [&](btISTPairReport pair, const btCollisionObject* a, const btCollisionObject* b) {
 		pair.acceptedError = pair.model == btISTPairReport::Trees ? registration.forceErrorOf(a, b) : 0;
 		pair.bodyA = a;
 		pair.bodyB = b;
@@ -209,7 +209,7 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 	for (int i = 0; i < found.size(); ++i)
 	{
 		const Objects pair = sorted(static_cast<const btCollisionObject*>(found[i].m_pProxy0->m_clientObject),
-									static_cast<const btCollisionObject*>(found[i].m_pProxy1->m_clientObject));
+			static_cast<const btCollisionObject*>(found[i].m_pProxy1->m_clientObject));
 		const auto range = contacts.equal_range(pair);
 		bool answered = false;
 		for (auto at = range.first; at != range.second; ++at)
@@ -217,7 +217,9 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 			const btISTContact& contact = *at->second;
 			// An older one was handed back to Bullet.
 			if (contact.stamp == 0 || (contact.stamp + 1 < step && !sleeps(pair))) continue;
-			const double thickness = contact.treeB ? contact.thickness() : std::min(contact.thickness(), btISTSubsteps::thickness(contact.shapeB, registration.registry()));
+			const double thickness = contact.treeB
+				? contact.thickness()
+				: std::min(contact.thickness(), btISTSubsteps::thickness(contact.shapeB, registration.registry()));
 			add(ofContact(contact, thickness, sleeps(pair), report.economy), contact.bodyA, contact.bodyB);
 			answered = true;
 		}
@@ -233,22 +235,22 @@ std::vector<std::string> btISTSceneReport::lines() const
 	if (economy.on && economy.keptError > 0) granted += ", " + number(100 * economy.keptError, 9) + " % granted";
 	if (acceptedError > 0) granted += ", force error of " + number(100 * acceptedError, 9) + " % accepted";
 	rows.push_back("economy " + std::string(economy.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) + " queries, " +
-				   std::to_string(total.kept()) + " kept: a query in " + number(total.factor(), 3) + " steps of a pair; queries " +
-				   number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
+		std::to_string(total.kept()) + " kept: a query in " + number(total.factor(), 3) + " steps of a pair; queries " +
+		number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
 		std::string line = namesA[i] + " - " + namesB[i] + ": " + btISTPairReport::nameOf(p.model);
 		if (p.model > btISTPairReport::Stock)
 			line += ", level " + std::to_string(p.level) + ", " + std::to_string(p.patches) + " patches, " + std::to_string(p.leafPairs) +
-					" leaf pairs, " + number(p.force, 3) + " N";
+				" leaf pairs, " + number(p.force, 3) + " N";
 		if (p.patches > 0 && std::isfinite(p.expectedError)) line += " within " + number(100 * p.expectedError, 2) + " %";
 		if (p.deepest > 0)
-			line += ", " + number(1e3 * p.depth, 3) + " mm deep (at most " + number(100 * p.deepest, 2) + " % of the thinner body), k " + number(p.k, 3) +
-					" Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
+			line += ", " + number(1e3 * p.depth, 3) + " mm deep (at most " + number(100 * p.deepest, 2) + " % of the thinner body), k " +
+				number(p.k, 3) + " Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
 		if (std::isfinite(p.promisedError))
 			line += ", promised within " + number(100 * p.promisedError, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
-					(p.promiseKept ? "" : ": not kept");
+				(p.promiseKept ? "" : ": not kept");
 		if (p.cost.asked > 0) line += ", 1 query in " + number(p.cost.factor(), 3) + " steps";
 		rows.push_back(line + " (" + p.reason + ")");
 	}
@@ -265,27 +267,26 @@ std::string btISTSceneReport::text() const
 std::string btISTSceneReport::json() const
 {
 	std::string out = "{\"schema\":1,\"economy\":" + std::string(economy.on ? "true" : "false") +
-					  ",\"kept_error\":" + jsonNumber(economy.keptError) + ",\"accepted_error\":" + jsonNumber(acceptedError) +
-					  ",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) +
-					  ",\"factor\":" + jsonNumber(total.factor()) + ",\"seconds\":" + jsonNumber(total.seconds) +
-					  ",\"query_seconds\":" + jsonNumber(total.querySeconds) + ",\"saved_seconds\":" + jsonNumber(savedSeconds) +
-					  ",\"largest_kept_error\":" + jsonNumber(total.largestKeptError) + ",\"pairs\":[";
+		",\"kept_error\":" + jsonNumber(economy.keptError) + ",\"accepted_error\":" + jsonNumber(acceptedError) +
+		",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) +
+		",\"factor\":" + jsonNumber(total.factor()) + ",\"seconds\":" + jsonNumber(total.seconds) +
+		",\"query_seconds\":" + jsonNumber(total.querySeconds) + ",\"saved_seconds\":" + jsonNumber(savedSeconds) +
+		",\"largest_kept_error\":" + jsonNumber(total.largestKeptError) + ",\"pairs\":[";
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
 		out += std::string(i ? "," : "") + "{\"a\":" + quoted(namesA[i]) + ",\"b\":" + quoted(namesB[i]) +
-			   ",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) + ",\"level\":" + std::to_string(p.level) +
-			   ",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
-			   ",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + jsonNumber(p.force) +
-			   ",\"k\":" + jsonNumber(p.k) + ",\"stiffness_rule\":" +
-			   (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
-			   ",\"depth\":" + jsonNumber(p.depth) + ",\"deepest\":" + jsonNumber(p.deepest) +
-			   ",\"expected_error\":" + jsonNumber(p.expectedError) + ",\"accepted_error\":" + jsonNumber(p.acceptedError) +
-			   ",\"promised_error\":" + jsonNumber(p.promisedError) + ",\"promise_kept\":" +
-			   (!std::isfinite(p.promisedError) ? "null"
-				: p.promiseKept                 ? "true"
-												: "false") +
-			   "," + costJson(p.cost) + ",\"saved_seconds\":" + jsonNumber(p.savedSeconds) + "}";
+			",\"model\":" + quoted(btISTPairReport::nameOf(p.model)) + ",\"level\":" + std::to_string(p.level) +
+			",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
+			",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + jsonNumber(p.force) + ",\"k\":" + jsonNumber(p.k) +
+			",\"stiffness_rule\":" + (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
+			",\"depth\":" + jsonNumber(p.depth) + ",\"deepest\":" + jsonNumber(p.deepest) +
+			",\"expected_error\":" + jsonNumber(p.expectedError) + ",\"accepted_error\":" + jsonNumber(p.acceptedError) +
+			",\"promised_error\":" + jsonNumber(p.promisedError) + ",\"promise_kept\":" +
+			(!std::isfinite(p.promisedError) ? "null"
+					: p.promiseKept          ? "true"
+											 : "false") +
+			"," + costJson(p.cost) + ",\"saved_seconds\":" + jsonNumber(p.savedSeconds) + "}";
 	}
 	return out + "]}";
 }

@@ -25,20 +25,21 @@ struct btISTPairReport
 
 	const btCollisionObject *bodyA = nullptr, *bodyB = nullptr;
 	Model model = None;
-	std::string reason;       ///< why this model, and why it was asked or not asked in the last step
-	int level = 0;            ///< of the trees: 0 the leaves, each step above a third of one body's
+	std::string reason;  ///< why this model, and why it was asked or not asked in the last step
+	int level = 0;       ///< of the trees: 0 the leaves, each step above a third of one body's
 	int patches = 0;
 	int64_t leafPairs = 0;
-	double force = 0;         ///< of the pressure, without damping and friction [N]
-	double k = 0;             ///< stiffness in the last step [Pa/m]; 0 where `model` is not ours
+	double force = 0;                                              ///< of the pressure, without damping and friction [N]
+	double k = 0;                                                  ///< stiffness in the last step [Pa/m]; 0 where `model` is not ours
 	btISTStiffnessRule stiffnessRule = btISTStiffnessRule::Given;  ///< what decided `k`
-	double depth = 0;         ///< of the deepest patch in the last step, volume over area [m]
-	double deepest = 0;       ///< largest depth since the pair began, as a share of the thinner body's thickness (btISTSubsteps::thickness)
+	double depth = 0;                                              ///< of the deepest patch in the last step, volume over area [m]
+	double deepest = 0;  ///< largest depth since the pair began, as a share of the thinner body's thickness (btISTSubsteps::thickness)
 	/// Expected error of the force as a share of the larger of the force and the floor (btISTEconomy): the error bar of the query, and on
 	/// top of it what was granted to a result that is kept. Not a number where nothing is promised.
 	double expectedError = 0;
-	/// Of two trees where a force error is accepted (btISTWorld::setForceError, setForceErrorOf): what is accepted of this pair, the error that 95 % of such contacts stay under at the level that answered last
-	/// (ist::PromisedOverlap), and whether it is within the accepted one. Not a number where no level is chosen.
+	/// Of two trees where a force error is accepted (btISTWorld::setForceError, setForceErrorOf): what is accepted of this pair, the error
+	/// that 95 % of such contacts stay under at the level that answered last (ist::PromisedOverlap), and whether it is within the accepted
+	/// one. Not a number where no level is chosen.
 	double acceptedError = 0, promisedError = 0;
 	bool promiseKept = false;
 	btISTQueryCost cost;      ///< since the pair began
@@ -57,9 +58,9 @@ struct btISTSceneReport
 
 	std::vector<btISTPairReport> pairs;
 	btISTEconomy economy;
-	double acceptedError = 0; ///< force error, of all pairs that have none of their own; 0: the leaves answer always
-	btISTQueryCost total;     ///< of all volumetric pairs, those that are gone among them
-	double savedSeconds = 0;  ///< of the pairs above
+	double acceptedError = 0;  ///< force error, of all pairs that have none of their own; 0: the leaves answer always
+	btISTQueryCost total;      ///< of all volumetric pairs, those that are gone among them
+	double savedSeconds = 0;   ///< of the pairs above
 
 	static btISTSceneReport of(btISTWorld& world, const Names& names = {});
 	static btISTSceneReport of(const btCollisionWorld& world, btISTRegistration& registration, const Names& names = {});
@@ -67,9 +68,11 @@ struct btISTSceneReport
 	/// One line a pair, after one of the whole.
 	std::vector<std::string> lines() const;
 	std::string text() const;
-	/// One object; not-finite numbers are null. {"schema":1,"economy","kept_error","accepted_error","queries","kept","factor","seconds","query_seconds",
-	/// "saved_seconds","largest_kept_error","pairs":[{"a","b","model","level","reason","patches","leaf_pairs","force","k","stiffness_rule","depth","deepest","expected_error","accepted_error","promised_error","promise_kept",
-	/// "queries","kept","node_visits","ball_tests","seconds","query_seconds","saved_seconds"}]}. Seconds are those of queries and of what was done instead;
+	/// One object; not-finite numbers are null.
+	/// {"schema":1, "economy", "kept_error", "accepted_error", "queries", "kept", "factor", "seconds", "query_seconds", "saved_seconds",
+	/// "largest_kept_error", "pairs":[{"a", "b", "model", "level", "reason", "patches", "leaf_pairs", "force", "k", "stiffness_rule",
+	/// "depth", "deepest", "expected_error", "accepted_error", "promised_error", "promise_kept", "queries", "kept", "node_visits",
+	/// "ball_tests", "seconds", "query_seconds", "saved_seconds"}]}. Seconds are those of queries and of what was done instead;
 	/// "promise_kept" is null where "promised_error" is.
 	std::string json() const;
 

@@ -44,7 +44,8 @@ struct Swept : btBroadphaseAabbCallback
 	Swept(const btBroadphaseProxy* s, std::vector<const btCollisionObject*>& f) : self(s), found(f) {}
 	bool process(const btBroadphaseProxy* proxy) override
 	{
-		const bool filtered = (proxy->m_collisionFilterGroup & self->m_collisionFilterMask) && (self->m_collisionFilterGroup & proxy->m_collisionFilterMask);
+		const bool filtered = (proxy->m_collisionFilterGroup & self->m_collisionFilterMask) &&
+			(self->m_collisionFilterGroup & proxy->m_collisionFilterMask);
 		if (proxy != self && filtered) found.push_back(static_cast<const btCollisionObject*>(proxy->m_clientObject));
 		return true;
 	}
@@ -71,7 +72,8 @@ double btISTSubsteps::thickness(const btCollisionShape* shape, const btISTRegist
 	return double(std::min({size.x(), size.y(), size.z()}));
 }
 
-void btISTSubsteps::addPair(const btCollisionObject* a, const btCollisionObject* b, const btISTRegistry& registry, double seconds, double gravity)
+void btISTSubsteps::addPair(
+	const btCollisionObject* a, const btCollisionObject* b, const btISTRegistry& registry, double seconds, double gravity)
 {
 	const btCollisionShape *shapeA = a->getCollisionShape(), *shapeB = b->getCollisionShape();
 	if (!hasTree(shapeA, registry) && !hasTree(shapeB, registry)) return;
@@ -95,7 +97,8 @@ int btISTSubsteps::plan(btDiscreteDynamicsWorld& world, const btISTRegistry& reg
 	const double gravity = double(world.getGravity().length());
 	double thinnest = std::numeric_limits<double>::infinity();
 	for (int i = 0; i < objects.size(); ++i)
-		if (hasTree(objects[i]->getCollisionShape(), registry)) thinnest = std::min(thinnest, thickness(objects[i]->getCollisionShape(), registry));
+		if (hasTree(objects[i]->getCollisionShape(), registry))
+			thinnest = std::min(thinnest, thickness(objects[i]->getCollisionShape(), registry));
 	for (int i = 0; i < objects.size(); ++i)
 	{
 		const btCollisionObject* object = objects[i];

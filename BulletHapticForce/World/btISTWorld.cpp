@@ -23,7 +23,8 @@ struct SolverOwnership : btDiscreteDynamicsWorld
 
 const btVolumetricStatistics& statisticsOf(const btSequentialImpulseConstraintSolver& solver)
 {
-	if (const auto* multiBody = dynamic_cast<const btVolumetricSolver<btMultiBodyConstraintSolver>*>(&solver)) return multiBody->statistics();
+	if (const auto* multiBody = dynamic_cast<const btVolumetricSolver<btMultiBodyConstraintSolver>*>(&solver))
+		return multiBody->statistics();
 	if (const auto* nncg = dynamic_cast<const btVolumetricSolver<btNNCGConstraintSolver>*>(&solver)) return nncg->statistics();
 	const auto* plain = dynamic_cast<const btVolumetricSolver<btSequentialImpulseConstraintSolver>*>(&solver);
 	return plain ? plain->statistics() : kNoStatistics;
@@ -44,18 +45,22 @@ void copySettings(const btConstraintSolver* from, btSequentialImpulseConstraintS
 }  // namespace
 
 btISTWorld::btISTWorld()
-	: m_parts(std::make_unique<Parts>()), m_materials(std::make_shared<btContactMaterialTable>()),
+	: m_parts(std::make_unique<Parts>()),
+	  m_materials(std::make_shared<btContactMaterialTable>()),
 	  m_registration(btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher, m_parts->broadphase.getOverlappingPairCache())),
 	  m_solver(std::make_unique<btVolumetricSolver<btSequentialImpulseConstraintSolver>>(m_registration.sharedStore())),
 	  m_own(std::make_unique<btDiscreteDynamicsWorld>(&m_parts->dispatcher, &m_parts->broadphase, m_solver.get(), &m_parts->configuration)),
-	  m_world(m_own.get()), m_statistics(&statisticsOf(*m_solver))
+	  m_world(m_own.get()),
+	  m_statistics(&statisticsOf(*m_solver))
 {
 	(void)m_registration.setPairRule(m_materials);
 	setGravity(btVector3(0, btScalar(-9.81), 0));
 }
 
 btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
-	: m_materials(std::make_shared<btContactMaterialTable>()), m_world(&game), m_statistics(&kNoStatistics)
+	: m_materials(std::make_shared<btContactMaterialTable>()),
+	  m_world(&game),
+	  m_statistics(&kNoStatistics)
 {
 	m_materials->followGravity(&game);
 	auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(game.getDispatcher());
@@ -123,11 +128,9 @@ void btISTWorld::giveSolverBack()
 		if (auto* old = dynamic_cast<btSequentialImpulseConstraintSolver*>(m_gamesSolver)) old->setRandSeed(m_solver->getRandSeed());
 		if (auto* multiBody = dynamic_cast<btMultiBodyDynamicsWorld*>(m_world))
 			multiBody->setMultiBodyConstraintSolver(static_cast<btMultiBodyConstraintSolver*>(m_gamesSolver));
-		else
-			m_world->setConstraintSolver(m_gamesSolver);
+		else m_world->setConstraintSolver(m_gamesSolver);
 	}
-	if (now == m_solver.get() || now == m_gamesSolver)
-		SolverOwnership::of(*m_world) = m_gameOwnedIt;
+	if (now == m_solver.get() || now == m_gamesSolver) SolverOwnership::of(*m_world) = m_gameOwnedIt;
 	else if (m_gameOwnedIt)
 	{
 		// The game chose another one meanwhile; this is how its world would have freed its own.
@@ -156,10 +159,8 @@ std::optional<ist::Error> btISTWorld::step(double seconds)
 	m_passingPairs += m_tooFast.size();
 	// Bullet divides by a clock of its own, which rounding must not leave one part short.
 	const double part = seconds / m_substeps * (1 - 8 * double(std::numeric_limits<btScalar>::epsilon()));
-	if (m_substeps == 1)
-		m_world->stepSimulation(btScalar(seconds), 0);
-	else
-		stepInParts(seconds, part);
+	if (m_substeps == 1) m_world->stepSimulation(btScalar(seconds), 0);
+	else stepInParts(seconds, part);
 	return std::nullopt;
 }
 
@@ -171,7 +172,8 @@ void btISTWorld::stepInParts(double seconds, double part)
 	for (int i = 0; i < objects.size(); ++i)
 	{
 		btRigidBody* body = btRigidBody::upcast(objects[i]);
-		if (body && body->getMotionState() && !body->isStaticOrKinematicObject()) body->getMotionState()->setWorldTransform(body->getWorldTransform());
+		if (body && body->getMotionState() && !body->isStaticOrKinematicObject())
+			body->getMotionState()->setWorldTransform(body->getWorldTransform());
 	}
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletHapticForce/Law/btContactMaterial.h"
-#include "BulletHapticForce/World/btISTSubsteps.h"
 #include "BulletHapticForce/Solver/btVolumetricSolver.h"
+#include "BulletHapticForce/World/btISTSubsteps.h"
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
 #include "BulletCollision/BroadphaseCollision/btDbvtBroadphase.h"
@@ -26,8 +26,8 @@ public:
 	/// The world of a game, which must outlive this: our algorithm goes into its dispatcher, our solver takes the place of the one it
 	/// has, with that one's settings. While nothing is attached it moves as before, bit for bit. Never fails: see `solverRefusal`.
 	/// Steps through `stepSimulation` of the game stay as they are. A game has one at a time: a second one, or one after a registration
-	/// that has set a pair rule, changes nothing: `attach`, `setGravity`, `step` and the settings below are refused in words, and `materials`
-	/// and `watch` have no effect.
+	/// that has set a pair rule, changes nothing: `attach`, `setGravity`, `step` and the settings below are refused in words, and
+	/// `materials` and `watch` have no effect.
 	explicit btISTWorld(btDiscreteDynamicsWorld& game);
 	/// The world of a game gets back its solver and its dispatch tables.
 	~btISTWorld();
@@ -39,8 +39,8 @@ public:
 	/// Why the world of a game keeps a solver of its own kind (see installVolumetricSolver): contact is then carried by its representative
 	/// points, or, where the sentence says so, stays Bullet's. Empty when all is well.
 	const std::string& solverRefusal() const { return m_refusal; }
-	/// [m/s^2]. The same as the world's own setGravity, but refused when not finite. The stiffness of bodies without a material follows the gravity that
-	/// world and bodies have in each step.
+	/// [m/s^2]. The same as the world's own setGravity, but refused when not finite. The stiffness of bodies without a material follows the
+	/// gravity that world and bodies have in each step.
 	std::optional<ist::Error> setGravity(const btVector3& gravity);
 	/// One step of so many seconds, in at most `setMostSubsteps` equal parts (btISTSubsteps). Refused, and nothing moves, when that is not
 	/// a positive finite number. Forces of the caller act over all parts.
@@ -50,8 +50,8 @@ public:
 	/// Into how many parts the last step was divided.
 	int substeps() const { return m_substeps; }
 	/// Pairs that were too fast for the parts that the last step had: one may have passed through the other without a contact. A body that
-	/// falls a quarter of a thickness from rest in one part is among them, also where it lies still. A kinematic body takes its whole way in
-	/// the first part, against which parts do not help. Counted in `passingPairs`, too. Valid until the next step.
+	/// falls a quarter of a thickness from rest in one part is among them, also where it lies still. A kinematic body takes its whole way
+	/// in the first part, against which parts do not help. Counted in `passingPairs`, too. Valid until the next step.
 	const std::vector<btISTFastPair>& tooFast() const { return m_tooFast; }
 	/// All of them since the world was made.
 	uint64_t passingPairs() const { return m_passingPairs; }
@@ -71,13 +71,22 @@ public:
 	/// The force error that is accepted from now on, of each pair: see btISTRegistration::setForceError.
 	std::optional<ist::Error> setForceError(double share) { return m_registration.setForceError(share); }
 	/// The same for the pairs of one body, as the one in the hand: see btISTRegistration::setForceErrorOf.
-	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share) { return m_registration.setForceErrorOf(body, share); }
+	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share)
+	{
+		return m_registration.setForceErrorOf(body, share);
+	}
 	/// How many pairs of leaves a query may find; see btISTRegistration::setPairBudget.
 	std::optional<ist::Error> setPairBudget(int64_t leafPairs) { return m_registration.setPairBudget(leafPairs); }
 	/// By how many threads pairs are queried; see btISTRegistration::setQueryThreads.
-	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50) { return m_registration.setQueryThreads(threads, spinMicroseconds); }
+	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50)
+	{
+		return m_registration.setQueryThreads(threads, spinMicroseconds);
+	}
 	/// How many pairs remember which of their leaves were near; see btISTRegistration::setPairMemory.
-	std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000) { return m_registration.setPairMemory(pairsOfBodies, leafPairs); }
+	std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000)
+	{
+		return m_registration.setPairMemory(pairsOfBodies, leafPairs);
+	}
 	/// What the last step found and did.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }

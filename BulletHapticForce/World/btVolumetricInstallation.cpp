@@ -7,15 +7,16 @@
 
 #include <typeinfo>
 
-ist::Result<std::unique_ptr<btSequentialImpulseConstraintSolver>> installVolumetricSolver(btDiscreteDynamicsWorld& world,
-																						  btISTRegistration& registration)
+ist::Result<std::unique_ptr<btSequentialImpulseConstraintSolver>> installVolumetricSolver(
+	btDiscreteDynamicsWorld& world, btISTRegistration& registration)
 {
 	if (!registration.refusal().empty()) return ist::Error{registration.refusal()};
 	if (!registration.isRegistered())
 		return ist::Error{"the registration does not hold all entries of a dispatcher: register the algorithm first, or reinstall it"};
 	if (dynamic_cast<const btDiscreteDynamicsWorldMt*>(&world))
-		return ist::Error{"the world may solve islands in several threads at once, which volumetric contact does not allow; its representative "
-						  "points are solved there"};
+		return ist::Error{
+			"the world may solve islands in several threads at once, which volumetric contact does not allow; its representative "
+			"points are solved there"};
 	auto* multiBodyWorld = dynamic_cast<btMultiBodyDynamicsWorld*>(&world);
 	const btConstraintSolver* old = world.getConstraintSolver();
 	if (!old) return ist::Error{"the world has no solver"};

@@ -15,7 +15,7 @@ namespace
 // Depth that the load may reach. Between 0.5 and 2 % of the size nothing was seen to fall through large ground; towers want the lower end.
 constexpr double kLeastDepthPerSize = 1e-3, kMostDepthPerSize = 5e-3;
 constexpr double kMostDepthPerThickness = 0.05;  // a sheet of 1 mm stays a sheet
-constexpr double kWaterDensity = 1000;  // [kg/m^3]
+constexpr double kWaterDensity = 1000;           // [kg/m^3]
 
 /// Of all links that can move: any one of them may carry the others.
 double massOf(const btMultiBody& multiBody)
@@ -49,14 +49,15 @@ double btISTContact::thickness() const
 	return std::min(ist::thicknessOf(*treeA), treeB ? ist::thicknessOf(*treeB) : std::numeric_limits<double>::infinity());
 }
 
-btISTPairConstants btISTDefaultPairRule::decide(const btISTContact& contact, const btCollisionObject* bodyA,
-													 const btCollisionObject* bodyB) const
+btISTPairConstants btISTDefaultPairRule::decide(
+	const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const
 {
 	double volume = contact.treeA->volume, gap = contact.treeA->meanGap;
 	volume = std::min(volume, contact.treeB ? contact.treeB->volume : contact.volumeB);
 	if (contact.treeB) gap += contact.treeB->meanGap;
 	const double size = std::cbrt(volume);
-	const double depth = std::min(std::clamp(gap, kLeastDepthPerSize * size, kMostDepthPerSize * size), kMostDepthPerThickness * contact.thickness());
+	const double depth = std::min(
+		std::clamp(gap, kLeastDepthPerSize * size, kMostDepthPerSize * size), kMostDepthPerThickness * contact.thickness());
 	const double gravityA = gravityOf(bodyA, m_gravity), gravityB = gravityOf(bodyB, m_gravity);
 	double load = std::max(dynamicMass(bodyA) * gravityA, dynamicMass(bodyB) * gravityB);
 	if (!(load > 0)) load = kWaterDensity * volume * m_gravity;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Contact/btISTEconomy.h"
 #include "BulletISTCollision/Core/Accuracy/PairAccuracy.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Contact/btISTEconomy.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
 #include <cstdint>
@@ -32,12 +32,12 @@ enum class btISTStiffnessRule
 /// The constants of a pair in the pressure field law (ARCHITECTURE.md).
 struct btISTPairConstants
 {
-	double k = 1;                        ///< stiffness [Pa/m]
-	double weightA = 0.5, weightB = 0.5; ///< of A's and of B's field; their sum is 1
-	double load = 0;                     ///< force that k carries at the depth allowed; the solver raises it to the weight of a pile. 0: k was given [N]
-	double gravity = 0;                  ///< where k follows from a load: the larger one that acts on the two bodies [m/s^2]
+	double k = 1;                         ///< stiffness [Pa/m]
+	double weightA = 0.5, weightB = 0.5;  ///< of A's and of B's field; their sum is 1
+	double load = 0;     ///< force that k carries at the depth allowed; the solver raises it to the weight of a pile. 0: k was given [N]
+	double gravity = 0;  ///< where k follows from a load: the larger one that acts on the two bodies [m/s^2]
 	btISTStiffnessRule rule = btISTStiffnessRule::Given;
-	double dissipation = 5;              ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
+	double dissipation = 5;  ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
 };
 
 /// What the solver remembers of a pair from step to step while it overlaps.
@@ -45,9 +45,9 @@ struct btISTContactLedger
 {
 	static constexpr int kMaxPatches = btISTKeptResult::kMaxPatches;
 
-	bool open = false;  ///< false until the first solve of an overlap
-	double stored = 0;  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
-	ist::Vec3 direction;  ///< of the force on A when it last had one direction, World; zero before
+	bool open = false;                  ///< false until the first solve of an overlap
+	double stored = 0;                  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
+	ist::Vec3 direction;                ///< of the force on A when it last had one direction, World; zero before
 	ist::Wrench friction[kMaxPatches];  ///< of the last step, on A, World, about the patch: where the next one begins to look [N, N m]
 };
 
@@ -64,15 +64,16 @@ class btISTPairRule
 public:
 	virtual ~btISTPairRule() = default;
 	/// A and B in the order of the manifold. `contact` has its trees and its integrals.
-	virtual btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
+	virtual btISTPairConstants decide(
+		const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
 };
 
-/// For bodies without materials (rules (a) and (d) of btContactMaterialTable): under its weight the heavier dynamic body, on the square of the smaller
-/// body's size, sinks by the sum of the mean surface gaps, but by at least 0.1 % and at most 0.5 % of that size. Size: cube root of
-/// the volume. A sheet is thinner than its size, so nothing sinks by more than a twentieth of the thinner body's thickness (ist::thicknessOf).
-/// Weights 1/2, or all on a half-space. A body weighs its mass times its own gravity (btRigidBody::getGravity), or times `gravity` where it has
-/// none. Where neither body can move, the load is the smaller one made of water. Dissipation: 5 s/m, so that nothing leaves contact
-/// faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.
+/// For bodies without materials (rules (a) and (d) of btContactMaterialTable): under its weight the heavier dynamic body, on the square of
+/// the smaller body's size, sinks by the sum of the mean surface gaps, but by at least 0.1 % and at most 0.5 % of that size. Size: cube
+/// root of the volume. A sheet is thinner than its size, so nothing sinks by more than a twentieth of the thinner body's thickness
+/// (ist::thicknessOf). Weights 1/2, or all on a half-space. A body weighs its mass times its own gravity (btRigidBody::getGravity), or
+/// times `gravity` where it has none. Where neither body can move, the load is the smaller one made of water. Dissipation: 5 s/m, so that
+/// nothing leaves contact faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.
 class btISTDefaultPairRule : public btISTPairRule
 {
 public:
@@ -99,8 +100,8 @@ struct btISTContact
 	bool halfSpace = false;
 	double volumeB = std::numeric_limits<double>::infinity();  ///< of a B without a tree [m^3]; infinite for a half-space
 
-	ist::Pose X_WA;  ///< of A's mesh frame, which is the frame of its shape (of the child, in a compound)
-	ist::Pose X_AB;  ///< of B's shape in A's: where the sums are those of
+	ist::Pose X_WA;                                  ///< of A's mesh frame, which is the frame of its shape (of the child, in a compound)
+	ist::Pose X_AB;                                  ///< of B's shape in A's: where the sums are those of
 	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< other than Ok: no overlap is claimed, and the sums are zero
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];
@@ -108,8 +109,8 @@ struct btISTContact
 	int level = 0;           ///< of the trees that answered
 	double leafDensity = 0;  ///< of these trees (PressureField.h) [1/m^3]
 	ist::OverlapError error;
-	double depth = 0;         ///< of the deepest patch, volume over area [m]
-	double deepest = 0;       ///< largest `depth` since the pair began [m]
+	double depth = 0;            ///< of the deepest patch, volume over area [m]
+	double deepest = 0;          ///< largest `depth` since the pair began [m]
 	ist::PairAccuracy accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
 	btISTPairConstants constants;
 	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
@@ -117,16 +118,16 @@ struct btISTContact
 	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
 	double normalImpulse = 0;  ///< their normal parts, added up [N s]
-	double pressed = 0;    ///< written by the solver: mean of the normal force over the last ten steps or so [N]
-	btISTContactWork work;  ///< written by the solver
+	double pressed = 0;        ///< written by the solver: mean of the normal force over the last ten steps or so [N]
+	btISTContactWork work;     ///< written by the solver
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
 	double thickness() const;
 	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
 
-	bool foreseeable = false;  ///< the shapes are where their bodies are, and not children of a compound
-	uint64_t pass = 0;         ///< of collision detection, in which it was last met; counted where threads share queries
-	int ahead = -1;            ///< where threads that share queries have its answer
+	bool foreseeable = false;                 ///< the shapes are where their bodies are, and not children of a compound
+	uint64_t pass = 0;                        ///< of collision detection, in which it was last met; counted where threads share queries
+	int ahead = -1;                           ///< where threads that share queries have its answer
 	std::shared_ptr<btISTPairMemory> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setPairMemory)
 
 	/// How the sums came about: see btISTEconomy. What was kept has followed the motion to first order.
@@ -159,7 +160,8 @@ public:
 	uint64_t step() const { return m_step; }
 	void nextStep() { ++m_step; }
 
-	/// Whether the sums of respond-mode pairs have their damping (ist::QueryOptions::damping) where the pair has a dissipation: for a solver that uses it.
+	/// Whether the sums of respond-mode pairs have their damping (ist::QueryOptions::damping) where the pair has a dissipation: for a
+	/// solver that uses it.
 	void sumDamping(bool on) { m_sumsDamping = on; }
 	bool sumsDamping() const { return m_sumsDamping; }
 

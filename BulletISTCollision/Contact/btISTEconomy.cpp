@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Contact/btISTEconomy.h"
 
+#include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
 #include "BulletISTCollision/Core/Base/SamePose.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Force/RelativeMotion.h"
-#include "BulletISTCollision/Contact/btISTContactStore.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +80,8 @@ bool btISTKeptResult::isFar(const btISTContact& contact) const
 	return way < m_clearance;
 }
 
-/// Moves the sums along; false when they do not say enough any more. `allowed`: change of the force, as a share of the reference, and angle.
+/// Moves the sums along; false when they do not say enough any more. `allowed`: change of the force, as a share of the reference, and
+/// angle.
 bool btISTKeptResult::follow(btISTContact& contact, double allowed)
 {
 	constexpr double kWorthLearning = 2;  // far beyond the bounds a first order says nothing about itself
@@ -108,7 +109,8 @@ double btISTKeptResult::change(const btISTContact& contact) const
 	{
 		const ist::OverlapIntegrals& patch = contact.patches[i];
 		if (!(patch.volume > 0)) return std::numeric_limits<double>::infinity();
-		const ist::Wrench by = contact.constants.weightB * (patch.normalB - m_normalB[i]) - contact.constants.weightA * (patch.normalA - m_normalA[i]);
+		const ist::Wrench by = contact.constants.weightB * (patch.normalB - m_normalB[i]) -
+			contact.constants.weightA * (patch.normalA - m_normalA[i]);
 		force += norm(by.force);
 		torque += norm(by.torque - cross(patch.firstMoment / patch.volume, by.force));
 	}
@@ -122,7 +124,8 @@ void btISTKeptResult::judge(const btISTContact& contact, double granted)
 	else if (m_foundError < granted / 8) m_trust = std::min(m_trust * kRegain, 1.0);
 }
 
-void btISTKeptResult::keep(const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy)
+void btISTKeptResult::keep(
+	const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy)
 {
 	m_foundError = 0;
 	if (m_hasPrediction) judge(contact, economy.keptError);

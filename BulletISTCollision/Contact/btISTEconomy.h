@@ -14,9 +14,11 @@ struct btISTEconomy
 {
 	/// False: every pair that Bullet hands over is queried in every step.
 	bool on = true;
-	/// Error of a pair's force that results kept from former steps may add, as a share of the larger of the force and the floor (ist::forceFloor, k times 0.1 % of the
-	/// smaller body's volume); 0 to 0.5. Measured, not proved: where thin bodies are wedged it was once exceeded tenfold. With 0 only what is exactly what the query would find is kept: the world moves as without economy,
-	/// bit for bit; with btISTRegistration::setPairMemory but for the rounding of floats and the patches, since what was not asked tells a memory of no motion.
+	/// Error of a pair's force that results kept from former steps may add, as a share of the larger of the force and the floor
+	/// (ist::forceFloor, k times 0.1 % of the smaller body's volume); 0 to 0.5. Measured, not proved: where thin bodies are wedged it was
+	/// once exceeded tenfold. With 0 only what is exactly what the query would find is kept: the world moves as without economy, bit for
+	/// bit; with btISTRegistration::setPairMemory but for the rounding of floats and the patches, since what was not asked tells a memory
+	/// of no motion.
 	double keptError = 0;
 };
 
@@ -28,8 +30,8 @@ struct btISTQueryCost
 	uint64_t keptStill = 0;  ///< none, because the two have not moved relative to each other since the step before
 	uint64_t keptMoved = 0;  ///< none, because the bodies moved so little that the former result says enough
 	int64_t nodeVisits = 0, ballTests = 0, leafPairs = 0;  ///< of the queries: work independent of the machine, and what they found
-	double seconds = 0;      ///< while the store measures query time: of queries, and of what was done instead
-	double querySeconds = 0; ///< of queries alone
+	double seconds = 0;       ///< while the store measures query time: of queries, and of what was done instead
+	double querySeconds = 0;  ///< of queries alone
 	/// Largest error of the force that a kept result would have had where the pair was queried again, up to twice as far as it was kept;
 	/// as a share of what btISTEconomy::keptError is a share of.
 	double largestKeptError = 0;
@@ -44,9 +46,9 @@ struct btISTQueryCost
 ///
 /// While apart: until a point of one body may have come nearer to the other by the clearance that the query left (LeafClearance.h). While
 /// touching: until the first-order change of the forces of all patches, added up, or the rotation, exceeds half of the error that was
-/// granted, or the bodies have moved a quarter of the sum of their errorLength(): surfaces that do not touch yet are not foreseen, and within
-/// that length leaves blur them. The result follows the motion to first order (RelativeMotion.h). What it was wrong by is measured at the next
-/// query; where that is more than half of what was granted, the pair's bounds are halved, and grow again slowly.
+/// granted, or the bodies have moved a quarter of the sum of their errorLength(): surfaces that do not touch yet are not foreseen, and
+/// within that length leaves blur them. The result follows the motion to first order (RelativeMotion.h). What it was wrong by is measured
+/// at the next query; where that is more than half of what was granted, the pair's bounds are halved, and grow again slowly.
 class btISTKeptResult
 {
 public:
@@ -59,12 +61,12 @@ public:
 	};
 	static constexpr int kMaxPatches = 8;
 
-	/// What an answer depends on besides pose and options: the numbers that B's closed form is made of; of two trees with an accepted error, A's weight, by which
-	/// their level was chosen; else zero.
+	/// What an answer depends on besides pose and options: the numbers that B's closed form is made of; of two trees with an accepted
+	/// error, A's weight, by which their level was chosen; else zero.
 	using Measures = std::array<double, 4>;
 
-	/// What to do at the pose `contact.X_AB`, by the weights of the step before. With Moved, and with Ask where there was something to be compared with, the sums of `contact` have
-	/// followed. `version` of the options of queries. O(patches), no allocation.
+	/// What to do at the pose `contact.X_AB`, by the weights of the step before. With Moved, and with Ask where there was something to be
+	/// compared with, the sums of `contact` have followed. `version` of the options of queries. O(patches), no allocation.
 	Use use(btISTContact& contact, const Measures& measures, uint64_t version, const btISTEconomy& economy);
 	/// After a query whose sums are in `contact` now. `clearance`: of leaves, when there are none.
 	void keep(const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy);
@@ -88,7 +90,7 @@ private:
 
 	ist::Pose m_X_asked, m_X_last;
 	ist::Wrench m_normalA[kMaxPatches], m_normalB[kMaxPatches];  // of the patches, as they were found
-	ist::Vec3 m_predicted;  // force with k = 1, A's mesh axes
+	ist::Vec3 m_predicted;                                       // force with k = 1, A's mesh axes
 	Measures m_measures{};
 	uint64_t m_version = 0;
 	double m_clearance = 0;

@@ -22,15 +22,14 @@ const double kSameDirection = std::cos(20 * M_PI / 180);
 struct PatchGroup
 {
 	ist::OverlapIntegrals sums;
-	ist::Wrench wrench;  // about A's origin
+	ist::Wrench wrench;   // about A's origin
 	double strength = 0;  // |force|
 };
 
 class PatchGroups
 {
 public:
-	explicit PatchGroups(const btISTContact& contact)
-		: m_pair{contact.constants.k, contact.constants.weightA, contact.constants.weightB}
+	explicit PatchGroups(const btISTContact& contact) : m_pair{contact.constants.k, contact.constants.weightA, contact.constants.weightB}
 	{
 		for (int i = 0; i < contact.patchCount; ++i) add(contact.patches[i]);
 		while (m_count > MANIFOLD_CACHE_SIZE) mergeWeakest();
@@ -109,8 +108,9 @@ struct GroupPlane
 		ist::completeFrame(normal, t1, t2);
 		const double* s = g.sums.secondMoment;
 		const ist::Mat3 second{{{s[0], s[3], s[4]}, {s[3], s[1], s[5]}, {s[4], s[5], s[2]}}};
-		const auto covariance = [&](const ist::Vec3& u, const ist::Vec3& v)
-		{ return ist::dot(u, second * v) / g.sums.volume - ist::dot(u, c) * ist::dot(v, c); };
+		const auto covariance = [&](const ist::Vec3& u, const ist::Vec3& v) {
+			return ist::dot(u, second * v) / g.sums.volume - ist::dot(u, c) * ist::dot(v, c);
+		};
 		xx = std::max(covariance(t1, t1), 0.0);
 		yy = std::max(covariance(t2, t2), 0.0);
 		xy = covariance(t1, t2);
@@ -191,8 +191,8 @@ void appendTouch(btISTRepresentativePoints& out, const btISTContact& contact)
 bool isGhost(const btCollisionObject* object) { return (object->getInternalType() & btCollisionObject::CO_GHOST_OBJECT) != 0; }
 
 /// Bullet's point for `p`; the positions on both bodies lie half the depth to either side.
-btManifoldPoint manifoldPoint(const btISTRepresentativePoint& p, double dissipation, const btCollisionObjectWrapper* wrapA,
-							  const btCollisionObjectWrapper* wrapB)
+btManifoldPoint manifoldPoint(
+	const btISTRepresentativePoint& p, double dissipation, const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB)
 {
 	const btCollisionObject* a = wrapA->getCollisionObject();
 	const btCollisionObject* b = wrapB->getCollisionObject();
@@ -258,19 +258,16 @@ btISTRepresentativePoints::btISTRepresentativePoints(const btISTContact& contact
 	for (int i = 0; i < groups.count(); ++i)
 	{
 		const GroupPlane plane(groups[i], groups.pair(), contact.treeA->origin);
-		if (groups.count() == 1)
-			appendFour(*this, plane, contact.X_WA);
-		else if (groups.count() == 2)
-			appendTwo(*this, plane, contact.X_WA);
-		else
-			append(*this, plane, contact.X_WA, 0, 0, plane.force, plane.stiffness);
+		if (groups.count() == 1) appendFour(*this, plane, contact.X_WA);
+		else if (groups.count() == 2) appendTwo(*this, plane, contact.X_WA);
+		else append(*this, plane, contact.X_WA, 0, 0, plane.force, plane.stiffness);
 	}
 	if (count == 0) appendTouch(*this, contact);
 }
 
 // In place: clearing would tell games that contact ended and began again, and would lose warm starting and their own pointers.
-void btISTRepresentativePoints::write(btPersistentManifold& manifold, double dissipation, const btCollisionObjectWrapper* wrapA,
-									  const btCollisionObjectWrapper* wrapB) const
+void btISTRepresentativePoints::write(
+	btPersistentManifold& manifold, double dissipation, const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB) const
 {
 	if (count == 0 && manifold.getNumContacts() == 0) return;
 	btManifoldPoint fresh[MANIFOLD_CACHE_SIZE];

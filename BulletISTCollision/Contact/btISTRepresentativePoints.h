@@ -24,7 +24,7 @@ struct btISTRepresentativePoints
 
 	/// Into a manifold whose bodies are those of the wrappers, in this order. Keeps the points that are still there in their slots.
 	void write(btPersistentManifold& manifold, double dissipation, const btCollisionObjectWrapper* wrapA,
-			   const btCollisionObjectWrapper* wrapB) const;
+		const btCollisionObjectWrapper* wrapB) const;
 	/// To a contact test, which collects points of its own.
 	void report(btManifoldResult& out) const;
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
-#include "BulletISTCollision/Registry/btISTConversion.h"
-#include "BulletISTCollision/Dispatch/btISTContext.h"
-#include "BulletISTCollision/PairQuery/btISTPairQuery.h"
-#include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/Contact/btISTRepresentativePoints.h"
+#include "BulletISTCollision/Dispatch/btISTContext.h"
+#include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
+#include "BulletISTCollision/PairQuery/btISTPairQuery.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 
 #include "BulletCollision/BroadphaseCollision/btDispatcher.h"
@@ -32,11 +32,13 @@ namespace
 /// Whether a shape is where its body is: not a child, which its parent puts somewhere.
 bool isBody(const btCollisionObjectWrapper& wrap) { return &wrap.getWorldTransform() == &wrap.getCollisionObject()->getWorldTransform(); }
 
-/// Whether its axes are too far from unit length and right angles for a rigid body, whose shape trees speak for. What is no number is none of that.
+/// Whether its axes are too far from unit length and right angles for a rigid body, whose shape trees speak for. What is no number is none
+/// of that.
 bool isSkewed(const btCollisionObjectWrapper& wrap)
 {
 	const ist::Pose X = toRigidPose(wrap.getWorldTransform());
-	return !isRigid(X) && isFinite(X.translation) && std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
+	return !isRigid(X) && isFinite(X.translation) &&
+		std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
 }
 
 /// Within a contact test Bullet has the children of a compound answered by those who respond, too. Games may have results of their own.
@@ -49,15 +51,18 @@ void announceProcessed(btPersistentManifold& manifold)
 {
 	if (!gContactProcessedCallback) return;
 	for (int i = 0; i < manifold.getNumContacts(); ++i)
-		gContactProcessedCallback(manifold.getContactPoint(i), const_cast<btCollisionObject*>(manifold.getBody0()), const_cast<btCollisionObject*>(manifold.getBody1()));
+		gContactProcessedCallback(manifold.getContactPoint(i), const_cast<btCollisionObject*>(manifold.getBody0()),
+			const_cast<btCollisionObject*>(manifold.getBody1()));
 }
 }  // namespace
 
 btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context,
-												 Mode mode, std::shared_ptr<const ist::InnerSphereTree> treeA,
-												 std::shared_ptr<const ist::InnerSphereTree> treeB,
-												 const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b)
-	: btCollisionAlgorithm(info), m_context(std::move(context)), m_treeA(std::move(treeA)), m_treeB(std::move(treeB)),
+	Mode mode, std::shared_ptr<const ist::InnerSphereTree> treeA, std::shared_ptr<const ist::InnerSphereTree> treeB,
+	const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b)
+	: btCollisionAlgorithm(info),
+	  m_context(std::move(context)),
+	  m_treeA(std::move(treeA)),
+	  m_treeB(std::move(treeB)),
 	  // Never the manifold in `info`: nested compounds would have several pairs write into it. Kept while separated, too: an empty
 	  // manifold is what makes Bullet wake a sleeping body when a kinematic one comes near.
 	  m_manifold(m_dispatcher->getNewManifold(a.getCollisionObject(), b.getCollisionObject())),
@@ -85,12 +90,17 @@ void btISTCollisionAlgorithm::KnownShape::keep(const btCollisionShape* known)
 
 bool btISTCollisionAlgorithm::KnownShape::is(const btCollisionShape* other) const
 {
-	return isKindOf(other) && btISTRegistry::hasScaling(*other, btVector3(btScalar(scaling[0]), btScalar(scaling[1]), btScalar(scaling[2])));
+	return isKindOf(other) &&
+		btISTRegistry::hasScaling(*other, btVector3(btScalar(scaling[0]), btScalar(scaling[1]), btScalar(scaling[2])));
 }
 
-bool btISTCollisionAlgorithm::KnownShape::isKindOf(const btCollisionShape* other) const { return other == shape && other->getShapeType() == type; }
+bool btISTCollisionAlgorithm::KnownShape::isKindOf(const btCollisionShape* other) const
+{
+	return other == shape && other->getShapeType() == type;
+}
 
-/// Looks again at what the shapes are, where they are others, or other trees may be there. Without a registration trees stay as they are for what does not change.
+/// Looks again at what the shapes are, where they are others, or other trees may be there. Without a registration trees stay as they are
+/// for what does not change.
 void btISTCollisionAlgorithm::see(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
 {
 	// A closed form is taken at its size in every step.
@@ -129,8 +139,8 @@ void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& 
 	if (kept) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
 }
 
-void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB,
-									   btISTContact& contact) const
+void btISTCollisionAlgorithm::evaluate(
+	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const
 {
 	contact.bodyA = wrapA->getCollisionObject();
 	contact.bodyB = wrapB->getCollisionObject();
@@ -172,7 +182,7 @@ void btISTCollisionAlgorithm::evaluate(const btCollisionObjectWrapper* wrapA, co
 }
 
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,
-											   const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut)
+	const btDispatcherInfo& dispatchInfo, btManifoldResult* resultOut)
 {
 	const bool swapped = body0Wrap->getCollisionObject() != m_manifold->getBody0();
 	const btCollisionObjectWrapper* wrapA = swapped ? body1Wrap : body0Wrap;
@@ -204,7 +214,8 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 }
 
 /// To a contact test; whether there is overlap. What the pair keeps is left as it is.
-bool btISTCollisionAlgorithm::report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const
+bool btISTCollisionAlgorithm::report(
+	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const
 {
 	btISTContact contact;
 	evaluate(wrapA, wrapB, contact);

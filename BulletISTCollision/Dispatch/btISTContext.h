@@ -2,9 +2,9 @@
 #pragma once
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
+#include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/PairQuery/btISTPairMemories.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
-#include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/Registry/btISTRegistry.h"
 #include "BulletISTCollision/Registry/btISTWatch.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
@@ -23,14 +23,15 @@ struct btISTCreateFunc : btCollisionAlgorithmCreateFunc
 	btISTContext* context = nullptr;
 	bool closest = false;
 	btCollisionAlgorithmCreateFunc* previous[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
-	/// Those that stood there first. Who registered after us may delegate to us, and be delegated to since we took the tables back: then these end the round.
+	/// Those that stood there first. Who registered after us may delegate to us, and be delegated to since we took the tables back: then
+	/// these end the round.
 	btCollisionAlgorithmCreateFunc* first[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
 
-	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
-												   const btCollisionObjectWrapper* wrap1) override;
+	btCollisionAlgorithm* CreateCollisionAlgorithm(
+		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0, const btCollisionObjectWrapper* wrap1) override;
 	/// What stood there before us makes for these types.
-	btCollisionAlgorithm* delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0, const btCollisionObjectWrapper* wrap1,
-								   int type0, int type1);
+	btCollisionAlgorithm* delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
+		const btCollisionObjectWrapper* wrap1, int type0, int type1);
 
 private:
 	struct Delegated
@@ -63,6 +64,6 @@ public:
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
 	std::unique_ptr<btISTPairMemories> memories;  ///< null: each query searches anew
-	std::unique_ptr<btISTQueryThreads> threads;  ///< null: the owner's alone
+	std::unique_ptr<btISTQueryThreads> threads;   ///< null: the owner's alone
 	std::weak_ptr<btISTInstallation> installation;
 };

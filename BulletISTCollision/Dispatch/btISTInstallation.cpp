@@ -42,8 +42,7 @@ struct DispatchTables : btCollisionDispatcher
 	}
 };
 
-template <class Visit>
-void forEachEntry(Visit visit)
+template <class Visit> void forEachEntry(Visit visit)
 {
 	for (int i = 0; i < kTypes; ++i)
 		for (int j = 0; j < kTypes; ++j)
@@ -55,9 +54,8 @@ void forEachEntry(Visit visit)
 }
 }  // namespace
 
-btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-																const btCollisionObjectWrapper* wrap0,
-																const btCollisionObjectWrapper* wrap1)
+btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(
+	btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0, const btCollisionObjectWrapper* wrap1)
 {
 	if (m_delegated.wrap0 == wrap0 && m_delegated.wrap1 == wrap1)
 		return first[m_delegated.type0][m_delegated.type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
@@ -69,7 +67,9 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 		auto treeA = context->registry->find(shape0);
 		auto treeB = context->registry->find(shape1);
 		// A shape whose tree does not speak for it now, as it was scaled, is Bullet's.
-		const auto hasForm = [this](const btCollisionShape* shape) { return !context->registry->isAttached(shape) && btISTShapeField(shape).field(); };
+		const auto hasForm = [this](const btCollisionShape* shape) {
+			return !context->registry->isAttached(shape) && btISTShapeField(shape).field();
+		};
 		const bool volumetric = (treeA && treeB) || (treeA && hasForm(shape1)) || (treeB && hasForm(shape0));
 		if (volumetric && !isInGImpactCompound(wrap0) && !isInGImpactCompound(wrap1))
 		{
@@ -78,9 +78,10 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 			const auto mode = closest ? btISTCollisionAlgorithm::Query : btISTCollisionAlgorithm::Respond;
 			void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(int(sizeof(btISTCollisionAlgorithm)));
 			return new (memory) btISTCollisionAlgorithm(info, context->shared_from_this(), mode, std::move(treeA), std::move(treeB),
-														*(swapped ? wrap1 : wrap0), *(swapped ? wrap0 : wrap1));
+				*(swapped ? wrap1 : wrap0), *(swapped ? wrap0 : wrap1));
 		}
-		// GImpact takes a compound apart by itself and asks nobody about the children. Bullet's algorithm for compounds does, as with any convex shape.
+		// GImpact takes a compound apart by itself and asks nobody about the children. Bullet's algorithm for compounds does, as with any
+		// convex shape.
 		if (treeA && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
 		if (treeB && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
 	}
@@ -88,7 +89,7 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(btCollisionAlgor
 }
 
 btCollisionAlgorithm* btISTCreateFunc::delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
-												const btCollisionObjectWrapper* wrap1, int type0, int type1)
+	const btCollisionObjectWrapper* wrap1, int type0, int type1)
 {
 	const Delegated outer = std::exchange(m_delegated, {wrap0, wrap1, type0, type1});
 	btCollisionAlgorithm* algorithm = previous[type0][type1]->CreateCollisionAlgorithm(info, wrap0, wrap1);
@@ -102,7 +103,9 @@ class btISTInstallation : public btISTRegistryListener
 public:
 	/// With a refusal the tables stay as they are, and the context has no effect.
 	btISTInstallation(btCollisionDispatcher* d, std::shared_ptr<btISTContext> c, std::string reason)
-		: dispatcher(reason.empty() ? d : nullptr), refusal(std::move(reason)), context(std::move(c))
+		: dispatcher(reason.empty() ? d : nullptr),
+		  refusal(std::move(reason)),
+		  context(std::move(c))
 	{
 		install();
 	}
@@ -111,25 +114,23 @@ public:
 	void install()
 	{
 		if (!dispatcher) return;
-		forEachEntry(
-			[this](bool closest, int i, int j)
-			{
-				btCollisionAlgorithmCreateFunc*& entry = DispatchTables::entry(*dispatcher, closest, i, j);
-				btISTCreateFunc& ours = context->function(closest);
-				if (entry == &ours) return;
-				ours.previous[i][j] = entry;
-				if (!ours.first[i][j]) ours.first[i][j] = entry;
-				entry = &ours;
-			});
+		forEachEntry([this](bool closest, int i, int j) {
+			btCollisionAlgorithmCreateFunc*& entry = DispatchTables::entry(*dispatcher, closest, i, j);
+			btISTCreateFunc& ours = context->function(closest);
+			if (entry == &ours) return;
+			ours.previous[i][j] = entry;
+			if (!ours.first[i][j]) ours.first[i][j] = entry;
+			entry = &ours;
+		});
 	}
 
 	bool isComplete() const
 	{
 		bool complete = dispatcher != nullptr;
 		if (complete)
-			forEachEntry(
-				[&](bool closest, int i, int j)
-				{ complete = complete && DispatchTables::entry(*dispatcher, closest, i, j) == &context->function(closest); });
+			forEachEntry([&](bool closest, int i, int j) {
+				complete = complete && DispatchTables::entry(*dispatcher, closest, i, j) == &context->function(closest);
+			});
 		return complete;
 	}
 
@@ -137,16 +138,12 @@ public:
 	{
 		if (!dispatcher) return;
 		bool foreign = false;
-		forEachEntry(
-			[&](bool closest, int i, int j)
-			{
-				btCollisionAlgorithmCreateFunc*& entry = DispatchTables::entry(*dispatcher, closest, i, j);
-				btISTCreateFunc& ours = context->function(closest);
-				if (entry == &ours)
-					entry = ours.previous[i][j];
-				else
-					foreign = true;
-			});
+		forEachEntry([&](bool closest, int i, int j) {
+			btCollisionAlgorithmCreateFunc*& entry = DispatchTables::entry(*dispatcher, closest, i, j);
+			btISTCreateFunc& ours = context->function(closest);
+			if (entry == &ours) entry = ours.previous[i][j];
+			else foreign = true;
+		});
 		context->active = false;
 		// Whoever registered after us may hold our functions as his predecessors and call them for as long as he likes; nobody tells
 		// us when he stops. They go on delegating, at the price of one context for each such registration.
@@ -162,10 +159,13 @@ public:
 		else cleanPairsOf(shape);
 	}
 
-	/// Those of bodies with that shape, and of compounds whose children have a contact. Pairs of another cache, as a ghost's, find out by themselves.
+	/// Those of bodies with that shape, and of compounds whose children have a contact. Pairs of another cache, as a ghost's, find out by
+	/// themselves.
 	void cleanPairsOf(const btCollisionShape* shape)
 	{
-		const auto hasIt = [shape](const btBroadphaseProxy* proxy) { return static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape() == shape; };
+		const auto hasIt = [shape](const btBroadphaseProxy* proxy) {
+			return static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape() == shape;
+		};
 		btBroadphasePairArray& pairs = pairCache->getOverlappingPairArray();
 		for (int i = 0; i < pairs.size(); ++i)
 			if (hasIt(pairs[i].m_pProxy0) || hasIt(pairs[i].m_pProxy1)) pairCache->cleanOverlappingPair(pairs[i], dispatcher);
@@ -195,10 +195,9 @@ public:
 		btBroadphasePairArray& pairs = cache->getOverlappingPairArray();
 		for (int i = 0; i < pairs.size(); ++i)
 		{
-			const auto involves = [&](const btBroadphaseProxy* proxy)
-			{
+			const auto involves = [&](const btBroadphaseProxy* proxy) {
 				return btISTAnyPart(static_cast<const btCollisionObject*>(proxy->m_clientObject)->getCollisionShape(),
-									[shape](const btCollisionShape* part) { return part == shape; });
+					[shape](const btCollisionShape* part) { return part == shape; });
 			};
 			if (!shape || involves(pairs[i].m_pProxy0) || involves(pairs[i].m_pProxy1)) cache->cleanOverlappingPair(pairs[i], dispatcher);
 		}
@@ -217,14 +216,12 @@ std::shared_ptr<btISTInstallation> installationIn(btCollisionDispatcher& dispatc
 {
 	std::shared_ptr<btISTInstallation> found;
 	const btCollisionAlgorithmCreateFunc* last = nullptr;
-	forEachEntry(
-		[&](bool closest, int i, int j)
-		{
-			const btCollisionAlgorithmCreateFunc* entry = DispatchTables::entry(dispatcher, closest, i, j);
-			if (found || entry == last) return;
-			last = entry;
-			if (const auto* ours = dynamic_cast<const btISTCreateFunc*>(entry)) found = ours->context->installation.lock();
-		});
+	forEachEntry([&](bool closest, int i, int j) {
+		const btCollisionAlgorithmCreateFunc* entry = DispatchTables::entry(dispatcher, closest, i, j);
+		if (found || entry == last) return;
+		last = entry;
+		if (const auto* ours = dynamic_cast<const btISTCreateFunc*>(entry)) found = ours->context->installation.lock();
+	});
 	return found;
 }
 
@@ -323,8 +320,9 @@ std::optional<ist::Error> btISTRegistration::setPairRule(std::shared_ptr<const b
 	btISTContext& context = *m_installation->context;
 	const std::shared_ptr<const void> claim = context.ruleClaim.lock();
 	if (claim && claim != m_ruleClaim)
-		return ist::Error{"a btISTWorld, or another registration of this dispatcher, has set the pair rule, which stays; set yours through that "
-						  "one, or release it first"};
+		return ist::Error{
+			"a btISTWorld, or another registration of this dispatcher, has set the pair rule, which stays; set yours through that "
+			"one, or release it first"};
 	if (!m_ruleClaim) m_ruleClaim = std::make_shared<char>();
 	context.ruleClaim = m_ruleClaim;
 	context.rule = std::move(rule);
@@ -350,10 +348,7 @@ std::optional<ist::Error> btISTRegistration::setEconomy(const btISTEconomy& econ
 	return std::nullopt;
 }
 
-const btISTEconomy& btISTRegistration::economy() const
-{
-	return m_installation ? m_installation->context->rules.economy : kDefaultEconomy;
-}
+const btISTEconomy& btISTRegistration::economy() const { return m_installation ? m_installation->context->rules.economy : kDefaultEconomy; }
 
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {
@@ -419,7 +414,8 @@ std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, in
 	constexpr int64_t kMostTogether = 200000000;  // some 3 GB
 	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a memory"};
 	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a memory can have room for 1 to 10000000 pairs of leaves"};
-	if (int64_t(pairsOfBodies) * leafPairs > kMostTogether) return ist::Error{"all memories together can have room for 200000000 pairs of leaves"};
+	if (int64_t(pairsOfBodies) * leafPairs > kMostTogether)
+		return ist::Error{"all memories together can have room for 200000000 pairs of leaves"};
 	std::unique_ptr<btISTPairMemories> memories;
 	try
 	{
@@ -468,8 +464,8 @@ void btISTRegistration::cleanPairs(btOverlappingPairCache* pairCache)
 	if (m_installation && m_installation->dispatcher && pairCache) m_installation->clean(pairCache, nullptr);
 }
 
-btISTRegistration btISTCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache,
-															 std::shared_ptr<btISTRegistry> registry)
+btISTRegistration btISTCollisionAlgorithm::registerAlgorithm(
+	btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache, std::shared_ptr<btISTRegistry> registry)
 {
 	btISTRegistration registration;
 	if (dispatcher) registration.m_installation = installationIn(*dispatcher);

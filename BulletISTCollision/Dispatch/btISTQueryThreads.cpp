@@ -14,15 +14,16 @@
 
 namespace
 {
-/// Pairs of leaves of the last step from which on a query is worth a copy of its contact, and of all but the largest query together from which on they are
-/// worth a second thread: some microseconds, and some ten.
+/// Pairs of leaves of the last step from which on a query is worth a copy of its contact, and of all but the largest query together from
+/// which on they are worth a second thread: some microseconds, and some ten.
 constexpr int64_t kWorthCopying = 64, kWorthSharing = 512;
 /// For how long the owner waits at least for an answer that someone else has begun [us].
 constexpr double kShortestWait = 20;
 }  // namespace
 
 btISTQueryThreads::btISTQueryThreads(int threads, const ist::QueryCapacity& capacity, double spinMicroseconds)
-	: m_ends(size_t(threads)), m_spin(spinMicroseconds)
+	: m_ends(size_t(threads)),
+	  m_spin(spinMicroseconds)
 {
 	for (int i = 1; i < threads; ++i) m_helpers.push_back(std::make_unique<Helper>(capacity));
 	for (const auto& helper : m_helpers) helper->thread = std::thread([this, &h = *helper] { loop(h); });
@@ -39,19 +40,21 @@ btISTQueryThreads::~btISTQueryThreads()
 /// Only then may what they read be written.
 bool btISTQueryThreads::isFree() const
 {
-	return std::none_of(m_helpers.begin(), m_helpers.end(), [](const auto& helper) { return helper->working.load(std::memory_order_seq_cst); });
+	return std::none_of(
+		m_helpers.begin(), m_helpers.end(), [](const auto& helper) { return helper->working.load(std::memory_order_seq_cst); });
 }
 
-void btISTQueryThreads::meet(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own,
-							 btDispatcher& dispatcher)
+void btISTQueryThreads::meet(
+	btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher)
 {
-	// Who is met again is met in another pass: that tells in worlds without our solver, where steps are not counted. Alone it would not do, for a pair that
-	// missed a pass would seem to belong to the one before ever after.
+	// Who is met again is met in another pass: that tells in worlds without our solver, where steps are not counted. Alone it would not do,
+	// for a pair that missed a pass would seem to belong to the one before ever after.
 	if (contact.pass == m_pass || store.step() != m_step) askAhead(store, rules, own, dispatcher);
 	contact.pass = m_pass;
 }
 
-void btISTQueryThreads::askAhead(const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher)
+void btISTQueryThreads::askAhead(
+	const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher)
 {
 	m_shared = btISTSharedQueries();
 	++m_pass;

@@ -12,10 +12,11 @@
 
 class btDispatcher;
 
-/// Queries of several pairs side by side. When the first pair of a pass of collision detection is met, those that surely come and are worth it are
-/// answered ahead of their turn, each on a copy of its contact. Bullet then goes on as ever, in its order and on its thread; a pair takes its
-/// answer where that is for the very pose that it has in its turn, and is asked as ever where it has none. So nobody can tell how many threads there
-/// were, but where pairs remember their leaves (btISTPairMemories) and one was late; and the owner depends on none of them: what he does not get in good time he asks for himself. Not installed.
+/// Queries of several pairs side by side. When the first pair of a pass of collision detection is met, those that surely come and are worth
+/// it are answered ahead of their turn, each on a copy of its contact. Bullet then goes on as ever, in its order and on its thread; a pair
+/// takes its answer where that is for the very pose that it has in its turn, and is asked as ever where it has none. So nobody can tell how
+/// many threads there were, but where pairs remember their leaves (btISTPairMemories) and one was late; and the owner depends on none of
+/// them: what he does not get in good time he asks for himself. Not installed.
 class btISTQueryThreads
 {
 public:
@@ -23,7 +24,8 @@ public:
 	~btISTQueryThreads();
 
 	/// A pair's turn begins. No allocation but for more pairs than ever.
-	void meet(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher);
+	void meet(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own,
+		btDispatcher& dispatcher);
 	/// The answer for `contact` at its X_AB; false where there is none.
 	bool take(btISTContact& contact, btISTQueryWork& work);
 	/// `contact` wants none any more.
@@ -36,9 +38,9 @@ public:
 private:
 	enum State
 	{
-		Open,     ///< nobody's, or being answered
+		Open,  ///< nobody's, or being answered
 		Answered,
-		Closed    ///< taken, or given up
+		Closed  ///< taken, or given up
 	};
 	struct Answer
 	{
@@ -75,11 +77,11 @@ private:
 	std::vector<std::pair<int64_t, btISTContact*>> m_wanted;
 	int m_count = 0;
 	uint64_t m_pass = 1, m_step = 0;  ///< of the store, in which the pass began
-	btISTQueryRules m_rules;  ///< of this pass
+	btISTQueryRules m_rules;          ///< of this pass
 	bool m_timed = false, m_damping = false;
 	btISTSharedQueries m_shared;
 	std::vector<double> m_ends;  ///< of the threads, as if they were never interrupted [us]
-	double m_spin;  ///< [us]
+	double m_spin;               ///< [us]
 	std::atomic<int> m_next{0};
 	std::atomic<bool> m_open{false}, m_stop{false};
 	std::atomic<uint32_t> m_turn{0};

@@ -9,8 +9,8 @@
 
 struct btISTContact;
 
-/// Of one pair of bodies, for as long as its contact holds it. A thread that was late may still be asking with it while the owner asks again:
-/// one of them has it, the other does without. Not installed.
+/// Of one pair of bodies, for as long as its contact holds it. A thread that was late may still be asking with it while the owner asks
+/// again: one of them has it, the other does without. Not installed.
 class btISTPairMemory
 {
 public:
@@ -20,7 +20,9 @@ public:
 	class Loan
 	{
 	public:
-		explicit Loan(btISTPairMemory* memory) : m_memory(memory && !memory->m_lent.exchange(true, std::memory_order_acquire) ? memory : nullptr) {}
+		explicit Loan(btISTPairMemory* memory)
+			: m_memory(memory && !memory->m_lent.exchange(true, std::memory_order_acquire) ? memory : nullptr)
+		{}
 		~Loan()
 		{
 			if (m_memory) m_memory->m_lent.store(false, std::memory_order_release);

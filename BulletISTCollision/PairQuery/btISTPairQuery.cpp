@@ -62,7 +62,8 @@ ist::OverlapResult btISTPairQuery::askTrees(btISTContact& contact, ist::QueryWor
 	accepted.error = error;
 	accepted.weightA = contact.constants.weightA;  // of the last step
 	accepted.weightB = contact.constants.weightB;
-	const ist::OverlapResult result = ist::queryPair(*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
+	const ist::OverlapResult result = ist::queryPair(
+		*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
 	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
 	return result;
 }
@@ -95,7 +96,8 @@ double btISTPairQuery::clearance(const ist::OverlapResult& result, btISTContact&
 {
 	constexpr int kMostOpened = 12;
 	if (result.level > 0) return 0;
-	if (result.status != ist::QueryStatus::Ok || result.total.pairs > 0 || result.nodeVisits == 0 || !contact.kept.wantsClearance()) return 0;
+	if (result.status != ist::QueryStatus::Ok || result.total.pairs > 0 || result.nodeVisits == 0 || !contact.kept.wantsClearance())
+		return 0;
 	if (contact.treeB) return ist::leafClearance(*contact.treeA, *contact.treeB, contact.X_AB, kMostOpened);
 	return ist::leafClearance(*contact.treeA, *m_field.field(), contact.X_AB * m_field.X_SF(), kMostOpened);
 }
@@ -135,7 +137,8 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 	{
 		// Where the level has just changed, or begins to, the next query at the same pose may say something else.
 		const bool settled = !fading && contact.accuracy.fadedShare == 0 && contact.accuracy.level == before;
-		if (m_rules.economy.on && settled) contact.kept.keep(contact, on, m_rules.version(), clearance(work.result, contact), m_rules.economy);
+		if (m_rules.economy.on && settled)
+			contact.kept.keep(contact, on, m_rules.version(), clearance(work.result, contact), m_rules.economy);
 		else contact.kept.forget();
 	}
 	if (timed) work.seconds = 1e-6 * (ist::steadyMicroseconds() - begin);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Contact/btISTEconomy.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 
 #include <optional>
@@ -42,17 +42,19 @@ struct btISTQueryWork
 	double seconds = 0;         ///< when timed
 };
 
-/// The sums of one contact at its X_AB, kept or asked for. Reads and writes nothing but the contact and the workspace, so that several can be
-/// answered side by side, each with a workspace of its own. Allocates on the first query with larger trees, never after. Not installed.
+/// The sums of one contact at its X_AB, kept or asked for. Reads and writes nothing but the contact and the workspace, so that several can
+/// be answered side by side, each with a workspace of its own. Allocates on the first query with larger trees, never after. Not installed.
 class btISTPairQuery
 {
 public:
-	/// `field`: B's shape where it has no tree. `responds`: the contact remembers from step to step. `damping`: sums are to have theirs, where the pair
-	/// has a dissipation. All outlive this.
+	/// `field`: B's shape where it has no tree. `responds`: the contact remembers from step to step. `damping`: sums are to have theirs,
+	/// where the pair has a dissipation. All outlive this.
 	btISTPairQuery(const btISTShapeField& field, const btISTQueryRules& rules, bool responds, bool damping)
-		: m_field(field), m_rules(rules), m_responds(responds), m_damping(damping)
-	{
-	}
+		: m_field(field),
+		  m_rules(rules),
+		  m_responds(responds),
+		  m_damping(damping)
+	{}
 	btISTQueryWork answer(btISTContact& contact, ist::QueryWorkspace& workspace, bool timed) const;
 	/// All that `answer` may have written. What else a contact has is its owner's, who may have gone on since.
 	static void copyAnswer(const btISTContact& from, btISTContact& to);

@@ -58,7 +58,7 @@ Mesh meshFrom(const Doubles& vertices, const py::object& triangles)
 	const int64_t* t = indices.data();
 	for (py::ssize_t i = 0; i < corners; i += 3)
 		mesh.triangles.push_back({vertexIndex(t[i], mesh.vertices.size()), vertexIndex(t[i + 1], mesh.vertices.size()),
-								  vertexIndex(t[i + 2], mesh.vertices.size())});
+			vertexIndex(t[i + 2], mesh.vertices.size())});
 	return mesh;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
-#include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Base/Version.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Python/MeshArguments.h"
 #include "BulletISTCollision/Python/OfflineWork.h"
 #include "BulletISTCollision/Python/QueryArrays.h"
@@ -36,8 +36,8 @@ RepairMode repairMode(const std::string& name)
 	throw py::value_error("repair must be \"auto\", \"off\" or \"wrap\", not \"" + name + "\"");
 }
 
-Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius, std::optional<double> error,
-		   const std::string& repair, uint64_t seed, int threads, const py::object& progress)
+Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius,
+	std::optional<double> error, const std::string& repair, uint64_t seed, int threads, const py::object& progress)
 {
 	if (spheres < 1) throw py::value_error("spheres must be at least 1");
 	if (!(fill > 0 && fill <= 1)) throw py::value_error("fill must be above 0 and at most 1");
@@ -92,18 +92,28 @@ py::array_t<double> toArray(const Mat3& m) { return py::array_t<double>({3, 3}, 
 void bindTree(py::module_& module)
 {
 	py::class_<InnerSphereTree, Tree>(module, "Tree", "A body ready for queries: packed spheres, leaves and their trees. Immutable.")
-		.def("save", &save, "path"_a, "Writes an .ist asset; the old file or the whole new one is there afterwards. Returns its size in bytes.")
-		.def_property_readonly("volume", [](const InnerSphereTree& t) { return t.volume; }, "Of the repaired mesh [m^3].")
-		.def_property_readonly("area", [](const InnerSphereTree& t) { return t.area; }, "Of the repaired mesh [m^2].")
-		.def_property_readonly("fill", [](const InnerSphereTree& t) { return t.fill; }, "Volume of the packed spheres over that of the mesh.")
-		.def_property_readonly("mean_gap", [](const InnerSphereTree& t) { return t.meanGap; }, "Between surface and spheres, mean [m].")
-		.def_property_readonly("center_of_mass", [](const InnerSphereTree& t) { return toArray(t.origin); }, "In the mesh frame [m].")
-		.def_property_readonly("inertia", [](const InnerSphereTree& t) { return toArray(t.inertia); }, "About the centre of mass, density 1 [m^5].")
+		.def("save", &save, "path"_a,
+			"Writes an .ist asset; the old file or the whole new one is there afterwards. Returns its size in bytes.")
+		.def_property_readonly(
+			"volume", [](const InnerSphereTree& t) { return t.volume; }, "Of the repaired mesh [m^3].")
+		.def_property_readonly(
+			"area", [](const InnerSphereTree& t) { return t.area; }, "Of the repaired mesh [m^2].")
+		.def_property_readonly(
+			"fill", [](const InnerSphereTree& t) { return t.fill; }, "Volume of the packed spheres over that of the mesh.")
+		.def_property_readonly(
+			"mean_gap", [](const InnerSphereTree& t) { return t.meanGap; }, "Between surface and spheres, mean [m].")
+		.def_property_readonly(
+			"center_of_mass", [](const InnerSphereTree& t) { return toArray(t.origin); }, "In the mesh frame [m].")
+		.def_property_readonly(
+			"inertia", [](const InnerSphereTree& t) { return toArray(t.inertia); }, "About the centre of mass, density 1 [m^5].")
 		.def_property_readonly("spheres", &spheres, "(n, 4) x y z radius [m], about the centre of mass, largest first; not writable.")
-		.def_property_readonly("leaves", [](const InnerSphereTree& t) { return t.law.ballCount(); }, "Number of leaves of the law's tree.")
-		.def_property_readonly("repair", [](const InnerSphereTree& t) { return t.provenance.repair; }, "What repair did to the mesh, in sentences.")
+		.def_property_readonly(
+			"leaves", [](const InnerSphereTree& t) { return t.law.ballCount(); }, "Number of leaves of the law's tree.")
+		.def_property_readonly(
+			"repair", [](const InnerSphereTree& t) { return t.provenance.repair; }, "What repair did to the mesh, in sentences.")
 		.def("__repr__", [](const InnerSphereTree& t) {
-			return "<bullethaptics.Tree of " + std::to_string(t.spheres.size()) + " spheres, " + std::to_string(t.law.ballCount()) + " leaves>";
+			return "<bullethaptics.Tree of " + std::to_string(t.spheres.size()) + " spheres, " + std::to_string(t.law.ballCount()) +
+				" leaves>";
 		});
 }
 
@@ -116,42 +126,58 @@ void warnOfNotTaken(const std::string& path, const Mesh& mesh)
 void bindFunctions(py::module_& module)
 {
 	module.def("build", &build, "vertices"_a, "triangles"_a = py::none(), py::kw_only(), "spheres"_a = int64_t(10000), "fill"_a = 1.0,
-			   "min_radius"_a = 0.0, "error"_a = py::none(), "repair"_a = "auto", "seed"_a = uint64_t(1), "threads"_a = 0, "progress"_a = py::none(),
-			   "A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without triangles, "
-			   "each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
-			   "return False to cancel. Raises bullethaptics.Error with a sentence.");
+		"min_radius"_a = 0.0, "error"_a = py::none(), "repair"_a = "auto", "seed"_a = uint64_t(1), "threads"_a = 0,
+		"progress"_a = py::none(),
+		"A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without "
+		"triangles, "
+		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
+		"return False to cancel. Raises bullethaptics.Error with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
-	module.def("read_mesh", [](const std::filesystem::path& path, std::optional<double> unit) {
+	module.def(
+		"read_mesh",
+		[](const std::filesystem::path& path, std::optional<double> unit) {
 			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path.string(), unit, watch); });
 			warnOfNotTaken(path.string(), mesh);
 			return arraysFrom(mesh);
-		}, "path"_a, "unit"_a = py::none(),
+		},
+		"path"_a, "unit"_a = py::none(),
 		"(vertices, triangles) of a mesh file [m]. `unit`, metres per unit of the file, takes the place of the one that the file states, "
 		"if any. What was not taken is a UserWarning.");
 	module.def("query", &query, "a"_a, "b"_a, "poses"_a, py::kw_only(), "stiffness"_a = 1.0, "level"_a = -1, "max_pairs"_a = int64_t(-1),
-			   "error"_a = py::none(),
-			   "Overlap, force and torque of body b at `poses` in a's mesh frame, by the pressure field law with `stiffness` [Pa/m]. A dict of arrays, "
-			   "a row for each pose; force and torque act on a, in a's axes, about a's centre of mass. `error`, 0..1: each pose is answered "
-			   "at the coarsest level that keeps this force error, with two more columns: `promise`, the force error that holds in 95 % of contacts, and "
-			   "`kept`. `level`, the finest one allowed then, `max_pairs` and `error` need trees with levels: with_levels().");
+		"error"_a = py::none(),
+		"Overlap, force and torque of body b at `poses` in a's mesh frame, by the pressure field law with `stiffness` [Pa/m]. A dict of "
+		"arrays, "
+		"a row for each pose; force and torque act on a, in a's axes, about a's centre of mass. `error`, 0..1: each pose is answered "
+		"at the coarsest level that keeps this force error, with two more columns: `promise`, the force error that holds in 95 % of "
+		"contacts, and "
+		"`kept`. `level`, the finest one allowed then, `max_pairs` and `error` need trees with levels: with_levels().");
 	const WorldSetup usual;
-	module.def("tune", [](const py::object& a, const py::object& b, double error, int64_t maxSpheres, std::optional<double> stiffness,
-						  std::optional<double> mass, double speed, double step, double distance, const py::object& progress) {
+	module.def(
+		"tune",
+		[](const py::object& a, const py::object& b, double error, int64_t maxSpheres, std::optional<double> stiffness,
+			std::optional<double> mass, double speed, double step, double distance, const py::object& progress) {
 			return tune(a, b, TuneOptions{error, maxSpheres, WorldSetup{stiffness, mass, speed, step, distance}, {}}, progress);
-		}, "a"_a, "b"_a, "error"_a, py::kw_only(), "max_spheres"_a = TuneOptions{}.maxSpheres, "stiffness"_a = py::none(), "mass"_a = py::none(),
-		"speed"_a = usual.speed, "step"_a = usual.step, "distance"_a = usual.distance, "progress"_a = py::none(),
-		"The cheapest level of two bodies that promises a force error, 0..1, in 95 % of poses between 0.1 and 20 % overlap: a dict of what `ist tune "
-		"--json` prints, None for null. A body is a Tree, or a mesh (vertices, triangles), of which trees of up to `max_spheres` are built until one will do. "
-		"`kept` is False when the error is out of reach. With `stiffness` of the pair [Pa/m] and `mass` of the lighter body [kg], also what the world must be "
+		},
+		"a"_a, "b"_a, "error"_a, py::kw_only(), "max_spheres"_a = TuneOptions{}.maxSpheres, "stiffness"_a = py::none(),
+		"mass"_a = py::none(), "speed"_a = usual.speed, "step"_a = usual.step, "distance"_a = usual.distance, "progress"_a = py::none(),
+		"The cheapest level of two bodies that promises a force error, 0..1, in 95 % of poses between 0.1 and 20 % overlap: a dict of what "
+		"`ist tune "
+		"--json` prints, None for null. A body is a Tree, or a mesh (vertices, triangles), of which trees of up to `max_spheres` are built "
+		"until one will do. "
+		"`kept` is False when the error is out of reach. With `stiffness` of the pair [Pa/m] and `mass` of the lighter body [kg], also "
+		"what the world must be "
 		"like: `speed` with which they meet [m/s], `step` of the world [s], `distance` from its origin [m].");
 	module.def("distance", &distance, "a"_a, "b"_a, "poses"_a, "(upper, lower) bound of the distance [m].");
 	module.def("relative_pose", &relativePose, "pose_a"_a, "pose_b"_a, "The pose of b in a's frame, from the poses of both in the world.");
-	module.def("with_levels", [](const InnerSphereTree& tree) {
+	module.def(
+		"with_levels",
+		[](const InnerSphereTree& tree) {
 			const py::gil_scoped_release others;
 			InnerSphereTree copy = tree;
 			addLevels(copy);
 			return std::make_shared<InnerSphereTree>(std::move(copy));
-		}, "tree"_a, "The same body with coarser versions of its leaves.");
+		},
+		"tree"_a, "The same body with coarser versions of its leaves.");
 }
 }  // namespace
 

@@ -19,8 +19,7 @@ struct BulletHapticsError : std::runtime_error
 };
 
 /// Runs offline work without the interpreter's lock. An interrupt or an exception in the caller's `progress` cancels it, and is raised.
-template <class Work>
-auto run(const pybind11::object& progress, Work&& work)
+template <class Work> auto run(const pybind11::object& progress, Work&& work)
 {
 	namespace py = pybind11;
 	std::optional<py::error_already_set> raised;

@@ -21,7 +21,8 @@ Pose poseFromSeven(const double* v, size_t row)
 {
 	const double n = std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6]);
 	if (!(std::fabs(n - 1) <= 1e-3))
-		throw py::value_error("pose " + std::to_string(row) + ": the quaternion has length " + std::to_string(n) + "; it must be within 0.001 of 1");
+		throw py::value_error(
+			"pose " + std::to_string(row) + ": the quaternion has length " + std::to_string(n) + "; it must be within 0.001 of 1");
 	const Pose X{rotationMatrix({v[3] / n, v[4] / n, v[5] / n, v[6] / n}), {v[0], v[1], v[2]}};
 	if (!isFinite(X.translation)) throw py::value_error("pose " + std::to_string(row) + " is not finite");
 	return X;
@@ -43,7 +44,8 @@ py::object flattened(const py::object& object)
 {
 	if (!py::isinstance<py::sequence>(object) || py::isinstance<py::array>(object)) return object;
 	const py::sequence s(object);
-	if (s.size() != 2 || !py::isinstance<py::sequence>(s[0]) || !py::isinstance<py::sequence>(s[1]) || py::len(s[0]) != 3 || py::len(s[1]) != 4)
+	if (s.size() != 2 || !py::isinstance<py::sequence>(s[0]) || !py::isinstance<py::sequence>(s[1]) || py::len(s[0]) != 3 ||
+		py::len(s[1]) != 4)
 		return object;
 	py::list seven;
 	for (const auto& part : s)
@@ -100,15 +102,26 @@ void put(double* column, size_t row, const Vec3& v)
 struct Columns
 {
 	Columns(Answer& a, bool promised)
-		: volume(a.numbers("volume")), volumeSigma(a.numbers("volume_sigma")), energy(a.numbers("energy")),
-		  centroid(a.numbers("centroid", {3})), normal(a.numbers("normal", {3})), areaVector(a.numbers("area_vector", {3})),
-		  force(a.numbers("force", {3})), forceSigma(a.numbers("force_sigma")), torque(a.numbers("torque", {3})),
-		  stiffness(a.numbers("stiffness", {6, 6})), distance(a.numbers("distance")), distanceLower(a.numbers("distance_lower")),
-		  patches(a.counts("patches")), pairs(a.counts("pairs")), level(a.counts("level")), promise(promised ? a.numbers("promise") : nullptr),
+		: volume(a.numbers("volume")),
+		  volumeSigma(a.numbers("volume_sigma")),
+		  energy(a.numbers("energy")),
+		  centroid(a.numbers("centroid", {3})),
+		  normal(a.numbers("normal", {3})),
+		  areaVector(a.numbers("area_vector", {3})),
+		  force(a.numbers("force", {3})),
+		  forceSigma(a.numbers("force_sigma")),
+		  torque(a.numbers("torque", {3})),
+		  stiffness(a.numbers("stiffness", {6, 6})),
+		  distance(a.numbers("distance")),
+		  distanceLower(a.numbers("distance_lower")),
+		  patches(a.counts("patches")),
+		  pairs(a.counts("pairs")),
+		  level(a.counts("level")),
+		  promise(promised ? a.numbers("promise") : nullptr),
 		  kept(promised ? a.truths("kept") : nullptr)
-	{
-	}
-	double *volume, *volumeSigma, *energy, *centroid, *normal, *areaVector, *force, *forceSigma, *torque, *stiffness, *distance, *distanceLower;
+	{}
+	double *volume, *volumeSigma, *energy, *centroid, *normal, *areaVector, *force, *forceSigma, *torque, *stiffness, *distance,
+		*distanceLower;
 	int64_t *patches, *pairs, *level;
 	double* promise;  ///< null, as is `kept`, without an accepted error
 	bool* kept;
@@ -118,9 +131,11 @@ class Bodies
 {
 public:
 	Bodies(const InnerSphereTree& A, const InnerSphereTree& B, double stiffness)
-		: m_A(A), m_B(B), m_pair{stiffness, 0.5, 0.5}, m_length(0.5 * std::max(A.box.longestSide(), B.box.longestSide()))
-	{
-	}
+		: m_A(A),
+		  m_B(B),
+		  m_pair{stiffness, 0.5, 0.5},
+		  m_length(0.5 * std::max(A.box.longestSide(), B.box.longestSide()))
+	{}
 
 	void describe(const OverlapResult& overlap, const Pose& X_AB, const Columns& to, size_t row) const
 	{
@@ -170,9 +185,11 @@ class Rows
 {
 public:
 	Rows(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options, std::optional<double> error)
-		: m_A(A), m_B(B), m_options(options), m_error(error)
-	{
-	}
+		: m_A(A),
+		  m_B(B),
+		  m_options(options),
+		  m_error(error)
+	{}
 
 	OverlapResult answer(const Pose& X_AB, const Columns& to, size_t row)
 	{
@@ -217,7 +234,7 @@ Poses posesFrom(const py::object& object)
 }
 
 py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object, double stiffness, int level, int64_t maxPairs,
-			   std::optional<double> error)
+	std::optional<double> error)
 {
 	check(A, B, stiffness, level, maxPairs, error);
 	const Poses poses = posesFrom(object);

@@ -50,13 +50,13 @@ void check(const TuneOptions& options)
 	if (!positive(world.step)) throw py::value_error("step must be positive and finite");
 	if (!notNegative(world.distance)) throw py::value_error("distance must be finite and not negative");
 	const WorldSetup usual;
-	const bool asksForWorld = world.stiffness || world.mass || world.speed != usual.speed || world.step != usual.step || world.distance != usual.distance;
+	const bool asksForWorld = world.stiffness || world.mass || world.speed != usual.speed || world.step != usual.step ||
+		world.distance != usual.distance;
 	if (!asksForWorld) return;
 	if (const std::optional<Error> problem = problemOf(world)) throw py::value_error(problem->message);
 }
 
-template <class Figures>
-py::dict dictOf(const Figures& figures)
+template <class Figures> py::dict dictOf(const Figures& figures)
 {
 	py::dict dict;
 	eachFigure(figures, [&](const char* name, const auto& value) { dict[name] = value; });

@@ -27,8 +27,8 @@ inline ist::Pose toPose(const btTransform& t)
 	return X;
 }
 
-/// Of a body or shape. Games turn bodies by products of matrices, and engines hand out matrices of their own: where the axes have drifted from
-/// unit length and right angles they are put right, up to 5 %. Beyond that the pose comes as it is, and is not rigid.
+/// Of a body or shape. Games turn bodies by products of matrices, and engines hand out matrices of their own: where the axes have drifted
+/// from unit length and right angles they are put right, up to 5 %. Beyond that the pose comes as it is, and is not rigid.
 inline ist::Pose toRigidPose(const btTransform& t)
 {
 	ist::Pose X = toPose(t);

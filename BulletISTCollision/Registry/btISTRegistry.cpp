@@ -34,7 +34,9 @@ struct btISTAttachment::Table
 	std::shared_ptr<const ist::InnerSphereTree> withLevels(std::shared_ptr<const ist::InnerSphereTree> tree)
 	{
 		if (!keepsLevels || ist::hasLevels(*tree)) return tree;
-		copies.erase(std::remove_if(copies.begin(), copies.end(), [](const Levelled& c) { return c.plain.expired() || c.levelled.expired(); }), copies.end());
+		copies.erase(
+			std::remove_if(copies.begin(), copies.end(), [](const Levelled& c) { return c.plain.expired() || c.levelled.expired(); }),
+			copies.end());
 		for (const Levelled& copy : copies)
 			if (copy.plain.lock() == tree) return copy.levelled.lock();
 		const auto levelled = std::make_shared<ist::InnerSphereTree>(*tree);
@@ -77,9 +79,9 @@ btISTAttachment::btISTAttachment(std::shared_ptr<Table> table, const btCollision
 btISTAttachment::~btISTAttachment() { detach(); }
 
 btISTAttachment::btISTAttachment(btISTAttachment&& other) noexcept
-	: m_table(std::move(other.m_table)), m_shape(std::exchange(other.m_shape, nullptr))
-{
-}
+	: m_table(std::move(other.m_table)),
+	  m_shape(std::exchange(other.m_shape, nullptr))
+{}
 
 btISTAttachment& btISTAttachment::operator=(btISTAttachment&& other) noexcept
 {
@@ -112,7 +114,8 @@ ist::Result<btISTAttachment> btISTRegistry::attachScaled(const btCollisionShape*
 	return add(shape, std::move(tree), true);
 }
 
-ist::Result<btISTAttachment> btISTRegistry::add(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree, bool scaled)
+ist::Result<btISTAttachment> btISTRegistry::add(
+	const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree, bool scaled)
 {
 	const std::string reason = refusal(shape, tree.get(), scaled);
 	if (!reason.empty()) return ist::Error{reason};

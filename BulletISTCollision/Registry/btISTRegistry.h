@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
 #include <cstdint>
@@ -58,7 +58,8 @@ public:
 	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
 	/// As `attach`, with a tree of the shape as it is now, local scaling included. It speaks for the shape while it has that scaling.
-	[[nodiscard]] ist::Result<btISTAttachment> attachScaled(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
+	[[nodiscard]] ist::Result<btISTAttachment> attachScaled(
+		const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
 	/// Null when nothing is attached, or when the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;
@@ -70,8 +71,9 @@ public:
 	/// Whether its local scaling is `scaling`: a tree speaks for no other.
 	static bool hasScaling(const btCollisionShape& shape, const btVector3& scaling);
 
-	/// From now on every attached tree has levels (ist::addLevels), those that are attached already among them: a tree without gets a copy that shares
-	/// its leaves. Takes some milliseconds per 1,000 leaves and tree, in `attach`; nothing for trees that bring theirs. Between steps only.
+	/// From now on every attached tree has levels (ist::addLevels), those that are attached already among them: a tree without gets a copy
+	/// that shares its leaves. Takes some milliseconds per 1,000 leaves and tree, in `attach`; nothing for trees that bring theirs. Between
+	/// steps only.
 	void keepLevels();
 	bool keepsLevels() const;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Geometry/AnalyticField.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Geometry/AnalyticField.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
 #include <array>

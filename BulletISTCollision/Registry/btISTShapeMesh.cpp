@@ -24,10 +24,7 @@ class Soup : public btTriangleCallback
 {
 public:
 	void processTriangle(btVector3* corners, int, int) override { add(corners); }
-	void add(const btVector3* corners)
-	{
-		m_mesh.triangles.push_back({vertex(corners[0]), vertex(corners[1]), vertex(corners[2])});
-	}
+	void add(const btVector3* corners) { m_mesh.triangles.push_back({vertex(corners[0]), vertex(corners[1]), vertex(corners[2])}); }
 	ist::Mesh take() { return std::move(m_mesh); }
 
 private:
@@ -67,7 +64,8 @@ ist::Result<ist::Mesh> meshOfGImpact(const btGImpactShapeInterface& shape)
 	else if (shape.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE_PART)
 		addPart(static_cast<const btGImpactMeshShapePart&>(shape), soup);
 	else
-		return ist::Error{"a GImpact compound has no triangles of its own, and its children's contacts live for one call only, which trees cannot; use a btCompoundShape"};
+		return ist::Error{"a GImpact compound has no triangles of its own, and its children's contacts live for one call only, which trees "
+						  "cannot; use a btCompoundShape"};
 	return soup.take();
 }
 
@@ -86,7 +84,8 @@ ist::Mesh meshOfHull(const std::vector<btVector3>& points)
 	if (!points.empty()) hull.compute(&points[0][0], int(sizeof(btVector3)), int(points.size()), 0, 0);
 	ist::Mesh mesh;
 	// Its own vertices are rounded to a ten-thousandth of the extent.
-	for (int i = 0; i < hull.original_vertex_index.size(); ++i) mesh.vertices.push_back(toVec3(points[size_t(hull.original_vertex_index[i])]));
+	for (int i = 0; i < hull.original_vertex_index.size(); ++i)
+		mesh.vertices.push_back(toVec3(points[size_t(hull.original_vertex_index[i])]));
 	for (int i = 0; i < hull.faces.size(); ++i)
 	{
 		// Bullet's faces run clockwise seen from outside.
@@ -123,7 +122,8 @@ std::vector<btVector3> pointsOf(const btMultiSphereShape& shape)
 	const ist::Mesh unit = ist::makeSphereMesh(1, 3);
 	std::vector<btVector3> points;
 	for (int i = 0; i < shape.getSphereCount(); ++i)
-		for (const ist::Vec3& v : unit.vertices) points.push_back((shape.getSpherePosition(i) + toBullet(v) * shape.getSphereRadius(i)) * shape.getLocalScaling());
+		for (const ist::Vec3& v : unit.vertices)
+			points.push_back((shape.getSpherePosition(i) + toBullet(v) * shape.getSphereRadius(i)) * shape.getLocalScaling());
 	return points;
 }
 
@@ -131,19 +131,19 @@ ist::Result<ist::Mesh> meshOfType(const btCollisionShape& shape)
 {
 	switch (shape.getShapeType())
 	{
-		case GIMPACT_SHAPE_PROXYTYPE: return meshOfGImpact(static_cast<const btGImpactShapeInterface&>(shape));
-		case TRIANGLE_MESH_SHAPE_PROXYTYPE:
-		case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
-		case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
-		case FAST_CONCAVE_MESH_PROXYTYPE: return meshOfConcave(static_cast<const btConcaveShape&>(shape));
-		case CONVEX_HULL_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexHullShape&>(shape)));
-		case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexTriangleMeshShape&>(shape)));
-		case MULTI_SPHERE_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btMultiSphereShape&>(shape)));
-		case TERRAIN_SHAPE_PROXYTYPE: return ist::Error{"terrain is a surface without an inside; Bullet's own contact goes on there"};
-		case COMPOUND_SHAPE_PROXYTYPE: return ist::Error{"a compound has no triangles of its own; attach trees to its children"};
-		default:
-			return ist::Error{std::string("a shape of the kind ") + shape.getName() +
-							  " has no triangles; build a tree from a mesh and attach that, or attach none: Bullet's primitives meet trees as they are"};
+	case GIMPACT_SHAPE_PROXYTYPE: return meshOfGImpact(static_cast<const btGImpactShapeInterface&>(shape));
+	case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+	case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+	case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+	case FAST_CONCAVE_MESH_PROXYTYPE: return meshOfConcave(static_cast<const btConcaveShape&>(shape));
+	case CONVEX_HULL_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexHullShape&>(shape)));
+	case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexTriangleMeshShape&>(shape)));
+	case MULTI_SPHERE_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btMultiSphereShape&>(shape)));
+	case TERRAIN_SHAPE_PROXYTYPE: return ist::Error{"terrain is a surface without an inside; Bullet's own contact goes on there"};
+	case COMPOUND_SHAPE_PROXYTYPE: return ist::Error{"a compound has no triangles of its own; attach trees to its children"};
+	default:
+		return ist::Error{std::string("a shape of the kind ") + shape.getName() +
+			" has no triangles; build a tree from a mesh and attach that, or attach none: Bullet's primitives meet trees as they are"};
 	}
 }
 }  // namespace
@@ -154,6 +154,7 @@ ist::Result<ist::Mesh> meshOfShape(const btCollisionShape& shape)
 	if (!mesh) return mesh;
 	if (mesh.value().triangles.empty()) return ist::Error{"the shape has no triangles"};
 	for (const ist::Vec3& p : mesh.value().vertices)
-		if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return ist::Error{"the shape has a vertex that is not finite"};
+		if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+			return ist::Error{"the shape has a vertex that is not finite"};
 	return mesh;
 }

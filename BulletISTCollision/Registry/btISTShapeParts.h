@@ -6,8 +6,7 @@
 #include "BulletCollision/CollisionShapes/btCompoundShape.h"
 
 /// Whether `is` holds for the shape, or for a child of a btCompoundShape at any depth. Not installed.
-template <class Predicate>
-bool btISTAnyPart(const btCollisionShape* shape, const Predicate& is)
+template <class Predicate> bool btISTAnyPart(const btCollisionShape* shape, const Predicate& is)
 {
 	if (!shape) return false;
 	if (is(shape)) return true;

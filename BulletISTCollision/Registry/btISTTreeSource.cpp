@@ -56,10 +56,8 @@ struct btISTPendingAttachment::State
 			return;
 		}
 		ist::Result<btISTAttachment> attached = registry.attachScaled(shape, order->tree());
-		if (attached)
-			attachment = std::move(attached).value();
-		else
-			error = attached.error().message;
+		if (attached) attachment = std::move(attached).value();
+		else error = attached.error().message;
 	}
 };
 
@@ -77,16 +75,14 @@ const std::string& btISTPendingAttachment::error() const { return m_state ? m_st
 const std::string& btISTPendingAttachment::note() const { return m_state ? m_state->note : kNothing; }
 const btCollisionShape* btISTPendingAttachment::shape() const { return m_state ? m_state->shape : nullptr; }
 
-std::shared_ptr<const ist::InnerSphereTree> btISTPendingAttachment::tree() const
-{
-	return isAttached() ? m_state->order->tree() : nullptr;
-}
+std::shared_ptr<const ist::InnerSphereTree> btISTPendingAttachment::tree() const { return isAttached() ? m_state->order->tree() : nullptr; }
 
 btISTTreeSource::btISTTreeSource(btISTRegistry& registry, btISTTreeSettings settings)
-	: m_registry(registry), m_settings(std::move(settings)), m_waiting(std::make_shared<Waiting>()),
+	: m_registry(registry),
+	  m_settings(std::move(settings)),
+	  m_waiting(std::make_shared<Waiting>()),
 	  m_worker(std::make_unique<ist::TreeWorker>(m_settings.cacheFolder, m_settings.mostDoubt))
-{
-}
+{}
 
 btISTTreeSource::~btISTTreeSource()
 {
@@ -94,8 +90,7 @@ btISTTreeSource::~btISTTreeSource()
 	for (auto* state : m_waiting->states) state->error = "the source of the trees is gone";
 }
 
-btISTPendingAttachment btISTTreeSource::expect(const btCollisionShape* shape, const btVector3& scaling,
-											   Start start)
+btISTPendingAttachment btISTTreeSource::expect(const btCollisionShape* shape, const btVector3& scaling, Start start)
 {
 	auto state = std::make_unique<btISTPendingAttachment::State>();
 	state->shape = shape;
@@ -199,7 +194,8 @@ struct Neighbours : btBroadphaseAabbCallback
 
 	bool process(const btBroadphaseProxy* proxy) override
 	{
-		const bool filtered = (proxy->m_collisionFilterGroup & self->m_collisionFilterMask) && (self->m_collisionFilterGroup & proxy->m_collisionFilterMask);
+		const bool filtered = (proxy->m_collisionFilterGroup & self->m_collisionFilterMask) &&
+			(self->m_collisionFilterGroup & proxy->m_collisionFilterMask);
 		found = found || (proxy != self && filtered && reaches(static_cast<const btCollisionObject*>(proxy->m_clientObject)));
 		return !found;
 	}
@@ -241,12 +237,10 @@ void btISTTreeSource::orderWhatIsNear()
 		const btCollisionObject& object = *m_near->getCollisionObjectArray()[i];
 		const auto waits = [&](const btCollisionShape* part) { return far.count(part) > 0; };
 		if (!btISTAnyPart(object.getCollisionShape(), waits) || !hasNeighbour(object)) continue;
-		btISTAnyPart(object.getCollisionShape(),
-					 [&](const btCollisionShape* part)
-					 {
-						 if (const auto found = far.find(part); found != far.end()) found->second->begin(), far.erase(found);
-						 return false;
-					 });
+		btISTAnyPart(object.getCollisionShape(), [&](const btCollisionShape* part) {
+			if (const auto found = far.find(part); found != far.end()) found->second->begin(), far.erase(found);
+			return false;
+		});
 	}
 	if (!m_near)
 		for (const auto& [shape, state] : far) state->begin();
@@ -258,7 +252,8 @@ int btISTTreeSource::update()
 	auto& states = m_waiting->states;
 	orderWhatIsNear();
 	for (auto* state : states)
-		if (m_registry.keepsLevels() && state->isDone() && state->order->tree() && !ist::hasLevels(*state->order->tree())) state->order = m_worker->addLevels(state->order);
+		if (m_registry.keepsLevels() && state->isDone() && state->order->tree() && !ist::hasLevels(*state->order->tree()))
+			state->order = m_worker->addLevels(state->order);
 	const auto ready = std::stable_partition(states.begin(), states.end(), [](const auto* state) { return !state->isDone(); });
 	const std::vector<btISTPendingAttachment::State*> done(ready, states.end());
 	states.erase(ready, states.end());

@@ -17,7 +17,12 @@ class btCollisionWorld;
 struct btISTTreeSettings
 {
 	/// Of all trees that are built from shapes. One thread, so that the game keeps the others.
-	ist::BuildOptions build = [] { ist::BuildOptions o; o.maxSpheres = 3000; o.threads = 1; return o; }();
+	ist::BuildOptions build = [] {
+		ist::BuildOptions o;
+		o.maxSpheres = 3000;
+		o.threads = 1;
+		return o;
+	}();
 	/// Where built trees are kept from one run of the program to the next; empty: nowhere.
 	std::string cacheFolder;
 	/// See ist::cachedTree.
@@ -79,39 +84,37 @@ public:
 	btISTPendingAttachment attachAsset(const btCollisionShape* shape, const std::string& path);
 	/// From an .ist file, to the shape that has this name in a loaded .bullet file, else to that of the body of this name. `importer` is
 	/// Bullet's btBulletWorldImporter, or has `getCollisionShapeByName` and `getRigidBodyByName` as it does.
-	template <class Importer>
-	btISTPendingAttachment attachAsset(Importer& importer, const char* name, const std::string& path)
+	template <class Importer> btISTPendingAttachment attachAsset(Importer& importer, const char* name, const std::string& path)
 	{
 		const btCollisionShape* shape = shapeNamed(importer, name);
 		return shape ? attachAsset(shape, path) : unknown(name);
 	}
 	/// The same from the shape's own triangles.
-	template <class Importer>
-	btISTPendingAttachment attach(Importer& importer, const char* name)
+	template <class Importer> btISTPendingAttachment attach(Importer& importer, const char* name)
 	{
 		const btCollisionShape* shape = shapeNamed(importer, name);
 		return shape ? attach(shape) : unknown(name);
 	}
 	/// Every file NAME.ist of a folder goes to the shape or body of that name, when the loaded file has one.
-	template <class Importer>
-	[[nodiscard]] std::vector<btISTPendingAttachment> attachFolder(Importer& importer, const std::string& folder)
+	template <class Importer> [[nodiscard]] std::vector<btISTPendingAttachment> attachFolder(Importer& importer, const std::string& folder)
 	{
 		std::vector<btISTPendingAttachment> result;
 		for (const std::string& name : assetNames(folder))
-			if (const btCollisionShape* shape = shapeNamed(importer, name.c_str())) result.push_back(attachAsset(shape, folder + "/" + name + ".ist"));
+			if (const btCollisionShape* shape = shapeNamed(importer, name.c_str()))
+				result.push_back(attachAsset(shape, folder + "/" + name + ".ist"));
 		return result;
 	}
 	/// Every GImpact mesh among the shapes of a world's objects, the children of btCompoundShapes too, that has no tree yet and waits for
 	/// none. Not the children of a btGImpactCompoundShape: their contact stays Bullet's.
 	[[nodiscard]] std::vector<btISTPendingAttachment> attachGImpact(const btCollisionWorld& world);
 
-	/// From now on a tree is loaded or built only when something comes near an object of this world that has the shape: when the broad phase finds it
-	/// within one longest side of the object's bounding box. Until then nothing but the triangles is kept. What was ordered before stays so. The
-	/// world must live for as long as `update` is called. Null, as it is to begin with: at once.
+	/// From now on a tree is loaded or built only when something comes near an object of this world that has the shape: when the broad
+	/// phase finds it within one longest side of the object's bounding box. Until then nothing but the triangles is kept. What was ordered
+	/// before stays so. The world must live for as long as `update` is called. Null, as it is to begin with: at once.
 	void orderWhenNear(const btCollisionWorld* world) { m_near = world; }
 
-	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody. O(shapes that wait), and while some wait for
-	/// neighbours O(objects).
+	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody. O(shapes that wait), and while
+	/// some wait for neighbours O(objects).
 	int update();
 	/// Waits until every tree is there or has failed, near or far, then as `update`: for loading screens and tests.
 	int finish();
@@ -122,8 +125,7 @@ public:
 
 private:
 	friend class btISTPendingAttachment;
-	template <class Importer>
-	static const btCollisionShape* shapeNamed(Importer& importer, const char* name)
+	template <class Importer> static const btCollisionShape* shapeNamed(Importer& importer, const char* name)
 	{
 		if (const btCollisionShape* shape = importer.getCollisionShapeByName(name)) return shape;
 		const btRigidBody* body = importer.getRigidBodyByName(name);

@@ -66,7 +66,8 @@ bool btISTWatch::covers(const btCollisionObjectWrapper& a, const btCollisionObje
 	return coversBoxes(lowerA, upperA, lowerB, upperB, was);
 }
 
-bool btISTWatch::coversBoxes(const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const
+bool btISTWatch::coversBoxes(
+	const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const
 {
 	if (!m_hasRegion) return true;
 	const btVector3 sides = m_upper - m_lower;

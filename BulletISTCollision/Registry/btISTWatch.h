@@ -14,8 +14,8 @@ class btCollisionObject;
 struct btCollisionObjectWrapper;
 
 /// Which pairs, and which part of the world, deserve volumetric contact; to begin with all of it. Everything else is Bullet's, trees or no
-/// trees. A change takes effect in the next step in which Bullet looks at the pair: it changes hands with its contact points, so that nothing is
-/// lost or counted twice. Between steps only; one owner thread, that of the world.
+/// trees. A change takes effect in the next step in which Bullet looks at the pair: it changes hands with its contact points, so that
+/// nothing is lost or counted twice. Between steps only; one owner thread, that of the world.
 class btISTWatch
 {
 public:
@@ -26,8 +26,9 @@ public:
 	void unwatchPair(const btCollisionObject* a, const btCollisionObject* b);
 	void watchAllPairs();
 
-	/// Only pairs that can meet inside of this box (World) are volumetric: those whose bounding boxes share a point of it. Such a pair stays so until what
-	/// its bounding boxes share has left the box enlarged by a twentieth of its longest side to every side. Refused when not finite or turned inside out.
+	/// Only pairs that can meet inside of this box (World) are volumetric: those whose bounding boxes share a point of it. Such a pair
+	/// stays so until what its bounding boxes share has left the box enlarged by a twentieth of its longest side to every side. Refused
+	/// when not finite or turned inside out.
 	std::optional<ist::Error> watchRegion(const btVector3& lower, const btVector3& upper);
 	void watchEverywhere() { m_hasRegion = false; }
 

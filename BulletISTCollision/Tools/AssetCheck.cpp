@@ -16,22 +16,10 @@ struct Point
 {
 	Real x, y, z;
 };
-Point point(const Vec3& v)
-{
-	return {v.x, v.y, v.z};
-}
-Point operator-(const Point& a, const Point& b)
-{
-	return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-Real inner(const Point& a, const Point& b)
-{
-	return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-Point outer(const Point& a, const Point& b)
-{
-	return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+Point point(const Vec3& v) { return {v.x, v.y, v.z}; }
+Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Real inner(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Point outer(const Point& a, const Point& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
 /// Squared distance of the origin from the segment a, b.
 Real segmentDistance2(const Point& a, const Point& b)
@@ -141,7 +129,7 @@ private:
 		const int axis = node.box.longestAxis();
 		const uint32_t half = first + (last - first) / 2;
 		std::nth_element(m_order.begin() + first, m_order.begin() + half, m_order.begin() + last,
-						 [&](uint32_t a, uint32_t b) { return middle(a)[axis] < middle(b)[axis]; });
+			[&](uint32_t a, uint32_t b) { return middle(a)[axis] < middle(b)[axis]; });
 		build(first, half);
 		const uint32_t right = build(half, last);
 		m_nodes[index].right = right;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <cstdint>
 #include <span>

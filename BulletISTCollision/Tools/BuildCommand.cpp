@@ -2,9 +2,9 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
@@ -41,18 +41,14 @@ std::optional<double> unitLength(const std::string& unit)
 /// Without `whole`, the bar is of each stage.
 Progress shown(ProgressBar& bar, const std::optional<WholeBuild>& whole, bool quiet)
 {
-	return [&bar, &whole, quiet](const char* stage, double fraction)
-	{
+	return [&bar, &whole, quiet](const char* stage, double fraction) {
 		if (!quiet) whole ? bar.show(stage, fraction, whole->done(stage, fraction)) : bar.show(stage, fraction);
 		return !interrupted();
 	};
 }
 
 /// How many spheres there will be is known only where nothing else ends the build.
-bool otherLimit(const BuildArguments& a)
-{
-	return a.fill > 0 || a.minRadius > 0 || a.error > 0;
-}
+bool otherLimit(const BuildArguments& a) { return a.fill > 0 || a.minRadius > 0 || a.error > 0; }
 
 std::optional<WholeBuild> wholeBuild(const BuildArguments& a, double triangles)
 {
@@ -81,7 +77,8 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 	return options;
 }
 
-/// In place of the report, one line on stderr where the body that was packed is another than the file described: a build farm's log is read for such.
+/// In place of the report, one line on stderr where the body that was packed is another than the file described: a build farm's log is read
+/// for such.
 void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree)
 {
 	const double change = volumeChange(tree);
@@ -112,7 +109,9 @@ int runBuild(const BuildArguments& a)
 	ProgressBar bar;
 	std::optional<WholeBuild> whole = wholeBuild(a, likelyTriangles(fileBytes(a.mesh)));
 	const Progress progress = shown(bar, whole, a.quiet);
-	const auto end = [&](bool good) { if (!good || !whole) bar.finish(); };
+	const auto end = [&](bool good) {
+		if (!good || !whole) bar.finish();
+	};
 	const Result<Mesh> mesh = importApart(a.mesh, unitLength(a.unit), progress);
 	end(bool(mesh) && !interrupted());
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
@@ -122,8 +121,8 @@ int runBuild(const BuildArguments& a)
 	whole = wholeBuild(a, double(mesh.value().triangles.size()));
 	BuildTimes times;
 	const BuildOptions options = buildOptions(a, mesh.value().unit, progress);
-	const Result<InnerSphereTree> tree =
-		a.error > 0 ? buildTreeToError(mesh.value(), a.error, options, &times) : buildTree(mesh.value(), options, &times);
+	const Result<InnerSphereTree> tree = a.error > 0 ? buildTreeToError(mesh.value(), a.error, options, &times)
+													 : buildTree(mesh.value(), options, &times);
 	end(bool(tree));
 	if (!tree && tree.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!tree) return fail(a.mesh + ": " + tree.error().message);

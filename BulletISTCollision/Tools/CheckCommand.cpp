@@ -41,10 +41,7 @@ Result<Mesh> packedSurface(const InnerSphereTree& tree, const std::string& path,
 	return translated(repaired.value().mesh, -tree.origin);
 }
 
-std::string count(int64_t n, const char* what)
-{
-	return std::to_string(n) + " " + what;
-}
+std::string count(int64_t n, const char* what) { return std::to_string(n) + " " + what; }
 }  // namespace
 
 int runCheck(const CheckArguments& a)
@@ -54,8 +51,7 @@ int runCheck(const CheckArguments& a)
 	const Result<InnerSphereTree> tree = loadAsset(a.file);
 	report["ok"] = false;
 	for (const char* name : {"spheres", "overlapping_pairs", "max_overlap", "protruding", "max_protrusion"}) report[name] = nullptr;
-	if (!tree)
-		problems.push_back(tree.error().message);
+	if (!tree) problems.push_back(tree.error().message);
 	else
 	{
 		const std::span<const Sphere> spheres = tree.value().spheres;

@@ -22,11 +22,11 @@ enum Exit
 struct BuildArguments
 {
 	std::string mesh, output;
-	int64_t spheres = 0;     ///< 0: not given
-	double fill = 0;         ///< 0: not given
-	double minRadius = 0;    ///< 0: not given
-	double error = 0;        ///< 0: not given
-	std::string unit;        ///< empty: not given
+	int64_t spheres = 0;   ///< 0: not given
+	double fill = 0;       ///< 0: not given
+	double minRadius = 0;  ///< 0: not given
+	double error = 0;      ///< 0: not given
+	std::string unit;      ///< empty: not given
 	std::string repair = "auto";
 	int threads = 0;
 	uint64_t seed = 1;
@@ -63,7 +63,7 @@ struct QueryArguments
 	double stiffness = 1;
 	int level = -1;
 	int64_t maxPairs = -1;
-	double budget = -1;  ///< [us]
+	double budget = -1;           ///< [us]
 	std::optional<double> error;  ///< force error accepted
 	bool blend = false, lowerBound = false, gate = false, shuffle = false, json = false;
 	int threads = 1, repeat = 1;

@@ -52,14 +52,13 @@ public:
 	{
 		return transfer(size, [&](size_t done) { return ::read(m_file, static_cast<char*>(data) + done, size - done); });
 	}
-	template <class T>
-	bool send(const T& value) { return send(&value, sizeof value); }
-	template <class T>
-	bool receive(T& value) { return receive(&value, sizeof value); }
-	template <class Array>
-	bool sendArray(const Array& array) { return send(array.size()) && send(array.data(), array.size() * sizeof array[0]); }
-	template <class Array>
-	bool receiveArray(Array& array)
+	template <class T> bool send(const T& value) { return send(&value, sizeof value); }
+	template <class T> bool receive(T& value) { return receive(&value, sizeof value); }
+	template <class Array> bool sendArray(const Array& array)
+	{
+		return send(array.size()) && send(array.data(), array.size() * sizeof array[0]);
+	}
+	template <class Array> bool receiveArray(Array& array)
 	{
 		size_t size = 0;
 		if (!receive(size)) return false;
@@ -85,8 +84,7 @@ public:
 	}
 
 private:
-	template <class Call>
-	static bool transfer(size_t size, const Call& call)
+	template <class Call> static bool transfer(size_t size, const Call& call)
 	{
 		for (size_t done = 0; done < size;)
 		{
@@ -116,7 +114,8 @@ void confine()
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 	rlimit memory{};
 	getrlimit(RLIMIT_AS, &memory);
-	const auto share = static_cast<rlim_t>(kMemoryShare * static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE)));
+	const auto share = static_cast<rlim_t>(
+		kMemoryShare * static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE)));
 	memory.rlim_cur = std::min(memory.rlim_cur, share);
 	setrlimit(RLIMIT_AS, &memory);
 	if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
@@ -126,7 +125,8 @@ void confine()
 bool importAndSend(const std::string& path, std::optional<double> unit, PipeEnd& pipe) noexcept
 {
 	confine();
-	Result<Mesh> mesh = importMesh(path, unit, [&](const char*, double fraction) { return pipe.send(Part::Fraction) && pipe.send(fraction); });
+	Result<Mesh> mesh = importMesh(
+		path, unit, [&](const char*, double fraction) { return pipe.send(Part::Fraction) && pipe.send(fraction); });
 	if (!mesh)
 	{
 		const bool forMemory = mesh.error().message.find("bad_alloc") != std::string::npos;
@@ -134,7 +134,7 @@ bool importAndSend(const std::string& path, std::optional<double> unit, PipeEnd&
 	}
 	const auto& [vertices, triangles, rounding, notTaken, applied] = mesh.value();
 	return pipe.send(Part::Surface) && pipe.sendArray(vertices) && pipe.sendArray(triangles) && pipe.send(rounding) &&
-		   pipe.sendTexts(notTaken) && pipe.send(applied);
+		pipe.sendTexts(notTaken) && pipe.send(applied);
 }
 
 /// Nothing when the other process ended without an answer.
@@ -171,7 +171,8 @@ Error brokeDown(const std::string& path, int status)
 	const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
 	if (signal == SIGINT || signal == SIGTERM) return {"the import was cancelled", true};
 	if (signal == SIGKILL) return tooLarge(path);
-	return {path + ": the reader of " + std::filesystem::path(path).extension().string() + " files broke down on it, so it is damaged; export it again"};
+	return {path + ": the reader of " + std::filesystem::path(path).extension().string() +
+		" files broke down on it, so it is damaged; export it again"};
 }
 }  // namespace
 
@@ -194,7 +195,8 @@ Result<Mesh> importApart(const std::string& path, std::optional<double> unit, co
 	std::optional<Result<Mesh>> answer = receiveAnswer(*in, progress);
 	if (answer) ::kill(reader, SIGKILL);
 	int status = 0;
-	while (::waitpid(reader, &status, 0) < 0 && errno == EINTR) {}
+	while (::waitpid(reader, &status, 0) < 0 && errno == EINTR)
+	{}
 	if (!answer) return brokeDown(path, status);
 	return *std::move(answer);
 }

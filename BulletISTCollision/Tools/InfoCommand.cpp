@@ -7,9 +7,9 @@
 
 #include <chrono>
 #include <cinttypes>
-#include <fstream>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 
 namespace ist::tools
 {
@@ -47,7 +47,8 @@ int runInfo(const InfoArguments& a)
 	for (const auto& row : tree.inertia.m)
 		for (double v : row) inertia.push_back(v);
 	report["inertia"] = inertia;
-	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_error", {kVolumeError, kVolumePower}}, {"force_error", {kForceError, kForcePower}}, {"least_across", kLeastAcross}, {"gap", kGapError}, {"levels", tree.calibration}};
+	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_error", {kVolumeError, kVolumePower}},
+		{"force_error", {kForceError, kForcePower}}, {"least_across", kLeastAcross}, {"gap", kGapError}, {"levels", tree.calibration}};
 	std::fputs(format(report, a.json).c_str(), stdout);
 	return kGood;
 }

@@ -9,10 +9,7 @@ namespace
 {
 volatile std::sig_atomic_t caught = 0;
 
-void onSignal(int)
-{
-	caught = 1;
-}
+void onSignal(int) { caught = 1; }
 }  // namespace
 
 void catchInterrupts()
@@ -24,8 +21,5 @@ void catchInterrupts()
 	sigaction(SIGTERM, &action, nullptr);
 }
 
-bool interrupted()
-{
-	return caught != 0;
-}
+bool interrupted() { return caught != 0; }
 }  // namespace ist::tools

@@ -8,8 +8,7 @@
 namespace ist::tools
 {
 /// Shortest text that reads back as the same number, whatever the locale.
-template <class T>
-std::string numberText(T value)
+template <class T> std::string numberText(T value)
 {
 	char buffer[64];
 	const std::to_chars_result end = std::to_chars(buffer, buffer + sizeof buffer, value);

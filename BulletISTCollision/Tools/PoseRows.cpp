@@ -54,7 +54,8 @@ Result<std::array<size_t, 7>> findColumns(const std::string& path, std::string_v
 	for (size_t i = 0; i < kNames.size(); ++i)
 	{
 		const auto found = std::find(names.begin(), names.end(), kNames[i]);
-		if (found == names.end()) return Error{"\"" + path + "\" has no column " + kNames[i] + "; its first line must name tx,ty,tz,qx,qy,qz,qw"};
+		if (found == names.end())
+			return Error{"\"" + path + "\" has no column " + kNames[i] + "; its first line must name tx,ty,tz,qx,qy,qz,qw"};
 		columns[i] = static_cast<size_t>(found - names.begin());
 	}
 	return columns;

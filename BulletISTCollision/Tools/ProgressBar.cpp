@@ -36,10 +36,7 @@ std::string barLine(const char* stage, int percent, const std::string& left, con
 
 ProgressBar::ProgressBar() : m_terminal(isatty(STDERR_FILENO) == 1) {}
 
-ProgressBar::~ProgressBar()
-{
-	finish();
-}
+ProgressBar::~ProgressBar() { finish(); }
 
 void ProgressBar::show(const char* stage, double fraction)
 {
@@ -98,12 +95,9 @@ std::string timeLeft(double elapsed, double fraction)
 	if (fraction >= 1 || fraction < 0.01 || elapsed < 0.5) return {};
 	const long seconds = static_cast<long>(std::ceil(elapsed * (1 / fraction - 1)));
 	char text[48];
-	if (seconds < 60)
-		std::snprintf(text, sizeof text, "%ld s left", seconds);
-	else if (seconds < 3600)
-		std::snprintf(text, sizeof text, "%ld min %02ld s left", seconds / 60, seconds % 60);
-	else
-		std::snprintf(text, sizeof text, "%ld h %02ld min left", seconds / 3600, seconds / 60 % 60);
+	if (seconds < 60) std::snprintf(text, sizeof text, "%ld s left", seconds);
+	else if (seconds < 3600) std::snprintf(text, sizeof text, "%ld min %02ld s left", seconds / 60, seconds % 60);
+	else std::snprintf(text, sizeof text, "%ld h %02ld min left", seconds / 3600, seconds / 60 % 60);
 	return text;
 }
 }  // namespace ist::tools

@@ -6,8 +6,8 @@
 
 namespace ist::tools
 {
-/// Progress on stderr: on a terminal, within its width, a bar with the time left of the whole work, or of each stage where what later ones will take
-/// is not known; otherwise a line every ten per cent of a stage.
+/// Progress on stderr: on a terminal, within its width, a bar with the time left of the whole work, or of each stage where what later ones
+/// will take is not known; otherwise a line every ten per cent of a stage.
 class ProgressBar
 {
 public:

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Force/PairLaws.h"
 #include "BulletISTCollision/Core/Query/ProximityQuery.h"
-#include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/PoseRows.h"
@@ -59,7 +59,10 @@ class Batch
 {
 public:
 	Batch(const QueryArguments& arguments, InnerSphereTree A, InnerSphereTree B)
-		: m_arguments(arguments), m_A(std::move(A)), m_B(std::move(B)), m_pair{arguments.stiffness, 0.5, 0.5}
+		: m_arguments(arguments),
+		  m_A(std::move(A)),
+		  m_B(std::move(B)),
+		  m_pair{arguments.stiffness, 0.5, 0.5}
 	{
 		m_paper = arguments.law == "paper";
 		m_energyLaw = arguments.law == "energy";
@@ -67,12 +70,15 @@ public:
 		m_length = 0.5 * std::max(m_A.box.longestSide(), m_B.box.longestSide());
 		if (arguments.level > 0 || arguments.maxPairs >= 0 || arguments.budget >= 0 || arguments.error)
 		{
-			if (arguments.law != "pressure") m_unsupported = "unsupported: --level, --max-pairs, --budget-us and --error go with --law pressure only";
+			if (arguments.law != "pressure")
+				m_unsupported = "unsupported: --level, --max-pairs, --budget-us and --error go with --law pressure only";
 			addLevels(m_A);
 			addLevels(m_B);
 		}
-		if (arguments.blend && arguments.maxPairs < 0 && arguments.budget < 0) m_unsupported = "unsupported: --blend needs --max-pairs or --budget-us";
-		if (arguments.blend && !arguments.pairsOut.empty()) m_unsupported = "unsupported: --blend mixes two levels, whose pairs make no one list for --pairs-out";
+		if (arguments.blend && arguments.maxPairs < 0 && arguments.budget < 0)
+			m_unsupported = "unsupported: --blend needs --max-pairs or --budget-us";
+		if (arguments.blend && !arguments.pairsOut.empty())
+			m_unsupported = "unsupported: --blend mixes two levels, whose pairs make no one list for --pairs-out";
 		if (arguments.gate && (m_paper || m_energyLaw)) m_unsupported = "unsupported: --gate goes with the laws pressure and volume";
 	}
 
@@ -130,8 +136,7 @@ private:
 		if (a.overlap.status != QueryStatus::Ok) return a;
 		a.enoughPairs = !(m_paper || m_energyLaw) || a.overlap.pairListComplete;
 		const OverlapIntegrals& total = a.overlap.total;
-		if (m_paper)
-			a.wrench = paperLaw(m_A, m_B, X, a.overlap.pairs, a.overlap.pairCount, m_arguments.stiffness).wrench;
+		if (m_paper) a.wrench = paperLaw(m_A, m_B, X, a.overlap.pairs, a.overlap.pairCount, m_arguments.stiffness).wrench;
 		else if (m_energyLaw)
 		{
 			const PairLawResult sum = energyLaw(m_A, m_B, X, a.overlap.pairs, a.overlap.pairCount, m_pair);
@@ -158,7 +163,8 @@ private:
 			const bool wanted = !a.enoughPairs || (!m_arguments.pairsOut.empty() && !a.overlap.pairListComplete);
 			if (!wanted || a.overlap.total.pairs >= 100'000'000) return a;
 			QueryCapacity larger = workspace.capacity();
-			larger.pairs = static_cast<int>(std::max<int64_t>(a.overlap.total.pairs + a.overlap.total.pairs / 8, 2 * int64_t(larger.pairs)));
+			larger.pairs = static_cast<int>(
+				std::max<int64_t>(a.overlap.total.pairs + a.overlap.total.pairs / 8, 2 * int64_t(larger.pairs)));
 			workspace = QueryWorkspace(larger);
 		}
 	}
@@ -169,8 +175,7 @@ private:
 		const Answer a = evaluateAll(row.input.pose, workspace, microseconds);
 		row.times.push_back(microseconds);
 		if (!report) return;
-		if (a.overlap.status != QueryStatus::Ok)
-			row.input.error = toString(a.overlap.status);
+		if (a.overlap.status != QueryStatus::Ok) row.input.error = toString(a.overlap.status);
 		else if (!a.enoughPairs)
 			row.input.error = "unsupported: too many intersecting pairs (" + std::to_string(a.overlap.total.pairs) + ") for this law";
 		if (!row.input.error.empty()) return;
@@ -245,7 +250,8 @@ private:
 		{
 			const OverlapPair& p = overlap.pairs[i];
 			const Vec3 c = p.centroid + m_A.origin;
-			for (uint64_t id : {uint64_t(index), uint64_t(overlap.ballsA->ball(p.ballA).sphere), uint64_t(overlap.ballsB->ball(p.ballB).sphere)})
+			for (uint64_t id :
+				{uint64_t(index), uint64_t(overlap.ballsA->ball(p.ballA).sphere), uint64_t(overlap.ballsB->ball(p.ballB).sphere)})
 				text += std::to_string(id) + ',';
 			for (double v : {c.x, c.y, c.z, p.normal.x, p.normal.y, p.normal.z}) text += numberText(v) + ',';
 			text += numberText(p.lens) + ',' + numberText(p.area) + '\n';
@@ -283,8 +289,7 @@ private:
 Result<std::vector<Row>> readRows(const QueryArguments& a)
 {
 	std::vector<PoseRow> poses;
-	if (!a.pose.empty())
-		poses.push_back(parsePose(a.pose));
+	if (!a.pose.empty()) poses.push_back(parsePose(a.pose));
 	else
 	{
 		Result<std::vector<PoseRow>> read = readPoses(a.poses);

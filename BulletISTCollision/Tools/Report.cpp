@@ -16,10 +16,7 @@ Report newReport()
 	return report;
 }
 
-Report toJson(const Vec3& v)
-{
-	return Report::array({v.x, v.y, v.z});
-}
+Report toJson(const Vec3& v) { return Report::array({v.x, v.y, v.z}); }
 
 Report unitName(double metres)
 {
@@ -45,7 +42,8 @@ double volumeChange(const InnerSphereTree& tree)
 	// Of the area times the longest side: what coordinates in single precision may add. A mesh that enclosed less enclosed nothing.
 	constexpr double kRounding = 0x1p-23;
 	const double before = std::fabs(tree.provenance.meshVolume);
-	return before > kRounding * tree.area * tree.box.longestSide() ? (tree.volume - before) / before : std::numeric_limits<double>::quiet_NaN();
+	return before > kRounding * tree.area * tree.box.longestSide() ? (tree.volume - before) / before
+																   : std::numeric_limits<double>::quiet_NaN();
 }
 
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)

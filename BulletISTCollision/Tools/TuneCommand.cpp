@@ -40,14 +40,11 @@ Result<TuneBody> bodyOf(const std::string& path)
 	return body;
 }
 
-template <class Figures>
-void add(Report& report, const Figures& figures)
+template <class Figures> void add(Report& report, const Figures& figures)
 {
 	eachFigure(figures, [&](const char* name, const auto& value) {
-		if constexpr (std::is_same_v<decltype(value), const std::optional<double>&>)
-			report[name] = value ? Report(*value) : Report();
-		else
-			report[name] = value;
+		if constexpr (std::is_same_v<decltype(value), const std::optional<double>&>) report[name] = value ? Report(*value) : Report();
+		else report[name] = value;
 	});
 }
 
@@ -80,7 +77,7 @@ int runTune(const TuneArguments& a)
 	if (!tuning) return interrupted() ? fail("interrupted", kInterrupted) : fail(tuning.error().message);
 	std::fputs(format(describe(tuning.value()), a.json).c_str(), stdout);
 	if (tuning.value().kept) return kGood;
-	return fail("a force error of " + numberText(options.error) + " is out of reach of these trees: " + numberText(tuning.value().best.error) +
-				" is promised; build them with more spheres, or accept more");
+	return fail("a force error of " + numberText(options.error) + " is out of reach of these trees: " +
+		numberText(tuning.value().best.error) + " is promised; build them with more spheres, or accept more");
 }
 }  // namespace ist::tools

@@ -22,12 +22,10 @@ constexpr double kBytesPerTriangle = 35;
 WholeBuild::WholeBuild(double triangles, double spheres, int threads)
 {
 	const double crew = std::max(1, threads);
-	m_stages = {{{"import", 0, kRead + kImport * triangles},
-				 {"repair", 0, kRepair * triangles},
-				 {"packing", kSeed * triangles / crew, (kFirstSpheres * triangles + kPack * spheres) / crew},
-				 {"cells", 0, (kSampleAny + kSampleTriangle * triangles + kSampleSphere * spheres) / crew},
-				 {"tree", 0, (kTreeAny + kTree * spheres) / crew},
-				 {"write", 0, kWrite * spheres}}};
+	m_stages = {{{"import", 0, kRead + kImport * triangles}, {"repair", 0, kRepair * triangles},
+		{"packing", kSeed * triangles / crew, (kFirstSpheres * triangles + kPack * spheres) / crew},
+		{"cells", 0, (kSampleAny + kSampleTriangle * triangles + kSampleSphere * spheres) / crew},
+		{"tree", 0, (kTreeAny + kTree * spheres) / crew}, {"write", 0, kWrite * spheres}}};
 }
 
 double WholeBuild::done(const char* stage, double fraction) const
@@ -45,8 +43,5 @@ double WholeBuild::done(const char* stage, double fraction) const
 	return reached ? before / all : 0;
 }
 
-double likelyTriangles(double bytes)
-{
-	return bytes / kBytesPerTriangle;
-}
+double likelyTriangles(double bytes) { return bytes / kBytesPerTriangle; }
 }  // namespace ist::tools

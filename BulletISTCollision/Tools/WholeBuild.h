@@ -5,7 +5,8 @@
 
 namespace ist::tools
 {
-/// How much of the time of a whole build its stages take, from what is known when it begins. Holds for builds that end at a number of spheres.
+/// How much of the time of a whole build its stages take, from what is known when it begins. Holds for builds that end at a number of
+/// spheres.
 class WholeBuild
 {
 public:

@@ -66,13 +66,16 @@ private:
 		BuildArguments& a = m_build;
 		sub->add_option("mesh", a.mesh, "mesh file")->required();
 		sub->add_option("-o,--output", a.output, "asset to write")->required();
-		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")->transform(wholeNumber<int64_t>(1, 100000000));
+		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")
+			->transform(wholeNumber<int64_t>(1, 100000000));
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
 		sub->add_option("--unit", a.unit, "length unit of the mesh file, in place of the one that it states")
 			->check(CLI::IsMember({"m", "cm", "mm"}));
-		sub->add_option("--repair", a.repair, "what to do about broken meshes")->check(CLI::IsMember({"auto", "off", "wrap"}))->capture_default_str();
+		sub->add_option("--repair", a.repair, "what to do about broken meshes")
+			->check(CLI::IsMember({"auto", "off", "wrap"}))
+			->capture_default_str();
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(wholeNumber(1, 4096));
 		sub->add_option("--seed", a.seed, "seed")->transform(wholeNumber<uint64_t>(0))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
@@ -88,7 +91,8 @@ private:
 
 	void addCheck()
 	{
-		CLI::App* sub = add("check", "Prove that no spheres overlap and, with the mesh, that none protrudes", [this] { return runCheck(m_check); });
+		CLI::App* sub = add(
+			"check", "Prove that no spheres overlap and, with the mesh, that none protrudes", [this] { return runCheck(m_check); });
 		sub->add_option("file", m_check.file, "asset")->required();
 		sub->add_option("--mesh", m_check.mesh, "the mesh it was built from");
 		sub->add_flag("--json", m_check.json, "one JSON object");
@@ -106,7 +110,8 @@ private:
 
 	void addPack()
 	{
-		CLI::App* pack = add("pack", "Write an archive: about a quarter of the size, and slower to load", [this] { return runPack(m_pack); });
+		CLI::App* pack = add(
+			"pack", "Write an archive: about a quarter of the size, and slower to load", [this] { return runPack(m_pack); });
 		CLI::App* unpack = add("unpack", "Write the asset of an archive", [this] { return runUnpack(m_pack); });
 		for (CLI::App* sub : {pack, unpack})
 		{
@@ -126,12 +131,16 @@ private:
 		poses->add_option("--pose", a.pose, "tx,ty,tz,qx,qy,qz,qw: B in A's mesh frame");
 		poses->add_option("--poses", a.poses, "CSV of poses");
 		poses->require_option(1);
-		sub->add_option("--law", a.law, "force law")->check(CLI::IsMember({"pressure", "paper", "energy", "volume"}))->capture_default_str();
+		sub->add_option("--law", a.law, "force law")
+			->check(CLI::IsMember({"pressure", "paper", "energy", "volume"}))
+			->capture_default_str();
 		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(positive())->capture_default_str();
 		sub->add_option("--level", a.level, "level of the trees")->transform(wholeNumber(0));
 		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->transform(wholeNumber<int64_t>(0));
 		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(notNegative());
-		sub->add_option("--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")->check(fraction());
+		sub->add_option(
+			   "--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")
+			->check(fraction());
 		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
 		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
@@ -144,19 +153,28 @@ private:
 
 	void addTune()
 	{
-		CLI::App* sub = add("tune", "The cheapest level, or number of spheres, that promises a force error of two bodies", [this] { return runTune(m_tune); });
+		CLI::App* sub = add("tune", "The cheapest level, or number of spheres, that promises a force error of two bodies",
+			[this] { return runTune(m_tune); });
 		TuneArguments& a = m_tune;
 		sub->add_option("A", a.fileA, "asset or mesh of A")->required();
 		sub->add_option("B", a.fileB, "asset or mesh of B")->required();
-		sub->add_option("--error", a.options.error, "force error accepted between 0.1 and 20 % overlap, 0..1")->required()->check(fraction());
+		sub->add_option("--error", a.options.error, "force error accepted between 0.1 and 20 % overlap, 0..1")
+			->required()
+			->check(fraction());
 		WorldSetup& w = a.options.world;
-		auto* stiffness = sub->add_option("--stiffness", w.stiffness, "k of the pair [Pa/m]: also chooses precision, substeps and rate")->check(positive());
+		auto* stiffness = sub->add_option("--stiffness", w.stiffness, "k of the pair [Pa/m]: also chooses precision, substeps and rate")
+							  ->check(positive());
 		auto* mass = sub->add_option("--mass", w.mass, "of the lighter body [kg]")->check(positive())->needs(stiffness);
 		stiffness->needs(mass);
 		sub->add_option("--speed", w.speed, "with which they meet [m/s]")->check(notNegative())->needs(mass)->capture_default_str();
 		sub->add_option("--step", w.step, "of the world [s]")->check(positive())->needs(mass)->capture_default_str();
-		sub->add_option("--distance", w.distance, "from the origin of the world [m]")->check(notNegative())->needs(mass)->capture_default_str();
-		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")->transform(wholeNumber<int64_t>(1, 10000000))->capture_default_str();
+		sub->add_option("--distance", w.distance, "from the origin of the world [m]")
+			->check(notNegative())
+			->needs(mass)
+			->capture_default_str();
+		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")
+			->transform(wholeNumber<int64_t>(1, 10000000))
+			->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 	}
 
@@ -164,10 +182,10 @@ private:
 	static CLI::Validator number(const char* range, const char* wanted, bool (*holds)(double))
 	{
 		return CLI::Validator(
-			[wanted, holds](std::string& text)
-			{
+			[wanted, holds](std::string& text) {
 				double v = 0;
-				return CLI::detail::lexical_cast(text, v) && std::isfinite(v) && holds(v) ? std::string() : std::string("must ") + wanted + ": " + text;
+				return CLI::detail::lexical_cast(text, v) && std::isfinite(v) && holds(v) ? std::string()
+																						  : std::string("must ") + wanted + ": " + text;
 			},
 			range);
 	}

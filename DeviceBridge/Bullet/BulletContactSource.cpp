@@ -35,10 +35,16 @@ const char* whyNotLed(const btRigidBody& tool, const CouplingGains& gains)
 }
 }  // namespace
 
-BulletContactSource::BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool,
-										 const BulletToolSettings& settings)
-	: m_world(world), m_store(store), m_tool(tool), m_settings(settings), m_coupling(settings.gains), m_X_WB(inverse(settings.X_BW)),
-	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite), m_refusal(whyNotLed(tool, settings.gains))
+BulletContactSource::BulletContactSource(
+	btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool, const BulletToolSettings& settings)
+	: m_world(world),
+	  m_store(store),
+	  m_tool(tool),
+	  m_settings(settings),
+	  m_coupling(settings.gains),
+	  m_X_WB(inverse(settings.X_BW)),
+	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite),
+	  m_refusal(whyNotLed(tool, settings.gains))
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
 	m_store.measureQueryTime(true);
@@ -75,7 +81,7 @@ ToolState BulletContactSource::toolState() const noexcept
 {
 	const ist::Mat3& R_WB = m_X_WB.rotation;
 	return {m_X_WB * toPose(m_tool.getWorldTransform()),
-			{R_WB * toVec3(m_tool.getLinearVelocity()), R_WB * toVec3(m_tool.getAngularVelocity())}};
+		{R_WB * toVec3(m_tool.getLinearVelocity()), R_WB * toVec3(m_tool.getAngularVelocity())}};
 }
 
 /// By Bullet's own contacts or by joints, which have no stiffness that one could know.
@@ -130,7 +136,8 @@ void BulletContactSource::forgetMomentum(double dt) noexcept
 	if (!gains.isStatic || m_refusal[0] != '\0' || !(m_tool.getInvMass() > 0)) return;
 	const bool turns = gains.angularStiffness > 0, goes = gains.stiffness > 0;
 	const btVector3 inverse = m_tool.getInvInertiaDiagLocal();
-	const btVector3 before(inverse.x() > 0 ? 1 / inverse.x() : 0, inverse.y() > 0 ? 1 / inverse.y() : 0, inverse.z() > 0 ? 1 / inverse.z() : 0);
+	const btVector3 before(
+		inverse.x() > 0 ? 1 / inverse.x() : 0, inverse.y() > 0 ? 1 / inverse.y() : 0, inverse.z() > 0 ? 1 / inverse.z() : 0);
 	const btScalar inertia = btScalar(staticMass(gains.angularStiffness, dt));
 	const double mass = goes ? staticMass(gains.stiffness, dt) : m_mass;
 	m_tool.setMassProps(btScalar(mass), turns ? btVector3(inertia, inertia, inertia) : before);
@@ -169,8 +176,9 @@ ToolContact BulletContactSource::contactInW(const btISTContact& contact, double 
 {
 	const bool toolIsA = contact.bodyA == &m_tool;
 	const double sign = toolIsA ? 1 : -1;
-	const auto place = [&](const ist::OverlapIntegrals& sums)
-	{ return contact.X_WA * (contact.treeA->origin + sums.firstMoment / sums.volume); };
+	const auto place = [&](const ist::OverlapIntegrals& sums) {
+		return contact.X_WA * (contact.treeA->origin + sums.firstMoment / sums.volume);
+	};
 
 	ist::Wrench impulse;
 	for (int i = 0; i < contact.patchCount; ++i)

@@ -29,11 +29,10 @@ public:
 	BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool, const BulletToolSettings& settings);
 	BulletContactSource(btISTWorld& world, btRigidBody& tool, const BulletToolSettings& settings)
 		: BulletContactSource(world.bullet(), world.contacts(), tool, settings)
-	{
-	}
+	{}
 
-	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and contacts); allocates only when
-	/// the world grows: what Bullet does, and a query at the first meeting of trees larger than any before.
+	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and
+	/// contacts); allocates only when the world grows: what Bullet does, and a query at the first meeting of trees larger than any before.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
 	/// Why the tool cannot be led, as it came. If it is not empty, nothing pulls tool or hand; the world is stepped all the same.

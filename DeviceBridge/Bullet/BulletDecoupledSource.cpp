@@ -35,10 +35,17 @@ void scale(LinearContact& c, double factor)
 }
 }  // namespace
 
-BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock,
-											 const BulletDecoupledSettings& settings)
-	: m_tool(tool), m_tree(std::move(tree)), m_time(clock), m_settings(settings), m_coupling(settings.gains), m_X_WB(inverse(settings.X_BW)),
-	  m_topology(settings.topology), m_finder(*m_tree, settings.maxPairs), m_lastTopology(settings.topology),
+BulletDecoupledSource::BulletDecoupledSource(
+	btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings)
+	: m_tool(tool),
+	  m_tree(std::move(tree)),
+	  m_time(clock),
+	  m_settings(settings),
+	  m_coupling(settings.gains),
+	  m_X_WB(inverse(settings.X_BW)),
+	  m_topology(settings.topology),
+	  m_finder(*m_tree, settings.maxPairs),
+	  m_lastTopology(settings.topology),
 	  m_threadFinder(*m_tree, settings.maxPairs)
 {
 	const ist::Vec3 inverseInertia = toVec3(tool.getInvInertiaDiagLocal());
@@ -146,8 +153,8 @@ ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) cons
 {
 	if (m_refusal[0] != '\0' || !isRigid(hand.X_WH) || !isFinite(hand.twist)) return {};
 	if (m_settings.gains.isStatic) return staticPull(m_coupling.gains(), hand.X_WH, toolState().X_WT);
-	const ist::Wrench wanted =
-		couplingOnTool(m_coupling.gains(), hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
+	const ist::Wrench wanted = couplingOnTool(
+		m_coupling.gains(), hand.X_WH, hand.twist, toolState(), m_local.tool.mass, m_leastInertia, dt);
 	return isFinite(wanted) ? wanted : ist::Wrench();
 }
 
@@ -204,7 +211,7 @@ void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
 		const MirroredBody& body = world.bodies[slot];
 		if (body.epoch == 0 || body.leaving) continue;
 		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, body, m_local.body(slot).spent.X_WB, slot, m_touching + m_touchingCount,
-										 kToolContacts - m_touchingCount, step.overlapVolume);
+			kToolContacts - m_touchingCount, step.overlapVolume);
 	}
 	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
 	m_overBudget.store(m_finder.overBudget(), std::memory_order_relaxed);
@@ -378,8 +385,8 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	{
 		const MirroredBody& body = question.bodies[slot];
 		if (body.epoch == 0 || body.leaving) continue;
-		answer.count += m_threadFinder.find(question.X_WT, body, body.X_WB, slot, answer.contacts + answer.count,
-											kToolContacts - answer.count, answer.volume);
+		answer.count += m_threadFinder.find(
+			question.X_WT, body, body.X_WB, slot, answer.contacts + answer.count, kToolContacts - answer.count, answer.volume);
 	}
 	answer.microseconds = microsecondsSince(begin);
 	answer.coarsened = m_threadFinder.coarsened();
@@ -395,8 +402,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 
 bool BulletDecoupledSource::startContactThread()
 {
-	const auto begin = [this]
-	{
+	const auto begin = [this] {
 		m_threadTime = threadMicroseconds();
 		if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
 	};

@@ -4,13 +4,13 @@
 #include <atomic>
 #include <memory>
 
-#include "DeviceBridge/Coupling/AdaptiveCoupling.h"
-#include "DeviceBridge/Loop/AnsweringThread.h"
 #include "DeviceBridge/Bullet/BulletLocalWorld.h"
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
+#include "DeviceBridge/Coupling/AdaptiveCoupling.h"
+#include "DeviceBridge/Coupling/VirtualCoupling.h"
+#include "DeviceBridge/Loop/AnsweringThread.h"
 #include "DeviceBridge/Loop/ModelAge.h"
 #include "DeviceBridge/Timing/SteadyTime.h"
-#include "DeviceBridge/Coupling/VirtualCoupling.h"
 
 class btRigidBody;
 
@@ -27,41 +27,43 @@ enum class ContactTopology
 struct BulletDecoupledSettings
 {
 	CouplingGains gains;
-	ist::Pose X_BW;           ///< the device's world W in Bullet's World B
-	bool gravity = false;     ///< does the tool weigh on the hand?
+	ist::Pose X_BW;        ///< the device's world W in Bullet's World B
+	bool gravity = false;  ///< does the tool weigh on the hand?
 	ContactTopology topology = ContactTopology::InTick;
-	bool realTime = true;     ///< ask for SCHED_FIFO for the contact thread
-	int priority = 70;        ///< of it; below that of the hand's thread
+	bool realTime = true;        ///< ask for SCHED_FIFO for the contact thread
+	int priority = 70;           ///< of it; below that of the hand's thread
 	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers (TreeLevels.h). Negative: none
-	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< a model that is so much later than expected counts in full, for nothing [ns]
-	double fadeIn = 0.25;     ///< of a contact that begins inside [s]
-	double trustedWay = 0.1;  ///< a copy counts in full up to this way since the last step, and for nothing from twice that on [m]
+	std::int64_t fullUntil = 5'000'000,
+				 zeroFrom = 20'000'000;  ///< a model that is so much later than expected counts in full, for nothing [ns]
+	double fadeIn = 0.25;                ///< of a contact that begins inside [s]
+	double trustedWay = 0.1;      ///< a copy counts in full up to this way since the last step, and for nothing from twice that on [m]
 	double trustedModel = 0.005;  ///< the same for a linear model of the tool's contact, and the way of the tool on the body [m]
 };
 
 /// Readable while it runs, from any thread.
 struct DecoupledStatistics
 {
-	std::uint64_t worldSteps = 0;      ///< that were seen
-	std::uint64_t modelAnswers = 0;    ///< of the contact thread, or of the world where that finds the contacts
-	std::uint64_t fadedTicks = 0;      ///< in which a model was so late that it counted in part or for nothing
-	std::uint64_t coarsenedQueries = 0;  ///< answered by a coarser level, to keep the budget
+	std::uint64_t worldSteps = 0;         ///< that were seen
+	std::uint64_t modelAnswers = 0;       ///< of the contact thread, or of the world where that finds the contacts
+	std::uint64_t fadedTicks = 0;         ///< in which a model was so late that it counted in part or for nothing
+	std::uint64_t coarsenedQueries = 0;   ///< answered by a coarser level, to keep the budget
 	std::uint64_t queriesOverBudget = 0;  ///< that no level could answer within it; asked without
-	std::uint64_t refusedQueries = 0;  ///< without an answer (ist::QueryStatus), and so without a force; none in good health
-	std::uint64_t brokenSteps = 0;     ///< after which the tool's twist was not finite (ToolStep::toolIsBroken); none in good health
-	bool contactRealTime = false;  ///< the contact thread runs, or ran, with SCHED_FIFO
+	std::uint64_t refusedQueries = 0;     ///< without an answer (ist::QueryStatus), and so without a force; none in good health
+	std::uint64_t brokenSteps = 0;        ///< after which the tool's twist was not finite (ToolStep::toolIsBroken); none in good health
+	bool contactRealTime = false;         ///< the contact thread runs, or ran, with SCHED_FIFO
 	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
-	double period = 0;                 ///< of the world, as learnt [s]
+	double period = 0;                         ///< of the world, as learnt [s]
 };
 
 /// What one answer of the contact thread took.
 struct ContactAnswerCost
 {
-	std::uint64_t number = 0;       ///< of the answer, counted from 1; 0: none yet
-	std::int64_t pairs = 0;         ///< intersecting leaves
-	/// On a processor since the answer before, waiting for the question included [us]. 0 for the first of a thread that is not the source's own.
+	std::uint64_t number = 0;  ///< of the answer, counted from 1; 0: none yet
+	std::int64_t pairs = 0;    ///< intersecting leaves
+	/// On a processor since the answer before, waiting for the question included [us]. 0 for the first of a thread that is not the source's
+	/// own.
 	double threadMicroseconds = 0;
-	double queryMicroseconds = 0;   ///< of this, in the queries themselves
+	double queryMicroseconds = 0;  ///< of this, in the queries themselves
 };
 
 /// Contact with a world that somebody else steps, at any rate and in any thread (decoupled mode). The tool is in no world: this
@@ -76,7 +78,8 @@ public:
 	/// `tool` gives mass, inertia, pose, friction and, as the key in the table of materials, stiffness. It is in no world; its own pose
 	/// stays as it is. Mass 0 is for static couplings: such a tool weighs nothing. With a dynamic coupling it is refused.
 	/// `tree` speaks for its shape. `tool` and `clock`, which is that of the stepping thread, outlive this.
-	BulletDecoupledSource(btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
+	BulletDecoupledSource(
+		btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
 	~BulletDecoupledSource() override;
 
 	/// Allocates nothing but where a tree is larger than the tool's and any that makeRoom() was told of.
@@ -98,8 +101,8 @@ public:
 	bool serveContacts() noexcept;
 
 	// Thread of the world:
-	/// Before the hand is shown a body with this tree, lest a tick or the contact thread allocate. BulletWorldCoupling does it when a body comes near; at
-	/// load time it spares the step of that. O(leaves), where no larger tree came before.
+	/// Before the hand is shown a body with this tree, lest a tick or the contact thread allocate. BulletWorldCoupling does it when a body
+	/// comes near; at load time it spares the step of that. O(leaves), where no larger tree came before.
 	void makeRoom(const ist::InnerSphereTree& tree);
 	WorldMirror& mirror() noexcept { return m_mirror; }
 	btRigidBody& tool() noexcept { return m_tool; }
@@ -184,8 +187,8 @@ private:
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	BulletToolContacts m_threadFinder;
-	double m_threadTime = -1;  // when the last answer was published; negative: none yet on this thread
-	std::uint64_t m_asked = 0, m_settled = 0;  // newest question, and newest of those that were answered or taken back
+	double m_threadTime = -1;                            // when the last answer was published; negative: none yet on this thread
+	std::uint64_t m_asked = 0, m_settled = 0;            // newest question, and newest of those that were answered or taken back
 	std::uint64_t m_lastQuestion[kMirroredBodies] = {};  // that points to the tree of the slot
 	bool m_triedToTakeBack = false;
 	std::atomic<bool> m_contactRealTime{false};

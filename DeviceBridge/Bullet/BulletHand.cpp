@@ -16,31 +16,33 @@ namespace
 {
 std::optional<Error> checkSettings(const BulletHandSettings& s)
 {
-	const std::pair<const char*, double> positives[] = {
-		{"partMass", s.partMass}, {"palmMass", s.palmMass}, {"stiffness", s.stiffness}, {"angularStiffness", s.angularStiffness}, {"maxForce", s.maxForce},
-		{"maxTorque", s.maxTorque}, {"palmForce", s.palmForce}, {"palmTorque", s.palmTorque}, {"watch.speed", s.watch.speed},
-		{"watch.turning", s.watch.turning}, {"watch.fade", s.watch.fade}};
+	const std::pair<const char*, double> positives[] = {{"partMass", s.partMass}, {"palmMass", s.palmMass}, {"stiffness", s.stiffness},
+		{"angularStiffness", s.angularStiffness}, {"maxForce", s.maxForce}, {"maxTorque", s.maxTorque}, {"palmForce", s.palmForce},
+		{"palmTorque", s.palmTorque}, {"watch.speed", s.watch.speed}, {"watch.turning", s.watch.turning}, {"watch.fade", s.watch.fade}};
 	for (const auto& [name, value] : positives)
 		if (!(value > 0) || !std::isfinite(value)) return Error{std::string("the hand's ") + name + " must be a positive finite number"};
 	for (const auto& [name, value] : {std::pair{"friction", s.friction}, {"watch.patience", s.watch.patience}})
-		if (!(value >= 0) || !std::isfinite(value)) return Error{std::string("the hand's ") + name + " must be a finite number, not negative"};
+		if (!(value >= 0) || !std::isfinite(value))
+			return Error{std::string("the hand's ") + name + " must be a finite number, not negative"};
 	return std::nullopt;
 }
 }  // namespace
 
-Result<std::unique_ptr<BulletHand>> BulletHand::create(btISTWorld& world, std::shared_ptr<const HandModel> model, const HandState& start,
-													   const BulletHandSettings& settings)
+Result<std::unique_ptr<BulletHand>> BulletHand::create(
+	btISTWorld& world, std::shared_ptr<const HandModel> model, const HandState& start, const BulletHandSettings& settings)
 {
 	if (!model) return Error{"a hand needs a model: buildHandModel makes one"};
 	if (auto error = checkSettings(settings)) return *error;
 	if (start.left != model->shape.left)
-		return Error{std::string("the model is of a ") + (model->shape.left ? "left" : "right") + " hand and the first sample of a " + (start.left ? "left" : "right") + " one"};
+		return Error{std::string("the model is of a ") + (model->shape.left ? "left" : "right") + " hand and the first sample of a " +
+			(start.left ? "left" : "right") + " one"};
 	const HandPartPoses poses = handPartPoses(*model, start);
 	std::unique_ptr<BulletHand> hand(new BulletHand(world, model));
 	for (int i = 0; i < kHandParts; ++i)
 	{
 		if (!poses.known[static_cast<std::size_t>(i)])
-			return Error{"the first sample of the hand does not know where " + handPartName(i, start.left) + " is: begin when all joints are tracked"};
+			return Error{"the first sample of the hand does not know where " + handPartName(i, start.left) +
+				" is: begin when all joints are tracked"};
 		if (auto error = hand->addPart(i, poses.X_WB[static_cast<std::size_t>(i)], settings)) return *error;
 	}
 	for (int i = 1; i < kHandParts; ++i)
@@ -75,8 +77,9 @@ std::optional<Error> BulletHand::addPart(int index, const Pose& X_WB, const Bull
 	// The coupling knows one inertia, and so has the body: the largest of its shape.
 	const Mat3& shape = made.tree->inertia;
 	part.inertia = part.mass / made.tree->volume * std::max({shape.m[0][0], shape.m[1][1], shape.m[2][2]});
-	part.gains = {settings.stiffness, settings.angularStiffness, 2 * std::sqrt(settings.stiffness * part.mass), 2 * std::sqrt(settings.angularStiffness * part.inertia),
-				  index == kHandPart ? settings.palmForce : settings.maxForce, index == kHandPart ? settings.palmTorque : settings.maxTorque};
+	part.gains = {settings.stiffness, settings.angularStiffness, 2 * std::sqrt(settings.stiffness * part.mass),
+		2 * std::sqrt(settings.angularStiffness * part.inertia), index == kHandPart ? settings.palmForce : settings.maxForce,
+		index == kHandPart ? settings.palmTorque : settings.maxTorque};
 	const btScalar inertia = btScalar(part.inertia);
 	part.body = std::make_unique<btRigidBody>(btScalar(part.mass), nullptr, part.shape.get(), btVector3(inertia, inertia, inertia));
 	part.body->setWorldTransform(toTransform(X_WB));
@@ -106,7 +109,8 @@ void BulletHand::drive(const HandState& hand, double h) noexcept
 		gains.stiffness *= m_watch->grip();
 		gains.angularStiffness *= m_watch->grip();
 		const HandWatch::Target& target = m_watch->target(i);
-		const ToolState tool{toPose(part.body->getWorldTransform()), {toVec3(part.body->getLinearVelocity()), toVec3(part.body->getAngularVelocity())}};
+		const ToolState tool{
+			toPose(part.body->getWorldTransform()), {toVec3(part.body->getLinearVelocity()), toVec3(part.body->getAngularVelocity())}};
 		part.coupling = couplingOnTool(gains, target.X_WB, target.twist, tool, part.mass, part.inertia, h);
 		if (!isFinite(part.coupling)) part.coupling = {};
 		part.body->applyCentralForce(toBullet(part.coupling.force));

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "DeviceBridge/Hand/HandWatch.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
+#include "DeviceBridge/Hand/HandWatch.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -14,7 +14,7 @@ namespace devicebridge
 {
 struct BulletHandSettings
 {
-	double partMass = 0.03, palmMass = 0.3;  ///< what each part feels like, with what hangs behind it [kg]
+	double partMass = 0.03, palmMass = 0.3;         ///< what each part feels like, with what hangs behind it [kg]
 	double stiffness = 3000, angularStiffness = 3;  ///< of the coupling of each part to its target [N/m, N m/rad]; its damping is critical
 	double maxForce = 12, maxTorque = 0.4;          ///< that the coupling of a bone exerts at most [N, N m]
 	double palmForce = 60, palmTorque = 4;          ///< and that of the palm
@@ -38,14 +38,14 @@ class BulletHand
 public:
 	/// The parts begin where `start` has them. Refused, with the reason: joints that are not tracked, the other hand, settings that are no
 	/// positive finite numbers. What overlaps then is pushed out without a bang: a contact returns no more energy than it absorbed.
-	static ist::Result<std::unique_ptr<BulletHand>> create(btISTWorld& world, std::shared_ptr<const HandModel> model, const HandState& start,
-														  const BulletHandSettings& settings = {});
+	static ist::Result<std::unique_ptr<BulletHand>> create(
+		btISTWorld& world, std::shared_ptr<const HandModel> model, const HandState& start, const BulletHandSettings& settings = {});
 	~BulletHand();
 	BulletHand(const BulletHand&) = delete;
 	BulletHand& operator=(const BulletHand&) = delete;
 
-	/// Before each step of `h` [s] of the world: the targets move to `hand`, and the couplings pull. Bad samples: see HandWatch. O(parts), no
-	/// allocation.
+	/// Before each step of `h` [s] of the world: the targets move to `hand`, and the couplings pull. Bad samples: see HandWatch. O(parts),
+	/// no allocation.
 	void drive(const HandState& hand, double h) noexcept;
 
 	const HandModel& model() const noexcept { return *m_model; }

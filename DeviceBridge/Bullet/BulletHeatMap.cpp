@@ -21,7 +21,8 @@ namespace
 {
 /// `use`: with the part, and its contact as it stands for `seconds`.
 template <class Use>
-void forEachTouch(const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h, double seconds, const Use& use)
+void forEachTouch(const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h,
+	double seconds, const Use& use)
 {
 	const Pose X_MW = inverse(toPose(object.getWorldTransform()) * X_BM);
 	for (const btISTContact* contact : contacts.contacts())
@@ -42,8 +43,8 @@ void forEachTouch(const BulletHand& hand, const btISTContactStore& contacts, con
 }
 }  // namespace
 
-double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h,
-				  double seconds) noexcept
+double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM,
+	double h, double seconds) noexcept
 {
 	double sum = 0;
 	forEachTouch(hand, contacts, object, X_BM, h, seconds, [&](int part, const HeatMapContact& contact) {
@@ -68,7 +69,8 @@ bool BulletHeatMapRounds::work(int looks)
 	return m_touches.empty();
 }
 
-void BulletHeatMapRounds::step(const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h)
+void BulletHeatMapRounds::step(
+	const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h)
 {
 	m_since += h;
 	if (!work(m_looks)) return;
@@ -81,8 +83,5 @@ void BulletHeatMapRounds::step(const BulletHand& hand, const btISTContactStore& 
 	m_since = 0;
 }
 
-void BulletHeatMapRounds::finish()
-{
-	work(std::numeric_limits<int>::max());
-}
+void BulletHeatMapRounds::finish() { work(std::numeric_limits<int>::max()); }
 }  // namespace devicebridge

@@ -10,15 +10,13 @@ namespace
 bool isMovable(const btVolumetricRowBody& body)
 {
 	const ist::Mat3& inertia = body.inverseInertia;
-	return body.inverseMass != ist::Vec3() || inertia.row(0) != ist::Vec3() || inertia.row(1) != ist::Vec3() || inertia.row(2) != ist::Vec3();
+	return body.inverseMass != ist::Vec3() || inertia.row(0) != ist::Vec3() || inertia.row(1) != ist::Vec3() ||
+		inertia.row(2) != ist::Vec3();
 }
 
 ist::Mat3 inWorld(const ist::Mat3& tensor, const ist::Mat3& R) { return R * tensor * transpose(R); }
 
-ist::Vec3 turnFrom(const ist::Mat3& before, const ist::Mat3& now)
-{
-	return rotationVector(ist::quaternion(now * transpose(before)));
-}
+ist::Vec3 turnFrom(const ist::Mat3& before, const ist::Mat3& now) { return rotationVector(ist::quaternion(now * transpose(before))); }
 
 ist::Mat3 turned(const ist::Mat3& R, const ist::Vec3& turn)
 {
@@ -134,7 +132,8 @@ ist::Twist BulletLocalWorld::twistAt(int index, const ist::Vec3& point) const no
 /// Of each row by itself: beside what a heavy body presses its own support with, all that the hand feels would count for nothing.
 bool BulletLocalWorld::isSettled(const ist::Wrench& change, const ist::Wrench& whole) noexcept
 {
-	return norm(change.force) <= kSettled * norm(whole.force) + kSettledForce && norm(change.torque) <= kSettled * norm(whole.torque) + kSettledTorque;
+	return norm(change.force) <= kSettled * norm(whole.force) + kSettledForce &&
+		norm(change.torque) <= kSettled * norm(whole.torque) + kSettledTorque;
 }
 
 void BulletLocalWorld::solve() noexcept

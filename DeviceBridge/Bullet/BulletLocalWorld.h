@@ -9,10 +9,10 @@ namespace devicebridge
 /// The tool, with the hand's thread as its only owner.
 struct LocalTool
 {
-	double mass = 1;  ///< [kg]
+	double mass = 1;                             ///< [kg]
 	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< axes of T [1/(kg m^2)]
-	ist::Vec3 gravity;  ///< World [m/s^2]
-	ToolState state;  ///< in World
+	ist::Vec3 gravity;                           ///< World [m/s^2]
+	ToolState state;                             ///< in World
 };
 
 /// The hand's own copy of the bodies near the tool, which lives from one step of the world to the next and a little longer. The copies
@@ -40,10 +40,10 @@ public:
 	LocalTool tool;
 	struct Body
 	{
-		SpentImpulse spent;         ///< X_WB and twist are the copy's own
-		double share = 0;           ///< of the contact with the tool that counts; a contact that begins inside fades in
-		ist::Vec3 shift, turn;      ///< still to be put right
-		double left = 0;            ///< time for that [s]
+		SpentImpulse spent;     ///< X_WB and twist are the copy's own
+		double share = 0;       ///< of the contact with the tool that counts; a contact that begins inside fades in
+		ist::Vec3 shift, turn;  ///< still to be put right
+		double left = 0;        ///< time for that [s]
 	};
 	Body& body(int slot) noexcept { return m_bodies[slot]; }
 	const Body& body(int slot) const noexcept { return m_bodies[slot]; }
@@ -57,9 +57,10 @@ public:
 private:
 	static constexpr int kToolIndex = kMirroredBodies, kFixedIndex = kMirroredBodies + 1, kIndices = kMirroredBodies + 2;
 	static constexpr int kRows = kMirroredContacts + kToolContacts;
-	static constexpr int kSweeps = 12;         // at most
+	static constexpr int kSweeps = 12;        // at most
 	static constexpr double kSettled = 1e-5;  // share of any row's impulse that a sweep may still change and be the last
-	// What it may change besides, of rows that carry next to nothing: at 1 kHz a micronewton, and that on an arm of a centimetre [N s, N m s].
+	// What it may change besides, of rows that carry next to nothing: at 1 kHz a micronewton, and that on an arm of a centimetre [N s, N m
+	// s].
 	static constexpr double kSettledForce = 1e-9, kSettledTorque = 1e-11;
 
 	static int indexOf(int slotOrTool) noexcept;

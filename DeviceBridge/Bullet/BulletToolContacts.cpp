@@ -52,7 +52,7 @@ ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const Mirrored
 }
 
 int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,
-							 int capacity, double& volume) noexcept
+	int capacity, double& volume) noexcept
 {
 	if (m_rooms.fetch()) m_workspace.take(*m_rooms.readable());
 	const double begin = m_measures ? threadMicroseconds() : 0;

@@ -15,16 +15,17 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kReach = 0.03;       // [m]
-constexpr double kHandSpeed = 1;      // a body must be known before the tool can have got there within a step [m/s]
-constexpr double kLeaveAt = 1.5;      // of the reach at which a body enters
-constexpr double kStockPeriod = 1e-3; // a contact without stiffness holds a copy at the pace of a tick [s]
+constexpr double kReach = 0.03;        // [m]
+constexpr double kHandSpeed = 1;       // a body must be known before the tool can have got there within a step [m/s]
+constexpr double kLeaveAt = 1.5;       // of the reach at which a body enters
+constexpr double kStockPeriod = 1e-3;  // a contact without stiffness holds a copy at the pace of a tick [s]
 
 bool isFiniteBody(const btCollisionObject& object)
 {
 	const btRigidBody* body = btRigidBody::upcast(&object);
 	const auto finite = [](const btVector3& v) { return isFinite(toVec3(v)); };
-	return isRigid(toRigidPose(object.getWorldTransform())) && (!body || (finite(body->getLinearVelocity()) && finite(body->getAngularVelocity())));
+	return isRigid(toRigidPose(object.getWorldTransform())) &&
+		(!body || (finite(body->getLinearVelocity()) && finite(body->getAngularVelocity())));
 }
 
 bool movable(const btCollisionObject* object)
@@ -54,7 +55,9 @@ ist::Vec3 freely(const ist::Vec3& response, const ist::Vec3& whole)
 }  // namespace
 
 BulletWorldCoupling::BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule)
-	: m_world(world), m_registration(registration), m_rule(rule)
+	: m_world(world),
+	  m_registration(registration),
+	  m_rule(rule)
 {
 	m_registration.store().sumDamping(true);  // for the hands, whoever solves the world
 }
@@ -223,7 +226,8 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 	for (int i = 0; i < objects.size(); ++i) admit(hand, *objects[i], center, reach);
 }
 
-/// Whether a tenant is touched by others at all, and the tree that it came with still speaks for its shape, which without one still is a plane.
+/// Whether a tenant is touched by others at all, and the tree that it came with still speaks for its shape, which without one still is a
+/// plane.
 bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
 {
 	const btCollisionShape* shape = hand.bodies[slot]->getCollisionShape();
@@ -343,7 +347,7 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 		const bool movableA = a >= 0 && movable(manifold.getBody0()), movableB = b >= 0 && movable(manifold.getBody1());
 		if ((!movableA && !movableB) || m_registration.store().find(&manifold)) continue;
 		const double inverse = (movableA ? double(btRigidBody::upcast(manifold.getBody0())->getInvMass()) : 0) +
-							   (movableB ? double(btRigidBody::upcast(manifold.getBody1())->getInvMass()) : 0);
+			(movableB ? double(btRigidBody::upcast(manifold.getBody1())->getInvMass()) : 0);
 		const ist::Pose X_WA = a >= 0 ? toRigidPose(manifold.getBody0()->getWorldTransform()) : ist::Pose();
 		const ist::Pose X_WB = b >= 0 ? toRigidPose(manifold.getBody1()->getWorldTransform()) : ist::Pose();
 		for (int i = 0; i < manifold.getNumContacts() && out.contactCount < kMirroredContacts; ++i)
@@ -378,7 +382,7 @@ void BulletWorldCoupling::findToolContacts(Hand& hand, WorldSnapshot& out)
 		const MirroredBody& body = mirror.body(slot);
 		if (!hand.bodies[slot] || body.leaving) continue;
 		out.toolContactCount += hand.finder->find(mirror.posted().tool.X_WT, body, body.X_WB, slot, out.toolContacts + out.toolContactCount,
-												  kToolContacts - out.toolContactCount, volume);
+			kToolContacts - out.toolContactCount, volume);
 	}
 }
 

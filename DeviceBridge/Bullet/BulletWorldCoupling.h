@@ -16,10 +16,11 @@ namespace devicebridge
 /// that pressed a light body on a table for 0.2 s does not throw it. And since Bullet moves bodies by the velocity at the end of a
 /// step, as if the whole impulse had come at its beginning, the body is put back by the share of time for which it had not.
 ///
-/// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTWatch), those that are watched with
-/// the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt: the children
-/// of compounds, and shapes without a tree. A body whose shape, or the tree of it, is another than before is let go and felt anew. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the
-/// same body, by nothing but where the body is after each step: between two steps the hand feels the body without it.
+/// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTWatch), those that are watched
+/// with the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt: the
+/// children of compounds, and shapes without a tree. A body whose shape, or the tree of it, is another than before is let go and felt anew.
+/// A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the same body,
+/// by nothing but where the body is after each step: between two steps the hand feels the body without it.
 class BulletWorldCoupling
 {
 public:
@@ -28,23 +29,24 @@ public:
 	BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule);
 	~BulletWorldCoupling();
 
-	/// Between steps. A hand that was added lives as long as this takes steps, or is removed first. One that was in another coupling lets go of the
-	/// bodies of that.
+	/// Between steps. A hand that was added lives as long as this takes steps, or is removed first. One that was in another coupling lets
+	/// go of the bodies of that.
 	void add(BulletDecoupledSource& hand);
 	/// While the hand's threads are stopped. It holds no body and no tree any more; what it gave and no step has taken is lost.
 	void remove(BulletDecoupledSource& hand);
-	/// Before a body is removed from the world, at any time, in a callback of a step too: what hands gave it and it has not got yet is lost.
+	/// Before a body is removed from the world, at any time, in a callback of a step too: what hands gave it and it has not got yet is
+	/// lost.
 	void forget(const btCollisionObject* body);
 
-	/// What the game calls. `seconds`: what Bullet will simulate until afterStep(), in one step or several: of a world with a fixed step not the
-	/// length of the frame, but that of the steps in it, 0 in a frame without one. Unless it is above 0, neither of the two does anything, and
-	/// what hands give waits for the next step. A game that is paused fades out of its hands as a world that stalls does.
+	/// What the game calls. `seconds`: what Bullet will simulate until afterStep(), in one step or several: of a world with a fixed step
+	/// not the length of the frame, but that of the steps in it, 0 in a frame without one. Unless it is above 0, neither of the two does
+	/// anything, and what hands give waits for the next step. A game that is paused fades out of its hands as a world that stalls does.
 	void beforeStep(double seconds);
 	void afterStep();
 	/// All three: one step of so many seconds; none unless that is above 0.
 	void step(double seconds);
-	/// Shows the hands the world as it is, before the first step, which will come in so many seconds (above 0). Otherwise a body that lies on a
-	/// tool falls until the first step is done.
+	/// Shows the hands the world as it is, before the first step, which will come in so many seconds (above 0). Otherwise a body that lies
+	/// on a tool falls until the first step is done.
 	void show(double seconds);
 
 	/// Given to bodies on behalf of a hand so far [N s].

@@ -27,7 +27,8 @@ double stretchThatCounts(double stretch, double stiffness, double limit)
 }
 }  // namespace
 
-void addResistance(ist::SymmetricMatrix6& sum, const ist::SymmetricMatrix6& K, const ist::SymmetricMatrix6& D, const ist::Vec3& arm, double h) noexcept
+void addResistance(
+	ist::SymmetricMatrix6& sum, const ist::SymmetricMatrix6& K, const ist::SymmetricMatrix6& D, const ist::Vec3& arm, double h) noexcept
 {
 	Matrix6 a, moved;
 	for (int i = 0; i < 6; ++i)
@@ -50,7 +51,9 @@ void addResistance(ist::SymmetricMatrix6& sum, const ist::SymmetricMatrix6& K, c
 }
 
 AdaptiveCoupling::AdaptiveCoupling(const CouplingGains& bounds) noexcept
-	: m_bounds(bounds), m_gains(bounds), m_most(std::isfinite(bounds.softContact) ? std::max(1.0, bounds.softContact) : 1)
+	: m_bounds(bounds),
+	  m_gains(bounds),
+	  m_most(std::isfinite(bounds.softContact) ? std::max(1.0, bounds.softContact) : 1)
 {
 	m_factor = m_most;
 	m_gains.stiffness *= m_factor;
@@ -71,8 +74,8 @@ double AdaptiveCoupling::allowed(const ist::SymmetricMatrix6& resistance, double
 	return c > 1 ? std::min(m_most, c / (c - 1)) : m_most;
 }
 
-void AdaptiveCoupling::adapt(const ist::SymmetricMatrix6& resistance, bool rigid, double mass, double inertia, const ist::Pose& X_WH, const ist::Pose& X_WT,
-							 double h) noexcept
+void AdaptiveCoupling::adapt(const ist::SymmetricMatrix6& resistance, bool rigid, double mass, double inertia, const ist::Pose& X_WH,
+	const ist::Pose& X_WT, double h) noexcept
 {
 	if (!adapts() || !(h > 0)) return;
 	const double wanted = rigid ? 1 : allowed(resistance, mass, inertia, h);
@@ -83,14 +86,15 @@ void AdaptiveCoupling::adapt(const ist::SymmetricMatrix6& resistance, bool rigid
 	m_gains.angularStiffness = m_factor * m_bounds.angularStiffness;
 }
 
-/// A saturated spring holds f |x| - f^2 / 2 G, which grows with G as if it were stretched by f / G only. Taken at the G of before, that is at least what stiffening
-/// costs, and at most what softening yields.
+/// A saturated spring holds f |x| - f^2 / 2 G, which grows with G as if it were stretched by f / G only. Taken at the G of before, that is
+/// at least what stiffening costs, and at most what softening yields.
 void AdaptiveCoupling::change(double factor, const ist::Pose& X_WH, const ist::Pose& X_WT) noexcept
 {
 	const double way = distance(X_WH.translation, X_WT.translation);
 	const double turn = norm(rotationVector(ist::quaternion(X_WH.rotation * transpose(X_WT.rotation))));
-	const double perFactor = 0.5 * (m_bounds.stiffness * stretchThatCounts(way, m_gains.stiffness, m_bounds.maxForce) +
-									m_bounds.angularStiffness * stretchThatCounts(turn, m_gains.angularStiffness, m_bounds.maxTorque));
+	const double perFactor = 0.5 *
+		(m_bounds.stiffness * stretchThatCounts(way, m_gains.stiffness, m_bounds.maxForce) +
+			m_bounds.angularStiffness * stretchThatCounts(turn, m_gains.angularStiffness, m_bounds.maxTorque));
 	if (!std::isfinite(perFactor)) return;
 	if (factor > m_factor && perFactor > 0) factor = std::min(factor, m_factor + m_tank / perFactor);
 	m_tank = std::max(0.0, m_tank - (factor - m_factor) * perFactor);

@@ -15,11 +15,10 @@ ist::Vec3 saturated(const ist::Vec3& pull, double limit)
 	return length > limit ? pull * (limit / length) : pull;
 }
 
-ist::Vec3 implicitPull(double k, double b, double inertia, double h, const ist::Vec3& offset, const ist::Vec3& target,
-					   const ist::Vec3& velocity, double limit)
+ist::Vec3 implicitPull(
+	double k, double b, double inertia, double h, const ist::Vec3& offset, const ist::Vec3& target, const ist::Vec3& velocity, double limit)
 {
-	const ist::Vec3 pull =
-		(k * (offset - h * velocity) + b * (target - velocity)) / (1 + (h * b + h * h * k) / inertia);
+	const ist::Vec3 pull = (k * (offset - h * velocity) + b * (target - velocity)) / (1 + (h * b + h * h * k) / inertia);
 	return saturated(pull, limit);
 }
 }  // namespace
@@ -39,14 +38,13 @@ const char* whyNotCoupled(const CouplingGains& gains, double inverseMass, const 
 	return "";
 }
 
-ist::Wrench couplingOnTool(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Twist& hand,
-						   const ToolState& tool, double mass, double inertia, double h) noexcept
+ist::Wrench couplingOnTool(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Twist& hand, const ToolState& tool, double mass,
+	double inertia, double h) noexcept
 {
 	const ist::Vec3 offset = X_WH.translation - tool.X_WT.translation;
 	const ist::Vec3 turn = rotationVector(ist::quaternion(X_WH.rotation * transpose(tool.X_WT.rotation)));
 	return {implicitPull(gains.stiffness, gains.damping, mass, h, offset, hand.linear, tool.twist.linear, gains.maxForce),
-			implicitPull(gains.angularStiffness, gains.angularDamping, inertia, h, turn, hand.angular,
-						 tool.twist.angular, gains.maxTorque)};
+		implicitPull(gains.angularStiffness, gains.angularDamping, inertia, h, turn, hand.angular, tool.twist.angular, gains.maxTorque)};
 }
 
 ist::Wrench staticPull(const CouplingGains& gains, const ist::Pose& X_WH, const ist::Pose& X_WT) noexcept
@@ -60,7 +58,7 @@ ist::Wrench staticPull(const CouplingGains& gains, const ist::Pose& X_WH, const 
 ist::Wrench staticWrench(const CouplingGains& gains, const ist::Wrench& pull, const ist::Twist& after, double h) noexcept
 {
 	return {saturated(pull.force - gains.stiffness * h * after.linear, gains.maxForce),
-			saturated(pull.torque - gains.angularStiffness * h * after.angular, gains.maxTorque)};
+		saturated(pull.torque - gains.angularStiffness * h * after.angular, gains.maxTorque)};
 }
 
 CouplingGains passiveGains(const DeviceInfo& info, double deviceDamping, double deviceAngularDamping, double h) noexcept

@@ -54,8 +54,7 @@ public:
 	Motion(std::vector<double> positions, int delay, double step)
 	{
 		const auto n = positions.size();
-		const auto seen = [&](std::size_t k)
-		{
+		const auto seen = [&](std::size_t k) {
 			const double x = positions[(k + n * (1 + static_cast<std::size_t>(delay) / n) - static_cast<std::size_t>(delay)) % n];
 			return step > 0 ? step * std::round(x / step) : x;
 		};

@@ -20,5 +20,6 @@ struct ZWidthPoint
 };
 
 /// One point for each damping. `delayTicks` 0 to kMaxDelayTicks. `quantised`: positions come in the steps of the device's resolution.
-std::vector<ZWidthPoint> measureZWidth(const SimulatedProfile& profile, int delayTicks, const std::vector<double>& dampings, bool quantised = false);
+std::vector<ZWidthPoint> measureZWidth(
+	const SimulatedProfile& profile, int delayTicks, const std::vector<double>& dampings, bool quantised = false);
 }  // namespace devicebridge

@@ -22,10 +22,10 @@ public:
 
 private:
 	std::uint32_t m_buttons;
-	ist::Mat3 m_turn;        ///< from the axes of the reported handle to those of the true one
-	ist::Vec3 m_shift;       ///< reported minus true position [m]
+	ist::Mat3 m_turn;   ///< from the axes of the reported handle to those of the true one
+	ist::Vec3 m_shift;  ///< reported minus true position [m]
 	ist::Pose m_frozen;
-	ist::Pose m_moved;       ///< from the true to the reported handle
+	ist::Pose m_moved;  ///< from the true to the reported handle
 	bool m_open = false, m_hasPose = false;
 };
 }  // namespace devicebridge

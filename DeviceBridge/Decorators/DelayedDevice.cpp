@@ -9,8 +9,7 @@ DelayedDevice::DelayedDevice(std::unique_ptr<Device> inner, int stateTicks, int 
 	: DeviceDecorator(std::move(inner)),
 	  m_states(static_cast<std::size_t>(std::max(0, stateTicks)) + 1),
 	  m_commands(static_cast<std::size_t>(std::max(0, commandTicks)) + 1)
-{
-}
+{}
 
 DeviceStatus DelayedDevice::open() noexcept
 {

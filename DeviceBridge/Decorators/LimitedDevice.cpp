@@ -6,9 +6,10 @@
 namespace devicebridge
 {
 LimitedDevice::LimitedDevice(std::unique_ptr<Device> inner, const SafetySettings& settings)
-	: DeviceDecorator(std::move(inner)), m_limiter(m_inner->info(), settings), m_zeroFrom(settings.zeroFrom)
-{
-}
+	: DeviceDecorator(std::move(inner)),
+	  m_limiter(m_inner->info(), settings),
+	  m_zeroFrom(settings.zeroFrom)
+{}
 
 DeviceStatus LimitedDevice::open() noexcept
 {

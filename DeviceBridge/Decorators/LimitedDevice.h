@@ -6,12 +6,13 @@
 
 namespace devicebridge
 {
-/// A device behind a SafetyLimiter, for loops that are not a SteppingThread's (which has one). A handle counts as in contact while a wrench is wanted.
-/// Nothing is exerted before the first sample, and after one that failed; reopened, it begins as after enabling.
+/// A device behind a SafetyLimiter, for loops that are not a SteppingThread's (which has one). A handle counts as in contact while a wrench
+/// is wanted. Nothing is exerted before the first sample, and after one that failed; reopened, it begins as after enabling.
 class LimitedDevice final : public DeviceDecorator
 {
 public:
-	/// The limits are those that `inner` knows of now: open it before, where it learns them only by that (ThreadedDevice). Else it exerts nothing.
+	/// The limits are those that `inner` knows of now: open it before, where it learns them only by that (ThreadedDevice). Else it exerts
+	/// nothing.
 	explicit LimitedDevice(std::unique_ptr<Device> inner, const SafetySettings& settings = {});
 
 	DeviceStatus open() noexcept override;

@@ -21,9 +21,9 @@ std::int64_t reconnectDelay(const ReconnectSettings& settings, int attempt) noex
 }
 
 ReconnectingDevice::ReconnectingDevice(std::unique_ptr<Device> inner, const ReconnectSettings& settings)
-	: DeviceDecorator(std::move(inner)), m_settings(settings)
-{
-}
+	: DeviceDecorator(std::move(inner)),
+	  m_settings(settings)
+{}
 
 ReconnectingDevice::~ReconnectingDevice() { endThread(); }
 

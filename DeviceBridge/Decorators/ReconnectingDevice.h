@@ -14,8 +14,8 @@ namespace devicebridge
 {
 struct ReconnectSettings
 {
-	std::int64_t firstDelay = 50'000'000;      ///< between the loss and the first attempt [ns]; doubles with each failure
-	std::int64_t longestDelay = 2'000'000'000; ///< [ns]
+	std::int64_t firstDelay = 50'000'000;       ///< between the loss and the first attempt [ns]; doubles with each failure
+	std::int64_t longestDelay = 2'000'000'000;  ///< [ns]
 };
 
 /// Waiting time before attempt `attempt` = 0, 1, ... [ns].

@@ -6,7 +6,8 @@
 namespace devicebridge
 {
 RecordingDevice::RecordingDevice(std::unique_ptr<Device> inner, std::size_t capacity)
-	: DeviceDecorator(std::move(inner)), m_capacity(capacity)
+	: DeviceDecorator(std::move(inner)),
+	  m_capacity(capacity)
 {
 	m_recording.ticks.reserve(capacity);
 	describe();

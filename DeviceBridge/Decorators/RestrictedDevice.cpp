@@ -6,7 +6,9 @@
 namespace devicebridge
 {
 RestrictedDevice::RestrictedDevice(std::unique_ptr<Device> inner, unsigned sensed, unsigned actuated)
-	: DeviceDecorator(std::move(inner)), m_sensed(sensed), m_actuated(actuated)
+	: DeviceDecorator(std::move(inner)),
+	  m_sensed(sensed),
+	  m_actuated(actuated)
 {
 	restrictInfo();
 }

@@ -12,9 +12,10 @@ class VelocityFilter final : public DeviceDecorator
 public:
 	/// `cutoff` [Hz]; not positive: no low-pass.
 	VelocityFilter(std::unique_ptr<Device> inner, double cutoff, bool fromPositions = false)
-		: DeviceDecorator(std::move(inner)), m_cutoff(cutoff), m_fromPositions(fromPositions)
-	{
-	}
+		: DeviceDecorator(std::move(inner)),
+		  m_cutoff(cutoff),
+		  m_fromPositions(fromPositions)
+	{}
 
 	DeviceStatus open() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;

@@ -76,12 +76,12 @@ inline const char* describe(DeviceStatus status) noexcept
 {
 	switch (status)
 	{
-		case DeviceStatus::Ok: return "ok";
-		case DeviceStatus::NotOpen: return "the device is not open";
-		case DeviceStatus::Disconnected: return "the device does not answer";
-		case DeviceStatus::NotCalibrated: return "the device is not calibrated";
-		case DeviceStatus::InvalidState: return "the device reported a pose or twist that is not finite or not rigid";
-		case DeviceStatus::Refused: return "the device refused the command";
+	case DeviceStatus::Ok: return "ok";
+	case DeviceStatus::NotOpen: return "the device is not open";
+	case DeviceStatus::Disconnected: return "the device does not answer";
+	case DeviceStatus::NotCalibrated: return "the device is not calibrated";
+	case DeviceStatus::InvalidState: return "the device reported a pose or twist that is not finite or not rigid";
+	case DeviceStatus::Refused: return "the device refused the command";
 	}
 	return "unknown status";
 }

@@ -54,8 +54,7 @@ ist::Result<double> DeviceAddress::takeNumber(const std::string& key, double oth
 	const char* const end = text->data() + text->size();
 	const auto [stop, failure] = std::from_chars(text->data(), end, value);
 	if (failure == std::errc() && stop == end && value >= least && value <= most) return value;
-	const auto shortly = [](double v)
-	{
+	const auto shortly = [](double v) {
 		char digits[32];
 		return std::string(digits, std::to_chars(digits, digits + sizeof digits, v).ptr);
 	};

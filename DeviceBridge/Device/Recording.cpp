@@ -52,14 +52,9 @@ void get(ByteReader& in, Handedness& v)
 }
 
 // Each list of fields stands once, for reading and for writing.
-template <class Visit>
-void visitVector(ist::Vec3& v, const Visit& visit)
-{
-	visit(v.x), visit(v.y), visit(v.z);
-}
+template <class Visit> void visitVector(ist::Vec3& v, const Visit& visit) { visit(v.x), visit(v.y), visit(v.z); }
 
-template <class Visit>
-void visitInfo(DeviceInfo& i, const Visit& visit)
+template <class Visit> void visitInfo(DeviceInfo& i, const Visit& visit)
 {
 	visit(i.model), visit(i.maker), visit(i.serial), visit(i.uri), visit(i.source);
 	visit(i.sensed), visit(i.actuated);
@@ -68,8 +63,7 @@ void visitInfo(DeviceInfo& i, const Visit& visit)
 	visit(i.resolution), visit(i.angularResolution), visit(i.workspaceRadius), visit(i.nominalRate);
 }
 
-template <class Visit>
-void visitTick(RecordedTick& t, const Visit& visit)
+template <class Visit> void visitTick(RecordedTick& t, const Visit& visit)
 {
 	visit(t.now), visit(t.readStatus), visit(t.writeStatus), visit(t.written);
 	DeviceState& s = t.state;
@@ -85,8 +79,7 @@ void visitTick(RecordedTick& t, const Visit& visit)
 	visit(c.gripForce);
 }
 
-template <class Visit>
-void visitHand(HandState& h, const Visit& visit)
+template <class Visit> void visitHand(HandState& h, const Visit& visit)
 {
 	visit(h.left);
 	for (HandJoint& j : h.joints)
@@ -152,7 +145,8 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 	if (!in.complete()) return refused("its fields and its length do not agree");
 	const auto insane = std::find_if_not(recording.ticks.begin(), recording.ticks.end(), areTimesSane);
 	if (insane != recording.ticks.end())
-		return refused("a time of its tick " + std::to_string(insane - recording.ticks.begin()) + " lies more than 36 years from the zero of its clock");
+		return refused("a time of its tick " + std::to_string(insane - recording.ticks.begin()) +
+			" lies more than 36 years from the zero of its clock");
 	return recording;
 }
 

@@ -26,15 +26,16 @@ struct Recording
 	DeviceInfo info;
 	std::vector<RecordedTick> ticks;
 	std::vector<HandState> hands;  ///< one for each tick where the device senses the joints of a hand, else none
-	std::uint64_t dropped = 0;  ///< reads for which there was no room
+	std::uint64_t dropped = 0;     ///< reads for which there was no room
 };
 
 constexpr std::uint32_t kRecordingVersion = 3;
 
-/// Little endian: "ISTDREC", version, the device, sizes, the ticks, the hands, whose hand it is, and XXH64 of all that stands before. Numbers to the last
-/// bit.
+/// Little endian: "ISTDREC", version, the device, sizes, the ticks, the hands, whose hand it is, and XXH64 of all that stands before.
+/// Numbers to the last bit.
 std::vector<std::byte> encodeRecording(const Recording& recording);
-/// Refuses, with the reason: other files, newer versions, cut and changed ones. Version 1 knew no hands, 2 not whether a device is for the left or the right one.
+/// Refuses, with the reason: other files, newer versions, cut and changed ones. Version 1 knew no hands, 2 not whether a device is for the
+/// left or the right one.
 ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size);
 
 /// The whole file or none; gives the number of bytes.

@@ -17,7 +17,7 @@ namespace devicebridge
 class ThreadedDevice final : public Device
 {
 public:
-	static constexpr std::int64_t kPatience = 2'000'000'000;         ///< [ns]
+	static constexpr std::int64_t kPatience = 2'000'000'000;          ///< [ns]
 	static constexpr std::int64_t kOpeningPatience = 10'000'000'000;  ///< until connected, and again until the first sample [ns]
 
 	explicit ThreadedDevice(std::unique_ptr<DeviceLink> link);

@@ -21,16 +21,16 @@ struct Limit
 	const char* name;
 };
 constexpr Limit kLimits[] = {{kAssumedPeakForce, &DeviceInfo::peakForce, kTranslation, "peak_force"},
-							 {kAssumedContinuousForce, &DeviceInfo::continuousForce, kTranslation, "continuous_force"},
-							 {kAssumedPeakTorque, &DeviceInfo::peakTorque, kRotation, "peak_torque"},
-							 {kAssumedContinuousTorque, &DeviceInfo::continuousTorque, kRotation, "continuous_torque"},
-							 {kAssumedMaxStiffness, &DeviceInfo::maxStiffness, kTranslation, "max_stiffness"},
-							 {kAssumedMaxAngularStiffness, &DeviceInfo::maxAngularStiffness, kRotation, "max_angular_stiffness"},
-							 {kAssumedMaxDamping, &DeviceInfo::maxDamping, kTranslation, "max_damping"},
-							 {kAssumedMaxAngularDamping, &DeviceInfo::maxAngularDamping, kRotation, "max_angular_damping"},
-							 {kAssumedDamping, &DeviceInfo::damping, kTranslation, "damping"},
-							 {kAssumedAngularDamping, &DeviceInfo::angularDamping, kRotation, "angular_damping"},
-							 {kAssumedWorkspaceRadius, &DeviceInfo::workspaceRadius, 0, "workspace_radius"}};
+	{kAssumedContinuousForce, &DeviceInfo::continuousForce, kTranslation, "continuous_force"},
+	{kAssumedPeakTorque, &DeviceInfo::peakTorque, kRotation, "peak_torque"},
+	{kAssumedContinuousTorque, &DeviceInfo::continuousTorque, kRotation, "continuous_torque"},
+	{kAssumedMaxStiffness, &DeviceInfo::maxStiffness, kTranslation, "max_stiffness"},
+	{kAssumedMaxAngularStiffness, &DeviceInfo::maxAngularStiffness, kRotation, "max_angular_stiffness"},
+	{kAssumedMaxDamping, &DeviceInfo::maxDamping, kTranslation, "max_damping"},
+	{kAssumedMaxAngularDamping, &DeviceInfo::maxAngularDamping, kRotation, "max_angular_damping"},
+	{kAssumedDamping, &DeviceInfo::damping, kTranslation, "damping"},
+	{kAssumedAngularDamping, &DeviceInfo::angularDamping, kRotation, "angular_damping"},
+	{kAssumedWorkspaceRadius, &DeviceInfo::workspaceRadius, 0, "workspace_radius"}};
 
 std::string plain(const std::string& text)
 {
@@ -57,8 +57,9 @@ std::optional<DeviceInfo> carried(const std::string& name)
 /// A continuous limit as high as the peak is one that no source tells: unknown is safer.
 void dropDoubtful(DeviceInfo& profile, const DeviceInfo& told)
 {
-	const auto isDoubtful = [](double continuous, double peak, double toldPeak)
-	{ return continuous >= peak || (toldPeak > 0 && continuous >= toldPeak); };
+	const auto isDoubtful = [](double continuous, double peak, double toldPeak) {
+		return continuous >= peak || (toldPeak > 0 && continuous >= toldPeak);
+	};
 	if (isDoubtful(profile.continuousForce, profile.peakForce, told.peakForce)) profile.continuousForce = 0;
 	if (isDoubtful(profile.continuousTorque, profile.peakTorque, told.peakTorque)) profile.continuousTorque = 0;
 }

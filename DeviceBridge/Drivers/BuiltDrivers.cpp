@@ -28,7 +28,10 @@ MadeDevice makeReplay(const std::string& path)
 	return MadeDevice(std::make_unique<ReplayDevice>(std::move(recording).value()));
 }
 
-[[maybe_unused]] std::string leftOut(const std::string& packages) { return "this build was made without it; install " + packages + " and build again"; }
+[[maybe_unused]] std::string leftOut(const std::string& packages)
+{
+	return "this build was made without it; install " + packages + " and build again";
+}
 }  // namespace
 
 void addBuiltDrivers(DeviceRegistry& registry)

@@ -51,10 +51,11 @@ MadeDevice restricted(std::unique_ptr<Device> device, const SharedOptions& optio
 	if (options.dof == 0 && options.sense == 0) return device;
 	const DeviceInfo& info = device->info();
 	if (options.dof == 6 && !(info.actuated & kRotation)) return ist::Error{"'" + uri + "' exerts no torque: leave dof=6 out", false};
-	if (options.sense == 6 && !(info.sensed & kRotation)) return ist::Error{"'" + uri + "' senses no orientation: leave sense=6 out", false};
+	if (options.sense == 6 && !(info.sensed & kRotation))
+		return ist::Error{"'" + uri + "' senses no orientation: leave sense=6 out", false};
 	const unsigned kAll = ~0U, kNoRotation = ~static_cast<unsigned>(kRotation);
-	return MadeDevice(std::make_unique<RestrictedDevice>(std::move(device), options.sense == 3 ? kNoRotation : kAll,
-														 options.dof == 3 ? kNoRotation : kAll));
+	return MadeDevice(std::make_unique<RestrictedDevice>(
+		std::move(device), options.sense == 3 ? kNoRotation : kAll, options.dof == 3 ? kNoRotation : kAll));
 }
 }  // namespace
 

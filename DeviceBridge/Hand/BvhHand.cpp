@@ -62,7 +62,8 @@ public:
 		expect("Frame");
 		expect("Time:");
 		m_frameTime = number();
-		if (!(frames >= 1 && frames <= kMostFrames) || frames != std::floor(frames)) refuse("the number of frames must be whole and positive");
+		if (!(frames >= 1 && frames <= kMostFrames) || frames != std::floor(frames))
+			refuse("the number of frames must be whole and positive");
 		if (!(m_frameTime > 0)) refuse("the frame time must be positive");
 		if (!lineEnds()) refuse("there is more on the line of the frame time");
 		m_frames = m_problem ? 0 : size_t(frames);
@@ -129,7 +130,8 @@ private:
 	std::string_view word()
 	{
 		size_t i = 0;
-		while (i < m_rest.size() && (m_rest[i] == ' ' || m_rest[i] == '\t' || m_rest[i] == '\r' || m_rest[i] == '\n')) m_line += m_rest[i++] == '\n';
+		while (i < m_rest.size() && (m_rest[i] == ' ' || m_rest[i] == '\t' || m_rest[i] == '\r' || m_rest[i] == '\n'))
+			m_line += m_rest[i++] == '\n';
 		size_t end = i;
 		while (end < m_rest.size() && m_rest[end] != ' ' && m_rest[end] != '\t' && m_rest[end] != '\r' && m_rest[end] != '\n') ++end;
 		const std::string_view found = m_rest.substr(i, end - i);
@@ -147,7 +149,8 @@ private:
 		const std::string_view text = word();
 		double value = 0;
 		const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-		if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) refuse("'" + std::string(text) + "' is not a finite number");
+		if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+			refuse("'" + std::string(text) + "' is not a finite number");
 		return value;
 	}
 	/// Skips blanks; whether nothing else stands on the line.
@@ -163,7 +166,8 @@ private:
 		std::vector<double> row;
 		do row.push_back(number());
 		while (!m_problem && !lineEnds());
-		if (row.size() != m_channels) refuse("a frame has " + std::to_string(m_channels) + " numbers, and here are " + std::to_string(row.size()));
+		if (row.size() != m_channels)
+			refuse("a frame has " + std::to_string(m_channels) + " numbers, and here are " + std::to_string(row.size()));
 		return row;
 	}
 	void begin(int& open, const std::string& name)

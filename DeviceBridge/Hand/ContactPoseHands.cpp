@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 Result<HandState> readHand(const Json& hand, bool left, const std::string& path)
 {
 	const auto joints = hand.find("joints");
-	if (joints == hand.end() || !joints->is_array() || joints->size() != kHandPoints) return Error{path + ".joints: must be a list of " + std::to_string(kHandPoints) + " points"};
+	if (joints == hand.end() || !joints->is_array() || joints->size() != kHandPoints)
+		return Error{path + ".joints: must be a list of " + std::to_string(kHandPoints) + " points"};
 	HandPoints points;
 	for (size_t i = 0; i < kHandPoints; ++i)
 	{
@@ -50,7 +51,8 @@ Result<ContactPoseHands> readContactPose(const std::string& text, const std::str
 		return Error{name + ": is no JSON: " + e.what()};
 	}
 	const auto hands = json.is_object() ? json.find("hands") : json.end();
-	if (!json.is_object() || hands == json.end() || !hands->is_array() || hands->size() != 2) return Error{name + ": hands: must be a list of two, left and right"};
+	if (!json.is_object() || hands == json.end() || !hands->is_array() || hands->size() != 2)
+		return Error{name + ": hands: must be a list of two, left and right"};
 	ContactPoseHands out;
 	for (size_t i = 0; i < 2; ++i)
 	{

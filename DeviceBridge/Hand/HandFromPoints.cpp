@@ -11,7 +11,7 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kShortest = 1e-6;  // bone [m]
+constexpr double kShortest = 1e-6;               // bone [m]
 constexpr int kFirstPoints[4] = {5, 9, 13, 17};  // of index, middle, ring and little finger
 constexpr HandJointIndex kMetacarpals[4] = {kIndexMetacarpal, kMiddleMetacarpal, kRingMetacarpal, kLittleMetacarpal};
 
@@ -40,7 +40,8 @@ std::optional<Error> check(const HandPoints& p)
 		if (!isFinite(p[size_t(i)])) return Error{"point " + std::to_string(i) + " of the hand is not finite"};
 		if (i == 0) continue;
 		const int before = i % 4 == 1 ? 0 : i - 1;
-		if (!(distance(p[size_t(i)], p[size_t(before)]) > kShortest)) return Error{"points " + std::to_string(before) + " and " + std::to_string(i) + " of the hand are in one place"};
+		if (!(distance(p[size_t(i)], p[size_t(before)]) > kShortest))
+			return Error{"points " + std::to_string(before) + " and " + std::to_string(i) + " of the hand are in one place"};
 	}
 	if (!(norm(cross(p[5] - p[0], p[17] - p[0])) > kShortest * norm(p[5] - p[0])))
 		return Error{"points 0, 5 and 17 of the hand, the wrist and two knuckles, lie in one line"};
@@ -60,9 +61,11 @@ Result<HandState> handFromPoints(const HandPoints& p, bool left)
 	if (auto error = check(p)) return *error;
 	HandState hand;
 	hand.left = left;
-	const Vec3 across = normalized(left ? p[5] - p[17] : p[17] - p[5]), back = (left ? 1.0 : -1.0) * normalized(cross(p[5] - p[0], p[17] - p[0]));
-	const auto put = [&](HandJointIndex joint, const Vec3& place, const Vec3& way)
-	{ hand.joints[size_t(joint)] = {place, frame(way, across, back), 0, true}; };
+	const Vec3 across = normalized(left ? p[5] - p[17] : p[17] - p[5]),
+			   back = (left ? 1.0 : -1.0) * normalized(cross(p[5] - p[0], p[17] - p[0]));
+	const auto put = [&](HandJointIndex joint, const Vec3& place, const Vec3& way) {
+		hand.joints[size_t(joint)] = {place, frame(way, across, back), 0, true};
+	};
 	put(kWrist, p[0], p[9] - p[0]);
 	put(kPalm, 0.5 * (p[0] + p[9]), p[9] - p[0]);
 	for (int f = 0; f < 4; ++f)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "DeviceBridge/Hand/HandShape.h"
 
 #include <memory>
@@ -14,9 +14,9 @@ struct HandModel
 {
 	struct Part
 	{
-		ist::Mesh mesh;     ///< in the part's body frame: the joint frame moved to the centre of mass
+		ist::Mesh mesh;  ///< in the part's body frame: the joint frame moved to the centre of mass
 		std::shared_ptr<const ist::InnerSphereTree> tree;
-		ist::Vec3 centre;   ///< of mass, in the joint frame
+		ist::Vec3 centre;  ///< of mass, in the joint frame
 	};
 	HandShape shape;
 	std::array<Part, kHandParts> parts;
@@ -24,10 +24,10 @@ struct HandModel
 
 struct HandBuildOptions
 {
-	int64_t spheres = 300;  ///< a part
-	std::string cache;      ///< folder for the trees (ist::cachedTree); empty: none
-	int threads = 0;        ///< 0: all
-	ist::Progress progress; ///< stages of each part in turn
+	int64_t spheres = 300;   ///< a part
+	std::string cache;       ///< folder for the trees (ist::cachedTree); empty: none
+	int threads = 0;         ///< 0: all
+	ist::Progress progress;  ///< stages of each part in turn
 };
 
 /// Offline; a second of processor time a part with 300 spheres.

@@ -18,10 +18,10 @@ namespace
 {
 constexpr int kFields = 8;
 constexpr const char* kFieldNames[kFields] = {"x", "y", "z", "qx", "qy", "qz", "qw", "r"};
-constexpr const char* kJointNames[kHandJoints] = {
-	"palm", "wrist", "thumb_metacarpal", "thumb_proximal", "thumb_distal", "thumb_tip", "index_metacarpal", "index_proximal", "index_intermediate", "index_distal",
-	"index_tip", "middle_metacarpal", "middle_proximal", "middle_intermediate", "middle_distal", "middle_tip", "ring_metacarpal", "ring_proximal",
-	"ring_intermediate", "ring_distal", "ring_tip", "little_metacarpal", "little_proximal", "little_intermediate", "little_distal", "little_tip"};
+constexpr const char* kJointNames[kHandJoints] = {"palm", "wrist", "thumb_metacarpal", "thumb_proximal", "thumb_distal", "thumb_tip",
+	"index_metacarpal", "index_proximal", "index_intermediate", "index_distal", "index_tip", "middle_metacarpal", "middle_proximal",
+	"middle_intermediate", "middle_distal", "middle_tip", "ring_metacarpal", "ring_proximal", "ring_intermediate", "ring_distal",
+	"ring_tip", "little_metacarpal", "little_proximal", "little_intermediate", "little_distal", "little_tip"};
 
 std::string columnName(int joint, int field) { return std::string(kJointNames[joint]) + "_" + kFieldNames[field]; }
 
@@ -58,7 +58,8 @@ public:
 		const auto cells = split(line);
 		m_width = cells.size();
 		for (size_t i = 0; i < cells.size(); ++i)
-			if (!m_columns.emplace(cells[i], i).second && !cells[i].empty()) refuse(std::string(cells[i]), "the header has this column twice");
+			if (!m_columns.emplace(cells[i], i).second && !cells[i].empty())
+				refuse(std::string(cells[i]), "the header has this column twice");
 		need("time");
 		need("left");
 		for (int j = 0; j < kHandJoints; ++j)
@@ -67,7 +68,8 @@ public:
 	void row(std::string_view line)
 	{
 		m_cells = split(line);
-		if (m_cells.size() != m_width) return refuse("time", "the row has " + std::to_string(m_cells.size()) + " cells, and the header " + std::to_string(m_width));
+		if (m_cells.size() != m_width)
+			return refuse("time", "the row has " + std::to_string(m_cells.size()) + " cells, and the header " + std::to_string(m_width));
 		HandMotion::Frame frame;
 		frame.time = number("time");
 		const double left = number("left");
@@ -102,7 +104,8 @@ private:
 		double value = 0;
 		const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
 		if (text.empty()) refuse(column, "is missing");
-		else if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) refuse(column, "'" + std::string(text) + "' is not a finite number");
+		else if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+			refuse(column, "'" + std::string(text) + "' is not a finite number");
 		return value;
 	}
 	HandJoint joint(int index)
@@ -144,7 +147,8 @@ HandJoint between(const HandJoint& a, const HandJoint& b, double u)
 	if (!a.tracked || !b.tracked) return {};
 	if (isSameJoint(a, b)) return a;
 	const Vec3 turn = rotationVector(b.orientation * conjugate(a.orientation));
-	return {a.position + u * (b.position - a.position), quaternionFromRotationVector(u * turn) * a.orientation, a.radius + u * (b.radius - a.radius), true};
+	return {a.position + u * (b.position - a.position), quaternionFromRotationVector(u * turn) * a.orientation,
+		a.radius + u * (b.radius - a.radius), true};
 }
 }  // namespace
 

@@ -7,8 +7,8 @@
 
 namespace devicebridge
 {
-/// The rigid parts of a hand, in the order of their ids in GRAB (Taheri et al., GRAB: a dataset of whole-body human grasping, 2020): the palm
-/// and three bones of each finger, from the knuckle to the tip. The thumb's first part is its metacarpal.
+/// The rigid parts of a hand, in the order of their ids in GRAB (Taheri et al., GRAB: a dataset of whole-body human grasping, 2020): the
+/// palm and three bones of each finger, from the knuckle to the tip. The thumb's first part is its metacarpal.
 enum HandPart
 {
 	kHandPart,  ///< the palm, "Hand" in GRAB

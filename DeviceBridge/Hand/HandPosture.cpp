@@ -7,12 +7,12 @@ namespace
 {
 ist::Mat3 turn(const ist::Vec3& by) { return rotationMatrix(ist::quaternionFromRotationVector(by)); }
 
-/// Angles, with the sign of a right hand, into the glove's own order. The ring finger's and the little finger's asides are differences there.
+/// Angles, with the sign of a right hand, into the glove's own order. The ring finger's and the little finger's asides are differences
+/// there.
 GloveAngles gloveAngles(const HandPosture& p)
 {
 	GloveAngles a{};
-	const auto bend = [&a](int knuckle, const FingerPosture& f)
-	{
+	const auto bend = [&a](int knuckle, const FingerPosture& f) {
 		a[static_cast<std::size_t>(knuckle)] = f.knuckle;
 		a[static_cast<std::size_t>(knuckle + 1)] = f.middle;
 		a[static_cast<std::size_t>(knuckle + 2)] = f.end;
@@ -62,15 +62,16 @@ HandState posedHand(const HandPosture& posture, const GloveHandSize& size) noexc
 HandPosture between(const HandPosture& a, const HandPosture& b, double u) noexcept
 {
 	const auto mix = [u](double x, double y) { return x + u * (y - x); };
-	const auto finger = [&](const FingerPosture& x, const FingerPosture& y)
-	{ return FingerPosture{mix(x.knuckle, y.knuckle), mix(x.middle, y.middle), mix(x.end, y.end), mix(x.aside, y.aside)}; };
+	const auto finger = [&](const FingerPosture& x, const FingerPosture& y) {
+		return FingerPosture{mix(x.knuckle, y.knuckle), mix(x.middle, y.middle), mix(x.end, y.end), mix(x.aside, y.aside)};
+	};
 	HandPosture out;
 	out.index = finger(a.index, b.index);
 	out.middle = finger(a.middle, b.middle);
 	out.ring = finger(a.ring, b.ring);
 	out.little = finger(a.little, b.little);
 	out.thumb = {mix(a.thumb.palmar, b.thumb.palmar), mix(a.thumb.radial, b.thumb.radial), mix(a.thumb.roll, b.thumb.roll),
-				 mix(a.thumb.knuckle, b.thumb.knuckle), mix(a.thumb.end, b.thumb.end)};
+		mix(a.thumb.knuckle, b.thumb.knuckle), mix(a.thumb.end, b.thumb.end)};
 	out.X_WR.translation = a.X_WR.translation + u * (b.X_WR.translation - a.X_WR.translation);
 	const ist::Vec3 way = rotationVector(quaternion(b.X_WR.rotation * transpose(a.X_WR.rotation)));
 	out.X_WR.rotation = turn(u * way) * a.X_WR.rotation;

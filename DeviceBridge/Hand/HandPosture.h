@@ -16,9 +16,10 @@ struct FingerPosture
 /// fingers [rad].
 struct ThumbPosture
 {
-	double palmar = 0;   ///< of the metacarpal, from along the fingers to out of the palm
-	double radial = 0.7; ///< of the metacarpal, away from the index finger
-	double roll = 0;     ///< about the metacarpal; 0 bends the thumb as a finger is bent, pi towards the fingers when it stands out of the palm
+	double palmar = 0;    ///< of the metacarpal, from along the fingers to out of the palm
+	double radial = 0.7;  ///< of the metacarpal, away from the index finger
+	double roll =
+		0;  ///< about the metacarpal; 0 bends the thumb as a finger is bent, pi towards the fingers when it stands out of the palm
 	double knuckle = 0, end = 0;
 };
 

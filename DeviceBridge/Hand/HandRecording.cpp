@@ -18,7 +18,8 @@ HandState withoutBadJoints(HandState hand)
 void append(std::vector<HandMotion::Frame>& frames, const HandMotion::Frame& frame)
 {
 	const std::size_t n = frames.size();
-	if (n >= 2 && isSameHand(frames[n - 2].hand, frames[n - 1].hand) && isSameHand(frames[n - 1].hand, frame.hand)) frames.back().time = frame.time;
+	if (n >= 2 && isSameHand(frames[n - 2].hand, frames[n - 1].hand) && isSameHand(frames[n - 1].hand, frame.hand))
+		frames.back().time = frame.time;
 	else frames.push_back(frame);
 }
 }  // namespace
@@ -37,7 +38,8 @@ ist::Result<HandMotion> handMotionOf(const Recording& recording)
 	for (auto tick = recording.ticks.begin(); tick != end; ++tick)
 	{
 		const double time = 1e-9 * static_cast<double>(tick->now - recording.ticks.front().now);
-		append(motion.frames, {time, good(*tick) ? withoutBadJoints(recording.hands[static_cast<std::size_t>(tick - recording.ticks.begin())]) : none});
+		append(motion.frames,
+			{time, good(*tick) ? withoutBadJoints(recording.hands[static_cast<std::size_t>(tick - recording.ticks.begin())]) : none});
 	}
 	return motion;
 }

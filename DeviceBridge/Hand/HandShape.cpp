@@ -44,8 +44,7 @@ Mesh boneMesh(const HandShape::Bone& bone)
 {
 	constexpr int kCap = 5, kStraight = 8;
 	std::vector<std::array<Vec3, kSides>> rings;
-	const auto add = [&rings](double along, double radius)
-	{
+	const auto add = [&rings](double along, double radius) {
 		auto& ring = rings.emplace_back();
 		for (uint32_t i = 0; i < kSides; ++i)
 		{
@@ -94,9 +93,9 @@ Mesh palmMesh(const HandShape::Palm& palm)
 	const double thickness = 1.15 * *std::max_element(palm.knuckleRadii, palm.knuckleRadii + 4);
 	const double lower = palm.knuckles[0].x - palm.knuckleRadii[0], upper = palm.knuckles[3].x + palm.knuckleRadii[3];
 	const double wristHalf = std::min(1.15 * palm.wristRadius, 0.5 * (upper - lower));
-	const auto place = [&](double s, double across, double up)
-	{
-		const double middle = palm.wrist.x + s * (0.5 * (lower + upper) - palm.wrist.x), half = wristHalf + std::sqrt(s) * (0.5 * (upper - lower) - wristHalf);
+	const auto place = [&](double s, double across, double up) {
+		const double middle = palm.wrist.x + s * (0.5 * (lower + upper) - palm.wrist.x),
+					 half = wristHalf + std::sqrt(s) * (0.5 * (upper - lower) - wristHalf);
 		const double x = middle + across * half, far = knuckleLine(palm, x);
 		return Vec3{x, up * thickness, palm.wrist.z + s * (far - palm.wrist.z)};
 	};
@@ -128,7 +127,9 @@ std::optional<Error> checkJoints(const HandState& hand)
 		if (!isFinite(joint.position) || !std::isfinite(joint.radius)) return Error{which + "has a place or a radius that is not finite"};
 		if (!(joint.radius > 0)) return Error{which + "has no thickness: its radius must be positive"};
 	}
-	if (!isNearUnit(hand.joints[kPalm].orientation)) return Error{"joint " + std::to_string(kPalm) + " of the hand, the palm, has an orientation that is no rotation: its quaternion is not of unit length"};
+	if (!isNearUnit(hand.joints[kPalm].orientation))
+		return Error{"joint " + std::to_string(kPalm) +
+			" of the hand, the palm, has an orientation that is no rotation: its quaternion is not of unit length"};
 	return std::nullopt;
 }
 
@@ -138,8 +139,10 @@ void makeRoom(HandShape& shape)
 	for (int level = 0; level < 3; ++level)
 		for (int f = 0; f < 3; ++f)
 		{
-			HandShape::Bone &a = shape.bones[static_cast<std::size_t>(kFirstParts[f] + level)], &b = shape.bones[static_cast<std::size_t>(kFirstParts[f + 1] + level)];
-			const double room = kClearance * (shape.palm.knuckles[f + 1].x - shape.palm.knuckles[f].x), thick = std::max(a.radius, a.endRadius) + std::max(b.radius, b.endRadius);
+			HandShape::Bone &a = shape.bones[static_cast<std::size_t>(kFirstParts[f] + level)],
+							&b = shape.bones[static_cast<std::size_t>(kFirstParts[f + 1] + level)];
+			const double room = kClearance * (shape.palm.knuckles[f + 1].x - shape.palm.knuckles[f].x),
+						 thick = std::max(a.radius, a.endRadius) + std::max(b.radius, b.endRadius);
 			if (!(thick > room) || !(room > 0)) continue;
 			for (HandShape::Bone* bone : {&a, &b}) bone->radius *= room / thick, bone->endRadius *= room / thick;
 		}
@@ -157,11 +160,12 @@ Result<HandShape> measureHand(const HandState& hand)
 		const HandJoint &from = joint(handPartJoint(part)), &to = joint(handPartEnd(part));
 		HandShape::Bone& bone = shape.bones[static_cast<std::size_t>(part)];
 		bone = {distance(from.position, to.position), from.radius, to.radius};
-		if (!(bone.length > std::fabs(bone.radius - bone.endRadius))) return Error{handPartName(part, hand.left) + " is shorter than the difference of the radii at its ends: no bone has that shape"};
+		if (!(bone.length > std::fabs(bone.radius - bone.endRadius)))
+			return Error{
+				handPartName(part, hand.left) + " is shorter than the difference of the radii at its ends: no bone has that shape"};
 	}
 	const Pose X_PW = inverse(Pose{rotationMatrix(joint(kPalm).orientation), joint(kPalm).position});
-	const auto inPalm = [&](int i)
-	{
+	const auto inPalm = [&](int i) {
 		const Vec3 p = X_PW * joint(i).position;
 		return Vec3{hand.left ? -p.x : p.x, p.y, p.z};
 	};
@@ -172,8 +176,11 @@ Result<HandShape> measureHand(const HandState& hand)
 	{
 		const HandJointIndex knuckle = handPartJoint(kFirstParts[f]);
 		palm.knuckles[f] = inPalm(knuckle);
-		if (!(palm.knuckles[f].z < palm.wrist.z)) return Error{"joint " + std::to_string(knuckle) + " of the hand lies behind the wrist, along the palm's -z"};
-		if (f > 0 && !(palm.knuckles[f].x > palm.knuckles[f - 1].x)) return Error{"the knuckles are not in the order of a " + std::string(hand.left ? "left" : "right") + " hand: is it the other one?"};
+		if (!(palm.knuckles[f].z < palm.wrist.z))
+			return Error{"joint " + std::to_string(knuckle) + " of the hand lies behind the wrist, along the palm's -z"};
+		if (f > 0 && !(palm.knuckles[f].x > palm.knuckles[f - 1].x))
+			return Error{
+				"the knuckles are not in the order of a " + std::string(hand.left ? "left" : "right") + " hand: is it the other one?"};
 	}
 	makeRoom(shape);
 	for (int f = 0; f < 4; ++f) palm.knuckleRadii[f] = shape.bones[static_cast<std::size_t>(kFirstParts[f])].radius;

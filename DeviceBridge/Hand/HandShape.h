@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "DeviceBridge/Hand/HandParts.h"
 
 #include <array>
@@ -29,12 +29,13 @@ struct HandShape
 	Palm palm;
 };
 
-/// The shape of a hand that all of whose joints are tracked, in any posture. Neighbouring fingers are made thinner where they would overlap in
-/// the straight hand. Refused, with the joint's number: one that is not tracked or not finite, a palm whose orientation is no rotation, a bone or a
-/// radius of no length.
+/// The shape of a hand that all of whose joints are tracked, in any posture. Neighbouring fingers are made thinner where they would overlap
+/// in the straight hand. Refused, with the joint's number: one that is not tracked or not finite, a palm whose orientation is no rotation,
+/// a bone or a radius of no length.
 ist::Result<HandShape> measureHand(const HandState& hand);
 
-/// The closed surface of a part in its joint frame (handPartJoint). A bone is a round cone, a little flat, with a waist; its ends reach over
-/// its joints by their radii. The palm is a slab with rounded edges from the wrist to the knuckles. Meshes of a left hand are mirror images.
+/// The closed surface of a part in its joint frame (handPartJoint). A bone is a round cone, a little flat, with a waist; its ends reach
+/// over its joints by their radii. The palm is a slab with rounded edges from the wrist to the knuckles. Meshes of a left hand are mirror
+/// images.
 ist::Mesh handPartMesh(const HandShape& shape, int part);
 }  // namespace devicebridge

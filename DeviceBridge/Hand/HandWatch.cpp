@@ -10,8 +10,7 @@ namespace devicebridge
 std::string HandComplaints::sentence() const
 {
 	std::string text;
-	const auto add = [&](std::uint64_t count, const char* what)
-	{
+	const auto add = [&](std::uint64_t count, const char* what) {
 		if (count == 0) return;
 		if (!text.empty()) text += "; ";
 		text += std::string(what) + " in " + std::to_string(count) + " of " + std::to_string(ticks) + " ticks";
@@ -23,7 +22,10 @@ std::string HandComplaints::sentence() const
 	return text;
 }
 
-HandWatch::HandWatch(const HandModel& model, const HandPartPoses& start, const HandWatchLimits& limits) : m_model(model), m_limits(limits), m_last(start)
+HandWatch::HandWatch(const HandModel& model, const HandPartPoses& start, const HandWatchLimits& limits)
+	: m_model(model),
+	  m_limits(limits),
+	  m_last(start)
 {
 	for (std::size_t i = 0; i < kHandParts; ++i) m_targets[i].X_WB = start.X_WB[i];
 }
@@ -31,7 +33,8 @@ HandWatch::HandWatch(const HandModel& model, const HandPartPoses& start, const H
 /// False where the limits kept it back.
 bool HandWatch::moveTowards(Target& target, const Pose& X_WB, double dt) const noexcept
 {
-	Vec3 way = X_WB.translation - target.X_WB.translation, turn = rotationVector(quaternion(X_WB.rotation * transpose(target.X_WB.rotation)));
+	Vec3 way = X_WB.translation - target.X_WB.translation,
+		 turn = rotationVector(quaternion(X_WB.rotation * transpose(target.X_WB.rotation)));
 	const double length = norm(way), angle = norm(turn), furthest = m_limits.speed * dt, most = m_limits.turning * dt;
 	const bool reaches = length <= furthest && angle <= most;
 	if (length > furthest) way *= furthest / length;

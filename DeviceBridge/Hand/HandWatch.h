@@ -10,10 +10,10 @@ namespace devicebridge
 {
 struct HandWatchLimits
 {
-	double speed = 4;      ///< fastest that a part's target moves [m/s]; what goes further is a jump, and followed at this speed
-	double turning = 40;   ///< and turns [rad/s]
-	double patience = 0.3; ///< so long a hand that is lost keeps its grip [s]
-	double fade = 0.5;     ///< then it lets go within [s]; and takes hold again within a quarter of that
+	double speed = 4;       ///< fastest that a part's target moves [m/s]; what goes further is a jump, and followed at this speed
+	double turning = 40;    ///< and turns [rad/s]
+	double patience = 0.3;  ///< so long a hand that is lost keeps its grip [s]
+	double fade = 0.5;      ///< then it lets go within [s]; and takes hold again within a quarter of that
 };
 
 /// What was wrong with the samples of a hand, in ticks.
@@ -29,8 +29,8 @@ struct HandComplaints
 	std::string sentence() const;
 };
 
-/// Turns samples of a hand, whatever their state, into targets that a coupling can follow: finite, rigid, continuous. A part that is missing
-/// stays where it was on the palm; without the palm the whole hand stands still and, after a while, lets go. No allocation.
+/// Turns samples of a hand, whatever their state, into targets that a coupling can follow: finite, rigid, continuous. A part that is
+/// missing stays where it was on the palm; without the palm the whole hand stands still and, after a while, lets go. No allocation.
 class HandWatch
 {
 public:

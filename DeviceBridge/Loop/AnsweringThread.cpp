@@ -14,8 +14,8 @@ namespace devicebridge
 {
 namespace
 {
-// What std::atomic's wait() and notify_one() do, without the spinning and yielding before the sleep: a thread that is woken once a millisecond never finds its
-// next question there already, and looking for it would cost more than the answer.
+// What std::atomic's wait() and notify_one() do, without the spinning and yielding before the sleep: a thread that is woken once a
+// millisecond never finds its next question there already, and looking for it would cost more than the answer.
 
 /// Until somebody wakes it, at once when the value is not `seen` any more; may return for no reason.
 void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
@@ -45,12 +45,10 @@ bool AnsweringThread::start(std::function<void()> begin, std::function<bool()> a
 	m_stopping = false;
 	try
 	{
-		m_thread = std::thread(
-			[this, begin = std::move(begin), answer = std::move(answer)]
-			{
-				begin();
-				loop(answer);
-			});
+		m_thread = std::thread([this, begin = std::move(begin), answer = std::move(answer)] {
+			begin();
+			loop(answer);
+		});
 	}
 	catch (const std::system_error&)
 	{

@@ -32,7 +32,7 @@ constexpr int kMaxToolContacts = 16;
 struct ToolStep
 {
 	ToolState tool;
-	ist::Wrench coupling;  ///< that the virtual coupling exerts on the tool, about its origin, in W
+	ist::Wrench coupling;       ///< that the virtual coupling exerts on the tool, about its origin, in W
 	double couplingFactor = 1;  ///< its stiffness over that of its gains, where it adapts (AdaptiveCoupling.h)
 	ToolContact contacts[kMaxToolContacts];
 	int contactCount = 0;
@@ -40,7 +40,7 @@ struct ToolStep
 	std::int64_t pairs = 0;
 	double queryMicroseconds = 0;
 	bool toolIsBroken = false;  ///< the step left the tool a twist that is not finite: a fault, and the device gets zero until cleared
-	std::int64_t overdue = 0;  ///< by how much what the step was computed from is later than expected; the force fades with it [ns]
+	std::int64_t overdue = 0;   ///< by how much what the step was computed from is later than expected; the force fades with it [ns]
 };
 
 /// The world in which the tool moves.

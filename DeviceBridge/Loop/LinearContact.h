@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
 namespace devicebridge
 {
@@ -14,27 +14,30 @@ struct LinearContact
 {
 	static constexpr int kFixed = -1, kTool = -2;  ///< instead of a slot
 	int a = kFixed, b = kFixed;
-	std::uint64_t epoch = 0;  ///< of the tenant of slot `b`, where A is the tool
-	ist::Vec3 point, normal;  ///< centroid; direction of the elastic force on A
-	ist::Wrench wrench;  ///< elastic [N, N m]
+	std::uint64_t epoch = 0;                   ///< of the tenant of slot `b`, where A is the tool
+	ist::Vec3 point, normal;                   ///< centroid; direction of the elastic force on A
+	ist::Wrench wrench;                        ///< elastic [N, N m]
 	ist::SymmetricMatrix6 stiffness, damping;  ///< as btContactPatch has them
-	double frictionRadius = 0, friction = 0;  ///< [m]; Coulomb's coefficient of the pair
-	ist::Pose X_WA, X_WB;  ///< in which it was found
-	double volume = 0;     ///< of the overlap [m^3]
-	int pairs = 0;         ///< of leaves
+	double frictionRadius = 0, friction = 0;   ///< [m]; Coulomb's coefficient of the pair
+	ist::Pose X_WA, X_WB;                      ///< in which it was found
+	double volume = 0;                         ///< of the overlap [m^3]
+	int pairs = 0;                             ///< of leaves
 };
 
 /// How A and B have moved since a contact between them was found.
 struct ContactMotion
 {
-	ist::Pose X_WA, X_WB;    ///< now
-	ist::Pose A, B;          ///< from where a point of each body was to where it is
-	ist::Vec3 turn;          ///< of A relative to B
+	ist::Pose X_WA, X_WB;  ///< now
+	ist::Pose A, B;        ///< from where a point of each body was to where it is
+	ist::Vec3 turn;        ///< of A relative to B
 
 	ContactMotion(const LinearContact& found, const ist::Pose& nowA, const ist::Pose& nowB) noexcept
-		: X_WA(nowA), X_WB(nowB), A(nowA * inverse(found.X_WA)), B(nowB * inverse(found.X_WB)), turn(turnOf(A) - turnOf(B))
-	{
-	}
+		: X_WA(nowA),
+		  X_WB(nowB),
+		  A(nowA * inverse(found.X_WA)),
+		  B(nowB * inverse(found.X_WB)),
+		  turn(turnOf(A) - turnOf(B))
+	{}
 
 private:
 	static ist::Vec3 turnOf(const ist::Pose& X) noexcept { return rotationVector(ist::quaternion(X.rotation)); }

@@ -12,8 +12,8 @@ namespace devicebridge
 class ModelAge
 {
 public:
-	std::int64_t fullUntil = 5'000'000;   ///< beyond the period: counts in full [ns]
-	std::int64_t zeroFrom = 20'000'000;   ///< beyond the period: counts for nothing; linear between the two [ns]
+	std::int64_t fullUntil = 5'000'000;  ///< beyond the period: counts in full [ns]
+	std::int64_t zeroFrom = 20'000'000;  ///< beyond the period: counts for nothing; linear between the two [ns]
 
 	/// As if there never had been an answer.
 	void forget() noexcept { m_count = m_last = m_period = 0; }

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <exception>
+#include <limits>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -19,7 +19,7 @@ namespace devicebridge
 {
 namespace
 {
-constexpr std::int64_t kHour = 3'600'000'000'000;  // [ns]
+constexpr std::int64_t kHour = 3'600'000'000'000;    // [ns]
 constexpr std::chrono::microseconds kPatience{200};  // between two looks at a loop that is to stop
 constexpr const char* kOnTheCaller = "on the caller's thread, as that is scheduled";
 
@@ -125,13 +125,11 @@ bool SteppingThread::start()
 	m_scheduled = false;
 	try
 	{
-		m_thread = std::thread(
-			[this]
-			{
-				askForRealTime();
-				askForMemory();
-				loop(std::numeric_limits<std::int64_t>::max());
-			});
+		m_thread = std::thread([this] {
+			askForRealTime();
+			askForMemory();
+			loop(std::numeric_limits<std::int64_t>::max());
+		});
 	}
 	catch (const std::exception&)
 	{
@@ -154,8 +152,8 @@ void SteppingThread::stop() noexcept
 	requestStop();
 	if (m_loopThread.load() == std::this_thread::get_id()) return;
 	if (m_thread.joinable()) m_thread.join();
-	// A run() on another thread cannot be joined. The caller is not on the tick, so it may sleep. A run() that began between two of these requests
-	// is stopped, too; one that begins after a loop was stopped is not waited for.
+	// A run() on another thread cannot be joined. The caller is not on the tick, so it may sleep. A run() that began between two of these
+	// requests is stopped, too; one that begins after a loop was stopped is not waited for.
 	for (; running() && m_stops.load(std::memory_order_acquire) == stops; std::this_thread::sleep_for(kPatience)) requestStop();
 	Loop idle = Loop::Idle;
 	if (!m_loop.compare_exchange_strong(idle, Loop::Stopping)) return;
@@ -171,8 +169,8 @@ void SteppingThread::askForRealTime() noexcept
 	if (!m_settings.realTime) return;
 #if defined(__linux__)
 	m_scheduling = askForRealTimePriority(m_settings.priority)
-					   ? "real time (SCHED_FIFO)"
-					   : "normal priority: SCHED_FIFO was refused; it needs CAP_SYS_NICE or an rtprio limit";
+		? "real time (SCHED_FIFO)"
+		: "normal priority: SCHED_FIFO was refused; it needs CAP_SYS_NICE or an rtprio limit";
 #else
 	m_scheduling = "normal priority: real time is not supported on this platform";
 #endif
@@ -187,8 +185,8 @@ void SteppingThread::askForMemory() noexcept
 	rlimit limit{};
 	const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
 	m_memory = unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
-				   ? "locked"
-				   : "not locked: it was refused; it needs CAP_IPC_LOCK or an unlimited memlock limit";
+		? "locked"
+		: "not locked: it was refused; it needs CAP_IPC_LOCK or an unlimited memlock limit";
 #else
 	m_memory = "not locked: that is not supported on this platform";
 #endif
@@ -253,9 +251,9 @@ bool SteppingThread::readDevice(std::int64_t now) noexcept
 {
 	DeviceState state = m_state;
 	const DeviceStatus status = m_device.read(now, state);
-	m_watchCause = status == DeviceStatus::Ok			  ? m_watch.judge(state, now)
-				   : status == DeviceStatus::InvalidState ? FaultCause::InvalidState
-														  : FaultCause::Disconnected;
+	m_watchCause = status == DeviceStatus::Ok  ? m_watch.judge(state, now)
+		: status == DeviceStatus::InvalidState ? FaultCause::InvalidState
+											   : FaultCause::Disconnected;
 	if (m_watchCause == FaultCause::InvalidState)
 	{
 		m_limiter.raiseFault();
@@ -328,7 +326,12 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	}
 	const FaultCause latched = m_latchedCause == FaultCause::None ? FaultCause::Raised : m_latchedCause;
 	if (m_limiter.faulted()) report(latched, true);
-	else report(!written ? FaultCause::Disconnected : jumped ? FaultCause::ClockJump : stalled ? FaultCause::Stalled : FaultCause::None, false);
+	else
+		report(!written   ? FaultCause::Disconnected
+				: jumped  ? FaultCause::ClockJump
+				: stalled ? FaultCause::Stalled
+						  : FaultCause::None,
+			false);
 }
 
 void SteppingThread::sendZero(FaultCause cause, std::int64_t at) noexcept

@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <thread>
 
-#include "DeviceBridge/Timing/Clock.h"
-#include "DeviceBridge/Timing/Delegate.h"
 #include "DeviceBridge/Loop/ForceLaw.h"
 #include "DeviceBridge/Loop/GapBridge.h"
 #include "DeviceBridge/Safety/FaultCause.h"
-#include "DeviceBridge/Safety/StateWatch.h"
 #include "DeviceBridge/Safety/SafetyLimiter.h"
+#include "DeviceBridge/Safety/StateWatch.h"
+#include "DeviceBridge/Timing/Clock.h"
+#include "DeviceBridge/Timing/Delegate.h"
 #include "DeviceBridge/Timing/SteadyTime.h"
 
 namespace devicebridge
@@ -41,7 +41,7 @@ struct SteppingSettings
 	/// Ask in start() that no page of the process is swapped out, now or later. It holds for the whole program and stays so: every thread's
 	/// stack and every mapped file become resident. Set it where the haptic loop is what the program is for.
 	bool lockMemory = false;
-	int priority = 80;                ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
+	int priority = 80;  ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
 	SafetySettings safety;
 	StateWatchSettings watch;
 };

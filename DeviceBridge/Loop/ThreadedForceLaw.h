@@ -10,12 +10,12 @@
 
 namespace devicebridge
 {
-/// A force law in a thread of its own, for laws that take longer than a tick may. Nobody waits: the law is given hand and step of a tick, and
-/// what it answers counts until the next answer as
+/// A force law in a thread of its own, for laws that take longer than a tick may. Nobody waits: the law is given hand and step of a tick,
+/// and what it answers counts until the next answer as
 ///   w(t) = c(t) + (w(t0) - c(t0)),   c: the reaction of the virtual coupling,
-/// so that only what the law adds to the coupling lags behind, and the coupling's stiffness, on which stability at the hand depends, does not:
-/// with a CouplingForceLaw inside, the hand feels what it would feel without this. computedAt() is that of t0, so a law that
-/// hangs fades out with its age (SafetySettings::fullUntil, zeroFrom), and fades in when it answers again.
+/// so that only what the law adds to the coupling lags behind, and the coupling's stiffness, on which stability at the hand depends, does
+/// not: with a CouplingForceLaw inside, the hand feels what it would feel without this. computedAt() is that of t0, so a law that hangs
+/// fades out with its age (SafetySettings::fullUntil, zeroFrom), and fades in when it answers again.
 class ThreadedForceLaw final : public ForceLaw
 {
 public:
@@ -32,8 +32,8 @@ public:
 	bool serve() noexcept;
 
 	// From any thread, at any time:
-	/// Off: the law is asked in the tick, as soon as what it was asked before is answered. On again: what it said in the last tick counts until
-	/// its thread answers.
+	/// Off: the law is asked in the tick, as soon as what it was asked before is answered. On again: what it said in the last tick counts
+	/// until its thread answers.
 	void setThreaded(bool on) noexcept { m_threaded.store(on, std::memory_order_relaxed); }
 	bool threaded() const noexcept { return m_threaded.load(std::memory_order_relaxed); }
 	std::uint64_t answers() const noexcept { return m_answered.load(std::memory_order_relaxed); }

@@ -36,16 +36,16 @@ struct MirroredBody
 	bool leaving = false;     ///< to be released
 	const void* id = nullptr;
 	const ist::InnerSphereTree* tree = nullptr;  ///< lives as long as the tenant. Null: the half-space below
-	ist::Vec3 planeNormal;    ///< World, pointing out
+	ist::Vec3 planeNormal;                       ///< World, pointing out
 	double planeOffset = 0;
 	ist::Pose X_WB;
-	ist::Twist twist;         ///< of the centre of mass
-	ist::Vec3 inverseMass;    ///< per World axis; zero: not to be moved [1/kg]
-	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< axes of B [1/(kg m^2)]
-	ist::Vec3 gravity;        ///< [m/s^2]
+	ist::Twist twist;                                 ///< of the centre of mass
+	ist::Vec3 inverseMass;                            ///< per World axis; zero: not to be moved [1/kg]
+	ist::Mat3 inverseInertia = ist::zeroMat3();       ///< axes of B [1/(kg m^2)]
+	ist::Vec3 gravity;                                ///< [m/s^2]
 	double k = 0, toolWeight = 0.5, dissipation = 0;  ///< constants of the pair of tool and body
 	double friction = 0;
-	SpentImpulse seen;        ///< what the world knew of the hand before this step
+	SpentImpulse seen;  ///< what the world knew of the hand before this step
 };
 
 struct WorldSnapshot

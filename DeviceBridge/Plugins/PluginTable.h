@@ -6,8 +6,8 @@
 #include <string>
 
 #include "BulletISTCollision/Core/Base/Result.h"
-#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Plugins/devicebridge_plugin.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 namespace devicebridge::plugin
 {
@@ -30,11 +30,7 @@ private:
 
 inline void say(char* why, std::size_t room, const std::string& text) { std::snprintf(why, room, "%s", text.c_str()); }
 
-template <std::size_t N>
-void setText(char (&field)[N], const std::string& text)
-{
-	say(field, N, text);
-}
+template <std::size_t N> void setText(char (&field)[N], const std::string& text) { say(field, N, text); }
 
 /// `assumed`: bits DEVICEBRIDGE_ASSUMED_... of limits that were filled in though the device does not tell them. `profile`: for those that
 /// are zero. A host that is older knows neither, and what is zero stays unknown to it.
@@ -59,26 +55,21 @@ enum class News
 ///   static ist::Result<std::unique_ptr<T>> open(const std::string& address, devicebridge_info& info);
 ///   News exchange(const devicebridge_command&, devicebridge_state&, std::string& why);
 /// whose destructor leaves the device without force.
-template <class T>
-const devicebridge_plugin* tableOf()
+template <class T> const devicebridge_plugin* tableOf()
 {
-	static const devicebridge_plugin table = {
-		sizeof table, DEVICEBRIDGE_PLUGIN_VERSION, T::kName, T::kDescription,
-		[](char* why, std::size_t room)
-		{
+	static const devicebridge_plugin table = {sizeof table, DEVICEBRIDGE_PLUGIN_VERSION, T::kName, T::kDescription,
+		[](char* why, std::size_t room) {
 			const std::string missing = T::missing();
 			say(why, room, missing);
 			return missing.empty() ? 0 : 1;
 		},
-		[](const char* address, devicebridge_info* info, char* why, std::size_t room) -> void*
-		{
+		[](const char* address, devicebridge_info* info, char* why, std::size_t room) -> void* {
 			auto device = T::open(address, *info);
 			if (device) return std::move(device).value().release();
 			say(why, room, device.error().message);
 			return nullptr;
 		},
-		[](void* device, const devicebridge_command* command, devicebridge_state* state, char* why, std::size_t room)
-		{
+		[](void* device, const devicebridge_command* command, devicebridge_state* state, char* why, std::size_t room) {
 			std::string reason;
 			const News news = static_cast<T*>(device)->exchange(*command, *state, reason);
 			if (news == News::Lost) say(why, room, reason);

@@ -19,12 +19,12 @@ public:
 		if (file) open(file);
 		for (const char* name : names)
 			if (!file && !m_library) open(name);
-		if (!m_library) m_why += "; install the vendor's software, add its folder to LD_LIBRARY_PATH or name the file in " + std::string(variable);
+		if (!m_library)
+			m_why += "; install the vendor's software, add its folder to LD_LIBRARY_PATH or name the file in " + std::string(variable);
 	}
 
 	/// Null, and why() names the first symbol that was not there.
-	template <class Function>
-	void find(const char* symbol, Function*& function)
+	template <class Function> void find(const char* symbol, Function*& function)
 	{
 		function = m_library ? reinterpret_cast<Function*>(dlsym(m_library, symbol)) : nullptr;
 		if (m_library && !function && m_why.empty()) m_why = m_file + " lacks the function " + symbol;

@@ -15,10 +15,7 @@ namespace
 {
 constexpr std::int64_t kPeriod = 500'000;  // [ns]
 
-void copy(const chai3d::cVector3d& from, double (&to)[3])
-{
-	to[0] = from.x(), to[1] = from.y(), to[2] = from.z();
-}
+void copy(const chai3d::cVector3d& from, double (&to)[3]) { to[0] = from.x(), to[1] = from.y(), to[2] = from.z(); }
 
 class Chai3dDevice
 {
@@ -86,12 +83,10 @@ void Chai3dDevice::describe(devicebridge_info& info)
 	setText(info.model, s.m_modelName), setText(info.maker, s.m_manufacturerName);
 	setText(info.source, "specifications of CHAI3D, which has them in a table of models");
 	const std::pair<double, uint32_t> values[] = {{info.peak_force, DEVICEBRIDGE_ASSUMED_PEAK_FORCE},
-												  {info.peak_torque, DEVICEBRIDGE_ASSUMED_PEAK_TORQUE},
-												  {info.max_stiffness, DEVICEBRIDGE_ASSUMED_MAX_STIFFNESS},
-												  {info.max_angular_stiffness, DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_STIFFNESS},
-												  {info.max_damping, DEVICEBRIDGE_ASSUMED_MAX_DAMPING},
-												  {info.max_angular_damping, DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_DAMPING},
-												  {info.workspace_radius, DEVICEBRIDGE_ASSUMED_WORKSPACE_RADIUS}};
+		{info.peak_torque, DEVICEBRIDGE_ASSUMED_PEAK_TORQUE}, {info.max_stiffness, DEVICEBRIDGE_ASSUMED_MAX_STIFFNESS},
+		{info.max_angular_stiffness, DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_STIFFNESS}, {info.max_damping, DEVICEBRIDGE_ASSUMED_MAX_DAMPING},
+		{info.max_angular_damping, DEVICEBRIDGE_ASSUMED_MAX_ANGULAR_DAMPING},
+		{info.workspace_radius, DEVICEBRIDGE_ASSUMED_WORKSPACE_RADIUS}};
 	uint32_t assumed = 0;
 	for (const auto& [value, bit] : values)
 		if (value > 0) assumed |= bit;

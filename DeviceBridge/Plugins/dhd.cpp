@@ -64,18 +64,18 @@ const char* profileOf(int type)
 {
 	switch (type)
 	{
-		case 33: return "omega3";
-		case 34:
-		case 36: return "omega6";
-		case 35:
-		case 37: return "omega7";
-		case 60: return "falcon";
-		case 63: return "delta3";
-		case 104:
-		case 105:
-		case 106:
-		case 107: return "sigma7";
-		default: return "";
+	case 33: return "omega3";
+	case 34:
+	case 36: return "omega6";
+	case 35:
+	case 37: return "omega7";
+	case 60: return "falcon";
+	case 63: return "delta3";
+	case 104:
+	case 105:
+	case 106:
+	case 107: return "sigma7";
+	default: return "";
 	}
 }
 
@@ -113,15 +113,18 @@ ist::Result<std::unique_ptr<DhdDevice>> DhdDevice::open(const std::string& addre
 	int index = 0;
 	const char* const end = address.data() + address.size();
 	const auto [stop, failure] = std::from_chars(address.data(), end, index);
-	if (!address.empty() && (failure != std::errc() || stop != end)) return ist::Error{"dhd:" + address + ": the index must be a number", false};
+	if (!address.empty() && (failure != std::errc() || stop != end))
+		return ist::Error{"dhd:" + address + ": the index must be a number", false};
 	const int count = f.count();
 	if (index < 0 || index >= count)
-		return ist::Error{"libdhd finds " + std::to_string(count < 0 ? 0 : count) + " devices, there is no dhd:" + std::to_string(index), false};
+		return ist::Error{
+			"libdhd finds " + std::to_string(count < 0 ? 0 : count) + " devices, there is no dhd:" + std::to_string(index), false};
 	const int id = f.openId(static_cast<char>(index));
 	if (id < 0) return ist::Error{"libdhd cannot open device " + std::to_string(index) + ": " + f.lastError(), false};
 	auto device = std::make_unique<DhdDevice>(f, static_cast<char>(id));
 	device->describe(info);
-	if (f.enableForce(1, static_cast<char>(id)) < 0) return ist::Error{std::string("libdhd cannot switch the forces on: ") + f.lastError(), false};
+	if (f.enableForce(1, static_cast<char>(id)) < 0)
+		return ist::Error{std::string("libdhd cannot switch the forces on: ") + f.lastError(), false};
 	return device;
 }
 

@@ -5,9 +5,9 @@
 // Millimetres there, metres here. Forces only: how libHD wants torques of six-axis devices rests on no public source.
 #include <mutex>
 
-#include "DeviceBridge/Timing/TripleBuffer.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
+#include "DeviceBridge/Timing/TripleBuffer.h"
 
 namespace devicebridge::plugin
 {
@@ -135,8 +135,8 @@ ist::Result<std::unique_ptr<HdDevice>> HdDevice::open(const std::string& address
 	{
 		if (handle != kNoHandle) f.disable(handle);
 		return ist::Error{"libHD cannot open '" + (address.empty() ? "the default device" : address) + "': " + f.errorText(error.code) +
-							  "; is it configured, connected and paired?",
-						  false};
+				"; is it configured, connected and paired?",
+			false};
 	}
 	auto device = std::make_unique<HdDevice>(f, handle);
 	device->describe(info);
@@ -147,13 +147,11 @@ ist::Result<std::unique_ptr<HdDevice>> HdDevice::open(const std::string& address
 
 void HdDevice::describe(devicebridge_info& info)
 {
-	const auto text = [&](unsigned name)
-	{
+	const auto text = [&](unsigned name) {
 		const char* const value = m_f.getText(name);
 		return std::string(value ? value : "");
 	};
-	const auto number = [&](unsigned name)
-	{
+	const auto number = [&](unsigned name) {
 		double value = 0;
 		m_f.getDoubles(name, &value);
 		return value;
@@ -169,8 +167,7 @@ void HdDevice::describe(devicebridge_info& info)
 void HdDevice::start()
 {
 	m_callback = m_f.schedule(
-		[](void* self) -> unsigned
-		{
+		[](void* self) -> unsigned {
 			static_cast<HdDevice*>(self)->servo();
 			return kContinue;
 		},

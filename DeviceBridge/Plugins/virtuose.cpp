@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures, constants and the name of the library: VirtuoseAPI.h 4.03 and
-// virtuoseAPI.so, public in github.com/gabrielegiudici93/ROS-Virtuose (virtuose/external/VirtuoseAPI), which exports every function that is looked up
-// here; the meaning of poses and forces as in vpVirtuose.cpp of github.com/lagadic/visp. W is the base frame. virtuose:HOST?peak_force=N&peak_torque=N: the API tells no limits, so the smallest device's are taken unless given.
+// Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures, constants and the name of the library:
+// VirtuoseAPI.h 4.03 and virtuoseAPI.so, public in github.com/gabrielegiudici93/ROS-Virtuose (virtuose/external/VirtuoseAPI), which exports
+// every function that is looked up here; the meaning of poses and forces as in vpVirtuose.cpp of github.com/lagadic/visp. W is the base
+// frame. virtuose:HOST?peak_force=N&peak_torque=N: the API tells no limits, so the smallest device's are taken unless given.
 #include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
@@ -15,7 +16,7 @@ namespace
 using Context = void*;
 constexpr int kImpedance = 3, kIndexWithoutForce = 3, kButtonCount = 3;
 constexpr double kNotGiven = -1;
-constexpr float kTimeStep = 1e-3F;         // [s]
+constexpr float kTimeStep = 1e-3F;           // [s]
 constexpr std::int64_t kPeriod = 1'000'000;  // [ns]
 
 struct VirtuoseFunctions
@@ -120,8 +121,9 @@ ist::Result<std::unique_ptr<VirtuoseDevice>> VirtuoseDevice::open(const std::str
 
 bool VirtuoseDevice::prepare()
 {
-	return m_f.setIndexing(m_context, kIndexWithoutForce) == 0 && m_f.setForceFactor(m_context, 1) == 0 && m_f.setSpeedFactor(m_context, 1) == 0 &&
-		   m_f.setTimeStep(m_context, kTimeStep) == 0 && m_f.setCommandType(m_context, kImpedance) == 0 && m_f.setPower(m_context, 1) == 0;
+	return m_f.setIndexing(m_context, kIndexWithoutForce) == 0 && m_f.setForceFactor(m_context, 1) == 0 &&
+		m_f.setSpeedFactor(m_context, 1) == 0 && m_f.setTimeStep(m_context, kTimeStep) == 0 &&
+		m_f.setCommandType(m_context, kImpedance) == 0 && m_f.setPower(m_context, 1) == 0;
 }
 
 News VirtuoseDevice::exchange(const devicebridge_command& command, devicebridge_state& s, std::string& why)
@@ -134,8 +136,8 @@ News VirtuoseDevice::exchange(const devicebridge_command& command, devicebridge_
 		force[3 + i] = static_cast<float>(command.torque[i]);
 	}
 	int power = 0, deadMan = 0, running = 0;
-	if (m_f.setForce(m_context, force) || m_f.getPosition(m_context, position) || m_f.getSpeed(m_context, speed) || m_f.getPower(m_context, &power) ||
-		m_f.getDeadMan(m_context, &deadMan) || m_f.getEmergencyStop(m_context, &running))
+	if (m_f.setForce(m_context, force) || m_f.getPosition(m_context, position) || m_f.getSpeed(m_context, speed) ||
+		m_f.getPower(m_context, &power) || m_f.getDeadMan(m_context, &deadMan) || m_f.getEmergencyStop(m_context, &running))
 	{
 		why = "the Virtuose is lost: " + lastError();
 		return News::Lost;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // A tracker, its buttons and, where it exerts forces, its force device behind a VRPN server. VRPN is a C++ library, whose names no two
-// compilers spell alike, so that this plug-in is built where its headers are. Interface: vrpn_Tracker.h, vrpn_Button.h, vrpn_ForceDevice.h and
-// vrpn_Connection.h of github.com/vrpn/vrpn, 07.36; that an angular velocity turns about the axes of the tracker: vrpn_Tracker_Filter.C there. W is
-// the tracker's frame. vrpn://HOST:PORT/TRACKER, or VRPN's own TRACKER@tcp://HOST:PORT; VRPN tells no limits, so they are options.
+// compilers spell alike, so that this plug-in is built where its headers are. Interface: vrpn_Tracker.h, vrpn_Button.h, vrpn_ForceDevice.h
+// and vrpn_Connection.h of github.com/vrpn/vrpn, 07.36; that an angular velocity turns about the axes of the tracker: vrpn_Tracker_Filter.C
+// there. W is the tracker's frame. vrpn://HOST:PORT/TRACKER, or VRPN's own TRACKER@tcp://HOST:PORT; VRPN tells no limits, so they are
+// options.
 #include <vrpn_Button.h>
 #include <vrpn_Connection.h>
 #include <vrpn_ForceDevice.h>
@@ -71,7 +72,10 @@ public:
 private:
 	static void VRPN_CALLBACK onPose(void* self, const vrpn_TRACKERCB report) { static_cast<VrpnDevice*>(self)->take(report); }
 	static void VRPN_CALLBACK onVelocity(void* self, const vrpn_TRACKERVELCB report) { static_cast<VrpnDevice*>(self)->take(report); }
-	static void VRPN_CALLBACK onButton(void* self, const vrpn_BUTTONCB report) { static_cast<VrpnDevice*>(self)->press(report.button, report.state != 0); }
+	static void VRPN_CALLBACK onButton(void* self, const vrpn_BUTTONCB report)
+	{
+		static_cast<VrpnDevice*>(self)->press(report.button, report.state != 0);
+	}
 	static void VRPN_CALLBACK onButtons(void* self, const vrpn_BUTTONSTATESCB report) { static_cast<VrpnDevice*>(self)->take(report); }
 	void take(const vrpn_TRACKERCB& report);
 	void take(const vrpn_TRACKERVELCB& report);
@@ -99,7 +103,10 @@ private:
 };
 
 VrpnDevice::VrpnDevice(const std::string& name, vrpn_Connection& connection, const VrpnOptions& options)
-	: m_connection(connection), m_tracker(name.c_str(), &connection), m_buttons(name.c_str(), &connection), m_sensor(options.sensor)
+	: m_connection(connection),
+	  m_tracker(name.c_str(), &connection),
+	  m_buttons(name.c_str(), &connection),
+	  m_sensor(options.sensor)
 {
 	if (options.peakForce > 0) m_forces = std::make_unique<vrpn_ForceDevice_Remote>(name.c_str(), &connection);
 	m_tracker.shutup = m_buttons.shutup = true;
@@ -192,8 +199,7 @@ void VrpnDevice::exert(const double (&force)[3])
 
 double VrpnDevice::measureRate()
 {
-	const auto serveUntil = [&](std::int64_t end, auto&& done)
-	{
+	const auto serveUntil = [&](std::int64_t end, auto&& done) {
 		while (m_clock.now() < end && !done()) m_pace.wait(), serve();
 	};
 	serveUntil(m_clock.now() + kPatience, [&] { return m_samples > 0; });
@@ -212,16 +218,20 @@ ist::Result<std::unique_ptr<VrpnDevice>> VrpnDevice::open(const std::string& res
 		if (!*number) return number->error();
 	if (!address.leftOver().empty()) return ist::Error{address.leftOver(), false};
 	const std::optional<std::string> name = vrpnName(address.path());
-	if (!name) return ist::Error{"vrpn:" + rest + ": wanted is vrpn://HOST:PORT/TRACKER, for instance vrpn://localhost:3883/Tracker0", false};
+	if (!name)
+		return ist::Error{"vrpn:" + rest + ": wanted is vrpn://HOST:PORT/TRACKER, for instance vrpn://localhost:3883/Tracker0", false};
 	// A connection of its own: VRPN's may be used by one thread at a time.
 	vrpn_Connection* const connection = vrpn_get_connection_by_name(name->c_str(), nullptr, nullptr, nullptr, nullptr, nullptr, true);
 	if (!connection) return ist::Error{"VRPN cannot open a connection to " + *name, false};
 	const VrpnOptions options{static_cast<int>(sensor.value()), force.value(), stiffness.value(), rate.value()};
 	auto device = std::make_unique<VrpnDevice>(*name, *connection, options);
 	const double measured = device->measureRate();
-	if (measured == 0 && !device->connected()) return ist::Error{"no VRPN server answers for " + *name + "; start it, and see that host and port are right", false};
+	if (measured == 0 && !device->connected())
+		return ist::Error{"no VRPN server answers for " + *name + "; start it, and see that host and port are right", false};
 	if (measured == 0)
-		return ist::Error{"the VRPN server sends no pose of " + *name + ", sensor " + std::to_string(options.sensor) + "; are tracker and sensor right?", false};
+		return ist::Error{
+			"the VRPN server sends no pose of " + *name + ", sensor " + std::to_string(options.sensor) + "; are tracker and sensor right?",
+			false};
 	info.sensed = DEVICEBRIDGE_TRANSLATION | DEVICEBRIDGE_ROTATION;
 	info.actuated = options.peakForce > 0 ? DEVICEBRIDGE_TRANSLATION : 0;
 	info.peak_force = options.peakForce, info.max_stiffness = options.stiffness;

@@ -25,17 +25,17 @@ inline const char* describe(FaultCause cause) noexcept
 {
 	switch (cause)
 	{
-		case FaultCause::None: return "no fault";
-		case FaultCause::NotFinite: return "the wrench was not finite";
-		case FaultCause::InvalidState: return "the device reported a pose or twist that is not finite or not rigid";
-		case FaultCause::Disconnected: return "the device does not answer";
-		case FaultCause::Frozen: return "the device repeats its samples";
-		case FaultCause::Jump: return "the handle jumped";
-		case FaultCause::Stalled: return "a tick took longer than a command lives";
-		case FaultCause::ClockJump: return "the clock ran backwards";
-		case FaultCause::HookException: return "a hook threw an exception";
-		case FaultCause::Raised: return "the program raised a fault";
-		case FaultCause::ToolNotFinite: return "a step left the tool with a velocity that is not finite";
+	case FaultCause::None: return "no fault";
+	case FaultCause::NotFinite: return "the wrench was not finite";
+	case FaultCause::InvalidState: return "the device reported a pose or twist that is not finite or not rigid";
+	case FaultCause::Disconnected: return "the device does not answer";
+	case FaultCause::Frozen: return "the device repeats its samples";
+	case FaultCause::Jump: return "the handle jumped";
+	case FaultCause::Stalled: return "a tick took longer than a command lives";
+	case FaultCause::ClockJump: return "the clock ran backwards";
+	case FaultCause::HookException: return "a hook threw an exception";
+	case FaultCause::Raised: return "the program raised a fault";
+	case FaultCause::ToolNotFinite: return "a step left the tool with a velocity that is not finite";
 	}
 	return "unknown fault";
 }

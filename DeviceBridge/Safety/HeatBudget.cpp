@@ -12,8 +12,7 @@ HeatBudget::HeatBudget(double continuous, double peak, double timeConstant)
 	: m_continuousSquared(continuous * continuous),
 	  m_peakSquared(std::max(peak * peak, continuous * continuous)),
 	  m_timeConstant(std::max(1e-3, timeConstant))
-{
-}
+{}
 
 bool HeatBudget::limit(ist::Vec3& v) const noexcept
 {
@@ -27,8 +26,5 @@ void HeatBudget::spend(const ist::Vec3& v, double dt) noexcept
 	m_meanSquare += (squaredNorm(v) - m_meanSquare) * -std::expm1(-std::max(0.0, dt) / m_timeConstant);
 }
 
-double HeatBudget::load() const noexcept
-{
-	return m_continuousSquared > 0 ? m_meanSquare / m_continuousSquared : 1;
-}
+double HeatBudget::load() const noexcept { return m_continuousSquared > 0 ? m_meanSquare / m_continuousSquared : 1; }
 }  // namespace devicebridge

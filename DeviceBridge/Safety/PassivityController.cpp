@@ -25,8 +25,7 @@ bool PassivityController::correct(ist::Wrench& wrench, const ist::Twist& twist, 
 {
 	m_lastDissipated = 0;
 	if (m_energy >= -m_limits.tolerance) return false;
-	const double power =
-		m_limits.damping * squaredNorm(twist.linear) + m_limits.angularDamping * squaredNorm(twist.angular);
+	const double power = m_limits.damping * squaredNorm(twist.linear) + m_limits.angularDamping * squaredNorm(twist.angular);
 	if (!(power * dt > 0) || !(share > 0)) return false;
 	const double beta = std::min(share, -m_energy / (power * dt));
 	wrench.force -= beta * m_limits.damping * twist.linear;
@@ -42,7 +41,7 @@ void PassivityController::sent(const ist::Wrench& wrench, const ist::Twist& twis
 {
 	m_held = wrench;
 	const bool resting = norm(wrench.force) <= 1e-3 * m_limits.force && norm(wrench.torque) <= 1e-3 * m_limits.torque &&
-						 norm(twist.linear) <= kRestingSpeed && norm(twist.angular) <= kRestingTurn;
+		norm(twist.linear) <= kRestingSpeed && norm(twist.angular) <= kRestingTurn;
 	m_resting = resting ? m_resting + dt : 0;
 	if (m_resting >= kRestingAfter) m_energy = 0;
 }
@@ -66,6 +65,6 @@ void PassivityController::forget() noexcept
 EnergyLog PassivityController::energy() const noexcept
 {
 	return {m_stored.load(std::memory_order_relaxed), m_generated.load(std::memory_order_relaxed),
-			m_dissipated.load(std::memory_order_relaxed), m_ticks.load(std::memory_order_relaxed)};
+		m_dissipated.load(std::memory_order_relaxed), m_ticks.load(std::memory_order_relaxed)};
 }
 }  // namespace devicebridge

@@ -12,9 +12,9 @@ namespace devicebridge
 /// Energy through the hand's six degrees of freedom [J].
 struct EnergyLog
 {
-	double stored = 0;      ///< given by the hand and not returned; below zero the virtual world is active
-	double generated = 0;   ///< all that was returned beyond what was given
-	double dissipated = 0;  ///< by the controller's damping
+	double stored = 0;        ///< given by the hand and not returned; below zero the virtual world is active
+	double generated = 0;     ///< all that was returned beyond what was given
+	double dissipated = 0;    ///< by the controller's damping
 	std::uint64_t ticks = 0;  ///< on which it damped
 };
 
@@ -51,9 +51,9 @@ public:
 	EnergyLog energy() const noexcept;
 
 private:
-	static constexpr double kRestingAfter = 0.05;    // [s]
-	static constexpr double kRestingSpeed = 5e-3;    // [m/s]
-	static constexpr double kRestingTurn = 5e-2;     // [rad/s]
+	static constexpr double kRestingAfter = 0.05;  // [s]
+	static constexpr double kRestingSpeed = 5e-3;  // [m/s]
+	static constexpr double kRestingTurn = 5e-2;   // [rad/s]
 
 	PassivityLimits m_limits;
 	ist::Pose m_pose;

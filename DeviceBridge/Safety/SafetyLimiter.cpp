@@ -24,8 +24,8 @@ double continuousLimit(double continuous, double peak)
 
 DeviceInfo usable(DeviceInfo info)
 {
-	for (double* limit : {&info.peakForce, &info.peakTorque, &info.maxDamping, &info.maxAngularDamping, &info.resolution,
-						  &info.angularResolution})
+	for (double* limit :
+		{&info.peakForce, &info.peakTorque, &info.maxDamping, &info.maxAngularDamping, &info.resolution, &info.angularResolution})
 		*limit = usableLimit(*limit);
 	info.continuousForce = continuousLimit(info.continuousForce, info.peakForce);
 	info.continuousTorque = continuousLimit(info.continuousTorque, info.peakTorque);
@@ -57,8 +57,8 @@ PassivityLimits passivityLimits(const DeviceInfo& raw, const SafetySettings& set
 SpeedBrake::Limits brakeLimits(const DeviceInfo& raw, const SafetySettings& settings)
 {
 	const DeviceInfo info = usable(raw);
-	return {settings.maxSpeed,     settings.maxAngularSpeed, info.maxDamping / 2, info.maxAngularDamping / 2,
-			info.continuousForce, info.continuousTorque};
+	return {settings.maxSpeed, settings.maxAngularSpeed, info.maxDamping / 2, info.maxAngularDamping / 2, info.continuousForce,
+		info.continuousTorque};
 }
 
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
@@ -74,8 +74,7 @@ SafetyLimiter::SafetyLimiter(const DeviceInfo& info, const SafetySettings& setti
 	  m_forceHeat(m_info.continuousForce, m_info.peakForce, settings.heatTime),
 	  m_torqueHeat(m_info.continuousTorque, m_info.peakTorque, settings.heatTime),
 	  m_brake(brakeLimits(info, settings))
-{
-}
+{}
 
 bool SafetyLimiter::dropNotActuated(ist::Wrench& wrench) const noexcept
 {

@@ -23,11 +23,11 @@ struct SafetySettings
 	bool startInsideLatch = true;         ///< in contact when enabled: no force until free
 	bool passivity = true;
 	double largestCredit = std::numeric_limits<double>::infinity();  ///< PassivityLimits::largestCredit [J]
-	std::int64_t riseTime = 20'000'000;   ///< shortest time from zero to the peak of the device [ns]
-	bool oneFactor = false;               ///< saturation shortens force and torque alike
-	double heatTime = 10;                 ///< over which the continuous limits hold [s]
-	double maxSpeed = 1.5, maxAngularSpeed = 20;  ///< above: damping only [m/s, rad/s]
-	bool latchFault = true;               ///< a wrench that was not finite keeps the device at zero until clearFault()
+	std::int64_t riseTime = 20'000'000;                              ///< shortest time from zero to the peak of the device [ns]
+	bool oneFactor = false;                                          ///< saturation shortens force and torque alike
+	double heatTime = 10;                                            ///< over which the continuous limits hold [s]
+	double maxSpeed = 1.5, maxAngularSpeed = 20;                     ///< above: damping only [m/s, rad/s]
+	bool latchFault = true;  ///< a wrench that was not finite keeps the device at zero until clearFault()
 };
 
 /// How often each stage changed a command.
@@ -37,8 +37,8 @@ struct SafetyCounts
 	std::uint64_t passivity = 0, slewed = 0, saturated = 0, heat = 0, overSpeed = 0;
 	std::uint64_t total() const
 	{
-		return notFinite + faulted + aged + disabled + ramped + startInside + notActuated + passivity + slewed + saturated +
-			   heat + overSpeed;
+		return notFinite + faulted + aged + disabled + ramped + startInside + notActuated + passivity + slewed + saturated + heat +
+			overSpeed;
 	}
 };
 

@@ -10,8 +10,8 @@ namespace
 {
 bool samePose(const ist::Pose& a, const ist::Pose& b)
 {
-	return a.translation == b.translation && a.rotation.row(0) == b.rotation.row(0) &&
-		   a.rotation.row(1) == b.rotation.row(1) && a.rotation.row(2) == b.rotation.row(2);
+	return a.translation == b.translation && a.rotation.row(0) == b.rotation.row(0) && a.rotation.row(1) == b.rotation.row(1) &&
+		a.rotation.row(2) == b.rotation.row(2);
 }
 
 /// The angle between two orientations, from the Frobenius norm of their difference, which is sqrt(8) sin(angle / 2) [rad].

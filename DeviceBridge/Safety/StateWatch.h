@@ -8,12 +8,13 @@ namespace devicebridge
 {
 struct StateWatchSettings
 {
-	double longestJump = 0.05;             ///< between two samples beyond what `speed` explains [m]
-	double speed = 10;                     ///< that a hand never has [m/s]
-	double longestTurn = 1;                ///< between two samples beyond what `angularSpeed` explains [rad]
-	double angularSpeed = 100;             ///< that a hand never has [rad/s]
-	std::int64_t frozenAfter = 10'000'000;  ///< age of a repeated sample [ns]; a SteppingThread waits for at least three periods of its device
-	int steadySamples = 20;                ///< good ones in a row before the device is believed again
+	double longestJump = 0.05;  ///< between two samples beyond what `speed` explains [m]
+	double speed = 10;          ///< that a hand never has [m/s]
+	double longestTurn = 1;     ///< between two samples beyond what `angularSpeed` explains [rad]
+	double angularSpeed = 100;  ///< that a hand never has [rad/s]
+	std::int64_t frozenAfter =
+		10'000'000;          ///< age of a repeated sample [ns]; a SteppingThread waits for at least three periods of its device
+	int steadySamples = 20;  ///< good ones in a row before the device is believed again
 };
 
 /// Judges the samples of a device: a pose that is not rigid, a jump, samples that repeat.

@@ -25,8 +25,7 @@ void RealClock::sleepUntil(std::int64_t deadline) noexcept
 	t.tv_sec = static_cast<std::time_t>(deadline / 1'000'000'000);
 	t.tv_nsec = static_cast<long>(deadline % 1'000'000'000);
 	while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR)
-	{
-	}
+	{}
 }
 #else
 std::int64_t RealClock::now() const noexcept

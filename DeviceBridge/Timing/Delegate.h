@@ -12,16 +12,14 @@ namespace devicebridge
 /// An event. Listeners run in the order in which they were added, on the thread that broadcasts.
 /// A listener may add and remove listeners, itself included: an added one first hears the next broadcast, a removed one
 /// hears nothing more. Other threads may add and remove only while nothing broadcasts.
-template <class... Args>
-class Delegate
+template <class... Args> class Delegate
 {
 public:
 	using Id = std::uint64_t;
 
-	template <class Callable>
-	Id addDelegate(Callable&& callable)
+	template <class Callable> Id addDelegate(Callable&& callable)
 	{
-		m_slots.push_back({++m_lastId, true, std::function<void(Args&...)>(std::forward<Callable>(callable))});
+		m_slots.push_back({++m_lastId, true, std::function<void(Args & ...)>(std::forward<Callable>(callable))});
 		return m_lastId;
 	}
 

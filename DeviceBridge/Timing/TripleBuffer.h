@@ -7,8 +7,7 @@ namespace devicebridge
 {
 /// The latest value from one writing thread to one reading thread. Neither waits, and neither sees half a value: of three copies one
 /// belongs to the writer, one to the reader, and the third changes hands. T is made three times and never copied here.
-template <class T>
-class TripleBuffer
+template <class T> class TripleBuffer
 {
 public:
 	/// Writer: the copy to fill. Holds an older value.

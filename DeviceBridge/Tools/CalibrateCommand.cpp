@@ -45,7 +45,8 @@ int calibrate(GloveLink& glove, const RunArguments& arguments)
 int runCalibrate(const RunArguments& arguments)
 {
 	const std::string scheme = "glove:";
-	if (arguments.uri.compare(0, scheme.size(), scheme) != 0) return fail("gloves are calibrated (glove:/dev/ttyUSB0), not " + arguments.uri);
+	if (arguments.uri.compare(0, scheme.size(), scheme) != 0)
+		return fail("gloves are calibrated (glove:/dev/ttyUSB0), not " + arguments.uri);
 	auto settings = gloveSettings(arguments.uri.substr(scheme.size()));
 	if (!settings) return fail(settings.error().message);
 	GloveLink glove(std::move(settings).value(), arguments.uri);

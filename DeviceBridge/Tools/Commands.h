@@ -25,7 +25,7 @@ using Report = nlohmann::ordered_json;
 struct RunArguments
 {
 	std::string uri, output;
-	std::string hand;       ///< file for the motion of the hand; empty: none
+	std::string hand;  ///< file for the motion of the hand; empty: none
 	double seconds = 3;
 	double stiffness = -1;  ///< of the wall that fills z < 0 [N/m]; negative: half of what the device bears
 	double rate = 10;       ///< of the lines of `monitor` [Hz]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/AssumedLimits.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 #include "DeviceBridge/Tools/Commands.h"
 
@@ -24,7 +24,8 @@ int runList(bool json)
 	Report& drivers = report["drivers"] = Report::array();
 	for (const DriverReport& driver : DeviceRegistry().drivers())
 	{
-		Report& row = drivers.emplace_back(Report{{"scheme", driver.scheme + ":"}, {"available", driver.missing.empty()}, {"what", driver.what}});
+		Report& row = drivers.emplace_back(
+			Report{{"scheme", driver.scheme + ":"}, {"available", driver.missing.empty()}, {"what", driver.what}});
 		if (!driver.missing.empty()) row["reason"] = driver.missing;
 	}
 	Report& devices = report["devices"] = Report::array();
@@ -53,8 +54,7 @@ int runInfo(const RunArguments& arguments)
 	report["actuated"] = freedoms(info.actuated);
 	report["handedness"] = info.handedness == Handedness::Left ? "left" : info.handedness == Handedness::Right ? "right" : "either";
 	// An unknown value is null, not zero.
-	const auto number = [&](const char* name, double value)
-	{
+	const auto number = [&](const char* name, double value) {
 		if (value > 0) report[name] = value;
 		else report[name] = nullptr;
 	};

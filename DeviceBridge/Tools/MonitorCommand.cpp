@@ -30,8 +30,8 @@ int runMonitor(const RunArguments& arguments)
 		const ist::Quaternion q = ist::quaternion(s.X_WH.rotation);
 		const ist::Vec3 &p = s.X_WH.translation, &v = s.twist.linear, &w = s.twist.angular;
 		std::printf("%.3f,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32 ",%" PRIu32 "\n",
-					1e-9 * static_cast<double>(clock.now() - start), describe(status), p.x, p.y, p.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x,
-					w.y, w.z, s.buttons, s.flags);
+			1e-9 * static_cast<double>(clock.now() - start), describe(status), p.x, p.y, p.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y,
+			w.z, s.buttons, s.flags);
 	}
 	device.close();
 	return kGood;

@@ -16,12 +16,8 @@ constexpr double kRound = 3;  // [s]
 HandScript pressingHand()
 {
 	const ist::Mat3 turned = rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{0, 0, 0.4}));
-	const HandScript once = handThrough({{0, {{}, {0, 0, 0.02}}},
-										 {0.6, {{}, {0, 0, 0.02}}},
-										 {1, {{}, {0, 0, -0.01}}},
-										 {1.8, {{}, {0.02, 0.01, -0.01}}},
-										 {2.3, {turned, {0.02, 0.01, -0.01}}},
-										 {2.7, {{}, {0, 0, 0.02}}}});
+	const HandScript once = handThrough({{0, {{}, {0, 0, 0.02}}}, {0.6, {{}, {0, 0, 0.02}}}, {1, {{}, {0, 0, -0.01}}},
+		{1.8, {{}, {0.02, 0.01, -0.01}}}, {2.3, {turned, {0.02, 0.01, -0.01}}}, {2.7, {{}, {0, 0, 0.02}}}});
 	return [once](double t) { return once(std::fmod(t, kRound)); };
 }
 }  // namespace

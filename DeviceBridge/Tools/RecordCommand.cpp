@@ -21,7 +21,8 @@ void runFor(SteppingThread& thread, Clock& clock, std::int64_t ticks, bool realT
 	const StopSignals stop(thread);
 	if (!realTime)
 	{
-		for (std::int64_t done = 0; done < ticks && !StopSignals::caught(); done += 100) thread.run(std::min<std::int64_t>(100, ticks - done));
+		for (std::int64_t done = 0; done < ticks && !StopSignals::caught(); done += 100)
+			thread.run(std::min<std::int64_t>(100, ticks - done));
 		return;
 	}
 	if (!thread.start()) return;
@@ -36,9 +37,9 @@ void describe(Report& report, const SteppingThread& thread)
 	report["overruns"] = thread.overruns();
 	report["device_errors"] = thread.deviceErrors();
 	report["faults"] = thread.faults();
-	report["safety"] = {{"not_finite", c.notFinite}, {"faulted", c.faulted},   {"aged", c.aged},		   {"disabled", c.disabled},
-						{"ramped", c.ramped},		 {"start_inside", c.startInside}, {"not_actuated", c.notActuated}, {"passivity", c.passivity},
-						{"slewed", c.slewed},		 {"saturated", c.saturated}, {"heat", c.heat},		   {"over_speed", c.overSpeed}};
+	report["safety"] = {{"not_finite", c.notFinite}, {"faulted", c.faulted}, {"aged", c.aged}, {"disabled", c.disabled},
+		{"ramped", c.ramped}, {"start_inside", c.startInside}, {"not_actuated", c.notActuated}, {"passivity", c.passivity},
+		{"slewed", c.slewed}, {"saturated", c.saturated}, {"heat", c.heat}, {"over_speed", c.overSpeed}};
 	const EnergyLog e = thread.energy();
 	report["energy"] = {{"stored", e.stored}, {"generated", e.generated}, {"dissipated", e.dissipated}};
 }
@@ -48,7 +49,8 @@ std::optional<ist::Error> whyNotKept(const RunArguments& arguments)
 {
 	if (auto obstacle = ist::whyNotWritable(arguments.output)) return obstacle;
 	if (arguments.hand.empty()) return std::nullopt;
-	if (ist::isSameFile(arguments.output, arguments.hand)) return ist::Error{"\"" + arguments.hand + "\" is to hold the recording and the hand; name two files"};
+	if (ist::isSameFile(arguments.output, arguments.hand))
+		return ist::Error{"\"" + arguments.hand + "\" is to hold the recording and the hand; name two files"};
 	return ist::whyNotWritable(arguments.hand);
 }
 
@@ -69,7 +71,8 @@ int runRecord(const RunArguments& arguments)
 	if (const auto obstacle = whyNotKept(arguments)) return fail(obstacle->message);
 	auto opened = openWithHand(arguments.uri);
 	if (!opened) return fail(opened.error().message);
-	if (!arguments.hand.empty() && !(opened.value()->info().sensed & kHandJointsSensed)) return fail(arguments.uri + " senses no joints of a hand: leave --hand out");
+	if (!arguments.hand.empty() && !(opened.value()->info().sensed & kHandJointsSensed))
+		return fail(arguments.uri + " senses no joints of a hand: leave --hand out");
 	const auto ticks = static_cast<std::int64_t>(1000 * arguments.seconds);
 	RecordingDevice device(std::move(opened).value(), static_cast<std::size_t>(ticks));
 	WallWorld world(wallStiffness(device.info(), arguments.stiffness));

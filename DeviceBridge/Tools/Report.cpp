@@ -26,7 +26,8 @@ void print(const Report& report, bool json)
 		if (name == "schema") continue;
 		const bool rows = value.is_array() && !value.empty() && value.front().is_object();
 		if (!rows) std::printf("%s: %s\n", name.c_str(), value.is_string() ? value.get<std::string>().c_str() : dump(value).c_str());
-		for (std::size_t i = 0; rows && i < value.size(); ++i) std::printf("%s %s\n", i ? " " : (name + ":\n ").c_str(), dump(value[i]).c_str());
+		for (std::size_t i = 0; rows && i < value.size(); ++i)
+			std::printf("%s %s\n", i ? " " : (name + ":\n ").c_str(), dump(value[i]).c_str());
 	}
 }
 

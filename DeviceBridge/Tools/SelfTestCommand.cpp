@@ -32,8 +32,10 @@ bool staysWithinLimits(const Bench& bench)
 	SteppingThread thread = bench.thread(world);
 	bool within = true;
 	const DeviceInfo& info = bench.device.info();
-	thread.onTransform.addDelegate([&](const DeviceState&)
-								   { within = within && norm(thread.sentWrench().force) <= info.peakForce * (1 + 1e-9) && norm(thread.sentWrench().torque) <= info.peakTorque * (1 + 1e-9); });
+	thread.onTransform.addDelegate([&](const DeviceState&) {
+		within = within && norm(thread.sentWrench().force) <= info.peakForce * (1 + 1e-9) &&
+			norm(thread.sentWrench().torque) <= info.peakTorque * (1 + 1e-9);
+	});
 	thread.run(1000);
 	return within && thread.deviceErrors() == 0 && thread.faults() == 0;
 }
@@ -44,11 +46,9 @@ bool endsInZero(const Bench& bench, FaultCause cause, const std::function<void(i
 	WallWorld world(0);
 	SteppingThread thread = bench.thread(world);
 	bool now = false;
-	thread.onHapticTick.addDelegate(
-		[&](const DeviceState&, ist::Wrench& w)
-		{
-			if (now) accident(w);
-		});
+	thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench& w) {
+		if (now) accident(w);
+	});
 	thread.run(500);
 	now = true;
 	thread.run(1);
@@ -73,11 +73,10 @@ int runSelfTest(const RunArguments& arguments)
 	VirtualClock virtualClock;
 	RealClock realClock;
 	const Bench bench{*opened.value(), arguments.realTime ? static_cast<Clock&>(realClock) : virtualClock,
-					  wallStiffness(opened.value()->info(), arguments.stiffness)};
+		wallStiffness(opened.value()->info(), arguments.stiffness)};
 	const auto notFinite = [](ist::Wrench& w) { w.force.y = std::numeric_limits<double>::quiet_NaN(); };
 	const auto throws = [](ist::Wrench&) { throw std::runtime_error("self test"); };
-	const std::vector<std::pair<const char*, bool>> results = {
-		{"a round of the hand stays within the limits", staysWithinLimits(bench)},
+	const std::vector<std::pair<const char*, bool>> results = {{"a round of the hand stays within the limits", staysWithinLimits(bench)},
 		{"a wrench that is not finite gives zero", endsInZero(bench, FaultCause::NotFinite, notFinite)},
 		{"an exception in a hook gives zero", endsInZero(bench, FaultCause::HookException, throws)},
 		{"switched off means zero", obeysTheSwitch(bench)}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Tools/Commands.h"
 #include "DeviceBridge/Coupling/ZWidth.h"
+#include "DeviceBridge/Tools/Commands.h"
 
 namespace devicebridge::tools
 {
@@ -22,7 +22,8 @@ int runZWidth(const ZWidthArguments& arguments)
 	report["resolution"] = arguments.quantised ? profile.value().info.resolution : 0;
 	Report& rows = report["points"] = Report::array();
 	for (const ZWidthPoint& p : measureZWidth(profile.value(), arguments.delayTicks, dampings, arguments.quantised))
-		rows.push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive}, {"passive_measured", p.passiveMeasured}});
+		rows.push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive},
+			{"passive_measured", p.passiveMeasured}});
 	print(report, arguments.json);
 	return kGood;
 }

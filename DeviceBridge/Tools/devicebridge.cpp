@@ -27,7 +27,9 @@ public:
 		add("list", "Drivers and the devices that they offer", [this] { return runList(m_run.json); });
 		addRun("info", "What a device is and can bear", runInfo, false);
 		addRun("monitor", "Print the samples of a device as CSV; sends no force", runMonitor, true)
-			->add_option("--rate", m_run.rate, "lines in a second [Hz]")->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+			->add_option("--rate", m_run.rate, "lines in a second [Hz]")
+			->check(CLI::Range(0.1, 1000.0))
+			->capture_default_str();
 		CLI::App* record = addRun("record", "Feel an elastic wall below z = 0 and write down what passes", runRecord, true);
 		record->add_option("-o,--output", m_run.output, "recording to write")->required();
 		record->add_option("--hand", m_run.hand, "CSV to write the joints of a tracked hand to; motion:FILE plays it");
@@ -36,9 +38,12 @@ public:
 		for (const char* name : {"record", "replay", "selftest"})
 		{
 			if (std::string(name) == "selftest") addRun(name, "Check the safety chain on a device", runSelfTest, true);
-			m_app.get_subcommand(name)->add_option("--stiffness", m_run.stiffness, "of the wall [N/m] (half of what the device bears)")->check(CLI::NonNegativeNumber);
+			m_app.get_subcommand(name)
+				->add_option("--stiffness", m_run.stiffness, "of the wall [N/m] (half of what the device bears)")
+				->check(CLI::NonNegativeNumber);
 		}
-		CLI::App* calibrate = add("calibrate", "Fit a data glove to the hand that wears it, from two poses", [this] { return runCalibrate(m_run); });
+		CLI::App* calibrate = add(
+			"calibrate", "Fit a data glove to the hand that wears it, from two poses", [this] { return runCalibrate(m_run); });
 		calibrate->add_option("uri", m_run.uri, "address of the glove, for instance glove:/dev/ttyUSB0")->required();
 		calibrate->add_option("-o,--output", m_run.output, "calibration to write")->required();
 		addZWidth();
@@ -81,13 +86,13 @@ private:
 
 	void addZWidth()
 	{
-		CLI::App* sub = add("zwidth", "Largest stable stiffness of a virtual wall over its damping", [this]
-							{
-								m_zwidth.json = m_run.json;
-								return runZWidth(m_zwidth);
-							});
+		CLI::App* sub = add("zwidth", "Largest stable stiffness of a virtual wall over its damping", [this] {
+			m_zwidth.json = m_run.json;
+			return runZWidth(m_zwidth);
+		});
 		sub->add_option("uri", m_zwidth.uri, "simulated device")->capture_default_str();
-		sub->add_option("--delay-ticks", m_zwidth.delayTicks, "by which a command takes effect later")->transform(ist::tools::wholeNumber(0, 31));
+		sub->add_option("--delay-ticks", m_zwidth.delayTicks, "by which a command takes effect later")
+			->transform(ist::tools::wholeNumber(0, 31));
 		sub->add_flag("--quantised", m_zwidth.quantised, "positions come in the steps of the device's resolution");
 		sub->add_option("--steps", m_zwidth.steps, "dampings")->transform(ist::tools::wholeNumber(1, 1000))->capture_default_str();
 		sub->add_option("--max-damping", m_zwidth.most, "largest damping of the wall [N s/m]")->check(CLI::NonNegativeNumber);

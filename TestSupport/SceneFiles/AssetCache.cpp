@@ -33,11 +33,13 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 }  // namespace
 
 Result<CachedTree> treeFromCache(const Mesh& mesh, const BuildOptions& options, const std::string& folder, const std::string& name,
-								 const std::function<void(const std::string&)>& say)
+	const std::function<void(const std::string&)>& say)
 {
 	const auto start = std::chrono::steady_clock::now();
 	const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-	const auto tell = [&](const std::string& text) { if (say) say(text); };
+	const auto tell = [&](const std::string& text) {
+		if (say) say(text);
+	};
 	const uint64_t hash = meshHash(mesh);
 	const std::string path = folder.empty() ? "" : (std::filesystem::path(folder) / fileName(name, hash, options)).string();
 	std::error_code ignored;

@@ -46,7 +46,8 @@ public:
 private:
 	void skip()
 	{
-		for (; m_at < m_text.size() && std::string(" \t\r\n").find(m_text[m_at]) != std::string::npos; ++m_at) m_line += m_text[m_at] == '\n';
+		for (; m_at < m_text.size() && std::string(" \t\r\n").find(m_text[m_at]) != std::string::npos; ++m_at)
+			m_line += m_text[m_at] == '\n';
 	}
 
 	std::string string()
@@ -158,7 +159,10 @@ Error JsonSource::problem(const std::string& path, const std::string& problem) c
 }
 
 JsonFields::JsonFields(const JsonSource& source, const Json& object, std::string path, std::optional<Error>& problem)
-	: m_source(source), m_object(object), m_path(std::move(path)), m_problem(problem)
+	: m_source(source),
+	  m_object(object),
+	  m_path(std::move(path)),
+	  m_problem(problem)
 {
 	if (!m_object.is_object()) refuse("", "wants an object in braces");
 }

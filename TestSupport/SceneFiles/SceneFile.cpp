@@ -18,9 +18,9 @@ namespace scenes
 {
 namespace
 {
-constexpr double kLargestLength = 1000;    // [m]
-constexpr double kSmallestLength = 1e-5;   // [m]
-constexpr double kLongestRun = 3600;       // [s]
+constexpr double kLargestLength = 1000;   // [m]
+constexpr double kSmallestLength = 1e-5;  // [m]
+constexpr double kLongestRun = 3600;      // [s]
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
 /// However the two are spelled, through links too; none needs to be there.
@@ -30,7 +30,8 @@ bool isSameFile(const std::string& a, const std::string& b)
 	namespace fs = std::filesystem;
 	std::error_code failed;
 	if (fs::equivalent(a, b, failed)) return true;
-	const fs::path left = fs::weakly_canonical(fs::absolute(a, failed), failed), right = fs::weakly_canonical(fs::absolute(b, failed), failed);
+	const fs::path left = fs::weakly_canonical(fs::absolute(a, failed), failed),
+				   right = fs::weakly_canonical(fs::absolute(b, failed), failed);
 	return a == b || (!left.empty() && left == right);
 }
 
@@ -67,8 +68,7 @@ private:
 	JsonFields fields(const Json& object, const std::string& path) { return JsonFields(m_source, object, path, m_problem); }
 
 	/// Every object of a list, with nothing left over in any.
-	template <class Read>
-	void eachOf(JsonFields& parent, const std::string& name, const Read& read)
+	template <class Read> void eachOf(JsonFields& parent, const std::string& name, const Read& read)
 	{
 		const Json* list = parent.list(name);
 		for (size_t i = 0; list && i < list->size() && !m_problem; ++i)
@@ -99,8 +99,7 @@ private:
 		return 0;
 	}
 
-	template <class Named>
-	std::string newName(JsonFields& f, const std::vector<Named>& all)
+	template <class Named> std::string newName(JsonFields& f, const std::vector<Named>& all)
 	{
 		f.need("name");
 		const std::string name = f.text("name");
@@ -166,7 +165,8 @@ private:
 		if (shape == 0)
 		{
 			const Vec3 half = f.vector("halfExtents", {0.05, 0.05, 0.05}, kLargestLength);
-			if (!(std::fmin(half.x, std::fmin(half.y, half.z)) >= kSmallestLength)) f.refuse("halfExtents", "wants three lengths of at least 1e-5");
+			if (!(std::fmin(half.x, std::fmin(half.y, half.z)) >= kSmallestLength))
+				f.refuse("halfExtents", "wants three lengths of at least 1e-5");
 			return makeBoxMesh(half);
 		}
 		if (shape == 1) return makeSphereMesh(length(f, "radius", 0.02));
@@ -271,7 +271,8 @@ private:
 		f.need("tool");
 		m_scene.device = f.text("device");
 		m_scene.devicePlace = placeOf(f, "device");
-		if (m_scene.device.find(':') == std::string::npos) f.refuse("device", "wants an address such as sim:sigma7; devicebridge list shows what can be had");
+		if (m_scene.device.find(':') == std::string::npos)
+			f.refuse("device", "wants an address such as sim:sigma7; devicebridge list shows what can be had");
 		m_scene.tool = find(f, "tool", f.text("tool"), m_scene.bodies, "body");
 		if (!m_problem) checkTool(f);
 		m_scene.toolGravity = f.flag("gravity", false);
@@ -372,9 +373,9 @@ private:
 		using Action = SceneHook::Action;
 		const Action a = hook.action;
 		const bool fits = (a == Action::Record && (hook.event == Event::Transform || hook.event == Event::HapticTick)) ||
-						  (a == Action::Count && hook.event == Event::Collision) || (a == Action::Log && hook.event == Event::Fault) ||
-						  (a == Action::Stop && (hook.event == Event::Fault || hook.event == Event::Collision)) ||
-						  ((a == Action::Force || a == Action::Damping || a == Action::Scale) && hook.event == Event::HapticTick);
+			(a == Action::Count && hook.event == Event::Collision) || (a == Action::Log && hook.event == Event::Fault) ||
+			(a == Action::Stop && (hook.event == Event::Fault || hook.event == Event::Collision)) ||
+			((a == Action::Force || a == Action::Damping || a == Action::Scale) && hook.event == Event::HapticTick);
 		if (!fits) f.refuse("do", f.text("do") + " cannot be done on " + f.text("on"));
 		if (a == Action::Record)
 		{

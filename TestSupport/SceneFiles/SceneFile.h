@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <optional>
 #include <string>
@@ -18,9 +18,9 @@ namespace scenes
 struct SceneAsset
 {
 	std::string name, place;
-	std::string mesh;            ///< file, or empty
-	std::string ist;             ///< file, or empty
-	ist::Mesh shape;             ///< of a generated one
+	std::string mesh;                  ///< file, or empty
+	std::string ist;                   ///< file, or empty
+	ist::Mesh shape;                   ///< of a generated one
 	double unit = 0, longestSide = 0;  ///< of a mesh file: one of both, or neither for metres
 	int64_t spheres = 10000;
 	uint64_t seed = 1;
@@ -29,10 +29,10 @@ struct SceneAsset
 struct SceneMaterial
 {
 	std::string name;
-	double density = 1000;       ///< [kg/m^3]
-	double stiffness = 0;        ///< k_X [Pa/m]; 0: not set
-	double dissipation = -1;     ///< [s/m]; negative: not set
-	double friction = 0.5;       ///< Bullet multiplies those of both bodies
+	double density = 1000;    ///< [kg/m^3]
+	double stiffness = 0;     ///< k_X [Pa/m]; 0: not set
+	double dissipation = -1;  ///< [s/m]; negative: not set
+	double friction = 0.5;    ///< Bullet multiplies those of both bodies
 };
 
 struct SceneBody
@@ -47,20 +47,20 @@ struct SceneBody
 	std::string name, place;
 	Kind kind = Kind::Asset;
 	size_t asset = 0;
-	ist::Vec3 normal{0, 1, 0};   ///< of a plane, unit length
-	double offset = 0;           ///< of a plane along its normal
-	ist::Vec3 halfExtents;       ///< of a box
-	double radius = 0;           ///< of a sphere
+	ist::Vec3 normal{0, 1, 0};  ///< of a plane, unit length
+	double offset = 0;          ///< of a plane along its normal
+	ist::Vec3 halfExtents;      ///< of a box
+	double radius = 0;          ///< of a sphere
 	SceneMaterial material;
-	ist::Pose X_BM;              ///< of the mesh frame
-	double mass = 0;             ///< 0: from the material's density
+	ist::Pose X_BM;   ///< of the mesh frame
+	double mass = 0;  ///< 0: from the material's density
 	bool fixed = false;
 };
 
 struct SceneKeyFrame
 {
 	double time = 0;
-	ist::Pose X_BM;              ///< that the hand wants for the tool's mesh frame
+	ist::Pose X_BM;  ///< that the hand wants for the tool's mesh frame
 };
 
 /// Something that is done at one of the thread's events without code.
@@ -75,17 +75,17 @@ struct SceneHook
 	};
 	enum class Action
 	{
-		Record,  ///< CSV, one row a tick: of the hand, and at the haptic tick of tool and wrench
-		Count,   ///< ticks, largest volume and force for each body that is touched
-		Force,   ///< adds a force at the hand
-		Damping, ///< adds -b v
-		Scale,   ///< multiplies the wrench
-		Log,     ///< says each fault when the run is over
-		Stop     ///< ends the run
+		Record,   ///< CSV, one row a tick: of the hand, and at the haptic tick of tool and wrench
+		Count,    ///< ticks, largest volume and force for each body that is touched
+		Force,    ///< adds a force at the hand
+		Damping,  ///< adds -b v
+		Scale,    ///< multiplies the wrench
+		Log,      ///< says each fault when the run is over
+		Stop      ///< ends the run
 	};
 	Event event = Event::Collision;
 	Action action = Action::Count;
-	std::string file, place;     ///< of a recording
+	std::string file, place;  ///< of a recording
 	ist::Vec3 force;
 	double damping = 0, angularDamping = 0, factor = 1;
 };
@@ -110,14 +110,14 @@ struct SceneCoupling
 struct Scene
 {
 	std::string file, name, about;
-	double duration = 0;         ///< 0: up to the last key frame
+	double duration = 0;  ///< 0: up to the last key frame
 	ist::Vec3 gravity{0, -9.81, 0};
 	SceneTopology topology = SceneTopology::OneThread;
 	double worldRate = 60;
 	int64_t maxPairs = -1;
-	bool hasHand = false;        ///< a session wants one, tests do without: then what follows, up to `coupling`, and `tool` say nothing
+	bool hasHand = false;  ///< a session wants one, tests do without: then what follows, up to `coupling`, and `tool` say nothing
 	std::string handPlace;
-	std::string device;          ///< address
+	std::string device;  ///< address
 	std::string devicePlace;
 	std::optional<ist::Pose> X_BW;  ///< of the device's world; where missing, its origin lies at the first key frame
 	std::vector<SceneKeyFrame> path;
@@ -125,7 +125,7 @@ struct Scene
 	SceneCoupling coupling;
 	std::vector<SceneAsset> assets;
 	std::vector<SceneBody> bodies;
-	size_t tool = 0;             ///< among the bodies
+	size_t tool = 0;  ///< among the bodies
 	bool onlyPairs = false;
 	std::vector<std::pair<size_t, size_t>> pairs;
 	std::optional<ist::Box> region;

@@ -11,10 +11,10 @@ namespace scenes
 /// with height: full thickness at the bottom, a third of it at the height of the tips.
 struct CrownShape
 {
-	double radius = 0.06;       ///< of the outside
-	double wall = 0.006;        ///< at the bottom
+	double radius = 0.06;  ///< of the outside
+	double wall = 0.006;   ///< at the bottom
 	double bandHeight = 0.02, pointHeight = 0.05;
-	double pointShare = 0.8;    ///< of the way around that points take at their feet, 0 to 1
+	double pointShare = 0.8;  ///< of the way around that points take at their feet, 0 to 1
 	int points = 16;
 };
 ist::Mesh makeCrownMesh(const CrownShape& shape = {});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/SceneWorld.h"
 
-#include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
@@ -35,8 +35,9 @@ std::vector<Vec3> cornersOf(const InnerSphereTree& tree)
 {
 	std::vector<Vec3> corners;
 	for (int i = 0; i < 8; ++i)
-		corners.push_back(tree.origin + Vec3{i & 1 ? tree.box.upper.x : tree.box.lower.x, i & 2 ? tree.box.upper.y : tree.box.lower.y,
-											 i & 4 ? tree.box.upper.z : tree.box.lower.z});
+		corners.push_back(tree.origin +
+			Vec3{i & 1 ? tree.box.upper.x : tree.box.lower.x, i & 2 ? tree.box.upper.y : tree.box.lower.y,
+				i & 4 ? tree.box.upper.z : tree.box.lower.z});
 	return corners;
 }
 
@@ -118,8 +119,9 @@ Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset
 	{
 		const Asset& asset = assets[from.asset];
 		if (!from.fixed && asset.principal.mesh.vertices.empty() && !isPrincipal(*asset.tree))
-			return Error{from.place + ": the asset of a body that moves has its centre of mass at the origin and its principal axes along x, y, z; "
-									  "name its mesh instead, which is turned so"};
+			return Error{from.place +
+				": the asset of a body that moves has its centre of mass at the origin and its principal axes along x, y, z; "
+				"name its mesh instead, which is turned so"};
 		body.tree = asset.tree;
 		body.mesh = asset.principal.mesh;
 		body.X_MP = asset.principal.X_MP;
@@ -139,7 +141,8 @@ Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset
 		const bool box = from.kind == SceneBody::Kind::Box;
 		if (box) body.shape = std::make_unique<btBoxShape>(toBullet(h));
 		else body.shape = std::make_unique<btSphereShape>(btScalar(from.radius));
-		if (!(mass > 0)) mass = from.material.density * (box ? 8 * h.x * h.y * h.z : 4 / 3.0 * 3.14159265358979323846 * std::pow(from.radius, 3));
+		if (!(mass > 0))
+			mass = from.material.density * (box ? 8 * h.x * h.y * h.z : 4 / 3.0 * 3.14159265358979323846 * std::pow(from.radius, 3));
 		if (!from.fixed) body.shape->calculateLocalInertia(btScalar(mass), inertia);
 	}
 	if (from.fixed) mass = 0, inertia.setZero();
@@ -180,7 +183,8 @@ const char* SceneWorld::nameOf(const void* object) const
 	return "world";
 }
 
-Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options)
+Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(
+	btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options)
 {
 	const Result<std::vector<Asset>> assets = makeAssets(scene, options);
 	if (!assets) return assets.error();
@@ -196,7 +200,8 @@ Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(btISTWorld& world, const
 	for (size_t i = 0; i < bodies.size(); ++i)
 	{
 		const SceneBody& from = scene.bodies[i];
-		if (auto refused = world.materials().set(bodies[i].body.get(), {from.material.stiffness, from.material.dissipation})) return at(from.place, *refused);
+		if (auto refused = world.materials().set(bodies[i].body.get(), {from.material.stiffness, from.material.dissipation}))
+			return at(from.place, *refused);
 		if (!bodies[i].tree || !inWorld(i)) continue;
 		Result<btISTAttachment> attached = world.attach(bodies[i].shape.get(), bodies[i].tree);
 		if (!attached) return at(from.place, attached.error());

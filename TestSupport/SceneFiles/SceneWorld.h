@@ -17,7 +17,7 @@ namespace scenes
 {
 struct SceneBuildOptions
 {
-	std::string cache;        ///< folder for trees; empty: none
+	std::string cache;  ///< folder for trees; empty: none
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;  ///< messages for people
 };
@@ -39,8 +39,8 @@ public:
 
 	/// `withTool`: the tool is a body of the world; otherwise it is left out of it.
 	static ist::Result<std::unique_ptr<SceneWorld>> make(const Scene& scene, bool withTool, const SceneBuildOptions& options);
-	/// The same in a world that is there, which takes gravity, pairs and region of the scene; bodies are the caller's, who takes them out of it. When
-	/// refused, none is in it.
+	/// The same in a world that is there, which takes gravity, pairs and region of the scene; bodies are the caller's, who takes them out
+	/// of it. When refused, none is in it.
 	static ist::Result<std::vector<Body>> addTo(btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options);
 	~SceneWorld();
 

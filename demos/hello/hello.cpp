@@ -3,8 +3,8 @@
 // Usage: hello [FILE.ist]          (an .ist file comes from `ist build MESH -o FILE.ist`)
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -17,8 +17,7 @@ int main(int argc, char** argv)
 	// 1. A tree of inner spheres. A game builds it once and keeps it in a file.
 	ist::BuildOptions options;
 	options.maxSpheres = 1000;
-	ist::Result<ist::InnerSphereTree> made =
-		argc > 1 ? ist::loadAsset(argv[1]) : ist::buildTree(ist::makeTorusMesh(0.35, 0.15), options);
+	ist::Result<ist::InnerSphereTree> made = argc > 1 ? ist::loadAsset(argv[1]) : ist::buildTree(ist::makeTorusMesh(0.35, 0.15), options);
 	if (!made)
 	{
 		std::fprintf(stderr, "%s\n", made.error().message.c_str());
@@ -62,11 +61,12 @@ int main(int argc, char** argv)
 	}
 	for (const btISTContact* contact : world.contacts().contacts())
 		if (contact->patchCount > 0)
-			std::printf("%-12s overlap %.4g cm^3 in %d patch(es)\n", contact->halfSpace ? "ring, floor:" : "ring, ring:",
-						1e6 * contact->total.volume, contact->patchCount);
-	const double weight = 2 * double(mass) * 9.81, speed = double(std::max(lying.getLinearVelocity().length(), falling.getLinearVelocity().length()));
+			std::printf("%-12s overlap %.4g cm^3 in %d patch(es)\n",
+				contact->halfSpace ? "ring, floor:" : "ring, ring:", 1e6 * contact->total.volume, contact->patchCount);
+	const double weight = 2 * double(mass) * 9.81,
+				 speed = double(std::max(lying.getLinearVelocity().length(), falling.getLinearVelocity().length()));
 	std::printf("heights      %.4f m and %.4f m, speed %.1e m/s\n", double(lying.getWorldTransform().getOrigin().z()),
-				double(falling.getWorldTransform().getOrigin().z()), speed);
+		double(falling.getWorldTransform().getOrigin().z()), speed);
 	std::printf("floor feels  %.3f N of %.3f N weight\n", force, weight);
 	for (btRigidBody* body : {&floor, &lying, &falling}) world.bullet().removeRigidBody(body);
 	return std::fabs(force / weight - 1) < 0.01 && speed < 0.01 ? 0 : 1;

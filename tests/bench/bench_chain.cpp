@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Cost of one step of a chain of rings that hangs by its first link, or falls onto a plane and piles up: one island of bodies with many patches. Beside it
-// what the chain looks like. Processor time of the thread. Usage:
-// bench_chain [--falls 1] [--links N=40] [--spheres N=1000] [--rate HZ=120] [--steps N=240] [--friction F=0.5] [--stiffness PA-PER-M=1e7]
+// Cost of one step of a chain of rings that hangs by its first link, or falls onto a plane and piles up: one island of bodies with many
+// patches. Beside it what the chain looks like. Processor time of the thread. Usage: bench_chain [--falls 1] [--links N=40] [--spheres
+// N=1000] [--rate HZ=120] [--steps N=240] [--friction F=0.5] [--stiffness PA-PER-M=1e7]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -158,11 +158,13 @@ int main(int argc, char** argv)
 	}
 	const btVolumetricStatistics& all = chain.world.statistics();
 	const double steps = double(options.steps);
-	std::printf("%d links of %lld spheres, %.0f Hz: a step %.2f ms in the median, %.2f at most (query %.2f) | stretch %.3f %%, rms speed %.2e m/s, energy %.1f -> %.1f J, at most %+.1e above its start\n",
-				options.links, static_cast<long long>(options.spheres), options.rate, median(step), *std::max_element(step.begin(), step.end()), median(query),
-				100 * chain.stretch(), chain.speed(), start, chain.energy(), most);
-	std::printf("a step: %.1f patches, %.2f islands solved at once, %.2f too large, %.2f changes of the pushing set, %.2f times friction not converged, %.2f held to the ledger\n",
-				double(all.patches) / steps, double(all.islands) / steps, double(all.islandsTooLarge) / steps, double(all.activeSetRounds) / steps,
-				double(all.frictionNotConverged) / steps, double(all.contactsHeldToLedger) / steps);
+	std::printf("%d links of %lld spheres, %.0f Hz: a step %.2f ms in the median, %.2f at most (query %.2f) | stretch %.3f %%, rms speed "
+				"%.2e m/s, energy %.1f -> %.1f J, at most %+.1e above its start\n",
+		options.links, static_cast<long long>(options.spheres), options.rate, median(step), *std::max_element(step.begin(), step.end()),
+		median(query), 100 * chain.stretch(), chain.speed(), start, chain.energy(), most);
+	std::printf("a step: %.1f patches, %.2f islands solved at once, %.2f too large, %.2f changes of the pushing set, %.2f times friction "
+				"not converged, %.2f held to the ledger\n",
+		double(all.patches) / steps, double(all.islands) / steps, double(all.islandsTooLarge) / steps, double(all.activeSetRounds) / steps,
+		double(all.frictionNotConverged) / steps, double(all.contactsHeldToLedger) / steps);
 	return 0;
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Zlib
-// What the economy saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and the error
-// that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the repeats, both ways in turn in one process. Usage:
-// bench_economy [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
+// What the economy saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and the
+// error that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the repeats,
+// both ways in turn in one process. Usage: bench_economy [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
 #include "BulletHapticForce/Law/btContactLaw.h"
 #include "BulletISTCollision/Core/Tuning/StepChoice.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "demos/browser/base/WorldDemo.h"
 #include "demos/browser/catalog/DemoCatalog.h"
 #include "demos/browser/catalog/DemoRun.h"
 #include "demos/browser/catalog/KeptCheck.h"
-#include "demos/browser/base/WorldDemo.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -46,7 +46,8 @@ public:
 		btContactPatch patch;
 		for (const btISTContact* contact : world.contacts().contacts())
 			for (int p = 0; p < contact->patchCount; ++p)
-				if (evaluateContactPatch(*contact, p, patch)) add(patch, mobility(*contact->bodyA, patch) + mobility(*contact->bodyB, patch), h);
+				if (evaluateContactPatch(*contact, p, patch))
+					add(patch, mobility(*contact->bodyA, patch) + mobility(*contact->bodyB, patch), h);
 	}
 	/// h^2 K/m + 2 h c/m: beyond 4 explicit forces diverge.
 	std::vector<double> numbers;
@@ -65,7 +66,8 @@ private:
 	{
 		if (!(inverseMass > 0)) return;
 		const ist::Twist along{patch.normal, {}};
-		const ist::ContactSpring spring{dot((patch.stiffness * along).force, patch.normal), 1 / inverseMass, dot((patch.damping * along).force, patch.normal)};
+		const ist::ContactSpring spring{
+			dot((patch.stiffness * along).force, patch.normal), 1 / inverseMass, dot((patch.damping * along).force, patch.normal)};
 		numbers.push_back((h * h * spring.stiffness + 2 * h * spring.damping) * inverseMass);
 		borne += ist::longestExplicitStep(spring) >= h;
 		alike += ist::longestExplicitStep(spring) >= h && ist::longestStepForRestitution(spring, kLoss) >= h;
@@ -77,8 +79,7 @@ void run(WorldDemo& demo, const EconomyChoice& economy, KeptCheck* check, PatchS
 {
 	demo.setEconomy(economy);
 	DemoRunOptions options;
-	options.afterStep = [&](long long)
-	{
+	options.afterStep = [&](long long) {
 		for (DemoWorld* world : demo.worlds())
 		{
 			if (check && world->volumetric()) check->look(*world->volumetric());
@@ -120,9 +121,12 @@ int main(int argc, char** argv)
 		else if (key == "--cache") cache = value;
 		else value.clear();
 		if (value.empty() || !(error >= 0 && error <= 0.5) || repeat < 1)
-			return std::fprintf(stderr, "usage: bench_economy [--error E=0.05, 0 to 0.5] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]\n"), 2;
+			return std::fprintf(
+					   stderr, "usage: bench_economy [--error E=0.05, 0 to 0.5] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]\n"),
+				   2;
 	}
-	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step [us], always / economy | error 95 %% | largest | figures | h^2 K/m + 2 h c/m, median | borne explicitly, alike |\n");
+	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step "
+				"[us], always / economy | error 95 %% | largest | figures | h^2 K/m + 2 h c/m, median | borne explicitly, alike |\n");
 	std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 	std::vector<double> factors, counts;
 	for (const DemoEntry& entry : demoCatalog())
@@ -144,13 +148,16 @@ int main(int argc, char** argv)
 		run(*scene, {true, error}, &check, &springs, checked);
 		factors.push_back(always.querySeconds / economy.querySeconds);
 		counts.push_back(double(always.cost.leafPairs) / double(std::max<int64_t>(economy.cost.leafPairs, 1)));
-		std::printf("| %s | %llu | %llu | %.3g | %lld / %lld | %.3g / %.3g | %.3g | %.0f / %.0f | %.2f %% | %.2f %% | %s | %.2g | %.0f %%, %.1f %% |\n", entry.name,
-					static_cast<unsigned long long>(economy.cost.asked), static_cast<unsigned long long>(economy.cost.kept()), economy.cost.factor(),
-					static_cast<long long>(always.cost.leafPairs), static_cast<long long>(economy.cost.leafPairs), 1e3 * always.querySeconds,
-					1e3 * economy.querySeconds, factors.back(), always.stepMicroseconds, economy.stepMicroseconds, 100 * check.share(0.95), 100 * check.largest(),
-					always.good && economy.good ? "good" : "NOT as expected", median(springs.numbers), springs.share(springs.borne), springs.share(springs.alike));
+		std::printf("| %s | %llu | %llu | %.3g | %lld / %lld | %.3g / %.3g | %.3g | %.0f / %.0f | %.2f %% | %.2f %% | %s | %.2g | %.0f %%, "
+					"%.1f %% |\n",
+			entry.name, static_cast<unsigned long long>(economy.cost.asked), static_cast<unsigned long long>(economy.cost.kept()),
+			economy.cost.factor(), static_cast<long long>(always.cost.leafPairs), static_cast<long long>(economy.cost.leafPairs),
+			1e3 * always.querySeconds, 1e3 * economy.querySeconds, factors.back(), always.stepMicroseconds, economy.stepMicroseconds,
+			100 * check.share(0.95), 100 * check.largest(), always.good && economy.good ? "good" : "NOT as expected",
+			median(springs.numbers), springs.share(springs.borne), springs.share(springs.alike));
 		std::fflush(stdout);
 	}
-	std::printf("\nmedian factor of the time of queries %.3g, of the leaf pairs %.3g; at most %.3g of the force granted to what is kept\n", median(factors), median(counts), error);
+	std::printf("\nmedian factor of the time of queries %.3g, of the leaf pairs %.3g; at most %.3g of the force granted to what is kept\n",
+		median(factors), median(counts), error);
 	return 0;
 }

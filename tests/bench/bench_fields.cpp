@@ -2,10 +2,10 @@
 // Trees against bodies in closed form: error against quadrature on the triangles of both, and time, at 0.1, 1 and 10 % overlap of the
 // smaller body, in seeded random poses. Usage:
 // bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "demos/scenes/Bodies/FieldBodies.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
 #include "demos/scenes/Truth/PoseSampler.h"
@@ -68,7 +68,8 @@ Row measure(const Mesh& mesh, const InnerSphereTree& tree, const FieldBody& body
 		row.leaves += double(found.pairs);
 		row.oneSigma += error <= sigma.force;
 		row.twoSigma += error <= 2 * sigma.force;
-		row.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
+		row.angles.push_back(
+			180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
 		row.seconds += secondsOf(tree, body, X, workspace);
 	}
 	std::sort(row.angles.begin(), row.angles.end());
@@ -80,9 +81,9 @@ void print(const std::string& name, double overlap, const Row& row)
 	const double n = std::max(1, row.poses);
 	const auto rms = [n](double squares) { return 100 * std::sqrt(squares / n); };
 	std::printf("%-20s %6.1f%% %5d %7.0f | %+6.2f %6.2f | %6.2f %6.2f %5.0f %5.0f | %6.2f | %8.1f us, %4.0f ns a leaf\n", name.c_str(),
-				100 * overlap, row.poses, row.leaves / n, 100 * row.bias / n, rms(row.volume), rms(row.force),
-				row.angles.empty() ? 0 : row.angles[row.angles.size() / 2], 100 * row.oneSigma / n, 100 * row.twoSigma / n, rms(row.torque),
-				1e6 * row.seconds / n, 1e9 * row.seconds / std::max(1.0, row.leaves));
+		100 * overlap, row.poses, row.leaves / n, 100 * row.bias / n, rms(row.volume), rms(row.force),
+		row.angles.empty() ? 0 : row.angles[row.angles.size() / 2], 100 * row.oneSigma / n, 100 * row.twoSigma / n, rms(row.torque),
+		1e6 * row.seconds / n, 1e9 * row.seconds / std::max(1.0, row.leaves));
 	std::fflush(stdout);
 }
 }  // namespace
@@ -94,15 +95,12 @@ int main(int argc, char** argv)
 	for (int i = 1; i + 1 < argc; i += 2)
 	{
 		const std::string key = argv[i];
-		if (key == "--spheres")
-			spheres = std::atoi(argv[i + 1]);
-		else if (key == "--poses")
-			poses = std::atoi(argv[i + 1]);
-		else if (key == "--only")
-			only = argv[i + 1];
+		if (key == "--spheres") spheres = std::atoi(argv[i + 1]);
+		else if (key == "--poses") poses = std::atoi(argv[i + 1]);
+		else if (key == "--only") only = argv[i + 1];
 	}
-	std::printf("%-20s %7s %5s %7s | %6s %6s | %6s %6s %5s %5s | %6s |\n", "rms in %", "overlap", "poses", "leaves", "V bias", "V rms", "F rms",
-				"deg", "1 sig", "2 sig", "T rms");
+	std::printf("%-20s %7s %5s %7s | %6s %6s | %6s %6s %5s %5s | %6s |\n", "rms in %", "overlap", "poses", "leaves", "V bias", "V rms",
+		"F rms", "deg", "1 sig", "2 sig", "T rms");
 	const struct
 	{
 		const char* name;

@@ -3,8 +3,8 @@
 // making of btISTWorld, for the first step without a contact, and for the first step in which two rings overlap. Usage: bench_first_step
 // [ROUNDS=3]
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
@@ -32,8 +32,7 @@ double residentMegabytes()
 }
 
 /// Runs one stage and prints what it took.
-template <class Stage>
-void measure(const char* name, const Stage& stage)
+template <class Stage> void measure(const char* name, const Stage& stage)
 {
 	const double before = residentMegabytes();
 	const auto start = std::chrono::steady_clock::now();
@@ -66,8 +65,8 @@ void play(const std::shared_ptr<const ist::InnerSphereTree>& tree, btTriangleMes
 	upper.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, btScalar(0.35))));
 	measure("first step with contact", [&] { world.stepSimulation(btScalar(1) / 60, 0); });
 	for (const btISTContact* contact : ist->contacts().contacts())
-		std::printf("  pairs of leaves %ld, patches %d, volume %.6f m^3\n", long(contact->total.pairs), contact->patchCount,
-					contact->total.volume);
+		std::printf(
+			"  pairs of leaves %ld, patches %d, volume %.6f m^3\n", long(contact->total.pairs), contact->patchCount, contact->total.volume);
 	measure("the next step", [&] { world.stepSimulation(btScalar(1) / 60, 0); });
 	attachment.detach();
 	ist.reset();
@@ -80,8 +79,7 @@ int main(int argc, char** argv)
 {
 	const ist::Mesh mesh = ist::makeTorusMesh(0.5, 0.2, 32, 16);
 	btTriangleMesh triangles;
-	const auto vertex = [&](uint32_t i)
-	{
+	const auto vertex = [&](uint32_t i) {
 		const ist::Vec3& p = mesh.vertices[i];
 		return btVector3(btScalar(p.x), btScalar(p.y), btScalar(p.z));
 	};

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// The goals of the query beside what is measured, bunny against bunny, one row each: least times of several visits in shuffled order, and ratios
-// within this process. Makes the bodies it needs in FOLDER. Motion, threads, levels and instructions have programs of their own: bench_motion,
-// bench_threads, bench_levels, query_instructions.sh. Usage: bench_goals FOLDER [MESH]
+// The goals of the query beside what is measured, bunny against bunny, one row each: least times of several visits in shuffled order, and
+// ratios within this process. Makes the bodies it needs in FOLDER. Motion, threads, levels and instructions have programs of their own:
+// bench_motion, bench_threads, bench_levels, query_instructions.sh. Usage: bench_goals FOLDER [MESH]
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/bench/bodies/BenchPoses.h"
 #include "tests/bench/bodies/NaiveSphereTree.h"
@@ -154,8 +154,8 @@ void timesOfPairs(const std::vector<Body>& bodies)
 	row("ns a pair from 2,000 pairs up, most: paper; law", "14; 18 (v4), 18; 24 (v3)", "%.1f; %.1f", paper, law);
 	row("stiffness adds, at most", "40 %", "%.0f %%", 100 * stiffness);
 	const Body &small = bodies[2], &large = bodies[3];
-	row("100,000 over 10,000 spheres, ns a pair at 10 %: paper; law (goal: 500,000)", "1.4", "%.2f; %.2f", large.paper[2].perPair() / small.paper[2].perPair(),
-		large.law[2].perPair() / small.law[2].perPair());
+	row("100,000 over 10,000 spheres, ns a pair at 10 %: paper; law (goal: 500,000)", "1.4", "%.2f; %.2f",
+		large.paper[2].perPair() / small.paper[2].perPair(), large.law[2].perPair() / small.law[2].perPair());
 }
 
 void worstCase(const InnerSphereTree& body)
@@ -166,9 +166,11 @@ void worstCase(const InnerSphereTree& body)
 	double spheres = 0;
 	for (const Sphere& s : body.spheres) spheres += 4.18879020478639098462 * double(s.r) * s.r * s.r;
 	const double volume = queryOverlap(body, body, Pose{}, workspace, paperMode()).total.volume;
-	row("100,000 identical in one place, paper: ms; volume over that of the spheres - 1", "4; 1e-6", "%.1f; %.1e", 1e-3 * paper.us, volume / spheres - 1);
+	row("100,000 identical in one place, paper: ms; volume over that of the spheres - 1", "4; 1e-6", "%.1f; %.1e", 1e-3 * paper.us,
+		volume / spheres - 1);
 	const OverlapResult law = queryOverlap(body, body, Pose{}, workspace, lawMode(false));
-	row("the same, law: volume over the body's - 1; pairs", "3 %", "%.2f %%; %lld", 100 * (law.total.volume / body.volume - 1), static_cast<long long>(law.total.pairs));
+	row("the same, law: volume over the body's - 1; pairs", "3 %", "%.2f %%; %lld", 100 * (law.total.volume / body.volume - 1),
+		static_cast<long long>(law.total.pairs));
 	InnerSphereTree levelled = body;
 	levelled.levels = buildLevels(body.law);
 	QueryOptions limited = lawMode(false);
@@ -190,7 +192,8 @@ void instructionSets(const Body& body)
 			us[int(set)] = costOf(body.tree, body.poses[2], options, workspace).us;
 		}
 		if (us[1] > 0 && us[2] > 0)
-			row((std::string("baseline over v3, 10,000 spheres, 10 %, ") + name).c_str(), "4", "%.2f (portable %.2f, v4 %.2f)", us[1] / us[2], us[0] / us[2], us[3] / us[2]);
+			row((std::string("baseline over v3, 10,000 spheres, 10 %, ") + name).c_str(), "4", "%.2f (portable %.2f, v4 %.2f)",
+				us[1] / us[2], us[0] / us[2], us[3] / us[2]);
 	}
 }
 
@@ -198,7 +201,8 @@ void memory(const InnerSphereTree& body)
 {
 	size_t law = body.law.memory();
 	for (const BallTree& level : buildLevels(body.law)) law += level.memory();
-	row("bytes a leaf, law tree with all levels; a sphere, inner tree", "96; 70", "%.0f; %.0f", double(law) / body.law.ballCount(), double(body.inner.memory()) / body.inner.ballCount());
+	row("bytes a leaf, law tree with all levels; a sphere, inner tree", "96; 70", "%.0f; %.0f", double(law) / body.law.ballCount(),
+		double(body.inner.memory()) / body.inner.ballCount());
 }
 }  // namespace
 
@@ -233,7 +237,8 @@ int main(int argc, char** argv)
 	std::printf("instruction set %s\n%-72s | %-28s | measured\n", toString(set.value()), "what", "goal");
 	ratiosToNaive(bodies);
 	// What 1,000 spheres err by at 1 % overlap is printed by bench_truth.
-	row("law with 1,000 spheres at 1 %, times faster than naive with 100,000", "30 (at 5 % force error)", "%.0f", bodies[3].naive[1].us / bodies[0].law[1].us);
+	row("law with 1,000 spheres at 1 %, times faster than naive with 100,000", "30 (at 5 % force error)", "%.0f",
+		bodies[3].naive[1].us / bodies[0].law[1].us);
 	timesOfPairs(bodies);
 	worstCase(bodies[3].tree);
 	instructionSets(bodies[2]);

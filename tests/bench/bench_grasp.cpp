@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
-// The queries of the grasps in the UnrealHaptics paper: sixteen fingers of 5,000 spheres around a bunny of 10,000, eleven of them in contact,
-// 30,000 pairs of packed spheres, all fingers moving by half a thousandth of the bunny's size a tick (0.1 m/s for 0.2 m at 1 kHz). A tick asks
-// for all sixteen, each in the paper's mode, by the law, and by the coarsest level of the law that errs no more than the paper's mode does.
-// Time of a tick, each tick's least of several passes: one thread, two threads, and one thread whose pairs are remembered.
-// Usage: bench_grasp [--ticks N=60] [--passes N=5]
-#include "BulletISTCollision/Core/Query/BatchQuery.h"
+// The queries of the grasps in the UnrealHaptics paper: sixteen fingers of 5,000 spheres around a bunny of 10,000, eleven of them in
+// contact, 30,000 pairs of packed spheres, all fingers moving by half a thousandth of the bunny's size a tick (0.1 m/s for 0.2 m at 1 kHz).
+// A tick asks for all sixteen, each in the paper's mode, by the law, and by the coarsest level of the law that errs no more than the
+// paper's mode does. Time of a tick, each tick's least of several passes: one thread, two threads, and one thread whose pairs are
+// remembered. Usage: bench_grasp [--ticks N=60] [--passes N=5]
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Query/PairMemory.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/BatchQuery.h"
+#include "BulletISTCollision/Core/Query/PairMemory.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/bench/bodies/BenchBodies.h"
 #include "tests/bench/bodies/BenchPoses.h"
@@ -142,8 +142,7 @@ double errorOfLevel(const Grasp& grasp, const Hand& hand, const std::vector<Vec3
 	return forceError(forces, leaves);
 }
 
-template <class Work>
-double microseconds(Work work)
+template <class Work> double microseconds(Work work)
 {
 	const auto start = std::chrono::steady_clock::now();
 	work();
@@ -156,8 +155,7 @@ struct Times
 };
 
 /// `beginPass` comes before each pass, `tick` answers for one hand.
-template <class BeginPass, class Tick>
-Times leastTimes(const std::vector<Hand>& path, int passes, BeginPass beginPass, Tick tick)
+template <class BeginPass, class Tick> Times leastTimes(const std::vector<Hand>& path, int passes, BeginPass beginPass, Tick tick)
 {
 	std::vector<double> least(path.size(), 1e300);
 	for (int pass = 0; pass < passes; ++pass)
@@ -182,17 +180,21 @@ void measure(const char* name, const Grasp& grasp, const std::vector<Hand>& path
 	std::vector<PairMemory> memories(kParts);
 	const auto nothing = [] {};
 	const Times alone = leastTimes(path, passes, nothing, [&](const Hand& hand) { grasp.pairs(hand, options, workspace); });
-	const Times two = leastTimes(path, passes, nothing, [&](const Hand& hand)
-	{
+	const Times two = leastTimes(path, passes, nothing, [&](const Hand& hand) {
 		const std::vector<OverlapRequest> requests = grasp.requests(hand, options);
 		batch.run(requests.data(), answers.data(), requests.size());
 	});
-	const Times remembered = leastTimes(path, passes, [&] { for (PairMemory& memory : memories) memory.forget(); }, [&](const Hand& hand)
-	{
-		for (size_t i = 0; i < hand.size(); ++i) queryOverlap(grasp.object, grasp.part, hand[i], workspace, options, &memories[i]);
-	});
-	std::printf("%-22s %8lld %7.1f %% %8.0f %8.0f %8.0f %8.0f %8.0f %8.0f\n", name, static_cast<long long>(grasp.pairs(path[path.size() / 2], options, workspace)),
-		100 * error, alone.mean, alone.worst, two.mean, two.worst, remembered.mean, remembered.worst);
+	const Times remembered = leastTimes(
+		path, passes,
+		[&] {
+			for (PairMemory& memory : memories) memory.forget();
+		},
+		[&](const Hand& hand) {
+			for (size_t i = 0; i < hand.size(); ++i) queryOverlap(grasp.object, grasp.part, hand[i], workspace, options, &memories[i]);
+		});
+	std::printf("%-22s %8lld %7.1f %% %8.0f %8.0f %8.0f %8.0f %8.0f %8.0f\n", name,
+		static_cast<long long>(grasp.pairs(path[path.size() / 2], options, workspace)), 100 * error, alone.mean, alone.worst, two.mean,
+		two.worst, remembered.mean, remembered.worst);
 	std::fflush(stdout);
 }
 
@@ -243,6 +245,7 @@ int main(int argc, char** argv)
 	measure("paper's mode", grasp, path, sumsOf(Model::Inner), paper, passes);
 	measure("law, leaves", grasp, path, sumsOf(Model::Law), 0, passes);
 	for (int l = level; l > 0; l -= 2)
-		measure(("law, level " + std::to_string(l)).c_str(), grasp, path, sumsOf(Model::Law, l), errorOfLevel(grasp, hand, leaves, l, workspace), passes);
+		measure(("law, level " + std::to_string(l)).c_str(), grasp, path, sumsOf(Model::Law, l),
+			errorOfLevel(grasp, hand, leaves, l, workspace), passes);
 	return 0;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// How cost grows with pairs of leaves, spheres, bodies, contacts and threads: exponents of the upper half of each row, from where on cost is
-// linear, and what follows for large scenes. Processor time of one thread, but for the threads themselves. Usage:
-// bench_growth [--spheres MOST=10000] [--bodies MOST=1000] [--poses N=8] [--page FILE.html] [--csv FILE]
+// How cost grows with pairs of leaves, spheres, bodies, contacts and threads: exponents of the upper half of each row, from where on cost
+// is linear, and what follows for large scenes. Processor time of one thread, but for the threads themselves. Usage: bench_growth
+// [--spheres MOST=10000] [--bodies MOST=1000] [--poses N=8] [--page FILE.html] [--csv FILE]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "demos/scenes/Pages/HtmlReport.h"
 #include "tests/bench/bodies/BenchPoses.h"
 
@@ -213,13 +213,11 @@ double threadedMicroseconds(const InnerSphereTree& tree, const std::vector<Pose>
 		std::vector<std::thread> crew;
 		const double begin = now();
 		for (int t = 0; t < threads; ++t)
-			crew.emplace_back(
-				[&]
-				{
-					QueryWorkspace workspace;
-					for (int round = 0; round < kRounds; ++round)
-						for (const Pose& X : poses) queryOverlap(tree, tree, X, workspace);
-				});
+			crew.emplace_back([&] {
+				QueryWorkspace workspace;
+				for (int round = 0; round < kRounds; ++round)
+					for (const Pose& X : poses) queryOverlap(tree, tree, X, workspace);
+			});
 		for (std::thread& thread : crew) thread.join();
 		least = std::min(least, 1e6 * (now() - begin) / (double(kRounds) * double(poses.size()) * threads));
 	}
@@ -233,8 +231,8 @@ struct Asset
 
 std::vector<Row> ofQueries(const Options& o, Asset& asset, std::shared_ptr<const InnerSphereTree>& small)
 {
-	Row pairs{"query over its pairs", "leaf pairs", {}, {}}, spheres{"query at 1 % over the spheres", "spheres", {}, {}}, build{"build over the spheres", "spheres", {}, {}},
-		threads{"wall time a query, threads at once", "threads", {}, {}};
+	Row pairs{"query over its pairs", "leaf pairs", {}, {}}, spheres{"query at 1 % over the spheres", "spheres", {}, {}},
+		build{"build over the spheres", "spheres", {}, {}}, threads{"wall time a query, threads at once", "threads", {}, {}};
 	QueryWorkspace workspace;
 	const std::vector<int64_t> numbers = upTo(o.spheres, 100);
 	for (const int64_t n : numbers)
@@ -252,8 +250,10 @@ std::vector<Row> ofQueries(const Options& o, Asset& asset, std::shared_ptr<const
 			const QueryTime t = timeQueries(tree, bench::posesAtOverlap(tree, tree, overlap, o.poses), workspace);
 			if (t.pairs > 0) pairs.add(t.pairs, t.microseconds);
 		}
-		for (int count = 1; count <= int(std::thread::hardware_concurrency()); count *= 2) threads.add(count, threadedMicroseconds(tree, poses, count));
-		const std::string file = (std::filesystem::temp_directory_path() / ("bench_growth-" + std::to_string(::getpid()) + ".ist")).string();
+		for (int count = 1; count <= int(std::thread::hardware_concurrency()); count *= 2)
+			threads.add(count, threadedMicroseconds(tree, poses, count));
+		const std::string file =
+			(std::filesystem::temp_directory_path() / ("bench_growth-" + std::to_string(::getpid()) + ".ist")).string();
 		if (const auto bytes = saveAsset(tree, file)) asset.megabytes = 1e-6 * double(bytes.value());
 		std::filesystem::remove(file);
 	}
@@ -262,13 +262,15 @@ std::vector<Row> ofQueries(const Options& o, Asset& asset, std::shared_ptr<const
 
 std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSphereTree>& tree)
 {
-	Row apart{"step, bodies apart, all asked", "bodies", {}, {}}, kept{"step, bodies apart, economy 5 %", "bodies", {}, {}}, queries{"queries of these, all asked", "bodies", {}, {}},
-		keptQueries{"queries of these, economy 5 %", "bodies", {}, {}}, piles{"step, stacks of ten, economy 5 %", "contacts", {}, {}}, column{"step, one stack, economy 5 %", "contacts", {}, {}};
+	Row apart{"step, bodies apart, all asked", "bodies", {}, {}}, kept{"step, bodies apart, economy 5 %", "bodies", {}, {}},
+		queries{"queries of these, all asked", "bodies", {}, {}}, keptQueries{"queries of these, economy 5 %", "bodies", {}, {}},
+		piles{"step, stacks of ten, economy 5 %", "contacts", {}, {}}, column{"step, one stack, economy 5 %", "contacts", {}, {}};
 	const auto rounds = [](int bodies) { return std::max(12, 2000 / bodies); };
 	for (const int64_t count : upTo(o.bodies, 10))
 	{
 		const int n = int(count);
-		const Columns::Cost all = Columns(tree, n, 1, {false, 0}).run(30, rounds(n)), less = Columns(tree, n, 1, {true, 0.05}).run(30, rounds(n));
+		const Columns::Cost all = Columns(tree, n, 1, {false, 0}).run(30, rounds(n)),
+							less = Columns(tree, n, 1, {true, 0.05}).run(30, rounds(n));
 		apart.add(n, all.step);
 		kept.add(n, less.step);
 		queries.add(n, all.query);
@@ -288,31 +290,37 @@ std::string shown(double value) { return std::isfinite(value) ? scenes::formatNu
 
 void print(const std::vector<Row>& rows)
 {
-	std::printf("\n| cost of | grows with | exponent | one costs, at the end [us] | linear from | no longer from |\n|---|---|---|---|---|---|\n");
+	std::printf(
+		"\n| cost of | grows with | exponent | one costs, at the end [us] | linear from | no longer from |\n|---|---|---|---|---|---|\n");
 	for (const Row& r : rows)
-		std::printf("| %s | %s | %.2f | %.3g at %.4g | %s | %s |\n", r.name.c_str(), r.unit.c_str(), r.exponent(), r.each(), r.n.back(), shown(r.linearFrom()).c_str(),
-					shown(r.linearUpTo()).c_str());
+		std::printf("| %s | %s | %.2f | %.3g at %.4g | %s | %s |\n", r.name.c_str(), r.unit.c_str(), r.exponent(), r.each(), r.n.back(),
+			shown(r.linearFrom()).c_str(), shown(r.linearUpTo()).c_str());
 }
 
 void onPaper(const std::vector<Row>& worlds, const Asset& asset, int64_t spheres)
 {
 	const double asked = worlds[0].each(), kept = worlds[1].each();
-	std::printf("\n10,000 bodies that lie apart: %.3g ms a step when all are asked, %.3g ms with economy, of one thread; sleepers cost no query.\n", 10 * asked, 10 * kept);
-	std::printf("100,000 assets of %lld spheres: %.3g GB on disk, %.3g hours of one thread to build.\n", static_cast<long long>(spheres), 100 * asset.megabytes,
-				1e5 * asset.buildSeconds / 3600);
+	std::printf(
+		"\n10,000 bodies that lie apart: %.3g ms a step when all are asked, %.3g ms with economy, of one thread; sleepers cost no query.\n",
+		10 * asked, 10 * kept);
+	std::printf("100,000 assets of %lld spheres: %.3g GB on disk, %.3g hours of one thread to build.\n", static_cast<long long>(spheres),
+		100 * asset.megabytes, 1e5 * asset.buildSeconds / 3600);
 }
 
 scenes::HtmlReport pageOf(const std::vector<Row>& rows)
 {
 	scenes::HtmlReport page("How cost grows");
-	page.paragraph("Processor time; both axes are logarithms to the base of ten, so that a straight line is a power law and its slope the exponent.");
+	page.paragraph(
+		"Processor time; both axes are logarithms to the base of ten, so that a straight line is a power law and its slope the exponent.");
 	std::vector<std::vector<std::string>> table;
 	for (const Row& r : rows)
-		table.push_back({r.name, scenes::formatNumber(r.exponent(), 3), scenes::formatNumber(r.each(), 3), shown(r.linearFrom()), shown(r.linearUpTo())});
+		table.push_back({r.name, scenes::formatNumber(r.exponent(), 3), scenes::formatNumber(r.each(), 3), shown(r.linearFrom()),
+			shown(r.linearUpTo())});
 	page.table({"cost of", "exponent", "one costs at the end [us]", "linear from", "no longer from"}, table);
 	for (const Row& r : rows)
 	{
-		scenes::Chart chart{r.name, "log10 of " + r.unit, "log10 of the cost [us]", {{"measured", {}, {}, {}, true}, {"linear, through the last", {}, {}, {}, false}}};
+		scenes::Chart chart{r.name, "log10 of " + r.unit, "log10 of the cost [us]",
+			{{"measured", {}, {}, {}, true}, {"linear, through the last", {}, {}, {}, false}}};
 		for (size_t i = 0; i < r.n.size(); ++i)
 		{
 			for (scenes::ChartSeries& s : chart.series) s.x.push_back(std::log10(r.n[i]));

@@ -2,8 +2,8 @@
 // Force error of budgets of pairs, bunny against bunny. The truth is a tree with many more leaves at the same poses.
 // Usage: bench_levels FINE.ist TRUTH.ist [POSES]
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/bench/bodies/BenchPoses.h"
 
@@ -39,7 +39,8 @@ Errors measure(const InnerSphereTree& body, const InnerSphereTree& truth, const 
 		if (share < 1) limited.maxPairs = int64_t(share * double(all));
 		const auto start = std::chrono::steady_clock::now();
 		const OverlapResult r = queryOverlap(body, body, X, workspace, limited);
-		errors.microseconds += std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count() / double(poses.size());
+		errors.microseconds += std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count() /
+			double(poses.size());
 		if (r.status != QueryStatus::Ok)
 		{
 			++errors.refused;
@@ -76,8 +77,9 @@ int main(int argc, char** argv)
 	for (const BallTree& level : body.value().levels) all += level.memory();
 	const double leaves = body.value().law.ballCount();
 	std::printf("%zu levels built in %.3f s; bytes a leaf: %.1f, with all levels %.1f\n", body.value().levels.size(), seconds,
-				double(body.value().law.memory()) / leaves, double(all) / leaves);
-	std::printf("%8s %8s %9s %7s %9s %9s %9s %10s %6s %8s\n", "overlap", "budget", "pairs", "level", "us", "force rms", "x full", "p95/sigma", "over", "refused");
+		double(body.value().law.memory()) / leaves, double(all) / leaves);
+	std::printf("%8s %8s %9s %7s %9s %9s %9s %10s %6s %8s\n", "overlap", "budget", "pairs", "level", "us", "force rms", "x full",
+		"p95/sigma", "over", "refused");
 	for (const double overlap : {0.001, 0.01, 0.1, 0.5})
 	{
 		const std::vector<Pose> poses = bench::posesAtOverlap(body.value(), body.value(), overlap, argc > 3 ? std::atoi(argv[3]) : 20);
@@ -89,8 +91,8 @@ int main(int argc, char** argv)
 			const double rms = std::sqrt(e.squares / double(count));
 			if (share == 1) full = rms;
 			std::sort(e.overSigma.begin(), e.overSigma.end());
-			std::printf("%8g %8.4g %9.0f %7.2f %9.1f %8.2f%% %9.2f %10.2f %6d %8d\n", overlap, share, e.pairs, e.level, e.microseconds, 100 * rms, rms / full,
-						e.overSigma.empty() ? 0 : e.overSigma[e.overSigma.size() * 95 / 100], e.over, e.refused);
+			std::printf("%8g %8.4g %9.0f %7.2f %9.1f %8.2f%% %9.2f %10.2f %6d %8d\n", overlap, share, e.pairs, e.level, e.microseconds,
+				100 * rms, rms / full, e.overSigma.empty() ? 0 : e.overSigma[e.overSigma.size() * 95 / 100], e.over, e.refused);
 		}
 	}
 	return 0;

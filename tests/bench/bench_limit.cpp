@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// How near queries come to what their leaf kernels can do in this binary, on this machine: bunny against bunny. Two small trees that stay in the first
-// cache, with blocks that all lie over each other, show what a look of one ball at a block takes where nothing meets (with the share of listing it), and
-// what a pair takes on top where all meet. No query with so many of both can take less than
+// How near queries come to what their leaf kernels can do in this binary, on this machine: bunny against bunny. Two small trees that stay
+// in the first cache, with blocks that all lie over each other, show what a look of one ball at a block takes where nothing meets (with the
+// share of listing it), and what a pair takes on top where all meet. No query with so many of both can take less than
 //     limit = (node visits + pairs of blocks + balls against blocks) times a look + pairs times a pair:
-// opening a node is a look of one bound at eight, choosing a block's balls one at sixteen. Usage: bench_limit FOLDER [SPHERES...] (FOLDER/bunny-N.ist,
-// as bench_goals makes them)
+// opening a node is a look of one bound at eight, choosing a block's balls one at sixteen. Usage: bench_limit FOLDER [SPHERES...]
+// (FOLDER/bunny-N.ist, as bench_goals makes them)
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "tests/bench/bodies/BenchPoses.h"
@@ -135,7 +135,8 @@ Peak peakOf(Model model)
 	const Work apart = measure(layeredBody(1e-6, 1), layeredBody(1e-6, 2), same, model, kPeakVisits);
 	const Work meeting = measure(layeredBody(1, 1), layeredBody(1, 2), same, model, kPeakVisits);
 	const double look = apart.us / apart.looks;
-	std::printf("  %.0f looks, %.0f pairs in %.1f us; %.0f and %.0f in %.1f us\n", apart.looks, apart.pairs, apart.us, meeting.looks, meeting.pairs, meeting.us);
+	std::printf("  %.0f looks, %.0f pairs in %.1f us; %.0f and %.0f in %.1f us\n", apart.looks, apart.pairs, apart.us, meeting.looks,
+		meeting.pairs, meeting.us);
 	return {look, (meeting.us - look * meeting.looks) / meeting.pairs};
 }
 
@@ -166,8 +167,8 @@ int main(int argc, char** argv)
 	{
 		std::printf("%s, instruction set %s\n", model == Model::Inner ? "paper" : "law", toString(set.value()));
 		const Peak peak = peakOf(model);
-		std::printf("  a look %.2f ns, a pair %.2f ns\n%9s %8s %9s %9s %9s %9s %7s\n", 1e3 * peak.look, 1e3 * peak.pair, "spheres", "overlap", "looks",
-					"pairs", "limit us", "us", "share");
+		std::printf("  a look %.2f ns, a pair %.2f ns\n%9s %8s %9s %9s %9s %9s %7s\n", 1e3 * peak.look, 1e3 * peak.pair, "spheres",
+			"overlap", "looks", "pairs", "limit us", "us", "share");
 		for (const int count : spheres)
 		{
 			const Result<InnerSphereTree> body = loadAsset(std::string(argv[1]) + "/bunny-" + std::to_string(count) + ".ist");
@@ -178,8 +179,10 @@ int main(int argc, char** argv)
 			}
 			for (const double overlap : kOverlaps)
 			{
-				const Work work = measure(body.value(), body.value(), bench::posesAtOverlap(body.value(), body.value(), overlap, kPoses), model, kVisits);
-				std::printf("%9d %8g %9.0f %9.0f %9.1f %9.1f %7.2f\n", count, overlap, work.looks, work.pairs, peak.limit(work), work.us, peak.limit(work) / work.us);
+				const Work work = measure(
+					body.value(), body.value(), bench::posesAtOverlap(body.value(), body.value(), overlap, kPoses), model, kVisits);
+				std::printf("%9d %8g %9.0f %9.0f %9.1f %9.1f %7.2f\n", count, overlap, work.looks, work.pairs, peak.limit(work), work.us,
+					peak.limit(work) / work.us);
 				std::fflush(stdout);
 			}
 		}

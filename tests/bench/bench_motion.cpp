@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// What PairMemory saves where a body moves at 1 kHz with 0.1 m/s for each 0.2 m of its size, bunny against bunny: time of a query with it and
-// without, side by side; each step's least of several passes over the same path.
-// Usage: bench_motion [--steps N=200] [--passes N=8] [--speed S=0.0005 (sizes a query)] BODY.ist...
+// What PairMemory saves where a body moves at 1 kHz with 0.1 m/s for each 0.2 m of its size, bunny against bunny: time of a query with it
+// and without, side by side; each step's least of several passes over the same path. Usage: bench_motion [--steps N=200] [--passes N=8]
+// [--speed S=0.0005 (sizes a query)] BODY.ist...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Query/PairMemory.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
@@ -30,7 +30,8 @@ struct Settings
 std::vector<Pose> path(const InnerSphereTree& B, const Pose& start, double step, int steps, std::mt19937& random)
 {
 	std::normal_distribution<double> gauss;
-	const Vec3 along = normalized({gauss(random), gauss(random), gauss(random)}), axis = normalized({gauss(random), gauss(random), gauss(random)});
+	const Vec3 along = normalized({gauss(random), gauss(random), gauss(random)}),
+			   axis = normalized({gauss(random), gauss(random), gauss(random)});
 	const double reach = 0.5 * norm(B.box.upper - B.box.lower);
 	const Vec3 center = start * B.origin;
 	std::vector<Pose> poses;
@@ -46,8 +47,7 @@ std::vector<Pose> path(const InnerSphereTree& B, const Pose& start, double step,
 	return poses;
 }
 
-template <class Query>
-double microseconds(Query query)
+template <class Query> double microseconds(Query query)
 {
 	const auto start = std::chrono::steady_clock::now();
 	query();
@@ -122,9 +122,13 @@ int main(int argc, char** argv)
 	QueryOptions paper, law, full;
 	paper.model = Model::Inner;
 	paper.stiffness = paper.patches = law.stiffness = law.patches = false;
-	const struct { const char* name; QueryOptions options; } modes[] = {{"paper", paper}, {"law", law}, {"law+K+patches", full}};
-	std::printf("%8s %8s %-14s %9s %10s %10s %7s %11s %9s %11s %11s\n", "leaves", "overlap", "mode", "pairs", "fresh us", "kept us", "ratio", "worst step",
-				"searched", "other pairs", "difference");
+	const struct
+	{
+		const char* name;
+		QueryOptions options;
+	} modes[] = {{"paper", paper}, {"law", law}, {"law+K+patches", full}};
+	std::printf("%8s %8s %-14s %9s %10s %10s %7s %11s %9s %11s %11s\n", "leaves", "overlap", "mode", "pairs", "fresh us", "kept us",
+		"ratio", "worst step", "searched", "other pairs", "difference");
 	for (const std::string& file : settings.files)
 	{
 		const Result<InnerSphereTree> body = loadAsset(file);
@@ -142,7 +146,8 @@ int main(int argc, char** argv)
 				const std::vector<Pose> starts = bench::posesAtOverlap(body.value(), body.value(), overlap, 3);
 				for (const Pose& start : starts)
 				{
-					const Outcome o = measure(body.value(), path(body.value(), start, step, settings.steps, random), mode.options, settings.passes);
+					const Outcome o = measure(
+						body.value(), path(body.value(), start, step, settings.steps, random), mode.options, settings.passes);
 					const double share = 1 / double(starts.size());
 					sum.fresh += share * o.fresh;
 					sum.kept += share * o.kept;
@@ -152,8 +157,9 @@ int main(int argc, char** argv)
 					sum.worst = std::max(sum.worst, o.worst);
 					sum.error = std::max(sum.error, o.error);
 				}
-				std::printf("%8u %8g %-14s %9.0f %10.2f %10.2f %7.2f %11.2f %8.1f%% %11.0f %11.1e\n", body.value().law.ballCount(), overlap, mode.name, sum.pairs,
-							sum.fresh, sum.kept, sum.fresh / sum.kept, sum.worst, 100 * sum.searched, sum.otherPairs, sum.error);
+				std::printf("%8u %8g %-14s %9.0f %10.2f %10.2f %7.2f %11.2f %8.1f%% %11.0f %11.1e\n", body.value().law.ballCount(), overlap,
+					mode.name, sum.pairs, sum.fresh, sum.kept, sum.fresh / sum.kept, sum.worst, 100 * sum.searched, sum.otherPairs,
+					sum.error);
 				std::fflush(stdout);
 			}
 	}

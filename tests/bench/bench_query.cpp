@@ -2,9 +2,9 @@
 // Time and work of the overlap query, bunny against bunny. Usage: bench_query [--csv FILE] [--poses N] [--visits N]
 // [--cache FOLDER] [--mesh FILE] [--only MODE] [--overlap FRACTION] SPHERES...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "tests/bench/bodies/BenchPoses.h"
 #include "tests/bench/bodies/NaiveSphereTree.h"
 
@@ -143,18 +143,19 @@ public:
 	explicit Table(const std::string& path)
 	{
 		if (!path.empty()) m_csv.open(path);
-		m_csv << "spheres,overlap,mode,pairs,volume,microseconds,ns_per_pair,least_ns_per_pair,times_faster_than_naive,node_visits,block_pairs,ball_tests\n";
-		std::printf("%8s %8s %-14s %9s %10s %10s %8s %8s %8s %9s %9s %9s\n", "spheres", "overlap", "mode", "pairs", "volume", "us", "ns/pair",
-					"least", "x naive", "nodes", "blocks", "tests");
+		m_csv << "spheres,overlap,mode,pairs,volume,microseconds,ns_per_pair,least_ns_per_pair,times_faster_than_naive,node_visits,block_"
+				 "pairs,ball_tests\n";
+		std::printf("%8s %8s %-14s %9s %10s %10s %8s %8s %8s %9s %9s %9s\n", "spheres", "overlap", "mode", "pairs", "volume", "us",
+			"ns/pair", "least", "x naive", "nodes", "blocks", "tests");
 	}
 	void row(int spheres, double overlap, const char* mode, const Timing& t, const Timing& naive)
 	{
 		const double perPair = 1e3 * t.microseconds / t.pairs, leastPerPair = 1e3 * t.least / t.pairs, ratio = naive.least / t.least;
-		std::printf("%8d %8g %-14s %9.0f %10.4g %10.2f %8.1f %8.1f %8.1f %9.0f %9.0f %9.0f\n", spheres, overlap, mode, t.pairs, t.volume, t.microseconds,
-					perPair, leastPerPair, ratio, t.nodeVisits, t.blockPairs, t.ballTests);
+		std::printf("%8d %8g %-14s %9.0f %10.4g %10.2f %8.1f %8.1f %8.1f %9.0f %9.0f %9.0f\n", spheres, overlap, mode, t.pairs, t.volume,
+			t.microseconds, perPair, leastPerPair, ratio, t.nodeVisits, t.blockPairs, t.ballTests);
 		std::fflush(stdout);
-		m_csv << spheres << ',' << overlap << ',' << mode << ',' << t.pairs << ',' << t.volume << ',' << t.microseconds << ',' << perPair << ','
-			  << leastPerPair << ',' << ratio << ',' << t.nodeVisits << ',' << t.blockPairs << ',' << t.ballTests << '\n';
+		m_csv << spheres << ',' << overlap << ',' << mode << ',' << t.pairs << ',' << t.volume << ',' << t.microseconds << ',' << perPair
+			  << ',' << leastPerPair << ',' << ratio << ',' << t.nodeVisits << ',' << t.blockPairs << ',' << t.ballTests << '\n';
 	}
 
 private:
@@ -194,8 +195,9 @@ int main(int argc, char** argv)
 	Settings settings;
 	if (!parse(argc, argv, settings))
 	{
-		std::fprintf(stderr, "usage: bench_query [--csv FILE] [--poses N=20] [--visits N=8] [--cache FOLDER=/tmp] [--mesh FILE]\n"
-							 "                   [--only naive|paper|law|law+K|law+K+patches] [--overlap FRACTION]... [SPHERES]...\n");
+		std::fprintf(stderr,
+			"usage: bench_query [--csv FILE] [--poses N=20] [--visits N=8] [--cache FOLDER=/tmp] [--mesh FILE]\n"
+			"                   [--only naive|paper|law|law+K|law+K+patches] [--overlap FRACTION]... [SPHERES]...\n");
 		return 2;
 	}
 	const Result<InstructionSet> set = chosenInstructionSet();

@@ -4,8 +4,8 @@
 // bench_scenes [--bodies 1,10,100,1000] [--spheres N=1000] [--rate HZ=120] [--stiffness PA-PER-M=1e5] [--budget SECONDS=20 a row]
 // [--only PART-OF-NAME]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/bench/bodies/PileBodies.h"
 
 #include "BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h"
@@ -30,13 +30,12 @@ constexpr int kHeight = 10;
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Bullet's solver of a world with the time that it takes.
-template <class Base>
-struct Timed : Base
+template <class Base> struct Timed : Base
 {
 	using Base::Base;
 	double seconds = 0;
 	btScalar solveGroup(btCollisionObject** b, int nb, btPersistentManifold** m, int nm, btTypedConstraint** c, int nc,
-						const btContactSolverInfo& info, btIDebugDraw* draw, btDispatcher* dispatcher) override
+		const btContactSolverInfo& info, btIDebugDraw* draw, btDispatcher* dispatcher) override
 	{
 		const double begin = now();
 		const btScalar r = Base::solveGroup(b, nb, m, nm, c, nc, info, draw, dispatcher);
@@ -111,8 +110,9 @@ struct Pile
 		for (const auto& b : bodies)
 		{
 			const btVector3 w = b->getWorldTransform().getBasis().transpose() * b->getAngularVelocity(), i = b->getLocalInertia();
-			sum += kMass * kGravity * double(b->getWorldTransform().getOrigin().y()) + 0.5 * kMass * double(b->getLinearVelocity().length2()) +
-				   0.5 * double(w.x() * w.x() * i.x() + w.y() * w.y() * i.y() + w.z() * w.z() * i.z());
+			sum += kMass * kGravity * double(b->getWorldTransform().getOrigin().y()) +
+				0.5 * kMass * double(b->getLinearVelocity().length2()) +
+				0.5 * double(w.x() * w.x() * i.x() + w.y() * w.y() * i.y() + w.z() * w.z() * i.z());
 		}
 		return sum;
 	}
@@ -144,8 +144,7 @@ void measure(const char* name, Pile& pile, const Options& options)
 		if (i > wanted / 8) most = std::max(most, pile.energy() - settled);
 	}
 	// The second half: what is settling costs more, or less.
-	const auto median = [](std::vector<double> v)
-	{
+	const auto median = [](std::vector<double> v) {
 		v.erase(v.begin(), v.begin() + long(v.size() / 2));
 		std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
 		return 1e3 * v[v.size() / 2];
@@ -159,18 +158,20 @@ void measure(const char* name, Pile& pile, const Options& options)
 		sunk = std::max(sunk, -error / (int(i) % kHeight + 1));
 		speed += double(pile.bodies[i]->getLinearVelocity().length2()) / double(pile.bodies.size());
 	}
-	for (int i = 0; i < pile.dispatcher.getNumManifolds(); ++i) contacts += pile.dispatcher.getManifoldByIndexInternal(i)->getNumContacts() > 0;
+	for (int i = 0; i < pile.dispatcher.getNumManifolds(); ++i)
+		contacts += pile.dispatcher.getManifoldByIndexInternal(i)->getNumContacts() > 0;
 	std::printf("%-22s %5zu bodies %6d touching | %9.3f ms a step (query %8.3f, solver %8.3f) | worst sink %6.2f %% a layer, "
 				"rms speed %.1e m/s, gains %.1e of its energy, standing %3.0f %%, %zu steps\n",
-				name, pile.bodies.size(), contacts, median(step), median(query), median(solver), 100 * sunk / (2 * kTube), std::sqrt(speed), settled > 0 ? most / settled : 0,
-				100.0 * standing / double(pile.bodies.size()), step.size());
+		name, pile.bodies.size(), contacts, median(step), median(query), median(solver), 100 * sunk / (2 * kTube), std::sqrt(speed),
+		settled > 0 ? most / settled : 0, 100.0 * standing / double(pile.bodies.size()), step.size());
 	if (pile.ours)
 	{
 		const btVolumetricStatistics& all = pile.ours->statistics();
 		const double steps = double(step.size());
-		std::printf("%-22s a step: %.1f patches in %.1f islands, %.2f changes of the pushing set, %.2f times friction not converged, %.2f held to the ledger\n", "",
-					double(all.patches) / steps, double(all.islands) / steps, double(all.activeSetRounds) / steps,
-					double(all.frictionNotConverged) / steps, double(all.contactsHeldToLedger) / steps);
+		std::printf("%-22s a step: %.1f patches in %.1f islands, %.2f changes of the pushing set, %.2f times friction not converged, %.2f "
+					"held to the ledger\n",
+			"", double(all.patches) / steps, double(all.islands) / steps, double(all.activeSetRounds) / steps,
+			double(all.frictionNotConverged) / steps, double(all.contactsHeldToLedger) / steps);
 	}
 	std::fflush(stdout);
 }
@@ -202,7 +203,8 @@ void measureResponse(const InnerSphereTree& built, btCollisionShape* shape)
 		}
 		const auto middle = [](std::vector<double>& v) { return std::nth_element(v.begin(), v.begin() + 30, v.end()), 1e6 * v[30]; };
 		const double q = middle(query), r = middle(solver);
-		std::printf("response to %8ld leaf pairs, %d patches | query %8.1f us, response %7.1f us: %.1f %%\n", pairs, patches, q, r, 100 * r / q);
+		std::printf(
+			"response to %8ld leaf pairs, %d patches | query %8.1f us, response %7.1f us: %.1f %%\n", pairs, patches, q, r, 100 * r / q);
 		for (auto& b : pile.bodies) pile.world->removeRigidBody(b.get());
 		pile.bodies.clear();
 	}
@@ -245,7 +247,8 @@ int main(int argc, char** argv)
 	for (Vec3& p : mesh.vertices) p = {p.x, -p.z, p.y};  // lies flat
 	const MassProperties mass = massProperties(mesh);
 	const double perVolume = kMass / mass.volume;
-	const btVector3 inertia(btScalar(perVolume * mass.inertia.m[0][0]), btScalar(perVolume * mass.inertia.m[1][1]), btScalar(perVolume * mass.inertia.m[2][2]));
+	const btVector3 inertia(
+		btScalar(perVolume * mass.inertia.m[0][0]), btScalar(perVolume * mass.inertia.m[1][1]), btScalar(perVolume * mass.inertia.m[2][2]));
 	btBoxShape bounds(btVector3(btScalar(0.5 + kTube), btScalar(kTube), btScalar(0.5 + kTube)));
 	std::printf("tori of %zu triangles, %.0f Hz, float; medians\n", mesh.triangles.size(), options.rate);
 	if (wants("ours"))
@@ -263,8 +266,7 @@ int main(int argc, char** argv)
 			measure(name.c_str(), pile, options);
 		}
 	}
-	const auto peer = [&](const char* name, const bench::PeerShape& shape)
-	{
+	const auto peer = [&](const char* name, const bench::PeerShape& shape) {
 		if (!shape.shape) return void(std::printf("%s: skipped; apt-get install libbullet-extras-dev\n", name));
 		for (const int count : options.bodies)
 		{

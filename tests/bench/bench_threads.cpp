@@ -18,8 +18,7 @@ using namespace ist;
 
 namespace
 {
-template <class Work>
-double microseconds(Work work)
+template <class Work> double microseconds(Work work)
 {
 	const auto start = std::chrono::steady_clock::now();
 	work();
@@ -70,10 +69,11 @@ void measure(const InnerSphereTree& body, double overlap, const char* name, cons
 	{
 		BatchQuery batch(threads);
 		for (int visit = 0; visit < visits; ++visit)
-			batches[threads - 1] = std::min(batches[threads - 1], microseconds([&] { batch.run(requests.data(), answers.data(), requests.size()); }));
+			batches[threads - 1] = std::min(
+				batches[threads - 1], microseconds([&] { batch.run(requests.data(), answers.data(), requests.size()); }));
 	}
-	std::printf("%8u %8g %-14s %9.0f %10.2f %10.2f %8.2f %8.2f %12.0f %10.2f\n", body.law.ballCount(), overlap, name, pairs, mean(one), mean(two), mean(one) / mean(two),
-				median(ratios), other, batches[0] / batches[1]);
+	std::printf("%8u %8g %-14s %9.0f %10.2f %10.2f %8.2f %8.2f %12.0f %10.2f\n", body.law.ballCount(), overlap, name, pairs, mean(one),
+		mean(two), mean(one) / mean(two), median(ratios), other, batches[0] / batches[1]);
 	std::fflush(stdout);
 }
 }  // namespace
@@ -97,8 +97,13 @@ int main(int argc, char** argv)
 	QueryOptions paper, law, full;
 	paper.model = Model::Inner;
 	paper.stiffness = paper.patches = law.stiffness = law.patches = false;
-	const struct { const char* name; QueryOptions options; } modes[] = {{"paper", paper}, {"law", law}, {"law+K+patches", full}};
-	std::printf("%8s %8s %-14s %9s %10s %10s %8s %8s %12s %10s\n", "leaves", "overlap", "mode", "pairs", "alone us", "shared us", "ratio", "median", "other pairs", "batch x");
+	const struct
+	{
+		const char* name;
+		QueryOptions options;
+	} modes[] = {{"paper", paper}, {"law", law}, {"law+K+patches", full}};
+	std::printf("%8s %8s %-14s %9s %10s %10s %8s %8s %12s %10s\n", "leaves", "overlap", "mode", "pairs", "alone us", "shared us", "ratio",
+		"median", "other pairs", "batch x");
 	for (const std::string& file : files)
 	{
 		const Result<InnerSphereTree> body = loadAsset(file);

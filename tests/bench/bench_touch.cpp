@@ -2,11 +2,11 @@
 // Contact shallower than the gaps: what bodies that only touch press already, because leaves reach beyond the surface; what the gate of the
 // query makes of it and costs; and the force of flat contact over that of the continuum.
 // Usage: bench_touch [--spheres N=10000] [--poses N=20]
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
 #include "demos/scenes/Truth/PoseSampler.h"
 #include "tests/bench/bodies/BenchBodies.h"
@@ -25,9 +25,9 @@ using namespace scenes;
 
 namespace
 {
-constexpr double kSpacing = 0.0025;   // of points on edges; the longest side is 1
+constexpr double kSpacing = 0.0025;  // of points on edges; the longest side is 1
 constexpr double kTouching = 1e-6;
-constexpr double kShallow = 1e-3;     // overlap that the ghost is compared with, of the smaller volume
+constexpr double kShallow = 1e-3;  // overlap that the ghost is compared with, of the smaller volume
 constexpr int kRepeats = 15;
 
 struct Body
@@ -131,8 +131,8 @@ void printPair(const Body& A, const Body& B, int poses)
 			cost[k] += shut.seconds / open.seconds;
 		}
 	}
-	std::printf("%-13s %8.2f %8.2f %8.2f %8.2g | %8.1f %8.1f | %5.2f %5.2f\n", (A.name + "-" + B.name).c_str(), 100 * volume, 100 * most, 100 * force,
-				100 * gatedMost, 100 * kept[0] / reached[0], 100 * kept[1] / reached[1], cost[0] / reached[0], cost[1] / reached[1]);
+	std::printf("%-13s %8.2f %8.2f %8.2f %8.2g | %8.1f %8.1f | %5.2f %5.2f\n", (A.name + "-" + B.name).c_str(), 100 * volume, 100 * most,
+		100 * force, 100 * gatedMost, 100 * kept[0] / reached[0], 100 * kept[1] / reached[1], cost[0] / reached[0], cost[1] / reached[1]);
 	std::fflush(stdout);
 }
 /// A box face down on a larger one, at random shifts and yaws: force over that of the continuum.
@@ -147,8 +147,10 @@ void printFlat(int spheres, int poses)
 	const double gaps = A.value().meanGap + B.value().meanGap;
 	const OverlapQuadrature quadrature(large, small);
 	QueryWorkspace workspace;
-	std::printf("\nflat on flat, gap sum %.5f; force over the continuum's\n%10s %10s %8s %8s %10s\n", gaps, "depth", "gap sums", "mean", "std %", "gated");
-	for (const double depth : {0.21 * gaps, 0.25 * gaps, 0.42 * gaps, 0.5 * gaps, 0.83 * gaps, gaps, 1.5 * gaps, 2 * gaps, 4 * gaps, 8 * gaps})
+	std::printf("\nflat on flat, gap sum %.5f; force over the continuum's\n%10s %10s %8s %8s %10s\n", gaps, "depth", "gap sums", "mean",
+		"std %", "gated");
+	for (const double depth :
+		{0.21 * gaps, 0.25 * gaps, 0.42 * gaps, 0.5 * gaps, 0.83 * gaps, gaps, 1.5 * gaps, 2 * gaps, 4 * gaps, 8 * gaps})
 	{
 		double sum = 0, squares = 0, gated = 0;
 		std::mt19937_64 random(3);
@@ -158,8 +160,7 @@ void printFlat(int spheres, int poses)
 			const Vec3 at{shift(random), shift(random), 0.25 + 0.4 * 0.25 - depth};
 			const Pose X{rotationMatrix(quaternionFromRotationVector({0, 0, yaw(random)})), at};
 			const double truth = quadrature.integrate(X, {}, 200, 100000).wrench().force.z;
-			const auto ratio = [&](bool gate)
-			{
+			const auto ratio = [&](bool gate) {
 				QueryOptions query;
 				query.gate = gate;
 				return pressureWrench(queryOverlap(A.value(), B.value(), X, workspace, query).total, {}).force.z / truth;
@@ -169,7 +170,8 @@ void printFlat(int spheres, int poses)
 			squares += f * f / poses;
 			gated += ratio(true) / poses;
 		}
-		std::printf("%10.5f %10.2f %8.3f %8.2f %10.3f\n", depth, depth / gaps, sum, 100 * std::sqrt(std::max(0.0, squares - sum * sum)) / sum, gated);
+		std::printf("%10.5f %10.2f %8.3f %8.2f %10.3f\n", depth, depth / gaps, sum,
+			100 * std::sqrt(std::max(0.0, squares - sum * sum)) / sum, gated);
 		std::fflush(stdout);
 	}
 }
@@ -186,13 +188,13 @@ int main(int argc, char** argv)
 		BuildOptions options;
 		options.maxSpheres = spheres;
 		Result<InnerSphereTree> tree = buildTree(mesh, options);
-		if (tree)
-			bodies.push_back({name, MeshDistance(mesh), pointsOf(mesh), std::move(tree).value()});
-		else
-			std::printf("%s: %s\n", name, tree.error().message.c_str());
+		if (tree) bodies.push_back({name, MeshDistance(mesh), pointsOf(mesh), std::move(tree).value()});
+		else std::printf("%s: %s\n", name, tree.error().message.c_str());
 	}
-	std::printf("%d spheres, %d poses of exact touch; %% of the volume (force: of the force k V) at %g %% overlap\n", spheres, poses, 100 * kShallow);
-	std::printf("%-13s %8s %8s %8s %8s | %8s %8s | %5s %5s\n", "", "volume", "most", "force", "gated", "kept .1%", "kept 1%", "time", "time");
+	std::printf("%d spheres, %d poses of exact touch; %% of the volume (force: of the force k V) at %g %% overlap\n", spheres, poses,
+		100 * kShallow);
+	std::printf(
+		"%-13s %8s %8s %8s %8s | %8s %8s | %5s %5s\n", "", "volume", "most", "force", "gated", "kept .1%", "kept 1%", "time", "time");
 	for (size_t a = 0; a < bodies.size(); ++a)
 		for (size_t b = a; b < bodies.size(); ++b) printPair(bodies[a], bodies[b], poses);
 	printFlat(spheres, poses);

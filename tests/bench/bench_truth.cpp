@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // Error of the model against quadrature on the triangles, and whether the reported sigma says so: bodies against bodies at 0.1, 1 and
 // 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
-// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE] [--levels 1] [--pairs compact]
-// Lines and points are those of the quadrature; the last two columns are its own standard error. With --levels also the coarser levels of the same trees;
-// with --pairs thin those of a thin body with another, with --pairs small those of a body with one that is six or twenty times as small. Errors of the force are shares of it, or of a quarter of k V where opposing forces leave less.
+// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE]
+// [--levels 1] [--pairs compact] Lines and points are those of the quadrature; the last two columns are its own standard error. With
+// --levels also the coarser levels of the same trees; with --pairs thin those of a thin body with another, with --pairs small those of a
+// body with one that is six or twenty times as small. Errors of the force are shares of it, or of a quarter of k V where opposing forces
+// leave less.
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "demos/scenes/Truth/MeshBelowPlane.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
@@ -31,7 +33,7 @@ namespace
 {
 constexpr double kOverlaps[] = {0.001, 0.01, 0.1};
 constexpr double kGaps[] = {1, 2, 4, 8};
-constexpr double kCancelled = 0.25;  // of k V, k = 1: what a force counts at least
+constexpr double kCancelled = 0.25;              // of k V, k = 1: what a force counts at least
 constexpr double kShares[] = {0.01, 0.03, 0.1};  // of the longest side
 
 struct Options
@@ -53,9 +55,13 @@ using Pairs = std::vector<std::array<std::string, 2>>;
 
 Pairs pairsNamed(const std::string& name)
 {
-	if (name == "thin") return {{"plate", "bunny"}, {"rod", "jack"}, {"wire", "jack"}, {"crown", "bunny"}, {"sword", "torus"}, {"plate", "knot"}};
-	if (name == "small") return {{"bunny", "torus/6"}, {"knot", "bunny/6"}, {"torus", "jack/6"}, {"bunny", "knot/20"}, {"jack", "bunny/20"}};
-	if (name == "compact") return {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"jack", "torus"}, {"knot", "bunny"}, {"knot", "torus"}};
+	if (name == "thin")
+		return {{"plate", "bunny"}, {"rod", "jack"}, {"wire", "jack"}, {"crown", "bunny"}, {"sword", "torus"}, {"plate", "knot"}};
+	if (name == "small")
+		return {{"bunny", "torus/6"}, {"knot", "bunny/6"}, {"torus", "jack/6"}, {"bunny", "knot/20"}, {"jack", "bunny/20"}};
+	if (name == "compact")
+		return {{"bunny", "bunny"}, {"box", "bunny"}, {"torus", "torus"}, {"torus", "bunny"}, {"jack", "torus"}, {"knot", "bunny"},
+			{"knot", "torus"}};
 	return {};
 }
 
@@ -107,7 +113,8 @@ void printLeaves(const Body& body)
 	}
 	std::printf("%-9s %6zu spheres, %6.0f leaves, fill %.3f, mean gap %.5f, resolution %.5f; "
 				"density mean %.3f, largest %.4g, at one %d\n",
-				body.name.c_str(), body.tree.spheres.size(), leaves, body.tree.fill, body.tree.meanGap, body.tree.resolution, sum / leaves, densest, dense);
+		body.name.c_str(), body.tree.spheres.size(), leaves, body.tree.fill, body.tree.meanGap, body.tree.resolution, sum / leaves, densest,
+		dense);
 }
 
 struct Sums
@@ -160,9 +167,9 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		const Wrench expected = at.truth.wrench(), actual = pressureWrench(law, {});
 		const double size = std::max(norm(expected.force), kCancelled * at.truth.volume), error = norm(actual.force - expected.force);
 		if (csv)
-			std::fprintf(csv, "%s-%s,%g,%lld,%g,%g,%g,%g,%g\n", A.name.c_str(), B.name.c_str(), at.truth.volume, (long long)law.pairs, volume,
-						 error / law.volume, norm(expected.force) / law.volume, leafDensity(answer, A.tree, B.tree) * law.volume,
-						 (A.tree.errorLength() + B.tree.errorLength()) * norm(law.areaVector) / law.volume);
+			std::fprintf(csv, "%s-%s,%g,%lld,%g,%g,%g,%g,%g\n", A.name.c_str(), B.name.c_str(), at.truth.volume, (long long)law.pairs,
+				volume, error / law.volume, norm(expected.force) / law.volume, leafDensity(answer, A.tree, B.tree) * law.volume,
+				(A.tree.errorLength() + B.tree.errorLength()) * norm(law.areaVector) / law.volume);
 		++sums.poses;
 		sums.pairs += double(law.pairs);
 		sums.bias += volume;
@@ -173,7 +180,8 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 		sums.truthForce += at.truth.normalError * at.truth.normalError / (size * size);
 		const double arm = size * std::min(A.tree.box.longestSide(), B.tree.box.longestSide());
 		sums.torque += squaredNorm(actual.torque - expected.torque) / (arm * arm);
-		sums.angles.push_back(180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
+		sums.angles.push_back(
+			180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
 		addSigma(sums, std::fabs(law.volume - at.truth.volume), error, overlapError(answer, A.tree, B.tree, 1));
 	}
 	std::sort(sums.angles.begin(), sums.angles.end());
@@ -202,24 +210,25 @@ void printLevels(const Body& A, const Body& B, double overlap, const std::vector
 			sums.force += squaredNorm(pressureWrench(result.total, {}).force - expected) / (size * size);
 		}
 		if (sums.pairs < 30) return;
-		std::printf("%-17s %6.1f%% level %2d: %8.0f pairs, V rms %6.2f %%, F rms %6.2f %%, times sqrt(pairs): %5.2f\n", (A.name + "-" + B.name).c_str(),
-					100 * overlap, level, sums.pairs, sums.rms(sums.volume), sums.rms(sums.force), sums.rms(sums.force) / 100 * std::sqrt(sums.pairs));
+		std::printf("%-17s %6.1f%% level %2d: %8.0f pairs, V rms %6.2f %%, F rms %6.2f %%, times sqrt(pairs): %5.2f\n",
+			(A.name + "-" + B.name).c_str(), 100 * overlap, level, sums.pairs, sums.rms(sums.volume), sums.rms(sums.force),
+			sums.rms(sums.force) / 100 * std::sqrt(sums.pairs));
 	}
 }
 
 void printPairHead()
 {
-	std::printf("\n%-17s %7s %5s %7s | %7s | %7s %7s %5s %5s | %7s %7s %5s %5s | %7s | %7s %7s\n", "rms in %", "overlap", "poses", "pairs", "cells V", "V bias",
-				"V rms", "1 sig", "2 sig", "F rms", "deg", "1 sig", "2 sig", "T rms", "truth V", "truth F");
+	std::printf("\n%-17s %7s %5s %7s | %7s | %7s %7s %5s %5s | %7s %7s %5s %5s | %7s | %7s %7s\n", "rms in %", "overlap", "poses", "pairs",
+		"cells V", "V bias", "V rms", "1 sig", "2 sig", "F rms", "deg", "1 sig", "2 sig", "T rms", "truth V", "truth F");
 }
 
 void printPair(const std::string& name, double overlap, const Sums& s)
 {
 	std::printf("%-17s %6.1f%% %5d %7.0f | %7.2f | %+7.2f %7.2f %5.0f %5.0f | %7.2f "
 				"%7.2f %5.0f %5.0f | %7.2f | %7.2f %7.2f\n",
-				name.c_str(), 100 * overlap, s.poses, s.pairs / std::max(1, s.poses), s.rms(s.cells), s.percent(s.bias), s.rms(s.volume),
-				s.percent(s.oneSigma), s.percent(s.twoSigma), s.rms(s.force), s.angles.empty() ? 0 : s.angles[s.angles.size() / 2],
-				s.percent(s.oneSigmaForce), s.percent(s.twoSigmaForce), s.rms(s.torque), s.rms(s.truthVolume), s.rms(s.truthForce));
+		name.c_str(), 100 * overlap, s.poses, s.pairs / std::max(1, s.poses), s.rms(s.cells), s.percent(s.bias), s.rms(s.volume),
+		s.percent(s.oneSigma), s.percent(s.twoSigma), s.rms(s.force), s.angles.empty() ? 0 : s.angles[s.angles.size() / 2],
+		s.percent(s.oneSigmaForce), s.percent(s.twoSigmaForce), s.rms(s.torque), s.rms(s.truthVolume), s.rms(s.truthForce));
 	std::fflush(stdout);
 }
 
@@ -247,8 +256,8 @@ Sums measureHalfSpace(const Body& body, double depth, int directions)
 void printHalfSpace(const Body& body, double depth, int directions)
 {
 	const Sums s = measureHalfSpace(body, depth, directions);
-	std::printf("%-9s %8.5f %6.1f %8.1f | %+8.1f %8.1f %5.0f %5.0f\n", body.name.c_str(), depth, depth / body.tree.meanGap, s.pairs / std::max(1, s.poses),
-				s.percent(s.bias), s.rms(s.volume), s.percent(s.oneSigma), s.percent(s.twoSigma));
+	std::printf("%-9s %8.5f %6.1f %8.1f | %+8.1f %8.1f %5.0f %5.0f\n", body.name.c_str(), depth, depth / body.tree.meanGap,
+		s.pairs / std::max(1, s.poses), s.percent(s.bias), s.rms(s.volume), s.percent(s.oneSigma), s.percent(s.twoSigma));
 }
 
 void printHalfSpaces(const Body& body, int directions)
@@ -265,24 +274,15 @@ Options parse(int argc, char** argv)
 	for (int i = 1; i + 1 < argc; i += 2)
 	{
 		const std::string key = argv[i];
-		if (key == "--spheres")
-			options.spheres = std::atoi(argv[i + 1]);
-		else if (key == "--poses")
-			options.poses = std::atoi(argv[i + 1]);
-		else if (key == "--directions")
-			options.directions = std::atoi(argv[i + 1]);
-		else if (key == "--lines")
-			options.lines = std::atoi(argv[i + 1]);
-		else if (key == "--points")
-			options.points = std::atoi(argv[i + 1]);
-		else if (key == "--levels")
-			options.levels = std::atoi(argv[i + 1]) != 0;
-		else if (key == "--pairs")
-			options.pairs = argv[i + 1];
-		else if (key == "--only")
-			options.only = argv[i + 1];
-		else if (key == "--csv")
-			options.csv = argv[i + 1];
+		if (key == "--spheres") options.spheres = std::atoi(argv[i + 1]);
+		else if (key == "--poses") options.poses = std::atoi(argv[i + 1]);
+		else if (key == "--directions") options.directions = std::atoi(argv[i + 1]);
+		else if (key == "--lines") options.lines = std::atoi(argv[i + 1]);
+		else if (key == "--points") options.points = std::atoi(argv[i + 1]);
+		else if (key == "--levels") options.levels = std::atoi(argv[i + 1]) != 0;
+		else if (key == "--pairs") options.pairs = argv[i + 1];
+		else if (key == "--only") options.only = argv[i + 1];
+		else if (key == "--csv") options.csv = argv[i + 1];
 	}
 	return options;
 }
@@ -301,10 +301,8 @@ int main(int argc, char** argv)
 		if (options.only.find(name) == std::string::npos && !options.only.empty()) continue;
 		bodies.push_back(makeBody(name, options.spheres));
 		if (options.levels) bodies.back().tree.levels = buildLevels(bodies.back().tree.law);
-		if (bodies.back().tree.law.empty())
-			bodies.pop_back();
-		else
-			printLeaves(bodies.back());
+		if (bodies.back().tree.law.empty()) bodies.pop_back();
+		else printLeaves(bodies.back());
 	}
 	if (options.directions > 0)
 		for (const Body& body : bodies) printHalfSpaces(body, options.directions);
@@ -313,7 +311,9 @@ int main(int argc, char** argv)
 	if (!options.csv.empty() && !csv) return std::printf("cannot write %s\n", options.csv.c_str()), 1;
 	if (csv) std::fprintf(csv, "pair,volume,pairs,volume_error,force_error_over_kV,force_over_kV,leaves,gap_over_depth\n");
 	printPairHead();
-	const auto find = [&](const std::string& name) { return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; }); };
+	const auto find = [&](const std::string& name) {
+		return std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; });
+	};
 	for (const auto& pair : pairs)
 	{
 		const auto A = find(pair[0]), B = find(pair[1]);

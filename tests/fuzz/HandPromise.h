@@ -10,6 +10,7 @@ namespace fuzz
 inline void requireSound(const devicebridge::HandState& hand)
 {
 	for (const devicebridge::HandJoint& joint : hand.joints)
-		require(!joint.tracked || ist::isRigid({ist::rotationMatrix(joint.orientation), joint.position}), "joints that are tracked are finite");
+		require(
+			!joint.tracked || ist::isRigid({ist::rotationMatrix(joint.orientation), joint.position}), "joints that are tracked are finite");
 }
 }  // namespace fuzz

@@ -19,8 +19,7 @@ inline void require(bool condition, const char* what)
 }
 
 /// True when there is a value; a refusal must say why.
-template <class T>
-bool accepted(const ist::Result<T>& result)
+template <class T> bool accepted(const ist::Result<T>& result)
 {
 	require(static_cast<bool>(result) || !result.error().message.empty(), "a refusal has a reason");
 	return static_cast<bool>(result);

@@ -35,9 +35,7 @@ inline void seal(std::vector<std::byte>& bytes)
 {
 	if (bytes.size() < kHeader) return;
 	put(bytes, 16, bytes.size());
-	if (bytes[3] == std::byte('A'))
-		put(bytes, 24, ist::checksum64(bytes.data() + kHeader, bytes.size() - kHeader));
-	else
-		sealSections(bytes);
+	if (bytes[3] == std::byte('A')) put(bytes, 24, ist::checksum64(bytes.data() + kHeader, bytes.size() - kHeader));
+	else sealSections(bytes);
 }
 }  // namespace seal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Stands in for libFuzzer where the compiler has none: each file of the given folders as it is, then as many mutations of them as -runs says, always the same
-// ones. It follows no coverage; it finds what is broken badly. Other options of libFuzzer are ignored.
+// Stands in for libFuzzer where the compiler has none: each file of the given folders as it is, then as many mutations of them as -runs
+// says, always the same ones. It follows no coverage; it finds what is broken badly. Other options of libFuzzer are ignored.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -54,36 +54,37 @@ private:
 	void mutate(Bytes& bytes)
 	{
 		if (bytes.empty()) bytes.push_back('0');
-		static constexpr std::string_view telling[] = {"-1", "0", "1e999", "nan", "99999999999999999999", "\"", "{", "[", "}\n", "\xff\xff\xff\xff", ",", "\n"};
+		static constexpr std::string_view telling[] = {
+			"-1", "0", "1e999", "nan", "99999999999999999999", "\"", "{", "[", "}\n", "\xff\xff\xff\xff", ",", "\n"};
 		switch (below(6))
 		{
-			case 0: bytes[below(bytes.size())] ^= static_cast<std::uint8_t>(1u << below(8)); break;
-			case 1: bytes.resize(below(bytes.size())); break;
-			case 2:
-			{
-				const auto begin = bytes.begin() + place(bytes);
-				bytes.erase(begin, begin + std::min<std::ptrdiff_t>(bytes.end() - begin, static_cast<std::ptrdiff_t>(1 + below(16))));
-				break;
-			}
-			case 3:
-			{
-				const std::string_view word = telling[below(std::size(telling))];
-				bytes.insert(bytes.begin() + place(bytes), word.begin(), word.end());
-				break;
-			}
-			case 4:
-			{
-				const std::string_view word = telling[below(std::size(telling))];
-				const size_t at = below(bytes.size());
-				std::copy_n(word.begin(), std::min(word.size(), bytes.size() - at), bytes.begin() + static_cast<std::ptrdiff_t>(at));
-				break;
-			}
-			default:  // The rest of another file.
-			{
-				const Bytes& other = any();
-				bytes.resize(below(bytes.size()));
-				bytes.insert(bytes.end(), other.begin() + place(other), other.end());
-			}
+		case 0: bytes[below(bytes.size())] ^= static_cast<std::uint8_t>(1u << below(8)); break;
+		case 1: bytes.resize(below(bytes.size())); break;
+		case 2:
+		{
+			const auto begin = bytes.begin() + place(bytes);
+			bytes.erase(begin, begin + std::min<std::ptrdiff_t>(bytes.end() - begin, static_cast<std::ptrdiff_t>(1 + below(16))));
+			break;
+		}
+		case 3:
+		{
+			const std::string_view word = telling[below(std::size(telling))];
+			bytes.insert(bytes.begin() + place(bytes), word.begin(), word.end());
+			break;
+		}
+		case 4:
+		{
+			const std::string_view word = telling[below(std::size(telling))];
+			const size_t at = below(bytes.size());
+			std::copy_n(word.begin(), std::min(word.size(), bytes.size() - at), bytes.begin() + static_cast<std::ptrdiff_t>(at));
+			break;
+		}
+		default:  // The rest of another file.
+		{
+			const Bytes& other = any();
+			bytes.resize(below(bytes.size()));
+			bytes.insert(bytes.end(), other.begin() + place(other), other.end());
+		}
 		}
 	}
 
@@ -97,10 +98,8 @@ int main(int argc, char** argv)
 	std::vector<std::string> folders;
 	long runs = 1000;
 	for (const std::string_view argument : std::vector<std::string_view>(argv + 1, argv + argc))
-		if (argument.starts_with("-runs="))
-			runs = std::atol(argument.substr(6).data());
-		else if (!argument.starts_with("-"))
-			folders.emplace_back(argument);
+		if (argument.starts_with("-runs=")) runs = std::atol(argument.substr(6).data());
+		else if (!argument.starts_with("-")) folders.emplace_back(argument);
 	const std::vector<Bytes> files = filesOf(folders);
 	fuzz::require(!files.empty(), "there are files to begin with");
 	for (const Bytes& file : files) LLVMFuzzerTestOneInput(file.data(), file.size());

@@ -14,7 +14,8 @@ void calibration(const std::string& text)
 	const ist::Result<devicebridge::GloveCalibration> read = devicebridge::readGloveCalibration(text);
 	if (!fuzz::accepted(read)) return;
 	const ist::Result<devicebridge::GloveCalibration> back = devicebridge::readGloveCalibration(writeGloveCalibration(read.value()));
-	require(fuzz::accepted(back) && back.value().gain == read.value().gain && back.value().offset == read.value().offset, "what was read can be written and read");
+	require(fuzz::accepted(back) && back.value().gain == read.value().gain && back.value().offset == read.value().offset,
+		"what was read can be written and read");
 }
 
 void stream(const std::uint8_t* data, std::size_t size)

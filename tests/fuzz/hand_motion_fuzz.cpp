@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 	const ist::Result<devicebridge::HandMotion> back = devicebridge::readHandMotion(again, "b.csv");
 	require(fuzz::accepted(back) && back.value().frames.size() == frames.size(), "what was read can be written and read");
 	for (size_t i = 0; i < frames.size(); ++i)
-		require(back.value().frames[i].time == frames[i].time && isSameHand(back.value().frames[i].hand, frames[i].hand), "to the last bit");
+		require(
+			back.value().frames[i].time == frames[i].time && isSameHand(back.value().frames[i].hand, frames[i].hand), "to the last bit");
 	if (!frames.empty()) (void)motion.value().at(0.5 * (frames.front().time + frames.back().time));
 	return 0;
 }

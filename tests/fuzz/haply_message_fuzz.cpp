@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 		require(ist::isFinite(state.position) && ist::isFinite(state.velocity), "place and velocity are finite");
 		require(*wanted == 0 || state.deviceId == wanted, "the device is the one that is wanted");
 		require(*wanted == 0 || !state.orientation || state.gripId == wanted, "and so is the grip");
-		for (const bool values : {false, true}) require(!devicebridge::haplyForceMessage(state.kind, state.deviceId, {1, 2, 3}, values).empty(), "it can be answered");
+		for (const bool values : {false, true})
+			require(!devicebridge::haplyForceMessage(state.kind, state.deviceId, {1, 2, 3}, values).empty(), "it can be answered");
 	}
 	return 0;
 }

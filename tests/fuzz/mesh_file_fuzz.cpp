@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Mesh files: whatever the bytes, they are refused or give triangles of finite corners that are there. What lies between is assimp, which is as robust as its release:
-// the readers of OFF and PLY in 5.2.5 end the process on some damaged files, so that two other formats are tried.
+// Mesh files: whatever the bytes, they are refused or give triangles of finite corners that are there. What lies between is assimp, which
+// is as robust as its release: the readers of OFF and PLY in 5.2.5 end the process on some damaged files, so that two other formats are
+// tried.
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
 #include "tests/fuzz/Promises.h"
@@ -46,9 +47,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 	std::filesystem::remove(path);
 	if (fuzz::accepted(textured))
 	{
-		require(mesh && textured.value().mesh.triangles == mesh.value().triangles && textured.value().places.size() == mesh.value().triangles.size(), "the same triangles, each with its places");
+		require(mesh && textured.value().mesh.triangles == mesh.value().triangles &&
+				textured.value().places.size() == mesh.value().triangles.size(),
+			"the same triangles, each with its places");
 		for (const auto& corners : textured.value().places)
-			for (const ist::TexturePlace& place : corners) require(std::isfinite(place.u) && std::isfinite(place.v), "places in the picture are finite");
+			for (const ist::TexturePlace& place : corners)
+				require(std::isfinite(place.u) && std::isfinite(place.v), "places in the picture are finite");
 	}
 	if (!fuzz::accepted(mesh)) return 0;
 	require(!mesh.value().triangles.empty(), "there are triangles");

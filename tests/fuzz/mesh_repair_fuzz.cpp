@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Meshes as broken as they come: pairs of numbers of three bytes are corners on a small grid or anywhere, the rest triangles. What repair accepts is closed.
+// Meshes as broken as they come: pairs of numbers of three bytes are corners on a small grid or anywhere, the rest triangles. What repair
+// accepts is closed.
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include "tests/fuzz/Promises.h"
@@ -33,7 +34,8 @@ ist::Mesh meshOf(const std::uint8_t* data, std::size_t size)
 	}
 	if (mesh.vertices.empty()) return mesh;
 	const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
-	for (; at + 3 <= size && mesh.triangles.size() < 200; at += 3) mesh.triangles.push_back({data[at] % count, data[at + 1] % count, data[at + 2] % count});
+	for (; at + 3 <= size && mesh.triangles.size() < 200; at += 3)
+		mesh.triangles.push_back({data[at] % count, data[at + 1] % count, data[at + 2] % count});
 	return mesh;
 }
 }  // namespace

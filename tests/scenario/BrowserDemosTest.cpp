@@ -14,7 +14,8 @@ void expectDrawable(const DrawList& list)
 {
 	for (const DrawnSurface& s : list.surfaces) EXPECT_TRUE(s.model && isFinite(s.X_WM));
 	for (const DrawnSpheres& s : list.spheres) EXPECT_TRUE(s.model && isFinite(s.X_WM) && s.count <= s.model->spheres.size());
-	for (const DrawnDisc& d : list.discs) EXPECT_TRUE(ist::isFinite(d.center) && ist::isFinite(d.normal) && std::isfinite(d.radius) && std::isfinite(d.thickness));
+	for (const DrawnDisc& d : list.discs)
+		EXPECT_TRUE(ist::isFinite(d.center) && ist::isFinite(d.normal) && std::isfinite(d.radius) && std::isfinite(d.thickness));
 	for (const DrawnArrow& a : list.arrows) EXPECT_TRUE(ist::isFinite(a.from) && ist::isFinite(a.to));
 	for (const DrawnLine& l : list.lines) EXPECT_TRUE(ist::isFinite(l.from) && ist::isFinite(l.to));
 }
@@ -22,8 +23,7 @@ void expectDrawable(const DrawList& list)
 
 /// The figures of each demo carry the closed form or the law that they are judged by.
 class DemoFigures : public testing::TestWithParam<DemoEntry>
-{
-};
+{};
 TEST_P(DemoFigures, AreAsPhysicsSays)
 {
 	const auto demo = GetParam().make();
@@ -38,7 +38,8 @@ TEST_P(DemoFigures, AreAsPhysicsSays)
 	for (const Figure& f : outcome.value().figures)
 	{
 		judged += f.judged();
-		std::printf("  %-46s %12.6g %-8s %s%.6g +- %.2g\n", f.name.c_str(), f.value, f.unit.c_str(), f.judged() ? "of " : "unjudged ", f.expected, f.tolerance);
+		std::printf("  %-46s %12.6g %-8s %s%.6g +- %.2g\n", f.name.c_str(), f.value, f.unit.c_str(), f.judged() ? "of " : "unjudged ",
+			f.expected, f.tolerance);
 		EXPECT_TRUE(f.ok()) << f.name;
 	}
 	EXPECT_GT(judged, 0);
@@ -52,8 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Demos, DemoFigures, testing::ValuesIn(demoCatalog()), t
 
 /// Parameters at both ends, and a hand that takes what it meets.
 class DemoUse : public testing::TestWithParam<DemoEntry>
-{
-};
+{};
 TEST_P(DemoUse, BearsEveryParameterAndEveryPull)
 {
 	const auto demo = GetParam().make();

@@ -68,8 +68,8 @@ struct Crash
 struct CrashOutcome
 {
 	bool touched = false;
-	double linear = 0, angular = 0;          ///< error at the end over m v and m v R
-	double solverAngular = 0, worstStep = 0; ///< sum of the solver's errors while in contact, largest error of one step, same units
+	double linear = 0, angular = 0;           ///< error at the end over m v and m v R
+	double solverAngular = 0, worstStep = 0;  ///< sum of the solver's errors while in contact, largest error of one step, same units
 	double energyRatio = 0;
 	int contactSteps = 0;
 	double angularAllowance = 0;  ///< what rounding of positions may add, same unit
@@ -149,9 +149,10 @@ void expectConserved(const char* name, const Solid& solid, const Crash& c)
 		worst.energyRatio = std::max(worst.energyRatio, out.energyRatio);
 	}
 	EXPECT_EQ(touched, int(kSeeds));
-	std::printf("  %s, %4g Hz, %g m/s, mu %g, k %g: momentum %.1e, angular %.1e (solver alone %.1e), one step %.1e, energy kept mean %.2f, most %.2f\n",
-				name, c.rate, c.speed, c.friction, c.stiffness, worst.linear, worst.angular, worst.solverAngular, worst.worstStep, ratios,
-				worst.energyRatio);
+	std::printf("  %s, %4g Hz, %g m/s, mu %g, k %g: momentum %.1e, angular %.1e (solver alone %.1e), one step %.1e, energy kept mean %.2f, "
+				"most %.2f\n",
+		name, c.rate, c.speed, c.friction, c.stiffness, worst.linear, worst.angular, worst.solverAngular, worst.worstStep, ratios,
+		worst.energyRatio);
 }
 
 void expectConservedAtAllRates(const char* name, const Solid& solid)
@@ -163,15 +164,9 @@ void expectConservedAtAllRates(const char* name, const Solid& solid)
 }
 }  // namespace
 
-TEST(TwoFreeBodies, CubesKeepMomentumAndGainNoEnergy)
-{
-	expectConservedAtAllRates("cubes", Solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500));
-}
+TEST(TwoFreeBodies, CubesKeepMomentumAndGainNoEnergy) { expectConservedAtAllRates("cubes", Solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500)); }
 
-TEST(TwoFreeBodies, SpheresKeepMomentumAndGainNoEnergy)
-{
-	expectConservedAtAllRates("spheres", Solid(ist::makeSphereMesh(0.5, 3), 500));
-}
+TEST(TwoFreeBodies, SpheresKeepMomentumAndGainNoEnergy) { expectConservedAtAllRates("spheres", Solid(ist::makeSphereMesh(0.5, 3), 500)); }
 
 // What the store says is what the bodies felt.
 TEST(TwoFreeBodies, StoreHoldsTheImpulsesThatMovedTheBodies)
@@ -181,7 +176,7 @@ TEST(TwoFreeBodies, StoreHoldsTheImpulsesThatMovedTheBodies)
 	scene.world.setGravity(btVector3(0, 0, 0));
 	btCollisionShape* shape = scene.volumetricShape(cube);
 	std::vector<btRigidBody*> bodies{scene.add(shape, kMass, kInertia, at({5, -4, 3}, {0.4, 0.2, 0.1})),
-									 scene.add(shape, kMass, kInertia, at({5.2, -3.05, 3.1}, {-0.3, 1, 0.2}))};
+		scene.add(shape, kMass, kInertia, at({5.2, -3.05, 3.1}, {-0.3, 1, 0.2}))};
 	for (btRigidBody* b : bodies) scene.setStiffness(b, 1e5);
 	bodies[1]->setLinearVelocity(btVector3(0, -2, 0));
 	bodies[1]->setAngularVelocity(btVector3(1, 2, 0));

@@ -88,7 +88,8 @@ TEST(DefaultStiffness, ABoxOfBulletRestsOnClosedSlabsOfAnySize)
 	{
 		Scene scene;
 		addSlab(scene, {side, .2, side});
-		btRigidBody* body = scene.add(scene.shape<btBoxShape>(btVector3(btScalar(.15), btScalar(.15), btScalar(.15))), 1, .015, at({.04, .151, -.03}));
+		btRigidBody* body = scene.add(
+			scene.shape<btBoxShape>(btVector3(btScalar(.15), btScalar(.15), btScalar(.15))), 1, .015, at({.04, .151, -.03}));
 		scene.run(3, 60);
 		EXPECT_NEAR(height(body), .15, .03) << side;
 		EXPECT_LT(std::fabs(double(body->getLinearVelocity().y())), .01) << side;
@@ -136,7 +137,8 @@ TEST(DefaultStiffness, TowersOfThreeAndOfFiveStand)
 		const btRigidBody* top = addTower(scene, cube, .2, 8, count).back();
 		scene.run(10, 60);
 		EXPECT_NEAR(height(top), .2 * (count - .5), .005) << count;
-		EXPECT_LT(std::hypot(double(top->getWorldTransform().getOrigin().x()), double(top->getWorldTransform().getOrigin().z())), .02) << count;
+		EXPECT_LT(std::hypot(double(top->getWorldTransform().getOrigin().x()), double(top->getWorldTransform().getOrigin().z())), .02)
+			<< count;
 		EXPECT_LT(tilt(top), .03) << count;
 	}
 }
@@ -172,7 +174,8 @@ TEST(DefaultStiffness, AChainHangs)
 	Scene scene;
 	std::vector<btRigidBody*> links;
 	for (int i = 0; i < kLinks; ++i)
-		links.push_back(scene.add(scene.volumetricShape(ring), i > 0 ? .2 : 0, 1e-3, at({0, -kPitch * i, 0}, {0, i % 2 ? M_PI / 2 : 0, 0})));
+		links.push_back(
+			scene.add(scene.volumetricShape(ring), i > 0 ? .2 : 0, 1e-3, at({0, -kPitch * i, 0}, {0, i % 2 ? M_PI / 2 : 0, 0})));
 	scene.run(3, 120);
 	for (int i = 1; i < kLinks; ++i)
 	{
@@ -215,7 +218,8 @@ TEST(DefaultStiffness, FollowsTheGravityOfWorldAndOfBodies)
 	}
 }
 
-// A body as light as this could not come to rest on a contact that carries the pile. What a heavy one presses through a light one may be stiffer.
+// A body as light as this could not come to rest on a contact that carries the pile. What a heavy one presses through a light one may be
+// stiffer.
 TEST(DefaultStiffness, IsNeverStifferThanTheStepBears)
 {
 	const Solid cube = box({.2, .2, .2}, 300);

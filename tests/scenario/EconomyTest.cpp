@@ -22,7 +22,8 @@ btISTQueryCost costOf(const WorldDemo& demo)
 {
 	btISTQueryCost sum;
 	for (DemoWorld* world : demo.worlds())
-		if (world->volumetric()) sum.asked += world->volumetric()->contacts().cost().asked, sum.keptMoved += world->volumetric()->contacts().cost().kept();
+		if (world->volumetric())
+			sum.asked += world->volumetric()->contacts().cost().asked, sum.keptMoved += world->volumetric()->contacts().cost().kept();
 	return sum;
 }
 
@@ -30,8 +31,7 @@ btISTQueryCost costOf(const WorldDemo& demo)
 std::vector<unsigned char> stateOf(const WorldDemo& demo)
 {
 	std::vector<unsigned char> bits;
-	const auto append = [&](const btVector3& v)
-	{
+	const auto append = [&](const btVector3& v) {
 		const btScalar numbers[3] = {v.x(), v.y(), v.z()};
 		const auto* bytes = reinterpret_cast<const unsigned char*>(numbers);
 		bits.insert(bits.end(), bytes, bytes + sizeof numbers);
@@ -49,8 +49,7 @@ std::vector<unsigned char> stateOf(const WorldDemo& demo)
 }  // namespace
 
 class DemoEconomy : public testing::TestWithParam<DemoEntry>
-{
-};
+{};
 
 TEST_P(DemoEconomy, KeepsWhatItPromisesInEveryStep)
 {
@@ -58,8 +57,7 @@ TEST_P(DemoEconomy, KeepsWhatItPromisesInEveryStep)
 	const auto demo = prepared(GetParam(), {true, kPromise});
 	KeptCheck check;
 	DemoRunOptions options;
-	options.afterStep = [&](long long)
-	{
+	options.afterStep = [&](long long) {
 		for (DemoWorld* world : demo->worlds())
 			if (world->volumetric()) check.look(*world->volumetric());
 		return true;
@@ -73,8 +71,8 @@ TEST_P(DemoEconomy, KeepsWhatItPromisesInEveryStep)
 	EXPECT_LE(usual, 0.5 * kPromise);
 	EXPECT_LE(worst, kPromise);
 	const btISTQueryCost cost = costOf(*demo);
-	std::printf("  %llu queries, %llu kept (%.3g steps a query); error of the kept forces 95 %%: %.2g, largest %.2g\n", static_cast<unsigned long long>(cost.asked),
-				static_cast<unsigned long long>(cost.kept()), cost.factor(), usual, worst);
+	std::printf("  %llu queries, %llu kept (%.3g steps a query); error of the kept forces 95 %%: %.2g, largest %.2g\n",
+		static_cast<unsigned long long>(cost.asked), static_cast<unsigned long long>(cost.kept()), cost.factor(), usual, worst);
 }
 
 TEST_P(DemoEconomy, WithoutAnErrorChangesNoBit)

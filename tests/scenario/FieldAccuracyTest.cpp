@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "demos/scenes/Bodies/FieldBodies.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
 #include "demos/scenes/Truth/PoseSampler.h"
@@ -39,7 +39,8 @@ struct Errors
 	double rms(double squares) const { return std::sqrt(squares / std::max(1, poses)); }
 };
 
-void add(Errors& errors, const OverlapQuadrature& quadrature, const InnerSphereTree& tree, const AnalyticField& field, const Pose& X, double size)
+void add(Errors& errors, const OverlapQuadrature& quadrature, const InnerSphereTree& tree, const AnalyticField& field, const Pose& X,
+	double size)
 {
 	QueryWorkspace workspace;
 	const QuadratureTruth truth = quadrature.integrate(X, tree.origin, 90, 25000);
@@ -73,8 +74,8 @@ void expectAccuracy(const char* name, const Mesh& source, int spheres, double li
 			for (const Pose& X : posesAtOverlap(quadrature, overlap, 1, 7)) add(row, quadrature, tree.value(), *body.field, X, size);
 			EXPECT_EQ(row.poses, 1) << body.name;
 			EXPECT_LE(row.rms(row.force), 2 * limit) << name << " " << body.name << " " << overlap;
-			std::printf("  %s-%-12s %3.0f %%: volume rms %.2f %%, force rms %.2f %%, torque rms %.2f %%\n", name, body.name.c_str(), 100 * overlap,
-						100 * row.rms(row.volume), 100 * row.rms(row.force), 100 * row.rms(row.torque));
+			std::printf("  %s-%-12s %3.0f %%: volume rms %.2f %%, force rms %.2f %%, torque rms %.2f %%\n", name, body.name.c_str(),
+				100 * overlap, 100 * row.rms(row.volume), 100 * row.rms(row.force), 100 * row.rms(row.torque));
 			all.poses += row.poses;
 			all.volume += row.volume;
 			all.force += row.force;
@@ -99,7 +100,4 @@ TEST(FieldAccuracy, BunnyOnEveryClosedForm)
 }
 
 // Errors go with one over the root of the leaves in contact: 3,000 spheres have a third of them.
-TEST(FieldAccuracy, BoxOnEveryClosedForm)
-{
-	expectAccuracy("box", makeBoxMesh({0.5, 0.35, 0.25}), 3000, 0.03 * std::sqrt(10.0 / 3));
-}
+TEST(FieldAccuracy, BoxOnEveryClosedForm) { expectAccuracy("box", makeBoxMesh({0.5, 0.35, 0.25}), 3000, 0.03 * std::sqrt(10.0 / 3)); }

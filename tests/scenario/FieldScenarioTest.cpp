@@ -24,8 +24,7 @@ constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 /// Longest side 0.2 m.
 const Solid& bunny()
 {
-	static const Solid solid = []
-	{
+	static const Solid solid = [] {
 		ist::Mesh mesh = ist::importMesh(kBunny).value();
 		const double unit = 0.2 / ist::bounds(mesh).longestSide();
 		for (Vec3& p : mesh.vertices) p *= unit;
@@ -90,24 +89,22 @@ std::vector<Ground> grounds(Surfaces& surfaces)
 		{"lying cylinder", .25, true, false, [=](Scene& w) { return w.shape<btCylinderShapeZ>(btVector3(s(.25), s(.25), s(.5))); }},
 		{"cone", .2, true, false, [=](Scene& w) { return w.shape<btConeShape>(s(.3), s(.4)); }},
 		{"hull", .3, false, true,
-		 [=](Scene& w)
-		 {
-			 auto* hull = w.shape<btConvexHullShape>();
-			 for (int i = 0; i < 8; ++i) hull->addPoint(btVector3(s(i & 1 ? .5 : -.5), s(i & 2 ? .3 : -.3), s(i & 4 ? .5 : -.5)));
-			 hull->setMargin(s(1e-3));
-			 return hull;
-		 }},
+			[=](Scene& w) {
+				auto* hull = w.shape<btConvexHullShape>();
+				for (int i = 0; i < 8; ++i) hull->addPoint(btVector3(s(i & 1 ? .5 : -.5), s(i & 2 ? .3 : -.3), s(i & 4 ? .5 : -.5)));
+				hull->setMargin(s(1e-3));
+				return hull;
+			}},
 		{"triangle mesh", 0, false, true, [&surfaces](Scene& w) { return w.shape<btBvhTriangleMeshShape>(&surfaces.triangles, true); }},
 		{"heightfield", 0, false, true,
-		 [&surfaces, s](Scene& w) { return w.shape<btHeightfieldTerrainShape>(5, 5, surfaces.heights.data(), s(0), s(1), 1, false); }},
+			[&surfaces, s](Scene& w) { return w.shape<btHeightfieldTerrainShape>(5, 5, surfaces.heights.data(), s(0), s(1), 1, false); }},
 		{"compound", .2, true, true,
-		 [&surfaces](Scene& w)
-		 {
-			 auto* compound = w.shape<btCompoundShape>();
-			 compound->addChildShape(at({0.5, 0, 0}), &surfaces.half);
-			 compound->addChildShape(at({-0.5, 0, 0}), &surfaces.half);
-			 return compound;
-		 }},
+			[&surfaces](Scene& w) {
+				auto* compound = w.shape<btCompoundShape>();
+				compound->addChildShape(at({0.5, 0, 0}), &surfaces.half);
+				compound->addChildShape(at({-0.5, 0, 0}), &surfaces.half);
+				return compound;
+			}},
 	};
 }
 
@@ -124,9 +121,10 @@ double upwardImpulse(Scene& scene, const btRigidBody* body)
 		{
 			const btManifoldPoint& point = m->getContactPoint(p);
 			const double side = m->getBody0() == body ? 1 : -1;
-			sum += side * (double(point.m_normalWorldOnB.y()) * double(point.m_appliedImpulse) +
-						   double(point.m_lateralFrictionDir1.y()) * double(point.m_appliedImpulseLateral1) +
-						   double(point.m_lateralFrictionDir2.y()) * double(point.m_appliedImpulseLateral2));
+			sum += side *
+				(double(point.m_normalWorldOnB.y()) * double(point.m_appliedImpulse) +
+					double(point.m_lateralFrictionDir1.y()) * double(point.m_appliedImpulseLateral1) +
+					double(point.m_lateralFrictionDir2.y()) * double(point.m_appliedImpulseLateral2));
 		}
 	}
 	return sum;
@@ -144,8 +142,8 @@ TEST(BunnyOnEverything, ComesToRestAndIsCarried)
 		const Vec3 place{3, -2, 5};
 		scene.add(ground.make(scene), 0, 0, at(place))->setFriction(btScalar(1));
 		btISTAttachment attachment;
-		btRigidBody* body =
-			scene.add(bunnyShape(scene, attachment), kMass, inertiaOf(bunny()), at(place + Vec3{0.02, ground.top - low + 0.01, 0.01}));
+		btRigidBody* body = scene.add(
+			bunnyShape(scene, attachment), kMass, inertiaOf(bunny()), at(place + Vec3{0.02, ground.top - low + 0.01, 0.01}));
 		body->setFriction(btScalar(1));
 		scene.setStiffness(body, kStiffness);
 		// On what is round it is guided like a lift.
@@ -168,8 +166,8 @@ TEST(BunnyOnEverything, ComesToRestAndIsCarried)
 		const double sunk = place.y + ground.top - lowestPoint(bunny().mesh, toPose(body->getWorldTransform()));
 		double volume = 0;
 		for (const btISTContact* c : scene.world.contacts().contacts()) volume += c->total.volume;
-		std::printf("  bunny on %-15s impulse/weight %+.4f %%, by velocity %+.4f %%, fastest %.1e m/s, sunk %+.2f mm\n", ground.name, 100 * (impulse - 1),
-					100 * (fromVelocity - 1), fastest, 1e3 * sunk);
+		std::printf("  bunny on %-15s impulse/weight %+.4f %%, by velocity %+.4f %%, fastest %.1e m/s, sunk %+.2f mm\n", ground.name,
+			100 * (impulse - 1), 100 * (fromVelocity - 1), fastest, 1e3 * sunk);
 		EXPECT_NEAR(impulse, 1, ground.volumetric ? 2e-3 : 2e-2) << ground.name;
 		EXPECT_NEAR(fromVelocity, 1, 2e-3) << ground.name;
 		EXPECT_LT(fastest, ground.volumetric ? 1e-4 : 0.2) << ground.name;  // hulls chatter on each other
@@ -202,8 +200,7 @@ TEST(FieldBodies, KeepMomentumAndGainNoEnergy)
 			btRigidBody* b = scene.add(treeFirst ? closed : with, kMass, inertia, second);
 			a->setLinearVelocity(vec(apart));
 			b->setLinearVelocity(vec(-1.0 * apart));
-			const auto energy = [&]
-			{
+			const auto energy = [&] {
 				double e = 0;
 				for (const btRigidBody* r : {a, b})
 					e += 0.5 * kMass * double(r->getLinearVelocity().length2()) + 0.5 * inertia * double(r->getAngularVelocity().length2());
@@ -213,7 +210,8 @@ TEST(FieldBodies, KeepMomentumAndGainNoEnergy)
 			bool touches = false;
 			for (int i = 0; i < 240; ++i)
 			{
-				const Vec3 va = vec(a->getLinearVelocity()), vb = vec(b->getLinearVelocity()), wa = vec(a->getAngularVelocity()), wb = vec(b->getAngularVelocity());
+				const Vec3 va = vec(a->getLinearVelocity()), vb = vec(b->getLinearVelocity()), wa = vec(a->getAngularVelocity()),
+						   wb = vec(b->getAngularVelocity());
 				const Vec3 arm = vec(b->getWorldTransform().getOrigin() - a->getWorldTransform().getOrigin());
 				scene.step(1.0 / 240);
 				const Vec3 da = kMass * (vec(a->getLinearVelocity()) - va), db = kMass * (vec(b->getLinearVelocity()) - vb);

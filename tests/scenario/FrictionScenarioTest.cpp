@@ -58,7 +58,7 @@ TEST(Friction, BoxAboveTheCriticalAngleSlidesAsCoulombSays)
 		incline.scene.run(2, rate);
 		const btVector3 gained = (incline.body->getLinearVelocity() - before) / 2;
 		std::printf("  %g Hz: acceleration %+.3f %% of g (sin - mu cos), across %.1e\n", rate, 100 * (double(gained.x()) / expected - 1),
-					double(gained.z()) / expected);
+			double(gained.z()) / expected);
 		EXPECT_NEAR(double(gained.x()), expected, 0.01 * expected);
 		EXPECT_NEAR(double(gained.z()), 0, 0.01 * expected);
 	}

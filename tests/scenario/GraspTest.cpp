@@ -46,8 +46,7 @@ void expectSound(const GraspOutcome& outcome)
 }  // namespace
 
 class GraspScenario : public testing::TestWithParam<std::string>
-{
-};
+{};
 
 TEST_P(GraspScenario, HoldsWithFrictionAndDropsWithout)
 {
@@ -145,14 +144,12 @@ TEST(GraspScenarios, ARecordedHandHoldsLikeTheLiveOneToTheLastBit)
 	const auto scene = makeScene("nut");
 	ASSERT_TRUE(scene);
 	HandMotion recorded;
-	const auto run = [&](const std::function<HandState(double)>& hand)
-	{
+	const auto run = [&](const std::function<HandState(double)>& hand) {
 		EXPECT_FALSE(scene->start(0.5));
 		while (scene->time() < GraspMotion::kLifted) scene->step(hand(scene->time() + scene->stepSize()));
 		return toPose(scene->body().getWorldTransform());
 	};
-	const ist::Pose live = run([&](double time)
-	{
+	const ist::Pose live = run([&](double time) {
 		recorded.frames.push_back({time, posedHand(scene->motion().at(time), scene->motion().size)});
 		return recorded.frames.back().hand;
 	});
@@ -239,7 +236,8 @@ TEST(GraspScenarios, TheTextureHoldsTheImpulseOfTheContacts)
 	const auto grey = loadGreyPicture(folder + "/mug-impulse.png");
 	ASSERT_TRUE(grey);
 	double fromPicture = 0;
-	for (size_t i = 0; i < values.value().size(); ++i) fromPicture += grey.value().pixels[i] / 65535.0 * scales.value().impulse * texture.value().areas()[i];
+	for (size_t i = 0; i < values.value().size(); ++i)
+		fromPicture += grey.value().pixels[i] / 65535.0 * scales.value().impulse * texture.value().areas()[i];
 	EXPECT_NEAR(fromPicture, painted, 1e-3 * painted);
 	EXPECT_FALSE(saveTextures(*map, {surface.mesh, {}}, folder + "/none"));
 	std::filesystem::remove_all(folder);

@@ -68,10 +68,10 @@ TEST(HapticBunny, HandPressesSlidesTurnsAndComesFree)
 	EXPECT_LT(o.work, 0);  // friction and damping take from the hand
 	EXPECT_GE(o.comparisons.size(), 6u);
 	for (const TraceComparison& c : o.comparisons)
-		std::printf("  volume %.1f mm3, error %+.1f (sigma %.1f); force %.2f N, error %.2f (sigma %.2f)\n", 1e9 * c.volumeTruth, 1e9 * c.volumeError,
-					1e9 * o.trace[c.sample].volumeSigma, norm(c.forceTruth), c.forceError, o.trace[c.sample].forceSigma);
+		std::printf("  volume %.1f mm3, error %+.1f (sigma %.1f); force %.2f N, error %.2f (sigma %.2f)\n", 1e9 * c.volumeTruth,
+			1e9 * c.volumeError, 1e9 * o.trace[c.sample].volumeSigma, norm(c.forceTruth), c.forceError, o.trace[c.sample].forceSigma);
 	std::printf("  volume rms %.2f %%, force rms %.2f %%, direction %.2f deg, sinkage %.3f mm (tree %.3f, mesh %.3f)\n", 100 * o.volumeRms,
-				100 * o.forceRms, 57.2958 * o.forceDirection, 1e3 * o.sinkage.measured, 1e3 * o.sinkage.byTree, 1e3 * o.sinkage.byMesh);
+		100 * o.forceRms, 57.2958 * o.forceDirection, 1e3 * o.sinkage.measured, 1e3 * o.sinkage.byTree, 1e3 * o.sinkage.byMesh);
 }
 
 // The world comes to rest where the tree's own force curve says, whatever that is worth against the mesh.
@@ -118,19 +118,20 @@ TEST(HapticBunny, DecoupledModeFeelsLikeSimpleMode)
 	EXPECT_NEAR(d.work, s.work, 0.05 * std::fabs(s.work));
 	EXPECT_GT(norm(d.decoupled.toTool), 1);
 	EXPECT_LT(norm(d.decoupled.underWay), 1e-9 * norm(d.decoupled.toTool));
-	std::printf("  world at 60 Hz: %.3f N, %.2f N mm, %.2f mJ; simple mode %.3f N, %.2f N mm, %.2f mJ\n", d.maxForce, 1e3 * d.maxTorque, 1e3 * d.work,
-				s.maxForce, 1e3 * s.maxTorque, 1e3 * s.work);
+	std::printf("  world at 60 Hz: %.3f N, %.2f N mm, %.2f mJ; simple mode %.3f N, %.2f N mm, %.2f mJ\n", d.maxForce, 1e3 * d.maxTorque,
+		1e3 * d.work, s.maxForce, 1e3 * s.maxTorque, 1e3 * s.work);
 }
 
 TEST(AssetCache, IsReadTheSecondTimeAndBuiltAnewWhenItDoesNotFit)
 {
-	const std::filesystem::path folder =
-		std::filesystem::path(::testing::TempDir()) / ("asset_cache_" + std::to_string(std::random_device()()));
+	const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) /
+		("asset_cache_" + std::to_string(std::random_device()()));
 	BuildOptions options;
 	options.maxSpheres = 100;
 	std::vector<std::string> said;
-	const auto ask = [&](const Mesh& mesh)
-	{ return treeFromCache(mesh, options, folder.string(), "part", [&](const std::string& text) { said.push_back(text); }).value(); };
+	const auto ask = [&](const Mesh& mesh) {
+		return treeFromCache(mesh, options, folder.string(), "part", [&](const std::string& text) { said.push_back(text); }).value();
+	};
 	const Mesh box = makeBoxMesh({0.1, 0.2, 0.3}), other = makeBoxMesh({0.1, 0.2, 0.4});
 
 	const CachedTree first = ask(box), second = ask(box);

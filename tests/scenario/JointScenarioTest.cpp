@@ -20,8 +20,7 @@ struct JointScene : Scene
 	{
 		for (auto& joint : joints) world.bullet().removeConstraint(joint.get());
 	}
-	template <class Joint, class... Arguments>
-	Joint* join(Arguments&&... arguments)
+	template <class Joint, class... Arguments> Joint* join(Arguments&&... arguments)
 	{
 		joints.push_back(std::make_unique<Joint>(std::forward<Arguments>(arguments)...));
 		joints.back()->setJointFeedback(&feedback);
@@ -37,7 +36,8 @@ struct JointScene : Scene
 		{
 			step(1 / kRate);
 			for (const btISTContact* c : world.contacts().contacts())
-				for (int p = 0; p < c->patchCount; ++p) sum += (c->bodyA == body ? 1.0 : c->bodyB == body ? -1.0 : 0.0) * c->impulses[p].force;
+				for (int p = 0; p < c->patchCount; ++p)
+					sum += (c->bodyA == body ? 1.0 : c->bodyB == body ? -1.0 : 0.0) * c->impulses[p].force;
 		}
 		return sum * (kRate / steps);
 	}
@@ -189,7 +189,7 @@ TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 	for (const double x : {-0.7, 0.7})
 		for (const double z : {-1.2, 1.2})
 			vehicle.addWheel(btVector3(btScalar(x), btScalar(-0.1), btScalar(z)), btVector3(0, -1, 0), btVector3(-1, 0, 0), btScalar(0.4),
-							 btScalar(0.35), tuning, z > 0);
+				btScalar(0.35), tuning, z > 0);
 	for (int i = 0; i < vehicle.getNumWheels(); ++i)
 	{
 		btWheelInfo& w = vehicle.getWheelInfo(i);
@@ -213,8 +213,8 @@ TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 	scene.world.bullet().removeAction(&vehicle);
 }
 
-// Held by Bullet's linear factor instead of a hinge, a paddle still turns. About its centre the angular momentum of paddle and cube stays, since
-// what holds the paddle acts there.
+// Held by Bullet's linear factor instead of a hinge, a paddle still turns. About its centre the angular momentum of paddle and cube stays,
+// since what holds the paddle acts there.
 TEST(Joints, APaddleWithoutLinearFactorTurnsWhenItIsHit)
 {
 	constexpr double kCube = 1.5, kInertia = 0.25, kPaddle = 0.7, kSpeed = 1;
@@ -229,11 +229,10 @@ TEST(Joints, APaddleWithoutLinearFactorTurnsWhenItIsHit)
 		btRigidBody* cubeBody = scene.add(scene.volumetricShape(cube()), kCube, kInertia, at(pivot + Vec3{0.7, 0.605, 0.05}));
 		cubeBody->setLinearVelocity(btVector3(0, btScalar(-kSpeed), 0));
 		for (btRigidBody* body : {paddle, cubeBody}) scene.setStiffness(body, 1e6);
-		const auto spin = [&]
-		{
+		const auto spin = [&] {
 			const Vec3 arm = vec(cubeBody->getWorldTransform().getOrigin()) - pivot;
 			return kCube * cross(arm, vec(cubeBody->getLinearVelocity())).z + kInertia * double(cubeBody->getAngularVelocity().z()) +
-				   kPaddle * double(paddle->getAngularVelocity().z());
+				kPaddle * double(paddle->getAngularVelocity().z());
 		};
 		const double before = spin();
 		scene.run(0.2, kRate);

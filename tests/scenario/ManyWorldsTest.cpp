@@ -16,7 +16,8 @@ const Solid& ring()
 	return solid;
 }
 
-/// Every coordinate of twelve bodies that fall into each other, in each step of a world of its own. Odd worlds accept an error and so ask levels.
+/// Every coordinate of twelve bodies that fall into each other, in each step of a world of its own. Odd worlds accept an error and so ask
+/// levels.
 std::vector<btScalar> motionOf(int world)
 {
 	Scene scene;
@@ -26,7 +27,8 @@ std::vector<btScalar> motionOf(int world)
 	std::mt19937_64 random(uint64_t(100 + world));
 	std::vector<btRigidBody*> bodies;
 	for (int i = 0; i < 12; ++i)
-		bodies.push_back(scene.add(shapes[i % 3], 1 + i % 4, 0.2, at(randomVector(random, 0.8) + Vec3{0, 1.5 + 0.6 * i, 0}, randomVector(random, 2))));
+		bodies.push_back(
+			scene.add(shapes[i % 3], 1 + i % 4, 0.2, at(randomVector(random, 0.8) + Vec3{0, 1.5 + 0.6 * i, 0}, randomVector(random, 2))));
 	std::vector<btScalar> motion;
 	for (int i = 0; i < 90; ++i)
 	{
@@ -75,8 +77,9 @@ struct Motion
 		for (const btRigidBody* body : bodies)
 		{
 			momentum += mass * vec(body->getLinearVelocity());
-			energy += mass * (9.81 * double(body->getWorldTransform().getOrigin().y()) + 0.5 * double(body->getLinearVelocity().length2())) +
-					  0.5 * inertia * double(body->getAngularVelocity().length2());
+			energy += mass *
+					(9.81 * double(body->getWorldTransform().getOrigin().y()) + 0.5 * double(body->getLinearVelocity().length2())) +
+				0.5 * inertia * double(body->getAngularVelocity().length2());
 		}
 	}
 };
@@ -96,7 +99,8 @@ TEST(ThousandBodies, KeepMomentumAndStayAboveTheFloor)
 	{
 		const Vec3 place{1.25 * (i % 10), 0.9 + 1.3 * (i / 100), 1.25 * (i / 10 % 10)};
 		bodies.push_back(scene.add(shapes[i % 2], kMass, kInertia, at(place + randomVector(random, 0.1), randomVector(random, 2))));
-		scene.setStiffness(bodies.back(), 2e3);  // soft: they begin inside one another, and what that stores is to be small beside their weight
+		scene.setStiffness(
+			bodies.back(), 2e3);  // soft: they begin inside one another, and what that stores is to be small beside their weight
 	}
 	Motion before(bodies, kMass, kInertia);
 	const double start = before.energy, weight = kBodies * kMass * 9.81 * h;

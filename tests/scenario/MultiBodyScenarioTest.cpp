@@ -48,8 +48,7 @@ struct LinkScene
 		for (auto& m : multiBodies) world.removeMultiBody(m.get());
 		for (auto& b : bodies) world.removeRigidBody(b.get());
 	}
-	template <class Shape, class... Arguments>
-	Shape* shape(Arguments&&... arguments)
+	template <class Shape, class... Arguments> Shape* shape(Arguments&&... arguments)
 	{
 		shapes.push_back(std::make_unique<Shape>(std::forward<Arguments>(arguments)...));
 		return static_cast<Shape*>(shapes.back().get());
@@ -76,7 +75,8 @@ struct LinkScene
 		return body;
 	}
 	/// Base of `baseMass` (0: fixed) with room for links; `build` sets them up.
-	btMultiBody* addMultiBody(int links, double baseMass, double inertia, const Vec3& p, const std::function<void(btMultiBody&)>& build = {})
+	btMultiBody* addMultiBody(
+		int links, double baseMass, double inertia, const Vec3& p, const std::function<void(btMultiBody&)>& build = {})
 	{
 		const btScalar i = btScalar(inertia);
 		multiBodies.push_back(std::make_unique<btMultiBody>(links, btScalar(baseMass), btVector3(i, i, i), baseMass == 0, false));
@@ -126,7 +126,8 @@ struct LinkScene
 	{
 		Vec3 sum;
 		for (const btISTContact* c : registration.store().contacts())
-			for (int p = 0; p < c->patchCount; ++p) sum += (c->bodyA == object ? 1.0 : c->bodyB == object ? -1.0 : 0.0) * c->impulses[p].force;
+			for (int p = 0; p < c->patchCount; ++p)
+				sum += (c->bodyA == object ? 1.0 : c->bodyB == object ? -1.0 : 0.0) * c->impulses[p].force;
 		return sum;
 	}
 };
@@ -148,9 +149,11 @@ TEST(MultiBody, FreeBaseMovesLikeARigidBody)
 		const Vec3 tilt{0.3, 0.2, 0.4}, spin{0.5, -1, 0.3}, speed{0.4, 0, -0.2};
 		btRigidBody* rigid = scene.addRigid(s, kMass, kMass / 6, at({-5, 0.9, 3}, tilt));
 		EXPECT_FALSE(scene.materials->set(rigid, {k, -1}));
-		btMultiBody* m = scene.addMultiBody(0, kMass, kMass / 6, {5, 0.9, 3}, [&](btMultiBody& b) { b.setWorldToBaseRot(turned(tilt).inverse()); });
+		btMultiBody* m = scene.addMultiBody(
+			0, kMass, kMass / 6, {5, 0.9, 3}, [&](btMultiBody& b) { b.setWorldToBaseRot(turned(tilt).inverse()); });
 		btMultiBodyLinkCollider* collider = scene.addCollider(m, -1, s, k);
-		for (btCollisionObject* o : {static_cast<btCollisionObject*>(rigid), static_cast<btCollisionObject*>(collider)}) o->setFriction(btScalar(friction));
+		for (btCollisionObject* o : {static_cast<btCollisionObject*>(rigid), static_cast<btCollisionObject*>(collider)})
+			o->setFriction(btScalar(friction));
 		rigid->setLinearVelocity(vec(speed));
 		rigid->setAngularVelocity(vec(spin));
 		m->setBaseVel(vec(speed));
@@ -181,12 +184,10 @@ struct LeverLink : LinkScene
 	{
 		const double ball = 0.15, depth = 0.02;
 		addRigid(shape<btSphereShape>(btScalar(ball)), 0, 0, at({5 + kLever - 1, 3 - 0.1 - ball + depth, -4}));
-		m = addMultiBody(1, 0, 0, {4, 3, -4},
-						 [](btMultiBody& b)
-						 {
-							 b.setupRevolute(0, btScalar(kMass), btVector3(1, 1, 1) * btScalar(0.7), -1, btQuaternion::getIdentity(), btVector3(0, 0, 1),
-											 btVector3(0, 0, 0), btVector3(1, 0, 0));
-						 });
+		m = addMultiBody(1, 0, 0, {4, 3, -4}, [](btMultiBody& b) {
+			b.setupRevolute(0, btScalar(kMass), btVector3(1, 1, 1) * btScalar(0.7), -1, btQuaternion::getIdentity(), btVector3(0, 0, 1),
+				btVector3(0, 0, 0), btVector3(1, 0, 0));
+		});
 		beam = addCollider(m, 0, volumetricShape(bar()), 1e7);
 	}
 	/// Of the ball on the beam about the joint over half a second, while `torque` acts in the joint as well [N m].
@@ -264,12 +265,10 @@ TEST(MultiBody, KeepsTheMomentumWithARigidBodyItHits)
 		const double inertia = kMass / 6, rate = 1000, speed = 3;
 		btCollisionShape* s = scene.volumetricShape(cube());
 		const Vec3 place = randomVector(random, 4), aside = randomVector(random, 0.2);
-		btMultiBody* m = scene.addMultiBody(1, kMass, inertia, place,
-											[&](btMultiBody& b)
-											{
-												b.setupRevolute(0, btScalar(kMass), btVector3(1, 1, 1) * btScalar(inertia), -1, btQuaternion::getIdentity(),
-																btVector3(0, 0, 1), btVector3(0, btScalar(0.7), 0), btVector3(0, btScalar(0.7), 0), true);
-											});
+		btMultiBody* m = scene.addMultiBody(1, kMass, inertia, place, [&](btMultiBody& b) {
+			b.setupRevolute(0, btScalar(kMass), btVector3(1, 1, 1) * btScalar(inertia), -1, btQuaternion::getIdentity(), btVector3(0, 0, 1),
+				btVector3(0, btScalar(0.7), 0), btVector3(0, btScalar(0.7), 0), true);
+		});
 		scene.addCollider(m, -1, s, 1e5);
 		scene.addCollider(m, 0, s, 1e5);
 		btRigidBody* body = scene.addRigid(s, kMass, inertia, at(place + Vec3{1.2, 1.4, 0} + aside, randomVector(random, 0.2)));
@@ -304,13 +303,11 @@ TEST(MultiBody, LinksOfOneBodyPressEachOther)
 	scene.world.setGravity(btVector3(0, 0, 0));
 	const double rate = 240, torque = 10, gap = 0.98, spring = 2000, damper = 200;
 	btCollisionShape* s = scene.volumetricShape(cube());
-	btMultiBody* m = scene.addMultiBody(2, 0, 0, {1, 2, 3},
-										[&](btMultiBody& b)
-										{
-											for (int i = 0; i < 2; ++i)
-												b.setupRevolute(i, btScalar(kMass), btVector3(1, 1, 1) * btScalar(kMass / 6), -1, btQuaternion::getIdentity(),
-																btVector3(0, 0, 1), btVector3(btScalar(i == 0 ? -gap / 2 : gap / 2), 0, 0), btVector3(0, 2, 0));
-										});
+	btMultiBody* m = scene.addMultiBody(2, 0, 0, {1, 2, 3}, [&](btMultiBody& b) {
+		for (int i = 0; i < 2; ++i)
+			b.setupRevolute(i, btScalar(kMass), btVector3(1, 1, 1) * btScalar(kMass / 6), -1, btQuaternion::getIdentity(),
+				btVector3(0, 0, 1), btVector3(btScalar(i == 0 ? -gap / 2 : gap / 2), 0, 0), btVector3(0, 2, 0));
+	});
 	m->setHasSelfCollision(true);
 	btMultiBodyLinkCollider* left = scene.addCollider(m, 0, s, 5e3);
 	btMultiBodyLinkCollider* right = scene.addCollider(m, 1, s, 5e3);

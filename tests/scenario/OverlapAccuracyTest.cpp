@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
 #include "demos/scenes/Truth/PoseSampler.h"
@@ -44,15 +44,14 @@ Body makeBody(const Mesh& source, int spheres = 10000)
 		return {};
 	}
 	std::printf("  body: %zu spheres, fill %.3f, mean gap %.3g m, largest gap %.3g m\n", tree.value().spheres.size(), tree.value().fill,
-				tree.value().meanGap, tree.value().maxGap);
+		tree.value().meanGap, tree.value().maxGap);
 	return {std::move(repaired).value().mesh, std::move(tree).value()};
 }
 
 /// The bunny, longest side 0.2 m. Built once for all tests of this file.
 const Body& bunny()
 {
-	static const Body body = []
-	{
+	static const Body body = [] {
 		Result<Mesh> mesh = importMesh(kBunny);
 		if (!mesh)
 		{
@@ -112,7 +111,7 @@ Accuracy measure(const Body& A, const Body& B, double fraction, int count, uint6
 	const double n = std::max<size_t>(poses.size(), 1);
 	std::sort(angles.begin(), angles.end());
 	return {static_cast<int>(poses.size()), std::sqrt(sum.volume / n), std::sqrt(sum.force / n), std::sqrt(sum.torque / n),
-			sum.volumeBias / n, angles.empty() ? 0 : angles[angles.size() / 2], sum.innerShare, std::sqrt(sum.quadrature / n)};
+		sum.volumeBias / n, angles.empty() ? 0 : angles[angles.size() / 2], sum.innerShare, std::sqrt(sum.quadrature / n)};
 }
 
 void expectAccuracy(const char* name, const Body& A, const Body& B)
@@ -126,8 +125,8 @@ void expectAccuracy(const char* name, const Body& A, const Body& B)
 		const Accuracy found = measure(A, B, limit.fraction, 20, 11);
 		std::printf("  %s at %2.0f %%: volume rms %.2f %% (bias %+.2f %%), force rms %.2f %%, direction %.2f deg, torque rms %.2f %%, "
 					"inner sum <= %.2f of truth, quadrature %.2f %%\n",
-					name, 100 * limit.fraction, 100 * found.volume, 100 * found.volumeBias, 100 * found.force, found.direction,
-					100 * found.torque, found.innerShare, 100 * found.quadrature);
+			name, 100 * limit.fraction, 100 * found.volume, 100 * found.volumeBias, 100 * found.force, found.direction, 100 * found.torque,
+			found.innerShare, 100 * found.quadrature);
 		std::fflush(stdout);
 		const std::string key = std::string(name) + (limit.fraction < 0.05 ? "_1" : "_10");
 		::testing::Test::RecordProperty(key + "_volume_rms", std::to_string(found.volume));
@@ -174,7 +173,8 @@ struct Coverage
 				const QuadratureTruth truth = quadrature.integrate(X, A.tree.origin, 100, 20000);
 				const OverlapResult found = queryOverlap(A.tree, B.tree, X, workspace);
 				const OverlapError sigma = overlapError(found, A.tree, B.tree, 1);
-				const double volume = std::fabs(found.total.volume - truth.volume), force = norm(pressureWrench(found.total, {}).force - truth.wrench().force);
+				const double volume = std::fabs(found.total.volume - truth.volume),
+							 force = norm(pressureWrench(found.total, {}).force - truth.wrench().force);
 				++poses;
 				oneSigmaVolume += volume <= sigma.volume;
 				twoSigmaVolume += volume <= 2 * sigma.volume;
@@ -184,11 +184,12 @@ struct Coverage
 	}
 };
 
-/// Of two sigma at least the 92 % that are promised, less what so few poses scatter by; of one sigma less than a bar that is twice too large would have.
+/// Of two sigma at least the 92 % that are promised, less what so few poses scatter by; of one sigma less than a bar that is twice too
+/// large would have.
 void expectHonest(const char* name, const Coverage& found)
 {
-	std::printf("  %s, %d poses: volume %d within 1 sigma, %d within 2; force %d, %d\n", name, found.poses, found.oneSigmaVolume, found.twoSigmaVolume, found.oneSigmaForce,
-				found.twoSigmaForce);
+	std::printf("  %s, %d poses: volume %d within 1 sigma, %d within 2; force %d, %d\n", name, found.poses, found.oneSigmaVolume,
+		found.twoSigmaVolume, found.oneSigmaForce, found.twoSigmaForce);
 	EXPECT_GE(found.poses, 70) << name;
 	EXPECT_GE(found.twoSigmaVolume, 0.9 * found.poses) << name;
 	EXPECT_GE(found.twoSigmaForce, 0.9 * found.poses) << name;
@@ -241,8 +242,8 @@ TEST(OverlapAccuracy, SlabOnSlabForceIsEvenOverShiftsAndYaws)
 		double sum = 0, squares = 0;
 		for (int i = 0; i < kPerDepth; ++i)
 		{
-			const Pose X{rotationMatrix(quaternionFromRotationVector({0, 0, yaw(random)})),
-						 {shift(random), shift(random), 2 * half - depth}};
+			const Pose X{
+				rotationMatrix(quaternionFromRotationVector({0, 0, yaw(random)})), {shift(random), shift(random), 2 * half - depth}};
 			const double truth = quadrature.integrate(X, {}, 60, 30000).wrench().force.z;
 			const double ratio = pressureWrench(queryOverlap(slab.tree, slab.tree, X, workspace).total, {}).force.z / truth;
 			sum += ratio;
@@ -251,7 +252,7 @@ TEST(OverlapAccuracy, SlabOnSlabForceIsEvenOverShiftsAndYaws)
 		const double mean = sum / kPerDepth;
 		const double deviation = std::sqrt(std::max(0.0, squares / kPerDepth - mean * mean));
 		std::printf("  slab on slab, depth %.4f m (%.1f gap sums): mean force %+.2f %%, standard deviation %.2f %%\n", depth,
-					depth / gapSum, 100 * (mean - 1), 100 * deviation);
+			depth / gapSum, 100 * (mean - 1), 100 * deviation);
 		if (d < 0) continue;
 		EXPECT_NEAR(mean, 1, 0.03) << "depth " << depth;
 		EXPECT_LE(deviation, 0.02) << "depth " << depth;
@@ -262,15 +263,15 @@ TEST(OverlapAccuracy, SlabOnSlabForceIsEvenOverShiftsAndYaws)
 TEST(OverlapAccuracy, ErrorBarHoldsForCompactThinAndSmallBodies)
 {
 	constexpr int kSpheres = 3000;
-	const auto body = [](Mesh mesh, double size)
-	{
+	const auto body = [](Mesh mesh, double size) {
 		const double unit = size / bounds(mesh).longestSide();
 		for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
 		return makeBody(mesh, kSpheres);
 	};
 	const Mesh knot = makeTorusKnotMesh(2, 1, 0.45);
 	const Body ring = body(makeTorusMesh(0.5, 0.2), 1), tied = body(knot, 1), box = body(makeBoxMesh({0.5, 0.35, 0.25}), 1);
-	const Body plate = body(makeBoxMesh({0.5, 0.35, 0.01}), 1), crown = body(makeCrownMesh(), 1), wire = body(makeTorusKnotMesh(2, 1, 0.08), 1);
+	const Body plate = body(makeBoxMesh({0.5, 0.35, 0.01}), 1), crown = body(makeCrownMesh(), 1),
+			   wire = body(makeTorusKnotMesh(2, 1, 0.08), 1);
 	const Body sixth = body(knot, 1.0 / 6), twentieth = body(makeTorusMesh(0.5, 0.2), 1.0 / 20);
 	Coverage compact, thin, small;
 	compact.look(tied, ring);

@@ -36,16 +36,17 @@ double inertiaOf(const Solid& solid)
 
 struct Rest
 {
-	double height = 0;        ///< of the centre of mass over the plane at the end [m]
-	double storeRatio = 0;    ///< impulses in the store over weight times time, upward
-	double velocityRatio = 0; ///< the same from the body's change of velocity
-	double volume = 0;        ///< under the plane in the pose at the end, cut from the mesh [m^3]
-	double modelForce = 0;    ///< k V of the tree in the last query [N]
+	double height = 0;         ///< of the centre of mass over the plane at the end [m]
+	double storeRatio = 0;     ///< impulses in the store over weight times time, upward
+	double velocityRatio = 0;  ///< the same from the body's change of velocity
+	double volume = 0;         ///< under the plane in the pose at the end, cut from the mesh [m^3]
+	double modelForce = 0;     ///< k V of the tree in the last query [N]
 	int patches = 0;
 };
 
 /// Dropped from `drop` above `height`; settles for `settle` seconds, is watched for one more.
-Rest restOnPlane(const Solid& solid, double k, const ist::Vec3& position, const ist::Vec3& rotation, bool locked, double rate, double settle = 2)
+Rest restOnPlane(
+	const Solid& solid, double k, const ist::Vec3& position, const ist::Vec3& rotation, bool locked, double rate, double settle = 2)
 {
 	Scene scene;
 	scene.addFloor();
@@ -89,8 +90,8 @@ void expectDepth(const char* name, const Solid& solid, double depth, const ist::
 	const Rest rest = restOnPlane(solid, k, {3, -low - depth, -7}, rotation, true, rate);
 	const double found = -(low + rest.height);
 	std::printf("  %s, %g Hz, designed depth %.4g m (%.1f g): depth %+.2f %%, k V/weight %+.2f %%, impulse/weight %+.4f %%, %d patches\n",
-				name, rate, depth, depth / solid.tree->meanGap, 100 * (found / depth - 1), 100 * (k * rest.volume / (kMass * kGravity) - 1),
-				100 * (rest.storeRatio - 1), rest.patches);
+		name, rate, depth, depth / solid.tree->meanGap, 100 * (found / depth - 1), 100 * (k * rest.volume / (kMass * kGravity) - 1),
+		100 * (rest.storeRatio - 1), rest.patches);
 	EXPECT_NEAR(found, depth, tolerance * depth) << name << " at " << rate << " Hz";
 	expectWeightIsCarried(rest);
 }
@@ -119,7 +120,7 @@ TEST(RestOnAHalfSpace, BoxSinksAsDeepAsTheClosedFormSays)
 			const double k = kMass * kGravity / depth;  // the face has 1 m^2
 			const Rest rest = restOnPlane(box, k, {-5, 0.5 - depth, 8}, {}, false, rate);
 			std::printf("  box, %g Hz, designed depth %.4g m: %+.2f %%, impulse/weight %+.4f %%\n", rate, depth,
-						100 * ((0.5 - rest.height) / depth - 1), 100 * (rest.storeRatio - 1));
+				100 * ((0.5 - rest.height) / depth - 1), 100 * (rest.storeRatio - 1));
 			EXPECT_NEAR(0.5 - rest.height, depth, 0.01 * depth);
 			expectWeightIsCarried(rest);
 		}
@@ -136,7 +137,7 @@ TEST(RestOnAHalfSpace, SphereSinksAsDeepAsTheClosedFormSays)
 			const double k = kMass * kGravity / (kPi * depth * depth * (3 * r - depth) / 3);
 			const Rest rest = restOnPlane(sphere, k, {4, r - depth, 4}, {0.3, 0.2, -1}, true, rate);
 			std::printf("  sphere, %g Hz, designed depth %.4g m: %+.2f %%, impulse/weight %+.4f %%\n", rate, depth,
-						100 * ((r - rest.height) / depth - 1), 100 * (rest.storeRatio - 1));
+				100 * ((r - rest.height) / depth - 1), 100 * (rest.storeRatio - 1));
 			EXPECT_NEAR(r - rest.height, depth, 0.01 * depth);
 			expectWeightIsCarried(rest);
 		}
@@ -177,7 +178,7 @@ TEST(RestOnAHalfSpace, FreeBunnyStandsOnItsFeet)
 		const Rest rest = restOnPlane(bunny, kStiffness, {2, -low, 2}, {}, false, rate, 4);
 		expectWeightIsCarried(rest);
 		std::printf("  free bunny, %g Hz: k V/weight by the cut mesh %+.2f %%, %d patches\n", rate,
-					100 * (kStiffness * rest.volume / (kMass * kGravity) - 1), rest.patches);
+			100 * (kStiffness * rest.volume / (kMass * kGravity) - 1), rest.patches);
 		EXPECT_GT(rest.height, 0.5 * -low);  // upright
 	}
 }

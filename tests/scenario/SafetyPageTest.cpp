@@ -8,8 +8,8 @@
 // What is unsafe is not for the page to say: the limits are those of a device of 10 N, 2 N in the long run, and of a hand.
 TEST(SafetyPage, EachStageHoldsBackWhatIsUnsafeWithoutIt)
 {
-	const std::map<std::string, double> safe = {{"finite", 0}, {"age", 0}, {"enabled", 0}, {"ramp", 0.5}, {"start inside", 0}, {"actuated", 0},
-												{"passivity", 1}, {"slew", 0.51}, {"saturation", 10.01}, {"continuous budget", 2.2}, {"over-speed", 0}};
+	const std::map<std::string, double> safe = {{"finite", 0}, {"age", 0}, {"enabled", 0}, {"ramp", 0.5}, {"start inside", 0},
+		{"actuated", 0}, {"passivity", 1}, {"slew", 0.51}, {"saturation", 10.01}, {"continuous budget", 2.2}, {"over-speed", 0}};
 	const scenes::SafetyOutcome outcome = scenes::runSafety();
 	EXPECT_TRUE(outcome.ok());
 	EXPECT_EQ(outcome.rows.size(), safe.size());

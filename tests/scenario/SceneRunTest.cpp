@@ -3,8 +3,8 @@
 #include "demos/scenes/Scene/SceneReport.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -29,9 +29,10 @@ std::string scene(const std::string& topology, double from, double to, const std
 		"assets": [{"name": "ball", "shape": "sphere", "radius": 0.02, "spheres": 300}],
 		"materials": [{"name": "m", "density": 2000, "stiffness": 2e7, "dissipation": 2, "friction": 0.3}],
 		"bodies": [{"name": "floor", "plane": {}, "material": "m"}, {"name": "ball", "asset": "ball", "material": "m", "position": [0, )" +
-		   std::to_string(from) + R"(, 0]}],
-		"hand": {"device": "sim:sigma7", "tool": "ball", "path": [{"time": 0, "position": [0, )" + std::to_string(from) +
-		   R"(, 0]}, {"time": 1, "position": [0, )" + std::to_string(to) + "0, 0]}]}" + (more.empty() ? "" : ", " + more) + "}";
+		std::to_string(from) + R"(, 0]}],
+		"hand": {"device": "sim:sigma7", "tool": "ball", "path": [{"time": 0, "position": [0, )" +
+		std::to_string(from) + R"(, 0]}, {"time": 1, "position": [0, )" + std::to_string(to) + "0, 0]}]}" +
+		(more.empty() ? "" : ", " + more) + "}";
 }
 
 SceneRunOptions options()
@@ -87,15 +88,15 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 // Two bodies of a thousand spheres pressed together have many more pairs than that.
 TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 {
-	const auto most = [](const std::string& topology, const std::string& budget)
-	{
+	const auto most = [](const std::string& topology, const std::string& budget) {
 		const Result<SceneOutcome> outcome = run(R"({"schema": 1, "topology": ")" + topology + R"(", "duration": 0.5)" + budget + R"(,
 			"assets": [{"name": "cube", "shape": "box", "halfExtents": [0.02, 0.02, 0.02], "spheres": 1000},
 				{"name": "base", "shape": "box", "halfExtents": [0.05, 0.02, 0.05], "spheres": 1000}],
 			"materials": [{"name": "m", "stiffness": 2e7, "dissipation": 3, "friction": 0.5}],
 			"bodies": [{"name": "base", "asset": "base", "fixed": true, "position": [0, 0.02, 0], "material": "m"},
 				{"name": "cube", "asset": "cube", "position": [0, 0.065, 0], "material": "m"}],
-			"hand": {"device": "sim:sigma7", "tool": "cube", "path": [{"time": 0, "position": [0, 0.065, 0]}, {"time": 0.2, "position": [0, 0.055, 0]},
+			"hand": {"device": "sim:sigma7", "tool": "cube", "path": [{"time": 0, "position": [0, 0.065, 0]},
+ {"time": 0.2, "position": [0, 0.055, 0]},
 				{"time": 0.5, "position": [0.02, 0.055, 0], "turn": [0, 20, 0]}]}})");
 		EXPECT_TRUE(outcome) << outcome.error().message;
 		int64_t pairs = 0;
@@ -112,7 +113,8 @@ TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 	}
 }
 
-// Nothing is volumetric: in a world that the hand's thread steps, Bullet's own contact holds the ball; a hand beside the world does not feel that.
+// Nothing is volumetric: in a world that the hand's thread steps, Bullet's own contact holds the ball; a hand beside the world does not
+// feel that.
 TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
 {
 	for (const char* topology : {"one-thread", "contact-in-tick"})
@@ -128,8 +130,7 @@ TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
 TEST(SceneRun, HooksActInTheirOrder)
 {
 	// Far from the floor the hand's spring alone holds against the hook's force, which the later hook halves.
-	const auto last = [](const std::string& hooks)
-	{
+	const auto last = [](const std::string& hooks) {
 		const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, "\"hooks\": [" + hooks + "]"));
 		EXPECT_TRUE(outcome) << outcome.error().message;
 		return outcome.value().ticks.back();
@@ -148,7 +149,8 @@ TEST(SceneRun, HooksActInTheirOrder)
 TEST(SceneRun, TheDampingHookResistsMotion)
 {
 	// 0.06 m in a second of free space: 0.06 m/s at 20 N s/m, on top of what the tool's inertia and coupling do (nothing, at rest).
-	const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.44, R"("hooks": [{"on": "haptic-tick", "do": "damping", "damping": 20}])"));
+	const Result<SceneOutcome> outcome = run(
+		scene("one-thread", 0.5, 0.44, R"("hooks": [{"on": "haptic-tick", "do": "damping", "damping": 20}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	const SceneTick& moving = outcome.value().ticks[950];
 	const double speed = (outcome.value().ticks[960].hand.translation.y - outcome.value().ticks[940].hand.translation.y) / 0.02;
@@ -171,8 +173,8 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 {
 	const std::string file = std::string(TREE_FOLDER) + "/scene-recording.csv";
 	std::filesystem::remove(file);
-	const Result<SceneOutcome> outcome =
-		run(scene("one-thread", 0.04, 0.012, R"("hooks": [{"on": "haptic-tick", "do": "record", "file": "scene-recording.csv"}])"));
+	const Result<SceneOutcome> outcome = run(
+		scene("one-thread", 0.04, 0.012, R"("hooks": [{"on": "haptic-tick", "do": "record", "file": "scene-recording.csv"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	std::ifstream in(file);
 	std::string line, last;
@@ -189,8 +191,8 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 	in.close(), in.clear(), in.open(file);
 	for (rows = -1; std::getline(in, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
 	EXPECT_EQ(rows, 2000);
-	const std::string refusal =
-		refusalOf(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "no/such/folder/x.csv"}])"));
+	const std::string refusal = refusalOf(
+		scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "no/such/folder/x.csv"}])"));
 	EXPECT_NE(refusal.find("cannot write the recording"), std::string::npos) << refusal;
 }
 
@@ -199,12 +201,14 @@ TEST(SceneRun, ARecordingThatCannotBeWrittenLeavesTheOthersAndTheOutcome)
 	const std::string folder = TREE_FOLDER;
 	std::filesystem::create_directories(folder + "/taken.csv/by-a-folder");
 	std::filesystem::remove(folder + "/free.csv");
-	const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "taken.csv"},
+	const Result<SceneOutcome> outcome = run(
+		scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "taken.csv"},
 		{"on": "transform", "do": "record", "file": "free.csv"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_FALSE(outcome.value().ok());
 	EXPECT_EQ(outcome.value().ticks.size(), 2000u);
-	EXPECT_EQ(outcome.value().unwritten, std::vector<std::string>{(std::filesystem::path(folder) / "taken.csv").lexically_normal().string()});
+	EXPECT_EQ(
+		outcome.value().unwritten, std::vector<std::string>{(std::filesystem::path(folder) / "taken.csv").lexically_normal().string()});
 	EXPECT_TRUE(std::filesystem::exists(folder + "/free.csv"));
 }
 
@@ -219,7 +223,8 @@ TEST(SceneRun, ARunThatWasCutShortHasFailed)
 	EXPECT_FALSE(o.ok());
 	EXPECT_NE(makeJson(o).find("\"cut_short\":true"), std::string::npos);
 	const auto rows = summaryRows(o);
-	EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const std::vector<std::string>& row) { return row[1] == "for want of samples from the device"; }));
+	EXPECT_TRUE(std::any_of(
+		rows.begin(), rows.end(), [](const std::vector<std::string>& row) { return row[1] == "for want of samples from the device"; }));
 }
 
 TEST(SceneRun, OnlyWatchedPairsAreFelt)
@@ -273,15 +278,13 @@ TEST(SceneRun, AStaticCouplingDoesNotSwing)
 
 TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 {
-	const auto swap = [](std::string text, const std::string& from, const std::string& to)
-	{
+	const auto swap = [](std::string text, const std::string& from, const std::string& to) {
 		const size_t at = text.find(from);
 		EXPECT_NE(at, std::string::npos) << from;
 		return text.replace(at, from.size(), to);
 	};
 	const std::string whole = scene("one-thread", 0.5, 0.5);
-	const auto expectStart = [](const std::string& text, const std::string& wanted)
-	{
+	const auto expectStart = [](const std::string& text, const std::string& wanted) {
 		const std::string refusal = refusalOf(text);
 		EXPECT_EQ(refusal.compare(0, wanted.size(), wanted), 0) << "wanted " << wanted << "\n   got " << refusal;
 	};
@@ -289,14 +292,16 @@ TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 	expectStart(swap(whole, ball, R"("mesh": "no-such.obj")"), "s.json:2: assets[0]: ");
 	expectStart(swap(whole, ball, R"("ist": "no-such.ist")"), "s.json:2: assets[0]: ");
 	expectStart(swap(whole, "sim:sigma7", "sim:nothing"), "s.json:5: hand.device: No simulated device is called 'nothing'");
-	expectStart(swap(whole, "sim:sigma7", "sim:sigma7?dof=3"), "s.json:5: hand.device: only a simulated device without options follows hand.path");
+	expectStart(
+		swap(whole, "sim:sigma7", "sim:sigma7?dof=3"), "s.json:5: hand.device: only a simulated device without options follows hand.path");
 	// An asset that Bullet could not turn rightly.
 	BuildOptions build;
 	build.maxSpheres = 60;
 	const Result<InnerSphereTree> tree = buildTree(translated(makeBoxMesh({0.02, 0.02, 0.02}), {0.01, 0, 0}), build);
 	ASSERT_TRUE(tree);
 	ASSERT_TRUE(saveAsset(tree.value(), std::string(TREE_FOLDER) + "/off-centre.ist"));
-	expectStart(swap(whole, ball, R"("ist": "off-centre.ist")"), "s.json:4: bodies[1]: the asset of a body that moves has its centre of mass at the origin");
+	expectStart(swap(whole, ball, R"("ist": "off-centre.ist")"),
+		"s.json:4: bodies[1]: the asset of a body that moves has its centre of mass at the origin");
 	const Result<InnerSphereTree> centred = buildTree(makeBoxMesh({0.02, 0.02, 0.02}), build);
 	ASSERT_TRUE(saveAsset(centred.value(), std::string(TREE_FOLDER) + "/centred.ist"));
 	EXPECT_EQ(refusalOf(swap(whole, ball, R"("ist": "centred.ist")")), "ran");
@@ -322,8 +327,7 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 	std::string text = scene("contact-thread", 0.04, 0.012);
 	const std::string floor = R"({"name": "floor", "plane": {}, "material": "m"})";
 	text.replace(text.find(floor), floor.size(), R"({"name": "floor", "asset": "ball", "material": "m", "fixed": true})");
-	const auto written = [](const std::string& what)
-	{
+	const auto written = [](const std::string& what) {
 		const std::string file = std::string(TREE_FOLDER) + "/paper-scene.json";
 		std::ofstream(file) << what;
 		return std::vector<std::string>{file};
@@ -364,6 +368,10 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 	std::string moving = text;
 	const std::string fixed = R"(, "fixed": true)";
 	moving.replace(moving.find(fixed), fixed.size(), "");
-	EXPECT_NE(runPaperFigures(written(moving), o).error().message.find("paper-scene.json:4: bodies[0]: these figures want all bodies but the tool fixed"), std::string::npos);
-	EXPECT_NE(runPaperFigures(written(scene("local-model", 0.5, 0.5)), o).error().message.find("these figures want contact-thread"), std::string::npos);
+	EXPECT_NE(runPaperFigures(written(moving), o)
+				  .error()
+				  .message.find("paper-scene.json:4: bodies[0]: these figures want all bodies but the tool fixed"),
+		std::string::npos);
+	EXPECT_NE(runPaperFigures(written(scene("local-model", 0.5, 0.5)), o).error().message.find("these figures want contact-thread"),
+		std::string::npos);
 }

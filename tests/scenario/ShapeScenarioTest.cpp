@@ -53,10 +53,8 @@ TEST(Compound, ChildrenShareTheWeightByTheLever)
 		inner->addChildShape(at({1.5, 0, 0.25}), child);
 		middle->addChildShape(at({0.5, 0.25, 0}), inner);
 		outer->addChildShape(at({-1, 0.25, 0.25}), child);
-		if (nested)
-			outer->addChildShape(at({0, 0, 0}), middle);
-		else
-			outer->addChildShape(at({2, 0.25, 0.25}), child);
+		if (nested) outer->addChildShape(at({0, 0, 0}), middle);
+		else outer->addChildShape(at({2, 0.25, 0.25}), child);
 		btRigidBody* body = scene.add(outer, kMass, 2, at({3, 0.22, -2}));
 		scene.setStiffness(body, kMass * kGravity / kDepth);
 		scene.run(7, kRate);
@@ -208,10 +206,12 @@ TEST(SurfacesWithoutAnInside, CarryATreeByBulletsOwnContact)
 		else if (name == "mesh" || name == "scaled mesh")
 		{
 			auto* mesh = scene.shape<btBvhTriangleMeshShape>(&triangles, true);
-			ground = name == "mesh" ? static_cast<btCollisionShape*>(mesh) : scene.shape<btScaledBvhTriangleMeshShape>(mesh, btVector3(2, 1, 2));
+			ground = name == "mesh" ? static_cast<btCollisionShape*>(mesh)
+									: scene.shape<btScaledBvhTriangleMeshShape>(mesh, btVector3(2, 1, 2));
 		}
 		else if (name == "heightfield")
-			ground = scene.shape<btHeightfieldTerrainShape>(9, 9, heights.data(), btScalar(1), btScalar(-1), btScalar(1), 1, kDouble ? PHY_DOUBLE : PHY_FLOAT, false);
+			ground = scene.shape<btHeightfieldTerrainShape>(
+				9, 9, heights.data(), btScalar(1), btScalar(-1), btScalar(1), 1, kDouble ? PHY_DOUBLE : PHY_FLOAT, false);
 		else
 		{
 			auto* compound = scene.shape<btCompoundShape>();

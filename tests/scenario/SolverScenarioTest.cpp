@@ -11,8 +11,8 @@ using namespace scenario;
 namespace
 {
 /// A pile of stock shapes with two joints, stepped for 2 s; the positions at the end.
-std::vector<btTransform> stockPile(btSequentialImpulseConstraintSolver& solver, btCollisionDispatcher& dispatcher,
-								   btDefaultCollisionConfiguration& configuration)
+std::vector<btTransform> stockPile(
+	btSequentialImpulseConstraintSolver& solver, btCollisionDispatcher& dispatcher, btDefaultCollisionConfiguration& configuration)
 {
 	btDbvtBroadphase broadphase;
 	btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
@@ -21,8 +21,7 @@ std::vector<btTransform> stockPile(btSequentialImpulseConstraintSolver& solver, 
 	btBoxShape box(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5)));
 	btSphereShape ball(btScalar(0.4));
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
-	const auto add = [&](btCollisionShape* shape, double mass, const ist::Vec3& p)
-	{
+	const auto add = [&](btCollisionShape* shape, double mass, const ist::Vec3& p) {
 		btVector3 inertia(0, 0, 0);
 		if (mass > 0) shape->calculateLocalInertia(btScalar(mass), inertia);
 		bodies.push_back(std::make_unique<btRigidBody>(btScalar(mass), nullptr, shape, inertia));
@@ -32,9 +31,11 @@ std::vector<btTransform> stockPile(btSequentialImpulseConstraintSolver& solver, 
 	};
 	add(&plane, 0, {});
 	std::mt19937_64 random(5);
-	for (int i = 0; i < 16; ++i) add(i % 2 ? static_cast<btCollisionShape*>(&ball) : &box, 1 + i % 3, ist::Vec3{0, 0.8 + 0.9 * i, 0} + randomVector(random, 0.2));
+	for (int i = 0; i < 16; ++i)
+		add(i % 2 ? static_cast<btCollisionShape*>(&ball) : &box, 1 + i % 3, ist::Vec3{0, 0.8 + 0.9 * i, 0} + randomVector(random, 0.2));
 	btPoint2PointConstraint joint(*bodies[3], *bodies[4], btVector3(0, btScalar(0.5), 0), btVector3(0, btScalar(-0.5), 0));
-	btHingeConstraint hinge(*bodies[7], *bodies[8], btVector3(0, btScalar(0.5), 0), btVector3(0, btScalar(-0.5), 0), btVector3(1, 0, 0), btVector3(1, 0, 0));
+	btHingeConstraint hinge(
+		*bodies[7], *bodies[8], btVector3(0, btScalar(0.5), 0), btVector3(0, btScalar(-0.5), 0), btVector3(1, 0, 0), btVector3(1, 0, 0));
 	world.addConstraint(&joint);
 	world.addConstraint(&hinge);
 	for (int i = 0; i < 120; ++i) world.stepSimulation(btScalar(1.0 / 60), 0);
@@ -61,7 +62,7 @@ struct CountingSolver : VolumetricSolver
 		allocations += allocationCount() - before;
 	}
 	btScalar solveSingleIteration(int i, btCollisionObject** b, int nb, btPersistentManifold** m, int nm, btTypedConstraint** c, int nc,
-								  const btContactSolverInfo& info, btIDebugDraw* draw) override
+		const btContactSolverInfo& info, btIDebugDraw* draw) override
 	{
 		const long before = allocationCount();
 		const btScalar residual = VolumetricSolver::solveSingleIteration(i, b, nb, m, nm, c, nc, info, draw);

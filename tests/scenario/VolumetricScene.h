@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -42,10 +42,8 @@ struct Solid
 		ist::BuildOptions options;
 		options.maxSpheres = spheres;
 		ist::Result<ist::InnerSphereTree> built = ist::buildTree(mesh, options);
-		if (built)
-			tree = std::make_shared<const ist::InnerSphereTree>(std::move(built).value());
-		else
-			ADD_FAILURE() << built.error().message;
+		if (built) tree = std::make_shared<const ist::InnerSphereTree>(std::move(built).value());
+		else ADD_FAILURE() << built.error().message;
 	}
 };
 
@@ -104,8 +102,7 @@ public:
 		for (auto& body : m_bodies) world.bullet().removeRigidBody(body.get());
 	}
 
-	template <class Shape, class... Arguments>
-	Shape* shape(Arguments&&... arguments)
+	template <class Shape, class... Arguments> Shape* shape(Arguments&&... arguments)
 	{
 		m_shapes.push_back(std::make_unique<Shape>(std::forward<Arguments>(arguments)...));
 		return static_cast<Shape*>(m_shapes.back().get());
@@ -136,10 +133,7 @@ public:
 		return body;
 	}
 
-	btRigidBody* addFloor()
-	{
-		return add(shape<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, 0, btTransform::getIdentity());
-	}
+	btRigidBody* addFloor() { return add(shape<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, 0, btTransform::getIdentity()); }
 
 	/// k_X [Pa/m]; 0 leaves it to the default rule.
 	void setStiffness(const btRigidBody* body, double k) { EXPECT_FALSE(world.materials().set(body, {k, -1})); }

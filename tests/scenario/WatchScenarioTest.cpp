@@ -137,10 +137,8 @@ TEST(Watch, SwitchingDuringARestLosesNothing)
 	for (int round = 0; round < 4; ++round)
 	{
 		const bool volumetric = round % 2 == 1;
-		if (volumetric)
-			scene.world.watch().watchAllPairs();
-		else
-			scene.world.watch().watchPair(scene.floor, scene.right);
+		if (volumetric) scene.world.watch().watchAllPairs();
+		else scene.world.watch().watchPair(scene.floor, scene.right);
 		scene.step(1 / kRate);
 		expectOneOfTheTwo(scene, scene.left, volumetric);
 		scene.run(2, kRate);
@@ -158,7 +156,8 @@ TEST(Watch, SwitchingDuringARestLosesNothing)
 	struct Count : btCollisionWorld::ContactResultCallback
 	{
 		int count = 0;
-		btScalar addSingleResult(btManifoldPoint&, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
+		btScalar addSingleResult(
+			btManifoldPoint&, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 		{
 			return btScalar(++count);
 		}

@@ -22,7 +22,8 @@ TEST(ZWidthPage, ShowsBothRegionsWhereTheClosedFormsAre)
 			EXPECT_LE(p["passive_measured"], std::max(0.0, 2 * (b - B) / T) + 1e-6) << curve["quantised"] << B;
 		}
 	const std::string page = makeReport(found.value()).text();
-	for (const char* part : {"Stable region", "Passive region", "steps of the sensor", "Touch"}) EXPECT_NE(page.find(part), std::string::npos) << part;
+	for (const char* part : {"Stable region", "Passive region", "steps of the sensor", "Touch"})
+		EXPECT_NE(page.find(part), std::string::npos) << part;
 }
 
 TEST(ZWidthPage, SaysSoWhereARegionIsNotThatOfTheory)

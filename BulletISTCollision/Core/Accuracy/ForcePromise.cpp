@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
 
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
+#include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
 #include <algorithm>
@@ -16,8 +16,9 @@ constexpr double kOfBalls = 0.7, kOfFew = 0.25, kOfGaps = 0.2, kMostGaps = 3, kU
 constexpr double kFloorOverlap = 0.001;
 /// A coarser level is tried next only where it is sure to do, lest two levels take turns.
 constexpr double kReserve = 0.8;
-/// A coarse level may see too little force. One that would do if this share of its promised error were added is looked at next, where that is at least so many
-/// levels coarser than what would do without: for one level less, a look that falls short costs more than it may save. Chosen with the factors.
+/// A coarse level may see too little force. One that would do if this share of its promised error were added is looked at next, where that
+/// is at least so many levels coarser than what would do without: for one level less, a look that falls short costs more than it may save.
+/// Chosen with the factors.
 constexpr double kHope = 0.7;
 constexpr int kWorthALook = 2;
 
@@ -57,8 +58,8 @@ int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Contac
 
 namespace
 {
-/// The level to look at after `level` did not keep the error. Where forces cancel, a coarse level knows little of what is left: by its own word the leaves would
-/// often be asked where a level between proves to do.
+/// The level to look at after `level` did not keep the error. Where forces cancel, a coarse level knows little of what is left: by its own
+/// word the leaves would often be asked where a level between proves to do.
 int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen, double error)
 {
 	ContactSeen hoped = seen;
@@ -68,8 +69,8 @@ int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, cons
 }
 }  // namespace
 
-PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-							 const QueryOptions& options, PairMemory* memory)
+PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const AcceptedError& accepted, const QueryOptions& options, PairMemory* memory)
 {
 	PromisedOverlap answer;
 	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));

@@ -35,7 +35,8 @@ Vec3 forceAt(const InnerSphereTree& tree, const Pose& X, int level, QueryWorkspa
 	return pressureWrench(result.total, {}).force;
 }
 
-/// The coefficient that each level would have needed in this pose, negative where it has no overlap. Level i of the body is level 2 i of the pair.
+/// The coefficient that each level would have needed in this pose, negative where it has no overlap. Level i of the body is level 2 i of
+/// the pair.
 std::vector<double> compareLevels(const InnerSphereTree& tree, const Pose& X, QueryWorkspace& workspace)
 {
 	std::vector<double> needed(tree.levels.size(), -1);
@@ -92,7 +93,7 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree, [[maybe_unu
 #pragma omp parallel num_threads(threads)
 	{
 		QueryWorkspace workspace(kNoList, InstructionSet::Portable);  // the same whatever machine builds
-		// The deepest take longest and come first.
+																	  // The deepest take longest and come first.
 #pragma omp for schedule(dynamic, 1)
 		for (std::ptrdiff_t i = std::ptrdiff_t(trials.size()) - 1; i >= 0; --i) measure(tree, trials[size_t(i)], workspace);
 	}

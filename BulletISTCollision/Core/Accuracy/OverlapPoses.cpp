@@ -24,8 +24,8 @@ Departure randomDeparture(std::mt19937_64& random)
 	return {rotationMatrix(quaternionFromRotationVector(angle * axis)), direction};
 }
 
-std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure,
-								  QueryWorkspace& workspace)
+std::optional<Pose> poseAtOverlap(
+	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure, QueryWorkspace& workspace)
 {
 	const Mat3& R = departure.rotation;
 	const auto apart = [&](double distance) { return Pose{R, A.origin - R * B.origin + distance * departure.direction}; };
@@ -44,8 +44,8 @@ std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTre
 	return apart(near);
 }
 
-std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random,
-								  QueryWorkspace& workspace)
+std::optional<Pose> poseAtOverlap(
+	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random, QueryWorkspace& workspace)
 {
 	return poseAtOverlap(A, B, fraction, level, randomDeparture(random), workspace);
 }

@@ -19,11 +19,11 @@ struct Departure
 };
 Departure randomDeparture(std::mt19937_64& random);
 
-/// The pose X_AB (mesh frames) on the way of a departure that overlaps by `fraction` of the smaller body's volume, as `level` of the pair measures
-/// it: B begins with its centre of mass on A's and moves away by bisection. None when not even the beginning overlaps so much.
-std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure,
-								  QueryWorkspace& workspace);
+/// The pose X_AB (mesh frames) on the way of a departure that overlaps by `fraction` of the smaller body's volume, as `level` of the pair
+/// measures it: B begins with its centre of mass on A's and moves away by bisection. None when not even the beginning overlaps so much.
+std::optional<Pose> poseAtOverlap(
+	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure, QueryWorkspace& workspace);
 /// Of a random departure. The same for a state of `random` and two bodies.
-std::optional<Pose> poseAtOverlap(const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random,
-								  QueryWorkspace& workspace);
+std::optional<Pose> poseAtOverlap(
+	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random, QueryWorkspace& workspace);
 }  // namespace ist

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Accuracy/PairAccuracy.h"
 
-#include "BulletISTCollision/Core/Query/PairMemory.h"
 #include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
+#include "BulletISTCollision/Core/Query/PairMemory.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
 #include <algorithm>
@@ -29,8 +29,8 @@ double fadeStep(const Vec3& before, const Vec3& after, double floor)
 	return change > kMostFadeStep ? kMostFadeStep / change : 1;
 }
 
-OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-					 const QueryOptions& options, PairAccuracy& pair)
+OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair)
 {
 	QueryOptions at = options;
 	at.level = pair.level;
@@ -40,7 +40,8 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	if (result.status != QueryStatus::Ok) return result;
 	pair.fadedShare = at.otherShare;
 	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
-	const double error = (1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) + pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen);
+	const double error = (1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) +
+		pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen);
 	pair.promise = shareOfTrueForce(error, seen.force, forceFloor(A, B));
 	pair.kept = pair.promise <= accepted.error;
 	if (!(result.total.volume > 0)) pair.fadedShare = 0;
@@ -48,8 +49,8 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 }
 }  // namespace
 
-OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const AcceptedError& accepted,
-						const QueryOptions& options, PairAccuracy& pair, PairMemory* memory)
+OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair, PairMemory* memory)
 {
 	if (options.otherShare != 0)
 	{
@@ -77,8 +78,7 @@ OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	QueryOptions plain = options;
 	plain.patches = plain.stiffness = false;
 	plain.damping = {};
-	const auto answerAt = [&](int level)
-	{
+	const auto answerAt = [&](int level) {
 		plain.level = level;
 		return queryOverlap(A, B, X_AB, workspace, plain);
 	};

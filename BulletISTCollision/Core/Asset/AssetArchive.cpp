@@ -51,21 +51,26 @@ struct Scales
 		const bool codes = sphereRadius.read(r, kRadiusBits) && leafRadius.read(r, kLeafRadiusBits) && leafVolume.read(r, kVolumeBits);
 		// Sums of squares of all that is decoded stay finite floats.
 		constexpr double kFarthest = 1e12;
-		for (double v : {lower.x, lower.y, lower.z, gridStep * kGridMask, offsetStep * kOffsetLimit, normalLimit, depthLower, depthStep * kDepthLimit})
+		for (double v :
+			{lower.x, lower.y, lower.z, gridStep * kGridMask, offsetStep * kOffsetLimit, normalLimit, depthLower, depthStep * kDepthLimit})
 			if (!(std::fabs(v) < kFarthest)) return false;
-		return codes && normalLimit < 1.001 && sphereRadius.decoded(kGridMask) < kFarthest && leafRadius.decoded((1u << kLeafRadiusBits) - 1) < kFarthest;
+		return codes && normalLimit < 1.001 && sphereRadius.decoded(kGridMask) < kFarthest &&
+			leafRadius.decoded((1u << kLeafRadiusBits) - 1) < kFarthest;
 	}
 
 	Vec3 center(uint64_t code) const
 	{
-		const auto at = [&](int axis) { return static_cast<float>(lower[axis] + double(code >> (axis * kGridBits) & kGridMask) * gridStep); };
+		const auto at = [&](int axis) {
+			return static_cast<float>(lower[axis] + double(code >> (axis * kGridBits) & kGridMask) * gridStep);
+		};
 		return {at(0), at(1), at(2)};
 	}
 	uint64_t centerCode(const Vec3& c) const
 	{
 		uint64_t code = 0;
 		for (int axis = 0; axis < 3; ++axis)
-			code |= static_cast<uint64_t>(std::clamp(std::round((c[axis] - lower[axis]) / gridStep), 0.0, double(kGridMask))) << (axis * kGridBits);
+			code |= static_cast<uint64_t>(std::clamp(std::round((c[axis] - lower[axis]) / gridStep), 0.0, double(kGridMask)))
+				<< (axis * kGridBits);
 		return code;
 	}
 };
@@ -73,7 +78,7 @@ struct Scales
 struct Contents
 {
 	std::vector<uint64_t> centers;
-	std::vector<float> radii;  ///< at most those allowed by the rounded centres
+	std::vector<float> radii;                          ///< at most those allowed by the rounded centres
 	std::vector<std::vector<MomentEllipsoid>> leaves;  ///< of each sphere
 	Scales scales;
 };
@@ -201,7 +206,8 @@ void writeLeaf(BitWriter& w, const MomentEllipsoid& b, const Vec3& from, const S
 	w.write(s.leafVolume.nearest(static_cast<float>(b.volume())), kVolumeBits);
 	w.write(s.leafRadius.nearest(static_cast<float>(b.meanRadius())), kLeafRadiusBits);
 	const SymmetricMatrix3 share = b.shape() * (3 / b.shape().trace());
-	for (double v : {share.xx, share.yy}) w.write(static_cast<uint32_t>(std::round(v / kLargestShare * ((1 << kShapeBits) - 1))), kShapeBits);
+	for (double v : {share.xx, share.yy})
+		w.write(static_cast<uint32_t>(std::round(v / kLargestShare * ((1 << kShapeBits) - 1))), kShapeBits);
 	for (double v : {share.xy, share.xz, share.yz}) w.writeSigned(v, kLargestOffDiagonal, kShapeBits);
 }
 
@@ -243,15 +249,13 @@ std::vector<std::byte> encodeContents(const InnerSphereTree& tree, const Content
 	}
 	BitWriter leaves;
 	for (size_t i = 0; i < contents.leaves.size(); ++i)
-		for (const MomentEllipsoid& leaf : contents.leaves[i]) writeLeaf(leaves, leaf, contents.scales.center(contents.centers[i]), contents.scales);
+		for (const MomentEllipsoid& leaf : contents.leaves[i])
+			writeLeaf(leaves, leaf, contents.scales.center(contents.centers[i]), contents.scales);
 	w.append(leaves.bytes());
 	return w.take();
 }
 
-Error damaged(const std::string& what)
-{
-	return {"the archive is damaged: " + what + "; copy or pack it again"};
-}
+Error damaged(const std::string& what) { return {"the archive is damaged: " + what + "; copy or pack it again"}; }
 
 /// The checked body of the file.
 Result<ByteReader> openBody(const std::byte* bytes, size_t size)
@@ -262,10 +266,11 @@ Result<ByteReader> openBody(const std::byte* bytes, size_t size)
 	const uint64_t fileSize = r.u64(), stored = r.u64();
 	if (version > kArchiveVersion)
 		return Error{"the archive was written by a newer version (" + std::to_string(version) + "), this library reads up to " +
-					 std::to_string(kArchiveVersion) + "; pack it again or update the library"};
+			std::to_string(kArchiveVersion) + "; pack it again or update the library"};
 	if (version == 0 || reserved != 0) return damaged("its header is not one");
 	if (size < fileSize)
-		return Error{"the archive is cut short: it has " + std::to_string(size) + " bytes of " + std::to_string(fileSize) + "; copy or pack it again"};
+		return Error{"the archive is cut short: it has " + std::to_string(size) + " bytes of " + std::to_string(fileSize) +
+			"; copy or pack it again"};
 	if (size > fileSize) return damaged("bytes follow its end");
 	if (checksum64(bytes + kHeaderBytes, size - kHeaderBytes) != stored) return damaged("checksum mismatch");
 	return ByteReader(bytes + kHeaderBytes, size - kHeaderBytes);
@@ -298,8 +303,7 @@ bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentEllipsoid
 	for (size_t i = 0; i < count; ++i)
 	{
 		const size_t first = leaves.size();
-		for (uint32_t k = 0; k < leafCount[i]; ++k)
-			leaves.push_back(readLeaf(body, spheres[i].center(), scales, static_cast<uint32_t>(i)));
+		for (uint32_t k = 0; k < leafCount[i]; ++k) leaves.push_back(readLeaf(body, spheres[i].center(), scales, static_cast<uint32_t>(i)));
 		index.resize(leafCount[i]);
 		std::iota(index.begin(), index.end(), static_cast<uint32_t>(first));
 		if (leafCount[i] > 0) cells.push_back(merged(leaves.data(), index.data(), index.size()));
@@ -316,10 +320,7 @@ bool usable(const std::vector<MomentEllipsoid>& balls)
 }
 }  // namespace
 
-bool isArchive(const std::byte* bytes, size_t size)
-{
-	return size >= sizeof kMagic && std::memcmp(bytes, kMagic, sizeof kMagic) == 0;
-}
+bool isArchive(const std::byte* bytes, size_t size) { return size >= sizeof kMagic && std::memcmp(bytes, kMagic, sizeof kMagic) == 0; }
 
 Result<std::vector<std::byte>> encodeArchive(const InnerSphereTree& tree)
 {
@@ -331,7 +332,8 @@ Result<std::vector<std::byte>> encodeArchive(const InnerSphereTree& tree)
 	{
 		const Sphere& s = tree.spheres[i];
 		const FloatCode& code = contents.scales.sphereRadius;
-		largestShrink = std::max(largestShrink, distance(contents.scales.center(contents.centers[i]), s.center()) + s.r - code.decoded(code.roundedDown(contents.radii[i])));
+		largestShrink = std::max(largestShrink,
+			distance(contents.scales.center(contents.centers[i]), s.center()) + s.r - code.decoded(code.roundedDown(contents.radii[i])));
 	}
 	collectLeaves(tree, contents);
 	const std::vector<std::byte> body = encodeContents(tree, contents, largestShrink);

@@ -35,13 +35,10 @@ uint64_t headerChecksum(const std::byte* bytes)
 Error cutShort(size_t have, uint64_t want)
 {
 	return {"the file is cut short: it has " + std::to_string(have) + " bytes of at least " + std::to_string(want) +
-			"; copy or build it again"};
+		"; copy or build it again"};
 }
 
-Error damaged(const std::string& what)
-{
-	return {"the file is damaged: " + what + "; copy or build it again"};
-}
+Error damaged(const std::string& what) { return {"the file is damaged: " + what + "; copy or build it again"}; }
 
 /// Magic, version, section count, table and file size. An empty message when all are as they should be.
 Error checkHeader(const std::byte* bytes, size_t size)
@@ -51,8 +48,8 @@ Error checkHeader(const std::byte* bytes, size_t size)
 	ByteReader r(bytes + sizeof kMagic, kHeaderBytes - sizeof kMagic);
 	const uint32_t version = r.u32();
 	if (version > kAssetVersion)
-		return {"written by a newer version (" + std::to_string(version) + "), this library reads up to " +
-				std::to_string(kAssetVersion) + "; build the file again or update the library"};
+		return {"written by a newer version (" + std::to_string(version) + "), this library reads up to " + std::to_string(kAssetVersion) +
+			"; build the file again or update the library"};
 	if (version < kAssetVersion)
 		return {"written by version " + std::to_string(version) + ", which was never released; build the file again"};
 	const uint32_t count = r.u32();
@@ -100,10 +97,7 @@ std::string problemOf(const Section& section)
 	return {};
 }
 
-bool isLength(double value)
-{
-	return std::isfinite(value) && value >= 0;
-}
+bool isLength(double value) { return std::isfinite(value) && value >= 0; }
 
 /// Quick answer to whether the mass section is as `InnerSphereTree::validate` wants it.
 bool massHolds(const InnerSphereTree& tree)
@@ -120,8 +114,7 @@ std::string readSections(const std::shared_ptr<const void>& owner, std::vector<S
 {
 	const int trees = kLawSection - 1, end = kSectionEnd - 1;
 	const auto sum = [](Section& s) { s.whole = checksum64(s.bytes, s.size) == s.checksum; };
-	const auto decode = [&](Section& s)
-	{
+	const auto decode = [&](Section& s) {
 		populate(s.bytes, s.size);
 		s.state = decodeSection(s.id, owner, s.bytes, s.size, tree);
 	};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 
 #include <cstddef>
 #include <string>

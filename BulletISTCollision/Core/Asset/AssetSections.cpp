@@ -14,22 +14,21 @@ namespace
 {
 /// Arrays of a file are used where they lie: their elements are words of 32 or 16 bits, little endian, in exactly this order.
 template <class T, size_t words>
-constexpr bool isStored = std::is_trivially_copyable_v<T> && std::is_standard_layout_v<T> && sizeof(T) == 4 * words && alignof(T) <= kSectionAlignment;
+constexpr bool isStored = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> && sizeof(T) == 4 * words &&
+	alignof(T) <= kSectionAlignment;
 static_assert(std::endian::native == std::endian::little, "assets are read in place: only for little-endian machines");
 static_assert(isStored<Sphere, 4> && offsetof(Sphere, r) == 12);
 static_assert(isStored<BallNode, 40> && offsetof(BallNode, r) == 96 && offsetof(BallNode, child) == 128);
 static_assert(isStored<StoredEllipsoid, 8> && offsetof(StoredEllipsoid, depth) == 4 && offsetof(StoredEllipsoid, normal) == 8 &&
-			  offsetof(StoredEllipsoid, shape) == 16 && offsetof(StoredEllipsoid, sphere) == 28);
+	offsetof(StoredEllipsoid, shape) == 16 && offsetof(StoredEllipsoid, sphere) == 28);
 
-template <class T>
-void writeArray(ByteWriter& w, const FrozenArray<T>& array)
+template <class T> void writeArray(ByteWriter& w, const FrozenArray<T>& array)
 {
 	w.align(kSectionAlignment);
 	w.append(reinterpret_cast<const std::byte*>(array.data()), array.size() * sizeof(T));
 }
 
-template <class T>
-FrozenArray<T> readArray(ByteReader& r, const std::shared_ptr<const void>& owner, size_t count)
+template <class T> FrozenArray<T> readArray(ByteReader& r, const std::shared_ptr<const void>& owner, size_t count)
 {
 	r.align(kSectionAlignment);
 	const std::byte* bytes = r.span(count * sizeof(T));
@@ -56,8 +55,7 @@ void readBounds(ByteReader& r, const std::shared_ptr<const void>& owner, BallTre
 }
 
 /// Looks at each block once; `accepts` is asked about every slot that is not padding.
-template <class Accepts>
-SectionState stateOf(const BallTree& tree, Accepts accepts)
+template <class Accepts> SectionState stateOf(const BallTree& tree, Accepts accepts)
 {
 	bool accepted = true, sure = true;
 	for (size_t block = 0; block < tree.blockCount(); ++block)
@@ -86,8 +84,7 @@ SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& own
 	if (!r.complete()) return SectionState::Bad;
 	std::vector<char> seen(spheres.size());
 	size_t found = 0;
-	const auto isNext = [&](size_t slot)
-	{
+	const auto isNext = [&](size_t slot) {
 		// Spheres that are neighbours in space are not so in the packing: without this, most of the time would be spent waiting for them.
 		const size_t ahead = std::min(slot + 2 * kBlockWidth, tree.slotCount() - 1);
 		__builtin_prefetch(spheres.data() + std::min<size_t>(tree.sphereIndex[ahead], spheres.size()));
@@ -175,38 +172,39 @@ std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree)
 	ByteWriter w;
 	switch (id)
 	{
-		case kMassSection:
-			writeMass(w, tree);
-			w.u64(tree.calibration.size());
-			for (double c : tree.calibration) w.f64(c);
-			break;
-		case kProvenanceSection: writeProvenance(w, tree.provenance); break;
-		case kSphereSection:
-			w.u64(tree.spheres.size());
-			writeArray(w, tree.spheres);
-			break;
-		case kLawSection: writeTree(w, tree.law); break;
-		case kCellSection: writeTree(w, tree.cells); break;
-		default: writeTree(w, tree.inner); break;
+	case kMassSection:
+		writeMass(w, tree);
+		w.u64(tree.calibration.size());
+		for (double c : tree.calibration) w.f64(c);
+		break;
+	case kProvenanceSection: writeProvenance(w, tree.provenance); break;
+	case kSphereSection:
+		w.u64(tree.spheres.size());
+		writeArray(w, tree.spheres);
+		break;
+	case kLawSection: writeTree(w, tree.law); break;
+	case kCellSection: writeTree(w, tree.cells); break;
+	default: writeTree(w, tree.inner); break;
 	}
 	return w.take();
 }
 
-SectionState decodeSection(uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree)
+SectionState decodeSection(
+	uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree)
 {
 	ByteReader r(bytes, size);
 	switch (id)
 	{
-		case kMassSection:
-			readMass(r, tree);
-			tree.calibration.resize(r.count(8));
-			for (double& c : tree.calibration) c = r.f64();
-			break;
-		case kProvenanceSection: readProvenance(r, tree.provenance); break;
-		case kSphereSection: tree.spheres = readArray<Sphere>(r, owner, r.count(sizeof(Sphere))); break;
-		case kLawSection: return readMomentTree(r, owner, tree.law, tree.spheres.size());
-		case kCellSection: return readMomentTree(r, owner, tree.cells, tree.spheres.size());
-		default: return readInnerTree(r, owner, tree.inner, tree.spheres);
+	case kMassSection:
+		readMass(r, tree);
+		tree.calibration.resize(r.count(8));
+		for (double& c : tree.calibration) c = r.f64();
+		break;
+	case kProvenanceSection: readProvenance(r, tree.provenance); break;
+	case kSphereSection: tree.spheres = readArray<Sphere>(r, owner, r.count(sizeof(Sphere))); break;
+	case kLawSection: return readMomentTree(r, owner, tree.law, tree.spheres.size());
+	case kCellSection: return readMomentTree(r, owner, tree.cells, tree.spheres.size());
+	default: return readInnerTree(r, owner, tree.inner, tree.spheres);
 	}
 	return r.complete() ? SectionState::Good : SectionState::Bad;
 }

@@ -38,7 +38,8 @@ enum class SectionState
 };
 /// The arrays of `tree` stay where they are in `bytes`, which begin at a multiple of kSectionAlignment and live as long as `owner`. The
 /// sphere section must have been decoded before the trees.
-SectionState decodeSection(uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree);
+SectionState decodeSection(
+	uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree);
 
 void writeMass(ByteWriter& w, const InnerSphereTree& tree);
 void readMass(ByteReader& r, InnerSphereTree& tree);

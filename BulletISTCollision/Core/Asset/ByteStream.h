@@ -16,12 +16,9 @@ namespace ist
 inline uint32_t loadU32(const std::byte* p)
 {
 	return static_cast<uint32_t>(p[0]) | static_cast<uint32_t>(p[1]) << 8 | static_cast<uint32_t>(p[2]) << 16 |
-		   static_cast<uint32_t>(p[3]) << 24;
+		static_cast<uint32_t>(p[3]) << 24;
 }
-inline uint64_t loadU64(const std::byte* p)
-{
-	return loadU32(p) | static_cast<uint64_t>(loadU32(p + 4)) << 32;
-}
+inline uint64_t loadU64(const std::byte* p) { return loadU32(p) | static_cast<uint64_t>(loadU32(p + 4)) << 32; }
 inline float loadF32(const std::byte* p)
 {
 	const uint32_t bits = loadU32(p);

@@ -12,15 +12,9 @@ namespace
 constexpr uint64_t kPrime1 = 0x9e3779b185ebca87ull, kPrime2 = 0xc2b2ae3d27d4eb4full, kPrime3 = 0x165667b19e3779f9ull;
 constexpr uint64_t kPrime4 = 0x85ebca77c2b2ae63ull, kPrime5 = 0x27d4eb2f165667c5ull;
 
-uint64_t mixed(uint64_t lane, uint64_t word)
-{
-	return std::rotl(lane + word * kPrime2, 31) * kPrime1;
-}
+uint64_t mixed(uint64_t lane, uint64_t word) { return std::rotl(lane + word * kPrime2, 31) * kPrime1; }
 
-uint64_t merged(uint64_t sum, uint64_t lane)
-{
-	return (sum ^ mixed(0, lane)) * kPrime1 + kPrime4;
-}
+uint64_t merged(uint64_t sum, uint64_t lane) { return (sum ^ mixed(0, lane)) * kPrime1 + kPrime4; }
 
 /// Whole stripes of 32 bytes in four independent lanes; moves `bytes` behind them.
 uint64_t stripes(const std::byte*& bytes, const std::byte* end)

@@ -61,7 +61,8 @@ bool hasAccessList([[maybe_unused]] const char* path)
 #endif
 }
 
-/// For `file`, which will replace `old` at `path`: whoever may read and write the one may the other. Where the owner or the group cannot be kept, it is nobody more.
+/// For `file`, which will replace `old` at `path`: whoever may read and write the one may the other. Where the owner or the group cannot be
+/// kept, it is nobody more.
 void keepAccess(int file, const struct stat& old, const char* path)
 {
 	mode_t mode = old.st_mode & 0777;
@@ -71,8 +72,8 @@ void keepAccess(int file, const struct stat& old, const char* path)
 	(void)!::fchown(file, old.st_uid, gid_t(-1));
 }
 
-/// A new file beside `target`, never open to more than may read what stands there. No two writers share one, be they threads of a process or of the same
-/// number in two containers. Its name is short: that of the target may be as long as the system allows.
+/// A new file beside `target`, never open to more than may read what stands there. No two writers share one, be they threads of a process
+/// or of the same number in two containers. Its name is short: that of the target may be as long as the system allows.
 int createBeside(const std::filesystem::path& target, std::string& name)
 {
 	struct stat old;
@@ -200,7 +201,9 @@ bool isSameFile(const std::string& path, const std::string& other)
 {
 	std::error_code unknown;
 	if (isDeviceOrPipe(std::filesystem::status(path, unknown).type())) return false;
-	const auto place = [&](const std::string& p) { return std::filesystem::weakly_canonical(std::filesystem::absolute(followed(p), unknown), unknown); };
+	const auto place = [&](const std::string& p) {
+		return std::filesystem::weakly_canonical(std::filesystem::absolute(followed(p), unknown), unknown);
+	};
 	return place(path) == place(other);
 }
 

@@ -13,11 +13,11 @@ namespace ist
 {
 /// Writes to a temporary file beside `path`, flushes it to the medium and renames it: `path` is either the old file or the whole
 /// new one, also when the disk fills up or `progress` (stage "write") cancels. A symbolic link stays a link to the new content,
-/// also where nothing stood behind it; a file that is replaced hands on who may read and write it; a device or a pipe is written in place. Gives the number
-/// of bytes.
+/// also where nothing stood behind it; a file that is replaced hands on who may read and write it; a device or a pipe is written in place.
+/// Gives the number of bytes.
 Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
-/// Why writeWholeFile() would fail now, before anything is spent on what it is to write; null if it would not, as far as can be known: a disk
-/// may fill up meanwhile. Leaves nothing behind.
+/// Why writeWholeFile() would fail now, before anything is spent on what it is to write; null if it would not, as far as can be known: a
+/// disk may fill up meanwhile. Leaves nothing behind.
 std::optional<Error> whyNotWritable(const std::string& path);
 
 /// Whether writeWholeFile() of one path would replace what it wrote to the other: a file, however it is named. False for devices and pipes.

@@ -16,8 +16,7 @@ void touchPages(void* pages, size_t bytes) noexcept;
 
 /// An array of zeros that costs only the pages that are used. A workspace has room for the most pairs that a query may find, and most
 /// queries find few. All its elements begin as zero bytes: no constructor and no destructor runs.
-template <class T>
-class DemandZeroArray
+template <class T> class DemandZeroArray
 {
 	static_assert(std::is_trivially_copyable_v<T>, "elements begin as zero bytes");
 
@@ -25,7 +24,8 @@ public:
 	DemandZeroArray() = default;
 	explicit DemandZeroArray(size_t size) : m_data(static_cast<T*>(mapZeroPages(size * sizeof(T)))), m_size(size) {}
 	~DemandZeroArray() { unmapPages(m_data, m_size * sizeof(T)); }
-	DemandZeroArray(DemandZeroArray&& other) noexcept : m_data(std::exchange(other.m_data, nullptr)), m_size(std::exchange(other.m_size, 0)) {}
+	DemandZeroArray(DemandZeroArray&& other) noexcept : m_data(std::exchange(other.m_data, nullptr)), m_size(std::exchange(other.m_size, 0))
+	{}
 	DemandZeroArray& operator=(DemandZeroArray&& other) noexcept
 	{
 		std::swap(m_data, other.m_data);

@@ -51,19 +51,29 @@ template <> struct FloatPart<16>
 	typedef int32_t Mask __attribute__((vector_size(64)));
 };
 template <int W> struct DoublePart;
-template <> struct DoublePart<2> { typedef double Type __attribute__((vector_size(16))); };
-template <> struct DoublePart<4> { typedef double Type __attribute__((vector_size(32))); };
-template <> struct DoublePart<8> { typedef double Type __attribute__((vector_size(64))); };
+template <> struct DoublePart<2>
+{
+	typedef double Type __attribute__((vector_size(16)));
+};
+template <> struct DoublePart<4>
+{
+	typedef double Type __attribute__((vector_size(32)));
+};
+template <> struct DoublePart<8>
+{
+	typedef double Type __attribute__((vector_size(64)));
+};
 
 /// Bit k: the sign of lane k.
-template <class Mask>
-IST_INLINE uint32_t signBits(Mask m)
+template <class Mask> IST_INLINE uint32_t signBits(Mask m)
 {
 #if defined(IST_SSE) && defined(__AVX2__)
-	if constexpr (sizeof(Mask) == 32) return sizeof(m[0]) == 4 ? uint32_t(_mm256_movemask_ps((__m256)m)) : uint32_t(_mm256_movemask_pd((__m256d)m));
+	if constexpr (sizeof(Mask) == 32)
+		return sizeof(m[0]) == 4 ? uint32_t(_mm256_movemask_ps((__m256)m)) : uint32_t(_mm256_movemask_pd((__m256d)m));
 #endif
 #if defined(IST_SSE)
-	if constexpr (sizeof(Mask) == 16) return sizeof(m[0]) == 4 ? uint32_t(_mm_movemask_ps((__m128)m)) : uint32_t(_mm_movemask_pd((__m128d)m));
+	if constexpr (sizeof(Mask) == 16)
+		return sizeof(m[0]) == 4 ? uint32_t(_mm_movemask_ps((__m128)m)) : uint32_t(_mm_movemask_pd((__m128d)m));
 #endif
 	uint32_t bits = 0;
 	for (unsigned k = 0; k < sizeof(Mask) / sizeof(m[0]); ++k) bits |= uint32_t(m[k] < 0) << k;
@@ -71,21 +81,20 @@ IST_INLINE uint32_t signBits(Mask m)
 }
 
 /// Bit k set where a[k] < b[k].
-template <class Part>
-IST_INLINE uint32_t lessBits(Part a, Part b)
+template <class Part> IST_INLINE uint32_t lessBits(Part a, Part b)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	constexpr bool kFloats = sizeof(a[0]) == 4;
 	if constexpr (sizeof(Part) == 64)
-		return kFloats ? uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ)) : uint32_t(_mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ));
+		return kFloats ? uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ))
+					   : uint32_t(_mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ));
 	if constexpr (sizeof(Part) == 32 && kFloats) return uint32_t(_mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LT_OQ));
 #endif
 	return signBits(a < b);
 }
 
 /// Bit k set where a[k] == b[k]. Of floats.
-template <class Part>
-IST_INLINE uint32_t equalBits(Part a, Part b)
+template <class Part> IST_INLINE uint32_t equalBits(Part a, Part b)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Part) == 64) return uint32_t(_mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_EQ_OQ));
@@ -94,8 +103,7 @@ IST_INLINE uint32_t equalBits(Part a, Part b)
 }
 
 /// a b + c of floats.
-template <class Part>
-IST_INLINE Part fused(Part a, Part b, Part c)
+template <class Part> IST_INLINE Part fused(Part a, Part b, Part c)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Part) == 64) return (Part)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
@@ -107,8 +115,7 @@ IST_INLINE Part fused(Part a, Part b, Part c)
 }
 
 /// c - a b of floats.
-template <class Part>
-IST_INLINE Part fusedNegated(Part a, Part b, Part c)
+template <class Part> IST_INLINE Part fusedNegated(Part a, Part b, Part c)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Part) == 64) return (Part)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
@@ -119,8 +126,7 @@ IST_INLINE Part fusedNegated(Part a, Part b, Part c)
 	return c - a * b;
 }
 
-template <class Part>
-IST_INLINE Part rootOf(Part a)
+template <class Part> IST_INLINE Part rootOf(Part a)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Part) == 64)
@@ -148,10 +154,9 @@ IST_INLINE Part rootOf(Part a)
 	return a;
 }
 
-/// Yes or no for each of `W` floats. As comparisons leave it, so that a choice by it needs no unpacking of bits: as bits where there are registers for
-/// masks, as lanes of all ones or none elsewhere.
-template <int W>
-struct LaneMask
+/// Yes or no for each of `W` floats. As comparisons leave it, so that a choice by it needs no unpacking of bits: as bits where there are
+/// registers for masks, as lanes of all ones or none elsewhere.
+template <int W> struct LaneMask
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	uint32_t lanes;
@@ -205,8 +210,7 @@ struct LaneMask
 };
 
 /// `W` floats, made of the widest registers that fit.
-template <int W>
-struct FloatVector
+template <int W> struct FloatVector
 {
 	static constexpr int kRegister = least(W, kRegisterBytes / 4);
 	static constexpr int kParts = W / kRegister;
@@ -369,7 +373,8 @@ struct FloatVector
 #if defined(IST_SSE) && defined(__AVX512VL__)
 		static_assert(kRegister == 16);
 		IST_UNROLL
-		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)_mm512_mask_blend_ps(__mmask16(lanes.lanes >> (i * kRegister)), (__m512)b.part[i], (__m512)a.part[i]);
+		for (int i = 0; i < kParts; ++i)
+			a.part[i] = (Part)_mm512_mask_blend_ps(__mmask16(lanes.lanes >> (i * kRegister)), (__m512)b.part[i], (__m512)a.part[i]);
 #else
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) a.part[i] = lanes.part[i] ? a.part[i] : b.part[i];
@@ -377,7 +382,10 @@ struct FloatVector
 		return a;
 	}
 	/// The same by bits.
-	static IST_INLINE FloatVector select(uint32_t bits, const FloatVector& a, const FloatVector& b) { return select(Lanes::of(bits), a, b); }
+	static IST_INLINE FloatVector select(uint32_t bits, const FloatVector& a, const FloatVector& b)
+	{
+		return select(Lanes::of(bits), a, b);
+	}
 	IST_INLINE double sum() const
 	{
 		float lanes[W];
@@ -393,8 +401,7 @@ struct FloatVector
 };
 
 /// Twice the doubles of a register: as many as it holds floats.
-template <int W>
-struct DoubleVector
+template <int W> struct DoubleVector
 {
 	static constexpr int kRegister = kRegisterBytes / 8;
 	static constexpr int kParts = 2;
@@ -487,7 +494,7 @@ struct DoubleVector
 /// Where the sphere k of the arrays comes nearer than `reach` to touching the sphere (cx, cy, cz, r).
 template <int W>
 IST_INLINE LaneMask<W> touching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
-								float cx, float cy, float cz, float reach)
+	float cx, float cy, float cz, float reach)
 {
 	using V = FloatVector<W>;
 	// The arrays as subtrahends: an instruction takes that operand from memory.
@@ -498,7 +505,7 @@ IST_INLINE LaneMask<W> touching(const FloatVector<W>& x, const FloatVector<W>& y
 /// The same but for the rounding.
 template <int W>
 IST_INLINE LaneMask<W> nearlyTouching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
-									  float cx, float cy, float cz, float reach)
+	float cx, float cy, float cz, float reach)
 {
 	using V = FloatVector<W>;
 	const V dx = V::all(cx) - x, dy = V::all(cy) - y, dz = V::all(cz) - z, sum = V::all(reach) + r;

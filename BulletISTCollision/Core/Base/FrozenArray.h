@@ -10,8 +10,7 @@ namespace ist
 {
 /// Elements that are never changed, shared by all copies of the array: memory of its own, or a part of something that the array keeps
 /// alive, such as a mapped file. Copying costs O(1).
-template <class T>
-class FrozenArray
+template <class T> class FrozenArray
 {
 public:
 	FrozenArray() = default;

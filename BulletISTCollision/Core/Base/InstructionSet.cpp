@@ -10,10 +10,10 @@ const char* toString(InstructionSet set)
 {
 	switch (set)
 	{
-		case InstructionSet::Portable: return "portable";
-		case InstructionSet::Baseline: return "baseline";
-		case InstructionSet::V3: return "v3";
-		case InstructionSet::V4: return "v4";
+	case InstructionSet::Portable: return "portable";
+	case InstructionSet::Baseline: return "baseline";
+	case InstructionSet::V3: return "v3";
+	case InstructionSet::V4: return "v4";
 	}
 	return "unknown";
 }
@@ -22,17 +22,17 @@ bool isAvailable(InstructionSet set)
 {
 	switch (set)
 	{
-		case InstructionSet::Portable: return true;
+	case InstructionSet::Portable: return true;
 #if defined(__x86_64__)
-		case InstructionSet::Baseline: return true;
-		case InstructionSet::V3:
-			return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-				   __builtin_cpu_supports("fma") && __builtin_cpu_supports("popcnt");
-		case InstructionSet::V4:
-			return isAvailable(InstructionSet::V3) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-				   __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512cd");
+	case InstructionSet::Baseline: return true;
+	case InstructionSet::V3:
+		return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+			__builtin_cpu_supports("fma") && __builtin_cpu_supports("popcnt");
+	case InstructionSet::V4:
+		return isAvailable(InstructionSet::V3) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+			__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512cd");
 #else
-		default: break;
+	default: break;
 #endif
 	}
 	return false;

@@ -21,8 +21,7 @@ inline Mat3 operator*(const Mat3& a, const Mat3& b)
 {
 	Mat3 c;
 	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j)
-			c.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j];
+		for (int j = 0; j < 3; ++j) c.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j];
 	return c;
 }
 inline Mat3 transpose(const Mat3& a)
@@ -42,9 +41,8 @@ inline Mat3 rotationMatrix(const Quaternion& q)
 	const double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
 	const double xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
 	const double wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
-	return {{{1 - 2 * (yy + zz), 2 * (xy - wz), 2 * (xz + wy)},
-			 {2 * (xy + wz), 1 - 2 * (xx + zz), 2 * (yz - wx)},
-			 {2 * (xz - wy), 2 * (yz + wx), 1 - 2 * (xx + yy)}}};
+	return {{{1 - 2 * (yy + zz), 2 * (xy - wz), 2 * (xz + wy)}, {2 * (xy + wz), 1 - 2 * (xx + zz), 2 * (yz - wx)},
+		{2 * (xz - wy), 2 * (yz + wx), 1 - 2 * (xx + yy)}}};
 }
 
 /// Unit quaternion, w >= 0, of a rotation matrix (Shepperd's method: the largest component first).
@@ -92,7 +90,7 @@ inline Vec3 rotationVector(const Quaternion& q)
 inline Quaternion operator*(const Quaternion& a, const Quaternion& b)
 {
 	return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-			a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+		a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 inline Quaternion conjugate(const Quaternion& q) { return {-q.x, -q.y, -q.z, q.w}; }
 
@@ -104,10 +102,7 @@ struct Pose
 };
 
 inline Vec3 operator*(const Pose& X, const Vec3& p) { return X.rotation * p + X.translation; }
-inline Pose operator*(const Pose& X_AB, const Pose& X_BC)
-{
-	return {X_AB.rotation * X_BC.rotation, X_AB * X_BC.translation};
-}
+inline Pose operator*(const Pose& X_AB, const Pose& X_BC) { return {X_AB.rotation * X_BC.rotation, X_AB * X_BC.translation}; }
 inline Pose inverse(const Pose& X)
 {
 	const Mat3 r = transpose(X.rotation);

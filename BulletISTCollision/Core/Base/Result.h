@@ -15,8 +15,7 @@ struct Error
 };
 
 /// A value or an Error. Offline code returns this; nothing on the run-time path does.
-template <class T>
-class [[nodiscard]] Result
+template <class T> class [[nodiscard]] Result
 {
 public:
 	Result(T value) : m_value(std::move(value)) {}

@@ -7,10 +7,10 @@
 
 namespace ist
 {
-/// Eigenvalues and eigenvectors of a small symmetric matrix A = sum_k values[k] v_k v_k^T, v_k = vectors[k], orthonormal; in no order. Householder's
-/// reflections to three diagonals, then implicit QL with Wilkinson's shift. Errors of some roundings of |A|. O(N^3), no allocation.
-template <int N>
-class SymmetricEigen
+/// Eigenvalues and eigenvectors of a small symmetric matrix A = sum_k values[k] v_k v_k^T, v_k = vectors[k], orthonormal; in no order.
+/// Householder's reflections to three diagonals, then implicit QL with Wilkinson's shift. Errors of some roundings of |A|. O(N^3), no
+/// allocation.
+template <int N> class SymmetricEigen
 {
 public:
 	double values[N];
@@ -28,8 +28,7 @@ private:
 };
 
 /// I - axis axis^T from both sides makes column and row `k` zero but for the three diagonals. The rows up to `k` are not kept up.
-template <int N>
-void SymmetricEigen<N>::reflect(double (&a)[N][N], int k, double (&axis)[N]) noexcept
+template <int N> void SymmetricEigen<N>::reflect(double (&a)[N][N], int k, double (&axis)[N]) noexcept
 {
 	double v[N] = {}, product[N] = {}, beyond = 0, along = 0;
 	for (int i = k + 2; i < N; ++i) beyond += a[k][i] * a[k][i];
@@ -54,8 +53,7 @@ void SymmetricEigen<N>::reflect(double (&a)[N][N], int k, double (&axis)[N]) noe
 }
 
 /// The product of the reflections, the last one first; its columns are the rows of `vectors`.
-template <int N>
-void SymmetricEigen<N>::accumulate(const double (&axes)[N][N]) noexcept
+template <int N> void SymmetricEigen<N>::accumulate(const double (&axes)[N][N]) noexcept
 {
 	double q[N][N] = {};
 	for (int i = 0; i < N; ++i) q[i][i] = 1;
@@ -74,8 +72,7 @@ void SymmetricEigen<N>::accumulate(const double (&axes)[N][N]) noexcept
 		for (int j = 0; j < N; ++j) vectors[i][j] = q[j][i];
 }
 
-template <int N>
-void SymmetricEigen<N>::turn(int i, double c, double s) noexcept
+template <int N> void SymmetricEigen<N>::turn(int i, double c, double s) noexcept
 {
 	double x[N], y[N];
 	for (int k = 0; k < N; ++k) x[k] = vectors[i][k], y[k] = vectors[i + 1][k];
@@ -84,8 +81,7 @@ void SymmetricEigen<N>::turn(int i, double c, double s) noexcept
 }
 
 /// One implicit step on the rows `first` to `last`; ends early where the matrix comes apart on the way.
-template <int N>
-void SymmetricEigen<N>::sweep(int first, int last, double (&beside)[N]) noexcept
+template <int N> void SymmetricEigen<N>::sweep(int first, int last, double (&beside)[N]) noexcept
 {
 	const double half = (values[first + 1] - values[first]) / (2 * beside[first]);
 	double g = values[last] - values[first] + beside[first] / (half + std::copysign(std::sqrt(half * half + 1), half));
@@ -116,8 +112,7 @@ void SymmetricEigen<N>::sweep(int first, int last, double (&beside)[N]) noexcept
 	beside[last] = 0;
 }
 
-template <int N>
-bool SymmetricEigen<N>::solveThreeDiagonals(double (&beside)[N]) noexcept
+template <int N> bool SymmetricEigen<N>::solveThreeDiagonals(double (&beside)[N]) noexcept
 {
 	constexpr int kMostSweeps = 30 * N;
 	constexpr double kRounding = std::numeric_limits<double>::epsilon();
@@ -138,8 +133,7 @@ bool SymmetricEigen<N>::solveThreeDiagonals(double (&beside)[N]) noexcept
 	return true;
 }
 
-template <int N>
-bool SymmetricEigen<N>::decompose(const double (&matrix)[N][N]) noexcept
+template <int N> bool SymmetricEigen<N>::decompose(const double (&matrix)[N][N]) noexcept
 {
 	double largest = 0, sum = 0;
 	for (int i = 0; i < N; ++i)

@@ -40,8 +40,8 @@ inline double dot(const SymmetricMatrix3& a, const SymmetricMatrix3& b)
 /// Determinant times inverse.
 inline SymmetricMatrix3 adjugate(const SymmetricMatrix3& a)
 {
-	return {a.yy * a.zz - a.yz * a.yz, a.xx * a.zz - a.xz * a.xz, a.xx * a.yy - a.xy * a.xy,
-			a.xz * a.yz - a.xy * a.zz, a.xy * a.yz - a.xz * a.yy, a.xy * a.xz - a.yz * a.xx};
+	return {a.yy * a.zz - a.yz * a.yz, a.xx * a.zz - a.xz * a.xz, a.xx * a.yy - a.xy * a.xy, a.xz * a.yz - a.xy * a.zz,
+		a.xy * a.yz - a.xz * a.yy, a.xy * a.xz - a.yz * a.xx};
 }
 inline double determinant(const SymmetricMatrix3& a)
 {

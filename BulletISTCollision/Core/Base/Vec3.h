@@ -28,10 +28,7 @@ inline bool operator==(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y 
 inline bool operator!=(const Vec3& a, const Vec3& b) { return !(a == b); }
 
 inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec3 cross(const Vec3& a, const Vec3& b)
-{
-	return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+inline Vec3 cross(const Vec3& a, const Vec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double squaredNorm(const Vec3& a) { return dot(a, a); }
 inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 inline double distance(const Vec3& a, const Vec3& b) { return norm(a - b); }
@@ -41,14 +38,8 @@ inline Vec3 normalized(const Vec3& a)
 	const double n = norm(a);
 	return n > 0 ? a / n : Vec3{};
 }
-inline Vec3 componentMin(const Vec3& a, const Vec3& b)
-{
-	return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
-}
-inline Vec3 componentMax(const Vec3& a, const Vec3& b)
-{
-	return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
-}
+inline Vec3 componentMin(const Vec3& a, const Vec3& b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z}; }
+inline Vec3 componentMax(const Vec3& a, const Vec3& b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z}; }
 inline bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
 /// Two unit vectors that complete the unit vector `n` to a right-handed frame (t1, t2, n).

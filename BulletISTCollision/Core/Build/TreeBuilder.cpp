@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
-#include "BulletISTCollision/Core/Leaves/Cells.h"
-#include "BulletISTCollision/Core/Base/SteadyTime.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Base/SteadyTime.h"
+#include "BulletISTCollision/Core/Base/ThreadCount.h"
+#include "BulletISTCollision/Core/Leaves/Cells.h"
 #include "BulletISTCollision/Core/Packing/SpherePacker.h"
 #include "BulletISTCollision/Core/Tree/SurfaceResolution.h"
-#include "BulletISTCollision/Core/Base/ThreadCount.h"
 
 namespace ist
 {
@@ -15,10 +15,7 @@ namespace
 constexpr int64_t kMostSpheresForLeaves = 100000;
 
 /// Unless it was asked for spheres up to a fill or a radius.
-bool splitsSmoothBodies(const BuildOptions& options)
-{
-	return options.targetFill >= 1 && options.minRadius <= 0;
-}
+bool splitsSmoothBodies(const BuildOptions& options) { return options.targetFill >= 1 && options.minRadius <= 0; }
 
 class Stopwatch
 {
@@ -39,21 +36,15 @@ const char* modeName(RepairMode mode)
 {
 	switch (mode)
 	{
-		case RepairMode::Off: return "off";
-		case RepairMode::Wrap: return "wrap";
-		default: return "auto";
+	case RepairMode::Off: return "off";
+	case RepairMode::Wrap: return "wrap";
+	default: return "auto";
 	}
 }
 
-bool goesOn(const Progress& progress, const char* stage, double fraction)
-{
-	return !progress || progress(stage, fraction);
-}
+bool goesOn(const Progress& progress, const char* stage, double fraction) { return !progress || progress(stage, fraction); }
 
-Error cancelled()
-{
-	return {"the build was cancelled", true};
-}
+Error cancelled() { return {"the build was cancelled", true}; }
 
 void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& repaired, const BuildOptions& options)
 {
@@ -108,10 +99,7 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 }
 }  // namespace
 
-bool leavesBecomeSmaller(const BuildOptions& options)
-{
-	return splitsSmoothBodies(options) && options.maxSpheres < kMostSpheresForLeaves;
-}
+bool leavesBecomeSmaller(const BuildOptions& options) { return splitsSmoothBodies(options) && options.maxSpheres < kMostSpheresForLeaves; }
 
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times)
 {

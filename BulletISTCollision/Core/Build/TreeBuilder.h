@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 
 #include <cstdint>
 
@@ -34,6 +34,7 @@ struct BuildTimes
 	double setup = 0, packing = 0, leaves = 0, tree = 0;
 };
 
-/// Mesh to tree, the whole offline chain: repair, packing, cells, trees. The same for any thread count. Errors: those of repair() and packSpheres(), cancelled.
+/// Mesh to tree, the whole offline chain: repair, packing, cells, trees. The same for any thread count. Errors: those of repair() and
+/// packSpheres(), cancelled.
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times = nullptr);
 }  // namespace ist

@@ -20,7 +20,7 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 {
 	const InnerSphereTree::Provenance& p = tree.provenance;
 	return p.meshHash == hash && p.requestedSpheres == options.maxSpheres && p.requestedFill == options.targetFill &&
-		   p.requestedMinRadius == options.minRadius && p.seed == options.seed && p.unit == options.unit;
+		p.requestedMinRadius == options.minRadius && p.seed == options.seed && p.unit == options.unit;
 }
 
 /// Empty when the mesh has an inside.
@@ -32,8 +32,10 @@ Result<std::string> whyNoInside(const Mesh& mesh, const BuildOptions& options, d
 	const double share = closed.value().volumeDoubt / closed.value().volumeAfter;
 	if (share <= mostDoubt) return std::string();
 	char text[200];
-	std::snprintf(text, sizeof text, "the surface is open, and closing it may change its volume by %.0f %%: it has no inside that a tree could fill; "
-				  "close the mesh, or leave it to Bullet", std::fmin(share, 10) * 100);
+	std::snprintf(text, sizeof text,
+		"the surface is open, and closing it may change its volume by %.0f %%: it has no inside that a tree could fill; "
+		"close the mesh, or leave it to Bullet",
+		std::fmin(share, 10) * 100);
 	return std::string(text);
 }
 
@@ -50,7 +52,8 @@ std::string keep(const InnerSphereTree& tree, const std::string& folder, const s
 
 uint64_t treeKey(const Mesh& mesh, const BuildOptions& options)
 {
-	const uint64_t words[] = {meshHash(mesh), kAssetVersion, kBuilderVersion, uint64_t(options.maxSpheres), options.seed, uint64_t(options.repair)};
+	const uint64_t words[] = {
+		meshHash(mesh), kAssetVersion, kBuilderVersion, uint64_t(options.maxSpheres), options.seed, uint64_t(options.repair)};
 	const double numbers[] = {options.targetFill, options.minRadius, options.unit, mesh.rounding};
 	std::byte bytes[sizeof words + sizeof numbers];
 	std::memcpy(bytes, words, sizeof words);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 
 #include <memory>
 #include <string>
@@ -17,7 +17,8 @@ struct CachedTree
 	std::string note;  ///< why the folder could not be read or written, when it could not: the tree is good all the same
 };
 
-/// Of all that shapes the tree: the mesh and every option but threads and progress, and the versions of the builder and of the asset format.
+/// Of all that shapes the tree: the mesh and every option but threads and progress, and the versions of the builder and of the asset
+/// format.
 uint64_t treeKey(const Mesh& mesh, const BuildOptions& options);
 
 /// The tree of a mesh, from `folder`/KEY.ist when it is there and was built from this mesh with these options, else built and put

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Build/TreeWorker.h"
 
-#include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
 
 #include <condition_variable>
 #include <deque>
@@ -22,7 +22,7 @@ struct TreeWorker::Shared
 		std::shared_ptr<TreeOrder> order;
 		Mesh mesh;
 		BuildOptions options;
-		std::string path;  // when it is to be loaded
+		std::string path;                                  // when it is to be loaded
 		std::shared_ptr<const TreeOrder> plain = nullptr;  // when it is to have levels
 	};
 
@@ -165,7 +165,10 @@ std::shared_ptr<const TreeOrder> TreeWorker::build(Mesh mesh, const BuildOptions
 	return m_shared->request(key, {nullptr, std::move(mesh), options, ""});
 }
 
-std::shared_ptr<const TreeOrder> TreeWorker::load(const std::string& path) { return m_shared->request("file " + path, {nullptr, {}, {}, path}); }
+std::shared_ptr<const TreeOrder> TreeWorker::load(const std::string& path)
+{
+	return m_shared->request("file " + path, {nullptr, {}, {}, path});
+}
 
 std::shared_ptr<const TreeOrder> TreeWorker::addLevels(std::shared_ptr<const TreeOrder> plain)
 {

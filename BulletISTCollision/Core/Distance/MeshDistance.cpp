@@ -47,8 +47,7 @@ inline double farSolidAngle(const Cluster& c, const Vec3& r, double r2)
 {
 	const Vec3 &d = c.momentDiagonal, &m = c.momentMixed;
 	const double trace = d.x + d.y + d.z;
-	const double quadratic =
-		d.x * r.x * r.x + d.y * r.y * r.y + d.z * r.z * r.z + m.x * r.y * r.z + m.y * r.z * r.x + m.z * r.x * r.y;
+	const double quadratic = d.x * r.x * r.x + d.y * r.y * r.y + d.z * r.z * r.z + m.x * r.y * r.z + m.y * r.z * r.x + m.z * r.x * r.y;
 	return (dot(c.areaNormal, r) + trace - 3 * quadratic / r2) / (r2 * std::sqrt(r2));
 }
 
@@ -149,8 +148,7 @@ double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) con
 		const auto [child, cluster] = stack[--top];
 		const Vec3 r = cluster->centroid - p;
 		const double r2 = squaredNorm(r);
-		if (r2 > far2 * cluster->radius2)
-			sum += farSolidAngle(*cluster, r, r2);
+		if (r2 > far2 * cluster->radius2) sum += farSolidAngle(*cluster, r, r2);
 		else if (child->count > 0)
 			for (uint32_t i = child->first; i < child->first + child->count; ++i) sum += solidAngle(hierarchy.triangles[i], p);
 		else
@@ -179,10 +177,7 @@ MeshDistance::~MeshDistance() = default;
 MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
 MeshDistance& MeshDistance::operator=(MeshDistance&&) noexcept = default;
 
-const Mesh& MeshDistance::mesh() const
-{
-	return m_impl->mesh;
-}
+const Mesh& MeshDistance::mesh() const { return m_impl->mesh; }
 
 MeshDistance::Closest MeshDistance::closest(const Vec3& p, double upperBound) const
 {
@@ -198,15 +193,9 @@ bool MeshDistance::within(const Vec3& p, double reach, size_t most, std::vector<
 	return all;
 }
 
-double MeshDistance::windingNumber(const Vec3& p) const
-{
-	return m_impl->winding(p - m_impl->origin, kFarRadii);
-}
+double MeshDistance::windingNumber(const Vec3& p) const { return m_impl->winding(p - m_impl->origin, kFarRadii); }
 
-bool MeshDistance::contains(const Vec3& p) const
-{
-	return m_impl->contains(p - m_impl->origin);
-}
+bool MeshDistance::contains(const Vec3& p) const { return m_impl->contains(p - m_impl->origin); }
 
 double MeshDistance::signedDistance(const Vec3& p) const
 {
@@ -214,10 +203,7 @@ double MeshDistance::signedDistance(const Vec3& p) const
 	return contains(p) ? -d : d;
 }
 
-MeshDistance::Field MeshDistance::field(const Vec3& p) const
-{
-	return field(p, contains(p));
-}
+MeshDistance::Field MeshDistance::field(const Vec3& p) const { return field(p, contains(p)); }
 
 MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside) const
 {

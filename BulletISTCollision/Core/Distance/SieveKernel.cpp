@@ -85,8 +85,8 @@ private:
 	{
 		return x * F::load(planes.x) + y * F::load(planes.y) + z * F::load(planes.z) - F::load(planes.height);
 	}
-	/// What rounding may have added to the sum of the squares of two lengths, or taken from it: it moves heights and the way to the middle by
-	/// less than `rounding` each, and so the sum by a few times their product. `distance`: not less than the sum of the two.
+	/// What rounding may have added to the sum of the squares of two lengths, or taken from it: it moves heights and the way to the middle
+	/// by less than `rounding` each, and so the sum by a few times their product. `distance`: not less than the sum of the two.
 	IST_INLINE F roundingOf(const F& distance, const F& size) const
 	{
 		return (distance + size) * (F::all(8 * rounding) + F::all(kFarRounding) * distance);
@@ -185,7 +185,8 @@ void within(SieveSearch& search)
 		if (!(child & kSieveLeafBit))
 		{
 			const SieveNode& node = search.nodes[child];
-			for (uint32_t bits = notBeyond(at.lowerBounds(node.bound), search.limit); bits; bits &= bits - 1) stack[top++] = node.child[__builtin_ctz(bits)];
+			for (uint32_t bits = notBeyond(at.lowerBounds(node.bound), search.limit); bits; bits &= bits - 1)
+				stack[top++] = node.child[__builtin_ctz(bits)];
 			continue;
 		}
 		const SieveLeaf& leaf = search.leaves[child & ~kSieveLeafBit];

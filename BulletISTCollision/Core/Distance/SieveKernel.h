@@ -21,16 +21,17 @@ struct SieveCandidate
 	uint32_t place;  ///< in leaf order
 };
 
-/// One search among the triangles about a point. Its candidates wait until there are many of them: then few are left to be looked at in double.
+/// One search among the triangles about a point. Its candidates wait until there are many of them: then few are left to be looked at in
+/// double.
 struct SieveSearch
 {
 	const SieveNode* nodes;
 	const SieveLeaf* leaves;
 	uint32_t root;
-	float x, y, z;   ///< the point
-	float rounding;  ///< of a coordinate [m]
-	float limit;     ///< of the squared distance; `nearest` lowers it to that which some triangle is known to have
-	float surely;    ///< `within` counts the triangles that certainly have no larger squared distance than this,
+	float x, y, z;           ///< the point
+	float rounding;          ///< of a coordinate [m]
+	float limit;             ///< of the squared distance; `nearest` lowers it to that which some triangle is known to have
+	float surely;            ///< `within` counts the triangles that certainly have no larger squared distance than this,
 	uint64_t certain, most;  ///< and ends when there are more than `most` of them
 	SieveCandidate waiting[kMostWaiting + kSieveWidth];
 	int count;

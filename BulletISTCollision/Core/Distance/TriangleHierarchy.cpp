@@ -110,8 +110,8 @@ uint32_t partition(Items& items, uint32_t begin, uint32_t end, int depth)
 			}
 	if (best.axis >= 0)
 	{
-		const auto middle = std::partition(items.begin() + begin, items.begin() + end, [&](const BuildItem& item)
-										   { return binOf(item, best.axis, centers) <= best.bin; });
+		const auto middle = std::partition(
+			items.begin() + begin, items.begin() + end, [&](const BuildItem& item) { return binOf(item, best.axis, centers) <= best.bin; });
 		const auto split = static_cast<uint32_t>(middle - items.begin());
 		if (split > begin && split < end) return split;
 	}
@@ -147,13 +147,13 @@ Child Builder::build(uint32_t begin, uint32_t end, int depth, Nodes& nodes)
 	for (uint32_t i = begin; i < end; ++i) box.include(items[i].box);
 	if (end - begin <= TriangleHierarchy::kLeafSize)
 	{
-		std::sort(items.begin() + begin, items.begin() + end,
-				  [](const BuildItem& l, const BuildItem& r) { return l.triangle < r.triangle; });
+		std::sort(
+			items.begin() + begin, items.begin() + end, [](const BuildItem& l, const BuildItem& r) { return l.triangle < r.triangle; });
 		for (uint32_t i = begin; i < end; ++i)
 		{
 			const auto& t = mesh.triangles[items[i].triangle];
-			hierarchy.triangles[i] =
-				prepareTriangle(mesh.vertices[t[0]] - origin, mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin, items[i].triangle);
+			hierarchy.triangles[i] = prepareTriangle(
+				mesh.vertices[t[0]] - origin, mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin, items[i].triangle);
 		}
 		return {box.lower, box.upper, begin, end - begin};
 	}

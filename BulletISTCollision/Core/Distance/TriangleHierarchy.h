@@ -13,8 +13,8 @@ namespace ist
 struct PreparedTriangle
 {
 	Vec3 a, ab, ac;
-	Vec3 normal;             // ab x ac, not normalised
-	double inverseNormal2;   // 1 / |normal|^2; zero marks a needle
+	Vec3 normal;            // ab x ac, not normalised
+	double inverseNormal2;  // 1 / |normal|^2; zero marks a needle
 	uint32_t index;
 };
 
@@ -63,8 +63,7 @@ inline void keepShorter(Vec3& best, double& best2, const Vec3& candidate)
 	{
 		// The weights may be poor here, but a convex combination is always a point of the triangle and never too near.
 		const double n2 = squaredNorm(t.normal);
-		if (n2 > 0 && wb >= 0 && wc >= 0 && wb + wc <= n2)
-			keepShorter(best, d2, pa + t.ab * (wb / n2) + t.ac * (wc / n2));
+		if (n2 > 0 && wb >= 0 && wc >= 0 && wb + wc <= n2) keepShorter(best, d2, pa + t.ab * (wb / n2) + t.ac * (wc / n2));
 	}
 	return best;
 }

@@ -16,7 +16,7 @@ constexpr float kFarAway = 1e18f;  // its square, three times over, still fits
 constexpr double kFarthestPoint = 1e17;
 constexpr double kBeyond = -1;
 constexpr double kFloatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
-constexpr double kSlack = 2e-6;  // of the diagonal: more than thirty roundings of a coordinate
+constexpr double kSlack = 2e-6;           // of the diagonal: more than thirty roundings of a coordinate
 static_assert(TriangleHierarchy::kMostLevels <= kMostSieveLevels);
 
 float limitOf(double distance2) { return float(std::min(double(kLargestSieveSquare), distance2 * kFloatSlack)); }
@@ -29,17 +29,19 @@ const SieveKernel* kernelFor([[maybe_unused]] InstructionSet set)
 #if defined(__x86_64__)
 	switch (set)
 	{
-		case InstructionSet::Portable: return &kPortableSieveKernel;
-		case InstructionSet::Baseline: return &kBaselineSieveKernel;
-		case InstructionSet::V3:
-		case InstructionSet::V4: return &kV3SieveKernel;
+	case InstructionSet::Portable: return &kPortableSieveKernel;
+	case InstructionSet::Baseline: return &kBaselineSieveKernel;
+	case InstructionSet::V3:
+	case InstructionSet::V4: return &kV3SieveKernel;
 	}
 #endif
 	return &kPortableSieveKernel;
 }
 }  // namespace
 
-TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size, InstructionSet set) : m_kernel(kernelFor(set)), m_slack(float(kSlack * size))
+TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size, InstructionSet set)
+	: m_kernel(kernelFor(set)),
+	  m_slack(float(kSlack * size))
 {
 	if (hierarchy.triangles.empty()) return;
 	m_triangles = hierarchy.triangles.data();
@@ -82,8 +84,7 @@ void TriangleSieve::enclose(SieveCylinders& bound, int lane, uint32_t begin, uin
 	const Vec3 axis = axisOf(begin, end);
 	Vec3 frame[3] = {{}, {}, axis};
 	completeFrame(axis, frame[0], frame[1]);
-	const auto forEachCorner = [&](const auto& visit)
-	{
+	const auto forEachCorner = [&](const auto& visit) {
 		for (uint32_t i = begin; i < end; ++i)
 		{
 			const PreparedTriangle& t = m_triangles[i];
@@ -91,25 +92,23 @@ void TriangleSieve::enclose(SieveCylinders& bound, int lane, uint32_t begin, uin
 		}
 	};
 	double least[3] = {1e300, 1e300, 1e300}, most[3] = {-1e300, -1e300, -1e300};
-	forEachCorner([&](const Vec3& p)
-				  {
-					  for (int k = 0; k < 3; ++k)
-					  {
-						  least[k] = std::min(least[k], dot(p, frame[k]));
-						  most[k] = std::max(most[k], dot(p, frame[k]));
-					  }
-				  });
+	forEachCorner([&](const Vec3& p) {
+		for (int k = 0; k < 3; ++k)
+		{
+			least[k] = std::min(least[k], dot(p, frame[k]));
+			most[k] = std::max(most[k], dot(p, frame[k]));
+		}
+	});
 	Vec3 middle;
 	for (int k = 0; k < 3; ++k) middle += frame[k] * (0.5 * (least[k] + most[k]));
 	bound.x[lane] = float(middle.x), bound.y[lane] = float(middle.y), bound.z[lane] = float(middle.z);
 	setPlane(bound.axis, lane, axis, middle);
 	double radius2 = 0;
-	forEachCorner([&](const Vec3& p)
-				  {
-					  const Vec3 d = p - middle;
-					  const double along = dot(d, axis);
-					  radius2 = std::max(radius2, squaredNorm(d - axis * along));
-				  });
+	forEachCorner([&](const Vec3& p) {
+		const Vec3 d = p - middle;
+		const double along = dot(d, axis);
+		radius2 = std::max(radius2, squaredNorm(d - axis * along));
+	});
 	bound.radius[lane] = float(std::sqrt(radius2)) + m_slack;
 	bound.half[lane] = float(0.5 * (most[2] - least[2]));
 }
@@ -139,13 +138,10 @@ uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
 	for (uint32_t i = begin; i < begin + uint32_t(kSieveWidth); ++i)
 	{
 		const int lane = int(i - begin);
-		if (i >= end)
-			leaf.above.height[lane] = kFarAway;
+		if (i >= end) leaf.above.height[lane] = kFarAway;
 		// A needle's coordinates say nothing: it is always looked at.
-		else if (m_triangles[i].inverseNormal2 == 0)
-			leaf.unknown[lane] = kLargestSieveSquare;
-		else
-			setTriangle(leaf, lane, m_triangles[i]);
+		else if (m_triangles[i].inverseNormal2 == 0) leaf.unknown[lane] = kLargestSieveSquare;
+		else setTriangle(leaf, lane, m_triangles[i]);
 	}
 	m_leaves.push_back(leaf);
 	return uint32_t(m_leaves.size() - 1) | kSieveLeafBit;
@@ -154,8 +150,7 @@ uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
 uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
 {
 	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kSieveWidth)) return addLeaf(begin, end);
-	const auto halfArea = [](const TriangleHierarchy::Child& c)
-	{
+	const auto halfArea = [](const TriangleHierarchy::Child& c) {
 		const Vec3 s = c.upper - c.lower;
 		return s.x * s.y + s.y * s.z + s.z * s.x;
 	};
@@ -248,7 +243,10 @@ struct TriangleSieve::WithinSearch : SieveSearch
 {
 	std::vector<std::pair<double, uint32_t>>& out;
 
-	WithinSearch(const TriangleSieve& triangles, const Vec3& p, std::vector<std::pair<double, uint32_t>>& found) : out(found) { triangles.begin(*this, p); }
+	WithinSearch(const TriangleSieve& triangles, const Vec3& p, std::vector<std::pair<double, uint32_t>>& found) : out(found)
+	{
+		triangles.begin(*this, p);
+	}
 
 	void list()
 	{

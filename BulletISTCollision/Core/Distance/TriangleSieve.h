@@ -44,7 +44,8 @@ public:
 	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
 
 private:
-	// Triangles whose planes are this much (relative, squared) beyond the best distance are still asked: rounding must not hide an equally near one.
+	// Triangles whose planes are this much (relative, squared) beyond the best distance are still asked: rounding must not hide an equally
+	// near one.
 	static constexpr double kPruneSlack = 1 + 1e-13;
 
 	struct NearestSearch;

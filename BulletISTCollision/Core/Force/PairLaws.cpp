@@ -21,15 +21,9 @@ struct Lens
 	Vec3 centroid(const Vec3& centerA) const { return volume() > 0 ? centerA - n * (distance * capB / volume()) : centerA; }
 };
 
-double ballVolume(double r)
-{
-	return 4.0 / 3.0 * std::numbers::pi * r * r * r;
-}
+double ballVolume(double r) { return 4.0 / 3.0 * std::numbers::pi * r * r * r; }
 
-double capVolume(double r, double x)
-{
-	return std::numbers::pi / 3 * (r - x) * (r - x) * (2 * r + x);
-}
+double capVolume(double r, double x) { return std::numbers::pi / 3 * (r - x) * (r - x) * (2 * r + x); }
 
 Lens lensOf(const Vec3& a, double rA, const Vec3& b, double rB)
 {
@@ -52,8 +46,8 @@ Lens lensOf(const Vec3& a, double rA, const Vec3& b, double rB)
 }
 }  // namespace
 
-PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
-					   double epsilon)
+PairLawResult paperLaw(
+	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount, double epsilon)
 {
 	PairLawResult sum;
 	const Pose X = treePose(A, B, X_AB);
@@ -69,8 +63,8 @@ PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const
 	return sum;
 }
 
-PairLawResult energyLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
-						const PressurePair& pair)
+PairLawResult energyLaw(
+	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount, const PressurePair& pair)
 {
 	PairLawResult sum;
 	const Pose X = treePose(A, B, X_AB);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
 namespace ist
 {
@@ -18,11 +18,11 @@ struct PairLawResult
 
 /// Paper mode, Weller & Zachmann's eq. (1) for bodies at rest: sum n L epsilon at the lens centroids. Use with Model::Inner.
 /// Not conservative; `energy` stays 0.
-PairLawResult paperLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
-					   double epsilon);
+PairLawResult paperLaw(
+	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount, double epsilon);
 
 /// Law GL: the exact gradient of U = k sum dd L (w_A depth_i(C) + w_B depth_j(C)), with each leaf as the ball of the same volume and
 /// mean second moment. Use with Model::Law and `listMeetingBounds`: those balls may meet where the ellipsoids do not.
 PairLawResult energyLaw(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const OverlapPair* pairs, int pairCount,
-						const PressurePair& pair);
+	const PressurePair& pair);
 }  // namespace ist

@@ -7,8 +7,8 @@
 
 namespace ist
 {
-Result<PassageBarrier> passageBarrier(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const Vec3& direction, double way,
-									  const PressurePair& pair, QueryWorkspace& workspace, int steps)
+Result<PassageBarrier> passageBarrier(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const Vec3& direction,
+	double way, const PressurePair& pair, QueryWorkspace& workspace, int steps)
 {
 	if (!isFinite(direction) || !(norm(direction) > 0)) return Error{"the direction of a passage must be a finite vector that is not zero"};
 	if (!(way > 0) || !std::isfinite(way)) return Error{"the way of a passage must be a positive finite number of metres"};

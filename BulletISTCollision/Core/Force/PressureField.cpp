@@ -123,7 +123,8 @@ OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, d
 	const double across = std::cbrt(leafDensity * V) + kLeastAcross;
 	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
 	const double r = kGapError * relativeGap * relativeGap;
-	return {V * std::hypot(kVolumeError / std::pow(across, kVolumePower), r), stiffness * V * std::hypot(kForceError / std::pow(across, kForcePower), r)};
+	return {V * std::hypot(kVolumeError / std::pow(across, kVolumePower), r),
+		stiffness * V * std::hypot(kForceError / std::pow(across, kForcePower), r)};
 }
 
 OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B, double stiffness)

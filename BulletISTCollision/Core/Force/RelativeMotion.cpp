@@ -12,8 +12,8 @@ namespace
 {
 double work(const Wrench& w, const Twist& t) { return dot(w.force, t.linear) + dot(w.torque, t.angular); }
 
-/// Forces that turn where they are, which is about their centre: the place of the overlap stays with A but for half of the way that B's surface
-/// goes there, and that is small where the two touch.
+/// Forces that turn where they are, which is about their centre: the place of the overlap stays with A but for half of the way that B's
+/// surface goes there, and that is small where the two touch.
 Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
 {
 	const Vec3 force = cross(by, w.force), rest = w.torque - cross(center, w.force);

@@ -14,7 +14,7 @@ Twist motionOfB(const Pose& X_before, const Pose& X_after, const Vec3& point);
 double farthestMotion(const Pose& X_before, const Pose& X_after, const Vec3& center, double radius);
 
 /// The sums as they are, to first order, after B has moved by `motion` (of the point of B at A's origin): the forces of both fields change
-/// by their unprojected stiffness, and B's normals turn with B; the depths by the work of the mean force; volume, moments and damping by the area
-/// vector at the centroid. Stiffness, area vector and number of pairs stay. O(1).
+/// by their unprojected stiffness, and B's normals turn with B; the depths by the work of the mean force; volume, moments and damping by
+/// the area vector at the centroid. Stiffness, area vector and number of pairs stay. O(1).
 void moveB(OverlapIntegrals& sums, const Twist& motion);
 }  // namespace ist

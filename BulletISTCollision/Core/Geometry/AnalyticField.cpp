@@ -66,7 +66,10 @@ Vec3 HalfSpaceField::grain(const Vec3&) const
 }
 
 double HalfSpaceField::volume() const { return std::numeric_limits<double>::infinity(); }
-bool HalfSpaceField::isValid() const { return isFinite(m_normal) && std::isfinite(m_offset) && std::fabs(squaredNorm(m_normal) - 1) <= 1e-4; }
+bool HalfSpaceField::isValid() const
+{
+	return isFinite(m_normal) && std::isfinite(m_offset) && std::fabs(squaredNorm(m_normal) - 1) <= 1e-4;
+}
 
 FieldSide BoxField::side(int index, const Vec3& p, const SymmetricMatrix3&) const
 {
@@ -116,10 +119,7 @@ FieldSide CylinderField::side(int index, const Vec3& p, const SymmetricMatrix3& 
 	return {m_radius - radius.length, radius.direction, radius.bend({1, 1, 0})};
 }
 
-Vec3 CylinderField::grain(const Vec3&) const
-{
-	return {kGrainOfRadius * m_radius, kGrainOfRadius * m_radius, kGrainOfHalf * m_half};
-}
+Vec3 CylinderField::grain(const Vec3&) const { return {kGrainOfRadius * m_radius, kGrainOfRadius * m_radius, kGrainOfHalf * m_half}; }
 
 double CylinderField::volume() const { return kPi * m_radius * m_radius * 2 * m_half; }
 bool CylinderField::isValid() const { return isLength(m_radius) && isLength(m_half) && isLength(volume()); }

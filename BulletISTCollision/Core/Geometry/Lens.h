@@ -14,10 +14,10 @@ inline double ballVolume(double R) { return 4.0 / 3.0 * kPi * R * R * R; }
 /// Intersection of two balls i and j. Two spherical caps, each with its volume and centroid.
 struct Lens
 {
-	double volume = 0;      ///< L = capI + capJ
-	double area = 0;        ///< of the disc that both spheres share; 0 when one ball contains the other
+	double volume = 0;          ///< L = capI + capJ
+	double area = 0;            ///< of the disc that both spheres share; 0 when one ball contains the other
 	double capI = 0, capJ = 0;  ///< cap of ball i (of j) beyond the disc
-	Vec3 normal;            ///< from j to i; zero when concentric
+	Vec3 normal;                ///< from j to i; zero when concentric
 	Vec3 centroid;
 };
 
@@ -107,11 +107,12 @@ inline bool lensOf(const Vec3& ci, double Ri, const SymmetricMatrix3& Pi, const 
 	return true;
 }
 
-/// Where the lens of two ellipsoids lies, off the line of their centres where they are of unlike shape: across the thin side of a flat one hardly
-/// from its centre, however far a large one beside it is. With the share s that the cap of ball j has in `lens`, and r_i, r_j of lensOf():
+/// Where the lens of two ellipsoids lies, off the line of their centres where they are of unlike shape: across the thin side of a flat one
+/// hardly from its centre, however far a large one beside it is. With the share s that the cap of ball j has in `lens`, and r_i, r_j of
+/// lensOf():
 ///     c = c_i - s r_j^2 P_i N^-1 (c_i - c_j),   N = s r_j^2 P_i + (1 - s) r_i^2 P_j
-/// On the line for two of one shape; the centre of what is inside the other. An estimate, as the lens is: where two flat ones share little, it may lie outside
-/// of them. Matters where something changes across an ellipsoid.
+/// On the line for two of one shape; the centre of what is inside the other. An estimate, as the lens is: where two flat ones share little,
+/// it may lie outside of them. Matters where something changes across an ellipsoid.
 inline Vec3 lensCentroid(const Lens& lens, const Vec3& ci, const SymmetricMatrix3& Pi, const Vec3& cj, const SymmetricMatrix3& Pj)
 {
 	const double share = lens.capJ / lens.volume;

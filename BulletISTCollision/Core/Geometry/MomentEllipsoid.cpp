@@ -44,8 +44,7 @@ StoredEllipsoid::StoredEllipsoid(const MomentEllipsoid& e) : density(e.density),
 	const double steps = 1 / double(kStep), perSquare = steps / (double(e.R) * e.R);
 	const float n[3] = {e.nx, e.ny, e.nz}, P[6] = {e.xx, e.yy, e.zz, e.xy, e.xz, e.yz};
 	// A component can exceed one, or R^2, by a rounding. What is no number is passed on, for the tree to be refused.
-	const auto rounded = [&](double v)
-	{
+	const auto rounded = [&](double v) {
 		if (!(std::fabs(v) < 1.001 * steps)) density = std::numeric_limits<float>::quiet_NaN();
 		return int16_t(std::fabs(v) <= steps ? std::lround(v) : v > 0 ? 32767 : -32767);
 	};
@@ -73,10 +72,8 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 	Eigen::Vector3d squares = solver.eigenvalues();
 	squares = squares.cwiseMax(MomentEllipsoid::kFlattest * MomentEllipsoid::kFlattest * squares.maxCoeff());
 	const double own = kBallVolume * std::sqrt(squares.prod());
-	if (!(own > 0))
-		squares.setConstant(std::pow(volume / kBallVolume, 2.0 / 3));
-	else if (own < kLeastVolume * volume)
-		squares *= std::pow(kLeastVolume * volume / own, 2.0 / 3);
+	if (!(own > 0)) squares.setConstant(std::pow(volume / kBallVolume, 2.0 / 3));
+	else if (own < kLeastVolume * volume) squares *= std::pow(kLeastVolume * volume / own, 2.0 / 3);
 	const Eigen::Matrix3d kept = solver.eigenvectors() * squares.asDiagonal() * solver.eigenvectors().transpose();
 
 	MomentEllipsoid e;
@@ -127,7 +124,8 @@ SymmetricMatrix3 normalGradient(const MomentEllipsoid& whole, const MomentEllips
 		const MomentEllipsoid& piece = pieces[index[i]];
 		slope += piece.volume() * vector(piece.normal() - whole.normal()) * vector(piece.center() - whole.center()).transpose();
 	}
-	// Least squares among symmetric matrices, G S + S G = C + C^T, in the axes of S: what lies in one layer tells nothing of a change across it.
+	// Least squares among symmetric matrices, G S + S G = C + C^T, in the axes of S: what lies in one layer tells nothing of a change
+	// across it.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(matrixOf(whole.shape() * (whole.volume() / kShapePerMoment)));
 	const Eigen::Matrix3d& Q = axes.eigenvectors();
 	Eigen::Matrix3d G = Q.transpose() * (slope + slope.transpose()) * Q;

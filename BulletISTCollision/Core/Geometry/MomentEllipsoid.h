@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Geometry/SpherePacking.h"
 #include "BulletISTCollision/Core/Base/SymmetricMatrix3.h"
+#include "BulletISTCollision/Core/Geometry/SpherePacking.h"
 
 #include <cmath>
 #include <cstddef>
@@ -15,12 +15,12 @@ namespace ist
 /// a ball. Its density is below 1, since no piece is an ellipsoid. One cache line.
 struct alignas(64) MomentEllipsoid
 {
-	float x = 0, y = 0, z = 0;      ///< centroid c
-	float R = 0;                    ///< radius of a ball around the ellipsoid, a little larger than its longest half-axis [m]
-	float density = 0;              ///< d, no unit: volume of the piece over that of the bounding ball
-	float nx = 0, ny = 0, nz = 0;   ///< mean outward normal of the nearest surface points; NOT of unit length
-	float depth = 0;                ///< mean depth under the surface [m]
-	uint32_t sphere = 0;            ///< index of the packed sphere to whose cell the piece belongs
+	float x = 0, y = 0, z = 0;     ///< centroid c
+	float R = 0;                   ///< radius of a ball around the ellipsoid, a little larger than its longest half-axis [m]
+	float density = 0;             ///< d, no unit: volume of the piece over that of the bounding ball
+	float nx = 0, ny = 0, nz = 0;  ///< mean outward normal of the nearest surface points; NOT of unit length
+	float depth = 0;               ///< mean depth under the surface [m]
+	uint32_t sphere = 0;           ///< index of the packed sphere to whose cell the piece belongs
 	float xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;  ///< P [m^2]
 
 	Vec3 center() const { return {x, y, z}; }
@@ -48,8 +48,7 @@ struct alignas(64) MomentEllipsoid
 static_assert(sizeof(MomentEllipsoid) == 64);
 
 /// Whether a symmetric matrix, diagonal first, is positive definite.
-template <class Number>
-constexpr bool isPositiveDefinite(Number xx, Number yy, Number zz, Number xy, Number xz, Number yz)
+template <class Number> constexpr bool isPositiveDefinite(Number xx, Number yy, Number zz, Number xy, Number xz, Number yz)
 {
 	const Number minor = xx * yy - xy * xy;
 	return (xx > 0) & (minor > 0) & (minor * zz - xx * yz * yz - yy * xz * xz + 2 * xy * xz * yz > 0);
@@ -63,8 +62,8 @@ inline bool MomentEllipsoid::isSolid() const
 	return isRadius(R) && density > 0 && thick && inBall;
 }
 
-/// What a tree stores of a MomentEllipsoid beside its bounding ball, half a cache line: normal and shape in steps of 3e-5, far below what the samples
-/// of a piece can tell.
+/// What a tree stores of a MomentEllipsoid beside its bounding ball, half a cache line: normal and shape in steps of 3e-5, far below what
+/// the samples of a piece can tell.
 struct alignas(32) StoredEllipsoid
 {
 	static constexpr float kStep = 1.0f / 32767;
@@ -96,15 +95,16 @@ inline MomentEllipsoid StoredEllipsoid::in(const Sphere& bound) const
 
 inline bool StoredEllipsoid::isSolid() const
 {
-	constexpr int64_t kMost = int64_t(MomentEllipsoid::kMostShape / double(kStep)), kLeast = 1 + int64_t(MomentEllipsoid::kLeastShape / double(kStep));
+	constexpr int64_t kMost = int64_t(MomentEllipsoid::kMostShape / double(kStep)),
+					  kLeast = 1 + int64_t(MomentEllipsoid::kLeastShape / double(kStep));
 	const int64_t xx = shape[0], yy = shape[1], zz = shape[2], xy = shape[3], xz = shape[4], yz = shape[5];
 	const bool thick = isPositiveDefinite<int64_t>(xx - kLeast, yy - kLeast, zz - kLeast, xy, xz, yz);
 	const bool inBall = isPositiveDefinite<int64_t>(kMost - xx, kMost - yy, kMost - zz, -xy, -xz, -yz);
 	return density > 0 && thick && inBall;
 }
 
-/// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Two entries share a word, each the upper half
-/// of a float: good to 0.4 %, which is little beside what a linear function leaves out.
+/// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Two entries share a word,
+/// each the upper half of a float: good to 0.4 %, which is little beside what a linear function leaves out.
 struct alignas(16) NormalGradient
 {
 	uint32_t diagonalOverRest[3] = {};  ///< xx above xy, yy above xz, zz above yz [1/m]
@@ -134,8 +134,8 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 
 /// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.
 MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
-/// The symmetric slope that fits their normals best, by volume, each piece having one normal throughout; symmetric, as normals are minus the
-/// gradient of the depth. G with G S + S G = C + C^T, S the second moment of `whole`, merged from these, about its centroid, and C = Sum V (n - m) (x - c)^T
-/// over the pieces. Zero for one piece.
+/// The symmetric slope that fits their normals best, by volume, each piece having one normal throughout; symmetric, as normals are minus
+/// the gradient of the depth. G with G S + S G = C + C^T, S the second moment of `whole`, merged from these, about its centroid, and C =
+/// Sum V (n - m) (x - c)^T over the pieces. Zero for one piece.
 SymmetricMatrix3 normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
 }  // namespace ist

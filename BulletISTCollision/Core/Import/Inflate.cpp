@@ -161,11 +161,11 @@ bool takeCodes(Bits& bits, BlockCodes& codes)
 /// The symbols of a block, up to its end. False: it is damaged, or gives more than `size` bytes in all.
 bool takeSymbols(Bits& bits, const BlockCodes& codes, std::string& out, size_t size)
 {
-	static constexpr uint16_t kLength[29] = {3,  4,  5,  6,  7,  8,  9,  10, 11,  13,  15,  17,  19,  23, 27,
-											 31, 35, 43, 51, 59, 67, 83, 99, 115, 131, 163, 195, 227, 258};
+	static constexpr uint16_t kLength[29] = {
+		3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 15, 17, 19, 23, 27, 31, 35, 43, 51, 59, 67, 83, 99, 115, 131, 163, 195, 227, 258};
 	static constexpr uint8_t kLengthBits[29] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 0};
-	static constexpr uint16_t kDistance[kDistances] = {1, 2, 3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257, 385, 513, 769,
-													   1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
+	static constexpr uint16_t kDistance[kDistances] = {1, 2, 3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257, 385, 513, 769, 1025,
+		1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
 	for (;;)
 	{
 		const auto symbol = codes.literals.take(bits);
@@ -215,10 +215,10 @@ std::optional<std::string> inflated(std::string_view stream, size_t size)
 		const unsigned kind = bits.take(2);
 		if (bits.ended()) return std::nullopt;
 		BlockCodes codes;
-		const bool taken = kind == 0	? takeStored(bits, out, size)
-						   : kind == 1 ? makeFixed(codes) && takeSymbols(bits, codes, out, size)
-						   : kind == 2 ? takeCodes(bits, codes) && takeSymbols(bits, codes, out, size)
-									   : false;
+		const bool taken = kind == 0 ? takeStored(bits, out, size)
+			: kind == 1              ? makeFixed(codes) && takeSymbols(bits, codes, out, size)
+			: kind == 2              ? takeCodes(bits, codes) && takeSymbols(bits, codes, out, size)
+									 : false;
 		if (!taken) return std::nullopt;
 	}
 	if (out.size() != size) return std::nullopt;

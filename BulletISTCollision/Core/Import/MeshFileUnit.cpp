@@ -25,10 +25,10 @@ struct NamedUnit
 };
 // 3MF core specification, 3.4.1, and ISO/ASTM 52915 with the spellings that are found in AMF files. Files of both that state no unit are in
 // millimetres.
-constexpr NamedUnit kUnitsOf3mf[] = {{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2},
-									 {"inch", 0.0254}, {"foot", 0.3048},     {"meter", 1}};
-constexpr NamedUnit kUnitsOfAmf[] = {{"micron", 1e-6}, {"millimeter", 1e-3}, {"millimeters", 1e-3},
-									 {"inch", 0.0254}, {"feet", 0.3048},     {"meter", 1}};
+constexpr NamedUnit kUnitsOf3mf[] = {
+	{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2}, {"inch", 0.0254}, {"foot", 0.3048}, {"meter", 1}};
+constexpr NamedUnit kUnitsOfAmf[] = {
+	{"micron", 1e-6}, {"millimeter", 1e-3}, {"millimeters", 1e-3}, {"inch", 0.0254}, {"feet", 0.3048}, {"meter", 1}};
 constexpr double kMillimetre = 1e-3;
 constexpr std::string_view kModelOf3mf = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 

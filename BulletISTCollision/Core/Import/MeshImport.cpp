@@ -3,8 +3,8 @@
 
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshReaderWarnings.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 #include "BulletISTCollision/Core/Import/ThreadLocale.h"
+#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/IOStream.hpp>
@@ -31,17 +31,13 @@ namespace ist
 {
 namespace
 {
-bool mirrors(const aiMatrix4x4& m)
-{
-	return aiMatrix3x3(m).Determinant() < 0;
-}
+bool mirrors(const aiMatrix4x4& m) { return aiMatrix3x3(m).Determinant() < 0; }
 
 /// Transform in double; assimp's own is single precision.
 Vec3 transformedPoint(const aiMatrix4x4& m, const aiVector3D& v)
 {
 	const double x = v.x, y = v.y, z = v.z;
-	return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4,
-			m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
+	return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4, m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
 }
 
 /// Of the longest side: what coordinates in single precision may be apart at most.
@@ -71,7 +67,8 @@ private:
 };
 
 /// Reads in blocks, between which the caller is asked. Goes on reading when the caller wants to stop: assimp's loaders leak what they
-/// hold when a read fails. Throws, all the same, when a loader goes through the file without end, as that of PLY does where the header is damaged.
+/// hold when a read fails. Throws, all the same, when a loader goes through the file without end, as that of PLY does where the header is
+/// damaged.
 class WatchedStream : public Assimp::IOStream
 {
 public:
@@ -83,10 +80,12 @@ public:
 		size_t done = 0;
 		while (done < count)
 		{
-			const size_t wanted = std::min(atOnce, count - done), read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
+			const size_t wanted = std::min(atOnce, count - done),
+						 read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
 			done += read;
 			m_taken += 1 + read * size;
-			if (m_taken > kMostTimes * m_stream->FileSize() + kAtLeast) throw std::runtime_error("it is damaged: assimp finds no end in it");
+			if (m_taken > kMostTimes * m_stream->FileSize() + kAtLeast)
+				throw std::runtime_error("it is damaged: assimp finds no end in it");
 			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
 			m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
 			if (read < wanted) break;
@@ -112,15 +111,16 @@ class WatchedFiles : public Assimp::DefaultIOSystem
 public:
 	/// The content of the file at `path` is `unpacked` where there is such; it must outlive this.
 	WatchedFiles(Watch& watch, const std::string& path, const std::optional<std::string>& unpacked)
-		: m_watch(watch), m_path(path), m_unpacked(unpacked)
-	{
-	}
+		: m_watch(watch),
+		  m_path(path),
+		  m_unpacked(unpacked)
+	{}
 	Assimp::IOStream* Open(const char* file, const char* mode) override
 	{
 		const bool isUnpacked = m_unpacked && m_path == file;
 		Assimp::IOStream* stream = isUnpacked
-									 ? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
-									 : DefaultIOSystem::Open(file, mode);
+			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
+			: DefaultIOSystem::Open(file, mode);
 		return stream ? new WatchedStream(stream, m_watch) : nullptr;
 	}
 	void Close(Assimp::IOStream* stream) override { delete stream; }
@@ -150,7 +150,8 @@ double blur(const aiMesh& part)
 	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
 }
 
-/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of [units of the file].
+/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of [units of the
+/// file].
 struct Rounding
 {
 	double inPart = 0;        ///< without the place of the part, which is the same for all of its corners
@@ -242,23 +243,22 @@ void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
 }
 
 /// "1 line", "3 lines"
-std::string counted(int64_t n, const char* thing)
-{
-	return std::to_string(n) + " " + thing + (n == 1 ? "" : "s");
-}
+std::string counted(int64_t n, const char* thing) { return std::to_string(n) + " " + thing + (n == 1 ? "" : "s"); }
 
 std::vector<std::string> sentences(const LeftOut& out, const std::vector<std::string>& warnings)
 {
 	std::vector<std::string> all;
 	if (out.damaged)
 		all.push_back(std::to_string(out.damaged) + " of " + counted(out.faces, "face") + " " + (out.damaged == 1 ? "was" : "were") +
-					  " left out: they name corners that are not in the file, the first is face " + std::to_string(out.firstDamaged) + "; export the mesh again.");
+			" left out: they name corners that are not in the file, the first is face " + std::to_string(out.firstDamaged) +
+			"; export the mesh again.");
 	for (const std::string& warning : warnings)
-		all.push_back("The reader left faces out, or gave them other corners, because the file is damaged (\"" + warning + "\"); export the mesh again.");
+		all.push_back("The reader left faces out, or gave them other corners, because the file is damaged (\"" + warning +
+			"\"); export the mesh again.");
 	const std::string both = out.lines && out.points ? " and " : "";
 	if (out.lines || out.points)
 		all.push_back((out.lines ? counted(out.lines, "line") : "") + both + (out.points ? counted(out.points, "point") : "") +
-					  (out.lines + out.points == 1 ? " was" : " were") + " left out: they have no surface.");
+			(out.lines + out.points == 1 ? " was" : " were") + " left out: they have no surface.");
 	return all;
 }
 
@@ -340,12 +340,12 @@ std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& sc
 	for (std::size_t i = 0; i < parts.size(); ++i)
 		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
 			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
-						 " has no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them"};
+				" has no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them"};
 	for (std::size_t t = 0; t < textured.places.size(); ++t)
 		for (const TexturePlace& place : textured.places[t])
 			if (!std::isfinite(place.u) || !std::isfinite(place.v))
 				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " at " +
-							 ist::place(textured.mesh.vertices[textured.mesh.triangles[t][0]]) + " are not finite; export the mesh again"};
+					ist::place(textured.mesh.vertices[textured.mesh.triangles[t][0]]) + " are not finite; export the mesh again"};
 	return std::nullopt;
 }
 
@@ -385,16 +385,16 @@ Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const s
 	constexpr double kSame = 1e-6;
 	if (!(file.metres > 0) && (!given || file.appliedByReader))
 		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
-					 (file.appliedByReader ? "" : ", or give the unit (unit, --unit)")};
+			(file.appliedByReader ? "" : ", or give the unit (unit, --unit)")};
 	const double applied = file.appliedByReader ? file.metres : 1;
 	if (!given) return Scale{file.metres, file.metres / applied, {}};
 	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
 	Scale scale{*given, *given / applied, {}};
-	const std::string states =
-		file.stated.empty() ? "The file states no unit, for which the " + file.format + " format has " + unitWords(file.metres)
+	const std::string states = file.stated.empty()
+		? "The file states no unit, for which the " + file.format + " format has " + unitWords(file.metres)
 		: file.appliedByReader
-			? "The file states " + unitWords(file.metres) + " as its unit"
-			: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + unitWords(file.metres) : "");
+		? "The file states " + unitWords(file.metres) + " as its unit"
+		: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + unitWords(file.metres) : "");
 	if (!file.format.empty()) scale.notTaken = states + "; in its place the given unit was applied, " + unitWords(*given) + ".";
 	return scale;
 }
@@ -409,8 +409,8 @@ std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importe
 	if (!(centimetres > 0) || centimetres == 100) return std::nullopt;
 	const std::string metres = unitWords(0.01 * double(centimetres));
 	return "The file states " + metres +
-		   " as its unit, which is not applied to FBX files: its coordinates were taken as metres; give the unit (unit, --unit) if they "
-		   "are not.";
+		" as its unit, which is not applied to FBX files: its coordinates were taken as metres; give the unit (unit, --unit) if they "
+		"are not.";
 }
 
 Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, Watch& watch)
@@ -429,12 +429,14 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 	const LeftOut leftOut = scene ? sieveFaces(*scene) : LeftOut();
 	if (2 * leftOut.damaged > leftOut.faces)
 		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
-					 " name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) + "; export the mesh again"};
+			" name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) +
+			"; export the mesh again"};
 	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
 	if (watch.cancelled()) return Error{"the import was cancelled", true};
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
-					 "; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it again"};
+			"; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it "
+			"again"};
 	if (readerName(importer) == k3mfReader && head.value().unit.format != "3MF")
 		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
 	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, watch);
@@ -446,8 +448,9 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 	double worst = 0;
 	for (const aiMesh* part : partsOf(*scene)) worst = std::max(worst, blur(*part));
 	if (worst > kBlurred)
-		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) + ", that its coordinates, read in single precision, are exact to " +
-					 std::to_string(100 * worst) + " % of its size only; move it to the origin and export it again"};
+		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) +
+			", that its coordinates, read in single precision, are exact to " + std::to_string(100 * worst) +
+			" % of its size only; move it to the origin and export it again"};
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
 	if (!watch.reach(1)) return Error{"the import was cancelled", true};

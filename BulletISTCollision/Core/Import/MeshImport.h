@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Mesh/TexturedMesh.h"
 
 #include <optional>
@@ -29,7 +29,7 @@ namespace ist
 /// and PLY files assimp 5.2.5 may crash.
 Result<Mesh> importMesh(const std::string& path, std::optional<double> unit = std::nullopt, const Progress& progress = {});
 
-/// The same triangles in the same order, with their first set of texture coordinates. Also refused: a part without any, and coordinates that are
-/// not finite.
+/// The same triangles in the same order, with their first set of texture coordinates. Also refused: a part without any, and coordinates
+/// that are not finite.
 Result<TexturedMesh> importTexturedMesh(const std::string& path, std::optional<double> unit = std::nullopt, const Progress& progress = {});
 }  // namespace ist

@@ -29,8 +29,8 @@ bool isOfFaces(std::string text)
 {
 	std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
 	return hasAny(text, {"out of range", "out-of-range", "overflow", "invalid", "dropped", "ignor"}) &&
-		   hasAny(text, {"face", "vertex index", "vertex reference", "indices"}) &&
-		   !hasAny(text, {"material", "texture", "uv", "normal", "color", "bone", "weight"});
+		hasAny(text, {"face", "vertex index", "vertex reference", "indices"}) &&
+		!hasAny(text, {"material", "texture", "uv", "normal", "color", "bone", "weight"});
 }
 
 void hear(const char* message)
@@ -96,7 +96,7 @@ private:
 	static constexpr unsigned kSeverity = Assimp::Logger::Warn | Assimp::Logger::Err;
 	std::mutex m_mutex;
 	int m_listeners = 0;
-	Assimp::Logger* m_log = nullptr;  // owned by assimp
+	Assimp::Logger* m_log = nullptr;        // owned by assimp
 	Assimp::LogStream* m_stream = nullptr;  // owned by the program's log
 };
 

@@ -6,9 +6,9 @@
 
 namespace ist
 {
-/// Listens to assimp's log while it lives, for what the readers say in this thread of faces that they dropped or gave other corners. Assimp's log
-/// is one for the process: where the program has its own, it goes on as before; where it has none, it gets one until the last listener is gone.
-/// Listeners may live in many threads at once, and in one thread inside each other.
+/// Listens to assimp's log while it lives, for what the readers say in this thread of faces that they dropped or gave other corners.
+/// Assimp's log is one for the process: where the program has its own, it goes on as before; where it has none, it gets one until the last
+/// listener is gone. Listeners may live in many threads at once, and in one thread inside each other.
 class MeshReaderWarnings
 {
 public:

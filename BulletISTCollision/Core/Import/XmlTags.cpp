@@ -17,8 +17,8 @@ std::string withoutEntities(std::string_view text)
 	std::string out;
 	while (!text.empty())
 	{
-		const auto entity =
-			std::find_if(std::begin(kEntities), std::end(kEntities), [&](const auto& e) { return text.starts_with(e.first); });
+		const auto entity = std::find_if(
+			std::begin(kEntities), std::end(kEntities), [&](const auto& e) { return text.starts_with(e.first); });
 		const bool found = entity != std::end(kEntities);
 		out += found ? entity->second : text.front();
 		text.remove_prefix(found ? entity->first.size() : 1);

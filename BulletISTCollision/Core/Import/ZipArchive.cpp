@@ -95,7 +95,7 @@ std::optional<ZipArchive> ZipArchive::open(std::string_view bytes)
 					 commentSize = numberAt(bytes, at + 32, 2);
 		if (!fits(bytes, at + kRowSize, nameSize + extraSize + commentSize)) return std::nullopt;
 		Place place{numberAt(bytes, at + 42, 4), numberAt(bytes, at + 20, 4), numberAt(bytes, at + 24, 4),
-					unsigned(numberAt(bytes, at + 10, 2)), (numberAt(bytes, at + 8, 2) & 1) != 0};
+			unsigned(numberAt(bytes, at + 10, 2)), (numberAt(bytes, at + 8, 2) & 1) != 0};
 		takeZip64(bytes.substr(at + kRowSize + nameSize, extraSize), place.size, place.packed, place.head);
 		place.head = place.head > bytes.size() ? place.head : place.head + contents->begin;
 		archive.m_names.push_back(nameInZip(std::string(bytes.substr(at + kRowSize, nameSize))));

@@ -2,8 +2,8 @@
 #include "BulletISTCollision/Core/Leaves/CellSampling.h"
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
-#include "BulletISTCollision/Core/Leaves/GapLines.h"
 #include "BulletISTCollision/Core/Geometry/Lens.h"
+#include "BulletISTCollision/Core/Leaves/GapLines.h"
 #include "BulletISTCollision/Core/Leaves/NearestSphere.h"
 
 #include <algorithm>
@@ -72,8 +72,7 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 }
 
 /// Groups points that lie close together: `visit(first, last)` gets ranges of `order`, which is rearranged.
-template <class Position, class Visit>
-void forEachCluster(uint32_t* first, uint32_t* last, const Position& position, const Visit& visit)
+template <class Position, class Visit> void forEachCluster(uint32_t* first, uint32_t* last, const Position& position, const Visit& visit)
 {
 	if (first == last) return;
 	if (size_t(last - first) <= kClusterSize)
@@ -96,8 +95,7 @@ void forEachCluster(uint32_t* first, uint32_t* last, const Position& position, c
 }
 
 /// Middle of the bounding box, and the radius about it that holds all points and what rounding them to floats adds.
-template <class Position>
-std::pair<Vec3, double> clusterBall(const uint32_t* first, const uint32_t* last, const Position& position)
+template <class Position> std::pair<Vec3, double> clusterBall(const uint32_t* first, const uint32_t* last, const Position& position)
 {
 	Vec3 lower = position(*first), upper = lower;
 	for (const uint32_t* k = first; k < last; ++k)
@@ -123,7 +121,7 @@ public:
 		std::iota(m_order.begin(), m_order.end(), 0u);
 		const auto position = [samples](uint32_t k) { return samples[k].position(); };
 		forEachCluster(m_order.data(), m_order.data() + count, position,
-					   [&](const uint32_t* first, const uint32_t* last) { evaluateCluster(samples, first, last); });
+			[&](const uint32_t* first, const uint32_t* last) { evaluateCluster(samples, first, last); });
 	}
 
 	void evaluateCluster(CellSample* samples, const uint32_t* first, const uint32_t* last)
@@ -163,24 +161,23 @@ Slab sampleSlab(const GapLines& lines, int firstRow, int lastRow, const NearestS
 	FieldSampler field(surface);
 	uint32_t hint = UINT32_MAX;
 	const auto position = [&points](uint32_t k) { return points[k]; };
-	forEachCluster(order.data(), order.data() + order.size(), position, [&](const uint32_t* first, const uint32_t* last)
-				   {
-					   const auto [center, radius] = clusterBall(first, last, position);
-					   nearest.gather(center, radius, spheres, hint);
-					   for (const uint32_t* k = first; k < last; ++k)
-					   {
-						   slab.owners[*k] = hint = nearest.nearest(points[*k], spheres, hint).sphere;
-						   CellSample& s = slab.samples[*k];
-						   s.x = float(points[*k].x), s.y = float(points[*k].y), s.z = float(points[*k].z);
-					   }
-					   field.evaluateCluster(slab.samples.data(), first, last);
-				   });
+	forEachCluster(order.data(), order.data() + order.size(), position, [&](const uint32_t* first, const uint32_t* last) {
+		const auto [center, radius] = clusterBall(first, last, position);
+		nearest.gather(center, radius, spheres, hint);
+		for (const uint32_t* k = first; k < last; ++k)
+		{
+			slab.owners[*k] = hint = nearest.nearest(points[*k], spheres, hint).sphere;
+			CellSample& s = slab.samples[*k];
+			s.x = float(points[*k].x), s.y = float(points[*k].y), s.z = float(points[*k].z);
+		}
+		field.evaluateCluster(slab.samples.data(), first, last);
+	});
 	return slab;
 }
 
 /// Points of equal volume in the gap, in the order of the lines; empty when told to stop.
 std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Sphere>& spheres, double gapVolume, const NearestSphere& nearest,
-							uint64_t seed, [[maybe_unused]] int threads, const std::function<bool(double)>& goesOn)
+	uint64_t seed, [[maybe_unused]] int threads, const std::function<bool(double)>& goesOn)
 {
 	const Mesh& mesh = surface.mesh();
 	const double n = double(spheres.size());
@@ -205,7 +202,8 @@ std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Spher
 			const int last = std::min(count, first + kSlabsPerReport);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
 			for (int i = first; i < last; ++i)
-				slabs[before + size_t(i)] = sampleSlab(lines, i * kRowsOfSlab, std::min(lines.rows(), (i + 1) * kRowsOfSlab), nearest, surface);
+				slabs[before + size_t(i)] = sampleSlab(
+					lines, i * kRowsOfSlab, std::min(lines.rows(), (i + 1) * kRowsOfSlab), nearest, surface);
 		}
 	}
 	return slabs;
@@ -247,8 +245,10 @@ void addGapSamples(const std::vector<Slab>& slabs, size_t first, size_t last, Sa
 /// Each thread takes cells with about as many samples, and all the slabs.
 void addGapSamples(const std::vector<Slab>& slabs, int threads, SampledCells& result)
 {
-	const auto cut = [&](int part)
-	{ return size_t(std::lower_bound(result.begin.begin(), result.begin.end(), result.begin.back() * size_t(part) / size_t(threads)) - result.begin.begin()); };
+	const auto cut = [&](int part) {
+		return size_t(std::lower_bound(result.begin.begin(), result.begin.end(), result.begin.back() * size_t(part) / size_t(threads)) -
+			result.begin.begin());
+	};
 #pragma omp parallel for schedule(static, 1) num_threads(threads)
 	for (int part = 0; part < threads; ++part)
 		addGapSamples(slabs, cut(part), part + 1 < threads ? cut(part + 1) : result.gapBegin.size(), result);
@@ -261,7 +261,8 @@ std::vector<BallPart> ballParts(const SampledCells& cells)
 	for (size_t i = 0; i < cells.gapBegin.size(); ++i)
 	{
 		const size_t pairs = (cells.gapBegin[i] - cells.begin[i]) / 2;
-		for (size_t first = 0; first < pairs; first += kMostPairsTogether) parts.push_back({i, first, std::min(pairs, first + kMostPairsTogether)});
+		for (size_t first = 0; first < pairs; first += kMostPairsTogether)
+			parts.push_back({i, first, std::min(pairs, first + kMostPairsTogether)});
 	}
 	return parts;
 }
@@ -278,7 +279,7 @@ void addBallSamples(const Sphere& sphere, const BallPart& part, uint64_t seed, F
 }  // namespace
 
 SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>& spheres, double volume, const NearestSphere& nearest,
-						 uint64_t seed, int threads, const std::function<bool(double)>& goesOn)
+	uint64_t seed, int threads, const std::function<bool(double)>& goesOn)
 {
 	double balls = 0;
 	for (const Sphere& s : spheres) balls += ballVolume(s.r);

@@ -26,10 +26,7 @@ constexpr size_t kLargestBatch = 16384;
 using Vec6 = std::array<double, 6>;
 using Mat6 = std::array<Vec6, 6>;
 
-double priority(const CellPiece& piece)
-{
-	return splitPriority(piece.mass, piece.meanRadius(), piece.normal);
-}
+double priority(const CellPiece& piece) { return splitPriority(piece.mass, piece.meanRadius(), piece.normal); }
 
 Vec6 feature(const CellSample& s, const CellPiece& piece)
 {
@@ -146,7 +143,8 @@ std::optional<std::pair<CellPiece, CellPiece>> split(CellSample* samples, const 
 {
 	if (parent.end - parent.begin < kMinimumToSplit || !(parent.meanRadius() > 0)) return {};
 	Cut cut = firstCut(samples, parent);
-	for (int step = 0; step < kMostMoves && move(cut, samples, parent); ++step) {}
+	for (int step = 0; step < kMostMoves && move(cut, samples, parent); ++step)
+	{}
 	CellSample *begin = samples + parent.begin, *end = samples + parent.end;
 	CellSample* middle = std::partition(begin, end, [&](const CellSample& s) { return cut.below(feature(s, parent)); });
 	if (size_t(middle - begin) < kMinimumOfChild || size_t(end - middle) < kMinimumOfChild) return {};
@@ -189,9 +187,10 @@ std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPie
 		halves.assign(batch.size(), {});
 		[[maybe_unused]] size_t reordered = 0;  // by builds with OpenMP
 		for (const Waiting& waiting : batch) reordered += pieces[waiting.second].end - pieces[waiting.second].begin;
-		// Few pieces hold most of the samples at first.
+			// Few pieces hold most of the samples at first.
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (reordered >= fewestToShare)
-		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(batch.size()); ++i) halves[size_t(i)] = split(samples, pieces[batch[size_t(i)].second]);
+		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(batch.size()); ++i)
+			halves[size_t(i)] = split(samples, pieces[batch[size_t(i)].second]);
 		size_t done = 0;
 		for (; done < batch.size() && (queue.empty() || !before(batch[done], queue.top())); ++done)
 		{
@@ -206,7 +205,7 @@ std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPie
 		for (; done < batch.size(); ++done) queue.push(batch[done]);
 	}
 	std::sort(pieces.begin(), pieces.end(),
-			  [](const CellPiece& a, const CellPiece& b) { return a.sphere != b.sphere ? a.sphere < b.sphere : a.begin < b.begin; });
+		[](const CellPiece& a, const CellPiece& b) { return a.sphere != b.sphere ? a.sphere < b.sphere : a.begin < b.begin; });
 	return pieces;
 }
 }  // namespace ist

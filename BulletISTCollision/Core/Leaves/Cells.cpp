@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Leaves/Cells.h"
 
+#include "BulletISTCollision/Core/Base/ThreadCount.h"
+#include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Leaves/CellSampling.h"
 #include "BulletISTCollision/Core/Leaves/CellSplitter.h"
-#include "BulletISTCollision/Core/Geometry/Lens.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 #include "BulletISTCollision/Core/Leaves/NearestSphere.h"
 #include "BulletISTCollision/Core/Leaves/SurfaceGap.h"
-#include "BulletISTCollision/Core/Base/ThreadCount.h"
+#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,11 +80,12 @@ std::string whyUnusable(const std::vector<Sphere>& spheres, double volume)
 		const Sphere& s = spheres[i];
 		if (!isFinite(s.center()) || !std::isfinite(s.r) || !(s.r > 0))
 			return "Sphere " + std::to_string(i) + " of the packing, of radius " + number(s.r) + " m at " + place(s.center()) +
-				   ", has no finite centre and positive radius; pack the mesh again.";
+				", has no finite centre and positive radius; pack the mesh again.";
 		balls += ballVolume(s.r);
 	}
 	if (balls > volume * (1 + 1e-6))
-		return "The spheres hold more volume than the mesh: parts of it are inside out (use the automatic repair), or the packing was made for another mesh.";
+		return "The spheres hold more volume than the mesh: parts of it are inside out (use the automatic repair), or the packing was made "
+			   "for another mesh.";
 	return {};
 }
 }  // namespace

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Distance/MeshDistance.h"
-#include "BulletISTCollision/Core/Geometry/MomentEllipsoid.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
+#include "BulletISTCollision/Core/Geometry/MomentEllipsoid.h"
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
 
 #include <cstdint>
@@ -26,11 +26,12 @@ struct Cells
 {
 	std::vector<MomentEllipsoid> cells;   ///< one per sphere, in the order of the packing
 	std::vector<MomentEllipsoid> leaves;  ///< cells split into compact pieces; masses of a cell's pieces sum to the cell's
-	double meanGap = 0;  ///< mean distance of surface points from the nearest sphere [m]
-	double maxGap = 0;   ///< upper bound over the whole surface (samples plus what can hide between them) [m]
-	double uncoveredArea = 0;  ///< share of the surface whose gap exceeds three times the mean
+	double meanGap = 0;                   ///< mean distance of surface points from the nearest sphere [m]
+	double maxGap = 0;                    ///< upper bound over the whole surface (samples plus what can hide between them) [m]
+	double uncoveredArea = 0;             ///< share of the surface whose gap exceeds three times the mean
 };
 
-/// Method in ARCHITECTURE.md "Cells and leaves". The sum of all masses is the mesh volume. Deterministic for a seed, whatever the thread count.
+/// Method in ARCHITECTURE.md "Cells and leaves". The sum of all masses is the mesh volume. Deterministic for a seed, whatever the thread
+/// count.
 Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packing, const CellOptions& options);
 }  // namespace ist

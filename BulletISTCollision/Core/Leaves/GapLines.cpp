@@ -9,7 +9,8 @@
 
 namespace ist
 {
-GapLines::RowTable::RowTable(const std::vector<std::pair<double, double>>& extents, double lower, double spacing, int rows) : m_start(size_t(rows) + 1)
+GapLines::RowTable::RowTable(const std::vector<std::pair<double, double>>& extents, double lower, double spacing, int rows)
+	: m_start(size_t(rows) + 1)
 {
 	const auto row = [&](double v) { return std::clamp(int(std::floor((v - lower) / spacing)), 0, rows - 1); };
 	for (const auto& [lo, hi] : extents)
@@ -21,10 +22,7 @@ GapLines::RowTable::RowTable(const std::vector<std::pair<double, double>>& exten
 		for (int r = row(extents[i].first); r <= row(extents[i].second); ++r) m_items[next[size_t(r)]++] = i;
 }
 
-double GapLines::orientation(const Line& a, const Line& b, const Line& p)
-{
-	return (b.u - a.u) * (p.v - a.v) - (b.v - a.v) * (p.u - a.u);
-}
+double GapLines::orientation(const Line& a, const Line& b, const Line& p) { return (b.u - a.u) * (p.v - a.v) - (b.v - a.v) * (p.u - a.u); }
 
 /// On which side of the edge p lies. Evaluated from the lesser end, so that the two triangles at an edge never both claim or both
 /// disown a line.
@@ -34,22 +32,26 @@ bool GapLines::leftOf(const Line& a, const Line& b, const Line& p)
 	return ordered ? orientation(a, b, p) >= 0 : !(orientation(b, a, p) >= 0);
 }
 
-GapLines::GapLines(const Mesh& mesh, const std::vector<Sphere>& spheres, int axis, const Box& box, double spacing, double step, uint64_t seed)
-	: m_mesh(mesh), m_spheres(spheres), m_axis(axis), m_u((axis + 1) % 3), m_v((axis + 2) % 3), m_spacing(spacing), m_step(step), m_seed(seed), m_lower(box.lower),
-	  m_columns(cellsAcross(box.size()[m_u])), m_rows(cellsAcross(box.size()[m_v])), m_triangleRows(triangleExtents(), m_lower[m_v], spacing, m_rows),
+GapLines::GapLines(
+	const Mesh& mesh, const std::vector<Sphere>& spheres, int axis, const Box& box, double spacing, double step, uint64_t seed)
+	: m_mesh(mesh),
+	  m_spheres(spheres),
+	  m_axis(axis),
+	  m_u((axis + 1) % 3),
+	  m_v((axis + 2) % 3),
+	  m_spacing(spacing),
+	  m_step(step),
+	  m_seed(seed),
+	  m_lower(box.lower),
+	  m_columns(cellsAcross(box.size()[m_u])),
+	  m_rows(cellsAcross(box.size()[m_v])),
+	  m_triangleRows(triangleExtents(), m_lower[m_v], spacing, m_rows),
 	  m_sphereRows(sphereExtents(), m_lower[m_v], spacing, m_rows)
-{
-}
+{}
 
-int GapLines::cellsAcross(double size) const
-{
-	return std::max(1, int(std::ceil(size / m_spacing)));
-}
+int GapLines::cellsAcross(double size) const { return std::max(1, int(std::ceil(size / m_spacing))); }
 
-int GapLines::column(double u) const
-{
-	return std::clamp(int(std::floor((u - m_lower[m_u]) / m_spacing)), 0, m_columns - 1);
-}
+int GapLines::column(double u) const { return std::clamp(int(std::floor((u - m_lower[m_u]) / m_spacing)), 0, m_columns - 1); }
 
 void GapLines::sampleRow(int row, std::vector<Vec3>& points) const
 {
@@ -64,7 +66,7 @@ void GapLines::sampleRow(int row, std::vector<Vec3>& points) const
 	for (const uint32_t* t = m_triangleRows.begin(row); t != m_triangleRows.end(row); ++t) crossTriangle(*t, lines, events);
 	for (const uint32_t* s = m_sphereRows.begin(row); s != m_sphereRows.end(row); ++s) crossSphere(m_spheres[*s], lines, events);
 	std::sort(events.begin(), events.end(),
-			  [](const Event& a, const Event& b) { return a.column != b.column ? a.column < b.column : a.at < b.at; });
+		[](const Event& a, const Event& b) { return a.column != b.column ? a.column < b.column : a.at < b.at; });
 	placePoints(lines, events, random, points);
 }
 
@@ -127,7 +129,8 @@ void GapLines::crossSphere(const Sphere& s, const std::vector<Line>& lines, std:
 }
 
 /// The gaps of the row's lines, laid end to end, get one point at random in every step.
-void GapLines::placePoints(const std::vector<Line>& lines, const std::vector<Event>& events, CounterRandom& random, std::vector<Vec3>& points) const
+void GapLines::placePoints(
+	const std::vector<Line>& lines, const std::vector<Event>& events, CounterRandom& random, std::vector<Vec3>& points) const
 {
 	double passed = 0, stratum = 0;
 	double next = random.next() * m_step;

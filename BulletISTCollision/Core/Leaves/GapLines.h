@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -53,7 +53,8 @@ private:
 	std::vector<std::pair<double, double>> sphereExtents() const;
 	void crossTriangle(uint32_t index, const std::vector<Line>& lines, std::vector<Event>& events) const;
 	void crossSphere(const Sphere& s, const std::vector<Line>& lines, std::vector<Event>& events) const;
-	void placePoints(const std::vector<Line>& lines, const std::vector<Event>& events, CounterRandom& random, std::vector<Vec3>& points) const;
+	void placePoints(
+		const std::vector<Line>& lines, const std::vector<Event>& events, CounterRandom& random, std::vector<Vec3>& points) const;
 	static double orientation(const Line& a, const Line& b, const Line& p);
 	static bool leftOf(const Line& a, const Line& b, const Line& p);
 

@@ -30,7 +30,7 @@ NearestSphere::NearestSphere(const std::vector<Sphere>& spheres)
 		m_slack = std::max(m_slack, 1e-12 * (norm(spheres[i].center()) + spheres[i].r));
 	}
 	std::sort(m_entries.begin(), m_entries.end(),
-			  [](const Entry& a, const Entry& b) { return a.radius != b.radius ? a.radius > b.radius : a.sphere < b.sphere; });
+		[](const Entry& a, const Entry& b) { return a.radius != b.radius ? a.radius > b.radius : a.sphere < b.sphere; });
 
 	// One tree for each factor of four in the radius: a large ball among small ones would loosen every box above it.
 	const uint32_t n = uint32_t(m_entries.size());
@@ -66,9 +66,10 @@ uint32_t NearestSphere::build(uint32_t first, uint32_t last)
 		const Vec3 size = node.centerUpper - node.centerLower;
 		const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 		const uint32_t middle = first + node.count / 2;
-		std::nth_element(m_entries.begin() + first, m_entries.begin() + middle, m_entries.begin() + last,
-						 [axis](const Entry& a, const Entry& b)
-						 { return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.sphere < b.sphere; });
+		std::nth_element(
+			m_entries.begin() + first, m_entries.begin() + middle, m_entries.begin() + last, [axis](const Entry& a, const Entry& b) {
+				return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.sphere < b.sphere;
+			});
 		node.count = 0;
 		build(first, middle);
 		node.right = build(middle, last);

@@ -30,7 +30,7 @@ public:
 		Vec3 center;
 		double radius = 0;
 		std::vector<std::pair<double, uint32_t>> spheres;  ///< by distance from the centre; second: entry
-		bool complete = false;  ///< false: too many spheres to list, and the list is empty
+		bool complete = false;                             ///< false: too many spheres to list, and the list is empty
 	};
 	void gather(const Vec3& center, double radius, Neighbourhood& out, uint32_t hint = UINT32_MAX) const;
 	/// The same answer for a point of the ball of `near`.

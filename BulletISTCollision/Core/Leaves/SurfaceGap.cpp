@@ -22,8 +22,8 @@ constexpr size_t kMostTrianglesTogether = 256, kFewestParts = 64;
 struct SurfacePatch
 {
 	Vec3 a, b, c;
-	double gap = 0;    // at the centroid
-	double bound = 0;  // of the gap anywhere on the patch
+	double gap = 0;                // at the centroid
+	double bound = 0;              // of the gap anywhere on the patch
 	uint32_t sphere = UINT32_MAX;  // nearest to the centroid; of a half that is not measured yet, to the whole
 	double area() const { return 0.5 * norm(cross(b - a, c - a)); }
 	Vec3 centroid() const { return (a + b + c) / 3; }
@@ -40,10 +40,8 @@ std::array<SurfacePatch, 2> bisected(const SurfacePatch& p)
 {
 	const double ab = squaredNorm(p.b - p.a), bc = squaredNorm(p.c - p.b), ca = squaredNorm(p.a - p.c);
 	Vec3 a = p.a, b = p.b, c = p.c;
-	if (bc >= ab && bc >= ca)
-		a = p.b, b = p.c, c = p.a;
-	else if (ca >= ab)
-		a = p.c, b = p.a, c = p.b;
+	if (bc >= ab && bc >= ca) a = p.b, b = p.c, c = p.a;
+	else if (ca >= ab) a = p.c, b = p.a, c = p.b;
 	const Vec3 middle = (a + b) * 0.5;
 	return {SurfacePatch{.a = a, .b = middle, .c = c, .sphere = p.sphere}, SurfacePatch{.a = middle, .b = b, .c = c, .sphere = p.sphere}};
 }

@@ -72,8 +72,7 @@ MassProperties massProperties(const Mesh& mesh)
 		volume += det / 6;
 		firstMoment += (det / 24) * sum;
 		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j)
-				secondMoment.m[i][j] += det / 120 * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + sum[i] * sum[j]);
+			for (int j = 0; j < 3; ++j) secondMoment.m[i][j] += det / 120 * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + sum[i] * sum[j]);
 	}
 
 	MassProperties result;
@@ -83,12 +82,10 @@ MassProperties massProperties(const Mesh& mesh)
 	const Vec3 offset = firstMoment / volume;
 	result.centerOfMass += offset;
 	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j)
-			secondMoment.m[i][j] -= volume * offset[i] * offset[j];
+		for (int j = 0; j < 3; ++j) secondMoment.m[i][j] -= volume * offset[i] * offset[j];
 	const double trace = secondMoment.m[0][0] + secondMoment.m[1][1] + secondMoment.m[2][2];
 	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j)
-			result.inertia.m[i][j] = (i == j ? trace : 0) - secondMoment.m[i][j];
+		for (int j = 0; j < 3; ++j) result.inertia.m[i][j] = (i == j ? trace : 0) - secondMoment.m[i][j];
 	return result;
 }
 

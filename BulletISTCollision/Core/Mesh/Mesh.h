@@ -16,8 +16,8 @@ struct Mesh
 {
 	std::vector<Vec3> vertices;
 	std::vector<std::array<uint32_t, 3>> triangles;
-	/// How far neighbouring values of the coordinates lay apart where the mesh was stored, as a share of its longest side: what corners that
-	/// meet may be rounded to. importMesh() tells it of its file; otherwise that of single precision near the origin.
+	/// How far neighbouring values of the coordinates lay apart where the mesh was stored, as a share of its longest side: what corners
+	/// that meet may be rounded to. importMesh() tells it of its file; otherwise that of single precision near the origin.
 	double rounding = 0x1p-23;
 	/// One sentence for each kind of thing that the file held and that was not taken. Filled by importMesh(); no part of meshHash().
 	std::vector<std::string> notTaken = {};

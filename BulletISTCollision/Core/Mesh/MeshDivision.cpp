@@ -70,7 +70,8 @@ Mesh dividedMesh(const Mesh& mesh, double longest, size_t mostTriangles)
 	{
 		Middles middles(now, longest);
 		std::vector<std::array<uint32_t, 3>> parts;
-		for (const auto& t : now.triangles) divide(t, {middles.between(t[0], t[1]), middles.between(t[1], t[2]), middles.between(t[2], t[0])}, parts);
+		for (const auto& t : now.triangles)
+			divide(t, {middles.between(t[0], t[1]), middles.between(t[1], t[2]), middles.between(t[2], t[0])}, parts);
 		const bool done = parts.size() == now.triangles.size();
 		now.triangles = std::move(parts);
 		if (done) break;

@@ -28,8 +28,8 @@ std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
 		}
 	}
 	for (std::size_t v = 0; v + 1 < first.size(); ++v)
-		std::sort(edges.begin() + std::ptrdiff_t(first[v]), edges.begin() + std::ptrdiff_t(first[v + 1]), [](const EdgeUse& a, const EdgeUse& b)
-				  { return a.high != b.high ? a.high < b.high : a.triangle < b.triangle; });
+		std::sort(edges.begin() + std::ptrdiff_t(first[v]), edges.begin() + std::ptrdiff_t(first[v + 1]),
+			[](const EdgeUse& a, const EdgeUse& b) { return a.high != b.high ? a.high < b.high : a.triangle < b.triangle; });
 	return edges;
 }
 

@@ -14,10 +14,7 @@ namespace ist
 {
 using Triangle = std::array<uint32_t, 3>;
 
-inline bool isCollapsed(const Triangle& t)
-{
-	return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
+inline bool isCollapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 /// One triangle's use of an edge, low < high.
 struct EdgeUse
@@ -30,8 +27,7 @@ struct EdgeUse
 std::vector<EdgeUse> sortedEdges(const Mesh& mesh);
 
 /// Calls visit(first use, number of uses) for each edge.
-template <class Visitor>
-void forEachEdge(const std::vector<EdgeUse>& edges, Visitor visit)
+template <class Visitor> void forEachEdge(const std::vector<EdgeUse>& edges, Visitor visit)
 {
 	for (std::size_t i = 0; i < edges.size();)
 	{

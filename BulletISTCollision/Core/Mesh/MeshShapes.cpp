@@ -78,11 +78,10 @@ Mesh makeIcosahedronMesh()
 {
 	const double g = (1 + std::sqrt(5.0)) / 2;
 	Mesh mesh;
-	mesh.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-					 {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-	mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-					  {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-					  {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+	mesh.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1},
+		{-g, 0, -1}, {-g, 0, 1}};
+	mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+		{3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
 	for (Vec3& v : mesh.vertices) v = normalized(v);
 	return mesh;
 }
@@ -91,8 +90,7 @@ Mesh subdividedOnUnitSphere(Mesh mesh)
 {
 	std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
 	const auto middle = [&](uint32_t a, uint32_t b) {
-		const auto [entry, isNew] =
-			middles.try_emplace(std::minmax(a, b), static_cast<uint32_t>(mesh.vertices.size()));
+		const auto [entry, isNew] = middles.try_emplace(std::minmax(a, b), static_cast<uint32_t>(mesh.vertices.size()));
 		if (isNew) mesh.vertices.push_back(normalized(mesh.vertices[a] + mesh.vertices[b]));
 		return entry->second;
 	};
@@ -112,10 +110,10 @@ Mesh makeBoxMesh(const Vec3& halfExtents)
 {
 	Mesh mesh;
 	for (int i = 0; i < 8; ++i)
-		mesh.vertices.push_back({i & 1 ? halfExtents.x : -halfExtents.x, i & 2 ? halfExtents.y : -halfExtents.y,
-								 i & 4 ? halfExtents.z : -halfExtents.z});
-	mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-					  {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+		mesh.vertices.push_back(
+			{i & 1 ? halfExtents.x : -halfExtents.x, i & 2 ? halfExtents.y : -halfExtents.y, i & 4 ? halfExtents.z : -halfExtents.z});
+	mesh.triangles = {
+		{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 	return mesh;
 }
 

@@ -20,7 +20,8 @@ Mesh makeCapsuleMesh(double radius, double halfHeight, int segments = 32);
 /// Ring around the z axis: R to the middle of the tube, r of the tube.
 Mesh makeTorusMesh(double ringRadius, double tubeRadius, int ringSegments = 96, int tubeSegments = 48);
 /// (p, q) torus knot swept by a tube; p, q coprime.
-Mesh makeTorusKnotMesh(double ringRadius, double ringOffset, double tubeRadius, int p = 2, int q = 3, int segments = 400, int tubeSegments = 24);
+Mesh makeTorusKnotMesh(
+	double ringRadius, double ringOffset, double tubeRadius, int p = 2, int q = 3, int segments = 400, int tubeSegments = 24);
 /// Regular tetrahedron with the given edge.
 Mesh makeTetrahedronMesh(double edge);
 }  // namespace ist

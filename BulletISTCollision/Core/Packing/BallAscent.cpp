@@ -211,7 +211,7 @@ EmptyBall BallAscent::climb(const Vec3& start, DistanceOctree::Nearest at, int& 
 			continue;
 		}
 		const bool known = there.item == DistanceOctree::kNoItem ||
-						   std::any_of(m_planes.begin(), m_planes.end(), [&](const DistanceOctree::Plane& p) { return p.item == there.item; });
+			std::any_of(m_planes.begin(), m_planes.end(), [&](const DistanceOctree::Plane& p) { return p.item == there.item; });
 		if (!known)
 		{
 			m_planes.push_back(m_space.plane(there.item, ball.center));

@@ -23,8 +23,8 @@ class BallAscent
 public:
 	explicit BallAscent(DistanceOctree& space) : m_space(space) {}
 
-	/// `start` must lie in the empty space; radius <= 0 otherwise. `at`: what the space says of `start`. `away` (unit length): which way to try once more from where
-	/// fewer than four items hold the ball.
+	/// `start` must lie in the empty space; radius <= 0 otherwise. `at`: what the space says of `start`. `away` (unit length): which way to
+	/// try once more from where fewer than four items hold the ball.
 	EmptyBall grow(const Vec3& start, const DistanceOctree::Nearest& at, const Vec3& away);
 
 private:
@@ -43,8 +43,8 @@ private:
 
 	DistanceOctree& m_space;
 	std::vector<DistanceOctree::Plane> m_planes;
-	std::vector<double> m_gx, m_gy, m_gz;      ///< gradients of the planes
-	std::vector<double> m_slack, m_closing;    ///< of the planes: height above the ball's, and the rate at which that falls
-	std::vector<uint32_t> m_blockers;  ///< nearest items at refused points, missing in the leaf of x
+	std::vector<double> m_gx, m_gy, m_gz;    ///< gradients of the planes
+	std::vector<double> m_slack, m_closing;  ///< of the planes: height above the ball's, and the rate at which that falls
+	std::vector<uint32_t> m_blockers;        ///< nearest items at refused points, missing in the leaf of x
 };
 }  // namespace ist

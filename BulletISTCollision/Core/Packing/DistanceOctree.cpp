@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Packing/DistanceOctree.h"
 
-#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Base/WorkerCrew.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace
 {
 constexpr uint32_t kLeafCapacity = 32;
 constexpr size_t kMostListedTriangles = 48;  // of a node that can be split
-constexpr int kSharedLevels = 3;              // an insertion goes through these together, below in parallel
+constexpr int kSharedLevels = 3;             // an insertion goes through these together, below in parallel
 constexpr size_t kFewestToShare = 24;
 constexpr double kSplitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
 constexpr double kHalfDiagonal = 1.7320508075688774;
@@ -59,8 +59,7 @@ Vec3 DistanceOctree::fromTriangle(const Triangle& t, const Vec3& x)
 	if (overAb && overBc && overCa && t.n != Vec3{}) return t.n * dot(p, t.n);
 	Vec3 best;
 	double least = 1e300;
-	const auto consider = [&best, &least](const Vec3& d)
-	{
+	const auto consider = [&best, &least](const Vec3& d) {
 		const double n = squaredNorm(d);
 		if (!(n < least)) return;
 		least = n;
@@ -95,10 +94,7 @@ DistanceOctree::Plane DistanceOctree::plane(uint32_t item, const Vec3& x) const
 	return {n - ball.radius, n > 0 ? d / n : Vec3{}, item};
 }
 
-double DistanceOctree::keepLimit(const Node& node) const
-{
-	return node.nearest + 2 * kHalfDiagonal * node.half + m_slack;
-}
+double DistanceOctree::keepLimit(const Node& node) const { return node.nearest + 2 * kHalfDiagonal * node.half + m_slack; }
 
 bool DistanceOctree::isFartherThan(uint32_t item, const Vec3& x, double limit) const
 {
@@ -157,10 +153,7 @@ void DistanceOctree::takeOver(Node& node, const Node& parent) const
 	node.entries.assign(entries.begin(), entries.end());
 }
 
-std::mutex& DistanceOctree::lockOf(const Node& node)
-{
-	return m_locks[reinterpret_cast<uintptr_t>(&node) / sizeof(Node) % m_locks.size()];
-}
+std::mutex& DistanceOctree::lockOf(const Node& node) { return m_locks[reinterpret_cast<uintptr_t>(&node) / sizeof(Node) % m_locks.size()]; }
 
 void DistanceOctree::fill(Node& child, Node& parent)
 {
@@ -177,8 +170,8 @@ void DistanceOctree::sortEntries(Node& node)
 {
 	const std::lock_guard guard(lockOf(node));
 	if (node.state.load(std::memory_order_relaxed) == State::Sorted) return;
-	std::sort(node.entries.begin(), node.entries.end(), [](const Entry& a, const Entry& b)
-			  { return a.distance != b.distance ? a.distance < b.distance : a.item < b.item; });
+	std::sort(node.entries.begin(), node.entries.end(),
+		[](const Entry& a, const Entry& b) { return a.distance != b.distance ? a.distance < b.distance : a.item < b.item; });
 	node.state.store(State::Sorted, std::memory_order_release);
 }
 
@@ -268,8 +261,8 @@ void DistanceOctree::insertIntoLeaf(Node& node, const Entry& entry)
 	}
 	else
 	{
-		const auto at = std::upper_bound(node.entries.begin(), node.entries.end(), entry.distance,
-										 [](float d, const Entry& e) { return d < e.distance; });
+		const auto at = std::upper_bound(
+			node.entries.begin(), node.entries.end(), entry.distance, [](float d, const Entry& e) { return d < e.distance; });
 		node.entries.insert(at, entry);
 		const double limit = keepLimit(node);
 		while (node.entries.back().distance > limit) node.entries.pop_back();
@@ -354,9 +347,8 @@ void DistanceOctree::insert(const std::vector<Sphere>& balls, WorkerCrew& crew)
 		}
 		open.swap(below);
 	}
-	crew.run(open.size(), 4, [&](size_t i, int)
-			 {
-				 for (const uint32_t item : open[i].items) insertBelow(*open[i].node, item);
-			 });
+	crew.run(open.size(), 4, [&](size_t i, int) {
+		for (const uint32_t item : open[i].items) insertBelow(*open[i].node, item);
+	});
 }
 }  // namespace ist

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <array>
 #include <atomic>
@@ -57,9 +57,9 @@ public:
 private:
 	struct Triangle
 	{
-		Vec3 a, u, v;              ///< a corner and the edges from it
-		Vec3 n;                    ///< unit normal; zero for a triangle without area
-		Vec3 inAb, inBc, inCa;     ///< in the plane, across an edge towards the inside
+		Vec3 a, u, v;           ///< a corner and the edges from it
+		Vec3 n;                 ///< unit normal; zero for a triangle without area
+		Vec3 inAb, inBc, inCa;  ///< in the plane, across an edge towards the inside
 	};
 	struct Ball
 	{
@@ -81,8 +81,8 @@ private:
 	struct Node
 	{
 		Vec3 center;
-		double half = 0;     ///< half side
-		double nearest = 0;  ///< f(center)
+		double half = 0;                       ///< half side
+		double nearest = 0;                    ///< f(center)
 		std::atomic<Node*> children{nullptr};  ///< eight
 		std::vector<Entry> entries;            ///< inner nodes keep them while a child is unfilled
 		uint32_t listed = 0;                   ///< number of entries before they are given up

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Packing/SpherePacker.h"
 
-#include "BulletISTCollision/Core/Packing/BallAscent.h"
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
-#include "BulletISTCollision/Core/Packing/DistanceOctree.h"
-#include "BulletISTCollision/Core/Geometry/Lens.h"
-#include "BulletISTCollision/Core/Distance/MeshDistance.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Base/WorkerCrew.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
+#include "BulletISTCollision/Core/Geometry/Lens.h"
+#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Packing/BallAscent.h"
+#include "BulletISTCollision/Core/Packing/DistanceOctree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ constexpr size_t kStartsPerReport = 4000;
 constexpr double kBatchSpan = 0.97;
 constexpr size_t kLargestBatch = 8192;
 constexpr size_t kSpheresPerBatchMember = 4;
-constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;  // done by a thread at a time
+constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;                   // done by a thread at a time
 constexpr uint64_t kSurfaceStream = 1, kAwayStream = 2, kChildStream = 3;  // of the random numbers
 
 /// A sphere that fitted when it was grown.
@@ -93,7 +93,10 @@ private:
 
 	int64_t column(double v) const { return int64_t(std::floor(v / m_cell)); }
 	// Columns that share a key cost time only.
-	static uint64_t key(int64_t x, int64_t y, int64_t z) { return (uint64_t(x) & 0x1fffff) << 42 | (uint64_t(y) & 0x1fffff) << 21 | (uint64_t(z) & 0x1fffff); }
+	static uint64_t key(int64_t x, int64_t y, int64_t z)
+	{
+		return (uint64_t(x) & 0x1fffff) << 42 | (uint64_t(y) & 0x1fffff) << 21 | (uint64_t(z) & 0x1fffff);
+	}
 
 	std::unordered_map<uint64_t, uint32_t> m_first;
 	std::vector<uint32_t> m_next;  // in the same column
@@ -105,11 +108,16 @@ class Packer
 {
 public:
 	Packer(const MeshDistance& surface, const PackingOptions& options, double volume, const Box& box)
-		: m_surface(surface), m_options(options), m_crew(threadCount(options.threads)), m_volume(volume), m_box(box), m_side(box.longestSide()),
-		  m_floor(std::max(options.minRadius, kSmallestRelativeRadius * m_side)), m_space(surface, 0.02 * m_floor),
+		: m_surface(surface),
+		  m_options(options),
+		  m_crew(threadCount(options.threads)),
+		  m_volume(volume),
+		  m_box(box),
+		  m_side(box.longestSide()),
+		  m_floor(std::max(options.minRadius, kSmallestRelativeRadius * m_side)),
+		  m_space(surface, 0.02 * m_floor),
 		  m_ascents(size_t(threadCount(options.threads)), BallAscent(m_space))
-	{
-	}
+	{}
 
 	Result<SpherePacking> run()
 	{
@@ -137,7 +145,7 @@ private:
 	struct Start
 	{
 		Vec3 position;
-		double fromInside = 0;       // way from a point inside that the surface may cross; 0: the start is inside
+		double fromInside = 0;        // way from a point inside that the surface may cross; 0: the start is inside
 		uint32_t sphere = kNoSphere;  // of which it is a child
 	};
 	static constexpr uint32_t kNoSphere = UINT32_MAX;
@@ -208,10 +216,14 @@ void Packer::report(double fraction)
 Error Packer::nothingFits() const
 {
 	const double radius = m_largestSeen.r, least = kSmallestRelativeRadius * m_side;
-	const std::string found = "no sphere of radius " + number(m_floor) + " m or more" + (m_options.minRadius >= m_floor ? "" : ", which is the least for its size,") +
-							  " fits into the mesh" +
-							  (radius > 0 ? ": the largest ball that fits has radius " + number(radius) + " m at " + ist::place(m_options.origin + m_largestSeen.center()) : "");
-	if (radius >= least) return {found + "; lower the least radius (minRadius, --min-radius) to " + roundedDown(radius) + " m or less, or thicken the mesh", false};
+	const std::string found = "no sphere of radius " + number(m_floor) + " m or more" +
+		(m_options.minRadius >= m_floor ? "" : ", which is the least for its size,") + " fits into the mesh" +
+		(radius > 0 ? ": the largest ball that fits has radius " + number(radius) + " m at " +
+					ist::place(m_options.origin + m_largestSeen.center())
+					: "");
+	if (radius >= least)
+		return {found + "; lower the least radius (minRadius, --min-radius) to " + roundedDown(radius) + " m or less, or thicken the mesh",
+			false};
 	return {found + "; thicken the mesh to more than " + number(2 * least) + " m, or build its parts one by one", false};
 }
 
@@ -260,14 +272,16 @@ void Packer::placeCoarse()
 		open = m_grid;
 		for (int k = 0; k < kCoarseStarts; ++k)
 		{
-			const auto best = std::max_element(open.begin(), open.end(), [](const GridPoint& a, const GridPoint& b) { return a.clearance < b.clearance; });
+			const auto best = std::max_element(
+				open.begin(), open.end(), [](const GridPoint& a, const GridPoint& b) { return a.clearance < b.clearance; });
 			if (best == open.end() || best->clearance < 1.5 * m_gridStep)
 			{
 				if (k == 0) return;
 				break;
 			}
 			const Vec3 start = best->position;
-			const EmptyBall ball = m_ascents[0].grow(start, m_space.nearest(start), CounterRandom(m_options.seed, kAwayStream, m_grown++).direction());
+			const EmptyBall ball = m_ascents[0].grow(
+				start, m_space.nearest(start), CounterRandom(m_options.seed, kAwayStream, m_grown++).direction());
 			push(fitting(ball.center));
 			best->clearance = -1;
 			for (GridPoint& point : open)
@@ -305,7 +319,8 @@ void Packer::addSurfaceStarts()
 	for (int i = 0; i < kSurfaceStarts; ++i)
 	{
 		const double at = area * (i + random.next()) / kSurfaceStarts;
-		const size_t index = std::min(size_t(std::upper_bound(cumulative.begin(), cumulative.end(), at) - cumulative.begin()), cumulative.size() - 1);
+		const size_t index = std::min(
+			size_t(std::upper_bound(cumulative.begin(), cumulative.end(), at) - cumulative.begin()), cumulative.size() - 1);
 		const auto& t = mesh.triangles[index];
 		const Vec3 a = mesh.vertices[t[0]], ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a;
 		double u = random.next(), v = random.next();
@@ -343,13 +358,14 @@ void Packer::growAll()
 		const size_t last = std::min(m_starts.size(), first + kStartsPerReport);
 		grown.assign(last - first, {});
 		m_crew.run(last - first, kShareOfGrowth,
-				   [&](size_t i, int worker) { grown[i] = growOne(m_starts[first + i], m_grown + i, m_ascents[size_t(worker)]); });
+			[&](size_t i, int worker) { grown[i] = growOne(m_starts[first + i], m_grown + i, m_ascents[size_t(worker)]); });
 		m_grown += last - first;
 		for (size_t i = 0; i < grown.size(); ++i)
 		{
 			const Sphere& s = grown[i];
 			bool twin = false;
-			for (size_t j = i; j-- > 0 && !twin && m_starts[first + i].sphere != kNoSphere && m_starts[first + j].sphere == m_starts[first + i].sphere;)
+			for (size_t j = i;
+				 j-- > 0 && !twin && m_starts[first + i].sphere != kNoSphere && m_starts[first + j].sphere == m_starts[first + i].sphere;)
 				twin = grown[j].r > 0 && distance(grown[j].center(), s.center()) < 1e-3 * s.r;
 			if (!twin) push(s);
 		}
@@ -365,7 +381,8 @@ Sphere Packer::growOne(const Start& start, uint64_t key, BallAscent& ascent)
 	if (!(at.distance > 0)) return {};
 	// Farther from the surface than the way from the ball: on the same side of it.
 	const double way = 1.001 * start.fromInside;
-	if (way > 0 && at.distance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position)) return {};
+	if (way > 0 && at.distance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position))
+		return {};
 	const Vec3 away = CounterRandom(m_options.seed, kAwayStream, key).direction();
 	return fitting(ascent.grow(start.position, at, away).center);
 }
@@ -412,13 +429,13 @@ bool Packer::popBatch()
 void Packer::validateBatch()
 {
 	m_clearances.resize(m_batch.size());
-	m_crew.run(m_batch.size(), kShareOfBatch, [&](size_t i, int)
-			   {
-				   Sphere& sphere = m_batch[i].sphere;
-				   double& clearance = m_clearances[i];
-				   clearance = m_space.nearest(sphere.center()).distance;
-				   if (clearance >= sphere.r) sphere.r = std::min(sphere.r, storedRadius(m_surface.closest(sphere.center(), clearance).distance, m_side));
-			   });
+	m_crew.run(m_batch.size(), kShareOfBatch, [&](size_t i, int) {
+		Sphere& sphere = m_batch[i].sphere;
+		double& clearance = m_clearances[i];
+		clearance = m_space.nearest(sphere.center()).distance;
+		if (clearance >= sphere.r)
+			sphere.r = std::min(sphere.r, storedRadius(m_surface.closest(sphere.center(), clearance).distance, m_side));
+	});
 }
 
 /// Places the largest candidates and collects the starts that follow from them; false when no more are wanted.
@@ -484,8 +501,9 @@ Result<SpherePacking> packSpheres(const MeshDistance& surface, const PackingOpti
 	const Box box = bounds(mesh);
 	const double volume = massProperties(mesh).volume;
 	if (!isFinite(box.lower) || !isFinite(box.upper)) return Error{whereNotFinite(mesh) + "; export the mesh again"};
-	if (!(volume > 0)) return Error{"The mesh encloses no volume (" + std::to_string(volume) + " m^3) " + extent({box.lower + options.origin, box.upper + options.origin}) +
-									": close it and turn its triangles outwards first."};
+	if (!(volume > 0))
+		return Error{"The mesh encloses no volume (" + std::to_string(volume) + " m^3) " +
+			extent({box.lower + options.origin, box.upper + options.origin}) + ": close it and turn its triangles outwards first."};
 	return Packer(surface, options, volume, box).run();
 }
 }  // namespace ist

@@ -24,8 +24,8 @@ public:
 	explicit BatchQuery(int threads = 0, const QueryCapacity& capacity = {});
 	int threads() const { return int(m_workspaces.size()); }
 
-	/// answers[i] is that of requests[i], bit for bit the same for any number of threads, but within budgets of time. Its pointers to patches and pairs are null and their counts zero, for
-	/// workspaces are used again. A missing tree is an empty one.
+	/// answers[i] is that of requests[i], bit for bit the same for any number of threads, but within budgets of time. Its pointers to
+	/// patches and pairs are null and their counts zero, for workspaces are used again. A missing tree is an empty one.
 	void run(const OverlapRequest* requests, OverlapResult* answers, size_t count);
 
 private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/ContactPatches.h"
 
-#include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/Base/Vec3.h"
+#include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 
 #include <algorithm>
 #include <limits>
@@ -149,7 +149,8 @@ bool PatchGrouper::seedPatch(const QueryKernel& kernel, const PairStream& pairs,
 	for (int i = 0; i < 3; ++i)
 	{
 		m_patches.direction[i][index] = float(direction[i]);
-		m_patches.center[i][index] = float(search.rank > 0 ? search.moment[i] / search.rank : columnOf(pairs, PairStream::Centroid + i)[std::max(seed, 0)]);
+		m_patches.center[i][index] = float(
+			search.rank > 0 ? search.moment[i] / search.rank : columnOf(pairs, PairStream::Centroid + i)[std::max(seed, 0)]);
 	}
 	return true;
 }
@@ -191,7 +192,8 @@ void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const Pai
 	uint32_t* const patchOfBall = m_balls.parent.data();
 	constexpr uint32_t kNone = kNoComponent;
 	for (size_t i = 0; i < all.count; ++i) patchOfBall[all.a[i]] = patchOfBall[all.b[i] + all.offsetB] = kNone;
-	for (int i = 0; i < groupedCount; ++i) patchOfBall[grouped.a[i]] = patchOfBall[grouped.b[i] + all.offsetB] = uint32_t(m_group[size_t(i)]);
+	for (int i = 0; i < groupedCount; ++i)
+		patchOfBall[grouped.a[i]] = patchOfBall[grouped.b[i] + all.offsetB] = uint32_t(m_group[size_t(i)]);
 	int next = 0;
 	for (size_t i = 0; i < all.count; ++i)
 	{
@@ -214,8 +216,7 @@ int PatchGrouper::group(const QueryKernel& kernel, const PairStream& pairs, int 
 	number(pairs, count);
 	if (m_componentCount > 1) rank(pairs, count);  // one alone need not be compared with any
 	while (int(m_patches.count) < maxPatches && seedPatch(kernel, pairs, count))
-	{
-	}
+	{}
 	assignRest(kernel, pairs, count);
 	return int(m_patches.count);
 }

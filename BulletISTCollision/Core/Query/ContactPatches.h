@@ -13,7 +13,7 @@ namespace ist::kernels
 {
 struct PairStream;
 struct QueryKernel;
-}
+}  // namespace ist::kernels
 
 namespace ist
 {
@@ -52,8 +52,9 @@ public:
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
 	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
-	/// After `group`, whose pairs are among these, in the same order: writes the patch of each of `all`, at most 255. What was not grouped gets the
-	/// patch of a pair that has a ball in common with it, or else the one whose centre is nearest. `ballsA`: of A's slots. O(all), and O(patches) for each of the latter.
+	/// After `group`, whose pairs are among these, in the same order: writes the patch of each of `all`, at most 255. What was not grouped
+	/// gets the patch of a pair that has a ball in common with it, or else the one whose centre is nearest. `ballsA`: of A's slots. O(all),
+	/// and O(patches) for each of the latter.
 	void extend(const kernels::PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf);
 	/// kernels::GroupNumber, from 0 on; with room for kListSlack entries behind the last.
 	const float* patch() const { return m_group.data(); }
@@ -63,7 +64,7 @@ private:
 	{
 		double rank = 0, left = 0;  ///< of all its pairs, of those without a patch
 		bool hasPatch = false;
-		int strongest = -1;         ///< of those without a patch, where it has one
+		int strongest = -1;  ///< of those without a patch, where it has one
 	};
 	struct Patches
 	{

@@ -55,7 +55,12 @@ bool FieldPress::mayReach(const Vec3& center, double radius) const
 }
 
 FieldPress::FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink)
-	: m_field(field), m_X(X_AF), m_toField(transpose(X_AF.rotation)), m_sides(field.sideCount()), m_stiffness(stiffness), m_sink(sink),
+	: m_field(field),
+	  m_X(X_AF),
+	  m_toField(transpose(X_AF.rotation)),
+	  m_sides(field.sideCount()),
+	  m_stiffness(stiffness),
+	  m_sink(sink),
 	  m_planar(field.isPlanar())
 {
 	const Vec3 grain = field.grain({});
@@ -76,7 +81,8 @@ void FieldPress::press(const MomentEllipsoid& leaf, uint32_t index)
 	if (m_planar && pressAgainstOnePlane(leaf)) return;
 	FieldPiece piece{m_toField * (leaf.center() - m_X.translation), rotated(m_toField, leaf.shape()), leaf.volume()};
 	const Vec3 grain = m_field.grain(piece.center);
-	const double width = std::sqrt(std::max({piece.shape.xx / (grain.x * grain.x), piece.shape.yy / (grain.y * grain.y), piece.shape.zz / (grain.z * grain.z)}));
+	const double width = std::sqrt(
+		std::max({piece.shape.xx / (grain.x * grain.x), piece.shape.yy / (grain.y * grain.y), piece.shape.zz / (grain.z * grain.z)}));
 	const double divided = smoothStep((width / kWholeLeaf - 1) / (kBlend - 1));
 	if (divided > 0)
 	{
@@ -119,7 +125,8 @@ bool FieldPress::pressAgainstOnePlane(const MomentEllipsoid& leaf)
 	return true;
 }
 
-/// Of the same moments. Cholesky's columns, beginning with the axis of the finest grain: halving the first alone makes a leaf thin along it.
+/// Of the same moments. Cholesky's columns, beginning with the axis of the finest grain: halving the first alone makes a leaf thin along
+/// it.
 FieldPress::FieldCell FieldPress::boxOf(const FieldPiece& piece) const
 {
 	FieldCell cell{piece.center, {}, piece.volume};
@@ -211,10 +218,8 @@ void FieldPress::assign(const FieldPiece& piece)
 		share.volume *= claim[i] / sum;
 		bool alone = true;
 		for (int j = 0; j < m_sides && alone; ++j) alone = j == i || isNearerThroughout(sides[i], sides[j], trace);
-		if (alone)
-			cut(share, i, sides[i]);
-		else
-			contest(share, i, 0, i);
+		if (alone) cut(share, i, sides[i]);
+		else contest(share, i, 0, i);
 	}
 }
 
@@ -258,8 +263,7 @@ void FieldPress::addEdge(const PieceCut& edge, int winner, int challenger, int f
 	const Vec3 leap = side.normal - m_field.side(challenger, disc.center, spread).normal;
 	double share = PieceCut(disc, depthOf(side)).share();
 	for (int other = challenger + 1; other < m_sides && share > 0; ++other)
-		if (other != first)
-			share *= PieceCut(disc, nearer(side, m_field.side(other, disc.center, spread))).share();
+		if (other != first) share *= PieceCut(disc, nearer(side, m_field.side(other, disc.center, spread))).share();
 	if (!(share > 0)) return;
 	FieldTerm term;
 	term.centroid = disc.center;

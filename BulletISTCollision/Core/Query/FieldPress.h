@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Geometry/AnalyticField.h"
 #include "BulletISTCollision/Core/Geometry/FieldPiece.h"
 #include "BulletISTCollision/Core/Geometry/FieldTerm.h"
 #include "BulletISTCollision/Core/Geometry/MomentEllipsoid.h"
-#include "BulletISTCollision/Core/Base/Pose.h"
 
 namespace ist
 {
@@ -68,7 +68,7 @@ private:
 	FieldSink& m_sink;
 	int m_order[3] = {0, 1, 2};  // axes, the one with the finest grain first
 	const bool m_planar;
-	double m_finest = 0;         // of the grain of a planar field
+	double m_finest = 0;                       // of the grain of a planar field
 	Plane m_planes[AnalyticField::kMaxSides];  // of a planar field
 	uint32_t m_index = 0;
 };

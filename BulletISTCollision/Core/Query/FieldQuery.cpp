@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Query/FieldPress.h"
 #include "BulletISTCollision/Core/Query/OverlapGate.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
-#include "BulletISTCollision/Core/Geometry/Lens.h"
 
 #include <algorithm>
 
@@ -103,11 +103,14 @@ class FieldQuery : FieldSink
 {
 public:
 	FieldQuery(const BallTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace::Implementation& work,
-			   const QueryOptions& options, OverlapResult& result)
-		: m_A(A), m_press(field, X_AF, options.stiffness, *this), m_work(work), m_options(options), m_result(result),
+		const QueryOptions& options, OverlapResult& result)
+		: m_A(A),
+		  m_press(field, X_AF, options.stiffness, *this),
+		  m_work(work),
+		  m_options(options),
+		  m_result(result),
 		  m_grouped(options.patches && work.capacity.patches > 1 && !m_press.isFlat())
-	{
-	}
+	{}
 
 	void run();
 
@@ -126,9 +129,9 @@ private:
 	OverlapResult& m_result;
 	const bool m_grouped;
 
-	Accumulator m_rest;       // what is not listed
-	Vec3 m_moment, m_area;    // of the leaf in hand
-	double m_volume = 0;      // of the leaf in hand
+	Accumulator m_rest;     // what is not listed
+	Vec3 m_moment, m_area;  // of the leaf in hand
+	double m_volume = 0;    // of the leaf in hand
 	int64_t m_leaves = 0;
 	int m_pairs = 0;
 	uint32_t m_stack[kPairStackSize];
@@ -182,7 +185,8 @@ void FieldQuery::test(uint32_t index)
 		m_result.pairListComplete = false;
 		return;
 	}
-	m_work.pairs[m_pairs++] = {index, 0, float(m_volume / leaf.density), float(norm(m_area) / leaf.density), m_moment / m_volume, normalized(m_area)};
+	m_work.pairs[m_pairs++] = {
+		index, 0, float(m_volume / leaf.density), float(norm(m_area) / leaf.density), m_moment / m_volume, normalized(m_area)};
 }
 
 void FieldQuery::take(const FieldTerm& term)
@@ -219,7 +223,8 @@ void FieldQuery::publish()
 	const bool grouped = listed > 0 && m_result.pairListComplete;
 	// Fields need no kernel for themselves, and answer without one.
 	const kernels::QueryKernel& kernel = m_work.kernel ? *m_work.kernel : kernels::kPortableKernel;
-	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.slotCount()), m_work.capacity.patches) : 1;
+	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.slotCount()), m_work.capacity.patches)
+							   : 1;
 	for (int p = 0; p < groups; ++p)
 	{
 		Accumulator sums = p == 0 ? m_rest : Accumulator();
@@ -243,19 +248,20 @@ void FieldQuery::publish()
 
 void FieldQuery::publishPairs()
 {
-	std::sort(m_work.pairs.begin(), m_work.pairs.begin() + m_pairs,
-			  [](const OverlapPair& p, const OverlapPair& q) { return p.ballA < q.ballA; });
+	std::sort(
+		m_work.pairs.begin(), m_work.pairs.begin() + m_pairs, [](const OverlapPair& p, const OverlapPair& q) { return p.ballA < q.ballA; });
 	m_result.pairs = m_work.pairs.data();
 	m_result.pairCount = m_pairs;
 }
 
-OverlapResult queryTreeInField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
-							   const QueryOptions& options)
+OverlapResult queryTreeInField(
+	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options)
 {
 	OverlapResult result;
 	if (!isRigid(X_AF) || !field.isValid()) return result.status = QueryStatus::InvalidPose, result;
 	const bool limited = options.maxPairs >= 0 || options.maxMicroseconds >= 0 || std::isnan(options.maxMicroseconds);
-	if (options.level < -1 || options.level > 0 || limited || options.otherShare != 0) return result.status = QueryStatus::Unsupported, result;
+	if (options.level < -1 || options.level > 0 || limited || options.otherShare != 0)
+		return result.status = QueryStatus::Unsupported, result;
 	const BallTree& tree = treeOf(A, options.model);
 	if (tree.empty()) return result.status = QueryStatus::EmptyTree, result;
 	const Pose X{X_AF.rotation, X_AF.translation - A.origin};
@@ -264,14 +270,14 @@ OverlapResult queryTreeInField(const InnerSphereTree& A, const AnalyticField& fi
 }
 }  // namespace
 
-OverlapResult queryField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace,
-						 const QueryOptions& options)
+OverlapResult queryField(
+	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options)
 {
 	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTreeInField(A, field, X_AF, workspace, o); });
 }
 
-OverlapResult queryHalfSpace(const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace,
-							 const QueryOptions& options)
+OverlapResult queryHalfSpace(
+	const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace, const QueryOptions& options)
 {
 	// The same plane with a normal of exactly unit length.
 	const double length = HalfSpaceField(normal, offset).isValid() ? norm(normal) : 1;

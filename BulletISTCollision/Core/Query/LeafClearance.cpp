@@ -26,8 +26,7 @@ struct Ball
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// Always opens what has the least bound: when the budget ends, that is a bound of everything.
-template <class Item, class Expand>
-double leastBound(const Item& root, int mostOpened, const Expand& expand)
+template <class Item, class Expand> double leastBound(const Item& root, int mostOpened, const Expand& expand)
 {
 	constexpr int kCapacity = BallNode::kWidth * kMostOpenedForClearance + 1;
 	std::aligned_storage_t<sizeof(Item), alignof(Item)> room[kCapacity];  // not worth the time of being made blank
@@ -40,18 +39,15 @@ double leastBound(const Item& root, int mostOpened, const Expand& expand)
 		std::pop_heap(heap, heap + size, later);
 		const Item item = heap[--size];
 		if (item.isFinal() || left-- <= 0) return std::max(item.bound, 0.0);
-		expand(item,
-			   [&](const Item& next)
-			   {
-				   new (&heap[size++]) Item(next);
-				   std::push_heap(heap, heap + size, later);
-			   });
+		expand(item, [&](const Item& next) {
+			new (&heap[size++]) Item(next);
+			std::push_heap(heap, heap + size, later);
+		});
 	}
 	return 0;
 }
 
-template <class Visit>
-void forEachChild(const BallNode& node, Visit visit)
+template <class Visit> void forEachChild(const BallNode& node, Visit visit)
 {
 	for (int k = 0; k < BallNode::kWidth; ++k)
 		if (node.child[k] != BallNode::kNoChild) visit(Ball{node.child[k], {node.x[k], node.y[k], node.z[k]}, node.r[k]});
@@ -81,19 +77,16 @@ double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const P
 {
 	if (!isRigid(X_AB) || A.law.empty() || B.law.empty()) return 0;
 	const Pose X = treePose(A, B, X_AB);
-	const auto expand = [&](const BallPair& pair, const auto& keep)
-	{
+	const auto expand = [&](const BallPair& pair, const auto& keep) {
 		const bool first = pair.b.isBlock() || (!pair.a.isBlock() && pair.a.r >= pair.b.r);
-		forEachChild(first ? A.law.nodes[pair.a.id] : B.law.nodes[pair.b.id],
-					 [&](const Ball& child)
-					 {
-						 BallPair next = pair;
-						 if (first) next.a = child;
-						 else next.b = {child.id, X * child.center, child.r * (1 + kStretch)};
-						 // Of a root nothing is known; that of the other comes next.
-						 next.bound = next.a.r < kUnbounded && next.b.r < kUnbounded ? gap(next.a, next.b) : -kUnbounded;
-						 keep(next);
-					 });
+		forEachChild(first ? A.law.nodes[pair.a.id] : B.law.nodes[pair.b.id], [&](const Ball& child) {
+			BallPair next = pair;
+			if (first) next.a = child;
+			else next.b = {child.id, X * child.center, child.r * (1 + kStretch)};
+			// Of a root nothing is known; that of the other comes next.
+			next.bound = next.a.r < kUnbounded && next.b.r < kUnbounded ? gap(next.a, next.b) : -kUnbounded;
+			keep(next);
+		});
 	};
 	const Ball root{0, {}, kUnbounded};
 	return leastBound(BallPair{root, root, -kUnbounded}, mostOpened, expand);
@@ -103,14 +96,11 @@ double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const
 {
 	if (!isRigid(X_AF) || A.law.empty() || !field.isValid()) return 0;
 	const Pose X_FA = inverse(Pose{X_AF.rotation, X_AF.translation - A.origin});
-	const auto expand = [&](const BallInField& item, const auto& keep)
-	{
-		forEachChild(A.law.nodes[item.a.id],
-					 [&](const Ball& child)
-					 {
-						 const double rounding = kRounding * (norm(child.center) + norm(X_FA.translation) + child.r);
-						 keep(BallInField{child, -field.depth(X_FA * child.center) - child.r * (1 + kStretch) - rounding});
-					 });
+	const auto expand = [&](const BallInField& item, const auto& keep) {
+		forEachChild(A.law.nodes[item.a.id], [&](const Ball& child) {
+			const double rounding = kRounding * (norm(child.center) + norm(X_FA.translation) + child.r);
+			keep(BallInField{child, -field.depth(X_FA * child.center) - child.r * (1 + kStretch) - rounding});
+		});
 	};
 	return leastBound(BallInField{{0, {}, kUnbounded}, -kUnbounded}, mostOpened, expand);
 }

@@ -52,8 +52,15 @@ class BudgetedQuery
 {
 public:
 	BudgetedQuery(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
-				  const QueryOptions& options, int finest, int64_t capacity)
-		: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_finest(finest), m_capacity(capacity), m_pairs(capacity)
+		const QueryOptions& options, int finest, int64_t capacity)
+		: m_A(A),
+		  m_B(B),
+		  m_X(X),
+		  m_work(work),
+		  m_options(options),
+		  m_finest(finest),
+		  m_capacity(capacity),
+		  m_pairs(capacity)
 	{
 		// At once, lest a finer level allocate in a later query.
 		work.reserveFor(A.law, B.law);
@@ -79,7 +86,10 @@ private:
 	}
 	void measure(double microseconds, int64_t pairs);
 	/// No finer level has to be looked for.
-	bool isEnough(int64_t pairs) const { return double(pairs) * (m_options.blend ? 2 : kLeastStep) > double(m_pairs) || m_deadline.passed(); }
+	bool isEnough(int64_t pairs) const
+	{
+		return double(pairs) * (m_options.blend ? 2 : kLeastStep) > double(m_pairs) || m_deadline.passed();
+	}
 	void fadeOut(OverlapResult& best, int coarsest);
 
 	const InnerSphereTree& m_A;
@@ -139,8 +149,7 @@ OverlapResult BudgetedQuery::run()
 			best = next;
 			keep();
 		}
-		else
-			exceeded = level;
+		else exceeded = level;
 	}
 	if (m_options.blend) fadeOut(best, coarsest);
 	if (best.patches != m_work.patches.data()) keep();
@@ -160,7 +169,8 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 		if (!look(best.level + 1, m_pairs, m_deadline, coarse)) return;
 		const double fill = double(best.total.pairs + coarse.total.pairs) / double(m_pairs), t = (1 - fill) / (1 - kFadeBegin);
 		if (t >= 1) return;
-		if (t > 0) return fade(best, coarse, t * t * (3 - 2 * t), m_work.keptPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
+		if (t > 0)
+			return fade(best, coarse, t * t * (3 - 2 * t), m_work.keptPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
 		best = coarse;
 		keep();
 	}
@@ -168,18 +178,17 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 }  // namespace
 
 OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
-						  const QueryOptions& options, int finest, int64_t capacity)
+	const QueryOptions& options, int finest, int64_t capacity)
 {
 	return BudgetedQuery(A, B, X, work, options, finest, capacity).run();
 }
 
 OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
-							 const QueryOptions& options, int level)
+	const QueryOptions& options, int level)
 {
 	const int room = options.patches ? work.capacity.patches : 1;
 	work.reserveFor(A.law, B.law);
-	const auto answer = [&](int of)
-	{
+	const auto answer = [&](int of) {
 		OverlapResult result;
 		const LevelPair trees = levelOf(A, B, of);
 		work.reserveFor(*trees.treeA, *trees.treeB);

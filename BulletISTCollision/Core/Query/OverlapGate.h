@@ -10,7 +10,8 @@ namespace ist
 /// Packed spheres lie inside their bodies. Where they share this part of what the leaves share, the bodies overlap beyond doubt.
 constexpr double kSureShare = 0.02;
 
-/// What the gate lets pass, 0 to 1 with a continuous slope: `sure` is the volume that the packed spheres share, `volume` that of the leaves.
+/// What the gate lets pass, 0 to 1 with a continuous slope: `sure` is the volume that the packed spheres share, `volume` that of the
+/// leaves.
 inline double gateShare(double sure, double volume)
 {
 	const double t = volume > 0 ? std::min(1.0, sure / (kSureShare * volume)) : 0;
@@ -18,8 +19,7 @@ inline double gateShare(double sure, double volume)
 }
 
 /// `answer(options)` behind the gate that `QueryOptions::gate` asks for.
-template <class Answer>
-OverlapResult gatedAnswer(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
+template <class Answer> OverlapResult gatedAnswer(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
 {
 	if (!options.gate) return answer(options);
 	QueryOptions packed;

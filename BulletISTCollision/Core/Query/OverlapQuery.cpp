@@ -14,12 +14,12 @@ const char* toString(QueryStatus status)
 {
 	switch (status)
 	{
-		case QueryStatus::Ok: return "ok";
-		case QueryStatus::InvalidPose: return "invalid pose";
-		case QueryStatus::EmptyTree: return "empty tree";
-		case QueryStatus::Unsupported: return "unsupported";
-		case QueryStatus::BudgetTooSmall: return "more pairs than the budget at the coarsest level";
-		case QueryStatus::InstructionSet: return "this machine cannot run the chosen instruction set (BULLETHAPTICS_ISA)";
+	case QueryStatus::Ok: return "ok";
+	case QueryStatus::InvalidPose: return "invalid pose";
+	case QueryStatus::EmptyTree: return "empty tree";
+	case QueryStatus::Unsupported: return "unsupported";
+	case QueryStatus::BudgetTooSmall: return "more pairs than the budget at the coarsest level";
+	case QueryStatus::InstructionSet: return "this machine cannot run the chosen instruction set (BULLETHAPTICS_ISA)";
 	}
 	return "unknown";
 }
@@ -71,12 +71,13 @@ bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const Query
 	if (options.level > levelCount(A, B)) return false;
 	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return false;
 	if (!fades) return true;
-	const bool shares = options.otherShare > 0 && options.otherShare <= 1 && options.otherLevel >= 0 && options.otherLevel <= levelCount(A, B);
+	const bool shares = options.otherShare > 0 && options.otherShare <= 1 && options.otherLevel >= 0 &&
+		options.otherLevel <= levelCount(A, B);
 	return shares && !limited && !options.sortPairs && !options.listMeetingBounds;
 }
 
 OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						 const QueryOptions& options, PairMemory* memory)
+	const QueryOptions& options, PairMemory* memory)
 {
 	OverlapResult result;
 	QueryWorkspace::Implementation& work = workspace.implementation();
@@ -94,7 +95,9 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	if (options.otherShare != 0) return queryTwoLevels(A, B, X, work, options, finest);
 	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
 	work.reserveFor(*trees.treeA, *trees.treeB);
-	TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr).run();
+	TreeQuery(
+		*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr)
+		.run();
 	result.level = finest;
 	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
 	{
@@ -107,13 +110,12 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 }  // namespace
 
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						   const QueryOptions& options, PairMemory* memory)
+	const QueryOptions& options, PairMemory* memory)
 {
 	// At once, lest bodies that come to meet behind the gate allocate.
 	if (options.gate) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
 	// The gate's own query of the packed spheres would drive out what is remembered.
-	return gatedAnswer(options, workspace, [&](const QueryOptions& o) {
-		return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr);
-	});
+	return gatedAnswer(options, workspace,
+		[&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr); });
 }
 }  // namespace ist

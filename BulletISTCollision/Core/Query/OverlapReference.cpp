@@ -30,8 +30,7 @@ void addSymmetricProduct(SymmetricMatrix6& K, double factor, const Vec3& C, cons
 {
 	const Vec3 gn[2] = {n, cross(C, n)}, gw[2] = {w, cross(C, w)};
 	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j)
-			K(i, j) += factor * 0.5 * (gn[i / 3][i % 3] * gw[j / 3][j % 3] + gn[j / 3][j % 3] * gw[i / 3][i % 3]);
+		for (int j = i; j < 6; ++j) K(i, j) += factor * 0.5 * (gn[i / 3][i % 3] * gw[j / 3][j % 3] + gn[j / 3][j % 3] * gw[i / 3][i % 3]);
 }
 
 void addDamping(OverlapIntegrals& sums, double mass, const Vec3& C, const Vec3& mA, const Vec3& mB)
@@ -45,7 +44,8 @@ void addPair(OverlapIntegrals& sums, const Piece& pieceA, const Piece& pieceB, c
 	const MomentEllipsoid &a = pieceA.ball, &b = pieceB.ball;
 	const double dd = double(a.density) * b.density, mass = dd * lens.volume;
 	const Vec3 C = lens.centroid;
-	const Vec3 mA = a.normal() + pieceA.gradient * (C - a.center()), mB = R * (b.normal() + pieceB.gradient * (transpose(R) * (C - centerB)));
+	const Vec3 mA = a.normal() + pieceA.gradient * (C - a.center()),
+			   mB = R * (b.normal() + pieceB.gradient * (transpose(R) * (C - centerB)));
 	sums.pairs += 1;
 	sums.volume += mass;
 	sums.firstMoment += mass * C;
@@ -71,7 +71,8 @@ bool addBalls(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3
 }
 
 /// `normalsChange`: over a ball of A's or B's.
-bool addEllipsoids(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3& centerB, const SymmetricMatrix3& shapeB, const Mat3& R, bool normalsChange)
+bool addEllipsoids(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3& centerB, const SymmetricMatrix3& shapeB,
+	const Mat3& R, bool normalsChange)
 {
 	Lens lens;
 	if (!lensOf(a.ball.center(), a.ball.R, a.ball.shape(), centerB, b.ball.R, shapeB, lens)) return false;
@@ -81,8 +82,8 @@ bool addEllipsoids(OverlapIntegrals& sums, const Piece& a, const Piece& b, const
 }
 }  // namespace
 
-OverlapResult queryOverlapBruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model,
-									 const DampingWeights& damping)
+OverlapResult queryOverlapBruteForce(
+	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model, const DampingWeights& damping)
 {
 	OverlapResult result;
 	if (!isRigid(X_AB))

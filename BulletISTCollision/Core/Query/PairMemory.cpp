@@ -70,7 +70,7 @@ void PairMemory::Implementation::forget()
 bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
 {
 	const bool same = m_A == &A && m_B == &B && m_ballsA == A.slotCount() && m_ballsB == B.slotCount() && m_model == options.model &&
-					  m_bounds == options.listMeetingBounds;
+		m_bounds == options.listMeetingBounds;
 	if (!same)
 	{
 		m_A = &A;
@@ -84,8 +84,7 @@ bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, co
 		m_most = 0.35 * now.reach / std::cbrt(double(std::max<size_t>(1, m_ballsB)));
 		m_step = -1;
 	}
-	else
-		learnMotion(now);
+	else learnMotion(now);
 	m_last = now;
 	return valid = valid && m_filled.motionTo(now.X) <= m_margin;
 }
@@ -93,7 +92,8 @@ bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, co
 void PairMemory::Implementation::learnMotion(const SeenPose& now)
 {
 	const double motion = m_last.motionTo(now.X);
-	const Vec3 drift = now.X * now.center - m_last.X * m_last.center, turn = rotationVector(quaternion(now.X.rotation * transpose(m_last.X.rotation)));
+	const Vec3 drift = now.X * now.center - m_last.X * m_last.center,
+			   turn = rotationVector(quaternion(now.X.rotation * transpose(m_last.X.rotation)));
 	const bool first = m_step < 0;
 	const double swerve = first ? motion : SeenPose{m_last.moved(m_drift, m_turn), now.center, now.reach}.motionTo(now.X);
 	const auto learn = [first](auto& of, const auto& seen) { of = first ? seen : of + kLearning * (seen - of); };

@@ -48,7 +48,8 @@ struct PairMemory::Implementation
 	int patches() const { return m_patches; }
 	/// What the patches came to in the query whose pairs were grouped.
 	void note(const OverlapIntegrals* patches, int number) { m_grouped = Grouping(patches, number); }
-	/// Whether patches that come to this now are still a grouping: about as many pairs intersect, and each patch presses in one direction as it did.
+	/// Whether patches that come to this now are still a grouping: about as many pairs intersect, and each patch presses in one direction
+	/// as it did.
 	bool isGrouping(const OverlapIntegrals* patches, int number) const;
 	void dropPatches() { m_patches = 0; }
 	size_t firstOf(int patch) const { return m_first[patch]; }

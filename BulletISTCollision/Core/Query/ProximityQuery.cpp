@@ -40,12 +40,9 @@ public:
 		{
 			const Item item = m_stack[--m_top];
 			if (item.bound >= m_best) continue;
-			if (item.a.leaf() && item.b.leaf())
-				blockPair(item);
-			else if (item.b.leaf() || (!item.a.leaf() && item.a.r >= item.b.r))
-				open(item, true);
-			else
-				open(item, false);
+			if (item.a.leaf() && item.b.leaf()) blockPair(item);
+			else if (item.b.leaf() || (!item.a.leaf() && item.a.r >= item.b.r)) open(item, true);
+			else open(item, false);
 		}
 		return nearest();
 	}
@@ -68,9 +65,8 @@ private:
 			if (!(next.bound >= m_best)) m_stack[m_top++] = next;
 		}
 		// The nearest on top.
-		std::sort(m_stack + begin, m_stack + m_top, [](const Item& p, const Item& q) {
-			return p.bound != q.bound ? p.bound > q.bound : p.a.r + p.b.r > q.a.r + q.b.r;
-		});
+		std::sort(m_stack + begin, m_stack + m_top,
+			[](const Item& p, const Item& q) { return p.bound != q.bound ? p.bound > q.bound : p.a.r + p.b.r > q.a.r + q.b.r; });
 	}
 
 	void blockPair(const Item& item)
@@ -139,8 +135,8 @@ Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const
 	return result;
 }
 
-Proximity queryProximity(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						 const QueryOptions& options)
+Proximity queryProximity(
+	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const QueryOptions& options)
 {
 	return {queryOverlap(A, B, X_AB, workspace, options), queryDistance(A, B, X_AB)};
 }

@@ -10,8 +10,8 @@ struct Distance
 {
 	double upper = 0;  ///< between the nearest spheres [m]; never below the true distance of the bodies; 0 when spheres intersect
 	double lower = 0;  ///< upper minus both bodies' largest gaps, at least 0; never above the true distance
-	/// On the nearest spheres, each inside its own body, `upper` apart; A's mesh frame [m]. Where spheres intersect, one point of both. Zero when nothing
-	/// is known.
+	/// On the nearest spheres, each inside its own body, `upper` apart; A's mesh frame [m]. Where spheres intersect, one point of both.
+	/// Zero when nothing is known.
 	Vec3 pointA, pointB;
 };
 
@@ -23,6 +23,6 @@ struct Proximity
 	OverlapResult overlap;
 	Distance distance;
 };
-Proximity queryProximity(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-						 const QueryOptions& options = {});
+Proximity queryProximity(
+	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const QueryOptions& options = {});
 }  // namespace ist

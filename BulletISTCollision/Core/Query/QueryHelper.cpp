@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/QueryHelperState.h"
 #include "BulletISTCollision/Core/Base/SpinPause.h"
 #include "BulletISTCollision/Core/Base/SteadyTime.h"
+#include "BulletISTCollision/Core/Query/QueryHelperState.h"
 
 namespace ist
 {
@@ -28,8 +28,8 @@ bool QueryHelper::Implementation::suits(const QueryWorkspace::Implementation& ca
 	return work.capacity.pairs >= caller.capacity.pairs && hasRoom(work) && hasRoom(caller);
 }
 
-void QueryHelper::Implementation::open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits,
-									   const kernels::QueryKernel* kernel)
+void QueryHelper::Implementation::open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options,
+	const QueryLimits& limits, const kernels::QueryKernel* kernel)
 {
 	m_A = &A;
 	m_B = &B;
@@ -91,7 +91,9 @@ void QueryHelper::Implementation::loop()
 	uint32_t seen = 0;
 	for (;;)
 	{
-		for (const double start = steadyMicroseconds(); m_turn.load(std::memory_order_seq_cst) == seen && steadyMicroseconds() - start < m_spin;) spinPause();
+		for (const double start = steadyMicroseconds();
+			 m_turn.load(std::memory_order_seq_cst) == seen && steadyMicroseconds() - start < m_spin;)
+			spinPause();
 		m_turn.wait(seen, std::memory_order_seq_cst);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;
@@ -104,8 +106,7 @@ void QueryHelper::Implementation::loop()
 
 QueryHelper::QueryHelper(const QueryCapacity& capacity, double spinMicroseconds)
 	: m_impl(std::make_unique<Implementation>(capacity, spinMicroseconds))
-{
-}
+{}
 QueryHelper::~QueryHelper() = default;
 void QueryHelper::settle() { m_impl->settle(); }
 int64_t QueryHelper::partsDone() const { return m_impl->partsDone; }

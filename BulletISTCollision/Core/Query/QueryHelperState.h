@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/TreeQuery.h"
 #include "BulletISTCollision/Core/Query/QueryHelper.h"
+#include "BulletISTCollision/Core/Query/TreeQuery.h"
 
 #include <array>
 #include <atomic>
@@ -32,8 +32,8 @@ struct SharedEntries
 struct QueryHelper::Implementation
 {
 	static constexpr int kParts = 16;
-	/// Node visits after which a search is one of the long ones, some ten microseconds; and entries that must be open then: few are left to a search
-	/// that is nearly done.
+	/// Node visits after which a search is one of the long ones, some ten microseconds; and entries that must be open then: few are left to
+	/// a search that is nearly done.
 	static constexpr int kLongSearch = 256, kEnough = 64;
 
 	Implementation(const QueryCapacity& capacity, double spin);
@@ -43,7 +43,8 @@ struct QueryHelper::Implementation
 	bool suits(const QueryWorkspace::Implementation& caller) const;
 	/// Whether it can take a search. Only then may what follows be written.
 	bool isFree() const { return !m_working.load(std::memory_order_seq_cst); }
-	void open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits, const kernels::QueryKernel* kernel);
+	void open(const BallTree& A, const BallTree& B, const Pose& X, const QueryOptions& options, const QueryLimits& limits,
+		const kernels::QueryKernel* kernel);
 	/// Whether there is one more part for who asks: for the caller the next from the first on, for the helper the next from the last on.
 	bool claim() { return m_claimed.fetch_add(1, std::memory_order_relaxed) < kParts; }
 	/// Whether the helper has done its part within so long [us]; if not, it is the caller's.
@@ -52,12 +53,17 @@ struct QueryHelper::Implementation
 	void settle() const;
 
 	SharedEntries entries;
-	PartResult found[kParts], own;          ///< by the helper; by the caller, the last
-	QueryWorkspace::Implementation work;    ///< the helper's
+	PartResult found[kParts], own;        ///< by the helper; by the caller, the last
+	QueryWorkspace::Implementation work;  ///< the helper's
 	std::atomic<int64_t> partsDone{0}, partsLate{0};
 
 private:
-	enum State { kPending, kDone, kTakenBack };
+	enum State
+	{
+		kPending,
+		kDone,
+		kTakenBack
+	};
 	void loop();
 	void takeParts();
 

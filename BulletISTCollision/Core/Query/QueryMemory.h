@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/ContactPatches.h"
 #include "BulletISTCollision/Core/Base/DemandZeroArray.h"
 #include "BulletISTCollision/Core/Geometry/FieldTerm.h"
+#include "BulletISTCollision/Core/Query/ContactPatches.h"
 #include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
@@ -18,10 +18,7 @@ inline const BallTree& treeOf(const InnerSphereTree& body, Model model)
 }
 
 /// False for an empty tree, and for one of the other kind.
-inline bool answers(const BallTree& tree, Model model)
-{
-	return !tree.empty() && tree.ellipsoids.empty() == (model == Model::Inner);
-}
+inline bool answers(const BallTree& tree, Model model) { return !tree.empty() && tree.ellipsoids.empty() == (model == Model::Inner); }
 
 /// What grows with the trees of a query. An entry holds for the query that has its number (`QueryWorkspace::Implementation::epoch`) only.
 struct TreeRoom
@@ -58,17 +55,17 @@ struct QueryWorkspace::Implementation : TreeRoom
 	uint32_t *ballOf = nullptr, *blockOf = nullptr, *pairA = nullptr, *pairB = nullptr;
 	uint32_t epoch = 0;
 
-	kernels::PairStream stream{};           ///< intersecting pairs, in the order in which they were found
+	kernels::PairStream stream{};  ///< intersecting pairs, in the order in which they were found
 	std::vector<uint64_t> keys;
 	std::vector<OverlapPair> pairs, keptPairs;  ///< of the last look, of one that may still be wanted
-	std::vector<FieldTerm> terms;          ///< against an analytic field, in the order of `stream`; never more than it has room for
+	std::vector<FieldTerm> terms;               ///< against an analytic field, in the order of `stream`; never more than it has room for
 	PatchGrouper grouper;
 	std::vector<OverlapIntegrals> patches, keptPatches;
-	double microsecondsPerPair = 0.05;     ///< as budgets of time found it; the first guess is on the safe side
+	double microsecondsPerPair = 0.05;  ///< as budgets of time found it; the first guess is on the safe side
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
-	/// Grows what depends on the size of the trees, here and in a helper that is free. Allocates on the first query with a larger tree, never after.
-	/// Not while a search is shared.
+	/// Grows what depends on the size of the trees, here and in a helper that is free. Allocates on the first query with a larger tree,
+	/// never after. Not while a search is shared.
 	void reserveFor(const BallTree& A, const BallTree& B);
 	/// An empty list of terms, and room for grouping. Allocates on the first query with a larger tree, never after.
 	void reserveTerms(const BallTree& A);

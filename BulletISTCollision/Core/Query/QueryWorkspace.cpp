@@ -16,10 +16,10 @@ const QueryKernel* kernelFor(InstructionSet set)
 #if defined(__x86_64__)
 	switch (set)
 	{
-		case InstructionSet::Portable: return &kPortableKernel;
-		case InstructionSet::Baseline: return &kBaselineKernel;
-		case InstructionSet::V3: return &kV3Kernel;
-		case InstructionSet::V4: return &kV4Kernel;
+	case InstructionSet::Portable: return &kPortableKernel;
+	case InstructionSet::Baseline: return &kBaselineKernel;
+	case InstructionSet::V3: return &kV3Kernel;
+	case InstructionSet::V4: return &kV4Kernel;
 	}
 #endif
 	return &kPortableKernel;
@@ -87,8 +87,7 @@ void TreeRoom::reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB)
 
 void TreeRoom::takeLarger(TreeRoom& other) noexcept
 {
-	const auto take = [](auto& mine, auto& theirs)
-	{
+	const auto take = [](auto& mine, auto& theirs) {
 		if (mine.size() < theirs.size()) mine.swap(theirs);
 	};
 	take(columnsA, other.columnsA);
@@ -132,8 +131,7 @@ void QueryWorkspace::Implementation::reservePairs()
 QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity) : m_impl(std::make_unique<Implementation>(capacity, chosenKernel())) {}
 QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity, InstructionSet set)
 	: m_impl(std::make_unique<Implementation>(capacity, kernelFor(set)))
-{
-}
+{}
 QueryWorkspace::~QueryWorkspace() = default;
 QueryWorkspace::QueryWorkspace(QueryWorkspace&&) noexcept = default;
 QueryWorkspace& QueryWorkspace::operator=(QueryWorkspace&&) noexcept = default;

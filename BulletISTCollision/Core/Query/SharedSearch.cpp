@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The half of TreeQuery that shares a search with a helper.
-#include "BulletISTCollision/Core/Query/QueryHelperState.h"
 #include "BulletISTCollision/Core/Base/SteadyTime.h"
+#include "BulletISTCollision/Core/Query/QueryHelperState.h"
 
 #include <algorithm>
 
@@ -14,8 +14,7 @@ namespace
 using Helper = QueryHelper::Implementation;
 
 /// Columns that a list of subtrees and the entries that are dealt out have in common.
-template <typename From, typename To>
-void copyEntry(const From& from, size_t i, To& to, size_t j)
+template <typename From, typename To> void copyEntry(const From& from, size_t i, To& to, size_t j)
 {
 	to.a[j] = from.a[i];
 	to.b[j] = from.b[i];
@@ -94,10 +93,8 @@ bool TreeQuery::finishWith(Helper& helper, PairSearch& begun)
 	// The helper came from the other end: all lies in the order of the parts, whoever searched them.
 	for (; part < Helper::kParts; ++part)
 	{
-		if (!helper.finished(part, longest))
-			searchAlone(part);
-		else if (takeOver(helper, helper.found[part]))
-			collectPart(helper.found[part], sums);
+		if (!helper.finished(part, longest)) searchAlone(part);
+		else if (takeOver(helper, helper.found[part])) collectPart(helper.found[part], sums);
 	}
 	helper.close();
 	std::copy(std::begin(sums), std::end(sums), m_sums);

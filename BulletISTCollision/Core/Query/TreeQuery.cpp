@@ -27,8 +27,7 @@ TreeQuery::Bound rootBound(const BallNode& root)
 	if (count > 0) center = center / count;
 	double reach = 0;
 	for (int k = 0; k < BallNode::kWidth; ++k)
-		if (root.child[k] != BallNode::kNoChild)
-			reach = std::max(reach, distance(center, {root.x[k], root.y[k], root.z[k]}) + root.r[k]);
+		if (root.child[k] != BallNode::kNoChild) reach = std::max(reach, distance(center, {root.x[k], root.y[k], root.z[k]}) + root.r[k]);
 	return {float(center.x), float(center.y), float(center.z), float(reach * (1 + 1e-6) + 1e-6 * norm(center))};
 }
 
@@ -87,8 +86,15 @@ void pad(uint32_t* a, uint32_t* b, int count)
 }  // namespace
 
 TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-					 const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory)
-	: m_A(A), m_B(B), m_X(X), m_work(work), m_options(options), m_limits(limits), m_result(result), m_memory(memory)
+	const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory)
+	: m_A(A),
+	  m_B(B),
+	  m_X(X),
+	  m_work(work),
+	  m_options(options),
+	  m_limits(limits),
+	  m_result(result),
+	  m_memory(memory)
 {
 	m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
 	m_grouped = options.patches && limits.patches > 1 && !options.listMeetingBounds;
@@ -124,13 +130,11 @@ bool TreeQuery::answer()
 	if (m_late || (m_limits.pairs >= 0 && m_listed > m_limits.pairs)) return false;
 	if (m_options.sortPairs) publishPairs();
 	const int groups = m_grouped && m_result.pairListComplete
-						   ? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.slotCount()), m_limits.patches)
-						   : 0;
+		? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.slotCount()), m_limits.patches)
+		: 0;
 	const bool remembers = m_memory && rememberPatches(groups);
-	if (groups > 1)
-		publishPatches(groups);
-	else
-		publishWhole();
+	if (groups > 1) publishPatches(groups);
+	else publishWhole();
 	if (remembers) m_memory->note(m_result.patches, m_result.patchCount);
 	return true;
 }
@@ -324,8 +328,7 @@ bool TreeQuery::recallPatches()
 	}
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 	// More than a list holds would be one patch without a memory, too.
-	if (pairs <= m_work.capacity.pairs && m_memory->isGrouping(m_work.patches.data(), found))
-		return publishSums(found), true;
+	if (pairs <= m_work.capacity.pairs && m_memory->isGrouping(m_work.patches.data(), found)) return publishSums(found), true;
 	m_memory->dropPatches();
 	return false;
 }
@@ -358,7 +361,8 @@ void TreeQuery::take(int count)
 		if (m_onlyFills) return;
 	}
 	count = sift(count, 0);
-	if (!(m_grouped || m_options.sortPairs || m_limits.pairs >= 0) || !m_result.pairListComplete) return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
+	if (!(m_grouped || m_options.sortPairs || m_limits.pairs >= 0) || !m_result.pairListComplete)
+		return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
 	PairStream& list = m_work.stream;
 	pad(m_work.pairA, m_work.pairB, count);
 	m_listed = m_work.kernel->refine(m_bodies, m_work.pairA, m_work.pairB, count, m_terms, list, m_listed);
@@ -402,8 +406,7 @@ void TreeQuery::publishPairs()
 		const MomentEllipsoid a = m_A.ball(pair.ballA), b = m_B.ball(pair.ballB);
 		const Vec3 centerB = m_X * b.center();
 		Lens lens;
-		if (m_options.model == Model::Inner)
-			lensOf(a.center(), a.R, centerB, b.R, lens);
+		if (m_options.model == Model::Inner) lensOf(a.center(), a.R, centerB, b.R, lens);
 		else
 		{
 			const SymmetricMatrix3 shapeB = rotated(m_X.rotation, b.shape());

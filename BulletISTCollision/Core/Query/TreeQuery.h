@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Query/PairMemoryState.h"
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Query/QueryHelper.h"
+#include "BulletISTCollision/Core/Query/QueryMemory.h"
 
 namespace ist
 {
@@ -32,7 +32,7 @@ class TreeQuery
 public:
 	/// X: pose of B's tree frame in A's. All arguments outlive this. With a memory, limits are not for pairs and time.
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-			  const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory = nullptr);
+		const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory = nullptr);
 
 	struct Bound
 	{
@@ -65,7 +65,8 @@ private:
 	/// The next of the remembered pairs from `first` on, as if the search had found them; returns how many.
 	int recallBatch(size_t first, size_t end);
 	bool remembersPatches() const;
-	/// The whole answer, in the patches that the memory has. False, and the memory has none any more, where these are no grouping of what intersects now.
+	/// The whole answer, in the patches that the memory has. False, and the memory has none any more, where these are no grouping of what
+	/// intersects now.
 	bool recallPatches();
 	/// Remembers the patches of the pairs that were listed.
 	bool rememberPatches(int groups);
@@ -73,7 +74,10 @@ private:
 	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
 	void take(int count);
-	static bool isLate(void* query) { return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed(); }
+	static bool isLate(void* query)
+	{
+		return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed();
+	}
 	void publishPatches(int groups);
 	void publishWhole();
 	void publishSums(int patches);
@@ -88,12 +92,12 @@ private:
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
 	PairMemory::Implementation* m_memory;
-	bool m_remembered = false;  ///< the memory holds for this pose
-	double m_lengthening = 1;   ///< of B by its pose, at most
+	bool m_remembered = false;   ///< the memory holds for this pose
+	double m_lengthening = 1;    ///< of B by its pose, at most
 	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame
-	bool m_filled = false;  ///< the memory, with whatever the margin allowed
-	bool m_onlyFills = false;  ///< and evaluates nothing
-	float m_margin = 0;  ///< with which the memory is being filled [m]
+	bool m_filled = false;       ///< the memory, with whatever the margin allowed
+	bool m_onlyFills = false;    ///< and evaluates nothing
+	float m_margin = 0;          ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
 	DampingWeights m_damping;
 	bool m_grouped;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Repair/MeshCuts.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 #include "BulletISTCollision/Core/Distance/TriangleHierarchy.h"
+#include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 
 #include <algorithm>
 #include <atomic>
@@ -132,8 +132,5 @@ private:
 };
 }  // namespace
 
-int64_t countCuts(const Mesh& mesh, int64_t most, int threads)
-{
-	return mesh.triangles.empty() ? 0 : Search(mesh, most, threads).run();
-}
+int64_t countCuts(const Mesh& mesh, int64_t most, int threads) { return mesh.triangles.empty() ? 0 : Search(mesh, most, threads).run(); }
 }  // namespace ist

@@ -17,8 +17,7 @@ constexpr double kShift = 0.3819660112501051;
 constexpr double kNearlyWhole = 0.25;
 
 /// Calls visit(point) and returns the volume of a cell.
-template <class Visitor>
-double forEachProbe(const Mesh& mesh, int cells, Visitor visit)
+template <class Visitor> double forEachProbe(const Mesh& mesh, int cells, Visitor visit)
 {
 	const Box box = bounds(mesh);
 	const double step = box.longestSide() / cells;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
-#include "BulletISTCollision/Core/Repair/MeshCuts.h"
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
+#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Repair/MeshCuts.h"
 #include "BulletISTCollision/Core/Repair/MeshHoles.h"
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "BulletISTCollision/Core/Repair/MeshShells.h"
 #include "BulletISTCollision/Core/Repair/MeshWeld.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 #include "BulletISTCollision/Core/Repair/MeshWrap.h"
 
 #include <algorithm>
@@ -41,10 +41,7 @@ constexpr double kMostLost = 0.5;
 /// Longest sides [m] of trees: down to the smallest spheres that the packer makes, up to moments that are floats (kMostReach).
 constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
 
-std::string counted(int64_t n, const char* singular, const char* plural)
-{
-	return std::to_string(n) + " " + (n == 1 ? singular : plural);
-}
+std::string counted(int64_t n, const char* singular, const char* plural) { return std::to_string(n) + " " + (n == 1 ? singular : plural); }
 
 bool indicesAreValid(const Mesh& mesh, const Triangle& t)
 {
@@ -74,8 +71,9 @@ std::vector<TriangleKey> sortedTriangles(const Mesh& mesh)
 	}
 	const auto firstTwo = [](const TriangleKey& key) { return uint64_t(key.corners[0]) << 32 | key.corners[1]; };
 	const auto rest = [](const TriangleKey& key) { return uint64_t(key.corners[2]) << 32 | key.triangle; };
-	std::sort(keys.begin(), keys.end(), [&](const TriangleKey& a, const TriangleKey& b)
-			  { return firstTwo(a) != firstTwo(b) ? firstTwo(a) < firstTwo(b) : rest(a) < rest(b); });
+	std::sort(keys.begin(), keys.end(), [&](const TriangleKey& a, const TriangleKey& b) {
+		return firstTwo(a) != firstTwo(b) ? firstTwo(a) < firstTwo(b) : rest(a) < rest(b);
+	});
 	return keys;
 }
 
@@ -106,8 +104,7 @@ Closedness closedness(const Mesh& mesh)
 	{
 		const Triangle& t = mesh.triangles[i];
 		const Vec3& a = mesh.vertices[t[0]];
-		if (isCollapsed(t) || squaredNorm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a)) == 0)
-			++found.degenerateTriangles;
+		if (isCollapsed(t) || squaredNorm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a)) == 0) ++found.degenerateTriangles;
 		if (!isCollapsed(t) && component[i] == i) ++found.components;
 	}
 	found.duplicateTriangles = countDuplicates(mesh);
@@ -115,10 +112,7 @@ Closedness closedness(const Mesh& mesh)
 	return found;
 }
 
-int64_t dropCollapsed(Mesh& mesh)
-{
-	return static_cast<int64_t>(std::erase_if(mesh.triangles, isCollapsed));
-}
+int64_t dropCollapsed(Mesh& mesh) { return static_cast<int64_t>(std::erase_if(mesh.triangles, isCollapsed)); }
 
 /// What becomes of triangles that lie on each other and face opposite ways: the two sides of a doubled surface (keep one)
 /// or the wall between two bodies that touch (keep none). Cancel drops such pairs and nothing else: balanced edges stay balanced.
@@ -173,11 +167,15 @@ int64_t orientConsistently(Mesh& mesh)
 	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t uses) {
 		if (uses != 2) return;
 		const bool agrees = use[0].forward != use[1].forward;
-		for (int i = 0; i < 2; ++i)
-			neighbours[use[i].triangle][count[use[i].triangle]++] = {use[1 - i].triangle, agrees};
+		for (int i = 0; i < 2; ++i) neighbours[use[i].triangle][count[use[i].triangle]++] = {use[1 - i].triangle, agrees};
 	});
 
-	enum : uint8_t { Unknown, Stays, Turns };
+	enum : uint8_t
+	{
+		Unknown,
+		Stays,
+		Turns
+	};
 	std::vector<uint8_t> verdict(mesh.triangles.size(), Unknown);
 	std::vector<uint32_t> reached;
 	for (uint32_t seed = 0; seed < mesh.triangles.size(); ++seed)
@@ -242,9 +240,9 @@ struct Attempt
 	Closedness state;
 	std::vector<std::string> actions;
 	double doubt = 0;
-	int64_t holes = 0;          ///< that were closed
-	bool contradicts = false;   ///< closing them made much of what was plainly inside outside, or the other way round
-	bool mayOverlap = false;    ///< see ShellVerdict
+	int64_t holes = 0;         ///< that were closed
+	bool contradicts = false;  ///< closing them made much of what was plainly inside outside, or the other way round
+	bool mayOverlap = false;   ///< see ShellVerdict
 
 	void note(int64_t count, const char* verb, const char* singular, const char* plural)
 	{
@@ -282,8 +280,8 @@ Attempt cleaned(const Mesh& welded, OppositePairs policy)
 	Attempt attempt{welded, {}, {}, 0};
 	clean(attempt, policy);
 	weldSeams(attempt, policy);
-	attempt.note(orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours",
-				 "triangles to agree with their neighbours");
+	attempt.note(
+		orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours", "triangles to agree with their neighbours");
 	attempt.state = closedness(attempt.mesh);
 	return attempt;
 }
@@ -305,13 +303,13 @@ void closeHoles(Attempt& attempt)
 	attempt.doubt += closed.doubt;
 	if (closed.count)
 		attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
-								  number(closed.doubt) + " m^3.");
+			number(closed.doubt) + " m^3.");
 	dropDuplicates(attempt.mesh, OppositePairs::Cancel);
 	attempt.state = closedness(attempt.mesh);
 	// Nothing but sheets that were each closed by their own reverse.
 	if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
 	attempt.contradicts = closed.doubt > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
-						  contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
+		contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
 }
 
 Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double end)
@@ -347,9 +345,9 @@ std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
 	attempt.mesh = std::move(wrapped.value());
 	// Of the surface's two sides, each half a cell.
 	attempt.doubt += surfaceArea(attempt.mesh) * cell / 2;
-	attempt.actions.push_back("Rebuilt the surface as " + counted(static_cast<int64_t>(attempt.mesh.triangles.size()), "triangle", "triangles") +
-							  " on a grid of " + number(cell) + " m; what is thinner may be lost, and the surface may lie up to " +
-							  number(cell * std::sqrt(3.0)) + " m off.");
+	attempt.actions.push_back("Rebuilt the surface as " +
+		counted(static_cast<int64_t>(attempt.mesh.triangles.size()), "triangle", "triangles") + " on a grid of " + number(cell) +
+		" m; what is thinner may be lost, and the surface may lie up to " + number(cell * std::sqrt(3.0)) + " m off.");
 	attempt.state = closedness(attempt.mesh);
 	return std::nullopt;
 }
@@ -396,7 +394,8 @@ Attempt prepareToWrap(const Mesh& welded)
 std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps)
 {
 	Attempt rebuilt = prepareToWrap(welded);
-	const Error open = notClosed(rebuilt.mesh, rebuilt.state, "what is missing may be as much as the body; close it in a modelling program and export it again");
+	const Error open = notClosed(
+		rebuilt.mesh, rebuilt.state, "what is missing may be as much as the body; close it in a modelling program and export it again");
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
 	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
 	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
@@ -409,7 +408,8 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
 {
 	double wrong = std::numeric_limits<double>::infinity();
-	for (int cells = 2 * kProbes; std::isinf(wrong) && cells <= kWrapCells && steps.reach(0.7); cells *= 2) wrong = miscountedShare(mesh, cells);
+	for (int cells = 2 * kProbes; std::isinf(wrong) && cells <= kWrapCells && steps.reach(0.7); cells *= 2)
+		wrong = miscountedShare(mesh, cells);
 	return wrong;
 }
 
@@ -418,7 +418,8 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 {
 	if (std::isinf(wrong))
 	{
-		attempt.actions.push_back("Left " + found + ": the body is too thin to rebuild its surface on a grid; what lies in two of its parts is counted twice.");
+		attempt.actions.push_back(
+			"Left " + found + ": the body is too thin to rebuild its surface on a grid; what lies in two of its parts is counted twice.");
 		return std::nullopt;
 	}
 	Attempt rebuilt = attempt;
@@ -428,7 +429,7 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 	if (massProperties(rebuilt.mesh).volume >= (1 - std::min(wrong, kMostLost)) * inside) attempt = std::move(rebuilt);
 	else
 		attempt.actions.push_back("Left " + found + ": about " + number(std::round(1000 * wrong) / 10) +
-								  " % of what the surface encloses is counted wrongly for it, and rebuilding it on a grid would lose more.");
+			" % of what the surface encloses is counted wrongly for it, and rebuilding it on a grid would lose more.");
 	return std::nullopt;
 }
 
@@ -444,12 +445,12 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 	if (std::isinf(wrong)) wrong = miscountedShareOfThin(attempt.mesh, steps);
 	if (!steps.goesOn()) return std::nullopt;
 	const std::string found = cuts == 0 ? "shells that overlap"
-										: (cuts == kMostCuts ? "at least " : "") + counted(cuts, "pair of triangles that cut each other",
-																						   "pairs of triangles that cut each other");
+										: (cuts == kMostCuts ? "at least " : "") +
+			counted(cuts, "pair of triangles that cut each other", "pairs of triangles that cut each other");
 	if (wrong <= kHarmless)
 	{
-		attempt.actions.push_back("Left " + found + ": less than " + number(100 * kHarmless) +
-								  " % of what the surface encloses is counted wrongly for it.");
+		attempt.actions.push_back(
+			"Left " + found + ": less than " + number(100 * kHarmless) + " % of what the surface encloses is counted wrongly for it.");
 		return std::nullopt;
 	}
 	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps);
@@ -470,14 +471,15 @@ std::optional<Error> whyUnreadable(const Mesh& mesh)
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
 	{
 		if (!indicesAreValid(mesh, mesh.triangles[i]))
-			return Error{"triangle " + std::to_string(i) + placeOfAnyCorner(mesh, mesh.triangles[i]) + " refers to a vertex that does not exist; export the mesh again"};
+			return Error{"triangle " + std::to_string(i) + placeOfAnyCorner(mesh, mesh.triangles[i]) +
+				" refers to a vertex that does not exist; export the mesh again"};
 		for (const uint32_t corner : mesh.triangles[i])
 			if (!isFinite(mesh.vertices[corner])) return Error{whereNotFinite(mesh) + "; export the mesh again"};
 	}
 	const double side = bounds(mesh).longestSide();
 	if (side > 0 && (side < kShortestSide || !(side <= kLongestSide)))
-		return Error{"the mesh is " + number(side) + " m long, " + extent(bounds(mesh)) + ", and a tree may be " + number(kShortestSide) + " to " + number(kLongestSide) +
-					 " m; say in what unit its file is (unit, --unit), or scale it"};
+		return Error{"the mesh is " + number(side) + " m long, " + extent(bounds(mesh)) + ", and a tree may be " + number(kShortestSide) +
+			" to " + number(kLongestSide) + " m; say in what unit its file is (unit, --unit), or scale it"};
 	return std::nullopt;
 }
 
@@ -488,7 +490,7 @@ void noteUnsettled(Attempt& attempt)
 	const ShellVerdict verdict = settleShells(settled);
 	if (verdict.turned + verdict.dropped + verdict.redundant == 0) return;
 	attempt.actions.push_back("Left shells as they face: the automatic repair would turn or drop some, and make the volume " +
-							  number(massProperties(settled).volume) + " m^3.");
+		number(massProperties(settled).volume) + " m^3.");
 }
 
 /// Off: nothing but welding, which may collapse triangles.
@@ -506,8 +508,9 @@ Attempt asGiven(const Mesh& welded)
 Error enclosesNothing(const Mesh& mesh, const std::string& found)
 {
 	if (enclosesInsideOut(mesh, kProbes))
-		return Error{"the surface passes through itself " + extent(bounds(mesh)) + ", so that as much of what it encloses is inside out as is not; "
-					 "part it where it crosses itself and turn what is inside out"};
+		return Error{"the surface passes through itself " + extent(bounds(mesh)) +
+			", so that as much of what it encloses is inside out as is not; "
+			"part it where it crosses itself and turn what is inside out"};
 	return Error{"the mesh is flat" + found + " " + extent(bounds(mesh)) + "; give it thickness"};
 }
 
@@ -520,7 +523,7 @@ std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mod
 		return enclosesNothing(welded, ": it encloses " + number(result.volumeAfter) + " m^3");
 	if (result.volumeAfter < 0)
 		return Error{"the mesh is inside out: its volume is " + number(result.volumeAfter) + " m^3 " + extent(bounds(attempt.mesh)) + "; " +
-					 (mode == RepairMode::Off ? "use the automatic repair or turn its triangles" : "turn its triangles")};
+			(mode == RepairMode::Off ? "use the automatic repair or turn its triangles" : "turn its triangles")};
 	result.mesh = std::move(attempt.mesh);
 	result.volumeDoubt = attempt.doubt;
 	result.actions = std::move(attempt.actions);
@@ -562,19 +565,21 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	{
 		if (const auto error = wrap(attempt, steps.upTo(0.95))) return *error;
 		if (attempt.mesh.triangles.empty())
-			return enclosesNothing(welded, " or open: no point of a grid of " + number(bounds(welded).longestSide() / kWrapCells) + " m lies inside it");
+			return enclosesNothing(
+				welded, " or open: no point of a grid of " + number(bounds(welded).longestSide() / kWrapCells) + " m lies inside it");
 	}
 	if (!attempt.state.watertight)
-		return notClosed(attempt.mesh, attempt.state, mode == RepairMode::Off
-											? "use the automatic repair"
-											: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
+		return notClosed(attempt.mesh, attempt.state,
+			mode == RepairMode::Off ? "use the automatic repair"
+									: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
 	if (mode == RepairMode::Auto)
 		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;
 	if (const auto error = finish(attempt, welded, mode, result)) return *error;
 	if (welded.vertices.size() != mesh.vertices.size())
-		result.actions.insert(result.actions.begin(), "Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
-														  std::to_string(welded.vertices.size()) + ".");
+		result.actions.insert(result.actions.begin(),
+			"Welded equal positions: " + std::to_string(mesh.vertices.size()) + " vertices became " +
+				std::to_string(welded.vertices.size()) + ".");
 	result.actions.insert(result.actions.begin(), mesh.notTaken.begin(), mesh.notTaken.end());
 	if (!steps.reach(1)) return cancelled;
 	return result;

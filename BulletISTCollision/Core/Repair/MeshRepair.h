@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <string>
 #include <vector>
@@ -25,9 +25,10 @@ struct Closedness
 
 enum class RepairMode
 {
-	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap where the surface cuts itself badly, unless that loses more than it mends
-	Off,   ///< weld exactly equal positions only; refuse a mesh that is not watertight
-	Wrap   ///< rebuild the boundary of what lies inside on a grid (MeshWrap.h), whatever the triangles are like
+	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap where the surface cuts itself badly,
+		   ///< unless that loses more than it mends
+	Off,  ///< weld exactly equal positions only; refuse a mesh that is not watertight
+	Wrap  ///< rebuild the boundary of what lies inside on a grid (MeshWrap.h), whatever the triangles are like
 };
 
 /// A mesh fit for packing: welded, oriented outwards, closed.
@@ -35,11 +36,12 @@ struct RepairedMesh
 {
 	Mesh mesh;
 	Closedness before;
-	std::vector<std::string> actions;  ///< the mesh's notTaken, then one sentence for each thing that was done; empty when nothing was needed
-	double volumeBefore = 0;           ///< signed volume as read [m^3]; of an open mesh, about the middle of its box
+	std::vector<std::string>
+		actions;              ///< the mesh's notTaken, then one sentence for each thing that was done; empty when nothing was needed
+	double volumeBefore = 0;  ///< signed volume as read [m^3]; of an open mesh, about the middle of its box
 	double volumeAfter = 0;
-	double volumeDoubt = 0;            ///< what welding, closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate
-	int64_t cuts = 0;                  ///< pairs of triangles that passed through each other (see MeshCuts.h); counted by Auto, up to 1000
+	double volumeDoubt = 0;  ///< what welding, closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate
+	int64_t cuts = 0;        ///< pairs of triangles that passed through each other (see MeshCuts.h); counted by Auto, up to 1000
 };
 
 /// O(n log n). The mesh itself is not changed.

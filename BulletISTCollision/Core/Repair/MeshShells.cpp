@@ -29,9 +29,9 @@ struct Shell
 	Box box;
 	double volume = 0;  ///< signed, as given
 	double area = 0;
-	int sign = 1;       ///< of the volume, as decided
+	int sign = 1;  ///< of the volume, as decided
 	bool kept = true;
-	std::vector<uint32_t> around;  ///< the shells that enclose this one
+	std::vector<uint32_t> around;           ///< the shells that enclose this one
 	std::unique_ptr<MeshDistance> surface;  ///< built when something may lie inside
 };
 

@@ -27,8 +27,7 @@ struct IntegerTripleHash
 		return static_cast<std::size_t>(h);
 	}
 };
-template <class T>
-using IntegerTripleMap = std::unordered_map<std::array<int64_t, 3>, T, IntegerTripleHash>;
+template <class T> using IntegerTripleMap = std::unordered_map<std::array<int64_t, 3>, T, IntegerTripleHash>;
 
 /// Bit patterns, with -0 taken for 0.
 std::array<int64_t, 3> exactKey(const Vec3& v)
@@ -58,8 +57,7 @@ Mesh renumbered(const Mesh& mesh, const std::vector<uint32_t>& target)
 			result.vertices.push_back(mesh.vertices[i]);
 		}
 	result.triangles.reserve(mesh.triangles.size());
-	for (const Triangle& t : mesh.triangles)
-		result.triangles.push_back({number[target[t[0]]], number[target[t[1]]], number[target[t[2]]]});
+	for (const Triangle& t : mesh.triangles) result.triangles.push_back({number[target[t[0]]], number[target[t[1]]], number[target[t[2]]]});
 	return result;
 }
 
@@ -111,9 +109,7 @@ std::vector<uint32_t> verticesOfOpenEdges(const Mesh& mesh)
 WeldedVertices weldNear(Mesh& mesh, const std::vector<uint32_t>& vertices, double tolerance)
 {
 	const Vec3 origin = bounds(mesh).lower;
-	const auto cellOf = [&](const Vec3& v, int axis) {
-		return static_cast<int64_t>(std::floor((v[axis] - origin[axis]) / tolerance));
-	};
+	const auto cellOf = [&](const Vec3& v, int axis) { return static_cast<int64_t>(std::floor((v[axis] - origin[axis]) / tolerance)); };
 	IntegerTripleMap<std::vector<uint32_t>> grid;
 	std::vector<uint32_t> target(mesh.vertices.size());
 	std::iota(target.begin(), target.end(), 0u);

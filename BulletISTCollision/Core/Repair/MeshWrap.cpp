@@ -53,7 +53,12 @@ public:
 	Mesh take() { return std::move(m_result); }
 
 private:
-	enum : uint8_t { kOutside, kInside, kUnknown };
+	enum : uint8_t
+	{
+		kOutside,
+		kInside,
+		kUnknown
+	};
 
 	bool goesOn(double fraction)
 	{

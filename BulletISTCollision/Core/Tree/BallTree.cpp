@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Tree/BallTree.h"
 
-#include "BulletISTCollision/Core/Tree/TreeLimits.h"
 #include "BulletISTCollision/Core/Tree/TreeCheck.h"
+#include "BulletISTCollision/Core/Tree/TreeLimits.h"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,9 @@ public:
 	static constexpr uint32_t kPadding = 0xffffffffu;
 
 	Builder(const std::vector<MomentEllipsoid>& balls, [[maybe_unused]] int threads)
-		: m_side(balls.size()), m_buffer(balls.size()), m_cost(balls.size() / kBlockWidth + 2)
+		: m_side(balls.size()),
+		  m_buffer(balls.size()),
+		  m_cost(balls.size() / kBlockWidth + 2)
 	{
 		m_balls.reserve(balls.size());
 		for (const MomentEllipsoid& b : balls) m_balls.push_back({b.x, b.y, b.z, b.R});
@@ -190,7 +192,9 @@ void keepOutermost(std::vector<BuildBall>& balls, const Vec3& middle)
 	for (uint32_t i = 0; i < balls.size(); ++i)
 	{
 		const Vec3 d = balls[i].center() - middle;
-		const int axis = std::fabs(d.x) >= std::fabs(d.y) && std::fabs(d.x) >= std::fabs(d.z) ? 0 : std::fabs(d.y) >= std::fabs(d.z) ? 1 : 2;
+		const int axis = std::fabs(d.x) >= std::fabs(d.y) && std::fabs(d.x) >= std::fabs(d.z) ? 0
+			: std::fabs(d.y) >= std::fabs(d.z)                                                ? 1
+																							  : 2;
 		const double scale = d[axis] != 0 ? 0.5 * kDirections / std::fabs(d[axis]) : 0;
 		const auto bin = [&](double v) { return std::min(kDirections - 1, int(v * scale + 0.5 * kDirections)); };
 		const int cell = ((2 * axis + (d[axis] < 0)) * kDirections + bin(d[(axis + 1) % 3])) * kDirections + bin(d[(axis + 2) % 3]);
@@ -249,8 +253,7 @@ Bound Builder::bound(int begin, int end) const
 	Bound result{float(center.x), float(center.y), float(center.z), 0};
 	const Vec3 rounded{result.x, result.y, result.z};
 	double reach = 0;
-	for (int i = begin; i < end; ++i)
-		reach = std::max(reach, distance(m_balls[order[i]].center(), rounded) + m_balls[order[i]].R);
+	for (int i = begin; i < end; ++i) reach = std::max(reach, distance(m_balls[order[i]].center(), rounded) + m_balls[order[i]].R);
 	result.r = std::nextafter(float(reach * (1 + 1e-12)), std::numeric_limits<float>::infinity());
 	return result;
 }
@@ -271,7 +274,8 @@ void Builder::split(int index, int begin, int end)
 
 uint32_t Builder::makeBlock(const BinaryNode& leaf)
 {
-	for (int k = leaf.begin; k < leaf.begin + kBlockWidth; ++k) m_slots.push_back(k < leaf.end ? uint32_t(m_order[0][size_t(k)]) : kPadding);
+	for (int k = leaf.begin; k < leaf.begin + kBlockWidth; ++k)
+		m_slots.push_back(k < leaf.end ? uint32_t(m_order[0][size_t(k)]) : kPadding);
 	return uint32_t(m_slots.size() / kBlockWidth - 1);
 }
 
@@ -283,8 +287,7 @@ void Builder::fillNode(uint32_t node, int binary)
 	{
 		int widest = -1;
 		for (int k = 0; k < count; ++k)
-			if (m_binary[children[k]].left >= 0 &&
-				(widest < 0 || m_binary[children[k]].bound.r > m_binary[children[widest]].bound.r))
+			if (m_binary[children[k]].left >= 0 && (widest < 0 || m_binary[children[k]].bound.r > m_binary[children[widest]].bound.r))
 				widest = k;
 		if (widest < 0) break;
 		const BinaryNode& open = m_binary[children[widest]];
@@ -299,8 +302,7 @@ void Builder::fillNode(uint32_t node, int binary)
 		{
 			const BinaryNode& source = m_binary[children[k]];
 			b = source.bound;
-			if (source.left < 0)
-				child = makeBlock(source) | BallNode::kLeafBit;
+			if (source.left < 0) child = makeBlock(source) | BallNode::kLeafBit;
 			else
 			{
 				child = uint32_t(m_nodes.size());
@@ -319,8 +321,8 @@ void Builder::fillNode(uint32_t node, int binary)
 
 bool finite(const MomentEllipsoid& b)
 {
-	return isFinite(b.center()) && isFinite(b.normal()) && std::isfinite(b.R) && std::isfinite(b.density) &&
-		   std::isfinite(b.depth) && std::isfinite(b.shape().trace()) && std::isfinite(b.xy + b.xz + b.yz);
+	return isFinite(b.center()) && isFinite(b.normal()) && std::isfinite(b.R) && std::isfinite(b.density) && std::isfinite(b.depth) &&
+		std::isfinite(b.shape().trace()) && std::isfinite(b.xy + b.xz + b.yz);
 }
 
 bool inside(const Bound& bound, const MomentEllipsoid& ball)
@@ -370,7 +372,7 @@ uint32_t BallTree::ballCount(size_t block) const
 size_t BallTree::memory() const
 {
 	return nodes.size() * sizeof(BallNode) + balls.size() * sizeof(Sphere) + ellipsoids.size() * sizeof(StoredEllipsoid) +
-		   sphereIndex.size() * sizeof(uint32_t) + gradients.size() * sizeof(NormalGradient);
+		sphereIndex.size() * sizeof(uint32_t) + gradients.size() * sizeof(NormalGradient);
 }
 
 MomentEllipsoid BallTree::packedBall(size_t slot) const
@@ -454,8 +456,7 @@ std::string BallTree::validate() const
 namespace
 {
 /// `of(index)` of the balls in the order of the slots, `padding` where there is none.
-template <class T, class Of>
-std::vector<T> inSlots(const std::vector<uint32_t>& slots, const T& padding, const Of& of)
+template <class T, class Of> std::vector<T> inSlots(const std::vector<uint32_t>& slots, const T& padding, const Of& of)
 {
 	std::vector<T> all;
 	all.reserve(slots.size());
@@ -476,10 +477,7 @@ BallTree boundingTree(const std::vector<MomentEllipsoid>& balls, int threads, st
 }
 }  // namespace
 
-BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads)
-{
-	return buildBallTree(balls, {}, threads);
-}
+BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, int threads) { return buildBallTree(balls, {}, threads); }
 
 BallTree buildBallTree(const std::vector<MomentEllipsoid>& balls, const std::vector<NormalGradient>& gradients, int threads)
 {

@@ -36,11 +36,14 @@ constexpr float kFarthestBound = kFarPadding / 4;
 class BallTree
 {
 public:
-	FrozenArray<BallNode> nodes;    ///< node 0 is the root; empty for a tree without balls
-	FrozenArray<Sphere> balls;      ///< sixteen for each block, in block order; padding, at the end of a block, has r = 0 and a centre far away (finite)
-	FrozenArray<StoredEllipsoid> ellipsoids;  ///< what each of `balls` bounds; padding has density 0. None in the inner tree, whose balls are whole:
-	FrozenArray<uint32_t> sphereIndex;        ///< there the index of each in the packing; else none
-	FrozenArray<NormalGradient> gradients;    ///< of each of `ellipsoids` where they are merged from others (TreeLevels.h); else none: normals do not change
+	FrozenArray<BallNode> nodes;  ///< node 0 is the root; empty for a tree without balls
+	FrozenArray<Sphere>
+		balls;  ///< sixteen for each block, in block order; padding, at the end of a block, has r = 0 and a centre far away (finite)
+	FrozenArray<StoredEllipsoid>
+		ellipsoids;  ///< what each of `balls` bounds; padding has density 0. None in the inner tree, whose balls are whole:
+	FrozenArray<uint32_t> sphereIndex;  ///< there the index of each in the packing; else none
+	FrozenArray<NormalGradient>
+		gradients;  ///< of each of `ellipsoids` where they are merged from others (TreeLevels.h); else none: normals do not change
 
 	bool empty() const { return nodes.empty(); }
 	uint32_t ballCount() const;                        ///< without padding

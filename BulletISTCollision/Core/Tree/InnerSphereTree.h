@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/BallTree.h"
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Tree/BallTree.h"
 
 #include <algorithm>
 #include <string>
@@ -19,31 +19,31 @@ namespace ist
 /// All stored coordinates are in the tree frame; all public queries take poses of mesh frames.
 struct InnerSphereTree
 {
-	Vec3 origin;           ///< of the tree frame, in the mesh frame [m]
-	double volume = 0;     ///< of the repaired mesh [m^3]
-	Mat3 inertia = zeroMat3();  ///< about the centre of mass, density 1 [m^5]
-	double area = 0;       ///< of the repaired mesh [m^2]
-	Box box;               ///< of the repaired mesh, tree frame
+	Vec3 origin;                     ///< of the tree frame, in the mesh frame [m]
+	double volume = 0;               ///< of the repaired mesh [m^3]
+	Mat3 inertia = zeroMat3();       ///< about the centre of mass, density 1 [m^5]
+	double area = 0;                 ///< of the repaired mesh [m^2]
+	Box box;                         ///< of the repaired mesh, tree frame
 	double meanGap = 0, maxGap = 0;  ///< see Cells.h [m]
 	double uncoveredArea = 0;
 	double fill = 0;
 	double resolution = 0;  ///< surfaceResolution of `law` [m]
 
-	FrozenArray<Sphere> spheres;  ///< the packing, largest first
-	BallTree law;                 ///< leaves: the default estimator and law
-	std::vector<BallTree> levels; ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
+	FrozenArray<Sphere> spheres;      ///< the packing, largest first
+	BallTree law;                     ///< leaves: the default estimator and law
+	std::vector<BallTree> levels;     ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
 	std::vector<double> calibration;  ///< of the leaves and of each level (LevelCalibration.h); empty: never measured
-	BallTree cells;               ///< unsplit cells: volume mode
-	BallTree inner;               ///< packed spheres: distance, lower bound, paper mode
+	BallTree cells;                   ///< unsplit cells: volume mode
+	BallTree inner;                   ///< packed spheres: distance, lower bound, paper mode
 
 	/// How it was made.
 	struct Provenance
 	{
 		uint64_t meshHash = 0;
-		double unit = 1;             ///< metres per unit of the source file
-		double meshVolume = 0;       ///< as read [m^3]
-		bool watertight = false;     ///< as read
-		std::string repairMode;      ///< "auto", "off", "wrap"
+		double unit = 1;                  ///< metres per unit of the source file
+		double meshVolume = 0;            ///< as read [m^3]
+		bool watertight = false;          ///< as read
+		std::string repairMode;           ///< "auto", "off", "wrap"
 		std::vector<std::string> repair;  ///< what was done
 		int64_t requestedSpheres = 0;
 		double requestedFill = 1, requestedMinRadius = 0;

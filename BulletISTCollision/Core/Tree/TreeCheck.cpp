@@ -15,15 +15,9 @@ struct Bound
 	float x, y, z, r;
 };
 
-bool isFinite(const Bound& b)
-{
-	return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) && std::isfinite(b.r);
-}
+bool isFinite(const Bound& b) { return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) && std::isfinite(b.r); }
 
-bool isNear(const Bound& b)
-{
-	return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kMostReach && b.r >= 0;
-}
+bool isNear(const Bound& b) { return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kMostReach && b.r >= 0; }
 
 // All operands are floats as stored, so that each difference is exact but for one rounding: the share covers them all.
 // Below the smallest square the products lose digits.
@@ -85,7 +79,8 @@ private:
 		{
 			const Bound bound{node.x[k], node.y[k], node.z[k], node.r[k]};
 			const uint32_t child = node.child[k];
-			const bool good = child == BallNode::kNoChild ? isFinite(bound) && bound.r == 0 : isNear(bound) && descend(child, bound, path, depth + 1);
+			const bool good = child == BallNode::kNoChild ? isFinite(bound) && bound.r == 0
+														  : isNear(bound) && descend(child, bound, path, depth + 1);
 			if (!good) return false;
 		}
 		return true;
@@ -125,10 +120,7 @@ private:
 };
 }  // namespace
 
-bool isOfABody(float density, float depth)
-{
-	return (density < 4) & (std::fabs(depth) < kMostReach);
-}
+bool isOfABody(float density, float depth) { return (density < 4) & (std::fabs(depth) < kMostReach); }
 
 bool hasWholeBlocks(const BallTree& tree)
 {
@@ -161,10 +153,7 @@ bool surelyValid(const BallTree& tree, size_t block)
 	return good != 0;
 }
 
-bool surelyValidNodes(const BallTree& tree)
-{
-	return !tree.nodes.empty() && !tree.balls.empty() && Walk(tree).run();
-}
+bool surelyValidNodes(const BallTree& tree) { return !tree.nodes.empty() && !tree.balls.empty() && Walk(tree).run(); }
 
 bool surelyValid(const BallTree& tree)
 {

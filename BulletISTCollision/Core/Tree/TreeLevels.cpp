@@ -83,14 +83,14 @@ public:
 		for (const Cluster& cluster : m_clusters)
 		{
 			balls.push_back(cluster.ball);
-			gradients.emplace_back().setMatrix(normalGradient(cluster.ball, m_balls.data(), m_order.data() + cluster.begin, cluster.end - cluster.begin));
+			gradients.emplace_back().setMatrix(
+				normalGradient(cluster.ball, m_balls.data(), m_order.data() + cluster.begin, cluster.end - cluster.begin));
 		}
 		return buildBallTree(balls, gradients, threads);
 	}
 
 	/// Calls `found(sphere)` with the largest sphere of each cluster.
-	template <class Found>
-	void forEachLeader(const Found& found) const
+	template <class Found> void forEachLeader(const Found& found) const
 	{
 		const auto sphere = [&](uint32_t ball) { return m_balls[ball].sphere; };
 		for (const Cluster& cluster : m_clusters)
@@ -117,7 +117,7 @@ private:
 
 	const std::vector<MomentEllipsoid>& m_balls;
 	std::vector<uint32_t> m_order;
-	std::vector<double> m_key;         ///< by ball: its place along the axis of the current split
+	std::vector<double> m_key;        ///< by ball: its place along the axis of the current split
 	std::vector<Cluster> m_clusters;  ///< a heap
 };
 

@@ -7,9 +7,9 @@ namespace ist
 {
 /// Coarser versions of a tree of leaves, the finest first; each has a third of the balls of the one before, down to a few dozen.
 /// Cuts of one binary tree, refined where the law loses most: clusters are split by place and normal together, for a ball over both
-/// sides of a thin part would have no normal. The normals of what is merged change over a ball: an overlap reaches those first that point at the
-/// other body, and with their mean alone it would press too little. Two thirds of the memory of the leaves' tree. The same for any thread count;
-/// O(n log n).
+/// sides of a thin part would have no normal. The normals of what is merged change over a ball: an overlap reaches those first that point
+/// at the other body, and with their mean alone it would press too little. Two thirds of the memory of the leaves' tree. The same for any
+/// thread count; O(n log n).
 std::vector<BallTree> buildLevels(const BallTree& leaves, int threads = 1);
 /// For each packed sphere the coarsest of these levels at which it leads: is the largest that some ball speaks for. It does so at all finer
 /// levels, too, and among the leaves (0) each does. `spheres`: how many were packed. O(n log n), as above.

@@ -33,7 +33,8 @@ double errorAt(const InnerSphereTree& tree, double fraction, std::mt19937_64& ra
 const char* whatMayHelp(const InnerSphereTree& tree, const BuildOptions& options, bool stuck)
 {
 	if (!stuck) return "; allow more spheres (maxSpheres, --spheres), or accept a larger error";
-	if (tree.fill >= options.targetFill) return ", which fill the share that was asked for (targetFill, --fill); raise it, or accept a larger error";
+	if (tree.fill >= options.targetFill)
+		return ", which fill the share that was asked for (targetFill, --fill); raise it, or accept a larger error";
 	return ", and no more fit; accept a larger error, or lower the least radius";
 }
 }  // namespace
@@ -64,13 +65,14 @@ Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const B
 		Result<InnerSphereTree> tree = buildTree(mesh, attempt, times);
 		if (!tree) return tree;
 		const double reached = expectedForceError(tree.value(), kOverlap, kPoses, kSeed);
-		if (reached < 0) return Error{"the body cannot overlap itself by 1 % of its volume in most poses, so no force error can be promised; give --spheres"};
+		if (reached < 0)
+			return Error{
+				"the body cannot overlap itself by 1 % of its volume in most poses, so no force error can be promised; give --spheres"};
 		if (reached <= error) return tree;
 		const bool stuck = int64_t(tree.value().spheres.size()) < attempt.maxSpheres && !leavesBecomeSmaller(attempt);
 		if (stuck || attempt.maxSpheres >= options.maxSpheres)
 			return Error{"a force error of " + std::to_string(error) + " is out of reach: " + std::to_string(tree.value().spheres.size()) +
-						 " spheres give " + std::to_string(reached) +
-						 whatMayHelp(tree.value(), options, stuck)};
+				" spheres give " + std::to_string(reached) + whatMayHelp(tree.value(), options, stuck)};
 		// A little beyond the estimate, so that the next attempt is likely the last.
 		const double factor = std::clamp(1.2 * std::pow(error / reached, kSpheresPerError), 1.3, 100.0);
 		attempt.maxSpheres = std::min(options.maxSpheres, int64_t(double(attempt.maxSpheres) * factor));

@@ -32,8 +32,9 @@ std::optional<Error> prepare(TuneBody& body, int64_t spheres, const Progress& pr
 const TuneSetting& bestOf(const std::vector<TuneSetting>& settings, double error)
 {
 	const auto keeps = [&](const TuneSetting& s) { return s.error <= error; };
-	const auto better = [&](const TuneSetting& a, const TuneSetting& b)
-	{ return keeps(a) != keeps(b) ? keeps(a) : keeps(a) ? a.microseconds < b.microseconds : a.error < b.error; };
+	const auto better = [&](const TuneSetting& a, const TuneSetting& b) {
+		return keeps(a) != keeps(b) ? keeps(a) : keeps(a) ? a.microseconds < b.microseconds : a.error < b.error;
+	};
 	return *std::min_element(settings.begin(), settings.end() - 1, better);
 }
 

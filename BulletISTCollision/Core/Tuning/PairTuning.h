@@ -15,9 +15,9 @@ namespace ist
 /// One of the two bodies: a tree, or a mesh of which trees are built.
 struct TuneBody
 {
-	std::string name;          ///< with which a sentence about its mesh begins; may be empty
+	std::string name;  ///< with which a sentence about its mesh begins; may be empty
 	std::optional<Mesh> mesh;
-	InnerSphereTree tree;      ///< of a mesh the last that was built; afterwards with levels
+	InnerSphereTree tree;  ///< of a mesh the last that was built; afterwards with levels
 };
 
 struct TuneOptions
@@ -30,15 +30,16 @@ struct TuneOptions
 
 struct PairTuning
 {
-	TuneSetting best;            ///< the cheapest fixed level that promises the error; when none does, that of the smallest promise
-	bool kept = false;           ///< it promises the error
+	TuneSetting best;                   ///< the cheapest fixed level that promises the error; when none does, that of the smallest promise
+	bool kept = false;                  ///< it promises the error
 	size_t spheresA = 0, spheresB = 0;  ///< of the trees that it is for
 	std::vector<TuneSetting> alternatives;  ///< all levels of all trees that were looked at
 	std::optional<WorldNeeds> world;
 };
 
-/// The cheapest setting of two bodies, which may be one and the same, that promises a force error: the levels of their trees, and of a mesh trees of
-/// 1,000, 3,000, 9,000 ... spheres until one will do. The same for two bodies, but for the times and what is chosen by them. A fraction of a second, and
-/// what building takes. Errors: a mesh that cannot be built, half a world, those of `measureSettings` and `worldNeeds`, cancelled.
+/// The cheapest setting of two bodies, which may be one and the same, that promises a force error: the levels of their trees, and of a mesh
+/// trees of 1,000, 3,000, 9,000 ... spheres until one will do. The same for two bodies, but for the times and what is chosen by them. A
+/// fraction of a second, and what building takes. Errors: a mesh that cannot be built, half a world, those of `measureSettings` and
+/// `worldNeeds`, cancelled.
 Result<PairTuning> tunePair(TuneBody& A, TuneBody& B, const TuneOptions& options);
 }  // namespace ist

@@ -9,8 +9,7 @@ namespace ist
 {
 namespace
 {
-template <class Scalar>
-double roundingAt(double distance)
+template <class Scalar> double roundingAt(double distance)
 {
 	const Scalar x = Scalar(std::fabs(distance));
 	return 0.5 * (double(std::nextafter(x, std::numeric_limits<Scalar>::infinity())) - double(x));
@@ -26,14 +25,20 @@ double longestExplicitStep(const ContactSpring& spring)
 	return 4 * spring.mass / (c + std::sqrt(c * c + 4 * K * spring.mass));
 }
 
-double implicitRestitution(const ContactSpring& spring, double h) { return std::exp(-0.5 * std::numbers::pi * h * contactFrequency(spring)); }
+double implicitRestitution(const ContactSpring& spring, double h)
+{
+	return std::exp(-0.5 * std::numbers::pi * h * contactFrequency(spring));
+}
 
 double longestStepForRestitution(const ContactSpring& spring, double error)
 {
 	return -2 / std::numbers::pi * std::log1p(-error) / contactFrequency(spring);
 }
 
-double thicknessOf(const InnerSphereTree& tree) { return tree.area > 0 ? 2 * tree.volume / tree.area : std::numeric_limits<double>::infinity(); }
+double thicknessOf(const InnerSphereTree& tree)
+{
+	return tree.area > 0 ? 2 * tree.volume / tree.area : std::numeric_limits<double>::infinity();
+}
 
 double longestStepForThickness(double speed, double thickness) { return kMostTravel * thickness / speed; }
 

@@ -8,24 +8,20 @@
 
 namespace ist
 {
-/// Calls say(name, value) for each figure, in order, by the names under which the command and the Python module tell it. A value is a number, a truth, a
-/// text, or an optional number: nothing where there is no bound.
-template <class Say>
-void eachFigure(const TuneSetting& s, Say&& say)
+/// Calls say(name, value) for each figure, in order, by the names under which the command and the Python module tell it. A value is a
+/// number, a truth, a text, or an optional number: nothing where there is no bound.
+template <class Say> void eachFigure(const TuneSetting& s, Say&& say)
 {
 	say("spheres", s.spheres);
-	if (s.level < 0)
-		say("level", "by pose");
-	else
-		say("level", s.level);
+	if (s.level < 0) say("level", "by pose");
+	else say("level", s.level);
 	say("error", s.error);
 	say("time_us", s.microseconds);
 	say("pairs", s.pairs);
 	say("patches", s.patches);
 }
 
-template <class Say>
-void eachFigure(const WorldNeeds& needs, Say&& say)
+template <class Say> void eachFigure(const WorldNeeds& needs, Say&& say)
 {
 	const auto bounded = [](double step) { return std::isfinite(step) ? std::optional<double>(step) : std::nullopt; };
 	say("precision", needs.inDouble ? "double" : "float");
@@ -40,8 +36,7 @@ void eachFigure(const WorldNeeds& needs, Say&& say)
 }
 
 /// All but the alternatives.
-template <class Say>
-void eachFigure(const PairTuning& tuning, Say&& say)
+template <class Say> void eachFigure(const PairTuning& tuning, Say&& say)
 {
 	eachFigure(tuning.best, say);
 	say("spheres_a", tuning.spheresA);

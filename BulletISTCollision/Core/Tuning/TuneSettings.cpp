@@ -16,8 +16,7 @@ namespace
 constexpr int kPosesPerOverlap = 10, kPasses = 3;
 constexpr double kHeld = 0.95;
 
-template <class Value>
-Value quantile(std::vector<Value> values, double share)
+template <class Value> Value quantile(std::vector<Value> values, double share)
 {
 	const auto at = values.begin() + ptrdiff_t(share * double(values.size() - 1) + 0.5);
 	std::nth_element(values.begin(), at, values.end());
@@ -27,8 +26,7 @@ Value quantile(std::vector<Value> values, double share)
 /// The error that 95 % of the poses stay under: each promise is twice the standard deviation of a normal error.
 double jointError(const std::vector<double>& promises)
 {
-	const auto held = [&](double error)
-	{
+	const auto held = [&](double error) {
 		double sum = 0;
 		for (double promise : promises) sum += promise > 0 ? std::erf(std::sqrt(2.0) * error / promise) : 1;
 		return sum / double(promises.size());
@@ -46,7 +44,10 @@ class Measurement
 {
 public:
 	Measurement(const InnerSphereTree& A, const InnerSphereTree& B, const Progress& progress)
-		: m_A(A), m_B(B), m_progress(progress), m_rounds(kPasses * (levelCount(A, B) + 2))
+		: m_A(A),
+		  m_B(B),
+		  m_progress(progress),
+		  m_rounds(kPasses * (levelCount(A, B) + 2))
 	{
 		std::mt19937_64 random(1);
 		for (const double overlap : kOverlapsOfContact)
@@ -89,7 +90,8 @@ private:
 				const auto start = std::chrono::steady_clock::now();
 				const PromisedOverlap answer = queryToError(m_A, m_B, m_poses[i], m_workspace, accepted);
 				times[i] = std::min(times[i], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
-				if (answer.overlap.status != QueryStatus::Ok) return Error{std::string("a query was refused: ") + toString(answer.overlap.status)};
+				if (answer.overlap.status != QueryStatus::Ok)
+					return Error{std::string("a query was refused: ") + toString(answer.overlap.status)};
 				errors[i] = answer.promise;
 				patches[i] = answer.overlap.patchCount;
 				const OverlapIntegrals& total = answer.overlap.total;

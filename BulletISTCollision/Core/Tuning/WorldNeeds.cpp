@@ -33,7 +33,8 @@ std::optional<Error> problemOf(const WorldSetup& setup)
 	return Error{"a step can be chosen only with both a stiffness and a mass"};
 }
 
-Result<WorldNeeds> worldNeeds(const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error)
+Result<WorldNeeds> worldNeeds(
+	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error)
 {
 	if (const std::optional<Error> problem = problemOf(setup)) return *problem;
 	const double k = *setup.stiffness, m = *setup.mass, volume = m * kGravity / k, area = areaAt(contacts, volume);

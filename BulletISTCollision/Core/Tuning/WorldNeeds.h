@@ -18,7 +18,8 @@ struct WorldSetup
 	double distance = 0;              ///< from the origin of the world [m]
 };
 
-/// What a world must be like so that neither its step nor its numbers err by more than is accepted. The contact is that of the body at rest under its weight.
+/// What a world must be like so that neither its step nor its numbers err by more than is accepted. The contact is that of the body at rest
+/// under its weight.
 struct WorldNeeds
 {
 	double restDepth = 0;        ///< overlap volume over area, m g / (k A) [m]
@@ -36,5 +37,6 @@ struct WorldNeeds
 std::optional<Error> problemOf(const WorldSetup& setup);
 
 /// Errors: `problemOf`, contacts without area.
-Result<WorldNeeds> worldNeeds(const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error);
+Result<WorldNeeds> worldNeeds(
+	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error);
 }  // namespace ist

@@ -20,18 +20,15 @@ struct SensorRow
 	double fist;  ///< angle of the joint in a fist [rad]; zero: the fist says nothing of it
 };
 
-const SensorRow kRows[kGloveSensors] = {
-	{"thumb_roll", 90 * kDegree, 0},			 {"thumb_metacarpal_bend", 90 * kDegree, 50 * kDegree},
-	{"thumb_bend", 90 * kDegree, 50 * kDegree},	 {"thumb_abduction", 60 * kDegree, 0},
-	{"index_knuckle", 110 * kDegree, 90 * kDegree},	 {"index_middle", 120 * kDegree, 90 * kDegree},
-	{"index_end", 90 * kDegree, 60 * kDegree},	 {"middle_knuckle", 110 * kDegree, 90 * kDegree},
-	{"middle_middle", 120 * kDegree, 90 * kDegree},	 {"middle_end", 90 * kDegree, 60 * kDegree},
-	{"middle_index_abduction", 45 * kDegree, 0}, {"ring_knuckle", 110 * kDegree, 90 * kDegree},
-	{"ring_middle", 120 * kDegree, 90 * kDegree},	 {"ring_end", 90 * kDegree, 60 * kDegree},
-	{"ring_middle_abduction", 45 * kDegree, 0},	 {"little_knuckle", 110 * kDegree, 90 * kDegree},
-	{"little_middle", 120 * kDegree, 90 * kDegree},	 {"little_end", 90 * kDegree, 60 * kDegree},
-	{"little_ring_abduction", 45 * kDegree, 0},	 {"palm_arch", 40 * kDegree, 0},
-	{"wrist_pitch", 140 * kDegree, 0},			 {"wrist_yaw", 60 * kDegree, 0}};
+const SensorRow kRows[kGloveSensors] = {{"thumb_roll", 90 * kDegree, 0}, {"thumb_metacarpal_bend", 90 * kDegree, 50 * kDegree},
+	{"thumb_bend", 90 * kDegree, 50 * kDegree}, {"thumb_abduction", 60 * kDegree, 0}, {"index_knuckle", 110 * kDegree, 90 * kDegree},
+	{"index_middle", 120 * kDegree, 90 * kDegree}, {"index_end", 90 * kDegree, 60 * kDegree},
+	{"middle_knuckle", 110 * kDegree, 90 * kDegree}, {"middle_middle", 120 * kDegree, 90 * kDegree},
+	{"middle_end", 90 * kDegree, 60 * kDegree}, {"middle_index_abduction", 45 * kDegree, 0}, {"ring_knuckle", 110 * kDegree, 90 * kDegree},
+	{"ring_middle", 120 * kDegree, 90 * kDegree}, {"ring_end", 90 * kDegree, 60 * kDegree}, {"ring_middle_abduction", 45 * kDegree, 0},
+	{"little_knuckle", 110 * kDegree, 90 * kDegree}, {"little_middle", 120 * kDegree, 90 * kDegree},
+	{"little_end", 90 * kDegree, 60 * kDegree}, {"little_ring_abduction", 45 * kDegree, 0}, {"palm_arch", 40 * kDegree, 0},
+	{"wrist_pitch", 140 * kDegree, 0}, {"wrist_yaw", 60 * kDegree, 0}};
 }  // namespace
 
 GloveAngles GloveCalibration::angles(const GloveValues& values) const noexcept
@@ -68,8 +65,8 @@ ist::Result<GloveCalibration> calibrateGlove(const GloveValues& flat, const Glov
 		const int span = fist[i] - flat[i];
 		if (std::abs(span) < kLeastSpan)
 			return ist::Error{"the sensor " + std::string(kRows[i].name) + " moves by " + std::to_string(std::abs(span)) +
-								  " steps between the flat hand and the fist; is the glove on, and were the poses held?",
-							  false};
+					" steps between the flat hand and the fist; is the glove on, and were the poses held?",
+				false};
 		result.gain[i] = kRows[i].fist / span;
 	}
 	return result;

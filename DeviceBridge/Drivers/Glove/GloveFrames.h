@@ -27,7 +27,8 @@ public:
 			return false;
 		}
 		const std::size_t sensors = m_count - 1;
-		const bool whole = m_count > 0 && m_bytes[0] == 'S' && (sensors == 18 || sensors == 22) && (m_wanted == 0 || sensors == static_cast<std::size_t>(m_wanted));
+		const bool whole = m_count > 0 && m_bytes[0] == 'S' && (sensors == 18 || sensors == 22) &&
+			(m_wanted == 0 || sensors == static_cast<std::size_t>(m_wanted));
 		m_count = 0;
 		if (!whole)
 		{

@@ -13,16 +13,16 @@ constexpr double kThumbBones[3] = {0.046, 0.032, 0.022}, kThumbRadii[4] = {0.014
 
 struct FingerModel
 {
-	int first;         ///< joint of its metacarpal
-	int knuckle;       ///< sensor
+	int first;    ///< joint of its metacarpal
+	int knuckle;  ///< sensor
 	double metacarpal, knuckleX, knuckleZ;
 	double bones[3];
-	double arch;       ///< share of the palm's arch
+	double arch;  ///< share of the palm's arch
 };
 constexpr FingerModel kFingers[4] = {{kIndexMetacarpal, kIndexKnuckle, -0.016, -0.025, -0.086, {0.040, 0.022, 0.016}, 0},
-									 {kMiddleMetacarpal, kMiddleKnuckle, -0.005, -0.004, -0.088, {0.045, 0.026, 0.030}, 0},
-									 {kRingMetacarpal, kRingKnuckle, 0.006, 0.016, -0.083, {0.041, 0.026, 0.017}, 0.5},
-									 {kLittleMetacarpal, kLittleKnuckle, 0.016, 0.034, -0.074, {0.033, 0.018, 0.016}, 1}};
+	{kMiddleMetacarpal, kMiddleKnuckle, -0.005, -0.004, -0.088, {0.045, 0.026, 0.030}, 0},
+	{kRingMetacarpal, kRingKnuckle, 0.006, 0.016, -0.083, {0.041, 0.026, 0.017}, 0.5},
+	{kLittleMetacarpal, kLittleKnuckle, 0.016, 0.034, -0.074, {0.033, 0.018, 0.016}, 1}};
 constexpr double kFingerRadii[5] = {0.013, 0.011, 0.009, 0.008, 0.007};
 
 ist::Mat3 turn(const ist::Vec3& by) { return rotationMatrix(ist::quaternionFromRotationVector(by)); }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/Drivers/Glove/GloveAngles.h"
 #include "DeviceBridge/Device/HandState.h"
+#include "DeviceBridge/Drivers/Glove/GloveAngles.h"
 
 namespace devicebridge
 {

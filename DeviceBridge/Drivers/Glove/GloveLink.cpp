@@ -17,9 +17,9 @@ namespace devicebridge
 {
 namespace
 {
-constexpr int kWait = 5;                               // [ms]
-constexpr std::int64_t kSettling = 300'000'000;        // after a command [ns]
-constexpr std::int64_t kFirstFrame = 2'000'000'000;    // [ns]
+constexpr int kWait = 5;                             // [ms]
+constexpr std::int64_t kSettling = 300'000'000;      // after a command [ns]
+constexpr std::int64_t kFirstFrame = 2'000'000'000;  // [ns]
 constexpr const char *kStop = "\x03", *kNoStatus = "u 0\r", *kStream = "S";
 }  // namespace
 
@@ -59,8 +59,9 @@ ist::Result<DeviceInfo> GloveLink::connect() noexcept
 		if (event == Event::Lost) return ist::Error{m_complaint, false};
 		if (clock.now() > deadline)
 			return ist::Error{"what is on " + line + " sends no frames of " +
-								  (m_settings.sensors ? std::to_string(m_settings.sensors) : std::string("18 or 22")) + " sensors; is the glove switched on?",
-							  false};
+					(m_settings.sensors ? std::to_string(m_settings.sensors) : std::string("18 or 22")) +
+					" sensors; is the glove switched on?",
+				false};
 	}
 	DeviceInfo info;
 	info.uri = m_uri;

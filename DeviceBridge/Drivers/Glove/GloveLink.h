@@ -25,7 +25,11 @@ ist::Result<GloveSettings> gloveSettings(const std::string& rest);
 class GloveLink final : public DeviceLink
 {
 public:
-	GloveLink(GloveSettings settings, std::string uri) : m_settings(std::move(settings)), m_uri(std::move(uri)), m_frames(m_settings.sensors) {}
+	GloveLink(GloveSettings settings, std::string uri)
+		: m_settings(std::move(settings)),
+		  m_uri(std::move(uri)),
+		  m_frames(m_settings.sensors)
+	{}
 	~GloveLink() override { disconnect(); }
 
 	ist::Result<DeviceInfo> connect() noexcept override;

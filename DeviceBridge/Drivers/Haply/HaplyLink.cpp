@@ -11,9 +11,9 @@
 #include <exception>
 #include <utility>
 
-#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Drivers/AssumedLimits.h"
 #include "DeviceBridge/Drivers/Haply/HaplyMessages.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 namespace devicebridge
 {
@@ -40,15 +40,20 @@ public:
 		const auto found = resolver.resolve(address.host, address.port, failure);
 		if (failure) return failure.message();
 		auto& stream = beast::get_lowest_layer(m_socket);
-		if (!finish(kConnecting, [&](auto done) { stream.async_connect(found, [done](Failure f, const tcp::endpoint&) { done(f); }); }, failure)) return failure.message();
+		if (!finish(
+				kConnecting, [&](auto done) { stream.async_connect(found, [done](Failure f, const tcp::endpoint&) { done(f); }); },
+				failure))
+			return failure.message();
 		stream.socket().set_option(tcp::no_delay(true), failure);
-		finish(kConnecting, [&](auto done) { m_socket.async_handshake(address.host + ":" + address.port, "/", done); }, failure);
+		finish(
+			kConnecting, [&](auto done) { m_socket.async_handshake(address.host + ":" + address.port, "/", done); }, failure);
 		return failure ? failure.message() : std::string();
 	}
 	/// False: the message did not go out in time.
 	bool send(const std::string& text, Failure& failure)
 	{
-		return finish(kSending, [&](auto done) { m_socket.async_write(asio::buffer(text), [done](Failure f, std::size_t) { done(f); }); }, failure);
+		return finish(
+			kSending, [&](auto done) { m_socket.async_write(asio::buffer(text), [done](Failure f, std::size_t) { done(f); }); }, failure);
 	}
 	/// A message, if one has come within the time; waits on next time where it has stopped.
 	bool receive(std::int64_t patience, std::string& text, Failure& failure)
@@ -58,12 +63,10 @@ public:
 			m_reading = true;
 			m_received = false;
 			m_readFailure = {};
-			m_socket.async_read(m_buffer,
-								[this](Failure f, std::size_t)
-								{
-									m_readFailure = f;
-									m_received = true;
-								});
+			m_socket.async_read(m_buffer, [this](Failure f, std::size_t) {
+				m_readFailure = f;
+				m_received = true;
+			});
 		}
 		runUntil(patience, m_received);
 		failure = m_readFailure;
@@ -76,8 +79,7 @@ public:
 
 private:
 	/// Starts an operation and waits for its end; what has not ended in time ends with the socket.
-	template <class Start>
-	bool finish(std::int64_t patience, const Start& start, Failure& failure)
+	template <class Start> bool finish(std::int64_t patience, const Start& start, Failure& failure)
 	{
 		const auto ended = std::make_shared<std::pair<bool, Failure>>(false, Failure());
 		start([ended](Failure f) { *ended = {true, f}; });
@@ -90,8 +92,7 @@ private:
 		const auto deadline = std::chrono::steady_clock::now() + std::chrono::nanoseconds(patience);
 		m_context.restart();
 		while (!ended && m_context.run_one_until(deadline) > 0)
-		{
-		}
+		{}
 	}
 
 	asio::io_context m_context;
@@ -101,7 +102,8 @@ private:
 	Failure m_readFailure;
 };
 
-HaplyLink::HaplyLink(HaplyAddress address, std::string uri) : m_address(std::move(address)), m_uri(std::move(uri)), m_gripId(m_address.grip) {}
+HaplyLink::HaplyLink(HaplyAddress address, std::string uri) : m_address(std::move(address)), m_uri(std::move(uri)), m_gripId(m_address.grip)
+{}
 
 HaplyLink::~HaplyLink() { disconnect(); }
 
@@ -131,7 +133,8 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	const auto read = readHaplyMessage(text, m_address.device, m_gripId);
 	if (!read) return ist::Error{where + ": " + read.error().message, false};
 	if (!read.value())
-		return ist::Error{"the Haply Inverse service at " + where + " has no device" + (m_address.device.empty() ? "" : " " + m_address.device), false};
+		return ist::Error{
+			"the Haply Inverse service at " + where + " has no device" + (m_address.device.empty() ? "" : " " + m_address.device), false};
 	const HaplyState& state = *read.value();
 	m_deviceId = state.deviceId, m_kind = state.kind;
 	// Connected again, a grip that is asleep stands as it was heard last.
@@ -189,7 +192,8 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 	if (!read) return lost(read.error().message);
 	const std::int64_t now = RealClock().now();
 	// A message about other things is no news; one second without the device is its loss.
-	if (!read.value()) return now - m_lastMessage > kAnswering ? lost("the device " + m_deviceId + " has left the Haply Inverse service") : Event::Nothing;
+	if (!read.value())
+		return now - m_lastMessage > kAnswering ? lost("the device " + m_deviceId + " has left the Haply Inverse service") : Event::Nothing;
 	m_lastMessage = now;
 	const HaplyState& state = *read.value();
 	sample.state.X_WH.translation = state.position;
@@ -200,7 +204,8 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 	return Event::Sample;
 }
 
-/// The service gives no angular velocity. A grip that is asleep or out of range stands as it was heard last; the grip is the same from then on.
+/// The service gives no angular velocity. A grip that is asleep or out of range stands as it was heard last; the grip is the same from then
+/// on.
 void HaplyLink::turn(const HaplyState& heard, std::int64_t now, DeviceState& state)
 {
 	if (heard.orientation)
@@ -228,8 +233,7 @@ void HaplyLink::disconnect() noexcept
 		if (m_socket && !m_deviceId.empty()) m_socket->send(haplyForceMessage(m_kind, m_deviceId, {}, m_address.valuesForVector), failure);
 	}
 	catch (const std::exception&)
-	{
-	}
+	{}
 	m_socket.reset();
 	m_deviceId.clear();
 }

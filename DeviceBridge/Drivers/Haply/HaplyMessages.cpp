@@ -41,7 +41,8 @@ void readGrip(const Json& grip, const std::string& wanted, HaplyState& state)
 	if (v && (*members)["orientation"].contains("w") && (*members)["orientation"]["w"].is_number())
 	{
 		const double w = (*members)["orientation"]["w"].get<double>(), length = std::sqrt(dot(*v, *v) + w * w);
-		if (length > 0.5 && length < 2) state.orientation = ist::Quaternion{v->x / length, v->y / length, v->z / length, w / length}, state.gripId = id;
+		if (length > 0.5 && length < 2)
+			state.orientation = ist::Quaternion{v->x / length, v->y / length, v->z / length, w / length}, state.gripId = id;
 	}
 	const auto buttons = members->find("buttons");
 	if (buttons == members->end() || !buttons->is_object()) return;

@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include "DeviceBridge/Device/DeviceAddress.h"
-#include "DeviceBridge/Drivers/DeviceRegistry.h"
-#include "DeviceBridge/Drivers/BuiltDrivers.h"
-#include "DeviceBridge/Drivers/Haply/HaplyLink.h"
 #include "DeviceBridge/Device/ThreadedDevice.h"
+#include "DeviceBridge/Drivers/BuiltDrivers.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Haply/HaplyLink.h"
 
 namespace devicebridge
 {
@@ -56,9 +56,14 @@ std::string haplyMissing()
 		if (probe >= 0) close(probe);
 	}
 	if (found) freeaddrinfo(found);
-	return there ? std::string() : "nothing listens on " + usual.host + ":" + usual.port + "; install and start the Haply Inverse service, or name its host";
+	return there
+		? std::string()
+		: "nothing listens on " + usual.host + ":" + usual.port + "; install and start the Haply Inverse service, or name its host";
 }
 }  // namespace
 
-void addHaply(DeviceRegistry& registry) { registry.addScheme("haply", makeHaply, "Haply Inverse service, haply://HOST:PORT?device=ID&grip=ID&api=3.5", haplyMissing); }
+void addHaply(DeviceRegistry& registry)
+{
+	registry.addScheme("haply", makeHaply, "Haply Inverse service, haply://HOST:PORT?device=ID&grip=ID&api=3.5", haplyMissing);
+}
 }  // namespace devicebridge

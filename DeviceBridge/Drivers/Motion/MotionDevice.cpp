@@ -2,8 +2,8 @@
 #include "DeviceBridge/Drivers/Motion/MotionDevice.h"
 
 #include "DeviceBridge/Device/DeviceAddress.h"
-#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Hand/BvhHand.h"
 
 namespace devicebridge

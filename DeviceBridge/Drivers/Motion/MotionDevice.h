@@ -6,8 +6,8 @@
 
 namespace devicebridge
 {
-/// Plays the motion of a hand, as a tracker would: its first frame at the first read, and from there by the clock. The handle is the palm; while that is not
-/// tracked it stays, and kHandPresent is not set. After the last frame it does not answer. Exerts nothing.
+/// Plays the motion of a hand, as a tracker would: its first frame at the first read, and from there by the clock. The handle is the palm;
+/// while that is not tracked it stays, and kHandPresent is not set. After the last frame it does not answer. Exerts nothing.
 class MotionDevice final : public Device
 {
 public:

@@ -5,14 +5,15 @@
 #include <cmath>
 #include <utility>
 
-#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Drivers/OpenXr/OpenXrSession.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 namespace devicebridge
 {
 static_assert(static_cast<int>(kHandJoints) == XR_HAND_JOINT_COUNT_EXT && static_cast<int>(kPalm) == XR_HAND_JOINT_PALM_EXT);
 static_assert(static_cast<int>(kThumbTip) == XR_HAND_JOINT_THUMB_TIP_EXT && static_cast<int>(kIndexTip) == XR_HAND_JOINT_INDEX_TIP_EXT);
-static_assert(static_cast<int>(kLittleTip) == XR_HAND_JOINT_LITTLE_TIP_EXT && static_cast<int>(kMiddleMetacarpal) == XR_HAND_JOINT_MIDDLE_METACARPAL_EXT);
+static_assert(static_cast<int>(kLittleTip) == XR_HAND_JOINT_LITTLE_TIP_EXT &&
+	static_cast<int>(kMiddleMetacarpal) == XR_HAND_JOINT_MIDDLE_METACARPAL_EXT);
 
 namespace
 {
@@ -115,7 +116,8 @@ DeviceLink::Event OpenXrLink::exchange(const DeviceCommand&, DeviceSample& sampl
 	for (int i = 0; i < kHandJoints; ++i)
 	{
 		const XrHandJointLocationEXT& j = t.joints[i];
-		if (t.tracked(i)) sample.hand.joints[static_cast<std::size_t>(i)] = {vec(j.pose.position), unit(j.pose.orientation), j.radius, true};
+		if (t.tracked(i))
+			sample.hand.joints[static_cast<std::size_t>(i)] = {vec(j.pose.position), unit(j.pose.orientation), j.radius, true};
 	}
 	if (t.tracked(kPalm)) m_lastPalm = {rotationMatrix(unit(t.joints[kPalm].pose.orientation)), vec(t.joints[kPalm].pose.position)};
 	else sample.state.flags &= ~static_cast<std::uint32_t>(kHandPresent);

@@ -9,7 +9,8 @@ namespace devicebridge
 {
 namespace
 {
-constexpr const char* kExtensions[] = {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_MND_HEADLESS_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME};
+constexpr const char* kExtensions[] = {
+	XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_MND_HEADLESS_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME};
 
 /// The first of the extensions that the runtime lacks; empty when it has all.
 std::string missingExtension()
@@ -27,8 +28,7 @@ std::string missingExtension()
 	return {};
 }
 
-template <class Function>
-bool find(XrInstance instance, const char* name, Function& function)
+template <class Function> bool find(XrInstance instance, const char* name, Function& function)
 {
 	return XR_SUCCEEDED(xrGetInstanceProcAddr(instance, name, reinterpret_cast<PFN_xrVoidFunction*>(&function)));
 }
@@ -75,13 +75,15 @@ std::string OpenXrSession::createInstance()
 	if (XR_FAILED(result))
 	{
 		m_instance = XR_NULL_HANDLE;
-		return "no OpenXR runtime (" + openXrError(m_instance, result) + "); install one, for instance Monado, and start it, or name it in XR_RUNTIME_JSON";
+		return "no OpenXR runtime (" + openXrError(m_instance, result) +
+			"); install one, for instance Monado, and start it, or name it in XR_RUNTIME_JSON";
 	}
 	XrInstanceProperties properties{};
 	properties.type = XR_TYPE_INSTANCE_PROPERTIES;
 	if (XR_SUCCEEDED(xrGetInstanceProperties(m_instance, &properties))) m_runtimeName = properties.runtimeName;
 	Functions& f = m_functions;
-	if (find(m_instance, "xrCreateHandTrackerEXT", f.createHandTracker) && find(m_instance, "xrDestroyHandTrackerEXT", f.destroyHandTracker) &&
+	if (find(m_instance, "xrCreateHandTrackerEXT", f.createHandTracker) &&
+		find(m_instance, "xrDestroyHandTrackerEXT", f.destroyHandTracker) &&
 		find(m_instance, "xrLocateHandJointsEXT", f.locateHandJoints) && find(m_instance, "xrConvertTimespecTimeToTimeKHR", f.convertTime))
 		return {};
 	return "the OpenXR runtime lacks a function of hand tracking";

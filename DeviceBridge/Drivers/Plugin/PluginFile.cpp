@@ -38,7 +38,7 @@ std::string flawOf(const devicebridge_plugin* plugin, const std::string& name)
 	if (!plugin) return "its entry gives nothing";
 	if (plugin->version != DEVICEBRIDGE_PLUGIN_VERSION)
 		return "it was made for version " + std::to_string(plugin->version) + " of the plug-in interface, this library has " +
-			   std::to_string(DEVICEBRIDGE_PLUGIN_VERSION);
+			std::to_string(DEVICEBRIDGE_PLUGIN_VERSION);
 	if (plugin->size < sizeof(devicebridge_plugin)) return "its table of functions is too short";
 	if (!plugin->name || name != plugin->name) return "it calls itself " + std::string(plugin->name ? plugin->name : "nothing");
 	if (!plugin->open || !plugin->exchange || !plugin->close) return "it lacks one of open, exchange and close";

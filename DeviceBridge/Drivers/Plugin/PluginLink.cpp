@@ -17,11 +17,7 @@ static_assert(static_cast<int>(kReady) == (DEVICEBRIDGE_CALIBRATED | DEVICEBRIDG
 
 namespace
 {
-template <std::size_t N>
-std::string text(const char (&field)[N])
-{
-	return {field, std::find(field, field + N, '\0')};
-}
+template <std::size_t N> std::string text(const char (&field)[N]) { return {field, std::find(field, field + N, '\0')}; }
 
 ist::Vec3 vec(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
@@ -64,7 +60,8 @@ void copyHand(const devicebridge_state& from, HandState& to)
 	for (std::size_t i = 0; i < to.joints.size(); ++i)
 	{
 		const devicebridge_joint& j = from.joints[i];
-		to.joints[i] = {vec(j.position), {j.orientation[0], j.orientation[1], j.orientation[2], j.orientation[3]}, j.radius, j.tracked != 0};
+		to.joints[i] = {
+			vec(j.position), {j.orientation[0], j.orientation[1], j.orientation[2], j.orientation[3]}, j.radius, j.tracked != 0};
 	}
 }
 
@@ -78,9 +75,10 @@ void resetState(devicebridge_state& state)
 }  // namespace
 
 PluginLink::PluginLink(const devicebridge_plugin& plugin, std::string address, std::string uri)
-	: m_plugin(plugin), m_address(std::move(address)), m_uri(std::move(uri))
-{
-}
+	: m_plugin(plugin),
+	  m_address(std::move(address)),
+	  m_uri(std::move(uri))
+{}
 
 std::string PluginLink::complaint() const
 {
@@ -95,7 +93,8 @@ ist::Result<DeviceInfo> PluginLink::connect() noexcept
 	m_why.fill('\0');
 	resetState(m_state);
 	m_device = m_plugin.open(m_address.c_str(), &info, m_why.data(), m_why.size());
-	if (!m_device && m_why[0] == '\0') return ist::Error{"the plug-in " + std::string(m_plugin.name) + " opens no device and does not say why", false};
+	if (!m_device && m_why[0] == '\0')
+		return ist::Error{"the plug-in " + std::string(m_plugin.name) + " opens no device and does not say why", false};
 	if (!m_device) return ist::Error{complaint(), false};
 	m_hasHand = (info.sensed & DEVICEBRIDGE_HAND) != 0;
 	return infoOf(info, m_uri);

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "DeviceBridge/Device/ThreadedDevice.h"
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Plugin/PluginFile.h"
 #include "DeviceBridge/Drivers/Plugin/PluginLink.h"
-#include "DeviceBridge/Device/ThreadedDevice.h"
 
 namespace devicebridge
 {
@@ -59,10 +59,11 @@ void addPluginSchemes(DeviceRegistry& registry)
 	registry.addScheme("plugin", makeByPath, "a device of a plug-in, plugin:NAME/ADDRESS", noPlugins);
 	addNamed(registry, "dhd", "Force Dimension devices through libdhd, dhd:INDEX (plug-in)");
 	addNamed(registry, "hd", "Touch and Phantom devices through OpenHaptics, hd:CONFIGURATION (plug-in)");
-	addNamed(registry, "chai3d", "haptic devices through CHAI3D, chai3d:INDEX (plug-in)", "; it is built where CMake finds CHAI3D (CHAI3D_DIR)");
+	addNamed(
+		registry, "chai3d", "haptic devices through CHAI3D, chai3d:INDEX (plug-in)", "; it is built where CMake finds CHAI3D (CHAI3D_DIR)");
 	addNamed(registry, "virtuose", "Haption Virtuose devices through the Virtuose API, virtuose:HOST (plug-in)");
 	addNamed(registry, "vrpn", "trackers and force devices of a VRPN server, vrpn://HOST:PORT/TRACKER (plug-in)",
-			 "; it is built where CMake finds VRPN (CMAKE_PREFIX_PATH)");
+		"; it is built where CMake finds VRPN (CMAKE_PREFIX_PATH)");
 	for (const std::string& name : pluginNames()) addNamed(registry, name, "plug-in " + name);
 }
 }  // namespace devicebridge

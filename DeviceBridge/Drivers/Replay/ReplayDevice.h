@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Device/Recording.h"
+#include "DeviceBridge/Timing/Clock.h"
 
 namespace devicebridge
 {

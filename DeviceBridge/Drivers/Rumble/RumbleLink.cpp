@@ -65,7 +65,9 @@ ist::Result<DeviceInfo> RumbleLink::connect() noexcept
 	m_initialised = true;
 	int count = 0;
 	const int index = controllerAt(m_settings.index, count);
-	if (index < 0) return ist::Error{"SDL finds " + std::to_string(count) + " game controllers, there is no rumble:" + std::to_string(m_settings.index), false};
+	if (index < 0)
+		return ist::Error{
+			"SDL finds " + std::to_string(count) + " game controllers, there is no rumble:" + std::to_string(m_settings.index), false};
 	m_controller = SDL_GameControllerOpen(index);
 	if (!m_controller) return ist::Error{std::string("SDL cannot open the game controller: ") + SDL_GetError(), false};
 	m_low = m_high = 0;
@@ -111,7 +113,8 @@ DeviceLink::Event RumbleLink::exchange(const DeviceCommand& command, DeviceSampl
 	const std::int64_t now = clock.now();
 	rumble(command.wrench, now);
 	// SDL counts down as positive.
-	const ist::Vec3 position = m_settings.reach * ist::Vec3{axis(SDL_CONTROLLER_AXIS_LEFTX), -axis(SDL_CONTROLLER_AXIS_LEFTY), axis(SDL_CONTROLLER_AXIS_RIGHTY)};
+	const ist::Vec3 position = m_settings.reach *
+		ist::Vec3{axis(SDL_CONTROLLER_AXIS_LEFTX), -axis(SDL_CONTROLLER_AXIS_LEFTY), axis(SDL_CONTROLLER_AXIS_RIGHTY)};
 	const double dt = 1e-9 * static_cast<double>(now - m_lastTime);
 	if (m_lastTime != 0 && dt > 0) sample.state.twist.linear = (position - m_position) / dt;
 	m_position = position;

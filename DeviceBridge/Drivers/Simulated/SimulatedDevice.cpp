@@ -17,10 +17,7 @@ ist::Mat3 turned(const ist::Mat3& rotation, const ist::Vec3& by)
 	return rotationMatrix(ist::quaternionFromRotationVector(by) * ist::quaternion(rotation));
 }
 
-ist::Vec3 turnBetween(const ist::Mat3& from, const ist::Mat3& to)
-{
-	return rotationVector(ist::quaternion(to * transpose(from)));
-}
+ist::Vec3 turnBetween(const ist::Mat3& from, const ist::Mat3& to) { return rotationVector(ist::quaternion(to * transpose(from))); }
 
 ist::Vec3 quantised(const ist::Vec3& v, double step)
 {
@@ -32,11 +29,9 @@ ist::Vec3 quantised(const ist::Vec3& v, double step)
 HandScript handThrough(std::vector<HandKeyFrame> frames)
 {
 	std::stable_sort(frames.begin(), frames.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
-	return [frames = std::move(frames)](double t) -> HandTarget
-	{
+	return [frames = std::move(frames)](double t) -> HandTarget {
 		if (frames.empty()) return {};
-		const auto next =
-			std::upper_bound(frames.begin(), frames.end(), t, [](double time, const auto& f) { return time < f.time; });
+		const auto next = std::upper_bound(frames.begin(), frames.end(), t, [](double time, const auto& f) { return time < f.time; });
 		if (next == frames.begin()) return {next->pose, {}};
 		const HandKeyFrame& a = *(next - 1);
 		if (next == frames.end()) return {a.pose, {}};
@@ -116,22 +111,22 @@ ist::Wrench SimulatedDevice::handPull(double time, const ist::Pose& pose, const 
 {
 	const HandTarget target = m_script ? m_script(time) : HandTarget{m_rest, {}};
 	const SimulatedProfile& p = m_profile;
-	return {p.handStiffness * (target.pose.translation - pose.translation) +
-				p.handDamping * (target.twist.linear - twist.linear) - p.damping * twist.linear,
-			p.handAngularStiffness * turnBetween(pose.rotation, target.pose.rotation) +
-				p.handAngularDamping * (target.twist.angular - twist.angular) - p.angularDamping * twist.angular};
+	return {p.handStiffness * (target.pose.translation - pose.translation) + p.handDamping * (target.twist.linear - twist.linear) -
+			p.damping * twist.linear,
+		p.handAngularStiffness * turnBetween(pose.rotation, target.pose.rotation) +
+			p.handAngularDamping * (target.twist.angular - twist.angular) - p.angularDamping * twist.angular};
 }
 
 // Explicit midpoint rule: second order, and bounded while h is well below m / B and sqrt(m / K).
 void SimulatedDevice::substep(double time, double h, const ist::Wrench& applied)
 {
-	const auto accelerated = [&](const ist::Twist& twist, const ist::Wrench& pull, double dt)
-	{
+	const auto accelerated = [&](const ist::Twist& twist, const ist::Wrench& pull, double dt) {
 		return ist::Twist{twist.linear + (dt / m_profile.mass) * (pull.force + applied.force),
-						  twist.angular + (dt / m_profile.inertia) * (pull.torque + applied.torque)};
+			twist.angular + (dt / m_profile.inertia) * (pull.torque + applied.torque)};
 	};
-	const auto moved = [&](const ist::Twist& twist, double dt)
-	{ return ist::Pose{turned(m_pose.rotation, dt * twist.angular), m_pose.translation + dt * twist.linear}; };
+	const auto moved = [&](const ist::Twist& twist, double dt) {
+		return ist::Pose{turned(m_pose.rotation, dt * twist.angular), m_pose.translation + dt * twist.linear};
+	};
 
 	const ist::Twist middleTwist = accelerated(m_twist, handPull(time, m_pose, m_twist), h / 2);
 	const ist::Pose middlePose = moved(m_twist, h / 2);
@@ -149,13 +144,11 @@ void SimulatedDevice::report(double dt, DeviceState& state)
 	if (m_profile.info.angularResolution > 0)
 	{
 		const ist::Vec3 turn = rotationVector(ist::quaternion(m_pose.rotation));
-		state.X_WH.rotation =
-			rotationMatrix(ist::quaternionFromRotationVector(quantised(turn, m_profile.info.angularResolution)));
+		state.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(quantised(turn, m_profile.info.angularResolution)));
 	}
 	state.twist = m_twist;
 	state.velocityEstimated = m_profile.velocityFromPositions;
-	if (m_profile.velocityFromPositions)
-		state.twist.linear = dt > 0 ? (position - m_reportedPosition) / dt : ist::Vec3{};
+	if (m_profile.velocityFromPositions) state.twist.linear = dt > 0 ? (position - m_reportedPosition) / dt : ist::Vec3{};
 	m_reportedPosition = position;
 }
 }  // namespace devicebridge

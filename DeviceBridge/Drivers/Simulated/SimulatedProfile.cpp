@@ -21,7 +21,8 @@ constexpr double kLargest = 1e6;  // of any value, in SI units
 
 std::size_t lineAt(const std::string& text, std::size_t offset)
 {
-	return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size())), '\n'));
+	return 1 +
+		static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size())), '\n'));
 }
 
 /// Offset of what the parser stumbled over. A number that is too large comes without its place but with its text in quotes.
@@ -45,26 +46,13 @@ std::string where(const std::string& text, const std::string& field)
 std::map<std::string, double*> numbersOf(SimulatedProfile& p)
 {
 	DeviceInfo& i = p.info;
-	return {{"peakForce", &i.peakForce},
-			{"continuousForce", &i.continuousForce},
-			{"peakTorque", &i.peakTorque},
-			{"continuousTorque", &i.continuousTorque},
-			{"maxStiffness", &i.maxStiffness},
-			{"maxAngularStiffness", &i.maxAngularStiffness},
-			{"maxDamping", &i.maxDamping},
-			{"maxAngularDamping", &i.maxAngularDamping},
-			{"resolution", &i.resolution},
-			{"angularResolution", &i.angularResolution},
-			{"workspaceRadius", &i.workspaceRadius},
-			{"nominalRate", &i.nominalRate},
-			{"mass", &p.mass},
-			{"inertia", &p.inertia},
-			{"damping", &p.damping},
-			{"angularDamping", &p.angularDamping},
-			{"handStiffness", &p.handStiffness},
-			{"handAngularStiffness", &p.handAngularStiffness},
-			{"handDamping", &p.handDamping},
-			{"handAngularDamping", &p.handAngularDamping}};
+	return {{"peakForce", &i.peakForce}, {"continuousForce", &i.continuousForce}, {"peakTorque", &i.peakTorque},
+		{"continuousTorque", &i.continuousTorque}, {"maxStiffness", &i.maxStiffness}, {"maxAngularStiffness", &i.maxAngularStiffness},
+		{"maxDamping", &i.maxDamping}, {"maxAngularDamping", &i.maxAngularDamping}, {"resolution", &i.resolution},
+		{"angularResolution", &i.angularResolution}, {"workspaceRadius", &i.workspaceRadius}, {"nominalRate", &i.nominalRate},
+		{"mass", &p.mass}, {"inertia", &p.inertia}, {"damping", &p.damping}, {"angularDamping", &p.angularDamping},
+		{"handStiffness", &p.handStiffness}, {"handAngularStiffness", &p.handAngularStiffness}, {"handDamping", &p.handDamping},
+		{"handAngularDamping", &p.handAngularDamping}};
 }
 
 /// What is wrong with one number and its source; empty when nothing is.
@@ -85,8 +73,8 @@ std::string takeNumber(const std::string& name, const Json& entry, double& targe
 
 std::string takeFreedoms(const Json& entry, unsigned& target)
 {
-	const std::map<std::string, unsigned> known = {{"translation", kTranslation}, {"rotation", kRotation}, {"grip", kGrip},
-												   {"x", 1}, {"y", 2}, {"z", 4}};
+	const std::map<std::string, unsigned> known = {
+		{"translation", kTranslation}, {"rotation", kRotation}, {"grip", kGrip}, {"x", 1}, {"y", 2}, {"z", 4}};
 	if (!entry.is_array()) return "wants a list of translation, rotation, grip, x, y, z";
 	target = 0;
 	for (const Json& item : entry)
@@ -137,9 +125,9 @@ ist::Result<SimulatedProfile> parseSimulatedProfile(const std::string& text)
 	std::string twice;
 	std::set<std::string> seen;
 	// The parser keeps the last of two equal fields and says nothing.
-	const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed)
-	{
-		if (depth == 1 && event == Json::parse_event_t::key && !seen.insert(parsed.get<std::string>()).second) twice = parsed.get<std::string>();
+	const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
+		if (depth == 1 && event == Json::parse_event_t::key && !seen.insert(parsed.get<std::string>()).second)
+			twice = parsed.get<std::string>();
 		return true;
 	};
 	try
@@ -183,7 +171,8 @@ ist::Result<SimulatedProfile> simulatedProfile(const std::string& name)
 	}
 	if (endsWith(name, ".json")) profile = profileFromFile(name);
 	else if (!profile && profile.error().message.empty())
-		return ist::Error{"No simulated device is called '" + name + "'; known ones are " + known + ", or a file that ends with .json", false};
+		return ist::Error{
+			"No simulated device is called '" + name + "'; known ones are " + known + ", or a file that ends with .json", false};
 	if (!profile) return profile;
 	profile.value().info.uri = "sim:" + name;
 	profile.value().info.serial = "simulated";

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Device/DeviceAddress.h"
-#include "DeviceBridge/Drivers/DeviceRegistry.h"
-#include "DeviceBridge/Drivers/BuiltDrivers.h"
-#include "DeviceBridge/Drivers/Spnav/SpnavLink.h"
 #include "DeviceBridge/Device/ThreadedDevice.h"
+#include "DeviceBridge/Drivers/BuiltDrivers.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Spnav/SpnavLink.h"
 
 namespace devicebridge
 {
@@ -24,5 +24,8 @@ ist::Result<std::unique_ptr<Device>> makeSpnav(const std::string& rest)
 }
 }  // namespace
 
-void addSpnav(DeviceRegistry& registry) { registry.addScheme("spnav", makeSpnav, "6-DOF mouse through spacenavd, spnav:?speed=M/S&turn=RAD/S", spnavMissing); }
+void addSpnav(DeviceRegistry& registry)
+{
+	registry.addScheme("spnav", makeSpnav, "6-DOF mouse through spacenavd, spnav:?speed=M/S&turn=RAD/S", spnavMissing);
+}
 }  // namespace devicebridge

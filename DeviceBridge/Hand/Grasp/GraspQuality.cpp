@@ -14,9 +14,9 @@ namespace devicebridge
 namespace
 {
 constexpr int kSpace = 6;
-constexpr double kJoggle = 1e-6;     // of the points, so that no seven lie in one hyperplane
-constexpr double kFlat = 1e-6;       // thinner than so much of its size a hull has no inside
-constexpr double kGained = 1e-9;     // a point so much of the largest one's length beyond a facet moves it
+constexpr double kJoggle = 1e-6;  // of the points, so that no seven lie in one hyperplane
+constexpr double kFlat = 1e-6;    // thinner than so much of its size a hull has no inside
+constexpr double kGained = 1e-9;  // a point so much of the largest one's length beyond a facet moves it
 using Point = std::array<double, kSpace>;
 
 double inner(const Point& a, const Point& b)
@@ -177,10 +177,10 @@ private:
 void addWrenches(const GraspContact& contact, const GraspQualityOptions& options, std::vector<Point>& out)
 {
 	const Vec3 n = normalized(contact.normal);
-	const bool good = isFinite(contact.point) && isFinite(n) && norm(n) > 0 && contact.friction >= 0 && std::isfinite(contact.friction) && contact.frictionRadius >= 0 && std::isfinite(contact.frictionRadius);
+	const bool good = isFinite(contact.point) && isFinite(n) && norm(n) > 0 && contact.friction >= 0 && std::isfinite(contact.friction) &&
+		contact.frictionRadius >= 0 && std::isfinite(contact.frictionRadius);
 	if (!good) return;
-	const auto add = [&](const Vec3& force, double drilling)
-	{
+	const auto add = [&](const Vec3& force, double drilling) {
 		const Vec3 torque = (cross(contact.point, force) + drilling * n) / options.length;
 		if (isFinite(torque)) out.push_back({force.x, force.y, force.z, torque.x, torque.y, torque.z});
 	};
@@ -223,7 +223,8 @@ GraspQuality graspQuality(const std::vector<GraspContact>& contacts, const Grasp
 	for (const Point& p : points) gained = std::max(gained, kGained * std::sqrt(inner(p, p)));
 	while (true)
 	{
-		const auto nearest = std::min_element(hull.facets().begin(), hull.facets().end(), [](const Hull::Facet& a, const Hull::Facet& b) { return a.offset < b.offset; });
+		const auto nearest = std::min_element(
+			hull.facets().begin(), hull.facets().end(), [](const Hull::Facet& a, const Hull::Facet& b) { return a.offset < b.offset; });
 		int furthest = 0;
 		for (size_t i = 0; i < points.size(); ++i)
 			if (inner(nearest->normal, points[i]) > inner(nearest->normal, points[furthest])) furthest = int(i);

@@ -19,12 +19,12 @@ struct GraspContact
 struct GraspQuality
 {
 	bool forceClosure = false;  ///< the contacts can resist a small wrench in every direction
-	/// Radius of the largest ball around zero of wrenches that the contacts can resist with normal forces that sum to 1 N; torques over `length`.
-	/// Zero without force closure [N].
+	/// Radius of the largest ball around zero of wrenches that the contacts can resist with normal forces that sum to 1 N; torques over
+	/// `length`. Zero without force closure [N].
 	double epsilon = 0;
-	int wrenches = 0;           ///< corners of the cones
+	int wrenches = 0;  ///< corners of the cones
 	int iterations = 0;
-	bool exact = true;          ///< false: stopped early, and `epsilon` is the bound from below that was reached
+	bool exact = true;  ///< false: stopped early, and `epsilon` is the bound from below that was reached
 };
 
 struct GraspQualityOptions
@@ -34,9 +34,9 @@ struct GraspQualityOptions
 	int mostFacets = 200000;
 };
 
-/// The epsilon of Ferrari and Canny, Planning optimal grasps, ICRA 1992 (their L1 norm: the convex hull of the cones' corners). The hull in six
-/// dimensions is grown only where its surface is nearest to zero, until the nearest facet is one of the whole. Drilling friction adds two
-/// corners a contact, which stand for it without force along the surface. Contacts that are not finite count for nothing. Offline:
+/// The epsilon of Ferrari and Canny, Planning optimal grasps, ICRA 1992 (their L1 norm: the convex hull of the cones' corners). The hull in
+/// six dimensions is grown only where its surface is nearest to zero, until the nearest facet is one of the whole. Drilling friction adds
+/// two corners a contact, which stand for it without force along the surface. Contacts that are not finite count for nothing. Offline:
 /// milliseconds, allocates.
 GraspQuality graspQuality(const std::vector<GraspContact>& contacts, const GraspQualityOptions& options = {});
 }  // namespace devicebridge

@@ -11,18 +11,18 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kFacing = 0.7;     // the nearest surface is the one below a vertex where the cosine to its normal is larger
+constexpr double kFacing = 0.7;  // the nearest surface is the one below a vertex where the cosine to its normal is larger
 constexpr int kMostSteps = 8;
-constexpr int kCellsAcross = 48;    // of the grid of vertices, along the longest side
+constexpr int kCellsAcross = 48;  // of the grid of vertices, along the longest side
 
 struct Clipped
 {
 	double area = 0, sum = 0;
 };
 
-/// Area of the part of a triangle where the distance `d`, linear and positive inside, is positive, and the thickness `t` of the other body summed
-/// over it. `facing`: cosine between the normal of the other body's nearest side and this one's inside. Where outside corners say that it tapers off,
-/// thickness ends with the distance; where its side stands upright, thickness goes on to the edge.
+/// Area of the part of a triangle where the distance `d`, linear and positive inside, is positive, and the thickness `t` of the other body
+/// summed over it. `facing`: cosine between the normal of the other body's nearest side and this one's inside. Where outside corners say
+/// that it tapers off, thickness ends with the distance; where its side stands upright, thickness goes on to the edge.
 Clipped clip(double area, const double d[3], const double t[3], const double facing[3])
 {
 	const int inside = (d[0] > 0) + (d[1] > 0) + (d[2] > 0);
@@ -82,14 +82,22 @@ struct HeatMap::Part
 	double seconds = 0, forceSum = 0, peakForce = 0, depth = 0;
 
 	Part(const std::string& n, int i, Mesh mesh, size_t vertices)
-		: name(n), id(i), distance(std::move(mesh)), box(bounds(distance.mesh())), dwell(vertices), impulse(vertices), peak(vertices), graspsAt(vertices)
+		: name(n),
+		  id(i),
+		  distance(std::move(mesh)),
+		  box(bounds(distance.mesh())),
+		  dwell(vertices),
+		  impulse(vertices),
+		  peak(vertices),
+		  graspsAt(vertices)
 	{
 		const Mesh& m = distance.mesh();
-		for (const auto& t : m.triangles) normals.push_back(normalized(cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]])));
+		for (const auto& t : m.triangles)
+			normals.push_back(normalized(cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]])));
 	}
 
-	/// As MeshDistance::field, but the winding number is asked only where the nearest triangle does not tell the side. `near`: where the surface was found last;
-	/// from there it is no further than by the way between.
+	/// As MeshDistance::field, but the winding number is asked only where the nearest triangle does not tell the side. `near`: where the
+	/// surface was found last; from there it is no further than by the way between.
 	MeshDistance::Field field(const Vec3& p, Near& near) const
 	{
 		constexpr double kSlack = 1 + 1e-6;  // of roundings
@@ -109,7 +117,7 @@ struct HeatMap::Surface
 {
 	MeshDistance distance;
 	std::vector<double> vertexArea, triangleArea;
-	std::vector<Vec3> vertexNormals;              // of unit length
+	std::vector<Vec3> vertexNormals;                  // of unit length
 	std::vector<uint32_t> firstTriangle, triangleOf;  // of each vertex
 	Box box;
 	double cell = 1;
@@ -127,8 +135,8 @@ struct HeatMap::Surface
 	size_t from[3] = {}, to[3] = {};  // cells that the part's box touches
 	size_t row = 0, vertex = 0;       // of these cells along x, and in it: where collecting goes on
 	bool collected = false;
-	size_t cutUntil = 0;              // of `touched`
-	double area = 0, sum = 0;         // of the surface inside of the part, and the thickness summed over it
+	size_t cutUntil = 0;       // of `touched`
+	double area = 0, sum = 0;  // of the surface inside of the part, and the thickness summed over it
 	int looksLeft = 0;
 
 	GraspCount graspsAt;  // by any part
@@ -215,8 +223,8 @@ int HeatMap::parts() const { return int(m_parts.size()); }
 const std::string& HeatMap::partName(int part) const { return m_parts[size_t(part)]->name; }
 int HeatMap::partId(int part) const { return m_parts[size_t(part)]->id; }
 
-/// How thick the part of the contact in progress is below a vertex, along the normal of the object, is put down; the result is how deep the vertex
-/// lies in it, negative outside [m].
+/// How thick the part of the contact in progress is below a vertex, along the normal of the object, is put down; the result is how deep the
+/// vertex lies in it, negative outside [m].
 double HeatMap::depthOf(uint32_t vertex) noexcept
 {
 	Surface& s = *m_surface;
@@ -276,7 +284,9 @@ bool HeatMap::collect(const Part& part) noexcept
 			if (s.looksLeft <= 0) return false;
 			const uint32_t v = s.vertexOf[first + s.vertex];
 			const Vec3 p = s.X_PO * mesh().vertices[v];
-			if (p.x < part.box.lower.x || p.y < part.box.lower.y || p.z < part.box.lower.z || p.x > part.box.upper.x || p.y > part.box.upper.y || p.z > part.box.upper.z) continue;
+			if (p.x < part.box.lower.x || p.y < part.box.lower.y || p.z < part.box.lower.z || p.x > part.box.upper.x ||
+				p.y > part.box.upper.y || p.z > part.box.upper.z)
+				continue;
 			if (!s.near.provesOutside(p) && depthOf(v) > 0) s.touched.push_back(v);
 		}
 	}
@@ -298,7 +308,8 @@ bool HeatMap::cut() noexcept
 			const double d[3] = {depthOf(corners[0]), depthOf(corners[1]), depthOf(corners[2])};
 			const uint32_t* first = std::find_if(corners.begin(), corners.end(), [&](uint32_t c) { return s.distanceIn[c] > 0; });
 			if (*first != v) continue;
-			const double thick[3] = {s.thickness[corners[0]], s.thickness[corners[1]], s.thickness[corners[2]]}, facing[3] = {s.facing[corners[0]], s.facing[corners[1]], s.facing[corners[2]]};
+			const double thick[3] = {s.thickness[corners[0]], s.thickness[corners[1]], s.thickness[corners[2]]},
+						 facing[3] = {s.facing[corners[0]], s.facing[corners[1]], s.facing[corners[2]]};
 			const Clipped part = clip(s.triangleArea[t], d, thick, facing);
 			s.area += part.area;
 			s.sum += part.sum;
@@ -325,7 +336,8 @@ void HeatMap::enter(Part& part, uint32_t v, double force, double pressure, doubl
 void HeatMap::enterArea(Part& part, const HeatMapContact& contact, double scale, HeatMapTouch& touch) noexcept
 {
 	const Surface& s = *m_surface;
-	for (const uint32_t v : s.touched) enter(part, v, scale * s.share[v], std::min(scale * s.thickness[v], s.pressureOf(contact.force, v)), contact.seconds, touch);
+	for (const uint32_t v : s.touched)
+		enter(part, v, scale * s.share[v], std::min(scale * s.thickness[v], s.pressureOf(contact.force, v)), contact.seconds, touch);
 }
 
 /// A contact between the vertices: all of it to the nearest one.
@@ -334,8 +346,8 @@ void HeatMap::enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch
 	Surface& s = *m_surface;
 	const MeshDistance::Closest closest = s.distance.closest(contact.point);
 	const auto& corners = mesh().triangles[closest.triangle];
-	const uint32_t v = *std::min_element(corners.begin(), corners.end(), [&](uint32_t a, uint32_t b)
-		{ return distance(mesh().vertices[a], closest.point) < distance(mesh().vertices[b], closest.point); });
+	const uint32_t v = *std::min_element(corners.begin(), corners.end(),
+		[&](uint32_t a, uint32_t b) { return distance(mesh().vertices[a], closest.point) < distance(mesh().vertices[b], closest.point); });
 	s.thickness[v] = 0;
 	enter(part, v, contact.force, s.pressureOf(contact.force, v), contact.seconds, touch);
 }
@@ -351,7 +363,8 @@ HeatMapTouch HeatMap::add(int part, const HeatMapContact& contact) noexcept
 void HeatMap::begin(int index, const HeatMapContact& contact) noexcept
 {
 	m_touch = {};
-	const bool good = index >= 0 && index < parts() && isRigid(contact.X_OP) && contact.force >= 0 && std::isfinite(contact.force) && isFinite(contact.point) && contact.seconds > 0 && std::isfinite(contact.seconds);
+	const bool good = index >= 0 && index < parts() && isRigid(contact.X_OP) && contact.force >= 0 && std::isfinite(contact.force) &&
+		isFinite(contact.point) && contact.seconds > 0 && std::isfinite(contact.seconds);
 	Surface& s = *m_surface;
 	s.part = nullptr;
 	if (!good || mesh().triangles.empty() || m_parts[size_t(index)]->normals.empty()) return;
@@ -436,7 +449,8 @@ std::vector<HeatMap::Summary> HeatMap::summary() const
 	std::vector<Summary> rows;
 	for (const auto& part : m_parts)
 	{
-		Summary row{part->name, part->id, part->grasps, 0, part->seconds, part->seconds > 0 ? part->forceSum / part->seconds : 0, part->peakForce, part->forceSum, part->depth, 0};
+		Summary row{part->name, part->id, part->grasps, 0, part->seconds, part->seconds > 0 ? part->forceSum / part->seconds : 0,
+			part->peakForce, part->forceSum, part->depth, 0};
 		for (size_t v = 0; v < part->dwell.size(); ++v)
 		{
 			if (part->dwell[v] > 0) row.area += m_surface->vertexArea[v];

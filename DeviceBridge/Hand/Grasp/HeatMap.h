@@ -13,27 +13,28 @@ namespace devicebridge
 /// One contact between a part and the object at one moment.
 struct HeatMapContact
 {
-	ist::Pose X_OP;     ///< of the part's mesh in the object's mesh
-	double force = 0;   ///< magnitude of the sum of what presses, without friction [N]
-	ist::Vec3 point;    ///< where, in the object's mesh: used where the contact is too small for the mesh [m]
-	double seconds = 0; ///< for how long the moment stands
+	ist::Pose X_OP;      ///< of the part's mesh in the object's mesh
+	double force = 0;    ///< magnitude of the sum of what presses, without friction [N]
+	ist::Vec3 point;     ///< where, in the object's mesh: used where the contact is too small for the mesh [m]
+	double seconds = 0;  ///< for how long the moment stands
 };
 
 /// What a contact did to the surface.
 struct HeatMapTouch
 {
-	double area = 0;       ///< of the object's surface inside of the part [m^2]
-	double depthSum = 0;   ///< thickness of the overlap, summed over that area: in flat contact the force is k times it [m^3]
-	double depth = 0;      ///< largest thickness at a vertex [m]
-	double pressure = 0;   ///< largest at a vertex; of a contact smaller than a vertex's own area, its force over that area [Pa]
+	double area = 0;      ///< of the object's surface inside of the part [m^2]
+	double depthSum = 0;  ///< thickness of the overlap, summed over that area: in flat contact the force is k times it [m^3]
+	double depth = 0;     ///< largest thickness at a vertex [m]
+	double pressure = 0;  ///< largest at a vertex; of a contact smaller than a vertex's own area, its force over that area [Pa]
 };
 
 /// Where, for how long and how strongly parts pressed on the surface of an object, over any number of grasps.
 ///
-/// The force of a contact is that of the query, the sum over its pairs. It is spread over the part of the object's surface that lies inside of the
-/// other body, in proportion to how thick that body is below each point, found from its closest surface points: in flat contact the pressure of the
-/// pressure field law, k times the thickness. What the vertices get sums to that force. The area ends where the depth, linear on each triangle, is
-/// zero. The mesh's own triangles are the resolution: a contact that holds no vertex goes to the vertex nearest to its point.
+/// The force of a contact is that of the query, the sum over its pairs. It is spread over the part of the object's surface that lies inside
+/// of the other body, in proportion to how thick that body is below each point, found from its closest surface points: in flat contact the
+/// pressure of the pressure field law, k times the thickness. What the vertices get sums to that force. The area ends where the depth,
+/// linear on each triangle, is zero. The mesh's own triangles are the resolution: a contact that holds no vertex goes to the vertex nearest
+/// to its point.
 class HeatMap
 {
 public:
@@ -48,14 +49,15 @@ public:
 	/// What comes now belongs to a new grasp; the first begins by itself.
 	void beginGrasp();
 
-	/// Poses that are not rigid and numbers that are not finite count for nothing. No allocation; O(vertices near the part), a closest point for
-	/// each: some 100 us for a fingertip on vertices 1 mm apart.
+	/// Poses that are not rigid and numbers that are not finite count for nothing. No allocation; O(vertices near the part), a closest
+	/// point for each: some 100 us for a fingertip on vertices 1 mm apart.
 	HeatMapTouch add(int part, const HeatMapContact& contact) noexcept;
 
-	/// The same in shares: `begin`, and then `advance` until it is true. The contact counts when it is done; whatever is begun or added before that takes its place.
+	/// The same in shares: `begin`, and then `advance` until it is true. The contact counts when it is done; whatever is begun or added
+	/// before that takes its place.
 	void begin(int part, const HeatMapContact& contact) noexcept;
-	/// Goes on until `looks` closest points were found, of some 0.5 us each, and to the end of the vertex that it is at; `looks` is what is left of them. True when
-	/// done, and where nothing was begun.
+	/// Goes on until `looks` closest points were found, of some 0.5 us each, and to the end of the vertex that it is at; `looks` is what is
+	/// left of them. True when done, and where nothing was begun.
 	bool advance(int& looks) noexcept;
 
 	struct Vertex
@@ -74,13 +76,13 @@ public:
 	struct Summary
 	{
 		std::string name;
-		int id = 0, grasps = 0;      ///< in how many it touched
-		double area = 0;             ///< of the surface that it ever touched [m^2]
-		double dwell = 0;            ///< [s]
+		int id = 0, grasps = 0;               ///< in how many it touched
+		double area = 0;                      ///< of the surface that it ever touched [m^2]
+		double dwell = 0;                     ///< [s]
 		double meanForce = 0, peakForce = 0;  ///< while it touched [N]
-		double impulse = 0;          ///< [N s]
-		double depth = 0;            ///< largest [m]
-		double peakPressure = 0;     ///< [Pa]
+		double impulse = 0;                   ///< [N s]
+		double depth = 0;                     ///< largest [m]
+		double peakPressure = 0;              ///< [Pa]
 	};
 	std::vector<Summary> summary() const;
 

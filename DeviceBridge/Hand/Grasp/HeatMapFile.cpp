@@ -46,8 +46,8 @@ private:
 	std::vector<std::byte> m_bytes;
 };
 
-/// Some readers (assimp 5.2) take a first byte that is a line break for a part of the header, and all that follows for something else: then the
-/// next float.
+/// Some readers (assimp 5.2) take a first byte that is a line break for a part of the header, and all that follows for something else: then
+/// the next float.
 float notALineBreak(float value)
 {
 	std::uint32_t word;
@@ -92,10 +92,12 @@ std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, He
 	const std::vector<HeatMap::Vertex> values = map.vertices(part);
 	const Mesh& mesh = map.mesh();
 	Bytes file;
-	file.add("ply\nformat binary_little_endian 1.0\ncomment lengths in metres; part is the label of GRAB, 0 for none\ncomment grasps " + std::to_string(map.grasps()) + "\n");
+	file.add("ply\nformat binary_little_endian 1.0\ncomment lengths in metres; part is the label of GRAB, 0 for none\ncomment grasps " +
+		std::to_string(map.grasps()) + "\n");
 	file.add("element vertex " + std::to_string(values.size()) + "\nproperty float x\nproperty float y\nproperty float z\n");
 	file.add("property uchar red\nproperty uchar green\nproperty uchar blue\n");
-	file.add("property float contact\nproperty float dwell\nproperty float impulse\nproperty float pressure\nproperty float peak_pressure\nproperty int part\n");
+	file.add("property float contact\nproperty float dwell\nproperty float impulse\nproperty float pressure\nproperty float "
+			 "peak_pressure\nproperty int part\n");
 	file.add("element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n");
 	for (size_t i = 0; i < values.size(); ++i)
 	{
@@ -124,8 +126,8 @@ std::string heatMapTable(const HeatMap& map)
 	text << "part,id,area_m2,dwell_s,mean_force_N,peak_force_N,impulse_Ns,grasps,largest_depth_m,peak_pressure_Pa\n";
 	for (const HeatMap::Summary& row : map.summary())
 		if (row.dwell > 0)
-			text << row.name << ',' << row.id << ',' << row.area << ',' << row.dwell << ',' << row.meanForce << ',' << row.peakForce << ',' << row.impulse << ','
-				 << row.grasps << ',' << row.depth << ',' << row.peakPressure << '\n';
+			text << row.name << ',' << row.id << ',' << row.area << ',' << row.dwell << ',' << row.meanForce << ',' << row.peakForce << ','
+				 << row.impulse << ',' << row.grasps << ',' << row.depth << ',' << row.peakPressure << '\n';
 	return text.str();
 }
 

@@ -26,7 +26,8 @@ struct Place
 
 bool before(const Place& a, const Place& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-/// Twice the area of a triangle a, b, p: changes sign, and nothing else, when a and b change places. Hence a centre on an edge is on it for both neighbours.
+/// Twice the area of a triangle a, b, p: changes sign, and nothing else, when a and b change places. Hence a centre on an edge is on it for
+/// both neighbours.
 double side(const Place& a, const Place& b, const Place& p)
 {
 	if (before(b, a)) return -side(b, a, p);
@@ -37,8 +38,7 @@ double side(const Place& a, const Place& b, const Place& p)
 bool within(double side, const Place& a, const Place& b) { return side > 0 || (side == 0 && before(a, b)); }
 
 /// Calls `found(x, y, weights of the corners)` for each texel whose centre lies in a triangle.
-template <class Found>
-void forEachTexel(std::array<Place, 3> corners, const Found& found)
+template <class Found> void forEachTexel(std::array<Place, 3> corners, const Found& found)
 {
 	std::array<int, 3> order{0, 1, 2};
 	double twice = side(corners[0], corners[1], corners[2]);
@@ -83,10 +83,12 @@ double triangleArea(const Mesh& mesh, const std::array<uint32_t, 3>& t)
 std::optional<Error> check(const Mesh& object, const TexturedMesh& surface, const HeatMapTextureOptions& options)
 {
 	if (std::min(options.width, options.height) < 1 || std::max(options.width, options.height) > kLargest)
-		return Error{"a texture has 1 to " + std::to_string(kLargest) + " texels on each side, not " + std::to_string(options.width) + " by " + std::to_string(options.height)};
+		return Error{"a texture has 1 to " + std::to_string(kLargest) + " texels on each side, not " + std::to_string(options.width) +
+			" by " + std::to_string(options.height)};
 	const double texels = double(options.width) * options.height;
 	if (texels > kMostTexels)
-		return Error{"a texture of " + std::to_string(options.width) + " by " + std::to_string(options.height) + " texels is too large: at most 8192 by 8192, or as many otherwise"};
+		return Error{"a texture of " + std::to_string(options.width) + " by " + std::to_string(options.height) +
+			" texels is too large: at most 8192 by 8192, or as many otherwise"};
 	if (!(options.reach >= 0) || options.margin < 0) return Error{"margin and reach of a texture must not be negative"};
 	if (object.triangles.empty()) return Error{"the heat map has no surface to paint"};
 	if (surface.places.empty() || surface.places.size() != surface.mesh.triangles.size())
@@ -95,15 +97,18 @@ std::optional<Error> check(const Mesh& object, const TexturedMesh& surface, cons
 	for (const auto& t : surface.places)
 	{
 		for (const TexturePlace& place : t)
-			if (!(std::fabs(place.u) <= kFurthest && std::fabs(place.v) <= kFurthest)) return Error{"the mesh has texture coordinates that are not finite, or further than a million pictures away"};
+			if (!(std::fabs(place.u) <= kFurthest && std::fabs(place.v) <= kFurthest))
+				return Error{"the mesh has texture coordinates that are not finite, or further than a million pictures away"};
 		const auto [left, right] = std::minmax({t[0].u, t[1].u, t[2].u});
 		const auto [low, high] = std::minmax({t[0].v, t[1].v, t[2].v});
 		boxes += (right - left) * (high - low);
 		covered += 0.5 * std::fabs((t[1].u - t[0].u) * (t[2].v - t[0].v) - (t[2].u - t[0].u) * (t[1].v - t[0].v));
 	}
-	if (boxes > kMostRepeats) return Error{"the texture repeats too often over the surface, so that each texel would show many places: unwrap the mesh"};
+	if (boxes > kMostRepeats)
+		return Error{"the texture repeats too often over the surface, so that each texel would show many places: unwrap the mesh"};
 	if (covered * texels > kMostCovered)
-		return Error{"the texture repeats so often that it covers " + std::to_string(std::llround(covered * texels)) + " texels, more than can be kept: take a smaller picture, or unwrap the mesh"};
+		return Error{"the texture repeats so often that it covers " + std::to_string(std::llround(covered * texels)) +
+			" texels, more than can be kept: take a smaller picture, or unwrap the mesh"};
 	return std::nullopt;
 }
 }  // namespace
@@ -146,7 +151,9 @@ Result<HeatMapTexture> HeatMapTexture::make(const Mesh& object, const TexturedMe
 	for (const auto& t : object.triangles)
 		for (const uint32_t v : t) texture.m_vertexAreas[v] += triangleArea(object, t) / 3;
 	texture.cover(surface, Object(object, options.reach));
-	if (texture.m_samples.empty()) return Error{"the texture coordinates cover no texel: each island of the texture is smaller than one; take a larger picture, or unwrap the mesh"};
+	if (texture.m_samples.empty())
+		return Error{"the texture coordinates cover no texel: each island of the texture is smaller than one; take a larger picture, or "
+					 "unwrap the mesh"};
 	texture.grow(options.margin);
 	return texture;
 }
@@ -160,8 +167,7 @@ void HeatMapTexture::cover(const TexturedMesh& surface, const Object& object)
 		std::array<Place, 3> places;
 		for (size_t c = 0; c < 3; ++c) places[c] = {surface.places[t][c].u * m_width - 0.5, (1 - surface.places[t][c].v) * m_height - 0.5};
 		const double ofTexel = triangleArea(surface.mesh, corners) / (0.5 * std::fabs(side(places[0], places[1], places[2])));
-		forEachTexel(places, [&](double x, double y, const double weights[3])
-		{
+		forEachTexel(places, [&](double x, double y, const double weights[3]) {
 			Sample sample{wrapped(y, m_height) * std::uint32_t(m_width) + wrapped(x, m_width), kNowhere, 0, 0, ofTexel};
 			Vec3 p;
 			for (size_t c = 0; c < 3; ++c) p += weights[c] * surface.mesh.vertices[corners[c]];
@@ -180,8 +186,7 @@ void HeatMapTexture::grow(int margin)
 	std::vector<std::uint32_t> rim;
 	for (std::uint32_t i = 0; i < m_areas.size(); ++i)
 		if (m_areas[i] > 0) filled[i] = true, rim.push_back(i);
-	const auto neighbour = [&](std::uint32_t texel, const int step[2])
-	{
+	const auto neighbour = [&](std::uint32_t texel, const int step[2]) {
 		const int x = int(texel) % m_width + step[0], y = int(texel) / m_width + step[1];
 		return std::uint32_t((y + m_height) % m_height * m_width + (x + m_width) % m_width);
 	};
@@ -201,8 +206,7 @@ void HeatMapTexture::grow(int margin)
 	}
 }
 
-template <class At>
-std::vector<double> HeatMapTexture::blended(double bare, const At& atVertex) const
+template <class At> std::vector<double> HeatMapTexture::blended(double bare, const At& atVertex) const
 {
 	std::vector<double> sums(m_areas.size());
 	for (const Sample& s : m_samples)
@@ -233,10 +237,10 @@ Result<Picture> HeatMapTexture::colours(const HeatMap& map, HeatMapColours colou
 	for (const HeatMap::Vertex& v : map.vertices(part)) painted.push_back(heatMapColour(map, v, colours));
 	const HeatMapColour bare = heatMapColour(map, {}, colours);
 	Picture picture{m_width, m_height, std::vector<std::uint8_t>(3 * m_areas.size())};
-	const auto paint = [&](size_t channel, std::uint8_t HeatMapColour::*member)
-	{
+	const auto paint = [&](size_t channel, std::uint8_t HeatMapColour::*member) {
 		const std::vector<double> values = blended(bare.*member, [&](std::uint32_t v) { return double(painted[v].*member); });
-		for (size_t i = 0; i < values.size(); ++i) picture.pixels[3 * i + channel] = std::uint8_t(std::lround(std::clamp(values[i], 0.0, 255.0)));
+		for (size_t i = 0; i < values.size(); ++i)
+			picture.pixels[3 * i + channel] = std::uint8_t(std::lround(std::clamp(values[i], 0.0, 255.0)));
 	};
 	paint(0, &HeatMapColour::r);
 	paint(1, &HeatMapColour::g);
@@ -248,16 +252,15 @@ Result<std::vector<double>> HeatMapTexture::values(const HeatMap& map, HeatMapVa
 {
 	if (auto error = checkObject(map)) return *error;
 	const std::vector<HeatMap::Vertex> vertices = map.vertices(part);
-	return blended(0, [&](std::uint32_t i)
-	{
+	return blended(0, [&](std::uint32_t i) {
 		const HeatMap::Vertex& v = vertices[i];
 		switch (value)
 		{
-			case HeatMapValue::Contact: return v.contact;
-			case HeatMapValue::Dwell: return v.dwell;
-			case HeatMapValue::Impulse: return m_vertexAreas[i] > 0 ? v.impulse / m_vertexAreas[i] : 0;
-			case HeatMapValue::Pressure: return v.pressure;
-			case HeatMapValue::PeakPressure: return v.peak;
+		case HeatMapValue::Contact: return v.contact;
+		case HeatMapValue::Dwell: return v.dwell;
+		case HeatMapValue::Impulse: return m_vertexAreas[i] > 0 ? v.impulse / m_vertexAreas[i] : 0;
+		case HeatMapValue::Pressure: return v.pressure;
+		case HeatMapValue::PeakPressure: return v.peak;
 		}
 		return 0.0;
 	});
@@ -266,7 +269,8 @@ Result<std::vector<double>> HeatMapTexture::values(const HeatMap& map, HeatMapVa
 GreyPicture greyPicture(const HeatMapTexture& texture, const std::vector<double>& values, double full)
 {
 	GreyPicture picture{texture.width(), texture.height(), std::vector<std::uint16_t>(values.size())};
-	for (size_t i = 0; i < values.size(); ++i) picture.pixels[i] = std::uint16_t(std::lround(65535 * (full > 0 ? std::clamp(values[i] / full, 0.0, 1.0) : 0)));
+	for (size_t i = 0; i < values.size(); ++i)
+		picture.pixels[i] = std::uint16_t(std::lround(65535 * (full > 0 ? std::clamp(values[i] / full, 0.0, 1.0) : 0)));
 	return picture;
 }
 }  // namespace devicebridge

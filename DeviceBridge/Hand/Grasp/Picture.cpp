@@ -32,8 +32,7 @@ std::optional<ist::Error> save(int width, int height, png_uint_32 format, const 
 }
 
 /// `pixels(image)` makes room for the pixels and says where it is.
-template <class Pixels>
-std::optional<ist::Error> load(const std::string& path, png_uint_32 format, const Pixels& pixels)
+template <class Pixels> std::optional<ist::Error> load(const std::string& path, png_uint_32 format, const Pixels& pixels)
 {
 	png_image image = imageOf(0);
 	if (!png_image_begin_read_from_file(&image, path.c_str())) return ist::Error{path + ": " + image.message};
@@ -44,14 +43,19 @@ std::optional<ist::Error> load(const std::string& path, png_uint_32 format, cons
 }
 }  // namespace
 
-std::optional<ist::Error> savePicture(const Picture& p, const std::string& path) { return save(p.width, p.height, PNG_FORMAT_RGB, p.pixels.data(), path); }
-std::optional<ist::Error> savePicture(const GreyPicture& p, const std::string& path) { return save(p.width, p.height, PNG_FORMAT_LINEAR_Y, p.pixels.data(), path); }
+std::optional<ist::Error> savePicture(const Picture& p, const std::string& path)
+{
+	return save(p.width, p.height, PNG_FORMAT_RGB, p.pixels.data(), path);
+}
+std::optional<ist::Error> savePicture(const GreyPicture& p, const std::string& path)
+{
+	return save(p.width, p.height, PNG_FORMAT_LINEAR_Y, p.pixels.data(), path);
+}
 
 ist::Result<Picture> loadPicture(const std::string& path)
 {
 	Picture picture;
-	const auto room = [&](const png_image& image)
-	{
+	const auto room = [&](const png_image& image) {
 		picture = {int(image.width), int(image.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
 		return picture.pixels.data();
 	};
@@ -62,8 +66,7 @@ ist::Result<Picture> loadPicture(const std::string& path)
 ist::Result<GreyPicture> loadGreyPicture(const std::string& path)
 {
 	GreyPicture picture;
-	const auto room = [&](const png_image& image)
-	{
+	const auto room = [&](const png_image& image) {
 		picture = {int(image.width), int(image.height), std::vector<std::uint16_t>(PNG_IMAGE_SIZE(image) / 2)};
 		return picture.pixels.data();
 	};

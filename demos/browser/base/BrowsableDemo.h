@@ -16,8 +16,8 @@
 
 namespace browser
 {
-/// A number that a demo found. With `expected`, from a closed form, a law of physics or an integration that shares no code with the library,
-/// the demo is good only while the value is within `tolerance` of it.
+/// A number that a demo found. With `expected`, from a closed form, a law of physics or an integration that shares no code with the
+/// library, the demo is good only while the value is within `tolerance` of it.
 struct Figure
 {
 	std::string name, unit;
@@ -35,7 +35,7 @@ struct Parameter
 	std::string name, unit;
 	double* value = nullptr;
 	double least = 0, most = 1;
-	bool restarts = false;     ///< takes effect when the demo begins anew
+	bool restarts = false;  ///< takes effect when the demo begins anew
 	bool logarithmic = false;
 };
 
@@ -43,7 +43,7 @@ struct Parameter
 struct Curve
 {
 	std::string name, unit;
-	std::vector<float> values;  ///< the newest last, one for every 1/60 s of the demo's own time
+	std::vector<float> values;    ///< the newest last, one for every 1/60 s of the demo's own time
 	std::vector<float> errors{};  ///< half lengths of the error bars, one for each value; or none
 };
 
@@ -67,8 +67,8 @@ struct EconomyChoice
 
 struct DemoOptions
 {
-	std::string mesh;    ///< file for demos that take any mesh; empty: a generated one
-	std::string cache;   ///< folder where trees are kept; empty: nowhere
+	std::string mesh;       ///< file for demos that take any mesh; empty: a generated one
+	std::string cache;      ///< folder where trees are kept; empty: nowhere
 	long long spheres = 0;  ///< 0: what the demo thinks right
 	EconomyChoice economy;  ///< for those who run demos; see BrowsableDemo::setEconomy
 	ist::Progress progress;
@@ -112,8 +112,8 @@ public:
 		BrowsableDemo* demo = nullptr;
 		std::string title;
 	};
-	/// Scenes that are seen side by side under one camera, from the left; empty: this one, in the whole picture. Of the halves themselves only
-	/// `draw` and `grab` are for others.
+	/// Scenes that are seen side by side under one camera, from the left; empty: this one, in the whole picture. Of the halves themselves
+	/// only `draw` and `grab` are for others.
 	virtual std::vector<Half> halves() { return {}; }
 	/// True when Bullet's own contact can answer in the same scene.
 	virtual bool hasStockSide() const { return false; }

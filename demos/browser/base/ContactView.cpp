@@ -51,7 +51,7 @@ void drawFieldLenses(const btISTContact& contact, const btISTShapeField& shape, 
 		deepest = std::max(deepest, depth);
 		depths.push_back(depth);
 		list.discs.push_back({contact.X_WA * (tree.origin + ball.center() + below * n), contact.X_WA.rotation * n, 0.7 * ball.meanRadius(),
-							  std::min(0.5 * depth, 0.15 * ball.meanRadius()), {}});
+			std::min(0.5 * depth, 0.15 * ball.meanRadius()), {}});
 	}
 	for (size_t i = 0; i < depths.size(); ++i) list.discs[first + i].colour = pressureColour(depths[i] / deepest);
 }
@@ -75,7 +75,8 @@ size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, in
 		const MomentEllipsoid ball = balls.ball(slot);
 		if (!(ball.density > 0) || i++ % stride) continue;
 		const Vec3 normal = squaredNorm(ball.normal()) > 0 ? normalized(ball.normal()) : Vec3{0, 0, 1};
-		list.discs.push_back({X_WM * (origin + ball.center()), X_WM.rotation * normal, 0.6 * ball.meanRadius(), 0.3 * ball.meanRadius(), colourOfLevel(level)});
+		list.discs.push_back({X_WM * (origin + ball.center()), X_WM.rotation * normal, 0.6 * ball.meanRadius(), 0.3 * ball.meanRadius(),
+			colourOfLevel(level)});
 	}
 	return count;
 }
@@ -120,7 +121,10 @@ void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawLis
 		if (choice.surfaces) list.surfaces.push_back({b.surface, X, colour, 1, glass && b.solid});
 		if (choice.frames)
 			for (int axis = 0; axis < 3; ++axis)
-				list.lines.push_back({X.translation, X.translation + 0.7 * b.surface->box.longestSide() * X.rotation.column(axis), bodyColour(axis == 0 ? 6 : axis == 1 ? 2 : 5)});
+				list.lines.push_back({X.translation, X.translation + 0.7 * b.surface->box.longestSide() * X.rotation.column(axis),
+					bodyColour(axis == 0 ? 6
+							: axis == 1  ? 2
+										 : 5)});
 		if (!b.solid) continue;
 		b.solid->spheres.draw(choice, X, list);
 		if (choice.leaves) drawLeaves(*b.solid->tree, X, list);
@@ -150,15 +154,14 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 		const OverlapPair& p = result.pairs[i];
 		if (!(p.area > 0) || !(p.lens > 0)) continue;
 		const double t = thickness(p);
-		list.discs.push_back({contact.X_WA * (contact.treeA->origin + p.centroid), contact.X_WA.rotation * p.normal, 0.8 * std::sqrt(p.area / kPi),
-							  0.6 * t, pressureColour(t / thickest)});
+		list.discs.push_back({contact.X_WA * (contact.treeA->origin + p.centroid), contact.X_WA.rotation * p.normal,
+			0.8 * std::sqrt(p.area / kPi), 0.6 * t, pressureColour(t / thickest)});
 	}
 }
 
 void ContactView::drawLevels(const btISTContact& contact, const LevelPair& trees, DrawList& list)
 {
-	const auto draw = [&](const btCollisionObject* body, const InnerSphereTree& tree, const BallTree& balls, const Pose& X_WM, int level)
-	{
+	const auto draw = [&](const btCollisionObject* body, const InnerSphereTree& tree, const BallTree& balls, const Pose& X_WM, int level) {
 		// Several pairs of a body are often asked at the same level.
 		if (!m_drawnLevels.insert({body, &balls}).second) return;
 		const size_t count = drawLevel(balls, tree.origin, X_WM, level, list);
@@ -171,13 +174,15 @@ void ContactView::drawLevels(const btISTContact& contact, const LevelPair& trees
 	const auto pairs = static_cast<long long>(contact.total.pairs);
 	if (contact.treeB) std::snprintf(text, sizeof text, "levels %d and %d: %lld pairs", trees.a, trees.b, pairs);
 	else std::snprintf(text, sizeof text, "level 0: %lld leaves", pairs);
-	list.texts.push_back({contact.X_WA * (contact.treeA->origin + contact.total.firstMoment / contact.total.volume), text, {0.1f, 0.1f, 0.12f}});
+	list.texts.push_back(
+		{contact.X_WA * (contact.treeA->origin + contact.total.firstMoment / contact.total.volume), text, {0.1f, 0.1f, 0.12f}});
 }
 
 void ContactView::addKeys(const DrawChoice& choice, DrawList& list) const
 {
 	for (const auto& [level, count] : m_ballsOfLevel)
-		list.addKey(colourOfLevel(level), "level " + std::to_string(level) + (level == 0 ? ", the leaves: " : ": ") + std::to_string(count) + " balls answer");
+		list.addKey(colourOfLevel(level),
+			"level " + std::to_string(level) + (level == 0 ? ", the leaves: " : ": ") + std::to_string(count) + " balls answer");
 	if (choice.lenses && !list.discs.empty())
 	{
 		list.addKey(pressureColour(0.1), "least pressure");
@@ -213,7 +218,8 @@ void ContactView::drawStock(const DemoWorld& world, const DrawChoice& choice, Dr
 	for (const StockContact& c : contacts)
 	{
 		if (choice.patches)
-			for (const Vec3& p : c.points) list.discs.push_back({p, {0, 1, 0}, 0.03 * m_arrowLength, 0.03 * m_arrowLength, {0.05f, 0.05f, 0.08f}});
+			for (const Vec3& p : c.points)
+				list.discs.push_back({p, {0, 1, 0}, 0.03 * m_arrowLength, 0.03 * m_arrowLength, {0.05f, 0.05f, 0.08f}});
 		if (choice.wrenches) drawForce(c.center, shownForce(*c.bodyA, *c.bodyB, c.impulse / world.lastStep()), list);
 	}
 }
@@ -237,15 +243,17 @@ void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contac
 			for (int k = 0; k < kSides; ++k)
 			{
 				const double from = 2 * kPi * k / kSides, to = 2 * kPi * (k + 1) / kSides;
-				list.lines.push_back({center + radius * (std::cos(from) * u + std::sin(from) * v), center + radius * (std::cos(to) * u + std::sin(to) * v),
-									  {0.05f, 0.05f, 0.08f}});
+				list.lines.push_back({center + radius * (std::cos(from) * u + std::sin(from) * v),
+					center + radius * (std::cos(to) * u + std::sin(to) * v), {0.05f, 0.05f, 0.08f}});
 			}
 		}
-		if (choice.patches && area > 0) list.lines.push_back({center, center + 0.6 * std::sqrt(area / kPi) * normal, {0.05f, 0.05f, 0.08f}});
+		if (choice.patches && area > 0)
+			list.lines.push_back({center, center + 0.6 * std::sqrt(area / kPi) * normal, {0.05f, 0.05f, 0.08f}});
 		if (!choice.wrenches) continue;
 		drawForce(center, force, list);
 		const double lever = std::sqrt(area / kPi);
-		drawMoment(center, (dot(force, contact.impulses[i].force) < 0 ? -1 : 1) / world.lastStep() * contact.impulses[i].torque, lever, list);
+		drawMoment(
+			center, (dot(force, contact.impulses[i].force) < 0 ? -1 : 1) / world.lastStep() * contact.impulses[i].torque, lever, list);
 	}
 }
 
@@ -262,7 +270,8 @@ void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowF
 	m_ballsOfLevel.clear();
 	if (!world.volumetric()) return drawStock(world, choice, list);
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
-		for (int i = 0; i < contact->patchCount; ++i) m_strongest = std::max(m_strongest, norm(contact->impulses[i].force) / world.lastStep());
+		for (int i = 0; i < contact->patchCount; ++i)
+			m_strongest = std::max(m_strongest, norm(contact->impulses[i].force) / world.lastStep());
 	for (const btISTContact* contact : world.volumetric()->contacts().contacts())
 	{
 		if (contact->patchCount == 0) continue;

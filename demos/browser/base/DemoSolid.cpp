@@ -2,8 +2,8 @@
 #include "demos/browser/base/DemoSolid.h"
 
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
 #include "TestSupport/SceneFiles/PrincipalMesh.h"
 #include "demos/scenes/Bodies/BodiesOnPlane.h"
@@ -15,7 +15,8 @@ using namespace ist;
 
 namespace browser
 {
-std::optional<Error> makeSolid(SolidPtr& solid, const std::string& name, const Mesh& mesh, long long spheres, const DemoOptions& options, bool turned)
+std::optional<Error> makeSolid(
+	SolidPtr& solid, const std::string& name, const Mesh& mesh, long long spheres, const DemoOptions& options, bool turned)
 {
 	DemoSolid made;
 	made.name = name;

@@ -21,10 +21,10 @@ struct DemoSolid
 };
 using SolidPtr = std::shared_ptr<const DemoSolid>;
 
-/// Into `solid`, which stays what it was where that fails. `spheres`: packed, unless the options say how many. `turned`: false leaves the axes
-/// as they are and only puts the centre of mass at the origin, for meshes whose axes are principal already.
-std::optional<ist::Error> makeSolid(SolidPtr& solid, const std::string& name, const ist::Mesh& mesh, long long spheres, const DemoOptions& options,
-									bool turned = false);
+/// Into `solid`, which stays what it was where that fails. `spheres`: packed, unless the options say how many. `turned`: false leaves the
+/// axes as they are and only puts the centre of mass at the origin, for meshes whose axes are principal already.
+std::optional<ist::Error> makeSolid(
+	SolidPtr& solid, const std::string& name, const ist::Mesh& mesh, long long spheres, const DemoOptions& options, bool turned = false);
 
 /// The mesh that the options name, scaled so that its longest side is `size` [m] and upright as it is; `otherwise` when they name none.
 ist::Result<ist::Mesh> chosenMesh(const DemoOptions& options, double size, const ist::Mesh& otherwise);

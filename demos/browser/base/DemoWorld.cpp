@@ -52,7 +52,8 @@ private:
 double forceError(const btISTContact& contact, const btISTEconomy& economy)
 {
 	const btISTPairConstants& c = contact.constants;
-	const double force = std::max(norm(pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force), btISTKeptResult::floorForce(contact));
+	const double force = std::max(
+		norm(pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force), btISTKeptResult::floorForce(contact));
 	const double asked = contact.accuracy.level >= 0 ? contact.accuracy.promise * force : contact.error.force;
 	return std::hypot(asked, contact.use == btISTKeptResult::Moved ? economy.keptError * force : 0);
 }
@@ -99,7 +100,8 @@ btRigidBody* DemoWorld::enter(Body&& made, const BodySetup& setup, double mass, 
 {
 	made.name = setup.name;
 	made.colour = setup.colour;
-	made.body = std::make_unique<btRigidBody>(btScalar(setup.fixed ? 0 : mass), nullptr, made.shape.get(), setup.fixed ? btVector3(0, 0, 0) : inertia);
+	made.body = std::make_unique<btRigidBody>(
+		btScalar(setup.fixed ? 0 : mass), nullptr, made.shape.get(), setup.fixed ? btVector3(0, 0, 0) : inertia);
 	btRigidBody* body = made.body.get();
 	body->setWorldTransform(toTransform(X_WP));
 	body->setInterpolationWorldTransform(toTransform(X_WP));
@@ -201,7 +203,7 @@ std::vector<StockContact> DemoWorld::stockContacts() const
 			contact.points.push_back(toVec3(p.getPositionWorldOnB()));
 			contact.center += contact.points.back();
 			contact.impulse += toVec3(p.getAppliedImpulse() * p.m_normalWorldOnB + p.m_appliedImpulseLateral1 * p.m_lateralFrictionDir1 +
-									  p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
+				p.m_appliedImpulseLateral2 * p.m_lateralFrictionDir2);
 		}
 		if (contact.points.empty()) continue;
 		contact.center = contact.center / double(contact.points.size());
@@ -214,7 +216,9 @@ Vec3 DemoWorld::contactForce(const btCollisionObject* body, const btCollisionObj
 {
 	Vec3 sum;
 	if (!(m_lastStep > 0)) return sum;
-	const auto touches = [&](const btCollisionObject* a, const btCollisionObject* b) { return (a == body && (!other || b == other)) || (b == body && (!other || a == other)); };
+	const auto touches = [&](const btCollisionObject* a, const btCollisionObject* b) {
+		return (a == body && (!other || b == other)) || (b == body && (!other || a == other));
+	};
 	for (const StockContact& contact : stockContacts())
 		if (touches(contact.bodyA, contact.bodyB)) sum += (contact.bodyA == body ? 1 : -1) / m_lastStep * contact.impulse;
 	if (!m_volumetric) return sum;
@@ -236,7 +240,8 @@ double DemoWorld::mechanicalEnergy() const
 		const Vec3 v = toVec3(b.body->getLinearVelocity());
 		const btVector3 w = b.body->getAngularVelocity();
 		const btMatrix3x3 inertia = b.body->getInvInertiaTensorWorld().inverse();
-		energy += 0.5 * mass * dot(v, v) + 0.5 * double(w.dot(inertia * w)) - mass * dot(toVec3(b.body->getGravity()), b.X_WP().translation);
+		energy += 0.5 * mass * dot(v, v) + 0.5 * double(w.dot(inertia * w)) -
+			mass * dot(toVec3(b.body->getGravity()), b.X_WP().translation);
 	}
 	return energy;
 }

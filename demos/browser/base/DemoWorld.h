@@ -24,7 +24,7 @@ struct BodySetup
 	double dissipation = -1;  ///< [s/m]; negative: the default
 	double friction = 0.5;    ///< Bullet multiplies those of both bodies
 	bool fixed = false;
-	ist::Pose X_WM;           ///< of the mesh as it was given to makeSolid
+	ist::Pose X_WM;  ///< of the mesh as it was given to makeSolid
 	Colour colour;
 	std::unique_ptr<btCollisionShape> shape;  ///< for Bullet; where missing, the convex hull of the mesh, in a stock world makeStockShape
 };
@@ -32,9 +32,9 @@ struct BodySetup
 /// Sums over the volumetric contacts of the last step.
 struct ContactSums
 {
-	double force = 0;         ///< of magnitudes [N]
-	double forceError = 0;    ///< that the queries and what was kept or merged of them may have, as if each pair's were independent [N]
-	double volume = 0;        ///< [m^3]
+	double force = 0;       ///< of magnitudes [N]
+	double forceError = 0;  ///< that the queries and what was kept or merged of them may have, as if each pair's were independent [N]
+	double volume = 0;      ///< [m^3]
 	long long pairs = 0, patches = 0;
 	double queryMicroseconds = 0;
 };
@@ -55,8 +55,8 @@ public:
 	struct Body
 	{
 		std::string name;
-		SolidPtr solid;                    ///< null for Bullet's own shapes
-		ist::Mesh mesh;                    ///< of one without a solid
+		SolidPtr solid;  ///< null for Bullet's own shapes
+		ist::Mesh mesh;  ///< of one without a solid
 		std::shared_ptr<const SurfaceModel> surface;
 		std::unique_ptr<btStridingMeshInterface> triangles;  ///< of the shape, where it reads some
 		std::unique_ptr<btCollisionShape> shape;
@@ -64,7 +64,7 @@ public:
 		btISTAttachment attachment;
 		Colour colour;
 
-		ist::Pose X_WP() const;            ///< of the principal frame
+		ist::Pose X_WP() const;  ///< of the principal frame
 		const ist::Mesh& visibleMesh() const { return solid ? solid->mesh : mesh; }
 	};
 

@@ -18,7 +18,8 @@ Result<std::unique_ptr<DeviceHand>> DeviceHand::open(const std::string& address)
 
 void DeviceHand::update(BrowsableDemo& demo, double scale)
 {
-	const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+	const std::int64_t now =
+		std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
 	devicebridge::DeviceState state;
 	const devicebridge::DeviceStatus status = m_device->read(now, state);
 	if (status != devicebridge::DeviceStatus::Ok || !isRigid(state.X_WH))

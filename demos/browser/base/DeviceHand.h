@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/base/BrowsableDemo.h"
 #include "DeviceBridge/Device/Device.h"
+#include "demos/browser/base/BrowsableDemo.h"
 
 #include <memory>
 

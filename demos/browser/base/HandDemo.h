@@ -3,12 +3,13 @@
 
 #include "DeviceBridge/Bullet/BulletHand.h"
 #include "DeviceBridge/Hand/HandPosture.h"
-#include "demos/browser/drawing/PackedSpheres.h"
 #include "demos/browser/base/WorldDemo.h"
+#include "demos/browser/drawing/PackedSpheres.h"
 
 namespace browser
 {
-/// A demo with a hand of sixteen parts that follows a motion, until the user takes it by one of them: then the whole hand goes where it is led.
+/// A demo with a hand of sixteen parts that follows a motion, until the user takes it by one of them: then the whole hand goes where it is
+/// led.
 class HandDemo : public WorldDemo
 {
 public:

@@ -35,7 +35,8 @@ Wrench HandPull::pull(double h)
 	const double inertia = 1 / double(inverses[inverses.maxAxis()]), k = mass * m_omega * m_omega, c = 2 * mass * m_omega;
 	const double none = std::numeric_limits<double>::infinity();
 	devicebridge::CouplingGains gains{k, inertia * m_omega * m_omega, c, 2 * inertia * m_omega, none, none};
-	const devicebridge::ToolState tool{toPose(m_body->getWorldTransform()), {toVec3(m_body->getLinearVelocity()), toVec3(m_body->getAngularVelocity())}};
+	const devicebridge::ToolState tool{
+		toPose(m_body->getWorldTransform()), {toVec3(m_body->getLinearVelocity()), toVec3(m_body->getAngularVelocity())}};
 	const Wrench wrench = devicebridge::couplingOnTool(gains, m_target, {}, tool, mass, inertia, h);
 	if (!isFinite(wrench)) return {};
 	m_body->applyCentralForce(toBullet(wrench.force));

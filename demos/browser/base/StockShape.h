@@ -17,8 +17,8 @@ struct StockShape
 	std::unique_ptr<btCollisionShape> shape;
 };
 
-/// What Bullet itself has for a closed mesh: the hull of a convex one; its triangles, with a margin of a thousandth of its longest side, in a
-/// btBvhTriangleMeshShape where it is fixed, else in a btGImpactMeshShape.
+/// What Bullet itself has for a closed mesh: the hull of a convex one; its triangles, with a margin of a thousandth of its longest side, in
+/// a btBvhTriangleMeshShape where it is fixed, else in a btGImpactMeshShape.
 StockShape makeStockShape(const ist::Mesh& mesh, bool fixed);
 
 /// The convex hull of a mesh's vertices.

@@ -30,7 +30,9 @@ std::vector<Ring> threadRings(const Thread& thread, double wider, double from, d
 	for (int i = 0; i <= rows; ++i)
 	{
 		const double y = from + (to - from) * i / rows;
-		rings.push_back({y, [=](double phi) { return thread.radius + wider + thread.depth * std::sin(thread.starts * (2 * kPi * y / thread.lead - phi)); }});
+		rings.push_back({y, [=](double phi) {
+							 return thread.radius + wider + thread.depth * std::sin(thread.starts * (2 * kPi * y / thread.lead - phi));
+						 }});
 	}
 	return rings;
 }
@@ -65,10 +67,8 @@ void addCap(Mesh& mesh, uint32_t ring, double height, bool above)
 	for (uint32_t s = 0; s < kSegments; ++s)
 	{
 		const uint32_t a = ring * kSegments + s, b = ring * kSegments + (s + 1) % kSegments;
-		if (above)
-			mesh.triangles.push_back({centre, a, b});
-		else
-			mesh.triangles.push_back({centre, b, a});
+		if (above) mesh.triangles.push_back({centre, a, b});
+		else mesh.triangles.push_back({centre, b, a});
 	}
 }
 }  // namespace

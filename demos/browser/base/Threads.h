@@ -5,7 +5,8 @@
 
 namespace browser
 {
-/// A right-handed thread about y: the radius at the angle phi about +y and the height y is radius + depth sin(starts (2 pi y / lead - phi)).
+/// A right-handed thread about y: the radius at the angle phi about +y and the height y is radius + depth sin(starts (2 pi y / lead -
+/// phi)).
 struct Thread
 {
 	double radius = 0.02, depth = 0.004, lead = 0.03;  ///< [m]; lead: the way of one turn

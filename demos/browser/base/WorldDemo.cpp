@@ -41,16 +41,13 @@ void enlarge(DrawList& list, double zoom)
 	for (auto& t : list.texts) t.at *= zoom;
 }
 
-template <class T>
-void take(std::vector<T>& to, std::vector<T>& from)
-{
-	to.insert(to.end(), from.begin(), from.end());
-}
+template <class T> void take(std::vector<T>& to, std::vector<T>& from) { to.insert(to.end(), from.begin(), from.end()); }
 }  // namespace
 
 DemoWorld& WorldDemo::addWorld(const Vec3& gravity, const Vec3& shift, const std::string& title, double zoom)
 {
-	m_parts.push_back({std::make_unique<DemoWorld>(m_stock ? scenes::Response::Stock : scenes::Response::Volumetric, gravity), shift, title, zoom});
+	m_parts.push_back(
+		{std::make_unique<DemoWorld>(m_stock ? scenes::Response::Stock : scenes::Response::Volumetric, gravity), shift, title, zoom});
 	return *m_parts.back().world;
 }
 
@@ -180,8 +177,8 @@ std::vector<std::string> WorldDemo::report() const
 		for (const DemoWorld::Body& b : part.world->bodies())
 			if (!b.body->isStaticOrKinematicObject()) ++(b.body->isActive() ? awake : asleep);
 		const ContactSums sums = part.world->contactSums();
-		std::snprintf(row, sizeof row, "%s%s%d bodies move, %d sleep; step %.0f us, of it queries %.0f us", part.title.c_str(), part.title.empty() ? "" : ": ",
-					  awake, asleep, part.world->stepMicroseconds(), sums.queryMicroseconds);
+		std::snprintf(row, sizeof row, "%s%s%d bodies move, %d sleep; step %.0f us, of it queries %.0f us", part.title.c_str(),
+			part.title.empty() ? "" : ": ", awake, asleep, part.world->stepMicroseconds(), sums.queryMicroseconds);
 		rows.push_back(row);
 		if (!part.world->volumetric()) continue;
 		for (std::string& line : sceneReport(part).lines()) rows.push_back(std::move(line));

@@ -34,9 +34,10 @@ public:
 	void keepAwake(bool on) override;
 
 protected:
-	/// A new world; in the picture it stands at `shift`, under its title, and `zoom` times as large as it is. What is drawn so steps so many
-	/// times slower as falling takes, that all sizes move alike: by the square root of the zoom.
-	DemoWorld& addWorld(const ist::Vec3& gravity = {0, -9.81, 0}, const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
+	/// A new world; in the picture it stands at `shift`, under its title, and `zoom` times as large as it is. What is drawn so steps so
+	/// many times slower as falling takes, that all sizes move alike: by the square root of the zoom.
+	DemoWorld& addWorld(
+		const ist::Vec3& gravity = {0, -9.81, 0}, const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
 	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
 	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
 	/// Before the worlds go, for what must not outlive them.
@@ -70,7 +71,8 @@ private:
 	HandPull m_hand;
 	ContactView m_view;
 	DrawList m_one;
-	Curve m_force{"contact force", "N", {}}, m_pairs{"pairs", "", {}}, m_energy{"mechanical energy", "J", {}}, m_cost{"time of a step", "us", {}};
+	Curve m_force{"contact force", "N", {}}, m_pairs{"pairs", "", {}}, m_energy{"mechanical energy", "J", {}},
+		m_cost{"time of a step", "us", {}};
 	double m_time = 0, m_nextSample = 0;
 	bool m_awake = true, m_stock = false;
 	EconomyChoice m_economy;

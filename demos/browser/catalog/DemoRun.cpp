@@ -48,11 +48,11 @@ Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const 
 std::string makeJson(const DemoOutcome& o)
 {
 	const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr); };
-	nlohmann::ordered_json json = {{"schema", 1}, {"demo", o.name}, {"about", o.about}, {"frames", o.frames}, {"dt", o.dt}, {"seconds", o.seconds},
-								   {"step_us", o.stepMicroseconds}, {"complete", o.complete}, {"figures", nlohmann::ordered_json::array()}};
+	nlohmann::ordered_json json = {{"schema", 1}, {"demo", o.name}, {"about", o.about}, {"frames", o.frames}, {"dt", o.dt},
+		{"seconds", o.seconds}, {"step_us", o.stepMicroseconds}, {"complete", o.complete}, {"figures", nlohmann::ordered_json::array()}};
 	for (const Figure& f : o.figures)
 		json["figures"].push_back({{"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}, {"expected", number(f.expected)},
-								   {"tolerance", f.judged() ? number(f.tolerance) : nullptr}, {"ok", f.ok()}});
+			{"tolerance", f.judged() ? number(f.tolerance) : nullptr}, {"ok", f.ok()}});
 	if (!o.reportJson.empty()) json["report"] = nlohmann::ordered_json::parse(o.reportJson);
 	json["ok"] = o.ok();
 	return json.dump();
@@ -65,7 +65,8 @@ std::vector<std::vector<std::string>> summaryRows(const DemoOutcome& o)
 	{
 		std::string unit = f.unit;
 		if (f.judged() && o.complete)
-			unit += (unit.empty() ? "(" : " (") + scenes::formatNumber(f.expected, 4) + " within " + scenes::formatNumber(f.tolerance, 2) + (f.ok() ? ": yes)" : ": NO)");
+			unit += (unit.empty() ? "(" : " (") + scenes::formatNumber(f.expected, 4) + " within " + scenes::formatNumber(f.tolerance, 2) +
+				(f.ok() ? ": yes)" : ": NO)");
 		rows.push_back({f.name, scenes::formatNumber(f.value, 5), unit});
 	}
 	rows.push_back({"time of a step", scenes::formatNumber(o.stepMicroseconds, 3), "us"});

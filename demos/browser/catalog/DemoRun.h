@@ -22,9 +22,9 @@ struct DemoOutcome
 	std::vector<std::string> report;  ///< which model answers for which pair, at the end
 	std::string reportJson;
 	long long frames = 0;
-	double dt = 0, seconds = 0;      ///< simulated [s]
-	double stepMicroseconds = 0;     ///< mean, of the machine's time
-	bool complete = false;           ///< as long as the demo's duration: only then are the figures judged
+	double dt = 0, seconds = 0;   ///< simulated [s]
+	double stepMicroseconds = 0;  ///< mean, of the machine's time
+	bool complete = false;        ///< as long as the demo's duration: only then are the figures judged
 
 	bool ok() const;
 };

@@ -39,7 +39,8 @@ void KeptCheck::look(btISTWorld& world)
 		const btISTPairConstants& c = contact->constants;
 		const PressurePair pair{c.k, c.weightA, c.weightB};
 		const Vec3 force = pressureWrench(truth.total, pair).force;
-		errors.push_back(distance(pressureWrench(contact->total, pair).force, force) / std::max(norm(force), btISTKeptResult::floorForce(*contact)));
+		errors.push_back(
+			distance(pressureWrench(contact->total, pair).force, force) / std::max(norm(force), btISTKeptResult::floorForce(*contact)));
 		changed += contact->use == btISTKeptResult::Still && !(contact->total.volume == truth.total.volume && errors.back() == 0);
 	}
 }

@@ -42,13 +42,16 @@ public:
 		return {{0, 0.42 * height, 0}, std::max(0.46, 2.6 * height), 0.7, 0.4};
 	}
 	DrawChoice firstChoice() const override { return {.lenses = true}; }
-	std::vector<Parameter> parameters() override { return {{"press by", "mm", &m_press, 0, 10, false, false}, {"friction", "", &m_friction, 0, 1, true, false}}; }
+	std::vector<Parameter> parameters() override
+	{
+		return {{"press by", "mm", &m_press, 0, 10, false, false}, {"friction", "", &m_friction, 0, 1, true, false}};
+	}
 	std::vector<Figure> figures() const override
 	{
 		return {{"force on the ball", "N", norm(world().contactForce(tool()))},
-				{"off the integral over the triangles", "%", m_off,
-				 m_friction > 0 || m_foreign ? std::numeric_limits<double>::quiet_NaN() : 0, 6},
-				{"hand and contact out of balance", "%", 100 * imbalance(), 0, 1}};
+			{"off the integral over the triangles", "%", m_off, m_friction > 0 || m_foreign ? std::numeric_limits<double>::quiet_NaN() : 0,
+				6},
+			{"hand and contact out of balance", "%", 100 * imbalance(), 0, 1}};
 	}
 
 protected:
@@ -79,8 +82,10 @@ protected:
 	{
 		const double deep = 1e-3 * m_press, above = m_top.y + kBall;
 		Pose X;
-		X.translation = along({{0, {m_top.x, above + 0.03, m_top.z}}, {0.8, {m_top.x, above - deep, m_top.z}}, {1.2, {m_top.x, above - deep, m_top.z}},
-							   {1.7, {m_top.x - 0.010, above - deep, m_top.z}}, {2.2, {m_top.x - 0.002, above - deep, m_top.z}}}, time);
+		X.translation = along(
+			{{0, {m_top.x, above + 0.03, m_top.z}}, {0.8, {m_top.x, above - deep, m_top.z}}, {1.2, {m_top.x, above - deep, m_top.z}},
+				{1.7, {m_top.x - 0.010, above - deep, m_top.z}}, {2.2, {m_top.x - 0.002, above - deep, m_top.z}}},
+			time);
 		return X;
 	}
 	void afterStep(double) override

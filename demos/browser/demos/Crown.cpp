@@ -27,14 +27,17 @@ public:
 	double duration() const override { return 1.5; }
 	Viewpoint viewpoint() const override { return {{0, 0.04, 0}, 0.34, 0.5, 0.3}; }
 	DrawChoice firstChoice() const override { return {.lenses = true}; }
-	std::vector<Parameter> parameters() override { return {{"press by", "mm", &m_press, 0, 20, false, false}, {"tilt", "deg", &m_tilt, -8, 8, false, false}}; }
+	std::vector<Parameter> parameters() override
+	{
+		return {{"press by", "mm", &m_press, 0, 20, false, false}, {"tilt", "deg", &m_tilt, -8, 8, false, false}};
+	}
 	std::vector<Figure> figures() const override
 	{
 		const Vec3 force = world().contactForce(tool());
 		const double sideways = std::hypot(force.x, force.z);
-		return {{"force on the plate", "N", force.y},
-				{"hand and contact out of balance", "%", 100 * imbalance(), 0, 1},
-				{"sideways share, none by symmetry", "%", norm(force) > 0 ? 100 * sideways / norm(force) : 0, m_tilt == 0 ? 0 : std::numeric_limits<double>::quiet_NaN(), 3}};
+		return {{"force on the plate", "N", force.y}, {"hand and contact out of balance", "%", 100 * imbalance(), 0, 1},
+			{"sideways share, none by symmetry", "%", norm(force) > 0 ? 100 * sideways / norm(force) : 0,
+				m_tilt == 0 ? 0 : std::numeric_limits<double>::quiet_NaN(), 3}};
 	}
 
 protected:

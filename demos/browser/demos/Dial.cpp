@@ -18,12 +18,12 @@ namespace
 {
 constexpr double kSize = 0.2, kBall = 0.035, kStiffness = 1e7, kPi = 3.14159265358979323846;
 constexpr double kTick = 1e-3;
-constexpr int kTicksBetween = 100;              // two poses that the quadrature judges
+constexpr int kTicksBetween = 100;                            // two poses that the quadrature judges
 constexpr int kPoses = 60, kPeriod = kPoses * kTicksBetween;  // of the ball's way
 constexpr double kFinest = 0.02, kCoarsest = 0.5;
 
-/// The dial turned: the user says what error of the force he accepts, and the library chooses how finely it asks. A ball rolls over a body, asked at
-/// 1 kHz; beside it, what every error accepted would promise, cost and truly be, the truth being an integral over the triangles.
+/// The dial turned: the user says what error of the force he accepts, and the library chooses how finely it asks. A ball rolls over a body,
+/// asked at 1 kHz; beside it, what every error accepted would promise, cost and truly be, the truth being an integral over the triangles.
 class Dial : public BrowsableDemo
 {
 public:
@@ -36,7 +36,10 @@ public:
 	Viewpoint viewpoint() const override { return {{m_top.x + 0.03, m_up + m_top.y + 0.005, m_top.z}, 0.3, 0.7, 0.4}; }
 	DrawChoice firstChoice() const override { return {.leaves = true}; }
 	void draw(const DrawChoice& choice, DrawList& list) override;
-	std::vector<Parameter> parameters() override { return {{"error accepted", "%", &m_accepted, 100 * kFinest, 100 * kCoarsest, false, true}}; }
+	std::vector<Parameter> parameters() override
+	{
+		return {{"error accepted", "%", &m_accepted, 100 * kFinest, 100 * kCoarsest, false, true}};
+	}
 	std::vector<Figure> figures() const override;
 	std::vector<Curve> curves() const override { return {m_dial, m_promise, m_error, m_rate, m_pairs}; }
 	std::vector<scenes::Chart> charts() const override;
@@ -60,8 +63,8 @@ private:
 	int m_ticks = 0, m_judged = 0, m_held = 0;
 	long long m_nowPairs = 0, m_nowBalls = 0;
 	double m_nowError = 0, m_nowMicroseconds = 0, m_largestLeap = 0;
-	Curve m_dial{"error accepted", "%", {}}, m_promise{"error promised", "%", {}}, m_error{"true error", "%", {}}, m_rate{"queries a second", "Hz", {}},
-		m_pairs{"pairs", "", {}};
+	Curve m_dial{"error accepted", "%", {}}, m_promise{"error promised", "%", {}}, m_error{"true error", "%", {}},
+		m_rate{"queries a second", "Hz", {}}, m_pairs{"pairs", "", {}};
 };
 
 std::optional<Error> Dial::prepare(const DemoOptions& options)
@@ -131,7 +134,9 @@ void Dial::tick()
 	m_balls = result.ballsA;
 	const Vec3 force = forceOf(result), finest = forceOf(queryOverlap(m_trees[0], m_trees[1], X_AB(at), m_workspace));
 	// What the leaves change by is the motion's doing; the rest is the dial's.
-	if (m_ticks > 0) m_largestLeap = std::max(m_largestLeap, norm(force - m_force - (finest - m_finest)) / std::max({norm(force), norm(m_force), m_floor}));
+	if (m_ticks > 0)
+		m_largestLeap = std::max(
+			m_largestLeap, norm(force - m_force - (finest - m_finest)) / std::max({norm(force), norm(m_force), m_floor}));
 	m_force = force;
 	m_finest = finest;
 	if (at % kTicksBetween == 0)
@@ -146,8 +151,7 @@ void Dial::tick()
 void Dial::step(double seconds)
 {
 	m_time += seconds;
-	const auto append = [](Curve& curve, double value)
-	{
+	const auto append = [](Curve& curve, double value) {
 		if (curve.values.size() == 600) curve.values.erase(curve.values.begin());
 		curve.values.push_back(float(value));
 	};
@@ -170,22 +174,19 @@ std::vector<Figure> Dial::figures() const
 		least = std::min(least, p.held);
 	}
 	const int judged = std::max(m_judged, 1);
-	return {{"error accepted", "%", m_accepted},
-			{"error promised", "%", 100 * m_pair.promise},
-			{"level", "", double(m_pair.level)},
-			{"spheres that speak", "", double(m_nowBalls)},
-			{"pairs", "", double(m_nowPairs)},
-			{"true error, by quadrature on the triangles", "%", 100 * m_nowError},
-			{"poses so far in which the promise held", "%", 100.0 * m_held / judged, 100, 5},
-			{"the same, over all errors accepted", "%", 100 * held, 100, 5},
-			{"where it held least often", "%", 100 * least},
-			{"largest leap of the force in 1 ms, the dial's doing", "%", 100 * m_largestLeap, 0, 1}};
+	return {{"error accepted", "%", m_accepted}, {"error promised", "%", 100 * m_pair.promise}, {"level", "", double(m_pair.level)},
+		{"spheres that speak", "", double(m_nowBalls)}, {"pairs", "", double(m_nowPairs)},
+		{"true error, by quadrature on the triangles", "%", 100 * m_nowError},
+		{"poses so far in which the promise held", "%", 100.0 * m_held / judged, 100, 5},
+		{"the same, over all errors accepted", "%", 100 * held, 100, 5}, {"where it held least often", "%", 100 * least},
+		{"largest leap of the force in 1 ms, the dial's doing", "%", 100 * m_largestLeap, 0, 1}};
 }
 
 std::vector<scenes::Chart> Dial::charts() const
 {
 	const auto line = [](const char* name) { return scenes::ChartSeries{name, {}, {}, {}, false, -1}; };
-	scenes::Chart errors{"Error of the force", "error accepted [%]", "error [%]", {line("accepted"), line("promised (half)"), line("true (half)"), line("true (95 %)")}, true};
+	scenes::Chart errors{"Error of the force", "error accepted [%]", "error [%]",
+		{line("accepted"), line("promised (half)"), line("true (half)"), line("true (95 %)")}, true};
 	scenes::Chart cost{"What it costs", "error accepted [%]", "", {line("queries a second"), line("spheres"), line("pairs")}, true};
 	for (const scenes::DialPoint& p : m_sweep)
 	{
@@ -194,8 +195,7 @@ std::vector<scenes::Chart> Dial::charts() const
 		for (size_t i = 0; i < 3; ++i) cost.series[i].x.push_back(100 * p.accepted), cost.series[i].y.push_back(costs[i]);
 	}
 	// Where the dial is now.
-	const auto mark = [&](scenes::Chart& chart, size_t like, double value)
-	{
+	const auto mark = [&](scenes::Chart& chart, size_t like, double value) {
 		chart.series.push_back({"", {m_accepted}, {value}, {}, true, int(like)});
 	};
 	mark(errors, 1, 100 * m_pair.promise);
@@ -212,8 +212,11 @@ std::vector<std::string> Dial::report() const
 	for (const scenes::DialPoint& p : m_sweep)
 	{
 		char row[200];
-		std::snprintf(row, sizeof row, "accepted %.1f %%: promised %.1f (half of the poses: %.1f), true %.1f (half: %.2f) %%, held in %.0f %%, kept in %.0f %%; %.0f spheres, %.0f pairs, %.0f us",
-					  100 * p.accepted, 100 * p.promise, 100 * p.middlePromise, 100 * p.error, 100 * p.middleError, 100 * p.held, 100 * p.kept, p.balls, p.pairs, p.microseconds);
+		std::snprintf(row, sizeof row,
+			"accepted %.1f %%: promised %.1f (half of the poses: %.1f), true %.1f (half: %.2f) %%, held in %.0f %%, kept in %.0f %%; %.0f "
+			"spheres, %.0f pairs, %.0f us",
+			100 * p.accepted, 100 * p.promise, 100 * p.middlePromise, 100 * p.error, 100 * p.middleError, 100 * p.held, 100 * p.kept,
+			p.balls, p.pairs, p.microseconds);
 		rows.push_back(row);
 	}
 	return rows;
@@ -236,8 +239,8 @@ void Dial::draw(const DrawChoice& choice, DrawList& list)
 	if (choice.leaves && m_balls)
 		for (size_t slot = 0; slot < m_balls->slotCount(); ++slot)
 			if (const MomentEllipsoid ball = m_balls->ball(slot); ball.density > 0)
-				list.discs.push_back({X_WA * (m_trees[0].origin + ball.center()), normalized(Vec3{ball.nx + 1e-6, ball.ny, ball.nz}), 0.6 * ball.meanRadius(),
-									  0.25 * ball.meanRadius(), levelColour(0.2 + 0.7 * norm(ball.normal()))});
+				list.discs.push_back({X_WA * (m_trees[0].origin + ball.center()), normalized(Vec3{ball.nx + 1e-6, ball.ny, ball.nz}),
+					0.6 * ball.meanRadius(), 0.25 * ball.meanRadius(), levelColour(0.2 + 0.7 * norm(ball.normal()))});
 	if (!choice.wrenches || !(norm(m_force) > 0)) return;
 	const Vec3 from = X_WB.translation, tip = from - 0.05 * normalized(m_force);
 	list.arrows.push_back({from, tip, 0.0015, {0.80f, 0.18f, 0.12f}});

@@ -33,11 +33,11 @@ public:
 	{
 		const btEnergyBalance& t = m_audit->total();
 		// Nothing is made of nothing: what came in is there, or was lost by name. Single precision rounds.
-		return {{"energy that came in", "J", t.injected},
-				{"dissipated by contact, friction and damping", "J", t.physical},
-				{"lost to the finite step", "J", t.numerical},
-				{"unaccounted for, of what came in", "%", 100 * std::fabs(t.residual) / t.injected, 0, 0.1},
-				{"sum of all names, of what came in", "%", 100 * (t.kinetic + t.potential + t.contact + t.physical + t.numerical) / t.injected, 100, 0.1}};
+		return {{"energy that came in", "J", t.injected}, {"dissipated by contact, friction and damping", "J", t.physical},
+			{"lost to the finite step", "J", t.numerical},
+			{"unaccounted for, of what came in", "%", 100 * std::fabs(t.residual) / t.injected, 0, 0.1},
+			{"sum of all names, of what came in", "%", 100 * (t.kinetic + t.potential + t.contact + t.physical + t.numerical) / t.injected,
+				100, 0.1}};
 	}
 	std::vector<Curve> curves() const override
 	{
@@ -93,7 +93,8 @@ protected:
 private:
 	SolidPtr m_ball, m_knot;
 	std::unique_ptr<btEnergyAudit> m_audit;
-	Curve m_kinetic{"kinetic", "J", {}}, m_potential{"potential", "J", {}}, m_contact{"in contacts", "J", {}}, m_dissipated{"lost", "J", {}};
+	Curve m_kinetic{"kinetic", "J", {}}, m_potential{"potential", "J", {}}, m_contact{"in contacts", "J", {}},
+		m_dissipated{"lost", "J", {}};
 	double m_next = 0, m_dissipation = 0.4, m_friction = 0.4;
 };
 }  // namespace

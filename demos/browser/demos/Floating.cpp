@@ -35,13 +35,15 @@ public:
 		const double share = m_density / scenes::kWater, exact = scenes::wallSidedTilt(std::min(share, 1 - share));
 		const Mat3 R = world().bodies()[0].X_WP().rotation;
 		// A square has four faces to lie on.
-		const double turned = std::atan2(R.m[1][0], R.m[0][0]), quarter = 1.5707963267948966, tilt = std::fabs(turned - quarter * std::round(turned / quarter));
+		const double turned = std::atan2(R.m[1][0], R.m[0][0]), quarter = 1.5707963267948966,
+					 tilt = std::fabs(turned - quarter * std::round(turned / quarter));
 		const double ballHeight = world().bodies()[1].X_WP().translation.y, knotWeight = 600 * m_knot->tree->volume * kGravity;
 		// The closed form holds while the upper edges stay dry and the lower ones wet.
 		const bool known = exact > 0 ? std::tan(exact) < 2 * std::min(share, 1 - share) : true;
 		return {{"tilt of the log", "rad", tilt, known ? exact : std::numeric_limits<double>::quiet_NaN(), std::max(0.06 * exact, 0.05)},
-				{"height of the ball, half as dense as water", "mm", 1e3 * ballHeight, 0, 0.02 * 1e3 * kBall},
-				{"force of the water on the third body", "N", world().contactForce(world().bodies()[2].body.get()).y, knotWeight, 0.02 * knotWeight}};
+			{"height of the ball, half as dense as water", "mm", 1e3 * ballHeight, 0, 0.02 * 1e3 * kBall},
+			{"force of the water on the third body", "N", world().contactForce(world().bodies()[2].body.get()).y, knotWeight,
+				0.02 * knotWeight}};
 	}
 
 protected:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/drawing/Turned.h"
 #include "demos/browser/base/WorldDemo.h"
+#include "demos/browser/drawing/Turned.h"
 
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
@@ -23,7 +23,9 @@ public:
 	{
 		for (const int i : {0, 1})
 		{
-			if (auto error = makeSolid(m_solids[i], i ? "driven" : "driver", gear(i ? kDriven : kDriver, kModule, kHalfWidth, 4e-4), i ? 2000 : 1500, options)) return error;
+			if (auto error = makeSolid(
+					m_solids[i], i ? "driven" : "driver", gear(i ? kDriven : kDriver, kModule, kHalfWidth, 4e-4), i ? 2000 : 1500, options))
+				return error;
 		}
 		return std::nullopt;
 	}
@@ -39,7 +41,8 @@ public:
 	{
 		const double exact = -double(kDriver) / kDriven, took = time() - m_from;
 		return {{"ratio of the angles turned", "", m_angle[0] != 0 ? m_angle[1] / m_angle[0] : 0, exact, 0.01 * std::fabs(exact)},
-				{"mean torque of the driver, losses included", "N m", took > 0 ? m_work / took : 0, m_load * kDriver / kDriven, 0.1 * m_load + 0.01}};
+			{"mean torque of the driver, losses included", "N m", took > 0 ? m_work / took : 0, m_load * kDriver / kDriven,
+				0.1 * m_load + 0.01}};
 	}
 
 protected:
@@ -56,7 +59,8 @@ protected:
 			setup.friction = 0;
 			setup.colour = bodyColour(i ? 0 : 1);
 			// A tooth of the one meets a gap of the other.
-			setup.X_WM.rotation = rotationMatrix(quaternionFromRotationVector({0, i ? 3.14159265358979323846 * (1 + 1.0 / kDriven) : 0, 0}));
+			setup.X_WM.rotation = rotationMatrix(
+				quaternionFromRotationVector({0, i ? 3.14159265358979323846 * (1 + 1.0 / kDriven) : 0, 0}));
 			setup.X_WM.translation = {i ? radii[0] : -radii[1], 0, 0};
 			m_bodies[i] = w.add(m_solids[i], std::move(setup));
 			if (!m_bodies[i]) return std::nullopt;

@@ -18,8 +18,8 @@ constexpr double kGravity = 9.81, kMapEvery = 0.1;
 constexpr long long kObjectSpheres = 1500;
 const Vec3 kFingerSide{-0.12, 0, -0.05}, kThumbSide{-0.21, 0, 0.01};
 
-/// A hand of sixteen parts closes on a mug, lifts it, turns it and shakes it at 2 Hz. Beside it stands, seen from both sides, the map of where it was
-/// touched, in a colour for each finger.
+/// A hand of sixteen parts closes on a mug, lifts it, turns it and shakes it at 2 Hz. Beside it stands, seen from both sides, the map of
+/// where it was touched, in a colour for each finger.
 class Grasp : public HandDemo
 {
 public:
@@ -57,11 +57,10 @@ public:
 		}
 		const BulletHand::Touch touch = parts().touch(world().lastStep());
 		return {{"weight that the hand carries", "N", carried.y, weight, 0.02 * weight},
-				{"forces on the mug out of balance, sideways", "N", std::hypot(carried.x, carried.z), 0, 0.02 * weight},
-				{"lifted", "mm", 1e3 * (toVec3(m_body->getWorldTransform().getOrigin()).y - m_mug->X_MP.translation.y), 1e3 * m_motion.lift, 4},
-				{"parts in contact", "", double(touch.parts)},
-				{"strongest part", "N", strongest},
-				{"force on the map, of that on the mug", "%", m_impulse > 0 ? 100 * mapImpulse() / m_impulse : 0, 100, 2}};
+			{"forces on the mug out of balance, sideways", "N", std::hypot(carried.x, carried.z), 0, 0.02 * weight},
+			{"lifted", "mm", 1e3 * (toVec3(m_body->getWorldTransform().getOrigin()).y - m_mug->X_MP.translation.y), 1e3 * m_motion.lift, 4},
+			{"parts in contact", "", double(touch.parts)}, {"strongest part", "N", strongest},
+			{"force on the map, of that on the mug", "%", m_impulse > 0 ? 100 * mapImpulse() / m_impulse : 0, 100, 2}};
 	}
 
 protected:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/catalog/BesideStock.h"
 #include "demos/browser/base/WorldDemo.h"
+#include "demos/browser/catalog/BesideStock.h"
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
@@ -34,7 +34,7 @@ public:
 		const double top = m_ratio * kGravity, all = top + kGravity, k = stiffness();
 		const double height = 1.5 * kEdge - all / (2 * k * kEdge * kEdge) - top / (k * kEdge * kEdge);
 		return {{"force on the floor", "N", world().contactForce(m_lower, m_floor).y, all, 0.01 * all},
-				{"height of the upper cube", "m", double(world().bodies()[1].body->getWorldTransform().getOrigin().y()), height, 0.004}};
+			{"height of the upper cube", "m", double(world().bodies()[1].body->getWorldTransform().getOrigin().y()), height, 0.004}};
 	}
 
 protected:

@@ -33,8 +33,9 @@ public:
 	{
 		// Newton: what rests is carried.
 		const double weight = 2 * kMass * kGravity;
-		return {{"force on the floor", "N", world().contactForce(m_lying).y - world().contactForce(m_lying, m_falling).y, weight, 0.01 * weight},
-				{"speed of the upper ring", "m/s", double(m_falling->getLinearVelocity().length()), 0, 0.01}};
+		return {{"force on the floor", "N", world().contactForce(m_lying).y - world().contactForce(m_lying, m_falling).y, weight,
+					0.01 * weight},
+			{"speed of the upper ring", "m/s", double(m_falling->getLinearVelocity().length()), 0, 0.01}};
 	}
 
 protected:

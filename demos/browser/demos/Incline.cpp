@@ -27,7 +27,7 @@ public:
 	std::vector<Parameter> parameters() override
 	{
 		return {{"slope", "deg", &m_degrees, 1, 45, true, false}, {"friction of the rough one", "", &m_rough, 0, 1.2, true, false},
-				{"friction of the smooth one", "", &m_smooth, 0, 1.2, true, false}};
+			{"friction of the smooth one", "", &m_smooth, 0, 1.2, true, false}};
 	}
 	std::vector<Figure> figures() const override { return {figure("rough slab", 0, m_rough), figure("smooth slab", 1, m_smooth)}; }
 

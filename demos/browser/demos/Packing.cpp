@@ -35,7 +35,8 @@ public:
 	void step(double seconds) override
 	{
 		m_time += seconds;
-		if (m_fill.values.size() < 600 && m_time >= double(m_fill.values.size()) / 60) m_fill.values.push_back(float(100 * filled(shown())));
+		if (m_fill.values.size() < 600 && m_time >= double(m_fill.values.size()) / 60)
+			m_fill.values.push_back(float(100 * filled(shown())));
 	}
 	double stepSize() const override { return 1.0 / 60; }
 	double duration() const override { return kGrows; }
@@ -58,13 +59,14 @@ public:
 		m_solid->spheres.draw(choice, X, list, shown());
 		addSphereKeys({}, list);
 	}
-	std::vector<Parameter> parameters() override { return {{"spheres", "", &m_most, 1, double(m_solid->tree->spheres.size()), false, true}}; }
+	std::vector<Parameter> parameters() override
+	{
+		return {{"spheres", "", &m_most, 1, double(m_solid->tree->spheres.size()), false, true}};
+	}
 	std::vector<Figure> figures() const override
 	{
-		return {{"spheres", "", double(shown())},
-				{"volume filled", "%", 100 * filled(shown())},
-				{"pairs of spheres that overlap", "", double(m_overlapping), 0, 0},
-				{"spheres that protrude", "", double(m_protruding), 0, 0}};
+		return {{"spheres", "", double(shown())}, {"volume filled", "%", 100 * filled(shown())},
+			{"pairs of spheres that overlap", "", double(m_overlapping), 0, 0}, {"spheres that protrude", "", double(m_protruding), 0, 0}};
 	}
 	std::vector<Curve> curves() const override { return {m_fill}; }
 
@@ -78,7 +80,8 @@ private:
 	double filled(size_t count) const
 	{
 		double volume = 0;
-		for (size_t i = 0; i < std::min(count, m_solid->tree->spheres.size()); ++i) volume += 4.18879020478639098462 * std::pow(double(m_solid->tree->spheres[i].r), 3);
+		for (size_t i = 0; i < std::min(count, m_solid->tree->spheres.size()); ++i)
+			volume += 4.18879020478639098462 * std::pow(double(m_solid->tree->spheres[i].r), 3);
 		return volume / massProperties(m_solid->mesh).volume;
 	}
 	/// Every sphere with every other and with every triangle, in double.
@@ -100,7 +103,10 @@ private:
 			const Vec3 c = m_solid->tree->origin + spheres[i].center();
 			double nearest = 1e300;
 			for (const auto& t : m_solid->mesh.triangles)
-				nearest = std::min(nearest, squaredNorm(closestPointOnTriangle(c, m_solid->mesh.vertices[t[0]], m_solid->mesh.vertices[t[1]], m_solid->mesh.vertices[t[2]]) - c));
+				nearest = std::min(nearest,
+					squaredNorm(closestPointOnTriangle(
+									c, m_solid->mesh.vertices[t[0]], m_solid->mesh.vertices[t[1]], m_solid->mesh.vertices[t[2]]) -
+						c));
 			m_protruding += std::sqrt(nearest) < double(spheres[i].r) * (1 - 1e-12);
 		}
 	}

@@ -18,7 +18,10 @@ class Peg : public WorldDemo
 public:
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
-		if (auto error = makeSolid(m_pipe, "pipe", turned({{kHole, 0}, {kOuter, 0}, {kOuter, kHeight}, {1.4 * kHole, kHeight}, {kHole, kHeight - 0.4 * kHole}}, 96, 0.006), 2000, options)) return error;
+		if (auto error = makeSolid(m_pipe, "pipe",
+				turned({{kHole, 0}, {kOuter, 0}, {kOuter, kHeight}, {1.4 * kHole, kHeight}, {kHole, kHeight - 0.4 * kHole}}, 96, 0.006),
+				2000, options))
+			return error;
 		Mesh peg = makeCylinderMesh(kHole - clearance(), kPegHalf, 64);
 		for (Vec3& p : peg.vertices) p = {p.x, p.z, -p.y};
 		if (auto error = makeSolid(m_peg, "peg", peg, 1000, options)) return error;
@@ -39,8 +42,8 @@ public:
 		// In a hole of this height a peg may lean, and stands on its edge then.
 		const double lean = kHole * 2 * clearance() / kHeight, weight = kDensity * m_peg->tree->volume * kGravity;
 		return {{"force on the peg, ground and wall together", "N", world().contactForce(m_body).y, weight, 0.02 * weight},
-				{"height of the peg's middle", "mm", 1e3 * at.y, 1e3 * (kPegHalf + 0.5 * lean), 1e3 * 0.5 * lean + 0.1},
-				{"off the middle of the hole", "mm", 1e3 * std::hypot(at.x, at.z), 0, 1e3 * clearance() + 0.2}};
+			{"height of the peg's middle", "mm", 1e3 * at.y, 1e3 * (kPegHalf + 0.5 * lean), 1e3 * 0.5 * lean + 0.1},
+			{"off the middle of the hole", "mm", 1e3 * std::hypot(at.x, at.z), 0, 1e3 * clearance() + 0.2}};
 	}
 
 protected:

@@ -4,8 +4,8 @@
 #include "BulletHapticForce/World/btEnergyAudit.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
-#include "demos/scenes/Grasp/GraspObjects.h"
 #include "demos/scenes/Bodies/ImplicitMesh.h"
+#include "demos/scenes/Grasp/GraspObjects.h"
 #include "demos/scenes/Truth/MeshDepth.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
@@ -25,21 +25,21 @@ constexpr double kGravity = 9.81, kSize = 0.06;
 constexpr int kBodies = 20, kColumns = 3;
 constexpr long long kSpheres = 400;
 const Vec3 kInside{0.1, 0.06, 0.1};  // of the tray: half its length, its height, half its width
-constexpr double kBoard = 0.012;       // half of what its boards are thick
+constexpr double kBoard = 0.012;     // half of what its boards are thick
 constexpr double kLookEvery = 1.0 / 60;
-constexpr double kMeanOver = 0.5;      // [s]
-constexpr double kSinking = 0.12;      // of the hand as it lies down [m/s]
+constexpr double kMeanOver = 0.5;  // [s]
+constexpr double kSinking = 0.12;  // of the hand as it lies down [m/s]
 
 /// Three crossed bars with knobs at their ends.
 Mesh jackMesh(double size)
 {
 	const double knob = 0.15 * size, bar = 0.1 * size, reach = 0.5 * size - knob;
-	const auto field = [=](const Vec3& p)
-	{
+	const auto field = [=](const Vec3& p) {
 		double deepest = -size;
 		for (int a = 0; a < 3; ++a)
 		{
-			const double along = std::fabs(p[a]), beyond = std::max(along - reach, 0.0), off = std::sqrt(std::max(squaredNorm(p) - along * along, 0.0));
+			const double along = std::fabs(p[a]), beyond = std::max(along - reach, 0.0),
+						 off = std::sqrt(std::max(squaredNorm(p) - along * along, 0.0));
 			deepest = std::max({deepest, bar - std::hypot(off, beyond), knob - std::hypot(off, along - reach)});
 		}
 		return deepest;
@@ -58,8 +58,8 @@ Result<Mesh> graspMesh(const char* name, double size)
 	return mesh;
 }
 
-/// Skin so firm that no finger sinks into a bar of a jack as deep as its middle. The pile is chaotic: of 26 runs that differed by rounding, 5e8 Pa/m let one
-/// finger 9 mm deep and another 8.5, in a half of 8; of ten 1e9 Pa/m let none deeper than 4.3.
+/// Skin so firm that no finger sinks into a bar of a jack as deep as its middle. The pile is chaotic: of 26 runs that differed by rounding,
+/// 5e8 Pa/m let one finger 9 mm deep and another 8.5, in a half of 8; of ten 1e9 Pa/m let none deeper than 4.3.
 BulletHandSettings firmHand()
 {
 	BulletHandSettings settings;
@@ -71,14 +71,14 @@ BulletHandSettings firmHand()
 /// Where the hand is while nothing holds it up, and whether it lies down from there until it carries what it is to press with.
 struct Key
 {
-	double time;    ///< [s]
-	Vec3 wrist;     ///< [m]
-	double claw;    ///< 0: flat, 1: bent
-	bool lies;      ///< until the next
+	double time;  ///< [s]
+	Vec3 wrist;   ///< [m]
+	double claw;  ///< 0: flat, 1: bent
+	bool lies;    ///< until the next
 };
 constexpr Key kKeys[] = {{0.9, {0, 0.24, 0.33}, 0, false}, {1.4, {0, 0.13, 0.1}, 0, true}, {2.3, {0, 0.13, 0.1}, 0, false},
-						 {2.7, {0.02, 0.15, 0.05}, 1, false}, {3.1, {0.02, 0.115, 0.045}, 1, false}, {3.6, {0, 0.115, 0.11}, 1, false},
-						 {3.9, {0, 0.14, 0.1}, 0, true}};
+	{2.7, {0.02, 0.15, 0.05}, 1, false}, {3.1, {0.02, 0.115, 0.045}, 1, false}, {3.6, {0, 0.115, 0.11}, 1, false},
+	{3.9, {0, 0.14, 0.1}, 0, true}};
 
 /// The last that has begun.
 size_t keyAt(double time)
@@ -98,10 +98,8 @@ public:
 		Result<Mesh> duck = graspMesh("duck", 1.1 * kSize), nut = graspMesh("nut", 0.9 * kSize);
 		if (!duck || !nut) return duck ? nut.error() : duck.error();
 		const std::pair<const char*, Mesh> kinds[] = {{"jack", jackMesh(1.1 * kSize)},
-													  {"ring", makeTorusMesh(0.36 * kSize, 0.14 * kSize, 48, 20)},
-													  {"knot", knotMesh(1.1 * kSize)},
-													  {"duck", std::move(duck).value()},
-													  {"nut", std::move(nut).value()}};
+			{"ring", makeTorusMesh(0.36 * kSize, 0.14 * kSize, 48, 20)}, {"knot", knotMesh(1.1 * kSize)}, {"duck", std::move(duck).value()},
+			{"nut", std::move(nut).value()}};
 		for (const auto& [name, mesh] : kinds)
 		{
 			SolidPtr solid;
@@ -158,7 +156,7 @@ private:
 	std::vector<std::pair<Vec3, Vec3>> m_boards;  // half sides and middles
 	std::unique_ptr<btEnergyAudit> m_audit;
 	const BulletHandSettings m_settings = firmHand();
-	Vec3 m_onPile;                                // impulse of tray and hand so far [N s]
+	Vec3 m_onPile;  // impulse of tray and hand so far [N s]
 	Vec3 m_onParts[kHandParts], m_byCouplings[kHandParts];
 	double m_couplingShare = 0, m_inTray = 0, m_inHand = 0, m_nextLook = 0, m_mass = 0, m_sunk = 0, m_carries = 0, m_meanCarries = 0;
 	double m_press = 20, m_friction = 0.4;
@@ -182,11 +180,9 @@ void Pile::addTray(DemoWorld& w)
 {
 	const double x = kInside.x, y = kInside.y, z = kInside.z, t = kBoard, high = 0.5 * y + t;
 	// The boards reach into each other, so that at their seams nothing but the inside is a surface.
-	m_boards = {{{x + 2 * t, t, z + 2 * t}, {0, -t, 0}},
-				{{t, high, z + 2 * t}, {x + t, high - 2 * t, 0}},
-				{{t, high, z + 2 * t}, {-x - t, high - 2 * t, 0}},
-				{{x + 2 * t, high, t}, {0, high - 2 * t, z + t}},
-				{{x + 2 * t, high, t}, {0, high - 2 * t, -z - t}}};
+	m_boards = {{{x + 2 * t, t, z + 2 * t}, {0, -t, 0}}, {{t, high, z + 2 * t}, {x + t, high - 2 * t, 0}},
+		{{t, high, z + 2 * t}, {-x - t, high - 2 * t, 0}}, {{x + 2 * t, high, t}, {0, high - 2 * t, z + t}},
+		{{x + 2 * t, high, t}, {0, high - 2 * t, -z - t}}};
 	for (const auto& [half, middle] : m_boards)
 	{
 		BodySetup board;
@@ -196,7 +192,8 @@ void Pile::addTray(DemoWorld& w)
 		board.friction = 1;
 		board.colour = {0.72f, 0.60f, 0.45f};
 		board.X_WM.translation = middle;
-		if (btRigidBody* added = w.addShape(std::make_unique<btBoxShape>(toBullet(half)), makeBoxMesh(half), std::move(board))) added->setUserIndex(-1);
+		if (btRigidBody* added = w.addShape(std::make_unique<btBoxShape>(toBullet(half)), makeBoxMesh(half), std::move(board)))
+			added->setUserIndex(-1);
 	}
 }
 
@@ -238,7 +235,8 @@ void Pile::afterStep(double h)
 	m_carries = 0;
 	for (const Vec3& force : parts().touch(h).force) m_carries += force.y;
 	m_meanCarries += h / kMeanOver * (m_carries - m_meanCarries);
-	m_sunk = kKeys[keyAt(time())].lies ? m_sunk + h * std::clamp(kSinking * (1 - m_carries / m_press), -kSinking, kSinking) : std::max(m_sunk - h * kSinking, 0.0);
+	m_sunk = kKeys[keyAt(time())].lies ? m_sunk + h * std::clamp(kSinking * (1 - m_carries / m_press), -kSinking, kSinking)
+									   : std::max(m_sunk - h * kSinking, 0.0);
 	const btISTContactStore& store = world().volumetric()->contacts();
 	for (const btISTContact* contact : store.contacts())
 	{
@@ -268,7 +266,8 @@ void Pile::lookForDepth()
 		if (!isInPile(b.body.get())) continue;
 		const scenes::MeshDepth& depth = *m_depths[size_t(b.body->getUserIndex())];
 		const Pose X = b.X_WP();
-		for (const auto& [half, middle] : m_boards) m_inTray = std::max(m_inTray, scenes::deepestInBox(half, {{}, middle}, depth.mesh(), X));
+		for (const auto& [half, middle] : m_boards)
+			m_inTray = std::max(m_inTray, scenes::deepestInBox(half, {{}, middle}, depth.mesh(), X));
 		for (int i = 0; i < kHandParts; ++i) m_inHand = std::max(m_inHand, scenes::deepestEither(depth, X, *m_partDepths[i], X_WB(i)));
 	}
 }
@@ -297,17 +296,16 @@ std::vector<Figure> Pile::figures() const
 	const Vec3 carried = m_onPile - pile;
 	const btEnergyBalance& t = m_audit->total();
 	return {{"impulse that carried the pile, for weight times time", "N s", carried.y, whole, 1e-3 * whole},
-			{"the same, sideways", "N s", std::hypot(carried.x, carried.z), 0, 1e-3 * whole},
-			{"of contacts and couplings on the hand, off Newton's law", "%", couplings > 0 ? 100 * off / couplings : 0, 0, 0.1},
-			{"strongest coupling, of what it may exert", "%", 100 * m_couplingShare, 45, 45},
-			{"bodies that were not raked out of the tray", "", inTray},
-			{"deepest in the tray's boards, on the triangles", "mm", 1e3 * m_inTray, 0, 6},
-			{"deepest in the hand, on the triangles", "mm", 1e3 * m_inHand, 0, 8},
-			{"fastest body", "m/s", fastest},
-			{"energy that came in", "J", t.injected},
-			{"of it without a name", "%", t.injected > 0 ? 100 * std::fabs(t.residual) / t.injected : 0, 0, 0.5},
-			{"of it made by the finite step", "%", t.injected > 0 ? 100 * std::max(-t.numerical, 0.0) / t.injected : 0, 0, 0.5},
-			{"force that the pile carries the hand with, mean of half a second", "N", m_meanCarries, m_press, 0.1 * m_press}};
+		{"the same, sideways", "N s", std::hypot(carried.x, carried.z), 0, 1e-3 * whole},
+		{"of contacts and couplings on the hand, off Newton's law", "%", couplings > 0 ? 100 * off / couplings : 0, 0, 0.1},
+		{"strongest coupling, of what it may exert", "%", 100 * m_couplingShare, 45, 45},
+		{"bodies that were not raked out of the tray", "", inTray},
+		{"deepest in the tray's boards, on the triangles", "mm", 1e3 * m_inTray, 0, 6},
+		{"deepest in the hand, on the triangles", "mm", 1e3 * m_inHand, 0, 8}, {"fastest body", "m/s", fastest},
+		{"energy that came in", "J", t.injected},
+		{"of it without a name", "%", t.injected > 0 ? 100 * std::fabs(t.residual) / t.injected : 0, 0, 0.5},
+		{"of it made by the finite step", "%", t.injected > 0 ? 100 * std::max(-t.numerical, 0.0) / t.injected : 0, 0, 0.5},
+		{"force that the pile carries the hand with, mean of half a second", "N", m_meanCarries, m_press, 0.1 * m_press}};
 }
 }  // namespace
 

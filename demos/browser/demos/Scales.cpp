@@ -41,7 +41,8 @@ public:
 		{
 			const double weight = kDensity * m_solids[i]->tree->volume * kGravity;
 			figures.push_back({m_solids[i]->name + ": force over weight", "", world(i).contactForce(m_bodies[i]).y / weight, 1, 0.01});
-			figures.push_back({m_solids[i]->name + ": height over that of the metre's", "", relativeHeight(i) / relativeHeight(1), 1, 1e-3});
+			figures.push_back(
+				{m_solids[i]->name + ": height over that of the metre's", "", relativeHeight(i) / relativeHeight(1), 1, 1e-3});
 		}
 		return figures;
 	}

@@ -14,8 +14,8 @@ constexpr double kPi = 3.14159265358979323846, kGravity = 9.81, kDensity = 7800,
 constexpr double kLength = 0.1, kNut = 0.045, kClearance = 4e-4, kHead = 0.032, kHeadHeight = 0.014, kApart = 0.055;
 constexpr Thread kThread;
 
-/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself. With the default dissipation, which
-/// holds nothing back that slides along a surface, however curved.
+/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself. With the default dissipation,
+/// which holds nothing back that slides along a surface, however curved.
 class Screw : public WorldDemo
 {
 public:
@@ -34,9 +34,10 @@ public:
 		if (!m_free) return {};
 		const double turnsToWay = 2 * kPi / kThread.lead, inertia = double(m_free->getLocalInertia().y()) * double(m_free->getInvMass());
 		const double fall = kGravity / (1 + inertia * turnsToWay * turnsToWay), took = time() - m_from;
-		return {{"way of the free one for a turn", "mm", m_turned > 0 ? 1e3 * 2 * kPi * m_sunk / m_turned : 0, 1e3 * kThread.lead, 5 * kThread.lead},
-				{"its acceleration, from its spin", "m/s^2", took > 0 ? m_gained / took / turnsToWay : 0, fall, 0.01 * fall},
-				{"turn of the one that locks itself", "deg", m_slipped / kDegree, 0, 0.5}};
+		return {{"way of the free one for a turn", "mm", m_turned > 0 ? 1e3 * 2 * kPi * m_sunk / m_turned : 0, 1e3 * kThread.lead,
+					5 * kThread.lead},
+			{"its acceleration, from its spin", "m/s^2", took > 0 ? m_gained / took / turnsToWay : 0, fall, 0.01 * fall},
+			{"turn of the one that locks itself", "deg", m_slipped / kDegree, 0, 0.5}};
 	}
 
 protected:

@@ -85,12 +85,16 @@ private:
 		const auto s = [](double x) { return btScalar(x); };
 		switch (kind)
 		{
-			case 1: shape = std::make_unique<btBoxShape>(btVector3(s(0.09), s(0.06), s(0.09))), mesh = makeBoxMesh({0.09, 0.06, 0.09}); break;
-			case 2: shape = std::make_unique<btSphereShape>(s(0.08)), mesh = makeSphereMesh(0.08), height = 0.08; break;
-			case 3: shape = std::make_unique<btCapsuleShape>(s(0.05), s(0.04)), mesh = upright(makeCapsuleMesh(0.05, 0.02)), height = 0.07; break;
-			case 4: shape = std::make_unique<btCylinderShape>(btVector3(s(0.09), s(0.06), s(0.09))), mesh = upright(makeCylinderMesh(0.09, 0.06)); break;
-			case 5: shape = std::make_unique<btConeShape>(s(0.08), s(0.16)), mesh = upright(makeConeMesh(0.08, 0.16)), height = 0.08; break;
-			default: return;
+		case 1: shape = std::make_unique<btBoxShape>(btVector3(s(0.09), s(0.06), s(0.09))), mesh = makeBoxMesh({0.09, 0.06, 0.09}); break;
+		case 2: shape = std::make_unique<btSphereShape>(s(0.08)), mesh = makeSphereMesh(0.08), height = 0.08; break;
+		case 3:
+			shape = std::make_unique<btCapsuleShape>(s(0.05), s(0.04)), mesh = upright(makeCapsuleMesh(0.05, 0.02)), height = 0.07;
+			break;
+		case 4:
+			shape = std::make_unique<btCylinderShape>(btVector3(s(0.09), s(0.06), s(0.09))), mesh = upright(makeCylinderMesh(0.09, 0.06));
+			break;
+		case 5: shape = std::make_unique<btConeShape>(s(0.08), s(0.16)), mesh = upright(makeConeMesh(0.08, 0.16)), height = 0.08; break;
+		default: return;
 		}
 		BodySetup pedestal;
 		static const char* const names[] = {"", "box", "sphere", "capsule", "cylinder", "cone"};

@@ -8,19 +8,13 @@ namespace browser
 const std::vector<DrawChoiceRow>& drawChoiceRows()
 {
 	static const std::vector<DrawChoiceRow> rows = {{"meshes", "meshes (v)", &DrawChoice::surfaces},
-													{"spheres", "inner spheres by size (b)", &DrawChoice::spheres},
-													{"sphere-levels", "inner spheres by level (e)", &DrawChoice::sphereLevels},
-													{"leaves", "leaves (n)", &DrawChoice::leaves},
-													{"levels", "levels that answer (t)", &DrawChoice::levels},
-													{"lenses", "lenses by pressure (m)", &DrawChoice::lenses},
-													{"patches", "patches", &DrawChoice::patches},
-													{"forces", "forces (c)", &DrawChoice::wrenches},
-													{"boxes", "boxes (a)", &DrawChoice::boxes},
-													{"frames", "frames (j)", &DrawChoice::frames},
-													{"constraints", "constraints (k)", &DrawChoice::constraints},
-													{"wireframe", "wireframe (w)", &DrawChoice::wireframe},
-													{"shadows", "shadows (s)", &DrawChoice::shadows},
-													{"ground", "ground", &DrawChoice::ground}};
+		{"spheres", "inner spheres by size (b)", &DrawChoice::spheres},
+		{"sphere-levels", "inner spheres by level (e)", &DrawChoice::sphereLevels}, {"leaves", "leaves (n)", &DrawChoice::leaves},
+		{"levels", "levels that answer (t)", &DrawChoice::levels}, {"lenses", "lenses by pressure (m)", &DrawChoice::lenses},
+		{"patches", "patches", &DrawChoice::patches}, {"forces", "forces (c)", &DrawChoice::wrenches},
+		{"boxes", "boxes (a)", &DrawChoice::boxes}, {"frames", "frames (j)", &DrawChoice::frames},
+		{"constraints", "constraints (k)", &DrawChoice::constraints}, {"wireframe", "wireframe (w)", &DrawChoice::wireframe},
+		{"shadows", "shadows (s)", &DrawChoice::shadows}, {"ground", "ground", &DrawChoice::ground}};
 	return rows;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "demos/browser/drawing/Palette.h"
 
 #include <cstdint>
@@ -46,15 +46,15 @@ struct DrawnSurface
 	std::shared_ptr<const SurfaceModel> model;
 	ist::Pose X_WM;
 	Colour colour;
-	double scale = 1;     ///< of the model
-	bool glass = false;   ///< what is inside shows through
+	double scale = 1;    ///< of the model
+	bool glass = false;  ///< what is inside shows through
 };
 
 struct DrawnSpheres
 {
 	std::shared_ptr<const SpheresModel> model;
 	ist::Pose X_WM;
-	size_t count = 0;     ///< of the largest
+	size_t count = 0;  ///< of the largest
 	double scale = 1;
 };
 
@@ -69,7 +69,7 @@ struct DrawnDisc
 struct DrawnArrow
 {
 	ist::Vec3 from, to;
-	double width = 0;   ///< of the shaft
+	double width = 0;  ///< of the shaft
 	Colour colour;
 };
 
@@ -102,11 +102,11 @@ struct DrawList
 	std::vector<DrawnLine> lines;
 	std::vector<DrawnText> texts;
 	std::vector<DrawnKey> keys;
-	bool ground = true;         ///< the plane y = groundHeight, with a grid
+	bool ground = true;  ///< the plane y = groundHeight, with a grid
 	double groundHeight = 0;
 	ist::Vec3 groundNormal{0, 1, 0};
-	double gridCell = 0.1;      ///< [m]
-	bool water = false;         ///< fills y < groundHeight instead
+	double gridCell = 0.1;  ///< [m]
+	bool water = false;     ///< fills y < groundHeight instead
 	bool wireframe = false, shadows = true;
 
 	/// A key that is not there yet.

@@ -64,7 +64,8 @@ void addSphereKeys(const std::set<int>& answering, DrawList& list)
 	{
 		if (counts[size_t(level)] == 0) continue;
 		const std::string lead = level > 0 ? "lead at level " + std::to_string(level) : "lead among the leaves alone";
-		list.addKey(shadeColour(levelShade(level)), lead + ": " + std::to_string(counts[size_t(level)]) + " spheres" + (answering.count(level) ? "; this level answers" : ""));
+		list.addKey(shadeColour(levelShade(level)),
+			lead + ": " + std::to_string(counts[size_t(level)]) + " spheres" + (answering.count(level) ? "; this level answers" : ""));
 	}
 }
 }  // namespace browser

@@ -10,7 +10,8 @@
 
 namespace browser
 {
-/// What is drawn of the packed spheres of a body. Each colouring is made when it is first seen: by level takes 0.1 s for 10,000 spheres. One thread.
+/// What is drawn of the packed spheres of a body. Each colouring is made when it is first seen: by level takes 0.1 s for 10,000 spheres.
+/// One thread.
 class PackedSpheres
 {
 public:

@@ -42,7 +42,10 @@ Mesh gear(int teeth, double module, double halfWidth, double play)
 	const double pressure = 20 * kPi / 180, pitch = 0.5 * module * teeth, base = pitch * std::cos(pressure), outer = pitch + module,
 				 root = pitch - 1.25 * module;
 	// Half of the angle that a tooth takes at a radius: the involute's polar angle grows by tan(a) - a.
-	const auto involute = [&](double r) { const double a = std::acos(std::min(1.0, base / r)); return std::tan(a) - a; };
+	const auto involute = [&](double r) {
+		const double a = std::acos(std::min(1.0, base / r));
+		return std::tan(a) - a;
+	};
 	const double half = 0.5 * kPi / teeth - 0.5 * play / pitch;
 	const auto halfAngle = [&](double r) { return half + involute(pitch) - involute(std::max(r, base)); };
 	std::vector<std::pair<double, double>> flank;  // radius, half angle, from the root up

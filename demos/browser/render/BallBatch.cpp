@@ -16,9 +16,11 @@ size_t seen(const DrawnSpheres& s, size_t count, const Vec3& eye, double angle)
 {
 	const auto& balls = s.model->spheres;
 	const auto& first = balls.front();
-	const double nearest = std::max(norm(s.X_WM * (s.scale * Vec3{first.x, first.y, first.z}) - eye) - 8 * s.scale * first.r, 1e-3 * norm(eye));
+	const double nearest = std::max(
+		norm(s.X_WM * (s.scale * Vec3{first.x, first.y, first.z}) - eye) - 8 * s.scale * first.r, 1e-3 * norm(eye));
 	const double least = angle * nearest / s.scale;
-	const auto end = std::partition_point(balls.begin(), balls.begin() + std::ptrdiff_t(count), [&](const SpheresModel::Instance& b) { return double(b.r) >= least; });
+	const auto end = std::partition_point(
+		balls.begin(), balls.begin() + std::ptrdiff_t(count), [&](const SpheresModel::Instance& b) { return double(b.r) >= least; });
 	return size_t(end - balls.begin());
 }
 
@@ -47,7 +49,8 @@ void BallBatch::start()
 	for (const GLuint location : {0u, 1u})
 	{
 		glEnableVertexAttribArray(location);
-		glVertexAttribPointer(location, location == 0 ? 4 : 2, GL_FLOAT, GL_FALSE, sizeof(Ball), reinterpret_cast<const void*>(location * offsetof(Ball, shade)));
+		glVertexAttribPointer(location, location == 0 ? 4 : 2, GL_FLOAT, GL_FALSE, sizeof(Ball),
+			reinterpret_cast<const void*>(location * offsetof(Ball, shade)));
 		glVertexAttribDivisor(location, 1);
 	}
 	glGenBuffers(1, &m_poseBuffer);
@@ -69,7 +72,8 @@ void BallBatch::choose(const std::vector<DrawnSpheres>& bodies, const Vec3& eye,
 		}
 		if (used == m_parts.size()) m_parts.emplace_back();
 		Part& part = m_parts[used++];
-		// The last body's spheres are all in the buffer, and as many of them drawn as are wanted: a packing grows without being gathered again.
+		// The last body's spheres are all in the buffer, and as many of them drawn as are wanted: a packing grows without being gathered
+		// again.
 		const bool last = &s == &bodies.back();
 		const size_t stored = last ? s.model->spheres.size() : roundedUp(visible, wanted), drawn = last ? visible : stored;
 		if (part.model != s.model || part.count != stored)

@@ -16,8 +16,8 @@ public:
 	~BallBatch();
 	void start();
 
-	/// Chooses what is seen from `eye` with a radius of at least `angle` [rad]. O(bodies); where other models than before are drawn, or much more or less
-	/// of them, O(spheres).
+	/// Chooses what is seen from `eye` with a radius of at least `angle` [rad]. O(bodies); where other models than before are drawn, or
+	/// much more or less of them, O(spheres).
 	void choose(const std::vector<DrawnSpheres>& bodies, const ist::Vec3& eye, double angle);
 	/// To the graphics card, what is new; the poses to texture unit `unit`.
 	void upload(GLenum unit);

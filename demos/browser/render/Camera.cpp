@@ -45,9 +45,15 @@ Vec3 Camera::eye() const { return m_view.target + m_view.distance * axes().colum
 
 Matrix4 Camera::view() const { return matrixOf(inverse(Pose{axes(), eye()})); }
 
-Matrix4 Camera::projection(double aspect) const { return perspective(2 * std::atan(0.5 * heightAt(1, aspect)), aspect, nearest(), farthest()); }
+Matrix4 Camera::projection(double aspect) const
+{
+	return perspective(2 * std::atan(0.5 * heightAt(1, aspect)), aspect, nearest(), farthest());
+}
 
-double Camera::heightAt(double distance, double aspect) const { return 2 * distance * std::tan(kVerticalAngle / 2) * std::max(1.0, kFullAspect / aspect); }
+double Camera::heightAt(double distance, double aspect) const
+{
+	return 2 * distance * std::tan(kVerticalAngle / 2) * std::max(1.0, kFullAspect / aspect);
+}
 
 Vec3 Camera::ray(double x, double y, double aspect) const
 {

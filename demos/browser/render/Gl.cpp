@@ -56,8 +56,7 @@ bool GlTarget::resize(int width, int height, GLenum colourFormat, bool depth, bo
 	m_height = height;
 	glGenFramebuffers(1, &m_frame);
 	glBindFramebuffer(GL_FRAMEBUFFER, m_frame);
-	const auto texture = [&](GLuint& id, GLenum format, GLenum layout, GLenum type, GLenum attachment, GLint filter)
-	{
+	const auto texture = [&](GLuint& id, GLenum format, GLenum layout, GLenum type, GLenum attachment, GLint filter) {
 		glGenTextures(1, &id);
 		glBindTexture(GL_TEXTURE_2D, id);
 		glTexImage2D(GL_TEXTURE_2D, 0, GLint(format), width, height, 0, layout, type, nullptr);
@@ -74,7 +73,8 @@ bool GlTarget::resize(int width, int height, GLenum colourFormat, bool depth, bo
 		glDrawBuffer(GL_NONE);
 		glReadBuffer(GL_NONE);
 	}
-	if (depth) texture(m_depth, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, GL_DEPTH_ATTACHMENT, compare ? GL_LINEAR : GL_NEAREST);
+	if (depth)
+		texture(m_depth, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, GL_DEPTH_ATTACHMENT, compare ? GL_LINEAR : GL_NEAREST);
 	if (depth && compare)
 	{
 		glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);

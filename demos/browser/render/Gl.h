@@ -17,7 +17,10 @@ class GlProgram
 {
 public:
 	GlProgram() = default;
-	~GlProgram() { if (m_id) glDeleteProgram(m_id); }
+	~GlProgram()
+	{
+		if (m_id) glDeleteProgram(m_id);
+	}
 	GlProgram(const GlProgram&) = delete;
 	GlProgram& operator=(const GlProgram&) = delete;
 

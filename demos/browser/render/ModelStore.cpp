@@ -191,7 +191,8 @@ void ModelStore::fillLines(const std::vector<DrawnLine>& lines)
 	const Stopwatch watch(m_fill);
 	m_lineData.clear();
 	for (const DrawnLine& l : lines)
-		for (const double x : {l.from.x, l.from.y, l.from.z, l.to.x, l.to.y, l.to.z, double(l.colour.r), double(l.colour.g), double(l.colour.b), double(l.colour.a)})
+		for (const double x : {l.from.x, l.from.y, l.from.z, l.to.x, l.to.y, l.to.z, double(l.colour.r), double(l.colour.g),
+				 double(l.colour.b), double(l.colour.a)})
 			m_lineData.push_back(float(x));
 }
 

@@ -10,7 +10,8 @@
 
 namespace browser
 {
-/// Surfaces in the memory of the graphics card, glyphs and lines, and the calls that draw them. Attribute locations are those of the shaders.
+/// Surfaces in the memory of the graphics card, glyphs and lines, and the calls that draw them. Attribute locations are those of the
+/// shaders.
 class ModelStore
 {
 public:

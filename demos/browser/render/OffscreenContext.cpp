@@ -26,8 +26,9 @@ OffscreenContext::~OffscreenContext() = default;
 
 ist::Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make()
 {
-	const auto refuse = [](const std::string& what)
-	{ return ist::Error{"no OpenGL 3.3 without a window: " + what + " (apt-get install libegl1 libgl1-mesa-dri)"}; };
+	const auto refuse = [](const std::string& what) {
+		return ist::Error{"no OpenGL 3.3 without a window: " + what + " (apt-get install libegl1 libgl1-mesa-dri)"};
+	};
 	auto made = std::make_unique<Implementation>();
 	const auto platformDisplay = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
 	if (platformDisplay) made->display = platformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
@@ -39,8 +40,8 @@ ist::Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make()
 	EGLConfig config = nullptr;
 	EGLint count = 0;
 	if (!eglChooseConfig(made->display, attributes, &config, 1, &count)) return refuse("EGL offers no configuration");
-	const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
-							 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+	const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+		EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
 	made->context = eglCreateContext(made->display, count > 0 ? config : nullptr, EGL_NO_CONTEXT, wanted);
 	if (made->context == EGL_NO_CONTEXT) return refuse("EGL makes no such context");
 	if (!eglMakeCurrent(made->display, EGL_NO_SURFACE, EGL_NO_SURFACE, made->context)) return refuse("the context needs a surface");

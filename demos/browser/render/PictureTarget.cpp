@@ -11,7 +11,10 @@ struct PictureTarget::Implementation
 	GlTarget target;
 };
 
-PictureTarget::PictureTarget(int width, int height) : m_impl(std::make_unique<Implementation>()) { m_impl->target.resize(width, height, GL_RGBA8, false); }
+PictureTarget::PictureTarget(int width, int height) : m_impl(std::make_unique<Implementation>())
+{
+	m_impl->target.resize(width, height, GL_RGBA8, false);
+}
 PictureTarget::~PictureTarget() = default;
 unsigned PictureTarget::frame() const { return m_impl->target.frame(); }
 

@@ -34,8 +34,7 @@ struct Around
 Around boundsOf(const DrawList& list)
 {
 	Vec3 lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};
-	const auto take = [&](const Pose& X, const Box& box, double scale)
-	{
+	const auto take = [&](const Pose& X, const Box& box, double scale) {
 		const Vec3 c = X * (0.5 * scale * (box.lower + box.upper));
 		const double r = 0.5 * scale * norm(box.size());
 		lower = componentMin(lower, c - Vec3{r, r, r});
@@ -114,20 +113,24 @@ void Renderer::Implementation::makeRamp()
 std::optional<Error> Renderer::Implementation::start()
 {
 	using namespace shaders;
-	const auto text = [](GLenum name) { return std::string(reinterpret_cast<const char*>(glGetString(name)) ? reinterpret_cast<const char*>(glGetString(name)) : ""); };
+	const auto text = [](GLenum name) {
+		return std::string(reinterpret_cast<const char*>(glGetString(name)) ? reinterpret_cast<const char*>(glGetString(name)) : "");
+	};
 	device = text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
-	software = device.find("llvmpipe") != std::string::npos || device.find("softpipe") != std::string::npos || device.find("SWR") != std::string::npos;
+	software = device.find("llvmpipe") != std::string::npos || device.find("softpipe") != std::string::npos ||
+		device.find("SWR") != std::string::npos;
 	struct Row
 	{
 		GlProgram* program;
 		const char* name;
 		std::string vertex, fragment;
 	};
-	const Row rows[] = {{&solid, "surfaces", solidVertex(), solidFragment()}, {&solidShadow, "shadows", solidVertex(), solidShadowFragment()},
-						{&ball, "balls", ballVertex(), ballFragment()}, {&ballShadow, "shadows of balls", ballVertex(), ballShadowFragment()},
-						{&line, "lines", lineVertex(), lineFragment()}, {&ground, "the ground", groundVertex(), groundFragment()},
-						{&backdrop, "the background", screenVertex(), backgroundFragment()}, {&occlusion, "ambient occlusion", screenVertex(), occlusionFragment()},
-						{&compose, "the picture", screenVertex(), composeFragment()}};
+	const Row rows[] = {{&solid, "surfaces", solidVertex(), solidFragment()},
+		{&solidShadow, "shadows", solidVertex(), solidShadowFragment()}, {&ball, "balls", ballVertex(), ballFragment()},
+		{&ballShadow, "shadows of balls", ballVertex(), ballShadowFragment()}, {&line, "lines", lineVertex(), lineFragment()},
+		{&ground, "the ground", groundVertex(), groundFragment()}, {&backdrop, "the background", screenVertex(), backgroundFragment()},
+		{&occlusion, "ambient occlusion", screenVertex(), occlusionFragment()},
+		{&compose, "the picture", screenVertex(), composeFragment()}};
 	for (const Row& row : rows)
 		if (auto error = row.program->build(row.name, row.vertex, row.fragment)) return error;
 	glGenVertexArrays(1, &empty);
@@ -170,7 +173,8 @@ void Renderer::Implementation::drawSurfaces(const DrawList& list, bool glass)
 		if (s.glass == glass) models.drawSurface(s);
 }
 
-void Renderer::Implementation::drawBalls(const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic, double pixels)
+void Renderer::Implementation::drawBalls(
+	const GlProgram& program, const Matrix4& view, const Matrix4& projection, bool orthographic, double pixels)
 {
 	if (balls.count() == 0) return;
 	program.use();
@@ -198,7 +202,8 @@ void Renderer::Implementation::drawShadows(const DrawList& list, const Lamp& lam
 	drawBalls(ballShadow, lamp.view, lamp.projection, true, 1e6);
 }
 
-void Renderer::Implementation::drawGround(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality)
+void Renderer::Implementation::drawGround(
+	const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality)
 {
 	if (!list.ground) return;
 	ground.use();
@@ -223,7 +228,8 @@ void Renderer::Implementation::drawGround(const DrawList& list, const Lamp& lamp
 	++cost.drawCalls;
 }
 
-void Renderer::Implementation::drawGlyphs(const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality)
+void Renderer::Implementation::drawGlyphs(
+	const DrawList& list, const Lamp& lamp, const Camera& camera, const Matrix4& both, const RenderQuality& quality)
 {
 	solid.use();
 	light(solid, lamp, camera, quality);

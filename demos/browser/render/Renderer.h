@@ -11,10 +11,10 @@ namespace browser
 {
 struct RenderQuality
 {
-	double pixels = 2;      ///< drawn for one seen, along each side
-	int shadowTaps = 12;    ///< 0: no shadows
-	int shadowSize = 2048;  ///< of the map, along each side
-	bool occlusion = true;  ///< ambient
+	double pixels = 2;             ///< drawn for one seen, along each side
+	int shadowTaps = 12;           ///< 0: no shadows
+	int shadowSize = 2048;         ///< of the map, along each side
+	bool occlusion = true;         ///< ambient
 	double leastRadius = 1.0 / 3;  ///< of packed spheres, in drawn pixels: smaller ones are left out
 };
 

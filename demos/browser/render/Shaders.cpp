@@ -146,7 +146,8 @@ uniform mat4 uProjection;
 uniform int uOrthographic;
 vec3 meet(out vec3 normal)
 {
-	vec3 from = uOrthographic == 1 ? vec3(vPosition.xy, 0.0) : vec3(0.0), way = uOrthographic == 1 ? vec3(0.0, 0.0, -1.0) : normalize(vPosition);
+	vec3 from = uOrthographic == 1 ? vec3(vPosition.xy, 0.0) : vec3(0.0);
+	vec3 way = uOrthographic == 1 ? vec3(0.0, 0.0, -1.0) : normalize(vPosition);
 	vec3 c = from - vCenter;
 	float b = dot(c, way), disc = b * b - dot(c, c) + vRadius * vRadius;
 	if (disc < 0.0) discard;
@@ -211,10 +212,7 @@ void main()
 )";
 }
 
-std::string lineFragment()
-{
-	return kHead + "in vec4 vColour;\nout vec4 oColour;\nvoid main() { oColour = vColour; }\n";
-}
+std::string lineFragment() { return kHead + "in vec4 vColour;\nout vec4 oColour;\nvoid main() { oColour = vColour; }\n"; }
 
 std::string groundVertex()
 {

@@ -13,7 +13,8 @@ constexpr double kTooLong = 1.0 / 12, kFast = 1.0 / 40;  // [s]
 constexpr int kPatience = 60, kMostCaution = 64;
 
 /// What is missed least goes first: pixels, and spheres that have hardly one, then shadows.
-constexpr RenderQuality kLadder[] = {{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1}, {0.35, 0, 512, false, 1}};
+constexpr RenderQuality kLadder[] = {
+	{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1}, {0.35, 0, 512, false, 1}};
 }  // namespace
 
 void AffordableQuality::took(double seconds)

@@ -5,9 +5,9 @@
 
 namespace browser
 {
-/// How well a scene is drawn where no graphics card draws it. While pictures take longer than 1/12 s, gives up what is missed least: pixels, and
-/// spheres that have hardly one, then shadows. Takes it back when 60 pictures in a row took less than 1/40 s;
-/// what then proves too slow again waits for twice as many, up to 3840.
+/// How well a scene is drawn where no graphics card draws it. While pictures take longer than 1/12 s, gives up what is missed least:
+/// pixels, and spheres that have hardly one, then shadows. Takes it back when 60 pictures in a row took less than 1/40 s; what then proves
+/// too slow again waits for twice as many, up to 3840.
 class AffordableQuality
 {
 public:

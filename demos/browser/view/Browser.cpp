@@ -27,7 +27,11 @@ void keep(std::deque<float>& times, double value)
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 }  // namespace
 
-Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options) : m_renderer(renderer), m_gui(gui), m_options(options), m_economy(options.economy)
+Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options)
+	: m_renderer(renderer),
+	  m_gui(gui),
+	  m_options(options),
+	  m_economy(options.economy)
 {
 	// Without a graphics card pixels are dear.
 	m_thrifty = renderer.software();
@@ -79,7 +83,8 @@ void Browser::toggleHalves()
 	}
 	if (!m_hasStockSide)
 	{
-		m_message = std::string(m_entry->name) + (m_demo->halves().empty() ? ": Bullet's own contact has no answer to this scene" : ": stands beside stock Bullet already");
+		m_message = std::string(m_entry->name) +
+			(m_demo->halves().empty() ? ": Bullet's own contact has no answer to this scene" : ": stands beside stock Bullet already");
 		return;
 	}
 	std::vector<double> values;
@@ -119,36 +124,36 @@ void Browser::key(Key key)
 {
 	switch (key)
 	{
-		case Key::Boxes: m_choice.boxes = !m_choice.boxes; break;
-		case Key::Contacts: m_choice.patches = m_choice.wrenches = !m_choice.wrenches; break;
-		case Key::NoSleep:
-			m_noSleep = !m_noSleep;
-			if (m_demo) m_demo->keepAwake(m_noSleep);
-			break;
-		case Key::Frames: m_choice.frames = !m_choice.frames; break;
-		case Key::Constraints: m_choice.constraints = !m_choice.constraints; break;
-		case Key::Wireframe: m_choice.wireframe = !m_choice.wireframe; break;
-		case Key::Surfaces: m_choice.surfaces = !m_choice.surfaces; break;
-		case Key::Panels: m_choice.ground = m_panels = !m_panels; break;
-		case Key::Pause: m_paused = !m_paused; break;
-		case Key::Step:
-			m_paused = true;
-			stepOnce();
-			break;
-		case Key::Profile: m_profile = !m_profile; break;
-		case Key::Shadows: m_choice.shadows = !m_choice.shadows; break;
-		case Key::Restart:
-			if (m_demo)
-				if (auto error = m_demo->restart()) m_message = error->message;
-			m_held = m_touched = false;
-			break;
-		case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
-		case Key::SphereLevels: m_choice.sphereLevels = !m_choice.sphereLevels; break;
-		case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
-		case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
-		case Key::Levels: m_choice.levels = !m_choice.levels; break;
-		case Key::Halves: toggleHalves(); break;
-		case Key::Picture: m_wantsPicture = true; break;
+	case Key::Boxes: m_choice.boxes = !m_choice.boxes; break;
+	case Key::Contacts: m_choice.patches = m_choice.wrenches = !m_choice.wrenches; break;
+	case Key::NoSleep:
+		m_noSleep = !m_noSleep;
+		if (m_demo) m_demo->keepAwake(m_noSleep);
+		break;
+	case Key::Frames: m_choice.frames = !m_choice.frames; break;
+	case Key::Constraints: m_choice.constraints = !m_choice.constraints; break;
+	case Key::Wireframe: m_choice.wireframe = !m_choice.wireframe; break;
+	case Key::Surfaces: m_choice.surfaces = !m_choice.surfaces; break;
+	case Key::Panels: m_choice.ground = m_panels = !m_panels; break;
+	case Key::Pause: m_paused = !m_paused; break;
+	case Key::Step:
+		m_paused = true;
+		stepOnce();
+		break;
+	case Key::Profile: m_profile = !m_profile; break;
+	case Key::Shadows: m_choice.shadows = !m_choice.shadows; break;
+	case Key::Restart:
+		if (m_demo)
+			if (auto error = m_demo->restart()) m_message = error->message;
+		m_held = m_touched = false;
+		break;
+	case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
+	case Key::SphereLevels: m_choice.sphereLevels = !m_choice.sphereLevels; break;
+	case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
+	case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
+	case Key::Levels: m_choice.levels = !m_choice.levels; break;
+	case Key::Halves: toggleHalves(); break;
+	case Key::Picture: m_wantsPicture = true; break;
 	}
 }
 

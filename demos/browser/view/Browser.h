@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "demos/browser/catalog/BesideStock.h"
 #include "demos/browser/base/DeviceHand.h"
+#include "demos/browser/catalog/BesideStock.h"
 #include "demos/browser/view/AffordableQuality.h"
 #include "demos/browser/view/Gui.h"
 #include "demos/browser/view/SceneView.h"
@@ -16,26 +16,26 @@ namespace browser
 /// The keys that the browser knows, as Bullet's browser has them.
 enum class Key
 {
-	Boxes,        ///< a
-	Contacts,     ///< c
-	NoSleep,      ///< d
-	Frames,       ///< j
-	Constraints,  ///< k, l
-	Wireframe,    ///< w
-	Surfaces,     ///< v
-	Panels,       ///< g: grid and panels
-	Pause,        ///< i, space
-	Step,         ///< o
-	Profile,      ///< p
-	Shadows,      ///< s
-	Restart,      ///< r
-	Spheres,      ///< b: by size
-	SphereLevels, ///< e: by level
-	Leaves,       ///< n
-	Lenses,       ///< m
-	Levels,       ///< t: what answers
-	Halves,       ///< h: beside stock Bullet
-	Picture       ///< F1
+	Boxes,         ///< a
+	Contacts,      ///< c
+	NoSleep,       ///< d
+	Frames,        ///< j
+	Constraints,   ///< k, l
+	Wireframe,     ///< w
+	Surfaces,      ///< v
+	Panels,        ///< g: grid and panels
+	Pause,         ///< i, space
+	Step,          ///< o
+	Profile,       ///< p
+	Shadows,       ///< s
+	Restart,       ///< r
+	Spheres,       ///< b: by size
+	SphereLevels,  ///< e: by level
+	Leaves,        ///< n
+	Lenses,        ///< m
+	Levels,        ///< t: what answers
+	Halves,        ///< h: beside stock Bullet
+	Picture        ///< F1
 };
 
 /// The whole browser, panels and all, on a demo that ran for so many seconds of its own time. No window, no display.

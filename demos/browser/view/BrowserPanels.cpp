@@ -19,13 +19,16 @@ void drawErrorBars(const Curve& curve, float least, float most)
 	const float pad = ImGui::GetStyle().FramePadding.x, tall = ImGui::GetStyle().FramePadding.y;
 	const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
 	const size_t count = curve.errors.size();
-	const auto height = [&](float value) { return upper.y - tall - (upper.y - lower.y - 2 * tall) * std::clamp((value - least) / (most - least), 0.0f, 1.0f); };
+	const auto height = [&](float value) {
+		return upper.y - tall - (upper.y - lower.y - 2 * tall) * std::clamp((value - least) / (most - least), 0.0f, 1.0f);
+	};
 	ImDrawList& to = *ImGui::GetWindowDrawList();
 	const size_t stride = std::max<size_t>(1, count / 60);
 	for (size_t i = 0; i < count; i += stride)
 	{
 		const float x = lower.x + pad + (upper.x - lower.x - 2 * pad) * float(i) / float(count - 1);
-		to.AddLine({x, height(curve.values[i] - curve.errors[i])}, {x, height(curve.values[i] + curve.errors[i])}, IM_COL32(0, 114, 178, 110), 1.5f);
+		to.AddLine({x, height(curve.values[i] - curve.errors[i])}, {x, height(curve.values[i] + curve.errors[i])},
+			IM_COL32(0, 114, 178, 110), 1.5f);
 	}
 }
 
@@ -42,8 +45,11 @@ void plot(const Curve& curve, float height)
 	}
 	most += 1e-6f * std::fabs(most) + 1e-30f;
 	char text[128];
-	if (bars) std::snprintf(text, sizeof text, "%.4g +- %.2g %s", double(curve.values.back()), double(curve.errors.back()), curve.unit.c_str());
-	else std::snprintf(text, sizeof text, "%.4g %s  (%.3g to %.3g)", double(curve.values.back()), curve.unit.c_str(), double(least), double(most));
+	if (bars)
+		std::snprintf(text, sizeof text, "%.4g +- %.2g %s", double(curve.values.back()), double(curve.errors.back()), curve.unit.c_str());
+	else
+		std::snprintf(
+			text, sizeof text, "%.4g %s  (%.3g to %.3g)", double(curve.values.back()), curve.unit.c_str(), double(least), double(most));
 	ImGui::TextUnformatted(curve.name.c_str());
 	ImGui::SameLine();
 	ImGui::TextColored(kQuiet, "%s", text);
@@ -67,7 +73,8 @@ void histogram(const char* name, const char* unit, const std::deque<float>& time
 	ImGui::SameLine();
 	ImGui::TextColored(kQuiet, "median %.3g, 99 %% within %.3g %s", double(sorted[sorted.size() / 2]), double(most), unit);
 	ImGui::PushItemWidth(-1);
-	ImGui::PlotHistogram((std::string("##") + name).c_str(), counts, kParts, 0, nullptr, 0, *std::max_element(counts, counts + kParts), {0, height});
+	ImGui::PlotHistogram(
+		(std::string("##") + name).c_str(), counts, kParts, 0, nullptr, 0, *std::max_element(counts, counts + kParts), {0, height});
 	ImGui::PopItemWidth();
 }
 }  // namespace
@@ -76,7 +83,8 @@ void Browser::drawTree(float width, float height)
 {
 	ImGui::SetNextWindowPos({0, 0});
 	ImGui::SetNextWindowSize({width, height});
-	ImGui::Begin("BulletHaptics", nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar);
+	ImGui::Begin("BulletHaptics", nullptr,
+		ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar);
 	ImGui::PushItemWidth(-1);
 	ImGui::InputTextWithHint("##search", "Search demos", m_search, sizeof m_search);
 	ImGui::PopItemWidth();
@@ -142,7 +150,7 @@ void Browser::drawParameters()
 	{
 		const std::string format = "%.4g " + (p.unit == "%" ? "%%" : p.unit);
 		ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, p.value, &p.least, &p.most, format.c_str(),
-							(p.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None) | ImGuiSliderFlags_AlwaysClamp);
+			(p.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None) | ImGuiSliderFlags_AlwaysClamp);
 		again = again || (p.restarts && ImGui::IsItemDeactivatedAfterEdit());
 	}
 	ImGui::PopItemWidth();
@@ -159,7 +167,11 @@ void Browser::drawFigures()
 		ImGui::TextWrapped("%s: %.5g %s", f.name.c_str(), f.value, f.unit.c_str());
 		if (!f.judged()) continue;
 		const ImVec4 colour = !final ? kQuiet : f.ok() ? kGood : kBad;
-		ImGui::TextColored(colour, "    %s %.5g +- %.2g", !final ? m_touched ? "untouched" : "to be" : f.ok() ? "as expected," : "expected", f.expected, f.tolerance);
+		ImGui::TextColored(colour, "    %s %.5g +- %.2g",
+			!final       ? m_touched ? "untouched" : "to be"
+				: f.ok() ? "as expected,"
+						 : "expected",
+			f.expected, f.tolerance);
 	}
 }
 
@@ -189,10 +201,11 @@ void Browser::drawProfile()
 	histogram("steps", "us", m_stepTimes, height);
 	histogram("pictures", "ms", m_frameTimes, height);
 	const RenderCost& cost = m_renderer.cost();
-	ImGui::TextWrapped("drawing: %.2f ms of our own, %.2f ms with OpenGL; %zu draw calls, %zu balls, %zu too small to be seen", 1e-3 * cost.ownMicroseconds,
-					   1e-3 * cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
+	ImGui::TextWrapped("drawing: %.2f ms of our own, %.2f ms with OpenGL; %zu draw calls, %zu balls, %zu too small to be seen",
+		1e-3 * cost.ownMicroseconds, 1e-3 * cost.microseconds, cost.drawCalls, cost.ballsDrawn, cost.ballsLeftOut);
 	if (const RenderQuality drawn = quality(); drawn.pixels < 1)
-		ImGui::TextWrapped("for want of time: %.0f %% of the pixels along each side%s", 100 * drawn.pixels, drawn.shadowTaps > 0 ? "" : ", no shadows");
+		ImGui::TextWrapped(
+			"for want of time: %.0f %% of the pixels along each side%s", 100 * drawn.pixels, drawn.shadowTaps > 0 ? "" : ", no shadows");
 	ImGui::TextWrapped("%s", m_renderer.device().c_str());
 }
 
@@ -201,7 +214,8 @@ void Browser::drawPairs()
 	if (!m_demo || !ImGui::CollapsingHeader("What answers for which pair")) return;
 	if (ImGui::Checkbox("leave out what is not needed", &m_economy.on)) m_demo->setEconomy(m_economy);
 	float accepted = 100 * float(m_economy.forceError);
-	if (ImGui::SliderFloat("error accepted", &accepted, 0, 50, accepted > 0 ? "%.0f %% of the force" : "always the leaves", ImGuiSliderFlags_AlwaysClamp))
+	if (ImGui::SliderFloat(
+			"error accepted", &accepted, 0, 50, accepted > 0 ? "%.0f %% of the force" : "always the leaves", ImGuiSliderFlags_AlwaysClamp))
 	{
 		m_economy.forceError = 0.01 * double(accepted);
 		m_demo->setEconomy(m_economy);

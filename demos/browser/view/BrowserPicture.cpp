@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/view/Browser.h"
 #include "demos/browser/render/OffscreenContext.h"
+#include "demos/browser/view/Browser.h"
 
 namespace browser
 {

@@ -58,8 +58,7 @@ void drawSeries(ImDrawList& to, const scenes::Chart& chart, size_t i, const scen
 	const scenes::ChartSeries& series = chart.series[i];
 	const float line = ImGui::GetTextLineHeight();
 	std::vector<ImVec2> points;
-	const auto endLine = [&]
-	{
+	const auto endLine = [&] {
 		to.AddPolyline(points.data(), int(points.size()), colourOf(chart, i), 0, 0.13f * line);
 		points.clear();
 	};
@@ -107,7 +106,8 @@ void drawCharts(ImDrawList& to, const std::vector<scenes::Chart>& charts, double
 {
 	if (charts.empty()) return;
 	const float line = ImGui::GetTextLineHeight(), gap = 0.5f * line;
-	const float wide = std::min(25 * line, 0.5f * float(width)), high = std::min(14 * line, (float(height) - gap) / float(charts.size()) - gap);
+	const float wide = std::min(25 * line, 0.5f * float(width)),
+				high = std::min(14 * line, (float(height) - gap) / float(charts.size()) - gap);
 	if (wide < 12 * line || high < 7 * line) return;
 	Rectangle r{float(left + width) - gap - wide, float(top) + gap, float(left + width) - gap, float(top) + gap + high};
 	for (const scenes::Chart& chart : charts)

@@ -3,9 +3,9 @@
 
 #include "demos/browser/render/Gl.h"
 
+#include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <imgui_internal.h>  // ImRect
-#include <backends/imgui_impl_opengl3.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,8 @@ Gui::Gui(double density) : m_density(density > 0.25 && density < 8 ? density : 1
 	setColours();
 	const float height = std::round(kTextHeight * float(m_density));
 	std::error_code ignored;
-	for (const char* font : {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"})
+	for (const char* font :
+		{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf"})
 		if (io.Fonts->Fonts.empty() && std::filesystem::exists(font, ignored)) io.Fonts->AddFontFromFileTTF(font, height);
 	if (io.Fonts->Fonts.empty())
 	{
@@ -96,7 +97,8 @@ namespace
 {
 constexpr int kMostMoves = 12;
 
-/// Where a label of this size goes whose lower left corner is wanted at `at`: there, or above those that are in its way. None where that would be far off.
+/// Where a label of this size goes whose lower left corner is wanted at `at`: there, or above those that are in its way. None where that
+/// would be far off.
 std::optional<ImVec2> freePlace(ImVec2 at, const ImVec2& size, const std::vector<ImRect>& taken)
 {
 	for (int moves = 0; moves <= kMostMoves; ++moves)
@@ -125,7 +127,8 @@ void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, const
 		if (!corner) continue;
 		taken.push_back({{corner->x, corner->y - size.y}, {corner->x + size.x, corner->y}});
 		to.AddRectFilled(taken.back().Min, taken.back().Max, IM_COL32(255, 255, 255, 205), pad);
-		to.AddText({corner->x + pad, corner->y - size.y + 0.4f * pad}, ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
+		to.AddText({corner->x + pad, corner->y - size.y + 0.4f * pad},
+			ImGui::ColorConvertFloat4ToU32({text.colour.r, text.colour.g, text.colour.b, 1}), text.text.c_str());
 	}
 	to.PopClipRect();
 }

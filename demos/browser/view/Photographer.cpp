@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Photographer.h"
 
+#include "demos/browser/render/OffscreenContext.h"
 #include "demos/browser/view/ChartView.h"
 #include "demos/browser/view/Gui.h"
-#include "demos/browser/render/OffscreenContext.h"
 #include "demos/browser/view/SceneView.h"
 
 #include <imgui.h>

@@ -25,8 +25,8 @@ class ScenePainter
 {
 public:
 	/// `texts`: with forces and titles in words, which go to the background of the picture that ImGui has begun.
-	void paint(const std::vector<SceneView>& views, const DrawChoice& choice, const Camera& camera, Renderer& renderer, unsigned target, const RenderQuality& quality,
-			   bool texts);
+	void paint(const std::vector<SceneView>& views, const DrawChoice& choice, const Camera& camera, Renderer& renderer, unsigned target,
+		const RenderQuality& quality, bool texts);
 
 private:
 	DrawList m_list;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Window.h"
 
-#include "demos/browser/view/Browser.h"
 #include "demos/browser/render/Gl.h"
+#include "demos/browser/view/Browser.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <imgui.h>
 #include <backends/imgui_impl_glfw.h>
+#include <imgui.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -38,17 +38,21 @@ struct GlfwWindow
 
 const std::map<int, Key>& keys()
 {
-	static const std::map<int, Key> table = {
-		{GLFW_KEY_A, Key::Boxes}, {GLFW_KEY_C, Key::Contacts}, {GLFW_KEY_D, Key::NoSleep}, {GLFW_KEY_J, Key::Frames}, {GLFW_KEY_K, Key::Constraints},
-		{GLFW_KEY_L, Key::Constraints}, {GLFW_KEY_W, Key::Wireframe}, {GLFW_KEY_V, Key::Surfaces}, {GLFW_KEY_G, Key::Panels}, {GLFW_KEY_I, Key::Pause},
-		{GLFW_KEY_SPACE, Key::Pause}, {GLFW_KEY_O, Key::Step}, {GLFW_KEY_P, Key::Profile}, {GLFW_KEY_S, Key::Shadows}, {GLFW_KEY_R, Key::Restart},
-		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_E, Key::SphereLevels}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses}, {GLFW_KEY_T, Key::Levels}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
+	static const std::map<int, Key> table = {{GLFW_KEY_A, Key::Boxes}, {GLFW_KEY_C, Key::Contacts}, {GLFW_KEY_D, Key::NoSleep},
+		{GLFW_KEY_J, Key::Frames}, {GLFW_KEY_K, Key::Constraints}, {GLFW_KEY_L, Key::Constraints}, {GLFW_KEY_W, Key::Wireframe},
+		{GLFW_KEY_V, Key::Surfaces}, {GLFW_KEY_G, Key::Panels}, {GLFW_KEY_I, Key::Pause}, {GLFW_KEY_SPACE, Key::Pause},
+		{GLFW_KEY_O, Key::Step}, {GLFW_KEY_P, Key::Profile}, {GLFW_KEY_S, Key::Shadows}, {GLFW_KEY_R, Key::Restart},
+		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_E, Key::SphereLevels}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses},
+		{GLFW_KEY_T, Key::Levels}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
 	return table;
 }
 
 Browser& browserOf(GLFWwindow* window) { return *static_cast<Browser*>(glfwGetWindowUserPointer(window)); }
 
-bool isDown(GLFWwindow* window, int left, int right) { return glfwGetKey(window, left) == GLFW_PRESS || glfwGetKey(window, right) == GLFW_PRESS; }
+bool isDown(GLFWwindow* window, int left, int right)
+{
+	return glfwGetKey(window, left) == GLFW_PRESS || glfwGetKey(window, right) == GLFW_PRESS;
+}
 
 /// The cursor in shares of the scene.
 void cursorInScene(GLFWwindow* window, double& x, double& y)
@@ -82,7 +86,7 @@ void onButton(GLFWwindow* window, int button, int action, int)
 	double x = 0, y = 0;
 	cursorInScene(window, x, y);
 	const bool camera = button != GLFW_MOUSE_BUTTON_LEFT || isDown(window, GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT) ||
-						isDown(window, GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+		isDown(window, GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
 	browser.press(x, y, camera);
 }
 
@@ -109,14 +113,17 @@ void onDrop(GLFWwindow* window, int count, const char** paths)
 std::optional<ist::Error> openGlfw(GlfwWindow& glfw, const WindowOptions& options)
 {
 	if (!glfwInit())
-		return ist::Error{"no window can be opened (" + lastGlfwError() + "); without a display, give --demo NAME and --headless or --screenshot FILE.png"};
+		return ist::Error{"no window can be opened (" + lastGlfwError() +
+			"); without a display, give --demo NAME and --headless or --screenshot FILE.png"};
 	glfw.begun = true;
 	glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
 	glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
 	glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
 	glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
 	glfw.window = glfwCreateWindow(options.width, options.height, "BulletHaptics", nullptr, nullptr);
-	if (!glfw.window) return ist::Error{"no window with OpenGL 3.3 (" + lastGlfwError() + "); --demo NAME with --headless or --screenshot FILE.png needs none"};
+	if (!glfw.window)
+		return ist::Error{
+			"no window with OpenGL 3.3 (" + lastGlfwError() + "); --demo NAME with --headless or --screenshot FILE.png needs none"};
 	glfwMakeContextCurrent(glfw.window);
 	glfwSwapInterval(1);
 	return std::nullopt;
@@ -131,7 +138,7 @@ void savePictureOf(int width, int height, const std::string& path)
 	const size_t row = size_t(3) * size_t(width);
 	for (int y = 0; y < height / 2; ++y)
 		std::swap_ranges(picture.pixels.begin() + std::ptrdiff_t(row) * y, picture.pixels.begin() + std::ptrdiff_t(row) * (y + 1),
-						 picture.pixels.begin() + std::ptrdiff_t(row) * (height - 1 - y));
+			picture.pixels.begin() + std::ptrdiff_t(row) * (height - 1 - y));
 	if (auto error = savePicture(picture, path)) std::fprintf(stderr, "haptic_demos: %s\n", error->message.c_str());
 	else std::fprintf(stderr, "picture: %s\n", path.c_str());
 }

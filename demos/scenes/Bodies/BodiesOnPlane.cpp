@@ -31,7 +31,8 @@ Pose poseOf(const btRigidBody& body)
 }
 
 BodiesOnPlane::BodiesOnPlane(const BodyMaterial& plane)
-	: m_planeShape(btVector3(0, 1, 0), 0), m_plane(0, nullptr, &m_planeShape, btVector3(0, 0, 0))
+	: m_planeShape(btVector3(0, 1, 0), 0),
+	  m_plane(0, nullptr, &m_planeShape, btVector3(0, 0, 0))
 {
 	m_plane.setFriction(btScalar(plane.friction));
 	m_world.materials().set(&m_plane, {plane.stiffness, -1});
@@ -44,8 +45,8 @@ BodiesOnPlane::~BodiesOnPlane()
 	m_world.bullet().removeRigidBody(&m_plane);
 }
 
-Result<btRigidBody*> BodiesOnPlane::add(const Mesh& mesh, std::shared_ptr<const InnerSphereTree> tree, const BodyMaterial& material,
-										const Pose& X_WB)
+Result<btRigidBody*> BodiesOnPlane::add(
+	const Mesh& mesh, std::shared_ptr<const InnerSphereTree> tree, const BodyMaterial& material, const Pose& X_WB)
 {
 	Body added;
 	added.shape = std::make_unique<btConvexHullShape>();

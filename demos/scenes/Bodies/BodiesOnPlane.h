@@ -14,9 +14,9 @@ namespace scenes
 {
 struct BodyMaterial
 {
-	double density = 1000;    ///< [kg/m^3]
-	double stiffness = 1e7;   ///< k_X [Pa/m]
-	double friction = 0.5;    ///< Bullet multiplies those of both bodies
+	double density = 1000;   ///< [kg/m^3]
+	double stiffness = 1e7;  ///< k_X [Pa/m]
+	double friction = 0.5;   ///< Bullet multiplies those of both bodies
 };
 
 /// A Bullet world with its own static plane y = 0 and bodies that speak through trees. Gravity along -y.
@@ -27,8 +27,8 @@ public:
 	~BodiesOnPlane();
 
 	/// `mesh`, in its principal frame, gives the bounds, and `tree` is built from it.
-	ist::Result<btRigidBody*> add(const ist::Mesh& mesh, std::shared_ptr<const ist::InnerSphereTree> tree, const BodyMaterial& material,
-								  const ist::Pose& X_WB);
+	ist::Result<btRigidBody*> add(
+		const ist::Mesh& mesh, std::shared_ptr<const ist::InnerSphereTree> tree, const BodyMaterial& material, const ist::Pose& X_WB);
 	void step(double dt) { m_world.bullet().stepSimulation(btScalar(dt), 0); }
 	btISTWorld& world() { return m_world; }
 	/// What the last step found between two bodies; null without overlap.

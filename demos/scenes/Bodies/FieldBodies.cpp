@@ -12,8 +12,7 @@ namespace scenes
 {
 namespace
 {
-template <class Field>
-FieldBody bodyOf(const char* name, Field field, Mesh mesh)
+template <class Field> FieldBody bodyOf(const char* name, Field field, Mesh mesh)
 {
 	const double scale = std::cbrt(field.volume() / massProperties(mesh).volume);
 	for (Vec3& p : mesh.vertices) p *= scale;

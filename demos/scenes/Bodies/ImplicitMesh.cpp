@@ -63,7 +63,9 @@ Vec3 ontoSurface(const Field& field, const Vec3& start, double cell)
 	const double e = 1e-3 * cell;
 	for (int i = 0; i < 2; ++i)
 	{
-		const Vec3 g = Vec3{field(p + Vec3{e, 0, 0}) - field(p - Vec3{e, 0, 0}), field(p + Vec3{0, e, 0}) - field(p - Vec3{0, e, 0}), field(p + Vec3{0, 0, e}) - field(p - Vec3{0, 0, e})} / (2 * e);
+		const Vec3 g = Vec3{field(p + Vec3{e, 0, 0}) - field(p - Vec3{e, 0, 0}), field(p + Vec3{0, e, 0}) - field(p - Vec3{0, e, 0}),
+						   field(p + Vec3{0, 0, e}) - field(p - Vec3{0, 0, e})} /
+			(2 * e);
 		if (!(squaredNorm(g) > 0.01)) break;
 		p = p - field(p) / squaredNorm(g) * g;
 	}

@@ -15,7 +15,10 @@ constexpr double kForceSlack = 1.02, kDegrees = 57.29577951308232;
 constexpr Felt kAllFelt[] = {Felt::Nothing, Felt::Force, Felt::ForceAndTorque};
 
 int freedoms(Felt felt) { return felt == Felt::Nothing ? 0 : felt == Felt::Force ? 3 : 6; }
-std::string nameOf(const CarryOutcome& run) { return (run.hands == 1 ? "1 hand, " : "2 hands, ") + std::to_string(freedoms(run.felt)) + " felt"; }
+std::string nameOf(const CarryOutcome& run)
+{
+	return (run.hands == 1 ? "1 hand, " : "2 hands, ") + std::to_string(freedoms(run.felt)) + " felt";
+}
 const char* fateOf(const CarryOutcome& run) { return !run.lifted ? "NOT LIFTED" : run.arrived ? "arrives" : "LOST ON THE WAY"; }
 
 /// What is told of a run.
@@ -27,9 +30,10 @@ struct Column
 };
 std::vector<Column> columnsOf(const CarryOutcome& run)
 {
-	return {{"off", "mm", 1e3 * run.off, 2}, {"largest tilt", "deg", kDegrees * run.tilt, 2}, {"slip in a palm", "mm", 1e3 * run.slip, 2}, {"turn in a palm", "deg", kDegrees * run.slipAngle, 2},
-			{"nut and ring slide", "mm", 1e3 * run.passengers, 2}, {"strongest part", "N", run.peakForce, 3}, {"force on a wrist, at rest", "N", run.wristForce, 3},
-			{"torque on a wrist, at rest", "N m", run.wristTorque, 3}, {"energy without a name", "mJ", 1e3 * run.energy.residual, 2}};
+	return {{"off", "mm", 1e3 * run.off, 2}, {"largest tilt", "deg", kDegrees * run.tilt, 2}, {"slip in a palm", "mm", 1e3 * run.slip, 2},
+		{"turn in a palm", "deg", kDegrees * run.slipAngle, 2}, {"nut and ring slide", "mm", 1e3 * run.passengers, 2},
+		{"strongest part", "N", run.peakForce, 3}, {"force on a wrist, at rest", "N", run.wristForce, 3},
+		{"torque on a wrist, at rest", "N m", run.wristTorque, 3}, {"energy without a name", "mJ", 1e3 * run.energy.residual, 2}};
 }
 
 Chart chartOf(const CarryReportOutcome& o, const std::string& title, const std::string& label, double CarrySample::*value, double scale)
@@ -91,11 +95,15 @@ std::vector<std::vector<std::string>> summaryRows(const CarryReportOutcome& o)
 HtmlReport makeReport(const CarryReportOutcome& o)
 {
 	HtmlReport report("One hand against two, three degrees of freedom against six");
-	report.paragraph("A beam of 46 cm with a nut and a ring standing on it (" + formatNumber(o.weight, 3) + " N together, the nut heavier than the ring) is lifted by 10 cm, carried aside by 10 cm, turned "
-					 "by 20 degrees and put down, always by the same script: by one hand in its middle, or by a left and a right hand near its ends. "
-					 "What is felt, the arm of the hand yields to: nothing, as of a tracked hand; the force, as on a device of three degrees of freedom; or force and torque, as on one of six.");
-	report.paragraph("What this shows and what not: the arm is a mass on a spring (1.5 kg and 300 N/m, 0.01 kg m^2 and 3 N m/rad, assumed), and the script neither looks nor learns. It shows "
-					 "what the task asks of hands and wrists, and what reaches them. It does not show how well a person does it who feels more.");
+	report.paragraph("A beam of 46 cm with a nut and a ring standing on it (" + formatNumber(o.weight, 3) +
+		" N together, the nut heavier than the ring) is lifted by 10 cm, carried aside by 10 cm, turned "
+		"by 20 degrees and put down, always by the same script: by one hand in its middle, or by a left and a right hand near its ends. "
+		"What is felt, the arm of the hand yields to: nothing, as of a tracked hand; the force, as on a device of three degrees of "
+		"freedom; or force and torque, as on one of six.");
+	report.paragraph(
+		"What this shows and what not: the arm is a mass on a spring (1.5 kg and 300 N/m, 0.01 kg m^2 and 3 N m/rad, assumed), and the "
+		"script neither looks nor learns. It shows "
+		"what the task asks of hands and wrists, and what reaches them. It does not show how well a person does it who feels more.");
 	std::vector<std::string> head{"Freedoms that are felt", "outcome"};
 	std::vector<std::vector<std::string>> table;
 	for (const CarryOutcome& run : o.runs)
@@ -117,10 +125,10 @@ std::string makeJson(const CarryReportOutcome& o)
 	using Json = nlohmann::ordered_json;
 	Json json = {{"schema", 1}, {"demo", "grasp-compare"}, {"ok", o.ok()}, {"weight", o.weight}, {"runs", Json::array()}};
 	for (const CarryOutcome& run : o.runs)
-		json["runs"].push_back({{"hands", run.hands}, {"felt_freedoms", freedoms(run.felt)}, {"lifted", run.lifted}, {"arrived", run.arrived},
-								{"off", run.off}, {"tilt", run.tilt}, {"slip", run.slip}, {"slip_angle", run.slipAngle}, {"passengers_slide", run.passengers}, {"peak_force", run.peakForce},
-								{"wrist_force", run.wristForce}, {"wrist_torque", run.wristTorque}, {"energy_residual", run.energy.residual},
-								{"complaints", run.complaints}});
+		json["runs"].push_back({{"hands", run.hands}, {"felt_freedoms", freedoms(run.felt)}, {"lifted", run.lifted},
+			{"arrived", run.arrived}, {"off", run.off}, {"tilt", run.tilt}, {"slip", run.slip}, {"slip_angle", run.slipAngle},
+			{"passengers_slide", run.passengers}, {"peak_force", run.peakForce}, {"wrist_force", run.wristForce},
+			{"wrist_torque", run.wristTorque}, {"energy_residual", run.energy.residual}, {"complaints", run.complaints}});
 	return json.dump();
 }
 }  // namespace scenes

@@ -86,7 +86,8 @@ private:
 		m_carried = true;
 		m_held = m_held && touched && now.height > kOffTable;
 		m_out.tilt = std::max(m_out.tilt, now.tilt);
-		for (int i = 1; i < CarryScene::kObjects; ++i) m_out.passengers = std::max(m_out.passengers, distance(onBeam(CarryScene::Object(i)), m_start[i]));
+		for (int i = 1; i < CarryScene::kObjects; ++i)
+			m_out.passengers = std::max(m_out.passengers, distance(onBeam(CarryScene::Object(i)), m_start[i]));
 	}
 
 	/// In the air, at the place over which it is put down.

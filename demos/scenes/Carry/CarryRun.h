@@ -24,9 +24,9 @@ struct CarryOutcome
 	double off = 0;        ///< of the beam's centre from its place in the end [m]
 	double slip = 0;       ///< largest way of the beam in a palm, and turn [m, rad], between lifting and the end of carrying
 	double slipAngle = 0;
-	double tilt = 0;       ///< largest angle to the script, then [rad]
-	double passengers = 0; ///< largest way of nut or ring on the beam, then [m]
-	double peakForce = 0;  ///< on one part, at any time [N]
+	double tilt = 0;                         ///< largest angle to the script, then [rad]
+	double passengers = 0;                   ///< largest way of nut or ring on the beam, then [m]
+	double peakForce = 0;                    ///< on one part, at any time [N]
 	double wristForce = 0, wristTorque = 0;  ///< mean over the rest before putting down, of the hand that bears most [N, N m]
 	btEnergyBalance energy;
 	std::string complaints;

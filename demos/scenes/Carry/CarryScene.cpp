@@ -21,7 +21,7 @@ constexpr double kHandLength = 0.189;
 constexpr double kLift = 0.1, kAside = 0.1, kTurn = 0.35;  // [m, m, rad]
 constexpr double kPassengerX = 0.085;                      // of nut and ring, from the middle of the beam [m]
 constexpr double kPassengerFriction = 0.7;
-constexpr int kBeamShare = 4;                              // of spheres: so much larger it is than its passengers
+constexpr int kBeamShare = 4;                                         // of spheres: so much larger it is than its passengers
 constexpr double kMasses[CarryScene::kObjects] = {0.18, 0.08, 0.06};  // [kg]
 
 /// Where the objects' meshes stand on the beam's, or the table.
@@ -72,8 +72,7 @@ Wrench feltAt(const BulletHand& hand, const Vec3& wrist)
 void OperatorArm::step(const Pose& wanted, const Twist& moving, const Wrench& felt, double mass, double inertia, double h) noexcept
 {
 	// The arm's own spring and damper are taken at the end of the step, for which `wanted` is.
-	const auto after = [h](double m, double more, double k, const Vec3& away, const Vec3& v, const Vec3& target, const Vec3& push)
-	{
+	const auto after = [h](double m, double more, double k, const Vec3& away, const Vec3& v, const Vec3& target, const Vec3& push) {
 		const double b = 2 * std::sqrt(k * m);
 		return ((m + more) * v + h * (k * away + b * target + push)) / (m + more + h * b + h * h * k);
 	};
@@ -92,7 +91,8 @@ Result<std::unique_ptr<CarryScene>> CarryScene::make(const CarryOptions& options
 	{
 		const Result<HandShape> shape = measureHand(posedHand({}, {left, kHandLength}));
 		if (!shape) return shape.error();
-		Result<std::shared_ptr<const HandModel>> model = buildHandModel(shape.value(), {options.handSpheres, options.cache, 0, options.progress});
+		Result<std::shared_ptr<const HandModel>> model = buildHandModel(
+			shape.value(), {options.handSpheres, options.cache, 0, options.progress});
 		if (!model) return model.error();
 		scene->m_models[left] = std::move(model).value();
 	}

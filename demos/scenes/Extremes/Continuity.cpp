@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Extremes/Continuity.h"
 
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
-#include "demos/scenes/Truth/ContinuumGrid.h"
 #include "demos/scenes/Pages/TraceChart.h"
+#include "demos/scenes/Truth/ContinuumGrid.h"
 
 #include <nlohmann/json.hpp>
 
@@ -38,7 +38,8 @@ public:
 		for (int i = 0; i < 400 && y > m_box.lower.y; ++i)
 		{
 			double gap = 1e300;
-			for (int s = -8; s <= 8; ++s) gap = std::min(gap, m_surface.signedDistance({x, y, z + m_rod.halfLength * s / 8}) - m_rod.radius);
+			for (int s = -8; s <= 8; ++s)
+				gap = std::min(gap, m_surface.signedDistance({x, y, z + m_rod.halfLength * s / 8}) - m_rod.radius);
 			if (gap < 1e-6) break;
 			y -= gap;
 		}
@@ -80,7 +81,10 @@ PathWriter writePath(const MeshDistance& surface, const RodProbe& rod, double de
 	PathWriter path(surface, rod);
 	const Box box = bounds(surface.mesh());
 	const double z = massProperties(surface.mesh()).centerOfMass.z;
-	const auto pressed = [&](double share, double off) { const double x = box.lower.x + share * box.size().x; return Vec3{x, path.touch(x, z) + off, z}; };
+	const auto pressed = [&](double share, double off) {
+		const double x = box.lower.x + share * box.size().x;
+		return Vec3{x, path.touch(x, z) + off, z};
+	};
 	const double clear = 0.002;
 	path.phase("press", true);
 	path.moveTo(pressed(0.66, clear), kFast);
@@ -110,8 +114,7 @@ ContinuumGrid gridAlong(const std::vector<Vec3>& centers, const MeshDistance& su
 	const Vec3 margin{wide, wide, wide + rod.halfLength};
 	// Between the centres that are looked at the rod goes half a millimetre at most.
 	const double reach = wide + 5e-4;
-	const auto met = [&](const Vec3& p)
-	{
+	const auto met = [&](const Vec3& p) {
 		for (size_t i = 0; i < centers.size(); i += 5)
 		{
 			const Vec3 from = p - centers[i];
@@ -193,7 +196,8 @@ double powerAbove(const std::vector<double>& values, double rate, double cut)
 	{
 		if (rate * static_cast<double>(k) / static_cast<double>(n) <= cut) continue;
 		std::complex<double> sum = 0;
-		for (size_t i = 0; i < n; ++i) sum += windowed[i] * std::polar(1.0, -2 * kPi * static_cast<double>(k * i % n) / static_cast<double>(n));
+		for (size_t i = 0; i < n; ++i)
+			sum += windowed[i] * std::polar(1.0, -2 * kPi * static_cast<double>(k * i % n) / static_cast<double>(n));
 		power += (2 * k == n ? 1 : 2) * std::norm(sum) / (static_cast<double>(n) * weight);
 	}
 	return power;
@@ -219,7 +223,8 @@ Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 	if (!body) return body.error();
 	build.maxSpheres = options.rodSpheres;
 	build.unit = 1;
-	const Result<CachedTree> probe = treeFromCache(makeCapsuleMesh(rod.radius, rod.halfLength, 96), build, options.cache, "continuity-rod", options.say);
+	const Result<CachedTree> probe = treeFromCache(
+		makeCapsuleMesh(rod.radius, rod.halfLength, 96), build, options.cache, "continuity-rod", options.say);
 	if (!probe) return probe.error();
 
 	const MeshDistance surface(repaired.value().mesh);
@@ -245,7 +250,8 @@ Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 		const ContinuumGrid::Sum truth = grid.overlap(rod, t.center, {0, 0, 1});
 		t.truth = truth.onRod;
 		t.trueVolume = truth.volume;
-		if (i % 20 == 0 && !go("continuum", static_cast<double>(i) / static_cast<double>(o.ticks.size()))) return Error{"the run was stopped", true};
+		if (i % 20 == 0 && !go("continuum", static_cast<double>(i) / static_cast<double>(o.ticks.size())))
+			return Error{"the run was stopped", true};
 	}
 	summarise(o);
 	return o;
@@ -254,54 +260,56 @@ Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 std::vector<std::vector<std::string>> summaryRows(const ContinuityOutcome& o)
 {
 	const auto percent = [](double v) { return formatNumber(100 * v, 3); };
-	return {{"Result", o.ok() ? "ok" : "FAILED: the rod met nothing", ""},
-			{"Spheres", std::to_string(o.spheres), ""},
-			{"Ticks", std::to_string(o.ticks.size()), ""},
-			{"Force, rms error / rms truth", percent(o.forceError), "%"},
-			{"Change per tick of the continuum, most, of the largest force", percent(o.largestChange), "%"},
-			{"Change per tick, largest difference to the continuum's", percent(o.changeError), "%"},
-			{"Change per tick, 99th percentile of the difference", percent(o.changeError99), "%"},
-			{"Above 50 Hz at 5 cm/s, rms of the mean force, trees", percent(o.powerFound), "%"},
-			{"Above 50 Hz at 5 cm/s, rms of the mean force, continuum", percent(o.powerTruth), "%"},
-			{"Above 50 Hz at 5 cm/s, excess", percent(o.excess), "%"}};
+	return {{"Result", o.ok() ? "ok" : "FAILED: the rod met nothing", ""}, {"Spheres", std::to_string(o.spheres), ""},
+		{"Ticks", std::to_string(o.ticks.size()), ""}, {"Force, rms error / rms truth", percent(o.forceError), "%"},
+		{"Change per tick of the continuum, most, of the largest force", percent(o.largestChange), "%"},
+		{"Change per tick, largest difference to the continuum's", percent(o.changeError), "%"},
+		{"Change per tick, 99th percentile of the difference", percent(o.changeError99), "%"},
+		{"Above 50 Hz at 5 cm/s, rms of the mean force, trees", percent(o.powerFound), "%"},
+		{"Above 50 Hz at 5 cm/s, rms of the mean force, continuum", percent(o.powerTruth), "%"},
+		{"Above 50 Hz at 5 cm/s, excess", percent(o.excess), "%"}};
 }
 
 HtmlReport makeReport(const ContinuityOutcome& o)
 {
 	HtmlReport report("Continuity of the force");
-	report.paragraph("A round rod, 50 mm long and 20 mm thick, is led over a body of spheres at 1 kHz: it presses, slides at 10 cm/s, lets go, comes back "
-					 "elsewhere and slides at 5 cm/s. The force of the trees is compared with that of the continuum, summed over a fine grid that "
-					 "stays with the body. Forces are per stiffness: 1 cm\xC2\xB3 at 1e6 Pa/m is 1 N.");
+	report.paragraph(
+		"A round rod, 50 mm long and 20 mm thick, is led over a body of spheres at 1 kHz: it presses, slides at 10 cm/s, lets go, comes "
+		"back "
+		"elsewhere and slides at 5 cm/s. The force of the trees is compared with that of the continuum, summed over a fine grid that "
+		"stays with the body. Forces are per stiffness: 1 cm\xC2\xB3 at 1e6 Pa/m is 1 N.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(o));
 	const std::vector<ContinuityTick>& ticks = o.ticks;
 	const double largest = o.ok() ? o.largestForce : 1;
-	const auto over = [&](std::function<double(size_t)> value) { return Trace{ticks.size(), [&ticks](size_t i) { return ticks[i].time; }, std::move(value)}; };
-	const auto change = [&](size_t i, bool found)
-	{
+	const auto over = [&](std::function<double(size_t)> value) {
+		return Trace{ticks.size(), [&ticks](size_t i) { return ticks[i].time; }, std::move(value)};
+	};
+	const auto change = [&](size_t i, bool found) {
 		if (i == 0) return Vec3();
 		return found ? ticks[i].found - ticks[i - 1].found : ticks[i].truth - ticks[i - 1].truth;
 	};
 	report.chart({"Force on the rod", "time [s]", "|force| / k [cm\xC2\xB3]",
-				  {envelope("trees", over([&](size_t i) { return 1e6 * norm(ticks[i].found); })),
-				   envelope("continuum", over([&](size_t i) { return 1e6 * norm(ticks[i].truth); }))}});
+		{envelope("trees", over([&](size_t i) { return 1e6 * norm(ticks[i].found); })),
+			envelope("continuum", over([&](size_t i) { return 1e6 * norm(ticks[i].truth); }))}});
 	report.chart({"Along the way (x)", "time [s]", "force / k [cm\xC2\xB3]",
-				  {envelope("trees", over([&](size_t i) { return 1e6 * ticks[i].found.x; })),
-				   envelope("continuum", over([&](size_t i) { return 1e6 * ticks[i].truth.x; }))}});
+		{envelope("trees", over([&](size_t i) { return 1e6 * ticks[i].found.x; })),
+			envelope("continuum", over([&](size_t i) { return 1e6 * ticks[i].truth.x; }))}});
 	report.chart({"Change of force from tick to tick", "time [s]", "of the largest force [%]",
-				  {envelope("continuum", over([&](size_t i) { return 100 * norm(change(i, false)) / largest; })),
-				   envelope("difference of trees and continuum", over([&](size_t i) { return 100 * norm(change(i, true) - change(i, false)) / largest; }))}});
+		{envelope("continuum", over([&](size_t i) { return 100 * norm(change(i, false)) / largest; })),
+			envelope("difference of trees and continuum",
+				over([&](size_t i) { return 100 * norm(change(i, true) - change(i, false)) / largest; }))}});
 	report.chart({"Overlap", "time [s]", "volume [mm\xC2\xB3]",
-				  {envelope("trees", over([&](size_t i) { return 1e9 * ticks[i].foundVolume; })),
-				   envelope("continuum", over([&](size_t i) { return 1e9 * ticks[i].trueVolume; }))}});
+		{envelope("trees", over([&](size_t i) { return 1e9 * ticks[i].foundVolume; })),
+			envelope("continuum", over([&](size_t i) { return 1e9 * ticks[i].trueVolume; }))}});
 	return report;
 }
 
 std::string makeJson(const ContinuityOutcome& o)
 {
 	nlohmann::ordered_json json = {{"schema", 1}, {"demo", "continuity"}, {"ok", o.ok()}, {"spheres", o.spheres}, {"ticks", o.ticks.size()},
-								   {"force_error_rms", o.forceError}, {"largest_change", o.largestChange}, {"change_error", o.changeError},
-								   {"change_error_p99", o.changeError99}, {"above_50hz_found", o.powerFound}, {"above_50hz_truth", o.powerTruth},
-								   {"above_50hz_excess", o.excess}};
+		{"force_error_rms", o.forceError}, {"largest_change", o.largestChange}, {"change_error", o.changeError},
+		{"change_error_p99", o.changeError99}, {"above_50hz_found", o.powerFound}, {"above_50hz_truth", o.powerTruth},
+		{"above_50hz_excess", o.excess}};
 	return json.dump();
 }
 }  // namespace scenes

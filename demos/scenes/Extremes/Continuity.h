@@ -4,8 +4,8 @@
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Base/Vec3.h"
-#include "demos/scenes/Pages/HtmlReport.h"
 #include "demos/scenes/Bodies/RodProbe.h"
+#include "demos/scenes/Pages/HtmlReport.h"
 
 #include <functional>
 #include <string>
@@ -13,24 +13,24 @@
 
 namespace scenes
 {
-/// A rod is led over a mesh at 1 kHz, as by a hand that nothing holds back: it presses, slides fast, lets go, comes back elsewhere and slides
-/// slowly. In each tick the force of the trees is compared with that of the continuum (ContinuumGrid) at the same pose.
+/// A rod is led over a mesh at 1 kHz, as by a hand that nothing holds back: it presses, slides fast, lets go, comes back elsewhere and
+/// slides slowly. In each tick the force of the trees is compared with that of the continuum (ContinuumGrid) at the same pose.
 struct ContinuityOptions
 {
-	std::string mesh;            ///< file; y up; its longest side becomes 0.2 m
+	std::string mesh;  ///< file; y up; its longest side becomes 0.2 m
 	int64_t spheres = 10000, rodSpheres = 4000;
-	std::string cache;           ///< folder for trees; empty: none
-	double spacing = 2.5e-4;     ///< of the grid [m]
-	double depth = 0.004;        ///< to which the rod is pressed [m]
+	std::string cache;        ///< folder for trees; empty: none
+	double spacing = 2.5e-4;  ///< of the grid [m]
+	double depth = 0.004;     ///< to which the rod is pressed [m]
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;
 };
 
 struct ContinuityTick
 {
-	double time = 0;           ///< [s]
-	ist::Vec3 center;          ///< of the rod, in the mesh's frame [m]
-	ist::Vec3 found, truth;    ///< force on the rod for k = 1 Pa/m [m^3]
+	double time = 0;         ///< [s]
+	ist::Vec3 center;        ///< of the rod, in the mesh's frame [m]
+	ist::Vec3 found, truth;  ///< force on the rod for k = 1 Pa/m [m^3]
 	double foundVolume = 0, trueVolume = 0;
 	int64_t pairs = 0;
 };
@@ -41,11 +41,11 @@ struct ContinuityOutcome
 	size_t spheres = 0;
 	std::vector<ContinuityTick> ticks;
 	std::vector<ProbePhase> phases;
-	double largestForce = 0;     ///< of the continuum
-	double forceError = 0;       ///< rms of the difference over rms of the truth
+	double largestForce = 0;  ///< of the continuum
+	double forceError = 0;    ///< rms of the difference over rms of the truth
 	/// Of the change from tick to tick: largest difference to that of the continuum, and its 99th percentile, over the largest force.
 	double changeError = 0, changeError99 = 0;
-	double largestChange = 0;    ///< of the continuum itself, over the largest force
+	double largestChange = 0;  ///< of the continuum itself, over the largest force
 	/// While sliding at 5 cm/s: rms of the force above 50 Hz beyond that of the continuum, over the mean force.
 	double excess = 0;
 	double powerFound = 0, powerTruth = 0;  ///< rms above 50 Hz of both, over the mean force

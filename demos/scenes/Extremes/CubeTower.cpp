@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Extremes/CubeTower.h"
 
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Geometry/AnalyticField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "demos/scenes/Extremes/ExtremeRows.h"
 
 #include <algorithm>
@@ -19,7 +19,11 @@ class Tower
 {
 public:
 	Tower(Response response, const ExtremeSolid& cube, const TowerSetup& s)
-		: m_setup(s), m_cube(cube), m_plain{cube.mesh, nullptr}, m_world(response), m_edge(ist::bounds(cube.mesh).longestSide())
+		: m_setup(s),
+		  m_cube(cube),
+		  m_plain{cube.mesh, nullptr},
+		  m_world(response),
+		  m_edge(ist::bounds(cube.mesh).longestSide())
 	{
 		m_world.addFloor();
 		double height = 0, above = (s.cubes - 1) * s.mass + s.topMass;
@@ -30,7 +34,8 @@ public:
 			m_volumes.push_back(load / k);
 			height += (i == 0 ? m_edge / 2 : m_edge) - (response == Response::Volumetric ? m_expected.back() : 0);
 			m_start.push_back({3, height, -2});
-			m_bodies.push_back(m_world.add(solid(i), mass, mass * m_edge * m_edge / 6, transformOf(m_start.back(), {0, s.turn * i, 0}), 2 * s.k));
+			m_bodies.push_back(
+				m_world.add(solid(i), mass, mass * m_edge * m_edge / 6, transformOf(m_start.back(), {0, s.turn * i, 0}), 2 * s.k));
 			above -= mass;
 		}
 	}
@@ -108,8 +113,8 @@ double tiltStiffness(const ExtremeSolid& cube, double volume, bool onPlain)
 	ist::Pose X_AB;
 	X_AB.translation.y = modelSinkage(cube, onPlain ? &plain : &cube, 1, volume) - edge;
 	const ist::BoxField box(0.5 * ist::bounds(cube.mesh).size());
-	const ist::OverlapIntegrals sums =
-		onPlain ? ist::queryField(*cube.tree, box, X_AB, workspace).total : ist::queryOverlap(*cube.tree, *cube.tree, X_AB, workspace).total;
+	const ist::OverlapIntegrals sums = onPlain ? ist::queryField(*cube.tree, box, X_AB, workspace).total
+											   : ist::queryOverlap(*cube.tree, *cube.tree, X_AB, workspace).total;
 	const ist::SymmetricMatrix6 K = ist::pressureStiffness(sums, {1, 0.5, 0.5});
 	// About z through the contact, half an edge below A's origin: a turn there moves the origin by -half an edge along x.
 	const double lever = edge / 2;

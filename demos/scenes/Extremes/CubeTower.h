@@ -11,8 +11,8 @@ struct TowerSetup
 	double mass = 1, topMass = 1;  ///< of each cube; of the uppermost
 	double k = 0;                  ///< of each contact; 0: nothing set, the default rule
 	double h = 1.0 / 60, seconds = 5;
-	double turn = 0;               ///< of each cube against the one below, about the vertical [rad]; a multiple of a quarter turn
-	bool plainBetween = false;     ///< every other cube has no tree: it is Bullet's box in closed form
+	double turn = 0;            ///< of each cube against the one below, about the vertical [rad]; a multiple of a quarter turn
+	bool plainBetween = false;  ///< every other cube has no tree: it is Bullet's box in closed form
 };
 struct TowerOutcome
 {
@@ -32,6 +32,7 @@ TowerOutcome stackCubes(Response response, const ExtremeSolid& cube, const Tower
 /// edge, kappa = edge / (12 F/F') for flat contact, the lean is a Bessel function J0, and it stands only while
 /// kappa > (cubes / 2.405)^2. Returns this bound.
 double leastTiltStiffness(int cubes);
-/// kappa of the model where `cube` lies on its like, or on a plain one, and carries `volume` = load / k [m^3]: from the query's own stiffness.
+/// kappa of the model where `cube` lies on its like, or on a plain one, and carries `volume` = load / k [m^3]: from the query's own
+/// stiffness.
 double tiltStiffness(const ExtremeSolid& cube, double volume, bool onPlain = false);
 }  // namespace scenes

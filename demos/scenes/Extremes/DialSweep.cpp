@@ -25,8 +25,7 @@ std::vector<JudgedPose> judgePoses(const OverlapQuadrature& truth, const std::ve
 {
 	std::vector<JudgedPose> judged(poses.size());
 	std::atomic<size_t> next{0};
-	const auto work = [&]
-	{
+	const auto work = [&] {
 		for (size_t i = next++; i < poses.size(); i = next++)
 		{
 			const QuadratureTruth t = truth.integrate(poses[i], {}, linesPerAxis, pointsTotal, i + 1);
@@ -40,9 +39,13 @@ std::vector<JudgedPose> judgePoses(const OverlapQuadrature& truth, const std::ve
 	return judged;
 }
 
-double forceError(const Vec3& force, const JudgedPose& truth, double floor) { return norm(force - truth.force) / std::max(norm(truth.force), floor); }
+double forceError(const Vec3& force, const JudgedPose& truth, double floor)
+{
+	return norm(force - truth.force) / std::max(norm(truth.force), floor);
+}
 
-std::vector<DialPoint> sweepDial(const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<JudgedPose>& poses, const std::vector<double>& accepted)
+std::vector<DialPoint> sweepDial(
+	const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<JudgedPose>& poses, const std::vector<double>& accepted)
 {
 	using Clock = std::chrono::steady_clock;
 	QueryWorkspace workspace;

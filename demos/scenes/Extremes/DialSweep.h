@@ -21,21 +21,22 @@ std::vector<JudgedPose> judgePoses(const OverlapQuadrature& truth, const std::ve
 /// Error of a force against the truth, as a share of the larger of the truth and the promise's floor: what a promise speaks of.
 double forceError(const ist::Vec3& force, const JudgedPose& truth, double floor);
 
-/// What one error accepted comes to over all poses. All but counts and shares are of the pose in the middle, or of that which 95 % stay under.
+/// What one error accepted comes to over all poses. All but counts and shares are of the pose in the middle, or of that which 95 % stay
+/// under.
 struct DialPoint
 {
-	double accepted = 0;        ///< share of the force
+	double accepted = 0;          ///< share of the force
 	double pairs = 0, balls = 0;  ///< found, and in both levels that answered; middle
-	double microseconds = 0;    ///< of a query, middle
-	double promise = 0;         ///< of 95 %
+	double microseconds = 0;      ///< of a query, middle
+	double promise = 0;           ///< of 95 %
 	double middlePromise = 0;
-	double error = 0;           ///< true, of 95 %
-	double middleError = 0;     ///< true
-	double held = 0;            ///< share of the poses whose true error is within the promise
-	double kept = 0;            ///< share whose promise is within what is accepted
+	double error = 0;        ///< true, of 95 %
+	double middleError = 0;  ///< true
+	double held = 0;         ///< share of the poses whose true error is within the promise
+	double kept = 0;         ///< share whose promise is within what is accepted
 };
 
 /// Both trees have their levels (ist::addLevels). Each pose is asked as one of a pair that moves: with the level of the pose before.
 std::vector<DialPoint> sweepDial(const ist::InnerSphereTree& A, const ist::InnerSphereTree& B, const std::vector<JudgedPose>& poses,
-								 const std::vector<double>& accepted);
+	const std::vector<double>& accepted);
 }  // namespace scenes

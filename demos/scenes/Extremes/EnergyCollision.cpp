@@ -50,7 +50,8 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 	if (law.add(bodies[0], solid.tree, bodies[1], solid.tree, {setup.k, weight, 1 - weight})) return {};
 
 	// No face is larger than the square on the longest side, and no point farther out than the radius.
-	const double frequency = std::sqrt(setup.k * size * size * 2 * (1 / kMass + radius * radius / inertia)), h = setup.stepTimesFrequency / frequency;
+	const double frequency = std::sqrt(setup.k * size * size * 2 * (1 / kMass + radius * radius / inertia)),
+				 h = setup.stepTimesFrequency / frequency;
 	const PairMotion before(bodies, kMass, inertia);
 	EnergyCollisionOutcome out;
 	bool met = false;
@@ -66,7 +67,8 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 		most = std::max(most, contact.energy);
 		bend = std::max(bend, std::fabs(contact.energy - 2 * energies[0] + energies[1]));
 		energies[1] = std::exchange(energies[0], contact.energy);
-		if (touching) out.worst = std::max(out.worst, std::fabs(PairMotion(bodies, kMass, inertia).kinetic + contact.energy - before.kinetic));
+		if (touching)
+			out.worst = std::max(out.worst, std::fabs(PairMotion(bodies, kMass, inertia).kinetic + contact.energy - before.kinetic));
 		world.step(h);
 	}
 	const PairMotion after(bodies, kMass, inertia);

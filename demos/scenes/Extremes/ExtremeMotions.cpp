@@ -26,8 +26,7 @@ bool shoot(ExtremeWorld& world, const ExtremeSolid& cube, double speed, double h
 {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> u(0, 1);
-	const auto vector = [&](double size)
-	{
+	const auto vector = [&](double size) {
 		const double x = u(random), y = u(random);
 		return size * ist::Vec3{x, y, u(random)};
 	};
@@ -58,8 +57,7 @@ RodOutcome slideRodOnItsTip(Response response, const ExtremeSolid& rod, double f
 	btRigidBody* body = world.add(rod, mass, inertia, transformOf({2, height, -1}, {0, 0, lean}), 1e6);
 	body->setFriction(btScalar(friction));
 	body->setLinearVelocity(btVector3(btScalar(speed), 0, 0));
-	const auto energy = [&]
-	{
+	const auto energy = [&] {
 		const ist::Vec3 v = velocityOf(body), w = toVec3(body->getAngularVelocity());
 		return 0.5 * mass * dot(v, v) + 0.5 * inertia * dot(w, w) + mass * kGravity * positionOf(body).y;
 	};
@@ -92,7 +90,8 @@ TumbleOutcome tumble(Response response, const ExtremeSolid& solid, double h, dou
 	return {energy() / before, norm(angularMomentum(body, inertia) - momentum) / norm(momentum)};
 }
 
-ShotOutcome shootAtPlate(Response response, const ExtremeSolid& plate, const ExtremeSolid& cube, double speed, double h, double k, int shots)
+ShotOutcome shootAtPlate(
+	Response response, const ExtremeSolid& plate, const ExtremeSolid& cube, double speed, double h, double k, int shots)
 {
 	ShotOutcome out;
 	for (int seed = 0; seed < shots; ++seed)
@@ -101,7 +100,7 @@ ShotOutcome shootAtPlate(Response response, const ExtremeSolid& plate, const Ext
 		world.add(plate, 0, 0, transformOf({}), 2 * k);
 		const bool through = shoot(world, cube, speed, h, k, uint64_t(seed), out.finite);
 		const bool reported = response == Response::Volumetric &&
-							  (world.volumetric().passingPairs() > 0 || world.volumetric().statistics().contactsTurnedOver > 0);
+			(world.volumetric().passingPairs() > 0 || world.volumetric().statistics().contactsTurnedOver > 0);
 		++(through ? out.through : out.held);
 		out.unreported += through && !reported;
 		out.tooFast += !through && reported;

@@ -32,5 +32,6 @@ struct ShotOutcome
 	bool finite = true;
 };
 /// Cubes of 10 cm fly at a static plate in the plane y = 0, with random leads, faces and side steps. `k` of the pair [Pa/m].
-ShotOutcome shootAtPlate(Response response, const ExtremeSolid& plate, const ExtremeSolid& cube, double speed, double h, double k, int shots);
+ShotOutcome shootAtPlate(
+	Response response, const ExtremeSolid& plate, const ExtremeSolid& cube, double speed, double h, double k, int shots);
 }  // namespace scenes

@@ -2,9 +2,9 @@
 #include "demos/scenes/Extremes/ExtremeRows.h"
 
 #include "BulletHapticForce/World/btEnergyAudit.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Geometry/AnalyticField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "demos/scenes/Truth/PairMotion.h"
 
 #include <algorithm>
@@ -59,9 +59,9 @@ double forceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid&
 	const ist::Pose X_AB = ist::inverse(X_WA) * X_WB;
 	if (!A.tree) return -forceUp(B, X_WB, A, X_WA, k, bruteForce);
 	const ist::BoxField box(0.5 * ist::bounds(B.mesh).size());
-	const ist::OverlapResult overlap = !B.tree		 ? ist::queryField(*A.tree, box, X_AB, workspace)
-									   : bruteForce ? ist::queryOverlapBruteForce(*A.tree, *B.tree, X_AB)
-													: ist::queryOverlap(*A.tree, *B.tree, X_AB, workspace);
+	const ist::OverlapResult overlap = !B.tree ? ist::queryField(*A.tree, box, X_AB, workspace)
+		: bruteForce                           ? ist::queryOverlapBruteForce(*A.tree, *B.tree, X_AB)
+											   : ist::queryOverlap(*A.tree, *B.tree, X_AB, workspace);
 	return (X_WA.rotation * ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force).y;
 }
 }  // namespace
@@ -221,8 +221,7 @@ SlopeOutcome slideOnSlope(const ExtremeSolid& slab, double friction, double angl
 	world.volumetric().bullet().setGravity(toBullet(gravity * (std::sin(angle) * down + ist::Vec3{0, -std::cos(angle), 0})));
 	btRigidBody* body = world.add(slab, mass, mass / 12, transformOf({-3, height / 2 - depth, 2}, {0, 0.7, 0}), k);
 	body->setFriction(btScalar(friction));
-	const auto run = [&](double seconds)
-	{
+	const auto run = [&](double seconds) {
 		for (int i = 0; i < int(seconds / h + 0.5); ++i) world.step(h);
 	};
 	run(3);
@@ -253,7 +252,8 @@ double drillingStopTime(const ExtremeSolid& disc, double radius, double friction
 	{
 		world.step(h);
 		const double now = double(body->getAngularVelocity().y());
-		if (now < 1e-3 * spin) return (t + h * before / std::max(before - now, 1e-12)) / (inertia * spin / (friction * mass * gravity * radius * 2 / 3));
+		if (now < 1e-3 * spin)
+			return (t + h * before / std::max(before - now, 1e-12)) / (inertia * spin / (friction * mass * gravity * radius * 2 / 3));
 		before = now;
 	}
 	return 1e300;

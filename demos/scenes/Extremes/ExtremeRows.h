@@ -23,24 +23,24 @@ struct RestSetup
 {
 	double mass = 1, k = 1e4;
 	double h = 1.0 / 60, seconds = 4;
-	double drop = 0;        ///< of the lowest face above the plane [m]
-	ist::Vec3 place;        ///< of the plane's point under the body
+	double drop = 0;  ///< of the lowest face above the plane [m]
+	ist::Vec3 place;  ///< of the plane's point under the body
 	double gravity = 9.81;
-	double dissipation = -1; ///< negative: default [s/m]
+	double dissipation = -1;  ///< negative: default [s/m]
 	bool mayTurn = true;
 };
 struct RestOutcome
 {
 	bool finite = true;
-	double highest = 0;      ///< of the face above where it started, over the edge
-	double energyGain = 0;   ///< highest mechanical energy without contact, over its start, over m g edge
-	double depth = 0;        ///< of the lower face's centre under the plane at the end [m]
-	double impulseRatio = 0; ///< impulses of the last second (half of the run, if shorter) over weight times time
-	double modelRatio = 0;   ///< the model's force in the end pose over the weight
-	double kinetic = 0;      ///< at the end [J]
-	double drift = 0;        ///< sideways, over the edge
+	double highest = 0;          ///< of the face above where it started, over the edge
+	double energyGain = 0;       ///< highest mechanical energy without contact, over its start, over m g edge
+	double depth = 0;            ///< of the lower face's centre under the plane at the end [m]
+	double impulseRatio = 0;     ///< impulses of the last second (half of the run, if shorter) over weight times time
+	double modelRatio = 0;       ///< the model's force in the end pose over the weight
+	double kinetic = 0;          ///< at the end [J]
+	double drift = 0;            ///< sideways, over the edge
 	bool precisionLost = false;  ///< reported by the solver at the end (contactsPrecisionLost)
-	double creep = 0;        ///< farthest that it was in the second half from where it was in the middle, over the edge
+	double creep = 0;            ///< farthest that it was in the second half from where it was in the middle, over the edge
 };
 /// A cube falls on a plane, or is put on it, and rests. `edge` of the cube is that of the mesh.
 RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestSetup& setup);
@@ -48,21 +48,21 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 struct CollisionSetup
 {
 	double mass = 2, inertia = 0.2;
-	double k = 1e5;          ///< of the pair [Pa/m]; 0: default rule
-	double dissipation = -1; ///< negative: default
-	double common = 1;       ///< velocity that both have on top, per axis at most [m/s]
+	double k = 1e5;           ///< of the pair [Pa/m]; 0: default rule
+	double dissipation = -1;  ///< negative: default
+	double common = 1;        ///< velocity that both have on top, per axis at most [m/s]
 	double speed = 4, spin = 4, h = 1.0 / 60, friction = 0;
-	double apart = 1.8;      ///< of the centres at the start, over the longest side
+	double apart = 1.8;  ///< of the centres at the start, over the longest side
 	int steps = 1000;
-	double range = 10;       ///< the pair starts within this distance of the origin, per axis [m]
-	double flown = 10;       ///< ends when the pair is that many sizes apart
+	double range = 10;  ///< the pair starts within this distance of the origin, per axis [m]
+	double flown = 10;  ///< ends when the pair is that many sizes apart
 };
 struct CollisionOutcome
 {
 	bool touched = false, finite = true;
-	double momentum = 0, angular = 0;  ///< error over m v, over m v R
-	double energy = 0;                 ///< kinetic energy at the end over that at the start
-	double deepest = 0;                ///< most overlap, over the smaller volume
+	double momentum = 0, angular = 0;    ///< error over m v, over m v R
+	double energy = 0;                   ///< kinetic energy at the end over that at the start
+	double deepest = 0;                  ///< most overlap, over the smaller volume
 	double physical = 0, numerical = 0;  ///< lost (btEnergyAudit), over the kinetic energy at the start; only with Response::Volumetric
 };
 /// Two equal bodies, from random poses and velocities, meet in free flight. Angular momentum about the joint centre of mass.

@@ -36,8 +36,7 @@ struct Pond
 };
 
 /// Mean time between crossings of zero in the same direction [s]; not finite with fewer than two.
-template <class Signal>
-double period(Pond& pond, double h, int steps, const Signal& signal)
+template <class Signal> double period(Pond& pond, double h, int steps, const Signal& signal)
 {
 	double first = 0, last = 0, before = signal();
 	int crossings = 0;

@@ -21,7 +21,7 @@ FloatOutcome floatBody(const ExtremeSolid& solid, double density, double inertia
 /// Of a square log, floating with faces upright at first, kept from all but heave and roll: how far it has turned when it
 /// has come to rest [rad]. `share`: its density over the fluid's.
 double restingTiltOfLog(const ExtremeSolid& log, double share, double h);
-/// Closed form of the same, while the upper edges stay dry and the lower ones wet (s <= 1/2), w wide: 0 while GM = w (1/(12 s) - (1 - s)/2) >= 0,
-/// that is 6 s (1 - s) <= 1, else tan^2 = -2 GM / BM.
+/// Closed form of the same, while the upper edges stay dry and the lower ones wet (s <= 1/2), w wide: 0 while GM = w (1/(12 s) - (1 - s)/2)
+/// >= 0, that is 6 s (1 - s) <= 1, else tan^2 = -2 GM / BM.
 double wallSidedTilt(double share);
 }  // namespace scenes

@@ -21,7 +21,8 @@ Result<GraspSolid> GraspSolid::make(Mesh mesh, int64_t spheres, const std::strin
 	return GraspSolid{std::move(mesh), centre, std::move(tree).value().tree};
 }
 
-Result<std::unique_ptr<GraspBody>> GraspBody::make(btISTWorld& world, const GraspSolid& solid, const Pose& X_WM, double mass, double friction)
+Result<std::unique_ptr<GraspBody>> GraspBody::make(
+	btISTWorld& world, const GraspSolid& solid, const Pose& X_WM, double mass, double friction)
 {
 	std::unique_ptr<GraspBody> made(new GraspBody(world, solid.centre));
 	auto hull = std::make_unique<btConvexHullShape>();

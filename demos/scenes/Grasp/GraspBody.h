@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -27,7 +27,8 @@ struct GraspSolid
 class GraspBody
 {
 public:
-	static ist::Result<std::unique_ptr<GraspBody>> make(btISTWorld& world, const GraspSolid& solid, const ist::Pose& X_WM, double mass, double friction);
+	static ist::Result<std::unique_ptr<GraspBody>> make(
+		btISTWorld& world, const GraspSolid& solid, const ist::Pose& X_WM, double mass, double friction);
 	~GraspBody();
 	GraspBody(const GraspBody&) = delete;
 	GraspBody& operator=(const GraspBody&) = delete;

@@ -26,12 +26,14 @@ struct Way
 	const char* name;
 };
 /// The paper's estimator errs by 40 % and more (NUMBERS.md, the dial).
-constexpr Way kWays[] = {{0, false, ""}, {0, true, ", leaves remembered"}, {0.1, false, ", 10 % accepted"}, {0.1, true, ", 10 % accepted, remembered"}, {0.3, false, ", 30 % accepted"}};
-constexpr int kMemories = 32;  // pairs of bodies
+constexpr Way kWays[] = {{0, false, ""}, {0, true, ", leaves remembered"}, {0.1, false, ", 10 % accepted"},
+	{0.1, true, ", 10 % accepted, remembered"}, {0.3, false, ", 30 % accepted"}};
+constexpr int kMemories = 32;    // pairs of bodies
 constexpr int kErrorEvery = 25;  ///< ticks
-constexpr int kLooks = 100;  ///< of the heat map in a tick
+constexpr int kLooks = 100;      ///< of the heat map in a tick
 
-Chart chartOf(const GraspLoad& o, const std::string& title, const std::string& label, const std::function<double(const GraspLoadTick&)>& value)
+Chart chartOf(
+	const GraspLoad& o, const std::string& title, const std::string& label, const std::function<double(const GraspLoadTick&)>& value)
 {
 	Chart chart{title, "time [s]", label, {}};
 	const Trace trace{o.ticks.size(), [&](size_t i) { return o.ticks[i].time; }, [&](size_t i) { return value(o.ticks[i]); }};
@@ -177,7 +179,9 @@ namespace
 {
 void addRows(const GraspLoad& o, std::vector<std::vector<std::string>>& rows)
 {
-	const auto add = [&](const char* what, const std::string& value, const char* unit) { rows.push_back({o.name + ": " + what, value, unit}); };
+	const auto add = [&](const char* what, const std::string& value, const char* unit) {
+		rows.push_back({o.name + ": " + what, value, unit});
+	};
 	add("spheres of the hand", std::to_string(o.handSpheres), "");
 	add("spheres of the object", std::to_string(o.objectSpheres), "");
 	add("ticks with contact", std::to_string(o.ticks.size()), "");
@@ -218,9 +222,12 @@ std::vector<std::vector<std::string>> summaryRows(const GraspLoadOutcome& outcom
 HtmlReport makeReport(const GraspLoadOutcome& outcome)
 {
 	HtmlReport report("The load of a grasp");
-	report.paragraph("Contact, response and heat map in every tick; ticks with contact only. Times are the processor's. On two threads: what the owner does alone, and the "
-					 "busier one's share of the queries as two free cores would deal them; so other programs do not count. The rate is the inverse, capped "
-					 "at 1000 Hz. Leaves remembered: btISTWorld::setPairMemory. With an accepted error coarser levels answer where they promise it; the error is that of a part's force, against all leaves.");
+	report.paragraph("Contact, response and heat map in every tick; ticks with contact only. Times are the processor's. On two threads: "
+					 "what the owner does alone, and the "
+					 "busier one's share of the queries as two free cores would deal them; so other programs do not count. The rate is the "
+					 "inverse, capped "
+					 "at 1000 Hz. Leaves remembered: btISTWorld::setPairMemory. With an accepted error coarser levels answer where they "
+					 "promise it; the error is that of a part's force, against all leaves.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(outcome));
 	for (const GraspLoad& o : outcome.loads)
 	{
@@ -238,11 +245,13 @@ std::string makeJson(const GraspLoadOutcome& outcome)
 	Json json = {{"schema", 1}, {"demo", "grasp-load"}, {"loads", Json::array()}};
 	for (const GraspLoad& o : outcome.loads)
 	{
-		json["loads"].push_back({{"name", o.name}, {"hand_spheres", o.handSpheres}, {"object_spheres", o.objectSpheres}, {"ticks", o.ticks.size()}, {"most_pairs", o.mostPairs()},
-								 {"most_parts", o.mostParts()}, {"median_us", o.quantileMicroseconds(0.5)}, {"p99_us", o.quantileMicroseconds(0.99)},
-								 {"max_us", o.quantileMicroseconds(1)}, {"held", o.held},
-								 {"one_thread_p99_us", o.quantileMicroseconds(0.99, &GraspLoadTick::oneMicroseconds)}, {"accepted_error", o.accepted}, {"remembers", o.remembers},
-								 {"promised_error_p95", o.quantileError(0.95, &GraspLoadError::promised)}, {"error_p95", o.quantileError(0.95, &GraspLoadError::found)}});
+		json["loads"].push_back(
+			{{"name", o.name}, {"hand_spheres", o.handSpheres}, {"object_spheres", o.objectSpheres}, {"ticks", o.ticks.size()},
+				{"most_pairs", o.mostPairs()}, {"most_parts", o.mostParts()}, {"median_us", o.quantileMicroseconds(0.5)},
+				{"p99_us", o.quantileMicroseconds(0.99)}, {"max_us", o.quantileMicroseconds(1)}, {"held", o.held},
+				{"one_thread_p99_us", o.quantileMicroseconds(0.99, &GraspLoadTick::oneMicroseconds)}, {"accepted_error", o.accepted},
+				{"remembers", o.remembers}, {"promised_error_p95", o.quantileError(0.95, &GraspLoadError::promised)},
+				{"error_p95", o.quantileError(0.95, &GraspLoadError::found)}});
 	}
 	json["ok"] = outcome.ok();
 	return json.dump();

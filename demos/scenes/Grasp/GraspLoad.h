@@ -8,20 +8,20 @@ namespace scenes
 {
 struct GraspLoadOptions
 {
-	GraspOptions grasp;      ///< its spheres and step are those of the load, unless `light`
-	bool light = false;      ///< the spheres and step of `grasp`
+	GraspOptions grasp;  ///< its spheres and step are those of the load, unless `light`
+	bool light = false;  ///< the spheres and step of `grasp`
 };
 
 /// One tick with contact: contact, response and heat map, in processor time.
 struct GraspLoadTick
 {
-	double time = 0;             ///< [s]
-	double oneMicroseconds = 0;  ///< of it all, by one thread
-	double twoMicroseconds = 0;  ///< of the busier of two threads that share the queries, and all the rest
-	double queryMicroseconds = 0;  ///< of the queries that can be shared, together
+	double time = 0;                                   ///< [s]
+	double oneMicroseconds = 0;                        ///< of it all, by one thread
+	double twoMicroseconds = 0;                        ///< of the busier of two threads that share the queries, and all the rest
+	double queryMicroseconds = 0;                      ///< of the queries that can be shared, together
 	double mapMicroseconds = 0, restMicroseconds = 0;  ///< of the heat map; of the response and all that is no shared query, by one thread
-	double pairs = 0;            ///< with the object
-	int parts = 0;               ///< in contact with the object
+	double pairs = 0;                                  ///< with the object
+	int parts = 0;                                     ///< in contact with the object
 };
 
 /// How far the force of a part's contact with the object was from the leaves', as a share of the larger of that and the floor
@@ -34,9 +34,9 @@ struct GraspLoadError
 struct GraspLoad
 {
 	std::string name;
-	double accepted = 0;  ///< force error that the world accepts; 0: the leaves answer
-	bool remembers = false;  ///< pairs remember which leaves were near (btISTWorld::setPairMemory)
-	std::vector<GraspLoadTick> ticks;  ///< those with contact only
+	double accepted = 0;                 ///< force error that the world accepts; 0: the leaves answer
+	bool remembers = false;              ///< pairs remember which leaves were near (btISTWorld::setPairMemory)
+	std::vector<GraspLoadTick> ticks;    ///< those with contact only
 	std::vector<GraspLoadError> errors;  ///< where not every query searches among the leaves: of all contacts of some ticks
 	size_t handSpheres = 0, objectSpheres = 0;
 	double step = 0;
@@ -57,11 +57,12 @@ struct GraspLoadOutcome
 	bool ok() const;
 };
 
-/// The load of Weller et al.'s grasping: 16 parts of 5,000 spheres and an object of 10,000, contact, response and heat map in each tick of a
-/// millisecond; the map takes its share of each (BulletHeatMapRounds). Once with the hand as it is, and with skins so soft that fingers sink in about as far as those
-/// of a hand that nothing holds back; each with the leaves, with leaves that pairs remember, and with accepted force errors, remembered and not. Queries have two threads. What two free cores would take is the
-/// owner's own time and that of the busier thread, the queries dealt in the order in which they are claimed: it does not depend on what else the machine
-/// does, and leaves out that two cores share memory. Offline: a minute for the trees that the cache lacks.
+/// The load of Weller et al.'s grasping: 16 parts of 5,000 spheres and an object of 10,000, contact, response and heat map in each tick of
+/// a millisecond; the map takes its share of each (BulletHeatMapRounds). Once with the hand as it is, and with skins so soft that fingers
+/// sink in about as far as those of a hand that nothing holds back; each with the leaves, with leaves that pairs remember, and with
+/// accepted force errors, remembered and not. Queries have two threads. What two free cores would take is the owner's own time and that of
+/// the busier thread, the queries dealt in the order in which they are claimed: it does not depend on what else the machine does, and
+/// leaves out that two cores share memory. Offline: a minute for the trees that the cache lacks.
 ist::Result<GraspLoadOutcome> runGraspLoad(const GraspLoadOptions& options);
 
 std::vector<std::vector<std::string>> summaryRows(const GraspLoadOutcome& outcome);

@@ -14,21 +14,24 @@ namespace scenes
 {
 namespace
 {
-constexpr double kEndBend = 0.35;      // of the last joints [rad]
-constexpr double kThumbX = -0.012;     // of a right hand's pinching thumb, of a hand of the model's size [m]
-constexpr double kModelLength = 0.189; // of that hand
+constexpr double kEndBend = 0.35;       // of the last joints [rad]
+constexpr double kThumbX = -0.012;      // of a right hand's pinching thumb, of a hand of the model's size [m]
+constexpr double kModelLength = 0.189;  // of that hand
 
 /// A chain of two links in a plane, the second with a fixed kink at `kink` of its joints.
 struct TwoLinks
 {
-	double first, second;   ///< lengths, of the second from end to end
-	double kinked;          ///< angle between the second's first bone and its chord
+	double first, second;  ///< lengths, of the second from end to end
+	double kinked;         ///< angle between the second's first bone and its chord
 
 	TwoLinks(double a, double b, double c, double kink)
-		: first(a), second(std::sqrt(b * b + c * c + 2 * b * c * std::cos(kink))), kinked(std::atan2(c * std::sin(kink), b + c * std::cos(kink))) {}
+		: first(a),
+		  second(std::sqrt(b * b + c * c + 2 * b * c * std::cos(kink))),
+		  kinked(std::atan2(c * std::sin(kink), b + c * std::cos(kink)))
+	{}
 
-	/// Angle of the first link and of the bend to the second's first bone, so that the end is at `reach` under `angle`; both are bent to larger
-	/// angles. Angles in the plane [rad].
+	/// Angle of the first link and of the bend to the second's first bone, so that the end is at `reach` under `angle`; both are bent to
+	/// larger angles. Angles in the plane [rad].
 	void solve(double reach, double angle, double& base, double& bend) const
 	{
 		const double d = std::clamp(reach, std::fabs(first - second) + 1e-4, first + second - 1e-6);
@@ -88,7 +91,8 @@ HandPosture GraspMotion::at(double time) const
 	const double raised = lift * smoothShare(time, kClosed, kLifted) * (1 - smoothShare(time, kTurnedBack, kPutDown));
 	const double turned = turn * smoothShare(time, kLifted, kTurned) * (1 - smoothShare(time, kShaken, kTurnedBack));
 	const double whole = 2 * 3.14159265358979323846, inShake = std::clamp(time - kRested, 0.0, kShaken - kRested);
-	const double swing = shake * std::sin(whole * frequency * inShake) * smoothShare(time, kRested, kRested + 0.1) * (1 - smoothShare(time, kShaken - 0.1, kShaken));
+	const double swing = shake * std::sin(whole * frequency * inShake) * smoothShare(time, kRested, kRested + 0.1) *
+		(1 - smoothShare(time, kShaken - 0.1, kShaken));
 	const Vec3 fingers{0.012 * scale * (size.left ? 1 : -1), -depth, middle};  // where they meet, in the wrist's frame
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector(turned * Vec3{1, 0.5, 0}));
 	const Vec3 meet{gripX + swing, gripHeight + above + raised + 0.5 * swing, gripZ};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Grasp/GraspObjects.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshDivision.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MeshDivision.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "demos/scenes/Bodies/ImplicitMesh.h"
 #include "demos/scenes/Grasp/Unwrap.h"
@@ -19,7 +19,7 @@ namespace scenes
 namespace
 {
 constexpr double kBunnySize = 0.09;
-constexpr double kLoadedSize = 0.1, kLoadedEdge = 0.002, kLoadedMass = 0.15;           // of files [m, m, kg]
+constexpr double kLoadedSize = 0.1, kLoadedEdge = 0.002, kLoadedMass = 0.15;     // of files [m, m, kg]
 constexpr double kHandBreadth = 0.07, kWidestGrip = 0.076, kLowestGrip = 0.014;  // [m]
 constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 
@@ -35,10 +35,7 @@ double ellipsoid(const Vec3& p, const Vec3& r)
 	const double k = norm(q), m = norm(g);
 	return m > 0 ? -k * (k - 1) / m : std::min({r.x, r.y, r.z});
 }
-double torus(const Vec3& p, double ring, double tube)
-{
-	return tube - std::hypot(std::hypot(p.x, p.z) - ring, p.y);
-}
+double torus(const Vec3& p, double ring, double tube) { return tube - std::hypot(std::hypot(p.x, p.z) - ring, p.y); }
 /// A rounded wall about y between two radii.
 double tube(const Vec3& p, double inner, double outer, double lower, double upper, double rounding)
 {
@@ -63,18 +60,19 @@ double mug(const Vec3& p)
 	const double handle = std::min(torus({q.x, q.z, q.y}, kArch, 0.0045), std::hypot(p.x, p.z) - 0.0285);
 	return joined(joined(wall, floor, 0.003), handle, 0.004);
 }
-const TurnedHandle kMugHandle = {
-	[](const Vec3& p)
-	{
-		const Vec3 q = fromArch(p);
-		return std::hypot(p.x, p.z) > kMugRadius + 0.0015 && std::hypot(std::hypot(q.x, q.y) - kArch, q.z) < 0.009;
-	},
+const TurnedHandle kMugHandle = {[](const Vec3& p) {
+									 const Vec3 q = fromArch(p);
+									 return std::hypot(p.x, p.z) > kMugRadius + 0.0015 &&
+										 std::hypot(std::hypot(q.x, q.y) - kArch, q.z) < 0.009;
+								 },
 	[](const Vec3& p) { return std::atan2(fromArch(p).y, fromArch(p).x); },
 	[](const Vec3& p) { return std::atan2(fromArch(p).z, std::hypot(fromArch(p).x, fromArch(p).y) - kArch); }};
 double duck(const Vec3& p)
 {
-	const double body = ellipsoid(p - Vec3{0, 0.026, 0}, {0.046, 0.028, 0.031}), tail = ellipsoid(p - Vec3{0.04, 0.04, 0}, {0.016, 0.012, 0.014});
-	const double head = ellipsoid(p - Vec3{-0.024, 0.064, 0}, {0.021, 0.02, 0.019}), beak = ellipsoid(p - Vec3{-0.046, 0.06, 0}, {0.014, 0.0055, 0.01});
+	const double body = ellipsoid(p - Vec3{0, 0.026, 0}, {0.046, 0.028, 0.031}),
+				 tail = ellipsoid(p - Vec3{0.04, 0.04, 0}, {0.016, 0.012, 0.014});
+	const double head = ellipsoid(p - Vec3{-0.024, 0.064, 0}, {0.021, 0.02, 0.019}),
+				 beak = ellipsoid(p - Vec3{-0.046, 0.06, 0}, {0.014, 0.0055, 0.01});
 	const double all = joined(joined(joined(body, tail, 0.012), head, 0.012), beak, 0.004);
 	return std::min(all, p.y);  // flat below, to stand on
 }
@@ -89,7 +87,8 @@ double nut(const Vec3& p)
 	// Corners cut off by a cone at both ends, as of nuts that were turned.
 	const double r = std::hypot(p.x, p.z), edge = 0.015 + (0.0265 - r) / std::sqrt(3.0) - std::fabs(p.y - 0.015);
 	// The thread, one start.
-	const double pitch = 0.006, phase = std::atan2(p.z, p.x) / 6.28318530717958648 - p.y / pitch, groove = std::fabs(phase - std::round(phase));
+	const double pitch = 0.006, phase = std::atan2(p.z, p.x) / 6.28318530717958648 - p.y / pitch,
+				 groove = std::fabs(phase - std::round(phase));
 	return std::min({hexagon, 0.015 - std::fabs(p.y - 0.015), edge, 0.8 * (r - 0.0125 + 0.003 * groove)});
 }
 double plate(const Vec3& p) { return roundBox(p - Vec3{0, 0.03, 0}, {0.05, 0.03, 0.0025}, 0.001); }
@@ -161,8 +160,7 @@ const std::vector<Row>& rows()
 
 const std::vector<std::string>& graspObjectNames()
 {
-	static const std::vector<std::string> names = []
-	{
+	static const std::vector<std::string> names = [] {
 		std::vector<std::string> all;
 		for (const Row& row : rows()) all.push_back(row.object.name);
 		return all;
@@ -213,10 +211,13 @@ Result<GraspObject> loadGraspObject(const std::string& path, double unit)
 	const Reach reach = reachAt(object.mesh, object.gripHeight);
 	object.width = reach.high - reach.low;
 	object.gripZ = 0.5 * (reach.low + reach.high);
-	if (!(object.width > 0)) return Error{path + ": there is nothing between thumb and fingers at the height of " + std::to_string(int(1e3 * object.gripHeight)) + " mm: give another --unit"};
+	if (!(object.width > 0))
+		return Error{path + ": there is nothing between thumb and fingers at the height of " +
+			std::to_string(int(1e3 * object.gripHeight)) + " mm: give another --unit"};
 	if (object.width > kWidestGrip)
-		return Error{path + ": it is " + std::to_string(int(std::lround(1e3 * object.width))) + " mm wide along z where it would be gripped, and the hand opens to " +
-					 std::to_string(int(1e3 * kWidestGrip)) + " mm: turn it, or give another --unit"};
+		return Error{path + ": it is " + std::to_string(int(std::lround(1e3 * object.width))) +
+			" mm wide along z where it would be gripped, and the hand opens to " + std::to_string(int(1e3 * kWidestGrip)) +
+			" mm: turn it, or give another --unit"};
 	return object;
 }
 }  // namespace scenes

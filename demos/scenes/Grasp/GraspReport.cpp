@@ -103,7 +103,8 @@ std::vector<std::vector<std::string>> summaryRows(const GraspReportOutcome& o)
 		rows.push_back({name + (row.rough.held ? "held, slip" : "LOST, slip"), formatNumber(1e3 * row.rough.slip, 2), "mm"});
 		rows.push_back({name + "strongest part", formatNumber(row.rough.peakForce, 3), "N"});
 		rows.push_back({name + "all parts, at rest in the air", formatNumber(row.rough.holdingForce, 3), "N"});
-		rows.push_back({name + "epsilon", formatNumber(row.rough.quality.epsilon, 3), row.rough.quality.forceClosure ? "N, closed" : "N, NOT closed"});
+		rows.push_back(
+			{name + "epsilon", formatNumber(row.rough.quality.epsilon, 3), row.rough.quality.forceClosure ? "N, closed" : "N, NOT closed"});
 		rows.push_back({name + "force on the map, of the contacts'", formatNumber(100 * row.mapForce, 4), "%"});
 		rows.push_back({name + "energy without a name", formatNumber(1e3 * row.rough.energy.residual, 2), "mJ"});
 		rows.push_back({row.rough.object + ", friction " + formatNumber(row.smooth.friction, 2), row.smooth.held ? "HELD" : "slips", ""});
@@ -114,8 +115,10 @@ std::vector<std::vector<std::string>> summaryRows(const GraspReportOutcome& o)
 HtmlReport makeReport(const GraspReportOutcome& o)
 {
 	HtmlReport report(o.rows.size() == 1 ? "A grasp of " + o.rows[0].rough.object : std::string("Grasps of six objects"));
-	report.paragraph("A hand of sixteen parts, each pulled to its place by a saturating coupling, approaches, closes, lifts, turns, rests, shakes at 2 Hz, puts "
-					 "down and lets go. Slip: largest way of the centre of mass in the palm between lifting and the end of shaking. Epsilon: Ferrari and Canny, "
+	report.paragraph("A hand of sixteen parts, each pulled to its place by a saturating coupling, approaches, closes, lifts, turns, rests, "
+					 "shakes at 2 Hz, puts "
+					 "down and lets go. Slip: largest way of the centre of mass in the palm between lifting and the end of shaking. "
+					 "Epsilon: Ferrari and Canny, "
 					 "torques over half the object's longest side.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(o));
 	for (const GraspReportOutcome::Row& row : o.rows)
@@ -124,11 +127,14 @@ HtmlReport makeReport(const GraspReportOutcome& o)
 		std::vector<std::vector<std::string>> table;
 		for (const auto& part : row.map)
 			if (part.dwell > 0)
-				table.push_back({part.name, std::to_string(part.id), formatNumber(1e6 * part.area, 3), formatNumber(part.dwell, 3), formatNumber(part.meanForce, 3), formatNumber(part.peakForce, 3), formatNumber(1e3 * part.depth, 3)});
+				table.push_back({part.name, std::to_string(part.id), formatNumber(1e6 * part.area, 3), formatNumber(part.dwell, 3),
+					formatNumber(part.meanForce, 3), formatNumber(part.peakForce, 3), formatNumber(1e3 * part.depth, 3)});
 		report.table({"Part", "GRAB's label", "area [mm^2]", "dwell [s]", "mean force [N]", "peak force [N]", "largest depth [mm]"}, table);
 		if (row.scales.pressure > 0)
-			report.paragraph("Painted into its texture: beside this page lie " + row.rough.object + "'s picture in the fingers' colours, which the .obj shows on the mesh, and pictures of impulse (white: " +
-							 formatNumber(row.scales.impulse, 3) + " N s/m^2) and mean pressure (white: " + formatNumber(1e-3 * row.scales.pressure, 3) + " kPa).");
+			report.paragraph("Painted into its texture: beside this page lie " + row.rough.object +
+				"'s picture in the fingers' colours, which the .obj shows on the mesh, and pictures of impulse (white: " +
+				formatNumber(row.scales.impulse, 3) + " N s/m^2) and mean pressure (white: " + formatNumber(1e-3 * row.scales.pressure, 3) +
+				" kPa).");
 		report.chart(chartOf(row.rough, "Sum of the forces on the parts", "force [N]", &GraspSample::force, 1));
 		report.chart(chartOf(row.rough, "Height over the place where it stood", "height [mm]", &GraspSample::height, 1e3));
 		report.chart(chartOf(row.rough, "Slip in the palm", "slip [mm]", &GraspSample::slip, 1e3));
@@ -142,10 +148,11 @@ std::string makeJson(const GraspReportOutcome& o)
 	Json json = {{"schema", 1}, {"demo", "grasps"}, {"ok", o.ok()}, {"grasps", Json::array()}};
 	for (const GraspReportOutcome::Row& row : o.rows)
 		for (const GraspOutcome* g : {&row.rough, &row.smooth})
-			json["grasps"].push_back({{"object", g->object}, {"mass", row.mass}, {"friction", g->friction}, {"held", g->held}, {"put_down", g->putDown}, {"slip", g->slip}, {"slip_angle", g->slipAngle},
-									  {"peak_force", g->peakForce}, {"coupling_force", g->couplingForce}, {"holding_force", g->holdingForce}, {"parts", g->parts},
-									  {"force_closure", g->quality.forceClosure}, {"epsilon", g->quality.epsilon}, {"energy_residual", g->energy.residual},
-									  {"white_impulse", row.scales.impulse}, {"white_pressure", row.scales.pressure}, {"complaints", g->complaints}});
+			json["grasps"].push_back({{"object", g->object}, {"mass", row.mass}, {"friction", g->friction}, {"held", g->held},
+				{"put_down", g->putDown}, {"slip", g->slip}, {"slip_angle", g->slipAngle}, {"peak_force", g->peakForce},
+				{"coupling_force", g->couplingForce}, {"holding_force", g->holdingForce}, {"parts", g->parts},
+				{"force_closure", g->quality.forceClosure}, {"epsilon", g->quality.epsilon}, {"energy_residual", g->energy.residual},
+				{"white_impulse", row.scales.impulse}, {"white_pressure", row.scales.pressure}, {"complaints", g->complaints}});
 	return json.dump();
 }
 }  // namespace scenes

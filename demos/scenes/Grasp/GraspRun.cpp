@@ -27,7 +27,8 @@ Result<std::unique_ptr<GraspScene>> GraspScene::make(const GraspOptions& options
 	const GloveHandSize size{options.left, options.handLength};
 	Result<HandShape> shape = measureHand(posedHand({}, size));
 	if (!shape) return shape.error();
-	Result<std::shared_ptr<const HandModel>> model = buildHandModel(shape.value(), {options.handSpheres, options.cache, 0, options.progress});
+	Result<std::shared_ptr<const HandModel>> model = buildHandModel(
+		shape.value(), {options.handSpheres, options.cache, 0, options.progress});
 	if (!model) return model.error();
 
 	std::unique_ptr<GraspScene> scene(new GraspScene);
@@ -75,7 +76,8 @@ std::optional<Error> GraspScene::start(double friction)
 	if (!body) return body.error();
 	m_body = std::move(body).value();
 
-	Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(*m_world, m_model, posedHand(m_motion.at(0), m_motion.size), m_options.hand);
+	Result<std::unique_ptr<BulletHand>> hand = BulletHand::create(
+		*m_world, m_model, posedHand(m_motion.at(0), m_motion.size), m_options.hand);
 	if (!hand) return hand.error();
 	m_hand = std::move(hand).value();
 	m_audit = std::make_unique<btEnergyAudit>(m_world->bullet(), m_world->contacts());
@@ -119,7 +121,8 @@ std::vector<GraspContact> GraspScene::graspContacts() const
 		{
 			btContactPatch patch;
 			if (!evaluateContactPatch(*contact, i, patch)) continue;
-			contacts.push_back({X_BW * patch.point, (objectIsA ? 1.0 : -1.0) * (X_BW.rotation * patch.normal), double(body.getFriction() * other->getFriction()), patch.frictionRadius});
+			contacts.push_back({X_BW * patch.point, (objectIsA ? 1.0 : -1.0) * (X_BW.rotation * patch.normal),
+				double(body.getFriction() * other->getFriction()), patch.frictionRadius});
 		}
 	}
 	return contacts;

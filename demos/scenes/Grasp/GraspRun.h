@@ -18,16 +18,16 @@ namespace scenes
 struct GraspOptions
 {
 	std::string object = "mug";
-	std::string mesh;        ///< a file instead (loadGraspObject)
-	double unit = 0;         ///< of that file [m]; 0: as loadGraspObject thinks right
-	double friction = 0.5;   ///< of the pair
+	std::string mesh;       ///< a file instead (loadGraspObject)
+	double unit = 0;        ///< of that file [m]; 0: as loadGraspObject thinks right
+	double friction = 0.5;  ///< of the pair
 	bool left = false;
 	double handLength = 0.189;  ///< [m]
 	double step = 1.0 / 500;    ///< [s]
 	double squeeze = GraspMotion().squeeze;
 	devicebridge::BulletHandSettings hand;
 	int64_t handSpheres = 150, objectSpheres = 1500;
-	std::string cache;       ///< folder for trees
+	std::string cache;  ///< folder for trees
 	ist::Progress progress;
 };
 
@@ -56,7 +56,8 @@ public:
 	/// Of the object's mesh, as GraspObject has it, in World.
 	ist::Pose X_WM() const { return m_body->X_WM(); }
 	const btEnergyBalance& energy() const { return m_audit->total(); }
-	/// The contacts between the hand and the object in the last step, for GraspQuality: one a patch, in the frame of the object's centre of mass.
+	/// The contacts between the hand and the object in the last step, for GraspQuality: one a patch, in the frame of the object's centre of
+	/// mass.
 	std::vector<devicebridge::GraspContact> graspContacts() const;
 	/// Of the object, as GraspObject has it.
 	std::unique_ptr<devicebridge::HeatMap> makeHeatMap() const { return devicebridge::makeHeatMap(*m_model, m_object.mesh); }
@@ -85,11 +86,11 @@ private:
 /// One moment of a grasp.
 struct GraspSample
 {
-	double time = 0, height = 0;          ///< of the object's centre of mass over where it stood [s, m]
-	double force = 0;                     ///< sum of the magnitudes on the hand's parts [N]
-	double strongest = 0;                 ///< of them [N]
-	double slip = 0;                      ///< of the object in the palm since it was lifted [m]
-	int parts = 0;                        ///< that touch
+	double time = 0, height = 0;  ///< of the object's centre of mass over where it stood [s, m]
+	double force = 0;             ///< sum of the magnitudes on the hand's parts [N]
+	double strongest = 0;         ///< of them [N]
+	double slip = 0;              ///< of the object in the palm since it was lifted [m]
+	int parts = 0;                ///< that touch
 	double pairs = 0;
 };
 
@@ -97,17 +98,17 @@ struct GraspOutcome
 {
 	std::string object;
 	double friction = 0;
-	bool held = false;        ///< off the table from the end of lifting to the end of shaking
-	bool putDown = false;     ///< at rest on the table in the end, upright or not
-	double slip = 0;          ///< largest way of the centre of mass in the palm's frame between lifting and the end of shaking [m]
-	double slipAngle = 0;     ///< and turn [rad]
-	double peakForce = 0;     ///< on one part, at any time [N]
-	double couplingForce = 0; ///< largest that a coupling exerted [N]
-	double holdingForce = 0;  ///< mean of the sum over the parts while held still, before the shaking [N]
-	int parts = 0;            ///< in contact then
+	bool held = false;         ///< off the table from the end of lifting to the end of shaking
+	bool putDown = false;      ///< at rest on the table in the end, upright or not
+	double slip = 0;           ///< largest way of the centre of mass in the palm's frame between lifting and the end of shaking [m]
+	double slipAngle = 0;      ///< and turn [rad]
+	double peakForce = 0;      ///< on one part, at any time [N]
+	double couplingForce = 0;  ///< largest that a coupling exerted [N]
+	double holdingForce = 0;   ///< mean of the sum over the parts while held still, before the shaking [N]
+	int parts = 0;             ///< in contact then
 	devicebridge::GraspQuality quality;  ///< then
 	btEnergyBalance energy;
-	std::string complaints;   ///< of the hand's samples
+	std::string complaints;            ///< of the hand's samples
 	std::vector<GraspSample> samples;  ///< 100 a second
 };
 

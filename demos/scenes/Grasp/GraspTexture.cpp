@@ -15,8 +15,7 @@ namespace scenes
 {
 namespace
 {
-template <class... Values>
-void print(std::string& text, const char* format, Values... values)
+template <class... Values> void print(std::string& text, const char* format, Values... values)
 {
 	char line[160];
 	std::snprintf(line, sizeof line, format, values...);
@@ -48,7 +47,8 @@ Result<TextureScales> saveTextures(const HeatMap& map, const TexturedMesh& surfa
 	if (!colours) return colours.error();
 	if (auto error = savePicture(colours.value(), path + ".png")) return *error;
 	TextureScales scales;
-	for (const auto& [value, name, scale] : {std::tuple{HeatMapValue::Impulse, "-impulse.png", &scales.impulse}, std::tuple{HeatMapValue::Pressure, "-pressure.png", &scales.pressure}})
+	for (const auto& [value, name, scale] : {std::tuple{HeatMapValue::Impulse, "-impulse.png", &scales.impulse},
+			 std::tuple{HeatMapValue::Pressure, "-pressure.png", &scales.pressure}})
 	{
 		const Result<std::vector<double>> values = texture.values(map, value);
 		if (!values) return values.error();
@@ -56,7 +56,8 @@ Result<TextureScales> saveTextures(const HeatMap& map, const TexturedMesh& surfa
 		if (auto error = savePicture(greyPicture(texture, values.value(), *scale), path + name)) return *error;
 	}
 	const std::string name = std::filesystem::path(path).filename().string();
-	if (!writeWholeText(path + ".obj", objText(surface, name)) || !writeWholeText(path + ".mtl", "newmtl touched\nKd 1 1 1\nmap_Kd " + name + ".png\n"))
+	if (!writeWholeText(path + ".obj", objText(surface, name)) ||
+		!writeWholeText(path + ".mtl", "newmtl touched\nKd 1 1 1\nmap_Kd " + name + ".png\n"))
 		return Error{"cannot write " + path + ".obj"};
 	return scales;
 }

@@ -15,7 +15,7 @@ struct TextureScales
 	double pressure = 0;  ///< [Pa]
 };
 
-/// A map painted into the texture of its object: PATH.png in the fingers' colours, PATH-impulse.png and PATH-pressure.png in 16 bits of grey, and PATH.obj
-/// with PATH.mtl, which show the first on the mesh.
+/// A map painted into the texture of its object: PATH.png in the fingers' colours, PATH-impulse.png and PATH-pressure.png in 16 bits of
+/// grey, and PATH.obj with PATH.mtl, which show the first on the mesh.
 ist::Result<TextureScales> saveTextures(const devicebridge::HeatMap& map, const ist::TexturedMesh& surface, const std::string& path);
 }  // namespace scenes

@@ -13,7 +13,7 @@ struct TurnedHandle
 	double (*around)(const ist::Vec3& p);  ///< its middle line
 };
 
-/// Islands of a body turned about y: its outer and inner walls unrolled, what faces up and down seen along y, and its handle, where it has one, unrolled.
-/// No two places of such a body share one in the picture, but where islands end.
+/// Islands of a body turned about y: its outer and inner walls unrolled, what faces up and down seen along y, and its handle, where it has
+/// one, unrolled. No two places of such a body share one in the picture, but where islands end.
 ist::TexturedMesh unwrapTurned(const ist::Mesh& mesh, const TurnedHandle* handle = nullptr);
 }  // namespace scenes

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/HapticBunny/HapticBunny.h"
 
-#include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
@@ -30,9 +30,9 @@ namespace scenes
 {
 namespace
 {
-constexpr double kTick = 1e-3;           // [s]
-constexpr double kSettling = 2;          // [s]
-constexpr double kLongestSide = 0.2;     // [m]
+constexpr double kTick = 1e-3;        // [s]
+constexpr double kSettling = 2;       // [s]
+constexpr double kLongestSide = 0.2;  // [m]
 constexpr int64_t kProbeSpheres = 4000;
 constexpr double kPressBack = 4, kPressEar = 1.5;  // [N]
 
@@ -87,7 +87,11 @@ class TraceRecorder
 public:
 	using Fill = std::function<void(TraceSample&)>;
 	TraceRecorder(Clock& clock, SteppingThread& thread, size_t ticks, Fill poses, Fill contact)
-		: m_clock(clock), m_thread(thread), m_capacity(ticks), m_poses(std::move(poses)), m_contact(std::move(contact))
+		: m_clock(clock),
+		  m_thread(thread),
+		  m_capacity(ticks),
+		  m_poses(std::move(poses)),
+		  m_contact(std::move(contact))
 	{
 		m_trace.reserve(ticks);
 		thread.onTransform.addDelegate([this](const DeviceState&) { beforeStep(); });
@@ -170,7 +174,7 @@ bool report(const HapticBunnyOptions& options, const char* stage, double fractio
 
 /// False when the caller cancelled. In virtual time, `between` runs before each tick.
 bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks, const HapticBunnyOptions& options,
-			 const std::function<void()>& between)
+	const std::function<void()>& between)
 {
 	const auto fraction = [&] { return static_cast<double>(recorder.size()) / static_cast<double>(ticks); };
 	if (options.virtualTime)
@@ -239,7 +243,7 @@ SteppingSettings sessionSettings()
 
 /// The hand's whole session, on a body that stands, in simple mode.
 bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, const ProbePath& path, const HapticBunnyOptions& options,
-			  HapticBunnyOutcome& outcome)
+	HapticBunnyOutcome& outcome)
 {
 	HandSetup hand(path, options.virtualTime);
 	BulletToolSettings settings;
@@ -257,7 +261,7 @@ bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, 
 
 /// The same with a world that steps at its own rate.
 bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& probe, btRigidBody& tool, const ProbePath& path,
-				   const HapticBunnyOptions& options, HapticBunnyOutcome& outcome)
+	const HapticBunnyOptions& options, HapticBunnyOutcome& outcome)
 {
 	HandSetup hand(path, options.virtualTime);
 	BulletDecoupledSettings settings;
@@ -272,8 +276,7 @@ bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& pr
 	SteppingThread thread(hand.device, source, *hand.clock, sessionSettings());
 	TraceRecorder recorder(
 		*hand.clock, thread, hand.ticks,
-		[&](TraceSample& sample)
-		{
+		[&](TraceSample& sample) {
 			sample.tool = hand.X_BW * source.toolState().X_WT;
 			source.copyOf(&body, sample.body);
 		},
@@ -286,20 +289,16 @@ bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& pr
 	std::atomic<bool> running{true};
 	std::thread world;
 	if (!options.virtualTime)
-		world = std::thread(
-			[&]
+		world = std::thread([&] {
+			for (; running; ++steps)
 			{
-				for (; running; ++steps)
-				{
-					hand.clock->sleepUntil(due());
-					coupling.step(period);
-				}
-			});
-	const bool done = perform(thread, recorder, hand.ticks, options,
-							  [&]
-							  {
-								  for (; due() <= hand.clock->now(); ++steps) coupling.step(period);
-							  });
+				hand.clock->sleepUntil(due());
+				coupling.step(period);
+			}
+		});
+	const bool done = perform(thread, recorder, hand.ticks, options, [&] {
+		for (; due() <= hand.clock->now(); ++steps) coupling.step(period);
+	});
 	running = false;
 	if (world.joinable()) world.join();
 	keepFigures(hand, thread, recorder, outcome);
@@ -308,7 +307,7 @@ bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& pr
 	outcome.droppedContacts = statistics.refusedQueries;
 	coupling.step(period);  // takes what is still under way
 	outcome.decoupled = {statistics.worldSteps, statistics.fadedTicks, statistics.longestModelAge, source.receivedImpulse(),
-						 coupling.appliedImpulse(source), {}, distance(poseOf(body).translation, before)};
+		coupling.appliedImpulse(source), {}, distance(poseOf(body).translation, before)};
 	outcome.decoupled.underWay = -(outcome.decoupled.toTool + outcome.decoupled.toWorld);
 	return done;
 }
@@ -363,12 +362,11 @@ Result<HapticBunnyOutcome> runHapticBunny(const HapticBunnyOptions& options)
 	ProbePath path = makeProbePath(surface, rod, {kPressBack / spring, kPressEar / spring});
 	outcome.phases = path.phases;
 	for (HandKeyFrame& frame : path.frames) frame.pose = frame.pose * probe.value().principal.X_MP;
-	const Result<btRigidBody*> tool =
-		scene.add(probe.value().principal.mesh, probe.value().cached.tree, kProbeMaterial, path.frames.front().pose);
+	const Result<btRigidBody*> tool = scene.add(
+		probe.value().principal.mesh, probe.value().cached.tree, kProbeMaterial, path.frames.front().pose);
 	if (!tool) return tool.error();
-	const bool done = options.decoupled
-						  ? playDecoupled(scene, *standing.value(), probe.value(), *tool.value(), path, options, outcome)
-						  : playHand(scene, *standing.value(), *tool.value(), path, options, outcome);
+	const bool done = options.decoupled ? playDecoupled(scene, *standing.value(), probe.value(), *tool.value(), path, options, outcome)
+										: playHand(scene, *standing.value(), *tool.value(), path, options, outcome);
 	if (!done) return Error{"the run was stopped", true};
 
 	const double kBody = kBodyMaterial.stiffness, kProbe = kProbeMaterial.stiffness;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "DeviceBridge/Safety/SafetyLimiter.h"
 #include "demos/scenes/Extremes/ProbePath.h"
 
@@ -18,16 +18,16 @@ namespace scenes
 /// steps at its own rate in a thread of its own (decoupled mode; in virtual time both take turns).
 struct HapticBunnyOptions
 {
-	std::string mesh;         ///< file; its y axis is up
-	ist::Mesh given;          ///< used when `mesh` is empty [m]
-	double unit = 0;          ///< metres per unit of the file; 0: the longest side becomes 0.2 m
+	std::string mesh;  ///< file; its y axis is up
+	ist::Mesh given;   ///< used when `mesh` is empty [m]
+	double unit = 0;   ///< metres per unit of the file; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	uint64_t seed = 1;
-	std::string cache;        ///< folder for trees; empty: none
+	std::string cache;  ///< folder for trees; empty: none
 	bool virtualTime = false;
 	bool decoupled = false;
-	double worldRate = 60;    ///< in decoupled mode [Hz]
-	int comparisons = 20;     ///< instants in contact that quadrature judges
+	double worldRate = 60;  ///< in decoupled mode [Hz]
+	int comparisons = 20;   ///< instants in contact that quadrature judges
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;  ///< messages for people
 };
@@ -35,15 +35,15 @@ struct HapticBunnyOptions
 /// One tick. World: y up, the plane at y = 0.
 struct TraceSample
 {
-	double time = 0;              ///< since the hand began [s]
-	double period = 0;            ///< since the tick before [s]
-	ist::Wrench hand;             ///< what the device exerted on the hand, about the origin of the handle
-	ist::Pose body, tool;         ///< with which the query was asked
-	double volume = 0;            ///< overlap of rod and body [m^3]
-	ist::Vec3 elastic;            ///< force of the pressure field law on the rod [N]
+	double time = 0;                         ///< since the hand began [s]
+	double period = 0;                       ///< since the tick before [s]
+	ist::Wrench hand;                        ///< what the device exerted on the hand, about the origin of the handle
+	ist::Pose body, tool;                    ///< with which the query was asked
+	double volume = 0;                       ///< overlap of rod and body [m^3]
+	ist::Vec3 elastic;                       ///< force of the pressure field law on the rod [N]
 	double volumeSigma = 0, forceSigma = 0;  ///< standard errors as the library states them; only in simple mode [m^3, N]
-	int64_t pairs = 0;            ///< over all contacts of the rod
-	double queryMicroseconds = 0; ///< all queries of the tick, that of body and plane among them
+	int64_t pairs = 0;                       ///< over all contacts of the rod
+	double queryMicroseconds = 0;            ///< all queries of the tick, that of body and plane among them
 };
 
 struct TraceComparison
@@ -73,9 +73,9 @@ struct PeriodQuantiles
 struct DecoupledFigures
 {
 	uint64_t worldSteps = 0, fadedTicks = 0;
-	double longestModelAge = 0;  ///< of the world, as the hand knew it [s]
+	double longestModelAge = 0;           ///< of the world, as the hand knew it [s]
 	ist::Vec3 toTool, toWorld, underWay;  ///< impulses that contacts gave to the tool and to the bodies, and the ledger [N s]
-	double bodyShift = 0;        ///< of the body, over the whole session [m]
+	double bodyShift = 0;                 ///< of the body, over the whole session [m]
 };
 
 struct HapticBunnyOutcome
@@ -103,12 +103,12 @@ struct HapticBunnyOutcome
 	double worldRate = 0;  ///< [Hz]; 0: simple mode
 	DecoupledFigures decoupled;
 	double maxForce = 0, maxTorque = 0;  ///< at the hand [N, N m]
-	double work = 0;  ///< that the device did on the hand [J]
+	double work = 0;                     ///< that the device did on the hand [J]
 	devicebridge::SafetyCounts safety;
 	bool faulted = false;
-	uint64_t droppedContacts = 0;  ///< queries that were refused
+	uint64_t droppedContacts = 0;        ///< queries that were refused
 	double volumeRms = 0, forceRms = 0;  ///< rms of the errors over rms of the truths
-	double forceDirection = 0;  ///< median angle between found and true force [rad]
+	double forceDirection = 0;           ///< median angle between found and true force [rad]
 	bool finite = false, cameFree = false;
 
 	/// All finite, no safety fault, contact wherever the hand meant it, free at the end.

@@ -17,8 +17,7 @@ namespace
 constexpr int kQuadratureLines = 150, kQuadraturePoints = 60000;
 
 /// Height of the plane, above `bottom`, at which `volumeAt` reaches `volume`.
-template <class VolumeAt>
-double heightOf(double volume, double bottom, double top, const VolumeAt& volumeAt)
+template <class VolumeAt> double heightOf(double volume, double bottom, double top, const VolumeAt& volumeAt)
 {
 	double low = bottom, high = top;
 	for (int i = 0; i < 60; ++i)
@@ -46,12 +45,11 @@ Sinkage judgeSinkage(const InnerSphereTree& tree, const Mesh& mesh, const Pose& 
 	const double bottom = lowestPoint(mesh, X_WB), reach = tree.box.longestSide();
 	const Vec3 up = transpose(X_WB.rotation) * Vec3{0, 1, 0};
 	QueryWorkspace workspace;
-	const auto ofTree = [&](double height)
-	{ return queryHalfSpace(tree, up, height - X_WB.translation.y, workspace).total.volume; };
+	const auto ofTree = [&](double height) { return queryHalfSpace(tree, up, height - X_WB.translation.y, workspace).total.volume; };
 	const auto ofMesh = [&](double height) { return volumeBelow(mesh, X_WB, height); };
 	// The tree begins where its balls do, which may be a little below the mesh.
 	return {-bottom, heightOf(volume, bottom - 0.05 * reach, bottom + 0.5 * reach, ofTree) - bottom,
-			heightOf(volume, bottom, bottom + 0.5 * reach, ofMesh) - bottom, tree.meanGap};
+		heightOf(volume, bottom, bottom + 0.5 * reach, ofMesh) - bottom, tree.meanGap};
 }
 
 void judgeTrace(const Mesh& body, const Mesh& probe, double bodyWeight, const HapticBunnyOptions& options, HapticBunnyOutcome& outcome)

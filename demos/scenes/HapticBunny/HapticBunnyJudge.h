@@ -10,8 +10,8 @@ namespace scenes
 Sinkage judgeSinkage(const ist::InnerSphereTree& tree, const ist::Mesh& mesh, const ist::Pose& X_WB, double volume);
 
 /// Volume and force at instants in contact against quadrature over the meshes; both meshes in the frames of the recorded poses.
-void judgeTrace(const ist::Mesh& body, const ist::Mesh& probe, double bodyWeight, const HapticBunnyOptions& options,
-				HapticBunnyOutcome& outcome);
+void judgeTrace(
+	const ist::Mesh& body, const ist::Mesh& probe, double bodyWeight, const HapticBunnyOptions& options, HapticBunnyOutcome& outcome);
 
 /// What follows from the trace alone.
 void summarise(HapticBunnyOutcome& outcome);

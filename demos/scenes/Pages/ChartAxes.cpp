@@ -6,7 +6,10 @@
 
 namespace scenes
 {
-double ChartAxis::operator()(double value) const { return from + ((logarithmic ? std::log10(value) : value) - lower) / (upper - lower) * (to - from); }
+double ChartAxis::operator()(double value) const
+{
+	return from + ((logarithmic ? std::log10(value) : value) - lower) / (upper - lower) * (to - from);
+}
 
 bool ChartAxis::isZero(double tick) const { return std::fabs(tick) < 1e-9 * step; }
 
@@ -39,7 +42,8 @@ std::vector<double> ChartAxis::ticks() const
 	std::vector<double> values;
 	for (int power = int(std::floor(lower)); logarithmic && power <= upper; ++power)
 		for (const double digit : {1, 2, 5})
-			if (const double at = power + std::log10(digit); at >= lower && at <= upper && (digit == 1 || upper - lower < 3)) values.push_back(std::pow(10.0, at));
+			if (const double at = power + std::log10(digit); at >= lower && at <= upper && (digit == 1 || upper - lower < 3))
+				values.push_back(std::pow(10.0, at));
 	if (logarithmic) return values;
 	const double first = std::ceil(lower / step - 1e-9);
 	for (int i = 0; (first + i) * step <= upper + 1e-9 * step; ++i) values.push_back((first + i) * step);
@@ -48,7 +52,10 @@ std::vector<double> ChartAxis::ticks() const
 
 size_t pointCount(const ChartSeries& series) { return std::min(series.x.size(), series.y.size()); }
 
-ChartPoint pointOf(const ChartSeries& series, size_t i) { return {series.x[i], series.y[i], i < series.sigma.size() ? series.sigma[i] : 0.0}; }
+ChartPoint pointOf(const ChartSeries& series, size_t i)
+{
+	return {series.x[i], series.y[i], i < series.sigma.size() ? series.sigma[i] : 0.0};
+}
 
 bool isShown(const ChartPoint& p, bool logarithmic)
 {

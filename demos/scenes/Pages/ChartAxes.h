@@ -5,8 +5,8 @@
 
 namespace scenes
 {
-/// An axis from values to places on a picture, with ticks at round numbers (1, 2 or 5 times a power of ten). A logarithmic one has the logarithms
-/// of its ends.
+/// An axis from values to places on a picture, with ticks at round numbers (1, 2 or 5 times a power of ten). A logarithmic one has the
+/// logarithms of its ends.
 struct ChartAxis
 {
 	double lower = 0, upper = 1, step = 0.2;
@@ -37,6 +37,7 @@ struct ChartAxes
 };
 ChartAxes fitAxes(const Chart& chart);
 
-/// Colours of the series, in order and again from the first: 0xRRGGBB. Okabe and Ito, without their yellow, which is too pale for thin lines, and a brown.
+/// Colours of the series, in order and again from the first: 0xRRGGBB. Okabe and Ito, without their yellow, which is too pale for thin
+/// lines, and a brown.
 unsigned seriesColour(size_t i);
 }  // namespace scenes

@@ -41,10 +41,7 @@ std::string escaped(const std::string& text)
 }
 
 /// SVG coordinates: a tenth of a pixel is enough.
-std::string pixel(double value)
-{
-	return formatFixed(value, 1);
-}
+std::string pixel(double value) { return formatFixed(value, 1); }
 
 struct Frame : ChartAxes
 {
@@ -72,7 +69,7 @@ std::string colourOf(size_t i)
 std::string lineTag(double x1, double y1, double x2, double y2, const std::string& stroke)
 {
 	return "<line x1=\"" + pixel(x1) + "\" y1=\"" + pixel(y1) + "\" x2=\"" + pixel(x2) + "\" y2=\"" + pixel(y2) + "\" stroke=\"" + stroke +
-		   "\"/>";
+		"\"/>";
 }
 
 std::string textTag(double x, double y, const std::string& anchor, const std::string& text, const std::string& more = "")
@@ -196,7 +193,8 @@ std::string chartSvg(const Chart& chart)
 {
 	const Frame frame = fitFrame(chart);
 	std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + pixel(Frame::kWidth) + " " + pixel(Frame::kHeight) +
-					  "\" role=\"img\" aria-label=\"" + escaped(chart.title) + "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\" style=\"background:#fff\">\n";
+		"\" role=\"img\" aria-label=\"" + escaped(chart.title) +
+		"\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#333\" style=\"background:#fff\">\n";
 	out += drawGrid(frame, chart);
 	const auto isBeside = [](const ChartSeries& series) { return series.markers && !series.sigma.empty() && series.like < 0; };
 	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), isBeside);
@@ -216,12 +214,9 @@ std::string HtmlReport::text() const
 {
 	return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,"
 		   "initial-scale=1\"><title>" +
-		   escaped(m_title) + "</title><style>" + kStyle + "</style></head>\n<body><h1>" + escaped(m_title) + "</h1>\n" + m_body +
-		   "</body></html>\n";
+		escaped(m_title) + "</title><style>" + kStyle + "</style></head>\n<body><h1>" + escaped(m_title) + "</h1>\n" + m_body +
+		"</body></html>\n";
 }
 
-bool HtmlReport::write(const std::string& path) const
-{
-	return writeWholeText(path, text());
-}
+bool HtmlReport::write(const std::string& path) const { return writeWholeText(path, text()); }
 }  // namespace scenes

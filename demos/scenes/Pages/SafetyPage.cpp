@@ -78,8 +78,7 @@ private:
 	ist::Wrench m_last;
 };
 
-template <class Change>
-SafetySettings only(Change&& change)
+template <class Change> SafetySettings only(Change&& change)
 {
 	SafetySettings s = bare();
 	change(s);
@@ -151,38 +150,43 @@ void addGates(std::vector<SafetyRow>& rows)
 {
 	const Vec3 push{kPeak, 0, 0};
 	const double nan = std::numeric_limits<double>::quiet_NaN();
-	rows.push_back({"finite", "a law that divides by zero", "force sent", "N", sizeOf(nan), sizeOf(Attack(bare()).tick({nan, 0, 0}).force.x), 0});
-	const SafetySettings expiry = only([](SafetySettings& s) { s.fullUntil = SafetySettings().fullUntil, s.zeroFrom = SafetySettings().zeroFrom; });
+	rows.push_back(
+		{"finite", "a law that divides by zero", "force sent", "N", sizeOf(nan), sizeOf(Attack(bare()).tick({nan, 0, 0}).force.x), 0});
+	const SafetySettings expiry = only(
+		[](SafetySettings& s) { s.fullUntil = SafetySettings().fullUntil, s.zeroFrom = SafetySettings().zeroFrom; });
 	rows.push_back({"age", "a law that has not answered for 20 ms", "force sent", "N", Attack(bare()).late(push, 20 * kMs).force.x,
-					Attack(expiry).late(push, 20 * kMs).force.x, 0});
+		Attack(expiry).late(push, 20 * kMs).force.x, 0});
 	Attack gone(bare());
 	gone.hand.flags &= ~static_cast<unsigned>(kHandPresent);
-	rows.push_back({"enabled", "a handle that nobody holds", "force sent", "N", Attack(bare()).tick(push).force.x, gone.tick(push).force.x, 0});
+	rows.push_back(
+		{"enabled", "a handle that nobody holds", "force sent", "N", Attack(bare()).tick(push).force.x, gone.tick(push).force.x, 0});
 	rows.push_back({"ramp", "10 N in the tick of enabling", "most change in a tick", "N", steepest(bare()),
-					steepest(only([](SafetySettings& s) { s.rampTime = SafetySettings().rampTime; })), 0.5});
-	Attack inside(only([](SafetySettings& s) { s.startInsideLatch = true; })), insideBare(bare());
+		steepest(only([](SafetySettings& s) { s.rampTime = SafetySettings().rampTime; })), 0.5});
+	Attack inside(only([](SafetySettings&s) { s.startInsideLatch = true; })), insideBare(bare());
 	inside.hand.inContact = insideBare.hand.inContact = true;
-	rows.push_back({"start inside", "a tool inside a body when enabled", "force sent", "N", insideBare.tick(push).force.x, inside.tick(push).force.x, 0});
+	rows.push_back({"start inside", "a tool inside a body when enabled", "force sent", "N", insideBare.tick(push).force.x,
+		inside.tick(push).force.x, 0});
 	DeviceInfo arrows = device();
 	arrows.actuated = kTranslation;
-	rows.push_back({"actuated", "a torque for a device without motors for it", "torque sent", "N m", Attack(bare()).tick({}, {0.1, 0, 0}).torque.x,
-					Attack(bare(), arrows).tick({}, {0.1, 0, 0}).torque.x, 0});
+	rows.push_back({"actuated", "a torque for a device without motors for it", "torque sent", "N m",
+		Attack(bare()).tick({}, {0.1, 0, 0}).torque.x, Attack(bare(), arrows).tick({}, {0.1, 0, 0}).torque.x, 0});
 }
 
 void addLimits(std::vector<SafetyRow>& rows)
 {
-	rows.push_back({"passivity", "a wall 10 % stiffer than a delay of 3 ms allows", "growth of the swing in two seconds", "", growth(bare()),
-					growth(only([](SafetySettings& s) { s.passivity = true; })), 1});
+	rows.push_back({"passivity", "a wall 10 % stiffer than a delay of 3 ms allows", "growth of the swing in two seconds", "",
+		growth(bare()), growth(only([](SafetySettings& s) { s.passivity = true; })), 1});
 	rows.push_back({"slew", "10 N from one tick to the next", "most change in a tick", "N", steepest(bare()),
-					steepest(only([](SafetySettings& s) { s.riseTime = SafetySettings().riseTime; })), 0.5 + 1e-9});
+		steepest(only([](SafetySettings& s) { s.riseTime = SafetySettings().riseTime; })), 0.5 + 1e-9});
 	DeviceInfo boundless = device();
 	boundless.peakForce = 1e6;
 	rows.push_back({"saturation", "100 N for a device of 10 N", "force sent", "N", norm(Attack(bare(), boundless).tick({60, 80, 0}).force),
-					norm(Attack(bare()).tick({60, 80, 0}).force), kPeak + 1e-9});
-	rows.push_back({"continuous budget", "10 N for a minute, 2 N being the limit in the long run", "rms of the force", "N", rmsOverAMinute(bare()),
-					rmsOverAMinute(only([](SafetySettings& s) { s.heatTime = SafetySettings().heatTime; })), 1.1 * kContinuous});
+		norm(Attack(bare()).tick({60, 80, 0}).force), kPeak + 1e-9});
+	rows.push_back(
+		{"continuous budget", "10 N for a minute, 2 N being the limit in the long run", "rms of the force", "N", rmsOverAMinute(bare()),
+			rmsOverAMinute(only([](SafetySettings& s) { s.heatTime = SafetySettings().heatTime; })), 1.1 * kContinuous});
 	rows.push_back({"over-speed", "a force along a hand that moves at 2 m/s", "power into the hand", "W", powerAtSpeed(bare()),
-					powerAtSpeed(only([](SafetySettings& s) { s.maxSpeed = SafetySettings().maxSpeed; })), 0});
+		powerAtSpeed(only([](SafetySettings& s) { s.maxSpeed = SafetySettings().maxSpeed; })), 0});
 }
 }  // namespace
 
@@ -202,18 +206,21 @@ SafetyOutcome runSafety()
 std::vector<std::vector<std::string>> summaryRows(const SafetyOutcome& o)
 {
 	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""}};
-	for (const SafetyRow& r : o.rows) rows.push_back({r.stage + ": without -> with", formatNumber(r.without, 3) + " -> " + formatNumber(r.with, 3), r.unit});
+	for (const SafetyRow& r : o.rows)
+		rows.push_back({r.stage + ": without -> with", formatNumber(r.without, 3) + " -> " + formatNumber(r.with, 3), r.unit});
 	return rows;
 }
 
 HtmlReport makeReport(const SafetyOutcome& o)
 {
 	HtmlReport report("What keeps a hand safe");
-	report.paragraph("The stages between a force law and a device, in their order, each attacked with what it is there for: what reaches a device of 10 N "
+	report.paragraph("The stages between a force law and a device, in their order, each attacked with what it is there for: what reaches a "
+					 "device of 10 N "
 					 "(2 N in the long run) without the stage, and with it alone. All of them are on by default.");
 	std::vector<std::vector<std::string>> rows;
 	for (const SafetyRow& r : o.rows)
-		rows.push_back({r.stage, r.attack, r.quantity, formatNumber(r.without, 3), formatNumber(r.with, 3), formatNumber(r.atMost, 3), r.unit});
+		rows.push_back(
+			{r.stage, r.attack, r.quantity, formatNumber(r.without, 3), formatNumber(r.with, 3), formatNumber(r.atMost, 3), r.unit});
 	report.table({"Stage", "Attack", "Quantity", "Without", "With", "Safe up to", "Unit"}, rows);
 	return report;
 }
@@ -222,8 +229,8 @@ std::string makeJson(const SafetyOutcome& o)
 {
 	nlohmann::ordered_json json = {{"schema", 1}, {"demo", "safety"}, {"ok", o.ok()}, {"stages", nlohmann::ordered_json::array()}};
 	for (const SafetyRow& r : o.rows)
-		json["stages"].push_back({{"stage", r.stage}, {"attack", r.attack}, {"quantity", r.quantity}, {"unit", r.unit}, {"without", r.without}, {"with", r.with},
-								  {"at_most", r.atMost}});
+		json["stages"].push_back({{"stage", r.stage}, {"attack", r.attack}, {"quantity", r.quantity}, {"unit", r.unit},
+			{"without", r.without}, {"with", r.with}, {"at_most", r.atMost}});
 	return json.dump();
 }
 }  // namespace scenes

@@ -8,8 +8,8 @@
 
 namespace scenes
 {
-/// What each stage of the safety chain is there for: an attack, and what of it reaches the device without the stage and with it. The device bears
-/// 10 N and 0.2 N m, 2 N and 0.05 N m in the long run. Virtual time.
+/// What each stage of the safety chain is there for: an attack, and what of it reaches the device without the stage and with it. The device
+/// bears 10 N and 0.2 N m, 2 N and 0.05 N m in the long run. Virtual time.
 struct SafetyRow
 {
 	std::string stage, attack, quantity, unit;

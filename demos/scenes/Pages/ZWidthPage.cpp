@@ -50,10 +50,11 @@ void addDevice(HtmlReport& report, const ZWidthDevice& d)
 {
 	report.heading(d.model);
 	report.paragraph("Handle and hand " + formatNumber(d.mass) + " kg, mechanism " + formatNumber(d.damping) + " N s/m, sensor " +
-					 formatNumber(1e6 * d.resolution) + " \xC2\xB5m.");
+		formatNumber(1e6 * d.resolution) + " \xC2\xB5m.");
 	Chart stable{"Stable region, its upper end", "damping B of the wall [N s/m]", "stiffness K [kN/m]", {}};
 	Chart passive{"Passive region, its upper end", "damping B of the wall [N s/m]", "stiffness K [kN/m]", {}};
-	Chart steps{"With the steps of the sensor: upper ends of the stable region, and of the passive one without delay", "damping B of the wall [N s/m]", "stiffness K [kN/m]", {}};
+	Chart steps{"With the steps of the sensor: upper ends of the stable region, and of the passive one without delay",
+		"damping B of the wall [N s/m]", "stiffness K [kN/m]", {}};
 	for (const ZWidthCurve& c : d.curves)
 	{
 		if (!c.quantised) stable.series.push_back(series(nameOf(c), c, &ZWidthPoint::stable));
@@ -103,25 +104,30 @@ ist::Result<ZWidthOutcome> runZWidth(const std::vector<std::string>& profiles, c
 
 std::vector<std::vector<std::string>> summaryRows(const ZWidthOutcome& o)
 {
-	std::vector<std::vector<std::string>> rows = {
-		{"Result", o.ok() ? "ok" : "FAILED", ""},
+	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""},
 		{"Stable region, largest error of (b + B)/(T/2 + t)", formatNumber(100 * o.stableError, 3), "%"},
 		{"at so many points, where that form holds", std::to_string(o.stablePoints), ""},
 		{"Passive region, most, over 2 (b - B)/T", formatNumber(o.passiveOverBound, 6), ""},
 		{"Passive region, most, over the stable one", formatNumber(o.passiveOverStable, 3), ""}};
 	for (const ZWidthDevice& d : o.devices)
 		for (const ZWidthCurve& c : d.curves)
-			if (!c.quantised) rows.push_back({d.model + ", " + nameOf(c) + ", stable K without damping", formatNumber(c.points.front().stable, 4), "N/m"});
+			if (!c.quantised)
+				rows.push_back(
+					{d.model + ", " + nameOf(c) + ", stable K without damping", formatNumber(c.points.front().stable, 4), "N/m"});
 	return rows;
 }
 
 HtmlReport makeReport(const ZWidthOutcome& o)
 {
 	HtmlReport report("Which walls a device bears");
-	report.paragraph("A wall F = -K x - B v, held over each tick of a millisecond, on simulated devices without a hand. Stable: the free handle, let go in "
-					 "the wall, swings less and less. Passive: nothing that a hand can do takes energy out of wall and mechanism; tried are triangles and "
-					 "sines of 2 to 458 ticks. Points are the closed forms: (b + B)/(T/2 + t), with t the delay, for the stable region where "
-					 "(b + B)(T/2 + t) is small beside the mass (Gil and Hulin), and 2 (b - B)/T for the passive one without delay (Colgate and Schenkel).");
+	report.paragraph(
+		"A wall F = -K x - B v, held over each tick of a millisecond, on simulated devices without a hand. Stable: the free handle, let go "
+		"in "
+		"the wall, swings less and less. Passive: nothing that a hand can do takes energy out of wall and mechanism; tried are triangles "
+		"and "
+		"sines of 2 to 458 ticks. Points are the closed forms: (b + B)/(T/2 + t), with t the delay, for the stable region where "
+		"(b + B)(T/2 + t) is small beside the mass (Gil and Hulin), and 2 (b - B)/T for the passive one without delay (Colgate and "
+		"Schenkel).");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(o));
 	for (const ZWidthDevice& d : o.devices) addDevice(report, d);
 	return report;
@@ -131,13 +137,14 @@ std::string makeJson(const ZWidthOutcome& o)
 {
 	using Json = nlohmann::ordered_json;
 	Json json = {{"schema", 1}, {"demo", "z-width"}, {"ok", o.ok()}, {"stable_error", o.stableError}, {"stable_points", o.stablePoints},
-				 {"passive_over_bound", o.passiveOverBound}, {"passive_over_stable", o.passiveOverStable}, {"curves", Json::array()}};
+		{"passive_over_bound", o.passiveOverBound}, {"passive_over_stable", o.passiveOverStable}, {"curves", Json::array()}};
 	for (const ZWidthDevice& d : o.devices)
 		for (const ZWidthCurve& c : d.curves)
 		{
 			Json curve = {{"profile", d.profile}, {"delay_s", kTick * c.delayTicks}, {"quantised", c.quantised}, {"points", Json::array()}};
 			for (const ZWidthPoint& p : c.points)
-				curve["points"].push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive}, {"passive_measured", p.passiveMeasured}});
+				curve["points"].push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive},
+					{"passive_measured", p.passiveMeasured}});
 			json["curves"].push_back(std::move(curve));
 		}
 	return json.dump();

@@ -10,8 +10,8 @@
 
 namespace scenes
 {
-/// Which stiffness K and damping B of a virtual wall, F = -K x - B v at 1 kHz, a device bears: the stable and the passive region, measured on
-/// simulated devices without a hand, beside the closed forms.
+/// Which stiffness K and damping B of a virtual wall, F = -K x - B v at 1 kHz, a device bears: the stable and the passive region, measured
+/// on simulated devices without a hand, beside the closed forms.
 struct ZWidthCurve
 {
 	int delayTicks = 0;
@@ -29,7 +29,8 @@ struct ZWidthDevice
 struct ZWidthOutcome
 {
 	std::vector<ZWidthDevice> devices;
-	/// Largest |stable / (b + B)/(T/2 + t_d) - 1| without quantisation where (b + B)(T/2 + t_d)/m is at most 0.02, where that form holds; and how many such points.
+	/// Largest |stable / (b + B)/(T/2 + t_d) - 1| without quantisation where (b + B)(T/2 + t_d)/m is at most 0.02, where that form holds;
+	/// and how many such points.
 	double stableError = 0;
 	int stablePoints = 0;
 	/// Largest of passive measured over 2 (b - B)/T, and over stable, all without delay and quantisation.

@@ -2,9 +2,9 @@
 #include "demos/scenes/Scene/PaperFigures.h"
 
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Timing/RealTimePriority.h"
-#include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Timing/ThreadTime.h"
 #include "demos/scenes/Bodies/BodiesOnPlane.h"
 #include "demos/scenes/Scene/SceneReport.h"
@@ -39,16 +39,14 @@ double wakingMicroseconds()
 {
 	constexpr int kTicks = 1000;
 	double used = 0;
-	std::thread idle(
-		[&]
-		{
-			devicebridge::askForRealTimePriority(devicebridge::SteppingSettings().priority);
-			devicebridge::RealClock clock;
-			const std::int64_t begin = clock.now();
-			const double before = devicebridge::threadMicroseconds();
-			for (int i = 1; i <= kTicks; ++i) clock.sleepUntil(begin + i * devicebridge::SteppingSettings().period);
-			used = (devicebridge::threadMicroseconds() - before) / kTicks;
-		});
+	std::thread idle([&] {
+		devicebridge::askForRealTimePriority(devicebridge::SteppingSettings().priority);
+		devicebridge::RealClock clock;
+		const std::int64_t begin = clock.now();
+		const double before = devicebridge::threadMicroseconds();
+		for (int i = 1; i <= kTicks; ++i) clock.sleepUntil(begin + i * devicebridge::SteppingSettings().period);
+		used = (devicebridge::threadMicroseconds() - before) / kTicks;
+	});
 	idle.join();
 	return used;
 }
@@ -60,8 +58,7 @@ std::vector<double> askAgain(SceneWorld& world, const PaperScene& scene)
 {
 	const SceneWorld::Body& tool = world.body(scene.run.scene.tool);
 	QueryWorkspace workspace;
-	const auto ask = [&](const SceneTick& tick)
-	{
+	const auto ask = [&](const SceneTick& tick) {
 		for (size_t i = 0; i < world.size(); ++i)
 		{
 			const SceneWorld::Body& body = world.body(i);
@@ -83,8 +80,7 @@ std::vector<double> askAgain(SceneWorld& world, const PaperScene& scene)
 }
 
 /// Events per second in each stretch; `count(i)` events came with tick i.
-template <class Count>
-ChartSeries rateOf(const std::string& name, const std::vector<SceneTick>& ticks, const Count& count)
+template <class Count> ChartSeries rateOf(const std::string& name, const std::vector<SceneTick>& ticks, const Count& count)
 {
 	ChartSeries series{name, {}, {}, {}, false};
 	double begin = ticks.front().time, events = 0;
@@ -101,11 +97,15 @@ ChartSeries rateOf(const std::string& name, const std::vector<SceneTick>& ticks,
 	return series;
 }
 
-ChartSeries forceRate(const PaperScene& s) { return rateOf("force thread", s.run.ticks, [](size_t) { return 1.0; }); }
+ChartSeries forceRate(const PaperScene& s)
+{
+	return rateOf("force thread", s.run.ticks, [](size_t) { return 1.0; });
+}
 ChartSeries contactRate(const PaperScene& s)
 {
 	const std::vector<SceneTick>& ticks = s.run.ticks;
-	return rateOf("contact thread", ticks, [&](size_t i) { return static_cast<double>(ticks[i].answer.number - ticks[i - 1].answer.number); });
+	return rateOf(
+		"contact thread", ticks, [&](size_t i) { return static_cast<double>(ticks[i].answer.number - ticks[i - 1].answer.number); });
 }
 
 double leastOf(const ChartSeries& series) { return series.y.empty() ? 0 : *std::min_element(series.y.begin(), series.y.end()); }
@@ -166,7 +166,8 @@ Trace answersOf(const PaperScene& scene, const std::function<double(size_t)>& va
 	for (size_t i = 1; i < scene.run.ticks.size(); ++i)
 		if (isNewAnswer(scene.run.ticks, i)) places->push_back(i);
 	const std::vector<SceneTick>& ticks = scene.run.ticks;
-	return {places->size(), [places, &ticks](size_t i) { return ticks[(*places)[i]].time; }, [places, value](size_t i) { return value((*places)[i]); }};
+	return {places->size(), [places, &ticks](size_t i) { return ticks[(*places)[i]].time; },
+		[places, value](size_t i) { return value((*places)[i]); }};
 }
 
 std::string number(double value, int digits = 3) { return formatNumber(value, digits); }
@@ -178,13 +179,13 @@ void addScene(HtmlReport& report, const PaperScene& s)
 	report.paragraph(s.run.scene.about);
 	report.chart({"Rate of the force thread and of the contact thread", "time [s]", "rate [Hz]", {forceRate(s), contactRate(s)}});
 	report.chart({"Intersecting pairs", "time [s]", "pairs",
-				  {envelope("pairs", traceOf(s.run, [](const SceneTick& t) { return static_cast<double>(t.answer.pairs); }))}});
+		{envelope("pairs", traceOf(s.run, [](const SceneTick& t) { return static_cast<double>(t.answer.pairs); }))}});
 	report.chart({"Processor time", "time [s]", "time [\xC2\xB5s]",
-				  {runningMean("force thread, a tick", traceOf(s.run, [](const SceneTick& t) { return t.threadMicroseconds; })),
-				   runningMean("contact thread, an answer", answersOf(s, [&ticks](size_t i) { return ticks[i].answer.threadMicroseconds; })),
-				   runningMean("the query alone", answersOf(s, [&s](size_t i) { return s.bareQuery[i]; }))}});
+		{runningMean("force thread, a tick", traceOf(s.run, [](const SceneTick& t) { return t.threadMicroseconds; })),
+			runningMean("contact thread, an answer", answersOf(s, [&ticks](size_t i) { return ticks[i].answer.threadMicroseconds; })),
+			runningMean("the query alone", answersOf(s, [&s](size_t i) { return s.bareQuery[i]; }))}});
 	report.chart({"Force on the hand", "time [s]", "force [N]",
-				  {envelope("size", traceOf(s.run, [](const SceneTick& t) { return norm(t.wrench.force); }))}});
+		{envelope("size", traceOf(s.run, [](const SceneTick& t) { return norm(t.wrench.force); }))}});
 }
 }  // namespace
 
@@ -215,8 +216,7 @@ Result<std::vector<PaperScene>> runPaperFigures(const std::vector<std::string>& 
 std::vector<std::vector<std::string>> paperRows(const std::vector<PaperScene>& scenes)
 {
 	std::vector<std::vector<std::string>> rows;
-	const auto row = [&](const char* name, const char* unit, auto value)
-	{
+	const auto row = [&](const char* name, const char* unit, auto value) {
 		std::vector<std::string> cells = {name};
 		for (const PaperScene& s : scenes) cells.push_back(value(s));
 		cells.push_back(unit);
@@ -236,11 +236,13 @@ std::vector<std::vector<std::string>> paperRows(const std::vector<PaperScene>& s
 	row("Processor time of a tick of the force thread, 99.9th percentile", "us", [](const PaperScene& s) { return number(s.tick.p999); });
 	row("of this the simulated hand, median", "us", [](const PaperScene& s) { return number(s.device.p50); });
 	row("Processor time of an answer of the contact thread, median", "us", [](const PaperScene& s) { return number(s.answer.p50); });
-	row("Processor time of an answer of the contact thread, 99.9th percentile", "us", [](const PaperScene& s) { return number(s.answer.p999); });
+	row("Processor time of an answer of the contact thread, 99.9th percentile", "us",
+		[](const PaperScene& s) { return number(s.answer.p999); });
 	row("of this the query, median", "us", [](const PaperScene& s) { return number(s.asked.p50); });
 	row("The query asked again in one go, median", "us", [](const PaperScene& s) { return number(s.query.p50); });
 	row("The query asked again in one go, 99.9th percentile", "us", [](const PaperScene& s) { return number(s.query.p999); });
-	row("Both threads over query and simulated hand, mean share of a tick", "%", [](const PaperScene& s) { return number(100 * s.overhead); });
+	row("Both threads over query and simulated hand, mean share of a tick", "%",
+		[](const PaperScene& s) { return number(100 * s.overhead); });
 	row("of this, waking two threads that do nothing", "%", [](const PaperScene& s) { return number(100 * s.waking); });
 	row("The same over the query asked again in one go", "%", [](const PaperScene& s) { return number(100 * s.overheadWarm); });
 	row("Largest force on the hand", "N", [](const PaperScene& s) { return number(s.run.maxForce); });
@@ -250,17 +252,23 @@ std::vector<std::vector<std::string>> paperRows(const std::vector<PaperScene>& s
 HtmlReport paperPage(const std::vector<PaperScene>& scenes)
 {
 	HtmlReport report("Rates of force and contact");
-	report.paragraph("A simulated hand on a simulated sigma.7, in real time. The force thread ticks at 1 kHz, the contact thread asks the trees whenever a "
-					 "question is there, and the world steps in a third thread; nobody waits for anybody. The counterpart are figures 7 to 9 of the "
-					 "paper on UnrealHaptics, which reports 850 to 1,000 Hz for both threads.");
-	report.paragraph("Processor time is that of the thread itself (CLOCK_THREAD_CPUTIME_ID), so that what else the machine does does not count; periods "
-					 "are of the clock on the wall, and it does. What our threads cost over the bare query is theirs without the query, timed where it was asked, and without the "
-					 "simulated hand, which stands for a device. How much of it is the system's, which wakes two threads in each tick, shows a thread that does "
-					 "nothing else. The query was also asked again afterwards, at the recorded poses in one go, when its data is "
-					 "warm in the caches.");
+	report.paragraph(
+		"A simulated hand on a simulated sigma.7, in real time. The force thread ticks at 1 kHz, the contact thread asks the trees "
+		"whenever a "
+		"question is there, and the world steps in a third thread; nobody waits for anybody. The counterpart are figures 7 to 9 of the "
+		"paper on UnrealHaptics, which reports 850 to 1,000 Hz for both threads.");
+	report.paragraph(
+		"Processor time is that of the thread itself (CLOCK_THREAD_CPUTIME_ID), so that what else the machine does does not count; periods "
+		"are of the clock on the wall, and it does. What our threads cost over the bare query is theirs without the query, timed where it "
+		"was asked, and without the "
+		"simulated hand, which stands for a device. How much of it is the system's, which wakes two threads in each tick, shows a thread "
+		"that does "
+		"nothing else. The query was also asked again afterwards, at the recorded poses in one go, when its data is "
+		"warm in the caches.");
 	if (!scenes.empty()) report.paragraph("Scheduling: " + scenes.front().run.scheduling + ". Memory: " + scenes.front().run.memory + ".");
 	std::vector<std::string> head = {"Quantity"};
-	Chart periods{"Histogram of the period of the force thread, bins of 20 \xC2\xB5s; the last one holds all longer ones", "period [ms]", "share of ticks [%]", {}};
+	Chart periods{"Histogram of the period of the force thread, bins of 20 \xC2\xB5s; the last one holds all longer ones", "period [ms]",
+		"share of ticks [%]", {}};
 	for (const PaperScene& s : scenes)
 	{
 		head.push_back(s.run.scene.name);
@@ -277,17 +285,20 @@ HtmlReport paperPage(const std::vector<PaperScene>& scenes)
 std::string paperJson(const std::vector<PaperScene>& scenes)
 {
 	using Json = nlohmann::ordered_json;
-	const auto spread = [](const PaperScene::Spread& s, double unit)
-	{ return Json{{"mean", s.mean * unit}, {"p50", s.p50 * unit}, {"p999", s.p999 * unit}, {"max", s.max * unit}}; };
+	const auto spread = [](const PaperScene::Spread& s, double unit) {
+		return Json{{"mean", s.mean * unit}, {"p50", s.p50 * unit}, {"p999", s.p999 * unit}, {"max", s.max * unit}};
+	};
 	Json json = {{"schema", 1}, {"ok", true}, {"scenes", Json::array()}};
 	for (const PaperScene& s : scenes)
 	{
 		if (!s.run.ok()) json["ok"] = false;
-		json["scenes"].push_back({{"scene", s.run.scene.name}, {"ok", s.run.ok()}, {"ticks", s.run.ticks.size()}, {"force_rate_hz", s.forceRate},
-								  {"contact_rate_hz", s.contactRate}, {"slowest_force_rate_hz", s.slowestForceRate},
-								  {"slowest_contact_rate_hz", s.slowestContactRate}, {"period_s", spread(s.period, 1)}, {"force_thread_us", spread(s.tick, 1)}, {"device_us", spread(s.device, 1)}, {"asked_us", spread(s.asked, 1)},
-								  {"contact_thread_us", spread(s.answer, 1)}, {"query_us", spread(s.query, 1)}, {"pairs", spread(s.touchingPairs, 1)},
-								  {"overhead_share_of_tick", s.overhead}, {"overhead_share_of_tick_warm", s.overheadWarm}, {"waking_share_of_tick", s.waking}, {"max_force_n", s.run.maxForce}, {"scheduling", s.run.scheduling}});
+		json["scenes"].push_back({{"scene", s.run.scene.name}, {"ok", s.run.ok()}, {"ticks", s.run.ticks.size()},
+			{"force_rate_hz", s.forceRate}, {"contact_rate_hz", s.contactRate}, {"slowest_force_rate_hz", s.slowestForceRate},
+			{"slowest_contact_rate_hz", s.slowestContactRate}, {"period_s", spread(s.period, 1)}, {"force_thread_us", spread(s.tick, 1)},
+			{"device_us", spread(s.device, 1)}, {"asked_us", spread(s.asked, 1)}, {"contact_thread_us", spread(s.answer, 1)},
+			{"query_us", spread(s.query, 1)}, {"pairs", spread(s.touchingPairs, 1)}, {"overhead_share_of_tick", s.overhead},
+			{"overhead_share_of_tick_warm", s.overheadWarm}, {"waking_share_of_tick", s.waking}, {"max_force_n", s.run.maxForce},
+			{"scheduling", s.run.scheduling}});
 	}
 	return json.dump();
 }
@@ -300,7 +311,7 @@ std::string paperCsv(const PaperScene& scene)
 	{
 		const SceneTick& t = ticks[i];
 		text += formatFixed(t.time, 6) + "," + formatFixed(t.period, 9) + "," + formatFixed(t.threadMicroseconds, 3) + "," +
-				std::to_string(t.answer.pairs) + "," + std::to_string(t.answer.number) + ",";
+			std::to_string(t.answer.pairs) + "," + std::to_string(t.answer.number) + ",";
 		text += isNewAnswer(ticks, i) ? formatFixed(t.answer.threadMicroseconds, 3) + "," + formatFixed(scene.bareQuery[i], 3) : ",";
 		text += "," + formatNumber(norm(t.wrench.force), 6) + "\n";
 	}

@@ -30,11 +30,17 @@ std::string poseText(const Pose& X)
 }
 
 constexpr const char* kHandHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw";
-constexpr const char* kToolHeader = ",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
+constexpr const char* kToolHeader =
+	",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
 }  // namespace
 
-SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, const Pose& X_BW, SteppingThread& thread, std::int64_t begun, size_t ticks)
-	: m_world(world), m_X_BW(X_BW), m_X_PM(inverse(world.body(scene.tool).X_MP)), m_thread(thread), m_begun(begun)
+SceneHooks::SceneHooks(
+	const Scene& scene, const SceneWorld& world, const Pose& X_BW, SteppingThread& thread, std::int64_t begun, size_t ticks)
+	: m_world(world),
+	  m_X_BW(X_BW),
+	  m_X_PM(inverse(world.body(scene.tool).X_MP)),
+	  m_thread(thread),
+	  m_begun(begun)
 {
 	m_faults.reserve(kMostFaults);
 	for (const SceneBody& body : scene.bodies) m_counts.push_back({body.name, 0, 0, 0});
@@ -46,26 +52,22 @@ void SceneHooks::tie(const SceneHook& hook, size_t ticks)
 	using Action = SceneHook::Action;
 	const SceneHook h = hook;
 	if (h.action == Action::Count) m_thread.onCollision.addDelegate([this](const ToolContact& contact) { count(contact); });
-	if (h.action == Action::Force)
-		m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench.force += h.force; });
+	if (h.action == Action::Force) m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench.force += h.force; });
 	if (h.action == Action::Scale)
 		m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench = h.factor * wrench; });
 	if (h.action == Action::Damping)
-		m_thread.onHapticTick.addDelegate(
-			[h](const DeviceState& state, Wrench& wrench)
-			{
-				wrench.force -= h.damping * state.twist.linear;
-				wrench.torque -= h.angularDamping * state.twist.angular;
-			});
+		m_thread.onHapticTick.addDelegate([h](const DeviceState& state, Wrench& wrench) {
+			wrench.force -= h.damping * state.twist.linear;
+			wrench.torque -= h.angularDamping * state.twist.angular;
+		});
 	if (h.action == Action::Log)
-		m_thread.onFault.addDelegate(
-			[this](const Fault& fault)
-			{
-				if (m_faults.size() < kMostFaults) m_faults.push_back(fault);
-				else ++m_moreFaults;
-			});
+		m_thread.onFault.addDelegate([this](const Fault& fault) {
+			if (m_faults.size() < kMostFaults) m_faults.push_back(fault);
+			else ++m_moreFaults;
+		});
 	if (h.action == Action::Stop && h.event == SceneHook::Event::Fault) m_thread.onFault.addDelegate([this](const Fault&) { stop(); });
-	if (h.action == Action::Stop && h.event == SceneHook::Event::Collision) m_thread.onCollision.addDelegate([this](const ToolContact&) { stop(); });
+	if (h.action == Action::Stop && h.event == SceneHook::Event::Collision)
+		m_thread.onCollision.addDelegate([this](const ToolContact&) { stop(); });
 	if (h.action != Action::Record) return;
 	m_recordings.push_back(std::make_unique<Recording>());
 	Recording& into = *m_recordings.back();
@@ -73,9 +75,8 @@ void SceneHooks::tie(const SceneHook& hook, size_t ticks)
 	into.whole = h.event == SceneHook::Event::HapticTick;
 	into.rows.reserve(ticks);
 	if (!into.whole) m_thread.onTransform.addDelegate([this, &into](const DeviceState& state) { record(into, state); });
-	else m_thread.onHapticTick.addDelegate(
-		[this, &into](const DeviceState& state, const Wrench& wrench)
-		{
+	else
+		m_thread.onHapticTick.addDelegate([this, &into](const DeviceState& state, const Wrench& wrench) {
 			if (record(into, state)) into.rows.back().wrench = wrench;
 		});
 }

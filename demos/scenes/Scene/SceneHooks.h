@@ -11,7 +11,8 @@ class SceneHooks
 {
 public:
 	/// `X_BW`: of the device's world; `begun`: when the session begins, by the clock of `thread`; `ticks`: how many a recording can hold.
-	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, std::int64_t begun, size_t ticks);
+	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, std::int64_t begun,
+		size_t ticks);
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 

@@ -45,11 +45,11 @@ const char* nameOf(SceneTopology topology)
 {
 	switch (topology)
 	{
-		case SceneTopology::OneThread: return "one-thread";
-		case SceneTopology::InTick: return "contact-in-tick";
-		case SceneTopology::ContactThread: return "contact-thread";
-		case SceneTopology::ForceThread: return "force-thread";
-		case SceneTopology::LocalModel: return "local-model";
+	case SceneTopology::OneThread: return "one-thread";
+	case SceneTopology::InTick: return "contact-in-tick";
+	case SceneTopology::ContactThread: return "contact-thread";
+	case SceneTopology::ForceThread: return "force-thread";
+	case SceneTopology::LocalModel: return "local-model";
 	}
 	return "";
 }
@@ -63,13 +63,10 @@ Trace traceOf(const SceneOutcome& o, std::function<double(const SceneTick&)> val
 std::vector<std::vector<std::string>> summaryRows(const SceneOutcome& o)
 {
 	const std::vector<double> periods = valuesOf(o, period);
-	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""},
-												  {"Scene", o.scene.name, ""},
-												  {"Device", o.device, ""},
-												  {"Topology", nameOf(o.scene.topology), ""},
-												  {"Ticks", number(uint64_t(o.ticks.size())), ""},
-												  {"Force on the hand, largest", number(o.maxForce), "N"},
-												  {"Intersecting pairs, most", number(quantile(valuesOf(o, pairs), 1), 6), ""}};
+	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""}, {"Scene", o.scene.name, ""},
+		{"Device", o.device, ""}, {"Topology", nameOf(o.scene.topology), ""}, {"Ticks", number(uint64_t(o.ticks.size())), ""},
+		{"Force on the hand, largest", number(o.maxForce), "N"},
+		{"Intersecting pairs, most", number(quantile(valuesOf(o, pairs), 1), 6), ""}};
 	if (!o.virtualTime)
 	{
 		rows.push_back({"Rate, mean", number(1 / std::max(1e-9, mean(periods)), 4), "Hz"});
@@ -101,17 +98,17 @@ HtmlReport makeReport(const SceneOutcome& o)
 	if (o.ticks.size() < 2) return report;
 	report.heading("What the hand feels");
 	report.chart({"Force on the hand, axes of the device", "time [s]", "force [N]",
-				  {envelope("x", traceOf(o, [](const SceneTick& t) { return t.wrench.force.x; })),
-				   envelope("y", traceOf(o, [](const SceneTick& t) { return t.wrench.force.y; })),
-				   envelope("z", traceOf(o, [](const SceneTick& t) { return t.wrench.force.z; }))}});
+		{envelope("x", traceOf(o, [](const SceneTick& t) { return t.wrench.force.x; })),
+			envelope("y", traceOf(o, [](const SceneTick& t) { return t.wrench.force.y; })),
+			envelope("z", traceOf(o, [](const SceneTick& t) { return t.wrench.force.z; }))}});
 	report.chart({"Torque on the hand, axes of the device", "time [s]", "torque [N mm]",
-				  {envelope("x", traceOf(o, [](const SceneTick& t) { return 1e3 * t.wrench.torque.x; })),
-				   envelope("y", traceOf(o, [](const SceneTick& t) { return 1e3 * t.wrench.torque.y; })),
-				   envelope("z", traceOf(o, [](const SceneTick& t) { return 1e3 * t.wrench.torque.z; }))}});
+		{envelope("x", traceOf(o, [](const SceneTick& t) { return 1e3 * t.wrench.torque.x; })),
+			envelope("y", traceOf(o, [](const SceneTick& t) { return 1e3 * t.wrench.torque.y; })),
+			envelope("z", traceOf(o, [](const SceneTick& t) { return 1e3 * t.wrench.torque.z; }))}});
 	report.heading("Contact");
 	report.chart({"Intersecting pairs of the tool", "time [s]", "pairs", {envelope("pairs", traceOf(o, pairs))}});
 	report.chart({"Overlap of the tool", "time [s]", "volume [mm\xC2\xB3]",
-				  {envelope("overlap", traceOf(o, [](const SceneTick& t) { return 1e9 * t.volume; }))}});
+		{envelope("overlap", traceOf(o, [](const SceneTick& t) { return 1e9 * t.volume; }))}});
 	if (o.virtualTime)
 	{
 		report.paragraph("This run was made in virtual time: there is no rate to show.");
@@ -122,7 +119,8 @@ HtmlReport makeReport(const SceneOutcome& o)
 	ChartSeries rate = runningMean("mean of a column", traceOfSteps(o, period));
 	for (double& y : rate.y) y = 1 / y;
 	report.chart({"Rate of the force thread", "time [s]", "rate [Hz]", {rate}});
-	report.chart({"Processor time of the force thread", "time [s]", "time of a tick [\xC2\xB5s]", {runningMean("mean of a column", traceOfSteps(o, processor))}});
+	report.chart({"Processor time of the force thread", "time [s]", "time of a tick [\xC2\xB5s]",
+		{runningMean("mean of a column", traceOfSteps(o, processor))}});
 	return report;
 }
 
@@ -131,10 +129,11 @@ std::string makeJson(const SceneOutcome& o)
 	using Json = nlohmann::ordered_json;
 	const std::vector<double> periods = valuesOf(o, period), used = valuesOf(o, processor);
 	Json json = {{"schema", 1}, {"scene", o.scene.name}, {"ok", o.ok()}, {"device", o.device}, {"topology", nameOf(o.scene.topology)},
-				 {"virtual_time", o.virtualTime}, {"ticks", o.ticks.size()}, {"max_force_n", o.maxForce},
-				 {"max_pairs", static_cast<int64_t>(quantile(valuesOf(o, pairs), 1))}, {"overruns", o.overruns}, {"device_errors", o.deviceErrors},
-				 {"world_steps", o.worldSteps}, {"refused_queries", o.refusedQueries}, {"faulted", o.faulted}, {"stopped", o.stopped},
-				 {"interrupted", o.interrupted}, {"cut_short", o.cutShort}, {"safety_changes", o.safety.total()}, {"memory", o.memory}, {"scheduling", o.scheduling}};
+		{"virtual_time", o.virtualTime}, {"ticks", o.ticks.size()}, {"max_force_n", o.maxForce},
+		{"max_pairs", static_cast<int64_t>(quantile(valuesOf(o, pairs), 1))}, {"overruns", o.overruns}, {"device_errors", o.deviceErrors},
+		{"world_steps", o.worldSteps}, {"refused_queries", o.refusedQueries}, {"faulted", o.faulted}, {"stopped", o.stopped},
+		{"interrupted", o.interrupted}, {"cut_short", o.cutShort}, {"safety_changes", o.safety.total()}, {"memory", o.memory},
+		{"scheduling", o.scheduling}};
 	json["rate_hz"] = o.virtualTime || periods.empty() ? Json() : Json(1 / mean(periods));
 	json["period_p999_s"] = o.virtualTime ? Json() : Json(quantile(periods, 0.999));
 	json["tick_thread_p999_us"] = o.virtualTime ? Json() : Json(quantile(used, 0.999));

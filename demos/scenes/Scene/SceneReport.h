@@ -2,8 +2,8 @@
 #pragma once
 
 #include "demos/scenes/Pages/HtmlReport.h"
-#include "demos/scenes/Scene/SceneRun.h"
 #include "demos/scenes/Pages/TraceChart.h"
+#include "demos/scenes/Scene/SceneRun.h"
 
 namespace scenes
 {

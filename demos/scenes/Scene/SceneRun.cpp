@@ -9,8 +9,8 @@
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Loop/StopSignals.h"
-#include "DeviceBridge/Timing/ThreadTime.h"
 #include "DeviceBridge/Loop/ThreadedForceLaw.h"
+#include "DeviceBridge/Timing/ThreadTime.h"
 #include "demos/scenes/Scene/SceneHooks.h"
 
 #include <algorithm>
@@ -76,7 +76,9 @@ std::optional<Error> checkRecordings(const Scene& scene)
 
 void apply(const SceneCoupling& wanted, CouplingGains& gains)
 {
-	const auto take = [](double from, double& to) { if (from >= 0) to = from; };
+	const auto take = [](double from, double& to) {
+		if (from >= 0) to = from;
+	};
 	take(wanted.stiffness, gains.stiffness);
 	take(wanted.angularStiffness, gains.angularStiffness);
 	take(wanted.damping, gains.damping);
@@ -100,8 +102,10 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 	const std::string prefix = "sim:";
 	if (scene.device.compare(0, prefix.size(), prefix) != 0 || scene.device.find('?') != std::string::npos)
 	{
-		if (!scene.path.empty()) return at(scene.devicePlace, "only a simulated device without options follows hand.path, not " + scene.device);
-		if (scene.coupling.stiffness < 0) return at(scene.devicePlace, "a device that is not simulated needs hand.coupling.stiffness: nobody knows what it dissipates");
+		if (!scene.path.empty())
+			return at(scene.devicePlace, "only a simulated device without options follows hand.path, not " + scene.device);
+		if (scene.coupling.stiffness < 0)
+			return at(scene.devicePlace, "a device that is not simulated needs hand.coupling.stiffness: nobody knows what it dissipates");
 		Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
 		if (!opened) return at(scene.devicePlace, opened.error().message);
 		hand.device = std::make_unique<TimedDevice>(std::move(opened).value());
@@ -128,7 +132,11 @@ class TickRecorder
 {
 public:
 	TickRecorder(SteppingThread& thread, const Hand& hand, size_t capacity, const BulletDecoupledSource* source)
-		: m_thread(thread), m_clock(*hand.clock), m_device(*hand.device), m_X_BW(hand.X_BW), m_source(source)
+		: m_thread(thread),
+		  m_clock(*hand.clock),
+		  m_device(*hand.device),
+		  m_X_BW(hand.X_BW),
+		  m_source(source)
 	{
 		m_ticks.reserve(capacity);
 		thread.onTransform.addDelegate([this](const DeviceState& state) { begin(state); });
@@ -199,7 +207,10 @@ class WorldBeside
 {
 public:
 	WorldBeside(SceneWorld& world, BulletDecoupledSource& source, Clock& clock, double rate)
-		: m_coupling(world.world()), m_source(source), m_clock(clock), m_period(1 / rate)
+		: m_coupling(world.world()),
+		  m_source(source),
+		  m_clock(clock),
+		  m_period(1 / rate)
 	{
 		m_coupling.add(source);
 		m_coupling.show(m_period);
@@ -268,10 +279,9 @@ struct Stage
 
 /// The value is false when somebody asked to stop.
 Result<bool> perform(const Stage& stage, SteppingThread& thread, const TickRecorder& recorder, const SceneHooks& hooks, WorldBeside* beside,
-					 ThreadedForceLaw* law)
+	ThreadedForceLaw* law)
 {
-	const auto report = [&]
-	{
+	const auto report = [&] {
 		const double fraction = static_cast<double>(recorder.size()) / static_cast<double>(stage.ticks);
 		return !stage.options.build.progress || stage.options.build.progress("hand", fraction);
 	};
@@ -372,9 +382,9 @@ std::optional<Error> playDecoupled(const Stage& stage, SceneOutcome& outcome)
 	settings.X_BW = stage.hand.X_BW;
 	settings.gravity = stage.scene.toolGravity;
 	settings.maxPairs = stage.scene.maxPairs;
-	settings.topology = stage.scene.topology == SceneTopology::InTick		   ? ContactTopology::InTick
-						: stage.scene.topology == SceneTopology::LocalModel	   ? ContactTopology::InWorld
-																			   : ContactTopology::OwnThread;
+	settings.topology = stage.scene.topology == SceneTopology::InTick ? ContactTopology::InTick
+		: stage.scene.topology == SceneTopology::LocalModel           ? ContactTopology::InWorld
+																	  : ContactTopology::OwnThread;
 	SceneWorld::Body& tool = stage.world.body(stage.scene.tool);
 	BulletDecoupledSource source(*tool.body, tool.tree, *stage.hand.clock, settings);
 	return play(stage, source, &source, outcome);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "demos/scenes/Bodies/RodProbe.h"
 
 #include <functional>
@@ -17,12 +17,13 @@ class ContinuumGrid
 {
 public:
 	/// Only cells for which `wanted` holds are kept. O(cells); the surface is asked once for each.
-	ContinuumGrid(const ist::MeshDistance& surface, const ist::Box& where, double spacing, const std::function<bool(const ist::Vec3&)>& wanted);
+	ContinuumGrid(
+		const ist::MeshDistance& surface, const ist::Box& where, double spacing, const std::function<bool(const ist::Vec3&)>& wanted);
 
 	struct Sum
 	{
-		double volume = 0;   ///< [m^3]
-		ist::Vec3 onRod;     ///< force for k = 1 Pa/m and weights 1/2 [m^3]
+		double volume = 0;  ///< [m^3]
+		ist::Vec3 onRod;    ///< force for k = 1 Pa/m and weights 1/2 [m^3]
 	};
 	/// Rod from `center` to both sides along the unit vector `axis`, in the mesh's frame.
 	Sum overlap(const RodProbe& rod, const ist::Vec3& center, const ist::Vec3& axis) const;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Truth/MeshToQuery.h"
 
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
 
 #include <algorithm>
@@ -44,8 +44,7 @@ std::vector<Vec3> probePath(const MeshDistance& surface, const MeshToQueryOption
 	const Box box = bounds(surface.mesh());
 	const double reach = options.probeRadius - options.depth, lift = 2.5 * options.depth;
 	const double z = massProperties(surface.mesh()).centerOfMass.z;
-	const auto along = [&](double s)
-	{
+	const auto along = [&](double s) {
 		const double x = box.lower.x + (0.25 + 0.5 * s) * box.size().x;
 		return Vec3{x, contactHeight(surface, x, z, box.upper.y + 2 * options.probeRadius, box.lower.y, reach), z};
 	};
@@ -75,14 +74,14 @@ std::vector<PathStep> runPath(const InnerSphereTree& body, const InnerSphereTree
 		const auto start = std::chrono::steady_clock::now();
 		const OverlapResult found = queryOverlap(body, probe, X, workspace);
 		const double seconds = secondsSince(start);
-		steps.push_back({center, found.total.volume, norm(pressureWrench(found.total, pair).force), overlapError(found, body, probe, stiffness),
-						 found.total.pairs, seconds});
+		steps.push_back({center, found.total.volume, norm(pressureWrench(found.total, pair).force),
+			overlapError(found, body, probe, stiffness), found.total.pairs, seconds});
 	}
 	return steps;
 }
 
 std::vector<Comparison> compare(const OverlapQuadrature& quadrature, const InnerSphereTree& body, const InnerSphereTree& probe,
-								const std::vector<PathStep>& steps, const MeshToQueryOptions& options)
+	const std::vector<PathStep>& steps, const MeshToQueryOptions& options)
 {
 	std::vector<int> touching;
 	for (size_t i = 0; i < steps.size(); ++i)
@@ -178,23 +177,21 @@ Result<MeshToQueryOutcome> runMeshToQuery(const MeshToQueryOptions& options)
 
 std::vector<std::vector<std::string>> summaryRows(const MeshToQueryOutcome& outcome)
 {
-	return {{"Triangles", std::to_string(outcome.triangles), ""},
-			{"Spheres", std::to_string(outcome.spheres), ""},
-			{"Leaves", std::to_string(outcome.leaves), ""},
-			{"Fill", formatNumber(100 * outcome.fill, 3), "%"},
-			{"Mean gap", formatNumber(1e3 * outcome.meanGap, 3), "mm"},
-			{"Build", formatNumber(outcome.buildSeconds, 3), "s"},
-			{"Query, median", formatNumber(1e6 * outcome.medianSeconds, 3), "us"},
-			{"Query, 99th percentile", formatNumber(1e6 * outcome.p99Seconds, 3), "us"},
-			{"Intersecting pairs, most", std::to_string(outcome.maxPairs), ""},
-			{"Force, largest (k = " + formatNumber(outcome.stiffness, 3) + " Pa/m)", formatNumber(outcome.maxForce, 3), "N"},
-			{"Volume, rms error / rms truth of " + std::to_string(outcome.comparisons.size()), formatNumber(100 * outcome.volumeRms, 2), "%"},
-			{"Force, rms error / rms truth of " + std::to_string(outcome.comparisons.size()), formatNumber(100 * outcome.forceRms, 2), "%"}};
+	return {{"Triangles", std::to_string(outcome.triangles), ""}, {"Spheres", std::to_string(outcome.spheres), ""},
+		{"Leaves", std::to_string(outcome.leaves), ""}, {"Fill", formatNumber(100 * outcome.fill, 3), "%"},
+		{"Mean gap", formatNumber(1e3 * outcome.meanGap, 3), "mm"}, {"Build", formatNumber(outcome.buildSeconds, 3), "s"},
+		{"Query, median", formatNumber(1e6 * outcome.medianSeconds, 3), "us"},
+		{"Query, 99th percentile", formatNumber(1e6 * outcome.p99Seconds, 3), "us"},
+		{"Intersecting pairs, most", std::to_string(outcome.maxPairs), ""},
+		{"Force, largest (k = " + formatNumber(outcome.stiffness, 3) + " Pa/m)", formatNumber(outcome.maxForce, 3), "N"},
+		{"Volume, rms error / rms truth of " + std::to_string(outcome.comparisons.size()), formatNumber(100 * outcome.volumeRms, 2), "%"},
+		{"Force, rms error / rms truth of " + std::to_string(outcome.comparisons.size()), formatNumber(100 * outcome.forceRms, 2), "%"}};
 }
 
 HtmlReport makeReport(const MeshToQueryOutcome& outcome)
 {
-	ChartSeries volume{"inner sphere tree", {}, {}, {}, false}, force = volume, pairs{"pairs", {}, {}, {}, false}, time{"query", {}, {}, {}, false};
+	ChartSeries volume{"inner sphere tree", {}, {}, {}, false}, force = volume, pairs{"pairs", {}, {}, {}, false},
+																time{"query", {}, {}, {}, false};
 	for (size_t i = 0; i < outcome.steps.size(); ++i)
 	{
 		const PathStep& step = outcome.steps[i];
@@ -218,8 +215,9 @@ HtmlReport makeReport(const MeshToQueryOutcome& outcome)
 		forceError.sigma.push_back(100 * sigma.force / c.forceTruth);
 	}
 	HtmlReport report("From a mesh to a contact force");
-	report.paragraph("A closed triangle mesh was filled with spheres and turned into a tree. A round probe then came down on it, slid along x over "
-					 "its back, and left. Every step is one overlap query; the dots are an independent integration over the triangles themselves.");
+	report.paragraph(
+		"A closed triangle mesh was filled with spheres and turned into a tree. A round probe then came down on it, slid along x over "
+		"its back, and left. Every step is one overlap query; the dots are an independent integration over the triangles themselves.");
 	report.heading("Summary");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(outcome));
 	for (const std::string& action : outcome.repair) report.paragraph("Repair: " + action);
@@ -227,7 +225,8 @@ HtmlReport makeReport(const MeshToQueryOutcome& outcome)
 	report.chart({"Overlap volume", "step", "volume [mm\xC2\xB3]", {volume, volumeTruth}});
 	report.chart({"Contact force", "step", "|force| [N]", {force, forceTruth}});
 	report.heading("Accuracy");
-	report.paragraph("Relative errors at the compared steps. The bars are the standard errors that the library itself predicts, one sigma.");
+	report.paragraph(
+		"Relative errors at the compared steps. The bars are the standard errors that the library itself predicts, one sigma.");
 	report.chart({"Errors against quadrature", "step", "error [%]", {volumeError, forceError}});
 	report.heading("Work");
 	report.chart({"Intersecting pairs", "step", "pairs", {pairs}});
@@ -238,17 +237,17 @@ HtmlReport makeReport(const MeshToQueryOutcome& outcome)
 std::string makeJson(const MeshToQueryOutcome& o)
 {
 	const auto field = [](const char* name, double value) { return std::string(",\"") + name + "\":" + formatNumber(value, 9); };
-	std::string out = "{\"schema\":1,\"demo\":\"bunny-query\",\"ok\":" + std::string(o.ok() ? "true" : "false") + field("unit", o.unit) + field("triangles", static_cast<double>(o.triangles)) +
-					  field("spheres", static_cast<double>(o.spheres)) + field("leaves", static_cast<double>(o.leaves)) + field("fill", o.fill) +
-					  field("mean_gap_m", o.meanGap) + field("build_s", o.buildSeconds) + field("query_median_s", o.medianSeconds) +
-					  field("query_p99_s", o.p99Seconds) + field("max_pairs", static_cast<double>(o.maxPairs)) +
-					  field("stiffness_pa_per_m", o.stiffness) + field("max_force_n", o.maxForce) + field("volume_error_rms", o.volumeRms) +
-					  field("force_error_rms", o.forceRms) + ",\"comparisons\":[";
+	std::string out = "{\"schema\":1,\"demo\":\"bunny-query\",\"ok\":" + std::string(o.ok() ? "true" : "false") + field("unit", o.unit) +
+		field("triangles", static_cast<double>(o.triangles)) + field("spheres", static_cast<double>(o.spheres)) +
+		field("leaves", static_cast<double>(o.leaves)) + field("fill", o.fill) + field("mean_gap_m", o.meanGap) +
+		field("build_s", o.buildSeconds) + field("query_median_s", o.medianSeconds) + field("query_p99_s", o.p99Seconds) +
+		field("max_pairs", static_cast<double>(o.maxPairs)) + field("stiffness_pa_per_m", o.stiffness) + field("max_force_n", o.maxForce) +
+		field("volume_error_rms", o.volumeRms) + field("force_error_rms", o.forceRms) + ",\"comparisons\":[";
 	for (size_t i = 0; i < o.comparisons.size(); ++i)
 	{
 		const Comparison& c = o.comparisons[i];
 		out += (i ? ",{" : "{") + ("\"step\":" + std::to_string(c.step)) + field("volume_m3", c.volumeTruth) +
-			   field("volume_error_m3", c.volumeError) + field("force_n", c.forceTruth) + field("force_error_n", c.forceError) + "}";
+			field("volume_error_m3", c.volumeError) + field("force_n", c.forceTruth) + field("force_error_n", c.forceError) + "}";
 	}
 	return out + "]}";
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "demos/scenes/Pages/HtmlReport.h"
 
 #include <string>
@@ -15,19 +15,19 @@ namespace scenes
 struct MeshToQueryOptions
 {
 	std::string mesh;
-	double unit = 0;          ///< metres per unit of the file; 0: the longest side becomes 0.2 m
+	double unit = 0;  ///< metres per unit of the file; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	int steps = 400;
-	int comparisons = 20;     ///< steps compared with quadrature
+	int comparisons = 20;                      ///< steps compared with quadrature
 	double probeRadius = 0.02, depth = 0.004;  ///< [m]
-	double stiffness = 1e7;   ///< [Pa/m]
+	double stiffness = 1e7;                    ///< [Pa/m]
 	ist::Progress progress;
 };
 
 /// One step of the probe's path. Forces act on the mesh.
 struct PathStep
 {
-	ist::Vec3 probe;  ///< centre [m]
+	ist::Vec3 probe;               ///< centre [m]
 	double volume = 0, force = 0;  ///< [m^3], [N]
 	ist::OverlapError sigma;
 	int64_t pairs = 0;

@@ -52,8 +52,7 @@ Vec3 nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& t)
 	if (n2 > 0)
 	{
 		bool inside = true;
-		for (int i = 0; i < 3 && inside; ++i)
-			inside = dot(cross(t[(i + 1) % 3] - t[i], p - t[i]), n) >= 0;
+		for (int i = 0; i < 3 && inside; ++i) inside = dot(cross(t[(i + 1) % 3] - t[i], p - t[i]), n) >= 0;
 		if (inside) return p - (dot(p - t[0], n) / n2) * n;
 	}
 	Vec3 best = nearestOnSegment(p, t[0], t[1]);
@@ -121,8 +120,7 @@ size_t TriangleTree::build(size_t begin, size_t end)
 	const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
 	const size_t middle = (begin + end) / 2;
 	std::nth_element(m_triangles.begin() + begin, m_triangles.begin() + middle, m_triangles.begin() + end,
-					 [axis](const auto& a, const auto& b)
-					 { return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis]; });
+		[axis](const auto& a, const auto& b) { return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis]; });
 	build(begin, middle);
 	const size_t right = build(middle, end);
 	m_nodes[index].right = right;
@@ -191,7 +189,7 @@ bool TriangleTree::trace(const Line& line, std::vector<Crossing>& crossings, std
 		}
 	}
 	std::sort(crossings.begin(), crossings.end(),
-			  [](const Crossing& a, const Crossing& b) { return a.t < b.t || (a.t == b.t && a.step > b.step); });
+		[](const Crossing& a, const Crossing& b) { return a.t < b.t || (a.t == b.t && a.step > b.step); });
 	int winding = 0;
 	for (const Crossing& crossing : crossings)
 	{

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <memory>
 
@@ -11,13 +11,13 @@ namespace scenes
 /// The overlap of two closed meshes, integrated directly on their triangles. Axes of A's mesh frame.
 struct QuadratureTruth
 {
-	double volume = 0;           ///< [m^3]
-	double volumeError = 0;      ///< standard error, from the spread of the three line directions [m^3]
-	ist::Vec3 centroid;          ///< [m], zero without overlap
-	ist::Wrench normalA, normalB;  ///< Int n dV [m^3] and Int (x - about) x n dV [m^4], n the outward normal of the nearest surface point
-	double normalError = 0;      ///< standard error of (normalB - normalA).force / 2 [m^3]
+	double volume = 0;              ///< [m^3]
+	double volumeError = 0;         ///< standard error, from the spread of the three line directions [m^3]
+	ist::Vec3 centroid;             ///< [m], zero without overlap
+	ist::Wrench normalA, normalB;   ///< Int n dV [m^3] and Int (x - about) x n dV [m^4], n the outward normal of the nearest surface point
+	double normalError = 0;         ///< standard error of (normalB - normalA).force / 2 [m^3]
 	double depthA = 0, depthB = 0;  ///< Int depth dV [m^4]
-	int unbalancedLines = 0;     ///< lines that left a mesh more or less often than they entered it; they count as empty
+	int unbalancedLines = 0;        ///< lines that left a mesh more or less often than they entered it; they count as empty
 
 	/// Force on A for stiffness 1 Pa/m and the given weights, torque about `about`.
 	ist::Wrench wrench(double weightA = 0.5, double weightB = 0.5) const { return weightB * normalB - weightA * normalA; }
@@ -34,8 +34,7 @@ public:
 	OverlapQuadrature(OverlapQuadrature&&) noexcept;
 
 	/// linesPerAxis^2 lines in each of three directions; `pointsTotal` = 0: volume only. Deterministic for a seed.
-	QuadratureTruth integrate(const ist::Pose& X_AB, const ist::Vec3& about, int linesPerAxis, int pointsTotal,
-							  uint64_t seed = 1) const;
+	QuadratureTruth integrate(const ist::Pose& X_AB, const ist::Vec3& about, int linesPerAxis, int pointsTotal, uint64_t seed = 1) const;
 
 	/// A body's volume [m^3], centroid, and the largest distance of a vertex from it [m].
 	struct Extent

@@ -2,8 +2,8 @@
 #include "tests/bench/bodies/BenchBodies.h"
 
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
 
 #include <filesystem>

@@ -27,7 +27,8 @@ Iterator halve(Iterator begin, Iterator end)
 	const Vec3 size = high - low;
 	const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 	const Iterator middle = begin + (end - begin) / 2;
-	std::nth_element(begin, middle, end, [&](const MomentEllipsoid& p, const MomentEllipsoid& q) { return p.center()[axis] < q.center()[axis]; });
+	std::nth_element(
+		begin, middle, end, [&](const MomentEllipsoid& p, const MomentEllipsoid& q) { return p.center()[axis] < q.center()[axis]; });
 	return middle;
 }
 
@@ -95,7 +96,8 @@ std::unique_ptr<Node> NaiveSphereTree::build(std::vector<MomentEllipsoid>& balls
 	cuts[3] = last - middle > 1 ? halve(middle, last) : middle;
 	int count = 0;
 	for (int i = 0; i < 4; ++i)
-		if (cuts[i] != cuts[i + 1]) node->child[count++] = build(balls, size_t(cuts[i] - balls.begin()), size_t(cuts[i + 1] - balls.begin()));
+		if (cuts[i] != cuts[i + 1])
+			node->child[count++] = build(balls, size_t(cuts[i] - balls.begin()), size_t(cuts[i + 1] - balls.begin()));
 	return node;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Tree/BallTree.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Tree/BallTree.h"
 
 #include <cstdint>
 #include <memory>

@@ -15,8 +15,7 @@ namespace bench
 PeerShape gimpactShape(const ist::Mesh& mesh)
 {
 	auto triangles = std::make_shared<btTriangleMesh>();
-	const auto corner = [&](int i)
-	{
+	const auto corner = [&](int i) {
 		const ist::Vec3& p = mesh.vertices[size_t(i)];
 		return btVector3(btScalar(p.x), btScalar(p.y), btScalar(p.z));
 	};

@@ -15,8 +15,7 @@ namespace bench
 namespace
 {
 /// All numbers of a pose, in the order in which they stand in a file.
-template <class Visit>
-void visitNumbers(TruePose& p, Visit visit)
+template <class Visit> void visitNumbers(TruePose& p, Visit visit)
 {
 	const auto vector = [&](Vec3& v) { visit(v.x), visit(v.y), visit(v.z); };
 	for (auto& row : p.X_AB.rotation.m)
@@ -53,11 +52,13 @@ void write(const std::string& path, std::vector<TruePose>& poses)
 }
 }  // namespace
 
-std::vector<TruePose> truePoses(const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder)
+std::vector<TruePose> truePoses(
+	const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder)
 {
 	const Mesh A = placed(meshNamed(bodyA)), B = placed(meshNamed(bodyB));
 	std::ostringstream name;
-	name << folder << '/' << bodyA << '-' << bodyB << '-' << std::hex << meshHash(A) << '-' << meshHash(B) << std::dec << '-' << settings.poses << '-' << settings.lines << '-' << settings.points << '-' << settings.seed;
+	name << folder << '/' << bodyA << '-' << bodyB << '-' << std::hex << meshHash(A) << '-' << meshHash(B) << std::dec << '-'
+		 << settings.poses << '-' << settings.lines << '-' << settings.points << '-' << settings.seed;
 	for (const double overlap : settings.overlaps) name << '-' << overlap;
 	if (!folder.empty())
 		if (std::vector<TruePose> kept = read(name.str()); !kept.empty()) return kept;

@@ -12,7 +12,7 @@ namespace bench
 struct TruePose
 {
 	ist::Pose X_AB;
-	double overlap = 0;  ///< share of the smaller body's volume that was asked for
+	double overlap = 0;             ///< share of the smaller body's volume that was asked for
 	scenes::QuadratureTruth truth;  ///< torques about A's centre of volume
 };
 
@@ -20,12 +20,13 @@ struct TruePose
 struct TruthSettings
 {
 	std::vector<double> overlaps;
-	int poses = 10;      ///< for each overlap
+	int poses = 10;  ///< for each overlap
 	int lines = 100, points = 30000;
 	uint64_t seed = 11;
 };
 
 /// Seeded random poses of two of the bodies of `meshNamed`, placed; the truth by quadrature on their triangles. `folder`, when not empty,
 /// keeps what was integrated from run to run.
-std::vector<TruePose> truePoses(const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder = {});
+std::vector<TruePose> truePoses(
+	const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder = {});
 }  // namespace bench

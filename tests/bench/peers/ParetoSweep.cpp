@@ -3,10 +3,10 @@
 
 #include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Build/TreeCache.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "BulletISTCollision/Core/Tuning/StepChoice.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
 #include "demos/scenes/Extremes/ForceAlongPath.h"
 #include "tests/bench/bodies/BenchBodies.h"
@@ -19,8 +19,8 @@
 #include <ctime>
 #include <fstream>
 #include <functional>
-#include <memory>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <utility>
@@ -33,10 +33,7 @@ namespace
 {
 constexpr double kHeld = 0.95;
 
-double now()
-{
-	return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Of all threads [s].
 double processorTime() { return double(std::clock()) / CLOCKS_PER_SEC; }
@@ -76,7 +73,8 @@ SweptBody makeBody(const std::string& name, int spheres, const std::string& fold
 	body.tree.levels = buildLevels(body.tree.law);
 	const double levels = processorTime();
 	body.tree.calibration = measuredCalibration(body.tree);
-	std::fprintf(stderr, "%s, %d spheres: levels in %.3f s, calibration in %.3f s of processor time\n", name.c_str(), spheres, levels - start, processorTime() - levels);
+	std::fprintf(stderr, "%s, %d spheres: levels in %.3f s, calibration in %.3f s of processor time\n", name.c_str(), spheres,
+		levels - start, processorTime() - levels);
 	body.bytes = treeBytes(body.tree);
 	return body;
 }
@@ -110,8 +108,7 @@ std::unique_ptr<AnalyticField> closedForm(const std::string& name)
 /// What a library returns, its contacts summed up as depth times normal, instead of a force.
 Estimator ofPeer(Peer& peer)
 {
-	return [&peer](const Pose& X)
-	{
+	return [&peer](const Pose& X) {
 		const PeerAnswer answer = peer.ask(X);
 		constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 		return Estimate{kNone, double(answer.contacts), {answer.push, {kNone, kNone, kNone}}, {kNone, kNone, kNone}};
@@ -121,9 +118,13 @@ Estimator ofPeer(Peer& peer)
 class PairSweep
 {
 public:
-	PairSweep(const SweepSettings& settings, const std::string& nameA, const std::string& nameB, int spheres, const SweptBody& A, const SweptBody& B,
-			  const std::vector<TruePose>& poses)
-		: m_settings(settings), m_A(A.tree), m_B(B.tree), m_poses(poses), m_nameB(nameB)
+	PairSweep(const SweepSettings& settings, const std::string& nameA, const std::string& nameB, int spheres, const SweptBody& A,
+		const SweptBody& B, const std::vector<TruePose>& poses)
+		: m_settings(settings),
+		  m_A(A.tree),
+		  m_B(B.tree),
+		  m_poses(poses),
+		  m_nameB(nameB)
 	{
 		m_row.pair = nameA + "-" + nameB;
 		m_row.spheres = spheres;
@@ -166,8 +167,7 @@ private:
 	}
 	Estimator fixedLevel(int level)
 	{
-		return [this, level](const Pose& X)
-		{
+		return [this, level](const Pose& X) {
 			QueryOptions options = plain();
 			options.level = level;
 			return estimateOf(queryOverlap(m_A, m_B, X, m_workspace, options), m_A.origin);
@@ -175,8 +175,7 @@ private:
 	}
 	Estimator budgeted(int budget)
 	{
-		return [this, budget](const Pose& X)
-		{
+		return [this, budget](const Pose& X) {
 			QueryOptions options = plain();
 			options.maxPairs = budget;
 			return estimateOf(queryOverlap(m_A, m_B, X, m_workspace, options), m_A.origin);
@@ -184,8 +183,7 @@ private:
 	}
 	Estimator dialled(double error)
 	{
-		return [this, error](const Pose& X)
-		{
+		return [this, error](const Pose& X) {
 			AcceptedError accepted;
 			accepted.error = error;
 			return estimateOf(queryToError(m_A, m_B, X, m_workspace, accepted, plain()).overlap, m_A.origin);
@@ -194,8 +192,7 @@ private:
 	/// Equation (1) as printed, at rest: packed spheres, centre lines.
 	Estimator paper()
 	{
-		return [this](const Pose& X)
-		{
+		return [this](const Pose& X) {
 			QueryOptions options = plain();
 			options.model = Model::Inner;
 			const OverlapResult result = queryOverlap(m_A, m_B, X, m_workspace, options);
@@ -206,8 +203,7 @@ private:
 	}
 	Estimator against(const AnalyticField& field)
 	{
-		return [this, &field](const Pose& X)
-		{ return estimateOf(queryField(m_A, field, X * X_BF(), m_workspace, plain()), m_A.origin); };
+		return [this, &field](const Pose& X) { return estimateOf(queryField(m_A, field, X * X_BF(), m_workspace, plain()), m_A.origin); };
 	}
 	/// Where `placed` puts a body's centre.
 	static Pose X_BF()
@@ -221,7 +217,8 @@ private:
 	{
 		std::vector<double> gains;
 		for (const TruePose& pose : m_poses)
-			if (const double force = norm(estimator(pose.X_AB).wrench.force); force > 0) gains.push_back(norm(pose.truth.wrench().force) / force);
+			if (const double force = norm(estimator(pose.X_AB).wrench.force); force > 0)
+				gains.push_back(norm(pose.truth.wrench().force) / force);
 		return quantile(gains, 0.5);
 	}
 	/// Median depth of the overlap at each of the shares that were asked for.
@@ -330,7 +327,8 @@ private:
 			const double h = longestExplicitStep({q.stiffness, 1, 0});  // for k = 1
 			m_row.explicitK = std::min(m_row.explicitK, h * h / (kTick * kTick));
 			// With k = m g / |F| the body rests here.
-			m_row.implicitStep = std::min(m_row.implicitStep, longestStepForRestitution({q.stiffness * kGravity / norm(start.trueForce), 1, 0}, kLoss));
+			m_row.implicitStep = std::min(
+				m_row.implicitStep, longestStepForRestitution({q.stiffness * kGravity / norm(start.trueForce), 1, 0}, kLoss));
 		}
 		m_row.zWidth = kDamping / (0.5 * kTick + 1e-6 * m_row.p999);
 	}
@@ -404,7 +402,8 @@ bool runSweep(const SweepSettings& settings, Sweep& sweep, const std::function<b
 		}
 		const double start = processorTime();
 		const std::vector<TruePose> poses = truePoses(a, b, settings.truth, settings.folder);
-		std::fprintf(stderr, "%s-%s: %zu poses integrated in %.1f s of processor time\n", a.c_str(), b.c_str(), poses.size(), processorTime() - start);
+		std::fprintf(stderr, "%s-%s: %zu poses integrated in %.1f s of processor time\n", a.c_str(), b.c_str(), poses.size(),
+			processorTime() - start);
 		bool peersAsked = !settings.peers;
 		for (const int spheres : numbersOfSpheres(settings, p))
 		{
@@ -415,8 +414,8 @@ bool runSweep(const SweepSettings& settings, Sweep& sweep, const std::function<b
 			PairSweep pair(settings, a, b, spheres, A, B, poses);
 			pair.run(sweep);
 			if (!std::exchange(peersAsked, true)) pair.runPeers(placed(meshNamed(a)), placed(meshNamed(b)), sweep);
-			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s of processor time; pair %zu of %zu\n", a.c_str(), b.c_str(), spheres, processorTime() - start, p + 1,
-						 settings.pairs.size());
+			std::fprintf(stderr, "%s-%s: %d spheres, %.1f s of processor time; pair %zu of %zu\n", a.c_str(), b.c_str(), spheres,
+				processorTime() - start, p + 1, settings.pairs.size());
 			if (!keep()) return false;
 		}
 	}

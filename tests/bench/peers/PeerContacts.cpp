@@ -24,7 +24,10 @@ namespace
 class AllContacts : public btManifoldResult
 {
 public:
-	AllContacts(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b) : btManifoldResult(a, b), m_first(a->getCollisionObject()) {}
+	AllContacts(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b)
+		: btManifoldResult(a, b),
+		  m_first(a->getCollisionObject())
+	{}
 	void addContactPoint(const btVector3& normalOnB, const btVector3&, btScalar depth) override
 	{
 		if (depth >= 0) return;
@@ -42,7 +45,11 @@ private:
 class BulletPeer : public Peer
 {
 public:
-	BulletPeer(std::string name, PeerShape A, PeerShape B) : m_name(std::move(name)), m_A(std::move(A)), m_B(std::move(B)), m_dispatcher(&m_configuration)
+	BulletPeer(std::string name, PeerShape A, PeerShape B)
+		: m_name(std::move(name)),
+		  m_A(std::move(A)),
+		  m_B(std::move(B)),
+		  m_dispatcher(&m_configuration)
 	{
 		btGImpactCollisionAlgorithm::registerAlgorithm(&m_dispatcher);
 		m_objectA.setCollisionShape(m_A.shape.get());
@@ -59,7 +66,8 @@ public:
 		btMatrix3x3 R;
 		for (int i = 0; i < 3; ++i)
 			for (int j = 0; j < 3; ++j) R[i][j] = btScalar(X.rotation.m[i][j]);
-		m_objectB.setWorldTransform(btTransform(R, btVector3(btScalar(X.translation.x), btScalar(X.translation.y), btScalar(X.translation.z))));
+		m_objectB.setWorldTransform(
+			btTransform(R, btVector3(btScalar(X.translation.x), btScalar(X.translation.y), btScalar(X.translation.z))));
 		const btCollisionObjectWrapper a(nullptr, m_A.shape.get(), &m_objectA, m_objectA.getWorldTransform(), -1, -1);
 		const btCollisionObjectWrapper b(nullptr, m_B.shape.get(), &m_objectB, m_objectB.getWorldTransform(), -1, -1);
 		btCollisionAlgorithm* algorithm = m_dispatcher.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);

@@ -21,8 +21,8 @@ public:
 			for (int i = 0; i < 3; ++i) m_points.push_back(p[i]);
 		for (const auto& t : mesh.triangles) m_corners.insert(m_corners.end(), {t[0], t[1], t[2]});
 		m_mesh = dGeomTriMeshDataCreate();
-		dGeomTriMeshDataBuildDouble(m_mesh, m_points.data(), 3 * sizeof(double), int(mesh.vertices.size()), m_corners.data(), int(m_corners.size()),
-									3 * sizeof(dTriIndex));
+		dGeomTriMeshDataBuildDouble(m_mesh, m_points.data(), 3 * sizeof(double), int(mesh.vertices.size()), m_corners.data(),
+			int(m_corners.size()), 3 * sizeof(dTriIndex));
 		m_geometry = dCreateTriMesh(nullptr, m_mesh, nullptr, nullptr, nullptr);
 	}
 	~OdeMesh()

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// Speed against accuracy: bodies x spheres x level, budget or accepted error, at several overlaps, against quadrature on the triangles; beside them
-// the paper's own estimator, closed forms and other libraries; in single poses and on paths. Writes pareto.csv, pareto.json, pareto.html and a front as SVG for each pair. Usage:
-// bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] [--peers 0|1]
-// All of it takes half an hour of two processors, --quick three minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run. What was found so far is written whenever
-// a pair is done with a number of spheres.
+// Speed against accuracy: bodies x spheres x level, budget or accepted error, at several overlaps, against quadrature on the triangles;
+// beside them the paper's own estimator, closed forms and other libraries; in single poses and on paths. Writes pareto.csv, pareto.json,
+// pareto.html and a front as SVG for each pair. Usage: bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs
+// A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] [--peers 0|1] All of it takes half an hour of two processors, --quick three
+// minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run. What was found so far is written whenever a pair
+// is done with a number of spheres.
 #include "demos/scenes/Pages/WholeText.h"
 #include "tests/bench/peers/ParetoPage.h"
 
@@ -22,7 +23,7 @@ SweepSettings allOfIt()
 {
 	SweepSettings s;
 	s.pairs = {{"bunny", "bunny"}, {"torus", "bunny"}, {"jack", "torus"}, {"bunny", "box"}, {"jack", "ball"}, {"knot", "bunny"},
-			   {"crown", "ball"}, {"sword", "torus"}, {"plate", "knot"}, {"rod", "box"}, {"crown", "bunny"}, {"rod", "jack"}};
+		{"crown", "ball"}, {"sword", "torus"}, {"plate", "knot"}, {"rod", "box"}, {"crown", "bunny"}, {"rod", "jack"}};
 	s.spheres = {100, 300, 1000, 3000, 10000, 30000, 100000};
 	s.manySpheres = {1000000};
 	s.truth = {{0.001, 0.003, 0.01, 0.03, 0.1, 0.2}, 12, 100, 30000, 23};
@@ -98,8 +99,9 @@ bool takeOption(SweepSettings& settings, std::string& folder, const std::string&
 
 bool writeAll(const Sweep& sweep, const std::string& folder)
 {
-	bool good = scenes::writeWholeText(folder + "/pareto.csv", paretoCsv(sweep)) && scenes::writeWholeText(folder + "/pareto.json", paretoJson(sweep)) &&
-				scenes::writeWholeText(folder + "/pareto.html", paretoHtml(sweep));
+	bool good = scenes::writeWholeText(folder + "/pareto.csv", paretoCsv(sweep)) &&
+		scenes::writeWholeText(folder + "/pareto.json", paretoJson(sweep)) &&
+		scenes::writeWholeText(folder + "/pareto.html", paretoHtml(sweep));
 	std::set<std::string> pairs;
 	for (const ParetoRow& row : sweep.rows) pairs.insert(row.pair);
 	for (const std::string& pair : pairs) good = good && scenes::writeWholeText(folder + "/front-" + pair + ".svg", frontSvg(sweep, pair));
@@ -112,19 +114,27 @@ int main(int argc, char** argv)
 	SweepSettings settings = allOfIt();
 	std::string folder = ".";
 	int i = 1;
-	if (argc > 1 && (argv[1] == std::string("--quick") || argv[1] == std::string("--tiny"))) settings = argv[i++] == std::string("--quick") ? quick() : tiny();
+	if (argc > 1 && (argv[1] == std::string("--quick") || argv[1] == std::string("--tiny")))
+		settings = argv[i++] == std::string("--quick") ? quick() : tiny();
 	for (; i < argc; i += 2)
 		if (i + 1 == argc || !takeOption(settings, folder, argv[i], argv[i + 1]))
-			return std::fprintf(stderr, "usage: bench_pareto [--quick | --tiny] [--out FOLDER] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] "
-										"[--peers 0|1]\n"), 2;
+			return std::fprintf(stderr,
+					   "usage: bench_pareto [--quick | --tiny] [--out FOLDER] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] "
+					   "[--passes N] [--paths N] "
+					   "[--peers 0|1]\n"),
+				   2;
 	std::error_code error;
 	for (const std::string& wanted : {folder, settings.folder})
 		if (!wanted.empty()) std::filesystem::create_directories(wanted, error);
 	Sweep sweep;
-	if (!runSweep(settings, sweep, [&] { return writeAll(sweep, folder); })) return std::fprintf(stderr, "bench_pareto: cannot write to %s\n", folder.c_str()), 1;
+	if (!runSweep(settings, sweep, [&] { return writeAll(sweep, folder); }))
+		return std::fprintf(stderr, "bench_pareto: cannot write to %s\n", folder.c_str()), 1;
 	for (const PromiseRow& p : sweep.promises)
-		std::printf("%-14s %6d spheres, accepted %4.1f %%: held in %5.1f %% of %d poses, kept in %5.1f %%, true error %.2f of the promise in the median, "
-					"%.0f %% of the force where %.0f %% was promised at worst, cost %.2f of the leaves', %.2f of the cheapest fixed level's\n",
-					p.pair.c_str(), p.spheres, 100 * p.error, 100 * p.held, p.poses, 100 * p.kept, p.ofPromise, 100 * p.worst, 100 * p.worstPromise, p.ofLeaves, p.ofFixed);
+		std::printf(
+			"%-14s %6d spheres, accepted %4.1f %%: held in %5.1f %% of %d poses, kept in %5.1f %%, true error %.2f of the promise in the "
+			"median, "
+			"%.0f %% of the force where %.0f %% was promised at worst, cost %.2f of the leaves', %.2f of the cheapest fixed level's\n",
+			p.pair.c_str(), p.spheres, 100 * p.error, 100 * p.held, p.poses, 100 * p.kept, p.ofPromise, 100 * p.worst, 100 * p.worstPromise,
+			p.ofLeaves, p.ofFixed);
 	return 0;
 }

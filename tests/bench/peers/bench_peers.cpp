@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // What a program would use instead: other libraries and this one on the same closed meshes in the same poses, with the angle to the exact
 // gradient of the overlap, and a page. Peers take the triangles as they are, without margins; what they return is summed up as depth times
-// normal. Usage: bench_peers [--poses N=10] [--steps N=200] [--spheres N=10000] [--report PAGE.html] [PAIR]... (bunny-bunny, bunny-probe, torus-torus)
-#include "BulletISTCollision/Core/Distance/MeshDistance.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Query/ProximityQuery.h"
+// normal. Usage: bench_peers [--poses N=10] [--steps N=200] [--spheres N=10000] [--report PAGE.html] [PAIR]... (bunny-bunny, bunny-probe,
+// torus-torus)
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/ProximityQuery.h"
 #include "demos/scenes/Pages/HtmlReport.h"
 #include "tests/bench/bodies/BenchBodies.h"
 #include "tests/bench/bodies/BenchPoses.h"
@@ -75,8 +76,8 @@ Vec3 areaInside(const MeshDistance& B, const Pose& X_BA, const Vec3& a, const Ve
 	if (signedDistance >= reach) return {};
 	if (signedDistance <= -reach || depth == 0) return signedDistance < 0 ? area : Vec3{};
 	const Vec3 ab = (a + b) * 0.5, bc = (b + c) * 0.5, ca = (c + a) * 0.5;
-	return areaInside(B, X_BA, a, ab, ca, depth - 1) + areaInside(B, X_BA, ab, b, bc, depth - 1) + areaInside(B, X_BA, ca, bc, c, depth - 1) +
-		   areaInside(B, X_BA, ab, bc, ca, depth - 1);
+	return areaInside(B, X_BA, a, ab, ca, depth - 1) + areaInside(B, X_BA, ab, b, bc, depth - 1) +
+		areaInside(B, X_BA, ca, bc, c, depth - 1) + areaInside(B, X_BA, ab, bc, ca, depth - 1);
 }
 
 struct Truth
@@ -184,7 +185,8 @@ void comparePoses(const std::string& name, const Body& A, const Body& B, Peers& 
 			}
 			times.back().push_back(scenes::formatNumber(quantile(us, 0.5), 3) + " (" + scenes::formatNumber(quantile(us, 1), 3) + ")");
 			const std::string missing = missed > 0 ? ", " + std::to_string(missed) + " missed" : "";
-			angles.back().push_back(scenes::formatNumber(quantile(degrees, 0.5), 2) + " (" + scenes::formatNumber(quantile(degrees, 1), 2) + ")" + missing);
+			angles.back().push_back(
+				scenes::formatNumber(quantile(degrees, 0.5), 2) + " (" + scenes::formatNumber(quantile(degrees, 1), 2) + ")" + missing);
 			series.x.push_back(100 * overlaps[o]);
 			series.y.push_back(quantile(us, 0.5));
 			if (o == 1) angles.back().push_back(scenes::formatNumber(quantile(contacts, 0.5), 4));
@@ -193,7 +195,8 @@ void comparePoses(const std::string& name, const Body& A, const Body& B, Peers& 
 	}
 	page.table(name + ": time, median (most) [us]", {"", "0.1 %", "1 %", "10 %", "50 %"}, times);
 	page.html.chart(chart);
-	page.table(name + ": angle to the exact gradient, median (most) [degrees]", {"", "0.1 %", "1 %", "contacts or pairs at 1 %", "10 %", "50 %"}, angles);
+	page.table(name + ": angle to the exact gradient, median (most) [degrees]",
+		{"", "0.1 %", "1 %", "contacts or pairs at 1 %", "10 %", "50 %"}, angles);
 }
 
 /// B comes from outside, slides through A's side with a turn, and leaves.
@@ -219,7 +222,8 @@ void comparePath(const std::string& name, const Body& A, const Body& B, Peers& p
 	}
 	const auto jitter = [](const std::vector<Vec3>& pushes) {
 		double squares = 0, length = 0;
-		for (size_t i = 1; i + 1 < pushes.size(); ++i) squares += squaredNorm(pushes[i - 1] - pushes[i] * 2.0 + pushes[i + 1]) / double(pushes.size() - 2);
+		for (size_t i = 1; i + 1 < pushes.size(); ++i)
+			squares += squaredNorm(pushes[i - 1] - pushes[i] * 2.0 + pushes[i + 1]) / double(pushes.size() - 2);
 		for (const Vec3& p : pushes) length += norm(p) / double(pushes.size());
 		return length > 0 ? std::sqrt(squares) / length : 0;
 	};
@@ -238,12 +242,15 @@ void comparePath(const std::string& name, const Body& A, const Body& B, Peers& p
 			pushes.push_back(answer.push);
 			hits += answer.contacts > 0 && !truths[size_t(i)].meets;
 			misses += answer.contacts == 0 && truths[size_t(i)].meets;
-			if (answer.contacts > 0 && truths[size_t(i)].meets && norm(truths[size_t(i)].push) > 0) degrees.push_back(angleBetween(answer.push, truths[size_t(i)].push));
+			if (answer.contacts > 0 && truths[size_t(i)].meets && norm(truths[size_t(i)].push) > 0)
+				degrees.push_back(angleBetween(answer.push, truths[size_t(i)].push));
 		}
 		rows.push_back({peer->name(), scenes::formatNumber(quantile(us, 0.5), 3), scenes::formatNumber(quantile(us, 0.99), 3),
-						std::to_string(hits) + " / " + std::to_string(misses), scenes::formatNumber(quantile(degrees, 0.5), 2), scenes::formatNumber(jitter(pushes), 2)});
+			std::to_string(hits) + " / " + std::to_string(misses), scenes::formatNumber(quantile(degrees, 0.5), 2),
+			scenes::formatNumber(jitter(pushes), 2)});
 	}
-	page.table(name + ": a path of " + std::to_string(steps) + " steps", {"", "median [us]", "99 % [us]", "false hits / misses", "angle, median [degrees]", "jitter"}, rows);
+	page.table(name + ": a path of " + std::to_string(steps) + " steps",
+		{"", "median [us]", "99 % [us]", "false hits / misses", "angle, median [degrees]", "jitter"}, rows);
 }
 
 void compareInside(const std::string& name, const Body& A, const Body& B, Peers& peers, Page& page)
@@ -295,7 +302,8 @@ int main(int argc, char** argv)
 		return 2;
 	}
 	Page page;
-	page.html.paragraph("Exact: A's triangles inside of B, cut where they cross its surface. Times are the least of three runs in a row of a pose, one thread. Peers return contacts, summed up here as "
+	page.html.paragraph("Exact: A's triangles inside of B, cut where they cross its surface. Times are the least of three runs in a row of "
+						"a pose, one thread. Peers return contacts, summed up here as "
 						"depth times normal; this library stands behind its gate, so that bodies that are apart press nothing.");
 	for (const std::string& name : settings.pairs)
 	{

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // A cube of 1,000 kg/m^3 comes to rest on a table, all from memory.
 #include <BulletHapticForce/btBulletHapticForceCommon.h>
-#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
-#include <BulletISTCollision/Core/Build/TreeBuilder.h>
 #include <BulletISTCollision/Core/Base/Version.h>
+#include <BulletISTCollision/Core/Build/TreeBuilder.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
 
 #include <btBulletDynamicsCommon.h>
 

@@ -59,7 +59,8 @@ void setStiffness(Volumetric& volumetric)
 	const double stiffness = number("BPP_STIFFNESS");
 	const btCollisionObjectArray& objects = volumetric.world.bullet().getCollisionObjectArray();
 	for (int i = 0; stiffness != 0 && i < objects.size(); ++i)
-		if (objects[i]->getCollisionShape()->getShapeType() == GIMPACT_SHAPE_PROXYTYPE) tell(volumetric.world.materials().set(objects[i], {stiffness}));
+		if (objects[i]->getCollisionShape()->getShapeType() == GIMPACT_SHAPE_PROXYTYPE)
+			tell(volumetric.world.materials().set(objects[i], {stiffness}));
 }
 }  // namespace
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// To be preloaded into any program that steps a btDiscreteDynamicsWorld: writes the pose of every object after each frame to the file TRACE, to the last bit, and in the
-// end to stderr the processor time of the frames' steps and how wild it was: how fast any body moved at most, from frame to frame, where they all were, and how far apart
-// neighbours are that were added one after the other, as the links of a chain.
-// After TRACE_FRAMES of them, if that is said, it counts no more and asks the program to end.
+// To be preloaded into any program that steps a btDiscreteDynamicsWorld: writes the pose of every object after each frame to the file
+// TRACE, to the last bit, and in the end to stderr the processor time of the frames' steps and how wild it was: how fast any body moved at
+// most, from frame to frame, where they all were, and how far apart neighbours are that were added one after the other, as the links of a
+// chain. After TRACE_FRAMES of them, if that is said, it counts no more and asks the program to end.
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -53,7 +53,8 @@ public:
 			m_lower.setMin(pose.getOrigin());
 			m_upper.setMax(pose.getOrigin());
 			const auto before = m_poses.find(object);
-			if (before != m_poses.end() && seconds > 0) enlarge(fastest, speed(before->second, pose, *object->getCollisionShape(), seconds));
+			if (before != m_poses.end() && seconds > 0)
+				enlarge(fastest, speed(before->second, pose, *object->getCollisionShape(), seconds));
 		}
 		m_apart = largestGap(world);
 		m_poses.swap(now);
@@ -67,8 +68,10 @@ public:
 			enlarge(ever, m_frames[i].fastest);
 			if (seconds < 1) last = ever;
 		}
-		std::fprintf(stderr, "fastest %.2f m/s, in the last second %.2f m/s; neighbours %.2f m apart; centres from (%.1f %.1f %.1f) to (%.1f %.1f %.1f) m\n", ever, last, m_apart,
-					 double(m_lower.x()), double(m_lower.y()), double(m_lower.z()), double(m_upper.x()), double(m_upper.y()), double(m_upper.z()));
+		std::fprintf(stderr,
+			"fastest %.2f m/s, in the last second %.2f m/s; neighbours %.2f m apart; centres from (%.1f %.1f %.1f) to (%.1f %.1f %.1f) m\n",
+			ever, last, m_apart, double(m_lower.x()), double(m_lower.y()), double(m_lower.z()), double(m_upper.x()), double(m_upper.y()),
+			double(m_upper.z()));
 	}
 
 private:
@@ -90,7 +93,7 @@ private:
 		double seconds, fastest;
 	};
 	std::vector<Frame> m_frames;
-	double m_apart = 0;  // in the end
+	double m_apart = 0;                                                 // in the end
 	std::unordered_map<const btCollisionObject*, btTransform> m_poses;  // after the frame before
 	btVector3 m_lower{BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT}, m_upper{-BT_LARGE_FLOAT, -BT_LARGE_FLOAT, -BT_LARGE_FLOAT};
 };
@@ -109,7 +112,8 @@ struct Trace
 		for (const double time : milliseconds) sum += time;
 		std::sort(milliseconds.begin(), milliseconds.end());
 		if (milliseconds.empty()) return;
-		std::fprintf(stderr, "frames %zu, mean %.3f ms, median %.3f ms\n", milliseconds.size(), sum / milliseconds.size(), milliseconds[milliseconds.size() / 2]);
+		std::fprintf(stderr, "frames %zu, mean %.3f ms, median %.3f ms\n", milliseconds.size(), sum / milliseconds.size(),
+			milliseconds[milliseconds.size() / 2]);
 		motion.print();
 	}
 };
@@ -125,7 +129,8 @@ double now()
 int btDiscreteDynamicsWorld::stepSimulation(btScalar seconds, int most, btScalar fixed)
 {
 	using Step = int (*)(btDiscreteDynamicsWorld*, btScalar, int, btScalar);
-	static const auto bullets = reinterpret_cast<Step>(dlsym(RTLD_NEXT, sizeof(btScalar) == 4 ? "_ZN23btDiscreteDynamicsWorld14stepSimulationEfif" : "_ZN23btDiscreteDynamicsWorld14stepSimulationEdid"));
+	static const auto bullets = reinterpret_cast<Step>(dlsym(RTLD_NEXT,
+		sizeof(btScalar) == 4 ? "_ZN23btDiscreteDynamicsWorld14stepSimulationEfif" : "_ZN23btDiscreteDynamicsWorld14stepSimulationEdid"));
 	static Trace trace;
 	const double begin = now();
 	const int steps = bullets(this, seconds, most, fixed);
@@ -136,7 +141,8 @@ int btDiscreteDynamicsWorld::stepSimulation(btScalar seconds, int most, btScalar
 	{
 		const btTransform& X = getCollisionObjectArray()[i]->getWorldTransform();
 		for (int row = 0; row < 3; ++row)
-			std::fprintf(trace.file, "%a %a %a %a ", double(X.getBasis()[row][0]), double(X.getBasis()[row][1]), double(X.getBasis()[row][2]), double(X.getOrigin()[row]));
+			std::fprintf(trace.file, "%a %a %a %a ", double(X.getBasis()[row][0]), double(X.getBasis()[row][1]),
+				double(X.getBasis()[row][2]), double(X.getOrigin()[row]));
 		std::fputc('\n', trace.file);
 	}
 	if (trace.isFull()) std::raise(SIGTERM);

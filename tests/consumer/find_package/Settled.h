@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
 #include <BulletISTCollision/Core/Build/TreeBuilder.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
 
 #include <btBulletDynamicsCommon.h>
 

@@ -16,7 +16,7 @@ TEST(Bunny, ComesToRestOnTheCrate)
 
 	TestWorld world;
 	world.keepTreesIn(TREE_FOLDER);
-	world.addMesh(ist::makeBoxMesh({.3, .05, .3}), 0, at(0, -.05, 0));  // static, its top at y = 0
+	world.addMesh(ist::makeBoxMesh({.3, .05, .3}), 0, at(0, -.05, 0));    // static, its top at y = 0
 	btRigidBody& bunny = world.addMeshFile(mesh, 1, at(0, .12, 0), 0.1);  // 20 cm tall
 	world.run(3);
 	EXPECT_THAT(bunny, IsAtRest());
@@ -53,13 +53,13 @@ TEST(Plate, ComesToRestOnThePointsOfTheCrown)
 
 TEST(Crate, BehavesAsTheorySays)
 {
-	const auto makeCrate = [](TestWorld& world, const btTransform& pose) -> btRigidBody&
-	{
+	const auto makeCrate = [](TestWorld& world, const btTransform& pose) -> btRigidBody& {
 		world.keepTreesIn(TREE_FOLDER);
 		btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.2, .15, .1}), 8, pose);
 		crate.setFriction(.4);
 		EXPECT_FALSE(world.world().materials().set(&crate, {2e6, 3}));
 		return crate;
 	};
-	for (const TestScene& scene : testScenes()) EXPECT_THAT(scene.play(makeCrate, 1.0 / 60), AgreesWithTheory(.01)) << scene.name << ": " << scene.law;
+	for (const TestScene& scene : testScenes())
+		EXPECT_THAT(scene.play(makeCrate, 1.0 / 60), AgreesWithTheory(.01)) << scene.name << ": " << scene.law;
 }

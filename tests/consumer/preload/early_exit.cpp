@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A game that ends in one thread after so many milliseconds (its argument) while another still steps its world, in which a new ring takes the place of the
-// last in every step.
+// A game that ends in one thread after so many milliseconds (its argument) while another still steps its world, in which a new ring takes
+// the place of the last in every step.
 #include "ring.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>

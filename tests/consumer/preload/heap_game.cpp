@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// A game that keeps everything on the heap and clears up as Bullet's examples do: bodies, shapes, world, solver, broad phase, dispatcher. Boxes on a
-// plane and a hinge; with `--gimpact` two rings, too, one of which goes halfway, and the world goes last; with `--threaded` they come late, into a world whose dispatcher may have
-// several threads. Prints where every body is after each frame, exactly.
+// A game that keeps everything on the heap and clears up as Bullet's examples do: bodies, shapes, world, solver, broad phase, dispatcher.
+// Boxes on a plane and a hinge; with `--gimpact` two rings, too, one of which goes halfway, and the world goes last; with `--threaded` they
+// come late, into a world whose dispatcher may have several threads. Prints where every body is after each frame, exactly.
 #include "ring.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
@@ -45,12 +45,12 @@ int main(int argc, char** argv)
 	std::vector<btRigidBody*> bodies;
 	add(*world, bodies, plane, 0, btVector3(0, 0, 0));
 	for (int i = 0; i < 8; ++i) add(*world, bodies, box, 1, btVector3(btScalar(0.03 * i), btScalar(0.4 + 0.7 * i), btScalar(0.02 * i)));
-	auto* hinge = new btHingeConstraint(*bodies[7], *bodies[8], btVector3(0, btScalar(.35), 0), btVector3(0, btScalar(-.35), 0), btVector3(0, 0, 1), btVector3(0, 0, 1));
+	auto* hinge = new btHingeConstraint(
+		*bodies[7], *bodies[8], btVector3(0, btScalar(.35), 0), btVector3(0, btScalar(-.35), 0), btVector3(0, 0, 1), btVector3(0, 0, 1));
 	world->addConstraint(hinge);
 	btTriangleMesh* triangles = nullptr;
 	btGImpactMeshShape* ring = nullptr;
-	const auto addRings = [&]
-	{
+	const auto addRings = [&] {
 		btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher);
 		triangles = makeRing();
 		ring = new btGImpactMeshShape(triangles);

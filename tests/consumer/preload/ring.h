@@ -8,8 +8,7 @@
 /// A torus of 256 triangles about the y axis, lying.
 inline btTriangleMesh* makeRing()
 {
-	const auto point = [](int i, int j)
-	{
+	const auto point = [](int i, int j) {
 		const double u = i * 0.39269908169872414, v = j * 0.7853981633974483, r = 0.5 + 0.2 * std::cos(v);
 		return btVector3(btScalar(r * std::cos(u)), btScalar(0.2 * std::sin(v)), btScalar(-r * std::sin(u)));
 	};

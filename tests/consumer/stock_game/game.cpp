@@ -20,10 +20,10 @@ namespace
 /// A ring around z of 32 by 16 quads, in triangles.
 btTriangleMesh* makeRing(double R, double r)
 {
-	const auto point = [=](int i, int j)
-	{
+	const auto point = [=](int i, int j) {
 		const double u = i * 0.19634954084936207, v = j * 0.39269908169872414;
-		return btVector3(btScalar((R + r * std::cos(v)) * std::cos(u)), btScalar((R + r * std::cos(v)) * std::sin(u)), btScalar(r * std::sin(v)));
+		return btVector3(
+			btScalar((R + r * std::cos(v)) * std::cos(u)), btScalar((R + r * std::cos(v)) * std::sin(u)), btScalar(r * std::sin(v)));
 	};
 	auto* mesh = new btTriangleMesh;
 	for (int i = 0; i < 32; ++i)
@@ -68,8 +68,8 @@ public:
 
 		btRigidBody* post = add(box, 0, at(0, 3, 3));
 		btRigidBody* door = add(box, 1, at(0.9, 3, 3));
-		m_hinge = std::make_unique<btHingeConstraint>(*post, *door, btVector3(btScalar(.45), 0, 0), btVector3(btScalar(-.45), 0, 0),
-													  btVector3(0, 0, 1), btVector3(0, 0, 1));
+		m_hinge = std::make_unique<btHingeConstraint>(
+			*post, *door, btVector3(btScalar(.45), 0, 0), btVector3(btScalar(-.45), 0, 0), btVector3(0, 0, 1), btVector3(0, 0, 1));
 		m_world.addConstraint(m_hinge.get());
 	}
 	~Game()
@@ -85,7 +85,8 @@ public:
 		for (size_t i = 0; i < m_bodies.size(); ++i)
 		{
 			const btVector3 p = m_bodies[i]->getWorldTransform().getOrigin(), v = m_bodies[i]->getLinearVelocity();
-			std::printf("%d %zu %a %a %a %a %a %a\n", frame, i, double(p.x()), double(p.y()), double(p.z()), double(v.x()), double(v.y()), double(v.z()));
+			std::printf("%d %zu %a %a %a %a %a %a\n", frame, i, double(p.x()), double(p.y()), double(p.z()), double(v.x()), double(v.y()),
+				double(v.z()));
 		}
 	}
 	/// Everybody is somewhere and nobody below the ground. How fast a pile moves depends on the processor's rounding.
@@ -95,7 +96,8 @@ public:
 		for (const auto& body : m_bodies)
 		{
 			const btVector3 p = body->getWorldTransform().getOrigin();
-			sound = sound && std::isfinite(double(p.length2())) && std::isfinite(double(body->getLinearVelocity().length2())) && p.y() > btScalar(-0.1);
+			sound = sound && std::isfinite(double(p.length2())) && std::isfinite(double(body->getLinearVelocity().length2())) &&
+				p.y() > btScalar(-0.1);
 		}
 		return sound;
 	}

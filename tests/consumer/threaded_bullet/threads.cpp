@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// Volumetric contact beside threads of Bullet's own: a world that Bullet steps with one thread is volumetric, whoever else has threads; where Bullet would call us from
-// several at once, the dispatcher or the solver is refused in words, and the world is Bullet's.
+// Volumetric contact beside threads of Bullet's own: a world that Bullet steps with one thread is volumetric, whoever else has threads;
+// where Bullet would call us from several at once, the dispatcher or the solver is refused in words, and the world is Bullet's.
 #include <BulletHapticForce/btBulletHapticForceCommon.h>
-#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
 #include <BulletISTCollision/Core/Build/TreeBuilder.h>
+#include <BulletISTCollision/Core/Mesh/MeshShapes.h>
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolverMt.h>
@@ -36,7 +36,8 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
 	ist::BuildOptions options;
 	options.maxSpheres = 200;
-	static const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
+	static const auto tree = std::make_shared<const ist::InnerSphereTree>(
+		ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
 	return tree;
 }
 

@@ -31,7 +31,8 @@ namespace
 void count(btDynamicsWorld* world, btScalar)
 {
 	auto& volumetric = *static_cast<Volumetric*>(world->getWorldUserInfo());
-	for (const btISTContact* contact : volumetric.world.contacts().contacts()) volumetric.touched += contact->treeB && contact->total.volume > 0;
+	for (const btISTContact* contact : volumetric.world.contacts().contacts())
+		volumetric.touched += contact->treeB && contact->total.volume > 0;
 }
 
 /// The hulls among a shape and its children. Boxes, cylinders and capsules meet trees as they are.
@@ -59,7 +60,8 @@ void attachVolumetric(Volumetric& volumetric)
 	const char* mode = std::getenv("VDRIFT_VOLUMETRIC");
 	if (mode && std::string(mode) == "idle") return;
 	btDiscreteDynamicsWorld& world = volumetric.world.bullet();
-	for (int i = 0; i < world.getNonStaticRigidBodies().size(); ++i) attachHulls(*world.getNonStaticRigidBodies()[i]->getCollisionShape(), volumetric);
+	for (int i = 0; i < world.getNonStaticRigidBodies().size(); ++i)
+		attachHulls(*world.getNonStaticRigidBodies()[i]->getCollisionShape(), volumetric);
 	const int attached = volumetric.trees.finish();
 	std::fprintf(stderr, "%d of %zu hulls have trees\n", attached, volumetric.hulls.size());
 	for (const btISTPendingAttachment& hull : volumetric.hulls)
@@ -69,7 +71,9 @@ void attachVolumetric(Volumetric& volumetric)
 
 void detachVolumetric(Volumetric& volumetric)
 {
-	if (!volumetric.hulls.empty()) std::fprintf(stderr, "volumetric contact of two hulls in %llu pairs and steps\n", static_cast<unsigned long long>(volumetric.touched));
+	if (!volumetric.hulls.empty())
+		std::fprintf(
+			stderr, "volumetric contact of two hulls in %llu pairs and steps\n", static_cast<unsigned long long>(volumetric.touched));
 	volumetric.hulls.clear();
 	volumetric.touched = 0;
 }

@@ -37,21 +37,19 @@ Worst collideMany(const ExtremeSolid& solid, double dissipation, int count)
 		worst.angular = std::max(worst.angular, out.angular);
 		worst.energy = std::max(worst.energy, out.energy);
 		worst.mean += out.energy / count;
-		// Rounding is all that may be added: of the velocities in each step of contact, and of the depth, which moves an implicit impulse by h^2 K / m of it (1 kg, 1 m^2).
+		// Rounding is all that may be added: of the velocities in each step of contact, and of the depth, which moves an implicit impulse
+		// by h^2 K / m of it (1 kg, 1 m^2).
 		const double rounding = (kDouble ? 1e-11 : 5e-5) + kEpsilon * setup.h * setup.h * setup.k;
 		EXPECT_LE(out.energy, 1 + rounding) << seed << ": k " << setup.k << ", h " << setup.h << ", " << setup.speed << " m/s";
 		EXPECT_LT(out.momentum, kDouble ? 1e-12 : 1e-5) << seed;
 	}
 	std::printf("  dissipation %g: %d of %d touched, momentum %.1e, angular %.1e, energy kept mean %.3f, most 1 %+.1e\n", dissipation,
-				worst.touched, count, worst.momentum, worst.angular, worst.mean, worst.energy - 1);
+		worst.touched, count, worst.momentum, worst.angular, worst.mean, worst.energy - 1);
 	return worst;
 }
 }  // namespace
 
-TEST(IsolatedPair, GainsNoEnergyAndKeepsItsMomentumInAThousandCollisions)
-{
-	EXPECT_GT(collideMany(unitCube(), -1, 1000).touched, 900);
-}
+TEST(IsolatedPair, GainsNoEnergyAndKeepsItsMomentumInAThousandCollisions) { EXPECT_GT(collideMany(unitCube(), -1, 1000).touched, 900); }
 
 // What was absorbed is given back, and no more: neither from bumps shallower than the packing's gaps nor from a deep first step.
 TEST(IsolatedPair, GainsNoEnergyWithoutDissipationEither)
@@ -72,13 +70,13 @@ TEST(Restitution, FollowsHuntAndCrossleysClosedForm)
 			const BounceOutcome out = bounce(unitCube(), 1e3, dv, hw);
 			const double exact = huntCrossleyRestitution(dv);
 			std::printf("  d v %4g, h omega %.3f: e %.5f, closed form %.5f (%+.2f %%)\n", dv, hw, out.restitution, exact,
-						100 * (out.restitution / exact - 1));
+				100 * (out.restitution / exact - 1));
 			EXPECT_NEAR(out.restitution, exact, (hw < 0.01 ? 0.01 : 0.05) * exact);
 		}
 }
 
-// The cube of the bounce has an edge of 1 m and weighs 1 kg: K = k. It goes 1 / omega deep; less deep than a few gaps the force grows faster than with depth, and
-// less is lost.
+// The cube of the bounce has an edge of 1 m and weighs 1 kg: K = k. It goes 1 / omega deep; less deep than a few gaps the force grows
+// faster than with depth, and less is lost.
 TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
 {
 	for (const double hw : {0.02, 0.1, 0.2})
@@ -96,8 +94,7 @@ TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
 TEST(Restitution, IsNeverAboveOne)
 {
 	for (const double hw : {0.006, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0})
-		for (const double k : {1e2, 1e4, 1e6})
-			EXPECT_LE(bounce(unitCube(), k, 0, hw).restitution, 1 + 1e3 * kEpsilon) << hw << " " << k;
+		for (const double k : {1e2, 1e4, 1e6}) EXPECT_LE(bounce(unitCube(), k, 0, hw).restitution, 1 + 1e3 * kEpsilon) << hw << " " << k;
 }
 
 TEST(FrictionOnASlope, HoldsBelowTheCriticalAngleAndFollowsCoulombBeyond)

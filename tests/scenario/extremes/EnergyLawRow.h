@@ -6,7 +6,8 @@
 
 namespace extremes
 {
-// Forces of the law are continuous, their slopes are not: leaves come and go. Each costs the integration a share of (h omega)^2 of the energy.
+// Forces of the law are continuous, their slopes are not: leaves come and go. Each costs the integration a share of (h omega)^2 of the
+// energy.
 constexpr double kShareOfSquare = 0.5;
 // With this step that is a millionth; grazes that are over sooner are repeated with it.
 constexpr double kFineStep = 0.0014;
@@ -36,7 +37,8 @@ inline void expectConserved(uint64_t count)
 		const EnergyCollisionOutcome out = collideFinely(cube, setup, repeated);
 		ASSERT_TRUE(out.finished) << seed;
 		ASSERT_GT(out.swing, 0) << seed;
-		// Single precision rounds ten thousand steps ten metres from the origin, which counts in a graze that stores less than a thousandth.
+		// Single precision rounds ten thousand steps ten metres from the origin, which counts in a graze that stores less than a
+		// thousandth.
 		EXPECT_LT(std::fabs(out.gain), kDouble ? 1e-6 * out.swing : 1e-1 * out.swing + 3e-5 * out.kinetic) << seed;
 		EXPECT_LT(out.momentum, kDouble ? 1e-12 : 1e-5) << seed;
 		gain = std::max(gain, out.gain / out.swing);
@@ -46,7 +48,8 @@ inline void expectConserved(uint64_t count)
 		momentum = std::max(momentum, out.momentum);
 		angular = std::max(angular, out.angular);
 	}
-	std::printf("  %d collisions, %d of them repeated in finer steps, h omega at most %.1e: kinetic energy %+.1e to %+.1e of what was stored, on the way within %.1e; momentum %.1e, angular %.1e\n", int(count),
-				repeated, coarsest, -loss, gain, within, momentum, angular);
+	std::printf("  %d collisions, %d of them repeated in finer steps, h omega at most %.1e: kinetic energy %+.1e to %+.1e of what was "
+				"stored, on the way within %.1e; momentum %.1e, angular %.1e\n",
+		int(count), repeated, coarsest, -loss, gain, within, momentum, angular);
 }
 }  // namespace extremes

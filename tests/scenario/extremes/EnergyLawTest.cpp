@@ -8,15 +8,15 @@ using namespace extremes;
 TEST(EnergyLaw, CollisionsGiveBackWhatTheyStored) { expectConserved(20); }
 
 #ifdef BT_USE_DOUBLE_PRECISION
-// Newton's third law, and the energy's own differences: of the forces as Bullet gets them, far from the origin too. Differences of poses in single
-// precision say nothing.
+// Newton's third law, and the energy's own differences: of the forces as Bullet gets them, far from the origin too. Differences of poses in
+// single precision say nothing.
 TEST(EnergyLaw, ForcesAreTheGradientOfTheEnergy)
 {
 	for (const ist::Vec3& place : {ist::Vec3{}, ist::Vec3{1000, -300, 200}})
 	{
 		ExtremeWorld world(Response::Volumetric, 0);
-		btRigidBody *a = world.add(unitCube(), 1, 1, transformOf(place, {0.3, 0.1, -0.2}));
-		btRigidBody *b = world.add(unitCube(), 1, 1, transformOf(place + ist::Vec3{0.1, 0.7, -0.2}, {-0.4, 0.2, 0.5}));
+		btRigidBody* a = world.add(unitCube(), 1, 1, transformOf(place, {0.3, 0.1, -0.2}));
+		btRigidBody* b = world.add(unitCube(), 1, 1, transformOf(place + ist::Vec3{0.1, 0.7, -0.2}, {-0.4, 0.2, 0.5}));
 		btEnergyLaw law;
 		ASSERT_FALSE(law.add(a, unitCube().tree, b, unitCube().tree, {1e4, 0.3, 0.7}));
 		law.apply();
@@ -43,7 +43,8 @@ TEST(EnergyLaw, ForcesAreTheGradientOfTheEnergy)
 					law.apply();
 					energy[side] = law.contact(0).energy;
 				}
-				const double slope = -(energy[1] - energy[0]) / (2 * step), expected = axis < 3 ? exact.force[axis] : exact.torque[axis - 3];
+				const double slope = -(energy[1] - energy[0]) / (2 * step),
+							 expected = axis < 3 ? exact.force[axis] : exact.torque[axis - 3];
 				EXPECT_NEAR(slope, expected, 1e-4 * norm(exact.force)) << axis;
 			}
 			body->setWorldTransform(before);

@@ -18,7 +18,11 @@ struct Audited
 	btEnergyAudit audit;
 	double h;
 
-	Audited(double gravity, double step) : world(Response::Volumetric, gravity), audit(world.bullet(), world.volumetric().contacts()), h(step) {}
+	Audited(double gravity, double step)
+		: world(Response::Volumetric, gravity),
+		  audit(world.bullet(), world.volumetric().contacts()),
+		  h(step)
+	{}
 	void step()
 	{
 		audit.beforeStep(h);
@@ -101,7 +105,8 @@ TEST(EnergyAudit, BounceDissipatesWhatHuntAndCrossleySay)
 	ASSERT_GT(body->getWorldTransform().getOrigin().y(), 0.6);
 	const double e = huntCrossleyRestitution(dv), exact = 0.5 * mass * (1 - e * e);
 	const btEnergyBalance& total = scene.audit.total();
-	std::printf("  physical %.5f J, closed form %.5f J, numerical %.5f J, residual %.1e J\n", total.physical, exact, total.numerical, total.residual);
+	std::printf("  physical %.5f J, closed form %.5f J, numerical %.5f J, residual %.1e J\n", total.physical, exact, total.numerical,
+		total.residual);
 	EXPECT_NEAR(total.physical, exact, 0.02 * exact);
 	EXPECT_GT(total.numerical, 0);
 	EXPECT_LT(total.numerical, 0.03);
@@ -173,7 +178,8 @@ TEST(EnergyAudit, CollisionsLoseWhatWasDissipated)
 		physical += out.physical / 200;
 		numerical += out.numerical / 200;
 	}
-	std::printf("  of the kinetic energy, in the mean: physical %.3f, numerical %.3f; without a name at most %.1e\n", physical, numerical, worst);
+	std::printf(
+		"  of the kinetic energy, in the mean: physical %.3f, numerical %.3f; without a name at most %.1e\n", physical, numerical, worst);
 	EXPECT_GT(touched, 180);
 }
 
@@ -193,7 +199,8 @@ TEST(EnergyAudit, PileWhoseContactsAreHeldBackLeavesNoResidual)
 	}
 	scene.steps(360);
 	const auto held = scene.world.volumetric().statistics().contactsHeldToLedger;
-	std::printf("  %llu contacts held, residual %.1e of %.0f J\n", static_cast<unsigned long long>(held), scene.audit.total().residual, energy);
+	std::printf(
+		"  %llu contacts held, residual %.1e of %.0f J\n", static_cast<unsigned long long>(held), scene.audit.total().residual, energy);
 	EXPECT_GT(held, 20u);
 	scene.expectClosed(energy);
 	EXPECT_LT(scene.audit.total().kinetic + scene.audit.total().potential, energy);

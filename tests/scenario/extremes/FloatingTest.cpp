@@ -9,7 +9,8 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 }
 
-// Draft = height rho / rho_w; heave: omega^2 = rho_w g A / m = g / draft; roll: omega^2 = m g GM / I, GM = w^2 / (12 draft) - (height - draft) / 2.
+// Draft = height rho / rho_w; heave: omega^2 = rho_w g A / m = g / draft; roll: omega^2 = m g GM / I, GM = w^2 / (12 draft) - (height -
+// draft) / 2.
 TEST(Floating, BoxHasTheDraftAndThePeriodsOfHydrostatics)
 {
 	const double width = 1, height = 0.4, length = 1.6, share = 0.5, inertiaPerMass = (width * width + height * height) / 12;
@@ -18,7 +19,7 @@ TEST(Floating, BoxHasTheDraftAndThePeriodsOfHydrostatics)
 	const double heave = 2 * kPi * std::sqrt(draft / kGravity), roll = 2 * kPi * std::sqrt(inertiaPerMass / (kGravity * GM));
 	const FloatOutcome out = floatBody(box, share * kWater, inertiaPerMass, 1.0 / 480);
 	std::printf("  draft %+.2f %%, heave %+.2f %%, roll %+.2f %%\n", 100 * (out.draft / draft - 1), 100 * (out.heavePeriod / heave - 1),
-				100 * (out.rollPeriod / roll - 1));
+		100 * (out.rollPeriod / roll - 1));
 	EXPECT_NEAR(out.draft, draft, 0.02 * draft);
 	EXPECT_NEAR(out.heavePeriod, heave, 0.02 * heave);
 	EXPECT_NEAR(out.rollPeriod, roll, 0.02 * roll);
@@ -31,7 +32,8 @@ TEST(Floating, SquareLogTipsWhereItsMetacentreFallsBelowItsCentreOfMass)
 	for (const double edge : {0.2113, 0.7887})
 		for (const double off : {-0.01, 0.01})
 		{
-			const double share = edge + off, exact = wallSidedTilt(std::min(share, 1 - share)), tilt = restingTiltOfLog(log, share, 1.0 / 120);
+			const double share = edge + off, exact = wallSidedTilt(std::min(share, 1 - share)),
+						 tilt = restingTiltOfLog(log, share, 1.0 / 120);
 			std::printf("  density share %.4f: %.3f rad, closed form %.3f\n", share, tilt, exact);
 			if (exact > 0) EXPECT_GT(tilt, 0.7 * exact) << share;
 			else EXPECT_LT(tilt, 0.05) << share;

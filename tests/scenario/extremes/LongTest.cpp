@@ -5,8 +5,7 @@ using namespace extremes;
 
 // Leaves decide on which tilt a cube comes to rest, and on how far from what its pose can hold.
 class Rest : public testing::TestWithParam<int>
-{
-};
+{};
 
 TEST_P(Rest, CubeDoesNotDriftInAnHour)
 {
@@ -17,7 +16,7 @@ TEST_P(Rest, CubeDoesNotDriftInAnHour)
 	setup.place = {0, -0.5, 0};
 	const RestOutcome rest = restOnPlane(Response::Volumetric, cube, setup);
 	std::printf("  %d spheres: kinetic energy %.1e of m g d0, moved %.1e of the edge in the last half hour\n", GetParam(),
-				rest.kinetic / (kGravity * 0.05), rest.creep);
+		rest.kinetic / (kGravity * 0.05), rest.creep);
 	EXPECT_TRUE(rest.finite);
 	EXPECT_LT(rest.kinetic, 1e-10 * kGravity * 0.05);
 	EXPECT_LT(rest.creep, 1e-6);
@@ -34,8 +33,8 @@ TEST(Tower, OfTenCubesStandsAMinuteAtSixtyHertz)
 	expectStraightTower(setup, 10000);
 }
 
-// Every other cube is Bullet's own box, so that a contact has the gaps of one tree, not of two: it resists tilting as it must. The minute of
-// the page takes ten.
+// Every other cube is Bullet's own box, so that a contact has the gaps of one tree, not of two: it resists tilting as it must. The minute
+// of the page takes ten.
 TEST(Tower, OfTwentyCubesStandsAtTwoHundredAndFortyHertz)
 {
 	TowerSetup setup;

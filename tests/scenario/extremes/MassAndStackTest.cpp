@@ -24,7 +24,7 @@ void expectStands(const TowerOutcome& tower, double tolerance)
 	EXPECT_LT(tower.fellAfter, 0);
 	EXPECT_NEAR(tower.sinkage[1], tower.expected[1], tolerance);
 	std::printf("  upper sinkage %.5f m, by the model %.5f m (%+.2f %%), drift %.1e\n", tower.sinkage[1], tower.expected[1],
-				100 * (tower.sinkage[1] / tower.expected[1] - 1), tower.drift);
+		100 * (tower.sinkage[1] / tower.expected[1] - 1), tower.drift);
 }
 }  // namespace
 
@@ -73,9 +73,10 @@ TEST(Tower, TiltStiffnessIsBoundedByTheGapsAndGrowsWithoutThem)
 	const ExtremeSolid coarse = unitCube(), fine = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
 	for (const double volume : {1e-2, 1e-3, 3e-4, 1e-4})
 	{
-		const double kappa[] = {tiltStiffness(coarse, volume), tiltStiffness(fine, volume), tiltStiffness(fine, volume, true), 1 / (12 * volume)};
+		const double kappa[] = {
+			tiltStiffness(coarse, volume), tiltStiffness(fine, volume), tiltStiffness(fine, volume, true), 1 / (12 * volume)};
 		std::printf("  load/k %.0e m^3: %.1f at 500 spheres, %.1f at 10,000, %.1f on a plain cube, %.0f without gaps\n", volume, kappa[0],
-					kappa[1], kappa[2], kappa[3]);
+			kappa[1], kappa[2], kappa[3]);
 		for (int i = 0; i < 3; ++i) EXPECT_LT(kappa[i], 1.1 * kappa[i + 1]) << volume;
 		EXPECT_LT(kappa[1], leastTiltStiffness(20));
 	}

@@ -40,7 +40,8 @@ void expectNeighbourUntouched(const char* what, void (*poison)(btRigidBody&))
 	static const btTransform alone = restAlone();
 	Poisoned scene;
 	ASSERT_NE(scene.world.contactBetween(scene.lower, scene.upper), nullptr);
-	const uint64_t refusedBefore = scene.world.volumetric().statistics().contactsNotFinite + scene.world.volumetric().statistics().contactsRefused;
+	const uint64_t refusedBefore = scene.world.volumetric().statistics().contactsNotFinite +
+		scene.world.volumetric().statistics().contactsRefused;
 	poison(*scene.upper);
 	scene.run();
 	const btVolumetricStatistics& after = scene.world.volumetric().statistics();
@@ -62,10 +63,10 @@ TEST(NotFinite, VelocityLeavesTheNeighbourUntouched)
 
 TEST(NotFinite, PoseLeavesTheNeighbourUntouched)
 {
-	expectNeighbourUntouched("place NaN",
-							 [](btRigidBody& b) { b.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(kNan, 0, 0))); });
+	expectNeighbourUntouched(
+		"place NaN", [](btRigidBody& b) { b.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(kNan, 0, 0))); });
 	expectNeighbourUntouched("rotation NaN",
-							 [](btRigidBody& b) { b.setWorldTransform(btTransform(btQuaternion(kNan, 0, 0, 1), b.getWorldTransform().getOrigin())); });
+		[](btRigidBody& b) { b.setWorldTransform(btTransform(btQuaternion(kNan, 0, 0, 1), b.getWorldTransform().getOrigin())); });
 }
 
 TEST(NotFinite, StepsAndGravityAreRefusedAndNothingMoves)
@@ -86,7 +87,8 @@ TEST(NotFinite, MaterialsAreRefused)
 	Poisoned scene;
 	btContactMaterialTable& materials = scene.world.volumetric().materials();
 	const double nan = double(kNan), infinity = double(kInfinity);
-	for (const btContactMaterial& m : {btContactMaterial{nan, 1}, {infinity, 1}, {-1, 1}, {1, nan}, {1, infinity}}) EXPECT_TRUE(materials.set(scene.lower, m));
+	for (const btContactMaterial& m : {btContactMaterial{nan, 1}, {infinity, 1}, {-1, 1}, {1, nan}, {1, infinity}})
+		EXPECT_TRUE(materials.set(scene.lower, m));
 	EXPECT_TRUE(materials.set(nullptr, {1, 1}));
 	EXPECT_EQ(materials.find(scene.lower).stiffness, 500);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 #include <random>
@@ -45,8 +45,7 @@ Approach approachOf(int seed, bool turned)
 {
 	std::mt19937_64 random(uint64_t(40 + seed));
 	std::uniform_real_distribution<double> u(-1, 1);
-	const auto vector = [&]
-	{
+	const auto vector = [&] {
 		const double x = u(random), y = u(random);
 		return ist::Vec3{x, y, u(random)};
 	};

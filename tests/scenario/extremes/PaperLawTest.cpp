@@ -55,8 +55,10 @@ btPaperContact reference(const ExtremeSolid& solid, const btRigidBody& a, const 
 					continue;
 				}
 				const ist::Vec3 n = (ci - cj) / d, C = ci - lens.fromA * n;
-				const auto at = [&](const btRigidBody& body)
-				{ return toVec3(body.getLinearVelocity()) + cross(toVec3(body.getAngularVelocity()), C - toVec3(body.getWorldTransform().getOrigin())); };
+				const auto at = [&](const btRigidBody& body) {
+					return toVec3(body.getLinearVelocity()) +
+						cross(toVec3(body.getAngularVelocity()), C - toVec3(body.getWorldTransform().getOrigin()));
+				};
 				const double vel = dot(at(a) - at(b), n);
 				const double f = std::max(lens.volume * (material.epsilonC - vel * material.epsilonD / out.volume), 0.0);
 				const ist::Vec3 F = f * n;
@@ -117,8 +119,7 @@ TEST(PaperLaw, IsEquationsOneAndTwo)
 {
 	const ExtremeSolid solid = solidOf(ist::makeTorusMesh(0.4, 0.2, 48, 24), 200);
 	std::mt19937_64 random(7);
-	const auto vector = [&](double size)
-	{
+	const auto vector = [&](double size) {
 		std::uniform_real_distribution<double> u(-size, size);
 		const double x = u(random), y = u(random);
 		return ist::Vec3{x, y, u(random)};
@@ -175,7 +176,8 @@ TEST(PaperLaw, DivergesWhereItSays)
 		// k and c by closed form, too.
 		const double k = scene.material.epsilonC * LensForm(scene.radius, scene.radius, 2 * scene.radius - scene.depth).area;
 		const double exact = low * low * k / scene.mass + 2 * low * damping / scene.mass;
-		std::printf("  damping %g N s/m: diverges at a step of %.5f s, where the law says %.4f and the closed form %.4f\n", damping, low, predicted, exact);
+		std::printf("  damping %g N s/m: diverges at a step of %.5f s, where the law says %.4f and the closed form %.4f\n", damping, low,
+			predicted, exact);
 		EXPECT_NEAR(predicted, 4, 0.08) << damping;
 		EXPECT_NEAR(exact, 4, 0.08) << damping;
 	}

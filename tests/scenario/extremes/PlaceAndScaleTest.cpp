@@ -46,7 +46,8 @@ TEST(Scale, DepthOverSizeDoesNotDependOnTheSize)
 	for (const int power : {-10, -7, -4, 4, 7, 10})
 	{
 		const double edge = std::ldexp(1, power);
-		// The cubes above 25 m are heavier than 1.4e7 kg: Bullet's own contact counts them as unmovable in float, and lets them fall through.
+		// The cubes above 25 m are heavier than 1.4e7 kg: Bullet's own contact counts them as unmovable in float, and lets them fall
+		// through.
 		const RestOutcome rest = waterCube(edge);
 		std::printf("  edge %g m: depth over edge %+.2e of that at 1 m\n", edge, rest.depth / edge / one.depth - 1);
 		EXPECT_TRUE(rest.finite);

@@ -9,8 +9,9 @@ namespace
 {
 constexpr double kHalf[3] = {0.1, 0.04, 0.075}, kMass = 0.2;
 
-/// Standard deviation of the heights of the lower corners of a box that was put down tilted, from the fourth to the sixth second, over the square of the
-/// step times gravity: what an explicit patch rocks by, whatever its stiffness. `sinkage`: at rest, by the stiffness times the area [m].
+/// Standard deviation of the heights of the lower corners of a box that was put down tilted, from the fourth to the sixth second, over the
+/// square of the step times gravity: what an explicit patch rocks by, whatever its stiffness. `sinkage`: at rest, by the stiffness times
+/// the area [m].
 double rocking(const ExtremeSolid& box, bool onBox, double sinkage, double h)
 {
 	ExtremeWorld world(Response::Volumetric, kGravity);
@@ -45,8 +46,9 @@ double rocking(const ExtremeSolid& box, bool onBox, double sinkage, double h)
 }
 }  // namespace
 
-// Flat on flat, sinking by far less than a body falls in a step: one edge touches at a time, and what is known of the other only in the next step
-// keeps an explicit contact rocking by 0.1 to 0.6 of h^2 g. Patches that resist tilting within the step come to rest without a margin.
+// Flat on flat, sinking by far less than a body falls in a step: one edge touches at a time, and what is known of the other only in the
+// next step keeps an explicit contact rocking by 0.1 to 0.6 of h^2 g. Patches that resist tilting within the step come to rest without a
+// margin.
 TEST(Rocking, BoxThatWasPutDownTiltedComesToRestWithoutAMargin)
 {
 	const ExtremeSolid box = solidOf(ist::makeBoxMesh({kHalf[0], kHalf[1], kHalf[2]}), 2000);

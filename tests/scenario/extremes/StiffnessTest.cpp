@@ -6,8 +6,7 @@ using namespace extremes;
 // A cube of 1 kg and 1 m falls 5 cm. k A goes from 1e2 to 1e9 N/m: h^2 k / m from 1e-6 to 1e6. The plane is half a metre below the
 // origin, so that a float can say how deep the cube is.
 class ContactStiffness : public testing::TestWithParam<double>
-{
-};
+{};
 
 TEST_P(ContactStiffness, IsBoundedAndCarriesTheWeightAtEveryStep)
 {

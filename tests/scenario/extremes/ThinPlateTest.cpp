@@ -52,7 +52,8 @@ bool passes(const ExtremeSolid& plate, const ExtremeSolid& cube, double mass, do
 TEST(ThinPlate, LetsThroughWhatItsMaterialCannotHold)
 {
 	const double thickness = 0.01, mass = 2, k = 1e9;
-	const ExtremeSolid plate = solidOf(ist::makeBoxMesh({0.3, thickness / 2, 0.3}), 4000), cube = solidOf(ist::makeBoxMesh({0.05, 0.05, 0.05}), 500);
+	const ExtremeSolid plate = solidOf(ist::makeBoxMesh({0.3, thickness / 2, 0.3}), 4000),
+					   cube = solidOf(ist::makeBoxMesh({0.05, 0.05, 0.05}), 500);
 	ist::QueryWorkspace workspace;
 	ist::Pose X_CP;
 	X_CP.translation = {-0.1, -0.08, 0.05};

@@ -57,7 +57,8 @@ void contactTests(SoakWorld& world, Actor& a, Actor& b)
 	struct Count : btCollisionWorld::ContactResultCallback
 	{
 		bool finite = true;
-		btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
+		btScalar addSingleResult(
+			btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 		{
 			finite = finite && std::isfinite(p.getDistance());
 			return 0;

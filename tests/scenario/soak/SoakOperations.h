@@ -18,8 +18,8 @@ struct Tally
 
 /// One random thing that a game may do to its world between two steps.
 void disturb(SoakWorld& world, Random& random, Tally& tally);
-/// What no game should do, and every game does once: a pose, a velocity or a force that is no number, or absurd. The actor is marked; null in an empty
-/// world.
+/// What no game should do, and every game does once: a pose, a velocity or a force that is no number, or absurd. The actor is marked; null
+/// in an empty world.
 Actor* poison(SoakWorld& world, Random& random, Tally& tally);
 /// Calls that must be refused with a reason and change nothing.
 void expectRefusals(SoakWorld& world, Random& random, Tally& tally);

@@ -7,9 +7,11 @@
 
 namespace soak
 {
-/// Random worlds one after the other for so many simulated seconds, each in one of the solvers; a fourth of them calm, and those of Bullet's NNCG solver, which throws bodies apart that are put into each other. The invariants:
+/// Random worlds one after the other for so many simulated seconds, each in one of the solvers; a fourth of them calm, and those of
+/// Bullet's NNCG solver, which throws bodies apart that are put into each other. The invariants:
 /// - every pose is finite but that of a poisoned body, and of what Bullet's own contact handed the poison on to;
-/// - in a calm world, of trees alone that fall into the pit, kinetic and potential energy never exceed what they were when nobody touched anybody
+/// - in a calm world, of trees alone that fall into the pit, kinetic and potential energy never exceed what they were when nobody touched
+/// anybody
 ///   last, and nobody leaves the pit;
 /// - a contact callback that begins ends;
 /// - contacts name bodies that are in the world; registry, store and manifolds are empty in the end;

@@ -23,8 +23,10 @@ bool isFinite(const btVector3& v) { return std::isfinite(double(v.x())) && std::
 }  // namespace
 
 Solids::Solids()
-	: cube(ist::makeBoxMesh({0.4, 0.4, 0.4}), kSpheres), ring(ist::makeTorusMesh(0.45, 0.18, 16, 10), 2 * kSpheres),
-	  cone(ist::makeConeMesh(0.45, 0.9, 16), kSpheres), ringTriangles(ring.mesh)
+	: cube(ist::makeBoxMesh({0.4, 0.4, 0.4}), kSpheres),
+	  ring(ist::makeTorusMesh(0.45, 0.18, 16, 10), 2 * kSpheres),
+	  cone(ist::makeConeMesh(0.45, 0.9, 16), kSpheres),
+	  ringTriangles(ring.mesh)
 {
 	for (const ist::Vec3& p : cone.mesh.vertices) coneHull.addPoint(vec(p), false);
 	coneHull.recalcLocalAabb();
@@ -39,7 +41,10 @@ bool Actor::isFinite() const
 	return finite;
 }
 
-SoakWorld::SoakWorld(WorldKind kind, const Solids& solids, std::vector<TreePtr> trees) : m_kind(kind), m_solids(solids), m_trees(std::move(trees))
+SoakWorld::SoakWorld(WorldKind kind, const Solids& solids, std::vector<TreePtr> trees)
+	: m_kind(kind),
+	  m_solids(solids),
+	  m_trees(std::move(trees))
 {
 	btGImpactCollisionAlgorithm::registerAlgorithm(&m_dispatcher);
 	if (kind == WorldKind::MultiBody)
@@ -56,7 +61,8 @@ SoakWorld::SoakWorld(WorldKind kind, const Solids& solids, std::vector<TreePtr> 
 	}
 	if (m_game) m_game->setGravity(btVector3(0, btScalar(-9.81), 0));
 	install();
-	if (kind == WorldKind::Own) btGImpactCollisionAlgorithm::registerAlgorithm(static_cast<btCollisionDispatcher*>(bullet().getDispatcher()));
+	if (kind == WorldKind::Own)
+		btGImpactCollisionAlgorithm::registerAlgorithm(static_cast<btCollisionDispatcher*>(bullet().getDispatcher()));
 	if (kind == WorldKind::Own) m_ist->registration().reinstall();
 	addPlanes();
 }
@@ -180,7 +186,8 @@ void SoakWorld::remove(Actor& actor)
 void SoakWorld::join(Actor& a, Actor& b)
 {
 	if (&a == &b) return;
-	m_joints.push_back(std::make_unique<btPoint2PointConstraint>(*a.body, *b.body, btVector3(0, btScalar(0.7), 0), btVector3(0, btScalar(-0.7), 0)));
+	m_joints.push_back(
+		std::make_unique<btPoint2PointConstraint>(*a.body, *b.body, btVector3(0, btScalar(0.7), 0), btVector3(0, btScalar(-0.7), 0)));
 	bullet().addConstraint(m_joints.back().get(), true);
 }
 
@@ -218,15 +225,13 @@ bool SoakWorld::isVolumetric(const btBroadphasePair& pair)
 
 void SoakWorld::spreadPoison()
 {
-	const auto actorOf = [&](const void* object)
-	{
+	const auto actorOf = [&](const void* object) {
 		for (Actor& actor : m_actors)
 			if (static_cast<btCollisionObject*>(actor.body.get()) == object) return &actor;
 		return static_cast<Actor*>(nullptr);
 	};
 	bool spread = true;
-	const auto touch = [&](Actor* a, Actor* b)
-	{
+	const auto touch = [&](Actor* a, Actor* b) {
 		if (!a || !b || a->poisoned == b->poisoned) return;
 		a->poisoned = b->poisoned = spread = true;
 	};

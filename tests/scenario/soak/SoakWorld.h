@@ -48,8 +48,8 @@ struct Actor
 
 enum class WorldKind
 {
-	Own,        ///< of btISTWorld
-	Sequential, ///< of a game, with each of the solvers that ours can take the place of
+	Own,         ///< of btISTWorld
+	Sequential,  ///< of a game, with each of the solvers that ours can take the place of
 	Nncg,
 	MultiBody,
 	Count
@@ -79,16 +79,16 @@ public:
 	void place(Actor& actor, const btTransform& pose);
 	btTransform somewhere(Random& random) const;
 
-	/// Marks all that a poisoned body reaches through joints and Bullet's own contact, which hands on whatever it is given, and what was struck absurdly
-	/// hard by it.
+	/// Marks all that a poisoned body reaches through joints and Bullet's own contact, which hands on whatever it is given, and what was
+	/// struck absurdly hard by it.
 	void spreadPoison();
 	/// Puts every poisoned body back into the pit, and forgets what Bullet kept of its contacts.
 	void heal(Random& random);
 	/// Kinetic and potential, of all that moves [J].
 	double energy() const;
-	/// How deep in the floor [m] that energy can press a body's centre of mass. A pressure of k times the depth stores at least k times the body's volume
-	/// times the mean depth of its points (Jensen), and weight gives back its own share. Where no k is set it is at least that of btISTDefaultPairRule for the
-	/// body alone.
+	/// How deep in the floor [m] that energy can press a body's centre of mass. A pressure of k times the depth stores at least k times the
+	/// body's volume times the mean depth of its points (Jensen), and weight gives back its own share. Where no k is set it is at least
+	/// that of btISTDefaultPairRule for the body alone.
 	double deepestWith(double energy, const Actor& actor);
 	void step(double h);
 

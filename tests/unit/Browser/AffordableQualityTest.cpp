@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/base/DemoSolid.h"
 #include "demos/browser/view/AffordableQuality.h"
+#include "demos/browser/base/DemoSolid.h"
 #include "demos/browser/render/OffscreenContext.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,8 @@ using namespace browser;
 
 namespace
 {
-/// A machine that takes so long for a picture of all pixels [s], for all of its spheres, once more where they cast shadows, and for the rest.
+/// A machine that takes so long for a picture of all pixels [s], for all of its spheres, once more where they cast shadows, and for the
+/// rest.
 struct Machine
 {
 	double forPixels, forSpheres, forTheRest;
@@ -26,8 +27,8 @@ struct Machine
 
 struct Pictures
 {
-	double last = 0;   // [s]
-	int slow = 0;      // pictures of more than 1/12 s
+	double last = 0;  // [s]
+	int slow = 0;     // pictures of more than 1/12 s
 	int changes = 0;
 };
 Pictures run(AffordableQuality& affordable, const Machine& machine, int pictures)
@@ -72,7 +73,8 @@ TEST(AffordableQuality, IsSoonFastEnoughAndStaysSo)
 	}
 }
 
-// Where a rung between fast and too slow is missing: taken back, it is given up again, ever less often, and at most once a minute in the end.
+// Where a rung between fast and too slow is missing: taken back, it is given up again, ever less often, and at most once a minute in the
+// end.
 TEST(AffordableQuality, TriesEverLessOftenWhatProvedTooSlow)
 {
 	for (const Machine& machine : {Machine{0, 0.3, 0.005}, Machine{0.01, 0.1, 0.005}})
@@ -150,7 +152,7 @@ TEST(AffordableQuality, OfAHundredThousandBallsIsReported)
 		}
 		const size_t balls = renderer.value()->cost().ballsDrawn;
 		std::printf("  %4.0f x %3.0f pixels%s, %6zu balls: %4.0f ms of the processor\n", 1280 * quality.pixels, 800 * quality.pixels,
-					quality.shadowTaps > 0 ? ", shadows" : "         ", balls, 1e3 * *std::min_element(times + 1, times + 3));
+			quality.shadowTaps > 0 ? ", shadows" : "         ", balls, 1e3 * *std::min_element(times + 1, times + 3));
 		EXPECT_LE(balls, before);
 		before = balls;
 		affordable.took(1);

@@ -140,8 +140,7 @@ TEST(StockShape, IsWhatBulletHasForTheMesh)
 
 /// Every scene that Bullet's own contact has an answer to.
 class StockSide : public testing::TestWithParam<DemoEntry>
-{
-};
+{};
 TEST_P(StockSide, StepsAndShowsItself)
 {
 	const auto demo = makeDemo(GetParam(), true);

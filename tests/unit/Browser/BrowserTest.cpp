@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/base/WorldDemo.h"
 #include "demos/browser/view/Browser.h"
+#include "demos/browser/base/WorldDemo.h"
 #include "demos/browser/render/OffscreenContext.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
@@ -77,8 +77,7 @@ TEST(ScenePainter, LabelsDoNotHideEachOther)
 	Camera camera;
 	camera.set({{}, 1, 0.4, 0.3});
 	ScenePainter painter;
-	const auto picture = [&](int count)
-	{
+	const auto picture = [&](int count) {
 		labels.count = count;
 		rig.gui->beginOffscreen(Rig::kWidth, Rig::kHeight);
 		painter.paint({{&labels, "", {0, Rig::kWidth, Rig::kHeight}}}, {}, camera, *rig.renderer, rig.target->frame(), {}, true);
@@ -86,8 +85,7 @@ TEST(ScenePainter, LabelsDoNotHideEachOther)
 		return rig.target->read();
 	};
 	Picture none = picture(0);
-	const auto covered = [&](int count)
-	{
+	const auto covered = [&](int count) {
 		const Picture with = picture(count);
 		int pixels = 0;
 		for (size_t i = 0; i < with.pixels.size(); i += 3) pixels += with.pixels[i] != none.pixels[i];
@@ -126,7 +124,8 @@ TEST(Browser, PacksAMeshThatIsDropped)
 {
 	Rig rig;
 	START_OR_SKIP(rig);
-	const std::string path = (std::filesystem::temp_directory_path() / ("dropped" + std::to_string(std::random_device()()) + ".obj")).string();
+	const std::string path =
+		(std::filesystem::temp_directory_path() / ("dropped" + std::to_string(std::random_device()()) + ".obj")).string();
 	std::ofstream(path) << "v 0 0 0\nv 3 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 	rig.browser->open("hello");
 	rig.browser->openMesh(path);
@@ -222,7 +221,10 @@ TEST(Browser, HalvesShowTwoScenesUnderOneCamera)
 	EXPECT_LT(rig.browser->camera().viewpoint().distance, distance) << "the camera stays";
 	EXPECT_EQ(rig.browser->demo()->time(), 0);
 	rig.browser->key(Key::Pause);
-	const auto alike = [&] { const Picture p = rig.draw(); return worstSimilarity(columns(p, 0.02, 0.48), columns(p, 0.52, 0.98)); };
+	const auto alike = [&] {
+		const Picture p = rig.draw();
+		return worstSimilarity(columns(p, 0.02, 0.48), columns(p, 0.52, 0.98));
+	};
 	const double start = alike();
 	for (int i = 0; i < 180; ++i) rig.browser->key(Key::Step);
 	const double end = alike();
@@ -262,8 +264,7 @@ TEST(Browser, MouseTakesWhatIsInTheHalfUnderIt)
 	auto halves = const_cast<BrowsableDemo*>(rig.browser->demo())->halves();
 	ASSERT_EQ(halves.size(), 2u);
 	rig.draw();
-	const auto heightIn = [&](size_t i)
-	{
+	const auto heightIn = [&](size_t i) {
 		DrawList list;
 		halves[i].demo->draw({}, list);
 		return list.surfaces[1].X_WM.translation.y;
@@ -306,7 +307,9 @@ TEST(Browser, TextGrowsWithTheDensityOfTheScreen)
 		for (int x = 0; x < Rig::kWidth; ++x)
 			for (int c = 0; c < 3; ++c)
 			{
-				const auto at = [&](int dx, int dy) { return int(pictures[1].pixels[size_t(3 * ((2 * y + dy) * 2 * Rig::kWidth + 2 * x + dx) + c)]); };
+				const auto at = [&](int dx, int dy) {
+					return int(pictures[1].pixels[size_t(3 * ((2 * y + dy) * 2 * Rig::kWidth + 2 * x + dx) + c)]);
+				};
 				halved.pixels[size_t(3 * (y * Rig::kWidth + x) + c)] = uint8_t((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4);
 			}
 	const double alike = similarity(pictures[0], halved);
@@ -368,8 +371,7 @@ TEST(Browser, ProfileShowsHowTimesAreSpread)
 	for (int i = 0; i < 60; ++i) rig.browser->key(Key::Step);
 	ASSERT_TRUE(rig.browser->paused());
 	for (int i = 0; i < 40; ++i) rig.browser->advance(i % 4 ? 0.016 : 0.024);
-	const auto blue = [&]
-	{
+	const auto blue = [&] {
 		rig.draw(kWide, kTall);
 		const Picture picture = rig.draw(kWide, kTall);
 		int count = 0;
@@ -403,7 +405,8 @@ TEST(Browser, EveryKeyChangesThePicture)
 	rig.browser->key(Key::Panels);
 	EXPECT_LT(worstSimilarity(panels, rig.draw()), 0.5);
 	// Without panels, whose numbers change by themselves.
-	for (const Key key : {Key::Boxes, Key::Contacts, Key::Frames, Key::Wireframe, Key::Surfaces, Key::Shadows, Key::Spheres, Key::SphereLevels, Key::Leaves, Key::Levels, Key::Lenses})
+	for (const Key key : {Key::Boxes, Key::Contacts, Key::Frames, Key::Wireframe, Key::Surfaces, Key::Shadows, Key::Spheres,
+			 Key::SphereLevels, Key::Leaves, Key::Levels, Key::Lenses})
 	{
 		const Picture before = rig.draw();
 		rig.browser->key(key);

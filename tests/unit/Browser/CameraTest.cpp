@@ -51,7 +51,8 @@ TEST(Camera, AgreesWithItsMatrices)
 		const Vec3 p = camera.eye() + 2.5 * camera.ray(0.3, 0.8, aspect);
 		const Matrix4 both = camera.projection(aspect) * camera.view();
 		double clip[4];
-		for (int r = 0; r < 4; ++r) clip[r] = double(both(r, 0)) * p.x + double(both(r, 1)) * p.y + double(both(r, 2)) * p.z + double(both(r, 3));
+		for (int r = 0; r < 4; ++r)
+			clip[r] = double(both(r, 0)) * p.x + double(both(r, 1)) * p.y + double(both(r, 2)) * p.z + double(both(r, 3));
 		EXPECT_NEAR(0.5 + 0.5 * clip[0] / clip[3], 0.3, 1e-4);
 		EXPECT_NEAR(0.5 - 0.5 * clip[1] / clip[3], 0.8, 1e-4);
 		const Matrix4 back = inversePerspective(camera.projection(aspect)) * camera.projection(aspect);

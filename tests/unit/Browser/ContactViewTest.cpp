@@ -37,8 +37,7 @@ Answering answering(WorldDemo& demo)
 {
 	Answering all;
 	std::set<std::pair<const void*, const void*>> counted;
-	const auto count = [&](const void* body, const ist::BallTree& tree, int level)
-	{
+	const auto count = [&](const void* body, const ist::BallTree& tree, int level) {
 		if (!counted.insert({body, &tree}).second) return;
 		all.balls += tree.ballCount();
 		all.levels.insert(level);
@@ -142,8 +141,8 @@ TEST(ContactView, SpheresHaveTheColourOfTheLevelAtWhichTheyLead)
 
 TEST(ContactView, ForcesAreReadInTheUnitOfTheirSize)
 {
-	for (const auto& [newton, text] : {std::pair{0.0, "0 N"}, {9.81, "9.81 N"}, {-0.5, "-500 mN"}, {9.81e-6, "9.81 uN"}, {2e-8, "0.02 uN"}, {1000.0, "1 kN"}, {2.65e8, "265 MN"}, {9.81e9, "9.81 GN"},
-									   {9.81e12, "9.81 TN"}, {5e15, "5e+03 TN"}})
+	for (const auto& [newton, text] : {std::pair{0.0, "0 N"}, {9.81, "9.81 N"}, {-0.5, "-500 mN"}, {9.81e-6, "9.81 uN"}, {2e-8, "0.02 uN"},
+			 {1000.0, "1 kN"}, {2.65e8, "265 MN"}, {9.81e9, "9.81 GN"}, {9.81e12, "9.81 TN"}, {5e15, "5e+03 TN"}})
 		EXPECT_EQ(formatForce(newton), text);
 }
 
@@ -174,8 +173,7 @@ TEST(ContactView, ErrorBarsAreThoseOfTheReport)
 
 /// Every demo of bodies in a world shows which level answers as soon as they touch.
 class LevelsShown : public testing::TestWithParam<DemoEntry>
-{
-};
+{};
 TEST_P(LevelsShown, WhereBodiesTouch)
 {
 	const auto demo = ran(GetParam(), 1, 0.5);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/catalog/DemoCatalog.h"
 #include "demos/browser/base/DeviceHand.h"
+#include "demos/browser/catalog/DemoCatalog.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
 #include "tests/unit/Browser/StillDemo.h"
@@ -38,7 +38,10 @@ struct Scripted : devicebridge::Device
 		state.X_WH = X;
 		return DeviceStatus::Ok;
 	}
-	DeviceStatus write(const devicebridge::DeviceCommand&) noexcept override { return ADD_FAILURE() << "no force from here", DeviceStatus::Ok; }
+	DeviceStatus write(const devicebridge::DeviceCommand&) noexcept override
+	{
+		return ADD_FAILURE() << "no force from here", DeviceStatus::Ok;
+	}
 };
 }  // namespace
 
@@ -94,8 +97,7 @@ TEST(DeviceHand, ARecordedHandLiftsTheToolOfADemo)
 	options.spheres = 300;
 	ASSERT_FALSE(demo->prepare(options));
 	ASSERT_FALSE(demo->restart());
-	const auto heightOfTool = [&]
-	{
+	const auto heightOfTool = [&] {
 		DrawList list;
 		demo->draw({}, list);
 		return list.surfaces[1].X_WM.translation.y;
@@ -138,8 +140,7 @@ TEST(DeviceHand, ASixDofMouseMovesAndTurnsTheTool)
 	const devicebridge::SpnavDaemon daemon(mouse.path());
 	std::unique_ptr<DeviceHand> hand;
 	ASSERT_TRUE(devicebridge::within(
-		[&]
-		{
+		[&] {
 			auto opened = DeviceHand::open("spnav:");
 			if (opened) hand = std::move(opened).value();
 			else if (opened.error().message.find("No device scheme") != std::string::npos) return true;
@@ -149,9 +150,11 @@ TEST(DeviceHand, ASixDofMouseMovesAndTurnsTheTool)
 		600));
 	if (!hand) GTEST_SKIP() << "built without spnav:";
 	Held demo;
-	const auto moved = [&](const ist::Vec3& sum, double least)
-	{
-		return devicebridge::within([&] { hand->update(demo, 1); return norm(sum) > least; });
+	const auto moved = [&](const ist::Vec3& sum, double least) {
+		return devicebridge::within([&] {
+			hand->update(demo, 1);
+			return norm(sum) > least;
+		});
 	};
 	mouse.deflect(0, 200);
 	EXPECT_TRUE(moved(demo.shifted, 0.005));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/catalog/DemoCatalog.h"
 #include "demos/browser/render/Renderer.h"
-#include "demos/browser/view/SceneView.h"
 #include "demos/browser/render/Stopwatch.h"
+#include "demos/browser/view/SceneView.h"
 #include "tests/unit/Browser/NullGl.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,8 @@ std::shared_ptr<const SpheresModel> cloud(size_t count, double largest)
 	std::mt19937_64 random(count);
 	std::uniform_real_distribution<float> u(-1, 1);
 	for (size_t i = 0; i < count; ++i)
-		model->spheres.push_back({u(random), u(random), u(random), float(largest) * (1 - 0.6f * float(i) / float(count)), float(i) / float(count)});
+		model->spheres.push_back(
+			{u(random), u(random), u(random), float(largest) * (1 - 0.6f * float(i) / float(count)), float(i) / float(count)});
 	return model;
 }
 
@@ -70,7 +71,10 @@ Times timesOf(int pictures, const std::function<void(int)>& draw)
 	return {times[times.size() / 2], times[times.size() * 99 / 100]};
 }
 
-void print(const char* what, const Times& t) { std::printf("  %-58s %8.3f ms, 99th percentile %8.3f ms\n", what, 1e-3 * t.median, 1e-3 * t.most); }
+void print(const char* what, const Times& t)
+{
+	std::printf("  %-58s %8.3f ms, 99th percentile %8.3f ms\n", what, 1e-3 * t.median, 1e-3 * t.most);
+}
 }  // namespace
 
 TEST(DrawingCost, AHundredThousandBallsGoInOneInstancedCall)
@@ -114,8 +118,7 @@ TEST(DrawingCost, OfAHundredThousandBallsIsReported)
 	{
 		DrawList list = bodies(count, 100000 / count);
 		std::printf("  %zu bodies of %zu balls\n", count, 100000 / count);
-		const auto draw = [&](double distance)
-		{
+		const auto draw = [&](double distance) {
 			for (DrawnSpheres& s : list.spheres) s.X_WM.translation.y += 1e-4;
 			renderer.beginPicture();
 			renderer.draw(list, cameraAt(distance), 0, kArea, {});
@@ -124,7 +127,8 @@ TEST(DrawingCost, OfAHundredThousandBallsIsReported)
 		print("    and the camera goes from near to far", timesOf(300, [&](int i) { draw(40 * std::pow(1.02, i)); }));
 		EXPECT_LT(renderer.cost().ballsDrawn, 60000u);
 		const DrawList other = bodies(count, 100000 / count);
-		print("    other ones in each picture, all of them to be uploaded", timesOf(60, [&](int i) { renderer.draw(i % 2 ? list : other, cameraAt(40), 0, kArea, {}); }));
+		print("    other ones in each picture, all of them to be uploaded",
+			timesOf(60, [&](int i) { renderer.draw(i % 2 ? list : other, cameraAt(40), 0, kArea, {}); }));
 	}
 }
 
@@ -149,7 +153,8 @@ TEST(DrawingCost, OfDemosIsReported)
 			DrawChoice choice;
 			ASSERT_EQ(applyChoices(shown, choice), "");
 			const std::string what = std::string("  ") + name + (*shown ? " with " : "") + shown;
-			print(what.c_str(), timesOf(100, [&](int) { painter.paint(sceneViews(*demo, kArea), choice, camera, renderer, 0, {}, false); }));
+			print(
+				what.c_str(), timesOf(100, [&](int) { painter.paint(sceneViews(*demo, kArea), choice, camera, renderer, 0, {}, false); }));
 			EXPECT_GT(renderer.cost().ownMicroseconds, 0);
 		}
 	}

@@ -33,7 +33,8 @@ TEST(Palette, BodiesDifferForEveryEye)
 {
 	for (Cones* const eye : {&kNobody, &kProtan, &kDeutan, &kTritan})
 		for (int i = 0; i < kBodyColours; ++i)
-			for (int j = 0; j < i; ++j) EXPECT_GT(apart(seenBy(*eye, bodyColour(i)), seenBy(*eye, bodyColour(j))), 0.06) << i << " and " << j;
+			for (int j = 0; j < i; ++j)
+				EXPECT_GT(apart(seenBy(*eye, bodyColour(i)), seenBy(*eye, bodyColour(j))), 0.06) << i << " and " << j;
 }
 
 TEST(Palette, RampsGrowLighterAllTheWay)
@@ -56,7 +57,8 @@ TEST(Palette, LevelsDifferForEveryEyeUpToTheSeventh)
 	for (Cones* const eye : {&kNobody, &kProtan, &kDeutan, &kTritan})
 		for (int i = 0; i <= 7; ++i)
 			for (int j = 0; j < i; ++j)
-				EXPECT_GT(apart(seenBy(*eye, shadeColour(levelShade(i))), seenBy(*eye, shadeColour(levelShade(j)))), 0.035) << i << " and " << j;
+				EXPECT_GT(apart(seenBy(*eye, shadeColour(levelShade(i))), seenBy(*eye, shadeColour(levelShade(j)))), 0.035)
+					<< i << " and " << j;
 	EXPECT_EQ(levelShade(40), levelShade(8));
 }
 

@@ -28,7 +28,10 @@ Picture drawn(int discX, int noise)
 	return p;
 }
 
-std::string scratch(const char* name) { return (std::filesystem::temp_directory_path() / (std::string("picture-test-") + std::to_string(::getpid()) + name)).string(); }
+std::string scratch(const char* name)
+{
+	return (std::filesystem::temp_directory_path() / (std::string("picture-test-") + std::to_string(::getpid()) + name)).string();
+}
 }  // namespace
 
 TEST(Picture, IsLikeItselfAndLikeItsNoisyTwin)

@@ -14,7 +14,8 @@ namespace browser
 class RecordedHand
 {
 public:
-	RecordedHand(const ist::Vec3& way, int ticks) : m_path((std::filesystem::temp_directory_path() / ("hand" + std::to_string(std::random_device()()) + ".istdrec")).string())
+	RecordedHand(const ist::Vec3& way, int ticks)
+		: m_path((std::filesystem::temp_directory_path() / ("hand" + std::to_string(std::random_device()()) + ".istdrec")).string())
 	{
 		devicebridge::Recording recording;
 		recording.info.workspaceRadius = 0.1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
+#include "demos/browser/render/Renderer.h"
 #include "demos/browser/render/OffscreenContext.h"
 #include "demos/browser/view/Photographer.h"
-#include "demos/browser/render/Renderer.h"
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/EachDemo.h"
@@ -32,7 +32,8 @@ Seen look(const Picture& p, const Picture& empty)
 		for (int x = 0; x < p.width; ++x)
 		{
 			int off = 0;
-			for (int c = 0; c < 3; ++c) off += std::abs(p.pixels[size_t(3 * (y * p.width + x) + c)] - empty.pixels[size_t(3 * (y * p.width + x) + c)]);
+			for (int c = 0; c < 3; ++c)
+				off += std::abs(p.pixels[size_t(3 * (y * p.width + x) + c)] - empty.pixels[size_t(3 * (y * p.width + x) + c)]);
 			if (off < 24) continue;
 			seen.x += x + 0.5, seen.y += y + 0.5, ++count;
 		}
@@ -48,7 +49,8 @@ std::shared_ptr<const SpheresModel> cloud(size_t count, double size, double larg
 	for (size_t i = 0; i < count; ++i)
 	{
 		const float share = float(i) / float(count);
-		model->spheres.push_back({float(size) * u(random), float(size) * u(random), float(size) * u(random), float(largest) * (1 - 0.95f * share), share});
+		model->spheres.push_back(
+			{float(size) * u(random), float(size) * u(random), float(size) * u(random), float(largest) * (1 - 0.95f * share), share});
 	}
 	return model;
 }
@@ -96,7 +98,8 @@ TEST(Renderer, BallsAndMeshesAppearWhereTheyAreAndAsLargeAsTheyAre)
 			EXPECT_NEAR(seen.y, (*expected)[1], 0.012) << asBall;
 			// Half-axes of the ellipse on the picture plane, to first order in the angle off the axis.
 			const ist::Vec3 off = center - camera.eye();
-			const double deep = -dot(off, camera.axes().column(2)), t = 0.25 / std::sqrt(deep * deep - 0.0625), pixels = kHeight / camera.heightAt(1, double(kWidth) / kHeight);
+			const double deep = -dot(off, camera.axes().column(2)), t = 0.25 / std::sqrt(deep * deep - 0.0625),
+						 pixels = kHeight / camera.heightAt(1, double(kWidth) / kHeight);
 			EXPECT_NEAR(std::sqrt(seen.share * kWidth * kHeight / 3.14159265), t * pixels, 0.05 * t * pixels) << asBall;
 		}
 	}
@@ -159,8 +162,7 @@ TEST(Renderer, ShadowFallsUnderTheBody)
 
 /// Every demo as it begins, without words, whose font may differ.
 class Golden : public testing::TestWithParam<DemoEntry>
-{
-};
+{};
 TEST_P(Golden, PictureLooksAsItDid)
 {
 	auto photographer = Photographer::make(kWidth, kHeight);

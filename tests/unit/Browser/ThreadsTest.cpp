@@ -42,7 +42,8 @@ TEST(Threads, ScrewAndNutHaveTheVolumesOfTheirSections)
 	EXPECT_TRUE(isClosed(held));
 	const double rodVolume = lost * kPi * ((kThread.radius * kThread.radius + wave) * 4 * kThread.lead + 0.03 * 0.03 * 0.01);
 	EXPECT_NEAR(massProperties(rod).volume, rodVolume, 0.002 * rodVolume);
-	const double hole = kThread.radius + kClearance, nutVolume = (kWidth * kWidth * std::sqrt(3) / 2 - lost * kPi * (hole * hole + wave)) * kThread.lead;
+	const double hole = kThread.radius + kClearance,
+				 nutVolume = (kWidth * kWidth * std::sqrt(3) / 2 - lost * kPi * (hole * hole + wave)) * kThread.lead;
 	EXPECT_NEAR(massProperties(held).volume, nutVolume, 0.005 * nutVolume);
 }
 

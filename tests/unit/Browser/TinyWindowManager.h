@@ -10,8 +10,8 @@
 
 namespace browser
 {
-/// Window manager of an X server that has none: grants every size, and minimises a window that asks for it, as ICCCM wants it. Without one, a
-/// request to be minimised has no effect.
+/// Window manager of an X server that has none: grants every size, and minimises a window that asks for it, as ICCCM wants it. Without one,
+/// a request to be minimised has no effect.
 class TinyWindowManager
 {
 public:
@@ -22,12 +22,10 @@ public:
 		m_changeState = XInternAtom(m_display, "WM_CHANGE_STATE", False);
 		refused() = false;
 		// Other errors are of windows that were closed meanwhile.
-		m_before = XSetErrorHandler(
-			[](Display*, XErrorEvent* error)
-			{
-				if (error->error_code == BadAccess) refused() = true;
-				return 0;
-			});
+		m_before = XSetErrorHandler([](Display*, XErrorEvent* error) {
+			if (error->error_code == BadAccess) refused() = true;
+			return 0;
+		});
 		XSelectInput(m_display, DefaultRootWindow(m_display), SubstructureRedirectMask | SubstructureNotifyMask);
 		XSync(m_display, False);
 		m_manages = !refused();

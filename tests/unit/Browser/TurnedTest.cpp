@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/drawing/DrawList.h"
-#include "demos/browser/base/HandPull.h"
 #include "demos/browser/drawing/Turned.h"
+#include "demos/browser/base/HandPull.h"
+#include "demos/browser/drawing/DrawList.h"
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/ClosedMesh.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/browser/render/Picture.h"
 #include "demos/browser/view/Window.h"
+#include "demos/browser/render/Picture.h"
 
 #include "tests/unit/Browser/RecordedHand.h"
 

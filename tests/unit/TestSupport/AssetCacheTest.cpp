@@ -21,8 +21,8 @@ TEST(AssetCache, NoNameLeadsOutOfTheFolder)
 	BuildOptions options;
 	options.maxSpheres = 20;
 	size_t count = 0;
-	for (const std::string& name :
-		 {std::string("plain"), fs::absolute(around / "x").string(), std::string("../outside"), std::string("a/b"), std::string("a\\b"), std::string("a\0b", 3)})
+	for (const std::string& name : {std::string("plain"), fs::absolute(around / "x").string(), std::string("../outside"),
+			 std::string("a/b"), std::string("a\\b"), std::string("a\0b", 3)})
 	{
 		++count;
 		const Mesh mesh = makeBoxMesh({.1 * double(count), .1, .1});

@@ -45,7 +45,8 @@ const char* const kWhole = R"({
 		"tool": "tool",
 		"gravity": true,
 		"origin": {"position": [0, 0, 1], "turn": [0, 0, 45]},
-		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05, "softContact": 4},
+		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05,
+"softContact": 4},
 		"path": [
 			{"time": 0, "position": [0, 0, 1]},
 			{"time": 1, "position": [0, 0, 2], "turn": [10, 0, 0]}
@@ -101,7 +102,6 @@ TEST(SceneFile, ReadsSceneAndAssets)
 	EXPECT_EQ(s.assets[2].ist, "/data/c.ist");
 	EXPECT_NEAR(bounds(s.assets[3].shape).upper.x, 0.02, 1e-4);
 	EXPECT_EQ(s.assets[3].place, "s.json:14: assets[3]");
-
 }
 
 TEST(SceneFile, ReadsBodiesHandAndHooks)
@@ -181,21 +181,26 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"unit\": 0.01", "\"unit\": 0", "s.json:11: assets[0].unit: wants a number from"},
 		{"\"unit\": 0.01", "\"unit\": 0.01, \"longestSide\": 1", "s.json:11: assets[0].longestSide: goes without unit"},
 		{"\"mesh\": \"sub/a.obj\"", "\"mesh\": \"\"", "s.json:11: assets[0].mesh: wants a text in quotes"},
-		{"\"mesh\": \"b.obj\"", "\"mesh\": \"b.obj\", \"ist\": \"b.ist\"", "s.json:12: assets[1]: wants exactly one of mesh, ist and shape"},
+		{"\"mesh\": \"b.obj\"", "\"mesh\": \"b.obj\", \"ist\": \"b.ist\"",
+			"s.json:12: assets[1]: wants exactly one of mesh, ist and shape"},
 		{"\"name\": \"b\"", "\"name\": \"a\"", "s.json:12: assets[1].name: another one is called a already"},
 		{"\"ist\": \"c.ist\"", "\"ist\": \"c.ist\", \"spheres\": 5", "s.json:13: assets[2].spheres: no such field is known here"},
 		{"\"shape\": \"sphere\"", "\"shape\": \"cow\"", "s.json:14: assets[3].shape: wants one of box, sphere"},
 		{"\"radius\": 0.02", "\"radius\": 1e-9", "s.json:14: assets[3].radius: wants a number from 1e-05"},
-		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"ring\", \"radius\": 0.02, \"tubeRadius\": 0.03", "s.json:14: assets[3].tubeRadius: wants less"},
-		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"crown\", \"radius\": 0.02, \"wall\": 0.03", "s.json:14: assets[3].wall: wants less"},
-		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"box\", \"halfExtents\": [1, 0, 1]", "s.json:14: assets[3].halfExtents: wants three lengths"},
+		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"ring\", \"radius\": 0.02, \"tubeRadius\": 0.03",
+			"s.json:14: assets[3].tubeRadius: wants less"},
+		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"crown\", \"radius\": 0.02, \"wall\": 0.03",
+			"s.json:14: assets[3].wall: wants less"},
+		{"\"shape\": \"sphere\", \"radius\": 0.02", "\"shape\": \"box\", \"halfExtents\": [1, 0, 1]",
+			"s.json:14: assets[3].halfExtents: wants three lengths"},
 		{"\"stiffness\": 1e7", "\"stiffness\": -5", "s.json:17: materials[0].stiffness: wants a number from"},
 		{"\"friction\": 0.6", "\"friction\": \"much\"", "s.json:17: materials[0].friction: wants a number from"},
 		{"\"normal\": [0, 0, 2]", "\"normal\": [0, 0, 0]", "s.json:20: bodies[0].plane.normal: wants a direction"},
 		{"\"plane\": {", "\"plane\": {\"tilt\": 1, ", "s.json:20: bodies[0].plane.tilt: no such field is known here"},
 		{"\"plane\": {\"normal\": [0, 0, 2], \"offset\": -0.5}", "\"plane\": 3", "s.json:20: bodies[0].plane: wants an object in braces"},
 		{"\"asset\": \"a\"", "\"asset\": \"z\"", "s.json:21: bodies[1].asset: no asset is called z; there are a, b, c, ball"},
-		{"\"material\": \"wood\", \"position\"", "\"material\": \"tin\", \"position\"", "s.json:21: bodies[1].material: no material is called tin; there are wood"},
+		{"\"material\": \"wood\", \"position\"", "\"material\": \"tin\", \"position\"",
+			"s.json:21: bodies[1].material: no material is called tin; there are wood"},
 		{"\"mass\": 4", "\"mass\": 0", "s.json:21: bodies[1].mass: wants a number from"},
 		{"\"mass\": 4", "\"mass\": 4, \"mass\": 5", "s.json:21: bodies[1].mass: stands there twice"},
 		{"\"mass\": 4", "\"mass\": 4, \"fixed\": true", "s.json:21: bodies[1].mass: a fixed body has none"},
@@ -219,7 +224,8 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"lower\": [-1, -2, -3], ", "", "s.json:39: region.lower: is missing"},
 		{", \"file\": \"poses.csv\"", "", "s.json:41: hooks[0].file: is missing"},
 		{"\"file\": \"poses.csv\"", "\"file\": \"./sub/x/../a.obj\"", "s.json:41: hooks[0].file: is that of the asset a"},
-		{"\"do\": \"scale\", \"factor\": 0.5", "\"do\": \"record\", \"file\": \"sub/../poses.csv\"", "s.json:45: hooks[4].file: another hook records into it"},
+		{"\"do\": \"scale\", \"factor\": 0.5", "\"do\": \"record\", \"file\": \"sub/../poses.csv\"",
+			"s.json:45: hooks[4].file: another hook records into it"},
 		{"\"on\": \"collision\"", "\"on\": \"tuesday\"", "s.json:42: hooks[1].on: wants one of transform, collision, haptic-tick, fault"},
 		{"\"on\": \"collision\"", "\"on\": \"fault\"", "s.json:42: hooks[1].do: count cannot be done on fault"},
 		{"\"force\": [0, 0, 1]", "\"force\": [0, 0, 1e9]", "s.json:43: hooks[2].force: wants three numbers of at most 100"},
@@ -274,9 +280,9 @@ TEST(SceneFile, ARecordingIsKnownByItsFileAndNotByItsName)
 	for (const char* name : {"s.json", "c.ist", "b.obj"}) fs::create_symlink(name, folder / (std::string("link to ") + name));
 	fs::create_hard_link(folder / "b.obj", folder / "twin.obj");
 
-	const std::string relative = folder.string(), absolute = fs::absolute(folder).string(), place = relative + "/s.json:41: hooks[0].file: ";
-	const auto refusal = [&](const std::string& from, const std::string& to)
-	{
+	const std::string relative = folder.string(), absolute = fs::absolute(folder).string(),
+					  place = relative + "/s.json:41: hooks[0].file: ";
+	const auto refusal = [&](const std::string& from, const std::string& to) {
 		const Result<Scene> scene = parseScene(relative + "/s.json", with(from, to), relative);
 		return scene ? "accepted" : scene.error().message;
 	};
@@ -291,7 +297,7 @@ TEST(SceneFile, ARecordingIsKnownByItsFileAndNotByItsName)
 	EXPECT_EQ(refusal("poses.csv", "twin.obj"), place + "is that of the asset b");
 	for (const std::string& way : {absolute + "/", std::string("sub/up/")})
 		EXPECT_EQ(refusal("\"do\": \"scale\", \"factor\": 0.5", "\"do\": \"record\", \"file\": \"" + way + "poses.csv\""),
-				  relative + "/s.json:45: hooks[4].file: another hook records into it already");
+			relative + "/s.json:45: hooks[4].file: another hook records into it already");
 	fs::remove_all(folder);
 }
 

@@ -54,13 +54,14 @@ TEST(SceneShapes, ASwordIsWholeAndHasTheVolumeOfItsParts)
 	const Mesh mesh = makeSwordMesh(s);
 	expectWhole(mesh);
 	// Rhombi of half diagonals a and b have the area 2ab; between two of them both grow linearly.
-	const auto between = [](double a0, double b0, double a1, double b1, double length)
-	{ return 2 * length * (2 * a0 * b0 + 2 * a1 * b1 + a0 * b1 + a1 * b0) / 6; };
+	const auto between = [](double a0, double b0, double a1, double b1, double length) {
+		return 2 * length * (2 * a0 * b0 + 2 * a1 * b1 + a0 * b1 + a1 * b0) / 6;
+	};
 	const double tip = 0.04 * s.blade, g = s.gripHalfWidth, p = s.pommelHalfWidth;
 	const double volume = between(0.02 * s.halfWidth, 0.02 * s.halfThickness, 0.5 * s.halfWidth, 0.5 * s.halfThickness, tip) +
-						  between(0.5 * s.halfWidth, 0.5 * s.halfThickness, s.halfWidth, s.halfThickness, 2 * tip) +
-						  2 * s.halfWidth * s.halfThickness * (s.blade - 3 * tip) + 2 * s.guardHalfWidth * s.guardHalfThickness * s.guardHeight +
-						  2 * g * g * s.grip + between(g, g, p, p, s.pommelHeight / 2) + between(p, p, g, g, s.pommelHeight / 2);
+		between(0.5 * s.halfWidth, 0.5 * s.halfThickness, s.halfWidth, s.halfThickness, 2 * tip) +
+		2 * s.halfWidth * s.halfThickness * (s.blade - 3 * tip) + 2 * s.guardHalfWidth * s.guardHalfThickness * s.guardHeight +
+		2 * g * g * s.grip + between(g, g, p, p, s.pommelHeight / 2) + between(p, p, g, g, s.pommelHeight / 2);
 	EXPECT_NEAR(massProperties(mesh).volume, volume, 1e-9 * volume);
 	const Vec3 size = bounds(mesh).size();
 	EXPECT_NEAR(size.z, s.blade + s.guardHeight + s.grip + s.pommelHeight, 1e-12);

@@ -26,8 +26,7 @@ namespace
 /// A body of this mesh with a material of its own, or, with a stiffness of zero, without one.
 BodyMaker bodyOf(const ist::Mesh& mesh, double mass, double stiffness, double friction)
 {
-	return [=](TestWorld& world, const btTransform& pose) -> btRigidBody&
-	{
+	return [=](TestWorld& world, const btTransform& pose) -> btRigidBody& {
 		world.keepTreesIn(TREE_FOLDER);
 		btRigidBody& body = world.addMesh(mesh, mass, pose);
 		body.setFriction(btScalar(friction));
@@ -47,11 +46,11 @@ std::vector<SceneValue> play(const std::string& name, const BodyMaker& body)
 }  // namespace
 
 class EveryTestScene : public testing::TestWithParam<TestScene>
-{
-};
+{};
 INSTANTIATE_TEST_SUITE_P(Of, EveryTestScene, testing::ValuesIn(testScenes()), [](const auto& scene) { return scene.param.name; });
 
-// A heavy crate, a ring that is hollow where a box is not, a body of the size of a thumb in short steps, and a tile that is thinner than its size says.
+// A heavy crate, a ring that is hollow where a box is not, a body of the size of a thumb in short steps, and a tile that is thinner than
+// its size says.
 TEST_P(EveryTestScene, AgreesWithItsLawWhateverTheBody)
 {
 	EXPECT_THAT(GetParam().play(crate(), 1.0 / 240), AgreesWithTheory(.002));
@@ -71,8 +70,7 @@ TEST_P(EveryTestScene, RefusesABodyWithoutTreeOrMotion)
 
 TEST(TestScenes, NoticeABodyThatWeighsLessThanItsMass)
 {
-	const BodyMaker light = [](TestWorld& world, const btTransform& pose) -> btRigidBody&
-	{
+	const BodyMaker light = [](TestWorld& world, const btTransform& pose) -> btRigidBody& {
 		btRigidBody& body = crate()(world, pose);
 		body.setFlags(body.getFlags() | BT_DISABLE_WORLD_GRAVITY);
 		body.setGravity(btVector3(0, btScalar(-9), 0));
@@ -85,8 +83,7 @@ TEST(TestScenes, NoticeABodyThatWeighsLessThanItsMass)
 TEST(TestScenes, NoticeABodyThatSomethingHolds)
 {
 	std::vector<std::unique_ptr<btPoint2PointConstraint>> joints;
-	const BodyMaker held = [&](TestWorld& world, const btTransform& pose) -> btRigidBody&
-	{
+	const BodyMaker held = [&](TestWorld& world, const btTransform& pose) -> btRigidBody& {
 		btRigidBody& body = crate()(world, pose);
 		joints.push_back(std::make_unique<btPoint2PointConstraint>(body, btVector3(0, 0, 0)));
 		world.world().bullet().addConstraint(joints.back().get());

@@ -36,7 +36,8 @@ constexpr double kGravity = 1.62, kStiffness = 1e4, kArea = .04, kMass = 2;
 /// A scene file of this test.
 struct SceneOnDisk
 {
-	std::string path = testing::TempDir() + "scene-of-" + testing::UnitTest::GetInstance()->current_test_info()->name() + std::to_string(sizeof(btScalar)) + ".json";
+	std::string path = testing::TempDir() + "scene-of-" + testing::UnitTest::GetInstance()->current_test_info()->name() +
+		std::to_string(sizeof(btScalar)) + ".json";
 
 	explicit SceneOnDisk(const std::string& text) { std::ofstream(path) << text; }
 	~SceneOnDisk() { std::filesystem::remove(path); }
@@ -61,8 +62,7 @@ std::string moonWith(const std::string& from, const std::string& to)
 	return text.replace(at, from.size(), to);
 }
 
-template <class Call>
-std::string refusalOf(const Call& call)
+template <class Call> std::string refusalOf(const Call& call)
 {
 	try
 	{
@@ -123,7 +123,8 @@ TEST(TestWorldScene, FrictionAndPairsAreThoseOfTheFile)
 	world.addScene(lonely.path);
 	world.run(1);
 	ASSERT_FALSE(world.log().records().empty());
-	for (const ContactRecord& record : world.log().records()) EXPECT_FALSE(record.volumetric) << "none of the pairs that the file names has met";
+	for (const ContactRecord& record : world.log().records())
+		EXPECT_FALSE(record.volumetric) << "none of the pairs that the file names has met";
 }
 
 TEST(TestWorldScene, AScenePutsItsBodiesBesideOthers)

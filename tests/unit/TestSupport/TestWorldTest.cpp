@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshDivision.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "TestSupport/Matchers.h"
 
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <LinearMath/btMotionState.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,8 @@ struct CubeOnFloor
 	{
 		useKeptTrees(world);
 		floor = &world.addFloor();
-		cube = volumetric ? &world.addMesh(ist::makeBoxMesh({.1, .1, .1}), 2, at(3, height, -1)) : &world.addShape(box, 2, at(3, height, -1));
+		cube = volumetric ? &world.addMesh(ist::makeBoxMesh({.1, .1, .1}), 2, at(3, height, -1))
+						  : &world.addShape(box, 2, at(3, height, -1));
 		floor->setFriction(1);
 		cube->setFriction(btScalar(friction));
 	}
@@ -77,7 +78,8 @@ TEST(TestWorld, RestCountsSpinAndEveryBodyOfTheWorld)
 	EXPECT_THAT(*scene.cube, Not(IsAtRest(1e9)));
 }
 
-// Against a half-space the force is k A d: at rest m g. The depth is a little more than a gap, where a tree knows volumes better than areas.
+// Against a half-space the force is k A d: at rest m g. The depth is a little more than a gap, where a tree knows volumes better than
+// areas.
 TEST(TestWorld, DepthIsThatOfTheClosedForm)
 {
 	CubeOnFloor scene(true, .1);
@@ -125,7 +127,8 @@ TEST(TestWorld, ASledOnManyRunnersSlidesNoFartherThanOnOne)
 			btCompoundShape shape;
 			ist::BuildOptions options;
 			options.maxSpheres = 300;
-			const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({.2, .02, .02}), options).value());
+			const auto tree = std::make_shared<const ist::InnerSphereTree>(
+				ist::buildTree(ist::makeBoxMesh({.2, .02, .02}), options).value());
 			for (int i = 0; i < runners; ++i)
 			{
 				parts.push_back(std::make_unique<btBoxShape>(btVector3(btScalar(.2), btScalar(.02), btScalar(.02))));
@@ -243,8 +246,8 @@ struct Rail : btMotionState
 };
 }  // namespace
 
-// A wagon on a rail pushes a box until it moves along at v: the box has got m v^2 / 2 and the wagon has done m v^2; a push that stops half way through
-// a step is another one.
+// A wagon on a rail pushes a box until it moves along at v: the box has got m v^2 / 2 and the wagon has done m v^2; a push that stops half
+// way through a step is another one.
 TEST(TestWorld, WhatAKinematicBodyPushesHasItsEnergyFromIt)
 {
 	constexpr double kSpeed = .5, kStep = 1.0 / 240;
@@ -255,8 +258,10 @@ TEST(TestWorld, WhatAKinematicBodyPushesHasItsEnergyFromIt)
 			useKeptTrees(world);
 			world.world().setGravity(btVector3(0, 0, 0));
 			btBoxShape box(btVector3(btScalar(.1), btScalar(.1), btScalar(.1)));
-			const auto add = [&](double mass, double x) -> btRigidBody&
-			{ return volumetric ? world.addMesh(ist::makeBoxMesh({.1, .1, .1}), mass, at(x, 0, 0)) : world.addShape(box, mass, at(x, 0, 0)); };
+			const auto add = [&](double mass, double x) -> btRigidBody& {
+				return volumetric ? world.addMesh(ist::makeBoxMesh({.1, .1, .1}), mass, at(x, 0, 0))
+								  : world.addShape(box, mass, at(x, 0, 0));
+			};
 			btRigidBody* pushed = first ? nullptr : &add(1, 0);
 			btRigidBody& wagon = add(0, -.25);
 			if (first) pushed = &add(1, 0);
@@ -327,8 +332,7 @@ TEST(TestWorld, AMeshThatIsRepairedIsCentredAfterwards)
 	for (const auto& t : box.triangles) two.triangles.push_back({t[1] + count, t[0] + count, t[2] + count});
 
 	TestWorld world(200);
-	const auto halfWidthOf = [&](const ist::Mesh& mesh)
-	{
+	const auto halfWidthOf = [&](const ist::Mesh& mesh) {
 		btVector3 lower, upper;
 		world.addMesh(mesh, 1, at(0, 0, 0)).getCollisionShape()->getAabb(btTransform::getIdentity(), lower, upper);
 		return double(upper.x());

@@ -50,7 +50,8 @@ TEST(WholeBuild, RisesFromNothingToAllOverTheStages)
 			}
 }
 
-// The clock is made of what was measured, on machines of any speed: from a third of the time on, what is left is told within a factor 1.5, or 2 in builds of a few seconds.
+// The clock is made of what was measured, on machines of any speed: from a third of the time on, what is left is told within a factor 1.5,
+// or 2 in builds of a few seconds.
 TEST(WholeBuild, TheTimeLeftIsTrueFromAThirdOn)
 {
 	for (const Measured& m : kMeasured)
@@ -65,7 +66,8 @@ TEST(WholeBuild, TheTimeLeftIsTrueFromAThirdOn)
 				for (int i = 0; i < 100; ++i)
 				{
 					const double within = length * i / 100, clock = before + within, left = total - clock;
-					const double few = within > 0.2 * start ? 12 / m.spheres : 0, fraction = std::max(few, (within - start) / (length - start));
+					const double few = within > 0.2 * start ? 12 / m.spheres : 0,
+								 fraction = std::max(few, (within - start) / (length - start));
 					const double done = build.done(kStages[k], fraction);
 					if (clock < total / 3 || left < 0.02 * total) continue;
 					ASSERT_GT(done, 0);

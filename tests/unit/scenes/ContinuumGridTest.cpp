@@ -51,7 +51,8 @@ TEST(ContinuumGrid, AgreesWithTheQuadratureAlongLines)
 	for (int i = 0; i < 3; ++i)
 	{
 		const Vec3 turn{0.3 * u(random), 0.3 * u(random), 0};
-		const Pose X{rotationMatrix(quaternionFromRotationVector(turn + Vec3{1.2, 0, 0})), {0.05 + 0.004 * u(random), 0.004 * u(random), 0.025 + 0.001 * u(random)}};
+		const Pose X{rotationMatrix(quaternionFromRotationVector(turn + Vec3{1.2, 0, 0})),
+			{0.05 + 0.004 * u(random), 0.004 * u(random), 0.025 + 0.001 * u(random)}};
 		const QuadratureTruth truth = quadrature.integrate(X, {}, 90, 20000);
 		const ContinuumGrid::Sum sum = grid.overlap(rod, X.translation, X.rotation * Vec3{0, 0, 1});
 		ASSERT_GT(truth.volume, 1e-8);
@@ -63,8 +64,7 @@ TEST(ContinuumGrid, AgreesWithTheQuadratureAlongLines)
 TEST(Continuity, PowerAboveAFrequencyIsHalfTheSquareOfASine)
 {
 	const double rate = 1000;
-	const auto wave = [&](double frequency, double size)
-	{
+	const auto wave = [&](double frequency, double size) {
 		std::vector<double> values;
 		for (int i = 0; i < 700; ++i) values.push_back(3 + 0.02 * i + size * std::sin(2 * M_PI * frequency * i / rate + 0.4));
 		return values;

@@ -36,8 +36,7 @@ TEST(ForceAlongPath, FindsTheRippleThatIsThere)
 	constexpr double kFrequency = 120, kShare = 0.03;
 	const PathStart start = onPlane();
 	// Along any tangent: the slide passes the start.
-	const auto rippled = [&](const Pose& X)
-	{
+	const auto rippled = [&](const Pose& X) {
 		const Vec3 way = X.translation - start.X_AB.translation;
 		const double along = std::hypot(way.x, way.z) * (way.x + way.z > 0 ? 1 : -1), seconds = along / (0.25 * kSize);
 		return spring(X) * (1 + kShare * std::sin(2 * std::numbers::pi * kFrequency * seconds));
@@ -50,8 +49,7 @@ TEST(ForceAlongPath, WorkOnACircleIsTheCurlTimesItsArea)
 	constexpr double kCurl = 0.02;
 	const PathStart start = onPlane();
 	// F = spring + curl/2 (axis x way), about every horizontal axis that the tangent may be square to.
-	const auto curled = [&](const Pose& X)
-	{
+	const auto curled = [&](const Pose& X) {
 		const Vec3 way = X.translation - start.X_AB.translation;
 		return spring(X) + Vec3{-kCurl / 2 * way.y, kCurl / 2 * (way.x + way.z), -kCurl / 2 * way.y};
 	};

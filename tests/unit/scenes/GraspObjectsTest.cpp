@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "demos/scenes/Grasp/GraspObjects.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <gtest/gtest.h>
 
@@ -72,7 +72,8 @@ TEST(GraspObjects, WhatIsTooWideOrNoMeshIsRefusedInASentence)
 	const BoxFile file(true);
 	const auto wide = loadGraspObject(file.path(), 0.003);
 	ASSERT_FALSE(wide);
-	EXPECT_NE(wide.error().message.find("90 mm wide along z where it would be gripped, and the hand opens to 76 mm"), std::string::npos) << wide.error().message;
+	EXPECT_NE(wide.error().message.find("90 mm wide along z where it would be gripped, and the hand opens to 76 mm"), std::string::npos)
+		<< wide.error().message;
 	const auto none = loadGraspObject("/no/such/mesh.obj", 1);
 	ASSERT_FALSE(none);
 	EXPECT_NE(none.error().message.find("/no/such/mesh.obj"), std::string::npos);

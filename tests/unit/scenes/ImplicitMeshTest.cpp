@@ -17,7 +17,8 @@ constexpr double kPi = 3.14159265358979323846;
 double areaOf(const Mesh& mesh)
 {
 	double area = 0;
-	for (const auto& t : mesh.triangles) area += 0.5 * norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+	for (const auto& t : mesh.triangles)
+		area += 0.5 * norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 	return area;
 }
 /// The field is the distance to the surface.
@@ -47,8 +48,7 @@ TEST(ImplicitMesh, TorusOffTheOriginHasTheClosedForms)
 {
 	const double R = 0.04, r = 0.01, cell = 0.0008;
 	const Vec3 centre{-2, 0.7, 0.1};
-	const auto field = [&](const Vec3& p)
-	{
+	const auto field = [&](const Vec3& p) {
 		const Vec3 d = p - centre;
 		return r - std::hypot(std::hypot(d.x, d.y) - R, d.z);
 	};

@@ -15,7 +15,8 @@ namespace
 Pose randomPose(std::mt19937_64& random, double spread)
 {
 	std::uniform_real_distribution<double> u(-1, 1);
-	return {rotationMatrix(quaternionFromRotationVector(3 * Vec3{u(random), u(random), u(random)})), spread * Vec3{u(random), u(random), u(random)}};
+	return {rotationMatrix(quaternionFromRotationVector(3 * Vec3{u(random), u(random), u(random)})),
+		spread * Vec3{u(random), u(random), u(random)}};
 }
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "demos/scenes/Truth/OverlapQuadrature.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "demos/scenes/Truth/PoseSampler.h"
 
 #include <gtest/gtest.h>

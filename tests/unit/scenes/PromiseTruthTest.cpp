@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
 #include "demos/scenes/Truth/PoseSampler.h"
@@ -70,8 +70,8 @@ void judge(const Body& A, const Body& B, Outcome* outcomes)
 // None of these pairs was looked at when the factors of the promise were chosen.
 TEST(ForcePromise, HoldsAgainstQuadratureForRoundAndThinBodies)
 {
-	const Body cone = makeBody(makeConeMesh(0.4, 0.8, 32)), slab = makeBody(makeBoxMesh({0.5, 0.3, 0.02})), ball = makeBody(makeSphereMesh(0.4, 3)),
-			   stick = makeBody(makeCylinderMesh(0.03, 0.5, 24));
+	const Body cone = makeBody(makeConeMesh(0.4, 0.8, 32)), slab = makeBody(makeBoxMesh({0.5, 0.3, 0.02})),
+			   ball = makeBody(makeSphereMesh(0.4, 3)), stick = makeBody(makeCylinderMesh(0.03, 0.5, 24));
 	Outcome outcomes[std::size(kErrors)];
 	judge(cone, ball, outcomes);
 	judge(slab, cone, outcomes);
@@ -82,8 +82,8 @@ TEST(ForcePromise, HoldsAgainstQuadratureForRoundAndThinBodies)
 	const Outcome& loose = outcomes[1];
 	EXPECT_GT(loose.kept, 0.2 * loose.poses);
 	EXPECT_LT(double(loose.pairs), 0.7 * double(loose.leaves));
-	std::printf("held %d and %d, kept %d and %d of %d poses; pairs %.2f of the leaves'\n", outcomes[0].held, loose.held, outcomes[0].kept, loose.kept, loose.poses,
-				double(loose.pairs) / double(loose.leaves));
+	std::printf("held %d and %d, kept %d and %d of %d poses; pairs %.2f of the leaves'\n", outcomes[0].held, loose.held, outcomes[0].kept,
+		loose.kept, loose.poses, double(loose.pairs) / double(loose.leaves));
 }
 
 namespace

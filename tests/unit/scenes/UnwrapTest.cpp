@@ -10,7 +10,10 @@ using ist::TexturePlace;
 
 namespace
 {
-double twice(const TexturePlace& a, const TexturePlace& b, const TexturePlace& c) { return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u); }
+double twice(const TexturePlace& a, const TexturePlace& b, const TexturePlace& c)
+{
+	return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
+}
 
 bool holds(const std::array<TexturePlace, 3>& t, const TexturePlace& p)
 {
@@ -20,8 +23,7 @@ bool holds(const std::array<TexturePlace, 3>& t, const TexturePlace& p)
 }  // namespace
 
 class UnwrapTest : public testing::TestWithParam<const char*>
-{
-};
+{};
 
 TEST_P(UnwrapTest, EveryPlaceOfTheSurfaceHasItsOwnInThePicture)
 {

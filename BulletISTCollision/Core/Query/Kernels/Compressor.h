@@ -36,10 +36,10 @@ public:
 	{
 #if defined(IST_SSE) && defined(__AVX512VL__)
 		_mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-							_mm256_maskz_compress_epi32(__mmask8(m_bits), _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
+			_mm256_maskz_compress_epi32(__mmask8(m_bits), _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
 #elif defined(IST_SSE) && defined(__AVX2__)
 		_mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-							_mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)), m_lanes));
+			_mm256_permutevar8x32_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)), m_lanes));
 #else
 		for (uint32_t b = m_bits; b; b &= b - 1) *to++ = from[__builtin_ctz(b)];
 #endif
@@ -58,8 +58,7 @@ public:
 	}
 	IST_INLINE void move(const float* from, float* to) const
 	{
-		if constexpr (kCompresses)
-			move(Vector8::load(from), to);
+		if constexpr (kCompresses) move(Vector8::load(from), to);
 		else
 			for (uint32_t b = m_bits; b; b &= b - 1) *to++ = from[__builtin_ctz(b)];
 	}

@@ -28,8 +28,8 @@ IST_INLINE F6 operator*(const F& s, const F6& a) { return {s * a.xx, s * a.yy, s
 IST_INLINE F trace(const F6& a) { return a.xx + a.yy + a.zz; }
 IST_INLINE F6 adjugate(const F6& P)
 {
-	return {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy,
-			P.xz * P.yz - P.xy * P.zz, P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
+	return {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy, P.xz * P.yz - P.xy * P.zz,
+		P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 }
 /// `Q`: its adjugate.
 IST_INLINE F determinant(const F6& P, const F6& Q) { return P.xx * Q.xx + P.xy * Q.xy + P.xz * Q.xz; }
@@ -65,7 +65,8 @@ IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 	constexpr int offset[4] = {0, 16, 32, 48};
 	F::Part c[16];
 	fetchRows<4>(balls, index, offset, c);
-	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {{c[5]}, {c[6]}, {c[7]}}, {c[8]}, {{c[10]}, {c[11]}, {c[12]}, {c[13]}, {c[14]}, {c[15]}}};
+	return {
+		{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {{c[5]}, {c[6]}, {c[7]}}, {c[8]}, {{c[10]}, {c[11]}, {c[12]}, {c[13]}, {c[14]}, {c[15]}}};
 }
 
 /// Places and radii: all that there is of packed spheres.
@@ -83,7 +84,9 @@ constexpr float kStoredStep = StoredEllipsoid::kStep / 65536;
 /// `R`: of the balls; the words of their shapes.
 IST_INLINE F6 storedShape(const F& R, F xxyy, F zzxy, F xzyz)
 {
-	return R * R * F::all(kStoredStep) * F6{F::lowerNumber(xxyy), F::upperNumber(xxyy), F::lowerNumber(zzxy), F::upperNumber(zzxy), F::lowerNumber(xzyz), F::upperNumber(xzyz)};
+	return R * R * F::all(kStoredStep) *
+		F6{F::lowerNumber(xxyy), F::upperNumber(xxyy), F::lowerNumber(zzxy), F::upperNumber(zzxy), F::lowerNumber(xzyz),
+			F::upperNumber(xzyz)};
 }
 
 /// Without density, normal and depth.
@@ -117,7 +120,8 @@ IST_INLINE F6 fetch(const NormalGradient* gradients, const uint32_t* index)
 	F::Part c[4];
 	fetchRows<1>(gradients, index, offset, c);
 	const F words[3] = {{c[0]}, {c[1]}, {c[2]}};
-	return {F::upperHalf(words[0]), F::upperHalf(words[1]), F::upperHalf(words[2]), F::lowerHalf(words[0]), F::lowerHalf(words[1]), F::lowerHalf(words[2])};
+	return {F::upperHalf(words[0]), F::upperHalf(words[1]), F::upperHalf(words[2]), F::lowerHalf(words[0]), F::lowerHalf(words[1]),
+		F::lowerHalf(words[2])};
 }
 
 /// B's tree frame to A's, one component; the reference's order of operations.
@@ -137,18 +141,14 @@ IST_INLINE F3 turned(const double* R, const F3& v)
 /// R^T v
 IST_INLINE F3 turnedBack(const double* R, const F3& v)
 {
-	const auto column = [&](int i) {
-		return F::all(float(R[i])) * v.x + F::all(float(R[3 + i])) * v.y + F::all(float(R[6 + i])) * v.z;
-	};
+	const auto column = [&](int i) { return F::all(float(R[i])) * v.x + F::all(float(R[3 + i])) * v.y + F::all(float(R[6 + i])) * v.z; };
 	return {column(0), column(1), column(2)};
 }
 
 /// R P R^T
 IST_INLINE F6 turned(const double* R, const F6& P)
 {
-	const auto row = [&](int i) {
-		return F3{F::all(float(R[3 * i])), F::all(float(R[3 * i + 1])), F::all(float(R[3 * i + 2]))};
-	};
+	const auto row = [&](int i) { return F3{F::all(float(R[3 * i])), F::all(float(R[3 * i + 1])), F::all(float(R[3 * i + 2]))}; };
 	const F3 x = row(0), y = row(1), z = row(2), Px = P * x, Py = P * y, Pz = P * z;
 	return {dot(x, Px), dot(y, Py), dot(z, Pz), dot(x, Py), dot(x, Pz), dot(y, Pz)};
 }

@@ -49,7 +49,8 @@ struct Joined
 	IST_INLINE void take(uint32_t lanes, const F3& f, const F3& C, const F& rank)
 	{
 		const F zero = F::all(0), w = F::select(lanes, rank, zero);
-		const F values[7] = {F::select(lanes, f.x, zero), F::select(lanes, f.y, zero), F::select(lanes, f.z, zero), C.x * w, C.y * w, C.z * w, w};
+		const F values[7] = {
+			F::select(lanes, f.x, zero), F::select(lanes, f.y, zero), F::select(lanes, f.z, zero), C.x * w, C.y * w, C.z * w, w};
 		for (int i = 0; i < 7; ++i) sums[i] += values[i];
 	}
 	void addTo(ConeSearch& search) const

@@ -53,8 +53,8 @@ struct Shared
 };
 
 /// By radii, distance of the centres, and the signs and values of r_i + r_j - d, r_j - r_i + d and r_i - r_j + d.
-IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& overlapping, const Lanes& apart, const F& overlap, const F& towardsI,
-						   const F& towardsJ)
+IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& overlapping, const Lanes& apart, const F& overlap,
+	const F& towardsI, const F& towardsJ)
 {
 	const F small = F::smaller(ri, rj), zero = F::all(0);
 	Shared s;
@@ -74,16 +74,16 @@ IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 	const D overlap = Ri + Rj - distance, towardsI = Rj - Ri + distance, towardsJ = Ri - Rj + distance;
 	// Contained: the smaller radius exceeds neither difference. Rounding is monotonic, so these signs are exact.
 	const Lanes apart = D::isLess(D::all(0), towardsI) & D::isLess(D::all(0), towardsJ);
-	return sharedBy(Ri.rounded(), Rj.rounded(), distance.rounded(), D::isLess(D::all(0), overlap), apart, overlap.rounded(), towardsI.rounded(),
-					towardsJ.rounded());
+	return sharedBy(Ri.rounded(), Rj.rounded(), distance.rounded(), D::isLess(D::all(0), overlap), apart, overlap.rounded(),
+		towardsI.rounded(), towardsJ.rounded());
 }
 
 /// P_i + P_j in units of the square of a power of two next to the reach, so that no power of a length leaves a float's range.
 struct Whitening
 {
 	F unit, perUnit, perUnit2;  ///< that length; 1 over it; the square of that
-	F6 Q;   ///< adjugate of the sum
-	F det;  ///< of the sum
+	F6 Q;                       ///< adjugate of the sum
+	F det;                      ///< of the sum
 };
 
 /// Both in A's frame.
@@ -116,7 +116,8 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	const Lanes bounded = F::isLess(own, least);
 	const F d = F::squareRoot(F::larger(own, least));
 	const F overlap = sum - d, towardsI = rj - ri + d, towardsJ = ri - rj + d;
-	Shared s = sharedBy(ri, rj, d, F::isLess(zero, overlap), F::isLess(zero, towardsI) & F::isLess(zero, towardsJ), overlap, towardsI, towardsJ);
+	Shared s = sharedBy(
+		ri, rj, d, F::isLess(zero, overlap), F::isLess(zero, towardsI) & F::isLess(zero, towardsJ), overlap, towardsI, towardsJ);
 
 	const F length = Ri * Rj / (ri * rj) * white.unit, scale = length * length * length * F::squareRoot(inverse);
 	const F steepness = u * s.inverse;
@@ -131,8 +132,7 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 }
 
 /// B's balls in A's tree frame: `b` without the centres, those unrounded. `isMoved`: as the search has moved them.
-template <Terms terms, bool isMoved>
-IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls& b)
+template <Terms terms, bool isMoved> IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls& b)
 {
 	if constexpr (isMoved)
 	{
@@ -143,8 +143,7 @@ IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls
 	}
 	else
 	{
-		if constexpr (terms == kLineTerms)
-			b = fetch(bodies.ballsB, index);
+		if constexpr (terms == kLineTerms) b = fetch(bodies.ballsB, index);
 		else
 		{
 			b = fetch(bodies.ballsB, bodies.ellipsoidsB, index);
@@ -155,21 +154,22 @@ IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls
 	}
 }
 
-template <Terms terms>
-IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
+template <Terms terms> IST_INLINE Balls fetchA(const PairBodies& bodies, const uint32_t* index)
 {
 	if constexpr (terms == kLineTerms) return fetch(bodies.ballsA, index);
 	else return fetch(bodies.ballsA, bodies.ellipsoidsA, index);
 }
 
-/// What normals that change over a ball, of A's, of B's or of both, make of a lens: its centroid, as lensCentroid() has it, and the normals there.
-IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, const Balls& a, const Balls& b, const F3& offset,
-							  const Shared& shared, Lenses& l)
+/// What normals that change over a ball, of A's, of B's or of both, make of a lens: its centroid, as lensCentroid() has it, and the normals
+/// there.
+IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, const Balls& a, const Balls& b,
+	const F3& offset, const Shared& shared, Lenses& l)
 {
 	// The sum of both shapes has a trace of one: so its determinant stays in a float's range, however unlike the two are.
 	constexpr float kLeastTrace = 1e-37f;
 	const F zero = F::all(0), one = F::all(1), ofA = shared.share * shared.squareJ, ofB = (one - shared.share) * shared.squareI;
-	const F together = ofA * trace(a.shape) + ofB * trace(b.shape), scale = F::select(F::isLess(F::all(kLeastTrace), together), one / together, zero);
+	const F together = ofA * trace(a.shape) + ofB * trace(b.shape),
+			scale = F::select(F::isLess(F::all(kLeastTrace), together), one / together, zero);
 	const F6 A = (ofA * scale) * a.shape, B = (ofB * scale) * b.shape, N = A + B, Q = adjugate(N);
 	const F det = determinant(N, Q);
 	const F3 w = F::select(shared.hits & F::isLess(zero, det), one / det, zero) * (Q * offset), fromA = -one * (A * w), fromB = B * w;
@@ -200,8 +200,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 		shared = sharedByBalls(Ri, Rj, distance);
 		l.n = {offset.x * shared.inverse, offset.y * shared.inverse, offset.z * shared.inverse};
 	}
-	else
-		shared = sharedByEllipsoids(a, b, offset, l.n);
+	else shared = sharedByEllipsoids(a, b, offset, l.n);
 	l.meeting = D::isLess(squared, reach * reach);
 	l.hits = l.meeting & shared.hits;
 	F density = F::all(1);
@@ -222,10 +221,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	return l;
 }
 
-IST_INLINE uint32_t firstLanes(int count)
-{
-	return count >= kLanes ? (1u << kLanes) - 1 : (1u << count) - 1;
-}
+IST_INLINE uint32_t firstLanes(int count) { return count >= kLanes ? (1u << kLanes) - 1 : (1u << count) - 1; }
 
 /// Pairs that are summed next. A column is no power of two long: the same place of several columns would compete for one cache set.
 struct alignas(64) Stage
@@ -235,14 +231,13 @@ struct alignas(64) Stage
 };
 
 /// Columns that sums of these terms need.
-template <Terms terms>
-constexpr int kSummedColumns = terms == kLineTerms ? int(PairStream::MeanNormalA) : int(PairStream::Force);
+template <Terms terms> constexpr int kSummedColumns = terms == kLineTerms ? int(PairStream::MeanNormalA) : int(PairStream::Force);
 
 /// Calls `visit(column, lanes)` for each of them.
-template <Terms terms, class Visit>
-IST_INLINE void forEachColumn(const Lenses& l, const Visit& visit)
+template <Terms terms, class Visit> IST_INLINE void forEachColumn(const Lenses& l, const Visit& visit)
 {
-	const auto visit3 = [&](int column, const F3& v) __attribute__((always_inline)) {
+	const auto visit3 = [&](int column, const F3& v) __attribute__((always_inline))
+	{
 		visit(column, v.x);
 		visit(column + 1, v.y);
 		visit(column + 2, v.z);
@@ -265,8 +260,7 @@ IST_INLINE F3 load3(const Stage& stage, int column, int at)
 	return {F::load(stage.column[column] + at), F::load(stage.column[column + 1] + at), F::load(stage.column[column + 2] + at)};
 }
 
-template <int N>
-IST_INLINE void addSums(double* sums, const F (&lanes)[N])
+template <int N> IST_INLINE void addSums(double* sums, const F (&lanes)[N])
 {
 	for (int i = 0; i < N; ++i) sums[i] += lanes[i].sum();
 }
@@ -297,7 +291,8 @@ void sumMoments(const Stage& stage, int length, double* sums)
 	for (int k = 0; k < length; k += kLanes)
 	{
 		const F mass = F::load(stage.column[PairStream::Mass] + k), disc = F::load(stage.column[PairStream::Area] + k);
-		const F3 C = load3(stage, PairStream::Centroid, k), n = load3(stage, PairStream::Normal, k), first{C.x * mass, C.y * mass, C.z * mass};
+		const F3 C = load3(stage, PairStream::Centroid, k), n = load3(stage, PairStream::Normal, k),
+				 first{C.x * mass, C.y * mass, C.z * mass};
 		s[0] += mass;
 		s[1] += first.x;
 		s[2] += first.y;
@@ -330,8 +325,7 @@ void sumDepths(const Stage& stage, int length, double* sums)
 }
 
 /// Three rows of g by some columns of w, into rows of `stride`. No more than four columns: as many sums as fit into sixteen registers.
-template <int kColumns>
-void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product, int stride)
+template <int kColumns> void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product, int stride)
 {
 	F s[3 * kColumns];
 	for (F& v : s) v = F::all(0);
@@ -407,12 +401,10 @@ void sumDamping(const PairBodies& bodies, const Stage& stage, int length, double
 }
 
 /// `length`: whole vectors.
-template <Terms terms>
-void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* sums)
+template <Terms terms> void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* sums)
 {
 	sumMoments(stage, length, sums);
-	if constexpr (terms == kLineTerms)
-		sumWrench(stage, PairStream::Normal, length, sums + kLine);
+	if constexpr (terms == kLineTerms) sumWrench(stage, PairStream::Normal, length, sums + kLine);
 	else
 	{
 		sumDepths(stage, length, sums);
@@ -425,20 +417,20 @@ void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* 
 }
 
 /// Sums the first `length` staged pairs, and empties the stage.
-template <Terms terms>
-void flushStage(const PairBodies& bodies, Stage& stage, int& length, double* sums)
+template <Terms terms> void flushStage(const PairBodies& bodies, Stage& stage, int& length, double* sums)
 {
 	for (int c = 0; c < kSummedColumns<terms>; ++c) F::all(0).store(stage.column[c] + length);
 	sumStage<terms>(bodies, stage, (length + kLanes - 1) / kLanes * kLanes, sums);
 	length = 0;
 }
 
-/// Appends those of the first `count` lanes that intersect. Where few do not, all are: to move the others together costs more than to sum zeros.
-template <Terms terms>
-IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
+/// Appends those of the first `count` lanes that intersect. Where few do not, all are: to move the others together costs more than to sum
+/// zeros.
+template <Terms terms> IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
 {
 	const uint32_t hits = l.hits.bits();
-	forEachColumn<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
+	forEachColumn<terms>(
+		l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
 	if ((__builtin_popcount(hits) >= kLanes * 3 / 4) & (count >= kLanes)) return length + kLanes;
 	// Out of memory: kept in registers for this branch, columns would be spilled for all.
 	const LaneCompressor kept(hits & firstLanes(count));
@@ -464,8 +456,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 }
 
 /// Calls `evaluate(isMoved, normalsChange)`, both known to the compiler.
-template <Terms terms, typename Evaluate>
-IST_INLINE auto specialized(const PairBodies& bodies, const Evaluate& evaluate)
+template <Terms terms, typename Evaluate> IST_INLINE auto specialized(const PairBodies& bodies, const Evaluate& evaluate)
 {
 	using Yes = std::true_type;
 	using No = std::false_type;
@@ -476,19 +467,19 @@ IST_INLINE auto specialized(const PairBodies& bodies, const Evaluate& evaluate)
 	return bodies.centersB ? evaluate(Yes(), No()) : evaluate(No(), No());
 }
 
-template <Terms terms>
-void evaluateAs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
+template <Terms terms> void evaluateAs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, double* sums)
 {
-	specialized<terms>(bodies, [&](auto isMoved, auto normalsChange) { evaluatePairs<terms, isMoved, normalsChange>(bodies, a, b, count, sums); });
+	specialized<terms>(
+		bodies, [&](auto isMoved, auto normalsChange) { evaluatePairs<terms, isMoved, normalsChange>(bodies, a, b, count, sums); });
 }
 
 void evaluate(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums)
 {
 	switch (terms)
 	{
-		case kLineTerms: return evaluateAs<kLineTerms>(bodies, a, b, count, sums);
-		case kFieldTerms: return evaluateAs<kFieldTerms>(bodies, a, b, count, sums);
-		case kStiffnessTerms: return evaluateAs<kStiffnessTerms>(bodies, a, b, count, sums);
+	case kLineTerms: return evaluateAs<kLineTerms>(bodies, a, b, count, sums);
+	case kFieldTerms: return evaluateAs<kFieldTerms>(bodies, a, b, count, sums);
+	case kStiffnessTerms: return evaluateAs<kStiffnessTerms>(bodies, a, b, count, sums);
 	}
 }
 }  // namespace

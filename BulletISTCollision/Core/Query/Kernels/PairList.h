@@ -3,14 +3,14 @@
 
 #include "BulletISTCollision/Core/Query/Kernels/PairIntegrals.h"
 
-// Included by QueryKernel.cpp only. Pairs that are to be grouped are evaluated once, into columns that are summed when their groups are known.
+// Included by QueryKernel.cpp only. Pairs that are to be grouped are evaluated once, into columns that are summed when their groups are
+// known.
 namespace
 {
 constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
 
 /// Calls `visit(column, lanes)` for each column of a list.
-template <Terms terms, class Visit>
-IST_INLINE void forEachListed(const Lenses& l, const Visit& visit)
+template <Terms terms, class Visit> IST_INLINE void forEachListed(const Lenses& l, const Visit& visit)
 {
 	constexpr float kWeakNormal = 0.1f, kLeastRank = 1e-3f;
 	forEachColumn<terms>(l, visit);
@@ -34,7 +34,8 @@ int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, 
 		const LaneCompressor kept((bodies.keepMeeting ? l.meeting : l.hits).bits() & firstLanes(count - k));
 		kept.move(a + k, stream.a + size);
 		kept.move(b + k, stream.b + size);
-		forEachListed<terms>(l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, columnOf(stream, c) + size); });
+		forEachListed<terms>(
+			l, [&](int c, const F& v) __attribute__((always_inline)) { kept.move(v, columnOf(stream, c) + size); });
 		size += kept.count();
 	}
 	return size;
@@ -43,17 +44,18 @@ int refinePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, 
 template <Terms terms>
 int refineAs(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, const PairStream& stream, int size)
 {
-	return specialized<terms>(bodies, [&](auto isMoved, auto normalsChange) { return refinePairs<terms, isMoved, normalsChange>(bodies, a, b, count, stream, size); });
+	return specialized<terms>(bodies,
+		[&](auto isMoved, auto normalsChange) { return refinePairs<terms, isMoved, normalsChange>(bodies, a, b, count, stream, size); });
 }
 
 int refine(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size)
 {
-	return terms == kLineTerms ? refineAs<kLineTerms>(bodies, a, b, count, stream, size) : refineAs<kFieldTerms>(bodies, a, b, count, stream, size);
+	return terms == kLineTerms ? refineAs<kLineTerms>(bodies, a, b, count, stream, size)
+							   : refineAs<kFieldTerms>(bodies, a, b, count, stream, size);
 }
 
 /// Copies the lanes of the set bits to the stage. Writes whole vectors.
-template <int Columns>
-IST_INLINE void stageLanes(const PairStream& from, int at, uint32_t bits, Stage& stage, int length)
+template <int Columns> IST_INLINE void stageLanes(const PairStream& from, int at, uint32_t bits, Stage& stage, int length)
 {
 	if (bits == kAllLanes)
 	{
@@ -87,13 +89,14 @@ void sumListed(const PairBodies& bodies, const PairStream& stream, const GroupNu
 	sums[kPairs] += double(pairs);
 }
 
-void sumGroup(const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums)
+void sumGroup(
+	const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums)
 {
 	switch (terms)
 	{
-		case kLineTerms: return sumListed<kLineTerms>(bodies, stream, groups, group, count, sums);
-		case kFieldTerms: return sumListed<kFieldTerms>(bodies, stream, groups, group, count, sums);
-		case kStiffnessTerms: return sumListed<kStiffnessTerms>(bodies, stream, groups, group, count, sums);
+	case kLineTerms: return sumListed<kLineTerms>(bodies, stream, groups, group, count, sums);
+	case kFieldTerms: return sumListed<kFieldTerms>(bodies, stream, groups, group, count, sums);
+	case kStiffnessTerms: return sumListed<kStiffnessTerms>(bodies, stream, groups, group, count, sums);
 	}
 }
 }  // namespace

@@ -83,8 +83,7 @@ struct Partner
 };
 
 /// Appends pairs (child, partner); `child` and `partner` are the list's columns. The stored bound is the child's.
-IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c,
-								  const Partner& p)
+IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c, const Partner& p)
 {
 	if (!kCompresses && !bits) return;
 	const Compressor compressor(bits);
@@ -99,8 +98,8 @@ IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* 
 }
 
 /// The same with the partner's bound.
-IST_INLINE void appendPartnerBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c,
-									const Partner& p)
+IST_INLINE void appendPartnerBounds(
+	SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c, const Partner& p)
 {
 	if (!kCompresses && !bits) return;
 	const Compressor compressor(bits);
@@ -168,10 +167,8 @@ IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, Su
 	const uint32_t notSmaller = ~Vector8::less(c.r, Vector8::all(b.r));
 	const Routes to = route(hits, childBits(node.child), notSmaller, (b.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.a, sameList.b, to.same, c, b);
-	if (b.id & BallNode::kLeafBit)
-		appendPartnerBounds(leaves, leaves.a, leaves.b, to.leaf, c, b);
-	else
-		appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
+	if (b.id & BallNode::kLeafBit) appendPartnerBounds(leaves, leaves.a, leaves.b, to.leaf, c, b);
+	else appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
 }
 
 /// Opens entry `index` of openB: the children of B's node, moved to A's frame, against the bound of A's.
@@ -266,7 +263,8 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		if (epochsA[blockA] != epoch) writeColumns(s, blockA);
 		const BlockColumns& a = columnsA[blockA];
 		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
-		const LaneMask<16> near = touching(V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
+		const LaneMask<16> near = touching(
+			V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
 		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
 		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
 		// Of a block that nothing is near the number does not matter.

@@ -8,8 +8,8 @@
 // and with some slack, spares them the rest.
 namespace
 {
-/// P so much larger that its ellipsoid contains all within `margin` of that of P. Over the directions u, h^2 = u^T P u, (h + m)^2 <= (1 + t) h^2 + (1 + 1/t) m^2;
-/// equal where t = m / h, here of the mean h.
+/// P so much larger that its ellipsoid contains all within `margin` of that of P. Over the directions u, h^2 = u^T P u, (h + m)^2 <= (1 +
+/// t) h^2 + (1 + 1/t) m^2; equal where t = m / h, here of the mean h.
 IST_INLINE F6 grown(const F6& P, const F& margin)
 {
 	const F mean = F::squareRoot((P.xx + P.yy + P.zz) * F::all(1.0f / 3));
@@ -19,13 +19,13 @@ IST_INLINE F6 grown(const F6& P, const F& margin)
 
 IST_INLINE F determinant(const F6& M)
 {
-	const F x = negatedMultiplyAdd(M.yz, M.yz, M.yy * M.zz), y = negatedMultiplyAdd(M.yz, M.xz, M.xy * M.zz), z = negatedMultiplyAdd(M.yy, M.xz, M.xy * M.yz);
+	const F x = negatedMultiplyAdd(M.yz, M.yz, M.yy * M.zz), y = negatedMultiplyAdd(M.yz, M.xz, M.xy * M.zz),
+			z = negatedMultiplyAdd(M.yy, M.xz, M.xy * M.yz);
 	return multiplyAdd(M.xz, z, negatedMultiplyAdd(M.xy, y, M.xx * x));
 }
 
 /// In A's tree frame, in floats.
-template <bool isMoved>
-IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
+template <bool isMoved> IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 {
 	if constexpr (isMoved) return fetchShapes(bodies.movedB, index);
 	Balls b = fetchShapes(bodies.ballsB, bodies.ellipsoidsB, index);
@@ -37,9 +37,10 @@ IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 	return b;
 }
 
-/// Bit k set where ellipsoids k may share volume, x^T P^-1 x < 2, P = P_a + P_b, within the margin. That is u.x < sqrt(2) h(u), h(u)^2 = u^T P u, in all
-/// directions u. Where no point of B moves by more than s, u.x and B's share in h change by |u| s together at most: u.x was below sqrt(2) (h + |u| s).
-/// And it is where 2 P - x x^T is positive definite, which is where its determinant, that of 2 P times 1 - x^T P^-1 x / 2, is positive.
+/// Bit k set where ellipsoids k may share volume, x^T P^-1 x < 2, P = P_a + P_b, within the margin. That is u.x < sqrt(2) h(u), h(u)^2 =
+/// u^T P u, in all directions u. Where no point of B moves by more than s, u.x and B's share in h change by |u| s together at most: u.x was
+/// below sqrt(2) (h + |u| s). And it is where 2 P - x x^T is positive definite, which is where its determinant, that of 2 P times 1 - x^T
+/// P^-1 x / 2, is positive.
 template <bool hasMargin, bool isMoved>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
@@ -47,21 +48,24 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 	const F6 &A = a.shape, &B = b.shape;
 	F6 P{A.xx + B.xx, A.yy + B.yy, A.zz + B.zz, A.xy + B.xy, A.xz + B.xz, A.yz + B.yz};
 	if constexpr (hasMargin) P = grown(P, F::all(bodies.margin));
-	// Distances of the thinnest shapes err by .05 % in floats. The slack s moves u.x by |u| s at most, and (p + q)^2 <= 1.001 p^2 + 1001 q^2. So 2.0025 P + 1001 s^2 - x x^T,
-	// here all over 2.0025.
+	// Distances of the thinnest shapes err by .05 % in floats. The slack s moves u.x by |u| s at most, and (p + q)^2 <= 1.001 p^2 + 1001
+	// q^2. So 2.0025 P + 1001 s^2 - x x^T, here all over 2.0025.
 	constexpr float kPerRoot = 0.70666f, kSlackPerRoot = 22.358f;  // 1 and sqrt(1001), over sqrt(2.0025)
 	const F perUnit = F::inverseOfPower(F::powerOfTwoBelow(a.R + b.R)), u2 = perUnit * perUnit;
 	const F u = perUnit * F::all(kPerRoot), slack = perUnit * F::all(kSlackPerRoot * bodies.slack), slack2 = slack * slack;
 	const F3 x{(a.x - b.x) * u, (a.y - b.y) * u, (a.z - b.z) * u};
-	const auto side = [&](const F& p, const F& v) __attribute__((always_inline)) { return negatedMultiplyAdd(v, v, multiplyAdd(p, u2, slack2)); };
+	const auto side = [&](const F& p, const F& v) __attribute__((always_inline))
+	{
+		return negatedMultiplyAdd(v, v, multiplyAdd(p, u2, slack2));
+	};
 	const auto corner = [&](const F& p, const F& v, const F& w) __attribute__((always_inline)) { return negatedMultiplyAdd(v, w, p * u2); };
-	const F6 rest{side(P.xx, x.x), side(P.yy, x.y), side(P.zz, x.z), corner(P.xy, x.x, x.y), corner(P.xz, x.x, x.z), corner(P.yz, x.y, x.z)};
+	const F6 rest{
+		side(P.xx, x.x), side(P.yy, x.y), side(P.zz, x.z), corner(P.xy, x.x, x.y), corner(P.xz, x.x, x.z), corner(P.yz, x.y, x.z)};
 	return ~F::less(determinant(rest), F::all(0));
 }
 
 /// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.
-template <bool hasMargin, bool isMoved>
-int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+template <bool hasMargin, bool isMoved> int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
 	int kept = 0;
 	for (int k = 0; k < count; k += kLanes)
@@ -75,8 +79,7 @@ int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 	return kept;
 }
 
-template <bool hasMargin>
-int siftAs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+template <bool hasMargin> int siftAs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
 	return bodies.centersB ? siftPairs<hasMargin, true>(bodies, a, b, count) : siftPairs<hasMargin, false>(bodies, a, b, count);
 }

@@ -62,33 +62,34 @@ struct SearchCounts
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;
 };
 
-/// One search for pairs of balls that may intersect. It goes on with the entries of openA and openB. No pair that does intersect is missed; a few that only almost do are found.
+/// One search for pairs of balls that may intersect. It goes on with the entries of openA and openB. No pair that does intersect is missed;
+/// a few that only almost do are found.
 struct PairSearch
 {
 	const BallNode *nodesA, *nodesB;
 	const Sphere *ballsA, *ballsB;
 	const StoredEllipsoid* ellipsoidsB;  ///< where movedB is wanted
-	double R[9], t[3];    ///< B's tree frame to A's
-	float stretch;        ///< by how much R may lengthen
-	float slack;          ///< covers the rounding of float positions [m]
+	double R[9], t[3];                   ///< B's tree frame to A's
+	float stretch;                       ///< by how much R may lengthen
+	float slack;                         ///< covers the rounding of float positions [m]
 	SubtreeList openA, openB, leaves;
 	int openBatch;
-	uint32_t *ballOf, *blockOf;  ///< kBallEntries: balls of A against blocks of B
-	BlockColumns* columnsA;      ///< one for each block of A
-	uint32_t* epochsA;           ///< when these were written last
-	BlockColumns* moved;         ///< one for each block of B, in A's tree frame
-	BlockMark* marks;            ///< of these
-	MovedCenter* centersB;       ///< of the balls of moved blocks, for the pairs' evaluation
-	MomentEllipsoid* movedB;     ///< these balls; null: not wanted
-	uint32_t epoch;              ///< of this search: blocks with another one are still to be written, or moved
-	uint32_t *pairA, *pairB;     ///< kPairBatch + kListSlack: indices of balls
+	uint32_t *ballOf, *blockOf;              ///< kBallEntries: balls of A against blocks of B
+	BlockColumns* columnsA;                  ///< one for each block of A
+	uint32_t* epochsA;                       ///< when these were written last
+	BlockColumns* moved;                     ///< one for each block of B, in A's tree frame
+	BlockMark* marks;                        ///< of these
+	MovedCenter* centersB;                   ///< of the balls of moved blocks, for the pairs' evaluation
+	MomentEllipsoid* movedB;                 ///< these balls; null: not wanted
+	uint32_t epoch;                          ///< of this search: blocks with another one are still to be written, or moved
+	uint32_t *pairA, *pairB;                 ///< kPairBatch + kListSlack: indices of balls
 	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
 	bool (*expired)(void* context);          ///< null: never; else asked before each batch, true ends the search
 	void* context;
-	bool stop;                   ///< set by the sink: enough is found
-	int stopAt;                  ///< not 0: ends when so many entries are open, and leaves them at the front of openA and openB,
-	int64_t stopAfter;           ///< but not before so many node visits
-	bool unfinished;             ///< set by the search: it has left some
+	bool stop;          ///< set by the sink: enough is found
+	int stopAt;         ///< not 0: ends when so many entries are open, and leaves them at the front of openA and openB,
+	int64_t stopAfter;  ///< but not before so many node visits
+	bool unfinished;    ///< set by the search: it has left some
 	SearchCounts counts;
 };
 
@@ -101,9 +102,9 @@ struct PairBodies
 	const MovedCenter* centersB;    ///< of those balls that the search found in pairs; null: each pair moves and turns its own
 	const MomentEllipsoid* movedB;  ///< with centersB: B's balls in A's tree frame, in floats
 	double R[9], t[3];
-	bool keepMeeting;  ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
-	float slack;       ///< covers the rounding of float positions [m]
-	float margin;      ///< of `sift`: keeps pairs that meet when no point of B has moved further [m]
+	bool keepMeeting;        ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
+	float slack;             ///< covers the rounding of float positions [m]
+	float margin;            ///< of `sift`: keeps pairs that meet when no point of B has moved further [m]
 	float weightA, weightB;  ///< of the fields, for the damping; both zero: none
 };
 
@@ -113,23 +114,23 @@ enum Sum
 	kVolume,
 	kFirst,
 	kSecond = kFirst + 3,
-	kNormalA = kSecond + 6,   ///< force, torque
+	kNormalA = kSecond + 6,  ///< force, torque
 	kNormalB = kNormalA + 6,
-	kLine = kNormalB + 6,     ///< sum dd L n, and C x that
+	kLine = kNormalB + 6,  ///< sum dd L n, and C x that
 	kArea = kLine + 6,
 	kDepthA = kArea + 3,
 	kDepthB,
 	kPairs,
-	kProduct,                 ///< 6x12: g_n by (g_wA, g_wB), row major
-	kDamping = kProduct + 72, ///< 3x3 blocks of sum dd L G G^T, row major: linear, linear by angular, angular
+	kProduct,                  ///< 6x12: g_n by (g_wA, g_wB), row major
+	kDamping = kProduct + 72,  ///< 3x3 blocks of sum dd L G G^T, row major: linear, linear by angular, angular
 	kSumCount = kDamping + 27
 };
 
 enum Terms
 {
-	kLineTerms,       ///< packed spheres: density 1, no normals, no depths
-	kFieldTerms,      ///< no line terms
-	kStiffnessTerms   ///< field terms and stiffness
+	kLineTerms,      ///< packed spheres: density 1, no normals, no depths
+	kFieldTerms,     ///< no line terms
+	kStiffnessTerms  ///< field terms and stiffness
 };
 
 /// Intersecting pairs, one column for each thing that sums and grouping need of them.
@@ -137,17 +138,17 @@ struct PairStream
 {
 	enum Column
 	{
-		Mass,                    ///< dd L
-		Area,                    ///< dd times the disc's area
-		Centroid,                ///< C
-		Normal = Centroid + 3,   ///< n
+		Mass,                      ///< dd L
+		Area,                      ///< dd times the disc's area
+		Centroid,                  ///< C
+		Normal = Centroid + 3,     ///< n
 		MeanNormalA = Normal + 3,  ///< of A's leaf; all from here on: none of packed spheres
 		MeanNormalB = MeanNormalA + 3,
 		DepthA = MeanNormalB + 3,  ///< at C
 		DepthB,
-		Force,                   ///< dd L (m_j - m_i); sums need none from here on
-		Size = Force + 3,        ///< |f|; 0 where the normals cancel to less than a tenth of dd L, so that f has no direction
-		Rank,                    ///< of the pair: |f|, or a small share of dd L where that is more
+		Force,             ///< dd L (m_j - m_i); sums need none from here on
+		Size = Force + 3,  ///< |f|; 0 where the normals cancel to less than a tenth of dd L, so that f has no direction
+		Rank,              ///< of the pair: |f|, or a small share of dd L where that is more
 		ColumnCount
 	};
 	uint32_t *a, *b;
@@ -157,20 +158,20 @@ struct PairStream
 /// Without linkage, see above.
 static inline float* columnOf(const PairStream& stream, int column) { return stream.numbers + size_t(column) * stream.stride; }
 
-/// What a pair belongs to: a patch, from 0 on, or as yet to a component alone, from -1 down. A float, to be looked at side by side with the rest;
-/// exact up to 2^24.
+/// What a pair belongs to: a patch, from 0 on, or as yet to a component alone, from -1 down. A float, to be looked at side by side with the
+/// rest; exact up to 2^24.
 using GroupNumber = float;
 
 /// A look at those pairs of a component that belong to no patch yet.
 struct ConeSearch
 {
 	GroupNumber component, patch;
-	float axis[3], cosine;  ///< pairs whose force is within the cone join the patch
-	bool all;               ///< all of the component join it, whatever their force
+	float axis[3], cosine;             ///< pairs whose force is within the cone join the patch
+	bool all;                          ///< all of the component join it, whatever their force
 	double force[3], moment[3], rank;  ///< of those that joined: sums of f, of C times the rank, of the rank
-	double left;            ///< sum of the rank of those that did not
-	int strongest;          ///< of those that did not, the first with the largest size; negative: none has a direction
-	float size;             ///< of that one
+	double left;                       ///< sum of the rank of those that did not
+	int strongest;                     ///< of those that did not, the first with the largest size; negative: none has a direction
+	float size;                        ///< of that one
 };
 
 /// What a pair without a patch is compared with.
@@ -192,13 +193,16 @@ struct QueryKernel
 	void (*evaluate)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums);
 	/// Appends those pairs that do intersect to `stream` at `size` (needs kListSlack beyond size + count); returns the new size. Reads
 	/// as far behind the end.
-	int (*refine)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size);
-	/// As `evaluate`, of those of the first `count` pairs of `stream` that are in a group; null: of all. Reads up to kListSlack behind the end;
-	/// of the bodies the weights alone.
-	void (*sumGroup)(const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count, Terms terms, double* sums);
+	int (*refine)(
+		const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, const PairStream& stream, int size);
+	/// As `evaluate`, of those of the first `count` pairs of `stream` that are in a group; null: of all. Reads up to kListSlack behind the
+	/// end; of the bodies the weights alone.
+	void (*sumGroup)(const PairBodies& bodies, const PairStream& stream, const GroupNumber* groups, GroupNumber group, int count,
+		Terms terms, double* sums);
 	/// Writes the patch's number to `groups` for the pairs that join it. Reads as far behind the end.
 	void (*joinCone)(const PairStream& stream, GroupNumber* groups, int count, ConeSearch& search);
-	/// Pairs without a patch join the best in their component, or of all where it has none. Reads as far behind the end, and writes what it read there.
+	/// Pairs without a patch join the best in their component, or of all where it has none. Reads as far behind the end, and writes what it
+	/// read there.
 	void (*joinNearest)(const PairStream& stream, GroupNumber* groups, int count, const PatchList& list);
 };
 

@@ -33,20 +33,20 @@ IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return F::Part{a[0], a[1]
 IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return F::Part{a[2], a[3], b[2], b[3]}; }
 #endif
 
-template <int N>
-struct Constant
+template <int N> struct Constant
 {
 	static constexpr int value = N;
 };
 
-/// Of kRows rows of sixteen bytes of each ball, `place(k) + offset[r]`: those of the balls first + j, first + j + step and so on, side by side in
-/// `to[step * r + j]`, for each j below `step`.
+/// Of kRows rows of sixteen bytes of each ball, `place(k) + offset[r]`: those of the balls first + j, first + j + step and so on, side by
+/// side in `to[step * r + j]`, for each j below `step`.
 template <int step, int kRows, class Place>
 IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows], F::Part (&to)[step * kRows])
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	// Ball by ball, so that each place is wanted for a moment only: there are not enough registers for all.
-	const auto quarter = [&](auto q) __attribute__((always_inline)) {
+	const auto quarter = [&](auto q) __attribute__((always_inline))
+	{
 		IST_UNROLL
 		for (int j = 0; j < step; ++j)
 		{
@@ -56,10 +56,8 @@ IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows]
 			{
 				const __m128 row = _mm_loadu_ps(reinterpret_cast<const float*>(ball + offset[r]));
 				F::Part& v = to[step * r + j];
-				if constexpr (decltype(q)::value == 0)
-					v = (F::Part)_mm512_castps128_ps512(row);
-				else
-					v = (F::Part)_mm512_insertf32x4((__m512)v, row, decltype(q)::value);
+				if constexpr (decltype(q)::value == 0) v = (F::Part)_mm512_castps128_ps512(row);
+				else v = (F::Part)_mm512_insertf32x4((__m512)v, row, decltype(q)::value);
 			}
 		}
 	};
@@ -74,7 +72,10 @@ IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows]
 		IST_UNROLL
 		for (int j = 0; j < step; ++j)
 		{
-			const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<const float*>(place(first + k) + offset[r]); };
+			const auto row = [&](int k) __attribute__((always_inline))
+			{
+				return reinterpret_cast<const float*>(place(first + k) + offset[r]);
+			};
 #if defined(IST_SSE) && defined(__AVX2__)
 			to[step * r + j] = (F::Part)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(row(j))), _mm_loadu_ps(row(j + step)), 1);
 #else
@@ -86,8 +87,7 @@ IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows]
 }
 
 /// Sixteen bytes of `v` to each of `at(first)`, `at(first + step)` and so on.
-template <int step, class At>
-IST_INLINE void scatter(F::Part v, int first, const At& at)
+template <int step, class At> IST_INLINE void scatter(F::Part v, int first, const At& at)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	const __m512 r = (__m512)v;
@@ -118,7 +118,8 @@ IST_INLINE void transpose(F::Part& r0, F::Part& r1, F::Part& r2, F::Part& r3)
 /// Of four registers, each the rows of a ball: row r of all four, in to[r].
 IST_INLINE void transposeRows(const F::Part (&ball)[4], F::Part (&to)[4])
 {
-	const auto mixed = [](F::Part a, F::Part b, auto choice) __attribute__((always_inline)) {
+	const auto mixed = [](F::Part a, F::Part b, auto choice) __attribute__((always_inline))
+	{
 		return (F::Part)_mm512_shuffle_f32x4((__m512)a, (__m512)b, decltype(choice)::value);
 	};
 	const F::Part front = mixed(ball[0], ball[1], Constant<0x44>{}), back = mixed(ball[0], ball[1], Constant<0xee>{});
@@ -130,8 +131,7 @@ IST_INLINE void transposeRows(const F::Part (&ball)[4], F::Part (&to)[4])
 }
 #endif
 
-template <class Ball>
-IST_INLINE auto placesOf(const Ball* balls, const uint32_t* index)
+template <class Ball> IST_INLINE auto placesOf(const Ball* balls, const uint32_t* index)
 {
 	return [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + index[k]); };
 }
@@ -185,7 +185,8 @@ IST_INLINE Block fetchBlock(const Sphere* balls)
 	{
 		constexpr int offset[1] = {0};
 		F::Part c[4];
-		gather<4, 1>(i * kLanes, [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + k); }, offset, c);
+		gather<4, 1>(
+			i * kLanes, [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + k); }, offset, c);
 		transpose(c[0], c[1], c[2], c[3]);
 		block.x.part[i] = c[0];
 		block.y.part[i] = c[1];

@@ -67,10 +67,12 @@ TEST(ForcePromise, FollowsItsLaw)
 	const double balls = 0.14 * 0.14 / nA + 0.21 * 0.21 / nB + 0.25 * 0.25 * (1 / (nA * nA) + 1 / (nB * nB));
 	const double expected = V * std::hypot(std::sqrt(balls), 0.2 * 0.02 * area / V);
 	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, area}), expected, 0.02 * expected);
-	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * std::hypot(std::sqrt(balls), 0.2 * 3), 0.02 * V) << "nothing more is known of what is shallower still";
+	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * std::hypot(std::sqrt(balls), 0.2 * 3), 0.02 * V)
+		<< "nothing more is known of what is shallower still";
 	A.calibration.clear();
 	EXPECT_GT(promisedError(A, B, level, {V, 0.04, area}), expected) << "a body that was never measured is trusted less";
-	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {forceFloor(A, B), 0, 0})) << "what was not seen may still be as much as the floor";
+	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {forceFloor(A, B), 0, 0}))
+		<< "what was not seen may still be as much as the floor";
 }
 
 TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
@@ -84,8 +86,7 @@ TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
 		const double floor = forceFloor(bodyA(), bodyB());
 		const int chosen = chooseLevel(bodyA(), bodyB(), seen, error);
 		// Beyond a half of what is seen the true force may be much less.
-		const auto keeps = [&](int level)
-		{
+		const auto keeps = [&](int level) {
 			const double off = promisedError(bodyA(), bodyB(), level, seen);
 			return off <= error * std::max(floor, off <= seen.force / 2 ? seen.force : 2 * (seen.force - off));
 		};
@@ -159,7 +160,8 @@ TEST(ForcePromise, APairThatGoesOnIsAskedOnce)
 	int looks = 0;
 	for (int step = 0; step < 100; ++step)
 	{
-		const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.005 * step})), bodyA().origin + Vec3{1.2 - 0.004 * step, 0.3, 0}};
+		const Pose X{
+			rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.005 * step})), bodyA().origin + Vec3{1.2 - 0.004 * step, 0.3, 0}};
 		const PromisedOverlap answer = queryToError(bodyA(), bodyB(), X, workspace, accepted);
 		const PromisedOverlap next = queryToError(bodyA(), bodyB(), X, workspace, accepted);
 		EXPECT_EQ(answer.overlap.level, next.overlap.level);
@@ -210,20 +212,23 @@ TEST(PairAccuracy, TurningTheDialIsNotFelt)
 	int changes = 0;
 	for (int step = 0; step < 1200; ++step)
 	{
-		const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.0005 * step})), bodyA().origin + Vec3{1.1 - 0.0004 * step, 0.3, 0}};
+		const Pose X{
+			rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.0005 * step})), bodyA().origin + Vec3{1.1 - 0.0004 * step, 0.3, 0}};
 		AcceptedError accepted;
 		accepted.error = step / 150 % 2 ? 0.03 : 0.6;
 		const int level = pair.level;
 		const OverlapResult result = queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 		ASSERT_EQ(result.status, QueryStatus::Ok);
 		changes += level >= 0 && pair.level != level;
-		const Vec3 force = pressureWrench(result.total, {}).force, leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other).total, {}).force;
+		const Vec3 force = pressureWrench(result.total, {}).force,
+				   leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other).total, {}).force;
 		Vec3 patches;
 		for (int p = 0; p < result.patchCount; ++p) patches += pressureWrench(result.patches[p], {}).force;
 		EXPECT_LE(norm(patches - force), 1e-9 * norm(force));
 		if (step > 0)
 		{
-			EXPECT_LE(norm(force - last), 0.01 * norm(force) + 1.3 * norm(leaves - lastLeaves)) << "step " << step << " level " << pair.level;
+			EXPECT_LE(norm(force - last), 0.01 * norm(force) + 1.3 * norm(leaves - lastLeaves))
+				<< "step " << step << " level " << pair.level;
 		}
 		last = force;
 		lastLeaves = leaves;
@@ -274,7 +279,8 @@ TEST(PairAccuracy, BeginsAnewWithBodiesOfFewerLevels)
 		queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 	}
 	ASSERT_GT(pair.fadedShare, 0);
-	const OverlapResult result = queryPair(plainA, plainB, X, workspace, accepted, {}, pair), leaves = queryOverlap(plainA, plainB, X, workspace);
+	const OverlapResult result = queryPair(plainA, plainB, X, workspace, accepted, {}, pair),
+						leaves = queryOverlap(plainA, plainB, X, workspace);
 	EXPECT_EQ(result.status, QueryStatus::Ok);
 	EXPECT_EQ(result.total.volume, leaves.total.volume);
 	EXPECT_EQ(pair.level, 0);
@@ -332,7 +338,8 @@ TEST(OverlapQuery, TwoLevelsShareTheAnswer)
 	mixed.otherShare = 0.3;
 	for (const Pose& X : poses())
 	{
-		const OverlapResult ofFine = queryOverlap(bodyA(), bodyB(), X, one, fine), ofCoarse = queryOverlap(bodyA(), bodyB(), X, two, coarse),
+		const OverlapResult ofFine = queryOverlap(bodyA(), bodyB(), X, one, fine),
+							ofCoarse = queryOverlap(bodyA(), bodyB(), X, two, coarse),
 							ofBoth = queryOverlap(bodyA(), bodyB(), X, both, mixed);
 		const OverlapIntegrals &a = ofFine.total, &b = ofCoarse.total, &m = ofBoth.total;
 		// Patches are grouped, and so added up in floats, in another order.
@@ -363,7 +370,8 @@ TEST(OverlapQuery, TheLevelThatFadesOutMayBeTheOnlyOneThatTouches)
 	QueryOptions fine, coarse, mixed;
 	coarse.level = mixed.otherLevel = levelCount(body, body);
 	mixed.otherShare = 0.3;
-	const OverlapResult a = queryOverlap(body, body, X, one, fine), b = queryOverlap(body, body, X, two, coarse), m = queryOverlap(body, body, X, both, mixed);
+	const OverlapResult a = queryOverlap(body, body, X, one, fine), b = queryOverlap(body, body, X, two, coarse),
+						m = queryOverlap(body, body, X, both, mixed);
 	ASSERT_EQ(a.nodeVisits, 0);
 	ASSERT_GT(b.total.volume, 0);
 	EXPECT_NEAR(m.total.volume, 0.3 * b.total.volume, 1e-6 * b.total.volume);
@@ -386,7 +394,8 @@ TEST(LevelCalibration, IsTheSameWhateverTheMachine)
 
 namespace
 {
-/// Two sheets of two layers of balls each that look away from each other, all closer than coarse balls are wide: those mix both sides of both sheets.
+/// Two sheets of two layers of balls each that look away from each other, all closer than coarse balls are wide: those mix both sides of
+/// both sheets.
 InnerSphereTree thinBody(int count, unsigned seed)
 {
 	constexpr double kApart = 0.07, kTilt = 0.3;
@@ -397,7 +406,8 @@ InnerSphereTree thinBody(int count, unsigned seed)
 	for (int i = 0; i < count; ++i)
 	{
 		const double side = i % 2 ? 1 : -1, height = (i % 4 - 1.5) * kApart, x = place(random), y = place(random);
-		balls.push_back(ballAt({x, y, height}, normalized({kTilt * gauss(random), kTilt * gauss(random), side}), 1.2 / std::sqrt(count) * size(random)));
+		balls.push_back(ballAt(
+			{x, y, height}, normalized({kTilt * gauss(random), kTilt * gauss(random), side}), 1.2 / std::sqrt(count) * size(random)));
 	}
 	InnerSphereTree body = bodyOf(balls);
 	body.origin = {3, 0, 0};
@@ -415,13 +425,10 @@ OverlapIntegrals bruteForceAt(const InnerSphereTree& body, const BallTree& balls
 	return queryOverlapBruteForce(plain, plain, X).total;
 }
 
-double ballsIn(const BallTree& tree)
-{
-	return double(tree.ballCount());
-}
+double ballsIn(const BallTree& tree) { return double(tree.ballCount()); }
 
-/// What the coefficient of each level would have to be, in poses of 0.1 to 20 % overlap that have nothing to do with those it was measured in; sorted.
-/// Pair by pair of balls, in double.
+/// What the coefficient of each level would have to be, in poses of 0.1 to 20 % overlap that have nothing to do with those it was measured
+/// in; sorted. Pair by pair of balls, in double.
 std::vector<std::vector<double>> coefficientsNeeded(const InnerSphereTree& body, size_t poses)
 {
 	std::mt19937 random(99);
@@ -439,7 +446,8 @@ std::vector<std::vector<double>> coefficientsNeeded(const InnerSphereTree& body,
 		{
 			const OverlapIntegrals level = bruteForceAt(body, body.levels[i], X);
 			const double balls = ballsIn(body.levels[i]) * level.volume / body.volume;
-			needed[i].push_back(norm(pressureWrench(level, {}).force - pressureWrench(leaves, {}).force) / (level.volume * std::sqrt(2 / balls)));
+			needed[i].push_back(
+				norm(pressureWrench(level, {}).force - pressureWrench(leaves, {}).force) / (level.volume * std::sqrt(2 / balls)));
 		}
 	}
 	for (std::vector<double>& level : needed) std::sort(level.begin(), level.end());

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Asset/AssetArchive.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Base/SymmetricEigen.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
 #include <gtest/gtest.h>
 
@@ -27,8 +27,7 @@ struct Packed
 
 const Packed& packedTorus()
 {
-	static const Packed packed = []
-	{
+	static const Packed packed = [] {
 		BuildOptions options;
 		options.maxSpheres = 1500;
 		Packed p;
@@ -86,8 +85,7 @@ TEST(AssetArchive, EachSphereLiesInsideItsOriginal)
 TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 {
 	const Packed& p = packedTorus();
-	const auto bySphere = [](const InnerSphereTree& tree)
-	{
+	const auto bySphere = [](const InnerSphereTree& tree) {
 		std::vector<MomentEllipsoid> cells(tree.spheres.size());
 		for (const MomentEllipsoid& cell : tree.cells.slots())
 			if (cell.density > 0) cells[cell.sphere] = cell;
@@ -125,7 +123,8 @@ TEST(AssetArchive, LeavesKeepTheirShapesAsFarAsIsPromised)
 	const Mesh sheet = makeBoxMesh({0.5, 0.5, 0.0015});
 	Mesh crossed = sheet;
 	for (const auto& t : sheet.triangles) crossed.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-	for (const Vec3& v : transformed(sheet, {rotationMatrix(quaternionFromRotationVector({1.3, 0, 0})), {}}).vertices) crossed.vertices.push_back(v);
+	for (const Vec3& v : transformed(sheet, {rotationMatrix(quaternionFromRotationVector({1.3, 0, 0})), {}}).vertices)
+		crossed.vertices.push_back(v);
 	const Pose X = {rotationMatrix(quaternionFromRotationVector({0.3, 1, -0.5})), {100, 2, 3}};
 	BuildOptions options;
 	options.maxSpheres = 1500;
@@ -146,8 +145,10 @@ TEST(AssetArchive, LeavesKeepTheirShapesAsFarAsIsPromised)
 			if (!(a.density > 0)) continue;
 			const std::vector<MomentEllipsoid>& leaves = ofSphere[a.sphere];
 			ASSERT_FALSE(leaves.empty());
-			const MomentEllipsoid& b = *std::min_element(leaves.begin(), leaves.end(), [&](const MomentEllipsoid& one, const MomentEllipsoid& other)
-														 { return distance(one.center(), a.center()) < distance(other.center(), a.center()); });
+			const MomentEllipsoid& b = *std::min_element(
+				leaves.begin(), leaves.end(), [&](const MomentEllipsoid& one, const MomentEllipsoid& other) {
+					return distance(one.center(), a.center()) < distance(other.center(), a.center());
+				});
 			const bool isThinLeaf = isThin(a);
 			++(isThinLeaf ? thin : thick);
 			EXPECT_NEAR(b.volume(), a.volume(), 5e-3 * a.volume());

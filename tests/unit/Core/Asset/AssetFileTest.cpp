@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/Core/Tree/LooseTree.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,7 @@ namespace
 {
 const InnerSphereTree& smallTree()
 {
-	static const InnerSphereTree tree = []
-	{
+	static const InnerSphereTree tree = [] {
 		BuildOptions options;
 		options.maxSpheres = 20;
 		Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({1, 2, 3}), {5, 0, 0}), options);
@@ -75,8 +74,7 @@ TEST(AssetFile, EveryCutIsRefused)
 // Written with checksums of its own, so that these do not speak for it.
 TEST(AssetFile, AnInnerTreeOfOtherSpheresThanThePackingIsRefused)
 {
-	const auto refused = [](auto change)
-	{
+	const auto refused = [](auto change) {
 		LooseTree inner(smallTree().inner);
 		change(inner);
 		InnerSphereTree tree = smallTree();
@@ -101,7 +99,8 @@ TEST(AssetFile, VersionsBeforeTheFirstReleaseAreNamed)
 		bytes[8] = std::byte(version);
 		const Result<InnerSphereTree> older = decodeAsset(bytes.data(), bytes.size());
 		ASSERT_FALSE(older);
-		EXPECT_EQ(older.error().message, "written by version " + std::to_string(version) + ", which was never released; build the file again");
+		EXPECT_EQ(
+			older.error().message, "written by version " + std::to_string(version) + ", which was never released; build the file again");
 	}
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Asset/AssetArchive.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,8 @@ std::vector<GoldenBody> goldenBodies()
 {
 	const Vec3 h{0.1, 0.2, 0.3}, boxCenter{5, -2, 1};
 	const double boxVolume = 8 * h.x * h.y * h.z;
-	const Vec3 boxInertia{boxVolume / 3 * (h.y * h.y + h.z * h.z), boxVolume / 3 * (h.x * h.x + h.z * h.z), boxVolume / 3 * (h.x * h.x + h.y * h.y)};
+	const Vec3 boxInertia{
+		boxVolume / 3 * (h.y * h.y + h.z * h.z), boxVolume / 3 * (h.x * h.x + h.z * h.z), boxVolume / 3 * (h.x * h.x + h.y * h.y)};
 
 	const double edge = 0.5, tetVolume = edge * edge * edge / (6 * std::sqrt(2.0)), tetInertia = tetVolume * edge * edge / 20;
 	const Vec3 tetCenter{-1, 0.25, 3};
@@ -40,17 +41,16 @@ std::vector<GoldenBody> goldenBodies()
 	const double r = 0.05, half = 0.2, angle = 2 * kPi / kSegments;
 	const double base = kSegments / 2.0 * r * r * std::sin(angle), prism = base * 2 * half;
 	const double across = r * r * (2 + std::cos(angle)) / 12;
-	const Vec3 prismInertia{prism * (across + half * half / 3), prism * (across + half * half / 3), prism * 2 * across}, prismCenter{0.5, 0.5, -0.5};
+	const Vec3 prismInertia{prism * (across + half * half / 3), prism * (across + half * half / 3), prism * 2 * across},
+		prismCenter{0.5, 0.5, -0.5};
 	const double prismArea = 2 * base + kSegments * 2 * r * std::sin(angle / 2) * 2 * half;
 	return {{"box", translated(makeBoxMesh(h), boxCenter), boxCenter, boxVolume, 8 * (h.x * h.y + h.y * h.z + h.z * h.x), boxInertia},
-			{"tetrahedron", translated(makeTetrahedronMesh(edge), tetCenter), tetCenter, tetVolume, std::sqrt(3.0) * edge * edge, {tetInertia, tetInertia, tetInertia}},
-			{"cylinder", translated(makeCylinderMesh(r, half, kSegments), prismCenter), prismCenter, prism, prismArea, prismInertia}};
+		{"tetrahedron", translated(makeTetrahedronMesh(edge), tetCenter), tetCenter, tetVolume, std::sqrt(3.0) * edge * edge,
+			{tetInertia, tetInertia, tetInertia}},
+		{"cylinder", translated(makeCylinderMesh(r, half, kSegments), prismCenter), prismCenter, prism, prismArea, prismInertia}};
 }
 
-std::string goldenPath(const std::string& name)
-{
-	return std::string(IST_GOLDEN_FOLDER) + "/" + name;
-}
+std::string goldenPath(const std::string& name) { return std::string(IST_GOLDEN_FOLDER) + "/" + name; }
 
 double ballVolume(const BallTree& tree)
 {
@@ -78,16 +78,12 @@ void expectIsBody(const InnerSphereTree& tree, const GoldenBody& body)
 	{
 		const Sphere& a = tree.spheres[i];
 		spheres += 4 * kPi / 3 * a.r * a.r * double(a.r);
-		for (size_t j = 0; j < i; ++j)
-			ASSERT_GE(distance(a.center(), tree.spheres[j].center()), double(a.r) + tree.spheres[j].r);
+		for (size_t j = 0; j < i; ++j) ASSERT_GE(distance(a.center(), tree.spheres[j].center()), double(a.r) + tree.spheres[j].r);
 	}
 	EXPECT_NEAR(spheres, tree.fill * body.volume, 1e-6 * body.volume);
 }
 
-std::string currentName(const GoldenBody& body)
-{
-	return body.name + ("-v" + std::to_string(kAssetVersion)) + ".ist";
-}
+std::string currentName(const GoldenBody& body) { return body.name + ("-v" + std::to_string(kAssetVersion)) + ".ist"; }
 
 TEST(AssetGolden, TheCurrentVersionLoadsAsTheBodyThatItWas)
 {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Asset/AssetArchive.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "tests/fuzz/SealedAsset.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +19,7 @@ using Bytes = std::vector<std::byte>;
 
 const InnerSphereTree& sourceTree()
 {
-	static const InnerSphereTree tree = []
-	{
+	static const InnerSphereTree tree = [] {
 		BuildOptions options;
 		options.maxSpheres = 30;
 		Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({0.3, 0.2, 0.1}), {1, 2, 3}), options);
@@ -36,31 +35,32 @@ void mutate(Bytes& bytes, std::mt19937_64& random)
 	const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
 	switch (below(6))
 	{
-		case 0: bytes[below(bytes.size())] ^= std::byte(1u << below(8)); break;
-		case 1: bytes.resize(below(bytes.size())); break;
-		case 2: bytes.resize(bytes.size() + 1 + below(64), std::byte(below(256))); break;
-		case 3:  // A number, four bytes wide, becomes an extreme one.
-		{
-			static constexpr uint32_t extremes[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000, 0x7fc00000, 0xff800000, 0x3f800000};
-			if (bytes.size() < 4) return;
-			const size_t at = below(bytes.size() / 4) * 4;
-			const uint32_t value = extremes[below(std::size(extremes))];
-			for (int i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::byte>(value >> (8 * i));
-			break;
-		}
-		case 4:  // Two stretches change places.
-		{
-			const size_t length = 1 + below(std::min<size_t>(bytes.size() / 2, 400));
-			const size_t a = below(bytes.size() / 2 - length + 1), b = bytes.size() / 2 + below(bytes.size() / 2 - length + 1);
-			std::swap_ranges(bytes.begin() + std::ptrdiff_t(a), bytes.begin() + std::ptrdiff_t(a + length), bytes.begin() + std::ptrdiff_t(b));
-			break;
-		}
-		default:  // Two entries of the section table change places.
-		{
-			if (bytes.size() < 32 + 6 * 32) return;
-			const size_t a = 32 + below(6) * 32, b = 32 + below(6) * 32;
-			if (a != b) std::swap_ranges(bytes.begin() + std::ptrdiff_t(a), bytes.begin() + std::ptrdiff_t(a + 32), bytes.begin() + std::ptrdiff_t(b));
-		}
+	case 0: bytes[below(bytes.size())] ^= std::byte(1u << below(8)); break;
+	case 1: bytes.resize(below(bytes.size())); break;
+	case 2: bytes.resize(bytes.size() + 1 + below(64), std::byte(below(256))); break;
+	case 3:  // A number, four bytes wide, becomes an extreme one.
+	{
+		static constexpr uint32_t extremes[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000, 0x7fc00000, 0xff800000, 0x3f800000};
+		if (bytes.size() < 4) return;
+		const size_t at = below(bytes.size() / 4) * 4;
+		const uint32_t value = extremes[below(std::size(extremes))];
+		for (int i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::byte>(value >> (8 * i));
+		break;
+	}
+	case 4:  // Two stretches change places.
+	{
+		const size_t length = 1 + below(std::min<size_t>(bytes.size() / 2, 400));
+		const size_t a = below(bytes.size() / 2 - length + 1), b = bytes.size() / 2 + below(bytes.size() / 2 - length + 1);
+		std::swap_ranges(bytes.begin() + std::ptrdiff_t(a), bytes.begin() + std::ptrdiff_t(a + length), bytes.begin() + std::ptrdiff_t(b));
+		break;
+	}
+	default:  // Two entries of the section table change places.
+	{
+		if (bytes.size() < 32 + 6 * 32) return;
+		const size_t a = 32 + below(6) * 32, b = 32 + below(6) * 32;
+		if (a != b)
+			std::swap_ranges(bytes.begin() + std::ptrdiff_t(a), bytes.begin() + std::ptrdiff_t(a + 32), bytes.begin() + std::ptrdiff_t(b));
+	}
 	}
 }
 
@@ -96,10 +96,8 @@ void expectRefusedOrSound(const Bytes& original, uint64_t seed, int rounds)
 		++refused;
 		seal::seal(bytes);
 		const Result<InnerSphereTree> sealed = decodeAsset(bytes.data(), bytes.size());
-		if (sealed)
-			expectSound(sealed.value());
-		else
-			++refusedSealed;
+		if (sealed) expectSound(sealed.value());
+		else ++refusedSealed;
 	}
 	EXPECT_GT(refused, rounds * 9 / 10);
 	EXPECT_GT(refusedSealed, rounds / 10);

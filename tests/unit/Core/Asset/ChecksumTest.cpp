@@ -9,10 +9,7 @@ namespace ist
 {
 namespace
 {
-uint64_t sumOf(const std::string& text)
-{
-	return checksum64(reinterpret_cast<const std::byte*>(text.data()), text.size());
-}
+uint64_t sumOf(const std::string& text) { return checksum64(reinterpret_cast<const std::byte*>(text.data()), text.size()); }
 
 // As published with the algorithm: the empty text, tails of one and three bytes, a stripe with a tail.
 TEST(Checksum, MatchesPublishedValues)

@@ -48,8 +48,7 @@ protected:
 		return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 	}
 
-	const std::filesystem::path m_folder =
-		std::filesystem::path(testing::TempDir()) / ("ist_whole_file_" + std::to_string(::getpid()));
+	const std::filesystem::path m_folder = std::filesystem::path(testing::TempDir()) / ("ist_whole_file_" + std::to_string(::getpid()));
 };
 
 TEST_F(WholeFile, WritesAndReplaces)
@@ -237,8 +236,7 @@ TEST_F(WholeFile, APipeIsRefusedAtOnce)
 
 TEST_F(WholeFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
 {
-	const auto writeOften = [this](char letter)
-	{
+	const auto writeOften = [this](char letter) {
 		for (int i = 0; i < 20; ++i)
 		{
 			const Result<size_t> written = write(at("a"), std::string(100'000, letter));
@@ -306,8 +304,7 @@ TEST_F(WholeFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
 	populate(bytes + page + 17, 100 * page);
 	populate(bytes + 3, 0);
 	populate(bytes + 102 * page + 5, text.size() - (102 * page + 5));
-	const auto faults = []
-	{
+	const auto faults = [] {
 		rusage usage;
 		getrusage(RUSAGE_THREAD, &usage);
 		return usage.ru_minflt;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Base/InstructionSet.h"
 
-#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Core/Tuning/TuneSettings.h"
 #include "tests/unit/Core/Mesh/RandomShapes.h"
 
@@ -39,10 +39,8 @@ TEST(InstructionSet, NamesAreParsed)
 	{
 		const Result<InstructionSet> parsed = parseInstructionSet(toString(set));
 		ASSERT_EQ(bool(parsed), isAvailable(set)) << toString(set);
-		if (parsed)
-			EXPECT_EQ(parsed.value(), set);
-		else
-			EXPECT_NE(parsed.error().message.find("cannot run"), std::string::npos);
+		if (parsed) EXPECT_EQ(parsed.value(), set);
+		else EXPECT_NE(parsed.error().message.find("cannot run"), std::string::npos);
 	}
 	EXPECT_TRUE(isAvailable(InstructionSet::Portable));
 	EXPECT_TRUE(isAvailable(bestInstructionSet()));

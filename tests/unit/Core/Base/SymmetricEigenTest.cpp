@@ -13,12 +13,10 @@ using namespace ist;
 
 namespace
 {
-template <int N>
-using Matrix = double[N][N];
+template <int N> using Matrix = double[N][N];
 
 /// Q diag(spectrum) Q^T with Q a product of random rotations of two axes.
-template <int N>
-void turned(const std::array<double, N>& spectrum, std::mt19937& random, Matrix<N>& a)
+template <int N> void turned(const std::array<double, N>& spectrum, std::mt19937& random, Matrix<N>& a)
 {
 	std::uniform_real_distribution<double> angle(-3, 3);
 	for (int i = 0; i < N; ++i)
@@ -44,8 +42,7 @@ void turned(const std::array<double, N>& spectrum, std::mt19937& random, Matrix<
 		for (int j = 0; j < i; ++j) a[i][j] = a[j][i];
 }
 
-template <int N>
-double sizeOf(const Matrix<N>& a)
+template <int N> double sizeOf(const Matrix<N>& a)
 {
 	double largest = 0;
 	for (const auto& row : a)
@@ -54,8 +51,7 @@ double sizeOf(const Matrix<N>& a)
 }
 
 /// That the vectors are orthonormal and give the matrix back says all there is to say.
-template <int N>
-void expectDecomposed(const Matrix<N>& a)
+template <int N> void expectDecomposed(const Matrix<N>& a)
 {
 	SymmetricEigen<N> eigen;
 	ASSERT_TRUE(eigen.decompose(a));
@@ -81,7 +77,7 @@ TEST(SymmetricEigen, FindsTheSpectrumThatAMatrixWasMadeWith)
 {
 	std::mt19937 random(1);
 	const std::array<double, 6> spectra[] = {{1, 2, 3, 4, 5, 6}, {-1, -1, -1, 2, 2, 2}, {7, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0},
-											 {1, 1 + 1e-9, 1 - 1e-9, -1e-6, 1e6, -1e6}, {-3, -2, -1, -1e-12, 1e-12, 1e3}};
+		{1, 1 + 1e-9, 1 - 1e-9, -1e-6, 1e6, -1e6}, {-3, -2, -1, -1e-12, 1e-12, 1e3}};
 	for (const auto& spectrum : spectra)
 		for (int turn = 0; turn < 20; ++turn)
 		{

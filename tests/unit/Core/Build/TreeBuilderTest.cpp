@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,7 @@ TEST(TreeBuilder, FillsEveryPart)
 	BuildOptions options;
 	options.maxSpheres = 200;
 	std::set<std::string> stages;
-	options.progress = [&](const char* stage, double)
-	{
+	options.progress = [&](const char* stage, double) {
 		stages.insert(stage);
 		return true;
 	};
@@ -92,7 +91,8 @@ TEST(TreeBuilder, PartsThatAreInsideOutAreNamedWhereNoneIsTurned)
 	BuildOptions options;
 	options.maxSpheres = 50;
 	options.repair = RepairMode::Off;
-	const Result<InnerSphereTree> built = buildTree(transformed(mesh, {rotationMatrix(quaternionFromRotationVector({1, -0.4, 0.3})), {5, 6, -7}}), options);
+	const Result<InnerSphereTree> built = buildTree(
+		transformed(mesh, {rotationMatrix(quaternionFromRotationVector({1, -0.4, 0.3})), {5, 6, -7}}), options);
 	ASSERT_FALSE(built);
 	EXPECT_NE(built.error().message.find("inside out (use the automatic repair)"), std::string::npos) << built.error().message;
 	options.repair = RepairMode::Auto;

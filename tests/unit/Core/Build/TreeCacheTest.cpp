@@ -2,8 +2,8 @@
 #include "BulletISTCollision/Core/Build/TreeCache.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeWorker.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -168,7 +168,8 @@ TEST(TreeWorker, TwoOfThemShareAFolder)
 		EXPECT_EQ(order->note(), "");
 	}
 	EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), meshes);
-	for (const auto& entry : std::filesystem::directory_iterator(folder.path)) EXPECT_TRUE(loadAsset(entry.path().string())) << entry.path();
+	for (const auto& entry : std::filesystem::directory_iterator(folder.path))
+		EXPECT_TRUE(loadAsset(entry.path().string())) << entry.path();
 }
 
 TEST(TreeWorker, LoadsFilesAndSaysWhyNot)
@@ -211,8 +212,7 @@ TEST(TreeWorker, DropsWhatNobodyWaitsFor)
 	std::atomic<bool> go{false};  // outlives the worker, whose thread reads it
 	TreeWorker worker(folder.path.string());
 	BuildOptions slow = few();
-	slow.progress = [&go](const char*, double)
-	{
+	slow.progress = [&go](const char*, double) {
 		while (!go) std::this_thread::yield();
 		return true;
 	};

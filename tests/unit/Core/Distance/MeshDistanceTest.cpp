@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Distance/TriangleHierarchy.h"
 #include "BulletISTCollision/Core/Distance/TriangleSieve.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -27,10 +27,7 @@ public:
 
 	double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(m_engine); }
 	Vec3 inCube(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
-	Pose pose(double reach)
-	{
-		return {rotationMatrix(quaternionFromRotationVector(inCube(3))), inCube(reach)};
-	}
+	Pose pose(double reach) { return {rotationMatrix(quaternionFromRotationVector(inCube(3))), inCube(reach)}; }
 
 private:
 	std::mt19937 m_engine;
@@ -39,10 +36,9 @@ private:
 Mesh boxMesh(const Vec3& half)
 {
 	Mesh mesh;
-	for (int i = 0; i < 8; ++i)
-		mesh.vertices.push_back({i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z});
-	mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-					  {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+	for (int i = 0; i < 8; ++i) mesh.vertices.push_back({i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z});
+	mesh.triangles = {
+		{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 	return mesh;
 }
 
@@ -157,8 +153,7 @@ double boxDistance(const Vec3& p, const Vec3& half)
 TEST(MeshDistance, ClosestPointAgreesWithBruteForceOnSoups)
 {
 	Random random(1);
-	for (const double size : {0.02, 0.3, 2.0})
-		expectClosestMatches(soupMesh(random, 300, size), random, random.pose(2), 1e-13);
+	for (const double size : {0.02, 0.3, 2.0}) expectClosestMatches(soupMesh(random, 300, size), random, random.pose(2), 1e-13);
 }
 
 TEST(MeshDistance, ClosestPointAgreesWithBruteForceOnAClosedMesh)
@@ -176,7 +171,8 @@ TEST(MeshDistance, ClosestPointKeepsItsDigitsAKilometreFromTheOrigin)
 	expectClosestMatches(torusMesh(40, 16), random, X, 1e-12);
 }
 
-/// Where bounds of patches and of triangles are all but equal: above corners, edges and faces as near as roundings, and far below the surface.
+/// Where bounds of patches and of triangles are all but equal: above corners, edges and faces as near as roundings, and far below the
+/// surface.
 TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
 {
 	Random random(17);
@@ -198,7 +194,8 @@ TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
 	}
 }
 
-/// Where single precision can hardly tell on which side of the long edges a point lies, and so whether it is in the triangle or far beyond its tip.
+/// Where single precision can hardly tell on which side of the long edges a point lies, and so whether it is in the triangle or far beyond
+/// its tip.
 TEST(MeshDistance, DistancesBeyondTheTipsOfShardsAgreeWithBruteForce)
 {
 	Random random(18);
@@ -206,8 +203,7 @@ TEST(MeshDistance, DistancesBeyondTheTipsOfShardsAgreeWithBruteForce)
 	{
 		Mesh mesh;
 		std::vector<Vec3> points;
-		const auto add = [&mesh](const Vec3& a, const Vec3& b, const Vec3& c)
-		{
+		const auto add = [&mesh](const Vec3& a, const Vec3& b, const Vec3& c) {
 			const auto first = uint32_t(mesh.vertices.size());
 			mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
 			mesh.triangles.push_back({first, first + 1, first + 2});
@@ -501,7 +497,8 @@ TEST(TriangleSieve, EveryInstructionSetGivesTheSameAnswers)
 				const Vec3 p = i == 0 ? Vec3{} : random.inCube(1.4);
 				const auto hint = uint32_t(i) % uint32_t(mesh.triangles.size());
 				const TriangleSieve::Nearest a = portable.nearest(p, 1e300), b = sieve.nearest(p, 1e300, hint);
-				EXPECT_TRUE(b.offset == a.offset && b.distance2 == a.distance2 && b.triangle == a.triangle && b.place == a.place) << toString(set);
+				EXPECT_TRUE(b.offset == a.offset && b.distance2 == a.distance2 && b.triangle == a.triangle && b.place == a.place)
+					<< toString(set);
 				std::vector<std::pair<double, uint32_t>> found, expected;
 				const double reach = random.uniform(0, 1.5);
 				EXPECT_EQ(sieve.within(p, reach, 300, found), portable.within(p, reach, 300, expected));

@@ -79,8 +79,7 @@ TEST(PairLaws, EnergyForceIsTheGradient)
 			// A moved by e is B moved by -e; about A's origin for rotations.
 			const auto moved = [&](double sign) { return law({X.rotation, X.translation - e * sign}).energy; };
 			EXPECT_NEAR(at.wrench.force[axis], -(moved(1) - moved(-1)) / (2 * h), 1e-5 * norm(at.wrench.force));
-			const auto turned = [&](double sign)
-			{
+			const auto turned = [&](double sign) {
 				const Mat3 r = rotationMatrix(quaternionFromRotationVector(e * -sign));
 				return law(Pose{Mat3(), A.origin} * Pose{r, {}} * Pose{Mat3(), -A.origin} * X).energy;
 			};

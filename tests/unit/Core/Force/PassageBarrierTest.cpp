@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Force/PassageBarrier.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -28,12 +28,13 @@ const InnerSphereTree& coarseBox()
 }
 }  // namespace
 
-// Face on through a wide plate whose field has all the weight: the force on a face a grows as k a s up to the middle of the thickness t, and
-// falls to zero where the face comes out. Peak k a t / 2, work k a t^2 / 4 at s = t.
+// Face on through a wide plate whose field has all the weight: the force on a face a grows as k a s up to the middle of the thickness t,
+// and falls to zero where the face comes out. Peak k a t / 2, work k a t^2 / 4 at s = t.
 TEST(PassageBarrier, OfABoxThroughAPlateIsThatOfTheClosedForm)
 {
 	const double edge = 0.3, t = 0.1, k = 2e4;
-	const InnerSphereTree plate = built(makeBoxMesh({0.3, t / 2, 0.35}), 5000), box = built(makeBoxMesh({edge / 2, edge / 2, edge / 2}), 3000);
+	const InnerSphereTree plate = built(makeBoxMesh({0.3, t / 2, 0.35}), 5000),
+						  box = built(makeBoxMesh({edge / 2, edge / 2, edge / 2}), 3000);
 	QueryWorkspace workspace;
 	const double start = edge / 2 + t / 2 + 0.05;
 	Pose X_PB;
@@ -41,12 +42,12 @@ TEST(PassageBarrier, OfABoxThroughAPlateIsThatOfTheClosedForm)
 	for (const bool boxMoves : {true, false})
 	{
 		const Result<PassageBarrier> barrier = boxMoves ? passageBarrier(box, plate, inverse(X_PB), {0, -2, 0}, 0.3, {k, 0, 1}, workspace)
-														 : passageBarrier(plate, box, X_PB, {0, 1, 0}, 0.3, {k, 1, 0}, workspace);
+														: passageBarrier(plate, box, X_PB, {0, 1, 0}, 0.3, {k, 1, 0}, workspace);
 		ASSERT_TRUE(barrier);
 		const PassageBarrier& b = barrier.value();
 		const double area = edge * edge;
 		std::printf("  force %+.2f %%, energy %+.2f %%, at %.4f m\n", 100 * (b.force / (k * area * t / 2) - 1),
-					100 * (b.energy / (k * area * t * t / 4) - 1), b.forceAt - 0.05);
+			100 * (b.energy / (k * area * t * t / 4) - 1), b.forceAt - 0.05);
 		EXPECT_NEAR(b.force, k * area * t / 2, 0.05 * k * area * t / 2);
 		EXPECT_NEAR(b.energy, k * area * t * t / 4, 0.05 * k * area * t * t / 4);
 		EXPECT_NEAR(b.forceAt, 0.05 + t / 2, 0.1 * t);
@@ -70,8 +71,9 @@ TEST(PassageBarrier, RefusesWhatIsNoWay)
 	const InnerSphereTree& box = coarseBox();
 	QueryWorkspace workspace;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-	const auto asked = [&](const Vec3& direction, double way, double k, int steps)
-	{ return bool(passageBarrier(box, box, {}, direction, way, {k, 0.5, 0.5}, workspace, steps)); };
+	const auto asked = [&](const Vec3& direction, double way, double k, int steps) {
+		return bool(passageBarrier(box, box, {}, direction, way, {k, 0.5, 0.5}, workspace, steps));
+	};
 	EXPECT_TRUE(asked({1, 0, 0}, 1, 1, 3));
 	EXPECT_FALSE(asked({0, 0, 0}, 1, 1, 3));
 	EXPECT_FALSE(asked({nan, 0, 0}, 1, 1, 3));

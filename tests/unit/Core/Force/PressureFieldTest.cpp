@@ -82,8 +82,7 @@ TEST(PressureField, TranslationalStiffnessIsTheDerivativeOfTheForce)
 	double scale = 0;
 	for (int i = 0; i < 3; ++i) scale = std::max(scale, std::fabs(K(i, i)));
 	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j)
-			EXPECT_NEAR(K(i, j), 0.5 * (difference[i][j] + difference[j][i]), 1e-5 * scale) << i << j;
+		for (int j = 0; j < 3; ++j) EXPECT_NEAR(K(i, j), 0.5 * (difference[i][j] + difference[j][i]), 1e-5 * scale) << i << j;
 }
 
 TEST(PressureField, AreaVectorIsTheGradientOfTheVolume)
@@ -178,8 +177,7 @@ TEST(PressureField, ProjectionDoesNotDependOnTheUnitOfLength)
 		}
 	const SymmetricMatrix6 P = projectedPositive(K, 0.2), Q = projectedPositive(inMillimetres, 200);
 	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j)
-			EXPECT_NEAR(P(i, j), Q(i, j) / ((i >= 3 ? 1000 : 1) * (j >= 3 ? 1000 : 1)), 1e-9);
+		for (int j = i; j < 6; ++j) EXPECT_NEAR(P(i, j), Q(i, j) / ((i >= 3 ? 1000 : 1) * (j >= 3 ? 1000 : 1)), 1e-9);
 	K(0, 0) = NAN;
 	EXPECT_EQ(projectedPositive(K, 1)(0, 0), 0);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Force/RelativeMotion.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 
 #include <gtest/gtest.h>
@@ -29,8 +29,7 @@ struct RandomPose
 /// Side 1, about the origin.
 const InnerSphereTree& cube()
 {
-	static const InnerSphereTree tree = []
-	{
+	static const InnerSphereTree tree = [] {
 		BuildOptions options;
 		options.maxSpheres = 1000;
 		return buildTree(makeBoxMesh({0.5, 0.5, 0.5}), options).value();
@@ -58,7 +57,8 @@ TEST(RelativeMotion, NoPointGoesFartherThanTheBoundAndSomeGoNearlySoFar)
 	RandomPose random(2);
 	for (int trial = 0; trial < 50; ++trial)
 	{
-		const Pose X = random.pose(2), moved = Pose{rotationMatrix(quaternionFromRotationVector(random.vector(0.5))), random.vector(0.1)} * X;
+		const Pose X = random.pose(2),
+				   moved = Pose{rotationMatrix(quaternionFromRotationVector(random.vector(0.5))), random.vector(0.1)} * X;
 		const Vec3 center = random.vector(1);
 		const double radius = 0.7, bound = farthestMotion(X, moved, center, radius);
 		double farthest = 0;

@@ -125,7 +125,8 @@ Ellipsoid randomEllipsoid(std::mt19937& random, double size)
 	std::uniform_real_distribution<double> u(-1, 1), axis(0.2, 1);
 	const double a = size * axis(random), b = size * axis(random), c = size * axis(random);
 	const Mat3 Q = rotationMatrix(quaternionFromRotationVector({3 * u(random), 3 * u(random), 3 * u(random)}));
-	return {Vec3{u(random), u(random), u(random)} * (0.7 * size), rotated(Q, {a * a, b * b, c * c, 0, 0, 0}), std::max({a, b, c}) * (1 + 1e-9)};
+	return {
+		Vec3{u(random), u(random), u(random)} * (0.7 * size), rotated(Q, {a * a, b * b, c * c, 0, 0, 0}), std::max({a, b, c}) * (1 + 1e-9)};
 }
 
 /// In units of the densities of the bounding balls, of which both are 1 here.
@@ -151,7 +152,9 @@ TEST(LensOfEllipsoids, IsTheLensOfBalls)
 		EXPECT_NEAR(ellipsoids.volume, balls.volume, 1e-9);
 		EXPECT_NEAR(ellipsoids.area, balls.area, 1e-6);
 		EXPECT_LT(distance(ellipsoids.centroid, balls.centroid), 1e-6);
-		EXPECT_LT(distance(lensCentroid(balls, ci, SymmetricMatrix3::identity(Ri * Ri), cj, SymmetricMatrix3::identity(Rj * Rj)), balls.centroid), 1e-12);
+		EXPECT_LT(
+			distance(lensCentroid(balls, ci, SymmetricMatrix3::identity(Ri * Ri), cj, SymmetricMatrix3::identity(Rj * Rj)), balls.centroid),
+			1e-12);
 		if (balls.area > 0)
 		{
 			EXPECT_LT(distance(ellipsoids.normal, balls.normal), 1e-9);
@@ -193,7 +196,8 @@ TEST(LensOfEllipsoids, SumsToTheProductOfTheMassesAndFallsAlongItsNormal)
 		double sum = 0;
 		for (int x = 0; x < n; ++x)
 			for (int y = 0; y < n; ++y)
-				for (int z = 0; z < n; ++z) sum += sharedVolume(a, b.c + Vec3{x + 0.5, y + 0.5, z + 0.5} * step - Vec3{reach, reach, reach}, b);
+				for (int z = 0; z < n; ++z)
+					sum += sharedVolume(a, b.c + Vec3{x + 0.5, y + 0.5, z + 0.5} * step - Vec3{reach, reach, reach}, b);
 		EXPECT_NEAR(sum * step * step * step, ballVolume(a.R) * ballVolume(b.R), 1e-2 * ballVolume(a.R) * ballVolume(b.R));
 		for (int k = 0; k < 20; ++k)
 		{
@@ -296,7 +300,8 @@ TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
 		other.c = Vec3{u(random), u(random), u(random)} * 1.5;
 		Lens lens;
 		Vec3 truth;
-		if (!lensOf(disc.c, disc.R, disc.P, other.c, other.R, other.P, lens) || !sampledCentroid(disc, other, points, root, truth)) continue;
+		if (!lensOf(disc.c, disc.R, disc.P, other.c, other.R, other.P, lens) || !sampledCentroid(disc, other, points, root, truth))
+			continue;
 		const Vec3 found = lensCentroid(lens, disc.c, disc.P, other.c, other.P);
 		EXPECT_LT(std::fabs(found.z), kThick);
 		off += std::fabs(found.z - truth.z) / kThick;

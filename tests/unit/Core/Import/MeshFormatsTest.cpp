@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -24,10 +24,7 @@ struct Format
 	bool placed = true;  ///< assimp reads moved groups where its exporter wrote them
 };
 
-void PrintTo(const Format& format, std::ostream* out)
-{
-	*out << format.id;
-}
+void PrintTo(const Format& format, std::ostream* out) { *out << format.id; }
 
 class MeshFormats : public ::testing::TestWithParam<Format>
 {
@@ -41,8 +38,8 @@ protected:
 
 private:
 	std::filesystem::path m_folder = std::filesystem::path(::testing::TempDir()) /
-									 ("ist_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()).substr(0, 8) + "_" +
-									  GetParam().id + "_" + std::to_string(getpid()));
+		("ist_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()).substr(0, 8) + "_" + GetParam().id + "_" +
+			std::to_string(getpid()));
 };
 
 void fill(aiMesh& out, const Mesh& mesh)
@@ -83,10 +80,10 @@ std::unique_ptr<aiScene> sceneOf(const Mesh& mesh)
 {
 	auto scene = std::make_unique<aiScene>();
 	scene->mNumMeshes = 1;
-	scene->mMeshes = new aiMesh*[1]{new aiMesh};
+	scene->mMeshes = new aiMesh* [1] { new aiMesh };
 	fill(*scene->mMeshes[0], mesh);
 	scene->mNumMaterials = 1;
-	scene->mMaterials = new aiMaterial*[1]{new aiMaterial};
+	scene->mMaterials = new aiMaterial* [1] { new aiMaterial };
 	aiMatrix4x4 half, turned, moved, twice;
 	aiMatrix4x4::Scaling({0.5f, 0.5f, 0.5f}, half);
 	aiMatrix4x4::RotationX(0.7f, turned);
@@ -150,11 +147,10 @@ TEST_P(MeshFormats, ImportIsCancelledFromItsProgress)
 }
 
 INSTANTIATE_TEST_SUITE_P(Assimp, MeshFormats,
-						 ::testing::Values(Format{"obj", "obj"}, Format{"stl", "stl"}, Format{"stlb", "stl"},
-										   Format{"ply", "ply"}, Format{"plyb", "ply"}, Format{"gltf2", "gltf"},
-										   Format{"glb2", "glb"}, Format{"collada", "dae"}, Format{"3ds", "3ds", false},
-										   Format{"x", "x"}, Format{"assbin", "assbin"}, Format{"fbxa", "fbx"}, Format{"x3d", "x3d"}),
-						 [](const auto& info) { return std::string(info.param.id); });
+	::testing::Values(Format{"obj", "obj"}, Format{"stl", "stl"}, Format{"stlb", "stl"}, Format{"ply", "ply"}, Format{"plyb", "ply"},
+		Format{"gltf2", "gltf"}, Format{"glb2", "glb"}, Format{"collada", "dae"}, Format{"3ds", "3ds", false}, Format{"x", "x"},
+		Format{"assbin", "assbin"}, Format{"fbxa", "fbx"}, Format{"x3d", "x3d"}),
+	[](const auto& info) { return std::string(info.param.id); });
 
 TEST(MeshFormat, OffIsRead)
 {

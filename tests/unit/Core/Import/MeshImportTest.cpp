@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <gtest/gtest.h>
 
@@ -36,9 +36,8 @@ private:
 	std::string m_path;
 };
 
-const char* const kCube =
-	"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-	"f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
+const char* const kCube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+						  "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
 }  // namespace
 
 TEST(MeshImport, PolygonsBecomeTrianglesInMetres)
@@ -67,7 +66,7 @@ TEST(MeshImport, NodeTransformsAreAppliedAndMirrorsKeepTheOutside)
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
 "bufferViews":[{"buffer":0,"byteLength":36}],
 "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})",
-							 ".gltf");
+		".gltf");
 	const Result<Mesh> mesh = importMesh(file.path());
 	ASSERT_TRUE(mesh) << mesh.error().message;
 	ASSERT_EQ(mesh.value().triangles.size(), 1u);
@@ -104,7 +103,8 @@ TEST(MeshImport, BinaryTrianglesThatAreNotFiniteOrCutShortAreRefused)
 	ASSERT_TRUE(importMesh(TemporaryFile(stl, ".stl").path()));
 	for (std::size_t triangle = 0; triangle < 4; ++triangle)
 		for (std::size_t k = 0; k < 9; ++k)
-			for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()})
+			for (const float bad :
+				{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()})
 			{
 				std::string broken = stl;
 				std::memcpy(broken.data() + 84 + 50 * triangle + 12 + 4 * k, &bad, 4);
@@ -127,7 +127,8 @@ TEST(MeshImport, SeamsAreWeldedToThePrecisionOfTheFile)
 	std::string text;
 	const auto face = [&](std::array<Vec3, 4> corners, double off) {
 		for (const Vec3& c : corners)
-			text += "v " + std::to_string(far + c.x + off) + " " + std::to_string(far + c.y + off) + " " + std::to_string(far + c.z + off) + "\n";
+			text += "v " + std::to_string(far + c.x + off) + " " + std::to_string(far + c.y + off) + " " + std::to_string(far + c.z + off) +
+				"\n";
 		text += "f -4 -3 -2 -1\n";
 	};
 	face({Vec3{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}, step);
@@ -165,17 +166,20 @@ TEST(MeshImport, AFarPlaceBlursNoPart)
 	const std::size_t points = cylinder.vertices.size();
 	const auto text = [](std::size_t n) { return std::to_string(n); };
 	const std::string shape =
-		R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" + text(points) +
-		R"(,"type":"VEC3","min":[-0.5,-0.5,-0.5],"max":[0.5,0.5,0.5]},{"bufferView":1,"componentType":5125,"count":)" + text(3 * triangles) +
-		R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":)" + text(12 * points) + R"(},{"buffer":0,"byteOffset":)" + text(12 * points) +
-		R"(,"byteLength":)" + text(12 * triangles) + R"(}],"buffers":[{"byteLength":)" + text(bytes.size()) + R"(,"uri":")" +
-		std::filesystem::path(buffer.path()).filename().string() + R"("}]})";
+		R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" +
+		text(points) + R"(,"type":"VEC3","min":[-0.5,-0.5,-0.5],"max":[0.5,0.5,0.5]},{"bufferView":1,"componentType":5125,"count":)" +
+		text(3 * triangles) + R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":)" + text(12 * points) +
+		R"(},{"buffer":0,"byteOffset":)" + text(12 * points) + R"(,"byteLength":)" + text(12 * triangles) +
+		R"(}],"buffers":[{"byteLength":)" + text(bytes.size()) + R"(,"uri":")" + std::filesystem::path(buffer.path()).filename().string() +
+		R"("}]})";
 	const double volume = 64 * 0.5 * 0.25 * std::sin(2 * 3.14159265358979323846 / 64);
 	for (const char* nodes : {R"([{"mesh":0}])", R"([{"mesh":0,"translation":[500000,5000000,0]}])",
-							  R"([{"mesh":0,"translation":[500000,5000000,0]},{"mesh":0,"translation":[500004,5000000,0]}])"})
+			 R"([{"mesh":0,"translation":[500000,5000000,0]},{"mesh":0,"translation":[500004,5000000,0]}])"})
 	{
 		const bool two = std::string(nodes).find("500004") != std::string::npos;
-		const TemporaryFile file(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0)" + std::string(two ? ",1" : "") + R"(]}],"nodes":)" + nodes + "," + shape, ".gltf");
+		const TemporaryFile file(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0)" + std::string(two ? ",1" : "") +
+				R"(]}],"nodes":)" + nodes + "," + shape,
+			".gltf");
 		const Result<Mesh> mesh = importMesh(file.path());
 		ASSERT_TRUE(mesh) << mesh.error().message;
 		const Result<RepairedMesh> repaired = repair(mesh.value());
@@ -222,8 +226,10 @@ TEST(MeshImport, EmptyAndUnreadableFilesAreRefused)
 
 TEST(MeshImport, AFileInWhichAssimpFindsNoEndIsRefused)
 {
-	const TemporaryFile file("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\ne}\nment face 4\n"
-							 "property nt vertex_indices\ne,d_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n", ".ply");
+	const TemporaryFile file(
+		"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\ne}\nment face 4\n"
+		"property nt vertex_indices\ne,d_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n",
+		".ply");
 	const Result<Mesh> mesh = importMesh(file.path());
 	ASSERT_FALSE(mesh);
 	EXPECT_NE(mesh.error().message.find("finds no end"), std::string::npos) << mesh.error().message;
@@ -240,7 +246,8 @@ TEST(MeshImport, AUnitThatIsNotPositiveIsRefused)
 TEST(MeshImport, EveryCornerKeepsItsPlaceInTheTexture)
 {
 	// Two triangles that meet in an edge, with a seam along it.
-	const TemporaryFile file("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0.625 0\nvt 1.25 1\nvt 0.75 -1\nf 1/1 2/2 3/3\nf 1/4 3/5 4/6\n");
+	const TemporaryFile file("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0.625 0\nvt 1.25 1\nvt 0.75 -1\nf 1/1 2/2 "
+							 "3/3\nf 1/4 3/5 4/6\n");
 	const Result<TexturedMesh> read = importTexturedMesh(file.path(), 0.5);
 	ASSERT_TRUE(read) << read.error().message;
 	const TexturedMesh& textured = read.value();
@@ -261,13 +268,20 @@ TEST(MeshImport, PlacesFollowTheCornersOfMirroredNodes)
 {
 	const TemporaryFile file(R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-<source id="t"><float_array id="ta" count="6">0 0 1 0 0 1</float_array><technique_common><accessor source="#ta" count="3" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor></technique_common></source>
+<source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common>
+<accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<source id="t"><float_array id="ta" count="6">0 0 1 0 0 1</float_array><technique_common>
+<accessor source="#ta" count="3" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor>
+</technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="TEXCOORD" source="#t" offset="1" set="0"/><p>0 0 1 1 2 2</p></triangles>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="TEXCOORD" source="#t" offset="1" set="0"/>
+<p>0 0 1 1 2 2</p></triangles>
 </mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n"><matrix>-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#s"/></scene></COLLADA>)", ".dae");
+<library_visual_scenes><visual_scene id="s"><node id="n"><matrix>-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)",
+		".dae");
 	const Result<TexturedMesh> read = importTexturedMesh(file.path());
 	ASSERT_TRUE(read) << read.error().message;
 	ASSERT_EQ(read.value().places.size(), 1u);
@@ -285,7 +299,8 @@ TEST(MeshImport, MeshesWithoutPlacesInATextureAreRefusedInASentence)
 	const TemporaryFile bare(kCube);
 	const Result<TexturedMesh> none = importTexturedMesh(bare.path());
 	ASSERT_FALSE(none);
-	EXPECT_NE(none.error().message.find("part 1 of 1 has no texture coordinates; unwrap the mesh"), std::string::npos) << none.error().message;
+	EXPECT_NE(none.error().message.find("part 1 of 1 has no texture coordinates; unwrap the mesh"), std::string::npos)
+		<< none.error().message;
 }
 
 TEST(MeshImport, TheBunnyIsWatertight)

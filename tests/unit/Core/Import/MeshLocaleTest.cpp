@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include "tests/unit/CommaLocale.h"
 #include "tests/unit/Core/Import/PackageText.h"
@@ -32,7 +32,7 @@ std::string x3d()
 	for (const Vec3& v : box().vertices) points += std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + ", ";
 	for (const auto& [a, b, c] : box().triangles) corners += std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + " -1 ";
 	return "<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"" + corners + "\"><Coordinate point=\"" + points +
-		   "\"/></IndexedFaceSet></Shape></Scene></X3D>";
+		"\"/></IndexedFaceSet></Shape></Scene></X3D>";
 }
 
 std::string movedPackage()
@@ -53,10 +53,9 @@ struct File
 const std::vector<File>& files()
 {
 	static const std::vector<File> all = {{".3mf", packageText(modelText(box(), "unit=\"meter\"")), {}, {1.5, 2.5, 3.9}},
-										  {".3mf", movedPackage(), {0.25, 0.25, 0.25}, {1, 1.5, 2.2}},
-										  {".amf", amfText(box(), "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"meter\">"), {}, {1.5, 2.5, 3.9}},
-										  {".x3d", x3d(), {}, {1.5, 2.5, 3.9}},
-										  {".obj", objText(box()), {}, {1.5, 2.5, 3.9}}};
+		{".3mf", movedPackage(), {0.25, 0.25, 0.25}, {1, 1.5, 2.2}},
+		{".amf", amfText(box(), "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"meter\">"), {}, {1.5, 2.5, 3.9}},
+		{".x3d", x3d(), {}, {1.5, 2.5, 3.9}}, {".obj", objText(box()), {}, {1.5, 2.5, 3.9}}};
 	return all;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/LogStream.hpp>
@@ -36,8 +36,7 @@ Faces damaged(std::size_t bad)
 	return faces;
 }
 
-template <class T>
-std::string bytes(T value, bool bigEndian = false)
+template <class T> std::string bytes(T value, bool bigEndian = false)
 {
 	std::string text(sizeof value, '\0');
 	std::memcpy(text.data(), &value, sizeof value);
@@ -64,14 +63,11 @@ std::string indices(const Faces& faces, const std::string& before, const std::st
 std::string plyHeader(const char* format, const Faces& faces)
 {
 	return std::string("ply\nformat ") + format + " 1.0\nelement vertex " + std::to_string(body().vertices.size()) +
-		   "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(faces.size()) +
-		   "\nproperty list uchar int vertex_indices\nend_header\n";
+		"\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(faces.size()) +
+		"\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string asciiPly(const Faces& faces)
-{
-	return plyHeader("ascii", faces) + coordinates("\n") + "\n" + indices(faces, "3 ", "\n");
-}
+std::string asciiPly(const Faces& faces) { return plyHeader("ascii", faces) + coordinates("\n") + "\n" + indices(faces, "3 ", "\n"); }
 
 std::string binaryPly(const Faces& faces, bool big)
 {
@@ -84,19 +80,22 @@ std::string binaryPly(const Faces& faces, bool big)
 std::string x3d(const std::string& node, const std::string& corners)
 {
 	const std::string kind = node.substr(0, node.find(' '));
-	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><" + node + "=\"" + corners + "\"><Coordinate point=\"" +
-		   coordinates(", ") + "\"/></" + kind + "></Shape></Scene></X3D>";
+	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><" + node + "=\"" + corners +
+		"\"><Coordinate point=\"" + coordinates(", ") + "\"/></" + kind + "></Shape></Scene></X3D>";
 }
 
 std::string off(const Faces& faces)
 {
-	return "OFF\n" + std::to_string(body().vertices.size()) + " " + std::to_string(faces.size()) + " 0\n" + coordinates("\n") + "\n" + indices(faces, "3 ", "\n");
+	return "OFF\n" + std::to_string(body().vertices.size()) + " " + std::to_string(faces.size()) + " 0\n" + coordinates("\n") + "\n" +
+		indices(faces, "3 ", "\n");
 }
 
 std::string ac(const Faces& faces)
 {
-	std::string text = "AC3Db\nMATERIAL \"m\" rgb 1 1 1  amb 0.2 0.2 0.2  emis 0 0 0  spec 0.5 0.5 0.5  shi 10  trans 0\nOBJECT world\nkids 1\nOBJECT poly\n"
-					   "name \"b\"\nnumvert " + std::to_string(body().vertices.size()) + "\n" + coordinates("\n") + "\nnumsurf " + std::to_string(faces.size()) + "\n";
+	std::string text = "AC3Db\nMATERIAL \"m\" rgb 1 1 1  amb 0.2 0.2 0.2  emis 0 0 0  spec 0.5 0.5 0.5  shi 10  trans 0\nOBJECT "
+					   "world\nkids 1\nOBJECT poly\n"
+					   "name \"b\"\nnumvert " +
+		std::to_string(body().vertices.size()) + "\n" + coordinates("\n") + "\nnumsurf " + std::to_string(faces.size()) + "\n";
 	for (const auto& face : faces)
 	{
 		text += "SURF 0x10\nmat 0\nrefs 3\n";
@@ -119,7 +118,9 @@ std::string threeDs(const Faces& faces)
 		for (const uint32_t corner : face) corners += bytes(static_cast<uint16_t>(corner));
 		corners += bytes(uint16_t(7));
 	}
-	return chunk(0x4D4D, chunk(2, bytes(uint32_t(3))) + chunk(0x3D3D, chunk(0x4000, std::string("body\0", 5) + chunk(0x4100, chunk(0x4110, points) + chunk(0x4120, corners)))));
+	return chunk(0x4D4D,
+		chunk(2, bytes(uint32_t(3))) +
+			chunk(0x3D3D, chunk(0x4000, std::string("body\0", 5) + chunk(0x4100, chunk(0x4110, points) + chunk(0x4120, corners)))));
 }
 
 /// A .glb file.
@@ -129,34 +130,44 @@ std::string gltf(const Faces& faces)
 	for (const Vec3& v : body().vertices) data += bytes(float(v.x)) + bytes(float(v.y)) + bytes(float(v.z));
 	const std::string points = std::to_string(data.size()), vertices = std::to_string(body().vertices.size());
 	for (const auto& [a, b, c] : faces) data += bytes(a) + bytes(b) + bytes(c);
-	std::string text = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
-"accessors":[{"bufferView":0,"componentType":5126,"count":)" + vertices + R"(,"type":"VEC3"},{"bufferView":1,"componentType":5125,"count":)" +
-					   std::to_string(3 * faces.size()) + R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":)" + points + R"(},{"buffer":0,"byteOffset":)" + points +
-					   R"(,"byteLength":)" + std::to_string(12 * faces.size()) + R"(}],"buffers":[{"byteLength":)" + std::to_string(data.size()) + "}]}";
+	std::string text = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+					   R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+					   R"("accessors":[{"bufferView":0,"componentType":5126,"count":)" +
+		vertices + R"(,"type":"VEC3"},{"bufferView":1,"componentType":5125,"count":)" + std::to_string(3 * faces.size()) +
+		R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":)" + points + R"(},{"buffer":0,"byteOffset":)" + points +
+		R"(,"byteLength":)" + std::to_string(12 * faces.size()) + R"(}],"buffers":[{"byteLength":)" + std::to_string(data.size()) + "}]}";
 	text.resize((text.size() + 3) / 4 * 4, ' ');
 	const auto size = [](const std::string& s) { return bytes(static_cast<uint32_t>(s.size())); };
-	return "glTF" + bytes(uint32_t(2)) + bytes(static_cast<uint32_t>(28 + text.size() + data.size())) + size(text) + "JSON" + text + size(data) + std::string("BIN\0", 4) + data;
+	return "glTF" + bytes(uint32_t(2)) + bytes(static_cast<uint32_t>(28 + text.size() + data.size())) + size(text) + "JSON" + text +
+		size(data) + std::string("BIN\0", 4) + data;
 }
 
 std::string dae(const Faces& faces)
 {
 	const std::string count = std::to_string(body().vertices.size()), values = std::to_string(3 * body().vertices.size());
-	return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count=")" + values + "\">" + coordinates(" ") + R"(</float_array><technique_common><accessor source="#pa" count=")" + count +
-		   R"(" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count=")" + std::to_string(faces.size()) +
-		   R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + indices(faces, "", " ") + R"(</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+	return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries>
+<geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count=")" +
+		values + "\">" + coordinates(" ") + R"(</float_array><technique_common><accessor source="#pa" count=")" + count +
+		R"(" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>
+</technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count=")" +
+		std::to_string(faces.size()) + R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + indices(faces, "", " ") +
+		R"(</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
 }
 
 std::string amf(const Faces& faces)
 {
 	std::string text = R"(<?xml version="1.0"?><amf unit="meter"><object id="1"><mesh><vertices>)";
 	for (const Vec3& v : body().vertices)
-		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) + "</z></coordinates></vertex>";
+		text += "<vertex><coordinates><x>" + std::to_string(v.x) + "</x><y>" + std::to_string(v.y) + "</y><z>" + std::to_string(v.z) +
+			"</z></coordinates></vertex>";
 	text += "</vertices><volume>";
 	for (const auto& [a, b, c] : faces)
-		text += "<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) + "</v3></triangle>";
+		text += "<triangle><v1>" + std::to_string(a) + "</v1><v2>" + std::to_string(b) + "</v2><v3>" + std::to_string(c) +
+			"</v3></triangle>";
 	return text + "</volume></mesh></object></amf>";
 }
 
@@ -182,10 +193,7 @@ struct Format
 	Fate fate;
 };
 
-void PrintTo(const Format& format, std::ostream* out)
-{
-	*out << format.name;
-}
+void PrintTo(const Format& format, std::ostream* out) { *out << format.name; }
 
 std::string temporaryPath(const std::string& ending)
 {
@@ -202,8 +210,7 @@ Result<Mesh> read(const std::string& text, const std::string& ending)
 }
 
 class MeshNotTaken : public ::testing::TestWithParam<Format>
-{
-};
+{};
 }  // namespace
 
 TEST_P(MeshNotTaken, AGoodFileHasNothingToTell)
@@ -229,8 +236,9 @@ TEST_P(MeshNotTaken, FacesWithCornersThatAreNotThereAreTold)
 			continue;
 		}
 		EXPECT_EQ(mesh.value().triangles.size(), body().triangles.size() - bad);
-		EXPECT_EQ(told, std::to_string(bad) + " of " + std::to_string(body().triangles.size()) + " faces " + (bad == 1 ? "was" : "were") +
-							" left out: they name corners that are not in the file, the first is face 3; export the mesh again.");
+		EXPECT_EQ(told,
+			std::to_string(bad) + " of " + std::to_string(body().triangles.size()) + " faces " + (bad == 1 ? "was" : "were") +
+				" left out: they name corners that are not in the file, the first is face 3; export the mesh again.");
 	}
 }
 
@@ -244,27 +252,30 @@ TEST_P(MeshNotTaken, MoreThanHalfDamagedIsRefused)
 	const Result<Mesh> mesh = read(GetParam().text(faces), GetParam().ending);
 	ASSERT_FALSE(mesh);
 	if (GetParam().fate == Fate::Refused) return;
-	const std::string found = std::to_string(half + 1) + " of its " + std::to_string(2 * half) + " faces name corners that are not in the file";
+	const std::string found = std::to_string(half + 1) + " of its " + std::to_string(2 * half) +
+		" faces name corners that are not in the file";
 	EXPECT_NE(mesh.error().message.find(found), std::string::npos) << mesh.error().message;
 }
 
 INSTANTIATE_TEST_SUITE_P(Assimp, MeshNotTaken,
-						 ::testing::Values(Format{"ply", ".ply", asciiPly, Fate::Counted},
-										   Format{"plyLittle", ".ply", [](const Faces& f) { return binaryPly(f, false); }, Fate::Counted},
-										   Format{"plyBig", ".ply", [](const Faces& f) { return binaryPly(f, true); }, Fate::Counted},
-										   Format{"x3dFaces", ".x3d", [](const Faces& f) { return x3d("IndexedFaceSet coordIndex", indices(f, "", " -1 ")); }, Fate::Counted},
-										   Format{"x3dTriangles", ".x3d", [](const Faces& f) { return x3d("IndexedTriangleSet index", indices(f, "", " ")); }, Fate::Counted},
-										   Format{"off", ".off", off, Fate::Told}, Format{"ac", ".ac", ac, Fate::Told}, Format{"threeDs", ".3ds", threeDs, Fate::Told},
-										   Format{"gltf", ".glb", gltf, Fate::Told}, Format{"obj", ".obj", obj, Fate::Refused}, Format{"dae", ".dae", dae, Fate::Refused},
-										   Format{"amf", ".amf", amf, Fate::Refused}),
-						 [](const auto& info) { return std::string(info.param.name); });
+	::testing::Values(Format{"ply", ".ply", asciiPly, Fate::Counted},
+		Format{"plyLittle", ".ply", [](const Faces& f) { return binaryPly(f, false); }, Fate::Counted},
+		Format{"plyBig", ".ply", [](const Faces& f) { return binaryPly(f, true); }, Fate::Counted},
+		Format{"x3dFaces", ".x3d", [](const Faces& f) { return x3d("IndexedFaceSet coordIndex", indices(f, "", " -1 ")); }, Fate::Counted},
+		Format{"x3dTriangles", ".x3d", [](const Faces& f) { return x3d("IndexedTriangleSet index", indices(f, "", " ")); }, Fate::Counted},
+		Format{"off", ".off", off, Fate::Told}, Format{"ac", ".ac", ac, Fate::Told}, Format{"threeDs", ".3ds", threeDs, Fate::Told},
+		Format{"gltf", ".glb", gltf, Fate::Told}, Format{"obj", ".obj", obj, Fate::Refused}, Format{"dae", ".dae", dae, Fate::Refused},
+		Format{"amf", ".amf", amf, Fate::Refused}),
+	[](const auto& info) { return std::string(info.param.name); });
 
 TEST(MeshNotTakenOf, PolygonsWithCornersThatAreNotThere)
 {
 	// A cube of quads and a pentagon that is none: making triangles of it would read beyond the vertices.
-	const Result<Mesh> mesh = read("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 7\n"
-								   "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
-								   "5 0 1 2 3 100000000\n4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 0 4 7 3\n4 1 2 6 5\n", ".ply");
+	const Result<Mesh> mesh = read(
+		"ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 7\n"
+		"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
+		"5 0 1 2 3 100000000\n4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 0 4 7 3\n4 1 2 6 5\n",
+		".ply");
 	ASSERT_TRUE(mesh) << mesh.error().message;
 	EXPECT_EQ(mesh.value().triangles.size(), 12u);
 	ASSERT_EQ(mesh.value().notTaken.size(), 1u);
@@ -278,7 +289,7 @@ std::string boxPly(const std::vector<std::vector<int>>& more)
 {
 	const Mesh box = makeBoxMesh({0.5, 1, 1.5});
 	std::string text = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-					   std::to_string(12 + more.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+		std::to_string(12 + more.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
 	for (const Vec3& v : box.vertices) text += std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
 	for (const auto& [a, b, c] : box.triangles) text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
 	for (const std::vector<int>& face : more)
@@ -296,23 +307,18 @@ std::string boxX3d(const std::string& more)
 	return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<X3D version=\"3.0\"><Scene><Shape><IndexedFaceSet coordIndex=\"0 3 2 -1 0 2 1 -1 "
 		   "4 5 6 -1 4 6 7 -1 0 1 5 -1 0 5 4 "
 		   "-1 2 3 7 -1 2 7 6 -1 0 4 7 -1 0 7 3 -1 1 2 6 -1 1 6 5 -1 " +
-		   more +
-		   " -1\"><Coordinate point=\"0 0 0, 1 0 0, 1 2 0, 0 2 0, 0 0 3, 1 0 3, 1 2 3, 0 2 3\"/></IndexedFaceSet>"
-		   "</Shape></Scene></X3D>";
+		more +
+		" -1\"><Coordinate point=\"0 0 0, 1 0 0, 1 2 0, 0 2 0, 0 0 3, 1 0 3, 1 2 3, 0 2 3\"/></IndexedFaceSet>"
+		"</Shape></Scene></X3D>";
 }
 }  // namespace
 
 TEST(MeshNotTakenOf, TheOnlyPolygonsOfAFileThatAreDamaged)
 {
 	// Without them there are triangles alone, and assimp has been told of polygons.
-	const std::vector<std::vector<std::vector<int>>> cases = {{{0, 1, 3, 99}},
-															  {{0, 1, 3, -1}},
-															  {{0, 1, 2, 3, 99}},
-															  {{99, 1, 2, 3, 4, 5, 6}},
-															  {{0, 1, 3, 99}, {8, 1, 2, 3, 4}},
-															  {{0, 1, 3, 99}, {0, 1}},
-															  {{0, 1, 3, 99}, {0}},
-															  {{0, 1, 3, 99}, {0, 1}, {0}, {0, 1, 99}}};
+	const std::vector<std::vector<std::vector<int>>> cases = {{{0, 1, 3, 99}}, {{0, 1, 3, -1}}, {{0, 1, 2, 3, 99}},
+		{{99, 1, 2, 3, 4, 5, 6}}, {{0, 1, 3, 99}, {8, 1, 2, 3, 4}}, {{0, 1, 3, 99}, {0, 1}}, {{0, 1, 3, 99}, {0}},
+		{{0, 1, 3, 99}, {0, 1}, {0}, {0, 1, 99}}};
 	for (const auto& more : cases)
 	{
 		const auto damaged = std::count_if(more.begin(), more.end(), [](const auto& face) { return face.size() > 2; });
@@ -322,8 +328,8 @@ TEST(MeshNotTakenOf, TheOnlyPolygonsOfAFileThatAreDamaged)
 		EXPECT_EQ(mesh.value().triangles.size(), 12u);
 		EXPECT_NEAR(massProperties(mesh.value()).volume, 6, 1e-6);
 		ASSERT_FALSE(mesh.value().notTaken.empty());
-		const std::string told =
-			std::to_string(damaged) + " of " + std::to_string(faces) + " faces " + (damaged == 1 ? "was" : "were") + " left out";
+		const std::string told = std::to_string(damaged) + " of " + std::to_string(faces) + " faces " + (damaged == 1 ? "was" : "were") +
+			" left out";
 		EXPECT_EQ(mesh.value().notTaken[0].find(told), 0u) << mesh.value().notTaken[0];
 		EXPECT_EQ(mesh.value().notTaken.size(), std::size_t(faces) == 12 + more.size() ? 1u : 2u);
 	}
@@ -353,8 +359,10 @@ TEST(MeshNotTakenOf, DamagedPolygonsBesideGoodOnes)
 
 TEST(MeshNotTakenOf, NegativeCornersOfPly)
 {
-	const Result<Mesh> mesh = read("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
-								   "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 -1\n", ".ply");
+	const Result<Mesh> mesh = read(
+		"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+		"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 -1\n",
+		".ply");
 	ASSERT_TRUE(mesh) << mesh.error().message;
 	EXPECT_EQ(mesh.value().triangles.size(), 1u);
 	ASSERT_EQ(mesh.value().notTaken.size(), 1u);

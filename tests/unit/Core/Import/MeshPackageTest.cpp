@@ -31,11 +31,10 @@ TEST(MeshPackage, PicturesBesideTheModelAreLeftAlone)
 {
 	// assimp takes what is called so for a texture, and deletes it twice.
 	using Files = std::vector<std::pair<std::string, std::string>>;
-	for (const Files& pictures :
-		 {Files{}, Files{{"Metadata/thumbnail.png", kPicture}},
-		  Files{{"Metadata/thumbnail.png", kPicture}, {"Metadata/thumbnail_small.png", kPicture}},
-		  Files{{"thumbnail.jpg", kPicture}, {"Thumbnails/thumbnail.png", std::string(100000, 'p')}, {"Metadata/plate_1.png", kPicture}},
-		  Files{{"Metadata/thumbnail.png", ""}, {"3D/Textures/thumbnail_of_wood.png", kPicture}}})
+	for (const Files& pictures : {Files{}, Files{{"Metadata/thumbnail.png", kPicture}},
+			 Files{{"Metadata/thumbnail.png", kPicture}, {"Metadata/thumbnail_small.png", kPicture}},
+			 Files{{"thumbnail.jpg", kPicture}, {"Thumbnails/thumbnail.png", std::string(100000, 'p')}, {"Metadata/plate_1.png", kPicture}},
+			 Files{{"Metadata/thumbnail.png", ""}, {"3D/Textures/thumbnail_of_wood.png", kPicture}}})
 		for (int time = 0; time < 3; ++time)
 		{
 			const Result<Mesh> mesh = read(packageText(modelText(kBox, kUnit), pictures));
@@ -51,9 +50,8 @@ TEST(MeshPackage, AMeshWithATextureIsRead)
 								  "id=\"5\" path=\"/3D/Textures/b.png\" contenttype=\"image/png\"/>"
 								  "<m:texture2dgroup id=\"3\" texid=\"2\"><m:tex2coord u=\"0.5\" v=\"0\"/><m:tex2coord u=\"1\" "
 								  "v=\"1\"/><m:tex2coord u=\"0\" v=\"1\"/></m:texture2dgroup>";
-	const Result<Mesh> mesh =
-		read(packageText(modelText(kBox, kUnit, resources, "pid=\"3\" p1=\"0\" p2=\"1\" p3=\"2\""),
-						 {{"3D/Textures/thumbnail.png", kPicture}, {"3D/Textures/b.png", kPicture}, {"Metadata/thumbnail.png", kPicture}}));
+	const Result<Mesh> mesh = read(packageText(modelText(kBox, kUnit, resources, "pid=\"3\" p1=\"0\" p2=\"1\" p3=\"2\""),
+		{{"3D/Textures/thumbnail.png", kPicture}, {"3D/Textures/b.png", kPicture}, {"Metadata/thumbnail.png", kPicture}}));
 	ASSERT_TRUE(mesh) << mesh.error().message;
 	EXPECT_EQ(mesh.value().triangles.size(), 12u);
 }

@@ -30,8 +30,8 @@ std::string package(const std::string& attributes) { return packageText(modelTex
 
 std::string amf(const std::string& attributes)
 {
-	return amfText(box(), "\xef\xbb\xbf<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- <amf unit=\"inch\"> -->\n<amf " + attributes +
-							  " version=\"1.1\">");
+	return amfText(box(),
+		"\xef\xbb\xbf<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- <amf unit=\"inch\"> -->\n<amf " + attributes + " version=\"1.1\">");
 }
 
 /// `unit` is the element, or nothing.
@@ -42,19 +42,19 @@ std::string collada(const std::string& unit, const std::string& up = "Y_UP")
 	for (const auto& [a, b, c] : box().triangles) corners += std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + " ";
 	return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<!DOCTYPE COLLADA>\n<COLLADA "
 		   "xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset><contributor/>" +
-		   unit + "<up_axis>" + up +
-		   "</up_axis></asset><library_geometries><geometry id=\"g\"><asset><unit meter=\"7\"/></asset><mesh><source id=\"p\"><float_array "
-		   "id=\"a\" count=\"24\">" +
-		   points +
-		   "</float_array><technique_common><accessor source=\"#a\" count=\"8\" stride=\"3\"><param name=\"X\" type=\"float\"/><param "
-		   "name=\"Y\" type=\"float\"/>"
-		   "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" "
-		   "source=\"#p\"/></vertices>"
-		   "<triangles count=\"12\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
-		   corners +
-		   "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node "
-		   "id=\"n\"><instance_geometry url=\"#g\"/></node>"
-		   "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+		unit + "<up_axis>" + up +
+		"</up_axis></asset><library_geometries><geometry id=\"g\"><asset><unit meter=\"7\"/></asset><mesh><source id=\"p\"><float_array "
+		"id=\"a\" count=\"24\">" +
+		points +
+		"</float_array><technique_common><accessor source=\"#a\" count=\"8\" stride=\"3\"><param name=\"X\" type=\"float\"/><param "
+		"name=\"Y\" type=\"float\"/>"
+		"<param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" "
+		"source=\"#p\"/></vertices>"
+		"<triangles count=\"12\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
+		corners +
+		"</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node "
+		"id=\"n\"><instance_geometry url=\"#g\"/></node>"
+		"</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
 }
 
 Result<Mesh> read(const std::string& bytes, const std::string& ending, std::optional<double> unit = std::nullopt)
@@ -84,19 +84,19 @@ std::vector<Stated> statedUnits()
 {
 	std::vector<Stated> all;
 	for (const auto& [name, unit] : {std::pair("micron", 1e-6), std::pair("millimeter", 1e-3), std::pair("centimeter", 1e-2),
-									 std::pair("inch", 0.0254), std::pair("foot", 0.3048), std::pair("meter", 1.0)})
+			 std::pair("inch", 0.0254), std::pair("foot", 0.3048), std::pair("meter", 1.0)})
 		all.push_back({package("xml:lang=\"en-US\" unit = '" + std::string(name) + "'"), ".3mf", unit});
 	all.push_back({package("xml:lang=\"en-US\""), ".3mf", 1e-3});
 	all.push_back({"bytes before the archive" + package("unit=\"inch\""), ".3MF", 0.0254});
 	for (const auto& [name, unit] : {std::pair("micron", 1e-6), std::pair("millimeter", 1e-3), std::pair("Inch", 0.0254),
-									 std::pair("feet", 0.3048), std::pair("meter", 1.0)})
+			 std::pair("feet", 0.3048), std::pair("meter", 1.0)})
 	{
 		all.push_back({amf("unit=\"" + std::string(name) + "\""), ".amf", unit});
 		all.push_back({zipText({{"part.amf", amf("unit=\"" + std::string(name) + "\"")}}), ".amf", unit});
 	}
 	all.push_back({amf(""), ".amf", 1e-3});
 	for (const auto& [text, unit] :
-		 {std::pair("1", 1.0), std::pair("0.001", 1e-3), std::pair("0.0254", 0.0254), std::pair("0,01", 1e-2), std::pair("1e-3", 1e-3)})
+		{std::pair("1", 1.0), std::pair("0.001", 1e-3), std::pair("0.0254", 0.0254), std::pair("0,01", 1e-2), std::pair("1e-3", 1e-3)})
 		for (const char* up : {"Y_UP", "Z_UP", "X_UP"})
 			all.push_back({collada("<unit name='u' meter=\"" + std::string(text) + "\"/>", up), ".dae", unit});
 	return all;
@@ -126,11 +126,11 @@ TEST(MeshUnit, AGivenUnitTakesItsPlaceAndIsTold)
 			EXPECT_EQ(told.find("in its place the given unit was applied") != told.npos, differs) << told;
 		}
 	EXPECT_EQ(read(package("unit=\"inch\""), ".3mf", 0.001).value().notTaken[0],
-			  "The file states \"inch\" as its unit, 0.0254 m; in its place the given unit was applied, 0.001 m.");
+		"The file states \"inch\" as its unit, 0.0254 m; in its place the given unit was applied, 0.001 m.");
 	EXPECT_EQ(read(collada("<unit meter=\"1e-3\"/>"), ".dae", 0.01).value().notTaken[0],
-			  "The file states 0.001 m as its unit; in its place the given unit was applied, 0.01 m.");
+		"The file states 0.001 m as its unit; in its place the given unit was applied, 0.01 m.");
 	EXPECT_EQ(read(amf(""), ".amf", 0.01).value().notTaken[0],
-			  "The file states no unit, for which the AMF format has 0.001 m; in its place the given unit was applied, 0.01 m.");
+		"The file states no unit, for which the AMF format has 0.001 m; in its place the given unit was applied, 0.01 m.");
 }
 
 TEST(MeshUnit, TheRecordedUnitGivesTheSameMesh)
@@ -151,7 +151,7 @@ TEST(MeshUnit, ThatOfAnFbxFileIsToldAndNotApplied)
 	// assimp writes 1 cm into its files, whatever they hold.
 	aiScene scene;
 	scene.mNumMeshes = 1;
-	scene.mMeshes = new aiMesh*[1]{new aiMesh};
+	scene.mMeshes = new aiMesh* [1] { new aiMesh };
 	aiMesh& part = *scene.mMeshes[0];
 	part.mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
 	part.mNumVertices = static_cast<unsigned>(box().vertices.size());
@@ -170,7 +170,7 @@ TEST(MeshUnit, ThatOfAnFbxFileIsToldAndNotApplied)
 		part.mFaces[i].mIndices = new unsigned[3]{box().triangles[i][0], box().triangles[i][1], box().triangles[i][2]};
 	}
 	scene.mNumMaterials = 1;
-	scene.mMaterials = new aiMaterial*[1]{new aiMaterial};
+	scene.mMaterials = new aiMaterial* [1] { new aiMaterial };
 	scene.mRootNode = new aiNode("root");
 	scene.mRootNode->mNumMeshes = 1;
 	scene.mRootNode->mMeshes = new unsigned[1]{0};
@@ -190,7 +190,7 @@ TEST(MeshUnit, ThatOfAnFbxFileIsToldAndNotApplied)
 TEST(MeshUnit, FormatsWithoutAUnitAreInMetres)
 {
 	for (const auto& [bytes, ending] :
-		 {std::pair(objText(box()), ".obj"), std::pair(collada(""), ".dae"), std::pair(collada("<unit name='u'/>"), ".dae")})
+		{std::pair(objText(box()), ".obj"), std::pair(collada(""), ".dae"), std::pair(collada("<unit name='u'/>"), ".dae")})
 	{
 		expectSize(read(bytes, ending), 1);
 		expectSize(read(bytes, ending, 0.001), 0.001);
@@ -204,7 +204,7 @@ TEST(MeshUnit, AUnitThatTheFormatDoesNotKnowIsRefusedUnlessOneIsGiven)
 	ASSERT_FALSE(package3mf);
 	EXPECT_NE(package3mf.error().message.find(
 				  "it states \"furlong\" as its unit, which is none of 3MF files; correct it, or give the unit (unit, --unit)"),
-			  std::string::npos)
+		std::string::npos)
 		<< package3mf.error().message;
 	expectSize(read(package("unit=\"furlong\""), ".3mf", 0.01), 0.01);
 	EXPECT_FALSE(read(amf("unit=\"cubit\""), ".amf"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Import/ZipArchive.h"
 #include "BulletISTCollision/Core/Import/Inflate.h"
 #include "BulletISTCollision/Core/Import/XmlTags.h"
-#include "BulletISTCollision/Core/Import/ZipArchive.h"
 
 #include "tests/unit/Core/Import/ZipText.h"
 
@@ -13,11 +13,7 @@ using namespace ist;
 
 namespace
 {
-template <std::size_t n>
-std::string bytes(const char (&text)[n])
-{
-	return std::string(text, n - 1);
-}
+template <std::size_t n> std::string bytes(const char (&text)[n]) { return std::string(text, n - 1); }
 
 // Made with zlib 1.2.13, level 9: a block of fixed codes, and one of codes of its own.
 const std::string kFixed = bytes("\x4b\x54\x28\xcd\xcb\x2c\xd1\x51\x48\x44\xa1\x15\xf2\xd3\x14\x72\x52\xf3\xd2\x4b\x32\x00");
@@ -38,8 +34,15 @@ TEST(Inflate, EachKindOfBlockGivesItsBytes)
 {
 	EXPECT_EQ(inflated(kFixed, kFixedText.size()), kFixedText);
 	EXPECT_EQ(inflated(kDynamic, 600), dynamicText());
-	EXPECT_EQ(inflated(bytes("\x01\x03\x00\xfc\xff" "abc"), 3), "abc");
-	EXPECT_EQ(inflated(bytes("\x00\x01\x00\xfe\xff" "a\x01\x02\x00\xfd\xff" "bc"), 3), "abc");
+	EXPECT_EQ(inflated(bytes("\x01\x03\x00\xfc\xff"
+							 "abc"),
+				  3),
+		"abc");
+	EXPECT_EQ(inflated(bytes("\x00\x01\x00\xfe\xff"
+							 "a\x01\x02\x00\xfd\xff"
+							 "bc"),
+				  3),
+		"abc");
 }
 
 TEST(Inflate, DamagedStreamsAreRefused)

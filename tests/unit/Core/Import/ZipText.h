@@ -26,12 +26,12 @@ inline std::string zipText(const std::vector<std::pair<std::string, std::string>
 	std::string bytes, rows;
 	for (const auto& [name, content] : files)
 	{
-		const std::string sizes =
-			number(crc32(content), 4) + number(content.size(), 4) + number(content.size(), 4) + number(name.size(), 2) + number(0, 2);
-		rows +=
-			number(0x02014b50, 4) + number(20, 2) + number(20, 2) + number(0, 8) + sizes + number(0, 10) + number(bytes.size(), 4) + name;
+		const std::string sizes = number(crc32(content), 4) + number(content.size(), 4) + number(content.size(), 4) +
+			number(name.size(), 2) + number(0, 2);
+		rows += number(0x02014b50, 4) + number(20, 2) + number(20, 2) + number(0, 8) + sizes + number(0, 10) + number(bytes.size(), 4) +
+			name;
 		bytes += number(0x04034b50, 4) + number(20, 2) + number(0, 8) + sizes + name + content;
 	}
 	return bytes + rows + number(0x06054b50, 4) + number(0, 4) + number(files.size(), 2) + number(files.size(), 2) +
-		   number(rows.size(), 4) + number(bytes.size(), 4) + number(0, 2);
+		number(rows.size(), 4) + number(bytes.size(), 4) + number(0, 2);
 }

@@ -2,8 +2,8 @@
 #include "BulletISTCollision/Core/Leaves/Cells.h"
 
 #include "BulletISTCollision/Core/Leaves/CellSplitter.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Leaves/NearestSphere.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
 
@@ -84,14 +84,10 @@ Truth momentsOf(const Polyhedron& body)
 	return sum;
 }
 
-double mass(const MomentEllipsoid& b)
-{
-	return double(b.density) * 4.0 / 3.0 * std::numbers::pi * double(b.R) * b.R * b.R;
-}
+double mass(const MomentEllipsoid& b) { return double(b.density) * 4.0 / 3.0 * std::numbers::pi * double(b.R) * b.R * b.R; }
 
 /// Spheres at random places, `radius()` each where it fits.
-template <class Radius>
-SpherePacking randomPacking(const MeshDistance& surface, size_t count, std::mt19937& generator, Radius radius)
+template <class Radius> SpherePacking randomPacking(const MeshDistance& surface, size_t count, std::mt19937& generator, Radius radius)
 {
 	const Box box = bounds(surface.mesh());
 	std::uniform_real_distribution<double> uniform(0, 1);
@@ -100,7 +96,7 @@ SpherePacking randomPacking(const MeshDistance& surface, size_t count, std::mt19
 	{
 		const Vec3 size = box.size();
 		const Sphere s{float(box.lower.x + uniform(generator) * size.x), float(box.lower.y + uniform(generator) * size.y),
-					   float(box.lower.z + uniform(generator) * size.z), float(radius())};
+			float(box.lower.z + uniform(generator) * size.z), float(radius())};
 		if (surface.signedDistance(s.center()) > -s.r - 1e-6) continue;
 		const auto clash = [&](const Sphere& o) { return distance(o.center(), s.center()) <= double(o.r) + s.r + 1e-6; };
 		if (std::none_of(packing.spheres.begin(), packing.spheres.end(), clash)) packing.spheres.push_back(s);
@@ -211,7 +207,8 @@ TEST(NearestSphere, AgreesWithASearchThroughAllSpheres)
 	std::mt19937 generator(4);
 	std::uniform_real_distribution<double> uniform(-0.5, 0.5);
 	const MeshDistance surface(makeBoxMesh({0.5, 0.5, 0.5}));
-	const SpherePacking packing = randomPacking(surface, 300, generator, [&] { return 0.01 * std::exp(4.0 * std::max(-0.4, uniform(generator))); });
+	const SpherePacking packing = randomPacking(
+		surface, 300, generator, [&] { return 0.01 * std::exp(4.0 * std::max(-0.4, uniform(generator))); });
 	const NearestSphere tree(packing.spheres);
 	int complete = 0, incomplete = 0;
 	for (int k = 0; k < 3000; ++k)
@@ -240,15 +237,9 @@ TEST(NearestSphere, AgreesWithASearchThroughAllSpheres)
 	EXPECT_GT(incomplete, 500);
 }
 
-TEST(Cells, OfEqualSpheresInABoxAreVoronoiCells)
-{
-	expectVoronoi(makeBoxMesh({0.5, 0.4, 0.3}), 0.05, 40, 1);
-}
+TEST(Cells, OfEqualSpheresInABoxAreVoronoiCells) { expectVoronoi(makeBoxMesh({0.5, 0.4, 0.3}), 0.05, 40, 1); }
 
-TEST(Cells, OfEqualSpheresInATetrahedronAreVoronoiCells)
-{
-	expectVoronoi(makeTetrahedronMesh(1), 0.04, 25, 2);
-}
+TEST(Cells, OfEqualSpheresInATetrahedronAreVoronoiCells) { expectVoronoi(makeTetrahedronMesh(1), 0.04, 25, 2); }
 
 TEST(Cells, OfUnequalSpheresAgreeWithAGrid)
 {
@@ -373,13 +364,9 @@ TEST(Cells, DoNotDependOnTheNumberOfThreadsOnlyOnTheSeed)
 	options.seed = 2;
 	const auto other = buildCells(surface, packing, options);
 	ASSERT_TRUE(one && three && other);
-	const auto same = [](const std::vector<MomentEllipsoid>& a, const std::vector<MomentEllipsoid>& b)
-	{
+	const auto same = [](const std::vector<MomentEllipsoid>& a, const std::vector<MomentEllipsoid>& b) {
 		return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-						  [](const MomentEllipsoid& p, const MomentEllipsoid& q)
-						  {
-							  return std::memcmp(&p, &q, sizeof p) == 0;
-						  });
+			[](const MomentEllipsoid& p, const MomentEllipsoid& q) { return std::memcmp(&p, &q, sizeof p) == 0; });
 	};
 	EXPECT_TRUE(same(one.value().cells, three.value().cells));
 	EXPECT_TRUE(same(one.value().leaves, three.value().leaves));
@@ -393,8 +380,7 @@ TEST(Cells, DoNotDependOnTheNumberOfThreadsOnlyOnTheSeed)
 TEST(Cells, RefuseWhatCannotBeAPackingOfTheMesh)
 {
 	const MeshDistance surface(makeBoxMesh({0.5, 0.5, 0.5}));
-	const auto message = [&](const std::vector<Sphere>& spheres)
-	{
+	const auto message = [&](const std::vector<Sphere>& spheres) {
 		const auto result = buildCells(surface, {spheres, 0}, {});
 		return result ? std::string() : result.error().message;
 	};
@@ -409,8 +395,7 @@ TEST(Cells, StopWhenTheCallbackSaysSo)
 	for (const double stopAt : {0.0, 0.3, 0.9})
 	{
 		CellOptions options;
-		options.progress = [&](const char* stage, double fraction)
-		{
+		options.progress = [&](const char* stage, double fraction) {
 			EXPECT_EQ(std::string(stage), "cells");
 			return fraction < stopAt;
 		};

@@ -30,13 +30,15 @@ struct Bound
 	double r = 0;
 };
 
-/// Bounds of a tree's blocks: their least distance is what a clearance comes to at least, when all is opened. More, where a node rules out what its blocks do not.
+/// Bounds of a tree's blocks: their least distance is what a clearance comes to at least, when all is opened. More, where a node rules out
+/// what its blocks do not.
 std::vector<Bound> blocksOf(const InnerSphereTree& body)
 {
 	std::vector<Bound> blocks;
 	for (const BallNode& node : body.law.nodes)
 		for (int k = 0; k < BallNode::kWidth; ++k)
-			if (node.child[k] != BallNode::kNoChild && (node.child[k] & BallNode::kLeafBit)) blocks.push_back({{node.x[k], node.y[k], node.z[k]}, node.r[k]});
+			if (node.child[k] != BallNode::kNoChild && (node.child[k] & BallNode::kLeafBit))
+				blocks.push_back({{node.x[k], node.y[k], node.z[k]}, node.r[k]});
 	return blocks;
 }
 
@@ -87,7 +89,10 @@ TEST(LeafClearance, QueryFindsNothingWhileNoPointHasComeNearerByIt)
 		const double clearance = leafClearance(A, B, X, 12);
 		apart += clearance > 0;
 		X.translation = X.translation - 0.999 * clearance * normalized(X.translation);
-		if (clearance > 0) { EXPECT_EQ(queryOverlapBruteForce(A, B, X).total.pairs, 0); }
+		if (clearance > 0)
+		{
+			EXPECT_EQ(queryOverlapBruteForce(A, B, X).total.pairs, 0);
+		}
 	}
 	EXPECT_GT(apart, 10);
 }
@@ -100,7 +105,8 @@ TEST(LeafClearance, OfASphereIsItsDistanceFromTheNearestBall)
 	{
 		const InnerSphereTree A = cloudBody(300, trial + 1, {0, 5, 0});
 		const SphereField sphere(0.4);
-		const Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 2))), A.origin + 2.6 * normalized(randomVector(random, 1))};
+		const Pose X{
+			rotationMatrix(quaternionFromRotationVector(randomVector(random, 2))), A.origin + 2.6 * normalized(randomVector(random, 1))};
 		double truth = std::numeric_limits<double>::infinity();
 		for (const MomentEllipsoid& a : A.law.slots())
 			if (a.density > 0) truth = std::min(truth, distance(A.origin + a.center(), X.translation) - a.R - 0.4);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Mesh/MeshDivision.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ double longestEdge(const Mesh& mesh)
 TEST(MeshDivision, KeepsTheSurfaceAndItsClosednessInSmallerTriangles)
 {
 	// Needles, even triangles, and sizes that differ: all three ways to divide one.
-	for (const Mesh& mesh : {makeBoxMesh({0.05, 0.01, 0.002}), makeCylinderMesh(0.03, 0.05, 24), makeConeMesh(0.02, 0.08, 7), makeTorusMesh(0.04, 0.01, 12, 7)})
+	for (const Mesh& mesh :
+		{makeBoxMesh({0.05, 0.01, 0.002}), makeCylinderMesh(0.03, 0.05, 24), makeConeMesh(0.02, 0.08, 7), makeTorusMesh(0.04, 0.01, 12, 7)})
 	{
 		for (const double longest : {0.03, 0.007, 0.002})
 		{

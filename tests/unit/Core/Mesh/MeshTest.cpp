@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ std::vector<Pose> randomPoses(int count, unsigned seed)
 	{
 		const Vec3 rotation{angle(random), angle(random), angle(random)};
 		const double far = i + 1 == count ? 577.0 : 0.0;
-		poses.push_back({rotationMatrix(quaternionFromRotationVector(rotation)),
-						 {offset(random) + far, offset(random) - far, offset(random) + far}});
+		poses.push_back(
+			{rotationMatrix(quaternionFromRotationVector(rotation)), {offset(random) + far, offset(random) - far, offset(random) + far}});
 	}
 	return poses;
 }
@@ -77,8 +77,7 @@ TEST(Mesh, MassPropertiesOfATorusAreTheClosedFormUpToTessellation)
 
 TEST(Mesh, SurfaceAreaOfABoxDoesNotDependOnThePose)
 {
-	for (const Pose& X : randomPoses(6, 3))
-		EXPECT_NEAR(surfaceArea(transformed(makeBoxMesh({0.5, 1, 1.5}), X)), 2 * (2 + 3 + 6), 1e-10);
+	for (const Pose& X : randomPoses(6, 3)) EXPECT_NEAR(surfaceArea(transformed(makeBoxMesh({0.5, 1, 1.5}), X)), 2 * (2 + 3 + 6), 1e-10);
 }
 
 TEST(Mesh, BoundsIgnoreVerticesThatNoTriangleUses)
@@ -122,9 +121,8 @@ TEST(Mesh, HashOfAnEmptyMeshIsTheOffsetBasisAndEveryBitCounts)
 
 TEST(MeshShapes, EveryShapeIsWatertightAndTurnedOutwards)
 {
-	const std::vector<Mesh> shapes{makeBoxMesh({1, 2, 3}),       makeSphereMesh(1, 0),        makeSphereMesh(1, 3),
-								   makeCylinderMesh(0.2, 1),     makeCapsuleMesh(0.2, 0.5),   makeCapsuleMesh(0.2, 0),
-								   makeTorusMesh(1, 0.2),        makeTorusKnotMesh(1, 0.4, 0.1), makeTetrahedronMesh(2)};
+	const std::vector<Mesh> shapes{makeBoxMesh({1, 2, 3}), makeSphereMesh(1, 0), makeSphereMesh(1, 3), makeCylinderMesh(0.2, 1),
+		makeCapsuleMesh(0.2, 0.5), makeCapsuleMesh(0.2, 0), makeTorusMesh(1, 0.2), makeTorusKnotMesh(1, 0.4, 0.1), makeTetrahedronMesh(2)};
 	for (std::size_t i = 0; i < shapes.size(); ++i)
 	{
 		const Closedness found = inspect(shapes[i]);

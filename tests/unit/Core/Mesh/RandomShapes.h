@@ -13,8 +13,7 @@ inline void makeRound(ist::MomentEllipsoid& e)
 
 /// Half-axes of random directions: the longest a hair below R, the others from `flattest` of it up. The density becomes the
 /// ellipsoid's own.
-template <class Random>
-void giveRandomShape(ist::MomentEllipsoid& e, Random& random, double flattest = 0.25)
+template <class Random> void giveRandomShape(ist::MomentEllipsoid& e, Random& random, double flattest = 0.25)
 {
 	std::uniform_real_distribution<double> turn(-3, 3), axis(flattest, 1);
 	const double longest = e.R * (1 - 1e-6), b = longest * axis(random), c = longest * axis(random);

@@ -64,7 +64,8 @@ void expectValid(const Mesh& mesh, const SpherePacking& packing)
 
 TEST(SpherePacker, StoredSpheresNeitherOverlapNorProtrude)
 {
-	const Mesh meshes[] = {makeBoxMesh({0.1, 0.07, 0.05}), makeTetrahedronMesh(2), makeTorusMesh(1, 0.3, 32, 16), makeTorusKnotMesh(1, 0.45, 0.2, 2, 3, 80, 10)};
+	const Mesh meshes[] = {makeBoxMesh({0.1, 0.07, 0.05}), makeTetrahedronMesh(2), makeTorusMesh(1, 0.3, 32, 16),
+		makeTorusKnotMesh(1, 0.45, 0.2, 2, 3, 80, 10)};
 	for (const Mesh& mesh : meshes)
 	{
 		const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, -1.1, 0.7})), {0.013, -0.021, 0.017}};
@@ -108,8 +109,7 @@ TEST(SpherePacker, LeavesNoRegionWithoutSpheresThatIsThickerThanFourOfItsSmalles
 {
 	// Thick and thin parts, one of them apart and smaller than the grid that the search begins on.
 	Mesh mesh = makeBoxMesh({0.5, 0.4, 0.02});
-	const auto add = [&](const Mesh& part, const Vec3& at)
-	{
+	const auto add = [&](const Mesh& part, const Vec3& at) {
 		const uint32_t first = uint32_t(mesh.vertices.size());
 		for (const Vec3& p : part.vertices) mesh.vertices.push_back(p + at);
 		for (const auto& t : part.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -122,7 +122,8 @@ TEST(SpherePacker, LeavesNoRegionWithoutSpheresThatIsThickerThanFourOfItsSmalles
 	{
 		const SpherePacking packing = pack(mesh, count);
 		ASSERT_EQ(int64_t(packing.spheres.size()), count);
-		const double smallest = std::min_element(packing.spheres.begin(), packing.spheres.end(), [](const Sphere& a, const Sphere& b) { return a.r < b.r; })->r;
+		const double smallest =
+			std::min_element(packing.spheres.begin(), packing.spheres.end(), [](const Sphere& a, const Sphere& b) { return a.r < b.r; })->r;
 		std::mt19937_64 random(9);
 		std::uniform_real_distribution<double> u(0, 1);
 		const Box box = bounds(mesh);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/ContactPatches.h"
 
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "tests/unit/Core/Query/PatchReference.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 
@@ -38,7 +38,8 @@ public:
 			stream.a[i] = cluster * kBalls / uint32_t(clusters) + pick(kBalls / clusters);
 			stream.b[i] = cluster * kBalls / uint32_t(clusters) + pick(kBalls / clusters);
 			const bool weak = pick(12) == 0;
-			const Vec3 f = (axes[pick(directions)] + 0.5 * Vec3{any(m_random), any(m_random), any(m_random)}) * double(weak ? 1e-3f : positive(m_random));
+			const Vec3 f = (axes[pick(directions)] + 0.5 * Vec3{any(m_random), any(m_random), any(m_random)}) *
+				double(weak ? 1e-3f : positive(m_random));
 			for (int k = 0; k < 3; ++k)
 			{
 				columnOf(stream, PairStream::Force + k)[i] = float(f[k]);
@@ -85,7 +86,8 @@ TEST(PatchGrouper, AgreesWithTheReferencePairByPair)
 			const int found = grouper.group(*kernel, pairs.stream, count, RandomPairs::kBalls, most);
 			const PatchReference reference(pairs.stream, count, RandomPairs::kBalls, most);
 			ASSERT_EQ(found, reference.count()) << seed << ' ' << toString(set);
-			for (int i = 0; i < count; ++i) ASSERT_EQ(int(grouper.patch()[i]), reference.patch()[size_t(i)]) << seed << ' ' << i << ' ' << toString(set);
+			for (int i = 0; i < count; ++i)
+				ASSERT_EQ(int(grouper.patch()[i]), reference.patch()[size_t(i)]) << seed << ' ' << i << ' ' << toString(set);
 			manyPatches += found > 4;
 			manyComponents += reference.components() > 4;
 		}
@@ -119,7 +121,8 @@ TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
 		std::uniform_real_distribution<double> u(-1, 1);
 		for (int k = 0; k < 8; ++k)
 		{
-			const Pose X = Pose{rotationMatrix(quaternionFromRotationVector({u(random), 2, u(random)})), {0.5 * u(random), 0.5 * u(random), 0.2}};
+			const Pose X = Pose{
+				rotationMatrix(quaternionFromRotationVector({u(random), 2, u(random)})), {0.5 * u(random), 0.5 * u(random), 0.2}};
 			QueryOptions plain;
 			plain.patches = false;
 			QueryWorkspace one({}, set), several({}, set);
@@ -160,8 +163,7 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 		b.push_back(kUnknown);
 		std::vector<uint8_t> patchOf(a.size());
 		grouper.extend(pairs, count, {a.data(), b.data(), a.size(), kBalls}, balls.data(), patchOf.data());
-		const auto someOf = [&](const uint32_t* list, uint32_t ball, uint8_t patch)
-		{
+		const auto someOf = [&](const uint32_t* list, uint32_t ball, uint8_t patch) {
 			for (int i = 0; i < count; ++i)
 				if (list[i] == ball && group[size_t(i)] == float(patch)) return true;
 			return false;
@@ -183,7 +185,8 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 	std::vector<Sphere> balls(kBalls);
 	// One in the middle of each cluster.
 	const uint32_t unknown[] = {kBalls - 2, kBalls - 1};
-	for (int cluster = 0; cluster < 2; ++cluster) balls[unknown[cluster]] = {3.0f * float(cluster), 3.0f * float(cluster), 3.0f * float(cluster), 1};
+	for (int cluster = 0; cluster < 2; ++cluster)
+		balls[unknown[cluster]] = {3.0f * float(cluster), 3.0f * float(cluster), 3.0f * float(cluster), 1};
 	for (unsigned seed = 1; seed <= 20; ++seed)
 	{
 		constexpr int kCount = 3000;  // so many that each cluster hangs together, but for a few
@@ -197,7 +200,8 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 		{
 			int here = 0, there = 0;
 			for (int i = 0; i < kCount; ++i)
-				if (grouper.patch()[i] == GroupNumber(patchOf[cluster])) ++(random.stream.a[i] / (RandomPairs::kBalls / 2) == cluster ? here : there);
+				if (grouper.patch()[i] == GroupNumber(patchOf[cluster]))
+					++(random.stream.a[i] / (RandomPairs::kBalls / 2) == cluster ? here : there);
 			EXPECT_GT(here, 10 * there) << "mostly a patch of the other cluster";
 		}
 	}

@@ -107,7 +107,8 @@ TEST(FieldQuery, LeafSharesWhatAGridOfItsPointsSays)
 				bias += (found.volume - grid.volume) / whole;
 				normal += squaredNorm(found.normalB.force - grid.normal) / (whole * whole);
 				depth += std::pow((found.depthB - grid.depth) / (whole * size), 2);
-				moment += squaredNorm(found.firstMoment - grid.moment - (found.volume - grid.volume) * l.leaf.center()) / std::pow(whole * size, 2);
+				moment += squaredNorm(found.firstMoment - grid.moment - (found.volume - grid.volume) * l.leaf.center()) /
+					std::pow(whole * size, 2);
 				EXPECT_NEAR(found.volume, grid.volume, 0.05 * whole) << shape.name << " " << size;
 			}
 			const auto rms = [&](double squares) { return std::sqrt(squares / count); };
@@ -139,7 +140,8 @@ TEST(FieldQuery, FaceOfABoxAndLensOfTwoBallsHaveTheClosedForm)
 		const double big = 2.5, D = big + 0.3 * R;
 		const InnerSphereTree B = bodyOf({ballAt(X * (D * normalized(randomVector(random, 1))), {}, R)});
 		const OverlapIntegrals ball = queryField(B, SphereField(big), X, workspace).total;
-		const double s = R + big - D, lens = kPi * s * s * (D * D + 2 * D * R - 3 * R * R + 2 * D * big + 6 * R * big - 3 * big * big) / (12 * D);
+		const double s = R + big - D,
+					 lens = kPi * s * s * (D * D + 2 * D * R - 3 * R * R + 2 * D * big + 6 * R * big - 3 * big * big) / (12 * D);
 		EXPECT_NEAR(ball.volume, lens, 3e-3 * lens);
 	}
 }
@@ -167,27 +169,24 @@ TEST(FieldQuery, NothingLeapsAlongAPath)
 	for (const FieldShape& shape : fieldShapes())
 	{
 		std::vector<MomentEllipsoid> leaves;
-		for (const double size : {0.03, 0.1, 0.25, 0.25, 0.5})
-			leaves.push_back(RandomLeaf(random, randomVector(random, 0.3), size).leaf);
+		for (const double size : {0.03, 0.1, 0.25, 0.25, 0.5}) leaves.push_back(RandomLeaf(random, randomVector(random, 0.3), size).leaf);
 		const InnerSphereTree A = bodyOf(leaves);
 		double whole = 0;
 		for (const MomentEllipsoid& l : leaves) whole += l.volume();
 		const Vec3 axis = normalized(randomVector(random, 1)), aside = 0.3 * normalized(randomVector(random, 1));
-		const auto at = [&](double t)
-		{
+		const auto at = [&](double t) {
 			const Pose X{rotationMatrix(quaternionFromRotationVector((1.5 * t) * axis)), aside + (2.4 * t - 1.2) * Vec3{0.6, 0.64, 0.48}};
 			return queryField(A, *shape.field, X, workspace).total;
 		};
-		const auto largestStep = [&](int steps)
-		{
+		const auto largestStep = [&](int steps) {
 			double largest = 0;
 			OverlapIntegrals last = at(0);
 			for (int i = 1; i <= steps; ++i)
 			{
 				const OverlapIntegrals now = at(double(i) / steps);
 				largest = std::max({largest, std::fabs(now.volume - last.volume), norm(now.normalB.force - last.normalB.force),
-									norm(now.normalA.force - last.normalA.force), norm(now.normalB.torque - last.normalB.torque),
-									std::fabs(now.depthB - last.depthB), norm(now.firstMoment - last.firstMoment)});
+					norm(now.normalA.force - last.normalA.force), norm(now.normalB.torque - last.normalB.torque),
+					std::fabs(now.depthB - last.depthB), norm(now.firstMoment - last.firstMoment)});
 				last = now;
 			}
 			return largest / whole;
@@ -225,7 +224,8 @@ TEST(FieldQuery, StiffnessAndAreaAreDerivatives)
 				const OverlapIntegrals up = queryAt(A, *shape.field, X, e, workspace), down = queryAt(A, *shape.field, X, -e, workspace);
 				EXPECT_NEAR(-(up.volume - down.volume) / (2 * h), sums.areaVector[axis], 0.03 * scale) << shape.name;
 				const Vec3 force = (down.normalB.force - up.normalB.force) / (2 * h);
-				for (int row = 0; row < 3; ++row) EXPECT_NEAR(force[row], sums.stiffnessB(row, axis), 0.06 * scale) << shape.name << row << axis;
+				for (int row = 0; row < 3; ++row)
+					EXPECT_NEAR(force[row], sums.stiffnessB(row, axis), 0.06 * scale) << shape.name << row << axis;
 				EXPECT_NEAR((down.depthB - up.depthB) / (2 * h), sums.normalB.force[axis], 0.01 * sums.volume) << shape.name;
 				// All normals of A are -z: only this column is its own transpose.
 				if (axis < 2) continue;
@@ -296,8 +296,7 @@ TEST(FieldQuery, FieldsOfAnySizeGiveFiniteSums)
 {
 	QueryWorkspace workspace;
 	const InnerSphereTree A = bodyOf({ballAt({0.1, 0, 0}, {0, 0, 0.5}, 0.5)});
-	const auto expectSums = [&](const AnalyticField& field, double size)
-	{
+	const auto expectSums = [&](const AnalyticField& field, double size) {
 		const OverlapIntegrals sums = queryField(A, field, {}, workspace).total;
 		EXPECT_TRUE(isFinite(sums.normalB) && isFinite(sums.areaVector) && std::isfinite(sums.depthB));
 		for (const double k : sums.stiffnessB.m) EXPECT_TRUE(std::isfinite(k));

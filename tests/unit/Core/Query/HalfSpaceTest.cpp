@@ -46,10 +46,11 @@ TEST(HalfSpace, DampingIsThatOfTheVolumeAlongTheNormal)
 		const Vec3 n = normalized({u(random), u(random), u(random)});
 		const OverlapIntegrals o = queryHalfSpace(A, n, 0.4 * u(random) + dot(n, A.origin), workspace, options).total;
 		ASSERT_GT(o.volume, 0);
-		const Vec3 v{u(random), u(random), u(random)}, w{u(random), u(random), u(random)}, turn = cross(n, w);  // n . (v + w x C) = n . v + C . turn
+		const Vec3 v{u(random), u(random), u(random)}, w{u(random), u(random), u(random)},
+			turn = cross(n, w);  // n . (v + w x C) = n . v + C . turn
 		const double *s = o.secondMoment, along = dot(n, v);
 		const double square = s[0] * turn.x * turn.x + s[1] * turn.y * turn.y + s[2] * turn.z * turn.z +
-							  2 * (s[3] * turn.x * turn.y + s[4] * turn.x * turn.z + s[5] * turn.y * turn.z);
+			2 * (s[3] * turn.x * turn.y + s[4] * turn.x * turn.z + s[5] * turn.y * turn.z);
 		const double expected = o.volume * along * along + 2 * along * dot(o.firstMoment, turn) + square;
 		const double twist[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
 		double found = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,7 @@ constexpr Vec3 kHalf{0.5, 0.4, 0.3};
 
 const InnerSphereTree& box()
 {
-	static const InnerSphereTree tree = []
-	{
+	static const InnerSphereTree tree = [] {
 		BuildOptions options;
 		options.maxSpheres = 500;
 		Result<InnerSphereTree> built = buildTree(makeBoxMesh(kHalf), options);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
-#include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
@@ -89,7 +89,7 @@ void compare(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, 
 	expectSame(sum, fast.total, area);
 	for (int i = 1; i < fast.pairCount; ++i)
 		EXPECT_TRUE(fast.pairs[i - 1].ballA < fast.pairs[i].ballA ||
-					(fast.pairs[i - 1].ballA == fast.pairs[i].ballA && fast.pairs[i - 1].ballB < fast.pairs[i].ballB));
+			(fast.pairs[i - 1].ballA == fast.pairs[i].ballA && fast.pairs[i - 1].ballB < fast.pairs[i].ballB));
 	// Without a list pairs are summed as they are found.
 	options.sortPairs = options.patches = false;
 	expectSame(queryOverlap(A, B, X, workspace, options).total, slow.total, area);
@@ -254,7 +254,8 @@ std::vector<MomentEllipsoid> flatEllipsoids(size_t count, float radius, std::mt1
 }
 }  // namespace
 
-// Beyond a ratio of 1e5 the volumes of floats differ from the reference's; they stay finite, also of pairs that only their bounds bring together.
+// Beyond a ratio of 1e5 the volumes of floats differ from the reference's; they stay finite, also of pairs that only their bounds bring
+// together.
 TEST(OverlapQuery, ThinAndUnequalEllipsoidsAgreeWithBruteForce)
 {
 	std::mt19937 random(31);
@@ -275,8 +276,10 @@ TEST(OverlapQuery, ThinAndUnequalEllipsoidsAgreeWithBruteForce)
 					options.patches = way == std::string("patches");
 					options.sortPairs = options.listMeetingBounds = way == std::string("meeting bounds");
 					const OverlapIntegrals found = queryOverlap(first, second, Pose{}, workspace, options).total;
-					EXPECT_TRUE(isFinite(found.areaVector) && isFinite(found.firstMoment) && isFinite(found.normalA) && isFinite(found.normalB));
-					EXPECT_TRUE(std::isfinite(found.volume) && std::isfinite(found.stiffnessA(0, 0)) && std::isfinite(found.depthA + found.depthB));
+					EXPECT_TRUE(
+						isFinite(found.areaVector) && isFinite(found.firstMoment) && isFinite(found.normalA) && isFinite(found.normalB));
+					EXPECT_TRUE(
+						std::isfinite(found.volume) && std::isfinite(found.stiffnessA(0, 0)) && std::isfinite(found.depthA + found.depthB));
 					if (ratio < 1e-5f) continue;
 					const OverlapIntegrals expected = queryOverlapBruteForce(first, second, Pose{}).total;
 					ASSERT_GT(expected.volume, 0);
@@ -500,7 +503,8 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
 }
 
-// Of a body with few leaves against one with many, in a workspace that knows only the former; at leaves and levels, and against a half-space.
+// Of a body with few leaves against one with many, in a workspace that knows only the former; at leaves and levels, and against a
+// half-space.
 TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
 {
 	std::mt19937 random(17);
@@ -520,7 +524,8 @@ TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
 			if (i % 4 == 2) options.level = 2;
 			const long before = allocationCount();
 			if (taken) workspace.take(i == 0 ? room : again);
-			const OverlapResult result = i % 4 == 3 ? queryHalfSpace(A, {0, 1, 0}, 0.1, workspace) : queryOverlap(A, B, X, workspace, options);
+			const OverlapResult result = i % 4 == 3 ? queryHalfSpace(A, {0, 1, 0}, 0.1, workspace)
+													: queryOverlap(A, B, X, workspace, options);
 			EXPECT_EQ(allocationCount(), before) << i;
 			const OverlapResult expected = i % 4 == 3 ? queryHalfSpace(A, {0, 1, 0}, 0.1, fresh) : queryOverlap(A, B, X, fresh, options);
 			ASSERT_EQ(result.status, QueryStatus::Ok);

@@ -67,7 +67,7 @@ void expectSameSums(const OverlapIntegrals& a, const OverlapIntegrals& b)
 
 /// Queries that did not search, of 60.
 int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, const QueryOptions& options, QueryWorkspace& workspace,
-			 PairMemory& memory)
+	PairMemory& memory)
 {
 	QueryWorkspace other;
 	Motion motion(A, B, step, 7);
@@ -354,7 +354,8 @@ TEST(PairMemory, AnswersWhatIsAskedThoughItWasAskedOtherwiseBefore)
 		QueryOptions options;
 		options.sortPairs = tick % 3 == 1;
 		options.patches = tick % 5 != 2;
-		const OverlapResult r = queryOverlap(A, B, X, tick % 4 == 3 ? narrow : workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
+		const OverlapResult r = queryOverlap(A, B, X, tick % 4 == 3 ? narrow : workspace, options, &memory),
+							fresh = queryOverlap(A, B, X, other, options);
 		expectSamePairs(r, fresh);
 		expectSameSums(r.total, fresh.total);
 		EXPECT_LE(r.patchCount, tick % 4 == 3 ? 2 : 8);

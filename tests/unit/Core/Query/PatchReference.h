@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Base/Vec3.h"
 #include "BulletISTCollision/Core/Query/ContactPatches.h"
 #include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
-#include "BulletISTCollision/Core/Base/Vec3.h"
 
 #include <algorithm>
 #include <limits>
@@ -16,12 +16,13 @@ namespace ist
 class PatchReference
 {
 public:
-	PatchReference(const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches) : m_pairs(pairs), m_patch(size_t(count), -1)
+	PatchReference(const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches)
+		: m_pairs(pairs),
+		  m_patch(size_t(count), -1)
 	{
 		connect(ballsA);
 		while (int(m_patches.size()) < maxPatches && seed())
-		{
-		}
+		{}
 		for (size_t i = 0; i < m_patch.size(); ++i)
 			if (m_patch[i] < 0) m_patch[i] = nearest(i);
 	}
@@ -78,7 +79,8 @@ private:
 	{
 		Component* best = nullptr;
 		for (Component& component : m_components)
-			if (!(component.hasPatch && component.left <= 0.05 * component.rank) && (!best || component.left > best->left)) best = &component;
+			if (!(component.hasPatch && component.left <= 0.05 * component.rank) && (!best || component.left > best->left))
+				best = &component;
 		if (!best) return false;
 		const size_t own = size_t(best - m_components.data());
 		std::vector<size_t> open;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/ProximityQuery.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ double meshDistance(const Mesh& A, const Mesh& B, const Pose& X_AB)
 {
 	double best = std::numeric_limits<double>::infinity();
 	const Mesh moved = transformed(B, X_AB);
-	const auto corners = [](const Mesh& mesh, size_t i, Vec3 (&t)[3]) {
+	const auto corners = [](const Mesh& mesh, size_t i, Vec3(&t)[3]) {
 		for (int k = 0; k < 3; ++k) t[k] = mesh.vertices[size_t(mesh.triangles[i][size_t(k)])];
 	};
 	Vec3 a[3], b[3];
@@ -104,7 +104,8 @@ double meshDistance(const Mesh& A, const Mesh& B, const Pose& X_AB)
 			{
 				best = std::min(best, distance(a[k], nearestOfTriangle(a[k], b)));
 				best = std::min(best, distance(b[k], nearestOfTriangle(b[k], a)));
-				for (int l = 0; l < 3; ++l) best = std::min(best, segmentDistance(a[k], a[(k + 1) % 3] - a[k], b[l], b[(l + 1) % 3] - b[l]));
+				for (int l = 0; l < 3; ++l)
+					best = std::min(best, segmentDistance(a[k], a[(k + 1) % 3] - a[k], b[l], b[(l + 1) % 3] - b[l]));
 			}
 		}
 	}
@@ -197,8 +198,7 @@ TEST(ProximityQuery, AgreesWithBruteForce)
 		{
 			const InnerSphereTree A = cloudBody(count, 1 + trial, {1, 2, 3}), B = cloudBody(count, 100 + trial, {-5, 0, 1});
 			Pose X;
-			X.rotation =
-				rotationMatrix(quaternionFromRotationVector({3 * uniform(random), uniform(random), uniform(random)}));
+			X.rotation = rotationMatrix(quaternionFromRotationVector({3 * uniform(random), uniform(random), uniform(random)}));
 			const double reach = trial % 3 == 0 ? 0.5 : trial % 3 == 1 ? 3 : 50;
 			const Vec3 shift{reach * uniform(random), reach * uniform(random), reach * uniform(random)};
 			X.translation = A.origin + shift - X.rotation * B.origin;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
@@ -117,7 +117,9 @@ TEST(QueryBudget, ABlendKeepsTheBudgetAndIsTheMeanOfItsLevels)
 		EXPECT_NEAR(r.total.volume, s * f.volume + (1 - s) * c.volume, 1e-6 * f.volume);
 		expectNear(r.total.normalA.force, s * f.normalA.force + (1 - s) * c.normalA.force, 1e-5 * f.volume);
 		EXPECT_EQ(r.otherLevel, r.level + 1);
-		const auto sigma = [&](const OverlapResult& answer) { return overlapError(answer.total, 0, leafDensity(answer, A, B), 1).force / answer.total.volume; };
+		const auto sigma = [&](const OverlapResult& answer) {
+			return overlapError(answer.total, 0, leafDensity(answer, A, B), 1).force / answer.total.volume;
+		};
 		const double blended = sigma(r), ofFine = sigma(atFine), ofCoarse = sigma(atCoarse);
 		EXPECT_GT(ofCoarse, ofFine);
 		EXPECT_NEAR(blended, s * ofFine + (1 - s) * ofCoarse, 0.02 * blended);

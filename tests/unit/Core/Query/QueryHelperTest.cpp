@@ -144,7 +144,8 @@ TEST(QueryHelper, LetsGoOfTreesThatWillGo)
 	shared.setHelper(&helper);
 	for (unsigned seed = 0; seed < 6; ++seed)
 	{
-		const auto A = std::make_unique<InnerSphereTree>(cloudBody(1500, seed)), B = std::make_unique<InnerSphereTree>(cloudBody(1500, seed + 50));
+		const auto A = std::make_unique<InnerSphereTree>(cloudBody(1500, seed)),
+				   B = std::make_unique<InnerSphereTree>(cloudBody(1500, seed + 50));
 		expectSame(queryOverlap(*A, *B, Pose{}, shared), queryOverlap(*A, *B, Pose{}, alone));
 		helper.settle();
 	}

@@ -14,10 +14,7 @@ constexpr int kSeeds = 1000;
 
 using Random = std::mt19937_64;
 
-double uniform(Random& random, double low, double high)
-{
-	return std::uniform_real_distribution<double>(low, high)(random);
-}
+double uniform(Random& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
 
 Vec3 direction(Random& random)
 {
@@ -31,8 +28,7 @@ double volumeOf(const Mesh& mesh)
 	if (mesh.triangles.empty()) return 0;
 	const Vec3 o = mesh.vertices[mesh.triangles[0][0]];
 	double sum = 0;
-	for (const auto& t : mesh.triangles)
-		sum += dot(mesh.vertices[t[0]] - o, cross(mesh.vertices[t[1]] - o, mesh.vertices[t[2]] - o)) / 6;
+	for (const auto& t : mesh.triangles) sum += dot(mesh.vertices[t[0]] - o, cross(mesh.vertices[t[1]] - o, mesh.vertices[t[2]] - o)) / 6;
 	return sum;
 }
 
@@ -40,7 +36,9 @@ double volumeOf(const Mesh& mesh)
 bool isBalanced(const Mesh& mesh)
 {
 	using Position = std::array<double, 3>;
-	const auto position = [&](uint32_t v) { return Position{mesh.vertices[v].x + 0.0, mesh.vertices[v].y + 0.0, mesh.vertices[v].z + 0.0}; };
+	const auto position = [&](uint32_t v) {
+		return Position{mesh.vertices[v].x + 0.0, mesh.vertices[v].y + 0.0, mesh.vertices[v].z + 0.0};
+	};
 	std::map<std::pair<Position, Position>, int> balance;
 	for (const auto& t : mesh.triangles)
 		for (std::size_t k = 0; k < 3; ++k)
@@ -57,42 +55,39 @@ Mesh goodMesh(Random& random)
 {
 	switch (random() % 7)
 	{
-		case 0: return makeTetrahedronMesh(1);
-		case 1: return makeBoxMesh({1, 0.5, 0.8});
-		case 2: return makeSphereMesh(1, 2);
-		case 3: return makeTorusMesh(1, 0.4, 14, 8);
-		case 4: return makeCylinderMesh(0.5, 1, 12);
-		case 5: return joined(makeBoxMesh({1, 1, 1}), translated(makeSphereMesh(0.5, 1), {2.5, 0, 0}));
-		default:
-		{
-			Mesh cavity = makeSphereMesh(0.5, 1);
-			for (auto& t : cavity.triangles) std::swap(t[1], t[2]);
-			return joined(makeBoxMesh({1, 1, 1}), cavity);
-		}
+	case 0: return makeTetrahedronMesh(1);
+	case 1: return makeBoxMesh({1, 0.5, 0.8});
+	case 2: return makeSphereMesh(1, 2);
+	case 3: return makeTorusMesh(1, 0.4, 14, 8);
+	case 4: return makeCylinderMesh(0.5, 1, 12);
+	case 5: return joined(makeBoxMesh({1, 1, 1}), translated(makeSphereMesh(0.5, 1), {2.5, 0, 0}));
+	default:
+	{
+		Mesh cavity = makeSphereMesh(0.5, 1);
+		for (auto& t : cavity.triangles) std::swap(t[1], t[2]);
+		return joined(makeBoxMesh({1, 1, 1}), cavity);
+	}
 	}
 }
 
-std::size_t anyTriangle(const Mesh& mesh, Random& random)
-{
-	return random() % mesh.triangles.size();
-}
+std::size_t anyTriangle(const Mesh& mesh, Random& random) { return random() % mesh.triangles.size(); }
 
 void breakOnce(Mesh& mesh, Random& random, double size)
 {
 	const std::size_t i = anyTriangle(mesh, random);
 	switch (random() % 6)
 	{
-		case 0: mesh.triangles.erase(mesh.triangles.begin() + std::ptrdiff_t(i)); break;
-		case 1: mesh.triangles.push_back(mesh.triangles[i]); break;
-		case 2: mesh.triangles.push_back({mesh.triangles[i][1], mesh.triangles[i][0], mesh.triangles[i][2]}); break;
-		case 3: std::swap(mesh.triangles[i][0], mesh.triangles[i][2]); break;
-		case 4:  // a corner of its own, a little off
-		{
-			mesh.vertices.push_back(mesh.vertices[mesh.triangles[i][1]] + direction(random) * (size * std::pow(10, uniform(random, -12, -2))));
-			mesh.triangles[i][1] = static_cast<uint32_t>(mesh.vertices.size() - 1);
-			break;
-		}
-		default: mesh.triangles[i][2] = mesh.triangles[i][random() % 2]; break;
+	case 0: mesh.triangles.erase(mesh.triangles.begin() + std::ptrdiff_t(i)); break;
+	case 1: mesh.triangles.push_back(mesh.triangles[i]); break;
+	case 2: mesh.triangles.push_back({mesh.triangles[i][1], mesh.triangles[i][0], mesh.triangles[i][2]}); break;
+	case 3: std::swap(mesh.triangles[i][0], mesh.triangles[i][2]); break;
+	case 4:  // a corner of its own, a little off
+	{
+		mesh.vertices.push_back(mesh.vertices[mesh.triangles[i][1]] + direction(random) * (size * std::pow(10, uniform(random, -12, -2))));
+		mesh.triangles[i][1] = static_cast<uint32_t>(mesh.vertices.size() - 1);
+		break;
+	}
+	default: mesh.triangles[i][2] = mesh.triangles[i][random() % 2]; break;
 	}
 }
 
@@ -146,7 +141,8 @@ TEST(MeshBreaking, EveryBrokenMeshIsMadeGoodWithinWhatIsReportedOrRefusedInWords
 		const Box box = bounds(r.mesh);
 		for (int i = 0; i < 8; ++i)
 		{
-			const Vec3 p = box.lower + Vec3{uniform(random, 0, 1) * box.size().x, uniform(random, 0, 1) * box.size().y, uniform(random, 0, 1) * box.size().z};
+			const Vec3 p = box.lower +
+				Vec3{uniform(random, 0, 1) * box.size().x, uniform(random, 0, 1) * box.size().y, uniform(random, 0, 1) * box.size().z};
 			const double w = windingNumber(r.mesh, p);
 			EXPECT_NEAR(w, std::round(w), 1e-6);
 		}

@@ -83,7 +83,8 @@ TEST(MeshRepair, NearlyEqualPositionsAreWeldedOnlyInAuto)
 
 TEST(MeshRepair, SeamsOfSinglePrecisionAreWelded)
 {
-	// Every corner of every triangle up to one value of single precision off along each axis, as a mesh is whose faces were stored one by one.
+	// Every corner of every triangle up to one value of single precision off along each axis, as a mesh is whose faces were stored one by
+	// one.
 	const Mesh torus = makeTorusMesh(0.1, 0.04, 60, 30);
 	Mesh mesh = soup(torus);
 	std::mt19937 random(3);
@@ -182,16 +183,14 @@ TEST(MeshRepair, SimpleHolesAreClosed)
 
 	Mesh pipe = makeCylinderMesh(1, 2, 64);
 	const double volume = massProperties(pipe).volume;
-	std::erase_if(pipe.triangles, [&](const auto& t) {
-		return pipe.vertices[t[0]].z == pipe.vertices[t[1]].z && pipe.vertices[t[1]].z == pipe.vertices[t[2]].z;
-	});
+	std::erase_if(pipe.triangles,
+		[&](const auto& t) { return pipe.vertices[t[0]].z == pipe.vertices[t[1]].z && pipe.vertices[t[1]].z == pipe.vertices[t[2]].z; });
 	EXPECT_EQ(inspect(pipe).openEdges, 128);
 	expectVolume(pipe, volume);
 	expectRefused(pipe, "128 open edges", RepairMode::Off);
 	Mesh box = makeBoxMesh({1, 2, 3});
-	std::erase_if(box.triangles, [&](const auto& t) {
-		return box.vertices[t[0]].z == 3 && box.vertices[t[1]].z == 3 && box.vertices[t[2]].z == 3;
-	});
+	std::erase_if(
+		box.triangles, [&](const auto& t) { return box.vertices[t[0]].z == 3 && box.vertices[t[1]].z == 3 && box.vertices[t[2]].z == 3; });
 	expectRefused(box, "4 open edges, the first at (", RepairMode::Off);
 	expectRefused(box, ", 3) m; use the automatic repair", RepairMode::Off);
 }
@@ -254,9 +253,11 @@ TEST(MeshRepair, EndsVeryFarFromTheOrigin)
 
 TEST(MeshRepair, SizesThatNoTreeCanStoreAreRefused)
 {
-	for (const double side : {1e-30, 1e-9, 2e7, 1e13, 1e18, 1e30}) expectRefused(makeBoxMesh({side / 2, side / 2, side / 2}), "in what unit");
+	for (const double side : {1e-30, 1e-9, 2e7, 1e13, 1e18, 1e30})
+		expectRefused(makeBoxMesh({side / 2, side / 2, side / 2}), "in what unit");
 	for (const double side : {1e-6, 1e7})
-		for (const RepairMode mode : {RepairMode::Auto, RepairMode::Off}) EXPECT_TRUE(repair(makeBoxMesh({side / 2, side / 2, side / 2}), mode));
+		for (const RepairMode mode : {RepairMode::Auto, RepairMode::Off})
+			EXPECT_TRUE(repair(makeBoxMesh({side / 2, side / 2, side / 2}), mode));
 }
 
 TEST(MeshRepair, AMoebiusStripIsRefused)
@@ -267,7 +268,8 @@ TEST(MeshRepair, AMoebiusStripIsRefused)
 	{
 		const double t = 2 * 3.14159265358979323846 * i / n;
 		for (const double w : {-0.3, 0.3})
-			mesh.vertices.push_back({(1 + w * std::cos(t / 2)) * std::cos(t), (1 + w * std::cos(t / 2)) * std::sin(t), w * std::sin(t / 2)});
+			mesh.vertices.push_back(
+				{(1 + w * std::cos(t / 2)) * std::cos(t), (1 + w * std::cos(t / 2)) * std::sin(t), w * std::sin(t / 2)});
 	}
 	for (uint32_t i = 0; i < n; ++i)
 	{
@@ -310,9 +312,8 @@ TEST(MeshRepair, AWallOfOneSheetInABoxIsRemoved)
 	Mesh right = kBox, left = kBox;
 	for (auto& t : right.triangles) std::swap(t[1], t[2]);
 	for (Vec3& v : right.vertices) v.x = 2 - v.x;
-	std::erase_if(right.triangles, [&](const auto& t) {
-		return right.vertices[t[0]].x == 1 && right.vertices[t[1]].x == 1 && right.vertices[t[2]].x == 1;
-	});
+	std::erase_if(right.triangles,
+		[&](const auto& t) { return right.vertices[t[0]].x == 1 && right.vertices[t[1]].x == 1 && right.vertices[t[2]].x == 1; });
 	EXPECT_EQ(right.triangles.size(), 10u);
 	expectVolume(joined(left, right), 16);
 }

@@ -16,7 +16,8 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 	for (int i = 0; i < kRow; ++i)
 		for (int j = 0; j < kRow; ++j)
 		{
-			const Pose X = {rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {1.5 * i, 1.5 * j, 0}};
+			const Pose X = {
+				rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {1.5 * i, 1.5 * j, 0}};
 			Mesh shell = transformed(makeTetrahedronMesh(1), X);
 			// A tenth of each: inside out, with a smaller one in it, with a cavity in it.
 			const int kind = (i + j) % 10;
@@ -24,7 +25,8 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 			{
 				layer = joined(layer, transformed(makeTetrahedronMesh(0.5), X));
 				if (kind == 1)
-					for (std::size_t t = layer.triangles.size() - 4; t < layer.triangles.size(); ++t) std::swap(layer.triangles[t][1], layer.triangles[t][2]);
+					for (std::size_t t = layer.triangles.size() - 4; t < layer.triangles.size(); ++t)
+						std::swap(layer.triangles[t][1], layer.triangles[t][2]);
 			}
 			if (kind == 2)
 				for (auto& t : shell.triangles) std::swap(t[1], t[2]);
@@ -112,7 +114,7 @@ TEST(MeshShells, ShellsThatCutEachOtherBothFaceOutwards)
 	EXPECT_TRUE(inspect(boxes.value().mesh).watertight);
 	// The probes see only part of the cutting shell inside. What is counted twice is less than 0.7 % of the whole.
 	expectVolume(joined(makeTorusMesh(1, 0.5), translated(makeBoxMesh({0.4, 0.1, 0.1}), {0.6, 0, 0})),
-				 massProperties(makeTorusMesh(1, 0.5)).volume + 0.032);
+		massProperties(makeTorusMesh(1, 0.5)).volume + 0.032);
 }
 
 TEST(MeshShells, ShellsThatOverlapInPlanesAndDiagonalsOnlyCountOnce)
@@ -197,7 +199,7 @@ TEST(MeshShells, OrientationDecidesWhatAShellInAnotherIs)
 	// Of an outer shell that faces inwards the rest is inside out too. Material twice is material; a cavity of one of them is filled by
 	// the other.
 	for (const Case& c : {Case{true, true, true, 64}, {true, false, true, 57}, {true, false, false, 57}, {true, true, false, 64},
-						  {false, true, false, 57}, {false, false, false, 64}})
+			 {false, true, false, 57}, {false, false, false, 64}})
 	{
 		const auto facing = [](const Mesh& mesh, bool out) { return out ? mesh : insideOut(mesh); };
 		const Mesh nest = joined(joined(facing(inner, c.innerOut), facing(outer, c.outerOut)), facing(middle, c.middleOut));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Repair/MeshWrap.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include "tests/unit/Core/Mesh/SolidAngleWinding.h"
 
@@ -56,7 +56,8 @@ TEST(MeshWrap, HasTheTopologyAndVolumeOfTheBody)
 	{
 		const Pose X = somewhere(random, far);
 		// Convergence of second order, but for the edges, which lose a chamfer of about a fifth of a cell squared.
-		const Mesh sphere = transformed(makeSphereMesh(1, 4), X), torus = transformed(makeTorusMesh(1, 0.4), X), box = transformed(makeBoxMesh({1, 0.5, 0.7}), X);
+		const Mesh sphere = transformed(makeSphereMesh(1, 4), X), torus = transformed(makeTorusMesh(1, 0.4), X),
+				   box = transformed(makeBoxMesh({1, 0.5, 0.7}), X);
 		EXPECT_EQ(eulerCharacteristic(wrapped(sphere, 40)), 2);
 		EXPECT_EQ(eulerCharacteristic(wrapped(torus, 40)), 0);
 		EXPECT_NEAR(massProperties(wrapped(sphere, 40)).volume / massProperties(sphere).volume, 1, 0.005);

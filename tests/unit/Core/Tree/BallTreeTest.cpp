@@ -3,8 +3,8 @@
 
 #include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 #include "BulletISTCollision/Core/Tree/TreeCheck.h"
-#include "tests/unit/Core/Tree/LooseTree.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
+#include "tests/unit/Core/Tree/LooseTree.h"
 
 #include <gtest/gtest.h>
 
@@ -123,7 +123,8 @@ TEST(NormalGradient, IsRoundedToTheNearestUpperHalfOfAFloat)
 		NormalGradient gradient;
 		gradient.setMatrix(G);
 		const SymmetricMatrix3 found = gradient.matrix();
-		for (double SymmetricMatrix3::*entry : {&SymmetricMatrix3::xx, &SymmetricMatrix3::yy, &SymmetricMatrix3::zz, &SymmetricMatrix3::xy, &SymmetricMatrix3::xz, &SymmetricMatrix3::yz})
+		for (double SymmetricMatrix3::*entry : {&SymmetricMatrix3::xx, &SymmetricMatrix3::yy, &SymmetricMatrix3::zz, &SymmetricMatrix3::xy,
+				 &SymmetricMatrix3::xz, &SymmetricMatrix3::yz})
 			EXPECT_LE(std::fabs(found.*entry - G.*entry), std::fabs(G.*entry) / 255);
 	}
 	EXPECT_EQ(NormalGradient().matrix().trace(), 0);
@@ -146,10 +147,13 @@ TEST(StoredEllipsoid, IsRoundedToTheNearestStep)
 		const MomentEllipsoid found = asStored(e);
 		// A hair more for the floats that they are given back in.
 		const double half = 0.501 * StoredEllipsoid::kStep, square = double(e.R) * e.R;
-		for (float MomentEllipsoid::*n : {&MomentEllipsoid::nx, &MomentEllipsoid::ny, &MomentEllipsoid::nz}) EXPECT_NEAR(found.*n, e.*n, half);
-		for (float MomentEllipsoid::*p : {&MomentEllipsoid::xx, &MomentEllipsoid::yy, &MomentEllipsoid::zz, &MomentEllipsoid::xy, &MomentEllipsoid::xz, &MomentEllipsoid::yz})
+		for (float MomentEllipsoid::*n : {&MomentEllipsoid::nx, &MomentEllipsoid::ny, &MomentEllipsoid::nz})
+			EXPECT_NEAR(found.*n, e.*n, half);
+		for (float MomentEllipsoid::*p : {&MomentEllipsoid::xx, &MomentEllipsoid::yy, &MomentEllipsoid::zz, &MomentEllipsoid::xy,
+				 &MomentEllipsoid::xz, &MomentEllipsoid::yz})
 			EXPECT_NEAR(found.*p, e.*p, half * square);
-		for (float MomentEllipsoid::*same : {&MomentEllipsoid::x, &MomentEllipsoid::y, &MomentEllipsoid::z, &MomentEllipsoid::R, &MomentEllipsoid::density, &MomentEllipsoid::depth})
+		for (float MomentEllipsoid::*same : {&MomentEllipsoid::x, &MomentEllipsoid::y, &MomentEllipsoid::z, &MomentEllipsoid::R,
+				 &MomentEllipsoid::density, &MomentEllipsoid::depth})
 			EXPECT_EQ(found.*same, e.*same);
 		EXPECT_EQ(found.sphere, e.sphere);
 		EXPECT_TRUE(found.isSolid()) << "the thinnest, and those that touch their bounding ball";
@@ -160,8 +164,7 @@ TEST(StoredEllipsoid, IsRoundedToTheNearestStep)
 
 TEST(StoredEllipsoid, OfWhatIsNoEllipsoidMakesNoValidTree)
 {
-	const auto refused = [](auto change)
-	{
+	const auto refused = [](auto change) {
 		std::vector<MomentEllipsoid> balls = cloud(20, 5);
 		change(balls[7]);
 		const BallTree tree = buildBallTree(balls);
@@ -178,8 +181,7 @@ TEST(StoredEllipsoid, OfWhatIsNoEllipsoidMakesNoValidTree)
 
 TEST(BallTree, EveryBallKeepsItsGradientAndItsSphere)
 {
-	const auto gradientAt = [](const MomentEllipsoid& b)
-	{
+	const auto gradientAt = [](const MomentEllipsoid& b) {
 		NormalGradient gradient;
 		gradient.setMatrix({b.x, b.y, b.z, 2 * b.x, 3 * b.y, 4 * b.z});
 		return gradient;
@@ -286,10 +288,15 @@ TEST(BallTree, ValidateFindsDamage)
 		t.nodes.resize(1);
 		std::fill(t.nodes[0].child, t.nodes[0].child + BallNode::kWidth, BallNode::kNoChild);
 		std::fill(t.nodes[0].r, t.nodes[0].r + BallNode::kWidth, 0.0f);
-	}), "nodes without blocks");
+	}),
+		"nodes without blocks");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); }), "");
 	EXPECT_EQ(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size() - 1); }), "not one gradient for each ball");
-	EXPECT_NE(damaged([](LooseTree& t) { t.gradients.resize(t.balls.size()); t.gradients[7].setMatrix({0, 0, 0, 0, 0, NAN}); }), "");
+	EXPECT_NE(damaged([](LooseTree& t) {
+		t.gradients.resize(t.balls.size());
+		t.gradients[7].setMatrix({0, 0, 0, 0, 0, NAN});
+	}),
+		"");
 }
 
 TEST(BallTree, ValidateRefusesAChainDeeperThanQueriesAllow)

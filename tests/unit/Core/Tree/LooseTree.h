@@ -9,11 +9,12 @@ namespace ist
 struct LooseTree
 {
 	explicit LooseTree(const BallTree& tree)
-		: nodes(tree.nodes.begin(), tree.nodes.end()), balls(tree.balls.begin(), tree.balls.end()),
-		  ellipsoids(tree.ellipsoids.begin(), tree.ellipsoids.end()), sphereIndex(tree.sphereIndex.begin(), tree.sphereIndex.end()),
+		: nodes(tree.nodes.begin(), tree.nodes.end()),
+		  balls(tree.balls.begin(), tree.balls.end()),
+		  ellipsoids(tree.ellipsoids.begin(), tree.ellipsoids.end()),
+		  sphereIndex(tree.sphereIndex.begin(), tree.sphereIndex.end()),
 		  gradients(tree.gradients.begin(), tree.gradients.end())
-	{
-	}
+	{}
 	BallTree frozen() const { return {nodes, balls, ellipsoids, sphereIndex, gradients}; }
 
 	std::vector<BallNode> nodes;

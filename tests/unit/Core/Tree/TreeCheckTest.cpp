@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Tree/TreeCheck.h"
 
-#include "tests/unit/Core/Tree/LooseTree.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
+#include "tests/unit/Core/Tree/LooseTree.h"
 
 #include <gtest/gtest.h>
 
@@ -91,18 +91,18 @@ void damage(LooseTree& tree, std::mt19937_64& random)
 	Sphere& ball = tree.balls[index];
 	switch (below(11))
 	{
-		case 0: node.r[lane] *= 0.9f + 0.0001f * float(below(1000)); break;
-		case 1: node.x[lane] += node.r[lane] * 0.0001f * float(below(1000)); break;
-		case 2: node.child[lane] = uint32_t(below(tree.nodes.size())); break;
-		case 3: node.child[lane] = BallNode::kLeafBit | uint32_t(below(tree.balls.size() / kBlockWidth + 1)); break;
-		case 4: node.r[lane] = below(4) == 0 ? kFarthestBound : kOdd[below(std::size(kOdd))]; break;
-		case 5: ball.r = kOdd[below(std::size(kOdd))]; break;
-		case 6: ball.x = kOdd[below(std::size(kOdd))]; break;
-		case 7: ball.z += 0.01f * float(below(3)); break;
-		case 8: ball.r *= 1 + 0.01f * float(below(100)); break;
-		default:
-			if (!packed) return damage(tree.ellipsoids[index], below);
-			ball.r *= 0.9f + 0.001f * float(below(200));
+	case 0: node.r[lane] *= 0.9f + 0.0001f * float(below(1000)); break;
+	case 1: node.x[lane] += node.r[lane] * 0.0001f * float(below(1000)); break;
+	case 2: node.child[lane] = uint32_t(below(tree.nodes.size())); break;
+	case 3: node.child[lane] = BallNode::kLeafBit | uint32_t(below(tree.balls.size() / kBlockWidth + 1)); break;
+	case 4: node.r[lane] = below(4) == 0 ? kFarthestBound : kOdd[below(std::size(kOdd))]; break;
+	case 5: ball.r = kOdd[below(std::size(kOdd))]; break;
+	case 6: ball.x = kOdd[below(std::size(kOdd))]; break;
+	case 7: ball.z += 0.01f * float(below(3)); break;
+	case 8: ball.r *= 1 + 0.01f * float(below(100)); break;
+	default:
+		if (!packed) return damage(tree.ellipsoids[index], below);
+		ball.r *= 0.9f + 0.001f * float(below(200));
 	}
 }
 
@@ -111,8 +111,7 @@ TEST(TreeCheck, RefusesArraysThatDoNotBelongTogether)
 	const BallTree ellipsoids = randomTree(100, 1, 0, 3);
 	for (const BallTree& original : {ellipsoids, packedOf(ellipsoids)})
 	{
-		const auto refused = [&](auto change)
-		{
+		const auto refused = [&](auto change) {
 			LooseTree tree(original);
 			change(tree);
 			return !surelyValid(tree.frozen()) && !tree.frozen().validate().empty();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "tests/unit/Core/Mesh/RandomShapes.h"
 
 #include <gtest/gtest.h>
@@ -172,14 +172,14 @@ TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
 	}
 	const MomentEllipsoid whole = merged(pieces.data(), all.data(), all.size());
 	const SymmetricMatrix3 G = gradientOf(pieces);
-	const auto squares = [&](const SymmetricMatrix3& slopes)
-	{
+	const auto squares = [&](const SymmetricMatrix3& slopes) {
 		double sum = 0;
 		for (const MomentEllipsoid& p : pieces) sum += squaredNorm(p.normal() - whole.normal() - slopes * (p.center() - whole.center()));
 		return sum;
 	};
 	const double least = squares(G), step = 0.1;
-	for (double SymmetricMatrix3::*entry : {&SymmetricMatrix3::xx, &SymmetricMatrix3::yy, &SymmetricMatrix3::zz, &SymmetricMatrix3::xy, &SymmetricMatrix3::xz, &SymmetricMatrix3::yz})
+	for (double SymmetricMatrix3::*entry : {&SymmetricMatrix3::xx, &SymmetricMatrix3::yy, &SymmetricMatrix3::zz, &SymmetricMatrix3::xy,
+			 &SymmetricMatrix3::xz, &SymmetricMatrix3::yz})
 	{
 		SymmetricMatrix3 more = G, less = G;
 		more.*entry += step;
@@ -208,7 +208,8 @@ TEST(TreeLevels, GradientCountsThePiecesOwnSize)
 	for (double v : {G.yy, G.zz, G.xy, G.xz, G.yz}) EXPECT_NEAR(v, 0, 1e-6);
 }
 
-// Balls of small cubes, whose normals are those of the ball. With their mean normals alone coarse levels press too little, the more the coarser.
+// Balls of small cubes, whose normals are those of the ball. With their mean normals alone coarse levels press too little, the more the
+// coarser.
 TEST(TreeLevels, PressAsMuchAsTheLeaves)
 {
 	constexpr double kSide = 0.1;
@@ -232,8 +233,7 @@ TEST(TreeLevels, PressAsMuchAsTheLeaves)
 	ASSERT_GE(body.levels.size(), 3u);
 	QueryWorkspace workspace;
 	QueryOptions options;
-	const auto force = [&](const InnerSphereTree& tree, const Pose& X, int level)
-	{
+	const auto force = [&](const InnerSphereTree& tree, const Pose& X, int level) {
 		options.level = level;
 		return pressureWrench(queryOverlap(tree, tree, X, workspace, options).total, {}).force;
 	};
@@ -263,8 +263,8 @@ TEST(TreeLevels, FewBallsHaveNoLevels)
 	EXPECT_TRUE(buildLevels(buildBallTree(cloud(20, 1, 0))).empty());
 }
 
-// Thirty-two groups far apart, each of three lumps of three leaves, none of them where a larger cluster has its middle: the cuts are the lumps and
-// the groups.
+// Thirty-two groups far apart, each of three lumps of three leaves, none of them where a larger cluster has its middle: the cuts are the
+// lumps and the groups.
 TEST(TreeLevels, ASphereHasTheCoarsestLevelAtWhichItLeads)
 {
 	constexpr int kGroups = 32;

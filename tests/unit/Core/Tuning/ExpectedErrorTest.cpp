@@ -13,7 +13,9 @@ InnerSphereTree torus(int64_t spheres)
 {
 	BuildOptions options;
 	options.maxSpheres = spheres;
-	return buildTree(transformed(makeTorusMesh(0.5, 0.2), {rotationMatrix(quaternionFromRotationVector({1, 2, 0.5})), {100, -30, 7}}), options).value();
+	return buildTree(
+		transformed(makeTorusMesh(0.5, 0.2), {rotationMatrix(quaternionFromRotationVector({1, 2, 0.5})), {100, -30, 7}}), options)
+		.value();
 }
 }  // namespace
 
@@ -65,5 +67,6 @@ TEST(ExpectedError, AFillThatIsReachedIsSaid)
 	options.targetFill = 0.3;
 	const Result<InnerSphereTree> refused = buildTreeToError(makeTorusMesh(0.5, 0.2), 0.001, options);
 	ASSERT_FALSE(refused);
-	EXPECT_NE(refused.error().message.find("which fill the share that was asked for (targetFill, --fill); raise it"), std::string::npos) << refused.error().message;
+	EXPECT_NE(refused.error().message.find("which fill the share that was asked for (targetFill, --fill); raise it"), std::string::npos)
+		<< refused.error().message;
 }

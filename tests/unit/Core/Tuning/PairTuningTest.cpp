@@ -14,7 +14,8 @@ namespace
 /// Far from its origin, turned.
 TuneBody box()
 {
-	return {"box", transformed(makeBoxMesh({0.5, 0.3, 0.2}), {rotationMatrix(quaternionFromRotationVector({1, 2, 0.5})), {100, -30, 7}}), {}};
+	return {
+		"box", transformed(makeBoxMesh({0.5, 0.3, 0.2}), {rotationMatrix(quaternionFromRotationVector({1, 2, 0.5})), {100, -30, 7}}), {}};
 }
 
 struct Built
@@ -33,8 +34,7 @@ TuneOptions within(double error)
 
 const Built& built()
 {
-	static const Built built = []
-	{
+	static const Built built = [] {
 		Built b;
 		b.tuning = tunePair(b.body, b.body, within(1)).value();
 		return b;
@@ -89,7 +89,10 @@ TEST(PairTuning, RefusesHalfAWorldBeforeItDoesAnything)
 	TuneBody body = box();
 	TuneOptions options = within(0.5);
 	options.world.mass = 1;
-	options.progress = [](const char*, double) -> bool { ADD_FAILURE(); return true; };
+	options.progress = [](const char*, double) -> bool {
+		ADD_FAILURE();
+		return true;
+	};
 	const Result<PairTuning> tuning = tunePair(body, body, options);
 	ASSERT_FALSE(tuning);
 	EXPECT_NE(tuning.error().message.find("both a stiffness and a mass"), std::string::npos);

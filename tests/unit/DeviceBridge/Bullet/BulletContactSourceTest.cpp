@@ -75,7 +75,7 @@ ist::Pose randomPose(std::mt19937_64& random, double reach)
 {
 	std::uniform_real_distribution<double> u(-1, 1);
 	return {rotationMatrix(ist::quaternionFromRotationVector(Vec3{2 * u(random), 2 * u(random), 2 * u(random)})),
-			{reach * u(random), reach * u(random), reach * u(random)}};
+		{reach * u(random), reach * u(random), reach * u(random)}};
 }
 
 DeviceState handAt(const Vec3& position, const Vec3& turn = {}, const ist::Twist& twist = {})
@@ -179,8 +179,7 @@ TEST(BulletContactSource, ActionEqualsReactionWhileTheToolPushesABody)
 		{
 			const Vec3 origin = toVec3(rig.tool->getWorldTransform().getOrigin());
 			advance(source, handAt({0.1 * i * kStep, 0, 0}, {0.5 * i * kStep, 0, 0}, {{0.1, 0, 0}, {0.5, 0, 0}}), step);
-			const auto addTo = [&](Momentum& sum, const ist::Wrench& inW)
-			{
+			const auto addTo = [&](Momentum& sum, const ist::Wrench& inW) {
 				const Vec3 f = kStep * (X_BW.rotation * inW.force);
 				sum.linear += f;
 				sum.angular += kStep * (X_BW.rotation * inW.torque) + cross(origin, f);

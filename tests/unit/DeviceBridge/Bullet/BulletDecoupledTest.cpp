@@ -70,7 +70,8 @@ struct Books
 	void audit(double floor, const std::string& name) const
 	{
 		double worst = 0, largestStep = 0;
-		for (std::size_t i = 1; i < atSteps.size(); ++i) largestStep = std::max(largestStep, norm(atSteps[i].onTools - atSteps[i - 1].onTools));
+		for (std::size_t i = 1; i < atSteps.size(); ++i)
+			largestStep = std::max(largestStep, norm(atSteps[i].onTools - atSteps[i - 1].onTools));
 		for (const std::size_t length : {5, 50})
 			for (std::size_t i = length; i < atSteps.size(); ++i)
 			{
@@ -82,8 +83,8 @@ struct Books
 			}
 		EXPECT_GT(largestStep, 100 * floor) << name;
 		EXPECT_LE(largestLedger, 2 * largestStep) << name;
-		std::printf("%s: %zu steps, worst window %.1e of the larger impulse, ledger at most %.2f of a step's\n", name.c_str(), atSteps.size(), worst,
-					largestLedger / largestStep);
+		std::printf("%s: %zu steps, worst window %.1e of the larger impulse, ledger at most %.2f of a step's\n", name.c_str(),
+			atSteps.size(), worst, largestLedger / largestStep);
 	}
 };
 
@@ -94,8 +95,7 @@ std::string named(const char* scene, double rate, double mass)
 	return text;
 }
 
-template <class Test>
-void forWorlds(Test test)
+template <class Test> void forWorlds(Test test)
 {
 	for (const double rate : {5.0, 60.0, 240.0})
 		for (const double mass : {0.3, 0.001}) test(rate, mass);
@@ -111,8 +111,9 @@ double fastest(const DecoupledRig& rig)
 /// To and fro along x, at a speed of up to `amplitude` times `omega`.
 std::function<ist::Twist(double)> shaking(double amplitude, double omega)
 {
-	return [=](double t)
-	{ return ist::Twist{{amplitude * omega * std::cos(omega * t), 0.1 * amplitude * omega * std::sin(1.7 * omega * t), 0}, {0.3, 0, 0.2}}; };
+	return [=](double t) {
+		return ist::Twist{{amplitude * omega * std::cos(omega * t), 0.1 * amplitude * omega * std::sin(1.7 * omega * t), 0}, {0.3, 0, 0.2}};
+	};
 }
 
 /// Down by `depth` within a fifth of a second from t = 0.5 on.
@@ -124,87 +125,79 @@ std::function<ist::Twist(double)> pressing(double depth)
 
 TEST(BulletDecoupled, ImpulsesBalanceWithTheToolBetweenTwoBodies)
 {
-	forWorlds(
-		[](double rate, double mass)
-		{
-			DecoupledRig rig(rate);
-			rig.addBall(mass, {0.045, 0.003, 0});
-			rig.addBox(mass, {-0.046, 0, 0.002});
-			rig.addHand({}).script = shaking(0.03, 8);
-			Books books(rig);
-			rig.run(std::max(1.5, 52 / rate));
-			books.audit(1e-7 * mass, named("between two bodies", rate, mass));
-			// Elastic at most: nothing leaves the tool faster than with twice its speed.
-			EXPECT_LT(fastest(rig), 2 * 0.25 + 0.1) << named("", rate, mass);
-		});
+	forWorlds([](double rate, double mass) {
+		DecoupledRig rig(rate);
+		rig.addBall(mass, {0.045, 0.003, 0});
+		rig.addBox(mass, {-0.046, 0, 0.002});
+		rig.addHand({}).script = shaking(0.03, 8);
+		Books books(rig);
+		rig.run(std::max(1.5, 52 / rate));
+		books.audit(1e-7 * mass, named("between two bodies", rate, mass));
+		// Elastic at most: nothing leaves the tool faster than with twice its speed.
+		EXPECT_LT(fastest(rig), 2 * 0.25 + 0.1) << named("", rate, mass);
+	});
 }
 
 TEST(BulletDecoupled, ImpulsesBalanceWithTwoToolsOnOneBody)
 {
-	forWorlds(
-		[](double rate, double mass)
-		{
-			DecoupledRig rig(rate);
-			rig.addBox(mass, {0, 0, 0});
-			rig.addHand({-0.045, 0.002, 0}).script = shaking(0.02, 7);
-			rig.addHand({0.045, 0, 0.003}).script = shaking(0.02, 9);
-			Books books(rig);
-			rig.run(std::max(1.5, 52 / rate));
-			books.audit(1e-7 * mass, named("two tools", rate, mass));
-			// Thrown from one tool to the other it gains at most twice the speed of each.
-			EXPECT_LT(fastest(rig), 2 * 0.14 + 2 * 0.18 + 0.1) << named("", rate, mass);
-		});
+	forWorlds([](double rate, double mass) {
+		DecoupledRig rig(rate);
+		rig.addBox(mass, {0, 0, 0});
+		rig.addHand({-0.045, 0.002, 0}).script = shaking(0.02, 7);
+		rig.addHand({0.045, 0, 0.003}).script = shaking(0.02, 9);
+		Books books(rig);
+		rig.run(std::max(1.5, 52 / rate));
+		books.audit(1e-7 * mass, named("two tools", rate, mass));
+		// Thrown from one tool to the other it gains at most twice the speed of each.
+		EXPECT_LT(fastest(rig), 2 * 0.14 + 2 * 0.18 + 0.1) << named("", rate, mass);
+	});
 }
 
 // On a table that is slippery enough for the stack to slide rather than to topple. At 5 Hz, in steps of 10 mm, a single box;
 // no third box, which the bumps of 300 spheres each would let lean.
 TEST(BulletDecoupled, ImpulsesBalanceWhileAStackIsPushed)
 {
-	forWorlds(
-		[](double rate, double mass)
+	forWorlds([](double rate, double mass) {
+		DecoupledRig rig(rate, kGravity);
+		const double stiffness = mass > 0.01 ? 2e7 : 2e5;
+		rig.add(rig.planeShape, 0, {}, 0.2);
+		const int count = rate < 10 ? 1 : 2;
+		for (int i = 0; i < count; ++i) rig.add(rig.boxShape, mass, {0, 0.02 + 0.0399 * i, 0}, 0.8, stiffness);
+		Hand& hand = rig.addHand({-0.06, 0.022, 0});
+		hand.script = [](double t) { return ist::Twist{{t > 1 && t < 3 ? 0.05 : 0, 0, 0}, {}}; };
+		Books books(rig, kGravity);
+		rig.run(4);
+		books.audit(2e-6 * mass * 9.81, named("stack", rate, mass));
+		for (int i = 1; i <= count; ++i)
 		{
-			DecoupledRig rig(rate, kGravity);
-			const double stiffness = mass > 0.01 ? 2e7 : 2e5;
-			rig.add(rig.planeShape, 0, {}, 0.2);
-			const int count = rate < 10 ? 1 : 2;
-			for (int i = 0; i < count; ++i) rig.add(rig.boxShape, mass, {0, 0.02 + 0.0399 * i, 0}, 0.8, stiffness);
-			Hand& hand = rig.addHand({-0.06, 0.022, 0});
-			hand.script = [](double t) { return ist::Twist{{t > 1 && t < 3 ? 0.05 : 0, 0, 0}, {}}; };
-			Books books(rig, kGravity);
-			rig.run(4);
-			books.audit(2e-6 * mass * 9.81, named("stack", rate, mass));
-			for (int i = 1; i <= count; ++i)
-			{
-				const Vec3 at = vec3(rig.bodies[static_cast<std::size_t>(i)]->getWorldTransform().getOrigin());
-				EXPECT_NEAR(at.x, 0.08, rate < 10 ? 0.03 : 0.012) << i << named("", rate, mass);
-				EXPECT_NEAR(at.y, 0.04 * i - 0.02, 0.003) << i << named("", rate, mass);
-			}
-			EXPECT_LT(hand.largest, 3) << named("", rate, mass);
-		});
+			const Vec3 at = vec3(rig.bodies[static_cast<std::size_t>(i)]->getWorldTransform().getOrigin());
+			EXPECT_NEAR(at.x, 0.08, rate < 10 ? 0.03 : 0.012) << i << named("", rate, mass);
+			EXPECT_NEAR(at.y, 0.04 * i - 0.02, 0.003) << i << named("", rate, mass);
+		}
+		EXPECT_LT(hand.largest, 3) << named("", rate, mass);
+	});
 }
 
 TEST(BulletDecoupled, ALiftedBodyWeighsOnTheHand)
 {
-	forWorlds(
-		[](double rate, double mass)
-		{
-			DecoupledRig rig(rate, kGravity);
-			const double stiffness = mass > 0.01 ? 2e7 : 2e5;
-			btRigidBody* box = rig.add(rig.boxShape, mass, {0, 0.0403, 0}, 0.8, stiffness);
-			Hand& hand = rig.addHand({}, handSettings(), true);
-			hand.script = [](double t) { return ist::Twist{{0, t > 1 && t < 2 ? 0.05 : 0, 0}, {}}; };
-			Books books(rig, kGravity);
-			rig.run(3);
-			Vec3 sum;
-			const auto balance = rig.afterTick;
-			rig.afterTick = [&] { balance(), sum += hand.step.coupling.force; };
-			rig.run(1);
-			books.audit(2e-6 * mass * 9.81, named("lift", rate, mass));
-			const double height = double(box->getWorldTransform().getOrigin().y());
-			EXPECT_NEAR(sum.y / 1000, mass * 9.81, 0.02 * mass * 9.81) << named("", rate, mass);
-			// The hand's spring gives way by the weight over its stiffness; the bodies by less than 1 mm, and they lie within their gaps.
-			EXPECT_NEAR(height, 0.09 - mass * 9.81 / 1000, 0.002) << named("", rate, mass);
-		});
+	forWorlds([](double rate, double mass) {
+		DecoupledRig rig(rate, kGravity);
+		const double stiffness = mass > 0.01 ? 2e7 : 2e5;
+		btRigidBody* box = rig.add(rig.boxShape, mass, {0, 0.0403, 0}, 0.8, stiffness);
+		Hand& hand = rig.addHand({}, handSettings(), true);
+		hand.script = [](double t) { return ist::Twist{{0, t > 1 && t < 2 ? 0.05 : 0, 0}, {}}; };
+		Books books(rig, kGravity);
+		rig.run(3);
+		Vec3 sum;
+		const auto balance = rig.afterTick;
+		rig.afterTick = [&] { balance(), sum += hand.step.coupling.force; };
+		rig.run(1);
+		books.audit(2e-6 * mass * 9.81, named("lift", rate, mass));
+		const double height = double(box->getWorldTransform().getOrigin().y());
+		EXPECT_NEAR(sum.y / 1000, mass * 9.81, 0.02 * mass * 9.81) << named("", rate, mass);
+		// The hand's spring gives way by the weight over its stiffness; the bodies by less than 1 mm, and they lie within their gaps.
+		EXPECT_NEAR(height, 0.09 - mass * 9.81 / 1000, 0.002) << named("", rate, mass);
+	});
 }
 
 // The support has no tree, so that Bullet's own points carry the body; the hand does not push it through.
@@ -221,8 +214,7 @@ TEST(BulletDecoupled, ABodyOnAStockShapeIsPressed)
 		rig.run(1.5);
 		const double height = double(box->getWorldTransform().getOrigin().y());
 		double least = 1e9, most = 0;
-		rig.afterTick = [&]
-		{
+		rig.afterTick = [&] {
 			const double force = norm(hand.step.coupling.force);
 			least = std::min(least, force);
 			most = std::max(most, force);
@@ -264,60 +256,54 @@ TEST(BulletDecoupled, AFreeBodyIsPushedAlikeAtAnyRate)
 // What the table carries is the weight and what the hand presses with: 1.4 N on a body of 1 g, in a world that steps five times a second.
 TEST(BulletDecoupled, ABodyOnATableIsPressed)
 {
-	forWorlds(
-		[](double rate, double mass)
-		{
-			DecoupledRig rig(rate, kGravity);
-			rig.addPlane();
-			btRigidBody* box = rig.addBox(mass, {0, 0.02, 0});
-			Hand& hand = rig.addHand({0, 0.065, 0});
-			hand.script = pressing(0.008);
-			rig.run(2);
-			Vec3 table, pressed;
-			rig.afterWorldStep = [&]
-			{
-				for (const btISTContact* c : rig.world.contacts().contacts())
-					for (int i = 0; i < c->patchCount; ++i) table += c->impulses[i].force * (c->bodyA == box ? 1.0 : -1.0);
-			};
-			rig.afterTick = [&] { pressed += 1e-3 * hand.step.coupling.force; };
-			rig.run(4);
-			const double weight = mass * 9.81;
-			EXPECT_GT(-pressed.y / 4, 1) << named("", rate, mass);
-			EXPECT_NEAR(table.y / 4, -pressed.y / 4 + weight, 0.01 * (weight - pressed.y / 4)) << named("", rate, mass);
-			EXPECT_LT(hand.largest, 2) << named("", rate, mass);
-			EXPECT_LT(fastest(rig), 0.02) << named("", rate, mass);
-		});
+	forWorlds([](double rate, double mass) {
+		DecoupledRig rig(rate, kGravity);
+		rig.addPlane();
+		btRigidBody* box = rig.addBox(mass, {0, 0.02, 0});
+		Hand& hand = rig.addHand({0, 0.065, 0});
+		hand.script = pressing(0.008);
+		rig.run(2);
+		Vec3 table, pressed;
+		rig.afterWorldStep = [&] {
+			for (const btISTContact* c : rig.world.contacts().contacts())
+				for (int i = 0; i < c->patchCount; ++i) table += c->impulses[i].force * (c->bodyA == box ? 1.0 : -1.0);
+		};
+		rig.afterTick = [&] { pressed += 1e-3 * hand.step.coupling.force; };
+		rig.run(4);
+		const double weight = mass * 9.81;
+		EXPECT_GT(-pressed.y / 4, 1) << named("", rate, mass);
+		EXPECT_NEAR(table.y / 4, -pressed.y / 4 + weight, 0.01 * (weight - pressed.y / 4)) << named("", rate, mass);
+		EXPECT_LT(hand.largest, 2) << named("", rate, mass);
+		EXPECT_LT(fastest(rig), 0.02) << named("", rate, mass);
+	});
 }
-
 
 // A still hand does no work, so that nothing may leave with more energy than it came with, however rarely the world looks.
 TEST(BulletDecoupled, ABodyThatIsThrownAtTheToolBringsNoEnergyBack)
 {
 	std::mt19937_64 random(11);
 	std::uniform_real_distribution<double> u(-1, 1);
-	forWorlds(
-		[&](double rate, double mass)
+	forWorlds([&](double rate, double mass) {
+		double most = 0;
+		for (int i = 0; i < 4; ++i)
 		{
-			double most = 0;
-			for (int i = 0; i < 4; ++i)
-			{
-				DecoupledRig rig(rate);
-				const Vec3 from = normalized(Vec3{u(random), u(random), u(random)});
-				btRigidBody* ball = i % 2 ? rig.addBall(mass, 0.06 * from) : rig.addBox(mass, 0.07 * from);
-				const double speed = 0.2;
-				ball->setLinearVelocity(bullet(-speed * from));
-				Hand& hand = rig.addHand({});
-				int touching = 0;
-				rig.afterTick = [&] { touching += hand.step.contactCount; };
-				rig.run(2);
-				const Vec3 v = vec3(ball->getLinearVelocity()), w = vec3(ball->getAngularVelocity());
-				const double spin = norm(w) * norm(w) / std::max(1e-30, double(ball->getInvInertiaDiagLocal().x()));
-				EXPECT_GT(touching, 0) << named("", rate, mass);
-				most = std::max(most, (mass * squaredNorm(v) + spin) / (mass * speed * speed));
-			}
-			EXPECT_LT(most, 1) << named("", rate, mass);
-			std::printf("thrown, world at %g Hz, %g kg: %.2f of the energy comes back\n", rate, mass, most);
-		});
+			DecoupledRig rig(rate);
+			const Vec3 from = normalized(Vec3{u(random), u(random), u(random)});
+			btRigidBody* ball = i % 2 ? rig.addBall(mass, 0.06 * from) : rig.addBox(mass, 0.07 * from);
+			const double speed = 0.2;
+			ball->setLinearVelocity(bullet(-speed * from));
+			Hand& hand = rig.addHand({});
+			int touching = 0;
+			rig.afterTick = [&] { touching += hand.step.contactCount; };
+			rig.run(2);
+			const Vec3 v = vec3(ball->getLinearVelocity()), w = vec3(ball->getAngularVelocity());
+			const double spin = norm(w) * norm(w) / std::max(1e-30, double(ball->getInvInertiaDiagLocal().x()));
+			EXPECT_GT(touching, 0) << named("", rate, mass);
+			most = std::max(most, (mass * squaredNorm(v) + spin) / (mass * speed * speed));
+		}
+		EXPECT_LT(most, 1) << named("", rate, mass);
+		std::printf("thrown, world at %g Hz, %g kg: %.2f of the energy comes back\n", rate, mass, most);
+	});
 }
 
 // Frames in which nothing is simulated, between the steps: the body has what the hand gave, all of it and nothing else.
@@ -330,8 +316,7 @@ TEST(BulletDecoupled, FramesOfNoLengthNeitherPushNorLoseImpulses)
 			btRigidBody* box = rig.addBox(0.3, {0.0405, 0, 0});
 			Hand& hand = rig.addHand({});
 			hand.script = [](double t) { return ist::Twist{{t > 0.1 ? std::min(0.4, t - 0.1) : 0, 0, 0}, {}}; };
-			const auto frame = [&]
-			{
+			const auto frame = [&] {
 				if (whole) return rig.coupling.step(none);
 				rig.coupling.beforeStep(none);
 				rig.world.bullet().stepSimulation(0, 0);
@@ -339,8 +324,7 @@ TEST(BulletDecoupled, FramesOfNoLengthNeitherPushNorLoseImpulses)
 			};
 			rig.coupling.show(none);
 			EXPECT_FALSE(hand.source.mirror().fetch());
-			rig.afterTick = [&]
-			{
+			rig.afterTick = [&] {
 				if (rig.ticks % 3 == 0) frame();
 			};
 			rig.run(0.6);
@@ -349,7 +333,8 @@ TEST(BulletDecoupled, FramesOfNoLengthNeitherPushNorLoseImpulses)
 			EXPECT_GT(given.x, 0.05) << none;
 			EXPECT_LT(norm(momentum - given), 1e-5) << none;
 			EXPECT_LT(norm(rig.coupling.appliedImpulse(hand.source) - given), 1e-12) << none;
-			EXPECT_EQ(hand.source.statistics().worldSteps, static_cast<std::uint64_t>(rig.worldSteps)) << none;  // the first was shown, the last not seen
+			EXPECT_EQ(hand.source.statistics().worldSteps, static_cast<std::uint64_t>(rig.worldSteps))
+				<< none;  // the first was shown, the last not seen
 		}
 }
 
@@ -394,8 +379,7 @@ TEST(BulletDecoupled, ALinearModelCountsAsFarAsItIsTrusted)
 		rig.afterWorldStep = [&] { found = hand.source.toolState().X_WT.translation; };
 		rig.run(0.9);
 		int near = 0, far = 0, feltNear = 0, feltFar = 0;
-		rig.afterTick = [&]
-		{
+		rig.afterTick = [&] {
 			const double way = distance(hand.source.toolState().X_WT.translation, found);
 			const bool felt = hand.step.contactCount > 0 && norm(hand.step.contacts[0].onTool.force) > 0;
 			if (way < 0.0095) ++near, feltNear += felt;

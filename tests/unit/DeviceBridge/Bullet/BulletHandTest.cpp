@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "tests/unit/CountingAllocator.h"
 #include "DeviceBridge/Bullet/BulletHand.h"
+#include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
@@ -34,7 +34,8 @@ struct HandWorld
 	std::unique_ptr<btRigidBody> box;
 	std::unique_ptr<BulletHand> hand;
 
-	explicit HandWorld(const HandState& start, const BulletHandSettings& settings = {}, const std::shared_ptr<const HandModel>& model = lightHand(TREE_FOLDER))
+	explicit HandWorld(const HandState& start, const BulletHandSettings& settings = {},
+		const std::shared_ptr<const HandModel>& model = lightHand(TREE_FOLDER))
 	{
 		EXPECT_FALSE(world.setGravity(btVector3(0, 0, 0)));
 		auto made = BulletHand::create(world, model, start, settings);
@@ -159,8 +160,7 @@ TEST(BulletHand, OverlapAtTheStartIsPushedOutGentlyUntilThereIsNone)
 TEST(BulletHand, TwoHandsThatBeginInEachOtherPushNoHarderThanTheirCouplingsAndPart)
 {
 	HandWorld w(handAt({}));
-	const auto leftAt = [](double y)
-	{
+	const auto leftAt = [](double y) {
 		HandPosture p;
 		p.X_WR.translation = {0, y, 0};
 		return posedHand(p, {true, 0.189});
@@ -191,7 +191,8 @@ TEST(BulletHand, TwoHandsThatBeginInEachOtherPushNoHarderThanTheirCouplingsAndPa
 		{
 			// What one feels, the other does, and each knows its own parts only.
 			Vec3 onRight, onLeft;
-			for (int part = 0; part < kHandParts; ++part) onRight += w.hand->touch(kStep).force[part], onLeft += left->touch(kStep).force[part];
+			for (int part = 0; part < kHandParts; ++part)
+				onRight += w.hand->touch(kStep).force[part], onLeft += left->touch(kStep).force[part];
 			EXPECT_GT(norm(onRight), 1);
 			EXPECT_NEAR(norm(onRight + onLeft), 0, 1e-3 * norm(onRight));
 			EXPECT_EQ(w.hand->partOf(&left->body(kIndex2)), -1);
@@ -239,14 +240,14 @@ TEST(BulletHand, BadSamplesNeitherThrowItNorPushHarder)
 		HandState state = handAt({0, 0, -0.02});
 		switch (i / 100)
 		{
-			case 1: state = HandState(); break;
-			case 2: state = posedHand({}, {true, 0.189}); break;
-			case 3: state = handAt({0, 0, i % 2 ? -5.0 : 5.0}); break;
-			case 4:
-				for (HandJoint& joint : state.joints)
-					if (random() % 2) joint.position.y = std::numeric_limits<double>::quiet_NaN();
-				break;
-			default: break;
+		case 1: state = HandState(); break;
+		case 2: state = posedHand({}, {true, 0.189}); break;
+		case 3: state = handAt({0, 0, i % 2 ? -5.0 : 5.0}); break;
+		case 4:
+			for (HandJoint& joint : state.joints)
+				if (random() % 2) joint.position.y = std::numeric_limits<double>::quiet_NaN();
+			break;
+		default: break;
 		}
 		w.step(state);
 		for (int part = 0; part < kHandParts; ++part)
@@ -282,8 +283,7 @@ TEST(BulletHand, RefusesWhatItCannotUse)
 {
 	btISTWorld world;
 	const auto model = lightHand(TREE_FOLDER);
-	const auto refusal = [&](const std::shared_ptr<const HandModel>& m, const HandState& start, const BulletHandSettings& settings)
-	{
+	const auto refusal = [&](const std::shared_ptr<const HandModel>& m, const HandState& start, const BulletHandSettings& settings) {
 		const auto made = BulletHand::create(world, m, start, settings);
 		EXPECT_FALSE(made);
 		EXPECT_EQ(world.bullet().getNumCollisionObjects(), 0);

@@ -33,7 +33,8 @@ LinearContact contact(int a, int b, double force, double stiffness, const ist::V
 	return c;
 }
 
-/// The impulse on a tool of 0.1 kg that is pulled onto a body of 10 g, which lies on the ground; beside both, or not, one of 1000 t lies there, too.
+/// The impulse on a tool of 0.1 kg that is pulled onto a body of 10 g, which lies on the ground; beside both, or not, one of 1000 t lies
+/// there, too.
 double impulseOnTool(bool withHeavy)
 {
 	constexpr double kHeavy = 1e6, kStiffness = 1e5;

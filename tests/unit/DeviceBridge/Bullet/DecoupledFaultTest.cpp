@@ -44,8 +44,10 @@ struct PressedRig
 	double largest = 0;  ///< [N]
 
 	explicit PressedRig(double rate, ContactTopology topology = ContactTopology::InTick, double mass = 0.3, std::int64_t maxPairs = -1,
-						const std::shared_ptr<const ist::InnerSphereTree>& tree = ballTree())
-		: rig(rate, kGravity), box((rig.addPlane(), rig.addBox(mass, {0, 0.02, 0}))), source(tool, tree, rig.clock, settings(topology, maxPairs)),
+		const std::shared_ptr<const ist::InnerSphereTree>& tree = ballTree())
+		: rig(rate, kGravity),
+		  box((rig.addPlane(), rig.addBox(mass, {0, 0.02, 0}))),
+		  source(tool, tree, rig.clock, settings(topology, maxPairs)),
 		  thread(device, source, rig.clock)
 	{
 		if (const auto refused = rig.world.materials().set(&tool, {2e7, -1})) throw std::runtime_error(refused->message);
@@ -117,7 +119,8 @@ TEST(DecoupledFault, AWorldThatStallsTakesItsForceWithItAndGivesItBackWithoutAJu
 			EXPECT_LT(r.largest, 1.3 * pressing) << nameOf(topology) << " at " << rate;
 			EXPECT_NEAR(double(r.box->getWorldTransform().getOrigin().y()), depth, 1e-3);
 			EXPECT_FALSE(r.thread.faulted());
-			std::printf("%s, %g Hz: %.2f N before, %.2f N after, steepest rise %.3f N in a tick\n", nameOf(topology), rate, pressing, r.force(), r.steepest);
+			std::printf("%s, %g Hz: %.2f N before, %.2f N after, steepest rise %.3f N in a tick\n", nameOf(topology), rate, pressing,
+				r.force(), r.steepest);
 		}
 }
 
@@ -158,8 +161,8 @@ TEST(DecoupledFault, TopologiesFeelAlikeAndSwitchWhileRunning)
 		EXPECT_GT(r.force(), 0.8 * felt[0]) << nameOf(kTopologies[i % 3]);
 	}
 	EXPECT_LT(r.steepest, 0.3);
-	std::printf("%.3f N in the tick, %.3f N in its own thread, %.3f N in the world; steepest %.3f N at a switch\n", felt[0], felt[1], felt[2],
-				r.steepest);
+	std::printf("%.3f N in the tick, %.3f N in its own thread, %.3f N in the world; steepest %.3f N at a switch\n", felt[0], felt[1],
+		felt[2], r.steepest);
 }
 
 namespace
@@ -198,8 +201,7 @@ struct LeavingRig
 	}
 	~LeavingRig() { hand->source.stopContactThread(); }
 	/// A real thread lives in real time: up to some seconds of it.
-	template <class Condition>
-	bool within(int ticks, Condition condition)
+	template <class Condition> bool within(int ticks, Condition condition)
 	{
 		rig.run(1e-3 * ticks);
 		for (int i = 0; i < 5000 && served == Served::ByItsThread && !condition(); ++i)
@@ -224,7 +226,10 @@ struct LeavingRig
 		EXPECT_TRUE(within(50, [&] { return tree.use_count() == before; })) << tree.use_count() - before;
 		EXPECT_EQ(rig.coupling.crowded(), 0U);
 		rig.world.bullet().addRigidBody(box);
-		if (served == Served::UntilStopped) { EXPECT_TRUE(hand->source.startContactThread()); }
+		if (served == Served::UntilStopped)
+		{
+			EXPECT_TRUE(hand->source.startContactThread());
+		}
 	}
 };
 }  // namespace
@@ -319,8 +324,7 @@ TEST(DecoupledFault, ATickDoesNotAllocateAtTheFirstMeetingWithALargerTree)
 			PressedRig r(60, topology, 0.3, maxPairs, coarse);
 			ASSERT_GT(std::min(mostSlots(*ballTree()), mostSlots(*boxTree())), 2 * mostSlots(*coarse));
 			long inTicks = 0;
-			const auto run = [&](int ticks)
-			{
+			const auto run = [&](int ticks) {
 				for (int i = 0; i < ticks; ++i)
 				{
 					while (static_cast<double>(r.rig.worldSteps + 1) * r.rig.period <= r.rig.time() + 1e-9) r.rig.stepWorld();
@@ -382,12 +386,12 @@ TEST(DecoupledFault, ABodyWhoseTreeDoesNotSpeakForItAnyMoreIsNotFelt)
 	using Change = std::function<void(PressedRig&)>;
 	const std::pair<Change, Change> changes[] = {
 		{[](PressedRig& r) { r.rig.boxTreeAttached.detach(); },
-		 [](PressedRig& r) { r.rig.boxTreeAttached = std::move(r.rig.world.attach(&r.rig.boxShape, boxTree())).value(); }},
+			[](PressedRig& r) { r.rig.boxTreeAttached = std::move(r.rig.world.attach(&r.rig.boxShape, boxTree())).value(); }},
 		{[&](PressedRig& r) { r.box->setCollisionShape(&stock); }, [](PressedRig& r) { r.box->setCollisionShape(&r.rig.boxShape); }},
 		{[](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, btScalar(1.1))); },
-		 [](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, 1)); }},
+			[](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, 1)); }},
 		{[](PressedRig& r) { r.box->setCollisionFlags(r.box->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE); },
-		 [](PressedRig& r) { r.box->setCollisionFlags(r.box->getCollisionFlags() & ~btCollisionObject::CF_NO_CONTACT_RESPONSE); }}};
+			[](PressedRig& r) { r.box->setCollisionFlags(r.box->getCollisionFlags() & ~btCollisionObject::CF_NO_CONTACT_RESPONSE); }}};
 	int which = 0;
 	for (const auto& [take, giveBack] : changes)
 	{
@@ -419,8 +423,7 @@ TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
 	btRigidBody* body = rig.addPlane();
 	Hand& hand = rig.addHand({0, 0.025, 0});
 	hand.script = [](double t) { return ist::Twist{{0, t < 0.2 ? -0.05 : 0, 0}, {}}; };
-	const auto tenant = [&]() -> const MirroredBody*
-	{
+	const auto tenant = [&]() -> const MirroredBody* {
 		for (const MirroredBody& b : hand.source.mirror().snapshot().bodies)
 			if (b.epoch != 0) return &b;
 		return nullptr;
@@ -429,8 +432,7 @@ TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
 	ASSERT_TRUE(tenant() && !tenant()->tree);
 	EXPECT_GT(hand.step.contactCount, 0);
 	body->setCollisionShape(&stock);
-	rig.afterWorldStep = [&, steps = 0]() mutable
-	{
+	rig.afterWorldStep = [&, steps = 0]() mutable {
 		if (steps++ > 0) return;
 		hand.source.mirror().fetch();
 		ASSERT_TRUE(tenant() && tenant()->leaving);
@@ -480,7 +482,8 @@ TEST(DecoupledFault, ATreeGoesWithTheHandThatIsRemoved)
 		{
 			PressedRig r(60, topology);
 			btBoxShape shape(r.rig.boxShape);
-			std::shared_ptr<const ist::InnerSphereTree> tree(new ist::InnerSphereTree(*boxTree()));  // in memory of its own, which goes with it
+			std::shared_ptr<const ist::InnerSphereTree> tree(
+				new ist::InnerSphereTree(*boxTree()));  // in memory of its own, which goes with it
 			const std::weak_ptr<const ist::InnerSphereTree> kept = tree;
 			auto attached = std::move(r.rig.world.attach(&shape, std::move(tree))).value();
 			r.box->setCollisionShape(&shape);
@@ -488,8 +491,7 @@ TEST(DecoupledFault, ATreeGoesWithTheHandThatIsRemoved)
 			auto coupling = std::make_unique<BulletWorldCoupling>(r.rig.world);
 			coupling->add(r.source);
 			coupling->show(r.rig.period);
-			const auto run = [&](int ticks)
-			{
+			const auto run = [&](int ticks) {
 				for (int i = 0; i < ticks; ++i)
 				{
 					if (coupling && i % 10 == 0) coupling->step(0.01);
@@ -562,11 +564,9 @@ TEST(DecoupledFault, ThreeThreadsLoseNothing)
 	device.open();
 	SteppingThread thread(device, source, clock);
 	std::atomic<bool> running{true};
-	std::thread world(
-		[&]
-		{
-			for (std::int64_t next = clock.now(); running; clock.sleepUntil(next += 5'000'000)) rig.coupling.step(rig.period);
-		});
+	std::thread world([&] {
+		for (std::int64_t next = clock.now(); running; clock.sleepUntil(next += 5'000'000)) rig.coupling.step(rig.period);
+	});
 	ASSERT_TRUE(source.startContactThread());
 	EXPECT_FALSE(source.startContactThread());
 	ASSERT_TRUE(thread.start());
@@ -585,7 +585,8 @@ TEST(DecoupledFault, ThreeThreadsLoseNothing)
 	const DecoupledStatistics s = source.statistics();
 	EXPECT_GT(s.worldSteps, 0U);
 	EXPECT_GT(s.modelAnswers, 0U);
-	std::printf("given %.4f N s; %llu ticks, %llu steps, %llu answers, %llu faded ticks; tick p50 %.0f us, p99 %.0f us; %s\n", norm(given), static_cast<unsigned long long>(thread.ticks()),
-				static_cast<unsigned long long>(s.worldSteps), static_cast<unsigned long long>(s.modelAnswers),
-				static_cast<unsigned long long>(s.fadedTicks), thread.costs().quantile(0.5) / 1e3, thread.costs().quantile(0.99) / 1e3, thread.scheduling());
+	std::printf("given %.4f N s; %llu ticks, %llu steps, %llu answers, %llu faded ticks; tick p50 %.0f us, p99 %.0f us; %s\n", norm(given),
+		static_cast<unsigned long long>(thread.ticks()), static_cast<unsigned long long>(s.worldSteps),
+		static_cast<unsigned long long>(s.modelAnswers), static_cast<unsigned long long>(s.fadedTicks), thread.costs().quantile(0.5) / 1e3,
+		thread.costs().quantile(0.99) / 1e3, thread.scheduling());
 }

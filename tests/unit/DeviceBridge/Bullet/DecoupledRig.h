@@ -46,8 +46,9 @@ struct Hand
 	double largest = 0;                        ///< force of the coupling [N]
 
 	Hand(btCollisionShape& shape, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const ist::Vec3& at,
-		 const BulletDecoupledSettings& settings)
-		: body(info(shape, at)), source(body, std::move(tree), clock, settings)
+		const BulletDecoupledSettings& settings)
+		: body(info(shape, at)),
+		  source(body, std::move(tree), clock, settings)
 	{
 		state.X_WH.translation = at;
 	}

@@ -24,8 +24,7 @@ struct TwoPressing
 		right = &rig.addHand({1, 0.025, 0});
 		for (Hand* hand : {left, right}) hand->script = [](double t) { return ist::Twist{{0, t < 0.2 ? -0.05 : 0, 0}, {}}; };
 		double last = 0;
-		rig.afterTick = [this, last]() mutable
-		{
+		rig.afterTick = [this, last]() mutable {
 			steepest = std::max(steepest, force(*right) - last);
 			last = force(*right);
 		};
@@ -37,7 +36,10 @@ struct TwoPressing
 		for (int i = 0; i < hand.step.contactCount; ++i) sum += hand.step.contacts[i].onTool.force;
 		return norm(sum);
 	}
-	void watch(double from, double to) { ASSERT_FALSE(rig.world.watch().watchRegion(btVector3(btScalar(from), -1, -1), btVector3(btScalar(to), 1, 1))); }
+	void watch(double from, double to)
+	{
+		ASSERT_FALSE(rig.world.watch().watchRegion(btVector3(btScalar(from), -1, -1), btVector3(btScalar(to), 1, 1)));
+	}
 };
 }  // namespace
 
@@ -60,7 +62,8 @@ TEST(DecoupledWatch, OnlyWhatIsInTheRegionIsFelt)
 	EXPECT_NEAR(TwoPressing::force(*scene.left), pressed, 0.01 * pressed);
 }
 
-// The box of the tool is 40 mm wide, and the region keeps what it has until it is outside of one larger by a twentieth of its longest side (0.1 m).
+// The box of the tool is 40 mm wide, and the region keeps what it has until it is outside of one larger by a twentieth of its longest side
+// (0.1 m).
 TEST(DecoupledWatch, AToolOnTheBorderKeepsWhatItHas)
 {
 	const std::pair<double, bool> ends[] = {{2, true}, {0.93, true}, {0.85, false}, {0.93, false}, {1.0, true}};

@@ -19,9 +19,9 @@ using namespace devicebridge;
 namespace
 {
 constexpr double kRadius = 0.02, kStart = 0.03, kTarget = 0.012;  // of the ball, and heights of its centre [m]
-constexpr double kPairStiffness = 1e7;   // [Pa/m]
-constexpr double kCoupling = 1500;       // [N/m]
-constexpr double kOwnWall = 900, kOwnHeight = 0.009;  // of the hand; [N/m], [m]
+constexpr double kPairStiffness = 1e7;                            // [Pa/m]
+constexpr double kCoupling = 1500;                                // [N/m]
+constexpr double kOwnWall = 900, kOwnHeight = 0.009;              // of the hand; [N/m], [m]
 constexpr double kOwnShare = 0.4;
 constexpr int kTicks = 2500;
 
@@ -112,8 +112,8 @@ struct Modules
 // Each module is judged by what it alone promises at rest, whatever the others are.
 TEST(ReplacedModules, EachModuleMayBeAUsersOwnAloneAndTogether)
 {
-	for (const Modules& own : {Modules{false, false, false}, {true, false, false}, {false, true, false}, {false, false, true}, {true, true, false},
-							   {true, false, true}, {false, true, true}, {true, true, true}})
+	for (const Modules& own : {Modules{false, false, false}, {true, false, false}, {false, true, false}, {false, false, true},
+			 {true, true, false}, {true, false, true}, {false, true, true}, {true, true, true}})
 	{
 		SCOPED_TRACE(std::string("own:") + (own.source ? " source" : "") + (own.law ? " law" : "") + (own.device ? " device" : ""));
 		const SimulatedProfile profile = simulatedProfile("sigma7").value();
@@ -134,7 +134,9 @@ TEST(ReplacedModules, EachModuleMayBeAUsersOwnAloneAndTogether)
 		SteppingThread thread(device, source, clock);
 		if (own.law) thread.setForceLaw(&ownLaw);
 		int touched = 0;
-		thread.onCollision.addDelegate([&](const ToolContact& contact) { touched += contact.other == (own.source ? static_cast<const void*>(&ownSource) : &scene.plane); });
+		thread.onCollision.addDelegate([&](const ToolContact& contact) {
+			touched += contact.other == (own.source ? static_cast<const void*>(&ownSource) : &scene.plane);
+		});
 		ASSERT_TRUE(thread.run(kTicks));
 
 		const double pull = -thread.step().coupling.force.y, sent = thread.sentWrench().force.y, height = thread.state().X_WH.translation.y;
@@ -157,8 +159,7 @@ TEST(ReplacedModules, EachModuleMayBeAUsersOwnAloneAndTogether)
 			EXPECT_EQ(ownDevice.last.wrench.force.y, sent);
 			EXPECT_NEAR(height, kOwnHeight, 1e-12);
 		}
-		else
-			EXPECT_NEAR(sent, profile.handStiffness * (height - kTarget), 0.01 * pull);
+		else EXPECT_NEAR(sent, profile.handStiffness * (height - kTarget), 0.01 * pull);
 	}
 }
 
@@ -237,17 +238,19 @@ void expectRest(const CoupledHand& coupled, double stiffness)
 	EXPECT_GT(spring, stiffness < 1e6 ? 1e-6 : 0.5);
 	EXPECT_NEAR(thread.sentWrench().force.y, spring, 0.01 * spring + 1e-4);
 	EXPECT_FALSE(thread.faulted());
-	// Of both the landing and the rest. It comes after the ramp, which itself raises a spring that is pressed. The steps of a coarse sensor feign some; and a tool without
-	// momentum chatters on a contact that yields by less than single precision knows of its place. The mechanism must have taken up all of it.
+	// Of both the landing and the rest. It comes after the ramp, which itself raises a spring that is pressed. The steps of a coarse sensor
+	// feign some; and a tool without momentum chatters on a contact that yields by less than single precision knows of its place. The
+	// mechanism must have taken up all of it.
 	const bool exact = !coupled.isStatic && profile.info.resolution < 1e-5 && stiffness >= 1e6;
 	EXPECT_LT(thread.energy().generated, exact ? 1e-9 : taken);
 }
 }  // namespace
 
-// What the hand feels is the coupling, however stiff the contact is: six decades beyond what direct rendering bears. So it is for devices of three and of six
-// freedoms, with a tool that has mass or none, and with a coupling that adapts.
+// What the hand feels is the coupling, however stiff the contact is: six decades beyond what direct rendering bears. So it is for devices
+// of three and of six freedoms, with a tool that has mass or none, and with a coupling that adapts.
 TEST(CoupledStiffness, ContactUpToATrillionPascalsPerMetreIsAtRest)
 {
-	for (const CoupledHand& coupled : {CoupledHand{"sigma7", false, 1}, CoupledHand{"sigma7", true, 1}, CoupledHand{"sigma7", true, 8}, CoupledHand{"touchx", false, 1}, CoupledHand{"touchx", true, 8}})
+	for (const CoupledHand& coupled : {CoupledHand{"sigma7", false, 1}, CoupledHand{"sigma7", true, 1}, CoupledHand{"sigma7", true, 8},
+			 CoupledHand{"touchx", false, 1}, CoupledHand{"touchx", true, 8}})
 		for (const double stiffness : {1e2, 1e4, 1e6, 1e8, 1e10, 1e12}) expectRest(coupled, stiffness);
 }

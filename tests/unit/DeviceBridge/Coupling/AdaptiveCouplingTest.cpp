@@ -59,8 +59,8 @@ bool isPositive(Matrix a)
 	return true;
 }
 
-/// Whether coupling and contact in series are everywhere below `share` of the bounds. With u in units of the bounds, the force is that of the least energy
-/// g |u - x|^2 + x C x, which is g (g + C)^-1 C u.
+/// Whether coupling and contact in series are everywhere below `share` of the bounds. With u in units of the bounds, the force is that of
+/// the least energy g |u - x|^2 + x C x, which is g (g + C)^-1 C u.
 bool seriesStaysBelow(double share, double factor, const Matrix& contactInBounds)
 {
 	Matrix sum = contactInBounds, left;
@@ -159,8 +159,7 @@ TEST(AdaptiveCoupling, ResistanceIsMovedToTheToolsOrigin)
 		const ist::Twist moved{{any(random), any(random), any(random)}, {any(random), any(random), any(random)}};
 		ist::SymmetricMatrix6 sum, none;
 		addResistance(sum, contact.C, none, arm, kTick);
-		const auto times = [](const ist::SymmetricMatrix6& K, const ist::Twist& t)
-		{
+		const auto times = [](const ist::SymmetricMatrix6& K, const ist::Twist& t) {
 			const double x[6] = {t.linear.x, t.linear.y, t.linear.z, t.angular.x, t.angular.y, t.angular.z};
 			double y[6] = {};
 			for (int i = 0; i < 6; ++i)
@@ -176,7 +175,8 @@ TEST(AdaptiveCoupling, ResistanceIsMovedToTheToolsOrigin)
 
 namespace
 {
-/// What a coupling has done on its two ends: a stretch at one stiffness is a way in the field of one potential, and a stiffness that leaps does no work.
+/// What a coupling has done on its two ends: a stretch at one stiffness is a way in the field of one potential, and a stiffness that leaps
+/// does no work.
 struct Audit
 {
 	double stretch = 0, done = 0;
@@ -193,8 +193,8 @@ struct Audit
 };
 }  // namespace
 
-// Whoever moves the ends and changes the contact cannot take out what he did not put in, not even on purpose: stiff while the stretch grows would be the time to soften,
-// soft while it falls the time to stiffen.
+// Whoever moves the ends and changes the contact cannot take out what he did not put in, not even on purpose: stiff while the stretch grows
+// would be the time to soften, soft while it falls the time to stiffen.
 TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 {
 	std::mt19937 random(3);
@@ -236,8 +236,7 @@ TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 TEST(AdaptiveCoupling, PressingAndReleasingIsPaidForByTheTank)
 {
 	AdaptiveCoupling coupling(bounds(8));
-	const auto at = [](double x)
-	{
+	const auto at = [](double x) {
 		ist::SymmetricMatrix6 contact;
 		contact(0, 0) = 1e6 * x;
 		return contact;
@@ -248,7 +247,10 @@ TEST(AdaptiveCoupling, PressingAndReleasingIsPaidForByTheTank)
 		const double depth = 2e-3 * (i <= 2000 ? i : 4000 - i) / 2000;
 		coupling.adapt(at(depth), false, 0, 0, {{}, {depth, 0, 0}}, {}, kTick);
 		if (i == 1500) in = coupling.factor();
-		if (i == 2500) { EXPECT_NEAR(coupling.factor(), in, 0.03 * in); }
+		if (i == 2500)
+		{
+			EXPECT_NEAR(coupling.factor(), in, 0.03 * in);
+		}
 	}
 	EXPECT_GT(in, 2);
 	EXPECT_GT(coupling.factor(), 5);

@@ -49,7 +49,8 @@ struct OneThread
 	ToolStep step;
 
 	explicit OneThread(const Vec3& at, bool gravity = false, double softContact = 1)
-		: tool(Hand::info(shape, at)), floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &planeShape))
+		: tool(Hand::info(shape, at)),
+		  floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &planeShape))
 	{
 		world.setGravity(btVector3(0, btScalar(-9.81), 0));
 		world.bullet().addRigidBody(&tool);
@@ -80,7 +81,8 @@ struct OneThread
 };
 }  // namespace
 
-// A tool without momentum is where the hand is, and a hand in free space feels nothing; a dynamic one drags its mass and what it lags behind.
+// A tool without momentum is where the hand is, and a hand in free space feels nothing; a dynamic one drags its mass and what it lags
+// behind.
 TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
 {
 	for (const bool isStatic : {true, false})
@@ -91,7 +93,9 @@ TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
 		Hand& hand = rig.addHand({100, 2, -3}, settings);
 		hand.script = [](double t) { return ist::Twist{{0.3 * std::cos(20 * t), 0.2 * std::sin(31 * t), 0.1}, {}}; };
 		double farthest = 0;
-		rig.afterTick = [&] { farthest = std::max(farthest, distance(hand.source.toolState().X_WT.translation, hand.state.X_WH.translation)); };
+		rig.afterTick = [&] {
+			farthest = std::max(farthest, distance(hand.source.toolState().X_WT.translation, hand.state.X_WH.translation));
+		};
 		rig.run(0.5);
 		if (isStatic)
 		{
@@ -114,7 +118,7 @@ TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 			for (const bool turns : {true, false})
 			{
 				SCOPED_TRACE(std::string(gravity ? "gravity, " : "no gravity, ") + (onPlane ? "on a plane, " : "in the air, ") +
-							 (turns ? "turning" : "not turning"));
+					(turns ? "turning" : "not turning"));
 				ist::Pose reached[2];
 				Vec3 felt[2];
 				for (const bool massless : {false, true})
@@ -136,8 +140,7 @@ TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 					DeviceState hand;
 					hand.X_WH.translation = {0, 0.025, 0};
 					ToolStep step;
-					rig.afterTick = [&]
-					{
+					rig.afterTick = [&] {
 						const double t = rig.time();
 						hand.twist.linear = {0.2 * std::cos(20 * t), t < 0.15 ? -0.05 : 0, 0.1};
 						hand.X_WH.translation += kTick * hand.twist.linear;
@@ -148,8 +151,14 @@ TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 					rig.run(0.5);
 					reached[massless] = step.tool.X_WT;
 					felt[massless] = step.coupling.force;
-					if (!onPlane) { EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-9); }
-					else { EXPECT_GT(norm(step.coupling.force), 1); }
+					if (!onPlane)
+					{
+						EXPECT_LT(distance(step.tool.X_WT.translation, hand.X_WH.translation), 1e-9);
+					}
+					else
+					{
+						EXPECT_GT(norm(step.coupling.force), 1);
+					}
 					EXPECT_EQ(source.statistics().brokenSteps, 0U);
 					EXPECT_EQ(source.statistics().refusedQueries, 0U);
 				}
@@ -192,18 +201,13 @@ TEST(DynamicCoupling, AToolThatCannotMoveOrTurnIsRefused)
 		const char* word;  // of the refusal; null: accepted
 	};
 	const btScalar mass = btScalar(0.1), inertia = btScalar(1e-5);
-	const Row rows[] = {{0, 0, false, true, "mass 0"},
-						{mass, 0, false, true, "inertia 0"},
-						{mass, 0, false, false, nullptr},
-						{nan, inertia, true, true, "number"},
-						{mass, nan, true, true, "number"},
-						{-mass, inertia, true, true, "number"},
-						{0, 0, true, true, nullptr},
-						{mass, inertia, false, true, nullptr}};
+	const Row rows[] = {{0, 0, false, true, "mass 0"}, {mass, 0, false, true, "inertia 0"}, {mass, 0, false, false, nullptr},
+		{nan, inertia, true, true, "number"}, {mass, nan, true, true, "number"}, {-mass, inertia, true, true, "number"},
+		{0, 0, true, true, nullptr}, {mass, inertia, false, true, nullptr}};
 	for (const Row& row : rows)
 	{
 		SCOPED_TRACE("mass " + std::to_string(double(row.mass)) + ", inertia " + std::to_string(double(row.inertia)) +
-					 (row.isStatic ? ", static" : ", dynamic"));
+			(row.isStatic ? ", static" : ", dynamic"));
 		VirtualClock clock;
 		btSphereShape shape{btScalar(kBallRadius)};
 		btRigidBody tool(row.mass, nullptr, &shape, btVector3(row.inertia, row.inertia, row.inertia));
@@ -317,8 +321,8 @@ TEST(CoupledTool, AThreadDoesNotStartWithAToolThatIsRefused)
 	EXPECT_EQ(thread.ticks(), 0U);
 }
 
-// Pressed on a plane, the spring and the contact balance in every tick, at once and without a swing. On a half-space F = k V, two stiffnesses of 2e7 in
-// series being 1e7.
+// Pressed on a plane, the spring and the contact balance in every tick, at once and without a swing. On a half-space F = k V, two
+// stiffnesses of 2e7 in series being 1e7.
 TEST(StaticCoupling, SpringAndContactBalanceInEveryTick)
 {
 	DecoupledRig rig(60);
@@ -326,8 +330,7 @@ TEST(StaticCoupling, SpringAndContactBalanceInEveryTick)
 	Hand& hand = rig.addHand({0, 0.025, 0}, staticSettings());
 	hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.05 : 0, 0}, {}}; };
 	double worst = 0, atStop = 0;
-	rig.afterTick = [&]
-	{
+	rig.afterTick = [&] {
 		const Vec3 spring = kSpring * (hand.state.X_WH.translation - hand.source.toolState().X_WT.translation);
 		worst = std::max(worst, norm(spring + contactForce(hand.step)));
 		worst = std::max(worst, distance(spring, hand.step.coupling.force));
@@ -393,8 +396,8 @@ TEST(StaticCoupling, SaturatesAndAllocatesNothing)
 	EXPECT_EQ(allocationCount(), before);
 }
 
-// What the hand feels is the coupling in series with the contact, C = k A on a flat face, which grows without bound with k and area: never more than the
-// coupling's own K, which is what the device bears.
+// What the hand feels is the coupling in series with the contact, C = k A on a flat face, which grows without bound with k and area: never
+// more than the coupling's own K, which is what the device bears.
 TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
 {
 	const double area = 4 * kBoxHalf * kBoxHalf;
@@ -423,7 +426,8 @@ TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
 
 namespace
 {
-/// A coupling of kSpring that may be eight times stiffer while contact is soft. Nothing sticks, and the contact has no dampers: both would count as hard.
+/// A coupling of kSpring that may be eight times stiffer while contact is soft. Nothing sticks, and the contact has no dampers: both would
+/// count as hard.
 BulletDecoupledSettings adaptingSettings(double softContact = 8)
 {
 	BulletDecoupledSettings settings = staticSettings();
@@ -446,8 +450,9 @@ Hand& addSmoothHand(DecoupledRig& rig, double stiffness, const BulletDecoupledSe
 }
 }  // namespace
 
-// Contact softer than the device bears is felt nearly as it is, C = k A in series with eight times the bound; any other as what the device bears. Within the ticks that
-// matter for stability, that is: a hand that leaps by 20 um. The bound is kept as well as the contact knows its own stiffness.
+// Contact softer than the device bears is felt nearly as it is, C = k A in series with eight times the bound; any other as what the device
+// bears. Within the ticks that matter for stability, that is: a hand that leaps by 20 um. The bound is kept as well as the contact knows
+// its own stiffness.
 TEST(CoupledStiffness, AnAdaptingCouplingShowsWhatTheDeviceBearsAndNoMore)
 {
 	const double area = 4 * kBoxHalf * kBoxHalf;
@@ -457,7 +462,9 @@ TEST(CoupledStiffness, AnAdaptingCouplingShowsWhatTheDeviceBearsAndNoMore)
 		DecoupledRig rig(240);
 		addSmoothPlane(rig, 2 * k);
 		Hand& hand = addSmoothHand(rig, 2 * k, adaptingSettings());
-		hand.script = [](double t) { return ist::Twist{{0, t < 0.3 ? -0.03 : std::fabs(t - 0.7) < 0.5 * kTick ? -kLeap / kTick : 0, 0}, {}}; };
+		hand.script = [](double t) {
+			return ist::Twist{{0, t < 0.3 ? -0.03 : std::fabs(t - 0.7) < 0.5 * kTick ? -kLeap / kTick : 0, 0}, {}};
+		};
 		rig.run(0.699);
 		const double before = norm(hand.step.coupling.force), at = hand.state.X_WH.translation.y;
 		rig.run(0.001);
@@ -482,8 +489,14 @@ TEST(CoupledStiffness, WhatSticksOrIsHeldByBulletCountsAsHard)
 		EXPECT_GT(hand.step.couplingFactor, 7.9);
 		rig.run(0.4);
 		ASSERT_GT(hand.step.contactCount, 0);
-		if (friction > 0) { EXPECT_EQ(hand.step.couplingFactor, 1); }
-		else { EXPECT_GT(hand.step.couplingFactor, 5); }
+		if (friction > 0)
+		{
+			EXPECT_EQ(hand.step.couplingFactor, 1);
+		}
+		else
+		{
+			EXPECT_GT(hand.step.couplingFactor, 5);
+		}
 	}
 	OneThread scene({0, 0.5, 0}, false, 8);
 	scene.tick({});
@@ -498,8 +511,8 @@ TEST(CoupledStiffness, WhatSticksOrIsHeldByBulletCountsAsHard)
 	scene.world.bullet().removeRigidBody(&block);
 }
 
-// The ball's contact begins softer than the coupling's bound and ends harder. The hand feels no more than the bound on its way in, from one tick to the next; a
-// coupling that is always eight times stiffer shows twice as much.
+// The ball's contact begins softer than the coupling's bound and ends harder. The hand feels no more than the bound on its way in, from one
+// tick to the next; a coupling that is always eight times stiffer shows twice as much.
 TEST(CoupledStiffness, WithTheWorldInTheTickItStaysWithinTheBoundAsTheContactGrows)
 {
 	for (const bool adapts : {true, false})
@@ -522,31 +535,38 @@ TEST(CoupledStiffness, WithTheWorldInTheTickItStaysWithinTheBoundAsTheContactGro
 			if (scene.step.contactCount > 0) lowest = std::min(lowest, scene.step.couplingFactor);
 		}
 		EXPECT_GT(most, 0.8 * kSpring);
-		if (adapts) { EXPECT_LT(most, 1.1 * kSpring); }
-		else { EXPECT_GT(most, 1.5 * kSpring); }
-		if (adapts) { EXPECT_LT(lowest, 2); }
+		if (adapts)
+		{
+			EXPECT_LT(most, 1.1 * kSpring);
+		}
+		else
+		{
+			EXPECT_GT(most, 1.5 * kSpring);
+		}
+		if (adapts)
+		{
+			EXPECT_LT(lowest, 2);
+		}
 	}
 }
 
 namespace
 {
-/// The most that ever came out of the coupling at the hand [J], from rest in the air on, beyond what a mechanism takes up that makes a stiffness of kSpring
-/// passive, b = K T / 2. The hand presses on a plane and shakes with a period of so many ticks.
+/// The most that ever came out of the coupling at the hand [J], from rest in the air on, beyond what a mechanism takes up that makes a
+/// stiffness of kSpring passive, b = K T / 2. The hand presses on a plane and shakes with a period of so many ticks.
 double mostReturned(double k, const BulletDecoupledSettings& settings, int period, double seconds = 0.55)
 {
 	constexpr double kAmplitude = 5e-5;
 	DecoupledRig rig(240);
 	addSmoothPlane(rig, 2 * k);
 	Hand& hand = addSmoothHand(rig, 2 * k, settings);
-	hand.script = [period](double t)
-	{
+	hand.script = [period](double t) {
 		const double angle = 2 * std::acos(-1.0) / period, tick = std::floor(t / kTick + 0.5);
 		const double shake = t > 0.15 ? std::sin(angle * (tick + 0.25)) - std::sin(angle * (tick - 0.75)) : 0;
 		return ist::Twist{{0, (t < 0.1 ? -0.04 : 0) + kAmplitude / kTick * shake, 0}, {}};
 	};
 	double energy = 0, most = 0, force = 0, at = hand.state.X_WH.translation.y;
-	rig.afterTick = [&]
-	{
+	rig.afterTick = [&] {
 		const double way = hand.state.X_WH.translation.y - at;
 		energy += -force * way - 0.5 * kSpring * way * way;
 		most = std::max(most, energy);
@@ -558,8 +578,8 @@ double mostReturned(double k, const BulletDecoupledSettings& settings, int perio
 }
 }  // namespace
 
-// A mechanism that bears kSpring bears the adapting coupling on every contact, at every frequency; it does not bear one that is always eight times stiffer, out of
-// which comes more than the press has put in.
+// A mechanism that bears kSpring bears the adapting coupling on every contact, at every frequency; it does not bear one that is always
+// eight times stiffer, out of which comes more than the press has put in.
 TEST(CoupledStiffness, IsPassiveOnWhateverContactAtEveryFrequency)
 {
 	for (const bool isStatic : {true, false})

@@ -130,8 +130,7 @@ TEST(ZWidth, NoMotionTakesEnergyOutOfAWallInThePassiveRegion)
 	const double T = 1e-3, b = profile.damping;
 	for (const ZWidthPoint& p : measureZWidth(profile, 0, {0, 0.5, 1.5}))
 	{
-		const auto absorbed = [&](const std::vector<double>& x, double K)
-		{
+		const auto absorbed = [&](const std::vector<double>& x, double K) {
 			double energy = 0;
 			const std::size_t n = x.size();
 			for (std::size_t k = 0; k < n; ++k)

@@ -53,8 +53,7 @@ public:
 	}
 };
 
-template <class Decorator, class... Args>
-std::pair<std::unique_ptr<Decorator>, Puppet*> decorated(Args... args)
+template <class Decorator, class... Args> std::pair<std::unique_ptr<Decorator>, Puppet*> decorated(Args... args)
 {
 	auto owned = std::make_unique<Puppet>();
 	Puppet* puppet = owned.get();
@@ -167,7 +166,9 @@ TEST(ClutchedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
 		puppet->state.X_WH.rotation = turn(h * puppet->state.twist.angular) * puppet->state.X_WH.rotation;
 		const DeviceState after = readAt(*device, 1);
 		EXPECT_LT(distance((after.X_WH.translation - before.X_WH.translation) / h, before.twist.linear), 1e-5);
-		EXPECT_LT(distance(rotationVector(ist::quaternion(after.X_WH.rotation * transpose(before.X_WH.rotation))) / h, before.twist.angular), 1e-4);
+		EXPECT_LT(
+			distance(rotationVector(ist::quaternion(after.X_WH.rotation * transpose(before.X_WH.rotation))) / h, before.twist.angular),
+			1e-4);
 	}
 }
 
@@ -299,7 +300,8 @@ TEST(DeviceDecorator, DecoratorsCompose)
 {
 	auto hand = std::make_unique<Puppet>();
 	Puppet* puppet = hand.get();
-	DelayedDevice device(std::make_unique<MountedDevice>(std::make_unique<VelocityFilter>(std::move(hand), 0.0), ist::Pose{{}, {0, 0, 1}}, 2.0), 1, 0);
+	DelayedDevice device(
+		std::make_unique<MountedDevice>(std::make_unique<VelocityFilter>(std::move(hand), 0.0), ist::Pose{{}, {0, 0, 1}}, 2.0), 1, 0);
 	device.open();
 	puppet->state.X_WH.translation = {0.1, 0, 0};
 	DeviceState state;
@@ -322,7 +324,8 @@ HandState anyHand(std::mt19937_64& random)
 	HandState hand;
 	for (HandJoint& joint : hand.joints)
 	{
-		joint = {{normal(random), normal(random), normal(random)}, ist::quaternionFromRotationVector(Vec3{normal(random), normal(random), normal(random)}), 0.01, true};
+		joint = {{normal(random), normal(random), normal(random)},
+			ist::quaternionFromRotationVector(Vec3{normal(random), normal(random), normal(random)}), 0.01, true};
 	}
 	return hand;
 }
@@ -467,8 +470,7 @@ TEST(LimitedDevice, WhatTheDeviceRefusesDoesNoWork)
 	const double force = puppet->last.wrench.force.x, before = limited->limiter().energy().stored;
 	DeviceCommand command;
 	command.wrench.force.x = force;
-	const auto move = [&, &limited = limited, &puppet = puppet](int ms)
-	{
+	const auto move = [&, &limited = limited, &puppet = puppet](int ms) {
 		puppet->state.X_WH.translation.x -= 1e-4;
 		readAt(*limited, ms * kMs);
 		command.computedAt = ms * kMs;

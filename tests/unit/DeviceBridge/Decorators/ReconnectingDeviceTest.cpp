@@ -44,8 +44,7 @@ private:
 	bool m_open = false;  // touched by one thread at a time, which the thread sanitizer checks
 };
 
-template <class Condition>
-bool within(Condition condition, int milliseconds = 5000)
+template <class Condition> bool within(Condition condition, int milliseconds = 5000)
 {
 	for (int i = 0; i < milliseconds; ++i)
 	{

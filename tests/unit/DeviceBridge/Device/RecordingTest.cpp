@@ -154,7 +154,10 @@ TEST(Recording, TimesThatNoClockShowsAreRefused)
 		{
 			Recording recording = oddRecording();
 			RecordedTick& tick = recording.ticks[1];
-			*(which == 0 ? &tick.now : which == 1 ? &tick.state.sampledAt : which == 2 ? &tick.command.computedAt : &tick.command.expiresAt) = time;
+			*(which == 0         ? &tick.now
+					: which == 1 ? &tick.state.sampledAt
+					: which == 2 ? &tick.command.computedAt
+								 : &tick.command.expiresAt) = time;
 			const auto bytes = encodeRecording(recording);
 			const auto decoded = decodeRecording(bytes.data(), bytes.size());
 			ASSERT_FALSE(decoded) << which;
@@ -226,7 +229,7 @@ bool sameHand(const HandState& a, const HandState& b)
 	{
 		const HandJoint &p = a.joints[i], &q = b.joints[i];
 		same = same && p.position == q.position && p.radius == q.radius && p.tracked == q.tracked && p.orientation.x == q.orientation.x &&
-			   p.orientation.y == q.orientation.y && p.orientation.z == q.orientation.z && p.orientation.w == q.orientation.w;
+			p.orientation.y == q.orientation.y && p.orientation.z == q.orientation.z && p.orientation.w == q.orientation.w;
 	}
 	return same;
 }

@@ -69,7 +69,8 @@ public:
 	}
 	std::string complaint() const override
 	{
-		std::this_thread::sleep_for(std::chrono::milliseconds(50));  // whoever hears of the loss before the reason is told, asks for it by then
+		std::this_thread::sleep_for(
+			std::chrono::milliseconds(50));  // whoever hears of the loss before the reason is told, asks for it by then
 		return "the cable is out";
 	}
 

@@ -5,8 +5,8 @@
 
 #include <utility>
 
-#include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
+#include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 
 using namespace devicebridge;
 
@@ -39,7 +39,7 @@ TEST(AssumedLimits, AModelWithAProfileIsFelt)
 		EXPECT_EQ(info.maxDamping, known.maxDamping);
 		EXPECT_EQ(info.workspaceRadius, known.workspaceRadius);
 		EXPECT_EQ(info.assumed & (kAssumedPeakForce | kAssumedMaxStiffness | kAssumedMaxDamping | kAssumedDamping),
-				  static_cast<unsigned>(kAssumedPeakForce | kAssumedMaxStiffness | kAssumedMaxDamping | kAssumedDamping));
+			static_cast<unsigned>(kAssumedPeakForce | kAssumedMaxStiffness | kAssumedMaxDamping | kAssumedDamping));
 		EXPECT_TRUE(info.continuousForce == 0 || info.continuousForce < info.peakForce);
 		for (const double b : {info.damping, 2.5, 0.1})
 		{
@@ -49,8 +49,14 @@ TEST(AssumedLimits, AModelWithAProfileIsFelt)
 			EXPECT_EQ(gains.maxForce, known.peakForce);
 		}
 		EXPECT_NEAR(passiveGains(info, info.damping, 0, 1e-3).stiffness, known.maxStiffness, 1e-9);
-		if (!(known.actuated & kRotation)) { EXPECT_EQ(info.peakTorque + info.maxAngularStiffness + info.angularDamping, 0); }
-		else { EXPECT_EQ(info.peakTorque, known.peakTorque); }
+		if (!(known.actuated & kRotation))
+		{
+			EXPECT_EQ(info.peakTorque + info.maxAngularStiffness + info.angularDamping, 0);
+		}
+		else
+		{
+			EXPECT_EQ(info.peakTorque, known.peakTorque);
+		}
 	}
 }
 

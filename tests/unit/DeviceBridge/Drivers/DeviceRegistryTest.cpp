@@ -46,8 +46,7 @@ TEST(DeviceRegistry, UsersAddSchemes)
 {
 	DeviceRegistry registry;
 	std::string heard;
-	const auto maker = [&](const std::string& rest) -> ist::Result<std::unique_ptr<Device>>
-	{
+	const auto maker = [&](const std::string& rest) -> ist::Result<std::unique_ptr<Device>> {
 		heard = rest;
 		return std::unique_ptr<Device>(std::make_unique<SimulatedDevice>(SimulatedProfile{}));
 	};
@@ -61,7 +60,8 @@ TEST(DeviceRegistry, UsersAddSchemes)
 TEST(DeviceRegistry, OptionsKeepADeviceToSomeOfItsFreedoms)
 {
 	const DeviceRegistry registry;
-	const auto plain = registry.open("sim:sigma7"), forceOnly = registry.open("sim:sigma7?dof=3"), both = registry.open("sim:sigma7?sense=3&dof=6");
+	const auto plain = registry.open("sim:sigma7"), forceOnly = registry.open("sim:sigma7?dof=3"),
+			   both = registry.open("sim:sigma7?sense=3&dof=6");
 	ASSERT_TRUE(plain && forceOnly && both);
 	EXPECT_TRUE(plain.value()->info().actuated & kRotation);
 	EXPECT_EQ(forceOnly.value()->info().actuated, plain.value()->info().actuated & ~static_cast<unsigned>(kRotation));
@@ -94,7 +94,8 @@ TEST(DeviceRegistry, AFreedomThatIsOffIsNeitherFeltNorSeen)
 TEST(DeviceRegistry, RefusesOptionsThatCannotBeHad)
 {
 	const DeviceRegistry registry;
-	for (const std::string uri : {"sim:touchx?dof=6", "sim:sigma7?dof=4", "sim:sigma7?sense=2", "sim:sigma7?reconnect=yes", "sim:sigma7?colour=red"})
+	for (const std::string uri :
+		{"sim:touchx?dof=6", "sim:sigma7?dof=4", "sim:sigma7?sense=2", "sim:sigma7?reconnect=yes", "sim:sigma7?colour=red"})
 	{
 		const auto device = registry.open(uri);
 		ASSERT_FALSE(device) << uri;
@@ -107,7 +108,12 @@ TEST(DeviceRegistry, ReportsWhatIsMissingAndWhy)
 {
 	DeviceRegistry registry;
 	EXPECT_TRUE(registry.addMissing("tele", "telepathy", "no nerve; install libnerve-dev"));
-	registry.addScheme("mood", [](const std::string&) { return ist::Error{"no", false}; }, "moods", [] { return std::string("asleep"); });
+	registry.addScheme(
+		"mood",
+		[](const std::string&) {
+			return ist::Error{"no", false};
+		},
+		"moods", [] { return std::string("asleep"); });
 	bool tele = false, mood = false, sim = false;
 	for (const DriverReport& driver : registry.drivers())
 	{

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <thread>
 
-#include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
 
 namespace devicebridge
 {
@@ -16,8 +16,7 @@ namespace devicebridge
 inline const bool kQuietOpenXr = setenv("XR_LOADER_DEBUG", "none", 0) == 0;
 
 /// Waits, far longer than anything needs, for what another thread or process does.
-template <class Condition>
-bool within(Condition condition, int milliseconds = 20000)
+template <class Condition> bool within(Condition condition, int milliseconds = 20000)
 {
 	for (int i = 0; i < milliseconds; ++i)
 	{
@@ -56,8 +55,7 @@ public:
 	double force() const { return norm(m_thread.sentWrench().force); }
 	double torque() const { return norm(m_thread.sentWrench().torque); }
 
-	template <class Condition>
-	bool until(Condition condition, int ticks = 10000)
+	template <class Condition> bool until(Condition condition, int ticks = 10000)
 	{
 		for (int i = 0; i < ticks && !condition(); ++i) m_thread.run(1);
 		return condition();
@@ -78,8 +76,7 @@ public:
 	}
 
 	/// `pull` takes the cable out while force flows: the force ends, the cause is told, and nothing hangs.
-	template <class Pull>
-	void expectLossIsSafe(Device& device, Pull pull, bool exertsForce = true)
+	template <class Pull> void expectLossIsSafe(Device& device, Pull pull, bool exertsForce = true)
 	{
 		if (exertsForce)
 		{

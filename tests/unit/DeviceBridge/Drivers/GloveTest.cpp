@@ -274,13 +274,13 @@ TEST(GloveCalibration, RefusesFilesThatAreNone)
 {
 	const std::string good = writeGloveCalibration(roughGloveCalibration());
 	ASSERT_TRUE(readGloveCalibration(good));
-	const auto with = [&](const std::string& from, const std::string& to)
-	{
+	const auto with = [&](const std::string& from, const std::string& to) {
 		std::string text = good;
 		return text.replace(text.find(from), from.size(), to);
 	};
-	for (const std::string& text : {std::string(), std::string("{}"), with("\"schema\": 1", "\"schema\": 2"), with("thumb_roll", "thumb_role"),
-									with("\"offset\": 1.0", "\"offset\": \"1\""), with("\"gain\": 0", "\"gain\": 40"), good.substr(0, good.size() / 2)})
+	for (const std::string& text :
+		{std::string(), std::string("{}"), with("\"schema\": 1", "\"schema\": 2"), with("thumb_roll", "thumb_role"),
+			with("\"offset\": 1.0", "\"offset\": \"1\""), with("\"gain\": 0", "\"gain\": 40"), good.substr(0, good.size() / 2)})
 	{
 		const auto read = readGloveCalibration(text);
 		ASSERT_FALSE(read) << text;
@@ -292,7 +292,8 @@ TEST(Glove, JointsOfBothKindsArriveFromTheSerialLine)
 {
 	const std::string file = std::filesystem::temp_directory_path() / ("glove" + std::to_string(getpid()) + ".json");
 	GloveCalibration calibration = roughGloveCalibration();
-	for (std::size_t i = 0; i < calibration.gain.size(); ++i) calibration.offset[i] = 3.5 * static_cast<double>(i), calibration.gain[i] = 2e-3 + 1e-4 * static_cast<double>(i);
+	for (std::size_t i = 0; i < calibration.gain.size(); ++i)
+		calibration.offset[i] = 3.5 * static_cast<double>(i), calibration.gain[i] = 2e-3 + 1e-4 * static_cast<double>(i);
 	std::ofstream(file) << writeGloveCalibration(calibration);
 	std::mt19937_64 random(10);
 	for (const int sensors : {18, 22})
@@ -309,23 +310,26 @@ TEST(Glove, JointsOfBothKindsArriveFromTheSerialLine)
 			const GloveValues values = randomValues(random);
 			glove.set(values);
 			glove.noisy = round % 2 == 1;
-			const auto angle = [&](int i) { return calibration.gain[static_cast<std::size_t>(i)] * (values[static_cast<std::size_t>(i)] - calibration.offset[static_cast<std::size_t>(i)]); };
+			const auto angle = [&](int i) {
+				return calibration.gain[static_cast<std::size_t>(i)] *
+					(values[static_cast<std::size_t>(i)] - calibration.offset[static_cast<std::size_t>(i)]);
+			};
 			DeviceState s;
 			HandState hand;
-			EXPECT_TRUE(within(
-				[&]
+			EXPECT_TRUE(within([&] {
+				EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
+				EXPECT_TRUE(device.value()->readHand(hand));
+				double error = 0;
+				for (int f = 0; f < 4; ++f)
 				{
-					EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
-					EXPECT_TRUE(device.value()->readHand(hand));
-					double error = 0;
-					for (int f = 0; f < 4; ++f)
-					{
-						const double middle = angle(kKnuckles[f] + 1), end = sensors == 22 ? angle(kKnuckles[f] + 2) : 2.0 / 3 * middle;
-						error = std::max(error, std::fabs(angleBetween(bone(hand, kFirstJoints[f] + 1), bone(hand, kFirstJoints[f] + 2)) - std::fabs(middle)));
-						error = std::max(error, std::fabs(angleBetween(bone(hand, kFirstJoints[f] + 2), bone(hand, kFirstJoints[f] + 3)) - std::fabs(end)));
-					}
-					return error < 1e-9;
-				}));
+					const double middle = angle(kKnuckles[f] + 1), end = sensors == 22 ? angle(kKnuckles[f] + 2) : 2.0 / 3 * middle;
+					error = std::max(error,
+						std::fabs(angleBetween(bone(hand, kFirstJoints[f] + 1), bone(hand, kFirstJoints[f] + 2)) - std::fabs(middle)));
+					error = std::max(
+						error, std::fabs(angleBetween(bone(hand, kFirstJoints[f] + 2), bone(hand, kFirstJoints[f] + 3)) - std::fabs(end)));
+				}
+				return error < 1e-9;
+			}));
 			EXPECT_TRUE(hand.left);
 			EXPECT_TRUE(s.flags & kCalibrated);
 		}
@@ -348,16 +352,17 @@ TEST(Glove, APulledCableIsExplainedAndASilentGloveIsFrozen)
 	EXPECT_TRUE(run.until([&] { return run.thread().faultCause() == FaultCause::Frozen; }));
 	glove.silent = false;
 	EXPECT_TRUE(run.until([&] { return run.thread().faultCause() == FaultCause::None; }));
-	run.expectLossIsSafe(*device.value(), [&] { glove.unplugged = true; }, false);
+	run.expectLossIsSafe(
+		*device.value(), [&] { glove.unplugged = true; }, false);
 	EXPECT_NE(device.value()->complaint().find("hung up"), std::string::npos) << device.value()->complaint();
 }
 
 TEST(Glove, RefusesWhatIsNoneInASentence)
 {
 	PseudoTerminal mute;
-	const std::pair<std::string, const char*> wrong[] = {{"glove:", "/dev/ttyUSB0"}, {"glove:/nowhere/tty", "cannot open"}, {"glove:/dev/null", "no serial line"},
-														 {"glove:/dev/x?sensors=20", "18 or 22"}, {"glove:/dev/x?hand=both", "left or right"},
-														 {"glove:/dev/x?calibration=/nowhere/c.json", "/nowhere/c.json"}, {"glove:" + mute.path(), "sends no frames"}};
+	const std::pair<std::string, const char*> wrong[] = {{"glove:", "/dev/ttyUSB0"}, {"glove:/nowhere/tty", "cannot open"},
+		{"glove:/dev/null", "no serial line"}, {"glove:/dev/x?sensors=20", "18 or 22"}, {"glove:/dev/x?hand=both", "left or right"},
+		{"glove:/dev/x?calibration=/nowhere/c.json", "/nowhere/c.json"}, {"glove:" + mute.path(), "sends no frames"}};
 	for (const auto& [uri, word] : wrong)
 	{
 		const auto device = DeviceRegistry().open(uri);

@@ -40,9 +40,10 @@ public:
 	std::atomic<int> messages{0}, refused{0};
 
 	explicit FakeService(std::string kind = "inverse3")
-		: m_kind(std::move(kind)), m_acceptor(m_context, {asio::ip::address_v4::loopback(), 0}), m_thread([this] { serve(); })
-	{
-	}
+		: m_kind(std::move(kind)),
+		  m_acceptor(m_context, {asio::ip::address_v4::loopback(), 0}),
+		  m_thread([this] { serve(); })
+	{}
 	~FakeService()
 	{
 		m_ending = true;
@@ -53,7 +54,10 @@ public:
 		tcp::socket(context).connect(m_acceptor.local_endpoint(), ignored);
 		m_thread.join();
 	}
-	std::string uri(const std::string& options = "") const { return "haply://127.0.0.1:" + std::to_string(m_acceptor.local_endpoint().port()) + options; }
+	std::string uri(const std::string& options = "") const
+	{
+		return "haply://127.0.0.1:" + std::to_string(m_acceptor.local_endpoint().port()) + options;
+	}
 	void hangUp()
 	{
 		const std::lock_guard<std::mutex> lock(m_mutex);
@@ -185,17 +189,16 @@ TEST(Haply, StatesOfTheServiceArrive)
 	RealClock clock;
 	for (unsigned round = 0; round < 20; ++round)
 	{
-		const ist::Vec3 p{0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)}, v{normal(random), normal(random), normal(random)};
+		const ist::Vec3 p{0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)},
+			v{normal(random), normal(random), normal(random)};
 		const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{normal(random), normal(random), normal(random)});
 		service.place(p, v, q, round % 8);
 		DeviceState s;
-		EXPECT_TRUE(within(
-			[&]
-			{
-				EXPECT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
-				const ist::Vec3 turn = rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(q))));
-				return s.X_WH.translation == p && s.twist.linear == v && norm(turn) < 1e-9 && s.buttons == round % 8;
-			}));
+		EXPECT_TRUE(within([&] {
+			EXPECT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
+			const ist::Vec3 turn = rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(q))));
+			return s.X_WH.translation == p && s.twist.linear == v && norm(turn) < 1e-9 && s.buttons == round % 8;
+		}));
 	}
 	EXPECT_EQ(service.refused, 0);
 }
@@ -266,13 +269,18 @@ TEST(Haply, ASilentGripStaysAsItWas)
 {
 	FakeService service;
 	RealClock clock;
-	const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{0.4, -0.8, 0.3}), later = ist::quaternionFromRotationVector(ist::Vec3{-1, 0.2, 2});
+	const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{0.4, -0.8, 0.3}),
+						  later = ist::quaternionFromRotationVector(ist::Vec3{-1, 0.2, 2});
 	service.place({}, {}, q, 5);
 	const auto device = opened(service.uri());
 	ASSERT_TRUE(device);
 	DeviceState s;
-	const auto turned = [&](const ist::Quaternion& from) { return norm(rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(from))))); };
-	const auto reach = [&](double x) { return within([&] { return device->read(clock.now(), s) == DeviceStatus::Ok && s.X_WH.translation.x == x; }); };
+	const auto turned = [&](const ist::Quaternion& from) {
+		return norm(rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(from)))));
+	};
+	const auto reach = [&](double x) {
+		return within([&] { return device->read(clock.now(), s) == DeviceStatus::Ok && s.X_WH.translation.x == x; });
+	};
 	service.place({1, 0, 0}, {}, q, 5);
 	ASSERT_TRUE(reach(1));
 	EXPECT_EQ(s.buttons, 5U);
@@ -306,8 +314,8 @@ TEST(Haply, TheGripThatWasNamedTurnsTheHandle)
 	RealClock clock;
 	const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{0.4, -0.8, 0.3});
 	service.place({1, 0, 0}, {}, q, 0);
-	const std::pair<const char*, ist::Mat3> grips[] = {
-		{"", rotationMatrix(q)}, {"?grip=61576", rotationMatrix(q)}, {"?grip=61580", transpose(rotationMatrix(q))}, {"?grip=1", ist::Pose().rotation}};
+	const std::pair<const char*, ist::Mat3> grips[] = {{"", rotationMatrix(q)}, {"?grip=61576", rotationMatrix(q)},
+		{"?grip=61580", transpose(rotationMatrix(q))}, {"?grip=1", ist::Pose().rotation}};
 	for (const auto& [option, R] : grips)
 	{
 		const auto device = opened(service.uri(option));
@@ -325,8 +333,7 @@ TEST(Haply, ForcesReachTheDeviceThatWasNamed)
 	RealClock clock;
 	DeviceCommand command;
 	command.wrench.force = {0.5, -1.25, 2};
-	const auto push = [&](Device& device)
-	{
+	const auto push = [&](Device& device) {
 		command.computedAt = clock.now();
 		command.expiresAt = command.computedAt + 100'000'000;
 		EXPECT_EQ(device.write(command), DeviceStatus::Ok);
@@ -354,10 +361,8 @@ TEST(Haply, EveryLossEndsTheForceAndIsExplained)
 {
 	using Mood = FakeService::Mood;
 	const std::pair<std::function<void(FakeService&)>, const char*> losses[] = {
-		{[](FakeService& s) { s.hangUp(); }, "closed the connection"},
-		{[](FakeService& s) { s.mood = Mood::Silent; }, "does not answer"},
-		{[](FakeService& s) { s.mood = Mood::Emptied; }, "has left"},
-		{[](FakeService& s) { s.mood = Mood::Babbling; }, "no JSON"}};
+		{[](FakeService& s) { s.hangUp(); }, "closed the connection"}, {[](FakeService& s) { s.mood = Mood::Silent; }, "does not answer"},
+		{[](FakeService& s) { s.mood = Mood::Emptied; }, "has left"}, {[](FakeService& s) { s.mood = Mood::Babbling; }, "no JSON"}};
 	for (const auto& [pull, word] : losses)
 	{
 		FakeService service;
@@ -391,7 +396,7 @@ TEST(Haply, RefusesWhatIsNoneInASentence)
 		free = service.uri();
 	}
 	const std::pair<std::string, const char*> wrong[] = {{free, "no Haply Inverse service"}, {"haply://host:port", "haply://HOST:PORT"},
-														 {"haply:?api=2", "api=2"}, {"haply:?colour=red", "colour"}};
+		{"haply:?api=2", "api=2"}, {"haply:?colour=red", "colour"}};
 	for (const auto& [uri, word] : wrong)
 	{
 		const auto device = registry.open(uri);
@@ -402,7 +407,8 @@ TEST(Haply, RefusesWhatIsNoneInASentence)
 
 TEST(Haply, NoMessageBreaksTheReader)
 {
-	const std::string whole = R"({"inverse3":[{"device_id":"a","state":{"cursor_position":{"x":1,"y":2,"z":3}}}],"wireless_verse_grip":[{"state":{"orientation":{"w":1,"x":0,"y":0,"z":0},"buttons":{"a":true}}}]})";
+	const std::string whole = R"({"inverse3":[{"device_id":"a","state":{"cursor_position":{"x":1,"y":2,"z":3}}}],)"
+							  R"("wireless_verse_grip":[{"state":{"orientation":{"w":1,"x":0,"y":0,"z":0},"buttons":{"a":true}}}]})";
 	const auto read = readHaplyMessage(whole, "");
 	ASSERT_TRUE(read && read.value());
 	EXPECT_EQ(read.value()->position.y, 2);

@@ -26,21 +26,18 @@ protected:
 		void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_openxr.so", RTLD_NOW);
 		ASSERT_NE(library, nullptr) << dlerror();
 		m_mock = reinterpret_cast<MockOpenXr* (*)()>(dlsym(library, "mockOpenXr"))();
-		change(
-			[](MockOpenXr& m)
-			{
-				m.hasHeadless = m.hasHeadset = m.tracksHands = m.active[0] = m.active[1] = true;
-				m.gone = m.exiting = false;
-				m.misuse = 0;
-			});
+		change([](MockOpenXr& m) {
+			m.hasHeadless = m.hasHeadset = m.tracksHands = m.active[0] = m.active[1] = true;
+			m.gone = m.exiting = false;
+			m.misuse = 0;
+		});
 	}
 	void TearDown() override
 	{
 		change([](MockOpenXr& m) { EXPECT_EQ(m.instances + m.sessions + m.trackers + m.misuse, 0); });
 		unsetenv("XR_RUNTIME_JSON");
 	}
-	template <class Change>
-	void change(Change&& c)
+	template <class Change> void change(Change&& c)
 	{
 		const std::lock_guard<std::mutex> lock(m_mock->mutex);
 		c(*m_mock);
@@ -49,27 +46,28 @@ protected:
 	void place(int hand, std::mt19937& random, HandState& wanted)
 	{
 		std::normal_distribution<float> normal;
-		change(
-			[&](MockOpenXr& m)
+		change([&](MockOpenXr& m) {
+			wanted.left = hand == 0;
+			for (int j = 0; j < kHandJoints; ++j)
 			{
-				wanted.left = hand == 0;
-				for (int j = 0; j < kHandJoints; ++j)
-				{
-					XrHandJointLocationEXT& joint = m.joints[hand][j];
-					float q[4], length = 0;
-					for (float& c : q) c = normal(random), length += c * c;
-					for (float& c : q) c /= std::sqrt(length);
-					const bool tracked = j == kPalm || random() % 5 != 0;
-					joint.locationFlags = tracked ? XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT : XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
-					joint.pose = {{q[0], q[1], q[2], q[3]}, {normal(random), normal(random), normal(random)}};
-					joint.radius = 0.01F + 0.001F * static_cast<float>(j);
-					HandJoint& w = wanted.joints[static_cast<std::size_t>(j)];
-					w = {};
-					if (tracked) w = {{joint.pose.position.x, joint.pose.position.y, joint.pose.position.z}, {q[0], q[1], q[2], q[3]}, joint.radius, true};
-				}
-				m.palmVelocity[hand] = {normal(random), normal(random), normal(random)};
-				m.palmTurning[hand] = {normal(random), normal(random), normal(random)};
-			});
+				XrHandJointLocationEXT& joint = m.joints[hand][j];
+				float q[4], length = 0;
+				for (float& c : q) c = normal(random), length += c * c;
+				for (float& c : q) c /= std::sqrt(length);
+				const bool tracked = j == kPalm || random() % 5 != 0;
+				joint.locationFlags = tracked ? XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT
+											  : XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
+				joint.pose = {{q[0], q[1], q[2], q[3]}, {normal(random), normal(random), normal(random)}};
+				joint.radius = 0.01F + 0.001F * static_cast<float>(j);
+				HandJoint& w = wanted.joints[static_cast<std::size_t>(j)];
+				w = {};
+				if (tracked)
+					w = {{joint.pose.position.x, joint.pose.position.y, joint.pose.position.z}, {q[0], q[1], q[2], q[3]}, joint.radius,
+						true};
+			}
+			m.palmVelocity[hand] = {normal(random), normal(random), normal(random)};
+			m.palmTurning[hand] = {normal(random), normal(random), normal(random)};
+		});
 	}
 	MockOpenXr* m_mock = nullptr;
 };
@@ -109,13 +107,11 @@ TEST_F(OpenXr, BothHandsArriveJointByJoint)
 			HandState wanted, got;
 			place(hand, random, wanted);
 			DeviceState s;
-			EXPECT_TRUE(within(
-				[&]
-				{
-					EXPECT_EQ(device.read(clock.now(), s), DeviceStatus::Ok);
-					EXPECT_TRUE(device.readHand(got));
-					return differenceOf(got, wanted) < 1e-6;
-				}));
+			EXPECT_TRUE(within([&] {
+				EXPECT_EQ(device.read(clock.now(), s), DeviceStatus::Ok);
+				EXPECT_TRUE(device.readHand(got));
+				return differenceOf(got, wanted) < 1e-6;
+			}));
 			const HandJoint& palm = wanted.joints[kPalm];
 			EXPECT_EQ(s.X_WH.translation, palm.position);
 			EXPECT_LT(norm(rotationVector(ist::quaternion(s.X_WH.rotation) * conjugate(palm.orientation))), 1e-6);
@@ -175,7 +171,8 @@ TEST_F(OpenXr, EveryEndOfTheRuntimeIsExplained)
 		auto device = DeviceRegistry().open("openxr:hand/left");
 		ASSERT_TRUE(device) << device.error().message;
 		DriverRun run(*device.value());
-		run.expectLossIsSafe(*device.value(), [&] { change([&](MockOpenXr& m) { (crash ? m.gone : m.exiting) = true; }); }, false);
+		run.expectLossIsSafe(
+			*device.value(), [&] { change([&](MockOpenXr& m) { (crash ? m.gone : m.exiting) = true; }); }, false);
 		EXPECT_NE(device.value()->complaint().find("OpenXR runtime"), std::string::npos) << device.value()->complaint();
 		change([](MockOpenXr& m) { m.gone = m.exiting = false; });
 		EXPECT_EQ(device.value()->open(), DeviceStatus::Ok) << device.value()->complaint();
@@ -184,8 +181,7 @@ TEST_F(OpenXr, EveryEndOfTheRuntimeIsExplained)
 
 TEST_F(OpenXr, WhatIsMissingIsSaid)
 {
-	const std::pair<bool MockOpenXr::*, const char*> switches[] = {
-		{&MockOpenXr::hasHeadset, "XR_ERROR_FORM_FACTOR_UNAVAILABLE"},
+	const std::pair<bool MockOpenXr::*, const char*> switches[] = {{&MockOpenXr::hasHeadset, "XR_ERROR_FORM_FACTOR_UNAVAILABLE"},
 		{&MockOpenXr::tracksHands, "tracks no hands"},
 		{&MockOpenXr::hasHeadless, "XR_MND_headless"}};  // last: the loader remembers the extensions of a runtime that it has loaded
 	const DeviceRegistry registry;
@@ -196,7 +192,8 @@ TEST_F(OpenXr, WhatIsMissingIsSaid)
 		ASSERT_FALSE(device) << word;
 		EXPECT_NE(device.error().message.find(word), std::string::npos) << device.error().message;
 		bool listed = false;
-		for (const DriverReport& driver : registry.drivers()) listed |= driver.scheme == "openxr" && driver.missing.find(word) != std::string::npos;
+		for (const DriverReport& driver : registry.drivers())
+			listed |= driver.scheme == "openxr" && driver.missing.find(word) != std::string::npos;
 		EXPECT_TRUE(listed);
 		change([has = has](MockOpenXr& m) { m.*has = true; });
 	}

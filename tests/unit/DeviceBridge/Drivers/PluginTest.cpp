@@ -119,9 +119,9 @@ TEST_F(Plugin, IsListedAndWhatIsMissingIsSaid)
 TEST_F(Plugin, RefusesWhatIsNoneInASentence)
 {
 	const DeviceRegistry registry;
-	const std::pair<const char*, const char*> wrong[] = {{"plugin:nothing", "DEVICEBRIDGE_PLUGIN_PATH"}, {"plugin:../example/3", "name of a plug-in"},
-														 {"plugin:", "name of a plug-in"}, {"plugin:oldversion", "version 7"},
-														 {"plugin:short", "too short"}, {"plugin:example/x", "number of millimetres"}};
+	const std::pair<const char*, const char*> wrong[] = {{"plugin:nothing", "DEVICEBRIDGE_PLUGIN_PATH"},
+		{"plugin:../example/3", "name of a plug-in"}, {"plugin:", "name of a plug-in"}, {"plugin:oldversion", "version 7"},
+		{"plugin:short", "too short"}, {"plugin:example/x", "number of millimetres"}};
 	for (const auto& [uri, word] : wrong)
 	{
 		const auto device = registry.open(uri);

@@ -29,8 +29,7 @@ public:
 		description.name = "test pad";
 		description.userdata = this;
 		description.Update = [](void* self) { static_cast<VirtualController*>(self)->update(); };
-		description.Rumble = [](void* self, Uint16 low, Uint16 high)
-		{
+		description.Rumble = [](void* self, Uint16 low, Uint16 high) {
 			static_cast<VirtualController*>(self)->low = low;
 			static_cast<VirtualController*>(self)->high = high;
 			return 0;
@@ -83,12 +82,10 @@ TEST(Rumble, SticksMoveTheHandle)
 		pad.x = row[0], pad.y = row[1], pad.z = row[2];
 		pad.button = row[2] != 0;
 		const ist::Vec3 wanted{0.1 * row[0] / 32767.0, -0.1 * row[1] / 32767.0, 0.1 * row[2] / 32767.0};
-		EXPECT_TRUE(within(
-			[&]
-			{
-				EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
-				return distance(s.X_WH.translation, wanted) < 1e-5 && s.buttons == (row[2] ? 1U << SDL_CONTROLLER_BUTTON_B : 0);
-			}));
+		EXPECT_TRUE(within([&] {
+			EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
+			return distance(s.X_WH.translation, wanted) < 1e-5 && s.buttons == (row[2] ? 1U << SDL_CONTROLLER_BUTTON_B : 0);
+		}));
 	}
 	EXPECT_TRUE(s.velocityEstimated);
 }
@@ -101,16 +98,14 @@ TEST(Rumble, ForceAndTorqueDriveTheMotors)
 	RealClock clock;
 	DeviceCommand command;
 	command.wrench = {{0, -1.2, 1.6}, {0.05, 0, 0}};  // half and a quarter
-	EXPECT_TRUE(within(
-		[&]
-		{
-			DeviceState s;
-			device.value()->read(clock.now(), s);
-			command.computedAt = clock.now();
-			command.expiresAt = command.computedAt + 300'000'000;
-			device.value()->write(command);
-			return pad.low == 32768 && pad.high == 16384;
-		}));
+	EXPECT_TRUE(within([&] {
+		DeviceState s;
+		device.value()->read(clock.now(), s);
+		command.computedAt = clock.now();
+		command.expiresAt = command.computedAt + 300'000'000;
+		device.value()->write(command);
+		return pad.low == 32768 && pad.high == 16384;
+	}));
 	EXPECT_TRUE(within([&] { return pad.low == 0 && pad.high == 0; }));  // expired
 }
 
@@ -128,7 +123,8 @@ TEST(Rumble, AnUnpluggedControllerIsExplained)
 TEST(Rumble, WithoutAControllerItSaysSo)
 {
 	const DeviceRegistry registry;
-	for (const auto& [uri, word] : {std::pair<const char*, const char*>{"rumble:7", "no rumble:7"}, {"rumble:x", "numbered from 0"}, {"rumble:0?reach=far", "reach=far"}})
+	for (const auto& [uri, word] : {std::pair<const char*, const char*>{"rumble:7", "no rumble:7"}, {"rumble:x", "numbered from 0"},
+			 {"rumble:0?reach=far", "reach=far"}})
 	{
 		const auto device = registry.open(uri);
 		ASSERT_FALSE(device) << uri;

@@ -53,8 +53,7 @@ TEST(SimulatedDevice, StepResponseMatchesTheClosedForm)
 	device.setHand([&](double) { return HandTarget{{turn({0, 0, a0}), {x0, 0, 0}}, {}}; });
 	device.open();
 	// m x'' + B x' + K (x - x0) = 0 from rest at zero.
-	const auto response = [](double m, double b, double k, double t)
-	{
+	const auto response = [](double m, double b, double k, double t) {
 		const double decay = b / (2 * m), w = std::sqrt(k / m - decay * decay);
 		return 1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
 	};

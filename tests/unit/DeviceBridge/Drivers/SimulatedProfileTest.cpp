@@ -49,23 +49,15 @@ TEST(SimulatedProfile, DamageIsRefusedWithLineAndField)
 		std::string text;
 		std::vector<std::string> words;
 	};
-	const std::vector<Case> cases = {
-		{with("3.5", "\"3.5\""), {"line 7", "peakForce", "not a number"}},
-		{with("3.5", "-1"), {"line 7", "peakForce", "0 to 1e6"}},
-		{with("3.5", "1e7"), {"line 7", "peakForce", "0 to 1e6"}},
+	const std::vector<Case> cases = {{with("3.5", "\"3.5\""), {"line 7", "peakForce", "not a number"}},
+		{with("3.5", "-1"), {"line 7", "peakForce", "0 to 1e6"}}, {with("3.5", "1e7"), {"line 7", "peakForce", "0 to 1e6"}},
 		{with(", \"source\": \"measured\"", ""), {"line 8", "damping", "source"}},
 		{with("\"measured\"", "\"\""), {"line 8", "damping", "no source"}},
 		{with("\"peakForce\"", "\"peekForce\""), {"line 7", "peekForce", "no such field"}},
-		{with("\"damping\"", "\"peakForce\""), {"peakForce", "twice"}},
-		{with("\"x\"", "\"w\""), {"line 6", "actuated", "\"w\""}},
-		{with("\"schema\": 1", "\"schema\": 2"), {"line 2", "schema"}},
-		{with("\"M\"", "7"), {"line 3", "model"}},
-		{with("	\"maker\": \"N\",\n", ""), {"maker", "missing"}},
-		{with("\"maker\": \"N\",", "\"maker\": \"N\""), {"line 5"}},
-		{kGood.substr(0, 60), {"line"}},
-		{"", {"line 1"}},
-		{"[]", {"line 1"}},
-		{with("3.5", "1e999"), {"line 7"}}};
+		{with("\"damping\"", "\"peakForce\""), {"peakForce", "twice"}}, {with("\"x\"", "\"w\""), {"line 6", "actuated", "\"w\""}},
+		{with("\"schema\": 1", "\"schema\": 2"), {"line 2", "schema"}}, {with("\"M\"", "7"), {"line 3", "model"}},
+		{with("	\"maker\": \"N\",\n", ""), {"maker", "missing"}}, {with("\"maker\": \"N\",", "\"maker\": \"N\""), {"line 5"}},
+		{kGood.substr(0, 60), {"line"}}, {"", {"line 1"}}, {"[]", {"line 1"}}, {with("3.5", "1e999"), {"line 7"}}};
 	for (const Case& c : cases)
 	{
 		const auto profile = parseSimulatedProfile(c.text);
@@ -103,9 +95,9 @@ TEST(SimulatedProfile, CarriedValuesAreThoseOfTheirSource)
 		double force, torque, stiffness, damping, radius;
 	};
 	for (const Row& row : {Row{"touch", 3.3, 0, 400, 4, 0.075}, {"omni", 3.3, 0, 700, 5, 0.10}, {"touchx", 7.9, 0, 1000, 5, 0.10},
-						   {"premium15", 8.5, 0.188, 800, 5, 0.12}, {"premium30", 22, 0.188, 1000, 5, 0.25}, {"falcon", 8, 0, 3000, 20, 0.04},
-						   {"delta3", 20, 0, 5000, 30, 0.15}, {"omega6", 12, 0, 5000, 30, 0.075}, {"sigma7", 12, 0.2, 4000, 30, 0.075},
-						   {"lambda7", 12, 0.2, 8000, 30, 0.1125}, {"pantograph", 5, 0, 300, 2, 0.10}})
+			 {"premium15", 8.5, 0.188, 800, 5, 0.12}, {"premium30", 22, 0.188, 1000, 5, 0.25}, {"falcon", 8, 0, 3000, 20, 0.04},
+			 {"delta3", 20, 0, 5000, 30, 0.15}, {"omega6", 12, 0, 5000, 30, 0.075}, {"sigma7", 12, 0.2, 4000, 30, 0.075},
+			 {"lambda7", 12, 0.2, 8000, 30, 0.1125}, {"pantograph", 5, 0, 300, 2, 0.10}})
 	{
 		const DeviceInfo info = simulatedProfile(row.name).value().info;
 		EXPECT_EQ(info.peakForce, row.force) << row.name;

@@ -41,7 +41,8 @@ TEST(Spnav, WithoutADaemonItSaysWhatToInstall)
 	ASSERT_FALSE(device);
 	EXPECT_NE(device.error().message.find("install spacenavd"), std::string::npos) << device.error().message;
 	bool listed = false;
-	for (const DriverReport& driver : registry.drivers()) listed |= driver.scheme == "spnav" && driver.missing.find("/nowhere/spnav.sock") != std::string::npos;
+	for (const DriverReport& driver : registry.drivers())
+		listed |= driver.scheme == "spnav" && driver.missing.find("/nowhere/spnav.sock") != std::string::npos;
 	EXPECT_TRUE(listed);
 	for (const char* uri : {"spnav:?speed=fast", "spnav:?colour=red", "spnav:left"}) EXPECT_FALSE(registry.open(uri));
 	unsetenv("SPNAV_SOCKET");
@@ -56,8 +57,7 @@ TEST(Spnav, AMouseMovesTheHandleThroughTheRealDaemon)
 	const DeviceRegistry registry;
 	std::unique_ptr<Device> device;
 	ASSERT_TRUE(within(
-		[&]
-		{
+		[&] {
 			auto opened = registry.open("spnav:?speed=0.2&turn=2");
 			if (opened) device = std::move(opened).value();
 			else std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -71,15 +71,13 @@ TEST(Spnav, AMouseMovesTheHandleThroughTheRealDaemon)
 
 	RealClock clock;
 	DeviceState s;
-	const auto value = [&](int axis)
-	{
+	const auto value = [&](int axis) {
 		EXPECT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
 		const ist::Vec3 &v = s.twist.linear, &w = s.twist.angular;
 		const double all[6] = {v.x / 0.2, v.y / 0.2, v.z / 0.2, w.x / 2, w.y / 2, w.z / 2};
 		return all[axis];
 	};
-	const auto others = [&](int axis)
-	{
+	const auto others = [&](int axis) {
 		double sum = 0;
 		for (int i = 0; i < 6; ++i) sum += i == axis ? 0 : std::fabs(value(i));
 		return sum;
@@ -93,13 +91,11 @@ TEST(Spnav, AMouseMovesTheHandleThroughTheRealDaemon)
 		{
 			mouse.deflect(axis, counts);
 			int moved = -1;
-			ASSERT_TRUE(within(
-				[&]
-				{
-					for (int i = 0; i < 6; ++i)
-						if (std::fabs(value(i)) > 0.5 && others(i) == 0) moved = i;
-					return moved >= 0 && (counts > 0 || value(moved) * first < 0);
-				}));
+			ASSERT_TRUE(within([&] {
+				for (int i = 0; i < 6; ++i)
+					if (std::fabs(value(i)) > 0.5 && others(i) == 0) moved = i;
+				return moved >= 0 && (counts > 0 || value(moved) * first < 0);
+			}));
 			if (counts > 0) first = value(moved), moves[static_cast<std::size_t>(moved)] += 1;
 			else EXPECT_NEAR(value(moved), -first, 1e-9);
 		}
@@ -119,13 +115,19 @@ TEST(Spnav, AMouseMovesTheHandleThroughTheRealDaemon)
 	value(0);
 	const ist::Vec3 began = s.X_WH.translation;
 	from = s.sampledAt;
-	within([&] { const double speed = (value(0), norm(s.twist.linear)); least = std::min(least, speed), most = std::max(most, speed); until = s.sampledAt; return until > from + 300'000'000; });
+	within([&] {
+		const double speed = (value(0), norm(s.twist.linear));
+		least = std::min(least, speed), most = std::max(most, speed);
+		until = s.sampledAt;
+		return until > from + 300'000'000;
+	});
 	const double way = distance(s.X_WH.translation, began), seconds = 1e-9 * static_cast<double>(until - from);
 	EXPECT_GE(way, 0.98 * least * seconds);
 	EXPECT_LE(way, 1.02 * most * seconds);
 	EXPECT_GT(distance(s.X_WH.translation, before.translation), 0.01);
 
 	DriverRun run(*device);
-	run.expectLossIsSafe(*device, [&] { daemon.end(); }, false);
+	run.expectLossIsSafe(
+		*device, [&] { daemon.end(); }, false);
 	EXPECT_NE(device->complaint().find("spacenavd"), std::string::npos) << device->complaint();
 }

@@ -25,15 +25,16 @@ struct Vendor
 };
 void PrintTo(const Vendor& vendor, std::ostream* out) { *out << vendor.name; }
 
-const Vendor kVendors[] = {
-	{"chai3d", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_chai3d.so", "chai3d:0", "chai3d:1", "CHAI3D has lost", 12, 0.1, 5000, false, false},
-	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", "libdhd.so", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2, 4000, true, false},
-	{"hd", "DEVICEBRIDGE_HD_LIBRARY", "libHD.so", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device", "device communication error", 3.3, 0, 500, true,
-	 false},
-	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", "virtuoseAPI.so", TEST_VENDOR_FOLDER "/libmock_virtuose.so", "virtuose:arm.local?peak_force=30&peak_torque=3",
-	 "virtuose:nobody", "communication failure", 30, 3, 700, true, true},
-	{"vrpn", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_vrpn.so", "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300", "vrpn://lab:3883/Tool9?sensor=2",
-	 "closed the connection", 5, 0, 300, false, false}};
+const Vendor kVendors[] = {{"chai3d", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_chai3d.so", "chai3d:0", "chai3d:1", "CHAI3D has lost",
+							   12, 0.1, 5000, false, false},
+	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", "libdhd.so", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2,
+		4000, true, false},
+	{"hd", "DEVICEBRIDGE_HD_LIBRARY", "libHD.so", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device",
+		"device communication error", 3.3, 0, 500, true, false},
+	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", "virtuoseAPI.so", TEST_VENDOR_FOLDER "/libmock_virtuose.so",
+		"virtuose:arm.local?peak_force=30&peak_torque=3", "virtuose:nobody", "communication failure", 30, 3, 700, true, true},
+	{"vrpn", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_vrpn.so", "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300",
+		"vrpn://lab:3883/Tool9?sensor=2", "closed the connection", 5, 0, 300, false, false}};
 
 std::vector<Vendor> vendorsWithSwitches()
 {
@@ -56,27 +57,23 @@ protected:
 		void* const library = dlopen(GetParam().file, RTLD_NOW);
 		ASSERT_NE(library, nullptr) << dlerror();
 		m_mock = reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
-		change(
-			[](MockHandle& m)
-			{
-				m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0;
-				// One that says it moves, and repeats its pose, is frozen from the tenth millisecond on.
-				std::fill_n(m.linear, 3, 0), std::fill_n(m.angular, 3, 0);
-			});
+		change([](MockHandle& m) {
+			m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0;
+			// One that says it moves, and repeats its pose, is frozen from the tenth millisecond on.
+			std::fill_n(m.linear, 3, 0), std::fill_n(m.angular, 3, 0);
+		});
 	}
 	void TearDown() override
 	{
 		unsetenv("DEVICEBRIDGE_PLUGIN_PATH");
 		if (GetParam().variable) unsetenv(GetParam().variable);
 	}
-	template <class Change>
-	void change(Change&& c)
+	template <class Change> void change(Change&& c)
 	{
 		const std::lock_guard<std::mutex> lock(m_mock->mutex);
 		c(*m_mock);
 	}
-	template <class Look>
-	auto look(Look&& l)
+	template <class Look> auto look(Look&& l)
 	{
 		const std::lock_guard<std::mutex> lock(m_mock->mutex);
 		return l(*m_mock);
@@ -154,25 +151,22 @@ TEST_P(VendorPlugin, PosesArriveInMetresAndRightHanded)
 	RealClock clock;
 	for (int round = 0; round < 20; ++round)
 	{
-		const ist::Vec3 p{0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)}, v{normal(random), normal(random), normal(random)},
-			w{normal(random), normal(random), normal(random)};
+		const ist::Vec3 p{0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)},
+			v{normal(random), normal(random), normal(random)}, w{normal(random), normal(random), normal(random)};
 		const ist::Quaternion q = ist::quaternionFromRotationVector(ist::Vec3{normal(random), normal(random), normal(random)});
-		change(
-			[&](MockHandle& m)
-			{
-				const double vectors[3][3] = {{p.x, p.y, p.z}, {v.x, v.y, v.z}, {w.x, w.y, w.z}};
-				for (int i = 0; i < 3; ++i) m.position[i] = vectors[0][i], m.linear[i] = vectors[1][i], m.angular[i] = vectors[2][i];
-				m.quaternion[0] = q.x, m.quaternion[1] = q.y, m.quaternion[2] = q.z, m.quaternion[3] = q.w;
-				m.buttons = static_cast<unsigned>(round % 8);
-			});
+		change([&](MockHandle& m) {
+			const double vectors[3][3] = {{p.x, p.y, p.z}, {v.x, v.y, v.z}, {w.x, w.y, w.z}};
+			for (int i = 0; i < 3; ++i) m.position[i] = vectors[0][i], m.linear[i] = vectors[1][i], m.angular[i] = vectors[2][i];
+			m.quaternion[0] = q.x, m.quaternion[1] = q.y, m.quaternion[2] = q.z, m.quaternion[3] = q.w;
+			m.buttons = static_cast<unsigned>(round % 8);
+		});
 		DeviceState s;
 		EXPECT_TRUE(within(
-			[&]
-			{
+			[&] {
 				EXPECT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
 				const ist::Vec3 turn = rotationVector(ist::quaternion(s.X_WH.rotation * transpose(rotationMatrix(q))));
-				return distance(s.X_WH.translation, p) < 1e-6 && distance(s.twist.linear, v) < 1e-6 && distance(s.twist.angular, w) < 1e-6 &&
-					   norm(turn) < 1e-6 && s.buttons == static_cast<unsigned>(round % 8);
+				return distance(s.X_WH.translation, p) < 1e-6 && distance(s.twist.linear, v) < 1e-6 &&
+					distance(s.twist.angular, w) < 1e-6 && norm(turn) < 1e-6 && s.buttons == static_cast<unsigned>(round % 8);
 			},
 			5000));
 	}
@@ -186,30 +180,24 @@ TEST_P(VendorPlugin, TheWrenchArrivesAndEndsWithItsCommand)
 	RealClock clock;
 	DeviceCommand command;
 	command.wrench = {{0.5, -1, 2}, {0.01, 0.02, -0.03}};
-	const auto differs = [&](const ist::Wrench& wanted)
-	{
-		return look(
-			[&](MockHandle& m)
-			{
-				const ist::Vec3 f{m.force[0], m.force[1], m.force[2]}, t{m.torque[0], m.torque[1], m.torque[2]};
-				return std::max(distance(f, wanted.force), GetParam().peakTorque > 0 ? distance(t, wanted.torque) : 0);
-			});
+	const auto differs = [&](const ist::Wrench& wanted) {
+		return look([&](MockHandle& m) {
+			const ist::Vec3 f{m.force[0], m.force[1], m.force[2]}, t{m.torque[0], m.torque[1], m.torque[2]};
+			return std::max(distance(f, wanted.force), GetParam().peakTorque > 0 ? distance(t, wanted.torque) : 0);
+		});
 	};
-	EXPECT_TRUE(within(
-		[&]
-		{
-			command.computedAt = clock.now();
-			command.expiresAt = command.computedAt + 100'000'000;
-			EXPECT_EQ(device->write(command), DeviceStatus::Ok);
-			return differs(command.wrench) < 1e-6;
-		}));
+	EXPECT_TRUE(within([&] {
+		command.computedAt = clock.now();
+		command.expiresAt = command.computedAt + 100'000'000;
+		EXPECT_EQ(device->write(command), DeviceStatus::Ok);
+		return differs(command.wrench) < 1e-6;
+	}));
 	EXPECT_TRUE(within([&] { return differs({}) == 0; }));
 }
 
 /// Those that tell whether the motors are on: neither CHAI3D nor VRPN does.
 class VendorSwitches : public VendorPlugin
-{
-};
+{};
 TEST_P(VendorSwitches, HoldTheForceBack)
 {
 	const auto device = opened();
@@ -277,7 +265,8 @@ TEST_P(VendorPlugin, LooksForTheVendorsOwnFile)
 }
 
 INSTANTIATE_TEST_SUITE_P(Mocks, VendorPlugin, testing::ValuesIn(kVendors), [](const auto& info) { return std::string(info.param.name); });
-INSTANTIATE_TEST_SUITE_P(Mocks, VendorSwitches, testing::ValuesIn(vendorsWithSwitches()), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+	Mocks, VendorSwitches, testing::ValuesIn(vendorsWithSwitches()), [](const auto& info) { return std::string(info.param.name); });
 
 TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
 {
@@ -298,8 +287,7 @@ TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
 	DeviceState s;
 	// Times come in microseconds, a millisecond apart.
 	EXPECT_TRUE(within(
-		[&]
-		{
+		[&] {
 			EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);
 			return s.velocityEstimated && distance(s.twist.linear, {0.01, 0.02, 0.03}) < 3e-4;
 		},
@@ -314,8 +302,7 @@ TEST(VrpnPlugin, AReportThatIsNotFiniteIsPassedOver)
 	void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_vrpn.so", RTLD_NOW);
 	ASSERT_NE(library, nullptr) << dlerror();
 	MockHandle& mock = *reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
-	const auto change = [&](auto&& c)
-	{
+	const auto change = [&](auto&& c) {
 		const std::lock_guard<std::mutex> lock(mock.mutex);
 		c();
 	};
@@ -324,8 +311,7 @@ TEST(VrpnPlugin, AReportThatIsNotFiniteIsPassedOver)
 	ASSERT_TRUE(device) << device.error().message;
 	RealClock clock;
 	DeviceState s;
-	const auto next = [&]
-	{
+	const auto next = [&] {
 		const std::uint64_t before = s.sequence;
 		return within([&] { return device.value()->read(clock.now(), s) == DeviceStatus::Ok && s.sequence > before + 5; }, 5000);
 	};
@@ -349,7 +335,8 @@ TEST(VrpnPlugin, RefusesWhatIsNoneInASentence)
 {
 	setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
 	const DeviceRegistry registry;
-	for (const char* wrong : {"vrpn:", "vrpn://", "vrpn://lab:3883", "vrpn:///Tool0", "vrpn://lab:3883/", "vrpn://lab:3883/Tool0?sensor=first", "vrpn://lab:3883/Tool0?color=red"})
+	for (const char* wrong : {"vrpn:", "vrpn://", "vrpn://lab:3883", "vrpn:///Tool0", "vrpn://lab:3883/",
+			 "vrpn://lab:3883/Tool0?sensor=first", "vrpn://lab:3883/Tool0?color=red"})
 	{
 		const auto device = registry.open(wrong);
 		ASSERT_FALSE(device) << wrong;

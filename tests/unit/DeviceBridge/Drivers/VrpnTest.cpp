@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The plug-in against the real VRPN over a socket: a server with a tracker, buttons and a force device. In a file and a program of its own, as
-// it links VRPN.
+// The plug-in against the real VRPN over a socket: a server with a tracker, buttons and a force device. In a file and a program of its own,
+// as it links VRPN.
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -31,7 +31,8 @@ int freePort()
 	address.sin_family = AF_INET;
 	address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
 	socklen_t length = sizeof address;
-	if (bind(s, reinterpret_cast<sockaddr*>(&address), length) != 0 || getsockname(s, reinterpret_cast<sockaddr*>(&address), &length) != 0) return 0;
+	if (bind(s, reinterpret_cast<sockaddr*>(&address), length) != 0 || getsockname(s, reinterpret_cast<sockaddr*>(&address), &length) != 0)
+		return 0;
 	close(s);
 	return ntohs(address.sin_port);
 }
@@ -142,12 +143,10 @@ TEST_F(Vrpn, PoseVelocityAndButtonsComeOverTheSocket)
 {
 	RealClock clock;
 	DeviceState s;
-	EXPECT_TRUE(within(
-		[&]
-		{
-			EXPECT_EQ(m_device->read(clock.now(), s), DeviceStatus::Ok);
-			return s.sequence > 10 && s.buttons == 2 && !s.velocityEstimated;
-		}));
+	EXPECT_TRUE(within([&] {
+		EXPECT_EQ(m_device->read(clock.now(), s), DeviceStatus::Ok);
+		return s.sequence > 10 && s.buttons == 2 && !s.velocityEstimated;
+	}));
 	EXPECT_LT(distance(s.X_WH.translation, {0.01, -0.02, 0.03}), 1e-12);
 	EXPECT_LT(distance(s.twist.linear, {0.1, 0.2, 0.3}), 1e-12);
 	EXPECT_LT(distance(s.twist.angular, {0, 0, 0.5}), 1e-9);
@@ -164,20 +163,17 @@ TEST_F(Vrpn, TheForceArrivesAsAFieldAboutTheHandAndEndsWithItsCommand)
 	command.wrench.force = {0.5, -1, 2};
 	// Whole and at once: a command that this thread is late to renew expires.
 	Field field;
-	const auto force = [&]
-	{
+	const auto force = [&] {
 		const std::lock_guard<std::mutex> lock(m_server->mutex);
 		field = m_server->field;
 		return ist::Vec3{field.force[0], field.force[1], field.force[2]};
 	};
-	EXPECT_TRUE(within(
-		[&]
-		{
-			command.computedAt = clock.now();
-			command.expiresAt = command.computedAt + 100'000'000;
-			EXPECT_EQ(m_device->write(command), DeviceStatus::Ok);
-			return distance(force(), command.wrench.force) < 1e-6;
-		}));
+	EXPECT_TRUE(within([&] {
+		command.computedAt = clock.now();
+		command.expiresAt = command.computedAt + 100'000'000;
+		EXPECT_EQ(m_device->write(command), DeviceStatus::Ok);
+		return distance(force(), command.wrench.force) < 1e-6;
+	}));
 	EXPECT_LT(distance(ist::Vec3{field.origin[0], field.origin[1], field.origin[2]}, {0.01, -0.02, 0.03}), 1e-6);
 	EXPECT_EQ(field.jacobian[1][1], 0);
 	EXPECT_LE(field.radius, 0.1F);

@@ -23,7 +23,8 @@ std::string bvh(const std::string& motion)
 	std::ostringstream text;
 	text.precision(17);
 	const auto offset = [&](const Vec3& p) { text << "OFFSET " << 100 * p.x << " " << 100 * p.y << " " << 100 * p.z << "\n"; };
-	text << "HIERARCHY\nROOT Hips\n{\nOFFSET 7 7 7\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\nJOINT rig:RightHand\n{\n";
+	text << "HIERARCHY\nROOT Hips\n{\nOFFSET 7 7 7\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\nJOINT "
+			"rig:RightHand\n{\n";
 	offset(kPoints[0]);
 	text << "CHANNELS 3 Zrotation Xrotation Yrotation\n";
 	for (size_t f = 0; f < 5; ++f)
@@ -64,14 +65,17 @@ ist::Mat3 turn(const Vec3& by) { return rotationMatrix(ist::quaternionFromRotati
 
 TEST(BvhHand, FindsThePointsThatItsAnglesSay)
 {
-	const auto read = readBvhHand(bvh("MOTION\nFrames: 3\nFrame Time: 0.02\n" + frame("0 0 0 0 0 0", "0 0 0") + frame("10 20 30 40 -50 60", "0 0 0") + frame("0 0 0 0 0 0", "0 30 0")), "a.bvh");
+	const auto read = readBvhHand(bvh("MOTION\nFrames: 3\nFrame Time: 0.02\n" + frame("0 0 0 0 0 0", "0 0 0") +
+									  frame("10 20 30 40 -50 60", "0 0 0") + frame("0 0 0 0 0 0", "0 30 0")),
+		"a.bvh");
 	ASSERT_TRUE(read) << read.error().message;
 	ASSERT_EQ(read.value().frames.size(), 3u);
 	EXPECT_NEAR(read.value().frames[2].time, 0.04, 1e-12);
 	const double degree = 0.017453292519943295;
 	const Pose X{turn({0, 0, 40 * degree}) * turn({-50 * degree, 0, 0}) * turn({0, 60 * degree, 0}), {0.1, 0.2, 0.3}};
 	const Pose bent{turn({30 * degree, 0, 0}), {}};
-	const HandPoints still = pointsOf(read.value().frames[0].hand), moved = pointsOf(read.value().frames[1].hand), index = pointsOf(read.value().frames[2].hand);
+	const HandPoints still = pointsOf(read.value().frames[0].hand), moved = pointsOf(read.value().frames[1].hand),
+					 index = pointsOf(read.value().frames[2].hand);
 	for (size_t i = 0; i < kHandPoints; ++i)
 	{
 		EXPECT_LT(distance(still[i], kPoints[i]), 1e-9) << i;
@@ -102,7 +106,9 @@ TEST(BvhHand, RefusesWithTheLine)
 TEST(BvhHand, TakesOneLineForAFrame)
 {
 	const std::string start = "MOTION\nFrames: 2\nFrame Time: 0.02\n", row = frame("0 0 0 0 0 0", "0 0 0");
-	const auto lineOf = [](const std::string& text, size_t from) { return std::to_string(std::count(text.begin(), text.end(), '\n') + from); };
+	const auto lineOf = [](const std::string& text, size_t from) {
+		return std::to_string(std::count(text.begin(), text.end(), '\n') + from);
+	};
 	const std::string line = lineOf(bvh(start), 1), after = lineOf(bvh(start), 2), third = lineOf(bvh(start), 3);
 	EXPECT_EQ(problem(bvh(start + "\n" + row + "\r\n" + row + "\r\n \n")), "");
 	// The hips' six, the hand's three, and three of each of fifteen joints.
@@ -115,6 +121,7 @@ TEST(BvhHand, TakesOneLineForAFrame)
 TEST(BvhHand, RefusesAHierarchyThatCannotMove)
 {
 	std::string text = bvh("MOTION\nFrames: 10000000\nFrame Time: 0.02\n");
-	for (size_t at = text.find("CHANNELS"); at != std::string::npos; at = text.find("CHANNELS")) text.erase(at, text.find('\n', at) + 1 - at);
+	for (size_t at = text.find("CHANNELS"); at != std::string::npos; at = text.find("CHANNELS"))
+		text.erase(at, text.find('\n', at) + 1 - at);
 	EXPECT_NE(problem(text).find("no joint has a channel"), std::string::npos);
 }

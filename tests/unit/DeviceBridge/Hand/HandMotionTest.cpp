@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Hand/HandMotion.h"
 #include "DeviceBridge/Hand/ContactPoseHands.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
-#include "DeviceBridge/Hand/HandMotion.h"
 #include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include <gtest/gtest.h>
@@ -98,7 +98,8 @@ TEST(HandMotion, RefusesWithLineAndColumn)
 	EXPECT_EQ(refusal(""), "a.csv:0: time: the file has no header");
 	EXPECT_EQ(refusal(text + "1,0\n"), "a.csv:3: time: the row has 2 cells, and the header 210");
 	EXPECT_EQ(refusal(text + "1,0" + std::string(8 * kHandJoints, ',') + "\n"), "");  // nothing is tracked
-	EXPECT_EQ(refusal(text + "1,0" + std::string(8 * kHandJoints + 1, ',') + "\n"), "a.csv:3: time: the row has 211 cells, and the header 210");
+	EXPECT_EQ(
+		refusal(text + "1,0" + std::string(8 * kHandJoints + 1, ',') + "\n"), "a.csv:3: time: the row has 211 cells, and the header 210");
 	EXPECT_EQ(refusal(replaced(text, "palm_y", "palm_x")), "a.csv:1: palm_x: the header has this column twice");
 }
 
@@ -165,8 +166,10 @@ TEST(ContactPose, ReadsTheHandsThatAreThere)
 	const HandPoints points = pointsOf(posedHand(posture, {}));
 	std::ostringstream joints;
 	joints.precision(17);
-	for (size_t i = 0; i < points.size(); ++i) joints << (i ? ", " : "") << "[" << points[i].x << ", " << points[i].y << ", " << points[i].z << "]";
-	const std::string good = "{\"hands\": [{\"valid\": false}, {\"valid\": true, \"moving\": true, \"joints\": [" + joints.str() + "]}], \"frames\": []}";
+	for (size_t i = 0; i < points.size(); ++i)
+		joints << (i ? ", " : "") << "[" << points[i].x << ", " << points[i].y << ", " << points[i].z << "]";
+	const std::string good = "{\"hands\": [{\"valid\": false}, {\"valid\": true, \"moving\": true, \"joints\": [" + joints.str() +
+		"]}], \"frames\": []}";
 	const auto read = readContactPose(good, "a.json");
 	ASSERT_TRUE(read) << read.error().message;
 	EXPECT_FALSE(read.value().left);
@@ -180,6 +183,7 @@ TEST(ContactPose, ReadsTheHandsThatAreThere)
 	EXPECT_NE(problem("{\"hands\":\n[").find("line 2"), std::string::npos);
 	EXPECT_NE(problem(replaced(good, "[[", "[[1e400, ")).find("a.json: is no JSON"), std::string::npos);
 	EXPECT_EQ(problem("{\"hands\": [{\"valid\": false}, {}]}"), "a.json: hands[1].valid: is missing");
-	EXPECT_EQ(problem("{\"hands\": [{\"valid\": true, \"joints\": []}, {\"valid\": false}]}"), "a.json: hands[0].joints: must be a list of 21 points");
+	EXPECT_EQ(problem("{\"hands\": [{\"valid\": true, \"joints\": []}, {\"valid\": false}]}"),
+		"a.json: hands[0].joints: must be a list of 21 points");
 	EXPECT_EQ(problem(replaced(good, "[[", "[[\"a\", ")), "a.json: hands[1].joints[0]: must be three numbers");
 }

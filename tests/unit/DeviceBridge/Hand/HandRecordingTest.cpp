@@ -11,8 +11,8 @@
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Motion/MotionDevice.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
-#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 #include "tests/unit/CountingAllocator.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 using namespace devicebridge;
 
@@ -90,7 +90,8 @@ TEST(HandRecording, PlaysEveryTickOfASlowTrackerBackToTheLastBit)
 		HandState hand, wanted = recording.hands[i];
 		ASSERT_TRUE(device.readHand(hand));
 		for (HandJoint& joint : wanted.joints)
-			if (recording.ticks[i].readStatus != DeviceStatus::Ok || !isFinite(joint.position) || !isNearUnit(joint.orientation)) joint.tracked = false;
+			if (recording.ticks[i].readStatus != DeviceStatus::Ok || !isFinite(joint.position) || !isNearUnit(joint.orientation))
+				joint.tracked = false;
 		ASSERT_TRUE(isSameHand(hand, wanted)) << i;
 		EXPECT_EQ((state.flags & kHandPresent) != 0, wanted.joints[kPalm].tracked);
 		lost += recording.ticks[i].readStatus != DeviceStatus::Ok;
@@ -137,12 +138,12 @@ TEST(MotionDevice, IsOpenedByAddressAndDoesNotAllocate)
 	device.read(5'500'000'000, state);
 	device.readHand(hand);
 	EXPECT_EQ(allocationCount(), before);
-	EXPECT_NEAR(distance(hand.joints[kIndexTip].position, motion.frames[0].hand.joints[kIndexTip].position + ist::Vec3{0.05, 0, 0}), 0, 1e-12);
+	EXPECT_NEAR(
+		distance(hand.joints[kIndexTip].position, motion.frames[0].hand.joints[kIndexTip].position + ist::Vec3{0.05, 0, 0}), 0, 1e-12);
 	EXPECT_NEAR(distance(state.X_WH.translation, hand.joints[kPalm].position), 0, 1e-12);
 	EXPECT_EQ(device.info().actuated, 0u);
 
-	const auto refusal = [&](const std::string& rest)
-	{
+	const auto refusal = [&](const std::string& rest) {
 		const auto refused = DeviceRegistry().open("motion:" + rest);
 		EXPECT_FALSE(refused) << rest;
 		return refused ? std::string() : refused.error().message;

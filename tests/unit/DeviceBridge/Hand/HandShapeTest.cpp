@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
-#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 #include "tests/unit/ClosedMesh.h"
+#include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include <gtest/gtest.h>
 
@@ -61,7 +61,8 @@ TEST(HandShape, BoneHasTheVolumeOfARoundConeWithoutItsWaist)
 			double widest = 0;
 			for (int k = 0; k <= kBalls; ++k)
 			{
-				const double u = double(k) / kBalls, r = b.radius + u * (b.endRadius - b.radius), off = lower + (i + 0.5) * step - u * b.length;
+				const double u = double(k) / kBalls, r = b.radius + u * (b.endRadius - b.radius),
+							 off = lower + (i + 0.5) * step - u * b.length;
 				widest = std::max(widest, r * r - off * off);
 			}
 			whole += 3.14159265358979 * widest * step;
@@ -77,7 +78,8 @@ TEST(HandShape, LeftIsTheMirrorImageOfRight)
 {
 	for (int part = 0; part < kHandParts; ++part)
 	{
-		const auto right = massProperties(handPartMesh(shapeOf(false, 0.19), part)), left = massProperties(handPartMesh(shapeOf(true, 0.19), part));
+		const auto right = massProperties(handPartMesh(shapeOf(false, 0.19), part)),
+				   left = massProperties(handPartMesh(shapeOf(true, 0.19), part));
 		EXPECT_NEAR(left.volume, right.volume, 1e-9 * right.volume);
 		EXPECT_NEAR(left.centerOfMass.x, -right.centerOfMass.x, 1e-12);
 		EXPECT_NEAR(left.centerOfMass.z, right.centerOfMass.z, 1e-12);
@@ -136,11 +138,11 @@ TEST(HandShape, RefusesAHandThatItCannotMeasure)
 TEST(HandPosture, BonesKeepTheirLengthsAndPartsReachTheirJoints)
 {
 	std::mt19937 random(5);
-	const HandModel model = []
-	{
+	const HandModel model = [] {
 		HandModel m;
 		m.shape = shapeOf(true, 0.18);
-		for (int i = 0; i < kHandParts; ++i) m.parts[static_cast<std::size_t>(i)].centre = massProperties(handPartMesh(m.shape, i)).centerOfMass;
+		for (int i = 0; i < kHandParts; ++i)
+			m.parts[static_cast<std::size_t>(i)].centre = massProperties(handPartMesh(m.shape, i)).centerOfMass;
 		return m;
 	}();
 	for (int n = 0; n < 20; ++n)
@@ -152,7 +154,8 @@ TEST(HandPosture, BonesKeepTheirLengthsAndPartsReachTheirJoints)
 			const auto i = static_cast<std::size_t>(part);
 			ASSERT_TRUE(poses.known[i]);
 			ASSERT_TRUE(isRigid(poses.X_WB[i], 1e-9));
-			const Vec3 from = poses.X_WB[i] * -model.parts[i].centre, to = poses.X_WB[i] * (Vec3{0, 0, -model.shape.bones[i].length} - model.parts[i].centre);
+			const Vec3 from = poses.X_WB[i] * -model.parts[i].centre,
+					   to = poses.X_WB[i] * (Vec3{0, 0, -model.shape.bones[i].length} - model.parts[i].centre);
 			EXPECT_LT(distance(from, hand.joints[static_cast<std::size_t>(handPartJoint(part))].position), 1e-9);
 			EXPECT_LT(distance(to, hand.joints[static_cast<std::size_t>(handPartEnd(part))].position), 1e-9);
 		}
@@ -169,7 +172,8 @@ TEST(HandPosture, IsTheGlovesWhereTheThumbLiesInThePalm)
 	a[kLittleKnuckle] = 0.1, a[kLittleMiddle] = 0.2, a[kLittleEnd] = 0.3, a[kLittleRingAbduction] = 0.2;
 	const HandState ours = posedHand(p, {}), glove = gloveHand(a, {});
 	for (int i = 0; i < kHandJoints; ++i)
-		EXPECT_LT(distance(ours.joints[static_cast<std::size_t>(i)].position, glove.joints[static_cast<std::size_t>(i)].position), 1e-12) << i;
+		EXPECT_LT(distance(ours.joints[static_cast<std::size_t>(i)].position, glove.joints[static_cast<std::size_t>(i)].position), 1e-12)
+			<< i;
 }
 
 TEST(HandPosture, PalmarThumbStandsOutOfThePalm)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "tests/unit/CountingAllocator.h"
 #include "DeviceBridge/Hand/HandWatch.h"
+#include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
 #include <gtest/gtest.h>
@@ -26,10 +26,14 @@ struct Watched
 	{
 		HandModel m;
 		m.shape = measureHand(posedHand({}, kSize)).value();
-		for (int i = 0; i < kHandParts; ++i) m.parts[static_cast<std::size_t>(i)].centre = massProperties(handPartMesh(m.shape, i)).centerOfMass;
+		for (int i = 0; i < kHandParts; ++i)
+			m.parts[static_cast<std::size_t>(i)].centre = massProperties(handPartMesh(m.shape, i)).centerOfMass;
 		return m;
 	}
-	double away(int part) const { return distance(watch.target(part).X_WB.translation, handPartPoses(model, hand).X_WB[static_cast<std::size_t>(part)].translation); }
+	double away(int part) const
+	{
+		return distance(watch.target(part).X_WB.translation, handPartPoses(model, hand).X_WB[static_cast<std::size_t>(part)].translation);
+	}
 };
 }  // namespace
 
@@ -118,7 +122,8 @@ TEST(HandWatch, PlacesBeyondAnyRoomAreNone)
 		for (int i = 0; i < 3; ++i) w.watch.update(w.hand, kTick);
 		w.hand = good;
 		w.watch.update(w.hand, kTick);
-		for (int part = 0; part < kHandParts; ++part) EXPECT_TRUE(isRigid(w.watch.target(part).X_WB) && isFinite(w.watch.target(part).twist));
+		for (int part = 0; part < kHandParts; ++part)
+			EXPECT_TRUE(isRigid(w.watch.target(part).X_WB) && isFinite(w.watch.target(part).twist));
 	}
 }
 

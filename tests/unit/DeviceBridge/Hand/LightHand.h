@@ -8,7 +8,8 @@
 #include <memory>
 #include <random>
 
-/// A model of a hand for tests that need no good trees: the palm's own, and one tree for all bones, which takes a second instead of sixteen.
+/// A model of a hand for tests that need no good trees: the palm's own, and one tree for all bones, which takes a second instead of
+/// sixteen.
 inline std::shared_ptr<const devicebridge::HandModel> lightHand(const std::string& folder, bool left = false)
 {
 	using namespace devicebridge;
@@ -35,8 +36,10 @@ inline devicebridge::HandPosture randomPosture(std::mt19937& random)
 {
 	std::uniform_real_distribution<double> bend(0, 1.2), any(-1, 1);
 	devicebridge::HandPosture p;
-	for (devicebridge::FingerPosture* finger : {&p.index, &p.middle, &p.ring, &p.little}) *finger = {bend(random), bend(random), bend(random), 0.1 * any(random)};
+	for (devicebridge::FingerPosture* finger : {&p.index, &p.middle, &p.ring, &p.little})
+		*finger = {bend(random), bend(random), bend(random), 0.1 * any(random)};
 	p.thumb = {bend(random), 0.5 * bend(random), 3 * any(random), bend(random), bend(random)};
-	p.X_WR = {rotationMatrix(ist::quaternionFromRotationVector({2 * any(random), 2 * any(random), any(random)})), {any(random), 1000 * any(random), any(random)}};
+	p.X_WR = {rotationMatrix(ist::quaternionFromRotationVector({2 * any(random), 2 * any(random), any(random)})),
+		{any(random), 1000 * any(random), any(random)}};
 	return p;
 }

@@ -20,14 +20,13 @@ struct Desk
 	bool start()
 	{
 		return thread.start([this] { ++begun; },
-							[this]
-							{
-								++looks;
-								const int question = asked;
-								if (question == answered) return false;
-								answered = question;
-								return true;
-							});
+			[this] {
+				++looks;
+				const int question = asked;
+				if (question == answered) return false;
+				answered = question;
+				return true;
+			});
 	}
 	void ask()
 	{

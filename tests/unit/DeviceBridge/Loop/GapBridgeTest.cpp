@@ -8,9 +8,9 @@
 #include <random>
 #include <thread>
 
+#include "DeviceBridge/Coupling/VirtualCoupling.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
-#include "DeviceBridge/Coupling/VirtualCoupling.h"
 
 using namespace devicebridge;
 
@@ -52,7 +52,8 @@ public:
 		step.coupling.torque = {};
 		tool.twist.linear += step.coupling.force * (dt / kMass);
 		const double depth = -tool.X_WT.translation.z;
-		const double push = std::max(0.0, dt * (kStiffness * depth - (dt * kStiffness + 5) * tool.twist.linear.z) / (1 + dt * (dt * kStiffness + 5) / kMass));
+		const double push = std::max(
+			0.0, dt * (kStiffness * depth - (dt * kStiffness + 5) * tool.twist.linear.z) / (1 + dt * (dt * kStiffness + 5) / kMass));
 		if (depth > 0)
 		{
 			tool.twist.linear.z += push / kMass;
@@ -117,7 +118,8 @@ TEST(GapBridge, WithoutGapsTheHandIsTakenAsItIs)
 	GapBridge bridge;
 	for (int i = 0; i < 100; ++i)
 	{
-		const ist::Pose hand{rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{u(random), u(random), u(random)})), {u(random), u(random), 1000 * u(random)}};
+		const ist::Pose hand{rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{u(random), u(random), u(random)})),
+			{u(random), u(random), 1000 * u(random)}};
 		const ist::Pose seen = bridge.reference(hand, (1 + 2.9 * std::fabs(u(random))) * kTick, kTick);
 		EXPECT_EQ(seen.translation, hand.translation);
 		for (int j = 0; j < 3; ++j) EXPECT_EQ(seen.rotation.row(j), hand.rotation.row(j));
@@ -157,7 +159,7 @@ TEST(GapBridge, AGapInTheTicksWindsUpNoForce)
 			EXPECT_EQ(busy.longestStep, kTick);
 			EXPECT_EQ(busy.end, again.end);
 			std::printf("gap %lld ms every %d ticks: largest force %.2f N (calm %.2f), rise %.2f N, farthest %.2f mm\n",
-						static_cast<long long>(gap / kMs), every, busy.largestForce, calm.largestForce, busy.largestRise, 1e3 * busy.farthest);
+				static_cast<long long>(gap / kMs), every, busy.largestForce, calm.largestForce, busy.largestRise, 1e3 * busy.farthest);
 		}
 }
 

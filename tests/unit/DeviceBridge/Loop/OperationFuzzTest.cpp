@@ -53,7 +53,10 @@ public:
 		NotReady,
 		Troubles
 	};
-	SpiedDevice(const SimulatedProfile& profile, Promises& promises, std::atomic<int>& trouble) : m_hand(profile), m_promises(promises), m_trouble(trouble)
+	SpiedDevice(const SimulatedProfile& profile, Promises& promises, std::atomic<int>& trouble)
+		: m_hand(profile),
+		  m_promises(promises),
+		  m_trouble(trouble)
 	{
 		m_hand.place({{}, {0, 0, 0.002}});
 		m_hand.setHand([](double t) { return HandTarget{{{}, {0.004 * std::sin(9 * t), 0, 0.01 * std::cos(5 * t)}}, {}}; });
@@ -80,7 +83,8 @@ public:
 	{
 		++m_promises.writes;
 		if (!isFinite(command.wrench)) ++m_promises.notFinite;
-		if (norm(command.wrench.force) > 1.000001 * info().peakForce || norm(command.wrench.torque) > 1.000001 * info().peakTorque) ++m_promises.tooLarge;
+		if (norm(command.wrench.force) > 1.000001 * info().peakForce || norm(command.wrench.torque) > 1.000001 * info().peakTorque)
+			++m_promises.tooLarge;
 		if (command.gripForce != 0) ++m_promises.grips;
 		m_promises.lastForce = norm(command.wrench.force) + norm(command.wrench.torque);
 		const int trouble = m_trouble;
@@ -140,7 +144,10 @@ public:
 	}
 	std::int64_t computedAt(const DeviceState& hand) const noexcept override
 	{
-		return mood == 4 ? hand.sampledAt - 50'000'000 : mood == 5 ? hand.sampledAt + 1'000'000'000 : mood == 6 ? INT64_MIN : hand.sampledAt;
+		return mood == 4 ? hand.sampledAt - 50'000'000
+			: mood == 5  ? hand.sampledAt + 1'000'000'000
+			: mood == 6  ? INT64_MIN
+						 : hand.sampledAt;
 	}
 };
 
@@ -158,28 +165,34 @@ public:
 	{
 		switch (pick(16))
 		{
-			case 0: m_trouble = pick(SpiedDevice::Troubles); break;
-			case 1: recover(); break;
-			case 2: m_source.mood = pick(7); break;
-			case 3: m_law.mood = pick(7); break;
-			case 4: recover(); break;
-			case 5: m_thread->enableForces(pick(3) > 0); break;
-			case 6: pick(2) ? m_thread->raiseFault() : m_thread->clearFault(); break;
-			case 7: m_thread->clearFault(); break;
-			case 8: m_clock.offset += pick(2) ? 100'000'000 : -100'000'000; break;
-			case 9: listen(); break;
-			case 10: forget(); break;
-			case 11: m_thread->setForceLaw(pick(3) == 0 ? nullptr : pick(2) ? static_cast<ForceLaw*>(&m_law) : &m_threaded); break;
-			case 12: pick(2) ? m_threaded.setThreaded(pick(2)) : static_cast<void>(m_threaded.serve()); break;
-			case 13: if (pick(60) == 0) rebuild(); break;
-			case 14: if (pick(60) == 0) openSomething(); break;
-			default: if (pick(150) == 0) runOnItsOwn(); break;
+		case 0: m_trouble = pick(SpiedDevice::Troubles); break;
+		case 1: recover(); break;
+		case 2: m_source.mood = pick(7); break;
+		case 3: m_law.mood = pick(7); break;
+		case 4: recover(); break;
+		case 5: m_thread->enableForces(pick(3) > 0); break;
+		case 6: pick(2) ? m_thread->raiseFault() : m_thread->clearFault(); break;
+		case 7: m_thread->clearFault(); break;
+		case 8: m_clock.offset += pick(2) ? 100'000'000 : -100'000'000; break;
+		case 9: listen(); break;
+		case 10: forget(); break;
+		case 11: m_thread->setForceLaw(pick(3) == 0 ? nullptr : pick(2) ? static_cast<ForceLaw*>(&m_law) : &m_threaded); break;
+		case 12: pick(2) ? m_threaded.setThreaded(pick(2)) : static_cast<void>(m_threaded.serve()); break;
+		case 13:
+			if (pick(60) == 0) rebuild();
+			break;
+		case 14:
+			if (pick(60) == 0) openSomething();
+			break;
+		default:
+			if (pick(150) == 0) runOnItsOwn();
+			break;
 		}
 		tick();
 	}
 
 	Promises promises;
-	std::uint64_t felt = 0;    ///< operations after which the hand felt something
+	std::uint64_t felt = 0;  ///< operations after which the hand felt something
 	std::uint64_t opened = 0, refused = 0, runs = 0;
 
 private:
@@ -198,17 +211,15 @@ private:
 		felt += promises.lastForce > 0;
 	}
 
-	bool mustBeSilent() const
-	{
-		return m_thread->faulted() || m_trouble == SpiedDevice::Unplugged || m_trouble == SpiedDevice::NotFinite;
-	}
+	bool mustBeSilent() const { return m_thread->faulted() || m_trouble == SpiedDevice::Unplugged || m_trouble == SpiedDevice::NotFinite; }
 
 	/// A decorator that holds commands back may still hand on an older one.
 	void expectSilence()
 	{
 		if (m_delays) return;
-		ASSERT_EQ(promises.lastForce, 0) << "trouble " << m_trouble << ", faulted " << m_thread->faulted() << ", cause " << describe(m_thread->faultCause()) << ", sent "
-										 << norm(m_thread->sentWrench().force) << ", stack " << m_stack;
+		ASSERT_EQ(promises.lastForce, 0) << "trouble " << m_trouble << ", faulted " << m_thread->faulted() << ", cause "
+										 << describe(m_thread->faultCause()) << ", sent " << norm(m_thread->sentWrench().force)
+										 << ", stack " << m_stack;
 	}
 
 	void recover()
@@ -232,15 +243,14 @@ private:
 		m_delays = false;
 		m_stack.clear();
 		std::unique_ptr<Device> device = std::make_unique<SpiedDevice>(simulatedProfile(profiles[pick(4)]).value(), promises, m_trouble);
-		for (int i = pick(4); i > 0; --i)
-			switch (const int kind = pick(6); m_stack += std::to_string(kind), kind)
+		for (int i = pick(4); i > 0; --i) switch (const int kind = pick(6); m_stack += std::to_string(kind), kind)
 			{
-				case 0: device = std::make_unique<MountedDevice>(std::move(device), ist::Pose{{}, {1, 2, 3}}, 0.5 + 0.5 * pick(4)); break;
-				case 1: device = std::make_unique<ClutchedDevice>(std::move(device), 1U << pick(3)); break;
-				case 2: device = std::make_unique<VelocityFilter>(std::move(device), 10.0 * pick(5), pick(2)); break;
-				case 3: device = std::make_unique<DelayedDevice>(std::move(device), pick(3), pick(3)), m_delays = true; break;
-				case 4: device = std::make_unique<RestrictedDevice>(std::move(device), kTranslation, kTranslation); break;
-				default: device = std::make_unique<RecordingDevice>(std::move(device), 100); break;
+			case 0: device = std::make_unique<MountedDevice>(std::move(device), ist::Pose{{}, {1, 2, 3}}, 0.5 + 0.5 * pick(4)); break;
+			case 1: device = std::make_unique<ClutchedDevice>(std::move(device), 1U << pick(3)); break;
+			case 2: device = std::make_unique<VelocityFilter>(std::move(device), 10.0 * pick(5), pick(2)); break;
+			case 3: device = std::make_unique<DelayedDevice>(std::move(device), pick(3), pick(3)), m_delays = true; break;
+			case 4: device = std::make_unique<RestrictedDevice>(std::move(device), kTranslation, kTranslation); break;
+			default: device = std::make_unique<RecordingDevice>(std::move(device), 100); break;
 			}
 		m_device = std::move(device);
 		m_device->open();
@@ -258,21 +268,18 @@ private:
 	{
 		const int event = pick(4), what = pick(8);
 		if (m_listeners[event].size() > 6) return;
-		const auto act = [this, what]
-		{
+		const auto act = [this, what] {
 			if (what == 0 && m_random() % 50 == 0) throw std::runtime_error("a hook");
 			if (what == 1 && m_random() % 50 == 0) throw 7;
 		};
 		if (event == 0) m_listeners[0].push_back(m_thread->onTransform.addDelegate([act](const DeviceState&) { act(); }));
 		if (event == 1) m_listeners[1].push_back(m_thread->onCollision.addDelegate([act](const ToolContact&) { act(); }));
 		if (event == 2)
-			m_listeners[2].push_back(m_thread->onHapticTick.addDelegate(
-				[act, what](const DeviceState&, ist::Wrench& wrench)
-				{
-					act();
-					if (what == 2) wrench = 1e6 * wrench;
-					if (what == 3) wrench.force.y += 0.5;
-				}));
+			m_listeners[2].push_back(m_thread->onHapticTick.addDelegate([act, what](const DeviceState&, ist::Wrench& wrench) {
+				act();
+				if (what == 2) wrench = 1e6 * wrench;
+				if (what == 3) wrench.force.y += 0.5;
+			}));
 		if (event == 3) m_listeners[3].push_back(m_thread->onFault.addDelegate([act](const Fault&) { act(); }));
 	}
 
@@ -282,22 +289,24 @@ private:
 		if (m_listeners[event].empty()) return;
 		const std::uint64_t id = m_listeners[event].back();
 		m_listeners[event].pop_back();
-		const bool removed = event == 0	  ? m_thread->onTransform.removeDelegate(id)
-							 : event == 1 ? m_thread->onCollision.removeDelegate(id)
-							 : event == 2 ? m_thread->onHapticTick.removeDelegate(id)
-										  : m_thread->onFault.removeDelegate(id);
+		const bool removed = event == 0 ? m_thread->onTransform.removeDelegate(id)
+			: event == 1                ? m_thread->onCollision.removeDelegate(id)
+			: event == 2                ? m_thread->onHapticTick.removeDelegate(id)
+										: m_thread->onFault.removeDelegate(id);
 		ASSERT_TRUE(removed);
 	}
 
 	void openSomething()
 	{
-		const char* const addresses[] = {"sim:sigma7", "sim:touch?dof=3", "sim:touch?dof=6", "sim:omega6?sense=3", "sim:", "sim:none", "none:1", "", ":",
-										 "replay:no-such-file.csv", "sim:sigma7?dof=9", "own:x", "sim:sigma7?reconnect=maybe"};
+		const char* const addresses[] = {"sim:sigma7", "sim:touch?dof=3", "sim:touch?dof=6", "sim:omega6?sense=3", "sim:", "sim:none",
+			"none:1", "", ":", "replay:no-such-file.csv", "sim:sigma7?dof=9", "own:x", "sim:sigma7?reconnect=maybe"};
 		const auto device = m_registry.open(addresses[pick(13)]);
 		device ? ++opened : ++refused;
 		ASSERT_TRUE(device || !device.error().message.empty());
 		if (pick(4) == 0)
-			m_registry.addScheme("own", [](const std::string&) -> ist::Result<std::unique_ptr<Device>> { return ist::Error{"nothing there", false}; });
+			m_registry.addScheme("own", [](const std::string&) -> ist::Result<std::unique_ptr<Device>> {
+				return ist::Error{"nothing there", false};
+			});
 	}
 
 	/// The thread on its own for a moment, while this one does what any thread may.
@@ -322,7 +331,10 @@ private:
 		}
 		// On a thread of its own, or in run() on one of the program's.
 		std::thread runner;
-		if (pick(2)) { ASSERT_TRUE(m_thread->start()); }
+		if (pick(2))
+		{
+			ASSERT_TRUE(m_thread->start());
+		}
 		else runner = std::thread([this] { m_thread->run(INT64_MAX); });
 		while (!m_thread->running()) std::this_thread::yield();
 		EXPECT_FALSE(m_thread->run(1));
@@ -375,8 +387,8 @@ long operations()
 }
 }  // namespace
 
-// Seeded: a failure comes back, up to the first time that the thread ran on its own (runOnItsOwn), which leaves clock, device and law wherever real
-// time took them. More of it: DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
+// Seeded: a failure comes back, up to the first time that the thread ran on its own (runOnItsOwn), which leaves clock, device and law
+// wherever real time took them. More of it: DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
 TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
 {
 	const long all = operations(), each = 10'000;

@@ -200,10 +200,21 @@ TEST(SteppingFault, AClockThatJumpsBackDoesNotHoldTheLoop)
 
 TEST(SteppingFault, AnExceptionInAHookIsAFaultAndZeroUntilCleared)
 {
-	const std::vector<std::function<void(SteppingThread&, bool&)>> hooks = {
-		[](SteppingThread& t, bool& bad) { t.onTransform.addDelegate([&](const DeviceState&) { if (bad) throw std::runtime_error("transform"); }); },
-		[](SteppingThread& t, bool& bad) { t.onCollision.addDelegate([&](const ToolContact&) { if (bad) throw 42; }); },
-		[](SteppingThread& t, bool& bad) { t.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) { if (bad) throw std::bad_alloc(); }); }};
+	const std::vector<std::function<void(SteppingThread&, bool&)>> hooks = {[](SteppingThread& t, bool& bad) {
+																				t.onTransform.addDelegate([&](const DeviceState&) {
+																					if (bad) throw std::runtime_error("transform");
+																				});
+																			},
+		[](SteppingThread& t, bool& bad) {
+			t.onCollision.addDelegate([&](const ToolContact&) {
+				if (bad) throw 42;
+			});
+		},
+		[](SteppingThread& t, bool& bad) {
+			t.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) {
+				if (bad) throw std::bad_alloc();
+			});
+		}};
 	for (const auto& hook : hooks)
 	{
 		FaultRig rig;
@@ -260,7 +271,8 @@ TEST(SteppingFault, SignalsEndTheThreadWithTheDeviceAtZero)
 		SteppingThread thread(device, wall, clock);
 		thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.x = 1; });
 		std::atomic<bool> pushed{false};
-		thread.onHapticTick.addDelegate([&](const DeviceState&, const ist::Wrench&) { pushed = pushed || norm(thread.sentWrench().force) > 0; });
+		thread.onHapticTick.addDelegate(
+			[&](const DeviceState&, const ist::Wrench&) { pushed = pushed || norm(thread.sentWrench().force) > 0; });
 		StopSignals stop(thread);
 		ASSERT_TRUE(stop.active());
 		ASSERT_TRUE(thread.start());

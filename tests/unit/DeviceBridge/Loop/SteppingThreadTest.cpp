@@ -299,9 +299,9 @@ TEST(SteppingThread, RunsOnItsOwnThreadAndEndsAtZero)
 	EXPECT_FALSE(thread.running());
 	EXPECT_GE(thread.ticks(), 20U);
 	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3{});
-	std::printf("memory %s; %s; period p50 %.0f us, longest %.0f us; tick p50 %.1f us; overruns %llu\n", thread.memory(), thread.scheduling(),
-				thread.periods().quantile(0.5) / 1e3, static_cast<double>(thread.periods().longest()) / 1e3,
-				thread.costs().quantile(0.5) / 1e3, static_cast<unsigned long long>(thread.overruns()));
+	std::printf("memory %s; %s; period p50 %.0f us, longest %.0f us; tick p50 %.1f us; overruns %llu\n", thread.memory(),
+		thread.scheduling(), thread.periods().quantile(0.5) / 1e3, static_cast<double>(thread.periods().longest()) / 1e3,
+		thread.costs().quantile(0.5) / 1e3, static_cast<unsigned long long>(thread.overruns()));
 	ASSERT_TRUE(thread.start());
 	EXPECT_STREQ(thread.refusal(), "");
 }
@@ -342,11 +342,23 @@ TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
 		for (int i = 0; i < 2000 && thread.ticks() < 3; ++i) clock.sleepUntil(clock.now() + 5'000'000);
 		thread.stop();
 		const std::string said = thread.memory();
-		if (!asked) { EXPECT_EQ(said, "not locked: it was not asked for"); }
-		else { EXPECT_TRUE(said == "locked" || said.find("not locked: it was refused") == 0) << said; }
+		if (!asked)
+		{
+			EXPECT_EQ(said, "not locked: it was not asked for");
+		}
+		else
+		{
+			EXPECT_TRUE(said == "locked" || said.find("not locked: it was refused") == 0) << said;
+		}
 		// Under the sanitizers mlockall() does nothing.
-		if (said == "locked" && !kSanitized) { EXPECT_GT(lockedMemory(), before); }
-		else { EXPECT_EQ(lockedMemory(), before); }
+		if (said == "locked" && !kSanitized)
+		{
+			EXPECT_GT(lockedMemory(), before);
+		}
+		else
+		{
+			EXPECT_EQ(lockedMemory(), before);
+		}
 		munlockall();
 	}
 }
@@ -401,8 +413,7 @@ struct WatchedRig
 		settings.safety.zeroFrom = 900'000'000;
 		return settings;
 	}
-	template <class Condition>
-	bool within(Condition condition)
+	template <class Condition> bool within(Condition condition)
 	{
 		for (int i = 0; i < 20000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 		return condition();
@@ -461,11 +472,9 @@ TEST(SteppingThread, OfManyThatRunAtOnceOneDoes)
 	std::atomic<long> accepted{0};
 	std::vector<std::thread> threads;
 	for (int i = 0; i < 4; ++i)
-		threads.emplace_back(
-			[&]
-			{
-				for (int k = 0; k < 50; ++k) accepted += rig.thread.run(1);
-			});
+		threads.emplace_back([&] {
+			for (int k = 0; k < 50; ++k) accepted += rig.thread.run(1);
+		});
 	for (std::thread& thread : threads) thread.join();
 	EXPECT_GT(accepted, 0);
 	EXPECT_EQ(rig.thread.ticks(), static_cast<std::uint64_t>(accepted));
@@ -482,16 +491,14 @@ TEST(SteppingThread, AListenerStopsRunAndStartsNoOther)
 	thread.setForceLaw(&law);
 	int ticks = 0, begun = 0;
 	std::string refused;
-	thread.onHapticTick.addDelegate(
-		[&](const DeviceState&, ist::Wrench&)
-		{
-			if (++ticks != kAfterRamp) return;
-			begun += thread.run(1);
-			begun += thread.start();
-			refused = thread.refusal();
-			thread.stop();
-			EXPECT_TRUE(thread.running()) << "until the tick is over";
-		});
+	thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) {
+		if (++ticks != kAfterRamp) return;
+		begun += thread.run(1);
+		begun += thread.start();
+		refused = thread.refusal();
+		thread.stop();
+		EXPECT_TRUE(thread.running()) << "until the tick is over";
+	});
 	EXPECT_TRUE(thread.run(kForever));
 	EXPECT_EQ(ticks, kAfterRamp);
 	EXPECT_EQ(begun, 0);
@@ -554,21 +561,19 @@ TEST(SteppingThread, RunStopAndStartInAnyOrder)
 	WatchedRig rig;
 	std::atomic<bool> ending{false};
 	std::atomic<long> runs{0}, refused{0};
-	std::thread runner(
-		[&]
-		{
-			while (!ending) (rig.thread.run(7) ? runs : refused) += 1;
-		});
+	std::thread runner([&] {
+		while (!ending) (rig.thread.run(7) ? runs : refused) += 1;
+	});
 	std::mt19937 random(3);
 	long started = 0;
 	for (int i = 0; i < 150; ++i)
 	{
 		switch (random() % 4)
 		{
-			case 0: started += rig.thread.start(); break;
-			case 1: rig.thread.requestStop(); break;
-			case 2: rig.thread.stop(); break;
-			default: std::this_thread::sleep_for(std::chrono::microseconds(random() % 3000));
+		case 0: started += rig.thread.start(); break;
+		case 1: rig.thread.requestStop(); break;
+		case 2: rig.thread.stop(); break;
+		default: std::this_thread::sleep_for(std::chrono::microseconds(random() % 3000));
 		}
 	}
 	ending = true;

@@ -76,8 +76,7 @@ SteppingSettings unguarded()
 }
 
 /// Largest swing of a free handle in the last part of a run, over its first.
-template <class Between>
-double growth(double stiffness, ForceLaw& law, const Between& between)
+template <class Between> double growth(double stiffness, ForceLaw& law, const Between& between)
 {
 	SimulatedDevice device(bareProfile());
 	device.place({{}, {1e-4, 0, 0}});
@@ -98,8 +97,8 @@ double growth(double stiffness, ForceLaw& law, const Between& between)
 }
 }  // namespace
 
-// b = 2 N s/m: stable up to b/(T/2) = 4000 N/m without delay, where 3000 N/m decay as exp(-b (1 - 3/4) t / 2m), to a fifth in 1.3 s; with one
-// tick of delay stable up to b/(3T/2) = 1333 N/m only.
+// b = 2 N s/m: stable up to b/(T/2) = 4000 N/m without delay, where 3000 N/m decay as exp(-b (1 - 3/4) t / 2m), to a fifth in 1.3 s; with
+// one tick of delay stable up to b/(3T/2) = 1333 N/m only.
 TEST(ThreadedForceLaw, TheCouplingDoesNotLag)
 {
 	CouplingForceLaw coupling;
@@ -178,8 +177,7 @@ TEST(ThreadedForceLaw, ALawThatHangsLetsTheDeviceGo)
 TEST(ThreadedForceLaw, BackInItsThreadItGoesOnFromTheTickBefore)
 {
 	// Far longer on the tick than an answer may be old; with an answer from before, and without.
-	const auto sent = [](bool answeredBefore, bool back)
-	{
+	const auto sent = [](bool answeredBefore, bool back) {
 		SimulatedDevice device(simulatedProfile("sigma7").value());
 		device.place({{}, {0.01, 0, 0}});
 		device.open();
@@ -222,8 +220,7 @@ TEST(ThreadedForceLaw, ItsPlaceMayBeSwitchedWhileItRuns)
 	ASSERT_TRUE(threaded.start());
 	EXPECT_FALSE(threaded.start());
 	ASSERT_TRUE(thread.start());
-	const auto wait = [&](const auto& done)
-	{
+	const auto wait = [&](const auto& done) {
 		for (int i = 0; i < 5000 && !done(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 		return done();
 	};

@@ -78,15 +78,13 @@ TEST(TripleBuffer, TheReaderSeesTheLatestWholeValue)
 	EXPECT_FALSE(buffer->fetch());
 	constexpr std::uint64_t kLast = 200'000;
 	std::uint64_t replaced = 0, taken = 0;
-	std::thread writer(
-		[&]
+	std::thread writer([&] {
+		for (std::uint64_t i = 1; i <= kLast; ++i)
 		{
-			for (std::uint64_t i = 1; i <= kLast; ++i)
-			{
-				for (std::uint64_t& word : buffer->writable().words) word = i;
-				replaced += buffer->publish();
-			}
-		});
+			for (std::uint64_t& word : buffer->writable().words) word = i;
+			replaced += buffer->publish();
+		}
+	});
 	std::uint64_t seen = 0, torn = 0, backwards = 0;
 	while (seen < kLast)
 	{
@@ -219,11 +217,9 @@ TEST(WorldMirror, NothingIsLostBetweenTwoThreads)
 	const long before = allocationCount();
 	std::atomic<bool> done{false};
 	std::atomic<int> ticks{0};
-	std::thread ticking(
-		[&]
-		{
-			while (!done) hand.tick(1 + ticks++ % 3);
-		});
+	std::thread ticking([&] {
+		while (!done) hand.tick(1 + ticks++ % 3);
+	});
 	std::minstd_rand random(7);
 	for (int step = 0; step < 400; ++step)
 	{
@@ -280,10 +276,9 @@ TEST(LinearContact, KnowsOnlyTheWayOfOneBodyAgainstTheOther)
 	std::uniform_real_distribution<double> u(-1, 1);
 	for (int i = 0; i < 20; ++i)
 	{
-		const auto pose = [&](double turn)
-		{
+		const auto pose = [&](double turn) {
 			return ist::Pose{rotationMatrix(ist::quaternionFromRotationVector(Vec3{turn * u(random), turn * u(random), turn * u(random)})),
-							 {u(random), i == 0 ? 1000 : u(random), u(random)}};
+				{u(random), i == 0 ? 1000 : u(random), u(random)}};
 		};
 		LinearContact c;
 		c.X_WA = pose(2);

@@ -213,15 +213,14 @@ TEST(SafetyStages, AboveTheSpeedLimitTheDeviceOnlyDamps)
 	settings.maxAngularSpeed = 10;
 	SafetyLimiter limiter(sixDof(), settings);
 	HandSample hand;
-	const auto with = [&](const Vec3& v, int at)
-	{
+	const auto with = [&](const Vec3& v, int at) {
 		hand.twist.linear = v;
 		return limiter.limit(command({10, 0, 0}, at * kMs), hand, at * kMs).wrench.force;
 	};
 	EXPECT_EQ(with({0.99, 0, 0}, 1), (Vec3{10, 0, 0}));
 	const Vec3 braked = with({0, 1.5, 0}, 2);
 	EXPECT_EQ(braked.x, 0);
-	EXPECT_EQ(braked.y, -2);  // half of 20 N s/m, no more than the continuous 2 N
+	EXPECT_EQ(braked.y, -2);               // half of 20 N s/m, no more than the continuous 2 N
 	EXPECT_LT(with({0.9, 0, 0}, 3).x, 0);  // until below 0.8 of the limit
 	EXPECT_EQ(with({0.79, 0, 0}, 4).x, 10);
 	hand.twist.angular = {0, 0, -11};

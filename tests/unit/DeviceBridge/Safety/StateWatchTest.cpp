@@ -41,14 +41,14 @@ TEST(StateWatch, AJumpIsBelievedOnlyAfterSteadySamples)
 
 TEST(StateWatch, ATurnThatNoHandMakesIsAJump)
 {
-	const auto turned = [](int tick, double angle)
-	{
+	const auto turned = [](int tick, double angle) {
 		DeviceState s = sample(tick, {});
 		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(angle * ist::Vec3{0.6, 0, -0.8}));
 		return s;
 	};
 	StateWatch watch;
-	for (int i = 1; i < 500; ++i) ASSERT_EQ(watch.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
+	for (int i = 1; i < 500; ++i)
+		ASSERT_EQ(watch.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
 	// Around the limit after a millisecond, which is 1.1 rad, and up to half a turn.
 	for (const double angle : {1.05, -1.05, 1.15, -1.15, 2.0, 3.14})
 	{
@@ -69,7 +69,7 @@ TEST(StateWatch, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
 	for (int tick = 1; tick < 1000; ++tick)
 	{
 		const int sampled = tick - tick % 33;
-		DeviceState s = sample(sampled + 1, {0.005 * sampled, 0, 0});  // 5 m/s
+		DeviceState s = sample(sampled + 1, {0.005 * sampled, 0, 0});                                          // 5 m/s
 		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{0, 0.06 * sampled, 0}));  // 60 rad/s
 		ASSERT_EQ(watch.judge(s, tick * kMs), FaultCause::None) << tick;
 	}

@@ -70,14 +70,12 @@ TEST(Delegate, ListenersMayAddAndRemoveWhileHearing)
 	Delegate<const int> event;
 	int own = 0, other = 0, added = 0;
 	Delegate<const int>::Id ownId = 0, otherId = 0;
-	ownId = event.addDelegate(
-		[&](const int&)
-		{
-			++own;
-			event.removeDelegate(ownId);
-			event.removeDelegate(otherId);
-			for (int i = 0; i < 100; ++i) event.addDelegate([&](const int&) { ++added; });
-		});
+	ownId = event.addDelegate([&](const int&) {
+		++own;
+		event.removeDelegate(ownId);
+		event.removeDelegate(otherId);
+		for (int i = 0; i < 100; ++i) event.addDelegate([&](const int&) { ++added; });
+	});
 	otherId = event.addDelegate([&](const int&) { ++other; });
 	event.broadcast(1);
 	EXPECT_EQ(own, 1);

@@ -45,7 +45,12 @@ bool cGenericHapticDevice::close()
 	--handle.open;
 	return true;
 }
-bool cGenericHapticDevice::calibrate(bool) { const Lock lock(handle.mutex); handle.enabled = 1; return handle.present; }
+bool cGenericHapticDevice::calibrate(bool)
+{
+	const Lock lock(handle.mutex);
+	handle.enabled = 1;
+	return handle.present;
+}
 bool cGenericHapticDevice::getPosition(cVector3d& position) { return copy(handle.position, position); }
 bool cGenericHapticDevice::getLinearVelocity(cVector3d& velocity) { return copy(handle.linear, velocity); }
 bool cGenericHapticDevice::getAngularVelocity(cVector3d& velocity) { return copy(handle.angular, velocity); }
@@ -57,8 +62,17 @@ bool cGenericHapticDevice::getRotation(cMatrix3d& rotation)
 	rotation.setCol({m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]});
 	return handle.present;
 }
-bool cGenericHapticDevice::getGripperAngleRad(double& angle) { angle = 0.1; return true; }
-bool cGenericHapticDevice::getUserSwitches(unsigned int& switches) { const Lock lock(handle.mutex); switches = handle.buttons; return handle.present; }
+bool cGenericHapticDevice::getGripperAngleRad(double& angle)
+{
+	angle = 0.1;
+	return true;
+}
+bool cGenericHapticDevice::getUserSwitches(unsigned int& switches)
+{
+	const Lock lock(handle.mutex);
+	switches = handle.buttons;
+	return handle.present;
+}
 bool cGenericHapticDevice::setForceAndTorqueAndGripperForce(const cVector3d& force, const cVector3d& torque, const double)
 {
 	const Lock lock(handle.mutex);
@@ -67,5 +81,8 @@ bool cGenericHapticDevice::setForceAndTorqueAndGripperForce(const cVector3d& for
 	for (int i = 0; i < 3; ++i) handle.force[i] = f[i], handle.torque[i] = t[i];
 	return handle.present;
 }
-cHapticDeviceInfo cGenericHapticDevice::getSpecifications() { return {"omega.7", "Force Dimension", 12, 0.1, 5000, 1, 30, 0.05, 0.075, true, true, true, true, true}; }
+cHapticDeviceInfo cGenericHapticDevice::getSpecifications()
+{
+	return {"omega.7", "Force Dimension", 12, 0.1, 5000, 1, 30, 0.05, 0.075, true, true, true, true, true};
+}
 }  // namespace chai3d

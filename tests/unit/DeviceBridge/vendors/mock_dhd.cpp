@@ -20,7 +20,11 @@ int copy3(const double (&from)[3], double* x, double* y, double* z)
 
 MOCK_EXPORT MockHandle* mockHandle() { return &handle; }
 
-MOCK_EXPORT int dhdGetDeviceCount() { const Lock lock(handle.mutex); return handle.present ? 1 : 0; }
+MOCK_EXPORT int dhdGetDeviceCount()
+{
+	const Lock lock(handle.mutex);
+	return handle.present ? 1 : 0;
+}
 MOCK_EXPORT int dhdOpenID(char id)
 {
 	const Lock lock(handle.mutex);
@@ -28,12 +32,31 @@ MOCK_EXPORT int dhdOpenID(char id)
 	++handle.open;
 	return 0;
 }
-MOCK_EXPORT int dhdClose(char) { const Lock lock(handle.mutex); --handle.open; return 0; }
-MOCK_EXPORT int dhdStop(char) { const Lock lock(handle.mutex); std::fill_n(handle.force, 3, 0), std::fill_n(handle.torque, 3, 0); return answer(); }
-MOCK_EXPORT int dhdEnableForce(unsigned char on, char) { const Lock lock(handle.mutex); handle.enabled = on; return answer(); }
+MOCK_EXPORT int dhdClose(char)
+{
+	const Lock lock(handle.mutex);
+	--handle.open;
+	return 0;
+}
+MOCK_EXPORT int dhdStop(char)
+{
+	const Lock lock(handle.mutex);
+	std::fill_n(handle.force, 3, 0), std::fill_n(handle.torque, 3, 0);
+	return answer();
+}
+MOCK_EXPORT int dhdEnableForce(unsigned char on, char)
+{
+	const Lock lock(handle.mutex);
+	handle.enabled = on;
+	return answer();
+}
 MOCK_EXPORT int dhdGetSystemType(char) { return 104; }  // DHD_DEVICE_SIGMA331
 MOCK_EXPORT const char* dhdGetSystemName(char) { return "sigma.7"; }
-MOCK_EXPORT int dhdGetSerialNumber(unsigned short* serial, char) { *serial = 42; return 0; }
+MOCK_EXPORT int dhdGetSerialNumber(unsigned short* serial, char)
+{
+	*serial = 42;
+	return 0;
+}
 MOCK_EXPORT bool dhdHasWrist(char) { return true; }
 MOCK_EXPORT bool dhdHasActiveWrist(char) { return true; }
 MOCK_EXPORT bool dhdHasGripper(char) { return true; }
@@ -60,9 +83,21 @@ MOCK_EXPORT int dhdGetPositionAndOrientationFrame(double* x, double* y, double* 
 }
 MOCK_EXPORT int dhdGetLinearVelocity(double* x, double* y, double* z, char) { return copy3(handle.linear, x, y, z); }
 MOCK_EXPORT int dhdGetAngularVelocityRad(double* x, double* y, double* z, char) { return copy3(handle.angular, x, y, z); }
-MOCK_EXPORT unsigned dhdGetButtonMask(char) { const Lock lock(handle.mutex); return handle.buttons; }
-MOCK_EXPORT int dhdGetGripperAngleRad(double* angle, char) { *angle = 0.25; return 0; }
-MOCK_EXPORT int dhdGetGripperAngularVelocityRad(double* velocity, char) { *velocity = 0; return 0; }
+MOCK_EXPORT unsigned dhdGetButtonMask(char)
+{
+	const Lock lock(handle.mutex);
+	return handle.buttons;
+}
+MOCK_EXPORT int dhdGetGripperAngleRad(double* angle, char)
+{
+	*angle = 0.25;
+	return 0;
+}
+MOCK_EXPORT int dhdGetGripperAngularVelocityRad(double* velocity, char)
+{
+	*velocity = 0;
+	return 0;
+}
 MOCK_EXPORT int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double, char)
 {
 	const Lock lock(handle.mutex);

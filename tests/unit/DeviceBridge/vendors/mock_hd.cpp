@@ -56,7 +56,11 @@ MOCK_EXPORT void hdDisableDevice(unsigned)
 	--handle.open;
 	if (running) ++handle.misuse;
 }
-MOCK_EXPORT void hdBeginFrame(unsigned) { const Lock lock(handle.mutex); inFrame = true; }
+MOCK_EXPORT void hdBeginFrame(unsigned)
+{
+	const Lock lock(handle.mutex);
+	inFrame = true;
+}
 MOCK_EXPORT void hdEndFrame(unsigned)
 {
 	const Lock lock(handle.mutex);
@@ -71,33 +75,43 @@ MOCK_EXPORT HDErrorInfo hdGetError()
 	return {code, 0, 0};
 }
 MOCK_EXPORT const char* hdGetErrorString(unsigned code) { return code == 0x0302 ? "device communication error" : "other error"; }
-MOCK_EXPORT void hdEnable(unsigned what) { const Lock lock(handle.mutex); handle.enabled = what == 0x4000; }
-MOCK_EXPORT void hdGetIntegerv(unsigned, int* value) { const Lock lock(handle.mutex); *value = static_cast<int>(handle.buttons); }
+MOCK_EXPORT void hdEnable(unsigned what)
+{
+	const Lock lock(handle.mutex);
+	handle.enabled = what == 0x4000;
+}
+MOCK_EXPORT void hdGetIntegerv(unsigned, int* value)
+{
+	const Lock lock(handle.mutex);
+	*value = static_cast<int>(handle.buttons);
+}
 MOCK_EXPORT void hdGetDoublev(unsigned name, double* value)
 {
 	const Lock lock(handle.mutex);
 	if (name >= 0x2050 && name < 0x2100 && !inFrame) ++handle.misuse;
 	switch (name)
 	{
-		case 0x2052:  // HD_CURRENT_TRANSFORM: column major, millimetres
+	case 0x2052:  // HD_CURRENT_TRANSFORM: column major, millimetres
+	{
+		double m[3][3];
+		mockRotation(handle.quaternion, m);
+		for (int i = 0; i < 16; ++i) value[i] = i == 15 ? 1 : 0;
+		for (int row = 0; row < 3; ++row)
 		{
-			double m[3][3];
-			mockRotation(handle.quaternion, m);
-			for (int i = 0; i < 16; ++i) value[i] = i == 15 ? 1 : 0;
-			for (int row = 0; row < 3; ++row)
-			{
-				for (int column = 0; column < 3; ++column) value[4 * column + row] = m[row][column];
-				value[12 + row] = 1000 * handle.position[row];
-			}
-			break;
+			for (int column = 0; column < 3; ++column) value[4 * column + row] = m[row][column];
+			value[12 + row] = 1000 * handle.position[row];
 		}
-		case 0x2051: for (int i = 0; i < 3; ++i) value[i] = 1000 * handle.linear[i]; break;
-		case 0x2053: std::copy_n(handle.angular, 3, value); break;
-		case 0x2602: *value = 0.5; break;  // HD_NOMINAL_MAX_STIFFNESS [N/mm]
-		case 0x2603: *value = 3.3; break;  // HD_NOMINAL_MAX_FORCE [N]
-		case 0x2604: *value = 0.88; break;
-		case 0x2609: *value = 0.005; break;  // HD_NOMINAL_MAX_DAMPING [N s/mm]
-		default: ++handle.misuse;
+		break;
+	}
+	case 0x2051:
+		for (int i = 0; i < 3; ++i) value[i] = 1000 * handle.linear[i];
+		break;
+	case 0x2053: std::copy_n(handle.angular, 3, value); break;
+	case 0x2602: *value = 0.5; break;  // HD_NOMINAL_MAX_STIFFNESS [N/mm]
+	case 0x2603: *value = 3.3; break;  // HD_NOMINAL_MAX_FORCE [N]
+	case 0x2604: *value = 0.88; break;
+	case 0x2609: *value = 0.005; break;  // HD_NOMINAL_MAX_DAMPING [N s/mm]
+	default: ++handle.misuse;
 	}
 }
 MOCK_EXPORT void hdSetDoublev(unsigned name, const double* value)
@@ -107,7 +121,11 @@ MOCK_EXPORT void hdSetDoublev(unsigned name, const double* value)
 	std::copy_n(value, 3, handle.force);
 }
 MOCK_EXPORT const char* hdGetString(unsigned name) { return name == 0x2501 ? "Touch" : name == 0x2503 ? "3D Systems" : "7"; }
-MOCK_EXPORT unsigned hdCheckCalibration() { const Lock lock(handle.mutex); return handle.calibrated ? 0x5000 : 0x5001; }
+MOCK_EXPORT unsigned hdCheckCalibration()
+{
+	const Lock lock(handle.mutex);
+	return handle.calibrated ? 0x5000 : 0x5001;
+}
 MOCK_EXPORT void hdStartScheduler()
 {
 	running = true;

@@ -36,15 +36,12 @@ MockOpenXr mock;
 using Lock = std::lock_guard<std::mutex>;
 std::deque<XrSessionState> events;
 constexpr std::uint64_t kInstance = 11, kSession = 22, kSpace = 33, kLeft = 44;
-template <class Handle>
-Handle handle(std::uint64_t value)
-{
-	return reinterpret_cast<Handle>(value);
-}
+template <class Handle> Handle handle(std::uint64_t value) { return reinterpret_cast<Handle>(value); }
 
 XrResult XRAPI_CALL enumerateExtensions(const char*, std::uint32_t room, std::uint32_t* count, XrExtensionProperties* properties)
 {
-	const char* const names[] = {XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_MND_HEADLESS_EXTENSION_NAME};
+	const char* const names[] = {
+		XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_MND_HEADLESS_EXTENSION_NAME};
 	const Lock lock(mock.mutex);
 	*count = mock.hasHeadless ? 3 : 2;
 	for (std::uint32_t i = 0; i < std::min(room, *count); ++i) std::strcpy(properties[i].extensionName, names[i]);
@@ -98,7 +95,12 @@ XrResult XRAPI_CALL createSession(XrInstance, const XrSessionCreateInfo* info, X
 	*session = handle<XrSession>(kSession);
 	return XR_SUCCESS;
 }
-XrResult XRAPI_CALL destroySession(XrSession) { const Lock lock(mock.mutex); --mock.sessions; return XR_SUCCESS; }
+XrResult XRAPI_CALL destroySession(XrSession)
+{
+	const Lock lock(mock.mutex);
+	--mock.sessions;
+	return XR_SUCCESS;
+}
 XrResult XRAPI_CALL beginSession(XrSession, const XrSessionBeginInfo* info)
 {
 	const Lock lock(mock.mutex);
@@ -106,7 +108,12 @@ XrResult XRAPI_CALL beginSession(XrSession, const XrSessionBeginInfo* info)
 	++mock.begun;
 	return XR_SUCCESS;
 }
-XrResult XRAPI_CALL endSession(XrSession) { const Lock lock(mock.mutex); --mock.begun; return XR_SUCCESS; }
+XrResult XRAPI_CALL endSession(XrSession)
+{
+	const Lock lock(mock.mutex);
+	--mock.begun;
+	return XR_SUCCESS;
+}
 XrResult XRAPI_CALL createSpace(XrSession, const XrReferenceSpaceCreateInfo* info, XrSpace* space)
 {
 	const Lock lock(mock.mutex);
@@ -141,7 +148,12 @@ XrResult XRAPI_CALL createTracker(XrSession, const XrHandTrackerCreateInfoEXT* i
 	*tracker = handle<XrHandTrackerEXT>(kLeft + (info->hand == XR_HAND_RIGHT_EXT));
 	return XR_SUCCESS;
 }
-XrResult XRAPI_CALL destroyTracker(XrHandTrackerEXT) { const Lock lock(mock.mutex); --mock.trackers; return XR_SUCCESS; }
+XrResult XRAPI_CALL destroyTracker(XrHandTrackerEXT)
+{
+	const Lock lock(mock.mutex);
+	--mock.trackers;
+	return XR_SUCCESS;
+}
 XrResult XRAPI_CALL locateJoints(XrHandTrackerEXT tracker, const XrHandJointsLocateInfoEXT* info, XrHandJointLocationsEXT* located)
 {
 	const Lock lock(mock.mutex);
@@ -152,7 +164,8 @@ XrResult XRAPI_CALL locateJoints(XrHandTrackerEXT tracker, const XrHandJointsLoc
 	std::copy_n(mock.joints[hand], XR_HAND_JOINT_COUNT_EXT, located->jointLocations);
 	auto* const moving = static_cast<XrHandJointVelocitiesEXT*>(located->next);
 	if (!moving || moving->type != XR_TYPE_HAND_JOINT_VELOCITIES_EXT) return XR_SUCCESS;
-	moving->jointVelocities[XR_HAND_JOINT_PALM_EXT] = {XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT, mock.palmVelocity[hand], mock.palmTurning[hand]};
+	moving->jointVelocities[XR_HAND_JOINT_PALM_EXT] = {
+		XR_SPACE_VELOCITY_LINEAR_VALID_BIT | XR_SPACE_VELOCITY_ANGULAR_VALID_BIT, mock.palmVelocity[hand], mock.palmTurning[hand]};
 	return XR_SUCCESS;
 }
 
@@ -163,16 +176,18 @@ XrResult XRAPI_CALL getProcAddress(XrInstance, const char* name, PFN_xrVoidFunct
 		const char* name;
 		PFN_xrVoidFunction function;
 	};
-#define ROW(name, f) {name, reinterpret_cast<PFN_xrVoidFunction>(f)}
-	static const Row rows[] = {ROW("xrGetInstanceProcAddr", getProcAddress), ROW("xrEnumerateInstanceExtensionProperties", enumerateExtensions),
-							   ROW("xrCreateInstance", createInstance), ROW("xrDestroyInstance", destroyInstance),
-							   ROW("xrGetInstanceProperties", getInstanceProperties), ROW("xrResultToString", resultToString),
-							   ROW("xrGetSystem", getSystem), ROW("xrGetSystemProperties", getSystemProperties),
-							   ROW("xrCreateSession", createSession), ROW("xrDestroySession", destroySession),
-							   ROW("xrBeginSession", beginSession), ROW("xrEndSession", endSession),
-							   ROW("xrCreateReferenceSpace", createSpace), ROW("xrDestroySpace", destroySpace), ROW("xrPollEvent", pollEvent),
-							   ROW("xrConvertTimespecTimeToTimeKHR", convertTime), ROW("xrCreateHandTrackerEXT", createTracker),
-							   ROW("xrDestroyHandTrackerEXT", destroyTracker), ROW("xrLocateHandJointsEXT", locateJoints)};
+#define ROW(name, f) \
+	{ \
+		name, reinterpret_cast<PFN_xrVoidFunction>(f) \
+	}
+	static const Row rows[] = {ROW("xrGetInstanceProcAddr", getProcAddress),
+		ROW("xrEnumerateInstanceExtensionProperties", enumerateExtensions), ROW("xrCreateInstance", createInstance),
+		ROW("xrDestroyInstance", destroyInstance), ROW("xrGetInstanceProperties", getInstanceProperties),
+		ROW("xrResultToString", resultToString), ROW("xrGetSystem", getSystem), ROW("xrGetSystemProperties", getSystemProperties),
+		ROW("xrCreateSession", createSession), ROW("xrDestroySession", destroySession), ROW("xrBeginSession", beginSession),
+		ROW("xrEndSession", endSession), ROW("xrCreateReferenceSpace", createSpace), ROW("xrDestroySpace", destroySpace),
+		ROW("xrPollEvent", pollEvent), ROW("xrConvertTimespecTimeToTimeKHR", convertTime), ROW("xrCreateHandTrackerEXT", createTracker),
+		ROW("xrDestroyHandTrackerEXT", destroyTracker), ROW("xrLocateHandJointsEXT", locateJoints)};
 #undef ROW
 	*function = nullptr;
 	for (const Row& row : rows)
@@ -183,9 +198,11 @@ XrResult XRAPI_CALL getProcAddress(XrInstance, const char* name, PFN_xrVoidFunct
 
 MockOpenXr* mockOpenXr() { return &mock; }
 
-extern "C" __attribute__((visibility("default"))) XrResult xrNegotiateLoaderRuntimeInterface(const LoaderInfo* loader, RuntimeRequest* request)
+extern "C" __attribute__((visibility("default"))) XrResult xrNegotiateLoaderRuntimeInterface(
+	const LoaderInfo* loader, RuntimeRequest* request)
 {
-	if (loader->structType != 1 || request->structType != 3 || request->structSize != sizeof(RuntimeRequest)) return XR_ERROR_INITIALIZATION_FAILED;
+	if (loader->structType != 1 || request->structType != 3 || request->structSize != sizeof(RuntimeRequest))
+		return XR_ERROR_INITIALIZATION_FAILED;
 	request->runtimeInterfaceVersion = 1;
 	request->runtimeApiVersion = XR_CURRENT_API_VERSION;
 	request->getInstanceProcAddr = getProcAddress;

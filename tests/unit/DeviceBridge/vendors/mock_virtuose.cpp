@@ -28,16 +28,48 @@ MOCK_EXPORT void* virtOpen(const char* name)
 	command = 0;
 	return &handle;
 }
-MOCK_EXPORT int virtClose(void*) { const Lock lock(handle.mutex); --handle.open; return 0; }
-MOCK_EXPORT int virtSetCommandType(void*, int type) { const Lock lock(handle.mutex); command = type; return answer(); }
+MOCK_EXPORT int virtClose(void*)
+{
+	const Lock lock(handle.mutex);
+	--handle.open;
+	return 0;
+}
+MOCK_EXPORT int virtSetCommandType(void*, int type)
+{
+	const Lock lock(handle.mutex);
+	command = type;
+	return answer();
+}
 MOCK_EXPORT int virtSetIndexingMode(void*, int) { return 0; }
-MOCK_EXPORT int virtSetTimeStep(void*, float) { const Lock lock(handle.mutex); handle.misuse += command != 0; return 0; }
+MOCK_EXPORT int virtSetTimeStep(void*, float)
+{
+	const Lock lock(handle.mutex);
+	handle.misuse += command != 0;
+	return 0;
+}
 MOCK_EXPORT int virtSetForceFactor(void*, float) { return 0; }
 MOCK_EXPORT int virtSetSpeedFactor(void*, float) { return 0; }
-MOCK_EXPORT int virtSetPowerOn(void*, int on) { const Lock lock(handle.mutex); handle.enabled = on; return 0; }
-MOCK_EXPORT int virtGetPowerOn(void*, int* on) { const Lock lock(handle.mutex); return set(handle.enabled && handle.motorsOn, on); }
-MOCK_EXPORT int virtGetDeadMan(void*, int* held) { const Lock lock(handle.mutex); return set(handle.handPresent, held); }
-MOCK_EXPORT int virtGetEmergencyStop(void*, int* running) { const Lock lock(handle.mutex); return set(1, running); }
+MOCK_EXPORT int virtSetPowerOn(void*, int on)
+{
+	const Lock lock(handle.mutex);
+	handle.enabled = on;
+	return 0;
+}
+MOCK_EXPORT int virtGetPowerOn(void*, int* on)
+{
+	const Lock lock(handle.mutex);
+	return set(handle.enabled && handle.motorsOn, on);
+}
+MOCK_EXPORT int virtGetDeadMan(void*, int* held)
+{
+	const Lock lock(handle.mutex);
+	return set(handle.handPresent, held);
+}
+MOCK_EXPORT int virtGetEmergencyStop(void*, int* running)
+{
+	const Lock lock(handle.mutex);
+	return set(1, running);
+}
 MOCK_EXPORT int virtGetButton(void*, int number, int* pressed)
 {
 	const Lock lock(handle.mutex);

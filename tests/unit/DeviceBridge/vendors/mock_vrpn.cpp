@@ -33,7 +33,11 @@ public:
 		const Lock lock(handle.mutex);
 		handle.open -= m_known;
 	}
-	vrpn_bool connected() const override { const Lock lock(handle.mutex); return m_known && handle.present; }
+	vrpn_bool connected() const override
+	{
+		const Lock lock(handle.mutex);
+		return m_known && handle.present;
+	}
 	int mainloop(const timeval* wait) override
 	{
 		const timespec time{0, wait ? 1000 * wait->tv_usec : 0};
@@ -171,11 +175,17 @@ void vrpn_Button_Remote::mainloop()
 vrpn_ForceDevice_Remote::vrpn_ForceDevice_Remote(const char*, vrpn_Connection*) {}
 vrpn_ForceDevice_Remote::~vrpn_ForceDevice_Remote() {}
 void vrpn_ForceDevice_Remote::mainloop() {}
-void vrpn_ForceDevice_Remote::setFF_Origin(vrpn_float32 x, vrpn_float32 y, vrpn_float32 z) { m_origin[0] = x, m_origin[1] = y, m_origin[2] = z; }
-void vrpn_ForceDevice_Remote::setFF_Force(vrpn_float32 x, vrpn_float32 y, vrpn_float32 z) { m_force[0] = x, m_force[1] = y, m_force[2] = z; }
+void vrpn_ForceDevice_Remote::setFF_Origin(vrpn_float32 x, vrpn_float32 y, vrpn_float32 z)
+{
+	m_origin[0] = x, m_origin[1] = y, m_origin[2] = z;
+}
+void vrpn_ForceDevice_Remote::setFF_Force(vrpn_float32 x, vrpn_float32 y, vrpn_float32 z)
+{
+	m_force[0] = x, m_force[1] = y, m_force[2] = z;
+}
 void vrpn_ForceDevice_Remote::setFF_Radius(vrpn_float32 radius) { m_radius = radius; }
-void vrpn_ForceDevice_Remote::setFF_Jacobian(vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32,
-											 vrpn_float32, vrpn_float32)
+void vrpn_ForceDevice_Remote::setFF_Jacobian(
+	vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32, vrpn_float32)
 {
 	m_hasJacobian = true;
 }

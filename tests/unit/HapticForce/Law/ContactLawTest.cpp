@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Law/btContactLaw.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <gtest/gtest.h>
 
@@ -152,8 +152,7 @@ TEST(ContactLaw, StiffnessIsTheSlopeOfTheModelsOwnWrench)
 		const ist::Pose X_WA = randomPose(random, 5);
 		const Vec3 n = X_WA.rotation * Vec3{0, 1, 0}, t = X_WA.rotation * Vec3{1, 0, 0};
 		const Vec3 onPlane = X_WA * Vec3{0, depth - 0.5, 0};
-		const auto wrenchAt = [&](const ist::Pose& X, const Vec3& about)
-		{
+		const auto wrenchAt = [&](const ist::Pose& X, const Vec3& about) {
 			const ist::Pose back = ist::inverse(X);
 			const Vec3 normal = back.rotation * n;
 			btContactPatch p;
@@ -230,8 +229,8 @@ TEST(ContactLaw, FlatContactIsDampedByTheDissipationTimesTheForce)
 	}
 }
 
-// The forces of a ball's own field pass through its centre: spinning about it in whatever it lies, it is not held back. Of one normal for the
-// whole patch it would be, by a third of what a fall at the speed of its surface meets.
+// The forces of a ball's own field pass through its centre: spinning about it in whatever it lies, it is not held back. Of one normal for
+// the whole patch it would be, by a third of what a fall at the speed of its surface meets.
 TEST(ContactLaw, BallThatTurnsInPlaceIsNotDamped)
 {
 	constexpr double kRadius = 0.5;

@@ -2,8 +2,8 @@
 #include "BulletHapticForce/Law/btContactMaterial.h"
 
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btEmptyShape.h"
@@ -74,8 +74,7 @@ TEST_F(Pair, OneStiffnessMeansThatTheOtherBodyIsRigid)
 
 TEST_F(Pair, NoStiffnessLetsTheHeavierBodySinkByTheGapWithinBoundsOfTheSmallerSize)
 {
-	const auto depthAllowed = [&](double gapOfB)
-	{
+	const auto depthAllowed = [&](double gapOfB) {
 		auto tree = std::make_shared<ist::InnerSphereTree>(*contact.treeB);
 		tree->meanGap = gapOfB;
 		contact.treeB = tree;
@@ -183,7 +182,7 @@ TEST_F(Pair, RefusesWhatIsNoMaterialAndKeepsTheFormerOne)
 	set(a, 1e6, 8);
 	const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
 	for (const btContactMaterial& bad : {btContactMaterial{-1, 0}, btContactMaterial{nan, 0}, btContactMaterial{infinite, 0},
-										 btContactMaterial{1, nan}, btContactMaterial{1, infinite}})
+			 btContactMaterial{1, nan}, btContactMaterial{1, infinite}})
 		EXPECT_TRUE(table.set(&a, bad));
 	EXPECT_TRUE(table.set(nullptr, {1e6, 1}));
 	EXPECT_EQ(table.find(&a).stiffness, 1e6);
@@ -194,7 +193,8 @@ TEST_F(Pair, RefusesWhatIsNoMaterialAndKeepsTheFormerOne)
 
 TEST_F(Pair, RefusesWhatNoStepWouldHold)
 {
-	constexpr double kStiffest = btContactMaterialTable::kStiffest, kMost = btContactMaterialTable::kMostDissipation, kDensest = btContactMaterialTable::kDensest;
+	constexpr double kStiffest = btContactMaterialTable::kStiffest, kMost = btContactMaterialTable::kMostDissipation,
+					 kDensest = btContactMaterialTable::kDensest;
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
 	btRigidBody ground(0, nullptr, &plane);
 	set(a, 1e6, 8);
@@ -208,7 +208,8 @@ TEST_F(Pair, RefusesWhatNoStepWouldHold)
 	EXPECT_EQ(table.find(&a).stiffness, 1e6);
 	EXPECT_EQ(table.find(&a).dissipation, 8);
 	EXPECT_EQ(table.find(&ground).fluidDensity, 1000);
-	EXPECT_EQ(table.set(&a, {1e60, 3})->message, "the stiffness of a contact material must be at most 1e15 Pa/m: no step of a game's length could hold it");
+	EXPECT_EQ(table.set(&a, {1e60, 3})->message,
+		"the stiffness of a contact material must be at most 1e15 Pa/m: no step of a game's length could hold it");
 	EXPECT_FALSE(table.set(&a, {kStiffest, kMost}));
 	EXPECT_FALSE(table.set(&ground, btContactMaterial::fluid(kDensest)));
 }
@@ -217,15 +218,17 @@ TEST_F(Pair, RefusesWhatNoStepWouldHold)
 TEST(btContactMaterialTable, BoxesRestOnAPlaneAtTheBounds)
 {
 	using Table = btContactMaterialTable;
-	const btContactMaterial none, stiff{Table::kStiffest, 3}, both{Table::kStiffest, Table::kMostDissipation}, slow{1e7, Table::kMostDissipation};
+	const btContactMaterial none, stiff{Table::kStiffest, 3}, both{Table::kStiffest, Table::kMostDissipation},
+		slow{1e7, Table::kMostDissipation};
 	for (const double half : {.01, .1, 1.})
 	{
 		ist::BuildOptions options;
 		options.maxSpheres = 300;
-		const auto tree = std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({half, half, half}), options).value());
+		const auto tree = std::make_shared<const ist::InnerSphereTree>(
+			ist::buildTree(ist::makeBoxMesh({half, half, half}), options).value());
 		for (const double h : {1 / 60., 1 / 240., 1 / 1000.})
-			for (const auto& [ofBox, ofPlane] : {std::pair(stiff, none), std::pair(stiff, stiff), std::pair(both, none), std::pair(both, both), std::pair(slow, none),
-												 std::pair(none, btContactMaterial::fluid(Table::kDensest))})
+			for (const auto& [ofBox, ofPlane] : {std::pair(stiff, none), std::pair(stiff, stiff), std::pair(both, none),
+					 std::pair(both, both), std::pair(slow, none), std::pair(none, btContactMaterial::fluid(Table::kDensest))})
 			{
 				btISTWorld world;
 				btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
@@ -241,8 +244,8 @@ TEST(btContactMaterialTable, BoxesRestOnAPlaneAtTheBounds)
 				world.bullet().addRigidBody(&ground);
 				world.bullet().addRigidBody(&box);
 				for (int i = 0; i < std::lround(2 / h); ++i) world.bullet().stepSimulation(btScalar(h), 0);
-				const std::string where = "half an edge " + std::to_string(half) + ", h " + std::to_string(h) + ", k " + std::to_string(ofBox.stiffness) + ", d " +
-										  std::to_string(ofBox.dissipation);
+				const std::string where = "half an edge " + std::to_string(half) + ", h " + std::to_string(h) + ", k " +
+					std::to_string(ofBox.stiffness) + ", d " + std::to_string(ofBox.dissipation);
 				EXPECT_NEAR(double(box.getWorldTransform().getOrigin().y()) / half, 1, .5) << where;
 				EXPECT_LE(double(box.getLinearVelocity().length()), .02 * std::sqrt(9.81 * half)) << where;
 				world.bullet().removeRigidBody(&box);
@@ -270,7 +273,8 @@ TEST_F(Pair, FluidPressesWithItsDensityTimesGravityWhateverFloatsInIt)
 	c = table.decide(contact, &a, &water);
 	EXPECT_DOUBLE_EQ(c.k, 1025 * 1.62);
 	EXPECT_EQ(c.dissipation, 0.5);
-	for (const double bad : {-9.81, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) table.setGravity(bad);
+	for (const double bad : {-9.81, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+		table.setGravity(bad);
 	EXPECT_DOUBLE_EQ(table.decide(contact, &a, &water).k, 1025 * 1.62);
 	table.setGravity(0);
 	EXPECT_EQ(table.decide(contact, &a, &water).k, 0);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -35,7 +35,10 @@ Vec3 random3(std::mt19937_64& random, double size)
 	return {x, y, u(random)};
 }
 
-Pose turnedBy(const Vec3& rotation, const Vec3& translation) { return {rotationMatrix(quaternionFromRotationVector(rotation)), translation}; }
+Pose turnedBy(const Vec3& rotation, const Vec3& translation)
+{
+	return {rotationMatrix(quaternionFromRotationVector(rotation)), translation};
+}
 
 /// Rotations in units of the contact's length, so that all entries are N/m.
 Matrix6 scaled(const SymmetricMatrix6& K, double length)
@@ -54,8 +57,8 @@ Matrix6 positivePart(const Matrix6& a)
 
 /// -d(wrench on A about the point c)/d(motion of A about c), by central differences of the query's own wrench; A's axes, moments and
 /// rotations in units of `length`.
-Matrix6 byDifferences(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const PressurePair& pair, const Vec3& c, double length,
-					  double step, QueryWorkspace& workspace)
+Matrix6 byDifferences(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const PressurePair& pair, const Vec3& c,
+	double length, double step, QueryWorkspace& workspace)
 {
 	Matrix6 K;
 	for (int column = 0; column < 6; ++column)
@@ -187,9 +190,12 @@ TEST(PatchStiffness, FlatContactHasTheSlopeOfItsForceAtEveryDepth)
 		for (int i = 0; i < kPoses; ++i)
 		{
 			const Vec3 turn{0, random3(random, 0.1).x, 0}, aside = random3(random, 0.1);
-			const auto sumsAt = [&](double d) { return queryOverlap(box, slab, turnedBy(turn, {aside.x, d - 0.8, aside.z}), workspace).total; };
+			const auto sumsAt = [&](double d) {
+				return queryOverlap(box, slab, turnedBy(turn, {aside.x, d - 0.8, aside.z}), workspace).total;
+			};
 			const auto forceAt = [&](double d) { return pressureWrench(sumsAt(d), {1, 0, 1}).force.y; };
-			const double found = pressureStiffness(sumsAt(depth), {1, 0, 1})(1, 1), expected = (forceAt(depth + step) - forceAt(depth - step)) / (2 * step);
+			const double found = pressureStiffness(sumsAt(depth), {1, 0, 1})(1, 1),
+						 expected = (forceAt(depth + step) - forceAt(depth - step)) / (2 * step);
 			stiffness += found / kPoses;
 			square += found * found / kPoses;
 			slope += expected / kPoses;
@@ -197,7 +203,8 @@ TEST(PatchStiffness, FlatContactHasTheSlopeOfItsForceAtEveryDepth)
 			worst = std::max(worst, std::fabs(found / expected - 1));
 		}
 		EXPECT_LT(worst, 2e-3) << share << " g";
-		std::printf("  %.1f g: stiffness / k A %.3f, standard deviation %.3f; slope of the force %.3f, worst %.4f; force / k A depth %.3f\n", share, stiffness,
-					std::sqrt(std::max(square - stiffness * stiffness, 0.0)), slope, worst, force);
+		std::printf(
+			"  %.1f g: stiffness / k A %.3f, standard deviation %.3f; slope of the force %.3f, worst %.4f; force / k A depth %.3f\n", share,
+			stiffness, std::sqrt(std::max(square - stiffness * stiffness, 0.0)), slope, worst, force);
 	}
 }

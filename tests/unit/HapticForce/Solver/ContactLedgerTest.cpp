@@ -42,10 +42,8 @@ TEST(btContactLedger, ShareReturnsExactlyWhatIsStored)
 		const double share = btContactLedger::share(ledger, &p, 1), before = kinetic(mass, p, 0);
 		ASSERT_GE(share, 0);
 		ASSERT_LE(share, 1);
-		if (share == 1)
-			EXPECT_LE(kinetic(mass, p, 1), before + ledger.stored + 1e-12);
-		else
-			EXPECT_NEAR(kinetic(mass, p, share), before + ledger.stored, 1e-12 * (1 + before));
+		if (share == 1) EXPECT_LE(kinetic(mass, p, 1), before + ledger.stored + 1e-12);
+		else EXPECT_NEAR(kinetic(mass, p, share), before + ledger.stored, 1e-12 * (1 + before));
 		held += share < 1;
 	}
 	EXPECT_GT(held, 100);
@@ -78,8 +76,7 @@ TEST(btContactLedger, DoesNotStoreWhatFrictionTook)
 
 TEST(btContactLedger, PaysForPlacedOverlapAndNotForFlight)
 {
-	const auto opened = [](double speed)
-	{
+	const auto opened = [](double speed) {
 		btISTContact contact;
 		contact.constants.k = 1000;
 		contact.patchCount = 1;

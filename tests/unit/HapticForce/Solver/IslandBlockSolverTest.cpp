@@ -133,8 +133,8 @@ struct Scene
 				for (const auto& [mine, sign] : {std::pair(c.a, 1.0), std::pair(c.b, -1.0)})
 					for (const auto& [its, itsSign] : {std::pair(d.a, 1.0), std::pair(d.b, -1.0)})
 						if (mine >= 0 && mine == its)
-							A.block<6, 6>(Eigen::Index(6 * i), Eigen::Index(6 * j)) +=
-								sign * itsSign * S(c) * jacobian(c, mine) * inverseMass(mine) * jacobian(d, mine).transpose();
+							A.block<6, 6>(Eigen::Index(6 * i), Eigen::Index(6 * j)) += sign * itsSign * S(c) * jacobian(c, mine) *
+								inverseMass(mine) * jacobian(d, mine).transpose();
 			}
 		}
 		return A.fullPivLu().solve(right);
@@ -169,8 +169,9 @@ Scene randomScene(uint64_t seed, double friction, double stiffness, double maxSp
 	for (int i = 0; i < n; ++i) scene.addBody(std::pow(10, scene.uniform(-2, 2)));
 	for (int i = 0; i < n; ++i) scene.addContact(i, i - 1, stiffness, friction);
 	for (int i = 0; i < n; ++i)
-		scene.addContact(int(seed + uint64_t(i)) % n, int(seed * 7 + uint64_t(3 * i) + 1) % n == int(seed + uint64_t(i)) % n ? -1 : int(seed * 7 + uint64_t(3 * i) + 1) % n,
-						 stiffness, friction, 2);
+		scene.addContact(int(seed + uint64_t(i)) % n,
+			int(seed * 7 + uint64_t(3 * i) + 1) % n == int(seed + uint64_t(i)) % n ? -1 : int(seed * 7 + uint64_t(3 * i) + 1) % n,
+			stiffness, friction, 2);
 	return scene;
 }
 }  // namespace
@@ -194,7 +195,8 @@ TEST(btIslandBlockSolver, AgreesWithADenseSolutionWithoutFriction)
 		{
 			++pushing;
 			const ist::Wrench got = solver.impulse(int(active[i]));
-			EXPECT_LE((exact.segment<6>(Eigen::Index(6 * i)) - Scene::vec(got.force, got.torque)).norm(), 1e-8 * exact.norm()) << "seed " << seed;
+			EXPECT_LE((exact.segment<6>(Eigen::Index(6 * i)) - Scene::vec(got.force, got.torque)).norm(), 1e-8 * exact.norm())
+				<< "seed " << seed;
 			EXPECT_GT(exact.segment<3>(Eigen::Index(6 * i)).dot(Scene::eigen(scene.contacts[active[i]].patch.normal)), 0);
 		}
 		for (size_t k = 0; k < scene.contacts.size(); ++k)
@@ -235,8 +237,7 @@ Scene stackScene(uint64_t seed, double maxSpeed)
 		patch.wrench.force = weight * patch.normal;
 		patch.frictionRadius = 0.05;
 		for (int axis = 0; axis < 3; ++axis)
-			for (int other = axis; other < 3; ++other)
-				patch.stiffness(axis, other) = 1e6 * patch.normal[axis] * patch.normal[other];
+			for (int other = axis; other < 3; ++other) patch.stiffness(axis, other) = 1e6 * patch.normal[axis] * patch.normal[other];
 		for (int axis = 0; axis < 2; ++axis) patch.stiffness(3 + axis, 3 + axis) = 1e6 / 400;
 	}
 	return scene;
@@ -353,7 +354,8 @@ TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
 			const auto& c = scene.contacts[k];
 			const double normal = solver.normalImpulse(int(k));
 			const ist::Wrench elastic = solver.elasticImpulse(int(k)), friction = solver.impulse(int(k)) - elastic;
-			EXPECT_LE(std::hypot(norm(friction.force), norm(friction.torque) / c.patch.frictionRadius), c.friction * normal + 1e-6 * largest)
+			EXPECT_LE(
+				std::hypot(norm(friction.force), norm(friction.torque) / c.patch.frictionRadius), c.friction * normal + 1e-6 * largest)
 				<< "seed " << seed << " patch " << k;
 			const Vec6 expected = scene.push(c) - scene.S(c) * scene.relative(c, v);
 			const double error = (expected.head<3>() - Scene::eigen(elastic.force)).norm();
@@ -399,7 +401,8 @@ Scene heldScene(uint64_t seed)
 }
 }  // namespace
 
-// Twenty patches share one load, two on each part: sweeps alone come closer by a ten-thousandth each time, and reach the end in none of these scenes.
+// Twenty patches share one load, two on each part: sweeps alone come closer by a ten-thousandth each time, and reach the end in none of
+// these scenes.
 TEST(btIslandBlockSolver, FrictionOfWhatIsHeldIsFoundWhereSweepsAloneWouldCreep)
 {
 	FrictionCount count;
@@ -435,7 +438,8 @@ Scene squeezedScene(uint64_t seed)
 				patch.frictionRadius = 0.1;
 				for (int axis = 0; axis < 3; ++axis)
 				{
-					for (int other = axis; other < 3; ++other) patch.stiffness(axis, other) = 9.81 * kMass / 4 / kSinkage * patch.normal[axis] * patch.normal[other];
+					for (int other = axis; other < 3; ++other)
+						patch.stiffness(axis, other) = 9.81 * kMass / 4 / kSinkage * patch.normal[axis] * patch.normal[other];
 					patch.stiffness(3 + axis, 3 + axis) = 9.81 * kMass / 4 / kSinkage / 100;
 				}
 			}
@@ -525,7 +529,8 @@ TEST(btIslandBlockSolver, StackCarriesItsWeightAtAnyMassRatio)
 		}
 }
 
-// Neither what a hand holds, all fingers around one body, nor a stack has an envelope of more than the blocks of its bodies and of its pairs.
+// Neither what a hand holds, all fingers around one body, nor a stack has an envelope of more than the blocks of its bodies and of its
+// pairs.
 TEST(btIslandBlockSolver, StarsAndStacksFillNothingIn)
 {
 	for (const int bodies : {3, 17})

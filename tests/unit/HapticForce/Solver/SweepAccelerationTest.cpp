@@ -24,7 +24,9 @@ struct Sweeps
 	{
 		std::mt19937 random(seed);
 		std::uniform_real_distribution<double> uniform(-1, 1);
-		const auto any = [&](int rows, int columns) { return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(random); })); };
+		const auto any = [&](int rows, int columns) {
+			return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(random); }));
+		};
 		const Eigen::MatrixXd Q = any(kUnknowns, kUnknowns).householderQr().householderQ();
 		Vector shrink = Vector::LinSpaced(kUnknowns, -0.2, 0.5);
 		shrink.tail(3) << 0.9, 0.95, 0.97;

@@ -44,7 +44,8 @@ TEST(btUnroundedPoses, MotionsFarBelowARoundingArrive)
 	const ist::Vec3 start{1e3, -2e3, 5e2};
 	Drifting scene(start);
 	const ist::Pose before = scene.pose();
-	const ist::Vec3 velocity = (1e-2 * kEpsilon / kStep) * ist::Vec3{1e3, 1.5e3, -4e2}, spin = (1e-2 * kEpsilon / kStep) * ist::Vec3{1, -2, 1};
+	const ist::Vec3 velocity = (1e-2 * kEpsilon / kStep) * ist::Vec3{1e3, 1.5e3, -4e2},
+					spin = (1e-2 * kEpsilon / kStep) * ist::Vec3{1, -2, 1};
 	scene.body.setLinearVelocity(toBullet(velocity));
 	scene.body.setAngularVelocity(toBullet(spin));
 	for (int i = 0; i < 5000; ++i)
@@ -62,7 +63,8 @@ TEST(btUnroundedPoses, MotionsFarBelowARoundingArrive)
 		EXPECT_GT(std::fabs(wanted[i]), 10 * kEpsilon * std::fabs(start[i])) << i;
 		EXPECT_NEAR(went[i], wanted[i], kEpsilon * std::fabs(start[i])) << i;
 		EXPECT_NEAR(went[i] + lacking.linear[i], wanted[i], 1e-3 * std::fabs(wanted[i])) << i;
-		// In double, each of the 50 or 100 jumps that a turn comes in is told to a rounding: a random walk of 7 to 10 of them. Lost would be 50 or 100.
+		// In double, each of the 50 or 100 jumps that a turn comes in is told to a rounding: a random walk of 7 to 10 of them. Lost would
+		// be 50 or 100.
 		EXPECT_NEAR(0.5 * angle[i] + lacking.angular[i], time * spin[i], (sizeof(btScalar) == 8 ? 10 : 0.2) * kEpsilon) << i;
 		EXPECT_LT(std::fabs(lacking.angular[i]), 4 * kEpsilon) << i;
 	}
@@ -80,7 +82,8 @@ TEST(btUnroundedPoses, WhatWasMovedByOthersLacksNothing)
 			scene.integrate();
 		}
 		if (how == 1) scene.body.setWorldTransform(btTransform(scene.body.getWorldTransform().getBasis(), btVector3(1000, 1, 0)));
-		if (how == 2) scene.body.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(1e-3 + 0.7)), btVector3(1000, 0, 0)));
+		if (how == 2)
+			scene.body.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(1e-3 + 0.7)), btVector3(1000, 0, 0)));
 		if (how == 3) ++scene.step;  // a step without contact
 		const ist::Twist lacking = scene.poses.recall(scene.body, scene.step);
 		if (how == 0) EXPECT_NEAR(lacking.linear.x, 0.3 * 1e3 * kEpsilon, 1e-2 * 1e3 * kEpsilon);

@@ -2,8 +2,8 @@
 // btISTWorld on the world of a game.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/ISTCollision/Registry/BulletMesh.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
@@ -40,8 +40,7 @@ btTransform at(double x, double y, double z, double turn = 0)
 
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 200;
 		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
@@ -71,8 +70,7 @@ struct Game
 			world = std::make_unique<btMultiBodyDynamicsWorld>(&dispatcher, &broadphase, multiBody.get(), &configuration);
 			solver = std::move(multiBody);
 		}
-		else
-			world = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, solver.get(), &configuration);
+		else world = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, solver.get(), &configuration);
 		world->setGravity(btVector3(0, btScalar(-9.81), 0));
 		static_cast<btSequentialImpulseConstraintSolver*>(world->getConstraintSolver())->setRandSeed(77);
 	}
@@ -119,7 +117,8 @@ std::vector<btScalar> motionOfAPile(Kind kind, bool withUs, unsigned order)
 	std::mt19937 random(5);
 	std::uniform_real_distribution<double> u(-1, 1);
 	for (int i = 0; i < 16; ++i) game.add(shapes[i % 4], 1 + i % 3, at(u(random), 0.7 + 0.5 * i, u(random), 3 * u(random)));
-	game.joints.push_back(std::make_unique<btPoint2PointConstraint>(*game.bodies[3], *game.bodies[5], btVector3(0, 1, 0), btVector3(0, -1, 0)));
+	game.joints.push_back(
+		std::make_unique<btPoint2PointConstraint>(*game.bodies[3], *game.bodies[5], btVector3(0, 1, 0), btVector3(0, -1, 0)));
 	game.world->addConstraint(game.joints.back().get());
 	std::vector<btScalar> motion;
 	for (int i = 0; i < 150; ++i)
@@ -214,8 +213,7 @@ TEST(ExistingWorld, KnowsTheGravityOfTheGame)
 TEST(ExistingWorld, SaysWhyTheGameKeepsItsSolverAndCarriesTheContactAllTheSame)
 {
 	struct GamesSolver : btSequentialImpulseConstraintSolver
-	{
-	};
+	{};
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
 	btBoxShape box(btVector3(.5, .5, .5));
 	Game game(Kind::OwnedByTheWorld);
@@ -306,7 +304,8 @@ TEST(ExistingWorld, LeavesADispatcherAloneThatCallsFromSeveralThreads)
 TEST(ExistingWorld, AttachesAnAssetByItsPath)
 {
 	const std::string path = (std::filesystem::path(testing::TempDir()) /
-							  ("existing_world_" + std::to_string(sizeof(btScalar)) + "_" + std::to_string(::getpid()) + ".ist")).string();
+		("existing_world_" + std::to_string(sizeof(btScalar)) + "_" + std::to_string(::getpid()) + ".ist"))
+								 .string();
 	ASSERT_TRUE(ist::saveAsset(*cubeTree(), path));
 	Game game(Kind::Sequential);
 	btISTWorld ist(*game.world);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // What the first step of a volumetric world takes from the thread that makes it: pages, which a test can count, in place of time.
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/ResidentMemory.h"
 
 #include <btBulletDynamicsCommon.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // What games do with their worlds works with trees as it does without: each world is run twice, and Bullet's own is the oracle.
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletDynamics/Character/btKinematicCharacterController.h>
@@ -17,8 +17,7 @@ namespace
 {
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 200;
 		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
@@ -26,7 +25,10 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return tree;
 }
 
-btTransform at(double x, double y, double z) { return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z))); }
+btTransform at(double x, double y, double z)
+{
+	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+}
 
 /// A world with a ground whose top is y = 0, and a cube of 1 m, which has a tree where `trees`.
 struct Game
@@ -75,7 +77,8 @@ struct Hits : btCollisionWorld::ContactResultCallback
 {
 	int count = 0;
 	double least = 1e9;
-	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
+	btScalar addSingleResult(
+		btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 	{
 		++count;
 		least = std::min(least, double(point.getDistance()));
@@ -92,8 +95,7 @@ struct CountedEvents
 		started = ended = processed = 0;
 		gContactStartedCallback = [](btPersistentManifold* const&) { ++started; };
 		gContactEndedCallback = [](btPersistentManifold* const&) { ++ended; };
-		gContactProcessedCallback = [](btManifoldPoint&, void* a, void* b)
-		{
+		gContactProcessedCallback = [](btManifoldPoint&, void* a, void* b) {
 			processed += a != nullptr && b != nullptr;
 			return true;
 		};
@@ -116,8 +118,7 @@ btConvexHullShape boxHull(const btVector3& half)
 
 TEST(GameHabits, GroundWhoseAxesHaveDriftedCarries)
 {
-	const auto settled = [](bool trees, double stretch)
-	{
+	const auto settled = [](bool trees, double stretch) {
 		Game game(trees);
 		btTransform pose = at(0, -0.5 * stretch, 0);
 		pose.getBasis() *= btMatrix3x3(btScalar(stretch), 0, 0, 0, btScalar(stretch), 0, 0, 0, btScalar(stretch));
@@ -129,7 +130,8 @@ TEST(GameHabits, GroundWhoseAxesHaveDriftedCarries)
 	const double straight = settled(true, 1);
 	EXPECT_GT(straight, 0.45);
 	// The first is what some 30 s of a turntable make of a matrix in floats. What is put right is half a metre high.
-	for (const double stretch : {1.00006, 1.0002, 1.004, 1.02}) EXPECT_NEAR(settled(true, stretch), straight - 0.5 * (stretch - 1), 1e-3) << stretch;
+	for (const double stretch : {1.00006, 1.0002, 1.004, 1.02})
+		EXPECT_NEAR(settled(true, stretch), straight - 0.5 * (stretch - 1), 1e-3) << stretch;
 	// No rigid body's.
 	EXPECT_EQ(settled(true, 1.2), settled(false, 1.2));
 }
@@ -186,8 +188,7 @@ TEST(GameHabits, ContactTestsTellTheDistanceThatTheyAreAskedFor)
 
 TEST(GameHabits, BodiesMayGetOtherShapes)
 {
-	const auto settled = [](bool trees, auto change, bool shared = false)
-	{
+	const auto settled = [](bool trees, auto change, bool shared = false) {
 		Game game(trees);
 		EXPECT_FALSE(shared && (game.ist.setQueryThreads(2) || game.ist.setPairMemory(4) || game.ist.setEconomy({true, 0.05})));
 		game.ground();
@@ -207,11 +208,27 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 	btStaticPlaneShape plane(btVector3(0, 1, 0), btScalar(0.5));
 	for (const bool shared : {false, true})
 	{
-		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&wide); }, shared), 0.5, 0.06) << "the ground a hull";
-		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&plane); }, shared), 0.5, 0.04) << "and a plane";
-		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.attachment.detach(); }, shared), 0.1, 0.04) << "no tree any more";
-		EXPECT_NEAR(settled(true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.run(30), b.setCollisionShape(&g.cubeShape); }, shared), 0.5, 0.04) << "back";
-		EXPECT_NEAR(settled(true, [&](Game&, btRigidBody& b) { b.setCollisionShape(&ball); }, shared), 0.3, 0.04) << "a ball";
+		EXPECT_NEAR(settled(
+						true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&wide); }, shared),
+			0.5, 0.06)
+			<< "the ground a hull";
+		EXPECT_NEAR(settled(
+						true, [&](Game& g, btRigidBody&) { g.bodies[0]->setCollisionShape(&plane); }, shared),
+			0.5, 0.04)
+			<< "and a plane";
+		EXPECT_NEAR(settled(
+						true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.attachment.detach(); }, shared),
+			0.1, 0.04)
+			<< "no tree any more";
+		EXPECT_NEAR(
+			settled(
+				true, [&](Game& g, btRigidBody& b) { b.setCollisionShape(&flat), g.run(30), b.setCollisionShape(&g.cubeShape); }, shared),
+			0.5, 0.04)
+			<< "back";
+		EXPECT_NEAR(settled(
+						true, [&](Game&, btRigidBody& b) { b.setCollisionShape(&ball); }, shared),
+			0.3, 0.04)
+			<< "a ball";
 	}
 	// Back on its tree, and no longer on Bullet's box.
 	Game game(true);
@@ -296,7 +313,10 @@ namespace
 struct OwnResult : btManifoldResult
 {
 	using btManifoldResult::btManifoldResult;
-	void addContactPoint(const btVector3& normal, const btVector3& point, btScalar depth) override { btManifoldResult::addContactPoint(normal, point, depth); }
+	void addContactPoint(const btVector3& normal, const btVector3& point, btScalar depth) override
+	{
+		btManifoldResult::addContactPoint(normal, point, depth);
+	}
 };
 
 /// As Bullet's, with a result of the game's.
@@ -304,7 +324,8 @@ void ownNearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, 
 {
 	auto* a = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
 	auto* b = static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-	const btCollisionObjectWrapper wrapA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1), wrapB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
+	const btCollisionObjectWrapper wrapA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1),
+		wrapB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
 	if (!pair.m_algorithm) pair.m_algorithm = dispatcher.findAlgorithm(&wrapA, &wrapB, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 	OwnResult result(&wrapA, &wrapB);
 	pair.m_algorithm->processCollision(&wrapA, &wrapB, info, &result);
@@ -405,7 +426,8 @@ TEST(GameHabits, ACharacterComesOutOfABodyThatItIsIn)
 		ghost.setCollisionShape(&capsule);
 		ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
 		ghost.setWorldTransform(at(0.45, 0, 0));
-		game.world.addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
+		game.world.addCollisionObject(
+			&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
 		btKinematicCharacterController character(&ghost, &capsule, btScalar(0.35));
 		character.setGravity(btVector3(0, 0, 0));
 		game.world.addAction(&character);

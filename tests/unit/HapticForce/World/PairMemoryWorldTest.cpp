@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Pairs that remember their leaves: btISTRegistration::setPairMemory.
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -39,7 +39,8 @@ public:
 		m_attachments.push_back(m_world.attach(&m_table, table).value());
 		m_attachments.push_back(m_world.attach(&m_cube, cube).value());
 		add(m_table, 0, {0, btScalar(-1.5), 0}, 0);
-		for (int i = 0; i < 6; ++i) add(m_cube, 20, {btScalar(0.7 * (i % 3) - 0.7), btScalar(0.2), btScalar(0.7 * (i / 3))}, btScalar(0.03 * i));
+		for (int i = 0; i < 6; ++i)
+			add(m_cube, 20, {btScalar(0.7 * (i % 3) - 0.7), btScalar(0.2), btScalar(0.7 * (i / 3))}, btScalar(0.03 * i));
 	}
 	~Row()
 	{
@@ -95,7 +96,8 @@ std::set<const btCollisionObject*> holders(Row& row)
 double distanceBetween(Row& one, Row& other)
 {
 	double most = 0;
-	for (int i = 1; i <= 6; ++i) most = std::max(most, double(one.body(i).getWorldTransform().getOrigin().distance(other.body(i).getWorldTransform().getOrigin())));
+	for (int i = 1; i <= 6; ++i)
+		most = std::max(most, double(one.body(i).getWorldTransform().getOrigin().distance(other.body(i).getWorldTransform().getOrigin())));
 	return most;
 }
 
@@ -205,7 +207,8 @@ TEST(PairMemoryOfAWorld, IsGivenBackWhenAPairParts)
 	ist::QueryWorkspace workspace;
 	expectAsAlone(row, workspace);
 	// And when a body is taken far away, with its pair.
-	for (const btCollisionObject* body : after) static_cast<btRigidBody*>(const_cast<btCollisionObject*>(body))->translate(btVector3(0, 5, 0));
+	for (const btCollisionObject* body : after)
+		static_cast<btRigidBody*>(const_cast<btCollisionObject*>(body))->translate(btVector3(0, 5, 0));
 	for (int i = 0; i < 5; ++i) row.step();
 	EXPECT_EQ(holders(row).size(), 2u);
 	for (const btCollisionObject* body : after) EXPECT_EQ(holders(row).count(body), 0u);

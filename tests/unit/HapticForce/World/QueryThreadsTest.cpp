@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Queries of several pairs side by side: btISTRegistration::setQueryThreads.
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -151,7 +151,8 @@ void expectSame(const Motion& one, const Motion& other)
 {
 	ASSERT_EQ(one.poses.size(), other.poses.size());
 	for (size_t i = 0; i < one.poses.size(); ++i)
-		for (size_t k = 0; k < one.poses[i].size(); ++k) ASSERT_TRUE(one.poses[i][k] == other.poses[i][k]) << "step " << i << ", body " << k;
+		for (size_t k = 0; k < one.poses[i].size(); ++k)
+			ASSERT_TRUE(one.poses[i][k] == other.poses[i][k]) << "step " << i << ", body " << k;
 	EXPECT_EQ(one.errors, other.errors);
 	EXPECT_EQ(one.asked, other.asked);
 	EXPECT_EQ(one.kept, other.kept);
@@ -201,7 +202,8 @@ TEST(QueryThreads, WithMemoriesAStepIsTheSameBitForBitAsLongAsNobodyIsLate)
 			settings.threads = 2;
 			const Motion shared = motionOf(settings, kSteps);
 			for (size_t i = 0; i < shared.inTime; ++i)
-				for (size_t k = 0; k < alone.poses[i].size(); ++k) ASSERT_TRUE(alone.poses[i][k] == shared.poses[i][k]) << "step " << i << ", body " << k;
+				for (size_t k = 0; k < alone.poses[i].size(); ++k)
+					ASSERT_TRUE(alone.poses[i][k] == shared.poses[i][k]) << "step " << i << ", body " << k;
 			longest = std::max(longest, shared.inTime);
 		}
 		if (longest < kSteps) GTEST_SKIP() << "no run without a late thread: this machine is too busy";
@@ -218,7 +220,8 @@ std::vector<double> memoryOf(const btISTContactStore& store)
 	for (const btISTContact* contact : store.contacts())
 	{
 		const btISTContactLedger& ledger = contact->ledger;
-		all.insert(all.end(), {double(ledger.open), ledger.stored, contact->accuracy.promise, contact->accuracy.fadedShare, double(contact->accuracy.level)});
+		all.insert(all.end(),
+			{double(ledger.open), ledger.stored, contact->accuracy.promise, contact->accuracy.fadedShare, double(contact->accuracy.level)});
 		append(ledger.direction);
 		for (int i = 0; i < contact->patchCount; ++i)
 		{
@@ -276,7 +279,8 @@ TEST(QueryThreads, APairThatSleptForAStepIsInStepWithTheOthersAgain)
 		for (size_t i = 0; i < alone.memory.size(); ++i)
 		{
 			ASSERT_EQ(alone.memory[i], shared.memory[i]) << "step " << i;
-			for (size_t k = 0; k < alone.poses[i].size(); ++k) ASSERT_TRUE(alone.poses[i][k] == shared.poses[i][k]) << "step " << i << ", body " << k;
+			for (size_t k = 0; k < alone.poses[i].size(); ++k)
+				ASSERT_TRUE(alone.poses[i][k] == shared.poses[i][k]) << "step " << i << ", body " << k;
 		}
 	}
 }

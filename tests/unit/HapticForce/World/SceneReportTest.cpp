@@ -2,8 +2,8 @@
 #include "BulletHapticForce/World/btISTSceneReport.h"
 
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include "tests/unit/CommaLocale.h"
 
@@ -18,8 +18,7 @@ namespace
 {
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 300;
 		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
@@ -74,8 +73,10 @@ struct Row
 TEST(btISTSceneReport, SaysWhichModelAnswersForWhichPairAndWhy)
 {
 	Row row;
-	for (const auto& [name, under, x] : {std::tuple("on box", static_cast<btCollisionShape*>(&row.floor), 0.0), std::tuple("on tree", static_cast<btCollisionShape*>(&row.treeFloor), 5.0),
-										 std::tuple("on hull", static_cast<btCollisionShape*>(&row.hull), 10.0), std::tuple("asleep", static_cast<btCollisionShape*>(&row.floor), 15.0)})
+	for (const auto& [name, under, x] : {std::tuple("on box", static_cast<btCollisionShape*>(&row.floor), 0.0),
+			 std::tuple("on tree", static_cast<btCollisionShape*>(&row.treeFloor), 5.0),
+			 std::tuple("on hull", static_cast<btCollisionShape*>(&row.hull), 10.0),
+			 std::tuple("asleep", static_cast<btCollisionShape*>(&row.floor), 15.0)})
 	{
 		row.add(std::string("floor ") + name, under, 0, x, -.5);
 		row.add(name, &row.cube, 1, x, .495);
@@ -308,7 +309,8 @@ TEST(btISTSceneReport, JsonIsOneObjectWhateverTheNamesAre)
 	{
 		named = named || pair["a"] == "floor \"of\" the\n\\hall" || pair["b"] == "floor \"of\" the\n\\hall";
 		unpromised = unpromised || pair["expected_error"].is_null();
-		for (const char* field : {"model", "level", "reason", "patches", "leaf_pairs", "force", "queries", "kept", "node_visits", "ball_tests", "seconds", "saved_seconds"})
+		for (const char* field : {"model", "level", "reason", "patches", "leaf_pairs", "force", "queries", "kept", "node_visits",
+				 "ball_tests", "seconds", "saved_seconds"})
 			EXPECT_TRUE(pair.contains(field)) << field;
 	}
 	EXPECT_TRUE(named);
@@ -345,17 +347,10 @@ TEST(btISTSceneReport, JsonIsUtf8WhateverTheNames)
 	row.add("cube", &row.cube, 1, 0, .495);
 	ASSERT_FALSE(row.world.step(1.0 / 240));
 	const std::string bad = "\xef\xbf\xbd";
-	const std::pair<std::string, std::string> names[] = {
-		{"", ""},
-		{"gr\xc3\xbcn \xe4\xb8\xad \xf0\x9f\xa6\xbe", "gr\xc3\xbcn \xe4\xb8\xad \xf0\x9f\xa6\xbe"},
-		{"a\xff\xc3", "a" + bad + bad},
-		{"\xc3(", bad + "("},
-		{"\xc0\xaf", bad + bad},
-		{"\xe0\x80\xaf", bad + bad + bad},
-		{"\xed\xa0\x80", bad + bad + bad},
-		{"\xf4\x90\x80\x80", bad + bad + bad + bad},
-		{"\xe2\x82", bad + bad},
-		{"\x80x", bad + "x"},
+	const std::pair<std::string, std::string> names[] = {{"", ""},
+		{"gr\xc3\xbcn \xe4\xb8\xad \xf0\x9f\xa6\xbe", "gr\xc3\xbcn \xe4\xb8\xad \xf0\x9f\xa6\xbe"}, {"a\xff\xc3", "a" + bad + bad},
+		{"\xc3(", bad + "("}, {"\xc0\xaf", bad + bad}, {"\xe0\x80\xaf", bad + bad + bad}, {"\xed\xa0\x80", bad + bad + bad},
+		{"\xf4\x90\x80\x80", bad + bad + bad + bad}, {"\xe2\x82", bad + bad}, {"\x80x", bad + "x"},
 		{std::string("\0\x1f\x7f\"\\/", 6), std::string("\0\x1f\x7f\"\\/", 6)}};
 	for (const auto& [name, expected] : names)
 	{

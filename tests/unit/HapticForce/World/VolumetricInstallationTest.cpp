@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/World/btVolumetricInstallation.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolverMt.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
@@ -18,8 +18,7 @@
 namespace
 {
 struct OwnSolver : btSequentialImpulseConstraintSolver
-{
-};
+{};
 
 /// A game's own world: it has its say after each solve, as for bodies that break.
 struct OwnWorld : btDiscreteDynamicsWorld
@@ -60,7 +59,8 @@ class CubeOverPlane
 {
 public:
 	CubeOverPlane(btDiscreteDynamicsWorld& world, btISTRegistration& registration, double centerHeight)
-		: m_world(world), m_attached(registration.registry().attach(&m_box, tree()))
+		: m_world(world),
+		  m_attached(registration.registry().attach(&m_box, tree()))
 	{
 		EXPECT_TRUE(m_attached);
 		const btVector3 place(btScalar(0.3), btScalar(centerHeight), btScalar(-0.2));
@@ -82,8 +82,7 @@ public:
 private:
 	static std::shared_ptr<const ist::InnerSphereTree> tree()
 	{
-		static const auto built = []
-		{
+		static const auto built = [] {
 			ist::BuildOptions options;
 			options.maxSpheres = 200;
 			return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
@@ -193,12 +192,12 @@ TEST(installVolumetricSolver, RefusesThreadedWorldsAndSolvers)
 TEST(installVolumetricSolver, RefusesForeignSolversInMultibodyWorlds)
 {
 	struct OwnMultiBodySolver : btMultiBodyConstraintSolver
-	{
-	};
+	{};
 	btDantzigSolver dantzig;
 	btMultiBodyMLCPConstraintSolver mlcp(&dantzig);
 	OwnMultiBodySolver own;
-	for (btMultiBodyConstraintSolver* solver : {static_cast<btMultiBodyConstraintSolver*>(&mlcp), static_cast<btMultiBodyConstraintSolver*>(&own)})
+	for (btMultiBodyConstraintSolver* solver :
+		{static_cast<btMultiBodyConstraintSolver*>(&mlcp), static_cast<btMultiBodyConstraintSolver*>(&own)})
 	{
 		Parts parts;
 		btMultiBodyDynamicsWorld world(&parts.dispatcher, &parts.broadphase, solver, &parts.configuration);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Contact/btISTEconomy.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -18,8 +18,7 @@ namespace
 /// Side 1.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 500;
 		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
@@ -77,7 +76,10 @@ struct Pair
 	const btISTQueryCost& cost() const { return contact()->cost; }
 };
 
-ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, {c.constants.k, c.constants.weightA, c.constants.weightB}).force; }
+ist::Vec3 forceOf(const btISTContact& c)
+{
+	return ist::pressureWrench(c.total, {c.constants.k, c.constants.weightA, c.constants.weightB}).force;
+}
 
 /// The same, to the last bit.
 void expectSame(const btISTContact& a, const btISTContact& b)
@@ -156,7 +158,8 @@ TEST(btISTEconomy, TeleportIsSeenWhereverItGoes)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.5));
 	btCylinderShape cylinder(vec(.5, .5, .5));
-	for (btCollisionShape* under : {static_cast<btCollisionShape*>(nullptr), static_cast<btCollisionShape*>(&plane), static_cast<btCollisionShape*>(&cylinder)})
+	for (btCollisionShape* under :
+		{static_cast<btCollisionShape*>(nullptr), static_cast<btCollisionShape*>(&plane), static_cast<btCollisionShape*>(&cylinder)})
 	{
 		Pair kept(kExact, under), always(kAlways, under);
 		std::mt19937 random(1);
@@ -166,7 +169,8 @@ TEST(btISTEconomy, TeleportIsSeenWhereverItGoes)
 		{
 			// A few of them a kilometre away, in both of the bodies.
 			const btVector3 far = i % 20 < 3 ? vec(1000, 0, -300) : vec(0, 0, 0);
-			const btTransform place = at(far + vec(.6 * u(random), 1.1 + .4 * u(random), .6 * u(random)), vec(u(random), u(random), u(random)));
+			const btTransform place = at(
+				far + vec(.6 * u(random), 1.1 + .4 * u(random), .6 * u(random)), vec(u(random), u(random), u(random)));
 			for (Pair* p : {&kept, &always})
 			{
 				p->lower.setWorldTransform(at(far));
@@ -192,7 +196,8 @@ TEST(btISTEconomy, ApproachingPairIsQueriedOnlyWhenItMayHaveMet)
 		{
 			// Along the diagonal bounding boxes meet long before the cubes do.
 			const double way = under ? 1.2 - .001 * i : 1.72 - .001 * i;
-			const btTransform place = under ? at(vec(.1, way, .05), vec(.05, .0005 * i, .1)) : at(vec(.7071 * way, .7071 * way, .05), vec(0, 0, .7854 + .0002 * i));
+			const btTransform place = under ? at(vec(.1, way, .05), vec(.05, .0005 * i, .1))
+											: at(vec(.7071 * way, .7071 * way, .05), vec(0, 0, .7854 + .0002 * i));
 			kept.look(place);
 			always.look(place);
 			if (!always.contact()) continue;
@@ -210,8 +215,7 @@ TEST(btISTEconomy, ClearanceIsUsedUpByTheWayAndNotBefore)
 	constexpr double kClearance = 0.1, kCorner = 0.866;
 	btISTContact contact;
 	contact.treeA = contact.treeB = cubeTree();
-	const auto useAfter = [&](const ist::Vec3& shift, const ist::Vec3& turn)
-	{
+	const auto useAfter = [&](const ist::Vec3& shift, const ist::Vec3& turn) {
 		btISTKeptResult kept;
 		contact.X_AB = {ist::rotationMatrix(ist::quaternionFromRotationVector({0.3, 0.2, 0.1})), {3, -2, 5}};
 		kept.keep(contact, {}, 0, kClearance, kExact);
@@ -238,11 +242,14 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 		for (int i = 0; i < 600; ++i)
 		{
 			const double t = i / 600.0;
-			const btTransform place = at(vec(.1 * t, .9 - .02 * std::sin(9 * t), .05 * std::cos(5 * t)), vec(.3 + .03 * t, .02 * std::sin(4 * t), .04 * t));
+			const btTransform place = at(
+				vec(.1 * t, .9 - .02 * std::sin(9 * t), .05 * std::cos(5 * t)), vec(.3 + .03 * t, .02 * std::sin(4 * t), .04 * t));
 			kept.look(place);
 			always.look(place);
 			const ist::Vec3 truth = forceOf(*always.contact());
-			EXPECT_LE(distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTKeptResult::floorForce(*always.contact()))) << i;
+			EXPECT_LE(
+				distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTKeptResult::floorForce(*always.contact())))
+				<< i;
 			if (kept.contact()->use == btISTKeptResult::Ask) asked = forceOf(*kept.contact());
 			else
 			{
@@ -251,7 +258,9 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 				offIfItStood += distance(asked, truth);
 			}
 			// Nothing is kept whose change is more than half of what was granted.
-			EXPECT_LE(distance(forceOf(*kept.contact()), asked), 0.5 * 0.0501 * std::max(norm(forceOf(*kept.contact())), btISTKeptResult::floorForce(*kept.contact()))) << i;
+			EXPECT_LE(distance(forceOf(*kept.contact()), asked),
+				0.5 * 0.0501 * std::max(norm(forceOf(*kept.contact())), btISTKeptResult::floorForce(*kept.contact())))
+				<< i;
 		}
 		EXPECT_GT(compared, 450);
 		EXPECT_LT(off, 0.5 * offIfItStood) << "what is kept follows the motion";
@@ -353,8 +362,7 @@ TEST(btISTEconomy, ChangedMaterialCountsAtOnceInWhatIsKept)
 
 TEST(btISTEconomy, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 {
-	const auto settled = [](const std::vector<double>& weightsOfA)
-	{
+	const auto settled = [](const std::vector<double>& weightsOfA) {
 		auto rule = std::make_shared<SetRule>();
 		Pair pair(kTolerant);
 		EXPECT_FALSE(pair.registration.setForceError(0.3));
@@ -377,8 +385,7 @@ TEST(btISTEconomy, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 
 TEST(btISTEconomy, CoarseWhereTheHandIsNot)
 {
-	const auto look = [](std::optional<double> general, std::optional<double> ofUpper, std::optional<double> ofLower)
-	{
+	const auto look = [](std::optional<double> general, std::optional<double> ofUpper, std::optional<double> ofLower) {
 		Pair pair(kTolerant);
 		EXPECT_FALSE(pair.registration.setForceError(general.value_or(0)));
 		EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.upper, ofUpper));
@@ -412,14 +419,14 @@ TEST(btISTEconomy, DampingIsThatOfTheWeightsThatThePairHasNow)
 		auto rule = std::make_shared<SetRule>();
 		Pair pair(economy);
 		pair.registration.setPairRule(rule);
-		const auto expectDamping = [&](double weightA, double dissipation)
-		{
+		const auto expectDamping = [&](double weightA, double dissipation) {
 			rule->constants.weightA = weightA;
 			rule->constants.weightB = 1 - weightA;
 			rule->constants.dissipation = dissipation;
 			pair.look(at(vec(.1, .8, .2)));
 			const btISTContact& c = *pair.contact();
-			const auto exact = ist::queryOverlapBruteForce(*cubeTree(), *cubeTree(), c.X_AB, ist::Model::Law, {weightA, 1 - weightA}).total.damping;
+			const auto exact =
+				ist::queryOverlapBruteForce(*cubeTree(), *cubeTree(), c.X_AB, ist::Model::Law, {weightA, 1 - weightA}).total.damping;
 			ist::OverlapIntegrals sum;
 			for (int i = 0; i < c.patchCount; ++i) sum.add(c.patches[i]);
 			for (const ist::OverlapIntegrals& o : {c.total, sum})

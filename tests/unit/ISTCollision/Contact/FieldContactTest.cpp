@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <btBulletDynamicsCommon.h>
@@ -19,8 +19,7 @@ constexpr double kSink = 0.2, kPi = 3.14159265358979323846;
 /// A cube of side 1.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 1000;
 		return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
@@ -28,7 +27,10 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return tree;
 }
 
-btTransform at(double x, double y, double z) { return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z))); }
+btTransform at(double x, double y, double z)
+{
+	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+}
 
 struct PairWorld
 {
@@ -74,7 +76,8 @@ struct CollectPoints : btCollisionWorld::ContactResultCallback
 {
 	int count = 0;
 	double upward = 0;  // of the normal on the second object
-	btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
+	btScalar addSingleResult(
+		btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 	{
 		++count;
 		upward += double(p.m_normalWorldOnB.y());
@@ -102,7 +105,8 @@ std::vector<Case> cases()
 		{"sphere", [=] { return shape(new btSphereShape(btScalar(.6))); }, .6, ballCap(.6, s)},
 		{"capsule", [=] { return shape(new btCapsuleShape(btScalar(.4), btScalar(.6))); }, .7, ballCap(.4, s)},
 		{"capsule lying", [=] { return shape(new btCapsuleShapeX(btScalar(.4), 3)); }, .4, circleSegment(.4, s)},
-		{"cylinder", [=] { return shape(new btCylinderShape(btVector3(btScalar(.35), btScalar(.6), btScalar(.35)))); }, .6, kPi * .35 * .35 * s},
+		{"cylinder", [=] { return shape(new btCylinderShape(btVector3(btScalar(.35), btScalar(.6), btScalar(.35)))); }, .6,
+			kPi * .35 * .35 * s},
 		{"cylinder lying", [=] { return shape(new btCylinderShapeZ(btVector3(btScalar(.4), btScalar(.4), 2))); }, .4, circleSegment(.4, s)},
 		{"cone", [=] { return shape(new btConeShape(btScalar(.8), btScalar(.8))); }, .4, kPi / 3 * s * s * s},
 	};
@@ -165,7 +169,8 @@ TEST(FieldContact, ShapesWithoutAVolumeAreLeftToBullet)
 	btSphereShape point(0);
 	btCapsuleShape thread(0, 1);
 	btCylinderShape disc(btVector3(btScalar(.4), 0, btScalar(.4)));
-	for (btCollisionShape* shape : {static_cast<btCollisionShape*>(&point), static_cast<btCollisionShape*>(&thread), static_cast<btCollisionShape*>(&disc)})
+	for (btCollisionShape* shape :
+		{static_cast<btCollisionShape*>(&point), static_cast<btCollisionShape*>(&thread), static_cast<btCollisionShape*>(&disc)})
 	{
 		PairWorld w;
 		w.place(shape, -.05, true);
@@ -181,14 +186,16 @@ TEST(FieldContact, HullsMeshesAndHeightfieldsAreLeftToBullet)
 {
 	btConvexHullShape hull;
 	for (int i = 0; i < 8; ++i)
-		hull.addPoint(btVector3(i & 1 ? btScalar(.6) : btScalar(-.6), i & 2 ? btScalar(.5) : btScalar(-.5), i & 4 ? btScalar(.6) : btScalar(-.6)));
+		hull.addPoint(
+			btVector3(i & 1 ? btScalar(.6) : btScalar(-.6), i & 2 ? btScalar(.5) : btScalar(-.5), i & 4 ? btScalar(.6) : btScalar(-.6)));
 	btTriangleMesh triangles;
 	triangles.addTriangle(btVector3(-3, btScalar(.5), -3), btVector3(-3, btScalar(.5), 3), btVector3(3, btScalar(.5), 3));
 	triangles.addTriangle(btVector3(-3, btScalar(.5), -3), btVector3(3, btScalar(.5), 3), btVector3(3, btScalar(.5), -3));
 	btBvhTriangleMeshShape mesh(&triangles, true);
 	const std::vector<float> heights(16, .5f);
 	btHeightfieldTerrainShape field(4, 4, heights.data(), btScalar(0), btScalar(1), 1, false);
-	for (btCollisionShape* shape : {static_cast<btCollisionShape*>(&hull), static_cast<btCollisionShape*>(&mesh), static_cast<btCollisionShape*>(&field)})
+	for (btCollisionShape* shape :
+		{static_cast<btCollisionShape*>(&hull), static_cast<btCollisionShape*>(&mesh), static_cast<btCollisionShape*>(&field)})
 	{
 		PairWorld w;
 		const double top = shape == &field ? 0 : .5;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -16,8 +16,7 @@
 /// The tree of a cube of 1 m.
 inline std::shared_ptr<const ist::InnerSphereTree> boxTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 500;
 		auto built = ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options);
@@ -26,7 +25,10 @@ inline std::shared_ptr<const ist::InnerSphereTree> boxTree()
 	return tree;
 }
 
-inline btTransform at(double x, double y, double z) { return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z))); }
+inline btTransform at(double x, double y, double z)
+{
+	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+}
 
 /// A world with a stock solver, steps of 1/60 s and nothing of ours.
 struct TestWorld
@@ -35,8 +37,8 @@ struct TestWorld
 	btCollisionDispatcher dispatcher{&configuration};
 	btDbvtBroadphase broadphase;
 	btSequentialImpulseConstraintSolver solver;
-	std::unique_ptr<btDiscreteDynamicsWorld> world =
-		std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration);
+	std::unique_ptr<btDiscreteDynamicsWorld> world = std::make_unique<btDiscreteDynamicsWorld>(
+		&dispatcher, &broadphase, &solver, &configuration);
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
 
 	TestWorld() { world->setGravity(btVector3(0, btScalar(-9.81), 0)); }
@@ -74,7 +76,8 @@ struct CollectPoints : btCollisionWorld::ContactResultCallback
 	int count = 0;
 	btVector3 normal{0, 0, 0};  // on the second object
 	double deepest = 0;
-	btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
+	btScalar addSingleResult(
+		btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 	{
 		++count;
 		normal = p.m_normalWorldOnB;

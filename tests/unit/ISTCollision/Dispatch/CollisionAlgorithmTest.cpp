@@ -24,8 +24,10 @@ std::vector<btTransform> pileAfterASecond(bool registered)
 	compound.addChildShape(at(.6, 0, 0), &sphere);
 	w.add(&plane, 0, at(0, 0, 0));
 	for (int i = 0; i < 12; ++i)
-		w.add(i % 3 == 0 ? static_cast<btCollisionShape*>(&box) : i % 3 == 1 ? static_cast<btCollisionShape*>(&sphere) : &compound, 1,
-			  at(.13 * i, .8 + .9 * i, .07 * i));
+		w.add(i % 3 == 0     ? static_cast<btCollisionShape*>(&box)
+				: i % 3 == 1 ? static_cast<btCollisionShape*>(&sphere)
+							 : &compound,
+			1, at(.13 * i, .8 + .9 * i, .07 * i));
 	w.step(120);
 	std::vector<btTransform> poses;
 	for (auto& b : w.bodies) poses.push_back(b->getWorldTransform());
@@ -248,14 +250,14 @@ TEST(btISTCollisionAlgorithm, SurvivesDestructionInEveryOrder)
 	for (int order = 0; order < 6; ++order)
 	{
 		auto w = std::make_unique<TestWorld>();
-		std::optional<btISTRegistration> r = btISTCollisionAlgorithm::registerAlgorithm(&w->dispatcher, w->broadphase.getOverlappingPairCache());
+		std::optional<btISTRegistration> r = btISTCollisionAlgorithm::registerAlgorithm(
+			&w->dispatcher, w->broadphase.getOverlappingPairCache());
 		auto box = std::make_unique<btBoxShape>(btVector3(.5, .5, .5));
 		btISTAttachment keep = attach(*r, *box);
 		w->add(box.get(), 0, at(0, 0, 0));
 		w->add(box.get(), 1, at(0, .95, 0));
 		w->step(2);
-		const auto destroyWorld = [&]
-		{
+		const auto destroyWorld = [&] {
 			if (r) r->dispatcherIsGone();
 			w.reset();
 		};
@@ -278,8 +280,7 @@ TEST(btISTCollisionAlgorithm, GateShutsOutWhatOnlyTouches)
 	const btISTAttachment attachment = attach(r, shape);
 	w.add(&shape, 0, at(0, 0, 0));
 	btRigidBody* const upper = w.add(&shape, 1, at(.1, 1, .1));
-	const auto volumeAt = [&](double height, bool gate)
-	{
+	const auto volumeAt = [&](double height, bool gate) {
 		r.setGate(gate);
 		upper->setWorldTransform(at(.1, height, .1));
 		w.world->performDiscreteCollisionDetection();
@@ -299,8 +300,7 @@ TEST(btISTCollisionAlgorithm, AcceptedErrorChoosesTheLevelOfEachPairAndFades)
 	const btISTAttachment lower = attach(r, lowerShape), upper = attach(r, upperShape);
 	w.add(&lowerShape, 0, at(0, 0, 0));
 	btRigidBody* const body = w.add(&upperShape, 1, at(.1, .7, .1));
-	const auto look = [&](int steps) -> const btISTContact&
-	{
+	const auto look = [&](int steps) -> const btISTContact& {
 		for (int i = 0; i < steps; ++i) w.world->performDiscreteCollisionDetection();
 		return *r.store().contacts().at(0);
 	};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -23,8 +23,7 @@ struct CountBullet
 	{
 		bulletAllocations = 0;
 		btAlignedAllocSetCustom(
-			[](size_t size)
-			{
+			[](size_t size) {
 				++bulletAllocations;
 				return std::malloc(size);
 			},
@@ -74,8 +73,9 @@ struct Stack
 		world.setGravity(btVector3(0, btScalar(-9.81), 0));
 		add(floor ? floor : &plane, 0, btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(-floorHeight), 0)));
 		for (int i = 0; i < 2; ++i)
-			add(&box, 1, btTransform(btQuaternion(btScalar(u(random)), btScalar(u(random)), btScalar(u(random))),
-									 btVector3(btScalar(u(random)), btScalar(.6 + 1.1 * i), btScalar(u(random)))));
+			add(&box, 1,
+				btTransform(btQuaternion(btScalar(u(random)), btScalar(u(random)), btScalar(u(random))),
+					btVector3(btScalar(u(random)), btScalar(.6 + 1.1 * i), btScalar(u(random)))));
 	}
 	~Stack()
 	{
@@ -98,8 +98,7 @@ struct Stack
 	int touching(bool withFloor)
 	{
 		int n = 0;
-		for (const btISTContact* c : registration.store().contacts())
-			n += !c->treeB == withFloor && c->total.volume > 0;
+		for (const btISTContact* c : registration.store().contacts()) n += !c->treeB == withFloor && c->total.volume > 0;
 		return n;
 	}
 };
@@ -147,7 +146,8 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndClosedFormsTouch)
 	btBoxShape box(btVector3(2, 1, 2));
 	btCylinderShape cylinder(btVector3(2, 1, 2));
 	btSphereShape sphere(200);
-	for (btCollisionShape* floor : {static_cast<btCollisionShape*>(&box), static_cast<btCollisionShape*>(&cylinder), static_cast<btCollisionShape*>(&sphere)})
+	for (btCollisionShape* floor :
+		{static_cast<btCollisionShape*>(&box), static_cast<btCollisionShape*>(&cylinder), static_cast<btCollisionShape*>(&sphere)})
 	{
 		const CountBullet counted;
 		Stack stack(4, floor, floor == &sphere ? 200 : 1);

@@ -15,8 +15,7 @@
 namespace
 {
 /// A dispatcher that shows its tables.
-template <class Dispatcher>
-struct Peek : Dispatcher
+template <class Dispatcher> struct Peek : Dispatcher
 {
 	using Dispatcher::Dispatcher;
 	btCollisionAlgorithmCreateFunc* contacts(int i, int j) { return this->m_doubleDispatchContactPoints[i][j]; }
@@ -28,7 +27,8 @@ struct Delegating : btCollisionAlgorithmCreateFunc
 {
 	btCollisionAlgorithmCreateFunc* found = nullptr;
 	int calls = 0;
-	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b) override
+	btCollisionAlgorithm* CreateCollisionAlgorithm(
+		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b) override
 	{
 		++calls;
 		return found->CreateCollisionAlgorithm(info, a, b);
@@ -146,7 +146,8 @@ TEST(btISTRegistration, TwoThatDelegateToEachOtherComeToAnEnd)
 	btCollisionObject a, b;
 	a.setCollisionShape(&shape);
 	b.setCollisionShape(&shape);
-	const btCollisionObjectWrapper wrapA(nullptr, &shape, &a, a.getWorldTransform(), -1, -1), wrapB(nullptr, &shape, &b, b.getWorldTransform(), -1, -1);
+	const btCollisionObjectWrapper wrapA(nullptr, &shape, &a, a.getWorldTransform(), -1, -1),
+		wrapB(nullptr, &shape, &b, b.getWorldTransform(), -1, -1);
 	btCollisionAlgorithm* algorithm = d.findAlgorithm(&wrapA, &wrapB, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 	ASSERT_NE(algorithm, nullptr);
 	EXPECT_EQ(other.calls, 1);
@@ -171,7 +172,8 @@ TEST(btISTRegistration, AnUnwatchedPairIsBulletsThoughSomeoneDelegatesToUs)
 	for (btCollisionObject* object : {&a, &b, &c}) object->setCollisionShape(&box);
 	second.watch().watchPair(&a, &c);
 	b.setWorldTransform(at(0, .9, 0));
-	const btCollisionObjectWrapper wrapA(nullptr, &box, &a, a.getWorldTransform(), -1, -1), wrapB(nullptr, &box, &b, b.getWorldTransform(), -1, -1);
+	const btCollisionObjectWrapper wrapA(nullptr, &box, &a, a.getWorldTransform(), -1, -1),
+		wrapB(nullptr, &box, &b, b.getWorldTransform(), -1, -1);
 	btCollisionAlgorithm* algorithm = d.findAlgorithm(&wrapA, &wrapB, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 	btManifoldResult result(&wrapA, &wrapB);
 	algorithm->processCollision(&wrapA, &wrapB, btDispatcherInfo(), &result);

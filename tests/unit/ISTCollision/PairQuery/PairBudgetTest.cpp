@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 #include "tests/unit/CountingAllocator.h"
 
@@ -30,7 +30,8 @@ struct Pair
 	btISTAttachment attachment;
 	btCollisionObject upper, lower;
 
-	explicit Pair(const std::shared_ptr<const ist::InnerSphereTree>& tree, btCollisionShape* under = nullptr) : attachment(registration.registry().attach(&cube, tree).value())
+	explicit Pair(const std::shared_ptr<const ist::InnerSphereTree>& tree, btCollisionShape* under = nullptr)
+		: attachment(registration.registry().attach(&cube, tree).value())
 	{
 		upper.setCollisionShape(&cube);
 		lower.setCollisionShape(under ? under : &cube);

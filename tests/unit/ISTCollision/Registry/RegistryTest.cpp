@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Registry/btISTRegistry.h"
 
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <btBulletCollisionCommon.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,7 @@ namespace
 {
 std::shared_ptr<const ist::InnerSphereTree> boxTree()
 {
-	static const auto tree = []
-	{
+	static const auto tree = [] {
 		ist::BuildOptions options;
 		options.maxSpheres = 100;
 		auto built = ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Registry/btISTShapeField.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "BulletISTCollision/Registry/btISTShapeField.h"
 
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>

@@ -98,7 +98,8 @@ TEST(meshOfShape, HullsRunAroundTheirPoints)
 // Judged by Bullet's own support: how far the shape reaches in a direction.
 TEST(meshOfShape, MultiSpheresReachAsFarAsBulletSays)
 {
-	const btVector3 centres[3] = {{btScalar(-.7), btScalar(1.7), btScalar(-.1)}, {btScalar(.6), btScalar(-2), 0}, {0, btScalar(-.4), btScalar(.5)}};
+	const btVector3 centres[3] = {
+		{btScalar(-.7), btScalar(1.7), btScalar(-.1)}, {btScalar(.6), btScalar(-2), 0}, {0, btScalar(-.4), btScalar(.5)}};
 	const btScalar radii[3] = {btScalar(.3), btScalar(.4), btScalar(.35)};
 	btMultiSphereShape shape(centres, radii, 3);
 	std::mt19937 random(5);
@@ -136,8 +137,8 @@ TEST(meshOfShape, RefusesWhatHasNoInsideOrNoTriangles)
 	broken.vertex(3)[1] = std::numeric_limits<btScalar>::quiet_NaN();
 	btGImpactMeshShape notFinite(broken.interface());
 	for (const btCollisionShape* shape : {static_cast<btCollisionShape*>(&terrain), static_cast<btCollisionShape*>(&plane),
-										  static_cast<btCollisionShape*>(&sphere), static_cast<btCollisionShape*>(&compound),
-										  static_cast<btCollisionShape*>(&noTriangles), static_cast<btCollisionShape*>(&notFinite)})
+			 static_cast<btCollisionShape*>(&sphere), static_cast<btCollisionShape*>(&compound),
+			 static_cast<btCollisionShape*>(&noTriangles), static_cast<btCollisionShape*>(&notFinite)})
 	{
 		const ist::Result<ist::Mesh> refused = meshOfShape(*shape);
 		ASSERT_FALSE(refused) << shape->getName();

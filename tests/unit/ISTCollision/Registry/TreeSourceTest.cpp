@@ -19,7 +19,10 @@
 
 namespace
 {
-btTransform at(double x, double y, double z) { return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z))); }
+btTransform at(double x, double y, double z)
+{
+	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+}
 
 /// A game that registers GImpact, then us.
 struct Game
@@ -28,8 +31,8 @@ struct Game
 	btCollisionDispatcher dispatcher{&configuration};
 	btDbvtBroadphase broadphase;
 	btSequentialImpulseConstraintSolver solver;
-	std::unique_ptr<btDiscreteDynamicsWorld> world =
-		std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration);
+	std::unique_ptr<btDiscreteDynamicsWorld> world = std::make_unique<btDiscreteDynamicsWorld>(
+		&dispatcher, &broadphase, &solver, &configuration);
 	btISTRegistration registration;
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
 
@@ -62,7 +65,9 @@ struct Game
 
 struct GImpactBox : BulletMesh, btGImpactMeshShape
 {
-	explicit GImpactBox(const ist::Vec3& half, double scaling = 1) : BulletMesh(ist::makeBoxMesh(half)), btGImpactMeshShape(BulletMesh::interface())
+	explicit GImpactBox(const ist::Vec3& half, double scaling = 1)
+		: BulletMesh(ist::makeBoxMesh(half)),
+		  btGImpactMeshShape(BulletMesh::interface())
 	{
 		setLocalScaling(btVector3(btScalar(scaling), btScalar(scaling), btScalar(scaling)));
 		updateBound();
@@ -89,7 +94,8 @@ struct NamedShapes
 struct Folder
 {
 	std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
-		("ist_source_" + std::to_string(sizeof(btScalar)) + std::to_string(::getpid()) + testing::UnitTest::GetInstance()->current_test_info()->name());
+		("ist_source_" + std::to_string(sizeof(btScalar)) + std::to_string(::getpid()) +
+			testing::UnitTest::GetInstance()->current_test_info()->name());
 	Folder() { std::filesystem::create_directories(path); }
 	~Folder() { std::filesystem::remove_all(path); }
 };
@@ -163,9 +169,9 @@ TEST(btISTTreeSource, FindsEveryGImpactMeshOfAWorldOnce)
 	auto already = trees.attach(&has);
 	EXPECT_EQ(trees.finish(), 1);
 	int x = 0;
-	for (btCollisionShape* shape : {static_cast<btCollisionShape*>(&cube), static_cast<btCollisionShape*>(&cube),
-									static_cast<btCollisionShape*>(&same), static_cast<btCollisionShape*>(&compound),
-									static_cast<btCollisionShape*>(&stock), static_cast<btCollisionShape*>(&has)})
+	for (btCollisionShape* shape :
+		{static_cast<btCollisionShape*>(&cube), static_cast<btCollisionShape*>(&cube), static_cast<btCollisionShape*>(&same),
+			static_cast<btCollisionShape*>(&compound), static_cast<btCollisionShape*>(&stock), static_cast<btCollisionShape*>(&has)})
 		game.add(shape, 1, at(10 * x++, 0, 0));
 	auto all = trees.attachGImpact(*game.world);
 	ASSERT_EQ(all.size(), 3u);
@@ -311,10 +317,10 @@ TEST(btISTTreeSource, AttachesByNameAfterLoadingABulletFile)
 			{
 				btISTTreeSource trees(game.registration.registry(), few());
 				std::vector<btISTPendingAttachment> cube;
-				if (way == "attachFolder")
-					cube = trees.attachFolder(importer, assets.string());
+				if (way == "attachFolder") cube = trees.attachFolder(importer, assets.string());
 				else
-					cube.push_back(way == "attach" ? trees.attach(importer, name.c_str()) : trees.attachAsset(importer, name.c_str(), asset));
+					cube.push_back(
+						way == "attach" ? trees.attach(importer, name.c_str()) : trees.attachAsset(importer, name.c_str(), asset));
 				ASSERT_EQ(cube.size(), 1u) << way << ", " << name;
 				EXPECT_EQ(trees.finish(), 1) << way << ", " << name << ": " << cube[0].error();
 				game.detect();
@@ -338,8 +344,7 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 		game.add(&plane, 0, at(0, 0, 0));
 		game.add(&other, 1, at(0, 50, 0));
 		btRigidBody* body = game.add(&box, 1, place);
-		const auto moveTo = [&](const btTransform& to)
-		{
+		const auto moveTo = [&](const btTransform& to) {
 			body->setWorldTransform(to);
 			body->setInterpolationWorldTransform(to);  // of which Bullet's boxes know, too
 			game.detect();

@@ -22,8 +22,7 @@ std::vector<Wrench6> corners(const std::vector<GraspContact>& contacts, const Gr
 	{
 		Vec3 t1, t2;
 		completeFrame(c.normal, t1, t2);
-		const auto add = [&](const Vec3& f, const Vec3& more)
-		{
+		const auto add = [&](const Vec3& f, const Vec3& more) {
 			const Vec3 m = (cross(c.point, f) + more) / o.length;
 			all.push_back({f.x, f.y, f.z, m.x, m.y, m.z});
 		};
@@ -39,15 +38,13 @@ double leastSupport(const std::vector<Wrench6>& all, unsigned seed)
 {
 	std::mt19937 random(seed);
 	std::normal_distribution<double> gauss;
-	const auto unit = [](Wrench6 u)
-	{
+	const auto unit = [](Wrench6 u) {
 		double n = 0;
 		for (const double x : u) n += x * x;
 		for (double& x : u) x /= std::sqrt(n);
 		return u;
 	};
-	const auto support = [&](const Wrench6& u)
-	{
+	const auto support = [&](const Wrench6& u) {
 		double most = -1e300;
 		for (const Wrench6& w : all)
 		{

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "tests/unit/CountingAllocator.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "DeviceBridge/Hand/Grasp/HeatMapFile.h"
+#include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/Hand/GridBox.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,8 @@ Pose randomPose(unsigned seed)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<double> any(-1, 1);
-	return {rotationMatrix(ist::quaternionFromRotationVector({2 * any(random), 2 * any(random), any(random)})), {any(random), any(random), any(random)}};
+	return {rotationMatrix(ist::quaternionFromRotationVector({2 * any(random), 2 * any(random), any(random)})),
+		{any(random), any(random), any(random)}};
 }
 
 /// What the written map says the whole force was: each vertex's impulse along the mean of the normals around it.
@@ -40,7 +41,8 @@ Vec3 forceOf(const HeatMap& map, double seconds)
 	const Mesh& mesh = map.mesh();
 	std::vector<Vec3> normals(mesh.vertices.size());
 	for (const auto& t : mesh.triangles)
-		for (const uint32_t c : t) normals[c] += cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+		for (const uint32_t c : t)
+			normals[c] += cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
 	const std::vector<HeatMap::Vertex> values = map.vertices();
 	Vec3 sum;
 	for (size_t v = 0; v < values.size(); ++v) sum = sum - values[v].impulse / seconds * normalized(normals[v]);
@@ -149,7 +151,8 @@ TEST(HeatMap, ContactBetweenTheVerticesGoesToTheNearestOne)
 TEST(HeatMap, GraspsAddUp)
 {
 	HeatMap map(gridBox({0.01, 0.01, 0.01}, 20));
-	const int a = map.addPart("R_Index3", 43, ist::makeSphereMesh(0.005, 3)), b = map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 3));
+	const int a = map.addPart("R_Index3", 43, ist::makeSphereMesh(0.005, 3)),
+			  b = map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 3));
 	const Pose above{{}, {0, 0.0145, 0}}, below{{}, {0, -0.0145, 0}};
 	for (int grasp = 0; grasp < 4; ++grasp)
 	{
@@ -182,7 +185,8 @@ TEST(HeatMap, GraspsAddUp)
 TEST(HeatMap, APlaceThatDifferentPartsTouchedInTwoGraspsWasTouchedInBoth)
 {
 	HeatMap map(gridBox({0.01, 0.01, 0.01}, 20));
-	const int a = map.addPart("R_Index3", 43, ist::makeSphereMesh(0.005, 3)), b = map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 3)), none = map.addPart("nothing", 1, {});
+	const int a = map.addPart("R_Index3", 43, ist::makeSphereMesh(0.005, 3)),
+			  b = map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 3)), none = map.addPart("nothing", 1, {});
 	const HeatMapContact above{{{}, {0, 0.0145, 0}}, 1, {0, 0.01, 0}, 0.1};
 	map.add(a, above);
 	map.beginGrasp();
@@ -358,8 +362,7 @@ TEST(HeatMapFile, TheTableHasEveryColumnOfManyGrasps)
 	const Mesh slab = ist::makeBoxMesh({a / 2, 0.01, a / 2});
 	const int left = map.addPart("L_Thumb3", 40, slab), right = map.addPart("R_Thumb3", 55, slab);
 	map.addPart("R_Pinky1", 47, slab);
-	const auto press = [&](int part, double x, double depth, double seconds) 
-	{
+	const auto press = [&](int part, double x, double depth, double seconds) {
 		const Pose X{rotationMatrix(ist::quaternionFromRotationVector({0, 0.4, 0})), {x, 0.015 - depth, 0.0003}};
 		map.add(part, {X, kK * a * a * depth, {x, 0.005, 0}, seconds});
 	};
@@ -378,7 +381,8 @@ TEST(HeatMapFile, TheTableHasEveryColumnOfManyGrasps)
 	{
 		const char* part;
 		double values[9];
-	} rows[] = {{"L_Thumb3", {40, a * a, 0.5, force, force, 0.5 * force, 2, d, kK * d}}, {"R_Thumb3", {55, a * a, 1, 1.5 * force, 3 * force, 1.5 * force, 1, 3 * d, kK * 3 * d}}};
+	} rows[] = {{"L_Thumb3", {40, a * a, 0.5, force, force, 0.5 * force, 2, d, kK * d}},
+		{"R_Thumb3", {55, a * a, 1, 1.5 * force, 3 * force, 1.5 * force, 1, 3 * d, kK * 3 * d}}};
 	for (const auto& row : rows)
 	{
 		ASSERT_TRUE(std::getline(table, line));
@@ -400,8 +404,7 @@ TEST(HeatMapFile, TheTableHasEveryColumnOfManyGrasps)
 
 TEST(HeatMapFile, FingersHaveTheirOwnColours)
 {
-	const auto same = [](int a, int b)
-	{
+	const auto same = [](int a, int b) {
 		const HeatMapColour x = handPartColour(a), y = handPartColour(b);
 		return x.r == y.r && x.g == y.g && x.b == y.b;
 	};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
-#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "DeviceBridge/Hand/Grasp/HeatMapTexture.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "tests/unit/DeviceBridge/Hand/GridBox.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,9 @@ struct SlabOnBox
 	HeatMap map;
 	Pose X;
 
-	explicit SlabOnBox(ist::Mesh box) : map(std::move(box)), X{rotationMatrix(ist::quaternionFromRotationVector({0, 0.4, 0})), {0.001, 0.015 - kDepth, 0.0013}}
+	explicit SlabOnBox(ist::Mesh box)
+		: map(std::move(box)),
+		  X{rotationMatrix(ist::quaternionFromRotationVector({0, 0.4, 0})), {0.001, 0.015 - kDepth, 0.0013}}
 	{
 		map.addPart("R_Index3", 43, ist::makeBoxMesh({kWidth / 2, 0.01, kWidth / 2}));
 		map.add(0, {X, kForce, {0, 0.005, 0}, kSeconds});
@@ -69,7 +71,8 @@ TEST(HeatMapTexture, SlabOnSlabHasTheClosedFormInEveryTexel)
 	const std::vector<double> ones(texture.value().areas().size(), 1);
 	const double area = 8 * (kHalf.x * kHalf.y + kHalf.y * kHalf.z + kHalf.z * kHalf.x);
 	EXPECT_NEAR(sum(texture.value(), ones), area, area / 136);  // each side is 136.5 texels wide
-	const std::vector<double> impulse = texture.value().values(slab.map, HeatMapValue::Impulse).value(), pressure = texture.value().values(slab.map, HeatMapValue::Pressure).value();
+	const std::vector<double> impulse = texture.value().values(slab.map, HeatMapValue::Impulse).value(),
+							  pressure = texture.value().values(slab.map, HeatMapValue::Pressure).value();
 	EXPECT_NEAR(sum(texture.value(), impulse), kForce * kSeconds, 0.02 * kForce * kSeconds);
 
 	// The upper side is the upper one of the second pair; x grows upwards and z to the right.
@@ -110,9 +113,11 @@ TEST(HeatMapTexture, TheFilesMeshMayBeAnotherThanTheMapsOwn)
 		for (const uint32_t corner : coarse.mesh.triangles[t]) file.mesh.vertices.push_back(coarse.mesh.vertices[corner]);
 		file.mesh.triangles.push_back({uint32_t(3 * t), uint32_t(3 * t + 1), uint32_t(3 * t + 2)});
 	}
-	const auto fine = HeatMapTexture::make(slab.map.mesh(), texturedGridBox(kHalf, 50), {300, 200, 2, 0}), other = HeatMapTexture::make(slab.map.mesh(), file, {300, 200, 2, 0});
+	const auto fine = HeatMapTexture::make(slab.map.mesh(), texturedGridBox(kHalf, 50), {300, 200, 2, 0}),
+			   other = HeatMapTexture::make(slab.map.mesh(), file, {300, 200, 2, 0});
 	ASSERT_TRUE(fine && other);
-	const auto a = fine.value().values(slab.map, HeatMapValue::Impulse).value(), b = other.value().values(slab.map, HeatMapValue::Impulse).value();
+	const auto a = fine.value().values(slab.map, HeatMapValue::Impulse).value(),
+			   b = other.value().values(slab.map, HeatMapValue::Impulse).value();
 	for (size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5 * kK * kDepth * kSeconds);
 	EXPECT_NEAR(sum(other.value(), b), kForce * kSeconds, 0.02 * kForce * kSeconds);
 	// What lies beside the object was not touched.
@@ -173,9 +178,11 @@ TEST(HeatMapTexture, ShowsNoSeamBetweenIslands)
 	HeatMap map(box.mesh);
 	map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 4));
 	map.add(0, {{{}, {0.012, 0.012, 0.0007}}, 3, {0.01, 0.01, 0}, 1});
-	const auto texture = HeatMapTexture::make(map.mesh(), box, {600, 400, 3, 0}), hard = HeatMapTexture::make(map.mesh(), box, {600, 400, 0, 0});
+	const auto texture = HeatMapTexture::make(map.mesh(), box, {600, 400, 3, 0}),
+			   hard = HeatMapTexture::make(map.mesh(), box, {600, 400, 0, 0});
 	ASSERT_TRUE(texture && hard);
-	const auto values = texture.value().values(map, HeatMapValue::Impulse).value(), cut = hard.value().values(map, HeatMapValue::Impulse).value();
+	const auto values = texture.value().values(map, HeatMapValue::Impulse).value(),
+			   cut = hard.value().values(map, HeatMapValue::Impulse).value();
 	const std::vector<HeatMap::Vertex> vertices = map.vertices();
 	double peak = 0, worst = 0, worstCut = 0;
 	for (const double value : values) peak = std::max(peak, value);
@@ -247,7 +254,8 @@ TEST(HeatMapTexture, PicturesComeBackFromTheirFiles)
 	const Picture fingers = made.value().colours(slab.map).value();
 	const GreyPicture grey = greyPicture(made.value(), made.value().values(slab.map, HeatMapValue::Pressure).value(), 2 * kK * kDepth);
 
-	const std::string path = (std::filesystem::temp_directory_path() / ("texture" + std::to_string(std::random_device()()) + ".png")).string();
+	const std::string path =
+		(std::filesystem::temp_directory_path() / ("texture" + std::to_string(std::random_device()()) + ".png")).string();
 	const auto failed = savePicture(fingers, path);
 	if (failed && failed->message.find("install libpng-dev") != std::string::npos) GTEST_SKIP() << failed->message;
 	ASSERT_FALSE(failed) << failed->message;

@@ -38,7 +38,8 @@ private:
 struct cHapticDeviceInfo
 {
 	std::string m_modelName, m_manufacturerName;
-	double m_maxLinearForce, m_maxAngularTorque, m_maxLinearStiffness, m_maxAngularStiffness, m_maxLinearDamping, m_maxAngularDamping, m_workspaceRadius;
+	double m_maxLinearForce, m_maxAngularTorque, m_maxLinearStiffness, m_maxAngularStiffness, m_maxLinearDamping, m_maxAngularDamping,
+		m_workspaceRadius;
 	bool m_sensedPosition, m_sensedRotation, m_sensedGripper, m_actuatedPosition, m_actuatedRotation;
 };
 

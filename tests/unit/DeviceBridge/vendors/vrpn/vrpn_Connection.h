@@ -24,7 +24,5 @@ public:
 };
 
 VRPN_API vrpn_Connection* vrpn_get_connection_by_name(const char* cname, const char* local_in_logfile_name = nullptr,
-													  const char* local_out_logfile_name = nullptr,
-													  const char* remote_in_logfile_name = nullptr,
-													  const char* remote_out_logfile_name = nullptr, const char* NIC_IPaddress = nullptr,
-													  bool force_reopen = false);
+	const char* local_out_logfile_name = nullptr, const char* remote_in_logfile_name = nullptr,
+	const char* remote_out_logfile_name = nullptr, const char* NIC_IPaddress = nullptr, bool force_reopen = false);

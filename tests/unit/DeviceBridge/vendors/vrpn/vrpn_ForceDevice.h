@@ -12,8 +12,8 @@ public:
 	virtual void mainloop();
 	void setFF_Origin(vrpn_float32 x, vrpn_float32 y, vrpn_float32 z);
 	void setFF_Force(vrpn_float32 fx, vrpn_float32 fy, vrpn_float32 fz);
-	void setFF_Jacobian(vrpn_float32 dfxdx, vrpn_float32 dfxdy, vrpn_float32 dfxdz, vrpn_float32 dfydx, vrpn_float32 dfydy, vrpn_float32 dfydz,
-						vrpn_float32 dfzdx, vrpn_float32 dfzdy, vrpn_float32 dfzdz);
+	void setFF_Jacobian(vrpn_float32 dfxdx, vrpn_float32 dfxdy, vrpn_float32 dfxdz, vrpn_float32 dfydx, vrpn_float32 dfydy,
+		vrpn_float32 dfydz, vrpn_float32 dfzdx, vrpn_float32 dfzdy, vrpn_float32 dfzdz);
 	void setFF_Radius(vrpn_float32 r);
 	void sendForceField(void);
 	void stopForceField(void);
