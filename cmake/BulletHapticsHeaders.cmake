@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# The headers that are installed. Every other header is private and lies beside the source that uses it.
+# The headers that are installed: what README, the pages and the consumers in tests/consumer include, and what those headers include.
+# Every other header is private and lies beside the source that uses it.
 set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Law/btContactLaw.h
 	BulletHapticForce/Law/btContactMaterial.h
@@ -25,95 +26,39 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Contact/btISTEconomy.h
 	BulletISTCollision/Core/Accuracy/ForcePromise.h
 	BulletISTCollision/Core/Accuracy/LevelCalibration.h
-	BulletISTCollision/Core/Accuracy/OverlapPoses.h
 	BulletISTCollision/Core/Accuracy/PairAccuracy.h
-	BulletISTCollision/Core/Accuracy/PromiseShare.h
-	BulletISTCollision/Core/Asset/AssetArchive.h
 	BulletISTCollision/Core/Asset/AssetFile.h
-	BulletISTCollision/Core/Asset/AssetSections.h
-	BulletISTCollision/Core/Asset/ByteStream.h
-	BulletISTCollision/Core/Asset/Checksum.h
-	BulletISTCollision/Core/Asset/FloatCode.h
-	BulletISTCollision/Core/Asset/WholeFile.h
-	BulletISTCollision/Core/Base/CounterRandom.h
-	BulletISTCollision/Core/Base/DemandZeroArray.h
 	BulletISTCollision/Core/Base/FrozenArray.h
 	BulletISTCollision/Core/Base/InstructionSet.h
 	BulletISTCollision/Core/Base/Pose.h
 	BulletISTCollision/Core/Base/Progress.h
 	BulletISTCollision/Core/Base/Result.h
-	BulletISTCollision/Core/Base/SymmetricEigen.h
 	BulletISTCollision/Core/Base/SymmetricMatrix3.h
-	BulletISTCollision/Core/Base/ThreadCount.h
-	BulletISTCollision/Core/Base/ThreadTime.h
 	BulletISTCollision/Core/Base/Vec3.h
-	BulletISTCollision/Core/Base/WorkerCrew.h
 	BulletISTCollision/Core/Build/TreeBuilder.h
 	BulletISTCollision/Core/Build/TreeCache.h
 	BulletISTCollision/Core/Build/TreeWorker.h
 	BulletISTCollision/Core/Distance/MeshDistance.h
-	BulletISTCollision/Core/Distance/SieveTree.h
-	BulletISTCollision/Core/Distance/TriangleHierarchy.h
-	BulletISTCollision/Core/Distance/TriangleSieve.h
 	BulletISTCollision/Core/Force/PairLaws.h
 	BulletISTCollision/Core/Force/PassageBarrier.h
 	BulletISTCollision/Core/Force/PressureField.h
-	BulletISTCollision/Core/Force/RelativeMotion.h
 	BulletISTCollision/Core/Geometry/AnalyticField.h
-	BulletISTCollision/Core/Geometry/FieldPiece.h
-	BulletISTCollision/Core/Geometry/FieldTerm.h
-	BulletISTCollision/Core/Geometry/Lens.h
 	BulletISTCollision/Core/Geometry/MomentEllipsoid.h
 	BulletISTCollision/Core/Geometry/SpherePacking.h
-	BulletISTCollision/Core/Import/Inflate.h
-	BulletISTCollision/Core/Import/MeshFileUnit.h
 	BulletISTCollision/Core/Import/MeshImport.h
-	BulletISTCollision/Core/Import/MeshReaderWarnings.h
-	BulletISTCollision/Core/Import/ThreadLocale.h
-	BulletISTCollision/Core/Import/XmlTags.h
-	BulletISTCollision/Core/Import/ZipArchive.h
-	BulletISTCollision/Core/Leaves/CellSampling.h
-	BulletISTCollision/Core/Leaves/CellSplitter.h
-	BulletISTCollision/Core/Leaves/Cells.h
-	BulletISTCollision/Core/Leaves/GapLines.h
-	BulletISTCollision/Core/Leaves/NearestSphere.h
-	BulletISTCollision/Core/Leaves/SurfaceGap.h
 	BulletISTCollision/Core/Mesh/Mesh.h
 	BulletISTCollision/Core/Mesh/MeshDivision.h
-	BulletISTCollision/Core/Mesh/MeshEdges.h
 	BulletISTCollision/Core/Mesh/MeshShapes.h
-	BulletISTCollision/Core/Mesh/MeshWords.h
 	BulletISTCollision/Core/Mesh/TexturedMesh.h
-	BulletISTCollision/Core/Packing/BallAscent.h
-	BulletISTCollision/Core/Packing/DistanceOctree.h
-	BulletISTCollision/Core/Packing/SpherePacker.h
-	BulletISTCollision/Core/Query/BatchQuery.h
-	BulletISTCollision/Core/Query/ContactPatches.h
-	BulletISTCollision/Core/Query/FieldPress.h
-	BulletISTCollision/Core/Query/LeafClearance.h
 	BulletISTCollision/Core/Query/OverlapQuery.h
 	BulletISTCollision/Core/Query/PairMemory.h
 	BulletISTCollision/Core/Query/ProximityQuery.h
-	BulletISTCollision/Core/Query/QueryHelper.h
-	BulletISTCollision/Core/Repair/MeshCuts.h
-	BulletISTCollision/Core/Repair/MeshHoles.h
-	BulletISTCollision/Core/Repair/MeshProbes.h
 	BulletISTCollision/Core/Repair/MeshRepair.h
-	BulletISTCollision/Core/Repair/MeshShells.h
-	BulletISTCollision/Core/Repair/MeshWeld.h
-	BulletISTCollision/Core/Repair/MeshWrap.h
 	BulletISTCollision/Core/Tree/BallTree.h
 	BulletISTCollision/Core/Tree/InnerSphereTree.h
-	BulletISTCollision/Core/Tree/SurfaceResolution.h
-	BulletISTCollision/Core/Tree/TreeCheck.h
-	BulletISTCollision/Core/Tree/TreeLevels.h
-	BulletISTCollision/Core/Tuning/ExpectedError.h
-	BulletISTCollision/Core/Tuning/PairTuning.h
 	BulletISTCollision/Core/Tuning/StepChoice.h
-	BulletISTCollision/Core/Tuning/TuneFigures.h
-	BulletISTCollision/Core/Tuning/TuneSettings.h
-	BulletISTCollision/Core/Tuning/WorldNeeds.h
 	BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h
+	BulletISTCollision/Dispatch/btISTRegistration.h
 	BulletISTCollision/Registry/btISTRegistry.h
 	BulletISTCollision/Registry/btISTShapeMesh.h
 	BulletISTCollision/Registry/btISTTreeSource.h
@@ -129,16 +74,8 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletWorldCoupling.h
 	DeviceBridge/Coupling/AdaptiveCoupling.h
 	DeviceBridge/Coupling/VirtualCoupling.h
-	DeviceBridge/Coupling/ZWidth.h
-	DeviceBridge/Decorators/ClutchedDevice.h
-	DeviceBridge/Decorators/DelayedDevice.h
 	DeviceBridge/Decorators/DeviceDecorator.h
-	DeviceBridge/Decorators/LimitedDevice.h
 	DeviceBridge/Decorators/MountedDevice.h
-	DeviceBridge/Decorators/ReconnectingDevice.h
-	DeviceBridge/Decorators/RecordingDevice.h
-	DeviceBridge/Decorators/RestrictedDevice.h
-	DeviceBridge/Decorators/VelocityFilter.h
 	DeviceBridge/Device/Device.h
 	DeviceBridge/Device/DeviceAddress.h
 	DeviceBridge/Device/DeviceLink.h
@@ -146,27 +83,11 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Device/Recording.h
 	DeviceBridge/Device/ThreadedDevice.h
 	DeviceBridge/Drivers/AssumedLimits.h
-	DeviceBridge/Drivers/BuiltDrivers.h
 	DeviceBridge/Drivers/DeviceRegistry.h
 	DeviceBridge/Drivers/Glove/GloveAngles.h
-	DeviceBridge/Drivers/Glove/GloveCalibration.h
-	DeviceBridge/Drivers/Glove/GloveFrames.h
 	DeviceBridge/Drivers/Glove/GloveHand.h
-	DeviceBridge/Drivers/Glove/GloveLink.h
-	DeviceBridge/Drivers/Haply/HaplyLink.h
-	DeviceBridge/Drivers/Haply/HaplyMessages.h
-	DeviceBridge/Drivers/Motion/MotionDevice.h
-	DeviceBridge/Drivers/OpenXr/OpenXrLink.h
-	DeviceBridge/Drivers/Plugin/PluginFile.h
-	DeviceBridge/Drivers/Plugin/PluginLink.h
-	DeviceBridge/Drivers/Plugin/PluginSchemes.h
-	DeviceBridge/Drivers/Replay/ReplayDevice.h
-	DeviceBridge/Drivers/Rumble/RumbleLink.h
-	DeviceBridge/Drivers/Simulated/CarriedProfiles.h
 	DeviceBridge/Drivers/Simulated/SimulatedDevice.h
 	DeviceBridge/Drivers/Simulated/SimulatedProfile.h
-	DeviceBridge/Drivers/Spnav/SpnavLink.h
-	DeviceBridge/Drivers/Spnav/SpnavMotion.h
 	DeviceBridge/Hand/BvhHand.h
 	DeviceBridge/Hand/ContactPoseHands.h
 	DeviceBridge/Hand/Grasp/GraspQuality.h
@@ -189,7 +110,6 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Loop/LinearContact.h
 	DeviceBridge/Loop/ModelAge.h
 	DeviceBridge/Loop/SteppingThread.h
-	DeviceBridge/Loop/StopSignals.h
 	DeviceBridge/Loop/ThreadedForceLaw.h
 	DeviceBridge/Loop/WorldMirror.h
 	DeviceBridge/Plugins/devicebridge_plugin.h
@@ -200,26 +120,34 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Safety/PassivityController.h
 	DeviceBridge/Safety/SafetyLimiter.h
 	DeviceBridge/Safety/Saturation.h
-	DeviceBridge/Safety/SlewLimit.h
 	DeviceBridge/Safety/SpeedBrake.h
 	DeviceBridge/Safety/StartInsideLatch.h
 	DeviceBridge/Safety/StateWatch.h
 	DeviceBridge/Timing/Clock.h
 	DeviceBridge/Timing/Delegate.h
-	DeviceBridge/Timing/RealTimePriority.h
 	DeviceBridge/Timing/SteadyTime.h
-	DeviceBridge/Timing/ThreadTime.h
 	DeviceBridge/Timing/TripleBuffer.h
-	DeviceBridge/Tools/Commands.h
-	DeviceBridge/Tools/OpenedDevice.h
-	DeviceBridge/Tools/WallWorld.h
 	TestSupport/ContactLog.h
 	TestSupport/Matchers.h
-	TestSupport/SceneFiles/AssetCache.h
-	TestSupport/SceneFiles/JsonSource.h
-	TestSupport/SceneFiles/PrincipalMesh.h
-	TestSupport/SceneFiles/SceneFile.h
-	TestSupport/SceneFiles/SceneShapes.h
-	TestSupport/SceneFiles/SceneWorld.h
 	TestSupport/TestScenes.h
 	TestSupport/TestWorld.h)
+
+# Until 0.4: each header can be included by the path that it had in 0.2, before the libraries were split into folders.
+function(bullethaptics_forward_old_paths)
+	foreach(header ${BULLETHAPTICS_HEADERS})
+		string(REGEX REPLACE "^(BulletISTCollision/Core)/[A-Za-z]+/" "\\1/" old ${header})
+		string(REGEX REPLACE "^(BulletISTCollision|BulletHapticForce)/(Registry|Contact|PairQuery|Dispatch|Law|Solver|World)/" "\\1/" old ${old})
+		string(REGEX REPLACE "^DeviceBridge/(Timing|Device|Loop|Coupling|Bullet|Plugins)/" "DeviceBridge/" old ${old})
+		string(REGEX REPLACE "^DeviceBridge/(Safety|Drivers|Hand/Grasp)/(SafetyLimiter|DeviceRegistry|Picture)\\.h$" "DeviceBridge/\\2.h" old ${old})
+		string(REPLACE "DeviceBridge/Hand/Grasp/" "DeviceBridge/Hand/" old ${old})
+		if(NOT old STREQUAL header)
+			bullethaptics_forward(${old} ${header})
+		endif()
+	endforeach()
+	bullethaptics_forward(BulletISTCollision/Core/Version.h BulletISTCollision/Core/Base/Version.h)
+endfunction()
+function(bullethaptics_forward old header)
+	file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${old} CONTENT "// The former path of @header@\n#pragma once\n#include \"@header@\"\n" @ONLY)
+	cmake_path(GET old PARENT_PATH folder)
+	install(FILES ${PROJECT_BINARY_DIR}/generated/${old} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT dev)
+endfunction()

@@ -19,6 +19,7 @@ foreach(header ${BULLETHAPTICS_HEADERS})
 	cmake_path(GET header PARENT_PATH folder)
 	install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT dev)
 endforeach()
+bullethaptics_forward_old_paths()
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
 install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics:: DESTINATION ${package_folder} COMPONENT dev)
