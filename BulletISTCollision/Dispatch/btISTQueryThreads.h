@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
+#include "BulletISTCollision/Dispatch/btISTRegistration.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
 
 #include <atomic>

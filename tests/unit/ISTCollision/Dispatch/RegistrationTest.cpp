@@ -316,7 +316,7 @@ const Use kUses[] = {
 /// Names of the public functions that the header declares.
 std::set<std::string> publicFunctions()
 {
-	std::ifstream file(HEADER_FOLDER "/btISTCollisionAlgorithm.h");
+	std::ifstream file(HEADER_FOLDER "/btISTRegistration.h");
 	const std::string text{std::istreambuf_iterator<char>(file), {}};
 	const size_t begin = text.find("class [[nodiscard]] btISTRegistration");
 	const std::string declared = text.substr(begin, text.find("private:", begin) - begin);
