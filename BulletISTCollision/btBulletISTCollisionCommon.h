@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Contact/btISTContactCache.h"
 #include "BulletISTCollision/Contact/btISTContactStore.h"
-#include "BulletISTCollision/Contact/btISTEconomy.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Force/PassageBarrier.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"

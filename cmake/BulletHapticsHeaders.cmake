@@ -23,7 +23,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/World/btVolumetricInstallation.h
 	BulletHapticForce/btBulletHapticForceCommon.h
 	BulletISTCollision/Contact/btISTContactStore.h
-	BulletISTCollision/Contact/btISTEconomy.h
+	BulletISTCollision/Contact/btISTContactCache.h
 	BulletISTCollision/Core/Accuracy/ForcePromise.h
 	BulletISTCollision/Core/Accuracy/LevelCalibration.h
 	BulletISTCollision/Core/Accuracy/PairAccuracy.h

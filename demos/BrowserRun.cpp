@@ -23,7 +23,7 @@ browser::DemoOptions demoOptions(const DemoArguments& a)
 	options.mesh = a.meshGiven ? a.mesh : "";
 	options.cache = a.cache;
 	options.spheres = a.spheresGiven ? a.spheres : 0;
-	options.economy = {a.economy, a.keptError, a.forceError};
+	options.contactCache = {a.contactCache, a.maxError, a.forceError};
 	options.progress = showProgress;
 	options.say = say;
 	return options;
@@ -132,7 +132,7 @@ int runBrowserDemo(const DemoArguments& a)
 	if (!a.screenshot.empty() || !a.record.empty()) return refuse({kWithout});
 #endif
 	const browser::DemoOptions demoChoice = demoOptions(a);
-	demo->setEconomy(demoChoice.economy);
+	demo->setContactCache(demoChoice.contactCache);
 	if (const auto error = demo->prepare(demoChoice)) return refuse(*error);
 	const auto outcome = browser::runDemo(*demo, entry->name, entry->about, options);
 	if (!outcome) return refuse(outcome.error());

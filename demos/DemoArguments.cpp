@@ -137,20 +137,20 @@ void readForceError(const std::string& share, DemoArguments& a)
 	if (share != "0" && !(a.forceError > 0 && a.forceError <= 1)) a.error = "--force-error must be a number from 0 to 1, not " + share;
 }
 
-void readEconomy(const std::string& economy, DemoArguments& a)
+void readContactCache(const std::string& contactCache, DemoArguments& a)
 {
-	if (economy.empty()) return;
-	a.economy = economy != "off";
-	a.keptError = a.economy ? positiveNumber(economy) : 0;
-	if (a.economy && economy != "0" && !(a.keptError > 0 && a.keptError <= 0.5))
-		a.error = "--economy must be off or a number from 0 to 0.5, not " + economy;
+	if (contactCache.empty()) return;
+	a.contactCache = contactCache != "off";
+	a.maxError = a.contactCache ? positiveNumber(contactCache) : 0;
+	if (a.contactCache && contactCache != "0" && !(a.maxError > 0 && a.maxError <= 0.5))
+		a.error = "--economy must be off or a number from 0 to 0.5, not " + contactCache;
 }
 }  // namespace
 
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres, worldRate, frames, dt, size, economy, forceError;
+	std::string unit, spheres, worldRate, frames, dt, size, contactCache, forceError;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 		{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime}, {"--decoupled", &a.decoupled},
@@ -158,7 +158,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures},
 		{"--mesh", &a.mesh}, {"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit},
 		{"--spheres", &spheres}, {"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size},
-		{"--economy", &economy}, {"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record},
+		{"--economy", &contactCache}, {"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record},
 		{"--gallery", &a.gallery}, {"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
@@ -181,7 +181,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!(a.worldRate >= 1 && a.worldRate <= 1000)) a.error = "--world-rate must be between 1 and 1000 Hz, not " + worldRate;
 	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";
 	readBrowserNumbers(frames, dt, size, a);
-	readEconomy(economy, a);
+	readContactCache(contactCache, a);
 	readForceError(forceError, a);
 	a.meshGiven = given.count("--mesh") > 0;
 	a.spheresGiven = !spheres.empty();

@@ -20,9 +20,9 @@ struct DemoArguments
 	std::string screenshot, record, gallery, windowScreenshot, device, show;
 	long long frames = -1;
 	double dt = 0;  ///< [s]; 0: the demo's own
-	bool economy = true;
-	double keptError = 0.05;  ///< that the economy may add to forces
-	double forceError = 0;    ///< that coarser levels may add to them
+	bool contactCache = true;
+	double maxError = 0.05;  ///< that the contact cache may add to forces
+	double forceError = 0;   ///< that coarser levels may add to them
 	int width = 960, height = 540;
 	/// Something is asked for that a window does not give.
 	bool withoutWindow() const { return headless || json || !screenshot.empty() || !record.empty() || !report.empty(); }

@@ -62,19 +62,19 @@ std::string whyUse(const btISTContact& contact, double granted)
 {
 	switch (contact.use)
 	{
-	case btISTKeptResult::Apart: return "kept: the leaves cannot have met";
-	case btISTKeptResult::Still: return "kept: neither has moved";
-	case btISTKeptResult::Moved: return "kept: moved by less than " + number(100 * granted, 2) + " % of the force";
-	case btISTKeptResult::Ask: break;
+	case btISTCachedResult::Apart: return "kept: the leaves cannot have met";
+	case btISTCachedResult::Still: return "kept: neither has moved";
+	case btISTCachedResult::Moved: return "kept: moved by less than " + number(100 * granted, 2) + " % of the force";
+	case btISTCachedResult::Ask: break;
 	}
 	return "queried";
 }
 
-btISTPairReport ofContact(const btISTContact& contact, double thickness, bool asleep, const btISTEconomy& economy)
+btISTPairReport ofContact(const btISTContact& contact, double thickness, bool asleep, const btISTContactCache& contactCache)
 {
 	btISTPairReport report;
 	report.model = contact.treeB ? btISTPairReport::Trees : contact.halfSpace ? btISTPairReport::HalfSpace : btISTPairReport::ClosedForm;
-	report.reason = whyModel(contact) + "; " + (asleep ? "not queried: both sleep" : whyUse(contact, economy.keptError));
+	report.reason = whyModel(contact) + "; " + (asleep ? "not queried: both sleep" : whyUse(contact, contactCache.maxError));
 	report.level = contact.level;
 	report.patches = contact.patchCount;
 	report.leafPairs = contact.total.pairs;
@@ -84,14 +84,14 @@ btISTPairReport ofContact(const btISTContact& contact, double thickness, bool as
 	report.stiffnessRule = c.rule;
 	report.depth = contact.depth;
 	report.deepest = contact.deepest / thickness;
-	const double floor = btISTKeptResult::floorForce(contact);
-	const double kept = contact.use == btISTKeptResult::Moved ? economy.keptError : 0;
+	const double floor = btISTCachedResult::floorForce(contact);
+	const double kept = contact.use == btISTCachedResult::Moved ? contactCache.maxError : 0;
 	report.expectedError = std::hypot(contact.error.force / std::max(report.force, floor), kept);
 	report.promisedError = contact.accuracy.level >= 0 ? contact.accuracy.promise : std::numeric_limits<double>::quiet_NaN();
 	report.promiseKept = contact.accuracy.level >= 0 && contact.accuracy.kept;
 	report.cost = contact.cost;
 	if (contact.cost.asked > 0 && contact.cost.seconds > 0)
-		report.savedSeconds = double(contact.cost.kept()) * contact.cost.querySeconds / double(contact.cost.asked) -
+		report.savedSeconds = double(contact.cost.cached()) * contact.cost.querySeconds / double(contact.cost.asked) -
 			(contact.cost.seconds - contact.cost.querySeconds);
 	return report;
 }
@@ -153,7 +153,7 @@ std::string quoted(std::string_view text)
 
 std::string costJson(const btISTQueryCost& cost)
 {
-	return "\"queries\":" + std::to_string(cost.asked) + ",\"kept\":" + std::to_string(cost.kept()) +
+	return "\"queries\":" + std::to_string(cost.asked) + ",\"kept\":" + std::to_string(cost.cached()) +
 		",\"node_visits\":" + std::to_string(cost.nodeVisits) + ",\"ball_tests\":" + std::to_string(cost.ballTests) +
 		",\"seconds\":" + jsonNumber(cost.seconds) + ",\"query_seconds\":" + jsonNumber(cost.querySeconds);
 }
@@ -189,7 +189,7 @@ btISTSceneReport btISTSceneReport::of(btISTWorld& world, const Names& names) { r
 btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegistration& registration, const Names& names)
 {
 	btISTSceneReport report;
-	report.economy = registration.economy();
+	report.contactCache = registration.contactCache();
 	report.acceptedError = registration.forceError();
 	report.total = registration.store().cost();
 	Contacts contacts;
@@ -220,7 +220,7 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 			const double thickness = contact.treeB
 				? contact.thickness()
 				: std::min(contact.thickness(), btISTSubsteps::thickness(contact.shapeB, registration.registry()));
-			add(ofContact(contact, thickness, sleeps(pair), report.economy), contact.bodyA, contact.bodyB);
+			add(ofContact(contact, thickness, sleeps(pair), report.contactCache), contact.bodyA, contact.bodyB);
 			answered = true;
 		}
 		if (!answered) add(withoutContact(pair, registration.registry()), pair.first, pair.second);
@@ -232,10 +232,10 @@ std::vector<std::string> btISTSceneReport::lines() const
 {
 	std::vector<std::string> rows;
 	std::string granted;
-	if (economy.on && economy.keptError > 0) granted += ", " + number(100 * economy.keptError, 9) + " % granted";
+	if (contactCache.on && contactCache.maxError > 0) granted += ", " + number(100 * contactCache.maxError, 9) + " % granted";
 	if (acceptedError > 0) granted += ", force error of " + number(100 * acceptedError, 9) + " % accepted";
-	rows.push_back("economy " + std::string(economy.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) + " queries, " +
-		std::to_string(total.kept()) + " kept: a query in " + number(total.factor(), 3) + " steps of a pair; queries " +
+	rows.push_back("economy " + std::string(contactCache.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) + " queries, " +
+		std::to_string(total.cached()) + " kept: a query in " + number(total.factor(), 3) + " steps of a pair; queries " +
 		number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
@@ -266,12 +266,12 @@ std::string btISTSceneReport::text() const
 
 std::string btISTSceneReport::json() const
 {
-	std::string out = "{\"schema\":1,\"economy\":" + std::string(economy.on ? "true" : "false") +
-		",\"kept_error\":" + jsonNumber(economy.keptError) + ",\"accepted_error\":" + jsonNumber(acceptedError) +
-		",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.kept()) +
+	std::string out = "{\"schema\":1,\"economy\":" + std::string(contactCache.on ? "true" : "false") +
+		",\"kept_error\":" + jsonNumber(contactCache.maxError) + ",\"accepted_error\":" + jsonNumber(acceptedError) +
+		",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.cached()) +
 		",\"factor\":" + jsonNumber(total.factor()) + ",\"seconds\":" + jsonNumber(total.seconds) +
 		",\"query_seconds\":" + jsonNumber(total.querySeconds) + ",\"saved_seconds\":" + jsonNumber(savedSeconds) +
-		",\"largest_kept_error\":" + jsonNumber(total.largestKeptError) + ",\"pairs\":[";
+		",\"largest_kept_error\":" + jsonNumber(total.largestCacheError) + ",\"pairs\":[";
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];

@@ -34,8 +34,8 @@ struct btISTPairReport
 	btISTStiffnessRule stiffnessRule = btISTStiffnessRule::Given;  ///< what decided `k`
 	double depth = 0;                                              ///< of the deepest patch in the last step, volume over area [m]
 	double deepest = 0;  ///< largest depth since the pair began, as a share of the thinner body's thickness (btISTSubsteps::thickness)
-	/// Expected error of the force as a share of the larger of the force and the floor (btISTEconomy): the error bar of the query, and on
-	/// top of it what was granted to a result that is kept. Not a number where nothing is promised.
+	/// Expected error of the force as a share of the larger of the force and the floor (btISTContactCache): the error bar of the query, and
+	/// on top of it what was granted to a result that is kept. Not a number where nothing is promised.
 	double expectedError = 0;
 	/// Of two trees where a force error is accepted (btISTWorld::setForceError, setForceErrorOf): what is accepted of this pair, the error
 	/// that 95 % of such contacts stay under at the level that answered last (ist::PromisedOverlap), and whether it is within the accepted
@@ -57,7 +57,7 @@ struct btISTSceneReport
 	using Names = std::function<std::string(const btCollisionObject*)>;
 
 	std::vector<btISTPairReport> pairs;
-	btISTEconomy economy;
+	btISTContactCache contactCache;
 	double acceptedError = 0;  ///< force error, of all pairs that have none of their own; 0: the leaves answer always
 	btISTQueryCost total;      ///< of all volumetric pairs, those that are gone among them
 	double savedSeconds = 0;   ///< of the pairs above

@@ -64,8 +64,11 @@ public:
 	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, const std::string& path);
 	/// See btContactMaterialTable.
 	btContactMaterialTable& materials() { return *m_materials; }
-	/// What queries may be left out; see btISTEconomy. To begin with only those whose answer cannot have changed.
-	std::optional<ist::Error> setEconomy(const btISTEconomy& economy) { return m_registration.setEconomy(economy); }
+	/// What queries may be left out; see btISTContactCache. To begin with only those whose answer cannot have changed.
+	std::optional<ist::Error> setContactCache(const btISTContactCache& contactCache)
+	{
+		return m_registration.setContactCache(contactCache);
+	}
 	/// Which pairs are volumetric, and where: all and everywhere, to begin with.
 	btISTWatch& watch() { return m_registration.watch(); }
 	/// The force error that is accepted from now on, of each pair: see btISTRegistration::setForceError.

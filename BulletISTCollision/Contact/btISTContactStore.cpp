@@ -81,13 +81,13 @@ void btISTContactStore::count(btISTContact& contact, const ist::OverlapResult* r
 	for (btISTQueryCost* cost : {&contact.cost, &m_cost})
 	{
 		cost->seconds += seconds;
-		cost->asked += contact.use == btISTKeptResult::Ask;
-		cost->keptApart += contact.use == btISTKeptResult::Apart;
-		cost->keptStill += contact.use == btISTKeptResult::Still;
-		cost->keptMoved += contact.use == btISTKeptResult::Moved;
+		cost->asked += contact.use == btISTCachedResult::Ask;
+		cost->cachedApart += contact.use == btISTCachedResult::Apart;
+		cost->cachedStill += contact.use == btISTCachedResult::Still;
+		cost->cachedMoved += contact.use == btISTCachedResult::Moved;
 		if (!result) continue;
 		cost->querySeconds += seconds;
-		cost->largestKeptError = std::max(cost->largestKeptError, contact.kept.foundError());
+		cost->largestCacheError = std::max(cost->largestCacheError, contact.kept.foundError());
 		cost->nodeVisits += result->nodeVisits;
 		cost->ballTests += result->ballTests;
 		cost->leafPairs += result->total.pairs;

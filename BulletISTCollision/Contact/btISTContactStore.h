@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Contact/btISTEconomy.h"
+#include "BulletISTCollision/Contact/btISTContactCache.h"
 #include "BulletISTCollision/Core/Accuracy/PairAccuracy.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
@@ -43,7 +43,7 @@ struct btISTPairConstants
 /// What the solver remembers of a pair from step to step while it overlaps.
 struct btISTContactLedger
 {
-	static constexpr int kMaxPatches = btISTKeptResult::kMaxPatches;
+	static constexpr int kMaxPatches = btISTCachedResult::kMaxPatches;
 
 	bool open = false;                  ///< false until the first solve of an overlap
 	double stored = 0;                  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
@@ -130,10 +130,10 @@ struct btISTContact
 	int ahead = -1;                           ///< where threads that share queries have its answer
 	std::shared_ptr<btISTPairMemory> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setPairMemory)
 
-	/// How the sums came about: see btISTEconomy. What was kept has followed the motion to first order.
-	btISTKeptResult::Use use = btISTKeptResult::Ask;
+	/// How the sums came about: see btISTContactCache. What was kept has followed the motion to first order.
+	btISTCachedResult::Use use = btISTCachedResult::Ask;
 	btISTQueryCost cost;  ///< since the pair began
-	btISTKeptResult kept;
+	btISTCachedResult kept;
 };
 
 /// The contacts of one world, found by their manifold: the only channel from collision to a solver. One owner thread.

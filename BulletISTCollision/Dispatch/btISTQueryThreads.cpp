@@ -89,7 +89,8 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 	for (btISTContact* contact : store.contacts())
 	{
 		const int64_t pairs = contact->total.pairs;
-		if (pairs < kWorthCopying || !contact->foreseeable || contact->pass + 1 != m_pass || contact->use != btISTKeptResult::Ask) continue;
+		if (pairs < kWorthCopying || !contact->foreseeable || contact->pass + 1 != m_pass || contact->use != btISTCachedResult::Ask)
+			continue;
 		if (!dispatcher.needsCollision(contact->bodyA, contact->bodyB)) continue;
 		m_wanted.emplace_back(pairs, contact);
 		sum += pairs;

@@ -33,7 +33,7 @@ const std::string& released()
 	return sentence;
 }
 
-const btISTEconomy kDefaultEconomy;
+const btISTContactCache kDefaultContactCache;
 }  // namespace
 
 /// What a handle without a registration shows. It belongs to that handle alone and acts on nothing.
@@ -125,16 +125,19 @@ std::optional<ist::Error> btISTRegistration::setGate(bool on)
 	return std::nullopt;
 }
 
-std::optional<ist::Error> btISTRegistration::setEconomy(const btISTEconomy& economy)
+std::optional<ist::Error> btISTRegistration::setContactCache(const btISTContactCache& contactCache)
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
-	if (!(economy.keptError >= 0 && economy.keptError <= 0.5))
+	if (!(contactCache.maxError >= 0 && contactCache.maxError <= 0.5))
 		return ist::Error{"the error that kept results may add must be a share of the force between 0 and 0.5"};
-	m_installation->context->rules.economy = economy;
+	m_installation->context->rules.contactCache = contactCache;
 	return std::nullopt;
 }
 
-const btISTEconomy& btISTRegistration::economy() const { return m_installation ? m_installation->context->rules.economy : kDefaultEconomy; }
+const btISTContactCache& btISTRegistration::contactCache() const
+{
+	return m_installation ? m_installation->context->rules.contactCache : kDefaultContactCache;
+}
 
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {

@@ -85,8 +85,8 @@ public:
 	std::optional<ist::Error> setPairBudget(int64_t leafPairs);
 	int64_t pairBudget() const;
 	/// What may be left out of the queries; to begin with what changes nothing. Refused when the error is not within its range.
-	std::optional<ist::Error> setEconomy(const btISTEconomy& economy);
-	const btISTEconomy& economy() const;
+	std::optional<ist::Error> setContactCache(const btISTContactCache& contactCache);
+	const btISTContactCache& contactCache() const;
 
 	/// By how many threads the pairs of a step are queried, 1 to 64; 1 to begin with. The owner of the world is one of them, and he waits
 	/// for none that has lost its processor for longer than his own longest query took; callbacks are called by him alone. A step is the

@@ -102,7 +102,7 @@ double btISTPairQuery::clearance(const ist::OverlapResult& result, btISTContact&
 	return ist::leafClearance(*contact.treeA, *m_field.field(), contact.X_AB * m_field.X_SF(), kMostOpened);
 }
 
-btISTKeptResult::Measures btISTPairQuery::measures(const btISTContact& contact) const
+btISTCachedResult::Measures btISTPairQuery::measures(const btISTContact& contact) const
 {
 	if (!contact.treeB) return m_field.measures();
 	return {m_rules.forceErrorOf(contact.bodyA, contact.bodyB) > 0 ? contact.constants.weightA : 0};
@@ -123,11 +123,11 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 {
 	const double begin = timed ? ist::steadyMicroseconds() : 0;
 	btISTQueryWork work;
-	const btISTKeptResult::Measures on = measures(contact);
+	const btISTCachedResult::Measures on = measures(contact);
 	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
 	const int before = contact.accuracy.level;
-	contact.use = m_responds && !fading ? contact.kept.use(contact, on, m_rules.version(), m_rules.economy) : btISTKeptResult::Ask;
-	work.asked = contact.use == btISTKeptResult::Ask;
+	contact.use = m_responds && !fading ? contact.kept.use(contact, on, m_rules.version(), m_rules.contactCache) : btISTCachedResult::Ask;
+	work.asked = contact.use == btISTCachedResult::Ask;
 	if (work.asked)
 	{
 		work.result = ask(contact, workspace);
@@ -137,8 +137,8 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 	{
 		// Where the level has just changed, or begins to, the next query at the same pose may say something else.
 		const bool settled = !fading && contact.accuracy.fadedShare == 0 && contact.accuracy.level == before;
-		if (m_rules.economy.on && settled)
-			contact.kept.keep(contact, on, m_rules.version(), clearance(work.result, contact), m_rules.economy);
+		if (m_rules.contactCache.on && settled)
+			contact.kept.keep(contact, on, m_rules.version(), clearance(work.result, contact), m_rules.contactCache);
 		else contact.kept.forget();
 	}
 	if (timed) work.seconds = 1e-6 * (ist::steadyMicroseconds() - begin);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Contact/btISTContactCache.h"
 #include "BulletISTCollision/Contact/btISTContactStore.h"
-#include "BulletISTCollision/Contact/btISTEconomy.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 
@@ -14,14 +14,14 @@
 class btISTQueryRules
 {
 public:
-	btISTEconomy economy;
+	btISTContactCache contactCache;
 
 	const ist::QueryOptions& options() const { return m_options; }
 	/// Accepted of all pairs but those of bodies that have one of their own; 0: the leaves answer.
 	double forceError() const { return m_forceError; }
 	/// Accepted of a pair. O(bodies that have one of their own).
 	double forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const;
-	/// Another one after every change but of the economy: no result of the former ones is kept.
+	/// Another one after every change but of the contact cache: no result of the former ones is kept.
 	uint64_t version() const { return m_version; }
 	void set(const ist::QueryOptions& options, double forceError);
 	/// Without a share, as all others again.
@@ -66,7 +66,7 @@ private:
 	ist::OverlapResult askTrees(btISTContact& contact, ist::QueryWorkspace& workspace, const ist::QueryOptions& options) const;
 	ist::OverlapResult ask(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 	void take(btISTContact& contact, const ist::OverlapResult& result) const;
-	btISTKeptResult::Measures measures(const btISTContact& contact) const;
+	btISTCachedResult::Measures measures(const btISTContact& contact) const;
 	double clearance(const ist::OverlapResult& result, btISTContact& contact) const;
 
 	const btISTShapeField& m_field;

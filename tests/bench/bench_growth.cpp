@@ -141,10 +141,10 @@ QueryTime timeQueries(const InnerSphereTree& A, const std::vector<Pose>& poses, 
 class Columns
 {
 public:
-	Columns(const std::shared_ptr<const InnerSphereTree>& tree, int count, int height, const btISTEconomy& economy)
+	Columns(const std::shared_ptr<const InnerSphereTree>& tree, int count, int height, const btISTContactCache& contactCache)
 		: m_attachment(m_world.attach(&m_shape, tree).value())
 	{
-		if (m_world.setEconomy(economy)) std::exit(1);
+		if (m_world.setContactCache(contactCache)) std::exit(1);
 		m_world.contacts().measureQueryTime(true);
 		add(&m_plane, 0, {});
 		const int columns = (count + height - 1) / height, side = int(std::ceil(std::sqrt(columns)));
@@ -263,7 +263,7 @@ std::vector<Row> ofQueries(const Options& o, Asset& asset, std::shared_ptr<const
 std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSphereTree>& tree)
 {
 	Row apart{"step, bodies apart, all asked", "bodies", {}, {}}, kept{"step, bodies apart, economy 5 %", "bodies", {}, {}},
-		queries{"queries of these, all asked", "bodies", {}, {}}, keptQueries{"queries of these, economy 5 %", "bodies", {}, {}},
+		queries{"queries of these, all asked", "bodies", {}, {}}, cachedQueries{"queries of these, economy 5 %", "bodies", {}, {}},
 		piles{"step, stacks of ten, economy 5 %", "contacts", {}, {}}, column{"step, one stack, economy 5 %", "contacts", {}, {}};
 	const auto rounds = [](int bodies) { return std::max(12, 2000 / bodies); };
 	for (const int64_t count : upTo(o.bodies, 10))
@@ -274,7 +274,7 @@ std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSph
 		apart.add(n, all.step);
 		kept.add(n, less.step);
 		queries.add(n, all.query);
-		keptQueries.add(n, less.query);
+		cachedQueries.add(n, less.query);
 		const Columns::Cost pile = Columns(tree, n, 10, {true, 0.05}).run(30, rounds(n));
 		piles.add(pile.contacts, pile.step);
 	}
@@ -283,7 +283,7 @@ std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSph
 		const Columns::Cost cost = Columns(tree, height, height, {true, 0.05}).run(10, 40);
 		column.add(cost.contacts, cost.step);
 	}
-	return {apart, kept, queries, keptQueries, piles, column};
+	return {apart, kept, queries, cachedQueries, piles, column};
 }
 
 std::string shown(double value) { return std::isfinite(value) ? scenes::formatNumber(value, 3) : "-"; }

@@ -68,14 +68,14 @@ MUTATIONS = {
         CORE + "Query/LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding", "return distance(a.center, b.center) - a.r - kRounding",
         "test_core", "LeafClearance.*"),
     "bodies that came near stay apart": (
-        COLLISION + "Contact/btISTEconomy.cpp", "return way < m_clearance;", "return true;",
-        "test_collision", "btISTEconomy.*"),
+        COLLISION + "Contact/btISTContactCache.cpp", "return way < m_clearance;", "return true;",
+        "test_collision", "btISTContactCache.*"),
     "kept beyond what is granted": (
-        COLLISION + "Contact/btISTEconomy.cpp", "return used <= 1;", "return true;",
-        "test_collision", "btISTEconomy.*"),
+        COLLISION + "Contact/btISTContactCache.cpp", "return used <= 1;", "return true;",
+        "test_collision", "btISTContactCache.*"),
     "kept answers do not follow the motion": (
-        COLLISION + "Contact/btISTEconomy.cpp", "	ist::moveB(contact.total, motion);\n", "",
-        "test_collision", "btISTEconomy.*"),
+        COLLISION + "Contact/btISTContactCache.cpp", "	ist::moveB(contact.total, motion);\n", "",
+        "test_collision", "btISTContactCache.*"),
     "normal of Bullet's plane flipped": (
         COLLISION + "Registry/btISTShapeField.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
         "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),

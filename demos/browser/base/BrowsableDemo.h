@@ -57,20 +57,20 @@ struct Viewpoint
 
 constexpr double kDegree = 0.017453292519943295;  ///< [rad]
 
-/// What a demo may leave out of its queries (btISTEconomy).
-struct EconomyChoice
+/// What a demo may leave out of its queries (btISTContactCache).
+struct ContactCacheChoice
 {
 	bool on = true;
-	double keptError = 0.05;
+	double maxError = 0.05;
 	double forceError = 0;  ///< share of the force of each pair of trees that coarser levels may take; 0: the leaves always
 };
 
 struct DemoOptions
 {
-	std::string mesh;       ///< file for demos that take any mesh; empty: a generated one
-	std::string cache;      ///< folder where trees are kept; empty: nowhere
-	long long spheres = 0;  ///< 0: what the demo thinks right
-	EconomyChoice economy;  ///< for those who run demos; see BrowsableDemo::setEconomy
+	std::string mesh;                 ///< file for demos that take any mesh; empty: a generated one
+	std::string cache;                ///< folder where trees are kept; empty: nowhere
+	long long spheres = 0;            ///< 0: what the demo thinks right
+	ContactCacheChoice contactCache;  ///< for those who run demos; see BrowsableDemo::setContactCache
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;
 };
@@ -121,7 +121,7 @@ public:
 	virtual void useStockContact(bool /*on*/) {}
 
 	/// From the next step on; stays over `restart`.
-	virtual void setEconomy(const EconomyChoice& /*economy*/) {}
+	virtual void setContactCache(const ContactCacheChoice& /*contactCache*/) {}
 
 	/// Takes hold of the body that the ray meets; where on the ray, or nothing.
 	virtual std::optional<double> grab(const ist::Vec3& /*from*/, const ist::Vec3& /*direction*/) { return std::nullopt; }

@@ -49,13 +49,13 @@ private:
 	int m_mode = 0;
 };
 /// Of the pressure of one contact [N].
-double forceError(const btISTContact& contact, const btISTEconomy& economy)
+double forceError(const btISTContact& contact, const btISTContactCache& contactCache)
 {
 	const btISTPairConstants& c = contact.constants;
 	const double force = std::max(
-		norm(pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force), btISTKeptResult::floorForce(contact));
+		norm(pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force), btISTCachedResult::floorForce(contact));
 	const double asked = contact.accuracy.level >= 0 ? contact.accuracy.promise * force : contact.error.force;
-	return std::hypot(asked, contact.use == btISTKeptResult::Moved ? economy.keptError * force : 0);
+	return std::hypot(asked, contact.use == btISTCachedResult::Moved ? contactCache.maxError * force : 0);
 }
 }  // namespace
 
@@ -179,7 +179,7 @@ ContactSums DemoWorld::contactSums() const
 		Vec3 impulse;
 		for (int i = 0; i < contact->patchCount; ++i) impulse += contact->impulses[i].force;
 		sums.force += norm(impulse) / m_lastStep;
-		sums.forceError = std::hypot(sums.forceError, forceError(*contact, m_volumetric->registration().economy()));
+		sums.forceError = std::hypot(sums.forceError, forceError(*contact, m_volumetric->registration().contactCache()));
 		sums.volume += contact->total.volume;
 		sums.pairs += contact->total.pairs;
 		sums.patches += contact->patchCount;

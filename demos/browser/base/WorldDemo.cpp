@@ -62,7 +62,7 @@ std::optional<Error> WorldDemo::restart()
 	for (Part& part : m_parts)
 	{
 		if (part.world->error()) return part.world->error();
-		applyEconomy(part);
+		applyContactCache(part);
 	}
 	if (m_awake) keepAwake(true);
 	return std::nullopt;
@@ -133,18 +133,18 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 
 std::vector<Curve> WorldDemo::curves() const { return {m_force, m_pairs, m_energy, m_cost}; }
 
-void WorldDemo::applyEconomy(Part& part) const
+void WorldDemo::applyContactCache(Part& part) const
 {
 	btISTWorld* world = part.world->volumetric();
 	if (!world) return;
-	world->setEconomy({m_economy.on, m_economy.on ? m_economy.keptError : 0});
-	world->setForceError(m_economy.forceError);
+	world->setContactCache({m_contactCache.on, m_contactCache.on ? m_contactCache.maxError : 0});
+	world->setForceError(m_contactCache.forceError);
 }
 
-void WorldDemo::setEconomy(const EconomyChoice& economy)
+void WorldDemo::setContactCache(const ContactCacheChoice& contactCache)
 {
-	m_economy = economy;
-	for (Part& part : m_parts) applyEconomy(part);
+	m_contactCache = contactCache;
+	for (Part& part : m_parts) applyContactCache(part);
 }
 
 std::vector<DemoWorld*> WorldDemo::worlds() const

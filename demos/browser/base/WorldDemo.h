@@ -23,7 +23,7 @@ public:
 	std::vector<Curve> curves() const override;
 	std::vector<std::string> report() const override;
 	std::string reportJson() const override;
-	void setEconomy(const EconomyChoice& economy) override;
+	void setContactCache(const ContactCacheChoice& contactCache) override;
 	void useStockContact(bool on) override { m_stock = on; }
 	/// Everything that steps, for those who measure.
 	std::vector<DemoWorld*> worlds() const;
@@ -64,7 +64,7 @@ private:
 		double zoom = 1;
 	};
 	void sample();
-	void applyEconomy(Part& part) const;
+	void applyContactCache(Part& part) const;
 	btISTSceneReport sceneReport(const Part& part) const;
 
 	std::vector<Part> m_parts;
@@ -75,6 +75,6 @@ private:
 		m_cost{"time of a step", "us", {}};
 	double m_time = 0, m_nextSample = 0;
 	bool m_awake = true, m_stock = false;
-	EconomyChoice m_economy;
+	ContactCacheChoice m_contactCache;
 };
 }  // namespace browser

@@ -31,7 +31,7 @@ public:
 	std::vector<Curve> curves() const override;
 	std::vector<std::string> report() const override;
 	std::string reportJson() const override { return m_ours->reportJson(); }
-	void setEconomy(const EconomyChoice& economy) override { m_ours->setEconomy(economy); }
+	void setContactCache(const ContactCacheChoice& contactCache) override { m_ours->setContactCache(contactCache); }
 
 	/// In our half; `halves` for the other one.
 	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override { return m_ours->grab(from, direction); }

@@ -28,7 +28,7 @@ void KeptCheck::look(btISTWorld& world)
 	btISTContactStore& store = world.contacts();
 	for (const btISTContact* contact : store.contacts())
 	{
-		if (contact->stamp + 1 != store.step() || contact->use == btISTKeptResult::Ask) continue;
+		if (contact->stamp + 1 != store.step() || contact->use == btISTCachedResult::Ask) continue;
 		++kept;
 		const OverlapResult truth = askAgain(*contact, m_workspace);
 		if (contact->patchCount == 0)
@@ -40,8 +40,8 @@ void KeptCheck::look(btISTWorld& world)
 		const PressurePair pair{c.k, c.weightA, c.weightB};
 		const Vec3 force = pressureWrench(truth.total, pair).force;
 		errors.push_back(
-			distance(pressureWrench(contact->total, pair).force, force) / std::max(norm(force), btISTKeptResult::floorForce(*contact)));
-		changed += contact->use == btISTKeptResult::Still && !(contact->total.volume == truth.total.volume && errors.back() == 0);
+			distance(pressureWrench(contact->total, pair).force, force) / std::max(norm(force), btISTCachedResult::floorForce(*contact)));
+		changed += contact->use == btISTCachedResult::Still && !(contact->total.volume == truth.total.volume && errors.back() == 0);
 	}
 }
 

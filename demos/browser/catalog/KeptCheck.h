@@ -15,7 +15,7 @@ public:
 	void look(btISTWorld& world);
 
 	/// Of each pair in each step that was kept while touching: error of the force, as a share of the larger of force and floor
-	/// (btISTEconomy). Not in order.
+	/// (btISTContactCache). Not in order.
 	std::vector<double> errors;
 	/// Of kept pairs that had not moved: answers that are not the query's, to the last bit. Only where nothing but exact answers is kept.
 	long long changed = 0;

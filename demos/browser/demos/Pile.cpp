@@ -92,7 +92,7 @@ size_t keyAt(double time)
 class Pile : public HandDemo
 {
 public:
-	Pile() { Pile::setEconomy({}); }
+	Pile() { Pile::setContactCache({}); }
 	std::optional<Error> prepare(const DemoOptions& options) override
 	{
 		Result<Mesh> duck = graspMesh("duck", 1.1 * kSize), nut = graspMesh("nut", 0.9 * kSize);
@@ -115,7 +115,10 @@ public:
 	Viewpoint viewpoint() const override { return {{0, 0.045, 0.01}, 0.5, 0.7, 0.8}; }
 	DrawChoice firstChoice() const override { return {.patches = false, .wrenches = false}; }
 	/// Exact answers alone are kept: followed to first order, one contact among thin bars was once wrong by half of its force.
-	void setEconomy(const EconomyChoice& economy) override { HandDemo::setEconomy({economy.on, 0, economy.forceError}); }
+	void setContactCache(const ContactCacheChoice& contactCache) override
+	{
+		HandDemo::setContactCache({contactCache.on, 0, contactCache.forceError});
+	}
 	std::vector<Parameter> parameters() override
 	{
 		return {{"hand presses with", "N", &m_press, 1, 60, false, false}, {"friction", "", &m_friction, 0, 1, true, false}};

@@ -31,7 +31,7 @@ Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options)
 	: m_renderer(renderer),
 	  m_gui(gui),
 	  m_options(options),
-	  m_economy(options.economy)
+	  m_contactCache(options.contactCache)
 {
 	// Without a graphics card pixels are dear.
 	m_thrifty = renderer.software();
@@ -64,7 +64,7 @@ bool Browser::start(const DemoEntry& entry)
 	m_choice = m_demo->firstChoice();
 	m_camera.set(m_demo->viewpoint());
 	m_demo->keepAwake(m_noSleep);
-	m_demo->setEconomy(m_economy);
+	m_demo->setContactCache(m_contactCache);
 	m_owed = 0;
 	m_held = m_touched = false;
 	m_stepTimes.clear();

@@ -114,7 +114,7 @@ private:
 	char m_search[64] = {};
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;
 	double m_mouseX = 0, m_mouseY = 0, m_grip = 0;
-	EconomyChoice m_economy;
+	ContactCacheChoice m_contactCache;
 	bool m_halves = false, m_hasStockSide = false;
 	bool m_paused = false, m_panels = true, m_profile = false, m_noSleep = true, m_held = false, m_touched = false, m_wantsPicture = false;
 	std::deque<float> m_stepTimes, m_frameTimes;  // [us, ms]

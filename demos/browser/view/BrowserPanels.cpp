@@ -212,13 +212,13 @@ void Browser::drawProfile()
 void Browser::drawPairs()
 {
 	if (!m_demo || !ImGui::CollapsingHeader("What answers for which pair")) return;
-	if (ImGui::Checkbox("leave out what is not needed", &m_economy.on)) m_demo->setEconomy(m_economy);
-	float accepted = 100 * float(m_economy.forceError);
+	if (ImGui::Checkbox("leave out what is not needed", &m_contactCache.on)) m_demo->setContactCache(m_contactCache);
+	float accepted = 100 * float(m_contactCache.forceError);
 	if (ImGui::SliderFloat(
 			"error accepted", &accepted, 0, 50, accepted > 0 ? "%.0f %% of the force" : "always the leaves", ImGuiSliderFlags_AlwaysClamp))
 	{
-		m_economy.forceError = 0.01 * double(accepted);
-		m_demo->setEconomy(m_economy);
+		m_contactCache.forceError = 0.01 * double(accepted);
+		m_demo->setContactCache(m_contactCache);
 	}
 	for (const std::string& row : m_demo->report()) ImGui::TextWrapped("%s", row.c_str());
 }

@@ -93,7 +93,7 @@ void addErrors(GraspScene& scene, QueryWorkspace& workspace, std::vector<GraspLo
 		const OverlapResult leaves = queryOverlap(*contact->treeA, *contact->treeB, contact->X_AB, workspace, plain);
 		const PressurePair weights{contact->constants.k, contact->constants.weightA, contact->constants.weightB};
 		const Vec3 told = pressureWrench(contact->total, weights).force, all = pressureWrench(leaves.total, weights).force;
-		const double size = std::max(norm(all), btISTKeptResult::floorForce(*contact));
+		const double size = std::max(norm(all), btISTCachedResult::floorForce(*contact));
 		if (leaves.status == QueryStatus::Ok && size > 0) errors.push_back({contact->accuracy.promise, norm(told - all) / size});
 	}
 }

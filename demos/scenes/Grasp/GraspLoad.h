@@ -25,7 +25,7 @@ struct GraspLoadTick
 };
 
 /// How far the force of a part's contact with the object was from the leaves', as a share of the larger of that and the floor
-/// (btISTKeptResult::floorForce).
+/// (btISTCachedResult::floorForce).
 struct GraspLoadError
 {
 	double promised = 0, found = 0;

@@ -51,7 +51,7 @@ void chooseCost(btISTWorld& world)
 {
 	if (const double leafPairs = number("BPP_PAIR_BUDGET")) tell(world.setPairBudget(int64_t(leafPairs)));
 	if (const double error = number("BPP_FORCE_ERROR")) tell(world.setForceError(error));
-	if (const double error = number("BPP_KEPT_ERROR")) tell(world.setEconomy({true, error}));
+	if (const double error = number("BPP_KEPT_ERROR")) tell(world.setContactCache({true, error}));
 }
 
 void setStiffness(Volumetric& volumetric)

@@ -43,7 +43,7 @@ void changeSettings(SoakWorld& world, Random& random)
 	btISTWorld& ist = world.ist();
 	switch (below(random, 6))
 	{
-	case 0: EXPECT_FALSE(ist.setEconomy({below(random, 4) > 0, between(random, 0, 0.1)})); break;
+	case 0: EXPECT_FALSE(ist.setContactCache({below(random, 4) > 0, between(random, 0, 0.1)})); break;
 	case 1: EXPECT_FALSE(ist.setForceError(below(random, 2) ? 0.05 : 0)); break;
 	case 2: ist.registration().setGate(below(random, 2)); break;
 	case 3: EXPECT_FALSE(ist.watch().watchRegion(btVector3(-1, 0, -1), btVector3(1, 2, 1))); break;

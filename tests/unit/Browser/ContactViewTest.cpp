@@ -21,7 +21,7 @@ std::unique_ptr<WorldDemo> ran(const DemoEntry& entry, double seconds, double fo
 	options.cache = TREE_FOLDER;
 	options.spheres = spheres;
 	EXPECT_FALSE(demo->prepare(options));
-	demo->setEconomy({true, 0.05, forceError});
+	demo->setContactCache({true, 0.05, forceError});
 	EXPECT_FALSE(demo->restart());
 	while (demo->time() < std::min(seconds, demo->duration())) demo->step(demo->stepSize());
 	return std::unique_ptr<WorldDemo>(static_cast<WorldDemo*>(demo.release()));

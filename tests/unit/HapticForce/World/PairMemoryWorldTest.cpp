@@ -28,14 +28,14 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree(double side, int spheres)
 class Row
 {
 public:
-	Row(int threads, int memories, bool economic = false)
+	Row(int threads, int memories, bool cached = false)
 	{
 		static const auto table = cubeTree(3, 1500), cube = cubeTree(0.5, 300);
 		EXPECT_FALSE(m_world.setQueryThreads(threads));
 		EXPECT_FALSE(m_world.setPairMemory(memories));
-		btISTEconomy economy;
-		economy.on = economic;
-		EXPECT_FALSE(m_world.setEconomy(economy));
+		btISTContactCache contactCache;
+		contactCache.on = cached;
+		EXPECT_FALSE(m_world.setContactCache(contactCache));
 		m_attachments.push_back(m_world.attach(&m_table, table).value());
 		m_attachments.push_back(m_world.attach(&m_cube, cube).value());
 		add(m_table, 0, {0, btScalar(-1.5), 0}, 0);

@@ -37,8 +37,8 @@ const std::shared_ptr<const ist::InnerSphereTree>& tableTree()
 struct Settings
 {
 	int threads = 1;
-	double keptError = 0, forceError = 0;
-	bool economy = true;
+	double maxError = 0, forceError = 0;
+	bool contactCache = true;
 	int memories = 0;
 	int refuseEvery = 0;  ///< the game's callback leaves out every so many pairs
 };
@@ -58,10 +58,10 @@ public:
 	{
 		EXPECT_FALSE(m_world.setQueryThreads(settings.threads));
 		EXPECT_FALSE(m_world.setPairMemory(settings.memories));
-		btISTEconomy economy;
-		economy.on = settings.economy;
-		economy.keptError = settings.keptError;
-		EXPECT_FALSE(m_world.setEconomy(economy));
+		btISTContactCache contactCache;
+		contactCache.on = settings.contactCache;
+		contactCache.maxError = settings.maxError;
+		EXPECT_FALSE(m_world.setContactCache(contactCache));
 		EXPECT_FALSE(m_world.setForceError(settings.forceError));
 		g_refuseEvery = settings.refuseEvery;
 		g_met = 0;
@@ -143,7 +143,7 @@ Motion motionOf(const Settings& settings, int steps)
 		if (shared.late == 0 && out.inTime == size_t(i)) ++out.inTime;
 	}
 	out.asked = heap.world().contacts().cost().asked;
-	out.kept = heap.world().contacts().cost().kept();
+	out.kept = heap.world().contacts().cost().cached();
 	return out;
 }
 
@@ -162,8 +162,8 @@ void expectSame(const Motion& one, const Motion& other)
 TEST(QueryThreads, AStepIsTheSameBitForBitForAnyNumber)
 {
 	Settings plain, tolerant, dialled, refusing;
-	plain.economy = false;
-	tolerant.keptError = 0.05;
+	plain.contactCache = false;
+	tolerant.maxError = 0.05;
 	dialled.forceError = 0.1;
 	refusing.refuseEvery = 7;
 	refusing.forceError = 0.1;
@@ -189,7 +189,7 @@ TEST(QueryThreads, WithMemoriesAStepIsTheSameBitForBitAsLongAsNobodyIsLate)
 {
 	constexpr int kSteps = 40, kAttempts = 8;
 	Settings plain, few, sparing;
-	plain.economy = few.economy = false;
+	plain.contactCache = few.contactCache = false;
 	plain.memories = sparing.memories = 64;
 	few.memories = 3;  // they go from pair to pair
 	for (Settings settings : {plain, few, sparing})
@@ -267,7 +267,7 @@ Hold holdOf(const Settings& settings)
 TEST(QueryThreads, APairThatSleptForAStepIsInStepWithTheOthersAgain)
 {
 	Settings plain, dialled;
-	plain.economy = dialled.economy = false;
+	plain.contactCache = dialled.contactCache = false;
 	dialled.forceError = 0.1;
 	for (Settings settings : {plain, dialled})
 	{
@@ -313,7 +313,7 @@ TEST(QueryThreads, ASteadyStepAllocatesNothing)
 {
 	Settings settings;
 	settings.threads = 2;
-	settings.economy = false;
+	settings.contactCache = false;
 	Heap heap(settings);
 	for (int i = 0; i < 120; ++i) heap.step();
 	// Bullet's own pools grow now and then; ours must not: the fewest of several steps.
@@ -346,7 +346,7 @@ TEST(QueryThreads, AStepThatAsksNothingSharesNothing)
 {
 	Settings settings;
 	settings.threads = 2;
-	settings.economy = false;
+	settings.contactCache = false;
 	Heap heap(settings, 0);
 	heap.addRow(12);
 	for (int i = 0; i < 10; ++i) heap.step();
@@ -359,7 +359,7 @@ TEST(QueryThreads, AStepThatAsksNothingSharesNothing)
 TEST(QueryThreads, BodiesAndThreadsComeAndGo)
 {
 	Settings settings;
-	settings.economy = false;
+	settings.contactCache = false;
 	Heap heap(settings);
 	for (int i = 0; i < 40; ++i)
 	{
@@ -379,7 +379,7 @@ TEST(QueryThreads, TheBusiestThreadIsBusyForAtLeastItsShareOfTheTime)
 {
 	Settings settings;
 	settings.threads = 2;
-	settings.economy = false;
+	settings.contactCache = false;
 	Heap heap(settings);
 	heap.world().contacts().measureQueryTime(true);
 	int seen = 0;

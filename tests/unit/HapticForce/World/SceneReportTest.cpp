@@ -107,7 +107,7 @@ TEST(btISTSceneReport, SaysWhichModelAnswersForWhichPairAndWhy)
 		EXPECT_GT(pair->leafPairs, 0);
 		EXPECT_GT(pair->expectedError, 0);
 		EXPECT_LT(pair->expectedError, 1);
-		EXPECT_EQ(pair->cost.asked + pair->cost.kept(), 10u);
+		EXPECT_EQ(pair->cost.asked + pair->cost.cached(), 10u);
 		EXPECT_GT(pair->cost.ballTests, 0);
 		EXPECT_GT(pair->cost.seconds, 0);
 	}
@@ -123,22 +123,22 @@ TEST(btISTSceneReport, ForceIsTheWeightOfWhatRestsAndSleepersKeepTheirs)
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
 	row.add("ground", &plane, 0, 0, 0);
 	btRigidBody* body = row.add("cube", &row.cube, 2, 0, .5);
-	ASSERT_FALSE(row.world.setEconomy({true, 0.05}));
+	ASSERT_FALSE(row.world.setContactCache({true, 0.05}));
 	for (int i = 0; i < 480; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
 	btISTSceneReport report = row.report();
 	ASSERT_EQ(report.pairs.size(), 1u);
 	EXPECT_EQ(report.pairs[0].model, btISTPairReport::HalfSpace);
 	EXPECT_NEAR(report.pairs[0].force, 2 * 9.81, 0.01 * 2 * 9.81);
-	EXPECT_GT(report.pairs[0].cost.kept(), 3 * report.pairs[0].cost.asked);
+	EXPECT_GT(report.pairs[0].cost.cached(), 3 * report.pairs[0].cost.asked);
 	EXPECT_GT(report.savedSeconds, 0);
 
 	body->forceActivationState(ISLAND_SLEEPING);
 	ASSERT_FALSE(row.world.step(1.0 / 240));
-	const uint64_t before = report.pairs[0].cost.asked + report.pairs[0].cost.kept();
+	const uint64_t before = report.pairs[0].cost.asked + report.pairs[0].cost.cached();
 	ASSERT_FALSE(row.world.step(1.0 / 240));
 	report = row.report();
 	EXPECT_NE(report.pairs[0].reason.find("not queried: both sleep"), std::string::npos) << report.pairs[0].reason;
-	EXPECT_LE(report.pairs[0].cost.asked + report.pairs[0].cost.kept(), before);
+	EXPECT_LE(report.pairs[0].cost.asked + report.pairs[0].cost.cached(), before);
 }
 
 // The deepest depth stays in the report when the bodies have come apart again, so that it can be read after a fall.
@@ -235,10 +235,10 @@ TEST(btISTSceneReport, TimeOfQueriesIsNotThatOfWhatWasDoneInstead)
 	Row row;
 	row.add("floor tree", &row.treeFloor, 0, 0, -.5);
 	row.add("tree", &row.cube, 1, 0, .48);
-	ASSERT_FALSE(row.world.setEconomy({true, 0.5}));
+	ASSERT_FALSE(row.world.setContactCache({true, 0.5}));
 	for (int i = 0; i < 200; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
 	const btISTSceneReport report = row.report();
-	ASSERT_GT(report.total.kept(), 0u);
+	ASSERT_GT(report.total.cached(), 0u);
 	const auto json = nlohmann::json::parse(report.json());
 	EXPECT_NEAR(json["query_seconds"], report.total.querySeconds, 1e-8 * report.total.querySeconds);
 	EXPECT_LT(json["query_seconds"], json["seconds"]);
@@ -250,7 +250,7 @@ TEST(btISTSceneReport, NothingIsAskedOfTwoThatCannotMove)
 	Row row;
 	row.add("floor", &row.treeFloor, 0, 0, 0);
 	row.add("wall", &row.cube, 0, .3, .4);
-	ASSERT_FALSE(row.world.setEconomy({false, 0}));
+	ASSERT_FALSE(row.world.setContactCache({false, 0}));
 	for (int i = 0; i < 5; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
 	EXPECT_EQ(row.world.contacts().cost().asked, 0u);
 	EXPECT_TRUE(row.world.contacts().contacts().empty());

@@ -126,7 +126,7 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndPlaneTouch)
 	{
 		const CountBullet counted;
 		Stack stack(seed);
-		ASSERT_FALSE(stack.registration.setEconomy({true, seed == 3 ? 0.05 : 0}));
+		ASSERT_FALSE(stack.registration.setContactCache({true, seed == 3 ? 0.05 : 0}));
 		stack.step(60);
 		stack.dispatcher.allocated = 0;
 		for (int i = 0; i < 60; ++i)
@@ -151,7 +151,7 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndClosedFormsTouch)
 	{
 		const CountBullet counted;
 		Stack stack(4, floor, floor == &sphere ? 200 : 1);
-		ASSERT_FALSE(stack.registration.setEconomy({true, 0.05}));
+		ASSERT_FALSE(stack.registration.setContactCache({true, 0.05}));
 		stack.step(60);
 		stack.dispatcher.allocated = 0;
 		for (int i = 0; i < 60; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Contact/btISTEconomy.h"
+#include "BulletISTCollision/Contact/btISTContactCache.h"
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
@@ -44,13 +44,14 @@ double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)),
 double motionLimit(const btISTContact& c) { return kShareOfLength * (c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0)); }
 }  // namespace
 
-double btISTKeptResult::floorForce(const btISTContact& contact) { return contact.constants.k * floorOf(contact); }
+double btISTCachedResult::floorForce(const btISTContact& contact) { return contact.constants.k * floorOf(contact); }
 
-btISTKeptResult::Use btISTKeptResult::use(btISTContact& contact, const Measures& measures, uint64_t version, const btISTEconomy& economy)
+btISTCachedResult::Use btISTCachedResult::use(
+	btISTContact& contact, const Measures& measures, uint64_t version, const btISTContactCache& contactCache)
 {
 	m_hasPrediction = false;
-	if (!economy.on || !m_valid || version != m_version || measures != m_measures || !isRigid(contact.X_AB)) return Ask;
-	const bool tolerant = economy.keptError > 0;
+	if (!contactCache.on || !m_valid || version != m_version || measures != m_measures || !isRigid(contact.X_AB)) return Ask;
+	const bool tolerant = contactCache.maxError > 0;
 	if (ist::isSame(contact.X_AB, tolerant ? m_X_last : m_X_asked)) return Still;
 	if (contact.patchCount == 0)
 	{
@@ -58,10 +59,10 @@ btISTKeptResult::Use btISTKeptResult::use(btISTContact& contact, const Measures&
 		if (far) m_pause = 0;
 		return far ? Apart : Ask;
 	}
-	return tolerant && follow(contact, kShareOfError * economy.keptError * m_trust) ? Moved : Ask;
+	return tolerant && follow(contact, kShareOfError * contactCache.maxError * m_trust) ? Moved : Ask;
 }
 
-bool btISTKeptResult::wantsClearance()
+bool btISTCachedResult::wantsClearance()
 {
 	constexpr uint8_t kLongestPause = 15;
 	if (m_skipped < m_pause) return ++m_skipped, false;
@@ -70,7 +71,7 @@ bool btISTKeptResult::wantsClearance()
 	return true;
 }
 
-bool btISTKeptResult::isFar(const btISTContact& contact) const
+bool btISTCachedResult::isFar(const btISTContact& contact) const
 {
 	if (!(m_clearance > 0)) return false;
 	const ist::InnerSphereTree &A = *contact.treeA, *B = contact.treeB.get();
@@ -82,7 +83,7 @@ bool btISTKeptResult::isFar(const btISTContact& contact) const
 
 /// Moves the sums along; false when they do not say enough any more. `allowed`: change of the force, as a share of the reference, and
 /// angle.
-bool btISTKeptResult::follow(btISTContact& contact, double allowed)
+bool btISTCachedResult::follow(btISTContact& contact, double allowed)
 {
 	constexpr double kWorthLearning = 2;  // far beyond the bounds a first order says nothing about itself
 	if (!(contact.total.volume > 0)) return false;
@@ -102,7 +103,7 @@ bool btISTKeptResult::follow(btISTContact& contact, double allowed)
 }
 
 /// Of the forces of all patches since they were asked for, or of the torques over the size, added up; as a share of the reference.
-double btISTKeptResult::change(const btISTContact& contact) const
+double btISTCachedResult::change(const btISTContact& contact) const
 {
 	double force = 0, torque = 0;
 	for (int i = 0; i < contact.patchCount; ++i)
@@ -117,18 +118,18 @@ double btISTKeptResult::change(const btISTContact& contact) const
 	return std::max(force, torque / std::cbrt(smallerVolume(contact))) / referenceForce(contact);
 }
 
-void btISTKeptResult::judge(const btISTContact& contact, double granted)
+void btISTCachedResult::judge(const btISTContact& contact, double granted)
 {
 	m_foundError = distance(m_predicted, forceOf(contact)) / referenceForce(contact);
 	if (m_foundError > granted / 2) m_trust = std::max(m_trust / 2, kLeastTrust);
 	else if (m_foundError < granted / 8) m_trust = std::min(m_trust * kRegain, 1.0);
 }
 
-void btISTKeptResult::keep(
-	const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTEconomy& economy)
+void btISTCachedResult::keep(
+	const btISTContact& contact, const Measures& measures, uint64_t version, double clearance, const btISTContactCache& contactCache)
 {
 	m_foundError = 0;
-	if (m_hasPrediction) judge(contact, economy.keptError);
+	if (m_hasPrediction) judge(contact, contactCache.maxError);
 	m_hasPrediction = false;
 	m_valid = contact.status == ist::QueryStatus::Ok;
 	m_X_asked = m_X_last = contact.X_AB;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What the economy saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and the
-// error that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the repeats,
-// both ways in turn in one process. Usage: bench_economy [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
+// What the contact cache saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and
+// the error that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the
+// repeats, both ways in turn in one process. Usage: bench_contact_cache [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
 #include "BulletHapticForce/Law/btContactLaw.h"
 #include "BulletISTCollision/Core/Tuning/StepChoice.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
@@ -29,9 +29,9 @@ struct Row
 void add(btISTQueryCost& sum, const btISTQueryCost& cost)
 {
 	sum.asked += cost.asked;
-	sum.keptApart += cost.keptApart;
-	sum.keptStill += cost.keptStill;
-	sum.keptMoved += cost.keptMoved;
+	sum.cachedApart += cost.cachedApart;
+	sum.cachedStill += cost.cachedStill;
+	sum.cachedMoved += cost.cachedMoved;
 	sum.leafPairs += cost.leafPairs;
 	sum.ballTests += cost.ballTests;
 	sum.seconds += cost.seconds;
@@ -75,9 +75,9 @@ private:
 };
 
 /// One run from the beginning; `check` and `springs` may be null, and cost time.
-void run(WorldDemo& demo, const EconomyChoice& economy, KeptCheck* check, PatchSprings* springs, Row& row)
+void run(WorldDemo& demo, const ContactCacheChoice& contactCache, KeptCheck* check, PatchSprings* springs, Row& row)
 {
-	demo.setEconomy(economy);
+	demo.setContactCache(contactCache);
 	DemoRunOptions options;
 	options.afterStep = [&](long long) {
 		for (DemoWorld* world : demo.worlds())
@@ -122,7 +122,7 @@ int main(int argc, char** argv)
 		else value.clear();
 		if (value.empty() || !(error >= 0 && error <= 0.5) || repeat < 1)
 			return std::fprintf(
-					   stderr, "usage: bench_economy [--error E=0.05, 0 to 0.5] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]\n"),
+					   stderr, "usage: bench_contact_cache [--error E=0.05, 0 to 0.5] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]\n"),
 				   2;
 	}
 	std::printf("| demo | queries | kept | steps a query | leaf pairs, always / economy | queries [ms], always / economy | factor | step "
@@ -137,23 +137,24 @@ int main(int argc, char** argv)
 		DemoOptions options;
 		options.cache = cache;
 		if (const auto failed = demo->prepare(options)) return std::printf("%s\n", failed->message.c_str()), 1;
-		Row always, economy, checked;
+		Row always, contactCache, checked;
 		for (int i = 0; i < repeat; ++i)
 		{
 			run(*scene, {false, 0}, nullptr, nullptr, always);
-			run(*scene, {true, error}, nullptr, nullptr, economy);
+			run(*scene, {true, error}, nullptr, nullptr, contactCache);
 		}
 		KeptCheck check;
 		PatchSprings springs;
 		run(*scene, {true, error}, &check, &springs, checked);
-		factors.push_back(always.querySeconds / economy.querySeconds);
-		counts.push_back(double(always.cost.leafPairs) / double(std::max<int64_t>(economy.cost.leafPairs, 1)));
+		factors.push_back(always.querySeconds / contactCache.querySeconds);
+		counts.push_back(double(always.cost.leafPairs) / double(std::max<int64_t>(contactCache.cost.leafPairs, 1)));
 		std::printf("| %s | %llu | %llu | %.3g | %lld / %lld | %.3g / %.3g | %.3g | %.0f / %.0f | %.2f %% | %.2f %% | %s | %.2g | %.0f %%, "
 					"%.1f %% |\n",
-			entry.name, static_cast<unsigned long long>(economy.cost.asked), static_cast<unsigned long long>(economy.cost.kept()),
-			economy.cost.factor(), static_cast<long long>(always.cost.leafPairs), static_cast<long long>(economy.cost.leafPairs),
-			1e3 * always.querySeconds, 1e3 * economy.querySeconds, factors.back(), always.stepMicroseconds, economy.stepMicroseconds,
-			100 * check.share(0.95), 100 * check.largest(), always.good && economy.good ? "good" : "NOT as expected",
+			entry.name, static_cast<unsigned long long>(contactCache.cost.asked),
+			static_cast<unsigned long long>(contactCache.cost.cached()), contactCache.cost.factor(),
+			static_cast<long long>(always.cost.leafPairs), static_cast<long long>(contactCache.cost.leafPairs), 1e3 * always.querySeconds,
+			1e3 * contactCache.querySeconds, factors.back(), always.stepMicroseconds, contactCache.stepMicroseconds,
+			100 * check.share(0.95), 100 * check.largest(), always.good && contactCache.good ? "good" : "NOT as expected",
 			median(springs.numbers), springs.share(springs.borne), springs.share(springs.alike));
 		std::fflush(stdout);
 	}

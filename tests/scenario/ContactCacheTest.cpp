@@ -8,12 +8,12 @@ using namespace browser;
 
 namespace
 {
-std::unique_ptr<WorldDemo> prepared(const DemoEntry& entry, const EconomyChoice& economy)
+std::unique_ptr<WorldDemo> prepared(const DemoEntry& entry, const ContactCacheChoice& contactCache)
 {
 	std::unique_ptr<BrowsableDemo> demo = entry.make();
 	DemoOptions options;
 	options.cache = TREE_FOLDER;
-	demo->setEconomy(economy);
+	demo->setContactCache(contactCache);
 	if (const auto failed = demo->prepare(options)) ADD_FAILURE() << failed->message;
 	return std::unique_ptr<WorldDemo>(dynamic_cast<WorldDemo*>(demo.release()));
 }
@@ -23,7 +23,7 @@ btISTQueryCost costOf(const WorldDemo& demo)
 	btISTQueryCost sum;
 	for (DemoWorld* world : demo.worlds())
 		if (world->volumetric())
-			sum.asked += world->volumetric()->contacts().cost().asked, sum.keptMoved += world->volumetric()->contacts().cost().kept();
+			sum.asked += world->volumetric()->contacts().cost().asked, sum.cachedMoved += world->volumetric()->contacts().cost().cached();
 	return sum;
 }
 
@@ -48,10 +48,10 @@ std::vector<unsigned char> stateOf(const WorldDemo& demo)
 }
 }  // namespace
 
-class DemoEconomy : public testing::TestWithParam<DemoEntry>
+class DemoContactCache : public testing::TestWithParam<DemoEntry>
 {};
 
-TEST_P(DemoEconomy, KeepsWhatItPromisesInEveryStep)
+TEST_P(DemoContactCache, KeepsWhatItPromisesInEveryStep)
 {
 	constexpr double kPromise = 0.05;
 	const auto demo = prepared(GetParam(), {true, kPromise});
@@ -72,10 +72,10 @@ TEST_P(DemoEconomy, KeepsWhatItPromisesInEveryStep)
 	EXPECT_LE(worst, kPromise);
 	const btISTQueryCost cost = costOf(*demo);
 	std::printf("  %llu queries, %llu kept (%.3g steps a query); error of the kept forces 95 %%: %.2g, largest %.2g\n",
-		static_cast<unsigned long long>(cost.asked), static_cast<unsigned long long>(cost.kept()), cost.factor(), usual, worst);
+		static_cast<unsigned long long>(cost.asked), static_cast<unsigned long long>(cost.cached()), cost.factor(), usual, worst);
 }
 
-TEST_P(DemoEconomy, WithoutAnErrorChangesNoBit)
+TEST_P(DemoContactCache, WithoutAnErrorChangesNoBit)
 {
 	const auto always = prepared(GetParam(), {false, 0}), exact = prepared(GetParam(), {true, 0});
 	ASSERT_FALSE(always->restart());
@@ -91,7 +91,7 @@ TEST_P(DemoEconomy, WithoutAnErrorChangesNoBit)
 	}
 	EXPECT_EQ(check.changed, 0);
 	EXPECT_EQ(check.missed, 0);
-	EXPECT_EQ(costOf(*always).kept(), 0u);
-	EXPECT_EQ(costOf(*always).asked, costOf(*exact).asked + costOf(*exact).kept());
+	EXPECT_EQ(costOf(*always).cached(), 0u);
+	EXPECT_EQ(costOf(*always).asked, costOf(*exact).asked + costOf(*exact).cached());
 }
-INSTANTIATE_TEST_SUITE_P(Demos, DemoEconomy, testing::ValuesIn(demosWithWorlds()), testNameOf);
+INSTANTIATE_TEST_SUITE_P(Demos, DemoContactCache, testing::ValuesIn(demosWithWorlds()), testNameOf);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Contact/btISTEconomy.h"
+#include "BulletISTCollision/Contact/btISTContactCache.h"
 
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
@@ -45,9 +45,9 @@ struct Pair
 	btISTAttachment attachment = registration.registry().attach(&cube, cubeTree()).value();
 	btCollisionObject upper, lower;
 
-	explicit Pair(const btISTEconomy& economy, btCollisionShape* under = nullptr)
+	explicit Pair(const btISTContactCache& contactCache, btCollisionShape* under = nullptr)
 	{
-		EXPECT_FALSE(registration.setEconomy(economy));
+		EXPECT_FALSE(registration.setContactCache(contactCache));
 		upper.setCollisionShape(&cube);
 		lower.setCollisionShape(under ? under : &cube);
 		world.addCollisionObject(&upper);
@@ -97,40 +97,40 @@ void expectSame(const btISTContact& a, const btISTContact& b)
 	EXPECT_EQ(a.stamp, b.stamp);
 }
 
-const btISTEconomy kExact{true, 0}, kAlways{false, 0}, kTolerant{true, 0.05};
+const btISTContactCache kExact{true, 0}, kAlways{false, 0}, kTolerant{true, 0.05};
 }  // namespace
 
-TEST(btISTEconomy, StillPairIsQueriedOnce)
+TEST(btISTContactCache, StillPairIsQueriedOnce)
 {
-	for (const btISTEconomy& economy : {kExact, kTolerant})
+	for (const btISTContactCache& contactCache : {kExact, kTolerant})
 		for (const bool apart : {false, true})
 		{
-			Pair pair(economy);
+			Pair pair(contactCache);
 			for (int i = 0; i < 10; ++i) pair.look(apart ? at(vec(1, 1, 0), vec(0, 0, .7854)) : at(vec(.1, .8, .2)));
 			ASSERT_TRUE(pair.contact()) << apart;
 			EXPECT_EQ(pair.cost().asked, 1u);
-			EXPECT_EQ(pair.cost().keptStill, 9u);
+			EXPECT_EQ(pair.cost().cachedStill, 9u);
 			EXPECT_EQ(pair.contact()->patchCount == 0, apart);
 		}
 }
 
-TEST(btISTEconomy, SwitchedOffAsksAlways)
+TEST(btISTContactCache, SwitchedOffAsksAlways)
 {
 	Pair pair(kAlways);
 	for (int i = 0; i < 10; ++i) pair.look(at(vec(.1, .8, .2)));
 	EXPECT_EQ(pair.cost().asked, 10u);
-	EXPECT_EQ(pair.cost().kept(), 0u);
+	EXPECT_EQ(pair.cost().cached(), 0u);
 
-	ASSERT_FALSE(pair.registration.setEconomy(kTolerant));
+	ASSERT_FALSE(pair.registration.setContactCache(kTolerant));
 	for (int i = 0; i < 3; ++i) pair.look();
-	ASSERT_EQ(pair.cost().kept(), 2u);
-	ASSERT_FALSE(pair.registration.setEconomy(kAlways));
+	ASSERT_EQ(pair.cost().cached(), 2u);
+	ASSERT_FALSE(pair.registration.setContactCache(kAlways));
 	pair.look();
-	EXPECT_EQ(pair.cost().kept(), 2u);
+	EXPECT_EQ(pair.cost().cached(), 2u);
 }
 
 // Coarse leaves reach farther than those that the clearance is of, and levels change while nothing moves.
-TEST(btISTEconomy, AnAcceptedForceErrorIsAnsweredAsWithoutEconomy)
+TEST(btISTContactCache, AnAcceptedForceErrorIsAnsweredAsWithoutTheCache)
 {
 	for (const double share : {.1, .3, .6})
 	{
@@ -150,11 +150,11 @@ TEST(btISTEconomy, AnAcceptedForceErrorIsAnsweredAsWithoutEconomy)
 			touching += always.contact()->patchCount > 0;
 		}
 		EXPECT_GT(touching, 100);
-		EXPECT_GT(kept.cost().keptStill, 100u);
+		EXPECT_GT(kept.cost().cachedStill, 100u);
 	}
 }
 
-TEST(btISTEconomy, TeleportIsSeenWhereverItGoes)
+TEST(btISTContactCache, TeleportIsSeenWhereverItGoes)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.5));
 	btCylinderShape cylinder(vec(.5, .5, .5));
@@ -185,7 +185,7 @@ TEST(btISTEconomy, TeleportIsSeenWhereverItGoes)
 	}
 }
 
-TEST(btISTEconomy, ApproachingPairIsQueriedOnlyWhenItMayHaveMet)
+TEST(btISTContactCache, ApproachingPairIsQueriedOnlyWhenItMayHaveMet)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.15));
 	for (btCollisionShape* under : {static_cast<btCollisionShape*>(nullptr), static_cast<btCollisionShape*>(&plane)})
@@ -205,32 +205,32 @@ TEST(btISTEconomy, ApproachingPairIsQueriedOnlyWhenItMayHaveMet)
 			apart += always.contact()->patchCount == 0;
 		}
 		ASSERT_GT(apart, 100u);
-		EXPECT_GT(kept.cost().keptApart, apart / 3);
+		EXPECT_GT(kept.cost().cachedApart, apart / 3);
 		EXPECT_GT(always.contact()->patchCount, 0);
 	}
 }
 
-TEST(btISTEconomy, ClearanceIsUsedUpByTheWayAndNotBefore)
+TEST(btISTContactCache, ClearanceIsUsedUpByTheWayAndNotBefore)
 {
 	constexpr double kClearance = 0.1, kCorner = 0.866;
 	btISTContact contact;
 	contact.treeA = contact.treeB = cubeTree();
 	const auto useAfter = [&](const ist::Vec3& shift, const ist::Vec3& turn) {
-		btISTKeptResult kept;
+		btISTCachedResult kept;
 		contact.X_AB = {ist::rotationMatrix(ist::quaternionFromRotationVector({0.3, 0.2, 0.1})), {3, -2, 5}};
 		kept.keep(contact, {}, 0, kClearance, kExact);
 		contact.X_AB.rotation = ist::rotationMatrix(ist::quaternionFromRotationVector(turn)) * contact.X_AB.rotation;
 		contact.X_AB.translation += shift;
 		return kept.use(contact, {}, 0, kExact);
 	};
-	EXPECT_EQ(useAfter({-0.99 * kClearance, 0, 0}, {}), btISTKeptResult::Apart);
-	EXPECT_EQ(useAfter({0, 1.01 * kClearance, 0}, {}), btISTKeptResult::Ask);
-	EXPECT_EQ(useAfter({}, {0.3 * kClearance / kCorner, 0, 0}), btISTKeptResult::Apart);
-	EXPECT_EQ(useAfter({}, {0, kClearance / kCorner, 0}), btISTKeptResult::Ask);
-	EXPECT_EQ(useAfter({0, 0, 0.8 * kClearance}, {0, 0.4 * kClearance / kCorner, 0}), btISTKeptResult::Ask);
+	EXPECT_EQ(useAfter({-0.99 * kClearance, 0, 0}, {}), btISTCachedResult::Apart);
+	EXPECT_EQ(useAfter({0, 1.01 * kClearance, 0}, {}), btISTCachedResult::Ask);
+	EXPECT_EQ(useAfter({}, {0.3 * kClearance / kCorner, 0, 0}), btISTCachedResult::Apart);
+	EXPECT_EQ(useAfter({}, {0, kClearance / kCorner, 0}), btISTCachedResult::Ask);
+	EXPECT_EQ(useAfter({0, 0, 0.8 * kClearance}, {0, 0.4 * kClearance / kCorner, 0}), btISTCachedResult::Ask);
 }
 
-TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
+TEST(btISTContactCache, PressedAndSlidThePairStaysWithinThePromise)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.5));
 	for (btCollisionShape* under : {static_cast<btCollisionShape*>(nullptr), static_cast<btCollisionShape*>(&plane)})
@@ -248,9 +248,9 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 			always.look(place);
 			const ist::Vec3 truth = forceOf(*always.contact());
 			EXPECT_LE(
-				distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTKeptResult::floorForce(*always.contact())))
+				distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTCachedResult::floorForce(*always.contact())))
 				<< i;
-			if (kept.contact()->use == btISTKeptResult::Ask) asked = forceOf(*kept.contact());
+			if (kept.contact()->use == btISTCachedResult::Ask) asked = forceOf(*kept.contact());
 			else
 			{
 				++compared;
@@ -259,30 +259,30 @@ TEST(btISTEconomy, PressedAndSlidThePairStaysWithinThePromise)
 			}
 			// Nothing is kept whose change is more than half of what was granted.
 			EXPECT_LE(distance(forceOf(*kept.contact()), asked),
-				0.5 * 0.0501 * std::max(norm(forceOf(*kept.contact())), btISTKeptResult::floorForce(*kept.contact())))
+				0.5 * 0.0501 * std::max(norm(forceOf(*kept.contact())), btISTCachedResult::floorForce(*kept.contact())))
 				<< i;
 		}
 		EXPECT_GT(compared, 450);
 		EXPECT_LT(off, 0.5 * offIfItStood) << "what is kept follows the motion";
-		EXPECT_EQ(kept.cost().asked + kept.cost().kept(), 600u);
-		EXPECT_LE(kept.cost().largestKeptError, 0.05);
+		EXPECT_EQ(kept.cost().asked + kept.cost().cached(), 600u);
+		EXPECT_LE(kept.cost().largestCacheError, 0.05);
 	}
 }
 
-TEST(btISTEconomy, CostThatIsResetForgetsTheLargestErrorOfPairsThatGoOn)
+TEST(btISTContactCache, CostThatIsResetForgetsTheLargestErrorOfPairsThatGoOn)
 {
 	Pair pair(kTolerant);
 	for (int i = 0; i < 200; ++i) pair.look(at(vec(1e-3 * i, .9 - 1e-4 * i, 0), vec(.2, 0, .1)));
 	btISTContactStore& store = pair.registration.store();
-	const double before = store.cost().largestKeptError;
+	const double before = store.cost().largestCacheError;
 	ASSERT_GT(before, 0);
 	store.resetCost();
 	for (int i = 0; i < 3; ++i) pair.look();
-	EXPECT_EQ(store.cost().largestKeptError, 0);
-	EXPECT_EQ(pair.cost().largestKeptError, before) << "the pair's own cost is since it began";
+	EXPECT_EQ(store.cost().largestCacheError, 0);
+	EXPECT_EQ(pair.cost().largestCacheError, before) << "the pair's own cost is since it began";
 }
 
-TEST(btISTEconomy, ScalingOfAClosedFormIsSeenWhileItStandsStill)
+TEST(btISTContactCache, ScalingOfAClosedFormIsSeenWhileItStandsStill)
 {
 	btBoxShape box(vec(.5, .5, .5));
 	Pair pair(kTolerant, &box);
@@ -295,7 +295,7 @@ TEST(btISTEconomy, ScalingOfAClosedFormIsSeenWhileItStandsStill)
 	EXPECT_NEAR(pair.contact()->total.volume, .15, .01);
 }
 
-TEST(btISTEconomy, ScaledTreeIsBulletsAndIsAskedWhenItComesBack)
+TEST(btISTContactCache, ScaledTreeIsBulletsAndIsAskedWhenItComesBack)
 {
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, .9, 0)));
@@ -307,7 +307,7 @@ TEST(btISTEconomy, ScaledTreeIsBulletsAndIsAskedWhenItComesBack)
 	EXPECT_NEAR(pair.contact()->total.volume, .1, .01);
 }
 
-TEST(btISTEconomy, PairThatWasNotWatchedIsAskedAgain)
+TEST(btISTContactCache, PairThatWasNotWatchedIsAskedAgain)
 {
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, .9, 0)));
@@ -321,7 +321,7 @@ TEST(btISTEconomy, PairThatWasNotWatchedIsAskedAgain)
 	EXPECT_GT(pair.contact()->patchCount, 0);
 }
 
-TEST(btISTEconomy, OtherOptionsOfTheQueryAreSeenWhileNothingMoves)
+TEST(btISTContactCache, OtherOptionsOfTheQueryAreSeenWhileNothingMoves)
 {
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, 1.001, 0)));
@@ -340,7 +340,7 @@ struct SetRule : btISTPairRule
 	btISTPairConstants decide(const btISTContact&, const btCollisionObject*, const btCollisionObject*) const override { return constants; }
 };
 
-TEST(btISTEconomy, ChangedMaterialCountsAtOnceInWhatIsKept)
+TEST(btISTContactCache, ChangedMaterialCountsAtOnceInWhatIsKept)
 {
 	auto rule = std::make_shared<SetRule>();
 	Pair kept(kTolerant), always(kAlways);
@@ -354,13 +354,14 @@ TEST(btISTEconomy, ChangedMaterialCountsAtOnceInWhatIsKept)
 		for (Pair* p : {&kept, &always}) p->look(at(vec(0, .9 - 2e-5 * i, 0), vec(.2, 1e-5 * i, 0)));
 		EXPECT_EQ(kept.contact()->constants.k, rule->constants.k);
 		const ist::Vec3 truth = forceOf(*always.contact());
-		EXPECT_LE(distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTKeptResult::floorForce(*always.contact())));
-		moved += kept.contact()->use == btISTKeptResult::Moved;
+		EXPECT_LE(
+			distance(forceOf(*kept.contact()), truth), 0.05 * std::max(norm(truth), btISTCachedResult::floorForce(*always.contact())));
+		moved += kept.contact()->use == btISTCachedResult::Moved;
 	}
 	EXPECT_GT(moved, 50);
 }
 
-TEST(btISTEconomy, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
+TEST(btISTContactCache, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 {
 	const auto settled = [](const std::vector<double>& weightsOfA) {
 		auto rule = std::make_shared<SetRule>();
@@ -383,7 +384,7 @@ TEST(btISTEconomy, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 	EXPECT_EQ(changed.level, hard.level);
 }
 
-TEST(btISTEconomy, CoarseWhereTheHandIsNot)
+TEST(btISTContactCache, CoarseWhereTheHandIsNot)
 {
 	const auto look = [](std::optional<double> general, std::optional<double> ofUpper, std::optional<double> ofLower) {
 		Pair pair(kTolerant);
@@ -412,12 +413,12 @@ TEST(btISTEconomy, CoarseWhereTheHandIsNot)
 }
 
 // The damping of a kept result is that of its weights: others ask again, even where nothing moves.
-TEST(btISTEconomy, DampingIsThatOfTheWeightsThatThePairHasNow)
+TEST(btISTContactCache, DampingIsThatOfTheWeightsThatThePairHasNow)
 {
-	for (const btISTEconomy& economy : {kExact, kTolerant, kAlways})
+	for (const btISTContactCache& contactCache : {kExact, kTolerant, kAlways})
 	{
 		auto rule = std::make_shared<SetRule>();
-		Pair pair(economy);
+		Pair pair(contactCache);
 		pair.registration.setPairRule(rule);
 		const auto expectDamping = [&](double weightA, double dissipation) {
 			rule->constants.weightA = weightA;
@@ -438,11 +439,11 @@ TEST(btISTEconomy, DampingIsThatOfTheWeightsThatThePairHasNow)
 		for (const double weightA : {0.5, 0.0, 0.0, 0.25, 1.0}) expectDamping(weightA, 5);
 		const auto asked = pair.cost().asked;
 		expectDamping(1, 3);
-		EXPECT_EQ(pair.cost().asked, asked + (economy.on ? 0 : 1));
+		EXPECT_EQ(pair.cost().asked, asked + (contactCache.on ? 0 : 1));
 	}
 }
 
-TEST(btISTEconomy, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
+TEST(btISTContactCache, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
 {
 	for (const bool teleported : {false, true})
 	{
@@ -450,7 +451,7 @@ TEST(btISTEconomy, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
 		pair.look(at(vec(0, .9, 0)));
 		for (btCollisionObject* o : {&pair.upper, &pair.lower}) o->forceActivationState(ISLAND_SLEEPING);
 		for (int i = 0; i < 5; ++i) pair.look();
-		EXPECT_EQ(pair.cost().asked + pair.cost().kept(), 1u);
+		EXPECT_EQ(pair.cost().asked + pair.cost().cached(), 1u);
 		if (teleported) pair.upper.setWorldTransform(at(vec(.2, .8, 0)));
 		pair.upper.forceActivationState(ACTIVE_TAG);
 		pair.look();
@@ -460,7 +461,7 @@ TEST(btISTEconomy, SleepersAreNotAskedAndWokenOnesAreWhereTheyAre)
 	}
 }
 
-TEST(btISTEconomy, BodyThatIsRemovedAndPutBackBeginsAnew)
+TEST(btISTContactCache, BodyThatIsRemovedAndPutBackBeginsAnew)
 {
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, .9, 0)));
@@ -470,11 +471,11 @@ TEST(btISTEconomy, BodyThatIsRemovedAndPutBackBeginsAnew)
 	pair.world.addCollisionObject(&pair.upper);
 	pair.look();
 	EXPECT_EQ(pair.cost().asked, 1u);
-	EXPECT_EQ(pair.cost().kept(), 0u);
+	EXPECT_EQ(pair.cost().cached(), 0u);
 	EXPECT_EQ(pair.registration.store().cost().asked, 2u);
 }
 
-TEST(btISTEconomy, NothingIsKeptOverAPoseThatIsNoRigidBodys)
+TEST(btISTContactCache, NothingIsKeptOverAPoseThatIsNoRigidBodys)
 {
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, .9, 0)));
@@ -484,31 +485,31 @@ TEST(btISTEconomy, NothingIsKeptOverAPoseThatIsNoRigidBodys)
 	EXPECT_EQ(pair.contact()->patchCount, 0);
 	EXPECT_EQ(pair.contact()->total.volume, 0);
 	pair.look(at(vec(0, .9, 0)));
-	EXPECT_EQ(pair.contact()->use, btISTKeptResult::Ask);
+	EXPECT_EQ(pair.contact()->use, btISTCachedResult::Ask);
 	EXPECT_NEAR(pair.contact()->total.volume, .1, .01);
 }
 
-TEST(btISTEconomy, ErrorsThatAreNoneAreRefusedAndNothingChanges)
+TEST(btISTContactCache, ErrorsThatAreNoneAreRefusedAndNothingChanges)
 {
 	Pair pair(kTolerant);
 	for (const double error : {-0.01, 0.51, std::nan("")})
 	{
-		const auto refused = pair.registration.setEconomy({true, error});
+		const auto refused = pair.registration.setContactCache({true, error});
 		ASSERT_TRUE(refused) << error;
 		EXPECT_NE(refused->message.find("0.5"), std::string::npos);
-		EXPECT_EQ(pair.registration.economy().keptError, 0.05);
+		EXPECT_EQ(pair.registration.contactCache().maxError, 0.05);
 	}
 }
 
-TEST(btISTEconomy, TakingBackTheErrorAsksAgainWhatHadMoved)
+TEST(btISTContactCache, TakingBackTheErrorAsksAgainWhatHadMoved)
 {
 	Pair kept(kTolerant), always(kAlways);
 	kept.look(at(vec(0, .9, 0)));
 	kept.look(at(vec(0, .8999, 0)));
-	EXPECT_EQ(kept.contact()->use, btISTKeptResult::Moved);
-	EXPECT_FALSE(kept.registration.setEconomy(kExact));
+	EXPECT_EQ(kept.contact()->use, btISTCachedResult::Moved);
+	EXPECT_FALSE(kept.registration.setContactCache(kExact));
 	kept.look();
 	for (int i = 0; i < 3; ++i) always.look(at(vec(0, .8999, 0)));
-	EXPECT_EQ(kept.contact()->use, btISTKeptResult::Ask);
+	EXPECT_EQ(kept.contact()->use, btISTCachedResult::Ask);
 	expectSame(*kept.contact(), *always.contact());
 }
