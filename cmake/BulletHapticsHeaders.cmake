@@ -62,7 +62,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Registry/btISTRegistry.h
 	BulletISTCollision/Registry/btISTShapeMesh.h
 	BulletISTCollision/Registry/btISTTreeSource.h
-	BulletISTCollision/Registry/btISTWatch.h
+	BulletISTCollision/Registry/btISTPairFilter.h
 	BulletISTCollision/Registry/btPrecisionGuard.h
 	BulletISTCollision/btBulletISTCollisionCommon.h
 	DeviceBridge/Bullet/BulletContactSource.h

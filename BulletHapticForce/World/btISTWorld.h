@@ -70,7 +70,7 @@ public:
 		return m_registration.setContactCache(contactCache);
 	}
 	/// Which pairs are volumetric, and where: all and everywhere, to begin with.
-	btISTWatch& watch() { return m_registration.watch(); }
+	btISTPairFilter& pairFilter() { return m_registration.pairFilter(); }
 	/// The force error that is accepted from now on, of each pair: see btISTRegistration::setForceError.
 	std::optional<ist::Error> setForceError(double share) { return m_registration.setForceError(share); }
 	/// The same for the pairs of one body, as the one in the hand: see btISTRegistration::setForceErrorOf.

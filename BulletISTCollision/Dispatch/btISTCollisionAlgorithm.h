@@ -15,9 +15,9 @@ class btISTContext;
 class btISTPairQuery;
 
 /// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. Bullet's own algorithm works in
-/// its place, and the manifold stays empty, while the pair is not watched (btISTWatch), a shape with a tree has another local scaling than
-/// when the pair was made, a body got a shape without one or lost its tree, or axes of a body are more than 5 % from unit length and right
-/// angles. Lives in the dispatcher's pool, which does not check sizes.
+/// its place, and the manifold stays empty, while the pair is not watched (btISTPairFilter), a shape with a tree has another local scaling
+/// than when the pair was made, a body got a shape without one or lost its tree, or axes of a body are more than 5 % from unit length and
+/// right angles. Lives in the dispatcher's pool, which does not check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
 public:

@@ -5,8 +5,8 @@
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/PairQuery/btISTPairMemories.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
+#include "BulletISTCollision/Registry/btISTPairFilter.h"
 #include "BulletISTCollision/Registry/btISTRegistry.h"
-#include "BulletISTCollision/Registry/btISTWatch.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
 #include "BulletCollision/BroadphaseCollision/btBroadphaseProxy.h"
@@ -58,7 +58,7 @@ public:
 	bool active = true;
 	btISTContactStore store;
 	std::shared_ptr<btISTRegistry> registry;
-	btISTWatch watch;
+	btISTPairFilter watch;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	std::weak_ptr<const void> ruleClaim;  ///< of the handle that set the rule; expired: any handle may set one
 	ist::QueryWorkspace workspace;

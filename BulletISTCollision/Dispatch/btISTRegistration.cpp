@@ -41,7 +41,7 @@ struct btISTRegistration::Unregistered
 {
 	btISTContactStore store;
 	btISTRegistry registry;
-	btISTWatch watch;
+	btISTPairFilter watch;
 };
 
 btISTRegistration::Unregistered& btISTRegistration::unregistered() const
@@ -97,7 +97,7 @@ std::shared_ptr<btISTContactStore> btISTRegistration::sharedStore() const
 	return std::shared_ptr<btISTContactStore>(m_installation->context, &m_installation->context->store);
 }
 
-btISTWatch& btISTRegistration::watch() { return m_installation ? m_installation->context->watch : unregistered().watch; }
+btISTPairFilter& btISTRegistration::pairFilter() { return m_installation ? m_installation->context->watch : unregistered().watch; }
 
 std::optional<ist::Error> btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 {

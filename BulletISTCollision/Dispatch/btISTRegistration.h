@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
+#include "BulletISTCollision/Registry/btISTPairFilter.h"
 #include "BulletISTCollision/Registry/btISTRegistry.h"
-#include "BulletISTCollision/Registry/btISTWatch.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
 #include <memory>
@@ -60,7 +60,7 @@ public:
 	/// Keeps the store and all that its contacts need alive: for solvers, which may outlive the registration.
 	std::shared_ptr<btISTContactStore> sharedStore() const;
 	/// Which pairs are volumetric, and where.
-	btISTWatch& watch();
+	btISTPairFilter& pairFilter();
 	/// Decides the constants of pairs from now on. Refused while another handle of this dispatcher lives that has set a rule: each
 	/// btISTWorld sets one.
 	std::optional<ist::Error> setPairRule(std::shared_ptr<const btISTPairRule> rule);

@@ -54,7 +54,7 @@ public:
 	int partOf(const btCollisionObject* object) const noexcept;
 	/// Of the coupling on the part in the last step, about its centre of mass, World.
 	const ist::Wrench& coupling(int part) const noexcept { return m_parts[static_cast<std::size_t>(part)].coupling; }
-	const HandWatch& watch() const noexcept { return *m_watch; }
+	const HandWatch& pairFilter() const noexcept { return *m_watch; }
 
 	/// Sums over the contacts of the last step that parts had, with other bodies and with each other.
 	struct Touch

@@ -239,13 +239,13 @@ bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
 /// The tool is in no world: its box is that of its last post.
 bool BulletWorldCoupling::watches(const Hand& hand, const btCollisionObject& body, bool was) const
 {
-	const btISTWatch& watch = m_registration.watch();
+	const btISTPairFilter& watch = m_registration.pairFilter();
 	const btRigidBody& tool = hand.source->tool();
-	if (!watch.coversPair(&tool, &body)) return false;
+	if (!watch.acceptsPair(&tool, &body)) return false;
 	btVector3 lowerTool, upperTool, lower, upper;
 	tool.getCollisionShape()->getAabb(toTransform(hand.source->mirror().posted().tool.X_WT), lowerTool, upperTool);
 	body.getCollisionShape()->getAabb(body.getWorldTransform(), lower, upper);
-	return watch.coversBoxes(lowerTool, upperTool, lower, upper, was);
+	return watch.acceptsBoxes(lowerTool, upperTool, lower, upper, was);
 }
 
 void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach)

@@ -16,11 +16,11 @@ namespace devicebridge
 /// that pressed a light body on a table for 0.2 s does not throw it. And since Bullet moves bodies by the velocity at the end of a
 /// step, as if the whole impulse had come at its beginning, the body is put back by the share of time for which it had not.
 ///
-/// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTWatch), those that are watched
-/// with the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt: the
-/// children of compounds, and shapes without a tree. A body whose shape, or the tree of it, is another than before is let go and felt anew.
-/// A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the same body,
-/// by nothing but where the body is after each step: between two steps the hand feels the body without it.
+/// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTPairFilter), those that are
+/// watched with the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt:
+/// the children of compounds, and shapes without a tree. A body whose shape, or the tree of it, is another than before is let go and felt
+/// anew. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the same
+/// body, by nothing but where the body is after each step: between two steps the hand feels the body without it.
 class BulletWorldCoupling
 {
 public:

@@ -157,16 +157,16 @@ Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset
 
 std::optional<Error> watch(btISTWorld& world, const Scene& scene, const std::vector<SceneWorld::Body>& bodies)
 {
-	btISTWatch& watch = world.watch();
-	for (const auto& [a, b] : scene.pairs) watch.watchPair(bodies[a].body.get(), bodies[b].body.get());
+	btISTPairFilter& watch = world.pairFilter();
+	for (const auto& [a, b] : scene.pairs) watch.addPair(bodies[a].body.get(), bodies[b].body.get());
 	if (scene.onlyPairs && scene.pairs.empty())
 	{
 		// An empty list: no pair is volumetric.
-		watch.watchPair(bodies[0].body.get(), bodies[0].body.get());
-		watch.unwatchPair(bodies[0].body.get(), bodies[0].body.get());
+		watch.addPair(bodies[0].body.get(), bodies[0].body.get());
+		watch.removePair(bodies[0].body.get(), bodies[0].body.get());
 	}
 	if (!scene.region) return std::nullopt;
-	return watch.watchRegion(toBullet(scene.region->lower), toBullet(scene.region->upper));
+	return watch.setRegion(toBullet(scene.region->lower), toBullet(scene.region->upper));
 }
 }  // namespace
 

@@ -46,8 +46,8 @@ void changeSettings(SoakWorld& world, Random& random)
 	case 0: EXPECT_FALSE(ist.setContactCache({below(random, 4) > 0, between(random, 0, 0.1)})); break;
 	case 1: EXPECT_FALSE(ist.setForceError(below(random, 2) ? 0.05 : 0)); break;
 	case 2: ist.registration().setGate(below(random, 2)); break;
-	case 3: EXPECT_FALSE(ist.watch().watchRegion(btVector3(-1, 0, -1), btVector3(1, 2, 1))); break;
-	case 4: ist.watch().watchEverywhere(); break;
+	case 3: EXPECT_FALSE(ist.pairFilter().setRegion(btVector3(-1, 0, -1), btVector3(1, 2, 1))); break;
+	case 4: ist.pairFilter().clearRegion(); break;
 	default: ist.setMostSubsteps(1 + below(random, 3));
 	}
 }
@@ -144,7 +144,7 @@ void expectRefusals(SoakWorld& world, Random& random, Tally& tally)
 	case 4: EXPECT_TRUE(ist.step(below(random, 2) ? nan : -1)); break;
 	case 5: EXPECT_TRUE(ist.setGravity(btVector3(kNan, 0, kInfinity))); break;
 	case 6: EXPECT_TRUE(ist.materials().set(nullptr, {1, 1})); break;
-	default: EXPECT_TRUE(ist.watch().watchRegion(btVector3(kNan, 0, 0), btVector3(1, 1, 1)));
+	default: EXPECT_TRUE(ist.pairFilter().setRegion(btVector3(kNan, 0, 0), btVector3(1, 1, 1)));
 	}
 }
 }  // namespace soak

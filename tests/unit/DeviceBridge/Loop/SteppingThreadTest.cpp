@@ -396,14 +396,14 @@ public:
 
 constexpr std::int64_t kForever = 1'000'000'000;
 
-struct WatchedRig
+struct FilteredRig
 {
 	Watched device;
 	NoContact empty;
 	ConstantLaw law;
 	RealClock clock;
 	SteppingThread thread;
-	WatchedRig() : thread(device, empty, clock, quick()) { thread.setForceLaw(&law); }
+	FilteredRig() : thread(device, empty, clock, quick()) { thread.setForceLaw(&law); }
 	static SteppingSettings quick()
 	{
 		SteppingSettings settings = activeWorld();
@@ -425,7 +425,7 @@ TEST(SteppingThread, RunEndsWithTheTickInProgressWhenItIsStopped)
 {
 	for (const bool requested : {false, true})
 	{
-		WatchedRig rig;
+		FilteredRig rig;
 		std::atomic<bool> ran{false};
 		std::thread runner([&] { ran = rig.thread.run(kForever); });
 		ASSERT_TRUE(rig.within([&] { return rig.device.force > 0.5; }));
@@ -448,7 +448,7 @@ TEST(SteppingThread, RunEndsWithTheTickInProgressWhenItIsStopped)
 
 TEST(SteppingThread, WhileItRunsNoOtherLoopBegins)
 {
-	WatchedRig rig;
+	FilteredRig rig;
 	std::thread runner([&] { rig.thread.run(kForever); });
 	ASSERT_TRUE(rig.within([&] { return rig.thread.ticks() > 0; }));
 	EXPECT_FALSE(rig.thread.start());
@@ -468,7 +468,7 @@ TEST(SteppingThread, WhileItRunsNoOtherLoopBegins)
 // Many threads at once: one loop at a time, and nothing is left claimed.
 TEST(SteppingThread, OfManyThatRunAtOnceOneDoes)
 {
-	WatchedRig rig;
+	FilteredRig rig;
 	std::atomic<long> accepted{0};
 	std::vector<std::thread> threads;
 	for (int i = 0; i < 4; ++i)
@@ -514,7 +514,7 @@ TEST(SteppingThread, AListenerStopsRunAndStartsNoOther)
 
 TEST(SteppingThread, AStopThatComesBeforeALoopDoesNotStopIt)
 {
-	WatchedRig rig;
+	FilteredRig rig;
 	rig.thread.requestStop();
 	EXPECT_TRUE(rig.thread.run(3));
 	EXPECT_EQ(rig.thread.ticks(), 3U);
@@ -532,7 +532,7 @@ TEST(SteppingThread, AStopThatComesBeforeALoopDoesNotStopIt)
 // run() keeps the last command for the next one; stop() does not.
 TEST(SteppingThread, StopAfterRunLeavesTheDeviceAtZero)
 {
-	WatchedRig rig;
+	FilteredRig rig;
 	ASSERT_TRUE(rig.thread.run(50));
 	EXPECT_EQ(rig.device.force, 1);
 	rig.thread.stop();
@@ -544,7 +544,7 @@ TEST(SteppingThread, StopAfterRunLeavesTheDeviceAtZero)
 
 TEST(SteppingThread, WhatAListenerThrowsLeavesRunStoppable)
 {
-	WatchedRig rig;
+	FilteredRig rig;
 	rig.thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench&) { throw std::runtime_error("a hook"); });
 	std::thread runner([&] { rig.thread.run(kForever); });
 	ASSERT_TRUE(rig.within([&] { return rig.thread.ticks() > 3; }));
@@ -558,7 +558,7 @@ TEST(SteppingThread, WhatAListenerThrowsLeavesRunStoppable)
 // In every order, from two threads, the loops never meet and the device is at zero after each stop.
 TEST(SteppingThread, RunStopAndStartInAnyOrder)
 {
-	WatchedRig rig;
+	FilteredRig rig;
 	std::atomic<bool> ending{false};
 	std::atomic<long> runs{0}, refused{0};
 	std::thread runner([&] {

@@ -312,10 +312,10 @@ TEST(btISTContactCache, PairThatWasNotWatchedIsAskedAgain)
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, .9, 0)));
 	btCollisionObject other;
-	pair.registration.watch().watchPair(&pair.upper, &other);
+	pair.registration.pairFilter().addPair(&pair.upper, &other);
 	pair.look();
 	EXPECT_EQ(pair.contact()->patchCount, 0);
-	pair.registration.watch().watchAllPairs();
+	pair.registration.pairFilter().acceptAllPairs();
 	pair.look();
 	EXPECT_EQ(pair.cost().asked, 2u);
 	EXPECT_GT(pair.contact()->patchCount, 0);

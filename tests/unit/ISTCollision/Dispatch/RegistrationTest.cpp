@@ -170,7 +170,7 @@ TEST(btISTRegistration, AnUnwatchedPairIsBulletsThoughSomeoneDelegatesToUs)
 	second.reinstall();
 	btCollisionObject a, b, c;
 	for (btCollisionObject* object : {&a, &b, &c}) object->setCollisionShape(&box);
-	second.watch().watchPair(&a, &c);
+	second.pairFilter().addPair(&a, &c);
 	b.setWorldTransform(at(0, .9, 0));
 	const btCollisionObjectWrapper wrapA(nullptr, &box, &a, a.getWorldTransform(), -1, -1),
 		wrapB(nullptr, &box, &b, b.getWorldTransform(), -1, -1);
@@ -293,7 +293,7 @@ const Use kUses[] = {
 	{"registry", [](auto& r) { return takesAttachments(r.registry()) && r.registry().size() == 0; }},
 	{"store", [](auto& r) { return r.store().contacts().empty() && !r.store().find(nullptr) && r.store().step() > 0; }},
 	{"sharedStore", [](auto& r) { return r.sharedStore().get() == &r.store(); }},
-	{"watch", [](auto& r) { return r.watch().watchPair(nullptr, nullptr), &r.watch() == &r.watch(); }},
+	{"watch", [](auto& r) { return r.pairFilter().addPair(nullptr, nullptr), &r.pairFilter() == &r.pairFilter(); }},
 	{"setPairRule", [](auto& r) { return isReleased(r.setPairRule(std::make_shared<btISTDefaultPairRule>())); }},
 	{"setGate", [](auto& r) { return isReleased(r.setGate(true)); }},
 	{"setForceError", [](auto& r) { return isReleased(r.setForceError(0.1)); }},

@@ -68,19 +68,19 @@ void expectOneOfTheTwo(TwoCubes& scene, const btRigidBody* body, bool volumetric
 TEST(Watch, OnlyTheNamedPairsAreVolumetric)
 {
 	TwoCubes scene;
-	scene.world.watch().watchPair(scene.floor, scene.left);
+	scene.world.pairFilter().addPair(scene.floor, scene.left);
 	scene.run(1, kRate);
 	expectOneOfTheTwo(scene, scene.left, true);
 	expectOneOfTheTwo(scene, scene.right, false);
-	scene.world.watch().watchPair(scene.right, scene.floor);
-	scene.world.watch().unwatchPair(scene.left, scene.floor);
+	scene.world.pairFilter().addPair(scene.right, scene.floor);
+	scene.world.pairFilter().removePair(scene.left, scene.floor);
 	scene.run(0.2, kRate);
 	expectOneOfTheTwo(scene, scene.left, false);
 	expectOneOfTheTwo(scene, scene.right, true);
-	scene.world.watch().unwatchPair(scene.floor, scene.right);
+	scene.world.pairFilter().removePair(scene.floor, scene.right);
 	scene.run(0.2, kRate);
 	expectOneOfTheTwo(scene, scene.right, false);
-	scene.world.watch().watchAllPairs();
+	scene.world.pairFilter().acceptAllPairs();
 	scene.run(0.2, kRate);
 	expectOneOfTheTwo(scene, scene.left, true);
 	expectOneOfTheTwo(scene, scene.right, true);
@@ -89,7 +89,7 @@ TEST(Watch, OnlyTheNamedPairsAreVolumetric)
 TEST(Watch, OnlyWhatIsInTheRegionIsVolumetric)
 {
 	TwoCubes scene;
-	EXPECT_FALSE(scene.world.watch().watchRegion(btVector3(-5, -1, -5), btVector3(0, 1, 5)));
+	EXPECT_FALSE(scene.world.pairFilter().setRegion(btVector3(-5, -1, -5), btVector3(0, 1, 5)));
 	scene.run(1, kRate);
 	expectOneOfTheTwo(scene, scene.left, true);
 	expectOneOfTheTwo(scene, scene.right, false);
@@ -104,12 +104,12 @@ TEST(Watch, OnlyWhatIsInTheRegionIsVolumetric)
 		scene.run(0.1, kRate);
 		expectOneOfTheTwo(scene, scene.right, volumetric);
 	}
-	scene.world.watch().watchEverywhere();
+	scene.world.pairFilter().clearRegion();
 	scene.run(0.1, kRate);
 	expectOneOfTheTwo(scene, scene.right, true);
 	const double nan = std::nan("");
-	EXPECT_TRUE(scene.world.watch().watchRegion(btVector3(0, 0, 0), btVector3(-1, 1, 1)));
-	EXPECT_TRUE(scene.world.watch().watchRegion(btVector3(btScalar(nan), 0, 0), btVector3(1, 1, 1)));
+	EXPECT_TRUE(scene.world.pairFilter().setRegion(btVector3(0, 0, 0), btVector3(-1, 1, 1)));
+	EXPECT_TRUE(scene.world.pairFilter().setRegion(btVector3(btScalar(nan), 0, 0), btVector3(1, 1, 1)));
 	scene.run(0.1, kRate);
 	expectOneOfTheTwo(scene, scene.right, true);
 }
@@ -118,13 +118,13 @@ TEST(Watch, OnlyWhatIsInTheRegionIsVolumetric)
 TEST(Watch, BodyOnTheBorderDoesNotChangeHandsInEveryStep)
 {
 	TwoCubes scene;
-	EXPECT_FALSE(scene.world.watch().watchRegion(btVector3(-5, -1, -5), btVector3(btScalar(2.45), 1, 5)));
+	EXPECT_FALSE(scene.world.pairFilter().setRegion(btVector3(-5, -1, -5), btVector3(btScalar(2.45), 1, 5)));
 	scene.run(0.5, kRate);
 	expectOneOfTheTwo(scene, scene.right, false);
-	EXPECT_FALSE(scene.world.watch().watchRegion(btVector3(-5, -1, -5), btVector3(btScalar(2.55), 1, 5)));
+	EXPECT_FALSE(scene.world.pairFilter().setRegion(btVector3(-5, -1, -5), btVector3(btScalar(2.55), 1, 5)));
 	scene.run(0.1, kRate);
 	expectOneOfTheTwo(scene, scene.right, true);
-	EXPECT_FALSE(scene.world.watch().watchRegion(btVector3(-5, -1, -5), btVector3(btScalar(2.45), 1, 5)));
+	EXPECT_FALSE(scene.world.pairFilter().setRegion(btVector3(-5, -1, -5), btVector3(btScalar(2.45), 1, 5)));
 	scene.run(0.1, kRate);
 	expectOneOfTheTwo(scene, scene.right, true);
 }
@@ -137,8 +137,8 @@ TEST(Watch, SwitchingDuringARestLosesNothing)
 	for (int round = 0; round < 4; ++round)
 	{
 		const bool volumetric = round % 2 == 1;
-		if (volumetric) scene.world.watch().watchAllPairs();
-		else scene.world.watch().watchPair(scene.floor, scene.right);
+		if (volumetric) scene.world.pairFilter().acceptAllPairs();
+		else scene.world.pairFilter().addPair(scene.floor, scene.right);
 		scene.step(1 / kRate);
 		expectOneOfTheTwo(scene, scene.left, volumetric);
 		scene.run(2, kRate);
@@ -164,7 +164,7 @@ TEST(Watch, SwitchingDuringARestLosesNothing)
 	};
 	for (const bool watched : {true, false})
 	{
-		if (!watched) scene.world.watch().watchPair(scene.floor, scene.right);
+		if (!watched) scene.world.pairFilter().addPair(scene.floor, scene.right);
 		scene.run(1, kRate);
 		Count points;
 		const size_t contacts = scene.world.contacts().contacts().size();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Registry/btISTWatch.h"
+#include "BulletISTCollision/Registry/btISTPairFilter.h"
 
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
 #include "BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h"
@@ -14,12 +14,12 @@ namespace
 constexpr btScalar kHysteresis = btScalar(0.05);  // of the longest side
 }
 
-btISTWatch::Pair btISTWatch::sorted(const btCollisionObject* a, const btCollisionObject* b)
+btISTPairFilter::Pair btISTPairFilter::sorted(const btCollisionObject* a, const btCollisionObject* b)
 {
 	return std::less<const btCollisionObject*>()(b, a) ? Pair(b, a) : Pair(a, b);
 }
 
-void btISTWatch::watchPair(const btCollisionObject* a, const btCollisionObject* b)
+void btISTPairFilter::addPair(const btCollisionObject* a, const btCollisionObject* b)
 {
 	m_onlyPairs = true;
 	const Pair pair = sorted(a, b);
@@ -27,20 +27,20 @@ void btISTWatch::watchPair(const btCollisionObject* a, const btCollisionObject* 
 	if (at == m_pairs.end() || *at != pair) m_pairs.insert(at, pair);
 }
 
-void btISTWatch::unwatchPair(const btCollisionObject* a, const btCollisionObject* b)
+void btISTPairFilter::removePair(const btCollisionObject* a, const btCollisionObject* b)
 {
 	const Pair pair = sorted(a, b);
 	const auto at = std::lower_bound(m_pairs.begin(), m_pairs.end(), pair);
 	if (at != m_pairs.end() && *at == pair) m_pairs.erase(at);
 }
 
-void btISTWatch::watchAllPairs()
+void btISTPairFilter::acceptAllPairs()
 {
 	m_onlyPairs = false;
 	m_pairs.clear();
 }
 
-std::optional<ist::Error> btISTWatch::watchRegion(const btVector3& lower, const btVector3& upper)
+std::optional<ist::Error> btISTPairFilter::setRegion(const btVector3& lower, const btVector3& upper)
 {
 	for (int i = 0; i < 3; ++i)
 		if (!std::isfinite(lower[i]) || !std::isfinite(upper[i]) || lower[i] > upper[i])
@@ -51,22 +51,22 @@ std::optional<ist::Error> btISTWatch::watchRegion(const btVector3& lower, const 
 	return std::nullopt;
 }
 
-bool btISTWatch::coversPair(const btCollisionObject* a, const btCollisionObject* b) const
+bool btISTPairFilter::acceptsPair(const btCollisionObject* a, const btCollisionObject* b) const
 {
 	return !m_onlyPairs || std::binary_search(m_pairs.begin(), m_pairs.end(), sorted(a, b));
 }
 
-bool btISTWatch::covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
+bool btISTPairFilter::covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
 {
-	if (!coversPair(a.getCollisionObject(), b.getCollisionObject())) return false;
+	if (!acceptsPair(a.getCollisionObject(), b.getCollisionObject())) return false;
 	if (!m_hasRegion) return true;
 	btVector3 lowerA, upperA, lowerB, upperB;
 	a.getCollisionShape()->getAabb(a.getWorldTransform(), lowerA, upperA);
 	b.getCollisionShape()->getAabb(b.getWorldTransform(), lowerB, upperB);
-	return coversBoxes(lowerA, upperA, lowerB, upperB, was);
+	return acceptsBoxes(lowerA, upperA, lowerB, upperB, was);
 }
 
-bool btISTWatch::coversBoxes(
+bool btISTPairFilter::acceptsBoxes(
 	const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const
 {
 	if (!m_hasRegion) return true;

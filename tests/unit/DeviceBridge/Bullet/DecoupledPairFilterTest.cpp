@@ -38,12 +38,12 @@ struct TwoPressing
 	}
 	void watch(double from, double to)
 	{
-		ASSERT_FALSE(rig.world.watch().watchRegion(btVector3(btScalar(from), -1, -1), btVector3(btScalar(to), 1, 1)));
+		ASSERT_FALSE(rig.world.pairFilter().setRegion(btVector3(btScalar(from), -1, -1), btVector3(btScalar(to), 1, 1)));
 	}
 };
 }  // namespace
 
-TEST(DecoupledWatch, OnlyWhatIsInTheRegionIsFelt)
+TEST(DecoupledPairFilter, OnlyWhatIsInTheRegionIsFelt)
 {
 	TwoPressing scene;
 	scene.watch(-2, 0);
@@ -52,7 +52,7 @@ TEST(DecoupledWatch, OnlyWhatIsInTheRegionIsFelt)
 	EXPECT_GT(pressed, 1);
 	EXPECT_EQ(TwoPressing::force(*scene.right), 0);
 	// The tool stands inside by now: its force fades in, over a quarter of a second.
-	scene.rig.world.watch().watchEverywhere();
+	scene.rig.world.pairFilter().clearRegion();
 	scene.rig.run(0.6);
 	EXPECT_NEAR(TwoPressing::force(*scene.right), pressed, 0.01 * pressed);
 	EXPECT_LT(scene.steepest, 0.1 * pressed);
@@ -64,7 +64,7 @@ TEST(DecoupledWatch, OnlyWhatIsInTheRegionIsFelt)
 
 // The box of the tool is 40 mm wide, and the region keeps what it has until it is outside of one larger by a twentieth of its longest side
 // (0.1 m).
-TEST(DecoupledWatch, AToolOnTheBorderKeepsWhatItHas)
+TEST(DecoupledPairFilter, AToolOnTheBorderKeepsWhatItHas)
 {
 	const std::pair<double, bool> ends[] = {{2, true}, {0.93, true}, {0.85, false}, {0.93, false}, {1.0, true}};
 	TwoPressing scene;
