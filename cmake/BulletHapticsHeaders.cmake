@@ -102,7 +102,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Hand/HandPosture.h
 	DeviceBridge/Hand/HandRecording.h
 	DeviceBridge/Hand/HandShape.h
-	DeviceBridge/Hand/HandWatch.h
+	DeviceBridge/Hand/HandTrackingMonitor.h
 	DeviceBridge/Loop/AnsweringThread.h
 	DeviceBridge/Loop/ContactSource.h
 	DeviceBridge/Loop/ForceLaw.h
@@ -122,7 +122,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Safety/Saturation.h
 	DeviceBridge/Safety/SpeedBrake.h
 	DeviceBridge/Safety/StartInsideLatch.h
-	DeviceBridge/Safety/StateWatch.h
+	DeviceBridge/Safety/SampleMonitor.h
 	DeviceBridge/Timing/Clock.h
 	DeviceBridge/Timing/Delegate.h
 	DeviceBridge/Timing/SteadyTime.h

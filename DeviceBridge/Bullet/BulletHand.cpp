@@ -50,7 +50,7 @@ Result<std::unique_ptr<BulletHand>> BulletHand::create(
 		hand->body(i).setIgnoreCollisionCheck(&hand->body(parentOf(i)), true);
 		hand->body(parentOf(i)).setIgnoreCollisionCheck(&hand->body(i), true);
 	}
-	hand->m_watch = std::make_unique<HandWatch>(*hand->m_model, poses, settings.watch);
+	hand->m_watch = std::make_unique<HandTrackingMonitor>(*hand->m_model, poses, settings.watch);
 	return hand;
 }
 
@@ -108,7 +108,7 @@ void BulletHand::drive(const HandState& hand, double h) noexcept
 		// The dampers stay: a hand that has let go comes to rest.
 		gains.stiffness *= m_watch->grip();
 		gains.angularStiffness *= m_watch->grip();
-		const HandWatch::Target& target = m_watch->target(i);
+		const HandTrackingMonitor::Target& target = m_watch->target(i);
 		const ToolState tool{
 			toPose(part.body->getWorldTransform()), {toVec3(part.body->getLinearVelocity()), toVec3(part.body->getAngularVelocity())}};
 		part.coupling = couplingOnTool(gains, target.X_WB, target.twist, tool, part.mass, part.inertia, h);

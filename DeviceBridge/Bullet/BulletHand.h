@@ -3,7 +3,7 @@
 
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
-#include "DeviceBridge/Hand/HandWatch.h"
+#include "DeviceBridge/Hand/HandTrackingMonitor.h"
 
 #include "BulletCollision/CollisionShapes/btCollisionShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -20,7 +20,7 @@ struct BulletHandSettings
 	double palmForce = 60, palmTorque = 4;          ///< and that of the palm
 	double friction = 1;                            ///< of the skin; Bullet multiplies it with the object's
 	btContactMaterial skin{5e7, 2};
-	HandWatchLimits watch;
+	HandTrackingLimits watch;
 };
 
 /// Whether bodies touched in the last step: a contact whose pair was not looked at since, as where it sleeps, keeps what it was.
@@ -44,8 +44,8 @@ public:
 	BulletHand(const BulletHand&) = delete;
 	BulletHand& operator=(const BulletHand&) = delete;
 
-	/// Before each step of `h` [s] of the world: the targets move to `hand`, and the couplings pull. Bad samples: see HandWatch. O(parts),
-	/// no allocation.
+	/// Before each step of `h` [s] of the world: the targets move to `hand`, and the couplings pull. Bad samples: see HandTrackingMonitor.
+	/// O(parts), no allocation.
 	void drive(const HandState& hand, double h) noexcept;
 
 	const HandModel& model() const noexcept { return *m_model; }
@@ -54,7 +54,7 @@ public:
 	int partOf(const btCollisionObject* object) const noexcept;
 	/// Of the coupling on the part in the last step, about its centre of mass, World.
 	const ist::Wrench& coupling(int part) const noexcept { return m_parts[static_cast<std::size_t>(part)].coupling; }
-	const HandWatch& pairFilter() const noexcept { return *m_watch; }
+	const HandTrackingMonitor& pairFilter() const noexcept { return *m_watch; }
 
 	/// Sums over the contacts of the last step that parts had, with other bodies and with each other.
 	struct Touch
@@ -85,6 +85,6 @@ private:
 	btISTWorld& m_world;
 	std::shared_ptr<const HandModel> m_model;
 	std::array<Part, kHandParts> m_parts;
-	std::unique_ptr<HandWatch> m_watch;
+	std::unique_ptr<HandTrackingMonitor> m_watch;
 };
 }  // namespace devicebridge

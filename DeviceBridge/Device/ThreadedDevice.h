@@ -12,7 +12,7 @@ namespace devicebridge
 /// A device behind a link whose calls may block. The link has a thread of its own, which publishes the newest sample; read() and
 /// write() never wait. A command that expires is replaced by zero on that thread, whether or not anybody calls.
 ///   link lost              -> read() and write() answer Disconnected, complaint() says why
-///   no new sample          -> the sample and its sequence repeat, which StateWatch takes for a frozen device
+///   no new sample          -> the sample and its sequence repeat, which SampleMonitor takes for a frozen device
 ///   a call that never ends -> the same; close() leaves the thread behind after kPatience, and open() is refused until it ends
 class ThreadedDevice final : public Device
 {

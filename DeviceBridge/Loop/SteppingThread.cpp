@@ -28,7 +28,7 @@ bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3() && w.torque ==
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
 
 // A camera or a glove that samples at 60 Hz is not frozen between two samples.
-StateWatchSettings watchOf(const DeviceInfo& info, StateWatchSettings settings)
+SampleMonitorSettings watchOf(const DeviceInfo& info, SampleMonitorSettings settings)
 {
 	const double threePeriods = info.nominalRate > 0 ? 3e9 / info.nominalRate : 0;
 	settings.frozenAfter = std::max(settings.frozenAfter, static_cast<std::int64_t>(std::min(threePeriods, 1e9)));

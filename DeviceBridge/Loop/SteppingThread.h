@@ -10,7 +10,7 @@
 #include "DeviceBridge/Loop/GapBridge.h"
 #include "DeviceBridge/Safety/FaultCause.h"
 #include "DeviceBridge/Safety/SafetyLimiter.h"
-#include "DeviceBridge/Safety/StateWatch.h"
+#include "DeviceBridge/Safety/SampleMonitor.h"
 #include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Timing/Delegate.h"
 #include "DeviceBridge/Timing/SteadyTime.h"
@@ -43,7 +43,7 @@ struct SteppingSettings
 	bool lockMemory = false;
 	int priority = 80;  ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
 	SafetySettings safety;
-	StateWatchSettings watch;
+	SampleMonitorSettings watch;
 };
 
 /// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
@@ -156,7 +156,7 @@ private:
 	GapBridge m_gapBridge;
 	SteppingSettings m_settings;
 	SafetyLimiter m_limiter;
-	StateWatch m_watch;
+	SampleMonitor m_watch;
 	CouplingForceLaw m_couplingLaw;
 	ForceLaw* m_law = &m_couplingLaw;
 

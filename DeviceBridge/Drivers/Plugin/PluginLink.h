@@ -9,7 +9,7 @@
 
 namespace devicebridge
 {
-/// A device of a plug-in. What the plug-in says is checked as that of any device is: by StateWatch and SafetyLimiter.
+/// A device of a plug-in. What the plug-in says is checked as that of any device is: by SampleMonitor and SafetyLimiter.
 class PluginLink final : public DeviceLink
 {
 public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Hand/HandWatch.h"
+#include "DeviceBridge/Hand/HandTrackingMonitor.h"
 #include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/Hand/LightHand.h"
 
@@ -19,7 +19,7 @@ struct Watched
 {
 	HandModel model;  // no trees: the watch needs none
 	HandState hand = posedHand({}, kSize);
-	HandWatch watch;
+	HandTrackingMonitor watch;
 
 	Watched() : model(make()), watch(model, handPartPoses(model, hand)) {}
 	static HandModel make()
@@ -37,7 +37,7 @@ struct Watched
 };
 }  // namespace
 
-TEST(HandWatch, FollowsAGoodHandExactly)
+TEST(HandTrackingMonitor, FollowsAGoodHandExactly)
 {
 	Watched w;
 	for (int i = 1; i <= 100; ++i)
@@ -51,7 +51,7 @@ TEST(HandWatch, FollowsAGoodHandExactly)
 	EXPECT_EQ(w.watch.complaints().sentence(), "");
 }
 
-TEST(HandWatch, JumpsAreFollowedAtTheLargestSpeed)
+TEST(HandTrackingMonitor, JumpsAreFollowedAtTheLargestSpeed)
 {
 	Watched w;
 	moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0, 3, 0})), {1, 2, 3}});
@@ -60,7 +60,7 @@ TEST(HandWatch, JumpsAreFollowedAtTheLargestSpeed)
 	while (w.away(kThumb3) > 1e-9 && ticks < 3000)
 	{
 		w.watch.update(w.hand, kTick);
-		const HandWatch::Target& now = w.watch.target(kThumb3);
+		const HandTrackingMonitor::Target& now = w.watch.target(kThumb3);
 		ASSERT_LE(distance(now.X_WB.translation, before), 4 * kTick * (1 + 1e-9));
 		ASSERT_LE(norm(now.twist.angular), 40 * (1 + 1e-9));
 		ASSERT_TRUE(isRigid(now.X_WB, 1e-9));
@@ -72,7 +72,7 @@ TEST(HandWatch, JumpsAreFollowedAtTheLargestSpeed)
 	EXPECT_NE(w.watch.complaints().sentence().find("jumped"), std::string::npos);
 }
 
-TEST(HandWatch, MissingPartsGoWithThePalm)
+TEST(HandTrackingMonitor, MissingPartsGoWithThePalm)
 {
 	Watched w;
 	w.watch.update(w.hand, kTick);
@@ -94,7 +94,7 @@ TEST(HandWatch, MissingPartsGoWithThePalm)
 	EXPECT_EQ(w.watch.complaints().jumps, 0u);
 }
 
-TEST(HandWatch, LostHandsStandStillThenLetGoAndComeBack)
+TEST(HandTrackingMonitor, LostHandsStandStillThenLetGoAndComeBack)
 {
 	Watched w;
 	w.watch.update(w.hand, kTick);
@@ -112,7 +112,7 @@ TEST(HandWatch, LostHandsStandStillThenLetGoAndComeBack)
 	EXPECT_NE(w.watch.complaints().sentence().find("lost"), std::string::npos);
 }
 
-TEST(HandWatch, PlacesBeyondAnyRoomAreNone)
+TEST(HandTrackingMonitor, PlacesBeyondAnyRoomAreNone)
 {
 	Watched w;
 	const HandState good = w.hand;
@@ -127,7 +127,7 @@ TEST(HandWatch, PlacesBeyondAnyRoomAreNone)
 	}
 }
 
-TEST(HandWatch, TheOtherHandIsNotUsed)
+TEST(HandTrackingMonitor, TheOtherHandIsNotUsed)
 {
 	Watched w;
 	HandState other = posedHand({}, {true, 0.189});
@@ -139,7 +139,7 @@ TEST(HandWatch, TheOtherHandIsNotUsed)
 	EXPECT_EQ(w.watch.complaints().lost, 0u);
 }
 
-TEST(HandWatch, DoesNotAllocate)
+TEST(HandTrackingMonitor, DoesNotAllocate)
 {
 	Watched w;
 	const long before = allocationCount();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Hand/HandWatch.h"
+#include "DeviceBridge/Hand/HandTrackingMonitor.h"
 
 #include <algorithm>
 
@@ -22,7 +22,7 @@ std::string HandComplaints::sentence() const
 	return text;
 }
 
-HandWatch::HandWatch(const HandModel& model, const HandPartPoses& start, const HandWatchLimits& limits)
+HandTrackingMonitor::HandTrackingMonitor(const HandModel& model, const HandPartPoses& start, const HandTrackingLimits& limits)
 	: m_model(model),
 	  m_limits(limits),
 	  m_last(start)
@@ -31,7 +31,7 @@ HandWatch::HandWatch(const HandModel& model, const HandPartPoses& start, const H
 }
 
 /// False where the limits kept it back.
-bool HandWatch::moveTowards(Target& target, const Pose& X_WB, double dt) const noexcept
+bool HandTrackingMonitor::moveTowards(Target& target, const Pose& X_WB, double dt) const noexcept
 {
 	Vec3 way = X_WB.translation - target.X_WB.translation,
 		 turn = rotationVector(quaternion(X_WB.rotation * transpose(target.X_WB.rotation)));
@@ -50,7 +50,7 @@ bool HandWatch::moveTowards(Target& target, const Pose& X_WB, double dt) const n
 	return false;
 }
 
-void HandWatch::update(const HandState& hand, double dt) noexcept
+void HandTrackingMonitor::update(const HandState& hand, double dt) noexcept
 {
 	++m_complaints.ticks;
 	const bool wrongSide = hand.left != m_model.shape.left;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Safety/StateWatch.h"
+#include "DeviceBridge/Safety/SampleMonitor.h"
 
 #include <gtest/gtest.h>
 
@@ -23,37 +23,37 @@ DeviceState sample(int tick, const ist::Vec3& position, const ist::Vec3& velocit
 }
 }  // namespace
 
-TEST(StateWatch, AHandAtRestAndAFastOneAreFine)
+TEST(SampleMonitor, AHandAtRestAndAFastOneAreFine)
 {
-	StateWatch watch;
+	SampleMonitor watch;
 	for (int i = 1; i < 500; ++i) ASSERT_EQ(watch.judge(sample(i, {1000, 0, 0}), i * kMs), FaultCause::None);
 	for (int i = 500; i < 600; ++i)
 		ASSERT_EQ(watch.judge(sample(i, {1000 + 5e-3 * (i - 500), 0, 0}, {5, 0, 0}), i * kMs), FaultCause::None);
 }
 
-TEST(StateWatch, AJumpIsBelievedOnlyAfterSteadySamples)
+TEST(SampleMonitor, AJumpIsBelievedOnlyAfterSteadySamples)
 {
-	StateWatch watch;
+	SampleMonitor watch;
 	for (int i = 1; i < 10; ++i) watch.judge(sample(i, {}), i * kMs);
 	for (int i = 10; i < 30; ++i) ASSERT_EQ(watch.judge(sample(i, {0.1, 0, 0}), i * kMs), FaultCause::Jump) << i;
 	EXPECT_EQ(watch.judge(sample(30, {0.1, 0, 0}), 30 * kMs), FaultCause::None);
 }
 
-TEST(StateWatch, ATurnThatNoHandMakesIsAJump)
+TEST(SampleMonitor, ATurnThatNoHandMakesIsAJump)
 {
 	const auto turned = [](int tick, double angle) {
 		DeviceState s = sample(tick, {});
 		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(angle * ist::Vec3{0.6, 0, -0.8}));
 		return s;
 	};
-	StateWatch watch;
+	SampleMonitor watch;
 	for (int i = 1; i < 500; ++i)
 		ASSERT_EQ(watch.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
 	// Around the limit after a millisecond, which is 1.1 rad, and up to half a turn.
 	for (const double angle : {1.05, -1.05, 1.15, -1.15, 2.0, 3.14})
 	{
 		const FaultCause expected = std::abs(angle) > 1.1 ? FaultCause::Jump : FaultCause::None;
-		StateWatch fresh;
+		SampleMonitor fresh;
 		fresh.judge(turned(1, 1), kMs);
 		for (int i = 2; i < 22; ++i) ASSERT_EQ(fresh.judge(turned(i, 1 + angle), i * kMs), expected) << angle << ", sample " << i;
 		EXPECT_EQ(fresh.judge(turned(22, 1 + angle), 22 * kMs), FaultCause::None) << angle;
@@ -61,11 +61,11 @@ TEST(StateWatch, ATurnThatNoHandMakesIsAJump)
 }
 
 // A tracker of 30 Hz, read at 1 kHz: what it moves and turns between two samples of its own is no jump.
-TEST(StateWatch, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
+TEST(SampleMonitor, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
 {
-	StateWatchSettings settings;
+	SampleMonitorSettings settings;
 	settings.frozenAfter = 100 * kMs;
-	StateWatch watch(settings);
+	SampleMonitor watch(settings);
 	for (int tick = 1; tick < 1000; ++tick)
 	{
 		const int sampled = tick - tick % 33;
@@ -75,9 +75,9 @@ TEST(StateWatch, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
 	}
 }
 
-TEST(StateWatch, RepeatedSamplesAreFrozenAfterTenMilliseconds)
+TEST(SampleMonitor, RepeatedSamplesAreFrozenAfterTenMilliseconds)
 {
-	StateWatch numbered, still;
+	SampleMonitor numbered, still;
 	for (int i = 1; i <= 5; ++i) numbered.judge(sample(i, {}), i * kMs), still.judge(sample(i, {}), i * kMs);
 	for (int i = 6; i <= 40; ++i)
 	{
@@ -89,9 +89,9 @@ TEST(StateWatch, RepeatedSamplesAreFrozenAfterTenMilliseconds)
 	EXPECT_EQ(numbered.judge(sample(41, {}), 41 * kMs), FaultCause::None);
 }
 
-TEST(StateWatch, WhatIsNotAPoseIsInvalid)
+TEST(SampleMonitor, WhatIsNotAPoseIsInvalid)
 {
-	StateWatch watch;
+	SampleMonitor watch;
 	DeviceState bad = sample(1, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
 	EXPECT_EQ(watch.judge(bad, kMs), FaultCause::InvalidState);
 	bad = sample(2, {});

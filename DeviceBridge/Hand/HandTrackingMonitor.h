@@ -8,7 +8,7 @@
 
 namespace devicebridge
 {
-struct HandWatchLimits
+struct HandTrackingLimits
 {
 	double speed = 4;       ///< fastest that a part's target moves [m/s]; what goes further is a jump, and followed at this speed
 	double turning = 40;    ///< and turns [rad/s]
@@ -31,7 +31,7 @@ struct HandComplaints
 
 /// Turns samples of a hand, whatever their state, into targets that a coupling can follow: finite, rigid, continuous. A part that is
 /// missing stays where it was on the palm; without the palm the whole hand stands still and, after a while, lets go. No allocation.
-class HandWatch
+class HandTrackingMonitor
 {
 public:
 	struct Target
@@ -41,7 +41,7 @@ public:
 	};
 
 	/// The hand begins in `start`, all of whose parts are known. The model outlives this.
-	HandWatch(const HandModel& model, const HandPartPoses& start, const HandWatchLimits& limits = {});
+	HandTrackingMonitor(const HandModel& model, const HandPartPoses& start, const HandTrackingLimits& limits = {});
 
 	/// `dt` [s] positive.
 	void update(const HandState& hand, double dt) noexcept;
@@ -54,7 +54,7 @@ private:
 	bool moveTowards(Target& target, const ist::Pose& X_WB, double dt) const noexcept;
 
 	const HandModel& m_model;
-	HandWatchLimits m_limits;
+	HandTrackingLimits m_limits;
 	HandPartPoses m_last;  // those of missing parts carried along by the palm
 	std::array<Target, kHandParts> m_targets;
 	double m_grip = 1, m_lostFor = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Safety/StateWatch.h"
+#include "DeviceBridge/Safety/SampleMonitor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ constexpr double kMovingSpeed = 0.02;  // [m/s]: at this speed 10 ms are more th
 }  // namespace
 
 // A handle at rest repeats its pose too, but then its twist is zero and its sequence goes on.
-bool StateWatch::repeats(const DeviceState& state) const noexcept
+bool SampleMonitor::repeats(const DeviceState& state) const noexcept
 {
 	const bool sameNumber = state.sequence != 0 && state.sequence == m_last.sequence;
 	if (sameNumber || state.sampledAt == m_last.sampledAt) return true;
@@ -34,14 +34,14 @@ bool StateWatch::repeats(const DeviceState& state) const noexcept
 }
 
 /// `seconds`: since the last sample that was new. Devices may be slower than who reads them.
-bool StateWatch::jumped(const DeviceState& state, double seconds) const noexcept
+bool SampleMonitor::jumped(const DeviceState& state, double seconds) const noexcept
 {
 	const double way = distance(state.X_WH.translation, m_last.X_WH.translation);
 	const double turn = turnBetween(state.X_WH.rotation, m_last.X_WH.rotation);
 	return way > m_settings.longestJump + m_settings.speed * seconds || turn > m_settings.longestTurn + m_settings.angularSpeed * seconds;
 }
 
-FaultCause StateWatch::judge(const DeviceState& state, std::int64_t now) noexcept
+FaultCause SampleMonitor::judge(const DeviceState& state, std::int64_t now) noexcept
 {
 	if (!isRigid(state.X_WH) || !isFinite(state.twist)) return FaultCause::InvalidState;
 	const bool first = !m_hasLast, repeated = !first && repeats(state);

@@ -6,7 +6,7 @@
 
 namespace devicebridge
 {
-struct StateWatchSettings
+struct SampleMonitorSettings
 {
 	double longestJump = 0.05;  ///< between two samples beyond what `speed` explains [m]
 	double speed = 10;          ///< that a hand never has [m/s]
@@ -18,10 +18,10 @@ struct StateWatchSettings
 };
 
 /// Judges the samples of a device: a pose that is not rigid, a jump, samples that repeat.
-class StateWatch
+class SampleMonitor
 {
 public:
-	explicit StateWatch(const StateWatchSettings& settings = {}) : m_settings(settings) {}
+	explicit SampleMonitor(const SampleMonitorSettings& settings = {}) : m_settings(settings) {}
 
 	/// What is wrong with a sample that was read at `now` [ns].
 	FaultCause judge(const DeviceState& state, std::int64_t now) noexcept;
@@ -32,7 +32,7 @@ private:
 	bool repeats(const DeviceState& state) const noexcept;
 	bool jumped(const DeviceState& state, double seconds) const noexcept;
 
-	StateWatchSettings m_settings;
+	SampleMonitorSettings m_settings;
 	DeviceState m_last;
 	std::int64_t m_lastFresh = 0;
 	int m_distrust = 0;  ///< good samples still wanted after a jump
