@@ -115,12 +115,12 @@ std::optional<ist::Error> btISTRegistration::setPairRule(std::shared_ptr<const b
 	return std::nullopt;
 }
 
-std::optional<ist::Error> btISTRegistration::setGate(bool on)
+std::optional<ist::Error> btISTRegistration::requireInnerOverlap(bool on)
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
 	btISTQueryRules& rules = m_installation->context->rules;
 	ist::QueryOptions options = rules.options();
-	options.gate = on;
+	options.requireInnerOverlap = on;
 	rules.set(options, rules.forceError());
 	return std::nullopt;
 }

@@ -131,7 +131,7 @@ private:
 		options.blend = m_arguments.blend;
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
 		options.listMeetingBounds = m_energyLaw;
-		options.gate = m_arguments.gate;
+		options.requireInnerOverlap = m_arguments.gate;
 		ask(X, workspace, options, a);
 		if (a.overlap.status != QueryStatus::Ok) return a;
 		a.enoughPairs = !(m_paper || m_energyLaw) || a.overlap.pairListComplete;

@@ -78,7 +78,7 @@ struct Answer
 Answer ask(const Body& A, const Body& B, const Pose& X, bool gate, QueryWorkspace& workspace)
 {
 	QueryOptions options;
-	options.gate = gate;
+	options.requireInnerOverlap = gate;
 	Answer answer;
 	std::vector<double> seconds;
 	for (int i = 0; i < kRepeats; ++i)
@@ -111,7 +111,7 @@ void printPair(const Body& A, const Body& B, int poses)
 {
 	QueryWorkspace workspace;
 	const double shallow = kShallow * std::min(A.tree.volume, B.tree.volume);
-	double volume = 0, most = 0, force = 0, gatedMost = 0, kept[2] = {}, cost[2] = {};
+	double volume = 0, most = 0, force = 0, mostWithInnerOverlap = 0, kept[2] = {}, cost[2] = {};
 	int reached[2] = {};  // a thin body may never overlap so much
 	for (int i = 0; i < poses; ++i)
 	{
@@ -120,7 +120,7 @@ void printPair(const Body& A, const Body& B, int poses)
 		volume += ghost.volume / shallow / poses;
 		force += ghost.force / shallow / poses;
 		most = std::max(most, ghost.volume / shallow);
-		gatedMost = std::max({gatedMost, gated.volume / shallow, gated.force / shallow});
+		mostWithInnerOverlap = std::max({mostWithInnerOverlap, gated.volume / shallow, gated.force / shallow});
 		for (const int k : {0, 1})
 		{
 			const Pose deep = pushedTo(A, B, X, (k == 0 ? 1 : 10) * shallow, workspace);
@@ -132,7 +132,8 @@ void printPair(const Body& A, const Body& B, int poses)
 		}
 	}
 	std::printf("%-13s %8.2f %8.2f %8.2f %8.2g | %8.1f %8.1f | %5.2f %5.2f\n", (A.name + "-" + B.name).c_str(), 100 * volume, 100 * most,
-		100 * force, 100 * gatedMost, 100 * kept[0] / reached[0], 100 * kept[1] / reached[1], cost[0] / reached[0], cost[1] / reached[1]);
+		100 * force, 100 * mostWithInnerOverlap, 100 * kept[0] / reached[0], 100 * kept[1] / reached[1], cost[0] / reached[0],
+		cost[1] / reached[1]);
 	std::fflush(stdout);
 }
 /// A box face down on a larger one, at random shifts and yaws: force over that of the continuum.
@@ -162,7 +163,7 @@ void printFlat(int spheres, int poses)
 			const double truth = quadrature.integrate(X, {}, 200, 100000).wrench().force.z;
 			const auto ratio = [&](bool gate) {
 				QueryOptions query;
-				query.gate = gate;
+				query.requireInnerOverlap = gate;
 				return pressureWrench(queryOverlap(A.value(), B.value(), X, workspace, query).total, {}).force.z / truth;
 			};
 			const double f = ratio(false);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Query/FieldPress.h"
-#include "BulletISTCollision/Core/Query/OverlapGate.h"
+#include "BulletISTCollision/Core/Query/InnerOverlap.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
 
 #include <algorithm>
@@ -273,7 +273,8 @@ OverlapResult queryTreeInField(
 OverlapResult queryField(
 	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options)
 {
-	return gatedAnswer(options, workspace, [&](const QueryOptions& o) { return queryTreeInField(A, field, X_AF, workspace, o); });
+	return answerWithInnerOverlap(
+		options, workspace, [&](const QueryOptions& o) { return queryTreeInField(A, field, X_AF, workspace, o); });
 }
 
 OverlapResult queryHalfSpace(

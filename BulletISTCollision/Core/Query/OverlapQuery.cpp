@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
+#include "BulletISTCollision/Core/Query/InnerOverlap.h"
 #include "BulletISTCollision/Core/Query/LevelQuery.h"
-#include "BulletISTCollision/Core/Query/OverlapGate.h"
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
 #include <algorithm>
@@ -113,9 +113,9 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 	const QueryOptions& options, PairMemory* memory)
 {
 	// At once, lest bodies that come to meet behind the gate allocate.
-	if (options.gate) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
+	if (options.requireInnerOverlap) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
 	// The gate's own query of the packed spheres would drive out what is remembered.
-	return gatedAnswer(options, workspace,
+	return answerWithInnerOverlap(options, workspace,
 		[&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr); });
 }
 }  // namespace ist

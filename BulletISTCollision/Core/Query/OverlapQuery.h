@@ -100,8 +100,8 @@ struct QueryOptions
 	bool listMeetingBounds = false;
 	/// Nothing while the packed spheres of both bodies are apart. Leaves reach beyond the surface by up to a gap, so bodies that only touch
 	/// already press a little; with the gate they do not, but contact shallower than the gaps is lost too. Multiplies the integrals, not
-	/// the listed pairs; the error bar does not know what it takes. Costs a query of the packed spheres (Kernels/OverlapGate.h).
-	bool gate = false;
+	/// the listed pairs; the error bar does not know what it takes. Costs a query of the packed spheres (Kernels/InnerOverlap.h).
+	bool requireInnerOverlap = false;
 };
 
 struct QueryCapacity

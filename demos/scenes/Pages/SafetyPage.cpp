@@ -146,7 +146,7 @@ double powerAtSpeed(const SafetySettings& settings)
 	return 2 * attack.tick({kPeak, 0, 0}).force.x;
 }
 
-void addGates(std::vector<SafetyRow>& rows)
+void addInnerOverlapChoices(std::vector<SafetyRow>& rows)
 {
 	const Vec3 push{kPeak, 0, 0};
 	const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -198,7 +198,7 @@ bool SafetyOutcome::ok() const
 SafetyOutcome runSafety()
 {
 	SafetyOutcome out;
-	addGates(out.rows);
+	addInnerOverlapChoices(out.rows);
 	addLimits(out.rows);
 	return out;
 }

@@ -55,7 +55,7 @@ public:
 	{
 		QueryOptions options;
 		options.patches = options.stiffness = false;
-		options.gate = true;
+		options.requireInnerOverlap = true;
 		const OverlapResult r = queryOverlap(m_A, m_B, X, m_workspace, options);
 		const Vec3 push = m_force ? pressureWrench(r.total, {}).force : r.total.areaVector;
 		return {push, int(r.total.volume > 0 ? r.total.pairs : 0)};

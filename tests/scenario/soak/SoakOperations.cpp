@@ -45,7 +45,7 @@ void changeSettings(SoakWorld& world, Random& random)
 	{
 	case 0: EXPECT_FALSE(ist.setContactCache({below(random, 4) > 0, between(random, 0, 0.1)})); break;
 	case 1: EXPECT_FALSE(ist.setForceError(below(random, 2) ? 0.05 : 0)); break;
-	case 2: ist.registration().setGate(below(random, 2)); break;
+	case 2: ist.registration().requireInnerOverlap(below(random, 2)); break;
 	case 3: EXPECT_FALSE(ist.pairFilter().setRegion(btVector3(-1, 0, -1), btVector3(1, 2, 1))); break;
 	case 4: ist.pairFilter().clearRegion(); break;
 	default: ist.setMostSubsteps(1 + below(random, 3));

@@ -217,7 +217,7 @@ TEST(PairMemory, GroupsAndGatesAsWithout)
 	QueryWorkspace workspace, other;
 	PairMemory memory;
 	QueryOptions options;
-	options.gate = true;
+	options.requireInnerOverlap = true;
 	Motion motion(A, B, 0.001, 3);
 	for (int tick = 0; tick < 30; ++tick)
 	{

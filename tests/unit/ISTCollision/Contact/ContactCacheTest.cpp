@@ -326,7 +326,7 @@ TEST(btISTContactCache, OtherOptionsOfTheQueryAreSeenWhileNothingMoves)
 	Pair pair(kTolerant);
 	pair.look(at(vec(0, 1.001, 0)));
 	const bool touched = pair.contact()->patchCount > 0;
-	pair.registration.setGate(true);
+	pair.registration.requireInnerOverlap(true);
 	pair.look();
 	EXPECT_EQ(pair.cost().asked, 2u);
 	EXPECT_TRUE(touched);

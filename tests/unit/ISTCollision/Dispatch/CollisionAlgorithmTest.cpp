@@ -281,7 +281,7 @@ TEST(btISTCollisionAlgorithm, GateShutsOutWhatOnlyTouches)
 	w.add(&shape, 0, at(0, 0, 0));
 	btRigidBody* const upper = w.add(&shape, 1, at(.1, 1, .1));
 	const auto volumeAt = [&](double height, bool gate) {
-		r.setGate(gate);
+		r.requireInnerOverlap(gate);
 		upper->setWorldTransform(at(.1, height, .1));
 		w.world->performDiscreteCollisionDetection();
 		return r.store().contacts().empty() ? -1 : r.store().contacts()[0]->total.volume;

@@ -295,7 +295,7 @@ const Use kUses[] = {
 	{"sharedStore", [](auto& r) { return r.sharedStore().get() == &r.store(); }},
 	{"watch", [](auto& r) { return r.pairFilter().addPair(nullptr, nullptr), &r.pairFilter() == &r.pairFilter(); }},
 	{"setPairRule", [](auto& r) { return isReleased(r.setPairRule(std::make_shared<btISTDefaultPairRule>())); }},
-	{"setGate", [](auto& r) { return isReleased(r.setGate(true)); }},
+	{"requireInnerOverlap", [](auto& r) { return isReleased(r.requireInnerOverlap(true)); }},
 	{"setForceError", [](auto& r) { return isReleased(r.setForceError(0.1)); }},
 	{"forceError", [](auto& r) { return r.forceError() == 0; }},
 	{"setForceErrorOf", [](auto& r) { return isReleased(r.setForceErrorOf(nullptr, 0.1)); }},

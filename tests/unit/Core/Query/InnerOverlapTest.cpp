@@ -40,12 +40,12 @@ Pose cornerOnFace(std::mt19937_64& random, double depth)
 OverlapResult ask(const Pose& X, bool gate, QueryWorkspace& workspace)
 {
 	QueryOptions options;
-	options.gate = gate;
+	options.requireInnerOverlap = gate;
 	return queryOverlap(box(), box(), X, workspace, options);
 }
 }  // namespace
 
-TEST(OverlapGate, BodiesThatTouchFeelNothing)
+TEST(InnerOverlap, BodiesThatTouchFeelNothing)
 {
 	ASSERT_FALSE(box().law.empty());
 	QueryWorkspace workspace;
@@ -64,7 +64,7 @@ TEST(OverlapGate, BodiesThatTouchFeelNothing)
 	EXPECT_GT(ghost, 1e-5) << "nothing to shut out";
 }
 
-TEST(OverlapGate, IsOpenWhereBodiesOverlapBeyondDoubt)
+TEST(InnerOverlap, IsOpenWhereBodiesOverlapBeyondDoubt)
 {
 	QueryWorkspace workspace;
 	std::mt19937_64 random(6);
@@ -80,7 +80,7 @@ TEST(OverlapGate, IsOpenWhereBodiesOverlapBeyondDoubt)
 	}
 }
 
-TEST(OverlapGate, OpensWithoutAJump)
+TEST(InnerOverlap, OpensWithoutAJump)
 {
 	QueryWorkspace workspace;
 	constexpr int kSteps = 2000;
@@ -112,7 +112,7 @@ TEST(OverlapGate, OpensWithoutAJump)
 	}
 }
 
-TEST(OverlapGate, OpensWithoutAllocating)
+TEST(InnerOverlap, OpensWithoutAllocating)
 {
 	QueryWorkspace workspace;
 	EXPECT_EQ(ask({{}, {0, 0, 1}}, true, workspace).total.volume, 0);
@@ -121,7 +121,7 @@ TEST(OverlapGate, OpensWithoutAllocating)
 	EXPECT_EQ(allocationCount(), before);
 }
 
-TEST(OverlapGate, HoldsForClosedFormsToo)
+TEST(InnerOverlap, HoldsForClosedFormsToo)
 {
 	QueryWorkspace workspace;
 	QueryOptions gate;

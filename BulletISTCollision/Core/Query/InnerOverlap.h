@@ -8,27 +8,27 @@
 namespace ist
 {
 /// Packed spheres lie inside their bodies. Where they share this part of what the leaves share, the bodies overlap beyond doubt.
-constexpr double kSureShare = 0.02;
+constexpr double kInnerShare = 0.02;
 
 /// What the gate lets pass, 0 to 1 with a continuous slope: `sure` is the volume that the packed spheres share, `volume` that of the
 /// leaves.
-inline double gateShare(double sure, double volume)
+inline double innerOverlapShare(double sure, double volume)
 {
-	const double t = volume > 0 ? std::min(1.0, sure / (kSureShare * volume)) : 0;
+	const double t = volume > 0 ? std::min(1.0, sure / (kInnerShare * volume)) : 0;
 	return t * t * (3 - 2 * t);
 }
 
-/// `answer(options)` behind the gate that `QueryOptions::gate` asks for.
-template <class Answer> OverlapResult gatedAnswer(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
+/// `answer(options)` behind the gate that `QueryOptions::requireInnerOverlap` asks for.
+template <class Answer> OverlapResult answerWithInnerOverlap(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
 {
-	if (!options.gate) return answer(options);
+	if (!options.requireInnerOverlap) return answer(options);
 	QueryOptions packed;
 	packed.model = Model::Inner;
 	packed.patches = packed.stiffness = false;
 	const OverlapResult sure = answer(packed);
 	if (sure.status != QueryStatus::Ok || !(sure.total.volume > 0)) return sure;
 	OverlapResult result = answer(options);
-	const double share = gateShare(sure.total.volume, result.total.volume);
+	const double share = innerOverlapShare(sure.total.volume, result.total.volume);
 	result.total.scale(share);
 	for (int p = 0; p < result.patchCount; ++p) workspace.implementation().patches[p].scale(share);
 	result.nodeVisits += sure.nodeVisits;
