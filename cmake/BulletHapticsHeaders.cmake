@@ -24,9 +24,9 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/btBulletHapticForceCommon.h
 	BulletISTCollision/Contact/btISTContactStore.h
 	BulletISTCollision/Contact/btISTContactCache.h
-	BulletISTCollision/Core/Accuracy/ForcePromise.h
+	BulletISTCollision/Core/Accuracy/ForceErrorBound.h
 	BulletISTCollision/Core/Accuracy/LevelCalibration.h
-	BulletISTCollision/Core/Accuracy/PairAccuracy.h
+	BulletISTCollision/Core/Accuracy/AdaptiveLevel.h
 	BulletISTCollision/Core/Asset/AssetFile.h
 	BulletISTCollision/Core/Base/FrozenArray.h
 	BulletISTCollision/Core/Base/InstructionSet.h

@@ -87,8 +87,8 @@ btISTPairReport ofContact(const btISTContact& contact, double thickness, bool as
 	const double floor = btISTCachedResult::floorForce(contact);
 	const double kept = contact.use == btISTCachedResult::Moved ? contactCache.maxError : 0;
 	report.expectedError = std::hypot(contact.error.force / std::max(report.force, floor), kept);
-	report.promisedError = contact.accuracy.level >= 0 ? contact.accuracy.promise : std::numeric_limits<double>::quiet_NaN();
-	report.promiseKept = contact.accuracy.level >= 0 && contact.accuracy.kept;
+	report.forceErrorBound = contact.accuracy.level >= 0 ? contact.accuracy.errorBound : std::numeric_limits<double>::quiet_NaN();
+	report.withinTolerance = contact.accuracy.level >= 0 && contact.accuracy.kept;
 	report.cost = contact.cost;
 	if (contact.cost.asked > 0 && contact.cost.seconds > 0)
 		report.savedSeconds = double(contact.cost.cached()) * contact.cost.querySeconds / double(contact.cost.asked) -
@@ -99,7 +99,7 @@ btISTPairReport ofContact(const btISTContact& contact, double thickness, bool as
 btISTPairReport withoutContact(const Objects& pair, const btISTRegistry& registry)
 {
 	btISTPairReport report;
-	report.expectedError = report.promisedError = std::numeric_limits<double>::quiet_NaN();
+	report.expectedError = report.forceErrorBound = std::numeric_limits<double>::quiet_NaN();
 	if (sleeps(pair)) report.reason = "not looked at: both sleep or cannot move";
 	else if (!pair.first->checkCollideWith(pair.second) || !pair.second->checkCollideWith(pair.first))
 		report.reason = "the two are told not to collide";
@@ -248,9 +248,9 @@ std::vector<std::string> btISTSceneReport::lines() const
 		if (p.deepest > 0)
 			line += ", " + number(1e3 * p.depth, 3) + " mm deep (at most " + number(100 * p.deepest, 2) + " % of the thinner body), k " +
 				number(p.k, 3) + " Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
-		if (std::isfinite(p.promisedError))
-			line += ", promised within " + number(100 * p.promisedError, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
-				(p.promiseKept ? "" : ": not kept");
+		if (std::isfinite(p.forceErrorBound))
+			line += ", promised within " + number(100 * p.forceErrorBound, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
+				(p.withinTolerance ? "" : ": not kept");
 		if (p.cost.asked > 0) line += ", 1 query in " + number(p.cost.factor(), 3) + " steps";
 		rows.push_back(line + " (" + p.reason + ")");
 	}
@@ -282,10 +282,10 @@ std::string btISTSceneReport::json() const
 			",\"stiffness_rule\":" + (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
 			",\"depth\":" + jsonNumber(p.depth) + ",\"deepest\":" + jsonNumber(p.deepest) +
 			",\"expected_error\":" + jsonNumber(p.expectedError) + ",\"accepted_error\":" + jsonNumber(p.acceptedError) +
-			",\"promised_error\":" + jsonNumber(p.promisedError) + ",\"promise_kept\":" +
-			(!std::isfinite(p.promisedError) ? "null"
-					: p.promiseKept          ? "true"
-											 : "false") +
+			",\"promised_error\":" + jsonNumber(p.forceErrorBound) + ",\"promise_kept\":" +
+			(!std::isfinite(p.forceErrorBound) ? "null"
+					: p.withinTolerance        ? "true"
+											   : "false") +
 			"," + costJson(p.cost) + ",\"saved_seconds\":" + jsonNumber(p.savedSeconds) + "}";
 	}
 	return out + "]}";

@@ -38,10 +38,10 @@ struct btISTPairReport
 	/// on top of it what was granted to a result that is kept. Not a number where nothing is promised.
 	double expectedError = 0;
 	/// Of two trees where a force error is accepted (btISTWorld::setForceError, setForceErrorOf): what is accepted of this pair, the error
-	/// that 95 % of such contacts stay under at the level that answered last (ist::PromisedOverlap), and whether it is within the accepted
+	/// that 95 % of such contacts stay under at the level that answered last (ist::BoundedOverlap), and whether it is within the accepted
 	/// one. Not a number where no level is chosen.
-	double acceptedError = 0, promisedError = 0;
-	bool promiseKept = false;
+	double acceptedError = 0, forceErrorBound = 0;
+	bool withinTolerance = false;
 	btISTQueryCost cost;      ///< since the pair began
 	double savedSeconds = 0;  ///< steps without a query times the mean time of one, less what those steps took; needs measureQueryTime
 

@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Contact/btISTContactCache.h"
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 #include "BulletISTCollision/Core/Base/SamePose.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Force/RelativeMotion.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Contact/btISTContactCache.h"
-#include "BulletISTCollision/Core/Accuracy/PairAccuracy.h"
+#include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
@@ -109,9 +109,9 @@ struct btISTContact
 	int level = 0;           ///< of the trees that answered
 	double leafDensity = 0;  ///< of these trees (PressureField.h) [1/m^3]
 	ist::OverlapError error;
-	double depth = 0;            ///< of the deepest patch, volume over area [m]
-	double deepest = 0;          ///< largest `depth` since the pair began [m]
-	ist::PairAccuracy accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
+	double depth = 0;             ///< of the deepest patch, volume over area [m]
+	double deepest = 0;           ///< largest `depth` since the pair began [m]
+	ist::AdaptiveLevel accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
 	btISTPairConstants constants;
 	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
 

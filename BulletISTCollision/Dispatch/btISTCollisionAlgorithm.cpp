@@ -154,7 +154,7 @@ void btISTCollisionAlgorithm::evaluate(
 	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
 	const bool kept = &contact == m_contact;
 	const btISTPairQuery query(field, m_context->rules, kept, kept && m_context->store.sumsDamping());
-	const ist::PairAccuracy before = contact.accuracy;
+	const ist::AdaptiveLevel before = contact.accuracy;
 	update(query, contact);
 
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
@@ -237,7 +237,7 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->depth = m_contact->deepest = 0;  // the next shapes may be of another thickness
 	m_contact->work = btISTContactWork();
 	m_contact->ledger = btISTContactLedger();
-	m_contact->accuracy = ist::PairAccuracy();
+	m_contact->accuracy = ist::AdaptiveLevel();
 	m_contact->kept.forget();
 	m_contact->memory.reset();
 	if (m_context->threads) m_context->threads->drop(*m_contact);

@@ -66,8 +66,8 @@ public:
 	std::optional<ist::Error> setPairRule(std::shared_ptr<const btISTPairRule> rule);
 	/// No force before bodies surely overlap: see ist::QueryOptions::requireInnerOverlap. Off at first.
 	std::optional<ist::Error> requireInnerOverlap(bool on);
-	/// Two trees are asked only as finely as keeps their force within this share of the true one (ist::queryToError), 0 to 1; 0, as it is
-	/// at first: always the leaves. Changes fade in over the next steps. The first time, all attached trees get levels
+	/// Two trees are asked only as finely as keeps their force within this share of the true one (ist::queryWithTolerance), 0 to 1; 0, as
+	/// it is at first: always the leaves. Changes fade in over the next steps. The first time, all attached trees get levels
 	/// (btISTRegistry::keepLevels). What each pair promises is in btISTContact::accuracy. Refused when it is no such share. Between steps
 	/// only.
 	std::optional<ist::Error> setForceError(double share);

@@ -48,23 +48,23 @@ bool btISTPairQuery::lacksDamping(const btISTContact& contact) const
 
 ist::OverlapResult btISTPairQuery::askTrees(btISTContact& contact, ist::QueryWorkspace& workspace, const ist::QueryOptions& options) const
 {
-	ist::PairAccuracy& pair = contact.accuracy;
+	ist::AdaptiveLevel& pair = contact.accuracy;
 	const double error = m_rules.forceErrorOf(contact.bodyA, contact.bodyB);
 	const btISTPairMemory::Loan memory(contact.memory.get());
 	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0)
 	{
-		pair = ist::PairAccuracy();
+		pair = ist::AdaptiveLevel();
 		return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options, memory.get());
 	}
 	// What the leaves pressed until now fades out, too.
 	if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
-	ist::AcceptedError accepted;
+	ist::ForceTolerance accepted;
 	accepted.error = error;
 	accepted.weightA = contact.constants.weightA;  // of the last step
 	accepted.weightB = contact.constants.weightB;
-	const ist::OverlapResult result = ist::queryPair(
+	const ist::OverlapResult result = ist::queryAdaptive(
 		*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
-	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0) pair = ist::PairAccuracy();
+	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0) pair = ist::AdaptiveLevel();
 	return result;
 }
 
@@ -82,7 +82,7 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 	options.maxPairs = -1;
 	options.blend = false;
 	if (contact.treeB) return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options);
-	contact.accuracy = ist::PairAccuracy();
+	contact.accuracy = ist::AdaptiveLevel();
 	contact.halfSpace = m_field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Python/QueryArrays.h"
 
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 #include "BulletISTCollision/Core/Query/ProximityQuery.h"
 
 #include <algorithm>
@@ -117,13 +117,13 @@ struct Columns
 		  patches(a.counts("patches")),
 		  pairs(a.counts("pairs")),
 		  level(a.counts("level")),
-		  promise(promised ? a.numbers("promise") : nullptr),
+		  errorBound(promised ? a.numbers("promise") : nullptr),
 		  kept(promised ? a.truths("kept") : nullptr)
 	{}
 	double *volume, *volumeSigma, *energy, *centroid, *normal, *areaVector, *force, *forceSigma, *torque, *stiffness, *distance,
 		*distanceLower;
 	int64_t *patches, *pairs, *level;
-	double* promise;  ///< null, as is `kept`, without an accepted error
+	double* errorBound;  ///< null, as is `kept`, without an accepted error
 	bool* kept;
 };
 
@@ -194,10 +194,10 @@ public:
 	OverlapResult answer(const Pose& X_AB, const Columns& to, size_t row)
 	{
 		if (!m_error) return queryOverlap(m_A, m_B, X_AB, m_workspace, m_options);
-		AcceptedError accepted;
+		ForceTolerance accepted;
 		accepted.error = *m_error;
-		const PromisedOverlap promised = queryToError(m_A, m_B, X_AB, m_workspace, accepted, m_options);
-		to.promise[row] = promised.promise;
+		const BoundedOverlap promised = queryWithTolerance(m_A, m_B, X_AB, m_workspace, accepted, m_options);
+		to.errorBound[row] = promised.errorBound;
 		to.kept[row] = promised.kept;
 		return promised.overlap;
 	}

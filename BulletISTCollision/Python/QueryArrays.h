@@ -18,7 +18,8 @@ struct Poses
 Poses posesFrom(const pybind11::object& object);
 
 /// A dict of arrays, a row for each pose, or of scalars and vectors for a single pose; names and meanings as `ist query --json` prints
-/// them, NaN for null. The pressure field law with weights 1/2. With an error, each pose by itself is answered as `queryToError` does.
+/// them, NaN for null. The pressure field law with weights 1/2. With an error, each pose by itself is answered as `queryWithTolerance`
+/// does.
 pybind11::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const pybind11::object& poses, double stiffness, int level,
 	int64_t maxPairs, std::optional<double> error);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Commands.h"
 
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
@@ -39,7 +39,7 @@ int threadNumber()
 struct Answer
 {
 	OverlapResult overlap;
-	double promise = 0;  ///< with an accepted error
+	double errorBound = 0;  ///< with an accepted error
 	bool kept = false;
 	Wrench wrench;
 	double energy = 0;
@@ -111,11 +111,11 @@ private:
 			a.overlap = queryOverlap(m_A, m_B, X, workspace, options);
 			return;
 		}
-		AcceptedError accepted;
+		ForceTolerance accepted;
 		accepted.error = *m_arguments.error;
-		const PromisedOverlap promised = queryToError(m_A, m_B, X, workspace, accepted, options);
+		const BoundedOverlap promised = queryWithTolerance(m_A, m_B, X, workspace, accepted, options);
 		a.overlap = promised.overlap;
-		a.promise = promised.promise;
+		a.errorBound = promised.errorBound;
 		a.kept = promised.kept;
 	}
 
@@ -212,7 +212,7 @@ private:
 		r["time_us"] = nullptr;
 		r["level"] = a.overlap.level;
 		r["level_share"] = a.overlap.levelShare;
-		r["promise"] = m_arguments.error ? Report(a.promise) : Report();
+		r["promise"] = m_arguments.error ? Report(a.errorBound) : Report();
 		r["kept"] = m_arguments.error ? Report(a.kept) : Report();
 		r["complete"] = a.overlap.pairListComplete && !a.overlap.coarsened;
 		return r;

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-/// What a fuzzer holds a parser to, besides what sanitizers see: each function ends the process when a promise is broken.
+/// What a fuzzer holds a parser to, besides what sanitizers see: each function ends the process when a error bound is broken.
 namespace fuzz
 {
 inline void require(bool condition, const char* what)

@@ -53,8 +53,8 @@ class DemoContactCache : public testing::TestWithParam<DemoEntry>
 
 TEST_P(DemoContactCache, KeepsWhatItPromisesInEveryStep)
 {
-	constexpr double kPromise = 0.05;
-	const auto demo = prepared(GetParam(), {true, kPromise});
+	constexpr double kErrorBound = 0.05;
+	const auto demo = prepared(GetParam(), {true, kErrorBound});
 	KeptCheck check;
 	DemoRunOptions options;
 	options.afterStep = [&](long long) {
@@ -68,8 +68,8 @@ TEST_P(DemoContactCache, KeepsWhatItPromisesInEveryStep)
 	EXPECT_GT(check.kept, 0);
 	EXPECT_EQ(check.missed, 0);
 	const double usual = check.share(0.95), worst = check.largest();
-	EXPECT_LE(usual, 0.5 * kPromise);
-	EXPECT_LE(worst, kPromise);
+	EXPECT_LE(usual, 0.5 * kErrorBound);
+	EXPECT_LE(worst, kErrorBound);
 	const btISTQueryCost cost = costOf(*demo);
 	std::printf("  %llu queries, %llu kept (%.3g steps a query); error of the kept forces 95 %%: %.2g, largest %.2g\n",
 		static_cast<unsigned long long>(cost.asked), static_cast<unsigned long long>(cost.cached()), cost.factor(), usual, worst);

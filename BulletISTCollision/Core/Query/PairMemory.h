@@ -11,8 +11,8 @@ namespace ist
 ///
 /// The answer is that of a query without it, with the same pairs: sums agree to the rounding of floats, whose order differs; how they are
 /// divided into patches may be older. A query that did not search has no `nodeVisits`. Within budgets, and while two levels share an
-/// answer, nothing is remembered. It holds the pairs of one level: each look of `queryToError` at another one begins it anew. No allocation
-/// after the constructor.
+/// answer, nothing is remembered. It holds the pairs of one level: each look of `queryWithTolerance` at another one begins it anew. No
+/// allocation after the constructor.
 ///
 /// Patches are remembered with their pairs: those of the last query that grouped them. What comes to touch since belongs to a patch of its
 /// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too, until a tenth

@@ -38,7 +38,7 @@ const TuneSetting& bestOf(const std::vector<TuneSetting>& settings, double error
 	return *std::min_element(settings.begin(), settings.end() - 1, better);
 }
 
-/// Adds what trees of at most so many spheres promise.
+/// Adds what trees of at most so many spheres error bound.
 Result<TuneSettings> tryTrees(TuneBody& A, TuneBody& B, int64_t spheres, const TuneOptions& options, PairTuning& tuning)
 {
 	if (std::optional<Error> problem = prepare(A, spheres, options.progress)) return *problem;

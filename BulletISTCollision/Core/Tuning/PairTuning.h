@@ -30,9 +30,9 @@ struct TuneOptions
 
 struct PairTuning
 {
-	TuneSetting best;                   ///< the cheapest fixed level that promises the error; when none does, that of the smallest promise
-	bool kept = false;                  ///< it promises the error
-	size_t spheresA = 0, spheresB = 0;  ///< of the trees that it is for
+	TuneSetting best;   ///< the cheapest fixed level that promises the error; when none does, that of the smallest error bound
+	bool kept = false;  ///< it promises the error
+	size_t spheresA = 0, spheresB = 0;      ///< of the trees that it is for
 	std::vector<TuneSetting> alternatives;  ///< all levels of all trees that were looked at
 	std::optional<WorldNeeds> world;
 };

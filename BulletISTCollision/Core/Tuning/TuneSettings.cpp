@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Tuning/TuneSettings.h"
 
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 #include "BulletISTCollision/Core/Accuracy/OverlapPoses.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
@@ -23,15 +23,15 @@ template <class Value> Value quantile(std::vector<Value> values, double share)
 	return *at;
 }
 
-/// The error that 95 % of the poses stay under: each promise is twice the standard deviation of a normal error.
-double jointError(const std::vector<double>& promises)
+/// The error that 95 % of the poses stay under: each error bound is twice the standard deviation of a normal error.
+double jointError(const std::vector<double>& errorBounds)
 {
 	const auto held = [&](double error) {
 		double sum = 0;
-		for (double promise : promises) sum += promise > 0 ? std::erf(std::sqrt(2.0) * error / promise) : 1;
-		return sum / double(promises.size());
+		for (double errorBound : errorBounds) sum += errorBound > 0 ? std::erf(std::sqrt(2.0) * error / errorBound) : 1;
+		return sum / double(errorBounds.size());
 	};
-	double low = 0, high = *std::max_element(promises.begin(), promises.end());
+	double low = 0, high = *std::max_element(errorBounds.begin(), errorBounds.end());
 	for (int i = 0; i < 60; ++i)
 	{
 		const double middle = 0.5 * (low + high);
@@ -63,7 +63,7 @@ public:
 		for (int level = 0; level <= levelCount(m_A, m_B) + 1; ++level)
 		{
 			const bool byPose = level > levelCount(m_A, m_B);
-			AcceptedError accepted;
+			ForceTolerance accepted;
 			accepted.error = byPose ? acceptedError : 1e300;  // whatever it promises, the first level that is looked at answers
 			accepted.firstLevel = byPose ? -1 : level;
 			Result<TuneSetting> setting = measured(byPose ? -1 : level, accepted, level == 0 ? &found.contacts : nullptr);
@@ -75,7 +75,7 @@ public:
 
 private:
 	/// All poses, some times over. `contacts` may be null.
-	Result<TuneSetting> measured(int level, const AcceptedError& accepted, std::vector<TuneContact>* contacts)
+	Result<TuneSetting> measured(int level, const ForceTolerance& accepted, std::vector<TuneContact>* contacts)
 	{
 		TuneSetting setting;
 		setting.spheres = std::max(m_A.spheres.size(), m_B.spheres.size());
@@ -88,11 +88,11 @@ private:
 				const double done = (m_round + double(i) / double(m_poses.size())) / m_rounds;
 				if (m_progress && !m_progress("tune", done)) return Error{"Tuning was cancelled.", true};
 				const auto start = std::chrono::steady_clock::now();
-				const PromisedOverlap answer = queryToError(m_A, m_B, m_poses[i], m_workspace, accepted);
+				const BoundedOverlap answer = queryWithTolerance(m_A, m_B, m_poses[i], m_workspace, accepted);
 				times[i] = std::min(times[i], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
 				if (answer.overlap.status != QueryStatus::Ok)
 					return Error{std::string("a query was refused: ") + toString(answer.overlap.status)};
-				errors[i] = answer.promise;
+				errors[i] = answer.errorBound;
 				patches[i] = answer.overlap.patchCount;
 				const OverlapIntegrals& total = answer.overlap.total;
 				setting.pairs += double(total.pairs) / double(kPasses * m_poses.size());

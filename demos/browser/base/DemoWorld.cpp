@@ -54,7 +54,7 @@ double forceError(const btISTContact& contact, const btISTContactCache& contactC
 	const btISTPairConstants& c = contact.constants;
 	const double force = std::max(
 		norm(pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force), btISTCachedResult::floorForce(contact));
-	const double asked = contact.accuracy.level >= 0 ? contact.accuracy.promise * force : contact.error.force;
+	const double asked = contact.accuracy.level >= 0 ? contact.accuracy.errorBound * force : contact.error.force;
 	return std::hypot(asked, contact.use == btISTCachedResult::Moved ? contactCache.maxError * force : 0);
 }
 }  // namespace

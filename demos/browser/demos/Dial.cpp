@@ -23,7 +23,8 @@ constexpr int kPoses = 60, kPeriod = kPoses * kTicksBetween;  // of the ball's w
 constexpr double kFinest = 0.02, kCoarsest = 0.5;
 
 /// The dial turned: the user says what error of the force he accepts, and the library chooses how finely it asks. A ball rolls over a body,
-/// asked at 1 kHz; beside it, what every error accepted would promise, cost and truly be, the truth being an integral over the triangles.
+/// asked at 1 kHz; beside it, what every error accepted would error bound, cost and truly be, the truth being an integral over the
+/// triangles.
 class Dial : public BrowsableDemo
 {
 public:
@@ -41,7 +42,7 @@ public:
 		return {{"error accepted", "%", &m_accepted, 100 * kFinest, 100 * kCoarsest, false, true}};
 	}
 	std::vector<Figure> figures() const override;
-	std::vector<Curve> curves() const override { return {m_dial, m_promise, m_error, m_rate, m_pairs}; }
+	std::vector<Curve> curves() const override { return {m_dial, m_errorBound, m_error, m_rate, m_pairs}; }
 	std::vector<scenes::Chart> charts() const override;
 	std::vector<std::string> report() const override;
 
@@ -56,14 +57,14 @@ private:
 	std::vector<scenes::JudgedPose> m_truths;
 	std::vector<scenes::DialPoint> m_sweep;
 	QueryWorkspace m_workspace;
-	PairAccuracy m_pair;
+	AdaptiveLevel m_pair;
 	const BallTree* m_balls = nullptr;  // of the body, at the level that answers
 	Vec3 m_top, m_force, m_finest;      // forces for 1 Pa/m
 	double m_floor = 0, m_up = 0, m_time = 0, m_accepted = 5, m_byItself = 5;
 	int m_ticks = 0, m_judged = 0, m_held = 0;
 	long long m_nowPairs = 0, m_nowBalls = 0;
 	double m_nowError = 0, m_nowMicroseconds = 0, m_largestLeap = 0;
-	Curve m_dial{"error accepted", "%", {}}, m_promise{"error promised", "%", {}}, m_error{"true error", "%", {}},
+	Curve m_dial{"error accepted", "%", {}}, m_errorBound{"error promised", "%", {}}, m_error{"true error", "%", {}},
 		m_rate{"queries a second", "Hz", {}}, m_pairs{"pairs", "", {}};
 };
 
@@ -98,7 +99,7 @@ std::optional<Error> Dial::restart()
 	m_time = m_largestLeap = m_nowError = m_nowMicroseconds = 0;
 	m_ticks = m_judged = m_held = 0;
 	m_pair = {};
-	for (Curve* curve : {&m_dial, &m_promise, &m_error, &m_rate, &m_pairs}) curve->values.clear();
+	for (Curve* curve : {&m_dial, &m_errorBound, &m_error, &m_rate, &m_pairs}) curve->values.clear();
 	tick();
 	return std::nullopt;
 }
@@ -123,11 +124,11 @@ double Dial::turned(double time)
 
 void Dial::tick()
 {
-	AcceptedError accepted;
+	ForceTolerance accepted;
 	accepted.error = m_accepted / 100;
 	const int at = m_ticks % kPeriod;
 	const auto start = std::chrono::steady_clock::now();
-	const OverlapResult result = queryPair(m_trees[0], m_trees[1], X_AB(at), m_workspace, accepted, {}, m_pair);
+	const OverlapResult result = queryAdaptive(m_trees[0], m_trees[1], X_AB(at), m_workspace, accepted, {}, m_pair);
 	m_nowMicroseconds = 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	m_nowPairs = result.total.pairs;
 	m_nowBalls = (long long)(result.ballsA->ballCount() + result.ballsB->ballCount());
@@ -143,7 +144,7 @@ void Dial::tick()
 	{
 		m_nowError = scenes::forceError(force, m_truths[size_t(at / kTicksBetween)], m_floor);
 		++m_judged;
-		m_held += m_nowError <= m_pair.promise;
+		m_held += m_nowError <= m_pair.errorBound;
 	}
 	++m_ticks;
 }
@@ -159,7 +160,7 @@ void Dial::step(double seconds)
 	if (m_accepted == m_byItself) m_accepted = m_byItself = turned(m_time);
 	while (m_ticks * kTick <= m_time) tick();
 	append(m_dial, m_accepted);
-	append(m_promise, 100 * m_pair.promise);
+	append(m_errorBound, 100 * m_pair.errorBound);
 	append(m_error, 100 * m_nowError);
 	append(m_rate, 1e6 / std::max(m_nowMicroseconds, 0.1));
 	append(m_pairs, double(m_nowPairs));
@@ -174,7 +175,7 @@ std::vector<Figure> Dial::figures() const
 		least = std::min(least, p.held);
 	}
 	const int judged = std::max(m_judged, 1);
-	return {{"error accepted", "%", m_accepted}, {"error promised", "%", 100 * m_pair.promise}, {"level", "", double(m_pair.level)},
+	return {{"error accepted", "%", m_accepted}, {"error promised", "%", 100 * m_pair.errorBound}, {"level", "", double(m_pair.level)},
 		{"spheres that speak", "", double(m_nowBalls)}, {"pairs", "", double(m_nowPairs)},
 		{"true error, by quadrature on the triangles", "%", 100 * m_nowError},
 		{"poses so far in which the promise held", "%", 100.0 * m_held / judged, 100, 5},
@@ -190,7 +191,8 @@ std::vector<scenes::Chart> Dial::charts() const
 	scenes::Chart cost{"What it costs", "error accepted [%]", "", {line("queries a second"), line("spheres"), line("pairs")}, true};
 	for (const scenes::DialPoint& p : m_sweep)
 	{
-		const double percents[] = {p.accepted, p.middlePromise, p.middleError, p.error}, costs[] = {1e6 / p.microseconds, p.balls, p.pairs};
+		const double percents[] = {p.accepted, p.medianErrorBound, p.middleError, p.error},
+					 costs[] = {1e6 / p.microseconds, p.balls, p.pairs};
 		for (size_t i = 0; i < 4; ++i) errors.series[i].x.push_back(100 * p.accepted), errors.series[i].y.push_back(100 * percents[i]);
 		for (size_t i = 0; i < 3; ++i) cost.series[i].x.push_back(100 * p.accepted), cost.series[i].y.push_back(costs[i]);
 	}
@@ -198,7 +200,7 @@ std::vector<scenes::Chart> Dial::charts() const
 	const auto mark = [&](scenes::Chart& chart, size_t like, double value) {
 		chart.series.push_back({"", {m_accepted}, {value}, {}, true, int(like)});
 	};
-	mark(errors, 1, 100 * m_pair.promise);
+	mark(errors, 1, 100 * m_pair.errorBound);
 	mark(errors, 2, 100 * m_nowError);
 	mark(cost, 0, 1e6 / std::max(m_nowMicroseconds, 0.1));
 	mark(cost, 1, double(m_nowBalls));
@@ -215,7 +217,7 @@ std::vector<std::string> Dial::report() const
 		std::snprintf(row, sizeof row,
 			"accepted %.1f %%: promised %.1f (half of the poses: %.1f), true %.1f (half: %.2f) %%, held in %.0f %%, kept in %.0f %%; %.0f "
 			"spheres, %.0f pairs, %.0f us",
-			100 * p.accepted, 100 * p.promise, 100 * p.middlePromise, 100 * p.error, 100 * p.middleError, 100 * p.held, 100 * p.kept,
+			100 * p.accepted, 100 * p.errorBound, 100 * p.medianErrorBound, 100 * p.error, 100 * p.middleError, 100 * p.held, 100 * p.kept,
 			p.balls, p.pairs, p.microseconds);
 		rows.push_back(row);
 	}
@@ -245,7 +247,7 @@ void Dial::draw(const DrawChoice& choice, DrawList& list)
 	const Vec3 from = X_WB.translation, tip = from - 0.05 * normalized(m_force);
 	list.arrows.push_back({from, tip, 0.0015, {0.80f, 0.18f, 0.12f}});
 	char text[80];
-	std::snprintf(text, sizeof text, "%.3g N +- %.2g %%, level %d", kStiffness * norm(m_force), 100 * m_pair.promise, m_pair.level);
+	std::snprintf(text, sizeof text, "%.3g N +- %.2g %%, level %d", kStiffness * norm(m_force), 100 * m_pair.errorBound, m_pair.level);
 	list.texts.push_back({tip, text, {0.55f, 0.08f, 0.04f}});
 }
 }  // namespace

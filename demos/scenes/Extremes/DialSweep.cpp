@@ -53,29 +53,29 @@ std::vector<DialPoint> sweepDial(
 	std::vector<DialPoint> points;
 	for (const double share : accepted)
 	{
-		std::vector<double> pairs, balls, times, promises, errors;
+		std::vector<double> pairs, balls, times, errorBounds, errors;
 		DialPoint point;
 		point.accepted = share;
-		AcceptedError along;
+		ForceTolerance along;
 		along.error = share;
 		for (const JudgedPose& pose : poses)
 		{
 			const auto start = Clock::now();
-			const PromisedOverlap answer = queryToError(A, B, pose.X_AB, workspace, along);
+			const BoundedOverlap answer = queryWithTolerance(A, B, pose.X_AB, workspace, along);
 			times.push_back(1e6 * std::chrono::duration<double>(Clock::now() - start).count());
 			along.firstLevel = answer.nextLevel;
 			pairs.push_back(double(answer.overlap.total.pairs));
 			balls.push_back(double(answer.overlap.ballsA->ballCount() + answer.overlap.ballsB->ballCount()));
-			promises.push_back(answer.promise);
+			errorBounds.push_back(answer.errorBound);
 			errors.push_back(forceError(pressureWrench(answer.overlap.total, {}).force, pose, floor));
-			point.held += errors.back() <= answer.promise;
+			point.held += errors.back() <= answer.errorBound;
 			point.kept += answer.kept;
 		}
 		point.pairs = percentile(pairs, 0.5);
 		point.balls = percentile(balls, 0.5);
 		point.microseconds = percentile(times, 0.5);
-		point.promise = percentile(promises, 0.95);
-		point.middlePromise = percentile(promises, 0.5);
+		point.errorBound = percentile(errorBounds, 0.95);
+		point.medianErrorBound = percentile(errorBounds, 0.5);
 		point.error = percentile(errors, 0.95);
 		point.middleError = percentile(errors, 0.5);
 		point.held /= double(std::max<size_t>(1, poses.size()));

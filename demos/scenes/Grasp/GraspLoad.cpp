@@ -94,7 +94,7 @@ void addErrors(GraspScene& scene, QueryWorkspace& workspace, std::vector<GraspLo
 		const PressurePair weights{contact->constants.k, contact->constants.weightA, contact->constants.weightB};
 		const Vec3 told = pressureWrench(contact->total, weights).force, all = pressureWrench(leaves.total, weights).force;
 		const double size = std::max(norm(all), btISTCachedResult::floorForce(*contact));
-		if (leaves.status == QueryStatus::Ok && size > 0) errors.push_back({contact->accuracy.promise, norm(told - all) / size});
+		if (leaves.status == QueryStatus::Ok && size > 0) errors.push_back({contact->accuracy.errorBound, norm(told - all) / size});
 	}
 }
 

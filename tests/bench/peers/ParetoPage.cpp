@@ -108,7 +108,7 @@ Chart estimatorChart(const Sweep& sweep, const std::string& pair, double overlap
 	return chart;
 }
 
-void addPromises(scenes::HtmlReport& page, const Sweep& sweep)
+void addErrorBounds(scenes::HtmlReport& page, const Sweep& sweep)
 {
 	page.heading("What the dial promised, and what was true");
 	page.paragraph("A pose holds when its true error, against quadrature on the triangles, is below the accepted error, or below what the "
@@ -116,7 +116,7 @@ void addPromises(scenes::HtmlReport& page, const Sweep& sweep)
 				   "even the leaves fall short. Kept: share of poses where the accepted error itself was promised. Cost is counted in "
 				   "intersecting pairs.");
 	std::vector<std::vector<std::string>> rows;
-	for (const PromiseRow& p : sweep.promises)
+	for (const ErrorBoundRow& p : sweep.errorBounds)
 		rows.push_back({p.pair, std::to_string(p.spheres), percent(p.error), std::to_string(p.poses), percent(p.held), percent(p.kept),
 			percent(p.ofLeaves), p.ofFixed > 0 ? formatNumber(p.ofFixed, 3) : "none holds"});
 	page.table({"pair", "spheres", "accepted, %", "poses", "held, %", "kept, %", "cost of the leaves', %",
@@ -230,12 +230,12 @@ std::string paretoJson(const Sweep& sweep)
 		text += '}';
 	}
 	text += "],\n\"promises\":[";
-	for (const PromiseRow& p : sweep.promises)
+	for (const ErrorBoundRow& p : sweep.errorBounds)
 	{
-		if (&p != &sweep.promises.front()) text += ",\n";
+		if (&p != &sweep.errorBounds.front()) text += ",\n";
 		text += "{\"pair\":\"" + p.pair + "\",\"spheres\":" + std::to_string(p.spheres) + ",\"poses\":" + std::to_string(p.poses) +
 			",\"error\":" + number(p.error) + ",\"held\":" + number(p.held) + ",\"kept\":" + number(p.kept) +
-			",\"of_promise\":" + number(p.ofPromise) + ",\"of_leaves\":" + number(p.ofLeaves) +
+			",\"of_promise\":" + number(p.ofErrorBound) + ",\"of_leaves\":" + number(p.ofLeaves) +
 			",\"of_fixed\":" + (p.ofFixed > 0 ? number(p.ofFixed) : "null") + '}';
 	}
 	return text + "]}\n";
@@ -248,10 +248,11 @@ std::string paretoHtml(const Sweep& sweep)
 				   "quadrature on the triangles, which shares no "
 				   "code with the library. Printed by bench_pareto; times are those of one thread on a shared machine, their last digits "
 				   "mean little.");
-	page.paragraph("Left is fast, down is true. Level 0 are the leaves, each level above it has a third of one body's. The dial chooses "
-				   "the level in each pose by the force error that is accepted "
-				   "(ist::queryToError); a budget answers with the finest level of at most so many intersecting pairs. The front of fixed "
-				   "levels is the best of all numbers of spheres.");
+	page.paragraph(
+		"Left is fast, down is true. Level 0 are the leaves, each level above it has a third of one body's. The dial chooses "
+		"the level in each pose by the force error that is accepted "
+		"(ist::queryWithTolerance); a budget answers with the finest level of at most so many intersecting pairs. The front of fixed "
+		"levels is the best of all numbers of spheres.");
 	page.paragraph("Depth / gaps: mean depth of the overlap, V over its area vector, in sums of both bodies' mean surface gaps. Noise: of "
 				   "the force above 50 Hz while a body "
 				   "slides by a quarter of the size in a second, 1 kHz. Loop work: on a closed circle of 1 % of the size, of the energy "
@@ -264,8 +265,8 @@ std::string paretoHtml(const Sweep& sweep)
 				   "(T/2 + t), T = 1 ms, b = 5 N s/m, t the p99.9 "
 				   "of the query. Other libraries return contacts: depth times normal, summed up, with the gain that fits these poses "
 				   "best, as for the paper's estimator. The dial is asked anew in each pose, "
-				   "without the fading of queryPair: that its levels change is in its noise.");
-	addPromises(page, sweep);
+				   "without the fading of queryAdaptive: that its levels change is in its noise.");
+	addErrorBounds(page, sweep);
 	addCosts(page, sweep);
 	for (const std::string& pair : pairsOf(sweep))
 	{

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/bench/peers/ParetoSweep.h"
 
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Build/TreeCache.h"
@@ -141,7 +141,7 @@ public:
 		for (const double error : m_settings.errors)
 		{
 			measure("dial " + std::to_string(int(std::lround(100 * error))) + " %", dialled(error), 1, sweep);
-			sweep.promises.push_back(promiseOf(error));
+			sweep.errorBounds.push_back(errorBoundOf(error));
 		}
 		measure("paper", paper(), gainOf(paper()), sweep);
 		if (const std::unique_ptr<AnalyticField> field = closedForm(m_nameB)) measure("closed form", against(*field), 1, sweep);
@@ -184,9 +184,9 @@ private:
 	Estimator dialled(double error)
 	{
 		return [this, error](const Pose& X) {
-			AcceptedError accepted;
+			ForceTolerance accepted;
 			accepted.error = error;
-			return estimateOf(queryToError(m_A, m_B, X, m_workspace, accepted, plain()).overlap, m_A.origin);
+			return estimateOf(queryWithTolerance(m_A, m_B, X, m_workspace, accepted, plain()).overlap, m_A.origin);
 		};
 	}
 	/// Equation (1) as printed, at rest: packed spheres, centre lines.
@@ -333,9 +333,9 @@ private:
 		m_row.zWidth = kDamping / (0.5 * kTick + 1e-6 * m_row.p999);
 	}
 
-	PromiseRow promiseOf(double error)
+	ErrorBoundRow errorBoundOf(double error)
 	{
-		PromiseRow row{m_row.pair, error, m_row.spheres, int(m_poses.size())};
+		ErrorBoundRow row{m_row.pair, error, m_row.spheres, int(m_poses.size())};
 		const double floor = forceFloor(m_A, m_B), n = double(m_poses.size());
 		std::vector<double> pairs(size_t(levelCount(m_A, m_B)) + 1), within(pairs.size());
 		std::vector<double> shares;
@@ -344,13 +344,14 @@ private:
 		{
 			const Vec3 truth = pose.truth.wrench().force;
 			const double size = std::max(norm(truth), floor);
-			AcceptedError accepted;
+			ForceTolerance accepted;
 			accepted.error = error;
-			const PromisedOverlap answer = queryToError(m_A, m_B, pose.X_AB, m_workspace, accepted, plain());
+			const BoundedOverlap answer = queryWithTolerance(m_A, m_B, pose.X_AB, m_workspace, accepted, plain());
 			const double off = norm(pressureWrench(answer.overlap.total, {}).force - truth) / size;
-			row.held += (off <= std::max(error, answer.promise)) / n;
-			shares.push_back(off / answer.promise);
-			if (answer.promise > 0 && shares.back() > row.worst / row.worstPromise) row.worst = off, row.worstPromise = answer.promise;
+			row.held += (off <= std::max(error, answer.errorBound)) / n;
+			shares.push_back(off / answer.errorBound);
+			if (answer.errorBound > 0 && shares.back() > row.worst / row.largestErrorBound)
+				row.worst = off, row.largestErrorBound = answer.errorBound;
 			row.kept += answer.kept / n;
 			asked += double(answer.pairs);
 			answered += double(answer.overlap.total.pairs);
@@ -361,7 +362,7 @@ private:
 				within[level] += norm(e.wrench.force - truth) <= error * size;
 			}
 		}
-		row.ofPromise = quantile(shares, 0.5);
+		row.ofErrorBound = quantile(shares, 0.5);
 		row.ofLeaves = answered / pairs[0];
 		double cheapest = 0;
 		for (size_t level = 0; level < pairs.size(); ++level)

@@ -58,17 +58,17 @@ struct ParetoRow
 };
 
 /// How the dial fared on one pair: over all overlaps together.
-struct PromiseRow
+struct ErrorBoundRow
 {
 	std::string pair;
 	double error = 0;  ///< accepted
 	int spheres = 0, poses = 0;
 	double held =
 		0;  ///< share of poses whose true error is below what was promised: `error`, or what the answer says where the leaves fall short
-	double kept = 0;                     ///< share of poses where `error` was promised
-	double ofPromise = 0;                ///< median of the true error over what the answer promised
-	double worst = 0, worstPromise = 1;  ///< of the pose where that is largest: true error, and what was promised
-	double ofLeaves = 0;                 ///< pairs over those of the leaves
+	double kept = 0;                          ///< share of poses where `error` was promised
+	double ofErrorBound = 0;                  ///< median of the true error over what the answer promised
+	double worst = 0, largestErrorBound = 1;  ///< of the pose where that is largest: true error, and what was promised
+	double ofLeaves = 0;                      ///< pairs over those of the leaves
 	double ofFixed = 0;  ///< pairs of all looks over those of the cheapest fixed level whose true error is below `error` in 95 % of poses;
 						 ///< 0: there is none
 };
@@ -76,7 +76,7 @@ struct PromiseRow
 struct Sweep
 {
 	std::vector<ParetoRow> rows;
-	std::vector<PromiseRow> promises;
+	std::vector<ErrorBoundRow> errorBounds;
 };
 
 /// Builds, asks and compares, into `sweep`. Progress goes to stderr. `keep` is called whenever a pair of bodies is done with a number of

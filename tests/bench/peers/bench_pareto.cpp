@@ -129,12 +129,12 @@ int main(int argc, char** argv)
 	Sweep sweep;
 	if (!runSweep(settings, sweep, [&] { return writeAll(sweep, folder); }))
 		return std::fprintf(stderr, "bench_pareto: cannot write to %s\n", folder.c_str()), 1;
-	for (const PromiseRow& p : sweep.promises)
+	for (const ErrorBoundRow& p : sweep.errorBounds)
 		std::printf(
 			"%-14s %6d spheres, accepted %4.1f %%: held in %5.1f %% of %d poses, kept in %5.1f %%, true error %.2f of the promise in the "
 			"median, "
 			"%.0f %% of the force where %.0f %% was promised at worst, cost %.2f of the leaves', %.2f of the cheapest fixed level's\n",
-			p.pair.c_str(), p.spheres, 100 * p.error, 100 * p.held, p.poses, 100 * p.kept, p.ofPromise, 100 * p.worst, 100 * p.worstPromise,
-			p.ofLeaves, p.ofFixed);
+			p.pair.c_str(), p.spheres, 100 * p.error, 100 * p.held, p.poses, 100 * p.kept, p.ofErrorBound, 100 * p.worst,
+			100 * p.largestErrorBound, p.ofLeaves, p.ofFixed);
 	return 0;
 }

@@ -157,7 +157,7 @@ TEST(ContactView, ErrorBarsAreThoseOfTheReport)
 		const Curve force = demo->curves()[0];
 		ASSERT_EQ(force.errors.size(), force.values.size());
 		ASSERT_GT(squares, 0);
-		// Without the dial the report tells the same; with it the promise, which is no less.
+		// Without the dial the report tells the same; with it the error bound, which is no less.
 		if (accepted == 0)
 		{
 			EXPECT_NEAR(force.errors.back(), std::sqrt(squares), 0.02 * std::sqrt(squares));

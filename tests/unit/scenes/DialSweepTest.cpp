@@ -48,7 +48,7 @@ TEST(DialSweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
 	{
 		EXPECT_EQ(sweep[i].accepted, accepted[i]);
 		EXPECT_EQ(sweep[i].held, 1);
-		EXPECT_LE(sweep[i].error, sweep[i].promise);
+		EXPECT_LE(sweep[i].error, sweep[i].errorBound);
 		EXPECT_LE(sweep[i].middleError, sweep[i].error);
 		EXPECT_GT(sweep[i].error, 0);
 		EXPECT_GT(sweep[i].microseconds, 0);
@@ -57,7 +57,7 @@ TEST(DialSweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
 	EXPECT_LT(sweep[2].pairs, sweep[0].pairs);
 	EXPECT_LT(sweep[2].balls, sweep[0].balls);
 	EXPECT_GT(sweep[2].kept, sweep[0].kept);
-	// A truth that points elsewhere is kept by no promise.
+	// A truth that points elsewhere is kept by no error bound.
 	for (JudgedPose& truth : truths) truth.force = -truth.force;
 	for (const DialPoint& point : sweepDial(A, B, truths, {0.1, 0.3}))
 	{

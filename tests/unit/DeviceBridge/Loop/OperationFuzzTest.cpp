@@ -53,9 +53,9 @@ public:
 		NotReady,
 		Troubles
 	};
-	SpiedDevice(const SimulatedProfile& profile, Promises& promises, std::atomic<int>& trouble)
+	SpiedDevice(const SimulatedProfile& profile, Promises& errorBounds, std::atomic<int>& trouble)
 		: m_hand(profile),
-		  m_promises(promises),
+		  m_errorBounds(errorBounds),
 		  m_trouble(trouble)
 	{
 		m_hand.place({{}, {0, 0, 0.002}});
@@ -81,12 +81,12 @@ public:
 	}
 	DeviceStatus write(const DeviceCommand& command) noexcept override
 	{
-		++m_promises.writes;
-		if (!isFinite(command.wrench)) ++m_promises.notFinite;
+		++m_errorBounds.writes;
+		if (!isFinite(command.wrench)) ++m_errorBounds.notFinite;
 		if (norm(command.wrench.force) > 1.000001 * info().peakForce || norm(command.wrench.torque) > 1.000001 * info().peakTorque)
-			++m_promises.tooLarge;
-		if (command.gripForce != 0) ++m_promises.grips;
-		m_promises.lastForce = norm(command.wrench.force) + norm(command.wrench.torque);
+			++m_errorBounds.tooLarge;
+		if (command.gripForce != 0) ++m_errorBounds.grips;
+		m_errorBounds.lastForce = norm(command.wrench.force) + norm(command.wrench.torque);
 		const int trouble = m_trouble;
 		if (trouble == Unplugged || trouble == WritesRefused) return DeviceStatus::Disconnected;
 		return m_hand.write(command);
@@ -94,7 +94,7 @@ public:
 
 private:
 	SimulatedDevice m_hand;
-	Promises& m_promises;
+	Promises& m_errorBounds;
 	std::atomic<int>& m_trouble;
 	DeviceState m_sample;
 };
@@ -191,7 +191,7 @@ public:
 		tick();
 	}
 
-	Promises promises;
+	Promises errorBounds;
 	std::uint64_t felt = 0;  ///< operations after which the hand felt something
 	std::uint64_t opened = 0, refused = 0, runs = 0;
 
@@ -208,7 +208,7 @@ private:
 			ASSERT_TRUE(m_thread->run(1));
 			if (mustBeSilent()) expectSilence();
 		}
-		felt += promises.lastForce > 0;
+		felt += errorBounds.lastForce > 0;
 	}
 
 	bool mustBeSilent() const { return m_thread->faulted() || m_trouble == SpiedDevice::Unplugged || m_trouble == SpiedDevice::NotFinite; }
@@ -217,9 +217,9 @@ private:
 	void expectSilence()
 	{
 		if (m_delays) return;
-		ASSERT_EQ(promises.lastForce, 0) << "trouble " << m_trouble << ", faulted " << m_thread->faulted() << ", cause "
-										 << describe(m_thread->faultCause()) << ", sent " << norm(m_thread->sentWrench().force)
-										 << ", stack " << m_stack;
+		ASSERT_EQ(errorBounds.lastForce, 0) << "trouble " << m_trouble << ", faulted " << m_thread->faulted() << ", cause "
+											<< describe(m_thread->faultCause()) << ", sent " << norm(m_thread->sentWrench().force)
+											<< ", stack " << m_stack;
 	}
 
 	void recover()
@@ -242,7 +242,7 @@ private:
 		m_trouble = SpiedDevice::None;
 		m_delays = false;
 		m_stack.clear();
-		std::unique_ptr<Device> device = std::make_unique<SpiedDevice>(simulatedProfile(profiles[pick(4)]).value(), promises, m_trouble);
+		std::unique_ptr<Device> device = std::make_unique<SpiedDevice>(simulatedProfile(profiles[pick(4)]).value(), errorBounds, m_trouble);
 		for (int i = pick(4); i > 0; --i) switch (const int kind = pick(6); m_stack += std::to_string(kind), kind)
 			{
 			case 0: device = std::make_unique<MountedDevice>(std::move(device), ist::Pose{{}, {1, 2, 3}}, 0.5 + 0.5 * pick(4)); break;
@@ -402,9 +402,9 @@ TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
 			fuzz.operation();
 			if (testing::Test::HasFatalFailure()) FAIL() << "operation " << i;
 		}
-		EXPECT_EQ(fuzz.promises.notFinite, 0U);
-		EXPECT_EQ(fuzz.promises.tooLarge, 0U);
-		EXPECT_EQ(fuzz.promises.grips, 0U);
+		EXPECT_EQ(fuzz.errorBounds.notFinite, 0U);
+		EXPECT_EQ(fuzz.errorBounds.tooLarge, 0U);
+		EXPECT_EQ(fuzz.errorBounds.grips, 0U);
 		felt += fuzz.felt, opened += fuzz.opened, refused += fuzz.refused, runs += fuzz.runs;
 	}
 	// Otherwise nothing was tried.

@@ -221,7 +221,8 @@ std::vector<double> memoryOf(const btISTContactStore& store)
 	{
 		const btISTContactLedger& ledger = contact->ledger;
 		all.insert(all.end(),
-			{double(ledger.open), ledger.stored, contact->accuracy.promise, contact->accuracy.fadedShare, double(contact->accuracy.level)});
+			{double(ledger.open), ledger.stored, contact->accuracy.errorBound, contact->accuracy.fadedShare,
+				double(contact->accuracy.level)});
 		append(ledger.direction);
 		for (int i = 0; i < contact->patchCount; ++i)
 		{

@@ -196,7 +196,7 @@ TEST(btISTSceneReport, SaysHowStiffAPairIsByWhichRuleAndHowDeepItWas)
 	EXPECT_TRUE(found);
 }
 
-TEST(btISTSceneReport, SaysWhatTheDialPromisesAndWhetherThatIsWhatIsAccepted)
+TEST(btISTSceneReport, SaysTheErrorBoundAndWhetherItIsWithinTheTolerance)
 {
 	for (const double accepted : {0.5, 1e-4})
 	{
@@ -211,11 +211,11 @@ TEST(btISTSceneReport, SaysWhatTheDialPromisesAndWhetherThatIsWhatIsAccepted)
 		const btISTPairReport *tree = Row::find(report, "tree"), *box = Row::find(report, "box");
 		ASSERT_TRUE(tree && box);
 		EXPECT_EQ(report.acceptedError, accepted);
-		EXPECT_GT(tree->promisedError, 0);
-		EXPECT_EQ(tree->promiseKept, tree->promisedError <= accepted);
-		EXPECT_EQ(tree->promiseKept, accepted > 0.1);
-		EXPECT_TRUE(std::isnan(box->promisedError)) << "a closed form has no level to choose";
-		EXPECT_FALSE(box->promiseKept);
+		EXPECT_GT(tree->forceErrorBound, 0);
+		EXPECT_EQ(tree->withinTolerance, tree->forceErrorBound <= accepted);
+		EXPECT_EQ(tree->withinTolerance, accepted > 0.1);
+		EXPECT_TRUE(std::isnan(box->forceErrorBound)) << "a closed form has no level to choose";
+		EXPECT_FALSE(box->withinTolerance);
 		const auto json = nlohmann::json::parse(report.json());
 		EXPECT_EQ(json["accepted_error"], accepted);
 		EXPECT_EQ(tree->acceptedError, accepted);
@@ -225,7 +225,7 @@ TEST(btISTSceneReport, SaysWhatTheDialPromisesAndWhetherThatIsWhatIsAccepted)
 			EXPECT_EQ(pair["promised_error"].is_null(), pair["a"] == "box" || pair["b"] == "box");
 			EXPECT_EQ(pair["promise_kept"].is_boolean(), !pair["promised_error"].is_null());
 		}
-		EXPECT_EQ(report.text().find("not kept") == std::string::npos, tree->promiseKept);
+		EXPECT_EQ(report.text().find("not kept") == std::string::npos, tree->withinTolerance);
 		EXPECT_NE(report.text().find("% accepted"), std::string::npos);
 	}
 }
@@ -304,17 +304,17 @@ TEST(btISTSceneReport, JsonIsOneObjectWhateverTheNamesAre)
 	EXPECT_EQ(json["economy"], true);
 	EXPECT_EQ(json["queries"], report.total.asked);
 	ASSERT_EQ(json["pairs"].size(), report.pairs.size());
-	bool named = false, unpromised = false;
+	bool named = false, unbounded = false;
 	for (const auto& pair : json["pairs"])
 	{
 		named = named || pair["a"] == "floor \"of\" the\n\\hall" || pair["b"] == "floor \"of\" the\n\\hall";
-		unpromised = unpromised || pair["expected_error"].is_null();
+		unbounded = unbounded || pair["expected_error"].is_null();
 		for (const char* field : {"model", "level", "reason", "patches", "leaf_pairs", "force", "queries", "kept", "node_visits",
 				 "ball_tests", "seconds", "saved_seconds"})
 			EXPECT_TRUE(pair.contains(field)) << field;
 	}
 	EXPECT_TRUE(named);
-	EXPECT_TRUE(unpromised);
+	EXPECT_TRUE(unbounded);
 }
 
 TEST(btISTSceneReport, JsonHasPointsWhateverTheLocaleOfTheProgram)

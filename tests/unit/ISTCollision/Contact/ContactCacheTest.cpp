@@ -378,9 +378,9 @@ TEST(btISTContactCache, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 		EXPECT_LT(pair.cost().asked, 300 * weightsOfA.size());
 		return pair.contact()->accuracy;
 	};
-	const ist::PairAccuracy soft = settled({1}), hard = settled({0}), changed = settled({1, 0});
-	ASSERT_NE(soft.promise, hard.promise);
-	EXPECT_EQ(changed.promise, hard.promise);
+	const ist::AdaptiveLevel soft = settled({1}), hard = settled({0}), changed = settled({1, 0});
+	ASSERT_NE(soft.errorBound, hard.errorBound);
+	EXPECT_EQ(changed.errorBound, hard.errorBound);
 	EXPECT_EQ(changed.level, hard.level);
 }
 

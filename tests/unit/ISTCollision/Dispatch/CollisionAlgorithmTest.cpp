@@ -329,7 +329,7 @@ TEST(btISTCollisionAlgorithm, AcceptedErrorChoosesTheLevelOfEachPairAndFades)
 	EXPECT_EQ(coarse.accuracy.fadedShare, 0);
 	EXPECT_GT(coarse.accuracy.level, 0);
 	EXPECT_TRUE(coarse.accuracy.kept);
-	EXPECT_LE(coarse.accuracy.promise, .3);
+	EXPECT_LE(coarse.accuracy.errorBound, .3);
 	EXPECT_LT(double(coarse.total.pairs), .5 * double(all));
 	EXPECT_LE(ist::norm(forceOf(coarse) - leaves), .3 * ist::norm(leaves));
 

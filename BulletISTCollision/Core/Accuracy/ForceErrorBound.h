@@ -25,34 +25,34 @@ double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 /// is shallow against the gaps. V counts as `forceFloor` at least. The factors were chosen on nine pairs of bodies round and thin of 1,000
 /// to 10,000 spheres against quadrature, in each of which accepted errors held; how far they do on others bench_pareto prints. Bodies that
 /// were never calibrated have the largest c.
-double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
+double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 
-/// The coarsest level of the pair whose promise is within `error` (0..1) of the force or of the floor; 0, the leaves, when none is. No
+/// The coarsest level of the pair whose error bound is within `error` (0..1) of the force or of the floor; 0, the leaves, when none is. No
 /// queries: O(levels^2).
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error);
 
 /// What force error is accepted, and where to begin to look.
-struct AcceptedError
+struct ForceTolerance
 {
 	double error = 0.05;                  ///< |F - F_true| <= error * max(|F_true|, floor), 0 to 1
 	double weightA = 0.5, weightB = 0.5;  ///< of the pair (PressurePair)
 	int firstLevel = -1;                  ///< `nextLevel` of the last answer of this pair; negative: none
 };
 
-struct PromisedOverlap
+struct BoundedOverlap
 {
 	OverlapResult overlap;
-	double promise =
+	double errorBound =
 		0;  ///< the force error that holds in 95 % of contacts, of max(|F|, floor): above `error` when even the leaves do not know better
-	bool kept = false;   ///< promise <= error
+	bool kept = false;   ///< error bound <= error
 	int nextLevel = -1;  ///< for the next query of this pair a moment later
 	int looks = 0;
 	int64_t pairs = 0;  ///< that all looks found
 };
 
-/// The coarsest level that keeps the accepted error: looks at one level, then finer as far as its promise says, mostly two or three times;
-/// with `firstLevel`, mostly once. `options.level` is the finest allowed; a budget of pairs has the last word. Bodies without levels answer
-/// with their leaves. `memory`: as for queryOverlap. No allocation.
-PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const AcceptedError& accepted, const QueryOptions& options = {}, PairMemory* memory = nullptr);
+/// The coarsest level that keeps the accepted error: looks at one level, then finer as far as its error bound says, mostly two or three
+/// times; with `firstLevel`, mostly once. `options.level` is the finest allowed; a budget of pairs has the last word. Bodies without levels
+/// answer with their leaves. `memory`: as for queryOverlap. No allocation.
+BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const ForceTolerance& accepted, const QueryOptions& options = {}, PairMemory* memory = nullptr);
 }  // namespace ist

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 
-#include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
+#include "BulletISTCollision/Core/Accuracy/ErrorShare.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
@@ -40,7 +40,7 @@ double forceFloor(double volumeA, double volumeB) { return kFloorOverlap * std::
 
 double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B) { return forceFloor(A.volume, B.volume); }
 
-double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen)
+double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen)
 {
 	const LevelPair trees = levelOf(A, B, level);
 	const double V = std::max(seen.volume, forceFloor(A, B));
@@ -52,7 +52,7 @@ double promisedError(const InnerSphereTree& A, const InnerSphereTree& B, int lev
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error)
 {
 	for (int level = levelCount(A, B); level > 0; --level)
-		if (shareOfTrueForce(promisedError(A, B, level, seen), seen.force, forceFloor(A, B)) <= error) return level;
+		if (shareOfTrueForce(forceErrorBound(A, B, level, seen), seen.force, forceFloor(A, B)) <= error) return level;
 	return 0;
 }
 
@@ -63,16 +63,16 @@ namespace
 int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen, double error)
 {
 	ContactSeen hoped = seen;
-	hoped.force += kHope * promisedError(A, B, level, seen);
+	hoped.force += kHope * forceErrorBound(A, B, level, seen);
 	const int sure = std::min(chooseLevel(A, B, seen, error), level - 1), coarsest = std::min(chooseLevel(A, B, hoped, error), level - 1);
 	return coarsest - sure < kWorthALook ? sure : coarsest;
 }
 }  // namespace
 
-PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const AcceptedError& accepted, const QueryOptions& options, PairMemory* memory)
+BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const ForceTolerance& accepted, const QueryOptions& options, PairMemory* memory)
 {
-	PromisedOverlap answer;
+	BoundedOverlap answer;
 	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));
 	QueryOptions at = options;
 	at.level = accepted.firstLevel < 0 ? coarsest : std::clamp(accepted.firstLevel, finest, coarsest);
@@ -85,8 +85,8 @@ PromisedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B,
 		answer.pairs += answer.overlap.total.pairs;
 		if (answer.overlap.status != QueryStatus::Ok) return answer;
 		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);
-		answer.promise = shareOfTrueForce(promisedError(A, B, answer.overlap.level, seen), seen.force, forceFloor(A, B));
-		answer.kept = answer.promise <= accepted.error;
+		answer.errorBound = shareOfTrueForce(forceErrorBound(A, B, answer.overlap.level, seen), seen.force, forceFloor(A, B));
+		answer.kept = answer.errorBound <= accepted.error;
 		if (answer.kept || at.level == finest || answer.overlap.coarsened)
 		{
 			answer.nextLevel = std::max(at.level, chooseLevel(A, B, seen, kReserve * accepted.error));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Accuracy/PairAccuracy.h"
+#include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 
-#include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
+#include "BulletISTCollision/Core/Accuracy/ErrorShare.h"
 #include "BulletISTCollision/Core/Query/PairMemory.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
@@ -17,7 +17,7 @@ bool isWhole(const QueryOptions& options)
 	return options.maxPairs >= 0 || options.maxMicroseconds >= 0 || options.sortPairs || options.listMeetingBounds;
 }
 
-Vec3 forceOf(const OverlapResult& result, const AcceptedError& accepted)
+Vec3 forceOf(const OverlapResult& result, const ForceTolerance& accepted)
 {
 	return pressureWrench(result.total, {1, accepted.weightA, accepted.weightB}).force;
 }
@@ -30,7 +30,7 @@ double fadeStep(const Vec3& before, const Vec3& after, double floor)
 }
 
 OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair)
+	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair)
 {
 	QueryOptions at = options;
 	at.level = pair.level;
@@ -40,17 +40,17 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	if (result.status != QueryStatus::Ok) return result;
 	pair.fadedShare = at.otherShare;
 	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
-	const double error = (1 - pair.fadedShare) * promisedError(A, B, pair.level, seen) +
-		pair.fadedShare * promisedError(A, B, pair.fadedLevel, seen);
-	pair.promise = shareOfTrueForce(error, seen.force, forceFloor(A, B));
-	pair.kept = pair.promise <= accepted.error;
+	const double error = (1 - pair.fadedShare) * forceErrorBound(A, B, pair.level, seen) +
+		pair.fadedShare * forceErrorBound(A, B, pair.fadedLevel, seen);
+	pair.errorBound = shareOfTrueForce(error, seen.force, forceFloor(A, B));
+	pair.kept = pair.errorBound <= accepted.error;
 	if (!(result.total.volume > 0)) pair.fadedShare = 0;
 	return result;
 }
 }  // namespace
 
-OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const AcceptedError& accepted, const QueryOptions& options, PairAccuracy& pair, PairMemory* memory)
+OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, PairMemory* memory)
 {
 	if (options.otherShare != 0)
 	{
@@ -63,11 +63,11 @@ OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B, cons
 	const bool whole = isWhole(options);
 	if (whole) pair.fadedShare = 0;
 	if (pair.fadedShare > 0) return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
-	AcceptedError along = accepted;
+	ForceTolerance along = accepted;
 	along.firstLevel = pair.level;
-	const PromisedOverlap answer = queryToError(A, B, X_AB, workspace, along, options, memory);
+	const BoundedOverlap answer = queryWithTolerance(A, B, X_AB, workspace, along, options, memory);
 	if (answer.overlap.status != QueryStatus::Ok) return answer.overlap;
-	pair.promise = answer.promise;
+	pair.errorBound = answer.errorBound;
 	pair.kept = answer.kept;
 	const int before = pair.level, wanted = answer.overlap.level < before ? answer.overlap.level : answer.nextLevel;
 	if (before < 0 || whole || !(answer.overlap.total.volume > 0) || wanted == before)

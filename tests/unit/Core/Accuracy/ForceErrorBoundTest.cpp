@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 
+#include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
-#include "BulletISTCollision/Core/Accuracy/PairAccuracy.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
@@ -56,7 +56,7 @@ std::vector<Pose> poses()
 }
 }  // namespace
 
-TEST(ForcePromise, FollowsItsLaw)
+TEST(ForceErrorBound, FollowsItsLaw)
 {
 	InnerSphereTree A = bodyA(), B = bodyB();
 	for (double& c : A.calibration) c = 0.2;
@@ -66,16 +66,16 @@ TEST(ForcePromise, FollowsItsLaw)
 	const double V = 0.05, area = 0.4, nA = trees.treeA->ballCount() * V / A.volume, nB = trees.treeB->ballCount() * V / B.volume;
 	const double balls = 0.14 * 0.14 / nA + 0.21 * 0.21 / nB + 0.25 * 0.25 * (1 / (nA * nA) + 1 / (nB * nB));
 	const double expected = V * std::hypot(std::sqrt(balls), 0.2 * 0.02 * area / V);
-	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, area}), expected, 0.02 * expected);
-	EXPECT_NEAR(promisedError(A, B, level, {V, 0.04, 1e9}), V * std::hypot(std::sqrt(balls), 0.2 * 3), 0.02 * V)
+	EXPECT_NEAR(forceErrorBound(A, B, level, {V, 0.04, area}), expected, 0.02 * expected);
+	EXPECT_NEAR(forceErrorBound(A, B, level, {V, 0.04, 1e9}), V * std::hypot(std::sqrt(balls), 0.2 * 3), 0.02 * V)
 		<< "nothing more is known of what is shallower still";
 	A.calibration.clear();
-	EXPECT_GT(promisedError(A, B, level, {V, 0.04, area}), expected) << "a body that was never measured is trusted less";
-	EXPECT_EQ(promisedError(A, B, 0, {}), promisedError(A, B, 0, {forceFloor(A, B), 0, 0}))
+	EXPECT_GT(forceErrorBound(A, B, level, {V, 0.04, area}), expected) << "a body that was never measured is trusted less";
+	EXPECT_EQ(forceErrorBound(A, B, 0, {}), forceErrorBound(A, B, 0, {forceFloor(A, B), 0, 0}))
 		<< "what was not seen may still be as much as the floor";
 }
 
-TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
+TEST(ForceErrorBound, ChoosesTheCoarsestLevelThatKeepsIt)
 {
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> u(-5, 0);
@@ -87,7 +87,7 @@ TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
 		const int chosen = chooseLevel(bodyA(), bodyB(), seen, error);
 		// Beyond a half of what is seen the true force may be much less.
 		const auto keeps = [&](int level) {
-			const double off = promisedError(bodyA(), bodyB(), level, seen);
+			const double off = forceErrorBound(bodyA(), bodyB(), level, seen);
 			return off <= error * std::max(floor, off <= seen.force / 2 ? seen.force : 2 * (seen.force - off));
 		};
 		for (int level = chosen + 1; level <= levelCount(bodyA(), bodyB()); ++level) EXPECT_FALSE(keeps(level));
@@ -95,18 +95,18 @@ TEST(ForcePromise, ChoosesTheCoarsestLevelThatKeepsIt)
 	}
 }
 
-TEST(ForcePromise, QueryAnswersAtALevelThatKeepsWhatItSays)
+TEST(ForceErrorBound, QueryAnswersAtALevelThatKeepsWhatItSays)
 {
 	QueryWorkspace workspace, other;
 	int kept = 0, coarse = 0;
 	for (const double error : kErrors)
 		for (const Pose& X : poses())
 		{
-			AcceptedError accepted;
+			ForceTolerance accepted;
 			accepted.error = error;
-			const PromisedOverlap answer = queryToError(bodyA(), bodyB(), X, workspace, accepted);
+			const BoundedOverlap answer = queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted);
 			ASSERT_EQ(answer.overlap.status, QueryStatus::Ok);
-			EXPECT_EQ(answer.kept, answer.promise <= error);
+			EXPECT_EQ(answer.kept, answer.errorBound <= error);
 			EXPECT_TRUE(answer.kept || answer.overlap.level == 0) << "only the leaves may fall short";
 			EXPECT_LE(answer.looks, 4);
 			QueryOptions options;
@@ -116,10 +116,10 @@ TEST(ForcePromise, QueryAnswersAtALevelThatKeepsWhatItSays)
 			EXPECT_EQ(answer.overlap.total.pairs, plain.pairs);
 			kept += answer.kept;
 			coarse += answer.overlap.level > 0;
-			// The leaves stand for the truth: in 24 poses some may lie beyond the promise, none far.
+			// The leaves stand for the truth: in 24 poses some may lie beyond the error bound, none far.
 			options.level = 0;
 			const Vec3 leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other, options).total, {}).force;
-			const double error95 = answer.promise * std::max(norm(leaves), forceFloor(bodyA(), bodyB()));
+			const double error95 = answer.errorBound * std::max(norm(leaves), forceFloor(bodyA(), bodyB()));
 			EXPECT_LE(norm(pressureWrench(answer.overlap.total, {}).force - leaves), 2 * error95);
 		}
 	EXPECT_GT(kept, 15);
@@ -127,7 +127,7 @@ TEST(ForcePromise, QueryAnswersAtALevelThatKeepsWhatItSays)
 }
 
 // A stick that touches with less than one leaf: what is seen may be ten times what is true.
-TEST(ForcePromise, OfWhatMayBeNearlyNothingIsAShareOfTheFloor)
+TEST(ForceErrorBound, OfWhatMayBeNearlyNothingIsAShareOfTheFloor)
 {
 	InnerSphereTree B = bodyB();
 	B.volume = 1e-6;
@@ -136,88 +136,88 @@ TEST(ForcePromise, OfWhatMayBeNearlyNothingIsAShareOfTheFloor)
 	for (int i = 0; i < 100; ++i)
 	{
 		const Pose X{Mat3(), bodyA().origin + Vec3{2.4 - 0.01 * i, 0.2, 0.1}};
-		const PromisedOverlap answer = queryToError(bodyA(), B, X, workspace, {});
+		const BoundedOverlap answer = queryWithTolerance(bodyA(), B, X, workspace, {});
 		const ContactSeen seen = seenIn(answer.overlap.total);
-		const double off = promisedError(bodyA(), B, answer.overlap.level, seen), floor = forceFloor(bodyA(), B);
+		const double off = forceErrorBound(bodyA(), B, answer.overlap.level, seen), floor = forceFloor(bodyA(), B);
 		if (seen.force < 2 * floor) continue;
 		const bool isSlight = off > seen.force, isClear = off < seen.force / 2;
 		slight += isSlight;
 		clear += isClear;
 		if (isSlight || isClear)
 		{
-			EXPECT_NEAR(answer.promise, off / (isSlight ? floor : seen.force), 1e-9 * answer.promise);
+			EXPECT_NEAR(answer.errorBound, off / (isSlight ? floor : seen.force), 1e-9 * answer.errorBound);
 		}
 	}
 	EXPECT_GT(slight, 0);
 	EXPECT_GT(clear, 10);
 }
 
-TEST(ForcePromise, APairThatGoesOnIsAskedOnce)
+TEST(ForceErrorBound, APairThatGoesOnIsAskedOnce)
 {
 	QueryWorkspace workspace;
-	AcceptedError accepted;
+	ForceTolerance accepted;
 	accepted.error = 0.1;
 	int looks = 0;
 	for (int step = 0; step < 100; ++step)
 	{
 		const Pose X{
 			rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.005 * step})), bodyA().origin + Vec3{1.2 - 0.004 * step, 0.3, 0}};
-		const PromisedOverlap answer = queryToError(bodyA(), bodyB(), X, workspace, accepted);
-		const PromisedOverlap next = queryToError(bodyA(), bodyB(), X, workspace, accepted);
+		const BoundedOverlap answer = queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted);
+		const BoundedOverlap next = queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted);
 		EXPECT_EQ(answer.overlap.level, next.overlap.level);
 		accepted.firstLevel = answer.nextLevel;
-		looks += queryToError(bodyA(), bodyB(), X, workspace, accepted).looks;
+		looks += queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted).looks;
 	}
 	EXPECT_LE(looks, 110);
 }
 
-TEST(ForcePromise, AllocatesNothingWhateverTheLevel)
+TEST(ForceErrorBound, AllocatesNothingWhateverTheLevel)
 {
 	QueryWorkspace workspace;
-	AcceptedError coarse, fine;
+	ForceTolerance coarse, fine;
 	coarse.error = 1;
 	fine.error = 1e-6;
 	const std::vector<Pose> all = poses();
-	queryToError(bodyA(), bodyB(), all[0], workspace, coarse);
+	queryWithTolerance(bodyA(), bodyB(), all[0], workspace, coarse);
 	const long before = allocationCount();
 	for (const Pose& X : all)
-		for (const AcceptedError& accepted : {coarse, fine}) queryToError(bodyA(), bodyB(), X, workspace, accepted);
+		for (const ForceTolerance& accepted : {coarse, fine}) queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted);
 	EXPECT_EQ(allocationCount(), before);
 }
 
-TEST(ForcePromise, ABudgetHasTheLastWordAndBadInputIsNamed)
+TEST(ForceErrorBound, ABudgetHasTheLastWordAndBadInputIsNamed)
 {
 	QueryWorkspace workspace;
-	AcceptedError accepted;
+	ForceTolerance accepted;
 	accepted.error = 1e-6;
 	QueryOptions options;
 	options.maxPairs = 300;
-	const PromisedOverlap answer = queryToError(bodyA(), bodyB(), poses()[0], workspace, accepted, options);
+	const BoundedOverlap answer = queryWithTolerance(bodyA(), bodyB(), poses()[0], workspace, accepted, options);
 	EXPECT_EQ(answer.overlap.status, QueryStatus::Ok);
 	EXPECT_LE(answer.overlap.total.pairs, 300);
 	EXPECT_FALSE(answer.kept);
-	EXPECT_GT(answer.promise, 1e-6);
+	EXPECT_GT(answer.errorBound, 1e-6);
 	Pose bad = poses()[0];
 	bad.translation.x = std::nan("");
-	EXPECT_EQ(queryToError(bodyA(), bodyB(), bad, workspace, accepted).overlap.status, QueryStatus::InvalidPose);
-	EXPECT_EQ(queryToError(bodyA(), InnerSphereTree(), poses()[0], workspace, accepted).overlap.status, QueryStatus::EmptyTree);
+	EXPECT_EQ(queryWithTolerance(bodyA(), bodyB(), bad, workspace, accepted).overlap.status, QueryStatus::InvalidPose);
+	EXPECT_EQ(queryWithTolerance(bodyA(), InnerSphereTree(), poses()[0], workspace, accepted).overlap.status, QueryStatus::EmptyTree);
 }
 
 // The dial is turned there and back while B slides; the motion's own part is what the leaves change by, and a tenth.
-TEST(PairAccuracy, TurningTheDialIsNotFelt)
+TEST(AdaptiveLevel, TurningTheDialIsNotFelt)
 {
 	QueryWorkspace workspace, other;
-	PairAccuracy pair;
+	AdaptiveLevel pair;
 	Vec3 last, lastLeaves;
 	int changes = 0;
 	for (int step = 0; step < 1200; ++step)
 	{
 		const Pose X{
 			rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.0005 * step})), bodyA().origin + Vec3{1.1 - 0.0004 * step, 0.3, 0}};
-		AcceptedError accepted;
+		ForceTolerance accepted;
 		accepted.error = step / 150 % 2 ? 0.03 : 0.6;
 		const int level = pair.level;
-		const OverlapResult result = queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		const OverlapResult result = queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 		ASSERT_EQ(result.status, QueryStatus::Ok);
 		changes += level >= 0 && pair.level != level;
 		const Vec3 force = pressureWrench(result.total, {}).force,
@@ -236,50 +236,50 @@ TEST(PairAccuracy, TurningTheDialIsNotFelt)
 	EXPECT_GE(changes, 6);
 }
 
-TEST(PairAccuracy, AnswersWithAListChangeTheirLevelAtOnce)
+TEST(AdaptiveLevel, AnswersWithAListChangeTheirLevelAtOnce)
 {
 	QueryWorkspace workspace;
 	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
 	for (const bool sorted : {false, true})
 		for (const bool begun : {false, true})
 		{
-			PairAccuracy pair;
-			AcceptedError accepted;
+			AdaptiveLevel pair;
+			ForceTolerance accepted;
 			QueryOptions options;
 			options.sortPairs = sorted;
 			options.listMeetingBounds = !sorted;
 			accepted.error = 0.02;
-			queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+			queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 			accepted.error = 0.6;
-			if (begun) queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+			if (begun) queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 			EXPECT_EQ(pair.fadedShare > 0, begun);
 			for (int i = 0; i < 3; ++i)
 			{
-				ASSERT_EQ(queryPair(bodyA(), bodyB(), X, workspace, accepted, options, pair).status, QueryStatus::Ok);
+				ASSERT_EQ(queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, options, pair).status, QueryStatus::Ok);
 				EXPECT_EQ(pair.fadedShare, 0);
 			}
 			EXPECT_GT(pair.level, 0);
 			options.otherShare = 0.5;
-			EXPECT_EQ(queryPair(bodyA(), bodyB(), X, workspace, accepted, options, pair).status, QueryStatus::Unsupported);
+			EXPECT_EQ(queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, options, pair).status, QueryStatus::Unsupported);
 		}
 }
 
-TEST(PairAccuracy, BeginsAnewWithBodiesOfFewerLevels)
+TEST(AdaptiveLevel, BeginsAnewWithBodiesOfFewerLevels)
 {
 	QueryWorkspace workspace;
 	InnerSphereTree plainA = bodyA(), plainB = bodyB();
 	plainA.levels.clear();
 	plainB.levels.clear();
 	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
-	PairAccuracy pair;
-	AcceptedError accepted;
+	AdaptiveLevel pair;
+	ForceTolerance accepted;
 	for (const double error : {0.02, 0.6})
 	{
 		accepted.error = error;
-		queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 	}
 	ASSERT_GT(pair.fadedShare, 0);
-	const OverlapResult result = queryPair(plainA, plainB, X, workspace, accepted, {}, pair),
+	const OverlapResult result = queryAdaptive(plainA, plainB, X, workspace, accepted, {}, pair),
 						leaves = queryOverlap(plainA, plainB, X, workspace);
 	EXPECT_EQ(result.status, QueryStatus::Ok);
 	EXPECT_EQ(result.total.volume, leaves.total.volume);
@@ -287,45 +287,45 @@ TEST(PairAccuracy, BeginsAnewWithBodiesOfFewerLevels)
 	EXPECT_EQ(pair.fadedShare, 0);
 }
 
-TEST(PairAccuracy, FadesOnAfterAQueryThatWasRefused)
+TEST(AdaptiveLevel, FadesOnAfterAQueryThatWasRefused)
 {
 	QueryWorkspace workspace;
 	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
-	PairAccuracy pair;
-	AcceptedError accepted;
+	AdaptiveLevel pair;
+	ForceTolerance accepted;
 	for (const double error : {0.02, 0.6})
 	{
 		accepted.error = error;
-		queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 	}
-	const PairAccuracy before = pair;
+	const AdaptiveLevel before = pair;
 	ASSERT_GT(before.fadedShare, 0);
 	Pose bad = X;
 	bad.translation.x = std::nan("");
-	EXPECT_EQ(queryPair(bodyA(), bodyB(), bad, workspace, accepted, {}, pair).status, QueryStatus::InvalidPose);
+	EXPECT_EQ(queryAdaptive(bodyA(), bodyB(), bad, workspace, accepted, {}, pair).status, QueryStatus::InvalidPose);
 	EXPECT_EQ(pair.fadedShare, before.fadedShare);
-	EXPECT_EQ(pair.promise, before.promise);
+	EXPECT_EQ(pair.errorBound, before.errorBound);
 }
 
-TEST(PairAccuracy, EndsWhereTheDialStands)
+TEST(AdaptiveLevel, EndsWhereTheDialStands)
 {
 	QueryWorkspace workspace;
-	PairAccuracy pair;
+	AdaptiveLevel pair;
 	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
 	for (const double error : {0.05, 0.5, 0.02})
 	{
-		AcceptedError accepted;
+		ForceTolerance accepted;
 		accepted.error = error;
-		for (int i = 0; i < 300; ++i) queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
-		const OverlapResult result = queryPair(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		for (int i = 0; i < 300; ++i) queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
+		const OverlapResult result = queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, {}, pair);
 		EXPECT_EQ(pair.fadedShare, 0);
 		EXPECT_TRUE(pair.kept || result.level == 0);
 		EXPECT_LE(result.level, chooseLevel(bodyA(), bodyB(), seenIn(result.total), error));
 	}
 	const long before = allocationCount();
-	AcceptedError coarse;
+	ForceTolerance coarse;
 	coarse.error = 0.9;
-	for (int i = 0; i < 50; ++i) queryPair(bodyA(), bodyB(), X, workspace, coarse, {}, pair);
+	for (int i = 0; i < 50; ++i) queryAdaptive(bodyA(), bodyB(), X, workspace, coarse, {}, pair);
 	EXPECT_EQ(allocationCount(), before);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Accuracy/ForcePromise.h"
+#include "BulletISTCollision/Core/Accuracy/ErrorShare.h"
+#include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
-#include "BulletISTCollision/Core/Accuracy/PromiseShare.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
@@ -53,13 +53,13 @@ void judge(const Body& A, const Body& B, Outcome* outcomes)
 			const Vec3 truth = quadrature.integrate(X, {}, 50, 6000).wrench().force;
 			for (size_t i = 0; i < std::size(kErrors); ++i)
 			{
-				AcceptedError accepted;
+				ForceTolerance accepted;
 				accepted.error = kErrors[i];
-				const PromisedOverlap answer = queryToError(A.tree, B.tree, X, workspace, accepted);
+				const BoundedOverlap answer = queryWithTolerance(A.tree, B.tree, X, workspace, accepted);
 				const double off = norm(pressureWrench(answer.overlap.total, {}).force - truth);
 				++outcomes[i].poses;
 				outcomes[i].kept += answer.kept;
-				outcomes[i].held += off <= std::max(kErrors[i], answer.promise) * std::max(norm(truth), forceFloor(A.tree, B.tree));
+				outcomes[i].held += off <= std::max(kErrors[i], answer.errorBound) * std::max(norm(truth), forceFloor(A.tree, B.tree));
 				outcomes[i].pairs += answer.overlap.total.pairs;
 				outcomes[i].leaves += queryOverlap(A.tree, B.tree, X, workspace).total.pairs;
 			}
@@ -67,8 +67,8 @@ void judge(const Body& A, const Body& B, Outcome* outcomes)
 }
 }  // namespace
 
-// None of these pairs was looked at when the factors of the promise were chosen.
-TEST(ForcePromise, HoldsAgainstQuadratureForRoundAndThinBodies)
+// None of these pairs was looked at when the factors of the error bound were chosen.
+TEST(ForceErrorBound, HoldsAgainstQuadratureForRoundAndThinBodies)
 {
 	const Body cone = makeBody(makeConeMesh(0.4, 0.8, 32)), slab = makeBody(makeBoxMesh({0.5, 0.3, 0.02})),
 			   ball = makeBody(makeSphereMesh(0.4, 3)), stick = makeBody(makeCylinderMesh(0.03, 0.5, 24));
@@ -96,7 +96,7 @@ int64_t pairsOfTheLevelThatDoes(const InnerSphereTree& A, const InnerSphereTree&
 	{
 		const OverlapIntegrals answer = queryOverlap(A, B, X, workspace, options).total;
 		const ContactSeen seen = seenIn(answer);
-		const bool keeps = shareOfTrueForce(promisedError(A, B, options.level, seen), seen.force, forceFloor(A, B)) <= error;
+		const bool keeps = shareOfTrueForce(forceErrorBound(A, B, options.level, seen), seen.force, forceFloor(A, B)) <= error;
 		if (keeps || options.level == 0) return answer.pairs;
 	}
 }
@@ -122,16 +122,16 @@ std::vector<Pose> deepPoses(const InnerSphereTree& A, const InnerSphereTree& B, 
 }  // namespace
 
 // A knot through a ring is pressed from all sides: of what is left, a coarse level sees too little to trust itself.
-TEST(ForcePromise, WhereForcesCancelALevelBetweenIsAskedBeforeTheLeaves)
+TEST(ForceErrorBound, WhereForcesCancelALevelBetweenIsAskedBeforeTheLeaves)
 {
 	const InnerSphereTree knot = makeBody(makeTorusKnotMesh(2, 1, 0.45)).tree, torus = makeBody(makeTorusMesh(0.5, 0.2)).tree;
 	QueryWorkspace workspace;
-	AcceptedError accepted;
+	ForceTolerance accepted;
 	accepted.error = 0.4;
 	int64_t asked = 0, needed = 0, leaves = 0;
 	for (const Pose& X : deepPoses(knot, torus, 40))
 	{
-		asked += queryToError(knot, torus, X, workspace, accepted).pairs;
+		asked += queryWithTolerance(knot, torus, X, workspace, accepted).pairs;
 		needed += pairsOfTheLevelThatDoes(knot, torus, X, accepted.error, workspace);
 		leaves += queryOverlap(knot, torus, X, workspace).total.pairs;
 	}
