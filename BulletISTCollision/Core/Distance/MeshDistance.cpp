@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
-#include "BulletISTCollision/Core/Distance/TriangleSieve.h"
+#include "BulletISTCollision/Core/Distance/WideTriangleBvh.h"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFarRadiiSide = 2.5;
 constexpr double kFarRadii = 5;
 
-using Nearest = TriangleSieve::Nearest;
+using Nearest = WideTriangleBvh::Nearest;
 using Child = TriangleHierarchy::Child;
 
 /// Solid angle of a triangle seen from `p`, positive from behind (van Oosterom and Strackee 1983).
@@ -60,7 +60,7 @@ struct MeshDistance::Implementation
 	Vec3 origin;
 	double size = 0;
 	TriangleHierarchy hierarchy;
-	TriangleSieve sieve;
+	WideTriangleBvh bvh;
 	Cluster rootCluster;
 	std::vector<std::array<Cluster, 2>> clusters;  // of hierarchy.nodes[i].child
 
@@ -88,7 +88,7 @@ MeshDistance::Implementation::Implementation(Mesh source, int threads) : mesh(st
 	size = norm(upper - lower);
 	hierarchy = TriangleHierarchy(mesh, origin, threads);
 	const Result<InstructionSet> set = chosenInstructionSet();
-	sieve = TriangleSieve(hierarchy, size, set ? set.value() : bestInstructionSet());
+	bvh = WideTriangleBvh(hierarchy, size, set ? set.value() : bestInstructionSet());
 	addClusters(threads);
 }
 
@@ -181,14 +181,14 @@ const Mesh& MeshDistance::mesh() const { return m_impl->mesh; }
 
 MeshDistance::Closest MeshDistance::closest(const Vec3& p, double upperBound) const
 {
-	const Nearest n = m_impl->sieve.nearest(p - m_impl->origin, upperBound);
-	if (n.triangle == TriangleSieve::kNone) return {p, upperBound, TriangleSieve::kNone};
+	const Nearest n = m_impl->bvh.nearest(p - m_impl->origin, upperBound);
+	if (n.triangle == WideTriangleBvh::kNone) return {p, upperBound, WideTriangleBvh::kNone};
 	return {p + n.offset, std::sqrt(n.distance2), n.triangle};
 }
 
 bool MeshDistance::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
 {
-	const bool all = m_impl->sieve.within(p - m_impl->origin, reach, most, out);
+	const bool all = m_impl->bvh.within(p - m_impl->origin, reach, most, out);
 	for (auto& [distance, triangle] : out) triangle = m_impl->hierarchy.triangles[triangle].index;
 	return all;
 }
@@ -207,12 +207,12 @@ MeshDistance::Field MeshDistance::field(const Vec3& p) const { return field(p, c
 
 MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside) const
 {
-	return m_impl->fieldFrom(m_impl->sieve.nearest(p - m_impl->origin, kInfinity), inside);
+	return m_impl->fieldFrom(m_impl->bvh.nearest(p - m_impl->origin, kInfinity), inside);
 }
 
 MeshDistance::Field MeshDistance::field(const Vec3& p, bool inside, uint32_t& hint) const
 {
-	const Nearest n = m_impl->sieve.nearest(p - m_impl->origin, kInfinity, hint);
+	const Nearest n = m_impl->bvh.nearest(p - m_impl->origin, kInfinity, hint);
 	hint = n.place;
 	return m_impl->fieldFrom(n, inside);
 }
@@ -221,7 +221,7 @@ MeshDistance::Field MeshDistance::Implementation::fieldFrom(const Nearest& c, bo
 {
 	const double distance = std::sqrt(c.distance2);
 	Field f{inside ? distance : -distance, {0, 0, 1}};
-	if (c.triangle == TriangleSieve::kNone) return f;
+	if (c.triangle == WideTriangleBvh::kNone) return f;
 	if (distance >= 1e-12 * size && distance > 0)
 	{
 		f.normal = normalized(inside ? c.offset : -c.offset);

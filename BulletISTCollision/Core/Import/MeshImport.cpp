@@ -181,7 +181,7 @@ struct LeftOut
 /// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond
 /// the vertices. The kinds of faces that the part says it has become those that are left: where assimp is told of polygons and finds none,
 /// it ends the process.
-void sieveFaces(aiMesh& part, LeftOut& out)
+void bvhFaces(aiMesh& part, LeftOut& out)
 {
 	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
 	for (unsigned i = 0; i < part.mNumFaces; ++i)
@@ -215,10 +215,10 @@ std::vector<aiMesh*> partsOf(const aiScene& scene)
 	return parts;
 }
 
-LeftOut sieveFaces(const aiScene& scene)
+LeftOut bvhFaces(const aiScene& scene)
 {
 	LeftOut out;
-	for (aiMesh* part : partsOf(scene)) sieveFaces(*part, out);
+	for (aiMesh* part : partsOf(scene)) bvhFaces(*part, out);
 	return out;
 }
 
@@ -426,7 +426,7 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 	const aiScene* scene = importer.ReadFile(path, 0);
 	// The importer owns the scene and gives it out for reading alone.
 	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
-	const LeftOut leftOut = scene ? sieveFaces(*scene) : LeftOut();
+	const LeftOut leftOut = scene ? bvhFaces(*scene) : LeftOut();
 	if (2 * leftOut.damaged > leftOut.faces)
 		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
 			" name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) +

@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
 #include "BulletISTCollision/Core/Distance/TriangleHierarchy.h"
-#include "BulletISTCollision/Core/Distance/TriangleSieve.h"
+#include "BulletISTCollision/Core/Distance/WideTriangleBvh.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>
@@ -480,28 +480,28 @@ TEST(MeshDistance, FieldAfterAnyOtherPointAgreesWithBruteForceAndWithNoHint)
 	}
 }
 
-TEST(TriangleSieve, EveryInstructionSetGivesTheSameAnswers)
+TEST(WideTriangleBvh, EveryInstructionSetGivesTheSameAnswers)
 {
 	Random random(19);
 	// The soup has more candidates than wait at a time.
 	for (const Mesh& mesh : {torusMesh(48, 24), soupMesh(random, 400, 2.0), makeSphereMesh(1, 4), soupMesh(random, 3, 1)})
 	{
 		const TriangleHierarchy hierarchy(mesh, {});
-		const TriangleSieve portable(hierarchy, 4, InstructionSet::Portable);
+		const WideTriangleBvh portable(hierarchy, 4, InstructionSet::Portable);
 		for (const InstructionSet set : kInstructionSets)
 		{
 			if (!isAvailable(set)) continue;
-			const TriangleSieve sieve(hierarchy, 4, set);
+			const WideTriangleBvh bvh(hierarchy, 4, set);
 			for (int i = 0; i < 200; ++i)
 			{
 				const Vec3 p = i == 0 ? Vec3{} : random.inCube(1.4);
 				const auto hint = uint32_t(i) % uint32_t(mesh.triangles.size());
-				const TriangleSieve::Nearest a = portable.nearest(p, 1e300), b = sieve.nearest(p, 1e300, hint);
+				const WideTriangleBvh::Nearest a = portable.nearest(p, 1e300), b = bvh.nearest(p, 1e300, hint);
 				EXPECT_TRUE(b.offset == a.offset && b.distance2 == a.distance2 && b.triangle == a.triangle && b.place == a.place)
 					<< toString(set);
 				std::vector<std::pair<double, uint32_t>> found, expected;
 				const double reach = random.uniform(0, 1.5);
-				EXPECT_EQ(sieve.within(p, reach, 300, found), portable.within(p, reach, 300, expected));
+				EXPECT_EQ(bvh.within(p, reach, 300, found), portable.within(p, reach, 300, expected));
 				EXPECT_EQ(found, expected) << toString(set);
 			}
 		}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Distance/TriangleSieve.h"
+#include "BulletISTCollision/Core/Distance/WideTriangleBvh.h"
 
-#include "BulletISTCollision/Core/Distance/SieveKernel.h"
+#include "BulletISTCollision/Core/Distance/WideBvhKernel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,29 +17,29 @@ constexpr double kFarthestPoint = 1e17;
 constexpr double kBeyond = -1;
 constexpr double kFloatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
 constexpr double kSlack = 2e-6;           // of the diagonal: more than thirty roundings of a coordinate
-static_assert(TriangleHierarchy::kMostLevels <= kMostSieveLevels);
+static_assert(TriangleHierarchy::kMostLevels <= kMostBvhLevels);
 
-float limitOf(double distance2) { return float(std::min(double(kLargestSieveSquare), distance2 * kFloatSlack)); }
+float limitOf(double distance2) { return float(std::min(double(kLargestBvhSquare), distance2 * kFloatSlack)); }
 
 /// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what kFarAway stands for.
 float near(double coordinate) { return float(std::clamp(coordinate, -kFarthestPoint, kFarthestPoint)); }
 
-const SieveKernel* kernelFor([[maybe_unused]] InstructionSet set)
+const WideBvhKernel* kernelFor([[maybe_unused]] InstructionSet set)
 {
 #if defined(__x86_64__)
 	switch (set)
 	{
-	case InstructionSet::Portable: return &kPortableSieveKernel;
-	case InstructionSet::Baseline: return &kBaselineSieveKernel;
+	case InstructionSet::Portable: return &kPortableWideBvhKernel;
+	case InstructionSet::Baseline: return &kBaselineWideBvhKernel;
 	case InstructionSet::V3:
-	case InstructionSet::V4: return &kV3SieveKernel;
+	case InstructionSet::V4: return &kV3WideBvhKernel;
 	}
 #endif
-	return &kPortableSieveKernel;
+	return &kPortableWideBvhKernel;
 }
 }  // namespace
 
-TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size, InstructionSet set)
+WideTriangleBvh::WideTriangleBvh(const TriangleHierarchy& hierarchy, double size, InstructionSet set)
 	: m_kernel(kernelFor(set)),
 	  m_slack(float(kSlack * size))
 {
@@ -51,14 +51,14 @@ TriangleSieve::TriangleSieve(const TriangleHierarchy& hierarchy, double size, In
 	m_leaves.shrink_to_fit();
 }
 
-void TriangleSieve::setPlane(SievePlanes& planes, int lane, const Vec3& normal, const Vec3& point)
+void WideTriangleBvh::setPlane(BvhPlanes& planes, int lane, const Vec3& normal, const Vec3& point)
 {
 	planes.x[lane] = float(normal.x), planes.y[lane] = float(normal.y), planes.z[lane] = float(normal.z);
 	planes.height[lane] = float(dot(normal, point));
 }
 
 /// The axis is the mean normal or, where normals cancel, that of the shortest side of the box.
-Vec3 TriangleSieve::axisOf(uint32_t begin, uint32_t end) const
+Vec3 WideTriangleBvh::axisOf(uint32_t begin, uint32_t end) const
 {
 	Vec3 lower = m_triangles[begin].a, upper = lower, normal;
 	double twiceArea = 0;
@@ -79,7 +79,7 @@ Vec3 TriangleSieve::axisOf(uint32_t begin, uint32_t end) const
 	return size.y <= size.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
 }
 
-void TriangleSieve::enclose(SieveCylinders& bound, int lane, uint32_t begin, uint32_t end) const
+void WideTriangleBvh::enclose(BvhCylinders& bound, int lane, uint32_t begin, uint32_t end) const
 {
 	const Vec3 axis = axisOf(begin, end);
 	Vec3 frame[3] = {{}, {}, axis};
@@ -113,7 +113,7 @@ void TriangleSieve::enclose(SieveCylinders& bound, int lane, uint32_t begin, uin
 	bound.half[lane] = float(0.5 * (most[2] - least[2]));
 }
 
-void TriangleSieve::setTriangle(SieveLeaf& leaf, int lane, const PreparedTriangle& t)
+void WideTriangleBvh::setTriangle(BvhLeaf& leaf, int lane, const PreparedTriangle& t)
 {
 	const double length = norm(t.ab);
 	const Vec3 normal = normalized(t.normal), along = t.ab / length, across = cross(normal, along);
@@ -131,33 +131,33 @@ void TriangleSieve::setTriangle(SieveLeaf& leaf, int lane, const PreparedTriangl
 	}
 }
 
-uint32_t TriangleSieve::addLeaf(uint32_t begin, uint32_t end)
+uint32_t WideTriangleBvh::addLeaf(uint32_t begin, uint32_t end)
 {
-	SieveLeaf leaf{};
+	BvhLeaf leaf{};
 	leaf.first = begin;
-	for (uint32_t i = begin; i < begin + uint32_t(kSieveWidth); ++i)
+	for (uint32_t i = begin; i < begin + uint32_t(kBvhWidth); ++i)
 	{
 		const int lane = int(i - begin);
 		if (i >= end) leaf.above.height[lane] = kFarAway;
 		// A needle's coordinates say nothing: it is always looked at.
-		else if (m_triangles[i].inverseNormal2 == 0) leaf.unknown[lane] = kLargestSieveSquare;
+		else if (m_triangles[i].inverseNormal2 == 0) leaf.unknown[lane] = kLargestBvhSquare;
 		else setTriangle(leaf, lane, m_triangles[i]);
 	}
 	m_leaves.push_back(leaf);
-	return uint32_t(m_leaves.size() - 1) | kSieveLeafBit;
+	return uint32_t(m_leaves.size() - 1) | kBvhLeafBit;
 }
 
-uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
+uint32_t WideTriangleBvh::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
 {
-	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kSieveWidth)) return addLeaf(begin, end);
+	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kBvhWidth)) return addLeaf(begin, end);
 	const auto halfArea = [](const TriangleHierarchy::Child& c) {
 		const Vec3 s = c.upper - c.lower;
 		return s.x * s.y + s.y * s.z + s.z * s.x;
 	};
 	const TriangleHierarchy::Node& top = hierarchy.nodes[child.first];
-	const TriangleHierarchy::Child* lanes[kSieveWidth] = {&top.child[0], &top.child[1]};
+	const TriangleHierarchy::Child* lanes[kBvhWidth] = {&top.child[0], &top.child[1]};
 	int count = 2;
-	while (count < kSieveWidth)
+	while (count < kBvhWidth)
 	{
 		int widest = -1;
 		for (int k = 0; k < count; ++k)
@@ -169,21 +169,21 @@ uint32_t TriangleSieve::add(const TriangleHierarchy& hierarchy, const TriangleHi
 	}
 	const auto index = uint32_t(m_nodes.size());
 	m_nodes.emplace_back();
-	for (int k = 0; k < kSieveWidth; ++k)
+	for (int k = 0; k < kBvhWidth; ++k)
 	{
 		const uint32_t below = k < count ? add(hierarchy, *lanes[k]) : kNone;
-		SieveNode& node = m_nodes[index];
+		BvhNode& node = m_nodes[index];
 		node.child[k] = below;
 		node.bound.x[k] = kFarAway;
 		if (k >= count) continue;
-		if (below & kSieveLeafBit) node.leaves |= 1u << k;
+		if (below & kBvhLeafBit) node.leaves |= 1u << k;
 		const auto [begin, end] = hierarchy.range(*lanes[k]);
 		enclose(node.bound, k, begin, end);
 	}
 	return index;
 }
 
-void TriangleSieve::offer(uint32_t place, const Vec3& p, Nearest& best) const
+void WideTriangleBvh::offer(uint32_t place, const Vec3& p, Nearest& best) const
 {
 	const PreparedTriangle& t = m_triangles[place];
 	const Vec3 pa = t.a - p;
@@ -195,7 +195,7 @@ void TriangleSieve::offer(uint32_t place, const Vec3& p, Nearest& best) const
 		best = {candidate, d2, t.index, place};
 }
 
-void TriangleSieve::begin(SieveSearch& search, const Vec3& p) const
+void WideTriangleBvh::begin(BvhSearch& search, const Vec3& p) const
 {
 	search.nodes = m_nodes.data();
 	search.leaves = m_leaves.data();
@@ -205,13 +205,13 @@ void TriangleSieve::begin(SieveSearch& search, const Vec3& p) const
 	search.count = 0;
 }
 
-struct TriangleSieve::NearestSearch : SieveSearch
+struct WideTriangleBvh::NearestSearch : BvhSearch
 {
-	const TriangleSieve& sieve;
+	const WideTriangleBvh& bvh;
 	const Vec3& p;
 	Nearest best;
 
-	NearestSearch(const TriangleSieve& triangles, const Vec3& point) : sieve(triangles), p(point) { sieve.begin(*this, p); }
+	NearestSearch(const WideTriangleBvh& triangles, const Vec3& point) : bvh(triangles), p(point) { bvh.begin(*this, p); }
 
 	void look()
 	{
@@ -219,31 +219,31 @@ struct TriangleSieve::NearestSearch : SieveSearch
 		for (int i = 0; i < count; ++i)
 		{
 			if (waiting[i].lower > limit || waiting[i].place == known) continue;
-			sieve.offer(waiting[i].place, p, best);
+			bvh.offer(waiting[i].place, p, best);
 			limit = std::min(limit, limitOf(best.distance2));
 		}
 		count = 0;
 	}
 };
 
-TriangleSieve::Nearest TriangleSieve::nearest(const Vec3& p, double upperBound, uint32_t hint) const
+WideTriangleBvh::Nearest WideTriangleBvh::nearest(const Vec3& p, double upperBound, uint32_t hint) const
 {
 	NearestSearch search(*this, p);
 	search.best.distance2 = upperBound > 0 ? upperBound * upperBound : 0;
 	if (!m_triangles) return search.best;
 	if (hint < m_count) offer(hint, p, search.best);
 	search.limit = limitOf(search.best.distance2);
-	search.settle = [](SieveSearch& s) { static_cast<NearestSearch&>(s).look(); };
+	search.settle = [](BvhSearch& s) { static_cast<NearestSearch&>(s).look(); };
 	m_kernel->nearest(search);
 	search.look();
 	return search.best;
 }
 
-struct TriangleSieve::WithinSearch : SieveSearch
+struct WideTriangleBvh::WithinSearch : BvhSearch
 {
 	std::vector<std::pair<double, uint32_t>>& out;
 
-	WithinSearch(const TriangleSieve& triangles, const Vec3& p, std::vector<std::pair<double, uint32_t>>& found) : out(found)
+	WithinSearch(const WideTriangleBvh& triangles, const Vec3& p, std::vector<std::pair<double, uint32_t>>& found) : out(found)
 	{
 		triangles.begin(*this, p);
 	}
@@ -255,17 +255,17 @@ struct TriangleSieve::WithinSearch : SieveSearch
 	}
 };
 
-bool TriangleSieve::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
+bool WideTriangleBvh::within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const
 {
 	out.clear();
 	if (!m_triangles) return true;
 	const double reach2 = reach * reach * kPruneSlack;
 	WithinSearch search(*this, p, out);
 	search.limit = limitOf(reach2);
-	search.surely = float(std::min(double(kLargestSieveSquare), reach2 / kFloatSlack));
+	search.surely = float(std::min(double(kLargestBvhSquare), reach2 / kFloatSlack));
 	search.certain = 0;
 	search.most = most;
-	search.settle = [](SieveSearch& s) { static_cast<WithinSearch&>(s).list(); };
+	search.settle = [](BvhSearch& s) { static_cast<WithinSearch&>(s).list(); };
 	m_kernel->within(search);
 	if (search.certain > most)
 	{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Compiled once for each instruction set; IST_SIEVE_KERNEL names the table. Everything but the table has internal linkage.
-#include "BulletISTCollision/Core/Distance/SieveKernel.h"
+// Compiled once for each instruction set; IST_BVH_KERNEL names the table. Everything but the table has internal linkage.
+#include "BulletISTCollision/Core/Distance/WideBvhKernel.h"
 
 #include "BulletISTCollision/Core/Base/FloatVector.h"
 
@@ -10,21 +10,21 @@ using namespace ist::kernels;
 namespace
 {
 constexpr float kFarRounding = 4e-6f;
-constexpr uint32_t kAllLanes = (1u << kSieveWidth) - 1;
+constexpr uint32_t kAllLanes = (1u << kBvhWidth) - 1;
 // Every level leaves at most seven siblings behind.
-constexpr int kStackSize = (kSieveWidth - 1) * kMostSieveLevels + kSieveWidth;
+constexpr int kStackSize = (kBvhWidth - 1) * kMostBvhLevels + kBvhWidth;
 
-using F = FloatVector<kSieveWidth>;
+using F = FloatVector<kBvhWidth>;
 
 /// Bit k set where lane k is not beyond the limit.
 IST_INLINE uint32_t notBeyond(const F& squared, float limit) { return ~F::less(F::all(limit), squared) & kAllLanes; }
 
 IST_INLINE float least(const F& lanes)
 {
-	float values[kSieveWidth];
+	float values[kBvhWidth];
 	lanes.store(values);
 	IST_UNROLL
-	for (int width = kSieveWidth / 2; width > 0; width /= 2)
+	for (int width = kBvhWidth / 2; width > 0; width /= 2)
 		for (int k = 0; k < width; ++k) values[k] = values[k] < values[k + width] ? values[k] : values[k + width];
 	return values[0];
 }
@@ -39,10 +39,10 @@ struct Point
 	F x, y, z;
 	float rounding;
 
-	IST_INLINE explicit Point(const SieveSearch& s) : x(F::all(s.x)), y(F::all(s.y)), z(F::all(s.z)), rounding(s.rounding) {}
+	IST_INLINE explicit Point(const BvhSearch& s) : x(F::all(s.x)), y(F::all(s.y)), z(F::all(s.z)), rounding(s.rounding) {}
 
 	/// What lies in the cylinders is not nearer; squared.
-	IST_INLINE F lowerBounds(const SieveCylinders& c) const
+	IST_INLINE F lowerBounds(const BvhCylinders& c) const
 	{
 		const F zero = F::all(0), radius = F::load(c.radius), half = F::load(c.half);
 		const F dx = x - F::load(c.x), dy = y - F::load(c.y), dz = z - F::load(c.z);
@@ -52,7 +52,7 @@ struct Point
 		return above * above + beside * beside - roundingOf(above + beside, radius + half);
 	}
 	/// Each triangle's distance is between the two.
-	IST_INLINE SquaredBounds bounds(const SieveLeaf& leaf) const
+	IST_INLINE SquaredBounds bounds(const BvhLeaf& leaf) const
 	{
 		const F above = over(leaf.above), distance2 = above * above + besideSquared(leaf);
 		const F error = roundingOf(F::squareRoot(distance2 + distance2), F::all(0));
@@ -61,7 +61,7 @@ struct Point
 
 private:
 	/// Of the way to the triangle, the part within its plane: none from above it, else that to the nearest edge.
-	IST_INLINE F besideSquared(const SieveLeaf& leaf) const
+	IST_INLINE F besideSquared(const BvhLeaf& leaf) const
 	{
 		const F zero = F::all(0), along = over(leaf.along), across = over(leaf.across);
 		const F lengths[3] = {F::load(leaf.length[0]), F::load(leaf.length[1]), F::load(leaf.length[2])};
@@ -81,7 +81,7 @@ private:
 		const F outermost = F::larger(F::larger(outwards[0], outwards[1]), outwards[2]);
 		return F::select(F::isLess(outermost, F::all(-rounding)), zero, F::smaller(F::smaller(squared[0], squared[1]), squared[2]));
 	}
-	IST_INLINE F over(const SievePlanes& planes) const
+	IST_INLINE F over(const BvhPlanes& planes) const
 	{
 		return x * F::load(planes.x) + y * F::load(planes.y) + z * F::load(planes.z) - F::load(planes.height);
 	}
@@ -94,14 +94,14 @@ private:
 };
 
 /// Without a branch that is hard to foresee.
-IST_INLINE void wait(SieveSearch& search, const SieveLeaf& leaf, const F& lower)
+IST_INLINE void wait(BvhSearch& search, const BvhLeaf& leaf, const F& lower)
 {
-	float squared[kSieveWidth];
+	float squared[kBvhWidth];
 	lower.store(squared);
 	const uint32_t bits = notBeyond(lower, search.limit);
 	int count = search.count;
 	IST_UNROLL
-	for (uint32_t k = 0; k < uint32_t(kSieveWidth); ++k)
+	for (uint32_t k = 0; k < uint32_t(kBvhWidth); ++k)
 	{
 		search.waiting[count] = {squared[k], leaf.first + k};
 		count += int(bits >> k & 1);
@@ -110,7 +110,7 @@ IST_INLINE void wait(SieveSearch& search, const SieveLeaf& leaf, const F& lower)
 	if (count > kMostWaiting) search.settle(search);
 }
 
-IST_INLINE void look(SieveSearch& search, const Point& at, const SieveLeaf& leaf)
+IST_INLINE void look(BvhSearch& search, const Point& at, const BvhLeaf& leaf)
 {
 	const SquaredBounds bounds = at.bounds(leaf);
 	const float nearest = least(bounds.upper);
@@ -135,12 +135,12 @@ IST_INLINE float boundOf(uint64_t key)
 	return bound;
 }
 
-void nearest(SieveSearch& search)
+void nearest(BvhSearch& search)
 {
 	const Point at(search);
-	if (search.root & kSieveLeafBit)
+	if (search.root & kBvhLeafBit)
 	{
-		look(search, at, search.leaves[search.root & ~kSieveLeafBit]);
+		look(search, at, search.leaves[search.root & ~kBvhLeafBit]);
 		return;
 	}
 	uint64_t stack[kStackSize];
@@ -150,15 +150,15 @@ void nearest(SieveSearch& search)
 	{
 		const uint64_t open = stack[--top];
 		if (boundOf(open) > search.limit) continue;
-		const SieveNode& node = search.nodes[uint32_t(open)];
+		const BvhNode& node = search.nodes[uint32_t(open)];
 		const F bounds = at.lowerBounds(node.bound);
-		float squared[kSieveWidth];
+		float squared[kBvhWidth];
 		bounds.store(squared);
 		const uint32_t near = notBeyond(bounds, search.limit);
 		for (uint32_t bits = near & node.leaves; bits; bits &= bits - 1)
 		{
 			const int k = __builtin_ctz(bits);
-			if (squared[k] <= search.limit) look(search, at, search.leaves[node.child[k] & ~kSieveLeafBit]);
+			if (squared[k] <= search.limit) look(search, at, search.leaves[node.child[k] & ~kBvhLeafBit]);
 		}
 		const int bottom = top;
 		for (uint32_t bits = near & ~node.leaves; bits; bits &= bits - 1)
@@ -173,7 +173,7 @@ void nearest(SieveSearch& search)
 	}
 }
 
-void within(SieveSearch& search)
+void within(BvhSearch& search)
 {
 	const Point at(search);
 	uint32_t stack[kStackSize];
@@ -182,14 +182,14 @@ void within(SieveSearch& search)
 	while (top > 0)
 	{
 		const uint32_t child = stack[--top];
-		if (!(child & kSieveLeafBit))
+		if (!(child & kBvhLeafBit))
 		{
-			const SieveNode& node = search.nodes[child];
+			const BvhNode& node = search.nodes[child];
 			for (uint32_t bits = notBeyond(at.lowerBounds(node.bound), search.limit); bits; bits &= bits - 1)
 				stack[top++] = node.child[__builtin_ctz(bits)];
 			continue;
 		}
-		const SieveLeaf& leaf = search.leaves[child & ~kSieveLeafBit];
+		const BvhLeaf& leaf = search.leaves[child & ~kBvhLeafBit];
 		const SquaredBounds bounds = at.bounds(leaf);
 		search.certain += uint64_t(__builtin_popcount(notBeyond(bounds.upper, search.surely)));
 		if (search.certain > search.most) return;
@@ -200,5 +200,5 @@ void within(SieveSearch& search)
 
 namespace ist::kernels
 {
-const SieveKernel IST_SIEVE_KERNEL{nearest, within};
+const WideBvhKernel IST_BVH_KERNEL{nearest, within};
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Base/InstructionSet.h"
-#include "BulletISTCollision/Core/Distance/SieveTree.h"
 #include "BulletISTCollision/Core/Distance/TriangleHierarchy.h"
+#include "BulletISTCollision/Core/Distance/WideBvhNodes.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,13 +14,13 @@ namespace ist
 {
 namespace kernels
 {
-struct SieveKernel;
-struct SieveSearch;
+struct WideBvhKernel;
+struct BvhSearch;
 }  // namespace kernels
 
 /// The same hierarchy eight wide, in single precision with a slack for its rounding: it rules out, and the
 /// exact triangles decide, so that the answers are those of double precision.
-class TriangleSieve
+class WideTriangleBvh
 {
 public:
 	static constexpr uint32_t kNone = UINT32_MAX;
@@ -33,9 +33,9 @@ public:
 		uint32_t place = kNone;     ///< of it in leaf order
 	};
 
-	TriangleSieve() = default;
+	WideTriangleBvh() = default;
 	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles. The answers are the same with every instruction set.
-	TriangleSieve(const TriangleHierarchy& hierarchy, double size, InstructionSet set);
+	WideTriangleBvh(const TriangleHierarchy& hierarchy, double size, InstructionSet set);
 
 	/// Nothing when nothing is nearer than the bound. `hint`: place of any triangle likely to be near; it changes the time taken, never
 	/// the answer.
@@ -54,17 +54,17 @@ private:
 	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
 	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
 	uint32_t addLeaf(uint32_t begin, uint32_t end);
-	static void setTriangle(SieveLeaf& leaf, int lane, const PreparedTriangle& t);
-	static void setPlane(SievePlanes& planes, int lane, const Vec3& normal, const Vec3& point);
+	static void setTriangle(BvhLeaf& leaf, int lane, const PreparedTriangle& t);
+	static void setPlane(BvhPlanes& planes, int lane, const Vec3& normal, const Vec3& point);
 	Vec3 axisOf(uint32_t begin, uint32_t end) const;
-	void enclose(SieveCylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
-	void begin(kernels::SieveSearch& search, const Vec3& p) const;
+	void enclose(BvhCylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
+	void begin(kernels::BvhSearch& search, const Vec3& p) const;
 
-	const kernels::SieveKernel* m_kernel = nullptr;
+	const kernels::WideBvhKernel* m_kernel = nullptr;
 	const PreparedTriangle* m_triangles = nullptr;
 	uint32_t m_count = 0;
-	std::vector<SieveNode> m_nodes;
-	std::vector<SieveLeaf> m_leaves;
+	std::vector<BvhNode> m_nodes;
+	std::vector<BvhLeaf> m_leaves;
 	uint32_t m_root = 0;
 	float m_slack = 0;  ///< more than single precision can be wrong anywhere in the mesh [m]
 };
