@@ -343,12 +343,12 @@ bool TreeQuery::rememberPatches(int groups)
 }
 
 /// In place: those whose ellipsoids come within the margin.
-int TreeQuery::sift(int count, float margin)
+int TreeQuery::cull(int count, float margin)
 {
 	if (!hasShapes() || m_options.listMeetingBounds) return count;
 	m_bodies.margin = margin;
 	pad(m_work.pairA, m_work.pairB, count);
-	return m_work.kernel->sift(m_bodies, m_work.pairA, m_work.pairB, count);
+	return m_work.kernel->cull(m_bodies, m_work.pairA, m_work.pairB, count);
 }
 
 void TreeQuery::take(int count)
@@ -356,11 +356,11 @@ void TreeQuery::take(int count)
 	const int capacity = m_work.capacity.pairs;
 	if (m_margin > 0)
 	{
-		count = sift(count, m_margin);
+		count = cull(count, m_margin);
 		m_memory->append(m_work.pairA, m_work.pairB, count);
 		if (m_onlyFills) return;
 	}
-	count = sift(count, 0);
+	count = cull(count, 0);
 	if (!(m_grouped || m_options.sortPairs || m_limits.pairs >= 0) || !m_result.pairListComplete)
 		return evaluate(m_work.pairA, m_work.pairB, count, m_sums);
 	PairStream& list = m_work.stream;

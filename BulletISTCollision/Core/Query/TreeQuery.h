@@ -70,7 +70,7 @@ private:
 	bool recallPatches();
 	/// Remembers the patches of the pairs that were listed.
 	bool rememberPatches(int groups);
-	int sift(int count, float margin);
+	int cull(int count, float margin);
 	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
 	void take(int count);

@@ -104,7 +104,7 @@ struct PairBodies
 	double R[9], t[3];
 	bool keepMeeting;        ///< of `refine`: pairs whose bounding balls meet, whether or not they share volume
 	float slack;             ///< covers the rounding of float positions [m]
-	float margin;            ///< of `sift`: keeps pairs that meet when no point of B has moved further [m]
+	float margin;            ///< of `cull`: keeps pairs that meet when no point of B has moved further [m]
 	float weightA, weightB;  ///< of the fields, for the damping; both zero: none
 };
 
@@ -188,7 +188,7 @@ struct QueryKernel
 	void (*search)(PairSearch& search);
 	/// Drops pairs whose ellipsoids are surely apart from a list in place; returns the new length. Reads up to kListSlack entries behind
 	/// the end.
-	int (*sift)(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count);
+	int (*cull)(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count);
 	/// Adds the terms of those pairs that do intersect to `sums`. Reads up to kListSlack entries behind the end.
 	void (*evaluate)(const PairBodies& bodies, const uint32_t* a, const uint32_t* b, int count, Terms terms, double* sums);
 	/// Appends those pairs that do intersect to `stream` at `size` (needs kListSlack beyond size + count); returns the new size. Reads

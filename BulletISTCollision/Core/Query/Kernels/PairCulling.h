@@ -65,7 +65,7 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 }
 
 /// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.
-template <bool hasMargin, bool isMoved> int siftPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+template <bool hasMargin, bool isMoved> int cullPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
 	int kept = 0;
 	for (int k = 0; k < count; k += kLanes)
@@ -79,13 +79,13 @@ template <bool hasMargin, bool isMoved> int siftPairs(const PairBodies& bodies, 
 	return kept;
 }
 
-template <bool hasMargin> int siftAs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+template <bool hasMargin> int cullAs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
-	return bodies.centersB ? siftPairs<hasMargin, true>(bodies, a, b, count) : siftPairs<hasMargin, false>(bodies, a, b, count);
+	return bodies.centersB ? cullPairs<hasMargin, true>(bodies, a, b, count) : cullPairs<hasMargin, false>(bodies, a, b, count);
 }
 
-int sift(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
+int cull(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
-	return bodies.margin > 0 ? siftAs<true>(bodies, a, b, count) : siftAs<false>(bodies, a, b, count);
+	return bodies.margin > 0 ? cullAs<true>(bodies, a, b, count) : cullAs<false>(bodies, a, b, count);
 }
 }  // namespace
