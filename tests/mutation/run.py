@@ -26,7 +26,7 @@ MUTATIONS = {
         CORE + "Query/Kernels/PairIntegrals.h", "density = a.density * b.density;", "density = F::all(1);",
         "test_core", "OverlapQuery.AgreesWithBruteForce*"),
     "density dropped from the sums of a half-space": (
-        CORE + "Query/FieldPress.cpp", "term.volume = leaf.density * cap.volume;", "term.volume = cap.volume;",
+        CORE + "Query/FieldClipper.cpp", "term.volume = leaf.density * cap.volume;", "term.volume = cap.volume;",
         "test_core", "HalfSpace.ManyBallsAgreeWithADirectSum"),
     "mean normal of leaves normalised": (
         CORE + "Leaves/CellSplitter.cpp", "e.setNormal(piece.normal);", "e.setNormal(normalized(piece.normal));",

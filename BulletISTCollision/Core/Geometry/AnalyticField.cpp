@@ -59,7 +59,7 @@ Vec3 AnalyticField::normal(const Vec3& p) const
 
 FieldSide HalfSpaceField::side(int, const Vec3& p, const SymmetricMatrix3&) const { return {m_offset - dot(m_normal, p), m_normal, {}}; }
 
-Vec3 HalfSpaceField::grain(const Vec3&) const
+Vec3 HalfSpaceField::subdivisionSize(const Vec3&) const
 {
 	constexpr double kAny = std::numeric_limits<double>::infinity();
 	return {kAny, kAny, kAny};
@@ -81,7 +81,7 @@ FieldSide BoxField::side(int index, const Vec3& p, const SymmetricMatrix3&) cons
 	return s;
 }
 
-Vec3 BoxField::grain(const Vec3&) const { return m_half * kGrainOfHalf; }
+Vec3 BoxField::subdivisionSize(const Vec3&) const { return m_half * kGrainOfHalf; }
 bool BoxField::isValid() const { return isLength(m_half.x) && isLength(m_half.y) && isLength(m_half.z) && isLength(volume()); }
 
 // Where z is within the straight part, the axis point follows the place; a cloud across its end does both in part.
@@ -102,7 +102,7 @@ FieldSide CapsuleField::side(int, const Vec3& p, const SymmetricMatrix3& spread)
 	return {m_radius - radius.length, radius.direction, radius.bend({1, 1, follows})};
 }
 
-Vec3 CapsuleField::grain(const Vec3& p) const
+Vec3 CapsuleField::subdivisionSize(const Vec3& p) const
 {
 	const double across = kGrainOfRadius * m_radius;
 	return {across, across, across + kGrainOfRadius * std::max(0.0, m_half - std::fabs(p.z))};
@@ -119,7 +119,10 @@ FieldSide CylinderField::side(int index, const Vec3& p, const SymmetricMatrix3& 
 	return {m_radius - radius.length, radius.direction, radius.bend({1, 1, 0})};
 }
 
-Vec3 CylinderField::grain(const Vec3&) const { return {kGrainOfRadius * m_radius, kGrainOfRadius * m_radius, kGrainOfHalf * m_half}; }
+Vec3 CylinderField::subdivisionSize(const Vec3&) const
+{
+	return {kGrainOfRadius * m_radius, kGrainOfRadius * m_radius, kGrainOfHalf * m_half};
+}
 
 double CylinderField::volume() const { return kPi * m_radius * m_radius * 2 * m_half; }
 bool CylinderField::isValid() const { return isLength(m_radius) && isLength(m_half) && isLength(volume()); }
@@ -139,7 +142,7 @@ FieldSide ConeField::side(int index, const Vec3& p, const SymmetricMatrix3& spre
 	return {m_cos * (radiusAt(p.z) - radius.length), {m_cos * u.x, m_cos * u.y, m_sin}, radius.bend({1, 1, 0}) * m_cos};
 }
 
-Vec3 ConeField::grain(const Vec3& p) const
+Vec3 ConeField::subdivisionSize(const Vec3& p) const
 {
 	const double share = std::max(kTipShare, std::min(1.0, radiusAt(p.z) / m_radius));
 	const double across = kGrainOfRadius * share * m_radius;

@@ -28,7 +28,7 @@ public:
 	/// All sides are planes.
 	virtual bool isPlanar() const { return false; }
 	/// How far a cloud about `p` may reach along each axis for means to say enough about it [m].
-	virtual Vec3 grain(const Vec3& p) const = 0;
+	virtual Vec3 subdivisionSize(const Vec3& p) const = 0;
 	/// [m^3]; infinite for a half-space.
 	virtual double volume() const = 0;
 	/// Every length positive and finite. The others are defined only then.
@@ -48,7 +48,7 @@ public:
 	int sideCount() const override { return 1; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
 	bool isPlanar() const override { return true; }
-	Vec3 grain(const Vec3& p) const override;
+	Vec3 subdivisionSize(const Vec3& p) const override;
 	double volume() const override;
 	bool isValid() const override;
 
@@ -64,7 +64,7 @@ public:
 	int sideCount() const override { return 6; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
 	bool isPlanar() const override { return true; }
-	Vec3 grain(const Vec3& p) const override;
+	Vec3 subdivisionSize(const Vec3& p) const override;
 	double volume() const override { return 8 * m_half.x * m_half.y * m_half.z; }
 	bool isValid() const override;
 
@@ -79,7 +79,7 @@ public:
 	CapsuleField(double radius, double halfHeight) : m_radius(radius), m_half(halfHeight) {}
 	int sideCount() const override { return 1; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
-	Vec3 grain(const Vec3& p) const override;
+	Vec3 subdivisionSize(const Vec3& p) const override;
 	double volume() const override;
 	bool isValid() const override;
 
@@ -99,7 +99,7 @@ public:
 	CylinderField(double radius, double halfHeight) : m_radius(radius), m_half(halfHeight) {}
 	int sideCount() const override { return 3; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
-	Vec3 grain(const Vec3& p) const override;
+	Vec3 subdivisionSize(const Vec3& p) const override;
 	double volume() const override;
 	bool isValid() const override;
 
@@ -114,7 +114,7 @@ public:
 	ConeField(double radius, double height);
 	int sideCount() const override { return 2; }
 	FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const override;
-	Vec3 grain(const Vec3& p) const override;
+	Vec3 subdivisionSize(const Vec3& p) const override;
 	double volume() const override;
 	bool isValid() const override;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Geometry/Lens.h"
-#include "BulletISTCollision/Core/Query/FieldPress.h"
+#include "BulletISTCollision/Core/Query/FieldClipper.h"
 #include "BulletISTCollision/Core/Query/InnerOverlap.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
 
@@ -123,7 +123,7 @@ private:
 	void publishPairs();
 
 	const BallTree& m_A;
-	FieldPress m_press;
+	FieldClipper m_press;
 	QueryWorkspace::Implementation& m_work;
 	const QueryOptions& m_options;
 	OverlapResult& m_result;

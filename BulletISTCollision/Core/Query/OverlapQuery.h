@@ -200,7 +200,7 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 /// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame. B's field is that of the body itself:
 /// `normalB` = Int n_B dV with the normals of its nearest surface points, `depthB` with its depth; its stiffness holds its curvature. All
 /// that belongs to A is as with a tree. A pair is a leaf that reaches into the field; patches are told apart by the field's normals.
-/// Leaves larger than the field's grain are divided (FieldPress.h). O(leaves in reach), no allocation but at the first of its kind.
+/// Leaves larger than the field's grain are divided (FieldClipper.h). O(leaves in reach), no allocation but at the first of its kind.
 OverlapResult queryField(
 	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options = {});
 

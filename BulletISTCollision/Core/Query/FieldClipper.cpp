@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/FieldPress.h"
+#include "BulletISTCollision/Core/Query/FieldClipper.h"
 
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 
@@ -39,7 +39,7 @@ double smoothStep(double x)
 }  // namespace
 
 // Each side's depth is concave, so that its tangent bounds it.
-bool FieldPress::mayReach(const Vec3& center, double radius) const
+bool FieldClipper::mayReach(const Vec3& center, double radius) const
 {
 	const double reach = radius * (1 + 1e-6);
 	if (m_planar)
@@ -54,7 +54,7 @@ bool FieldPress::mayReach(const Vec3& center, double radius) const
 	return true;
 }
 
-FieldPress::FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink)
+FieldClipper::FieldClipper(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink)
 	: m_field(field),
 	  m_X(X_AF),
 	  m_toField(transpose(X_AF.rotation)),
@@ -63,7 +63,7 @@ FieldPress::FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffn
 	  m_sink(sink),
 	  m_planar(field.isPlanar())
 {
-	const Vec3 grain = field.grain({});
+	const Vec3 grain = field.subdivisionSize({});
 	for (int i = 0; i < 3; ++i)
 		for (int j = i; j > 0 && grain[m_order[j]] < grain[m_order[j - 1]]; --j) std::swap(m_order[j], m_order[j - 1]);
 	m_finest = grain[m_order[0]];
@@ -75,12 +75,12 @@ FieldPress::FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffn
 	}
 }
 
-void FieldPress::press(const MomentEllipsoid& leaf, uint32_t index)
+void FieldClipper::press(const MomentEllipsoid& leaf, uint32_t index)
 {
 	m_index = index;
 	if (m_planar && pressAgainstOnePlane(leaf)) return;
-	FieldPiece piece{m_toField * (leaf.center() - m_X.translation), rotated(m_toField, leaf.shape()), leaf.volume()};
-	const Vec3 grain = m_field.grain(piece.center);
+	EllipsoidFragment piece{m_toField * (leaf.center() - m_X.translation), rotated(m_toField, leaf.shape()), leaf.volume()};
+	const Vec3 grain = m_field.subdivisionSize(piece.center);
 	const double width = std::sqrt(
 		std::max({piece.shape.xx / (grain.x * grain.x), piece.shape.yy / (grain.y * grain.y), piece.shape.zz / (grain.z * grain.z)}));
 	const double divided = smoothStep((width / kWholeLeaf - 1) / (kBlend - 1));
@@ -96,7 +96,7 @@ void FieldPress::press(const MomentEllipsoid& leaf, uint32_t index)
 }
 
 /// What `press` does where it comes down to this, without turning the leaf into the field's frame. False where it does not.
-bool FieldPress::pressAgainstOnePlane(const MomentEllipsoid& leaf)
+bool FieldClipper::pressAgainstOnePlane(const MomentEllipsoid& leaf)
 {
 	if (leaf.R > kWholeLeaf * m_finest) return false;
 	const Vec3 center = leaf.center();
@@ -127,7 +127,7 @@ bool FieldPress::pressAgainstOnePlane(const MomentEllipsoid& leaf)
 
 /// Of the same moments. Cholesky's columns, beginning with the axis of the finest grain: halving the first alone makes a leaf thin along
 /// it.
-FieldPress::FieldCell FieldPress::boxOf(const FieldPiece& piece) const
+FieldClipper::FieldCell FieldClipper::boxOf(const EllipsoidFragment& piece) const
 {
 	FieldCell cell{piece.center, {}, piece.volume};
 	SymmetricMatrix3 rest = piece.shape;
@@ -144,7 +144,7 @@ FieldPress::FieldCell FieldPress::boxOf(const FieldPiece& piece) const
 	return cell;
 }
 
-bool FieldPress::isOutside(const FieldPiece& piece) const
+bool FieldClipper::isOutside(const EllipsoidFragment& piece) const
 {
 	for (int i = 0; i < m_sides; ++i)
 	{
@@ -154,7 +154,7 @@ bool FieldPress::isOutside(const FieldPiece& piece) const
 	return false;
 }
 
-bool FieldPress::isOutside(const FieldCell& cell) const
+bool FieldClipper::isOutside(const FieldCell& cell) const
 {
 	for (int i = 0; i < m_sides; ++i)
 	{
@@ -167,16 +167,16 @@ bool FieldPress::isOutside(const FieldCell& cell) const
 }
 
 /// Looks at the half-axes in turn, halves along those that exceed the grain, and ends when none of three in a row does.
-void FieldPress::divide(const FieldCell& cell, int axis, int unchanged, int divisions)
+void FieldClipper::divide(const FieldCell& cell, int axis, int unchanged, int divisions)
 {
 	if (isOutside(cell)) return;
 	if (unchanged == 3 || divisions == kMostDivisions)
 	{
-		FieldPiece piece{cell.center, {}, cell.volume};
+		EllipsoidFragment piece{cell.center, {}, cell.volume};
 		for (const Vec3& h : cell.half) piece.shape += SymmetricMatrix3::square(h) * (5.0 / 3);
 		return assign(piece);
 	}
-	const Vec3 grain = m_field.grain(cell.center), &h = cell.half[axis];
+	const Vec3 grain = m_field.subdivisionSize(cell.center), &h = cell.half[axis];
 	const double width = kWidthOfBox * std::max({std::fabs(h.x) / grain.x, std::fabs(h.y) / grain.y, std::fabs(h.z) / grain.z});
 	const double halved = smoothStep((width - 1) / (kBlend - 1));
 	const int next = (axis + 1) % 3;
@@ -198,7 +198,7 @@ void FieldPress::divide(const FieldCell& cell, int axis, int unchanged, int divi
 }
 
 /// The sides that are nearest to the piece's centre have their turn as the first to claim it.
-void FieldPress::assign(const FieldPiece& piece)
+void FieldClipper::assign(const EllipsoidFragment& piece)
 {
 	const SymmetricMatrix3 spread = piece.spread();
 	const double trace = piece.shape.trace(), tie = kTie * std::sqrt(trace / 3);
@@ -214,7 +214,7 @@ void FieldPress::assign(const FieldPiece& piece)
 	for (int i = 0; i < m_sides; ++i)
 	{
 		if (!(claim[i] > 0)) continue;
-		FieldPiece share = piece;
+		EllipsoidFragment share = piece;
 		share.volume *= claim[i] / sum;
 		bool alone = true;
 		for (int j = 0; j < m_sides && alone; ++j) alone = j == i || isNearerThroughout(sides[i], sides[j], trace);
@@ -224,7 +224,7 @@ void FieldPress::assign(const FieldPiece& piece)
 }
 
 /// The piece belongs to `winner` as far as the sides before `challenger`, and `first`, are concerned.
-void FieldPress::contest(const FieldPiece& piece, int winner, int challenger, int first)
+void FieldClipper::contest(const EllipsoidFragment& piece, int winner, int challenger, int first)
 {
 	if (challenger == first) ++challenger;
 	const SymmetricMatrix3 spread = piece.spread();
@@ -238,11 +238,11 @@ void FieldPress::contest(const FieldPiece& piece, int winner, int challenger, in
 }
 
 /// `own`: side `index` as the piece sees it.
-void FieldPress::cut(const FieldPiece& piece, int index, const FieldSide& own)
+void FieldClipper::cut(const EllipsoidFragment& piece, int index, const FieldSide& own)
 {
 	const PieceCut surface(piece, depthOf(own));
 	if (surface.keepsNothing()) return;
-	const FieldPiece inside = surface.positive();
+	const EllipsoidFragment inside = surface.positive();
 	const FieldSide s = m_field.side(index, inside.center, inside.spread());
 	FieldTerm term;
 	term.volume = inside.volume;
@@ -255,9 +255,9 @@ void FieldPress::cut(const FieldPiece& piece, int index, const FieldSide& own)
 }
 
 /// Where two sides are equally deep, the normal leaps from the one's to the other's.
-void FieldPress::addEdge(const PieceCut& edge, int winner, int challenger, int first)
+void FieldClipper::addEdge(const PieceCut& edge, int winner, int challenger, int first)
 {
-	const FieldPiece disc = edge.disc();
+	const EllipsoidFragment disc = edge.disc();
 	const SymmetricMatrix3 spread = disc.spread();
 	const FieldSide side = m_field.side(winner, disc.center, spread);
 	const Vec3 leap = side.normal - m_field.side(challenger, disc.center, spread).normal;
@@ -271,7 +271,7 @@ void FieldPress::addEdge(const PieceCut& edge, int winner, int challenger, int f
 	send(term);
 }
 
-void FieldPress::send(FieldTerm& term)
+void FieldClipper::send(FieldTerm& term)
 {
 	term.ball = m_index;
 	term.centroid = m_X * term.centroid;

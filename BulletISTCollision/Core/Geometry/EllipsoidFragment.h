@@ -10,7 +10,7 @@ namespace ist
 {
 /// The homogeneous ellipsoid with the volume, centroid and second moment of a part of a leaf (MomentEllipsoid.h): cutting it gives
 /// two, whose moments add up to those of the whole.
-struct FieldPiece
+struct EllipsoidFragment
 {
 	Vec3 center;
 	SymmetricMatrix3 shape;  ///< P: five times the covariance [m^2]
@@ -34,7 +34,7 @@ struct LevelFunction
 class PieceCut
 {
 public:
-	PieceCut(const FieldPiece& piece, const LevelFunction& f) : m_piece(&piece)
+	PieceCut(const EllipsoidFragment& piece, const LevelFunction& f) : m_piece(&piece)
 	{
 		const Vec3 conjugate = piece.shape * f.gradient;
 		const double width = std::sqrt(std::max(0.0, dot(f.gradient, conjugate)));
@@ -60,12 +60,12 @@ public:
 	bool keepsAll() const { return m_height >= 1; }
 	bool keepsNothing() const { return m_height <= -1; }
 
-	FieldPiece positive() const { return part(1 + m_height, 1); }
-	FieldPiece negative() const { return part(1 - m_height, -1); }
+	EllipsoidFragment positive() const { return part(1 + m_height, 1); }
+	EllipsoidFragment negative() const { return part(1 - m_height, -1); }
 	/// The cut itself: a disc without thickness; `volume` is that of the whole piece times `slope`.
-	FieldPiece disc() const
+	EllipsoidFragment disc() const
 	{
-		FieldPiece d;
+		EllipsoidFragment d;
 		d.center = m_piece->center - m_axis * m_height;
 		d.shape = (m_piece->shape + SymmetricMatrix3::square(m_axis) * -1.0) * (1.25 * (1 - m_height * m_height));
 		d.volume = m_piece->volume * m_slope;
@@ -76,19 +76,19 @@ private:
 	static double shareOf(double h) { return h * h * (3 - h) / 4; }
 
 	/// The cap of height h (in half-widths) on the side `sign` of the axis. Source: integrals over 1 - u^2 of a unit ball.
-	FieldPiece part(double h, double sign) const
+	EllipsoidFragment part(double h, double sign) const
 	{
 		if (h >= 2) return *m_piece;
 		const double rest = 1 / (1 - h / 3), first = h * (2.0 / 3 - h / 4) * rest;  // mean distance from the pole
 		const double along = 5 * (h * h * (0.5 - h / 5) * rest - first * first), across = 1.25 * h * (4.0 / 3 - h + h * h / 5) * rest;
-		FieldPiece p;
+		EllipsoidFragment p;
 		p.center = m_piece->center + m_axis * (sign * (1 - first));
 		p.shape = m_piece->shape * across + SymmetricMatrix3::square(m_axis) * (along - across);
 		p.volume = m_piece->volume * shareOf(h);
 		return p;
 	}
 
-	const FieldPiece* m_piece;
+	const EllipsoidFragment* m_piece;
 	Vec3 m_axis;           // half-axis along which the function rises
 	double m_height = -1;  // of the centre over the cut, in half-widths, -1 to 1
 	double m_slope = 0;

@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Geometry/AnalyticField.h"
-#include "BulletISTCollision/Core/Geometry/FieldPiece.h"
+#include "BulletISTCollision/Core/Geometry/EllipsoidFragment.h"
 #include "BulletISTCollision/Core/Geometry/FieldTerm.h"
 #include "BulletISTCollision/Core/Geometry/MomentEllipsoid.h"
 
@@ -21,11 +21,11 @@ public:
 /// moments, which halves until its cells are not. A cell, as the ellipsoid of its moments, is divided among the sides by depth, as if by
 /// planes, and each part is cut by its own side. Exact for a half-space. In shares of a leaf: a per cent or two where it was divided or
 /// an edge crosses it, third order in its size over the radius of curvature elsewhere, without bias. Continuous in the pose. No allocation.
-class FieldPress
+class FieldClipper
 {
 public:
 	/// X_AF: pose of the field's frame in A's tree frame.
-	FieldPress(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink);
+	FieldClipper(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink);
 
 	/// A half-space: the exact cap of each leaf is the one term of it, and all normals are the same.
 	bool isFlat() const { return m_planar && m_sides == 1; }
@@ -50,13 +50,13 @@ private:
 	};
 
 	bool pressAgainstOnePlane(const MomentEllipsoid& leaf);
-	FieldCell boxOf(const FieldPiece& piece) const;
-	bool isOutside(const FieldPiece& piece) const;
+	FieldCell boxOf(const EllipsoidFragment& piece) const;
+	bool isOutside(const EllipsoidFragment& piece) const;
 	bool isOutside(const FieldCell& cell) const;
 	void divide(const FieldCell& cell, int axis, int unchanged, int divisions);
-	void assign(const FieldPiece& piece);
-	void contest(const FieldPiece& piece, int winner, int challenger, int first);
-	void cut(const FieldPiece& piece, int index, const FieldSide& own);
+	void assign(const EllipsoidFragment& piece);
+	void contest(const EllipsoidFragment& piece, int winner, int challenger, int first);
+	void cut(const EllipsoidFragment& piece, int index, const FieldSide& own);
 	void addEdge(const PieceCut& edge, int winner, int challenger, int first);
 	void send(FieldTerm& term);
 
