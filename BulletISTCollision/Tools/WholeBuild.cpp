@@ -21,11 +21,11 @@ constexpr double kBytesPerTriangle = 35;
 
 WholeBuild::WholeBuild(double triangles, double spheres, int threads)
 {
-	const double crew = std::max(1, threads);
+	const double pool = std::max(1, threads);
 	m_stages = {{{"import", 0, kRead + kImport * triangles}, {"repair", 0, kRepair * triangles},
-		{"packing", kSeed * triangles / crew, (kFirstSpheres * triangles + kPack * spheres) / crew},
-		{"cells", 0, (kSampleAny + kSampleTriangle * triangles + kSampleSphere * spheres) / crew},
-		{"tree", 0, (kTreeAny + kTree * spheres) / crew}, {"write", 0, kWrite * spheres}}};
+		{"packing", kSeed * triangles / pool, (kFirstSpheres * triangles + kPack * spheres) / pool},
+		{"cells", 0, (kSampleAny + kSampleTriangle * triangles + kSampleSphere * spheres) / pool},
+		{"tree", 0, (kTreeAny + kTree * spheres) / pool}, {"write", 0, kWrite * spheres}}};
 }
 
 double WholeBuild::done(const char* stage, double fraction) const

@@ -210,15 +210,15 @@ double threadedMicroseconds(const InnerSphereTree& tree, const std::vector<Pose>
 	double least = 1e9;
 	for (int repeat = 0; repeat < 3; ++repeat)
 	{
-		std::vector<std::thread> crew;
+		std::vector<std::thread> pool;
 		const double begin = now();
 		for (int t = 0; t < threads; ++t)
-			crew.emplace_back([&] {
+			pool.emplace_back([&] {
 				QueryWorkspace workspace;
 				for (int round = 0; round < kRounds; ++round)
 					for (const Pose& X : poses) queryOverlap(tree, tree, X, workspace);
 			});
-		for (std::thread& thread : crew) thread.join();
+		for (std::thread& thread : pool) thread.join();
 		least = std::min(least, 1e6 * (now() - begin) / (double(kRounds) * double(poses.size()) * threads));
 	}
 	return least;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Packing/DistanceOctree.h"
 
-#include "BulletISTCollision/Core/Base/WorkerCrew.h"
+#include "BulletISTCollision/Core/Base/ThreadPool.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
 #include <algorithm>
@@ -327,7 +327,7 @@ void DistanceOctree::insertBelow(Node& node, uint32_t item)
 	for (int k = 0; k < 8; ++k) insertBelow(children[k], item);
 }
 
-void DistanceOctree::insert(const std::vector<Sphere>& balls, WorkerCrew& crew)
+void DistanceOctree::insert(const std::vector<Sphere>& balls, ThreadPool& pool)
 {
 	std::vector<Insertion> open(1), below;
 	open[0].node = &m_root;
@@ -347,7 +347,7 @@ void DistanceOctree::insert(const std::vector<Sphere>& balls, WorkerCrew& crew)
 		}
 		open.swap(below);
 	}
-	crew.run(open.size(), 4, [&](size_t i, int) {
+	pool.run(open.size(), 4, [&](size_t i, int) {
 		for (const uint32_t item : open[i].items) insertBelow(*open[i].node, item);
 	});
 }

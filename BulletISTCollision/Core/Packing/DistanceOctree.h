@@ -14,7 +14,7 @@
 namespace ist
 {
 class MeshDistance;
-class WorkerCrew;
+class ThreadPool;
 
 /// The empty space of a packing: f(x) = min over triangles (unsigned distance) and placed balls (|x - c| - r).
 /// An octree whose leaves list exactly the items that can be nearest to one of their points. Leaves split, and nodes are filled,
@@ -51,8 +51,8 @@ public:
 	Plane plane(uint32_t item, const Vec3& x) const;
 	bool isTriangle(uint32_t item) const { return item < m_triangles.size(); }
 
-	/// The tree that comes out does not depend on the size of the crew.
-	void insert(const std::vector<Sphere>& balls, WorkerCrew& crew);
+	/// The tree that comes out does not depend on the size of the thread pool.
+	void insert(const std::vector<Sphere>& balls, ThreadPool& pool);
 
 private:
 	struct Triangle

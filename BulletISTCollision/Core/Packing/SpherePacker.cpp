@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
-#include "BulletISTCollision/Core/Base/WorkerCrew.h"
+#include "BulletISTCollision/Core/Base/ThreadPool.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Mesh/MeshWords.h"
@@ -110,7 +110,7 @@ public:
 	Packer(const MeshDistance& surface, const PackingOptions& options, double volume, const Box& box)
 		: m_surface(surface),
 		  m_options(options),
-		  m_crew(threadCount(options.threads)),
+		  m_pool(threadCount(options.threads)),
 		  m_volume(volume),
 		  m_box(box),
 		  m_side(box.longestSide()),
@@ -172,7 +172,7 @@ private:
 
 	const MeshDistance& m_surface;
 	const PackingOptions& m_options;
-	WorkerCrew m_crew;
+	ThreadPool m_pool;
 	const double m_volume;
 	const Box m_box;
 	const double m_side;
@@ -234,7 +234,7 @@ void Packer::buildGrid()
 	int count[3];
 	for (int a = 0; a < 3; ++a) count[a] = std::max(1, int(std::ceil(size[a] / m_gridStep - 1e-9)));
 	std::vector<std::vector<GridPoint>> layers(static_cast<size_t>(count[2]));
-	m_crew.run(layers.size(), 1, [&](size_t k, int) { buildGridLayer(count, int(k), layers[k]); });
+	m_pool.run(layers.size(), 1, [&](size_t k, int) { buildGridLayer(count, int(k), layers[k]); });
 	for (const auto& layer : layers) m_grid.insert(m_grid.end(), layer.begin(), layer.end());
 	report(0);
 }
@@ -357,7 +357,7 @@ void Packer::growAll()
 	{
 		const size_t last = std::min(m_starts.size(), first + kStartsPerReport);
 		grown.assign(last - first, {});
-		m_crew.run(last - first, kShareOfGrowth,
+		m_pool.run(last - first, kShareOfGrowth,
 			[&](size_t i, int worker) { grown[i] = growOne(m_starts[first + i], m_grown + i, m_ascents[size_t(worker)]); });
 		m_grown += last - first;
 		for (size_t i = 0; i < grown.size(); ++i)
@@ -429,7 +429,7 @@ bool Packer::popBatch()
 void Packer::validateBatch()
 {
 	m_clearances.resize(m_batch.size());
-	m_crew.run(m_batch.size(), kShareOfBatch, [&](size_t i, int) {
+	m_pool.run(m_batch.size(), kShareOfBatch, [&](size_t i, int) {
 		Sphere& sphere = m_batch[i].sphere;
 		double& clearance = m_clearances[i];
 		clearance = m_space.nearest(sphere.center()).distance;
@@ -452,7 +452,7 @@ bool Packer::placeBatch()
 		if (m_placed.spheres().empty() && !m_done) growAll();
 		if (m_done) break;
 	}
-	m_space.insert(m_placed.spheres(), m_crew);
+	m_space.insert(m_placed.spheres(), m_pool);
 	return !m_placed.spheres().empty();
 }
 

@@ -12,17 +12,17 @@ namespace ist
 {
 /// Threads that help with many short loops, asleep in between. The caller works too and waits only for shares that are under way, never
 /// for a helper to show up: where other programs hold the cores, a loop takes hardly longer than it would alone.
-class WorkerCrew
+class ThreadPool
 {
 public:
 	/// What is done with an index; `worker` (0: the caller) tells the threads apart.
 	using Task = std::function<void(size_t index, int worker)>;
 
 	/// `threads`: the caller among them.
-	explicit WorkerCrew(int threads);
-	~WorkerCrew();
-	WorkerCrew(const WorkerCrew&) = delete;
-	WorkerCrew& operator=(const WorkerCrew&) = delete;
+	explicit ThreadPool(int threads);
+	~ThreadPool();
+	ThreadPool(const ThreadPool&) = delete;
+	ThreadPool& operator=(const ThreadPool&) = delete;
 
 	/// Calls task for 0 .. count - 1 in shares of `grain` neighbours; returns when all are done. From one thread at a time.
 	void run(size_t count, size_t grain, const Task& task);

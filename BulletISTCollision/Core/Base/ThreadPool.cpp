@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Base/WorkerCrew.h"
+#include "BulletISTCollision/Core/Base/ThreadPool.h"
 
 #include <algorithm>
 
 namespace ist
 {
-WorkerCrew::WorkerCrew(int threads)
+ThreadPool::ThreadPool(int threads)
 {
 	for (int worker = 1; worker < threads; ++worker) m_helpers.emplace_back([this, worker] { help(worker); });
 }
 
-WorkerCrew::~WorkerCrew()
+ThreadPool::~ThreadPool()
 {
 	{
 		const std::lock_guard guard(m_mutex);
@@ -20,7 +20,7 @@ WorkerCrew::~WorkerCrew()
 	for (std::thread& helper : m_helpers) helper.join();
 }
 
-void WorkerCrew::run(size_t count, size_t grain, const Task& task)
+void ThreadPool::run(size_t count, size_t grain, const Task& task)
 {
 	if (m_helpers.empty() || count <= grain)
 	{
@@ -37,7 +37,7 @@ void WorkerCrew::run(size_t count, size_t grain, const Task& task)
 	m_finished.wait(lock, [this] { return m_underWay == 0; });
 }
 
-void WorkerCrew::help(int worker)
+void ThreadPool::help(int worker)
 {
 	std::unique_lock lock(m_mutex);
 	for (;;)
@@ -48,7 +48,7 @@ void WorkerCrew::help(int worker)
 	}
 }
 
-void WorkerCrew::takeShares(std::unique_lock<std::mutex>& lock, int worker)
+void ThreadPool::takeShares(std::unique_lock<std::mutex>& lock, int worker)
 {
 	while (m_next < m_count)
 	{

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Base/WorkerCrew.h"
+#include "BulletISTCollision/Core/Base/ThreadPool.h"
 
 #include <gtest/gtest.h>
 
@@ -8,17 +8,17 @@
 
 using namespace ist;
 
-TEST(WorkerCrew, CallsEveryIndexOnceWithAWorkerOfTheCrew)
+TEST(ThreadPool, CallsEveryIndexOnceWithAWorkerOfThePool)
 {
 	for (const int threads : {1, 2, 7})
 	{
-		WorkerCrew crew(threads);
+		ThreadPool pool(threads);
 		for (int round = 0; round < 300; ++round)
 		{
 			const size_t count = size_t(round) * 37 % 1000, grain = 1 + size_t(round) % 9;
 			std::vector<int> calls(count, 0);
 			std::atomic<int> strangers{0};
-			crew.run(count, grain, [&](size_t i, int worker) {
+			pool.run(count, grain, [&](size_t i, int worker) {
 				++calls[i];
 				if (worker < 0 || worker >= threads) ++strangers;
 			});
@@ -28,23 +28,23 @@ TEST(WorkerCrew, CallsEveryIndexOnceWithAWorkerOfTheCrew)
 	}
 }
 
-TEST(WorkerCrew, NoTwoTasksOfOneWorkerOverlap)
+TEST(ThreadPool, NoTwoTasksOfOneWorkerOverlap)
 {
-	WorkerCrew crew(4);
+	ThreadPool pool(4);
 	std::atomic<int> busy[4] = {};
 	std::atomic<int> overlaps{0};
-	crew.run(5000, 3, [&](size_t, int worker) {
+	pool.run(5000, 3, [&](size_t, int worker) {
 		if (busy[worker]++ != 0) ++overlaps;
 		--busy[worker];
 	});
 	EXPECT_EQ(overlaps, 0);
 }
 
-TEST(WorkerCrew, AHelperTakesAShareWhileTheCallerIsBusy)
+TEST(ThreadPool, AHelperTakesAShareWhileTheCallerIsBusy)
 {
-	WorkerCrew crew(2);
+	ThreadPool pool(2);
 	std::atomic<bool> helped{false};
-	crew.run(2, 1, [&](size_t, int worker) {
+	pool.run(2, 1, [&](size_t, int worker) {
 		if (worker == 1) helped = true;
 		// The caller's task ends only when the helper's has been begun; ten seconds stand for a helper that never comes.
 		for (int wait = 0; wait < 10000 && !helped; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));
