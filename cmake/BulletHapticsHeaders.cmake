@@ -7,7 +7,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Law/btEnergyLaw.h
 	BulletHapticForce/Law/btExplicitPairs.h
 	BulletHapticForce/Law/btPaperLaw.h
-	BulletHapticForce/Solver/btContactLedger.h
+	BulletHapticForce/Solver/btContactEnergyTank.h
 	BulletHapticForce/Solver/btIslandBlockSolver.h
 	BulletHapticForce/Solver/btSweepAcceleration.h
 	BulletHapticForce/Solver/btUnroundedPoses.h

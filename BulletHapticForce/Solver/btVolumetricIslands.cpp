@@ -179,7 +179,7 @@ void btVolumetricIslands::settlePoses()
 	m_moved.clear();
 }
 
-void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
+void btVolumetricIslands::openEnergyTanks(const btSolverBody* bodies)
 {
 	const btISTContact* former = nullptr;
 	for (const Entry& e : m_entries)
@@ -194,7 +194,7 @@ void btVolumetricIslands::openLedgers(const btSolverBody* bodies)
 		const ist::Vec3 centroid = e.contact->total.firstMoment / e.contact->total.volume;
 		const ist::Vec3 point = e.contact->X_WA * (e.contact->treeA->origin + centroid);
 		const double speed = norm(velocityAt(e.bodyA, point) - velocityAt(e.bodyB, point));
-		m_statistics.contactsTurnedOver += btContactLedger::begin(*e.contact, speed, m_step);
+		m_statistics.contactsTurnedOver += btContactEnergyTank::begin(*e.contact, speed, m_step);
 	}
 }
 
@@ -210,7 +210,7 @@ void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, con
 	displaceByRounding(bodies);
 	findIslands(bodies, touched);
 	carryPiles(bodies);
-	openLedgers(bodies);
+	openEnergyTanks(bodies);
 	for (const Island& island : m_islands)
 	{
 		++(fitsBlock(island) ? m_statistics.islands : m_statistics.islandsTooLarge);
@@ -247,7 +247,7 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 		const ist::Twist givenA = a < 0 ? twistAt(bodies[e.bodyA], e.patch.point) : ist::Twist();
 		const ist::Twist givenB = b < 0 ? twistAt(bodies[e.bodyB], e.patch.point) : ist::Twist();
 		const int patch = block.solver.addPatch(e.patch, a, b, difference(givenA, givenB), m_step, e.friction);
-		block.solver.startFriction(patch, m_step * e.contact->ledger.friction[e.patchIndex]);
+		block.solver.startFriction(patch, m_step * e.contact->tank.friction[e.patchIndex]);
 		block.entries.push_back(i);
 	}
 	block.free.resize(block.bodies.size());
@@ -344,7 +344,7 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 }
 
 /// The patches of the contact whose first entry is `first`; returns how many they are.
-int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const
+int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodies, btEnergyTankPatch* patches) const
 {
 	const Entry& e = m_entries[first];
 	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point) {
@@ -372,14 +372,14 @@ int btVolumetricIslands::gatherLedger(size_t first, const btSolverBody* bodies, 
 	return count;
 }
 
-void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bodies)
+void btVolumetricIslands::holdToEnergyTank(size_t first, int count, btSolverBody* bodies)
 {
-	btLedgerPatch patches[btISTContact::kMaxPatches];
-	gatherLedger(first, bodies, patches);
+	btEnergyTankPatch patches[btISTContact::kMaxPatches];
+	gatherEnergyTank(first, bodies, patches);
 	Entry& e = m_entries[first];
-	const double share = btContactLedger::share(e.contact->ledger, patches, count);
+	const double share = btContactEnergyTank::share(e.contact->tank, patches, count);
 	if (!(share < 1)) return;
-	++m_statistics.contactsHeldToLedger;
+	++m_statistics.contactsHeldToEnergyTank;
 	for (int i = 0; i < count; ++i)
 	{
 		Entry& entry = m_entries[first + size_t(i)];
@@ -395,11 +395,11 @@ void btVolumetricIslands::holdToLedger(size_t first, int count, btSolverBody* bo
 
 void btVolumetricIslands::enterWork(size_t first, int count, const btSolverBody* bodies)
 {
-	btLedgerPatch patches[btISTContact::kMaxPatches];
-	gatherLedger(first, bodies, patches);
+	btEnergyTankPatch patches[btISTContact::kMaxPatches];
+	gatherEnergyTank(first, bodies, patches);
 	btISTContact& contact = *m_entries[first].contact;
-	btContactLedger::enter(contact.ledger, patches, count, m_step);
-	contact.work = btContactLedger::workOf(patches, count);
+	btContactEnergyTank::enter(contact.tank, patches, count, m_step);
+	contact.work = btContactEnergyTank::workOf(patches, count);
 }
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
@@ -413,14 +413,14 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 			first = end;
 		}
 	};
-	forEachContact([&](size_t first, int count) { holdToLedger(first, count, bodies); });
+	forEachContact([&](size_t first, int count) { holdToEnergyTank(first, count, bodies); });
 	// Not before: each contact that was held has changed what the others do.
 	forEachContact([&](size_t first, int count) { enterWork(first, count, bodies); });
-	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->ledger.friction), std::end(e.contact->ledger.friction), ist::Wrench());
+	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->tank.friction), std::end(e.contact->tank.friction), ist::Wrench());
 	for (const Entry& e : m_entries)
 	{
 		e.contact->impulses[e.patchIndex] = e.impulse;
-		e.contact->ledger.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
+		e.contact->tank.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
 		e.contact->normalImpulse += e.normalImpulse;
 	}
 	forEachContact([&](size_t first, int) { notePressed(*m_entries[first].contact, m_step); });

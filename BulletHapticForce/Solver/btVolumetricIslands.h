@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletHapticForce/Solver/btContactLedger.h"
+#include "BulletHapticForce/Solver/btContactEnergyTank.h"
 #include "BulletHapticForce/Solver/btIslandBlockSolver.h"
 #include "BulletHapticForce/Solver/btUnroundedPoses.h"
 #include "BulletHapticForce/Solver/btVolumetricStatistics.h"
@@ -36,7 +36,7 @@ public:
 	double iterate(btSolverBody* bodies, int iteration);
 	/// Change of each body's twist by all these patches; others may add theirs before `finish`.
 	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
-	/// After `sumChanges`. Holds every contact to its ledger (btContactLedger.h), and writes the impulses into the contacts.
+	/// After `sumChanges`. Holds every contact to its energy tank (btContactEnergyTank.h), and writes the impulses into the contacts.
 	void finish(btSolverBody* bodies);
 	/// When Bullet has written the velocities into the bodies: see btUnroundedPoses.
 	void settlePoses();
@@ -80,7 +80,7 @@ private:
 	void weigh(const btSolverBody* bodies);
 	void carryPiles(const btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
-	void openLedgers(const btSolverBody* bodies);
+	void openEnergyTanks(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);
 	void reserve(Block& block) const;
 	void fill(Block& block, const Island& island, const btSolverBody* bodies);
@@ -88,8 +88,8 @@ private:
 	double solve(Block& block, btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);
 	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
-	int gatherLedger(size_t first, const btSolverBody* bodies, btLedgerPatch* patches) const;
-	void holdToLedger(size_t first, int count, btSolverBody* bodies);
+	int gatherEnergyTank(size_t first, const btSolverBody* bodies, btEnergyTankPatch* patches) const;
+	void holdToEnergyTank(size_t first, int count, btSolverBody* bodies);
 	void enterWork(size_t first, int count, const btSolverBody* bodies);
 
 	double m_step = 0;

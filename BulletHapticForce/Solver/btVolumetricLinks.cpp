@@ -223,7 +223,7 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 		m_entries[i].row.prepare(m_entries[i].patch, responses[i - first], h, friction);
 	}
 	const double speed = norm(relative(m_entries[first], bodies, state(m_entries[first], bodies, data)).linear);
-	statistics.contactsTurnedOver += btContactLedger::begin(contact, speed, h);
+	statistics.contactsTurnedOver += btContactEnergyTank::begin(contact, speed, h);
 }
 
 void btVolumetricLinks::appendTouched(std::vector<int>& touched) const
@@ -263,7 +263,7 @@ void btVolumetricLinks::sumChanges(const btSolverBody* bodies, const btMultiBody
 	m_own.links.resize(m_changed.size());
 }
 
-void btVolumetricLinks::holdToLedger(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data,
+void btVolumetricLinks::holdToEnergyTank(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data,
 	std::vector<ist::Twist>& change, btVolumetricStatistics& statistics)
 {
 	std::fill(m_own.links.begin(), m_own.links.end(), 0.0);
@@ -271,7 +271,7 @@ void btVolumetricLinks::holdToLedger(size_t first, int count, btSolverBody* bodi
 	Entry* entries = &m_entries[first];
 	for (int i = 0; i < count; ++i) addResponse(entries[i], entries[i].impulse, bodies, m_own);
 	Motion& all = m_motion;
-	btLedgerPatch patches[btISTContact::kMaxPatches];
+	btEnergyTankPatch patches[btISTContact::kMaxPatches];
 	for (int i = 0; i < count; ++i)
 	{
 		const Entry& e = entries[i];
@@ -280,9 +280,9 @@ void btVolumetricLinks::holdToLedger(size_t first, int count, btSolverBody* bodi
 		for (int k = 0; k < 2; ++k) all.body[k] = e.side[k].multiBody ? ist::Twist() : change[size_t(e.side[k].body)];
 		patches[i] = {e.patch, e.impulse, e.elastic, difference(after, relative(e, bodies, all)), after, own};
 	}
-	btISTContactLedger& ledger = entries->contact->ledger;
-	const double share = btContactLedger::share(ledger, patches, count);
-	statistics.contactsHeldToLedger += share < 1;
+	btISTContactEnergyTank& tank = entries->contact->tank;
+	const double share = btContactEnergyTank::share(tank, patches, count);
+	statistics.contactsHeldToEnergyTank += share < 1;
 	for (int i = 0; share < 1 && i < count; ++i)
 	{
 		Entry& e = entries[i];
@@ -294,12 +294,12 @@ void btVolumetricLinks::holdToLedger(size_t first, int count, btSolverBody* bodi
 		std::swap(m_changed, m_own.links);
 		for (int k = 0; k < 2; ++k)
 			if (!e.side[k].multiBody) change[size_t(e.side[k].body)] = sum(change[size_t(e.side[k].body)], m_own.body[k]);
-		btContactLedger::hold(patches[i], share);
+		btContactEnergyTank::hold(patches[i], share);
 		e.impulse = patches[i].impulse;
 		e.elastic = patches[i].elastic;
 		e.normalImpulse *= share;
 	}
-	btContactLedger::enter(ledger, patches, count, m_step);
+	btContactEnergyTank::enter(tank, patches, count, m_step);
 }
 
 void btVolumetricLinks::writeFeedback(const Entry& e) const
@@ -334,7 +334,7 @@ void btVolumetricLinks::finish(
 	{
 		size_t end = first + 1;
 		while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
-		holdToLedger(first, int(end - first), bodies, data, change, statistics);
+		holdToEnergyTank(first, int(end - first), bodies, data, change, statistics);
 		first = end;
 	}
 	for (const Entry& e : m_entries)

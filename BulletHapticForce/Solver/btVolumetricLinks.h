@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletHapticForce/Solver/btContactLedger.h"
+#include "BulletHapticForce/Solver/btContactEnergyTank.h"
 #include "BulletHapticForce/Solver/btVolumetricRows.h"
 #include "BulletHapticForce/Solver/btVolumetricStatistics.h"
 
@@ -37,7 +37,7 @@ public:
 	double iterate(btSolverBody* bodies, btMultiBodyJacobianData& data);
 	/// Adds to each body's twist what all these patches changed in it.
 	void sumChanges(const btSolverBody* bodies, const btMultiBodyJacobianData& data, std::vector<ist::Twist>& change);
-	/// Holds every contact to its ledger, writes the impulses into the contacts and, for joint feedback, into the multibodies.
+	/// Holds every contact to its energy tank, writes the impulses into the contacts and, for joint feedback, into the multibodies.
 	/// `change`: of each body by all volumetric contacts.
 	void finish(btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change, btVolumetricStatistics& statistics);
 
@@ -74,7 +74,7 @@ private:
 	ist::SymmetricMatrix6 responseOf(const Entry& e, const btSolverBody* bodies);
 	const Motion& state(const Entry& e, const btSolverBody* bodies, const btMultiBodyJacobianData& data);
 	void apply(const Entry& e, const ist::Wrench& impulse, btSolverBody* bodies, btMultiBodyJacobianData& data) const;
-	void holdToLedger(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change,
+	void holdToEnergyTank(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change,
 		btVolumetricStatistics& statistics);
 	void writeFeedback(const Entry& e) const;
 

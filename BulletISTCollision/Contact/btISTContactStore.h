@@ -41,7 +41,7 @@ struct btISTPairConstants
 };
 
 /// What the solver remembers of a pair from step to step while it overlaps.
-struct btISTContactLedger
+struct btISTContactEnergyTank
 {
 	static constexpr int kMaxPatches = btISTCachedResult::kMaxPatches;
 
@@ -89,7 +89,7 @@ private:
 /// unless said otherwise. B has no tree when it is one of Bullet's shapes in closed form, a half-space among them.
 struct btISTContact
 {
-	static constexpr int kMaxPatches = btISTContactLedger::kMaxPatches;
+	static constexpr int kMaxPatches = btISTContactEnergyTank::kMaxPatches;
 
 	const btPersistentManifold* manifold = nullptr;
 	const btCollisionObject* bodyA = nullptr;
@@ -123,7 +123,7 @@ struct btISTContact
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
 	double thickness() const;
-	btISTContactLedger ledger;  ///< blank again as soon as the pair has parted
+	btISTContactEnergyTank tank;  ///< blank again as soon as the pair has parted
 
 	bool foreseeable = false;                 ///< the shapes are where their bodies are, and not children of a compound
 	uint64_t pass = 0;                        ///< of collision detection, in which it was last met; counted where threads share queries

@@ -162,7 +162,7 @@ void btISTCollisionAlgorithm::evaluate(
 	contact.work = btISTContactWork();
 	if (contact.patchCount == 0)
 	{
-		contact.ledger = btISTContactLedger();
+		contact.tank = btISTContactEnergyTank();
 		contact.pressed = 0;
 	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
@@ -236,7 +236,7 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->normalImpulse = m_contact->pressed = 0;
 	m_contact->depth = m_contact->deepest = 0;  // the next shapes may be of another thickness
 	m_contact->work = btISTContactWork();
-	m_contact->ledger = btISTContactLedger();
+	m_contact->tank = btISTContactEnergyTank();
 	m_contact->accuracy = ist::AdaptiveLevel();
 	m_contact->kept.forget();
 	m_contact->memory.reset();

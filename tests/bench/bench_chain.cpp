@@ -165,6 +165,6 @@ int main(int argc, char** argv)
 	std::printf("a step: %.1f patches, %.2f islands solved at once, %.2f too large, %.2f changes of the pushing set, %.2f times friction "
 				"not converged, %.2f held to the ledger\n",
 		double(all.patches) / steps, double(all.islands) / steps, double(all.islandsTooLarge) / steps, double(all.activeSetRounds) / steps,
-		double(all.frictionNotConverged) / steps, double(all.contactsHeldToLedger) / steps);
+		double(all.frictionNotConverged) / steps, double(all.contactsHeldToEnergyTank) / steps);
 	return 0;
 }

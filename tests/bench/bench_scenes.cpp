@@ -171,7 +171,7 @@ void measure(const char* name, Pile& pile, const Options& options)
 		std::printf("%-22s a step: %.1f patches in %.1f islands, %.2f changes of the pushing set, %.2f times friction not converged, %.2f "
 					"held to the ledger\n",
 			"", double(all.patches) / steps, double(all.islands) / steps, double(all.activeSetRounds) / steps,
-			double(all.frictionNotConverged) / steps, double(all.contactsHeldToLedger) / steps);
+			double(all.frictionNotConverged) / steps, double(all.contactsHeldToEnergyTank) / steps);
 	}
 	std::fflush(stdout);
 }

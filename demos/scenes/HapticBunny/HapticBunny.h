@@ -74,7 +74,7 @@ struct DecoupledFigures
 {
 	uint64_t worldSteps = 0, fadedTicks = 0;
 	double longestModelAge = 0;           ///< of the world, as the hand knew it [s]
-	ist::Vec3 toTool, toWorld, underWay;  ///< impulses that contacts gave to the tool and to the bodies, and the ledger [N s]
+	ist::Vec3 toTool, toWorld, underWay;  ///< impulses that contacts gave to the tool and to the bodies, and the energy tank [N s]
 	double bodyShift = 0;                 ///< of the body, over the whole session [m]
 };
 

@@ -56,7 +56,7 @@ TEST(IsolatedPair, GainsNoEnergyWithoutDissipationEither)
 {
 	const Worst worst = collideMany(unitCube(), 0, 300);
 	EXPECT_GT(worst.touched, 250);
-	// A ledger that kept everything would pass the test above.
+	// A energy tank that kept everything would pass the test above.
 	EXPECT_GT(worst.mean, 0.5);
 }
 

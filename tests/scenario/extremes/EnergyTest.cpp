@@ -198,7 +198,7 @@ TEST(EnergyAudit, PileWhoseContactsAreHeldBackLeavesNoResidual)
 		energy += kGravity * height;
 	}
 	scene.steps(360);
-	const auto held = scene.world.volumetric().statistics().contactsHeldToLedger;
+	const auto held = scene.world.volumetric().statistics().contactsHeldToEnergyTank;
 	std::printf(
 		"  %llu contacts held, residual %.1e of %.0f J\n", static_cast<unsigned long long>(held), scene.audit.total().residual, energy);
 	EXPECT_GT(held, 20u);

@@ -219,15 +219,14 @@ std::vector<double> memoryOf(const btISTContactStore& store)
 	const auto append = [&all](const ist::Vec3& v) { all.insert(all.end(), {v.x, v.y, v.z}); };
 	for (const btISTContact* contact : store.contacts())
 	{
-		const btISTContactLedger& ledger = contact->ledger;
+		const btISTContactEnergyTank& tank = contact->tank;
 		all.insert(all.end(),
-			{double(ledger.open), ledger.stored, contact->accuracy.errorBound, contact->accuracy.fadedShare,
-				double(contact->accuracy.level)});
-		append(ledger.direction);
+			{double(tank.open), tank.stored, contact->accuracy.errorBound, contact->accuracy.fadedShare, double(contact->accuracy.level)});
+		append(tank.direction);
 		for (int i = 0; i < contact->patchCount; ++i)
 		{
-			append(ledger.friction[i].force);
-			append(ledger.friction[i].torque);
+			append(tank.friction[i].force);
+			append(tank.friction[i].torque);
 		}
 	}
 	return all;

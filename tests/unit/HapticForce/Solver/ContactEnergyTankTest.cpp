@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/Solver/btContactLedger.h"
+#include "BulletHapticForce/Solver/btContactEnergyTank.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 namespace
 {
 /// A point mass meets a wall along `normal` at `speed`; an impulse of `size` [N s] acts on it.
-btLedgerPatch pointMass(const ist::Vec3& normal, double mass, double speed, double size)
+btEnergyTankPatch pointMass(const ist::Vec3& normal, double mass, double speed, double size)
 {
-	btLedgerPatch p;
+	btEnergyTankPatch p;
 	p.impulse = {size * normal, {}};
 	p.elastic = p.impulse;
 	p.before = {-speed * normal, {}};
@@ -19,7 +19,7 @@ btLedgerPatch pointMass(const ist::Vec3& normal, double mass, double speed, doub
 	return p;
 }
 
-double kinetic(double mass, const btLedgerPatch& p, double share)
+double kinetic(double mass, const btEnergyTankPatch& p, double share)
 {
 	const ist::Vec3 v = p.before.linear + share * p.own.linear;
 	return 0.5 * mass * dot(v, v);
@@ -27,7 +27,7 @@ double kinetic(double mass, const btLedgerPatch& p, double share)
 }  // namespace
 
 // The oracle is the kinetic energy of the mass itself.
-TEST(btContactLedger, ShareReturnsExactlyWhatIsStored)
+TEST(btContactEnergyTank, ShareReturnsExactlyWhatIsStored)
 {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<double> u(0.1, 3);
@@ -36,45 +36,45 @@ TEST(btContactLedger, ShareReturnsExactlyWhatIsStored)
 	{
 		const double mass = u(random), speed = u(random) - 1, size = 3 * mass * u(random);
 		const ist::Vec3 normal = ist::normalized({u(random) - 1.5, u(random) - 1.5, u(random) - 1.5});
-		const btLedgerPatch p = pointMass(normal, mass, speed, size);
-		btISTContactLedger ledger;
-		ledger.stored = i % 3 ? u(random) : 0;
-		const double share = btContactLedger::share(ledger, &p, 1), before = kinetic(mass, p, 0);
+		const btEnergyTankPatch p = pointMass(normal, mass, speed, size);
+		btISTContactEnergyTank tank;
+		tank.stored = i % 3 ? u(random) : 0;
+		const double share = btContactEnergyTank::share(tank, &p, 1), before = kinetic(mass, p, 0);
 		ASSERT_GE(share, 0);
 		ASSERT_LE(share, 1);
-		if (share == 1) EXPECT_LE(kinetic(mass, p, 1), before + ledger.stored + 1e-12);
-		else EXPECT_NEAR(kinetic(mass, p, share), before + ledger.stored, 1e-12 * (1 + before));
+		if (share == 1) EXPECT_LE(kinetic(mass, p, 1), before + tank.stored + 1e-12);
+		else EXPECT_NEAR(kinetic(mass, p, share), before + tank.stored, 1e-12 * (1 + before));
 		held += share < 1;
 	}
 	EXPECT_GT(held, 100);
 	EXPECT_LT(held, 1000);
 }
 
-TEST(btContactLedger, EntersTheWorkAndNeverGoesBelowZero)
+TEST(btContactEnergyTank, EntersTheWorkAndNeverGoesBelowZero)
 {
-	btISTContactLedger ledger;
-	btLedgerPatch p = pointMass({0, 1, 0}, 2, 3, 6);  // stops it
-	EXPECT_NEAR(btContactLedger::enter(ledger, &p, 1, 0.01), -9, 1e-12);
-	EXPECT_NEAR(ledger.stored, 9, 1e-12);
+	btISTContactEnergyTank tank;
+	btEnergyTankPatch p = pointMass({0, 1, 0}, 2, 3, 6);  // stops it
+	EXPECT_NEAR(btContactEnergyTank::enter(tank, &p, 1, 0.01), -9, 1e-12);
+	EXPECT_NEAR(tank.stored, 9, 1e-12);
 	p = pointMass({0, 1, 0}, 2, 0, 4);  // sends it away at 2 m/s
-	EXPECT_NEAR(btContactLedger::enter(ledger, &p, 1, 0.01), 4, 1e-12);
-	EXPECT_NEAR(ledger.stored, 5, 1e-12);
+	EXPECT_NEAR(btContactEnergyTank::enter(tank, &p, 1, 0.01), 4, 1e-12);
+	EXPECT_NEAR(tank.stored, 5, 1e-12);
 	p = pointMass({0, 1, 0}, 2, 0, 8);
-	btContactLedger::enter(ledger, &p, 1, 0.01);
-	EXPECT_EQ(ledger.stored, 0);
+	btContactEnergyTank::enter(tank, &p, 1, 0.01);
+	EXPECT_EQ(tank.stored, 0);
 }
 
 // What friction took is heat.
-TEST(btContactLedger, DoesNotStoreWhatFrictionTook)
+TEST(btContactEnergyTank, DoesNotStoreWhatFrictionTook)
 {
-	btISTContactLedger ledger;
-	btLedgerPatch p = pointMass({1, 0, 0}, 1, 2, 1);
+	btISTContactEnergyTank tank;
+	btEnergyTankPatch p = pointMass({1, 0, 0}, 1, 2, 1);
 	p.elastic = {};
-	EXPECT_LT(btContactLedger::enter(ledger, &p, 1, 0.01), 0);
-	EXPECT_EQ(ledger.stored, 0);
+	EXPECT_LT(btContactEnergyTank::enter(tank, &p, 1, 0.01), 0);
+	EXPECT_EQ(tank.stored, 0);
 }
 
-TEST(btContactLedger, PaysForPlacedOverlapAndNotForFlight)
+TEST(btContactEnergyTank, PaysForPlacedOverlapAndNotForFlight)
 {
 	const auto opened = [](double speed) {
 		btISTContact contact;
@@ -86,9 +86,9 @@ TEST(btContactLedger, PaysForPlacedOverlapAndNotForFlight)
 		o.normalA.force = {0, -0.01, 0};
 		o.normalB.force = {0, 0.01, 0};
 		contact.total = o;
-		btContactLedger::begin(contact, speed, 0.01);
-		EXPECT_TRUE(contact.ledger.open);
-		return contact.ledger.stored;
+		btContactEnergyTank::begin(contact, speed, 0.01);
+		EXPECT_TRUE(contact.tank.open);
+		return contact.tank.stored;
 	};
 	EXPECT_NEAR(opened(0), 0.5 * 1000 * 0.01 * 0.01, 1e-12);  // k A d^2 / 2
 	EXPECT_EQ(opened(1), 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/Solver/btContactLedger.h"
+#include "BulletHapticForce/Solver/btContactEnergyTank.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,10 @@ double work(const ist::Wrench& impulse, const ist::Twist& twist)
 	return dot(impulse.force, twist.linear) + dot(impulse.torque, twist.angular);
 }
 
-ist::Twist mean(const btLedgerPatch& p) { return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)}; }
+ist::Twist mean(const btEnergyTankPatch& p)
+{
+	return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)};
+}
 
 /// Twice the energy that the patches hold in linear contact: force times depth. Robust where the model's energy is not: above the
 /// surface the leaves' depths are negative.
@@ -44,30 +47,30 @@ bool turnsOver(btISTContact& contact)
 		strength += norm(force);
 	}
 	if (!(norm(sum) > 0.5 * strength)) return false;
-	const ist::Vec3 direction = contact.X_WA.rotation * (sum / norm(sum)), former = contact.ledger.direction;
-	contact.ledger.direction = direction;
+	const ist::Vec3 direction = contact.X_WA.rotation * (sum / norm(sum)), former = contact.tank.direction;
+	contact.tank.direction = direction;
 	return dot(direction, former) < -0.5;
 }
 }  // namespace
 
-bool btContactLedger::begin(btISTContact& contact, double speed, double h)
+bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 {
-	btISTContactLedger& ledger = contact.ledger;
+	btISTContactEnergyTank& tank = contact.tank;
 	const bool turned = turnsOver(contact);
 	const double most = capacity(contact);
-	if (ledger.open)
+	if (tank.open)
 	{
-		ledger.stored = std::min(ledger.stored, most);
+		tank.stored = std::min(tank.stored, most);
 		return turned;
 	}
 	const double depth = ist::meanDepth(contact.total);
 	const double flown = 2 * speed * h;  // depth that a body may have come in one step
-	ledger.open = true;
-	ledger.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
+	tank.open = true;
+	tank.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
 	return turned;
 }
 
-double btContactLedger::share(const btISTContactLedger& ledger, const btLedgerPatch* patches, int count)
+double btContactEnergyTank::share(const btISTContactEnergyTank& tank, const btEnergyTankPatch* patches, int count)
 {
 	double linear = 0, square = 0;
 	for (int i = 0; i < count; ++i)
@@ -76,15 +79,15 @@ double btContactLedger::share(const btISTContactLedger& ledger, const btLedgerPa
 		linear += work(patches[i].impulse, mean(patches[i])) - 0.5 * own;
 		square += 0.5 * own;
 	}
-	if (!(linear + square > ledger.stored)) return 1;
-	if (!(square > 0)) return linear > 0 ? std::clamp(ledger.stored / linear, 0.0, 1.0) : 1;
-	const double root = std::sqrt(linear * linear + 4 * square * ledger.stored);
+	if (!(linear + square > tank.stored)) return 1;
+	if (!(square > 0)) return linear > 0 ? std::clamp(tank.stored / linear, 0.0, 1.0) : 1;
+	const double root = std::sqrt(linear * linear + 4 * square * tank.stored);
 	// The larger root of square s^2 + linear s = stored, without cancellation.
-	const double share = linear > 0 ? 2 * ledger.stored / (root + linear) : (root - linear) / (2 * square);
+	const double share = linear > 0 ? 2 * tank.stored / (root + linear) : (root - linear) / (2 * square);
 	return std::clamp(share, 0.0, 1.0);
 }
 
-void btContactLedger::hold(btLedgerPatch& patch, double share)
+void btContactEnergyTank::hold(btEnergyTankPatch& patch, double share)
 {
 	patch.after.linear = patch.after.linear - (1 - share) * patch.own.linear;
 	patch.after.angular = patch.after.angular - (1 - share) * patch.own.angular;
@@ -92,26 +95,26 @@ void btContactLedger::hold(btLedgerPatch& patch, double share)
 	patch.elastic = share * patch.elastic;
 }
 
-double btContactLedger::enter(btISTContactLedger& ledger, const btLedgerPatch* patches, int count, double h)
+double btContactEnergyTank::enter(btISTContactEnergyTank& tank, const btEnergyTankPatch* patches, int count, double h)
 {
 	double total = 0, elastic = 0;
 	for (int i = 0; i < count; ++i)
 	{
-		const btLedgerPatch& p = patches[i];
+		const btEnergyTankPatch& p = patches[i];
 		total += work(p.impulse, mean(p));
 		elastic += work(p.elastic + h * (p.patch.damping * p.after), mean(p));
 	}
-	ledger.stored = std::max(ledger.stored - std::max(elastic, total), 0.0);
+	tank.stored = std::max(tank.stored - std::max(elastic, total), 0.0);
 	return total;
 }
 
-btISTContactWork btContactLedger::workOf(const btLedgerPatch* patches, int count)
+btISTContactWork btContactEnergyTank::workOf(const btEnergyTankPatch* patches, int count)
 {
 	btISTContactWork sum;
 	sum.acted = true;
 	for (int i = 0; i < count; ++i)
 	{
-		const btLedgerPatch& p = patches[i];
+		const btEnergyTankPatch& p = patches[i];
 		const ist::Twist u = mean(p);
 		const ist::Wrench drag = p.patch.damping * u;  // -d(wrench), so that what approaches has a negative normal part
 		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal);
