@@ -66,10 +66,10 @@ BulletDecoupledSource::BulletDecoupledSource(
 
 BulletDecoupledSource::~BulletDecoupledSource() { stopContactThread(); }
 
-void BulletDecoupledSource::makeRoom(const ist::InnerSphereTree& tree)
+void BulletDecoupledSource::reserve(const ist::InnerSphereTree& tree)
 {
-	m_finder.makeRoom(tree);
-	m_threadFinder.makeRoom(tree);
+	m_finder.reserve(tree);
+	m_threadFinder.reserve(tree);
 }
 
 ToolState BulletDecoupledSource::toolState() const noexcept

@@ -82,7 +82,7 @@ public:
 		btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
 	~BulletDecoupledSource() override;
 
-	/// Allocates nothing but where a tree is larger than the tool's and any that makeRoom() was told of.
+	/// Allocates nothing but where a tree is larger than the tool's and any that reserve() was told of.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
 	/// whyNotCoupled() of the tool as it came. If it is not empty, the tool stays where it is, and neither hand nor tool feels anything.
@@ -103,7 +103,7 @@ public:
 	// Thread of the world:
 	/// Before the hand is shown a body with this tree, lest a tick or the contact thread allocate. BulletWorldCoupling does it when a body
 	/// comes near; at load time it spares the step of that. O(leaves), where no larger tree came before.
-	void makeRoom(const ist::InnerSphereTree& tree);
+	void reserve(const ist::InnerSphereTree& tree);
 	WorldMirror& mirror() noexcept { return m_mirror; }
 	btRigidBody& tool() noexcept { return m_tool; }
 	const std::shared_ptr<const ist::InnerSphereTree>& toolTree() const noexcept { return m_tree; }

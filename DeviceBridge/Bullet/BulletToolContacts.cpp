@@ -24,11 +24,11 @@ BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::in
 	m_roomFor = mostSlots(tool);
 }
 
-void BulletToolContacts::makeRoom(const ist::InnerSphereTree& tree)
+void BulletToolContacts::reserve(const ist::InnerSphereTree& tree)
 {
 	const std::size_t slots = mostSlots(tree);
 	if (slots <= m_roomFor) return;
-	m_rooms.writable() = std::make_unique<ist::QueryRoom>(m_tool, tree);
+	m_rooms.writable() = std::make_unique<ist::QueryBuffers>(m_tool, tree);
 	m_rooms.publish();
 	m_roomFor = slots;
 }

@@ -20,7 +20,7 @@ public:
 
 	/// From one other thread, before the one that asks is told of a body with this tree. Allocates some 120 bytes a leaf where no larger
 	/// tree came before.
-	void makeRoom(const ist::InnerSphereTree& tree);
+	void reserve(const ist::InnerSphereTree& tree);
 
 	// Thread that asks:
 	/// The patches of the tool, at X_WT, and a body at X_WB, which is in `slot`, with the constants of `body`; at most `capacity`. The
@@ -42,7 +42,7 @@ private:
 
 	const ist::InnerSphereTree& m_tool;
 	ist::QueryWorkspace m_workspace;
-	TripleBuffer<std::unique_ptr<ist::QueryRoom>>
+	TripleBuffer<std::unique_ptr<ist::QueryBuffers>>
 		m_rooms;                // a room that was taken comes back with the workspace's own, and is freed by its maker
 	std::size_t m_roomFor = 0;  // slots
 	std::int64_t m_maxPairs;

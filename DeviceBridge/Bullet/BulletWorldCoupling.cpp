@@ -258,7 +258,7 @@ void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist
 	if (distanceToBox(center, low, high) > reach || hand.source->mirror().find(&object) >= 0) return;
 	auto tree = m_registration.registry().find(shape);
 	if (!tree && shape->getShapeType() != STATIC_PLANE_PROXYTYPE) return;
-	if (tree) hand.source->makeRoom(*tree);
+	if (tree) hand.source->reserve(*tree);
 	const int slot = hand.source->mirror().admit(&object, std::move(tree));
 	if (slot < 0)
 	{

@@ -134,7 +134,7 @@ std::optional<Error> checkJoints(const HandState& hand)
 }
 
 /// Radii of bones side by side shrink until they have room.
-void makeRoom(HandShape& shape)
+void reserve(HandShape& shape)
 {
 	for (int level = 0; level < 3; ++level)
 		for (int f = 0; f < 3; ++f)
@@ -182,7 +182,7 @@ Result<HandShape> measureHand(const HandState& hand)
 			return Error{
 				"the knuckles are not in the order of a " + std::string(hand.left ? "left" : "right") + " hand: is it the other one?"};
 	}
-	makeRoom(shape);
+	reserve(shape);
 	for (int f = 0; f < 4; ++f) palm.knuckleRadii[f] = shape.bones[static_cast<std::size_t>(kFirstParts[f])].radius;
 	return shape;
 }

@@ -129,12 +129,12 @@ std::size_t mostSlots(const InnerSphereTree& body);
 
 /// What a workspace needs for trees beyond its capacity, made by a thread that may allocate for one that may not. 120 bytes a slot of B, 24
 /// of A.
-class QueryRoom
+class QueryBuffers
 {
 public:
 	/// For all queries of A and B with Model::Law, and of bodies with no more slots.
-	QueryRoom(const InnerSphereTree& A, const InnerSphereTree& B);
-	~QueryRoom();
+	QueryBuffers(const InnerSphereTree& A, const InnerSphereTree& B);
+	~QueryBuffers();
 
 	struct Implementation;
 	Implementation& implementation() { return *m_impl; }
@@ -155,13 +155,13 @@ public:
 	QueryWorkspace(QueryWorkspace&&) noexcept;
 	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
 	const QueryCapacity& capacity() const;
-	/// Room as a QueryRoom has it.
+	/// Room as a QueryBuffers has it.
 	void reserve(const InnerSphereTree& A, const InnerSphereTree& B);
 	/// Makes the lists of pairs of leaves resident: 30 MB with the default capacity. Otherwise a query that finds more pairs than any
 	/// before it waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
 	void makeResident();
 	/// Takes what is larger there and leaves its own, which is of no more use. Once for each room. Allocates and frees nothing.
-	void take(QueryRoom& room) noexcept;
+	void take(QueryBuffers& room) noexcept;
 	/// A thread that takes part in long queries (QueryHelper.h); null: none. Of no more than one workspace, with at least its capacity. It
 	/// outlives this, or is taken away before it goes.
 	void setHelper(QueryHelper* helper);

@@ -35,7 +35,7 @@ struct TreeRoom
 	void takeLarger(TreeRoom& other) noexcept;
 };
 
-struct QueryRoom::Implementation : TreeRoom
+struct QueryBuffers::Implementation : TreeRoom
 {
 	PatchGrouper::BallRoom balls;
 	bool taken = false;  ///< what is here has numbers of another workspace

@@ -154,21 +154,21 @@ void QueryWorkspace::Implementation::makeResident()
 
 void QueryWorkspace::makeResident() { m_impl->makeResident(); }
 
-void QueryWorkspace::take(QueryRoom& room) noexcept
+void QueryWorkspace::take(QueryBuffers& room) noexcept
 {
-	QueryRoom::Implementation& from = room.implementation();
+	QueryBuffers::Implementation& from = room.implementation();
 	if (std::exchange(from.taken, true)) return;
 	m_impl->takeLarger(from);
 	m_impl->grouper.takeLarger(from.balls);
 }
 
-QueryRoom::QueryRoom(const InnerSphereTree& A, const InnerSphereTree& B) : m_impl(std::make_unique<Implementation>())
+QueryBuffers::QueryBuffers(const InnerSphereTree& A, const InnerSphereTree& B) : m_impl(std::make_unique<Implementation>())
 {
 	const size_t slotsA = mostSlots(A), slotsB = mostSlots(B);
 	m_impl->reserveSlots(slotsA, slotsB, slotsB);
 	m_impl->balls.reserve(slotsA + slotsB);
 }
-QueryRoom::~QueryRoom() = default;
+QueryBuffers::~QueryBuffers() = default;
 
 size_t mostSlots(const InnerSphereTree& body)
 {

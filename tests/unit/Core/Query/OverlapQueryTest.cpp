@@ -514,7 +514,7 @@ TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
 	{
 		QueryWorkspace workspace, fresh;
 		for (int i = 0; i < 50 && taken; ++i) queryOverlap(A, A, randomPose(random, A, A, 0.5), workspace);
-		QueryRoom room(A, B), again(A, A);
+		QueryBuffers room(A, B), again(A, A);
 		if (!taken) workspace.reserve(A, B);
 		for (int i = 0; i < 20; ++i)
 		{
