@@ -56,7 +56,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Repair/MeshRepair.h
 	BulletISTCollision/Core/Tree/BallTree.h
 	BulletISTCollision/Core/Tree/InnerSphereTree.h
-	BulletISTCollision/Core/Tuning/StepChoice.h
+	BulletISTCollision/Core/Tuning/StableTimeStep.h
 	BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h
 	BulletISTCollision/Dispatch/btISTRegistration.h
 	BulletISTCollision/Registry/btISTRegistry.h

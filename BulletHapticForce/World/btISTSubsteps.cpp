@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/World/btISTSubsteps.h"
 
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "BulletISTCollision/Registry/btISTShapeParts.h"
 

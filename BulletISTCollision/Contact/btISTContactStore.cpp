@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 #include "BulletDynamics/Featherstone/btMultiBody.h"

@@ -3,7 +3,7 @@
 // the error that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the
 // repeats, both ways in turn in one process. Usage: bench_contact_cache [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
 #include "BulletHapticForce/Law/btContactLaw.h"
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "demos/browser/base/WorldDemo.h"
 #include "demos/browser/catalog/DemoCatalog.h"

@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshReaderWarnings.h"
 #include "BulletISTCollision/Core/Import/ThreadLocale.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/IOStream.hpp>

@@ -7,7 +7,7 @@
 #include "BulletISTCollision/Core/Leaves/CellSplitter.h"
 #include "BulletISTCollision/Core/Leaves/NearestSphere.h"
 #include "BulletISTCollision/Core/Leaves/SurfaceGap.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 
 #include <algorithm>
 #include <cmath>

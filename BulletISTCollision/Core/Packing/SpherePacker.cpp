@@ -6,7 +6,7 @@
 #include "BulletISTCollision/Core/Base/ThreadPool.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Geometry/Lens.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Packing/BallAscent.h"
 #include "BulletISTCollision/Core/Packing/DistanceOctree.h"
 

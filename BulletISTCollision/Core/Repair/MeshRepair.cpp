@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
 #include "BulletISTCollision/Core/Repair/MeshCuts.h"
 #include "BulletISTCollision/Core/Repair/MeshHoles.h"
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"

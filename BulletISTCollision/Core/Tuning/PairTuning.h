@@ -2,8 +2,8 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Tuning/TimeStepAdvice.h"
 #include "BulletISTCollision/Core/Tuning/TuneSettings.h"
-#include "BulletISTCollision/Core/Tuning/WorldNeeds.h"
 
 #include <cstdint>
 #include <optional>
@@ -34,7 +34,7 @@ struct PairTuning
 	bool kept = false;  ///< it promises the error
 	size_t spheresA = 0, spheresB = 0;      ///< of the trees that it is for
 	std::vector<TuneSetting> alternatives;  ///< all levels of all trees that were looked at
-	std::optional<WorldNeeds> world;
+	std::optional<TimeStepAdvice> world;
 };
 
 /// The cheapest setting of two bodies, which may be one and the same, that promises a force error: the levels of their trees, and of a mesh

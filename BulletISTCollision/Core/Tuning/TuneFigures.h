@@ -21,7 +21,7 @@ template <class Say> void eachFigure(const TuneSetting& s, Say&& say)
 	say("patches", s.patches);
 }
 
-template <class Say> void eachFigure(const WorldNeeds& needs, Say&& say)
+template <class Say> void eachFigure(const TimeStepAdvice& needs, Say&& say)
 {
 	const auto bounded = [](double step) { return std::isfinite(step) ? std::optional<double>(step) : std::nullopt; };
 	say("precision", needs.inDouble ? "double" : "float");

@@ -6,7 +6,7 @@
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Build/TreeCache.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
 #include "demos/scenes/Extremes/ForceAlongPath.h"
 #include "tests/bench/bodies/BenchBodies.h"

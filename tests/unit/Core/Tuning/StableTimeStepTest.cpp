@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ double bounceInImplicitSteps(const ContactSpring& spring, double h, double phase
 }
 }  // namespace
 
-TEST(StepChoice, ExplicitStepsDivergeJustBeyondTheirLimit)
+TEST(StableTimeStep, ExplicitStepsDivergeJustBeyondTheirLimit)
 {
 	for (const ContactSpring& spring : springs())
 	{
@@ -65,7 +65,7 @@ TEST(StepChoice, ExplicitStepsDivergeJustBeyondTheirLimit)
 	}
 }
 
-TEST(StepChoice, ImplicitStepsLoseTheSpeedThatIsForetold)
+TEST(StableTimeStep, ImplicitStepsLoseTheSpeedThatIsForetold)
 {
 	for (ContactSpring spring : springs())
 	{
@@ -87,7 +87,7 @@ TEST(StepChoice, ImplicitStepsLoseTheSpeedThatIsForetold)
 	}
 }
 
-TEST(StepChoice, NothingTravelsMoreThanAQuarterOfWhatIsThin)
+TEST(StableTimeStep, NothingTravelsMoreThanAQuarterOfWhatIsThin)
 {
 	InnerSphereTree plate;
 	plate.volume = 2 * 3 * 0.01;
@@ -98,7 +98,7 @@ TEST(StepChoice, NothingTravelsMoreThanAQuarterOfWhatIsThin)
 	EXPECT_EQ(thicknessOf(InnerSphereTree()), std::numeric_limits<double>::infinity());
 }
 
-TEST(StepChoice, RoundingIsHalfTheSpacingOfNumbers)
+TEST(StableTimeStep, RoundingIsHalfTheSpacingOfNumbers)
 {
 	EXPECT_EQ(placeRounding(1, false), std::ldexp(1, -24));
 	EXPECT_EQ(placeRounding(10000, false), std::ldexp(1, 13 - 24));

@@ -20,7 +20,7 @@ struct WorldSetup
 
 /// What a world must be like so that neither its step nor its numbers err by more than is accepted. The contact is that of the body at rest
 /// under its weight.
-struct WorldNeeds
+struct TimeStepAdvice
 {
 	double restDepth = 0;        ///< overlap volume over area, m g / (k A) [m]
 	double frequency = 0;        ///< sqrt(k A / m) [rad/s]
@@ -37,6 +37,6 @@ struct WorldNeeds
 std::optional<Error> problemOf(const WorldSetup& setup);
 
 /// Errors: `problemOf`, contacts without area.
-Result<WorldNeeds> worldNeeds(
+Result<TimeStepAdvice> worldNeeds(
 	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error);
 }  // namespace ist

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Tuning/WorldNeeds.h"
+#include "BulletISTCollision/Core/Tuning/TimeStepAdvice.h"
 
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,14 +33,14 @@ std::optional<Error> problemOf(const WorldSetup& setup)
 	return Error{"a step can be chosen only with both a stiffness and a mass"};
 }
 
-Result<WorldNeeds> worldNeeds(
+Result<TimeStepAdvice> worldNeeds(
 	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error)
 {
 	if (const std::optional<Error> problem = problemOf(setup)) return *problem;
 	const double k = *setup.stiffness, m = *setup.mass, volume = m * kGravity / k, area = areaAt(contacts, volume);
 	if (!(area > 0)) return Error{"no pose has a contact with an area"};
 	const ContactSpring spring{k * area, m, 0};
-	WorldNeeds needs;
+	TimeStepAdvice needs;
 	needs.restDepth = volume / area;
 	needs.frequency = contactFrequency(spring);
 	needs.explicitStep = longestExplicitStep(spring);

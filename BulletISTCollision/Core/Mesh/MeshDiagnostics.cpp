@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Mesh/MeshWords.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 
 #include <charconv>
 #include <cstddef>

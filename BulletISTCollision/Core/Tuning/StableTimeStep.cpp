@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Tuning/StepChoice.h"
+#include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 
 #include <cmath>
 #include <limits>
