@@ -10,7 +10,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Solver/btContactEnergyTank.h
 	BulletHapticForce/Solver/btIslandBlockSolver.h
 	BulletHapticForce/Solver/btSweepAcceleration.h
-	BulletHapticForce/Solver/btUnroundedPoses.h
+	BulletHapticForce/Solver/btCompensatedPoses.h
 	BulletHapticForce/Solver/btVolumetricIslands.h
 	BulletHapticForce/Solver/btVolumetricLinks.h
 	BulletHapticForce/Solver/btVolumetricRows.h

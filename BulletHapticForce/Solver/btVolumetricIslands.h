@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/Solver/btCompensatedPoses.h"
 #include "BulletHapticForce/Solver/btContactEnergyTank.h"
 #include "BulletHapticForce/Solver/btIslandBlockSolver.h"
-#include "BulletHapticForce/Solver/btUnroundedPoses.h"
 #include "BulletHapticForce/Solver/btVolumetricStatistics.h"
 
 #include <memory>
@@ -38,7 +38,7 @@ public:
 	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
 	/// After `sumChanges`. Holds every contact to its energy tank (btContactEnergyTank.h), and writes the impulses into the contacts.
 	void finish(btSolverBody* bodies);
-	/// When Bullet has written the velocities into the bodies: see btUnroundedPoses.
+	/// When Bullet has written the velocities into the bodies: see btCompensatedPoses.
 	void settlePoses();
 	/// Added to, never reset.
 	const btVolumetricStatistics& statistics() const { return m_statistics; }
@@ -103,7 +103,7 @@ private:
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
 	std::vector<ist::Twist> m_change;  // of each body by all volumetric contacts
-	btUnroundedPoses m_unrounded;
+	btCompensatedPoses m_unrounded;
 	std::vector<btRigidBody*> m_moved;
 	btVolumetricStatistics m_statistics;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/Solver/btUnroundedPoses.h"
+#include "BulletHapticForce/Solver/btCompensatedPoses.h"
 
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
@@ -42,12 +42,12 @@ bool lostInStep(const ist::Pose& before, const ist::Pose& now, const ist::Twist&
 }
 }  // namespace
 
-void btUnroundedPoses::reserve(size_t bodies)
+void btCompensatedPoses::reserve(size_t bodies)
 {
 	if (bodies > m_places.size()) m_places.resize(std::max(bodies, 2 * m_places.size()));
 }
 
-btUnroundedPoses::Place* btUnroundedPoses::find(const btRigidBody& body)
+btCompensatedPoses::Place* btCompensatedPoses::find(const btRigidBody& body)
 {
 	const int index = body.getWorldArrayIndex();
 	if (index < 0) return nullptr;
@@ -55,7 +55,7 @@ btUnroundedPoses::Place* btUnroundedPoses::find(const btRigidBody& body)
 	return &m_places[size_t(index)];
 }
 
-ist::Twist btUnroundedPoses::recall(const btRigidBody& body, uint64_t step)
+ist::Twist btCompensatedPoses::recall(const btRigidBody& body, uint64_t step)
 {
 	Place* place = find(body);
 	if (!place) return {};
@@ -70,7 +70,7 @@ ist::Twist btUnroundedPoses::recall(const btRigidBody& body, uint64_t step)
 	return place->lacking;
 }
 
-void btUnroundedPoses::settle(btRigidBody& body, double h, uint64_t step)
+void btCompensatedPoses::settle(btRigidBody& body, double h, uint64_t step)
 {
 	Place* place = find(body);
 	if (!place || place->body != &body || place->step != step) return;

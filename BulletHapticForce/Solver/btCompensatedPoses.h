@@ -15,7 +15,7 @@ class btRigidBody;
 ///
 /// Rigid bodies only, known by their index in the world and their address. A body that was moved by anything but its velocity, or that
 /// was without contact for a step, begins with nothing lost. One owner thread; allocates only in `reserve`, and for bodies beyond it.
-class btUnroundedPoses
+class btCompensatedPoses
 {
 public:
 	/// For a world of as many objects.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/Solver/btUnroundedPoses.h"
+#include "BulletHapticForce/Solver/btCompensatedPoses.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "tests/unit/CountingAllocator.h"
 
@@ -18,7 +18,7 @@ struct Drifting
 {
 	btSphereShape shape{btScalar(1)};
 	btRigidBody body{btScalar(1), nullptr, &shape, btVector3(1, 1, 1)};
-	btUnroundedPoses poses;
+	btCompensatedPoses poses;
 	uint64_t step = 7;
 
 	explicit Drifting(const ist::Vec3& place)
@@ -39,7 +39,7 @@ struct Drifting
 }  // namespace
 
 // A hundredth of a rounding a step: Bullet alone does not move at all.
-TEST(btUnroundedPoses, MotionsFarBelowARoundingArrive)
+TEST(btCompensatedPoses, MotionsFarBelowARoundingArrive)
 {
 	const ist::Vec3 start{1e3, -2e3, 5e2};
 	Drifting scene(start);
@@ -70,7 +70,7 @@ TEST(btUnroundedPoses, MotionsFarBelowARoundingArrive)
 	}
 }
 
-TEST(btUnroundedPoses, WhatWasMovedByOthersLacksNothing)
+TEST(btCompensatedPoses, WhatWasMovedByOthersLacksNothing)
 {
 	for (const int how : {0, 1, 2, 3})
 	{
@@ -91,7 +91,7 @@ TEST(btUnroundedPoses, WhatWasMovedByOthersLacksNothing)
 	}
 }
 
-TEST(btUnroundedPoses, ABodyOutsideOfAWorldLacksNothing)
+TEST(btCompensatedPoses, ABodyOutsideOfAWorldLacksNothing)
 {
 	Drifting scene({1e3, 0, 0});
 	scene.body.setWorldArrayIndex(-1);
@@ -101,7 +101,7 @@ TEST(btUnroundedPoses, ABodyOutsideOfAWorldLacksNothing)
 	EXPECT_EQ(norm(scene.poses.recall(scene.body, scene.step).linear), 0);
 }
 
-TEST(btUnroundedPoses, AllocatesNothingInAWorldThatItHasSeen)
+TEST(btCompensatedPoses, AllocatesNothingInAWorldThatItHasSeen)
 {
 	Drifting scene({1, 2, 3});
 	scene.poses.recall(scene.body, scene.step);
@@ -115,7 +115,7 @@ TEST(btUnroundedPoses, AllocatesNothingInAWorldThatItHasSeen)
 	EXPECT_EQ(allocationCount(), before);
 }
 
-TEST(btUnroundedPoses, AllocatesNothingForTheFirstContactOfABodyOfTheWorld)
+TEST(btCompensatedPoses, AllocatesNothingForTheFirstContactOfABodyOfTheWorld)
 {
 	Drifting scene({1, 2, 3});
 	scene.poses.reserve(1000);
