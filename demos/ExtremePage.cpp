@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/ExtremePage.h"
 
-#include "BulletISTCollision/Core/Force/PassageBarrier.h"
+#include "BulletISTCollision/Core/Force/PenetrationWork.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "demos/scenes/Extremes/ExtremeMotions.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Force/PassageBarrier.h"
+#include "BulletISTCollision/Core/Force/PenetrationWork.h"
 #include "demos/scenes/Extremes/ExtremeMotions.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 

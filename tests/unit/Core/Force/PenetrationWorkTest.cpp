@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Force/PassageBarrier.h"
+#include "BulletISTCollision/Core/Force/PenetrationWork.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
@@ -30,7 +30,7 @@ const InnerSphereTree& coarseBox()
 
 // Face on through a wide plate whose field has all the weight: the force on a face a grows as k a s up to the middle of the thickness t,
 // and falls to zero where the face comes out. Peak k a t / 2, work k a t^2 / 4 at s = t.
-TEST(PassageBarrier, OfABoxThroughAPlateIsThatOfTheClosedForm)
+TEST(PenetrationWork, OfABoxThroughAPlateIsThatOfTheClosedForm)
 {
 	const double edge = 0.3, t = 0.1, k = 2e4;
 	const InnerSphereTree plate = built(makeBoxMesh({0.3, t / 2, 0.35}), 5000),
@@ -41,10 +41,10 @@ TEST(PassageBarrier, OfABoxThroughAPlateIsThatOfTheClosedForm)
 	X_PB.translation = {0.05, start, -0.03};
 	for (const bool boxMoves : {true, false})
 	{
-		const Result<PassageBarrier> barrier = boxMoves ? passageBarrier(box, plate, inverse(X_PB), {0, -2, 0}, 0.3, {k, 0, 1}, workspace)
-														: passageBarrier(plate, box, X_PB, {0, 1, 0}, 0.3, {k, 1, 0}, workspace);
+		const Result<PenetrationWork> barrier = boxMoves ? passageBarrier(box, plate, inverse(X_PB), {0, -2, 0}, 0.3, {k, 0, 1}, workspace)
+														 : passageBarrier(plate, box, X_PB, {0, 1, 0}, 0.3, {k, 1, 0}, workspace);
 		ASSERT_TRUE(barrier);
-		const PassageBarrier& b = barrier.value();
+		const PenetrationWork& b = barrier.value();
 		const double area = edge * edge;
 		std::printf("  force %+.2f %%, energy %+.2f %%, at %.4f m\n", 100 * (b.force / (k * area * t / 2) - 1),
 			100 * (b.energy / (k * area * t * t / 4) - 1), b.forceAt - 0.05);
@@ -54,19 +54,19 @@ TEST(PassageBarrier, OfABoxThroughAPlateIsThatOfTheClosedForm)
 	}
 }
 
-TEST(PassageBarrier, IsNothingWhereTheWayMeetsNothing)
+TEST(PenetrationWork, IsNothingWhereTheWayMeetsNothing)
 {
 	const InnerSphereTree& box = coarseBox();
 	QueryWorkspace workspace;
 	Pose apart;
 	apart.translation = {3, 0, 0};
-	const Result<PassageBarrier> barrier = passageBarrier(box, box, apart, {-1, 0, 0}, 5, {1, 0.5, 0.5}, workspace);
+	const Result<PenetrationWork> barrier = passageBarrier(box, box, apart, {-1, 0, 0}, 5, {1, 0.5, 0.5}, workspace);
 	ASSERT_TRUE(barrier);
 	EXPECT_EQ(barrier.value().force, 0);
 	EXPECT_EQ(barrier.value().energy, 0);
 }
 
-TEST(PassageBarrier, RefusesWhatIsNoWay)
+TEST(PenetrationWork, RefusesWhatIsNoWay)
 {
 	const InnerSphereTree& box = coarseBox();
 	QueryWorkspace workspace;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Force/PassageBarrier.h"
+#include "BulletISTCollision/Core/Force/PenetrationWork.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace ist
 {
-Result<PassageBarrier> passageBarrier(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const Vec3& direction,
+Result<PenetrationWork> passageBarrier(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const Vec3& direction,
 	double way, const PressurePair& pair, QueryWorkspace& workspace, int steps)
 {
 	if (!isFinite(direction) || !(norm(direction) > 0)) return Error{"the direction of a passage must be a finite vector that is not zero"};
@@ -19,7 +19,7 @@ Result<PassageBarrier> passageBarrier(const InnerSphereTree& A, const InnerSpher
 	const double step = way / steps;
 	QueryOptions options;
 	options.stiffness = options.patches = false;
-	PassageBarrier barrier;
+	PenetrationWork barrier;
 	double before = 0, work = 0;
 	for (int i = 0; i <= steps; ++i)
 	{
