@@ -99,7 +99,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	step.queryMicroseconds = 0;
 	m_touchingCount = 0;
 	if (m_refusal[0] == '\0') findContacts(now, step);
-	if (topology() == ContactTopology::InTick) step.queryMicroseconds = microsecondsSince(begin);
+	if (topology() == ContactThreading::InHapticThread) step.queryMicroseconds = microsecondsSince(begin);
 	weighContacts(dt, factor);
 	adapt(dt, hand);
 	forgetMomentum(dt);
@@ -178,19 +178,19 @@ void BulletDecoupledSource::forgetMomentum(double dt) noexcept
 
 void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexcept
 {
-	const ContactTopology wanted = topology();
+	const ContactThreading wanted = topology();
 	// Whatever the topology is now: bodies are released only when no question points to them any more.
 	takeAnswer();
 	if (wanted != m_lastTopology)
 	{
 		m_answerAge.forget();
-		if (wanted == ContactTopology::OwnThread && m_answers.readable().number > 0) m_answerAge.arrived(m_answers.readable().askedAt, 0);
+		if (wanted == ContactThreading::OwnThread && m_answers.readable().number > 0) m_answerAge.arrived(m_answers.readable().askedAt, 0);
 	}
 	m_lastTopology = wanted;
 	const WorldSnapshot& world = m_mirror.snapshot();
-	if (wanted != ContactTopology::OwnThread) takeQuestionBack();
-	if (wanted == ContactTopology::InTick) askInTick(step);
-	else if (wanted == ContactTopology::OwnThread)
+	if (wanted != ContactThreading::OwnThread) takeQuestionBack();
+	if (wanted == ContactThreading::InHapticThread) askInHapticThread(step);
+	else if (wanted == ContactThreading::OwnThread)
 	{
 		feelAnswer(now, step);
 		ask(now);
@@ -203,7 +203,7 @@ void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexc
 	}
 }
 
-void BulletDecoupledSource::askInTick(ToolStep& step) noexcept
+void BulletDecoupledSource::askInHapticThread(ToolStep& step) noexcept
 {
 	const WorldSnapshot& world = m_mirror.snapshot();
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
@@ -227,7 +227,7 @@ void BulletDecoupledSource::takeAnswer() noexcept
 	m_coarsened.store(answer.coarsened, std::memory_order_relaxed);
 	m_overBudget.store(answer.overBudget, std::memory_order_relaxed);
 	m_refused.store(answer.refused, std::memory_order_relaxed);
-	if (m_lastTopology == ContactTopology::OwnThread) m_answerAge.arrived(answer.askedAt, 0);
+	if (m_lastTopology == ContactThreading::OwnThread) m_answerAge.arrived(answer.askedAt, 0);
 }
 
 void BulletDecoupledSource::feelAnswer(std::int64_t now, ToolStep& step) noexcept

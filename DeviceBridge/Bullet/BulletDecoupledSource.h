@@ -17,11 +17,11 @@ class btRigidBody;
 namespace devicebridge
 {
 /// Which thread asks the trees. The world steps in its own thread in every case.
-enum class ContactTopology
+enum class ContactThreading
 {
-	InTick,     ///< the hand's thread, in each tick
-	OwnThread,  ///< one of its own; in between the hand feels the last answer as a linear model
-	InWorld     ///< the world's, once a step: the hand feels linear models only
+	InHapticThread,  ///< the hand's thread, in each tick
+	OwnThread,       ///< one of its own; in between the hand feels the last answer as a linear model
+	InWorldThread    ///< the world's, once a step: the hand feels linear models only
 };
 
 struct BulletDecoupledSettings
@@ -29,7 +29,7 @@ struct BulletDecoupledSettings
 	CouplingGains gains;
 	ist::Pose X_BW;        ///< the device's world W in Bullet's World B
 	bool gravity = false;  ///< does the tool weigh on the hand?
-	ContactTopology topology = ContactTopology::InTick;
+	ContactThreading topology = ContactThreading::InHapticThread;
 	bool realTime = true;        ///< ask for SCHED_FIFO for the contact thread
 	int priority = 70;           ///< of it; below that of the hand's thread
 	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers (TreeLevels.h). Negative: none
@@ -89,12 +89,12 @@ public:
 	const char* refusal() const noexcept override { return m_refusal; }
 
 	// From any thread:
-	void setTopology(ContactTopology topology) noexcept { m_topology.store(topology, std::memory_order_relaxed); }
-	ContactTopology topology() const noexcept { return m_topology.load(std::memory_order_relaxed); }
+	void setTopology(ContactThreading topology) noexcept { m_topology.store(topology, std::memory_order_relaxed); }
+	ContactThreading topology() const noexcept { return m_topology.load(std::memory_order_relaxed); }
 	DecoupledStatistics statistics() const noexcept;
 
 	// From the thread that set it up:
-	/// The thread for ContactTopology::OwnThread. False when it runs already or cannot be started.
+	/// The thread for ContactThreading::OwnThread. False when it runs already or cannot be started.
 	bool startContactThread();
 	void stopContactThread() noexcept;
 	/// One answer of that thread on the caller's, for virtual time. False when nothing was asked.
@@ -123,7 +123,7 @@ public:
 	const LinearContact& touching(int i) const noexcept { return m_touching[i]; }
 	/// The btCollisionObject that it is with; null when that was forgotten.
 	const void* touched(int i) const noexcept { return m_mirror.snapshot().bodies[m_touching[i].b].id; }
-	/// Of the newest answer that the tick has seen (ContactTopology::OwnThread).
+	/// Of the newest answer that the tick has seen (ContactThreading::OwnThread).
 	ContactAnswerCost lastAnswer() const noexcept { return m_answers.readable().cost; }
 	/// Where the copy of a body is; false, and nothing done, when it is not near.
 	bool copyOf(const void* object, ist::Pose& X_WB) const noexcept;
@@ -152,7 +152,7 @@ private:
 	void forgetMomentum(double dt) noexcept;
 	void takeSnapshot(std::int64_t now) noexcept;
 	void findContacts(std::int64_t now, ToolStep& step) noexcept;
-	void askInTick(ToolStep& step) noexcept;
+	void askInHapticThread(ToolStep& step) noexcept;
 	void takeAnswer() noexcept;
 	void feelAnswer(std::int64_t now, ToolStep& step) noexcept;
 	void ask(std::int64_t now) noexcept;
@@ -173,7 +173,7 @@ private:
 	double m_leastInertia = 0;
 	const char* m_refusal;
 	ist::Vec3 m_weight;  // of the tool, in World, as far as the hand is to feel it [N]
-	std::atomic<ContactTopology> m_topology;
+	std::atomic<ContactThreading> m_topology;
 
 	WorldMirror m_mirror;
 	ModelAge m_worldAge, m_answerAge;
@@ -182,7 +182,7 @@ private:
 	LinearContact m_touching[kToolContacts];
 	int m_touchingCount = 0;
 	std::uint64_t m_tick = 0, m_toolAnswers = 0;
-	ContactTopology m_lastTopology;
+	ContactThreading m_lastTopology;
 
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;

@@ -374,7 +374,7 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 void BulletWorldCoupling::findToolContacts(Hand& hand, WorldSnapshot& out)
 {
 	out.toolContactCount = 0;
-	if (hand.source->topology() != ContactTopology::InWorld) return;
+	if (hand.source->topology() != ContactThreading::InWorldThread) return;
 	WorldMirror& mirror = hand.source->mirror();
 	double volume = 0;
 	for (int slot = 0; slot < kMirroredBodies; ++slot)

@@ -183,7 +183,7 @@ private:
 		m_next.pairs = step.pairs;
 		m_next.queryMicroseconds = step.queryMicroseconds;
 		m_next.contacts = step.contactCount;
-		if (m_source && m_source->topology() == ContactTopology::OwnThread) m_next.answer = m_source->lastAnswer();
+		if (m_source && m_source->topology() == ContactThreading::OwnThread) m_next.answer = m_source->lastAnswer();
 		m_ticks.push_back(m_next);
 		m_open = true;
 		m_count.store(m_ticks.size(), std::memory_order_release);
@@ -342,7 +342,7 @@ std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecou
 	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.hand.clock->now(), stage.ticks);
 	std::unique_ptr<WorldBeside> beside;
 	if (decoupled) beside = std::make_unique<WorldBeside>(stage.world, *decoupled, *stage.hand.clock, stage.scene.worldRate);
-	const bool ownThread = decoupled && decoupled->topology() == ContactTopology::OwnThread && !stage.options.virtualTime;
+	const bool ownThread = decoupled && decoupled->topology() == ContactThreading::OwnThread && !stage.options.virtualTime;
 	if (ownThread && !decoupled->startContactThread()) return Error{"the thread of the contacts cannot be started"};
 	CouplingForceLaw coupling;
 	ThreadedForceLaw law(coupling);
@@ -382,9 +382,9 @@ std::optional<Error> playDecoupled(const Stage& stage, SceneOutcome& outcome)
 	settings.X_BW = stage.hand.X_BW;
 	settings.gravity = stage.scene.toolGravity;
 	settings.maxPairs = stage.scene.maxPairs;
-	settings.topology = stage.scene.topology == SceneTopology::InTick ? ContactTopology::InTick
-		: stage.scene.topology == SceneTopology::LocalModel           ? ContactTopology::InWorld
-																	  : ContactTopology::OwnThread;
+	settings.topology = stage.scene.topology == SceneTopology::InTick ? ContactThreading::InHapticThread
+		: stage.scene.topology == SceneTopology::LocalModel           ? ContactThreading::InWorldThread
+																	  : ContactThreading::OwnThread;
 	SceneWorld::Body& tool = stage.world.body(stage.scene.tool);
 	BulletDecoupledSource source(*tool.body, tool.tree, *stage.hand.clock, settings);
 	return play(stage, source, &source, outcome);

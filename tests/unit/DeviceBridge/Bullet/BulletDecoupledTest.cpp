@@ -371,7 +371,7 @@ TEST(BulletDecoupled, ALinearModelCountsAsFarAsItIsTrusted)
 		DecoupledRig rig(5);
 		rig.add(rig.boxShape, 0, {0, 0, 0});
 		BulletDecoupledSettings settings = handSettings();
-		settings.topology = ContactTopology::InWorld;
+		settings.topology = ContactThreading::InWorldThread;
 		settings.trustedModel = trusted;
 		Hand& hand = rig.addHand({-0.01, 0.0385, 0}, settings);
 		hand.script = [](double t) { return ist::Twist{{t > 1 && t <= 1.2 ? 0.1 : 0, 0, 0}, {}}; };

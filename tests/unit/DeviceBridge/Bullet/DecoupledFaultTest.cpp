@@ -23,11 +23,11 @@ using ist::Vec3;
 namespace
 {
 const Vec3 kGravity{0, -9.81, 0};
-constexpr ContactTopology kTopologies[] = {ContactTopology::InTick, ContactTopology::OwnThread, ContactTopology::InWorld};
+constexpr ContactThreading kTopologies[] = {ContactThreading::InHapticThread, ContactThreading::OwnThread, ContactThreading::InWorldThread};
 
-const char* nameOf(ContactTopology t)
+const char* nameOf(ContactThreading t)
 {
-	return t == ContactTopology::InTick ? "in the tick" : t == ContactTopology::OwnThread ? "in its own thread" : "in the world";
+	return t == ContactThreading::InHapticThread ? "in the tick" : t == ContactThreading::OwnThread ? "in its own thread" : "in the world";
 }
 
 /// A simulated hand on a simulated device presses a box on a table; the world steps in between, in virtual time.
@@ -43,8 +43,8 @@ struct PressedRig
 
 	double largest = 0;  ///< [N]
 
-	explicit PressedRig(double rate, ContactTopology topology = ContactTopology::InTick, double mass = 0.3, std::int64_t maxPairs = -1,
-		const std::shared_ptr<const ist::InnerSphereTree>& tree = ballTree())
+	explicit PressedRig(double rate, ContactThreading topology = ContactThreading::InHapticThread, double mass = 0.3,
+		std::int64_t maxPairs = -1, const std::shared_ptr<const ist::InnerSphereTree>& tree = ballTree())
 		: rig(rate, kGravity),
 		  box((rig.addPlane(), rig.addBox(mass, {0, 0.02, 0}))),
 		  source(tool, tree, rig.clock, settings(topology, maxPairs)),
@@ -61,7 +61,7 @@ struct PressedRig
 		device.open();
 		rig.coupling.show(rig.period);
 	}
-	static BulletDecoupledSettings settings(ContactTopology topology, std::int64_t maxPairs)
+	static BulletDecoupledSettings settings(ContactThreading topology, std::int64_t maxPairs)
 	{
 		BulletDecoupledSettings s = handSettings();
 		s.maxPairs = maxPairs;
@@ -94,7 +94,7 @@ struct PressedRig
 TEST(DecoupledFault, AWorldThatStallsTakesItsForceWithItAndGivesItBackWithoutAJump)
 {
 	for (const double rate : {60.0, 240.0})
-		for (const ContactTopology topology : kTopologies)
+		for (const ContactThreading topology : kTopologies)
 		{
 			PressedRig r(rate, topology);
 			r.run(1500);
@@ -167,7 +167,7 @@ TEST(DecoupledFault, TopologiesFeelAlikeAndSwitchWhileRunning)
 
 namespace
 {
-/// How the questions of ContactTopology::OwnThread are answered.
+/// How the questions of ContactThreading::OwnThread are answered.
 enum class Served
 {
 	Never,         ///< no thread was started
@@ -189,7 +189,7 @@ struct LeavingRig
 	Hand* hand = nullptr;
 	Served served;
 
-	LeavingRig(ContactTopology topology, Served how) : served(how)
+	LeavingRig(ContactThreading topology, Served how) : served(how)
 	{
 		BulletDecoupledSettings settings = handSettings();
 		settings.topology = topology;
@@ -212,7 +212,7 @@ struct LeavingRig
 		return condition();
 	}
 	/// The box comes, the hand goes over to `to`, and the box leaves.
-	void round(ContactTopology to)
+	void round(ContactThreading to)
 	{
 		const long before = tree.use_count();
 		rig.run(0.05);
@@ -237,8 +237,8 @@ struct LeavingRig
 // A question that nobody answers any more must not keep the bodies that it is about.
 TEST(DecoupledFault, ABodyThatLeavesIsReleasedInEveryTopologyAndWithoutAThread)
 {
-	for (const ContactTopology from : kTopologies)
-		for (const ContactTopology to : kTopologies)
+	for (const ContactThreading from : kTopologies)
+		for (const ContactThreading to : kTopologies)
 			for (int served = 0; served < static_cast<int>(Served::Count); ++served)
 			{
 				SCOPED_TRACE(std::string(nameOf(from)) + ", then " + nameOf(to) + ", " + kServed[served]);
@@ -253,7 +253,7 @@ TEST(DecoupledFault, AHandThatSwitchesForEverKeepsItsSlots)
 	for (int served = 0; served < static_cast<int>(Served::Count); ++served)
 	{
 		SCOPED_TRACE(kServed[served]);
-		LeavingRig r(ContactTopology::OwnThread, static_cast<Served>(served));
+		LeavingRig r(ContactThreading::OwnThread, static_cast<Served>(served));
 		for (int i = 1; i <= 2 * kMirroredBodies && !testing::Test::HasFatalFailure(); ++i) r.round(kTopologies[i % 3]);
 	}
 }
@@ -261,9 +261,9 @@ TEST(DecoupledFault, AHandThatSwitchesForEverKeepsItsSlots)
 // After a question was taken back, the thread that is started then answers the next one.
 TEST(DecoupledFault, AThreadThatComesLateIsAskedAnew)
 {
-	LeavingRig r(ContactTopology::OwnThread, Served::Never);
+	LeavingRig r(ContactThreading::OwnThread, Served::Never);
 	for (int i = 0; i < 3; ++i) r.round(kTopologies[i]);
-	r.hand->source.setTopology(ContactTopology::OwnThread);
+	r.hand->source.setTopology(ContactThreading::OwnThread);
 	r.rig.run(0.1);
 	EXPECT_EQ(r.hand->step.contactCount, 0);
 	r.rig.serving = true;
@@ -274,7 +274,7 @@ TEST(DecoupledFault, AThreadThatComesLateIsAskedAnew)
 
 TEST(DecoupledFault, RunsInVirtualTimeAreAlikeToTheLastBit)
 {
-	for (const ContactTopology topology : kTopologies)
+	for (const ContactThreading topology : kTopologies)
 	{
 		std::vector<double> traces[2];
 		for (std::vector<double>& trace : traces)
@@ -294,7 +294,7 @@ TEST(DecoupledFault, RunsInVirtualTimeAreAlikeToTheLastBit)
 
 TEST(DecoupledFault, ATickDoesNotAllocate)
 {
-	for (const ContactTopology topology : kTopologies)
+	for (const ContactThreading topology : kTopologies)
 	{
 		PressedRig r(60, topology);
 		r.run(1500);
@@ -318,7 +318,7 @@ TEST(DecoupledFault, ATickDoesNotAllocateAtTheFirstMeetingWithALargerTree)
 	auto coarse = std::make_shared<ist::InnerSphereTree>(*ballTree());
 	coarse->law = coarse->levels.back();
 	coarse->levels.clear();
-	for (const ContactTopology topology : kTopologies)
+	for (const ContactThreading topology : kTopologies)
 		for (const std::int64_t maxPairs : {-1, 20})
 		{
 			PressedRig r(60, topology, 0.3, maxPairs, coarse);
@@ -453,7 +453,7 @@ TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
 
 TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)
 {
-	for (const ContactTopology topology : kTopologies)
+	for (const ContactThreading topology : kTopologies)
 	{
 		PressedRig r(60, topology);
 		r.run(1500);
@@ -477,7 +477,7 @@ TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)
 
 TEST(DecoupledFault, ATreeGoesWithTheHandThatIsRemoved)
 {
-	for (const ContactTopology topology : kTopologies)
+	for (const ContactThreading topology : kTopologies)
 		for (const bool destroyed : {false, true})
 		{
 			PressedRig r(60, topology);
@@ -555,7 +555,7 @@ TEST(DecoupledFault, ThreeThreadsLoseNothing)
 	RealClock clock;
 	btRigidBody tool(Hand::info(rig.ballShape, {}));
 	BulletDecoupledSettings settings = handSettings();
-	settings.topology = ContactTopology::OwnThread;
+	settings.topology = ContactThreading::OwnThread;
 	BulletDecoupledSource source(tool, ballTree(), clock, settings);
 	rig.coupling.add(source);
 	rig.coupling.show(rig.period);

@@ -99,7 +99,7 @@ struct DecoupledRig
 	std::int64_t ticks = 0, worldSteps = 0;
 	bool shown = false;
 	bool worldRuns = true, sleeping = false;
-	bool serving = true;  ///< answers what hands ask for ContactTopology::OwnThread, in the test's own thread
+	bool serving = true;  ///< answers what hands ask for ContactThreading::OwnThread, in the test's own thread
 	std::function<void()> afterTick, afterWorldStep;
 
 	explicit DecoupledRig(double rate, const ist::Vec3& gravity = {}) : period(1 / rate) { world.setGravity(bullet(gravity)); }
@@ -161,6 +161,6 @@ struct DecoupledRig
 		++worldSteps;
 		if (afterWorldStep) afterWorldStep();
 	}
-	static bool topologyNeedsServing(const Hand& hand) { return hand.source.topology() == ContactTopology::OwnThread; }
+	static bool topologyNeedsServing(const Hand& hand) { return hand.source.topology() == ContactThreading::OwnThread; }
 };
 }  // namespace devicebridge
