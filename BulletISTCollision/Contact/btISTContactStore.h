@@ -125,9 +125,9 @@ struct btISTContact
 	double thickness() const;
 	btISTContactEnergyTank tank;  ///< blank again as soon as the pair has parted
 
-	bool foreseeable = false;                 ///< the shapes are where their bodies are, and not children of a compound
-	uint64_t pass = 0;                        ///< of collision detection, in which it was last met; counted where threads share queries
-	int ahead = -1;                           ///< where threads that share queries have its answer
+	bool canPrefetch = false;                 ///< the shapes are where their bodies are, and not children of a compound
+	uint64_t detectionPass = 0;               ///< of collision detection, in which it was last met; counted where threads share queries
+	int prefetchSlot = -1;                    ///< where threads that share queries have its answer
 	std::shared_ptr<btISTPairMemory> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setPairMemory)
 
 	/// How the sums came about: see btISTContactCache. What was kept has followed the motion to first order.

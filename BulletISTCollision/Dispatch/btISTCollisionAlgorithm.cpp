@@ -134,7 +134,7 @@ void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& 
 	btISTContactStore& store = m_context->store;
 	const bool kept = &contact == m_contact;
 	btISTQueryWork work;
-	if (!kept || !m_context->threads || !m_context->threads->take(contact, work))
+	if (!kept || !m_context->threads || !m_context->threads->takeResult(contact, work))
 		work = query.answer(contact, m_context->workspace, kept && store.measuresQueryTime());
 	if (kept) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
 }
@@ -150,7 +150,7 @@ void btISTCollisionAlgorithm::evaluate(
 	contact.stamp = m_context->store.step();
 	contact.X_WA = toRigidPose(wrapA->getWorldTransform());
 	contact.X_AB = ist::inverse(contact.X_WA) * toRigidPose(wrapB->getWorldTransform());
-	contact.foreseeable = isBody(*wrapA) && isBody(*wrapB);
+	contact.canPrefetch = isBody(*wrapA) && isBody(*wrapB);
 	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
 	const bool kept = &contact == m_contact;
 	const btISTPairQuery query(field, m_context->rules, kept, kept && m_context->store.sumsDamping());
@@ -204,13 +204,13 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 		m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
 		return destroyStock();
 	}
-	if (m_context->threads) m_context->threads->meet(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
+	if (m_context->threads) m_context->threads->begin(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
 	evaluate(wrapA, wrapB, *m_contact);
 	// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
-	if (m_context->memories) m_context->memories->serve(*m_contact);
+	if (m_context->memories) m_context->memories->assign(*m_contact);
 	btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
 	// Those of a compound's children Bullet announces itself, as they were a step before.
-	if (m_contact->foreseeable) announceProcessed(*m_manifold);
+	if (m_contact->canPrefetch) announceProcessed(*m_manifold);
 }
 
 /// To a contact test; whether there is overlap. What the pair keeps is left as it is.
@@ -240,7 +240,7 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->accuracy = ist::AdaptiveLevel();
 	m_contact->kept.forget();
 	m_contact->memory.reset();
-	if (m_context->threads) m_context->threads->drop(*m_contact);
+	if (m_context->threads) m_context->threads->release(*m_contact);
 }
 
 void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)

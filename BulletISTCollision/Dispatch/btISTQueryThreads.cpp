@@ -44,16 +44,16 @@ bool btISTQueryThreads::isFree() const
 		m_helpers.begin(), m_helpers.end(), [](const auto& helper) { return helper->working.load(std::memory_order_seq_cst); });
 }
 
-void btISTQueryThreads::meet(
+void btISTQueryThreads::begin(
 	btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher)
 {
 	// Who is met again is met in another pass: that tells in worlds without our solver, where steps are not counted. Alone it would not do,
 	// for a pair that missed a pass would seem to belong to the one before ever after.
-	if (contact.pass == m_pass || store.step() != m_step) askAhead(store, rules, own, dispatcher);
-	contact.pass = m_pass;
+	if (contact.detectionPass == m_pass || store.step() != m_step) prefetch(store, rules, own, dispatcher);
+	contact.detectionPass = m_pass;
 }
 
-void btISTQueryThreads::askAhead(
+void btISTQueryThreads::prefetch(
 	const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher)
 {
 	m_shared = btISTSharedQueries();
@@ -71,7 +71,7 @@ void btISTQueryThreads::askAhead(
 }
 
 /// Trees are large, and memories few: nobody keeps them by an old answer.
-void btISTQueryThreads::letGo(Answer& answer)
+void btISTQueryThreads::releaseAnswer(Answer& answer)
 {
 	answer.contact.treeA.reset();
 	answer.contact.treeB.reset();
@@ -84,12 +84,13 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 	m_count = 0;
 	m_wanted.clear();
 	// What came late nobody took.
-	for (const auto& answer : m_answers) letGo(*answer);
+	for (const auto& answer : m_answers) releaseAnswer(*answer);
 	int64_t sum = 0, largest = 0;
 	for (btISTContact* contact : store.contacts())
 	{
 		const int64_t pairs = contact->total.pairs;
-		if (pairs < kWorthCopying || !contact->foreseeable || contact->pass + 1 != m_pass || contact->use != btISTCachedResult::Ask)
+		if (pairs < kWorthCopying || !contact->canPrefetch || contact->detectionPass + 1 != m_pass ||
+			contact->use != btISTCachedResult::Ask)
 			continue;
 		if (!dispatcher.needsCollision(contact->bodyA, contact->bodyB)) continue;
 		m_wanted.emplace_back(pairs, contact);
@@ -106,8 +107,8 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 		answer.contact = *contact;
 		answer.contact.X_WA = toRigidPose(contact->bodyA->getWorldTransform());
 		answer.contact.X_AB = ist::inverse(answer.contact.X_WA) * toRigidPose(contact->bodyB->getWorldTransform());
-		contact->ahead = m_count++;
-		answer.pass = m_pass;
+		contact->prefetchSlot = m_count++;
+		answer.detectionPass = m_pass;
 		answer.field = contact->treeB ? btISTShapeField() : btISTShapeField(contact->bodyB->getCollisionShape());
 		answer.byOwner = false;
 		answer.microseconds = 0;
@@ -178,16 +179,16 @@ void btISTQueryThreads::measure(double ownMicroseconds)
 /// Once: what it returns is closed. Null: none, or late.
 btISTQueryThreads::Answer* btISTQueryThreads::answerTo(btISTContact& contact)
 {
-	const int place = contact.ahead;
-	contact.ahead = -1;
+	const int place = contact.prefetchSlot;
+	contact.prefetchSlot = -1;
 	if (place < 0 || place >= m_count) return nullptr;
 	Answer& answer = *m_answers[size_t(place)];
-	if (answer.of != &contact || answer.pass != m_pass || answer.state.load(std::memory_order_acquire) != Answered) return nullptr;
+	if (answer.of != &contact || answer.detectionPass != m_pass || answer.state.load(std::memory_order_acquire) != Answered) return nullptr;
 	answer.state.store(Closed, std::memory_order_relaxed);
 	return &answer;
 }
 
-bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
+bool btISTQueryThreads::takeResult(btISTContact& contact, btISTQueryWork& work)
 {
 	Answer* answer = answerTo(contact);
 	if (!answer) return false;
@@ -197,13 +198,13 @@ bool btISTQueryThreads::take(btISTContact& contact, btISTQueryWork& work)
 		btISTPairQuery::copyAnswer(answer->contact, contact);
 		work = answer->work;
 	}
-	letGo(*answer);
+	releaseAnswer(*answer);
 	return holds;
 }
 
-void btISTQueryThreads::drop(btISTContact& contact)
+void btISTQueryThreads::release(btISTContact& contact)
 {
-	if (Answer* answer = answerTo(contact)) letGo(*answer);
+	if (Answer* answer = answerTo(contact)) releaseAnswer(*answer);
 }
 
 void btISTQueryThreads::help(Helper& helper)

@@ -24,12 +24,12 @@ public:
 	~btISTQueryThreads();
 
 	/// A pair's turn begins. No allocation but for more pairs than ever.
-	void meet(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own,
+	void begin(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own,
 		btDispatcher& dispatcher);
 	/// The answer for `contact` at its X_AB; false where there is none.
-	bool take(btISTContact& contact, btISTQueryWork& work);
+	bool takeResult(btISTContact& contact, btISTQueryWork& work);
 	/// `contact` wants none any more.
-	void drop(btISTContact& contact);
+	void release(btISTContact& contact);
 
 	int count() const { return int(m_helpers.size()) + 1; }
 	/// What was shared in the last step, or in the one in progress; `step` of the store.
@@ -48,7 +48,7 @@ private:
 		btISTShapeField field;
 		btISTQueryWork work;
 		const btISTContact* of = nullptr;
-		uint64_t pass = 0;
+		uint64_t detectionPass = 0;
 		double microseconds = 0;
 		bool byOwner = false;
 		std::atomic<int> state{Closed};
@@ -62,8 +62,8 @@ private:
 	};
 
 	bool isFree() const;
-	void askAhead(const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher);
-	static void letGo(Answer& answer);
+	void prefetch(const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher);
+	static void releaseAnswer(Answer& answer);
 	Answer* answerTo(btISTContact& contact);
 	void gather(const btISTContactStore& store, btDispatcher& dispatcher);
 	void answerShared(ist::QueryWorkspace& own);

@@ -16,7 +16,7 @@ btISTPairMemories::btISTPairMemories(int count, int leafPairs)
 	for (int i = 0; i < count; ++i) m_all.push_back(std::make_shared<btISTPairMemory>(leafPairs));
 }
 
-void btISTPairMemories::serve(btISTContact& contact) const
+void btISTPairMemories::assign(btISTContact& contact) const
 {
 	if (contact.total.pairs == 0 || !contact.treeB) return contact.memory.reset();
 	if (contact.memory || contact.total.pairs < kWorthRemembering) return;

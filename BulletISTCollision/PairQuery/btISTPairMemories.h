@@ -47,7 +47,7 @@ class btISTPairMemories
 public:
 	btISTPairMemories(int count, int leafPairs);
 	/// For the step after this one, once the pair was asked. The owner's thread alone; no allocation.
-	void serve(btISTContact& contact) const;
+	void assign(btISTContact& contact) const;
 	int count() const { return int(m_all.size()); }
 
 private:
