@@ -9,7 +9,7 @@
 #include "demos/browser/view/Photographer.h"
 #include "demos/browser/view/Window.h"
 #endif
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 
 #include <filesystem>
 
@@ -216,7 +216,7 @@ int makeGallery(const DemoArguments& a)
 			"or key h.\n";
 	for (const char* name : {"stack", "peg", "gears"})
 		if (const auto error = addToGallery(a, *browser::findDemo(name), true, *photographer.value(), page, good)) return refuse(*error);
-	if (!writeWholeText((folder / "README.md").string(), page)) return refuse({a.gallery + ": the page cannot be written"});
+	if (!writeTextFile((folder / "README.md").string(), page)) return refuse({a.gallery + ": the page cannot be written"});
 	return good ? 0 : 1;
 }
 #else

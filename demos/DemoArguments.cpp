@@ -107,7 +107,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 }
 
 /// From 1 to 1e9, else 0 and an error.
-long long wholeNumber(const std::string& option, const std::string& text, DemoArguments& a)
+long long integerArgument(const std::string& option, const std::string& text, DemoArguments& a)
 {
 	const double count = positiveNumber(text);
 	if (count >= 1 && count <= 1e9 && count == std::floor(count)) return static_cast<long long>(count);
@@ -119,7 +119,7 @@ void readBrowserNumbers(const std::string& frames, const std::string& dt, const 
 {
 	if (!dt.empty() && !((a.dt = positiveNumber(dt)) > 0 && a.dt <= 1))
 		a.error = "--dt must be a positive number of seconds, at most 1, not " + dt;
-	if (!frames.empty()) a.frames = wholeNumber("--frames", frames, a);
+	if (!frames.empty()) a.frames = integerArgument("--frames", frames, a);
 	if (size.empty()) return;
 	a.sizeGiven = true;
 	const size_t cross = size.find('x');
@@ -186,7 +186,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	a.meshGiven = given.count("--mesh") > 0;
 	a.spheresGiven = !spheres.empty();
 	if (spheres.empty()) return a;
-	a.spheres = wholeNumber("--spheres", spheres, a);
+	a.spheres = integerArgument("--spheres", spheres, a);
 	return a;
 }
 }  // namespace scenes

@@ -10,7 +10,7 @@
 #include "demos/scenes/Grasp/GraspReport.h"
 #include "demos/scenes/HapticBunny/HapticBunnyReport.h"
 #include "demos/scenes/Pages/SafetyPage.h"
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 #include "demos/scenes/Pages/ZWidthPage.h"
 #include "demos/scenes/Scene/PaperFigures.h"
 #include "demos/scenes/Scene/SceneReport.h"
@@ -179,9 +179,9 @@ int runPaperFigures(const DemoArguments& a)
 	std::error_code ignored;
 	std::filesystem::create_directories(a.paperFigures, ignored);
 	const std::filesystem::path folder = a.paperFigures;
-	bool written = scenes::writeWholeText((folder / "paper-figures.html").string(), scenes::paperPage(scenes.value()).text());
+	bool written = scenes::writeTextFile((folder / "paper-figures.html").string(), scenes::paperPage(scenes.value()).text());
 	for (const scenes::PaperScene& scene : scenes.value())
-		written = written && scenes::writeWholeText((folder / (scene.run.scene.name + ".csv")).string(), scenes::paperCsv(scene));
+		written = written && scenes::writeTextFile((folder / (scene.run.scene.name + ".csv")).string(), scenes::paperCsv(scene));
 	if (!written) return say("cannot write to " + a.paperFigures), 1;
 	scenes::endProgress();
 	if (a.json) std::printf("%s\n", scenes::paperJson(scenes.value()).c_str());

@@ -5,12 +5,12 @@
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
+#include "BulletISTCollision/Tools/BuildProgress.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
 #include "BulletISTCollision/Tools/Report.h"
-#include "BulletISTCollision/Tools/WholeBuild.h"
 
 #include <algorithm>
 #include <chrono>
@@ -39,7 +39,7 @@ std::optional<double> unitLength(const std::string& unit)
 }
 
 /// Without `whole`, the bar is of each stage.
-Progress shown(ProgressBar& bar, const std::optional<WholeBuild>& whole, bool quiet)
+Progress shown(ProgressBar& bar, const std::optional<BuildProgress>& whole, bool quiet)
 {
 	return [&bar, &whole, quiet](const char* stage, double fraction) {
 		if (!quiet) whole ? bar.show(stage, fraction, whole->done(stage, fraction)) : bar.show(stage, fraction);
@@ -50,10 +50,10 @@ Progress shown(ProgressBar& bar, const std::optional<WholeBuild>& whole, bool qu
 /// How many spheres there will be is known only where nothing else ends the build.
 bool otherLimit(const BuildArguments& a) { return a.fill > 0 || a.minRadius > 0 || a.error > 0; }
 
-std::optional<WholeBuild> wholeBuild(const BuildArguments& a, double triangles)
+std::optional<BuildProgress> wholeBuild(const BuildArguments& a, double triangles)
 {
 	if (otherLimit(a)) return std::nullopt;
-	return WholeBuild(triangles, double(a.spheres > 0 ? a.spheres : BuildOptions().maxSpheres), threadCount(a.threads));
+	return BuildProgress(triangles, double(a.spheres > 0 ? a.spheres : BuildOptions().maxSpheres), threadCount(a.threads));
 }
 
 double fileBytes(const std::string& path)
@@ -107,7 +107,7 @@ int runBuild(const BuildArguments& a)
 	const auto seconds = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
 
 	ProgressBar bar;
-	std::optional<WholeBuild> whole = wholeBuild(a, likelyTriangles(fileBytes(a.mesh)));
+	std::optional<BuildProgress> whole = wholeBuild(a, likelyTriangles(fileBytes(a.mesh)));
 	const Progress progress = shown(bar, whole, a.quiet);
 	const auto end = [&](bool good) {
 		if (!good || !whole) bar.finish();

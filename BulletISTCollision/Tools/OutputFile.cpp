@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/OutputFile.h"
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include <filesystem>
@@ -20,7 +20,7 @@ int checkOutput(const std::string& output, std::initializer_list<std::string> in
 
 int writeText(const std::string& path, const std::string& text)
 {
-	const Result<size_t> written = writeWholeFile(path, reinterpret_cast<const std::byte*>(text.data()), text.size());
+	const Result<size_t> written = writeFileAtomically(path, reinterpret_cast<const std::byte*>(text.data()), text.size());
 	return written ? kGood : fail(written.error().message);
 }
 }  // namespace ist::tools

@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Base/Version.h"
-#include "BulletISTCollision/Tools/WholeNumber.h"
+#include "BulletISTCollision/Tools/IntegerArgument.h"
 
 #include <CLI/CLI.hpp>
 
@@ -67,7 +67,7 @@ private:
 		sub->add_option("mesh", a.mesh, "mesh file")->required();
 		sub->add_option("-o,--output", a.output, "asset to write")->required();
 		sub->add_option("--spheres", a.spheres, "most spheres (10000 when no limit is given)")
-			->transform(wholeNumber<int64_t>(1, 100000000));
+			->transform(integerArgument<int64_t>(1, 100000000));
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
@@ -76,8 +76,8 @@ private:
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")
 			->check(CLI::IsMember({"auto", "off", "wrap"}))
 			->capture_default_str();
-		sub->add_option("--threads", a.threads, "threads (all)")->transform(wholeNumber(1, 4096));
-		sub->add_option("--seed", a.seed, "seed")->transform(wholeNumber<uint64_t>(0))->capture_default_str();
+		sub->add_option("--threads", a.threads, "threads (all)")->transform(integerArgument(1, 4096));
+		sub->add_option("--seed", a.seed, "seed")->transform(integerArgument<uint64_t>(0))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 		sub->add_flag("--quiet", a.quiet, "no progress and no report, only a warning of a mesh that repair changed");
 	}
@@ -135,8 +135,8 @@ private:
 			->check(CLI::IsMember({"pressure", "paper", "energy", "volume"}))
 			->capture_default_str();
 		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(positive())->capture_default_str();
-		sub->add_option("--level", a.level, "level of the trees")->transform(wholeNumber(0));
-		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->transform(wholeNumber<int64_t>(0));
+		sub->add_option("--level", a.level, "level of the trees")->transform(integerArgument(0));
+		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->transform(integerArgument<int64_t>(0));
 		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(notNegative());
 		sub->add_option(
 			   "--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")
@@ -144,8 +144,8 @@ private:
 		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");
 		sub->add_flag("--lower-bound", a.lowerBound, "also a lower bound of the volume");
-		sub->add_option("--threads", a.threads, "threads over rows")->transform(wholeNumber(1, 4096))->capture_default_str();
-		sub->add_option("--repeat", a.repeat, "passes over all poses")->transform(wholeNumber(1, 1000000))->capture_default_str();
+		sub->add_option("--threads", a.threads, "threads over rows")->transform(integerArgument(1, 4096))->capture_default_str();
+		sub->add_option("--repeat", a.repeat, "passes over all poses")->transform(integerArgument(1, 1000000))->capture_default_str();
 		sub->add_flag("--shuffle", a.shuffle, "run in another order");
 		sub->add_option("--pairs-out", a.pairsOut, "CSV of the intersecting pairs");
 		sub->add_flag("--json", a.json, "one JSON object per pose");
@@ -173,7 +173,7 @@ private:
 			->needs(mass)
 			->capture_default_str();
 		sub->add_option("--max-spheres", a.options.maxSpheres, "most spheres of a mesh's tree")
-			->transform(wholeNumber<int64_t>(1, 10000000))
+			->transform(integerArgument<int64_t>(1, 10000000))
 			->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 	}

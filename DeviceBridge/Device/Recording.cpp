@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/ByteStream.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
 
 namespace devicebridge
 {
@@ -153,7 +153,7 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 ist::Result<std::size_t> saveRecording(const Recording& recording, const std::string& path)
 {
 	const std::vector<std::byte> bytes = encodeRecording(recording);
-	return ist::writeWholeFile(path, bytes.data(), bytes.size());
+	return ist::writeFileAtomically(path, bytes.data(), bytes.size());
 }
 
 ist::Result<Recording> loadRecording(const std::string& path)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/ContactPoseHands.h"
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
 
 #include <nlohmann/json.hpp>

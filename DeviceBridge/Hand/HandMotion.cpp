@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/HandMotion.h"
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
 #include <algorithm>
 #include <charconv>
@@ -198,7 +198,7 @@ std::string handMotionText(const HandMotion& motion)
 std::optional<Error> saveHandMotion(const HandMotion& motion, const std::string& path)
 {
 	const std::string text = handMotionText(motion);
-	const Result<size_t> written = writeWholeFile(path, reinterpret_cast<const std::byte*>(text.data()), text.size());
+	const Result<size_t> written = writeFileAtomically(path, reinterpret_cast<const std::byte*>(text.data()), text.size());
 	if (!written) return written.error();
 	return std::nullopt;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "DeviceBridge/Drivers/Glove/GloveLink.h"
 #include "DeviceBridge/Tools/Commands.h"
 
@@ -32,7 +32,7 @@ int calibrate(GloveLink& glove, const RunArguments& arguments)
 	const auto made = calibrateGlove(flat.value(), fist.value(), glove.sensors() == kGloveSensors);
 	if (!made) return fail(made.error().message);
 	const std::string text = writeGloveCalibration(made.value());
-	const auto written = ist::writeWholeFile(arguments.output, reinterpret_cast<const std::byte*>(text.data()), text.size());
+	const auto written = ist::writeFileAtomically(arguments.output, reinterpret_cast<const std::byte*>(text.data()), text.size());
 	if (!written) return fail(written.error().message);
 	Report report = newReport();
 	report["sensors"] = glove.sensors();

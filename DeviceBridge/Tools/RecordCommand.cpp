@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "DeviceBridge/Decorators/RecordingDevice.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Hand/HandRecording.h"

@@ -2,7 +2,7 @@
 #include "DeviceBridge/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Base/Version.h"
-#include "BulletISTCollision/Tools/WholeNumber.h"
+#include "BulletISTCollision/Tools/IntegerArgument.h"
 
 #include <CLI/CLI.hpp>
 
@@ -92,9 +92,9 @@ private:
 		});
 		sub->add_option("uri", m_zwidth.uri, "simulated device")->capture_default_str();
 		sub->add_option("--delay-ticks", m_zwidth.delayTicks, "by which a command takes effect later")
-			->transform(ist::tools::wholeNumber(0, 31));
+			->transform(ist::tools::integerArgument(0, 31));
 		sub->add_flag("--quantised", m_zwidth.quantised, "positions come in the steps of the device's resolution");
-		sub->add_option("--steps", m_zwidth.steps, "dampings")->transform(ist::tools::wholeNumber(1, 1000))->capture_default_str();
+		sub->add_option("--steps", m_zwidth.steps, "dampings")->transform(ist::tools::integerArgument(1, 1000))->capture_default_str();
 		sub->add_option("--max-damping", m_zwidth.most, "largest damping of the wall [N s/m]")->check(CLI::NonNegativeNumber);
 	}
 

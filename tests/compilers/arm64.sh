@@ -56,7 +56,7 @@ for program in test_core test_core_threads test_devices test_collision test_coll
 	quiet cmake --build "$build" --target $program
 	filter='*'
 	case $program in
-		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)-WholeFile.AMappedPartThatWasPopulated*" ;;
+		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)-AtomicFile.AMappedPartThatWasPopulated*" ;;
 		test_devices) filter="$(quick "$native/$program" | paste -sd:)-Stepping*:Threaded*:AnsweringThread.*:GapBridge.*" ;;
 	esac
 	echo "$program:"

@@ -62,7 +62,7 @@ CHAIN = [
     ("DeviceBridge/Loop", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety")]),
     ("DeviceBridge/Coupling", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Loop")]),
     ("DeviceBridge/Bullet", ["BulletISTCollision", "BulletHapticForce"] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Hand", "Loop", "Coupling")]),
-    ("DeviceBridge/Tools", [CORE, "BulletISTCollision/Tools/WholeNumber.h", "DeviceBridge"]),
+    ("DeviceBridge/Tools", [CORE, "BulletISTCollision/Tools/IntegerArgument.h", "DeviceBridge"]),
     # What shows and judges the chain.
     ("demos/hello", ALL),
     ("demos/scenes/Pages", ALL),

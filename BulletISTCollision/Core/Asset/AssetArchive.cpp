@@ -2,9 +2,9 @@
 #include "BulletISTCollision/Core/Asset/AssetArchive.h"
 
 #include "BulletISTCollision/Core/Asset/AssetSections.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
 #include "BulletISTCollision/Core/Asset/FloatCode.h"
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
 
 #include <numeric>
 #include <span>
@@ -373,6 +373,6 @@ Result<size_t> saveArchive(const InnerSphereTree& tree, const std::string& path,
 {
 	const Result<std::vector<std::byte>> bytes = encodeArchive(tree);
 	if (!bytes) return Error{"\"" + path + "\": " + bytes.error().message};
-	return writeWholeFile(path, bytes.value().data(), bytes.value().size(), progress);
+	return writeFileAtomically(path, bytes.value().data(), bytes.value().size(), progress);
 }
 }  // namespace ist

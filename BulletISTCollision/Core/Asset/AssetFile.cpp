@@ -3,8 +3,8 @@
 
 #include "BulletISTCollision/Core/Asset/AssetArchive.h"
 #include "BulletISTCollision/Core/Asset/AssetSections.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -197,7 +197,7 @@ Result<InnerSphereTree> decodeAsset(const std::byte* bytes, size_t size)
 Result<size_t> saveAsset(const InnerSphereTree& tree, const std::string& path, const Progress& progress)
 {
 	const std::vector<std::byte> bytes = encodeAsset(tree);
-	return writeWholeFile(path, bytes.data(), bytes.size(), progress);
+	return writeFileAtomically(path, bytes.data(), bytes.size(), progress);
 }
 
 Result<InnerSphereTree> loadAsset(const std::string& path)

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
 namespace devicebridge
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/Grasp/HeatMapFile.h"
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "DeviceBridge/Hand/HandParts.h"
 
 #include <algorithm>
@@ -59,7 +59,7 @@ float notALineBreak(float value)
 
 std::optional<Error> save(const std::string& path, const std::byte* bytes, size_t size)
 {
-	const Result<size_t> written = writeWholeFile(path, bytes, size);
+	const Result<size_t> written = writeFileAtomically(path, bytes, size);
 	if (!written) return written.error();
 	return std::nullopt;
 }

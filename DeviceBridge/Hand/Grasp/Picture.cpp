@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/Grasp/Picture.h"
 
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
 #include <png.h>
 
@@ -26,7 +26,7 @@ std::optional<ist::Error> save(int width, int height, png_uint_32 format, const 
 	if (!png_image_write_get_memory_size(image, size, 0, pixels, 0, nullptr)) return ist::Error{path + ": " + image.message};
 	std::vector<std::byte> file(size);
 	if (!png_image_write_to_memory(&image, file.data(), &size, 0, pixels, 0, nullptr)) return ist::Error{path + ": " + image.message};
-	const ist::Result<size_t> written = ist::writeWholeFile(path, file.data(), size);
+	const ist::Result<size_t> written = ist::writeFileAtomically(path, file.data(), size);
 	if (!written) return ist::Error{path + ": the picture cannot be written: " + written.error().message};
 	return std::nullopt;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Grasp/GraspTexture.h"
 
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -56,8 +56,8 @@ Result<TextureScales> saveTextures(const HeatMap& map, const TexturedMesh& surfa
 		if (auto error = savePicture(greyPicture(texture, values.value(), *scale), path + name)) return *error;
 	}
 	const std::string name = std::filesystem::path(path).filename().string();
-	if (!writeWholeText(path + ".obj", objText(surface, name)) ||
-		!writeWholeText(path + ".mtl", "newmtl touched\nKd 1 1 1\nmap_Kd " + name + ".png\n"))
+	if (!writeTextFile(path + ".obj", objText(surface, name)) ||
+		!writeTextFile(path + ".mtl", "newmtl touched\nKd 1 1 1\nmap_Kd " + name + ".png\n"))
 		return Error{"cannot write " + path + ".obj"};
 	return scales;
 }

@@ -2,7 +2,7 @@
 #include "demos/scenes/Pages/HtmlReport.h"
 
 #include "demos/scenes/Pages/ChartAxes.h"
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 
 #include <algorithm>
 #include <charconv>
@@ -218,5 +218,5 @@ std::string HtmlReport::text() const
 		"</body></html>\n";
 }
 
-bool HtmlReport::write(const std::string& path) const { return writeWholeText(path, text()); }
+bool HtmlReport::write(const std::string& path) const { return writeTextFile(path, text()); }
 }  // namespace scenes

@@ -2,7 +2,7 @@
 #include "demos/scenes/Scene/SceneHooks.h"
 
 #include "demos/scenes/Pages/HtmlReport.h"
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -134,6 +134,6 @@ void SceneHooks::finish(SceneOutcome& outcome)
 	}
 	if (m_moreFaults > 0) outcome.faults.push_back("and " + std::to_string(m_moreFaults) + " more");
 	for (const auto& recording : m_recordings)
-		if (!writeWholeText(recording->file, textOf(*recording))) outcome.unwritten.push_back(recording->file);
+		if (!writeTextFile(recording->file, textOf(*recording))) outcome.unwritten.push_back(recording->file);
 }
 }  // namespace scenes

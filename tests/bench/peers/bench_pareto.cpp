@@ -5,7 +5,7 @@
 // A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] [--peers 0|1] All of it takes half an hour of two processors, --quick three
 // minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run. What was found so far is written whenever a pair
 // is done with a number of spheres.
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 #include "tests/bench/peers/ParetoPage.h"
 
 #include <charconv>
@@ -99,12 +99,12 @@ bool takeOption(SweepSettings& settings, std::string& folder, const std::string&
 
 bool writeAll(const Sweep& sweep, const std::string& folder)
 {
-	bool good = scenes::writeWholeText(folder + "/pareto.csv", paretoCsv(sweep)) &&
-		scenes::writeWholeText(folder + "/pareto.json", paretoJson(sweep)) &&
-		scenes::writeWholeText(folder + "/pareto.html", paretoHtml(sweep));
+	bool good = scenes::writeTextFile(folder + "/pareto.csv", paretoCsv(sweep)) &&
+		scenes::writeTextFile(folder + "/pareto.json", paretoJson(sweep)) &&
+		scenes::writeTextFile(folder + "/pareto.html", paretoHtml(sweep));
 	std::set<std::string> pairs;
 	for (const ParetoRow& row : sweep.rows) pairs.insert(row.pair);
-	for (const std::string& pair : pairs) good = good && scenes::writeWholeText(folder + "/front-" + pair + ".svg", frontSvg(sweep, pair));
+	for (const std::string& pair : pairs) good = good && scenes::writeTextFile(folder + "/front-" + pair + ".svg", frontSvg(sweep, pair));
 	return good;
 }
 }  // namespace

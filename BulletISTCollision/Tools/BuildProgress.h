@@ -7,10 +7,10 @@ namespace ist::tools
 {
 /// How much of the time of a whole build its stages take, from what is known when it begins. Holds for builds that end at a number of
 /// spheres.
-class WholeBuild
+class BuildProgress
 {
 public:
-	WholeBuild(double triangles, double spheres, int threads);
+	BuildProgress(double triangles, double spheres, int threads);
 	/// Share of the time, 0..1, that is over when `fraction` of `stage` (Progress.h) is.
 	double done(const char* stage, double fraction) const;
 

@@ -15,12 +15,13 @@ namespace ist
 /// new one, also when the disk fills up or `progress` (stage "write") cancels. A symbolic link stays a link to the new content,
 /// also where nothing stood behind it; a file that is replaced hands on who may read and write it; a device or a pipe is written in place.
 /// Gives the number of bytes.
-Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
-/// Why writeWholeFile() would fail now, before anything is spent on what it is to write; null if it would not, as far as can be known: a
-/// disk may fill up meanwhile. Leaves nothing behind.
+Result<size_t> writeFileAtomically(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
+/// Why writeFileAtomically() would fail now, before anything is spent on what it is to write; null if it would not, as far as can be known:
+/// a disk may fill up meanwhile. Leaves nothing behind.
 std::optional<Error> whyNotWritable(const std::string& path);
 
-/// Whether writeWholeFile() of one path would replace what it wrote to the other: a file, however it is named. False for devices and pipes.
+/// Whether writeFileAtomically() of one path would replace what it wrote to the other: a file, however it is named. False for devices and
+/// pipes.
 bool isSameFile(const std::string& path, const std::string& other);
 
 /// At a multiple of 64; not zeroed. Null when there is not as much.
@@ -31,7 +32,7 @@ std::shared_ptr<std::byte> makeAlignedBytes(size_t size);
 void populate(const std::byte* bytes, size_t size);
 
 /// The bytes of a file, mapped, or read where the file system cannot map. A file that another program cuts short meanwhile ends
-/// the process with SIGBUS, as any mapped file; one that is replaced, as `writeWholeFile` does, stays whole.
+/// the process with SIGBUS, as any mapped file; one that is replaced, as `writeFileAtomically` does, stays whole.
 class MappedFile
 {
 public:

@@ -11,7 +11,7 @@ namespace ist::tools
 {
 /// Decimal, from `least` to `most`. For Option::transform, which hands on what it made of the text: CLI would read 010 as 8, 0x10 as 16 and
 /// -1 as the largest number.
-template <class Integer> CLI::Validator wholeNumber(Integer least, Integer most = std::numeric_limits<Integer>::max())
+template <class Integer> CLI::Validator integerArgument(Integer least, Integer most = std::numeric_limits<Integer>::max())
 {
 	const std::string low = std::to_string(least), high = std::to_string(most);
 	const bool bounded = most < std::numeric_limits<Integer>::max();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -179,7 +179,7 @@ std::optional<Error> whyNotWritable(const std::string& path)
 	return std::nullopt;
 }
 
-Result<size_t> writeWholeFile(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress)
+Result<size_t> writeFileAtomically(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress)
 {
 	const Result<std::filesystem::file_type> there = targetType(path);
 	if (!there) return there.error();

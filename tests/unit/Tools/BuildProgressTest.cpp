@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Tools/WholeBuild.h"
+#include "BulletISTCollision/Tools/BuildProgress.h"
 
 #include <gtest/gtest.h>
 
@@ -30,13 +30,13 @@ const Measured kMeasured[] = {
 };
 }  // namespace
 
-TEST(WholeBuild, RisesFromNothingToAllOverTheStages)
+TEST(BuildProgress, RisesFromNothingToAllOverTheStages)
 {
 	for (const double triangles : {0.0, 12.0, 1e7})
 		for (const double spheres : {1.0, 1e4, 1e6})
 			for (const int threads : {1, 2, 64})
 			{
-				const WholeBuild build(triangles, spheres, threads);
+				const BuildProgress build(triangles, spheres, threads);
 				double last = 0;
 				EXPECT_EQ(build.done("import", 0), 0);
 				for (const char* stage : kStages)
@@ -52,12 +52,12 @@ TEST(WholeBuild, RisesFromNothingToAllOverTheStages)
 
 // The clock is made of what was measured, on machines of any speed: from a third of the time on, what is left is told within a factor 1.5,
 // or 2 in builds of a few seconds.
-TEST(WholeBuild, TheTimeLeftIsTrueFromAThirdOn)
+TEST(BuildProgress, TheTimeLeftIsTrueFromAThirdOn)
 {
 	for (const Measured& m : kMeasured)
 		for (const double slower : {0.2, 1.0, 7.0})
 		{
-			const WholeBuild build(m.triangles, m.spheres, 1);
+			const BuildProgress build(m.triangles, m.spheres, 1);
 			double total = 0, before = 0;
 			for (const double s : m.seconds) total += slower * s;
 			for (int k = 0; k < 6; ++k)
@@ -80,9 +80,9 @@ TEST(WholeBuild, TheTimeLeftIsTrueFromAThirdOn)
 		}
 }
 
-TEST(WholeBuild, UnknownStagesAndFractionsCountAsNothing)
+TEST(BuildProgress, UnknownStagesAndFractionsCountAsNothing)
 {
-	const WholeBuild build(1000, 1000, 2);
+	const BuildProgress build(1000, 1000, 2);
 	EXPECT_EQ(build.done("another", 0.5), 0);
 	EXPECT_EQ(build.done("cells", 0.0 / 0.0), build.done("cells", 0));
 	EXPECT_EQ(build.done("cells", 7), build.done("cells", 1));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/Pages/WholeText.h"
+#include "demos/scenes/Pages/TextFile.h"
 
 #include <filesystem>
 #include <fstream>
 
 namespace scenes
 {
-bool writeWholeText(const std::string& path, const std::string& text)
+bool writeTextFile(const std::string& path, const std::string& text)
 {
 	const std::string part = path + ".part";
 	std::ofstream file(part, std::ios::binary);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Tools/WholeBuild.h"
+#include "BulletISTCollision/Tools/BuildProgress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ constexpr double kRead = 0.05, kSampleAny = 0.4, kTreeAny = 0.07;
 constexpr double kBytesPerTriangle = 35;
 }  // namespace
 
-WholeBuild::WholeBuild(double triangles, double spheres, int threads)
+BuildProgress::BuildProgress(double triangles, double spheres, int threads)
 {
 	const double pool = std::max(1, threads);
 	m_stages = {{{"import", 0, kRead + kImport * triangles}, {"repair", 0, kRepair * triangles},
@@ -28,7 +28,7 @@ WholeBuild::WholeBuild(double triangles, double spheres, int threads)
 		{"tree", 0, (kTreeAny + kTree * spheres) / pool}, {"write", 0, kWrite * spheres}}};
 }
 
-double WholeBuild::done(const char* stage, double fraction) const
+double BuildProgress::done(const char* stage, double fraction) const
 {
 	fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
 	double before = 0, all = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Asset/WholeFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ namespace ist
 namespace
 {
 /// A folder of its own, gone afterwards.
-class WholeFile : public testing::Test
+class AtomicFile : public testing::Test
 {
 protected:
 	void SetUp() override
@@ -40,7 +40,7 @@ protected:
 	}
 	static Result<size_t> write(const std::string& path, const std::string& text, const Progress& progress = {})
 	{
-		return writeWholeFile(path, reinterpret_cast<const std::byte*>(text.data()), text.size(), progress);
+		return writeFileAtomically(path, reinterpret_cast<const std::byte*>(text.data()), text.size(), progress);
 	}
 	static std::string content(const std::string& path)
 	{
@@ -51,7 +51,7 @@ protected:
 	const std::filesystem::path m_folder = std::filesystem::path(testing::TempDir()) / ("ist_whole_file_" + std::to_string(::getpid()));
 };
 
-TEST_F(WholeFile, WritesAndReplaces)
+TEST_F(AtomicFile, WritesAndReplaces)
 {
 	ASSERT_TRUE(write(at("a"), "one"));
 	ASSERT_TRUE(write(at("a"), "another"));
@@ -62,7 +62,7 @@ TEST_F(WholeFile, WritesAndReplaces)
 	EXPECT_EQ(std::string(reinterpret_cast<const char*>(mapped.value().bytes()), mapped.value().size()), "another");
 }
 
-TEST_F(WholeFile, AnEmptyFileIsReadAsNoBytes)
+TEST_F(AtomicFile, AnEmptyFileIsReadAsNoBytes)
 {
 	ASSERT_TRUE(write(at("empty"), ""));
 	const Result<MappedFile> mapped = MappedFile::open(at("empty"));
@@ -70,7 +70,7 @@ TEST_F(WholeFile, AnEmptyFileIsReadAsNoBytes)
 	EXPECT_EQ(mapped.value().size(), 0u);
 }
 
-TEST_F(WholeFile, ALinkStaysALink)
+TEST_F(AtomicFile, ALinkStaysALink)
 {
 	ASSERT_TRUE(write(at("target"), "old"));
 	std::filesystem::create_symlink(at("target"), at("link"));
@@ -79,7 +79,7 @@ TEST_F(WholeFile, ALinkStaysALink)
 	EXPECT_EQ(content(at("target")), "new");
 }
 
-TEST_F(WholeFile, ALinkToNothingYetStaysALink)
+TEST_F(AtomicFile, ALinkToNothingYetStaysALink)
 {
 	std::filesystem::create_directory(at("folder"));
 	std::filesystem::create_symlink("folder/second", at("first"));
@@ -96,7 +96,7 @@ TEST_F(WholeFile, ALinkToNothingYetStaysALink)
 	EXPECT_TRUE(std::filesystem::is_symlink(at("astray")));
 }
 
-TEST_F(WholeFile, LinksInACircleAreRefused)
+TEST_F(AtomicFile, LinksInACircleAreRefused)
 {
 	std::filesystem::create_symlink("there", at("here"));
 	std::filesystem::create_symlink("here", at("there"));
@@ -106,7 +106,7 @@ TEST_F(WholeFile, LinksInACircleAreRefused)
 	EXPECT_EQ(entries(), 2);
 }
 
-TEST_F(WholeFile, WhoMayReadAFileStaysAsItWas)
+TEST_F(AtomicFile, WhoMayReadAFileStaysAsItWas)
 {
 	const mode_t mask = ::umask(022);
 	for (const unsigned mode : {0600u, 0640u, 0644u, 0664u, 0400u})
@@ -127,7 +127,7 @@ TEST_F(WholeFile, WhoMayReadAFileStaysAsItWas)
 	::umask(mask);
 }
 
-TEST_F(WholeFile, NamesMayBeAsLongAsTheSystemAllows)
+TEST_F(AtomicFile, NamesMayBeAsLongAsTheSystemAllows)
 {
 	const std::string name(255, 'n'), tooLong(256, 'n');
 	ASSERT_TRUE(write(at(name.c_str()), "text"));
@@ -136,7 +136,7 @@ TEST_F(WholeFile, NamesMayBeAsLongAsTheSystemAllows)
 	EXPECT_FALSE(write(at(tooLong.c_str()), "text"));
 }
 
-TEST_F(WholeFile, OneFileIsKnownByAllOfItsNames)
+TEST_F(AtomicFile, OneFileIsKnownByAllOfItsNames)
 {
 	std::filesystem::create_directory(at("folder"));
 	std::filesystem::create_symlink("file", at("link"));
@@ -156,7 +156,7 @@ TEST_F(WholeFile, OneFileIsKnownByAllOfItsNames)
 	EXPECT_FALSE(isSameFile("/dev/null", "/dev/null"));
 }
 
-TEST_F(WholeFile, AFileWithoutANameIsRefused)
+TEST_F(AtomicFile, AFileWithoutANameIsRefused)
 {
 	EXPECT_TRUE(whyNotWritable(""));
 	const Result<size_t> written = write("", "text");
@@ -164,7 +164,7 @@ TEST_F(WholeFile, AFileWithoutANameIsRefused)
 	EXPECT_NE(written.error().message.find("no name"), std::string::npos);
 }
 
-TEST_F(WholeFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
+TEST_F(AtomicFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
 {
 	if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
 	const Result<size_t> full = write("/dev/full", "text");
@@ -175,7 +175,7 @@ TEST_F(WholeFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
 	EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
-TEST_F(WholeFile, AnUnwritablePathIsSaidAndLeavesNothing)
+TEST_F(AtomicFile, AnUnwritablePathIsSaidAndLeavesNothing)
 {
 	const Result<size_t> missing = write(at("none/file"), "text");
 	ASSERT_FALSE(missing);
@@ -187,7 +187,7 @@ TEST_F(WholeFile, AnUnwritablePathIsSaidAndLeavesNothing)
 	EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(WholeFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
+TEST_F(AtomicFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
 {
 	std::filesystem::create_directory(at("folder"));
 	ASSERT_TRUE(write(at("there"), "old"));
@@ -203,7 +203,7 @@ TEST_F(WholeFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
 	EXPECT_EQ(entries(), 2);
 }
 
-TEST_F(WholeFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
+TEST_F(AtomicFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
 {
 	ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
 	EXPECT_FALSE(whyNotWritable(at("pipe")));  // without a reader, too
@@ -215,7 +215,7 @@ TEST_F(WholeFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
 	EXPECT_EQ(read, "text");
 }
 
-TEST_F(WholeFile, APipeIsRefusedAtOnce)
+TEST_F(AtomicFile, APipeIsRefusedAtOnce)
 {
 	ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
 	std::string refusal;
@@ -234,7 +234,7 @@ TEST_F(WholeFile, APipeIsRefusedAtOnce)
 	EXPECT_NE(refusal.find("is not a file"), std::string::npos) << refusal;
 }
 
-TEST_F(WholeFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
+TEST_F(AtomicFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
 {
 	const auto writeOften = [this](char letter) {
 		for (int i = 0; i < 20; ++i)
@@ -251,7 +251,7 @@ TEST_F(WholeFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
 	EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(WholeFile, CancellingKeepsTheOldFile)
+TEST_F(AtomicFile, CancellingKeepsTheOldFile)
 {
 	ASSERT_TRUE(write(at("a"), "old"));
 	for (double stopAt : {0.0, 0.5, 1.0})
@@ -272,7 +272,7 @@ TEST_F(WholeFile, CancellingKeepsTheOldFile)
 }
 
 // Stands for a full disk: the limit cuts a write in its middle.
-TEST_F(WholeFile, AFileThatGrowsTooLargeLeavesTheOldOne)
+TEST_F(AtomicFile, AFileThatGrowsTooLargeLeavesTheOldOne)
 {
 	ASSERT_TRUE(write(at("a"), "old"));
 	rlimit before;
@@ -291,7 +291,7 @@ TEST_F(WholeFile, AFileThatGrowsTooLargeLeavesTheOldOne)
 
 // Sanitizers have faults of their own.
 #if defined(MADV_POPULATE_READ) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_F(WholeFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
+TEST_F(AtomicFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
 {
 	const std::string text(4'000'000, 'x');
 	ASSERT_TRUE(write(at("a"), text));
