@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "demos/scenes/Extremes/DialSweep.h"
+#include "demos/scenes/Extremes/AccuracySweep.h"
 
 #include <algorithm>
 #include <chrono>
@@ -55,7 +55,7 @@ private:
 	SolidPtr m_solids[2];
 	InnerSphereTree m_trees[2];
 	std::vector<scenes::JudgedPose> m_truths;
-	std::vector<scenes::DialPoint> m_sweep;
+	std::vector<scenes::AccuracyPoint> m_sweep;
 	QueryWorkspace m_workspace;
 	AdaptiveLevel m_pair;
 	const BallTree* m_balls = nullptr;  // of the body, at the level that answers
@@ -90,7 +90,7 @@ std::optional<Error> Dial::prepare(const DemoOptions& options)
 	m_truths = scenes::judgePoses(scenes::OverlapQuadrature(m_solids[0]->mesh, m_solids[1]->mesh), poses, 48, 8000);
 	std::vector<double> accepted;
 	for (int i = 0; i <= 12; ++i) accepted.push_back(kFinest * std::pow(kCoarsest / kFinest, i / 12.0));
-	m_sweep = scenes::sweepDial(m_trees[0], m_trees[1], m_truths, accepted);
+	m_sweep = scenes::sweepAccuracy(m_trees[0], m_trees[1], m_truths, accepted);
 	return std::nullopt;
 }
 
@@ -169,7 +169,7 @@ void Dial::step(double seconds)
 std::vector<Figure> Dial::figures() const
 {
 	double held = 0, least = 1;
-	for (const scenes::DialPoint& p : m_sweep)
+	for (const scenes::AccuracyPoint& p : m_sweep)
 	{
 		held += p.held / double(m_sweep.size());
 		least = std::min(least, p.held);
@@ -189,7 +189,7 @@ std::vector<scenes::Chart> Dial::charts() const
 	scenes::Chart errors{"Error of the force", "error accepted [%]", "error [%]",
 		{line("accepted"), line("promised (half)"), line("true (half)"), line("true (95 %)")}, true};
 	scenes::Chart cost{"What it costs", "error accepted [%]", "", {line("queries a second"), line("spheres"), line("pairs")}, true};
-	for (const scenes::DialPoint& p : m_sweep)
+	for (const scenes::AccuracyPoint& p : m_sweep)
 	{
 		const double percents[] = {p.accepted, p.medianErrorBound, p.middleError, p.error},
 					 costs[] = {1e6 / p.microseconds, p.balls, p.pairs};
@@ -211,7 +211,7 @@ std::vector<scenes::Chart> Dial::charts() const
 std::vector<std::string> Dial::report() const
 {
 	std::vector<std::string> rows;
-	for (const scenes::DialPoint& p : m_sweep)
+	for (const scenes::AccuracyPoint& p : m_sweep)
 	{
 		char row[200];
 		std::snprintf(row, sizeof row,

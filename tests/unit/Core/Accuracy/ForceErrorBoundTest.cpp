@@ -204,7 +204,7 @@ TEST(ForceErrorBound, ABudgetHasTheLastWordAndBadInputIsNamed)
 }
 
 // The dial is turned there and back while B slides; the motion's own part is what the leaves change by, and a tenth.
-TEST(AdaptiveLevel, TurningTheDialIsNotFelt)
+TEST(AdaptiveLevel, ChangingTheAccuracyIsNotFelt)
 {
 	QueryWorkspace workspace, other;
 	AdaptiveLevel pair;
@@ -307,7 +307,7 @@ TEST(AdaptiveLevel, FadesOnAfterAQueryThatWasRefused)
 	EXPECT_EQ(pair.errorBound, before.errorBound);
 }
 
-TEST(AdaptiveLevel, EndsWhereTheDialStands)
+TEST(AdaptiveLevel, EndsAtTheAccuracyThatIsSet)
 {
 	QueryWorkspace workspace;
 	AdaptiveLevel pair;

@@ -23,7 +23,7 @@ double forceError(const ist::Vec3& force, const JudgedPose& truth, double floor)
 
 /// What one error accepted comes to over all poses. All but counts and shares are of the pose in the middle, or of that which 95 % stay
 /// under.
-struct DialPoint
+struct AccuracyPoint
 {
 	double accepted = 0;          ///< share of the force
 	double pairs = 0, balls = 0;  ///< found, and in both levels that answered; middle
@@ -37,6 +37,6 @@ struct DialPoint
 };
 
 /// Both trees have their levels (ist::addLevels). Each pose is asked as one of a pair that moves: with the level of the pose before.
-std::vector<DialPoint> sweepDial(const ist::InnerSphereTree& A, const ist::InnerSphereTree& B, const std::vector<JudgedPose>& poses,
+std::vector<AccuracyPoint> sweepAccuracy(const ist::InnerSphereTree& A, const ist::InnerSphereTree& B, const std::vector<JudgedPose>& poses,
 	const std::vector<double>& accepted);
 }  // namespace scenes

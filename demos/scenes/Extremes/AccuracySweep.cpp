@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/Extremes/DialSweep.h"
+#include "demos/scenes/Extremes/AccuracySweep.h"
 
 #include <algorithm>
 #include <atomic>
@@ -44,17 +44,17 @@ double forceError(const Vec3& force, const JudgedPose& truth, double floor)
 	return norm(force - truth.force) / std::max(norm(truth.force), floor);
 }
 
-std::vector<DialPoint> sweepDial(
+std::vector<AccuracyPoint> sweepAccuracy(
 	const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<JudgedPose>& poses, const std::vector<double>& accepted)
 {
 	using Clock = std::chrono::steady_clock;
 	QueryWorkspace workspace;
 	const double floor = forceFloor(A, B);
-	std::vector<DialPoint> points;
+	std::vector<AccuracyPoint> points;
 	for (const double share : accepted)
 	{
 		std::vector<double> pairs, balls, times, errorBounds, errors;
-		DialPoint point;
+		AccuracyPoint point;
 		point.accepted = share;
 		ForceTolerance along;
 		along.error = share;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "demos/scenes/Extremes/DialSweep.h"
+#include "demos/scenes/Extremes/AccuracySweep.h"
 
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
@@ -28,7 +28,7 @@ Pose shifted(double z)
 }
 }  // namespace
 
-TEST(DialSweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
+TEST(AccuracySweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
 {
 	const Mesh ball = makeSphereMesh(0.3, 4), ring = makeTorusMesh(0.4, 0.15, 64, 32);
 	const InnerSphereTree A = treeOf(ring), B = treeOf(ball);
@@ -42,7 +42,7 @@ TEST(DialSweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
 		EXPECT_GT(norm(truths[i].force), 40 * truths[i].uncertain);
 	}
 	const std::vector<double> accepted = {0.02, 0.3, 0.9};
-	const std::vector<DialPoint> sweep = sweepDial(A, B, truths, accepted);
+	const std::vector<AccuracyPoint> sweep = sweepAccuracy(A, B, truths, accepted);
 	ASSERT_EQ(sweep.size(), 3u);
 	for (size_t i = 0; i < 3; ++i)
 	{
@@ -59,14 +59,14 @@ TEST(DialSweep, CountsWhatHoldsAgainstTheTruthThatItIsGiven)
 	EXPECT_GT(sweep[2].kept, sweep[0].kept);
 	// A truth that points elsewhere is kept by no error bound.
 	for (JudgedPose& truth : truths) truth.force = -truth.force;
-	for (const DialPoint& point : sweepDial(A, B, truths, {0.1, 0.3}))
+	for (const AccuracyPoint& point : sweepAccuracy(A, B, truths, {0.1, 0.3}))
 	{
 		EXPECT_EQ(point.held, 0);
 		EXPECT_NEAR(point.middleError, 2, 0.1);
 	}
 }
 
-TEST(DialSweep, ErrorIsOfTheLargerOfTruthAndFloor)
+TEST(AccuracySweep, ErrorIsOfTheLargerOfTruthAndFloor)
 {
 	const JudgedPose truth{{}, {0, 3, 4}, 0};
 	EXPECT_DOUBLE_EQ(forceError({0, 3, 5}, truth, 1), 0.2);
