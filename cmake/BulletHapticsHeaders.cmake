@@ -51,7 +51,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Mesh/MeshShapes.h
 	BulletISTCollision/Core/Mesh/TexturedMesh.h
 	BulletISTCollision/Core/Query/OverlapQuery.h
-	BulletISTCollision/Core/Query/PairMemory.h
+	BulletISTCollision/Core/Query/VerletList.h
 	BulletISTCollision/Core/Query/ProximityQuery.h
 	BulletISTCollision/Core/Repair/MeshRepair.h
 	BulletISTCollision/Core/Tree/BallTree.h

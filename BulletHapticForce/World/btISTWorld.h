@@ -85,10 +85,10 @@ public:
 	{
 		return m_registration.setQueryThreads(threads, spinMicroseconds);
 	}
-	/// How many pairs remember which of their leaves were near; see btISTRegistration::setPairMemory.
-	std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000)
+	/// How many pairs remember which of their leaves were near; see btISTRegistration::setVerletLists.
+	std::optional<ist::Error> setVerletLists(int pairsOfBodies, int leafPairs = 40000)
 	{
-		return m_registration.setPairMemory(pairsOfBodies, leafPairs);
+		return m_registration.setVerletLists(pairsOfBodies, leafPairs);
 	}
 	/// What the last step found and did.
 	btISTContactStore& contacts() { return m_registration.store(); }

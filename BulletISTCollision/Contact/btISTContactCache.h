@@ -17,7 +17,7 @@ struct btISTContactCache
 	/// Error of a pair's force that results kept from former steps may add, as a share of the larger of the force and the floor
 	/// (ist::forceFloor, k times 0.1 % of the smaller body's volume); 0 to 0.5. Measured, not proved: where thin bodies are wedged it was
 	/// once exceeded tenfold. With 0 only what is exactly what the query would find is kept: the world moves as without contact cache, bit
-	/// for bit; with btISTRegistration::setPairMemory but for the rounding of floats and the patches, since what was not asked tells a
+	/// for bit; with btISTRegistration::setVerletLists but for the rounding of floats and the patches, since what was not asked tells a
 	/// memory of no motion.
 	double maxError = 0;
 };

@@ -17,7 +17,7 @@
 class btCollisionObject;
 class btCollisionShape;
 class btPersistentManifold;
-class btISTPairMemory;
+class btISTVerletList;
 struct btISTContact;
 
 /// What decided the stiffness k of a pair.
@@ -128,7 +128,7 @@ struct btISTContact
 	bool canPrefetch = false;                 ///< the shapes are where their bodies are, and not children of a compound
 	uint64_t detectionPass = 0;               ///< of collision detection, in which it was last met; counted where threads share queries
 	int prefetchSlot = -1;                    ///< where threads that share queries have its answer
-	std::shared_ptr<btISTPairMemory> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setPairMemory)
+	std::shared_ptr<btISTVerletList> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setVerletLists)
 
 	/// How the sums came about: see btISTContactCache. What was kept has followed the motion to first order.
 	btISTCachedResult::Use use = btISTCachedResult::Ask;

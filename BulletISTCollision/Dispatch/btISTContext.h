@@ -3,8 +3,8 @@
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
-#include "BulletISTCollision/PairQuery/btISTPairMemories.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
+#include "BulletISTCollision/PairQuery/btISTVerletLists.h"
 #include "BulletISTCollision/Registry/btISTPairFilter.h"
 #include "BulletISTCollision/Registry/btISTRegistry.h"
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
@@ -63,7 +63,7 @@ public:
 	std::weak_ptr<const void> ruleClaim;  ///< of the handle that set the rule; expired: any handle may set one
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
-	std::unique_ptr<btISTPairMemories> memories;  ///< null: each query searches anew
-	std::unique_ptr<btISTQueryThreads> threads;   ///< null: the owner's alone
+	std::unique_ptr<btISTVerletLists> memories;  ///< null: each query searches anew
+	std::unique_ptr<btISTQueryThreads> threads;  ///< null: the owner's alone
 	std::weak_ptr<btISTInstallation> installation;
 };

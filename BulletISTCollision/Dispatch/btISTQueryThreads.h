@@ -15,7 +15,7 @@ class btDispatcher;
 /// Queries of several pairs side by side. When the first pair of a pass of collision detection is met, those that surely come and are worth
 /// it are answered ahead of their turn, each on a copy of its contact. Bullet then goes on as ever, in its order and on its thread; a pair
 /// takes its answer where that is for the very pose that it has in its turn, and is asked as ever where it has none. So nobody can tell how
-/// many threads there were, but where pairs remember their leaves (btISTPairMemories) and one was late; and the owner depends on none of
+/// many threads there were, but where pairs remember their leaves (btISTVerletLists) and one was late; and the owner depends on none of
 /// them: what he does not get in good time he asks for himself. Not installed.
 class btISTQueryThreads
 {

@@ -196,7 +196,7 @@ std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double
 	return std::nullopt;
 }
 
-std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, int leafPairs)
+std::optional<ist::Error> btISTRegistration::setVerletLists(int pairsOfBodies, int leafPairs)
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
 	constexpr int kMostMemories = 1024, kMostLeafPairs = 10000000;
@@ -205,10 +205,10 @@ std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, in
 	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a memory can have room for 1 to 10000000 pairs of leaves"};
 	if (int64_t(pairsOfBodies) * leafPairs > kMostTogether)
 		return ist::Error{"all memories together can have room for 200000000 pairs of leaves"};
-	std::unique_ptr<btISTPairMemories> memories;
+	std::unique_ptr<btISTVerletLists> memories;
 	try
 	{
-		if (pairsOfBodies > 0) memories = std::make_unique<btISTPairMemories>(pairsOfBodies, leafPairs);
+		if (pairsOfBodies > 0) memories = std::make_unique<btISTVerletLists>(pairsOfBodies, leafPairs);
 	}
 	catch (const std::bad_alloc&)
 	{
@@ -220,7 +220,7 @@ std::optional<ist::Error> btISTRegistration::setPairMemory(int pairsOfBodies, in
 	return std::nullopt;
 }
 
-int btISTRegistration::pairMemory() const
+int btISTRegistration::verletLists() const
 {
 	if (!m_installation) return 0;
 	const auto& memories = m_installation->context->memories;

@@ -90,7 +90,7 @@ public:
 
 	/// By how many threads the pairs of a step are queried, 1 to 64; 1 to begin with. The owner of the world is one of them, and he waits
 	/// for none that has lost its processor for longer than his own longest query took; callbacks are called by him alone. A step is the
-	/// same, bit for bit, for any number (with setPairMemory, where none was late). Only pairs that touched in the step before are queried
+	/// same, bit for bit, for any number (with setVerletLists, where none was late). Only pairs that touched in the step before are queried
 	/// side by side, of shapes that are not children of a compound, and only where that is worth it. Each thread has a workspace, which
 	/// becomes resident as it is used, up to 30 MB. It spins for so many microseconds after each step before it sleeps: waking it takes
 	/// tens of them. Refused out of range. Between steps only.
@@ -99,14 +99,14 @@ public:
 	/// What was queried side by side in the last step; in a world without our solver, in the last one in which a pair was met.
 	btISTSharedQueries sharedQueries() const;
 
-	/// So many pairs of bodies remember which of their leaves were near each other (ist::PairMemory), up to `leafPairs` each: where bodies
+	/// So many pairs of bodies remember which of their leaves were near each other (ist::VerletList), up to `leafPairs` each: where bodies
 	/// move little from step to step, as in a hand, a query with patches costs about two fifths of what it does. The sums are the same but
 	/// for the rounding of floats; contacts may be divided into patches as some steps before, and a query that was late and is asked again
 	/// (setQueryThreads) may differ by that rounding, and in its patches. Pairs of two trees, at whatever level they answer. 0 to 1024
 	/// pairs, none to begin with, of 17 bytes for each pair of leaves, of which there is room for 200 million in all; refused out of range,
 	/// or where memory ends: all is as it was then. Between steps only.
-	std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000);
-	int pairMemory() const;
+	std::optional<ist::Error> setVerletLists(int pairsOfBodies, int leafPairs = 40000);
+	int verletLists() const;
 
 	/// From now on pairs are cleaned whenever a shape of theirs gains or loses a tree. Null to stop, at the latest when the cache dies.
 	std::optional<ist::Error> setPairCache(btOverlappingPairCache* pairCache);

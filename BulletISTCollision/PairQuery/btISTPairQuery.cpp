@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Core/Base/SteadyTime.h"
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
-#include "BulletISTCollision/PairQuery/btISTPairMemories.h"
+#include "BulletISTCollision/PairQuery/btISTVerletLists.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +50,7 @@ ist::OverlapResult btISTPairQuery::askTrees(btISTContact& contact, ist::QueryWor
 {
 	ist::AdaptiveLevel& pair = contact.accuracy;
 	const double error = m_rules.forceErrorOf(contact.bodyA, contact.bodyB);
-	const btISTPairMemory::Loan memory(contact.memory.get());
+	const btISTVerletList::Loan memory(contact.memory.get());
 	if (!(error > 0) && pair.level <= 0 && pair.fadedShare == 0)
 	{
 		pair = ist::AdaptiveLevel();

@@ -9,7 +9,7 @@
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/BatchQuery.h"
-#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Query/VerletList.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/bench/bodies/BenchBodies.h"
 #include "tests/bench/bodies/BenchPoses.h"
@@ -177,7 +177,7 @@ void measure(const char* name, const Grasp& grasp, const std::vector<Hand>& path
 	QueryWorkspace workspace;
 	BatchQuery batch(2);
 	std::vector<OverlapResult> answers(kParts);
-	std::vector<PairMemory> memories(kParts);
+	std::vector<VerletList> memories(kParts);
 	const auto nothing = [] {};
 	const Times alone = leastTimes(path, passes, nothing, [&](const Hand& hand) { grasp.pairs(hand, options, workspace); });
 	const Times two = leastTimes(path, passes, nothing, [&](const Hand& hand) {
@@ -187,7 +187,7 @@ void measure(const char* name, const Grasp& grasp, const std::vector<Hand>& path
 	const Times remembered = leastTimes(
 		path, passes,
 		[&] {
-			for (PairMemory& memory : memories) memory.forget();
+			for (VerletList& memory : memories) memory.forget();
 		},
 		[&](const Hand& hand) {
 			for (size_t i = 0; i < hand.size(); ++i) queryOverlap(grasp.object, grasp.part, hand[i], workspace, options, &memories[i]);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// What PairMemory saves where a body moves at 1 kHz with 0.1 m/s for each 0.2 m of its size, bunny against bunny: time of a query with it
+// What VerletList saves where a body moves at 1 kHz with 0.1 m/s for each 0.2 m of its size, bunny against bunny: time of a query with it
 // and without, side by side; each step's least of several passes over the same path. Usage: bench_motion [--steps N=200] [--passes N=8]
 // [--speed S=0.0005 (sizes a query)] BODY.ist...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Query/VerletList.h"
 #include "tests/bench/bodies/BenchPoses.h"
 
 #include <algorithm>
@@ -62,7 +62,7 @@ struct Outcome
 Outcome measure(const InnerSphereTree& body, const std::vector<Pose>& poses, const QueryOptions& options, int passes)
 {
 	QueryWorkspace workspace, other;
-	PairMemory memory(4000000);
+	VerletList memory(4000000);
 	const size_t n = poses.size();
 	std::vector<double> fresh(n, 1e300), kept(n, 1e300);
 	Outcome o;

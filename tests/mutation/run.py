@@ -56,14 +56,14 @@ MUTATIONS = {
         CORE + "Query/FieldQuery.cpp", "sums.normalB.force += nB;", "sums.normalB.force -= nB;",
         "test_core", "HalfSpace.OneBallHasTheClosedForm"),
     "remembered pairs outlive their margin": (
-        CORE + "Query/PairMemory.cpp", "return valid = valid && m_filled.motionTo(now.X) <= m_margin;", "return valid;",
-        "test_core", "PairMemory.*"),
+        CORE + "Query/VerletList.cpp", "return valid = valid && m_filled.motionTo(now.X) <= m_margin;", "return valid;",
+        "test_core", "VerletList.*"),
     "a turn uses up no margin": (
-        CORE + "Query/PairMemory.cpp", " + (std::sqrt(0.5 * squared) + skew) * reach;", ";",
-        "test_core", "PairMemory.*"),
+        CORE + "Query/VerletList.cpp", " + (std::sqrt(0.5 * squared) + skew) * reach;", ";",
+        "test_core", "VerletList.*"),
     "remembered patches are never grouped anew": (
-        CORE + "Query/PairMemory.cpp", "return asMany && now.aligned", "return asMany || !asMany || now.aligned",
-        "test_core", "PairMemory.*"),
+        CORE + "Query/VerletList.cpp", "return asMany && now.aligned", "return asMany || !asMany || now.aligned",
+        "test_core", "VerletList.*"),
     "clearance without the radius of one ball": (
         CORE + "Query/LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding", "return distance(a.center, b.center) - a.r - kRounding",
         "test_core", "LeafClearance.*"),

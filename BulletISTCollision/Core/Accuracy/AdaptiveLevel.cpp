@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 
 #include "BulletISTCollision/Core/Accuracy/ErrorShare.h"
-#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Query/VerletList.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 }  // namespace
 
 OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, PairMemory* memory)
+	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, VerletList* memory)
 {
 	if (options.otherShare != 0)
 	{

@@ -25,5 +25,5 @@ constexpr double kMostFadeStep = 0.005;
 /// (`QueryOptions::blend`), nor those with a list of pairs (`sortPairs`, `listMeetingBounds`). `options.otherShare` is its own, and
 /// refused. `memory`: as for queryOverlap. Allocates nothing.
 OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, PairMemory* memory = nullptr);
+	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, VerletList* memory = nullptr);
 }  // namespace ist

@@ -70,7 +70,7 @@ int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, cons
 }  // namespace
 
 BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const ForceTolerance& accepted, const QueryOptions& options, PairMemory* memory)
+	const ForceTolerance& accepted, const QueryOptions& options, VerletList* memory)
 {
 	BoundedOverlap answer;
 	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));

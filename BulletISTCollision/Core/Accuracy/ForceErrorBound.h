@@ -54,5 +54,5 @@ struct BoundedOverlap
 /// times; with `firstLevel`, mostly once. `options.level` is the finest allowed; a budget of pairs has the last word. Bodies without levels
 /// answer with their leaves. `memory`: as for queryOverlap. No allocation.
 BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const ForceTolerance& accepted, const QueryOptions& options = {}, PairMemory* memory = nullptr);
+	const ForceTolerance& accepted, const QueryOptions& options = {}, VerletList* memory = nullptr);
 }  // namespace ist

@@ -77,7 +77,7 @@ bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const Query
 }
 
 OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const QueryOptions& options, PairMemory* memory)
+	const QueryOptions& options, VerletList* memory)
 {
 	OverlapResult result;
 	QueryWorkspace::Implementation& work = workspace.implementation();
@@ -110,7 +110,7 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 }  // namespace
 
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const QueryOptions& options, PairMemory* memory)
+	const QueryOptions& options, VerletList* memory)
 {
 	// At once, lest bodies that come to meet behind the gate allocate.
 	if (options.requireInnerOverlap) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));

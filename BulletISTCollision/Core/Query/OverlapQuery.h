@@ -190,12 +190,12 @@ struct OverlapResult
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine
 };
 
-class PairMemory;
+class VerletList;
 
 /// Overlap of two bodies. X_AB: pose of B's mesh frame in A's mesh frame. `memory`: what these two remember from query to query
-/// (PairMemory.h); null: nothing. O(pairs), no allocation.
+/// (VerletList.h); null: nothing. O(pairs), no allocation.
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
-	const QueryOptions& options = {}, PairMemory* memory = nullptr);
+	const QueryOptions& options = {}, VerletList* memory = nullptr);
 
 /// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame. B's field is that of the body itself:
 /// `normalB` = Int n_B dV with the normals of its nearest surface points, `depthB` with its depth; its stiffness holds its curvature. All

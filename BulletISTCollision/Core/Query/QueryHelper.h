@@ -11,7 +11,7 @@ namespace ist
 /// short ones are not shared. Nobody waits for it: what it has not begun the query does itself, and what it has begun and not finished in
 /// good time, too, so that a query needs at most its time alone and one part where the helper loses its processor. The pairs are the same,
 /// and sums agree to the rounding of floats with those of a query alone. Not for queries within budgets, nor for one that fills a
-/// PairMemory. The first query of two trees makes room for them here, too, even where the bodies are apart; where the helper is late with a
+/// VerletList. The first query of two trees makes room for them here, too, even where the bodies are apart; where the helper is late with a
 /// part then, the next one does.
 class QueryHelper
 {

@@ -86,7 +86,7 @@ void pad(uint32_t* a, uint32_t* b, int count)
 }  // namespace
 
 TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-	const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory)
+	const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory)
 	: m_A(A),
 	  m_B(B),
 	  m_X(X),
@@ -335,7 +335,7 @@ bool TreeQuery::recallPatches()
 
 bool TreeQuery::rememberPatches(int groups)
 {
-	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > PairMemory::Implementation::kMostPatches) return false;
+	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > VerletList::Implementation::kMostPatches) return false;
 	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.slotCount())};
 	m_work.grouper.extend(m_work.stream, m_listed, all, m_A.balls.data(), m_memory->patchOf());
 	m_memory->divide(groups);

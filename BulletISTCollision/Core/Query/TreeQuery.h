@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/PairMemoryState.h"
 #include "BulletISTCollision/Core/Query/QueryHelper.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/VerletListState.h"
 
 namespace ist
 {
@@ -32,7 +32,7 @@ class TreeQuery
 public:
 	/// X: pose of B's tree frame in A's. All arguments outlive this. With a memory, limits are not for pairs and time.
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-		const QueryLimits& limits, OverlapResult& result, PairMemory::Implementation* memory = nullptr);
+		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory = nullptr);
 
 	struct Bound
 	{
@@ -91,7 +91,7 @@ private:
 	const QueryOptions& m_options;
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
-	PairMemory::Implementation* m_memory;
+	VerletList::Implementation* m_memory;
 	bool m_remembered = false;   ///< the memory holds for this pose
 	double m_lengthening = 1;    ///< of B by its pose, at most
 	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame

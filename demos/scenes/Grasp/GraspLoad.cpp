@@ -107,7 +107,7 @@ Result<GraspLoad> runLoad(const std::string& name, const GraspOptions& grasp, co
 	BulletHeatMapRounds rounds(*map, kLooks);
 	btISTWorld& world = s.world();
 	if (const auto refused = world.setForceError(way.accepted)) return *refused;
-	if (const auto refused = world.setPairMemory(way.remembers ? kMemories : 0)) return *refused;
+	if (const auto refused = world.setVerletLists(way.remembers ? kMemories : 0)) return *refused;
 	if (const auto refused = world.setQueryThreads(2)) return *refused;
 	world.contacts().measureQueryTime(true);
 	GraspLoad out;
@@ -226,7 +226,7 @@ HtmlReport makeReport(const GraspLoadOutcome& outcome)
 					 "what the owner does alone, and the "
 					 "busier one's share of the queries as two free cores would deal them; so other programs do not count. The rate is the "
 					 "inverse, capped "
-					 "at 1000 Hz. Leaves remembered: btISTWorld::setPairMemory. With an accepted error coarser levels answer where they "
+					 "at 1000 Hz. Leaves remembered: btISTWorld::setVerletLists. With an accepted error coarser levels answer where they "
 					 "promise it; the error is that of a part's force, against all leaves.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(outcome));
 	for (const GraspLoad& o : outcome.loads)

@@ -35,7 +35,7 @@ struct GraspLoad
 {
 	std::string name;
 	double accepted = 0;                 ///< force error that the world accepts; 0: the leaves answer
-	bool remembers = false;              ///< pairs remember which leaves were near (btISTWorld::setPairMemory)
+	bool remembers = false;              ///< pairs remember which leaves were near (btISTWorld::setVerletLists)
 	std::vector<GraspLoadTick> ticks;    ///< those with contact only
 	std::vector<GraspLoadError> errors;  ///< where not every query searches among the leaves: of all contacts of some ticks
 	size_t handSpheres = 0, objectSpheres = 0;

@@ -190,7 +190,7 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 {
 	const auto settled = [](bool trees, auto change, bool shared = false) {
 		Game game(trees);
-		EXPECT_FALSE(shared && (game.ist.setQueryThreads(2) || game.ist.setPairMemory(4) || game.ist.setContactCache({true, 0.05})));
+		EXPECT_FALSE(shared && (game.ist.setQueryThreads(2) || game.ist.setVerletLists(4) || game.ist.setContactCache({true, 0.05})));
 		game.ground();
 		btRigidBody& body = game.cube();
 		game.run(60);

@@ -57,7 +57,7 @@ public:
 	explicit Heap(const Settings& settings, int cubes = 9)
 	{
 		EXPECT_FALSE(m_world.setQueryThreads(settings.threads));
-		EXPECT_FALSE(m_world.setPairMemory(settings.memories));
+		EXPECT_FALSE(m_world.setVerletLists(settings.memories));
 		btISTContactCache contactCache;
 		contactCache.on = settings.contactCache;
 		contactCache.maxError = settings.maxError;

@@ -307,8 +307,8 @@ const Use kUses[] = {
 	{"setQueryThreads", [](auto& r) { return isReleased(r.setQueryThreads(2)); }},
 	{"queryThreads", [](auto& r) { return r.queryThreads() == 1; }},
 	{"sharedQueries", [](auto& r) { return r.sharedQueries().pairs == 0; }},
-	{"setPairMemory", [](auto& r) { return isReleased(r.setPairMemory(1)); }},
-	{"pairMemory", [](auto& r) { return r.pairMemory() == 0; }},
+	{"setVerletLists", [](auto& r) { return isReleased(r.setVerletLists(1)); }},
+	{"verletLists", [](auto& r) { return r.verletLists() == 0; }},
 	{"setPairCache", [](auto& r) { return isReleased(r.setPairCache(nullptr)); }},
 	{"cleanPairs", [](auto& r) { return r.cleanPairs(nullptr), true; }},
 };

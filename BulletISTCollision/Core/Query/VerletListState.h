@@ -2,7 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Query/VerletList.h"
 
 #include <algorithm>
 #include <vector>
@@ -21,8 +21,8 @@ struct SeenPose
 	Pose moved(const Vec3& drift, const Vec3& turn) const;
 };
 
-/// What PairMemory owns.
-struct PairMemory::Implementation
+/// What VerletList owns.
+struct VerletList::Implementation
 {
 	explicit Implementation(int pairs);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/PairMemoryState.h"
+#include "BulletISTCollision/Core/Query/VerletListState.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,20 +54,20 @@ Pose SeenPose::moved(const Vec3& drift, const Vec3& turn) const
 	return {R, X * center + drift - R * center};
 }
 
-PairMemory::Implementation::Implementation(int pairs)
+VerletList::Implementation::Implementation(int pairs)
 {
 	a.resize(size_t(std::max(0, pairs)));
 	for (auto* like : {&b, &m_sortedA, &m_sortedB}) like->resize(a.size());
 	m_patchOf.resize(a.size());
 }
 
-void PairMemory::Implementation::forget()
+void VerletList::Implementation::forget()
 {
 	valid = false;
 	m_A = m_B = nullptr;
 }
 
-bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
+bool VerletList::Implementation::covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now)
 {
 	const bool same = m_A == &A && m_B == &B && m_ballsA == A.slotCount() && m_ballsB == B.slotCount() && m_model == options.model &&
 		m_bounds == options.listMeetingBounds;
@@ -89,7 +89,7 @@ bool PairMemory::Implementation::covers(const BallTree& A, const BallTree& B, co
 	return valid = valid && m_filled.motionTo(now.X) <= m_margin;
 }
 
-void PairMemory::Implementation::learnMotion(const SeenPose& now)
+void VerletList::Implementation::learnMotion(const SeenPose& now)
 {
 	const double motion = m_last.motionTo(now.X);
 	const Vec3 drift = now.X * now.center - m_last.X * m_last.center,
@@ -103,13 +103,13 @@ void PairMemory::Implementation::learnMotion(const SeenPose& now)
 	learn(m_turn, turn);
 }
 
-double PairMemory::Implementation::marginToFill() const
+double VerletList::Implementation::marginToFill() const
 {
 	if (m_full || m_step < 0 || !(pace() * kLeastSteps <= m_most)) return 0;
 	return std::clamp(kWantedSteps * pace(), 0.25 * m_most, m_most);
 }
 
-Pose PairMemory::Implementation::poseToFill(double margin) const
+Pose VerletList::Implementation::poseToFill(double margin) const
 {
 	const double way = SeenPose{m_last.moved(m_drift, m_turn), m_last.center, m_last.reach}.motionTo(m_last.X);
 	if (!(way > 0)) return m_last.X;
@@ -118,7 +118,7 @@ Pose PairMemory::Implementation::poseToFill(double margin) const
 	return m_last.motionTo(ahead) <= margin ? ahead : m_last.X;
 }
 
-void PairMemory::Implementation::begin(double margin, const Pose& X)
+void VerletList::Implementation::begin(double margin, const Pose& X)
 {
 	count = 0;
 	m_patches = 0;
@@ -128,7 +128,7 @@ void PairMemory::Implementation::begin(double margin, const Pose& X)
 	m_filled.X = X;
 }
 
-void PairMemory::Implementation::append(const uint32_t* pairA, const uint32_t* pairB, int number)
+void VerletList::Implementation::append(const uint32_t* pairA, const uint32_t* pairB, int number)
 {
 	valid = valid && count + size_t(number) <= a.size();
 	if (!valid) return;
@@ -137,7 +137,7 @@ void PairMemory::Implementation::append(const uint32_t* pairA, const uint32_t* p
 	count += size_t(number);
 }
 
-void PairMemory::Implementation::end(int64_t found)
+void VerletList::Implementation::end(int64_t found)
 {
 	m_full = double(found) > (m_full ? kRoomAgain : kFull) * double(a.size());
 	if (m_full || m_margin <= 0) return;
@@ -147,7 +147,7 @@ void PairMemory::Implementation::end(int64_t found)
 	else if (ratio < limits.few) m_most *= 1.1;
 }
 
-void PairMemory::Implementation::divide(int patches)
+void VerletList::Implementation::divide(int patches)
 {
 	size_t next[kMostPatches + 1] = {};
 	for (size_t i = 0; i < count; ++i) ++next[m_patchOf[i] + 1];
@@ -163,7 +163,7 @@ void PairMemory::Implementation::divide(int patches)
 	m_patches = patches;
 }
 
-PairMemory::Implementation::Grouping::Grouping(const OverlapIntegrals* patches, int number)
+VerletList::Implementation::Grouping::Grouping(const OverlapIntegrals* patches, int number)
 {
 	for (int p = 0; p < number; ++p)
 	{
@@ -173,16 +173,16 @@ PairMemory::Implementation::Grouping::Grouping(const OverlapIntegrals* patches, 
 	}
 }
 
-bool PairMemory::Implementation::isGrouping(const OverlapIntegrals* patches, int number) const
+bool VerletList::Implementation::isGrouping(const OverlapIntegrals* patches, int number) const
 {
 	const Grouping now(patches, number);
 	const bool asMany = std::fabs(double(now.pairs - m_grouped.pairs)) <= kOldGrouping * double(m_grouped.pairs);
 	return asMany && now.aligned * m_grouped.volume >= (1 - kOldGrouping) * m_grouped.aligned * now.volume;
 }
 
-PairMemory::PairMemory(int pairs) : m_impl(std::make_unique<Implementation>(pairs)) {}
-PairMemory::~PairMemory() = default;
-PairMemory::PairMemory(PairMemory&&) noexcept = default;
-PairMemory& PairMemory::operator=(PairMemory&&) noexcept = default;
-void PairMemory::forget() { m_impl->forget(); }
+VerletList::VerletList(int pairs) : m_impl(std::make_unique<Implementation>(pairs)) {}
+VerletList::~VerletList() = default;
+VerletList::VerletList(VerletList&&) noexcept = default;
+VerletList& VerletList::operator=(VerletList&&) noexcept = default;
+void VerletList::forget() { m_impl->forget(); }
 }  // namespace ist

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pairs that remember their leaves: btISTRegistration::setPairMemory.
+// Pairs that remember their leaves: btISTRegistration::setVerletLists.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -32,7 +32,7 @@ public:
 	{
 		static const auto table = cubeTree(3, 1500), cube = cubeTree(0.5, 300);
 		EXPECT_FALSE(m_world.setQueryThreads(threads));
-		EXPECT_FALSE(m_world.setPairMemory(memories));
+		EXPECT_FALSE(m_world.setVerletLists(memories));
 		btISTContactCache contactCache;
 		contactCache.on = cached;
 		EXPECT_FALSE(m_world.setContactCache(contactCache));
@@ -119,7 +119,7 @@ void expectAsAlone(Row& row, ist::QueryWorkspace& workspace)
 }
 }  // namespace
 
-TEST(PairMemoryOfAWorld, FindsWhatEachQueryWouldFindAndSearchesSeldom)
+TEST(VerletListsOfAWorld, FindsWhatEachQueryWouldFindAndSearchesSeldom)
 {
 	int64_t visits[2];
 	for (const int memories : {0, 16})
@@ -131,14 +131,14 @@ TEST(PairMemoryOfAWorld, FindsWhatEachQueryWouldFindAndSearchesSeldom)
 			row.step();
 			expectAsAlone(row, workspace);
 		}
-		EXPECT_EQ(row.world().registration().pairMemory(), memories);
+		EXPECT_EQ(row.world().registration().verletLists(), memories);
 		EXPECT_EQ(remembering(row), std::min(memories, 6));
 		visits[memories > 0] = row.world().contacts().cost().nodeVisits;
 	}
 	EXPECT_LT(4 * visits[1], visits[0]);
 }
 
-TEST(PairMemoryOfAWorld, BodiesMoveAsWithout)
+TEST(VerletListsOfAWorld, BodiesMoveAsWithout)
 {
 	Row with(2, 16), without(1, 0);
 	for (int i = 0; i < 400; ++i)
@@ -151,7 +151,7 @@ TEST(PairMemoryOfAWorld, BodiesMoveAsWithout)
 	EXPECT_LT(double(with.world().statistics().contactsTurnedOver), 1);
 }
 
-TEST(PairMemoryOfAWorld, KeepingResultsOverStepsChangesAsLittle)
+TEST(VerletListsOfAWorld, KeepingResultsOverStepsChangesAsLittle)
 {
 	Row with(1, 16, true), without(1, 0);
 	for (int i = 0; i < 400; ++i)
@@ -162,7 +162,7 @@ TEST(PairMemoryOfAWorld, KeepingResultsOverStepsChangesAsLittle)
 	EXPECT_LT(distanceBetween(with, without), 5e-4);
 }
 
-TEST(PairMemoryOfAWorld, WhoIsLateGoesWithoutIt)
+TEST(VerletListsOfAWorld, WhoIsLateGoesWithoutIt)
 {
 	Row row(16, 16);  // more threads than a small machine has processors for
 	ist::QueryWorkspace workspace;
@@ -173,7 +173,7 @@ TEST(PairMemoryOfAWorld, WhoIsLateGoesWithoutIt)
 	}
 }
 
-TEST(PairMemoryOfAWorld, IsGivenBackWhenAPairParts)
+TEST(VerletListsOfAWorld, IsGivenBackWhenAPairParts)
 {
 	Row row(1, 2);
 	for (int i = 0; i < 5; ++i) row.step();
@@ -212,13 +212,13 @@ TEST(PairMemoryOfAWorld, IsGivenBackWhenAPairParts)
 	for (int i = 0; i < 5; ++i) row.step();
 	EXPECT_EQ(holders(row).size(), 2u);
 	for (const btCollisionObject* body : after) EXPECT_EQ(holders(row).count(body), 0u);
-	EXPECT_FALSE(row.world().setPairMemory(0));
+	EXPECT_FALSE(row.world().setVerletLists(0));
 	EXPECT_EQ(remembering(row), 0);
 	row.step();
 	expectAsAlone(row, workspace);
 }
 
-TEST(PairMemoryOfAWorld, PairsThatAskWithoutItHaveNone)
+TEST(VerletListsOfAWorld, PairsThatAskWithoutItHaveNone)
 {
 	Row row(1, 16);
 	row.addClosedForm();
@@ -233,7 +233,7 @@ TEST(PairMemoryOfAWorld, PairsThatAskWithoutItHaveNone)
 }
 
 // At whatever level answers, and exactly what that level says.
-TEST(PairMemoryOfAWorld, PairsOfWhichAnErrorIsAcceptedRememberToo)
+TEST(VerletListsOfAWorld, PairsOfWhichAnErrorIsAcceptedRememberToo)
 {
 	Row row(1, 16);
 	EXPECT_FALSE(row.world().setForceError(0.3));
@@ -257,13 +257,13 @@ TEST(PairMemoryOfAWorld, PairsOfWhichAnErrorIsAcceptedRememberToo)
 	const int64_t before = row.world().contacts().cost().nodeVisits;
 	for (int i = 0; i < 50; ++i) row.step();
 	const int64_t with = row.world().contacts().cost().nodeVisits - before;
-	EXPECT_FALSE(row.world().setPairMemory(0));
+	EXPECT_FALSE(row.world().setVerletLists(0));
 	const int64_t after = row.world().contacts().cost().nodeVisits;
 	for (int i = 0; i < 50; ++i) row.step();
 	EXPECT_LT(2 * with, row.world().contacts().cost().nodeVisits - after);
 }
 
-TEST(PairMemoryOfAWorld, ForgetsATreeThatIsExchanged)
+TEST(VerletListsOfAWorld, ForgetsATreeThatIsExchanged)
 {
 	Row row(1, 16);
 	ist::QueryWorkspace workspace;
@@ -280,7 +280,7 @@ TEST(PairMemoryOfAWorld, ForgetsATreeThatIsExchanged)
 	}
 }
 
-TEST(PairMemoryOfAWorld, StepsAllocateNoMoreThanWithout)
+TEST(VerletListsOfAWorld, StepsAllocateNoMoreThanWithout)
 {
 	long allocated[2];
 	for (const int memories : {0, 16})
@@ -294,14 +294,14 @@ TEST(PairMemoryOfAWorld, StepsAllocateNoMoreThanWithout)
 	EXPECT_LE(allocated[1], allocated[0]);
 }
 
-TEST(PairMemoryOfAWorld, RefusesWhatIsOutOfRange)
+TEST(VerletListsOfAWorld, RefusesWhatIsOutOfRange)
 {
 	btISTWorld world;
-	EXPECT_TRUE(world.setPairMemory(-1));
-	EXPECT_TRUE(world.setPairMemory(1025));
-	EXPECT_TRUE(world.setPairMemory(4, 0));
-	EXPECT_TRUE(world.setPairMemory(4, 10000001));
-	EXPECT_FALSE(world.setPairMemory(4, 1));
-	EXPECT_TRUE(world.setPairMemory(1024, 10000000)) << "170 GB";
-	EXPECT_EQ(world.registration().pairMemory(), 4) << "what was refused changes nothing";
+	EXPECT_TRUE(world.setVerletLists(-1));
+	EXPECT_TRUE(world.setVerletLists(1025));
+	EXPECT_TRUE(world.setVerletLists(4, 0));
+	EXPECT_TRUE(world.setVerletLists(4, 10000001));
+	EXPECT_FALSE(world.setVerletLists(4, 1));
+	EXPECT_TRUE(world.setVerletLists(1024, 10000000)) << "170 GB";
+	EXPECT_EQ(world.registration().verletLists(), 4) << "what was refused changes nothing";
 }

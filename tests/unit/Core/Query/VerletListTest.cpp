@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Query/VerletList.h"
 
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
@@ -67,7 +67,7 @@ void expectSameSums(const OverlapIntegrals& a, const OverlapIntegrals& b)
 
 /// Queries that did not search, of 60.
 int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, const QueryOptions& options, QueryWorkspace& workspace,
-	PairMemory& memory)
+	VerletList& memory)
 {
 	QueryWorkspace other;
 	Motion motion(A, B, step, 7);
@@ -87,7 +87,7 @@ int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, co
 }
 }  // namespace
 
-TEST(PairMemory, AnswersAsAFreshQueryInEveryInstructionSet)
+TEST(VerletList, AnswersAsAFreshQueryInEveryInstructionSet)
 {
 	for (const InstructionSet set : kInstructionSets)
 	{
@@ -102,25 +102,25 @@ TEST(PairMemory, AnswersAsAFreshQueryInEveryInstructionSet)
 				QueryOptions options;
 				options.model = model;
 				options.sortPairs = true;
-				PairMemory memory;
+				VerletList memory;
 				EXPECT_GT(followed(A, B, 0.001, options, workspace, memory), 40);
 			}
 			QueryOptions bounds;
 			bounds.sortPairs = bounds.listMeetingBounds = true;
-			PairMemory memory;
+			VerletList memory;
 			EXPECT_GT(followed(A, B, 0.001, bounds, workspace, memory), 40);
 		}
 	}
 }
 
 // The middle of B stays where it is; only its other points move.
-TEST(PairMemory, ATurnInPlaceUsesUpTheMargin)
+TEST(VerletList, ATurnInPlaceUsesUpTheMargin)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace, other;
 	QueryOptions options;
 	options.sortPairs = true;
-	PairMemory memory;
+	VerletList memory;
 	int without = 0;
 	for (int tick = 0; tick < 200; ++tick)
 	{
@@ -135,26 +135,26 @@ TEST(PairMemory, ATurnInPlaceUsesUpTheMargin)
 	EXPECT_GT(without, 150);
 }
 
-TEST(PairMemory, SearchesAnewWhereBodiesMoveFast)
+TEST(VerletList, SearchesAnewWhereBodiesMoveFast)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace;
 	QueryOptions options;
 	options.sortPairs = true;
-	PairMemory memory;
+	VerletList memory;
 	EXPECT_EQ(followed(A, B, 0.2, options, workspace, memory), 0);
-	PairMemory slow;
+	VerletList slow;
 	const int slowly = followed(A, B, 0.0002, options, workspace, slow);
 	EXPECT_GT(slowly, 50);
-	PairMemory faster;
+	VerletList faster;
 	EXPECT_LT(followed(A, B, 0.004, options, workspace, faster), slowly);
 }
 
-TEST(PairMemory, LastsLongerWhereItsFillLooksAhead)
+TEST(VerletList, LastsLongerWhereItsFillLooksAhead)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace, other;
-	PairMemory memory;
+	VerletList memory;
 	QueryOptions options;
 	options.sortPairs = true;
 	int searches = 0;
@@ -170,7 +170,7 @@ TEST(PairMemory, LastsLongerWhereItsFillLooksAhead)
 	EXPECT_LT(searches, 25);
 }
 
-TEST(PairMemory, WithoutRoomEachQuerySearches)
+TEST(VerletList, WithoutRoomEachQuerySearches)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace;
@@ -178,16 +178,16 @@ TEST(PairMemory, WithoutRoomEachQuerySearches)
 	options.sortPairs = true;
 	for (const int room : {-1, 0, 100})
 	{
-		PairMemory memory(room);
+		VerletList memory(room);
 		EXPECT_EQ(followed(A, B, 0.001, options, workspace, memory), 0);
 	}
 }
 
-TEST(PairMemory, NoticesOtherTreesAndOtherQuestions)
+TEST(VerletList, NoticesOtherTreesAndOtherQuestions)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2), C = cloudBody(700, 3);
 	QueryWorkspace workspace, other;
-	PairMemory memory;
+	VerletList memory;
 	QueryOptions packed;
 	packed.model = Model::Inner;
 	for (int repeat = 0; repeat < 3; ++repeat)
@@ -211,11 +211,11 @@ TEST(PairMemory, NoticesOtherTreesAndOtherQuestions)
 	expectSameSums(queryOverlap(A, B, Pose{}, workspace, {}, &memory).total, queryOverlap(A, B, Pose{}, other).total);
 }
 
-TEST(PairMemory, GroupsAndGatesAsWithout)
+TEST(VerletList, GroupsAndGatesAsWithout)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace, other;
-	PairMemory memory;
+	VerletList memory;
 	QueryOptions options;
 	options.requireInnerOverlap = true;
 	Motion motion(A, B, 0.001, 3);
@@ -231,11 +231,11 @@ TEST(PairMemory, GroupsAndGatesAsWithout)
 	}
 }
 
-TEST(PairMemory, RemembersThePatchesOfItsPairs)
+TEST(VerletList, RemembersThePatchesOfItsPairs)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace, other;
-	PairMemory memory;
+	VerletList memory;
 	QueryOptions options;
 	options.stiffness = true;
 	Motion motion(A, B, 0.0005, 11);
@@ -291,7 +291,7 @@ Pose above(double height) { return {rotationMatrix(quaternionFromRotationVector(
 }  // namespace
 
 // A peg leaves one wall of its hole and comes to touch the other: that must not become part of the first one's patch.
-TEST(PairMemory, GroupsAnewWhatComesToTouchOnTheOtherSide)
+TEST(VerletList, GroupsAnewWhatComesToTouchOnTheOtherSide)
 {
 	constexpr int kFirst = 12;
 	QueryCapacity capacity;
@@ -305,7 +305,7 @@ TEST(PairMemory, GroupsAnewWhatComesToTouchOnTheOtherSide)
 		addWall(peg, 0.82, 1, second);
 		const InnerSphereTree A = bodyOf(hole), B = bodyOf(peg);
 		QueryWorkspace workspace(capacity), other(capacity);
-		PairMemory memory;
+		VerletList memory;
 		int without = 0;
 		for (double at = -0.03; at < 0.002; at += 0.002)
 		{
@@ -322,11 +322,11 @@ TEST(PairMemory, GroupsAnewWhatComesToTouchOnTheOtherSide)
 }
 
 // What is filled while nothing touches has no patches yet, and the first pair that touches does not found the only one.
-TEST(PairMemory, GroupsAnewWhileBodiesComeToTouch)
+TEST(VerletList, GroupsAnewWhileBodiesComeToTouch)
 {
 	const InnerSphereTree A = slopes(1), B = slopes(-1);
 	QueryWorkspace workspace, other;
-	PairMemory memory;
+	VerletList memory;
 	int without = 0;
 	for (double height = 0.215; height > 0.19; height -= 0.001)
 	{
@@ -339,13 +339,13 @@ TEST(PairMemory, GroupsAnewWhileBodiesComeToTouch)
 	EXPECT_GT(without, 5);
 }
 
-TEST(PairMemory, AnswersWhatIsAskedThoughItWasAskedOtherwiseBefore)
+TEST(VerletList, AnswersWhatIsAskedThoughItWasAskedOtherwiseBefore)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryCapacity few;
 	few.patches = 2;
 	QueryWorkspace workspace, narrow(few), other;
-	PairMemory memory;
+	VerletList memory;
 	Motion motion(A, B, 0.0005, 13);
 	int without = 0;
 	for (int tick = 0; tick < 60; ++tick)
@@ -365,13 +365,13 @@ TEST(PairMemory, AnswersWhatIsAskedThoughItWasAskedOtherwiseBefore)
 	EXPECT_GT(without, 40);
 }
 
-TEST(PairMemory, IsNotFilledWhileItsRoomIsTooSmall)
+TEST(VerletList, IsNotFilledWhileItsRoomIsTooSmall)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace, other;
 	Pose X;
 	const int found = int(queryOverlap(A, B, X, other).total.pairs);
-	PairMemory memory(found);
+	VerletList memory(found);
 	int more = 0;
 	for (int tick = 0; tick < 20; ++tick)
 	{
@@ -392,13 +392,13 @@ TEST(PairMemory, IsNotFilledWhileItsRoomIsTooSmall)
 	EXPECT_GT(without, 15);
 }
 
-TEST(PairMemory, AListThatIsTooShortIsCutAsWithout)
+TEST(VerletList, AListThatIsTooShortIsCutAsWithout)
 {
 	const InnerSphereTree A = slopes(1), B = slopes(-1);
 	QueryCapacity capacity;
 	capacity.pairs = 70;  // half of those that come to touch
 	QueryWorkspace workspace(capacity), other(capacity);
-	PairMemory memory;
+	VerletList memory;
 	int whole = 0, cut = 0;
 	for (double height = 0.215; height > 0.19; height -= 0.0005)
 	{
@@ -414,7 +414,7 @@ TEST(PairMemory, AListThatIsTooShortIsCutAsWithout)
 	EXPECT_GT(cut, 5);
 }
 
-TEST(PairMemory, AListThatIsFullByAFewPairsIsCutAsWithout)
+TEST(VerletList, AListThatIsFullByAFewPairsIsCutAsWithout)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace measuring;
@@ -429,7 +429,7 @@ TEST(PairMemory, AListThatIsFullByAFewPairsIsCutAsWithout)
 	QueryCapacity capacity;  // so many are exceeded now and then, by too few to group anew
 	capacity.pairs = int(*std::min_element(pairs.begin(), pairs.end()) + *std::max_element(pairs.begin(), pairs.end())) / 2;
 	QueryWorkspace workspace(capacity), other(capacity);
-	PairMemory memory;
+	VerletList memory;
 	int cut = 0;
 	for (const Pose& X : poses)
 	{
@@ -441,11 +441,11 @@ TEST(PairMemory, AListThatIsFullByAFewPairsIsCutAsWithout)
 	EXPECT_GT(cut, 5);
 }
 
-TEST(PairMemory, AllocatesNothing)
+TEST(VerletList, AllocatesNothing)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
 	QueryWorkspace workspace;
-	PairMemory memory;
+	VerletList memory;
 	queryOverlap(A, B, Pose{}, workspace);
 	const long before = allocationCount();
 	Motion motion(A, B, 0.001, 5);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/PairMemory.h"
+#include "BulletISTCollision/Core/Query/VerletList.h"
 
 #include <atomic>
 #include <memory>
@@ -11,16 +11,16 @@ struct btISTContact;
 
 /// Of one pair of bodies, for as long as its contact holds it. A thread that was late may still be asking with it while the owner asks
 /// again: one of them has it, the other does without. Not installed.
-class btISTPairMemory
+class btISTVerletList
 {
 public:
-	explicit btISTPairMemory(int leafPairs) : m_pairs(leafPairs) {}
+	explicit btISTVerletList(int leafPairs) : m_pairs(leafPairs) {}
 
 	/// Mine until it goes; null where another has it, or where there is none.
 	class Loan
 	{
 	public:
-		explicit Loan(btISTPairMemory* memory)
+		explicit Loan(btISTVerletList* memory)
 			: m_memory(memory && !memory->m_lent.exchange(true, std::memory_order_acquire) ? memory : nullptr)
 		{}
 		~Loan()
@@ -29,27 +29,27 @@ public:
 		}
 		Loan(const Loan&) = delete;
 		Loan& operator=(const Loan&) = delete;
-		ist::PairMemory* get() const { return m_memory ? &m_memory->m_pairs : nullptr; }
+		ist::VerletList* get() const { return m_memory ? &m_memory->m_pairs : nullptr; }
 
 	private:
-		btISTPairMemory* m_memory;
+		btISTVerletList* m_memory;
 	};
 
 private:
-	ist::PairMemory m_pairs;
+	ist::VerletList m_pairs;
 	std::atomic<bool> m_lent{false};
 };
 
 /// A fixed number of memories for the pairs of a world, first come, first served: a pair of two trees has one from the step after
 /// they met in many pairs until they part. Not installed.
-class btISTPairMemories
+class btISTVerletLists
 {
 public:
-	btISTPairMemories(int count, int leafPairs);
+	btISTVerletLists(int count, int leafPairs);
 	/// For the step after this one, once the pair was asked. The owner's thread alone; no allocation.
 	void assign(btISTContact& contact) const;
 	int count() const { return int(m_all.size()); }
 
 private:
-	std::vector<std::shared_ptr<btISTPairMemory>> m_all;
+	std::vector<std::shared_ptr<btISTVerletList>> m_all;
 };

@@ -21,14 +21,14 @@ namespace ist
 /// It is filled around a pose ahead, to which the motion of late will lead, and so lasts twice as long. The margin follows that motion,
 /// too; where bodies move too fast for it to pay, each query searches anew. The tick that fills the memory costs as much as one and a half
 /// to three queries without.
-class PairMemory
+class VerletList
 {
 public:
 	/// `pairs`: room; while more than four fifths of it intersect, each query searches anew. Seventeen bytes each.
-	explicit PairMemory(int pairs = 200000);
-	~PairMemory();
-	PairMemory(PairMemory&&) noexcept;
-	PairMemory& operator=(PairMemory&&) noexcept;
+	explicit VerletList(int pairs = 200000);
+	~VerletList();
+	VerletList(VerletList&&) noexcept;
+	VerletList& operator=(VerletList&&) noexcept;
 
 	/// Call it before a tree of the bodies is replaced by another in the same place; queries notice any other change.
 	void forget();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/PairQuery/btISTPairMemories.h"
+#include "BulletISTCollision/PairQuery/btISTVerletLists.h"
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 
@@ -11,19 +11,19 @@ namespace
 constexpr int64_t kWorthRemembering = 100;
 }  // namespace
 
-btISTPairMemories::btISTPairMemories(int count, int leafPairs)
+btISTVerletLists::btISTVerletLists(int count, int leafPairs)
 {
-	for (int i = 0; i < count; ++i) m_all.push_back(std::make_shared<btISTPairMemory>(leafPairs));
+	for (int i = 0; i < count; ++i) m_all.push_back(std::make_shared<btISTVerletList>(leafPairs));
 }
 
-void btISTPairMemories::assign(btISTContact& contact) const
+void btISTVerletLists::assign(btISTContact& contact) const
 {
 	if (contact.total.pairs == 0 || !contact.treeB) return contact.memory.reset();
 	if (contact.memory || contact.total.pairs < kWorthRemembering) return;
 	// Copies of contacts that threads answer hold it, too: what nobody but this list holds, nobody asks with.
 	const auto free = std::find_if(m_all.begin(), m_all.end(), [](const auto& memory) { return memory.use_count() == 1; });
 	if (free == m_all.end()) return;
-	const btISTPairMemory::Loan mine(free->get());
+	const btISTVerletList::Loan mine(free->get());
 	if (!mine.get()) return;
 	mine.get()->forget();
 	contact.memory = *free;
