@@ -65,7 +65,7 @@ Work measure(const InnerSphereTree& A, const InnerSphereTree& B, const std::vect
 			least[i] = std::min(least[i], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
 			if (visit > 0) continue;
 			const Work work = workOf(r);
-			mean.looks += work.looks / double(poses.size());
+			mean.traversals += work.traversals / double(poses.size());
 			mean.pairs += work.pairs / double(poses.size());
 		}
 	}
@@ -125,7 +125,7 @@ InnerSphereTree layeredBody(double radius, unsigned seed)
 struct Peak
 {
 	double look = 0, pair = 0;
-	double limit(const Work& work) const { return look * work.looks + pair * work.pairs; }
+	double limit(const Work& work) const { return look * work.traversals + pair * work.pairs; }
 };
 
 Peak peakOf(Model model)
@@ -134,10 +134,10 @@ Peak peakOf(Model model)
 	// None of those meet; all of these do.
 	const Work apart = measure(layeredBody(1e-6, 1), layeredBody(1e-6, 2), same, model, kPeakVisits);
 	const Work meeting = measure(layeredBody(1, 1), layeredBody(1, 2), same, model, kPeakVisits);
-	const double look = apart.us / apart.looks;
-	std::printf("  %.0f looks, %.0f pairs in %.1f us; %.0f and %.0f in %.1f us\n", apart.looks, apart.pairs, apart.us, meeting.looks,
-		meeting.pairs, meeting.us);
-	return {look, (meeting.us - look * meeting.looks) / meeting.pairs};
+	const double look = apart.us / apart.traversals;
+	std::printf("  %.0f looks, %.0f pairs in %.1f us; %.0f and %.0f in %.1f us\n", apart.traversals, apart.pairs, apart.us,
+		meeting.traversals, meeting.pairs, meeting.us);
+	return {look, (meeting.us - look * meeting.traversals) / meeting.pairs};
 }
 
 int usage()
@@ -181,8 +181,8 @@ int main(int argc, char** argv)
 			{
 				const Work work = measure(
 					body.value(), body.value(), bench::posesAtOverlap(body.value(), body.value(), overlap, kPoses), model, kVisits);
-				std::printf("%9d %8g %9.0f %9.0f %9.1f %9.1f %7.2f\n", count, overlap, work.looks, work.pairs, peak.limit(work), work.us,
-					peak.limit(work) / work.us);
+				std::printf("%9d %8g %9.0f %9.0f %9.1f %9.1f %7.2f\n", count, overlap, work.traversals, work.pairs, peak.limit(work),
+					work.us, peak.limit(work) / work.us);
 				std::fflush(stdout);
 			}
 		}

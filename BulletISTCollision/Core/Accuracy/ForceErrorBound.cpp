@@ -81,7 +81,7 @@ BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTre
 	for (;;)
 	{
 		answer.overlap = queryOverlap(A, B, X_AB, workspace, at, memory);
-		++answer.looks;
+		++answer.traversals;
 		answer.pairs += answer.overlap.total.pairs;
 		if (answer.overlap.status != QueryStatus::Ok) return answer;
 		const ContactSeen seen = seenIn(answer.overlap.total, accepted.weightA, accepted.weightB);

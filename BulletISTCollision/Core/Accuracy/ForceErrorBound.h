@@ -46,7 +46,7 @@ struct BoundedOverlap
 		0;  ///< the force error that holds in 95 % of contacts, of max(|F|, floor): above `error` when even the leaves do not know better
 	bool kept = false;   ///< error bound <= error
 	int nextLevel = -1;  ///< for the next query of this pair a moment later
-	int looks = 0;
+	int traversals = 0;
 	int64_t pairs = 0;  ///< that all looks found
 };
 

@@ -108,7 +108,7 @@ TEST(ForceErrorBound, QueryAnswersAtALevelThatKeepsWhatItSays)
 			ASSERT_EQ(answer.overlap.status, QueryStatus::Ok);
 			EXPECT_EQ(answer.kept, answer.errorBound <= error);
 			EXPECT_TRUE(answer.kept || answer.overlap.level == 0) << "only the leaves may fall short";
-			EXPECT_LE(answer.looks, 4);
+			EXPECT_LE(answer.traversals, 4);
 			QueryOptions options;
 			options.level = answer.overlap.level;
 			const OverlapIntegrals plain = queryOverlap(bodyA(), bodyB(), X, other, options).total;
@@ -157,7 +157,7 @@ TEST(ForceErrorBound, APairThatGoesOnIsAskedOnce)
 	QueryWorkspace workspace;
 	ForceTolerance accepted;
 	accepted.error = 0.1;
-	int looks = 0;
+	int traversals = 0;
 	for (int step = 0; step < 100; ++step)
 	{
 		const Pose X{
@@ -166,7 +166,7 @@ TEST(ForceErrorBound, APairThatGoesOnIsAskedOnce)
 		const BoundedOverlap next = queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted);
 		EXPECT_EQ(answer.overlap.level, next.overlap.level);
 		accepted.firstLevel = answer.nextLevel;
-		looks += queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted).looks;
+		looks += queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted).traversals;
 	}
 	EXPECT_LE(looks, 110);
 }
