@@ -94,6 +94,17 @@ public:
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }
 
+	// Former names, until 0.4.
+	[[deprecated("since 0.3: pairFilter")]] btISTPairFilter& watch() { return pairFilter(); }
+	[[deprecated("since 0.3: setContactCache")]] std::optional<ist::Error> setEconomy(const btISTContactCache& cache)
+	{
+		return setContactCache(cache);
+	}
+	[[deprecated("since 0.3: setVerletLists")]] std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000)
+	{
+		return setVerletLists(pairsOfBodies, leafPairs);
+	}
+
 private:
 	/// The parts of a world, but the solver.
 	struct Parts

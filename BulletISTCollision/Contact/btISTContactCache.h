@@ -22,6 +22,8 @@ struct btISTContactCache
 	double maxError = 0;
 };
 
+using btISTEconomy [[deprecated("since 0.3: btISTContactCache")]] = btISTContactCache;
+
 /// What the queries of one pair, or of all pairs, cost and saved.
 struct btISTQueryCost
 {

@@ -113,6 +113,20 @@ public:
 	/// Throws away the algorithms of all existing pairs; they are chosen anew in the next step. Between steps only.
 	void cleanPairs(btOverlappingPairCache* pairCache);
 
+	// Former names, until 0.4.
+	[[deprecated("since 0.3: pairFilter")]] btISTPairFilter& watch() { return pairFilter(); }
+	[[deprecated("since 0.3: requireInnerOverlap")]] std::optional<ist::Error> setGate(bool on) { return requireInnerOverlap(on); }
+	[[deprecated("since 0.3: setContactCache")]] std::optional<ist::Error> setEconomy(const btISTContactCache& cache)
+	{
+		return setContactCache(cache);
+	}
+	[[deprecated("since 0.3: contactCache")]] const btISTContactCache& economy() const { return contactCache(); }
+	[[deprecated("since 0.3: setVerletLists")]] std::optional<ist::Error> setPairMemory(int pairsOfBodies, int leafPairs = 40000)
+	{
+		return setVerletLists(pairsOfBodies, leafPairs);
+	}
+	[[deprecated("since 0.3: verletLists")]] int pairMemory() const { return verletLists(); }
+
 private:
 	friend class btISTCollisionAlgorithm;
 	struct Unregistered;

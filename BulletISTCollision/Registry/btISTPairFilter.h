@@ -39,6 +39,16 @@ public:
 	/// `was`: it is volumetric now. O(log pairs), no allocation.
 	bool covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
 
+	// Former names, until 0.4.
+	[[deprecated("since 0.3: addPair")]] void watchPair(const btCollisionObject* a, const btCollisionObject* b) { addPair(a, b); }
+	[[deprecated("since 0.3: removePair")]] void unwatchPair(const btCollisionObject* a, const btCollisionObject* b) { removePair(a, b); }
+	[[deprecated("since 0.3: acceptAllPairs")]] void watchAllPairs() { acceptAllPairs(); }
+	[[deprecated("since 0.3: setRegion")]] std::optional<ist::Error> watchRegion(const btVector3& lower, const btVector3& upper)
+	{
+		return setRegion(lower, upper);
+	}
+	[[deprecated("since 0.3: clearRegion")]] void watchEverywhere() { clearRegion(); }
+
 private:
 	using Pair = std::pair<const btCollisionObject*, const btCollisionObject*>;
 	static Pair sorted(const btCollisionObject* a, const btCollisionObject* b);
@@ -47,3 +57,4 @@ private:
 	bool m_onlyPairs = false, m_hasRegion = false;
 	btVector3 m_lower{0, 0, 0}, m_upper{0, 0, 0};
 };
+using btISTWatch [[deprecated("since 0.3: btISTPairFilter")]] = btISTPairFilter;

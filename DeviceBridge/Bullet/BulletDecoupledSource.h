@@ -21,8 +21,12 @@ enum class ContactThreading
 {
 	InHapticThread,  ///< the hand's thread, in each tick
 	OwnThread,       ///< one of its own; in between the hand feels the last answer as a linear model
-	InWorldThread    ///< the world's, once a step: the hand feels linear models only
+	InWorldThread,   ///< the world's, once a step: the hand feels linear models only
+	// Former names, until 0.4.
+	InTick = InHapticThread,
+	InWorld = InWorldThread
 };
+using ContactTopology [[deprecated("since 0.3: ContactThreading")]] = ContactThreading;
 
 struct BulletDecoupledSettings
 {
@@ -104,6 +108,7 @@ public:
 	/// Before the hand is shown a body with this tree, lest a tick or the contact thread allocate. BulletWorldCoupling does it when a body
 	/// comes near; at load time it spares the step of that. O(leaves), where no larger tree came before.
 	void reserve(const ist::InnerSphereTree& tree);
+	[[deprecated("since 0.3: reserve")]] void makeRoom(const ist::InnerSphereTree& tree) { reserve(tree); }
 	WorldMirror& mirror() noexcept { return m_mirror; }
 	btRigidBody& tool() noexcept { return m_tool; }
 	const std::shared_ptr<const ist::InnerSphereTree>& toolTree() const noexcept { return m_tree; }

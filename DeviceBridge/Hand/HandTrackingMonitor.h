@@ -60,4 +60,8 @@ private:
 	double m_grip = 1, m_lostFor = 0;
 	HandComplaints m_complaints;
 };
+
+// Former names, until 0.4.
+using HandWatch [[deprecated("since 0.3: HandTrackingMonitor")]] = HandTrackingMonitor;
+using HandWatchLimits [[deprecated("since 0.3: HandTrackingLimits")]] = HandTrackingLimits;
 }  // namespace devicebridge

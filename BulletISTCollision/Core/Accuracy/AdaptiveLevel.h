@@ -26,4 +26,13 @@ constexpr double kMostFadeStep = 0.005;
 /// refused. `memory`: as for queryOverlap. Allocates nothing.
 OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, VerletList* memory = nullptr);
+
+// Former names, until 0.4.
+using PairAccuracy [[deprecated("since 0.3: AdaptiveLevel")]] = AdaptiveLevel;
+[[deprecated("since 0.3: queryAdaptive")]] inline OverlapResult queryPair(const InnerSphereTree& A, const InnerSphereTree& B,
+	const Pose& X_AB, QueryWorkspace& workspace, const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair,
+	VerletList* memory = nullptr)
+{
+	return queryAdaptive(A, B, X_AB, workspace, accepted, options, pair, memory);
+}
 }  // namespace ist

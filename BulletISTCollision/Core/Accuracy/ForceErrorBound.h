@@ -55,4 +55,14 @@ struct BoundedOverlap
 /// answer with their leaves. `memory`: as for queryOverlap. No allocation.
 BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options = {}, VerletList* memory = nullptr);
+
+// Former names, until 0.4.
+using AcceptedError [[deprecated("since 0.3: ForceTolerance")]] = ForceTolerance;
+using PromisedOverlap [[deprecated("since 0.3: BoundedOverlap")]] = BoundedOverlap;
+[[deprecated("since 0.3: queryWithTolerance")]] inline BoundedOverlap queryToError(const InnerSphereTree& A, const InnerSphereTree& B,
+	const Pose& X_AB, QueryWorkspace& workspace, const ForceTolerance& accepted, const QueryOptions& options = {},
+	VerletList* memory = nullptr)
+{
+	return queryWithTolerance(A, B, X_AB, workspace, accepted, options, memory);
+}
 }  // namespace ist

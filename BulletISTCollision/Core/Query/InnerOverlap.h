@@ -21,7 +21,7 @@ inline double innerOverlapShare(double sure, double volume)
 /// `answer(options)` behind the gate that `QueryOptions::requireInnerOverlap` asks for.
 template <class Answer> OverlapResult answerWithInnerOverlap(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
 {
-	if (!options.requireInnerOverlap) return answer(options);
+	if (!options.requireInnerOverlap && !options.gate) return answer(options);
 	QueryOptions packed;
 	packed.model = Model::Inner;
 	packed.patches = packed.stiffness = false;

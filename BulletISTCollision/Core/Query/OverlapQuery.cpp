@@ -113,7 +113,8 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 	const QueryOptions& options, VerletList* memory)
 {
 	// At once, lest bodies that come to meet behind the gate allocate.
-	if (options.requireInnerOverlap) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
+	if (options.requireInnerOverlap || options.gate)
+		workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
 	// The gate's own query of the packed spheres would drive out what is remembered.
 	return answerWithInnerOverlap(options, workspace,
 		[&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr); });

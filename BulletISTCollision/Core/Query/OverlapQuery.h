@@ -102,6 +102,7 @@ struct QueryOptions
 	/// already press a little; with the gate they do not, but contact shallower than the gaps is lost too. Multiplies the integrals, not
 	/// the listed pairs; the error bar does not know what it takes. Costs a query of the packed spheres (Kernels/InnerOverlap.h).
 	bool requireInnerOverlap = false;
+	bool gate = false;  ///< Former name of `requireInnerOverlap`, until 0.4: one of the two is enough.
 };
 
 struct QueryCapacity

@@ -39,4 +39,6 @@ public:
 private:
 	std::unique_ptr<Implementation> m_impl;
 };
+
+using PairMemory [[deprecated("since 0.3: VerletList")]] = VerletList;
 }  // namespace ist

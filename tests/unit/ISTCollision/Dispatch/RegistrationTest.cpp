@@ -319,7 +319,7 @@ std::set<std::string> publicFunctions()
 	std::ifstream file(HEADER_FOLDER "/btISTRegistration.h");
 	const std::string text{std::istreambuf_iterator<char>(file), {}};
 	const size_t begin = text.find("class [[nodiscard]] btISTRegistration");
-	const std::string declared = text.substr(begin, text.find("private:", begin) - begin);
+	const std::string declared = text.substr(begin, text.find("// Former names", begin) - begin);
 	std::set<std::string> names;
 	const std::regex function("\n\t[^/\n]*?[ &](\\w+)\\([^\n]*;");
 	for (std::sregex_iterator i(declared.begin(), declared.end(), function), end; i != end; ++i)
