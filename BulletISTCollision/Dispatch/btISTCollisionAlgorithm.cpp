@@ -29,11 +29,11 @@ extern const int btISTBuiltForScalarOfSize4 = 4;
 
 namespace
 {
-/// Whether a shape is where its body is: not a child, which its parent puts somewhere.
+/// Whether the shape is the body's own. A child of a compound is not: its parent gives it another transform.
 bool isBody(const btCollisionObjectWrapper& wrap) { return &wrap.getWorldTransform() == &wrap.getCollisionObject()->getWorldTransform(); }
 
-/// Whether its axes are too far from unit length and right angles for a rigid body, whose shape trees speak for. What is no number is none
-/// of that.
+/// Whether the axes of a body are too far from unit length and right angles. Trees describe rigid bodies only. A transform with values
+/// that are not finite is not skewed.
 bool isSkewed(const btCollisionObjectWrapper& wrap)
 {
 	const ist::Pose X = toRigidPose(wrap.getWorldTransform());
@@ -41,7 +41,8 @@ bool isSkewed(const btCollisionObjectWrapper& wrap)
 		std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
 }
 
-/// Within a contact test Bullet has the children of a compound answered by those who respond, too. Games may have results of their own.
+/// True within a contact test, where Bullet lets Respond algorithms answer for the children of a compound. The names are compared because
+/// games may pass result classes of their own.
 bool isOfContactTest(const btManifoldResult& result)
 {
 	return typeid(result) != typeid(btManifoldResult) && std::strstr(typeid(result).name(), "btBridgedManifoldResult");
@@ -63,8 +64,8 @@ btISTCollisionAlgorithm::btISTCollisionAlgorithm(const btCollisionAlgorithmConst
 	  m_context(std::move(context)),
 	  m_treeA(std::move(treeA)),
 	  m_treeB(std::move(treeB)),
-	  // Never the manifold in `info`: nested compounds would have several pairs write into it. Kept while separated, too: an empty
-	  // manifold is what makes Bullet wake a sleeping body when a kinematic one comes near.
+	  // The manifold in `info` is never used: with nested compounds several pairs would write into it. This manifold is kept while the
+	  // bodies are separated, too: an empty manifold makes Bullet wake a sleeping body when a kinematic one approaches.
 	  m_manifold(m_dispatcher->getNewManifold(a.getCollisionObject(), b.getCollisionObject())),
 	  m_contact(mode == Respond ? m_context->store.acquire(m_manifold) : nullptr)
 {
@@ -99,16 +100,16 @@ bool btISTCollisionAlgorithm::KnownShape::isKindOf(const btCollisionShape* other
 	return other == shape && other->getShapeType() == type;
 }
 
-/// Looks again at what the shapes are, where they are others, or other trees may be there. Without a registration trees stay as they are
-/// for what does not change.
+/// Checks the shapes and trees again if a shape is another one, or if the registry has changed. Without a registration, unchanged shapes
+/// keep their trees.
 void btISTCollisionAlgorithm::see(const btCollisionShape* shapeA, const btCollisionShape* shapeB)
 {
-	// A closed form is taken at its size in every step.
+	// A closed form takes its size from the shape in every step, so its scaling may change.
 	const bool same = m_A.is(shapeA) && (m_treeA && !m_treeB ? m_B.isKindOf(shapeB) : m_B.is(shapeB));
 	if (same && (!m_context->active || m_version == uint32_t(m_context->registry->version()))) return;
 	const btISTRegistry& registry = *m_context->registry;
 	auto treeA = registry.find(shapeA), treeB = registry.find(shapeB);
-	// Without a tree of A all is Bullet's: the manifold's order cannot change.
+	// If A has no tree, Bullet handles the pair: the order of the manifold cannot change.
 	const bool known = treeB || (!registry.isAttached(shapeB) && btISTShapeField(shapeB).field());
 	if (!known) treeA.reset();
 	if (!same || treeA != m_treeA || treeB != m_treeB)
@@ -128,7 +129,7 @@ btISTCollisionAlgorithm::~btISTCollisionAlgorithm()
 	m_dispatcher->releaseManifold(m_manifold);
 }
 
-/// The sums of `contact` at its X_AB: answered ahead of its turn, or now.
+/// Updates the sums of `contact` at its X_AB, from the prefetched result or by a query now.
 void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& contact) const
 {
 	btISTContactStore& store = m_context->store;
@@ -144,7 +145,7 @@ void btISTCollisionAlgorithm::evaluate(
 {
 	contact.bodyA = wrapA->getCollisionObject();
 	contact.bodyB = wrapB->getCollisionObject();
-	// Counting owners is atomic.
+	// The comparison avoids the atomic reference count of an assignment.
 	if (contact.treeA != m_treeA) contact.treeA = m_treeA;
 	if (contact.treeB != m_treeB) contact.treeB = m_treeB;
 	contact.stamp = m_context->store.step();
@@ -166,7 +167,7 @@ void btISTCollisionAlgorithm::evaluate(
 		contact.pressed = 0;
 	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
-	if (query.lacksDamping(contact))  // the constants of the last step were others
+	if (query.lacksDamping(contact))  // the sums used the constants of the last step
 	{
 		contact.kept.forget();
 		contact.accuracy = before;
@@ -200,20 +201,20 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	if (!m_contact || isOfContactTest(*resultOut))
 	{
 		if (report(wrapA, wrapB, *resultOut) || !(resultOut->m_closestPointDistanceThreshold > 0)) return;
-		createStock(body0Wrap, body1Wrap);  // the bodies are apart, and how far is asked
+		createStock(body0Wrap, body1Wrap);  // the bodies are apart, and the caller wants their distance
 		m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);
 		return destroyStock();
 	}
 	if (m_context->threads) m_context->threads->begin(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
 	evaluate(wrapA, wrapB, *m_contact);
-	// For the next step: what was answered ahead of its turn cannot have what its turn would give it.
+	// The list serves the next step: a prefetched query could not use a list that is assigned in the pair's own turn.
 	if (m_context->memories) m_context->memories->assign(*m_contact);
 	btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
-	// Those of a compound's children Bullet announces itself, as they were a step before.
+	// Bullet itself announces the manifolds of a compound's children, in their state of one step before.
 	if (m_contact->canPrefetch) announceProcessed(*m_manifold);
 }
 
-/// To a contact test; whether there is overlap. What the pair keeps is left as it is.
+/// Reports the contact to a contact test. Returns whether there is overlap. The cached result of the pair does not change.
 bool btISTCollisionAlgorithm::report(
 	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const
 {
@@ -224,7 +225,7 @@ bool btISTCollisionAlgorithm::report(
 	return points.count > 0;
 }
 
-/// What was known of the contact, and its points.
+/// Forgets the state of the contact and its points.
 void btISTCollisionAlgorithm::forget()
 {
 	m_manifold->clearManifold();
@@ -234,7 +235,7 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->total = ist::OverlapIntegrals();
 	m_contact->patchCount = 0;
 	m_contact->normalImpulse = m_contact->pressed = 0;
-	m_contact->depth = m_contact->deepest = 0;  // the next shapes may be of another thickness
+	m_contact->depth = m_contact->deepest = 0;  // the next shapes may have another thickness
 	m_contact->work = btISTContactWork();
 	m_contact->tank = btISTContactEnergyTank();
 	m_contact->accuracy = ist::AdaptiveLevel();
@@ -246,7 +247,7 @@ void btISTCollisionAlgorithm::forget()
 void btISTCollisionAlgorithm::createStock(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap)
 {
 	forget();
-	btCollisionAlgorithmConstructionInfo info;  // without a manifold: the other constructor leaves it to chance
+	btCollisionAlgorithmConstructionInfo info;  // an explicit empty manifold: the constructor with arguments leaves it uninitialised
 	info.m_dispatcher1 = m_dispatcher;
 	const int type0 = body0Wrap->getCollisionShape()->getShapeType(), type1 = body1Wrap->getCollisionShape()->getShapeType();
 	m_stock = m_context->function(!m_contact).delegate(info, body0Wrap, body1Wrap, type0, type1);
@@ -262,7 +263,7 @@ void btISTCollisionAlgorithm::destroyStock()
 
 btScalar btISTCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&, btManifoldResult*)
 {
-	return btScalar(1);  // Bullet sweeps convex shapes itself; this is asked for only in DISPATCH_CONTINUOUS
+	return btScalar(1);  // Bullet sweeps convex shapes itself; it calls this only in DISPATCH_CONTINUOUS
 }
 
 void btISTCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifoldArray)

@@ -14,10 +14,13 @@ class btCollisionDispatcher;
 class btISTContext;
 class btISTPairQuery;
 
-/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. Bullet's own algorithm works in
-/// its place, and the manifold stays empty, while the pair is not watched (btISTPairFilter), a shape with a tree has another local scaling
-/// than when the pair was made, a body got a shape without one or lost its tree, or axes of a body are more than 5 % from unit length and
-/// right angles. Lives in the dispatcher's pool, which does not check sizes.
+/// Contact of two trees, or of a tree and one of Bullet's plane, box, sphere, capsule, cylinder and cone. The manifold stays empty and
+/// Bullet's own algorithm works in place of this one in these cases:
+/// - the pair filter (btISTPairFilter) does not accept the pair;
+/// - a shape with a tree has another local scaling than when the pair was made;
+/// - a body got a shape without a tree, or its shape lost the tree;
+/// - the axes of a body are more than 5 % away from unit length and right angles.
+/// Objects live in the dispatcher's pool, which does not check sizes.
 class btISTCollisionAlgorithm : public btCollisionAlgorithm
 {
 public:
@@ -27,18 +30,18 @@ public:
 		Query     ///< lives for one contact test; does not touch the store
 	};
 
-	/// `a` and `b` in the order of the manifold, in which a body without a tree comes second. Their shapes keep the scaling that they have.
+	/// `a` and `b` are in the order of the manifold; a body without a tree comes second. Their shapes must keep their present scaling.
 	btISTCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<btISTContext> context, Mode mode,
 		std::shared_ptr<const ist::InnerSphereTree> treeA, std::shared_ptr<const ist::InnerSphereTree> treeB,
 		const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b);
 	~btISTCollisionAlgorithm() override;
 
-	/// Registers for every pair of proxy types but soft bodies, in the tables of contacts and of closest points, and delegates to
-	/// what was registered before for every pair that is not volumetric. A second call on one dispatcher returns a second handle; with
-	/// another `registry` than the first call it is refused (btISTRegistration::refusal), and the first registration stays as it is.
-	/// Bullet's pools and tables have one owner thread; so has this. `registry` may be shared by several worlds of one thread. A
-	/// btCollisionDispatcherMt is refused, too: it calls algorithms from several threads. A world with a btCollisionDispatcher has its
-	/// queries shared out by `setQueryThreads`.
+	/// Registers for every pair of proxy types except soft bodies, in the tables of contacts and of closest points. Pairs that are not
+	/// volumetric are delegated to the functions that were registered before. A second call on one dispatcher returns a second handle. A
+	/// second call with another `registry` is refused (btISTRegistration::refusal), and the first registration stays as it is. Bullet's
+	/// pools and tables have one owner thread, and so has this. Several worlds of one thread may share `registry`. A
+	/// btCollisionDispatcherMt is refused, too, because it calls algorithms from several threads. To use several threads, give the world
+	/// a btCollisionDispatcher and call `setQueryThreads`.
 	static btISTRegistration registerAlgorithm(
 		btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache = nullptr, std::shared_ptr<btISTRegistry> registry = nullptr);
 
@@ -49,7 +52,7 @@ public:
 	void getAllContactManifolds(btManifoldArray& manifoldArray) override;
 
 private:
-	/// One without a tree may be deleted, and its address be given to another.
+	/// Identity of a shape that was seen. The address alone is not enough: a shape without a tree may be deleted and its address reused.
 	struct KnownShape
 	{
 		const btCollisionShape* shape;
@@ -58,7 +61,7 @@ private:
 
 		void keep(const btCollisionShape* known);
 		bool is(const btCollisionShape* other) const;
-		bool isKindOf(const btCollisionShape* other) const;  // whatever its scaling
+		bool isKindOf(const btCollisionShape* other) const;  // the same, ignoring the scaling
 	};
 
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
@@ -74,8 +77,8 @@ private:
 	std::shared_ptr<const ist::InnerSphereTree> m_treeA, m_treeB;
 	btPersistentManifold* m_manifold;
 	btISTContact* m_contact;                  // null in Query mode
-	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's, while it works in place of this
+	btCollisionAlgorithm* m_stock = nullptr;  // Bullet's algorithm, while it works in place of this one
 	KnownShape m_A, m_B;
-	uint32_t m_version;  // of the registry
+	uint32_t m_version;  // version of the registry at the last check
 };
 static_assert(sizeof(btISTCollisionAlgorithm) <= 144, "a pool element has 192 bytes, of which some are left to Bullet's future");

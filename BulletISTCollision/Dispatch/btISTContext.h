@@ -17,19 +17,19 @@
 class btISTContext;
 class btISTInstallation;
 
-/// One for each table: it finds out from the shapes for which entry it was called.
+/// The create function for all entries of one table. It finds out from the shapes for which entry it was called.
 struct btISTCreateFunc : btCollisionAlgorithmCreateFunc
 {
 	btISTContext* context = nullptr;
 	bool closest = false;
 	btCollisionAlgorithmCreateFunc* previous[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
-	/// Those that stood there first. Who registered after us may delegate to us, and be delegated to since we took the tables back: then
-	/// these end the round.
+	/// The functions that stood in the table first. A library that registered after us may delegate to us, and after `reinstall` we
+	/// delegate to it. These first functions end that cycle.
 	btCollisionAlgorithmCreateFunc* first[MAX_BROADPHASE_COLLISION_TYPES][MAX_BROADPHASE_COLLISION_TYPES] = {};
 
 	btCollisionAlgorithm* CreateCollisionAlgorithm(
 		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0, const btCollisionObjectWrapper* wrap1) override;
-	/// What stood there before us makes for these types.
+	/// The algorithm that the function before us makes for these types.
 	btCollisionAlgorithm* delegate(btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* wrap0,
 		const btCollisionObjectWrapper* wrap1, int type0, int type1);
 
@@ -40,10 +40,10 @@ private:
 		const btCollisionObjectWrapper* wrap1 = nullptr;
 		int type0 = 0, type1 = 0;
 	};
-	Delegated m_delegated;  // what is being delegated
+	Delegated m_delegated;  // the call that is being delegated now
 };
 
-/// What algorithms need, for as long as one of them or a registration lives.
+/// State that all algorithms of one registration share. It lives as long as one of them or a registration lives.
 class btISTContext : public std::enable_shared_from_this<btISTContext>
 {
 public:
@@ -60,10 +60,10 @@ public:
 	std::shared_ptr<btISTRegistry> registry;
 	btISTPairFilter watch;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
-	std::weak_ptr<const void> ruleClaim;  ///< of the handle that set the rule; expired: any handle may set one
+	std::weak_ptr<const void> ruleClaim;  ///< claim of the handle that set the rule; when expired, any handle may set one
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
-	std::unique_ptr<btISTVerletLists> memories;  ///< null: each query searches anew
-	std::unique_ptr<btISTQueryThreads> threads;  ///< null: the owner's alone
+	std::unique_ptr<btISTVerletLists> memories;  ///< null: every query starts a new traversal
+	std::unique_ptr<btISTQueryThreads> threads;  ///< null: only the owner's thread queries
 	std::weak_ptr<btISTInstallation> installation;
 };

@@ -20,7 +20,7 @@ namespace
 {
 constexpr int kTypes = MAX_BROADPHASE_COLLISION_TYPES;
 
-/// Bullet makes an algorithm for each child of a GImpact compound and destroys it within the same call: no contact would see the solver.
+/// Bullet makes an algorithm for each child of a GImpact compound and destroys it within the same call, before a solver sees the contact.
 bool isInGImpactCompound(const btCollisionObjectWrapper* wrap)
 {
 	for (; wrap; wrap = wrap->m_parent)
@@ -33,7 +33,8 @@ bool isInGImpactCompound(const btCollisionObjectWrapper* wrap)
 	return false;
 }
 
-/// The tables are protected and have no getter; a member pointer named through a derived class may read them on any dispatcher.
+/// Access to the tables, which are protected and have no getter. A pointer to member that is named through a derived class works on any
+/// dispatcher.
 struct DispatchTables : btCollisionDispatcher
 {
 	static btCollisionAlgorithmCreateFunc*& entry(btCollisionDispatcher& d, bool closest, int i, int j)
@@ -67,22 +68,22 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(
 	{
 		auto treeA = context->registry->find(shape0);
 		auto treeB = context->registry->find(shape1);
-		// A shape whose tree does not speak for it now, as it was scaled, is Bullet's.
+		// A shape that was scaled since its tree was attached is Bullet's.
 		const auto hasForm = [this](const btCollisionShape* shape) {
 			return !context->registry->isAttached(shape) && btISTShapeField(shape).field();
 		};
 		const bool volumetric = (treeA && treeB) || (treeA && hasForm(shape1)) || (treeB && hasForm(shape0));
 		if (volumetric && !isInGImpactCompound(wrap0) && !isInGImpactCompound(wrap1))
 		{
-			const bool swapped = !treeA;  // A has the tree
+			const bool swapped = !treeA;  // A must have the tree
 			if (swapped) std::swap(treeA, treeB);
 			const auto mode = closest ? btISTCollisionAlgorithm::Query : btISTCollisionAlgorithm::Respond;
 			void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(int(sizeof(btISTCollisionAlgorithm)));
 			return new (memory) btISTCollisionAlgorithm(info, context->shared_from_this(), mode, std::move(treeA), std::move(treeB),
 				*(swapped ? wrap1 : wrap0), *(swapped ? wrap0 : wrap1));
 		}
-		// GImpact takes a compound apart by itself and asks nobody about the children. Bullet's algorithm for compounds does, as with any
-		// convex shape.
+		// GImpact handles the children of a compound itself and does not call the dispatcher for them. Bullet's compound algorithm does,
+		// if the other shape looks convex. So the GImpact shape is passed as a box.
 		if (treeA && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
 		if (treeB && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
 	}
@@ -132,8 +133,8 @@ void btISTInstallation::uninstall()
 		else foreign = true;
 	});
 	context->active = false;
-	// Whoever registered after us may hold our functions as his predecessors and call them for as long as he likes; nobody tells
-	// us when he stops. They go on delegating, at the price of one context for each such registration.
+	// A library that registered after us may hold our functions as its predecessors and call them at any later time, without a notice
+	// when it stops. So the functions go on delegating; this leaks one context for each such registration.
 	if (foreign) new std::shared_ptr<btISTContext>(context);
 	dispatcher = nullptr;
 }
@@ -141,7 +142,7 @@ void btISTInstallation::uninstall()
 void btISTInstallation::treeChanged(const btCollisionShape* shape)
 {
 	if (!pairCache || !dispatcher) return;
-	// A shape that loses its tree may be the next to go, and others before it may have gone: they are not asked.
+	// A shape that loses its tree may be about to be deleted, and other shapes may be deleted already. So no shape is dereferenced here.
 	if (context->registry->isAttached(shape)) clean(pairCache, shape);
 	else cleanPairsOf(shape);
 }
@@ -160,7 +161,7 @@ void btISTInstallation::cleanPairsOf(const btCollisionShape* shape)
 		const btISTContact& contact = *contacts[i];
 		const size_t before = contacts.size();
 		if (contact.shapeA == shape || contact.shapeB == shape) cleanPair(*contact.manifold);
-		// The last contact has moved into the gap.
+		// Removal has reordered the contacts, so the search begins again.
 		if (contacts.size() < before) i = 0;
 		else ++i;
 	}

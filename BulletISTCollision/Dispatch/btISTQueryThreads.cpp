@@ -14,10 +14,10 @@
 
 namespace
 {
-/// Pairs of leaves of the last step from which on a query is worth a copy of its contact, and of all but the largest query together from
-/// which on they are worth a second thread: some microseconds, and some ten.
+/// Thresholds in pairs of leaves of the last step. kWorthCopying: from this size on (some microseconds of query), a query is worth a copy
+/// of its contact. kWorthSharing: from this sum on (some tens of microseconds), all queries except the largest are worth a second thread.
 constexpr int64_t kWorthCopying = 64, kWorthSharing = 512;
-/// For how long the owner waits at least for an answer that someone else has begun [us].
+/// Shortest time for which the owner waits for a query that another thread has begun [us].
 constexpr double kShortestWait = 20;
 }  // namespace
 
@@ -37,7 +37,7 @@ btISTQueryThreads::~btISTQueryThreads()
 	for (const auto& helper : m_helpers) helper->thread.join();
 }
 
-/// Only then may what they read be written.
+/// True if no helper is working. Only then may the data that helpers read be written.
 bool btISTQueryThreads::isFree() const
 {
 	return std::none_of(
@@ -47,8 +47,8 @@ bool btISTQueryThreads::isFree() const
 void btISTQueryThreads::begin(
 	btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own, btDispatcher& dispatcher)
 {
-	// Who is met again is met in another pass: that tells in worlds without our solver, where steps are not counted. Alone it would not do,
-	// for a pair that missed a pass would seem to belong to the one before ever after.
+	// A pair that comes a second time belongs to a new pass. This detects passes in worlds without our solver, where steps are not
+	// counted. It is not enough alone: a pair that missed one pass would seem to belong to the pass before, for ever.
 	if (contact.detectionPass == m_pass || store.step() != m_step) prefetch(store, rules, own, dispatcher);
 	contact.detectionPass = m_pass;
 }
@@ -70,7 +70,7 @@ void btISTQueryThreads::prefetch(
 	if (free && m_count > 0) answerShared(own);
 }
 
-/// Trees are large, and memories few: nobody keeps them by an old answer.
+/// Releases trees and Verlet lists: trees are large, lists are few, and an old answer must not keep them.
 void btISTQueryThreads::releaseAnswer(Answer& answer)
 {
 	answer.contact.treeA.reset();
@@ -78,12 +78,12 @@ void btISTQueryThreads::releaseAnswer(Answer& answer)
 	answer.contact.memory.reset();
 }
 
-/// Copies of the contacts that touched in the last pass, were asked for then, and come again.
+/// Copies the contacts that touched in the last pass, were queried then, and come again in this pass.
 void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dispatcher)
 {
 	m_count = 0;
 	m_wanted.clear();
-	// What came late nobody took.
+	// Results that came late were not taken, and still hold trees and lists.
 	for (const auto& answer : m_answers) releaseAnswer(*answer);
 	int64_t sum = 0, largest = 0;
 	for (btISTContact* contact : store.contacts())
@@ -168,7 +168,7 @@ void btISTQueryThreads::measure(double ownMicroseconds)
 	for (int i = 0; i < m_count; ++i)
 	{
 		const Answer& answer = *m_answers[size_t(i)];
-		// What a late one takes nobody knows yet.
+		// The processor time of a late query is not known yet.
 		if (answer.state.load(std::memory_order_acquire) != Answered) continue;
 		*std::min_element(m_ends.begin(), m_ends.end()) += answer.microseconds;
 		m_shared.sumMicroseconds += answer.microseconds;
@@ -176,7 +176,7 @@ void btISTQueryThreads::measure(double ownMicroseconds)
 	m_shared.pathMicroseconds = *std::max_element(m_ends.begin(), m_ends.end());
 }
 
-/// Once: what it returns is closed. Null: none, or late.
+/// Returns the answer to a contact once, and closes it. Null: there is none, or it is late.
 btISTQueryThreads::Answer* btISTQueryThreads::answerTo(btISTContact& contact)
 {
 	const int place = contact.prefetchSlot;
@@ -228,7 +228,8 @@ void btISTQueryThreads::loop(Helper& helper)
 		m_turn.wait(seen, std::memory_order_seq_cst);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;
-		// First working, then a look whether there is work: the owner does it the other way round.
+		// The helper sets `working` before it reads `m_open`; the owner closes `m_open` before it reads `working`. So at least one of the
+		// two sees the other's write.
 		helper.working.store(true, std::memory_order_seq_cst);
 		if (m_open.load(std::memory_order_seq_cst)) help(helper);
 		helper.working.store(false, std::memory_order_seq_cst);

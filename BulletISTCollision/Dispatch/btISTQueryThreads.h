@@ -12,35 +12,35 @@
 
 class btDispatcher;
 
-/// Queries of several pairs side by side. When the first pair of a pass of collision detection is met, those that surely come and are worth
-/// it are answered ahead of their turn, each on a copy of its contact. Bullet then goes on as ever, in its order and on its thread; a pair
-/// takes its answer where that is for the very pose that it has in its turn, and is asked as ever where it has none. So nobody can tell how
-/// many threads there were, but where pairs remember their leaves (btISTVerletLists) and one was late; and the owner depends on none of
-/// them: what he does not get in good time he asks for himself. Not installed.
+/// Queries of several pairs in parallel. At the first pair of a collision detection pass, the pairs that surely follow and are worth the
+/// cost are queried ahead, each on a copy of its contact. Bullet then goes on in its usual order on its own thread. A pair takes its
+/// prefetched result if that was computed for exactly its present pose; otherwise it is queried as usual. So the result does not depend
+/// on the number of threads, with one exception: a pair with a Verlet list (btISTVerletLists) whose thread was late. The owner's thread
+/// depends on no other thread: it repeats a query whose result is not there in time. Not installed.
 class btISTQueryThreads
 {
 public:
 	btISTQueryThreads(int threads, const ist::QueryCapacity& capacity, double spinMicroseconds);
 	~btISTQueryThreads();
 
-	/// A pair's turn begins. No allocation but for more pairs than ever.
+	/// Call this when a pair's turn begins. It allocates only when there are more pairs than ever before.
 	void begin(btISTContact& contact, const btISTContactStore& store, const btISTQueryRules& rules, ist::QueryWorkspace& own,
 		btDispatcher& dispatcher);
-	/// The answer for `contact` at its X_AB; false where there is none.
+	/// Takes the prefetched result for `contact` at its X_AB; false if there is none.
 	bool takeResult(btISTContact& contact, btISTQueryWork& work);
-	/// `contact` wants none any more.
+	/// Drops the prefetched result of `contact`, which is not needed any more.
 	void release(btISTContact& contact);
 
 	int count() const { return int(m_helpers.size()) + 1; }
-	/// What was shared in the last step, or in the one in progress; `step` of the store.
+	/// Shared queries of the last step, or of the step in progress. `step` is the step of the store.
 	btISTSharedQueries shared(uint64_t step) const { return m_step + 1 >= step ? m_shared : btISTSharedQueries(); }
 
 private:
 	enum State
 	{
-		Open,  ///< nobody's, or being answered
+		Open,  ///< free, or being computed
 		Answered,
-		Closed  ///< taken, or given up
+		Closed  ///< taken, or abandoned
 	};
 	struct Answer
 	{
@@ -73,17 +73,17 @@ private:
 	void loop(Helper& helper);
 	void help(Helper& helper);
 
-	std::vector<std::unique_ptr<Answer>> m_answers;  ///< the first m_count are of this pass, the longest first
+	std::vector<std::unique_ptr<Answer>> m_answers;  ///< the first m_count belong to this pass, the largest query first
 	std::vector<std::pair<int64_t, btISTContact*>> m_wanted;
 	int m_count = 0;
-	uint64_t m_pass = 1, m_step = 0;  ///< of the store, in which the pass began
-	btISTQueryRules m_rules;          ///< of this pass
+	uint64_t m_pass = 1, m_step = 0;  ///< m_step: step of the store in which the pass began
+	btISTQueryRules m_rules;          ///< rules of this pass
 	bool m_timed = false, m_damping = false;
 	btISTSharedQueries m_shared;
-	std::vector<double> m_ends;  ///< of the threads, as if they were never interrupted [us]
-	double m_spin;               ///< [us]
+	std::vector<double> m_ends;  ///< times at which the threads would end if they were never interrupted [us]
+	double m_spin;               ///< time for which a thread spins before it sleeps [us]
 	std::atomic<int> m_next{0};
 	std::atomic<bool> m_open{false}, m_stop{false};
 	std::atomic<uint32_t> m_turn{0};
-	std::vector<std::unique_ptr<Helper>> m_helpers;  ///< last: all above is there when their threads begin
+	std::vector<std::unique_ptr<Helper>> m_helpers;  ///< declared last: everything above exists when their threads begin
 };

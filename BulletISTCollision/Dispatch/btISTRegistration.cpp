@@ -11,21 +11,21 @@
 
 namespace
 {
-/// Why a new installation leaves the tables of a dispatcher alone; empty when it does not.
+/// The reason why a new installation leaves the tables of a dispatcher alone; empty if it does not.
 std::string refusalFor(const btCollisionDispatcher* dispatcher, bool hasAnotherRegistry)
 {
 	if (!dispatcher) return "there is no dispatcher to register with: contact stays Bullet's";
 	if (hasAnotherRegistry)
 		return "the dispatcher has a registration with another registry, which stays: shapes that are attached to yours are not volumetric "
 			   "there; attach them to the registry of the first registration, or pass that one";
-	// Its scheduler may get its threads at any later time.
+	// Any dispatcher of this class is refused, because its scheduler may get threads at any later time.
 	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher))
 		return "the dispatcher may call algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
 			   "give the world a btCollisionDispatcher, and its queries threads of their own";
 	return {};
 }
 
-/// A function, so that objects with static lifetime may ask.
+/// A function in place of a constant, so that objects with static lifetime may call it.
 const std::string& released()
 {
 	static const std::string sentence =
@@ -36,7 +36,7 @@ const std::string& released()
 const btISTContactCache kDefaultContactCache;
 }  // namespace
 
-/// What a handle without a registration shows. It belongs to that handle alone and acts on nothing.
+/// Objects that a handle without a registration returns. They belong to that handle alone and have no effect.
 struct btISTRegistration::Unregistered
 {
 	btISTContactStore store;
@@ -200,7 +200,7 @@ std::optional<ist::Error> btISTRegistration::setVerletLists(int pairsOfBodies, i
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
 	constexpr int kMostMemories = 1024, kMostLeafPairs = 10000000;
-	constexpr int64_t kMostTogether = 200000000;  // some 3 GB
+	constexpr int64_t kMostTogether = 200000000;  // about 3 GB
 	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a memory"};
 	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a memory can have room for 1 to 10000000 pairs of leaves"};
 	if (int64_t(pairsOfBodies) * leafPairs > kMostTogether)
