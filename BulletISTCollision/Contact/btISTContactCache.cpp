@@ -16,7 +16,7 @@ namespace
 constexpr double kShareOfError = 0.5, kShareOfLength = 0.25;
 constexpr double kLeastTrust = 1.0 / 64, kRegain = 1.5;
 
-/// Of all leaves about the tree's origin [m].
+/// Radius that contains all leaves, about the tree's origin [m].
 double reachOf(const ist::BallTree& tree)
 {
 	double reach = 0;
@@ -31,10 +31,10 @@ double volumeOfB(const btISTContact& c) { return c.treeB ? c.treeB->volume : c.v
 
 double smallerVolume(const btISTContact& c) { return std::min(c.treeA->volume, volumeOfB(c)); }
 
-/// With k = 1.
+/// Force floor for k = 1.
 double floorOf(const btISTContact& c) { return ist::forceFloor(c.treeA->volume, volumeOfB(c)); }
 
-/// Of the law with k = 1.
+/// Weights of the pressure law, with k = 1.
 ist::PressurePair weightsOf(const btISTContact& c) { return {1, c.constants.weightA, c.constants.weightB}; }
 
 ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, weightsOf(c)).force; }
@@ -75,17 +75,17 @@ bool btISTCachedResult::isFar(const btISTContact& contact) const
 {
 	if (!(m_clearance > 0)) return false;
 	const ist::InnerSphereTree &A = *contact.treeA, *B = contact.treeB.get();
-	// Either body's points seen from the other: the smaller bound counts.
+	// Each body's motion is bounded in the frame of the other; the smaller bound counts.
 	double way = ist::farthestMotion(inverse(m_X_asked), inverse(contact.X_AB), A.origin, reachOf(A.law));
 	if (B) way = std::min(way, ist::farthestMotion(m_X_asked, contact.X_AB, B->origin, reachOf(B->law)));
 	return way < m_clearance;
 }
 
-/// Moves the sums along; false when they do not say enough any more. `allowed`: change of the force, as a share of the reference, and
-/// angle.
+/// Moves the sums to first order. Returns false when they are not accurate enough any more. `allowed`: limit of the force change, as a
+/// share of the reference force, and of the rotation [rad].
 bool btISTCachedResult::follow(btISTContact& contact, double allowed)
 {
-	constexpr double kWorthLearning = 2;  // far beyond the bounds a first order says nothing about itself
+	constexpr double kWorthLearning = 2;  // far beyond the limits, the error of the first order is not measured
 	if (!(contact.total.volume > 0)) return false;
 	const ist::Vec3 &origin = contact.treeA->origin, centroid = contact.total.firstMoment / contact.total.volume;
 	const ist::Twist sinceAsked = ist::motionOfB(m_X_asked, contact.X_AB, origin + centroid);
@@ -102,7 +102,8 @@ bool btISTCachedResult::follow(btISTContact& contact, double allowed)
 	return used <= 1;
 }
 
-/// Of the forces of all patches since they were asked for, or of the torques over the size, added up; as a share of the reference.
+/// Sum over all patches of the force changes since the query, or of the torque changes divided by the size, as a share of the reference
+/// force. The larger of the two counts.
 double btISTCachedResult::change(const btISTContact& contact) const
 {
 	double force = 0, torque = 0;

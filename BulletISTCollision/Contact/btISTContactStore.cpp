@@ -12,12 +12,13 @@
 
 namespace
 {
-// Depth that the load may reach. Between 0.5 and 2 % of the size nothing was seen to fall through large ground; towers want the lower end.
+// Limits of the depth that the load may reach. Between 0.5 and 2 % of the size no body fell through large ground in tests; towers need a
+// smaller depth.
 constexpr double kLeastDepthPerSize = 1e-3, kMostDepthPerSize = 5e-3;
-constexpr double kMostDepthPerThickness = 0.05;  // a sheet of 1 mm stays a sheet
+constexpr double kMostDepthPerThickness = 0.05;  // keeps a sheet of 1 mm from being compressed
 constexpr double kWaterDensity = 1000;           // [kg/m^3]
 
-/// Of all links that can move: any one of them may carry the others.
+/// Mass of all links that can move, because any one of them may carry the others.
 double massOf(const btMultiBody& multiBody)
 {
 	double mass = multiBody.isBaseStaticOrKinematic() ? 0 : double(multiBody.getBaseMass());
@@ -25,7 +26,7 @@ double massOf(const btMultiBody& multiBody)
 	return mass;
 }
 
-/// Zero for whatever the solver cannot move.
+/// Mass of an object; zero if the solver cannot move it.
 double dynamicMass(const btCollisionObject* object)
 {
 	if (const auto* link = object ? btMultiBodyLinkCollider::upcast(object) : nullptr)
@@ -35,7 +36,7 @@ double dynamicMass(const btCollisionObject* object)
 	return 1.0 / double(body->getInvMass());
 }
 
-/// Magnitude of the body's own gravity, or `otherwise` where it has none [m/s^2].
+/// Magnitude of the body's own gravity, or `otherwise` if it has none [m/s^2].
 double gravityOf(const btCollisionObject* object, double otherwise)
 {
 	const btRigidBody* body = object ? btRigidBody::upcast(object) : nullptr;

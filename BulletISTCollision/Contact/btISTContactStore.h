@@ -20,41 +20,42 @@ class btPersistentManifold;
 class btISTVerletList;
 struct btISTContact;
 
-/// What decided the stiffness k of a pair.
+/// Origin of the stiffness k of a pair.
 enum class btISTStiffnessRule
 {
-	Given,     ///< a material, a fluid, or a rule of the caller; the solver leaves it as it is
+	Given,     ///< a material, a fluid, or a rule of the caller; the solver does not change it
 	OwnLoad,   ///< the weight of the heavier of the two bodies
-	PileLoad,  ///< the weight of all bodies that hang together with the two through contacts
-	StepBound  ///< the stiffest that a step of this length can bear (docs/stability.md); the load asks for more
+	PileLoad,  ///< the weight of all bodies that are connected with the two through contacts
+	StepBound  ///< the largest stiffness that is stable at this time step (docs/stability.md); the load would need more
 };
 
 /// The constants of a pair in the pressure field law (ARCHITECTURE.md).
 struct btISTPairConstants
 {
 	double k = 1;                         ///< stiffness [Pa/m]
-	double weightA = 0.5, weightB = 0.5;  ///< of A's and of B's field; their sum is 1
-	double load = 0;     ///< force that k carries at the depth allowed; the solver raises it to the weight of a pile. 0: k was given [N]
-	double gravity = 0;  ///< where k follows from a load: the larger one that acts on the two bodies [m/s^2]
+	double weightA = 0.5, weightB = 0.5;  ///< weights of A's and of B's field; their sum is 1
+	double load = 0;     ///< force that k carries at the allowed depth [N]; the solver raises it to the weight of a pile; 0: k was given
+	double gravity = 0;  ///< if k follows from a load: the larger gravity of the two bodies [m/s^2]
 	btISTStiffnessRule rule = btISTStiffnessRule::Given;
 	double dissipation = 5;  ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
 };
 
-/// What the solver remembers of a pair from step to step while it overlaps.
+/// State that the solver keeps for a pair from step to step while it overlaps.
 struct btISTContactEnergyTank
 {
 	static constexpr int kMaxPatches = btISTCachedResult::kMaxPatches;
 
 	bool open = false;                  ///< false until the first solve of an overlap
 	double stored = 0;                  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
-	ist::Vec3 direction;                ///< of the force on A when it last had one direction, World; zero before
-	ist::Wrench friction[kMaxPatches];  ///< of the last step, on A, World, about the patch: where the next one begins to look [N, N m]
+	ist::Vec3 direction;                ///< direction of the force on A when it last had one direction, World axes; zero before
+	ist::Wrench friction[kMaxPatches];  ///< friction of the last step on A, World axes, about the patch: the solver's next initial guess
+										///< [N, N m]
 };
 
-/// What the impulses of a contact did to the motion of its two bodies together in the last step [J].
+/// Work that the impulses of a contact did on its two bodies together in the last step [J].
 struct btISTContactWork
 {
-	bool acted = false;  ///< false: not solved as volumetric contact of rigid bodies
+	bool acted = false;  ///< false: the solver did not treat it as volumetric contact of rigid bodies
 	double elastic = 0, damping = 0, friction = 0;
 };
 
@@ -63,21 +64,22 @@ class btISTPairRule
 {
 public:
 	virtual ~btISTPairRule() = default;
-	/// A and B in the order of the manifold. `contact` has its trees and its integrals.
+	/// A and B are in the order of the manifold. `contact` has its trees and its integrals.
 	virtual btISTPairConstants decide(
 		const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
 };
 
-/// For bodies without materials (rules (a) and (d) of btContactMaterialTable): under its weight the heavier dynamic body, on the square of
-/// the smaller body's size, sinks by the sum of the mean surface gaps, but by at least 0.1 % and at most 0.5 % of that size. Size: cube
-/// root of the volume. A sheet is thinner than its size, so nothing sinks by more than a twentieth of the thinner body's thickness
-/// (ist::thicknessOf). Weights 1/2, or all on a half-space. A body weighs its mass times its own gravity (btRigidBody::getGravity), or
-/// times `gravity` where it has none. Where neither body can move, the load is the smaller one made of water. Dissipation: 5 s/m, so that
-/// nothing leaves contact faster than 0.2 m/s and half of the speed comes back at 0.3 m/s.
+/// The rule for bodies without materials (rules (a) and (d) of btContactMaterialTable). The stiffness follows from a depth. The heavier
+/// dynamic body, resting with its weight on the square of the smaller body's size, sinks in by the sum of the mean surface gaps. The
+/// depth is at least 0.1 % and at most 0.5 % of that size, where size is the cube root of the volume. A sheet is thinner than its size,
+/// so the depth is also at most a twentieth of the thinner body's thickness (ist::thicknessOf).
+/// Weights are 1/2 each; on a half-space its field has all the weight. A body weighs its mass times its own gravity
+/// (btRigidBody::getGravity), or times `gravity` if it has none. If neither body can move, the load is the smaller body's weight in
+/// water's density. Dissipation is 5 s/m: no body leaves contact faster than 0.2 m/s, and half of the speed comes back at 0.3 m/s.
 class btISTDefaultPairRule : public btISTPairRule
 {
 public:
-	/// Of bodies that have no gravity of their own [m/s^2].
+	/// `gravity`: gravity for bodies that have none of their own [m/s^2].
 	explicit btISTDefaultPairRule(double gravity = 9.81) : m_gravity(gravity) {}
 	btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const override;
 
@@ -85,8 +87,8 @@ private:
 	double m_gravity;  // magnitude [m/s^2]
 };
 
-/// What one pair of shapes has to say in one step. A and B are in the order of the manifold; everything is in A's mesh frame
-/// unless said otherwise. B has no tree when it is one of Bullet's shapes in closed form, a half-space among them.
+/// The contact of one pair of shapes in one step. A and B are in the order of the manifold. All quantities are in A's mesh frame unless
+/// their comment says otherwise. B has no tree if it is one of Bullet's shapes in closed form; a half-space is one of them.
 struct btISTContact
 {
 	static constexpr int kMaxPatches = btISTContactEnergyTank::kMaxPatches;
@@ -94,45 +96,47 @@ struct btISTContact
 	const btPersistentManifold* manifold = nullptr;
 	const btCollisionObject* bodyA = nullptr;
 	const btCollisionObject* bodyB = nullptr;
-	const btCollisionShape* shapeA = nullptr;  ///< of the child, in a compound; may be gone once its tree is detached
+	const btCollisionShape* shapeA = nullptr;  ///< in a compound, the shape of the child; may be deleted once its tree is detached
 	const btCollisionShape* shapeB = nullptr;
 	std::shared_ptr<const ist::InnerSphereTree> treeA, treeB;
 	bool halfSpace = false;
-	double volumeB = std::numeric_limits<double>::infinity();  ///< of a B without a tree [m^3]; infinite for a half-space
+	double volumeB = std::numeric_limits<double>::infinity();  ///< volume of a B without a tree [m^3]; infinite for a half-space
 
-	ist::Pose X_WA;                                  ///< of A's mesh frame, which is the frame of its shape (of the child, in a compound)
-	ist::Pose X_AB;                                  ///< of B's shape in A's: where the sums are those of
-	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< other than Ok: no overlap is claimed, and the sums are zero
+	ist::Pose X_WA;                                  ///< pose of A's mesh frame, which is the frame of its shape (in a compound, the
+													 ///< child's)
+	ist::Pose X_AB;                                  ///< pose of B's shape in A's, to which the sums belong
+	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< if not Ok, no overlap is claimed and the sums are zero
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];
 	int patchCount = 0;
-	int level = 0;           ///< of the trees that answered
-	double leafDensity = 0;  ///< of these trees (PressureField.h) [1/m^3]
+	int level = 0;           ///< level of the trees that answered
+	double leafDensity = 0;  ///< leaf density of this level (PressureField.h) [1/m^3]
 	ist::OverlapError error;
-	double depth = 0;             ///< of the deepest patch, volume over area [m]
+	double depth = 0;             ///< depth of the deepest patch, volume over area [m]
 	double deepest = 0;           ///< largest `depth` since the pair began [m]
-	ist::AdaptiveLevel accuracy;  ///< of two trees, where a force error is accepted (btISTRegistration::setForceError); blank otherwise
+	ist::AdaptiveLevel accuracy;  ///< state of two trees with a force tolerance (btISTRegistration::setForceError); otherwise default
 	btISTPairConstants constants;
-	uint64_t stamp = 0;  ///< btISTContactStore::step() when it was filled. An older stamp is stale: the pair sleeps
+	uint64_t stamp = 0;  ///< btISTContactStore::step() of the last update; if it is older than the present step, the pair sleeps
 
-	/// Written by the solver: impulse on A per patch, World axes, moment about the patch's centroid [N s, N m s].
+	/// Impulse on A per patch, written by the solver. World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
-	double normalImpulse = 0;  ///< their normal parts, added up [N s]
-	double pressed = 0;        ///< written by the solver: mean of the normal force over the last ten steps or so [N]
+	double normalImpulse = 0;  ///< sum of their normal components [N s]
+	double pressed = 0;        ///< mean of the normal force over about the last ten steps [N], written by the solver
 	btISTContactWork work;     ///< written by the solver
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
 	double thickness() const;
-	btISTContactEnergyTank tank;  ///< blank again as soon as the pair has parted
+	btISTContactEnergyTank tank;  ///< reset as soon as the pair has parted
 
-	bool canPrefetch = false;                 ///< the shapes are where their bodies are, and not children of a compound
-	uint64_t detectionPass = 0;               ///< of collision detection, in which it was last met; counted where threads share queries
-	int prefetchSlot = -1;                    ///< where threads that share queries have its answer
-	std::shared_ptr<btISTVerletList> memory;  ///< of its pairs of leaves; null: none (btISTRegistration::setVerletLists)
+	bool canPrefetch = false;                 ///< true if the shapes are the bodies' own, not children of a compound
+	uint64_t detectionPass = 0;               ///< collision detection pass in which the pair came last; counted only while threads share
+											  ///< queries
+	int prefetchSlot = -1;                    ///< place of its prefetched result while threads share queries
+	std::shared_ptr<btISTVerletList> memory;  ///< its Verlet list of leaf pairs; null: none (btISTRegistration::setVerletLists)
 
-	/// How the sums came about: see btISTContactCache. What was kept has followed the motion to first order.
+	/// Origin of the sums: a query or the contact cache (btISTContactCache). A cached result has followed the motion to first order.
 	btISTCachedResult::Use use = btISTCachedResult::Ask;
-	btISTQueryCost cost;  ///< since the pair began
+	btISTQueryCost cost;  ///< cost since the pair began
 	btISTCachedResult kept;
 };
 
@@ -145,43 +149,42 @@ public:
 	btISTContactStore(const btISTContactStore&) = delete;
 	btISTContactStore& operator=(const btISTContactStore&) = delete;
 
-	/// Null when the manifold is not ours. Never allocates.
+	/// The contact of a manifold; null if the manifold is not ours. Never allocates.
 	btISTContact* find(const btPersistentManifold* manifold);
 	const btISTContact* find(const btPersistentManifold* manifold) const;
 
-	/// A blank entry from the pool; its address stays until `release`.
+	/// Takes an empty entry from the pool. Its address stays valid until `release`.
 	btISTContact* acquire(const btPersistentManifold* manifold);
 	void release(const btPersistentManifold* manifold);
 
-	/// In no particular order; separated pairs among them (patchCount 0).
+	/// All contacts in no particular order, separated pairs (patchCount 0) included.
 	const std::vector<btISTContact*>& contacts() const { return m_active; }
 
-	/// Number of the step in progress; a solver calls `nextStep` when it is done.
+	/// Number of the step in progress. A solver calls `nextStep` at its end.
 	uint64_t step() const { return m_step; }
 	void nextStep() { ++m_step; }
 
-	/// Whether the sums of respond-mode pairs have their damping (ist::QueryOptions::damping) where the pair has a dissipation: for a
-	/// solver that uses it.
+	/// If on, respond-mode pairs with a dissipation also sum their damping (ist::QueryOptions::damping). A solver that uses it switches
+	/// it on.
 	void sumDamping(bool on) { m_sumsDamping = on; }
 	bool sumsDamping() const { return m_sumsDamping; }
 
-	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]; counted only when switched on,
-	/// for two readings of the clock a pair.
-	/// Also counted in each pair's `cost`.
+	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]. It is counted only when switched on, because
+	/// it costs two readings of the clock per pair. It is also counted in each pair's `cost`.
 	void measureQueryTime(bool on) { m_measures = on; }
 	bool measuresQueryTime() const { return m_measures; }
 	void addQueryTime(double seconds) { m_querySeconds += seconds; }
 	void resetQueryTime() { m_querySeconds = 0; }
 	double querySeconds() const { return m_querySeconds; }
 
-	/// Of all respond-mode pairs since the store was made or `resetCost`, those that are gone among them.
+	/// Cost of all respond-mode pairs, former ones included, since the store was made or since `resetCost`.
 	const btISTQueryCost& cost() const { return m_cost; }
 	void resetCost() { m_cost = btISTQueryCost(); }
-	/// After a step of a pair; `result` is null when it was kept.
+	/// Counts one step of a pair; `result` is null when the cached result was reused.
 	void count(btISTContact& contact, const ist::OverlapResult* result, double seconds);
 
 private:
-	std::unordered_map<const btPersistentManifold*, size_t> m_index;  // into m_active
+	std::unordered_map<const btPersistentManifold*, size_t> m_index;  // index in m_active
 	std::vector<btISTContact*> m_active, m_free;
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
 	uint64_t m_step = 1;

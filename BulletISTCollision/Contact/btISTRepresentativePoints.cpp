@@ -12,13 +12,13 @@
 
 namespace
 {
-// Points deeper than 0.04 (btContactSolverInfo::m_splitImpulsePenetrationThreshold) are taken out of the velocity solve, and a
+// Points deeper than 0.04 m (btContactSolverInfo::m_splitImpulsePenetrationThreshold) are taken out of Bullet's velocity solve, and a
 // heavy body then falls through. Deeper contact is written with this distance and the stiffness that gives the same force.
 constexpr double kDeepestDistance = 0.03;  // [m]
-// Patches that push within this angle of each other become one group; four points of one normal ignore 6 % of the force at most.
+// Patches whose forces differ by less than this angle become one group. Then four points of one normal lose 6 % of the force at most.
 const double kSameDirection = std::cos(20 * M_PI / 180);
 
-/// Patches that push in about the same direction, A's mesh frame.
+/// Patches that push in about the same direction. A's mesh frame.
 struct PatchGroup
 {
 	ist::OverlapIntegrals sums;
@@ -91,7 +91,7 @@ private:
 	int m_count = 0;
 };
 
-/// A group seen from its own plane: centre, normal, in-plane axes, second moments of the overlap in them; A's mesh frame.
+/// A group described in its own plane: centre, normal, in-plane axes, and second moments of the overlap. A's mesh frame.
 struct GroupPlane
 {
 	ist::Vec3 center, normal, t1, t2;
@@ -121,7 +121,7 @@ struct GroupPlane
 		const ist::SymmetricMatrix6 K = ist::pressureStiffness(g.sums, pair);
 		for (int i = 0; i < 3; ++i)
 			for (int j = 0; j < 3; ++j) stiffness += normal[i] * K(i, j) * normal[j];
-		// Deep contact may soften; a point needs a spring all the same.
+		// Deep contact may soften, but a point needs a positive stiffness.
 		const double least = 0.1 * pair.stiffness * ist::norm(g.sums.areaVector);
 		if (!(stiffness > least)) stiffness = least;
 	}
@@ -137,9 +137,9 @@ void append(btISTRepresentativePoints& out, const GroupPlane& g, const ist::Pose
 	p.stiffness = stiffness;
 }
 
-// Four points at the centre +- the columns of S, S S^T = 2 covariance, a quarter of the stiffness each: total, first and second
-// moments are exact. The symmetric root, rather than principal axes, does not spin when the
-// overlap is nearly isotropic. Forces: the quarter plus the antisymmetric part that makes the moment, never negative.
+// Four points at the centre +- the columns of S, where S S^T = 2 covariance. Each has a quarter of the stiffness, so total, first and
+// second moments are exact. S is the symmetric root; principal axes would spin when the overlap is nearly isotropic. The forces are a
+// quarter each plus the antisymmetric part that makes the moment; they are never negative.
 void appendFour(btISTRepresentativePoints& out, const GroupPlane& g, const ist::Pose& X_WA)
 {
 	const double root = std::sqrt(std::max(g.xx * g.yy - g.xy * g.xy, 0.0));
@@ -163,7 +163,7 @@ void appendFour(btISTRepresentativePoints& out, const GroupPlane& g, const ist::
 	append(out, g, X_WA, -x2, -y2, quarter - f2, g.stiffness / 4);
 }
 
-// Two points on the longer principal axis; the moment about the other one is lost.
+// Two points on the longer principal axis. The moment about the other axis is lost.
 void appendTwo(btISTRepresentativePoints& out, const GroupPlane& g, const ist::Pose& X_WA)
 {
 	const double mean = (g.xx + g.yy) / 2, half = (g.xx - g.yy) / 2;
@@ -176,7 +176,7 @@ void appendTwo(btISTRepresentativePoints& out, const GroupPlane& g, const ist::P
 	append(out, g, X_WA, -x, -y, g.force / 2 - f, g.stiffness / 2);
 }
 
-// Beyond the medial axis the field's force vanishes while the bodies still overlap: a contact test must say so all the same.
+// Beyond the medial axis the field's force vanishes while the bodies still overlap. A contact test must report the overlap all the same.
 void appendTouch(btISTRepresentativePoints& out, const btISTContact& contact)
 {
 	ist::Vec3 normal = ist::normalized(contact.total.areaVector);
@@ -190,13 +190,13 @@ void appendTouch(btISTRepresentativePoints& out, const btISTContact& contact)
 
 bool isGhost(const btCollisionObject* object) { return (object->getInternalType() & btCollisionObject::CO_GHOST_OBJECT) != 0; }
 
-/// Bullet's point for `p`; the positions on both bodies lie half the depth to either side.
+/// Bullet's point for `p`. The positions on the two bodies lie half the depth to either side.
 btManifoldPoint manifoldPoint(
 	const btISTRepresentativePoint& p, double dissipation, const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB)
 {
 	const btCollisionObject* a = wrapA->getCollisionObject();
 	const btCollisionObject* b = wrapB->getCollisionObject();
-	// Whoever moves a ghost, as a character's controller does, needs the whole depth.
+	// Code that moves a ghost, such as a character controller, needs the whole depth.
 	const double depth = isGhost(a) || isGhost(b) ? p.depth() : std::min(p.depth(), kDeepestDistance);
 	const btVector3 onA = toBullet(p.position - (depth / 2) * p.normal), onB = toBullet(p.position + (depth / 2) * p.normal);
 	btManifoldPoint m(a->getWorldTransform().invXform(onA), b->getWorldTransform().invXform(onB), toBullet(p.normal), btScalar(-depth));
@@ -217,7 +217,7 @@ btManifoldPoint manifoldPoint(
 	return m;
 }
 
-/// For each point of the manifold the nearest new one that is still free, or -1.
+/// Matches each point of the manifold with the nearest new point that is still free, or with -1.
 void matchPoints(const btPersistentManifold& manifold, const btManifoldPoint* points, int count, int (&slotOf)[MANIFOLD_CACHE_SIZE])
 {
 	bool taken[MANIFOLD_CACHE_SIZE] = {};
@@ -252,7 +252,7 @@ void announceAdded(btPersistentManifold& manifold, int slot, const btCollisionOb
 
 btISTRepresentativePoints::btISTRepresentativePoints(const btISTContact& contact)
 {
-	// Most pairs do not touch, and groups are large.
+	// Returns early, because most pairs do not touch and groups are large objects.
 	if (!(contact.total.volume > 0)) return;
 	const PatchGroups groups(contact);
 	for (int i = 0; i < groups.count(); ++i)
@@ -265,7 +265,8 @@ btISTRepresentativePoints::btISTRepresentativePoints(const btISTContact& contact
 	if (count == 0) appendTouch(*this, contact);
 }
 
-// In place: clearing would tell games that contact ended and began again, and would lose warm starting and their own pointers.
+// The manifold is updated in place. Clearing it would signal the end and a new begin of the contact, and lose warm starting and user
+// pointers.
 void btISTRepresentativePoints::write(
 	btPersistentManifold& manifold, double dissipation, const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB) const
 {
@@ -285,7 +286,7 @@ void btISTRepresentativePoints::write(
 		used[slotOf[i]] = true;
 		announceAdded(manifold, slotOf[i], wrapA, wrapB);
 	}
-	// From the back: removal moves the last point into the gap.
+	// Points are removed from the back, because removal moves the last point into the gap.
 	for (int slot = manifold.getNumContacts() - 1; slot >= 0; --slot)
 		if (!used[slot]) manifold.removeContactPoint(slot);
 	for (int i = 0; i < count; ++i)

@@ -9,7 +9,7 @@
 class btManifoldResult;
 struct btCollisionObjectWrapper;
 
-/// One point that stands for a share of the contact: World axes; `normal` points from B to A.
+/// A point that represents a share of the contact. World axes; `normal` points from B to A.
 struct btISTRepresentativePoint
 {
 	ist::Vec3 position, normal;
@@ -17,15 +17,15 @@ struct btISTRepresentativePoint
 	double depth() const { return force / stiffness; }
 };
 
-/// At most as many as one of Bullet's manifolds holds: what its own solver and contact tests see of a volumetric contact.
+/// The points of a volumetric contact that Bullet's own solver and contact tests see. There are at most as many as a manifold holds.
 struct btISTRepresentativePoints
 {
 	explicit btISTRepresentativePoints(const btISTContact& contact);
 
-	/// Into a manifold whose bodies are those of the wrappers, in this order. Keeps the points that are still there in their slots.
+	/// Writes the points into a manifold whose bodies are those of the wrappers, in this order. Points that persist keep their slots.
 	void write(btPersistentManifold& manifold, double dissipation, const btCollisionObjectWrapper* wrapA,
 		const btCollisionObjectWrapper* wrapB) const;
-	/// To a contact test, which collects points of its own.
+	/// Reports the points to a contact test, which collects points of its own.
 	void report(btManifoldResult& out) const;
 
 	btISTRepresentativePoint point[MANIFOLD_CACHE_SIZE];
