@@ -33,7 +33,7 @@ void btISTQueryRules::setForceErrorOf(const btCollisionObject* body, std::option
 	++m_version;
 }
 
-/// That the sums of `contact` should have; both zero: none.
+/// Weights of the damping that the sums of `contact` should include; both zero: no damping.
 ist::DampingWeights btISTPairQuery::dampingWeights(const btISTContact& contact) const
 {
 	const bool wanted = m_damping && contact.constants.dissipation > 0;
@@ -56,11 +56,11 @@ ist::OverlapResult btISTPairQuery::askTrees(btISTContact& contact, ist::QueryWor
 		pair = ist::AdaptiveLevel();
 		return ist::queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace, options, memory.get());
 	}
-	// What the leaves pressed until now fades out, too.
+	// The force of the leaves fades out, too, when a coarser level takes over.
 	if (pair.level < 0 && contact.patchCount > 0 && contact.level == 0) pair.level = 0;
 	ist::ForceTolerance accepted;
 	accepted.error = error;
-	accepted.weightA = contact.constants.weightA;  // of the last step
+	accepted.weightA = contact.constants.weightA;  // weight of the last step
 	accepted.weightB = contact.constants.weightB;
 	const ist::OverlapResult result = ist::queryAdaptive(
 		*contact.treeA, *contact.treeB, contact.X_AB, workspace, accepted, options, pair, memory.get());
@@ -76,7 +76,7 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 	{
 		const ist::OverlapResult result = askTrees(contact, workspace, options);
 		if (result.status != ist::QueryStatus::BudgetTooSmall) return result;
-		// Without an answer the two would pass through each other.
+		// Without an answer the bodies would pass through each other, so the coarsest level answers.
 		options.level = ist::levelCount(*contact.treeA, *contact.treeB);
 	}
 	options.maxPairs = -1;
@@ -86,12 +86,12 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 	contact.halfSpace = m_field.isHalfSpace();
 	ist::OverlapResult none;
 	none.status = ist::QueryStatus::InvalidPose;
-	if (!m_field.field()) return none;  // scaled to nothing since the pair was made
+	if (!m_field.field()) return none;  // the shape was scaled to nothing since the pair was made
 	contact.volumeB = m_field.field()->volume();
 	return ist::queryField(*contact.treeA, *m_field.field(), contact.X_AB * m_field.X_SF(), workspace, options);
 }
 
-/// Zero where there is none, or where a query is as cheap, or where balls answered that reach farther than the leaves.
+/// Clearance of the leaves. Zero if there is none, if a query is as cheap, or if a coarser level answered, whose balls reach farther.
 double btISTPairQuery::clearance(const ist::OverlapResult& result, btISTContact& contact) const
 {
 	constexpr int kMostOpened = 12;
@@ -124,7 +124,7 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 	const double begin = timed ? ist::steadyMicroseconds() : 0;
 	btISTQueryWork work;
 	const btISTCachedResult::Measures on = measures(contact);
-	const bool fading = contact.accuracy.fadedShare > 0;  // from one level into another
+	const bool fading = contact.accuracy.fadedShare > 0;  // fading from one level into another
 	const int before = contact.accuracy.level;
 	contact.use = m_responds && !fading ? contact.kept.use(contact, on, m_rules.version(), m_rules.contactCache) : btISTCachedResult::Ask;
 	work.asked = contact.use == btISTCachedResult::Ask;
@@ -135,7 +135,7 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 	}
 	if (work.asked && m_responds)
 	{
-		// Where the level has just changed, or begins to, the next query at the same pose may say something else.
+		// While the level changes, the next query at the same pose may give another result.
 		const bool settled = !fading && contact.accuracy.fadedShare == 0 && contact.accuracy.level == before;
 		if (m_rules.contactCache.on && settled)
 			contact.kept.keep(contact, on, m_rules.version(), clearance(work.result, contact), m_rules.contactCache);

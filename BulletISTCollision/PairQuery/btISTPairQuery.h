@@ -10,21 +10,21 @@
 #include <utility>
 #include <vector>
 
-/// How the pairs of a world are asked: the same for all of them within a step. Not installed.
+/// Settings of the queries of a world, equal for all pairs within a step. Not installed.
 class btISTQueryRules
 {
 public:
 	btISTContactCache contactCache;
 
 	const ist::QueryOptions& options() const { return m_options; }
-	/// Accepted of all pairs but those of bodies that have one of their own; 0: the leaves answer.
+	/// Force tolerance of all pairs except those of bodies with a tolerance of their own; 0: the leaves answer.
 	double forceError() const { return m_forceError; }
-	/// Accepted of a pair. O(bodies that have one of their own).
+	/// Force tolerance of a pair. O(bodies with a tolerance of their own).
 	double forceErrorOf(const btCollisionObject* a, const btCollisionObject* b) const;
-	/// Another one after every change but of the contact cache: no result of the former ones is kept.
+	/// Number that changes with every setting except the contact cache. Cached results of a former version are not reused.
 	uint64_t version() const { return m_version; }
 	void set(const ist::QueryOptions& options, double forceError);
-	/// Without a share, as all others again.
+	/// Sets the force tolerance of a body; without a share the body is treated as all others again.
 	void setForceErrorOf(const btCollisionObject* body, std::optional<double> share);
 
 private:
@@ -34,21 +34,22 @@ private:
 	uint64_t m_version = 0;
 };
 
-/// What an answer took. Not installed.
+/// Result and cost of one answer. Not installed.
 struct btISTQueryWork
 {
-	bool asked = false;         ///< false: the sums were kept
-	ist::OverlapResult result;  ///< when asked: its counts; its patches are not to be used
-	double seconds = 0;         ///< when timed
+	bool asked = false;         ///< false: the cached result was reused
+	ist::OverlapResult result;  ///< counts of the query, if asked; the patches are not valid
+	double seconds = 0;         ///< time of the answer, if timed [s]
 };
 
-/// The sums of one contact at its X_AB, kept or asked for. Reads and writes nothing but the contact and the workspace, so that several can
-/// be answered side by side, each with a workspace of its own. Allocates on the first query with larger trees, never after. Not installed.
+/// Computes the sums of one contact at its X_AB, by a query or from the cached result. It reads and writes only the contact and the
+/// workspace, so several contacts can be computed in parallel, each with its own workspace. It allocates only on the first query with
+/// larger trees. Not installed.
 class btISTPairQuery
 {
 public:
-	/// `field`: B's shape where it has no tree. `responds`: the contact remembers from step to step. `damping`: sums are to have theirs,
-	/// where the pair has a dissipation. All outlive this.
+	/// `field`: B's shape if B has no tree. `responds`: the contact keeps state from step to step. `damping`: the sums include damping if
+	/// the pair has a dissipation. `field` and `rules` must outlive this object.
 	btISTPairQuery(const btISTShapeField& field, const btISTQueryRules& rules, bool responds, bool damping)
 		: m_field(field),
 		  m_rules(rules),
@@ -56,9 +57,9 @@ public:
 		  m_damping(damping)
 	{}
 	btISTQueryWork answer(btISTContact& contact, ist::QueryWorkspace& workspace, bool timed) const;
-	/// All that `answer` may have written. What else a contact has is its owner's, who may have gone on since.
+	/// Copies all that `answer` may have written. The other members belong to the contact's owner, who may have changed them since.
 	static void copyAnswer(const btISTContact& from, btISTContact& to);
-	/// Whether the sums were asked for with other weights than the pair has now.
+	/// Whether the sums were computed with other weights than the pair has now.
 	bool lacksDamping(const btISTContact& contact) const;
 
 private:

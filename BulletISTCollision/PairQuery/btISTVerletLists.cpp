@@ -7,7 +7,7 @@
 
 namespace
 {
-/// Pairs of leaves from which on a memory is worth its own cost: some microseconds of search.
+/// Number of leaf pairs from which on a list is worth its own cost (some microseconds of traversal).
 constexpr int64_t kWorthRemembering = 100;
 }  // namespace
 
@@ -20,7 +20,7 @@ void btISTVerletLists::assign(btISTContact& contact) const
 {
 	if (contact.total.pairs == 0 || !contact.treeB) return contact.memory.reset();
 	if (contact.memory || contact.total.pairs < kWorthRemembering) return;
-	// Copies of contacts that threads answer hold it, too: what nobody but this list holds, nobody asks with.
+	// Copies of contacts that other threads answer hold the list, too. A list that only m_all holds is not in use.
 	const auto free = std::find_if(m_all.begin(), m_all.end(), [](const auto& memory) { return memory.use_count() == 1; });
 	if (free == m_all.end()) return;
 	const btISTVerletList::Loan mine(free->get());

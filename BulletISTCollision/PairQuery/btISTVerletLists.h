@@ -9,14 +9,14 @@
 
 struct btISTContact;
 
-/// Of one pair of bodies, for as long as its contact holds it. A thread that was late may still be asking with it while the owner asks
-/// again: one of them has it, the other does without. Not installed.
+/// Verlet list of one pair of bodies, for as long as its contact holds it. A late thread may still query with it while the owner repeats
+/// the query. Then one of them has the list, and the other works without. Not installed.
 class btISTVerletList
 {
 public:
 	explicit btISTVerletList(int leafPairs) : m_pairs(leafPairs) {}
 
-	/// Mine until it goes; null where another has it, or where there is none.
+	/// Exclusive use of a list until destruction; null if another thread uses it or if there is none.
 	class Loan
 	{
 	public:
@@ -40,13 +40,13 @@ private:
 	std::atomic<bool> m_lent{false};
 };
 
-/// A fixed number of memories for the pairs of a world, first come, first served: a pair of two trees has one from the step after
-/// they met in many pairs until they part. Not installed.
+/// A fixed number of Verlet lists for the pairs of a world, first come, first served. A pair of two trees has a list from the step after
+/// they met in many leaf pairs until they part. Not installed.
 class btISTVerletLists
 {
 public:
 	btISTVerletLists(int count, int leafPairs);
-	/// For the step after this one, once the pair was asked. The owner's thread alone; no allocation.
+	/// Assigns or releases the contact's list for the next step; call it after the query. Owner's thread only; no allocation.
 	void assign(btISTContact& contact) const;
 	int count() const { return int(m_all.size()); }
 
