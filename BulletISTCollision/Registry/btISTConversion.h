@@ -6,7 +6,7 @@
 
 #include "LinearMath/btTransform.h"
 
-// Between Bullet's types and ours, which are double in both precisions of Bullet. Not installed.
+// Conversions between Bullet's types and ours, which are double in both precisions of Bullet. Not installed.
 
 inline ist::Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
 inline btVector3 toBullet(const ist::Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
@@ -27,8 +27,8 @@ inline ist::Pose toPose(const btTransform& t)
 	return X;
 }
 
-/// Of a body or shape. Games turn bodies by products of matrices, and engines hand out matrices of their own: where the axes have drifted
-/// from unit length and right angles they are put right, up to 5 %. Beyond that the pose comes as it is, and is not rigid.
+/// Pose of a body or shape. Games rotate bodies by products of matrices, and engines pass matrices of their own. Axes that have drifted
+/// up to 5 % from unit length and right angles are corrected. Beyond that the pose is returned as it is, and is not rigid.
 inline ist::Pose toRigidPose(const btTransform& t)
 {
 	ist::Pose X = toPose(t);

@@ -11,7 +11,7 @@
 
 namespace
 {
-constexpr btScalar kHysteresis = btScalar(0.05);  // of the longest side
+constexpr btScalar kHysteresis = btScalar(0.05);  // share of the longest side
 }
 
 btISTPairFilter::Pair btISTPairFilter::sorted(const btCollisionObject* a, const btCollisionObject* b)

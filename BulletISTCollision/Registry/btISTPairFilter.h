@@ -13,33 +13,33 @@
 class btCollisionObject;
 struct btCollisionObjectWrapper;
 
-/// Which pairs, and which part of the world, deserve volumetric contact; to begin with all of it. Everything else is Bullet's, trees or no
-/// trees. A change takes effect in the next step in which Bullet looks at the pair: it changes hands with its contact points, so that
-/// nothing is lost or counted twice. Between steps only; one owner thread, that of the world.
+/// Filter that says which pairs, and which part of the world, have volumetric contact; by default all. Bullet handles all other pairs,
+/// with or without trees. A change takes effect in the next step in which Bullet processes the pair. The contact points change hands with
+/// the pair, so that none is lost or counted twice. Between steps only; one owner thread, the world's.
 class btISTPairFilter
 {
 public:
-	/// From the first call on only the pairs named here, in any order of the two, are volumetric. Unwatch a pair before one of the
-	/// two is deleted: its address may be given to a new one.
+	/// From the first call on, only the pairs named here are volumetric. The order of the two objects does not matter. Remove a pair
+	/// before one of the two is deleted, because its address may be given to a new object.
 	void addPair(const btCollisionObject* a, const btCollisionObject* b);
-	/// Without any pair left nothing is volumetric, until `acceptAllPairs`.
+	/// After the last pair is removed, no pair is volumetric until `acceptAllPairs`.
 	void removePair(const btCollisionObject* a, const btCollisionObject* b);
 	void acceptAllPairs();
 
-	/// Only pairs that can meet inside of this box (World) are volumetric: those whose bounding boxes share a point of it. Such a pair
-	/// stays so until what its bounding boxes share has left the box enlarged by a twentieth of its longest side to every side. Refused
-	/// when not finite or turned inside out.
+	/// Only pairs that can meet inside this box (World) are volumetric: those whose bounding boxes share a point of it. Such a pair stays
+	/// volumetric until the intersection of its bounding boxes has left the enlarged box. Enlarged means by a twentieth of the longest
+	/// side on every side. Refused if the corners are not finite or `lower` exceeds `upper`.
 	std::optional<ist::Error> setRegion(const btVector3& lower, const btVector3& upper);
 	void clearRegion() { m_hasRegion = false; }
 
-	/// As far as pairs were named. O(log pairs), no allocation.
+	/// Whether the named pairs include this pair. O(log pairs), no allocation.
 	bool acceptsPair(const btCollisionObject* a, const btCollisionObject* b) const;
-	/// As far as the region goes: `lower` and `upper` corners of the bounding boxes of both (World).
+	/// Whether the region includes the pair. `lower` and `upper` are the corners of the bounding boxes of both (World).
 	bool acceptsBoxes(const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const;
-	/// `was`: it is volumetric now. O(log pairs), no allocation.
+	/// Whether the pair is to be volumetric. `was`: it is volumetric now. O(log pairs), no allocation.
 	bool covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
 
-	// Former names, until 0.4.
+	// Former names, kept until 0.4.
 	[[deprecated("since 0.3: addPair")]] void watchPair(const btCollisionObject* a, const btCollisionObject* b) { addPair(a, b); }
 	[[deprecated("since 0.3: removePair")]] void unwatchPair(const btCollisionObject* a, const btCollisionObject* b) { removePair(a, b); }
 	[[deprecated("since 0.3: acceptAllPairs")]] void watchAllPairs() { acceptAllPairs(); }

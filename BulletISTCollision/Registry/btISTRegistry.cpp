@@ -16,21 +16,21 @@ struct btISTAttachment::Table
 	struct Entry
 	{
 		std::shared_ptr<const ist::InnerSphereTree> tree;
-		btVector3 scaling;  // of the shape that it speaks for
+		btVector3 scaling;  // scaling of the shape for which the tree is valid
 	};
 
 	std::unordered_map<const btCollisionShape*, Entry> trees;
 	std::vector<std::weak_ptr<btISTRegistryListener>> listeners;
 	bool keepsLevels = false;
 	uint64_t version = 0;
-	/// Trees as they came, and the copies with levels that stand for them.
+	/// A tree as it was attached, and its copy with levels.
 	struct Levelled
 	{
 		std::weak_ptr<const ist::InnerSphereTree> plain, levelled;
 	};
 	std::vector<Levelled> copies;
 
-	/// `tree`, with levels where they are kept. Trees that are shared stay shared.
+	/// Returns `tree`, with levels if they are required. Trees that are shared stay shared.
 	std::shared_ptr<const ist::InnerSphereTree> withLevels(std::shared_ptr<const ist::InnerSphereTree> tree)
 	{
 		if (!keepsLevels || ist::hasLevels(*tree)) return tree;
@@ -57,10 +57,10 @@ struct btISTAttachment::Table
 
 namespace
 {
-// A scaling is set by the user or read from a file, never computed by Bullet, so rounding is all that has to be forgiven.
+// A scaling is set by the user or read from a file, never computed by Bullet. So this tolerance covers rounding only.
 constexpr double kScalingTolerance = 1e-6;
 
-/// Empty when `shape` may carry `tree`.
+/// The reason why `shape` cannot carry `tree`; empty if it can.
 std::string refusal(const btCollisionShape* shape, const ist::InnerSphereTree* tree, bool scaled)
 {
 	if (!shape) return "cannot attach a tree to a null shape";

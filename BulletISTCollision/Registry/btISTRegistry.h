@@ -11,7 +11,7 @@
 class btCollisionShape;
 class btVector3;
 
-/// Told after a shape has gained or lost its tree, so that algorithms that were chosen before can be thrown away.
+/// Listener that is called after a shape has gained or lost its tree, so that algorithms that were chosen before can be destroyed.
 class btISTRegistryListener
 {
 public:
@@ -19,8 +19,8 @@ public:
 	virtual void treeChanged(const btCollisionShape* shape) = 0;
 };
 
-/// Keeps a shape's tree attached for as long as it lives. Destroy it before the shape: the address of a deleted shape may be
-/// given to a new one. May outlive the registry and the world. Move-only.
+/// Keeps a tree attached to a shape during its lifetime. Destroy it before the shape, because the address of a deleted shape may be given
+/// to a new one. It may outlive the registry and the world. Move-only.
 class btISTAttachment
 {
 public:
@@ -31,7 +31,7 @@ public:
 
 	bool isAttached() const { return m_shape != nullptr; }
 	const btCollisionShape* shape() const { return m_shape; }
-	/// What the destructor does.
+	/// Does what the destructor does.
 	void detach();
 
 private:
@@ -43,8 +43,8 @@ private:
 	const btCollisionShape* m_shape = nullptr;
 };
 
-/// Which shapes speak through which trees. The key is the shape's address, so that the children of compounds work, and shared
-/// shapes share a tree. The frame of the shape is the mesh frame of the tree. One owner thread: that of the world.
+/// The table of shapes and their trees. The key is the shape's address, so that children of compounds work and shared shapes share a
+/// tree. The frame of the shape is the mesh frame of the tree. One owner thread: the world's.
 class btISTRegistry
 {
 public:
@@ -53,31 +53,31 @@ public:
 	btISTRegistry(const btISTRegistry&) = delete;
 	btISTRegistry& operator=(const btISTRegistry&) = delete;
 
-	/// Refused, with the reason: no shape, no tree, a tree that breaks an invariant (O(leaves)), a shape that has a tree already, an
-	/// unbounded or soft shape, a local scaling other than 1. Not to be called while a step is in progress.
+	/// Attaches `tree` to `shape`. Refused, with the reason: a null shape or tree, a tree that breaks an invariant (O(leaves)), a shape
+	/// that has a tree already, an unbounded or soft shape, a local scaling other than 1. Do not call it during a step.
 	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
-	/// As `attach`, with a tree of the shape as it is now, local scaling included. It speaks for the shape while it has that scaling.
+	/// Like `attach`, for a tree of the shape as it is now, local scaling included. The tree is valid while the shape has that scaling.
 	[[nodiscard]] ist::Result<btISTAttachment> attachScaled(
 		const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
 
-	/// Null when nothing is attached, or when the shape was scaled since.
+	/// The tree of a shape; null if nothing is attached or if the shape was scaled since.
 	std::shared_ptr<const ist::InnerSphereTree> find(const btCollisionShape* shape) const;
 	bool isAttached(const btCollisionShape* shape) const;
-	/// Grows whenever a shape gains or loses a tree.
+	/// Number that grows whenever a shape gains or loses a tree.
 	uint64_t version() const;
-	/// Shapes that have a tree.
+	/// Number of shapes that have a tree.
 	int size() const;
-	/// Whether its local scaling is `scaling`: a tree speaks for no other.
+	/// Whether the local scaling of `shape` is `scaling`. A tree is valid for one scaling only.
 	static bool hasScaling(const btCollisionShape& shape, const btVector3& scaling);
 
-	/// From now on every attached tree has levels (ist::addLevels), those that are attached already among them: a tree without gets a copy
-	/// that shares its leaves. Takes some milliseconds per 1,000 leaves and tree, in `attach`; nothing for trees that bring theirs. Between
-	/// steps only.
+	/// From now on every attached tree has levels (ist::addLevels), the present ones included. A tree without levels gets a copy that
+	/// shares its leaves. This takes some milliseconds per 1,000 leaves and tree, in `attach`; nothing for trees that have levels. Call
+	/// it between steps only.
 	void keepLevels();
 	bool keepsLevels() const;
 
-	/// Called for as long as it lives.
+	/// Adds a listener, which is called during its lifetime.
 	void addListener(std::weak_ptr<btISTRegistryListener> listener);
 
 private:

@@ -14,7 +14,7 @@
 
 namespace
 {
-/// A cyclic change of axes that brings z to `axis`.
+/// A cyclic permutation of axes that maps z to `axis`.
 ist::Pose alongAxis(int axis)
 {
 	ist::Pose X;

@@ -19,7 +19,7 @@
 
 namespace
 {
-/// Triangles without order; equal corners become one vertex.
+/// Collects triangles in any order; equal corners become one vertex.
 class Soup : public btTriangleCallback
 {
 public:
@@ -72,7 +72,7 @@ ist::Result<ist::Mesh> meshOfGImpact(const btGImpactShapeInterface& shape)
 ist::Mesh meshOfConcave(const btConcaveShape& shape)
 {
 	Soup soup;
-	// Beyond any mesh, and the square of its length still a number.
+	// Larger than any mesh, while its square is still finite in float.
 	const btScalar far(1e15);
 	shape.processAllTriangles(&soup, btVector3(-far, -far, -far), btVector3(far, far, far));
 	return soup.take();
@@ -83,7 +83,7 @@ ist::Mesh meshOfHull(const std::vector<btVector3>& points)
 	btConvexHullComputer hull;
 	if (!points.empty()) hull.compute(&points[0][0], int(sizeof(btVector3)), int(points.size()), 0, 0);
 	ist::Mesh mesh;
-	// Its own vertices are rounded to a ten-thousandth of the extent.
+	// The original vertices are used, because the hull's own are rounded to a ten-thousandth of the extent.
 	for (int i = 0; i < hull.original_vertex_index.size(); ++i)
 		mesh.vertices.push_back(toVec3(points[size_t(hull.original_vertex_index[i])]));
 	for (int i = 0; i < hull.faces.size(); ++i)
@@ -116,7 +116,7 @@ std::vector<btVector3> pointsOf(const btConvexTriangleMeshShape& shape)
 	return std::move(corners.points);
 }
 
-/// Of each sphere 642 points: their hull lies within .4 % of a radius of the spheres'.
+/// The corners of 642-point spheres around each sphere. Their hull lies within 0.4 % of a radius of the hull of the spheres.
 std::vector<btVector3> pointsOf(const btMultiSphereShape& shape)
 {
 	const ist::Mesh unit = ist::makeSphereMesh(1, 3);

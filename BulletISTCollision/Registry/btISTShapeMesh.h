@@ -7,10 +7,10 @@
 
 class btCollisionShape;
 
-/// The triangles of a shape in its own frame [m], as they are now: local scaling included, collision margin left out. Of GImpact meshes
-/// and of triangle meshes their triangles, of convex hulls and convex triangle meshes those of the hull, of btMultiSphereShape those of a
-/// hull that lies inside of it, by .4 % of a radius at most. O(triangles).
+/// The present triangles of a shape in its own frame [m], local scaling included, collision margin left out. GImpact meshes and triangle
+/// meshes give their triangles; convex hulls and convex triangle meshes give the triangles of the hull. A btMultiSphereShape gives a hull
+/// inside of it, at most 0.4 % of a radius away. O(triangles).
 ///
-/// Refused: terrain and planes (surfaces without an inside), shapes that are known in closed form (they meet trees without one),
-/// compounds (the children of a btCompoundShape are shapes of their own), soft bodies, vertices that are not finite.
+/// Refused: terrain and planes (surfaces without an inside), shapes in closed form (they meet trees without a mesh), compounds (the
+/// children of a btCompoundShape are shapes of their own), soft bodies, and vertices that are not finite.
 ist::Result<ist::Mesh> meshOfShape(const btCollisionShape& shape);

@@ -15,7 +15,7 @@
 #include <unordered_map>
 #include <utility>
 
-/// The states that still wait; a state that goes takes itself out.
+/// The states that still wait. A state removes itself when it is destroyed.
 struct btISTTreeSource::Waiting
 {
 	std::vector<btISTPendingAttachment::State*> states;
@@ -24,17 +24,17 @@ struct btISTTreeSource::Waiting
 struct btISTPendingAttachment::State
 {
 	const btCollisionShape* shape = nullptr;
-	std::shared_ptr<const ist::TreeOrder> order;  // null until something is near
+	std::shared_ptr<const ist::TreeOrder> order;  // null until an object is near
 	std::function<std::shared_ptr<const ist::TreeOrder>()> start;
 	std::weak_ptr<btISTTreeSource::Waiting> waiting;
-	btVector3 scaling{1, 1, 1};  // that the tree is made for
+	btVector3 scaling{1, 1, 1};  // scaling for which the tree is made
 	btISTAttachment attachment;
 	std::string error, note;
 
 	void begin()
 	{
 		if (!order) order = start();
-		start = nullptr;  // and the triangles with it
+		start = nullptr;  // also releases the triangles
 	}
 	bool isDone() const { return order && order->isDone(); }
 	~State()
@@ -185,7 +185,8 @@ bool btISTTreeSource::awaits(const btCollisionShape* shape) const
 
 namespace
 {
-/// Whether anything but the object itself is found that the two do not ignore. A plane is everywhere for the broad phase.
+/// Whether an object is found that is not the object itself and that the collision filters accept. A plane is everywhere for the broad
+/// phase.
 struct Neighbours : btBroadphaseAabbCallback
 {
 	const btBroadphaseProxy* self;
@@ -224,7 +225,7 @@ bool btISTTreeSource::hasNeighbour(const btCollisionObject& object) const
 	return neighbours.found;
 }
 
-/// One look at each object, however many shapes wait.
+/// Each object is checked once, however many shapes wait.
 void btISTTreeSource::orderWhatIsNear()
 {
 	using State = btISTPendingAttachment::State;
@@ -269,7 +270,7 @@ int btISTTreeSource::finish()
 {
 	for (auto* state : m_waiting->states) state->begin();
 	int attached = 0;
-	// Trees that came without levels wait for them once more.
+	// Trees without levels wait for them in a second round.
 	while (pending() > 0)
 	{
 		m_worker->finish();

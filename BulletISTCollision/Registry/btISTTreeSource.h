@@ -16,37 +16,37 @@ class btCollisionWorld;
 
 struct btISTTreeSettings
 {
-	/// Of all trees that are built from shapes. One thread, so that the game keeps the others.
+	/// Settings of all trees that are built from shapes. One thread by default, so that the game keeps the other cores.
 	ist::BuildOptions build = [] {
 		ist::BuildOptions o;
 		o.maxSpheres = 3000;
 		o.threads = 1;
 		return o;
 	}();
-	/// Where built trees are kept from one run of the program to the next; empty: nowhere.
+	/// Folder that keeps built trees from one run of the program to the next; empty: no cache.
 	std::string cacheFolder;
-	/// See ist::cachedTree.
+	/// Largest doubtful share of the volume of a mesh that is not closed (see ist::cachedTree).
 	double mostDoubt = 0.05;
 };
 
-/// A tree that is on its way to a shape, then its attachment: keep it for as long as the shape is to be volumetric, and destroy it
-/// before the shape. Until the tree is there Bullet's own contact goes on. Move-only; may outlive its source.
+/// A tree that is being loaded or built for a shape, and later its attachment. Keep it for as long as the shape is to be volumetric, and
+/// destroy it before the shape. Until the tree is ready, Bullet's own contact is used. Move-only; may outlive its source.
 class [[nodiscard]] btISTPendingAttachment
 {
 public:
 	btISTPendingAttachment() = default;
 
 	bool isAttached() const;
-	/// Neither attached nor failed.
+	/// True while it is neither attached nor failed.
 	bool isPending() const;
-	/// Why there is and will be no tree; empty otherwise.
+	/// The reason why there will be no tree; empty otherwise.
 	const std::string& error() const;
-	/// What to tell a developer: why the cache could not be used. Empty otherwise.
+	/// A message for developers: why the cache could not be used. Empty otherwise.
 	const std::string& note() const;
-	/// Null before it is attached.
+	/// The tree; null before it is attached.
 	std::shared_ptr<const ist::InnerSphereTree> tree() const;
 	const btCollisionShape* shape() const;
-	/// Detaches, or stops waiting.
+	/// Detaches the tree, or stops waiting for it.
 	void detach() { m_state.reset(); }
 
 private:
@@ -60,42 +60,42 @@ private:
 	std::unique_ptr<State, Deleter> m_state;
 };
 
-/// Where the trees of a game come from when it does not load them itself: asset files, or the triangles that its shapes have already,
-/// packed by a worker thread while the game runs and kept in a folder. Shapes of equal triangles share one tree.
+/// Source of the trees of a game that does not load them itself. A tree comes from an asset file, or from the triangles of a shape, which
+/// a worker thread packs while the game runs. Built trees are kept in a folder. Shapes with equal triangles share one tree.
 ///
 ///     btISTTreeSource trees(world.registration().registry(), settings);
 ///     auto rocks = trees.attachGImpact(world.bullet());     // once
 ///     trees.update();                                       // in every frame, before the step
 ///
-/// One owner thread: that of the world. The registry must outlive it.
+/// One owner thread: the world's. The registry must outlive the source.
 class btISTTreeSource
 {
 public:
 	explicit btISTTreeSource(btISTRegistry& registry, btISTTreeSettings settings = {});
-	/// Breaks off what is being built. Attachments that have their tree keep it.
+	/// Cancels what is being built. Attachments that have their tree keep it.
 	~btISTTreeSource();
 	btISTTreeSource(const btISTTreeSource&) = delete;
 	btISTTreeSource& operator=(const btISTTreeSource&) = delete;
 
-	/// From the shape's own triangles (meshOfShape), which are copied before it returns. They are those of the shape's local scaling,
-	/// which must stay.
+	/// Builds from the shape's own triangles (meshOfShape), which are copied before it returns. They include the shape's local scaling,
+	/// which must not change.
 	btISTPendingAttachment attach(const btCollisionShape* shape);
-	/// From an .ist file, of a shape whose local scaling is 1.
+	/// Loads an .ist file for a shape whose local scaling is 1.
 	btISTPendingAttachment attachAsset(const btCollisionShape* shape, const std::string& path);
-	/// From an .ist file, to the shape that has this name in a loaded .bullet file, else to that of the body of this name. `importer` is
-	/// Bullet's btBulletWorldImporter, or has `getCollisionShapeByName` and `getRigidBodyByName` as it does.
+	/// Loads an .ist file for the shape of this name in a loaded .bullet file, or else for the shape of the body of this name. `importer`
+	/// is Bullet's btBulletWorldImporter, or has the same `getCollisionShapeByName` and `getRigidBodyByName`.
 	template <class Importer> btISTPendingAttachment attachAsset(Importer& importer, const char* name, const std::string& path)
 	{
 		const btCollisionShape* shape = shapeNamed(importer, name);
 		return shape ? attachAsset(shape, path) : unknown(name);
 	}
-	/// The same from the shape's own triangles.
+	/// Like the function above, but builds from the shape's own triangles.
 	template <class Importer> btISTPendingAttachment attach(Importer& importer, const char* name)
 	{
 		const btCollisionShape* shape = shapeNamed(importer, name);
 		return shape ? attach(shape) : unknown(name);
 	}
-	/// Every file NAME.ist of a folder goes to the shape or body of that name, when the loaded file has one.
+	/// Loads every file NAME.ist of a folder for the shape or body of that name, if the loaded file has one.
 	template <class Importer> [[nodiscard]] std::vector<btISTPendingAttachment> attachFolder(Importer& importer, const std::string& folder)
 	{
 		std::vector<btISTPendingAttachment> result;
@@ -104,23 +104,23 @@ public:
 				result.push_back(attachAsset(shape, folder + "/" + name + ".ist"));
 		return result;
 	}
-	/// Every GImpact mesh among the shapes of a world's objects, the children of btCompoundShapes too, that has no tree yet and waits for
-	/// none. Not the children of a btGImpactCompoundShape: their contact stays Bullet's.
+	/// Builds trees for all GImpact meshes among the shapes of a world's objects, children of btCompoundShapes included, that have no
+	/// tree and wait for none. Children of a btGImpactCompoundShape are left out, because their contact stays Bullet's.
 	[[nodiscard]] std::vector<btISTPendingAttachment> attachGImpact(const btCollisionWorld& world);
 
-	/// From now on a tree is loaded or built only when something comes near an object of this world that has the shape: when the broad
-	/// phase finds it within one longest side of the object's bounding box. Until then nothing but the triangles is kept. What was ordered
-	/// before stays so. The world must live for as long as `update` is called. Null, as it is to begin with: at once.
+	/// From now on a tree is loaded or built only when another object comes near an object of this world that has the shape. Near means
+	/// that the broad phase finds it within one longest side of the object's bounding box. Until then only the triangles are kept.
+	/// Earlier orders go on. The world must live for as long as `update` is called. Null (default): trees are ordered at once.
 	void orderWhenNear(const btCollisionWorld* world) { m_near = world; }
 
-	/// Attaches what has become ready, between two steps; gives how many shapes that were. Waits for nobody. O(shapes that wait), and while
-	/// some wait for neighbours O(objects).
+	/// Attaches the trees that are ready; call it between two steps. Returns the number of shapes attached. Does not wait. O(waiting
+	/// shapes), and O(objects) while some shapes wait for neighbours.
 	int update();
-	/// Waits until every tree is there or has failed, near or far, then as `update`: for loading screens and tests.
+	/// Waits until every tree is ready or has failed, near or far, and attaches them. Meant for loading screens and tests.
 	int finish();
-	/// Shapes that still wait.
+	/// Number of shapes that still wait.
 	int pending() const;
-	/// Of these the ones that nothing has come near to.
+	/// Number of waiting shapes that no object has come near to.
 	int waitingForNeighbours() const;
 
 private:
@@ -132,7 +132,7 @@ private:
 		return body ? body->getCollisionShape() : nullptr;
 	}
 	static btISTPendingAttachment unknown(const char* name);
-	/// Without their ending, sorted; none when the folder cannot be read.
+	/// Names without extension, sorted; empty if the folder cannot be read.
 	static std::vector<std::string> assetNames(const std::string& folder);
 	using Start = std::function<std::shared_ptr<const ist::TreeOrder>()>;
 	btISTPendingAttachment expect(const btCollisionShape* shape, const btVector3& scaling, Start start);
