@@ -7,14 +7,14 @@
 
 namespace ist
 {
-/// SplitMix64 (Steele, Lea, Flood 2014) as a counter-based generator: the values depend on the key alone, not on who asks first,
-/// which keeps parallel work independent of the thread count.
+/// SplitMix64 (Steele, Lea, Flood 2014) as a counter-based generator. The values depend on the key alone, not on the order of calls, so
+/// parallel work gives the same result with any number of threads.
 class CounterRandom
 {
 public:
 	CounterRandom(uint64_t seed, uint64_t stream, uint64_t substream) : m_state(mix(mix(mix(seed) ^ stream) ^ substream)) {}
 
-	/// Uniform in [0, 1).
+	/// A uniform number in [0, 1).
 	double next() { return double(mix(m_state++) >> 11) * 0x1p-53; }
 
 	Vec3 direction()

@@ -14,7 +14,8 @@ void* mapZeroPages(size_t bytes)
 	void* const pages = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
 	if (pages == MAP_FAILED) throw std::bad_alloc();
 #ifdef MADV_NOHUGEPAGE
-	// A workspace is a row of long columns, of which a query fills the beginnings. Huge pages would make nearly all of it resident at once.
+	// A workspace consists of long columns of which a query fills the beginnings. Huge pages would make nearly all of it resident at
+	// once.
 	(void)::madvise(pages, bytes, MADV_NOHUGEPAGE);
 #endif
 	return pages;

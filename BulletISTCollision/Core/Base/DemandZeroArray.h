@@ -7,15 +7,15 @@
 
 namespace ist
 {
-/// Memory from the system that is zero, in whole pages. A page becomes resident when it is first written. Throws std::bad_alloc.
+/// Maps zeroed memory from the system, in whole pages. A page becomes resident when it is first written. Throws std::bad_alloc.
 void* mapZeroPages(size_t bytes);
-/// Gives back what `mapZeroPages` returned for this size.
+/// Unmaps the memory that `mapZeroPages` returned for this size.
 void unmapPages(void* pages, size_t bytes) noexcept;
-/// Makes every page of it resident, so that no later write waits for the system.
+/// Makes every page resident, so that no later write waits for the system.
 void touchPages(void* pages, size_t bytes) noexcept;
 
-/// An array of zeros that costs only the pages that are used. A workspace has room for the most pairs that a query may find, and most
-/// queries find few. All its elements begin as zero bytes: no constructor and no destructor runs.
+/// An array of zeros whose unused pages cost no memory. A workspace reserves the largest number of pairs that a query may find, but most
+/// queries find few. All elements begin as zero bytes; no constructor or destructor runs.
 template <class T> class DemandZeroArray
 {
 	static_assert(std::is_trivially_copyable_v<T>, "elements begin as zero bytes");
@@ -38,7 +38,7 @@ public:
 	size_t size() const { return m_size; }
 	T& operator[](size_t i) { return m_data[i]; }
 	const T& operator[](size_t i) const { return m_data[i]; }
-	/// Makes all of it resident.
+	/// Makes the whole array resident.
 	void touch() noexcept { touchPages(m_data, m_size * sizeof(T)); }
 
 private:

@@ -9,7 +9,7 @@
 #include <immintrin.h>
 #endif
 
-// At -O2 the compiler leaves loops over the parts rolled and the vectors in memory.
+// At -O2 the compiler does not unroll loops over the parts, and keeps the vectors in memory.
 #if defined(__clang__)
 #define IST_UNROLL _Pragma("clang loop unroll(full)")
 #else
@@ -17,7 +17,7 @@
 #endif
 #define IST_INLINE inline __attribute__((always_inline))
 
-// Included by QueryKernel.cpp only, once for each instruction set; the anonymous namespace keeps the sets apart.
+// Only QueryKernel.cpp includes this file, once per instruction set. The anonymous namespace keeps the sets apart.
 namespace
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -27,9 +27,9 @@ constexpr int kRegisterBytes = 32;
 #else
 constexpr int kRegisterBytes = 16;
 #endif
-/// True where a vector's chosen lanes can be moved to its front in a few instructions.
+/// True if selected lanes of a vector can be moved to its front in a few instructions.
 constexpr bool kCompresses = kRegisterBytes > 16;
-/// Pairs of balls that are evaluated side by side.
+/// Number of pairs of balls that are evaluated in parallel.
 constexpr int kLanes = kRegisterBytes / 4;
 
 constexpr int least(int a, int b) { return a < b ? a : b; }
@@ -64,7 +64,7 @@ template <> struct DoublePart<8>
 	typedef double Type __attribute__((vector_size(64)));
 };
 
-/// Bit k: the sign of lane k.
+/// Bit k is the sign of lane k.
 template <class Mask> IST_INLINE uint32_t signBits(Mask m)
 {
 #if defined(IST_SSE) && defined(__AVX2__)
@@ -80,7 +80,7 @@ template <class Mask> IST_INLINE uint32_t signBits(Mask m)
 	return bits;
 }
 
-/// Bit k set where a[k] < b[k].
+/// Bit k is set if a[k] < b[k].
 template <class Part> IST_INLINE uint32_t lessBits(Part a, Part b)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -93,7 +93,7 @@ template <class Part> IST_INLINE uint32_t lessBits(Part a, Part b)
 	return signBits(a < b);
 }
 
-/// Bit k set where a[k] == b[k]. Of floats.
+/// Bit k is set if a[k] == b[k]. For floats only.
 template <class Part> IST_INLINE uint32_t equalBits(Part a, Part b)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -102,7 +102,7 @@ template <class Part> IST_INLINE uint32_t equalBits(Part a, Part b)
 	return signBits(a == b);
 }
 
-/// a b + c of floats.
+/// a b + c for floats.
 template <class Part> IST_INLINE Part fused(Part a, Part b, Part c)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -114,7 +114,7 @@ template <class Part> IST_INLINE Part fused(Part a, Part b, Part c)
 	return a * b + c;
 }
 
-/// c - a b of floats.
+/// c - a b for floats.
 template <class Part> IST_INLINE Part fusedNegated(Part a, Part b, Part c)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -154,8 +154,8 @@ template <class Part> IST_INLINE Part rootOf(Part a)
 	return a;
 }
 
-/// Yes or no for each of `W` floats. As comparisons leave it, so that a choice by it needs no unpacking of bits: as bits where there are
-/// registers for masks, as lanes of all ones or none elsewhere.
+/// A boolean for each of `W` floats, in the form in which comparisons give it, so that `select` needs no conversion. With mask registers
+/// these are bits; otherwise each lane is all ones or all zeros.
 template <int W> struct LaneMask
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -219,7 +219,7 @@ template <int W> struct FloatVector
 	using Lanes = LaneMask<W>;
 	Part part[kParts];
 
-	// Part by part: GCC copies several at once through memory, and the load behind that copy stalls.
+	// The parts are copied one by one. GCC copies several at once through memory, and the load after that copy stalls.
 	static IST_INLINE FloatVector load(const float* p)
 	{
 		FloatVector v;
@@ -232,7 +232,7 @@ template <int W> struct FloatVector
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) std::memcpy(p + i * kRegister, &part[i], sizeof(Part));
 	}
-	/// s - 0 is s for every s, so that the compiler drops the subtraction; 0 + s is not.
+	/// s - 0 equals s for every s, so the compiler drops the subtraction; 0 + s does not (for s = -0).
 	static IST_INLINE FloatVector all(float s)
 	{
 		FloatVector v;
@@ -266,14 +266,14 @@ template <int W> struct FloatVector
 		return a;
 	}
 	friend IST_INLINE FloatVector operator-(const FloatVector& a) { return all(0) - a; }
-	/// a b + c, rounded once where the machine can: not for what all machines agree on.
+	/// a b + c, rounded once if the machine has fused instructions. Not for results that must agree on all machines.
 	friend IST_INLINE FloatVector multiplyAdd(FloatVector a, const FloatVector& b, const FloatVector& c)
 	{
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) a.part[i] = fused(a.part[i], b.part[i], c.part[i]);
 		return a;
 	}
-	/// c - a b, the same.
+	/// c - a b, rounded like multiplyAdd.
 	friend IST_INLINE FloatVector negatedMultiplyAdd(FloatVector a, const FloatVector& b, const FloatVector& c)
 	{
 		IST_UNROLL
@@ -300,7 +300,7 @@ template <int W> struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = rootOf(a.part[i]);
 		return a;
 	}
-	/// Of normal a > 0.
+	/// Largest power of two that does not exceed a; for normal a > 0.
 	static IST_INLINE FloatVector powerOfTwoBelow(FloatVector a)
 	{
 		IST_UNROLL
@@ -313,7 +313,7 @@ template <int W> struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)(0x7f000000 - (Mask)a.part[i]);
 		return a;
 	}
-	/// Of two floats that share each word, each without its lower half.
+	/// Each word holds two floats without their lower halves. These are the upper and the lower one.
 	static IST_INLINE FloatVector upperHalf(FloatVector a)
 	{
 		IST_UNROLL
@@ -326,7 +326,7 @@ template <int W> struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = (Part)((Mask)a.part[i] << 16);
 		return a;
 	}
-	/// Of two whole numbers that share each word, 65536 times each.
+	/// Each word holds two signed 16-bit integers. These are the upper and the lower one, times 65536.
 	static IST_INLINE FloatVector upperNumber(FloatVector a)
 	{
 		IST_UNROLL
@@ -339,7 +339,7 @@ template <int W> struct FloatVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = __builtin_convertvector((Mask)a.part[i] << 16, Part);
 		return a;
 	}
-	/// Where a[k] < b[k].
+	/// Lane k is set if a[k] < b[k].
 	static IST_INLINE Lanes isLess(const FloatVector& a, const FloatVector& b)
 	{
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -351,7 +351,7 @@ template <int W> struct FloatVector
 		return m;
 #endif
 	}
-	/// Bit k set where a[k] < b[k].
+	/// Bit k is set if a[k] < b[k].
 	static IST_INLINE uint32_t less(const FloatVector& a, const FloatVector& b)
 	{
 		uint32_t bits = 0;
@@ -359,7 +359,7 @@ template <int W> struct FloatVector
 		for (int i = 0; i < kParts; ++i) bits |= lessBits(a.part[i], b.part[i]) << (i * kRegister);
 		return bits;
 	}
-	/// Bit k set where a[k] == b[k].
+	/// Bit k is set if a[k] == b[k].
 	static IST_INLINE uint32_t equal(const FloatVector& a, const FloatVector& b)
 	{
 		uint32_t bits = 0;
@@ -367,7 +367,7 @@ template <int W> struct FloatVector
 		for (int i = 0; i < kParts; ++i) bits |= equalBits(a.part[i], b.part[i]) << (i * kRegister);
 		return bits;
 	}
-	/// Lane k of `a` where it is set, else of `b`.
+	/// Lane k of `a` if it is set in `lanes`, otherwise lane k of `b`.
 	static IST_INLINE FloatVector select(const Lanes& lanes, FloatVector a, const FloatVector& b)
 	{
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -381,7 +381,7 @@ template <int W> struct FloatVector
 #endif
 		return a;
 	}
-	/// The same by bits.
+	/// Like select above, with a bit per lane.
 	static IST_INLINE FloatVector select(uint32_t bits, const FloatVector& a, const FloatVector& b)
 	{
 		return select(Lanes::of(bits), a, b);
@@ -400,7 +400,7 @@ template <int W> struct FloatVector
 	}
 };
 
-/// Twice the doubles of a register: as many as it holds floats.
+/// `W` doubles in two registers, as many as one register holds floats.
 template <int W> struct DoubleVector
 {
 	static constexpr int kRegister = kRegisterBytes / 8;
@@ -416,7 +416,7 @@ template <int W> struct DoubleVector
 		for (int i = 0; i < kParts; ++i) v.part[i] = s - Part{};
 		return v;
 	}
-	// Through registers: halves that meet in memory stall the load that joins them.
+	// The conversion stays in registers, because two halves that are joined through memory stall the load.
 	static IST_INLINE DoubleVector from(const FloatVector<W>& f)
 	{
 		DoubleVector v;
@@ -474,7 +474,7 @@ template <int W> struct DoubleVector
 		for (int i = 0; i < kParts; ++i) a.part[i] = rootOf(a.part[i]);
 		return a;
 	}
-	/// Where a[k] < b[k].
+	/// Lane k is set if a[k] < b[k].
 	static IST_INLINE LaneMask<W> isLess(const DoubleVector& a, const DoubleVector& b)
 	{
 #if defined(IST_SSE) && defined(__AVX2__) && !defined(__AVX512VL__)
@@ -491,18 +491,18 @@ template <int W> struct DoubleVector
 	}
 };
 
-/// Where the sphere k of the arrays comes nearer than `reach` to touching the sphere (cx, cy, cz, r).
+/// Lane k is set if sphere k of the arrays intersects the sphere at (cx, cy, cz) with the radius `reach`.
 template <int W>
 IST_INLINE LaneMask<W> touching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
 	float cx, float cy, float cz, float reach)
 {
 	using V = FloatVector<W>;
-	// The arrays as subtrahends: an instruction takes that operand from memory.
+	// The arrays are subtrahends, because an instruction can take that operand from memory.
 	const V dx = V::all(cx) - x, dy = V::all(cy) - y, dz = V::all(cz) - z, sum = V::all(reach) + r;
 	return V::isLess(dx * dx + dy * dy + dz * dz, sum * sum);
 }
 
-/// The same but for the rounding.
+/// Like touching(), but with fused rounding.
 template <int W>
 IST_INLINE LaneMask<W> nearlyTouching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
 	float cx, float cy, float cz, float reach)

@@ -8,7 +8,7 @@
 
 namespace ist
 {
-/// Elements that are never changed, shared by all copies of the array: memory of its own, or a part of something that the array keeps
+/// Constant elements that all copies of the array share. They lie in memory of their own, or in a part of an object that the array keeps
 /// alive, such as a mapped file. Copying costs O(1).
 template <class T> class FrozenArray
 {

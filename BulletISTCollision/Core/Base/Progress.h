@@ -5,8 +5,8 @@
 
 namespace ist
 {
-/// Called from time to time by long offline work, always from the thread that called the operation.
-/// `fraction` in [0, 1] of the named `stage` ("import", "repair", "packing", "cells", "tree", "write", "tune").
+/// Callback of long offline operations, always called from the thread that called the operation. `fraction` is the progress in [0, 1] of
+/// the named `stage` ("import", "repair", "packing", "cells", "tree", "write", "tune").
 /// Return false to cancel: the operation then returns an Error with `cancelled` set and leaves nothing behind.
 using Progress = std::function<bool(const char* stage, double fraction)>;
 }  // namespace ist

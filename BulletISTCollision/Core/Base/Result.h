@@ -7,7 +7,7 @@
 
 namespace ist
 {
-/// Why an offline operation failed: one sentence that says what is wrong, where, and what to do about it.
+/// The reason why an offline operation failed: one sentence that says what is wrong, where, and how to correct it.
 struct Error
 {
 	std::string message;

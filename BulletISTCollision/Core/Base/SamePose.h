@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// Number by number, without a tolerance: what was found at X holds at Y.
+/// Compares number by number, without a tolerance: a result for X is then valid for Y.
 inline bool isSame(const Pose& X, const Pose& Y)
 {
 	for (int i = 0; i < 3; ++i)

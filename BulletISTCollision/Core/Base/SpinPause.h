@@ -3,7 +3,7 @@
 
 namespace ist
 {
-/// Between two looks of a thread that waits spinning: leaves the core to its other thread, and saves power.
+/// Pause in the loop of a spinning thread. It leaves the core to the other hardware thread and saves power.
 inline void spinPause()
 {
 #if defined(__x86_64__)

@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// Time that only runs forward [us].
+/// Monotonic time [us].
 inline double steadyMicroseconds()
 {
 	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();

@@ -7,16 +7,16 @@
 
 namespace ist
 {
-/// Eigenvalues and eigenvectors of a small symmetric matrix A = sum_k values[k] v_k v_k^T, v_k = vectors[k], orthonormal; in no order.
-/// Householder's reflections to three diagonals, then implicit QL with Wilkinson's shift. Errors of some roundings of |A|. O(N^3), no
-/// allocation.
+/// Eigenvalues and eigenvectors of a small symmetric matrix A = sum_k values[k] v_k v_k^T, where v_k = vectors[k] are orthonormal. They
+/// have no particular order. Method: Householder reflections to tridiagonal form, then implicit QL with Wilkinson's shift. The errors are
+/// a few roundings of |A|. O(N^3), no allocation.
 template <int N> class SymmetricEigen
 {
 public:
 	double values[N];
 	double vectors[N][N];
 
-	/// Of the whole matrix, which must be symmetric. False, and the rest undefined, when it is not finite.
+	/// Decomposes the full matrix, which must be symmetric. False if it is not finite; the members are then undefined.
 	bool decompose(const double (&matrix)[N][N]) noexcept;
 
 private:
@@ -27,7 +27,7 @@ private:
 	void turn(int i, double c, double s) noexcept;
 };
 
-/// I - axis axis^T from both sides makes column and row `k` zero but for the three diagonals. The rows up to `k` are not kept up.
+/// Multiplying by I - axis axis^T from both sides zeroes column and row `k` outside the three diagonals. Rows up to `k` are not updated.
 template <int N> void SymmetricEigen<N>::reflect(double (&a)[N][N], int k, double (&axis)[N]) noexcept
 {
 	double v[N] = {}, product[N] = {}, beyond = 0, along = 0;
@@ -52,7 +52,7 @@ template <int N> void SymmetricEigen<N>::reflect(double (&a)[N][N], int k, doubl
 	for (int i = 0; i < N; ++i) axis[i] = v[i];
 }
 
-/// The product of the reflections, the last one first; its columns are the rows of `vectors`.
+/// The product of the reflections, the last one first. Its columns are the rows of `vectors`.
 template <int N> void SymmetricEigen<N>::accumulate(const double (&axes)[N][N]) noexcept
 {
 	double q[N][N] = {};
@@ -80,7 +80,7 @@ template <int N> void SymmetricEigen<N>::turn(int i, double c, double s) noexcep
 	for (int k = 0; k < N; ++k) vectors[i + 1][k] = s * x[k] + c * y[k];
 }
 
-/// One implicit step on the rows `first` to `last`; ends early where the matrix comes apart on the way.
+/// One implicit QL step on the rows `first` to `last`. It ends early if the matrix splits on the way.
 template <int N> void SymmetricEigen<N>::sweep(int first, int last, double (&beside)[N]) noexcept
 {
 	const double half = (values[first + 1] - values[first]) / (2 * beside[first]);
@@ -144,7 +144,7 @@ template <int N> bool SymmetricEigen<N>::decompose(const double (&matrix)[N][N])
 			largest = size > largest ? size : largest;
 		}
 	if (!(sum <= std::numeric_limits<double>::max())) return false;
-	// Squares neither overflow nor vanish.
+	// The scaling prevents that squares overflow or underflow.
 	const double unit = largest > 0 ? 1 / largest : 0;
 	double a[N][N], axes[N][N], beside[N];
 	for (int i = 0; i < N; ++i)

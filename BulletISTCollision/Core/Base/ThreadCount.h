@@ -3,7 +3,7 @@
 
 namespace ist
 {
-/// Threads for a wish of 0 (all) or more: no more than 64 or the processors that there are, whichever is more, since each takes megabytes
-/// and those without a processor save no time. One where the library is built without OpenMP.
+/// Number of threads for a request of 0 (all processors) or more. At most 64 or the number of processors, whichever is larger: each
+/// thread takes megabytes, and threads without a processor save no time. 1 if the library is built without OpenMP.
 int threadCount(int wanted);
 }  // namespace ist

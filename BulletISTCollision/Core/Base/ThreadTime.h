@@ -5,8 +5,8 @@
 
 namespace ist
 {
-/// Time that the calling thread has spent on a processor, kernel included [us]; zero where the platform does not count it.
-/// Unlike the time of day it does not grow while other threads have the processor.
+/// Processor time of the calling thread, kernel included [us]; zero if the platform does not count it. Unlike wall-clock time it does not
+/// grow while other threads have the processor.
 inline double threadMicroseconds() noexcept
 {
 #if defined(CLOCK_THREAD_CPUTIME_ID)
