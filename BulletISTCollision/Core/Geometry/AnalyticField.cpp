@@ -9,13 +9,13 @@ namespace ist
 {
 namespace
 {
-// Of a radius of curvature, and of the half-width between two opposite sides. Judged by FieldQueryTest.
+// Subdivision sizes as shares of a radius of curvature and of the half-width between two opposite sides. Source: FieldQueryTest.
 constexpr double kGrainOfRadius = 0.4, kGrainOfHalf = 0.75;
-constexpr double kTipShare = 0.04;  // of a cone: nearer to the apex it is not looked at more closely
+constexpr double kTipShare = 0.04;  // share of a cone's height from the apex within which the subdivision size stays constant
 
 bool isLength(double x) { return x > 0 && std::isfinite(x); }
 
-/// Distance from a centre or an axis, meant over a cloud: `offset` and `spread` without what lies along the axis. Second order in the
+/// Mean distance from a centre or an axis over a cloud; `offset` and `spread` exclude the components along the axis. Second order in the
 /// cloud's size far out, finite and smooth at the centre.
 struct MeanRadius
 {
@@ -30,7 +30,7 @@ struct MeanRadius
 		length = std::sqrt(squared + std::max(across, 0.0));
 		direction = length > 0 ? offset / length : Vec3{};
 	}
-	/// Derivative of the direction, for offsets that follow the place by these factors.
+	/// Derivative of the direction, for offsets that are the position multiplied by these factors.
 	SymmetricMatrix3 bend(const Vec3& follows) const
 	{
 		if (!(length > 0)) return {};
@@ -84,10 +84,10 @@ FieldSide BoxField::side(int index, const Vec3& p, const SymmetricMatrix3&) cons
 Vec3 BoxField::subdivisionSize(const Vec3&) const { return m_half * kGrainOfHalf; }
 bool BoxField::isValid() const { return isLength(m_half.x) && isLength(m_half.y) && isLength(m_half.z) && isLength(volume()); }
 
-// Where z is within the straight part, the axis point follows the place; a cloud across its end does both in part.
+// Within the straight part, the nearest axis point moves with the position. For a cloud across its end it does so in part.
 FieldSide CapsuleField::side(int, const Vec3& p, const SymmetricMatrix3& spread) const
 {
-	// Mean of max(0, t) over a ball of unit radius about t, and its derivative.
+	// Mean of max(0, t) over a unit ball centred at t, and its derivative.
 	const auto beyond = [](double t) { return t <= -1 ? 0 : t >= 1 ? t : (1 + t) * (1 + t) * (1 + t) * (3 - t) / 16; };
 	const auto share = [](double t) { return t <= -1 ? 0 : t >= 1 ? 1 : (1 + t) * (1 + t) * (2 - t) / 4; };
 	const double reach = std::sqrt(5 * std::max(spread.zz, 0.0)), upper = p.z - m_half, lower = -p.z - m_half;

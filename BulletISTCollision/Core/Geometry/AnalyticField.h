@@ -5,17 +5,17 @@
 
 namespace ist
 {
-/// One smooth part of a surface, as a cloud of points sees it: means over the cloud. They change smoothly with the cloud's place, even
-/// where the nearest point of the surface leaps (on an axis, at a centre).
+/// Mean properties of one smooth part of a surface, taken over a cloud of points. They change smoothly with the cloud's position, even
+/// where the nearest surface point jumps (on an axis, at a centre).
 struct FieldSide
 {
 	double depth = 0;       ///< mean depth below this side; negative outside [m]
-	Vec3 normal;            ///< mean outward normal: unit length but where the cloud surrounds an axis or a centre
-	SymmetricMatrix3 bend;  ///< derivative of the normal by place; positive semidefinite [1/m]
+	Vec3 normal;            ///< mean outward normal; unit length unless the cloud surrounds an axis or a centre
+	SymmetricMatrix3 bend;  ///< derivative of the normal by position; positive semidefinite [1/m]
 };
 
-/// A convex body in closed form: the intersection of at most six sides, so that the depth at a point is the smallest over the
-/// sides. The frame is the field's own; axes of revolution lie along z.
+/// A convex body in closed form: the intersection of at most six sides. So the depth at a point is the smallest depth over the sides. The
+/// frame is the field's own; axes of revolution lie along z.
 class AnalyticField
 {
 public:
@@ -23,20 +23,20 @@ public:
 
 	virtual ~AnalyticField() = default;
 	virtual int sideCount() const = 0;
-	/// Of a cloud of points about `p` with the covariance `spread` [m^2].
+	/// A side, as means over a cloud of points about `p` with the covariance `spread` [m^2].
 	virtual FieldSide side(int index, const Vec3& p, const SymmetricMatrix3& spread) const = 0;
-	/// All sides are planes.
+	/// True if all sides are planes.
 	virtual bool isPlanar() const { return false; }
-	/// How far a cloud about `p` may reach along each axis for means to say enough about it [m].
+	/// Largest half-width along each axis of a cloud about `p` whose means are accurate enough [m]. Larger clouds are subdivided.
 	virtual Vec3 subdivisionSize(const Vec3& p) const = 0;
-	/// [m^3]; infinite for a half-space.
+	/// Volume [m^3]; infinite for a half-space.
 	virtual double volume() const = 0;
-	/// Every length positive and finite. The others are defined only then.
+	/// True if every length is positive and finite. The other functions are defined only then.
 	virtual bool isValid() const = 0;
 
-	/// Signed depth at a point: distance to the surface inside; outside, minus a lower bound of the distance [m].
+	/// Signed depth at a point [m]. Inside, the distance to the surface; outside, minus a lower bound of the distance.
 	double depth(const Vec3& p) const;
-	/// Unit outward normal of the nearest surface point, inside; any of them where there are several. Zero at a sphere's centre.
+	/// Unit outward normal of the nearest surface point, for points inside. If there are several, any of them; zero at a sphere's centre.
 	Vec3 normal(const Vec3& p) const;
 };
 
@@ -72,7 +72,7 @@ private:
 	Vec3 m_half;
 };
 
-/// All points within `radius` of the segment from -halfHeight to halfHeight; a sphere when that is 0.
+/// All points within `radius` of the segment from -halfHeight to halfHeight on the z axis; a sphere if halfHeight is 0.
 class CapsuleField : public AnalyticField
 {
 public:
@@ -107,7 +107,7 @@ private:
 	double m_radius, m_half;
 };
 
-/// Base at z = -height / 2, apex at z = height / 2.
+/// A cone with its base at z = -height / 2 and its apex at z = height / 2.
 class ConeField : public AnalyticField
 {
 public:
@@ -122,6 +122,6 @@ private:
 	double radiusAt(double z) const { return m_radius * (0.5 - z / m_height); }
 
 	double m_radius, m_height;
-	double m_cos, m_sin;  // of the angle between axis and side
+	double m_cos, m_sin;  // cosine and sine of the angle between axis and side
 };
 }  // namespace ist

@@ -8,29 +8,29 @@
 
 namespace ist
 {
-/// The homogeneous ellipsoid with the volume, centroid and second moment of a part of a leaf (MomentEllipsoid.h): cutting it gives
-/// two, whose moments add up to those of the whole.
+/// The homogeneous ellipsoid with the volume, centroid and second moment of a part of a leaf (MomentEllipsoid.h). Cutting it gives two
+/// fragments, whose moments add up to those of the whole.
 struct EllipsoidFragment
 {
 	Vec3 center;
 	SymmetricMatrix3 shape;  ///< P: five times the covariance [m^2]
-	double volume = 0;       ///< of the body's matter in it [m^3]
+	double volume = 0;       ///< volume of the body's matter in it [m^3]
 
 	SymmetricMatrix3 spread() const { return shape * 0.2; }
 	/// Half-width along a vector, times the vector's length.
 	double width(const Vec3& direction) const { return std::sqrt(std::max(0.0, dot(direction, shape * direction))); }
 };
 
-/// A function that is about quadratic over a piece.
+/// A function that is approximately quadratic over a fragment.
 struct LevelFunction
 {
-	double mean = 0;  ///< over the piece
+	double mean = 0;  ///< mean over the fragment
 	Vec3 gradient;
 	SymmetricMatrix3 curvature;  ///< second derivatives
 };
 
-/// A piece, cut where a level function is zero, as by a plane: exact for a linear function, second order for others. Share, centroids
-/// and moments are continuously differentiable in the function's values; the same holds at either end, where one part vanishes.
+/// A fragment, cut at the zero set of a level function as if by a plane. This is exact for a linear function and second order for others.
+/// Share, centroids and moments are continuously differentiable in the function's values, also at either end, where one part vanishes.
 class PieceCut
 {
 public:
@@ -45,8 +45,8 @@ public:
 			return;
 		}
 		m_axis = conjugate / width;
-		// Over the disc at the height -t of the ball for which the piece stands, squares along the axis are t^2, and each of the two
-		// others (1 - t^2) / 4 in the mean.
+		// The fragment stands for a unit ball. Over its disc at the height -t, the mean square along the axis is t^2, and that along each
+		// of the two other directions is (1 - t^2) / 4.
 		const double along = dot(m_axis, f.curvature * m_axis), across = (trace - along) / 4;
 		const double t = std::clamp(plain / width, -1.0, 1.0);
 		const double bulge = 0.5 * (t * t * along + (1 - t * t) * across);
@@ -54,7 +54,7 @@ public:
 		m_slope = 0.75 * (1 - m_height * m_height) * std::max(0.0, 1 + t * (along - across) / width) / width;
 	}
 
-	/// Share of the piece where the function is positive, and its derivative by the function's value.
+	/// Share of the fragment where the function is positive, and its derivative by the function's value.
 	double share() const { return shareOf(1 + m_height); }
 	double slope() const { return m_slope; }
 	bool keepsAll() const { return m_height >= 1; }
@@ -62,7 +62,7 @@ public:
 
 	EllipsoidFragment positive() const { return part(1 + m_height, 1); }
 	EllipsoidFragment negative() const { return part(1 - m_height, -1); }
-	/// The cut itself: a disc without thickness; `volume` is that of the whole piece times `slope`.
+	/// The cut itself: a disc without thickness. Its `volume` is the volume of the whole fragment times `slope`.
 	EllipsoidFragment disc() const
 	{
 		EllipsoidFragment d;
@@ -90,7 +90,7 @@ private:
 
 	const EllipsoidFragment* m_piece;
 	Vec3 m_axis;           // half-axis along which the function rises
-	double m_height = -1;  // of the centre over the cut, in half-widths, -1 to 1
+	double m_height = -1;  // height of the centre above the cut, in half-widths, -1 to 1
 	double m_slope = 0;
 };
 }  // namespace ist

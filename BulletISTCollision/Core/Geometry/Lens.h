@@ -11,24 +11,24 @@ constexpr double kPi = 3.14159265358979323846;
 
 inline double ballVolume(double R) { return 4.0 / 3.0 * kPi * R * R * R; }
 
-/// Intersection of two balls i and j. Two spherical caps, each with its volume and centroid.
+/// Intersection of two balls i and j: two spherical caps, each with its volume and centroid.
 struct Lens
 {
 	double volume = 0;          ///< L = capI + capJ
-	double area = 0;            ///< of the disc that both spheres share; 0 when one ball contains the other
-	double capI = 0, capJ = 0;  ///< cap of ball i (of j) beyond the disc
-	Vec3 normal;                ///< from j to i; zero when concentric
+	double area = 0;            ///< area of the disc that both spheres share; 0 if one ball contains the other
+	double capI = 0, capJ = 0;  ///< cap of ball i (or j) beyond the disc
+	Vec3 normal;                ///< from j to i; zero if the balls are concentric
 	Vec3 centroid;
 };
 
-/// False when the balls do not intersect. Heights are products of differences of lengths, so that thin lenses keep their digits.
+/// False if the balls do not intersect. Heights are products of differences of lengths, so that thin lenses keep their digits.
 inline bool lensOf(const Vec3& ci, double Ri, const Vec3& cj, double Rj, Lens& lens)
 {
 	const Vec3 offset = ci - cj;
 	const double squared = squaredNorm(offset), reach = Ri + Rj;
 	if (!(squared < reach * reach) || !(Ri > 0 && Rj > 0)) return false;
 	const double D = std::sqrt(squared);
-	// A distance of zero must land here: equal concentric balls share everything.
+	// A distance of zero must take this branch: equal concentric balls share everything.
 	if (D <= std::fabs(Ri - Rj))
 	{
 		const bool jInside = Rj <= Ri;
@@ -50,13 +50,13 @@ inline bool lensOf(const Vec3& ci, double Ri, const Vec3& cj, double Rj, Lens& l
 	if (!(lens.volume > 0)) return false;
 	lens.area = kPi * hi * (2 * Ri - hi);
 	lens.normal = offset * inverse;
-	// First moment from ci along -n is D capJ.
+	// The first moment about ci, along -n, is D capJ.
 	lens.centroid = ci - offset * (lens.capJ / lens.volume);
 	return true;
 }
 
-/// Ball against the half-space below a plane; `height` is that of the ball's centre above it, `normal` points up.
-/// Only volume, area, normal and centroid are filled.
+/// Intersection of a ball with the half-space below a plane. `height` is the height of the ball's centre above the plane, and `normal`
+/// points up. Only volume, area, normal and centroid are filled.
 inline bool capOf(const Vec3& c, double R, const Vec3& normal, double height, Lens& cap)
 {
 	if (!(height < R) || !(R > 0)) return false;
@@ -75,10 +75,10 @@ inline bool capOf(const Vec3& c, double R, const Vec3& normal, double height, Le
 	return cap.volume > 0;
 }
 
-/// Overlap of two ellipsoids (P; R: radius of the bounding ball), in units of the densities. In the coordinates in which P_i + P_j is the
-/// identity, each stands for the ball with the mean of its second moments: exact for two balls and for two ellipsoids of one shape.
-/// Such balls can reach farther than the ellipsoids; where they would reach beyond the bounding balls, they are taken to touch when
-/// those do. `normal` and `area` are direction and size of minus the gradient of the volume by c_i - c_j.
+/// Overlap of two ellipsoids (P; R: radius of the bounding ball), in units of the densities. In coordinates in which P_i + P_j is the
+/// identity, each ellipsoid is replaced by the ball with its mean second moment. This is exact for two balls and for two ellipsoids of
+/// one shape. Such balls can reach farther than the ellipsoids. Where they would reach beyond the bounding balls, they touch when the
+/// bounding balls do. `normal` and `area` are direction and size of minus the gradient of the volume by c_i - c_j.
 inline bool lensOf(const Vec3& ci, double Ri, const SymmetricMatrix3& Pi, const Vec3& cj, double Rj, const SymmetricMatrix3& Pj, Lens& lens)
 {
 	const Vec3 offset = ci - cj;
@@ -87,7 +87,7 @@ inline bool lensOf(const Vec3& ci, double Ri, const SymmetricMatrix3& Pi, const 
 	const SymmetricMatrix3 P = Pi + Pj, Q = adjugate(P);
 	const double det = determinant(P);
 	const double ri = std::sqrt(dot(Pi, Q) / (3 * det)), rj = std::sqrt(dot(Pj, Q) / (3 * det));
-	Vec3 slope = Q * offset / det;  // of the distance D in those coordinates, times D
+	Vec3 slope = Q * offset / det;  // gradient of the distance D in those coordinates, times D
 	double D = std::sqrt(std::max(0.0, dot(offset, slope)));
 	if (const double share = (ri + rj) / reach; D < share * length)
 	{
@@ -107,12 +107,13 @@ inline bool lensOf(const Vec3& ci, double Ri, const SymmetricMatrix3& Pi, const 
 	return true;
 }
 
-/// Where the lens of two ellipsoids lies, off the line of their centres where they are of unlike shape: across the thin side of a flat one
-/// hardly from its centre, however far a large one beside it is. With the share s that the cap of ball j has in `lens`, and r_i, r_j of
-/// lensOf():
+/// Centroid of the lens of two ellipsoids. For unlike shapes it lies off the line of their centres: across the thin side of a flat
+/// ellipsoid it hardly leaves the centre, however far away a large one beside it is. With the share s of ball j's cap in `lens`, and with
+/// r_i, r_j of lensOf():
 ///     c = c_i - s r_j^2 P_i N^-1 (c_i - c_j),   N = s r_j^2 P_i + (1 - s) r_i^2 P_j
-/// On the line for two of one shape; the centre of what is inside the other. An estimate, as the lens is: where two flat ones share little,
-/// it may lie outside of them. Matters where something changes across an ellipsoid.
+/// For two ellipsoids of one shape it lies on the line; if one contains the other, it is the inner one's centre. It is an estimate, as
+/// the lens is: where two flat ellipsoids share little, it may lie outside of them. It matters where a quantity changes across an
+/// ellipsoid.
 inline Vec3 lensCentroid(const Lens& lens, const Vec3& ci, const SymmetricMatrix3& Pi, const Vec3& cj, const SymmetricMatrix3& Pj)
 {
 	const double share = lens.capJ / lens.volume;
@@ -122,7 +123,7 @@ inline Vec3 lensCentroid(const Lens& lens, const Vec3& ci, const SymmetricMatrix
 	return ci - Pi * (adjugate(N) * (ci - cj)) * (ofI / (ofI + ofJ) / determinant(N));
 }
 
-/// Ellipsoid against the half-space below a plane, as for the ball; exact. In units of its density.
+/// Intersection of an ellipsoid with the half-space below a plane, as for the ball; exact. In units of the ellipsoid's density.
 inline bool capOf(const MomentEllipsoid& e, const Vec3& normal, double height, Lens& cap)
 {
 	const Vec3 conjugate = e.shape() * normal;

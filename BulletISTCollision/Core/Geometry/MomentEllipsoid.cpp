@@ -13,12 +13,12 @@ namespace ist
 namespace
 {
 constexpr double kBallVolume = 4.18879020478639098462;
-// Where two ellipsoids are looked at together they can reach beyond their bounding balls and are cut there (Lens.h): at balls no larger
-// than the ellipsoids that costs a few tenths of a percent of every volume, at these a few hundredths (bench_truth).
+// Two ellipsoids can reach beyond their bounding balls and are cut there (Lens.h). With balls no larger than the ellipsoids this costs a
+// few tenths of a percent of every volume; with this factor it costs a few hundredths (bench_truth).
 constexpr double kReach = 1.03;
-// Of a homogeneous ellipsoid.
+// P over the second moment per volume, for a homogeneous ellipsoid.
 constexpr double kShapePerMoment = 5;
-// Shapes of few samples vary. Enlarged to their piece's volume they would on average be too large.
+// Shapes from few samples vary. Enlarging them to their piece's full volume would make them too large on average.
 constexpr double kLeastVolume = 1.0 / 3;
 
 Eigen::Matrix3d matrixOf(const SymmetricMatrix3& m)
@@ -28,10 +28,10 @@ Eigen::Matrix3d matrixOf(const SymmetricMatrix3& m)
 	return M;
 }
 
-/// Of a symmetric one.
+/// The entries of a symmetric matrix.
 SymmetricMatrix3 entriesOf(const Eigen::Matrix3d& M) { return {M(0, 0), M(1, 1), M(2, 2), M(0, 1), M(0, 2), M(1, 2)}; }
 
-/// The upper half of the nearest float that has no more, ties to even.
+/// The upper half of the nearest float whose lower half is zero; ties go to even.
 uint32_t halfOf(double v)
 {
 	const uint32_t bits = std::bit_cast<uint32_t>(float(v));
@@ -43,7 +43,7 @@ StoredEllipsoid::StoredEllipsoid(const MomentEllipsoid& e) : density(e.density),
 {
 	const double steps = 1 / double(kStep), perSquare = steps / (double(e.R) * e.R);
 	const float n[3] = {e.nx, e.ny, e.nz}, P[6] = {e.xx, e.yy, e.zz, e.xy, e.xz, e.yz};
-	// A component can exceed one, or R^2, by a rounding. What is no number is passed on, for the tree to be refused.
+	// A component can exceed 1, or R^2, by a rounding. A NaN is passed on as a NaN density, so that the tree is refused.
 	const auto rounded = [&](double v) {
 		if (!(std::fabs(v) < 1.001 * steps)) density = std::numeric_limits<float>::quiet_NaN();
 		return int16_t(std::fabs(v) <= steps ? std::lround(v) : v > 0 ? 32767 : -32767);
@@ -80,7 +80,7 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 	e.setPlace(centroid);
 	e.setShape(entriesOf(kept));
 	e.R = float(std::sqrt(squares.maxCoeff()) * kReach);
-	// From the rounded radius, so that no volume is lost in the rounding.
+	// The density uses the rounded radius, so that the rounding loses no volume.
 	e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));
 	return e;
 }
@@ -124,8 +124,8 @@ SymmetricMatrix3 normalGradient(const MomentEllipsoid& whole, const MomentEllips
 		const MomentEllipsoid& piece = pieces[index[i]];
 		slope += piece.volume() * vector(piece.normal() - whole.normal()) * vector(piece.center() - whole.center()).transpose();
 	}
-	// Least squares among symmetric matrices, G S + S G = C + C^T, in the axes of S: what lies in one layer tells nothing of a change
-	// across it.
+	// Least squares among symmetric matrices, G S + S G = C + C^T, in the axes of S. Pieces that lie in one layer do not determine the
+	// change across it.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(matrixOf(whole.shape() * (whole.volume() / kShapePerMoment)));
 	const Eigen::Matrix3d& Q = axes.eigenvectors();
 	Eigen::Matrix3d G = Q.transpose() * (slope + slope.transpose()) * Q;

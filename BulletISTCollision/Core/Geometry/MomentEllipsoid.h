@@ -10,9 +10,9 @@
 
 namespace ist
 {
-/// The homogeneous ellipsoid that has the volume, the centroid and the second moment of a piece of the body, with that piece's mean
-/// outward normal and mean depth. Its points are c + y with y^T P^-1 y <= 1, where P is five times the piece's covariance; P = R^2 for
-/// a ball. Its density is below 1, since no piece is an ellipsoid. One cache line.
+/// The homogeneous ellipsoid that has the volume, centroid and second moment of a piece of the body, with that piece's mean outward
+/// normal and mean depth. Its points are c + y with y^T P^-1 y <= 1, where P is five times the piece's covariance; P = R^2 for a ball.
+/// Its density is below 1, because no piece is an ellipsoid. It takes one cache line.
 struct alignas(64) MomentEllipsoid
 {
 	float x = 0, y = 0, z = 0;     ///< centroid c
@@ -36,18 +36,19 @@ struct alignas(64) MomentEllipsoid
 	{
 		xx = float(P.xx), yy = float(P.yy), zz = float(P.zz), xy = float(P.xy), xz = float(P.xz), yz = float(P.yz);
 	}
-	/// Half-axes, shortest over longest. With needles of this shape the queries' floats still find distances to .05 %.
+	/// Smallest ratio of the half-axes, shortest over longest. At this ratio the queries' floats still find distances to 0.05 %.
 	static constexpr double kFlattest = 1.0 / 20;
-	/// Between these times R^2 lie the eigenvalues of a solid shape; the margins cover the rounding to StoredEllipsoid's steps of 3e-5.
+	/// The eigenvalues of a solid shape lie between these factors times R^2. The margins cover the rounding of StoredEllipsoid to steps
+	/// of 3e-5.
 	static constexpr double kLeastShape = 0.5 * kFlattest * kFlattest, kMostShape = 1 + 1e-4;
-	/// Positive density, R between 1e-12 and 1e12 m (powers of such lengths stay inside of a float's range), a shape that the ball of
-	/// radius R contains and that is flat in no direction.
+	/// True if the density is positive, R lies between 1e-12 and 1e12 m (powers of such lengths fit into a float), the ball of radius R
+	/// contains the shape, and the shape is flat in no direction.
 	bool isSolid() const;
 	static bool isRadius(float R) { return (R > 1e-12) & (R < 1e12); }
 };
 static_assert(sizeof(MomentEllipsoid) == 64);
 
-/// Whether a symmetric matrix, diagonal first, is positive definite.
+/// Whether a symmetric matrix is positive definite; its diagonal comes first.
 template <class Number> constexpr bool isPositiveDefinite(Number xx, Number yy, Number zz, Number xy, Number xz, Number yz)
 {
 	const Number minor = xx * yy - xy * xy;
@@ -62,21 +63,21 @@ inline bool MomentEllipsoid::isSolid() const
 	return isRadius(R) && density > 0 && thick && inBall;
 }
 
-/// What a tree stores of a MomentEllipsoid beside its bounding ball, half a cache line: normal and shape in steps of 3e-5, far below what
-/// the samples of a piece can tell.
+/// The part of a MomentEllipsoid that a tree stores beside its bounding ball: half a cache line. Normal and shape have steps of 3e-5, far
+/// below the accuracy of a piece's samples.
 struct alignas(32) StoredEllipsoid
 {
 	static constexpr float kStep = 1.0f / 32767;
 	float density = 0, depth = 0;
-	int16_t normal[3] = {}, unused = 0;  ///< over kStep
-	int16_t shape[6] = {};               ///< P over kStep R^2: xx, yy, zz, xy, xz, yz
+	int16_t normal[3] = {}, unused = 0;  ///< mean normal in units of kStep
+	int16_t shape[6] = {};               ///< P in units of kStep R^2: xx, yy, zz, xy, xz, yz
 	uint32_t sphere = 0;
 
 	StoredEllipsoid() = default;
 	explicit StoredEllipsoid(const MomentEllipsoid& ellipsoid);  ///< rounded
-	/// `bound`: of radius R around its centroid.
+	/// The ellipsoid in `bound`, the ball of radius R around its centroid.
 	MomentEllipsoid in(const Sphere& bound) const;
-	/// Implies that the ellipsoid in a bound of a good radius is solid. Exact, in whole steps.
+	/// If true, the ellipsoid is solid in every bound with a valid radius. Computed exactly, in integers.
 	bool isSolid() const;
 };
 static_assert(sizeof(StoredEllipsoid) == 32);
@@ -103,8 +104,8 @@ inline bool StoredEllipsoid::isSolid() const
 	return density > 0 && thick && inBall;
 }
 
-/// How the mean outward normal of an ellipsoid changes over it, a symmetric matrix: at x it is m + G (x - c). Two entries share a word,
-/// each the upper half of a float: good to 0.4 %, which is little beside what a linear function leaves out.
+/// Gradient of the mean outward normal over an ellipsoid, a symmetric matrix G: the normal at x is m + G (x - c). Two entries share a
+/// word, each the upper half of a float. They are accurate to 0.4 %, which is small beside the error of a linear function.
 struct alignas(16) NormalGradient
 {
 	uint32_t diagonalOverRest[3] = {};  ///< xx above xy, yy above xz, zz above yz [1/m]
@@ -115,7 +116,7 @@ struct alignas(16) NormalGradient
 };
 static_assert(sizeof(NormalGradient) == 16);
 
-/// A whole ball, without normal and depth.
+/// The ellipsoid of a whole ball, without normal and depth.
 inline MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
 {
 	MomentEllipsoid ball;
@@ -127,15 +128,15 @@ inline MomentEllipsoid ballOf(const Sphere& sphere, uint32_t index)
 	return ball;
 }
 
-/// Of a piece of this volume. The shape is kept, but for what only few samples can have: an ellipsoid of less than a third of the piece's
-/// volume is enlarged to that, half-axes of less than a twentieth of the longest are lengthened to that. Normal, depth and sphere are
-/// left empty.
+/// The ellipsoid of a piece with this volume. The shape is kept except where it comes from too few samples: an ellipsoid of less than a
+/// third of the piece's volume is enlarged to that, and half-axes of less than a twentieth of the longest are lengthened to that. Normal,
+/// depth and sphere stay empty.
 MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& shape, double volume);
 
-/// The whole of some pieces, given by index: volumes add up, moments are exact, normal and depth are means by volume.
+/// The union of some pieces, given by index. Volumes add up, moments are exact, normal and depth are means weighted by volume.
 MomentEllipsoid merged(const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
-/// The symmetric slope that fits their normals best, by volume, each piece having one normal throughout; symmetric, as normals are minus
-/// the gradient of the depth. G with G S + S G = C + C^T, S the second moment of `whole`, merged from these, about its centroid, and C =
-/// Sum V (n - m) (x - c)^T over the pieces. Zero for one piece.
+/// The symmetric gradient that fits the normals of the pieces best, weighted by volume; each piece has one normal throughout. It is
+/// symmetric because normals are minus the gradient of the depth. G solves G S + S G = C + C^T. S is the second moment of `whole`, which
+/// is merged from these pieces, about its centroid, and C = Sum V (n - m) (x - c)^T over the pieces. Zero for one piece.
 SymmetricMatrix3 normalGradient(const MomentEllipsoid& whole, const MomentEllipsoid* pieces, const uint32_t* index, size_t count);
 }  // namespace ist

@@ -14,8 +14,8 @@ struct Sphere
 	Vec3 center() const { return {x, y, z}; }
 };
 
-/// Polydisperse packing, largest first: any prefix is a valid packing. No two spheres overlap and none protrudes, in the stored
-/// floats, evaluated in double, with tolerance zero.
+/// Polydisperse packing, largest sphere first, so that any prefix is a valid packing. No two spheres overlap and none protrudes: the
+/// stored floats, evaluated in double, satisfy this with tolerance zero.
 struct SpherePacking
 {
 	std::vector<Sphere> spheres;
