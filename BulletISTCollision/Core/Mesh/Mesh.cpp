@@ -7,7 +7,7 @@ namespace ist
 {
 namespace
 {
-/// FNV-1a, 64 bit.
+/// The FNV-1a hash of 64 bits.
 class Fnv1a
 {
 public:

@@ -10,18 +10,18 @@
 
 namespace ist
 {
-/// A triangle mesh as read: vertices [m] and triangles whose corners run counter-clockwise seen from outside.
-/// Nothing is promised about closedness; see MeshRepair.h.
+/// A triangle mesh as read: vertices [m] and triangles whose corners run counter-clockwise seen from outside. It need not be closed; see
+/// MeshRepair.h.
 struct Mesh
 {
 	std::vector<Vec3> vertices;
 	std::vector<std::array<uint32_t, 3>> triangles;
-	/// How far neighbouring values of the coordinates lay apart where the mesh was stored, as a share of its longest side: what corners
-	/// that meet may be rounded to. importMesh() tells it of its file; otherwise that of single precision near the origin.
+	/// Distance between neighbouring values of the stored coordinates, as a share of the longest side. Corners that meet may differ by
+	/// this rounding. importMesh() sets it from its file; the default is that of single precision near the origin.
 	double rounding = 0x1p-23;
-	/// One sentence for each kind of thing that the file held and that was not taken. Filled by importMesh(); no part of meshHash().
+	/// One sentence for each kind of content of the file that was not imported. Set by importMesh(); not part of meshHash().
 	std::vector<std::string> notTaken = {};
-	/// Metres per unit of the file that importMesh() read; no part of meshHash().
+	/// Metres per unit of the file that importMesh() read; not part of meshHash().
 	double unit = 1;
 };
 
@@ -34,7 +34,7 @@ struct Box
 		const Vec3 s = size();
 		return s.x > s.y ? (s.x > s.z ? s.x : s.z) : (s.y > s.z ? s.y : s.z);
 	}
-	/// The axis of the longest side; of equal ones the first.
+	/// The axis of the longest side; the first of equal ones.
 	int longestAxis() const
 	{
 		const Vec3 s = size();
@@ -57,6 +57,6 @@ double surfaceArea(const Mesh& mesh);  ///< [m^2]
 MassProperties massProperties(const Mesh& mesh);
 Mesh transformed(const Mesh& mesh, const Pose& X);
 Mesh translated(const Mesh& mesh, const Vec3& offset);
-/// 64-bit FNV-1a over vertex coordinates (little-endian doubles) and indices: the identity of a source mesh.
+/// 64-bit FNV-1a hash of vertex coordinates (little-endian doubles) and indices. It identifies a source mesh.
 uint64_t meshHash(const Mesh& mesh);
 }  // namespace ist

@@ -8,13 +8,13 @@ namespace ist
 {
 namespace
 {
-/// The vertices in the middles of the edges that are halved, each made once.
+/// The midpoints of the edges that are halved, each created once.
 class Middles
 {
 public:
 	Middles(Mesh& mesh, double longest) : m_mesh(mesh), m_longest(longest) {}
 
-	/// Of the edge between two vertices; -1 where it is short enough.
+	/// Midpoint of the edge between two vertices; -1 if the edge is short enough.
 	int64_t between(uint32_t a, uint32_t b)
 	{
 		const Vec3 p = m_mesh.vertices[a], q = m_mesh.vertices[b];
@@ -31,12 +31,12 @@ private:
 	std::unordered_map<uint64_t, uint32_t> m_known;
 };
 
-/// Which parts of a triangle `t` replace it when the edges whose middles are given (edge i from corner i on) are halved.
+/// Appends the parts that replace a triangle `t`. The edges whose midpoints are given (edge i starts at corner i) are halved.
 void divide(std::array<uint32_t, 3> t, std::array<int64_t, 3> middle, std::vector<std::array<uint32_t, 3>>& out)
 {
 	const int64_t halved = std::count_if(middle.begin(), middle.end(), [](int64_t m) { return m >= 0; });
 	if (halved == 0) return out.push_back(t);
-	// Turned so that the first edge is halved, and of two whole or halved ones the last is the odd one.
+	// Rotates the triangle so that its first edge is halved; if two edges are halved, these are the first two.
 	while (middle[0] < 0 || (halved == 2 && middle[1] < 0))
 	{
 		std::rotate(t.begin(), t.begin() + 1, t.end());
@@ -65,7 +65,7 @@ void divide(std::array<uint32_t, 3> t, std::array<int64_t, 3> middle, std::vecto
 Mesh dividedMesh(const Mesh& mesh, double longest, size_t mostTriangles)
 {
 	Mesh now = mesh;
-	// A round makes at most four of each.
+	// A round replaces each triangle by at most four.
 	while (4 * now.triangles.size() <= mostTriangles)
 	{
 		Middles middles(now, longest);

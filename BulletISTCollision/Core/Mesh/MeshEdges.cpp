@@ -7,7 +7,7 @@ namespace ist
 {
 std::vector<EdgeUse> sortedEdges(const Mesh& mesh)
 {
-	// By the lower vertex through counts; what shares it is a handful.
+	// A counting sort by the lower vertex; few edges share one.
 	std::vector<std::size_t> first(mesh.vertices.size() + 1);
 	for (const Triangle& t : mesh.triangles)
 	{

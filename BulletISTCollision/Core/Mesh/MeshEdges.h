@@ -16,14 +16,14 @@ using Triangle = std::array<uint32_t, 3>;
 
 inline bool isCollapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-/// One triangle's use of an edge, low < high.
+/// The use of an edge by one triangle, low < high.
 struct EdgeUse
 {
 	uint32_t low, high, triangle;
 	bool forward;  ///< the triangle runs from low to high
 };
 
-/// Of all triangles that are not collapsed, the uses of one edge next to each other, in the order of the triangles.
+/// The edge uses of all triangles that are not collapsed. Uses of one edge are adjacent, in the order of the triangles.
 std::vector<EdgeUse> sortedEdges(const Mesh& mesh);
 
 /// Calls visit(first use, number of uses) for each edge.
@@ -60,6 +60,6 @@ private:
 	std::vector<uint32_t> m_parent;
 };
 
-/// Of each triangle the lowest index of its component; triangles are connected through shared edges.
+/// The lowest triangle index of each triangle's component. Triangles are connected through shared edges.
 std::vector<uint32_t> componentOfTriangle(const Mesh& mesh, const std::vector<EdgeUse>& edges);
 }  // namespace ist

@@ -11,13 +11,13 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 
-/// Distance from the z axis and height.
+/// A profile point: distance from the z axis, and height.
 struct ProfilePoint
 {
 	double radius, z;
 };
 
-/// Solid of revolution: poles at `bottom` and `top`, rings of `segments` vertices between them, from the bottom up.
+/// A solid of revolution: poles at `bottom` and `top`, and rings of `segments` vertices between them, from the bottom up.
 Mesh revolve(double bottom, const std::vector<ProfilePoint>& rings, double top, int segments)
 {
 	const auto n = static_cast<uint32_t>(std::max(segments, 3));
@@ -47,7 +47,7 @@ Mesh revolve(double bottom, const std::vector<ProfilePoint>& rings, double top, 
 	return mesh;
 }
 
-/// A point of a closed curve with two unit vectors across it; first x second points along the curve.
+/// A point of a closed curve with two unit vectors across the curve; first x second points along the curve.
 struct Station
 {
 	Vec3 center, first, second;
@@ -176,7 +176,8 @@ Mesh makeTorusKnotMesh(double ringRadius, double ringOffset, double tubeRadius, 
 		const Vec3 radial{std::cos(p * t), std::sin(p * t), 0}, along{-radial.y, radial.x, 0};
 		const double c = std::cos(q * t), s = std::sin(q * t);
 		const double reach = ringRadius + ringOffset * c;
-		// The curve lies on a torus, so the normal of that torus is across it everywhere and returns to itself without twist.
+		// The curve lies on a torus. The normal of that torus is perpendicular to the curve everywhere, and returns to itself without
+		// twist.
 		const Vec3 normal = c * radial + Vec3{0, 0, s};
 		const Vec3 tangent = normalized(p * reach * along + q * ringOffset * (-s * radial + Vec3{0, 0, c}));
 		stations.push_back({reach * radial + Vec3{0, 0, ringOffset * s}, normal, cross(tangent, normal)});

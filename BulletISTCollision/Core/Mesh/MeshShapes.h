@@ -5,23 +5,23 @@
 
 namespace ist
 {
-/// Closed, outward-oriented meshes of simple solids, centred on the origin unless said otherwise [m].
+/// Closed, outward-oriented meshes of simple solids [m]. They are centred on the origin unless their comment says otherwise.
 
-/// 12 triangles.
+/// A box of 12 triangles.
 Mesh makeBoxMesh(const Vec3& halfExtents);
-/// Subdivided icosahedron with its vertices on the sphere: 20 * 4^subdivisions triangles, volume a little below 4/3 pi r^3.
+/// A subdivided icosahedron with its vertices on the sphere: 20 * 4^subdivisions triangles, volume a little below 4/3 pi r^3.
 Mesh makeSphereMesh(double radius, int subdivisions = 4);
-/// Axis along z.
+/// A cylinder with its axis along z.
 Mesh makeCylinderMesh(double radius, double halfHeight, int segments = 48);
-/// Axis along z, base at -height / 2, apex at height / 2.
+/// A cone with its axis along z, base at -height / 2, apex at height / 2.
 Mesh makeConeMesh(double radius, double height, int segments = 48);
-/// Axis along z; the straight part has length 2 * halfHeight.
+/// A capsule with its axis along z; the straight part has length 2 * halfHeight.
 Mesh makeCapsuleMesh(double radius, double halfHeight, int segments = 32);
-/// Ring around the z axis: R to the middle of the tube, r of the tube.
+/// A ring around the z axis. `ringRadius` reaches to the middle of the tube; `tubeRadius` is the tube's.
 Mesh makeTorusMesh(double ringRadius, double tubeRadius, int ringSegments = 96, int tubeSegments = 48);
-/// (p, q) torus knot swept by a tube; p, q coprime.
+/// A (p, q) torus knot swept by a tube; p, q coprime.
 Mesh makeTorusKnotMesh(
 	double ringRadius, double ringOffset, double tubeRadius, int p = 2, int q = 3, int segments = 400, int tubeSegments = 24);
-/// Regular tetrahedron with the given edge.
+/// A regular tetrahedron with the given edge.
 Mesh makeTetrahedronMesh(double edge);
 }  // namespace ist

@@ -5,16 +5,16 @@
 
 namespace ist
 {
-/// A place in a picture: u to the right and v up, both from 0 to 1, from the lower left corner. Beyond, the picture repeats.
+/// A position in a texture: u to the right and v up, both from 0 to 1, from the lower left corner. Outside, the texture repeats.
 struct TexturePlace
 {
 	double u = 0, v = 0;
 };
 
-/// A triangle mesh that a picture is laid on. Corners of triangles that share a vertex may have different places: there runs a seam.
+/// A triangle mesh with texture coordinates. Corners of triangles that share a vertex may have different ones; a seam runs there.
 struct TexturedMesh
 {
 	Mesh mesh;
-	std::vector<std::array<TexturePlace, 3>> places;  ///< of each triangle's corners
+	std::vector<std::array<TexturePlace, 3>> places;  ///< texture coordinates of each triangle's corners
 };
 }  // namespace ist
