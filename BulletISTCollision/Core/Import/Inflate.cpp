@@ -12,19 +12,19 @@ namespace
 {
 constexpr unsigned kLongestCode = 15, kLiterals = 288, kDistances = 30, kEndOfBlock = 256;
 
-/// Bits of the stream, the lowest of each byte first. Past its end come zeros, and `ended()` holds.
+/// Bits of the stream, the lowest of each byte first. Past its end, zeros are returned and `ended()` is true.
 class Bits
 {
 public:
 	explicit Bits(std::string_view bytes) : m_bytes(bytes) {}
-	/// The next bits, 32 at most; they stay where they are.
+	/// Returns the next bits, 32 at most, without consuming them.
 	unsigned peek(unsigned count)
 	{
 		for (; m_have < count; m_have += 8, ++m_at)
 			if (m_at < m_bytes.size()) m_ahead |= static_cast<uint64_t>(static_cast<unsigned char>(m_bytes[m_at])) << m_have;
 		return static_cast<unsigned>(m_ahead & ((uint64_t(1) << count) - 1));
 	}
-	/// At most as many as were looked at.
+	/// Consumes bits; at most as many as were peeked.
 	void drop(unsigned count)
 	{
 		m_ahead >>= count;
@@ -36,7 +36,7 @@ public:
 		drop(count);
 		return value;
 	}
-	/// The next whole bytes; nothing when there are not as many.
+	/// Consumes whole bytes; empty optional if there are not enough.
 	std::optional<std::string_view> takeBytes(size_t count)
 	{
 		const size_t first = m_at - m_have / 8;
@@ -55,11 +55,11 @@ private:
 	unsigned m_have = 0;
 };
 
-/// A prefix code, made from the length of each symbol's code (RFC 1951, 3.2.2).
+/// A prefix code, built from the length of each symbol's code (RFC 1951, 3.2.2).
 class PrefixCode
 {
 public:
-	/// False: more codes than their lengths leave room for.
+	/// False if the lengths describe more codes than fit.
 	bool make(std::span<const uint8_t> lengths)
 	{
 		m_count.fill(0);
@@ -91,7 +91,7 @@ private:
 	static constexpr unsigned kShort = 9;
 	struct Found
 	{
-		uint16_t symbol = 0, length = 0;  // 0: none
+		uint16_t symbol = 0, length = 0;  // length 0: not found
 	};
 	Found find(unsigned ahead, unsigned most) const
 	{
@@ -108,7 +108,7 @@ private:
 
 	std::array<unsigned, kLongestCode + 1> m_count{};
 	std::array<uint16_t, kLiterals> m_symbols{};
-	std::array<Found, 1 << kShort> m_short{};  // codes of few bits, by the bits that begin with them
+	std::array<Found, 1 << kShort> m_short{};  // table of the short codes, indexed by the bits that begin with them
 };
 
 struct BlockCodes
@@ -128,7 +128,7 @@ bool makeFixed(BlockCodes& codes)
 	return codes.literals.make(lengths) && codes.distances.make(equal);
 }
 
-/// Codes that stand in the block itself (RFC 1951, 3.2.7).
+/// Reads the codes that stand in the block itself (RFC 1951, 3.2.7).
 bool takeCodes(Bits& bits, BlockCodes& codes)
 {
 	static constexpr uint8_t kOrder[19] = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
@@ -158,7 +158,7 @@ bool takeCodes(Bits& bits, BlockCodes& codes)
 	return lengths[kEndOfBlock] && codes.literals.make(all.first(literals)) && codes.distances.make(all.subspan(literals, distances));
 }
 
-/// The symbols of a block, up to its end. False: it is damaged, or gives more than `size` bytes in all.
+/// Decodes the symbols of a block, up to its end. False if it is damaged, or gives more than `size` bytes in all.
 bool takeSymbols(Bits& bits, const BlockCodes& codes, std::string& out, size_t size)
 {
 	static constexpr uint16_t kLength[29] = {
@@ -203,7 +203,7 @@ bool takeStored(Bits& bits, std::string& out, size_t size)
 
 std::optional<std::string> inflated(std::string_view stream, size_t size)
 {
-	// Two bits stand for 258 bytes at most.
+	// Two bits encode 258 bytes at most.
 	constexpr size_t kMostTimes = 1032;
 	if (size / kMostTimes > stream.size()) return std::nullopt;
 	std::string out;

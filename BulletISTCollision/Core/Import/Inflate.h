@@ -8,7 +8,7 @@
 
 namespace ist
 {
-/// The bytes that a DEFLATE stream (RFC 1951) stands for. Nothing when the stream is damaged or does not give exactly `size` bytes.
-/// Memory: `size`, which is refused beforehand where no stream of that length can give as much.
+/// The decompressed bytes of a DEFLATE stream (RFC 1951). Empty optional if the stream is damaged or does not give exactly `size` bytes.
+/// Memory: `size`. A size that no stream of that length can give is refused before allocation.
 std::optional<std::string> inflated(std::string_view stream, size_t size);
 }  // namespace ist

@@ -23,8 +23,8 @@ struct NamedUnit
 	std::string_view name;
 	double metres;
 };
-// 3MF core specification, 3.4.1, and ISO/ASTM 52915 with the spellings that are found in AMF files. Files of both that state no unit are in
-// millimetres.
+// Sources: 3MF core specification, 3.4.1, and ISO/ASTM 52915 with spellings that occur in AMF files. Files of both formats that state no
+// unit are in millimetres.
 constexpr NamedUnit kUnitsOf3mf[] = {
 	{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2}, {"inch", 0.0254}, {"foot", 0.3048}, {"meter", 1}};
 constexpr NamedUnit kUnitsOfAmf[] = {
@@ -32,7 +32,7 @@ constexpr NamedUnit kUnitsOfAmf[] = {
 constexpr double kMillimetre = 1e-3;
 constexpr std::string_view kModelOf3mf = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 
-/// Blanks around it taken away, and in lower case.
+/// The text in lower case, without surrounding blanks.
 std::string plain(std::string text)
 {
 	const auto isBlank = [](unsigned char c) { return std::isspace(c) != 0; };
@@ -50,7 +50,7 @@ MeshFileUnit namedUnit(const char* format, std::span<const NamedUnit> units, con
 	return {format, *stated, unit == units.end() ? 0 : unit->metres, false};
 }
 
-/// assimp reads numbers with a comma, too.
+/// The unit of a COLLADA file. Like assimp, it accepts numbers with a decimal comma.
 MeshFileUnit unitOfCollada(XmlTags& tags)
 {
 	bool inAsset = false;
@@ -80,7 +80,7 @@ MeshFileUnit unitOfXml(std::string_view text)
 	return {};
 }
 
-/// What the relations of a package name as its model; nothing when it is no 3MF.
+/// The model that the relations of a package name; empty optional if it is no 3MF file.
 std::optional<std::string> modelName(const ZipArchive& archive)
 {
 	const std::optional<std::string> relations = archive.read("_rels/.rels");
@@ -114,7 +114,7 @@ Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& ar
 	return MeshFileHead{};
 }
 
-/// Nothing when the file cannot be read, of which assimp says why.
+/// The content of a file; empty optional if it cannot be read. Assimp then reports the reason.
 std::optional<std::string> contentOf(const std::string& path)
 {
 	std::error_code failure;

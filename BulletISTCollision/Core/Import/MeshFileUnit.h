@@ -9,26 +9,26 @@
 
 namespace ist
 {
-/// The unit of length that a mesh file states, or that its format has for files that state none.
+/// The unit of length that a mesh file states, or the default of its format if the file states none.
 struct MeshFileUnit
 {
 	std::string format;  ///< "3MF", "AMF", "COLLADA"; empty for other files
-	std::string stated;  ///< as in the file; empty where it says nothing
-	double metres = 1;   ///< per unit of the file; 0 where `stated` is no unit of the format
-	/// assimp's reader of COLLADA multiplies by the unit; those of 3MF and AMF do not look at it.
+	std::string stated;  ///< the text in the file; empty if it states no unit
+	double metres = 1;   ///< metres per unit of the file; 0 if `stated` is no unit of the format
+	/// True for COLLADA: assimp's reader multiplies by the unit. The readers of 3MF and AMF ignore it.
 	bool appliedByReader = false;
 };
 
-/// What is looked up in a mesh file before assimp reads it.
+/// Information that is read from a mesh file before assimp reads it.
 struct MeshFileHead
 {
 	MeshFileUnit unit;
-	/// The content of an AMF file that is zipped, which assimp's reader does not unpack.
+	/// The content of a zipped AMF file, which assimp's reader does not unpack.
 	std::optional<std::string> unpacked;
 };
 
-/// Errors: a 3MF file without the model that it names, at which assimp ends the process; an archive of AMF that is damaged.
+/// Reads the unit from a file. Errors: a 3MF file without the model that it names (assimp would end the process); a damaged AMF archive.
 Result<MeshFileHead> readMeshFileHead(const std::string& path);
-/// States the unit of content that was read already. Only the ending of the path counts.
+/// Returns the unit of content that was read already. The path is used only for its extension.
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content);
 }  // namespace ist

@@ -33,19 +33,19 @@ namespace
 {
 bool mirrors(const aiMatrix4x4& m) { return aiMatrix3x3(m).Determinant() < 0; }
 
-/// Transform in double; assimp's own is single precision.
+/// Transforms in double, because assimp's own transform is single precision.
 Vec3 transformedPoint(const aiMatrix4x4& m, const aiVector3D& v)
 {
 	const double x = v.x, y = v.y, z = v.z;
 	return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4, m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
 }
 
-/// Of the longest side: what coordinates in single precision may be apart at most.
+/// Largest distance between neighbouring single-precision coordinates, as a share of the longest side.
 constexpr double kBlurred = 1e-3;
-/// Of the stage: reading, the rest is taking the triangles over.
+/// Share of the stage that reading takes. Copying the triangles takes the rest.
 constexpr double kReading = 0.9;
 
-/// Asks the caller, in the caller's locale.
+/// Calls the caller's progress callback in the caller's locale.
 class Watch
 {
 public:
@@ -66,9 +66,8 @@ private:
 	bool m_cancelled = false;
 };
 
-/// Reads in blocks, between which the caller is asked. Goes on reading when the caller wants to stop: assimp's loaders leak what they
-/// hold when a read fails. Throws, all the same, when a loader goes through the file without end, as that of PLY does where the header is
-/// damaged.
+/// Reads in blocks, and reports progress between them. It goes on reading after a cancellation, because assimp's loaders leak memory when
+/// a read fails. It throws if a loader reads the file endlessly, as the PLY loader does with a damaged header.
 class WatchedStream : public Assimp::IOStream
 {
 public:
@@ -99,7 +98,7 @@ public:
 	void Flush() override {}
 
 private:
-	// A loader reads a file once, or a few times.
+	// Limit of the bytes read, as a multiple of the file's size: a loader reads a file once, or a few times.
 	static constexpr size_t kMostTimes = 16, kAtLeast = size_t(1) << 20;
 	std::unique_ptr<Assimp::IOStream> m_stream;
 	Watch& m_watch;
@@ -109,7 +108,7 @@ private:
 class WatchedFiles : public Assimp::DefaultIOSystem
 {
 public:
-	/// The content of the file at `path` is `unpacked` where there is such; it must outlive this.
+	/// `unpacked`, if present, replaces the content of the file at `path`; it must outlive this object.
 	WatchedFiles(Watch& watch, const std::string& path, const std::optional<std::string>& unpacked)
 		: m_watch(watch),
 		  m_path(path),
@@ -131,7 +130,7 @@ private:
 	const std::optional<std::string>& m_unpacked;
 };
 
-/// How far apart neighbouring values of single precision are at the part's farthest coordinate, as a share of its longest side.
+/// Distance between neighbouring single-precision values at the part's farthest coordinate, as a share of its longest side.
 double blur(const aiMesh& part)
 {
 	if (part.mNumVertices == 0) return 0;
@@ -150,12 +149,12 @@ double blur(const aiMesh& part)
 	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
 }
 
-/// How far apart neighbouring values of single precision are at the coordinates that a vertex and its transform are made of [units of the
+/// Distance between neighbouring single-precision values at the coordinates that a vertex and its transform consist of [units of the
 /// file].
 struct Rounding
 {
-	double inPart = 0;        ///< without the place of the part, which is the same for all of its corners
-	double betweenParts = 0;  ///< with it
+	double inPart = 0;        ///< without the part's translation, which is the same for all of its corners
+	double betweenParts = 0;  ///< with the part's translation
 };
 
 void include(Rounding& rounding, const aiMatrix4x4& m, const aiVector3D& v)
@@ -170,17 +169,17 @@ void include(Rounding& rounding, const aiMatrix4x4& m, const aiVector3D& v)
 	add(m.c1, m.c2, m.c3, m.c4);
 }
 
-/// What a file holds beside the faces that can be taken.
+/// Numbers of the elements of a file that cannot be imported.
 struct LeftOut
 {
-	int64_t faces = 0, damaged = 0;  ///< of three corners or more; with corners that are not there
-	int64_t firstDamaged = 0;        ///< among the faces
+	int64_t faces = 0, damaged = 0;  ///< faces: number of faces with three corners or more; damaged: number of those with invalid corners
+	int64_t firstDamaged = 0;        ///< index among the faces
 	int64_t lines = 0, points = 0;
 };
 
-/// Takes away what is no face, and faces with corners that are not there: assimp does not look, and making triangles of them reads beyond
-/// the vertices. The kinds of faces that the part says it has become those that are left: where assimp is told of polygons and finds none,
-/// it ends the process.
+/// Removes elements that are not faces, and faces with invalid corners: assimp does not check them, and triangulating them reads beyond
+/// the vertices. The part's primitive types are set to those that remain. Otherwise assimp ends the process if it expects polygons and
+/// finds none.
 void bvhFaces(aiMesh& part, LeftOut& out)
 {
 	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
@@ -207,7 +206,7 @@ void bvhFaces(aiMesh& part, LeftOut& out)
 	part.mPrimitiveTypes = kinds;
 }
 
-/// The parts that are there: the reader of 3MF leaves gaps where two objects have the same id.
+/// The parts that exist: the 3MF reader leaves null pointers if two objects have the same id.
 std::vector<aiMesh*> partsOf(const aiScene& scene)
 {
 	std::vector<aiMesh*> parts(scene.mMeshes, scene.mMeshes + scene.mNumMeshes);
@@ -224,7 +223,7 @@ LeftOut bvhFaces(const aiScene& scene)
 
 constexpr std::string_view k3mfReader = "3mf Importer";
 
-/// Name of the reader that took the last file.
+/// Name of the reader that read the last file.
 std::string_view readerName(const Assimp::Importer& importer)
 {
 	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
@@ -262,14 +261,14 @@ std::vector<std::string> sentences(const LeftOut& out, const std::vector<std::st
 	return all;
 }
 
-/// What is taken from a file.
+/// Contents to take from a file.
 enum class Wanted
 {
 	Surface,
-	SurfaceAndPlaces  // in a texture
+	SurfaceAndPlaces  // with texture coordinates
 };
 
-/// NaN where the file has none.
+/// Texture coordinates of a corner; NaN if the file has none.
 TexturePlace placeOf(const aiMesh& part, uint32_t corner)
 {
 	if (!part.HasTextureCoords(0)) return {std::nan(""), std::nan("")};
@@ -298,8 +297,8 @@ void append(TexturedMesh& textured, Rounding& rounding, const aiMesh& part, cons
 	}
 }
 
-/// As a share of the mesh's longest side [units of the file]. Parts that may be farther apart than a shape may be blurred are not welded to
-/// each other.
+/// The rounding as a share of the mesh's longest side, from lengths in units of the file. Parts whose rounding exceeds the allowed blur
+/// are not welded to each other.
 double share(const Rounding& rounding, bool inOnePlace, double side)
 {
 	const double between = rounding.betweenParts / side;
@@ -360,7 +359,7 @@ std::optional<Error> whyNoMeshFile(const std::string& path)
 	return std::nullopt;
 }
 
-/// What assimp says, without the full stop.
+/// Assimp's error message without the full stop.
 std::string reasonOf(const Assimp::Importer& importer)
 {
 	std::string reason = importer.GetErrorString();
@@ -368,20 +367,20 @@ std::string reasonOf(const Assimp::Importer& importer)
 	return reason.empty() ? "assimp does not say why" : reason;
 }
 
-/// How to come from the coordinates that the reader gives to metres.
+/// Conversion from the reader's coordinates to metres.
 struct Scale
 {
 	double unit = 1;    ///< metres per unit of the file
-	double factor = 1;  ///< on the reader's coordinates
+	double factor = 1;  ///< factor on the reader's coordinates
 	std::optional<std::string> notTaken;
 };
 
-/// Six digits, in the words that sentences have for a unit.
+/// A unit as text with six digits, as messages contain it.
 std::string unitWords(double metres) { return number(metres) + " m"; }
 
 Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const std::optional<double>& given)
 {
-	// The text of a file has few digits.
+	// Tolerance for units in text, which have few digits.
 	constexpr double kSame = 1e-6;
 	if (!(file.metres > 0) && (!given || file.appliedByReader))
 		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
@@ -399,7 +398,7 @@ Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const s
 	return scale;
 }
 
-/// FBX files state centimetres per unit. Many are in metres all the same, so that the reader's coordinates stay as they are.
+/// FBX files state centimetres per unit. Many are in metres all the same, so the reader's coordinates are not scaled.
 std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importer& importer, const std::optional<double>& given)
 {
 	float centimetres = 0;
@@ -424,7 +423,7 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 	importer.SetIOHandler(new WatchedFiles(watch, path, head.value().unpacked));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
-	// The importer owns the scene and gives it out for reading alone.
+	// The cast is safe: the importer owns the scene and returns it as const.
 	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
 	const LeftOut leftOut = scene ? bvhFaces(*scene) : LeftOut();
 	if (2 * leftOut.damaged > leftOut.faces)
@@ -464,7 +463,8 @@ Result<TexturedMesh> importSurface(const std::string& path, const std::optional<
 {
 	if (unit && (!(*unit > 0) || !std::isfinite(*unit)))
 		return Error{"the unit must be a positive number of metres, not " + std::to_string(*unit)};
-	// assimp's readers of 3MF, AMF and X3D take numbers by strtod, which follows the locale: under a decimal comma 1.5 would become 1.
+	// assimp's readers of 3MF, AMF and X3D parse numbers with strtod, which depends on the locale: with a decimal comma 1.5 would become
+	// 1.
 	const PlainLocale plain;
 	const ThreadLocale readers(plain.get());
 	Watch watch(progress, readers.before());

@@ -16,7 +16,7 @@ namespace ist
 {
 namespace
 {
-/// Of the innermost listener.
+/// Messages of the innermost listener.
 thread_local std::vector<std::string>* t_heard = nullptr;
 
 bool hasAny(std::string_view text, std::initializer_list<std::string_view> words)
@@ -24,7 +24,7 @@ bool hasAny(std::string_view text, std::initializer_list<std::string_view> words
 	return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return text.find(word) != text.npos; });
 }
 
-/// Each reader has its own words for it. What is wrong with the looks of a face leaves its corners where they are.
+/// Whether a message is about faces; each reader has its own words. Messages about a face's appearance do not concern its corners.
 bool isOfFaces(std::string text)
 {
 	std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -37,20 +37,20 @@ void hear(const char* message)
 {
 	if (!t_heard || !message || !isOfFaces(message)) return;
 	std::string text = message;
-	// As a program's own log passes it on: "Warn,  T0: ...\n".
+	// The program's own log passes messages on in the form "Warn,  T0: ...\n".
 	if (const std::size_t head = text.find(": "); text.starts_with("Warn,") || text.starts_with("Error,")) text.erase(0, head + 2);
 	while (!text.empty() && (std::isspace(static_cast<unsigned char>(text.back())) || text.back() == '.')) text.pop_back();
 	if (std::find(t_heard->begin(), t_heard->end(), text) == t_heard->end()) t_heard->push_back(text);
 }
 
-/// Where the program has a log.
+/// Stream for a log that the program has installed.
 class Stream : public Assimp::LogStream
 {
 public:
 	void write(const char* message) override { hear(message); }
 };
 
-/// Where it has none.
+/// Log for a program that has none.
 class Log : public Assimp::Logger
 {
 public:
@@ -65,7 +65,7 @@ protected:
 	void OnError(const char* message) override { hear(message); }
 };
 
-/// What all listeners share. The program may put another log in place meanwhile, which deletes the one before with its streams.
+/// State that all listeners share. The program may install another log meanwhile; this deletes the former log with its streams.
 class Tap
 {
 public:

@@ -6,9 +6,9 @@
 
 namespace ist
 {
-/// Listens to assimp's log while it lives, for what the readers say in this thread of faces that they dropped or gave other corners.
-/// Assimp's log is one for the process: where the program has its own, it goes on as before; where it has none, it gets one until the last
-/// listener is gone. Listeners may live in many threads at once, and in one thread inside each other.
+/// Listens to assimp's log during its lifetime, for messages of this thread about faces that a reader dropped or gave other corners.
+/// Assimp has one log per process. A log that the program has installed goes on as before; otherwise a log exists until the last listener
+/// is destroyed. Listeners may exist in many threads at once, and may be nested in one thread.
 class MeshReaderWarnings
 {
 public:
@@ -17,7 +17,7 @@ public:
 	MeshReaderWarnings(const MeshReaderWarnings&) = delete;
 	MeshReaderWarnings& operator=(const MeshReaderWarnings&) = delete;
 
-	/// Each once, in assimp's words.
+	/// The messages in assimp's words, each once.
 	const std::vector<std::string>& ofFaces() const { return m_ofFaces; }
 
 private:

@@ -8,7 +8,7 @@
 
 namespace ist
 {
-/// While it lives, this thread reads and writes numbers in another locale; other threads, and the locale of the program, stay as they are.
+/// During its lifetime, this thread reads and writes numbers in another locale. Other threads and the program's locale do not change.
 class ThreadLocale
 {
 public:
@@ -23,7 +23,7 @@ private:
 	locale_t m_before;
 };
 
-/// The locale "C", in which numbers have a point and letters are those of ASCII.
+/// The locale "C", in which numbers have a decimal point and letters are ASCII.
 class PlainLocale
 {
 public:
@@ -35,7 +35,7 @@ public:
 	PlainLocale(const PlainLocale&) = delete;
 	PlainLocale& operator=(const PlainLocale&) = delete;
 
-	/// Null where there is no memory for it; a ThreadLocale of null changes nothing.
+	/// The locale; null if there is no memory for it. A ThreadLocale of null changes nothing.
 	locale_t get() const { return m_locale; }
 
 private:

@@ -36,7 +36,7 @@ bool XmlTags::skipTo(std::string_view end)
 
 bool XmlTags::skipDeclaration()
 {
-	// A document type may hold declarations of its own between brackets.
+	// A document type declaration may contain declarations between brackets.
 	const size_t end = m_text.find('>', m_at);
 	if (end == m_text.npos) return false;
 	const bool hasBracket = m_text.substr(m_at, end - m_at).find('[') != m_text.npos;

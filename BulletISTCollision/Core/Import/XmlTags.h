@@ -7,18 +7,18 @@
 
 namespace ist
 {
-/// The start tags of an XML text in UTF-8, which must outlive it, one after the other. Comments, CDATA, declarations and text are passed
-/// over. Damaged XML ends the walk: what reads the text afterwards is to refuse it.
+/// Iterates over the start tags of an XML text in UTF-8, which must outlive this object. Comments, CDATA, declarations and text are
+/// skipped. Damaged XML ends the iteration; the reader that reads the text afterwards must refuse it.
 class XmlTags
 {
 public:
 	explicit XmlTags(std::string_view text) : m_text(text) {}
 
-	/// Goes to the next start tag. False: there is none.
+	/// Goes to the next start tag; false if there is none.
 	bool next();
-	/// Without the prefix of its name space.
+	/// Name without its namespace prefix.
 	std::string_view name() const;
-	/// 1: the root.
+	/// Depth of the tag; the root has 1.
 	int depth() const { return m_depth; }
 	std::optional<std::string> attribute(std::string_view name) const;
 

@@ -12,9 +12,9 @@ namespace
 constexpr uint32_t kEndMark = 0x06054b50, kEnd64Mark = 0x06064b50, kEnd64PlaceMark = 0x07064b50, kRowMark = 0x02014b50,
 				   kFileMark = 0x04034b50;
 constexpr size_t kEndSize = 22, kEnd64Size = 56, kEnd64PlaceSize = 20, kRowSize = 46, kFileHead = 30, kLongestComment = 0xffff;
-constexpr uint32_t kInZip64 = 0xffffffff;  // the number stands in the extra field
+constexpr uint32_t kInZip64 = 0xffffffff;  // the number stands in the extra field instead
 
-/// Little-endian numbers at places that the caller has made sure of.
+/// Little-endian numbers; the caller checks that they lie within `bytes`.
 uint64_t numberAt(std::string_view bytes, size_t at, size_t size)
 {
 	uint64_t value = 0;
@@ -29,7 +29,7 @@ bool isMark(std::string_view bytes, uint64_t at, size_t size, uint32_t mark)
 	return fits(bytes, at, size) && numberAt(bytes, at, 4) == mark;
 }
 
-/// The table of contents. Places count from where the archive begins, which may have other bytes before it.
+/// The table of contents. Offsets count from the beginning of the archive, which may have other bytes before it.
 struct Contents
 {
 	uint64_t rows = 0, at = 0, begin = 0;
@@ -56,7 +56,7 @@ std::optional<Contents> findContents(std::string_view bytes)
 	return std::nullopt;
 }
 
-/// Takes the numbers that did not fit into a row's 32 bits from its extra field, where they stand in this order.
+/// Reads the numbers that do not fit into a row's 32 bits from its extra field, where they stand in this order.
 void takeZip64(std::string_view extra, uint64_t& size, uint64_t& packed, uint64_t& head)
 {
 	for (size_t at = 0; fits(extra, at, 4);)

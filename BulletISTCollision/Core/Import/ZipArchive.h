@@ -9,16 +9,16 @@
 
 namespace ist
 {
-/// The files in a zip archive that lies in memory, which must outlive it. Reads stored and deflated files, also with the sizes of Zip64.
+/// The files of a zip archive in memory, which must outlive this object. Reads stored and deflated files, also with Zip64 sizes.
 class ZipArchive
 {
 public:
-	/// Nothing when the bytes are no zip archive, or its table of contents is damaged.
+	/// Empty optional if the bytes are no zip archive, or if its table of contents is damaged.
 	static std::optional<ZipArchive> open(std::string_view bytes);
 
-	/// In the order of the table of contents; slashes between folders, none in front.
+	/// File names in the order of the table of contents, with slashes between folders and none in front.
 	const std::vector<std::string>& names() const { return m_names; }
-	/// Nothing when there is no such file, or it is damaged, encrypted or packed in another way.
+	/// Content of a file; empty optional if there is no such file, or if it is damaged, encrypted or packed in another way.
 	std::optional<std::string> read(std::string_view name) const;
 
 private:
@@ -33,6 +33,6 @@ private:
 	std::vector<Place> m_places;
 };
 
-/// How archives name a file: slashes between folders, none in front.
+/// The form of file names in archives: slashes between folders, none in front.
 std::string nameInZip(std::string name);
 }  // namespace ist
