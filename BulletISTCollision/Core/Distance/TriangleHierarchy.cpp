@@ -10,11 +10,11 @@ namespace
 {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kBins = 16;
-// Below this depth the builder halves by count, which adds at most 32 levels.
+// Below this depth the builder splits by half the count, which adds at most 32 levels.
 constexpr int kDeepestBinned = TriangleHierarchy::kMostLevels - 32;
-// A triangle lower than this fraction of its longest edge has a normal too inexact to be relied on alone.
+// A triangle whose height is less than this fraction of its longest edge has an inaccurate normal, which is not used alone.
 constexpr double kNeedleRatio = 1e-6;
-constexpr uint32_t kFewestToShare = 4096;  // triangles, among threads
+constexpr uint32_t kFewestToShare = 4096;  // smallest number of triangles that threads share
 
 struct Bounds
 {
@@ -62,7 +62,7 @@ int binOf(const BuildItem& item, int axis, const Bounds& centers)
 	return std::clamp(static_cast<int>(f * kBins), 0, kBins - 1);
 }
 
-/// The cheapest plane by the surface area heuristic over kBins bins of one axis; items of bins <= split.bin go left.
+/// The cheapest plane by the surface area heuristic over kBins bins of one axis. Items of bins <= split.bin go left.
 Split bestSplitOnAxis(const Items& items, uint32_t begin, uint32_t end, int axis, const Bounds& centers)
 {
 	std::array<Bounds, kBins> box;
@@ -128,7 +128,7 @@ struct Builder
 	Child build(uint32_t begin, uint32_t end, int depth, Nodes& nodes);
 };
 
-/// Appends the nodes below `child`, whose numbers count from their first.
+/// Appends the nodes below `child`, whose numbers count from the first of them.
 void append(Nodes& nodes, const Nodes& below, Child& child)
 {
 	const auto shift = static_cast<uint32_t>(nodes.size());
@@ -212,7 +212,7 @@ TriangleHierarchy::TriangleHierarchy(const Mesh& mesh, const Vec3& origin, [[may
 
 std::pair<uint32_t, uint32_t> TriangleHierarchy::range(const Child& child) const
 {
-	// From the first of its leftmost leaf to the last of its rightmost.
+	// The range reaches from the first triangle of the leftmost leaf to the last one of the rightmost.
 	const Child *left = &child, *right = &child;
 	while (left->count == 0) left = &nodes[left->first].child[0];
 	while (right->count == 0) right = &nodes[right->first].child[1];

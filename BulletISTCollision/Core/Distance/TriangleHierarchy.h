@@ -39,8 +39,8 @@ inline void keepShorter(Vec3& best, double& best2, const Vec3& candidate)
 	}
 }
 
-/// Offset from `p` to the nearest point of the triangle; `pa` = a - p. From a point outside, the straight way to the
-/// nearest point enters through an edge whose barycentric weight is negative, so only those edges are looked at.
+/// Offset from `p` to the nearest point of the triangle; `pa` = a - p. If p projects outside of the triangle, the nearest point lies on
+/// an edge whose barycentric weight is negative. So only those edges are tested.
 [[gnu::always_inline]] inline Vec3 offsetToTriangle(const PreparedTriangle& t, const Vec3& pa, double& d2)
 {
 	const double wb = -dot(cross(pa, t.ac), t.normal);
@@ -68,20 +68,20 @@ inline void keepShorter(Vec3& best, double& best2, const Vec3& candidate)
 	return best;
 }
 
-/// Binary bounding volume hierarchy over the triangles of a mesh, everything relative to an origin near it, so that distance from the
-/// mesh's own costs no digits.
+/// Binary bounding volume hierarchy over the triangles of a mesh. All coordinates are relative to an origin near the mesh, so that
+/// distance from the mesh's own origin costs no digits.
 struct TriangleHierarchy
 {
 	static constexpr uint32_t kLeafSize = 4;
 	static constexpr int kMostLevels = 80;
 
-	/// `count` > 0: a leaf of that many triangles from `first`; otherwise the inner node number `first`.
+	/// If `count` > 0, a leaf with that many triangles from `first` on; otherwise the inner node number `first`.
 	struct Child
 	{
 		Vec3 lower, upper;
 		uint32_t first = 0, count = 0;
 	};
-	/// Its children come after it.
+	/// An inner node. Its children come after it.
 	struct Node
 	{
 		Child child[2];
@@ -89,13 +89,13 @@ struct TriangleHierarchy
 
 	Child root;
 	std::vector<Node> nodes;
-	std::vector<PreparedTriangle> triangles;  ///< in leaf order; inside a leaf by index
+	std::vector<PreparedTriangle> triangles;  ///< in leaf order; by index inside a leaf
 
 	TriangleHierarchy() = default;
-	/// The same for any thread count.
+	/// The result does not depend on the number of threads.
 	TriangleHierarchy(const Mesh& mesh, const Vec3& origin, int threads = 1);
 
-	/// Places of the first triangle below and of the one after the last.
+	/// Place of the first triangle below `child`, and the place after the last.
 	std::pair<uint32_t, uint32_t> range(const Child& child) const;
 };
 

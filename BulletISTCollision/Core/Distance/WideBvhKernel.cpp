@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Compiled once for each instruction set; IST_BVH_KERNEL names the table. Everything but the table has internal linkage.
+// This file is compiled once per instruction set; IST_BVH_KERNEL names the table. All other symbols have internal linkage.
 #include "BulletISTCollision/Core/Distance/WideBvhKernel.h"
 
 #include "BulletISTCollision/Core/Base/FloatVector.h"
@@ -11,12 +11,12 @@ namespace
 {
 constexpr float kFarRounding = 4e-6f;
 constexpr uint32_t kAllLanes = (1u << kBvhWidth) - 1;
-// Every level leaves at most seven siblings behind.
+// Every level leaves at most seven siblings on the stack.
 constexpr int kStackSize = (kBvhWidth - 1) * kMostBvhLevels + kBvhWidth;
 
 using F = FloatVector<kBvhWidth>;
 
-/// Bit k set where lane k is not beyond the limit.
+/// Bit k is set if lane k does not exceed the limit.
 IST_INLINE uint32_t notBeyond(const F& squared, float limit) { return ~F::less(F::all(limit), squared) & kAllLanes; }
 
 IST_INLINE float least(const F& lanes)
@@ -41,7 +41,7 @@ struct Point
 
 	IST_INLINE explicit Point(const BvhSearch& s) : x(F::all(s.x)), y(F::all(s.y)), z(F::all(s.z)), rounding(s.rounding) {}
 
-	/// What lies in the cylinders is not nearer; squared.
+	/// Lower bounds of the squared distances to the contents of the cylinders.
 	IST_INLINE F lowerBounds(const BvhCylinders& c) const
 	{
 		const F zero = F::all(0), radius = F::load(c.radius), half = F::load(c.half);
@@ -51,7 +51,7 @@ struct Point
 		const F beside = F::larger(zero, F::squareRoot(F::larger(zero, dx * dx + dy * dy + dz * dz - height * height)) - radius);
 		return above * above + beside * beside - roundingOf(above + beside, radius + half);
 	}
-	/// Each triangle's distance is between the two.
+	/// Lower and upper bounds of the squared distance to each triangle.
 	IST_INLINE SquaredBounds bounds(const BvhLeaf& leaf) const
 	{
 		const F above = over(leaf.above), distance2 = above * above + besideSquared(leaf);
@@ -60,7 +60,7 @@ struct Point
 	}
 
 private:
-	/// Of the way to the triangle, the part within its plane: none from above it, else that to the nearest edge.
+	/// Square of the in-plane part of the distance: zero above the triangle, otherwise the distance to the nearest edge.
 	IST_INLINE F besideSquared(const BvhLeaf& leaf) const
 	{
 		const F zero = F::all(0), along = over(leaf.along), across = over(leaf.across);
@@ -77,7 +77,8 @@ private:
 			const F past = F::larger(zero, F::larger(-onwards[i], onwards[i] - lengths[i]));
 			squared[i] = outwards[i] * outwards[i] + past * past;
 		}
-		// Inside beyond doubt: a side that rounding turned could hide how far it is from the corner of a thin triangle.
+		// Only points that are inside beyond doubt count as inside. Rounding may have rotated an edge of a thin triangle, which could
+		// hide the distance to its corner.
 		const F outermost = F::larger(F::larger(outwards[0], outwards[1]), outwards[2]);
 		return F::select(F::isLess(outermost, F::all(-rounding)), zero, F::smaller(F::smaller(squared[0], squared[1]), squared[2]));
 	}
@@ -85,15 +86,15 @@ private:
 	{
 		return x * F::load(planes.x) + y * F::load(planes.y) + z * F::load(planes.z) - F::load(planes.height);
 	}
-	/// What rounding may have added to the sum of the squares of two lengths, or taken from it: it moves heights and the way to the middle
-	/// by less than `rounding` each, and so the sum by a few times their product. `distance`: not less than the sum of the two.
+	/// Bound of the rounding error of the sum of two squared lengths. Rounding changes heights and the distance to the middle by less
+	/// than `rounding` each, and the sum by a few times their product. `distance`: at least the sum of the two lengths.
 	IST_INLINE F roundingOf(const F& distance, const F& size) const
 	{
 		return (distance + size) * (F::all(8 * rounding) + F::all(kFarRounding) * distance);
 	}
 };
 
-/// Without a branch that is hard to foresee.
+/// Appends the candidates without a branch, because it would be hard to predict.
 IST_INLINE void wait(BvhSearch& search, const BvhLeaf& leaf, const F& lower)
 {
 	float squared[kBvhWidth];
@@ -118,7 +119,7 @@ IST_INLINE void look(BvhSearch& search, const Point& at, const BvhLeaf& leaf)
 	wait(search, leaf, bounds.lower);
 }
 
-/// A bound's bits above, which are in its order since it is not negative, and the node's number below.
+/// A sort key: the bits of the bound above, whose order is that of the values because it is not negative, and the node's number below.
 IST_INLINE uint64_t keyOf(float squared, uint32_t node)
 {
 	const float bound = squared > 0 ? squared : 0;
@@ -166,7 +167,7 @@ void nearest(BvhSearch& search)
 			const int k = __builtin_ctz(bits);
 			const uint64_t key = keyOf(squared[k], node.child[k]);
 			int place = top++;
-			// The nearest on top.
+			// The nearest node comes to the top.
 			for (; place > bottom && stack[place - 1] < key; --place) stack[place] = stack[place - 1];
 			stack[place] = key;
 		}

@@ -5,44 +5,44 @@
 
 #include <cstdint>
 
-// What the BVH and its kernels share; plain structs for the same reason as in QueryKernel.h.
+// Types that the BVH and its kernels share. They are plain structs for the same reason as in QueryKernel.h.
 namespace ist::kernels
 {
-/// Squares of distances that the BVH tells apart.
+/// Largest squared distance that the BVH distinguishes.
 constexpr float kLargestBvhSquare = 1e35f;
 constexpr int kMostWaiting = 64;
-/// Levels of the tree of nodes.
+/// Largest number of levels of the node tree.
 constexpr int kMostBvhLevels = 80;
 
-/// A triangle that the bounds do not rule out.
+/// A triangle that the bounds do not exclude.
 struct BvhCandidate
 {
-	float lower;     ///< bound of its squared distance
-	uint32_t place;  ///< in leaf order
+	float lower;     ///< lower bound of its squared distance
+	uint32_t place;  ///< place in leaf order
 };
 
-/// One search among the triangles about a point. Its candidates wait until there are many of them: then few are left to be looked at in
-/// double.
+/// One search for triangles near a point. Candidates are collected until there are many of them. Only few then need a test in double
+/// precision, because the limit has become smaller meanwhile.
 struct BvhSearch
 {
 	const BvhNode* nodes;
 	const BvhLeaf* leaves;
 	uint32_t root;
 	float x, y, z;           ///< the point
-	float rounding;          ///< of a coordinate [m]
-	float limit;             ///< of the squared distance; `nearest` lowers it to that which some triangle is known to have
-	float surely;            ///< `within` counts the triangles that certainly have no larger squared distance than this,
-	uint64_t certain, most;  ///< and ends when there are more than `most` of them
+	float rounding;          ///< rounding of a coordinate [m]
+	float limit;             ///< limit of the squared distance; `nearest` lowers it to an upper bound of some triangle's
+	float surely;            ///< `within` counts the triangles whose squared distance certainly does not exceed this,
+	uint64_t certain, most;  ///< and stops if there are more than `most`
 	BvhCandidate waiting[kMostWaiting + kBvhWidth];
 	int count;
-	void (*settle)(BvhSearch& search);  ///< takes the candidates that wait and sets their count to 0; may lower the limit
+	void (*settle)(BvhSearch& search);  ///< tests the waiting candidates and sets their count to 0; may lower the limit
 };
 
 struct WideBvhKernel
 {
-	/// Finds all the triangles that may be nearest.
+	/// Finds all triangles that may be the nearest one.
 	void (*nearest)(BvhSearch& search);
-	/// Finds all the triangles that may be within the limit.
+	/// Finds all triangles that may lie within the limit.
 	void (*within)(BvhSearch& search);
 };
 

@@ -12,16 +12,17 @@ using namespace kernels;
 
 namespace
 {
-constexpr float kFarAway = 1e18f;  // its square, three times over, still fits
+constexpr float kFarAway = 1e18f;  // three times its square is still a finite float
 constexpr double kFarthestPoint = 1e17;
 constexpr double kBeyond = -1;
-constexpr double kFloatSlack = 1 + 4e-6;  // of a square, for what grows with the distance from the mesh
-constexpr double kSlack = 2e-6;           // of the diagonal: more than thirty roundings of a coordinate
+constexpr double kFloatSlack = 1 + 4e-6;  // factor on a square, for errors that grow with the distance from the mesh
+constexpr double kSlack = 2e-6;           // share of the diagonal; more than thirty roundings of a coordinate
 static_assert(TriangleHierarchy::kMostLevels <= kMostBvhLevels);
 
 float limitOf(double distance2) { return float(std::min(double(kLargestBvhSquare), distance2 * kFloatSlack)); }
 
-/// From further away, the nearest point of a box about the mesh: no further from any triangle, and never near what kFarAway stands for.
+/// Moves a far point to the nearest point of a box around the mesh. It then is no farther from any triangle, and never near the position
+/// of empty lanes (kFarAway).
 float near(double coordinate) { return float(std::clamp(coordinate, -kFarthestPoint, kFarthestPoint)); }
 
 const WideBvhKernel* kernelFor([[maybe_unused]] InstructionSet set)
@@ -57,7 +58,7 @@ void WideTriangleBvh::setPlane(BvhPlanes& planes, int lane, const Vec3& normal, 
 	planes.height[lane] = float(dot(normal, point));
 }
 
-/// The axis is the mean normal or, where normals cancel, that of the shortest side of the box.
+/// The axis is the mean normal or, if the normals cancel, the axis of the box's shortest side.
 Vec3 WideTriangleBvh::axisOf(uint32_t begin, uint32_t end) const
 {
 	Vec3 lower = m_triangles[begin].a, upper = lower, normal;
@@ -139,7 +140,7 @@ uint32_t WideTriangleBvh::addLeaf(uint32_t begin, uint32_t end)
 	{
 		const int lane = int(i - begin);
 		if (i >= end) leaf.above.height[lane] = kFarAway;
-		// A needle's coordinates say nothing: it is always looked at.
+		// The coordinates of a needle are not reliable, so it is always tested.
 		else if (m_triangles[i].inverseNormal2 == 0) leaf.unknown[lane] = kLargestBvhSquare;
 		else setTriangle(leaf, lane, m_triangles[i]);
 	}

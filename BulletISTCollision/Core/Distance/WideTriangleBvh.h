@@ -18,8 +18,8 @@ struct WideBvhKernel;
 struct BvhSearch;
 }  // namespace kernels
 
-/// The same hierarchy eight wide, in single precision with a slack for its rounding: it rules out, and the
-/// exact triangles decide, so that the answers are those of double precision.
+/// An 8-wide version of the hierarchy in single precision, with a slack for rounding. It only excludes triangles; the remaining ones are
+/// tested in double precision. So the results are those of double precision.
 class WideTriangleBvh
 {
 public:
@@ -27,25 +27,25 @@ public:
 
 	struct Nearest
 	{
-		Vec3 offset;  ///< from the asked point
+		Vec3 offset;  ///< from the query point
 		double distance2 = 0;
-		uint32_t triangle = kNone;  ///< lowest index among equally near ones
-		uint32_t place = kNone;     ///< of it in leaf order
+		uint32_t triangle = kNone;  ///< lowest index among equally near triangles
+		uint32_t place = kNone;     ///< place of the triangle in leaf order
 	};
 
 	WideTriangleBvh() = default;
-	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles. The answers are the same with every instruction set.
+	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles. Results do not depend on the instruction set.
 	WideTriangleBvh(const TriangleHierarchy& hierarchy, double size, InstructionSet set);
 
-	/// Nothing when nothing is nearer than the bound. `hint`: place of any triangle likely to be near; it changes the time taken, never
-	/// the answer.
+	/// Nearest triangle; kNone if none is nearer than the bound. `hint`: place of any triangle that is likely to be near. It changes the
+	/// time taken, never the result.
 	Nearest nearest(const Vec3& p, double upperBound, uint32_t hint = kNone) const;
-	/// Replaces `out` by the triangles within reach: distance, place in leaf order; false where there are more than `most`.
+	/// Replaces `out` by the triangles within reach (distance, place in leaf order). False if there are more than `most`.
 	bool within(const Vec3& p, double reach, size_t most, std::vector<std::pair<double, uint32_t>>& out) const;
 
 private:
-	// Triangles whose planes are this much (relative, squared) beyond the best distance are still asked: rounding must not hide an equally
-	// near one.
+	// Triangles whose planes lie beyond the best distance by up to this factor (of squares) are still tested, so that rounding cannot
+	// hide an equally near one.
 	static constexpr double kPruneSlack = 1 + 1e-13;
 
 	struct NearestSearch;
@@ -57,7 +57,7 @@ private:
 	static void setTriangle(BvhLeaf& leaf, int lane, const PreparedTriangle& t);
 	static void setPlane(BvhPlanes& planes, int lane, const Vec3& normal, const Vec3& point);
 	Vec3 axisOf(uint32_t begin, uint32_t end) const;
-	void enclose(BvhCylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< the triangles of these places
+	void enclose(BvhCylinders& bound, int lane, uint32_t begin, uint32_t end) const;  ///< bounds the triangles at these places
 	void begin(kernels::BvhSearch& search, const Vec3& p) const;
 
 	const kernels::WideBvhKernel* m_kernel = nullptr;
@@ -66,6 +66,6 @@ private:
 	std::vector<BvhNode> m_nodes;
 	std::vector<BvhLeaf> m_leaves;
 	uint32_t m_root = 0;
-	float m_slack = 0;  ///< more than single precision can be wrong anywhere in the mesh [m]
+	float m_slack = 0;  ///< more than the error of single precision anywhere in the mesh [m]
 };
 }  // namespace ist
