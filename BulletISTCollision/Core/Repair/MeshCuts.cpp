@@ -15,9 +15,10 @@ namespace ist
 {
 namespace
 {
-/// Of the lengths involved: what passes a plane or an edge by less touches it. A hundred times what rounding can do.
+/// Tolerance relative to the lengths involved, a hundred times the rounding. An edge that passes a plane or an edge by less only touches
+/// it.
 constexpr double kTouching = 1e-12;
-/// Pairs of nodes, among threads.
+/// Smallest number of node pairs that threads share.
 constexpr std::size_t kFewestShares = 256;
 
 using Child = TriangleHierarchy::Child;
@@ -63,7 +64,7 @@ public:
 
 	int64_t run()
 	{
-		// Breadth first until there is something for every thread, then depth first.
+		// The search is breadth first until there is work for every thread, then depth first.
 		std::vector<Pair> open{{&m_hierarchy.root, &m_hierarchy.root}}, below;
 		for (; !open.empty() && open.size() < kFewestShares; open.swap(below))
 		{
@@ -87,7 +88,7 @@ public:
 private:
 	using Pair = std::pair<const Child*, const Child*>;
 
-	/// Compares the triangles of two leaves; of others, appends the pairs of their children.
+	/// Compares the triangles of two leaves; for other nodes it appends the pairs of their children.
 	void look(const Pair& pair, std::vector<Pair>& below)
 	{
 		const auto [a, b] = pair;

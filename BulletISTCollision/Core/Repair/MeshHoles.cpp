@@ -12,7 +12,7 @@ namespace
 {
 constexpr uint32_t kNone = UINT32_MAX;
 
-/// Edges that the caps must run through, each as (from, to), sorted. As many end as begin at each vertex.
+/// Directed edges (from, to) that the caps must contain, sorted. At each vertex, equally many of them end and begin.
 std::vector<std::pair<uint32_t, uint32_t>> missingUses(const Mesh& mesh)
 {
 	std::vector<std::pair<uint32_t, uint32_t>> missing;
@@ -70,8 +70,8 @@ ClosedHoles closeHoles(Mesh& mesh)
 	for (std::size_t v = 0; v < vertexCount; ++v) next[v + 1] += next[v];
 	const std::vector<uint32_t> begin = next;
 
-	// A walk that leaves a loop behind as soon as it meets itself: no loop passes a vertex twice, and since as many edges end as begin
-	// everywhere, the walk cannot stop but where it began.
+	// The walk cuts off a loop as soon as it meets itself, so no loop passes a vertex twice. Because equally many edges end and begin at
+	// each vertex, the walk can only stop where it began.
 	for (const auto& seed : missing)
 	{
 		uint32_t v = seed.first;

@@ -11,18 +11,18 @@ namespace ist
 {
 namespace
 {
-// Where in its cell a point lies, so that no plane of them lies in a face of a mesh with round coordinates.
+// Offset of a point in its cell, so that no plane of points lies in a face of a mesh with round coordinates.
 constexpr double kShift = 0.3819660112501051;
-/// Of a whole winding number: what small holes and cracks change.
+/// Distance from an integer winding number that small holes and cracks cause.
 constexpr double kNearlyWhole = 0.25;
 
-/// Calls visit(point) and returns the volume of a cell.
+/// Calls visit(point) for each grid point and returns the volume of a cell.
 template <class Visitor> double forEachProbe(const Mesh& mesh, int cells, Visitor visit)
 {
 	const Box box = bounds(mesh);
 	const double step = box.longestSide() / cells;
 	if (!(step > 0)) return 0;
-	// Counted: very far from the origin a step may be less than coordinates can tell.
+	// Points are counted, because very far from the origin a step may be smaller than the coordinates can represent.
 	const auto count = [&](int axis) { return int(std::ceil((box.upper[axis] - box.lower[axis]) / step - kShift)); };
 	const auto at = [&](int axis, int i) { return box.lower[axis] + (i + kShift) * step; };
 	for (int k = 0; k < count(2); ++k)

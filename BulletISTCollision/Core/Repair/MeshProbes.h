@@ -5,20 +5,21 @@
 
 namespace ist
 {
-// What the winding number says at the points of a grid over the mesh's box, with `cells` of them along its longest side. Parts that are
-// thinner than a cell may be overlooked. O(cells^3 log n).
+// Measures from the winding number at the points of a grid over the mesh's box, with `cells` points along its longest side. Parts that
+// are thinner than a cell may be missed. O(cells^3 log n).
 
-/// Of a closed mesh: the volume that the sum of signed tetrahedra gets wrong, because the winding number there is neither 0 nor 1, as a
-/// share of the volume inside (winding number > 1/2). Infinite when no point is inside.
+/// Error of a closed mesh's volume (the sum of signed tetrahedra), as a share of the volume inside (winding number > 1/2). The sum is
+/// wrong where the winding number is neither 0 nor 1. Infinite if no point is inside.
 double miscountedShare(const Mesh& mesh, int cells);
 
-/// Of a surface before and after its holes were closed: where the open one leaves no doubt what is inside, within a quarter of a whole
-/// winding number, and the closed one says otherwise, as a share of what is inside either. 0 when nothing is.
+/// Share of the inside that changes when holes are closed. It counts points at which the open mesh's winding number is within a quarter
+/// of an integer, so that the answer is clear, and the closed mesh says otherwise. The share refers to the points inside either mesh; 0
+/// if there are none.
 double contradictedShare(const Mesh& open, const Mesh& closed, int cells);
 
-/// Of an open mesh: how far the winding number is from that of what lies inside (> 1/2), summed over the box [m^3].
+/// Ambiguity of an open mesh [m^3]: the distance of the winding number from 1 inside (> 1/2) or 0 outside, integrated over the box.
 double ambiguousVolume(const Mesh& open, int cells);
 
-/// Whether a mesh encloses something inside out (winding number about -1).
+/// Whether a mesh encloses a region inside out (winding number about -1).
 bool enclosesInsideOut(const Mesh& mesh, int cells);
 }  // namespace ist

@@ -20,25 +20,26 @@ namespace ist
 {
 namespace
 {
-/// Of the longest side: positions nearer than this are the same position in Auto mode, when the mesh is open otherwise.
+/// Share of the longest side within which positions are equal in Auto mode, if the mesh is open otherwise.
 constexpr double kNearlyEqual = 1e-9;
-/// Of the mesh's rounding: the same, when the mesh is still open. Each of two corners may be off by one value along each axis.
+/// The same limit as a multiple of the mesh's rounding, used if the mesh is still open. Each of two corners may be off by one value along
+/// each axis.
 constexpr double kRoundedApart = 4;
-/// Of the area times the longest side: a smaller volume is no volume, however far apart the parts that hold it are.
+/// Share of the area times the longest side. A smaller volume counts as none, however far apart the parts that enclose it are.
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-constexpr int kWrapCells = 16;  // asks the same questions, a sixtieth of them
+constexpr int kWrapCells = 16;  // the same cases with a sixtieth of the work
 #else
 constexpr int kWrapCells = 128;
 #endif
-/// Points along the longest side that tell how much of the volume is wrong.
+/// Number of points along the longest side of the grid that measures wrongly counted volume.
 constexpr int kProbes = 32;
-/// Of the volume: where less is wrong, the surface stays as it is.
+/// Share of the volume. If less is counted wrongly, the surface stays as it is.
 constexpr double kHarmless = 0.01;
-/// Of what lies inside: what rebuilding may lose at most, however much is counted wrongly.
+/// Largest share of the inside that rebuilding may lose, however much is counted wrongly.
 constexpr double kMostLost = 0.5;
-/// Longest sides [m] of trees: down to the smallest spheres that the packer makes, up to moments that are floats (kMostReach).
+/// Limits of the longest side of a tree [m]: the smallest spheres that the packer makes, and moments that fit into floats (kMostReach).
 constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
 
 std::string counted(int64_t n, const char* singular, const char* plural) { return std::to_string(n) + " " + (n == 1 ? singular : plural); }
@@ -48,7 +49,7 @@ bool indicesAreValid(const Mesh& mesh, const Triangle& t)
 	return std::all_of(t.begin(), t.end(), [&](uint32_t corner) { return corner < mesh.vertices.size(); });
 }
 
-/// The corners of a triangle in ascending order, and whether it runs through them in an even permutation.
+/// The corners of a triangle in ascending order, and whether the triangle lists them in an even permutation.
 struct TriangleKey
 {
 	Triangle corners;
@@ -85,7 +86,7 @@ int64_t countDuplicates(const Mesh& mesh)
 	return count;
 }
 
-/// Of a welded mesh.
+/// Findings for a welded mesh.
 Closedness closedness(const Mesh& mesh)
 {
 	Closedness found;
@@ -114,8 +115,8 @@ Closedness closedness(const Mesh& mesh)
 
 int64_t dropCollapsed(Mesh& mesh) { return static_cast<int64_t>(std::erase_if(mesh.triangles, isCollapsed)); }
 
-/// What becomes of triangles that lie on each other and face opposite ways: the two sides of a doubled surface (keep one)
-/// or the wall between two bodies that touch (keep none). Cancel drops such pairs and nothing else: balanced edges stay balanced.
+/// Treatment of triangles that lie on each other and face opposite ways. They are the two sides of a doubled surface (keep one), or the
+/// wall between two bodies that touch (keep none). Cancel drops such pairs and changes nothing else: balanced edges stay balanced.
 enum class OppositePairs
 {
 	KeepOne,
@@ -153,8 +154,8 @@ int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
 	return dropped;
 }
 
-/// Turns triangles until neighbours across edges of exactly two triangles agree, if that is possible; the larger part of each connected
-/// set, by number, stays as it is. Returns how many were turned.
+/// Reverses triangles until neighbours across edges of exactly two triangles agree, if that is possible. The larger part of each
+/// connected set, by number, keeps its orientation. Returns the number of reversed triangles.
 int64_t orientConsistently(Mesh& mesh)
 {
 	struct Neighbour
@@ -209,7 +210,7 @@ int64_t orientConsistently(Mesh& mesh)
 	return turned;
 }
 
-/// How far a repair is; remembers that the caller wants it to stop.
+/// Progress of a repair. It remembers that the caller wants to cancel.
 class Steps
 {
 public:
@@ -221,7 +222,7 @@ public:
 		return m_goesOn;
 	}
 	bool goesOn() const { return m_goesOn; }
-	/// For a part of the work that begins now and ends at `end`.
+	/// Progress callback for a part of the work that begins now and ends at `end`.
 	Progress upTo(double end)
 	{
 		return [this, begin = m_fraction, end](const char*, double fraction) { return reach(begin + (end - begin) * fraction); };
@@ -233,15 +234,15 @@ private:
 	bool m_goesOn = true;
 };
 
-/// A mesh on its way to being closed.
+/// A mesh that is being closed.
 struct Attempt
 {
 	Mesh mesh;
 	Closedness state;
 	std::vector<std::string> actions;
 	double doubt = 0;
-	int64_t holes = 0;         ///< that were closed
-	bool contradicts = false;  ///< closing them made much of what was plainly inside outside, or the other way round
+	int64_t holes = 0;         ///< number of holes that were closed
+	bool contradicts = false;  ///< closing them turned much that was clearly inside to outside, or the reverse
 	bool mayOverlap = false;   ///< see ShellVerdict
 
 	void note(int64_t count, const char* verb, const char* singular, const char* plural)
@@ -274,7 +275,7 @@ void weldSeams(Attempt& attempt, OppositePairs policy)
 	attempt.doubt += all.doubt;
 }
 
-/// All that can be done without new triangles.
+/// Applies all repairs that need no new triangles.
 Attempt cleaned(const Mesh& welded, OppositePairs policy)
 {
 	Attempt attempt{welded, {}, {}, 0};
@@ -306,7 +307,7 @@ void closeHoles(Attempt& attempt)
 			number(closed.doubt) + " m^3.");
 	dropDuplicates(attempt.mesh, OppositePairs::Cancel);
 	attempt.state = closedness(attempt.mesh);
-	// Nothing but sheets that were each closed by their own reverse.
+	// The mesh consisted only of sheets that were each closed by their own reverse.
 	if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
 	attempt.contradicts = closed.doubt > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
 		contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
@@ -325,7 +326,7 @@ Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double e
 	return attempt;
 }
 
-/// A manifold if there is a way to one, else what leaves less in doubt.
+/// The manifold result if one policy gives it; otherwise the result with less volume in doubt.
 Attempt closeUp(const Mesh& welded, Steps& steps)
 {
 	Attempt attempt = closeUp(welded, OppositePairs::KeepOne, steps, 0.4);
@@ -336,14 +337,14 @@ Attempt closeUp(const Mesh& welded, Steps& steps)
 	return withoutWalls.isManifold() || !attempt.state.watertight || withoutWalls.doubt < attempt.doubt ? withoutWalls : attempt;
 }
 
-/// Replaces the mesh by its wrap. Returns why not, if so.
+/// Replaces the mesh by its wrap. Returns an error if that fails.
 std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
 {
 	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress);
 	if (!wrapped) return wrapped.error();
 	const double cell = bounds(attempt.mesh).longestSide() / kWrapCells;
 	attempt.mesh = std::move(wrapped.value());
-	// Of the surface's two sides, each half a cell.
+	// The two sides of the surface may each be off by half a cell.
 	attempt.doubt += surfaceArea(attempt.mesh) * cell / 2;
 	attempt.actions.push_back("Rebuilt the surface as " +
 		counted(static_cast<int64_t>(attempt.mesh.triangles.size()), "triangle", "triangles") + " on a grid of " + number(cell) +
@@ -352,7 +353,7 @@ std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
 	return std::nullopt;
 }
 
-/// The middle of the first edge that triangles do not run through as often one way as the other.
+/// The midpoint of the first edge that is not used equally often in both directions.
 std::string firstBadEdge(const Mesh& mesh)
 {
 	std::optional<Vec3> found;
@@ -390,7 +391,7 @@ Attempt prepareToWrap(const Mesh& welded)
 	return attempt;
 }
 
-/// In place of an attempt whose caps are not to be relied on: what lies inside the surface by its winding number, holes and all.
+/// Replaces an attempt whose caps are not reliable by the region inside the open surface according to its winding number.
 std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps)
 {
 	Attempt rebuilt = prepareToWrap(welded);
@@ -404,7 +405,7 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 	return std::nullopt;
 }
 
-/// Asks at more points where none lay inside: up to as many as the wrap has.
+/// Measures with finer grids, up to that of the wrap, if no point of the coarse grid was inside.
 double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
 {
 	double wrong = std::numeric_limits<double>::infinity();
@@ -413,7 +414,8 @@ double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
 	return wrong;
 }
 
-/// Wraps a surface of which a share is counted wrongly, unless the wrap loses more than that: parts that are thinner than a cell.
+/// Wraps a surface of which a share is counted wrongly. The wrap is dropped if it loses more than that, as with parts thinner than a
+/// cell.
 std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps)
 {
 	if (std::isinf(wrong))
@@ -433,14 +435,14 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 	return std::nullopt;
 }
 
-/// Where the surface covers some places more than once, wraps it unless that changes the volume by little or loses more than it cures.
+/// If the surface covers some places more than once, wraps it, unless that changes the volume by little or loses more than it corrects.
 std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& cuts, Steps& steps, int threads)
 {
 	if (attempt.contradicts) return wrapOpen(attempt, welded, steps);
 	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
 	double wrong = miscountedShare(attempt.mesh, kProbes);
-	// Shells that pass through one another without overlapping, as links of a chain do.
+	// Shells may pass through one another without overlapping, like the links of a chain.
 	if (cuts == 0 && (wrong == 0 || std::isinf(wrong))) return std::nullopt;
 	if (std::isinf(wrong)) wrong = miscountedShareOfThin(attempt.mesh, steps);
 	if (!steps.goesOn()) return std::nullopt;
@@ -457,7 +459,7 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 	return wrapCuts(attempt, found, wrong, steps);
 }
 
-/// Empty where it has none.
+/// Position of any corner of a triangle; empty if it has no valid corner.
 std::string placeOfAnyCorner(const Mesh& mesh, const Triangle& t)
 {
 	for (const uint32_t corner : t)
@@ -483,7 +485,7 @@ std::optional<Error> whyUnreadable(const Mesh& mesh)
 	return std::nullopt;
 }
 
-/// Says where shells count twice or against each other, for who chose to have them left so.
+/// Notes shells that count twice or against each other, for a caller that chose to leave them.
 void noteUnsettled(Attempt& attempt)
 {
 	Mesh settled = attempt.mesh;
@@ -493,7 +495,7 @@ void noteUnsettled(Attempt& attempt)
 		number(massProperties(settled).volume) + " m^3.");
 }
 
-/// Off: nothing but welding, which may collapse triangles.
+/// Mode Off: welds only, which may collapse triangles.
 Attempt asGiven(const Mesh& welded)
 {
 	Attempt attempt{welded, {}, {}, 0};
@@ -504,7 +506,7 @@ Attempt asGiven(const Mesh& welded)
 	return attempt;
 }
 
-/// `found`: what was tried.
+/// The error for a mesh that encloses nothing. `found`: what was tried.
 Error enclosesNothing(const Mesh& mesh, const std::string& found)
 {
 	if (enclosesInsideOut(mesh, kProbes))
@@ -514,7 +516,7 @@ Error enclosesNothing(const Mesh& mesh, const std::string& found)
 	return Error{"the mesh is flat" + found + " " + extent(bounds(mesh)) + "; give it thickness"};
 }
 
-/// Moves the attempt into the result unless it encloses nothing.
+/// Moves the attempt into the result, unless it encloses nothing.
 std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mode, RepairedMesh& result)
 {
 	const double side = bounds(attempt.mesh).longestSide();

@@ -10,10 +10,11 @@
 
 namespace ist
 {
-/// What an inspection of a mesh (after welding equal positions) finds.
+/// Findings of an inspection of a mesh, after welding equal positions.
 struct Closedness
 {
-	/// Triangles run through every edge as often one way as the other: the winding number is whole everywhere off the surface.
+	/// True if triangles use every edge equally often in both directions. The winding number is then an integer everywhere off the
+	/// surface.
 	bool watertight = false;
 	int64_t openEdges = 0;         ///< edges with one triangle
 	int64_t nonManifoldEdges = 0;  ///< edges with three or more triangles
@@ -25,29 +26,30 @@ struct Closedness
 
 enum class RepairMode
 {
-	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap where the surface cuts itself badly,
-		   ///< unless that loses more than it mends
+	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap a surface that cuts itself badly,
+		   ///< unless that loses more than it corrects
 	Off,  ///< weld exactly equal positions only; refuse a mesh that is not watertight
-	Wrap  ///< rebuild the boundary of what lies inside on a grid (MeshWrap.h), whatever the triangles are like
+	Wrap  ///< rebuild the boundary of the inside on a grid (MeshWrap.h), for any triangles
 };
 
-/// A mesh fit for packing: welded, oriented outwards, closed.
+/// A mesh that is ready for packing: welded, oriented outwards, closed.
 struct RepairedMesh
 {
 	Mesh mesh;
 	Closedness before;
 	std::vector<std::string>
-		actions;              ///< the mesh's notTaken, then one sentence for each thing that was done; empty when nothing was needed
-	double volumeBefore = 0;  ///< signed volume as read [m^3]; of an open mesh, about the middle of its box
+		actions;              ///< the mesh's notTaken, then one sentence for each repair that was done; empty if nothing was needed
+	double volumeBefore = 0;  ///< signed volume as read [m^3]; for an open mesh, about the middle of its box
 	double volumeAfter = 0;
-	double volumeDoubt = 0;  ///< what welding, closed holes (see MeshHoles.h) and wrapping may have added or taken [m^3]; an estimate
-	int64_t cuts = 0;        ///< pairs of triangles that passed through each other (see MeshCuts.h); counted by Auto, up to 1000
+	double volumeDoubt = 0;  ///< estimate of the volume that welding, closed holes (MeshHoles.h) and wrapping may have added or removed
+							 ///< [m^3]
+	int64_t cuts = 0;        ///< number of pairs of triangles that passed through each other (MeshCuts.h); counted by Auto, up to 1000
 };
 
-/// O(n log n). The mesh itself is not changed.
+/// Inspects a mesh. O(n log n).
 Closedness inspect(const Mesh& mesh);
 
-/// Error: empty, flat (no volume), not closed and not closable; the sentence says what was found and how much of it. Stage "repair".
-/// The same for any thread count.
+/// Repairs a mesh. Errors: the mesh is empty or flat (no volume), or it is open and cannot be closed. The message says what was found and
+/// how much of it. Progress stage "repair". The result does not depend on the number of threads.
 Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto, const Progress& progress = {}, int threads = 1);
 }  // namespace ist

@@ -15,28 +15,28 @@ namespace ist
 namespace
 {
 constexpr std::size_t kNestingProbes = 16;
-/// Of area times longest side: less volume than that is none.
+/// Share of the area times the longest side; a shell with less volume encloses nothing.
 constexpr double kFlatShell = 1e-9;
 
-/// Of the outer shell's longest side, and of the mesh's rounding: a probe this near to the outer surface lies on it, where the winding
-/// number says nothing.
+/// Tolerances relative to the outer shell's longest side and to the mesh's rounding. A probe this near to the outer surface lies on it,
+/// and its winding number is not reliable.
 constexpr double kOnSurface = 1e-6, kRoundedApart = 2;
 
-/// One closed component.
+/// A closed component.
 struct Shell
 {
 	std::vector<uint32_t> triangles;
 	Box box;
-	double volume = 0;  ///< signed, as given
+	double volume = 0;  ///< signed, as given [m^3]
 	double area = 0;
-	int sign = 1;  ///< of the volume, as decided
+	int sign = 1;  ///< sign of the volume, as decided
 	bool kept = true;
 	std::vector<uint32_t> around;           ///< the shells that enclose this one
-	std::unique_ptr<MeshDistance> surface;  ///< built when something may lie inside
+	std::unique_ptr<MeshDistance> surface;  ///< built if another shell may lie inside
 };
 
-/// Of each triangle the lowest index of its shell: connected through edges of two triangles, and through others where the sides do not
-/// balance by themselves.
+/// The lowest triangle index of each triangle's shell. Triangles are connected through edges of two triangles, and through other edges if
+/// the sides do not balance by themselves.
 std::vector<uint32_t> shellOfTriangle(const Mesh& mesh)
 {
 	const std::vector<EdgeUse> edges = sortedEdges(mesh);
@@ -133,8 +133,8 @@ Mesh meshOf(const Mesh& mesh, const Shell& shell)
 	return part;
 }
 
-/// Every probe that is not on the outer surface must lie inside, and there must be one: shells that merely cut each other are not nested.
-/// `rounding`: of the mesh [m].
+/// Every probe that is not on the outer surface must lie inside, and there must be at least one: shells that only cut each other are not
+/// nested. `rounding`: rounding of the mesh [m].
 bool encloses(const Mesh& mesh, double rounding, Shell& outer, const Shell& inner)
 {
 	const double onSurface = std::max(kOnSurface * outer.box.longestSide(), kRoundedApart * rounding);
@@ -153,7 +153,7 @@ bool encloses(const Mesh& mesh, double rounding, Shell& outer, const Shell& inne
 	return found;
 }
 
-/// The box that holds all shells that are kept.
+/// The box of all shells that are kept.
 Box boundsOfKept(const std::vector<Shell>& all)
 {
 	Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
@@ -162,8 +162,8 @@ Box boundsOfKept(const std::vector<Shell>& all)
 	return box;
 }
 
-/// Sweeps along the longest side (across a layer, each would meet all others), so that a pair is met once, where both have begun and
-/// neither has ended.
+/// Sweeps along the longest side, so that a pair is met once: when both have begun and neither has ended. Across a thin layer each shell
+/// would meet all others.
 void findNesting(const Mesh& mesh, std::vector<Shell>& all, ShellVerdict& verdict)
 {
 	const int axis = boundsOfKept(all).longestAxis();
@@ -199,7 +199,7 @@ void decide(std::vector<Shell>& all, ShellVerdict& verdict)
 	std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return all[a].around.size() < all[b].around.size(); });
 	for (const uint32_t i : order)
 	{
-		// What lies in an outermost shell that faces inwards is inside out with it.
+		// A shell in an outermost shell that faces inwards is inside out with it.
 		for (const uint32_t j : all[i].around)
 			if (all[j].around.empty() && all[j].volume < 0) all[i].sign = all[i].volume < 0 ? 1 : -1;
 		int64_t winding = 0;

@@ -29,7 +29,7 @@ struct IntegerTripleHash
 };
 template <class T> using IntegerTripleMap = std::unordered_map<std::array<int64_t, 3>, T, IntegerTripleHash>;
 
-/// Bit patterns, with -0 taken for 0.
+/// Bit patterns of the coordinates, with -0 taken as 0.
 std::array<int64_t, 3> exactKey(const Vec3& v)
 {
 	std::array<int64_t, 3> key{};
@@ -41,7 +41,7 @@ std::array<int64_t, 3> exactKey(const Vec3& v)
 	return key;
 }
 
-/// `target[i]` is the vertex that takes the place of vertex i; vertices that no triangle uses are dropped.
+/// `target[i]` is the vertex that replaces vertex i; vertices that no triangle uses are dropped.
 Mesh renumbered(const Mesh& mesh, const std::vector<uint32_t>& target)
 {
 	Mesh result;
@@ -61,7 +61,7 @@ Mesh renumbered(const Mesh& mesh, const std::vector<uint32_t>& target)
 	return result;
 }
 
-/// At most what the corners of the triangles sweep on their way to their targets.
+/// Upper bound of the volume that the triangles sweep when their corners move to their targets [m^3].
 double sweptVolume(const Mesh& mesh, const std::vector<uint32_t>& target)
 {
 	double volume = 0;

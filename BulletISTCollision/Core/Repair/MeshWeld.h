@@ -10,18 +10,18 @@ namespace ist
 {
 Mesh withoutUnusedVertices(const Mesh& mesh);
 
-/// Vertices at exactly equal positions become one; those that no triangle uses are dropped. O(n).
+/// Merges vertices at exactly equal positions, and drops vertices that no triangle uses. O(n).
 Mesh weldedEqual(const Mesh& mesh);
 
-/// In ascending order.
+/// Vertices of open edges in ascending order.
 std::vector<uint32_t> verticesOfOpenEdges(const Mesh& mesh);
 
 struct WeldedVertices
 {
-	int64_t count = 0;  ///< that vanished
-	double doubt = 0;   ///< at most what moving them added or took [m^3]
+	int64_t count = 0;  ///< number of vertices that vanished
+	double doubt = 0;   ///< upper bound of the volume that moving them added or removed [m^3]
 };
 
-/// Joins those of the given vertices that lie within `tolerance` [m] of each other. O(n).
+/// Merges those of the given vertices that lie within `tolerance` [m] of each other. O(n).
 WeldedVertices weldNear(Mesh& mesh, const std::vector<uint32_t>& vertices, double tolerance);
 }  // namespace ist

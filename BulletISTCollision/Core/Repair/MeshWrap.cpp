@@ -15,12 +15,12 @@ namespace
 {
 using Node = std::array<int, 3>;
 
-// So that no plane of the grid lies in a face of a mesh with round coordinates.
+// Offset that keeps the planes of the grid out of the faces of a mesh with round coordinates.
 constexpr double kShift = 1.3819660112501051;
-/// Steps of the coarse pass in cells: nothing that is thicker is overlooked, however far its boundary lies from any triangle.
+/// Step of the coarse pass in cells. It finds every part that is thicker, however far its boundary lies from any triangle.
 constexpr int kCoarse = 4;
 constexpr int kBisections = 12;
-/// Of an edge of the grid: vertices stay this far from its ends, so that no triangle collapses.
+/// Share of a grid edge by which vertices stay away from its ends, so that no triangle collapses.
 constexpr double kMargin = 1e-3;
 
 class Wrapper
@@ -36,7 +36,7 @@ public:
 		m_visited.assign(m_side.size(), 0);
 	}
 
-	/// False when cancelled.
+	/// Returns false if cancelled.
 	bool run()
 	{
 		if (!seedFromTriangles() || !seedFromCoarseNodes()) return false;
@@ -156,7 +156,7 @@ private:
 		size_t inners = 0, outers = 0;
 		for (const int c : corner) (in[size_t(c)] ? inner[inners++] : outer[outers++]) = c;
 		if (inners == 0 || outers == 0) return;
-		// Edges from an inner to an outer corner, around the cut.
+		// Edges from an inner to an outer corner, in order around the cut.
 		std::array<std::pair<int, int>, 4> edges;
 		size_t count = 3;
 		if (inners == 1) edges = {{{inner[0], outer[0]}, {inner[0], outer[1]}, {inner[0], outer[2]}}};
@@ -168,7 +168,7 @@ private:
 		}
 		std::array<uint32_t, 4> v{};
 		for (size_t i = 0; i < count; ++i) v[i] = vertex(cell, edges[i].first, edges[i].second);
-		// The order around the cut is that of the edges' middles, wherever on its edge each vertex lies.
+		// The order around the cut is that of the edges' midpoints, and does not depend on where on its edge each vertex lies.
 		const auto middle = [](const std::pair<int, int>& e) { return offset(e.first) + offset(e.second); };
 		const Vec3 a = middle(edges[0]), normal = cross(middle(edges[1]) - a, middle(edges[2]) - a);
 		if (dot(normal, offset(outer[0]) - offset(inner[0])) < 0) std::reverse(v.begin(), v.begin() + std::ptrdiff_t(count));
@@ -181,14 +181,14 @@ private:
 	uint32_t vertex(const Node& cell, int inner, int outer)
 	{
 		const auto node = [&](int c) { return Node{cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)}; };
-		// The corners of an edge differ in the bits of one of them only.
+		// The corners of an edge differ only in bits of one of them.
 		const auto key = uint64_t(number(node(inner & outer))) * 8 + uint64_t(inner ^ outer);
 		const auto [entry, isNew] = m_vertexOf.try_emplace(key, uint32_t(m_result.vertices.size()));
 		if (isNew) m_result.vertices.push_back(crossing(position(node(inner)), position(node(outer))));
 		return entry->second;
 	}
 
-	/// Where the only triangle that the edge passes through cuts it, as a share of the edge; negative when there are none or more.
+	/// Position at which the edge is cut, as a share of the edge, if exactly one triangle cuts it; otherwise negative.
 	double onlyCut(const Vec3& inner, const Vec3& outer)
 	{
 		constexpr size_t kMost = 24;
@@ -228,7 +228,7 @@ private:
 	double m_step = 0, m_fraction = 0;
 	Vec3 m_origin;
 	Node m_nodes{};
-	std::vector<uint8_t> m_side, m_visited;  // of nodes; of cells, each numbered as its lowest node
+	std::vector<uint8_t> m_side, m_visited;  // sides of nodes; visited cells, each numbered as its lowest node
 	std::vector<Node> m_open;
 	std::vector<std::pair<double, uint32_t>> m_near;
 	std::unordered_map<uint64_t, uint32_t> m_vertexOf;
