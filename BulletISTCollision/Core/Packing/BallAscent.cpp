@@ -10,7 +10,7 @@ namespace
 {
 constexpr int kMaxSteps = 60;
 constexpr size_t kMaxBlockers = 12;
-constexpr double kRiseTolerance = 1e-7;  // of the radius
+constexpr double kRiseTolerance = 1e-7;  // share of the radius
 
 /// Up to four gradients and their weights in the min-norm point of the convex hull.
 struct WorkingSet
@@ -21,7 +21,7 @@ struct WorkingSet
 	int size = 0;
 };
 
-/// Point of least norm of the affine hull of the chosen gradients; false unless it lies in their convex hull.
+/// Point of smallest norm of the affine hull of the chosen gradients; false unless it lies in their convex hull.
 bool affineMinimum(const Vec3* g, int count, Vec3& v, double* w)
 {
 	if (count == 1)
@@ -65,13 +65,13 @@ bool affineMinimum(const Vec3* g, int count, Vec3& v, double* w)
 	return true;
 }
 
-/// Min-norm point of the convex hull; drops the gradients that carry no weight.
+/// Min-norm point of the convex hull. Gradients without weight are dropped.
 Vec3 minimumNorm(WorkingSet& set)
 {
 	Vec3 best;
 	double bestNorm = 1e300;
 	WorkingSet kept;
-	// The last gradient came in because it lowers the minimum of the others, so it carries weight, but for rounding.
+	// The last gradient was added because it lowers the minimum of the others. So it has weight, except for rounding.
 	const unsigned subsets = 1u << set.size, newest = subsets / 2;
 	for (unsigned k = 0; k + 1 < subsets && (k < newest || kept.size == 0); ++k)
 	{
@@ -230,7 +230,7 @@ EmptyBall BallAscent::grow(const Vec3& start, const DistanceOctree::Nearest& at,
 	int active = 0;
 	EmptyBall ball = climb(start, at, active);
 	if (!(ball.radius > 0) || active >= 4) return ball;
-	// Held by fewer than four items the ball may sit on a saddle, such as midway between two balls.
+	// A ball that fewer than four items hold may sit on a saddle, for example midway between two balls.
 	const Vec3 aside = ball.center + away * (0.1 * ball.radius);
 	const EmptyBall other = climb(aside, m_space.nearest(aside), active);
 	return other.radius > ball.radius ? other : ball;

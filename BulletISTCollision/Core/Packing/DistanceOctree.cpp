@@ -11,10 +11,10 @@ namespace ist
 namespace
 {
 constexpr uint32_t kLeafCapacity = 32;
-constexpr size_t kMostListedTriangles = 48;  // of a node that can be split
-constexpr int kSharedLevels = 3;             // an insertion goes through these together, below in parallel
+constexpr size_t kMostListedTriangles = 48;  // limit for a node that can be split
+constexpr int kSharedLevels = 3;             // levels that an insertion processes together; below them it runs in parallel
 constexpr size_t kFewestToShare = 24;
-constexpr double kSplitRatio = 0.3;  // a leaf this much smaller than its distance sees an almost linear f
+constexpr double kSplitRatio = 0.3;  // a leaf this much smaller than its distance has an almost linear f
 constexpr double kHalfDiagonal = 1.7320508075688774;
 
 float lowerBound(double d) { return float(d - std::fabs(d) * 1.2e-7); }
@@ -65,7 +65,7 @@ Vec3 DistanceOctree::fromTriangle(const Triangle& t, const Vec3& x)
 		least = n;
 		best = d;
 	};
-	// The nearest edge is one that has the point on its outer side; all three where the triangle is a needle without a normal.
+	// The nearest edge has the point on its outer side. For a needle without a normal all three edges are tested.
 	const bool all = t.n == Vec3{};
 	if (all || !overAb) consider(fromSegment(p, t.u));
 	if (all || !overBc) consider(fromSegment(p - t.u, t.v - t.u));
@@ -104,7 +104,7 @@ bool DistanceOctree::isFartherThan(uint32_t item, const Vec3& x, double limit) c
 	return squaredNorm(x - hull.center) > reach * reach;
 }
 
-/// Splitting it would pay if its list were long.
+/// Whether splitting the node would pay if its list were long.
 bool DistanceOctree::isCoarse(const Node& node) const
 {
 	return node.half > m_finest && kHalfDiagonal * node.half > kSplitRatio * node.nearest;
@@ -115,7 +115,7 @@ bool DistanceOctree::wantsSplit(const Node& node) const
 	return !node.covered && (!node.triangles || node.listed > kLeafCapacity) && isCoarse(node);
 }
 
-/// `bound`: of f(center). Lowers node.nearest.
+/// `bound`: upper bound of f(center). Lowers node.nearest.
 void DistanceOctree::addTriangles(Node& node, double bound, std::vector<Entry>& entries) const
 {
 	node.nearest = std::min(node.nearest, m_surface.closest(node.center, bound + m_slack).distance);
@@ -162,7 +162,7 @@ void DistanceOctree::fill(Node& child, Node& parent)
 	takeOver(child, parent);
 	child.listed = uint32_t(child.entries.size());
 	child.state.store(State::Filled, std::memory_order_release);
-	// The last child: nobody reads the parent's list any more.
+	// This was the last child, so no other thread reads the parent's list any more.
 	if (parent.unfilled.fetch_sub(1, std::memory_order_acq_rel) == 1) parent.entries = {};
 }
 
@@ -297,7 +297,7 @@ void DistanceOctree::cover(Node& node, const Entry& entry)
 	node.listed = 1;
 }
 
-/// Whether the item matters to the children, too.
+/// Adds an item to a node. Returns whether it concerns the node's children, too.
 bool DistanceOctree::admit(Node& node, uint32_t item)
 {
 	if (node.covered || node.state.load(std::memory_order_relaxed) == State::Unfilled) return false;

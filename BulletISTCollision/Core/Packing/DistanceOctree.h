@@ -16,10 +16,10 @@ namespace ist
 class MeshDistance;
 class ThreadPool;
 
-/// The empty space of a packing: f(x) = min over triangles (unsigned distance) and placed balls (|x - c| - r).
-/// An octree whose leaves list exactly the items that can be nearest to one of their points. Leaves split, and nodes are filled,
-/// when somebody asks for them; any number of threads may ask at once, and between two inserts the answers do not depend on who
-/// asked before. Nobody may ask during an insert.
+/// The empty space of a packing: f(x) = min over triangles (unsigned distance) and placed balls (|x - c| - r). An octree whose leaves
+/// list all items that can be nearest to one of their points. Leaves are split and nodes are filled by the first query that needs them.
+/// Any number of threads may query at once; between two inserts the results do not depend on the order of queries. No query may run
+/// during an insert.
 class DistanceOctree
 {
 	struct Node;
@@ -31,9 +31,9 @@ public:
 	{
 		double distance = 0;
 		uint32_t item = kNoItem;
-		const Node* leaf = nullptr;  ///< where x lies, for gather()
+		const Node* leaf = nullptr;  ///< leaf that contains x, for gather()
 	};
-	/// An item seen from a point x: d(x + s) >= distance + dot(gradient, s), since distances to convex sets are convex.
+	/// An item seen from a point x: d(x + s) >= distance + dot(gradient, s), because distances to convex sets are convex.
 	struct Plane
 	{
 		double distance = 0;
@@ -41,17 +41,17 @@ public:
 		uint32_t item = kNoItem;
 	};
 
-	/// `finest`: leaves are not split below this half side [m].
+	/// `finest`: leaves with a smaller half side are not split [m].
 	DistanceOctree(const MeshDistance& surface, double finest);
 
 	/// f(x); distance -1 and no item outside the box of the mesh.
 	Nearest nearest(const Vec3& x);
-	/// Replaces `out` by the items of the leaf of x with distance <= f(x) + reach. `at`: nearest(x), not before the last insert.
+	/// Replaces `out` by the items of the leaf of x with distance <= f(x) + reach. `at`: nearest(x), computed since the last insert.
 	void gather(const Vec3& x, const Nearest& at, double reach, std::vector<Plane>& out) const;
 	Plane plane(uint32_t item, const Vec3& x) const;
 	bool isTriangle(uint32_t item) const { return item < m_triangles.size(); }
 
-	/// The tree that comes out does not depend on the size of the thread pool.
+	/// Inserts balls. The resulting tree does not depend on the size of the thread pool.
 	void insert(const std::vector<Sphere>& balls, ThreadPool& pool);
 
 private:
@@ -59,14 +59,14 @@ private:
 	{
 		Vec3 a, u, v;           ///< a corner and the edges from it
 		Vec3 n;                 ///< unit normal; zero for a triangle without area
-		Vec3 inAb, inBc, inCa;  ///< in the plane, across an edge towards the inside
+		Vec3 inAb, inBc, inCa;  ///< directions in the plane, across an edge, towards the inside
 	};
 	struct Ball
 	{
 		Vec3 center;
 		double radius = 0;
 	};
-	/// An item and a lower bound, within float precision, of its distance to the centre of the node that lists it.
+	/// An item and a lower bound of its distance to the centre of the node that lists it, within float precision.
 	struct Entry
 	{
 		float distance = 0;
@@ -74,22 +74,22 @@ private:
 	};
 	enum class State : uint8_t
 	{
-		Unfilled,  ///< nobody has asked for the node yet
-		Filled,    ///< the entries have been taken over from the parent
-		Sorted     ///< by ascending distance: leaves that have been asked
+		Unfilled,  ///< no query has needed the node yet
+		Filled,    ///< the entries were taken over from the parent
+		Sorted     ///< sorted by ascending distance: leaves that were queried
 	};
 	struct Node
 	{
 		Vec3 center;
 		double half = 0;                       ///< half side
 		double nearest = 0;                    ///< f(center)
-		std::atomic<Node*> children{nullptr};  ///< eight
+		std::atomic<Node*> children{nullptr};  ///< eight children, or null
 		std::vector<Entry> entries;            ///< inner nodes keep them while a child is unfilled
-		uint32_t listed = 0;                   ///< number of entries before they are given up
-		std::atomic<int8_t> unfilled{0};       ///< children that nobody has asked for yet
+		uint32_t listed = 0;                   ///< number of entries before they are released
+		std::atomic<int8_t> unfilled{0};       ///< number of children that no query has needed yet
 		std::atomic<State> state{State::Unfilled};
-		bool covered = false;    ///< wholly inside one ball, its only entry
-		bool triangles = false;  ///< the entries include the triangles; false where there are too many of them: it will be split
+		bool covered = false;    ///< true if the node lies inside one ball, its only entry
+		bool triangles = false;  ///< the entries include the triangles; false if there are too many, so that the node will be split
 	};
 	using Group = std::array<Node, 8>;
 	struct Insertion
@@ -107,7 +107,7 @@ private:
 	Node* split(Node& node);
 	void sortEntries(Node& node);
 	std::mutex& lockOf(const Node& node);
-	/// A cheap sufficient test.
+	/// A cheap test that is sufficient but not necessary.
 	bool isFartherThan(uint32_t item, const Vec3& x, double limit) const;
 	void fill(Node& child, Node& parent);
 	void takeOver(Node& node, const Node& parent) const;

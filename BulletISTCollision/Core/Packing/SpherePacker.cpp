@@ -21,37 +21,37 @@ namespace ist
 {
 namespace
 {
-constexpr double kSmallestRelativeRadius = 1e-4;  // of the longest side
+constexpr double kSmallestRelativeRadius = 1e-4;  // share of the longest side
 constexpr int kGridCells = 32;                    // along the longest side
-constexpr size_t kCoarseTriangles = 2000;         // smaller meshes have short lists anyway
+constexpr size_t kCoarseTriangles = 2000;         // smaller meshes have short lists without the coarse pass
 constexpr int kCoarseSpheres = 12;
 constexpr int kCoarseStarts = 4;
 constexpr int kSurfaceStarts = 2000;
-constexpr double kSurfaceInset = 2e-4;  // of the longest side
+constexpr double kSurfaceInset = 2e-4;  // share of the longest side
 constexpr int kChildStarts = 6;
-// A hole missed among the large ones costs more than among the many small ones.
+// The first spheres get more starts, because a missed hole costs more among the large ones than among the many small ones.
 constexpr uint32_t kFirstSpheres = 100;
 constexpr int kFirstStarts = 32;
-constexpr double kChildDistance = 1.03;  // of the radius
+constexpr double kChildDistance = 1.03;  // distance of a start from the centre, in radii
 constexpr size_t kStartsPerReport = 4000;
-// A batch is placed in order of radius before its surroundings are searched anew. The holes around a sphere are much smaller than
-// it is, so a batch that spans few per cent of the radius leaves the order almost as if spheres were placed one by one.
+// A batch is placed in order of radius before its surroundings are searched again. The holes around a sphere are much smaller than the
+// sphere. So a batch that spans a few per cent of the radius keeps almost the order of placing spheres one by one.
 constexpr double kBatchSpan = 0.97;
 constexpr size_t kLargestBatch = 8192;
 constexpr size_t kSpheresPerBatchMember = 4;
-constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;                   // done by a thread at a time
-constexpr uint64_t kSurfaceStream = 1, kAwayStream = 2, kChildStream = 3;  // of the random numbers
+constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;                   // number of items per share of a thread
+constexpr uint64_t kSurfaceStream = 1, kAwayStream = 2, kChildStream = 3;  // streams of the random generator
 
 /// A sphere that fitted when it was grown.
 struct Candidate
 {
 	Sphere sphere;
-	uint64_t index = 0;  // order of creation, breaks ties
+	uint64_t index = 0;  // order of creation; decides between equal radii
 
 	bool operator<(const Candidate& o) const { return sphere.r != o.sphere.r ? sphere.r < o.sphere.r : index > o.index; }
 };
 
-/// The spheres placed in a batch, on a grid as wide as the largest of them.
+/// The spheres of the current batch, on a grid whose cells are as wide as the largest of them.
 class PlacedGrid
 {
 public:
@@ -72,7 +72,7 @@ public:
 		m_spheres.push_back(sphere);
 	}
 
-	/// Distance to the nearest of them, if that is less than `limit` and not more than a cell.
+	/// Distance to the nearest of these spheres, if that is less than `limit` and not more than a cell.
 	double clearance(const Vec3& p, double limit) const
 	{
 		const int64_t x = column(p.x), y = column(p.y), z = column(p.z);
@@ -92,14 +92,14 @@ private:
 	static constexpr uint32_t kNone = UINT32_MAX;
 
 	int64_t column(double v) const { return int64_t(std::floor(v / m_cell)); }
-	// Columns that share a key cost time only.
+	// Different columns may share a key; this costs only time.
 	static uint64_t key(int64_t x, int64_t y, int64_t z)
 	{
 		return (uint64_t(x) & 0x1fffff) << 42 | (uint64_t(y) & 0x1fffff) << 21 | (uint64_t(z) & 0x1fffff);
 	}
 
 	std::unordered_map<uint64_t, uint32_t> m_first;
-	std::vector<uint32_t> m_next;  // in the same column
+	std::vector<uint32_t> m_next;  // next sphere in the same column
 	std::vector<Sphere> m_spheres;
 	double m_cell = 1;
 };
@@ -137,16 +137,16 @@ private:
 	struct GridPoint
 	{
 		Vec3 position;
-		double clearance = 0;  // lower than 0: outside
-		bool start = false;    // one of the sparser set that candidates grow from
+		double clearance = 0;  // negative: outside
+		bool start = false;    // belongs to the sparser set from which candidates grow
 	};
 
-	/// Where to look for a hole.
+	/// A position from which a hole is searched.
 	struct Start
 	{
 		Vec3 position;
-		double fromInside = 0;        // way from a point inside that the surface may cross; 0: the start is inside
-		uint32_t sphere = kNoSphere;  // of which it is a child
+		double fromInside = 0;        // distance from a point inside, across which the surface may lie; 0: the start is inside
+		uint32_t sphere = kNoSphere;  // sphere whose child it is
 	};
 	static constexpr uint32_t kNoSphere = UINT32_MAX;
 
@@ -176,17 +176,17 @@ private:
 	const double m_volume;
 	const Box m_box;
 	const double m_side;
-	const double m_floor;  // no sphere is smaller
+	const double m_floor;  // smallest allowed radius
 	DistanceOctree m_space;
-	std::vector<BallAscent> m_ascents;  // one for each thread
+	std::vector<BallAscent> m_ascents;  // one per thread
 	SpherePacking m_packing;
 	double m_packedVolume = 0;
 	std::priority_queue<Candidate> m_queue;
 	uint64_t m_created = 0, m_grown = 0;
-	std::vector<Start> m_starts;       // to grow
-	std::vector<Candidate> m_batch;    // to place
-	std::vector<double> m_clearances;  // of the batch
-	PlacedGrid m_placed;               // of the batch, not yet in the octree
+	std::vector<Start> m_starts;       // starts that are still to be grown
+	std::vector<Candidate> m_batch;    // candidates to place
+	std::vector<double> m_clearances;  // clearances of the batch
+	PlacedGrid m_placed;               // spheres of the batch that are not in the octree yet
 	std::vector<GridPoint> m_grid;
 	double m_gridStep = 0;
 	Sphere m_largestSeen;
@@ -194,7 +194,7 @@ private:
 	bool m_cancelled = false;
 };
 
-/// Three digits of a positive value.
+/// A positive value, rounded down to three digits.
 std::string roundedDown(double value)
 {
 	const double digit = std::pow(10, std::floor(std::log10(value)) - 2);
@@ -204,7 +204,7 @@ std::string roundedDown(double value)
 double Packer::progress() const
 {
 	const double spheres = double(m_packing.spheres.size()) / double(m_options.maxSpheres);
-	// Where nothing but their number ends it, what is full says nothing of the time: the first hundred fill most of a body.
+	// If only the number of spheres ends the packing, the fill says little about the time: the first hundred spheres fill most of a body.
 	return m_options.targetFill >= 1 && m_options.minRadius <= 0 ? spheres : std::max(spheres, m_packing.fill / m_options.targetFill);
 }
 
@@ -249,7 +249,7 @@ void Packer::buildGridLayer(const int (&count)[3], int k, std::vector<GridPoint>
 		{
 			const Vec3 p = m_box.lower + Vec3{step.x * (i + 0.5), step.y * (j + 0.5), step.z * (k + 0.5)};
 			const double d = m_surface.closest(p, previous != 0 ? std::fabs(previous) + 1.001 * step.x : 1e300).distance;
-			// Nothing of the surface lies between two points closer than the clearance of one of them.
+			// No surface lies between two points that are closer than the clearance of one of them.
 			const bool inside = step.x < 0.999 * std::max(std::fabs(previous), d) && previous != 0 ? previous > 0 : m_surface.contains(p);
 			previous = inside ? d : -d;
 			if (inside) layer.push_back({p, d, ((i | j | k) & 1) == 0});
@@ -262,7 +262,7 @@ void Packer::claimAround(const EmptyBall& ball)
 	for (GridPoint& point : m_grid) point.clearance = std::min(point.clearance, distance(point.position, ball.center) - ball.radius);
 }
 
-// The first large balls empty the interior before the octree is refined there, which keeps its lists short.
+// The first large balls fill the interior before the octree is refined there. This keeps its lists short.
 void Packer::placeCoarse()
 {
 	if (m_surface.mesh().triangles.size() < kCoarseTriangles) return;
@@ -296,7 +296,7 @@ void Packer::placeCoarse()
 
 void Packer::seed()
 {
-	// The starts around the coarse spheres wait in the list already.
+	// The starts around the coarse spheres are in the list already.
 	for (const GridPoint& point : m_grid)
 		if (point.start) m_starts.push_back({point.position});
 	m_grid = {};
@@ -333,7 +333,7 @@ void Packer::addSurfaceStarts()
 	}
 }
 
-// The holes left by a ball lie around it.
+// The holes that a ball leaves lie around it, so starts are spread over its surface.
 void Packer::addChildren(uint32_t index)
 {
 	const Sphere& sphere = m_packing.spheres[index];
@@ -343,13 +343,13 @@ void Packer::addChildren(uint32_t index)
 	const int starts = index < kFirstSpheres ? kFirstStarts : kChildStarts;
 	for (int k = 0; k < starts; ++k)
 	{
-		const double z = 1 - (2 * k + 1.0) / starts, ring = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
+		const double z = 1 - (2 * k + 1.0) / starts, ring = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;  // golden angle [rad]
 		const Vec3 direction = axis * z + t1 * (ring * std::cos(angle)) + t2 * (ring * std::sin(angle));
 		m_starts.push_back({sphere.center() + direction * (kChildDistance * sphere.r), (kChildDistance - 1) * sphere.r, index});
 	}
 }
 
-/// Grows all the starts and pushes what they become.
+/// Grows all starts and queues the resulting candidates.
 void Packer::growAll()
 {
 	std::vector<Sphere> grown;
@@ -374,12 +374,13 @@ void Packer::growAll()
 	m_starts.clear();
 }
 
-/// The hole that a start leads to; radius 0 where there is none.
+/// The hole that a start leads to; radius 0 if there is none.
 Sphere Packer::growOne(const Start& start, uint64_t key, BallAscent& ascent)
 {
 	const DistanceOctree::Nearest at = m_space.nearest(start.position);
 	if (!(at.distance > 0)) return {};
-	// Farther from the surface than the way from the ball: on the same side of it.
+	// If the start is farther from the surface than from the ball that spawned it, the segment between them cannot cross the surface, so
+	// the start is inside too.
 	const double way = 1.001 * start.fromInside;
 	if (way > 0 && at.distance < way && m_surface.closest(start.position, way).distance < way && !m_surface.contains(start.position))
 		return {};
@@ -393,10 +394,10 @@ void Packer::push(const Sphere& sphere)
 	if (sphere.r >= m_floor) m_queue.push({sphere, m_created++});
 }
 
-// Not inlined: GCC 12 otherwise folds double -> float -> double away, and the radius would belong to the unrounded centre.
+// Not inlined: otherwise GCC 12 removes the conversion double -> float -> double, and the radius would belong to the unrounded centre.
 [[gnu::noinline]] Sphere storedAt(const Vec3& center) { return {float(center.x), float(center.y), float(center.z), 0}; }
 
-/// The radius that is stored for a clearance: room for the rounding of whoever checks distances with other formulas.
+/// The radius that is stored for a clearance. It leaves room for the rounding of checks that compute distances by other formulas.
 float storedRadius(double clearance, double side)
 {
 	const double reduced = std::max(0.0, clearance * (1 - 1e-9) - 1e-12 * side);
@@ -404,7 +405,7 @@ float storedRadius(double clearance, double side)
 	return double(r) > reduced ? std::nextafter(r, 0.0f) : r;
 }
 
-/// The largest sphere about the stored centre.
+/// The largest sphere about the rounded centre.
 Sphere Packer::fitting(const Vec3& center)
 {
 	Sphere sphere = storedAt(center);
@@ -412,7 +413,7 @@ Sphere Packer::fitting(const Vec3& center)
 	return sphere;
 }
 
-/// The largest candidates, in order.
+/// Takes the largest candidates, in order.
 bool Packer::popBatch()
 {
 	m_batch.clear();
@@ -425,7 +426,7 @@ bool Packer::popBatch()
 	return !m_batch.empty();
 }
 
-/// Asks the octree, and for those that still fit the surface, which is robust for needle triangles.
+/// Queries the octree and, for candidates that still fit, the surface, which is robust for needle triangles.
 void Packer::validateBatch()
 {
 	m_clearances.resize(m_batch.size());
@@ -438,14 +439,14 @@ void Packer::validateBatch()
 	});
 }
 
-/// Places the largest candidates and collects the starts that follow from them; false when no more are wanted.
+/// Places the largest candidates and collects the starts that follow from them. Returns false when no more spheres are wanted.
 bool Packer::placeBatch()
 {
 	m_placed.clear(1);
 	while (m_placed.spheres().empty())
 	{
 		if (!popBatch()) return false;
-		// Balls of the batch whose centres are farther apart than this are clear of each other.
+		// Balls of the batch whose centres are farther apart than this cannot overlap.
 		m_placed.clear(2 * double(m_batch[0].sphere.r));
 		validateBatch();
 		for (size_t i = 0; i < m_batch.size() && !m_done; ++i) settle(m_batch[i], m_clearances[i]);
@@ -467,7 +468,7 @@ void Packer::settle(const Candidate& candidate, double clearance)
 		m_starts.push_back({center});
 		return;
 	}
-	// The rest of a tessellated sphere is slivers: stop when all the remaining spheres together would add next to nothing.
+	// Only slivers of a tessellated sphere remain: stop when all remaining spheres together would add almost nothing.
 	if (ballVolume(sphere.r) * double(m_options.maxSpheres) < 1e-3 * m_packedVolume) m_done = true;
 	else place(sphere);
 }

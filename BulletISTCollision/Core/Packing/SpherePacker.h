@@ -10,22 +10,21 @@ namespace ist
 {
 class MeshDistance;
 
-/// When to stop: at the first of the limits that are set.
+/// Limits of a packing. It stops at the first limit that it reaches.
 struct PackingOptions
 {
 	int64_t maxSpheres = 10000;
 	double targetFill = 1.0;  ///< 0..1
 	double minRadius = 0;     ///< [m]
-	uint64_t seed = 1;        ///< same seed, same spheres, whatever the thread count
-	int threads = 0;          ///< 0: all
+	uint64_t seed = 1;        ///< same seed, same spheres, for any number of threads
+	int threads = 0;          ///< number of threads; 0: all processors
 	Progress progress;        ///< may be empty
-	Vec3 origin = {};         ///< [m] added to the places that errors name: where the mesh's origin lies in the frame that the caller knows
+	Vec3 origin = {};         ///< added to the positions that errors name: the mesh's origin in the frame of the caller [m]
 };
 
-/// Largest-first greedy packing on the exact distance to the mesh; candidate balls grow by monotone ascent of the linearised
-/// distances (a small LP per step). Method in ARCHITECTURE.md "Packing".
-/// The mesh must be closed and should lie near the origin (its centre of mass at 0), since centres are stored as floats.
-/// About 100 us a sphere. Errors: nothing fits (names the largest ball, where it lies, and the least radius that would do), bad options,
-/// cancelled.
+/// Greedy packing, largest sphere first, on the exact distance to the mesh. Candidate balls grow by monotone ascent of the linearised
+/// distances (a small LP per step). The method is described in ARCHITECTURE.md, "Packing". The mesh must be closed and should lie near
+/// the origin (its centre of mass at 0), because centres are stored as floats. Takes about 100 us per sphere. Errors: no sphere fits (the
+/// message names the largest ball, its place, and the minimum radius that would work), invalid options, cancelled.
 Result<SpherePacking> packSpheres(const MeshDistance& surface, const PackingOptions& options);
 }  // namespace ist
