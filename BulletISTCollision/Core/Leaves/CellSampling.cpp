@@ -16,11 +16,11 @@ namespace ist
 {
 namespace
 {
-// Samples a sphere and totals. The mean normal of a leaf needs some hundred points.
+// Numbers of samples, per sphere and in all. The mean normal of a leaf needs some hundred points.
 constexpr double kGapSamplesPerSphere = 100;
 constexpr double kFewestGapSamples = 2e5;
-constexpr double kManyGapSamples = 1e6;  // beyond, half as many a sphere
-// Large balls are split into many leaves, each of which needs some dozens of points for its shape.
+constexpr double kManyGapSamples = 1e6;  // above this number, each sphere gets half as many
+// Large balls are split into many leaves, and the shape of each leaf needs some dozens of points.
 constexpr double kBallSamplesPerSphere = 40;
 constexpr double kFewestBallSamples = 8e5, kMostBallSamples = 8e6;
 constexpr size_t kFewestSamplesOfBall = 16;
@@ -29,17 +29,17 @@ constexpr int kRowsOfSlab = 8;
 constexpr int kSlabsPerReport = 32;
 constexpr size_t kMostPairsTogether = 4096;
 constexpr size_t kPartsPerReport = 8192;
-constexpr double kGapShare = 0.7;  // of the time
+constexpr double kGapShare = 0.7;  // share of the time that sampling the gap takes
 constexpr size_t kClusterSize = 24;
 
-/// Some of a ball's pairs of samples.
+/// A part of a ball's pairs of samples.
 struct BallPart
 {
 	size_t sphere, first, last;
 };
 
-/// Points of a ball in antipodal pairs, so that their mean is the centre: radii stratified in volume, directions from the additive
-/// recurrence of the plastic number (Roberts 2018). `out`: where the samples of the whole ball begin.
+/// Samples a ball in antipodal pairs, so that their mean is the centre. Radii are stratified in volume; directions come from the additive
+/// recurrence of the plastic number (Roberts 2018). `out`: first sample of the whole ball.
 void sampleBall(const Sphere& sphere, const BallPart& part, size_t pairs, CounterRandom random, CellSample* out)
 {
 	const double shiftZ = random.next(), shiftAngle = random.next();
@@ -71,7 +71,7 @@ std::vector<size_t> ballSampleCounts(const std::vector<Sphere>& spheres)
 	return counts;
 }
 
-/// Groups points that lie close together: `visit(first, last)` gets ranges of `order`, which is rearranged.
+/// Groups points that lie close together. `visit(first, last)` gets ranges of `order`, which is rearranged.
 template <class Position, class Visit> void forEachCluster(uint32_t* first, uint32_t* last, const Position& position, const Visit& visit)
 {
 	if (first == last) return;
@@ -94,7 +94,7 @@ template <class Position, class Visit> void forEachCluster(uint32_t* first, uint
 	forEachCluster(middle, last, position, visit);
 }
 
-/// Middle of the bounding box, and the radius about it that holds all points and what rounding them to floats adds.
+/// Middle of the bounding box, and the radius about it that holds all points, including their rounding to floats.
 template <class Position> std::pair<Vec3, double> clusterBall(const uint32_t* first, const uint32_t* last, const Position& position)
 {
 	Vec3 lower = position(*first), upper = lower;
@@ -109,7 +109,7 @@ template <class Position> std::pair<Vec3, double> clusterBall(const uint32_t* fi
 	return {center, std::sqrt(radius2) + 2e-7 * (norm(lower) + norm(upper))};
 }
 
-/// Asks the surface for many samples close together, each a hint for the next.
+/// Queries the surface for many samples close together; each gives a hint for the next.
 class FieldSampler
 {
 public:
@@ -141,11 +141,11 @@ private:
 	std::vector<uint32_t> m_order;
 };
 
-/// Some neighbouring rows of lines with what their points see.
+/// Some neighbouring rows of lines, with the samples at their points.
 struct Slab
 {
 	std::vector<CellSample> samples;
-	std::vector<uint32_t> owners;  // spheres
+	std::vector<uint32_t> owners;  // sphere of each sample's cell
 };
 
 Slab sampleSlab(const GapLines& lines, int firstRow, int lastRow, const NearestSphere& nearest, const MeshDistance& surface)
@@ -175,7 +175,7 @@ Slab sampleSlab(const GapLines& lines, int firstRow, int lastRow, const NearestS
 	return slab;
 }
 
-/// Points of equal volume in the gap, in the order of the lines; empty when told to stop.
+/// Points of equal volume in the gap, in the order of the lines; empty if cancelled.
 std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Sphere>& spheres, double gapVolume, const NearestSphere& nearest,
 	uint64_t seed, [[maybe_unused]] int threads, const std::function<bool(double)>& goesOn)
 {
@@ -185,7 +185,7 @@ std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Spher
 	if (target > kManyGapSamples) target = std::max(kManyGapSamples, target / 2);
 	const Box box = bounds(mesh);
 	const double longest = box.longestSide();
-	const double volumePerPoint = 3 * gapVolume / target;  // within the third of the points on lines of one axis
+	const double volumePerPoint = 3 * gapVolume / target;  // a third of the points lies on the lines of each axis
 	const double spacing = std::max(std::cbrt(volumePerPoint), longest / kMostLinesPerSide);
 	const double step = volumePerPoint / (spacing * spacing);
 
@@ -209,7 +209,7 @@ std::vector<Slab> sampleGap(const MeshDistance& surface, const std::vector<Spher
 	return slabs;
 }
 
-/// Where each cell's samples lie: sizes first, then room.
+/// Lays out the samples of each cell: counts first, then memory.
 void layOut(const std::vector<Sphere>& spheres, const std::vector<Slab>& slabs, SampledCells& result)
 {
 	const size_t n = spheres.size();
@@ -227,7 +227,7 @@ void layOut(const std::vector<Sphere>& spheres, const std::vector<Slab>& slabs, 
 	result.samples = std::make_unique_for_overwrite<CellSample[]>(result.begin[n]);
 }
 
-/// Of the cells [first, last).
+/// Adds the gap samples of the cells [first, last).
 void addGapSamples(const std::vector<Slab>& slabs, size_t first, size_t last, SampledCells& result)
 {
 	std::vector<size_t> next(result.gapBegin.begin() + std::ptrdiff_t(first), result.gapBegin.begin() + std::ptrdiff_t(last));
@@ -242,7 +242,7 @@ void addGapSamples(const std::vector<Slab>& slabs, size_t first, size_t last, Sa
 		}
 }
 
-/// Each thread takes cells with about as many samples, and all the slabs.
+/// Adds all gap samples. Each thread reads all slabs, and writes cells with about the same number of samples.
 void addGapSamples(const std::vector<Slab>& slabs, int threads, SampledCells& result)
 {
 	const auto cut = [&](int part) {
@@ -254,7 +254,7 @@ void addGapSamples(const std::vector<Slab>& slabs, int threads, SampledCells& re
 		addGapSamples(slabs, cut(part), part + 1 < threads ? cut(part + 1) : result.gapBegin.size(), result);
 }
 
-/// The largest ball has a tenth of all samples and more: in parts, no thread is left alone with it.
+/// The largest ball has a tenth of all samples or more. It is divided into parts, so that several threads share it.
 std::vector<BallPart> ballParts(const SampledCells& cells)
 {
 	std::vector<BallPart> parts;
@@ -285,7 +285,7 @@ SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>&
 	for (const Sphere& s : spheres) balls += ballVolume(s.r);
 	const double gap = volume - balls;
 	std::vector<Slab> slabs;
-	// A gap of less than rounding error has no shape to sample.
+	// A gap smaller than the rounding error has no shape to sample.
 	if (gap > 1e-9 * volume)
 	{
 		slabs = sampleGap(surface, spheres, gap, nearest, seed, threads, [&goesOn](double f) { return goesOn(kGapShare * f); });

@@ -15,18 +15,18 @@ namespace ist
 {
 class NearestSphere;
 
-/// Samples grouped by cell: first those of the ball, then those of the gap.
+/// Samples grouped by cell: first the samples of the ball, then those of the gap.
 struct SampledCells
 {
 	std::unique_ptr<CellSample[]> samples;
-	std::vector<size_t> begin;     ///< n + 1; the last is the number of samples
-	std::vector<size_t> gapBegin;  ///< n
-	double gapSampleVolume = 0;    ///< [m^3]
-	double ballScale = 1;          ///< of the balls' volumes; 1 where there are gap samples to take up the rest
+	std::vector<size_t> begin;     ///< n + 1 entries; the last is the number of samples
+	std::vector<size_t> gapBegin;  ///< n entries
+	double gapSampleVolume = 0;    ///< volume of a gap sample [m^3]
+	double ballScale = 1;          ///< factor on the balls' volumes; 1 if there are gap samples to take the difference
 };
 
-/// `volume`: of the mesh. `goesOn(share done)` says whether to go on; when it does not, the result is empty.
-/// The same samples for any thread count.
+/// Samples the cells. `volume`: volume of the mesh. `goesOn(share done)` returns whether to go on; if it returns false, the result is
+/// empty. The samples do not depend on the number of threads.
 SampledCells sampleCells(const MeshDistance& surface, const std::vector<Sphere>& spheres, double volume, const NearestSphere& nearest,
 	uint64_t seed, int threads, const std::function<bool(double)>& goesOn);
 }  // namespace ist

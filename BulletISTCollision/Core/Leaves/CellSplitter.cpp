@@ -11,14 +11,14 @@ namespace ist
 {
 namespace
 {
-// Measured by bench_truth: with half of it cells are cut into curved slabs that no ellipsoid fits.
+// Source: bench_truth. With half of this weight cells are cut into curved slabs that no ellipsoid fits.
 constexpr double kPositionWeight = 1;
-constexpr int kMostMoves = 8;  // of the plane between the halves
+constexpr int kMostMoves = 8;  // limit for the moves of the plane between the halves
 constexpr size_t kEnoughToMove = 1000;
 
 constexpr size_t kMinimumToSplit = 24;
 constexpr size_t kMinimumOfChild = 8;
-// Pieces split at the same time: a half seldom comes before a piece of this share of its parent's priority.
+// Pieces are split in parallel. A half seldom comes before a piece with this share of its parent's priority.
 constexpr double kBatchSpan = 0.5;
 constexpr size_t kLargestBatch = 16384;
 [[maybe_unused]] constexpr size_t fewestToShare = 2000;  // samples
@@ -42,7 +42,7 @@ double dot(const Vec6& a, const Vec6& b)
 	return sum;
 }
 
-/// Repeated squaring of a positive semidefinite matrix leaves the projector onto its principal axis.
+/// Principal axis of a positive semidefinite matrix. Repeated squaring leaves the projector onto it.
 Vec6 principalAxis(Mat6 c)
 {
 	for (int step = 0; step < 10; ++step)
@@ -66,7 +66,7 @@ struct Cut
 	bool below(const Vec6& f) const { return dot(axis, f) < threshold; }
 };
 
-/// Across the principal axis at the mean.
+/// The first cut goes through the mean, across the principal axis.
 Cut firstCut(const CellSample* samples, const CellPiece& piece)
 {
 	Vec6 mean{};
@@ -90,7 +90,7 @@ Cut firstCut(const CellSample* samples, const CellPiece& piece)
 	return {axis, dot(axis, mean)};
 }
 
-/// One step of Lloyd's algorithm: to the plane halfway between the means of the halves, or of some hundred samples of each.
+/// One step of Lloyd's algorithm: moves to the plane halfway between the means of the halves, or of some hundred samples of each.
 bool move(Cut& cut, const CellSample* samples, const CellPiece& piece)
 {
 	Vec6 sum[2] = {};
@@ -185,9 +185,9 @@ std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPie
 		const size_t most = std::min(kLargestBatch, leafCount - pieces.size());
 		for (batch.clear(); !queue.empty() && batch.size() < most && queue.top().first >= least; queue.pop()) batch.push_back(queue.top());
 		halves.assign(batch.size(), {});
-		[[maybe_unused]] size_t reordered = 0;  // by builds with OpenMP
+		[[maybe_unused]] size_t reordered = 0;  // used only with OpenMP
 		for (const Waiting& waiting : batch) reordered += pieces[waiting.second].end - pieces[waiting.second].begin;
-			// Few pieces hold most of the samples at first.
+			// At first few pieces hold most of the samples, so the number of samples decides whether threads share the work.
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (reordered >= fewestToShare)
 		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(batch.size()); ++i)
 			halves[size_t(i)] = split(samples, pieces[batch[size_t(i)].second]);

@@ -8,19 +8,19 @@
 
 namespace ist
 {
-/// A point of a cell with the depth and outward normal of the body there, and the volume it stands for. Nothing is set at first:
-/// there are millions of them, and the threads that write them are the first to touch their memory.
+/// A point of a cell with the depth and outward normal of the body there, and the volume it represents. Members are not initialised:
+/// there are millions of samples, and the threads that write them should be the first to touch their memory.
 struct CellSample
 {
 	float x, y, z;
 	float nx, ny, nz;
 	float depth;
-	float weight;  ///< [m^3]
+	float weight;  ///< volume that the point represents [m^3]
 	Vec3 position() const { return {x, y, z}; }
 	Vec3 normal() const { return {nx, ny, nz}; }
 };
 
-/// A cell or a part of one, with the samples [begin, end) that lie in it.
+/// A cell or a part of one, with its samples [begin, end).
 struct CellPiece
 {
 	size_t begin = 0, end = 0;
@@ -33,18 +33,18 @@ struct CellPiece
 	double meanRadius() const { return std::sqrt(shape.trace() / 3); }
 };
 
-/// The stored form.
+/// The stored form of a piece.
 MomentEllipsoid momentEllipsoid(const CellPiece& piece);
 
-/// What splitting a piece is worth: its volume times its size, more where normals differ inside of it. For levels, too.
+/// Priority for splitting a piece: its volume times its size, increased if normals differ inside it. Also used for levels.
 inline double splitPriority(double volume, double meanRadius, const Vec3& normal)
 {
-	constexpr double kCompactness = 0.1;  // of bench_truth's errors; from .05 to .15 they hardly differ
+	constexpr double kCompactness = 0.1;  // source: bench_truth, whose errors hardly differ from 0.05 to 0.15
 	return volume * meanRadius * (kCompactness + std::max(0.0, 1 - squaredNorm(normal)));
 }
 
-/// Splits cells by two means of place and normal, the one with the largest splitPriority first, until there are `leafCount` of
-/// them or none can be split. Reorders the samples inside each cell. The pieces come grouped by cell, in the order of `cells`;
-/// the same for any thread count.
+/// Splits cells into two by two-means clustering of position and normal. The cell with the largest splitPriority is split first, until
+/// there are `leafCount` pieces or none can be split. Reorders the samples inside each cell. The pieces are grouped by cell, in the order
+/// of `cells`. The result does not depend on the number of threads.
 std::vector<CellPiece> splitCells(CellSample* samples, const std::vector<CellPiece>& cells, size_t leafCount, int threads = 1);
 }  // namespace ist

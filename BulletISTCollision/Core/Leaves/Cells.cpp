@@ -27,7 +27,7 @@ size_t leafCountOf(const CellOptions& options, size_t spheres)
 	return std::max({count, spheres < kSmallPacking ? kLeavesOfSmallPacking : 0, size_t(std::max<int64_t>(0, options.fewestLeaves))});
 }
 
-/// Moments: exact for the ball, sampled for the gap. Normal and depth: sampled in both.
+/// Moments are exact for the ball and sampled for the gap. Normal and depth are sampled in both.
 CellPiece baseCell(const SampledCells& cells, const Sphere& sphere, uint32_t index)
 {
 	CellPiece cell;

@@ -24,8 +24,8 @@ GapLines::RowTable::RowTable(const std::vector<std::pair<double, double>>& exten
 
 double GapLines::orientation(const Line& a, const Line& b, const Line& p) { return (b.u - a.u) * (p.v - a.v) - (b.v - a.v) * (p.u - a.u); }
 
-/// On which side of the edge p lies. Evaluated from the lesser end, so that the two triangles at an edge never both claim or both
-/// disown a line.
+/// Whether p lies left of the edge. It is evaluated from the lesser end, so that exactly one of the two triangles at an edge claims a
+/// line.
 bool GapLines::leftOf(const Line& a, const Line& b, const Line& p)
 {
 	const bool ordered = a.u < b.u || (a.u == b.u && a.v < b.v);
@@ -128,7 +128,7 @@ void GapLines::crossSphere(const Sphere& s, const std::vector<Line>& lines, std:
 	}
 }
 
-/// The gaps of the row's lines, laid end to end, get one point at random in every step.
+/// Places one random point in every step along the gaps of the row's lines, laid end to end.
 void GapLines::placePoints(
 	const std::vector<Line>& lines, const std::vector<Event>& events, CounterRandom& random, std::vector<Vec3>& points) const
 {

@@ -13,8 +13,8 @@ namespace ist
 {
 class CounterRandom;
 
-/// Points of the mesh's inside and outside all spheres, from one jittered line in every cell of a grid across `axis`. Any number of
-/// threads may ask.
+/// Points inside the mesh and outside all spheres, from one jittered line in every cell of a grid across `axis`. Any number of threads
+/// may call it.
 class GapLines
 {
 public:
@@ -36,7 +36,7 @@ private:
 		double at;
 		int mesh, spheres;  // change of the winding number and of the number of spheres
 	};
-	/// Which items (given by their extent) reach into which row of cells; compressed rows.
+	/// The items that reach into each row of cells, found from their extents; stored as compressed rows.
 	struct RowTable
 	{
 		RowTable(const std::vector<std::pair<double, double>>& extents, double lower, double spacing, int rows);

@@ -10,7 +10,7 @@ namespace ist
 namespace
 {
 constexpr uint32_t kLeafSize = 16;
-constexpr size_t kMostGathered = 160;  // a longer list costs more than the way down the trees
+constexpr size_t kMostGathered = 160;  // a longer list costs more than a search in the trees
 
 double distanceToBox(const Vec3& p, const Vec3& lower, const Vec3& upper)
 {
@@ -32,7 +32,7 @@ NearestSphere::NearestSphere(const std::vector<Sphere>& spheres)
 	std::sort(m_entries.begin(), m_entries.end(),
 		[](const Entry& a, const Entry& b) { return a.radius != b.radius ? a.radius > b.radius : a.sphere < b.sphere; });
 
-	// One tree for each factor of four in the radius: a large ball among small ones would loosen every box above it.
+	// There is one tree for each factor of four in the radius, because a large ball among small ones would enlarge every box above it.
 	const uint32_t n = uint32_t(m_entries.size());
 	for (uint32_t first = 0; first < n;)
 	{
@@ -94,7 +94,7 @@ NearestSphere::Hit NearestSphere::nearest(const Vec3& p, uint32_t hint) const
 	std::sort(stack, stack + size, [](const auto& a, const auto& b) { return a > b; });
 	while (size > 0)
 	{
-		if (best.distance < 0) break;  // balls do not overlap: no second one holds p
+		if (best.distance < 0) break;  // balls do not overlap, so no other one contains p
 		const auto [bound, index] = stack[--size];
 		if (bound > best.distance) continue;
 		const Node& node = m_nodes[index];

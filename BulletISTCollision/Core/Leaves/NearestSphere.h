@@ -9,31 +9,32 @@
 
 namespace ist
 {
-/// The sphere with the smallest |p - c| - r among spheres that do not overlap. Immutable after construction: any number of threads may ask.
+/// Finds the sphere with the smallest |p - c| - r among spheres that do not overlap. Immutable after construction: any number of threads
+/// may query.
 class NearestSphere
 {
 public:
 	struct Hit
 	{
-		uint32_t sphere = UINT32_MAX;  ///< lowest index among equally near ones
+		uint32_t sphere = UINT32_MAX;  ///< lowest index among equally near spheres
 		double distance = 1e300;       ///< |p - c| - r; negative inside the sphere
 	};
 
 	explicit NearestSphere(const std::vector<Sphere>& spheres);
 
-	/// `hint`: any sphere likely to be near; it changes the time taken, never the answer.
+	/// `hint`: any sphere that is likely to be near. It changes the time taken, never the result.
 	Hit nearest(const Vec3& p, uint32_t hint = UINT32_MAX) const;
 
-	/// The spheres that can be nearest to a point of a ball, for many questions close together.
+	/// The spheres that can be nearest to a point of a ball, for many queries close together.
 	struct Neighbourhood
 	{
 		Vec3 center;
 		double radius = 0;
-		std::vector<std::pair<double, uint32_t>> spheres;  ///< by distance from the centre; second: entry
-		bool complete = false;                             ///< false: too many spheres to list, and the list is empty
+		std::vector<std::pair<double, uint32_t>> spheres;  ///< sorted by distance from the centre; second: index of the entry
+		bool complete = false;                             ///< false: there are too many spheres, and the list is empty
 	};
 	void gather(const Vec3& center, double radius, Neighbourhood& out, uint32_t hint = UINT32_MAX) const;
-	/// The same answer for a point of the ball of `near`.
+	/// The same result, for a point of the ball of `near`.
 	Hit nearest(const Vec3& p, const Neighbourhood& near, uint32_t hint = UINT32_MAX) const;
 
 private:
@@ -63,7 +64,7 @@ private:
 	std::vector<Node> m_nodes;
 	std::vector<Entry> m_entries;
 	std::vector<uint32_t> m_roots;
-	std::vector<uint32_t> m_slots;  // sphere -> entry
-	double m_slack = 0;             // far above rounding, far below any gap [m]
+	std::vector<uint32_t> m_slots;  // entry of each sphere
+	double m_slack = 0;             // much larger than rounding, much smaller than any gap [m]
 };
 }  // namespace ist

@@ -23,11 +23,11 @@ struct SurfacePatch
 {
 	Vec3 a, b, c;
 	double gap = 0;                // at the centroid
-	double bound = 0;              // of the gap anywhere on the patch
-	uint32_t sphere = UINT32_MAX;  // nearest to the centroid; of a half that is not measured yet, to the whole
+	double bound = 0;              // upper bound of the gap anywhere on the patch
+	uint32_t sphere = UINT32_MAX;  // nearest sphere to the centroid; for a half that is not measured yet, that of the whole
 	double area() const { return 0.5 * norm(cross(b - a, c - a)); }
 	Vec3 centroid() const { return (a + b + c) / 3; }
-	/// About the centroid.
+	/// Radius about the centroid.
 	double radius() const
 	{
 		const Vec3 m = centroid();
@@ -35,7 +35,7 @@ struct SurfacePatch
 	}
 };
 
-/// Halves across the longest edge.
+/// The halves of a patch, split across its longest edge.
 std::array<SurfacePatch, 2> bisected(const SurfacePatch& p)
 {
 	const double ab = squaredNorm(p.b - p.a), bc = squaredNorm(p.c - p.b), ca = squaredNorm(p.a - p.c);
@@ -50,11 +50,11 @@ void measureGap(SurfacePatch& p, const NearestSphere::Hit& hit)
 {
 	p.sphere = hit.sphere;
 	p.gap = std::max(0.0, hit.distance);
-	// The gap changes by no more than the way along the surface: Lipschitz constant 1.
+	// The gap has the Lipschitz constant 1: it changes by no more than the distance along the surface.
 	p.bound = p.gap + p.radius();
 }
 
-/// Of the triangles [first, last), in pieces of at most `largest` area, measured.
+/// Measured patches of the triangles [first, last), each of at most `largest` area.
 std::vector<SurfacePatch> patchesOf(const Mesh& mesh, size_t first, size_t last, double largest, const NearestSphere& nearest)
 {
 	std::vector<SurfacePatch> patches, stack;
@@ -82,12 +82,12 @@ std::vector<SurfacePatch> patchesOf(const Mesh& mesh, size_t first, size_t last,
 	return patches;
 }
 
-/// Of some neighbouring triangles each.
+/// All patches, one list for each group of neighbouring triangles.
 std::vector<std::vector<SurfacePatch>> surfacePatches(const Mesh& mesh, const NearestSphere& nearest, [[maybe_unused]] int threads)
 {
 	const double largest = surfaceArea(mesh) / kSurfaceSamples;
 	const size_t count = mesh.triangles.size();
-	// Of a box, each triangle is a part, and has thousands of patches.
+	// Groups of a box are single triangles, because each has thousands of patches.
 	const size_t together = std::clamp<size_t>(count / kFewestParts, 1, kMostTrianglesTogether);
 	std::vector<std::vector<SurfacePatch>> parts((count + together - 1) / together);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
@@ -117,16 +117,16 @@ struct OpenPatch
 	bool operator<(const OpenPatch& o) const { return bound < o.bound; }
 };
 
-/// Best-first refinement of the patches whose bound says most, until the bound is within 1 % of a gap that is really there. Of a refined
-/// patch the halves are left.
+/// Best-first refinement of the patches with the largest bounds, until the bound is within 1 % of a gap that was measured. A refined
+/// patch is replaced by its halves.
 double largestGap(std::vector<std::vector<SurfacePatch>>& parts, const NearestSphere& nearest, int threads)
 {
-	double seen = 0, settled = 0;  // a gap that is there, and the bound of the patches that need no refinement
+	double seen = 0, settled = 0;  // the largest gap measured, and the largest bound of patches that need no refinement
 	for (const auto& part : parts)
 		for (const SurfacePatch& p : part) seen = std::max(seen, p.gap);
 	std::vector<OpenPatch> open, refined;
 	std::vector<SurfacePatch> halves;
-	std::deque<SurfacePatch> others;  // second halves: the first take the place of the whole
+	std::deque<SurfacePatch> others;  // the second halves; the first ones replace the whole
 	for (auto& part : parts)
 		for (SurfacePatch& p : part)
 			if (p.bound > 1.01 * seen) open.push_back({p.bound, &p});

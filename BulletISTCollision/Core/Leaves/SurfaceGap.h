@@ -15,6 +15,6 @@ struct SurfaceGap
 	double uncoveredArea = 0;  ///< share of the surface whose gap exceeds three times the mean
 };
 
-/// `threads`: 1 or more; the same for any number.
+/// `threads`: 1 or more; the result does not depend on it.
 SurfaceGap measureSurfaceGap(const Mesh& mesh, const NearestSphere& nearest, int threads);
 }  // namespace ist
