@@ -15,16 +15,17 @@ namespace ist
 {
 namespace
 {
-[[maybe_unused]] constexpr int kFewestToShare = 4096;  // balls, among threads
-constexpr size_t kFewestToThin = 1024;                 // balls that a bounding sphere is found for
-constexpr int kDirections = 8;                         // along either side of each face of a cube
+[[maybe_unused]] constexpr int kFewestToShare = 4096;  // smallest number of balls that threads share
+constexpr size_t kFewestToThin = 1024;                 // smallest number of balls that are thinned out before their bounding sphere is
+													   // computed
+constexpr int kDirections = 8;                         // number along each side of each face of a cube
 
 struct Bound
 {
 	float x, y, z, r;
 };
 
-/// Binary tree over ranges of the final ball order; children of -1: one block.
+/// Binary tree over ranges of the final ball order. A node whose children are -1 is one block.
 struct BinaryNode
 {
 	int begin = 0, end = 0;
@@ -32,7 +33,7 @@ struct BinaryNode
 	Bound bound{};
 };
 
-/// A ball as the build reads it, again and again.
+/// A ball in the compact form that the build reads many times.
 struct BuildBall
 {
 	float x, y, z, R;
@@ -42,7 +43,7 @@ struct BuildBall
 class Builder
 {
 public:
-	/// Of a slot without a ball.
+	/// Ball index of an empty slot.
 	static constexpr uint32_t kPadding = 0xffffffffu;
 
 	Builder(const std::vector<MomentEllipsoid>& balls, [[maybe_unused]] int threads)
@@ -52,7 +53,7 @@ public:
 	{
 		m_balls.reserve(balls.size());
 		for (const MomentEllipsoid& b : balls) m_balls.push_back({b.x, b.y, b.z, b.R});
-		// Every leaf is a full block, but for the last.
+		// Every leaf except the last is a full block.
 		m_binary.resize(2 * blocksOf(int(balls.size())) - 1);
 #pragma omp parallel num_threads(threads) if (balls.size() >= kFewestToShare)
 #pragma omp single
@@ -69,7 +70,7 @@ public:
 		fillNode(0, 0);
 	}
 	std::vector<BallNode>& nodes() { return m_nodes; }
-	/// Of each slot, the index of its ball.
+	/// The ball index of each slot.
 	std::vector<uint32_t>& slots() { return m_slots; }
 
 private:
@@ -100,18 +101,18 @@ private:
 
 	std::vector<BuildBall> m_balls;
 	std::vector<int> m_order[3];
-	// Parts of the tree that are built at the same time use parts of these that do not meet.
+	// Parts of the tree that are built in parallel use disjoint parts of these arrays.
 	std::vector<char> m_side;
 	std::vector<int> m_buffer;
 	std::vector<double> m_cost;
-	std::vector<BinaryNode> m_binary;  ///< a node, what is left below it, what is right below it
+	std::vector<BinaryNode> m_binary;  ///< in the order: a node, the nodes left below it, the nodes right below it
 	std::vector<BallNode> m_nodes;
 	std::vector<uint32_t> m_slots;
 };
 
 void Builder::sortAlong(int axis)
 {
-	// Floats in the order of their bits; the index breaks ties, so that the tree does not depend on the sort.
+	// Sorts floats by the order of their bits. The index breaks ties, so that the tree does not depend on the sort.
 	std::vector<uint64_t> keys(m_balls.size());
 	for (size_t i = 0; i < keys.size(); ++i)
 	{
@@ -132,7 +133,7 @@ bool Builder::bestSplit(int begin, int end, int& bestAxis, int& bestSplit)
 	constexpr int W = kBlockWidth;
 	const int count = end - begin, blocks = blocksOf(count);
 	if (blocks < 2) return false;
-	// A quarter on either side at least: bounds the depth whatever the cloud.
+	// Each side gets at least a quarter, which bounds the depth for any set of balls.
 	const int first = std::max(1, blocks / 4), last = std::min(blocks - 1, blocks - blocks / 4);
 	double best = std::numeric_limits<double>::infinity();
 	double* costs = m_cost.data() + begin / W;
@@ -181,7 +182,7 @@ void Builder::partition(int begin, int end, int axis, int middle)
 	}
 }
 
-/// The outermost ball in each direction from the middle, or all where they are few.
+/// Keeps the outermost ball in each direction from the middle, or all if they are few.
 void keepOutermost(std::vector<BuildBall>& balls, const Vec3& middle)
 {
 	if (balls.size() <= kFewestToThin) return;
@@ -209,7 +210,7 @@ void keepOutermost(std::vector<BuildBall>& balls, const Vec3& middle)
 	balls.swap(kept);
 }
 
-/// Badoiu and Clarkson's iteration: step towards the farthest ball, ever shorter.
+/// Badoiu and Clarkson's iteration: steps of decreasing length towards the farthest ball.
 Vec3 centerOf(const std::vector<BuildBall>& balls, Vec3 c)
 {
 	Vec3 bestCenter = c;
@@ -217,7 +218,7 @@ Vec3 centerOf(const std::vector<BuildBall>& balls, Vec3 c)
 	size_t farthest = 0;
 	for (int step = 0; step < 48; ++step)
 	{
-		// Begun with the one that was farthest before, most of the others need no square root.
+		// The search begins with the ball that was farthest before. Then most of the others need no square root.
 		double reach = distance(balls[farthest].center(), c) + balls[farthest].R;
 		for (size_t i = 0; i < balls.size(); ++i)
 		{
@@ -455,7 +456,7 @@ std::string BallTree::validate() const
 
 namespace
 {
-/// `of(index)` of the balls in the order of the slots, `padding` where there is none.
+/// `of(index)` for the balls in the order of the slots; `padding` for empty slots.
 template <class T, class Of> std::vector<T> inSlots(const std::vector<uint32_t>& slots, const T& padding, const Of& of)
 {
 	std::vector<T> all;
@@ -464,7 +465,7 @@ template <class T, class Of> std::vector<T> inSlots(const std::vector<uint32_t>&
 	return all;
 }
 
-/// Nodes and balls alone.
+/// The tree's nodes and balls, without ellipsoids.
 BallTree boundingTree(const std::vector<MomentEllipsoid>& balls, int threads, std::vector<uint32_t>& slots)
 {
 	if (balls.empty()) return {};

@@ -10,7 +10,7 @@ double surfaceResolution(const BallTree& law)
 	{
 		const Vec3 m = leaf.normal();
 		const double squared = squaredNorm(m);
-		// Padding, and leaves of no definite normal.
+		// Skips padding, and leaves without a definite normal.
 		if (!(leaf.density > 0) || !(squared > 0.25)) continue;
 		const double width = std::sqrt(dot(m, leaf.shape() * m) / squared), reach = width - leaf.depth / std::sqrt(squared);
 		if (!(reach > 0)) continue;

@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// How far the leaves below the surface reach out of the body along their normals, mean over the surface they cover [m]. Leaves are told
-/// to lie there by their half-width along the normal, which then exceeds their depth. 0 where none does.
+/// Mean distance by which leaves at the surface protrude along their normals, weighted by the surface that they cover [m]. A leaf lies at
+/// the surface if its half-width along the normal exceeds its depth. 0 if no leaf does.
 double surfaceResolution(const BallTree& law);
 }  // namespace ist

@@ -19,8 +19,8 @@ bool isFinite(const Bound& b) { return std::isfinite(b.x) && std::isfinite(b.y) 
 
 bool isNear(const Bound& b) { return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kMostReach && b.r >= 0; }
 
-// All operands are floats as stored, so that each difference is exact but for one rounding: the share covers them all.
-// Below the smallest square the products lose digits.
+// All operands are floats as stored, so each difference is exact except for one rounding, and kShare covers all roundings. Below
+// kSmallestSquare the products lose digits.
 constexpr float kShare = 1 + 1e-6f, kSmallestSquare = 1e-30f;
 
 bool surelyInside(const Bound& inner, const Bound& outer)
@@ -30,7 +30,7 @@ bool surelyInside(const Bound& inner, const Bound& outer)
 	return room > 0 && room2 > kSmallestSquare && (dx * dx + dy * dy + dz * dz) * kShare <= room2;
 }
 
-/// All of the block that begins there.
+/// The same for all balls of a block, given by its first ball.
 bool surelyInside(const Sphere* block, const Bound& bound)
 {
 	int inside = 1;
@@ -43,7 +43,7 @@ bool surelyInside(const Sphere* block, const Bound& bound)
 	return inside != 0;
 }
 
-/// In double, padding left out; the same tolerance as BallTree::validate.
+/// The same in double, without padding; with the tolerance of BallTree::validate.
 bool isInside(const Sphere* block, const Bound& bound)
 {
 	int inside = 1;
@@ -56,7 +56,7 @@ bool isInside(const Sphere* block, const Bound& bound)
 	return inside != 0;
 }
 
-/// Depth-first walk that sees every node and block exactly once.
+/// Depth-first traversal that visits every node and block exactly once.
 class Walk
 {
 public:
@@ -69,7 +69,7 @@ public:
 	}
 
 private:
-	/// `path`: bounds on the way here that may cut off a part of what lies below.
+	/// `path`: bounds of ancestors that may not contain everything below.
 	bool visit(uint32_t index, Bound* path, int depth)
 	{
 		if (depth >= kMaxTreeDepth) return false;
@@ -96,7 +96,7 @@ private:
 		if (leaf)
 		{
 			++m_blocks;
-			// Its own bound fits too tightly for floats to be sure.
+			// Its own bound may fit too tightly for the test in floats.
 			const Sphere* block = m_tree.balls.data() + size_t(index) * kBlockWidth;
 			const auto contains = [&](const Bound& o) { return surelyInside(bound, o) || surelyInside(block, o) || isInside(block, o); };
 			return isInside(block, bound) && std::all_of(path, m_end, contains);
@@ -114,7 +114,7 @@ private:
 	const BallTree& m_tree;
 	std::vector<char> m_nodeSeen, m_blockSeen;
 	size_t m_nodes = 0, m_blocks = 0;
-	// Each level keeps a list of its own, at most one longer than that of the level above.
+	// Each level has a list of its own, at most one entry longer than that of the level above.
 	Bound m_path[(kMaxTreeDepth + 1) * (kMaxTreeDepth + 2) / 2];
 	Bound* m_end = m_path;
 };
@@ -130,7 +130,7 @@ bool hasWholeBlocks(const BallTree& tree)
 
 bool surelyValid(const BallTree& tree, size_t block)
 {
-	// Overflows for balls that are finite but of no known world.
+	// The sum overflows for balls that are finite but far too large for a body.
 	float sum = 0;
 	const Sphere* first = tree.balls.data() + block * kBlockWidth;
 	const StoredEllipsoid* ellipsoids = tree.ellipsoids.empty() ? nullptr : tree.ellipsoids.data() + block * kBlockWidth;

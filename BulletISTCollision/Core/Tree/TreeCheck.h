@@ -5,17 +5,18 @@
 
 namespace ist
 {
-/// Quick answers for a loader; false also when in doubt. A tree for which all of them are
-/// true passes `BallTree::validate()`; ask that for certainty and for words.
+/// Quick tests for a loader; in doubt they return false. A tree that passes all of them passes `BallTree::validate()`, which gives
+/// certainty and a message.
 
-/// Density and depth [m] that a piece of a body can have: the build lets none be denser than 3. With far larger ones forces would overflow.
+/// Whether a piece of a body can have this density and depth [m]. The build makes none denser than 3; with far larger values forces
+/// overflow.
 bool isOfABody(float density, float depth);
-/// Whole blocks of one kind of balls.
+/// Whether the tree has whole blocks of one kind of balls.
 bool hasWholeBlocks(const BallTree& tree);
-/// The sixteen balls of a block: finite, with mass, padding behind them.
+/// Whether the sixteen balls of a block are finite and have mass, with padding after them.
 bool surelyValid(const BallTree& tree, size_t block);
-/// Nodes: each node and block reached once, bounds contain what they bound. Assumes that every block is valid.
+/// Whether each node and block is reached once and bounds contain what they bound. Assumes that every block is valid.
 bool surelyValidNodes(const BallTree& tree);
-/// All of it. O(balls).
+/// All of the tests above. O(balls).
 bool surelyValid(const BallTree& tree);
 }  // namespace ist

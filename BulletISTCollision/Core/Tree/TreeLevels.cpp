@@ -11,17 +11,17 @@ namespace ist
 {
 namespace
 {
-// With three, the levels together take two thirds of the memory of the leaves; with two a third more than the leaves.
+// With 3, all levels together take two thirds of the memory of the leaves; with 2 they take a third more than the leaves.
 constexpr int kMerged = 3;
 /// The coarsest level has at least this many balls.
 constexpr size_t kFewestBalls = 24;
-/// Weight of places, in units of the cluster's size, against normals. From 1.5 to 3 bunny pairs hardly differ (bench_levels); below 1.8 a
-/// square plate is first split into its two sides.
+/// Weight of positions, in units of the cluster's size, relative to normals. From 1.5 to 3, pairs of bunnies hardly differ
+/// (bench_levels). Below 1.8, a square plate is first split into its two sides.
 constexpr double kPlaceWeight = 1.8;
 
 using Vec6 = std::array<double, 6>;
 
-/// Place in units of the cluster's size, and normal.
+/// Position in units of the cluster's size, and normal, both relative to the cluster's.
 Vec6 coordinates(const MomentEllipsoid& b, const MomentEllipsoid& cluster)
 {
 	const double scale = cluster.meanRadius() > 0 ? kPlaceWeight / cluster.meanRadius() : 0;
@@ -60,7 +60,7 @@ Vec6 principalAxis(const std::vector<MomentEllipsoid>& balls, const uint32_t* or
 	return axis;
 }
 
-/// The leaves of one body under a cut: a cluster is a range of `m_order`.
+/// A cut through the hierarchy of one body's leaves. A cluster is a range of `m_order`.
 class Cut
 {
 public:
@@ -70,7 +70,7 @@ public:
 		add(0, balls.size());
 	}
 
-	/// Splits the worst cluster until there are `count`.
+	/// Splits the cluster with the largest cost until there are `count`.
 	void refine(size_t count)
 	{
 		while (m_clusters.size() < count) split();
@@ -95,7 +95,7 @@ public:
 		const auto sphere = [&](uint32_t ball) { return m_balls[ball].sphere; };
 		for (const Cluster& cluster : m_clusters)
 		{
-			// Spheres are packed largest first.
+			// Spheres are packed largest first, so the largest has the lowest index.
 			uint32_t leader = sphere(m_order[cluster.begin]);
 			for (size_t k = cluster.begin + 1; k < cluster.end; ++k) leader = std::min(leader, sphere(m_order[k]));
 			found(leader);
@@ -117,14 +117,14 @@ private:
 
 	const std::vector<MomentEllipsoid>& m_balls;
 	std::vector<uint32_t> m_order;
-	std::vector<double> m_key;        ///< by ball: its place along the axis of the current split
+	std::vector<double> m_key;        ///< per ball: its position along the axis of the current split
 	std::vector<Cluster> m_clusters;  ///< a heap
 };
 
 void Cut::add(size_t begin, size_t end)
 {
 	Cluster cluster{begin, end, merged(m_balls.data(), m_order.data() + begin, end - begin), 0};
-	// The rule by which cells are split into leaves.
+	// The same rule splits cells into leaves.
 	const MomentEllipsoid& b = cluster.ball;
 	if (end - begin > 1) cluster.cost = splitPriority(b.volume(), b.meanRadius(), b.normal());
 	m_clusters.push_back(cluster);
@@ -143,7 +143,7 @@ void Cut::split()
 		const Vec6 v = coordinates(m_balls[*k], cluster.ball);
 		m_key[*k] = std::inner_product(v.begin(), v.end(), axis.begin(), 0.0);
 	}
-	// At the mean, which is zero. Balls in one place are halved.
+	// The split is at the mean, which is zero. If all balls have the same position, the range is halved.
 	auto middle = std::stable_partition(begin, end, [&](uint32_t ball) { return m_key[ball] < 0; });
 	if (middle == begin || middle == end) middle = begin + (end - begin) / 2;
 	const size_t at = size_t(middle - m_order.begin());
@@ -151,7 +151,7 @@ void Cut::split()
 	add(at, cluster.end);
 }
 
-/// Balls without padding.
+/// The balls without padding.
 std::vector<MomentEllipsoid> solidBalls(const BallTree& leaves)
 {
 	std::vector<MomentEllipsoid> balls;
@@ -160,7 +160,7 @@ std::vector<MomentEllipsoid> solidBalls(const BallTree& leaves)
 	return balls;
 }
 
-/// How many balls each coarser level has, the finest first.
+/// Number of balls of each coarser level, the finest first.
 std::vector<size_t> levelSizes(size_t balls)
 {
 	std::vector<size_t> sizes;
@@ -194,7 +194,7 @@ std::vector<int> levelsOfSpheres(const BallTree& leaves, size_t spheres)
 	for (size_t i = sizes.size(); i-- > 0;)
 	{
 		cut.refine(sizes[i]);
-		// Who leads a cluster leads one of its parts.
+		// The leader of a cluster also leads one of the cluster's parts at every finer level.
 		cut.forEachLeader([&](uint32_t sphere) { levels[sphere] = std::max(levels[sphere], int(i) + 1); });
 	}
 	return levels;

@@ -6,7 +6,7 @@
 
 namespace ist
 {
-/// Pose of B's tree frame in A's, where X_AB is that of B's mesh frame in A's.
+/// Pose of B's tree frame in A's tree frame; X_AB is the pose of B's mesh frame in A's.
 inline Pose treePose(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
 	return {X_AB.rotation, X_AB.rotation * B.origin + (X_AB.translation - A.origin)};
