@@ -18,20 +18,20 @@ constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8 + 8;  // magic, version, reserved 
 constexpr int kGridBits = 21;
 constexpr int kRadiusBits = 24;
 constexpr uint32_t kGridMask = (1u << kGridBits) - 1;
-// Of a leaf. Shapes are shares of the mean square radius, whose trace is 3: five numbers.
+// Bits of a leaf. Shapes are shares of the mean square radius, whose trace is 3, so five numbers are enough.
 constexpr int kOffsetBits = 14, kLeafRadiusBits = 12, kVolumeBits = 11, kShapeBits = 8, kNormalBits = 10, kDepthBits = 12;
 constexpr int kLeafBits = 3 * kOffsetBits + kLeafRadiusBits + kVolumeBits + 5 * kShapeBits + 3 * kNormalBits + kDepthBits;
 constexpr double kOffsetLimit = (1 << (kOffsetBits - 1)) - 1, kDepthLimit = (1 << kDepthBits) - 1;
-constexpr size_t kSphereBytes = 8 + 3 + 1;  // centre, radius, number of leaves when below kManyLeaves
+constexpr size_t kSphereBytes = 8 + 3 + 1;  // centre, radius, number of leaves (if below kManyLeaves)
 constexpr uint8_t kManyLeaves = 255;        // the number follows as a u32
 constexpr double kUnitBall = 4.18879020478639098462;
 
-/// How numbers were rounded.
+/// Scales of the rounded numbers.
 struct Scales
 {
-	Vec3 lower;             ///< of the grid, tree frame [m]
+	Vec3 lower;             ///< lower corner of the grid, tree frame [m]
 	double gridStep = 1;    ///< [m]
-	double offsetStep = 1;  ///< of leaves, from the centre of their sphere [m]
+	double offsetStep = 1;  ///< step of leaf centres, relative to the centre of their sphere [m]
 	double normalLimit = 1;
 	double depthLower = 0, depthStep = 1;
 	FloatCode sphereRadius, leafRadius, leafVolume;
@@ -49,7 +49,7 @@ struct Scales
 		lower = r.vec3();
 		for (double* v : {&gridStep, &offsetStep, &normalLimit, &depthLower, &depthStep}) *v = r.f64();
 		const bool codes = sphereRadius.read(r, kRadiusBits) && leafRadius.read(r, kLeafRadiusBits) && leafVolume.read(r, kVolumeBits);
-		// Sums of squares of all that is decoded stay finite floats.
+		// This limit keeps sums of squares of all decoded values finite in float.
 		constexpr double kFarthest = 1e12;
 		for (double v :
 			{lower.x, lower.y, lower.z, gridStep * kGridMask, offsetStep * kOffsetLimit, normalLimit, depthLower, depthStep * kDepthLimit})
@@ -78,8 +78,8 @@ struct Scales
 struct Contents
 {
 	std::vector<uint64_t> centers;
-	std::vector<float> radii;                          ///< at most those allowed by the rounded centres
-	std::vector<std::vector<MomentEllipsoid>> leaves;  ///< of each sphere
+	std::vector<float> radii;                          ///< at most as large as the rounded centres allow
+	std::vector<std::vector<MomentEllipsoid>> leaves;  ///< leaves of each sphere
 	Scales scales;
 };
 
@@ -93,7 +93,7 @@ struct Range
 	}
 };
 
-/// False when a sphere vanishes.
+/// Returns false if a sphere vanishes.
 bool roundSpheres(std::span<const Sphere> spheres, Contents& contents)
 {
 	Range axes[3];
@@ -108,7 +108,7 @@ bool roundSpheres(std::span<const Sphere> spheres, Contents& contents)
 	for (const Sphere& s : spheres)
 	{
 		const uint64_t code = scales.centerCode(s.center());
-		// A ball inside the original one; the share covers the rounding of this line.
+		// The rounded ball lies inside the original one; the factors cover the rounding of this line.
 		const double room = s.r - distance(scales.center(code), s.center()) * (1 + 1e-9) - 1e-14 * s.r;
 		if (!(room > 0)) return false;
 		const float radius = std::nextafter(static_cast<float>(room), 0.0f);
@@ -150,7 +150,7 @@ void collectLeaves(const InnerSphereTree& tree, Contents& contents)
 	s.leafVolume = FloatCode(static_cast<float>(volume.low), static_cast<float>(volume.high), kVolumeBits);
 }
 
-/// Bits one behind the other, the lowest first.
+/// Writes codes one behind the other, the lowest bit first.
 class BitWriter
 {
 public:
@@ -162,7 +162,7 @@ public:
 			m_bytes.back() |= std::byte(static_cast<unsigned char>((code >> i & 1) << m_count % 8));
 		}
 	}
-	/// In steps of limit / (2^(bits - 1) - 1) about zero, so that zero is kept.
+	/// Steps of limit / (2^(bits - 1) - 1) about zero, so that zero is exact.
 	void writeSigned(double v, double limit, int bits)
 	{
 		const double half = (1 << (bits - 1)) - 1;
@@ -196,7 +196,7 @@ private:
 	size_t m_at = 0;
 };
 
-constexpr double kLargestShare = 3, kLargestOffDiagonal = 1.5;  // of a positive matrix of trace 3
+constexpr double kLargestShare = 3, kLargestOffDiagonal = 1.5;  // limits for a positive definite matrix of trace 3
 
 void writeLeaf(BitWriter& w, const MomentEllipsoid& b, const Vec3& from, const Scales& s)
 {
@@ -257,7 +257,7 @@ std::vector<std::byte> encodeContents(const InnerSphereTree& tree, const Content
 
 Error damaged(const std::string& what) { return {"the archive is damaged: " + what + "; copy or pack it again"}; }
 
-/// The checked body of the file.
+/// Checks the header and returns a reader for the body of the file.
 Result<ByteReader> openBody(const std::byte* bytes, size_t size)
 {
 	if (size < kHeaderBytes) return Error{"the archive is cut short: it has " + std::to_string(size) + " bytes; copy or pack it again"};

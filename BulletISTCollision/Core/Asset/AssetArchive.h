@@ -11,19 +11,19 @@
 
 namespace ist
 {
-/// An `.ista` file holds spheres and leaves, rounded, in about 40 bytes a sphere; cells and trees are built again when it is read,
-/// about 2 us a sphere. Centres lie on a grid of 2^21 steps a side, and each stored sphere lies inside its original, so that
-/// no two overlap and none protrudes, in the same bits on every machine. Leaves keep their volume to .5 % each, their mean radius to .1 %,
-/// shapes to 1.3 % of the mean square radius, places to 1/16000 of the largest offset from a sphere, normals to 1/1000. Where an ellipsoid
-/// is thin, shorter than a tenth of its length or of less than .4 of its leaf's volume, its mean radius is kept to a tenth only.
+/// An `.ista` file stores rounded spheres and leaves, about 40 bytes per sphere. Cells and trees are rebuilt when it is read, in about 2
+/// us per sphere. Centres lie on a grid of 2^21 steps per side. Each stored sphere lies inside its original, so that no two overlap and
+/// none protrudes, with the same bits on every machine. Leaves keep their volume to 0.5 % each, their mean radius to 0.1 %, shapes to 1.3
+/// % of the mean square radius, positions to 1/16000 of the largest offset from a sphere, and normals to 1/1000. The mean radius of thin
+/// ellipsoids is kept only to a tenth: those shorter than a tenth of their length, or with less than 0.4 of their leaf's volume.
 constexpr uint32_t kArchiveVersion = 1;
 
-/// Error: a sphere too small beside the body.
+/// Error: a sphere is too small relative to the body.
 Result<std::vector<std::byte>> encodeArchive(const InnerSphereTree& tree);
 Result<InnerSphereTree> decodeArchive(const std::byte* bytes, size_t size);
-/// By the first bytes alone.
+/// Decides by the first bytes alone.
 bool isArchive(const std::byte* bytes, size_t size);
 
-/// Gives the size. As `saveAsset`: the whole file or none.
+/// Returns the size of the file. Like `saveAsset`, it writes the whole file or none.
 Result<size_t> saveArchive(const InnerSphereTree& tree, const std::string& path, const Progress& progress = {});
 }  // namespace ist

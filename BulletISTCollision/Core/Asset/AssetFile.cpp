@@ -14,7 +14,7 @@ namespace ist
 {
 namespace
 {
-// The line ends and the 0x1a catch a transfer in text mode.
+// The line ends and the 0x1a detect a transfer in text mode.
 constexpr unsigned char kMagic[8] = {'I', 'S', 'T', 0x1a, '\r', '\n', 0x89, '\n'};
 constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8 + 8;  // magic, version, section count, file size, checksum of header and table
 constexpr size_t kChecksumOffset = 24;
@@ -24,7 +24,7 @@ constexpr size_t kTableEnd = kHeaderBytes + kSectionCount * kTableEntryBytes;
 
 size_t aligned(size_t offset) { return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment; }
 
-/// Of the header up to its checksum and the table behind it.
+/// Checksum of the header up to its checksum field, and of the table behind it.
 uint64_t headerChecksum(const std::byte* bytes)
 {
 	std::vector<std::byte> covered(bytes, bytes + kChecksumOffset);
@@ -40,7 +40,7 @@ Error cutShort(size_t have, uint64_t want)
 
 Error damaged(const std::string& what) { return {"the file is damaged: " + what + "; copy or build it again"}; }
 
-/// Magic, version, section count, table and file size. An empty message when all are as they should be.
+/// Checks magic, version, section count, table and file size. The message is empty if all are correct.
 Error checkHeader(const std::byte* bytes, size_t size)
 {
 	if (size > 0 && std::memcmp(bytes, kMagic, std::min(size, sizeof kMagic)) != 0) return {"this is not an inner sphere tree (.ist) file"};
@@ -69,7 +69,7 @@ struct Section
 	const std::byte* bytes = nullptr;
 	size_t size = 0;
 	uint64_t checksum = 0;
-	bool whole = false;  ///< has this checksum
+	bool whole = false;  ///< the section has this checksum
 	SectionState state = SectionState::Bad;
 };
 
@@ -99,7 +99,7 @@ std::string problemOf(const Section& section)
 
 bool isLength(double value) { return std::isfinite(value) && value >= 0; }
 
-/// Quick answer to whether the mass section is as `InnerSphereTree::validate` wants it.
+/// Quick test whether the mass section satisfies `InnerSphereTree::validate`.
 bool massHolds(const InnerSphereTree& tree)
 {
 	for (int i = 0; i < 3; ++i)
@@ -124,7 +124,7 @@ std::string readSections(const std::shared_ptr<const void>& owner, std::vector<S
 		sum(sections[i]);
 		if (const std::string problem = problemOf(sections[i]); !problem.empty()) return problem;
 	}
-	// Each fills a part of its own, and decoding is safe whatever the bytes. The longest first.
+	// Each section fills a part of its own, and decoding is safe for any bytes. The longest section comes first.
 	[[maybe_unused]] const bool large = tree.spheres.size() > 10000;
 #pragma omp parallel if (large)
 	{
@@ -143,7 +143,7 @@ std::string readSections(const std::shared_ptr<const void>& owner, std::vector<S
 	return doubtful ? tree.validate() : std::string();
 }
 
-/// The tree's arrays stay in `bytes`, which `owner` keeps.
+/// Decodes without copying: the tree's arrays stay in `bytes`, which `owner` keeps alive.
 Result<InnerSphereTree> decodeInPlace(const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size)
 {
 	if (const Error error = checkHeader(bytes, size); !error.message.empty()) return error;

@@ -12,7 +12,7 @@ namespace ist
 {
 namespace
 {
-/// Arrays of a file are used where they lie: their elements are words of 32 or 16 bits, little endian, in exactly this order.
+/// Arrays of a file are used in place. Their elements are words of 32 or 16 bits, little endian, in exactly this order.
 template <class T, size_t words>
 constexpr bool isStored = std::is_trivially_copyable_v<T>&& std::is_standard_layout_v<T> && sizeof(T) == 4 * words &&
 	alignof(T) <= kSectionAlignment;
@@ -46,7 +46,7 @@ void writeTree(ByteWriter& w, const BallTree& tree)
 	writeArray(w, tree.sphereIndex);
 }
 
-/// Nodes and balls.
+/// Reads nodes and balls.
 void readBounds(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, size_t restOfBall)
 {
 	const size_t nodes = r.count(sizeof(BallNode)), blocks = r.count(kBlockWidth * (sizeof(Sphere) + restOfBall));
@@ -54,7 +54,7 @@ void readBounds(ByteReader& r, const std::shared_ptr<const void>& owner, BallTre
 	tree.balls = readArray<Sphere>(r, owner, blocks * kBlockWidth);
 }
 
-/// Looks at each block once; `accepts` is asked about every slot that is not padding.
+/// Checks each block once; `accepts` is called for every slot that is not padding.
 template <class Accepts> SectionState stateOf(const BallTree& tree, Accepts accepts)
 {
 	bool accepted = true, sure = true;
@@ -76,7 +76,7 @@ SectionState readMomentTree(ByteReader& r, const std::shared_ptr<const void>& ow
 	return stateOf(tree, [&](size_t slot) { return tree.ellipsoids[slot].sphere < sphereCount; });
 }
 
-/// Every sphere stands in the inner tree once.
+/// Reads the inner tree, and checks that it contains every sphere once.
 SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& owner, BallTree& tree, const FrozenArray<Sphere>& spheres)
 {
 	readBounds(r, owner, tree, sizeof(uint32_t));
@@ -85,7 +85,8 @@ SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& own
 	std::vector<char> seen(spheres.size());
 	size_t found = 0;
 	const auto isNext = [&](size_t slot) {
-		// Spheres that are neighbours in space are not so in the packing: without this, most of the time would be spent waiting for them.
+		// Neighbours in space are not neighbours in the packing. Without this prefetch most of the time would be spent waiting for
+		// memory.
 		const size_t ahead = std::min(slot + 2 * kBlockWidth, tree.slotCount() - 1);
 		__builtin_prefetch(spheres.data() + std::min<size_t>(tree.sphereIndex[ahead], spheres.size()));
 		const uint32_t index = tree.sphereIndex[slot];

@@ -10,7 +10,7 @@
 
 namespace ist
 {
-/// Sections of an `.ist` file, in their order in it. Numbers are public: they stand in files.
+/// Sections of an `.ist` file, in their order. The numbers are part of the file format.
 enum AssetSection : uint32_t
 {
 	kMassSection = 1,
@@ -24,26 +24,27 @@ enum AssetSection : uint32_t
 
 const char* sectionName(uint32_t id);
 
-/// Sections, and the arrays in them, begin at multiples of so many bytes of the file: a cache line.
+/// Sections and their arrays begin at multiples of this number of bytes in the file: a cache line.
 constexpr size_t kSectionAlignment = 64;
 
-/// The bytes of a section as this version writes it. A tree is the numbers of its nodes and blocks, then the arrays of nodes, balls and
-/// ellipsoids, of the inner tree nodes, balls and their indices: words of 32 or 16 bits in the order of the members.
+/// The bytes of a section as this version writes it. A tree is stored as the numbers of its nodes and blocks, then its arrays: nodes,
+/// balls and ellipsoids, or in the inner tree nodes, balls and their indices. They are words of 32 or 16 bits in the order of the
+/// members.
 std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree);
 enum class SectionState
 {
-	Bad,       ///< does not have the size that it states, or names a sphere that is not there
-	Doubtful,  ///< read; whether its tree is valid is for `BallTree::validate` to say
+	Bad,       ///< does not have the size that it states, or names a sphere that does not exist
+	Doubtful,  ///< read; `BallTree::validate` must decide whether its tree is valid
 	Good
 };
-/// The arrays of `tree` stay where they are in `bytes`, which begin at a multiple of kSectionAlignment and live as long as `owner`. The
-/// sphere section must have been decoded before the trees.
+/// Decodes a section. The arrays of `tree` stay in `bytes`, which must begin at a multiple of kSectionAlignment and live as long as
+/// `owner`. The sphere section must be decoded before the trees.
 SectionState decodeSection(
 	uint32_t id, const std::shared_ptr<const void>& owner, const std::byte* bytes, size_t size, InnerSphereTree& tree);
 
 void writeMass(ByteWriter& w, const InnerSphereTree& tree);
 void readMass(ByteReader& r, InnerSphereTree& tree);
-/// Empty when the bounding box is finite and the unit positive, else the violation: `InnerSphereTree::validate` does not ask.
+/// Empty if the bounding box is finite and the unit positive; otherwise the violation. `InnerSphereTree::validate` does not check these.
 std::string describedViolation(const InnerSphereTree& tree);
 void writeProvenance(ByteWriter& w, const InnerSphereTree::Provenance& provenance);
 void readProvenance(ByteReader& r, InnerSphereTree::Provenance& provenance);

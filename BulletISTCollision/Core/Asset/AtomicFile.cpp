@@ -22,7 +22,7 @@ namespace ist
 namespace
 {
 constexpr size_t kChunk = size_t(1) << 22;
-constexpr int kMostLinks = 40;  // as many as the system follows
+constexpr int kMostLinks = 40;  // as many symbolic links as the system follows
 
 Error systemError(const std::string& path, const char* doing, int reason)
 {
@@ -40,7 +40,7 @@ public:
 
 	bool good() const { return m_file >= 0; }
 	int number() const { return m_file; }
-	/// Some systems report a full disk no earlier than here.
+	/// Some systems report a full disk only when the file is closed.
 	bool close()
 	{
 		const int file = m_file;
@@ -61,19 +61,20 @@ bool hasAccessList([[maybe_unused]] const char* path)
 #endif
 }
 
-/// For `file`, which will replace `old` at `path`: whoever may read and write the one may the other. Where the owner or the group cannot be
-/// kept, it is nobody more.
+/// Gives `file`, which will replace `old` at `path`, the same owner, group and permissions. If the owner or the group cannot be kept, no
+/// further user gets access.
 void keepAccess(int file, const struct stat& old, const char* path)
 {
 	mode_t mode = old.st_mode & 0777;
-	// With an access list the bits of the group are what anybody on the list may at most.
+	// With an access control list, the group bits are the mask of that list, so they are cleared.
 	if (hasAccessList(path) || ::fchown(file, uid_t(-1), old.st_gid) != 0) mode &= ~mode_t(0070);
 	(void)::fchmod(file, mode);
 	(void)!::fchown(file, old.st_uid, gid_t(-1));
 }
 
-/// A new file beside `target`, never open to more than may read what stands there. No two writers share one, be they threads of a process
-/// or of the same number in two containers. Its name is short: that of the target may be as long as the system allows.
+/// Creates a file beside `target`, which grants no more access than the present file does. No two writers share one, neither threads of a
+/// process nor processes with the same number in two containers. Its name is short, because the target's may be as long as the system
+/// allows.
 int createBeside(const std::filesystem::path& target, std::string& name)
 {
 	struct stat old;
@@ -92,7 +93,7 @@ int createBeside(const std::filesystem::path& target, std::string& name)
 enum class Outcome
 {
 	Done,
-	Failed,  ///< errno says why
+	Failed,  ///< errno holds the reason
 	Cancelled
 };
 
@@ -137,7 +138,7 @@ bool isDeviceOrPipe(std::filesystem::file_type type)
 	return type != none && type != not_found && type != regular && type != directory;
 }
 
-/// Where symbolic links lead, also where nothing stands yet.
+/// Target of symbolic links, also if it does not exist yet.
 std::filesystem::path followed(std::filesystem::path path)
 {
 	std::error_code isNoLink;
@@ -150,7 +151,7 @@ std::filesystem::path followed(std::filesystem::path path)
 	return path;
 }
 
-/// What stands at `path`, behind any symbolic links, where that can be written to.
+/// Type of the file at `path`, behind any symbolic links, if it can be written.
 Result<std::filesystem::file_type> targetType(const std::string& path)
 {
 	if (path.empty()) return Error{"the file to write has no name; give it one"};
@@ -168,7 +169,7 @@ std::optional<Error> whyNotWritable(const std::string& path)
 	if (!there) return there.error();
 	if (isDeviceOrPipe(there.value()))
 	{
-		// Opening a pipe would wait for its reader, and closing it again would be the end of what it reads.
+		// A pipe is not opened: that would wait for its reader, and closing it again would end the reader's input.
 		if (::access(path.c_str(), W_OK) != 0) return systemError(path, "opening the file", errno);
 		return std::nullopt;
 	}
@@ -219,7 +220,7 @@ void populate([[maybe_unused]] const std::byte* bytes, [[maybe_unused]] size_t s
 {
 #ifdef MADV_POPULATE_READ
 	const size_t page = size_t(::sysconf(_SC_PAGESIZE)), before = reinterpret_cast<uintptr_t>(bytes) % page;
-	// Where the system cannot, the first access to each page will.
+	// If the system cannot do this, the first access to each page loads it.
 	if (size > 0) (void)::madvise(const_cast<std::byte*>(bytes - before), size + before, MADV_POPULATE_READ);
 #endif
 }
@@ -238,7 +239,7 @@ void MappedFile::swap(MappedFile& other)
 
 Result<MappedFile> MappedFile::open(const std::string& path)
 {
-	// A pipe must not wait for its writer: it is refused below.
+	// O_NONBLOCK: opening a pipe must not wait for its writer. Pipes are refused below.
 	const OpenFile file(path, O_RDONLY | O_NONBLOCK);
 	if (!file.good()) return systemError(path, "opening the file", errno);
 	struct stat about;

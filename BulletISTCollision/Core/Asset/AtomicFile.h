@@ -11,28 +11,28 @@
 
 namespace ist
 {
-/// Writes to a temporary file beside `path`, flushes it to the medium and renames it: `path` is either the old file or the whole
-/// new one, also when the disk fills up or `progress` (stage "write") cancels. A symbolic link stays a link to the new content,
-/// also where nothing stood behind it; a file that is replaced hands on who may read and write it; a device or a pipe is written in place.
-/// Gives the number of bytes.
+/// Writes to a temporary file beside `path`, flushes it to the medium and renames it. So `path` is either the old file or the complete
+/// new one, even if the disk fills up or `progress` (stage "write") cancels. A symbolic link is kept and leads to the new content, even
+/// if its target did not exist. A replaced file passes on its access rights. A device or a pipe is written in place. Returns the number
+/// of bytes.
 Result<size_t> writeFileAtomically(const std::string& path, const std::byte* bytes, size_t size, const Progress& progress = {});
-/// Why writeFileAtomically() would fail now, before anything is spent on what it is to write; null if it would not, as far as can be known:
-/// a disk may fill up meanwhile. Leaves nothing behind.
+/// The error that writeFileAtomically() would return now; null if none can be foreseen. Call it before expensive work whose result is to
+/// be written. A disk may still fill up meanwhile. Leaves nothing behind.
 std::optional<Error> whyNotWritable(const std::string& path);
 
-/// Whether writeFileAtomically() of one path would replace what it wrote to the other: a file, however it is named. False for devices and
-/// pipes.
+/// Whether writeFileAtomically() on one path would replace what it wrote to the other: true for one file under two names. False for
+/// devices and pipes.
 bool isSameFile(const std::string& path, const std::string& other);
 
-/// At a multiple of 64; not zeroed. Null when there is not as much.
+/// Bytes at an address that is a multiple of 64; not zeroed. Null if memory runs out.
 std::shared_ptr<std::byte> makeAlignedBytes(size_t size);
 
-/// Brings a part of a mapped file into the process at once, in less time than page by page at the first access. Several threads may do
-/// so side by side, each with a part of its own.
+/// Makes a part of a mapped file resident at once, which takes less time than a page fault for each page. Several threads may do so in
+/// parallel, each with its own part.
 void populate(const std::byte* bytes, size_t size);
 
-/// The bytes of a file, mapped, or read where the file system cannot map. A file that another program cuts short meanwhile ends
-/// the process with SIGBUS, as any mapped file; one that is replaced, as `writeFileAtomically` does, stays whole.
+/// The bytes of a file, mapped, or read if the file system cannot map. If another program truncates the file meanwhile, the process ends
+/// with SIGBUS, as for any mapped file. A file that is replaced, as `writeFileAtomically` does, stays intact.
 class MappedFile
 {
 public:
@@ -46,7 +46,7 @@ public:
 	}
 	~MappedFile();
 
-	/// At a multiple of 64.
+	/// The bytes; their address is a multiple of 64.
 	const std::byte* bytes() const { return m_mapped ? m_mapped : m_read.get(); }
 	size_t size() const { return m_size; }
 

@@ -12,7 +12,7 @@
 
 namespace ist
 {
-/// Little-endian integers and IEEE numbers at any address, on any machine.
+/// Reads little-endian integers and IEEE numbers at any address, on any machine.
 inline uint32_t loadU32(const std::byte* p)
 {
 	return static_cast<uint32_t>(p[0]) | static_cast<uint32_t>(p[1]) << 8 | static_cast<uint32_t>(p[2]) << 16 |
@@ -66,7 +66,7 @@ public:
 	}
 	void append(const std::byte* bytes, size_t size) { m_bytes.insert(m_bytes.end(), bytes, bytes + size); }
 	void append(const std::vector<std::byte>& bytes) { append(bytes.data(), bytes.size()); }
-	/// Zeros up to the next multiple.
+	/// Appends zeros up to the next multiple.
 	void align(size_t multiple) { m_bytes.resize((m_bytes.size() + multiple - 1) / multiple * multiple); }
 	void reserve(size_t size) { m_bytes.reserve(size); }
 	size_t size() const { return m_bytes.size(); }
@@ -77,7 +77,7 @@ private:
 	std::vector<std::byte> m_bytes;
 };
 
-/// Reads past the end give zeros and set `failed`.
+/// Reader of little-endian values. Reads past the end return zeros and set `failed`.
 class ByteReader
 {
 public:
@@ -112,7 +112,7 @@ public:
 		const double x = f64(), y = f64(), z = f64();
 		return {x, y, z};
 	}
-	/// A count of things of at least `stride` bytes each: never more than the remaining bytes can hold.
+	/// A number of elements of at least `stride` bytes each. It never exceeds what the remaining bytes can hold.
 	size_t count(size_t stride)
 	{
 		const uint64_t n = u64();
@@ -126,7 +126,7 @@ public:
 		const std::byte* p = span(n);
 		return p ? std::string(reinterpret_cast<const char*>(p), n) : std::string();
 	}
-	/// The next `size` bytes; null when there are not as many.
+	/// The next `size` bytes; null if there are fewer.
 	const std::byte* span(size_t size)
 	{
 		if (size > m_left)
@@ -139,7 +139,7 @@ public:
 		m_left -= size;
 		return p;
 	}
-	/// Skips to the next address that is a multiple; what lies between must be zeros.
+	/// Skips to the next address that is a multiple. The skipped bytes must be zeros.
 	void align(size_t multiple)
 	{
 		const size_t gap = (multiple - reinterpret_cast<uintptr_t>(m_bytes) % multiple) % multiple;

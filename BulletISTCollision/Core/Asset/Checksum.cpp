@@ -16,7 +16,7 @@ uint64_t mixed(uint64_t lane, uint64_t word) { return std::rotl(lane + word * kP
 
 uint64_t merged(uint64_t sum, uint64_t lane) { return (sum ^ mixed(0, lane)) * kPrime1 + kPrime4; }
 
-/// Whole stripes of 32 bytes in four independent lanes; moves `bytes` behind them.
+/// Processes whole stripes of 32 bytes in four independent lanes, and moves `bytes` behind them.
 uint64_t stripes(const std::byte*& bytes, const std::byte* end)
 {
 	uint64_t a = kPrime1 + kPrime2, b = kPrime2, c = 0, d = 0 - kPrime1;

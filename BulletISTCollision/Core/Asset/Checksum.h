@@ -6,7 +6,7 @@
 
 namespace ist
 {
-/// XXH64 with seed 0, after its public specification: about 8 bytes in a nanosecond. Each step is a bijection of the state, so that
-/// any change confined to one aligned word of eight bytes is certain to be seen.
+/// XXH64 with seed 0, after its public specification; about 8 bytes per nanosecond. Each step is a bijection of the state, so any change
+/// within one aligned word of eight bytes is certain to be detected.
 uint64_t checksum64(const std::byte* bytes, size_t size);
 }  // namespace ist

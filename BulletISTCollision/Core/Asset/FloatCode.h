@@ -9,8 +9,8 @@
 
 namespace ist
 {
-/// Positive floats between two limits as whole numbers below 2^bits: their bit patterns, which grow with the value, in even steps.
-/// A step is the same share of the value within a factor of two. Integers only, so that every machine decodes alike.
+/// Encodes positive floats between two limits as integers below 2^bits. The code counts equal steps of the bit pattern, which grows with
+/// the value. The relative size of a step varies by at most a factor of two. Only integers are used, so every machine decodes alike.
 class FloatCode
 {
 public:
@@ -20,7 +20,7 @@ public:
 		while ((uint64_t(bitsOf(largest)) - m_base + (uint64_t(1) << m_shift) / 2) >> m_shift >= uint64_t(1) << bits) ++m_shift;
 	}
 
-	/// Values outside of the limits are moved to them. The decoded value is at most `v`.
+	/// Values outside the limits are clamped. The decoded value is at most `v`.
 	uint32_t roundedDown(float v) const { return (std::max(bitsOf(v), m_base) - m_base) >> m_shift; }
 	uint32_t nearest(float v) const
 	{
@@ -39,7 +39,7 @@ public:
 		w.u32(m_base);
 		w.u8(m_shift);
 	}
-	/// False when some code of this many bits would not decode to a positive finite number.
+	/// False if some code of this many bits would not decode to a positive finite number.
 	bool read(ByteReader& r, int bits)
 	{
 		m_base = r.u32();
