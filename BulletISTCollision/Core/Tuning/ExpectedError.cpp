@@ -20,7 +20,7 @@ constexpr int64_t kFirstSpheres = 1000;
 // The force error falls with the number of spheres to the power -0.7 (reference figures: 8 % at 1,000 and 1.7 % at 10,000).
 constexpr double kSpheresPerError = -1.0 / 0.7;
 
-/// sigma_F / |F| in a random pose of the wanted overlap; negative when the rotation that was drawn does not give it.
+/// sigma_F / |F| in a random pose with the given overlap; negative if the drawn rotation allows no such pose.
 double errorAt(const InnerSphereTree& tree, double fraction, std::mt19937_64& random, QueryWorkspace& workspace)
 {
 	const std::optional<Pose> X = poseAtOverlap(tree, tree, fraction, -1, random, workspace);
@@ -73,7 +73,7 @@ Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const B
 		if (stuck || attempt.maxSpheres >= options.maxSpheres)
 			return Error{"a force error of " + std::to_string(error) + " is out of reach: " + std::to_string(tree.value().spheres.size()) +
 				" spheres give " + std::to_string(reached) + whatMayHelp(tree.value(), options, stuck)};
-		// A little beyond the estimate, so that the next attempt is likely the last.
+		// Slightly more than the estimate, so that the next attempt is likely the last.
 		const double factor = std::clamp(1.2 * std::pow(error / reached, kSpheresPerError), 1.3, 100.0);
 		attempt.maxSpheres = std::min(options.maxSpheres, int64_t(double(attempt.maxSpheres) * factor));
 	}

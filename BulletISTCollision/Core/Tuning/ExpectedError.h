@@ -5,12 +5,12 @@
 
 namespace ist
 {
-/// The force error of a tree by its own error bar (PressureField.h): rms over random poses of sigma_F / |F|, the body against itself
-/// at an overlap of `fraction` of its volume, k = 1, weights 1/2. An estimate from the tree alone, without the mesh; negative when
-/// fewer than half of the poses can overlap that much. Deterministic for a seed; about a millisecond a pose.
+/// Expected force error of a tree from its own error bar (PressureField.h). It is the rms over random poses of sigma_F / |F|, for the
+/// body against itself at an overlap of `fraction` of its volume, with k = 1 and weights 1/2. The estimate needs the tree only, not the
+/// mesh. Negative if fewer than half of the poses can overlap that much. Deterministic for a seed; about a millisecond per pose.
 double expectedForceError(const InnerSphereTree& tree, double fraction, int poses, uint64_t seed = 1);
 
-/// The smallest of a few trees whose `expectedForceError` at 1 % overlap is at most `error` (0..1): built with more and more spheres,
-/// up to `options.maxSpheres`. An error when even that many are too few; the sentence says what was reached.
+/// Builds trees with increasing numbers of spheres, up to `options.maxSpheres`, until `expectedForceError` at 1 % overlap is at most
+/// `error` (0..1), and returns that tree. If even the largest number is not enough, the error message says what was reached.
 Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const BuildOptions& options, BuildTimes* times = nullptr);
 }  // namespace ist

@@ -12,7 +12,7 @@ namespace
 {
 constexpr int64_t kFirstSpheres = 1000, kSpheresStep = 3;
 
-/// No error when there is a tree with levels, of a mesh one of so many spheres.
+/// Prepares the tree of a body, with levels; for a mesh, a tree with this number of spheres is built. Returns an error if that fails.
 std::optional<Error> prepare(TuneBody& body, int64_t spheres, const Progress& progress)
 {
 	if (body.mesh)
@@ -28,7 +28,8 @@ std::optional<Error> prepare(TuneBody& body, int64_t spheres, const Progress& pr
 	return std::nullopt;
 }
 
-/// The cheapest fixed level that keeps the error, else the one that errs least. The choice by pose comes last and is none of them.
+/// The cheapest fixed level that meets the error, or else the one with the smallest error. The last setting, which chooses a level in
+/// each pose, is not considered.
 const TuneSetting& bestOf(const std::vector<TuneSetting>& settings, double error)
 {
 	const auto keeps = [&](const TuneSetting& s) { return s.error <= error; };
@@ -38,7 +39,7 @@ const TuneSetting& bestOf(const std::vector<TuneSetting>& settings, double error
 	return *std::min_element(settings.begin(), settings.end() - 1, better);
 }
 
-/// Adds what trees of at most so many spheres error bound.
+/// Adds the settings of trees with at most this number of spheres.
 Result<TuneSettings> tryTrees(TuneBody& A, TuneBody& B, int64_t spheres, const TuneOptions& options, PairTuning& tuning)
 {
 	if (std::optional<Error> problem = prepare(A, spheres, options.progress)) return *problem;

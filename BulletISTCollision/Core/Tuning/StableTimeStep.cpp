@@ -21,7 +21,7 @@ double contactFrequency(const ContactSpring& spring) { return std::sqrt(spring.s
 double longestExplicitStep(const ContactSpring& spring)
 {
 	const double K = spring.stiffness, c = spring.damping;
-	// The root of K h^2 + 2 c h - 4 m, without the difference of two large numbers.
+	// The root of K h^2 + 2 c h - 4 m, in a form without the difference of two large numbers.
 	return 4 * spring.mass / (c + std::sqrt(c * c + 4 * K * spring.mass));
 }
 

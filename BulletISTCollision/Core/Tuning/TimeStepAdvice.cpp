@@ -13,7 +13,7 @@ namespace
 {
 constexpr double kGravity = 9.81, kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Median area of the contacts whose volume is nearest to `volume`, by its logarithm: those of one overlap.
+/// Median area of the contacts whose volume is nearest to `volume` on a logarithmic scale.
 double areaAt(std::vector<TuneContact> contacts, double volume)
 {
 	constexpr size_t kNearest = 10;
@@ -50,7 +50,7 @@ Result<TimeStepAdvice> worldNeeds(
 	needs.substeps = int(std::min(std::ceil(setup.step / needs.stepNeeded * (1 - 1e-12)), 1e9));
 	needs.stepNeeded = setup.step / needs.substeps;
 	needs.explicitWill = needs.stepNeeded < needs.explicitStep;
-	// Both bodies are rounded.
+	// The factor 2 is there because both bodies are rounded.
 	needs.inDouble = 2 * placeRounding(setup.distance, false) > error * needs.restDepth;
 	return needs;
 }

@@ -8,35 +8,35 @@
 
 namespace ist
 {
-/// How two bodies meet.
+/// Conditions under which two bodies meet.
 struct WorldSetup
 {
 	std::optional<double> stiffness;  ///< k of the pair [Pa/m]
-	std::optional<double> mass;       ///< of the lighter body; of two that both move freely 1 / (1/m_A + 1/m_B) [kg]
-	double speed = 0;                 ///< with which they meet [m/s]
-	double step = 1.0 / 60;           ///< of the game [s]
-	double distance = 0;              ///< from the origin of the world [m]
+	std::optional<double> mass;       ///< mass of the lighter body; if both move freely, 1 / (1/m_A + 1/m_B) [kg]
+	double speed = 0;                 ///< speed with which they meet [m/s]
+	double step = 1.0 / 60;           ///< time step of the game [s]
+	double distance = 0;              ///< distance from the origin of the world [m]
 };
 
-/// What a world must be like so that neither its step nor its numbers err by more than is accepted. The contact is that of the body at rest
-/// under its weight.
+/// Requirements on a world, so that neither its time step nor its precision causes a larger error than accepted. The contact considered
+/// is that of the body at rest under its weight.
 struct TimeStepAdvice
 {
 	double restDepth = 0;        ///< overlap volume over area, m g / (k A) [m]
 	double frequency = 0;        ///< sqrt(k A / m) [rad/s]
-	double explicitStep = 0;     ///< the longest that explicit forces bear [s]
-	double restitutionStep = 0;  ///< the longest that keeps 1 - error of the speed of an impact; infinite without speed [s]
-	double thicknessStep = 0;    ///< the longest in which nothing passes unseen; infinite without speed [s]
-	double stepNeeded = 0;       ///< the least of the last two and the game's [s]
-	int substeps = 1;            ///< of the game's step
-	bool explicitWill = false;   ///< explicit forces bear `stepNeeded`
-	bool inDouble = false;       ///< places in float would move the resting force by more than the error
+	double explicitStep = 0;     ///< longest step that is stable with explicit forces [s]
+	double restitutionStep = 0;  ///< longest step that keeps 1 - error of the speed of an impact; infinite without speed [s]
+	double thicknessStep = 0;    ///< longest step in which no body passes through undetected; infinite without speed [s]
+	double stepNeeded = 0;       ///< smallest of the last two and the game's step [s]
+	int substeps = 1;            ///< number of substeps of the game's step
+	bool explicitWill = false;   ///< true if explicit forces are stable with `stepNeeded`
+	bool inDouble = false;       ///< true if positions in float would change the resting force by more than the error
 };
 
-/// Why no step can be chosen for it: it lacks a stiffness or a mass.
+/// The reason why no step can be chosen: the setup lacks a stiffness or a mass.
 std::optional<Error> problemOf(const WorldSetup& setup);
 
-/// Errors: `problemOf`, contacts without area.
+/// Computes the requirements. Errors: `problemOf`, contacts without area.
 Result<TimeStepAdvice> worldNeeds(
 	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error);
 }  // namespace ist

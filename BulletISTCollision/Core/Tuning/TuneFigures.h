@@ -8,8 +8,8 @@
 
 namespace ist
 {
-/// Calls say(name, value) for each figure, in order, by the names under which the command and the Python module tell it. A value is a
-/// number, a truth, a text, or an optional number: nothing where there is no bound.
+/// Calls say(name, value) for each figure, in order, with the names that the command and the Python module use. A value is a number, a
+/// bool, a text, or an optional number, which is empty if there is no bound.
 template <class Say> void eachFigure(const TuneSetting& s, Say&& say)
 {
 	say("spheres", s.spheres);
@@ -35,7 +35,7 @@ template <class Say> void eachFigure(const TimeStepAdvice& needs, Say&& say)
 	say("thickness_step_s", bounded(needs.thicknessStep));
 }
 
-/// All but the alternatives.
+/// All figures except the alternatives.
 template <class Say> void eachFigure(const PairTuning& tuning, Say&& say)
 {
 	eachFigure(tuning.best, say);

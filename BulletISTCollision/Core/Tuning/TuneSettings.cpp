@@ -23,7 +23,7 @@ template <class Value> Value quantile(std::vector<Value> values, double share)
 	return *at;
 }
 
-/// The error that 95 % of the poses stay under: each error bound is twice the standard deviation of a normal error.
+/// The error that 95 % of the poses do not exceed. Each error bound is twice the standard deviation of a normally distributed error.
 double jointError(const std::vector<double>& errorBounds)
 {
 	const auto held = [&](double error) {
@@ -64,7 +64,8 @@ public:
 		{
 			const bool byPose = level > levelCount(m_A, m_B);
 			ForceTolerance accepted;
-			accepted.error = byPose ? acceptedError : 1e300;  // whatever it promises, the first level that is looked at answers
+			accepted.error = byPose ? acceptedError : 1e300;  // with this tolerance the first level that is tried answers, whatever its
+															  // error bound
 			accepted.firstLevel = byPose ? -1 : level;
 			Result<TuneSetting> setting = measured(byPose ? -1 : level, accepted, level == 0 ? &found.contacts : nullptr);
 			if (!setting) return setting.error();
@@ -74,7 +75,7 @@ public:
 	}
 
 private:
-	/// All poses, some times over. `contacts` may be null.
+	/// Measures all poses, several times. `contacts` may be null.
 	Result<TuneSetting> measured(int level, const ForceTolerance& accepted, std::vector<TuneContact>* contacts)
 	{
 		TuneSetting setting;
@@ -107,7 +108,7 @@ private:
 	const InnerSphereTree& m_A;
 	const InnerSphereTree& m_B;
 	const Progress& m_progress;
-	int m_round = 0, m_rounds;  ///< passes over the poses: done, and of all levels
+	int m_round = 0, m_rounds;  ///< passes over the poses: completed ones, and the total for all levels
 	QueryWorkspace m_workspace;
 	std::vector<Pose> m_poses;
 };
