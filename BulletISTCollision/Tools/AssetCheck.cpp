@@ -9,7 +9,7 @@ namespace ist::tools
 {
 namespace
 {
-/// More digits than the double in which the packer decides: a decision at the last bit is then the packer's to lose.
+/// This type has more digits than the double in which the packer decides, so a wrong decision at the last bit is found.
 using Real = long double;
 
 struct Point
@@ -31,7 +31,7 @@ Real segmentDistance2(const Point& a, const Point& b)
 	return inner(q, q);
 }
 
-/// Squared distance of the origin from a triangle: the plane's when the foot lies inside all edges, else the nearest edge's.
+/// Squared distance of the origin from a triangle. It is the plane's if the foot lies inside all edges, otherwise the nearest edge's.
 Real triangleDistance2(const Point& a, const Point& b, const Point& c)
 {
 	const Point n = outer(b - a, c - a);
@@ -44,7 +44,7 @@ Real triangleDistance2(const Point& a, const Point& b, const Point& c)
 	return std::min({segmentDistance2(a, b), segmentDistance2(b, c), segmentDistance2(c, a)});
 }
 
-/// Boxes over triangles, median splits.
+/// Bounding boxes over triangles, built by median splits.
 class TriangleBoxes
 {
 public:
@@ -55,7 +55,7 @@ public:
 		build(0, static_cast<uint32_t>(m_order.size()));
 	}
 
-	/// Distance of p from the surface, or `bound` when that is smaller.
+	/// Distance of p from the surface, or `bound` if that is smaller.
 	Real distance(const Vec3& p, Real bound) const
 	{
 		Real best2 = bound * bound;
@@ -65,7 +65,7 @@ public:
 			const Node& node = m_nodes[stack.back()];
 			const uint32_t index = stack.back();
 			stack.pop_back();
-			// Rounding of the box distance must not hide a triangle that touches.
+			// The tolerance prevents that rounding of the box distance hides a triangle that touches.
 			if (boxDistance2(node, p) > best2 * (1 + 1e-12L)) continue;
 			for (uint32_t i = node.first; i < node.first + node.count; ++i)
 			{
@@ -81,10 +81,10 @@ public:
 		return std::sqrt(best2);
 	}
 
-	/// Number of times the surface winds about p, from signed crossings of a ray.
+	/// Winding number of the surface about p, from signed crossings of a ray.
 	int winding(const Vec3& p) const
 	{
-		// Directions without symmetry; the next is tried when a ray comes too near an edge to be sure.
+		// Directions without symmetry. The next one is tried if a ray comes too near an edge.
 		Vec3 direction{0.5377, 0.3193, 0.7803};
 		for (int attempt = 0; attempt < 64; ++attempt)
 		{
@@ -161,7 +161,7 @@ private:
 		return near <= far;
 	}
 
-	/// False when the ray passes too near an edge or grazes a triangle.
+	/// Returns false if the ray passes too near an edge or grazes a triangle.
 	bool castRay(const Vec3& p, const Vec3& direction, int& crossings) const
 	{
 		const Point d = point(direction);
@@ -183,7 +183,7 @@ private:
 				const Real total = u + v + w;
 				const Real smallest = std::min({std::fabs(u), std::fabs(v), std::fabs(w)});
 				if (smallest <= 1e-15L * size) return false;
-				// A ray from inside leaves through a triangle that it sees from behind: the signed volumes are positive.
+				// A ray from inside leaves through a triangle that it meets from behind: the signed volumes are positive.
 				const Real ahead = inner(a, outer(b, c));
 				if (total > 0 ? ahead > 0 : ahead < 0) crossings += total > 0 ? 1 : -1;
 			}
@@ -207,7 +207,7 @@ OverlapFinding findOverlaps(std::span<const Sphere> spheres)
 	std::vector<Sphere> sorted(spheres.begin(), spheres.end());
 	Box box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
 	for (const Sphere& s : sorted) box = {componentMin(box.lower, s.center()), componentMax(box.upper, s.center())};
-	// Along the longest side: across a plate, each would meet all others.
+	// The sweep goes along the longest side; across a plate, each sphere would meet all others.
 	const int axis = box.longestAxis();
 	const auto lower = [axis](const Sphere& s) { return s.center()[axis] - s.r; };
 	std::sort(sorted.begin(), sorted.end(), [&](const Sphere& a, const Sphere& b) { return lower(a) < lower(b); });

@@ -9,19 +9,19 @@
 
 namespace ist::tools
 {
-/// A proof on the stored spheres, tolerance zero. Shares no code with the packer, so that one cannot excuse the other.
+/// Check of the stored spheres with tolerance zero. It shares no code with the packer, so that an error in one cannot hide in the other.
 struct OverlapFinding
 {
 	int64_t pairs = 0;
 	double deepest = 0;    ///< [m]
-	int64_t compared = 0;  ///< pairs that were looked at: what the search costs
+	int64_t compared = 0;  ///< number of pairs that were compared: the cost of the search
 };
 OverlapFinding findOverlaps(std::span<const Sphere> spheres);
 
 struct ProtrusionFinding
 {
 	int64_t spheres = 0;
-	double farthest = 0;  ///< beyond the surface [m]
+	double farthest = 0;  ///< largest distance beyond the surface [m]
 };
 /// `mesh`: closed, oriented outwards, in the frame of the spheres.
 ProtrusionFinding findProtrusions(std::span<const Sphere> spheres, const Mesh& mesh);

@@ -25,20 +25,20 @@ namespace ist::tools
 {
 namespace
 {
-/// A build stopped by --fill, --min-radius or --error alone ends here.
+/// Limit for builds that only --fill, --min-radius or --error end.
 constexpr int64_t kMostSpheres = 5'000'000;
 
-/// Of the volume.
+/// Share of the volume.
 constexpr double kNoticedChange = 1e-3;
 
-/// Nothing: as the file states.
+/// Metres per unit; empty: the unit that the file states.
 std::optional<double> unitLength(const std::string& unit)
 {
 	if (unit.empty()) return std::nullopt;
 	return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
 }
 
-/// Without `whole`, the bar is of each stage.
+/// Without `whole`, the bar shows the progress of each stage.
 Progress shown(ProgressBar& bar, const std::optional<BuildProgress>& whole, bool quiet)
 {
 	return [&bar, &whole, quiet](const char* stage, double fraction) {
@@ -47,7 +47,7 @@ Progress shown(ProgressBar& bar, const std::optional<BuildProgress>& whole, bool
 	};
 }
 
-/// How many spheres there will be is known only where nothing else ends the build.
+/// Whether the build has another limit than the number of spheres, so that this number is not known in advance.
 bool otherLimit(const BuildArguments& a) { return a.fill > 0 || a.minRadius > 0 || a.error > 0; }
 
 std::optional<BuildProgress> wholeBuild(const BuildArguments& a, double triangles)
@@ -77,8 +77,8 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 	return options;
 }
 
-/// In place of the report, one line on stderr where the body that was packed is another than the file described: a build farm's log is read
-/// for such.
+/// Warns with one line on stderr, in place of the report, if the packed body differs from what the file described. Users search the logs
+/// of build farms for such lines.
 void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree)
 {
 	const double change = volumeChange(tree);

@@ -9,13 +9,13 @@ namespace ist::tools
 {
 namespace
 {
-// Seconds of one thread, fitted to a cube and the bunny (69,666 triangles) of 1,000 to 100,000 spheres: for each triangle,
+// Times of one thread [s], fitted to a cube and the bunny (69,666 triangles) with 1,000 to 100,000 spheres. Time per triangle:
 constexpr double kImport = 1.5e-6, kRepair = 3.3e-6, kSeed = 6e-6, kFirstSpheres = 1.2e-5, kSampleTriangle = 1.1e-5;
-// for each sphere,
+// Time per sphere:
 constexpr double kPack = 8.5e-5, kSampleSphere = 1.1e-4, kTree = 1.6e-5, kWrite = 5e-7;
-// and once.
+// Constant time:
 constexpr double kRead = 0.05, kSampleAny = 0.4, kTreeAny = 0.07;
-/// A triangle of an OBJ file, with its share of the corners; other formats take a half to twice that.
+/// Bytes of a triangle in an OBJ file, including its share of the corners; other formats take half to twice that.
 constexpr double kBytesPerTriangle = 35;
 }  // namespace
 

@@ -19,8 +19,8 @@ RepairMode repairMode(const std::string& name)
 	return name == "off" ? RepairMode::Off : name == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
 }
 
-/// The mesh in the unit that the asset records. Assets of releases before 0.2 record metres for files that state another unit, if they were
-/// built without one; COLLADA files were in the stated unit all the same.
+/// The mesh in the unit that the asset records. Releases before 0.2 recorded metres if they were built without a unit, even for files
+/// that state another one. COLLADA files were imported in the stated unit all the same.
 Result<Mesh> recordedMesh(const InnerSphereTree& tree, const std::string& path)
 {
 	Result<Mesh> mesh = importApart(path, tree.provenance.unit);

@@ -9,7 +9,7 @@
 
 namespace ist::tools
 {
-/// Exit codes: public contract.
+/// Exit codes; they are a public contract.
 enum Exit
 {
 	kGood = 0,
@@ -50,7 +50,7 @@ struct ExportArguments
 	std::string file, spheres, leaves;
 };
 
-/// Of `pack` (asset to archive) and `unpack` (archive to asset).
+/// Arguments of `pack` (asset to archive) and `unpack` (archive to asset).
 struct PackArguments
 {
 	std::string input, output;
@@ -64,12 +64,12 @@ struct QueryArguments
 	int level = -1;
 	int64_t maxPairs = -1;
 	double budget = -1;           ///< [us]
-	std::optional<double> error;  ///< force error accepted
+	std::optional<double> error;  ///< force tolerance
 	bool blend = false, lowerBound = false, gate = false, shuffle = false, json = false;
 	int threads = 1, repeat = 1;
 };
 
-/// Of two assets or meshes.
+/// Arguments of `tune`, for two assets or meshes.
 struct TuneArguments
 {
 	std::string fileA, fileB;
@@ -89,6 +89,6 @@ int runTune(const TuneArguments& arguments);
 /// Prints the message on stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);
 
-/// One line on stderr for each thing that the file held and that is not in its mesh; for commands whose report does not say so.
+/// Prints one line on stderr for each kind of content of the file that was not imported. Used by commands whose report does not list it.
 void warnOfNotTaken(const std::string& path, const Mesh& mesh);
 }  // namespace ist::tools

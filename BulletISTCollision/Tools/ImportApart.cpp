@@ -22,12 +22,12 @@ namespace ist::tools
 {
 namespace
 {
-/// Of the machine's memory: what reading a file may take.
+/// Share of the machine's memory that reading a file may take.
 constexpr double kMemoryShare = 0.75;
-/// How long a wish to stop may wait.
+/// Longest time until a cancellation takes effect.
 constexpr int kPollMilliseconds = 100;
 
-/// What the next bytes in the pipe are.
+/// Type of the next bytes in the pipe.
 enum class Part : char
 {
 	Fraction,
@@ -35,7 +35,7 @@ enum class Part : char
 	Surface
 };
 
-/// One end of a pipe. False: nobody is at the other end any more.
+/// One end of a pipe. Functions return false if the other end is closed.
 class PipeEnd
 {
 public:
@@ -76,7 +76,7 @@ public:
 		texts.resize(count);
 		return std::ranges::all_of(texts, [&](std::string& text) { return receiveArray(text); });
 	}
-	/// Whether something can be received now, or never any more.
+	/// Whether the next receive will not block, because data has arrived or the other end is closed.
 	bool waits() const
 	{
 		pollfd asked{m_file, POLLIN, 0};
@@ -103,14 +103,14 @@ Error tooLarge(const std::string& path)
 	return {path + ": reading it takes more memory than this machine has to spare; it is damaged, or too large: export it again"};
 }
 
-/// A file that asks for all memory, or ends the process, does so to this one alone, and without a word of its own.
+/// Confines this process, so that a file that takes all memory or crashes it ends only this process, without any output.
 void confine()
 {
 	std::signal(SIGINT, SIG_DFL);
 	std::signal(SIGTERM, SIG_DFL);
 	const rlimit none{0, 0};
 	setrlimit(RLIMIT_CORE, &none);
-// Sanitizers map terabytes, and what they say is to be seen.
+// Not with sanitizers: they map terabytes, and their output must be visible.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 	rlimit memory{};
 	getrlimit(RLIMIT_AS, &memory);
@@ -137,7 +137,7 @@ bool importAndSend(const std::string& path, std::optional<double> unit, PipeEnd&
 		pipe.sendTexts(notTaken) && pipe.send(applied);
 }
 
-/// Nothing when the other process ended without an answer.
+/// Empty if the other process ended without an answer.
 std::optional<Result<Mesh>> receiveAnswer(PipeEnd& pipe, const Progress& progress)
 {
 	double fraction = 0;

@@ -15,7 +15,7 @@ namespace ist::tools
 {
 namespace
 {
-/// Of a file that was loaded: little endian, behind the eight bytes of magic.
+/// Version of a file that was loaded: little endian, behind the eight bytes of magic.
 uint32_t storedVersion(const std::string& path)
 {
 	unsigned char head[12] = {};
@@ -34,7 +34,7 @@ int runInfo(const InfoArguments& a)
 	std::error_code ignored;
 	Report report = newReport();
 	describeTree(report, tree, std::filesystem::file_size(a.file, ignored));
-	report["peak_memory_bytes"] = nullptr;  // of the build: the asset does not keep it
+	report["peak_memory_bytes"] = nullptr;  // memory of the build, which the asset does not record
 	report["seconds_load"] = seconds;
 	report["version"] = storedVersion(a.file);
 	char hash[17];

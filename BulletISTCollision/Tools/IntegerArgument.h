@@ -9,8 +9,8 @@
 
 namespace ist::tools
 {
-/// Decimal, from `least` to `most`. For Option::transform, which hands on what it made of the text: CLI would read 010 as 8, 0x10 as 16 and
-/// -1 as the largest number.
+/// Validator for a decimal integer from `least` to `most`. Use it with Option::transform, which passes on the validated text: CLI alone
+/// would read 010 as 8, 0x10 as 16 and -1 as the largest number.
 template <class Integer> CLI::Validator integerArgument(Integer least, Integer most = std::numeric_limits<Integer>::max())
 {
 	const std::string low = std::to_string(least), high = std::to_string(most);

@@ -3,8 +3,8 @@
 
 namespace ist::tools
 {
-/// Ctrl-C and a polite kill end the work at its next progress call, so that no half file stays. A second one ends the program
-/// at once.
+/// Makes SIGINT (Ctrl-C) and SIGTERM end the work at its next progress call, so that no incomplete file is left. A second signal ends the
+/// program at once.
 void catchInterrupts();
 bool interrupted();
 }  // namespace ist::tools

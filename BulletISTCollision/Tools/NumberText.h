@@ -7,7 +7,7 @@
 
 namespace ist::tools
 {
-/// Shortest text that reads back as the same number, whatever the locale.
+/// Shortest text that reads back as the same number, independent of the locale.
 template <class T> std::string numberText(T value)
 {
 	char buffer[64];
@@ -22,7 +22,7 @@ inline std::string_view trimmed(std::string_view text)
 	return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
 }
 
-/// The whole text must be one number; blanks around it and a leading + are allowed, whatever the locale.
+/// Parses a text that must be exactly one number. Surrounding blanks and a leading + are allowed. Independent of the locale.
 inline bool parseNumber(std::string_view text, double& value)
 {
 	text = trimmed(text);

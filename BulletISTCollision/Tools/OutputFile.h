@@ -6,9 +6,9 @@
 
 namespace ist::tools
 {
-/// Asked before the work: kGood, or a sentence on stderr and an exit code when `output` cannot be written or is one of the files that are
-/// read, by whatever name.
+/// Checks, before the work begins, whether `output` can be written and differs from all input files, by whatever name. Returns kGood, or
+/// prints a sentence on stderr and returns an exit code.
 int checkOutput(const std::string& output, std::initializer_list<std::string> inputs);
-/// The whole file or none; a sentence on stderr and its exit code when it cannot be written.
+/// Writes the whole file or none. If it cannot be written, prints a sentence on stderr and returns its exit code.
 int writeText(const std::string& path, const std::string& text);
 }  // namespace ist::tools

@@ -20,7 +20,7 @@ double leafVolume(const InnerSphereTree& tree)
 	return sum;
 }
 
-/// What rounding cost: `packed` is what an archive of `tree` decodes to; its spheres stand in the same order.
+/// Describes the loss by rounding. `packed` is the decoded archive of `tree`; its spheres have the same order.
 void describeLoss(Report& report, const InnerSphereTree& tree, const InnerSphereTree& packed)
 {
 	double shift = 0, shrink = 0, share = 0;

@@ -9,15 +9,15 @@
 
 namespace ist::tools
 {
-/// One row of a batch: a pose, or why there is none.
+/// One row of a batch: a pose, or the reason why there is none.
 struct PoseRow
 {
 	Pose pose;
 	std::string error;
 };
 
-/// "tx,ty,tz,qx,qy,qz,qw".
+/// Parses "tx,ty,tz,qx,qy,qz,qw".
 PoseRow parsePose(const std::string& text);
-/// CSV with a header; columns found by name, others ignored, as are empty lines and lines that begin with #.
+/// Reads CSV with a header. Columns are found by name, and others are ignored. Empty lines and lines that begin with # are skipped.
 Result<std::vector<PoseRow>> readPoses(const std::string& path);
 }  // namespace ist::tools

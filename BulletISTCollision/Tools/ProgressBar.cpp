@@ -18,10 +18,10 @@ int terminalWidth()
 	return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-/// Within the width, or the terminal would break the line and the next one could not take its place.
+/// The line must fit into the width. Otherwise the terminal would wrap it, and the next line could not replace it.
 std::string barLine(const char* stage, int percent, const std::string& left, const char* of, int width)
 {
-	constexpr int kWidestBar = 40, kNarrowestBar = 10, kBeside = 49;  // with the longest time
+	constexpr int kWidestBar = 40, kNarrowestBar = 10, kBeside = 49;  // kBeside: columns beside the bar, with the longest time
 	const int bar = std::min(kWidestBar, width - 1 - kBeside), done = bar * percent / 100;
 	char text[32];
 	std::snprintf(text, sizeof text, "%-8s ", stage);
@@ -55,7 +55,7 @@ void ProgressBar::show(const char* stage, double fraction)
 void ProgressBar::show(const char* stage, double fraction, double whole)
 {
 	if (!m_terminal) return show(stage, fraction);
-	// A new stage is to be seen at once.
+	// A new stage is shown at once.
 	if (m_stage != stage) m_drawn = {};
 	m_stage = stage;
 	draw(stage, std::isfinite(whole) ? std::clamp(whole, 0.0, 1.0) : 0.0, m_start, "");
@@ -73,12 +73,12 @@ void ProgressBar::draw(const char* stage, double fraction, Clock::time_point sta
 {
 	const Clock::time_point now = Clock::now();
 	const int percent = static_cast<int>(fraction * 100);
-	// The time left moves on while the share stands still.
+	// The time left is updated even while the percentage stays the same.
 	if (percent <= m_shown && now - m_drawn < std::chrono::milliseconds(500)) return;
 	m_shown = std::max(m_shown, percent);
 	m_drawn = now;
 	const std::string left = timeLeft(std::chrono::duration<double>(now - start).count(), fraction);
-	// Clears what a longer text left behind.
+	// \x1b[K clears the rest of a longer former text.
 	std::fprintf(stderr, "\r%s\x1b[K", barLine(stage, m_shown, left, of, terminalWidth()).c_str());
 	std::fflush(stderr);
 	m_open = true;

@@ -6,17 +6,17 @@
 
 namespace ist::tools
 {
-/// Progress on stderr: on a terminal, within its width, a bar with the time left of the whole work, or of each stage where what later ones
-/// will take is not known; otherwise a line every ten per cent of a stage.
+/// Progress on stderr. On a terminal it is a bar within the terminal's width. It shows the time left for the whole work, or for each
+/// stage if the time of later ones is not known. Otherwise it is a line for every ten per cent of a stage.
 class ProgressBar
 {
 public:
 	ProgressBar();
 	~ProgressBar();
 	void show(const char* stage, double fraction);
-	/// `whole`: the share of the time of all stages that is over.
+	/// `whole`: share of the time of all stages that has passed.
 	void show(const char* stage, double fraction, double whole);
-	/// Ends an unfinished bar's line.
+	/// Ends the line of an unfinished bar.
 	void finish();
 
 private:
@@ -29,11 +29,11 @@ private:
 	std::string m_stage;
 	Clock::time_point m_start = Clock::now();
 	Clock::time_point m_stageStart, m_drawn;
-	int m_shown = -1;  ///< last step of this stage that was printed
+	int m_shown = -1;  ///< last percentage of this stage that was printed
 	bool m_open = false;
 };
 
-/// Time left when `fraction` took `elapsed` seconds, to one unit below the largest: "3 s", "2 min 05 s", "1 h 10 min"; empty while
-/// nothing can be said.
+/// Time left if `fraction` took `elapsed` seconds, to one unit below the largest: "3 s", "2 min 05 s", "1 h 10 min". Empty while no
+/// estimate is possible.
 std::string timeLeft(double elapsed, double fraction);
 }  // namespace ist::tools

@@ -35,11 +35,11 @@ int threadNumber()
 #endif
 }
 
-/// What a law says of a pose; `overlap` keeps pointers into the workspace.
+/// Result of a law for a pose; `overlap` contains pointers into the workspace.
 struct Answer
 {
 	OverlapResult overlap;
-	double errorBound = 0;  ///< with an accepted error
+	double errorBound = 0;  ///< set with a force tolerance
 	bool kept = false;
 	Wrench wrench;
 	double energy = 0;
@@ -152,7 +152,7 @@ private:
 		return a;
 	}
 
-	/// With more pairs than a workspace holds, the laws that visit pairs get a larger one, outside of the time measured before.
+	/// If there are more pairs than a workspace holds, the laws that visit pairs get a larger workspace. Its allocation is not timed.
 	Answer evaluateAll(const Pose& X, QueryWorkspace& workspace, double& microseconds) const
 	{
 		for (;;)
@@ -180,7 +180,7 @@ private:
 			row.input.error = "unsupported: too many intersecting pairs (" + std::to_string(a.overlap.total.pairs) + ") for this law";
 		if (!row.input.error.empty()) return;
 		if (!m_arguments.pairsOut.empty()) row.pairs = pairLines(a.overlap, index);
-		// Last: the other queries overwrite what the answer points to.
+		// This comes last, because the other queries overwrite the data that the answer points to.
 		row.report = describe(a, row.input.pose, index, workspace);
 	}
 
@@ -235,7 +235,7 @@ private:
 		return queryOverlap(m_A, m_B, X, workspace, options).total.volume;
 	}
 
-	/// The packed spheres carry no depth: in paper mode the energy monitor comes from the leaves.
+	/// Elastic energy from the leaves, for paper mode: packed spheres have no depth.
 	double depthEnergy(const Pose& X, QueryWorkspace& workspace) const
 	{
 		QueryOptions options;
@@ -282,7 +282,7 @@ private:
 	InnerSphereTree m_A, m_B;
 	PressurePair m_pair;
 	bool m_paper = false, m_energyLaw = false, m_volumeOnly = false;
-	double m_length = 1;  ///< [m] makes rotations comparable with translations
+	double m_length = 1;  ///< length that makes rotations comparable with translations [m]
 	std::string m_unsupported;
 };
 

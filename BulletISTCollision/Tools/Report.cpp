@@ -25,7 +25,7 @@ Report unitName(double metres)
 
 std::string format(const Report& report, bool json)
 {
-	// File names need not be UTF-8; a bad byte must not end the program.
+	// File names need not be UTF-8, and an invalid byte must not end the program.
 	const auto dump = [](const Report& value) { return value.dump(-1, ' ', false, Report::error_handler_t::replace); };
 	if (json) return dump(report) + "\n";
 	std::string text;
@@ -39,7 +39,7 @@ std::string format(const Report& report, bool json)
 
 double volumeChange(const InnerSphereTree& tree)
 {
-	// Of the area times the longest side: what coordinates in single precision may add. A mesh that enclosed less enclosed nothing.
+	// Share of the area times the longest side that single-precision coordinates may add. A mesh with less volume enclosed nothing.
 	constexpr double kRounding = 0x1p-23;
 	const double before = std::fabs(tree.provenance.meshVolume);
 	return before > kRounding * tree.area * tree.box.longestSide() ? (tree.volume - before) / before

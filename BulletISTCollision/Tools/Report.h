@@ -9,18 +9,18 @@
 
 namespace ist::tools
 {
-/// Fields keep the order in which they were set.
+/// A report. Fields keep the order in which they were set.
 using Report = nlohmann::ordered_json;
 
-/// Begins with "schema":1.
+/// A report that begins with "schema":1.
 Report newReport();
 Report toJson(const Vec3& v);
-/// "m", "cm", "mm", or the number of metres.
+/// Name of a unit: "m", "cm", "mm", or the number of metres.
 Report unitName(double metres);
-/// One JSON object on a line, or "name: value" lines for people.
+/// Formats a report as one JSON object on a line, or as "name: value" lines.
 std::string format(const Report& report, bool json);
-/// What repair did to the volume, as a share of what the mesh enclosed as read; NaN where that was nothing.
+/// Change of the volume by repair, as a share of the volume as read; NaN if the mesh enclosed nothing.
 double volumeChange(const InnerSphereTree& tree);
-/// What an asset says of itself, shared by `build` and `info`.
+/// Adds the properties of an asset that `build` and `info` both report.
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes);
 }  // namespace ist::tools

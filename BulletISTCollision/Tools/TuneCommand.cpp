@@ -21,7 +21,7 @@ namespace
 {
 bool goesOn(const char*, double) { return !interrupted(); }
 
-/// An asset or a mesh, as the user named it.
+/// An asset or a mesh at the path that the user named.
 Result<TuneBody> bodyOf(const std::string& path)
 {
 	TuneBody body{path, std::nullopt, {}};

@@ -44,7 +44,7 @@ public:
 		{
 			return m_app.exit(e) == 0 ? kGood : kUsage;
 		}
-		// A limit on file sizes is an error of write, not the end of the program with half a file.
+		// Reaching a limit on file sizes then is a write error, and does not end the program with an incomplete file.
 		std::signal(SIGXFSZ, SIG_IGN);
 		const int code = m_command();
 		const bool printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
@@ -178,7 +178,7 @@ private:
 		sub->add_flag("--json", a.json, "one JSON object");
 	}
 
-	/// Of finite numbers. Those of CLI write out the largest double, all 309 digits of it, when they refuse one.
+	/// Validator for finite numbers. CLI's own validators print the largest double with all 309 digits when they refuse a number.
 	static CLI::Validator number(const char* range, const char* wanted, bool (*holds)(double))
 	{
 		return CLI::Validator(
