@@ -9,8 +9,8 @@ namespace ist::python
 {
 using Doubles = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
 
-/// Vertices (n, 3) or flat, triangles (m, 3) or flat, or None: then each three vertices are a triangle. Raises ValueError on other
-/// shapes, on indices that are no whole numbers, and on indices without a vertex.
+/// Vertices (n, 3) or flat, triangles (m, 3) or flat, or None; then each three vertices are a triangle. Raises ValueError for other
+/// shapes, for indices that are not integers, and for indices without a vertex.
 Mesh meshFrom(const Doubles& vertices, const pybind11::object& triangles);
 
 /// The arrays (n, 3) of float64 and (m, 3) of int64.

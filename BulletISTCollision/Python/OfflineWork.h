@@ -12,7 +12,7 @@
 
 namespace ist::python
 {
-/// What Python sees of an Error.
+/// The exception that Python gets for an Error.
 struct BulletHapticsError : std::runtime_error
 {
 	using std::runtime_error::runtime_error;

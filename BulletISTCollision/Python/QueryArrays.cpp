@@ -39,7 +39,7 @@ Pose poseFromMatrix(const double* v, size_t row)
 	return X;
 }
 
-/// PyBullet's (position, quaternion) as seven numbers; anything else as it is.
+/// PyBullet's (position, quaternion) as seven numbers; other objects unchanged.
 py::object flattened(const py::object& object)
 {
 	if (!py::isinstance<py::sequence>(object) || py::isinstance<py::array>(object)) return object;
@@ -53,7 +53,7 @@ py::object flattened(const py::object& object)
 	return seven;
 }
 
-/// The columns of the answer, allocated once.
+/// The columns of the result, allocated once.
 class Answer
 {
 public:
@@ -98,7 +98,7 @@ void put(double* column, size_t row, const Vec3& v)
 	column[3 * row + 2] = v.z;
 }
 
-/// Where each figure of a row goes.
+/// Addresses of each figure's column.
 struct Columns
 {
 	Columns(Answer& a, bool promised)
@@ -123,7 +123,7 @@ struct Columns
 	double *volume, *volumeSigma, *energy, *centroid, *normal, *areaVector, *force, *forceSigma, *torque, *stiffness, *distance,
 		*distanceLower;
 	int64_t *patches, *pairs, *level;
-	double* errorBound;  ///< null, as is `kept`, without an accepted error
+	double* errorBound;  ///< null, like `kept`, without a force tolerance
 	bool* kept;
 };
 
@@ -167,7 +167,7 @@ public:
 private:
 	const InnerSphereTree &m_A, &m_B;
 	PressurePair m_pair;
-	double m_length;  ///< [m] makes rotations comparable with translations
+	double m_length;  ///< length that makes rotations comparable with translations [m]
 };
 
 void check(const InnerSphereTree& A, const InnerSphereTree& B, double stiffness, int level, int64_t maxPairs, std::optional<double> error)
@@ -180,7 +180,7 @@ void check(const InnerSphereTree& A, const InnerSphereTree& B, double stiffness,
 		throw py::value_error("level, max_pairs and error need trees with levels; make them by with_levels()");
 }
 
-/// Each pose for itself: what a row says does not depend on the rows before it.
+/// Rows are computed independently: a row does not depend on the rows before it.
 class Rows
 {
 public:

@@ -8,8 +8,8 @@
 
 namespace ist::python
 {
-/// One pose or many, of B's mesh frame in A's: (7) or (n, 7) numbers tx ty tz qx qy qz qw, or (4, 4) or (n, 4, 4) matrices, or the
-/// pair (position, quaternion) of PyBullet. Raises ValueError, naming the row, on anything that is not a pose.
+/// One pose or many of B's mesh frame in A's: (7) or (n, 7) numbers tx ty tz qx qy qz qw, (4, 4) or (n, 4, 4) matrices, or PyBullet's
+/// pair (position, quaternion). Raises a ValueError that names the row if a value is not a pose.
 struct Poses
 {
 	std::vector<Pose> X_AB;
@@ -17,15 +17,15 @@ struct Poses
 };
 Poses posesFrom(const pybind11::object& object);
 
-/// A dict of arrays, a row for each pose, or of scalars and vectors for a single pose; names and meanings as `ist query --json` prints
-/// them, NaN for null. The pressure field law with weights 1/2. With an error, each pose by itself is answered as `queryWithTolerance`
-/// does.
+/// Returns a dict of arrays with a row for each pose, or of scalars and vectors for a single pose. Names and meanings are those of `ist
+/// query --json`, with NaN for null. The law is the pressure field law with weights 1/2. With an error, each pose is answered
+/// independently by `queryWithTolerance`.
 pybind11::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const pybind11::object& poses, double stiffness, int level,
 	int64_t maxPairs, std::optional<double> error);
 
-/// (upper, lower) bound of the distance [m], each with a row for each pose.
+/// The (upper, lower) bounds of the distance [m], each with a row for each pose.
 pybind11::tuple distance(const InnerSphereTree& A, const InnerSphereTree& B, const pybind11::object& poses);
 
-/// X_AB of world poses X_WA and X_WB, as (7) numbers.
+/// Pose X_AB of world poses X_WA and X_WB, as (7) numbers.
 pybind11::array_t<double> relativePose(const pybind11::object& X_WA, const pybind11::object& X_WB);
 }  // namespace ist::python
