@@ -21,7 +21,7 @@ std::string refusalFor(const btCollisionDispatcher* dispatcher, bool hasAnotherR
 	// Any dispatcher of this class is refused, because its scheduler may get threads at any later time.
 	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher))
 		return "the dispatcher may call algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
-			   "give the world a btCollisionDispatcher, and its queries threads of their own";
+			   "give the world a btCollisionDispatcher, and query by several threads (setQueryThreads)";
 	return {};
 }
 
@@ -129,7 +129,7 @@ std::optional<ist::Error> btISTRegistration::setContactCache(const btISTContactC
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
 	if (!(contactCache.maxError >= 0 && contactCache.maxError <= 0.5))
-		return ist::Error{"the error that kept results may add must be a share of the force between 0 and 0.5"};
+		return ist::Error{"btISTContactCache::maxError must be a share of the force between 0 and 0.5"};
 	m_installation->context->rules.contactCache = contactCache;
 	return std::nullopt;
 }
@@ -142,7 +142,7 @@ const btISTContactCache& btISTRegistration::contactCache() const
 std::optional<ist::Error> btISTRegistration::setForceError(double share)
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
-	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
+	if (!(share >= 0 && share <= 1)) return ist::Error{"a force error must lie between 0 and 1; with 0 the leaves always answer"};
 	btISTContext& context = *m_installation->context;
 	if (share > 0) context.registry->keepLevels();
 	context.rules.set(context.rules.options(), share);
@@ -152,7 +152,8 @@ std::optional<ist::Error> btISTRegistration::setForceError(double share)
 std::optional<ist::Error> btISTRegistration::setForceErrorOf(const btCollisionObject* body, std::optional<double> share)
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
-	if (share && !(*share >= 0 && *share <= 1)) return ist::Error{"a force error must lie between 0 and 1; 0 asks the leaves always"};
+	if (share && !(*share >= 0 && *share <= 1))
+		return ist::Error{"a force error must lie between 0 and 1; with 0 the leaves always answer"};
 	btISTContext& context = *m_installation->context;
 	if (share && *share > 0) context.registry->keepLevels();
 	context.rules.setForceErrorOf(body, share);
@@ -167,7 +168,7 @@ double btISTRegistration::forceErrorOf(const btCollisionObject* a, const btColli
 std::optional<ist::Error> btISTRegistration::setPairBudget(int64_t leafPairs)
 {
 	if (!refusal().empty()) return ist::Error{refusal()};
-	if (leafPairs < 1 && leafPairs != -1) return ist::Error{"a query must be allowed to find 1 pair of leaves at least; -1: any number"};
+	if (leafPairs < 1 && leafPairs != -1) return ist::Error{"a pair budget must be at least 1 pair of leaves, or -1 for no limit"};
 	btISTContext& context = *m_installation->context;
 	if (leafPairs > 0) context.registry->keepLevels();
 	ist::QueryOptions options = context.rules.options();
@@ -189,7 +190,7 @@ std::optional<ist::Error> btISTRegistration::setQueryThreads(int threads, double
 	if (!refusal().empty()) return ist::Error{refusal()};
 	constexpr int kMostThreads = 64;
 	if (threads < 1 || threads > kMostThreads) return ist::Error{"queries can have 1 to 64 threads"};
-	if (!(spinMicroseconds >= 0)) return ist::Error{"threads of queries can spin for no less than 0 microseconds"};
+	if (!(spinMicroseconds >= 0)) return ist::Error{"query threads must spin for 0 microseconds or more"};
 	btISTContext& context = *m_installation->context;
 	context.threads.reset();
 	if (threads > 1) context.threads = std::make_unique<btISTQueryThreads>(threads, context.workspace.capacity(), spinMicroseconds);
@@ -201,10 +202,10 @@ std::optional<ist::Error> btISTRegistration::setVerletLists(int pairsOfBodies, i
 	if (!refusal().empty()) return ist::Error{refusal()};
 	constexpr int kMostMemories = 1024, kMostLeafPairs = 10000000;
 	constexpr int64_t kMostTogether = 200000000;  // about 3 GB
-	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a memory"};
-	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a memory can have room for 1 to 10000000 pairs of leaves"};
+	if (pairsOfBodies < 0 || pairsOfBodies > kMostMemories) return ist::Error{"0 to 1024 pairs of bodies can have a Verlet list"};
+	if (leafPairs < 1 || leafPairs > kMostLeafPairs) return ist::Error{"a Verlet list can hold 1 to 10000000 pairs of leaves"};
 	if (int64_t(pairsOfBodies) * leafPairs > kMostTogether)
-		return ist::Error{"all memories together can have room for 200000000 pairs of leaves"};
+		return ist::Error{"all Verlet lists together can hold 200000000 pairs of leaves"};
 	std::unique_ptr<btISTVerletLists> memories;
 	try
 	{
@@ -212,7 +213,7 @@ std::optional<ist::Error> btISTRegistration::setVerletLists(int pairsOfBodies, i
 	}
 	catch (const std::bad_alloc&)
 	{
-		return ist::Error{"there is no room for so many memories; fewer, or for fewer pairs of leaves, take less"};
+		return ist::Error{"there is not enough memory for these Verlet lists; ask for fewer lists, or for fewer pairs of leaves"};
 	}
 	btISTContext& context = *m_installation->context;
 	for (btISTContact* contact : context.store.contacts()) contact->memory.reset();

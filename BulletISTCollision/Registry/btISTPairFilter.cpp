@@ -44,7 +44,7 @@ std::optional<ist::Error> btISTPairFilter::setRegion(const btVector3& lower, con
 {
 	for (int i = 0; i < 3; ++i)
 		if (!std::isfinite(lower[i]) || !std::isfinite(upper[i]) || lower[i] > upper[i])
-			return ist::Error{"a watched region needs two finite corners, the lower one first"};
+			return ist::Error{"a region needs two finite corners, the lower one first"};
 	m_lower = lower;
 	m_upper = upper;
 	m_hasRegion = true;

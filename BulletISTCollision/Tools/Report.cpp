@@ -6,9 +6,23 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 namespace ist::tools
 {
+std::string withFlags(std::string sentence)
+{
+	static constexpr std::pair<std::string_view, std::string_view> kFlags[] = {
+		{"call buildTree() with BuildOptions::maxSpheres instead", "give --spheres without --error"},
+		{"pass its unit to importMesh()", "give its unit (--unit)"}, {"BuildOptions::maxSpheres", "--spheres"},
+		{"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
+	for (const auto& [setting, flag] : kFlags)
+		for (size_t at = 0; (at = sentence.find(setting, at)) != sentence.npos; at += flag.size())
+			sentence.replace(at, setting.size(), flag);
+	return sentence;
+}
+
 Report newReport()
 {
 	Report report;
@@ -58,7 +72,8 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["area"] = tree.area;
 	report["longest_side"] = tree.box.longestSide();
 	report["watertight"] = p.watertight;
-	report["repair"] = p.repair;
+	report["repair"] = Report::array();
+	for (const std::string& sentence : p.repair) report["repair"].push_back(withFlags(sentence));
 	report["volume_change"] = volumeChange(tree);
 	report["mean_gap"] = tree.meanGap;
 	report["max_gap"] = tree.maxGap;
@@ -70,7 +85,7 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 
 int fail(const std::string& message, int code)
 {
-	std::fprintf(stderr, "ist: %s\n", message.c_str());
+	std::fprintf(stderr, "ist: %s\n", withFlags(message).c_str());
 	return code;
 }
 

@@ -19,6 +19,8 @@ Report toJson(const Vec3& v);
 Report unitName(double metres);
 /// Formats a report as one JSON object on a line, or as "name: value" lines.
 std::string format(const Report& report, bool json);
+/// The sentence of the library with the command's flags in place of the C++ settings that it names.
+std::string withFlags(std::string sentence);
 /// Change of the volume by repair, as a share of the volume as read; NaN if the mesh enclosed nothing.
 double volumeChange(const InnerSphereTree& tree);
 /// Adds the properties of an asset that `build` and `info` both report.

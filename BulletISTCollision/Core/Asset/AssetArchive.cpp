@@ -326,7 +326,7 @@ Result<std::vector<std::byte>> encodeArchive(const InnerSphereTree& tree)
 {
 	Contents contents;
 	if (!roundSpheres(tree.spheres, contents))
-		return Error{"a sphere is too small beside the body to be archived: build it again with a larger --min-radius"};
+		return Error{"a sphere is too small beside the body to be archived: build it again with a larger BuildOptions::minRadius"};
 	double largestShrink = 0;
 	for (size_t i = 0; i < tree.spheres.size(); ++i)
 	{

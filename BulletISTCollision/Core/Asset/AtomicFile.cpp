@@ -114,7 +114,7 @@ Outcome writeAll(const OpenFile& file, const std::byte* bytes, size_t size, cons
 Result<size_t> result(Outcome outcome, const std::string& path, size_t size, int reason)
 {
 	if (outcome == Outcome::Done) return size;
-	if (outcome == Outcome::Cancelled) return Error{"\"" + path + "\": writing was cancelled; nothing was written", true};
+	if (outcome == Outcome::Cancelled) return Error{"\"" + path + "\": the writing was cancelled; nothing was written", true};
 	return systemError(path, "writing the file", reason);
 }
 

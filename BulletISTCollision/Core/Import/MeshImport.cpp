@@ -384,7 +384,7 @@ Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const s
 	constexpr double kSame = 1e-6;
 	if (!(file.metres > 0) && (!given || file.appliedByReader))
 		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
-			(file.appliedByReader ? "" : ", or give the unit (unit, --unit)")};
+			(file.appliedByReader ? "" : ", or pass its unit to importMesh()")};
 	const double applied = file.appliedByReader ? file.metres : 1;
 	if (!given) return Scale{file.metres, file.metres / applied, {}};
 	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
@@ -408,7 +408,7 @@ std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importe
 	if (!(centimetres > 0) || centimetres == 100) return std::nullopt;
 	const std::string metres = unitWords(0.01 * double(centimetres));
 	return "The file states " + metres +
-		" as its unit, which is not applied to FBX files: its coordinates were taken as metres; give the unit (unit, --unit) if they "
+		" as its unit, which is not applied to FBX files: its coordinates were taken as metres; pass its unit to importMesh() if they "
 		"are not.";
 }
 

@@ -96,7 +96,7 @@ Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packi
 	const double volume = massProperties(mesh).volume;
 	if (std::string why = whyUnusable(packing.spheres, volume); !why.empty()) return Error{std::move(why)};
 	const auto cancelled = [&](double fraction) { return options.progress && !options.progress("cells", fraction); };
-	const Error cancelledError{"Building cells was cancelled.", true};
+	const Error cancelledError{"the building of cells was cancelled", true};
 
 	if (cancelled(0)) return cancelledError;
 	const NearestSphere nearest(packing.spheres);

@@ -126,10 +126,10 @@ public:
 		placeCoarse();
 		if (!m_done) seed();
 		while (!m_done && placeBatch()) growAll();
-		if (m_cancelled) return Error{"The packing was cancelled.", true};
+		if (m_cancelled) return Error{"the packing was cancelled", true};
 		if (m_packing.spheres.empty()) return nothingFits();
 		report(1);
-		if (m_cancelled) return Error{"The packing was cancelled.", true};
+		if (m_cancelled) return Error{"the packing was cancelled", true};
 		return std::move(m_packing);
 	}
 
@@ -222,7 +222,8 @@ Error Packer::nothingFits() const
 					ist::place(m_options.origin + m_largestSeen.center())
 					: "");
 	if (radius >= least)
-		return {found + "; lower the least radius (minRadius, --min-radius) to " + roundedDown(radius) + " m or less, or thicken the mesh",
+		return {
+			found + "; lower the minimum radius (BuildOptions::minRadius) to " + roundedDown(radius) + " m or less, or thicken the mesh",
 			false};
 	return {found + "; thicken the mesh to more than " + number(2 * least) + " m, or build its parts one by one", false};
 }

@@ -481,7 +481,7 @@ std::optional<Error> whyUnreadable(const Mesh& mesh)
 	const double side = bounds(mesh).longestSide();
 	if (side > 0 && (side < kShortestSide || !(side <= kLongestSide)))
 		return Error{"the mesh is " + number(side) + " m long, " + extent(bounds(mesh)) + ", and a tree may be " + number(kShortestSide) +
-			" to " + number(kLongestSide) + " m; say in what unit its file is (unit, --unit), or scale it"};
+			" to " + number(kLongestSide) + " m; pass its unit to importMesh(), or scale it"};
 	return std::nullopt;
 }
 

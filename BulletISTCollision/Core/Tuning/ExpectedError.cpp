@@ -32,10 +32,10 @@ double errorAt(const InnerSphereTree& tree, double fraction, std::mt19937_64& ra
 
 const char* whatMayHelp(const InnerSphereTree& tree, const BuildOptions& options, bool stuck)
 {
-	if (!stuck) return "; allow more spheres (maxSpheres, --spheres), or accept a larger error";
+	if (!stuck) return "; allow more spheres (BuildOptions::maxSpheres), or accept a larger error";
 	if (tree.fill >= options.targetFill)
-		return ", which fill the share that was asked for (targetFill, --fill); raise it, or accept a larger error";
-	return ", and no more fit; accept a larger error, or lower the least radius";
+		return ", which fill the share that was asked for (BuildOptions::targetFill); raise it, or accept a larger error";
+	return ", and no more fit; accept a larger error, or lower the minimum radius (BuildOptions::minRadius)";
 }
 }  // namespace
 
@@ -66,8 +66,8 @@ Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const B
 		if (!tree) return tree;
 		const double reached = expectedForceError(tree.value(), kOverlap, kPoses, kSeed);
 		if (reached < 0)
-			return Error{
-				"the body cannot overlap itself by 1 % of its volume in most poses, so no force error can be promised; give --spheres"};
+			return Error{"the body cannot overlap itself by 1 % of its volume in most poses, so its force error cannot be estimated; call "
+						 "buildTree() with BuildOptions::maxSpheres instead"};
 		if (reached <= error) return tree;
 		const bool stuck = int64_t(tree.value().spheres.size()) < attempt.maxSpheres && !leavesBecomeSmaller(attempt);
 		if (stuck || attempt.maxSpheres >= options.maxSpheres)

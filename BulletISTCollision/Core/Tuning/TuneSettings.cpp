@@ -87,7 +87,7 @@ private:
 			for (size_t i = 0; i < m_poses.size(); ++i)
 			{
 				const double done = (m_round + double(i) / double(m_poses.size())) / m_rounds;
-				if (m_progress && !m_progress("tune", done)) return Error{"Tuning was cancelled.", true};
+				if (m_progress && !m_progress("tune", done)) return Error{"the tuning was cancelled", true};
 				const auto start = std::chrono::steady_clock::now();
 				const BoundedOverlap answer = queryWithTolerance(m_A, m_B, m_poses[i], m_workspace, accepted);
 				times[i] = std::min(times[i], std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());

@@ -106,7 +106,7 @@ holds "nothing is printed" 'not rows'
 expect "build --error" 0 "$ist" build "$dir/cube.obj" -o "$dir/error.ist" --error 0.3 --json
 holds "build --error" 'r["spheres"] <= 1000'
 expect "build --error out of reach" 1 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --error 0.001 --spheres 50
-says "build --error out of reach" "out of reach: 50 spheres give .*; allow more spheres"
+says "build --error out of reach" "out of reach: 50 spheres give .*; allow more spheres (--spheres)"
 # Two cubes far from the origin, one of them inside out: what they enclose as they are is nothing but rounding, of which no share can be told.
 python3 - > "$dir/opposed.obj" <<'PYTHON'
 corners = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
@@ -149,6 +149,9 @@ says "build of a ruined file" "4 of its 7 faces name corners that are not in the
 expect "build --repair off" 1 "$ist" build "$dir/holed.obj" -o "$dir/no.ist" --spheres 50 --repair off
 says "build --repair off" "4 open edges, the first at"
 rm -f "$dir/holed.ist"
+sed 's/^v \(.*\) \(.*\) \(.*\)/v \1e8 \2e8 \3e8/' "$dir/cube.obj" > "$dir/huge.obj"
+expect "build of a huge mesh" 1 "$ist" build "$dir/huge.obj" -o "$dir/no.ist" --spheres 50
+says "build of a huge mesh" "give its unit (--unit), or scale it"
 expect "build --fill 2" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" --fill 2
 for wrong in "--min-radius 0" "--min-radius nan" "--seed -1" "--seed 1.5" "--seed 99999999999999999999" "--threads 0"; do
 	expect "build $wrong" 2 "$ist" build "$dir/cube.obj" -o "$dir/no.ist" $wrong

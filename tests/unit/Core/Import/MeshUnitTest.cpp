@@ -203,7 +203,7 @@ TEST(MeshUnit, AUnitThatTheFormatDoesNotKnowIsRefusedUnlessOneIsGiven)
 	const Result<Mesh> package3mf = read(package("unit=\"furlong\""), ".3mf");
 	ASSERT_FALSE(package3mf);
 	EXPECT_NE(package3mf.error().message.find(
-				  "it states \"furlong\" as its unit, which is none of 3MF files; correct it, or give the unit (unit, --unit)"),
+				  "it states \"furlong\" as its unit, which is none of 3MF files; correct it, or pass its unit to importMesh()"),
 		std::string::npos)
 		<< package3mf.error().message;
 	expectSize(read(package("unit=\"furlong\""), ".3mf", 0.01), 0.01);

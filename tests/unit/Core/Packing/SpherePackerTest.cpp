@@ -227,7 +227,7 @@ TEST(SpherePacker, SaysWhereTheLargestBallLiesAndWhichLeastRadiusWouldDo)
 	double x = 0, y = 0, z = 0;
 	ASSERT_EQ(std::sscanf(told.c_str() + place, " m at (%lf, %lf, %lf) m", &x, &y, &z), 3) << told;
 	EXPECT_NEAR(distance(Vec3{x, y, z}, Vec3{13, 21, 32}), 0, 2e-3) << told;
-	options.minRadius = numberAfter(told, "lower the least radius (minRadius, --min-radius) to ");
+	options.minRadius = numberAfter(told, "lower the minimum radius (BuildOptions::minRadius) to ");
 	EXPECT_TRUE(packSpheres(MeshDistance(mesh), options)) << told;
 }
 
@@ -242,7 +242,7 @@ TEST(SpherePacker, ABodyThatIsTooThinForAnyRadiusIsToBeThickened)
 		const std::string& told = result.error().message;
 		EXPECT_NEAR(numberAfter(told, "the largest ball that fits has radius "), 5e-5, 1e-6) << told;
 		EXPECT_NEAR(numberAfter(told, "thicken the mesh to more than "), 4e-4, 1e-9) << told;
-		EXPECT_EQ(told.find("lower the least radius"), std::string::npos) << told;
+		EXPECT_EQ(told.find("lower the minimum radius"), std::string::npos) << told;
 	}
 	EXPECT_TRUE(packSpheres(MeshDistance(makeBoxMesh({1, 1, 2.1e-4})), {}));
 }

@@ -67,6 +67,7 @@ TEST(ExpectedError, AFillThatIsReachedIsSaid)
 	options.targetFill = 0.3;
 	const Result<InnerSphereTree> refused = buildTreeToError(makeTorusMesh(0.5, 0.2), 0.001, options);
 	ASSERT_FALSE(refused);
-	EXPECT_NE(refused.error().message.find("which fill the share that was asked for (targetFill, --fill); raise it"), std::string::npos)
+	EXPECT_NE(
+		refused.error().message.find("which fill the share that was asked for (BuildOptions::targetFill); raise it"), std::string::npos)
 		<< refused.error().message;
 }
