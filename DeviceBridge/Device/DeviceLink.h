@@ -11,8 +11,7 @@ namespace devicebridge
 {
 struct DeviceSample
 {
-	DeviceState state;  ///< newest state. sampledAt [ns] is on a RealClock; zero means the end of the exchange. ThreadedDevice sets the
-						///< sequence, so the link leaves it
+	DeviceState state;  ///< newest state; sampledAt [ns] is on a RealClock, 0: end of the exchange. ThreadedDevice sets the sequence
 	HandState hand;     ///< joints of the hand, set if DeviceInfo::sensed has kHandJointsSensed
 };
 

@@ -142,8 +142,7 @@ void ThreadedDevice::Worker::run() noexcept
 			link->exchange({}, last);
 		}
 	}
-	status.store(
-		DeviceStatus::Disconnected, std::memory_order_release);  // release: a thread that reads this status also finds the complaint
+	status.store(DeviceStatus::Disconnected, std::memory_order_release);  // a thread that reads it also finds the complaint
 	link->disconnect();
 	stepTo(Phase::Ended);
 }

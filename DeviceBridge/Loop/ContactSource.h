@@ -39,9 +39,8 @@ struct ToolStep
 	double overlapVolume = 0;  ///< overlap volume of all contacts, also those beyond kMaxToolContacts [m^3]
 	std::int64_t pairs = 0;
 	double queryMicroseconds = 0;
-	bool toolIsBroken =
-		false;  ///< whether the step gave the tool a twist that is not finite. This is a fault: the device gets zero until it is cleared
-	std::int64_t overdue = 0;  ///< time by which the step's input is later than expected [ns]; the force fades with it
+	bool toolIsBroken = false;  ///< whether the tool has a twist that is not finite: a fault, so the device gets zero until it is cleared
+	std::int64_t overdue = 0;   ///< time by which the step's input is later than expected [ns]; the force fades with it
 };
 
 /// The world in which the tool moves.
