@@ -12,7 +12,7 @@ struct LocalTool
 	double mass = 1;                             ///< [kg]
 	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< axes of T [1/(kg m^2)]
 	ist::Vec3 gravity;                           ///< World [m/s^2]
-	ToolState state;                             ///< in World
+	ToolState state;                             ///< state of the tool in World
 };
 
 /// The hand's own copy of the bodies near the tool, valid from one step of the world to the next and a little longer. The copies move under

@@ -9,8 +9,8 @@
 
 namespace devicebridge
 {
-/// The world's side of decoupled mode. Around each step of a Bullet world, it applies the impulses of the hands to the bodies and shows the
-/// hands the bodies near their tools. Everything runs in the thread that owns the world, at any rate; it never waits.
+/// The world's side of decoupled mode. Around each step of a Bullet world, it applies the impulses of the hands to the bodies. It then
+/// shows the hands the bodies near their tools. Everything runs in the thread that owns the world, at any rate; it never waits.
 ///
 /// Impulses enter as a force over the whole step, so that the implicit solver weighs them against everything that holds the body. So an
 /// impulse that pressed a light body on a table for 0.2 s does not throw it. Bullet moves bodies by the velocity at the end of a step, as

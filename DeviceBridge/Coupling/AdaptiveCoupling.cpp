@@ -19,8 +19,8 @@ double crossMatrix(const ist::Vec3& arm, int i, int j)
 	return ((j - i + 3) % 3 == 1 ? -1 : 1) * arm[3 - i - j];
 }
 
-/// Square of the stretch of a linear spring that stores as much energy as this one, which saturates at `limit`. Half of it is the
-/// derivative of the energy by the stiffness.
+/// Square of the stretch up to which a spring that saturates at `limit` is linear. Half of it is the derivative of the spring's energy by
+/// its stiffness.
 double stretchThatCounts(double stretch, double stiffness, double limit)
 {
 	const double counts = stiffness * stretch > limit ? limit / stiffness : stretch;

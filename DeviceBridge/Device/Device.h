@@ -51,8 +51,8 @@ struct DeviceInfo
 	Handedness handedness = Handedness::Either;
 	double peakForce = 0, continuousForce = 0;         ///< [N]
 	double peakTorque = 0, continuousTorque = 0;       ///< [N m]
-	double maxStiffness = 0, maxAngularStiffness = 0;  ///< at 1 kHz [N/m, N m/rad]
-	double maxDamping = 0, maxAngularDamping = 0;      ///< at 1 kHz [N s/m, N m s/rad]
+	double maxStiffness = 0, maxAngularStiffness = 0;  ///< largest stiffness at 1 kHz [N/m, N m/rad]
+	double maxDamping = 0, maxAngularDamping = 0;      ///< largest damping at 1 kHz [N s/m, N m s/rad]
 	double damping = 0, angularDamping = 0;            ///< the mechanism's own, for passiveGains() [N s/m, N m s/rad]
 	double resolution = 0, angularResolution = 0;      ///< smallest steps of position and angle [m, rad]
 	double workspaceRadius = 0;                        ///< radius of the inscribed ball [m]

@@ -46,7 +46,7 @@ struct MirroredBody
 	ist::Vec3 gravity;                                ///< [m/s^2]
 	double k = 0, toolWeight = 0.5, dissipation = 0;  ///< contact constants of the pair of tool and body
 	double friction = 0;
-	SpentImpulse seen;  ///< what the world had received from the hand before this step
+	SpentImpulse seen;  ///< impulse that the world had received from the hand before this step
 };
 
 struct WorldSnapshot
@@ -64,7 +64,7 @@ struct WorldSnapshot
 struct HandPost
 {
 	std::uint64_t tick = 0;
-	ToolState tool;  ///< in World
+	ToolState tool;  ///< state of the tool in World
 	SpentImpulse bodies[kMirroredBodies];
 };
 

@@ -79,8 +79,8 @@ extern "C"
 		uint32_t handedness;                         /* DEVICEBRIDGE_LEFT or DEVICEBRIDGE_RIGHT; zero: either, or unknown */
 		double peak_force, continuous_force;         /* [N] */
 		double peak_torque, continuous_torque;       /* [N m] */
-		double max_stiffness, max_angular_stiffness; /* at 1 kHz [N/m, N m/rad] */
-		double max_damping, max_angular_damping;     /* at 1 kHz [N s/m, N m s/rad] */
+		double max_stiffness, max_angular_stiffness; /* largest stiffness at 1 kHz [N/m, N m/rad] */
+		double max_damping, max_angular_damping;     /* largest damping at 1 kHz [N s/m, N m s/rad] */
 		double resolution, angular_resolution;       /* [m, rad] */
 		double workspace_radius;                     /* radius of the inscribed ball [m] */
 		double nominal_rate;                         /* rate of the samples [Hz]; zero: 1000 */

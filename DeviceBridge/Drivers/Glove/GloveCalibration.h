@@ -24,9 +24,9 @@ struct GloveCalibration
 /// calibrated.
 GloveCalibration roughGloveCalibration();
 /// Calibrates from one value of each sensor in each of two poses. `flat`: the hand flat on a table, fingers together (all angles zero).
-/// `fist`: the fist closed and the wrist straight (bends of 90 degrees; 50 degrees at the thumb). A sensor whose two values differ by less
-/// than 10 steps is refused by name. Abductions, palm and wrist are exceptions: they keep the gain of the rough calibration and take their
-/// zero from the flat hand.
+/// `fist`: the fist closed and the wrist straight (bends of 90 degrees; 60 at the distal joints, 50 at the thumb). A sensor whose two
+/// values differ by less than 10 steps is refused by name. Abductions, palm and wrist are exceptions: they keep the gain of the rough
+/// calibration and take their zero from the flat hand.
 ist::Result<GloveCalibration> calibrateGlove(const GloveValues& flat, const GloveValues& fist, bool hasDistal);
 
 /// Format: {"schema":1,"sensors":{"thumb_roll":{"offset":..,"gain":..},...}}, with every sensor by name and nothing else.

@@ -17,8 +17,8 @@ struct RumbleSettings
 	double fullTorque = 0.1;  ///< torque that drives the weak motor at its maximum [N m]
 };
 
-/// A game controller through SDL2. The left stick is the handle in x and y, and the right stick's vertical axis is z (W = x to the right, y
-/// up, z towards the user). Buttons are numbered as in SDL_GameControllerButton. A controller cannot push: the magnitude of the force
+/// A game controller through SDL2. The left stick is the handle in x and y, and the right stick's vertical axis is z. W has x to the right,
+/// y up, z towards the user. Buttons are numbered as in SDL_GameControllerButton. A controller cannot push: the magnitude of the force
 /// drives the strong motor, that of the torque the weak one.
 class RumbleLink final : public DeviceLink
 {

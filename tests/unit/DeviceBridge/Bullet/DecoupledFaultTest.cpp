@@ -171,9 +171,9 @@ namespace
 enum class Served
 {
 	Never,         ///< no thread was started
-	InTheTest,     ///< in the test's thread, after each tick
-	ByItsThread,   ///< by the thread of BulletDecoupledSource::startContactThread
-	UntilStopped,  ///< by its thread until that was stopped
+	InTheTest,     ///< answers in the test's thread, after each tick
+	ByItsThread,   ///< answers by the thread of startContactThread()
+	UntilStopped,  ///< answers by that thread until it was stopped
 	Count
 };
 const char* const kServed[] = {"never served", "served in the test", "served by its thread", "its thread was stopped"};

@@ -102,7 +102,7 @@ TEST(GloveHand, AFlatHandHasTheLengthThatWasAskedFor)
 	EXPECT_NEAR(at(hand, kMiddleTip).z, -0.2, 1e-12);
 	for (const int first : kFirstJoints)
 		for (int i = 1; i < 4; ++i) EXPECT_LT(norm(cross(bone(hand, first + i), ist::Vec3{0, 0, -1})), 1e-12);
-	EXPECT_LT(at(hand, kThumbTip).x, at(hand, kIndexTip).x);  // for a right hand with the palm down, the thumb is on the left
+	EXPECT_LT(at(hand, kThumbTip).x, at(hand, kIndexTip).x);  // the thumb of a right hand with the palm down is on the left
 	for (const HandJoint& joint : hand.joints) EXPECT_TRUE(joint.tracked && joint.radius > 0.003);
 }
 
