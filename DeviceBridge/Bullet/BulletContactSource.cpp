@@ -18,7 +18,7 @@ namespace
 {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// The least, since the coupling knows one inertia only and is stable with any that is not too large.
+/// The least principal inertia, because the coupling takes a single inertia and is stable with any that is not too large.
 double leastInertia(const btRigidBody& body)
 {
 	const btVector3& inverse = body.getInvInertiaDiagLocal();
@@ -48,7 +48,7 @@ BulletContactSource::BulletContactSource(
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
 	m_store.measureQueryTime(true);
-	if (m_coupling.adapts()) m_store.sumDamping(true);  // a damper resists, whoever solves the world
+	if (m_coupling.adapts()) m_store.sumDamping(true);  // a damper resists with any solver
 	if (settings.gravity) return;
 	m_tool.setFlags(m_tool.getFlags() | BT_DISABLE_WORLD_GRAVITY);
 	m_tool.setGravity(btVector3(0, 0, 0));
@@ -56,7 +56,7 @@ BulletContactSource::BulletContactSource(
 
 void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
-	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass stands for a spring times the square of the step
+	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass is that of a spring times the square of the step
 	{
 		step.coupling = {};
 		step.tool = toolState();
@@ -84,7 +84,7 @@ ToolState BulletContactSource::toolState() const noexcept
 		{R_WB * toVec3(m_tool.getLinearVelocity()), R_WB * toVec3(m_tool.getAngularVelocity())}};
 }
 
-/// By Bullet's own contacts or by joints, which have no stiffness that one could know.
+/// Whether the tool touches by Bullet's own contacts or by joints, whose stiffness is unknown.
 bool BulletContactSource::isHeldByBullet() const noexcept
 {
 	if (m_tool.getNumConstraintRefs() > 0) return true;
@@ -98,7 +98,7 @@ bool BulletContactSource::isHeldByBullet() const noexcept
 	return false;
 }
 
-/// To the contacts of the step before: those of this one are found in it.
+/// Adapts the coupling to the contacts of the previous step, because those of this step are not found yet.
 void BulletContactSource::adapt(double dt, const DeviceState& hand) noexcept
 {
 	if (!m_coupling.adapts() || !(dt > 0)) return;
@@ -114,7 +114,7 @@ void BulletContactSource::adapt(double dt, const DeviceState& hand) noexcept
 				addResistance(resistance, patch.stiffness, patch.damping, patch.point - toVec3(m_tool.getWorldTransform().getOrigin()), dt);
 	}
 	const bool hasMass = !m_settings.gains.isStatic;
-	// A tool that cannot turn is led by no spring there.
+	// No spring acts on a tool's rotation if the tool cannot turn.
 	const double least = leastInertia(m_tool), inertia = hasMass && std::isfinite(least) ? least : 0;
 	m_coupling.adapt(resistance, rigid, hasMass ? m_mass : 0, inertia, hand.X_WH, toolState().X_WT, dt);
 }
@@ -129,7 +129,7 @@ ist::Wrench BulletContactSource::pull(double dt, const DeviceState& hand) const 
 	return isFinite(wanted) ? wanted : ist::Wrench();
 }
 
-/// Before a step on a static coupling.
+/// Clears the tool's momentum before a step on a static coupling.
 void BulletContactSource::forgetMomentum(double dt) noexcept
 {
 	const CouplingGains& gains = m_coupling.gains();
@@ -142,7 +142,7 @@ void BulletContactSource::forgetMomentum(double dt) noexcept
 	const double mass = goes ? staticMass(gains.stiffness, dt) : m_mass;
 	m_tool.setMassProps(btScalar(mass), turns ? btVector3(inertia, inertia, inertia) : before);
 	m_tool.updateInertiaTensor();
-	// Its weight is that of the body as it came.
+	// The weight remains that of the original mass.
 	m_tool.applyCentralForce(m_tool.getGravity() * btScalar(m_mass - mass));
 	if (goes) m_tool.setLinearVelocity(btVector3(0, 0, 0));
 	if (turns) m_tool.setAngularVelocity(btVector3(0, 0, 0));
@@ -155,7 +155,8 @@ void BulletContactSource::applyToTool(const ist::Wrench& inW) noexcept
 	m_tool.applyTorque(toBullet(R_BW * inW.torque));
 }
 
-/// Of the tool, in the step that is over. The solver has gone on to the next one; what is older sleeps or was not evaluated.
+/// Whether it is a contact of the tool in the step just taken. The solver already counts the next step; an older contact sleeps or was not
+/// evaluated.
 bool BulletContactSource::isFresh(const btISTContact& contact) const noexcept
 {
 	return contact.stamp + 1 == m_store.step() && contact.patchCount > 0 && (contact.bodyA == &m_tool || contact.bodyB == &m_tool);

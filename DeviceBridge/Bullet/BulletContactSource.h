@@ -11,34 +11,35 @@ struct BulletToolSettings
 {
 	CouplingGains gains;
 	ist::Pose X_BW;        ///< the device's world W in Bullet's World B; rigid, so that forces and lengths keep their size
-	bool gravity = false;  ///< does gravity act on the tool? By default the hand carries it without feeling its weight
+	bool gravity = false;  ///< whether gravity acts on the tool. By default the hand carries the tool without feeling its weight
 };
 
-/// A Bullet world that the stepping thread owns: each tick is one step of it, and the tool is an ordinary body of the caller's on
-/// a virtual coupling. What the coupling pulls the tool with is what the hand feels, so action equals reaction by construction.
+/// A Bullet world that the stepping thread owns: each tick is one step of it. The tool is an ordinary body of the caller's, on a virtual
+/// coupling. The hand feels the reaction of the wrench with which the coupling pulls the tool, so action equals reaction by construction.
 ///
-/// T is the body's centre-of-mass frame. Contacts are those of the step: found at the pose in which it began, with the impulse that
-/// it ended with divided by its length. `onTool` is about the origin of T in that pose, and so is `coupling`; `tool` is where the
-/// step ended. World, store and tool outlive this; between ticks the thread that runs the ticks is their only owner.
+/// T is the body's centre-of-mass frame. Contacts are those of the step: they are found at the pose at its beginning. Their force is the
+/// final impulse divided by the length of the step. `onTool` and `coupling` are about the origin of T in that pose; `tool` is the state
+/// after the step. World, store and tool must outlive this object. Between ticks the thread that runs the ticks is their only owner.
 class BulletContactSource final : public ContactSource
 {
 public:
-	/// `tool` is a dynamic body of `world`, which fills `store`. One of mass 0, which Bullet never moves, is refused.
-	/// From here on the tool is never put to sleep; on a static coupling it has the mass and
-	/// inertia of staticMass(), though its weight stays.
+	/// `tool` is a dynamic body of `world`, and `world` fills `store`. A tool of mass 0 is refused, because Bullet never moves it. From now
+	/// on the tool is never put to sleep. On a static coupling it has the mass and inertia of staticMass(), but keeps its weight.
 	BulletContactSource(btDynamicsWorld& world, btISTContactStore& store, btRigidBody& tool, const BulletToolSettings& settings);
 	BulletContactSource(btISTWorld& world, btRigidBody& tool, const BulletToolSettings& settings)
 		: BulletContactSource(world.bullet(), world.contacts(), tool, settings)
 	{}
 
-	/// Without a pull when the hand is not finite or not rigid. On a static coupling a step of no length does nothing. O(bodies and
-	/// contacts); allocates only when the world grows: what Bullet does, and a query at the first meeting of trees larger than any before.
+	/// Advances the world. The tool is not pulled if the hand is not finite or not rigid. On a static coupling a step of length 0 does
+	/// nothing. O(bodies and contacts). It allocates only when the world grows: as Bullet does, and in the first query of trees larger than
+	/// any before.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
-	/// Why the tool cannot be led, as it came. If it is not empty, nothing pulls tool or hand; the world is stepped all the same.
+	/// Why the tool could not be coupled when it was passed in. If it is not empty, neither tool nor hand is pulled, but the world is
+	/// stepped.
 	const char* refusal() const noexcept override { return m_refusal; }
 
-	/// In W.
+	/// State of the tool, in W.
 	ToolState toolState() const noexcept;
 
 private:
@@ -57,7 +58,7 @@ private:
 	BulletToolSettings m_settings;
 	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;
-	double m_mass;  // of the tool as it came [kg]
+	double m_mass;  // mass of the tool when it was passed in [kg]
 	const char* m_refusal;
 };
 }  // namespace devicebridge

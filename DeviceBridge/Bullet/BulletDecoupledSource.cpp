@@ -24,7 +24,7 @@ double microsecondsSince(std::chrono::steady_clock::time_point begin)
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// 1 up to `trusted`, 0 from twice that on.
+/// Weight 1 up to `trusted`, 0 from twice that on.
 double trust(double way, double trusted) { return std::clamp(2 - way / trusted, 0.0, 1.0); }
 
 void scale(LinearContact& c, double factor)
@@ -54,7 +54,7 @@ BulletDecoupledSource::BulletDecoupledSource(
 	m_local.tool.mass = hasMass ? 1 / double(tool.getInvMass()) : kInfinite;
 	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = accepted ? inverseInertia[i] : 0;
 	m_leastInertia = 1 / std::max({inverseInertia.x, inverseInertia.y, inverseInertia.z});
-	// What never moves has no weight that could be felt: infinity times nothing would be no number.
+	// A tool that never moves has no weight that could be felt; infinity times zero would not be a number.
 	if (settings.gravity && hasMass) m_local.tool.gravity = toVec3(tool.getGravity());
 	if (hasMass) m_weight = m_local.tool.mass * m_local.tool.gravity;
 	m_local.tool.state = {toPose(tool.getWorldTransform()), {toVec3(tool.getLinearVelocity()), toVec3(tool.getAngularVelocity())}};
@@ -81,7 +81,7 @@ ToolState BulletDecoupledSource::toolState() const noexcept
 
 void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
-	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass stands for a spring times the square of the step
+	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass is that of a spring times the square of the step
 	{
 		step.coupling = {};
 		step.tool = toolState();
@@ -131,7 +131,7 @@ void BulletDecoupledSource::takeSnapshot(std::int64_t now) noexcept
 	m_period.store(m_worldAge.period(), std::memory_order_relaxed);
 }
 
-/// To the contacts of this very step.
+/// Adapts the coupling to the contacts of this step.
 void BulletDecoupledSource::adapt(double dt, const DeviceState& hand) noexcept
 {
 	if (!m_coupling.adapts() || !(dt > 0)) return;
@@ -144,7 +144,7 @@ void BulletDecoupledSource::adapt(double dt, const DeviceState& hand) noexcept
 		rigid = rigid || c.friction > 0;
 	}
 	const bool hasMass = !m_settings.gains.isStatic;
-	// A tool that cannot turn, or move, is led by no spring there.
+	// No spring acts on a degree of freedom in which the tool cannot move.
 	const auto momentum = [&](double inert) { return hasMass && std::isfinite(inert) ? inert : 0; };
 	m_coupling.adapt(resistance, rigid, momentum(m_local.tool.mass), momentum(m_leastInertia), hand.X_WH, toolState().X_WT, dt);
 }
@@ -158,7 +158,7 @@ ist::Wrench BulletDecoupledSource::pull(double dt, const DeviceState& hand) cons
 	return isFinite(wanted) ? wanted : ist::Wrench();
 }
 
-/// Before a step on a static coupling.
+/// Clears the tool's momentum before a step on a static coupling.
 void BulletDecoupledSource::forgetMomentum(double dt) noexcept
 {
 	const CouplingGains& gains = m_coupling.gains();
@@ -179,7 +179,7 @@ void BulletDecoupledSource::forgetMomentum(double dt) noexcept
 void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexcept
 {
 	const ContactThreading wanted = topology();
-	// Whatever the topology is now: bodies are released only when no question points to them any more.
+	// Taken in every mode, because bodies are released only after the last question about them was answered.
 	takeAnswer();
 	if (wanted != m_lastTopology)
 	{
@@ -239,11 +239,11 @@ void BulletDecoupledSource::feelAnswer(std::int64_t now, ToolStep& step) noexcep
 	step.overlapVolume = answer.volume;
 }
 
-/// At most one question is out at a time: the trees that it points to must live until it was answered or taken back.
+/// At most one question is open at a time, because the trees in it must live until it was answered or withdrawn.
 void BulletDecoupledSource::ask(std::int64_t now) noexcept
 {
 	const WorldSnapshot& world = m_mirror.snapshot();
-	// A thread that does not run would keep a body that leaves for ever.
+	// A thread that does not run would otherwise keep a leaving body for ever.
 	for (int slot = 0; slot < kMirroredBodies; ++slot)
 		if (world.bodies[slot].leaving && !mayRelease(slot)) takeQuestionBack();
 	if (awaitsAnswer()) return;
@@ -255,7 +255,7 @@ void BulletDecoupledSource::ask(std::int64_t now) noexcept
 	{
 		const MirroredBody& body = world.bodies[slot];
 		MirroredBody& asked = question.bodies[slot];
-		// Empty slots are many, and a body is long: only tenants are copied.
+		// Only occupied slots are copied, because most are empty and a body is large.
 		asked.epoch = body.epoch;
 		if (body.epoch == 0) continue;
 		asked = body;
@@ -267,7 +267,7 @@ void BulletDecoupledSource::ask(std::int64_t now) noexcept
 	m_thread.wake();
 }
 
-/// A question that no thread has begun with is replaced by none. If a thread has begun with it, its answer will come: one try is enough.
+/// Replaces a question that no thread has begun by an empty one. If a thread has begun it, its answer will come, so one attempt is enough.
 void BulletDecoupledSource::takeQuestionBack() noexcept
 {
 	if (!awaitsAnswer() || m_triedToTakeBack) return;
@@ -276,7 +276,7 @@ void BulletDecoupledSource::takeQuestionBack() noexcept
 	if (m_questions.publish()) m_settled = m_asked;
 }
 
-/// Linear models that still belong to tenants, moved to where tool and copies are.
+/// Takes the linear models of bodies that still have their slots, moved to the present poses of tool and copies.
 void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, double factor) noexcept
 {
 	std::optional<ContactMotion> motion;
@@ -286,7 +286,7 @@ void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, 
 		const int slot = contacts[i].b;
 		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
 		if (body.epoch == 0 || body.leaving || body.epoch != contacts[i].epoch) continue;
-		// The patches of one body stand together, and were found at the same poses.
+		// The patches of one body are consecutive and were found at the same poses.
 		if (motionOf != slot) motion.emplace(contacts[i], m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB);
 		motionOf = slot;
 		double way = 0;
@@ -297,7 +297,7 @@ void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, 
 	}
 }
 
-/// A contact counts as far as its copy is trusted, the world is in time, and it did not begin inside.
+/// Scales each contact by how far its copy is trusted, the world is in time, and the contact has faded in.
 void BulletDecoupledSource::weighContacts(double dt, double factor) noexcept
 {
 	bool touched[kMirroredBodies] = {};

@@ -16,13 +16,13 @@ class btRigidBody;
 
 namespace devicebridge
 {
-/// Which thread asks the trees. The world steps in its own thread in every case.
+/// The thread that queries the trees. The world steps in its own thread in every case.
 enum class ContactThreading
 {
 	InHapticThread,  ///< the hand's thread, in each tick
-	OwnThread,       ///< one of its own; in between the hand feels the last answer as a linear model
-	InWorldThread,   ///< the world's, once a step: the hand feels linear models only
-	// Former names, until 0.4.
+	OwnThread,       ///< a separate thread; between its answers the hand feels a linear model of the last one
+	InWorldThread,   ///< the world's thread, once per step; the hand feels linear models only
+	// Former names, kept until 0.4.
 	InTick = InHapticThread,
 	InWorld = InWorldThread
 };
@@ -32,81 +32,82 @@ struct BulletDecoupledSettings
 {
 	CouplingGains gains;
 	ist::Pose X_BW;        ///< the device's world W in Bullet's World B
-	bool gravity = false;  ///< does the tool weigh on the hand?
+	bool gravity = false;  ///< whether the hand feels the tool's weight
 	ContactThreading topology = ContactThreading::InHapticThread;
-	bool realTime = true;        ///< ask for SCHED_FIFO for the contact thread
-	int priority = 70;           ///< of it; below that of the hand's thread
-	std::int64_t maxPairs = -1;  ///< budget of a query; beyond it a coarser level answers (TreeLevels.h). Negative: none
-	std::int64_t fullUntil = 5'000'000,
-				 zeroFrom = 20'000'000;  ///< a model that is so much later than expected counts in full, for nothing [ns]
-	double fadeIn = 0.25;                ///< of a contact that begins inside [s]
-	double trustedWay = 0.1;      ///< a copy counts in full up to this way since the last step, and for nothing from twice that on [m]
-	double trustedModel = 0.005;  ///< the same for a linear model of the tool's contact, and the way of the tool on the body [m]
+	bool realTime = true;        ///< whether the contact thread requests SCHED_FIFO
+	int priority = 70;           ///< priority of the contact thread; below that of the hand's thread
+	std::int64_t maxPairs = -1;  ///< largest number of pairs of a query; beyond it a coarser level is used (TreeLevels.h). Negative: none
+	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< delays of a model beyond its period: full weight up to, none from [ns]
+	double fadeIn = 0.25;                                       ///< time over which a contact that begins inside fades in [s]
+	double trustedWay = 0.1;      ///< displacement since the last step up to which a copy has full weight; from twice this it has none [m]
+	double trustedModel = 0.005;  ///< the same for a linear model of the tool's contact and the displacement of the tool on the body [m]
 };
 
-/// Readable while it runs, from any thread.
+/// Counters that any thread may read while the source runs.
 struct DecoupledStatistics
 {
-	std::uint64_t worldSteps = 0;         ///< that were seen
-	std::uint64_t modelAnswers = 0;       ///< of the contact thread, or of the world where that finds the contacts
-	std::uint64_t fadedTicks = 0;         ///< in which a model was so late that it counted in part or for nothing
-	std::uint64_t coarsenedQueries = 0;   ///< answered by a coarser level, to keep the budget
-	std::uint64_t queriesOverBudget = 0;  ///< that no level could answer within it; asked without
-	std::uint64_t refusedQueries = 0;     ///< without an answer (ist::QueryStatus), and so without a force; none in good health
-	std::uint64_t brokenSteps = 0;        ///< after which the tool's twist was not finite (ToolStep::toolIsBroken); none in good health
-	bool contactRealTime = false;         ///< the contact thread runs, or ran, with SCHED_FIFO
-	double modelAge = 0, longestModelAge = 0;  ///< of the world [s]
-	double period = 0;                         ///< of the world, as learnt [s]
+	std::uint64_t worldSteps = 0;         ///< number of world steps that were received
+	std::uint64_t modelAnswers = 0;       ///< number of answers of the contact thread, or of the world if that finds the contacts
+	std::uint64_t fadedTicks = 0;         ///< number of ticks in which a late model had partial or no weight
+	std::uint64_t coarsenedQueries = 0;   ///< number of queries that used a coarser level to stay within the budget
+	std::uint64_t queriesOverBudget = 0;  ///< number of queries that exceed the budget at every level; they ran without a budget
+	std::uint64_t refusedQueries = 0;     ///< number of queries without an answer (ist::QueryStatus), and so without a force; normally zero
+	std::uint64_t brokenSteps = 0;  ///< number of steps after which the tool had a twist that is not finite (toolIsBroken); normally zero
+	bool contactRealTime = false;   ///< whether the contact thread runs, or ran, with SCHED_FIFO
+	double modelAge = 0, longestModelAge = 0;  ///< present and longest age of the world's last step [s]
+	double period = 0;                         ///< learnt period of the world [s]
 };
 
-/// What one answer of the contact thread took.
+/// Cost of one answer of the contact thread.
 struct ContactAnswerCost
 {
-	std::uint64_t number = 0;  ///< of the answer, counted from 1; 0: none yet
-	std::int64_t pairs = 0;    ///< intersecting leaves
-	/// On a processor since the answer before, waiting for the question included [us]. 0 for the first of a thread that is not the source's
-	/// own.
+	std::uint64_t number = 0;  ///< number of the answer, counted from 1; 0: none yet
+	std::int64_t pairs = 0;    ///< number of pairs of leaves that intersect
+	/// Processor time since the previous answer, waiting for the question included [us]. 0 for the first answer of a thread that the source
+	/// did not start.
 	double threadMicroseconds = 0;
-	double queryMicroseconds = 0;  ///< of this, in the queries themselves
+	double queryMicroseconds = 0;  ///< part of this time that the queries themselves took [us]
 };
 
-/// Contact with a world that somebody else steps, at any rate and in any thread (decoupled mode). The tool is in no world: this
-/// integrates it on the virtual coupling, in each tick, against copies of the bodies near it (BulletLocalWorld). BulletWorldCoupling
-/// carries what happens to and fro.
+/// Contact with a world that another part of the program steps, at any rate and in any thread (decoupled mode). The tool is in no world. In
+/// each tick this class integrates the tool on the virtual coupling, against copies of the bodies near it (BulletLocalWorld).
+/// BulletWorldCoupling exchanges states and impulses with the world.
 ///
-/// Frames and `ToolStep` as with BulletContactSource; `ToolContact::other` is the btCollisionObject. When the world is late, contacts
-/// fade, and `ToolStep::overdue` says so to the stepping thread; after that they fade in anew.
+/// Frames and `ToolStep` are as with BulletContactSource; `ToolContact::other` is the btCollisionObject. When the world is late, contacts
+/// fade, and `ToolStep::overdue` tells the stepping thread. When the world goes on, they fade in again.
 class BulletDecoupledSource final : public ContactSource
 {
 public:
-	/// `tool` gives mass, inertia, pose, friction and, as the key in the table of materials, stiffness. It is in no world; its own pose
-	/// stays as it is. Mass 0 is for static couplings: such a tool weighs nothing. With a dynamic coupling it is refused.
-	/// `tree` speaks for its shape. `tool` and `clock`, which is that of the stepping thread, outlive this.
+	/// `tool` gives mass, inertia, pose, friction and, as the key in the table of materials, stiffness. It is in no world, and its own pose
+	/// does not change. Mass 0 is for static couplings: such a tool has no weight. With a dynamic coupling it is refused. `tree` is the
+	/// tree of its shape. `tool` must outlive this object, and so must `clock`, the stepping thread's clock.
 	BulletDecoupledSource(
 		btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
 	~BulletDecoupledSource() override;
 
-	/// Allocates nothing but where a tree is larger than the tool's and any that reserve() was told of.
+	/// Allocates nothing, unless a tree is larger than the tool's and than any passed to reserve().
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
-	/// whyNotCoupled() of the tool as it came. If it is not empty, the tool stays where it is, and neither hand nor tool feels anything.
+	/// whyNotCoupled() of the tool when it was passed in. If it is not empty, the tool does not move, and neither hand nor tool feels a
+	/// force.
 	const char* refusal() const noexcept override { return m_refusal; }
 
-	// From any thread:
+	// For any thread:
 	void setTopology(ContactThreading topology) noexcept { m_topology.store(topology, std::memory_order_relaxed); }
 	ContactThreading topology() const noexcept { return m_topology.load(std::memory_order_relaxed); }
 	DecoupledStatistics statistics() const noexcept;
 
-	// From the thread that set it up:
-	/// The thread for ContactThreading::OwnThread. False when it runs already or cannot be started.
+	// For the thread that set it up:
+	/// Starts the thread for ContactThreading::OwnThread. Returns false if it runs already or cannot be started.
 	bool startContactThread();
 	void stopContactThread() noexcept;
-	/// One answer of that thread on the caller's, for virtual time. False when nothing was asked.
+	/// Computes one answer of that thread on the calling thread, for virtual time. Returns false if there is no question.
 	bool serveContacts() noexcept;
 
-	// Thread of the world:
-	/// Before the hand is shown a body with this tree, lest a tick or the contact thread allocate. BulletWorldCoupling does it when a body
-	/// comes near; at load time it spares the step of that. O(leaves), where no larger tree came before.
+	// For the thread of the world:
+	/// Reserves the memory for queries of this tree, so that neither a tick nor the contact thread allocates. Call it before the hand
+	/// receives a body with this tree. BulletWorldCoupling does so when a body comes near; a call at load time saves that cost in the step.
+	/// O(leaves), if no larger tree came before.
 	void reserve(const ist::InnerSphereTree& tree);
 	[[deprecated("since 0.3: reserve")]] void makeRoom(const ist::InnerSphereTree& tree) { reserve(tree); }
 	WorldMirror& mirror() noexcept { return m_mirror; }
@@ -114,32 +115,32 @@ public:
 	const std::shared_ptr<const ist::InnerSphereTree>& toolTree() const noexcept { return m_tree; }
 	const BulletDecoupledSettings& settings() const noexcept { return m_settings; }
 
-	// Between ticks, for those who keep the books:
-	/// All that contacts have given to the tool, in Bullet's World [N s].
+	// Between ticks, for a balance of momentum:
+	/// Sum of the impulses that contacts have given to the tool, in Bullet's World [N s].
 	const ist::Vec3& receivedImpulse() const noexcept { return m_local.given(); }
-	/// The ledger: what the tool has given to bodies and the world, as far as is known here, has not taken yet [N s].
+	/// Impulse that the tool has given to bodies and that the world, as far as this object knows, has not taken yet [N s].
 	ist::Vec3 undelivered() const noexcept;
-	/// In W.
+	/// State of the tool, in W.
 	ToolState toolState() const noexcept;
 
-	// On the tick, or between ticks: what the last one felt, in Bullet's World.
+	// In a tick or between ticks: contacts of the last tick, in Bullet's World.
 	int touchingCount() const noexcept { return m_touchingCount; }
-	/// A patch, the tool being A, as far as it counted.
+	/// A patch, with the tool as A, scaled by its weight.
 	const LinearContact& touching(int i) const noexcept { return m_touching[i]; }
-	/// The btCollisionObject that it is with; null when that was forgotten.
+	/// The btCollisionObject that the tool touches there; null if forget() was called for it.
 	const void* touched(int i) const noexcept { return m_mirror.snapshot().bodies[m_touching[i].b].id; }
-	/// Of the newest answer that the tick has seen (ContactThreading::OwnThread).
+	/// Cost of the newest answer that a tick has taken (ContactThreading::OwnThread).
 	ContactAnswerCost lastAnswer() const noexcept { return m_answers.readable().cost; }
-	/// Where the copy of a body is; false, and nothing done, when it is not near.
+	/// Pose of the copy of a body. Returns false and changes nothing if the body is not near.
 	bool copyOf(const void* object, ist::Pose& X_WB) const noexcept;
 
 private:
 	struct Question
 	{
-		std::uint64_t number = 0;  // 0: none; it took the place of one that was taken back
+		std::uint64_t number = 0;  // 0: no question; it replaced one that was withdrawn
 		std::int64_t askedAt = 0;  // [ns]
 		ist::Pose X_WT;
-		MirroredBody bodies[kMirroredBodies];  // with the poses of the copies
+		MirroredBody bodies[kMirroredBodies];  // bodies with the poses of the copies
 	};
 	struct Answer
 	{
@@ -177,7 +178,7 @@ private:
 	ist::Pose m_X_WB;
 	double m_leastInertia = 0;
 	const char* m_refusal;
-	ist::Vec3 m_weight;  // of the tool, in World, as far as the hand is to feel it [N]
+	ist::Vec3 m_weight;  // weight of the tool that the hand is to feel, in World [N]
 	std::atomic<ContactThreading> m_topology;
 
 	WorldMirror m_mirror;
@@ -192,9 +193,9 @@ private:
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	BulletToolContacts m_threadFinder;
-	double m_threadTime = -1;                            // when the last answer was published; negative: none yet on this thread
-	std::uint64_t m_asked = 0, m_settled = 0;            // newest question, and newest of those that were answered or taken back
-	std::uint64_t m_lastQuestion[kMirroredBodies] = {};  // that points to the tree of the slot
+	double m_threadTime = -1;                  // processor time when the last answer was published; negative: no answer yet on this thread
+	std::uint64_t m_asked = 0, m_settled = 0;  // newest question, and newest of those that were answered or withdrawn
+	std::uint64_t m_lastQuestion[kMirroredBodies] = {};  // newest question that refers to the tree of the slot
 	bool m_triedToTakeBack = false;
 	std::atomic<bool> m_contactRealTime{false};
 

@@ -74,7 +74,7 @@ std::optional<Error> BulletHand::addPart(int index, const Pose& X_WB, const Bull
 	hull->recalcLocalAabb();
 	part.shape = std::move(hull);
 	part.mass = index == kHandPart ? settings.palmMass : settings.partMass;
-	// The coupling knows one inertia, and so has the body: the largest of its shape.
+	// The coupling takes a single inertia, so the body has one, too: the largest of its shape.
 	const Mat3& shape = made.tree->inertia;
 	part.inertia = part.mass / made.tree->volume * std::max({shape.m[0][0], shape.m[1][1], shape.m[2][2]});
 	part.gains = {settings.stiffness, settings.angularStiffness, 2 * std::sqrt(settings.stiffness * part.mass),
@@ -105,7 +105,7 @@ void BulletHand::drive(const HandState& hand, double h) noexcept
 	{
 		Part& part = m_parts[static_cast<std::size_t>(i)];
 		CouplingGains gains = part.gains;
-		// The dampers stay: a hand that has let go comes to rest.
+		// The dampers stay, so that a hand that has released its grip comes to rest.
 		gains.stiffness *= m_watch->grip();
 		gains.angularStiffness *= m_watch->grip();
 		const HandTrackingMonitor::Target& target = m_watch->target(i);

@@ -19,7 +19,7 @@ std::unique_ptr<HeatMap> makeHeatMap(const HandModel& hand, Mesh object)
 
 namespace
 {
-/// `use`: with the part, and its contact as it stands for `seconds`.
+/// Calls `use` with each part that touches and its contact, which represents `seconds`.
 template <class Use>
 void forEachTouch(const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h,
 	double seconds, const Use& use)
@@ -56,7 +56,7 @@ double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore&
 
 BulletHeatMapRounds::BulletHeatMapRounds(HeatMap& map, int looks) : m_map(map), m_looks(looks) { m_touches.reserve(4 * kHandParts); }
 
-/// True when the moment in progress is done.
+/// Returns true if the present moment is done.
 bool BulletHeatMapRounds::work(int looks)
 {
 	for (; !m_touches.empty() && looks > 0; m_touches.pop_back())

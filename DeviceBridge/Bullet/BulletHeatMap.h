@@ -8,30 +8,31 @@
 
 namespace devicebridge
 {
-/// A map for an object that this hand is to touch: parts in the order of HandPart, with GRAB's names and labels.
+/// Makes a heat map for an object that this hand is to touch. The parts are in the order of HandPart, with GRAB's names and labels.
 std::unique_ptr<HeatMap> makeHeatMap(const HandModel& hand, ist::Mesh object);
 
-/// Into a map of makeHeatMap, after a step of `h` [s] of the world: what the parts of the hand did to `object`. `X_BM`: of the map's mesh
-/// in the object's body frame. `seconds`: for how long this step stands, `h` when every step is added. Gives the force that was added, the
-/// sum of the parts' [N]. No allocation.
+/// Adds to a map of makeHeatMap the contacts of the hand's parts with `object`; call it after a step of `h` [s] of the world. `X_BM` is the
+/// pose of the map's mesh in the object's body frame. `seconds` is the time that this step represents: `h` if every step is added. Returns
+/// the sum of the parts' forces that were added [N]. No allocation.
 double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const ist::Pose& X_BM,
 	double h, double seconds) noexcept;
 
-/// A map that takes a little of every step: all touches of one moment are worked off over as many steps as that takes, and then those of
-/// another one. Each moment stands for the time since the one before.
+/// Fills a heat map with a bounded cost per step. It processes all touches of one moment over several steps and then continues with the
+/// touches of a new moment. Each moment represents the time since the previous one.
 class BulletHeatMapRounds
 {
 public:
-	/// `looks`: closest points a step, of some 0.5 us each (HeatMap::advance). The map outlives this, and is given nothing else meanwhile.
+	/// `looks` is the number of closest-point queries per step, about 0.5 us each (HeatMap::advance). The map must outlive this object, and
+	/// nothing else may add to it meanwhile.
 	BulletHeatMapRounds(HeatMap& map, int looks);
-	/// After a step, as addTouches. No allocation but for more touches than ever.
+	/// Call it after a step, with arguments as in addTouches. It allocates only if there are more touches than ever before.
 	void step(const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const ist::Pose& X_BM, double h);
-	/// The rest of the moment in progress at once: before the map is read, or begins a new grasp. Of what came after that moment the map
-	/// knows nothing.
+	/// Processes the rest of the present moment at once. Call it before the map is read or a new grasp begins. Touches after that moment
+	/// are not in the map.
 	void finish();
-	/// Moments that were begun.
+	/// Number of moments that were begun.
 	int rounds() const { return m_rounds; }
-	/// For how long they stand [s], and the impulse of all their touches [N s].
+	/// Time that these moments represent [s], and the impulse of all their touches [N s].
 	double seconds() const { return m_seconds; }
 	double impulse() const { return m_impulse; }
 
@@ -45,7 +46,7 @@ private:
 
 	HeatMap& m_map;
 	int m_looks, m_rounds = 0;
-	std::vector<Touch> m_touches;  ///< of the moment, those still to be added; the last one may have been begun
+	std::vector<Touch> m_touches;  ///< touches of the moment that are still to be added; the last one may have been begun
 	bool m_begun = false;
 	double m_since = 0, m_seconds = 0, m_impulse = 0;
 };

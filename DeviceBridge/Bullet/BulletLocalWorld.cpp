@@ -41,7 +41,7 @@ void BulletLocalWorld::reconcile(const WorldSnapshot& world) noexcept
 		}
 		if (now.epoch == 0) continue;
 		SpentImpulse then = now.seen;
-		if (then.epoch != now.epoch)  // the world has heard nothing of this copy yet: as if it still were where it began
+		if (then.epoch != now.epoch)  // The world knows nothing of this copy yet, so the copy counts as still at its start.
 			then = {}, then.X_WB = copy.X_WB, then.twist = copy.twist;
 		copy.twist.linear += now.twist.linear - then.twist.linear;
 		copy.twist.angular += now.twist.angular - then.twist.angular;
@@ -62,8 +62,8 @@ int BulletLocalWorld::indexOf(int slotOrTool) noexcept
 	return slotOrTool >= 0 ? slotOrTool : slotOrTool == LinearContact::kTool ? kToolIndex : kFixedIndex;
 }
 
-/// Where the copy would be if all its error were gone. What is not the tool carries it there: measured against a table, a copy that is
-/// still on its way would be pressed into it by its own error.
+/// Pose of the copy after its whole correction. The copy's supports are evaluated there. Otherwise a copy with a remaining error would be
+/// pressed into its table by that error.
 ist::Pose BulletLocalWorld::putRight(int slot) const noexcept
 {
 	if (slot < 0) return {};
@@ -129,7 +129,7 @@ ist::Twist BulletLocalWorld::twistAt(int index, const ist::Vec3& point) const no
 	return {twist.linear + cross(twist.angular, point - m_rowBodies[index].center), twist.angular};
 }
 
-/// Of each row by itself: beside what a heavy body presses its own support with, all that the hand feels would count for nothing.
+/// Each row is checked by itself, because the force of a heavy body on its support would hide the forces that the hand feels.
 bool BulletLocalWorld::isSettled(const ist::Wrench& change, const ist::Wrench& whole) noexcept
 {
 	return norm(change.force) <= kSettled * norm(whole.force) + kSettledForce &&
@@ -138,7 +138,7 @@ bool BulletLocalWorld::isSettled(const ist::Wrench& change, const ist::Wrench& w
 
 void BulletLocalWorld::solve() noexcept
 {
-	bool moves[kIndices], stands[kIndices];  // what is moved by others is neither
+	bool moves[kIndices], stands[kIndices];  // a body that others move is neither
 	for (int i = 0; i < kIndices; ++i)
 	{
 		moves[i] = isMovable(m_rowBodies[i]);
@@ -166,7 +166,7 @@ void BulletLocalWorld::enterSpent(const LinearContact* touching, int count) noex
 	for (int i = 0; i < count; ++i)
 	{
 		m_impulses[i] = m_rows[i].impulse();
-		if (!isFinite(m_impulses[i])) m_impulses[i] = {};  // nothing that is not finite leaves here
+		if (!isFinite(m_impulses[i])) m_impulses[i] = {};  // only finite impulses are passed on
 		m_given += m_impulses[i].force;
 		SpentImpulse& copy = m_bodies[touching[i].b].spent;
 		const ist::Wrench onBody = -1.0 * m_impulses[i];

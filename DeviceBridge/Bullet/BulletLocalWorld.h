@@ -6,61 +6,61 @@
 
 namespace devicebridge
 {
-/// The tool, with the hand's thread as its only owner.
+/// The tool, which only the hand's thread accesses.
 struct LocalTool
 {
 	double mass = 1;                             ///< [kg]
 	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< axes of T [1/(kg m^2)]
 	ist::Vec3 gravity;                           ///< World [m/s^2]
-	ToolState state;                             ///< in World
+	ToolState state;                             ///< state of the tool in World
 };
 
-/// The hand's own copy of the bodies near the tool, which lives from one step of the world to the next and a little longer. The copies
-/// move under gravity, under the tool, and on what carries them (a linear model of each contact, as the world left it), with the same
-/// implicit rows that the world is solved with; so a light body gives way to the tool within a tick, and not by what an impulse of a
-/// whole step of the world would do to it. What the tool gives to a copy is added up, and the world gets exactly that.
+/// The hand's own copy of the bodies near the tool, valid from one step of the world to the next and a little longer. The copies move under
+/// gravity, under the tool, and on their supports, which are linear models of the world's contacts. The copies are solved with the same
+/// implicit rows as the world. So a light body yields to the tool within a tick, as it would not under the impulse of a whole step of the
+/// world. The impulses of the tool on a copy are summed, and the world gets exactly that sum.
 ///
-/// When the world has taken a step, its body and the copy as the world knew it are compared, and the difference is put right: of the
-/// velocity at once, of the pose over one period, so that no contact jumps.
+/// When the world has taken a step, its body is compared with the copy as the world knew it, and the difference is corrected. The velocity
+/// is corrected at once and the pose over one period, so that no contact jumps.
 ///
-/// Why this is passive: let J be the sum of a period. The tool's work on a free copy is J.(u0 + J/2m) with u0 its velocity when the
-/// world was published. The world puts J on the body at that very velocity: the same energy. What carries the body can only take from
-/// it. Only putting a pose right can do work on the tool; the passivity controller of the device stands behind that.
-/// One thread, no allocation.
+/// Why this is passive: let J be the impulse sum of a period. The tool's work on a free copy is J.(u0 + J/2m), with u0 its velocity when
+/// the world was published. The world applies J to the body at exactly that velocity: the same energy. The supports of the body can only
+/// remove energy. Only the correction of a pose can do work on the tool; the device's passivity controller covers that. One thread, no
+/// allocation.
 class BulletLocalWorld
 {
 public:
-	static constexpr double kTeleport = 0.05;  ///< a copy that is further off is put right at once, and its contact fades in anew [m]
+	static constexpr double kTeleport = 0.05;  ///< pose error above which a copy is corrected at once, and its contact fades in again [m]
 
-	/// A new snapshot.
+	/// Corrects the copies by a new snapshot.
 	void reconcile(const WorldSnapshot& world) noexcept;
-	/// One step of `h` [s] with `pull` on the tool about its centre, and its contacts as they are now.
+	/// Takes one step of `h` [s] with `pull` on the tool about its centre, and with the present contacts `touching`.
 	void step(double h, const ist::Wrench& pull, LinearContact* touching, int count, const WorldSnapshot& world) noexcept;
 
 	LocalTool tool;
 	struct Body
 	{
 		SpentImpulse spent;     ///< X_WB and twist are the copy's own
-		double share = 0;       ///< of the contact with the tool that counts; a contact that begins inside fades in
-		ist::Vec3 shift, turn;  ///< still to be put right
-		double left = 0;        ///< time for that [s]
+		double share = 0;       ///< weight of the contact with the tool; a contact that begins inside fades in
+		ist::Vec3 shift, turn;  ///< remaining correction of the pose [m, rad]
+		double left = 0;        ///< remaining time for it [s]
 	};
 	Body& body(int slot) noexcept { return m_bodies[slot]; }
 	const Body& body(int slot) const noexcept { return m_bodies[slot]; }
-	/// That the last step put on the tool in the contact `touching[i]`, about its point, World [N s, N m s].
+	/// Impulse on the tool in the last step from the contact `touching[i]`, about the contact's point, World [N s, N m s].
 	const ist::Wrench& impulse(int i) const noexcept { return m_impulses[i]; }
-	/// Whether the last step left the tool a twist that was not finite; it was set to zero.
+	/// Whether the last step gave the tool a twist that is not finite; the twist was then set to zero.
 	bool toolIsBroken() const noexcept { return m_toolIsBroken; }
-	/// All that the tool has given, and that contacts have given to it [N s].
+	/// Sum of the impulses that contacts have given to the tool [N s].
 	const ist::Vec3& given() const noexcept { return m_given; }
 
 private:
 	static constexpr int kToolIndex = kMirroredBodies, kFixedIndex = kMirroredBodies + 1, kIndices = kMirroredBodies + 2;
 	static constexpr int kRows = kMirroredContacts + kToolContacts;
-	static constexpr int kSweeps = 12;        // at most
-	static constexpr double kSettled = 1e-5;  // share of any row's impulse that a sweep may still change and be the last
-	// What it may change besides, of rows that carry next to nothing: at 1 kHz a micronewton, and that on an arm of a centimetre [N s, N m
-	// s].
+	static constexpr int kSweeps = 12;        // largest number of sweeps
+	static constexpr double kSettled = 1e-5;  // largest change in the last sweep, as a share of each row's impulse
+	// Absolute part of that limit, for rows with almost no impulse [N s, N m s]. At 1 kHz it is a micronewton, with a lever of a
+	// centimetre.
 	static constexpr double kSettledForce = 1e-9, kSettledTorque = 1e-11;
 
 	static int indexOf(int slotOrTool) noexcept;

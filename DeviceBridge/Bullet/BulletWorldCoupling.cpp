@@ -15,10 +15,10 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kReach = 0.03;        // [m]
-constexpr double kHandSpeed = 1;       // a body must be known before the tool can have got there within a step [m/s]
-constexpr double kLeaveAt = 1.5;       // of the reach at which a body enters
-constexpr double kStockPeriod = 1e-3;  // a contact without stiffness holds a copy at the pace of a tick [s]
+constexpr double kReach = 0.03;        // extra distance within which bodies are near [m]
+constexpr double kHandSpeed = 1;       // tool speed for which a body is known before the tool can reach it within a step [m/s]
+constexpr double kLeaveAt = 1.5;       // multiple of the entry distance at which a body leaves
+constexpr double kStockPeriod = 1e-3;  // period for the stiffness of a contact that has none, so that it holds a copy within a tick [s]
 
 bool isFiniteBody(const btCollisionObject& object)
 {
@@ -46,7 +46,7 @@ ist::Pose moved(const ist::Pose& X, const ist::Vec3& shift, const ist::Vec3& tur
 	return {rotationMatrix(ist::quaternionFromRotationVector(turn)) * X.rotation, X.translation + shift};
 }
 
-/// The part of `response` that a body shows to `cause` as if it were free; `whole` is what it would have been then.
+/// The part of `response` that is along `whole`, the response of a free body, limited to it.
 ist::Vec3 freely(const ist::Vec3& response, const ist::Vec3& whole)
 {
 	const double all = squaredNorm(whole);
@@ -59,7 +59,7 @@ BulletWorldCoupling::BulletWorldCoupling(btDynamicsWorld& world, btISTRegistrati
 	  m_registration(registration),
 	  m_rule(rule)
 {
-	m_registration.store().sumDamping(true);  // for the hands, whoever solves the world
+	m_registration.store().sumDamping(true);  // the hands need the damping, with any solver
 }
 
 BulletWorldCoupling::~BulletWorldCoupling() = default;
@@ -78,7 +78,7 @@ void BulletWorldCoupling::remove(BulletDecoupledSource& hand)
 	const auto found = std::find_if(m_hands.begin(), m_hands.end(), [&](const Hand& h) { return h.source == &hand; });
 	if (found == m_hands.end()) return;
 	m_hands.erase(found);
-	hand.serveContacts();  // a question that is out points to trees
+	hand.serveContacts();  // an open question refers to trees
 	hand.mirror().clear();
 }
 
@@ -102,7 +102,7 @@ void BulletWorldCoupling::step(double seconds)
 	afterStep();
 }
 
-/// Forces are impulses over seconds. False, and no step begun, where there are none.
+/// Begins a step. Returns false, and begins none, unless `seconds` is positive, because forces are impulses over seconds.
 bool BulletWorldCoupling::begin(double seconds)
 {
 	m_pushed.clear();
@@ -156,8 +156,8 @@ void BulletWorldCoupling::push(Hand& hand, int slot)
 	found->share += size * taken.share;
 }
 
-/// The velocity that the impulse gave was not there from the beginning of the step on. A body that is held, by a table or a
-/// neighbour, gained little of it, and is left where it is.
+/// Reduces the displacement, because the impulse's velocity was not present from the beginning of the step. A body that a table or
+/// neighbour holds gained little of it, and stays.
 void BulletWorldCoupling::putBack()
 {
 	for (const Pushed& pushed : m_pushed)
@@ -182,7 +182,7 @@ void BulletWorldCoupling::afterStep()
 	if (m_seconds > 0) publish(m_registration.store().step() - 1);
 }
 
-/// `stamp`: of the contacts that belong to the world as it is.
+/// `stamp` is that of the contacts of the present world.
 void BulletWorldCoupling::publish(std::uint64_t stamp)
 {
 	for (Hand& hand : m_hands)
@@ -226,8 +226,8 @@ void BulletWorldCoupling::chooseBodies(Hand& hand)
 	for (int i = 0; i < objects.size(); ++i) admit(hand, *objects[i], center, reach);
 }
 
-/// Whether a tenant is touched by others at all, and the tree that it came with still speaks for its shape, which without one still is a
-/// plane.
+/// Whether a body still has contact response, and the tree with which it entered is still that of its shape. Without a tree its shape must
+/// still be a plane.
 bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
 {
 	const btCollisionShape* shape = hand.bodies[slot]->getCollisionShape();
@@ -236,7 +236,7 @@ bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
 	return tree || shape->getShapeType() == STATIC_PLANE_PROXYTYPE;
 }
 
-/// The tool is in no world: its box is that of its last post.
+/// Whether the pair filter accepts tool and body. The tool is in no world, so its box is that of its last post.
 bool BulletWorldCoupling::watches(const Hand& hand, const btCollisionObject& body, bool was) const
 {
 	const btISTPairFilter& watch = m_registration.pairFilter();
@@ -285,7 +285,7 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 		out.inverseInertia = transpose(R) * inertia.rotation * R;
 		out.gravity = toVec3(body.getGravity());
 	}
-	if (out.leaving) return;  // its shape may be another by now
+	if (out.leaving) return;  // its shape may have been replaced
 	if (!out.tree)
 	{
 		const auto* plane = static_cast<const btStaticPlaneShape*>(body.getCollisionShape());
@@ -304,7 +304,7 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 	out.friction = std::max(0.0, double(gCalculateCombinedFrictionCallback(&tool, &body)));
 }
 
-/// Where the step that is over began, as all integrals of contact are about that pose.
+/// Pose at the beginning of the step just taken, because all integrals of contact are about that pose.
 ist::Pose BulletWorldCoupling::begunAt(const btCollisionObject* object) const
 {
 	const btRigidBody* body = btRigidBody::upcast(object);
@@ -336,7 +336,7 @@ void BulletWorldCoupling::showContacts(Hand& hand, WorldSnapshot& out, std::uint
 	}
 }
 
-/// Bullet's own points, with the impulse that they carried. They have no stiffness: one is made up that holds within a tick.
+/// Shows Bullet's own points with their impulses. They have no stiffness, so they get one that holds within a tick.
 void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 {
 	btDispatcher& dispatcher = *m_world.getDispatcher();
@@ -361,7 +361,7 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 			c.point = toVec3(point.getPositionWorldOnB());
 			c.normal = toVec3(point.m_normalWorldOnB);
 			const double k = 1 / (inverse * kStockPeriod * kStockPeriod * manifold.getNumContacts());
-			// A point that carried nothing carries as soon as its gap has closed.
+			// A point without an impulse carries as soon as its gap has closed.
 			const double carried = double(point.m_appliedImpulse) / m_seconds, gap = std::max(0.0, double(point.getDistance()));
 			c.wrench.force = c.normal * (carried > 0 ? carried : -k * gap);
 			for (int row = 0; row < 3; ++row)

@@ -9,49 +9,51 @@
 
 namespace devicebridge
 {
-/// The world's half of decoupled mode: around each step of a Bullet world, takes what the hands have given to its bodies and puts it on
-/// them, and shows the hands the bodies near their tools. All in the thread that owns the world, at any rate; never waits.
+/// The world's side of decoupled mode. Around each step of a Bullet world, it applies the impulses of the hands to the bodies. It then
+/// shows the hands the bodies near their tools. Everything runs in the thread that owns the world, at any rate; it never waits.
 ///
-/// Impulses enter as a force over the whole step, so that the implicit solver weighs them against all that holds the body: an impulse
-/// that pressed a light body on a table for 0.2 s does not throw it. And since Bullet moves bodies by the velocity at the end of a
-/// step, as if the whole impulse had come at its beginning, the body is put back by the share of time for which it had not.
+/// Impulses enter as a force over the whole step, so that the implicit solver weighs them against everything that holds the body. So an
+/// impulse that pressed a light body on a table for 0.2 s does not throw it. Bullet moves bodies by the velocity at the end of a step, as
+/// if the whole impulse had come at its beginning. So the displacement is reduced by the share of time before the impulse was given.
 ///
-/// What the hand feels: bodies whose own shape has a tree, and static planes; where pairs are watched (btISTPairFilter), those that are
-/// watched with the tool, and in a watched region those that can meet the tool there, as the boxes of both stand after each step. Not felt:
-/// the children of compounds, and shapes without a tree. A body whose shape, or the tree of it, is another than before is let go and felt
-/// anew. A contact without a tree is known to the hand's copies only by what it did in the last step; a joint, and another hand on the same
-/// body, by nothing but where the body is after each step: between two steps the hand feels the body without it.
+/// The hand feels bodies whose own shape has a tree, and static planes. If a pair filter is set (btISTPairFilter), it feels only bodies
+/// whose pair with the tool is accepted. With a region, the bounding boxes of both after each step decide whether the two can meet there.
+/// The children of compounds and shapes without a tree are not felt. A body whose shape or tree has changed is released and felt anew. Some
+/// effects are approximate: the hand's copies know a contact without a tree only by its impulse in the last step. They know a joint, and
+/// another hand on the same body, only by the body's state after each step. So between two steps the hand feels the body without these.
 class BulletWorldCoupling
 {
 public:
 	explicit BulletWorldCoupling(btISTWorld& world) : BulletWorldCoupling(world.bullet(), world.registration(), world.materials()) {}
-	/// All outlive this. `rule` decides the constants of tool and body as it does for bodies of the world.
+	/// The arguments must outlive this object. `rule` gives the constants of tool and body as it does for bodies of the world.
 	BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule);
 	~BulletWorldCoupling();
 
-	/// Between steps. A hand that was added lives as long as this takes steps, or is removed first. One that was in another coupling lets
-	/// go of the bodies of that.
+	/// Adds a hand; call it between steps. The hand must exist as long as this object takes steps, unless it is removed first. A hand that
+	/// was in another coupling releases the bodies of that coupling.
 	void add(BulletDecoupledSource& hand);
-	/// While the hand's threads are stopped. It holds no body and no tree any more; what it gave and no step has taken is lost.
+	/// Removes a hand; call it while the hand's threads are stopped. Afterwards the hand holds no body and no tree. Impulses that no step
+	/// has taken yet are lost.
 	void remove(BulletDecoupledSource& hand);
-	/// Before a body is removed from the world, at any time, in a callback of a step too: what hands gave it and it has not got yet is
-	/// lost.
+	/// Releases a body; call it before the body is removed from the world, at any time, also in a callback of a step. Impulses that the
+	/// body has not received yet are lost.
 	void forget(const btCollisionObject* body);
 
-	/// What the game calls. `seconds`: what Bullet will simulate until afterStep(), in one step or several: of a world with a fixed step
-	/// not the length of the frame, but that of the steps in it, 0 in a frame without one. Unless it is above 0, neither of the two does
-	/// anything, and what hands give waits for the next step. A game that is paused fades out of its hands as a world that stalls does.
+	/// The game calls these two around its step. `seconds` is the time that Bullet will simulate until afterStep(), in one or several
+	/// steps. In a world with a fixed step it is the length of the steps in the frame, and 0 in a frame without a step. Unless `seconds` is
+	/// above 0, both do nothing, and impulses of the hands wait for the next step. When a game is paused, its contacts fade as in a world
+	/// that stalls.
 	void beforeStep(double seconds);
 	void afterStep();
-	/// All three: one step of so many seconds; none unless that is above 0.
+	/// Takes one step of `seconds` with beforeStep() and afterStep(); does nothing unless `seconds` is above 0.
 	void step(double seconds);
-	/// Shows the hands the world as it is, before the first step, which will come in so many seconds (above 0). Otherwise a body that lies
-	/// on a tool falls until the first step is done.
+	/// Shows the hands the present world before its first step, which will follow after `seconds` (above 0). Otherwise a body that lies on
+	/// a tool falls until the first step is done.
 	void show(double seconds);
 
-	/// Given to bodies on behalf of a hand so far [N s].
+	/// Sum of the impulses that bodies have received from a hand [N s].
 	ist::Vec3 appliedImpulse(const BulletDecoupledSource& hand) const;
-	/// Bodies that were near a tool and found no slot, counted in each step.
+	/// Number of bodies that were near a tool but found no free slot, summed over the steps.
 	std::uint64_t crowded() const { return m_crowded; }
 
 private:
@@ -62,14 +64,14 @@ private:
 		btCollisionObject* bodies[kMirroredBodies] = {};
 		ist::Vec3 applied;
 		std::uint64_t tick = 0;
-		bool moving = false;  ///< it has posted since the last step
+		bool moving = false;  ///< whether the hand has posted since the last step
 	};
 	struct Pushed
 	{
 		btRigidBody* body;
 		ist::Twist before;
 		ist::Wrench impulse;
-		double share = 0;  ///< times the length of the impulse
+		double share = 0;  ///< share of time before the impulse was given, times the length of the impulse
 	};
 
 	bool begin(double seconds);
@@ -91,7 +93,7 @@ private:
 	const btISTPairRule& m_rule;
 	std::vector<Hand> m_hands;
 	std::vector<Pushed> m_pushed;
-	double m_seconds = 0;  ///< of the step that has begun; 0: none
+	double m_seconds = 0;  ///< length of the step that has begun [s]; 0: none
 	std::uint64_t m_crowded = 0;
 };
 }  // namespace devicebridge

@@ -12,14 +12,15 @@ namespace
 {
 using Matrix6 = double[6][6];
 
-/// [arm] with [arm] v = arm x v.
+/// The matrix [arm] with [arm] v = arm x v.
 double crossMatrix(const ist::Vec3& arm, int i, int j)
 {
 	if (i == j) return 0;
 	return ((j - i + 3) % 3 == 1 ? -1 : 1) * arm[3 - i - j];
 }
 
-/// Square of the stretch up to which a spring that pulls with `limit` at most is linear: twice what its energy grows by with its stiffness.
+/// Square of the stretch up to which a spring that saturates at `limit` is linear. Half of it is the derivative of the spring's energy by
+/// its stiffness.
 double stretchThatCounts(double stretch, double stiffness, double limit)
 {
 	const double counts = stiffness * stretch > limit ? limit / stiffness : stretch;
@@ -33,7 +34,7 @@ void addResistance(
 	Matrix6 a, moved;
 	for (int i = 0; i < 6; ++i)
 		for (int j = 0; j < 6; ++j) a[i][j] = K(i, j) + 2 / h * D(i, j);
-	// A turn about the origin moves what is at the arm by turn x arm.
+	// A rotation about the origin moves the point at `arm` by rotation x arm.
 	for (int i = 0; i < 6; ++i)
 		for (int j = 0; j < 6; ++j)
 		{
@@ -60,7 +61,7 @@ AdaptiveCoupling::AdaptiveCoupling(const CouplingGains& bounds) noexcept
 	m_gains.angularStiffness *= m_factor;
 }
 
-/// The largest factor whose series with the resistance stays within the bounds.
+/// The largest factor for which the series with the resistance stays within the bounds.
 double AdaptiveCoupling::allowed(const ist::SymmetricMatrix6& resistance, double mass, double inertia, double h) const noexcept
 {
 	const double stiffness[2] = {m_bounds.stiffness, m_bounds.angularStiffness}, inert[2] = {4 * mass / (h * h), 4 * inertia / (h * h)};
@@ -86,8 +87,8 @@ void AdaptiveCoupling::adapt(const ist::SymmetricMatrix6& resistance, bool rigid
 	m_gains.angularStiffness = m_factor * m_bounds.angularStiffness;
 }
 
-/// A saturated spring holds f |x| - f^2 / 2 G, which grows with G as if it were stretched by f / G only. Taken at the G of before, that is
-/// at least what stiffening costs, and at most what softening yields.
+/// A saturated spring holds f |x| - f^2 / 2 G, whose derivative by G is that of a spring stretched by f / G only. This is evaluated at the
+/// old G. So it is an upper bound of the cost of stiffening, and a lower bound of the yield of softening.
 void AdaptiveCoupling::change(double factor, const ist::Pose& X_WH, const ist::Pose& X_WT) noexcept
 {
 	const double way = distance(X_WH.translation, X_WT.translation);

@@ -16,13 +16,13 @@ constexpr std::int64_t kPeriod = 1'000'000;  // [ns]
 constexpr int kWindow = 1500;                // ticks
 constexpr double kStart = 1e-4;              // [m]
 constexpr double kTick = 1e-9 * kPeriod;     // [s]
-constexpr int kLongestHalf = 256;            // ticks of half a motion
+constexpr int kLongestHalf = 256;            // half the longest motion, in ticks
 constexpr double kPi = 3.14159265358979323846;
 
-/// So far beyond the steps of the sensor that these do not hold the handle.
+/// Start of the motion [m], many times the sensor's step, so that the steps cannot hold the handle.
 double startOf(const SimulatedProfile& profile) { return std::max(kStart, 50 * profile.info.resolution); }
 
-/// Whether the free handle, let go on the wall's spring, swings less in the second window than in the first.
+/// Whether the free handle, released on the wall's spring, oscillates less in the second window than in the first.
 bool decays(const SimulatedProfile& profile, double stiffness, double damping)
 {
 	SimulatedDevice device(profile);
@@ -46,8 +46,8 @@ bool decays(const SimulatedProfile& profile, double stiffness, double damping)
 	}
 	return later < earlier;
 }
-/// One period of a motion of the handle, straight between ticks: what the mechanism takes up per damping, and what wall and hold give
-/// back per K and per B, when the wall sees it late and in steps.
+/// One period of a motion of the handle, straight between ticks. It sums what the mechanism dissipates per damping, and the energy of wall
+/// and hold per K and per B. The wall sees the position delayed and in steps.
 class Motion
 {
 public:
@@ -66,7 +66,7 @@ public:
 			m_damper += (seen(k) - seen(k + n - 1)) / kTick * way;
 		}
 	}
-	/// The least K with which the motion takes energy out; infinite when none does.
+	/// The smallest K at which the motion takes energy out; infinite if none does.
 	double limit(double b, double B) const
 	{
 		const double left = std::max(0.0, b * m_taken + B * m_damper);

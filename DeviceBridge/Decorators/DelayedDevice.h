@@ -8,8 +8,8 @@
 
 namespace devicebridge
 {
-/// A device at the end of a slow line: states arrive and commands take effect later by whole ticks. Their times stay those of
-/// their making, so that they age and expire on the way. Until the first state has arrived the device does not answer.
+/// A device at the end of a slow line: states arrive, and commands take effect, later by whole ticks. They keep their original times, so
+/// they age and expire on the way. Until the first state has arrived, read() fails.
 class DelayedDevice final : public DeviceDecorator
 {
 public:

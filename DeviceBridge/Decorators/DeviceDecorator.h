@@ -8,7 +8,7 @@
 
 namespace devicebridge
 {
-/// A device that changes what another reports or receives, and is one itself. Owns the other.
+/// A device that changes what another device reports or receives. It owns the other device.
 class DeviceDecorator : public Device
 {
 public:

@@ -6,22 +6,23 @@
 
 namespace devicebridge
 {
-/// A device behind a SafetyLimiter, for loops that are not a SteppingThread's (which has one). A handle counts as in contact while a wrench
-/// is wanted. Nothing is exerted before the first sample, and after one that failed; reopened, it begins as after enabling.
+/// A device behind a SafetyLimiter, for loops other than a SteppingThread's, which has its own. A handle counts as in contact while a
+/// wrench is wanted. The wrench is zero before the first sample and after a failed one. After open() it begins as after enabling.
 class LimitedDevice final : public DeviceDecorator
 {
 public:
-	/// The limits are those that `inner` knows of now: open it before, where it learns them only by that (ThreadedDevice). Else it exerts
-	/// nothing.
+	/// The limits are those that `inner` reports now. A ThreadedDevice learns its limits only by open(), so open it first; otherwise
+	/// nothing is exerted.
 	explicit LimitedDevice(std::unique_ptr<Device> inner, const SafetySettings& settings = {});
 
 	DeviceStatus open() noexcept override;
 	void close() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
-	/// Limited by the time of the last read(), or by that of the command where it was computed up to SafetySettings::zeroFrom later.
+	/// Limits the command by the time of the last read(). If the command was computed later, by up to SafetySettings::zeroFrom, its own
+	/// time is used.
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
 
-	/// As it went to the device; zero where that did not take it.
+	/// The wrench as it went to the device; zero if the device did not accept it.
 	const ist::Wrench& sentWrench() const noexcept { return m_sent; }
 	SafetyLimiter& limiter() noexcept { return m_limiter; }
 

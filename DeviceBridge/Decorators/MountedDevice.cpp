@@ -22,7 +22,7 @@ void MountedDevice::scaleInfo()
 	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping, &m_info.damping}) *gain /= m_scale * m_scale;
 }
 
-// Some drivers know what they have only once it is open; what the first time has told stays, for others may read it.
+// Some drivers know their limits only after open(). The result of the first time stays, because other threads may read it.
 DeviceStatus MountedDevice::open() noexcept
 {
 	const DeviceStatus status = m_inner->open();

@@ -5,14 +5,14 @@
 
 namespace devicebridge
 {
-/// Where the base D of a device stands in the world W, and how many metres of W one metre of its handle is:
+/// A device whose base D stands at a pose in the world W. One metre of its handle is `scale` metres in W:
 ///   x_W = R_WD (scale x_D) + p_WD.
-/// Power is kept: a force shrinks as the way grows (F_D = scale F_W), a torque does not change. The limits of info() are those
-/// felt in W: forces / scale, linear stiffness and damping / scale^2, lengths * scale.
+/// Power is preserved: a force decreases as the displacement grows (F_D = scale F_W), and a torque does not change. The limits of info()
+/// are those felt in W: forces / scale, linear stiffness and damping / scale^2, lengths * scale.
 class MountedDevice final : public DeviceDecorator
 {
 public:
-	/// A scale that is not positive and finite counts as one, a pose that is not rigid as the identity.
+	/// A scale that is not positive and finite is replaced by one, and a pose that is not rigid by the identity.
 	MountedDevice(std::unique_ptr<Device> inner, const ist::Pose& X_WD, double scale = 1);
 
 	const DeviceInfo& info() const noexcept override { return m_info; }

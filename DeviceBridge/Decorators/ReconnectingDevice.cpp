@@ -9,7 +9,7 @@ namespace devicebridge
 {
 namespace
 {
-// The tick wakes nobody, since that may block: a loss is seen by looking.
+// A tick wakes no thread, because waking may block. So the reconnecting thread polls for a loss.
 constexpr std::int64_t kLookEvery = 5'000'000;  // [ns]
 }  // namespace
 
@@ -112,12 +112,12 @@ bool ReconnectingDevice::readHand(HandState& hand) noexcept
 std::string ReconnectingDevice::complaint() const
 {
 	const std::unique_lock<std::mutex> opening(m_opening, std::try_to_lock);
-	if (opening) return m_inner->complaint();  // nobody else asks, and it is not being opened
+	if (opening) return m_inner->complaint();  // no other thread uses the device, and it is not being opened
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	return m_complaint;
 }
 
-/// False when it is time to end.
+/// Returns false when the thread must end.
 bool ReconnectingDevice::sleepFor(std::int64_t nanoseconds)
 {
 	std::unique_lock<std::mutex> lock(m_mutex);

@@ -20,7 +20,7 @@ void RecordingDevice::describe()
 	if (m_hasHand) m_recording.hands.reserve(m_capacity);
 }
 
-// Some drivers know what they have only once it is open.
+// Some drivers know their limits only after open().
 DeviceStatus RecordingDevice::open() noexcept
 {
 	const DeviceStatus status = m_inner->open();

@@ -8,19 +8,19 @@
 
 namespace devicebridge
 {
-/// Keeps what passes between a device and its user, in memory that is there from the beginning.
+/// Records what passes between a device and its user, in memory that is allocated at the beginning.
 class RecordingDevice final : public DeviceDecorator
 {
 public:
-	/// After `capacity` reads nothing more is kept.
+	/// At most `capacity` reads are recorded.
 	RecordingDevice(std::unique_ptr<Device> inner, std::size_t capacity);
 
-	/// Before the first read the recording takes over what the device says of itself once it is open.
+	/// Opens the device. Before the first read the recording copies the info of the open device.
 	DeviceStatus open() noexcept override;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override;
 	DeviceStatus write(const DeviceCommand& command) noexcept override;
 
-	/// While nobody reads or writes. Reads that found no room are in `dropped`.
+	/// The recording; call it while no thread reads or writes. `dropped` counts the reads beyond the capacity.
 	const Recording& recording() const { return m_recording; }
 
 private:

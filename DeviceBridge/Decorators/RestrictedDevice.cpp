@@ -24,7 +24,7 @@ void RestrictedDevice::restrictInfo()
 	m_info.peakTorque = m_info.continuousTorque = m_info.maxAngularStiffness = m_info.maxAngularDamping = m_info.angularDamping = 0;
 }
 
-// Some drivers know what they have only once it is open; what the first time has told stays, for others may read it.
+// Some drivers know their limits only after open(). The result of the first time stays, because other threads may read it.
 DeviceStatus RestrictedDevice::open() noexcept
 {
 	const DeviceStatus status = m_inner->open();

@@ -25,14 +25,14 @@ DeviceStatus VelocityFilter::read(std::int64_t now, DeviceState& state) noexcept
 	const DeviceStatus status = m_inner->read(now, own);
 	if (status != DeviceStatus::Ok) return status;
 	const double dt = m_hasLast ? 1e-9 * static_cast<double>(own.sampledAt - m_last.sampledAt) : 0;
-	// What is no number is for others to refuse; it must not stay in the filter.
+	// Values that are not finite are refused later; they must not stay in the filter.
 	if (!isFinite(own.X_WH.translation) || !isRigid(own.X_WH) || !isFinite(own.twist))
 	{
 		m_hasLast = false;
 		state = own;
 		return status;
 	}
-	// A sample that is read twice tells nothing new.
+	// A sample that is read twice contains nothing new.
 	if (!m_hasLast || dt > 0)
 	{
 		const ist::Twist raw = rawTwist(own, dt);

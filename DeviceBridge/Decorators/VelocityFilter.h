@@ -5,8 +5,8 @@
 
 namespace devicebridge
 {
-/// First-order low-pass of the twist, exact for samples at any spacing. With `fromPositions` the twist is the difference of the
-/// reported poses instead of what the device says. Lags by 1 / (2 pi cutoff).
+/// First-order low-pass of the twist, exact for samples at any spacing. With `fromPositions` the twist is the difference of the reported
+/// poses instead of the device's own twist. The delay is 1 / (2 pi cutoff).
 class VelocityFilter final : public DeviceDecorator
 {
 public:

@@ -15,13 +15,13 @@ enum DegreeOfFreedom : unsigned
 	kTranslation = 0x07,
 	kRotation = 0x38,
 	kGrip = 0x40,
-	kHandJointsSensed = 0x80  ///< readHand() answers
+	kHandJointsSensed = 0x80  ///< readHand() returns joints
 };
 
-/// For which hand a device is made.
+/// The hand for which a device is made.
 enum class Handedness
 {
-	Either,  ///< or unknown
+	Either,  ///< also the value if the maker does not say
 	Left,
 	Right
 };
@@ -42,8 +42,8 @@ enum AssumedLimit : unsigned
 	kAssumedWorkspaceRadius = 0x400
 };
 
-/// What a device is and what it can bear. A peak of zero is unknown, and nothing is sent through it; a continuous limit of
-/// zero is unknown, and a quarter of the peak is assumed. Any other zero is unknown, too.
+/// Properties and limits of a device. Zero means unknown, for every number here. If a peak is unknown, nothing is sent to those motors. If
+/// a continuous limit is unknown, a quarter of the peak is used instead.
 struct DeviceInfo
 {
 	std::string model, maker, serial, uri;
@@ -51,15 +51,15 @@ struct DeviceInfo
 	Handedness handedness = Handedness::Either;
 	double peakForce = 0, continuousForce = 0;         ///< [N]
 	double peakTorque = 0, continuousTorque = 0;       ///< [N m]
-	double maxStiffness = 0, maxAngularStiffness = 0;  ///< at 1 kHz [N/m, N m/rad]
-	double maxDamping = 0, maxAngularDamping = 0;      ///< at 1 kHz [N s/m, N m s/rad]
-	double damping = 0, angularDamping = 0;            ///< of the mechanism itself, for passiveGains() [N s/m, N m s/rad]
-	double resolution = 0, angularResolution = 0;      ///< [m, rad]
-	double workspaceRadius = 0;                        ///< of the inscribed ball [m]
-	double nominalRate = 1000;                         ///< [Hz]
-	std::string source;                                ///< where each of the values above comes from
-	unsigned assumed = 0;  ///< bits of AssumedLimit: limits that the device itself does not tell. They are those of its model, or a guess
-	std::string profile;   ///< of data/devices, from which limits were assumed; empty: none
+	double maxStiffness = 0, maxAngularStiffness = 0;  ///< largest stiffness at 1 kHz [N/m, N m/rad]
+	double maxDamping = 0, maxAngularDamping = 0;      ///< largest damping at 1 kHz [N s/m, N m s/rad]
+	double damping = 0, angularDamping = 0;            ///< the mechanism's own, for passiveGains() [N s/m, N m s/rad]
+	double resolution = 0, angularResolution = 0;      ///< smallest steps of position and angle [m, rad]
+	double workspaceRadius = 0;                        ///< radius of the inscribed ball [m]
+	double nominalRate = 1000;                         ///< rate of the samples [Hz]
+	std::string source;                                ///< origin of each value above, in words
+	unsigned assumed = 0;  ///< bits of AssumedLimit: limits that come from the profile of the model, or are guesses
+	std::string profile;   ///< name of the profile in data/devices from which limits were assumed; empty: none
 };
 
 enum class DeviceStatus
@@ -90,32 +90,32 @@ inline const char* describe(DeviceStatus status) noexcept
 enum DeviceFlag : unsigned
 {
 	kCalibrated = 1,
-	kForcesEnabled = 2,  ///< the device's own switch
-	kHandPresent = 4,    ///< dead-man's switch; set where the device has none
+	kForcesEnabled = 2,  ///< state of the device's own switch
+	kHandPresent = 4,    ///< state of the dead-man's switch; always set if the device has none
 	kReady = kCalibrated | kForcesEnabled | kHandPresent
 };
 
 /// One sample of the hand. W is the device's world frame, H the frame of the handle.
 struct DeviceState
 {
-	std::uint64_t sequence = 0;  ///< grows with each new sample; always zero where the driver does not number them
-	std::int64_t sampledAt = 0;  ///< [ns], on the clock whose time was given to read()
+	std::uint64_t sequence = 0;  ///< number that grows with each new sample; always zero if the driver does not number them
+	std::int64_t sampledAt = 0;  ///< time of the sample on the clock of read() [ns]
 	ist::Pose X_WH;
-	ist::Twist twist;  ///< of the origin of H, in W
+	ist::Twist twist;  ///< velocity of the origin of H, in W
 	std::uint32_t buttons = 0;
-	std::uint32_t flags = kReady;            ///< force only while all bits of kReady are set
+	std::uint32_t flags = kReady;            ///< bits of DeviceFlag; force is sent only while all bits of kReady are set
 	double gripAngle = 0, gripVelocity = 0;  ///< [rad, rad/s]
-	bool velocityEstimated = false;          ///< from positions rather than measured
+	bool velocityEstimated = false;          ///< whether the twist was computed from positions instead of measured
 };
 
-/// What the device shall exert on the hand.
+/// Wrench and grip force that the device is to exert on the hand.
 struct DeviceCommand
 {
 	std::uint64_t sequence = 0;
-	std::uint64_t basedOn = 0;    ///< DeviceState::sequence that it answers
+	std::uint64_t basedOn = 0;    ///< DeviceState::sequence of the sample from which it was computed
 	std::int64_t computedAt = 0;  ///< [ns]
-	std::int64_t expiresAt = 0;   ///< [ns]; from then on it counts as zero
-	ist::Wrench wrench;           ///< on the hand, about the origin of H, in W
+	std::int64_t expiresAt = 0;   ///< time from which the command counts as zero [ns]
+	ist::Wrench wrench;           ///< wrench on the hand, about the origin of H, in W
 	double gripForce = 0;         ///< [N]
 };
 
@@ -127,16 +127,17 @@ public:
 
 	virtual const DeviceInfo& info() const noexcept = 0;
 	virtual DeviceStatus open() noexcept = 0;
-	/// Leaves the device without force.
+	/// Leaves the device with zero force.
 	virtual void close() noexcept = 0;
-	/// `now` [ns] never decreases from call to call. `state` is unchanged unless the answer is Ok.
+	/// Reads the newest sample. `now` [ns] never decreases from call to call. `state` changes only if the result is Ok.
 	virtual DeviceStatus read(std::int64_t now, DeviceState& state) noexcept = 0;
-	/// Held until the next one, at the longest until it expires: then the driver itself lets go, also while nobody calls.
+	/// Sets the command. The device exerts it until the next command or until it expires. The driver itself then sets the force to zero,
+	/// even if no further call comes.
 	virtual DeviceStatus write(const DeviceCommand& command) noexcept = 0;
-	/// The joints of the sample that the last read() gave. False, and `hand` unchanged, where the device senses none.
+	/// Joints of the hand in the sample of the last read(). Returns false and leaves `hand` unchanged if the device senses none.
 	virtual bool readHand(HandState&) noexcept { return false; }
-	/// In a sentence, why open() failed or the device was lost; empty when nothing is to be said. Not on the tick: it allocates and
-	/// may wait.
+	/// A sentence that says why open() failed or why the device was lost; empty if there is no reason. Do not call it in a tick, because it
+	/// allocates and may wait.
 	virtual std::string complaint() const { return {}; }
 };
 }  // namespace devicebridge

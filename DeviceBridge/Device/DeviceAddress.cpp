@@ -10,7 +10,7 @@ namespace
 {
 bool isKeyCharacter(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; }
 
-/// False, and `options` in any state, when `text` is not made of pairs.
+/// Reads a list of pairs. Returns false, with `options` in any state, if `text` is not such a list.
 bool readPairs(const std::string& text, std::map<std::string, std::string>& options)
 {
 	std::size_t at = 0;

@@ -9,21 +9,22 @@
 
 namespace devicebridge
 {
-/// What stands behind the scheme of a device's address: `PATH` or `PATH?key=value&key=value`. Keys are lower-case letters, digits
-/// and underscores; what follows the last question mark and is not made of such pairs belongs to the path.
+/// The part of a device's address after the scheme: `PATH` or `PATH?key=value&key=value`. Keys are lower-case letters, digits and
+/// underscores. Text after the last question mark that is not a list of such pairs belongs to the path.
 class DeviceAddress
 {
 public:
 	explicit DeviceAddress(const std::string& rest);
 
 	const std::string& path() const { return m_path; }
-	/// Takes an option out.
+	/// Removes an option and returns its value.
 	std::optional<std::string> take(const std::string& key);
-	/// Takes a number between `least` and `most` out; `otherwise` where there is none. Independent of the locale.
+	/// Removes an option and returns its value as a number between `least` and `most`; `otherwise` if the option is missing. Independent of
+	/// the locale.
 	ist::Result<double> takeNumber(const std::string& key, double otherwise, double least, double most);
-	/// Path and options that nobody has taken, as they were written.
+	/// The path and the options that were not taken, as they were written.
 	std::string rest() const;
-	/// In a sentence, which options nobody has taken; empty when all are.
+	/// A sentence that names the options that were not taken; empty if all were.
 	std::string leftOver() const;
 
 private:

@@ -11,29 +11,29 @@ namespace devicebridge
 {
 struct DeviceSample
 {
-	DeviceState state;  ///< sampledAt [ns] on a RealClock, zero: at the end of the exchange. The sequence is not the link's to set
-	HandState hand;     ///< where DeviceInfo::sensed has kHandJointsSensed
+	DeviceState state;  ///< newest state; sampledAt [ns] is on a RealClock, 0: end of the exchange. ThreadedDevice sets the sequence
+	HandState hand;     ///< joints of the hand, set if DeviceInfo::sensed has kHandJointsSensed
 };
 
-/// The wire to a device whose calls may block. ThreadedDevice makes a Device of it. All calls come from one thread.
+/// Connection to a device whose calls may block. ThreadedDevice turns it into a Device. All calls come from one thread.
 class DeviceLink
 {
 public:
 	enum class Event
 	{
-		Sample,   ///< `sample` is new
-		Nothing,  ///< no news, and the device is still there
+		Sample,   ///< there is a new sample
+		Nothing,  ///< there is no new sample, and the device still answers
 		Lost      ///< the device does not answer any more; complaint() says why
 	};
-	/// exchange() comes back within this time, also when nothing happens [ns].
+	/// Longest duration of an exchange(), also if no sample comes [ns].
 	static constexpr std::int64_t kLongestWait = 5'000'000;
 
 	virtual ~DeviceLink() = default;
-	/// May take seconds. What the device is, or in a sentence why it cannot be had and what to do.
+	/// Connects; this may take seconds. Returns what the device is, or a sentence that says why it is not available and what to do.
 	virtual ist::Result<DeviceInfo> connect() noexcept = 0;
-	/// Hands over what the device shall exert now and waits for news. A wrench of zero stands for an expired one.
+	/// Sends the present command and waits for a new sample. A command that has expired is passed as a wrench of zero.
 	virtual Event exchange(const DeviceCommand& command, DeviceSample& sample) noexcept = 0;
-	/// Also after a connect() that failed. Leaves the device without force.
+	/// Disconnects and leaves the device with zero force. It is also called after a connect() that failed.
 	virtual void disconnect() noexcept = 0;
 	virtual std::string complaint() const { return "the device does not answer any more"; }
 };

@@ -43,13 +43,13 @@ enum HandJointIndex
 
 struct HandJoint
 {
-	ist::Vec3 position;           ///< in W [m]
-	ist::Quaternion orientation;  ///< of the joint's frame in W
-	double radius = 0;            ///< from the joint to the skin [m]
-	bool tracked = false;         ///< false: the other fields say nothing
+	ist::Vec3 position;           ///< position in W [m]
+	ist::Quaternion orientation;  ///< orientation of the joint's frame in W
+	double radius = 0;            ///< distance from the joint to the skin [m]
+	bool tracked = false;         ///< whether the joint was tracked; if false, the other fields are undefined
 };
 
-/// Whether a quaternion from outside may be taken for a rotation: within 1e-3 of unit length, as floats and rounded text are.
+/// Whether a quaternion from outside can be used as a rotation: its length is within 1e-3 of one. Floats and rounded text stay within that.
 inline bool isNearUnit(const ist::Quaternion& q)
 {
 	constexpr double kUnitWithin = 1e-3;
@@ -62,7 +62,7 @@ struct HandState
 	std::array<HandJoint, kHandJoints> joints;
 };
 
-/// Every joint moved by x -> X (scale x).
+/// Moves every joint by x -> X (scale x).
 inline void moveHand(HandState& hand, const ist::Pose& X, double scale = 1)
 {
 	const ist::Quaternion turn = ist::quaternion(X.rotation);

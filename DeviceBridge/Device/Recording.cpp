@@ -51,7 +51,7 @@ void get(ByteReader& in, Handedness& v)
 	v = static_cast<Handedness>(byte);
 }
 
-// Each list of fields stands once, for reading and for writing.
+// Each list of fields is written once and used for reading and writing.
 template <class Visit> void visitVector(ist::Vec3& v, const Visit& visit) { visit(v.x), visit(v.y), visit(v.z); }
 
 template <class Visit> void visitInfo(DeviceInfo& i, const Visit& visit)
@@ -90,7 +90,7 @@ template <class Visit> void visitHand(HandState& h, const Visit& visit)
 	}
 }
 
-/// Times are shifted to other clocks: sums of several must stay numbers.
+/// Whether the times are far from overflow, because they are shifted to other clocks and their sums must stay valid.
 bool areTimesSane(const RecordedTick& t)
 {
 	constexpr std::int64_t kLatest = std::int64_t(1) << 60;  // [ns]
@@ -135,7 +135,7 @@ ist::Result<Recording> decodeRecording(const std::byte* bytes, std::size_t size)
 	Recording recording;
 	visitInfo(recording.info, read);
 	recording.dropped = in.u64();
-	// A tick takes more than 256 bytes, so that a count cannot ask for more memory than the file has.
+	// A tick takes more than 256 bytes, so a count cannot request more memory than the file's size.
 	recording.ticks.resize(in.count(256));
 	for (RecordedTick& tick : recording.ticks) visitTick(tick, read);
 	if (version >= 2) recording.hands.resize(in.count(kHandBytes));

@@ -18,15 +18,15 @@ namespace devicebridge
 {
 namespace
 {
-constexpr std::int64_t kLongestLife = 1'000'000'000;  // of a command [ns]
-constexpr int kPriority = 79;                         // of SCHED_FIFO, one below the stepping thread
+constexpr std::int64_t kLongestLife = 1'000'000'000;  // longest life of a command [ns]
+constexpr int kPriority = 79;                         // priority under SCHED_FIFO, one below the stepping thread
 
 std::int64_t realNow() noexcept { return RealClock().now(); }
 
 struct TimedCommand
 {
 	DeviceCommand command;
-	std::int64_t deadline = 0;  // [ns], on a RealClock
+	std::int64_t deadline = 0;  // time on a RealClock [ns]
 };
 }  // namespace
 
@@ -35,7 +35,7 @@ struct ThreadedDevice::Worker
 	enum class Phase
 	{
 		Connecting,
-		Waiting,  // for the first sample
+		Waiting,  // until the first sample
 		Running,
 		Ended
 	};
@@ -47,7 +47,7 @@ struct ThreadedDevice::Worker
 	std::atomic<DeviceStatus> status{DeviceStatus::NotOpen};
 	std::thread thread;
 
-	std::mutex mutex;  // of what follows; read() and write() never take it
+	std::mutex mutex;  // guards the members below; read() and write() never lock it
 	std::condition_variable changed;
 	Phase phase = Phase::Connecting;
 	DeviceInfo info;
@@ -91,7 +91,7 @@ bool ThreadedDevice::Worker::connect() noexcept
 		complain(found.error().message);
 		return false;
 	}
-	// A driver that is starved holds an old force. Where real time is refused the driver runs all the same.
+	// A driver without processor time would hold an old force, so it requests real time. If that is refused, the driver runs nevertheless.
 	if (found.value().actuated != 0) askForRealTimePriority(kPriority);
 	{
 		const std::lock_guard<std::mutex> lock(mutex);
@@ -142,7 +142,7 @@ void ThreadedDevice::Worker::run() noexcept
 			link->exchange({}, last);
 		}
 	}
-	status.store(DeviceStatus::Disconnected, std::memory_order_release);  // whoever sees it finds the reason told
+	status.store(DeviceStatus::Disconnected, std::memory_order_release);  // a thread that reads it also finds the complaint
 	link->disconnect();
 	stepTo(Phase::Ended);
 }
@@ -189,7 +189,7 @@ DeviceStatus ThreadedDevice::open() noexcept
 	return DeviceStatus::Disconnected;
 }
 
-// The worker is kept after its end for the sake of its complaint.
+// The worker is kept after its end, because it holds the complaint.
 void ThreadedDevice::close() noexcept
 {
 	if (!m_worker) return;
@@ -214,7 +214,7 @@ DeviceStatus ThreadedDevice::read(std::int64_t now, DeviceState& state) noexcept
 	if (status != DeviceStatus::Ok) return status;
 	m_worker->samples.fetch();
 	state = m_worker->samples.readable().state;
-	// From the time of the link to that of the caller. The largest difference is the one with the least delay between the clocks.
+	// The offset from the link's clock to the caller's. The largest difference is the one with the smallest delay between the two readings.
 	const std::int64_t shift = now - realNow();
 	m_shift = m_hasShift ? std::max(m_shift, shift) : shift;
 	m_hasShift = true;

@@ -17,7 +17,7 @@ struct Limit
 {
 	AssumedLimit bit;
 	double DeviceInfo::*value;
-	unsigned needs;  // actuators; 0: none
+	unsigned needs;  // required actuators; 0: none
 	const char* name;
 };
 constexpr Limit kLimits[] = {{kAssumedPeakForce, &DeviceInfo::peakForce, kTranslation, "peak_force"},
@@ -45,7 +45,7 @@ bool isSameMaker(const std::string& a, const std::string& b)
 	return !a.empty() && !b.empty() && (a.find(b) != std::string::npos || b.find(a) != std::string::npos);
 }
 
-/// A profile that travels in the library. A name that a plug-in gives must not read a file.
+/// A profile in the library's memory. A name that comes from a plug-in must not cause a file to be read.
 std::optional<DeviceInfo> carried(const std::string& name)
 {
 	const std::vector<std::string> names = simulatedProfileNames();
@@ -54,7 +54,7 @@ std::optional<DeviceInfo> carried(const std::string& name)
 	return profile ? std::optional<DeviceInfo>(profile.value().info) : std::nullopt;
 }
 
-/// A continuous limit as high as the peak is one that no source tells: unknown is safer.
+/// Removes a continuous limit that is as high as the peak, because no source gives it: unknown is safer.
 void dropDoubtful(DeviceInfo& profile, const DeviceInfo& told)
 {
 	const auto isDoubtful = [](double continuous, double peak, double toldPeak) {
@@ -64,7 +64,7 @@ void dropDoubtful(DeviceInfo& profile, const DeviceInfo& told)
 	if (isDoubtful(profile.continuousTorque, profile.peakTorque, told.peakTorque)) profile.continuousTorque = 0;
 }
 
-/// What was filled, as bits.
+/// Fills missing limits. Returns their bits.
 unsigned fillFrom(const DeviceInfo& profile, DeviceInfo& info)
 {
 	unsigned filled = 0;

@@ -5,13 +5,13 @@ namespace devicebridge
 {
 class DeviceRegistry;
 
-/// Every driver of this build; the ones that were left out are listed with what they lack.
+/// Adds every driver of this build. Drivers that were left out are listed with what they lack.
 void addBuiltDrivers(DeviceRegistry& registry);
 
 void addGlove(DeviceRegistry& registry);
 void addMotion(DeviceRegistry& registry);
 
-// One for each driver that needs a library; defined where that was found.
+// One function for each driver that needs a library; defined if the library was found.
 void addHaply(DeviceRegistry& registry);
 void addOpenXr(DeviceRegistry& registry);
 void addRumble(DeviceRegistry& registry);

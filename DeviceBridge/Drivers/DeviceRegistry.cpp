@@ -22,7 +22,7 @@ struct SharedOptions
 	bool reconnect = false;
 };
 
-/// 0, 3 or 6; any other value is an error.
+/// Returns 0, 3 or 6; any other value is an error.
 ist::Result<unsigned> takeFreedoms(DeviceAddress& address, const std::string& key)
 {
 	const std::optional<std::string> text = address.take(key);

@@ -12,34 +12,34 @@
 
 namespace devicebridge
 {
-/// A scheme and whether a device can be had by it at the moment.
+/// A scheme, and whether it can open a device at the moment.
 struct DriverReport
 {
 	std::string scheme, what;
-	std::string missing;  ///< why no device can be had and what to do about it; empty when nothing stands in the way
+	std::string missing;  ///< reason why no device is available, and what to do; empty if there is none
 };
 
-/// Opens devices by address, `SCHEME:REST`, any number of them side by side. `devicebridge list` shows the schemes that it knows
-/// from the start. Options of every scheme, behind a question mark:
-///   dof=3, dof=6        force alone, or force and torque; refused where the device lacks what is asked for
+/// Opens devices by address, `SCHEME:REST`; any number may be open at the same time. `devicebridge list` shows the built-in schemes.
+/// Options of every scheme, after a question mark:
+///   dof=3, dof=6        force alone, or force and torque; refused if the device lacks what is required
 ///   sense=3, sense=6    position alone, or position and orientation
 ///   reconnect=on        a ReconnectingDevice
 class DeviceRegistry
 {
 public:
-	/// Receives the address behind the colon without the options above; the device that it makes is not open yet.
+	/// Makes a device that is not open yet. It receives the address after the colon without the options above.
 	using Maker = std::function<ist::Result<std::unique_ptr<Device>>(const std::string& rest)>;
-	/// Looks for DriverReport::missing, and leaves nothing open.
+	/// Determines DriverReport::missing, and leaves nothing open.
 	using Probe = std::function<std::string()>;
 
 	DeviceRegistry();
-	/// False, and nothing changed, when the scheme is empty, holds a colon or is taken.
+	/// Returns false and changes nothing if the scheme is empty, contains a colon or exists already.
 	bool addScheme(const std::string& scheme, Maker maker, const std::string& what = {}, Probe missing = {});
-	/// A scheme that this build or this system lacks altogether: it is listed, and opening gives the reason.
+	/// Adds a scheme that this build or system lacks altogether. It is listed, and opening it returns the reason.
 	bool addMissing(const std::string& scheme, const std::string& what, const std::string& why);
 	std::vector<std::string> schemes() const;
 	std::vector<DriverReport> drivers() const;
-	/// The device, opened.
+	/// Makes and opens a device.
 	ist::Result<std::unique_ptr<Device>> open(const std::string& uri) const;
 
 private:

@@ -22,7 +22,7 @@ constexpr const char* kChannels[6] = {"Xposition", "Yposition", "Zposition", "Xr
 
 struct Node
 {
-	std::string name;  // of an end site empty
+	std::string name;  // empty for an end site
 	int parent = -1;
 	Vec3 offset;
 	std::vector<int> channels;
@@ -69,7 +69,7 @@ public:
 		m_frames = m_problem ? 0 : size_t(frames);
 		return !m_problem;
 	}
-	/// The next frame, a line of its own: where all nodes are, in the file's units.
+	/// Reads the next frame, which is one line. Returns the positions of all nodes, in the file's units.
 	std::vector<Vec3> readFrame()
 	{
 		const std::vector<double> row = readRow();
@@ -106,7 +106,7 @@ public:
 		}
 		if (!m_rest.empty()) refuse("'" + std::string(word()) + "' after the last frame");
 	}
-	/// The first node of that name, or else the end site below the node `otherwise`; -1.
+	/// The first node of that name, or else the end site below the node `otherwise`; -1 if neither exists.
 	int find(const std::string& name, int otherwise = -1) const
 	{
 		for (size_t i = 0; i < m_nodes.size(); ++i)
@@ -153,14 +153,14 @@ private:
 			refuse("'" + std::string(text) + "' is not a finite number");
 		return value;
 	}
-	/// Skips blanks; whether nothing else stands on the line.
+	/// Skips blanks. Returns whether the line ends there.
 	bool lineEnds()
 	{
 		const size_t blanks = m_rest.find_first_not_of(" \t\r");
 		m_rest.remove_prefix(blanks == std::string_view::npos ? m_rest.size() : blanks);
 		return m_rest.empty() || m_rest.front() == '\n';
 	}
-	/// The numbers of the next line that is not blank, one for each channel.
+	/// The numbers of the next line that is not blank, one per channel.
 	std::vector<double> readRow()
 	{
 		std::vector<double> row;
@@ -198,7 +198,7 @@ private:
 	std::optional<Error> m_problem;
 };
 
-/// Which node is which of the hand's points.
+/// The node of each point of the hand.
 std::array<int, kHandPoints> findPoints(BvhReader& reader, const BvhHandOptions& options)
 {
 	const std::string wrist = !options.wrist.empty() ? options.wrist : options.left ? "LeftHand" : "RightHand";

@@ -9,9 +9,9 @@
 
 namespace devicebridge
 {
-/// ContactPose's annotations.json (Brahmbhatt et al., 2020): `hands`, left then right, each with `valid`, `moving` and 21 `joints`. Joints
-/// of a hand that held still are in the object's frame; of one that moved, in the frame of its own root: then `moving` is true, and where
-/// the root was is for the caller to say. Refused as `NAME: hands[1].joints[3]: PROBLEM`.
+/// Content of ContactPose's annotations.json (Brahmbhatt et al., 2020): `hands`, left then right, each with `valid`, `moving` and 21
+/// `joints`. The joints of a hand that held still are in the object's frame. The joints of a hand that moved are in the frame of its own
+/// root. Then `moving` is true, and the caller must supply the pose of the root. Refused as `NAME: hands[1].joints[3]: PROBLEM`.
 struct ContactPoseHands
 {
 	std::optional<HandState> left, right;

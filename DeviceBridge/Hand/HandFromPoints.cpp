@@ -11,8 +11,8 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kShortest = 1e-6;               // bone [m]
-constexpr int kFirstPoints[4] = {5, 9, 13, 17};  // of index, middle, ring and little finger
+constexpr double kShortest = 1e-6;               // shortest bone [m]
+constexpr int kFirstPoints[4] = {5, 9, 13, 17};  // points of index, middle, ring and little finger
 constexpr HandJointIndex kMetacarpals[4] = {kIndexMetacarpal, kMiddleMetacarpal, kRingMetacarpal, kLittleMetacarpal};
 
 HandJointIndex jointOf(int point)
@@ -22,7 +22,7 @@ HandJointIndex jointOf(int point)
 	return static_cast<HandJointIndex>(kMetacarpals[(point - 5) / 4] + 1 + (point - 5) % 4);
 }
 
-/// -z along `way`, x as near to `across` as can be.
+/// Orientation with -z along `way` and x as near as possible to `across`.
 Quaternion frame(const Vec3& way, const Vec3& across, const Vec3& back)
 {
 	const Vec3 z = -normalized(way);

@@ -30,7 +30,7 @@ Result<std::shared_ptr<const HandModel>> buildHandModel(const HandShape& shape, 
 	return std::shared_ptr<const HandModel>(std::move(model));
 }
 
-// Farther out nothing is a hand [m]: differences of such places and their squares stay numbers.
+// Distance beyond which nothing counts as a hand [m], so that differences of positions and their squares stay finite.
 constexpr double kFarthestHand = 1e9;
 
 HandPartPoses handPartPoses(const HandModel& model, const HandState& hand) noexcept

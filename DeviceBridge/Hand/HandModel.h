@@ -9,14 +9,14 @@
 
 namespace devicebridge
 {
-/// A hand ready for contact: sixteen meshes with their trees. Immutable once built; share it.
+/// A hand ready for contact: sixteen meshes with their trees. It is immutable once built, so it can be shared.
 struct HandModel
 {
 	struct Part
 	{
-		ist::Mesh mesh;  ///< in the part's body frame: the joint frame moved to the centre of mass
+		ist::Mesh mesh;  ///< mesh in the part's body frame, which is the joint frame moved to the centre of mass
 		std::shared_ptr<const ist::InnerSphereTree> tree;
-		ist::Vec3 centre;  ///< of mass, in the joint frame
+		ist::Vec3 centre;  ///< centre of mass, in the joint frame
 	};
 	HandShape shape;
 	std::array<Part, kHandParts> parts;
@@ -24,16 +24,17 @@ struct HandModel
 
 struct HandBuildOptions
 {
-	int64_t spheres = 300;   ///< a part
+	int64_t spheres = 300;   ///< number of spheres per part
 	std::string cache;       ///< folder for the trees (ist::cachedTree); empty: none
-	int threads = 0;         ///< 0: all
-	ist::Progress progress;  ///< stages of each part in turn
+	int threads = 0;         ///< number of threads; 0: all
+	ist::Progress progress;  ///< callback for the stages of each part in turn
 };
 
-/// Offline; a second of processor time a part with 300 spheres.
+/// Builds the model offline, in about 1 s of processor time per part with 300 spheres.
 ist::Result<std::shared_ptr<const HandModel>> buildHandModel(const HandShape& shape, const HandBuildOptions& options);
 
-/// Where the parts' body frames are in World; of those whose joint is not tracked, not finite or no rotation, `known` is false.
+/// Poses of the parts' body frames in World. `known` is false for a part whose joint is not tracked, not finite, or has an invalid
+/// rotation.
 struct HandPartPoses
 {
 	std::array<ist::Pose, kHandParts> X_WB;

@@ -25,7 +25,7 @@ constexpr const char* kJointNames[kHandJoints] = {"palm", "wrist", "thumb_metaca
 
 std::string columnName(int joint, int field) { return std::string(kJointNames[joint]) + "_" + kFieldNames[field]; }
 
-/// The shortest text that reads as the same number, whatever the locale.
+/// Appends the shortest text that reads as the same number, in any locale.
 void append(std::string& text, double value)
 {
 	char buffer[32];
@@ -47,7 +47,7 @@ std::vector<std::string_view> split(std::string_view line)
 	}
 }
 
-/// Reads one line after the other; the first problem stays.
+/// Reads one line after the other and keeps the first problem.
 class Reader
 {
 public:

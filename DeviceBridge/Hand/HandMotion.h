@@ -10,35 +10,35 @@
 
 namespace devicebridge
 {
-/// Hands over time.
+/// The motion of a hand over time.
 struct HandMotion
 {
 	struct Frame
 	{
-		double time = 0;  ///< [s], growing
+		double time = 0;  ///< time [s], increasing
 		HandState hand;
 	};
 	std::vector<Frame> frames;
 
-	/// At the time of a frame and between two that are the same: the frame, to the last bit. Between others: places along lines, directions
-	/// about one axis; a joint that one of the two lacks is not tracked. Before the first and after the last: these. Empty: no joint is
-	/// tracked.
+	/// The hand at a time. At the time of a frame, and between two equal frames, it is that frame with all its bits. Between other frames,
+	/// positions are interpolated linearly and orientations about one axis. A joint that one of the two frames lacks is not tracked. Before
+	/// the first frame and after the last, it is that frame. Without frames no joint is tracked.
 	HandState at(double time) const noexcept;
 };
 
-/// Whether two samples are the same to the last bit. Joints that are not tracked say nothing.
+/// Whether two samples are equal to the last bit. Joints that are not tracked in both are equal.
 bool isSameHand(const HandState& a, const HandState& b) noexcept;
 
-/// Comma separated text with a header: `time`, `left` (0 or 1), and for each of the 26 joints `NAME_x, _y, _z` [m], `_qx, _qy, _qz, _qw`,
-/// `_r` [m], in World; all eight empty where the joint is not tracked. Names: palm, wrist, thumb_metacarpal ... little_tip, as OpenXR has
-/// them. To the last bit.
+/// Text of a motion: comma separated, with a header. The columns are `time`, `left` (0 or 1), and for each of the 26 joints `NAME_x, _y,
+/// _z` [m], `_qx, _qy, _qz, _qw`, `_r` [m], in World. All eight are empty if the joint is not tracked. Names are those of OpenXR: palm,
+/// wrist, thumb_metacarpal ... little_tip. Numbers keep all their bits.
 std::string handMotionText(const HandMotion& motion);
-/// The whole file or none.
+/// Writes the whole file or none.
 std::optional<ist::Error> saveHandMotion(const HandMotion& motion, const std::string& path);
 
-/// Columns are found by name, unknown ones and lines that begin with # ignored. Refused as `NAME:LINE: COLUMN: PROBLEM`: a column that is
-/// missing or there twice, a row that has not as many cells as the header, what is no finite number, times that do not grow, a quaternion
-/// further than 1e-3 from unit length, a joint that is half there.
+/// Reads a motion. Columns are found by name; unknown columns and lines that begin with # are ignored. Refused as `NAME:LINE: COLUMN:
+/// PROBLEM`: a missing or repeated column, a row whose number of cells differs from the header's, text that is not a finite number. Also
+/// refused: times that do not increase, a quaternion further than 1e-3 from unit length, and a joint with some cells empty.
 ist::Result<HandMotion> readHandMotion(const std::string& text, const std::string& name);
 ist::Result<HandMotion> loadHandMotion(const std::string& path);
 }  // namespace devicebridge

@@ -7,8 +7,8 @@ namespace
 {
 ist::Mat3 turn(const ist::Vec3& by) { return rotationMatrix(ist::quaternionFromRotationVector(by)); }
 
-/// Angles, with the sign of a right hand, into the glove's own order. The ring finger's and the little finger's asides are differences
-/// there.
+/// Converts angles, with the sign of a right hand, to the glove's own order. The glove gives the side angles of ring and little finger as
+/// differences.
 GloveAngles gloveAngles(const HandPosture& p)
 {
 	GloveAngles a{};

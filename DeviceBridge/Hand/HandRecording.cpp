@@ -14,7 +14,7 @@ HandState withoutBadJoints(HandState hand)
 	return hand;
 }
 
-/// The middle of three frames that are the same says nothing.
+/// Appends a frame. If three frames are equal, the middle one is dropped.
 void append(std::vector<HandMotion::Frame>& frames, const HandMotion::Frame& frame)
 {
 	const std::size_t n = frames.size();

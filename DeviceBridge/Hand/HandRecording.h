@@ -6,10 +6,9 @@
 
 namespace devicebridge
 {
-/// The hand of a recorded device, from 0 s at the first read; of a read that failed, without a joint that is tracked; joints that are not
-/// finite or no rotation are not tracked either. A sample that repeats for many
-/// reads, as of a tracker that is slower, is kept where it begins and where it ends: HandMotion::at() gives each tick of the recording back
-/// to the last bit. Ends with the last read that did not fail. Refused: a device that senses no joints of a hand, and one that never
-/// answered.
+/// The motion of the hand in a recording; the first read is at 0 s. A failed read gives a frame without tracked joints. Joints that are not
+/// finite or have an invalid rotation are not tracked either. A sample that repeats over many reads, because the tracker is slower, is
+/// stored at its first and last read only. HandMotion::at() still gives each tick of the recording with all its bits. The motion ends with
+/// the last successful read. Refused: a device that senses no joints of a hand, and one with no successful read.
 ist::Result<HandMotion> handMotionOf(const Recording& recording);
 }  // namespace devicebridge

@@ -13,11 +13,11 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr uint32_t kSides = 24;
 constexpr double kFlatness = 0.92, kWaist = 0.06;
-constexpr double kClearance = 0.95;  // of the room between neighbouring fingers that they fill
+constexpr double kClearance = 0.95;  // share of the space between neighbouring fingers that they fill
 constexpr int kFirstParts[4] = {kIndex1, kMiddle1, kRing1, kPinky1};
 
-/// Rings of points, the first and the last a single point each, joined to a closed surface. A ring runs counter-clockwise about the way
-/// from the first to the last.
+/// Joins rings of points to a closed surface between the single points `begin` and `end`. A ring runs counter-clockwise about the direction
+/// from `begin` to `end`.
 Mesh closedTube(const std::vector<std::array<Vec3, kSides>>& rings, const Vec3& begin, const Vec3& end)
 {
 	Mesh mesh;
@@ -39,7 +39,7 @@ Mesh closedTube(const std::vector<std::array<Vec3, kSides>>& rings, const Vec3& 
 	return mesh;
 }
 
-/// Round cone along -z, its waist in the middle.
+/// A round cone along -z with a waist in its middle.
 Mesh boneMesh(const HandShape::Bone& bone)
 {
 	constexpr int kCap = 5, kStraight = 8;
@@ -48,13 +48,13 @@ Mesh boneMesh(const HandShape::Bone& bone)
 		auto& ring = rings.emplace_back();
 		for (uint32_t i = 0; i < kSides; ++i)
 		{
-			// About -z: x to -y.
+			// The angle turns about -z, from x to -y.
 			const double angle = 2 * kPi * i / kSides;
 			ring[i] = {radius * std::cos(angle), -kFlatness * radius * std::sin(angle), -along};
 		}
 	};
 	const double lean = std::asin(std::clamp((bone.radius - bone.endRadius) / bone.length, -0.9, 0.9));
-	// The caps meet the cone where it touches their balls.
+	// The caps meet the cone where it is tangent to their spheres.
 	for (int i = 1; i < kCap; ++i)
 	{
 		const double angle = (kPi / 2 + lean) * i / kCap;
@@ -74,7 +74,7 @@ Mesh boneMesh(const HandShape::Bone& bone)
 	return closedTube(rings, {0, 0, bone.radius}, {0, 0, -bone.length - bone.endRadius});
 }
 
-/// z of the line through the knuckles at x.
+/// The z coordinate at x of the line through the knuckles.
 double knuckleLine(const HandShape::Palm& palm, double x)
 {
 	for (int i = 0; i < 3; ++i)
@@ -102,13 +102,13 @@ Mesh palmMesh(const HandShape::Palm& palm)
 	std::vector<std::array<Vec3, kSides>> rings;
 	for (int k = 1; k < kStations; ++k)
 	{
-		// Close together at the ends, where the slab is rounded off.
+		// The rings are dense at the ends, where the slab is rounded.
 		const double s = 0.5 - 0.5 * std::cos(kPi * k / kStations);
 		const double edge = std::min(1.0, std::min(s, 1 - s) / 0.12), round = std::sqrt(1 - (1 - edge) * (1 - edge));
 		auto& ring = rings.emplace_back();
 		for (uint32_t i = 0; i < kSides; ++i)
 		{
-			// A superellipse: flat above and below.
+			// A superellipse, flat above and below.
 			const double angle = 2 * kPi * i / kSides, c = std::cos(angle), q = -std::sin(angle);
 			const double across = std::copysign(std::pow(std::fabs(c), 0.55), c), up = std::copysign(std::pow(std::fabs(q), 0.7), q);
 			ring[i] = place(s, (0.75 + 0.25 * round) * across, round * up);
@@ -133,7 +133,7 @@ std::optional<Error> checkJoints(const HandState& hand)
 	return std::nullopt;
 }
 
-/// Radii of bones side by side shrink until they have room.
+/// Reduces the radii of adjacent bones until they fit side by side.
 void reserve(HandShape& shape)
 {
 	for (int level = 0; level < 3; ++level)

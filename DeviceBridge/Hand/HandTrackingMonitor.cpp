@@ -30,7 +30,7 @@ HandTrackingMonitor::HandTrackingMonitor(const HandModel& model, const HandPartP
 	for (std::size_t i = 0; i < kHandParts; ++i) m_targets[i].X_WB = start.X_WB[i];
 }
 
-/// False where the limits kept it back.
+/// Returns false if the limits held the target back.
 bool HandTrackingMonitor::moveTowards(Target& target, const Pose& X_WB, double dt) const noexcept
 {
 	Vec3 way = X_WB.translation - target.X_WB.translation,

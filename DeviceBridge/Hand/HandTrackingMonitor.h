@@ -10,43 +10,43 @@ namespace devicebridge
 {
 struct HandTrackingLimits
 {
-	double speed = 4;       ///< fastest that a part's target moves [m/s]; what goes further is a jump, and followed at this speed
-	double turning = 40;    ///< and turns [rad/s]
-	double patience = 0.3;  ///< so long a hand that is lost keeps its grip [s]
-	double fade = 0.5;      ///< then it lets go within [s]; and takes hold again within a quarter of that
+	double speed = 4;       ///< largest speed of a part's target [m/s]; a faster motion is a jump, which is followed at this speed
+	double turning = 40;    ///< largest angular speed of a part's target [rad/s]
+	double patience = 0.3;  ///< time for which a lost hand keeps its grip [s]
+	double fade = 0.5;      ///< time in which the grip then decreases to zero [s]; it returns in a quarter of this time
 };
 
-/// What was wrong with the samples of a hand, in ticks.
+/// Problems with the samples of a hand, as numbers of ticks.
 struct HandComplaints
 {
-	std::uint64_t missingJoints = 0;  ///< parts of a hand whose palm is known stayed in their last place on it
-	std::uint64_t lost = 0;           ///< the palm was not known: the whole hand stood still
-	std::uint64_t jumps = 0;          ///< a part was further away than the limits allow
-	std::uint64_t wrongSide = 0;      ///< the sample was of the other hand, and not used
+	std::uint64_t missingJoints = 0;  ///< ticks in which parts were missing and stayed at their last pose on the known palm
+	std::uint64_t lost = 0;           ///< ticks without a known palm, in which the whole hand stood still
+	std::uint64_t jumps = 0;          ///< ticks in which a part was further away than the limits allow
+	std::uint64_t wrongSide = 0;      ///< ticks with a sample of the other hand, which was not used
 	std::uint64_t ticks = 0;
 
-	/// In words: "tracking was lost for 120 of 1000 ticks, ..."; empty when all was well.
+	/// The problems in words: "tracking was lost for 120 of 1000 ticks, ..."; empty if there were none.
 	std::string sentence() const;
 };
 
-/// Turns samples of a hand, whatever their state, into targets that a coupling can follow: finite, rigid, continuous. A part that is
-/// missing stays where it was on the palm; without the palm the whole hand stands still and, after a while, lets go. No allocation.
+/// Turns samples of a hand, in any state, into targets that a coupling can follow: finite, rigid, continuous. A missing part stays at its
+/// last pose on the palm. Without the palm the whole hand stands still and, after a while, releases its grip. No allocation.
 class HandTrackingMonitor
 {
 public:
 	struct Target
 	{
 		ist::Pose X_WB;
-		ist::Twist twist;  ///< of the target, from its last step
+		ist::Twist twist;  ///< velocity of the target in its last step
 	};
 
-	/// The hand begins in `start`, all of whose parts are known. The model outlives this.
+	/// The hand begins at `start`, in which all parts are known. The model must outlive this object.
 	HandTrackingMonitor(const HandModel& model, const HandPartPoses& start, const HandTrackingLimits& limits = {});
 
-	/// `dt` [s] positive.
+	/// Moves the targets to `hand` within the limits. `dt` [s] is positive.
 	void update(const HandState& hand, double dt) noexcept;
 	const Target& target(int part) const noexcept { return m_targets[static_cast<std::size_t>(part)]; }
-	/// Share of the coupling's springs that is to act, 0 to 1.
+	/// Factor for the stiffness of the coupling, 0 to 1.
 	double grip() const noexcept { return m_grip; }
 	const HandComplaints& complaints() const noexcept { return m_complaints; }
 
@@ -55,13 +55,13 @@ private:
 
 	const HandModel& m_model;
 	HandTrackingLimits m_limits;
-	HandPartPoses m_last;  // those of missing parts carried along by the palm
+	HandPartPoses m_last;  // last poses; the palm carries those of missing parts along
 	std::array<Target, kHandParts> m_targets;
 	double m_grip = 1, m_lostFor = 0;
 	HandComplaints m_complaints;
 };
 
-// Former names, until 0.4.
+// Former names, kept until 0.4.
 using HandWatch [[deprecated("since 0.3: HandTrackingMonitor")]] = HandTrackingMonitor;
 using HandWatchLimits [[deprecated("since 0.3: HandTrackingLimits")]] = HandTrackingLimits;
 }  // namespace devicebridge

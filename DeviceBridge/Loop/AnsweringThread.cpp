@@ -14,10 +14,10 @@ namespace devicebridge
 {
 namespace
 {
-// What std::atomic's wait() and notify_one() do, without the spinning and yielding before the sleep: a thread that is woken once a
-// millisecond never finds its next question there already, and looking for it would cost more than the answer.
+// The work of std::atomic's wait() and notify_one(), without spinning and yielding before the sleep. A thread that wakes once per
+// millisecond never finds its next question already there. Spinning for it would cost more than the answer.
 
-/// Until somebody wakes it, at once when the value is not `seen` any more; may return for no reason.
+/// Sleeps until a wake-up; returns at once if the value is not `seen`. It may return without a reason.
 void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
 {
 #if defined(__linux__)
@@ -28,7 +28,7 @@ void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
 #endif
 }
 
-/// After the value was changed.
+/// Wakes one sleeper; call it after the value was changed.
 void wakeOne(std::atomic<std::uint32_t>& value) noexcept
 {
 #if defined(__linux__)

@@ -8,21 +8,21 @@
 
 namespace devicebridge
 {
-/// A thread that answers questions as they come, and sleeps in between. Who asks leaves the question where the thread looks for it
-/// (TripleBuffer), wakes it, and goes on.
+/// A thread that answers questions as they come and sleeps in between. The caller writes its question to where the thread reads it
+/// (TripleBuffer), wakes the thread and continues.
 class AnsweringThread
 {
 public:
 	~AnsweringThread() { stop(); }
 
-	// From the thread that set it up:
-	/// On the new thread `begin` is called once, then `answer` again and again: it answers one question, and is false when none was asked.
-	/// Neither throws. False, and nothing done, when it runs already or cannot be started.
+	// For the thread that set it up:
+	/// Starts the thread. The thread calls `begin` once, then `answer` repeatedly. `answer` answers one question, and returns false if
+	/// there is none. Neither may throw. Returns false and does nothing if the thread runs already or cannot be started.
 	bool start(std::function<void()> begin, std::function<bool()> answer);
-	/// Waits for the answer in progress and for that of the last question.
+	/// Waits for the answer in progress and for the answer to the last question.
 	void stop() noexcept;
 
-	/// From any thread, after a question was asked. No lock, no allocation.
+	/// Wakes the thread after a question was asked. Any thread may call it. No lock, no allocation.
 	void wake() noexcept;
 
 private:

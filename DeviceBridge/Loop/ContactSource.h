@@ -12,35 +12,35 @@ namespace devicebridge
 struct ToolState
 {
 	ist::Pose X_WT;
-	ist::Twist twist;  ///< of the origin of T, in W
+	ist::Twist twist;  ///< velocity of the origin of T, in W
 };
 
 /// One body that the tool touches.
 struct ToolContact
 {
-	ist::Wrench onTool;  ///< about the origin of the tool, in W
-	ist::Vec3 point;     ///< in W
-	ist::Vec3 normal;    ///< unit length, in W: the way in which the tool leaves
-	double volume = 0;   ///< overlap [m^3]
+	ist::Wrench onTool;  ///< wrench on the tool, about its origin, in W
+	ist::Vec3 point;     ///< point of contact, in W
+	ist::Vec3 normal;    ///< direction in which the tool leaves the body: unit length, in W
+	double volume = 0;   ///< overlap volume [m^3]
 	int pairs = 0;
-	const void* other = nullptr;  ///< the body, by what the source knows it by: a Bullet source's btCollisionObject
+	const void* other = nullptr;  ///< the source's key for the body; for a Bullet source, its btCollisionObject
 };
 
 constexpr int kMaxToolContacts = 16;
 
-/// What one step of the world gave.
+/// Result of one step of the world.
 struct ToolStep
 {
 	ToolState tool;
-	ist::Wrench coupling;       ///< that the virtual coupling exerts on the tool, about its origin, in W
-	double couplingFactor = 1;  ///< its stiffness over that of its gains, where it adapts (AdaptiveCoupling.h)
+	ist::Wrench coupling;       ///< wrench of the virtual coupling on the tool, about the tool's origin, in W
+	double couplingFactor = 1;  ///< present stiffness of the coupling over that of its gains, if it adapts (AdaptiveCoupling.h)
 	ToolContact contacts[kMaxToolContacts];
 	int contactCount = 0;
-	double overlapVolume = 0;  ///< over all contacts, also those beyond kMaxToolContacts [m^3]
+	double overlapVolume = 0;  ///< overlap volume of all contacts, also those beyond kMaxToolContacts [m^3]
 	std::int64_t pairs = 0;
 	double queryMicroseconds = 0;
-	bool toolIsBroken = false;  ///< the step left the tool a twist that is not finite: a fault, and the device gets zero until cleared
-	std::int64_t overdue = 0;   ///< by how much what the step was computed from is later than expected; the force fades with it [ns]
+	bool toolIsBroken = false;  ///< whether the tool has a twist that is not finite: a fault, so the device gets zero until it is cleared
+	std::int64_t overdue = 0;   ///< time by which the step's input is later than expected [ns]; the force fades with it
 };
 
 /// The world in which the tool moves.
@@ -48,10 +48,10 @@ class ContactSource
 {
 public:
 	virtual ~ContactSource() = default;
-	/// Advances the world by `dt` [s] with the hand pulling the tool. `step` comes in with the contact count, volume,
-	/// pairs and `toolIsBroken` at zero and the rest as the last step left it.
+	/// Advances the world by `dt` [s] while the hand pulls the tool. On entry the contact count, volume, pairs, `overdue` and
+	/// `toolIsBroken` of `step` are zero. The other fields are those of the last step.
 	virtual void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept = 0;
-	/// Why no hand may be led through this source, in a sentence, and no stepping thread starts. Empty when nothing stands in the way.
+	/// A sentence that says why this source cannot be used, so that no stepping thread starts. Empty if it can be used.
 	virtual const char* refusal() const noexcept { return ""; }
 };
 }  // namespace devicebridge

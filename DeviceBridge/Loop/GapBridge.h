@@ -7,16 +7,17 @@
 
 namespace devicebridge
 {
-/// Keeps a gap between ticks from winding up the virtual coupling. While no tick runs, the hand goes on and the tool does not: taken
-/// at face value, 22 ms at 0.1 m/s stretch a coupling of 4 kN/m by 9 N within one tick. So the way that the hand went in a gap is
-/// taken off its pose and given back over `kReturn`: the coupling goes on as it was before the gap, and the tool follows.
+/// Keeps a gap between ticks from stretching the virtual coupling. While no tick runs, the hand moves on but the tool does not. Without
+/// correction, 22 ms at 0.1 m/s stretch a coupling of 4 kN/m by 9 N within one tick. So the hand's displacement during a gap is subtracted
+/// from its pose, and this offset decays with `kReturn`. The coupling continues as before the gap, and the tool follows.
 class GapBridge
 {
 public:
-	static constexpr double kShortest = 4;  ///< periods; a schedule that is merely slow is no gap
-	static constexpr double kReturn = 0.1;  ///< time constant with which the hand gets back what was taken off [s]
+	static constexpr double kShortest = 4;  ///< shortest gap [periods]; a schedule that is only slow is no gap
+	static constexpr double kReturn = 0.1;  ///< time constant with which the offset decays [s]
 
-	/// Pose of the hand that the tool shall follow, in W. `dt` [s] since the last call, which is a gap from kShortest periods on.
+	/// Pose of the hand that the tool follows, in W. `dt` is the time since the last call [s], which counts as a gap above kShortest
+	/// periods.
 	ist::Pose reference(const ist::Pose& X_WH, double dt, double period) noexcept
 	{
 		if (dt > kShortest * period && m_hasLast)
@@ -31,9 +32,9 @@ public:
 		m_hasLast = true;
 		return m_last;
 	}
-	/// The hand may be anywhere.
+	/// Accepts any next pose of the hand without a gap.
 	void forget() noexcept { *this = {}; }
-	/// What is taken off at present [m].
+	/// Present offset that is subtracted from the hand's position [m].
 	const ist::Vec3& shift() const noexcept { return m_shift; }
 
 private:

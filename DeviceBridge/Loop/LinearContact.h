@@ -8,28 +8,28 @@
 
 namespace devicebridge
 {
-/// One patch of contact between A and B as a linear model about the poses in which it was found, World axes. Wrench, stiffness and
+/// One patch of contact between A and B as a linear model about the poses in which it was found, in World axes. Wrench, stiffness and
 /// damping are about `point` and act on A; B receives the opposite there.
 struct LinearContact
 {
-	static constexpr int kFixed = -1, kTool = -2;  ///< instead of a slot
+	static constexpr int kFixed = -1, kTool = -2;  ///< values of `a` and `b` that replace a slot
 	int a = kFixed, b = kFixed;
-	std::uint64_t epoch = 0;                   ///< of the tenant of slot `b`, where A is the tool
-	ist::Vec3 point, normal;                   ///< centroid; direction of the elastic force on A
-	ist::Wrench wrench;                        ///< elastic [N, N m]
-	ist::SymmetricMatrix6 stiffness, damping;  ///< as btContactPatch has them
-	double frictionRadius = 0, friction = 0;   ///< [m]; Coulomb's coefficient of the pair
-	ist::Pose X_WA, X_WB;                      ///< in which it was found
-	double volume = 0;                         ///< of the overlap [m^3]
-	int pairs = 0;                             ///< of leaves
+	std::uint64_t epoch = 0;                   ///< epoch of the body in slot `b`, if A is the tool
+	ist::Vec3 point, normal;                   ///< centroid [m]; direction of the elastic force on A
+	ist::Wrench wrench;                        ///< elastic wrench [N, N m]
+	ist::SymmetricMatrix6 stiffness, damping;  ///< as in btContactPatch
+	double frictionRadius = 0, friction = 0;   ///< friction radius [m]; Coulomb's coefficient of the pair
+	ist::Pose X_WA, X_WB;                      ///< poses in which the contact was found
+	double volume = 0;                         ///< overlap volume [m^3]
+	int pairs = 0;                             ///< number of pairs of leaves
 };
 
-/// How A and B have moved since a contact between them was found.
+/// Motion of A and B since a contact between them was found.
 struct ContactMotion
 {
-	ist::Pose X_WA, X_WB;  ///< now
-	ist::Pose A, B;        ///< from where a point of each body was to where it is
-	ist::Vec3 turn;        ///< of A relative to B
+	ist::Pose X_WA, X_WB;  ///< present poses
+	ist::Pose A, B;        ///< motions that map a point of each body from its old to its present place
+	ist::Vec3 turn;        ///< rotation of A relative to B [rad]
 
 	ContactMotion(const LinearContact& found, const ist::Pose& nowA, const ist::Pose& nowB) noexcept
 		: X_WA(nowA),
@@ -43,8 +43,8 @@ private:
 	static ist::Vec3 turnOf(const ist::Pose& X) noexcept { return rotationVector(ist::quaternion(X.rotation)); }
 };
 
-/// The same contact after that: the point goes with both, and the wrench falls by the stiffness times the way and the turn
-/// of A relative to B. `way`, if given, receives the length of that way [m].
+/// The same contact after that motion. The point is the mean of its images on both bodies. The wrench decreases by the stiffness times the
+/// displacement and rotation of A relative to B. `way`, if given, receives the length of that displacement [m].
 inline LinearContact movedTo(const LinearContact& c, const ContactMotion& motion, double* way = nullptr) noexcept
 {
 	const ist::Vec3 onA = motion.A * c.point, onB = motion.B * c.point, shift = onA - onB;

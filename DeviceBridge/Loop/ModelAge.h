@@ -7,17 +7,17 @@
 
 namespace devicebridge
 {
-/// How far a slower thread's answer is behind, and what of it still counts. The period is learnt from the arrivals (the median of
-/// five, so that a single stall does not count), at least the nominal one.
+/// The delay of a slower thread's answers, and the weight that the last answer still has. The period is learnt from the arrivals and is at
+/// least the nominal one. It is the median of five, so that a single stall has no effect.
 class ModelAge
 {
 public:
-	std::int64_t fullUntil = 5'000'000;  ///< beyond the period: counts in full [ns]
-	std::int64_t zeroFrom = 20'000'000;  ///< beyond the period: counts for nothing; linear between the two [ns]
+	std::int64_t fullUntil = 5'000'000;  ///< delay beyond the period up to which the answer has full weight [ns]
+	std::int64_t zeroFrom = 20'000'000;  ///< delay beyond the period from which the answer has no weight; linear between the two [ns]
 
-	/// As if there never had been an answer.
+	/// Returns to the state before the first answer.
 	void forget() noexcept { m_count = m_last = m_period = 0; }
-	/// An answer has arrived at `now` [ns], from a thread that means to answer every `nominal` ns.
+	/// Records that an answer has arrived at `now` [ns] from a thread whose nominal period is `nominal` [ns].
 	void arrived(std::int64_t now, std::int64_t nominal) noexcept
 	{
 		if (m_count > 0) m_intervals[static_cast<std::size_t>((m_count - 1) % kKept)] = now - m_last;
@@ -31,13 +31,13 @@ public:
 		m_period = std::max(nominal, sorted[kKept / 2]);
 	}
 	bool known() const noexcept { return m_count > 0; }
-	/// Since the last answer [ns].
+	/// Time since the last answer [ns].
 	std::int64_t age(std::int64_t now) const noexcept { return now - m_last; }
-	/// As learnt [ns].
+	/// Learnt period [ns].
 	std::int64_t period() const noexcept { return m_period; }
-	/// By how much the next answer is late [ns].
+	/// Time by which the next answer is late [ns].
 	std::int64_t overdue(std::int64_t now) const noexcept { return std::max<std::int64_t>(0, age(now) - m_period); }
-	/// 1 while it counts in full, 0 when it does not count, or there was none.
+	/// Weight of the last answer: 1 in full, 0 none, 0 also before the first answer.
 	double factor(std::int64_t now) const noexcept
 	{
 		if (!known()) return 0;

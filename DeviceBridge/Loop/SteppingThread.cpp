@@ -20,7 +20,7 @@ namespace devicebridge
 namespace
 {
 constexpr std::int64_t kHour = 3'600'000'000'000;    // [ns]
-constexpr std::chrono::microseconds kPatience{200};  // between two looks at a loop that is to stop
+constexpr std::chrono::microseconds kPatience{200};  // interval between two requests to a loop that is to stop
 constexpr const char* kOnTheCaller = "on the caller's thread, as that is scheduled";
 
 bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3() && w.torque == ist::Vec3(); }
@@ -75,7 +75,7 @@ SteppingThread::~SteppingThread()
 	if (m_ticks > 0) sendZero(FaultCause::None, m_time.now());
 }
 
-/// Makes the caller the only one who may tick. False, with a refusal.
+/// Gives the calling thread the sole right to tick. Returns false, with a refusal, if it cannot.
 bool SteppingThread::claim() noexcept
 {
 	const char* refused = m_source.refusal();
@@ -87,7 +87,7 @@ bool SteppingThread::claim() noexcept
 	return refused[0] == '\0';
 }
 
-/// A stop that came before the end of the last tick finds the device at zero.
+/// If a stop was requested during the last tick, sends zero.
 void SteppingThread::leave() noexcept
 {
 	m_loopThread = std::thread::id();
@@ -137,7 +137,7 @@ bool SteppingThread::start()
 		m_loop = Loop::Idle;
 		return false;
 	}
-	return true;  // it may have ended already
+	return true;  // the loop may have ended already
 }
 
 void SteppingThread::requestStop() noexcept
@@ -152,12 +152,12 @@ void SteppingThread::stop() noexcept
 	requestStop();
 	if (m_loopThread.load() == std::this_thread::get_id()) return;
 	if (m_thread.joinable()) m_thread.join();
-	// A run() on another thread cannot be joined. The caller is not on the tick, so it may sleep. A run() that began between two of these
-	// requests is stopped, too; one that begins after a loop was stopped is not waited for.
+	// A run() on another thread cannot be joined. This caller is not in a tick, so it may sleep. A run() that began between two of these
+	// requests is stopped, too. A run() that begins after a loop was stopped is not waited for.
 	for (; running() && m_stops.load(std::memory_order_acquire) == stops; std::this_thread::sleep_for(kPatience)) requestStop();
 	Loop idle = Loop::Idle;
 	if (!m_loop.compare_exchange_strong(idle, Loop::Stopping)) return;
-	// A run() that came to its own end has left the last command standing.
+	// A run() that ended by itself has left the last command active.
 	if (!isZero(m_sent.wrench)) sendZero(FaultCause::None, m_time.now());
 	m_scheduled = false;
 	m_loop.store(Loop::Idle, std::memory_order_release);
@@ -181,7 +181,7 @@ void SteppingThread::askForMemory() noexcept
 	m_memory = "not locked: it was not asked for";
 	if (!m_settings.lockMemory) return;
 #if defined(__linux__)
-	// Under a limit, pages to come would be refused later, in the middle of the program that uses this.
+	// With a limit, the system would refuse new pages later, in the middle of the program that uses this library.
 	rlimit limit{};
 	const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
 	m_memory = unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
@@ -204,10 +204,10 @@ void SteppingThread::waitForTick() noexcept
 	const std::int64_t now = m_time.now();
 	m_periods.add(now - m_lastTick);
 	m_lastTick = now;
-	// After a jump back the sleep may have ended early as well: the schedule starts anew.
+	// After a jump back the sleep may have ended early as well, so the schedule starts again.
 	if (m_time.jumps() != m_seenJumps) m_deadline = now;
 	if (now - m_deadline <= m_settings.period) return;
-	// Missed ticks are dropped: catching up would be a burst of force updates without time between them.
+	// Missed ticks are dropped, because catching up would send a burst of force updates with no time between them.
 	increment(m_overruns);
 	m_deadline = now;
 }
@@ -239,14 +239,15 @@ std::int64_t SteppingThread::computeWrench()
 	onTransform.broadcast(m_state);
 	advanceWorld();
 	m_wanted = m_law->handWrench(m_state, m_step);
-	// What a law says of its time is believed to an hour: beyond that all is equally old, and sums with it would overflow.
+	// The time that a law reports is limited to an hour from now. Beyond that all answers are equally old, and sums with such times would
+	// overflow.
 	const std::int64_t saidAt = std::clamp(m_law->computedAt(m_state), m_lastTick - kHour, m_lastTick + kHour);
 	const std::int64_t computedAt = saidAt - std::clamp<std::int64_t>(m_step.overdue, 0, kHour);
 	onHapticTick.broadcast(m_state, m_wanted);
 	return computedAt;
 }
 
-/// False when there is no sample to act on: the last good one stays, and `m_watchCause` says why.
+/// Returns false if there is no usable sample. Then the last good one stays, and `m_watchCause` says why.
 bool SteppingThread::readDevice(std::int64_t now) noexcept
 {
 	DeviceState state = m_state;
@@ -266,7 +267,7 @@ bool SteppingThread::readDevice(std::int64_t now) noexcept
 		increment(m_deviceErrors);
 		return false;
 	}
-	// A glitch of one sample is bridged by the slew limit; after longer the hand may be anywhere.
+	// The slew limit bridges a short outage. After a longer one the hand may be anywhere.
 	if (m_outage && now - m_outageSince > m_settings.safety.fullUntil) m_limiter.restart();
 	m_outage = false;
 	m_state = state;
@@ -274,7 +275,7 @@ bool SteppingThread::readDevice(std::int64_t now) noexcept
 	return true;
 }
 
-// The nominal period, not the measured one: a late tick must not make the world take a longer, less stable step.
+// Uses the nominal period, because a late tick must not make the world take a longer, less stable step.
 void SteppingThread::advanceWorld()
 {
 	m_step.contactCount = 0;
@@ -284,7 +285,7 @@ void SteppingThread::advanceWorld()
 	m_step.toolIsBroken = false;
 	const double period = 1e-9 * static_cast<double>(m_settings.period);
 	DeviceState hand = m_state;
-	// While the device gives no sample, and while the thread is stopped, the hand goes on as well.
+	// The hand also moves on while the device gives no sample and while the thread is stopped.
 	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
 	if (m_watchCause == FaultCause::None) m_lastSampleTick = m_lastTick;
 	m_source.advance(period, hand, m_step);
@@ -305,8 +306,8 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	command.computedAt = computedAt;
 	command.expiresAt = computedAt + m_settings.safety.zeroFrom;
 	command.wrench = m_wanted;
-	// A tick that took longer than a period may have outlived its command. Any other counts as instantaneous, so that a
-	// recorded run can be replayed to the last bit.
+	// If a tick took longer than a period, its command may have expired. Any other tick counts as instantaneous, so that a replay of a
+	// recorded run gives the same bits.
 	const std::int64_t finished = m_time.now();
 	const bool slow = finished - m_lastTick >= m_settings.period;
 	const std::int64_t now = slow ? finished : std::max(m_lastTick, std::min(m_state.sampledAt, finished));

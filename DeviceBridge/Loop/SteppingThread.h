@@ -17,14 +17,14 @@
 
 namespace devicebridge
 {
-/// Durations, four bins to the octave. One thread adds, any thread reads.
+/// Histogram of durations, four bins per octave. One thread adds, any thread reads.
 class DurationHistogram
 {
 public:
 	void add(std::int64_t nanoseconds) noexcept;
 	std::uint64_t count() const noexcept { return m_count.load(std::memory_order_relaxed); }
 	std::int64_t longest() const noexcept { return m_longest.load(std::memory_order_relaxed); }
-	/// Upper edge of the bin below which the share `p` of all durations lies [ns], at most 19 % above the true quantile.
+	/// Upper edge of the bin below which the share `p` of all durations lies [ns]; at most 19 % above the true quantile.
 	double quantile(double p) const noexcept;
 
 private:
@@ -37,21 +37,21 @@ private:
 struct SteppingSettings
 {
 	std::int64_t period = 1'000'000;  ///< [ns]
-	bool realTime = true;             ///< ask for SCHED_FIFO in start()
-	/// Ask in start() that no page of the process is swapped out, now or later. It holds for the whole program and stays so: every thread's
-	/// stack and every mapped file become resident. Set it where the haptic loop is what the program is for.
+	bool realTime = true;             ///< whether start() requests SCHED_FIFO
+	/// Whether start() asks that no page of the process is ever swapped out. This holds for the whole program and is never undone: every
+	/// thread's stack and every mapped file become resident. Set it in a program whose main purpose is the haptic loop.
 	bool lockMemory = false;
-	int priority = 80;  ///< of SCHED_FIFO; below 99, where the watchdogs of the kernel live
+	int priority = 80;  ///< priority under SCHED_FIFO; below 99, which the kernel's watchdogs use
 	SafetySettings safety;
 	SampleMonitorSettings watch;
 };
 
-/// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw,
-/// onHapticTick, SafetyLimiter, write the device. Of itself a tick allocates nothing and takes no lock; what its source does, that says.
-/// After a gap between ticks the schedule begins anew, the world takes one step of the nominal period, and the tool follows the hand as
-/// GapBridge says; so it does after an outage of the device and after stop() and start().
-/// Device, source, law and clock outlive the thread. Set up listeners and law before start(). What a listener throws ends at
-/// the tick: the device gets zero until clearFault().
+/// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw, onHapticTick,
+/// SafetyLimiter, write the device. The tick itself allocates nothing and takes no lock; the source documents its own cost.
+/// After a gap between ticks the schedule starts again, the world takes one step of the nominal period, and GapBridge brings the tool to
+/// the hand. The same happens after an outage of the device and after stop() and start().
+/// Device, source, law and clock must outlive the thread. Set up listeners and law before start(). If a listener throws, the tick catches
+/// it, and the device gets zero until clearFault().
 class SteppingThread
 {
 public:
@@ -63,70 +63,71 @@ public:
 	/// Null restores the CouplingForceLaw.
 	void setForceLaw(ForceLaw* law) noexcept { m_law = law ? law : &m_couplingLaw; }
 
-	/// Ticks on the calling thread, as many or until a stop, and is running() meanwhile. False, with a refusal(), while a loop runs.
-	/// After its last tick the device keeps the last command until that expires, so that the next run() goes on from there. A stop
-	/// leaves it at zero.
+	/// Runs ticks on the calling thread, up to `ticks` or until a stop; running() is true meanwhile. Returns false, with a refusal(), while
+	/// a loop runs. After the last tick the device keeps the last command until it expires, so that the next run() can continue. After a
+	/// stop the device is at zero.
 	bool run(std::int64_t ticks) noexcept;
-	/// Ticks on an own thread until a stop. False, with a refusal(), when the loop runs already or cannot be started.
+	/// Runs ticks on a separate thread until a stop. Returns false, with a refusal(), if the loop runs already or cannot be started.
 	bool start();
-	/// Waits for the tick in progress, in run() too, and leaves the device at zero. From a listener, which is on the tick, it is
-	/// requestStop(). Not while another thread is in start(), stop() or the destructor. A run() that begins later is not stopped.
+	/// Stops the loop, also in run(): waits for the tick in progress and leaves the device at zero. In a listener, which runs in the tick,
+	/// it acts as requestStop(). Do not call it while another thread is in start(), stop() or the destructor. A run() that begins later is
+	/// not stopped.
 	void stop() noexcept;
-	/// Ends the loop after the tick in progress, without waiting. While no loop runs it does nothing: the next one is not stopped.
-	/// From any thread and from a signal handler.
+	/// Ends the loop after the tick in progress, without waiting. Without a running loop it does nothing, so the next loop is not stopped.
+	/// Any thread and any signal handler may call it.
 	void requestStop() noexcept;
 	bool running() const noexcept { return m_loop.load(std::memory_order_acquire) != Loop::Idle; }
-	/// Why the last start() or run() did nothing, in a sentence; empty when it did.
+	/// A sentence that says why the last start() or run() was refused; empty if it was not.
 	const char* refusal() const noexcept { return m_refusal.load(std::memory_order_relaxed); }
 
 	Delegate<const DeviceState> onTransform;
 	Delegate<const ToolContact> onCollision;
-	/// The wrench for the hand, to be read or changed before the safety limits.
+	/// Event with the wrench for the hand, which a listener may read or change before the safety limits.
 	Delegate<const DeviceState, ist::Wrench> onHapticTick;
 
-	/// The force went to zero for a cause that was not there the tick before. On the tick.
+	/// Event after the force went to zero for a cause that was absent in the tick before. It is raised in the tick.
 	Delegate<const Fault> onFault;
 
-	// From any thread, at any time:
-	/// Off: zero. On again: from zero along the ramp, and not before the tool is free.
+	// For any thread, at any time:
+	/// Off: the force is zero. On again: the force rises from zero along the ramp, once the tool is free.
 	void enableForces(bool on) noexcept { m_limiter.enable(on); }
-	/// As if a listener had thrown: zero until clearFault().
+	/// Acts as if a listener had thrown: the force is zero until clearFault().
 	void raiseFault() noexcept { m_limiter.raiseFault(); }
-	/// Of the last tick; None: nothing held the device at zero.
+	/// Cause of zero force in the last tick; None if there was none.
 	FaultCause faultCause() const noexcept { return m_cause.load(std::memory_order_relaxed); }
-	/// How often onFault was called.
+	/// Number of calls of onFault.
 	std::uint64_t faults() const noexcept { return m_faults.load(std::memory_order_relaxed); }
-	/// How often the clock ran backwards.
+	/// Number of times that the clock ran backwards.
 	std::uint64_t clockJumps() const noexcept { return m_time.jumps(); }
-	/// What the passivity controller has seen.
+	/// Energies that the passivity controller has measured.
 	EnergyLog energy() const noexcept { return m_limiter.energy(); }
 	/// SafetyLimiter::heatLoad().
 	double heatLoad() const noexcept { return m_limiter.heatLoad(); }
 	std::uint64_t ticks() const noexcept { return m_ticks.load(std::memory_order_relaxed); }
-	/// Ticks that began later than one period after their deadline.
+	/// Number of ticks that began later than one period after their deadline.
 	std::uint64_t overruns() const noexcept { return m_overruns.load(std::memory_order_relaxed); }
-	/// Reads without a sample to act on, and writes that failed.
+	/// Number of reads without a usable sample, plus the number of failed writes.
 	std::uint64_t deviceErrors() const noexcept { return m_deviceErrors.load(std::memory_order_relaxed); }
-	/// From the beginning of a tick to that of the next.
+	/// Durations from the beginning of one tick to the beginning of the next.
 	const DurationHistogram& periods() const noexcept { return m_periods; }
-	/// From the beginning of a tick to its end.
+	/// Durations from the beginning of a tick to its end.
 	const DurationHistogram& costs() const noexcept { return m_costs; }
 	SafetyCounts safetyCounts() const noexcept { return m_limiter.counts(); }
 	bool faulted() const noexcept { return m_limiter.faulted(); }
 	void clearFault() noexcept { m_limiter.clearFault(); }
 	/// How the system schedules the loop, in words.
 	const char* scheduling() const noexcept { return m_scheduling.load(std::memory_order_relaxed); }
-	/// Whether its memory is locked, in words.
+	/// Whether the process's memory is locked, in words.
 	const char* memory() const noexcept { return m_memory.load(std::memory_order_relaxed); }
 
-	// From a listener, or while nothing runs:
+	// For a listener, or while no loop runs:
 	/// The last good sample.
 	const DeviceState& state() const noexcept { return m_state; }
-	/// What the world gave in the last tick.
+	/// Result of the world's step in the last tick.
 	const ToolStep& step() const noexcept { return m_step; }
-	/// On the hand, about the origin of H, in W: as the force law and the listeners wanted it; zero without a sample to act on.
+	/// Wrench on the hand, about the origin of H, in W, as the force law and the listeners computed it; zero without a usable sample.
 	const ist::Wrench& wantedWrench() const noexcept { return m_wanted; }
-	/// The same as it went to the device; zero where that did not take it.
+	/// The same wrench as it was sent to the device; zero if the device did not accept it.
 	const ist::Wrench& sentWrench() const noexcept { return m_sent.wrench; }
 
 private:
@@ -134,7 +135,7 @@ private:
 	{
 		Idle,
 		Running,
-		Stopping  ///< after the tick in progress
+		Stopping  ///< the loop ends after the tick in progress
 	};
 	bool claim() noexcept;
 	void leave() noexcept;
@@ -175,7 +176,7 @@ private:
 	std::thread m_thread;
 	std::atomic<std::thread::id> m_loopThread{};
 	std::atomic<Loop> m_loop{Loop::Idle};
-	std::atomic<std::uint64_t> m_stops{0};  // loops that a stop has ended
+	std::atomic<std::uint64_t> m_stops{0};  // number of loops that a stop has ended
 	static_assert(std::atomic<Loop>::is_always_lock_free, "a signal handler changes it");
 	std::atomic<const char*> m_refusal{""};
 	std::atomic<std::uint64_t> m_ticks{0}, m_overruns{0}, m_deviceErrors{0}, m_faults{0};

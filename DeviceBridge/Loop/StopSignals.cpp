@@ -11,7 +11,7 @@ namespace devicebridge
 {
 namespace
 {
-// A signal handler reaches nothing but what is global.
+// A signal handler can only reach global variables.
 std::atomic<SteppingThread*> threads[StopSignals::kMostThreads];
 std::atomic<int> lastSignal{0};
 static_assert(std::atomic<SteppingThread*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);

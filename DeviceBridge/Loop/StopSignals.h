@@ -5,9 +5,9 @@ namespace devicebridge
 {
 class SteppingThread;
 
-/// While one lives, SIGINT and SIGTERM ask a stepping thread to stop: it ends after the tick in progress and leaves its device at
-/// zero. The handlers that were there before come back with the last of them; a second signal meets those. At most
-/// kMostThreads at a time.
+/// During its lifetime, SIGINT and SIGTERM request a stepping thread to stop: the thread ends after the tick in progress and leaves its
+/// device at zero. The previous handlers are restored when the last object is destroyed. A second signal calls those. At most kMostThreads
+/// objects exist at a time.
 class StopSignals
 {
 public:
@@ -18,9 +18,9 @@ public:
 	StopSignals(const StopSignals&) = delete;
 	StopSignals& operator=(const StopSignals&) = delete;
 
-	/// False when there was no room or the handlers could not be set.
+	/// Whether the handlers are set and a place was free.
 	bool active() const { return m_slot >= 0; }
-	/// The signal that came while any of them lived; zero when none did.
+	/// The signal that came during the lifetime of any of these objects; zero if none came.
 	static int caught();
 
 private:

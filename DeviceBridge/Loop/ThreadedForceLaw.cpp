@@ -32,7 +32,7 @@ ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep
 
 std::int64_t ThreadedForceLaw::computedAt(const DeviceState& hand) const noexcept
 {
-	// Before the first answer there is nothing to be felt: neither force nor fault.
+	// Before the first answer the wrench is zero and not late, so that there is no fault.
 	return m_held.number == 0 ? hand.sampledAt : m_held.computedAt;
 }
 

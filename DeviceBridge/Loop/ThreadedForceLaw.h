@@ -10,35 +10,35 @@
 
 namespace devicebridge
 {
-/// A force law in a thread of its own, for laws that take longer than a tick may. Nobody waits: the law is given hand and step of a tick,
-/// and what it answers counts until the next answer as
+/// A force law on a separate thread, for laws that take longer than a tick may. No thread waits. The law receives the hand and step of a
+/// tick, and its answer is used until the next one:
 ///   w(t) = c(t) + (w(t0) - c(t0)),   c: the reaction of the virtual coupling,
-/// so that only what the law adds to the coupling lags behind, and the coupling's stiffness, on which stability at the hand depends, does
-/// not: with a CouplingForceLaw inside, the hand feels what it would feel without this. computedAt() is that of t0, so a law that hangs
-/// fades out with its age (SafetySettings::fullUntil, zeroFrom), and fades in when it answers again.
+/// So only the part that the law adds to the coupling is delayed. The coupling's stiffness, on which stability at the hand depends, has no
+/// delay. With a CouplingForceLaw inside, the hand feels the same as without this class. computedAt() returns the time of t0. So the force
+/// of a law that hangs fades with its age (SafetySettings::fullUntil, zeroFrom), and returns when the law answers again.
 class ThreadedForceLaw final : public ForceLaw
 {
 public:
-	/// `law` outlives this, and is called by one thread at a time.
+	/// `law` must outlive this object. One thread at a time calls it.
 	explicit ThreadedForceLaw(ForceLaw& law) : m_law(law) {}
 	~ThreadedForceLaw() override { stop(); }
 
-	// From the thread that set it up:
-	/// False when it runs already or cannot be started.
+	// For the thread that set it up:
+	/// Returns false if the thread runs already or cannot be started.
 	bool start();
-	/// Waits for the answer in progress. The stepping thread stops first: it goes on asking, and nobody would answer.
+	/// Waits for the answer in progress. Stop the stepping thread first, because it continues to ask and would get no answer.
 	void stop() noexcept;
-	/// One answer on the calling thread, for virtual time. False when nothing was asked.
+	/// Computes one answer on the calling thread, for virtual time. Returns false if there is no question.
 	bool serve() noexcept;
 
-	// From any thread, at any time:
-	/// Off: the law is asked in the tick, as soon as what it was asked before is answered. On again: what it said in the last tick counts
-	/// until its thread answers.
+	// For any thread, at any time:
+	/// Off: the law runs in the tick, as soon as its thread has answered the open question. On again: the law's result of the last tick is
+	/// used until its thread answers.
 	void setThreaded(bool on) noexcept { m_threaded.store(on, std::memory_order_relaxed); }
 	bool threaded() const noexcept { return m_threaded.load(std::memory_order_relaxed); }
 	std::uint64_t answers() const noexcept { return m_answered.load(std::memory_order_relaxed); }
 
-	// On the tick; no allocation, no lock:
+	// For the tick; no allocation, no lock:
 	ist::Wrench handWrench(const DeviceState& hand, const ToolStep& step) noexcept override;
 	std::int64_t computedAt(const DeviceState& hand) const noexcept override;
 
@@ -60,7 +60,7 @@ private:
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	std::uint64_t m_asked = 0;
-	Answer m_held;  // what counts: the newest answer, or what the law said on the tick; number 0: nothing yet
+	Answer m_held;  // answer in use: the newest of the thread, or the law's result in the tick; number 0: none yet
 	std::atomic<bool> m_threaded{true};
 	std::atomic<std::uint64_t> m_answered{0};
 	AnsweringThread m_thread;

@@ -19,7 +19,7 @@ void WorldMirror::collect() noexcept
 		const SpentImpulse before = body.seen.epoch == body.epoch ? body.seen : SpentImpulse();
 		taken.impulse = now.impulse - before.impulse;
 		taken.seconds = now.seconds - before.seconds;
-		// A given impulse has carried the body for the rest of the time only.
+		// An impulse moves the body only in the time after it was given.
 		const ist::Wrench carried = now.area - before.area - taken.seconds * before.impulse;
 		const double along = dot(carried.force, taken.impulse.force), all = taken.seconds * squaredNorm(taken.impulse.force);
 		taken.share = all > 0 ? std::clamp(1 - along / all, 0.0, 1.0) : 0;

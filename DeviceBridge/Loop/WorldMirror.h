@@ -15,101 +15,102 @@ constexpr int kMirroredBodies = 16;
 constexpr int kMirroredContacts = 48;
 constexpr int kToolContacts = 16;
 
-/// What the hand's thread has given to one body since it entered its slot. The body's own copy there, in World.
+/// The impulse that the hand's thread has given to one body since the body entered its slot. It includes the state of that thread's copy of
+/// the body, in World.
 struct SpentImpulse
 {
-	std::uint64_t epoch = 0;  ///< that of the slot's tenant; 0: none
-	bool released = false;    ///< nothing more will be spent on this tenant
-	ist::Wrench impulse;      ///< moment about the copy's centre of mass [N s, N m s]
-	ist::Wrench area;         ///< Int impulse dt, from which follows how far it has carried the body
-	double seconds = 0;       ///< over which that integral runs
+	std::uint64_t epoch = 0;  ///< epoch of the slot's body; 0: none
+	bool released = false;    ///< whether the hand's thread will give no further impulse to this body
+	ist::Wrench impulse;      ///< sum of impulses; moment about the copy's centre of mass [N s, N m s]
+	ist::Wrench area;         ///< time integral of `impulse`, from which the displacement of the body follows [N s^2, N m s^2]
+	double seconds = 0;       ///< duration of that integral [s]
 	ist::Pose X_WB;
 	ist::Twist twist;
-	ist::Vec3 shifted, turned;  ///< how far the copy was put right so far
+	ist::Vec3 shifted, turned;  ///< sum of the corrections of the copy's position and rotation so far [m, rad]
 };
 
-/// One body near the tool, as the world has it after a step. World axes; B is the body's centre-of-mass frame, in which Bullet has
-/// the shape as well, so that it is the tree's mesh frame.
+/// One body near the tool, as the world has it after a step, in World axes. B is the body's centre-of-mass frame. Bullet has the shape in
+/// the same frame, so it is the tree's mesh frame.
 struct MirroredBody
 {
-	std::uint64_t epoch = 0;  ///< grows with each tenant of the slot; 0: nobody
-	bool leaving = false;     ///< to be released
+	std::uint64_t epoch = 0;  ///< number that grows with each new body in the slot; 0: the slot is empty
+	bool leaving = false;     ///< whether the body is to be released
 	const void* id = nullptr;
-	const ist::InnerSphereTree* tree = nullptr;  ///< lives as long as the tenant. Null: the half-space below
-	ist::Vec3 planeNormal;                       ///< World, pointing out
+	const ist::InnerSphereTree* tree = nullptr;  ///< tree of the body, valid while the body has the slot; null: the half-space below
+	ist::Vec3 planeNormal;                       ///< outward normal, World
 	double planeOffset = 0;
 	ist::Pose X_WB;
-	ist::Twist twist;                                 ///< of the centre of mass
-	ist::Vec3 inverseMass;                            ///< per World axis; zero: not to be moved [1/kg]
-	ist::Mat3 inverseInertia = ist::zeroMat3();       ///< axes of B [1/(kg m^2)]
+	ist::Twist twist;                                 ///< velocity of the centre of mass
+	ist::Vec3 inverseMass;                            ///< inverse mass per World axis; zero: the body does not move [1/kg]
+	ist::Mat3 inverseInertia = ist::zeroMat3();       ///< inverse inertia in axes of B [1/(kg m^2)]
 	ist::Vec3 gravity;                                ///< [m/s^2]
-	double k = 0, toolWeight = 0.5, dissipation = 0;  ///< constants of the pair of tool and body
+	double k = 0, toolWeight = 0.5, dissipation = 0;  ///< contact constants of the pair of tool and body
 	double friction = 0;
-	SpentImpulse seen;  ///< what the world knew of the hand before this step
+	SpentImpulse seen;  ///< impulse that the world had received from the hand before this step
 };
 
 struct WorldSnapshot
 {
 	std::uint64_t step = 0;
-	double period = 0;  ///< of the step [s]
+	double period = 0;  ///< duration of the step [s]
 	MirroredBody bodies[kMirroredBodies];
-	LinearContact contacts[kMirroredContacts];  ///< of the bodies with each other, and with what is not mirrored
+	LinearContact contacts[kMirroredContacts];  ///< contacts of the mirrored bodies with each other and with other bodies
 	int contactCount = 0;
-	LinearContact toolContacts[kToolContacts];  ///< of the tool, found by the world's thread where the tool was
+	LinearContact toolContacts[kToolContacts];  ///< contacts of the tool, found by the world's thread at the tool's pose there
 	int toolContactCount = 0;
 };
 
-/// What the hand's thread says in every tick.
+/// The hand's thread's data of one tick.
 struct HandPost
 {
 	std::uint64_t tick = 0;
-	ToolState tool;  ///< in World
+	ToolState tool;  ///< state of the tool in World
 	SpentImpulse bodies[kMirroredBodies];
 };
 
-/// Between the thread that owns a world and the one that owns a hand. The world publishes after each step, the hand posts in each
-/// tick; nobody waits, and nothing allocates. Impulses are posted as sums since the body entered, so that a post that is overwritten
-/// unread loses nothing: what the world takes adds up to exactly what the hand gave.
+/// Exchange between the thread that owns a world and the thread that owns a hand. The world publishes after each step, and the hand posts
+/// in each tick. Neither waits, and nothing allocates. Impulses are posted as sums since the body entered, so no impulse is lost if a post
+/// is overwritten before it is read. The impulses that the world takes add up exactly to those that the hand gave.
 ///
-/// A slot is emptied in two steps: the world marks its tenant as leaving, the hand posts that it is released, and only then has the
-/// world taken the last impulse and may let go of the tree.
+/// A slot is emptied in two steps. First the world marks its body as leaving; then the hand posts the body as released. Only then has the
+/// world taken the last impulse, so that it may release the tree.
 class WorldMirror
 {
 public:
-	// Thread of the world:
-	/// Takes the latest post. What is new in it is in `taken`, slot by slot.
+	// For the thread of the world:
+	/// Fetches the latest post. The impulses that are new since the last collect() are in `taken`, one per slot.
 	void collect() noexcept;
 	const HandPost& posted() const noexcept { return m_posts.readable(); }
-	/// Since the collect before the last.
+	/// Impulse that one body received between the last two calls of collect().
 	struct Taken
 	{
 		ist::Wrench impulse;
-		double share = 0;  ///< of the time for which the impulse had not been given yet, weighted with it; 1/2 for a steady force
+		double share = 0;  ///< mean share of that time before the impulse was given, weighted with the impulse; 1/2 for a steady force
 		double seconds = 0;
 	};
 	const Taken& taken(int slot) const noexcept { return m_taken[slot]; }
-	/// The slot of `id`, or -1.
+	/// The slot of `id`, or -1 if it has none.
 	int find(const void* id) const noexcept;
-	/// A slot for a new tenant, or -1 when all are taken. The tree is kept until the tenant is released, whoever else lets go of it.
+	/// A slot for a new body, or -1 if all are occupied. The slot owns a share of the tree until the body is released.
 	int admit(const void* id, std::shared_ptr<const ist::InnerSphereTree> tree = nullptr) noexcept;
 	const std::shared_ptr<const ist::InnerSphereTree>& tree(int slot) const noexcept { return m_trees[slot]; }
 	void leave(int slot) noexcept { m_bodies[slot].leaving = true; }
-	/// Empties the slots whose tenants were released; true for those.
+	/// Empties the slot if its body was released. Returns true if so.
 	bool releaseIfDone(int slot) noexcept;
-	/// Every tenant leaves, its id forgotten: who admitted them is not there any more.
+	/// Marks every body as leaving and forgets its id, because the owner of the ids is gone.
 	void leaveAll() noexcept;
-	/// While the hand's threads are stopped: no tenants, no contacts, no trees, and so it is published.
+	/// Removes and publishes: no bodies, no contacts, no trees. Call it only while the hand's threads are stopped.
 	void clear() noexcept;
-	/// To be filled before publish(); epoch, leaving, id, tree and seen are the mirror's.
+	/// The body to fill before publish(). The mirror itself sets epoch, leaving, id, tree and seen.
 	MirroredBody& body(int slot) noexcept { return m_bodies[slot]; }
-	/// For contacts, to be filled before publish(). Holds an older snapshot.
+	/// The snapshot whose contacts are to be filled before publish(). It holds older values.
 	WorldSnapshot& writable() noexcept { return m_snapshots.writable(); }
 	void publish(double period) noexcept;
 
-	// Thread of the hand:
+	// For the thread of the hand:
 	bool fetch() noexcept { return m_snapshots.fetch(); }
 	const WorldSnapshot& snapshot() const noexcept { return m_snapshots.readable(); }
-	/// To be filled in whole.
+	/// The post, of which every field is to be filled.
 	HandPost& post() noexcept { return m_posts.writable(); }
 	void send() noexcept { m_posts.publish(); }
 

@@ -11,7 +11,7 @@
 
 namespace devicebridge::plugin
 {
-/// Two samples are at least this far apart, so that a vendor's call that does not block cannot take the processor.
+/// Keeps a minimum time between two samples, so that a vendor's call that does not block cannot use the whole processor.
 class Pace
 {
 public:
@@ -32,8 +32,8 @@ inline void say(char* why, std::size_t room, const std::string& text) { std::snp
 
 template <std::size_t N> void setText(char (&field)[N], const std::string& text) { say(field, N, text); }
 
-/// `assumed`: bits DEVICEBRIDGE_ASSUMED_... of limits that were filled in though the device does not tell them. `profile`: for those that
-/// are zero. A host that is older knows neither, and what is zero stays unknown to it.
+/// `assumed` has the bits DEVICEBRIDGE_ASSUMED_... of limits that were filled in because the device does not report them. `profile` is the
+/// profile for limits that are zero. An older host knows neither, so limits of zero stay unknown to it.
 inline void setAssumed(devicebridge_info& info, uint32_t assumed, const std::string& profile = {})
 {
 	if (info.size < sizeof info) return;
@@ -41,7 +41,7 @@ inline void setAssumed(devicebridge_info& info, uint32_t assumed, const std::str
 	setText(info.profile, profile);
 }
 
-/// As devicebridge_plugin::exchange answers.
+/// Results of devicebridge_plugin::exchange.
 enum class News
 {
 	Lost = -1,
@@ -54,7 +54,7 @@ enum class News
 ///   static std::string missing();
 ///   static ist::Result<std::unique_ptr<T>> open(const std::string& address, devicebridge_info& info);
 ///   News exchange(const devicebridge_command&, devicebridge_state&, std::string& why);
-/// whose destructor leaves the device without force.
+/// and a destructor that leaves the device with zero force.
 template <class T> const devicebridge_plugin* tableOf()
 {
 	static const devicebridge_plugin table = {sizeof table, DEVICEBRIDGE_PLUGIN_VERSION, T::kName, T::kDescription,

@@ -9,7 +9,7 @@
 
 namespace devicebridge::plugin
 {
-/// A vendor's shared library, found at run time and never unloaded. The environment variable, when set, names the file instead.
+/// A vendor's shared library, found at run time and never unloaded. If the environment variable is set, it gives the file.
 class VendorLibrary
 {
 public:
@@ -23,13 +23,13 @@ public:
 			m_why += "; install the vendor's software, add its folder to LD_LIBRARY_PATH or name the file in " + std::string(variable);
 	}
 
-	/// Null, and why() names the first symbol that was not there.
+	/// Looks up a function. It is null if the symbol is missing, and why() names the first missing symbol.
 	template <class Function> void find(const char* symbol, Function*& function)
 	{
 		function = m_library ? reinterpret_cast<Function*>(dlsym(m_library, symbol)) : nullptr;
 		if (m_library && !function && m_why.empty()) m_why = m_file + " lacks the function " + symbol;
 	}
-	/// What is missing; empty when all was found.
+	/// What is missing; empty if everything was found.
 	const std::string& why() const { return m_why; }
 
 private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Whatever haptic device CHAI3D finds. CHAI3D is a C++ library without a shared one to load, so that this plug-in is built where its
-// headers are. Interface: src/devices/CGenericHapticDevice.h and CHapticDeviceHandler.h of github.com/chai3d/chai3d, 3.3.0. W is
-// CHAI3D's frame: x towards the user, y to the right, z up.
+// Plug-in for every haptic device that CHAI3D finds. CHAI3D is a C++ library without a shared library to load, so this plug-in is built
+// where CHAI3D's headers are. Interface: src/devices/CGenericHapticDevice.h and CHapticDeviceHandler.h of github.com/chai3d/chai3d, 3.3.0.
+// W is CHAI3D's frame: x towards the user, y to the right, z up.
 #include <chai3d.h>
 
 #include <charconv>
@@ -56,7 +56,7 @@ ist::Result<std::unique_ptr<Chai3dDevice>> Chai3dDevice::open(const std::string&
 		return ist::Error{"chai3d:" + address + ": the index must be a number", false};
 	chai3d::cHapticDeviceHandler handler;
 	const unsigned count = handler.getNumDevices();
-	// Beyond the last one CHAI3D hands out a device that never answers.
+	// Beyond the last index CHAI3D returns a device that never answers.
 	chai3d::cGenericHapticDevicePtr found;
 	if (static_cast<unsigned>(index) >= count || !handler.getDevice(found, static_cast<unsigned>(index)))
 		return ist::Error{"CHAI3D finds " + std::to_string(count) + " devices, there is no chai3d:" + std::to_string(index), false};

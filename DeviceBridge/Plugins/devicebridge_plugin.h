@@ -2,15 +2,15 @@
 #pragma once
 
 /* The plug-in interface of DeviceBridge, in C: one shared library, libdevicebridge_NAME.so, makes the devices of the scheme NAME.
- * It is looked for in the folders of DEVICEBRIDGE_PLUGIN_PATH (separated by colons) and in the folder that the library was installed
- * with, loaded when first asked for, and never unloaded: vendors' libraries keep threads of their own.
+ * The host searches for it in the folders of DEVICEBRIDGE_PLUGIN_PATH (separated by colons) and in the plug-in folder of the
+ * installation. It is loaded at its first use and never unloaded, because vendors' libraries have threads of their own.
  *
- * Every struct begins with its size as its maker knew it. The plug-in sets the size of devicebridge_plugin, the host those of
- * the structs that it passes; nobody touches a member that lies beyond the size of the other side. New members are added at the end;
- * DEVICEBRIDGE_PLUGIN_VERSION changes when an old member does, and then the plug-in is refused by name.
+ * Every struct begins with its size as its maker knew it. The plug-in sets the size of devicebridge_plugin, and the host sets those
+ * of the structs that it passes. Neither side may access a member beyond the size that the other side gives. New members are added
+ * at the end. DEVICEBRIDGE_PLUGIN_VERSION changes when an old member changes, and then the plug-in is refused by name.
  *
- * SI units, radians. W is the device's world frame, H the frame of the handle. No call may throw or end the program. All calls for
- * one device come from one thread; different devices may come from different threads. */
+ * Units are SI and radians. W is the device's world frame, H the frame of the handle. No call may throw or end the program. All
+ * calls for one device come from one thread; calls for different devices may come from different threads. */
 
 #include <stddef.h>
 #include <stdint.h>
@@ -21,7 +21,7 @@ extern "C"
 #endif
 
 #define DEVICEBRIDGE_PLUGIN_VERSION 1u
-/* const struct devicebridge_plugin *devicebridge_plugin_entry(void): the one symbol that is looked up. */
+/* const struct devicebridge_plugin *devicebridge_plugin_entry(void): the only symbol that the host looks up. */
 #define DEVICEBRIDGE_PLUGIN_ENTRY "devicebridge_plugin_entry"
 #define DEVICEBRIDGE_HAND_JOINTS 26
 
@@ -31,7 +31,7 @@ extern "C"
 #define DEVICEBRIDGE_PLUGIN_EXPORT __attribute__((visibility("default")))
 #endif
 
-	/* Bits of sensed and actuated: x, y, z, rx, ry, rz, grip, joints of a hand. */
+	/* Bits of `sensed` and `actuated`: x, y, z, rx, ry, rz, grip, joints of a hand. */
 	enum
 	{
 		DEVICEBRIDGE_TRANSLATION = 0x07,
@@ -40,14 +40,14 @@ extern "C"
 		DEVICEBRIDGE_HAND = 0x80
 	};
 
-	/* The hand that a device is made for. */
+	/* The hand for which a device is made. */
 	enum
 	{
 		DEVICEBRIDGE_LEFT = 1,
 		DEVICEBRIDGE_RIGHT = 2
 	};
 
-	/* Bits of devicebridge_state.flags; the host sets all of them before each exchange. Force flows while all are set. */
+	/* Bits of devicebridge_state.flags; the host sets all of them before each exchange. Force is sent only while all are set. */
 	enum
 	{
 		DEVICEBRIDGE_CALIBRATED = 1,
@@ -55,7 +55,7 @@ extern "C"
 		DEVICEBRIDGE_HAND_PRESENT = 4
 	};
 
-	/* Bits of devicebridge_info.assumed, each for one member: limits that the device itself does not tell. */
+	/* Bits of devicebridge_info.assumed, each for one member: a limit that the device itself does not report. */
 	enum
 	{
 		DEVICEBRIDGE_ASSUMED_PEAK_FORCE = 0x01,
@@ -71,7 +71,7 @@ extern "C"
 		DEVICEBRIDGE_ASSUMED_WORKSPACE_RADIUS = 0x400
 	};
 
-	/* Zeros mean unknown; through an unknown peak nothing is sent. Texts end with a zero. */
+	/* Zero means unknown; nothing is sent to motors with an unknown peak. Texts end with a zero. */
 	struct devicebridge_info
 	{
 		uint32_t size;
@@ -79,22 +79,22 @@ extern "C"
 		uint32_t handedness;                         /* DEVICEBRIDGE_LEFT or DEVICEBRIDGE_RIGHT; zero: either, or unknown */
 		double peak_force, continuous_force;         /* [N] */
 		double peak_torque, continuous_torque;       /* [N m] */
-		double max_stiffness, max_angular_stiffness; /* at 1 kHz [N/m, N m/rad] */
-		double max_damping, max_angular_damping;     /* at 1 kHz [N s/m, N m s/rad] */
+		double max_stiffness, max_angular_stiffness; /* largest stiffness at 1 kHz [N/m, N m/rad] */
+		double max_damping, max_angular_damping;     /* largest damping at 1 kHz [N s/m, N m s/rad] */
 		double resolution, angular_resolution;       /* [m, rad] */
-		double workspace_radius;                     /* [m] */
-		double nominal_rate;                         /* of the samples [Hz]; zero: 1000 */
+		double workspace_radius;                     /* radius of the inscribed ball [m] */
+		double nominal_rate;                         /* rate of the samples [Hz]; zero: 1000 */
 		char model[64], maker[64], serial[64];
-		char source[256]; /* where the values come from */
-		/* From 0.2.0 on: touch them only where `size` reaches so far. */
-		double damping, angular_damping; /* that the mechanism itself dissipates [N s/m, N m s/rad] */
-		uint32_t assumed, reserved;      /* DEVICEBRIDGE_ASSUMED_... of the values above */
-		char profile[64];                /* of data/devices, for what is zero; empty: that of maker and model */
+		char source[256]; /* origin of the values, in words */
+		/* Members since 0.2.0: access them only if `size` includes them. */
+		double damping, angular_damping; /* the mechanism's own [N s/m, N m s/rad] */
+		uint32_t assumed, reserved;      /* bits DEVICEBRIDGE_ASSUMED_... for the values above */
+		char profile[64];                /* profile in data/devices for values of zero; empty: by maker and model */
 	};
 
 	struct devicebridge_joint
 	{
-		double position[3];    /* in W */
+		double position[3];    /* position in W [m] */
 		double orientation[4]; /* unit quaternion x, y, z, w */
 		double radius;
 		uint32_t tracked;
@@ -105,36 +105,37 @@ extern "C"
 	{
 		uint32_t size;
 		uint32_t flags, buttons;
-		uint32_t velocity_estimated;  /* not zero: from positions rather than measured */
-		double position[3];           /* of H in W */
-		double rotation[9];           /* of H in W, row major */
-		double linear[3], angular[3]; /* velocity of the origin of H and of H, in W */
+		uint32_t velocity_estimated;  /* not zero: computed from positions, not measured */
+		double position[3];           /* origin of H in W [m] */
+		double rotation[9];           /* orientation of H in W, row major */
+		double linear[3], angular[3]; /* velocity of the origin of H; angular velocity of H; in W */
 		double grip_angle, grip_velocity;
 		uint32_t hand_is_left, reserved;
 		struct devicebridge_joint joints[DEVICEBRIDGE_HAND_JOINTS]; /* order and frames of XR_EXT_hand_tracking */
 	};
 
-	/* What the device shall exert on the hand from now on; zeros when nothing was asked for or the last command has expired. */
+	/* Wrench that the device is to exert on the hand from now on; zero without a command or after the last one has expired. */
 	struct devicebridge_command
 	{
 		uint32_t size;
 		uint32_t reserved;
-		double force[3], torque[3]; /* about the origin of H, in W */
+		double force[3], torque[3]; /* on the hand, about the origin of H, in W [N, N m] */
 		double grip_force;
 	};
 
-	/* Texts that explain go to `why`, with room for `room` bytes and the zero among them. */
+	/* Functions of a plug-in. They write explanations to `why`, which has space for `room` bytes, the final zero included. */
 	struct devicebridge_plugin
 	{
 		uint32_t size, version;
 		const char *name, *description;
-		/* 0: nothing known stands in the way. Else `why` says what is missing and what to install. May be null. */
+		/* Returns 0 if no obstacle is known. Otherwise `why` says what is missing and what to install. The pointer may be null. */
 		int (*missing)(char* why, size_t room);
-		/* `address` is what stands behind the scheme. Null: `why` says why not. May take seconds. */
+		/* Opens a device; this may take seconds. `address` is the part after the scheme. If it returns null, `why` gives the reason. */
 		void* (*open)(const char* address, struct devicebridge_info* info, char* why, size_t room);
-		/* Exerts, and waits at most 5 ms for news. 1: `state` is new; 0: no news; -1: the device is lost, `why` says why. */
+		/* Exerts the command and waits at most 5 ms for a sample. Returns 1 if `state` is new, 0 if not.
+		 * Returns -1 if the device is lost, and `why` gives the reason. */
 		int (*exchange)(void* device, const struct devicebridge_command* command, struct devicebridge_state* state, char* why, size_t room);
-		/* Leaves the device without force. */
+		/* Closes the device and leaves it with zero force. */
 		void (*close)(void* device);
 	};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Force Dimension devices (delta, omega, sigma; Falcon) through libdhd, loaded at run time. Signatures and constants: dhdc.h of the
-// DHD Haptic SDK 3.7.2, public in github.com/DavidYaonanZhu/sigma7, include/dhdc.h. W is the SDK's frame: x towards the user, z up.
-// libdhd tells no limits: they are those of the profile of the type.
+// Plug-in for Force Dimension devices (delta, omega, sigma; Falcon) through libdhd, loaded at run time. Signatures and constants: dhdc.h of
+// the DHD Haptic SDK 3.7.2, public in github.com/DavidYaonanZhu/sigma7, include/dhdc.h. W is the SDK's frame: x towards the user, z up.
+// libdhd reports no limits, so they come from the profile of the type.
 #include <charconv>
 
 #include "DeviceBridge/Plugins/PluginTable.h"
@@ -59,7 +59,7 @@ DhdFunctions loadDhd()
 	return f;
 }
 
-/// The profile in data/devices of a DHD_DEVICE_...; empty for a type that is not known.
+/// The profile in data/devices for a DHD_DEVICE_... type; empty for an unknown type.
 const char* profileOf(int type)
 {
 	switch (type)
@@ -151,7 +151,7 @@ News DhdDevice::exchange(const devicebridge_command& command, devicebridge_state
 	const double *f = command.force, *t = command.torque;
 	double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 	int status[kStatusRoom] = {};
-	// Positive values are news of another kind: time guard, motors saturated.
+	// Positive values are other events: time guard, motors saturated.
 	bool ok = m_f.exert(f[0], f[1], f[2], t[0], t[1], t[2], command.grip_force, m_id) >= 0;
 	ok = ok && m_f.pose(&s.position[0], &s.position[1], &s.position[2], frame, m_id) >= 0;
 	ok = ok && m_f.linear(&s.linear[0], &s.linear[1], &s.linear[2], m_id) >= 0;

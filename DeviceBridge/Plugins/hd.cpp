@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// Touch and Phantom devices through OpenHaptics' libHD, loaded at run time. Signatures and constants: hdDevice.h, hdScheduler.h and
-// hdDefines.h of HDAPI 3.00, public in github.com/danepowell/openhaptics (usr/include/HD); the order of calls as in
+// Plug-in for Touch and Phantom devices through OpenHaptics' libHD, loaded at run time. Signatures and constants: hdDevice.h, hdScheduler.h
+// and hdDefines.h of HDAPI 3.00, public in github.com/danepowell/openhaptics (usr/include/HD). The order of calls is that of
 // github.com/jhu-saw/sawSensablePhantom, components/code/mtsSensableHD.cpp. W is the SDK's frame: x right, y up, z towards the user.
-// Millimetres there, metres here. Forces only: how libHD wants torques of six-axis devices rests on no public source.
+// Lengths are millimetres there and metres here. Only forces are sent, because no public source says how libHD expects the torques of
+// six-axis devices.
 #include <mutex>
 
 #include "DeviceBridge/Plugins/PluginTable.h"
@@ -78,7 +79,7 @@ struct Push
 	std::int64_t until = 0;
 };
 
-/// The scheduler of libHD is one for all devices: it runs while any is open.
+/// The scheduler of libHD, which all devices share: it runs while any is open.
 class Scheduler
 {
 public:
@@ -178,7 +179,7 @@ void HdDevice::start()
 
 HdDevice::~HdDevice()
 {
-	// Zero for a few ticks of the servo before it ends.
+	// Zero force for a few ticks of the servo loop before it ends.
 	m_pushes.write({});
 	if (m_started)
 	{
@@ -189,7 +190,7 @@ HdDevice::~HdDevice()
 	m_f.disable(m_handle);
 }
 
-/// In the thread of libHD's scheduler.
+/// Runs in the thread of libHD's scheduler.
 void HdDevice::servo() noexcept
 {
 	Sample sample;
@@ -221,7 +222,7 @@ News HdDevice::exchange(const devicebridge_command& command, devicebridge_state&
 		return News::Lost;
 	}
 	const Sample& sample = m_samples.readable();
-	// 0x02..: force errors, after which libHD holds the force back by itself; 0x03.. and above: the device.
+	// Codes 0x02..: force errors, after which libHD itself withholds the force. Codes from 0x03.. on: the device is lost.
 	if (sample.error >= 0x0300)
 	{
 		why = std::string("libHD has lost the device: ") + m_f.errorText(sample.error);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures, constants and the name of the library:
-// VirtuoseAPI.h 4.03 and virtuoseAPI.so, public in github.com/gabrielegiudici93/ROS-Virtuose (virtuose/external/VirtuoseAPI), which exports
-// every function that is looked up here; the meaning of poses and forces as in vpVirtuose.cpp of github.com/lagadic/visp. W is the base
-// frame. virtuose:HOST?peak_force=N&peak_torque=N: the API tells no limits, so the smallest device's are taken unless given.
+// Plug-in for Haption Virtuose devices through the Virtuose API, loaded at run time. Signatures, constants and the name of the library:
+// VirtuoseAPI.h 4.03 and virtuoseAPI.so, public in github.com/gabrielegiudici93/ROS-Virtuose (virtuose/external/VirtuoseAPI). That library
+// exports every function that is looked up here. Poses and forces have the meaning in vpVirtuose.cpp of github.com/lagadic/visp. W is the
+// base frame. Options: virtuose:HOST?peak_force=N&peak_torque=N. The API reports no limits, so those of the smallest device are used unless
+// options give them.
 #include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Plugins/PluginTable.h"
 #include "DeviceBridge/Plugins/VendorLibrary.h"
@@ -114,7 +115,7 @@ ist::Result<std::unique_ptr<VirtuoseDevice>> VirtuoseDevice::open(const std::str
 	uint32_t assumed = DEVICEBRIDGE_ASSUMED_MAX_STIFFNESS;
 	if (!givesForce) assumed |= DEVICEBRIDGE_ASSUMED_PEAK_FORCE;
 	if (!givesTorque) assumed |= DEVICEBRIDGE_ASSUMED_PEAK_TORQUE;
-	// Peaks that were given are of another device than the smallest.
+	// If peaks were given, the device is another than the smallest.
 	setAssumed(info, assumed, givesForce || givesTorque ? "" : "virtuose6d_desktop");
 	return device;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// A tracker, its buttons and, where it exerts forces, its force device behind a VRPN server. VRPN is a C++ library, whose names no two
-// compilers spell alike, so that this plug-in is built where its headers are. Interface: vrpn_Tracker.h, vrpn_Button.h, vrpn_ForceDevice.h
-// and vrpn_Connection.h of github.com/vrpn/vrpn, 07.36; that an angular velocity turns about the axes of the tracker: vrpn_Tracker_Filter.C
-// there. W is the tracker's frame. vrpn://HOST:PORT/TRACKER, or VRPN's own TRACKER@tcp://HOST:PORT; VRPN tells no limits, so they are
-// options.
+// Plug-in for a tracker behind a VRPN server, with its buttons and, if it exerts forces, its force device. VRPN is a C++ library, and its
+// symbol names depend on the compiler, so this plug-in is built where VRPN's headers are. Interface: vrpn_Tracker.h, vrpn_Button.h,
+// vrpn_ForceDevice.h and vrpn_Connection.h of github.com/vrpn/vrpn, 07.36. Source for angular velocities about the axes of the tracker:
+// vrpn_Tracker_Filter.C there. W is the tracker's frame. Addresses: vrpn://HOST:PORT/TRACKER, or VRPN's own TRACKER@tcp://HOST:PORT. VRPN
+// reports no limits, so they are options.
 #include <vrpn_Button.h>
 #include <vrpn_Connection.h>
 #include <vrpn_ForceDevice.h>
@@ -22,15 +22,15 @@ namespace devicebridge::plugin
 namespace
 {
 constexpr std::int64_t kPeriod = 500'000;          // [ns]
-constexpr std::int64_t kPatience = 2'000'000'000;  // for the first sample [ns]
-constexpr std::int64_t kRateWindow = 200'000'000;  // over which reports are counted [ns]
+constexpr std::int64_t kPatience = 2'000'000'000;  // longest wait for the first sample [ns]
+constexpr std::int64_t kRateWindow = 200'000'000;  // interval over which reports are counted [ns]
 constexpr double kSmoothing = 0.01;                // time constant of a velocity from positions [s]
-// A field ends here: should the connection break without a word, the last force does not follow the hand.
+// Radius of the force field. If the connection breaks silently, the last force does not follow the hand beyond it.
 constexpr float kFieldRadius = 0.1F;  // [m]
 
 double seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
 
-/// False for what is no rotation: not finite, or of no length.
+/// Returns false if `q` is no rotation: not finite, or of length zero.
 bool unit(const vrpn_float64 (&q)[4], ist::Quaternion& out)
 {
 	const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -39,7 +39,7 @@ bool unit(const vrpn_float64 (&q)[4], ist::Quaternion& out)
 	return true;
 }
 
-/// VRPN's own name of vrpn://HOST:PORT/TRACKER. TCP, since the other way wants the server to call back.
+/// VRPN's own name for vrpn://HOST:PORT/TRACKER. It uses TCP, because the alternative requires the server to connect back.
 std::optional<std::string> vrpnName(const std::string& path)
 {
 	if (path.find('@') != std::string::npos) return path;
@@ -84,7 +84,7 @@ private:
 	bool connected() { return m_connection.connected() && m_connection.doing_okay(); }
 	void serve();
 	void exert(const double (&force)[3]);
-	/// Waits for the first sample and counts those after it; 0: there is none.
+	/// Waits for the first sample and counts the samples after it. Returns 0 if there is none.
 	double measureRate();
 
 	vrpn_Connection& m_connection;
@@ -94,7 +94,7 @@ private:
 	int m_sensor;
 	ist::Vec3 m_position, m_linear, m_angular;
 	ist::Quaternion m_orientation;
-	double m_time = 0;  // of the last sample, on the server's clock [s]
+	double m_time = 0;  // time of the last sample, on the server's clock [s]
 	unsigned m_pressed = 0;
 	std::uint64_t m_samples = 0, m_handed = 0;
 	bool m_tellsVelocity = false, m_exerts = false;
@@ -132,7 +132,7 @@ void VrpnDevice::take(const vrpn_TRACKERCB& report)
 {
 	const ist::Vec3 position{report.pos[0], report.pos[1], report.pos[2]};
 	ist::Quaternion q;
-	// Once in the averages, what is not finite would stay there.
+	// A value that is not finite would stay in the averages.
 	if (!isFinite(position) || !unit(report.quat, q)) return;
 	const double now = seconds(report.msg_time), dt = now - m_time;
 	if (m_samples > 0 && dt > 0 && !m_tellsVelocity)
@@ -160,7 +160,7 @@ void VrpnDevice::take(const vrpn_TRACKERVELCB& report)
 	m_angular = angular;
 }
 
-// What was pressed before anybody listened.
+// Takes the buttons that were pressed before the connection.
 void VrpnDevice::take(const vrpn_BUTTONSTATESCB& report)
 {
 	for (vrpn_int32 i = 0; i < report.num_buttons; ++i) press(i, report.states[i] != 0);
@@ -220,7 +220,7 @@ ist::Result<std::unique_ptr<VrpnDevice>> VrpnDevice::open(const std::string& res
 	const std::optional<std::string> name = vrpnName(address.path());
 	if (!name)
 		return ist::Error{"vrpn:" + rest + ": wanted is vrpn://HOST:PORT/TRACKER, for instance vrpn://localhost:3883/Tracker0", false};
-	// A connection of its own: VRPN's may be used by one thread at a time.
+	// A separate connection, because only one thread at a time may use a connection of VRPN.
 	vrpn_Connection* const connection = vrpn_get_connection_by_name(name->c_str(), nullptr, nullptr, nullptr, nullptr, nullptr, true);
 	if (!connection) return ist::Error{"VRPN cannot open a connection to " + *name, false};
 	const VrpnOptions options{static_cast<int>(sensor.value()), force.value(), stiffness.value(), rate.value()};

@@ -8,8 +8,8 @@
 
 namespace devicebridge
 {
-/// Share of a command that still counts: all of it up to the age `fullUntil`, none from `zeroFrom` on, linear between;
-/// none of an expired command, nor of one from the future.
+/// Weight of a command by its age: one up to `fullUntil`, zero from `zeroFrom`, linear between. It is zero for a command that has expired
+/// or that lies in the future.
 struct AgeFade
 {
 	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< [ns], fullUntil < zeroFrom

@@ -5,20 +5,20 @@
 
 namespace devicebridge
 {
-/// Why a device is held at zero.
+/// Why the device's force is held at zero.
 enum class FaultCause
 {
 	None,
-	NotFinite,      ///< wrench or grip force
-	InvalidState,   ///< pose or twist not finite, or pose not rigid
-	Disconnected,   ///< read or write failed
-	Frozen,         ///< samples repeat
-	Jump,           ///< the handle is further away, or turned further, than a hand can have moved it
-	Stalled,        ///< a tick took so long that the last command expired
-	ClockJump,      ///< the clock ran backwards
-	HookException,  ///< a listener or the force law threw
-	Raised,         ///< by the program itself
-	ToolNotFinite   ///< the velocity that a step left the tool with
+	NotFinite,      ///< wrench or grip force that is not finite
+	InvalidState,   ///< pose or twist that is not finite, or pose that is not rigid
+	Disconnected,   ///< read or write that failed
+	Frozen,         ///< samples that repeat
+	Jump,           ///< position or orientation that is farther away than a hand can have moved the handle
+	Stalled,        ///< tick that took so long that the last command expired
+	ClockJump,      ///< clock that ran backwards
+	HookException,  ///< exception of a listener or of the force law
+	Raised,         ///< fault raised by the program itself
+	ToolNotFinite   ///< tool velocity after a step that is not finite
 };
 
 inline const char* describe(FaultCause cause) noexcept
@@ -44,6 +44,6 @@ struct Fault
 {
 	FaultCause cause = FaultCause::None;
 	std::int64_t at = 0;   ///< [ns]
-	bool latched = false;  ///< zero until clearFault(); otherwise the force comes back by itself, along the ramp
+	bool latched = false;  ///< whether zero holds until clearFault(); otherwise the force returns by itself, along the ramp
 };
 }  // namespace devicebridge

@@ -6,7 +6,7 @@
 
 namespace devicebridge
 {
-/// A gain that rises from zero to one, linear in time, from the first call after restart() on.
+/// A gain that rises from zero to one, linear in time. It starts at the first call after construction or restart().
 class GainRamp
 {
 public:

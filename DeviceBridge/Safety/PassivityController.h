@@ -12,42 +12,43 @@ namespace devicebridge
 /// Energy through the hand's six degrees of freedom [J].
 struct EnergyLog
 {
-	double stored = 0;        ///< given by the hand and not returned; below zero the virtual world is active
-	double generated = 0;     ///< all that was returned beyond what was given
-	double dissipated = 0;    ///< by the controller's damping
-	std::uint64_t ticks = 0;  ///< on which it damped
+	double stored = 0;        ///< energy that the hand has given and not received back; below zero the virtual world is active
+	double generated = 0;     ///< sum of the energy returned beyond what the hand had given
+	double dissipated = 0;    ///< energy dissipated by the controller's damping
+	std::uint64_t ticks = 0;  ///< number of ticks with that damping
 };
 
 struct PassivityLimits
 {
-	double damping = 0, angularDamping = 0;  ///< the most that the device bears [N s/m, N m s/rad]
-	double tolerance = 0;                    ///< energy that quantised positions can feign [J]
-	double force = 0, torque = 0;            ///< peaks; a thousandth of them counts as no force [N, N m]
-	/// Largest credit [J]. Infinite: a world may return all that it was given, however late; an instability that sets in
-	/// after long friction is then met late as well. The credit is forgotten whenever the hand rests without force.
+	double damping = 0, angularDamping = 0;  ///< largest damping that the device bears [N s/m, N m s/rad]
+	double tolerance = 0;                    ///< energy error that quantised positions can cause [J]
+	double force = 0, torque = 0;            ///< peaks; below a thousandth of them the wrench counts as zero [N, N m]
+	/// Largest credit [J]. If infinite, a world may return all the energy that it was given, however late. An instability that begins after
+	/// long friction is then damped late, too. The credit is cleared whenever the hand rests without force.
 	double largestCredit = std::numeric_limits<double>::infinity();
 };
 
-/// Observer and controller after Hannaford and Ryu, on all six degrees of freedom at once. The wrench is held between two
-/// samples, so its work is exactly wrench times displacement; it is counted when the second sample arrives. A debt E < 0 is
-/// paid back by the damping wrench -beta (b v, b_a w) with the smallest beta in [0, 1] that pays it in one tick.
+/// Passivity observer and controller after Hannaford and Ryu, for all six degrees of freedom together. The wrench is held between two
+/// samples, so its work is exactly wrench times displacement. This work is counted when the second sample arrives. A debt E < 0 is paid
+/// back by the damping wrench -beta (b v, b_a w), with the smallest beta in [0, 1] that pays it in one tick.
 class PassivityController
 {
 public:
 	explicit PassivityController(const PassivityLimits& limits) : m_limits(limits) {}
 
-	/// A new sample, before correct().
+	/// Takes a new sample; call it before correct().
 	void observe(const ist::Pose& X_WH) noexcept;
-	/// Adds damping when there is a debt, of at most `share` of the device's; true when it did. `dt` [s] until the next sample.
+	/// Adds damping if there is a debt, at most `share` of the device's limit. Returns true if it did. `dt` is the time until the next
+	/// sample [s].
 	bool correct(ist::Wrench& wrench, const ist::Twist& twist, double dt, double share = 1) noexcept;
-	/// What goes to the hand until the next sample.
+	/// Records the wrench that the hand receives until the next sample.
 	void sent(const ist::Wrench& wrench, const ist::Twist& twist, double dt) noexcept;
-	/// That has not gone to the hand.
+	/// Revokes the last sent(), because the wrench did not reach the hand.
 	void takeBack() noexcept;
-	/// The work since the last sample is unknown: begins anew, without credit or debt.
+	/// Starts again without credit or debt, because the work since the last sample is unknown.
 	void forget() noexcept;
 
-	/// From any thread.
+	/// For any thread.
 	EnergyLog energy() const noexcept;
 
 private:

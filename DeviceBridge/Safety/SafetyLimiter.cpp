@@ -11,7 +11,7 @@ namespace devicebridge
 {
 namespace
 {
-// In peaks. Far more than is ever sent, and small enough for the arithmetic of the stages.
+// Limit in multiples of the peaks: far more than is ever sent, and small enough for the arithmetic of the stages.
 constexpr double kLargestWanted = 1e6;
 
 double usableLimit(double limit) { return std::isfinite(limit) && limit > 0 ? limit : 0; }
@@ -53,7 +53,7 @@ PassivityLimits passivityLimits(const DeviceInfo& raw, const SafetySettings& set
 	return limits;
 }
 
-// Half the damping that the device bears: a brake that chatters is none.
+// The brake uses half the damping that the device bears, because a brake that chatters does not brake.
 SpeedBrake::Limits brakeLimits(const DeviceInfo& raw, const SafetySettings& settings)
 {
 	const DeviceInfo info = usable(raw);
@@ -89,7 +89,7 @@ bool SafetyLimiter::dropNotActuated(ist::Wrench& wrench) const noexcept
 	return dropped;
 }
 
-/// Whether any force may flow; counts why not.
+/// Returns whether any force may flow, and counts the reason if not.
 bool SafetyLimiter::open(const DeviceCommand& wanted, const HandSample& hand) noexcept
 {
 	const bool finite = isFinite(wanted.wrench) && std::isfinite(wanted.gripForce) && isRigid(hand.X_WH) && isFinite(hand.twist);
@@ -109,8 +109,8 @@ bool SafetyLimiter::open(const DeviceCommand& wanted, const HandSample& hand) no
 	return false;
 }
 
-/// Since the last command [s]; the first has no predecessor in time and gets one period of the device. After a gap the force
-/// rises from zero, as the device has let go.
+/// Time since the last command [s]. The first command gets one period of the device. After a gap the force rises from zero, because the
+/// device has dropped the old force.
 double SafetyLimiter::elapsed(std::int64_t now) noexcept
 {
 	const std::int64_t gap = m_hasLast ? std::max<std::int64_t>(0, now - m_lastTime) : 0;
@@ -129,12 +129,12 @@ double SafetyLimiter::elapsed(std::int64_t now) noexcept
 	return dt;
 }
 
-/// Age, latch and ramp. The share of the device's damping that may be added: none where nothing may be felt.
+/// Applies age, latch and ramp. Returns the share of the device's damping that may be added; zero if no force may be felt.
 double SafetyLimiter::fadeIn(ist::Wrench& wrench, const DeviceCommand& wanted, bool inContact, std::int64_t now) noexcept
 {
 	const double age = m_age.factor(wanted, now);
 	if (age < 1) increment(m_aged);
-	// The ramp begins when the latch lets go.
+	// The ramp begins when the latch releases.
 	const bool held = m_inside.holds(inContact) && m_settings.startInsideLatch;
 	if (held) m_ramp.restart();
 	const double gain = held ? 0 : m_ramp.gain(now);

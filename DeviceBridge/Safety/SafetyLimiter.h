@@ -19,18 +19,18 @@ struct SafetySettings
 {
 	std::int64_t fullUntil = 5'000'000;   ///< age up to which a command counts in full [ns]
 	std::int64_t zeroFrom = 20'000'000;   ///< age from which it counts as zero; linear between the two [ns]
-	std::int64_t rampTime = 500'000'000;  ///< from zero to full gain after enabling, reconnecting and gaps [ns]
-	bool startInsideLatch = true;         ///< in contact when enabled: no force until free
+	std::int64_t rampTime = 500'000'000;  ///< time from zero to full gain after enabling, reconnecting and gaps [ns]
+	bool startInsideLatch = true;         ///< whether a tool that is in contact when forces are enabled gets no force until it is free
 	bool passivity = true;
 	double largestCredit = std::numeric_limits<double>::infinity();  ///< PassivityLimits::largestCredit [J]
 	std::int64_t riseTime = 20'000'000;                              ///< shortest time from zero to the peak of the device [ns]
-	bool oneFactor = false;                                          ///< saturation shortens force and torque alike
-	double heatTime = 10;                                            ///< over which the continuous limits hold [s]
-	double maxSpeed = 1.5, maxAngularSpeed = 20;                     ///< above: damping only [m/s, rad/s]
-	bool latchFault = true;  ///< a wrench that was not finite keeps the device at zero until clearFault()
+	bool oneFactor = false;                                          ///< whether saturation scales force and torque by the same factor
+	double heatTime = 10;                                            ///< time constant over which the continuous limits hold [s]
+	double maxSpeed = 1.5, maxAngularSpeed = 20;                     ///< speeds above which the device only damps [m/s, rad/s]
+	bool latchFault = true;  ///< whether a wrench that is not finite keeps the device at zero until clearFault()
 };
 
-/// How often each stage changed a command.
+/// Number of commands that each stage changed.
 struct SafetyCounts
 {
 	std::uint64_t notFinite = 0, faulted = 0, aged = 0, disabled = 0, ramped = 0, startInside = 0, notActuated = 0;
@@ -42,7 +42,7 @@ struct SafetyCounts
 	}
 };
 
-/// What the limiter must know of the hand besides the command.
+/// The data of the hand that the limiter needs besides the command.
 struct HandSample
 {
 	ist::Pose X_WH;
@@ -51,9 +51,8 @@ struct HandSample
 	bool inContact = false;
 };
 
-/// Last station before a device. Stages in order: finite, enabled, age, start-inside latch, ramp, actuated degrees of
-/// freedom, passivity, slew, saturation, continuous budget, over-speed brake. Nothing is sent of a grip force, since no stage
-/// limits it.
+/// The last stage before a device. Stages in order: finite, enabled, age, start-inside latch, ramp, actuated degrees of freedom, passivity,
+/// slew, saturation, continuous budget, over-speed brake. The grip force sent is always zero, because no stage limits it.
 class SafetyLimiter
 {
 public:
@@ -61,23 +60,23 @@ public:
 
 	/// The command to send at `now` [ns]. A command computed later than `now` counts as expired.
 	DeviceCommand limit(const DeviceCommand& wanted, const HandSample& hand, std::int64_t now) noexcept;
-	/// Begins anew as after enabling: zero, latch, ramp.
+	/// Starts again as after enabling: zero, latch, ramp.
 	void restart() noexcept;
-	/// The hand is unknown at `now`, or the force must stay away for this tick: zero, which the next command rises from.
+	/// Returns a zero command, because the hand is unknown at `now` [ns] or this tick must have no force. The next command rises from zero.
 	DeviceCommand zero(const DeviceCommand& wanted, std::int64_t now) noexcept;
-	/// The device has refused the last command: no work was done with it, and the next rises from zero.
+	/// Records that the device has refused the last command: it did no work, and the next command rises from zero.
 	void takeBack() noexcept;
 
-	// From any thread:
+	// For any thread:
 	void enable(bool on) noexcept { m_enabled = on; }
 	bool enabled() const noexcept { return m_enabled; }
 	void raiseFault() noexcept { m_faulted = true; }
-	/// The force comes back as after enabling.
+	/// Clears the fault. The force returns as after enabling.
 	void clearFault() noexcept { m_faulted = false; }
 	bool faulted() const noexcept { return m_faulted; }
 	SafetyCounts counts() const noexcept;
 	EnergyLog energy() const noexcept { return m_passivity.energy(); }
-	/// HeatBudget::load() of force or torque, whichever is more.
+	/// The larger HeatBudget::load() of force and torque.
 	double heatLoad() const noexcept { return m_heatLoad.load(std::memory_order_relaxed); }
 
 private:

@@ -25,7 +25,7 @@ double turnBetween(const ist::Mat3& a, const ist::Mat3& b)
 constexpr double kMovingSpeed = 0.02;  // [m/s]: at this speed 10 ms are more than the resolution of any device
 }  // namespace
 
-// A handle at rest repeats its pose too, but then its twist is zero and its sequence goes on.
+// A handle at rest also repeats its pose, but then its twist is zero and its sequence grows.
 bool SampleMonitor::repeats(const DeviceState& state) const noexcept
 {
 	const bool sameNumber = state.sequence != 0 && state.sequence == m_last.sequence;
@@ -33,7 +33,7 @@ bool SampleMonitor::repeats(const DeviceState& state) const noexcept
 	return !state.velocityEstimated && norm(state.twist.linear) > kMovingSpeed && samePose(state.X_WH, m_last.X_WH);
 }
 
-/// `seconds`: since the last sample that was new. Devices may be slower than who reads them.
+/// `seconds` is the time since the last new sample, because a device may be slower than its reader.
 bool SampleMonitor::jumped(const DeviceState& state, double seconds) const noexcept
 {
 	const double way = distance(state.X_WH.translation, m_last.X_WH.translation);

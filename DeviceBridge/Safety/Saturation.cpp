@@ -8,7 +8,7 @@ namespace devicebridge
 {
 namespace
 {
-// Divided by the largest component first: the norm of a huge finite vector is infinite.
+// The vector is divided by its largest component first, because the norm of a huge finite vector overflows.
 double lengthOver(const ist::Vec3& v, double& largest) noexcept
 {
 	largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});

@@ -5,7 +5,7 @@
 
 namespace devicebridge
 {
-/// Moves `wanted` to no further than `step` from the segment between zero and `last`: giving way is free at any speed, a
-/// reversal starts again from zero. True when it moved. |wanted| must lie far below the largest number.
+/// Moves `wanted` so that it is at most `step` away from the segment between zero and `last`. A decrease of the force is free at any speed;
+/// a reversal starts again from zero. Returns true if it moved `wanted`. The squares of the components of `wanted` must not overflow.
 bool limitSlew(ist::Vec3& wanted, const ist::Vec3& last, double step) noexcept;
 }  // namespace devicebridge

@@ -8,7 +8,7 @@
 
 namespace devicebridge
 {
-/// Above a speed that no hand at work has, the device does nothing but damp, until the speed is below `kRelease` of it.
+/// Above a speed that no working hand reaches, the device only damps, until the speed is below `kRelease` times that limit.
 class SpeedBrake
 {
 public:
@@ -16,11 +16,11 @@ public:
 	{
 		double speed = 0, angularSpeed = 0;      ///< [m/s, rad/s]
 		double damping = 0, angularDamping = 0;  ///< [N s/m, N m s/rad]
-		double force = 0, torque = 0;            ///< largest [N, N m]
+		double force = 0, torque = 0;            ///< largest force and torque [N, N m]
 	};
 	explicit SpeedBrake(const Limits& limits) : m_limits(limits) {}
 
-	/// True when it replaced the wrench.
+	/// Returns true if it replaced the wrench.
 	bool apply(ist::Wrench& wrench, const ist::Twist& twist) noexcept
 	{
 		const double share = std::max(norm(twist.linear) / m_limits.speed, norm(twist.angular) / m_limits.angularSpeed);

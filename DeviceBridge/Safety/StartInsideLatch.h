@@ -3,12 +3,12 @@
 
 namespace devicebridge
 {
-/// Holds the force at zero when the tool is in contact at the moment of enabling, until it is free once.
+/// Holds the force at zero if the tool is in contact when forces are enabled, until the tool is free once.
 class StartInsideLatch
 {
 public:
 	void arm() noexcept { m_armed = true; }
-	/// True while the force must stay zero.
+	/// Returns true while the force must stay zero.
 	bool holds(bool inContact) noexcept
 	{
 		m_holding = inContact && (m_holding || m_armed);

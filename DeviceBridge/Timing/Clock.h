@@ -12,7 +12,7 @@ class Clock
 public:
 	virtual ~Clock() = default;
 	virtual std::int64_t now() const noexcept = 0;
-	/// Returns at once when the deadline has passed.
+	/// Sleeps until `deadline` [ns]; returns at once if it has passed.
 	virtual void sleepUntil(std::int64_t deadline) noexcept = 0;
 };
 
@@ -24,7 +24,7 @@ public:
 	void sleepUntil(std::int64_t deadline) noexcept override;
 };
 
-/// Time that passes only by sleeping.
+/// A clock whose time passes only during sleepUntil().
 class VirtualClock final : public Clock
 {
 public:

@@ -9,9 +9,9 @@
 
 namespace devicebridge
 {
-/// An event. Listeners run in the order in which they were added, on the thread that broadcasts.
-/// A listener may add and remove listeners, itself included: an added one first hears the next broadcast, a removed one
-/// hears nothing more. Other threads may add and remove only while nothing broadcasts.
+/// An event. Listeners run in the order in which they were added, on the thread that broadcasts. A listener may add and remove listeners,
+/// itself included. An added one is first called by the next broadcast; a removed one is not called again. Other threads may add and remove
+/// only while no broadcast runs.
 template <class... Args> class Delegate
 {
 public:
@@ -23,7 +23,7 @@ public:
 		return m_lastId;
 	}
 
-	/// False when no listener has this id.
+	/// Returns false if no listener has this id.
 	bool removeDelegate(Id id)
 	{
 		for (Slot& slot : m_slots)
@@ -37,7 +37,7 @@ public:
 		return false;
 	}
 
-	/// Arguments reach every listener by reference. Does not allocate.
+	/// Calls every listener with references to the arguments. Allocates nothing.
 	void broadcast(Args&... args)
 	{
 		const Depth depth(*this);
@@ -78,7 +78,7 @@ private:
 		m_sweepDue = false;
 	}
 
-	// A deque, since adding must not move the listener that is just running.
+	// A deque, because adding must not move the listener that is running.
 	std::deque<Slot> m_slots;
 	Id m_lastId = 0;
 	int m_depth = 0;

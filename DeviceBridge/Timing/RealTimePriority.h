@@ -8,7 +8,8 @@
 
 namespace devicebridge
 {
-/// Asks for SCHED_FIFO for the calling thread. False where it is refused (it needs CAP_SYS_NICE or an rtprio limit) or unknown.
+/// Requests SCHED_FIFO for the calling thread. Returns false if it is refused (it needs CAP_SYS_NICE or an rtprio limit) or if the platform
+/// lacks it.
 inline bool askForRealTimePriority(int priority) noexcept
 {
 #if defined(__linux__)

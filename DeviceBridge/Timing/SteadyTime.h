@@ -9,14 +9,14 @@
 
 namespace devicebridge
 {
-/// The time of a clock, kept from running backwards: after a jump back it goes on from the last value that was seen.
-/// One thread uses it; jumps() may be read from any.
+/// The time of a clock, made monotonic: after a jump back it continues from the last value that was returned. One thread uses it; jumps()
+/// may be read from any thread.
 class SteadyTime
 {
 public:
 	explicit SteadyTime(Clock& clock) : m_clock(clock) {}
 
-	/// [ns]
+	/// Present time [ns].
 	std::int64_t now() noexcept
 	{
 		std::int64_t t = m_clock.now() + m_offset;
@@ -29,7 +29,7 @@ public:
 		m_started = true;
 		return m_last = t;
 	}
-	/// To `deadline`, in this object's time.
+	/// Sleeps until `deadline` [ns], in this object's time.
 	void sleepUntil(std::int64_t deadline) noexcept
 	{
 		now();

@@ -5,14 +5,15 @@
 
 namespace devicebridge
 {
-/// The latest value from one writing thread to one reading thread. Neither waits, and neither sees half a value: of three copies one
-/// belongs to the writer, one to the reader, and the third changes hands. T is made three times and never copied here.
+/// Passes the latest value from one writing thread to one reading thread. Neither waits, and neither sees a half-written value. Of three
+/// copies one belongs to the writer, one to the reader, and the third is exchanged. T is constructed three times; only write() copies it.
 template <class T> class TripleBuffer
 {
 public:
-	/// Writer: the copy to fill. Holds an older value.
+	/// Writer: the copy to fill. It holds an older value.
 	T& writable() noexcept { return m_values[m_write]; }
-	/// Writer: what was filled becomes the latest value. True when it took the place of one that the reader had not taken, and never will.
+	/// Writer: publishes the filled copy as the latest value. Returns true if it replaced a value that the reader had not fetched and never
+	/// will.
 	bool publish() noexcept
 	{
 		const unsigned before = m_shared.exchange(m_write | kFresh, std::memory_order_acq_rel);
@@ -20,21 +21,21 @@ public:
 		return (before & kFresh) != 0;
 	}
 
-	/// Writer: both.
+	/// Writer: copies `value` and publishes it.
 	void write(const T& value) noexcept
 	{
 		writable() = value;
 		publish();
 	}
 
-	/// Reader: takes the latest value; false when there is none since the last time.
+	/// Reader: takes the latest value. Returns false if there is none since the last fetch.
 	bool fetch() noexcept
 	{
 		if (!(m_shared.load(std::memory_order_relaxed) & kFresh)) return false;
 		m_read = m_shared.exchange(m_read, std::memory_order_acq_rel) & kIndex;
 		return true;
 	}
-	/// Reader: the value that was taken last; as constructed before the first.
+	/// Reader: the value of the last successful fetch(); as constructed before the first.
 	const T& readable() const noexcept { return m_values[m_read]; }
 
 private:

@@ -9,15 +9,15 @@ namespace devicebridge::tools
 {
 namespace
 {
-constexpr int kFrames = 50;  // half a second
+constexpr int kFrames = 50;  // number of frames, half a second
 
-/// The values of a pose, once somebody has pressed Enter.
+/// The values of a pose after the user has pressed Enter.
 ist::Result<GloveValues> held(GloveLink& glove, const char* pose)
 {
 	std::fprintf(stderr, "%s, hold still and press Enter\n", pose);
 	for (int c = std::getchar(); c != '\n'; c = std::getchar())
 		if (c == EOF) return ist::Error{"standard input ended before the pose was confirmed", false};
-	// What came while the hand was on its way is dropped.
+	// Frames that came while the hand was moving are dropped.
 	auto old = glove.meanValues(kFrames);
 	if (!old) return old;
 	return glove.meanValues(kFrames);

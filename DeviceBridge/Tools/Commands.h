@@ -9,7 +9,7 @@
 
 namespace devicebridge::tools
 {
-/// Exit codes: public contract, the same as those of `ist`.
+/// Exit codes: a public contract, the same as those of `ist`.
 enum Exit
 {
 	kGood = 0,
@@ -19,7 +19,7 @@ enum Exit
 	kInterrupted = 130
 };
 
-/// Fields keep the order in which they were set.
+/// Object whose fields keep the order in which they were set.
 using Report = nlohmann::ordered_json;
 
 struct RunArguments
@@ -27,8 +27,8 @@ struct RunArguments
 	std::string uri, output;
 	std::string hand;  ///< file for the motion of the hand; empty: none
 	double seconds = 3;
-	double stiffness = -1;  ///< of the wall that fills z < 0 [N/m]; negative: half of what the device bears
-	double rate = 10;       ///< of the lines of `monitor` [Hz]
+	double stiffness = -1;  ///< stiffness of the wall that fills z < 0 [N/m]; negative: half of what the device bears
+	double rate = 10;       ///< rate of the lines of `monitor` [Hz]
 	bool realTime = false, json = false;
 };
 
@@ -49,10 +49,10 @@ int runZWidth(const ZWidthArguments& arguments);
 int runCalibrate(const RunArguments& arguments);
 int runSelfTest(const RunArguments& arguments);
 
-/// Begins with "schema":1.
+/// A report that begins with "schema":1.
 Report newReport();
-/// One JSON object on a line, or "name: value" lines for people, on stdout.
+/// Prints to stdout, as one JSON object on a line or as "name: value" lines for people.
 void print(const Report& report, bool json);
-/// Prints the message on stderr and returns the code.
+/// Prints the message to stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);
 }  // namespace devicebridge::tools

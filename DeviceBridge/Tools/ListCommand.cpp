@@ -53,7 +53,7 @@ int runInfo(const RunArguments& arguments)
 	report["sensed"] = freedoms(info.sensed);
 	report["actuated"] = freedoms(info.actuated);
 	report["handedness"] = info.handedness == Handedness::Left ? "left" : info.handedness == Handedness::Right ? "right" : "either";
-	// An unknown value is null, not zero.
+	// An unknown value is null instead of zero.
 	const auto number = [&](const char* name, double value) {
 		if (value > 0) report[name] = value;
 		else report[name] = nullptr;

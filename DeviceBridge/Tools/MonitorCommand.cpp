@@ -9,7 +9,7 @@
 
 namespace devicebridge::tools
 {
-/// Reads at 1 kHz without sending any force; one CSV line for each 1 / rate.
+/// Reads at 1 kHz without sending any force, and prints one CSV line every 1 / rate.
 int runMonitor(const RunArguments& arguments)
 {
 	auto opened = openWithHand(arguments.uri);

@@ -9,9 +9,9 @@
 
 namespace devicebridge::tools
 {
-/// A device by address, opened. The hand on a simulated one presses 10 mm through z = 0, slides, turns and lets go, over and over.
+/// Opens a device by address. The hand on a simulated device repeatedly presses 10 mm through z = 0, slides, turns and withdraws.
 ist::Result<std::unique_ptr<Device>> openWithHand(const std::string& uri);
 
-/// `wanted` or, where that is negative, half of what the device bears [N/m].
+/// Returns `wanted` or, if that is negative, half of what the device bears [N/m].
 double wallStiffness(const DeviceInfo& info, double wanted);
 }  // namespace devicebridge::tools

@@ -15,7 +15,7 @@ namespace
 {
 constexpr std::int64_t kLook = 20'000'000;  // [ns]
 
-/// As long as asked, or until a signal.
+/// Runs for the requested number of ticks, or until a signal.
 void runFor(SteppingThread& thread, Clock& clock, std::int64_t ticks, bool realTime)
 {
 	const StopSignals stop(thread);
@@ -44,7 +44,7 @@ void describe(Report& report, const SteppingThread& thread)
 	report["energy"] = {{"stored", e.stored}, {"generated", e.generated}, {"dissipated", e.dissipated}};
 }
 
-/// Told before anything is recorded.
+/// Why the results could not be written; checked before the recording begins.
 std::optional<ist::Error> whyNotKept(const RunArguments& arguments)
 {
 	if (auto obstacle = ist::whyNotWritable(arguments.output)) return obstacle;
@@ -54,7 +54,7 @@ std::optional<ist::Error> whyNotKept(const RunArguments& arguments)
 	return ist::whyNotWritable(arguments.hand);
 }
 
-/// The motion of the hand, where it was asked for.
+/// Writes the motion of the hand if it was requested.
 std::optional<ist::Error> writeHand(const Recording& recording, const std::string& path, Report& report)
 {
 	if (path.empty()) return std::nullopt;

@@ -14,7 +14,7 @@ Report newReport()
 
 void print(const Report& report, bool json)
 {
-	// Names that a device gives itself need not be UTF-8.
+	// Names that a device reports need not be UTF-8.
 	const auto dump = [](const Report& value) { return value.dump(-1, ' ', false, Report::error_handler_t::replace); };
 	if (json)
 	{

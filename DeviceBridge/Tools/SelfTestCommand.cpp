@@ -25,7 +25,7 @@ struct Bench
 
 bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3{} && w.torque == ist::Vec3{}; }
 
-/// A round of the hand: every sample read, no fault, no force beyond the device's peak.
+/// Runs one cycle of the hand: every sample is read, no fault occurs, and no force exceeds the device's peak.
 bool staysWithinLimits(const Bench& bench)
 {
 	WallWorld world(bench.stiffness);
@@ -40,7 +40,7 @@ bool staysWithinLimits(const Bench& bench)
 	return within && thread.deviceErrors() == 0 && thread.faults() == 0;
 }
 
-/// Half a second into the run something goes wrong; the command after it must be zero and the cause the one expected.
+/// Causes a fault half a second into the run. The next command must be zero, with the expected cause.
 bool endsInZero(const Bench& bench, FaultCause cause, const std::function<void(ist::Wrench&)>& accident)
 {
 	WallWorld world(0);

@@ -7,7 +7,7 @@
 
 namespace devicebridge::tools
 {
-/// A world with nothing but an elastic wall that fills z < 0; the tool is the handle itself.
+/// A world with one elastic wall that fills z < 0; the tool is the handle itself.
 class WallWorld final : public ContactSource
 {
 public:
@@ -25,6 +25,6 @@ public:
 	}
 
 private:
-	double m_stiffness;  ///< [N/m]
+	double m_stiffness;  ///< stiffness of the wall [N/m]
 };
 }  // namespace devicebridge::tools

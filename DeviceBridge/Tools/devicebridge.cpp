@@ -108,7 +108,7 @@ private:
 
 int main(int argc, char** argv)
 {
-	// What the loader of OpenXR has to say, `list` says in a sentence.
+	// The messages of OpenXR's loader are replaced by the sentence that `list` prints.
 	setenv("XR_LOADER_DEBUG", "none", 0);
 	try
 	{

@@ -33,8 +33,8 @@ enum GloveSensor
 	kGloveSensors
 };
 
-/// Angles of the joints [rad]: bends positive towards the palm, abductions positive apart, wrist positive towards the palm and
-/// towards the thumb.
+/// Angles of the joints [rad]. Bends are positive towards the palm and abductions positive apart. The wrist's angles are positive towards
+/// the palm and towards the thumb.
 using GloveAngles = std::array<double, kGloveSensors>;
 
 constexpr bool isDistal(int sensor) { return sensor == kIndexEnd || sensor == kMiddleEnd || sensor == kRingEnd || sensor == kLittleEnd; }

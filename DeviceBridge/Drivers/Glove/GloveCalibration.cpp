@@ -11,13 +11,13 @@ namespace devicebridge
 namespace
 {
 constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr int kLeastSpan = 10;  // of the values between the two poses
+constexpr int kLeastSpan = 10;  // least difference of a sensor's values between the two poses
 
 struct SensorRow
 {
 	const char* name;
-	double span;  ///< of the joint over the whole span of the sensor [rad]
-	double fist;  ///< angle of the joint in a fist [rad]; zero: the fist says nothing of it
+	double span;  ///< range of the joint over the whole range of the sensor [rad]
+	double fist;  ///< angle of the joint in a fist [rad]; zero: the fist does not define it
 };
 
 const SensorRow kRows[kGloveSensors] = {{"thumb_roll", 90 * kDegree, 0}, {"thumb_metacarpal_bend", 90 * kDegree, 50 * kDegree},

@@ -8,16 +8,16 @@
 
 namespace devicebridge
 {
-/// Finds the frames in a CyberGlove's stream: 'S', one byte from 1 to 255 for each sensor, 0. A value may be that of 'S', so that the
-/// zero decides where a frame ends; what has another length than 18 or 22 is dropped and counted. Source: serial_glove.cpp of the
-/// ROS package cyberglove (Shadow Robot).
+/// Finds the frames in a CyberGlove's stream: 'S', one byte from 1 to 255 for each sensor, 0. A value may equal 'S', so the zero decides
+/// where a frame ends. A frame whose number of values is not 18 or 22 is dropped and counted. Source: serial_glove.cpp of the ROS package
+/// cyberglove (Shadow Robot).
 class GloveFrames
 {
 public:
-	/// `wanted`: 18 or 22; zero: whichever comes.
+	/// `wanted` is the number of sensors, 18 or 22; zero: either.
 	explicit GloveFrames(int wanted = 0) : m_wanted(wanted) {}
 
-	/// True when the byte has ended a frame: values() has it.
+	/// Takes a byte. Returns true if it has completed a frame, which values() then holds.
 	bool take(std::uint8_t byte) noexcept
 	{
 		if (byte != 0)
@@ -39,7 +39,7 @@ public:
 		return true;
 	}
 	const GloveValues& values() const noexcept { return m_values; }
-	/// 18 or 22 once a frame was seen.
+	/// Number of sensors: 18 or 22 after the first frame.
 	int sensors() const noexcept { return m_sensors; }
 	std::uint64_t dropped() const noexcept { return m_dropped; }
 

@@ -5,16 +5,16 @@ namespace devicebridge
 {
 namespace
 {
-// Of a right hand 189 mm long [m].
+// Dimensions of a right hand 189 mm long [m].
 constexpr double kModelLength = 0.189;
 constexpr ist::Vec3 kThumbBase{-0.025, -0.01, -0.02};
-constexpr double kThumbAside = 0.7;  // of the straight thumb from the fingers [rad]
+constexpr double kThumbAside = 0.7;  // angle of the straight thumb from the fingers [rad]
 constexpr double kThumbBones[3] = {0.046, 0.032, 0.022}, kThumbRadii[4] = {0.014, 0.012, 0.010, 0.008};
 
 struct FingerModel
 {
-	int first;    ///< joint of its metacarpal
-	int knuckle;  ///< sensor
+	int first;    ///< joint index of its metacarpal
+	int knuckle;  ///< sensor index of its knuckle
 	double metacarpal, knuckleX, knuckleZ;
 	double bones[3];
 	double arch;  ///< share of the palm's arch
@@ -26,9 +26,9 @@ constexpr FingerModel kFingers[4] = {{kIndexMetacarpal, kIndexKnuckle, -0.016, -
 constexpr double kFingerRadii[5] = {0.013, 0.011, 0.009, 0.008, 0.007};
 
 ist::Mat3 turn(const ist::Vec3& by) { return rotationMatrix(ist::quaternionFromRotationVector(by)); }
-/// Towards the palm: -z moves to -y.
+/// Rotation towards the palm: -z moves to -y.
 ist::Mat3 bend(double angle) { return turn({-angle, 0, 0}); }
-/// Towards the thumb of a right hand: -z moves to -x.
+/// Rotation towards the thumb of a right hand: -z moves to -x.
 ist::Mat3 sway(double angle) { return turn({0, angle, 0}); }
 
 class Builder
@@ -40,7 +40,7 @@ public:
 	{
 		m_hand.joints[static_cast<std::size_t>(joint)] = {m_scale * X.translation, ist::quaternion(X.rotation), m_scale * radius, true};
 	}
-	/// Follows a bone and turns at its end.
+	/// Follows a bone and rotates at its end.
 	static ist::Pose along(const ist::Pose& X, double length, const ist::Mat3& turning)
 	{
 		return {X.rotation * turning, X * ist::Vec3{0, 0, -length}};

@@ -18,7 +18,7 @@ namespace devicebridge
 namespace
 {
 constexpr int kWait = 5;                             // [ms]
-constexpr std::int64_t kSettling = 300'000'000;      // after a command [ns]
+constexpr std::int64_t kSettling = 300'000'000;      // wait after a command [ns]
 constexpr std::int64_t kFirstFrame = 2'000'000'000;  // [ns]
 constexpr const char *kStop = "\x03", *kNoStatus = "u 0\r", *kStream = "S";
 }  // namespace
@@ -81,7 +81,7 @@ void GloveLink::disconnect() noexcept
 	m_line = -1;
 }
 
-/// Sample when a frame was among the bytes.
+/// Returns Sample if the bytes completed a frame.
 DeviceLink::Event GloveLink::takeBytes(int patience) noexcept
 {
 	pollfd wire{m_line, POLLIN, 0};

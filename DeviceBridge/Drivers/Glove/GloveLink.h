@@ -12,16 +12,16 @@ namespace devicebridge
 struct GloveSettings
 {
 	std::string line;  ///< serial line, 115200 baud, 8N1
-	int sensors = 0;   ///< 18 or 22; zero: whichever the glove has
+	int sensors = 0;   ///< number of sensors, 18 or 22; zero: the glove's own
 	GloveHandSize size;
 	GloveCalibration calibration = roughGloveCalibration();
 	bool calibrated = false;
 };
 
-/// From what stands behind `glove:` in an address; reads the calibration that it names.
+/// The settings from the part of an address after `glove:`. Reads the calibration file that the address names.
 ist::Result<GloveSettings> gloveSettings(const std::string& rest);
 
-/// A CyberGlove on a serial line. It senses the joints of the hand, and neither where the hand is nor the velocities; it exerts nothing.
+/// A CyberGlove on a serial line. It senses the joints of the hand, but neither the hand's position nor velocities, and it exerts no force.
 class GloveLink final : public DeviceLink
 {
 public:
@@ -37,7 +37,7 @@ public:
 	void disconnect() noexcept override;
 	std::string complaint() const override { return m_complaint; }
 
-	/// Between connect() and disconnect(): the mean of each sensor over `frames` frames. Takes as long as these take to come.
+	/// The mean of each sensor over `frames` frames. Call it between connect() and disconnect(). It waits until these frames have come.
 	ist::Result<GloveValues> meanValues(int frames);
 	int sensors() const noexcept { return m_frames.sensors(); }
 

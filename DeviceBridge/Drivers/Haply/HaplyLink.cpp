@@ -25,14 +25,14 @@ using tcp = asio::ip::tcp;
 using Failure = boost::system::error_code;
 
 constexpr std::int64_t kConnecting = 3'000'000'000, kSending = 200'000'000, kAnswering = 1'000'000'000;  // [ns]
-constexpr std::int64_t kTurnSpan = 5'000'000;  // over which the angular velocity is estimated [ns]
+constexpr std::int64_t kTurnSpan = 5'000'000;  // interval over which the angular velocity is estimated [ns]
 }  // namespace
 
-/// A connection whose every wait has an end.
+/// A connection in which every wait has a limit.
 class HaplyLink::Socket
 {
 public:
-	/// Empty when it has become true.
+	/// Opens the connection. Returns an error message, or an empty string.
 	std::string open(const HaplyAddress& address)
 	{
 		Failure failure;
@@ -49,13 +49,13 @@ public:
 			kConnecting, [&](auto done) { m_socket.async_handshake(address.host + ":" + address.port, "/", done); }, failure);
 		return failure ? failure.message() : std::string();
 	}
-	/// False: the message did not go out in time.
+	/// Returns false if the message was not sent in time.
 	bool send(const std::string& text, Failure& failure)
 	{
 		return finish(
 			kSending, [&](auto done) { m_socket.async_write(asio::buffer(text), [done](Failure f, std::size_t) { done(f); }); }, failure);
 	}
-	/// A message, if one has come within the time; waits on next time where it has stopped.
+	/// Waits for a message. Returns whether one has come in time; the next call continues the same wait.
 	bool receive(std::int64_t patience, std::string& text, Failure& failure)
 	{
 		if (!m_reading)
@@ -78,7 +78,7 @@ public:
 	}
 
 private:
-	/// Starts an operation and waits for its end; what has not ended in time ends with the socket.
+	/// Starts an operation and waits for its end. An operation that has not ended in time ends with the socket.
 	template <class Start> bool finish(std::int64_t patience, const Start& start, Failure& failure)
 	{
 		const auto ended = std::make_shared<std::pair<bool, Failure>>(false, Failure());
@@ -128,7 +128,7 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	if (!failure.empty()) return ist::Error{"no Haply Inverse service at " + where + " (" + failure + "); install and start it", false};
 	std::string text;
 	Failure lost;
-	// The first message comes unasked and holds the inventory.
+	// The first message comes without a request and contains the inventory.
 	if (!m_socket->receive(kAnswering, text, lost)) return ist::Error{"what answers at " + where + " is no Haply Inverse service", false};
 	const auto read = readHaplyMessage(text, m_address.device, m_gripId);
 	if (!read) return ist::Error{where + ": " + read.error().message, false};
@@ -137,7 +137,7 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 			"the Haply Inverse service at " + where + " has no device" + (m_address.device.empty() ? "" : " " + m_address.device), false};
 	const HaplyState& state = *read.value();
 	m_deviceId = state.deviceId, m_kind = state.kind;
-	// Connected again, a grip that is asleep stands as it was heard last.
+	// After a reconnection, a grip that sleeps keeps its last known orientation.
 	if (state.orientation) m_gripId = state.gripId, m_orientation = *state.orientation;
 	m_lastMessage = RealClock().now();
 	m_turnedAt = 0;
@@ -149,7 +149,7 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	if (state.orientation) info.sensed |= kRotation;
 	assumeLimits(info);
 	if (info.peakForce > 0) return info;
-	// The service tells no limits, and of an Inverse3x or a Minverse no profile knows any.
+	// The service reports no limits, and there is no profile for an Inverse3x or a Minverse.
 	info.peakForce = 10, info.continuousForce = 4;
 	info.assumed |= kAssumedPeakForce | kAssumedContinuousForce;
 	info.source += "; assumed, of the Inverse3, not verified: peak_force, continuous_force";
@@ -191,7 +191,7 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 	const auto read = readHaplyMessage(text, m_deviceId, m_gripId);
 	if (!read) return lost(read.error().message);
 	const std::int64_t now = RealClock().now();
-	// A message about other things is no news; one second without the device is its loss.
+	// A message without the device is not a sample. One second without the device counts as its loss.
 	if (!read.value())
 		return now - m_lastMessage > kAnswering ? lost("the device " + m_deviceId + " has left the Haply Inverse service") : Event::Nothing;
 	m_lastMessage = now;
@@ -204,8 +204,8 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 	return Event::Sample;
 }
 
-/// The service gives no angular velocity. A grip that is asleep or out of range stands as it was heard last; the grip is the same from then
-/// on.
+/// Sets orientation and angular velocity, because the service gives no angular velocity. A grip that sleeps or is out of range keeps its
+/// last orientation. From the first orientation on, the grip stays the same.
 void HaplyLink::turn(const HaplyState& heard, std::int64_t now, DeviceState& state)
 {
 	if (heard.orientation)

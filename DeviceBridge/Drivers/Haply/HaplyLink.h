@@ -13,13 +13,13 @@ struct HaplyState;
 struct HaplyAddress
 {
 	std::string host = "localhost", port = "10001";
-	std::string device;            ///< its id; empty: the first
-	std::string grip;              ///< its id; empty: the first that has an orientation
-	bool valuesForVector = false;  ///< services before 3.5
+	std::string device;            ///< id of the device; empty: the first
+	std::string grip;              ///< id of the grip; empty: the first that has an orientation
+	bool valuesForVector = false;  ///< whether the force vector is named "values", as in services before 3.5
 };
 
-/// A device of the Haply Inverse service over WebSocket: the service answers each message with one state, and lets go when no
-/// messages come. Three forces; position and, from a VerseGrip, orientation. W is the basis of the service.
+/// A device of the Haply Inverse service over WebSocket. The service answers each message with one state, and drops the force if no
+/// messages come. It has three forces, a position and, from a VerseGrip, an orientation. W is the basis of the service.
 class HaplyLink final : public DeviceLink
 {
 public:

@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 const char* const kKinds[] = {"inverse3", "inverse3x", "minverse"};
 const char* const kGrips[] = {"wireless_verse_grip", "verse_grip", "custom_verse_grip"};
 
-/// A member that is there and has numbers x, y, z.
+/// The vector of a member that exists and has numbers x, y, z.
 std::optional<ist::Vec3> vectorOf(const Json& object, const char* name)
 {
 	const auto found = object.find(name);
@@ -51,7 +51,7 @@ void readGrip(const Json& grip, const std::string& wanted, HaplyState& state)
 		if (buttons->contains(names[i]) && (*buttons)[names[i]] == true) state.buttons |= 1U << i;
 }
 
-/// The devices of one kind: an array, empty where there is none.
+/// The devices of one kind: an array, empty if there is none.
 const Json& listOf(const Json& message, const char* kind)
 {
 	static const Json kNone = Json::array();

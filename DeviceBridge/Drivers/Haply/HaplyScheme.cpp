@@ -13,7 +13,7 @@ namespace devicebridge
 {
 namespace
 {
-/// `//HOST:PORT`, `//HOST`, or nothing.
+/// Reads `//HOST:PORT`, `//HOST`, or nothing.
 bool readHost(std::string path, HaplyAddress& to)
 {
 	if (path.compare(0, 2, "//") == 0) path.erase(0, 2);

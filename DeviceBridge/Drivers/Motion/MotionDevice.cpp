@@ -52,7 +52,7 @@ DeviceStatus MotionDevice::read(std::int64_t now, DeviceState& state) noexcept
 {
 	if (!m_open) return DeviceStatus::NotOpen;
 	if (m_reads == 0) m_start = now;
-	// As handMotionOf takes the times, to the last bit.
+	// The same expression as in handMotionOf, so that the times are equal to the last bit.
 	const double time = m_motion.frames.front().time + 1e-9 * static_cast<double>(now - m_start);
 	if (time > m_motion.frames.back().time) return DeviceStatus::Disconnected;
 	m_hand = m_motion.at(time);

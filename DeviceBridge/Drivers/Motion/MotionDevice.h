@@ -6,12 +6,12 @@
 
 namespace devicebridge
 {
-/// Plays the motion of a hand, as a tracker would: its first frame at the first read, and from there by the clock. The handle is the palm;
-/// while that is not tracked it stays, and kHandPresent is not set. After the last frame it does not answer. Exerts nothing.
+/// Plays the motion of a hand as a tracker would: the first frame at the first read, the others by the clock. The handle is the palm. While
+/// the palm is not tracked, the handle stays and kHandPresent is not set. After the last frame read() fails. It exerts no force.
 class MotionDevice final : public Device
 {
 public:
-	/// `motion` has at least one frame. `uri`: for info().
+	/// `motion` has at least one frame. `uri` is for info().
 	MotionDevice(HandMotion motion, const std::string& uri);
 
 	const DeviceInfo& info() const noexcept override { return m_info; }

@@ -17,7 +17,7 @@ static_assert(static_cast<int>(kLittleTip) == XR_HAND_JOINT_LITTLE_TIP_EXT &&
 
 namespace
 {
-constexpr std::int64_t kPeriod = 4'000'000;  // more often than any runtime tracks [ns]
+constexpr std::int64_t kPeriod = 4'000'000;  // period of the queries, shorter than that of any runtime [ns]
 constexpr XrSpaceLocationFlags kPoseValid = XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
 
 ist::Vec3 vec(const XrVector3f& v) { return {v.x, v.y, v.z}; }

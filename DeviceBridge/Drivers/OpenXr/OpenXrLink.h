@@ -10,8 +10,8 @@ namespace devicebridge
 {
 class OpenXrSession;
 
-/// One hand as an OpenXR runtime tracks it: the joints with their radii; the handle is the palm. W is the runtime's local space: x to
-/// the right, y up, z towards the user. Exerts nothing. While the runtime does not see the hand, kHandPresent is not set.
+/// One hand as an OpenXR runtime tracks it: the joints with their radii; the handle is the palm. W is the runtime's local space: x to the
+/// right, y up, z towards the user. It exerts no force. While the runtime does not see the hand, kHandPresent is not set.
 class OpenXrLink final : public DeviceLink
 {
 public:
@@ -35,6 +35,6 @@ private:
 	std::int64_t m_next = 0;
 };
 
-/// Why no hand can be had by `openxr:`; empty when a runtime answers.
+/// Why `openxr:` can open no hand; empty if a runtime answers.
 std::string openXrMissing();
 }  // namespace devicebridge

@@ -12,7 +12,7 @@ namespace
 constexpr const char* kExtensions[] = {
 	XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_MND_HEADLESS_EXTENSION_NAME, XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME};
 
-/// The first of the extensions that the runtime lacks; empty when it has all.
+/// The first extension that the runtime lacks; empty if it has all.
 std::string missingExtension()
 {
 	std::uint32_t count = 0;
@@ -131,7 +131,7 @@ void OpenXrSession::changeState(XrSessionState state)
 	{
 		XrSessionBeginInfo begin{};
 		begin.type = XR_TYPE_SESSION_BEGIN_INFO;
-		// Some runtimes want one also without graphics.
+		// Some runtimes require a view configuration also without graphics.
 		begin.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
 		m_running = XR_SUCCEEDED(xrBeginSession(m_session, &begin));
 	}

@@ -15,8 +15,8 @@
 
 namespace devicebridge
 {
-/// The program's session with the OpenXR runtime, without graphics: both hands share one, since many runtimes have no second. Calls
-/// may come from any thread.
+/// The program's session with the OpenXR runtime, without graphics. Both hands share one session, because many runtimes allow only one. Any
+/// thread may call it.
 class OpenXrSession
 {
 public:
@@ -28,13 +28,14 @@ public:
 		PFN_xrConvertTimespecTimeToTimeKHR convertTime = nullptr;
 	};
 
-	/// The one that lives, or a new one.
+	/// The existing session, or a new one.
 	static ist::Result<std::shared_ptr<OpenXrSession>> shared();
 	~OpenXrSession();
 
-	/// Takes the runtime's events. Empty while the session runs or is about to; else, in a sentence, why it has ended.
+	/// Processes the runtime's events. Returns an empty string while the session runs or is about to; otherwise a sentence that says why it
+	/// has ended.
 	std::string poll();
-	/// Now, in the runtime's time; zero when it cannot tell.
+	/// Present time of the runtime's clock; zero if it is unknown.
 	XrTime now() const;
 	XrSession session() const { return m_session; }
 	XrSpace space() const { return m_space; }
@@ -48,7 +49,7 @@ private:
 	std::string createSession();
 	void changeState(XrSessionState state);
 
-	std::mutex m_mutex;  // of poll()
+	std::mutex m_mutex;  // guards poll()
 	XrInstance m_instance = XR_NULL_HANDLE;
 	XrSession m_session = XR_NULL_HANDLE;
 	XrSpace m_space = XR_NULL_HANDLE;
@@ -57,6 +58,6 @@ private:
 	bool m_running = false;
 };
 
-/// "XR_ERROR_..." or the number.
+/// The name "XR_ERROR_..." or the number.
 std::string openXrError(XrInstance instance, XrResult result);
 }  // namespace devicebridge

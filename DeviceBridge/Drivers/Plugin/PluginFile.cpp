@@ -32,7 +32,7 @@ std::string fileOf(const std::string& name)
 	return {};
 }
 
-/// What is wrong with it; empty when nothing is.
+/// What is wrong with the plug-in; empty if it is valid.
 std::string flawOf(const devicebridge_plugin* plugin, const std::string& name)
 {
 	if (!plugin) return "its entry gives nothing";

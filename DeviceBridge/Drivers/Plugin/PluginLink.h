@@ -9,7 +9,7 @@
 
 namespace devicebridge
 {
-/// A device of a plug-in. What the plug-in says is checked as that of any device is: by SampleMonitor and SafetyLimiter.
+/// A device of a plug-in. SampleMonitor and SafetyLimiter check its samples as those of any device.
 class PluginLink final : public DeviceLink
 {
 public:

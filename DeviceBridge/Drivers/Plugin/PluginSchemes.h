@@ -5,6 +5,6 @@ namespace devicebridge
 {
 class DeviceRegistry;
 
-/// `plugin:NAME` and `plugin:NAME/ADDRESS`; and for each plug-in that can be found or that belongs to this project, `NAME:ADDRESS`.
+/// Adds `plugin:NAME` and `plugin:NAME/ADDRESS`. Also adds `NAME:ADDRESS` for each plug-in that is found or that belongs to this project.
 void addPluginSchemes(DeviceRegistry& registry);
 }  // namespace devicebridge

@@ -6,8 +6,8 @@
 
 namespace devicebridge
 {
-/// Plays a recording, one tick for each read, whatever the time; the times in it are shifted so that the first read is now. After the
-/// last tick it does not answer. Compares what it is told with what was recorded.
+/// Plays a recording, one tick for each read, at any rate. The recorded times are shifted so that the first read is now. After the last
+/// tick read() fails. The device compares the commands that it receives with the recorded ones.
 class ReplayDevice final : public Device
 {
 public:
@@ -22,7 +22,7 @@ public:
 
 	std::size_t length() const { return m_recording.ticks.size(); }
 	std::size_t played() const { return m_next; }
-	/// Commands that differ from the recorded ones in any bit, and the first tick with one (length() when there is none).
+	/// Number of commands that differ from the recorded ones in any bit, and the first tick with one (length() if there is none).
 	std::uint64_t mismatches() const { return m_mismatches; }
 	std::size_t firstMismatch() const { return m_mismatches ? m_firstMismatch : length(); }
 
@@ -34,7 +34,7 @@ private:
 	bool m_open = false, m_answered = false;
 };
 
-/// The times of a recorded run: sleeping leads to the next read, however far that is.
+/// The times of a recorded run. Each sleep advances to the next read, however far that is.
 class RecordedClock final : public Clock
 {
 public:

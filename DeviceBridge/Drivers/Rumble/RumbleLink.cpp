@@ -14,16 +14,16 @@ namespace devicebridge
 namespace
 {
 constexpr std::int64_t kPeriod = 4'000'000, kRepeat = 50'000'000;  // [ns]
-constexpr unsigned kLasts = 100;                                   // the motors stop by themselves after [ms]
+constexpr unsigned kLasts = 100;                                   // time after which the motors stop by themselves [ms]
 
-/// SDL counts its users without a lock.
+/// Guards SDL, which counts its users without a lock.
 std::mutex& sdlMutex()
 {
 	static std::mutex mutex;
 	return mutex;
 }
 
-/// False, and SDL_GetError() says why.
+/// Returns false if it fails; SDL_GetError() then says why.
 bool startSdl()
 {
 	SDL_SetMainReady();
@@ -32,7 +32,7 @@ bool startSdl()
 	return SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) == 0;
 }
 
-/// Index in SDL of the game controller number `wanted`; negative where there are not so many, and `count` is how many.
+/// Index in SDL of the game controller number `wanted`; negative if there are fewer. `count` receives the number of controllers.
 int controllerAt(int wanted, int& count)
 {
 	count = 0;
@@ -92,7 +92,7 @@ double RumbleLink::axis(int which) const noexcept
 	return std::max(-1.0, SDL_GameControllerGetAxis(m_controller, static_cast<SDL_GameControllerAxis>(which)) / 32767.0);
 }
 
-/// The motors keep on for a while, so that not every exchange needs a report over a slow radio.
+/// Drives the motors. They continue for a while, so that not every exchange must send a report over a slow radio.
 bool RumbleLink::rumble(const ist::Wrench& wrench, std::int64_t now) noexcept
 {
 	const unsigned low = motor(norm(wrench.force), m_settings.fullForce), high = motor(norm(wrench.torque), m_settings.fullTorque);
@@ -112,7 +112,7 @@ DeviceLink::Event RumbleLink::exchange(const DeviceCommand& command, DeviceSampl
 	if (!SDL_GameControllerGetAttached(m_controller)) return Event::Lost;
 	const std::int64_t now = clock.now();
 	rumble(command.wrench, now);
-	// SDL counts down as positive.
+	// In SDL, down is positive.
 	const ist::Vec3 position = m_settings.reach *
 		ist::Vec3{axis(SDL_CONTROLLER_AXIS_LEFTX), -axis(SDL_CONTROLLER_AXIS_LEFTY), axis(SDL_CONTROLLER_AXIS_RIGHTY)};
 	const double dt = 1e-9 * static_cast<double>(now - m_lastTime);

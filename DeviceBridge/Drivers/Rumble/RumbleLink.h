@@ -11,15 +11,15 @@ namespace devicebridge
 {
 struct RumbleSettings
 {
-	int index = 0;            ///< among the game controllers of SDL
-	double reach = 0.05;      ///< of a stick at its end [m]
-	double fullForce = 1;     ///< that drives the strong motor at its most [N]
-	double fullTorque = 0.1;  ///< that drives the weak motor at its most [N m]
+	int index = 0;            ///< index among the game controllers of SDL
+	double reach = 0.05;      ///< displacement of a stick at its end [m]
+	double fullForce = 1;     ///< force that drives the strong motor at its maximum [N]
+	double fullTorque = 0.1;  ///< torque that drives the weak motor at its maximum [N m]
 };
 
-/// A game controller through SDL2. The left stick is the handle in x and y, the right one's up and down is z (W = x to the right, y up, z
-/// towards the user); buttons as SDL_GameControllerButton numbers them. It cannot push: the size of the force drives the strong motor,
-/// that of the torque the weak one.
+/// A game controller through SDL2. The left stick is the handle in x and y, and the right stick's vertical axis is z. W has x to the right,
+/// y up, z towards the user. Buttons are numbered as in SDL_GameControllerButton. A controller cannot push: the magnitude of the force
+/// drives the strong motor, that of the torque the weak one.
 class RumbleLink final : public DeviceLink
 {
 public:
@@ -44,6 +44,6 @@ private:
 	ist::Vec3 m_position;
 };
 
-/// Why no controller can be had by `rumble:`; empty when there is one.
+/// Why `rumble:` can open no controller; empty if there is one.
 std::string rumbleMissing();
 }  // namespace devicebridge

@@ -5,7 +5,7 @@
 
 namespace devicebridge
 {
-/// The files of data/devices, put into the library when it is built.
+/// The files of data/devices, compiled into the library.
 struct CarriedProfile
 {
 	const char* name;

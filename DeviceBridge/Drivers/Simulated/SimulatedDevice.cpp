@@ -86,7 +86,7 @@ DeviceStatus SimulatedDevice::read(std::int64_t now, DeviceState& state) noexcep
 	const double dt = 1e-9 * static_cast<double>(now - m_time);
 	advance(std::max(m_time, now - kLongestAdvance), now);
 	m_time = now;
-	// A tick without a write holds the command of the tick before.
+	// A tick without a write keeps the command of the previous tick.
 	const DeviceCommand held = m_pending[m_tick % m_pending.size()];
 	++m_tick;
 	m_pending[m_tick % m_pending.size()] = held;

@@ -10,7 +10,7 @@
 
 namespace devicebridge
 {
-/// Where the hand wants to be at one time, in W.
+/// Pose and twist that the hand aims at, in W.
 struct HandTarget
 {
 	ist::Pose pose;
@@ -19,28 +19,28 @@ struct HandTarget
 
 struct HandKeyFrame
 {
-	double time = 0;  ///< [s] since the first read()
+	double time = 0;  ///< time since the first read() [s]
 	ist::Pose pose;
 };
 
-/// Target as a function of the time [s] since the first read().
+/// Target as a function of the time since the first read() [s].
 using HandScript = std::function<HandTarget(double)>;
-/// Straight lines and shortest turns between the frames, at rest before the first and after the last.
+/// A script along straight lines and shortest rotations between the frames, at rest before the first and after the last.
 HandScript handThrough(std::vector<HandKeyFrame> frames);
 
-/// A hand on a device, closed loop:
+/// A simulated hand on a device, in a closed loop:
 ///   m a = F_command + K_hand (target - x) + B_hand (v_target - v) - b v
-/// and likewise for rotation. The command is held over a tick (zero order hold) and drops to zero when it expires.
-/// read() advances by the time since the last read(), at most 0.1 s. Deterministic in the times and commands.
+/// and likewise for rotation. The command is held over a tick (zero-order hold) and drops to zero when it expires. read() advances by the
+/// time since the last read(), at most 0.1 s. The result depends only on the times and commands.
 class SimulatedDevice final : public Device
 {
 public:
 	explicit SimulatedDevice(SimulatedProfile profile);
 
 	void setHand(HandScript script) { m_script = std::move(script); }
-	/// Puts handle and hand at rest in a pose. Without a script the hand stays there.
+	/// Puts handle and hand at rest at a pose. Without a script the hand stays there.
 	void place(const ist::Pose& X_WH);
-	/// Without quantisation.
+	/// The pose without quantisation.
 	const ist::Pose& truePose() const { return m_pose; }
 	const ist::Twist& trueTwist() const { return m_twist; }
 	/// Work that the device did on the hand since open() [J].

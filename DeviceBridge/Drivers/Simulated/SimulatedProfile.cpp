@@ -17,7 +17,7 @@ namespace
 {
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargest = 1e6;  // of any value, in SI units
+constexpr double kLargest = 1e6;  // largest value of any parameter, in SI units
 
 std::size_t lineAt(const std::string& text, std::size_t offset)
 {
@@ -25,7 +25,7 @@ std::size_t lineAt(const std::string& text, std::size_t offset)
 		static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size())), '\n'));
 }
 
-/// Offset of what the parser stumbled over. A number that is too large comes without its place but with its text in quotes.
+/// Offset of the parser's error. For a number that is too large, the error has no offset but quotes the text.
 std::size_t placeOf(const Json::exception& e, const std::string& text)
 {
 	if (const auto* parsing = dynamic_cast<const Json::parse_error*>(&e)) return parsing->byte > 0 ? parsing->byte - 1 : 0;
@@ -55,7 +55,7 @@ std::map<std::string, double*> numbersOf(SimulatedProfile& p)
 		{"handAngularDamping", &p.handAngularDamping}};
 }
 
-/// What is wrong with one number and its source; empty when nothing is.
+/// What is wrong with one number and its source; empty if both are valid.
 std::string takeNumber(const std::string& name, const Json& entry, double& target, DeviceInfo& info)
 {
 	if (!entry.is_object() || entry.size() != 2 || !entry.contains("value") || !entry.contains("source"))
@@ -124,7 +124,7 @@ ist::Result<SimulatedProfile> parseSimulatedProfile(const std::string& text)
 	Json json;
 	std::string twice;
 	std::set<std::string> seen;
-	// The parser keeps the last of two equal fields and says nothing.
+	// The parser silently keeps the last of two equal fields.
 	const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
 		if (depth == 1 && event == Json::parse_event_t::key && !seen.insert(parsed.get<std::string>()).second)
 			twice = parsed.get<std::string>();

@@ -21,13 +21,13 @@ namespace devicebridge
 namespace
 {
 constexpr int kWait = 2;  // [ms]
-// A deflected mouse reports all the time; one that falls silent without coming to rest is taken to be at rest.
+// A deflected mouse reports continuously. One that stops reporting without returning to rest is assumed to be at rest.
 constexpr std::int64_t kHeld = 200'000'000;  // [ns]
-constexpr double kRate = 500;                // of samples, those without an event among them [Hz]
+constexpr double kRate = 500;                // rate of the samples, those without an event included [Hz]
 
 std::atomic<bool> taken{false};
 
-/// Where libspnav looks.
+/// Path of the socket that libspnav uses.
 std::string socketPath()
 {
 	if (const char* const path = std::getenv("SPNAV_SOCKET")) return path;
@@ -87,7 +87,7 @@ void SpnavLink::disconnect() noexcept
 	taken = false;
 }
 
-/// False when the daemon or the device has gone.
+/// Returns false if the daemon or the device is gone.
 bool SpnavLink::takeEvents(std::int64_t now) noexcept
 {
 	char byte = 0;

@@ -6,8 +6,8 @@
 
 namespace devicebridge
 {
-/// A 6-DOF mouse behind spacenavd. Its deflection is the velocity of the handle, which is integrated from the origin; it exerts
-/// nothing. libspnav keeps one connection for the whole program, so that a second device is refused while one is open.
+/// A 6-DOF mouse behind spacenavd. Its deflection is the velocity of the handle, which is integrated from the origin; it exerts no force.
+/// libspnav has one connection for the whole program, so a second device is refused while one is open.
 class SpnavLink final : public DeviceLink
 {
 public:
@@ -32,6 +32,6 @@ private:
 	ist::Pose m_pose;
 };
 
-/// Why no mouse can be had by `spnav:`; empty when a daemon answers.
+/// Why `spnav:` can open no mouse; empty if a daemon answers.
 std::string spnavMissing();
 }  // namespace devicebridge

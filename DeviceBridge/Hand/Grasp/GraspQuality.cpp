@@ -14,9 +14,9 @@ namespace devicebridge
 namespace
 {
 constexpr int kSpace = 6;
-constexpr double kJoggle = 1e-6;  // of the points, so that no seven lie in one hyperplane
-constexpr double kFlat = 1e-6;    // thinner than so much of its size a hull has no inside
-constexpr double kGained = 1e-9;  // a point so much of the largest one's length beyond a facet moves it
+constexpr double kJoggle = 1e-6;  // random shift of the points, so that no seven lie in one hyperplane
+constexpr double kFlat = 1e-6;    // thickness, relative to the size, below which a hull has no inside
+constexpr double kGained = 1e-9;  // distance of a point beyond a facet, relative to the longest point, from which the hull grows
 using Point = std::array<double, kSpace>;
 
 double inner(const Point& a, const Point& b)
@@ -32,7 +32,7 @@ Point minus(const Point& a, const Point& b)
 	return c;
 }
 
-/// Unit vector normal to five directions.
+/// The unit vector normal to five directions.
 Point normalTo(std::array<Point, kSpace - 1> rows)
 {
 	std::array<int, kSpace> column{0, 1, 2, 3, 4, 5};
@@ -67,7 +67,7 @@ class Hull
 public:
 	explicit Hull(const std::vector<Point>& points) : m_points(points) {}
 
-	/// Of seven points with an inside; false where all points lie in one hyperplane.
+	/// Begins with seven points that span a volume. Returns false if all points lie in one hyperplane.
 	bool begin()
 	{
 		std::array<int, kSpace + 1> corners{};
@@ -112,13 +112,13 @@ public:
 	{
 		std::array<int, kSpace> corners;
 		Point normal;   // outward
-		double offset;  // normal . x of its points
+		double offset;  // normal . x for its points
 	};
 	const std::vector<Facet>& facets() const { return m_facets; }
-	/// Whether it has been a corner: beyond a facet it can only be by rounding.
+	/// Whether the point has been a corner. Such a point can lie beyond a facet only by rounding.
 	bool isUsed(int point) const { return m_used[size_t(point)]; }
 
-	/// What the point sees is replaced by facets to it.
+	/// Replaces the facets that the point sees by facets to the point.
 	void grow(int point)
 	{
 		m_used[size_t(point)] = true;
@@ -173,7 +173,7 @@ private:
 	Point m_inside{};
 };
 
-/// The corners of a contact's cone of friction as wrenches about the centre of mass, torques over `length`.
+/// Adds the corners of a contact's friction cone as wrenches about the centre of mass, with torques divided by `length`.
 void addWrenches(const GraspContact& contact, const GraspQualityOptions& options, std::vector<Point>& out)
 {
 	const Vec3 n = normalized(contact.normal);
@@ -196,7 +196,7 @@ void addWrenches(const GraspContact& contact, const GraspQualityOptions& options
 		for (const double sign : {-1.0, 1.0}) add(n, sign * contact.friction * contact.frictionRadius);
 }
 
-/// The same for the same points: a linear congruence (Knuth's MMIX).
+/// Shifts the points by pseudo-random numbers, the same for the same points: a linear congruential generator (Knuth's MMIX).
 void joggle(std::vector<Point>& points)
 {
 	std::uint64_t state = 1;
@@ -234,7 +234,7 @@ GraspQuality graspQuality(const std::vector<GraspContact>& contacts, const Grasp
 		if (!quality.exact) break;
 		hull.grow(furthest);
 		++quality.iterations;
-		// What rounding has opened tells nothing more.
+		// A hull that rounding has opened gives no further bound.
 		quality.exact = !hull.facets().empty();
 		if (!quality.exact) break;
 	}

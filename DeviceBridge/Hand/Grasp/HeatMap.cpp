@@ -11,24 +11,25 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kFacing = 0.7;  // the nearest surface is the one below a vertex where the cosine to its normal is larger
+constexpr double kFacing = 0.7;  // cosine above which the nearest side counts as the one below the vertex
 constexpr int kMostSteps = 8;
-constexpr int kCellsAcross = 48;  // of the grid of vertices, along the longest side
+constexpr int kCellsAcross = 48;  // number of cells of the vertex grid along the longest side
 
 struct Clipped
 {
 	double area = 0, sum = 0;
 };
 
-/// Area of the part of a triangle where the distance `d`, linear and positive inside, is positive, and the thickness `t` of the other body
-/// summed over it. `facing`: cosine between the normal of the other body's nearest side and this one's inside. Where outside corners say
-/// that it tapers off, thickness ends with the distance; where its side stands upright, thickness goes on to the edge.
+/// Area of the part of a triangle where the distance `d` is positive, and the thickness `t` of the other body integrated over it. `d` is
+/// linear and positive inside. `facing` is the cosine between the inward direction here and the normal of the other body's nearest side. If
+/// the outside corners show that the body tapers off, the thickness ends with the distance. If its side stands upright, the thickness
+/// continues to the edge.
 Clipped clip(double area, const double d[3], const double t[3], const double facing[3])
 {
 	const int inside = (d[0] > 0) + (d[1] > 0) + (d[2] > 0);
 	if (inside == 0) return {};
 	if (inside == 3) return {area, area * (t[0] + t[1] + t[2]) / 3};
-	// One corner on its own: the triangle that it cuts off.
+	// The triangle that is cut off at the single corner on its side of the edge.
 	int lone = 0;
 	while ((d[lone] > 0) != (inside == 1)) ++lone;
 	const double a = d[lone], b = d[(lone + 1) % 3], c = d[(lone + 2) % 3];
@@ -43,7 +44,7 @@ Clipped clip(double area, const double d[3], const double t[3], const double fac
 	const double taper = std::clamp((faces - 0.5 * kFacing) / (0.5 * kFacing), 0.0, 1.0);
 	return {kept, taper * distances * thickness / distance + (1 - taper) * kept * thickness / inside};
 }
-/// In how many grasps each vertex was touched.
+/// The number of grasps in which each vertex was touched.
 struct GraspCount
 {
 	std::vector<int> count, last;
@@ -60,22 +61,22 @@ struct GraspCount
 
 struct HeatMap::Part
 {
-	/// A point, and how far the surface is from it.
+	/// A point, and its distance from the surface.
 	struct Near
 	{
 		Vec3 point;
 		double distance = std::numeric_limits<double>::infinity();
 		bool outside = false;
-		/// Whether that says that `p` is outside, too.
+		/// Whether this proves that `p` is outside, too.
 		bool provesOutside(const Vec3& p) const { return outside && ist::distance(p, point) < (1 - 1e-6) * distance; }
 	};
 
 	std::string name;
 	int id = 0;
 	MeshDistance distance;
-	std::vector<Vec3> normals;  // of the triangles
+	std::vector<Vec3> normals;  // normals of the triangles
 	Box box;
-	std::vector<double> dwell, impulse;  // of each vertex
+	std::vector<double> dwell, impulse;  // sums per vertex
 	std::vector<float> peak;
 	GraspCount graspsAt;
 	int grasps = 0, lastGrasp = 0;
@@ -96,11 +97,11 @@ struct HeatMap::Part
 			normals.push_back(normalized(cross(m.vertices[t[1]] - m.vertices[t[0]], m.vertices[t[2]] - m.vertices[t[0]])));
 	}
 
-	/// As MeshDistance::field, but the winding number is asked only where the nearest triangle does not tell the side. `near`: where the
-	/// surface was found last; from there it is no further than by the way between.
+	/// As MeshDistance::field, but the winding number is computed only if the nearest triangle does not decide the side. `near` is the
+	/// point and distance of the last query. The new distance is at most the old one plus the distance between the points.
 	MeshDistance::Field field(const Vec3& p, Near& near) const
 	{
-		constexpr double kSlack = 1 + 1e-6;  // of roundings
+		constexpr double kSlack = 1 + 1e-6;  // allowance for rounding
 		MeshDistance::Closest closest = distance.closest(p, kSlack * (near.distance + ist::distance(p, near.point)));
 		if (closest.triangle >= normals.size()) closest = distance.closest(p);
 		const Vec3& face = normals[closest.triangle];
@@ -112,18 +113,18 @@ struct HeatMap::Part
 	}
 };
 
-/// The object's mesh, its vertices sorted into a grid, and what is known of the contact in progress.
+/// The object's mesh, its vertices sorted into a grid, and the state of the contact in progress.
 struct HeatMap::Surface
 {
 	MeshDistance distance;
 	std::vector<double> vertexArea, triangleArea;
-	std::vector<Vec3> vertexNormals;                  // of unit length
-	std::vector<uint32_t> firstTriangle, triangleOf;  // of each vertex
+	std::vector<Vec3> vertexNormals;                  // unit normals per vertex
+	std::vector<uint32_t> firstTriangle, triangleOf;  // triangles of each vertex
 	Box box;
 	double cell = 1;
 	size_t n[3] = {1, 1, 1};
-	std::vector<uint32_t> firstVertex, vertexOf;  // of each cell
-	// Of the contact in progress.
+	std::vector<uint32_t> firstVertex, vertexOf;  // vertices of each cell
+	// State of the contact in progress.
 	std::vector<uint32_t> stamp;
 	std::vector<double> distanceIn, thickness, facing, share;
 	std::vector<uint32_t> touched;
@@ -133,13 +134,13 @@ struct HeatMap::Surface
 	HeatMapContact contact;
 	Part::Near near;
 	size_t from[3] = {}, to[3] = {};  // cells that the part's box touches
-	size_t row = 0, vertex = 0;       // of these cells along x, and in it: where collecting goes on
+	size_t row = 0, vertex = 0;       // row of these cells along x, and vertex in it, at which collecting continues
 	bool collected = false;
-	size_t cutUntil = 0;       // of `touched`
-	double area = 0, sum = 0;  // of the surface inside of the part, and the thickness summed over it
+	size_t cutUntil = 0;       // number of entries of `touched` that are done
+	double area = 0, sum = 0;  // area of the surface inside the part, and the thickness integrated over it
 	int looksLeft = 0;
 
-	GraspCount graspsAt;  // by any part
+	GraspCount graspsAt;  // grasps with any part
 
 	explicit Surface(Mesh mesh) : distance(std::move(mesh)), graspsAt(distance.mesh().vertices.size())
 	{
@@ -180,7 +181,7 @@ struct HeatMap::Surface
 		for (uint32_t t = 0; t < m.triangles.size(); ++t)
 			for (const uint32_t v : m.triangles[t]) triangleOf[next[v]++] = t;
 	}
-	/// Of a force that the vertex takes alone; 0 for one without area.
+	/// Pressure of a force that acts on this vertex alone; 0 for a vertex without area.
 	double pressureOf(double force, uint32_t v) const { return vertexArea[v] > 0 ? force / vertexArea[v] : 0; }
 	size_t cellOf(const Vec3& p) const
 	{
@@ -223,8 +224,8 @@ int HeatMap::parts() const { return int(m_parts.size()); }
 const std::string& HeatMap::partName(int part) const { return m_parts[size_t(part)]->name; }
 int HeatMap::partId(int part) const { return m_parts[size_t(part)]->id; }
 
-/// How thick the part of the contact in progress is below a vertex, along the normal of the object, is put down; the result is how deep the
-/// vertex lies in it, negative outside [m].
+/// Stores the part's thickness below a vertex, along the normal of the object. Returns the depth of the vertex inside the part [m],
+/// negative outside.
 double HeatMap::depthOf(uint32_t vertex) noexcept
 {
 	Surface& s = *m_surface;
@@ -240,7 +241,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 	for (int i = 0; i < kMostSteps && field.depth > 0; ++i)
 	{
 		const double facing = dot(field.normal, inward);
-		// Where the nearest side is not the one below, no other is nearer than this.
+		// If the nearest side is not the one below, no side is nearer than this, so the step stays inside.
 		s.thickness[vertex] += facing > kFacing ? field.depth / facing : field.depth;
 		if (facing > kFacing || i + 1 == kMostSteps) break;
 		p += field.depth * inward;
@@ -250,7 +251,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 	return s.distanceIn[vertex];
 }
 
-/// Which cells to look into.
+/// Computes the range of cells to search.
 void HeatMap::beginCollecting(const Part& part) noexcept
 {
 	Surface& s = *m_surface;
@@ -270,7 +271,7 @@ void HeatMap::beginCollecting(const Part& part) noexcept
 	}
 }
 
-/// The vertices inside of the part, for as long as there are looks left. True when all are found.
+/// Collects the vertices inside the part while queries are left. Returns true if all are found.
 bool HeatMap::collect(const Part& part) noexcept
 {
 	Surface& s = *m_surface;
@@ -293,7 +294,7 @@ bool HeatMap::collect(const Part& part) noexcept
 	return s.collected = true;
 }
 
-/// Every triangle at a touched vertex, once; each corner's share of the depth that is summed. True when all are done.
+/// Clips every triangle at a touched vertex once, and sums each corner's share of the depth. Returns true if all are done.
 bool HeatMap::cut() noexcept
 {
 	Surface& s = *m_surface;
@@ -340,7 +341,7 @@ void HeatMap::enterArea(Part& part, const HeatMapContact& contact, double scale,
 		enter(part, v, scale * s.share[v], std::min(scale * s.thickness[v], s.pressureOf(contact.force, v)), contact.seconds, touch);
 }
 
-/// A contact between the vertices: all of it to the nearest one.
+/// Assigns a contact between the vertices completely to the nearest vertex.
 void HeatMap::enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch& touch) noexcept
 {
 	Surface& s = *m_surface;
@@ -393,7 +394,7 @@ bool HeatMap::advance(int& looks) noexcept
 	return done;
 }
 
-/// Enters the contact, once all of it was looked at.
+/// Adds the contact to the map after all of it was evaluated.
 void HeatMap::finish() noexcept
 {
 	Surface& s = *m_surface;

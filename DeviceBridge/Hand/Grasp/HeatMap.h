@@ -13,76 +13,76 @@ namespace devicebridge
 /// One contact between a part and the object at one moment.
 struct HeatMapContact
 {
-	ist::Pose X_OP;      ///< of the part's mesh in the object's mesh
-	double force = 0;    ///< magnitude of the sum of what presses, without friction [N]
-	ist::Vec3 point;     ///< where, in the object's mesh: used where the contact is too small for the mesh [m]
-	double seconds = 0;  ///< for how long the moment stands
+	ist::Pose X_OP;      ///< pose of the part's mesh in the object's mesh
+	double force = 0;    ///< magnitude of the sum of the normal forces, without friction [N]
+	ist::Vec3 point;     ///< point of contact in the object's mesh [m]; used if the contact is too small for the mesh
+	double seconds = 0;  ///< time that the moment represents [s]
 };
 
-/// What a contact did to the surface.
+/// Effect of one contact on the surface.
 struct HeatMapTouch
 {
-	double area = 0;      ///< of the object's surface inside of the part [m^2]
-	double depthSum = 0;  ///< thickness of the overlap, summed over that area: in flat contact the force is k times it [m^3]
+	double area = 0;      ///< area of the object's surface inside the part [m^2]
+	double depthSum = 0;  ///< thickness of the overlap, integrated over that area [m^3]; in flat contact the force is k times it
 	double depth = 0;     ///< largest thickness at a vertex [m]
-	double pressure = 0;  ///< largest at a vertex; of a contact smaller than a vertex's own area, its force over that area [Pa]
+	double pressure = 0;  ///< largest pressure at a vertex [Pa]; for a contact smaller than a vertex's own area, its force over that area
 };
 
-/// Where, for how long and how strongly parts pressed on the surface of an object, over any number of grasps.
+/// Places, durations and pressures of the contact of parts with the surface of an object, over any number of grasps.
 ///
 /// The force of a contact is that of the query, the sum over its pairs. It is spread over the part of the object's surface that lies inside
-/// of the other body, in proportion to how thick that body is below each point, found from its closest surface points: in flat contact the
-/// pressure of the pressure field law, k times the thickness. What the vertices get sums to that force. The area ends where the depth,
-/// linear on each triangle, is zero. The mesh's own triangles are the resolution: a contact that holds no vertex goes to the vertex nearest
-/// to its point.
+/// the other body. The weight at each point is the thickness of that body below it, found from its closest surface points. In flat contact
+/// this is the pressure of the pressure field law, k times the thickness. The forces of the vertices sum to the force of the contact. The
+/// area ends where the depth, linear on each triangle, is zero. The mesh's own triangles are the resolution: a contact that contains no
+/// vertex is assigned to the vertex nearest to its point.
 class HeatMap
 {
 public:
-	/// Neither mesh needs a tree. `object` is closed and oriented.
+	/// `object` is closed and oriented. Neither it nor the parts' meshes need a tree.
 	explicit HeatMap(ist::Mesh object);
 	~HeatMap();
 	HeatMap(const HeatMap&) = delete;
 	HeatMap& operator=(const HeatMap&) = delete;
 
-	/// Offline. The index by which the part is called from here on.
+	/// Adds a part offline. Returns the index that identifies the part from now on.
 	int addPart(const std::string& name, int id, ist::Mesh mesh);
-	/// What comes now belongs to a new grasp; the first begins by itself.
+	/// Begins a new grasp, to which the following contacts belong. The first grasp begins by itself.
 	void beginGrasp();
 
-	/// Poses that are not rigid and numbers that are not finite count for nothing. No allocation; O(vertices near the part), a closest
-	/// point for each: some 100 us for a fingertip on vertices 1 mm apart.
+	/// Adds a contact. Poses that are not rigid and numbers that are not finite are ignored. No allocation; O(vertices near the part), with
+	/// one closest-point query each: about 100 us for a fingertip on vertices 1 mm apart.
 	HeatMapTouch add(int part, const HeatMapContact& contact) noexcept;
 
-	/// The same in shares: `begin`, and then `advance` until it is true. The contact counts when it is done; whatever is begun or added
-	/// before that takes its place.
+	/// Adds a contact in steps: call `begin`, then `advance` until it returns true. Only then is the contact in the map. Another begin() or
+	/// add() before that discards it.
 	void begin(int part, const HeatMapContact& contact) noexcept;
-	/// Goes on until `looks` closest points were found, of some 0.5 us each, and to the end of the vertex that it is at; `looks` is what is
-	/// left of them. True when done, and where nothing was begun.
+	/// Continues for `looks` closest-point queries, about 0.5 us each, and until its present vertex is finished. Afterwards `looks` is the
+	/// number left. Returns true if the contact is done or none was begun.
 	bool advance(int& looks) noexcept;
 
 	struct Vertex
 	{
-		double contact = 0;   ///< share of the grasps in which it was touched, 0 to 1
-		double dwell = 0;     ///< summed over the parts [s]
-		double impulse = 0;   ///< normal to the surface [N s]
-		double pressure = 0;  ///< mean while it was touched [Pa]
-		double peak = 0;      ///< [Pa]
-		int part = -1;        ///< that touched it longest; -1: none
+		double contact = 0;   ///< share of the grasps in which the vertex was touched, 0 to 1
+		double dwell = 0;     ///< time of contact, summed over the parts [s]
+		double impulse = 0;   ///< impulse normal to the surface [N s]
+		double pressure = 0;  ///< mean pressure while it was touched [Pa]
+		double peak = 0;      ///< largest pressure [Pa]
+		int part = -1;        ///< part that touched it longest; -1: none
 	};
 	std::vector<Vertex> vertices() const;
-	/// Of one part alone; negative: all. Of a part that is not there nothing.
+	/// The vertices as one part touched them; negative: all parts. For a part that does not exist they are untouched.
 	std::vector<Vertex> vertices(int part) const;
 
 	struct Summary
 	{
 		std::string name;
-		int id = 0, grasps = 0;               ///< in how many it touched
-		double area = 0;                      ///< of the surface that it ever touched [m^2]
-		double dwell = 0;                     ///< [s]
-		double meanForce = 0, peakForce = 0;  ///< while it touched [N]
-		double impulse = 0;                   ///< [N s]
-		double depth = 0;                     ///< largest [m]
-		double peakPressure = 0;              ///< [Pa]
+		int id = 0, grasps = 0;               ///< GRAB id or other label; number of grasps in which the part touched
+		double area = 0;                      ///< area of the surface that the part ever touched [m^2]
+		double dwell = 0;                     ///< time of contact [s]
+		double meanForce = 0, peakForce = 0;  ///< mean and largest force while it touched [N]
+		double impulse = 0;                   ///< impulse [N s]
+		double depth = 0;                     ///< largest depth [m]
+		double peakPressure = 0;              ///< largest pressure [Pa]
 	};
 	std::vector<Summary> summary() const;
 

@@ -21,7 +21,7 @@ constexpr HeatMapColour kFingerColours[kHandFingers] = {{0, 114, 178}, {0, 158, 
 
 std::uint8_t mixed(std::uint8_t a, std::uint8_t b, double u) { return std::uint8_t(std::lround(a + u * (double(b) - a))); }
 
-/// Little-endian words, whatever the machine's order.
+/// Little-endian words on any machine.
 class Bytes
 {
 public:
@@ -46,8 +46,8 @@ private:
 	std::vector<std::byte> m_bytes;
 };
 
-/// Some readers (assimp 5.2) take a first byte that is a line break for a part of the header, and all that follows for something else: then
-/// the next float.
+/// The next float if the first byte is a line break. Some readers (assimp 5.2) take such a byte for a part of the header and then misread
+/// the rest.
 float notALineBreak(float value)
 {
 	std::uint32_t word;

@@ -10,28 +10,29 @@ namespace devicebridge
 {
 enum class HeatMapColours
 {
-	Fingers,     ///< one colour for each finger, the palm grey, stronger the more grasps touched the place; the bare surface is light
-	ContactPose  ///< red = green = blue = contact, 1 to 255; 0 is "not observed", which a simulation never is (Brahmbhatt et al.,
+	Fingers,     ///< one colour per finger and grey for the palm, stronger the more grasps touched the place; the bare surface is light
+	ContactPose  ///< red = green = blue = contact, 1 to 255; 0 means "not observed", which never occurs in simulation (Brahmbhatt et al.,
 				 ///< ContactPose, 2020)
 };
 
-/// Colour of a hand's part, 0 to 255, by its GRAB id: index, middle, little, ring finger, thumb, palm. Colour-blind safe (Okabe and Ito).
+/// Colour of a hand's part, 0 to 255, by its GRAB id: index, middle, little, ring finger, thumb, palm. The colours suit colour-blind
+/// readers (Okabe and Ito).
 struct HeatMapColour
 {
 	std::uint8_t r = 0, g = 0, b = 0;
 };
 HeatMapColour handPartColour(int grabId);
-/// Of what `map` found at a place.
+/// Colour of the values `found` that `map` has at a place.
 HeatMapColour heatMapColour(const HeatMap& map, const HeatMap::Vertex& found, HeatMapColours colours);
 
-/// Binary little-endian PLY: for each vertex `x y z` (float, m, the mesh's own frame), `red green blue` (uchar), `contact dwell impulse
-/// pressure peak_pressure` (float; share, s, N s, Pa, Pa), `part` (int, its id; 0 for none), and the triangles. `part`: one alone; -1: all.
-/// Whole or not at all.
+/// Writes binary little-endian PLY. Each vertex has `x y z` (float, m, the mesh's own frame), `red green blue` (uchar), `contact dwell
+/// impulse pressure peak_pressure` (float; share, s, N s, Pa, Pa), `part` (int, its id; 0 for none). The triangles follow. `part` selects
+/// one part; -1: all. Writes the whole file or none.
 std::optional<ist::Error> saveHeatMap(
 	const HeatMap& map, const std::string& path, HeatMapColours colours = HeatMapColours::Fingers, int part = -1);
 
-/// A header and a row for each part that touched, comma separated:
-/// part,id,area_m2,dwell_s,mean_force_N,peak_force_N,impulse_Ns,grasps,largest_depth_m, peak_pressure_Pa.
+/// A table with a header and a row for each part that touched, comma separated:
+/// part,id,area_m2,dwell_s,mean_force_N,peak_force_N,impulse_Ns,grasps,largest_depth_m,peak_pressure_Pa
 std::string heatMapTable(const HeatMap& map);
 std::optional<ist::Error> saveHeatMapTable(const HeatMap& map, const std::string& path);
 }  // namespace devicebridge

@@ -14,11 +14,12 @@ namespace
 {
 constexpr std::uint32_t kNowhere = UINT32_MAX;
 constexpr int kLargest = 16384;
-/// Some 5 GB: of the picture 8 bytes a texel, and as much again while it is painted; of what covers it 32.
+/// Limits for about 5 GB of memory. The picture takes 8 bytes per texel and as much again while it is painted; the surface takes 32 bytes
+/// per covered texel.
 constexpr double kMostTexels = 1 << 26, kMostCovered = 1 << 27;
 constexpr double kMostRepeats = 64, kFurthest = 1e6, kReach = 0.01;
 
-/// A place in the picture, in texels from the centre of the upper left one; y downwards.
+/// A place in the picture, in texels from the centre of the upper left texel; y points down.
 struct Place
 {
 	double x = 0, y = 0;
@@ -26,15 +27,15 @@ struct Place
 
 bool before(const Place& a, const Place& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-/// Twice the area of a triangle a, b, p: changes sign, and nothing else, when a and b change places. Hence a centre on an edge is on it for
-/// both neighbours.
+/// Twice the signed area of the triangle a, b, p. Exchanging a and b changes the sign and nothing else. So a centre on an edge is exactly
+/// on it for both neighbours.
 double side(const Place& a, const Place& b, const Place& p)
 {
 	if (before(b, a)) return -side(b, a, p);
 	return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
 }
 
-/// Whether `p` belongs to the inside of the edge from a to b: points on it belong to one of the two triangles that share it.
+/// Whether `p` is inside the edge from a to b. A point on the edge belongs to exactly one of the two triangles that share it.
 bool within(double side, const Place& a, const Place& b) { return side > 0 || (side == 0 && before(a, b)); }
 
 /// Calls `found(x, y, weights of the corners)` for each texel whose centre lies in a triangle.
@@ -113,13 +114,13 @@ std::optional<Error> check(const Mesh& object, const TexturedMesh& surface, cons
 }
 }  // namespace
 
-/// The map's object, asked for the nearest point.
+/// The map's object, with its nearest-point query.
 class HeatMapTexture::Object
 {
 public:
 	Object(const Mesh& object, double reach) : m_distance(object), m_reach(reach > 0 ? reach : kReach * bounds(object).longestSide()) {}
 
-	/// Triangle, and weights of its second and third corner; kNowhere beyond the reach.
+	/// Triangle, and the weights of its second and third corner; kNowhere beyond the reach.
 	std::uint32_t find(const Vec3& p, float& u, float& v) const
 	{
 		const MeshDistance::Closest closest = m_distance.closest(p);
@@ -178,7 +179,8 @@ void HeatMapTexture::cover(const TexturedMesh& surface, const Object& object)
 	}
 }
 
-/// Ring by ring, each texel from the first neighbour that has a value: beside, then across. The picture is taken to repeat.
+/// Fills the margins ring by ring. Each texel copies the first neighbour that has a value: first the adjacent ones, then the diagonal ones.
+/// The picture repeats at its borders.
 void HeatMapTexture::grow(int margin)
 {
 	constexpr int kNeighbours[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};

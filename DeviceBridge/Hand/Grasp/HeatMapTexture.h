@@ -13,41 +13,39 @@ enum class HeatMapValue
 {
 	Contact,      ///< share of the grasps
 	Dwell,        ///< [s]
-	Impulse,      ///< on a unit of area [N s/m^2]: summed over the surface, what the contacts gave
-	Pressure,     ///< mean while touched [Pa]
-	PeakPressure  ///< [Pa]
+	Impulse,      ///< impulse per area [N s/m^2]; its integral over the surface is the impulse of the contacts
+	Pressure,     ///< mean pressure while touched [Pa]
+	PeakPressure  ///< largest pressure [Pa]
 };
 
 struct HeatMapTextureOptions
 {
-	int width = 1024, height = 1024;  ///< texels, 1 to 16384 on each side and 2^26 in all, as 8192 by 8192
-	int margin = 4;  ///< texels around each island of the picture that take the nearest one's value, so that no seam shows when the picture
-					 ///< is blurred
-	double reach =
-		0;  ///< texels whose place on the surface is further from the map's object stay bare [m]; 0: a hundredth of its longest side
+	int width = 1024, height = 1024;  ///< size in texels, 1 to 16384 on each side and at most 2^26 in all, as 8192 by 8192
+	int margin = 4;    ///< width of the rim around each island that copies the nearest value, so that blurring shows no seam [texels]
+	double reach = 0;  ///< distance from the map's object beyond which texels stay bare [m]; 0: a hundredth of its longest side
 };
 
-/// A heat map as the texture of a mesh: where each texel lies on the object is found once, then any map of that object is painted.
+/// A heat map as the texture of a mesh. The place of each texel on the object is computed once; then any map of that object can be painted.
 ///
-/// The textured mesh need not be the map's own: it is the file's, and the map's may be repaired. Each texel whose centre a triangle covers
-/// takes the value at the nearest point of the map's object, linear between its vertices. Texels that several places of the surface share
-/// (a texture that repeats, mirrored halves) take their mean, weighted by area.
+/// The textured mesh may differ from the map's mesh: it is the mesh of the file, and the map's may be a repaired one. Each texel whose
+/// centre a triangle covers takes the value at the nearest point of the map's object, linear between its vertices. Texels that several
+/// places of the surface share (a texture that repeats, mirrored halves) take the mean, weighted by area.
 class HeatMapTexture
 {
 public:
-	/// Offline, 1 to 2 us and some 50 bytes a texel. `object`: mesh() of the maps that are to be painted. Refused: a size out of range, a
-	/// texture without places, one that covers no texel, covers the picture more than 64 times, or covers more than 2^27 texels, each
-	/// counted as often as it repeats.
+	/// Makes the texture offline, in 1 to 2 us and about 50 bytes per texel. `object` is the mesh() of the maps that are to be painted.
+	/// Refused: a size out of range, a texture without coordinates, and one that covers no texel. Also refused: one that covers the picture
+	/// more than 64 times, or more than 2^27 texels, repeats included.
 	static ist::Result<HeatMapTexture> make(
 		const ist::Mesh& object, const ist::TexturedMesh& surface, const HeatMapTextureOptions& options = {});
 
 	int width() const { return m_width; }
 	int height() const { return m_height; }
-	/// Of the surface, for each texel, rows from the top; 0 where there is none, as in the margins [m^2].
+	/// Area of the surface on each texel [m^2], rows from the top; 0 without surface, as in the margins.
 	const std::vector<double>& areas() const { return m_areas; }
 
-	/// The whole picture; what no surface lies on, and is in no margin, is bare. `part`: one alone; negative: all. Refused: the map of
-	/// another object.
+	/// The whole picture. Texels without surface that are in no margin are bare. `part` selects one part; negative: all. Refused: the map
+	/// of another object.
 	ist::Result<Picture> colours(const HeatMap& map, HeatMapColours colours = HeatMapColours::Fingers, int part = -1) const;
 	ist::Result<std::vector<double>> values(const HeatMap& map, HeatMapValue value, int part = -1) const;
 
@@ -55,8 +53,8 @@ private:
 	struct Sample
 	{
 		std::uint32_t texel = 0;
-		std::uint32_t triangle = 0;  // of the object; kNowhere: too far from it
-		float u = 0, v = 0;          // weights of its second and third corner
+		std::uint32_t triangle = 0;  // triangle of the object; kNowhere: too far from it
+		float u = 0, v = 0;          // weights of the triangle's second and third corner
 		double area = 0;
 	};
 	struct Copy
@@ -72,13 +70,13 @@ private:
 
 	int m_width = 0, m_height = 0;
 	uint64_t m_object = 0;                                  // ist::meshHash
-	std::vector<std::array<std::uint32_t, 3>> m_triangles;  // of the object
+	std::vector<std::array<std::uint32_t, 3>> m_triangles;  // triangles of the object
 	std::vector<double> m_vertexAreas;
 	std::vector<Sample> m_samples;
 	std::vector<double> m_areas;
-	std::vector<Copy> m_margin;  // in the order in which they are copied
+	std::vector<Copy> m_margin;  // copies in the order in which they are made
 };
 
-/// Black is 0 and white `full`, what is beyond is white.
+/// Converts values to grey: 0 is black, `full` and above is white.
 GreyPicture greyPicture(const HeatMapTexture& texture, const std::vector<double>& values, double full);
 }  // namespace devicebridge

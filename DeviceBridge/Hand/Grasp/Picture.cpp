@@ -31,7 +31,7 @@ std::optional<ist::Error> save(int width, int height, png_uint_32 format, const 
 	return std::nullopt;
 }
 
-/// `pixels(image)` makes room for the pixels and says where it is.
+/// Loads a PNG. `pixels(image)` allocates the pixels and returns their address.
 template <class Pixels> std::optional<ist::Error> load(const std::string& path, png_uint_32 format, const Pixels& pixels)
 {
 	png_image image = imageOf(0);

@@ -10,26 +10,26 @@
 
 namespace devicebridge
 {
-/// Rows from the top, three bytes a pixel, sRGB.
+/// A picture: rows from the top, three bytes per pixel, sRGB.
 struct Picture
 {
 	int width = 0, height = 0;
 	std::vector<std::uint8_t> pixels;
 };
 
-/// Rows from the top, one number a pixel, in proportion to what is shown.
+/// A grey picture: rows from the top, one number per pixel, linear in the value shown.
 struct GreyPicture
 {
 	int width = 0, height = 0;
 	std::vector<std::uint16_t> pixels;
 };
 
-/// PNG, whole or not at all. Refused as well: a build without libpng.
+/// Saves the whole PNG or none. A build without libpng refuses, too.
 std::optional<ist::Error> savePicture(const Picture& picture, const std::string& path);
-/// With 16 bits, marked as linear.
+/// Saves a PNG with 16 bits per pixel, marked as linear.
 std::optional<ist::Error> savePicture(const GreyPicture& picture, const std::string& path);
-/// Any PNG; what is transparent shows black.
+/// Loads any PNG; transparent pixels become black.
 ist::Result<Picture> loadPicture(const std::string& path);
-/// Any PNG, as 16 linear bits: those that savePicture wrote to the last one.
+/// Loads any PNG as 16 linear bits. Pictures of savePicture keep all their bits.
 ist::Result<GreyPicture> loadGreyPicture(const std::string& path);
 }  // namespace devicebridge

@@ -34,7 +34,7 @@ std::shared_ptr<const ist::InnerSphereTree> ballTree()
 Vec3 toVec3(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
 btVector3 toBullet(const Vec3& v) { return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z)); }
 
-/// A ball on the coupling and, where wanted, a second one that floats. Both have one inertia for all axes.
+/// A ball on the coupling and, optionally, a second ball that floats. Both have the same inertia about all axes.
 struct Rig
 {
 	btISTWorld world;
@@ -96,7 +96,7 @@ void advance(BulletContactSource& source, const DeviceState& hand, ToolStep& ste
 
 struct Momentum
 {
-	Vec3 linear, angular;  // about the origin of World
+	Vec3 linear, angular;  // momentum, and angular momentum about the origin of World
 };
 
 Momentum momentumOf(const btRigidBody& body)
@@ -107,20 +107,20 @@ Momentum momentumOf(const btRigidBody& body)
 }
 }  // namespace
 
-// At constant velocity no force is left, so K (x_h - x - h v) = 0: the tool ends each step where the hand was at its beginning.
+// At constant velocity no force remains, so K (x_h - x - h v) = 0. The tool ends each step where the hand was at its beginning.
 TEST(BulletContactSource, ToolFollowsAHandInFreeSpace)
 {
 	std::mt19937_64 random(3);
 	for (const double reach : {0.0, 1.0, 1000.0})
 	{
-		if (reach > 10 && !kDouble) continue;  // a float has 0.06 mm there
+		if (reach > 10 && !kDouble) continue;  // a float has a resolution of 0.06 mm there
 		const ist::Pose X_BW = randomPose(random, reach);
 		Rig rig(X_BW.translation);
 		BulletContactSource source(rig.world, *rig.tool, settings(X_BW));
 		const ist::Twist twist{{0.05, -0.02, 0.03}, {0, 0.6, 0}};
 		ToolStep step;
 		ist::Pose hand;
-		// The tool begins along Bullet's axes, and the coupling turns it.
+		// The tool begins along Bullet's axes, and the coupling rotates it.
 		for (int i = 0; i <= 4500; ++i)
 		{
 			const DeviceState state = handAt(i * kStep * twist.linear, i * kStep * twist.angular, twist);
@@ -156,7 +156,8 @@ TEST(BulletContactSource, TheHandCarriesTheToolUnlessGravityIsAskedFor)
 	}
 }
 
-// The world gains what the coupling gives, and the tool what the coupling and its contacts give, linear and angular.
+// The world gains the momentum that the coupling gives. The tool gains what the coupling and its contacts give. Both hold for linear and
+// angular momentum.
 TEST(BulletContactSource, ActionEqualsReactionWhileTheToolPushesABody)
 {
 	std::mt19937_64 random(7);
@@ -165,7 +166,7 @@ TEST(BulletContactSource, ActionEqualsReactionWhileTheToolPushesABody)
 		const ist::Pose X_BW = randomPose(random, 0.5);
 		Rig rig(X_BW.translation);
 		btRigidBody* body = rig.add(kBodyMass, X_BW * Vec3{0.045, 0.008, -0.005});
-		if (!toolFirst)  // the other order in Bullet's pair, and so the other sign
+		if (!toolFirst)  // the other order in Bullet's pair, and therefore the other sign
 		{
 			rig.world.bullet().removeRigidBody(rig.tool);
 			rig.world.bullet().addRigidBody(rig.tool);
@@ -215,10 +216,10 @@ TEST(BulletContactSource, OverlapIsTheLensOfTwoBalls)
 	BulletContactSource source(rig.world, *rig.tool, settings());
 	ToolStep step;
 	advance(source, handAt({}), step);
-	// pi (4 r + d) (2 r - d)^2 / 12 for equal balls.
+	// Overlap volume of equal balls: pi (4 r + d) (2 r - d)^2 / 12.
 	const double lens = 3.14159265358979 * (4 * kRadius + apart) * (2 * kRadius - apart) * (2 * kRadius - apart) / 12;
 	ASSERT_EQ(step.contactCount, 1);
-	EXPECT_NEAR(step.overlapVolume, lens, 0.1 * lens);  // 300 spheres, and a mesh that is a little smaller than the ball
+	EXPECT_NEAR(step.overlapVolume, lens, 0.1 * lens);  // tolerance for 300 spheres, and for a mesh slightly smaller than the ball
 	EXPECT_EQ(step.overlapVolume, step.contacts[0].volume);
 	EXPECT_GT(step.pairs, 0);
 	EXPECT_GT(step.queryMicroseconds, 0);

@@ -17,13 +17,13 @@ namespace
 {
 const Vec3 kGravity{0, -9.81, 0};
 
-/// Momentum of everything, measured from outside: of tools without what their couplings gave, and of Bullet's bodies without what
-/// gravity and the table gave.
+/// Balance of the momentum of everything, measured from outside. For tools it excludes the impulses of their couplings. For Bullet's bodies
+/// it excludes those of gravity and table.
 struct Books
 {
 	DecoupledRig& rig;
 	Vec3 gravity;
-	Vec3 fromOthers;  // to the bodies [N s]
+	Vec3 fromOthers;  // impulse of gravity and table on the bodies [N s]
 	struct Entry
 	{
 		Vec3 onTools, onWorld, ledger;
@@ -49,7 +49,7 @@ struct Books
 			for (int i = 0; i < c->patchCount && fixedA != fixedB; ++i) fromOthers += c->impulses[i].force * (fixedB ? 1.0 : -1.0);
 		}
 	}
-	/// The first tick after a step of the world has seen it.
+	/// Records an entry in the first tick that has received a step of the world.
 	void ticked()
 	{
 		Entry now;
@@ -66,7 +66,7 @@ struct Books
 		seenSteps = rig.worldSteps;
 		atSteps.push_back(now);
 	}
-	/// All windows of five steps, and of fifty.
+	/// Checks all windows of five steps and of fifty.
 	void audit(double floor, const std::string& name) const
 	{
 		double worst = 0, largestStep = 0;
@@ -108,7 +108,7 @@ double fastest(const DecoupledRig& rig)
 	return speed;
 }
 
-/// To and fro along x, at a speed of up to `amplitude` times `omega`.
+/// Oscillation along x, at a speed of up to `amplitude` times `omega`.
 std::function<ist::Twist(double)> shaking(double amplitude, double omega)
 {
 	return [=](double t) {
@@ -116,7 +116,7 @@ std::function<ist::Twist(double)> shaking(double amplitude, double omega)
 	};
 }
 
-/// Down by `depth` within a fifth of a second from t = 0.5 on.
+/// Motion down by `depth` within 0.2 s, starting at t = 0.5 s.
 std::function<ist::Twist(double)> pressing(double depth)
 {
 	return [=](double t) { return ist::Twist{{0, t > 0.5 && t <= 0.7 ? -depth / 0.2 : 0, 0}, {}}; };
@@ -133,7 +133,7 @@ TEST(BulletDecoupled, ImpulsesBalanceWithTheToolBetweenTwoBodies)
 		Books books(rig);
 		rig.run(std::max(1.5, 52 / rate));
 		books.audit(1e-7 * mass, named("between two bodies", rate, mass));
-		// Elastic at most: nothing leaves the tool faster than with twice its speed.
+		// The contact is elastic at most, so no body leaves the tool at more than twice the tool's speed.
 		EXPECT_LT(fastest(rig), 2 * 0.25 + 0.1) << named("", rate, mass);
 	});
 }
@@ -148,13 +148,13 @@ TEST(BulletDecoupled, ImpulsesBalanceWithTwoToolsOnOneBody)
 		Books books(rig);
 		rig.run(std::max(1.5, 52 / rate));
 		books.audit(1e-7 * mass, named("two tools", rate, mass));
-		// Thrown from one tool to the other it gains at most twice the speed of each.
+		// A body thrown from one tool to the other gains at most twice the speed of each.
 		EXPECT_LT(fastest(rig), 2 * 0.14 + 2 * 0.18 + 0.1) << named("", rate, mass);
 	});
 }
 
-// On a table that is slippery enough for the stack to slide rather than to topple. At 5 Hz, in steps of 10 mm, a single box;
-// no third box, which the bumps of 300 spheres each would let lean.
+// The table is so slippery that the stack slides and does not topple. At 5 Hz, in steps of 10 mm, there is a single box. There is no third
+// box, because the bumps of 300 spheres would make it lean.
 TEST(BulletDecoupled, ImpulsesBalanceWhileAStackIsPushed)
 {
 	forWorlds([](double rate, double mass) {
@@ -195,12 +195,12 @@ TEST(BulletDecoupled, ALiftedBodyWeighsOnTheHand)
 		books.audit(2e-6 * mass * 9.81, named("lift", rate, mass));
 		const double height = double(box->getWorldTransform().getOrigin().y());
 		EXPECT_NEAR(sum.y / 1000, mass * 9.81, 0.02 * mass * 9.81) << named("", rate, mass);
-		// The hand's spring gives way by the weight over its stiffness; the bodies by less than 1 mm, and they lie within their gaps.
+		// The hand's spring yields by the weight over its stiffness. The bodies yield by less than 1 mm and lie within their gaps.
 		EXPECT_NEAR(height, 0.09 - mass * 9.81 / 1000, 0.002) << named("", rate, mass);
 	});
 }
 
-// The support has no tree, so that Bullet's own points carry the body; the hand does not push it through.
+// The support has no tree, so Bullet's own points carry the body. The hand does not push the body through the support.
 TEST(BulletDecoupled, ABodyOnAStockShapeIsPressed)
 {
 	for (const double rate : {60.0, 240.0})
@@ -227,7 +227,7 @@ TEST(BulletDecoupled, ABodyOnAStockShapeIsPressed)
 	}
 }
 
-// A body that the hand speeds up is where it would be in a world that steps in every tick, and weighs the same.
+// A body that the hand accelerates is where it would be in a world that steps in every tick, and feels equally heavy.
 TEST(BulletDecoupled, AFreeBodyIsPushedAlikeAtAnyRate)
 {
 	for (const double mass : {0.3, 0.03})
@@ -243,7 +243,7 @@ TEST(BulletDecoupled, AFreeBodyIsPushedAlikeAtAnyRate)
 			rig.run(0.6);
 			largest[i] = hand.largest;
 			travelled[i++] = double(box->getWorldTransform().getOrigin().x()) - 0.0405;
-			// The hand sees F = m a of tool and body but for the knock of the first touch.
+			// The hand feels F = m a of tool and body, apart from the impact of the first touch.
 			EXPECT_GT(hand.largest, mass + kDecoupledToolMass);
 			EXPECT_LT(hand.largest, 2.5 * (mass + kDecoupledToolMass));
 		}
@@ -253,7 +253,7 @@ TEST(BulletDecoupled, AFreeBodyIsPushedAlikeAtAnyRate)
 	}
 }
 
-// What the table carries is the weight and what the hand presses with: 1.4 N on a body of 1 g, in a world that steps five times a second.
+// The table carries the weight and the hand's force: 1.4 N on a body of 1 g, in a world that steps five times a second.
 TEST(BulletDecoupled, ABodyOnATableIsPressed)
 {
 	forWorlds([](double rate, double mass) {
@@ -278,7 +278,7 @@ TEST(BulletDecoupled, ABodyOnATableIsPressed)
 	});
 }
 
-// A still hand does no work, so that nothing may leave with more energy than it came with, however rarely the world looks.
+// A still hand does no work. So no body may leave with more energy than it came with, at any rate of the world.
 TEST(BulletDecoupled, ABodyThatIsThrownAtTheToolBringsNoEnergyBack)
 {
 	std::mt19937_64 random(11);
@@ -306,7 +306,7 @@ TEST(BulletDecoupled, ABodyThatIsThrownAtTheToolBringsNoEnergyBack)
 	});
 }
 
-// Frames in which nothing is simulated, between the steps: the body has what the hand gave, all of it and nothing else.
+// Between the steps there are frames in which nothing is simulated. The body receives all impulses of the hand and no others.
 TEST(BulletDecoupled, FramesOfNoLengthNeitherPushNorLoseImpulses)
 {
 	for (const double none : {0.0, -0.01, std::nan(""), HUGE_VAL})
@@ -334,11 +334,11 @@ TEST(BulletDecoupled, FramesOfNoLengthNeitherPushNorLoseImpulses)
 			EXPECT_LT(norm(momentum - given), 1e-5) << none;
 			EXPECT_LT(norm(rig.coupling.appliedImpulse(hand.source) - given), 1e-12) << none;
 			EXPECT_EQ(hand.source.statistics().worldSteps, static_cast<std::uint64_t>(rig.worldSteps))
-				<< none;  // the first was shown, the last not seen
+				<< none;  // the first step was shown, the last not received
 		}
 }
 
-// A sleeping body has no fresh contacts; what carries it is known all the same, and a push wakes it.
+// A sleeping body has no new contacts. Its support is known nevertheless, and a push wakes it.
 TEST(BulletDecoupled, ASleepingBodyIsFeltAndWakes)
 {
 	DecoupledRig rig(60, kGravity);
@@ -351,7 +351,7 @@ TEST(BulletDecoupled, ASleepingBodyIsFeltAndWakes)
 	ASSERT_FALSE(box->isActive());
 	const double height = double(box->getWorldTransform().getOrigin().y());
 	rig.run(0.3);
-	// Still at rest, but for the hand about to touch it: its copy neither falls nor rises.
+	// The body is still at rest although the hand is about to touch it: its copy neither falls nor rises.
 	EXPECT_EQ(hand.step.contactCount, 0);
 	ist::Pose copy;
 	ASSERT_TRUE(hand.source.copyOf(box, copy));
@@ -359,11 +359,11 @@ TEST(BulletDecoupled, ASleepingBodyIsFeltAndWakes)
 	rig.run(1.2);
 	EXPECT_TRUE(box->isActive());
 	EXPECT_NEAR(double(box->getWorldTransform().getOrigin().x()), 0.015, 0.006);
-	// Coulomb: the products of the frictions, times the weight.
+	// Coulomb's law: the product of the friction coefficients times the weight.
 	EXPECT_GT(hand.largest, 0.3 * 0.8 * 0.3 * 9.81);
 }
 
-// Between two steps of a slow world the tool slides 20 mm on what was found at the first of them.
+// Between two steps of a slow world the tool slides 20 mm on the contact that was found at the first step.
 TEST(BulletDecoupled, ALinearModelCountsAsFarAsItIsTrusted)
 {
 	for (const double trusted : {0.005, 1.0})
@@ -396,7 +396,7 @@ TEST(BulletDecoupled, ALinearModelCountsAsFarAsItIsTrusted)
 TEST(BulletDecoupled, ABudgetOfPairsIsKeptAndCounted)
 {
 	double felt[3] = {};
-	const std::int64_t budgets[] = {-1, 20, 1};  // one pair is what levels can do with at the first touch only
+	const std::int64_t budgets[] = {-1, 20, 1};  // levels can answer with one pair only at the first touch
 	for (int i = 0; i < 3; ++i)
 	{
 		DecoupledRig rig(60, kGravity);

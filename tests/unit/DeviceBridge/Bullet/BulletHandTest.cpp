@@ -26,7 +26,7 @@ HandState handAt(const Vec3& place, const HandPosture& posture = {})
 	return posedHand(p, {false, 0.189});
 }
 
-/// A world without weight, and a hand in it.
+/// A world without gravity, and a hand in it.
 struct HandWorld
 {
 	btISTWorld world;
@@ -86,7 +86,7 @@ TEST(BulletHand, PartsFollowTheirTargetsThroughTheAir)
 TEST(BulletHand, FingersStopAtAWallAndPushNoHarderThanTheirCoupling)
 {
 	HandWorld w(handAt({}));
-	// Before the fingertips, which lie at z = -0.2.
+	// The box is in front of the fingertips, which are at z = -0.2.
 	w.addBox({0.1, 0.1, 0.05}, {0, 0, -0.26}, 0);
 	double hardest = 0, deepest = 0;
 	for (int i = 0; i < 600; ++i)
@@ -101,7 +101,7 @@ TEST(BulletHand, FingersStopAtAWallAndPushNoHarderThanTheirCoupling)
 	}
 	const BulletHand::Touch touch = w.hand->touch(kStep);
 	EXPECT_GT(touch.parts, 2);
-	// The middle finger's target is 35 mm inside of the wall, and its body rests before it.
+	// The middle finger's target is 35 mm inside the wall, and its body rests in front of it.
 	EXPECT_GT(w.away(kMiddle3), 0.02);
 	EXPECT_LE(hardest, 12 * 1.02);
 	EXPECT_GT(deepest, -0.21);
@@ -118,7 +118,7 @@ TEST(BulletHand, FingersMeetEachOtherButNotTheirNeighboursInTheChain)
 	for (int i = 0; i < 400; ++i)
 	{
 		crossed.index.aside = -0.25 * std::min(1.0, i / 300.0);
-		crossed.middle.knuckle = 1.4 * std::min(1.0, i / 300.0);  // its own bones overlap at every bent joint
+		crossed.middle.knuckle = 1.4 * std::min(1.0, i / 300.0);  // the finger's own bones overlap at every bent joint
 		crossed.little.aside = 0.3 * std::min(1.0, i / 300.0);
 		w.step(handAt({}, crossed));
 		self = std::max(self, w.hand->touch(kStep).selfForce);
@@ -132,7 +132,7 @@ TEST(BulletHand, FingersMeetEachOtherButNotTheirNeighboursInTheChain)
 TEST(BulletHand, OverlapAtTheStartIsPushedOutGentlyUntilThereIsNone)
 {
 	HandWorld w(handAt({}));
-	// Its lower face lies in the middle of the fingertips: the way out is up.
+	// The lower face is in the middle of the fingertips, so the way out is up.
 	w.addBox({0.02, 0.02, 0.02}, {-0.004, 0.02, -0.175}, 0.1);
 	double fastest = 0, hardest = 0;
 	for (int i = 0; i < 1500; ++i)
@@ -165,7 +165,7 @@ TEST(BulletHand, TwoHandsThatBeginInEachOtherPushNoHarderThanTheirCouplingsAndPa
 		p.X_WR.translation = {0, y, 0};
 		return posedHand(p, {true, 0.189});
 	};
-	// Palm in palm, 5 mm deep.
+	// The palms overlap by 5 mm.
 	auto made = BulletHand::create(w.world, lightHand(TREE_FOLDER, true), leftAt(-0.015));
 	ASSERT_TRUE(made) << made.error().message;
 	const std::unique_ptr<BulletHand> left = std::move(made).value();
@@ -189,7 +189,7 @@ TEST(BulletHand, TwoHandsThatBeginInEachOtherPushNoHarderThanTheirCouplingsAndPa
 		}
 		if (i == 299)
 		{
-			// What one feels, the other does, and each knows its own parts only.
+			// The forces on both hands are opposite, and each hand knows only its own parts.
 			Vec3 onRight, onLeft;
 			for (int part = 0; part < kHandParts; ++part)
 				onRight += w.hand->touch(kStep).force[part], onLeft += left->touch(kStep).force[part];
@@ -258,7 +258,7 @@ TEST(BulletHand, BadSamplesNeitherThrowItNorPushHarder)
 		}
 		for (const int tip : {kIndex3, kMiddle3, kRing3}) hardest = std::max(hardest, norm(w.hand->touch(kStep).force[tip]));
 	}
-	// What a part of 0.03 kg that runs into a wall adds is its momentum.
+	// A part of 0.03 kg that hits a wall adds its momentum.
 	EXPECT_LT(hardest, 12 + 0.03 * 4 / kStep);
 	const HandComplaints& complaints = w.hand->pairFilter().complaints();
 	EXPECT_GT(complaints.lost, 0u);

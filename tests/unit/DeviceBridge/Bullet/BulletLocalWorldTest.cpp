@@ -21,7 +21,7 @@ MirroredBody body(std::uint64_t epoch, double mass, const ist::Vec3& at)
 	return b;
 }
 
-/// Upwards on A.
+/// A contact whose force on A is upward.
 LinearContact contact(int a, int b, double force, double stiffness, const ist::Vec3& at)
 {
 	LinearContact c;
@@ -33,8 +33,8 @@ LinearContact contact(int a, int b, double force, double stiffness, const ist::V
 	return c;
 }
 
-/// The impulse on a tool of 0.1 kg that is pulled onto a body of 10 g, which lies on the ground; beside both, or not, one of 1000 t lies
-/// there, too.
+/// The impulse on a tool of 0.1 kg that is pulled onto a body of 10 g on the ground. With `withHeavy`, a body of 1000 t also lies on the
+/// ground beside them.
 double impulseOnTool(bool withHeavy)
 {
 	constexpr double kHeavy = 1e6, kStiffness = 1e5;
@@ -57,7 +57,7 @@ double impulseOnTool(bool withHeavy)
 }
 }  // namespace
 
-// What a body elsewhere presses the ground with is nothing to the tool.
+// The force of a body elsewhere on the ground has no effect on the tool.
 TEST(BulletLocalWorld, AHeavyBodyElsewhereDoesNotEndTheSweepsOfTheTool)
 {
 	const double alone = impulseOnTool(false);

@@ -30,7 +30,7 @@ const char* nameOf(ContactThreading t)
 	return t == ContactThreading::InHapticThread ? "in the tick" : t == ContactThreading::OwnThread ? "in its own thread" : "in the world";
 }
 
-/// A simulated hand on a simulated device presses a box on a table; the world steps in between, in virtual time.
+/// A simulated hand on a simulated device presses a box on a table. The world steps between the ticks, in virtual time.
 struct PressedRig
 {
 	DecoupledRig rig;
@@ -39,9 +39,9 @@ struct PressedRig
 	btRigidBody tool{Hand::info(rig.ballShape, {0, 0.065, 0})};
 	BulletDecoupledSource source;
 	SteppingThread thread;
-	double steepest = 0;  ///< rise of the force from one tick to the next [N]
+	double steepest = 0;  ///< largest rise of the force from one tick to the next [N]
 
-	double largest = 0;  ///< [N]
+	double largest = 0;  ///< largest force [N]
 
 	explicit PressedRig(double rate, ContactThreading topology = ContactThreading::InHapticThread, double mass = 0.3,
 		std::int64_t maxPairs = -1, const std::shared_ptr<const ist::InnerSphereTree>& tree = ballTree())
@@ -82,7 +82,7 @@ struct PressedRig
 			largest = std::max(largest, force());
 		}
 	}
-	/// The world has missed steps and does not make up for them.
+	/// The world has missed steps and does not catch up.
 	void resume()
 	{
 		rig.worldSteps = static_cast<std::int64_t>(rig.time() / rig.period);
@@ -101,7 +101,7 @@ TEST(DecoupledFault, AWorldThatStallsTakesItsForceWithItAndGivesItBackWithoutAJu
 			const double pressing = r.force(), depth = double(r.box->getWorldTransform().getOrigin().y());
 			ASSERT_GT(pressing, 1.5) << nameOf(topology);
 			r.rig.worldRuns = false;
-			// Up to one period until a step is missed, 20 ms from there, and one tick.
+			// Time until zero force: up to one period until a step is missed, 20 ms after that, and one tick.
 			r.run(static_cast<int>(std::ceil(1000 / rate)) + 21);
 			for (int i = 0; i < 100 - 21 - static_cast<int>(std::ceil(1000 / rate)); ++i)
 			{
@@ -113,8 +113,8 @@ TEST(DecoupledFault, AWorldThatStallsTakesItsForceWithItAndGivesItBackWithoutAJu
 			r.resume();
 			r.run(2000);
 			EXPECT_NEAR(r.force(), pressing, 0.15 * pressing) << nameOf(topology) << " at " << rate;
-			// The limiter alone would grant 12 N in 20 ms. What it takes away, where the hand is pushed out of what it sank into, is the
-			// passivity controller's doing.
+			// The limiter alone permits a rise of 12 N in 20 ms. When the hand is pushed out of the body that it has sunk into, the
+			// passivity controller reduces the force.
 			EXPECT_LT(r.steepest, 0.4) << nameOf(topology) << " at " << rate;
 			EXPECT_LT(r.largest, 1.3 * pressing) << nameOf(topology) << " at " << rate;
 			EXPECT_NEAR(double(r.box->getWorldTransform().getOrigin().y()), depth, 1e-3);
@@ -134,7 +134,7 @@ TEST(DecoupledFault, AWorldThatDiesLeavesAFreeHand)
 	EXPECT_EQ(r.thread.ticks(), 3500U);
 	EXPECT_GT(r.source.statistics().fadedTicks, 1900U);
 	EXPECT_GT(r.source.statistics().longestModelAge, 1.9);
-	// The hand goes where it wants, and the tool with it.
+	// The hand moves freely, and the tool follows it.
 	EXPECT_NEAR(r.source.toolState().X_WT.translation.y, 0.051, 1e-3);
 	EXPECT_LT(norm(r.source.undelivered()), 0.2);
 }
@@ -167,18 +167,18 @@ TEST(DecoupledFault, TopologiesFeelAlikeAndSwitchWhileRunning)
 
 namespace
 {
-/// How the questions of ContactThreading::OwnThread are answered.
+/// Ways in which the questions of ContactThreading::OwnThread are answered.
 enum class Served
 {
 	Never,         ///< no thread was started
-	InTheTest,     ///< after each tick
-	ByItsThread,   ///< BulletDecoupledSource::startContactThread
-	UntilStopped,  ///< by its thread, which was stopped
+	InTheTest,     ///< answers in the test's thread, after each tick
+	ByItsThread,   ///< answers by the thread of startContactThread()
+	UntilStopped,  ///< answers by that thread until it was stopped
 	Count
 };
 const char* const kServed[] = {"never served", "served in the test", "served by its thread", "its thread was stopped"};
 
-/// A hand at rest that overlaps a static box, whose tree only the registry and the mirror own.
+/// A hand at rest that overlaps a static box. Only the registry and the mirror own the box's tree.
 struct LeavingRig
 {
 	DecoupledRig rig{240};
@@ -200,7 +200,7 @@ struct LeavingRig
 		if (threaded && !hand->source.startContactThread()) throw std::runtime_error("no thread");
 	}
 	~LeavingRig() { hand->source.stopContactThread(); }
-	/// A real thread lives in real time: up to some seconds of it.
+	/// Waits for a condition. A real thread runs in real time, so this may take some seconds.
 	template <class Condition> bool within(int ticks, Condition condition)
 	{
 		rig.run(1e-3 * ticks);
@@ -211,7 +211,7 @@ struct LeavingRig
 		}
 		return condition();
 	}
-	/// The box comes, the hand goes over to `to`, and the box leaves.
+	/// The box comes, the hand switches to `to`, and the box leaves.
 	void round(ContactThreading to)
 	{
 		const long before = tree.use_count();
@@ -234,7 +234,7 @@ struct LeavingRig
 };
 }  // namespace
 
-// A question that nobody answers any more must not keep the bodies that it is about.
+// A question that will never be answered must not keep the bodies in it.
 TEST(DecoupledFault, ABodyThatLeavesIsReleasedInEveryTopologyAndWithoutAThread)
 {
 	for (const ContactThreading from : kTopologies)
@@ -247,7 +247,7 @@ TEST(DecoupledFault, ABodyThatLeavesIsReleasedInEveryTopologyAndWithoutAThread)
 			}
 }
 
-// More often than there are slots for bodies.
+// The number of switches exceeds the number of slots for bodies.
 TEST(DecoupledFault, AHandThatSwitchesForEverKeepsItsSlots)
 {
 	for (int served = 0; served < static_cast<int>(Served::Count); ++served)
@@ -258,7 +258,7 @@ TEST(DecoupledFault, AHandThatSwitchesForEverKeepsItsSlots)
 	}
 }
 
-// After a question was taken back, the thread that is started then answers the next one.
+// After a question was withdrawn, a thread that is started later answers the next one.
 TEST(DecoupledFault, AThreadThatComesLateIsAskedAnew)
 {
 	LeavingRig r(ContactThreading::OwnThread, Served::Never);
@@ -312,7 +312,7 @@ TEST(DecoupledFault, ATickDoesNotAllocate)
 	}
 }
 
-// From the first tick on: a tool of few leaves comes near a plane and a body of many, which then is another.
+// No tick allocates from the first on: a tool with few leaves approaches a plane and a body with many, which is then replaced.
 TEST(DecoupledFault, ATickDoesNotAllocateAtTheFirstMeetingWithALargerTree)
 {
 	auto coarse = std::make_shared<ist::InnerSphereTree>(*ballTree());
@@ -352,7 +352,7 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayIsForgotten)
 	r.rig.coupling.forget(r.box);
 	r.rig.world.bullet().removeRigidBody(r.box);
 	r.run(300);
-	EXPECT_LT(r.force(), 0.05);  // the tool's inertia
+	EXPECT_LT(r.force(), 0.05);  // the remaining force is the tool's inertia
 	EXPECT_EQ(r.thread.step().contactCount, 0);
 	r.rig.world.bullet().addRigidBody(r.box);
 	r.run(1500);
@@ -368,7 +368,7 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayWithinAStepIsNotTouchedAfterIt)
 	r.rig.world.bullet().stepSimulation(btScalar(r.rig.period), 0);
 	r.rig.coupling.forget(r.box);
 	r.rig.world.bullet().removeRigidBody(r.box);
-	// It would be put back by the way of this velocity.
+	// With this velocity, afterStep() would move the body if it still knew it.
 	r.box->setLinearVelocity(btVector3(0, -1, 0));
 	const btVector3 left = r.box->getWorldTransform().getOrigin();
 	r.rig.coupling.afterStep();
@@ -379,7 +379,7 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayWithinAStepIsNotTouchedAfterIt)
 	EXPECT_GT(r.force(), 1.5);
 }
 
-// Each change takes the tree away from a body that is pressed, and back again.
+// Each change removes the tree from a body that is pressed, and then restores it.
 TEST(DecoupledFault, ABodyWhoseTreeDoesNotSpeakForItAnyMoreIsNotFelt)
 {
 	btBoxShape stock{btVector3(btScalar(kBoxHalf), btScalar(kBoxHalf), btScalar(kBoxHalf))};
@@ -408,7 +408,7 @@ TEST(DecoupledFault, ABodyWhoseTreeDoesNotSpeakForItAnyMoreIsNotFelt)
 			ASSERT_EQ(r.thread.step().contactCount, 0) << which << ", tick " << i;
 		}
 		giveBack(r);
-		r.box->setWorldTransform(before);  // it may have fallen
+		r.box->setWorldTransform(before);  // the body may have fallen
 		r.box->setLinearVelocity(btVector3(0, 0, 0));
 		r.box->setAngularVelocity(btVector3(0, 0, 0));
 		r.run(2000);
@@ -436,7 +436,7 @@ TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
 		if (steps++ > 0) return;
 		hand.source.mirror().fetch();
 		ASSERT_TRUE(tenant() && tenant()->leaving);
-		EXPECT_EQ(tenant()->planeNormal, (Vec3{0, 1, 0}));  // what it was; it is no plane any more
+		EXPECT_EQ(tenant()->planeNormal, (Vec3{0, 1, 0}));  // the old value; the shape is no plane any more
 	};
 	rig.run(0.2);
 	EXPECT_FALSE(tenant());
@@ -468,7 +468,7 @@ TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)
 		r.rig.coupling.add(r.source);
 		r.run(2000);
 		EXPECT_NEAR(r.force(), pressing, 0.15 * pressing) << nameOf(topology);
-		// What the table carries beyond the weight is what the hand presses with.
+		// The table carries the weight plus the force of the hand.
 		const Vec3 before = r.rig.coupling.appliedImpulse(r.source);
 		r.run(1000);
 		EXPECT_NEAR(before.y - r.rig.coupling.appliedImpulse(r.source).y, pressing, 0.2 * pressing) << nameOf(topology);
@@ -483,7 +483,7 @@ TEST(DecoupledFault, ATreeGoesWithTheHandThatIsRemoved)
 			PressedRig r(60, topology);
 			btBoxShape shape(r.rig.boxShape);
 			std::shared_ptr<const ist::InnerSphereTree> tree(
-				new ist::InnerSphereTree(*boxTree()));  // in memory of its own, which goes with it
+				new ist::InnerSphereTree(*boxTree()));  // separate memory, which is freed with the tree
 			const std::weak_ptr<const ist::InnerSphereTree> kept = tree;
 			auto attached = std::move(r.rig.world.attach(&shape, std::move(tree))).value();
 			r.box->setCollisionShape(&shape);
@@ -509,7 +509,7 @@ TEST(DecoupledFault, ATreeGoesWithTheHandThatIsRemoved)
 			r.source.serveContacts();
 			run(100);
 			EXPECT_EQ(r.force(), 0) << nameOf(topology) << destroyed;
-			// Of the next world, too, only what that shows is felt.
+			// In the next world, too, only the bodies that it shows are felt.
 			r.rig.coupling.add(r.source);
 			r.rig.worldSteps = static_cast<std::int64_t>(r.rig.time() / r.rig.period);
 			r.run(2000);
@@ -529,7 +529,7 @@ TEST(DecoupledFault, ABodyThatIsNotFiniteIsLetGo)
 		const btVector3 nan(btScalar(std::nan("")), 0, 0);
 		if (velocity) r.box->setLinearVelocity(nan);
 		else r.box->setWorldTransform(btTransform(btQuaternion::getIdentity(), nan));
-		r.rig.worldRuns = false;  // Bullet itself is not asked to step that
+		r.rig.worldRuns = false;  // Bullet itself does not step such a body
 		r.rig.coupling.beforeStep(r.rig.period);
 		r.rig.coupling.afterStep();
 		for (int i = 0; i < 300; ++i)
@@ -547,7 +547,7 @@ TEST(DecoupledFault, ABodyThatIsNotFiniteIsLetGo)
 	}
 }
 
-// World, hand and contact each in a thread of its own, on a real clock: nobody waits for anybody, and in the end the books agree.
+// World, hand and contact each run in their own thread on a real clock. No thread waits for another, and in the end the momentum balances.
 TEST(DecoupledFault, ThreeThreadsLoseNothing)
 {
 	DecoupledRig rig(200);
@@ -571,7 +571,7 @@ TEST(DecoupledFault, ThreeThreadsLoseNothing)
 	EXPECT_FALSE(source.startContactThread());
 	ASSERT_TRUE(thread.start());
 	const std::int64_t end = clock.now() + 10'000'000'000;
-	// Until the tool has met the body and some time more, however slow the machine.
+	// The loop runs until the tool has met the body and some time more, on any machine.
 	while (clock.now() < end && thread.ticks() < 900) clock.sleepUntil(clock.now() + 20'000'000);
 	thread.stop();
 	source.stopContactThread();

@@ -10,12 +10,12 @@ using ist::Vec3;
 
 namespace
 {
-/// Two hands press balls on the floor, left and right of the origin.
+/// Two hands that press balls on the floor, left and right of the origin.
 struct TwoPressing
 {
 	DecoupledRig rig{240};
 	Hand *left, *right;
-	double steepest = 0;  // rise of the force on the right one in a tick [N]
+	double steepest = 0;  // largest rise of the force on the right hand in a tick [N]
 
 	TwoPressing()
 	{
@@ -29,7 +29,7 @@ struct TwoPressing
 			last = force(*right);
 		};
 	}
-	/// Of all contacts of the tool; the coupling's would go on while a tool that was let go swings.
+	/// Force of all contacts of the tool. The coupling's force would continue while a released tool oscillates.
 	static double force(const Hand& hand)
 	{
 		Vec3 sum;
@@ -51,7 +51,7 @@ TEST(DecoupledPairFilter, OnlyWhatIsInTheRegionIsFelt)
 	const double pressed = TwoPressing::force(*scene.left);
 	EXPECT_GT(pressed, 1);
 	EXPECT_EQ(TwoPressing::force(*scene.right), 0);
-	// The tool stands inside by now: its force fades in, over a quarter of a second.
+	// The tool is already inside, so its force fades in over 0.25 s.
 	scene.rig.world.pairFilter().clearRegion();
 	scene.rig.run(0.6);
 	EXPECT_NEAR(TwoPressing::force(*scene.right), pressed, 0.01 * pressed);
@@ -62,7 +62,7 @@ TEST(DecoupledPairFilter, OnlyWhatIsInTheRegionIsFelt)
 	EXPECT_NEAR(TwoPressing::force(*scene.left), pressed, 0.01 * pressed);
 }
 
-// The box of the tool is 40 mm wide, and the region keeps what it has until it is outside of one larger by a twentieth of its longest side
+// The box of the tool is 40 mm wide. The region keeps a pair until the boxes leave a region enlarged by a twentieth of its longest side
 // (0.1 m).
 TEST(DecoupledPairFilter, AToolOnTheBorderKeepsWhatItHas)
 {

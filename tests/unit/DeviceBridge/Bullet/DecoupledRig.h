@@ -34,7 +34,7 @@ inline const auto& boxTree()
 	return tree;
 }
 
-/// A hand that is wherever the test says.
+/// A hand whose motion the test prescribes.
 struct Hand
 {
 	btRigidBody body;
@@ -42,8 +42,8 @@ struct Hand
 	ToolStep step;
 	DeviceState state;
 	std::function<ist::Twist(double)> script;  ///< twist at a time [s]
-	ist::Vec3 coupled;                         ///< impulse of the coupling so far [N s]
-	double largest = 0;                        ///< force of the coupling [N]
+	ist::Vec3 coupled;                         ///< sum of the coupling's impulses so far [N s]
+	double largest = 0;                        ///< largest force of the coupling [N]
 
 	Hand(btCollisionShape& shape, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const ist::Vec3& at,
 		const BulletDecoupledSettings& settings)
@@ -99,7 +99,7 @@ struct DecoupledRig
 	std::int64_t ticks = 0, worldSteps = 0;
 	bool shown = false;
 	bool worldRuns = true, sleeping = false;
-	bool serving = true;  ///< answers what hands ask for ContactThreading::OwnThread, in the test's own thread
+	bool serving = true;  ///< whether the test's own thread answers the questions of ContactThreading::OwnThread
 	std::function<void()> afterTick, afterWorldStep;
 
 	explicit DecoupledRig(double rate, const ist::Vec3& gravity = {}) : period(1 / rate) { world.setGravity(bullet(gravity)); }
@@ -137,7 +137,7 @@ struct DecoupledRig
 	}
 
 	double time() const { return 1e-9 * static_cast<double>(clock.now()); }
-	/// Ticks of the hands, with the steps of the world that fall between them.
+	/// Runs ticks of the hands, with the steps of the world that fall between them.
 	void run(double seconds)
 	{
 		if (!shown) coupling.show(period);

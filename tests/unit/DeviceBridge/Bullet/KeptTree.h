@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-/// Made once and kept in the build folder: making it takes seconds, and every test is a run of its own. With levels.
+/// The tree of a mesh, with levels, stored in the build folder. Building it takes seconds, and every test is a separate process.
 inline std::shared_ptr<const ist::InnerSphereTree> keptTree(const ist::Mesh& mesh, const char* name)
 {
 	const std::filesystem::path file = std::filesystem::path(TREE_FOLDER) / name;

@@ -18,10 +18,10 @@ using namespace devicebridge;
 
 namespace
 {
-constexpr double kRadius = 0.02, kStart = 0.03, kTarget = 0.012;  // of the ball, and heights of its centre [m]
+constexpr double kRadius = 0.02, kStart = 0.03, kTarget = 0.012;  // radius of the ball, and heights of its centre [m]
 constexpr double kPairStiffness = 1e7;                            // [Pa/m]
 constexpr double kCoupling = 1500;                                // [N/m]
-constexpr double kOwnWall = 900, kOwnHeight = 0.009;              // of the hand; [N/m], [m]
+constexpr double kOwnWall = 900, kOwnHeight = 0.009;              // stiffness and height of the user's own hand [N/m, m]
 constexpr double kOwnShare = 0.4;
 constexpr int kTicks = 2500;
 
@@ -47,7 +47,7 @@ public:
 	ist::Wrench handWrench(const DeviceState&, const ToolStep& step) noexcept override { return -kOwnShare * step.coupling; }
 };
 
-/// A user's own device: a hand that goes down and stays, whatever it feels.
+/// A user's own device: a hand that moves down and stays there, whatever it feels.
 class OwnDevice final : public Device
 {
 public:
@@ -77,7 +77,7 @@ private:
 	DeviceInfo m_info = simulatedProfile("sigma7").value().info;
 };
 
-/// A ball, as the tool, above Bullet's plane.
+/// A ball as the tool, above Bullet's plane.
 struct BallOnPlane
 {
 	btISTWorld world;
@@ -105,11 +105,11 @@ struct BallOnPlane
 
 struct Modules
 {
-	bool source, law, device;  // the user's own
+	bool source, law, device;  // whether each is the user's own
 };
 }  // namespace
 
-// Each module is judged by what it alone promises at rest, whatever the others are.
+// Each module is checked by its own condition at rest, whatever the others are.
 TEST(ReplacedModules, EachModuleMayBeAUsersOwnAloneAndTogether)
 {
 	for (const Modules& own : {Modules{false, false, false}, {true, false, false}, {false, true, false}, {false, false, true},
@@ -142,7 +142,7 @@ TEST(ReplacedModules, EachModuleMayBeAUsersOwnAloneAndTogether)
 		const double pull = -thread.step().coupling.force.y, sent = thread.sentWrench().force.y, height = thread.state().X_WH.translation.y;
 		EXPECT_GT(pull, 1);
 		EXPECT_GT(touched, kTicks / 3);
-		// Law: the share of the coupling that it stands for.
+		// Law: the sent force is the law's share of the coupling.
 		EXPECT_NEAR(sent, (own.law ? kOwnShare : 1) * pull, 0.01 * pull);
 		// Source: a spring on the hand, or k V on the ball and the coupling between ball and hand.
 		if (own.source) EXPECT_NEAR(pull, kOwnWall * (kRadius - height), 1e-9 * pull);
@@ -151,7 +151,7 @@ TEST(ReplacedModules, EachModuleMayBeAUsersOwnAloneAndTogether)
 			EXPECT_NEAR(pull, kPairStiffness * thread.step().overlapVolume, 0.02 * pull);
 			EXPECT_NEAR(pull, kCoupling * (thread.step().tool.X_WT.translation.y - height), 0.02 * pull);
 		}
-		// Device: a hand whose spring holds against the force, or one that takes what it is given.
+		// Device: a hand whose spring balances the force, or a device that accepts every command.
 		if (own.device)
 		{
 			EXPECT_EQ(ownDevice.reads, kTicks);
@@ -204,7 +204,7 @@ struct CoupledHand
 	double softContact;
 };
 
-/// Whether a simulated hand that presses a ball on a plane comes to rest there, and feels its own spring.
+/// Checks that a simulated hand that presses a ball on a plane comes to rest there, and feels its own spring.
 void expectRest(const CoupledHand& coupled, double stiffness)
 {
 	SCOPED_TRACE(std::string(coupled.profile) + (coupled.isStatic ? ", static" : ", dynamic") + ", " + std::to_string(stiffness));
@@ -222,7 +222,7 @@ void expectRest(const CoupledHand& coupled, double stiffness)
 	BulletContactSource source(scene.world, scene.ball, settings);
 	VirtualClock clock;
 	SteppingThread thread(device, source, clock);
-	double low = 1e300, high = -1e300, taken = 0;  // by the mechanism [J]
+	double low = 1e300, high = -1e300, taken = 0;  // energy dissipated by the mechanism [J]
 	for (int i = 0; i < 3000; ++i)
 	{
 		const double from = device.truePose().translation.y;
@@ -238,16 +238,16 @@ void expectRest(const CoupledHand& coupled, double stiffness)
 	EXPECT_GT(spring, stiffness < 1e6 ? 1e-6 : 0.5);
 	EXPECT_NEAR(thread.sentWrench().force.y, spring, 0.01 * spring + 1e-4);
 	EXPECT_FALSE(thread.faulted());
-	// Of both the landing and the rest. It comes after the ramp, which itself raises a spring that is pressed. The steps of a coarse sensor
-	// feign some; and a tool without momentum chatters on a contact that yields by less than single precision knows of its place. The
-	// mechanism must have taken up all of it.
+	// Energy generated during landing and rest. The ramp comes first, because it stiffens a spring that is already pressed. The steps of a
+	// coarse sensor simulate some energy. A tool without momentum chatters on a contact that yields by less than the resolution of single
+	// precision. The mechanism must have dissipated all of it.
 	const bool exact = !coupled.isStatic && profile.info.resolution < 1e-5 && stiffness >= 1e6;
 	EXPECT_LT(thread.energy().generated, exact ? 1e-9 : taken);
 }
 }  // namespace
 
-// What the hand feels is the coupling, however stiff the contact is: six decades beyond what direct rendering bears. So it is for devices
-// of three and of six freedoms, with a tool that has mass or none, and with a coupling that adapts.
+// The hand feels the coupling, however stiff the contact is: up to six decades beyond what direct rendering bears. This holds for devices
+// with three and six degrees of freedom, for a tool with or without mass, and for an adapting coupling.
 TEST(CoupledStiffness, ContactUpToATrillionPascalsPerMetreIsAtRest)
 {
 	for (const CoupledHand& coupled : {CoupledHand{"sigma7", false, 1}, CoupledHand{"sigma7", true, 1}, CoupledHand{"sigma7", true, 8},

@@ -25,7 +25,7 @@ CouplingGains bounds(double most)
 
 double bound(int i) { return i < 3 ? 1000 : 2; }
 
-/// A^-1 B by Gauss and Jordan.
+/// A^-1 B by Gauss-Jordan elimination.
 Matrix divided(Matrix a, Matrix b)
 {
 	for (std::size_t k = 0; k < 6; ++k)
@@ -47,7 +47,7 @@ Matrix divided(Matrix a, Matrix b)
 	return b;
 }
 
-/// Whether Cholesky's factorisation exists.
+/// Whether the Cholesky factorisation exists.
 bool isPositive(Matrix a)
 {
 	for (std::size_t k = 0; k < 6; ++k)
@@ -59,8 +59,8 @@ bool isPositive(Matrix a)
 	return true;
 }
 
-/// Whether coupling and contact in series are everywhere below `share` of the bounds. With u in units of the bounds, the force is that of
-/// the least energy g |u - x|^2 + x C x, which is g (g + C)^-1 C u.
+/// Whether coupling and contact in series are below `share` of the bounds in every direction. With u in units of the bounds, the force is
+/// that of the least energy g |u - x|^2 + x C x, which is g (g + C)^-1 C u.
 bool seriesStaysBelow(double share, double factor, const Matrix& contactInBounds)
 {
 	Matrix sum = contactInBounds, left;
@@ -107,7 +107,7 @@ TEST(AdaptiveCoupling, SeriesWithTheContactReachesTheBoundsAndNeverPassesThem)
 				coupling.adapt(contact.C, false, 0, 0, {}, {}, kTick);
 				EXPECT_GE(coupling.factor(), 1);
 				EXPECT_LE(coupling.factor(), 8);
-				const double rounding = 1e-9 + 1e-14 * size;  // of the elimination above
+				const double rounding = 1e-9 + 1e-14 * size;  // rounding of the elimination above
 				EXPECT_TRUE(seriesStaysBelow(1 + rounding, coupling.factor(), contact.inBounds)) << size << ' ' << rank;
 				EXPECT_NEAR(coupling.gains().stiffness, 1000 * coupling.factor(), 1e-9);
 				EXPECT_NEAR(coupling.gains().angularStiffness, 2 * coupling.factor(), 1e-12);
@@ -147,7 +147,7 @@ TEST(AdaptiveCoupling, MassDampersAndFrictionResistWithinATick)
 	EXPECT_NEAR(damped.factor(), 2, 1e-12);  // 2 D / h = 2 bounds
 }
 
-// The force of a spring at the arm, and its moment, by displacing the body.
+// Oracle: force and moment of a spring at the arm, found by displacing the body.
 TEST(AdaptiveCoupling, ResistanceIsMovedToTheToolsOrigin)
 {
 	std::mt19937 random(2);
@@ -175,8 +175,8 @@ TEST(AdaptiveCoupling, ResistanceIsMovedToTheToolsOrigin)
 
 namespace
 {
-/// What a coupling has done on its two ends: a stretch at one stiffness is a way in the field of one potential, and a stiffness that leaps
-/// does no work.
+/// Work of a coupling on its two ends. A stretch at constant stiffness moves along one potential, and a sudden change of the stiffness does
+/// no work.
 struct Audit
 {
 	double stretch = 0, done = 0;
@@ -193,8 +193,8 @@ struct Audit
 };
 }  // namespace
 
-// Whoever moves the ends and changes the contact cannot take out what he did not put in, not even on purpose: stiff while the stretch grows
-// would be the time to soften, soft while it falls the time to stiffen.
+// Motions of the ends and changes of the contact can never extract more energy than was put in. The deliberate sequence tries to: it is
+// stiff while the stretch grows and soft while it falls.
 TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 {
 	std::mt19937 random(3);
@@ -232,7 +232,7 @@ TEST(AdaptiveCoupling, NoHistoryOfContactsMakesEnergy)
 		}
 }
 
-// A hand that presses slowly and lets go finds the way back as it found the way in: what softening took pays for stiffening.
+// A hand that presses slowly and withdraws meets the same coupling on both ways, because the energy from softening pays for stiffening.
 TEST(AdaptiveCoupling, PressingAndReleasingIsPaidForByTheTank)
 {
 	AdaptiveCoupling coupling(bounds(8));

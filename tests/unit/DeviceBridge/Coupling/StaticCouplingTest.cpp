@@ -36,7 +36,7 @@ Vec3 contactForce(const ToolStep& step)
 	return sum;
 }
 
-/// The same ball and hand with the world in the tick.
+/// The same ball and hand, with the world stepped in the tick.
 struct OneThread
 {
 	btISTWorld world;
@@ -81,8 +81,8 @@ struct OneThread
 };
 }  // namespace
 
-// A tool without momentum is where the hand is, and a hand in free space feels nothing; a dynamic one drags its mass and what it lags
-// behind.
+// A tool without momentum is where the hand is, and a hand in free space feels nothing. A dynamic tool pulls the hand by its mass and its
+// lag.
 TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
 {
 	for (const bool isStatic : {true, false})
@@ -110,7 +110,7 @@ TEST(StaticCoupling, InFreeSpaceTheToolIsTheHand)
 	}
 }
 
-// Bullet's own way to say "in no world" is mass 0.
+// Mass 0 is Bullet's usual value for a body in no world.
 TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 {
 	for (const bool gravity : {false, true})
@@ -131,7 +131,7 @@ TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 					btRigidBody tool(Hand::info(rig.ballShape, {0, 0.025, 0}));
 					tool.setFriction(0);
 					if (massless) tool.setMassProps(0, btVector3(0, 0, 0));
-					// A tool of mass 0 weighs nothing all the same.
+					// A tool of mass 0 has no weight even with gravity.
 					tool.setGravity(btVector3(0, btScalar(massless || !gravity ? -9.81 : 0), 0));
 					ASSERT_FALSE(rig.world.materials().set(&tool, {2e7, -1}));
 					BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
@@ -162,14 +162,15 @@ TEST(StaticCoupling, AToolOfMassZeroFollowsAsOneOfAnyMassDoes)
 					EXPECT_EQ(source.statistics().brokenSteps, 0U);
 					EXPECT_EQ(source.statistics().refusedQueries, 0U);
 				}
-				// What no spring turns has momentum of its own, or, of mass 0, stands: the two need not be alike on the plane.
+				// A degree of freedom without a spring has momentum of its own, or stands still if the mass is 0. So the two may differ on
+				// the plane.
 				if (onPlane && !turns) continue;
 				EXPECT_LT(distance(reached[0].translation, reached[1].translation), 1e-6);
 				EXPECT_LT(distance(felt[0], felt[1]), 2e-3);
 			}
 }
 
-// A freedom without stiffness stays dynamic, and what has no mass stands still there, under gravity too.
+// A degree of freedom without stiffness stays dynamic. A tool without mass does not move in it, under gravity too.
 TEST(StaticCoupling, AToolOfMassZeroThatNothingPullsStaysWhereItIs)
 {
 	VirtualClock clock;
@@ -190,7 +191,7 @@ TEST(StaticCoupling, AToolOfMassZeroThatNothingPullsStaysWhereItIs)
 	EXPECT_LT(norm(rotationVector(ist::quaternion(apart))), 1e-9) << "but it turns with the hand";
 }
 
-// What would pull for ever is refused in words, and pulls nothing.
+// A coupling that would pull for ever is refused in words, and pulls nothing.
 TEST(DynamicCoupling, AToolThatCannotMoveOrTurnIsRefused)
 {
 	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
@@ -198,7 +199,7 @@ TEST(DynamicCoupling, AToolThatCannotMoveOrTurnIsRefused)
 	{
 		btScalar mass, inertia;
 		bool isStatic, turns;
-		const char* word;  // of the refusal; null: accepted
+		const char* word;  // word in the refusal; null: accepted
 	};
 	const btScalar mass = btScalar(0.1), inertia = btScalar(1e-5);
 	const Row rows[] = {{0, 0, false, true, "mass 0"}, {mass, 0, false, true, "inertia 0"}, {mass, 0, false, false, nullptr},
@@ -236,7 +237,7 @@ TEST(DynamicCoupling, AToolThatCannotMoveOrTurnIsRefused)
 	}
 }
 
-// In a world, a body of mass 0 is one that Bullet never moves.
+// In a world, Bullet never moves a body of mass 0.
 TEST(StaticCoupling, WithTheWorldInTheTickAToolOfMassZeroIsRefused)
 {
 	for (const bool isStatic : {true, false})
@@ -259,7 +260,7 @@ TEST(StaticCoupling, WithTheWorldInTheTickAToolOfMassZeroIsRefused)
 		}
 }
 
-// A tool whose velocity is no number is never passed over in silence: the source counts it, and the thread holds the device at zero.
+// A tool velocity that is not finite is always reported: the source counts it, and the thread holds the device at zero.
 TEST(CoupledTool, AStepThatBreaksItIsCountedAndAFault)
 {
 	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
@@ -301,7 +302,7 @@ TEST(CoupledTool, AStepThatBreaksItIsCountedAndAFault)
 	EXPECT_TRUE(isFinite(scene.step.coupling));
 }
 
-// A hand is not led through a source that refuses its tool.
+// A stepping thread does not start with a source that refuses its tool.
 TEST(CoupledTool, AThreadDoesNotStartWithAToolThatIsRefused)
 {
 	VirtualClock clock;
@@ -321,8 +322,8 @@ TEST(CoupledTool, AThreadDoesNotStartWithAToolThatIsRefused)
 	EXPECT_EQ(thread.ticks(), 0U);
 }
 
-// Pressed on a plane, the spring and the contact balance in every tick, at once and without a swing. On a half-space F = k V, two
-// stiffnesses of 2e7 in series being 1e7.
+// When the tool is pressed on a plane, spring and contact balance in every tick, at once and without oscillation. On a half-space F = k V,
+// and two stiffnesses of 2e7 in series are 1e7.
 TEST(StaticCoupling, SpringAndContactBalanceInEveryTick)
 {
 	DecoupledRig rig(60);
@@ -334,7 +335,7 @@ TEST(StaticCoupling, SpringAndContactBalanceInEveryTick)
 		const Vec3 spring = kSpring * (hand.state.X_WH.translation - hand.source.toolState().X_WT.translation);
 		worst = std::max(worst, norm(spring + contactForce(hand.step)));
 		worst = std::max(worst, distance(spring, hand.step.coupling.force));
-		// The tick after the hand has stopped.
+		// This is the tick after the hand has stopped.
 		if (rig.ticks == 301) atStop = norm(hand.step.coupling.force);
 	};
 	rig.run(0.6);
@@ -356,7 +357,7 @@ TEST(StaticCoupling, TheWorldInTheTickBalancesAlike)
 		worst = std::max({worst, norm(spring + contactForce(scene.step)), distance(spring, scene.step.coupling.force)});
 	}
 	const double force = norm(scene.step.coupling.force);
-	// In single precision the pose is good to a few nanometres: a few micronewtons.
+	// In single precision the pose has an error of a few nanometres, which is a few micronewtons.
 	EXPECT_LT(worst, 1e-4);
 	EXPECT_GT(force, 1);
 	EXPECT_NEAR(1e7 * scene.step.overlapVolume, force, 0.03 * force);
@@ -379,7 +380,7 @@ TEST(StaticCoupling, TheWeightThatIsFeltIsThatOfTheTool)
 	EXPECT_NEAR(step.coupling.force.y, kDecoupledToolMass * 9.81, 1e-6);
 }
 
-// Saturated, the hand is never pushed by more than the largest force.
+// When the coupling saturates, the hand is never pushed by more than the largest force.
 TEST(StaticCoupling, SaturatesAndAllocatesNothing)
 {
 	DecoupledRig rig(60);
@@ -396,8 +397,8 @@ TEST(StaticCoupling, SaturatesAndAllocatesNothing)
 	EXPECT_EQ(allocationCount(), before);
 }
 
-// What the hand feels is the coupling in series with the contact, C = k A on a flat face, which grows without bound with k and area: never
-// more than the coupling's own K, which is what the device bears.
+// The hand feels the coupling in series with the contact. On a flat face the contact has C = k A, which grows without bound with k and
+// area. The series never exceeds the coupling's own K, which is what the device bears.
 TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
 {
 	const double area = 4 * kBoxHalf * kBoxHalf;
@@ -416,7 +417,7 @@ TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
 			const double first = norm(hand.step.coupling.force), from = hand.state.X_WH.translation.y;
 			rig.run(1.1);
 			const double felt = (norm(hand.step.coupling.force) - first) / (from - hand.state.X_WH.translation.y);
-			// With mass the coupling is that of the end of a step that nothing held up (VirtualCoupling.h).
+			// With mass, the coupling is that at the end of a step of a free tool (VirtualCoupling.h).
 			const double yielding = isStatic ? 1 : 1 + (kTick * settings.gains.damping + kTick * kTick * kSpring) / kDecoupledToolMass;
 			const double series = 1 / (yielding / kSpring + 1 / (k * area));
 			EXPECT_NEAR(felt, series, 0.06 * series) << k << (isStatic ? ", static" : ", dynamic");
@@ -426,8 +427,8 @@ TEST(CoupledStiffness, TheHandFeelsCouplingAndContactInSeries)
 
 namespace
 {
-/// A coupling of kSpring that may be eight times stiffer while contact is soft. Nothing sticks, and the contact has no dampers: both would
-/// count as hard.
+/// A coupling of kSpring that may be eight times stiffer while the contact is soft. There is no friction and no contact damping, because
+/// both would count as hard.
 BulletDecoupledSettings adaptingSettings(double softContact = 8)
 {
 	BulletDecoupledSettings settings = staticSettings();
@@ -450,9 +451,9 @@ Hand& addSmoothHand(DecoupledRig& rig, double stiffness, const BulletDecoupledSe
 }
 }  // namespace
 
-// Contact softer than the device bears is felt nearly as it is, C = k A in series with eight times the bound; any other as what the device
-// bears. Within the ticks that matter for stability, that is: a hand that leaps by 20 um. The bound is kept as well as the contact knows
-// its own stiffness.
+// A contact softer than the device bears is felt nearly as it is: C = k A in series with eight times the bound. A stiffer contact is felt
+// as what the device bears. Both hold within the ticks that matter for stability: the hand leaps by 20 um. The bound is as exact as the
+// contact's own stiffness.
 TEST(CoupledStiffness, AnAdaptingCouplingShowsWhatTheDeviceBearsAndNoMore)
 {
 	const double area = 4 * kBoxHalf * kBoxHalf;
@@ -511,8 +512,8 @@ TEST(CoupledStiffness, WhatSticksOrIsHeldByBulletCountsAsHard)
 	scene.world.bullet().removeRigidBody(&block);
 }
 
-// The ball's contact begins softer than the coupling's bound and ends harder. The hand feels no more than the bound on its way in, from one
-// tick to the next; a coupling that is always eight times stiffer shows twice as much.
+// The ball's contact begins softer than the coupling's bound and ends harder. On its way in the hand feels no more than the bound, from one
+// tick to the next. A coupling that is always eight times stiffer shows twice as much.
 TEST(CoupledStiffness, WithTheWorldInTheTickItStaysWithinTheBoundAsTheContactGrows)
 {
 	for (const bool adapts : {true, false})
@@ -552,8 +553,9 @@ TEST(CoupledStiffness, WithTheWorldInTheTickItStaysWithinTheBoundAsTheContactGro
 
 namespace
 {
-/// The most that ever came out of the coupling at the hand [J], from rest in the air on, beyond what a mechanism takes up that makes a
-/// stiffness of kSpring passive, b = K T / 2. The hand presses on a plane and shakes with a period of so many ticks.
+/// Largest energy that the coupling has returned to the hand at any time [J], starting from rest in the air. The dissipation of a mechanism
+/// that makes a stiffness of kSpring passive, b = K T / 2, is subtracted. The hand presses on a plane and shakes with a period of `period`
+/// ticks.
 double mostReturned(double k, const BulletDecoupledSettings& settings, int period, double seconds = 0.55)
 {
 	constexpr double kAmplitude = 5e-5;
@@ -578,8 +580,8 @@ double mostReturned(double k, const BulletDecoupledSettings& settings, int perio
 }
 }  // namespace
 
-// A mechanism that bears kSpring bears the adapting coupling on every contact, at every frequency; it does not bear one that is always
-// eight times stiffer, out of which comes more than the press has put in.
+// A mechanism that bears kSpring bears the adapting coupling on every contact, at every frequency. It does not bear a coupling that is
+// always eight times stiffer, which returns more energy than the press has put in.
 TEST(CoupledStiffness, IsPassiveOnWhateverContactAtEveryFrequency)
 {
 	for (const bool isStatic : {true, false})

@@ -40,7 +40,7 @@ double spectralRadius(Matrix m)
 	return std::exp(logScale / power);
 }
 
-/// State (x, v, forces on the way): m v' = F - b v solved exactly over T with F = -K x - B v of `delay` ticks before.
+/// State (x, v, delayed forces): m v' = F - b v solved exactly over T, with F = -K x - B v from `delay` ticks before.
 double closedLoopRadius(double m, double b, double K, double B, int delay)
 {
 	const double T = 1e-3, e = std::exp(-b * T / m);
@@ -113,7 +113,8 @@ TEST(ZWidth, TheMeasuredPassiveRegionIsThatOfColgateAndSchenkel)
 			for (const int delay : {1, 5})
 				for (const ZWidthPoint& p : measureZWidth(profile, delay, {0.3 * b}, quantised))
 				{
-					// Within b > K T / 2 + |B|, and with delay well within: slow motions already need b > K (T / 2 + t_d) - B.
+					// Passive stiffness satisfies b > K T / 2 + |B|. With delay it is well below that, because slow motions already need b
+					// > K (T / 2 + t_d) - B.
 					EXPECT_LE(p.passiveMeasured, p.passive * 1.02) << name << ", B " << p.damping << ", delay " << delay;
 					EXPECT_LE(p.passiveMeasured, p.predicted * 1.02) << name << ", B " << p.damping << ", delay " << delay;
 					EXPECT_LE(p.passiveMeasured, p.stable * 1.02) << name << ", B " << p.damping << ", delay " << delay;
@@ -121,7 +122,7 @@ TEST(ZWidth, TheMeasuredPassiveRegionIsThatOfColgateAndSchenkel)
 	}
 }
 
-// The other way round: just below the measured limit nothing that a hand can do takes energy out, and just above the fastest shaking does.
+// The converse: just below the measured limit no motion of a hand takes energy out, and just above it the fastest shaking does.
 TEST(ZWidth, NoMotionTakesEnergyOutOfAWallInThePassiveRegion)
 {
 	const SimulatedProfile profile = simulatedProfile("sigma7").value();
@@ -142,7 +143,7 @@ TEST(ZWidth, NoMotionTakesEnergyOutOfAWallInThePassiveRegion)
 		};
 		for (int i = 0; i < 300; ++i)
 		{
-			// From walks to white noise.
+			// The motions range from random walks to white noise.
 			std::vector<double> x(2 + random() % 60);
 			double at = 0;
 			for (double& v : x) v = at = (i % 10) / 10.0 * at + 1e-3 * normal(random);

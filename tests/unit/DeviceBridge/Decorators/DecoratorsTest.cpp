@@ -22,7 +22,7 @@ constexpr std::int64_t kMs = 1'000'000;
 
 ist::Mat3 turn(const Vec3& v) { return rotationMatrix(ist::quaternionFromRotationVector(v)); }
 
-/// Reports what the test sets and keeps what it is told.
+/// A device that reports what the test sets and stores its commands.
 class Puppet final : public Device
 {
 public:
@@ -30,7 +30,7 @@ public:
 	DeviceState state;
 	DeviceCommand last;
 	HandState hand;
-	DeviceStatus answer = DeviceStatus::Ok;  // to a command
+	DeviceStatus answer = DeviceStatus::Ok;  // result of write()
 	const DeviceInfo& info() const noexcept override { return description; }
 	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
 	void close() noexcept override {}
@@ -101,7 +101,7 @@ TEST(MountedDevice, ItsLimitsAreThoseFeltInTheWorld)
 {
 	const auto [device, puppet] = decorated<MountedDevice>(ist::Pose(), 4.0);
 	const DeviceInfo &outer = device->info(), &own = puppet->description;
-	// A world spring K over a way of 4 x pulls the handle with 4 * (K 4 x) = 16 K x.
+	// A world spring K pulls the handle at a displacement of 4 x with 4 * (K 4 x) = 16 K x.
 	EXPECT_NEAR(16 * outer.maxStiffness, own.maxStiffness, 1e-9);
 	EXPECT_NEAR(4 * outer.peakForce, own.peakForce, 1e-12);
 	EXPECT_EQ(outer.workspaceRadius, 4 * own.workspaceRadius);
@@ -137,7 +137,7 @@ TEST(ClutchedDevice, MovesOnlyTheHandleWhileOpen)
 	EXPECT_EQ(puppet->last.wrench.force, command.wrench.force);
 }
 
-// Oracles: the same power on both sides, and a twist that is the derivative of the pose, after clutches that turned and shifted.
+// Oracles: the same power on both sides, and a twist that is the derivative of the pose, after clutches that rotated and shifted.
 TEST(ClutchedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
 {
 	std::mt19937_64 random(31);
@@ -172,7 +172,7 @@ TEST(ClutchedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
 	}
 }
 
-// A driver's axes are not quite at right angles; no number of clutches may add that up.
+// A driver's axes are not exactly orthogonal; many clutches must not accumulate that error.
 TEST(ClutchedDevice, StaysRigidOverManyClutches)
 {
 	std::mt19937_64 random(32);
@@ -211,7 +211,7 @@ TEST(VelocityFilter, ForgetsASampleThatIsNoNumber)
 
 namespace
 {
-/// Knows what it is once it is open.
+/// A device that knows its info only after open().
 class LateDevice final : public Device
 {
 public:
@@ -343,7 +343,7 @@ TEST(Decorators, TheJointsOfAHandMoveWithItsHandle)
 	HandState hand;
 	ASSERT_EQ(mounted->read(kMs, s), DeviceStatus::Ok);
 	ASSERT_TRUE(mounted->readHand(hand));
-	// The palm stays where the handle is, and a point ahead of a joint goes where the mount takes it.
+	// The palm stays at the handle, and a point in front of a joint moves as the mount maps it.
 	EXPECT_LT(distance(hand.joints[kPalm].position, s.X_WH.translation), 1e-9);
 	for (std::size_t i = 0; i < hand.joints.size(); ++i)
 	{
@@ -394,7 +394,7 @@ TEST(LimitedDevice, NothingUnsafeReachesTheDevice)
 	DeviceCommand command;
 	command.wrench.force = {100, 0, 0};
 	ASSERT_EQ(limited->open(), DeviceStatus::Ok);
-	// Before the first sample, and held in contact from the first one on: nothing.
+	// The force is zero before the first sample, and while the contact has lasted since the first sample.
 	limited->write(command);
 	EXPECT_EQ(puppet->last.wrench.force, Vec3());
 	const double peak = puppet->description.peakForce;
@@ -417,7 +417,7 @@ TEST(LimitedDevice, NothingUnsafeReachesTheDevice)
 		last = force;
 	}
 	EXPECT_GT(last, peak / 2);
-	// A command that is old by now, and one that is not a number.
+	// Then follow a command that is already old, and one that is not finite.
 	readAt(*limited, 230 * kMs);
 	limited->write(command);
 	EXPECT_EQ(puppet->last.wrench.force, Vec3());
@@ -432,7 +432,8 @@ TEST(LimitedDevice, NothingUnsafeReachesTheDevice)
 
 namespace
 {
-/// Free for 20 ms, then pushed with half the peak until `until` [ms]; commands are stamped `later` [ns] than the sample was read.
+/// A device that is free for 20 ms and is then pushed with half the peak until `until` [ms]. Commands have a time `later` [ns] after the
+/// read.
 std::pair<std::unique_ptr<LimitedDevice>, Puppet*> pushed(int until, std::int64_t later)
 {
 	SafetySettings settings;
@@ -451,7 +452,7 @@ std::pair<std::unique_ptr<LimitedDevice>, Puppet*> pushed(int until, std::int64_
 }
 }  // namespace
 
-// A loop that stamps its commands when they are done, after it has read the device.
+// A loop may stamp its commands when they are finished, after it has read the device.
 TEST(LimitedDevice, ACommandMayBeComputedAfterTheRead)
 {
 	for (const std::int64_t later : {std::int64_t(0), std::int64_t(300'000), 5 * kMs})
@@ -463,7 +464,7 @@ TEST(LimitedDevice, ACommandMayBeComputedAfterTheRead)
 	EXPECT_EQ(puppet->last.wrench.force.x, 0);
 }
 
-// Oracle: force times way, of the forces that the device has taken.
+// Oracle: force times displacement, for the forces that the device has accepted.
 TEST(LimitedDevice, WhatTheDeviceRefusesDoesNoWork)
 {
 	const auto [limited, puppet] = pushed(100, 0);

@@ -10,7 +10,7 @@ using namespace devicebridge;
 
 namespace
 {
-/// Its cable is a flag; opening fails while it is out.
+/// A device whose cable is a flag; opening fails while it is unplugged.
 class Cable final : public Device
 {
 public:
@@ -41,7 +41,7 @@ public:
 	std::string complaint() const override { return m_open ? "" : "no cable"; }
 
 private:
-	bool m_open = false;  // touched by one thread at a time, which the thread sanitizer checks
+	bool m_open = false;  // accessed by one thread at a time, which the thread sanitizer checks
 };
 
 template <class Condition> bool within(Condition condition, int milliseconds = 5000)
@@ -86,7 +86,7 @@ TEST(ReconnectingDevice, OpensAgainAwayFromTheTick)
 	EXPECT_EQ(device.read(4, state), DeviceStatus::Disconnected);
 }
 
-// The thread sanitizer sees what meets in the device.
+// The thread sanitizer detects concurrent calls of the device.
 TEST(ReconnectingDevice, MayBeAskedForAHandAndForAReasonWhileItIsOpened)
 {
 	auto owned = std::make_unique<Cable>();

@@ -31,7 +31,7 @@ public:
 	{
 		step.tool = {hand.X_WH, hand.twist};
 		const double depth = std::max(0.0, -hand.X_WH.translation.z);
-		// Has a memory, so that a replay that leaves one tick out is seen at the end.
+		// The wall has a memory, so a replay that omits one tick differs at the end.
 		m_drag = 0.99 * m_drag + 0.1 * hand.twist.linear;
 		step.coupling = {{m_drag.x, m_drag.y, -stiffness * depth}, 0.01 * m_drag};
 		if (depth > 0) step.contacts[step.contactCount++] = {{}, hand.X_WH.translation, {0, 0, 1}, depth, 1, this};
@@ -69,7 +69,7 @@ std::uint64_t replayMismatches(const Recording& recording, double stiffness, std
 	return device.mismatches();
 }
 
-/// Any field set, numbers of any kind among them.
+/// A recording with every field set, to numbers of all kinds.
 Recording oddRecording()
 {
 	Recording r;
@@ -146,7 +146,7 @@ TEST(Recording, AnyFlippedBitAndAnyCutIsRefused)
 	EXPECT_FALSE(decodeRecording(nullptr, 0));
 }
 
-// They are shifted to the clock of whoever replays them.
+// Extreme times are refused, because a replay shifts them to another clock.
 TEST(Recording, TimesThatNoClockShowsAreRefused)
 {
 	for (const std::int64_t time : {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()})
@@ -165,7 +165,7 @@ TEST(Recording, TimesThatNoClockShowsAreRefused)
 		}
 }
 
-// A seal over nonsense is still nonsense: counts and enumerators out of range, with a checksum that fits.
+// Content out of range is refused even with a valid checksum: counts and enumerators.
 TEST(Recording, SealedNonsenseIsRefused)
 {
 	const auto bytes = encodeRecording(oddRecording());
@@ -185,7 +185,7 @@ TEST(Recording, SealedNonsenseIsRefused)
 
 namespace
 {
-/// Senses a hand whose joints go on a little with each read.
+/// A device that senses a hand whose joints move a little with each read.
 class WavingHand final : public Device
 {
 public:
@@ -265,7 +265,7 @@ TEST(Recording, HandsComeBackToTheLastBit)
 TEST(Recording, OlderVersionsAreStillRead)
 {
 	const Recording original = oddRecording();
-	// The first ends after the ticks, the second after the hands.
+	// Version 1 ends after the ticks, version 2 after the hands.
 	for (const auto& [version, missing] : {std::pair{1, 8 + 1}, std::pair{2, 1}})
 	{
 		auto bytes = encodeRecording(original);
@@ -298,11 +298,11 @@ TEST(Recording, ReplayMakesTheSameCommandsToTheLastBit)
 	EXPECT_GT(norm(recording.ticks.back().command.wrench.force), 1);
 	EXPECT_EQ(replayMismatches(recording, 800, 0), 0U);
 	EXPECT_EQ(replayMismatches(recording, 800, 123'456'789'000), 0U);
-	// Another world is noticed.
+	// A replay with another world is detected.
 	EXPECT_GT(replayMismatches(recording, 801, 0), 500U);
 }
 
-// In real time the ticks are never the same distance apart; the recorded clock makes them so.
+// In real time the intervals between ticks vary; the recorded clock reproduces them.
 TEST(Recording, ARunInRealTimeIsReplayedToTheLastBit)
 {
 	auto hand = std::make_unique<SimulatedDevice>(simulatedProfile("sigma7").value());

@@ -12,16 +12,16 @@ using namespace devicebridge;
 
 namespace
 {
-/// What a test and its link share: the link may outlive the device.
+/// State shared by a test and its link, because the link may outlive the device.
 struct Bench
 {
 	enum class Mood
 	{
 		Good,
-		Silent,   // there, but no news
-		Pulled,   // cable out
-		Hanging,  // a call that does not come back
-		Absent    // cannot be found
+		Silent,   // present, but without samples
+		Pulled,   // cable unplugged
+		Hanging,  // call that does not return
+		Absent    // device that is not found
 	};
 	std::atomic<Mood> mood{Mood::Good};
 	std::atomic<int> connections{0}, disconnections{0}, samples{0};
@@ -69,8 +69,7 @@ public:
 	}
 	std::string complaint() const override
 	{
-		std::this_thread::sleep_for(
-			std::chrono::milliseconds(50));  // whoever hears of the loss before the reason is told, asks for it by then
+		std::this_thread::sleep_for(std::chrono::milliseconds(50));  // time in which a reader could see the loss before the reason
 		return "the cable is out";
 	}
 
@@ -138,7 +137,7 @@ TEST(ThreadedDevice, TimesFollowTheCallersClock)
 		ASSERT_EQ(rig.device.read(clock.now(), rig.state), DeviceStatus::Ok);
 		EXPECT_LE(rig.state.sampledAt, clock.now());
 	}
-	// A command of a clock that has just begun lives as long as on any other.
+	// A command on a clock that has just started lives as long as on any other.
 	EXPECT_TRUE(within([&] {
 		EXPECT_EQ(rig.device.write(pushing(2, clock.now(), 500'000'000)), DeviceStatus::Ok);
 		return rig.bench->exerted == 2;

@@ -20,7 +20,7 @@ DeviceInfo bare(const std::string& maker, const std::string& model, unsigned act
 }
 }  // namespace
 
-// With nothing told but the name, the recipe of docs/stability.md gives a coupling that the profile allows.
+// If a device reports only its name, the recipe of docs/stability.md gives a coupling that the profile allows.
 TEST(AssumedLimits, AModelWithAProfileIsFelt)
 {
 	for (const std::string& name : simulatedProfileNames())
@@ -90,13 +90,13 @@ TEST(AssumedLimits, AnUnknownModelStaysUnknown)
 		EXPECT_TRUE(info.profile.empty());
 		EXPECT_NE(info.source.find("unknown: max_stiffness"), std::string::npos) << info.source;
 	}
-	// A profile is one that the library carries, never a file.
+	// A profile is one that the library contains, never a file.
 	DeviceInfo info = bare("Acme", "arm", kTranslation);
 	info.profile = "data/devices/sigma7.json";
 	assumeLimits(info);
 	EXPECT_EQ(info.peakForce, 0);
 	EXPECT_TRUE(info.profile.empty());
-	// A mouse has no limits to tell.
+	// A mouse has no limits to report.
 	info = bare("Acme", "mouse", 0);
 	assumeLimits(info);
 	EXPECT_TRUE(info.source.empty() && info.assumed == 0U);

@@ -12,10 +12,10 @@
 
 namespace devicebridge
 {
-/// The loader of OpenXR complains on stderr wherever the drivers are listed.
+/// OpenXR's loader would print to stderr whenever the drivers are listed.
 inline const bool kQuietOpenXr = setenv("XR_LOADER_DEBUG", "none", 0) == 0;
 
-/// Waits, far longer than anything needs, for what another thread or process does.
+/// Waits, far longer than necessary, for an effect of another thread or process.
 template <class Condition> bool within(Condition condition, int milliseconds = 20000)
 {
 	for (int i = 0; i < milliseconds; ++i)
@@ -39,7 +39,7 @@ public:
 	ist::Wrench handWrench(const DeviceState&, const ToolStep&) noexcept override { return wrench; }
 };
 
-/// The whole haptic loop in real time around one device, a tick at a time on the test's own thread.
+/// The whole haptic loop in real time around one device, one tick at a time on the test's own thread.
 class DriverRun
 {
 public:
@@ -61,8 +61,8 @@ public:
 		return condition();
 	}
 
-	/// The force that is sent when the hand is 5 mm from a tool that something holds. The coupling is that of the recipe of
-	/// docs/stability.md, with `damping` of the mechanism.
+	/// The force that is sent when the hand is 5 mm from a tool that is held. The coupling is that of the recipe of docs/stability.md, with
+	/// `damping` of the mechanism.
 	double forceByRecipe(const Device& device, double damping)
 	{
 		const CouplingGains gains = passiveGains(device.info(), damping, 0, 0.001);
@@ -75,7 +75,7 @@ public:
 		return force();
 	}
 
-	/// `pull` takes the cable out while force flows: the force ends, the cause is told, and nothing hangs.
+	/// `pull` unplugs the cable while force flows: the force ends, the cause is reported, and no call hangs.
 	template <class Pull> void expectLossIsSafe(Device& device, Pull pull, bool exertsForce = true)
 	{
 		if (exertsForce)

@@ -33,7 +33,7 @@ GloveAngles randomAngles(std::mt19937_64& random)
 constexpr int kFirstJoints[4] = {kIndexMetacarpal, kMiddleMetacarpal, kRingMetacarpal, kLittleMetacarpal};
 constexpr int kKnuckles[4] = {kIndexKnuckle, kMiddleKnuckle, kRingKnuckle, kLittleKnuckle};
 
-/// A glove that sends `values` until told otherwise.
+/// A glove that sends `values` until the test changes them.
 class Glove
 {
 public:
@@ -102,7 +102,7 @@ TEST(GloveHand, AFlatHandHasTheLengthThatWasAskedFor)
 	EXPECT_NEAR(at(hand, kMiddleTip).z, -0.2, 1e-12);
 	for (const int first : kFirstJoints)
 		for (int i = 1; i < 4; ++i) EXPECT_LT(norm(cross(bone(hand, first + i), ist::Vec3{0, 0, -1})), 1e-12);
-	EXPECT_LT(at(hand, kThumbTip).x, at(hand, kIndexTip).x);  // right hand, palm down: the thumb is on the left
+	EXPECT_LT(at(hand, kThumbTip).x, at(hand, kIndexTip).x);  // the thumb of a right hand with the palm down is on the left
 	for (const HandJoint& joint : hand.joints) EXPECT_TRUE(joint.tracked && joint.radius > 0.003);
 }
 
@@ -123,7 +123,7 @@ TEST(GloveHand, AnglesBetweenBonesAreThoseOfTheSensors)
 		}
 		EXPECT_NEAR(angleBetween(bone(hand, kThumbMetacarpal), bone(hand, kThumbProximal)), a[kThumbMetacarpalBend], 1e-9);
 		EXPECT_NEAR(angleBetween(bone(hand, kThumbProximal), bone(hand, kThumbDistal)), a[kThumbBend], 1e-9);
-		// Bones are rigid, and every frame looks along its bone.
+		// Bones are rigid, and every frame points along its bone.
 		for (int joint = kThumbMetacarpal; joint < kHandJoints - 1; ++joint)
 		{
 			const bool tip = joint == kThumbTip || joint == kIndexTip || joint == kMiddleTip || joint == kRingTip;
@@ -215,7 +215,7 @@ TEST(GloveFrames, FramesAreFoundAmongDamagedOnes)
 				if (sensors == 22 || !isDistal(k)) bytes += static_cast<char>(values[static_cast<std::size_t>(k)]);
 			bytes += '\0';
 			const bool damaged = random() % 4 == 0;
-			if (damaged) bytes.erase(random() % (bytes.size() - 1), 1);  // not the last: that would join two frames
+			if (damaged) bytes.erase(random() % (bytes.size() - 1), 1);  // not the last byte: that would join two frames
 			whole += !damaged;
 			for (const char c : bytes)
 			{

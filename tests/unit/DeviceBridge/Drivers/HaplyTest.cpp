@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Against a service of our own on the loopback that speaks the documented protocol: the inventory first, then one state for each
-// message; keys as in docs.haply.co (Inverse service 3.5) and in se3_haply.py of github.com/isaac-sim/IsaacLab.
+// The tests run against a service of their own on the loopback that speaks the documented protocol: the inventory first, then one state for
+// each message. Keys are as in docs.haply.co (Inverse service 3.5) and in se3_haply.py of github.com/isaac-sim/IsaacLab.
 #include <sys/socket.h>
 
 #include <atomic>
@@ -31,12 +31,12 @@ public:
 	enum class Mood
 	{
 		Good,
-		Silent,   // takes messages, answers none
-		Emptied,  // the device was unplugged
-		Babbling  // no JSON
+		Silent,   // receives messages, answers none
+		Emptied,  // reports no device, as after unplugging
+		Babbling  // sends text that is not JSON
 	};
 	std::atomic<Mood> mood{Mood::Good};
-	std::atomic<bool> hasGrip{true};  // the first of two, of which the other is turned the other way
+	std::atomic<bool> hasGrip{true};  // state of the first of two grips; the other has the opposite orientation
 	std::atomic<int> messages{0}, refused{0};
 
 	explicit FakeService(std::string kind = "inverse3")
@@ -48,7 +48,7 @@ public:
 	{
 		m_ending = true;
 		hangUp();
-		// Wakes the acceptor.
+		// A connection wakes the acceptor.
 		boost::system::error_code ignored;
 		asio::io_context context;
 		tcp::socket(context).connect(m_acceptor.local_endpoint(), ignored);
@@ -127,7 +127,7 @@ private:
 			talk(socket);
 			setWire(-1);
 			const std::lock_guard<std::mutex> lock(m_mutex);
-			m_force = {};  // a client that has gone holds nothing
+			m_force = {};  // the service drops the force of a client that has gone
 		}
 	}
 	void setWire(int wire)
@@ -155,7 +155,7 @@ private:
 		}
 	}
 
-	std::string m_kind;  ///< of its devices
+	std::string m_kind;  ///< kind of its devices
 	asio::io_context m_context;
 	tcp::acceptor m_acceptor;
 	std::mutex m_mutex;
@@ -203,7 +203,7 @@ TEST(Haply, StatesOfTheServiceArrive)
 	EXPECT_EQ(service.refused, 0);
 }
 
-// An Inverse3 is felt by the recipe of docs/stability.md with nothing set; of the others no source tells the stiffness.
+// An Inverse3 is felt by the recipe of docs/stability.md without further settings. For the other models no source gives the stiffness.
 TEST(Haply, LimitsAreThoseOfItsModelAndSaySo)
 {
 	for (const std::string kind : {"inverse3", "inverse3x", "minverse"})
@@ -255,7 +255,8 @@ TEST(Haply, AngularVelocityIsThatOfTheTurningGrip)
 		clock.sleepUntil(clock.now() + 200'000);
 	}
 	ASSERT_GT(estimates[0].size(), 20U);
-	ist::Vec3 median;  // of each component: the machine may stop anywhere between two poses, and makes some too slow and the next too fast
+	ist::Vec3 median;  // median of each component: the machine may pause between two poses, which makes one estimate too slow and the next
+					   // too fast
 	for (int k = 0; k < 3; ++k)
 	{
 		const auto middle = estimates[k].begin() + static_cast<std::ptrdiff_t>(estimates[k].size() / 2);
@@ -295,7 +296,7 @@ TEST(Haply, ASilentGripStaysAsItWas)
 		ASSERT_EQ(device->read(clock.now(), s), DeviceStatus::Ok);
 		ASSERT_TRUE(turned(q) < 1e-9 && s.twist.angular == ist::Vec3());
 	}
-	// Awake again it is where it is, and has not turned there.
+	// Once awake, the grip has its new orientation, without an angular velocity from the jump.
 	service.hasGrip = true;
 	service.place({3, 0, 0}, {}, later, 1);
 	ASSERT_TRUE(reach(3));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The real loader with a runtime of our own behind it.
+// The real loader with a mock runtime behind it.
 #include <dlfcn.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ protected:
 		const std::lock_guard<std::mutex> lock(m_mock->mutex);
 		c(*m_mock);
 	}
-	/// A hand with each joint somewhere.
+	/// Places a hand with random joints.
 	void place(int hand, std::mt19937& random, HandState& wanted)
 	{
 		std::normal_distribution<float> normal;
@@ -120,7 +120,7 @@ TEST_F(OpenXr, BothHandsArriveJointByJoint)
 			EXPECT_EQ(s.flags, static_cast<std::uint32_t>(kReady));
 		}
 	}
-	// A hand out of sight is said to be, and its pose stays.
+	// A hand out of sight is reported as such, and its pose stays.
 	change([](MockOpenXr& m) { m.active[1] = false; });
 	DeviceState s, before;
 	right.value()->read(clock.now(), before);
@@ -183,7 +183,7 @@ TEST_F(OpenXr, WhatIsMissingIsSaid)
 {
 	const std::pair<bool MockOpenXr::*, const char*> switches[] = {{&MockOpenXr::hasHeadset, "XR_ERROR_FORM_FACTOR_UNAVAILABLE"},
 		{&MockOpenXr::tracksHands, "tracks no hands"},
-		{&MockOpenXr::hasHeadless, "XR_MND_headless"}};  // last: the loader remembers the extensions of a runtime that it has loaded
+		{&MockOpenXr::hasHeadless, "XR_MND_headless"}};  // last, because the loader remembers the extensions of a loaded runtime
 	const DeviceRegistry registry;
 	for (const auto& [has, word] : switches)
 	{

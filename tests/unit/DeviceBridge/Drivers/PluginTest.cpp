@@ -48,7 +48,7 @@ TEST_F(Plugin, ItsDeviceIsReadAndFelt)
 	EXPECT_EQ(device.value()->info().uri, "plugin:example/25");
 	DriverRun run(*device.value());
 	EXPECT_TRUE(run.until([&] { return run.force() > 0 && lastForce() > 0; }));
-	EXPECT_EQ(run.torque(), 0);  // not actuated
+	EXPECT_EQ(run.torque(), 0);  // torque is not actuated
 	double least = 0, most = 0;
 	EXPECT_TRUE(run.until([&] {
 		const double x = run.thread().state().X_WH.translation.x;

@@ -11,7 +11,7 @@
 
 namespace devicebridge
 {
-/// Stands for a serial line: what a driver opens as path() talks to this end.
+/// A mock serial line: a driver that opens path() talks to this end.
 class PseudoTerminal
 {
 public:
@@ -21,7 +21,7 @@ public:
 		char name[128];
 		if (ptsname_r(m_end, name, sizeof name) != 0) return;
 		m_path = name;
-		// Kept open, so that a client may come and go.
+		// This end is kept open, so that a client may come and go.
 		m_other = ::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC);
 		termios raw{};
 		tcgetattr(m_other, &raw);
@@ -35,7 +35,7 @@ public:
 	bool ok() const { return !m_path.empty(); }
 	const std::string& path() const { return m_path; }
 	void send(const std::string& bytes) { m_lost |= ::write(m_end, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()); }
-	/// What has come, waiting at most so long for the first byte.
+	/// The bytes that have come, after a wait of at most `milliseconds` for the first.
 	std::string receive(int milliseconds)
 	{
 		pollfd wire{m_end, POLLIN, 0};
@@ -44,7 +44,7 @@ public:
 		const ssize_t n = ::read(m_end, bytes, sizeof bytes);
 		return n > 0 ? std::string(bytes, static_cast<std::size_t>(n)) : std::string();
 	}
-	/// The cable comes out: whoever has path() open gets a hang-up.
+	/// Unplugs the cable: a driver that has path() open gets a hang-up.
 	void pull()
 	{
 		for (int* fd : {&m_other, &m_end})

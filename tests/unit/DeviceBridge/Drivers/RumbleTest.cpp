@@ -97,7 +97,7 @@ TEST(Rumble, ForceAndTorqueDriveTheMotors)
 	ASSERT_TRUE(device) << device.error().message;
 	RealClock clock;
 	DeviceCommand command;
-	command.wrench = {{0, -1.2, 1.6}, {0.05, 0, 0}};  // half and a quarter
+	command.wrench = {{0, -1.2, 1.6}, {0.05, 0, 0}};  // half and a quarter of full force and torque
 	EXPECT_TRUE(within([&] {
 		DeviceState s;
 		device.value()->read(clock.now(), s);
@@ -106,7 +106,7 @@ TEST(Rumble, ForceAndTorqueDriveTheMotors)
 		device.value()->write(command);
 		return pad.low == 32768 && pad.high == 16384;
 	}));
-	EXPECT_TRUE(within([&] { return pad.low == 0 && pad.high == 0; }));  // expired
+	EXPECT_TRUE(within([&] { return pad.low == 0 && pad.high == 0; }));  // the command has expired
 }
 
 TEST(Rumble, AnUnpluggedControllerIsExplained)

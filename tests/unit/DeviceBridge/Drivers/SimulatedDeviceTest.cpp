@@ -52,7 +52,7 @@ TEST(SimulatedDevice, StepResponseMatchesTheClosedForm)
 	const double x0 = 0.02, a0 = 0.3;
 	device.setHand([&](double) { return HandTarget{{turn({0, 0, a0}), {x0, 0, 0}}, {}}; });
 	device.open();
-	// m x'' + B x' + K (x - x0) = 0 from rest at zero.
+	// Closed form: m x'' + B x' + K (x - x0) = 0 from rest at zero.
 	const auto response = [](double m, double b, double k, double t) {
 		const double decay = b / (2 * m), w = std::sqrt(k / m - decay * decay);
 		return 1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
@@ -127,8 +127,8 @@ TEST(SimulatedDevice, RefusesNonsenseAndNeedsOpening)
 	EXPECT_EQ(device.write(push({std::nan(""), 0, 0}, 0)), DeviceStatus::Refused);
 }
 
-// A sampled wall of stiffness K and delay t_d under a hand of damping b without stiffness is stable for about
-// K < b / (T / 2 + t_d) (reference: Gil and Hulin). Pre-loaded, so that contact is never lost while it is stable.
+// A sampled wall of stiffness K and delay t_d under a hand of damping b without stiffness is stable for about K < b / (T / 2 + t_d) (Gil
+// and Hulin). The hand is pre-loaded, so that contact is never lost while it is stable.
 TEST(SimulatedDevice, AWallIsStableBelowTheSampledDataBoundAndNotAbove)
 {
 	for (const int delay : {0, 2})

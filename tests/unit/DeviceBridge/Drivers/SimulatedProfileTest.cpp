@@ -86,7 +86,7 @@ TEST(SimulatedProfile, EveryCarriedProfileIsWholeAndDistinct)
 	}
 }
 
-// From the table of CHAI3D 3.3.0: force, torque, stiffness, damping, radius.
+// Values from the table of CHAI3D 3.3.0: force, torque, stiffness, damping, radius.
 TEST(SimulatedProfile, CarriedValuesAreThoseOfTheirSource)
 {
 	struct Row

@@ -61,7 +61,7 @@ private:
 	std::thread m_thread;
 };
 
-/// The real daemon in a folder of its own: Debian's uses a path relative to where it was started.
+/// The real daemon in a folder of its own, because Debian's uses a path relative to its start folder.
 class SpnavDaemon
 {
 public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The whole way: an emulated Magellan SpaceMouse on a pseudo terminal, the real spacenavd, the real libspnav, the driver.
+// Tests of the whole chain: an emulated Magellan SpaceMouse on a pseudo terminal, the real spacenavd, the real libspnav, the driver.
 #include <array>
 #include <random>
 
@@ -82,7 +82,7 @@ TEST(Spnav, AMouseMovesTheHandleThroughTheRealDaemon)
 		for (int i = 0; i < 6; ++i) sum += i == axis ? 0 : std::fabs(value(i));
 		return sum;
 	};
-	// Each axis of the mouse moves one axis of the handle, and the other way when it is pushed the other way.
+	// Each axis of the mouse moves one axis of the handle, and a push in the opposite direction moves it back.
 	std::array<int, 6> moves{};
 	for (int axis = 0; axis < 6; ++axis)
 	{

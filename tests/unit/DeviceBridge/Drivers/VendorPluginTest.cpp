@@ -44,7 +44,7 @@ std::vector<Vendor> vendorsWithSwitches()
 	return some;
 }
 
-// What was built against the mocks comes before what was built against the real library.
+// Plug-ins built against the mocks come before those built against the real library.
 constexpr const char* kPlugins = TEST_VENDOR_FOLDER ":" PLUGIN_FOLDER;
 
 class VendorPlugin : public testing::TestWithParam<Vendor>
@@ -59,7 +59,7 @@ protected:
 		m_mock = reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
 		change([](MockHandle& m) {
 			m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0;
-			// One that says it moves, and repeats its pose, is frozen from the tenth millisecond on.
+			// A handle that reports a velocity and repeats its pose counts as frozen after 10 ms.
 			std::fill_n(m.linear, 3, 0), std::fill_n(m.angular, 3, 0);
 		});
 	}
@@ -113,7 +113,7 @@ TEST_P(VendorPlugin, IsFeltByTheRecipeWithNothingSet)
 	ASSERT_TRUE(opened) << opened.error().message;
 	Device& device = *opened.value();
 	const DeviceInfo& info = device.info();
-	if (name == "vrpn")  // it tells neither limits nor a model, and nothing is assumed
+	if (name == "vrpn")  // it reports neither limits nor a model, and nothing is assumed
 	{
 		EXPECT_EQ(info.actuated + info.assumed, 0U);
 		EXPECT_EQ(info.peakForce + info.maxStiffness + info.damping, 0);
@@ -195,7 +195,7 @@ TEST_P(VendorPlugin, TheWrenchArrivesAndEndsWithItsCommand)
 	EXPECT_TRUE(within([&] { return differs({}) == 0; }));
 }
 
-/// Those that tell whether the motors are on: neither CHAI3D nor VRPN does.
+/// The vendors that report whether the motors are on; CHAI3D and VRPN do not.
 class VendorSwitches : public VendorPlugin
 {};
 TEST_P(VendorSwitches, HoldTheForceBack)
@@ -241,14 +241,14 @@ TEST_P(VendorPlugin, WhatIsMissingIsSaid)
 	for (const DriverReport& driver : registry.drivers())
 		listed |= driver.scheme == GetParam().name && driver.missing.find("/nowhere/libnothing.so") != std::string::npos;
 	EXPECT_TRUE(listed);
-	// A library that is something else.
+	// The file is another library.
 	setenv(GetParam().variable, TEST_VENDOR_FOLDER "/libmock_empty.so", 1);
 	const auto other = registry.open(GetParam().uri);
 	ASSERT_FALSE(other);
 	EXPECT_NE(other.error().message.find("lacks the function"), std::string::npos) << other.error().message;
 }
 
-// As the vendors ship it, and not the mock: a folder of the vendor's on the loader's path is all that is needed.
+// Tests with the vendor's own file instead of the mock: its folder on the loader's path is sufficient.
 TEST_P(VendorPlugin, LooksForTheVendorsOwnFile)
 {
 	if (!GetParam().variable) return;
@@ -258,7 +258,7 @@ TEST_P(VendorPlugin, LooksForTheVendorsOwnFile)
 	{
 		if (driver.scheme != GetParam().name) continue;
 		++listed;
-		// Empty: it is installed here.
+		// An empty text means that it is installed here.
 		EXPECT_TRUE(driver.missing.empty() || driver.missing.find(GetParam().shipped) != std::string::npos) << driver.missing;
 	}
 	EXPECT_EQ(listed, 1);
@@ -285,7 +285,7 @@ TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
 	EXPECT_EQ(device.value()->info().actuated, 0U);
 	RealClock clock;
 	DeviceState s;
-	// Times come in microseconds, a millisecond apart.
+	// Times have a resolution of a microsecond, and samples are a millisecond apart.
 	EXPECT_TRUE(within(
 		[&] {
 			EXPECT_EQ(device.value()->read(clock.now(), s), DeviceStatus::Ok);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The plug-in against the real VRPN over a socket: a server with a tracker, buttons and a force device. In a file and a program of its own,
-// as it links VRPN.
+// Tests of the plug-in against the real VRPN over a socket: a server with a tracker, buttons and a force device. They are a separate file
+// and program, because they link VRPN.
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -42,7 +42,7 @@ struct Field
 	vrpn_float32 origin[3] = {}, force[3] = {}, jacobian[3][3] = {}, radius = 0;
 };
 
-/// The server's side of a force device: keeps the last field that came.
+/// The server's side of a force device: it keeps the last field.
 class Forces final : public vrpn_ForceDevice
 {
 public:
@@ -66,7 +66,7 @@ class Server
 public:
 	std::mutex mutex;
 	Field field;
-	double position[3] = {0.01, -0.02, 0.03}, axis[3] = {0, 0, 0.5};  // the axis turns with a rad/s of its length
+	double position[3] = {0.01, -0.02, 0.03}, axis[3] = {0, 0, 0.5};  // the angular velocity about the axis is its length [rad/s]
 
 	explicit Server(int port) : m_thread([this, port] { run(port); })
 	{
@@ -110,7 +110,7 @@ private:
 		double quat[4] = {0, std::sin(half), 0, std::cos(half)}, turn[4] = {0, 0, 0, std::cos(half01)};
 		for (int i = 0; i < 3 && speed > 0; ++i) turn[i] = axis[i] / speed * std::sin(half01);
 		const double velocity[3] = {0.1, 0.2, 0.3}, far[3] = {9, 9, 9};
-		tracker.report_pose(0, now, far, quat);  // another sensor, which nobody asked for
+		tracker.report_pose(0, now, far, quat);  // another sensor, which was not requested
 		tracker.report_pose(1, now, position, quat);
 		tracker.report_pose_velocity(1, now, velocity, turn, 0.01);
 	}
@@ -161,7 +161,7 @@ TEST_F(Vrpn, TheForceArrivesAsAFieldAboutTheHandAndEndsWithItsCommand)
 	RealClock clock;
 	DeviceCommand command;
 	command.wrench.force = {0.5, -1, 2};
-	// Whole and at once: a command that this thread is late to renew expires.
+	// The force must arrive complete and at once, because a command that this thread renews late expires.
 	Field field;
 	const auto force = [&] {
 		const std::lock_guard<std::mutex> lock(m_server->mutex);

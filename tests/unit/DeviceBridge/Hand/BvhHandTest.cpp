@@ -17,7 +17,8 @@ namespace
 constexpr const char* kFingers[5] = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
 const HandPoints kPoints = pointsOf(posedHand({}, {}));
 
-/// A hand at rest below hips, in centimetres: joints with three rotations, fingertips as end sites. `motion`: all after the hierarchy.
+/// A hand at rest below hips, in centimetres: joints with three rotations, fingertips as end sites. `motion` is everything after the
+/// hierarchy.
 std::string bvh(const std::string& motion)
 {
 	std::ostringstream text;
@@ -43,7 +44,7 @@ std::string bvh(const std::string& motion)
 	text << "}\n}\n" << motion;
 	return text.str();
 }
-/// Hips at (x, y, z) turned by (z, x, y) degrees, the index finger's first joint likewise; all else zero.
+/// One frame: hips at (x, y, z) rotated by (z, x, y) degrees, the index finger's first joint likewise, and all else zero.
 std::string frame(const char* hips, const char* index)
 {
 	std::string row = std::string(hips) + " 0 0 0";
@@ -111,7 +112,7 @@ TEST(BvhHand, TakesOneLineForAFrame)
 	};
 	const std::string line = lineOf(bvh(start), 1), after = lineOf(bvh(start), 2), third = lineOf(bvh(start), 3);
 	EXPECT_EQ(problem(bvh(start + "\n" + row + "\r\n" + row + "\r\n \n")), "");
-	// The hips' six, the hand's three, and three of each of fifteen joints.
+	// A frame has six numbers for the hips, three for the hand, and three for each of fifteen joints.
 	EXPECT_EQ(problem(bvh(start + "1 2 3\n" + row + row)), "a.bvh:" + line + ": a frame has 54 numbers, and here are 3");
 	EXPECT_EQ(problem(bvh(start + row + "7 " + row)), "a.bvh:" + after + ": a frame has 54 numbers, and here are 55");
 	EXPECT_EQ(problem(bvh(start + row + row + row)), "a.bvh:" + third + ": '0' after the last frame");

@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-/// A box whose sides are grids of n by n squares, the corners shared. Its sides lie side by side in the picture, three in a row, each in a
-/// frame of `frame` of its width.
+/// A box whose sides are grids of n by n squares with shared corners. The sides lie next to each other in the picture, three in a row. Each
+/// has a frame of `frame` times its width.
 inline ist::TexturedMesh texturedGridBox(const ist::Vec3& half, int n, double frame = 0.1)
 {
 	ist::TexturedMesh box;

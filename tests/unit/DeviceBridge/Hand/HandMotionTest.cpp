@@ -32,7 +32,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 	text.replace(text.find(from), from.size(), to);
 	return text;
 }
-/// A file with one frame; cell `index` (from 0) of its row is replaced.
+/// A file with one frame in which cell `index` (from 0) of the row is replaced.
 std::string withCell(size_t index, const std::string& cell)
 {
 	HandMotion motion;
@@ -137,7 +137,7 @@ TEST(HandFromPoints, FindsTheFramesOfTheHandThatThePointsCameFrom)
 			const Vec3 wayA = rotationMatrix(a.orientation).column(2), wayB = rotationMatrix(b.orientation).column(2);
 			EXPECT_LT(distance(wayA, wayB), 1e-6) << joint;
 			EXPECT_NEAR(b.radius, a.radius, 0.2 * a.radius);
-			// Fingers bend about the line of their knuckles, which is not quite across.
+			// Fingers bend about the line of their knuckles, which is not exactly across the palm.
 			const Vec3 acrossA = rotationMatrix(a.orientation).column(0), acrossB = rotationMatrix(b.orientation).column(0);
 			EXPECT_GT(dot(acrossA, acrossB), joint >= kIndexMetacarpal ? 0.9 : -1.01) << joint;
 		}

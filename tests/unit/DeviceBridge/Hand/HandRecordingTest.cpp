@@ -18,7 +18,8 @@ using namespace devicebridge;
 
 namespace
 {
-/// A left hand of a tracker that is slower than who reads it, loses joints, gives numbers that are none, and does not always answer.
+/// A left hand of a tracker that is slower than its reader, loses joints, reports values that are not finite, and sometimes fails to
+/// answer.
 class SlowTracker final : public Device
 {
 public:
@@ -57,7 +58,7 @@ private:
 	std::uint64_t m_reads = 0;
 };
 
-/// What the recorder kept, as text, and read again.
+/// The recorder's motion, written as text and read again.
 HandMotion throughText(const Recording& recording)
 {
 	const auto motion = handMotionOf(recording);
@@ -85,7 +86,7 @@ TEST(HandRecording, PlaysEveryTickOfASlowTrackerBackToTheLastBit)
 	int lost = 0, joints = 0;
 	for (std::size_t i = 0; i < recording.ticks.size(); ++i)
 	{
-		// The clock of the replay stands elsewhere.
+		// The clock of the replay has another origin.
 		ASSERT_EQ(device.read(recording.ticks[i].now - 77'000'000'000, state), DeviceStatus::Ok) << i;
 		HandState hand, wanted = recording.hands[i];
 		ASSERT_TRUE(device.readHand(hand));

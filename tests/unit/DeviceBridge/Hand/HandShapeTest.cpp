@@ -52,7 +52,7 @@ TEST(HandShape, BoneHasTheVolumeOfARoundConeWithoutItsWaist)
 	for (int part = 1; part < kHandParts; ++part)
 	{
 		const HandShape::Bone& b = shape.bones[static_cast<std::size_t>(part)];
-		// By slices of the union of all balls between the two ends.
+		// Volume by slices of the union of all balls between the two ends.
 		double whole = 0;
 		constexpr int kSlices = 4000, kBalls = 400;
 		const double lower = -b.radius, upper = b.length + b.endRadius, step = (upper - lower) / kSlices;
@@ -68,7 +68,8 @@ TEST(HandShape, BoneHasTheVolumeOfARoundConeWithoutItsWaist)
 			whole += 3.14159265358979 * widest * step;
 		}
 		const double volume = massProperties(handPartMesh(shape, part)).volume;
-		// A flat section has 0.92 of the area, the waist takes at most 12 % from the straight part, the corners of the mesh some percent.
+		// A flat section has 92 % of the area, the waist removes at most 12 % of the straight part, and the corners of the mesh some
+		// percent.
 		EXPECT_LT(volume, 0.92 * whole) << part;
 		EXPECT_GT(volume, 0.8 * whole) << part;
 	}

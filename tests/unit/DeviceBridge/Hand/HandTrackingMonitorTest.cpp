@@ -17,7 +17,7 @@ const GloveHandSize kSize{false, 0.189};
 
 struct Watched
 {
-	HandModel model;  // no trees: the watch needs none
+	HandModel model;  // model without trees, which the monitor does not need
 	HandState hand = posedHand({}, kSize);
 	HandTrackingMonitor watch;
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <random>
 
-/// A model of a hand for tests that need no good trees: the palm's own, and one tree for all bones, which takes a second instead of
-/// sixteen.
+/// A model of a hand for tests that need no good trees. It has the palm's own tree and one tree for all bones, which takes 1 s instead of
+/// 16 s.
 inline std::shared_ptr<const devicebridge::HandModel> lightHand(const std::string& folder, bool left = false)
 {
 	using namespace devicebridge;
@@ -31,7 +31,7 @@ inline std::shared_ptr<const devicebridge::HandModel> lightHand(const std::strin
 	return model;
 }
 
-/// Any posture that a hand can take, anywhere.
+/// A random posture that a hand can take, anywhere.
 inline devicebridge::HandPosture randomPosture(std::mt19937& random)
 {
 	std::uniform_real_distribution<double> bend(0, 1.2), any(-1, 1);

@@ -11,7 +11,7 @@ using namespace devicebridge;
 
 namespace
 {
-/// Questions are numbers; the last one counts.
+/// A desk whose questions are numbers; the last one counts.
 struct Desk
 {
 	std::atomic<int> asked{0}, answered{0}, begun{0}, looks{0};

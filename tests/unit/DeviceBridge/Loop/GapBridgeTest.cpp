@@ -19,7 +19,7 @@ namespace
 constexpr double kTick = 1e-3;
 constexpr std::int64_t kMs = 1'000'000;
 
-/// Oversleeps by so much after every so many ticks.
+/// A clock that oversleeps by `gap` after every `every` ticks.
 class BusyClock final : public Clock
 {
 public:
@@ -37,7 +37,7 @@ private:
 	int m_sleeps = 0;
 };
 
-/// A point of 0.1 kg on the coupling, over a rough floor z = 0 of 3 kN/m, integrated implicitly.
+/// A point of 0.1 kg on the coupling, above a rough floor z = 0 of 3 kN/m, integrated implicitly.
 class RoughFloor final : public ContactSource
 {
 public:
@@ -126,7 +126,7 @@ TEST(GapBridge, WithoutGapsTheHandIsTakenAsItIs)
 	}
 }
 
-// The way of the gap is taken off and comes back as exp(-t / 0.1 s).
+// The displacement in the gap is subtracted and returns as exp(-t / 0.1 s).
 TEST(GapBridge, TheWayOfAGapComesBackSlowly)
 {
 	const ist::Vec3 turn{0.1, -0.2, 0.05};
@@ -142,7 +142,7 @@ TEST(GapBridge, TheWayOfAGapComesBackSlowly)
 	EXPECT_LT(norm(turned - left * turn), 1e-9);
 }
 
-// Hands on a machine that is busy for 22 ms, longer than a command lives, and for 12 ms, shorter than that.
+// The machine is busy for 22 ms, longer than a command lives, and for 12 ms, shorter than that.
 TEST(GapBridge, AGapInTheTicksWindsUpNoForce)
 {
 	const Session calm = slide(0, 0);
@@ -154,7 +154,7 @@ TEST(GapBridge, AGapInTheTicksWindsUpNoForce)
 			const Session again = slide(gap, every);
 			EXPECT_GT(busy.overruns, 15U);
 			EXPECT_LT(busy.largestForce, 1.25 * calm.largestForce) << gap << " every " << every;
-			// The peak of the device in 20 ms is what the limiter lets through from one tick to the next without a gap.
+			// Without a gap, the limiter lets the force rise by the device's peak in 20 ms.
 			EXPECT_LT(busy.largestRise, 12.0 / 20) << gap << " every " << every;
 			EXPECT_EQ(busy.longestStep, kTick);
 			EXPECT_EQ(busy.end, again.end);
@@ -165,7 +165,7 @@ TEST(GapBridge, AGapInTheTicksWindsUpNoForce)
 
 namespace
 {
-/// A free tool, which the coupling draws to the hand.
+/// A free tool that the coupling pulls to the hand.
 class FreeTool final : public ContactSource
 {
 public:
@@ -186,7 +186,7 @@ private:
 	ToolState m_tool;
 };
 
-/// Where its hand was moved to; answers as told.
+/// A device at a given place that returns a given status.
 class MovedDevice final : public Device
 {
 public:
@@ -208,7 +208,7 @@ public:
 };
 }  // namespace
 
-// 5 cm, which the coupling would follow with all its force.
+// The displacement is 5 cm, which the coupling would follow with its full force.
 TEST(GapBridge, TheWayOfAnOutageAndOfAStopComesBackSlowly)
 {
 	for (const bool stopped : {false, true})
@@ -230,7 +230,7 @@ TEST(GapBridge, TheWayOfAnOutageAndOfAStopComesBackSlowly)
 		while (stopped && thread.ticks() < before + 1000) std::this_thread::yield();
 		thread.stop();
 		if (!stopped) thread.run(1000);
-		// The way comes back at up to .05 m / .1 s, against 12 N s/m: 1.5 mm of 4 kN/m; and .5 mm come in the first tick.
+		// The offset returns at up to 0.05 m / 0.1 s, which against 12 N s/m stretches 4 kN/m by 1.5 mm. In the first tick 0.5 mm return.
 		EXPECT_LT(tool.farthest, 0.0025) << "stopped: " << stopped;
 		EXPECT_LT(distance(tool.place(), device.place), 1e-4);
 	}

@@ -30,7 +30,7 @@ namespace
 {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
-/// What stands between the tests and the mechanism: everything that is promised of each command, whatever happened before.
+/// Checks between the tests and the mechanism: everything that must hold for each command after any operations.
 struct Promises
 {
 	std::atomic<std::uint64_t> writes{0}, notFinite{0}, tooLarge{0}, grips{0};
@@ -192,7 +192,7 @@ public:
 	}
 
 	Promises errorBounds;
-	std::uint64_t felt = 0;  ///< operations after which the hand felt something
+	std::uint64_t felt = 0;  ///< number of operations after which the hand felt a force
 	std::uint64_t opened = 0, refused = 0, runs = 0;
 
 private:
@@ -204,7 +204,7 @@ private:
 		ASSERT_TRUE(m_thread->run(ticks));
 		if (mustBeSilent())
 		{
-			// A listener of onFault that throws is met after the tick's command was sent; the next one knows.
+			// If a listener of onFault throws, the tick's command was already sent. The next tick is silent.
 			ASSERT_TRUE(m_thread->run(1));
 			if (mustBeSilent()) expectSilence();
 		}
@@ -213,7 +213,7 @@ private:
 
 	bool mustBeSilent() const { return m_thread->faulted() || m_trouble == SpiedDevice::Unplugged || m_trouble == SpiedDevice::NotFinite; }
 
-	/// A decorator that holds commands back may still hand on an older one.
+	/// A decorator that delays commands may still pass on an older one.
 	void expectSilence()
 	{
 		if (m_delays) return;
@@ -231,7 +231,7 @@ private:
 		m_thread->clearFault();
 	}
 
-	/// Anew, with any stack of decorators.
+	/// Builds a new thread with a random stack of decorators.
 	void rebuild()
 	{
 		const bool had = m_thread != nullptr;
@@ -309,10 +309,10 @@ private:
 			});
 	}
 
-	/// The thread on its own for a moment, while this one does what any thread may.
+	/// Runs the thread by itself for a moment, while this thread calls what any thread may call.
 	void runOnItsOwn()
 	{
-		// What is drawn in a listener would be drawn by two threads.
+		// Listeners are removed, because random numbers drawn in them would be drawn by two threads.
 		for (int event = 0; event < 4; ++event)
 			while (!m_listeners[event].empty())
 			{
@@ -329,7 +329,7 @@ private:
 			m_thread->setForceLaw(&m_threaded);
 			ASSERT_TRUE(m_threaded.start());
 		}
-		// On a thread of its own, or in run() on one of the program's.
+		// The loop runs on its own thread, or in run() on a thread of the program.
 		std::thread runner;
 		if (pick(2))
 		{
@@ -387,8 +387,8 @@ long operations()
 }
 }  // namespace
 
-// Seeded: a failure comes back, up to the first time that the thread ran on its own (runOnItsOwn), which leaves clock, device and law
-// wherever real time took them. More of it: DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
+// The random numbers are seeded, so a failure is reproducible up to the first time that the thread ran by itself (runOnItsOwn). Then real
+// time determines clock, device and law. For a longer run set DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
 TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
 {
 	const long all = operations(), each = 10'000;
@@ -407,7 +407,7 @@ TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
 		EXPECT_EQ(fuzz.errorBounds.grips, 0U);
 		felt += fuzz.felt, opened += fuzz.opened, refused += fuzz.refused, runs += fuzz.runs;
 	}
-	// Otherwise nothing was tried.
+	// These counts show that the operations had an effect.
 	if (all < 100'000) return;
 	EXPECT_GT(felt, 5000U);
 	EXPECT_GT(opened, 10U);

@@ -16,7 +16,7 @@ using namespace devicebridge;
 namespace
 {
 constexpr std::int64_t kMs = 1'000'000;
-constexpr int kSettled = 1500;  // ticks: ramp over, hand at rest on the wall
+constexpr int kSettled = 1500;  // number of ticks until the ramp is over and the hand rests on the wall
 
 /// A simulated hand whose cable, encoders and firmware can be made to fail.
 class FaultyDevice final : public Device
@@ -51,7 +51,7 @@ private:
 	DeviceState m_sample;
 };
 
-/// 800 N/m below z = 0. May take its time.
+/// A wall of 800 N/m below z = 0 that may delay a tick.
 class SlowWall final : public ContactSource
 {
 public:
@@ -97,9 +97,9 @@ struct FaultRig
 		thread.onFault.addDelegate([this](const Fault& fault) { faults.push_back(fault); });
 		thread.run(kSettled);
 	}
-	/// What the device exerts at the moment.
+	/// Force that the device exerts at the moment [N].
 	double force() const { return clock.now() < device.last.expiresAt ? norm(device.last.wrench.force) : 0; }
-	/// Ticks until the force is zero, no more than `most`.
+	/// Number of ticks until the force is zero, at most `most`.
 	int ticksToZero(int most = 100)
 	{
 		int n = 0;
@@ -150,7 +150,7 @@ TEST(SteppingFault, FrozenSamplesEndInZero)
 TEST(SteppingFault, AJumpOfTenCentimetresIsNotFelt)
 {
 	FaultRig rig;
-	// Without the check the wall would push with 80 N, which saturation makes 12.
+	// Without the check the wall would push with 80 N, which saturation limits to 12 N.
 	rig.device.jump = {0, 0, -0.1};
 	EXPECT_LE(rig.ticksToZero(), 1);
 	ASSERT_FALSE(rig.faults.empty());
@@ -169,7 +169,7 @@ TEST(SteppingFault, AWorldThatStallsLetsTheDeviceGoAfterTwentyMilliseconds)
 	FaultRig rig;
 	const std::int64_t stalledAt = rig.clock.now();
 	rig.wall.stall = 100 * kMs;
-	// What is sent before the stall is all that the device has; it holds no longer than the command says.
+	// The command before the stall is the last that the device has, and it expires at its own time.
 	EXPECT_LE(rig.device.last.expiresAt, stalledAt + 20 * kMs);
 	rig.thread.run(1);
 	EXPECT_GE(rig.clock.now(), stalledAt + 100 * kMs);
@@ -256,7 +256,7 @@ TEST(SteppingFault, SwitchedOffForcesAreZeroInTheNextTick)
 	EXPECT_GT(rig.thread.safetyCounts().disabled, 0U);
 	rig.thread.enableForces(true);
 	rig.thread.run(100);
-	EXPECT_EQ(rig.force(), 0);  // still inside
+	EXPECT_EQ(rig.force(), 0);  // the tool is still inside
 }
 
 TEST(SteppingFault, SignalsEndTheThreadWithTheDeviceAtZero)
@@ -279,7 +279,7 @@ TEST(SteppingFault, SignalsEndTheThreadWithTheDeviceAtZero)
 		for (int i = 0; i < 4000 && !pushed; ++i) clock.sleepUntil(clock.now() + kMs);
 		EXPECT_TRUE(pushed);
 		std::raise(number);
-		// Bounded, so that a loop that goes on is a failure and not a hang.
+		// The loop is bounded, so that a thread that continues fails the test instead of blocking it.
 		for (int i = 0; i < 4000 && thread.running(); ++i) clock.sleepUntil(clock.now() + kMs);
 		EXPECT_FALSE(thread.running());
 		EXPECT_EQ(StopSignals::caught(), number);

@@ -28,7 +28,7 @@ using namespace devicebridge;
 
 namespace
 {
-/// A tool without mass on the hand, and a wall that fills z < 0 with 800 N/m.
+/// A massless tool on the hand, and a wall that fills z < 0 with 800 N/m.
 class AnalyticWall final : public ContactSource
 {
 public:
@@ -78,10 +78,10 @@ struct Rig
 	}
 };
 
-/// Ticks after which the ramp is over.
+/// Number of ticks after which the ramp is over.
 constexpr int kAfterRamp = 600;
 
-/// For laws that push without end: the passivity controller rightly takes that for an active world.
+/// Settings for laws that push without end, which the passivity controller correctly treats as an active world.
 SteppingSettings activeWorld()
 {
 	SteppingSettings settings;
@@ -140,7 +140,7 @@ TEST(SteppingThread, TheHandRestsOnTheWall)
 	AnalyticWall wall;
 	SteppingThread thread(rig.device, wall, rig.clock);
 	thread.run(3000);
-	// 300 N/m of hand pull from 20 mm below against 800 N/m of wall.
+	// A hand of 300 N/m pulls from 20 mm below against a wall of 800 N/m.
 	EXPECT_NEAR(rig.device.truePose().translation.z, -0.02 * 300 / 1100, 2e-5);
 	EXPECT_NEAR(thread.sentWrench().force.z, 0.02 * 300 * 800 / 1100, 0.02);
 }
@@ -325,7 +325,7 @@ long lockedMemory()
 }
 }  // namespace
 
-// A library does not decide that for the program that it is part of, whatever the program's rights are.
+// A library does not decide this for its program, whatever the program's rights are.
 TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
 {
 	for (const bool asked : {false, true})
@@ -350,7 +350,7 @@ TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
 		{
 			EXPECT_TRUE(said == "locked" || said.find("not locked: it was refused") == 0) << said;
 		}
-		// Under the sanitizers mlockall() does nothing.
+		// With the sanitizers mlockall() does nothing.
 		if (said == "locked" && !kSanitized)
 		{
 			EXPECT_GT(lockedMemory(), before);
@@ -366,13 +366,13 @@ TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
 
 namespace
 {
-/// A device that stands still and remembers what it was asked for last; any thread may look.
+/// A device at rest that stores its last command; any thread may read it.
 class Watched final : public Device
 {
 public:
 	DeviceInfo description = simulatedProfile("sigma7").value().info;
 	std::atomic<double> force{0};
-	std::atomic<int> inside{0}, most{0};  ///< threads that read or write at a time
+	std::atomic<int> inside{0}, most{0};  ///< number of threads that read or write at a time, and its maximum
 	std::atomic<std::uint64_t> writes{0};
 	const DeviceInfo& info() const noexcept override { return description; }
 	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
@@ -465,7 +465,7 @@ TEST(SteppingThread, WhileItRunsNoOtherLoopBegins)
 	EXPECT_EQ(rig.device.most, 1);
 }
 
-// Many threads at once: one loop at a time, and nothing is left claimed.
+// Many threads run at once: one loop at a time is accepted, and the claim is released at the end.
 TEST(SteppingThread, OfManyThatRunAtOnceOneDoes)
 {
 	FilteredRig rig;
@@ -505,7 +505,7 @@ TEST(SteppingThread, AListenerStopsRunAndStartsNoOther)
 	EXPECT_NE(refused.find("listener"), std::string::npos) << refused;
 	EXPECT_FALSE(thread.running());
 	EXPECT_EQ(rig.device.lastCommand().wrench.force, ist::Vec3());
-	// The next one begins anew, with a schedule of its own.
+	// The next run begins with a new schedule.
 	EXPECT_TRUE(thread.run(5));
 	EXPECT_EQ(ticks, kAfterRamp + 5);
 	EXPECT_EQ(rig.device.lastCommand().wrench.force.x, 1);
@@ -529,7 +529,7 @@ TEST(SteppingThread, AStopThatComesBeforeALoopDoesNotStopIt)
 	EXPECT_FALSE(rig.thread.running());
 }
 
-// run() keeps the last command for the next one; stop() does not.
+// run() keeps the last command for the next run(); stop() sets it to zero.
 TEST(SteppingThread, StopAfterRunLeavesTheDeviceAtZero)
 {
 	FilteredRig rig;
@@ -555,7 +555,7 @@ TEST(SteppingThread, WhatAListenerThrowsLeavesRunStoppable)
 	EXPECT_EQ(rig.device.force, 0);
 }
 
-// In every order, from two threads, the loops never meet and the device is at zero after each stop.
+// In every order, from two threads, the loops never overlap, and the device is at zero after each stop.
 TEST(SteppingThread, RunStopAndStartInAnyOrder)
 {
 	FilteredRig rig;

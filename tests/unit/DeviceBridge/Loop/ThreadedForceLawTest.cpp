@@ -17,7 +17,7 @@ using namespace devicebridge;
 
 namespace
 {
-/// A spring on the hand, on both sides, so that contact is never lost.
+/// A spring on the hand, on both sides of zero, so that contact is never lost.
 class LinearWall final : public ContactSource
 {
 public:
@@ -29,7 +29,7 @@ public:
 	}
 };
 
-/// The reaction of the coupling, and a force of its own.
+/// The reaction of the coupling plus a force of its own.
 class PushingLaw final : public ForceLaw
 {
 public:
@@ -44,7 +44,7 @@ public:
 	}
 };
 
-/// The wrench of the last answer as it is, which is what this class does not do.
+/// The unchanged wrench of the last answer, which would delay the coupling.
 class HeldLaw final : public ForceLaw
 {
 public:
@@ -75,7 +75,7 @@ SteppingSettings unguarded()
 	return settings;
 }
 
-/// Largest swing of a free handle in the last part of a run, over its first.
+/// Largest amplitude of a free handle in the last part of a run, divided by its first amplitude.
 template <class Between> double growth(double stiffness, ForceLaw& law, const Between& between)
 {
 	SimulatedDevice device(bareProfile());
@@ -97,8 +97,8 @@ template <class Between> double growth(double stiffness, ForceLaw& law, const Be
 }
 }  // namespace
 
-// b = 2 N s/m: stable up to b/(T/2) = 4000 N/m without delay, where 3000 N/m decay as exp(-b (1 - 3/4) t / 2m), to a fifth in 1.3 s; with
-// one tick of delay stable up to b/(3T/2) = 1333 N/m only.
+// With b = 2 N s/m the loop is stable up to b/(T/2) = 4000 N/m without delay. There 3000 N/m decay as exp(-b (1 - 3/4) t / 2m), to a fifth
+// in 1.3 s. With one tick of delay it is stable up to b/(3T/2) = 1333 N/m only.
 TEST(ThreadedForceLaw, TheCouplingDoesNotLag)
 {
 	CouplingForceLaw coupling;
@@ -106,7 +106,7 @@ TEST(ThreadedForceLaw, TheCouplingDoesNotLag)
 	HeldLaw held;
 	EXPECT_LT(growth(3000, threaded, [&] { threaded.serve(); }), 0.3);
 	EXPECT_GT(growth(3000, held, [] {}), 10);
-	// Bit for bit what it is without a thread, from the first answer on.
+	// From the first answer on, the wrench equals the one without a thread to the last bit.
 	ThreadedForceLaw again(coupling);
 	DeviceState hand;
 	ToolStep step;
@@ -140,7 +140,7 @@ TEST(ThreadedForceLaw, WhatTheLawAddsIsThatOfItsLastAnswer)
 			EXPECT_EQ(felt.force.y, 5.0 * i);
 			EXPECT_EQ(threaded.computedAt(hand), 1000 * answered);
 		}
-		// An answer every fourth tick, to what was asked three ticks before.
+		// Every fourth tick brings an answer to the question of three ticks before.
 		if (i % 4 != 3) continue;
 		law.push = {static_cast<double>(asked), 0, 0};
 		ASSERT_TRUE(threaded.serve());
@@ -176,7 +176,7 @@ TEST(ThreadedForceLaw, ALawThatHangsLetsTheDeviceGo)
 
 TEST(ThreadedForceLaw, BackInItsThreadItGoesOnFromTheTickBefore)
 {
-	// Far longer on the tick than an answer may be old; with an answer from before, and without.
+	// The law runs in the tick for far longer than an answer may be old, with and without an earlier answer.
 	const auto sent = [](bool answeredBefore, bool back) {
 		SimulatedDevice device(simulatedProfile("sigma7").value());
 		device.place({{}, {0.01, 0, 0}});

@@ -18,12 +18,12 @@ namespace
 {
 constexpr std::int64_t kMs = 1'000'000;
 
-/// A hand without physics: gives every tenant that is not leaving a small whole number of impulse in each tick, so that sums are exact.
+/// A hand without physics. In each tick it gives every body that is not leaving a small integer impulse, so that sums are exact.
 struct GivingHand
 {
 	WorldMirror& mirror;
 	SpentImpulse copies[kMirroredBodies];
-	double given[kMirroredBodies] = {};  ///< to all tenants of the slot [N s]
+	double given[kMirroredBodies] = {};  ///< impulse given to all bodies of the slot [N s]
 	std::uint64_t ticks = 0;
 
 	explicit GivingHand(WorldMirror& m) : mirror(m) {}
@@ -154,7 +154,7 @@ TEST(WorldMirror, ATenantLeavesWithItsLastImpulse)
 	for (int i = 0; i < 5; ++i) hand.tick(1);
 	mirror->leave(slot);
 	world.step(0.01);
-	EXPECT_EQ(world.released, 0);  // the hand has not heard of it
+	EXPECT_EQ(world.released, 0);  // the hand does not know of it yet
 	EXPECT_EQ(world.taken[slot], 5);
 	for (int i = 0; i < 5; ++i) hand.tick(1);
 	EXPECT_EQ(hand.given[slot], 5);
@@ -162,7 +162,7 @@ TEST(WorldMirror, ATenantLeavesWithItsLastImpulse)
 	EXPECT_EQ(world.released, 1);
 	EXPECT_EQ(mirror->find(&bodies[0]), -1);
 	EXPECT_EQ(mirror->admit(&bodies[1]), slot);
-	world.step(0.01);  // the post still speaks of the former tenant
+	world.step(0.01);  // the post still refers to the previous body
 	EXPECT_EQ(world.taken[slot], 5);
 	hand.tick(1);
 	world.step(0.01);
@@ -200,14 +200,15 @@ TEST(WorldMirror, WhatIsClearedIsEmptyAndTheNextTenantIsAnother)
 	for (const MirroredBody& seen : mirror->snapshot().bodies) EXPECT_TRUE(seen.epoch == 0 && !seen.tree);
 	EXPECT_EQ(mirror->admit(&body), slot);
 	world.step(0.01);
-	EXPECT_EQ(world.taken[slot], 0);  // what the former tenant was given is not the next one's
+	EXPECT_EQ(world.taken[slot], 0);  // impulses of the previous body do not count for the next one
 	hand.tick(2);
 	EXPECT_GT(mirror->snapshot().bodies[slot].epoch, epoch);
 	world.step(0.01);
 	EXPECT_EQ(world.taken[slot], 2);
 }
 
-// Both threads at their own pace, tenants that come and go, no lock, no allocation; in the end the books agree to the last bit.
+// Both threads run at their own rate with bodies that come and go, without lock or allocation. In the end the sums are equal to the last
+// bit.
 TEST(WorldMirror, NothingIsLostBetweenTwoThreads)
 {
 	auto mirror = std::make_unique<WorldMirror>();
@@ -223,7 +224,7 @@ TEST(WorldMirror, NothingIsLostBetweenTwoThreads)
 	std::minstd_rand random(7);
 	for (int step = 0; step < 400; ++step)
 	{
-		// None to three ticks between two steps, as it comes.
+		// There are zero to three ticks between two steps.
 		for (const int seen = ticks; ticks - seen < step % 4;) std::this_thread::yield();
 		for (int slot = 0; slot < kMirroredBodies; ++slot)
 			if (random() % 8 == 0 && mirror->body(slot).epoch != 0) mirror->leave(slot);
@@ -233,7 +234,7 @@ TEST(WorldMirror, NothingIsLostBetweenTwoThreads)
 	}
 	done = true;
 	ticking.join();
-	// The thread itself costs an allocation or two.
+	// Starting the thread takes an allocation or two.
 	EXPECT_LE(allocationCount() - before, 4);
 	world.step(0.01);
 	double given = 0;
@@ -269,7 +270,7 @@ TEST(ModelAge, LearnsASlowWorldAndForgivesOneStall)
 	EXPECT_EQ(age.period(), 16 * kMs);
 }
 
-// Two bodies turned and shifted together keep their contact; a shift of A against B costs K times the shift.
+// Two bodies that are rotated and shifted together keep their contact; a shift of A against B changes the wrench by K times the shift.
 TEST(LinearContact, KnowsOnlyTheWayOfOneBodyAgainstTheOther)
 {
 	std::mt19937_64 random(5);

@@ -27,7 +27,7 @@ PassivityLimits limits()
 
 ist::Mat3 turn(const Vec3& v) { return rotationMatrix(ist::quaternionFromRotationVector(v)); }
 
-/// A wall in z < 0, on both sides, so that the system is linear and contact is never lost.
+/// A wall at z = 0 that acts on both sides, so that the system is linear and contact is never lost.
 class LinearWall final : public ContactSource
 {
 public:
@@ -46,7 +46,7 @@ struct SwingOutcome
 	SafetyCounts counts;
 };
 
-/// A free handle on a sampled spring, let go `x0` and `a0` from its rest.
+/// A free handle on a sampled spring, released at displacement `x0` and angle `a0`.
 SwingOutcome swing(double stiffness, double angularStiffness, double x0, double a0, bool passivity)
 {
 	SimulatedProfile p = simulatedProfile("sigma7").value();
@@ -78,7 +78,7 @@ SwingOutcome swing(double stiffness, double angularStiffness, double x0, double 
 }
 }  // namespace
 
-// Oracle: the work of a wrench that is held over each step, summed over steps small enough to be straight.
+// Oracle: the work of a wrench held over each step, summed over substeps so small that the motion is straight.
 TEST(PassivityController, ObservesTheWorkOfAHeldWrench)
 {
 	std::mt19937_64 random(3);
@@ -135,7 +135,7 @@ TEST(PassivityController, ASpringThatReturnsWhatItTookIsLeftAlone)
 		controller.observe({{}, {x, 0, 0}});
 		ist::Wrench wrench{{-500 * x, 0, 0}, {}};
 		const double speed = 0.005 * 2 * 3.14159265358979 / 2.0 * std::sin(2 * 3.14159265358979 * i / 2000.0);
-		wrench.force.x -= 0.5 * speed;  // pays for the hold: b > K T / 2 = 0.25
+		wrench.force.x -= 0.5 * speed;  // damping that compensates the hold: b > K T / 2 = 0.25
 		const bool acted = controller.correct(wrench, {{speed, 0, 0}, {}}, 1e-3);
 		ASSERT_FALSE(acted) << i;
 		controller.sent(wrench, {{speed, 0, 0}, {}}, 1e-3);
@@ -157,7 +157,8 @@ TEST(PassivityController, RestWithoutForceForgetsTheCredit)
 	EXPECT_EQ(controller.energy().stored, 0);
 }
 
-// Sigma.7 without a hand: b = 2 N s/m bears 2 b / T = 4000 N/m, and 1 N m/rad. Twice that swings up without a controller.
+// A Sigma.7 without a hand has b = 2 N s/m, which bears 2 b / T = 4000 N/m; the rotational limit is 1 N m/rad. Twice these stiffnesses
+// oscillate with growing amplitude without a controller.
 TEST(PassivityController, ASwingThatGrowsWithoutItDecaysWithIt)
 {
 	const SwingOutcome bare = swing(8000, 0, 2e-4, 0, false), kept = swing(8000, 0, 2e-4, 0, true);

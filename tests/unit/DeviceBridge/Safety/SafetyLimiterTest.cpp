@@ -31,7 +31,7 @@ DeviceCommand command(const ist::Vec3& force, std::int64_t computedAt, const ist
 	return c;
 }
 
-/// Without the ramp, which would hide what the other stages do.
+/// Settings without the ramp, which would hide the effect of the other stages.
 SafetySettings atOnce()
 {
 	SafetySettings s;
@@ -58,7 +58,7 @@ TEST(SafetyLimiter, NotFiniteGivesZeroAndAFaultUntilCleared)
 		EXPECT_EQ(limiter.counts().notFinite, 1U);
 		EXPECT_EQ(limiter.limit(command({5, 0, 0}, t + 2 * kMs), {}, t + 2 * kMs).wrench.force, ist::Vec3{});
 		limiter.clearFault();
-		// 10 N over 20 ms rise 0.5 N in the tick after.
+		// A limit of 10 N in 20 ms lets the force rise by 0.5 N in the next tick.
 		EXPECT_NEAR(limiter.limit(command({5, 0, 0}, t + 3 * kMs), {}, t + 3 * kMs).wrench.force.x, 0.5, 1e-12);
 	}
 	SafetyLimiter limiter(sixDof(), atOnce());
@@ -133,7 +133,7 @@ TEST(SafetyLimiter, SaturationKeepsTheDirection)
 		EXPECT_NEAR(out.force.x, 6, 1e-9);
 		EXPECT_NEAR(out.force.y, 8, 1e-9);
 		EXPECT_NEAR(out.torque.y, 0.2, 1e-9);
-		// The slew limit lets the peak through after 20 of 41 ticks.
+		// The slew limit reaches the peak after 20 of 41 ticks.
 		EXPECT_GE(limiter.counts().saturated, 20U);
 	}
 }

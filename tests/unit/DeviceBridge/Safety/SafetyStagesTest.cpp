@@ -39,7 +39,7 @@ DeviceCommand command(const Vec3& force, std::int64_t computedAt, const Vec3& to
 	return c;
 }
 
-/// Every stage that acts by itself over time switched off.
+/// Settings with every time-dependent stage switched off.
 SafetySettings bare()
 {
 	SafetySettings s;
@@ -52,7 +52,7 @@ SafetySettings bare()
 	return s;
 }
 
-/// Force along x of the n-th of a run of equal commands, one in each millisecond from the first on.
+/// Force along x of the n-th of a sequence of equal commands, one per millisecond.
 double forceAt(SafetyLimiter& limiter, double wanted, int n, const HandSample& hand = {})
 {
 	double out = 0;
@@ -139,7 +139,7 @@ TEST(SafetyStages, SlewStaysWithinOneStepOfGivingWay)
 		const Vec3 last{u(random), u(random), u(random)}, wanted{u(random), u(random), u(random)};
 		Vec3 out = wanted;
 		const bool moved = limitSlew(out, last, 0.5);
-		// Brute force: the nearest point of the segment [0, last].
+		// Oracle by brute force: the nearest point of the segment [0, last].
 		double nearest = 1e9, toWanted = 1e9;
 		for (int k = 0; k <= 2000; ++k)
 		{
@@ -170,8 +170,8 @@ TEST(SafetyStages, OneFactorKeepsTheAxisOfTheWrench)
 	EXPECT_NEAR(huge.force.x, -huge.force.y, 1e-12);
 }
 
-// Held at the peak, the mean square F^2 (1 - exp(-t / tau)) reaches the square of the continuous limit F_c at
-// t = -tau log(1 - (F_c / F)^2); the limiter must have begun before, and must keep the mean square below for ever.
+// At the peak F, the mean square F^2 (1 - exp(-t / tau)) reaches the square of the continuous limit F_c at t = -tau log(1 - (F_c / F)^2).
+// The limiter must begin before that, and must keep the mean square below for ever.
 TEST(SafetyStages, TheContinuousBudgetBoundsTheMeanSquareOfTheForce)
 {
 	SafetySettings settings = bare();
@@ -186,7 +186,7 @@ TEST(SafetyStages, TheContinuousBudgetBoundsTheMeanSquareOfTheForce)
 		mean += (f * f - mean) * 1e-3 / 10;
 		unlimitedMean += (g * g - unlimitedMean) * 1e-3 / 10;
 		ASSERT_LE(mean, 4 * 1.0001);
-		// Up to four fifths of the budget nothing is taken.
+		// Up to 80 % of the budget nothing is reduced.
 		last = f;
 		ASSERT_TRUE(f == 10 || 1e-3 * i > 0.79 * exhausted) << i;
 	}
@@ -220,8 +220,8 @@ TEST(SafetyStages, AboveTheSpeedLimitTheDeviceOnlyDamps)
 	EXPECT_EQ(with({0.99, 0, 0}, 1), (Vec3{10, 0, 0}));
 	const Vec3 braked = with({0, 1.5, 0}, 2);
 	EXPECT_EQ(braked.x, 0);
-	EXPECT_EQ(braked.y, -2);               // half of 20 N s/m, no more than the continuous 2 N
-	EXPECT_LT(with({0.9, 0, 0}, 3).x, 0);  // until below 0.8 of the limit
+	EXPECT_EQ(braked.y, -2);               // half of 20 N s/m, at most the continuous 2 N
+	EXPECT_LT(with({0.9, 0, 0}, 3).x, 0);  // brakes until the speed is below 0.8 of the limit
 	EXPECT_EQ(with({0.79, 0, 0}, 4).x, 10);
 	hand.twist.angular = {0, 0, -11};
 	EXPECT_GT(limiter.limit(command({}, 5 * kMs), hand, 5 * kMs).wrench.torque.z, 0);

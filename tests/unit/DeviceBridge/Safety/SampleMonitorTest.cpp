@@ -49,7 +49,7 @@ TEST(SampleMonitor, ATurnThatNoHandMakesIsAJump)
 	SampleMonitor watch;
 	for (int i = 1; i < 500; ++i)
 		ASSERT_EQ(watch.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
-	// Around the limit after a millisecond, which is 1.1 rad, and up to half a turn.
+	// The angles are around the limit after a millisecond, which is 1.1 rad, and up to half a turn.
 	for (const double angle : {1.05, -1.05, 1.15, -1.15, 2.0, 3.14})
 	{
 		const FaultCause expected = std::abs(angle) > 1.1 ? FaultCause::Jump : FaultCause::None;
@@ -60,7 +60,7 @@ TEST(SampleMonitor, ATurnThatNoHandMakesIsAJump)
 	}
 }
 
-// A tracker of 30 Hz, read at 1 kHz: what it moves and turns between two samples of its own is no jump.
+// A tracker of 30 Hz is read at 1 kHz. Its motion between two of its own samples is no jump.
 TEST(SampleMonitor, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
 {
 	SampleMonitorSettings settings;
@@ -83,7 +83,7 @@ TEST(SampleMonitor, RepeatedSamplesAreFrozenAfterTenMilliseconds)
 	{
 		const FaultCause expected = i >= 15 ? FaultCause::Frozen : FaultCause::None;
 		ASSERT_EQ(numbered.judge(sample(5, {}), i * kMs), expected) << i;
-		// Numbers and times go on, but a moving handle stays where it is.
+		// Numbers and times increase, but the pose of a moving handle does not change.
 		ASSERT_EQ(still.judge(sample(i, {}, {0, 0.1, 0}), i * kMs), expected) << i;
 	}
 	EXPECT_EQ(numbered.judge(sample(41, {}), 41 * kMs), FaultCause::None);

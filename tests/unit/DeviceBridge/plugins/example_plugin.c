@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Zlib */
-/* A whole plug-in in C: a handle that swings along x, whose cable the test can pull. `address` is the amplitude in millimetres.
- * Compiled with BROKEN it is one that must be refused. */
+/* A complete plug-in in C: a handle that oscillates along x, whose cable the test can unplug. `address` is the amplitude in
+ * millimetres. Compiled with BROKEN it is a plug-in that must be refused. */
 #include "DeviceBridge/Plugins/devicebridge_plugin.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ struct swing
 	unsigned long ticks;
 };
 
-/* For the test: what the last command of any device was, and a switch that pulls all cables. */
+/* For the test: the force of the last command of any device, a switch that unplugs all cables, and the number of open devices. */
 DEVICEBRIDGE_PLUGIN_EXPORT volatile double example_last_force;
 DEVICEBRIDGE_PLUGIN_EXPORT volatile int example_pulled, example_open_devices;
 

@@ -3,7 +3,7 @@
 
 #include <mutex>
 
-/// What a mock of a vendor's library shares with the test that has loaded the same file. SI units.
+/// State that a mock of a vendor's library shares with the test that has loaded the same file. SI units.
 struct MockHandle
 {
 	std::mutex mutex;
@@ -12,7 +12,7 @@ struct MockHandle
 	unsigned buttons = 0;
 	bool present = true, calibrated = true, motorsOn = true, handPresent = true, tellsVelocity = true;
 	double force[3] = {0, 0, 0}, torque[3] = {0, 0, 0};
-	int open = 0, enabled = 0, misuse = 0;  // misuse: calls that the vendor's documentation forbids
+	int open = 0, enabled = 0, misuse = 0;  // misuse: number of calls that the vendor's documentation forbids
 };
 
 #define MOCK_EXPORT extern "C" __attribute__((visibility("default")))

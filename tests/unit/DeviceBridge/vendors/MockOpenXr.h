@@ -5,7 +5,7 @@
 
 #include <mutex>
 
-/// What the mock runtime shares with the test that has loaded the same file.
+/// State that the mock runtime shares with the test that has loaded the same file.
 struct MockOpenXr
 {
 	std::mutex mutex;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// CHAI3D with one omega.7 that the test moves, behind the interface of vendors/chai3d/chai3d.h.
+// A mock of CHAI3D with one omega.7 that the test moves, behind the interface of vendors/chai3d/chai3d.h.
 #pragma GCC visibility push(default)
 #include "tests/unit/DeviceBridge/vendors/chai3d/chai3d.h"
 #pragma GCC visibility pop

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A libdhd without devices behind it: one sigma.7 that the test moves. Signatures and return codes: dhdc.h of the DHD Haptic SDK
-// 3.7.2 (2018), github.com/DavidYaonanZhu/sigma7, include/dhdc.h.
+// A mock of libdhd without devices: one sigma.7 that the test moves. Signatures and return codes: dhdc.h of the DHD Haptic SDK 3.7.2
+// (2018), github.com/DavidYaonanZhu/sigma7, include/dhdc.h.
 #include <algorithm>
 
 #include "tests/unit/DeviceBridge/vendors/MockHandle.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A libHD without devices behind it, with a scheduler thread: one Touch that the test moves. Signatures and constants: hdDevice.h,
+// A mock of libHD without devices, with a scheduler thread: one Touch that the test moves. Signatures and constants: hdDevice.h,
 // hdScheduler.h and hdDefines.h of HDAPI 3.00 (2004), public in github.com/danepowell/openhaptics, usr/include/HD.
 #include <algorithm>
 #include <atomic>

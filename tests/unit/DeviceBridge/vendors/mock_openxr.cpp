@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// An OpenXR runtime without a headset behind it, found by the real loader through XR_RUNTIME_JSON. It has just the functions that the
-// driver calls. Negotiation: Khronos, openxr_loader_negotiation.h of OpenXR-SDK-Source.
+// A mock OpenXR runtime without a headset, found by the real loader through XR_RUNTIME_JSON. It has only the functions that the driver
+// calls. Negotiation: Khronos, openxr_loader_negotiation.h of OpenXR-SDK-Source.
 #define XR_USE_TIMESPEC
 #include <time.h>
 

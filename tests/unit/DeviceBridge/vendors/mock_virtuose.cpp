@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A Virtuose API without a device behind it: one arm that the test moves. Signatures and constants: VirtuoseAPI.h 4.03 (2020),
+// A mock of the Virtuose API without a device: one arm that the test moves. Signatures and constants: VirtuoseAPI.h 4.03 (2020),
 // github.com/gabrielegiudici93/ROS-Virtuose, virtuose/external/VirtuoseAPI.
 #include <cstring>
 

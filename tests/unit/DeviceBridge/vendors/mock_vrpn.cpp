@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// VRPN with one server, "lab:3883", whose tracker "Tool0" the test moves, behind the interface of vendors/vrpn.
+// A mock of VRPN with one server, "lab:3883", whose tracker "Tool0" the test moves, behind the interface of vendors/vrpn.
 #pragma GCC visibility push(default)
 #include "tests/unit/DeviceBridge/vendors/vrpn/vrpn_Button.h"
 #include "tests/unit/DeviceBridge/vendors/vrpn/vrpn_ForceDevice.h"
@@ -49,7 +49,7 @@ private:
 	bool m_known;
 };
 
-/// The turn about `w` within a hundredth of a second; a server is free to choose the interval.
+/// The rotation of an angular velocity `w` in 0.01 s; a server may choose the interval.
 void turnOf(const double (&w)[3], vrpn_float64 (&q)[4], vrpn_float64& dt)
 {
 	const double speed = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
@@ -74,7 +74,7 @@ vrpn_Connection* vrpn_get_connection_by_name(const char* name, const char*, cons
 vrpn_Tracker_Remote::vrpn_Tracker_Remote(const char* name, vrpn_Connection*) : m_known(std::strcmp(name, kDevice) == 0) {}
 vrpn_Tracker_Remote::~vrpn_Tracker_Remote()
 {
-	// VRPN's callback lists must be emptied by whoever filled them.
+	// The client that registered VRPN's callbacks must remove them.
 	const Lock lock(handle.mutex);
 	if (m_pose || m_velocity) ++handle.misuse;
 }
@@ -111,7 +111,7 @@ void vrpn_Tracker_Remote::mainloop()
 		pose.msg_time = velocity.msg_time = {now.tv_sec, now.tv_nsec / 1000};
 		pose.sensor = velocity.sensor = kSensor;
 		tells = handle.tellsVelocity;
-		// A tracker that tells no velocity moves with it.
+		// A tracker that reports no velocity moves with it.
 		const double since = tells ? 0 : static_cast<double>(now.tv_sec % 1000) + 1e-9 * static_cast<double>(now.tv_nsec);
 		for (int i = 0; i < 3; ++i) pose.pos[i] = handle.position[i] + since * handle.linear[i], velocity.vel[i] = handle.linear[i];
 		for (int i = 0; i < 4; ++i) pose.quat[i] = handle.quaternion[i];
@@ -154,7 +154,7 @@ void vrpn_Button_Remote::mainloop()
 		const Lock lock(handle.mutex);
 		now = handle.buttons;
 	}
-	// All of them once, as to every new connection, then the changes.
+	// All states are sent once, as to every new connection, then the changes.
 	if (m_states)
 	{
 		vrpn_BUTTONSTATESCB all{};

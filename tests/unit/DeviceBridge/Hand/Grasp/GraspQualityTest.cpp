@@ -33,7 +33,7 @@ std::vector<Wrench6> corners(const std::vector<GraspContact>& contacts, const Gr
 	return all;
 }
 
-/// Least support of the corners over many directions, each then improved by random steps: from above, and close.
+/// Least support of the corners over many directions, each then improved by random steps. It is a close upper bound.
 double leastSupport(const std::vector<Wrench6>& all, unsigned seed)
 {
 	std::mt19937 random(seed);
@@ -88,8 +88,8 @@ TEST(GraspQuality, TwoHardPointsCannotHoldATurnAboutTheirLine)
 	EXPECT_EQ(quality.epsilon, 0);
 }
 
-// With friction m and drilling g = m r the support along (a, b) is least either where a_x = 0, at 1 / sqrt(1 / g^2 + 2 / m^2), or where the
-// normal force alone counts, at 1 / sqrt(1 + 4 / m^2).
+// With friction m and drilling g = m r, the support along (a, b) has two candidates for its minimum. One is at a_x = 0, with 1 / sqrt(1 /
+// g^2 + 2 / m^2). The other is where only the normal force acts, with 1 / sqrt(1 + 4 / m^2).
 TEST(GraspQuality, SoftPairOnASphereHasTheClosedForm)
 {
 	for (const double m : {0.3, 0.5, 1.0, 2.0})
@@ -103,7 +103,7 @@ TEST(GraspQuality, SoftPairOnASphereHasTheClosedForm)
 		}
 }
 
-// Six contacts along the axes: the weakest is a torque along a diagonal of the cube, m / sqrt(3).
+// For six contacts along the axes, the weakest wrench is a torque along a diagonal of the cube, m / sqrt(3).
 TEST(GraspQuality, SixContactsOnASphereHaveTheClosedForm)
 {
 	for (const double m : {0.1, 0.3, 0.5})

@@ -35,7 +35,7 @@ Pose randomPose(unsigned seed)
 		{any(random), any(random), any(random)}};
 }
 
-/// What the written map says the whole force was: each vertex's impulse along the mean of the normals around it.
+/// Total force according to the map: each vertex's impulse along the mean of the normals around it.
 Vec3 forceOf(const HeatMap& map, double seconds)
 {
 	const Mesh& mesh = map.mesh();
@@ -50,7 +50,7 @@ Vec3 forceOf(const HeatMap& map, double seconds)
 }
 }  // namespace
 
-// Area pi (2 R d - d^2), force k V with V = pi d^2 (3 R - d) / 3, pressure k d in the middle.
+// Closed form: area pi (2 R d - d^2), force k V with V = pi d^2 (3 R - d) / 3, pressure k d in the middle.
 TEST(HeatMap, BallOnAHalfSpaceHasTheAreaAndPressureOfTheClosedForm)
 {
 	const double R = 0.01, half = 0.006;
@@ -73,7 +73,7 @@ TEST(HeatMap, BallOnAHalfSpaceHasTheAreaAndPressureOfTheClosedForm)
 	}
 }
 
-// Area and depth the same all over: pressure k d, force k A d.
+// The depth is the same over the whole area: pressure k d, force k A d.
 TEST(HeatMap, SlabOnSlabHasEvenPressure)
 {
 	const double d = 0.0004, width = 0.008, force = kK * width * width * d;
@@ -95,7 +95,7 @@ TEST(HeatMap, SlabOnSlabHasEvenPressure)
 		EXPECT_EQ(v.contact, 1);
 	}
 	EXPECT_GT(inside, 300);
-	EXPECT_GT(even, 0.8 * inside);  // the others stand at the rim, their triangles cut
+	EXPECT_GT(even, 0.8 * inside);  // the other vertices are at the rim, where triangles are cut
 }
 
 TEST(HeatMap, ForceOnACurvedBodyIsTheContactsAndStaysWithinIt)
@@ -110,7 +110,7 @@ TEST(HeatMap, ForceOnACurvedBodyIsTheContactsAndStaysWithinIt)
 		HeatMap one(map.mesh());
 		one.addPart("finger", 41, ist::makeCapsuleMesh(0.008, 0.012, 48));
 		const Vec3 out = normalized(Vec3{gauss(random), gauss(random), gauss(random)});
-		// Its side, tilted, half a millimetre deep.
+		// The side of the capsule is tilted and half a millimetre deep.
 		Vec3 t1, t2;
 		completeFrame(out, t1, t2);
 		const Pose X{{{{t1.x, out.x, -t2.x}, {t1.y, out.y, -t2.y}, {t1.z, out.z, -t2.z}}}, 0.0375 * out};
@@ -133,7 +133,7 @@ TEST(HeatMap, ContactBetweenTheVerticesGoesToTheNearestOne)
 	const int part = map.addPart("tip", 43, ist::makeSphereMesh(0.005, 3));
 	const HeatMapTouch touch = map.add(part, {{{}, {0.09, 0.1045, 0.08}}, 2, {0.09, 0.1, 0.08}, 0.1});
 	EXPECT_EQ(touch.area, 0);
-	// A third of each triangle at the corner.
+	// The area of a corner vertex is a third of each triangle there.
 	double area = 0;
 	for (const auto& t : map.mesh().triangles)
 		for (const uint32_t c : t) area += map.mesh().vertices[c] == Vec3{0.1, 0.1, 0.1} ? 0.2 * 0.2 / 2 / 3 : 0;
@@ -260,7 +260,7 @@ TEST(HeatMap, InSharesItIsTheSameMap)
 		{
 			const HeatMapContact contact{{{}, {0.002 * i, 0.0135 + 0.0006 * i, 0.001 * i}}, 1.0 + i, {0.002 * i, 0.01, 0.001 * i}, 0.1};
 			whole.add(0, contact);
-			// One that gives way to another counts for nothing.
+			// A contact that another one replaces before its end has no effect.
 			shared.begin(0, {{{}, {0, 0.013, 0}}, 50, {0, 0.01, 0}, 1});
 			int looks = share;
 			EXPECT_FALSE(shared.advance(looks));
@@ -284,7 +284,7 @@ TEST(HeatMap, InSharesItIsTheSameMap)
 
 namespace
 {
-/// The vertices of a file that saveHeatMap wrote, by its own header.
+/// The vertices of a file that saveHeatMap wrote, by the file's own header.
 struct PlyVertex
 {
 	float place[3];
@@ -325,7 +325,7 @@ TEST(HeatMapFile, PlyAndTableCanBeReadByOthers)
 	ASSERT_FALSE(saveHeatMap(map, folder + "/grey.ply", HeatMapColours::ContactPose));
 	ASSERT_FALSE(saveHeatMapTable(map, folder + "/map.csv"));
 
-	// Another reader of PLY finds the same surface.
+	// Another reader of PLY gets the same surface.
 	const auto read = ist::importMesh(folder + "/map.ply");
 	ASSERT_TRUE(read) << read.error().message;
 	EXPECT_EQ(read.value().triangles.size(), map.mesh().triangles.size());
@@ -354,7 +354,7 @@ TEST(HeatMapFile, PlyAndTableCanBeReadByOthers)
 	std::filesystem::remove_all(folder);
 }
 
-// Two slabs on a slab: the left one in both grasps, the right one in the second, at rest and then deeper.
+// Two slabs lie on a slab: the left one in both grasps, the right one in the second, at rest and then deeper.
 TEST(HeatMapFile, TheTableHasEveryColumnOfManyGrasps)
 {
 	const double a = 0.006, d = 0.0002;
@@ -395,7 +395,7 @@ TEST(HeatMapFile, TheTableHasEveryColumnOfManyGrasps)
 		{
 			double value = 0;
 			ASSERT_TRUE(cells >> value) << i;
-			// The area is that of the vertices inside, 0.2 mm apart.
+			// The area is that of the vertices inside, which are 0.2 mm apart.
 			EXPECT_NEAR(value, row.values[i], (i == 1 ? 0.03 : 0.02) * row.values[i]) << name << " " << i;
 		}
 	}

@@ -23,7 +23,7 @@ constexpr double kK = 5e7, kDepth = 0.0004, kWidth = 0.008, kSeconds = 0.5;  // 
 constexpr double kForce = kK * kWidth * kWidth * kDepth;
 const Vec3 kHalf{0.01, 0.005, 0.01};
 
-/// A slab that lies, turned, on the upper side of a box: everywhere kDepth deep.
+/// A slab that lies, rotated, on the upper side of a box: kDepth deep everywhere.
 struct SlabOnBox
 {
 	HeatMap map;
@@ -43,7 +43,7 @@ double sum(const HeatMapTexture& texture, const std::vector<double>& values)
 	return std::inner_product(values.begin(), values.end(), texture.areas().begin(), 0.0);
 }
 
-/// Of the picture at a place, linear between the centres of four texels.
+/// Value of the picture at a place, linear between the centres of four texels.
 double bilinear(const HeatMapTexture& t, const std::vector<double>& values, const ist::TexturePlace& place)
 {
 	const double x = place.u * t.width() - 0.5, y = (1 - place.v) * t.height() - 0.5;
@@ -61,7 +61,8 @@ std::string refusal(const ist::Mesh& object, const TexturedMesh& surface, const 
 }
 }  // namespace
 
-// Pressure k d inside of the slab and nothing outside, impulse k d t on a unit of area, and over all texels the whole impulse.
+// Closed form: the pressure is k d inside the slab and zero outside, the impulse per area is k d t. The sum over all texels is the whole
+// impulse.
 TEST(HeatMapTexture, SlabOnSlabHasTheClosedFormInEveryTexel)
 {
 	const TexturedMesh box = texturedGridBox(kHalf, 50);
@@ -75,7 +76,7 @@ TEST(HeatMapTexture, SlabOnSlabHasTheClosedFormInEveryTexel)
 							  pressure = texture.value().values(slab.map, HeatMapValue::Pressure).value();
 	EXPECT_NEAR(sum(texture.value(), impulse), kForce * kSeconds, 0.02 * kForce * kSeconds);
 
-	// The upper side is the upper one of the second pair; x grows upwards and z to the right.
+	// The upper side of the box is the upper one of the second pair; x points up and z to the right.
 	int inside = 0, outside = 0;
 	for (int y = 0; y < 384; ++y)
 		for (int x = 0; x < 512; ++x)
@@ -105,7 +106,7 @@ TEST(HeatMapTexture, SlabOnSlabHasTheClosedFormInEveryTexel)
 TEST(HeatMapTexture, TheFilesMeshMayBeAnotherThanTheMapsOwn)
 {
 	const SlabOnBox slab(gridBox(kHalf, 50));
-	// Twelve triangles that share no vertex, as a reader of files gives them.
+	// Twelve triangles that share no vertex, as a file reader gives them.
 	TexturedMesh coarse = texturedGridBox(kHalf, 1), file;
 	for (size_t t = 0; t < coarse.places.size(); ++t)
 	{
@@ -120,7 +121,7 @@ TEST(HeatMapTexture, TheFilesMeshMayBeAnotherThanTheMapsOwn)
 			   b = other.value().values(slab.map, HeatMapValue::Impulse).value();
 	for (size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5 * kK * kDepth * kSeconds);
 	EXPECT_NEAR(sum(other.value(), b), kForce * kSeconds, 0.02 * kForce * kSeconds);
-	// What lies beside the object was not touched.
+	// A surface beside the object was not touched.
 	TexturedMesh away = file;
 	away.mesh = translated(away.mesh, {0, 0.003, 0});
 	const auto bare = HeatMapTexture::make(slab.map.mesh(), away, {300, 200, 2, 1e-3});
@@ -130,7 +131,7 @@ TEST(HeatMapTexture, TheFilesMeshMayBeAnotherThanTheMapsOwn)
 
 TEST(HeatMapTexture, EveryTexelBelongsToOneTriangleOfASheet)
 {
-	// Corners on texels, on their edges, and anywhere.
+	// Corners lie on texel centres, on texel edges, and anywhere.
 	std::mt19937 random(5);
 	std::uniform_real_distribution<double> shift(-0.4, 0.4);
 	const int n = 8;
@@ -157,7 +158,7 @@ TEST(HeatMapTexture, EveryTexelBelongsToOneTriangleOfASheet)
 			}
 		for (const int size : {8, 16, 36})
 		{
-			// Texel centres on the corners: half a texel aside.
+			// A shift of half a texel puts texel centres on the corners.
 			TexturedMesh moved = sheet;
 			for (auto& t : moved.places)
 				for (auto& place : t) place = {place.u + 0.5 / size, place.v - 0.5 / size};
@@ -173,7 +174,7 @@ TEST(HeatMapTexture, EveryTexelBelongsToOneTriangleOfASheet)
 
 TEST(HeatMapTexture, ShowsNoSeamBetweenIslands)
 {
-	// A ball presses on the edge between the upper side (y) and that at +x.
+	// A ball presses on the edge between the upper side (y) and the side at +x.
 	const TexturedMesh box = texturedGridBox({0.01, 0.01, 0.01}, 40);
 	HeatMap map(box.mesh);
 	map.addPart("R_Thumb3", 55, ist::makeSphereMesh(0.005, 4));
@@ -206,12 +207,12 @@ TEST(HeatMapTexture, ShowsNoSeamBetweenIslands)
 	}
 	EXPECT_GT(shared, 30);
 	EXPECT_LT(worst, 0.08);
-	EXPECT_GT(worstCut, 0.2);  // what it would be without a margin
+	EXPECT_GT(worstCut, 0.2);  // error without a margin
 }
 
 TEST(HeatMapTexture, TexelsOfSeveralPlacesTakeTheirMeanAndLoseNothing)
 {
-	// All six sides on the same part of the picture, and that one picture to the left.
+	// All six sides use the same part of the picture, shifted by one picture to the left.
 	TexturedMesh box = texturedGridBox(kHalf, 50);
 	for (auto& t : box.places)
 		for (auto& place : t) place = {std::fmod(3 * place.u, 1.0) - 1, std::fmod(2 * place.v, 1.0)};
@@ -276,7 +277,7 @@ TEST(HeatMapTexture, RefusesTheMapOfAnotherObject)
 	const auto texture = HeatMapTexture::make(box.mesh, box, {120, 80, 2, 0});
 	ASSERT_TRUE(texture);
 	EXPECT_TRUE(texture.value().values(SlabOnBox(box.mesh).map, HeatMapValue::Dwell));
-	// Fewer vertices; as many of them a little elsewhere; the same vertices in triangles that look inwards.
+	// Meshes that differ: fewer vertices; as many vertices but one displaced; the same vertices in triangles that face inward.
 	ist::Mesh moved = box.mesh, turned = box.mesh;
 	moved.vertices[7].x += 1e-9;
 	for (auto& t : turned.triangles) std::swap(t[0], t[1]);
@@ -298,7 +299,7 @@ TEST(HeatMapTexture, RefusesInASentence)
 	EXPECT_NE(refusal({}, box).find("no surface"), std::string::npos);
 	EXPECT_NE(refusal(box.mesh, box, {0, 100, 4, 0}).find("1 to 16384"), std::string::npos);
 	EXPECT_NE(refusal(box.mesh, box, {100, 100, -1, 0}).find("negative"), std::string::npos);
-	// Each side is within its bounds, but not the picture.
+	// Each side is within its bounds, but the picture is not.
 	EXPECT_NE(refusal(box.mesh, box, {8193, 8192, 4, 0}).find("8193 by 8192"), std::string::npos);
 	EXPECT_NE(refusal(box.mesh, box, {16384, 16384, 4, 0}).find("too large"), std::string::npos);
 	TexturedMesh bad = box;
@@ -312,7 +313,7 @@ TEST(HeatMapTexture, RefusesInASentence)
 	for (auto& t : bad.places)
 		for (auto& place : t) place = {20 * place.u, 20 * place.v};
 	EXPECT_NE(refusal(box.mesh, bad).find("repeats"), std::string::npos);
-	// Seven times over: too much of a picture of that size alone.
+	// The texture covers the picture seven times, which is too much only for a picture of that size.
 	bad = box;
 	for (auto& t : bad.places)
 		for (auto& place : t) place = {7 * place.u, place.v};

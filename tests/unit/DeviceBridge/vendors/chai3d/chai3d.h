@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// What the plug-in uses of CHAI3D's interface, so that it can be compiled and tried without CHAI3D. Names and signatures:
-// src/devices/CGenericHapticDevice.h, src/devices/CHapticDeviceHandler.h, src/math/CVector3d.h and CMatrix3d.h of
-// github.com/chai3d/chai3d, 3.3.0.
+// The part of CHAI3D's interface that the plug-in uses, so that it can be compiled and tested without CHAI3D. Names and signatures:
+// src/devices/CGenericHapticDevice.h, src/devices/CHapticDeviceHandler.h, src/math/CVector3d.h and CMatrix3d.h of github.com/chai3d/chai3d,
+// 3.3.0.
 #include <memory>
 #include <string>
 

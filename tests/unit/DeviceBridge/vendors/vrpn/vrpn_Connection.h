@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// What the plug-in uses of VRPN's interface, so that it can be compiled and tried without VRPN. Names and signatures: vrpn_Configure.h,
-// vrpn_Types.h and vrpn_Connection.h of github.com/vrpn/vrpn, 07.36.
+// The part of VRPN's interface that the plug-in uses, so that it can be compiled and tested without VRPN. Names and signatures:
+// vrpn_Configure.h, vrpn_Types.h and vrpn_Connection.h of github.com/vrpn/vrpn, 07.36.
 #include <sys/time.h>
 
 #define VRPN_CALLBACK
