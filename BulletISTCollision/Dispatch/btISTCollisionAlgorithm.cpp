@@ -191,7 +191,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	const btCollisionShape *shapeA = wrapA->getCollisionShape(), *shapeB = wrapB->getCollisionShape();
 	see(shapeA, shapeB);
 	const bool was = !m_stock && m_contact && m_contact->stamp > 0;
-	if (!m_treeA || isSkewed(*wrapA) || isSkewed(*wrapB) || !m_context->watch.covers(*body0Wrap, *body1Wrap, was))
+	if (!m_treeA || isSkewed(*wrapA) || isSkewed(*wrapB) || !m_context->pairFilter.accepts(*body0Wrap, *body1Wrap, was))
 	{
 		if (!m_stock) createStock(body0Wrap, body1Wrap);
 		return m_stock->processCollision(body0Wrap, body1Wrap, dispatchInfo, resultOut);

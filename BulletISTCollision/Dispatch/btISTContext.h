@@ -58,7 +58,7 @@ public:
 	bool active = true;
 	btISTContactStore store;
 	std::shared_ptr<btISTRegistry> registry;
-	btISTPairFilter watch;
+	btISTPairFilter pairFilter;
 	std::shared_ptr<const btISTPairRule> rule = std::make_shared<btISTDefaultPairRule>();
 	std::weak_ptr<const void> ruleClaim;  ///< claim of the handle that set the rule; when expired, any handle may set one
 	ist::QueryWorkspace workspace;

@@ -41,7 +41,7 @@ struct btISTRegistration::Unregistered
 {
 	btISTContactStore store;
 	btISTRegistry registry;
-	btISTPairFilter watch;
+	btISTPairFilter pairFilter;
 };
 
 btISTRegistration::Unregistered& btISTRegistration::unregistered() const
@@ -97,7 +97,10 @@ std::shared_ptr<btISTContactStore> btISTRegistration::sharedStore() const
 	return std::shared_ptr<btISTContactStore>(m_installation->context, &m_installation->context->store);
 }
 
-btISTPairFilter& btISTRegistration::pairFilter() { return m_installation ? m_installation->context->watch : unregistered().watch; }
+btISTPairFilter& btISTRegistration::pairFilter()
+{
+	return m_installation ? m_installation->context->pairFilter : unregistered().pairFilter;
+}
 
 std::optional<ist::Error> btISTRegistration::setPairRule(std::shared_ptr<const btISTPairRule> rule)
 {

@@ -56,7 +56,7 @@ bool btISTPairFilter::acceptsPair(const btCollisionObject* a, const btCollisionO
 	return !m_onlyPairs || std::binary_search(m_pairs.begin(), m_pairs.end(), sorted(a, b));
 }
 
-bool btISTPairFilter::covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
+bool btISTPairFilter::accepts(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const
 {
 	if (!acceptsPair(a.getCollisionObject(), b.getCollisionObject())) return false;
 	if (!m_hasRegion) return true;

@@ -37,7 +37,7 @@ public:
 	/// Whether the region includes the pair. `lower` and `upper` are the corners of the bounding boxes of both (World).
 	bool acceptsBoxes(const btVector3& lowerA, const btVector3& upperA, const btVector3& lowerB, const btVector3& upperB, bool was) const;
 	/// Whether the pair is to be volumetric. `was`: it is volumetric now. O(log pairs), no allocation.
-	bool covers(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
+	bool accepts(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, bool was) const;
 
 	// Former names, kept until 0.4.
 	[[deprecated("since 0.3: addPair")]] void watchPair(const btCollisionObject* a, const btCollisionObject* b) { addPair(a, b); }

@@ -18,10 +18,11 @@ std::optional<Error> checkSettings(const BulletHandSettings& s)
 {
 	const std::pair<const char*, double> positives[] = {{"partMass", s.partMass}, {"palmMass", s.palmMass}, {"stiffness", s.stiffness},
 		{"angularStiffness", s.angularStiffness}, {"maxForce", s.maxForce}, {"maxTorque", s.maxTorque}, {"palmForce", s.palmForce},
-		{"palmTorque", s.palmTorque}, {"watch.speed", s.watch.speed}, {"watch.turning", s.watch.turning}, {"watch.fade", s.watch.fade}};
+		{"palmTorque", s.palmTorque}, {"tracking.speed", s.tracking.speed}, {"tracking.turning", s.tracking.turning},
+		{"tracking.fade", s.tracking.fade}};
 	for (const auto& [name, value] : positives)
 		if (!(value > 0) || !std::isfinite(value)) return Error{std::string("the hand's ") + name + " must be a positive finite number"};
-	for (const auto& [name, value] : {std::pair{"friction", s.friction}, {"watch.patience", s.watch.patience}})
+	for (const auto& [name, value] : {std::pair{"friction", s.friction}, {"tracking.patience", s.tracking.patience}})
 		if (!(value >= 0) || !std::isfinite(value))
 			return Error{std::string("the hand's ") + name + " must be a finite number, not negative"};
 	return std::nullopt;
@@ -50,7 +51,7 @@ Result<std::unique_ptr<BulletHand>> BulletHand::create(
 		hand->body(i).setIgnoreCollisionCheck(&hand->body(parentOf(i)), true);
 		hand->body(parentOf(i)).setIgnoreCollisionCheck(&hand->body(i), true);
 	}
-	hand->m_watch = std::make_unique<HandTrackingMonitor>(*hand->m_model, poses, settings.watch);
+	hand->m_monitor = std::make_unique<HandTrackingMonitor>(*hand->m_model, poses, settings.tracking);
 	return hand;
 }
 
@@ -100,15 +101,15 @@ std::optional<Error> BulletHand::addPart(int index, const Pose& X_WB, const Bull
 void BulletHand::drive(const HandState& hand, double h) noexcept
 {
 	if (!(h > 0) || !std::isfinite(h)) return;
-	m_watch->update(hand, h);
+	m_monitor->update(hand, h);
 	for (int i = 0; i < kHandParts; ++i)
 	{
 		Part& part = m_parts[static_cast<std::size_t>(i)];
 		CouplingGains gains = part.gains;
 		// The dampers stay, so that a hand that has released its grip comes to rest.
-		gains.stiffness *= m_watch->grip();
-		gains.angularStiffness *= m_watch->grip();
-		const HandTrackingMonitor::Target& target = m_watch->target(i);
+		gains.stiffness *= m_monitor->grip();
+		gains.angularStiffness *= m_monitor->grip();
+		const HandTrackingMonitor::Target& target = m_monitor->target(i);
 		const ToolState tool{
 			toPose(part.body->getWorldTransform()), {toVec3(part.body->getLinearVelocity()), toVec3(part.body->getAngularVelocity())}};
 		part.coupling = couplingOnTool(gains, target.X_WB, target.twist, tool, part.mass, part.inertia, h);

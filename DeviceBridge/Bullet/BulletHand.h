@@ -20,7 +20,7 @@ struct BulletHandSettings
 	double palmForce = 60, palmTorque = 4;          ///< largest force and torque of the coupling of the palm [N, N m]
 	double friction = 1;                            ///< friction coefficient of the skin; Bullet multiplies it by the object's
 	btContactMaterial skin{5e7, 2};
-	HandTrackingLimits watch;
+	HandTrackingLimits tracking;
 };
 
 /// Whether the bodies touched in the last step. A contact whose pair was not evaluated since, for example because it sleeps, keeps its old
@@ -56,7 +56,8 @@ public:
 	int partOf(const btCollisionObject* object) const noexcept;
 	/// Wrench of the coupling on the part in the last step, about the part's centre of mass, World.
 	const ist::Wrench& coupling(int part) const noexcept { return m_parts[static_cast<std::size_t>(part)].coupling; }
-	const HandTrackingMonitor& pairFilter() const noexcept { return *m_watch; }
+	const HandTrackingMonitor& trackingMonitor() const noexcept { return *m_monitor; }
+	[[deprecated("since 0.3: trackingMonitor")]] const HandTrackingMonitor& watch() const noexcept { return trackingMonitor(); }
 
 	/// Sums over the contacts of the parts in the last step, with other bodies and with each other.
 	struct Touch
@@ -87,6 +88,6 @@ private:
 	btISTWorld& m_world;
 	std::shared_ptr<const HandModel> m_model;
 	std::array<Part, kHandParts> m_parts;
-	std::unique_ptr<HandTrackingMonitor> m_watch;
+	std::unique_ptr<HandTrackingMonitor> m_monitor;
 };
 }  // namespace devicebridge

@@ -54,16 +54,16 @@ double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore&
 	return sum;
 }
 
-BulletHeatMapRounds::BulletHeatMapRounds(HeatMap& map, int looks) : m_map(map), m_looks(looks) { m_touches.reserve(4 * kHandParts); }
+BulletHeatMapRounds::BulletHeatMapRounds(HeatMap& map, int budget) : m_map(map), m_budget(budget) { m_touches.reserve(4 * kHandParts); }
 
 /// Returns true if the present moment is done.
-bool BulletHeatMapRounds::work(int looks)
+bool BulletHeatMapRounds::work(int budget)
 {
-	for (; !m_touches.empty() && looks > 0; m_touches.pop_back())
+	for (; !m_touches.empty() && budget > 0; m_touches.pop_back())
 	{
 		const Touch& touch = m_touches.back();
 		if (!m_begun) m_map.begin(touch.part, touch.contact);
-		m_begun = !m_map.advance(looks);
+		m_begun = !m_map.advance(budget);
 		if (m_begun) return false;
 	}
 	return m_touches.empty();
@@ -73,7 +73,7 @@ void BulletHeatMapRounds::step(
 	const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const Pose& X_BM, double h)
 {
 	m_since += h;
-	if (!work(m_looks)) return;
+	if (!work(m_budget)) return;
 	forEachTouch(hand, contacts, object, X_BM, h, m_since, [&](int part, const HeatMapContact& contact) {
 		m_touches.push_back({part, contact});
 		m_impulse += contact.force * contact.seconds;

@@ -22,9 +22,9 @@ double addTouches(HeatMap& map, const BulletHand& hand, const btISTContactStore&
 class BulletHeatMapRounds
 {
 public:
-	/// `looks` is the number of closest-point queries per step, about 0.5 us each (HeatMap::advance). The map must outlive this object, and
-	/// nothing else may add to it meanwhile.
-	BulletHeatMapRounds(HeatMap& map, int looks);
+	/// `budget` is the number of closest-point queries per step, about 0.5 us each (HeatMap::advance). The map must outlive this object,
+	/// and nothing else may add to it meanwhile.
+	BulletHeatMapRounds(HeatMap& map, int budget);
 	/// Call it after a step, with arguments as in addTouches. It allocates only if there are more touches than ever before.
 	void step(const BulletHand& hand, const btISTContactStore& contacts, const btRigidBody& object, const ist::Pose& X_BM, double h);
 	/// Processes the rest of the present moment at once. Call it before the map is read or a new grasp begins. Touches after that moment
@@ -42,10 +42,10 @@ private:
 		int part;
 		HeatMapContact contact;
 	};
-	bool work(int looks);
+	bool work(int budget);
 
 	HeatMap& m_map;
-	int m_looks, m_rounds = 0;
+	int m_budget, m_rounds = 0;
 	std::vector<Touch> m_touches;  ///< touches of the moment that are still to be added; the last one may have been begun
 	bool m_begun = false;
 	double m_since = 0, m_seconds = 0, m_impulse = 0;

@@ -21,16 +21,16 @@ BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::in
 	m_contact.treeA = notOwned(&tool);
 	m_workspace.reserve(tool, tool);
 	m_workspace.makeResident();
-	m_roomFor = mostSlots(tool);
+	m_buffersFor = mostSlots(tool);
 }
 
 void BulletToolContacts::reserve(const ist::InnerSphereTree& tree)
 {
 	const std::size_t slots = mostSlots(tree);
-	if (slots <= m_roomFor) return;
-	m_rooms.writable() = std::make_unique<ist::QueryBuffers>(m_tool, tree);
-	m_rooms.publish();
-	m_roomFor = slots;
+	if (slots <= m_buffersFor) return;
+	m_buffers.writable() = std::make_unique<ist::QueryBuffers>(m_tool, tree);
+	m_buffers.publish();
+	m_buffersFor = slots;
 }
 
 ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB) noexcept
@@ -54,7 +54,7 @@ ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const Mirrored
 int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,
 	int capacity, double& volume) noexcept
 {
-	if (m_rooms.fetch()) m_workspace.take(*m_rooms.readable());
+	if (m_buffers.fetch()) m_workspace.take(*m_buffers.readable());
 	const double begin = m_measures ? threadMicroseconds() : 0;
 	const ist::OverlapResult result = ask(X_WT, body, X_WB);
 	if (m_measures) m_queryMicroseconds += threadMicroseconds() - begin;

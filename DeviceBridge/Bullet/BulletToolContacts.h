@@ -43,8 +43,8 @@ private:
 	const ist::InnerSphereTree& m_tool;
 	ist::QueryWorkspace m_workspace;
 	TripleBuffer<std::unique_ptr<ist::QueryBuffers>>
-		m_rooms;                // new buffers; fetched ones are exchanged for the workspace's own, which the thread of reserve() frees
-	std::size_t m_roomFor = 0;  // number of slots in the largest buffers so far
+		m_buffers;                 // new buffers; fetched ones are exchanged for the workspace's own, which the thread of reserve() frees
+	std::size_t m_buffersFor = 0;  // number of slots in the largest buffers so far
 	std::int64_t m_maxPairs;
 	btISTContact m_contact;  // pair that the contact law reads; it does not own its trees
 	std::uint64_t m_coarsened = 0, m_overBudget = 0, m_refused = 0;

@@ -239,13 +239,13 @@ bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
 /// Whether the pair filter accepts tool and body. The tool is in no world, so its box is that of its last post.
 bool BulletWorldCoupling::watches(const Hand& hand, const btCollisionObject& body, bool was) const
 {
-	const btISTPairFilter& watch = m_registration.pairFilter();
+	const btISTPairFilter& filter = m_registration.pairFilter();
 	const btRigidBody& tool = hand.source->tool();
-	if (!watch.acceptsPair(&tool, &body)) return false;
+	if (!filter.acceptsPair(&tool, &body)) return false;
 	btVector3 lowerTool, upperTool, lower, upper;
 	tool.getCollisionShape()->getAabb(toTransform(hand.source->mirror().posted().tool.X_WT), lowerTool, upperTool);
 	body.getCollisionShape()->getAabb(body.getWorldTransform(), lower, upper);
-	return watch.acceptsBoxes(lowerTool, upperTool, lower, upper, was);
+	return filter.acceptsBoxes(lowerTool, upperTool, lower, upper, was);
 }
 
 void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach)

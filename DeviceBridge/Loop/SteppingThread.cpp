@@ -28,7 +28,7 @@ bool isZero(const ist::Wrench& w) { return w.force == ist::Vec3() && w.torque ==
 void increment(std::atomic<std::uint64_t>& counter) { counter.fetch_add(1, std::memory_order_relaxed); }
 
 // A camera or a glove that samples at 60 Hz is not frozen between two samples.
-SampleMonitorSettings watchOf(const DeviceInfo& info, SampleMonitorSettings settings)
+SampleMonitorSettings monitorOf(const DeviceInfo& info, SampleMonitorSettings settings)
 {
 	const double threePeriods = info.nominalRate > 0 ? 3e9 / info.nominalRate : 0;
 	settings.frozenAfter = std::max(settings.frozenAfter, static_cast<std::int64_t>(std::min(threePeriods, 1e9)));
@@ -62,7 +62,7 @@ SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clo
 	  m_time(clock),
 	  m_settings(settings),
 	  m_limiter(device.info(), settings.safety),
-	  m_watch(watchOf(device.info(), settings.watch)),
+	  m_monitor(monitorOf(device.info(), settings.monitor)),
 	  m_scheduling(kOnTheCaller),
 	  m_memory("not locked: the loop has no thread of its own")
 {
@@ -222,7 +222,7 @@ void SteppingThread::tick() noexcept
 		const std::int64_t computedAt = fresh ? computeWrench() : now;
 		if (!fresh && m_hasState) advanceWorld();
 		if (fresh) send(computedAt);
-		else sendZero(m_watchCause, now);
+		else sendZero(m_monitorCause, now);
 	}
 	catch (...)
 	{
@@ -247,20 +247,20 @@ std::int64_t SteppingThread::computeWrench()
 	return computedAt;
 }
 
-/// Returns false if there is no usable sample. Then the last good one stays, and `m_watchCause` says why.
+/// Returns false if there is no usable sample. Then the last good one stays, and `m_monitorCause` says why.
 bool SteppingThread::readDevice(std::int64_t now) noexcept
 {
 	DeviceState state = m_state;
 	const DeviceStatus status = m_device.read(now, state);
-	m_watchCause = status == DeviceStatus::Ok  ? m_watch.judge(state, now)
-		: status == DeviceStatus::InvalidState ? FaultCause::InvalidState
-											   : FaultCause::Disconnected;
-	if (m_watchCause == FaultCause::InvalidState)
+	m_monitorCause = status == DeviceStatus::Ok ? m_monitor.judge(state, now)
+		: status == DeviceStatus::InvalidState  ? FaultCause::InvalidState
+												: FaultCause::Disconnected;
+	if (m_monitorCause == FaultCause::InvalidState)
 	{
 		m_limiter.raiseFault();
 		m_latchedCause = FaultCause::InvalidState;
 	}
-	if (m_watchCause != FaultCause::None)
+	if (m_monitorCause != FaultCause::None)
 	{
 		if (!m_outage) m_outageSince = now;
 		m_outage = true;
@@ -287,7 +287,7 @@ void SteppingThread::advanceWorld()
 	DeviceState hand = m_state;
 	// The hand also moves on while the device gives no sample and while the thread is stopped.
 	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
-	if (m_watchCause == FaultCause::None) m_lastSampleTick = m_lastTick;
+	if (m_monitorCause == FaultCause::None) m_lastSampleTick = m_lastTick;
 	m_source.advance(period, hand, m_step);
 	if (m_step.toolIsBroken)
 	{

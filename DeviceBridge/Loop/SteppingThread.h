@@ -43,7 +43,7 @@ struct SteppingSettings
 	bool lockMemory = false;
 	int priority = 80;  ///< priority under SCHED_FIFO; below 99, which the kernel's watchdogs use
 	SafetySettings safety;
-	SampleMonitorSettings watch;
+	SampleMonitorSettings monitor;
 };
 
 /// The haptic loop. One tick: read the device, onTransform, ContactSource, onCollision for each contact, ForceLaw, onHapticTick,
@@ -157,7 +157,7 @@ private:
 	GapBridge m_gapBridge;
 	SteppingSettings m_settings;
 	SafetyLimiter m_limiter;
-	SampleMonitor m_watch;
+	SampleMonitor m_monitor;
 	CouplingForceLaw m_couplingLaw;
 	ForceLaw* m_law = &m_couplingLaw;
 
@@ -169,7 +169,7 @@ private:
 	std::int64_t m_deadline = 0, m_lastTick = 0, m_lastSampleTick = 0;
 	std::int64_t m_outageSince = 0;
 	std::uint64_t m_seenJumps = 0;
-	FaultCause m_watchCause = FaultCause::None, m_latchedCause = FaultCause::None;
+	FaultCause m_monitorCause = FaultCause::None, m_latchedCause = FaultCause::None;
 	bool m_scheduled = false;
 	bool m_hasState = false, m_outage = false;
 

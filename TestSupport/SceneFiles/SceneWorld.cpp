@@ -155,18 +155,18 @@ Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset
 	return body;
 }
 
-std::optional<Error> watch(btISTWorld& world, const Scene& scene, const std::vector<SceneWorld::Body>& bodies)
+std::optional<Error> filterPairs(btISTWorld& world, const Scene& scene, const std::vector<SceneWorld::Body>& bodies)
 {
-	btISTPairFilter& watch = world.pairFilter();
-	for (const auto& [a, b] : scene.pairs) watch.addPair(bodies[a].body.get(), bodies[b].body.get());
+	btISTPairFilter& filter = world.pairFilter();
+	for (const auto& [a, b] : scene.pairs) filter.addPair(bodies[a].body.get(), bodies[b].body.get());
 	if (scene.onlyPairs && scene.pairs.empty())
 	{
 		// An empty list: no pair is volumetric.
-		watch.addPair(bodies[0].body.get(), bodies[0].body.get());
-		watch.removePair(bodies[0].body.get(), bodies[0].body.get());
+		filter.addPair(bodies[0].body.get(), bodies[0].body.get());
+		filter.removePair(bodies[0].body.get(), bodies[0].body.get());
 	}
 	if (!scene.region) return std::nullopt;
-	return watch.setRegion(toBullet(scene.region->lower), toBullet(scene.region->upper));
+	return filter.setRegion(toBullet(scene.region->lower), toBullet(scene.region->upper));
 }
 }  // namespace
 
@@ -207,7 +207,7 @@ Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(
 		if (!attached) return at(from.place, attached.error());
 		bodies[i].attachment = std::move(attached).value();
 	}
-	if (auto refused = watch(world, scene, bodies)) return *refused;
+	if (auto refused = filterPairs(world, scene, bodies)) return *refused;
 	for (size_t i = 0; i < bodies.size(); ++i)
 		if (inWorld(i)) world.bullet().addRigidBody(bodies[i].body.get());
 	return bodies;

@@ -37,7 +37,7 @@ QueryOptions optionsOf(Model model)
 /// Of a query, or the mean of some.
 struct Work
 {
-	double us = 0, looks = 0, pairs = 0;
+	double us = 0, traversals = 0, pairs = 0;
 };
 
 Work workOf(const OverlapResult& r)
@@ -135,7 +135,7 @@ Peak peakOf(Model model)
 	const Work apart = measure(layeredBody(1e-6, 1), layeredBody(1e-6, 2), same, model, kPeakVisits);
 	const Work meeting = measure(layeredBody(1, 1), layeredBody(1, 2), same, model, kPeakVisits);
 	const double look = apart.us / apart.traversals;
-	std::printf("  %.0f looks, %.0f pairs in %.1f us; %.0f and %.0f in %.1f us\n", apart.traversals, apart.pairs, apart.us,
+	std::printf("  %.0f traversals, %.0f pairs in %.1f us; %.0f and %.0f in %.1f us\n", apart.traversals, apart.pairs, apart.us,
 		meeting.traversals, meeting.pairs, meeting.us);
 	return {look, (meeting.us - look * meeting.traversals) / meeting.pairs};
 }
@@ -168,7 +168,7 @@ int main(int argc, char** argv)
 		std::printf("%s, instruction set %s\n", model == Model::Inner ? "paper" : "law", toString(set.value()));
 		const Peak peak = peakOf(model);
 		std::printf("  a look %.2f ns, a pair %.2f ns\n%9s %8s %9s %9s %9s %9s %7s\n", 1e3 * peak.look, 1e3 * peak.pair, "spheres",
-			"overlap", "looks", "pairs", "limit us", "us", "share");
+			"overlap", "traversals", "pairs", "limit us", "us", "share");
 		for (const int count : spheres)
 		{
 			const Result<InnerSphereTree> body = loadAsset(std::string(argv[1]) + "/bunny-" + std::to_string(count) + ".ist");

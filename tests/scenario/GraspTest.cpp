@@ -136,7 +136,7 @@ TEST(GraspScenarios, AHandThatIsLostInTheAirLetsGoAndSaysSo)
 	}
 	EXPECT_TRUE(heldOn);
 	EXPECT_LT(double(scene->body().getWorldTransform().getOrigin().y()), 0.05);
-	EXPECT_NE(scene->hand().pairFilter().complaints().sentence().find("tracking was lost"), std::string::npos);
+	EXPECT_NE(scene->hand().trackingMonitor().complaints().sentence().find("tracking was lost"), std::string::npos);
 }
 
 TEST(GraspScenarios, ARecordedHandHoldsLikeTheLiveOneToTheLastBit)

@@ -10,7 +10,7 @@ namespace ist
 namespace
 {
 // Subdivision sizes as shares of a radius of curvature and of the half-width between two opposite sides. Source: FieldQueryTest.
-constexpr double kGrainOfRadius = 0.4, kGrainOfHalf = 0.75;
+constexpr double kSubdivisionOfRadius = 0.4, kSubdivisionOfHalf = 0.75;
 constexpr double kTipShare = 0.04;  // share of a cone's height from the apex within which the subdivision size stays constant
 
 bool isLength(double x) { return x > 0 && std::isfinite(x); }
@@ -81,7 +81,7 @@ FieldSide BoxField::side(int index, const Vec3& p, const SymmetricMatrix3&) cons
 	return s;
 }
 
-Vec3 BoxField::subdivisionSize(const Vec3&) const { return m_half * kGrainOfHalf; }
+Vec3 BoxField::subdivisionSize(const Vec3&) const { return m_half * kSubdivisionOfHalf; }
 bool BoxField::isValid() const { return isLength(m_half.x) && isLength(m_half.y) && isLength(m_half.z) && isLength(volume()); }
 
 // Within the straight part, the nearest axis point moves with the position. For a cloud across its end it does so in part.
@@ -104,8 +104,8 @@ FieldSide CapsuleField::side(int, const Vec3& p, const SymmetricMatrix3& spread)
 
 Vec3 CapsuleField::subdivisionSize(const Vec3& p) const
 {
-	const double across = kGrainOfRadius * m_radius;
-	return {across, across, across + kGrainOfRadius * std::max(0.0, m_half - std::fabs(p.z))};
+	const double across = kSubdivisionOfRadius * m_radius;
+	return {across, across, across + kSubdivisionOfRadius * std::max(0.0, m_half - std::fabs(p.z))};
 }
 
 double CapsuleField::volume() const { return kPi * m_radius * m_radius * 2 * m_half + ballVolume(m_radius); }
@@ -121,7 +121,7 @@ FieldSide CylinderField::side(int index, const Vec3& p, const SymmetricMatrix3& 
 
 Vec3 CylinderField::subdivisionSize(const Vec3&) const
 {
-	return {kGrainOfRadius * m_radius, kGrainOfRadius * m_radius, kGrainOfHalf * m_half};
+	return {kSubdivisionOfRadius * m_radius, kSubdivisionOfRadius * m_radius, kSubdivisionOfHalf * m_half};
 }
 
 double CylinderField::volume() const { return kPi * m_radius * m_radius * 2 * m_half; }
@@ -145,8 +145,8 @@ FieldSide ConeField::side(int index, const Vec3& p, const SymmetricMatrix3& spre
 Vec3 ConeField::subdivisionSize(const Vec3& p) const
 {
 	const double share = std::max(kTipShare, std::min(1.0, radiusAt(p.z) / m_radius));
-	const double across = kGrainOfRadius * share * m_radius;
-	return {across, across, kGrainOfRadius * share * m_height};
+	const double across = kSubdivisionOfRadius * share * m_radius;
+	return {across, across, kSubdivisionOfRadius * share * m_height};
 }
 
 double ConeField::volume() const { return kPi / 3 * m_radius * m_radius * m_height; }

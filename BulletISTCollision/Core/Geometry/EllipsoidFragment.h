@@ -31,10 +31,10 @@ struct LevelFunction
 
 /// A fragment, cut at the zero set of a level function as if by a plane. This is exact for a linear function and second order for others.
 /// Share, centroids and moments are continuously differentiable in the function's values, also at either end, where one part vanishes.
-class PieceCut
+class FragmentCut
 {
 public:
-	PieceCut(const EllipsoidFragment& piece, const LevelFunction& f) : m_piece(&piece)
+	FragmentCut(const EllipsoidFragment& piece, const LevelFunction& f) : m_piece(&piece)
 	{
 		const Vec3 conjugate = piece.shape * f.gradient;
 		const double width = std::sqrt(std::max(0.0, dot(f.gradient, conjugate)));

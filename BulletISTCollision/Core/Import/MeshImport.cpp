@@ -46,10 +46,10 @@ constexpr double kBlurred = 1e-3;
 constexpr double kReading = 0.9;
 
 /// Calls the caller's progress callback in the caller's locale.
-class Watch
+class ImportProgress
 {
 public:
-	Watch(const Progress& progress, locale_t callers) : m_progress(progress), m_callers(callers) {}
+	ImportProgress(const Progress& progress, locale_t callers) : m_progress(progress), m_callers(callers) {}
 	bool reach(double fraction)
 	{
 		const ThreadLocale callers(m_callers);
@@ -68,10 +68,10 @@ private:
 
 /// Reads in blocks, and reports progress between them. It goes on reading after a cancellation, because assimp's loaders leak memory when
 /// a read fails. It throws if a loader reads the file endlessly, as the PLY loader does with a damaged header.
-class WatchedStream : public Assimp::IOStream
+class ProgressStream : public Assimp::IOStream
 {
 public:
-	WatchedStream(Assimp::IOStream* stream, Watch& watch) : m_stream(stream), m_watch(watch) {}
+	ProgressStream(Assimp::IOStream* stream, ImportProgress& importProgress) : m_stream(stream), m_progress(importProgress) {}
 	size_t Read(void* buffer, size_t size, size_t count) override
 	{
 		constexpr size_t kBlock = size_t(1) << 24;
@@ -86,7 +86,7 @@ public:
 			if (m_taken > kMostTimes * m_stream->FileSize() + kAtLeast)
 				throw std::runtime_error("it is damaged: assimp finds no end in it");
 			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
-			m_watch.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
+			m_progress.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
 			if (read < wanted) break;
 		}
 		return done;
@@ -101,16 +101,16 @@ private:
 	// Limit of the bytes read, as a multiple of the file's size: a loader reads a file once, or a few times.
 	static constexpr size_t kMostTimes = 16, kAtLeast = size_t(1) << 20;
 	std::unique_ptr<Assimp::IOStream> m_stream;
-	Watch& m_watch;
+	ImportProgress& m_progress;
 	size_t m_taken = 0;
 };
 
-class WatchedFiles : public Assimp::DefaultIOSystem
+class ProgressFiles : public Assimp::DefaultIOSystem
 {
 public:
 	/// `unpacked`, if present, replaces the content of the file at `path`; it must outlive this object.
-	WatchedFiles(Watch& watch, const std::string& path, const std::optional<std::string>& unpacked)
-		: m_watch(watch),
+	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& unpacked)
+		: m_progress(importProgress),
 		  m_path(path),
 		  m_unpacked(unpacked)
 	{}
@@ -120,12 +120,12 @@ public:
 		Assimp::IOStream* stream = isUnpacked
 			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
 			: DefaultIOSystem::Open(file, mode);
-		return stream ? new WatchedStream(stream, m_watch) : nullptr;
+		return stream ? new ProgressStream(stream, m_progress) : nullptr;
 	}
 	void Close(Assimp::IOStream* stream) override { delete stream; }
 
 private:
-	Watch& m_watch;
+	ImportProgress& m_progress;
 	const std::string& m_path;
 	const std::optional<std::string>& m_unpacked;
 };
@@ -180,7 +180,7 @@ struct LeftOut
 /// Removes elements that are not faces, and faces with invalid corners: assimp does not check them, and triangulating them reads beyond
 /// the vertices. The part's primitive types are set to those that remain. Otherwise assimp ends the process if it expects polygons and
 /// finds none.
-void bvhFaces(aiMesh& part, LeftOut& out)
+void removeInvalidFaces(aiMesh& part, LeftOut& out)
 {
 	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
 	for (unsigned i = 0; i < part.mNumFaces; ++i)
@@ -214,10 +214,10 @@ std::vector<aiMesh*> partsOf(const aiScene& scene)
 	return parts;
 }
 
-LeftOut bvhFaces(const aiScene& scene)
+LeftOut removeInvalidFaces(const aiScene& scene)
 {
 	LeftOut out;
-	for (aiMesh* part : partsOf(scene)) bvhFaces(*part, out);
+	for (aiMesh* part : partsOf(scene)) removeInvalidFaces(*part, out);
 	return out;
 }
 
@@ -305,14 +305,15 @@ double share(const Rounding& rounding, bool inOnePlace, double side)
 	return inOnePlace || between > kBlurred ? rounding.inPart / side : between;
 }
 
-TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, Watch& watch)
+TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProgress& importProgress)
 {
 	TexturedMesh textured;
 	Rounding rounding;
 	std::optional<Vec3> place;
 	bool inOnePlace = true;
 	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
-	for (size_t done = 1; !open.empty() && watch.reach(kReading + (1 - kReading) * double(done) / double(done + open.size())); ++done)
+	for (size_t done = 1; !open.empty() && importProgress.reach(kReading + (1 - kReading) * double(done) / double(done + open.size()));
+		 ++done)
 	{
 		const auto [node, parentTransform] = open.back();
 		open.pop_back();
@@ -412,7 +413,7 @@ std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importe
 		"are not.";
 }
 
-Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, Watch& watch)
+Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
 {
 	if (const auto error = whyNoMeshFile(path)) return *error;
 	const Result<MeshFileHead> head = readMeshFileHead(path);
@@ -420,28 +421,28 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
 	if (!scale) return scale.error();
 	Assimp::Importer importer;
-	importer.SetIOHandler(new WatchedFiles(watch, path, head.value().unpacked));
+	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().unpacked));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
 	// The cast is safe: the importer owns the scene and returns it as const.
 	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
-	const LeftOut leftOut = scene ? bvhFaces(*scene) : LeftOut();
+	const LeftOut leftOut = scene ? removeInvalidFaces(*scene) : LeftOut();
 	if (2 * leftOut.damaged > leftOut.faces)
 		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
 			" name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) +
 			"; export the mesh again"};
 	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-	if (watch.cancelled()) return Error{"the import was cancelled", true};
+	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
 			"; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it "
 			"again"};
 	if (readerName(importer) == k3mfReader && head.value().unit.format != "3MF")
 		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
-	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, watch);
+	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, importProgress);
 	textured.mesh.unit = scale.value().unit;
 	const Mesh& mesh = textured.mesh;
-	if (watch.cancelled()) return Error{"the import was cancelled", true};
+	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
 	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
 	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
 	double worst = 0;
@@ -452,7 +453,7 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 			" % of its size only; move it to the origin and export it again"};
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
-	if (!watch.reach(1)) return Error{"the import was cancelled", true};
+	if (!importProgress.reach(1)) return Error{"the import was cancelled", true};
 	textured.mesh.notTaken = sentences(leftOut, warnings.ofFaces());
 	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
 		textured.mesh.notTaken.push_back(*std::move(sentence));
@@ -467,15 +468,15 @@ Result<TexturedMesh> importSurface(const std::string& path, const std::optional<
 	// 1.
 	const PlainLocale plain;
 	const ThreadLocale readers(plain.get());
-	Watch watch(progress, readers.before());
-	if (!watch.reach(0)) return Error{"the import was cancelled", true};
+	ImportProgress importProgress(progress, readers.before());
+	if (!importProgress.reach(0)) return Error{"the import was cancelled", true};
 	try
 	{
-		return readMesh(path, unit, wanted, watch);
+		return readMesh(path, unit, wanted, importProgress);
 	}
 	catch (const std::exception& exception)
 	{
-		if (watch.cancelled()) return Error{"the import was cancelled", true};
+		if (importProgress.cancelled()) return Error{"the import was cancelled", true};
 		return Error{"cannot read " + path + ": " + exception.what() + "; export the mesh again"};
 	}
 }

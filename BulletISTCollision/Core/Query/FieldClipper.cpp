@@ -231,7 +231,7 @@ void FieldClipper::contest(const EllipsoidFragment& piece, int winner, int chall
 	if (challenger >= m_sides) return cut(piece, winner, m_field.side(winner, piece.center, spread));
 	const FieldSide own = m_field.side(winner, piece.center, spread), other = m_field.side(challenger, piece.center, spread);
 	if (isNearerThroughout(own, other, piece.shape.trace())) return contest(piece, winner, challenger + 1, first);
-	const PieceCut edge(piece, nearer(own, other));
+	const FragmentCut edge(piece, nearer(own, other));
 	if (!edge.keepsNothing()) contest(edge.positive(), winner, challenger + 1, first);
 	if (!edge.keepsAll()) contest(edge.negative(), challenger, challenger + 1, first);
 	if (m_stiffness && edge.slope() > 0) addEdge(edge, winner, challenger, first);
@@ -240,7 +240,7 @@ void FieldClipper::contest(const EllipsoidFragment& piece, int winner, int chall
 /// `own`: side `index` as the piece sees it.
 void FieldClipper::cut(const EllipsoidFragment& piece, int index, const FieldSide& own)
 {
-	const PieceCut surface(piece, depthOf(own));
+	const FragmentCut surface(piece, depthOf(own));
 	if (surface.keepsNothing()) return;
 	const EllipsoidFragment inside = surface.positive();
 	const FieldSide s = m_field.side(index, inside.center, inside.spread());
@@ -255,15 +255,15 @@ void FieldClipper::cut(const EllipsoidFragment& piece, int index, const FieldSid
 }
 
 /// Where two sides are equally deep, the normal leaps from the one's to the other's.
-void FieldClipper::addEdge(const PieceCut& edge, int winner, int challenger, int first)
+void FieldClipper::addEdge(const FragmentCut& edge, int winner, int challenger, int first)
 {
 	const EllipsoidFragment disc = edge.disc();
 	const SymmetricMatrix3 spread = disc.spread();
 	const FieldSide side = m_field.side(winner, disc.center, spread);
 	const Vec3 leap = side.normal - m_field.side(challenger, disc.center, spread).normal;
-	double share = PieceCut(disc, depthOf(side)).share();
+	double share = FragmentCut(disc, depthOf(side)).share();
 	for (int other = challenger + 1; other < m_sides && share > 0; ++other)
-		if (other != first) share *= PieceCut(disc, nearer(side, m_field.side(other, disc.center, spread))).share();
+		if (other != first) share *= FragmentCut(disc, nearer(side, m_field.side(other, disc.center, spread))).share();
 	if (!(share > 0)) return;
 	FieldTerm term;
 	term.centroid = disc.center;

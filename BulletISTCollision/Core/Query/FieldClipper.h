@@ -57,7 +57,7 @@ private:
 	void assign(const EllipsoidFragment& piece);
 	void contest(const EllipsoidFragment& piece, int winner, int challenger, int first);
 	void cut(const EllipsoidFragment& piece, int index, const FieldSide& own);
-	void addEdge(const PieceCut& edge, int winner, int challenger, int first);
+	void addEdge(const FragmentCut& edge, int winner, int challenger, int first);
 	void send(FieldTerm& term);
 
 	const AnalyticField& m_field;

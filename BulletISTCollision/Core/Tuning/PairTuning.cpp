@@ -69,7 +69,7 @@ Result<PairTuning> tunePair(TuneBody& A, TuneBody& B, const TuneOptions& options
 		if (!found) return found.error();
 		if (!tuning.kept && builds && spheres < options.maxSpheres) continue;
 		if (!asksForWorld) return tuning;
-		const Result<TimeStepAdvice> needs = worldNeeds(options.world, A.tree, B.tree, found.value().contacts, options.error);
+		const Result<TimeStepAdvice> needs = timeStepAdvice(options.world, A.tree, B.tree, found.value().contacts, options.error);
 		if (!needs) return needs.error();
 		tuning.world = needs.value();
 		return tuning;

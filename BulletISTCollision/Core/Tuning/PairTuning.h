@@ -41,6 +41,6 @@ struct PairTuning
 /// Finds the cheapest setting of two bodies (which may be the same) whose error bound meets a force tolerance. The settings are the
 /// levels of the trees; for a mesh, trees of 1,000, 3,000, 9,000 ... spheres are built until one meets it. The result depends only on the
 /// two bodies, except for the times and the choices that follow from them. Takes a fraction of a second plus the time of the builds.
-/// Errors: a mesh that cannot be built, an incomplete world, the errors of `measureSettings` and `worldNeeds`, cancelled.
+/// Errors: a mesh that cannot be built, an incomplete world, the errors of `measureSettings` and `timeStepAdvice`, cancelled.
 Result<PairTuning> tunePair(TuneBody& A, TuneBody& B, const TuneOptions& options);
 }  // namespace ist

@@ -33,7 +33,7 @@ std::optional<Error> problemOf(const WorldSetup& setup)
 	return Error{"a step can be chosen only with both a stiffness and a mass"};
 }
 
-Result<TimeStepAdvice> worldNeeds(
+Result<TimeStepAdvice> timeStepAdvice(
 	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error)
 {
 	if (const std::optional<Error> problem = problemOf(setup)) return *problem;

@@ -37,6 +37,6 @@ struct TimeStepAdvice
 std::optional<Error> problemOf(const WorldSetup& setup);
 
 /// Computes the requirements. Errors: `problemOf`, contacts without area.
-Result<TimeStepAdvice> worldNeeds(
+Result<TimeStepAdvice> timeStepAdvice(
 	const WorldSetup& setup, const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<TuneContact>& contacts, double error);
 }  // namespace ist

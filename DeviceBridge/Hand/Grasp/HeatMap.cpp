@@ -138,7 +138,7 @@ struct HeatMap::Surface
 	bool collected = false;
 	size_t cutUntil = 0;       // number of entries of `touched` that are done
 	double area = 0, sum = 0;  // area of the surface inside the part, and the thickness integrated over it
-	int looksLeft = 0;
+	int budgetLeft = 0;
 
 	GraspCount graspsAt;  // grasps with any part
 
@@ -235,7 +235,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 	Vec3 p = s.X_PO * mesh().vertices[vertex];
 	const Vec3 inward = -(s.X_PO.rotation * s.vertexNormals[vertex]);
 	MeshDistance::Field field = s.part->field(p, s.near);
-	--s.looksLeft;
+	--s.budgetLeft;
 	s.distanceIn[vertex] = field.depth;
 	s.facing[vertex] = dot(field.normal, inward);
 	for (int i = 0; i < kMostSteps && field.depth > 0; ++i)
@@ -246,7 +246,7 @@ double HeatMap::depthOf(uint32_t vertex) noexcept
 		if (facing > kFacing || i + 1 == kMostSteps) break;
 		p += field.depth * inward;
 		field = s.part->field(p, s.near);
-		--s.looksLeft;
+		--s.budgetLeft;
 	}
 	return s.distanceIn[vertex];
 }
@@ -282,7 +282,7 @@ bool HeatMap::collect(const Part& part) noexcept
 		const size_t line = (z * s.n[1] + y) * s.n[0], first = s.firstVertex[line + s.from[0]], end = s.firstVertex[line + s.to[0] + 1];
 		for (; first + s.vertex < end; ++s.vertex)
 		{
-			if (s.looksLeft <= 0) return false;
+			if (s.budgetLeft <= 0) return false;
 			const uint32_t v = s.vertexOf[first + s.vertex];
 			const Vec3 p = s.X_PO * mesh().vertices[v];
 			if (p.x < part.box.lower.x || p.y < part.box.lower.y || p.z < part.box.lower.z || p.x > part.box.upper.x ||
@@ -300,7 +300,7 @@ bool HeatMap::cut() noexcept
 	Surface& s = *m_surface;
 	for (; s.cutUntil < s.touched.size(); ++s.cutUntil)
 	{
-		if (s.looksLeft <= 0) return false;
+		if (s.budgetLeft <= 0) return false;
 		const uint32_t v = s.touched[s.cutUntil];
 		for (uint32_t i = s.firstTriangle[v]; i < s.firstTriangle[v + 1]; ++i)
 		{
@@ -356,8 +356,8 @@ void HeatMap::enterPoint(Part& part, const HeatMapContact& contact, HeatMapTouch
 HeatMapTouch HeatMap::add(int part, const HeatMapContact& contact) noexcept
 {
 	begin(part, contact);
-	int looks = std::numeric_limits<int>::max();
-	advance(looks);
+	int budget = std::numeric_limits<int>::max();
+	advance(budget);
 	return m_touch;
 }
 
@@ -383,13 +383,13 @@ void HeatMap::begin(int index, const HeatMapContact& contact) noexcept
 	beginCollecting(*s.part);
 }
 
-bool HeatMap::advance(int& looks) noexcept
+bool HeatMap::advance(int& budget) noexcept
 {
 	Surface& s = *m_surface;
 	if (!s.part) return true;
-	s.looksLeft = looks;
+	s.budgetLeft = budget;
 	const bool done = collect(*s.part) && cut();
-	looks = s.looksLeft;
+	budget = s.budgetLeft;
 	if (done) finish();
 	return done;
 }

@@ -56,9 +56,9 @@ public:
 	/// Adds a contact in steps: call `begin`, then `advance` until it returns true. Only then is the contact in the map. Another begin() or
 	/// add() before that discards it.
 	void begin(int part, const HeatMapContact& contact) noexcept;
-	/// Continues for `looks` closest-point queries, about 0.5 us each, and until its present vertex is finished. Afterwards `looks` is the
-	/// number left. Returns true if the contact is done or none was begun.
-	bool advance(int& looks) noexcept;
+	/// Continues for `budget` closest-point queries, about 0.5 us each, and until its present vertex is finished. Afterwards `budget` is
+	/// the number left. Returns true if the contact is done or none was begun.
+	bool advance(int& budget) noexcept;
 
 	struct Vertex
 	{

@@ -65,7 +65,7 @@ public:
 		}
 		if (m_rests > 0) m_out.wristForce /= m_rests, m_out.wristTorque /= m_rests;
 		m_out.energy = m_scene.energy();
-		for (const CarryScene::Hand& hand : m_scene.hands()) m_out.complaints += hand.hand->pairFilter().complaints().sentence();
+		for (const CarryScene::Hand& hand : m_scene.hands()) m_out.complaints += hand.hand->trackingMonitor().complaints().sentence();
 		return std::move(m_out);
 	}
 

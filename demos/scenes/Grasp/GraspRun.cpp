@@ -168,7 +168,7 @@ public:
 		m_out.holdingForce = m_holds > 0 ? m_out.holdingForce / m_holds : 0;
 		m_out.putDown = height() - m_startHeight < kOffTable && double(m_scene.body().getLinearVelocity().length()) < 0.05;
 		m_out.energy = m_scene.energy();
-		m_out.complaints = m_scene.hand().pairFilter().complaints().sentence();
+		m_out.complaints = m_scene.hand().trackingMonitor().complaints().sentence();
 		return std::move(m_out);
 	}
 

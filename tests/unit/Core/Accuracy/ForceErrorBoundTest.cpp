@@ -166,9 +166,9 @@ TEST(ForceErrorBound, APairThatGoesOnIsAskedOnce)
 		const BoundedOverlap next = queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted);
 		EXPECT_EQ(answer.overlap.level, next.overlap.level);
 		accepted.firstLevel = answer.nextLevel;
-		looks += queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted).traversals;
+		traversals += queryWithTolerance(bodyA(), bodyB(), X, workspace, accepted).traversals;
 	}
-	EXPECT_LE(looks, 110);
+	EXPECT_LE(traversals, 110);
 }
 
 TEST(ForceErrorBound, AllocatesNothingWhateverTheLevel)

@@ -64,7 +64,7 @@ struct HandWorld
 		ASSERT_FALSE(world.step(kStep));
 	}
 	Vec3 place(int part) const { return toVec3(hand->body(part).getWorldTransform().getOrigin()); }
-	double away(int part) const { return distance(place(part), hand->pairFilter().target(part).X_WB.translation); }
+	double away(int part) const { return distance(place(part), hand->trackingMonitor().target(part).X_WB.translation); }
 };
 }  // namespace
 
@@ -203,7 +203,7 @@ TEST(BulletHand, TwoHandsThatBeginInEachOtherPushNoHarderThanTheirCouplingsAndPa
 	EXPECT_LE(deepest, 60 * 1.05);
 	EXPECT_EQ(w.hand->touch(kStep).parts, 0);
 	EXPECT_EQ(left->touch(kStep).parts, 0);
-	EXPECT_EQ(w.hand->pairFilter().complaints().sentence(), "");
+	EXPECT_EQ(w.hand->trackingMonitor().complaints().sentence(), "");
 }
 
 TEST(BulletHand, HandsWhoseSamplesAreMixedUpFreezeAndSaySo)
@@ -224,9 +224,9 @@ TEST(BulletHand, HandsWhoseSamplesAreMixedUpFreezeAndSaySo)
 	EXPECT_LT(distance(w.place(kIndex3), before), 1e-4);
 	for (const BulletHand* hand : {w.hand.get(), left.get()})
 	{
-		EXPECT_EQ(hand->pairFilter().complaints().wrongSide, 100u);
-		EXPECT_NE(hand->pairFilter().complaints().sentence().find("other hand"), std::string::npos)
-			<< hand->pairFilter().complaints().sentence();
+		EXPECT_EQ(hand->trackingMonitor().complaints().wrongSide, 100u);
+		EXPECT_NE(hand->trackingMonitor().complaints().sentence().find("other hand"), std::string::npos)
+			<< hand->trackingMonitor().complaints().sentence();
 	}
 }
 
@@ -260,7 +260,7 @@ TEST(BulletHand, BadSamplesNeitherThrowItNorPushHarder)
 	}
 	// A part of 0.03 kg that hits a wall adds its momentum.
 	EXPECT_LT(hardest, 12 + 0.03 * 4 / kStep);
-	const HandComplaints& complaints = w.hand->pairFilter().complaints();
+	const HandComplaints& complaints = w.hand->trackingMonitor().complaints();
 	EXPECT_GT(complaints.lost, 0u);
 	EXPECT_GT(complaints.jumps, 0u);
 	EXPECT_GT(complaints.missingJoints, 0u);

@@ -36,7 +36,7 @@ struct TwoPressing
 		for (int i = 0; i < hand.step.contactCount; ++i) sum += hand.step.contacts[i].onTool.force;
 		return norm(sum);
 	}
-	void watch(double from, double to)
+	void limitTo(double from, double to)
 	{
 		ASSERT_FALSE(rig.world.pairFilter().setRegion(btVector3(btScalar(from), -1, -1), btVector3(btScalar(to), 1, 1)));
 	}
@@ -46,7 +46,7 @@ struct TwoPressing
 TEST(DecoupledPairFilter, OnlyWhatIsInTheRegionIsFelt)
 {
 	TwoPressing scene;
-	scene.watch(-2, 0);
+	scene.limitTo(-2, 0);
 	scene.rig.run(0.6);
 	const double pressed = TwoPressing::force(*scene.left);
 	EXPECT_GT(pressed, 1);
@@ -56,7 +56,7 @@ TEST(DecoupledPairFilter, OnlyWhatIsInTheRegionIsFelt)
 	scene.rig.run(0.6);
 	EXPECT_NEAR(TwoPressing::force(*scene.right), pressed, 0.01 * pressed);
 	EXPECT_LT(scene.steepest, 0.1 * pressed);
-	scene.watch(-2, 0);
+	scene.limitTo(-2, 0);
 	scene.rig.run(0.1);
 	EXPECT_EQ(TwoPressing::force(*scene.right), 0);
 	EXPECT_NEAR(TwoPressing::force(*scene.left), pressed, 0.01 * pressed);
@@ -70,7 +70,7 @@ TEST(DecoupledPairFilter, AToolOnTheBorderKeepsWhatItHas)
 	TwoPressing scene;
 	for (const auto& [end, felt] : ends)
 	{
-		scene.watch(0, end);
+		scene.limitTo(0, end);
 		scene.rig.run(0.5);
 		EXPECT_EQ(TwoPressing::force(*scene.right) > 0.5, felt) << end;
 	}

@@ -15,13 +15,13 @@ namespace
 constexpr double kTick = 0.001;
 const GloveHandSize kSize{false, 0.189};
 
-struct Watched
+struct Monitored
 {
 	HandModel model;  // model without trees, which the monitor does not need
 	HandState hand = posedHand({}, kSize);
-	HandTrackingMonitor watch;
+	HandTrackingMonitor monitor;
 
-	Watched() : model(make()), watch(model, handPartPoses(model, hand)) {}
+	Monitored() : model(make()), monitor(model, handPartPoses(model, hand)) {}
 	static HandModel make()
 	{
 		HandModel m;
@@ -32,35 +32,35 @@ struct Watched
 	}
 	double away(int part) const
 	{
-		return distance(watch.target(part).X_WB.translation, handPartPoses(model, hand).X_WB[static_cast<std::size_t>(part)].translation);
+		return distance(monitor.target(part).X_WB.translation, handPartPoses(model, hand).X_WB[static_cast<std::size_t>(part)].translation);
 	}
 };
 }  // namespace
 
 TEST(HandTrackingMonitor, FollowsAGoodHandExactly)
 {
-	Watched w;
+	Monitored w;
 	for (int i = 1; i <= 100; ++i)
 	{
 		moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0, 0.002, 0})), {0.001, 0, 0}});
-		w.watch.update(w.hand, kTick);
+		w.monitor.update(w.hand, kTick);
 		for (int part = 0; part < kHandParts; ++part) ASSERT_LT(w.away(part), 1e-12);
 	}
-	EXPECT_NEAR(norm(w.watch.target(kHandPart).twist.angular), 2, 1e-6);
-	EXPECT_EQ(w.watch.grip(), 1);
-	EXPECT_EQ(w.watch.complaints().sentence(), "");
+	EXPECT_NEAR(norm(w.monitor.target(kHandPart).twist.angular), 2, 1e-6);
+	EXPECT_EQ(w.monitor.grip(), 1);
+	EXPECT_EQ(w.monitor.complaints().sentence(), "");
 }
 
 TEST(HandTrackingMonitor, JumpsAreFollowedAtTheLargestSpeed)
 {
-	Watched w;
+	Monitored w;
 	moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0, 3, 0})), {1, 2, 3}});
-	Vec3 before = w.watch.target(kThumb3).X_WB.translation;
+	Vec3 before = w.monitor.target(kThumb3).X_WB.translation;
 	int ticks = 0;
 	while (w.away(kThumb3) > 1e-9 && ticks < 3000)
 	{
-		w.watch.update(w.hand, kTick);
-		const HandTrackingMonitor::Target& now = w.watch.target(kThumb3);
+		w.monitor.update(w.hand, kTick);
+		const HandTrackingMonitor::Target& now = w.monitor.target(kThumb3);
 		ASSERT_LE(distance(now.X_WB.translation, before), 4 * kTick * (1 + 1e-9));
 		ASSERT_LE(norm(now.twist.angular), 40 * (1 + 1e-9));
 		ASSERT_TRUE(isRigid(now.X_WB, 1e-9));
@@ -69,14 +69,14 @@ TEST(HandTrackingMonitor, JumpsAreFollowedAtTheLargestSpeed)
 	}
 	EXPECT_GT(ticks, 500);
 	EXPECT_LT(ticks, 1500);
-	EXPECT_NE(w.watch.complaints().sentence().find("jumped"), std::string::npos);
+	EXPECT_NE(w.monitor.complaints().sentence().find("jumped"), std::string::npos);
 }
 
 TEST(HandTrackingMonitor, MissingPartsGoWithThePalm)
 {
-	Watched w;
-	w.watch.update(w.hand, kTick);
-	const ist::Pose before = inverse(w.watch.target(kHandPart).X_WB) * w.watch.target(kIndex3).X_WB;
+	Monitored w;
+	w.monitor.update(w.hand, kTick);
+	const ist::Pose before = inverse(w.monitor.target(kHandPart).X_WB) * w.monitor.target(kIndex3).X_WB;
 	for (int i = 0; i < 200; ++i)
 	{
 		moveHand(w.hand, {rotationMatrix(ist::quaternionFromRotationVector({0.001, 0.002, 0})), {0.0005, 0, 0}});
@@ -84,65 +84,65 @@ TEST(HandTrackingMonitor, MissingPartsGoWithThePalm)
 		holed.joints[kIndexDistal].tracked = false;
 		holed.joints[kMiddleProximal].position.y = std::numeric_limits<double>::infinity();
 		holed.joints[kRingProximal].orientation = {0, 0, 0, 0};
-		w.watch.update(holed, kTick);
+		w.monitor.update(holed, kTick);
 	}
-	const ist::Pose after = inverse(w.watch.target(kHandPart).X_WB) * w.watch.target(kIndex3).X_WB;
+	const ist::Pose after = inverse(w.monitor.target(kHandPart).X_WB) * w.monitor.target(kIndex3).X_WB;
 	EXPECT_LT(distance(before.translation, after.translation), 1e-9);
 	EXPECT_LT(norm(rotationVector(quaternion(before.rotation * transpose(after.rotation)))), 1e-6);
-	EXPECT_EQ(w.watch.grip(), 1);
-	EXPECT_EQ(w.watch.complaints().missingJoints, 200u);
-	EXPECT_EQ(w.watch.complaints().jumps, 0u);
+	EXPECT_EQ(w.monitor.grip(), 1);
+	EXPECT_EQ(w.monitor.complaints().missingJoints, 200u);
+	EXPECT_EQ(w.monitor.complaints().jumps, 0u);
 }
 
 TEST(HandTrackingMonitor, LostHandsStandStillThenLetGoAndComeBack)
 {
-	Watched w;
-	w.watch.update(w.hand, kTick);
-	const Vec3 stood = w.watch.target(kThumb2).X_WB.translation;
+	Monitored w;
+	w.monitor.update(w.hand, kTick);
+	const Vec3 stood = w.monitor.target(kThumb2).X_WB.translation;
 	HandState none;
-	for (int i = 0; i < 290; ++i) w.watch.update(none, kTick);
-	EXPECT_EQ(w.watch.grip(), 1);
-	for (int i = 0; i < 600; ++i) w.watch.update(none, kTick);
-	EXPECT_EQ(w.watch.grip(), 0);
-	EXPECT_EQ(distance(w.watch.target(kThumb2).X_WB.translation, stood), 0);
-	EXPECT_EQ(norm(w.watch.target(kThumb2).twist.linear), 0);
-	for (int i = 0; i < 130; ++i) w.watch.update(w.hand, kTick);
-	EXPECT_EQ(w.watch.grip(), 1);
-	EXPECT_EQ(w.watch.complaints().lost, 890u);
-	EXPECT_NE(w.watch.complaints().sentence().find("lost"), std::string::npos);
+	for (int i = 0; i < 290; ++i) w.monitor.update(none, kTick);
+	EXPECT_EQ(w.monitor.grip(), 1);
+	for (int i = 0; i < 600; ++i) w.monitor.update(none, kTick);
+	EXPECT_EQ(w.monitor.grip(), 0);
+	EXPECT_EQ(distance(w.monitor.target(kThumb2).X_WB.translation, stood), 0);
+	EXPECT_EQ(norm(w.monitor.target(kThumb2).twist.linear), 0);
+	for (int i = 0; i < 130; ++i) w.monitor.update(w.hand, kTick);
+	EXPECT_EQ(w.monitor.grip(), 1);
+	EXPECT_EQ(w.monitor.complaints().lost, 890u);
+	EXPECT_NE(w.monitor.complaints().sentence().find("lost"), std::string::npos);
 }
 
 TEST(HandTrackingMonitor, PlacesBeyondAnyRoomAreNone)
 {
-	Watched w;
+	Monitored w;
 	const HandState good = w.hand;
 	for (const double place : {1e30, 1e308, std::numeric_limits<double>::infinity()})
 	{
 		w.hand.joints[kThumbTip].position = w.hand.joints[kPalm].position = {place, -place, place};
-		for (int i = 0; i < 3; ++i) w.watch.update(w.hand, kTick);
+		for (int i = 0; i < 3; ++i) w.monitor.update(w.hand, kTick);
 		w.hand = good;
-		w.watch.update(w.hand, kTick);
+		w.monitor.update(w.hand, kTick);
 		for (int part = 0; part < kHandParts; ++part)
-			EXPECT_TRUE(isRigid(w.watch.target(part).X_WB) && isFinite(w.watch.target(part).twist));
+			EXPECT_TRUE(isRigid(w.monitor.target(part).X_WB) && isFinite(w.monitor.target(part).twist));
 	}
 }
 
 TEST(HandTrackingMonitor, TheOtherHandIsNotUsed)
 {
-	Watched w;
+	Monitored w;
 	HandState other = posedHand({}, {true, 0.189});
 	moveHand(other, {{}, {0.5, 0, 0}});
-	const Vec3 stood = w.watch.target(kIndex1).X_WB.translation;
-	for (int i = 0; i < 10; ++i) w.watch.update(other, kTick);
-	EXPECT_EQ(distance(w.watch.target(kIndex1).X_WB.translation, stood), 0);
-	EXPECT_EQ(w.watch.complaints().wrongSide, 10u);
-	EXPECT_EQ(w.watch.complaints().lost, 0u);
+	const Vec3 stood = w.monitor.target(kIndex1).X_WB.translation;
+	for (int i = 0; i < 10; ++i) w.monitor.update(other, kTick);
+	EXPECT_EQ(distance(w.monitor.target(kIndex1).X_WB.translation, stood), 0);
+	EXPECT_EQ(w.monitor.complaints().wrongSide, 10u);
+	EXPECT_EQ(w.monitor.complaints().lost, 0u);
 }
 
 TEST(HandTrackingMonitor, DoesNotAllocate)
 {
-	Watched w;
+	Monitored w;
 	const long before = allocationCount();
-	for (int i = 0; i < 50; ++i) w.watch.update(i % 3 ? w.hand : HandState(), kTick);
+	for (int i = 0; i < 50; ++i) w.monitor.update(i % 3 ? w.hand : HandState(), kTick);
 	EXPECT_EQ(allocationCount(), before);
 }

@@ -367,7 +367,7 @@ TEST(SteppingThread, LocksTheMemoryOfTheProgramOnlyWhenAsked)
 namespace
 {
 /// A device at rest that stores its last command; any thread may read it.
-class Watched final : public Device
+class MonitoredDevice final : public Device
 {
 public:
 	DeviceInfo description = simulatedProfile("sigma7").value().info;
@@ -396,14 +396,14 @@ public:
 
 constexpr std::int64_t kForever = 1'000'000'000;
 
-struct FilteredRig
+struct MonitoredRig
 {
-	Watched device;
+	MonitoredDevice device;
 	NoContact empty;
 	ConstantLaw law;
 	RealClock clock;
 	SteppingThread thread;
-	FilteredRig() : thread(device, empty, clock, quick()) { thread.setForceLaw(&law); }
+	MonitoredRig() : thread(device, empty, clock, quick()) { thread.setForceLaw(&law); }
 	static SteppingSettings quick()
 	{
 		SteppingSettings settings = activeWorld();
@@ -425,7 +425,7 @@ TEST(SteppingThread, RunEndsWithTheTickInProgressWhenItIsStopped)
 {
 	for (const bool requested : {false, true})
 	{
-		FilteredRig rig;
+		MonitoredRig rig;
 		std::atomic<bool> ran{false};
 		std::thread runner([&] { ran = rig.thread.run(kForever); });
 		ASSERT_TRUE(rig.within([&] { return rig.device.force > 0.5; }));
@@ -448,7 +448,7 @@ TEST(SteppingThread, RunEndsWithTheTickInProgressWhenItIsStopped)
 
 TEST(SteppingThread, WhileItRunsNoOtherLoopBegins)
 {
-	FilteredRig rig;
+	MonitoredRig rig;
 	std::thread runner([&] { rig.thread.run(kForever); });
 	ASSERT_TRUE(rig.within([&] { return rig.thread.ticks() > 0; }));
 	EXPECT_FALSE(rig.thread.start());
@@ -468,7 +468,7 @@ TEST(SteppingThread, WhileItRunsNoOtherLoopBegins)
 // Many threads run at once: one loop at a time is accepted, and the claim is released at the end.
 TEST(SteppingThread, OfManyThatRunAtOnceOneDoes)
 {
-	FilteredRig rig;
+	MonitoredRig rig;
 	std::atomic<long> accepted{0};
 	std::vector<std::thread> threads;
 	for (int i = 0; i < 4; ++i)
@@ -514,7 +514,7 @@ TEST(SteppingThread, AListenerStopsRunAndStartsNoOther)
 
 TEST(SteppingThread, AStopThatComesBeforeALoopDoesNotStopIt)
 {
-	FilteredRig rig;
+	MonitoredRig rig;
 	rig.thread.requestStop();
 	EXPECT_TRUE(rig.thread.run(3));
 	EXPECT_EQ(rig.thread.ticks(), 3U);
@@ -532,7 +532,7 @@ TEST(SteppingThread, AStopThatComesBeforeALoopDoesNotStopIt)
 // run() keeps the last command for the next run(); stop() sets it to zero.
 TEST(SteppingThread, StopAfterRunLeavesTheDeviceAtZero)
 {
-	FilteredRig rig;
+	MonitoredRig rig;
 	ASSERT_TRUE(rig.thread.run(50));
 	EXPECT_EQ(rig.device.force, 1);
 	rig.thread.stop();
@@ -544,7 +544,7 @@ TEST(SteppingThread, StopAfterRunLeavesTheDeviceAtZero)
 
 TEST(SteppingThread, WhatAListenerThrowsLeavesRunStoppable)
 {
-	FilteredRig rig;
+	MonitoredRig rig;
 	rig.thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench&) { throw std::runtime_error("a hook"); });
 	std::thread runner([&] { rig.thread.run(kForever); });
 	ASSERT_TRUE(rig.within([&] { return rig.thread.ticks() > 3; }));
@@ -558,7 +558,7 @@ TEST(SteppingThread, WhatAListenerThrowsLeavesRunStoppable)
 // In every order, from two threads, the loops never overlap, and the device is at zero after each stop.
 TEST(SteppingThread, RunStopAndStartInAnyOrder)
 {
-	FilteredRig rig;
+	MonitoredRig rig;
 	std::atomic<bool> ending{false};
 	std::atomic<long> runs{0}, refused{0};
 	std::thread runner([&] {

@@ -25,18 +25,18 @@ DeviceState sample(int tick, const ist::Vec3& position, const ist::Vec3& velocit
 
 TEST(SampleMonitor, AHandAtRestAndAFastOneAreFine)
 {
-	SampleMonitor watch;
-	for (int i = 1; i < 500; ++i) ASSERT_EQ(watch.judge(sample(i, {1000, 0, 0}), i * kMs), FaultCause::None);
+	SampleMonitor monitor;
+	for (int i = 1; i < 500; ++i) ASSERT_EQ(monitor.judge(sample(i, {1000, 0, 0}), i * kMs), FaultCause::None);
 	for (int i = 500; i < 600; ++i)
-		ASSERT_EQ(watch.judge(sample(i, {1000 + 5e-3 * (i - 500), 0, 0}, {5, 0, 0}), i * kMs), FaultCause::None);
+		ASSERT_EQ(monitor.judge(sample(i, {1000 + 5e-3 * (i - 500), 0, 0}, {5, 0, 0}), i * kMs), FaultCause::None);
 }
 
 TEST(SampleMonitor, AJumpIsBelievedOnlyAfterSteadySamples)
 {
-	SampleMonitor watch;
-	for (int i = 1; i < 10; ++i) watch.judge(sample(i, {}), i * kMs);
-	for (int i = 10; i < 30; ++i) ASSERT_EQ(watch.judge(sample(i, {0.1, 0, 0}), i * kMs), FaultCause::Jump) << i;
-	EXPECT_EQ(watch.judge(sample(30, {0.1, 0, 0}), 30 * kMs), FaultCause::None);
+	SampleMonitor monitor;
+	for (int i = 1; i < 10; ++i) monitor.judge(sample(i, {}), i * kMs);
+	for (int i = 10; i < 30; ++i) ASSERT_EQ(monitor.judge(sample(i, {0.1, 0, 0}), i * kMs), FaultCause::Jump) << i;
+	EXPECT_EQ(monitor.judge(sample(30, {0.1, 0, 0}), 30 * kMs), FaultCause::None);
 }
 
 TEST(SampleMonitor, ATurnThatNoHandMakesIsAJump)
@@ -46,9 +46,9 @@ TEST(SampleMonitor, ATurnThatNoHandMakesIsAJump)
 		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(angle * ist::Vec3{0.6, 0, -0.8}));
 		return s;
 	};
-	SampleMonitor watch;
+	SampleMonitor monitor;
 	for (int i = 1; i < 500; ++i)
-		ASSERT_EQ(watch.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
+		ASSERT_EQ(monitor.judge(turned(i, 0.05 * i), i * kMs), FaultCause::None) << i;  // 50 rad/s, several times around
 	// The angles are around the limit after a millisecond, which is 1.1 rad, and up to half a turn.
 	for (const double angle : {1.05, -1.05, 1.15, -1.15, 2.0, 3.14})
 	{
@@ -65,13 +65,13 @@ TEST(SampleMonitor, ADeviceThatIsSlowerThanWhoReadsItMayMoveAsFast)
 {
 	SampleMonitorSettings settings;
 	settings.frozenAfter = 100 * kMs;
-	SampleMonitor watch(settings);
+	SampleMonitor monitor(settings);
 	for (int tick = 1; tick < 1000; ++tick)
 	{
 		const int sampled = tick - tick % 33;
 		DeviceState s = sample(sampled + 1, {0.005 * sampled, 0, 0});                                          // 5 m/s
 		s.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(ist::Vec3{0, 0.06 * sampled, 0}));  // 60 rad/s
-		ASSERT_EQ(watch.judge(s, tick * kMs), FaultCause::None) << tick;
+		ASSERT_EQ(monitor.judge(s, tick * kMs), FaultCause::None) << tick;
 	}
 }
 
@@ -91,11 +91,11 @@ TEST(SampleMonitor, RepeatedSamplesAreFrozenAfterTenMilliseconds)
 
 TEST(SampleMonitor, WhatIsNotAPoseIsInvalid)
 {
-	SampleMonitor watch;
+	SampleMonitor monitor;
 	DeviceState bad = sample(1, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
-	EXPECT_EQ(watch.judge(bad, kMs), FaultCause::InvalidState);
+	EXPECT_EQ(monitor.judge(bad, kMs), FaultCause::InvalidState);
 	bad = sample(2, {});
 	bad.X_WH.rotation.m[0][0] = -1;
-	EXPECT_EQ(watch.judge(bad, 2 * kMs), FaultCause::InvalidState);
-	EXPECT_EQ(watch.judge(sample(3, {}), 3 * kMs), FaultCause::None);
+	EXPECT_EQ(monitor.judge(bad, 2 * kMs), FaultCause::InvalidState);
+	EXPECT_EQ(monitor.judge(sample(3, {}), 3 * kMs), FaultCause::None);
 }

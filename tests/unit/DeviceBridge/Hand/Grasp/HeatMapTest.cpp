@@ -262,14 +262,14 @@ TEST(HeatMap, InSharesItIsTheSameMap)
 			whole.add(0, contact);
 			// A contact that another one replaces before its end has no effect.
 			shared.begin(0, {{{}, {0, 0.013, 0}}, 50, {0, 0.01, 0}, 1});
-			int looks = share;
-			EXPECT_FALSE(shared.advance(looks));
-			EXPECT_LE(looks, 0);
+			int budget = share;
+			EXPECT_FALSE(shared.advance(budget));
+			EXPECT_LE(budget, 0);
 			shared.begin(0, contact);
 			int turns = 1;
-			for (looks = share; !shared.advance(looks); looks = share) ++turns;
+			for (budget = share; !shared.advance(budget); budget = share) ++turns;
 			most = std::max(most, turns);
-			EXPECT_TRUE(shared.advance(looks)) << "nothing was begun";
+			EXPECT_TRUE(shared.advance(budget)) << "nothing was begun";
 		}
 		EXPECT_GT(most, 1);
 		const HeatMap::Summary a = whole.summary()[0], b = shared.summary()[0];
