@@ -29,7 +29,7 @@ enum class btISTStiffnessRule
 	StepBound  ///< the stiffest that a step of this length can bear (docs/stability.md); the load asks for more
 };
 
-/// The constants of a pair in the pressure field law (ARCHITECTURE.md).
+/// The constants of a pair in the pressure field law (docs/model.md).
 struct btISTPairConstants
 {
 	double k = 1;                         ///< stiffness [Pa/m]

@@ -31,7 +31,7 @@ struct Cells
 	double uncoveredArea = 0;             ///< share of the surface whose gap exceeds three times the mean
 };
 
-/// Method in ARCHITECTURE.md "Cells and leaves". The sum of all masses is the mesh volume. Deterministic for a seed, whatever the thread
+/// Method in docs/model.md, section 3. The sum of all masses is the mesh volume. Deterministic for a seed, whatever the thread
 /// count.
 Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packing, const CellOptions& options);
 }  // namespace ist

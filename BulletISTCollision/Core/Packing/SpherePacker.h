@@ -23,7 +23,7 @@ struct PackingOptions
 };
 
 /// Largest-first greedy packing on the exact distance to the mesh; candidate balls grow by monotone ascent of the linearised
-/// distances (a small LP per step). Method in ARCHITECTURE.md "Packing".
+/// distances (a small LP per step). Method in docs/model.md, section 3.
 /// The mesh must be closed and should lie near the origin (its centre of mass at 0), since centres are stored as floats.
 /// About 100 us a sphere. Errors: nothing fits (names the largest ball, where it lies, and the least radius that would do), bad options,
 /// cancelled.
