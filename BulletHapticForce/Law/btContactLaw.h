@@ -15,7 +15,7 @@ struct btContactPatch
 	double frictionRadius = 0;        ///< lever of the drilling moment: sliding friction times it is the largest moment about `normal` [m]
 };
 
-/// The pressure field law (ARCHITECTURE.md) on one patch of a contact. False, and `patch` undefined, when it exerts no force: beyond
+/// The pressure field law (docs/model.md) on one patch of a contact. False, and `patch` undefined, when it exerts no force: beyond
 /// the medial axis the field ends.
 ///
 /// Damping is Hunt-Crossley, the pressure times dissipation times the local approach speed, each pair along its own normal

@@ -29,7 +29,7 @@ enum class btISTStiffnessRule
 	StepBound  ///< the largest stiffness that is stable at this time step (docs/stability.md); the load would need more
 };
 
-/// The constants of a pair in the pressure field law (ARCHITECTURE.md).
+/// The constants of a pair in the pressure field law (docs/model.md).
 struct btISTPairConstants
 {
 	double k = 1;                         ///< stiffness [Pa/m]

@@ -4,6 +4,7 @@
 
 A block that begins with ```cpp file is a whole file. ```cpp in: ARGUMENTS is the body of a function with these arguments. ```cpp more goes on
 in the function of the block before it. ```cpp alone is refused: a page must say how its block is to be read.
+A table below the comment <!-- cpp in: ARGUMENTS --> has statements in its second column: each `...;` there is compiled, a row in its own scope.
 Usage: blocks.py FOLDER PAGE...
 """
 import pathlib
@@ -21,6 +22,7 @@ PREAMBLE = """#include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/Build/TreeCache.h"
 #include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletDecoupledSource.h"
+#include "DeviceBridge/Bullet/BulletHand.h"
 #include "DeviceBridge/Bullet/BulletHeatMap.h"
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
@@ -42,9 +44,31 @@ IMPORTER = "#include <BulletWorldImporter/btBulletWorldImporter.h>\n"
 
 
 def blocks(page):
-    """Of (first line, words after ```cpp, text)."""
+    """Yields the first line, the words after ```cpp, and the text of each block."""
     for match in re.finditer(r"^```cpp([^\n]*)\n(.*?)^```", page.read_text(), re.M | re.S):
         yield page.read_text()[:match.start()].count("\n") + 2, match.group(1).strip(), match.group(2)
+
+
+def function(page, line, arguments, body):
+    """A source with one function around `body`."""
+    name = f"block_{line}"
+    importer = IMPORTER if "btBulletWorldImporter" in body else ""
+    return f"{importer}{PREAMBLE}void {name}({arguments});\nvoid {name}({arguments})\n{{\n{body}}}\n"
+
+
+def tables(page):
+    """The sources of a page's tables of statements."""
+    text = page.read_text()
+    for match in re.finditer(r"^<!-- cpp in: ([^\n]+) -->\n((?:\|[^\n]*\n)+)", text, re.M):
+        first = text[:match.start()].count("\n") + 2
+        body = ""
+        for line, row in enumerate(match.group(2).splitlines(), first):
+            statements = re.findall(r"`([^`]+;)`", row.split("|")[2])
+            if statements:
+                body += f'#line {line} "{page}"\n{{ {" ".join(statements)} }}\n'
+        if not body:
+            sys.exit(f"{page}:{first}: no row of this table has a statement in its second column")
+        yield function(page, first, match.group(1), body)
 
 
 def write(folder, page):
@@ -56,13 +80,10 @@ def write(folder, page):
         elif how == "more" and sources:
             sources[-1] = sources[-1].removesuffix("}\n") + at + text + "}\n"
         elif how.startswith("in:"):
-            arguments = how.removeprefix("in:").strip()
-            name = f"block_{line}"
-            importer = IMPORTER if "btBulletWorldImporter" in text else ""
-            sources.append(f"{importer}{PREAMBLE}void {name}({arguments});\nvoid {name}({arguments})\n{{\n{at}{text}}}\n")
+            sources.append(function(page, line, how.removeprefix("in:").strip(), at + text))
         else:
             sys.exit(f"{page}:{line}: say how this block is to be compiled: ```cpp file, ```cpp in: ARGUMENTS, or ```cpp more")
-    for number, source in enumerate(sources):
+    for number, source in enumerate([*sources, *tables(page)]):
         (folder / f"{page.stem}_{number}.cpp").write_text(source)
 
 

@@ -12,7 +12,7 @@ import sys
 
 tutorial, prefix, folder, *testing = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), *map(pathlib.Path, sys.argv[4:])
 loader = {**os.environ, "LD_LIBRARY_PATH": f"{prefix}/lib"}  # where the build made shared libraries, which pkg-config's flags alone do not find
-FIND = "find_package(BulletHaptics 0.2 REQUIRED)\n"
+FIND = "find_package(BulletHaptics 0.3 REQUIRED)\n"
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 
 

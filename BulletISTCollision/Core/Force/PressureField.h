@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// The pressure field law without materials or motion (ARCHITECTURE.md): energy U = k Int (w_A depth_A + w_B depth_B) dV.
+/// The pressure field law without materials or motion (docs/model.md, section 1): energy U = k Int (w_A depth_A + w_B depth_B) dV.
 /// k [Pa/m] is the pair's stiffness; w_A + w_B = 1.
 struct PressurePair
 {

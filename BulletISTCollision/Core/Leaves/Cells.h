@@ -31,7 +31,7 @@ struct Cells
 	double uncoveredArea = 0;             ///< share of the surface whose gap exceeds three times the mean
 };
 
-/// Builds cells and leaves as described in ARCHITECTURE.md, "Cells and leaves". The sum of all volumes is the mesh volume. Deterministic
+/// Builds cells and leaves as described in docs/model.md, section 3. The sum of all volumes is the mesh volume. Deterministic
 /// for a seed, for any number of threads.
 Result<Cells> buildCells(const MeshDistance& surface, const SpherePacking& packing, const CellOptions& options);
 }  // namespace ist

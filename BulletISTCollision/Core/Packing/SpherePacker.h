@@ -23,7 +23,7 @@ struct PackingOptions
 };
 
 /// Greedy packing, largest sphere first, on the exact distance to the mesh. Candidate balls grow by monotone ascent of the linearised
-/// distances (a small LP per step). The method is described in ARCHITECTURE.md, "Packing". The mesh must be closed and should lie near
+/// distances (a small LP per step). The method is described in docs/model.md, section 3. The mesh must be closed and should lie near
 /// the origin (its centre of mass at 0), because centres are stored as floats. Takes about 100 us per sphere. Errors: no sphere fits (the
 /// message names the largest ball, its place, and the minimum radius that would work), invalid options, cancelled.
 Result<SpherePacking> packSpheres(const MeshDistance& surface, const PackingOptions& options);

@@ -28,7 +28,7 @@ inline bool operator==(const DampingWeights& a, const DampingWeights& b) { retur
 inline bool operator!=(const DampingWeights& a, const DampingWeights& b) { return !(a == b); }
 
 /// Integrals over the overlap of A and B (or over one patch of it), free of materials but for the damping's weights. Axes of A's mesh
-/// frame; moments are taken about A's `origin` (its centre of mass). Derived in ARCHITECTURE.md "Pressure field law". dd = d_i d_j, L =
+/// frame; moments are taken about A's `origin` (its centre of mass). Derived in docs/model.md, section 3. dd = d_i d_j, L =
 /// volume that two ellipsoids share in units of their densities (Lens.h; for Model::Inner the lens of two balls), C = its centroid, m =
 /// mean outward normal there: a leaf has one, m(c), that of a merged ball changes over it (NormalGradient); area n = minus the gradient of
 /// L by c_i - c_j, with n of unit length.

@@ -25,7 +25,7 @@ struct Way
 	bool remembers;
 	const char* name;
 };
-/// The paper's estimator errs by 40 % and more (NUMBERS.md, the dial).
+/// The paper's estimator errs by 40 % and more (NUMBERS.md, "The error bound").
 constexpr Way kWays[] = {{0, false, ""}, {0, true, ", leaves remembered"}, {0.1, false, ", 10 % accepted"},
 	{0.1, true, ", 10 % accepted, remembered"}, {0.3, false, ", 30 % accepted"}};
 constexpr int kMemories = 32;    // pairs of bodies

@@ -1,0 +1,290 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
+"""Draws pipeline.svg (ARCHITECTURE.md) and glossary.svg (docs/glossary.md) beside this file. Usage: drawings.py"""
+import math
+import pathlib
+
+HERE = pathlib.Path(__file__).resolve().parent
+INK, QUIET, BLUE, GREEN, ORANGE, VIOLET = "#222", "#777", "#2f6db5", "#3b8f4f", "#c8741a", "#7a4fa3"
+
+
+class Drawing:
+    """An SVG on a light panel, so that it is readable on dark pages, too."""
+
+    def __init__(self, width, height, label):
+        self.width, self.height, self.label, self.parts = width, height, label, []
+
+    def add(self, text):
+        self.parts.append(text)
+
+    def text(self, x, y, words, size=13, fill=INK, anchor="start", weight="normal"):
+        words = words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+        self.add(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" fill="{fill}" text-anchor="{anchor}" font-weight="{weight}">{words}</text>')
+
+    def line(self, points, stroke=INK, width=1.5, arrow=False, dash=""):
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        end = f' marker-end="url(#{stroke.strip("#")})"' if arrow else ""
+        dashes = f' stroke-dasharray="{dash}"' if dash else ""
+        self.add(f'<polyline points="{path}" fill="none" stroke="{stroke}" stroke-width="{width}"{dashes}{end}/>')
+
+    def polygon(self, points, fill="none", stroke=INK, width=1.5, opacity=1):
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        self.add(f'<polygon points="{path}" fill="{fill}" fill-opacity="{opacity}" stroke="{stroke}" stroke-width="{width}"/>')
+
+    def circle(self, x, y, r, fill="none", stroke=INK, width=1, opacity=1):
+        self.add(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{r:.1f}" fill="{fill}" fill-opacity="{opacity}" stroke="{stroke}" stroke-width="{width}"/>')
+
+    def ellipse(self, x, y, a, b, degrees, fill="none", stroke=INK, width=1, opacity=1):
+        self.add(f'<ellipse cx="0" cy="0" rx="{a:.1f}" ry="{b:.1f}" transform="translate({x:.1f} {y:.1f}) rotate({degrees:.1f})" '
+                 f'fill="{fill}" fill-opacity="{opacity}" stroke="{stroke}" stroke-width="{width}"/>')
+
+    def write(self, name):
+        arrows = "".join(f'<marker id="{colour.strip("#")}" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="7" markerHeight="7" orient="auto">'
+                         f'<path d="M0 0L10 5L0 10z" fill="{colour}"/></marker>' for colour in (INK, QUIET, BLUE, GREEN, ORANGE, VIOLET))
+        head = (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width} {self.height}" width="{self.width}" role="img" '
+                f'aria-label="{self.label}" font-family="sans-serif">\n<defs>{arrows}</defs>\n'
+                f'<rect width="{self.width}" height="{self.height}" rx="8" fill="#fff"/>\n')
+        (HERE / name).write_text(head + "\n".join(self.parts) + "\n</svg>\n")
+
+
+# The pipeline: a station is (folder, what it gives).
+LANES = [
+    ("Once, offline: BulletISTCollision/Core", BLUE, [("Import", "triangles [m]"), ("Repair", "a closed mesh"), ("Packing", "spheres"), ("Leaves", "leaves"),
+                                                      ("Tree", "tree, levels"), ("Asset", ".ist file")]),
+    ("A query: BulletISTCollision/Core", GREEN, [("Query", "integrals per patch"), ("Force", "wrench, K, sigma"), ("Accuracy", "level for a tolerance")]),
+    ("A step of the world: BulletISTCollision and BulletHapticForce", ORANGE, [("Registry", "shape to tree"), ("Dispatch", "pair to algorithm"), ("PairQuery", "ask, or reuse"),
+                                                                              ("Contact", "contact store"), ("Law", "wrench, K, D"), ("Solver", "impulses"), ("World", "motion")]),
+    ("A tick of the hand, 1 kHz: DeviceBridge", VIOLET, [("Device", "pose of the hand"), ("Loop", "one tick"), ("Coupling", "pull on the tool"), ("Bullet", "tool and contacts"),
+                                                         ("Safety", "limited force"), ("Device", "force at the hand")]),
+]
+
+
+def pipeline():
+    step, width, height, lane = 152, 126, 56, 132
+    drawing = Drawing(1100, 524, "From a mesh to the force at a hand: four lanes of stations")
+    places = {}
+    for row, (title, colour, stations) in enumerate(LANES):
+        y = 46 + row * lane
+        at, anchor = (1062, "end") if row == 2 else (24, "start")
+        drawing.text(at, y - 14, title, 14, colour, anchor, "bold")
+        for column, (folder, gives) in enumerate(stations):
+            x = 24 + column * step + (2 * step if row == 1 else 0)
+            places[row, column] = (x, y)
+            drawing.add(f'<rect x="{x}" y="{y}" width="{width}" height="{height}" rx="6" fill="{colour}" fill-opacity="0.09" stroke="{colour}" stroke-width="1.5"/>')
+            drawing.text(x + width / 2, y + 23, folder, 15, INK, "middle", "bold")
+            drawing.text(x + width / 2, y + 43, gives, 11, "#444", "middle")
+            if column:
+                drawing.line([(x - step + width, y + height / 2), (x - 3, y + height / 2)], colour, 2, True)
+
+    def joint(a, b, words, at, side="start", back=False, shift=0, colour=QUIET):
+        (xa, ya), (xb, yb) = places[a], places[b]
+        x, middle = xa + width / 2 + shift, (ya + height + yb) / 2
+        xb += width / 2 + shift
+        points = [(x, ya + height), (x, middle + at), (xb, middle + at), (xb, yb - 3)]
+        drawing.line(points if not back else [(xb, yb), (xb, middle + at), (x, middle + at), (x, ya + height + 3)], colour, 1.5, True, "5 3")
+        drawing.text((x + xb) / 2 + (8 if side == "start" else -8), middle + at - 5, words, 11, QUIET, side)
+
+    joint((0, 5), (1, 0), "tree", -8)
+    joint((1, 0), (2, 2), "integrals", -12, shift=26)
+    joint((1, 0), (2, 2), "two trees, pose", -12, "end", True, -26)
+    x, y = places[0, 5]
+    drawing.line([(x + width, y + height / 2), (1078, y + height / 2), (1078, 264), (14, 264), (14, 338), (21, 338)], QUIET, 1.5, True, "5 3")
+    drawing.text(1070, 258, "tree of a shape", 11, QUIET, "end")
+    joint((2, 6), (3, 3), "bodies near the tool", 4, shift=20)
+    joint((2, 6), (3, 3), "impulses of the tool", -14, "end", True, -20)
+    drawing.write("pipeline.svg")
+
+
+# The body of the glossary, in the units of its panels, and what the library would make of it in the plane.
+BODY = [(20, 30), (120, 12), (215, 40), (240, 105), (190, 150), (150, 108), (105, 118), (70, 160), (18, 120)]
+
+
+def nearest(p, body=BODY):
+    """Distance to the outline, and the outward normal there."""
+    best = (math.inf, (0, 0))
+    for (ax, ay), (bx, by) in zip(body, body[1:] + body[:1]):
+        dx, dy = bx - ax, by - ay
+        t = max(0, min(1, ((p[0] - ax) * dx + (p[1] - ay) * dy) / (dx * dx + dy * dy)))
+        q = (ax + t * dx, ay + t * dy)
+        d = math.dist(p, q)
+        if d < best[0]:
+            n = ((q[0] - p[0]) / d, (q[1] - p[1]) / d) if d > 1e-9 else (0, 0)
+            best = (d, n)
+    return best
+
+
+def inside(p, body=BODY):
+    odd = False
+    for (ax, ay), (bx, by) in zip(body, body[1:] + body[:1]):
+        if (ay > p[1]) != (by > p[1]) and p[0] < (bx - ax) * (p[1] - ay) / (by - ay) + ax:
+            odd = not odd
+    return odd
+
+
+GRID = [(x, y) for x in range(16, 244, 2) for y in range(10, 164, 2) if inside((x, y))]
+DEPTHS = {p: nearest(p) for p in GRID}
+
+
+def packing(count):
+    """Largest first, each as large as it fits."""
+    spheres = []
+    free = {p: DEPTHS[p][0] for p in GRID}
+    for _ in range(count):
+        p = max(free, key=free.get)
+        spheres.append((p[0], p[1], free[p]))
+        free = {q: min(r, math.dist(p, q) - spheres[-1][2]) for q, r in free.items()}
+    return spheres
+
+
+MANY = packing(40)
+SPHERES = MANY[:12]
+
+
+def owner(p):
+    return min(range(len(SPHERES)), key=lambda i: math.dist(p, SPHERES[i][:2]) - SPHERES[i][2])
+
+
+def moments(points):
+    """Centroid, half-axes and angle of the ellipse with these points' moments, and their mean normal."""
+    n = len(points)
+    cx, cy = sum(p[0] for p in points) / n, sum(p[1] for p in points) / n
+    xx, yy, xy = (sum(f(p[0] - cx, p[1] - cy) for p in points) / n for f in (lambda a, b: a * a, lambda a, b: b * b, lambda a, b: a * b))
+    mean, rest = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    angle = math.degrees(0.5 * math.atan2(2 * xy, xx - yy))
+    normal = tuple(sum(DEPTHS[p][1][k] for p in points) / n for k in (0, 1))
+    return cx, cy, 2 * math.sqrt(mean + rest), 2 * math.sqrt(max(mean - rest, 1)), angle, normal
+
+
+def clusters(points, count, rounds=12):
+    """By place and normal, as the library splits."""
+    def key(p):
+        return (p[0] / 30, p[1] / 30, 1.2 * DEPTHS[p][1][0], 1.2 * DEPTHS[p][1][1])
+    centres = [key(points[i * len(points) // count]) for i in range(count)]
+    for _ in range(rounds):
+        parts = [[] for _ in centres]
+        for p in points:
+            parts[min(range(count), key=lambda i: math.dist(key(p), centres[i]))].append(p)
+        centres = [tuple(sum(key(p)[k] for p in part) / len(part) for k in range(4)) if part else c for part, c in zip(parts, centres)]
+    return [part for part in parts if len(part) > 3]
+
+
+CELLS = [[p for p in GRID if owner(p) == i] for i in range(len(SPHERES))]
+PIECES = [piece for i, cell in enumerate(CELLS) for piece in (clusters(cell, 3 if i < 3 else 2) if i < 6 else [cell]) if len(piece) > 3]
+LEAVES = [moments(piece) for piece in PIECES]
+MERGED = [moments(part) for part in clusters(GRID, 7)]
+
+
+def outline_of_cell(i):
+    """A cell is star-shaped about the centre of its sphere."""
+    x, y, _ = SPHERES[i]
+    points = []
+    for k in range(72):
+        c, s, r = math.cos(k * math.pi / 36), math.sin(k * math.pi / 36), 1
+        while inside((x + r * c, y + r * s)) and owner((x + r * c, y + r * s)) == i:
+            r += 0.5
+        points.append((x + r * c, y + r * s))
+    return points
+
+
+def panel(drawing, column, row, title):
+    x, y = 20 + 290 * column, 34 + 222 * row
+    drawing.text(x, y - 10, title, 15, INK, weight="bold")
+    return lambda p: (x + p[0], y + p[1])
+
+
+def arrow(drawing, at, p, n, length, colour):
+    drawing.line([at(p), at((p[0] + length * n[0], p[1] + length * n[1]))], colour, 1.8, True)
+
+
+def spheres(drawing, at, opacity, balls):
+    for x, y, r in balls:
+        drawing.circle(*at((x, y)), r, BLUE, BLUE, 1, opacity)
+
+
+def glossary():
+    drawing = Drawing(880, 690, "The words of the glossary, in pictures")
+    at = panel(drawing, 0, 0, "packing, inner sphere, fill")
+    drawing.polygon([at(p) for p in BODY])
+    spheres(drawing, at, 0.3, MANY)
+    drawing.text(*at((0, 172)), "fill: blue area over all of it, volume in space", 11, QUIET)
+
+    at = panel(drawing, 1, 0, "gap")
+    balls = [(62, 92, 52), (174, 84, 44), (119, 58, 12), (226, 58, 12), (10, 56, 10)]
+    drawing.polygon([at(p) for p in ((0, 40), (244, 40), (244, 150), (0, 150))], "#888", "none", 0, 0.08)
+    drawing.line([at((0, 40)), at((244, 40))], INK, 2)
+    for x, y, r in balls:
+        drawing.circle(*at((x, y)), r, BLUE, BLUE, 1, 0.2)
+    for px in (26, 98, 140, 205):
+        x, y, r = min(balls, key=lambda s: math.dist((px, 40), s[:2]) - s[2])
+        d = math.dist((px, 40), (x, y))
+        drawing.line([at((px, 40)), at((x + (px - x) * r / d, y + (40 - y) * r / d))], ORANGE, 3)
+    drawing.text(*at((0, 28)), "surface", 12)
+    drawing.text(*at((0, 172)), "orange: the gaps at four points of the surface", 11, QUIET)
+
+    at = panel(drawing, 2, 0, "cell")
+    drawing.polygon([at(p) for p in BODY])
+    spheres(drawing, at, 0.15, SPHERES)
+    for i in range(len(SPHERES)):
+        drawing.polygon([at(p) for p in outline_of_cell(i)], "none" if i != 1 else ORANGE, ORANGE, 1.2, 0.25)
+    drawing.text(*at((0, 172)), "each point belongs to its nearest sphere", 11, QUIET)
+
+    at = panel(drawing, 0, 1, "leaf, normal of a leaf")
+    drawing.polygon([at(p) for p in BODY])
+    for x, y, a, b, angle, n in LEAVES:
+        drawing.ellipse(*at((x, y)), a, b, angle, GREEN, GREEN, 1, 0.15)
+        arrow(drawing, at, (x, y), n, 22, GREEN)
+    drawing.text(*at((0, 172)), "cells, split where their normals differ", 11, QUIET)
+
+    at = panel(drawing, 1, 1, "level, merged ball")
+    drawing.polygon([at(p) for p in BODY])
+    for x, y, a, b, angle, n in MERGED:
+        drawing.ellipse(*at((x, y)), a, b, angle, VIOLET, VIOLET, 1.2, 0.12)
+        arrow(drawing, at, (x, y), n, 26, VIOLET)
+    drawing.text(*at((0, 172)), "fewer and larger pieces of the same body", 11, QUIET)
+
+    at = panel(drawing, 2, 1, "tree, block")
+    names = [("root", 120, 10, 110), ("nodes", 62, 62, 52), ("", 178, 62, 52)]
+    for _, x, y, w in names:
+        drawing.add(f'<rect x="{at((x - w / 2, y))[0]:.1f}" y="{at((x, y))[1]:.1f}" width="{w}" height="24" rx="4" fill="{BLUE}" fill-opacity="0.12" stroke="{BLUE}"/>')
+    drawing.text(*at((120, 27)), "root", 12, INK, "middle")
+    for x in (62, 178):
+        drawing.text(*at((x, 79)), "node", 12, INK, "middle")
+        drawing.line([at((120, 34)), at((x, 59))], QUIET, 1.5)
+        for k in (-1, 0, 1):
+            drawing.line([at((x, 86)), at((x + 36 * k, 111))], QUIET, 1.2)
+            for j in range(3):
+                drawing.ellipse(*at((x + 36 * k - 9 + 9 * j, 122)), 4, 8, 30 * j, GREEN, GREEN, 1, 0.2)
+    drawing.text(*at((0, 172)), "a node has eight children, a block sixteen leaves", 11, QUIET)
+
+    at = panel(drawing, 0, 2, "pair, lens, lens centroid")
+    drawing.ellipse(*at((92, 82)), 72, 40, 20, BLUE, BLUE, 1.2, 0.15)
+    drawing.add(f'<clipPath id="lens"><ellipse cx="0" cy="0" rx="72" ry="40" transform="translate({at((92, 82))[0]:.1f} {at((92, 82))[1]:.1f}) rotate(20)"/></clipPath>')
+    cx, cy = at((168, 92))
+    drawing.add(f'<g clip-path="url(#lens)"><ellipse cx="0" cy="0" rx="66" ry="34" transform="translate({cx:.1f} {cy:.1f}) rotate(-35)" fill="{ORANGE}" fill-opacity="0.6"/></g>')
+    drawing.ellipse(cx, cy, 66, 34, -35, GREEN, GREEN, 1.2, 0.15)
+    drawing.circle(*at((135, 99)), 3, INK, INK)
+    drawing.text(*at((42, 70)), "leaf of A", 12, BLUE)
+    drawing.text(*at((180, 78)), "leaf of B", 12, GREEN)
+    drawing.text(*at((0, 172)), "orange: lens, dot: its centroid", 11, QUIET)
+
+    at = panel(drawing, 1, 2, "patch, area vector")
+    fork = [(30, 16), (210, 16), (210, 116), (160, 116), (160, 62), (80, 62), (80, 116), (30, 116)]
+    drawing.polygon([at(p) for p in fork], BLUE, BLUE, 1.5, 0.1)
+    drawing.polygon([at(p) for p in ((10, 104), (230, 104), (230, 150), (10, 150))], GREEN, GREEN, 1.5, 0.1)
+    for x in (30, 160):
+        drawing.polygon([at(p) for p in ((x, 104), (x + 50, 104), (x + 50, 116), (x, 116))], ORANGE, ORANGE, 1, 0.6)
+        arrow(drawing, at, (x + 25, 104), (0, -1), 34, ORANGE)
+    drawing.text(*at((0, 172)), "two patches; A must move up to leave B", 11, QUIET)
+
+    at = panel(drawing, 2, 2, "depth, pressure field")
+    for inset, opacity in ((0, 0.1), (16, 0.14), (32, 0.2), (48, 0.3)):
+        if inset < 50:
+            drawing.add(f'<rect x="{at((16 + inset, 0))[0]:.1f}" y="{at((0, 14 + inset))[1]:.1f}" width="{210 - 2 * inset}" height="{130 - 2 * inset}" fill="{BLUE}" fill-opacity="{opacity}" stroke="{BLUE}"/>')
+    arrow(drawing, at, (121, 79), (0, -1), 62, ORANGE)
+    drawing.text(*at((128, 40)), "normal", 12, ORANGE)
+    drawing.text(*at((0, 172)), "darker: deeper, and more pressure", 11, QUIET)
+    drawing.write("glossary.svg")
+
+
+pipeline()
+glossary()
