@@ -125,7 +125,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Safety/SampleMonitor.h
 	DeviceBridge/Timing/Clock.h
 	DeviceBridge/Timing/Delegate.h
-	DeviceBridge/Timing/SteadyTime.h
+	DeviceBridge/Timing/MonotonicClock.h
 	DeviceBridge/Timing/TripleBuffer.h
 	TestSupport/ContactLog.h
 	TestSupport/Matchers.h

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Bullet/BulletDecoupledSource.h"
 
+#include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "DeviceBridge/Timing/RealTimePriority.h"
-#include "DeviceBridge/Timing/ThreadTime.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -392,7 +392,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.coarsened = m_threadFinder.coarsened();
 	answer.overBudget = m_threadFinder.overBudget();
 	answer.refused = m_threadFinder.refused();
-	const double used = threadMicroseconds();
+	const double used = ist::threadMicroseconds();
 	answer.cost = {answer.number, 0, used - (m_threadTime < 0 ? used : m_threadTime), m_threadFinder.queryMicroseconds() - asked};
 	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[i].pairs;
 	m_threadTime = used;
@@ -403,7 +403,7 @@ bool BulletDecoupledSource::serveContacts() noexcept
 bool BulletDecoupledSource::startContactThread()
 {
 	const auto begin = [this] {
-		m_threadTime = threadMicroseconds();
+		m_threadTime = ist::threadMicroseconds();
 		if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
 	};
 	return m_thread.start(begin, [this] { return serveContacts(); });

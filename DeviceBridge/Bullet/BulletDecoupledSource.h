@@ -10,7 +10,7 @@
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
 #include "DeviceBridge/Loop/AnsweringThread.h"
 #include "DeviceBridge/Loop/ModelAge.h"
-#include "DeviceBridge/Timing/SteadyTime.h"
+#include "DeviceBridge/Timing/MonotonicClock.h"
 
 class btRigidBody;
 
@@ -172,7 +172,7 @@ private:
 
 	btRigidBody& m_tool;
 	std::shared_ptr<const ist::InnerSphereTree> m_tree;
-	SteadyTime m_time;
+	MonotonicClock m_time;
 	BulletDecoupledSettings m_settings;
 	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
-
-#include "DeviceBridge/Timing/ThreadTime.h"
+#include "BulletISTCollision/Core/Base/ThreadTime.h"
 
 #include <algorithm>
 #include <limits>
@@ -55,9 +54,9 @@ int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, co
 	int capacity, double& volume) noexcept
 {
 	if (m_buffers.fetch()) m_workspace.take(*m_buffers.readable());
-	const double begin = m_measures ? threadMicroseconds() : 0;
+	const double begin = m_measures ? ist::threadMicroseconds() : 0;
 	const ist::OverlapResult result = ask(X_WT, body, X_WB);
-	if (m_measures) m_queryMicroseconds += threadMicroseconds() - begin;
+	if (m_measures) m_queryMicroseconds += ist::threadMicroseconds() - begin;
 	m_refused += result.status != ist::QueryStatus::Ok;
 	if (result.status != ist::QueryStatus::Ok || !(result.total.volume > 0)) return 0;
 	m_coarsened += result.coarsened;

@@ -13,7 +13,7 @@
 #include "DeviceBridge/Safety/SampleMonitor.h"
 #include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Timing/Delegate.h"
-#include "DeviceBridge/Timing/SteadyTime.h"
+#include "DeviceBridge/Timing/MonotonicClock.h"
 
 namespace devicebridge
 {
@@ -153,7 +153,7 @@ private:
 
 	Device& m_device;
 	ContactSource& m_source;
-	SteadyTime m_time;
+	MonotonicClock m_time;
 	GapBridge m_gapBridge;
 	SteppingSettings m_settings;
 	SafetyLimiter m_limiter;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Grasp/GraspLoad.h"
 
+#include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
-#include "DeviceBridge/Timing/ThreadTime.h"
 #include "demos/scenes/Pages/TraceChart.h"
 
 #include <nlohmann/json.hpp>
@@ -123,11 +123,11 @@ Result<GraspLoad> runLoad(const std::string& name, const GraspOptions& grasp, co
 	for (int tick = 0; s.time() < GraspMotion::kShaken; ++tick)
 	{
 		GraspLoadTick now;
-		const double begin = threadMicroseconds();
+		const double begin = ist::threadMicroseconds();
 		s.step();
-		const double stepped = threadMicroseconds();
+		const double stepped = ist::threadMicroseconds();
 		s.addTouches(rounds);
-		const double end = threadMicroseconds();
+		const double end = ist::threadMicroseconds();
 		if (rounds.rounds() != round) begun = s.time();
 		out.mapSeconds = std::max(out.mapSeconds, s.time() - begun);
 		round = rounds.rounds();

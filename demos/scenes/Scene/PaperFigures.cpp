@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Scene/PaperFigures.h"
 
+#include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Timing/RealTimePriority.h"
-#include "DeviceBridge/Timing/ThreadTime.h"
 #include "demos/scenes/Bodies/BodiesOnPlane.h"
 #include "demos/scenes/Scene/SceneReport.h"
 
@@ -43,9 +43,9 @@ double wakingMicroseconds()
 		devicebridge::askForRealTimePriority(devicebridge::SteppingSettings().priority);
 		devicebridge::RealClock clock;
 		const std::int64_t begin = clock.now();
-		const double before = devicebridge::threadMicroseconds();
+		const double before = ist::threadMicroseconds();
 		for (int i = 1; i <= kTicks; ++i) clock.sleepUntil(begin + i * devicebridge::SteppingSettings().period);
-		used = (devicebridge::threadMicroseconds() - before) / kTicks;
+		used = (ist::threadMicroseconds() - before) / kTicks;
 	});
 	idle.join();
 	return used;
@@ -72,9 +72,9 @@ std::vector<double> askAgain(SceneWorld& world, const PaperScene& scene)
 	for (size_t i = 0; i < ticks.size(); ++i)
 	{
 		if (!isNewAnswer(ticks, i)) continue;
-		const double begin = devicebridge::threadMicroseconds();
+		const double begin = ist::threadMicroseconds();
 		ask(ticks[i]);
-		times[i] = devicebridge::threadMicroseconds() - begin;
+		times[i] = ist::threadMicroseconds() - begin;
 	}
 	return times;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Scene/SceneRun.h"
 
+#include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
@@ -10,7 +11,6 @@
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Loop/StopSignals.h"
 #include "DeviceBridge/Loop/ThreadedForceLaw.h"
-#include "DeviceBridge/Timing/ThreadTime.h"
 #include "demos/scenes/Scene/SceneHooks.h"
 
 #include <algorithm>
@@ -38,9 +38,9 @@ public:
 	using DeviceDecorator::DeviceDecorator;
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
 	{
-		const double begin = threadMicroseconds();
+		const double begin = ist::threadMicroseconds();
 		const DeviceStatus status = m_inner->read(now, state);
-		m_used += threadMicroseconds() - begin;
+		m_used += ist::threadMicroseconds() - begin;
 		return status;
 	}
 	/// So far [us].
@@ -160,7 +160,7 @@ private:
 	{
 		closeLast();
 		const std::int64_t now = m_clock.now();
-		const double used = threadMicroseconds();
+		const double used = ist::threadMicroseconds();
 		const double inDevice = m_device.used();
 		if (m_first < 0) m_first = m_last = now, m_used = used, m_usedInDevice = inDevice;
 		m_next = {};

@@ -11,10 +11,10 @@ namespace devicebridge
 {
 /// The time of a clock, made monotonic: after a jump back it continues from the last value that was returned. One thread uses it; jumps()
 /// may be read from any thread.
-class SteadyTime
+class MonotonicClock
 {
 public:
-	explicit SteadyTime(Clock& clock) : m_clock(clock) {}
+	explicit MonotonicClock(Clock& clock) : m_clock(clock) {}
 
 	/// Present time [ns].
 	std::int64_t now() noexcept
