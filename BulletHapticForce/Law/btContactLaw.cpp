@@ -11,18 +11,19 @@ namespace
 {
 using Matrix3 = Eigen::Matrix3d;
 constexpr double kFrictionRadiusPerRms = 0.93;
-// A body that rests presses with its own weight; only what is twice that comes from above. Otherwise k would follow each bounce.
+// A resting body presses with its own weight, so only the load beyond twice that weight is taken as coming from above. With a larger
+// share k would follow each bounce.
 constexpr double kThrough = 0.5;
-constexpr double kPressedBlend = 0.1;  // share of each step in the mean of what pressed
+constexpr double kPressedBlend = 0.1;  // weight of each step in the running mean of the normal force
 
-/// The stiffest k that a step of `h` [s] bears [Pa/m]. On one of Bullet's own shapes there is no such bound (docs/stability.md).
+/// Largest k that a step of `h` [s] can bear [Pa/m]. There is no such bound on Bullet's own shapes (docs/stability.md).
 double stiffestOfStep(const btISTContact& contact, double mass, double h)
 {
 	if (!contact.treeB) return std::numeric_limits<double>::infinity();
 	const double gravity = contact.constants.gravity;
 	const double resting = gravity > 0 ? std::max(mass, kThrough * contact.pressed / gravity) : mass;
-	// No flat contact is larger than half of a surface. The area of this step would change k with every leaf that comes into touch, and
-	// nothing would find rest.
+	// Half of the smaller surface is the largest area of a flat contact. With the area of the present step, k would change with every
+	// leaf that comes into touch, and bodies would not come to rest.
 	const double area = 0.5 * std::min(contact.treeA->area, contact.treeB->area);
 	return kStiffestPerStep * resting / (h * h * area);
 }
@@ -44,10 +45,10 @@ Matrix3 crossMatrix(const Eigen::Vector3d& v)
 	return r;
 }
 
-/// From A's mesh axes about A's origin to World axes about the point `c` from that origin.
+/// Transforms K from A's mesh axes about A's origin to World axes about the point `c`, which is given from that origin.
 ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3& R, const Eigen::Vector3d& c)
 {
-	Matrix3 forces, mixed, torques;  // of translations, of rotations, torques of rotations
+	Matrix3 forces, mixed, torques;  // force per translation, force per rotation, torque per rotation
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j)
 		{
@@ -55,7 +56,7 @@ ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3
 			mixed(i, j) = K(i, j + 3);
 			torques(i, j) = K(i + 3, j + 3);
 		}
-	// A turn about c moves what is at the origin by c x turn.
+	// A rotation about c moves the point at the origin by c x rotation.
 	const Matrix3 X = crossMatrix(c);
 	const Matrix3 shifted = forces * X + mixed;
 	torques += mixed.transpose() * X - X * shifted;
@@ -74,7 +75,7 @@ ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3
 	return moved;
 }
 
-/// Int r r^T dV / V about the centroid, A's mesh axes [m^2].
+/// Covariance of the overlap, Int r r^T dV / V about its centroid, in A's mesh axes [m^2].
 Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
 {
 	const double* s = sums.secondMoment;

@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
-/// As forces of the step to come; wakes the bodies. Each wrench in World axes about its body's centre of mass. Nothing where one is not
-/// finite.
+/// Applies two wrenches as forces of the next step, and wakes the bodies. Each wrench is in World axes about its body's centre of mass.
+/// If one of them is not finite, neither is applied.
 void exertExplicitly(btRigidBody& A, const ist::Wrench& onA, btRigidBody& B, const ist::Wrench& onB);
 
-/// Pairs of bodies whose contact is that of an explicit law: Bullet's own is switched off (setIgnoreCollisionCheck) for as long as a pair
-/// is held. Bodies outlive this or are removed.
+/// Pairs of bodies whose contact follows an explicit law. Bullet's own contact is switched off (setIgnoreCollisionCheck) for as long as a
+/// pair is in the list. Each body must outlive this object, or be removed from it.
 template <class Material, class Contact> class btExplicitPairs
 {
 public:
@@ -39,8 +39,8 @@ public:
 		for (const Pair& p : m_pairs) p.A->setIgnoreCollisionCheck(p.B, false);
 	}
 
-	/// Refused: null, one body, a pair that is held already. Bullet keeps the points of bodies that touch already: clean their pairs
-	/// afterwards (cleanProxyFromPairs).
+	/// Adds a pair. Refused: null, the same body twice, and a pair that is in the list already. Bullet keeps the contact points of bodies
+	/// that already touch: clean their pairs afterwards (cleanProxyFromPairs).
 	std::optional<ist::Error> add(Pair pair)
 	{
 		if (!pair.A || !pair.B || pair.A == pair.B) return ist::Error{"a law of contact needs two different bodies"};
@@ -51,7 +51,7 @@ public:
 		m_pairs.push_back(std::move(pair));
 		return std::nullopt;
 	}
-	/// All pairs of this body.
+	/// Removes all pairs of this body.
 	void remove(btRigidBody* body)
 	{
 		const auto has = [body](const Pair& p) { return p.A == body || p.B == body; };
@@ -59,7 +59,7 @@ public:
 			if (has(p)) p.A->setIgnoreCollisionCheck(p.B, false);
 		m_pairs.erase(std::remove_if(m_pairs.begin(), m_pairs.end(), has), m_pairs.end());
 	}
-	/// In the order of `add`.
+	/// All pairs, in the order of `add`.
 	std::vector<Pair>& all() { return m_pairs; }
 	const std::vector<Pair>& all() const { return m_pairs; }
 

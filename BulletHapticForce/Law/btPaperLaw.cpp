@@ -10,7 +10,7 @@ namespace
 {
 constexpr int kPowerIterations = 60;
 
-/// A body, as the law and its limit see it.
+/// Motion and inverse inertia of a body, World axes. Zero inverses: the body is static or kinematic.
 struct Mover
 {
 	ist::Vec3 center, velocity, spin, inverseMass;
@@ -31,7 +31,7 @@ struct Mover
 	ist::Vec3 velocityAt(const ist::Vec3& p) const { return velocity + cross(spin, p - center); }
 };
 
-/// Sum of weight g g^T over directions g of the motion of both bodies: linear and angular of A, then of B.
+/// Sum of weight g g^T, where g is a direction of motion of both bodies: linear and angular of A, then of B.
 struct MotionMatrix
 {
 	double m[12][12] = {};
@@ -45,11 +45,11 @@ struct MotionMatrix
 
 ist::Vec3 scaled(const ist::Vec3& a, const ist::Vec3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
-/// Largest eigenvalue of M^-1 K: K is a sum of squares, so that powers of it converge from below.
+/// Largest eigenvalue of M^-1 K by power iteration. K is a sum of squares, so the iteration converges from below.
 double largestEigenvalue(const MotionMatrix& K, const Mover& A, const Mover& B)
 {
 	double x[12];
-	// No symmetry of a scene is orthogonal to this.
+	// This start vector is not orthogonal to any eigenvector that the symmetry of a scene could produce.
 	for (int i = 0; i < 12; ++i) x[i] = 1 + 0.37 * i - 0.061 * i * i;
 	double eigenvalue = 0;
 	for (int round = 0; round < kPowerIterations; ++round)
@@ -64,7 +64,7 @@ double largestEigenvalue(const MotionMatrix& K, const Mover& A, const Mover& B)
 			energy += f[i] * x[i];
 			square += f[i] * v[i / 3][i % 3];
 		}
-		// Rayleigh's quotient of y = M^-1 K x in the next round; here |y|_M^2 over y.K x = x.K M^-1 K x / x.K x.
+		// Rayleigh's quotient of K^(1/2) M^-1 K^(1/2) at K^(1/2) x: (x.K M^-1 K x) / (x.K x). It never exceeds the largest eigenvalue.
 		if (!(energy > 0) || !(square > 0)) return eigenvalue;
 		eigenvalue = square / energy;
 		for (int i = 0; i < 12; ++i) x[i] = v[i / 3][i % 3] / eigenvalue;
