@@ -21,7 +21,7 @@ double massOf(const btRigidBody& body) { return 1 / double(body.getInvMass()); }
 
 ist::Twist twistOf(const btRigidBody& body) { return {toVec3(body.getLinearVelocity()), toVec3(body.getAngularVelocity())}; }
 
-/// About the centre of mass, World axes; what cannot turn has none.
+/// Inertia about the centre of mass, World axes; zero about axes that cannot rotate.
 ist::Mat3 inertiaOf(const btRigidBody& body)
 {
 	const ist::Mat3 R = toPose(body.getWorldTransform()).rotation;
@@ -47,7 +47,7 @@ ist::Vec3 gyroscopic(const btRigidBody& body, double h)
 	return sum;
 }
 
-/// Of kinematic bodies through Bullet's own contact: its impulses on the other body, at their velocity.
+/// Work of kinematic bodies through Bullet's own contact: the impulses on the other body, at the velocity of the kinematic one.
 double kinematicWork(const btPersistentManifold& manifold)
 {
 	double sum = 0;
@@ -55,7 +55,7 @@ double kinematicWork(const btPersistentManifold& manifold)
 	{
 		const btRigidBody* rigid = btRigidBody::upcast(side == 0 ? manifold.getBody0() : manifold.getBody1());
 		const btCollisionObject* other = side == 0 ? manifold.getBody1() : manifold.getBody0();
-		// Of a body that sleeps, the impulses are those of the step in which it fell asleep.
+		// A sleeping body still has the impulses of the step in which it fell asleep.
 		if (!rigid || !rigid->isKinematicObject() || other->isStaticOrKinematicObject() || !other->isActive()) continue;
 		for (int i = 0; i < manifold.getNumContacts(); ++i)
 		{
@@ -95,7 +95,7 @@ btEnergyAudit::Energies btEnergyAudit::energies() const
 	return sum;
 }
 
-/// Damping, gyroscopic term and forces, in the order of Bullet's step.
+/// Records damping, gyroscopic term and forces, in the order of Bullet's step.
 void btEnergyAudit::enterForces(Body& entry, double h)
 {
 	btRigidBody& body = *entry.body;
@@ -113,7 +113,7 @@ void btEnergyAudit::enterForces(Body& entry, double h)
 	entry.pushed = damped;
 	if (!body.isActive()) return;
 
-	// The gyroscopic term is a function of the damped velocity, which the body does not have yet.
+	// Bullet computes the gyroscopic term from the damped velocity, which the body does not have yet.
 	const btVector3 kept = body.getAngularVelocity();
 	body.setAngularVelocity(toBullet(damped.angular));
 	ist::Twist turned = damped;
@@ -133,7 +133,8 @@ void btEnergyAudit::enterForces(Body& entry, double h)
 	m_open.injected += h * dot(force, mean) + 0.5 * h * dot(torque, turned.angular + entry.pushed.angular);
 }
 
-/// What the motion of the step itself did: a body falls with the velocity at the end of the step, and takes its inertia along.
+/// Records what the motion of the step does to the energy: a body falls with the velocity at the end of the step, and its inertia turns
+/// with it.
 void btEnergyAudit::enterMotion(const Body& entry)
 {
 	const btRigidBody& body = *entry.body;
@@ -143,7 +144,8 @@ void btEnergyAudit::enterMotion(const Body& entry)
 	m_open.numerical -= kineticEnergy(mass, inertiaOf(body), after) - kineticEnergy(mass, entry.inertia, after);
 }
 
-/// Of a body that something else moves: the contact's impulses on the other one, at this one's velocity. `sign`: 1 when it is B.
+/// Work of a kinematic body: the contact's impulses on the other body, at this body's velocity. `sign` is 1 when this body is B, -1 when
+/// it is A.
 double btEnergyAudit::kinematicWork(const btISTContact& contact, const btCollisionObject& body, double sign) const
 {
 	const btRigidBody* rigid = btRigidBody::upcast(&body);

@@ -20,7 +20,7 @@
 
 namespace
 {
-/// So many digits, with a point whatever the locale of the program: the report is read by machines, too.
+/// Number with so many digits, and with a decimal point in every locale, because programs read the report too.
 std::string number(double value, int digits)
 {
 	char text[32];
@@ -115,14 +115,15 @@ std::string numbered(const btCollisionObject* object) { return "body " + std::to
 
 std::string jsonNumber(double value) { return std::isfinite(value) ? number(value, 9) : "null"; }
 
-/// Bytes of the character that a text begins with, after table 3-7 of the Unicode standard; 0 where it begins with none.
+/// Length [bytes] of the character at the beginning of `text`, from table 3-7 of the Unicode standard; 0 where there is no valid
+/// character.
 size_t utf8Length(std::string_view text)
 {
 	const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
 	const unsigned first = byte(0), second = byte(1);
 	const size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
-	// Each byte after the first is 10xxxxxx. The second is limited further: neither long forms of short characters, nor
-	// surrogates, nor what lies beyond U+10FFFF.
+	// Each byte after the first is 10xxxxxx. The second byte is limited further, which excludes long forms of short characters,
+	// surrogates, and values beyond U+10FFFF.
 	for (size_t i = 1; i < length; ++i)
 		if (byte(i) >> 6 != 2) return 0;
 	const bool allowed = first == 0xe0 ? second >= 0xa0
@@ -133,7 +134,7 @@ size_t utf8Length(std::string_view text)
 	return allowed ? length : 0;
 }
 
-/// Names come from the program; what is no UTF-8 in them becomes U+FFFD.
+/// Names come from the program; bytes that are not valid UTF-8 become U+FFFD.
 std::string quoted(std::string_view text)
 {
 	static constexpr char kDigits[] = "0123456789abcdef";
@@ -215,7 +216,7 @@ btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegist
 		for (auto at = range.first; at != range.second; ++at)
 		{
 			const btISTContact& contact = *at->second;
-			// An older one was handed back to Bullet.
+			// An older contact was handed back to Bullet.
 			if (contact.stamp == 0 || (contact.stamp + 1 < step && !sleeps(pair))) continue;
 			const double thickness = contact.treeB
 				? contact.thickness()

@@ -15,7 +15,8 @@ namespace
 {
 const btVolumetricStatistics kNoStatistics;
 
-/// Whether a world frees its solver is protected and has no getter; a member pointer named through a derived class may reach it.
+/// Access to whether a world frees its solver. This member is protected and has no getter, but a member pointer that is named through a
+/// derived class can reach it.
 struct SolverOwnership : btDiscreteDynamicsWorld
 {
 	static bool& of(btDiscreteDynamicsWorld& world) { return world.*(&SolverOwnership::m_ownsConstraintSolver); }
@@ -67,11 +68,11 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	if (!dispatcher)
 	{
 		m_refusal = "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
-		m_parts = std::make_unique<Parts>();  // to register with, so that everything else here has something to speak of
+		m_parts = std::make_unique<Parts>();  // a place to register, so that all other methods have a valid registration
 		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
 		return;
 	}
-	// A second one must leave the first one's pair cache alone, so ours is set once the rule is.
+	// A second btISTWorld must not change the first one's pair cache, so ours is set only after the rule was accepted.
 	m_registration = btISTCollisionAlgorithm::registerAlgorithm(dispatcher);
 	m_refusal = m_registration.refusal();
 	if (!m_refusal.empty()) return;
@@ -99,7 +100,7 @@ void btISTWorld::installInto(btDiscreteDynamicsWorld& game)
 	btConstraintSolver* old = game.getConstraintSolver();
 	bool& owned = SolverOwnership::of(game);
 	m_gameOwnedIt = owned;
-	owned = false;  // it is wanted again in the end
+	owned = false;  // restored in `giveSolverBack`
 	auto solver = installVolumetricSolver(game, m_registration);
 	if (!solver)
 	{
@@ -133,7 +134,7 @@ void btISTWorld::giveSolverBack()
 	if (now == m_solver.get() || now == m_gamesSolver) SolverOwnership::of(*m_world) = m_gameOwnedIt;
 	else if (m_gameOwnedIt)
 	{
-		// The game chose another one meanwhile; this is how its world would have freed its own.
+		// The game has chosen another solver meanwhile. Its world would have freed its own one like this.
 		m_gamesSolver->~btConstraintSolver();
 		btAlignedFree(m_gamesSolver);
 	}
@@ -157,7 +158,7 @@ std::optional<ist::Error> btISTWorld::step(double seconds)
 	for (const btISTFastPair& pair : m_plan.pairs())
 		if (pair.substeps > m_substeps) m_tooFast.push_back(pair);
 	m_passingPairs += m_tooFast.size();
-	// Bullet divides by a clock of its own, which rounding must not leave one part short.
+	// Bullet divides the step by its own clock. The part is slightly shorter, so that rounding cannot lose the last one.
 	const double part = seconds / m_substeps * (1 - 8 * double(std::numeric_limits<btScalar>::epsilon()));
 	if (m_substeps == 1) m_world->stepSimulation(btScalar(seconds), 0);
 	else stepInParts(seconds, part);
@@ -167,7 +168,7 @@ std::optional<ist::Error> btISTWorld::step(double seconds)
 void btISTWorld::stepInParts(double seconds, double part)
 {
 	m_world->stepSimulation(btScalar(seconds), m_substeps, btScalar(part));
-	// Bullet shows a divided step one part late.
+	// Bullet updates motion states one part late when a step is divided.
 	const btCollisionObjectArray& objects = m_world->getCollisionObjectArray();
 	for (int i = 0; i < objects.size(); ++i)
 	{

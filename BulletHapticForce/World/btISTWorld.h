@@ -15,82 +15,85 @@
 #include <optional>
 #include <string>
 
-/// A Bullet world with volumetric contact: one of its own (configuration, dispatcher, broad phase, solver, world, made and destroyed in
-/// the right order), or the one that a game has. Bodies, shapes and constraints belong to the caller, who removes them before or
-/// leaves them behind; attachments may outlive the world.
+/// A Bullet world with volumetric contact. It either makes its own world (configuration, dispatcher, broad phase, solver, world, made and
+/// destroyed in the right order) or extends the world of a game. Bodies, shapes and constraints belong to the caller, who may remove them
+/// before the world is destroyed or leave them in it. Attachments may outlive the world.
 class btISTWorld
 {
 public:
-	/// A world of its own. Gravity: (0, -9.81, 0) m/s^2.
+	/// Makes a world with the gravity (0, -9.81, 0) m/s^2.
 	btISTWorld();
-	/// The world of a game, which must outlive this: our algorithm goes into its dispatcher, our solver takes the place of the one it
-	/// has, with that one's settings. While nothing is attached it moves as before, bit for bit. Never fails: see `solverRefusal`.
-	/// Steps through `stepSimulation` of the game stay as they are. A game has one at a time: a second one, or one after a registration
-	/// that has set a pair rule, changes nothing: `attach`, `setGravity`, `step` and the settings below are refused in words, and
-	/// `materials` and `watch` have no effect.
+	/// Extends the world of a game, which must outlive this object. Our algorithm is registered in its dispatcher. Our solver takes the
+	/// place of the game's solver and has the same settings. While no tree is attached, the world moves as before, bit for bit. This
+	/// never fails: see `solverRefusal`. The game may still step through its own `stepSimulation`.
+	///
+	/// A game has one btISTWorld at a time. A second one, or one after a registration that has set a pair rule, changes nothing. Its
+	/// `attach`, `setGravity`, `step` and settings return an error, and its `materials` and `pairFilter` have no effect.
 	explicit btISTWorld(btDiscreteDynamicsWorld& game);
-	/// The world of a game gets back its solver and its dispatch tables.
+	/// Returns the solver and the dispatch tables to the world of a game.
 	~btISTWorld();
 	btISTWorld(const btISTWorld&) = delete;
 	btISTWorld& operator=(const btISTWorld&) = delete;
 
 	btDiscreteDynamicsWorld& bullet() { return *m_world; }
 	const btDiscreteDynamicsWorld& bullet() const { return *m_world; }
-	/// Why the world of a game keeps a solver of its own kind (see installVolumetricSolver): contact is then carried by its representative
-	/// points, or, where the sentence says so, stays Bullet's. Empty when all is well.
+	/// Why the world of a game keeps its own solver (see installVolumetricSolver). Contact is then solved at its representative points,
+	/// or by Bullet alone where the sentence says so. Empty when our solver is installed.
 	const std::string& solverRefusal() const { return m_refusal; }
-	/// [m/s^2]. The same as the world's own setGravity, but refused when not finite. The stiffness of bodies without a material follows the
-	/// gravity that world and bodies have in each step.
+	/// Sets the gravity [m/s^2], like the world's own setGravity, but refuses values that are not finite. The stiffness of bodies without
+	/// a material follows the gravity that the world and the bodies have in each step.
 	std::optional<ist::Error> setGravity(const btVector3& gravity);
-	/// One step of so many seconds, in at most `setMostSubsteps` equal parts (btISTSubsteps). Refused, and nothing moves, when that is not
-	/// a positive finite number. Forces of the caller act over all parts.
+	/// Makes one step of `seconds`, in at most `setMostSubsteps` equal parts (btISTSubsteps). If `seconds` is not a positive finite
+	/// number, the step is refused and nothing moves. Forces of the caller act over all parts.
 	std::optional<ist::Error> step(double seconds);
-	/// 1, as it is to begin with: never divided.
+	/// Sets the largest number of parts of a step. Default: 1, so that steps are never divided.
 	void setMostSubsteps(int most) { m_mostSubsteps = most; }
-	/// Into how many parts the last step was divided.
+	/// Number of parts of the last step.
 	int substeps() const { return m_substeps; }
-	/// Pairs that were too fast for the parts that the last step had: one may have passed through the other without a contact. A body that
-	/// falls a quarter of a thickness from rest in one part is among them, also where it lies still. A kinematic body takes its whole way
-	/// in the first part, against which parts do not help. Counted in `passingPairs`, too. Valid until the next step.
+	/// Pairs that were too fast for the parts of the last step: one body may have passed through the other without a contact. A body that
+	/// falls a quarter of a thickness from rest in one part is in the list, even while it lies still. A kinematic body moves its whole
+	/// way in the first part, so more parts do not help. The pairs are counted in `passingPairs` too. Valid until the next step.
 	const std::vector<btISTFastPair>& tooFast() const { return m_tooFast; }
-	/// All of them since the world was made.
+	/// Number of such pairs since the world was made.
 	uint64_t passingPairs() const { return m_passingPairs; }
-	/// What the solver did since this was made; all zero where the world of a game keeps its own.
+	/// Statistics of our solver since it was made. All zero where the game keeps its own solver.
 	const btVolumetricStatistics& statistics() const { return *m_statistics; }
 
-	/// From the next step on, `shape` speaks through `tree` against everything that is volumetric. See btISTRegistry::attach.
+	/// Attaches `tree` to `shape`. From the next step on, its contacts with all that is volumetric are found with the tree. See
+	/// btISTRegistry::attach.
 	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, std::shared_ptr<const ist::InnerSphereTree> tree);
-	/// The same with the tree of an .ist file, which is loaded here and now. btISTTreeSource loads and builds without anybody waiting.
+	/// Attaches the tree of an .ist file. This call loads the file and blocks until it is loaded; btISTTreeSource loads and builds in the
+	/// background.
 	[[nodiscard]] ist::Result<btISTAttachment> attach(const btCollisionShape* shape, const std::string& path);
 	/// See btContactMaterialTable.
 	btContactMaterialTable& materials() { return *m_materials; }
-	/// What queries may be left out; see btISTContactCache. To begin with only those whose answer cannot have changed.
+	/// Sets which queries the contact cache may leave out (btISTContactCache). Default: only those whose answer cannot have changed.
 	std::optional<ist::Error> setContactCache(const btISTContactCache& contactCache)
 	{
 		return m_registration.setContactCache(contactCache);
 	}
-	/// Which pairs are volumetric, and where: all and everywhere, to begin with.
+	/// Decides which pairs are volumetric, and where. Default: all pairs, everywhere.
 	btISTPairFilter& pairFilter() { return m_registration.pairFilter(); }
-	/// The force error that is accepted from now on, of each pair: see btISTRegistration::setForceError.
+	/// Sets the accepted force error of all pairs: see btISTRegistration::setForceError.
 	std::optional<ist::Error> setForceError(double share) { return m_registration.setForceError(share); }
-	/// The same for the pairs of one body, as the one in the hand: see btISTRegistration::setForceErrorOf.
+	/// Sets the accepted force error of the pairs of one body, such as a held one: see btISTRegistration::setForceErrorOf.
 	std::optional<ist::Error> setForceErrorOf(const btCollisionObject* body, std::optional<double> share)
 	{
 		return m_registration.setForceErrorOf(body, share);
 	}
-	/// How many pairs of leaves a query may find; see btISTRegistration::setPairBudget.
+	/// Sets how many pairs of leaves a query may find: see btISTRegistration::setPairBudget.
 	std::optional<ist::Error> setPairBudget(int64_t leafPairs) { return m_registration.setPairBudget(leafPairs); }
-	/// By how many threads pairs are queried; see btISTRegistration::setQueryThreads.
+	/// Sets the number of threads that query pairs: see btISTRegistration::setQueryThreads.
 	std::optional<ist::Error> setQueryThreads(int threads, double spinMicroseconds = 50)
 	{
 		return m_registration.setQueryThreads(threads, spinMicroseconds);
 	}
-	/// How many pairs remember which of their leaves were near; see btISTRegistration::setVerletLists.
+	/// Sets how many pairs of bodies have a Verlet list of their near leaves: see btISTRegistration::setVerletLists.
 	std::optional<ist::Error> setVerletLists(int pairsOfBodies, int leafPairs = 40000)
 	{
 		return m_registration.setVerletLists(pairsOfBodies, leafPairs);
 	}
-	/// What the last step found and did.
+	/// Contacts that the last step found, with the impulses that it applied.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }
 
@@ -106,7 +109,7 @@ public:
 	}
 
 private:
-	/// The parts of a world, but the solver.
+	/// The parts of a world of our own, except the solver.
 	struct Parts
 	{
 		btDefaultCollisionConfiguration configuration;
@@ -121,12 +124,12 @@ private:
 	std::unique_ptr<Parts> m_parts;
 	std::shared_ptr<btContactMaterialTable> m_materials;
 	btISTRegistration m_registration;
-	std::unique_ptr<btSequentialImpulseConstraintSolver> m_solver;  // ours
+	std::unique_ptr<btSequentialImpulseConstraintSolver> m_solver;  // our solver
 	std::unique_ptr<btDiscreteDynamicsWorld> m_own;
 	btDiscreteDynamicsWorld* m_world;
-	btConstraintSolver* m_gamesSolver = nullptr;  // whose place ours has
+	btConstraintSolver* m_gamesSolver = nullptr;  // the game's solver, which ours replaces
 	bool m_gameOwnedIt = false;
-	bool m_isSecond = false;  // the game has one already
+	bool m_isSecond = false;  // the game already has a btISTWorld
 	std::string m_refusal;
 	const btVolumetricStatistics* m_statistics;
 	btISTSubsteps m_plan;
