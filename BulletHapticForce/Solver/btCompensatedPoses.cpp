@@ -12,10 +12,11 @@
 namespace
 {
 constexpr double kEpsilon = double(std::numeric_limits<btScalar>::epsilon());
-/// Roundings in one of Bullet's steps, of positions and of the entries of rotations: quaternion from matrix, product, and back.
+/// Number of roundings in one of Bullet's steps, of positions and of the entries of rotations (quaternion from matrix, product, and
+/// back).
 constexpr double kRoundingsOfPosition = 2, kRoundingsOfRotation = 16;
 
-/// Rotation vector of a turn by less than a right angle; zero where both are the same, bit by bit.
+/// Rotation vector of a rotation by less than 90 degrees; zero where both matrices are equal, bit by bit.
 ist::Vec3 turn(const ist::Mat3& before, const ist::Mat3& now)
 {
 	const ist::Mat3 R = now * ist::transpose(before);
@@ -26,10 +27,11 @@ ist::Vec3 turn(const ist::Mat3& before, const ist::Mat3& now)
 
 ist::Mat3 rotation(const ist::Vec3& vector) { return ist::rotationMatrix(ist::quaternionFromRotationVector(vector)); }
 
-/// What Bullet's step from `before` to `now` with velocity `v` has lost; false where it was no such step.
+/// Computes what Bullet's step from `before` to `now` with velocity `v` has lost. Returns false when the body did not move by such a
+/// step.
 bool lostInStep(const ist::Pose& before, const ist::Pose& now, const ist::Twist& v, double h, ist::Twist& lost)
 {
-	// In this order: the first difference is exact.
+	// The order matters: the first difference is exact.
 	lost.linear = before.translation - now.translation + h * v.linear;
 	lost.angular = h * v.angular - turn(before.rotation, now.rotation);
 	for (int i = 0; i < 3; ++i)

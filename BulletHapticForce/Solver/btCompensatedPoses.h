@@ -8,23 +8,27 @@
 
 class btRigidBody;
 
-/// What of the motion of bodies in contact is lost when Bullet rounds their poses to btScalar. A body that moves by less than half a
-/// rounding in a step does not move at all, for ever: without this, dampers and half-reached equilibria would hold up what should sink, and
-/// a body whose rotation is lost while its translation is not would slide although nothing slips. Here the lost parts add up. Contact takes
-/// them for displacements of its own stiffness; where they come to a whole rounding, the pose takes them.
+/// Compensated summation for the poses of bodies in contact: it keeps the motion that is lost when Bullet rounds poses to btScalar. A
+/// body that moves by less than half a rounding in a step would otherwise never move. Dampers and half-reached equilibria would then hold
+/// up what should sink. A body whose rotation is lost while its translation is not would slide although nothing slips.
 ///
-/// Rigid bodies only, known by their index in the world and their address. A body that was moved by anything but its velocity, or that
-/// was without contact for a step, begins with nothing lost. One owner thread; allocates only in `reserve`, and for bodies beyond it.
+/// The lost parts add up here. Contact treats them as displacements of its own stiffness. As soon as they amount to a whole rounding,
+/// they are added to the pose.
+///
+/// Only rigid bodies are covered, identified by their index in the world and their address. The lost part is reset to zero for a body
+/// that was moved by anything but its velocity, or that had no contact for a step. Only the thread of the world may use it. It allocates
+/// only in `reserve`, and for bodies beyond the reserved number.
 class btCompensatedPoses
 {
 public:
-	/// For a world of as many objects.
+	/// Reserves memory for a world of so many objects.
 	void reserve(size_t bodies);
-	/// Before contacts are evaluated in step `step`: the displacement that the body's pose lacks, translation of the centre of mass [m] and
-	/// rotation [rad], World. Zero for a body that is not in the world. The same answer when asked again in the step.
+	/// Returns the displacement that the body's pose lacks: translation of the centre of mass [m] and rotation [rad], World. Call it
+	/// before contacts are evaluated in step `step`. Zero for a body that is not in the world. A second call in the same step gives the
+	/// same answer.
 	ist::Twist recall(const btRigidBody& body, uint64_t step);
-	/// When the velocities of the step are final and not yet integrated: moves the pose by whole roundings, and remembers it. `h`: step
-	/// [s].
+	/// Moves the pose by whole roundings and remembers it. Call it when the velocities of the step are final and not yet integrated. `h`
+	/// is the step [s].
 	void settle(btRigidBody& body, double h, uint64_t step);
 
 private:
@@ -32,7 +36,7 @@ private:
 	{
 		const btRigidBody* body = nullptr;
 		uint64_t step = 0;
-		ist::Pose pose;  // from which Bullet goes on in `h` with `velocity`
+		ist::Pose pose;  // pose from which Bullet continues for `h` with `velocity`
 		ist::Twist velocity;
 		double h = 0;
 		ist::Twist lacking;

@@ -6,7 +6,8 @@
 
 namespace
 {
-/// Of a contact that leaves fast, over its elastic pressure: the closed form has nothing leave faster than 1/dissipation, a step may.
+/// Smallest pressure of a separating contact, as a share of its elastic pressure. In the closed form nothing separates faster than
+/// 1/dissipation, but in a finite step a body can.
 constexpr double kLeastPressure = 0.5;
 
 double work(const ist::Wrench& impulse, const ist::Twist& twist)
@@ -19,8 +20,8 @@ ist::Twist mean(const btEnergyTankPatch& p)
 	return {0.5 * (p.before.linear + p.after.linear), 0.5 * (p.before.angular + p.after.angular)};
 }
 
-/// Twice the energy that the patches hold in linear contact: force times depth. Robust where the model's energy is not: above the
-/// surface the leaves' depths are negative.
+/// Twice the energy that the patches hold in linear contact: force times depth. The model's own energy is less robust, because the depths
+/// of leaves above the surface are negative.
 double capacity(const btISTContact& contact)
 {
 	double sum = 0;
@@ -34,7 +35,8 @@ double capacity(const btISTContact& contact)
 	}
 	return sum;
 }
-/// Patches that push against each other have no direction together; a body amid a thin one has such.
+/// True when the force has reversed since the last step in which it had one direction. Patches that push against each other have no
+/// common direction, as on a body that surrounds a thin one.
 bool turnsOver(btISTContact& contact)
 {
 	ist::Vec3 sum;
@@ -64,7 +66,7 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 		return turned;
 	}
 	const double depth = ist::meanDepth(contact.total);
-	const double flown = 2 * speed * h;  // depth that a body may have come in one step
+	const double flown = 2 * speed * h;  // depth that a body may have reached in one step
 	tank.open = true;
 	tank.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
 	return turned;
@@ -82,7 +84,7 @@ double btContactEnergyTank::share(const btISTContactEnergyTank& tank, const btEn
 	if (!(linear + square > tank.stored)) return 1;
 	if (!(square > 0)) return linear > 0 ? std::clamp(tank.stored / linear, 0.0, 1.0) : 1;
 	const double root = std::sqrt(linear * linear + 4 * square * tank.stored);
-	// The larger root of square s^2 + linear s = stored, without cancellation.
+	// This is the larger root of square s^2 + linear s = stored, without cancellation.
 	const double share = linear > 0 ? 2 * tank.stored / (root + linear) : (root - linear) / (2 * square);
 	return std::clamp(share, 0.0, 1.0);
 }
@@ -116,7 +118,7 @@ btISTContactWork btContactEnergyTank::workOf(const btEnergyTankPatch* patches, i
 	{
 		const btEnergyTankPatch& p = patches[i];
 		const ist::Twist u = mean(p);
-		const ist::Wrench drag = p.patch.damping * u;  // -d(wrench), so that what approaches has a negative normal part
+		const ist::Wrench drag = p.patch.damping * u;  // -d(wrench): an approach gives a negative normal part
 		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal);
 		double dissipated = 0;
 		if (force > 0 && normal > 0)

@@ -7,10 +7,10 @@
 #include "BulletDynamics/ConstraintSolver/btSolverBody.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
-/// Bodies of Bullet's solver pool in double, as rows and islands see them. Not installed.
+/// Motion of the bodies in Bullet's solver pool, in double, for rows and islands. This header is not installed.
 namespace btSolverBodyMotion
 {
-/// A body whose linear factor is zero may still turn.
+/// True when the body can rotate, which a body with a linear factor of zero may still do.
 inline bool canTurn(const btRigidBody& body)
 {
 	if (!(body.getInvMass() > 0) || body.isStaticOrKinematicObject()) return false;
@@ -39,7 +39,7 @@ inline btVolumetricRowBody rowBody(const btSolverBody& body)
 	return r;
 }
 
-/// Of the centre of mass, with what Bullet's rows and ours have done so far.
+/// Twist of the centre of mass, with all impulses that Bullet's rows and ours have applied so far.
 inline ist::Twist twist(const btSolverBody& body)
 {
 	if (!body.m_originalBody) return {};
@@ -47,7 +47,7 @@ inline ist::Twist twist(const btSolverBody& body)
 		toVec3(body.m_angularVelocity) + toVec3(body.m_externalTorqueImpulse) + toVec3(body.getDeltaAngularVelocity())};
 }
 
-/// A twist of the body's centre of mass, at a point [World].
+/// Transforms a twist of the body's centre of mass to a point [World].
 inline ist::Twist movedTo(const ist::Twist& t, const btSolverBody& body, const ist::Vec3& point)
 {
 	return {t.linear + cross(t.angular, point - toVec3(body.getWorldTransform().getOrigin())), t.angular};
@@ -58,7 +58,7 @@ inline ist::Twist twistAt(const btSolverBody& body, const ist::Vec3& point) { re
 inline ist::Twist difference(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
 inline ist::Twist sum(const ist::Twist& a, const ist::Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
 
-/// Change of the twist of a body by an impulse at a point.
+/// Change of a body's twist (at its centre of mass) by an impulse at a point.
 inline ist::Twist response(const btVolumetricRowBody& r, const ist::Wrench& impulse, const ist::Vec3& point)
 {
 	const ist::Vec3& w = r.inverseMass;

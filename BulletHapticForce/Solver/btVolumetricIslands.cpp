@@ -106,7 +106,7 @@ void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vec
 
 namespace
 {
-/// Zero for a body that can only turn: it lies on nothing.
+/// Mass of a body; zero for one that can only rotate, because it rests on nothing.
 double massOf(const btSolverBody& body)
 {
 	const ist::Vec3 w = toVec3(body.internalGetInvMass());
@@ -128,7 +128,8 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 	}
 }
 
-/// The default rule sees two bodies; the others of a pile have a weight, too.
+/// Raises the stiffness of contacts in piles. The default rule sees only the two bodies of a pair, but the others of a pile have weight
+/// too.
 void btVolumetricIslands::carryPiles(const btSolverBody* bodies)
 {
 	weigh(bodies);
@@ -157,7 +158,7 @@ bool btVolumetricIslands::fitsBlock(const Island& island)
 	return island.bodyCount <= kMaxBlockBodies && island.entryCount <= kMaxBlockPatches;
 }
 
-/// The query knows the poses as rounded; to first order the stiffness knows the rest.
+/// Corrects the wrenches for the rounding of poses: the query uses rounded poses, and the stiffness gives the rest to first order.
 void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
 {
 	m_moved.clear();
@@ -187,7 +188,7 @@ void btVolumetricIslands::openEnergyTanks(const btSolverBody* bodies)
 		if (e.contact == former) continue;
 		former = e.contact;
 		const auto velocityAt = [&](int body, const ist::Vec3& point) {
-			// Those that moved the bodies here: without what this step has done so far.
+			// The velocities that moved the bodies to these poses, without the impulses of this step.
 			const btSolverBody& b = bodies[body];
 			return toVec3(b.m_linearVelocity) + cross(toVec3(b.m_angularVelocity), point - toVec3(b.getWorldTransform().getOrigin()));
 		};
@@ -324,7 +325,7 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 	return residual;
 }
 
-/// Enters in the bodies' changes what an impulse of `e` does.
+/// Adds the effect of an impulse of `e` to the changes of the bodies' twists.
 void btVolumetricIslands::addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies)
 {
 	for (int side = 0; side < 2; ++side)
@@ -343,7 +344,7 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 	return m_change;
 }
 
-/// The patches of the contact whose first entry is `first`; returns how many they are.
+/// Collects the patches of the contact whose first entry is `first`. Returns their number.
 int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodies, btEnergyTankPatch* patches) const
 {
 	const Entry& e = m_entries[first];
@@ -414,7 +415,7 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 		}
 	};
 	forEachContact([&](size_t first, int count) { holdToEnergyTank(first, count, bodies); });
-	// Not before: each contact that was held has changed what the others do.
+	// This needs its own pass, because each contact that was limited has changed the twists of the others.
 	forEachContact([&](size_t first, int count) { enterWork(first, count, bodies); });
 	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->tank.friction), std::end(e.contact->tank.friction), ist::Wrench());
 	for (const Entry& e : m_entries)

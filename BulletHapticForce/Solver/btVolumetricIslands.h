@@ -12,35 +12,39 @@
 class btRigidBody;
 struct btSolverBody;
 
-/// The volumetric contacts of one call of Bullet's solver, grouped into islands of bodies that hang together through them. An island
-/// is solved at once by btIslandBlockSolver; one that is too large for that is solved patch by patch, in Bullet's iterations. An
-/// island whose bodies no row of Bullet's touches is solved once, not in every iteration: there is nothing to iterate with.
-/// `bodies` is always Bullet's pool of solver bodies. No allocation once the largest scene has been seen.
+/// The volumetric contacts of one call of Bullet's solver, grouped into islands: bodies that are connected through such contacts.
+/// btIslandBlockSolver solves an island at once. An island that is too large for it is solved patch by patch, in Bullet's iterations. An
+/// island is solved only once when no row of Bullet moves its bodies, because iterations would change nothing.
+///
+/// `bodies` is always Bullet's pool of solver bodies. Allocates nothing after the largest scene has been seen.
 class btVolumetricIslands
 {
 public:
 	static constexpr int kMaxBlockBodies = 64, kMaxBlockPatches = 256;
 
-	/// Room for as many contacts with all their patches.
+	/// Reserves memory for so many contacts with all their patches.
 	void reserve(size_t contacts);
-	/// Of the world, touching or not.
+	/// Reserves memory for all bodies of the world, touching or not.
 	void reserveBodies(size_t bodies) { m_unrounded.reserve(bodies); }
 	void clear();
-	/// Velocity, with the forces of this step, place and mass. Anything else must not reach an island: it would poison all of it.
+	/// True when the body's velocity (including the forces of this step), position and mass are finite. Other bodies must not reach an
+	/// island, because one such value would spoil the whole island.
 	static bool isFinite(const btSolverBody& body);
-	/// All patches of a contact between two bodies of the pool, of which at least one can move.
+	/// Adds all patches of a contact between two bodies of the pool. At least one of the bodies must be able to move.
 	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
-	/// After the last `add`. `touched`: bodies that Bullet's own rows move. `h`: step [s], the `step`-th of the store.
+	/// Builds the islands; call it after the last `add`. `touched` are the bodies that Bullet's own rows move. `h` is the step [s], and
+	/// `step` its number in the store.
 	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step);
-	/// One visit of every island; returns the largest square of a change of force impulse [N^2 s^2].
+	/// Visits every island once. Returns the largest squared change of a force impulse [N^2 s^2].
 	double iterate(btSolverBody* bodies, int iteration);
-	/// Change of each body's twist by all these patches; others may add theirs before `finish`.
+	/// Computes the change of each body's twist by all these patches. Other contacts may add theirs before `finish`.
 	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
-	/// After `sumChanges`. Holds every contact to its energy tank (btContactEnergyTank.h), and writes the impulses into the contacts.
+	/// Limits every contact to its energy tank (btContactEnergyTank.h), and writes the impulses into the contacts. Call it after
+	/// `sumChanges`.
 	void finish(btSolverBody* bodies);
-	/// When Bullet has written the velocities into the bodies: see btCompensatedPoses.
+	/// Call this after Bullet has written the velocities into the bodies: see btCompensatedPoses.
 	void settlePoses();
-	/// Added to, never reset.
+	/// Counters; they are never reset.
 	const btVolumetricStatistics& statistics() const { return m_statistics; }
 	btVolumetricStatistics& statistics() { return m_statistics; }
 
@@ -52,7 +56,7 @@ private:
 		int bodyA = 0, bodyB = 0;
 		double friction = 0;
 		btContactPatch patch;
-		int next = -1;  // of the same island
+		int next = -1;  // next entry of the same island
 		ist::Wrench impulse, elastic;
 		double normalImpulse = 0;
 	};
@@ -60,8 +64,8 @@ private:
 	{
 		int first = -1, entryCount = 0, bodyCount = 0;
 		bool touched = false;
-		double weight = 0;          // of the bodies that have a gravity of their own [N]
-		double weightlessMass = 0;  // of the others [kg]
+		double weight = 0;          // weight of the bodies that have a gravity of their own [N]
+		double weightlessMass = 0;  // mass of the other bodies [kg]
 	};
 	struct Block
 	{
@@ -94,15 +98,15 @@ private:
 
 	double m_step = 0;
 	uint64_t m_stepNumber = 0;
-	size_t m_reserved = 0;  // contacts
+	size_t m_reserved = 0;  // number of contacts
 	std::vector<Entry> m_entries;
 	std::vector<Island> m_islands;
 	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
-	Block m_passing;                                // for islands that are solved once
-	std::vector<std::unique_ptr<Block>> m_lasting;  // for those that stay through the iterations
+	Block m_passing;                                // islands that are solved once
+	std::vector<std::unique_ptr<Block>> m_lasting;  // islands that are solved in every iteration
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
-	std::vector<ist::Twist> m_change;  // of each body by all volumetric contacts
+	std::vector<ist::Twist> m_change;  // change of each body's twist by all volumetric contacts
 	btCompensatedPoses m_unrounded;
 	std::vector<btRigidBody*> m_moved;
 	btVolumetricStatistics m_statistics;

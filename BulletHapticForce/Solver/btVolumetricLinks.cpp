@@ -47,7 +47,7 @@ btVolumetricLinks::PlacedSide btVolumetricLinks::place(const Side& side, const i
 	}
 	placed.jacobian = m_jacobians.size();
 	m_jacobians.resize(m_jacobians.size() + 12 * size_t(n));
-	// Bullet's arrays of the same names are scratch between its rows; ours do not stay in them.
+	// Bullet uses its arrays of the same names as scratch memory between its rows, so our numbers are copied out.
 	const int at = data.m_jacobians.size();
 	data.m_jacobians.resize(at + 2 * n);
 	for (int row = 0; row < 6; ++row)
@@ -72,7 +72,7 @@ double btVolumetricLinks::responseOf(const PlacedSide& s, int dof, const double*
 	return change;
 }
 
-/// Adds to `motion` what an impulse on A, and its opposite on B, changes.
+/// Adds to `motion` the change by an impulse on A and its opposite on B.
 void btVolumetricLinks::addResponse(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies, Motion& motion) const
 {
 	Six values;
@@ -112,7 +112,7 @@ ist::Twist btVolumetricLinks::relative(const Entry& e, const btSolverBody* bodie
 	return result;
 }
 
-/// J M^-1 J^T of the two sides together, which may belong to one multibody.
+/// J M^-1 J^T of the two sides together; both may belong to one multibody.
 ist::SymmetricMatrix6 btVolumetricLinks::responseOf(const Entry& e, const btSolverBody* bodies)
 {
 	double W[6][6];
@@ -134,7 +134,7 @@ ist::SymmetricMatrix6 btVolumetricLinks::responseOf(const Entry& e, const btSolv
 	return result;
 }
 
-/// All motion that `e` can see, with what every row has done so far.
+/// Motion of both sides of `e`, with the impulses of all rows so far.
 const btVolumetricLinks::Motion& btVolumetricLinks::state(const Entry& e, const btSolverBody* bodies, const btMultiBodyJacobianData& data)
 {
 	m_motion.links.resize(size_t(data.m_deltaVelocities.size()));
@@ -205,7 +205,7 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 	}
 	if (m_entries.size() == first) return;
 	ist::SymmetricMatrix6 responses[btISTContact::kMaxPatches];
-	double lightest = std::numeric_limits<double>::infinity();  // of what the patches push against along their normals
+	double lightest = std::numeric_limits<double>::infinity();  // smallest effective mass that the patches push against along their normals
 	for (size_t i = first; i < m_entries.size(); ++i)
 	{
 		const Entry& e = m_entries[i];

@@ -40,7 +40,7 @@ bool canMove(const btVolumetricRowBody& body)
 	return !(size <= 0);
 }
 
-/// Adds the response of one body: twist at the point, `arm` from its centre, to a unit impulse there.
+/// Adds the response of one body: the twist at `point` to a unit impulse there.
 void addResponse(Mat6& W, const btVolumetricRowBody& body, const ist::Vec3& point)
 {
 	if (!canMove(body)) return;
@@ -58,10 +58,10 @@ void addResponse(Mat6& W, const btVolumetricRowBody& body, const ist::Vec3& poin
 	W.bottomRightCorner<3, 3>() += inertia;
 }
 
-constexpr int kRight = 10;  // right-hand sides
+constexpr int kRight = 10;  // number of right-hand sides
 using Equations = double[6][6 + kRight];
 
-/// Gauss with partial pivoting: of the six rows (A | B) only A^-1 B remains, in the last columns.
+/// Gaussian elimination with partial pivoting: replaces B by A^-1 B in the last columns of the six rows (A | B).
 void eliminate(Equations& rows)
 {
 	for (int k = 0; k < 6; ++k)
@@ -70,7 +70,8 @@ void eliminate(Equations& rows)
 		for (int i = k + 1; i < 6; ++i)
 			if (std::fabs(rows[i][k]) > std::fabs(rows[best][k])) best = i;
 		if (best != k) std::swap(rows[k], rows[best]);
-		// Whole rows from a copy: vectors of the compiler's, where the few numbers that are zero already cost less than their leaving out.
+		// Whole rows are processed from a copy, so that the compiler vectorises the loop. That is faster than skipping the few known
+		// zeros.
 		double pivot[6 + kRight];
 		std::copy(rows[k], rows[k] + 6 + kRight, pivot);
 		const double inverse = 1 / pivot[k];
@@ -142,7 +143,7 @@ void btVolumetricRow::prepare(const btContactPatch& patch, const ist::SymmetricM
 	Map<Vector3d>(m_tangent).setZero();
 }
 
-/// `eased`: (I + S W)^-1 E.
+/// `eased` is (I + S W)^-1 E.
 void btVolumetricRow::prepareFriction(const double* eased)
 {
 	const Map<const Mat63> E(m_E), easedE(eased);
@@ -201,7 +202,8 @@ ist::Wrench btVolumetricRow::solve(const ist::Twist& relative)
 	{
 		const Vector3d slip = E.transpose() * without + WE.transpose() * elastic + Map<const Matrix3d>(m_EWE) * tangent;
 		Vector3d wanted = tangent - Map<const Matrix3d>(m_stick) * slip;
-		// Sliding: along the slip itself. Scaling `wanted` back would turn the force towards the directions that move easily.
+		// Sliding friction acts along the slip itself. Scaling `wanted` back would turn the force towards the directions that move
+		// easily.
 		if (wanted.norm() > limit) wanted = tangent - m_slide * slip;
 		tangent = wanted.norm() > limit ? Vector3d(wanted * (limit / wanted.norm())) : wanted;
 		answer(alone - CWE * tangent);

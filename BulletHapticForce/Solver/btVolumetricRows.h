@@ -3,42 +3,42 @@
 
 #include "BulletHapticForce/Law/btContactLaw.h"
 
-/// A body as a row sees it. What the solver cannot move has zeros.
+/// Inverse mass and inertia of a body, for a row. They are zero for a body that the solver cannot move.
 struct btVolumetricRowBody
 {
-	ist::Vec3 inverseMass;                       ///< per World axis, for Bullet's linear factor [1/kg]
-	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< about the centre of mass, World axes [1/(kg m^2)]
-	ist::Vec3 center;                            ///< of mass, World [m]
+	ist::Vec3 inverseMass;                       ///< inverse mass per World axis, with Bullet's linear factor [1/kg]
+	ist::Mat3 inverseInertia = ist::zeroMat3();  ///< inverse inertia about the centre of mass, World axes [1/(kg m^2)]
+	ist::Vec3 center;                            ///< centre of mass, World [m]
 };
 
-/// One patch as an implicit block of six rows with Coulomb friction: a step of backward Euler in the force. All in double.
+/// One patch as an implicit block of six rows with Coulomb friction: a step of backward Euler in the force. All numbers are double.
 ///
-/// Elastic part: impulse L = (I + S W)^-1 (h w0 - S u), S = h^2 K + h D, w0 the wrench at the beginning of the step, u the twist of A
-/// relative to B that all else would give, W = J M^-1 J^T. Stable for every K, D and h that hold over the step (docs/stability.md says
-/// where trees are so stiff that they do not); no inverse of K, so any rank will do. It never pulls: when its normal component is negative,
-/// the impulse is zero. Backward Euler in the force.
+/// Elastic part: the impulse is L = (I + S W)^-1 (h w0 - S u), with S = h^2 K + h D and W = J M^-1 J^T. w0 is the wrench at the beginning
+/// of the step, and u the twist of A relative to B that all other impulses would give. It is stable for every K, D and h that are valid
+/// during the step. docs/stability.md says where trees are too stiff for that. No inverse of K is needed, so K may have any rank. The
+/// patch never pulls: if the normal component is negative, the impulse is zero.
 ///
-/// Friction: force along the surface and drilling moment over the friction radius, together within a ball of radius mu L_n (the
-/// ellipsoid that approximates the limit surface of a patch). No creep: within the ball the point does not slip.
+/// Friction: the force along the surface and the drilling moment over the friction radius lie together within a ball of radius mu L_n.
+/// This is the ellipsoid that approximates the limit surface of a patch. There is no creep: within the ball the point does not slip.
 class btVolumetricRow
 {
 public:
-	/// `h` [s] is positive; `friction` is Coulomb's coefficient, 0 or more.
+	/// Prepares the row. `h` [s] must be positive; `friction` is Coulomb's coefficient, 0 or more.
 	void prepare(const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h, double friction);
-	/// The same for any two things that an impulse can move: `response` is W, the change of the relative twist at the patch's point by
-	/// an impulse on A there and its opposite on B.
+	/// Prepares the row for any two objects that an impulse can move. `response` is W: the change of the relative twist at the patch's
+	/// point by an impulse on A there and its opposite on B.
 	void prepare(const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, double friction);
 
-	/// One visit of the iteration. `relative`: twist of A minus that of B at `point()`, with all impulses so far.
-	/// Returns the change of the impulse on A, about `point()`.
+	/// Visits the row once. `relative` is the twist of A minus that of B at `point()`, with all impulses so far. Returns the change of
+	/// the impulse on A, about `point()`.
 	ist::Wrench solve(const ist::Twist& relative);
 
 	const ist::Vec3& point() const { return m_point; }
-	/// On A, about `point()` [N s, N m s].
+	/// Impulse on A, about `point()` [N s, N m s].
 	ist::Wrench impulse() const;
-	/// The same without friction.
+	/// Impulse on A without friction, about `point()` [N s, N m s].
 	ist::Wrench elasticImpulse() const;
-	/// Its normal part [N s].
+	/// Normal part of the impulse [N s].
 	double normalImpulse() const;
 
 private:
@@ -49,14 +49,14 @@ private:
 	using Matrix63 = double[18];  // column major
 	ist::Vec3 m_point, m_normal;
 	Matrix6 m_W;     // J M^-1 J^T
-	Matrix6 m_C;     // (I + S W)^-1 S: the elastic impulse that a twist takes away
-	Vector6 m_push;  // (I + S W)^-1 h w0: the elastic impulse when all else leaves no twist
-	Matrix63 m_E;    // unit friction impulses; the third is a moment over the friction radius
-	Matrix63 m_WE;   // the twists that these make
-	Matrix63 m_CWE;  // the elastic impulse that these twists take away
+	Matrix6 m_C;     // (I + S W)^-1 S: reduction of the elastic impulse by a twist
+	Vector6 m_push;  // (I + S W)^-1 h w0: elastic impulse when all other impulses leave no twist
+	Matrix63 m_E;    // unit friction impulses; the third one is a moment over the friction radius
+	Matrix63 m_WE;   // W E: twists by the unit friction impulses
+	Matrix63 m_CWE;  // C W E: reduction of the elastic impulse by these twists
 	double m_EWE[9];
-	double m_stick[9];   // pseudo-inverse of E^T (W^-1 + S)^-1 E: friction while the elastic part answers
-	double m_slide = 0;  // 1 / largest eigenvalue of the same
+	double m_stick[9];   // pseudo-inverse of E^T (W^-1 + S)^-1 E: friction impulse per slip, while the elastic part responds
+	double m_slide = 0;  // 1 / largest eigenvalue of the same matrix
 	double m_friction = 0;
 	Vector6 m_elastic = {};
 	double m_tangent[3] = {};

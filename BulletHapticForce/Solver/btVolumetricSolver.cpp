@@ -14,7 +14,7 @@
 
 namespace
 {
-constexpr double kTooDeep = 0.25;  // of the thinner body's thickness
+constexpr double kTooDeep = 0.25;  // share of the thinner body's thickness
 
 bool isRigid(const btCollisionObject* object)
 {
@@ -35,7 +35,8 @@ bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, co
 	return rounding * norm(contact.total.areaVector) > 0.05 * contact.total.volume;
 }
 
-/// Shares the normal impulse among the representative points as their springs do, for callbacks and games that read it.
+/// Distributes the normal impulse over the representative points in proportion to the force of their springs. Callbacks and games read it
+/// there.
 void writeAppliedImpulse(btPersistentManifold& manifold, double impulse)
 {
 	double sum = 0;
@@ -68,7 +69,7 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
 	statistics.contactsTooDeep += contact.depth > kTooDeep * contact.thickness();
-	// Read from the point, not from the bodies: a game's contact-added callback may have set it.
+	// The friction is read from the point, because a game's contact-added callback may have set it there.
 	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
 	if (kHasLinks && (linkOf(a) || linkOf(b))) addLinkContact(contact, *a, *b, friction, info.m_timeStep);
 	else addRigidContact(contact, *a, *b, friction, info.m_timeStep);
@@ -160,7 +161,7 @@ btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisi
 	const btScalar residual = Base::solveSingleIteration(
 		iteration, bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
 	if (m_ours.empty()) return residual;
-	// Without our share the iterations would end after the first when Bullet has no rows.
+	// Our change is part of the residual. Otherwise Bullet would end after the first iteration when it has no rows of its own.
 	btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
 	double change = m_islands.iterate(pool, iteration);
 	if constexpr (kHasLinks) change = std::max(change, m_links.iterate(pool, this->m_data));

@@ -12,26 +12,27 @@
 #include <type_traits>
 #include <vector>
 
-/// One of Bullet's solvers that also solves volumetric contact: it takes the manifolds that have patches in the contact store out of
-/// Bullet's hands, solves their patches as implicit blocks with friction inside Bullet's own iterations (btVolumetricIslands), and
-/// writes the impulses back to the store and to the representative points of the manifolds. Everything else is the base's, unchanged.
+/// One of Bullet's solvers, extended by volumetric contact. It takes over the manifolds that have patches in the contact store. It solves
+/// their patches as implicit blocks with friction inside Bullet's own iterations (btVolumetricIslands). It writes the impulses to the
+/// store and to the representative points of the manifolds. Everything else is solved by the base class, unchanged.
 ///
-/// A manifold stays with Bullet, that is with its representative points, when a body is neither a rigid body nor, over the multibody
-/// solver, a link (btVolumetricLinks), or when the contact was not evaluated in this step (both bodies slept until now).
-/// Available over btSequentialImpulseConstraintSolver, btNNCGConstraintSolver and btMultiBodyConstraintSolver. One owner thread; no
-/// allocation once the largest scene has been seen.
+/// A manifold stays with Bullet and its representative points in two cases. Either the contact was not evaluated in this step, because
+/// both bodies slept until now. Or a body is neither a rigid body nor, with the multibody solver, a link (btVolumetricLinks).
+///
+/// Base is btSequentialImpulseConstraintSolver, btNNCGConstraintSolver or btMultiBodyConstraintSolver. Only the thread of the world may
+/// use it. Allocates nothing after the largest scene has been seen.
 template <class Base> class btVolumetricSolver : public Base
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// See btISTRegistration::sharedStore.
+	/// `store` comes from btISTRegistration::sharedStore.
 	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) { m_store->sumDamping(true); }
 
 	void prepareSolve(int bodyCount, int manifoldCount) override;
 	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;
 
-	/// Since the solver was made.
+	/// Counters since the solver was made.
 	const btVolumetricStatistics& statistics() const { return m_islands.statistics(); }
 
 protected:
