@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Helps the worlds of one precision of Bullet. Interposed.cpp, which is preloaded, loads this library and calls it.
+// Adds volumetric contact to the worlds of one precision of Bullet. Interposed.cpp, which is preloaded, loads this library and calls it.
 #include "BulletHapticForce/Preload/Backend.h"
 #include "BulletHapticForce/Preload/PreloadWorld.h"
 
@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-// One function of each of Bullet's libraries, by the name that it has in both precisions.
+// These are one function of each of Bullet's libraries, by the name that it has in both precisions.
 extern "C"
 {
 	void btISTPreloadBoundMath() __asm__("_Z22btAlignedAllocInternalmi");
@@ -21,12 +21,12 @@ namespace
 {
 using namespace preload;
 
-/// The worlds that are helped; the others are here, too, with nothing, when they were refused or given up. Never destroyed: worlds of a
-/// game may outlive it.
+/// All known worlds. A world that was refused or given up has a null entry. The object is never destroyed, because worlds of a game may
+/// outlive it.
 struct Everything
 {
 	const Settings settings = settingsFromEnvironment();
-	std::mutex mutex;  // games may step several worlds in several threads
+	std::mutex mutex;  // needed because a game may step several worlds in several threads
 	std::unordered_map<const btDiscreteDynamicsWorld*, std::unique_ptr<World>> worlds;
 	bool helped = false, ended = false;
 };
@@ -45,8 +45,8 @@ std::unique_ptr<World> helpFor(btDiscreteDynamicsWorld& world, const Settings& s
 	return nullptr;
 }
 
-/// Null when the world cannot be helped, or need not be. The map may change under another thread's world, the entry of this one does
-/// not. Nothing of ours is made or destroyed under the lock: a solver that goes comes here again.
+/// Returns null when the world cannot be extended or does not need it. Other threads may change the map meanwhile, but not the entry of
+/// this world. None of our objects is made or destroyed under the lock, because the destructor of a solver calls back here.
 World* worldOf(btDiscreteDynamicsWorld& world)
 {
 	Everything& all = everything();
@@ -73,7 +73,7 @@ void worldGoes(void* object)
 	lock.unlock();
 }
 
-/// The world becomes again what it was, for good. The others go on.
+/// Restores this world to its former state, for good. Other worlds are not affected.
 void giveUp(const btDiscreteDynamicsWorld& world, const std::exception& problem)
 {
 	std::fprintf(stderr, "bullethaptics-preload: gives a world up: %s\n", problem.what());
@@ -84,7 +84,7 @@ void giveUp(const btDiscreteDynamicsWorld& world, const std::exception& problem)
 	if (found != all.worlds.end()) leaving = std::move(found->second);
 }
 
-/// A dispatcher or a solver goes: the worlds that it belongs to are left before. Of such a world nothing is known any more.
+/// Called when a dispatcher or a solver is destroyed: the worlds that use it are restored first. Their entries stay, with null.
 void partGoes(void* part)
 {
 	Everything& all = everything();
@@ -108,7 +108,7 @@ void beforeStep(void* object)
 	}
 }
 
-/// Before the game's own statics go: a thread that still packs would work on what is gone.
+/// Runs before the game's own static objects are destroyed. A thread that still packs would use them afterwards.
 __attribute__((destructor)) void end()
 {
 	Everything& all = everything();

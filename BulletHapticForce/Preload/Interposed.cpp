@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Functions of Bullet that a program finds here first when this library is preloaded. Each lets the backend of its precision do its part
-// and goes on to the program's own Bullet. This library needs no Bullet, so that it brings none into a program.
+// Functions of Bullet that a program finds here first when this library is preloaded. Each calls the backend of its precision and then
+// the program's own Bullet. This library does not link with Bullet, so that it brings no copy into a program.
 #include "BulletHapticForce/Preload/OwnFunction.h"
 #include "BulletHapticForce/Preload/PreloadedBackend.h"
 
@@ -32,7 +32,7 @@ template <class Scalar> int step(OwnFunction& own, PreloadedBackend& backends, v
 	return bullets(world, seconds, mostSteps, part);
 }
 
-/// The object's precision is not known: both backends compare addresses.
+/// The object's precision is unknown, so both backends are called; each compares the address with its own objects.
 template <void (*Backend::*Goes)(void*)> void destroy(OwnFunction& own, void* object)
 {
 	auto* const bullets = own.of<void(void*)>(object);
@@ -42,7 +42,7 @@ template <void (*Backend::*Goes)(void*)> void destroy(OwnFunction& own, void* ob
 }
 }  // namespace
 
-// Bullet calls these through its tables of symbols, which find the names of this library first.
+// Bullet calls these through its symbol tables, which resolve to this library first.
 #define INTERPOSED extern "C" __attribute__((visibility("default")))
 
 INTERPOSED int btISTPreloadStepSingle(void* world, float seconds, int mostSteps, float part) __asm__(STEP_SINGLE);
@@ -59,7 +59,7 @@ int btISTPreloadStepDouble(void* world, double seconds, int mostSteps, double pa
 	return step(own, doubles, world, seconds, mostSteps, part);
 }
 
-// For complete objects (D1) and for bases of the game's own classes (D2), which call one of the two.
+// D1 is the destructor of complete objects. D2 is that of the base of the game's own classes. A derived class calls one of the two.
 #define INTERPOSE_DESTRUCTOR(NAME, SYMBOL, GOES) \
 	INTERPOSED void NAME(void* object) __asm__(SYMBOL); \
 	void NAME(void* object) \

@@ -31,17 +31,17 @@ int findByAddress(dl_phdr_info* info, size_t, void* data)
 	return 0;
 }
 
-/// In the library with that file, or in one that it needs.
+/// Definition of a symbol in the library with that file, or in one that it needs.
 void* definitionIn(const char* file, const char* symbol, const void* except)
 {
 	void* const library = file && *file ? dlopen(file, RTLD_LAZY | RTLD_NOLOAD) : nullptr;
 	if (!library) return nullptr;
 	void* const found = dlsym(library, symbol);
-	dlclose(library);  // it stays loaded: whoever has the address holds it
+	dlclose(library);  // the library stays loaded, because the owner of the address holds it
 	return found == except ? nullptr : found;
 }
 
-/// Returns the library with this number, in the order of loading; null behind the last.
+/// Search for the library with this number, in the order of loading. `name` stays null when there are fewer libraries.
 struct ByNumber
 {
 	int left;
@@ -75,7 +75,7 @@ void* definitionFor(const void* address, const char* symbol, const void* except)
 	if (void* found = definitionIn(moduleOf(address), symbol, except)) return found;
 	void* const next = dlsym(RTLD_NEXT, symbol);
 	if (next && next != except) return next;
-	// Libraries are opened outside of dl_iterate_phdr, which holds a lock.
+	// Libraries must be opened outside of dl_iterate_phdr, which holds a lock.
 	for (int i = 0;; ++i)
 	{
 		ByNumber search{i};

@@ -3,12 +3,13 @@
 
 namespace preload
 {
-/// File of the loaded program or library that holds an address; empty for the program itself, null for none. Valid while that is loaded.
+/// File of the loaded program or library that contains an address. Empty for the program itself, null for none. Valid while that module
+/// is loaded.
 const char* moduleOf(const void* address);
-/// The definition of a symbol for code that belongs to the module at `address`: of that module or of a library that it needs, else of
-/// what the program itself sees after this library, else of any library that is loaded. Never `except`. Null when there is none.
-/// Libraries that a plug-in loads for itself are invisible to RTLD_NEXT, hence the way through the module.
+/// Definition of a symbol as the module at `address` would see it. It searches that module and the libraries that it needs, then what the
+/// program itself sees after this library, then all loaded libraries. Never returns `except`. Null when there is no definition. RTLD_NEXT
+/// alone would not find libraries that a plug-in has loaded for itself.
 void* definitionFor(const void* address, const char* symbol, const void* except);
-/// Grows when a library is unloaded: addresses may then belong to another one.
+/// Number of unloaded libraries so far. When it has grown, a known address may belong to another library.
 unsigned long long unloadCount();
 }  // namespace preload

@@ -7,14 +7,15 @@
 
 namespace preload
 {
-/// Bullet's own function behind one that this library stands before. A program may hold several Bullets, in both precisions and in
-/// plug-ins: which one an object belongs to is told by the module of its virtual table.
+/// Finds Bullet's own function behind one that this library interposes. A program may contain several copies of Bullet, in both
+/// precisions and in plug-ins. The module of an object's virtual table tells to which copy the object belongs.
 class OwnFunction
 {
 public:
 	OwnFunction(const char* symbol, const void* interposed) : m_symbol(symbol), m_interposed(interposed) {}
 
-	/// `object` begins with the pointer to its virtual table. Null where no library defines the function.
+	/// Returns Bullet's function for `object`, which begins with the pointer to its virtual table. Null if no library defines the
+	/// function.
 	template <class Function> Function* of(const void* object)
 	{
 		return reinterpret_cast<Function*>(find(*static_cast<const void* const*>(object)));
@@ -38,7 +39,8 @@ private:
 			for (int i = 0; i < m_count; ++i)
 				if (m_kept[i].table == table) return m_kept[i].function;
 		}
-		// Without our lock: the loader has one of its own, and destructors of unloaded libraries come here under it.
+		// Our lock is not held here. The loader has a lock of its own, and it calls destructors of unloaded libraries, which lead here,
+		// while it holds that lock.
 		void* const function = definitionFor(table, m_symbol, m_interposed);
 		const std::lock_guard lock(m_mutex);
 		if (unloads == m_unloads && m_count < kKept) m_kept[m_count++] = {table, function};

@@ -10,7 +10,7 @@ namespace preload
 {
 namespace
 {
-/// `value` as it is when the variable is not set, or is no whole number between `least` and `most`.
+/// Value of a variable. It stays `value` when the variable is not set, or is not an integer between `least` and `most`.
 int number(const char* variable, int value, int least, int most)
 {
 	const char* text = std::getenv(variable);
@@ -23,7 +23,7 @@ int number(const char* variable, int value, int least, int most)
 	return value;
 }
 
-/// 0 when the variable is not set, or is no stiffness that a body can have.
+/// Stiffness from a variable; 0 when it is not set, or is not a stiffness that a body can have.
 double stiffness(const char* variable)
 {
 	const char* text = std::getenv(variable);

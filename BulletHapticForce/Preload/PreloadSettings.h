@@ -5,19 +5,19 @@
 
 namespace preload
 {
-/// What a user says through the environment. `BULLETHAPTICS_PRELOAD=off` is read before this library is loaded.
+/// Settings of the user, from environment variables. `BULLETHAPTICS_PRELOAD=off` is read before this library is loaded.
 struct Settings
 {
-	int spheres = 3000;       ///< BULLETHAPTICS_SPHERES, of each tree, 10 to a million
-	std::string cacheFolder;  ///< BULLETHAPTICS_CACHE; else $XDG_CACHE_HOME/bullethaptics or ~/.cache/bullethaptics; empty: nothing is kept
-	int verbosity =
-		1;  ///< BULLETHAPTICS_VERBOSE: 0 says nothing but mistakes, 1 also what is done to a world, 2 also what becomes of each shape
-	bool waits = false;    ///< BULLETHAPTICS_WAIT=1: the first steps wait for the trees, so that a run can be repeated
-	double stiffness = 0;  ///< BULLETHAPTICS_STIFFNESS [Pa/m], of each body with a tree; 0: each has the one of its weight
+	int spheres = 3000;  ///< BULLETHAPTICS_SPHERES: number of spheres of each tree, 10 to 1,000,000
+	/// BULLETHAPTICS_CACHE; otherwise $XDG_CACHE_HOME/bullethaptics or ~/.cache/bullethaptics; empty: no tree is stored
+	std::string cacheFolder;
+	int verbosity = 1;   ///< BULLETHAPTICS_VERBOSE: 0 prints errors only, 1 also what is done to a world, 2 also the result for each shape
+	bool waits = false;  ///< BULLETHAPTICS_WAIT=1: the first steps wait for the trees, so that runs are reproducible
+	double stiffness = 0;  ///< BULLETHAPTICS_STIFFNESS [Pa/m] of each body with a tree; 0: the stiffness follows from the body's weight
 };
 
-/// What cannot be understood keeps its default and is complained about.
+/// Reads the settings. A value that cannot be parsed keeps its default and is reported.
 Settings settingsFromEnvironment();
-/// One line on stderr, in the name of this library, if `level` is within the verbosity.
+/// Prints one line on stderr with the name of this library, if `level` is within the verbosity.
 void say(const Settings& settings, int level, const std::string& sentence);
 }  // namespace preload

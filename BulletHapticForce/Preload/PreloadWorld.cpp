@@ -12,7 +12,7 @@ namespace preload
 {
 namespace
 {
-// Triangles that move would be packed anew for ever.
+// Limit on changes of a mesh: without it, triangles that move would be packed again and again.
 constexpr int kMostChanges = 3;
 
 bool isMesh(const btCollisionShape& shape)
@@ -21,7 +21,7 @@ bool isMesh(const btCollisionShape& shape)
 		static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType() != CONST_GIMPACT_COMPOUND_SHAPE;
 }
 
-/// Every GImpact mesh of a shape: itself, or among the children of a compound.
+/// Visits every GImpact mesh of a shape: the shape itself, or the children of a compound.
 template <class Visit> void forEachMesh(const btCollisionShape* shape, const Visit& visit)
 {
 	if (shape->getShapeType() == COMPOUND_SHAPE_PROXYTYPE)
@@ -74,9 +74,9 @@ World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
 
 World::~World()
 {
-	// All pairs at once: what asks a pair for its shapes would ask shapes that may be gone. Where we were refused no pair is ours, and the
-	// registration may be with another dispatcher than the one that the pairs' algorithms are from. A game that has emptied its world may
-	// have deleted the broad phase before it.
+	// All pairs are cleaned at once, because a test per pair would read shapes that may be deleted. If the world was refused, no pair is
+	// ours, and the registration may be with another dispatcher than the pairs' algorithms. If no contact is left, the game may have
+	// deleted the broad phase before the world, so it is not touched.
 	if (refusal().empty() && !m_ist->contacts().contacts().empty()) m_ist->registration().cleanPairs(m_world.getPairCache());
 	(void)m_ist->registration().setPairCache(nullptr);
 	conclude();
@@ -126,7 +126,7 @@ void World::setStiffness()
 		forEachMesh(objects[i]->getCollisionShape(), [&isMeshed](const btCollisionShape*) { isMeshed = true; });
 		if (!isMeshed) continue;
 		const bool isNew = m_stiffened.insert_or_assign(objects[i], m_step).second;
-		if (isNew) (void)m_ist->materials().set(objects[i], {m_settings.stiffness});  // the settings have no value that it refuses
+		if (isNew) (void)m_ist->materials().set(objects[i], {m_settings.stiffness});  // the settings contain only values that `set` accepts
 	}
 	for (auto i = m_stiffened.begin(); i != m_stiffened.end();)
 	{
@@ -148,7 +148,8 @@ void World::beforeStep()
 {
 	const std::lock_guard lock(m_mutex);
 	++m_step;
-	if (!m_ist->registration().isRegistered()) (void)m_ist->registration().reinstall();  // GImpact came after us
+	// the game registered GImpact after our registration
+	if (!m_ist->registration().isRegistered()) (void)m_ist->registration().reinstall();
 	forEachMesh(m_world, [this](const btCollisionShape* shape) { see(shape); });
 	for (auto i = m_shapes.begin(); i != m_shapes.end();) i = i->second.seen == m_step ? std::next(i) : m_shapes.erase(i);
 	if (m_settings.stiffness > 0) setStiffness();

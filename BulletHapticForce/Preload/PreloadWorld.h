@@ -12,29 +12,29 @@ class btStridingMeshInterface;
 
 namespace preload
 {
-/// Volumetric contact for the GImpact meshes of one world of a game that knows nothing of it. Made when the world steps with such a mesh in
-/// it for the first time; before that the world is not touched.
+/// Volumetric contact for the GImpact meshes of one world of an unmodified game. It is made when the world first steps with such a mesh
+/// in it; until then the world is not changed.
 class World
 {
 public:
-	/// Whether anything in the world can be helped. O(objects).
+	/// True when the world contains a GImpact mesh. O(objects).
 	static bool hasGImpact(const btDiscreteDynamicsWorld& world);
 
 	World(btDiscreteDynamicsWorld& world, const Settings& settings);
-	/// The game gets back its solver and its tables. The world must live; shapes and bodies need not, where Bullet does not need them
-	/// either.
+	/// Returns the solver and the dispatch tables to the game. The world must still exist. Shapes and bodies must exist only as far as
+	/// Bullet itself needs them.
 	~World();
 
-	/// Why the world was left as it is; empty when it was not.
+	/// Reason why the world was left unchanged; empty when it was changed.
 	const std::string& refusal() const { return m_ist->solverRefusal(); }
-	/// Before each step: new shapes are looked for, those that nobody uses any more forgotten, trees that are ready attached.
+	/// Call this before each step. It finds new shapes, forgets shapes that have left the world, and attaches trees that are ready.
 	void beforeStep();
 	bool uses(const void* part) const { return part == m_dispatcher || part == m_gamesSolver; }
-	/// Nothing is built any more from here on. Of any thread; waits for a `beforeStep` in progress.
+	/// Stops all building of trees, for good. May be called from any thread; it waits for a `beforeStep` in progress.
 	void stopBuilding();
 
 private:
-	/// By which a shape is told from another one at the same address, or from itself with other triangles.
+	/// What distinguishes a shape from a later one at the same address, or from itself after its triangles have changed.
 	struct Likeness
 	{
 		const btStridingMeshInterface* mesh = nullptr;
@@ -46,17 +46,17 @@ private:
 	{
 		Likeness likeness;
 		btISTPendingAttachment attachment;
-		uint64_t seen = 0;  // step
+		uint64_t seen = 0;  // number of the step in which the shape was last in the world
 		int changes = 0;
 		bool reported = false;
 	};
 	void see(const btCollisionShape* shape);
-	/// Gives bodies with a mesh the stiffness of the settings, and forgets those that have left the world.
+	/// Gives bodies with a mesh the stiffness of the settings, and forgets bodies that have left the world.
 	void setStiffness();
-	/// Says how many meshes have come that must wait for their trees.
+	/// Reports how many new meshes wait for their trees.
 	void announce();
 	void report();
-	/// Says what has become of this world when nothing more can.
+	/// Reports, once, that nothing in this world has become volumetric.
 	void conclude();
 
 	btDiscreteDynamicsWorld& m_world;
@@ -65,10 +65,10 @@ private:
 	std::optional<btISTWorld> m_ist;
 	std::optional<btISTTreeSource> m_trees;
 	std::map<const btCollisionShape*, Entry> m_shapes;
-	std::mutex m_mutex;  ///< a program may end in one thread while it steps in another
+	std::mutex m_mutex;  ///< needed because a program may exit in one thread while another one steps
 	uint64_t m_step = 0;
 	size_t m_attached = 0, m_waiting = 0;
 	bool m_everVolumetric = false, m_concluded = false;
-	std::map<const btCollisionObject*, uint64_t> m_stiffened;  ///< the step in which each was last seen
+	std::map<const btCollisionObject*, uint64_t> m_stiffened;  ///< number of the step in which each body was last seen
 };
 }  // namespace preload

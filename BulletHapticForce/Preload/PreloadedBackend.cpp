@@ -14,7 +14,8 @@ namespace preload
 {
 namespace
 {
-/// The folder of this library with a slash at its end. It is read when the library is loaded: a program may go to another folder later.
+/// Folder of this library, with a slash at its end. It is read when the library is loaded, because a program may change its working
+/// directory later.
 struct OwnFolder
 {
 	char path[PATH_MAX] = "";
@@ -48,7 +49,7 @@ void PreloadedBackend::load()
 	}
 	char path[PATH_MAX + 64];
 	std::snprintf(path, sizeof(path), "%spreload/libbullethaptics-%s.so", folder.path, m_precision);
-	// RTLD_LOCAL: plug-ins that are loaded later shall not find this library's Bullet.
+	// RTLD_LOCAL keeps plug-ins that are loaded later from finding this library's Bullet.
 	void* const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
 	auto* const get = library ? reinterpret_cast<GetBackend*>(dlsym(library, kGetBackend)) : nullptr;
 	if (get) m_backend.store(get(), std::memory_order_release);

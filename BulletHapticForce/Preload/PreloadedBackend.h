@@ -8,21 +8,22 @@
 
 namespace preload
 {
-/// False with BULLETHAPTICS_PRELOAD=off.
+/// False when BULLETHAPTICS_PRELOAD is "off".
 bool isPreloadOn();
 
-/// The backend of one precision, which lies in the folder `preload` beside this library.
+/// The backend of one precision. Its library lies in the folder `preload` beside this library.
 class PreloadedBackend
 {
 public:
 	/// `precision`: "single" or "double", a part of the file's name.
 	explicit constexpr PreloadedBackend(const char* precision) : m_precision(precision) {}
 
-	/// Null, and said once, where there is no backend or it is bound to another Bullet than the one with this `stepSimulation`.
+	/// Returns the backend for the Bullet to which this `stepSimulation` belongs. Null, and reported once, when there is no backend or it
+	/// is bound to another Bullet.
 	const Backend* forBulletOf(const void* step);
-	/// Null before a world was stepped.
+	/// The loaded backend; null until a world is stepped.
 	const Backend* loaded() const { return m_backend.load(std::memory_order_acquire); }
-	/// Whether a world of this precision was stepped.
+	/// True when a world of this precision was stepped.
 	bool wasAsked() const { return m_asked.load(std::memory_order_relaxed); }
 
 private:
