@@ -41,7 +41,8 @@ Vec3 impulseOnA(const btPersistentManifold& manifold)
 	return sum;
 }
 
-/// Bullet solves no pair of which neither body is: impulses and depths are then those of the step in which it fell asleep.
+/// True when the body moves and does not sleep. Bullet solves no pair without such a body: its impulses and depths are then those of the
+/// step in which it fell asleep.
 bool isAwake(const btCollisionObject* body) { return body->isActive() && !body->isStaticObject(); }
 
 bool isNowhere(const btCollisionObject& object)
@@ -111,7 +112,7 @@ void ContactLog::add(const btPersistentManifold& manifold, double h)
 		middle += share * toVec3(point.getPositionWorldOnB());
 		normal += share * onB;
 	}
-	// Points that are about to touch are no contact yet.
+	// Points that are about to touch are not a contact yet.
 	if (record.depth <= 0 && norm(record.impulseOnA) <= 0) return;
 	record.slip = norm(normal) > 0 ? slipOf(record, middle, normalized(normal), h) : 0;
 	m_records.push_back(record);
@@ -134,7 +135,7 @@ double ContactLog::deepest(const btCollisionObject* body) const
 
 double ContactLog::slip(const btCollisionObject* body) const
 {
-	// Of a pair with several records in a step the longest way counts, which is known when the step is over.
+	// When a pair has several records in a step, the longest path counts. It is known when the step is over.
 	struct Way
 	{
 		double before = 0, now = 0, time = 0;

@@ -6,11 +6,11 @@
 
 #include <gmock/gmock.h>
 
-// What a game's tests say of a TestWorld, or of one of its bodies, with EXPECT_THAT. Accounts begin at the last TestWorld::mark. Each fails
-// on what is not a number.
+// Matchers for EXPECT_THAT on a TestWorld or one of its bodies. Their accounts begin at the last TestWorld::mark. Each matcher fails on
+// NaN.
 namespace ist::test
 {
-/// A body, or every body of a world, moves nowhere faster than `metresPerSecond`.
+/// The fastest point of a body, or of any body of a world, is slower than `metresPerSecond`.
 MATCHER_P(IsAtRest, metresPerSecond, "")
 {
 	const double fastest = speed(arg);
@@ -19,7 +19,7 @@ MATCHER_P(IsAtRest, metresPerSecond, "")
 }
 inline auto IsAtRest() { return IsAtRest(1e-3); }
 
-/// No more than so many joules came from nowhere: TestWorld::energyGained.
+/// The energy gain without a source is at most `joules`: TestWorld::energyGained.
 MATCHER_P(GainsNoEnergy, joules, "")
 {
 	const double gained = arg.energyGained();
@@ -27,7 +27,7 @@ MATCHER_P(GainsNoEnergy, joules, "")
 	return gained <= joules;
 }
 
-/// No more than so many newton seconds came from nowhere: TestWorld::momentumFromNowhere.
+/// The momentum gain without a source is at most `newtonSeconds`: TestWorld::momentumFromNowhere.
 MATCHER_P(ConservesMomentum, newtonSeconds, "")
 {
 	const double missing = norm(arg.momentumFromNowhere());
@@ -35,7 +35,7 @@ MATCHER_P(ConservesMomentum, newtonSeconds, "")
 	return missing <= newtonSeconds;
 }
 
-/// Nothing was ever deeper in something else: ContactRecord::depth.
+/// The largest depth so far is at most `metres`: ContactRecord::depth.
 MATCHER_P(PenetratesAtMost, metres, "")
 {
 	const double deepest = arg.log().deepest();
@@ -43,7 +43,7 @@ MATCHER_P(PenetratesAtMost, metres, "")
 	return deepest <= metres;
 }
 
-/// No pair slid along each other further than that in all: ContactLog::slip.
+/// The longest total sliding path of a pair is at most `metres`: ContactLog::slip.
 MATCHER_P(SlipsAtMost, metres, "")
 {
 	const double way = arg.log().slip();
@@ -51,7 +51,7 @@ MATCHER_P(SlipsAtMost, metres, "")
 	return way <= metres;
 }
 
-/// What a scene measured is what theory says, up to that share of it: SceneValue::error.
+/// All values of a scene agree with theory within this share of it: SceneValue::error.
 MATCHER_P(AgreesWithTheory, share, "")
 {
 	bool agrees = !arg.empty();

@@ -15,18 +15,18 @@ namespace
 {
 constexpr double kGravity = 9.81;
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSettling = 6, kWatching = 2;  // swings; what oscillates is averaged over whole ones
+constexpr double kSettling = 6, kWatching = 2;  // in swings; values that oscillate are averaged over whole swings
 constexpr double kMoreThanFriction = 0.5;
 constexpr int kTower = 5;
 constexpr double kHeavier = 20;
 
-/// What is tried, in the world of a scene.
+/// The body under test, in the world of a scene.
 struct Subject
 {
 	btRigidBody& body;
 	double mass, volume;
-	double size;   ///< edge of the cube of its volume [m]
-	double swing;  ///< period of a pendulum as long as that [s]
+	double size;   ///< edge of the cube with its volume [m]
+	double swing;  ///< period of a pendulum with the length `size` [s]
 };
 
 Subject make(const BodyMaker& maker, TestWorld& world, const btTransform& pose)
@@ -40,8 +40,8 @@ Subject make(const BodyMaker& maker, TestWorld& world, const btTransform& pose)
 	return {body, 1 / double(body.getInvMass()), tree->volume, size, 2 * kPi * std::sqrt(size / kGravity)};
 }
 
-/// Turned about the vertical, so that nothing lies along the axes of the world, with its lowest point at `height`, which becomes that of
-/// its highest.
+/// Makes the body with its lowest point at `height`, and then raises `height` to its highest point. The body is rotated about the
+/// vertical, so that it is not aligned with the axes of the world.
 Subject makeAbove(double& height, const BodyMaker& maker, TestWorld& world, double turn = 0.7)
 {
 	const Subject subject = make(maker, world, at(0, 0, 0, btVector3(0, 1, 0), turn));
@@ -59,7 +59,7 @@ Subject makeOnFloor(const BodyMaker& maker, TestWorld& world)
 	return makeAbove(height, maker, world);
 }
 
-/// From the floor on, each turned against the one below it. They move up and down and nowhere else.
+/// Makes a tower on the floor. Each body is rotated against the one below it, and can only move up and down.
 std::vector<Subject> makeTower(int count, const BodyMaker& maker, TestWorld& world)
 {
 	std::vector<Subject> tower;
@@ -84,7 +84,7 @@ void makeHeavier(TestWorld& world, Subject& subject, double times)
 	if (const auto refused = world.world().materials().set(&subject.body, material)) throw std::runtime_error(refused->message);
 }
 
-/// Of what the lower one does to the upper one [N], in the mean over the time since the last mark.
+/// Force of the lower body on the upper one [N], averaged over the time since the last mark.
 double meanForceUp(const TestWorld& world, const btRigidBody& upper, const btRigidBody& lower, double seconds)
 {
 	double sum = 0;
@@ -96,7 +96,7 @@ double meanForceUp(const TestWorld& world, const btRigidBody& upper, const btRig
 	return sum / seconds;
 }
 
-/// Of the overlaps of the body with all others [m^3], over the steps since the last mark.
+/// Sum of the overlaps of the body with all others [m^3], averaged over the steps since the last mark.
 double meanOverlap(const TestWorld& world, const btRigidBody& body, double seconds, double h)
 {
 	double sum = 0;
@@ -112,7 +112,7 @@ double stiffnessOfContact(TestWorld& world)
 	return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Lets it come to rest, and returns how long it is watched after that.
+/// Lets the body come to rest. Returns the time for which it is watched after that [s].
 double settle(TestWorld& world, double swing, double h)
 {
 	world.run(kSettling * swing, h);
@@ -122,13 +122,13 @@ double settle(TestWorld& world, double swing, double h)
 	return world.time() - begun;
 }
 
-/// The mean overlap when it has come to rest.
+/// Mean overlap after the body has come to rest [m^3].
 double overlapAtRest(TestWorld& world, const Subject& subject, double h)
 {
 	return meanOverlap(world, subject.body, settle(world, subject.swing, h), h);
 }
 
-/// The second on its way to the first, which waits; returns how long it takes until they have met and parted.
+/// Sends the second body towards the first one, which is at rest. Returns the time until they have met and parted [s].
 double sendTowardsTheFirst(Subject (&subjects)[2], double speed)
 {
 	btVector3 centre;
@@ -136,7 +136,7 @@ double sendTowardsTheFirst(Subject (&subjects)[2], double speed)
 	subjects[1].body.getCollisionShape()->getBoundingSphere(centre, radius);
 	btVector3 lower, upper;
 	subjects[1].body.getAabb(lower, upper);
-	// Off the middle by a share of the height, and not only of the size: a plate would pass over the other.
+	// The offset is also limited to a share of the height: otherwise a plate would pass over the other body.
 	const double off = 0.2 * std::fmin(subjects[1].size, double(upper.y() - lower.y()));
 	subjects[1].body.translate(btVector3(2 * radius, btScalar(off), 0));
 	subjects[1].body.setInterpolationWorldTransform(subjects[1].body.getWorldTransform());
@@ -170,7 +170,7 @@ std::vector<SceneValue> slideDownSlope(const BodyMaker& body, double h)
 	const Subject subject = makeOnFloor(body, world);
 	subject.body.setAngularFactor(btScalar(0));
 	const double angle = std::atan(double(subject.body.getFriction()) + kMoreThanFriction);
-	// The slope is level, and gravity leans.
+	// The slope is level, and gravity is inclined instead.
 	world.world().setGravity(btVector3(btScalar(kGravity * std::sin(angle)), btScalar(-kGravity * std::cos(angle)), 0));
 	world.run(subject.swing, h);
 	const double before = double(subject.body.getLinearVelocity().x()), begun = world.time();
@@ -213,7 +213,7 @@ std::vector<SceneValue> standInTower(const BodyMaker& body, double h)
 	TestWorld world;
 	const btRigidBody& floor = world.addFloor();
 	const std::vector<Subject> tower = makeTower(kTower, body, world);
-	// Its slowest oscillation is that of a pendulum as high as the tower, at most.
+	// The period of its slowest oscillation is at most that of a pendulum as long as the tower is high.
 	const double seconds = settle(world, std::sqrt(double(kTower)) * tower[0].swing, h);
 	std::vector<SceneValue> values = {{"speed [m/s]", world.fastest(), 0, std::sqrt(kGravity * tower[0].size)}};
 	for (int i = 0; i < kTower; ++i)

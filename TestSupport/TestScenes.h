@@ -10,48 +10,48 @@
 
 namespace ist::test
 {
-/// How a game makes the body that is tried: mesh or asset, mass, material, friction. Called with a world of the scene's own; returns one of
-/// its bodies, which must move, in that pose.
+/// How a game makes the body under test: mesh or asset, mass, material, friction. It is called with a world of the scene. It returns one
+/// of this world's bodies, in the given pose; the body must be able to move.
 using BodyMaker = std::function<btRigidBody&(TestWorld& world, const btTransform& pose)>;
 
-/// A number that a scene measured, beside what theory says.
+/// A number that a scene has measured, and the value of theory.
 struct SceneValue
 {
-	std::string what;  ///< with its unit
+	std::string what;  ///< name and unit of the number
 	double measured = 0, expected = 0;
-	double scale = 1;  ///< what an error is compared with: mostly `expected`, but for what should be zero
+	double scale = 1;  ///< an error is divided by this; usually `expected`, except for values that should be zero
 
 	/// |measured - expected| / scale.
 	double error() const;
 };
 std::ostream& operator<<(std::ostream& stream, const SceneValue& value);
 
-/// A scene whose outcome is known in closed form for every closed body, whatever its shape and material: it tells whether a game's own
-/// asset, with its mass, its material and the game's step, behaves as it should. How long it runs follows from the size of the body, whose
-/// own damping (btRigidBody::setDamping) is taken off.
+/// A scene whose outcome is known in closed form for every closed body, whatever its shape and material. It tests whether a game's own
+/// asset, with its mass, its material and the game's step, behaves as it should. The duration follows from the size of the body. The
+/// body's own damping (btRigidBody::setDamping) is switched off.
 struct TestScene
 {
-	const char* name;  ///< in letters alone, as GoogleTest wants the names of parameters
+	const char* name;  ///< letters only, as GoogleTest requires for names of parameters
 	const char* law;
-	/// In steps of `h` [s]. Throws std::runtime_error with the reason when the body has no tree or cannot move.
+	/// Runs the scene in steps of `h` [s]. Throws std::runtime_error with the reason when the body has no tree or cannot move.
 	std::vector<SceneValue> (*play)(const BodyMaker& body, double h);
 };
 
-/// A body comes to lie on a floor.
+/// A body settles on a floor.
 std::vector<SceneValue> restOnFloor(const BodyMaker& body, double h = 1.0 / 240);
-/// A body that cannot turn slides down a slope which is steeper than its friction holds, by .5 in the tangent. Its friction is
-/// btRigidBody::setFriction; the slope's is 1.
+/// A body that cannot rotate slides down a slope. The tangent of the slope is its friction coefficient plus 0.5. The body's friction is
+/// set by btRigidBody::setFriction; that of the slope is 1.
 std::vector<SceneValue> slideDownSlope(const BodyMaker& body, double h = 1.0 / 240);
 /// A body floats in a fluid of twice its mean density.
 std::vector<SceneValue> floatInFluid(const BodyMaker& body, double h = 1.0 / 240);
-/// Five of the body stand on each other on a floor. Here and in the next scene bodies are guided: they move up and down and nowhere else,
-/// so that no shape topples. A body that is too soft for its load gives way, and fails.
+/// Five copies of the body stand on each other on a floor. In this scene and the next, bodies can only move up and down, so that no shape
+/// topples. A body that is too soft for its load gives way, and the test fails.
 std::vector<SceneValue> standInTower(const BodyMaker& body, double h = 1.0 / 240);
-/// The body lies on a floor, and on it its like, of twenty times the mass and, where it has one, the stiffness.
+/// The body lies on a floor and carries a copy with 20 times its mass and, if it is set, 20 times its stiffness.
 std::vector<SceneValue> carryHeavyOne(const BodyMaker& body, double h = 1.0 / 240);
-/// One of the body flies into another, off its centre, without gravity.
+/// One copy of the body flies into another, off its centre, without gravity.
 std::vector<SceneValue> collideWithItsLike(const BodyMaker& body, double h = 1.0 / 240);
 
-/// All of them, for a loop or for testing::ValuesIn.
+/// All scenes, for a loop or for testing::ValuesIn.
 const std::vector<TestScene>& testScenes();
 }  // namespace ist::test

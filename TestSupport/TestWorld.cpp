@@ -27,7 +27,7 @@ template <class T> T orThrow(Result<T> result)
 
 constexpr double kMostSteps = 1e9;
 
-/// Each rigid body of the world that moves by itself, whoever added it.
+/// Visits each rigid body of the world that can move, including bodies that were not added by this class.
 template <class Visit> void eachMoving(const btDiscreteDynamicsWorld& world, const Visit& visit)
 {
 	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
@@ -61,7 +61,7 @@ btRigidBody& TestWorld::addMesh(const Mesh& mesh, double mass, const btTransform
 {
 	BuildOptions options;
 	options.maxSpheres = m_spheres;
-	// The tree's is that of what repair leaves, which may be elsewhere than that of the mesh as it came.
+	// The centre of mass is that of the repaired mesh, because repair may move it.
 	const RepairedMesh repaired = orThrow(repair(mesh));
 	const Mesh centred = translated(repaired.mesh, -massProperties(repaired.mesh).centerOfMass);
 	return addTree(orThrow(cachedTree(centred, options, m_folder)).tree, mass, pose);

@@ -15,13 +15,13 @@
 
 namespace ist::test
 {
-/// A place in World [m], with the axes of World or turned by `angle` [rad] about `axis` (any length but zero).
+/// A pose at x, y, z in World [m], with the axes of World or rotated by `angle` [rad] about `axis` (any length but zero).
 btTransform at(double x, double y, double z);
 btTransform at(double x, double y, double z, const btVector3& axis, double angle);
 
-/// A world for a game's own tests, in one line: bodies that it owns, steps of equal length in virtual time (no clock is ever read, the
-/// same program gives the same motion), and an account of what happened. What cannot be done (a mesh that is not closed, a file that
-/// is missing) throws std::runtime_error with the reason, which GoogleTest reports as a failure. Nothing ever sleeps.
+/// A world for a game's own tests. It owns its bodies, steps them in equal steps of virtual time, and keeps an account of what happened.
+/// It never reads a clock, so the same program gives the same motion. What cannot be done (a mesh that is not closed, a missing file)
+/// throws std::runtime_error with the reason, which GoogleTest reports as a failure. Bodies never sleep.
 ///
 ///     ist::test::TestWorld world;
 ///     world.addMeshFile("bunny.obj", 0, at(0, 0, 0), .1).setFriction(1);  // 20 cm tall
@@ -32,52 +32,53 @@ btTransform at(double x, double y, double z, const btVector3& axis, double angle
 class TestWorld
 {
 public:
-	/// Gravity: (0, -9.81, 0) m/s^2. Trees are packed with so many spheres; see `keepTreesIn`.
+	/// Makes a world with the gravity (0, -9.81, 0) m/s^2. Trees are packed with so many spheres; see `keepTreesIn`.
 	explicit TestWorld(int spheres = 1000) : m_spheres(spheres) {}
 	~TestWorld();
 	TestWorld(const TestWorld&) = delete;
 	TestWorld& operator=(const TestWorld&) = delete;
 
-	/// Trees of meshes are kept in this folder, so that the next run of the tests does not pack them again (ist::cachedTree).
+	/// Stores the trees of meshes in this folder, so that the next run of the tests does not pack them again (ist::cachedTree).
 	void keepTreesIn(const std::string& folder) { m_folder = folder; }
 
-	/// A volumetric body of this mass [kg], 0: static. The mesh is moved so that its centre of mass is the body's origin; its axes stay.
-	/// Of the inertia of a homogeneous body the moments about these axes are taken.
+	/// Adds a volumetric body of this mass [kg]; 0: static. The mesh is translated so that its centre of mass is the body's origin; its
+	/// axes stay. The moments of inertia are those of a homogeneous body about these axes.
 	btRigidBody& addMesh(const Mesh& mesh, double mass, const btTransform& pose);
-	/// The same from a mesh file, times `unit` [m].
+	/// Adds a body from a mesh file, whose coordinates are multiplied by `unit` [m].
 	btRigidBody& addMeshFile(const std::string& path, double mass, const btTransform& pose, double unit = 1);
-	/// The same from an .ist file. Its mesh's centre of mass must be its origin unless the body is static.
+	/// Adds a body from an .ist file. The centre of mass of its mesh must be the origin, unless the body is static.
 	btRigidBody& addAsset(const std::string& path, double mass, const btTransform& pose);
-	/// One of Bullet's shapes, which the caller keeps alive.
+	/// Adds a body with one of Bullet's shapes, which the caller keeps alive.
 	btRigidBody& addShape(btCollisionShape& shape, double mass, const btTransform& pose);
-	/// The half-space below y = `height`.
+	/// Adds the half-space below y = `height`.
 	btRigidBody& addFloor(double height = 0);
-	/// The bodies of a scene file (data/scenes/README.md), with its materials, pairs, region and numbers of spheres, in its gravity. A hand
-	/// and hooks take no part: what a hand would hold is a body like the others. Mistakes are thrown with file, line and field.
+	/// Adds the bodies of a scene file (data/scenes/README.md) with its materials, pairs, region, numbers of spheres and gravity. Hand
+	/// and hooks are ignored; the tool is a body like the others. Errors are thrown with file, line and field.
 	void addScene(const std::string& path);
-	/// One of those, by its name in the file.
+	/// A body of the scene file, by its name.
 	btRigidBody& body(const std::string& name);
 
-	/// As many steps of `h` [s] as make up `seconds`.
+	/// Makes as many steps of `h` [s] as `seconds` contains.
 	void run(double seconds, double h = 1.0 / 240);
-	/// The accounts below begin here. To be called after bodies were moved, pushed, or put into or out of `world` by hand, which is
-	/// nobody's impulse.
+	/// Restarts the accounts below. Call it after bodies were moved, pushed, or put into or out of `world` by hand, because the accounts
+	/// do not contain such impulses.
 	void mark();
 
 	btISTWorld& world() { return m_world; }
-	/// Virtual time since the beginning [s].
+	/// Virtual time since the world was made [s].
 	double time() const { return m_time; }
-	/// Since the last mark.
+	/// Contacts since the last mark.
 	const ContactLog& log() const { return m_log; }
 	const btEnergyBalance& energy() const { return m_audit->total(); }
-	/// What kinetic, potential and contact energy have gained beyond what forces, kinematic bodies and the caller put in [J]. Negative
-	/// where energy was dissipated, as it should be. Joints and Bullet's own contact count: they may not make energy either.
+	/// Gain of kinetic, potential and contact energy beyond what forces, kinematic bodies and the caller have put in [J]. It is negative
+	/// where energy was dissipated, as it should be. Joints and Bullet's own contact are included: they must not create energy either.
 	double energyGained() const;
-	/// Momentum of all rigid bodies that move, whoever added them, less that of the last mark, less what gravity and contacts with static
-	/// and kinematic bodies gave them [N s]: zero, but for rounding, in a world without joints to the world, damping, forces of the caller,
-	/// and contacts that push along an axis which a body's linear factor locks.
+	/// Gain of momentum of all moving rigid bodies since the last mark, including bodies that were not added by this class. The impulses
+	/// of gravity and of contacts with static and kinematic bodies are subtracted [N s]. The result is zero up to rounding in most
+	/// worlds. Exceptions are joints to the world, damping, forces of the caller, and contacts that push along an axis that a body's
+	/// linear factor locks.
 	Vec3 momentumFromNowhere() const;
-	/// Of the fastest body that moves: see `speed`.
+	/// Speed of the fastest moving body: see `speed`.
 	double fastest() const;
 
 private:
@@ -97,7 +98,7 @@ private:
 	Vec3 m_markMomentum, m_gravityImpulse;
 };
 
-/// Of the fastest point of a body's bounding sphere [m/s].
+/// Speed of the fastest point of a body's bounding sphere [m/s].
 double speed(const btRigidBody& body);
 inline double speed(const TestWorld& world) { return world.fastest(); }
 }  // namespace ist::test

@@ -15,7 +15,7 @@ namespace scenes
 {
 namespace
 {
-/// Names of one mesh may share a file: the tree in it is the same.
+/// File name of a tree. Two names of one mesh may give the same file, because its tree is the same.
 std::string fileName(std::string name, uint64_t hash, const BuildOptions& options)
 {
 	for (char& c : name)

@@ -10,7 +10,7 @@ namespace scenes
 PrincipalMesh inPrincipalFrame(const Mesh& mesh)
 {
 	const MassProperties mass = massProperties(mesh);
-	// Of order 1, so that Bullet's absolute thresholds do not matter.
+	// The inertia is scaled to order 1, so that Bullet's absolute thresholds do not matter.
 	const double scale = 3 / (mass.inertia.m[0][0] + mass.inertia.m[1][1] + mass.inertia.m[2][2]);
 	btMatrix3x3 inertia, axes;
 	for (int i = 0; i < 3; ++i)

@@ -6,11 +6,11 @@
 
 namespace scenes
 {
-/// A mesh as Bullet wants a body: the origin at the centre of mass, the axes along the principal ones.
+/// A mesh in the frame that Bullet needs for a body: the origin is the centre of mass, and the axes are the principal axes.
 struct PrincipalMesh
 {
 	ist::Mesh mesh;
-	ist::Pose X_MP;  ///< of the principal frame P in that of the mesh M as given
+	ist::Pose X_MP;  ///< pose of the principal frame P in the frame M of the given mesh
 };
 PrincipalMesh inPrincipalFrame(const ist::Mesh& mesh);
 }  // namespace scenes

@@ -23,7 +23,7 @@ constexpr double kSmallestLength = 1e-5;  // [m]
 constexpr double kLongestRun = 3600;      // [s]
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
-/// However the two are spelled, through links too; none needs to be there.
+/// True when two names mean one file, however they are spelled, also through links. The file need not exist.
 bool isSameFile(const std::string& a, const std::string& b)
 {
 	if (a.empty() || b.empty()) return false;
@@ -67,7 +67,7 @@ public:
 private:
 	JsonFields fields(const Json& object, const std::string& path) { return JsonFields(m_source, object, path, m_problem); }
 
-	/// Every object of a list, with nothing left over in any.
+	/// Reads every object of a list, and refuses unknown fields in each.
 	template <class Read> void eachOf(JsonFields& parent, const std::string& name, const Read& read)
 	{
 		const Json* list = parent.list(name);
@@ -85,7 +85,7 @@ private:
 		return text.substr(0, text.size() - 2);
 	}
 
-	/// The place of a name among those read so far.
+	/// Index of a name among the objects read so far.
 	template <class Named>
 	size_t find(JsonFields& f, const std::string& field, const std::string& wanted, const std::vector<Named>& all, const char* kind)
 	{
@@ -351,7 +351,7 @@ private:
 		m_scene.region = box;
 	}
 
-	/// A recording writes over what is there.
+	/// Refuses a recording that would overwrite an input file.
 	void checkRecording(JsonFields& f, const std::string& file)
 	{
 		if (m_problem) return;

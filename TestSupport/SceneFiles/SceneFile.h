@@ -12,16 +12,16 @@
 
 namespace scenes
 {
-/// A scene as its file says (data/scenes/README.md). `place` is "FILE:LINE: FIELD", for what is found wrong only when the scene is made.
-/// SI units; World B has its y axis where gravity says.
+/// The contents of a scene file (data/scenes/README.md). `place` is "FILE:LINE: FIELD", for errors that are found only when the scene is
+/// made. SI units. The y axis of World B points up, unless the scene's gravity says otherwise.
 
 struct SceneAsset
 {
 	std::string name, place;
-	std::string mesh;                  ///< file, or empty
-	std::string ist;                   ///< file, or empty
-	ist::Mesh shape;                   ///< of a generated one
-	double unit = 0, longestSide = 0;  ///< of a mesh file: one of both, or neither for metres
+	std::string mesh;                  ///< file name of a mesh; may be empty
+	std::string ist;                   ///< file name of an asset; may be empty
+	ist::Mesh shape;                   ///< mesh of a generated shape
+	double unit = 0, longestSide = 0;  ///< unit or longest side of a mesh file [m]: at most one of the two; neither: metres
 	int64_t spheres = 10000;
 	uint64_t seed = 1;
 };
@@ -29,10 +29,10 @@ struct SceneAsset
 struct SceneMaterial
 {
 	std::string name;
-	double density = 1000;    ///< [kg/m^3]
+	double density = 1000;    ///< density [kg/m^3]
 	double stiffness = 0;     ///< k_X [Pa/m]; 0: not set
-	double dissipation = -1;  ///< [s/m]; negative: not set
-	double friction = 0.5;    ///< Bullet multiplies those of both bodies
+	double dissipation = -1;  ///< dissipation [s/m]; negative: not set
+	double friction = 0.5;    ///< friction coefficient; Bullet multiplies those of both bodies
 };
 
 struct SceneBody
@@ -47,23 +47,23 @@ struct SceneBody
 	std::string name, place;
 	Kind kind = Kind::Asset;
 	size_t asset = 0;
-	ist::Vec3 normal{0, 1, 0};  ///< of a plane, unit length
-	double offset = 0;          ///< of a plane along its normal
-	ist::Vec3 halfExtents;      ///< of a box
-	double radius = 0;          ///< of a sphere
+	ist::Vec3 normal{0, 1, 0};  ///< normal of a plane, unit length
+	double offset = 0;          ///< offset of a plane along its normal [m]
+	ist::Vec3 halfExtents;      ///< half extents of a box [m]
+	double radius = 0;          ///< radius of a sphere [m]
 	SceneMaterial material;
-	ist::Pose X_BM;   ///< of the mesh frame
-	double mass = 0;  ///< 0: from the material's density
+	ist::Pose X_BM;   ///< pose of the mesh frame
+	double mass = 0;  ///< mass [kg]; 0: from the material's density
 	bool fixed = false;
 };
 
 struct SceneKeyFrame
 {
 	double time = 0;
-	ist::Pose X_BM;  ///< that the hand wants for the tool's mesh frame
+	ist::Pose X_BM;  ///< pose of the tool's mesh frame at this time, as the hand moves it
 };
 
-/// Something that is done at one of the thread's events without code.
+/// An action at one of the thread's events, which needs no code.
 struct SceneHook
 {
 	enum class Event
@@ -75,17 +75,17 @@ struct SceneHook
 	};
 	enum class Action
 	{
-		Record,   ///< CSV, one row a tick: of the hand, and at the haptic tick of tool and wrench
-		Count,    ///< ticks, largest volume and force for each body that is touched
+		Record,   ///< writes a CSV file with one row a tick: the hand, and at the haptic tick also tool and wrench
+		Count,    ///< counts ticks, with the largest volume and force for each body that is touched
 		Force,    ///< adds a force at the hand
-		Damping,  ///< adds -b v
+		Damping,  ///< adds the force -b v
 		Scale,    ///< multiplies the wrench
-		Log,      ///< says each fault when the run is over
+		Log,      ///< prints each fault after the run
 		Stop      ///< ends the run
 	};
 	Event event = Event::Collision;
 	Action action = Action::Count;
-	std::string file, place;  ///< of a recording
+	std::string file, place;  ///< file of a recording
 	ist::Vec3 force;
 	double damping = 0, angularDamping = 0, factor = 1;
 };
@@ -93,15 +93,15 @@ struct SceneHook
 enum class SceneTopology
 {
 	OneThread,      ///< the hand's thread owns the world (simple mode)
-	InTick,         ///< decoupled, the queries in the tick
-	ContactThread,  ///< decoupled, the queries in a thread of their own
-	ForceThread,    ///< the same, and the force law in a further one
-	LocalModel      ///< decoupled, linear models that the world leaves
+	InTick,         ///< decoupled; queries run in the tick
+	ContactThread,  ///< decoupled; queries run in their own thread
+	ForceThread,    ///< decoupled; queries and force law run in one thread each
+	LocalModel      ///< decoupled; linear models from the world
 };
 
 struct SceneCoupling
 {
-	// Negative: as passiveGains() says for the device.
+	// Negative: the value of passiveGains() for the device.
 	double stiffness = -1, angularStiffness = -1, damping = -1, angularDamping = -1, maxForce = -1, maxTorque = -1;
 	bool isStatic = false;
 	double softContact = 1;
@@ -110,29 +110,29 @@ struct SceneCoupling
 struct Scene
 {
 	std::string file, name, about;
-	double duration = 0;  ///< 0: up to the last key frame
+	double duration = 0;  ///< duration of the run [s]; 0: until the last key frame
 	ist::Vec3 gravity{0, -9.81, 0};
 	SceneTopology topology = SceneTopology::OneThread;
 	double worldRate = 60;
 	int64_t maxPairs = -1;
-	bool hasHand = false;  ///< a session wants one, tests do without: then what follows, up to `coupling`, and `tool` say nothing
+	bool hasHand = false;  ///< true: the members up to `coupling`, and `tool`, are valid; demos need a hand, tests do not
 	std::string handPlace;
-	std::string device;  ///< address
+	std::string device;  ///< device address
 	std::string devicePlace;
-	std::optional<ist::Pose> X_BW;  ///< of the device's world; where missing, its origin lies at the first key frame
+	std::optional<ist::Pose> X_BW;  ///< pose of the device's world; missing: its origin is at the first key frame
 	std::vector<SceneKeyFrame> path;
 	bool toolGravity = false;
 	SceneCoupling coupling;
 	std::vector<SceneAsset> assets;
 	std::vector<SceneBody> bodies;
-	size_t tool = 0;  ///< among the bodies
+	size_t tool = 0;  ///< index of the tool among the bodies
 	bool onlyPairs = false;
 	std::vector<std::pair<size_t, size_t>> pairs;
 	std::optional<ist::Box> region;
 	std::vector<SceneHook> hooks;
 };
 
-/// Each mistake is refused with name, line and field. File names in it are relative to `folder`.
+/// Parses a scene. Each error is refused with file name, line and field. File names in the text are relative to `folder`.
 ist::Result<Scene> parseScene(const std::string& name, const std::string& text, const std::string& folder);
 ist::Result<Scene> loadScene(const std::string& path);
 }  // namespace scenes

@@ -13,13 +13,13 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr uint32_t kSectorSteps = 12, kWallSteps = 8;
 
-/// Half the diagonals of a rhombus at a height.
+/// Half the diagonals of a rhombus at the height z.
 struct Rhombus
 {
 	double z, x, y;
 };
 
-/// Rhombi of equal corners joined from the bottom up, closed by a fan at both ends.
+/// Joins rhombi with equal numbers of corners from the bottom up, and closes both ends with a fan.
 Mesh loft(const std::vector<Rhombus>& sections, uint32_t perEdge)
 {
 	const uint32_t n = 4 * perEdge, count = static_cast<uint32_t>(sections.size());
@@ -27,7 +27,7 @@ Mesh loft(const std::vector<Rhombus>& sections, uint32_t perEdge)
 	for (const Rhombus& s : sections)
 		for (uint32_t i = 0; i < n; ++i)
 		{
-			// Along the four edges, beginning at +x, counter-clockwise.
+			// The vertices run along the four edges, from +x counter-clockwise.
 			const double u = static_cast<double>(i % perEdge) / perEdge;
 			const double corners[5][2] = {{s.x, 0}, {0, s.y}, {-s.x, 0}, {0, -s.y}, {s.x, 0}};
 			const auto &from = corners[i / perEdge], &to = corners[i / perEdge + 1];
@@ -50,7 +50,7 @@ Mesh loft(const std::vector<Rhombus>& sections, uint32_t perEdge)
 	return mesh;
 }
 
-/// Sections between two, so that triangles are not needles.
+/// Adds intermediate sections, so that triangles do not become needles.
 void stretch(std::vector<Rhombus>& sections, const Rhombus& to, int steps)
 {
 	const Rhombus from = sections.back();
@@ -81,7 +81,7 @@ Mesh makeCrownMesh(const CrownShape& shape)
 	for (uint32_t i = 0; i < stations; ++i)
 	{
 		const double angle = 2 * kPi * i / stations, top = crownHeight(shape, angle);
-		// Up the outside, down the inside.
+		// The section runs up the outside and down the inside.
 		for (uint32_t j = 0; j < ring; ++j)
 		{
 			const uint32_t step = j <= kWallSteps ? j : ring - 1 - j;

@@ -5,26 +5,26 @@
 
 namespace scenes
 {
-/// Closed, outward-oriented meshes for scenes, all lengths in metres.
+/// Closed meshes for scenes, with normals that point outwards. All lengths are in metres.
 
-/// A crown: a ring around the z axis, standing on z = 0, whose upper edge rises into triangular points. Its wall tapers linearly
-/// with height: full thickness at the bottom, a third of it at the height of the tips.
+/// A crown: a ring around the z axis that stands on z = 0. Its upper edge rises into triangular points. The wall tapers linearly with
+/// height: full thickness at the bottom, a third of it at the height of the tips.
 struct CrownShape
 {
-	double radius = 0.06;  ///< of the outside
-	double wall = 0.006;   ///< at the bottom
+	double radius = 0.06;  ///< radius of the outside
+	double wall = 0.006;   ///< wall thickness at the bottom
 	double bandHeight = 0.02, pointHeight = 0.05;
-	double pointShare = 0.8;  ///< of the way around that points take at their feet, 0 to 1
+	double pointShare = 0.8;  ///< share of the circumference that the points take at their feet, 0 to 1
 	int points = 16;
 };
 ist::Mesh makeCrownMesh(const CrownShape& shape = {});
 
-/// Height of the upper edge at an angle about z [rad].
+/// Height of the upper edge [m] at an angle about z [rad].
 double crownHeight(const CrownShape& shape, double angle);
-/// Radius of the inside at a height.
+/// Radius of the inside at a height [m].
 double crownInside(const CrownShape& shape, double height);
 
-/// A sword along z with its tip at z = 0 pointing down, and pommel at the top; every cross section is a rhombus.
+/// A sword along z, with its tip at z = 0 pointing down and its pommel at the top. Every cross section is a rhombus.
 struct SwordShape
 {
 	double blade = 0.22, halfWidth = 0.012, halfThickness = 0.003;

@@ -41,7 +41,7 @@ std::vector<Vec3> cornersOf(const InnerSphereTree& tree)
 	return corners;
 }
 
-/// Bullet wants the centre of mass at the origin, and the principal axes.
+/// True when the tree is in the frame that Bullet needs: the centre of mass at the origin, and principal axes.
 bool isPrincipal(const InnerSphereTree& tree)
 {
 	const double size = tree.box.longestSide(), least = 1e-4 * size;
@@ -97,7 +97,7 @@ Result<std::vector<Asset>> makeAssets(const Scene& scene, const SceneBuildOption
 			asset.tree = built.value().tree;
 			asset.hull = asset.principal.mesh.vertices;
 		}
-		if (scene.maxPairs >= 0 && !hasLevels(*asset.tree))  // without coarser levels a budget cannot be kept
+		if (scene.maxPairs >= 0 && !hasLevels(*asset.tree))  // a pair budget needs coarser levels
 		{
 			auto levelled = std::make_shared<InnerSphereTree>(*asset.tree);
 			addLevels(*levelled);
@@ -108,7 +108,7 @@ Result<std::vector<Asset>> makeAssets(const Scene& scene, const SceneBuildOption
 	return assets;
 }
 
-/// In no world yet.
+/// Makes a body that is not yet in a world.
 Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset>& assets, const Vec3& gravity)
 {
 	SceneWorld::Body body;
@@ -161,7 +161,7 @@ std::optional<Error> filterPairs(btISTWorld& world, const Scene& scene, const st
 	for (const auto& [a, b] : scene.pairs) filter.addPair(bodies[a].body.get(), bodies[b].body.get());
 	if (scene.onlyPairs && scene.pairs.empty())
 	{
-		// An empty list: no pair is volumetric.
+		// An empty list means that no pair is volumetric.
 		filter.addPair(bodies[0].body.get(), bodies[0].body.get());
 		filter.removePair(bodies[0].body.get(), bodies[0].body.get());
 	}

@@ -17,30 +17,30 @@ namespace scenes
 {
 struct SceneBuildOptions
 {
-	std::string cache;  ///< folder for trees; empty: none
+	std::string cache;  ///< folder for trees; empty: trees are not stored
 	ist::Progress progress;
-	std::function<void(const std::string&)> say;  ///< messages for people
+	std::function<void(const std::string&)> say;  ///< receives messages for the user
 };
 
-/// The bodies of a scene in a Bullet world. Each mesh is turned into its principal frame P, which is Bullet's frame of the body.
+/// The bodies of a scene in a Bullet world. Each mesh is transformed to its principal frame P, which is the frame of Bullet's body.
 class SceneWorld
 {
 public:
 	struct Body
 	{
 		std::string name;
-		std::shared_ptr<const ist::InnerSphereTree> tree;  ///< of P; null without an asset
-		ist::Mesh mesh;                                    ///< in P; empty where there is none
+		std::shared_ptr<const ist::InnerSphereTree> tree;  ///< tree in P; null without an asset
+		ist::Mesh mesh;                                    ///< mesh in P; empty where there is none
 		ist::Pose X_MP;
 		std::unique_ptr<btCollisionShape> shape;
 		std::unique_ptr<btRigidBody> body;
 		btISTAttachment attachment;
 	};
 
-	/// `withTool`: the tool is a body of the world; otherwise it is left out of it.
+	/// Makes the world of a scene. `withTool`: the tool is a body of the world; otherwise it is left out.
 	static ist::Result<std::unique_ptr<SceneWorld>> make(const Scene& scene, bool withTool, const SceneBuildOptions& options);
-	/// The same in a world that is there, which takes gravity, pairs and region of the scene; bodies are the caller's, who takes them out
-	/// of it. When refused, none is in it.
+	/// Adds the scene to an existing world, which receives the scene's gravity, pairs and region. The bodies belong to the caller, who
+	/// must remove them from the world. If this is refused, no body is in the world.
 	static ist::Result<std::vector<Body>> addTo(btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options);
 	~SceneWorld();
 
@@ -48,7 +48,7 @@ public:
 	Body& body(size_t i) { return m_bodies[i]; }
 	const Body& body(size_t i) const { return m_bodies[i]; }
 	size_t size() const { return m_bodies.size(); }
-	/// "world" for what is no body of the scene.
+	/// Name of a body; "world" for an object that is not a body of the scene.
 	const char* nameOf(const void* object) const;
 
 private:
