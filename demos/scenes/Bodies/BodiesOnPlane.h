@@ -14,24 +14,24 @@ namespace scenes
 {
 struct BodyMaterial
 {
-	double density = 1000;   ///< [kg/m^3]
+	double density = 1000;   ///< density [kg/m^3]
 	double stiffness = 1e7;  ///< k_X [Pa/m]
-	double friction = 0.5;   ///< Bullet multiplies those of both bodies
+	double friction = 0.5;   ///< friction coefficient; Bullet multiplies those of both bodies
 };
 
-/// A Bullet world with its own static plane y = 0 and bodies that speak through trees. Gravity along -y.
+/// A Bullet world with Bullet's static plane y = 0 and bodies with trees. Gravity acts along -y.
 class BodiesOnPlane
 {
 public:
 	explicit BodiesOnPlane(const BodyMaterial& plane);
 	~BodiesOnPlane();
 
-	/// `mesh`, in its principal frame, gives the bounds, and `tree` is built from it.
+	/// Adds a body. `mesh`, in its principal frame, gives the bounds; `tree` must be built from it.
 	ist::Result<btRigidBody*> add(
 		const ist::Mesh& mesh, std::shared_ptr<const ist::InnerSphereTree> tree, const BodyMaterial& material, const ist::Pose& X_WB);
 	void step(double dt) { m_world.bullet().stepSimulation(btScalar(dt), 0); }
 	btISTWorld& world() { return m_world; }
-	/// What the last step found between two bodies; null without overlap.
+	/// Contact that the last step found between two bodies; null without overlap.
 	const btISTContact* contactBetween(const btRigidBody& one, const btRigidBody& other);
 
 private:

@@ -10,7 +10,7 @@
 
 namespace scenes
 {
-/// A body in closed form, and a fine mesh of it with the same volume, for quadrature to judge it by.
+/// A body in closed form, and a fine mesh of the same volume, which quadrature uses for comparison.
 struct FieldBody
 {
 	std::string name;
@@ -18,6 +18,6 @@ struct FieldBody
 	ist::Mesh mesh;
 };
 
-/// Box, plate, sphere, small sphere, capsule, cylinder and cone, in proportion to a body whose longest side is `size` [m].
+/// Makes a box, plate, sphere, small sphere, capsule, cylinder and cone, in proportion to a body whose longest side is `size` [m].
 std::vector<FieldBody> makeFieldBodies(double size);
 }  // namespace scenes

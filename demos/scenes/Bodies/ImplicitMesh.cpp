@@ -31,7 +31,7 @@ struct Grid
 	Vec3 place(size_t x, size_t y, size_t z) const { return lower + cell * Vec3{double(x), double(y), double(z)}; }
 };
 
-/// Mean of the places where the surface crosses the cell's edges; false where it crosses none.
+/// Mean of the points where the surface crosses the cell's edges. Returns false when it crosses none.
 bool crossing(const Grid& g, size_t x, size_t y, size_t z, Vec3& mean)
 {
 	double values[8];
@@ -56,7 +56,7 @@ bool crossing(const Grid& g, size_t x, size_t y, size_t z, Vec3& mean)
 	return count > 0;
 }
 
-/// Newton steps along the gradient, within the cell's size of where it was.
+/// Makes Newton steps along the gradient, limited to the cell's size around the start.
 Vec3 ontoSurface(const Field& field, const Vec3& start, double cell)
 {
 	Vec3 p = start;
@@ -87,7 +87,7 @@ Mesh meshOfField(const Field& field, const Box& box, double cell)
 				vertexOf[g.index(x, y, z)] = static_cast<uint32_t>(mesh.vertices.size());
 				mesh.vertices.push_back(ontoSurface(field, mean, cell));
 			}
-	// Each edge of the grid that the surface crosses has a face between the four cells around it.
+	// Each edge of the grid that the surface crosses gets a face between the four cells around it.
 	const size_t step[3] = {1, g.n[0], g.n[0] * g.n[1]};
 	for (size_t z = 1; z + 1 < g.n[2]; ++z)
 		for (size_t y = 1; y + 1 < g.n[1]; ++y)

@@ -7,8 +7,10 @@
 
 namespace scenes
 {
-/// The closed surface where `field` is zero; positive inside [m], about the distance to the surface near it. One vertex for each cell of
-/// `cell` [m] that the surface crosses (surface nets), moved onto it by two Newton steps. The body keeps two cells away from the sides of
-/// `box`, and is nowhere thinner than two cells: else the mesh may not be closed. O(cells).
+/// Mesh of the closed surface where `field` is zero. The field is positive inside, and near the surface about the distance to it [m]. The
+/// mesh has one vertex for each cell of `cell` [m] that the surface crosses (surface nets), moved onto the surface by two Newton steps.
+///
+/// The body must stay two cells away from the sides of `box`, and be at least two cells thick everywhere. Otherwise the mesh may not be
+/// closed. Cost: O(cells).
 ist::Mesh meshOfField(const std::function<double(const ist::Vec3&)>& field, const ist::Box& box, double cell);
 }  // namespace scenes

@@ -11,11 +11,11 @@ struct RodProbe
 	double radius = 0.010, halfLength = 0.015;  ///< [m]
 };
 
-/// A stretch of a path in which the hand does one thing.
+/// A part of a path in which the hand does one thing.
 struct ProbePhase
 {
 	std::string name;
 	double begin = 0, end = 0;  ///< [s]
-	bool touches = false;       ///< the probe is meant to come into contact
+	bool touches = false;       ///< true: the probe should come into contact
 };
 }  // namespace scenes

@@ -21,7 +21,7 @@ std::string nameOf(const CarryOutcome& run)
 }
 const char* fateOf(const CarryOutcome& run) { return !run.lifted ? "NOT LIFTED" : run.arrived ? "arrives" : "LOST ON THE WAY"; }
 
-/// What is told of a run.
+/// One figure of a run.
 struct Column
 {
 	const char *name, *unit;

@@ -6,14 +6,14 @@
 
 namespace scenes
 {
-/// The same task with one hand and with two, each with nothing felt, the force, and force and torque.
+/// The same task with one hand and with two, for each kind of feedback: none, force, and force and torque.
 struct CarryReportOutcome
 {
 	std::vector<CarryOutcome> runs;
-	double strongestAllowed = 0;  ///< that the coupling of a bone exerts [N]
-	double weight = 0;            ///< of beam, nut and ring [N]
+	double strongestAllowed = 0;  ///< largest force that the coupling of a bone may exert [N]
+	double weight = 0;            ///< weight of beam, nut and ring [N]
 
-	/// Every run carries the beam to its place with no force above what the couplings exert, and two hands tilt it less than one.
+	/// True when every run carries the beam to its place, no force exceeds what the couplings exert, and two hands tilt it less than one.
 	bool ok() const;
 };
 ist::Result<CarryReportOutcome> runCarryReport(const CarryOptions& options);

@@ -17,7 +17,7 @@ constexpr double kSampleEvery = 0.02;
 
 double angleBetween(const Mat3& a, const Mat3& b) { return norm(rotationVector(quaternion(a * transpose(b)))); }
 
-/// Watches a run.
+/// Observes a run and judges it.
 class CarryJudge
 {
 public:
@@ -71,7 +71,7 @@ public:
 
 private:
 	Pose beam() const { return m_scene.X_WM(CarryScene::kBeam); }
-	/// Of the object's mesh on the beam's.
+	/// Position of the object's mesh in the frame of the beam's mesh.
 	Vec3 onBeam(CarryScene::Object object) const { return inverse(beam()) * m_scene.X_WM(object).translation; }
 
 	void lookAtCarrying(const CarrySample& now, bool touched)
@@ -90,7 +90,7 @@ private:
 			m_out.passengers = std::max(m_out.passengers, distance(onBeam(CarryScene::Object(i)), m_start[i]));
 	}
 
-	/// In the air, at the place over which it is put down.
+	/// Adds the load of the wrists while the beam rests in the air, above the place where it is put down.
 	void lookAtRest()
 	{
 		double force = 0, torque = 0;

@@ -19,12 +19,12 @@ namespace
 constexpr double kTableStiffness = 5e7;
 constexpr double kHandLength = 0.189;
 constexpr double kLift = 0.1, kAside = 0.1, kTurn = 0.35;  // [m, m, rad]
-constexpr double kPassengerX = 0.085;                      // of nut and ring, from the middle of the beam [m]
+constexpr double kPassengerX = 0.085;                      // x of nut and ring, from the middle of the beam [m]
 constexpr double kPassengerFriction = 0.7;
-constexpr int kBeamShare = 4;                                         // of spheres: so much larger it is than its passengers
+constexpr int kBeamShare = 4;  // factor for the number of spheres: the beam is so much larger than nut and ring
 constexpr double kMasses[CarryScene::kObjects] = {0.18, 0.08, 0.06};  // [kg]
 
-/// Where the objects' meshes stand on the beam's, or the table.
+/// Pose of an object's mesh on the beam's, or of the beam's on the table.
 Pose standing(CarryScene::Object object)
 {
 	if (object == CarryScene::kBeam) return {};
@@ -36,7 +36,7 @@ Twist twistBetween(const Pose& from, const Pose& to, double h)
 	return {(to.translation - from.translation) / h, rotationVector(quaternion(to.rotation * transpose(from.rotation))) / h};
 }
 
-/// What the springs and dampers of a hand's parts weigh on its arm within a step: mass, and inertia about the wrist.
+/// Added inertia of an arm in one step, from the springs and dampers of the hand's parts: mass, and inertia about the wrist.
 struct Burden
 {
 	double mass = 0, inertia = 0;
@@ -55,7 +55,7 @@ Burden burdenOf(const BulletHand& hand, const BulletHandSettings& s, const Vec3&
 	return sum;
 }
 
-/// What the couplings give back to the hand, about the wrist.
+/// Wrench of the couplings on the hand, about the wrist.
 Wrench feltAt(const BulletHand& hand, const Vec3& wrist)
 {
 	Wrench sum;
@@ -71,7 +71,7 @@ Wrench feltAt(const BulletHand& hand, const Vec3& wrist)
 
 void OperatorArm::step(const Pose& wanted, const Twist& moving, const Wrench& felt, double mass, double inertia, double h) noexcept
 {
-	// The arm's own spring and damper are taken at the end of the step, for which `wanted` is.
+	// The arm's own spring and damper are evaluated at the end of the step; `wanted` is the pose for that time.
 	const auto after = [h](double m, double more, double k, const Vec3& away, const Vec3& v, const Vec3& target, const Vec3& push) {
 		const double b = 2 * std::sqrt(k * m);
 		return ((m + more) * v + h * (k * away + b * target + push)) / (m + more + h * b + h * h * k);

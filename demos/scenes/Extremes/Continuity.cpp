@@ -31,7 +31,7 @@ class PathWriter
 public:
 	PathWriter(const MeshDistance& surface, const RodProbe& rod) : m_surface(surface), m_rod(rod), m_box(bounds(surface.mesh())) {}
 
-	/// Height at which the rod, coming down at (x, z) with its axis along z, first touches.
+	/// Height at which the rod first touches when it descends at (x, z) with its axis along z.
 	double touch(double x, double z) const
 	{
 		double y = m_box.upper.y + m_rod.radius + 0.01;
@@ -75,7 +75,8 @@ private:
 	Box m_box;
 };
 
-/// Straight lines at constant speed between points `depth` below touch, so that the force is that of the surface and not of a controller.
+/// Straight lines at constant speed between points `depth` below the touching height. The force then depends on the surface and on no
+/// controller.
 PathWriter writePath(const MeshDistance& surface, const RodProbe& rod, double depth)
 {
 	PathWriter path(surface, rod);
@@ -105,14 +106,14 @@ PathWriter writePath(const MeshDistance& surface, const RodProbe& rod, double de
 	return path;
 }
 
-/// Of the cells that the rod meets on its way.
+/// Grid of the cells that the rod meets on its way.
 ContinuumGrid gridAlong(const std::vector<Vec3>& centers, const MeshDistance& surface, const RodProbe& rod, double spacing)
 {
 	Box swept{centers.front(), centers.front()};
 	for (const Vec3& p : centers) swept = {componentMin(swept.lower, p), componentMax(swept.upper, p)};
 	const double wide = rod.radius + 2 * spacing;
 	const Vec3 margin{wide, wide, wide + rod.halfLength};
-	// Between the centres that are looked at the rod goes half a millimetre at most.
+	// The rod moves at most 0.5 mm between the centres that are checked.
 	const double reach = wide + 5e-4;
 	const auto met = [&](const Vec3& p) {
 		for (size_t i = 0; i < centers.size(); i += 5)
@@ -181,7 +182,7 @@ double powerAbove(const std::vector<double>& values, double rate, double cut)
 {
 	const size_t n = values.size();
 	if (n < 3) return 0;
-	// What a straight line explains is no swing, and a window would only smear it.
+	// A linear trend is subtracted first, because it is no oscillation and the window would smear it.
 	const double first = values.front(), slope = (values.back() - first) / static_cast<double>(n - 1);
 	std::vector<double> windowed(n);
 	double weight = 0;

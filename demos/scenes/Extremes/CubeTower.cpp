@@ -64,8 +64,8 @@ private:
 	const ExtremeSolid& solid(int i) const { return m_setup.plainBetween && i % 2 == 1 ? m_plain : m_cube; }
 	ist::Vec3 position(size_t b) const { return toVec3(m_bodies[b]->getWorldTransform().getOrigin()); }
 
-	/// Of the contact below cube `i`. Materials are in series, so that each body has 2 k, and a plane has none; with nothing set it is
-	/// the default rule of two bodies with these trees.
+	/// Stiffness of the contact below cube `i`. Materials act in series, so each body has 2 k and the plane has none. Without a set
+	/// stiffness it is that of the default rule for two bodies with these trees.
 	double stiffness(int i) const
 	{
 		const TowerSetup& s = m_setup;
@@ -116,7 +116,8 @@ double tiltStiffness(const ExtremeSolid& cube, double volume, bool onPlain)
 	const ist::OverlapIntegrals sums = onPlain ? ist::queryField(*cube.tree, box, X_AB, workspace).total
 											   : ist::queryOverlap(*cube.tree, *cube.tree, X_AB, workspace).total;
 	const ist::SymmetricMatrix6 K = ist::pressureStiffness(sums, {1, 0.5, 0.5});
-	// About z through the contact, half an edge below A's origin: a turn there moves the origin by -half an edge along x.
+	// The stiffness about z through the contact, half an edge below A's origin. A rotation there moves the origin by -half an edge along
+	// x.
 	const double lever = edge / 2;
 	return (K(5, 5) - 2 * lever * K(0, 5) + lever * lever * K(0, 0)) / (volume * edge);
 }

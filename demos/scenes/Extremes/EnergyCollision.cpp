@@ -15,7 +15,7 @@ namespace
 {
 constexpr double kMass = 2;
 constexpr int kMostSteps = 400000;
-constexpr int kPairCapacity = 50000;  // of leaves; two cubes of 100 spheres have 22,500
+constexpr int kPairCapacity = 50000;  // largest number of pairs of leaves; two cubes of 100 spheres have 22,500
 
 ist::Vec3 randomVector(std::mt19937_64& random, double size)
 {
@@ -41,7 +41,7 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 		const double side = i == 0 ? -0.5 : 0.5;
 		const ist::Vec3 p = place + side * (1.75 * size * direction + offset * aside);
 		bodies[i] = world.add(solid, kMass, inertia, transformOf(p, randomVector(random, 2)));
-		bodies[i]->setFlags(0);  // three equal moments: nothing gyroscopic but its rounding, in each step
+		bodies[i]->setFlags(0);  // three equal moments have no gyroscopic term, except its rounding in each step
 		bodies[i]->setLinearVelocity(toBullet(-side * speed * direction));
 		bodies[i]->setAngularVelocity(toBullet(randomVector(random, 3)));
 	}
@@ -49,7 +49,7 @@ EnergyCollisionOutcome collideByEnergyLaw(const ExtremeSolid& solid, const Energ
 	btEnergyLaw law(kPairCapacity);
 	if (law.add(bodies[0], solid.tree, bodies[1], solid.tree, {setup.k, weight, 1 - weight})) return {};
 
-	// No face is larger than the square on the longest side, and no point farther out than the radius.
+	// This bounds the frequency: no face is larger than the square on the longest side, and no point is farther out than the radius.
 	const double frequency = std::sqrt(setup.k * size * size * 2 * (1 / kMass + radius * radius / inertia)),
 				 h = setup.stepTimesFrequency / frequency;
 	const PairMotion before(bodies, kMass, inertia);

@@ -14,7 +14,7 @@ constexpr double kGravity = 9.81;
 ist::Vec3 positionOf(const btRigidBody* body) { return toVec3(body->getWorldTransform().getOrigin()); }
 ist::Vec3 velocityOf(const btRigidBody* body) { return toVec3(body->getLinearVelocity()); }
 
-/// In World axes, of a body with these principal moments.
+/// Angular momentum in World axes of a body with these principal moments.
 ist::Vec3 angularMomentum(const btRigidBody* body, const ist::Vec3& inertia)
 {
 	const ist::Mat3 R = toPose(body->getWorldTransform()).rotation;
@@ -34,7 +34,7 @@ bool shoot(ExtremeWorld& world, const ExtremeSolid& cube, double speed, double h
 	const ist::Vec3 aside = vector(0.3);
 	btRigidBody* body = world.add(cube, 1, 1.0 / 600, transformOf({aside.x, lead, aside.z}, vector(1)), 2 * k);
 	body->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
-	// Far enough to be wholly on the other side if nothing held it.
+	// The time is long enough for a cube that is not stopped to be entirely on the other side.
 	const int steps = int(std::ceil((lead + 0.2) / (speed * h)));
 	for (int i = 0; i < steps; ++i)
 	{

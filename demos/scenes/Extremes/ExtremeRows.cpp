@@ -41,7 +41,7 @@ double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT,
 	for (const ist::MomentEllipsoid& ball : tree.law.slots())
 	{
 		if (!(ball.density > 0)) continue;
-		// The share of an ellipsoid below a plane depends on the plane's distance in half-widths alone.
+		// The share of an ellipsoid below a plane depends only on the plane's distance in half-widths.
 		const ist::Vec3 up = ist::transpose(X_WT.rotation) * ist::Vec3{0, 1, 0};
 		const double width = std::sqrt(dot(up, ball.shape() * up)), y = (X_WT * (tree.origin + ball.center())).y;
 		const double t = std::clamp((height - y) / width, -1.0, 1.0);
@@ -52,7 +52,7 @@ double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT,
 
 namespace
 {
-/// On A along y. Pairs of trees: all their leaves in double, or the query that the world uses.
+/// Force on A along y [N]. Pairs of trees use either all their leaves in double, or the query of the world.
 double forceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k, bool bruteForce)
 {
 	static thread_local ist::QueryWorkspace workspace;
@@ -190,7 +190,7 @@ BounceOutcome bounce(const ExtremeSolid& cube, double k, double dissipation, dou
 	if (world.volumetric().materials().set(body, {k, dissipation})) return out;
 	body->setAngularFactor(btScalar(0));
 	body->setLinearVelocity(btVector3(0, btScalar(-speed), 0));
-	// Long enough for contact at a hundredth of the speed.
+	// The time is long enough for a contact at 1 % of the speed.
 	const int steps = int(20 * edge / (speed * h));
 	for (int i = 0; i < steps && positionOf(body).y < 0.65 * edge; ++i)
 	{

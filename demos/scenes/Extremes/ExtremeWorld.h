@@ -13,7 +13,7 @@
 
 namespace scenes
 {
-/// A mesh about its centre of mass with its tree; without one it is its bounding box in closed form.
+/// A mesh about its centre of mass, with its tree. Without a tree it is its bounding box in closed form.
 struct ExtremeSolid
 {
 	ist::Mesh mesh;
@@ -23,32 +23,32 @@ ist::Result<ExtremeSolid> makeExtremeSolid(const ist::Mesh& mesh, int64_t sphere
 
 btTransform transformOf(const ist::Vec3& position, const ist::Vec3& rotationVector = {});
 
-/// Who answers for contact.
+/// Program that computes the contact.
 enum class Response
 {
-	Stock,      ///< Bullet as it comes: box or plane, sequential impulses, its default parameters
+	Stock,      ///< Bullet alone: box or plane, sequential impulses, its default parameters
 	Volumetric  ///< btISTWorld
 };
 
-/// A scene of the extremes, the same for both responses. Gravity along -y. Nothing ever sleeps.
+/// A scene of the page on extremes, the same for both responses. Gravity acts along -y. Bodies never sleep.
 class ExtremeWorld
 {
 public:
 	explicit ExtremeWorld(Response response, double gravity = 9.81);
 	~ExtremeWorld();
 
-	/// Plane y = `height`, static.
+	/// Adds the static plane y = `height`.
 	btRigidBody* addFloor(double height = 0);
-	/// The mesh's bounding box for Bullet, its tree for us; isotropic inertia. Zero mass: static. `stiffness`: k_X [Pa/m], 0 for the
-	/// default rule.
+	/// Adds a body: its bounding box for Bullet, its tree for us, with isotropic inertia. A mass of zero makes it static. `stiffness` is
+	/// k_X [Pa/m]; 0: default rule.
 	btRigidBody* add(const ExtremeSolid& solid, double mass, double inertia, const btTransform& pose, double stiffness = 0);
 	void step(double h) { bullet().stepSimulation(btScalar(h), 0); }
 
 	Response response() const { return m_response; }
 	btDiscreteDynamicsWorld& bullet();
-	/// Only with Response::Volumetric.
+	/// Valid only with Response::Volumetric.
 	btISTWorld& volumetric() { return *m_volumetric; }
-	/// Of the last step between two bodies; null when they were not near each other.
+	/// Contact between two bodies in the last step; null when they were not near each other.
 	const btISTContact* contactBetween(const btRigidBody* one, const btRigidBody* other);
 
 private:

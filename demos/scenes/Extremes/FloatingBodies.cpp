@@ -16,7 +16,7 @@ struct Pond
 	btRigidBody* body = nullptr;
 	ist::Vec3 place{1, 0, -2};
 
-	/// Refused materials leave `body` null.
+	/// If the materials are refused, `body` stays null.
 	Pond(const ExtremeSolid& solid, double mass, double inertia, double height, double tilt, double dissipation)
 	{
 		btRigidBody* water = world.addFloor();
@@ -35,7 +35,7 @@ struct Pond
 	}
 };
 
-/// Mean time between crossings of zero in the same direction [s]; not finite with fewer than two.
+/// Mean time between zero crossings in the same direction [s]; not finite with fewer than two crossings.
 template <class Signal> double period(Pond& pond, double h, int steps, const Signal& signal)
 {
 	double first = 0, last = 0, before = signal();

@@ -17,7 +17,7 @@ namespace
 {
 constexpr double kRate = 1000, kCut = 50, kSpeed = 0.25;  // [Hz, Hz, sizes a second]
 constexpr int kTicks = 512, kCircle = 128, kStiffnesses = 8, kLooks = 40, kHalvings = 20;
-constexpr double kRadius = 0.01, kNudge = 1e-3, kDeepest = 0.1;  // of the size
+constexpr double kRadius = 0.01, kNudge = 1e-3, kDeepest = 0.1;  // as shares of the size
 
 class Path
 {
@@ -28,7 +28,7 @@ public:
 		m_tangent = normalized(cross(m_normal, aside));
 	}
 
-	/// B moved by so much; along the normal it presses deeper.
+	/// Force after B was moved by `way`. A motion along the normal presses deeper.
 	Vec3 forceAfter(const Vec3& way) const
 	{
 		Pose X = m_start.X_AB;
@@ -71,7 +71,7 @@ public:
 		const double load = norm(m_start.trueForce), step = 2 * kDeepest / kLooks;
 		const auto bears = [&](double depth) { return dot(forceAfter(depth * m_start.size * m_normal), m_normal) >= load; };
 		double high = -kDeepest + step;
-		// From above: a force may fall again further down.
+		// The search starts from above, because a force may decrease again at greater depth.
 		while (!bears(high))
 			if ((high += step) > kDeepest + 0.5 * step) return std::numeric_limits<double>::quiet_NaN();
 		double low = high - step;
@@ -117,7 +117,7 @@ PathQuality followPath(const PathStart& start, const ForceOfPose& force)
 
 double changeInFloat(const PathStart& start, double distance, const ForceOfPose& force)
 {
-	// No number of these is a short binary fraction.
+	// None of these numbers is a short binary fraction, so rounding affects each of them.
 	const Pose X_WA{rotationMatrix(quaternionFromRotationVector({0.3, -0.7, 0.2})), distance * normalized({0.6, 0.3, -0.74})};
 	const Pose X_WB = X_WA * start.X_AB;
 	const Vec3 before = force(inverse(X_WA) * X_WB), after = force(inverse(inFloat(X_WA)) * inFloat(X_WB));

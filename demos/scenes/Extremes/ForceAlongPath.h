@@ -7,37 +7,37 @@
 
 namespace scenes
 {
-/// Force on A for k = 1 Pa/m [m^3] at a pose of B in A; axes of A.
+/// Force on A for k = 1 Pa/m [m^3] at a pose of B in A, in axes of A.
 using ForceOfPose = std::function<ist::Vec3(const ist::Pose& X_AB)>;
 
-/// A contact from which B is led away and back.
+/// A contact from which B moves away along a path.
 struct PathStart
 {
 	ist::Pose X_AB;
-	ist::Vec3 trueForce;  ///< on A for k = 1 Pa/m [m^3]
-	double size = 1;      ///< of the smaller body [m]
+	ist::Vec3 trueForce;  ///< force on A for k = 1 Pa/m [m^3]
+	double size = 1;      ///< size of the smaller body [m]
 };
 
-/// What cannot be seen in one pose: how a force changes from pose to pose.
+/// Quality of a force along a path: how it changes from pose to pose, which a single pose cannot show.
 struct PathQuality
 {
-	/// While B slides sideways by a quarter of the size in a second, 512 forces at 1 kHz: rms above 50 Hz, over the mean force. What the
-	/// bodies' own corners add is in it, the same for everything that is led along the path.
+	/// Noise while B slides sideways by a quarter of the size in a second, from 512 forces at 1 kHz: rms above 50 Hz, divided by the mean
+	/// force. It includes the effect of the bodies' own corners, which is the same for every method.
 	double noise = 0;
-	/// Work on a circle of 1 % of the size through the contact, over the largest difference of energy on it; 0 of a force that has a
-	/// potential.
+	/// Work on a circle through the contact with a radius of 1 % of the size, divided by the largest difference of energy on it. It is 0
+	/// for a force that has a potential.
 	double loopWork = 0;
-	/// How much deeper B comes to rest under a load of the true force, of the size; negative: less deep. Not a number where nothing within
-	/// a tenth of the size bears it.
+	/// Additional depth at which B comes to rest under a load of the true force, as a share of the size; negative: less deep. NaN when no
+	/// depth within a tenth of the size carries the load.
 	double restDepth = 0;
-	/// Largest growth of the force with depth on the slide [m^2]; times k it is a stiffness [N/m].
+	/// Largest increase of the force with depth on the slide [m^2]. Times k it is a stiffness [N/m].
 	double stiffness = 0;
 };
 
-/// About 700 forces.
+/// Follows the path. Cost: about 700 forces.
 PathQuality followPath(const PathStart& start, const ForceOfPose& force);
 
-/// Length of what the force changes by when the places of both bodies, and their axes, are rounded to floats, `distance` from the origin of
-/// the world; over the force.
+/// Change of the force when the positions and axes of both bodies are rounded to floats at `distance` from the world's origin. Returns
+/// its length divided by the force.
 double changeInFloat(const PathStart& start, double distance, const ForceOfPose& force);
 }  // namespace scenes

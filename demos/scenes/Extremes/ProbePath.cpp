@@ -10,7 +10,7 @@ namespace scenes
 {
 namespace
 {
-constexpr double kClearance = 0.010;  // above contact, before and after a touch [m]
+constexpr double kClearance = 0.010;  // height above contact, before and after a touch [m]
 
 class PathWriter
 {
@@ -19,7 +19,7 @@ public:
 
 	double travelHeight() const { return m_box.upper.y + m_probe.radius + 2 * kClearance; }
 
-	/// The greatest height at which the rod, coming down at (x, z), touches the surface, or the bottom of the box.
+	/// Largest height at which the rod touches the surface when it descends at (x, z), or the bottom of the box.
 	double contactHeight(double x, double z, double yaw) const
 	{
 		double y = travelHeight();
@@ -27,7 +27,7 @@ public:
 		{
 			const double gap = clearance({x, y, z}, yaw);
 			if (gap < 1e-6) break;
-			y -= gap;  // the distance is 1-Lipschitz: never too far
+			y -= gap;  // the distance is 1-Lipschitz, so this step never goes too far
 		}
 		return std::max(y, m_box.lower.y);
 	}
@@ -38,7 +38,7 @@ public:
 		m_path.frames.push_back({m_time, {rotationMatrix(quaternionFromRotationVector({0, m_yaw, 0})), position}});
 	}
 
-	/// The rod `offset` above where it touches.
+	/// Moves the rod to `offset` above the height where it touches.
 	void moveAbove(double x, double z, double offset, double seconds) { moveTo({x, contactHeight(x, z, m_yaw) + offset, z}, seconds); }
 
 	void travelTo(double x, double z)
@@ -100,7 +100,7 @@ private:
 	double m_time = 0, m_yaw = 0;
 };
 
-/// From the highest vertex downwards: the middles of what lies at each height near the middle above.
+/// Points from the highest vertex downwards: at each height, the centre of the vertices near the centre above.
 std::vector<Vec3> highestTip(const Mesh& mesh, double length, int count)
 {
 	Vec3 middle{0, -1e300, 0};

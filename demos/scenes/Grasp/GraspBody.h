@@ -12,18 +12,18 @@
 
 namespace scenes
 {
-/// A mesh of even density with its tree, ready to be put into worlds. The tree is that of the mesh moved to its centre of mass.
+/// A mesh of uniform density with its tree, for use in several worlds. The tree is that of the mesh translated to its centre of mass.
 struct GraspSolid
 {
 	ist::Mesh mesh;
-	ist::Vec3 centre;  ///< of mass, in the mesh
+	ist::Vec3 centre;  ///< centre of mass, in the mesh's frame
 	std::shared_ptr<const ist::InnerSphereTree> tree;
 
-	/// Offline; `cache`: folder for the tree.
+	/// Offline. `cache` is the folder for the tree.
 	static ist::Result<GraspSolid> make(ist::Mesh mesh, int64_t spheres, const std::string& cache, const ist::Progress& progress);
 };
 
-/// Such a body in a world. It never sleeps. Destroyed before the world.
+/// A body made from such a solid, in a world. It never sleeps. It must be destroyed before the world.
 class GraspBody
 {
 public:
@@ -34,9 +34,9 @@ public:
 	GraspBody& operator=(const GraspBody&) = delete;
 
 	btRigidBody& body() const { return *m_body; }
-	/// Of the mesh in World.
+	/// Pose of the mesh in World.
 	ist::Pose X_WM() const;
-	/// Of the mesh in the body's frame.
+	/// Pose of the mesh in the body's frame.
 	ist::Pose X_BM() const { return {{}, -m_centre}; }
 
 private:

@@ -21,16 +21,16 @@ constexpr double kStep = 0.001, kMostRate = 1000;
 constexpr double kSoftSkin = 6e6, kMiddleSkin = 1e7, kDeepSqueeze = 0.04;  // [Pa/m], [m]
 struct Way
 {
-	double accepted;  // error, as a share of the force
+	double accepted;  // accepted force error, as a share of the force
 	bool remembers;
 	const char* name;
 };
 /// The paper's estimator errs by 40 % and more (NUMBERS.md, "The error bound").
 constexpr Way kWays[] = {{0, false, ""}, {0, true, ", leaves remembered"}, {0.1, false, ", 10 % accepted"},
 	{0.1, true, ", 10 % accepted, remembered"}, {0.3, false, ", 30 % accepted"}};
-constexpr int kMemories = 32;    // pairs of bodies
-constexpr int kErrorEvery = 25;  ///< ticks
-constexpr int kLooks = 100;      ///< of the heat map in a tick
+constexpr int kMemories = 32;    // number of pairs of bodies with a Verlet list
+constexpr int kErrorEvery = 25;  ///< in ticks
+constexpr int kLooks = 100;      ///< updates of the heat map in a tick
 
 Chart chartOf(
 	const GraspLoad& o, const std::string& title, const std::string& label, const std::function<double(const GraspLoadTick&)>& value)
@@ -59,7 +59,7 @@ double GraspLoad::quantileError(double p, double GraspLoadError::*of) const
 
 bool GraspLoadOutcome::ok() const
 {
-	// The soft skin is there for its load; how well it holds is not asked.
+	// The soft skin is tested for its load only, so it need not hold the object.
 	const bool touched = std::none_of(loads.begin(), loads.end(), [](const GraspLoad& load) { return load.ticks.empty(); });
 	return !loads.empty() && touched && loads.front().held;
 }
@@ -80,7 +80,7 @@ int GraspLoad::mostParts() const
 
 namespace
 {
-/// Of all contacts of the hand with the object, against the leaves at the same poses.
+/// Adds the errors of all contacts between hand and object, against the leaves at the same poses.
 void addErrors(GraspScene& scene, QueryWorkspace& workspace, std::vector<GraspLoadError>& errors)
 {
 	const btISTContactStore& store = scene.world().contacts();

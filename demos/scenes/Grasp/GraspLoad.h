@@ -8,24 +8,25 @@ namespace scenes
 {
 struct GraspLoadOptions
 {
-	GraspOptions grasp;  ///< its spheres and step are those of the load, unless `light`
-	bool light = false;  ///< the spheres and step of `grasp`
+	GraspOptions grasp;  ///< its numbers of spheres and its step are replaced by those of the load, unless `light`
+	bool light = false;  ///< true: the numbers of spheres and the step of `grasp` are used
 };
 
-/// One tick with contact: contact, response and heat map, in processor time.
+/// One tick with contact. Times are processor times of contact, response and heat map.
 struct GraspLoadTick
 {
-	double time = 0;                                   ///< [s]
-	double oneMicroseconds = 0;                        ///< of it all, by one thread
-	double twoMicroseconds = 0;                        ///< of the busier of two threads that share the queries, and all the rest
-	double queryMicroseconds = 0;                      ///< of the queries that can be shared, together
-	double mapMicroseconds = 0, restMicroseconds = 0;  ///< of the heat map; of the response and all that is no shared query, by one thread
-	double pairs = 0;                                  ///< with the object
-	int parts = 0;                                     ///< in contact with the object
+	double time = 0;               ///< [s]
+	double oneMicroseconds = 0;    ///< time of the whole tick in one thread
+	double twoMicroseconds = 0;    ///< time of the busier of two threads that share the queries, plus everything else
+	double queryMicroseconds = 0;  ///< sum of the queries that threads can share
+	/// time of the heat map; time of the response and of everything that is not a shared query, in one thread
+	double mapMicroseconds = 0, restMicroseconds = 0;
+	double pairs = 0;  ///< pairs of leaves of the hand and the object
+	int parts = 0;     ///< number of parts in contact with the object
 };
 
-/// How far the force of a part's contact with the object was from the leaves', as a share of the larger of that and the floor
-/// (btISTCachedResult::floorForce).
+/// Difference between the force of a part's contact with the object and that of the leaves, as a share of the larger of the latter and
+/// the force floor (btISTCachedResult::floorForce).
 struct GraspLoadError
 {
 	double promised = 0, found = 0;
@@ -35,12 +36,12 @@ struct GraspLoad
 {
 	std::string name;
 	double accepted = 0;                 ///< force error that the world accepts; 0: the leaves answer
-	bool remembers = false;              ///< pairs remember which leaves were near (btISTWorld::setVerletLists)
-	std::vector<GraspLoadTick> ticks;    ///< those with contact only
-	std::vector<GraspLoadError> errors;  ///< where not every query searches among the leaves: of all contacts of some ticks
+	bool remembers = false;              ///< true: pairs have Verlet lists (btISTWorld::setVerletLists)
+	std::vector<GraspLoadTick> ticks;    ///< ticks with contact only
+	std::vector<GraspLoadError> errors;  ///< errors of all contacts in some ticks, for ways in which not every query traverses the leaves
 	size_t handSpheres = 0, objectSpheres = 0;
 	double step = 0;
-	double mapSeconds = 0;  ///< most time from one moment that the heat map looks at to the next [s]
+	double mapSeconds = 0;  ///< longest time between two updates of one place by the heat map [s]
 	bool held = false;
 
 	double quantileMicroseconds(double p, double GraspLoadTick::*of = &GraspLoadTick::twoMicroseconds) const;
@@ -51,18 +52,21 @@ struct GraspLoad
 
 struct GraspLoadOutcome
 {
-	std::vector<GraspLoad> loads;  ///< the firm skin first, each skin with the leaves first
+	std::vector<GraspLoad> loads;  ///< loads, the firm skin first; for each skin, the leaves first
 
-	/// All touched, and the firm hand held the object.
+	/// True when all hands touched, and the firm one held the object.
 	bool ok() const;
 };
 
-/// The load of Weller et al.'s grasping: 16 parts of 5,000 spheres and an object of 10,000, contact, response and heat map in each tick of
-/// a millisecond; the map takes its share of each (BulletHeatMapRounds). Once with the hand as it is, and with skins so soft that fingers
-/// sink in about as far as those of a hand that nothing holds back; each with the leaves, with leaves that pairs remember, and with
-/// accepted force errors, remembered and not. Queries have two threads. What two free cores would take is the owner's own time and that of
-/// the busier thread, the queries dealt in the order in which they are claimed: it does not depend on what else the machine does, and
-/// leaves out that two cores share memory. Offline: a minute for the trees that the cache lacks.
+/// The load of the grasp by Weller et al.: 16 parts of 5,000 spheres and an object of 10,000. Contact, response and heat map run in each
+/// tick of 1 ms; the map does its share in each tick (BulletHeatMapRounds).
+///
+/// The grasp runs with the hand as it is, and with soft skins. With those the fingers sink in about as far as the fingers of a hand that
+/// nothing stops. Each skin runs with the leaves, with Verlet lists, and with accepted force errors, with and without Verlet lists.
+///
+/// Queries have two threads. The time on two free cores is the owner's own time plus that of the busier thread, with the queries in the
+/// order in which threads claim them. It does not depend on the machine's other load, and ignores that two cores share memory. Offline:
+/// one minute for the trees that the cache lacks.
 ist::Result<GraspLoadOutcome> runGraspLoad(const GraspLoadOptions& options);
 
 std::vector<std::vector<std::string>> summaryRows(const GraspLoadOutcome& outcome);

@@ -14,14 +14,14 @@ namespace scenes
 {
 namespace
 {
-constexpr double kEndBend = 0.35;       // of the last joints [rad]
-constexpr double kThumbX = -0.012;      // of a right hand's pinching thumb, of a hand of the model's size [m]
-constexpr double kModelLength = 0.189;  // of that hand
+constexpr double kEndBend = 0.35;       // bend of the last joints [rad]
+constexpr double kThumbX = -0.012;      // x of a right hand's pinching thumb, for a hand with the model's size [m]
+constexpr double kModelLength = 0.189;  // length of that hand [m]
 
-/// A chain of two links in a plane, the second with a fixed kink at `kink` of its joints.
+/// A chain of two links in a plane. The second link has two bones with the fixed angle `kink` between them.
 struct TwoLinks
 {
-	double first, second;  ///< lengths, of the second from end to end
+	double first, second;  ///< lengths of the links; the second from end to end [m]
 	double kinked;         ///< angle between the second's first bone and its chord
 
 	TwoLinks(double a, double b, double c, double kink)
@@ -30,8 +30,8 @@ struct TwoLinks
 		  kinked(std::atan2(c * std::sin(kink), b + c * std::cos(kink)))
 	{}
 
-	/// Angle of the first link and of the bend to the second's first bone, so that the end is at `reach` under `angle`; both are bent to
-	/// larger angles. Angles in the plane [rad].
+	/// Finds the angles of the first link (`base`) and of the joint to the second link's first bone (`bend`), so that the end is at
+	/// `reach` in the direction `angle`. Both bend towards larger angles. Angles are in the plane [rad].
 	void solve(double reach, double angle, double& base, double& bend) const
 	{
 		const double d = std::clamp(reach, std::fabs(first - second) + 1e-4, first + second - 1e-6);
@@ -69,7 +69,7 @@ HandPosture pinchPosture(const GloveHandSize& size, double gap, double depth, do
 	const TwoLinks links(bone(t), bone(t + 1), bone(t + 2), kEndBend);
 	const Vec3 base = joint(t).position, tip{kThumbX * size.length / kModelLength, -depth, middle + 0.5 * gap + joint(t + 3).radius};
 	const double away = base.z - tip.z, aside = base.x - tip.x, down = base.y - tip.y;
-	// The mirror image of a finger: its first link leans away from the fingers.
+	// The thumb is the mirror image of a finger: its first link leans away from the fingers.
 	double lean = 0;
 	const double level = std::copysign(std::hypot(away, aside), away);
 	links.solve(std::hypot(level, down), std::atan2(down, -level), lean, p.thumb.knuckle);
@@ -83,7 +83,7 @@ HandPosture pinchPosture(const GloveHandSize& size, double gap, double depth, do
 HandPosture GraspMotion::at(double time) const
 {
 	const double grip = smoothShare(time, kApproached, kClosed) * (1 - smoothShare(time, kPutDown, kOpened));
-	// The hand hangs so high that straight fingers reach a little deeper than the grip.
+	// The height of the hand lets straight fingers reach a little deeper than the grip.
 	const double scale = size.length / kModelLength, depth = 0.098 * scale, middle = -0.086 * scale;
 	const double wide = std::min(width + open, 0.1 * scale), narrow = std::max(width - squeeze, -squeeze);
 	HandPosture p = between(pinchPosture(size, wide, depth, middle), pinchPosture(size, narrow, depth, middle), grip);
@@ -93,7 +93,7 @@ HandPosture GraspMotion::at(double time) const
 	const double whole = 2 * 3.14159265358979323846, inShake = std::clamp(time - kRested, 0.0, kShaken - kRested);
 	const double swing = shake * std::sin(whole * frequency * inShake) * smoothShare(time, kRested, kRested + 0.1) *
 		(1 - smoothShare(time, kShaken - 0.1, kShaken));
-	const Vec3 fingers{0.012 * scale * (size.left ? 1 : -1), -depth, middle};  // where they meet, in the wrist's frame
+	const Vec3 fingers{0.012 * scale * (size.left ? 1 : -1), -depth, middle};  // meeting point of the fingers, in the wrist's frame
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector(turned * Vec3{1, 0.5, 0}));
 	const Vec3 meet{gripX + swing, gripHeight + above + raised + 0.5 * swing, gripZ};
 	p.X_WR = {R, meet - R * fingers};

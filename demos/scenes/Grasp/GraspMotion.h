@@ -5,24 +5,24 @@
 
 namespace scenes
 {
-/// A hand, palm down, whose thumb stands against its fingers: `gap` [m] between their skins, `depth` [m] below the wrist's joint, on both
-/// sides of z = `middle` in the wrist's frame. What is out of reach is approached as far as it goes.
+/// Posture of a hand, palm down, whose thumb is opposite its fingers. `gap` [m] is the distance of their skins, on both sides of z =
+/// `middle` in the wrist's frame, at `depth` [m] below the wrist's joint. If a finger cannot reach its place, it goes as far as it can.
 devicebridge::HandPosture pinchPosture(const devicebridge::GloveHandSize& size, double gap, double depth, double middle);
 
-/// From 0 at `from` to 1 at `to`, at rest at both ends.
+/// Smooth step from 0 at `from` to 1 at `to`, with zero slope at both ends.
 double smoothShare(double time, double from, double to);
 
-/// A grasp from above, without a plan: approach, close, lift, turn, rest, shake, turn back, put down, let go.
+/// A scripted grasp from above: approach, close, lift, turn, rest, shake, turn back, put down, release.
 struct GraspMotion
 {
 	devicebridge::GloveHandSize size;
-	double gripX = 0, gripHeight = 0.03, gripZ = 0;  ///< where the fingers meet [m]
-	double width = 0.05;                             ///< of the object [m]
-	double squeeze = 0.014;                          ///< so much narrower the hand closes [m]
-	double open = 0.024;                             ///< so much wider it comes [m]
-	double lift = 0.12;                              ///< [m]
-	double turn = 0.6;                               ///< about x, and half as much about y [rad]
-	double shake = 0.015;                            ///< amplitude, along x and y [m]
+	double gripX = 0, gripHeight = 0.03, gripZ = 0;  ///< point where the fingers meet [m]
+	double width = 0.05;                             ///< width of the object [m]
+	double squeeze = 0.014;                          ///< how much narrower than the object the hand closes [m]
+	double open = 0.024;                             ///< how much wider than the object the open hand is [m]
+	double lift = 0.12;                              ///< height of the lift [m]
+	double turn = 0.6;                               ///< rotation about x, and half of it about y [rad]
+	double shake = 0.015;                            ///< amplitude of the shaking along x and y [m]
 	double frequency = 2;                            ///< [Hz]
 
 	/// Ends of the phases [s].

@@ -19,11 +19,11 @@ namespace scenes
 namespace
 {
 constexpr double kBunnySize = 0.09;
-constexpr double kLoadedSize = 0.1, kLoadedEdge = 0.002, kLoadedMass = 0.15;     // of files [m, m, kg]
+constexpr double kLoadedSize = 0.1, kLoadedEdge = 0.002, kLoadedMass = 0.15;     // size, edge and mass of meshes from files [m, m, kg]
 constexpr double kHandBreadth = 0.07, kWidestGrip = 0.076, kLowestGrip = 0.014;  // [m]
 constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 
-/// Depth below the surface, positive inside, as far as these shapes know it [m].
+/// Depth below the surface [m], positive inside; approximate for these shapes.
 double roundBox(const Vec3& p, const Vec3& half, double rounding)
 {
 	const Vec3 q = Vec3{std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)} - half + Vec3{rounding, rounding, rounding};
@@ -36,13 +36,13 @@ double ellipsoid(const Vec3& p, const Vec3& r)
 	return m > 0 ? -k * (k - 1) / m : std::min({r.x, r.y, r.z});
 }
 double torus(const Vec3& p, double ring, double tube) { return tube - std::hypot(std::hypot(p.x, p.z) - ring, p.y); }
-/// A rounded wall about y between two radii.
+/// A rounded wall about the y axis between two radii.
 double tube(const Vec3& p, double inner, double outer, double lower, double upper, double rounding)
 {
 	const Vec3 q{std::hypot(p.x, p.z) - 0.5 * (inner + outer), p.y - 0.5 * (lower + upper), 0};
 	return roundBox(q, {0.5 * (outer - inner), 0.5 * (upper - lower), 1}, rounding);
 }
-/// Union with a fillet about so wide.
+/// Union with a fillet of about this width.
 double joined(double a, double b, double fillet)
 {
 	const double h = std::max(fillet - std::fabs(a - b), 0.0) / fillet;
@@ -50,12 +50,12 @@ double joined(double a, double b, double fillet)
 }
 
 constexpr double kMugRadius = 0.032, kArch = 0.022;
-/// A point from the middle of the mug's handle, an upright arch.
+/// Position relative to the middle of the mug's handle, which is an upright arch.
 Vec3 fromArch(const Vec3& p) { return p - Vec3{0.03, 0.043, 0}; }
 double mug(const Vec3& p)
 {
 	const double wall = tube(p, 0.0275, kMugRadius, 0, 0.085, 0.002), floor = tube(p, -0.031, 0.031, 0, 0.006, 0.002);
-	// The handle is cut off inside of the wall.
+	// The handle is cut off inside the wall.
 	const Vec3 q = fromArch(p);
 	const double handle = std::min(torus({q.x, q.z, q.y}, kArch, 0.0045), std::hypot(p.x, p.z) - 0.0285);
 	return joined(joined(wall, floor, 0.003), handle, 0.004);
@@ -74,7 +74,7 @@ double duck(const Vec3& p)
 	const double head = ellipsoid(p - Vec3{-0.024, 0.064, 0}, {0.021, 0.02, 0.019}),
 				 beak = ellipsoid(p - Vec3{-0.046, 0.06, 0}, {0.014, 0.0055, 0.01});
 	const double all = joined(joined(joined(body, tail, 0.012), head, 0.012), beak, 0.004);
-	return std::min(all, p.y);  // flat below, to stand on
+	return std::min(all, p.y);  // flat base to stand on
 }
 double nut(const Vec3& p)
 {
@@ -84,9 +84,9 @@ double nut(const Vec3& p)
 		const double angle = i * 3.14159265358979323846 / 3;
 		hexagon = std::min(hexagon, 0.025 - std::fabs(std::cos(angle) * p.z + std::sin(angle) * p.x));
 	}
-	// Corners cut off by a cone at both ends, as of nuts that were turned.
+	// A cone cuts the corners off at both ends, as on turned nuts.
 	const double r = std::hypot(p.x, p.z), edge = 0.015 + (0.0265 - r) / std::sqrt(3.0) - std::fabs(p.y - 0.015);
-	// The thread, one start.
+	// The thread has one start.
 	const double pitch = 0.006, phase = std::atan2(p.z, p.x) / 6.28318530717958648 - p.y / pitch,
 				 groove = std::fabs(phase - std::round(phase));
 	return std::min({hexagon, 0.015 - std::fabs(p.y - 0.015), edge, 0.8 * (r - 0.0125 + 0.003 * groove)});
@@ -107,7 +107,7 @@ Result<Mesh> bunny()
 	return std::move(repaired).value().mesh;
 }
 
-/// How far the section of a body at height `y` reaches along z, within a hand's breadth of x = 0.
+/// Extent along z of a body's section at height `y`, within a hand's breadth of x = 0.
 struct Reach
 {
 	double low = 1e300, high = -1e300;
@@ -128,7 +128,7 @@ Reach reachAt(const Mesh& mesh, double y)
 	return reach;
 }
 
-/// The file's surface, with its places in a texture where it has some.
+/// Reads the surface of a file, with texture coordinates if it contains some.
 Result<TexturedMesh> readSurface(const std::string& path, const std::optional<double>& unit)
 {
 	Result<TexturedMesh> textured = importTexturedMesh(path, unit);
@@ -141,7 +141,7 @@ Result<TexturedMesh> readSurface(const std::string& path, const std::optional<do
 struct Row
 {
 	GraspObject object;
-	double (*field)(const Vec3&);  // null: from a file
+	double (*field)(const Vec3&);  // null: the object comes from a file
 	Box box;
 	double cell;
 };

@@ -9,26 +9,28 @@
 
 namespace scenes
 {
-/// Something to be grasped: a closed mesh that stands on y = 0 and is gripped along z.
+/// An object to grasp: a closed mesh that stands on y = 0 and is gripped along z.
 struct GraspObject
 {
 	std::string name;
 	ist::Mesh mesh;
 	double mass = 0;            ///< [kg]
-	double gripHeight = 0;      ///< of the fingertips [m]
-	double gripX = 0;           ///< middle between thumb and fingers, along x [m]
-	double gripZ = 0;           ///< and along z
-	double width = 0;           ///< along z, there [m]
-	ist::TexturedMesh texture;  ///< its surface with places in a texture: of mug and ring, and of files that have some; else empty
+	double gripHeight = 0;      ///< height of the fingertips [m]
+	double gripX = 0;           ///< middle between thumb and fingers, x [m]
+	double gripZ = 0;           ///< middle between thumb and fingers, z [m]
+	double width = 0;           ///< width along z at that height [m]
+	ist::TexturedMesh texture;  ///< surface with texture coordinates, for the mug, the ring, and files that contain them; otherwise empty
 };
 
-/// "mug", "bunny", "duck", "nut", "plate", "ring".
+/// Names: "mug", "bunny", "duck", "nut", "plate", "ring".
 const std::vector<std::string>& graspObjectNames();
-/// Refused: another name; the bunny without the package that has it (glmark2-data).
+/// Makes an object. Refused: any other name, and the bunny without the package that contains it (glmark2-data).
 ist::Result<GraspObject> makeGraspObject(const std::string& name);
 
-/// A mesh from a file, whose y points up: repaired, set on y = 0, to be gripped across z at the height of its centre of mass. Its triangles
-/// are divided until no edge is longer than 2 mm, for the sake of its heat map. `unit`: metres per unit of the file; 0: its longest side
-/// becomes 0.1 m. 0.15 kg. Refused: what cannot be read or closed, and what is too wide for a hand.
+/// Loads a mesh from a file, whose y axis points up. It is repaired and set on y = 0. It will be gripped across z at the height of its
+/// centre of mass. Its triangles are divided until no edge is longer than 2 mm, which the heat map needs. Its mass is 0.15 kg.
+///
+/// `unit` is in metres per unit of the file; 0: the longest side becomes 0.1 m. Refused: a file that cannot be read, a mesh that cannot
+/// be closed, and one that is too wide for a hand.
 ist::Result<GraspObject> loadGraspObject(const std::string& path, double unit);
 }  // namespace scenes

@@ -20,7 +20,7 @@ bool isGood(const GraspReportOutcome::Row& row, double strongest)
 	for (const GraspOutcome* o : {&row.rough, &row.smooth})
 		if (o->peakForce > kForceSlack * strongest) return false;
 	if (std::fabs(row.mapForce - 1) > kMapSlack || !row.rough.held) return false;
-	// Of a body of the user's own nobody knows whether it can stand, and whether the hand can hook it.
+	// A user's own body may be unable to stand, or the hand may hook it, so only the holding is judged.
 	return row.own || (row.rough.putDown && row.rough.quality.forceClosure && !row.smooth.held);
 }
 

@@ -9,29 +9,30 @@ namespace scenes
 {
 struct GraspReportOptions
 {
-	GraspOptions grasp;                     ///< its object and friction are not used; with a mesh, that alone is grasped
-	double enough = 0.5, tooLittle = 0.04;  ///< friction of the pair with which objects are held, and with which they are not
-	std::string
-		maps;  ///< heat maps go to MAPS-OBJECT.ply and .csv, and where the object has a texture into it (saveTextures); empty: nowhere
+	GraspOptions grasp;  ///< object and friction are not used; with a mesh, only that mesh is grasped
+	/// friction coefficient of the pair with which objects are held, and one with which they are not
+	double enough = 0.5, tooLittle = 0.04;
+	/// heat maps are written to MAPS-OBJECT.ply and .csv, and into the object's texture if it has one (saveTextures); empty: no files
+	std::string maps;
 };
 
-/// Each object of graspObjectNames, or the one of the user, grasped with enough friction and with too little.
+/// Each object of graspObjectNames, or the user's mesh, grasped with enough friction and with too little.
 struct GraspReportOutcome
 {
 	struct Row
 	{
 		GraspOutcome rough, smooth;
 		double mass = 0;
-		bool own = false;                                 ///< a mesh of the user
-		std::vector<devicebridge::HeatMap::Summary> map;  ///< of the rough grasp
-		TextureScales scales;                             ///< of the pictures that were written; 0: none
-		double mapForce = 0;                              ///< impulse on the map's vertices over that of the contacts
+		bool own = false;                                 ///< true: a mesh of the user
+		std::vector<devicebridge::HeatMap::Summary> map;  ///< summary of the rough grasp
+		TextureScales scales;                             ///< scales of the written pictures; 0: none was written
+		double mapForce = 0;                              ///< impulse on the map's vertices, divided by that of the contacts
 	};
 	std::vector<Row> rows;
-	double strongestAllowed = 0;  ///< that a coupling exerts [N]
+	double strongestAllowed = 0;  ///< largest force that a coupling may exert [N]
 
-	/// Held and dropped as friction says, closed, no force above what the couplings exert, and all of it on the map. Of the user's own:
-	/// held.
+	/// True when objects are held and dropped as friction demands, grasps have force closure, no force exceeds what the couplings exert,
+	/// and the map contains all of it. The user's own mesh must only be held.
 	bool ok() const;
 };
 ist::Result<GraspReportOutcome> runGraspReport(const GraspReportOptions& options);

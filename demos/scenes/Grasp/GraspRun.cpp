@@ -15,7 +15,7 @@ namespace scenes
 {
 namespace
 {
-constexpr double kOffTable = 0.02;  // of the object's centre of mass, once lifted [m]
+constexpr double kOffTable = 0.02;  // height of the object's centre of mass above its start when it is lifted [m]
 constexpr double kTableStiffness = 5e7;
 constexpr double kSampleEvery = 0.01;
 }  // namespace
@@ -130,7 +130,7 @@ std::vector<GraspContact> GraspScene::graspContacts() const
 
 namespace
 {
-/// What a grasp is judged by, gathered step by step.
+/// Measures a grasp step by step and judges it.
 class GraspJudge
 {
 public:
@@ -187,7 +187,7 @@ private:
 		m_held = m_held && now.height > kOffTable && now.parts > 0;
 	}
 
-	/// Still in the air, between turning and shaking.
+	/// Measures the hold while the object is still in the air, between turning and shaking.
 	void lookAtHold(const GraspSample& now)
 	{
 		if (now.time < GraspMotion::kTurned || now.time > GraspMotion::kRested) return;

@@ -18,9 +18,9 @@ namespace scenes
 struct GraspOptions
 {
 	std::string object = "mug";
-	std::string mesh;       ///< a file instead (loadGraspObject)
-	double unit = 0;        ///< of that file [m]; 0: as loadGraspObject thinks right
-	double friction = 0.5;  ///< of the pair
+	std::string mesh;       ///< mesh file that replaces the object (loadGraspObject)
+	double unit = 0;        ///< unit of that file [m]; 0: loadGraspObject chooses
+	double friction = 0.5;  ///< friction coefficient of the pair
 	bool left = false;
 	double handLength = 0.189;  ///< [m]
 	double step = 1.0 / 500;    ///< [s]
@@ -31,17 +31,17 @@ struct GraspOptions
 	ist::Progress progress;
 };
 
-/// A hand, a table and something to grasp, headless. Trees of one object and hand are made once; `start` begins anew.
+/// A hand, a table and an object to grasp, without graphics. The trees of one object and hand are made once; `start` restarts the scene.
 class GraspScene
 {
 public:
-	/// Offline: seconds for each tree that the cache lacks.
+	/// Offline: takes seconds for each tree that the cache lacks.
 	static ist::Result<std::unique_ptr<GraspScene>> make(const GraspOptions& options);
 	~GraspScene();
 
-	/// To the beginning, with this friction.
+	/// Restarts the scene, with this friction coefficient.
 	std::optional<ist::Error> start(double friction);
-	/// One step; the hand where the motion has it, or where `hand` is.
+	/// Makes one step. The hand follows the motion, or is at `hand`.
 	void step();
 	void step(const devicebridge::HandState& hand);
 
@@ -53,15 +53,15 @@ public:
 	devicebridge::BulletHand& hand() { return *m_hand; }
 	btISTWorld& world() { return *m_world; }
 	btRigidBody& body() { return m_body->body(); }
-	/// Of the object's mesh, as GraspObject has it, in World.
+	/// Pose of the object's mesh (that of GraspObject) in World.
 	ist::Pose X_WM() const { return m_body->X_WM(); }
 	const btEnergyBalance& energy() const { return m_audit->total(); }
-	/// The contacts between the hand and the object in the last step, for GraspQuality: one a patch, in the frame of the object's centre of
+	/// Contacts between hand and object in the last step, for GraspQuality: one for each patch, in the frame of the object's centre of
 	/// mass.
 	std::vector<devicebridge::GraspContact> graspContacts() const;
-	/// Of the object, as GraspObject has it.
+	/// Makes a heat map of the object's mesh (that of GraspObject).
 	std::unique_ptr<devicebridge::HeatMap> makeHeatMap() const { return devicebridge::makeHeatMap(*m_model, m_object.mesh); }
-	/// The last step; the force that was added [N].
+	/// Adds the touches of the last step. Returns the force that was added [N].
 	double addTouches(devicebridge::HeatMap& map) const;
 	void addTouches(devicebridge::BulletHeatMapRounds& rounds) const;
 
@@ -86,11 +86,11 @@ private:
 /// One moment of a grasp.
 struct GraspSample
 {
-	double time = 0, height = 0;  ///< of the object's centre of mass over where it stood [s, m]
-	double force = 0;             ///< sum of the magnitudes on the hand's parts [N]
-	double strongest = 0;         ///< of them [N]
-	double slip = 0;              ///< of the object in the palm since it was lifted [m]
-	int parts = 0;                ///< that touch
+	double time = 0, height = 0;  ///< time [s], and height of the object's centre of mass above its start [m]
+	double force = 0;             ///< sum of the magnitudes of the forces on the hand's parts [N]
+	double strongest = 0;         ///< largest of these forces [N]
+	double slip = 0;              ///< path of the object in the palm since it was lifted [m]
+	int parts = 0;                ///< number of parts that touch
 	double pairs = 0;
 };
 
@@ -98,20 +98,20 @@ struct GraspOutcome
 {
 	std::string object;
 	double friction = 0;
-	bool held = false;         ///< off the table from the end of lifting to the end of shaking
-	bool putDown = false;      ///< at rest on the table in the end, upright or not
-	double slip = 0;           ///< largest way of the centre of mass in the palm's frame between lifting and the end of shaking [m]
-	double slipAngle = 0;      ///< and turn [rad]
-	double peakForce = 0;      ///< on one part, at any time [N]
-	double couplingForce = 0;  ///< largest that a coupling exerted [N]
-	double holdingForce = 0;   ///< mean of the sum over the parts while held still, before the shaking [N]
-	int parts = 0;             ///< in contact then
-	devicebridge::GraspQuality quality;  ///< then
+	bool held = false;         ///< true: off the table from the end of lifting to the end of shaking
+	bool putDown = false;      ///< true: at rest on the table at the end, upright or not
+	double slip = 0;           ///< largest path of the centre of mass in the palm's frame between lifting and the end of shaking [m]
+	double slipAngle = 0;      ///< largest rotation in that time [rad]
+	double peakForce = 0;      ///< largest force on one part at any time [N]
+	double couplingForce = 0;  ///< largest force that a coupling exerted [N]
+	double holdingForce = 0;   ///< sum of the forces on the parts, averaged over the rest before shaking [N]
+	int parts = 0;             ///< number of parts in contact during that rest
+	devicebridge::GraspQuality quality;  ///< grasp quality during that rest
 	btEnergyBalance energy;
-	std::string complaints;            ///< of the hand's samples
-	std::vector<GraspSample> samples;  ///< 100 a second
+	std::string complaints;            ///< complaints about the hand's samples
+	std::vector<GraspSample> samples;  ///< 100 samples a second
 };
 
-/// The whole motion. `eachStep` after every step.
+/// Runs the whole motion. `eachStep` is called after every step.
 ist::Result<GraspOutcome> runGrasp(GraspScene& scene, double friction, const std::function<void()>& eachStep = {});
 }  // namespace scenes

@@ -22,7 +22,7 @@ template <class... Values> void print(std::string& text, const char* format, Val
 	text += line;
 }
 
-/// Wavefront OBJ; each corner has its own place.
+/// Text of a Wavefront OBJ file; each corner has its own texture coordinates.
 std::string objText(const TexturedMesh& surface, const std::string& material)
 {
 	std::string text = "mtllib " + material + ".mtl\nusemtl touched\n";

@@ -12,26 +12,26 @@ namespace scenes
 namespace
 {
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kFrame = 0.03;  // of an island's width, on each side: triangles at a seam reach over it
+constexpr double kFrame = 0.03;  // border on each side, as a share of an island's width; triangles at a seam reach into it
 
-/// Part of the picture.
+/// A rectangle of the picture.
 struct Island
 {
 	double left, low, right, high;
 
-	/// `x` and `y` from 0 to 1.
+	/// Place in the picture; `x` and `y` go from 0 to 1 across the island.
 	TexturePlace place(double x, double y) const
 	{
 		const auto inner = [](double from, double to, double t) { return from + (to - from) * (kFrame + (1 - 2 * kFrame) * t); };
 		return {inner(left, right, x), inner(low, high, y)};
 	}
 };
-// Sides in proportion to those of a mug.
+// The sides of the islands are in proportion to those of a mug.
 constexpr Island kOutside{0, 0.56, 1, 1}, kInside{0, 0.26, 0.62, 0.54}, kUp{0.66, 0.3, 0.9, 0.54}, kDown{0.66, 0.02, 0.9, 0.26},
 	kHandle{0, 0.02, 0.62, 0.24};
 
 double turns(double angle) { return 0.5 + angle / (2 * kPi); }
-/// The same angle, within pi of another.
+/// The same angle, at most pi away from `other`.
 double near(double angle, double other) { return other + std::remainder(angle - other, 2 * kPi); }
 
 class Unwrapping

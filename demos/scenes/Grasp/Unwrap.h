@@ -5,15 +5,15 @@
 
 namespace scenes
 {
-/// What sticks out of a turned body, as that of a mug: a piece of a torus. Angles from -pi to pi [rad].
+/// The handle of a turned body such as a mug: a part of a torus. Angles are from -pi to pi [rad].
 struct TurnedHandle
 {
 	bool (*has)(const ist::Vec3& p);
-	double (*along)(const ist::Vec3& p);   ///< it
-	double (*around)(const ist::Vec3& p);  ///< its middle line
+	double (*along)(const ist::Vec3& p);   ///< angle along the handle
+	double (*around)(const ist::Vec3& p);  ///< angle around the handle's middle line
 };
 
-/// Islands of a body turned about y: its outer and inner walls unrolled, what faces up and down seen along y, and its handle, where it has
-/// one, unrolled. No two places of such a body share one in the picture, but where islands end.
+/// Texture islands of a body turned about y. Its outer and inner walls are unrolled. Surfaces that face up or down are projected along y.
+/// A handle, if there is one, is unrolled too. Two places of such a body share a place in the picture only at the borders of islands.
 ist::TexturedMesh unwrapTurned(const ist::Mesh& mesh, const TurnedHandle* handle = nullptr);
 }  // namespace scenes

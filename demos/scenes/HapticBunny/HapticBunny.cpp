@@ -36,10 +36,10 @@ constexpr double kLongestSide = 0.2;  // [m]
 constexpr int64_t kProbeSpheres = 4000;
 constexpr double kPressBack = 4, kPressEar = 1.5;  // [N]
 
-// A cylinder of length L pressed on a flat overlaps it by about V = 4/3 sqrt(2 r) L d^1.5 at depth d: 0.4 ml for this rod at 1.8 mm. At
-// 8e6 Pa/m for the pair that is the 3 N of a firm touch, and at a depth of three mean gaps the trees are at home. dF/dd = 1.5 F/d =
-// 3 kN/m stays below the 4 kN/m of the coupling, so the hand feels the body rather than the coupling. The floor is softer, a
-// rubber mat: the body sinks visibly under its own weight.
+// A cylinder of length L pressed on a flat surface overlaps it by about V = 4/3 sqrt(2 r) L d^1.5 at depth d. For this rod that is 0.4 ml
+// at 1.8 mm. At 8e6 Pa/m for the pair this gives 3 N, a firm touch. The depth is three mean gaps, at which the trees are accurate. dF/dd
+// = 1.5 F/d = 3 kN/m is below the 4 kN/m of the coupling, so the hand feels the body rather than the coupling. The floor is softer, like
+// a rubber mat: the body visibly sinks under its own weight.
 constexpr BodyMaterial kBodyMaterial{500, 1.6e7, 0.8};
 constexpr BodyMaterial kProbeMaterial{7800, 1.6e7, 0.4};
 constexpr BodyMaterial kFloorMaterial{0, 2e6, 0.8};
@@ -81,7 +81,7 @@ Result<Body> makeBody(const Mesh& mesh, int64_t spheres, double unit, const char
 
 SimulatedProfile handProfile() { return simulatedProfile("sigma7").value(); }
 
-/// Writes one sample per tick into memory that was there before. `poses` fills in poses before a step, `contact` what the step found.
+/// Writes one sample per tick into preallocated memory. `poses` fills in poses before a step, and `contact` the result of the step.
 class TraceRecorder
 {
 public:
@@ -108,7 +108,7 @@ public:
 private:
 	void beforeStep()
 	{
-		// Only now is it known what the tick before sent.
+		// The wrench that the tick before has sent is known only now.
 		if (!m_trace.empty() && !full()) m_trace.back().hand = m_thread.sentWrench();
 		const std::int64_t now = m_clock.now();
 		if (m_first < 0) m_first = m_last = now;
@@ -141,7 +141,7 @@ private:
 	std::int64_t m_first = -1, m_last = -1;
 };
 
-/// What simple mode knows of rod and body.
+/// Fills in what simple mode knows about rod and body.
 void fillFromStore(BodiesOnPlane& scene, const btRigidBody& body, const btRigidBody& tool, TraceSample& sample, uint64_t& dropped)
 {
 	if (const btISTContact* contact = scene.contactBetween(body, tool))
@@ -156,7 +156,7 @@ void fillFromStore(BodiesOnPlane& scene, const btRigidBody& body, const btRigidB
 	for (const btISTContact* contact : scene.world().contacts().contacts()) dropped += contact->status != QueryStatus::Ok;
 }
 
-/// What the hand's thread knows of rod and body in decoupled mode; poses in World.
+/// Fills in what the hand's thread knows about rod and body in decoupled mode; poses are in World.
 void fillFromSource(const BulletDecoupledSource& source, const btRigidBody& body, double volume, TraceSample& sample)
 {
 	sample.volume = volume;
@@ -172,7 +172,7 @@ bool report(const HapticBunnyOptions& options, const char* stage, double fractio
 	return !options.progress || options.progress(stage, fraction);
 }
 
-/// False when the caller cancelled. In virtual time, `between` runs before each tick.
+/// Runs all ticks. Returns false when the caller has cancelled. In virtual time, `between` runs before each tick.
 bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks, const HapticBunnyOptions& options,
 	const std::function<void()>& between)
 {
@@ -198,13 +198,13 @@ bool perform(SteppingThread& thread, const TraceRecorder& recorder, size_t ticks
 	return wanted;
 }
 
-/// A hand on its device, and the clock that it lives by.
+/// A hand on its device, and the clock of both.
 struct HandSetup
 {
 	SimulatedProfile profile = handProfile();
 	SimulatedDevice device{profile};
 	std::unique_ptr<Clock> clock;
-	Pose X_BW;  ///< the middle of the device's workspace lies where the path begins
+	Pose X_BW;  ///< the middle of the device's workspace is the start of the path
 	CouplingGains gains = passiveGains(profile.info, profile.damping, profile.angularDamping, kTick);
 	size_t ticks;
 
@@ -233,7 +233,7 @@ void keepFigures(const HandSetup& hand, const SteppingThread& thread, TraceRecor
 	outcome.work = hand.device.work();
 }
 
-/// The hand is what this program is for.
+/// Memory is locked, because the hand is the purpose of this program.
 SteppingSettings sessionSettings()
 {
 	SteppingSettings settings;
@@ -241,7 +241,7 @@ SteppingSettings sessionSettings()
 	return settings;
 }
 
-/// The hand's whole session, on a body that stands, in simple mode.
+/// Runs the hand's whole path on a standing body in simple mode.
 bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, const ProbePath& path, const HapticBunnyOptions& options,
 	HapticBunnyOutcome& outcome)
 {
@@ -259,7 +259,7 @@ bool playHand(BodiesOnPlane& scene, const btRigidBody& body, btRigidBody& tool, 
 	return done;
 }
 
-/// The same with a world that steps at its own rate.
+/// Runs the hand's whole path with a world that steps at its own rate.
 bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& probe, btRigidBody& tool, const ProbePath& path,
 	const HapticBunnyOptions& options, HapticBunnyOutcome& outcome)
 {
@@ -305,14 +305,14 @@ bool playDecoupled(BodiesOnPlane& scene, const btRigidBody& body, const Body& pr
 	const DecoupledStatistics statistics = source.statistics();
 	outcome.worldRate = options.worldRate;
 	outcome.droppedContacts = statistics.refusedQueries;
-	coupling.step(period);  // takes what is still under way
+	coupling.step(period);  // applies the impulses that are still under way
 	outcome.decoupled = {statistics.worldSteps, statistics.fadedTicks, statistics.longestModelAge, source.receivedImpulse(),
 		coupling.appliedImpulse(source), {}, distance(poseOf(body).translation, before)};
 	outcome.decoupled.underWay = -(outcome.decoupled.toTool + outcome.decoupled.toWorld);
 	return done;
 }
 
-/// Stands it on the plane, upright as its file has it, and waits until it rests.
+/// Puts the body on the plane, upright as in its file, and waits until it rests.
 Result<btRigidBody*> standOnPlane(BodiesOnPlane& scene, const Body& body)
 {
 	Pose X_WB{body.principal.X_MP.rotation, {}};

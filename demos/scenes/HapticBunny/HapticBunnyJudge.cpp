@@ -16,7 +16,7 @@ namespace
 {
 constexpr int kQuadratureLines = 150, kQuadraturePoints = 60000;
 
-/// Height of the plane, above `bottom`, at which `volumeAt` reaches `volume`.
+/// Height of the plane at which `volumeAt` reaches `volume`, by bisection between `bottom` and `top`.
 template <class VolumeAt> double heightOf(double volume, double bottom, double top, const VolumeAt& volumeAt)
 {
 	double low = bottom, high = top;
@@ -47,7 +47,7 @@ Sinkage judgeSinkage(const InnerSphereTree& tree, const Mesh& mesh, const Pose& 
 	QueryWorkspace workspace;
 	const auto ofTree = [&](double height) { return queryHalfSpace(tree, up, height - X_WB.translation.y, workspace).total.volume; };
 	const auto ofMesh = [&](double height) { return volumeBelow(mesh, X_WB, height); };
-	// The tree begins where its balls do, which may be a little below the mesh.
+	// The tree's search begins below the mesh, because its balls may reach a little lower.
 	return {-bottom, heightOf(volume, bottom - 0.05 * reach, bottom + 0.5 * reach, ofTree) - bottom,
 		heightOf(volume, bottom, bottom + 0.5 * reach, ofMesh) - bottom, tree.meanGap};
 }

@@ -16,7 +16,7 @@ namespace
 {
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr double kTick = 1e-3;    // [s]
-constexpr size_t kPoints = 2000;  // of a curve of shares
+constexpr size_t kPoints = 2000;  // number of points of a curve of shares
 
 using Value = std::function<double(const TraceSample&)>;
 

@@ -6,7 +6,7 @@
 
 namespace scenes
 {
-/// Names and values with units, in reading order.
+/// Rows of names and values with units, in reading order.
 std::vector<std::vector<std::string>> summaryRows(const HapticBunnyOutcome& outcome);
 HtmlReport makeReport(const HapticBunnyOutcome& outcome);
 std::string makeJson(const HapticBunnyOutcome& outcome);

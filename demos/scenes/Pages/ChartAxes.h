@@ -5,8 +5,8 @@
 
 namespace scenes
 {
-/// An axis from values to places on a picture, with ticks at round numbers (1, 2 or 5 times a power of ten). A logarithmic one has the
-/// logarithms of its ends.
+/// An axis that maps values to places on a picture, with ticks at round numbers (1, 2 or 5 times a power of ten). A logarithmic axis
+/// stores the logarithms of its ends.
 struct ChartAxis
 {
 	double lower = 0, upper = 1, step = 0.2;
@@ -17,7 +17,7 @@ struct ChartAxis
 	void fit(double least, double most, bool grow);
 	void fitLogarithms(double least, double most);
 	std::vector<double> ticks() const;
-	/// Whether a tick is the axis' zero.
+	/// True when a tick is the axis' zero.
 	bool isZero(double tick) const;
 };
 
@@ -27,17 +27,17 @@ struct ChartPoint
 };
 size_t pointCount(const ChartSeries& series);
 ChartPoint pointOf(const ChartSeries& series, size_t i);
-/// Finite and, on logarithmic axes, above zero.
+/// True when the point is finite and, on logarithmic axes, above zero.
 bool isShown(const ChartPoint& point, bool logarithmic);
 
-/// Axes that hold all points of a chart, with their places still to be set.
+/// Axes that contain all points of a chart. Their places are set later.
 struct ChartAxes
 {
 	ChartAxis x, y;
 };
 ChartAxes fitAxes(const Chart& chart);
 
-/// Colours of the series, in order and again from the first: 0xRRGGBB. Okabe and Ito, without their yellow, which is too pale for thin
-/// lines, and a brown.
+/// Colour of a series as 0xRRGGBB; the list repeats. The colours are those of Okabe and Ito, with a brown instead of their yellow, which
+/// is too pale for thin lines.
 unsigned seriesColour(size_t i);
 }  // namespace scenes

@@ -40,7 +40,7 @@ std::string escaped(const std::string& text)
 	return out;
 }
 
-/// SVG coordinates: a tenth of a pixel is enough.
+/// SVG coordinate; a tenth of a pixel is precise enough.
 std::string pixel(double value) { return formatFixed(value, 1); }
 
 struct Frame : ChartAxes
@@ -198,7 +198,7 @@ std::string chartSvg(const Chart& chart)
 	out += drawGrid(frame, chart);
 	const auto isBeside = [](const ChartSeries& series) { return series.markers && !series.sigma.empty() && series.like < 0; };
 	const auto marked = std::count_if(chart.series.begin(), chart.series.end(), isBeside);
-	// Series with error bars are set side by side, so that those at the same abscissa stay apart.
+	// Series with error bars are shifted sideways, so that bars at the same abscissa stay apart.
 	double shift = -2.5 * static_cast<double>(marked + 1);
 	for (size_t i = 0; i < chart.series.size(); ++i)
 	{

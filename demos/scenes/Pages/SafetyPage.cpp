@@ -30,7 +30,7 @@ DeviceInfo device()
 	return info;
 }
 
-/// All that can be switched off is off; a row switches on what it is about.
+/// Settings with every optional stage off. Each row switches its own stage on.
 SafetySettings bare()
 {
 	SafetySettings s;
@@ -52,7 +52,7 @@ DeviceCommand command(const Vec3& force, std::int64_t computedAt, const Vec3& to
 	return c;
 }
 
-/// What a limiter sends, tick by tick, for a steady wish.
+/// Commands that a limiter sends, tick by tick, for a constant requested wrench.
 class Attack
 {
 public:
@@ -64,7 +64,7 @@ public:
 		m_now += kMs;
 		return m_limiter.limit(command(force, m_now, torque), hand, m_now).wrench;
 	}
-	/// The command of the first tick, `age` later.
+	/// Output for the command of the first tick when it has reached this age.
 	ist::Wrench late(const Vec3& force, std::int64_t age)
 	{
 		tick(force);
@@ -87,7 +87,7 @@ template <class Change> SafetySettings only(Change&& change)
 
 double sizeOf(double force) { return std::isfinite(force) ? std::fabs(force) : std::numeric_limits<double>::infinity(); }
 
-/// Largest change from a tick to the next while 10 N are asked for from one tick to the other.
+/// Largest change from one tick to the next after a step of the request from 0 to 10 N.
 double steepest(const SafetySettings& settings)
 {
 	Attack attack(settings);
@@ -101,7 +101,8 @@ double steepest(const SafetySettings& settings)
 	return most;
 }
 
-/// Size of the swing in the third second over that in the first, of a free handle on a wall beyond what its delay allows.
+/// Amplitude of the oscillation in the third second divided by that in the first. A free handle is on a wall that is stiffer than its
+/// delay allows.
 double growth(const SafetySettings& settings)
 {
 	SimulatedProfile profile = simulatedProfile("sigma7").value();
@@ -137,7 +138,7 @@ double rmsOverAMinute(const SafetySettings& settings)
 	return std::sqrt(sum);
 }
 
-/// Power into a hand that already moves at 2 m/s.
+/// Power into a hand that already moves at 2 m/s [W].
 double powerAtSpeed(const SafetySettings& settings)
 {
 	Attack attack(settings);

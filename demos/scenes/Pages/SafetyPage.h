@@ -8,15 +8,15 @@
 
 namespace scenes
 {
-/// What each stage of the safety chain is there for: an attack, and what of it reaches the device without the stage and with it. The device
-/// bears 10 N and 0.2 N m, 2 N and 0.05 N m in the long run. Virtual time.
+/// Purpose of a stage of the safety chain: an attack, and what reaches the device without the stage and with it. The device bears a peak
+/// of 10 N and 0.2 N m, and 2 N and 0.05 N m continuously. Virtual time.
 struct SafetyRow
 {
 	std::string stage, attack, quantity, unit;
 	double without = 0, with = 0;
-	double atMost = 0;  ///< of the quantity, for the output to be safe
+	double atMost = 0;  ///< largest value of the quantity at which the output is safe
 
-	/// The stage is needed, and it is enough.
+	/// True when the stage is needed and sufficient.
 	bool ok() const { return !(without <= atMost) && with <= atMost; }
 };
 

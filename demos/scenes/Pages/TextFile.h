@@ -5,6 +5,7 @@
 
 namespace scenes
 {
-/// Writes a file beside its place first, so that nobody meets half of it. False when it cannot be written: then nothing is left.
+/// Writes a file under a temporary name first, so that no other program can read half of it. Returns false when it cannot be written; it
+/// then leaves no file.
 bool writeTextFile(const std::string& path, const std::string& text);
 }  // namespace scenes

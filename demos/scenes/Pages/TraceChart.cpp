@@ -10,7 +10,7 @@ namespace
 {
 constexpr size_t kColumns = 400;
 
-/// Calls `column(begin, end)` for each stretch of the trace.
+/// Calls `column(begin, end)` for each interval of the trace.
 template <class Column> void eachColumn(const Trace& trace, const Column& column)
 {
 	const size_t columns = std::min(kColumns, trace.count);

@@ -14,7 +14,7 @@ namespace
 {
 constexpr int kDampings = 9;
 constexpr double kTick = 1e-3;        // [s]
-constexpr double kSmallShare = 0.02;  // of (b + B)(T/2 + t_d)/m, up to which the closed form holds within 5 %
+constexpr double kSmallShare = 0.02;  // limit of (b + B)(T/2 + t_d)/m, below which the closed form holds within 5 %
 
 std::string nameOf(const ZWidthCurve& c) { return c.delayTicks == 0 ? "no delay" : std::to_string(c.delayTicks) + " ms delay"; }
 

@@ -20,7 +20,7 @@ namespace scenes
 {
 namespace
 {
-constexpr double kStretch = 0.1;  // over which a rate is counted [s]
+constexpr double kStretch = 0.1;  // interval over which a rate is counted [s]
 constexpr double kTickMicroseconds = 1000;
 
 PaperScene::Spread spreadOf(const std::vector<double>& values)
@@ -34,7 +34,7 @@ PaperScene::Spread spreadOf(const std::vector<double>& values)
 	return spread;
 }
 
-/// Processor time of a thread that is woken once a millisecond and does nothing, in the mean, scheduled as that of the hand [us].
+/// Mean processor time of a thread that wakes once a millisecond and does nothing, scheduled like that of the hand [us].
 double wakingMicroseconds()
 {
 	constexpr int kTicks = 1000;
@@ -53,7 +53,7 @@ double wakingMicroseconds()
 
 bool isNewAnswer(const std::vector<SceneTick>& ticks, size_t i) { return i > 0 && ticks[i].answer.number != ticks[i - 1].answer.number; }
 
-/// The query alone, without law, model, thread or world.
+/// Repeats the query alone, without law, model, thread or world.
 std::vector<double> askAgain(SceneWorld& world, const PaperScene& scene)
 {
 	const SceneWorld::Body& tool = world.body(scene.run.scene.tool);
@@ -79,7 +79,7 @@ std::vector<double> askAgain(SceneWorld& world, const PaperScene& scene)
 	return times;
 }
 
-/// Events per second in each stretch; `count(i)` events came with tick i.
+/// Events per second in each interval; `count(i)` is the number of events of tick i.
 template <class Count> ChartSeries rateOf(const std::string& name, const std::vector<SceneTick>& ticks, const Count& count)
 {
 	ChartSeries series{name, {}, {}, {}, false};
@@ -159,7 +159,7 @@ ChartSeries histogram(const PaperScene& scene)
 	return series;
 }
 
-/// The ticks with a new answer.
+/// Trace of the ticks with a new answer.
 Trace answersOf(const PaperScene& scene, const std::function<double(size_t)>& value)
 {
 	auto places = std::make_shared<std::vector<size_t>>();

@@ -9,42 +9,44 @@
 
 namespace scenes
 {
-/// The figures in which Weller and others show their rates (UnrealHaptics, figures 7 to 9): rate of the force thread and of the contact
-/// thread over time, beside the number of intersecting pairs; and what our threads cost over the query alone.
+/// Figures like those in which Weller et al. show their rates (UnrealHaptics, figures 7 to 9). They show the rates of the force thread
+/// and of the contact thread over time, beside the number of intersecting pairs. They also show the cost of our threads beyond the query
+/// alone.
 struct PaperScene
 {
 	SceneOutcome run;
-	/// Time of the query alone, asked again after the run at the pose of each tick that brought a new answer [us of processor]; negative:
-	/// none.
+	/// Time of the query alone, repeated after the run at the pose of each tick that brought a new answer [us of processor time].
+	/// Negative: no new answer.
 	std::vector<double> bareQuery;
 
 	struct Spread
 	{
 		double mean = 0, p50 = 0, p999 = 0, max = 0;
 	};
-	Spread period;                          ///< of the force thread [s]
+	Spread period;                          ///< period of the force thread [s]
 	Spread tick;                            ///< processor time of the force thread per tick [us]
-	Spread answer;                          ///< processor time of the contact thread per answer, waiting for the question included [us]
-	Spread device;                          ///< of the tick, what the simulated hand took, which stands for a device and its driver [us]
-	Spread asked;                           ///< of the answer, what the queries took [us]
+	Spread answer;                          ///< processor time of the contact thread per answer, including the wait for the question [us]
+	Spread device;                          ///< part of the tick in the simulated hand, which stands for a device and its driver [us]
+	Spread asked;                           ///< part of the answer in the queries [us]
 	Spread query;                           ///< bareQuery [us]
-	Spread touchingPairs;                   ///< of the ticks that touch
-	double forceRate = 0, contactRate = 0;  ///< mean [Hz]
-	double slowestForceRate = 0, slowestContactRate = 0;  ///< of all stretches of 0.1 s [Hz]
-	/// Share of a tick of 1 ms that both threads need beyond the query and the simulated hand, in the mean: wakings, law, model of the
-	/// contact, the tool's motion, safety. Against the query as it was asked in the run, side by side; and against the same asked again in
-	/// one go, whose data is then warm.
+	Spread touchingPairs;                   ///< pairs of leaves in the ticks that touch
+	double forceRate = 0, contactRate = 0;  ///< mean rates [Hz]
+	double slowestForceRate = 0, slowestContactRate = 0;  ///< lowest rates over all intervals of 0.1 s [Hz]
+	/// Mean share of a tick of 1 ms that both threads need beyond the query and the simulated hand: wake-ups, force law, contact model,
+	/// motion of the tool, safety. `overhead` subtracts the query as it ran during the run. `overheadWarm` subtracts the same queries
+	/// repeated in sequence, with warm caches.
 	double overhead = 0, overheadWarm = 0;
-	/// Of it, what the system takes to wake both threads once a tick: that of two that do nothing else, measured after the run.
+	/// Part of it that the system needs to wake both threads once a tick. It is measured after the run, with two threads that do nothing
+	/// else.
 	double waking = 0;
 };
 
-/// Runs each scene file in real time; its topology is to be `contact-thread`, and what its tool touches is to be fixed.
+/// Runs each scene file in real time. Its topology must be `contact-thread`, and the bodies that its tool touches must be fixed.
 ist::Result<std::vector<PaperScene>> runPaperFigures(const std::vector<std::string>& files, const SceneRunOptions& options);
 
 HtmlReport paperPage(const std::vector<PaperScene>& scenes);
 std::vector<std::vector<std::string>> paperRows(const std::vector<PaperScene>& scenes);
 std::string paperJson(const std::vector<PaperScene>& scenes);
-/// One row a tick.
+/// CSV table with one row a tick.
 std::string paperCsv(const PaperScene& scene);
 }  // namespace scenes

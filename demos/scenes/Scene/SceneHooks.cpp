@@ -15,7 +15,7 @@ namespace scenes
 {
 namespace
 {
-/// Each after a comma.
+/// The values, each after a comma.
 std::string cells(std::initializer_list<double> values)
 {
 	std::string text;

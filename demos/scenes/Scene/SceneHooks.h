@@ -6,19 +6,20 @@
 
 namespace scenes
 {
-/// The hooks of a scene file, tied to a stepping thread. All memory is there before the first tick.
+/// The hooks of a scene file, connected to a stepping thread. All memory is allocated before the first tick.
 class SceneHooks
 {
 public:
-	/// `X_BW`: of the device's world; `begun`: when the session begins, by the clock of `thread`; `ticks`: how many a recording can hold.
+	/// `X_BW` is the pose of the device's world, `begun` the start of the run on the clock of `thread`, and `ticks` the capacity of a
+	/// recording.
 	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, std::int64_t begun,
 		size_t ticks);
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
 	bool stopWanted() const { return m_stop.load(std::memory_order_relaxed); }
-	/// After the run: counts and faults into the outcome, recordings into their files, each of which is whole or not there, and into the
-	/// outcome which of them are not.
+	/// Call this after the run. It writes counts and faults into the outcome, and recordings into their files. Each file is either
+	/// complete or missing; the missing ones are listed in the outcome.
 	void finish(SceneOutcome& outcome);
 
 private:
@@ -31,20 +32,20 @@ private:
 	struct Recording
 	{
 		std::string file;
-		bool whole = false;  // tool and wrench too; a new pose of the hand has neither yet
+		bool whole = false;  // true: also tool and wrench, which are not known yet when the hand has a new pose
 		std::vector<Row> rows;
 	};
 	static constexpr size_t kMostFaults = 64;
 
 	void tie(const SceneHook& hook, size_t ticks);
 	void count(const devicebridge::ToolContact& contact);
-	/// False when there is no place for another row.
+	/// Returns false when the recording is full.
 	bool record(Recording& into, const devicebridge::DeviceState& state);
 	std::string textOf(const Recording& recording) const;
 	void stop();
 
 	const SceneWorld& m_world;
-	ist::Pose m_X_BW, m_X_PM;  // of the device's world; of the tool's mesh frame
+	ist::Pose m_X_BW, m_X_PM;  // pose of the device's world; pose of the tool's mesh frame
 	devicebridge::SteppingThread& m_thread;
 	std::int64_t m_begun;
 	std::vector<SceneContactCount> m_counts;

@@ -21,7 +21,7 @@ std::vector<double> valuesOf(const SceneOutcome& o, double (*value)(const SceneT
 	return values;
 }
 
-/// Without the first tick, which has none before it to be counted from.
+/// A trace without the first tick, which has no tick before it to be counted from.
 Trace traceOfSteps(const SceneOutcome& o, double (*value)(const SceneTick&))
 {
 	const std::vector<SceneTick>& ticks = o.ticks;

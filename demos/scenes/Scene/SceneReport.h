@@ -7,12 +7,12 @@
 
 namespace scenes
 {
-/// Names and values with units, in reading order.
+/// Rows of names and values with units, in reading order.
 std::vector<std::vector<std::string>> summaryRows(const SceneOutcome& outcome);
 HtmlReport makeReport(const SceneOutcome& outcome);
 std::string makeJson(const SceneOutcome& outcome);
 
 const char* nameOf(SceneTopology topology);
-/// A quantity of the ticks over time.
+/// A quantity of the ticks as a function of time.
 Trace traceOf(const SceneOutcome& outcome, std::function<double(const SceneTick&)> value);
 }  // namespace scenes

@@ -31,7 +31,7 @@ namespace
 {
 constexpr double kTick = 1e-3;  // [s]
 
-/// Counts what the calls of a device take on a processor.
+/// Measures the processor time of a device's calls.
 class TimedDevice final : public DeviceDecorator
 {
 public:
@@ -43,14 +43,14 @@ public:
 		m_used += ist::threadMicroseconds() - begin;
 		return status;
 	}
-	/// So far [us].
+	/// Processor time so far [us].
 	double used() const { return m_used; }
 
 private:
 	double m_used = 0;
 };
 
-/// The device of a scene, opened, and what ties it to the world.
+/// The opened device of a scene, and its connection to the world.
 struct Hand
 {
 	std::unique_ptr<TimedDevice> device;
@@ -61,7 +61,7 @@ struct Hand
 
 ist::Error at(const std::string& place, const std::string& what) { return {place + ": " + what}; }
 
-/// Before the run rather than after it.
+/// Checks the recordings before the run, so that an error does not appear only after it.
 std::optional<Error> checkRecordings(const Scene& scene)
 {
 	for (const SceneHook& hook : scene.hooks)
@@ -96,7 +96,7 @@ std::vector<HandKeyFrame> framesInW(const Scene& scene, const Pose& X_MP, const 
 	return frames;
 }
 
-/// A simulated hand goes along the path of the file; any other device moves by itself.
+/// Opens the device of a scene. A simulated hand follows the path of the file; any other device moves by itself.
 std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand)
 {
 	const std::string prefix = "sim:";
@@ -127,7 +127,7 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 	return std::nullopt;
 }
 
-/// Writes one row per tick into memory that was there before.
+/// Writes one row per tick into preallocated memory.
 class TickRecorder
 {
 public:
@@ -218,7 +218,7 @@ public:
 	}
 	~WorldBeside() { stop(); }
 
-	/// False when there is no thread to be had.
+	/// Returns false when no thread can be started.
 	bool start()
 	{
 		try
@@ -236,7 +236,7 @@ public:
 		m_running = false;
 		if (m_thread.joinable()) m_thread.join();
 	}
-	/// All that is due, and an answer of the contact thread.
+	/// Makes all steps that are due, and one answer of the contact thread.
 	void catchUp()
 	{
 		while (due() <= m_clock.now()) step();
@@ -277,7 +277,7 @@ struct Stage
 	size_t ticks;
 };
 
-/// The value is false when somebody asked to stop.
+/// Runs all ticks. The value is false when a stop was requested.
 Result<bool> perform(const Stage& stage, SteppingThread& thread, const TickRecorder& recorder, const SceneHooks& hooks, WorldBeside* beside,
 	ThreadedForceLaw* law)
 {
@@ -336,7 +336,7 @@ void keep(const SteppingThread& thread, TickRecorder& recorder, const SceneHooks
 std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecoupledSource* decoupled, SceneOutcome& outcome)
 {
 	SteppingSettings settings;
-	settings.lockMemory = true;  // the hand is what this program is for
+	settings.lockMemory = true;  // the hand is the purpose of this program
 	SteppingThread thread(*stage.hand.device, source, *stage.hand.clock, settings);
 	TickRecorder recorder(thread, stage.hand, stage.ticks, decoupled);
 	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.hand.clock->now(), stage.ticks);

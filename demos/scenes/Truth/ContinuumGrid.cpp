@@ -10,7 +10,8 @@ namespace scenes
 {
 namespace
 {
-/// Of a cell whose middle lies so many spacings under a surface: 0 to 1 over three of them, with a continuous slope.
+/// Share of a cell that lies inside a surface, when its middle lies so many spacings below: 0 to 1 over three spacings, with a continuous
+/// slope.
 double shareInside(double depth)
 {
 	const double t = std::clamp(0.5 + depth / 3, 0.0, 1.0);

@@ -28,7 +28,7 @@ double MeshDepth::deepest(const Mesh& other, const Pose& X) const
 	for (const Vec3& vertex : other.vertices)
 	{
 		const Vec3 p = X * vertex;
-		// No point of a body is deeper than it is in the body's box.
+		// A point is never deeper in a body than in the body's box.
 		if (depthIn(m_box, p) > deepest) deepest = std::max(deepest, -m_distance.signedDistance(p));
 	}
 	return deepest;

@@ -25,7 +25,8 @@ double secondsSince(std::chrono::steady_clock::time_point start)
 	return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The greatest height at which a ball of the given radius, coming down the vertical through (x, z), reaches `depth` into the surface.
+/// Largest height at which a point on the vertical through (x, z) is at the distance `reach` from the surface; at least `bottom`. For a
+/// ball, `reach` is its radius minus the depth.
 double contactHeight(const MeshDistance& surface, double x, double z, double top, double bottom, double reach)
 {
 	double y = top;
@@ -33,12 +34,12 @@ double contactHeight(const MeshDistance& surface, double x, double z, double top
 	{
 		const double gap = surface.signedDistance({x, y, z}) - reach;
 		if (gap < 1e-7) break;
-		y -= gap;  // signed distance is 1-Lipschitz: never too far
+		y -= gap;  // the signed distance is 1-Lipschitz, so this step never goes too far
 	}
 	return std::max(y, bottom);
 }
 
-/// Down (a quarter of the steps), along x over the middle half of the body, up (an eighth).
+/// Path of the probe: down in a quarter of the steps, along x over the middle half of the body, up in an eighth of the steps.
 std::vector<Vec3> probePath(const MeshDistance& surface, const MeshToQueryOptions& options)
 {
 	const Box box = bounds(surface.mesh());
@@ -168,7 +169,7 @@ Result<MeshToQueryOutcome> runMeshToQuery(const MeshToQueryOptions& options)
 	outcome.repair = tree.provenance.repair;
 	const OverlapQuadrature quadrature(repaired.value().mesh, ball);
 	const std::vector<Vec3> path = probePath(MeshDistance(std::move(repaired).value().mesh), options);
-	runPath(tree, probe.value(), path, options.stiffness);  // warms the caches
+	runPath(tree, probe.value(), path, options.stiffness);  // this run warms the caches
 	outcome.steps = runPath(tree, probe.value(), path, options.stiffness);
 	outcome.comparisons = compare(quadrature, tree, probe.value(), outcome.steps, options);
 	summarise(outcome);

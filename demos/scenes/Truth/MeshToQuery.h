@@ -11,14 +11,14 @@
 
 namespace scenes
 {
-/// A mesh becomes a tree and a round probe is pressed on it from above, slid along x over its back, and lifted off.
+/// A mesh becomes a tree. A round probe is pressed on it from above, slides along x over its back, and is lifted off.
 struct MeshToQueryOptions
 {
 	std::string mesh;
-	double unit = 0;  ///< metres per unit of the file; 0: the longest side becomes 0.2 m
+	double unit = 0;  ///< in metres per unit of the file; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	int steps = 400;
-	int comparisons = 20;                      ///< steps compared with quadrature
+	int comparisons = 20;                      ///< number of steps that are compared with quadrature
 	double probeRadius = 0.02, depth = 0.004;  ///< [m]
 	double stiffness = 1e7;                    ///< [Pa/m]
 	ist::Progress progress;
@@ -27,18 +27,18 @@ struct MeshToQueryOptions
 /// One step of the probe's path. Forces act on the mesh.
 struct PathStep
 {
-	ist::Vec3 probe;               ///< centre [m]
+	ist::Vec3 probe;               ///< centre of the probe [m]
 	double volume = 0, force = 0;  ///< [m^3], [N]
 	ist::OverlapError sigma;
 	int64_t pairs = 0;
-	double seconds = 0;  ///< of the query
+	double seconds = 0;  ///< time of the query
 };
 
 struct Comparison
 {
 	int step = 0;
 	double volumeTruth = 0, forceTruth = 0;
-	double volumeError = 0;  ///< found minus true [m^3]
+	double volumeError = 0;  ///< found volume minus true volume [m^3]
 	double forceError = 0;   ///< length of the difference of the vectors [N]
 };
 
@@ -52,19 +52,19 @@ struct MeshToQueryOutcome
 	std::vector<PathStep> steps;
 	std::vector<Comparison> comparisons;
 
-	/// Over the steps in contact.
+	/// These four are figures of the steps in contact.
 	double medianSeconds = 0, p99Seconds = 0;
 	int64_t maxPairs = 0;
 	double maxForce = 0;
-	/// rms of the errors over rms of the truths, so that grazing contact does not dominate.
+	/// Rms of the errors, divided by the rms of the true values, so that grazing contacts do not dominate.
 	double volumeRms = 0, forceRms = 0;
-	/// The probe touched, and what it felt was compared with the integral and errs by less than it is.
+	/// True when the probe has touched, its force was compared with quadrature, and the error is smaller than the force.
 	bool ok() const { return maxForce > 0 && !comparisons.empty() && forceRms < 1; }
 };
 
 ist::Result<MeshToQueryOutcome> runMeshToQuery(const MeshToQueryOptions& options);
 
-/// Names and values with units, in reading order.
+/// Rows of names and values with units, in reading order.
 std::vector<std::vector<std::string>> summaryRows(const MeshToQueryOutcome& outcome);
 HtmlReport makeReport(const MeshToQueryOutcome& outcome);
 std::string makeJson(const MeshToQueryOutcome& outcome);

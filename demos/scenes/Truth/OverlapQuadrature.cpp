@@ -44,7 +44,7 @@ Vec3 nearestOnSegment(const Vec3& p, const Vec3& a, const Vec3& b)
 	return a + t * e;
 }
 
-/// The foot on the plane when it falls inside, else the best of the three edges.
+/// Nearest point: the foot on the plane if it lies inside the triangle, otherwise the best point of the three edges.
 Vec3 nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& t)
 {
 	const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
@@ -64,7 +64,7 @@ Vec3 nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& t)
 	return best;
 }
 
-/// Triangles in a binary tree of boxes, halved at the median of the longest axis.
+/// A binary tree of boxes over triangles, split at the median of the longest axis.
 class TriangleTree
 {
 public:
@@ -78,7 +78,8 @@ public:
 
 	const std::vector<std::array<Vec3, 3>>& triangles() const { return m_triangles; }
 
-	/// Replaces `inside` by the intervals of the line with a positive winding number; false when it does not close.
+	/// Replaces `inside` by the intervals of the line with a positive winding number. Returns false when the winding number does not
+	/// return to zero.
 	bool trace(const Line& line, std::vector<Crossing>& crossings, std::vector<Interval>& inside) const;
 	Nearest nearest(const Vec3& p) const;
 
@@ -87,7 +88,7 @@ private:
 	{
 		Vec3 lower, upper;
 		size_t begin = 0, end = 0;  // triangles of a leaf; empty in an inner node
-		size_t right = 0;           // the left child follows its parent
+		size_t right = 0;           // index of the right child; the left child follows its parent
 	};
 
 	size_t build(size_t begin, size_t end);
@@ -266,21 +267,21 @@ Box boxOf(const TriangleTree& tree, const Pose& X)
 	return box;
 }
 
-/// A piece of a line inside both bodies.
+/// A part of a line inside both bodies.
 struct Segment
 {
 	Vec3 begin;
 	double length;
 };
 
-/// One direction's lines: what they found.
+/// Result of the lines of one direction.
 struct Sweep
 {
 	int axis = 0;
 	std::vector<Segment> segments;
-	double cellArea = 0;  // [m^2] a line stands for
+	double cellArea = 0;  // area that a line stands for [m^2]
 	double length = 0;
-	Vec3 moment;  // Int x along the segments [m^2]
+	Vec3 moment;  // integral of x along the segments [m^2]
 	int unbalanced = 0;
 	double volume() const { return cellArea * length; }
 };
@@ -305,7 +306,7 @@ void appendCommon(const std::vector<Interval>& a, const std::vector<Interval>& b
 	}
 }
 
-/// Sums of one direction's sample points.
+/// Sums over the sample points of one direction.
 struct Sums
 {
 	Wrench normalA, normalB;
@@ -386,7 +387,7 @@ Sweep OverlapQuadrature::Implementation::sweep(const Pose& X_AB, const Box& box,
 	return result;
 }
 
-/// Intersection of the bodies' boxes; with many lines to come, narrowed to what a coarse sweep finds plus two of its cells.
+/// Intersection of the bodies' boxes. With many lines to come, it is narrowed to the result of a coarse sweep plus two of its cells.
 Box OverlapQuadrature::Implementation::overlapBox(const Pose& X_AB, int lines, uint64_t seed) const
 {
 	const Box boxB = boxOf(B, X_AB);
@@ -406,8 +407,8 @@ Box OverlapQuadrature::Implementation::overlapBox(const Pose& X_AB, int lines, u
 	return {componentMax(whole.lower, found.lower - margin), componentMin(whole.upper, found.upper + margin)};
 }
 
-/// One point in each of equal strata of the segments laid end to end. The places in the strata follow a golden-ratio
-/// sequence, so that neighbouring lines are sampled at different heights even when each holds one stratum.
+/// Sample points, one in each of equal strata of the concatenated segments. The places in the strata follow a golden-ratio sequence.
+/// Neighbouring lines are therefore sampled at different heights, even when each has only one stratum.
 std::vector<Vec3> strataPoints(const Sweep& sweep, int points, uint64_t seed)
 {
 	constexpr double kGolden = 0.6180339887498949;

@@ -9,14 +9,14 @@ namespace scenes
 {
 inline ist::Vec3 positionOf(const btRigidBody* body) { return toVec3(body->getWorldTransform().getOrigin()); }
 
-/// Of a body with three equal moments of inertia.
+/// Kinetic energy of a body with three equal moments of inertia [J].
 inline double kineticEnergy(const btRigidBody* body, double mass, double inertia)
 {
 	const ist::Vec3 v = toVec3(body->getLinearVelocity()), w = toVec3(body->getAngularVelocity());
 	return 0.5 * mass * dot(v, v) + 0.5 * inertia * dot(w, w);
 }
 
-/// Of two bodies of equal mass and isotropic inertia; angular momentum about their joint centre of mass.
+/// Motion of two bodies of equal mass and isotropic inertia. The angular momentum is taken about their joint centre of mass.
 struct PairMotion
 {
 	ist::Vec3 linear, angular;
