@@ -16,26 +16,26 @@
 
 namespace browser
 {
-/// A number that a demo found. With `expected`, from a closed form, a law of physics or an integration that shares no code with the
-/// library, the demo is good only while the value is within `tolerance` of it.
+/// A result of a demo. `expected` comes from a closed form, a law of physics or an integration that shares no code with the library. If
+/// it is set, the demo passes only while the value is within `tolerance` of it.
 struct Figure
 {
 	std::string name, unit;
 	double value = 0;
 	double expected = std::numeric_limits<double>::quiet_NaN();
-	double tolerance = 0;  ///< in the unit
+	double tolerance = 0;  ///< largest error, in the figure's unit
 
 	bool judged() const { return !std::isnan(expected); }
 	bool ok() const { return std::isfinite(value) && (!judged() || std::fabs(value - expected) <= tolerance); }
 };
 
-/// A number that can be turned while the demo runs.
+/// A number that the user can change while the demo runs.
 struct Parameter
 {
 	std::string name, unit;
 	double* value = nullptr;
 	double least = 0, most = 1;
-	bool restarts = false;  ///< takes effect when the demo begins anew
+	bool restarts = false;  ///< true: takes effect only at the next restart
 	bool logarithmic = false;
 };
 
@@ -43,68 +43,70 @@ struct Parameter
 struct Curve
 {
 	std::string name, unit;
-	std::vector<float> values;    ///< the newest last, one for every 1/60 s of the demo's own time
-	std::vector<float> errors{};  ///< half lengths of the error bars, one for each value; or none
+	std::vector<float> values;    ///< one value for every 1/60 s of the demo's own time, the newest last
+	std::vector<float> errors{};  ///< half lengths of the error bars, one for each value; may be empty
 };
 
-/// Where the camera begins.
+/// Initial position of the camera.
 struct Viewpoint
 {
 	ist::Vec3 target;
 	double distance = 1;
-	double yaw = 0.6, pitch = 0.35;  ///< [rad], about y and above the horizon
+	double yaw = 0.6, pitch = 0.35;  ///< angles about y and above the horizon [rad]
 };
 
 constexpr double kDegree = 0.017453292519943295;  ///< [rad]
 
-/// What a demo may leave out of its queries (btISTContactCache).
+/// Settings of a demo's contact cache (btISTContactCache).
 struct ContactCacheChoice
 {
 	bool on = true;
 	double maxError = 0.05;
-	double forceError = 0;  ///< share of the force of each pair of trees that coarser levels may take; 0: the leaves always
+	/// force error that coarser levels may have, as a share of the force of each pair of trees; 0: the leaves always answer
+	double forceError = 0;
 };
 
 struct DemoOptions
 {
-	std::string mesh;                 ///< file for demos that take any mesh; empty: a generated one
-	std::string cache;                ///< folder where trees are kept; empty: nowhere
-	long long spheres = 0;            ///< 0: what the demo thinks right
-	ContactCacheChoice contactCache;  ///< for those who run demos; see BrowsableDemo::setContactCache
+	std::string mesh;                 ///< mesh file for demos that take any mesh; empty: a generated mesh
+	std::string cache;                ///< folder for trees; empty: trees are not stored
+	long long spheres = 0;            ///< number of spheres; 0: the demo's default
+	ContactCacheChoice contactCache;  ///< used by programs that run demos; see BrowsableDemo::setContactCache
 	ist::Progress progress;
 	std::function<void(const std::string&)> say;
 };
 
-/// One demo: a scene that steps, shows itself and judges its numbers. No window, no graphics library. One owner thread.
+/// One demo: a scene that steps, draws itself and judges its results. It needs no window and no graphics library. Only one thread may use
+/// it.
 class BrowsableDemo
 {
 public:
 	virtual ~BrowsableDemo() = default;
 
-	/// Meshes and trees; may take seconds. Once, before anything else.
+	/// Makes meshes and trees, which may take seconds. Call it once, before anything else.
 	virtual std::optional<ist::Error> prepare(const DemoOptions& options) = 0;
-	/// To the beginning, with the parameters as they are.
+	/// Restarts the demo with the present parameters.
 	virtual std::optional<ist::Error> restart() = 0;
-	/// `seconds`: positive and finite.
+	/// Makes one step; `seconds` must be positive and finite.
 	virtual void step(double seconds) = 0;
 	virtual double stepSize() const { return 1.0 / 240; }
 	/// Time after which the figures are final [s].
 	virtual double duration() const = 0;
-	/// Time since the beginning [s].
+	/// Time since the start [s].
 	virtual double time() const = 0;
 
 	virtual void draw(const DrawChoice& choice, DrawList& list) = 0;
 	virtual Viewpoint viewpoint() const = 0;
-	/// What is best shown at first.
+	/// What the demo shows at first.
 	virtual DrawChoice firstChoice() const { return {}; }
 	virtual std::vector<Parameter> parameters() { return {}; }
 	virtual std::vector<Figure> figures() const = 0;
 	virtual std::vector<Curve> curves() const { return {}; }
-	/// Over something else than time; drawn in the picture's corner.
+	/// Charts over quantities other than time, which are drawn in a corner of the picture.
 	virtual std::vector<scenes::Chart> charts() const { return {}; }
-	/// Rows for people: which model answers for which pair, what sleeps, what an answer costs.
+	/// Report rows for the user: which model answers for which pair, what sleeps, what an answer costs.
 	virtual std::vector<std::string> report() const { return {}; }
-	/// The same as one JSON value; empty where there is none.
+	/// The report as one JSON value; empty where there is none.
 	virtual std::string reportJson() const { return {}; }
 	/// One half of the picture.
 	struct Half
@@ -112,25 +114,25 @@ public:
 		BrowsableDemo* demo = nullptr;
 		std::string title;
 	};
-	/// Scenes that are seen side by side under one camera, from the left; empty: this one, in the whole picture. Of the halves themselves
-	/// only `draw` and `grab` are for others.
+	/// Scenes that are shown side by side under one camera, from left to right. Empty: this demo fills the picture. Of the halves,
+	/// callers may use only `draw` and `grab`.
 	virtual std::vector<Half> halves() { return {}; }
-	/// True when Bullet's own contact can answer in the same scene.
+	/// True when Bullet's own contact can be used in the same scene.
 	virtual bool hasStockSide() const { return false; }
-	/// Which of both answers, from the next `restart` on; only where `hasStockSide`.
+	/// Chooses Bullet's own contact or ours from the next `restart` on; only where `hasStockSide`.
 	virtual void useStockContact(bool /*on*/) {}
 
-	/// From the next step on; stays over `restart`.
+	/// Sets the contact cache from the next step on; it stays over `restart`.
 	virtual void setContactCache(const ContactCacheChoice& /*contactCache*/) {}
 
-	/// Takes hold of the body that the ray meets; where on the ray, or nothing.
+	/// Grabs the body that the ray meets. Returns the distance along the ray, or nothing.
 	virtual std::optional<double> grab(const ist::Vec3& /*from*/, const ist::Vec3& /*direction*/) { return std::nullopt; }
-	/// Takes hold of the body that a device is meant to move, if it is not held already; false when there is none.
+	/// Grabs the body that a device should move, unless one is held already. Returns false when there is none.
 	virtual bool grabTool() { return false; }
-	/// The held body's grip wants to be moved by `shift` [m] and turned by `turn` [rad, World].
+	/// Moves the target of the held body's grip by `shift` [m] and rotates it by `turn` [rad, World].
 	virtual void drag(const ist::Vec3& /*shift*/, const ist::Vec3& /*turn*/) {}
 	virtual void release() {}
-	/// Nothing may sleep.
+	/// Prevents all bodies from sleeping.
 	virtual void keepAwake(bool /*on*/) {}
 };
 }  // namespace browser

@@ -33,7 +33,7 @@ void drawLeaves(const InnerSphereTree& tree, const Pose& X_WP, DrawList& list)
 	}
 }
 
-/// Leaves that reach into a closed form, seen in its surface, coloured by how deep.
+/// Draws the leaves that reach into a closed form, projected onto its surface and coloured by their depth.
 void drawFieldLenses(const btISTContact& contact, const btISTShapeField& shape, DrawList& list)
 {
 	const InnerSphereTree& tree = *contact.treeA;
@@ -56,7 +56,7 @@ void drawFieldLenses(const btISTContact& contact, const btISTShapeField& shape, 
 	for (size_t i = 0; i < depths.size(); ++i) list.discs[first + i].colour = pressureColour(depths[i] / deepest);
 }
 
-/// The trees that answered; of a closed form there is none.
+/// The trees that answered; the second is null for a closed form.
 LevelPair answeringTrees(const btISTContact& contact)
 {
 	if (!contact.treeB) return {&contact.treeA->law, nullptr, 0, 0};
@@ -65,7 +65,7 @@ LevelPair answeringTrees(const btISTContact& contact)
 
 Colour colourOfLevel(int level) { return shadeColour(levelShade(level)); }
 
-/// Balls of the tree that answered, in the colour of its level; returns how many there are.
+/// Draws the balls of the tree that answered in the colour of its level. Returns their number.
 size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, int level, DrawList& list)
 {
 	const size_t count = balls.ballCount(), stride = std::max<size_t>(1, count / kMostLeaves);
@@ -81,7 +81,7 @@ size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, in
 	return count;
 }
 
-/// Of the two opposite forces of a contact that on the body that moves; where both do, the one that carries.
+/// Of the two opposite forces of a contact, the one on the moving body. If both bodies move, it is the upward one, on the carried body.
 Vec3 shownForce(const btCollisionObject& A, const btCollisionObject& B, const Vec3& onA)
 {
 	const bool movesA = !A.isStaticOrKinematicObject(), movesB = !B.isStaticOrKinematicObject();
@@ -115,7 +115,7 @@ void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawLis
 	for (const DemoWorld::Body& b : world.bodies())
 	{
 		const Pose X = b.X_WP();
-		// Islands that sleep are paler.
+		// Sleeping bodies are paler.
 		const bool asleep = !b.body->isStaticOrKinematicObject() && !b.body->isActive();
 		const Colour colour = asleep ? mixed(b.colour, {0.75f, 0.77f, 0.8f}, 0.6) : b.colour;
 		if (choice.surfaces) list.surfaces.push_back({b.surface, X, colour, 1, glass && b.solid});
@@ -162,7 +162,7 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 void ContactView::drawLevels(const btISTContact& contact, const LevelPair& trees, DrawList& list)
 {
 	const auto draw = [&](const btCollisionObject* body, const InnerSphereTree& tree, const BallTree& balls, const Pose& X_WM, int level) {
-		// Several pairs of a body are often asked at the same level.
+		// The same level of a body often answers for several pairs.
 		if (!m_drawnLevels.insert({body, &balls}).second) return;
 		const size_t count = drawLevel(balls, tree.origin, X_WM, level, list);
 		m_ballsOfLevel[level] += count;
@@ -194,11 +194,11 @@ void ContactView::drawForce(const Vec3& at, const Vec3& force, DrawList& list) c
 {
 	const double strength = norm(force);
 	if (!(strength > 0.02 * m_strongest)) return;
-	// Small forces stay visible, large ones in the picture.
+	// The limits keep small forces visible, and large ones inside the picture.
 	const double length = m_arrowLength * std::clamp(strength / m_arrowForce, 0.25, 2.0);
 	const Vec3 tip = at + length * normalized(force);
 	list.arrows.push_back({at, tip, 0.035 * m_arrowLength, {0.80f, 0.18f, 0.12f}});
-	// Words for those that matter: many would hide each other.
+	// Only large forces get a text, because many texts would hide each other.
 	if (strength > 0.4 * m_strongest) list.texts.push_back({tip, formatForce(strength), {0.55f, 0.08f, 0.04f}});
 }
 

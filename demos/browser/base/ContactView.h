@@ -10,14 +10,14 @@
 
 namespace browser
 {
-/// Shows what the bodies of a world say to each other. May ask a query again to have the pairs.
+/// Draws the contacts of a world's bodies. It may repeat a query to obtain the pairs of leaves.
 class ContactView
 {
 public:
-	/// Adds everything that is chosen. `arrowForce`: force whose arrow is `arrowLength` long [N, m].
+	/// Adds everything that is chosen. A force of `arrowForce` [N] has an arrow of the length `arrowLength` [m].
 	void draw(DemoWorld& world, const DrawChoice& choice, double arrowForce, double arrowLength, DrawList& list);
 
-	/// Levels of bodies' trees that answered in what was drawn last.
+	/// Levels of the bodies' trees that answered in the last drawing.
 	const std::set<int>& answering() const { return m_answering; }
 
 private:
@@ -28,17 +28,18 @@ private:
 	void drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list);
 	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list);
 	void drawForce(const ist::Vec3& at, const ist::Vec3& force, DrawList& list) const;
-	/// `lever`: a force at this distance has such a moment [m]; what is small beside the forces is left out.
+	/// Draws a moment. `lever` [m] is the distance at which a force has such a moment; a moment that is small beside the forces is not
+	/// drawn.
 	void drawMoment(const ist::Vec3& at, const ist::Vec3& moment, double lever, DrawList& list) const;
 
 	ist::QueryWorkspace m_workspace;
-	std::set<std::pair<const void*, const void*>> m_drawnLevels;  // bodies with the trees that answer for them
+	std::set<std::pair<const void*, const void*>> m_drawnLevels;  // bodies and the trees that answer for them
 	std::map<int, size_t> m_ballsOfLevel;
 	std::set<int> m_answering;
-	double m_strongest = 0;  // of all forces in the picture [N]
+	double m_strongest = 0;  // largest force in the picture [N]
 	double m_arrowForce = 1, m_arrowLength = 1;
 };
 
-/// A force in words: "12.3 N".
+/// A force as text: "12.3 N".
 std::string formatForce(double newton);
 }  // namespace browser

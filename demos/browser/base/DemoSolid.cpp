@@ -63,7 +63,7 @@ Mesh knotMesh(double size)
 {
 	Mesh mesh = makeTorusKnotMesh(1, 0.42, 0.3, 2, 3, 160, 20);
 	const double scale = size / bounds(mesh).longestSide();
-	// From z up to y up.
+	// The z axis of the mesh becomes the y axis.
 	for (Vec3& p : mesh.vertices) p = scale * Vec3{p.x, p.z, -p.y};
 	return mesh;
 }

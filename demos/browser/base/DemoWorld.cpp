@@ -34,7 +34,7 @@ public:
 	explicit LineCollector(DrawList& list) : m_list(list) {}
 	void drawLine(const btVector3& from, const btVector3& to, const btVector3& colour) override
 	{
-		// Planes are drawn as lines of 1e6 m.
+		// Bullet draws planes as lines of 1e6 m, which are left out.
 		if (from.length2() > btScalar(1e8) || to.length2() > btScalar(1e8)) return;
 		m_list.lines.push_back({toVec3(from), toVec3(to), {0.8f * float(colour.x()), 0.8f * float(colour.y()), 0.8f * float(colour.z())}});
 	}
@@ -48,7 +48,7 @@ private:
 	DrawList& m_list;
 	int m_mode = 0;
 };
-/// Of the pressure of one contact [N].
+/// Error of the pressure force of one contact [N].
 double forceError(const btISTContact& contact, const btISTContactCache& contactCache)
 {
 	const btISTPairConstants& c = contact.constants;

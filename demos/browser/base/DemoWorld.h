@@ -14,41 +14,43 @@
 
 namespace browser
 {
-/// How a body is put into a world.
+/// Settings of a body that is added to a world.
 struct BodySetup
 {
 	std::string name;
-	double mass = 0;          ///< [kg]; 0: from the density, unless fixed
-	double density = 1000;    ///< [kg/m^3]
+	double mass = 0;          ///< mass [kg]; 0: from the density, unless fixed
+	double density = 1000;    ///< density [kg/m^3]
 	double stiffness = 0;     ///< k_X [Pa/m]; 0: the default rule
-	double dissipation = -1;  ///< [s/m]; negative: the default
-	double friction = 0.5;    ///< Bullet multiplies those of both bodies
+	double dissipation = -1;  ///< dissipation [s/m]; negative: the default
+	double friction = 0.5;    ///< friction coefficient; Bullet multiplies those of both bodies
 	bool fixed = false;
-	ist::Pose X_WM;  ///< of the mesh as it was given to makeSolid
+	ist::Pose X_WM;  ///< pose of the mesh that was given to makeSolid
 	Colour colour;
-	std::unique_ptr<btCollisionShape> shape;  ///< for Bullet; where missing, the convex hull of the mesh, in a stock world makeStockShape
+	std::unique_ptr<btCollisionShape> shape;  ///< shape for Bullet; null: the mesh's convex hull, or makeStockShape in a stock world
 };
 
 /// Sums over the volumetric contacts of the last step.
 struct ContactSums
 {
-	double force = 0;       ///< of magnitudes [N]
-	double forceError = 0;  ///< that the queries and what was kept or merged of them may have, as if each pair's were independent [N]
-	double volume = 0;      ///< [m^3]
+	double force = 0;  ///< sum of the magnitudes of the forces [N]
+	/// error of `force` from queries, cached results and merged levels, if the errors of the pairs were independent [N]
+	double forceError = 0;
+	double volume = 0;  ///< sum of the overlap volumes [m^3]
 	long long pairs = 0, patches = 0;
 	double queryMicroseconds = 0;
 };
 
-/// What Bullet's own contact said of two bodies in the last step, World.
+/// Bullet's own contact between two bodies in the last step, World.
 struct StockContact
 {
 	const btCollisionObject *bodyA = nullptr, *bodyB = nullptr;
-	std::vector<ist::Vec3> points;  ///< that touch
-	ist::Vec3 center;               ///< their mean
-	ist::Vec3 impulse;              ///< on A, friction included [N s]
+	std::vector<ist::Vec3> points;  ///< points that touch
+	ist::Vec3 center;               ///< mean of the points
+	ist::Vec3 impulse;              ///< impulse on A, including friction [N s]
 };
 
-/// A Bullet world, ours or the stock one, whose bodies can be drawn. Errors of `add` stay in `error()`, and nothing is added.
+/// A Bullet world with our contact or Bullet's own, whose bodies can be drawn. After an error in `add`, `error()` returns it, and nothing
+/// more is added.
 class DemoWorld
 {
 public:
@@ -56,15 +58,15 @@ public:
 	{
 		std::string name;
 		SolidPtr solid;  ///< null for Bullet's own shapes
-		ist::Mesh mesh;  ///< of one without a solid
+		ist::Mesh mesh;  ///< mesh of a body without a solid
 		std::shared_ptr<const SurfaceModel> surface;
-		std::unique_ptr<btStridingMeshInterface> triangles;  ///< of the shape, where it reads some
+		std::unique_ptr<btStridingMeshInterface> triangles;  ///< triangles that the shape refers to; may be null
 		std::unique_ptr<btCollisionShape> shape;
 		std::unique_ptr<btRigidBody> body;
 		btISTAttachment attachment;
 		Colour colour;
 
-		ist::Pose X_WP() const;  ///< of the principal frame
+		ist::Pose X_WP() const;  ///< pose of the principal frame
 		const ist::Mesh& visibleMesh() const { return solid ? solid->mesh : mesh; }
 	};
 
@@ -73,33 +75,33 @@ public:
 	DemoWorld(const DemoWorld&) = delete;
 	DemoWorld& operator=(const DemoWorld&) = delete;
 
-	/// Static plane through the origin's shift along its unit normal.
+	/// Adds a static plane with the unit normal `normal`, at `offset` along it from the origin.
 	btRigidBody* addPlane(const ist::Vec3& normal, double offset, double friction, const btContactMaterial& material = {});
 	btRigidBody* add(const SolidPtr& solid, BodySetup setup);
-	/// One of Bullet's shapes, drawn as `mesh`.
+	/// Adds one of Bullet's shapes, drawn as `mesh`.
 	btRigidBody* addShape(std::unique_ptr<btCollisionShape> shape, ist::Mesh mesh, BodySetup setup);
-	/// Owned from here on.
+	/// Adds a constraint; the world owns it from then on.
 	void addConstraint(std::unique_ptr<btTypedConstraint> constraint);
 
 	void step(double h);
 	btDiscreteDynamicsWorld& bullet();
-	/// Null in a stock world.
+	/// Our world; null in a stock world.
 	btISTWorld* volumetric() { return m_volumetric.get(); }
 	const std::vector<Body>& bodies() const { return m_bodies; }
 	const std::optional<ist::Error>& error() const { return m_error; }
 
-	/// Of the volumetric contacts; in a stock world the force alone.
+	/// Sums over the volumetric contacts. In a stock world only the force is set.
 	ContactSums contactSums() const;
-	/// Empty unless this is a stock world.
+	/// Bullet's contacts; empty unless this is a stock world.
 	std::vector<StockContact> stockContacts() const;
-	/// Force on `body` from all contacts of the world's kind with it in the last step, or with `other` alone [N].
+	/// Force on `body` from all contacts of the world's kind in the last step, or only from those with `other` [N].
 	ist::Vec3 contactForce(const btCollisionObject* body, const btCollisionObject* other = nullptr) const;
-	/// Kinetic energy and that in the field of gravity [J].
+	/// Kinetic energy plus the energy in gravity [J].
 	double mechanicalEnergy() const;
 	double lastStep() const { return m_lastStep; }
 	double stepMicroseconds() const { return m_stepMicroseconds; }
 	void keepAwake(bool on);
-	/// Bullet's own lines of boxes and constraints.
+	/// Adds Bullet's own lines of boxes and constraints.
 	void debugLines(const DrawChoice& choice, DrawList& list);
 
 private:

@@ -32,7 +32,7 @@ void DeviceHand::update(BrowsableDemo& demo, double scale)
 	}
 	m_trouble.clear();
 	const Pose X = state.X_WH;
-	// A clutch: the hand may rest while nothing is held.
+	// This works as a clutch: the hand may move freely while no body is held.
 	if (m_known && demo.grabTool())
 		demo.drag(scale * (X.translation - m_last.translation), rotationVector(quaternion(X.rotation * transpose(m_last.rotation))));
 	m_last = X;

@@ -8,21 +8,21 @@
 
 namespace browser
 {
-/// A device of DeviceBridge that moves what the browser's hand holds, at the rate of the pictures: way for way, turn for turn. It gets no
-/// force from here; forces at a hand want a stepping thread (haptic-bunny, scene files).
+/// A device of DeviceBridge that moves the body that the browser's hand holds, once a picture. Translations and rotations are copied. The
+/// device receives no force: for that a demo needs a stepping thread (haptic-bunny, scene files).
 class DeviceHand
 {
 public:
-	/// Errors: no driver, no such device, or one that does not open.
+	/// Opens a device. Errors: there is no driver or no such device, or it does not open.
 	static ist::Result<std::unique_ptr<DeviceHand>> open(const std::string& address);
 	explicit DeviceHand(std::unique_ptr<devicebridge::Device> device) : m_device(std::move(device)) {}
 
-	/// Moves the demo's tool by what the hand moved since the last call; `scale`: metres of the scene for one of the hand's. A device that
-	/// does not answer moves nothing, and goes on without a leap when it is back.
+	/// Moves the demo's tool by the hand's motion since the last call. `scale` is in metres of the scene per metre of the hand. A device
+	/// that does not answer moves nothing, and continues without a jump when it answers again.
 	void update(BrowsableDemo& demo, double scale);
-	/// Why the device does not answer, in a sentence; empty while it does.
+	/// Reason why the device does not answer, in a sentence; empty while it answers.
 	const std::string& trouble() const { return m_trouble; }
-	/// The next call begins anew, without a move.
+	/// Makes the next call start again, without a motion.
 	void forget() { m_known = false; }
 	double workspaceRadius() const { return m_device->info().workspaceRadius; }
 

@@ -13,7 +13,7 @@ namespace
 {
 constexpr long long kPartSpheres = 150;
 
-/// The fingers' own colours, pale.
+/// Colour of a part's skin: a pale version of its finger's colour.
 Colour skinColour(int part) { return mixed({0.9f, 0.82f, 0.75f}, fingerColour(handPartId(part, false)), part == kHandPart ? 0.1 : 0.45); }
 }  // namespace
 
@@ -89,7 +89,7 @@ bool HandDemo::grabTool()
 void HandDemo::drag(const Vec3& shift, const Vec3& turn)
 {
 	if (!m_led) return WorldDemo::drag(shift, turn);
-	// About the middle of the palm, not the wrist.
+	// The rotation is about the middle of the palm, not the wrist.
 	const Vec3 palm = X_WB(kHandPart).translation;
 	Pose& X = m_posture.X_WR;
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector(turn));

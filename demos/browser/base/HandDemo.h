@@ -8,8 +8,7 @@
 
 namespace browser
 {
-/// A demo with a hand of sixteen parts that follows a motion, until the user takes it by one of them: then the whole hand goes where it is
-/// led.
+/// A demo with a hand of sixteen parts that follows a motion. When the user grabs one of the parts, the whole hand follows the user.
 class HandDemo : public WorldDemo
 {
 public:
@@ -19,16 +18,16 @@ public:
 	void release() override;
 
 protected:
-	/// Once, in `prepare`.
+	/// Makes the hand's model; call it once, in `prepare`.
 	std::optional<ist::Error> prepareHand(const devicebridge::GloveHandSize& size, const DemoOptions& options);
-	/// Once, in `build`: where the motion begins.
+	/// Adds the hand at the start of the motion; call it once, in `build`.
 	std::optional<ist::Error> putHand(DemoWorld& world, const devicebridge::BulletHandSettings& settings = {});
-	/// At a time [s].
+	/// Posture of the hand at a time [s].
 	virtual devicebridge::HandPosture motion(double time) const = 0;
 	bool hasHand() const { return m_parts != nullptr; }
 	const devicebridge::BulletHand& parts() const { return *m_parts; }
 	const devicebridge::HandModel& model() const { return *m_model; }
-	ist::Pose X_WB(int part) const;  ///< of a part's body
+	ist::Pose X_WB(int part) const;  ///< pose of a part's body
 	std::string nameOf(const btCollisionObject* object) const override;
 	void leave() override { m_parts.reset(); }
 	void beforeStep(double h) override;
@@ -42,10 +41,10 @@ private:
 	std::shared_ptr<const SurfaceModel> m_skins[devicebridge::kHandParts];
 	PackedSpheres m_spheres[devicebridge::kHandParts];
 	std::unique_ptr<devicebridge::BulletHand> m_parts;
-	devicebridge::HandPosture m_posture;  // once taken
+	devicebridge::HandPosture m_posture;  // posture after the user has grabbed the hand
 	bool m_taken = false, m_led = false;
 };
 
-/// The colour of a part's finger, by the part's number in GRAB (handPartId).
+/// Colour of a part's finger, by the part's number in the GRAB data set (handPartId).
 Colour fingerColour(int grabId);
 }  // namespace browser

@@ -51,7 +51,7 @@ double rayMeetsMesh(const Mesh& mesh, const Pose& X, const Vec3& from, const Vec
 	double nearest = -1;
 	for (const auto& triangle : mesh.triangles)
 	{
-		// Moeller and Trumbore.
+		// This is the test of Moeller and Trumbore.
 		const Vec3 &a = mesh.vertices[triangle[0]], ab = mesh.vertices[triangle[1]] - a, ac = mesh.vertices[triangle[2]] - a;
 		const Vec3 p = cross(d, ac);
 		const double det = dot(ab, p);

@@ -14,7 +14,7 @@ namespace browser
 {
 namespace
 {
-constexpr double kMargin = 1e-3;  // of the longest side
+constexpr double kMargin = 1e-3;  // share of the longest side
 
 btScalar marginOf(const Mesh& mesh) { return btScalar(kMargin * bounds(mesh).longestSide()); }
 }  // namespace

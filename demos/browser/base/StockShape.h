@@ -10,20 +10,20 @@
 
 namespace browser
 {
-/// A shape with the triangles that it reads.
+/// A shape with the triangles that it refers to.
 struct StockShape
 {
 	std::unique_ptr<btStridingMeshInterface> triangles;
 	std::unique_ptr<btCollisionShape> shape;
 };
 
-/// What Bullet itself has for a closed mesh: the hull of a convex one; its triangles, with a margin of a thousandth of its longest side, in
-/// a btBvhTriangleMeshShape where it is fixed, else in a btGImpactMeshShape.
+/// Bullet's own shape for a closed mesh. A convex mesh gives its hull. Others give their triangles, with a margin of 0.1 % of the longest
+/// side: in a btBvhTriangleMeshShape if fixed, otherwise in a btGImpactMeshShape.
 StockShape makeStockShape(const ist::Mesh& mesh, bool fixed);
 
-/// The convex hull of a mesh's vertices.
+/// Convex hull of a mesh's vertices.
 std::unique_ptr<btCollisionShape> makeHull(const ist::Mesh& mesh);
 
-/// No vertex lies before any triangle by more than a millionth of the longest side.
+/// True when no vertex is in front of a triangle by more than 1e-6 of the longest side.
 bool isConvex(const ist::Mesh& mesh);
 }  // namespace browser

@@ -12,9 +12,9 @@ namespace browser
 namespace
 {
 constexpr double kPi = 3.14159265358979323846;
-constexpr uint32_t kSegments = 96;  ///< around the axis; corners of a hexagon are among them
+constexpr uint32_t kSegments = 96;  ///< number of segments around the axis, which include the corners of a hexagon
 
-/// A ring of points around y: radius by angle, at one height.
+/// A ring of points around y at one height, with the radius as a function of the angle.
 struct Ring
 {
 	double height = 0;
@@ -49,7 +49,7 @@ Mesh pointsOf(const std::vector<Ring>& rings)
 	return mesh;
 }
 
-/// The band between two rings, seen from outside when `above` stands above `below`.
+/// Adds the band between two rings. It is seen from outside when `above` lies above `below`.
 void addBand(Mesh& mesh, uint32_t below, uint32_t above)
 {
 	for (uint32_t s = 0; s < kSegments; ++s)
@@ -89,7 +89,7 @@ Mesh screw(const Thread& thread, double length, double headRadius, double headHe
 
 Mesh nut(const Thread& thread, double clearance, double width, double height)
 {
-	// Once around a section: down the hole, then up the outside.
+	// The rings go once around the section: down the hole, then up the outside.
 	std::vector<Ring> rings = threadRings(thread, clearance, -0.5 * height, 0.5 * height);
 	std::reverse(rings.begin(), rings.end());
 	const auto hexagon = [=](double phi) { return 0.5 * width / std::cos(std::remainder(phi, kPi / 3)); };

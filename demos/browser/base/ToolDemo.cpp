@@ -32,7 +32,7 @@ void ToolDemo::holdTool(btRigidBody* tool, double frequency)
 void ToolDemo::beforeStep(double h)
 {
 	if (!m_tool) return;
-	// The user's own hand pulls in place of this one.
+	// The user's hand replaces this one.
 	if (m_taken && hand().body() == m_tool) return;
 	if (!m_taken) m_leading.setTarget(path(time()));
 	m_wrench = m_leading.pull(h);

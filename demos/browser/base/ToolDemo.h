@@ -5,7 +5,7 @@
 
 namespace browser
 {
-/// A demo in which a hand holds a tool by a virtual coupling and leads it along a path, until the user takes it.
+/// A demo in which a hand holds a tool by a virtual coupling and moves it along a path, until the user grabs it.
 class ToolDemo : public WorldDemo
 {
 public:
@@ -14,16 +14,16 @@ public:
 	void release() override;
 
 protected:
-	/// Once, in `build`. The tool has no weight.
-	/// `frequency`: root of the hand's stiffness over the tool's mass [rad/s].
+	/// Makes the hand hold the tool; call it once, in `build`. The tool's weight is switched off. `frequency` is the root of the hand's
+	/// stiffness over the tool's mass [rad/s].
 	void holdTool(btRigidBody* tool, double frequency);
 	btRigidBody* tool() const { return m_tool; }
-	/// Where the hand wants the tool's principal frame at a time [s], World.
+	/// Pose that the hand wants for the tool's principal frame at a time [s], World.
 	virtual ist::Pose path(double time) const = 0;
 	void beforeStep(double h) override;
-	/// Of the hand on the tool in the last step, World.
+	/// Wrench of the hand on the tool in the last step, World.
 	const ist::Wrench& handWrench() const { return m_wrench; }
-	/// What is left of the balance of the hand's and the contacts' forces on the tool, over the hand's; 0 at rest (Newton).
+	/// Sum of the hand's and the contacts' forces on the tool, divided by the hand's force; 0 at rest (Newton).
 	double imbalance() const;
 
 private:
@@ -33,6 +33,6 @@ private:
 	bool m_taken = false;
 };
 
-/// The place at a time on straight lines between points, each given with the time at which it is reached; at rest in each of them.
+/// Position at a time on straight lines between points, each given with its time; the motion rests at each of them.
 ist::Vec3 along(const std::vector<std::pair<double, ist::Vec3>>& points, double time);
 }  // namespace browser

@@ -108,7 +108,7 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 	for (Part& part : m_parts)
 	{
 		m_one.clear();
-		// Weights grow with the third power of lengths.
+		// Weights grow with the third power of lengths, so forces are scaled by it.
 		m_view.draw(*part.world, choice, arrowForce() / (part.zoom * part.zoom * part.zoom), arrowLength() / part.zoom, m_one);
 		answering.insert(m_view.answering().begin(), m_view.answering().end());
 		if (part.zoom != 1) enlarge(m_one, part.zoom);
@@ -213,7 +213,7 @@ std::optional<double> WorldDemo::grab(const Vec3& from, const Vec3& direction)
 bool WorldDemo::grabTool()
 {
 	if (m_hand.holds()) return true;
-	// The last that moves: demos put what lies first, and what comes to it later.
+	// The tool is the last body that moves: demos add resting bodies first, and then those that come to them.
 	for (const DemoWorld::Body& b : m_parts.front().world->bodies())
 		if (!b.body->isStaticOrKinematicObject()) m_hand.grab(b.body.get());
 	return m_hand.holds();

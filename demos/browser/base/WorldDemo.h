@@ -12,7 +12,7 @@ struct btISTSceneReport;
 
 namespace browser
 {
-/// What demos of Bullet worlds share: stepping, drawing, plots, the hand. A demo builds its bodies and names its figures.
+/// Common part of demos with Bullet worlds: stepping, drawing, plots, the hand. A demo builds its bodies and names its figures.
 class WorldDemo : public BrowsableDemo
 {
 public:
@@ -25,7 +25,7 @@ public:
 	std::string reportJson() const override;
 	void setContactCache(const ContactCacheChoice& contactCache) override;
 	void useStockContact(bool on) override { m_stock = on; }
-	/// Everything that steps, for those who measure.
+	/// All worlds that step, for measurements.
 	std::vector<DemoWorld*> worlds() const;
 	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override;
 	bool grabTool() override;
@@ -34,23 +34,23 @@ public:
 	void keepAwake(bool on) override;
 
 protected:
-	/// A new world; in the picture it stands at `shift`, under its title, and `zoom` times as large as it is. What is drawn so steps so
-	/// many times slower as falling takes, that all sizes move alike: by the square root of the zoom.
+	/// Adds a world. The picture shows it at `shift`, under its title, and magnified by `zoom`. A magnified world steps slower by the
+	/// root of the zoom, as falling does, so that all sizes move alike.
 	DemoWorld& addWorld(
 		const ist::Vec3& gravity = {0, -9.81, 0}, const ist::Vec3& shift = {}, const std::string& title = {}, double zoom = 1);
 	DemoWorld& world(size_t i = 0) { return *m_parts[i].world; }
 	const DemoWorld& world(size_t i = 0) const { return *m_parts[i].world; }
-	/// Before the worlds go, for what must not outlive them.
+	/// Called before the worlds are destroyed, for objects that must not outlive them.
 	virtual void leave() {}
-	/// The scene, anew. Errors of the worlds need not be looked for.
+	/// Builds the scene. Errors of the worlds are checked by the caller.
 	virtual std::optional<ist::Error> build() = 0;
 	virtual void beforeStep(double /*h*/) {}
 	virtual void afterStep(double /*h*/) {}
-	/// Of a body, in the report.
+	/// Name of a body in the report.
 	virtual std::string nameOf(const btCollisionObject* object) const;
-	/// More to see, and the ground.
+	/// Adds further drawings, and the ground.
 	virtual void decorate(const DrawChoice& /*choice*/, DrawList& /*list*/) {}
-	/// Force whose arrow is `arrowLength` long.
+	/// Force whose arrow has the length `arrowLength` [N].
 	virtual double arrowForce() const = 0;
 	virtual double arrowLength() const = 0;
 	HandPull& hand() { return m_hand; }

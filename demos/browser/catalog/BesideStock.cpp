@@ -44,7 +44,7 @@ std::vector<Figure> BesideStock::figures() const
 {
 	std::vector<Figure> all = m_ours->figures();
 	for (const Figure& f : m_stock->figures())
-		// A quotient by what stock Bullet does not have is nothing to show.
+		// A value that stock Bullet does not have is not shown.
 		if (std::isfinite(f.value)) all.push_back({f.name + kInStock, f.unit, f.value});
 	return all;
 }

@@ -7,12 +7,12 @@
 
 namespace browser
 {
-/// A demo twice, from the same start and with the same parameters: on the left Bullet's own contact answers, on the right ours. Figures are
-/// ours; those of stock Bullet follow, and nobody judges them. A device moves the hands of both, the mouse that under it.
+/// A demo in two copies, with the same start and parameters: Bullet's own contact on the left, ours on the right. The figures are ours,
+/// followed by those of Bullet, which are not judged. A device moves the hands of both; the mouse moves the hand under it.
 class BesideStock final : public BrowsableDemo
 {
 public:
-	/// `make`: of a demo that hasStockSide().
+	/// `make` makes a demo for which hasStockSide() is true.
 	explicit BesideStock(std::unique_ptr<BrowsableDemo> (*make)());
 
 	std::optional<ist::Error> prepare(const DemoOptions& options) override;
@@ -21,7 +21,7 @@ public:
 	double stepSize() const override { return m_ours->stepSize(); }
 	double duration() const override { return m_ours->duration(); }
 	double time() const override { return m_ours->time(); }
-	/// Our half.
+	/// Draws our half.
 	void draw(const DrawChoice& choice, DrawList& list) override { m_ours->draw(choice, list); }
 	Viewpoint viewpoint() const override { return m_ours->viewpoint(); }
 	DrawChoice firstChoice() const override { return m_ours->firstChoice(); }
@@ -33,7 +33,7 @@ public:
 	std::string reportJson() const override { return m_ours->reportJson(); }
 	void setContactCache(const ContactCacheChoice& contactCache) override { m_ours->setContactCache(contactCache); }
 
-	/// In our half; `halves` for the other one.
+	/// Grabs in our half; use `halves` for the other one.
 	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override { return m_ours->grab(from, direction); }
 	bool grabTool() override;
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override;
@@ -46,6 +46,6 @@ private:
 	std::unique_ptr<BrowsableDemo> m_ours, m_stock;
 };
 
-/// A demo of the catalog; `besideStock`: beside itself in stock Bullet, where that can be.
+/// Makes a demo of the catalog. `besideStock`: beside its copy in stock Bullet, if possible.
 std::unique_ptr<BrowsableDemo> makeDemo(const DemoEntry& entry, bool besideStock);
 }  // namespace browser

@@ -5,7 +5,7 @@
 #include <cctype>
 #include <sstream>
 
-// One line a demo: what makes it, its name, its group, and one sentence about it.
+// Each line is one demo: its function, name, group, and one sentence about it.
 #define BROWSER_DEMOS(demo) \
 	demo(makeHello, "hello", "First steps", "Two rings on a plane, one lying, one falling: the whole library in one file") demo( \
 		makePacking, "packing", "First steps", \

@@ -17,10 +17,10 @@ struct DemoEntry
 	std::unique_ptr<BrowsableDemo> (*make)();
 };
 
-/// All demos, in the order of the tree: groups stand together.
+/// All demos, in the order of the tree, with groups together.
 const std::vector<DemoEntry>& demoCatalog();
-/// Null when no demo is called so.
+/// The demo with this name, or null.
 const DemoEntry* findDemo(const std::string& name);
-/// Those whose name, group or description contains every word of `text`, whatever the case.
+/// Demos whose name, group or description contains every word of `text`, in upper or lower case.
 std::vector<const DemoEntry*> searchDemos(const std::string& text);
 }  // namespace browser

@@ -7,9 +7,9 @@ namespace browser
 {
 struct DemoRunOptions
 {
-	long long frames = -1;  ///< steps; negative: as many as the demo's duration takes
-	double dt = 0;          ///< [s]; 0: the demo's own step
-	/// Before the first step and after each, with the number of steps done; false ends the run.
+	long long frames = -1;  ///< number of steps; negative: as many as the demo's duration needs
+	double dt = 0;          ///< step [s]; 0: the demo's own step
+	/// Called before the first step and after each, with the number of steps done. Return false to end the run.
 	std::function<bool(long long)> afterStep;
 };
 
@@ -22,14 +22,14 @@ struct DemoOutcome
 	std::vector<std::string> report;  ///< which model answers for which pair, at the end
 	std::string reportJson;
 	long long frames = 0;
-	double dt = 0, seconds = 0;   ///< simulated [s]
-	double stepMicroseconds = 0;  ///< mean, of the machine's time
-	bool complete = false;        ///< as long as the demo's duration: only then are the figures judged
+	double dt = 0, seconds = 0;   ///< step, and simulated time [s]
+	double stepMicroseconds = 0;  ///< mean time of a step on this machine [us]
+	bool complete = false;        ///< true: the run was as long as the demo's duration; only then are the figures judged
 
 	bool ok() const;
 };
 
-/// Steps a prepared demo from its beginning.
+/// Steps a prepared demo from its start.
 ist::Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const std::string& about, const DemoRunOptions& options);
 
 std::string makeJson(const DemoOutcome& outcome);

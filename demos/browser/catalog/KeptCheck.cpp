@@ -14,7 +14,7 @@ namespace browser
 {
 namespace
 {
-/// Of a pair of bodies that are no compounds.
+/// Repeats the query of a pair of bodies that are not compounds.
 OverlapResult askAgain(const btISTContact& contact, QueryWorkspace& workspace)
 {
 	if (contact.treeB) return queryOverlap(*contact.treeA, *contact.treeB, contact.X_AB, workspace);

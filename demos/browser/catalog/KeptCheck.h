@@ -7,23 +7,24 @@
 
 namespace browser
 {
-/// Asks again, in full, what a world has kept instead of asking.
+/// Repeats as full queries what a world has taken from its contact cache, and compares.
 class KeptCheck
 {
 public:
-	/// After each step.
+	/// Checks all contacts of the world; call it after each step.
 	void look(btISTWorld& world);
 
-	/// Of each pair in each step that was kept while touching: error of the force, as a share of the larger of force and floor
-	/// (btISTContactCache). Not in order.
+	/// Error of the force for each step of each touching pair with a cached result, as a share of the larger of force and floor
+	/// (btISTContactCache). Unordered.
 	std::vector<double> errors;
-	/// Of kept pairs that had not moved: answers that are not the query's, to the last bit. Only where nothing but exact answers is kept.
+	/// Number of cached results of pairs that have not moved and that differ from the query in any bit. Counted only where the cache
+	/// keeps exact answers alone.
 	long long changed = 0;
-	/// Kept pairs that were thought apart, and touch.
+	/// Number of pairs that the cache took for separate although they touch.
 	long long missed = 0;
 	long long kept = 0;
 
-	double share(double of);  ///< percentile of the errors; 0 without any
+	double share(double of);  ///< quantile of the errors for the share `of`; 0 without any
 	double largest() { return share(1); }
 
 private:

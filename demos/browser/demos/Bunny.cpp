@@ -15,7 +15,7 @@ namespace
 {
 constexpr double kSize = 0.2, kBall = 0.025, kSoft = 2e6, kHard = 1.6e7;
 
-/// A ball presses on any body, slides over it, and stays.
+/// A ball presses on a body, slides over it, and stays.
 class Bunny : public ToolDemo
 {
 public:
@@ -27,7 +27,7 @@ public:
 		DemoOptions own = options;
 		own.spheres = 0;
 		if (auto error = makeSolid(m_ball, "ball", makeSphereMesh(kBall, 4), 800, own)) return error;
-		// How much so few spheres can say of a mesh of the user's own depends on where it is touched.
+		// The accuracy of so few spheres on a user's own mesh depends on where it is touched, so it is not judged.
 		m_foreign = !options.mesh.empty();
 		m_truth = std::make_unique<scenes::OverlapQuadrature>(m_ball->mesh, m_body->mesh);
 		findTop();
@@ -90,7 +90,7 @@ protected:
 	}
 	void afterStep(double) override
 	{
-		// At the end of the path, and from time to time after it: the integral takes longer than many steps.
+		// The integral is computed at the end of the path, and every 0.5 s after it, because it takes longer than many steps.
 		if (time() < m_nextTruth) return;
 		m_nextTruth = time() + 0.5;
 		const Vec3 truth = trueForce();
@@ -100,7 +100,7 @@ protected:
 	double arrowLength() const override { return 0.05; }
 
 private:
-	/// The body stands on the ground, and is touched at its highest vertex.
+	/// Finds the highest vertex of the standing body, where it is touched.
 	void findTop()
 	{
 		const Box box = bounds(m_body->mesh);
@@ -109,7 +109,7 @@ private:
 		for (const Vec3& p : m_body->mesh.vertices)
 			if (m_centre.y + p.y > m_top.y) m_top = m_centre + p;
 	}
-	/// By quadrature on the triangles, which knows neither spheres nor friction.
+	/// True force by quadrature on the triangles, which uses neither spheres nor friction.
 	Vec3 trueForce() const
 	{
 		const Pose X_WT = toPose(tool()->getWorldTransform()), X_TB = inverse(X_WT) * toPose(m_fixed->getWorldTransform());

@@ -10,7 +10,7 @@ namespace browser
 {
 namespace
 {
-/// A plate on the sixteen points of a crown, as in data/scenes/crown.json.
+/// A plate lies on the sixteen points of a crown, as in data/scenes/crown.json.
 class Crown : public ToolDemo
 {
 public:

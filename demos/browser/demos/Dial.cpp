@@ -18,13 +18,13 @@ namespace
 {
 constexpr double kSize = 0.2, kBall = 0.035, kStiffness = 1e7, kPi = 3.14159265358979323846;
 constexpr double kTick = 1e-3;
-constexpr int kTicksBetween = 100;                            // two poses that the quadrature judges
-constexpr int kPoses = 60, kPeriod = kPoses * kTicksBetween;  // of the ball's way
+constexpr int kTicksBetween = 100;                            // number of ticks between two poses that the quadrature judges
+constexpr int kPoses = 60, kPeriod = kPoses * kTicksBetween;  // number of such poses, and of ticks, on the ball's path
 constexpr double kFinest = 0.02, kCoarsest = 0.5;
 
-/// The dial turned: the user says what error of the force he accepts, and the library chooses how finely it asks. A ball rolls over a body,
-/// asked at 1 kHz; beside it, what every error accepted would error bound, cost and truly be, the truth being an integral over the
-/// triangles.
+/// The accuracy setting: the user chooses a tolerance, the error of the force that is accepted, and the library chooses the level of each
+/// query. A ball rolls over a body and is queried at 1 kHz. Charts show the error bound, the cost and the true error for each accepted
+/// error. The truth is an integral over the triangles.
 class Dial : public BrowsableDemo
 {
 public:
@@ -58,7 +58,7 @@ private:
 	std::vector<scenes::AccuracyPoint> m_sweep;
 	QueryWorkspace m_workspace;
 	AdaptiveLevel m_pair;
-	const BallTree* m_balls = nullptr;  // of the body, at the level that answers
+	const BallTree* m_balls = nullptr;  // balls of the body at the level that answers
 	Vec3 m_top, m_force, m_finest;      // forces for 1 Pa/m
 	double m_floor = 0, m_up = 0, m_time = 0, m_accepted = 5, m_byItself = 5;
 	int m_ticks = 0, m_judged = 0, m_held = 0;
@@ -104,7 +104,7 @@ std::optional<Error> Dial::restart()
 	return std::nullopt;
 }
 
-/// From one touch to the next: deeper and shallower, around the top of the body, rolling.
+/// Pose on a path that goes from touch to touch, deeper and shallower, rolling around the top of the body.
 Pose Dial::X_AB(int tick) const
 {
 	const double turn = 2 * kPi * tick / kPeriod, depth = 0.001 + 0.0075 * (1 + std::cos(3 * turn));
@@ -114,7 +114,8 @@ Pose Dial::X_AB(int tick) const
 	return X;
 }
 
-/// Where the dial is while nobody has taken it: leaps, as when a mouse is let go elsewhere, and one whole way from end to end.
+/// The accuracy setting over time while the user has not changed it: jumps, as from a released mouse, and one continuous sweep from end
+/// to end.
 double Dial::turned(double time)
 {
 	const double t = std::fmod(time, kPeriod * kTick);
@@ -134,7 +135,7 @@ void Dial::tick()
 	m_nowBalls = (long long)(result.ballsA->ballCount() + result.ballsB->ballCount());
 	m_balls = result.ballsA;
 	const Vec3 force = forceOf(result), finest = forceOf(queryOverlap(m_trees[0], m_trees[1], X_AB(at), m_workspace));
-	// What the leaves change by is the motion's doing; the rest is the dial's.
+	// The change of the leaves' force comes from the motion; the rest comes from the accuracy setting.
 	if (m_ticks > 0)
 		m_largestLeap = std::max(
 			m_largestLeap, norm(force - m_force - (finest - m_finest)) / std::max({norm(force), norm(m_force), m_floor}));
@@ -156,7 +157,7 @@ void Dial::step(double seconds)
 		if (curve.values.size() == 600) curve.values.erase(curve.values.begin());
 		curve.values.push_back(float(value));
 	};
-	// Until somebody takes it.
+	// The setting moves by itself until the user changes it.
 	if (m_accepted == m_byItself) m_accepted = m_byItself = turned(m_time);
 	while (m_ticks * kTick <= m_time) tick();
 	append(m_dial, m_accepted);
@@ -196,7 +197,7 @@ std::vector<scenes::Chart> Dial::charts() const
 		for (size_t i = 0; i < 4; ++i) errors.series[i].x.push_back(100 * p.accepted), errors.series[i].y.push_back(100 * percents[i]);
 		for (size_t i = 0; i < 3; ++i) cost.series[i].x.push_back(100 * p.accepted), cost.series[i].y.push_back(costs[i]);
 	}
-	// Where the dial is now.
+	// A marker shows the present setting.
 	const auto mark = [&](scenes::Chart& chart, size_t like, double value) {
 		chart.series.push_back({"", {m_accepted}, {value}, {}, true, int(like)});
 	};

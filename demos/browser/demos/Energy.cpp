@@ -12,7 +12,7 @@ namespace
 {
 constexpr int kBalls = 4;
 
-/// Bodies bounce, slide and spin until they lie; every joule has a name.
+/// Bodies bounce, slide and spin until they rest, and all energy is accounted for.
 class Energy : public WorldDemo
 {
 public:
@@ -32,7 +32,7 @@ public:
 	std::vector<Figure> figures() const override
 	{
 		const btEnergyBalance& t = m_audit->total();
-		// Nothing is made of nothing: what came in is there, or was lost by name. Single precision rounds.
+		// Energy is conserved: what came in is still there, or was lost in a known way. Single precision rounds.
 		return {{"energy that came in", "J", t.injected}, {"dissipated by contact, friction and damping", "J", t.physical},
 			{"lost to the finite step", "J", t.numerical},
 			{"unaccounted for, of what came in", "%", 100 * std::fabs(t.residual) / t.injected, 0, 0.1},

@@ -13,7 +13,7 @@ namespace
 {
 constexpr double kGravity = 9.81, kWidth = 0.2, kLength = 0.5, kBall = 0.1;
 
-/// Bodies in water, which is a plane whose pressure is that of hydrostatics.
+/// Bodies float in water, which is a plane with hydrostatic pressure.
 class Floating : public WorldDemo
 {
 public:
@@ -34,7 +34,7 @@ public:
 	{
 		const double share = m_density / scenes::kWater, exact = scenes::wallSidedTilt(std::min(share, 1 - share));
 		const Mat3 R = world().bodies()[0].X_WP().rotation;
-		// A square has four faces to lie on.
+		// A square can lie on four faces.
 		const double turned = std::atan2(R.m[1][0], R.m[0][0]), quarter = 1.5707963267948966,
 					 tilt = std::fabs(turned - quarter * std::round(turned / quarter));
 		const double ballHeight = world().bodies()[1].X_WP().translation.y, knotWeight = 600 * m_knot->tree->volume * kGravity;
@@ -66,7 +66,7 @@ protected:
 			if (i == 0) body.X_WM.rotation = rotationMatrix(quaternionFromRotationVector({0, 0, 0.05}));
 			btRigidBody* added = w.add(solids[i], std::move(body));
 			if (!added) return std::nullopt;
-			// Heave and roll, as the closed form has it.
+			// The log can only heave and roll, as the closed form assumes.
 			if (i == 0) added->setLinearFactor(btVector3(0, 1, 0)), added->setAngularFactor(btVector3(0, 0, 1));
 			added->setDamping(btScalar(i == 0 ? 0 : 0.3), btScalar(i == 0 ? 0.2 : 0.5));
 		}

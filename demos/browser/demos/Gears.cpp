@@ -15,7 +15,7 @@ namespace
 constexpr int kDriver = 14, kDriven = 21;
 constexpr double kModule = 0.01, kHalfWidth = 0.012, kSpeed = 4, kLoad = 0.6;  // [rad/s, N m]
 
-/// A gear drives another one against a load, tooth by tooth.
+/// One gear drives another against a load, tooth by tooth.
 class Gears : public WorldDemo
 {
 public:
@@ -58,7 +58,7 @@ protected:
 			setup.stiffness = 2e9;
 			setup.friction = 0;
 			setup.colour = bodyColour(i ? 0 : 1);
-			// A tooth of the one meets a gap of the other.
+			// A tooth of one gear faces a gap of the other.
 			setup.X_WM.rotation = rotationMatrix(
 				quaternionFromRotationVector({0, i ? 3.14159265358979323846 * (1 + 1.0 / kDriven) : 0, 0}));
 			setup.X_WM.translation = {i ? radii[0] : -radii[1], 0, 0};
@@ -73,7 +73,7 @@ protected:
 	}
 	void beforeStep(double h) override
 	{
-		// A motor that holds its speed, and a brake.
+		// One gear has a motor that holds its speed, the other one a brake.
 		const double inertia = 1 / double(m_bodies[0]->getInvInertiaTensorWorld()[1][1]), gain = 0.2 * inertia / h;
 		const double wanted = m_speed * std::min(1.0, 4 * time()), ahead = wanted - double(m_bodies[0]->getAngularVelocity().y());
 		m_held += 10 * ahead * gain * h;

@@ -18,8 +18,8 @@ constexpr double kGravity = 9.81, kMapEvery = 0.1;
 constexpr long long kObjectSpheres = 1500;
 const Vec3 kFingerSide{-0.12, 0, -0.05}, kThumbSide{-0.21, 0, 0.01};
 
-/// A hand of sixteen parts closes on a mug, lifts it, turns it and shakes it at 2 Hz. Beside it stands, seen from both sides, the map of
-/// where it was touched, in a colour for each finger.
+/// A hand of sixteen parts closes on a mug, lifts it, turns it and shakes it at 2 Hz. Beside it, the map of its touches is shown from
+/// both sides, with one colour per finger.
 class Grasp : public HandDemo
 {
 public:
@@ -37,7 +37,7 @@ public:
 		return std::nullopt;
 	}
 	double stepSize() const override { return 1.0 / 500; }
-	/// The mug is still in the air.
+	/// At this time the mug is still in the air.
 	double duration() const override { return GraspMotion::kRested; }
 	Viewpoint viewpoint() const override { return {{-0.08, 0.115, 0}, 0.58, -2.5, 0.22}; }
 	std::vector<Parameter> parameters() override

@@ -30,7 +30,7 @@ public:
 	std::vector<Parameter> parameters() override { return {{"mass of the upper one", "kg", &m_ratio, 1, 1e4, true, true}}; }
 	std::vector<Figure> figures() const override
 	{
-		// F = k V in flat contact: the floor's pair has twice the stiffness of the cubes'.
+		// F = k V in flat contact. The pair with the floor has twice the stiffness of the pair of cubes.
 		const double top = m_ratio * kGravity, all = top + kGravity, k = stiffness();
 		const double height = 1.5 * kEdge - all / (2 * k * kEdge * kEdge) - top / (k * kEdge * kEdge);
 		return {{"force on the floor", "N", world().contactForce(m_lower, m_floor).y, all, 0.01 * all},
@@ -60,7 +60,7 @@ protected:
 	double arrowLength() const override { return 0.6 * kEdge; }
 
 private:
-	/// Of the pair of cubes: the upper one sinks by 1 % of the edge [Pa/m].
+	/// Stiffness of the pair of cubes [Pa/m], with which the upper one sinks by 1 % of the edge.
 	double stiffness() const { return m_ratio * kGravity / (0.01 * kEdge * kEdge * kEdge); }
 
 	SolidPtr m_cube;

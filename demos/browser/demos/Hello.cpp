@@ -31,7 +31,7 @@ public:
 	}
 	std::vector<Figure> figures() const override
 	{
-		// Newton: what rests is carried.
+		// At rest the contact force equals the weight (Newton).
 		const double weight = 2 * kMass * kGravity;
 		return {{"force on the floor", "N", world().contactForce(m_lying).y - world().contactForce(m_lying, m_falling).y, weight,
 					0.01 * weight},

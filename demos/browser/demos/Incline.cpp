@@ -12,7 +12,7 @@ namespace
 {
 constexpr double kGravity = 9.81, kMass = 2, kWatched = 0.5;
 
-/// Two slabs on a slope, one rough, one smooth.
+/// Two slabs lie on a slope, one rough, one smooth.
 class Incline : public WorldDemo
 {
 public:
@@ -66,7 +66,7 @@ private:
 	double angle() const { return kDegree * m_degrees; }
 	Vec3 normal() const { return {std::sin(angle()), std::cos(angle()), 0}; }
 	Vec3 downhill() const { return {std::cos(angle()), -std::sin(angle()), 0}; }
-	/// Coulomb: g (sin - mu cos), or rest.
+	/// Acceleration by Coulomb's law: g (sin - mu cos), or 0.
 	Figure figure(const char* name, int i, double friction) const
 	{
 		const double exact = std::max(0.0, kGravity * (std::sin(angle()) - friction * std::cos(angle())));

@@ -13,7 +13,7 @@ namespace
 {
 constexpr double kSize = 0.2, kGrows = 4;
 
-/// Any mesh is filled with spheres, the largest first: every beginning of the list is a packing.
+/// A mesh is filled with spheres, the largest first. Every first part of the list is a packing.
 class Packing : public BrowsableDemo
 {
 public:
@@ -74,7 +74,7 @@ private:
 	size_t shown() const
 	{
 		const double share = std::min(1.0, m_time / kGrows);
-		// By powers, since the first ones are seen best.
+		// The number grows exponentially, because the first spheres are seen best.
 		return std::max<size_t>(1, size_t(std::pow(m_most, share) + 0.5));
 	}
 	double filled(size_t count) const
@@ -84,7 +84,7 @@ private:
 			volume += 4.18879020478639098462 * std::pow(double(m_solid->tree->spheres[i].r), 3);
 		return volume / massProperties(m_solid->mesh).volume;
 	}
-	/// Every sphere with every other and with every triangle, in double.
+	/// Checks every sphere against every other and every triangle, in double.
 	void judge()
 	{
 		m_overlapping = m_protruding = 0;
@@ -96,7 +96,7 @@ private:
 				const double reach = double(spheres[i].r) + spheres[j].r;
 				m_overlapping += squaredNorm(spheres[i].center() - spheres[j].center()) < reach * reach;
 			}
-		// A sample where the product would take seconds.
+		// Only a sample is checked where all pairs would take seconds.
 		const size_t stride = std::max<size_t>(1, count * triangles / 4000000);
 		for (size_t i = 0; i < count; i += stride)
 		{

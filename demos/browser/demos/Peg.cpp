@@ -12,7 +12,7 @@ namespace
 {
 constexpr double kGravity = 9.81, kHole = 0.020, kOuter = 0.045, kHeight = 0.06, kPegHalf = 0.05, kDensity = 7800;
 
-/// A peg falls, tilted, through a hole that is hardly wider, and stands on the ground.
+/// A peg falls, tilted, through a hole with a small clearance, and stands on the ground.
 class Peg : public WorldDemo
 {
 public:
@@ -39,7 +39,7 @@ public:
 	std::vector<Figure> figures() const override
 	{
 		const Vec3 at = world().bodies()[1].X_WP().translation;
-		// In a hole of this height a peg may lean, and stands on its edge then.
+		// In a hole of this height a peg may lean; it then stands on its edge.
 		const double lean = kHole * 2 * clearance() / kHeight, weight = kDensity * m_peg->tree->volume * kGravity;
 		return {{"force on the peg, ground and wall together", "N", world().contactForce(m_body).y, weight, 0.02 * weight},
 			{"height of the peg's middle", "mm", 1e3 * at.y, 1e3 * (kPegHalf + 0.5 * lean), 1e3 * 0.5 * lean + 0.1},

@@ -24,13 +24,13 @@ namespace
 constexpr double kGravity = 9.81, kSize = 0.06;
 constexpr int kBodies = 20, kColumns = 3;
 constexpr long long kSpheres = 400;
-const Vec3 kInside{0.1, 0.06, 0.1};  // of the tray: half its length, its height, half its width
-constexpr double kBoard = 0.012;     // half of what its boards are thick
+const Vec3 kInside{0.1, 0.06, 0.1};  // size of the tray: half its length, its height, half its width [m]
+constexpr double kBoard = 0.012;     // half the thickness of its boards [m]
 constexpr double kLookEvery = 1.0 / 60;
 constexpr double kMeanOver = 0.5;  // [s]
-constexpr double kSinking = 0.12;  // of the hand as it lies down [m/s]
+constexpr double kSinking = 0.12;  // speed of the hand as it lies down [m/s]
 
-/// Three crossed bars with knobs at their ends.
+/// A jack: three crossed bars with knobs at their ends.
 Mesh jackMesh(double size)
 {
 	const double knob = 0.15 * size, bar = 0.1 * size, reach = 0.5 * size - knob;
@@ -58,8 +58,9 @@ Result<Mesh> graspMesh(const char* name, double size)
 	return mesh;
 }
 
-/// Skin so firm that no finger sinks into a bar of a jack as deep as its middle. The pile is chaotic: of 26 runs that differed by rounding,
-/// 5e8 Pa/m let one finger 9 mm deep and another 8.5, in a half of 8; of ten 1e9 Pa/m let none deeper than 4.3.
+/// The skin is firm enough that no finger sinks into a bar of a jack as deep as its middle. The pile is chaotic: small rounding
+/// differences change the run. In 26 such runs with 5e8 Pa/m, one finger sank 9 mm and another 8.5 mm; half a bar is 8 mm. In ten runs
+/// with 1e9 Pa/m, none sank deeper than 4.3 mm.
 BulletHandSettings firmHand()
 {
 	BulletHandSettings settings;
@@ -68,19 +69,19 @@ BulletHandSettings firmHand()
 	return settings;
 }
 
-/// Where the hand is while nothing holds it up, and whether it lies down from there until it carries what it is to press with.
+/// Position of the hand at a time. With `lies` it goes down from there until it carries the force with which it should press.
 struct Key
 {
 	double time;  ///< [s]
 	Vec3 wrist;   ///< [m]
-	double claw;  ///< 0: flat, 1: bent
-	bool lies;    ///< until the next
+	double claw;  ///< posture of the fingers: 0 flat, 1 bent
+	bool lies;    ///< true: the hand lies down until the next key
 };
 constexpr Key kKeys[] = {{0.9, {0, 0.24, 0.33}, 0, false}, {1.4, {0, 0.13, 0.1}, 0, true}, {2.3, {0, 0.13, 0.1}, 0, false},
 	{2.7, {0.02, 0.15, 0.05}, 1, false}, {3.1, {0.02, 0.115, 0.045}, 1, false}, {3.6, {0, 0.115, 0.11}, 1, false},
 	{3.9, {0, 0.14, 0.1}, 0, true}};
 
-/// The last that has begun.
+/// Index of the last key that has begun.
 size_t keyAt(double time)
 {
 	size_t i = 0;
@@ -114,7 +115,8 @@ public:
 	double duration() const override { return 6; }
 	Viewpoint viewpoint() const override { return {{0, 0.045, 0.01}, 0.5, 0.7, 0.8}; }
 	DrawChoice firstChoice() const override { return {.patches = false, .wrenches = false}; }
-	/// Exact answers alone are kept: followed to first order, one contact among thin bars was once wrong by half of its force.
+	/// Allows only exact cached results. With results that follow the motion to first order, a contact among thin bars was once wrong by
+	/// half of its force.
 	void setContactCache(const ContactCacheChoice& contactCache) override
 	{
 		HandDemo::setContactCache({contactCache.on, 0, contactCache.forceError});
@@ -154,12 +156,12 @@ private:
 	bool isInPile(const btCollisionObject* object) const { return object->getUserIndex() >= 0; }
 
 	std::vector<SolidPtr> m_kinds;
-	std::vector<std::unique_ptr<scenes::MeshDepth>> m_depths;  // of the kinds
+	std::vector<std::unique_ptr<scenes::MeshDepth>> m_depths;  // one for each kind
 	std::unique_ptr<scenes::MeshDepth> m_partDepths[kHandParts];
-	std::vector<std::pair<Vec3, Vec3>> m_boards;  // half sides and middles
+	std::vector<std::pair<Vec3, Vec3>> m_boards;  // half sides and centres
 	std::unique_ptr<btEnergyAudit> m_audit;
 	const BulletHandSettings m_settings = firmHand();
-	Vec3 m_onPile;  // impulse of tray and hand so far [N s]
+	Vec3 m_onPile;  // impulse of tray and hand on the pile so far [N s]
 	Vec3 m_onParts[kHandParts], m_byCouplings[kHandParts];
 	double m_couplingShare = 0, m_inTray = 0, m_inHand = 0, m_nextLook = 0, m_mass = 0, m_sunk = 0, m_carries = 0, m_meanCarries = 0;
 	double m_press = 20, m_friction = 0.4;
@@ -182,7 +184,7 @@ HandPosture Pile::motion(double time) const
 void Pile::addTray(DemoWorld& w)
 {
 	const double x = kInside.x, y = kInside.y, z = kInside.z, t = kBoard, high = 0.5 * y + t;
-	// The boards reach into each other, so that at their seams nothing but the inside is a surface.
+	// The boards overlap, so that their seams have no surface outside another board.
 	m_boards = {{{x + 2 * t, t, z + 2 * t}, {0, -t, 0}}, {{t, high, z + 2 * t}, {x + t, high - 2 * t, 0}},
 		{{t, high, z + 2 * t}, {-x - t, high - 2 * t, 0}}, {{x + 2 * t, high, t}, {0, high - 2 * t, z + t}},
 		{{x + 2 * t, high, t}, {0, high - 2 * t, -z - t}}};
@@ -294,8 +296,8 @@ std::vector<Figure> Pile::figures() const
 		couplings += norm(m_byCouplings[i]);
 		off += norm(m_onParts[i] + m_byCouplings[i] - toVec3(part.getLinearVelocity()) / double(part.getInvMass()));
 	}
-	// What is less deep than half of a finger (8 mm), or of a board (12 mm), has not passed through it.
-	// Newton: what tray and hand gave to the pile, less what it moves with, is its weight times the time.
+	// A body that is less deep than half of a finger (8 mm), or of a board (12 mm), has not passed through it. The impulse of tray and
+	// hand on the pile, less the pile's momentum, is its weight times the time (Newton).
 	const Vec3 carried = m_onPile - pile;
 	const btEnergyBalance& t = m_audit->total();
 	return {{"impulse that carried the pile, for weight times time", "N s", carried.y, whole, 1e-3 * whole},

@@ -15,7 +15,7 @@ constexpr double kGravity = 9.81, kDensity = 1000;
 constexpr int kSizes = 4;
 constexpr double kEdges[kSizes] = {1e-3, 1, 30, 1000};  // [m]
 
-/// The same fall in four sizes, drawn alike, with nothing set: what is similar moves alike.
+/// The same fall in four sizes, drawn at the same size, with default settings: similar bodies move alike.
 class Scales : public WorldDemo
 {
 public:
@@ -60,7 +60,7 @@ protected:
 			cube.density = kDensity;
 			cube.colour = bodyColour(int(i));
 			cube.X_WM.translation.y = (0.5 + m_height) * edge;
-			// What falls lower in its own size meets the ground faster in metres a second: dissipation is in their inverse.
+			// The impact speed grows with the root of the size. The dissipation is an inverse speed, so it is scaled inversely.
 			cube.dissipation = 5 / std::sqrt(edge);
 			m_bodies[i] = w.add(m_solids[i], std::move(cube));
 			if (!m_bodies[i]) return std::nullopt;

@@ -14,8 +14,8 @@ constexpr double kPi = 3.14159265358979323846, kGravity = 9.81, kDensity = 7800,
 constexpr double kLength = 0.1, kNut = 0.045, kClearance = 4e-4, kHead = 0.032, kHeadHeight = 0.014, kApart = 0.055;
 constexpr Thread kThread;
 
-/// Two screws in their nuts: one without friction runs down under its own weight, the other locks itself. With the default dissipation,
-/// which holds nothing back that slides along a surface, however curved.
+/// Two screws in their nuts: one without friction runs down under its own weight, the other is self-locking. The dissipation is the
+/// default one, which does not brake sliding along a surface, however curved.
 class Screw : public WorldDemo
 {
 public:
@@ -52,7 +52,7 @@ protected:
 	void afterStep(double h) override
 	{
 		if (time() < kSettling) return;
-		// Right-handed: what sinks turns about -y.
+		// The thread is right-handed: a sinking screw rotates about -y.
 		const double turning = -double(m_free->getAngularVelocity().y()), sinking = -double(m_free->getLinearVelocity().y());
 		if (m_from == 0) m_from = time(), m_start = turning;
 		m_turned += h * turning;
@@ -66,7 +66,7 @@ protected:
 
 private:
 	static constexpr double kStiffness = 4e7;  ///< [Pa/m]
-	static constexpr double kSettling = 0.15;  ///< [s] until the screws lie on their flanks
+	static constexpr double kSettling = 0.15;  ///< time until the screws lie on their flanks [s]
 
 	btRigidBody* addPair(DemoWorld& w, double x, double friction, int colour)
 	{
@@ -84,7 +84,7 @@ private:
 		thread.name = friction > 0 ? "rough screw" : "smooth screw";
 		thread.density = kDensity;
 		thread.colour = bodyColour(colour);
-		thread.X_WM.translation = {x, 2 * kThread.lead, 0};  // whole turns: the threads stand in the gaps
+		thread.X_WM.translation = {x, 2 * kThread.lead, 0};  // the shift is a number of whole turns, so the threads stand in the gaps
 		return w.add(m_screw, std::move(thread));
 	}
 

@@ -17,14 +17,14 @@ namespace
 {
 constexpr double kGravity = 9.81, kSize = 0.2, kApart = 0.32;
 
-/// Upright: from the z axis of the generators to the y axis of Bullet's shapes.
+/// Rotates a mesh so that the z axis of the generators becomes the y axis of Bullet's shapes.
 Mesh upright(Mesh mesh)
 {
 	for (Vec3& p : mesh.vertices) p = {p.x, p.z, -p.y};
 	return mesh;
 }
 
-/// The same body lies on each of Bullet's own shapes and on the ground; it may only rise and fall, so that it stays on top of a cone.
+/// The same body lies on each of Bullet's own shapes and on the ground. It can only move up and down, so that it stays on top of a cone.
 class Shapes : public WorldDemo
 {
 public:

@@ -12,7 +12,7 @@ namespace
 constexpr double kGravity = 9.81, kRing = 0.12, kTube = 0.04, kMass = 2;
 constexpr int kRings = 5;
 
-/// Rings on each other, and a knot on top: no body of the stack is convex.
+/// Rings are stacked with a knot on top: no body of the stack is convex.
 class Stack : public WorldDemo
 {
 public:

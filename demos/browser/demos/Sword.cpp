@@ -36,7 +36,7 @@ public:
 	{
 		const double weight = kDensity * m_sword->tree->volume * kGravity;
 		const Pose X_WM = world().bodies()[1].X_WP() * inverse(m_sword->X_MP);
-		const double below = scenes::SwordShape().blade - kTube;  // the guard's lower side lies on the ring
+		const double below = scenes::SwordShape().blade - kTube;  // the lower side of the guard lies on the ring
 		return {{"force of the ring", "N", world().contactForce(m_body).y, weight, 0.02 * weight},
 			{"tip below the ring", "mm", -1e3 * X_WM.translation.y, 1e3 * below, 1.5},
 			{"speed", "m/s", double(m_body->getLinearVelocity().length()), 0, 0.02}};

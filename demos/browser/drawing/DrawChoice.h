@@ -6,26 +6,26 @@
 
 namespace browser
 {
-/// Which of the things that can be shown are.
+/// Which of the possible drawings are shown.
 struct DrawChoice
 {
 	bool surfaces = true, spheres = false, sphereLevels = false, leaves = false, levels = false, lenses = false, patches = true,
 		 wrenches = true, boxes = false, frames = false, constraints = false, wireframe = false, shadows = true, ground = true;
 
-	/// Meshes must be of glass.
+	/// True when meshes must be transparent.
 	bool showsInside() const { return spheres || sphereLevels || leaves || levels || lenses; }
 };
 
-/// One of them, for people.
+/// One drawing, with its texts for the user.
 struct DrawChoiceRow
 {
 	const char* name;   ///< one word, for the command line
-	const char* label;  ///< with its key
+	const char* label;  ///< text with its key
 	bool DrawChoice::*member;
 };
 const std::vector<DrawChoiceRow>& drawChoiceRows();
 
-/// Switches on what `names` lists, separated by commas, and off what has a "no-" before its name. Returns the first that is unknown; empty:
-/// none.
+/// Switches on the drawings in `names`, which are separated by commas, and off those with "no-" before the name. Returns the first
+/// unknown name, or an empty text.
 std::string applyChoices(const std::string& names, DrawChoice& choice);
 }  // namespace browser

@@ -12,21 +12,21 @@
 
 namespace browser
 {
-/// What is to be seen, in plain structs: demos fill them in, whoever draws knows nothing of demos. World W, metres, y up.
+/// What a picture shows, in plain structs. Demos fill them in; the renderer knows nothing about demos. World W, metres, y points up.
 
-/// Triangles with a normal at each corner; edges sharper than 40 degrees stay sharp. Immutable; the address is its identity.
+/// Triangles with a normal at each corner. Edges sharper than 40 degrees stay sharp. Immutable; the address is its identity.
 struct SurfaceModel
 {
 	struct Corner
 	{
 		float position[3], normal[3];
 	};
-	std::vector<Corner> corners;  ///< three for each triangle
-	std::vector<Colour> colours;  ///< one for each corner, in place of the surface's own; or none
+	std::vector<Corner> corners;  ///< three corners for each triangle
+	std::vector<Colour> colours;  ///< one colour for each corner, which replaces the surface's own; may be empty
 	ist::Box box;
 };
 std::shared_ptr<const SurfaceModel> makeSurfaceModel(const ist::Mesh& mesh);
-/// The same with a colour for each vertex of its mesh.
+/// The same model with a colour for each vertex of its mesh.
 std::shared_ptr<const SurfaceModel> colouredModel(const SurfaceModel& model, const ist::Mesh& mesh, const std::vector<Colour>& ofVertices);
 
 /// Packed spheres, largest first, in the frame of their mesh.
@@ -35,10 +35,10 @@ struct SpheresModel
 	struct Instance
 	{
 		float x, y, z, r;
-		float shade;  ///< see shadeColour
+		float shade;  ///< shade of the sphere (shadeColour)
 	};
 	std::vector<Instance> spheres;
-	std::vector<uint8_t> levels;  ///< of each, where shades are of levels; otherwise empty
+	std::vector<uint8_t> levels;  ///< level of each sphere, if the shades show levels; otherwise empty
 };
 
 struct DrawnSurface
@@ -46,15 +46,15 @@ struct DrawnSurface
 	std::shared_ptr<const SurfaceModel> model;
 	ist::Pose X_WM;
 	Colour colour;
-	double scale = 1;    ///< of the model
-	bool glass = false;  ///< what is inside shows through
+	double scale = 1;    ///< scale of the model
+	bool glass = false;  ///< true: the inside is visible
 };
 
 struct DrawnSpheres
 {
 	std::shared_ptr<const SpheresModel> model;
 	ist::Pose X_WM;
-	size_t count = 0;  ///< of the largest
+	size_t count = 0;  ///< number of spheres, the largest first
 	double scale = 1;
 };
 
@@ -69,7 +69,7 @@ struct DrawnDisc
 struct DrawnArrow
 {
 	ist::Vec3 from, to;
-	double width = 0;  ///< of the shaft
+	double width = 0;  ///< width of the shaft
 	Colour colour;
 };
 
@@ -86,7 +86,7 @@ struct DrawnText
 	Colour colour;
 };
 
-/// What a colour in the picture means.
+/// Meaning of a colour in the picture.
 struct DrawnKey
 {
 	Colour colour;
@@ -102,16 +102,16 @@ struct DrawList
 	std::vector<DrawnLine> lines;
 	std::vector<DrawnText> texts;
 	std::vector<DrawnKey> keys;
-	bool ground = true;  ///< the plane y = groundHeight, with a grid
+	bool ground = true;  ///< true: the plane y = groundHeight is drawn, with a grid
 	double groundHeight = 0;
 	ist::Vec3 groundNormal{0, 1, 0};
 	double gridCell = 0.1;  ///< [m]
-	bool water = false;     ///< fills y < groundHeight instead
+	bool water = false;     ///< true: water fills y < groundHeight instead
 	bool wireframe = false, shadows = true;
 
-	/// A key that is not there yet.
+	/// Adds a key unless the list has it already.
 	void addKey(const Colour& colour, const std::string& text);
-	/// As if it were new; keeps its memory.
+	/// Clears the list but keeps its memory.
 	void clear();
 };
 }  // namespace browser

@@ -10,15 +10,15 @@
 
 namespace browser
 {
-/// What is drawn of the packed spheres of a body. Each colouring is made when it is first seen: by level takes 0.1 s for 10,000 spheres.
-/// One thread.
+/// Drawing data of a body's packed spheres. Each colouring is made when it is first shown; by level this takes 0.1 s for 10,000 spheres.
+/// Only one thread may use it.
 class PackedSpheres
 {
 public:
 	PackedSpheres() = default;
 	explicit PackedSpheres(std::shared_ptr<const ist::InnerSphereTree> tree) : m_tree(std::move(tree)) {}
 
-	/// Adds the first `count` of them, by level or by size as is chosen; nothing where neither is.
+	/// Adds the first `count` spheres, coloured by level or by size as chosen; adds nothing if neither is chosen.
 	void draw(const DrawChoice& choice, const ist::Pose& X_WM, DrawList& list, size_t count = SIZE_MAX) const;
 
 private:
@@ -26,11 +26,11 @@ private:
 	mutable std::shared_ptr<const SpheresModel> m_bySize, m_byLevel;
 };
 
-/// Shades from 0 for the largest radius to 1 for the smallest, by its logarithm.
+/// Shades from 0 for the largest radius to 1 for the smallest, linear in its logarithm.
 std::shared_ptr<const SpheresModel> spheresBySize(const ist::InnerSphereTree& tree);
-/// Each sphere has the shade of the coarsest level at which it leads (ist::levelsOfSpheres).
+/// Each sphere has the shade of the coarsest level that it represents (ist::levelsOfSpheres).
 std::shared_ptr<const SpheresModel> spheresByLevel(const ist::InnerSphereTree& tree);
 
-/// Says what the colours of the list's spheres mean, and which of the levels answer now.
+/// Adds keys for the colours of the list's spheres, and for the levels that answer now.
 void addSphereKeys(const std::set<int>& answering, DrawList& list);
 }  // namespace browser

@@ -41,7 +41,7 @@ Mesh gear(int teeth, double module, double halfWidth, double play)
 {
 	const double pressure = 20 * kPi / 180, pitch = 0.5 * module * teeth, base = pitch * std::cos(pressure), outer = pitch + module,
 				 root = pitch - 1.25 * module;
-	// Half of the angle that a tooth takes at a radius: the involute's polar angle grows by tan(a) - a.
+	// Half of the angle of a tooth at a radius. The involute's polar angle grows by tan(a) - a.
 	const auto involute = [&](double r) {
 		const double a = std::acos(std::min(1.0, base / r));
 		return std::tan(a) - a;

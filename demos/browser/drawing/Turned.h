@@ -8,11 +8,11 @@
 
 namespace browser
 {
-/// The closed body of revolution about y of a closed polygon in the half-plane (radius > 0, height), counter-clockwise when the radius
-/// points right and y up. Edges are divided so that no piece is longer than `piece` [m].
+/// Closed body of revolution about y. Its outline is a closed polygon in the half-plane (radius > 0, height), counter-clockwise when the
+/// radius points right and y up. Edges are divided so that no part is longer than `piece` [m].
 ist::Mesh turned(const std::vector<std::pair<double, double>>& outline, int segments, double piece);
 
-/// An involute gear about y, of pressure angle 20 degrees: `teeth` of module `module` [m], thickness `2 halfWidth`; the teeth are
-/// narrower by `play` [m] at the pitch circle. A tooth points along +x.
+/// An involute gear about y with a pressure angle of 20 degrees: `teeth` teeth of the module `module` [m], thickness `2 halfWidth`. The
+/// teeth are narrower by `play` [m] at the pitch circle. A tooth points along +x.
 ist::Mesh gear(int teeth, double module, double halfWidth, double play);
 }  // namespace browser

@@ -11,7 +11,8 @@ namespace browser
 {
 namespace
 {
-// Largest first: what would be too small even at the nearest point is a tail of the list.
+// Number of visible spheres. The list begins with the largest, so the spheres that are too small even at the nearest point are at its
+// end.
 size_t seen(const DrawnSpheres& s, size_t count, const Vec3& eye, double angle)
 {
 	const auto& balls = s.model->spheres;
@@ -24,7 +25,7 @@ size_t seen(const DrawnSpheres& s, size_t count, const Vec3& eye, double angle)
 	return size_t(end - balls.begin());
 }
 
-/// The next power of 5/4, so that a camera that moves seldom asks for another number.
+/// The next power of 5/4, so that a moving camera seldom needs another number.
 size_t roundedUp(size_t count, size_t most)
 {
 	if (count == 0) return 0;
@@ -72,8 +73,7 @@ void BallBatch::choose(const std::vector<DrawnSpheres>& bodies, const Vec3& eye,
 		}
 		if (used == m_parts.size()) m_parts.emplace_back();
 		Part& part = m_parts[used++];
-		// The last body's spheres are all in the buffer, and as many of them drawn as are wanted: a packing grows without being gathered
-		// again.
+		// The last body's spheres are all in the buffer, and only the wanted number is drawn. So a growing packing needs no new buffer.
 		const bool last = &s == &bodies.back();
 		const size_t stored = last ? s.model->spheres.size() : roundedUp(visible, wanted), drawn = last ? visible : stored;
 		if (part.model != s.model || part.count != stored)
@@ -87,7 +87,7 @@ void BallBatch::choose(const std::vector<DrawnSpheres>& bodies, const Vec3& eye,
 			for (int column = 0; column < 4; ++column)
 				m_poses.push_back(float(column < 3 ? s.scale * s.X_WM.rotation.m[row][column] : s.X_WM.translation[row]));
 	}
-	// Dropped too, so that models nobody draws can go.
+	// Old parts are removed too, so that unused models can be freed.
 	if (used < m_parts.size()) m_stale = true, m_parts.resize(used);
 	if (m_stale) gather();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-// OpenGL 3.3 core, exported by libOpenGL.
+// These are the functions of OpenGL 3.3 core, which libOpenGL exports.
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
@@ -12,7 +12,7 @@
 
 namespace browser
 {
-/// A linked pair of shaders. Needs the context in which it was made.
+/// A linked pair of shaders. It needs the context in which it was made.
 class GlProgram
 {
 public:
@@ -24,7 +24,7 @@ public:
 	GlProgram(const GlProgram&) = delete;
 	GlProgram& operator=(const GlProgram&) = delete;
 
-	/// `name` for the error's sentence.
+	/// Compiles and links the shaders. `name` appears in the error message.
 	std::optional<ist::Error> build(const char* name, const std::string& vertex, const std::string& fragment);
 	void use() const { glUseProgram(m_id); }
 	void set(const char* name, int v) const { glUniform1i(at(name), v); }
@@ -38,7 +38,7 @@ private:
 	GLuint m_id = 0;
 };
 
-/// A frame buffer of colour (optional) and depth, as textures.
+/// A frame buffer with textures for colour (optional) and depth.
 class GlTarget
 {
 public:
@@ -47,7 +47,8 @@ public:
 	GlTarget(const GlTarget&) = delete;
 	GlTarget& operator=(const GlTarget&) = delete;
 
-	/// Makes it anew when it has another size. `colourFormat`: GL_RGBA8, GL_R8, or 0 for none. `compare`: the depth is a shadow map.
+	/// Recreates the buffer when its size changes. `colourFormat` is GL_RGBA8, GL_R8, or 0 for none. `compare`: the depth is a shadow
+	/// map.
 	bool resize(int width, int height, GLenum colourFormat, bool depth, bool compare = false);
 	void bind() const
 	{

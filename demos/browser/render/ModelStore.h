@@ -16,23 +16,23 @@ class ModelStore
 {
 public:
 	~ModelStore();
-	/// Shapes of the glyphs.
+	/// Makes the shapes of the glyphs.
 	void start();
 	void drawSurface(const DrawnSurface& surface);
 	void drawDiscs(const std::vector<DrawnDisc>& discs);
 	void drawArrows(const std::vector<DrawnArrow>& arrows, float opacity);
 	void drawLines(const std::vector<DrawnLine>& lines);
-	/// Time that went into the glyphs and lines since the last call, without that of OpenGL [us].
+	/// Time for filling in glyphs and lines since the last call, without that of OpenGL [us].
 	double takeFillMicroseconds() { return std::exchange(m_fill, 0.0); }
-	/// Draw calls since the last call of this.
+	/// Number of draw calls since the last call of this method.
 	size_t takeDrawCalls() { return std::exchange(m_drawCalls, size_t(0)); }
-	/// Once a picture: drops what was not drawn in the last 300.
+	/// Removes models that were not drawn in the last 300 pictures. Call it once a picture.
 	void forgetUnused();
 
 private:
 	struct Stored
 	{
-		std::shared_ptr<const void> model;  // keeps the address from being given to another
+		std::shared_ptr<const void> model;  // keeps the address from being reused
 		GLuint array = 0, buffer = 0;
 		int unused = 0;
 	};

@@ -7,11 +7,12 @@
 
 namespace browser
 {
-/// An OpenGL 3.3 core context without window or display server (EGL, surfaceless). Current in the thread that made it, until destroyed.
+/// An OpenGL 3.3 core context without window or display server (EGL, surfaceless). It is current in the thread that made it, until it is
+/// destroyed.
 class OffscreenContext
 {
 public:
-	/// Errors: no EGL, no OpenGL 3.3; the sentence names the package to install.
+	/// Makes a context. Errors: no EGL, no OpenGL 3.3; the message names the package to install.
 	static ist::Result<std::unique_ptr<OffscreenContext>> make();
 	~OffscreenContext();
 

@@ -18,7 +18,7 @@ namespace browser
 {
 namespace
 {
-/// The light's own camera, around everything that casts a shadow.
+/// Camera of the light; it covers everything that casts a shadow.
 struct Lamp
 {
 	Vec3 toLight = normalized({0.45, 0.85, 0.30});
@@ -236,7 +236,7 @@ void Renderer::Implementation::drawGlyphs(
 	solid.set("uGlass", 0);
 	models.drawDiscs(list.discs);
 	models.drawArrows(list.arrows, 1);
-	// A force is not hidden by the body that it acts on.
+	// Arrows are drawn again where bodies hide them, because a force must be visible inside its body.
 	glDepthFunc(GL_GREATER);
 	glDepthMask(GL_FALSE);
 	models.drawArrows(list.arrows, 0.4f);

@@ -11,11 +11,11 @@ namespace browser
 {
 struct RenderQuality
 {
-	double pixels = 2;             ///< drawn for one seen, along each side
-	int shadowTaps = 12;           ///< 0: no shadows
-	int shadowSize = 2048;         ///< of the map, along each side
-	bool occlusion = true;         ///< ambient
-	double leastRadius = 1.0 / 3;  ///< of packed spheres, in drawn pixels: smaller ones are left out
+	double pixels = 2;             ///< drawn pixels per visible pixel, along each side
+	int shadowTaps = 12;           ///< number of shadow samples; 0: no shadows
+	int shadowSize = 2048;         ///< size of the shadow map, along each side
+	bool occlusion = true;         ///< ambient occlusion
+	double leastRadius = 1.0 / 3;  ///< smallest radius of packed spheres, in drawn pixels; smaller ones are not drawn
 };
 
 /// Columns of a picture, over its whole height.
@@ -26,32 +26,32 @@ struct PixelArea
 	double aspect() const { return double(width) / height; }
 };
 
-/// What drawing a picture cost, all its areas together.
+/// Cost of a picture, all its areas together.
 struct RenderCost
 {
-	double microseconds = 0;     ///< wall clock, the driver's work included where it works at once
-	double ownMicroseconds = 0;  ///< processor time of our thread for lists, culling and instances: what is not a call of OpenGL
+	double microseconds = 0;     ///< wall-clock time, including the driver's work when it is synchronous
+	double ownMicroseconds = 0;  ///< processor time of our thread for lists, culling and instances, without calls of OpenGL
 	size_t ballsDrawn = 0, ballsLeftOut = 0, drawCalls = 0;
 };
 
-/// Draws lists with OpenGL 3.3 core. Needs a current context from `make` to its end. Models stay in the memory of the graphics card while
-/// they are used, and are dropped when they were not for 300 pictures. Allocates only when a list is larger than any before.
+/// Draws lists with OpenGL 3.3 core. It needs a current context from `make` until its destruction. Models stay in the memory of the
+/// graphics card, and are removed when they were not used for 300 pictures. It allocates only when a list is larger than any before.
 class Renderer
 {
 public:
 	static ist::Result<std::unique_ptr<Renderer>> make();
 	~Renderer();
 
-	/// From here on costs are counted anew.
+	/// Resets the cost counters for a new picture.
 	void beginPicture();
-	/// Counts processor time that went into the picture elsewhere [us].
+	/// Adds processor time that the picture needed elsewhere [us].
 	void addOwnTime(double microseconds);
-	/// Into an area of the frame buffer `target` (0: the window).
+	/// Draws into an area of the frame buffer `target` (0: the window).
 	void draw(const DrawList& list, const Camera& camera, unsigned target, const PixelArea& area, const RenderQuality& quality);
 	const RenderCost& cost() const;
-	/// True when no graphics card draws: shadows and pixels are dear.
+	/// True when there is no graphics card: shadows and pixels are then expensive.
 	bool software() const;
-	/// Maker and model of what draws.
+	/// Vendor and model of the graphics device.
 	const std::string& device() const;
 
 private:
@@ -60,7 +60,7 @@ private:
 	std::unique_ptr<Implementation> m_impl;
 };
 
-/// A frame buffer to draw pictures in.
+/// A frame buffer for drawing pictures.
 class PictureTarget
 {
 public:

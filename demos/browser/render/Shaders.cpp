@@ -7,7 +7,7 @@ namespace
 {
 const std::string kHead = "#version 330 core\n";
 
-/// Light from the sky, a lamp with a shadow, a weak one from the other side. Colours come in and go out as sRGB.
+/// Light from the sky, from a lamp with a shadow, and weaker from the opposite side. Input and output colours are sRGB.
 const std::string kLight = R"(
 uniform vec3 uToLight, uEye;
 uniform mat4 uShadow;

@@ -5,14 +5,14 @@
 
 namespace browser::shaders
 {
-/// Triangles: models with one pose, or glyphs with one each.
+/// Triangles: models with one pose, or glyphs with one pose each.
 std::string solidVertex(), solidFragment(), solidShadowFragment();
-/// Balls as squares that face the eye, whose pixels find the sphere themselves.
+/// Balls as squares that face the eye; each pixel computes its intersection with the sphere.
 std::string ballVertex(), ballFragment(), ballShadowFragment();
-/// Lines of a width in pixels.
+/// Lines with a width in pixels.
 std::string lineVertex(), lineFragment();
 /// The plane with its grid, or water.
 std::string groundVertex(), groundFragment();
-/// The whole picture: background, ambient occlusion, and both put together.
+/// Passes over the whole picture: background, ambient occlusion, and the composition of both.
 std::string screenVertex(), backgroundFragment(), occlusionFragment(), composeFragment();
 }  // namespace browser::shaders

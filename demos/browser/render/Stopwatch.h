@@ -5,7 +5,7 @@
 
 namespace browser
 {
-/// Adds the processor time of this thread between its two ends to a sum [us].
+/// Adds the processor time of this thread, from construction to destruction, to a sum [us].
 class Stopwatch
 {
 public:

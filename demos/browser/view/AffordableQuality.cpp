@@ -8,11 +8,11 @@ namespace browser
 {
 namespace
 {
-// Further apart than most rungs, so that what is taken back seldom proves too slow at once.
+// The two limits differ by more than most steps of the ladder, so that a raised quality seldom proves too slow at once.
 constexpr double kTooLong = 1.0 / 12, kFast = 1.0 / 40;  // [s]
 constexpr int kPatience = 60, kMostCaution = 64;
 
-/// What is missed least goes first: pixels, and spheres that have hardly one, then shadows.
+/// Qualities from best to worst. The least visible part is reduced first: pixels, and spheres of hardly a pixel, then shadows.
 constexpr RenderQuality kLadder[] = {
 	{1, 2, 1024, false, 1.0 / 3}, {0.7, 2, 1024, false, 1}, {0.5, 1, 512, false, 1}, {0.5, 0, 512, false, 1}, {0.35, 0, 512, false, 1}};
 }  // namespace
@@ -21,9 +21,9 @@ void AffordableQuality::took(double seconds)
 {
 	m_slow = seconds > kTooLong ? m_slow + 1 : 0;
 	m_fast = seconds < kFast ? m_fast + 1 : 0;
-	// Taken back, and fast: there was time for it.
+	// The raised quality is fast enough.
 	if (m_tookBack && m_fast >= kPatience) m_caution = 1;
-	// One slow picture may be due to anything.
+	// A single slow picture may have any cause.
 	if (m_slow >= 2) turn(1);
 	else if (m_fast >= m_caution * kPatience) turn(-1);
 }

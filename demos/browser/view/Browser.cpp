@@ -16,7 +16,7 @@ namespace browser
 namespace
 {
 constexpr size_t kTimes = 240;
-constexpr double kMostSteppingShare = 0.7;  // of the time between two pictures
+constexpr double kMostSteppingShare = 0.7;  // share of the time between two pictures
 
 void keep(std::deque<float>& times, double value)
 {
@@ -33,7 +33,7 @@ Browser::Browser(Renderer& renderer, Gui& gui, const DemoOptions& options)
 	  m_options(options),
 	  m_contactCache(options.contactCache)
 {
-	// Without a graphics card pixels are dear.
+	// Pixels are expensive without a graphics card.
 	m_thrifty = renderer.software();
 	if (m_thrifty) m_quality.occlusion = false;
 }
@@ -78,7 +78,7 @@ void Browser::toggleHalves()
 {
 	if (!m_entry)
 	{
-		m_halves = !m_halves;  // of the first demo
+		m_halves = !m_halves;  // halves of the first demo
 		return;
 	}
 	if (!m_hasStockSide)
@@ -116,7 +116,7 @@ void Browser::openMesh(const std::string& path)
 	const std::string before = m_options.mesh;
 	m_options.mesh = path;
 	open("packing");
-	// One that cannot be read is not asked for again.
+	// A mesh that cannot be read is not tried again.
 	if (!m_message.empty()) m_options.mesh = before;
 }
 
@@ -176,7 +176,7 @@ void Browser::press(double x, double y, bool onCamera)
 {
 	m_mouseX = x;
 	m_mouseY = y;
-	// A second button, while a body is held, says how it is dragged.
+	// A second button changes the kind of drag while a body is held.
 	const SceneView* view = viewAt(x);
 	if (m_held || onCamera || !m_demo || !view) return;
 	const auto grip = view->demo->grab(m_camera.eye(), m_camera.ray(x, y, view->area.aspect()));
@@ -226,7 +226,7 @@ void Browser::advance(double seconds)
 	if (m_device)
 	{
 		m_touched = true;
-		// The device's workspace spans what is seen.
+		// The device's workspace is mapped to the visible area.
 		const double radius = m_device->workspaceRadius() > 0 ? m_device->workspaceRadius() : 0.1;
 		m_device->update(*m_demo, 0.3 * m_camera.viewpoint().distance / radius);
 	}
@@ -238,10 +238,10 @@ void Browser::advance(double seconds)
 		stepOnce();
 		++steps;
 		m_owed -= h;
-		if (now() - start > most) m_owed = 0;  // slower than the clock, rather than ever later
+		if (now() - start > most) m_owed = 0;  // the demo runs slower than the clock, so that no backlog builds up
 	}
 	m_stepping = now() - start;
-	// Pictures have a step more or less by turns: a mean over about a quarter of a second.
+	// The number of steps varies by one between pictures, so the rate is a mean over about a quarter of a second.
 	m_rate += std::min(1.0, 4 * seconds) * (steps / seconds - m_rate);
 	if (m_rates.size() == kTimes) m_rates.erase(m_rates.begin());
 	m_rates.push_back(float(m_rate));

@@ -13,7 +13,7 @@
 
 namespace browser
 {
-/// The keys that the browser knows, as Bullet's browser has them.
+/// The keys of the browser; they are those of Bullet's example browser.
 enum class Key
 {
 	Boxes,         ///< a
@@ -38,43 +38,46 @@ enum class Key
 	Picture        ///< F1
 };
 
-/// The whole browser, panels and all, on a demo that ran for so many seconds of its own time. No window, no display.
+/// Picture of the whole browser with its panels, for a demo that ran for so many seconds of its own time. It needs no window and no
+/// display.
 ist::Result<Picture> takeBrowserPicture(const std::string& demo, double seconds, const DemoOptions& options, int width, int height);
 
-/// The browser without its window: which demo runs, what is shown, the panels. Who owns the window, or none, feeds it with input and time.
+/// The browser without its window: the running demo, what is shown, the panels. The owner of the window, if there is one, passes input
+/// and time to it.
 class Browser
 {
 public:
 	Browser(Renderer& renderer, Gui& gui, const DemoOptions& options);
 
-	/// Takes the place of the demo before; an error leaves that one, and is shown.
+	/// Replaces the present demo. On an error that demo stays, and the error is shown.
 	void open(const std::string& name);
-	/// A mesh for the demos that take any, and the packing of it: what a file that is dropped does.
+	/// Sets the mesh of the demos that take any, and opens its packing, as when a file is dropped on the window.
 	void openMesh(const std::string& path);
 	void key(Key key);
-	/// From here on it moves what the demo has for a hand.
+	/// From now on the device moves the demo's hand.
 	void use(std::unique_ptr<DeviceHand> device) { m_device = std::move(device); }
-	/// Mouse on the scene: shares of the scene's width and height, from its upper left corner. `turns`: the modifier is held.
+	/// Mouse events on the scene. x and y are shares of the scene's width and height, from its upper left corner. `turns`: the modifier
+	/// key is held.
 	void press(double x, double y, bool onCamera);
 	void drag(double x, double y, bool turns, bool pans, bool zooms);
 	void releaseMouse();
 	void wheel(double notches) { m_camera.zoom(notches); }
 
-	/// Steps the demo by so many seconds of the wall clock, at its own speed, and no longer than the picture may take.
+	/// Steps the demo by so many seconds of the wall clock, at its own speed. It stops early when a picture would take too long.
 	void advance(double seconds);
-	/// Scene and panels, between the Gui's `begin` and `end`.
+	/// Draws scene and panels. Call it between `begin` and `end` of the Gui.
 	void draw(unsigned target, int width, int height);
 
 	/// Left edge and width of the scene in the picture [pixels].
 	double sceneLeft() const { return m_sceneLeft; }
 	double sceneWidth() const { return m_sceneWidth; }
-	/// True once when F1 was pressed.
+	/// True once after F1 was pressed.
 	bool wantsPicture();
-	/// As well as it can be drawn, however long that takes.
+	/// Draws in the best quality, however long that takes.
 	void beautiful() { m_thrifty = false, m_quality = {}; }
 	bool paused() const { return m_paused; }
 	const BrowsableDemo* demo() const { return m_demo.get(); }
-	/// What went wrong, for as long as it matters: what could not be opened, a device that does not answer. Empty: nothing.
+	/// The present problem: a file that could not be opened, or a device that does not answer. Empty: none.
 	std::string message() const;
 	DrawChoice& choice() { return m_choice; }
 	Camera& camera() { return m_camera; }
@@ -92,7 +95,7 @@ private:
 	RenderQuality quality() const;
 	bool start(const DemoEntry& entry);
 	void toggleHalves();
-	/// The view under a share of the width of the scene, which becomes that of the view; null before the first picture.
+	/// The view at `x`, a share of the scene's width. `x` becomes a share of the view's width. Null before the first picture.
 	const SceneView* viewAt(double& x) const;
 	double viewAspect() const { return m_views.empty() ? 1 : m_views.front().area.aspect(); }
 
@@ -108,8 +111,8 @@ private:
 	std::vector<SceneView> m_views;
 	RenderQuality m_quality;
 	AffordableQuality m_affordable;
-	bool m_thrifty = false;  // as good as can be afforded, but for the occlusion, which the user chooses
-	double m_stepping = 0;   // of the time between the last two pictures [s]
+	bool m_thrifty = false;  // true: quality follows the computer's speed, except for the occlusion, which the user chooses
+	double m_stepping = 0;   // time for stepping between the last two pictures [s]
 	std::string m_message;
 	char m_search[64] = {};
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;
@@ -118,7 +121,7 @@ private:
 	bool m_halves = false, m_hasStockSide = false;
 	bool m_paused = false, m_panels = true, m_profile = false, m_noSleep = true, m_held = false, m_touched = false, m_wantsPicture = false;
 	std::deque<float> m_stepTimes, m_frameTimes;  // [us, ms]
-	std::vector<float> m_rates;                   // steps in a second of the wall clock, for each picture
+	std::vector<float> m_rates;                   // steps per second of the wall clock, for each picture
 	double m_rate = 0;
 };
 }  // namespace browser

@@ -13,7 +13,7 @@ namespace
 {
 const ImVec4 kGood{0.0f, 0.45f, 0.33f, 1}, kBad{0.78f, 0.25f, 0.0f, 1}, kQuiet{0.42f, 0.45f, 0.50f, 1};
 
-/// Error bars over the line that ImGui has just drawn between two values.
+/// Draws error bars over the line that ImGui has just drawn between two values.
 void drawErrorBars(const Curve& curve, float least, float most)
 {
 	const float pad = ImGui::GetStyle().FramePadding.x, tall = ImGui::GetStyle().FramePadding.y;
@@ -32,7 +32,7 @@ void drawErrorBars(const Curve& curve, float least, float most)
 	}
 }
 
-/// Range, newest value and line of a curve, with its error bars.
+/// Draws range, newest value and line of a curve, with its error bars.
 void plot(const Curve& curve, float height)
 {
 	if (curve.values.size() < 2) return;
@@ -59,7 +59,7 @@ void plot(const Curve& curve, float height)
 	ImGui::PopItemWidth();
 }
 
-/// How often times fell into each of some equal parts of their range.
+/// Draws a histogram of times, with bins of equal width.
 void histogram(const char* name, const char* unit, const std::deque<float>& times, float height)
 {
 	if (times.size() < 10) return;
@@ -160,7 +160,7 @@ void Browser::drawParameters()
 void Browser::drawFigures()
 {
 	if (!m_demo || !ImGui::CollapsingHeader("Numbers", ImGuiTreeNodeFlags_DefaultOpen)) return;
-	// What a hand has moved is no longer what the closed form is of.
+	// After a hand has moved bodies, the closed form no longer applies.
 	const bool final = !m_touched && m_demo->time() >= m_demo->duration() - 1e-9;
 	for (const Figure& f : m_demo->figures())
 	{

@@ -18,7 +18,7 @@ ist::Result<Picture> takeBrowserPicture(const std::string& demo, double seconds,
 	browser.beautiful();
 	while (browser.demo()->time() < seconds) browser.key(Key::Step);
 	browser.key(Key::Pause);
-	// Windows are laid out in the first pictures and at rest from then on.
+	// ImGui lays its windows out in the first pictures; after that they stay.
 	for (int i = 0; i < 3; ++i)
 	{
 		gui.beginOffscreen(width, height);

@@ -25,7 +25,7 @@ ImU32 colourOf(const scenes::Chart& chart, size_t i)
 	return IM_COL32(c >> 16 & 255, c >> 8 & 255, c & 255, 255);
 }
 
-/// Ticks as far apart as their words need.
+/// Draws a grid whose ticks are as far apart as their labels need.
 void drawGrid(ImDrawList& to, const scenes::ChartAxes& axes, const Rectangle& r)
 {
 	const float line = ImGui::GetTextLineHeight();

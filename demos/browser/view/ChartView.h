@@ -9,7 +9,7 @@ struct ImDrawList;
 
 namespace browser
 {
-/// A column of charts at the right edge of a rectangle [pixels], on a pale ground. Between the Gui's `begin` and `end`. Nothing is drawn
-/// where there is no room to read it.
+/// Draws a column of charts at the right edge of a rectangle [pixels], on a pale background. Call it between `begin` and `end` of the
+/// Gui. Charts that would be too small to read are not drawn.
 void drawCharts(ImDrawList& to, const std::vector<scenes::Chart>& charts, double left, double top, double width, double height);
 }  // namespace browser

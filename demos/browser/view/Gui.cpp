@@ -97,8 +97,8 @@ namespace
 {
 constexpr int kMostMoves = 12;
 
-/// Where a label of this size goes whose lower left corner is wanted at `at`: there, or above those that are in its way. None where that
-/// would be far off.
+/// Position for a label of this size whose lower left corner should be at `at`: there, or above the labels in its way. Returns nothing
+/// when that would be too far away.
 std::optional<ImVec2> freePlace(ImVec2 at, const ImVec2& size, const std::vector<ImRect>& taken)
 {
 	for (int moves = 0; moves <= kMostMoves; ++moves)

@@ -8,21 +8,22 @@ struct ImDrawList;
 
 namespace browser
 {
-/// Dear ImGui on OpenGL 3.3: context, colours, a font that is readable at the display's density. One at a time; needs a current context.
+/// Dear ImGui on OpenGL 3.3: context, colours, and a font that is readable at the display's density. Only one may exist; it needs a
+/// current context.
 class Gui
 {
 public:
-	/// `density`: pixels for one of a display of 96 to the inch.
+	/// `density` is the number of pixels for one pixel of a display with 96 pixels per inch.
 	explicit Gui(double density);
 	~Gui();
 	Gui(const Gui&) = delete;
 	Gui& operator=(const Gui&) = delete;
 
-	/// Begins a picture without a window behind it.
+	/// Begins a picture without a window.
 	void beginOffscreen(int width, int height);
-	/// Begins a picture; who owns the window has told ImGui of its size and input.
+	/// Begins a picture in a window, whose owner has passed its size and input to ImGui.
 	void begin();
-	/// Draws what was said since `begin`, over what is in the frame buffer.
+	/// Draws the panels since `begin` over the contents of the frame buffer.
 	void end(unsigned target, int width, int height);
 	double density() const { return m_density; }
 
@@ -30,6 +31,6 @@ private:
 	double m_density;
 };
 
-/// Texts of a list where the camera sees their places, within an area of the picture.
+/// Draws the texts of a list at their positions in the picture, within an area.
 void drawTexts(ImDrawList& to, const DrawList& list, const Camera& camera, const PixelArea& area);
 }  // namespace browser

@@ -12,7 +12,7 @@ namespace browser
 {
 struct Photographer::Implementation
 {
-	// Destroyed from below: the context last.
+	// Members are destroyed in reverse order, so the context is destroyed last.
 	std::unique_ptr<OffscreenContext> context;
 	std::unique_ptr<Renderer> renderer;
 	std::unique_ptr<PictureTarget> target;

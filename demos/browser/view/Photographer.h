@@ -12,14 +12,14 @@ namespace browser
 class Photographer
 {
 public:
-	/// Errors: no OpenGL 3.3, or a size that is not between 16 and 8192 pixels.
+	/// Makes a photographer. Errors: no OpenGL 3.3, or a size that is not between 16 and 8192 pixels.
 	static ist::Result<std::unique_ptr<Photographer>> make(int width, int height);
 	~Photographer();
 
-	/// As the demo first shows itself, from its own viewpoint. `texts`: with forces and titles in words.
+	/// Takes a picture with the demo's first choice and viewpoint. `texts`: with forces and titles as text.
 	Picture take(BrowsableDemo& demo, bool texts = true);
 	Picture take(BrowsableDemo& demo, const DrawChoice& choice, const Viewpoint& view, bool texts);
-	/// Maker and model of what draws.
+	/// Vendor and model of the graphics device.
 	const std::string& device() const;
 
 private:

@@ -49,7 +49,7 @@ std::vector<SceneView> sceneViews(BrowsableDemo& demo, const PixelArea& area)
 	std::vector<SceneView> views;
 	const int count = int(halves.size());
 	for (int i = 0; i < count; ++i)
-		// Alike in size, so that the renderer keeps its buffers; where the width is odd they share a column.
+		// All views have the same size, so that the renderer keeps its buffers. If the width is odd, they share a column.
 		views.push_back({halves[size_t(i)].demo, halves[size_t(i)].title,
 			{area.left + i * area.width / count, (area.width + count - 1) / count, area.height}});
 	return views;

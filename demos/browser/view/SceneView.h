@@ -9,7 +9,7 @@
 
 namespace browser
 {
-/// Where a demo, or one of its halves, is seen.
+/// The area in which a demo, or one of its halves, is shown.
 struct SceneView
 {
 	BrowsableDemo* demo = nullptr;  ///< null: an empty scene
@@ -17,14 +17,14 @@ struct SceneView
 	PixelArea area;
 };
 
-/// One view for the whole area, or one for each half of the demo, alike in size.
+/// One view for the whole area, or one of equal size for each half of the demo.
 std::vector<SceneView> sceneViews(BrowsableDemo& demo, const PixelArea& area);
 
 /// Draws the views of a demo with one camera.
 class ScenePainter
 {
 public:
-	/// `texts`: with forces and titles in words, which go to the background of the picture that ImGui has begun.
+	/// Draws the views. `texts`: with forces and titles as text, on the background of the picture that ImGui has begun.
 	void paint(const std::vector<SceneView>& views, const DrawChoice& choice, const Camera& camera, Renderer& renderer, unsigned target,
 		const RenderQuality& quality, bool texts);
 

@@ -24,7 +24,7 @@ std::string lastGlfwError()
 	return text ? text : "no reason given";
 }
 
-/// GLFW itself, the window and its context, given back in the right order.
+/// The GLFW library, the window and its context, released in the right order.
 struct GlfwWindow
 {
 	bool begun = false;
@@ -54,7 +54,7 @@ bool isDown(GLFWwindow* window, int left, int right)
 	return glfwGetKey(window, left) == GLFW_PRESS || glfwGetKey(window, right) == GLFW_PRESS;
 }
 
-/// The cursor in shares of the scene.
+/// Position of the cursor, as shares of the scene's size.
 void cursorInScene(GLFWwindow* window, double& x, double& y)
 {
 	int width = 1, height = 1, pixels = 1, ignored = 1;
@@ -173,7 +173,7 @@ void loop(GLFWwindow* window, Browser& browser, Gui& gui, const WindowOptions& o
 		const double time = glfwGetTime();
 		browser.advance(time - last);
 		last = time;
-		// X11 leaves a minimised window its size, others take it away.
+		// X11 keeps the size of a minimised window; other systems set it to zero.
 		const bool minimised = width <= 0 || height <= 0 || glfwGetWindowAttrib(window, GLFW_ICONIFIED);
 		if (options.beforePicture) options.beforePicture(minimised);
 		if (minimised)
@@ -204,7 +204,7 @@ std::optional<ist::Error> openWindow(const WindowOptions& options)
 	Gui gui(static_cast<double>(density));
 	Browser browser(*renderer.value(), gui, options.demo);
 	glfwSetWindowUserPointer(glfw.window, &browser);
-	// ImGui calls those that were there before its own.
+	// ImGui calls these callbacks before its own.
 	glfwSetKeyCallback(glfw.window, onKey);
 	glfwSetMouseButtonCallback(glfw.window, onButton);
 	glfwSetCursorPosCallback(glfw.window, onMove);
