@@ -48,7 +48,7 @@ void fill(btISTContact& contact, const ist::OverlapResult& found)
 	contact.constants.k = kStiffness;
 }
 
-/// A on the half-space { n . x <= offset } of its mesh frame.
+/// Contact of A with the half-space { n . x <= offset } of its mesh frame.
 btISTContact onHalfSpace(const std::shared_ptr<const ist::InnerSphereTree>& tree, const Vec3& n, double offset, const ist::Pose& X_WA)
 {
 	ist::QueryWorkspace workspace;
@@ -94,7 +94,7 @@ ist::Pose moved(const ist::Pose& X, const Vec3& about, const Vec3& shift, const 
 }
 }  // namespace
 
-// The wrench of the whole query about A's centre of mass, carried to the patch's point by hand.
+// The oracle is the wrench of the whole query about A's centre of mass, transformed by hand to the patch's point.
 TEST(ContactLaw, WrenchIsTheModelsOwnAboutTheCentroid)
 {
 	std::mt19937_64 random(1);
@@ -114,9 +114,9 @@ TEST(ContactLaw, WrenchIsTheModelsOwnAboutTheCentroid)
 	}
 }
 
-// Flat face on a half-space, in the closed form of an elastic foundation: k A along the normal, k I about the axes in the face,
-// nothing else. The face reaches 1 m x 1 m. The slope of the force ripples with the layers of leaves below the face: the mean over some
-// depths is held to 5 %, each to 15 %.
+// A flat face on a half-space follows the closed form of an elastic foundation: k A along the normal, k I about the axes in the face, and
+// zero otherwise. The face is 1 m x 1 m. The slope of the force ripples with the layers of leaves below the face. The mean over some
+// depths must be within 5 %, each value within 15 %.
 TEST(ContactLaw, CubeOnAHalfSpaceIsAnElasticFoundation)
 {
 	std::mt19937_64 random(2);
@@ -142,7 +142,7 @@ TEST(ContactLaw, CubeOnAHalfSpaceIsAnElasticFoundation)
 	for (double share : {normal, turning[0], turning[1]}) EXPECT_NEAR(share, 1, 0.05);
 }
 
-// Where it is positive definite the stiffness is the derivative of the model's own wrench: along and about the axes of a flat face.
+// Where the stiffness is positive definite, it is the derivative of the model's own wrench: along and about the axes of a flat face.
 TEST(ContactLaw, StiffnessIsTheSlopeOfTheModelsOwnWrench)
 {
 	std::mt19937_64 random(3);
@@ -167,13 +167,13 @@ TEST(ContactLaw, StiffnessIsTheSlopeOfTheModelsOwnWrench)
 		EXPECT_NEAR(quadratic(patch.stiffness, n, {}), linear, 0.02 * linear);
 		const ist::Wrench left = wrenchAt(moved(X_WA, c, {}, -step * t), c), right = wrenchAt(moved(X_WA, c, {}, step * t), c);
 		const double angular = dot(left.torque - right.torque, t) / (2 * step);
-		// The dropped geometric term: the force times the depth of the centroid.
+		// The geometric term, which the stiffness leaves out, is the force times the depth of the centroid.
 		const double geometric = norm(patch.wrench.force) * depth;
 		EXPECT_NEAR(quadratic(patch.stiffness, {}, t), angular, 0.02 * angular + geometric);
 	}
 }
 
-// Against the sum over the pairs of a query, each along its own normal w, for random twists: d k sum dd L (w . (v + spin x r))^2.
+// The oracle is the sum over the pairs of a query, each along its own normal w, for random twists: d k sum dd L (w . (v + spin x r))^2.
 TEST(ContactLaw, DampingIsTheIntegralOfThePressureTimesTheSquaredApproach)
 {
 	std::mt19937_64 random(4);
@@ -208,7 +208,7 @@ TEST(ContactLaw, DampingIsTheIntegralOfThePressureTimesTheSquaredApproach)
 	}
 }
 
-// Where all pairs press in one direction, the damping is that of the whole force.
+// When all pairs press in one direction, the damping is that of the whole force.
 TEST(ContactLaw, FlatContactIsDampedByTheDissipationTimesTheForce)
 {
 	std::mt19937_64 random(5);
@@ -229,8 +229,8 @@ TEST(ContactLaw, FlatContactIsDampedByTheDissipationTimesTheForce)
 	}
 }
 
-// The forces of a ball's own field pass through its centre: spinning about it in whatever it lies, it is not held back. Of one normal for
-// the whole patch it would be, by a third of what a fall at the speed of its surface meets.
+// The forces of a ball's own field pass through its centre, so a ball that spins about it is not braked by any body around it. With one
+// normal for the whole patch it would be braked: by a third of the damping of a fall at the speed of its surface.
 TEST(ContactLaw, BallThatTurnsInPlaceIsNotDamped)
 {
 	constexpr double kRadius = 0.5;
@@ -255,14 +255,14 @@ TEST(ContactLaw, BallThatTurnsInPlaceIsNotDamped)
 		const Vec3 toPoint = patch.point - X_WA * ball->origin, spin = X_WA.rotation * Vec3{1 / kRadius, 0, 0};
 		const double fall = quadratic(patch.damping, patch.normal, {});
 		EXPECT_GT(fall, 0.5 * 3 * norm(patch.wrench.force)) << "else there is nothing to compare with";
-		// The square of what the leaves' normals err by, 2.5 degrees.
+		// This is the square of the error of the leaves' normals, 2.5 degrees.
 		EXPECT_LT(quadratic(patch.damping, cross(spin, toPoint), spin), 0.002 * fall);
 	}
 }
 
 TEST(ContactLaw, FrictionRadiusIsTheLeverOfADiscAndOfABall)
 {
-	// Exact: Int p rho dA / (a Int p dA). 2/3 under the flat end of a cylinder, 8/15 under a ball.
+	// The exact values of Int p rho dA / (a Int p dA) are 2/3 under the flat end of a cylinder and 8/15 under a ball.
 	const double a = 0.5, depth = 0.1;
 	const auto cylinder = build(ist::makeCylinderMesh(a, 0.3, 96), 1000);
 	btContactPatch patch;

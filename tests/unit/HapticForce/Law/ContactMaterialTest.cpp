@@ -21,7 +21,7 @@
 
 namespace
 {
-/// Two dynamic bodies of 2 and 4 kg, whose inverses are exact, with trees of which only volume and gap count.
+/// Two dynamic bodies of 2 and 4 kg, whose inverse masses are exact. Only volume and gap of their trees are used.
 struct Pair : ::testing::Test
 {
 	btEmptyShape shape;
@@ -92,7 +92,7 @@ TEST_F(Pair, NoStiffnessLetsTheHeavierBodySinkByTheGapWithinBoundsOfTheSmallerSi
 	EXPECT_NEAR(decide().k, 4 * 1.62 / (0.001 * 0.04), 1e-6);
 }
 
-// Else a sheet of a millimetre and a square metre would be pressed to half of its thickness.
+// Without this limit a sheet of 1 mm and 1 m^2 would be pressed to half of its thickness.
 TEST_F(Pair, NothingSinksByMoreThanATwentiethOfTheThinnerBody)
 {
 	auto sheet = std::make_shared<ist::InnerSphereTree>(*contact.treeA);
@@ -118,7 +118,7 @@ TEST_F(Pair, FollowsTheGravityOfAWorld)
 	world.bullet().setGravity(btVector3(3, 4, 0));
 	EXPECT_NEAR(decide().load, 4 * 5, 1e-4);
 	world.bullet().setGravity(btVector3(0, 0, 0));
-	EXPECT_NEAR(decide().load, 4 * 9.81, 1e-4);  // that of the world when it was followed
+	EXPECT_NEAR(decide().load, 4 * 9.81, 1e-4);  // the world's gravity at the time when it was followed
 	world.bullet().setGravity(btVector3(0, 0, -2));
 	table.followGravity(nullptr);
 	world.bullet().setGravity(btVector3(0, 0, -7));
@@ -214,7 +214,7 @@ TEST_F(Pair, RefusesWhatNoStepWouldHold)
 	EXPECT_FALSE(table.set(&ground, btContactMaterial::fluid(kDensest)));
 }
 
-// What is accepted does not throw bodies about: they fall by a twentieth of their size and stay.
+// Accepted values do not throw bodies about: the boxes fall by a twentieth of their size and stay.
 TEST(btContactMaterialTable, BoxesRestOnAPlaneAtTheBounds)
 {
 	using Table = btContactMaterialTable;

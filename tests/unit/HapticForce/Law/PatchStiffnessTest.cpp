@@ -40,7 +40,7 @@ Pose turnedBy(const Vec3& rotation, const Vec3& translation)
 	return {rotationMatrix(quaternionFromRotationVector(rotation)), translation};
 }
 
-/// Rotations in units of the contact's length, so that all entries are N/m.
+/// The matrix with rotations in units of the contact's length, so that all entries are in N/m.
 Matrix6 scaled(const SymmetricMatrix6& K, double length)
 {
 	Matrix6 r;
@@ -55,8 +55,8 @@ Matrix6 positivePart(const Matrix6& a)
 	return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// -d(wrench on A about the point c)/d(motion of A about c), by central differences of the query's own wrench; A's axes, moments and
-/// rotations in units of `length`.
+/// Computes -d(wrench on A about the point c)/d(motion of A about c) by central differences of the query's own wrench. Axes are A's;
+/// moments and rotations are in units of `length`.
 Matrix6 byDifferences(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const PressurePair& pair, const Vec3& c,
 	double length, double step, QueryWorkspace& workspace)
 {
@@ -70,7 +70,7 @@ Matrix6 byDifferences(const InnerSphereTree& A, const InnerSphereTree& B, const 
 			const double amount = side == 0 ? -step : step;
 			(column < 3 ? shift : spin)[column % 3] = column < 3 ? amount : amount / length;
 			const Mat3 R = rotationMatrix(quaternionFromRotationVector(spin));
-			const Pose moved{R, c + shift - R * c};  // of A's frame in its former one
+			const Pose moved{R, c + shift - R * c};  // pose of A's frame in its former frame
 			const Wrench w = pressureWrench(queryOverlap(A, B, inverse(moved) * X_AB, workspace).total, pair);
 			const Vec3 force = R * w.force, origin = moved * A.origin;
 			const Vec3 torque = R * w.torque + cross(origin - c, force);
@@ -81,7 +81,7 @@ Matrix6 byDifferences(const InnerSphereTree& A, const InnerSphereTree& B, const 
 	return K;
 }
 
-/// From A's origin to the point c, both in A's axes.
+/// Transforms K from A's origin to the point c = `arm`; all in A's axes.
 Matrix6 aboutPoint(const SymmetricMatrix6& K, const Vec3& arm)
 {
 	Matrix6 original, T = Matrix6::Identity();
@@ -91,7 +91,7 @@ Matrix6 aboutPoint(const SymmetricMatrix6& K, const Vec3& arm)
 	return T.transpose() * original * T;
 }
 
-/// Relative errors of the projected stiffness over random poses of 1 to 10 % overlap.
+/// Relative errors of the projected stiffness over random poses with 1 to 10 % overlap.
 std::vector<double> errors(const InnerSphereTree& A, const InnerSphereTree& B, double reach, double weightA, uint64_t seed, int count)
 {
 	std::mt19937_64 random(seed);
@@ -129,7 +129,7 @@ void expectTenPercentInTheMedian(const char* name, const InnerSphereTree& A, con
 	}
 }
 
-/// A face of 1 m^2, and what is wider.
+/// A box with a face of 1 m^2; the slab below is wider.
 const InnerSphereTree& flatBox()
 {
 	static const InnerSphereTree tree = built(makeBoxMesh({0.5, 0.5, 0.5}), 2000);
@@ -143,8 +143,8 @@ const InnerSphereTree& flatSlab()
 }
 }  // namespace
 
-// Oracle: the model's own wrench at displaced poses. What the solver is given is the positive semidefinite part. Beyond a tenth of the
-// body the forces of turned surfaces outweigh those of changed depth, and the median rises (box 0.2 at 10 to 30 %, torus 0.3).
+// The oracle is the model's own wrench at displaced poses. The solver receives its positive semidefinite part. Beyond 10 % overlap the
+// rotation of the surfaces changes the force more than the depth does, and the median error rises (box 0.2 at 10 to 30 %, torus 0.3).
 TEST(PatchStiffness, IsThePositivePartOfTheSlopeOfTheWrench)
 {
 	const InnerSphereTree box = built(makeBoxMesh({0.5, 0.4, 0.3}), 1000), torus = built(makeTorusMesh(0.5, 0.2, 48, 24), 1000);
@@ -152,9 +152,10 @@ TEST(PatchStiffness, IsThePositivePartOfTheSlopeOfTheWrench)
 	expectTenPercentInTheMedian("torus on box", torus, box, 0.8);
 }
 
-// Flat on a half-space, and flat on a slab that is wider, whose field has all the weight: k A along the normal, from two mean gaps on (two
-// and a half where both have gaps: at two the leaves still show, by 11 %). With half the weight on the box's own field,
-// that one loses what lies nearer to the box's sides: (1 - 2 depth)^2 of a face of 1 m^2.
+// A box lies flat on a half-space, and flat on a wider slab whose field has all the weight: the stiffness is k A along the normal. This
+// holds from a depth of two mean gaps. Where both bodies have gaps it holds from two and a half; at two the leaves still show an error of
+// 11 %. With half the weight on the box's own field, that field loses what is nearer to the box's sides: (1 - 2 depth)^2 of a face of 1
+// m^2.
 TEST(PatchStiffness, FlatContactHasStiffnessTimesArea)
 {
 	const InnerSphereTree &box = flatBox(), &slab = flatSlab();
@@ -176,7 +177,8 @@ TEST(PatchStiffness, FlatContactHasStiffnessTimesArea)
 	}
 }
 
-// Where a face still shows its leaves, force and stiffness are one: what is not k A is in the model's force, not in how its slope is found.
+// Where the leaves of a face show, force and stiffness still agree: the difference from k A is in the model's force, not in the
+// computation of its slope.
 TEST(PatchStiffness, FlatContactHasTheSlopeOfItsForceAtEveryDepth)
 {
 	const InnerSphereTree &box = flatBox(), &slab = flatSlab();

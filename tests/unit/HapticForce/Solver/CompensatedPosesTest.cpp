@@ -26,7 +26,7 @@ struct Drifting
 		body.setWorldTransform(btTransform(btQuaternion(btVector3(1, 2, 3).normalized(), btScalar(0.7)), toBullet(place)));
 		body.setWorldArrayIndex(3);
 	}
-	/// As Bullet's world does it.
+	/// Integrates like Bullet's world.
 	void integrate()
 	{
 		poses.settle(body, double(btScalar(kStep)), step++);
@@ -38,7 +38,7 @@ struct Drifting
 };
 }  // namespace
 
-// A hundredth of a rounding a step: Bullet alone does not move at all.
+// The motion is 1 % of a rounding a step, so that the body of Bullet alone never moves.
 TEST(btCompensatedPoses, MotionsFarBelowARoundingArrive)
 {
 	const ist::Vec3 start{1e3, -2e3, 5e2};
@@ -63,8 +63,8 @@ TEST(btCompensatedPoses, MotionsFarBelowARoundingArrive)
 		EXPECT_GT(std::fabs(wanted[i]), 10 * kEpsilon * std::fabs(start[i])) << i;
 		EXPECT_NEAR(went[i], wanted[i], kEpsilon * std::fabs(start[i])) << i;
 		EXPECT_NEAR(went[i] + lacking.linear[i], wanted[i], 1e-3 * std::fabs(wanted[i])) << i;
-		// In double, each of the 50 or 100 jumps that a turn comes in is told to a rounding: a random walk of 7 to 10 of them. Lost would
-		// be 50 or 100.
+		// In double, the rotation comes in 50 or 100 jumps, and each of them is known to a rounding. Their errors are a random walk of 7
+		// to 10 roundings. Without compensation 50 or 100 would be lost.
 		EXPECT_NEAR(0.5 * angle[i] + lacking.angular[i], time * spin[i], (sizeof(btScalar) == 8 ? 10 : 0.2) * kEpsilon) << i;
 		EXPECT_LT(std::fabs(lacking.angular[i]), 4 * kEpsilon) << i;
 	}

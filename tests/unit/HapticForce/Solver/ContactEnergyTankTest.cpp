@@ -7,7 +7,7 @@
 
 namespace
 {
-/// A point mass meets a wall along `normal` at `speed`; an impulse of `size` [N s] acts on it.
+/// A point mass meets a wall with the normal `normal` at `speed`. An impulse of `size` [N s] acts on it.
 btEnergyTankPatch pointMass(const ist::Vec3& normal, double mass, double speed, double size)
 {
 	btEnergyTankPatch p;
@@ -26,7 +26,7 @@ double kinetic(double mass, const btEnergyTankPatch& p, double share)
 }
 }  // namespace
 
-// The oracle is the kinetic energy of the mass itself.
+// The oracle is the kinetic energy of the mass.
 TEST(btContactEnergyTank, ShareReturnsExactlyWhatIsStored)
 {
 	std::mt19937_64 random(3);
@@ -53,10 +53,10 @@ TEST(btContactEnergyTank, ShareReturnsExactlyWhatIsStored)
 TEST(btContactEnergyTank, EntersTheWorkAndNeverGoesBelowZero)
 {
 	btISTContactEnergyTank tank;
-	btEnergyTankPatch p = pointMass({0, 1, 0}, 2, 3, 6);  // stops it
+	btEnergyTankPatch p = pointMass({0, 1, 0}, 2, 3, 6);  // this impulse stops the mass
 	EXPECT_NEAR(btContactEnergyTank::enter(tank, &p, 1, 0.01), -9, 1e-12);
 	EXPECT_NEAR(tank.stored, 9, 1e-12);
-	p = pointMass({0, 1, 0}, 2, 0, 4);  // sends it away at 2 m/s
+	p = pointMass({0, 1, 0}, 2, 0, 4);  // this impulse sends it away at 2 m/s
 	EXPECT_NEAR(btContactEnergyTank::enter(tank, &p, 1, 0.01), 4, 1e-12);
 	EXPECT_NEAR(tank.stored, 5, 1e-12);
 	p = pointMass({0, 1, 0}, 2, 0, 8);
@@ -64,7 +64,7 @@ TEST(btContactEnergyTank, EntersTheWorkAndNeverGoesBelowZero)
 	EXPECT_EQ(tank.stored, 0);
 }
 
-// What friction took is heat.
+// Energy that friction has dissipated is heat, and is not stored.
 TEST(btContactEnergyTank, DoesNotStoreWhatFrictionTook)
 {
 	btISTContactEnergyTank tank;

@@ -15,7 +15,7 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 constexpr double kStep = 1.0 / 60;
 
-/// Random bodies and patches; what cannot move has index -1.
+/// Random bodies and patches. Immovable bodies have the index -1.
 struct Scene
 {
 	std::vector<btVolumetricRowBody> bodies;
@@ -52,7 +52,7 @@ struct Scene
 		free.push_back({vector(speed), vector(speed)});
 		return int(bodies.size()) - 1;
 	}
-	/// A patch of `points` springs within 20 cm and 15 degrees of its normal, each pressed in a little.
+	/// Adds a patch of `points` springs within 20 cm and 15 degrees of its normal, each slightly compressed.
 	void addContact(int a, int b, double stiffness, double friction, int points = 6)
 	{
 		Contact c{{}, a, b, {}, friction};
@@ -84,7 +84,7 @@ struct Scene
 		return solver.solve(free.data());
 	}
 
-	// The rest is plain dynamics, written without the solver's square roots.
+	// The rest of the class is plain dynamics, without the solver's square roots.
 	Mat6 jacobian(const Contact& c, int body) const
 	{
 		const ist::Vec3 r = c.patch.point - bodies[size_t(body)].center;
@@ -139,7 +139,7 @@ struct Scene
 		}
 		return A.fullPivLu().solve(right);
 	}
-	/// Twists of the bodies after the impulses that the solver reports.
+	/// Twists of the bodies after the impulses that the solver returns.
 	std::vector<Vec6> after(const btIslandBlockSolver& solver) const
 	{
 		std::vector<Vec6> v;
@@ -176,7 +176,7 @@ Scene randomScene(uint64_t seed, double friction, double stiffness, double maxSp
 }
 }  // namespace
 
-// The oracle knows only which patches push: it solves for their impulses in a dense system (L_i + S_i sum W_ij L_j = push_i - S_i u_i).
+// The oracle uses only which patches push. It solves for their impulses in a dense system (L_i + S_i sum W_ij L_j = push_i - S_i u_i).
 // Every patch that the solver left out must pull when it is added.
 TEST(btIslandBlockSolver, AgreesWithADenseSolutionWithoutFriction)
 {
@@ -211,13 +211,14 @@ TEST(btIslandBlockSolver, AgreesWithADenseSolutionWithoutFriction)
 	}
 	EXPECT_GT(pushing, 100);
 	EXPECT_GT(idle, 20);
-	// With some random patches no choice of pushing ones is consistent; the solver then leaves one out rather than let one pull.
+	// For some sets of random patches no choice of pushing ones is consistent. The solver then leaves one patch out, so that no patch
+	// pulls.
 	EXPECT_LE(missed, idle / 10) << idle;
 }
 
 namespace
 {
-/// Bodies on top of each other, pushed sideways at up to `maxSpeed`.
+/// Bodies on top of each other, with sideways speeds of up to `maxSpeed`.
 Scene stackScene(uint64_t seed, double maxSpeed)
 {
 	Scene scene(seed, maxSpeed);
@@ -248,7 +249,7 @@ struct FrictionCount
 	int sticking = 0, sliding = 0, undecided = 0;
 };
 
-/// Within its limit friction leaves no slip; at the limit it acts against the slip.
+/// Checks Coulomb's law: within its limit friction leaves no slip; at the limit it acts against the slip.
 void expectCoulomb(const Scene& scene, uint64_t seed, FrictionCount& count)
 {
 	btIslandBlockSolver solver;
@@ -268,7 +269,7 @@ void expectCoulomb(const Scene& scene, uint64_t seed, FrictionCount& count)
 		const ist::Wrench got = solver.impulse(int(k));
 		const Eigen::Vector3d n = Scene::eigen(c.patch.normal);
 		const Vec6 friction = Scene::vec(got.force, got.torque) - (scene.push(c) - scene.S(c) * u);
-		// In the units of force: along the surface, and the moment about the normal over the radius.
+		// Both are in units of force: the part along the surface, and the moment about the normal over the friction radius.
 		Eigen::Vector4d lambda, slip;
 		lambda << friction.head<3>() - n * n.dot(friction.head<3>()), n.dot(friction.tail<3>()) / c.patch.frictionRadius;
 		slip << u.head<3>() - n * n.dot(u.head<3>()), n.dot(u.tail<3>()) * c.patch.frictionRadius;
@@ -293,11 +294,11 @@ TEST(btIslandBlockSolver, FrictionInStacksSticksOrSlidesAsCoulombSays)
 	for (uint64_t seed = 1; seed <= 60; ++seed) expectCoulomb(stackScene(seed, seed % 2 ? 1 : 0.02), seed, count);
 	EXPECT_GT(count.sticking, 50);
 	EXPECT_GT(count.sliding, 50);
-	// Where sweeps no longer halve the change, what they would still find is left to the next step.
+	// Where sweeps no longer halve the change, the rest is left to the next step.
 	EXPECT_LE(count.undecided, 2);
 }
 
-// Friction that begins where it ended is there at once, and where it was.
+// A solve that starts with the converged friction ends at once, with the same result.
 TEST(btIslandBlockSolver, FrictionStartsWhereItIsTold)
 {
 	int compared = 0;
@@ -325,7 +326,7 @@ TEST(btIslandBlockSolver, FrictionStartsWhereItIsTold)
 	EXPECT_GT(compared, 5);
 }
 
-// Bodies jammed between several patches that push them about: the sweeps do not always reach the end.
+// These bodies are jammed between several patches that push them about, so the sweeps do not always converge.
 TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 {
 	FrictionCount count;
@@ -335,7 +336,8 @@ TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 	EXPECT_LE(count.undecided, 4);
 }
 
-// Where sweeps end too early, friction still stays within the limit of the normal impulse, and that goes with the motion which comes out.
+// When sweeps end too early, friction is still within the limit of the normal impulse, and the normal impulse belongs to the resulting
+// motion.
 TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
 {
 	int undecided = 0;
@@ -367,7 +369,7 @@ TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
 
 namespace
 {
-/// Ten bodies that press on one from all sides through two patches each, as the parts of a hand do.
+/// Ten bodies press on one from all sides through two patches each, like the parts of a hand.
 Scene heldScene(uint64_t seed)
 {
 	Scene scene(seed, 0.05);
@@ -387,7 +389,7 @@ Scene heldScene(uint64_t seed)
 			patch.point = scene.bodies[size_t(held)].center - 0.4 * inwards + scene.vector(0.1);
 			patch.normal = normalized(scene.vector(0.1) - inwards);
 			patch.wrench.force = scene.uniform(0.5, 2) * patch.normal;
-			// What pushes the part inwards holds the patch as deep as it is.
+			// This velocity pushes the part inwards, so that the depth of the patch stays.
 			scene.free[size_t(part)].linear = scene.free[size_t(part)].linear - kStep / 0.2 * patch.wrench.force;
 			patch.frictionRadius = 0.04;
 			for (int axis = 0; axis < 3; ++axis)
@@ -401,8 +403,7 @@ Scene heldScene(uint64_t seed)
 }
 }  // namespace
 
-// Twenty patches share one load, two on each part: sweeps alone come closer by a ten-thousandth each time, and reach the end in none of
-// these scenes.
+// Twenty patches share one load, two on each part. Sweeps alone reduce the error by 1e-4 each time, and converge in none of these scenes.
 TEST(btIslandBlockSolver, FrictionOfWhatIsHeldIsFoundWhereSweepsAloneWouldCreep)
 {
 	FrictionCount count;
@@ -414,7 +415,7 @@ TEST(btIslandBlockSolver, FrictionOfWhatIsHeldIsFoundWhereSweepsAloneWouldCreep)
 
 namespace
 {
-/// A body of 1 kg on the ground, under one of ten tons, with a patch at each corner of its bottom and of its top.
+/// A body of 1 kg on the ground, under a body of 10,000 kg, with a patch at each corner of its bottom and of its top.
 Scene squeezedScene(uint64_t seed)
 {
 	constexpr double kMass = 1e4, kSinkage = 0.01;
@@ -447,7 +448,7 @@ Scene squeezedScene(uint64_t seed)
 }
 }  // namespace
 
-// A part in a billion of what is pressed from below and above would throw the light body about.
+// An error of 1e-9 of the forces from below and above would throw the light body about.
 TEST(btIslandBlockSolver, LightBodyUnderAHeavyOneMovesAsItsImpulsesSay)
 {
 	for (uint64_t seed = 1; seed <= 40; ++seed)
@@ -493,7 +494,7 @@ TEST(btIslandBlockSolver, AgreesWithARowOnOnePatch)
 	}
 }
 
-// Weight in equilibrium: the bottom carries all of it, whatever the ratio of the masses.
+// The weight is in equilibrium: the bottom carries all of it, at any ratio of the masses.
 TEST(btIslandBlockSolver, StackCarriesItsWeightAtAnyMassRatio)
 {
 	for (const double top : {1.0, 1e2, 1e4, 1e6})
@@ -529,8 +530,8 @@ TEST(btIslandBlockSolver, StackCarriesItsWeightAtAnyMassRatio)
 		}
 }
 
-// Neither what a hand holds, all fingers around one body, nor a stack has an envelope of more than the blocks of its bodies and of its
-// pairs.
+// The envelope contains only the blocks of the bodies and of their pairs. This holds for one body held by all fingers of a hand, and for
+// a stack.
 TEST(btIslandBlockSolver, StarsAndStacksFillNothingIn)
 {
 	for (const int bodies : {3, 17})

@@ -33,7 +33,7 @@ Vector product(const Matrix& a, const Vector& x)
 	return y;
 }
 
-/// Gauss with partial pivoting.
+/// Gaussian elimination with partial pivoting.
 Vector solved(Matrix a, Vector b)
 {
 	const size_t n = b.size();
@@ -75,7 +75,7 @@ struct Random
 	}
 };
 
-/// G G^T of a random 6 x rank matrix.
+/// Matrix G G^T of a random 6 x rank matrix G.
 ist::SymmetricMatrix6 positive(Random& random, int rank, double size)
 {
 	double g[6][6];
@@ -100,7 +100,7 @@ btVolumetricRowBody randomBody(Random& random, const Vec3& near)
 	return body;
 }
 
-/// Change of the relative twist at `point` for an impulse there, by Newton and Euler, one column at a time.
+/// Change of the relative twist at `point` for an impulse there, by Newton's and Euler's equations, one column at a time.
 Matrix responseOf(const btVolumetricRowBody& A, const btVolumetricRowBody& B, const Vec3& point)
 {
 	Matrix W = zeros(6);
@@ -148,7 +148,7 @@ struct Problem
 			for (int j = 0; j < 6; ++j) S[size_t(i)][size_t(j)] = h * h * patch.stiffness(i, j) + h * patch.damping(i, j);
 		return S;
 	}
-	/// (I + S W) L = h w0 - S u
+	/// Solves (I + S W) L = h w0 - S u.
 	Vector direct(const Vector& u) const
 	{
 		const Matrix S = softness();
@@ -161,7 +161,7 @@ struct Problem
 	}
 };
 
-/// Visits the row until nothing changes, feeding its impulse back through the response; the relative twist at the end.
+/// Visits the row until nothing changes, with the response of its impulse. Returns the relative twist at the end.
 Vector iterate(btVolumetricRow& row, const Problem& p, const Vector& u, int visits = 20)
 {
 	const Matrix W = p.response();
@@ -182,7 +182,7 @@ Vector randomTwist(uint64_t seed, double size)
 	return u;
 }
 
-/// A flat contact without friction radius trickery: normal y, two unit bodies centred on the point's normal.
+/// A flat contact with the normal y and the given friction radius. The two unit bodies are centred on the line of the normal.
 Problem sliding(double radius)
 {
 	Problem p(1);
@@ -233,15 +233,16 @@ TEST(VolumetricRow, NeverPulls)
 		u[0] += 20 * p.patch.normal.x, u[1] += 20 * p.patch.normal.y, u[2] += 20 * p.patch.normal.z;
 		iterate(row, p, u);
 		EXPECT_GE(row.normalImpulse(), 0);
-		// Parting at 20 m/s: released.
+		// The bodies separate at 20 m/s, so the contact is released.
 		EXPECT_LT(norm(row.impulse().force) + norm(row.impulse().torque), 1e-12) << seed;
 	}
 }
 
-// One body on a spring and damper along the normal: steps of h approach the closed form m x'' = -k x - c x' as h does.
+// One body on a spring and damper along the normal: with steps of h the result approaches the closed form m x'' = -k x - c x' linearly in
+// h.
 TEST(VolumetricRow, SmallStepsFollowTheDampedSpring)
 {
-	const double k = 400, c = 4, x0 = -0.1, end = 0.05;  // released at x0 < 0, that is inside
+	const double k = 400, c = 4, x0 = -0.1, end = 0.05;  // released at x0 < 0, which is inside
 	const double w = std::sqrt(k - c * c / 4);
 	const double expected = std::exp(-c / 2 * end) * x0 * (std::cos(w * end) + c / 2 / w * std::sin(w * end));
 	double error[2];
@@ -335,7 +336,7 @@ TEST(VolumetricRow, StaysFiniteAndInBoundsInHardCases)
 			}
 }
 
-// The limit of an infinitely stiff spring along the normal: the step ends with the penetration gone, u = w0 / (h K).
+// For an infinitely stiff spring along the normal, the step ends with the penetration gone: u = w0 / (h K).
 TEST(VolumetricRow, HugeStiffnessGivesTheVelocityThatLeavesInOneStep)
 {
 	Problem p = sliding(0.1);

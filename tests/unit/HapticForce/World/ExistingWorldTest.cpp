@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// btISTWorld on the world of a game.
+// Tests of btISTWorld on the world of a game.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
@@ -48,7 +48,7 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return tree;
 }
 
-/// A game as there are many: it knows nothing of us.
+/// A typical game, which does not use this library.
 struct Game
 {
 	btDefaultCollisionConfiguration configuration;
@@ -96,7 +96,7 @@ struct Game
 	}
 };
 
-/// Every coordinate of every body, in each of 150 steps of a pile of all sorts that falls onto the floor and hangs on joints.
+/// Every coordinate of every body in each of 150 steps. A pile of various bodies falls onto the floor and hangs on joints.
 std::vector<btScalar> motionOfAPile(Kind kind, bool withUs, unsigned order)
 {
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
@@ -134,7 +134,7 @@ std::vector<btScalar> motionOfAPile(Kind kind, bool withUs, unsigned order)
 	return motion;
 }
 
-/// Mean of what the contact store says a cube on a plane gets, over its weight.
+/// Mean contact force on a cube on a plane from the contact store, divided by its weight.
 double carriedShare(Game& game, btISTWorld& ist, const btRigidBody& cube)
 {
 	game.step(240);
@@ -161,7 +161,7 @@ TEST(ExistingWorld, MovesBitForBitAsBeforeWhileNothingIsAttached)
 		}
 }
 
-// The cube is let go 1 mm above the floor, and once it rests carries its weight; afterwards the game has back what it had.
+// The cube is released 1 mm above the floor, and carries its weight when it rests. Afterwards the game has its former solver and tables.
 TEST(ExistingWorld, ThreeLinesMakeItVolumetricAndTheEndPutsEverythingBack)
 {
 	for (const Kind kind : kKinds)
@@ -247,7 +247,7 @@ TEST(ExistingWorld, TakesAndGivesBackTheSettingsOfTheSolver)
 	EXPECT_EQ(before.getRandSeed(), 78u);
 }
 
-// A sanitizer tells whether the world's own solver is freed, and once.
+// A sanitizer detects whether the world's own solver is freed exactly once.
 TEST(ExistingWorld, LeavesTheSolverThatTheGameChoseMeanwhile)
 {
 	btSequentialImpulseConstraintSolver another;
@@ -321,7 +321,7 @@ TEST(ExistingWorld, AttachesAnAssetByItsPath)
 	std::filesystem::remove(path);
 }
 
-// Whichever goes first: the game moves as with one btISTWorld alone.
+// Whichever is destroyed first, the game moves as with one btISTWorld alone.
 TEST(ExistingWorld, ASecondOneIsRefusedInWordsAndLeavesTheFirstAsItIs)
 {
 	enum Second
@@ -371,7 +371,7 @@ TEST(ExistingWorld, ASecondOneIsRefusedInWordsAndLeavesTheFirstAsItIs)
 		game.step(60);
 		other.reset();
 		EXPECT_EQ(game.world->getConstraintSolver(), before);
-		// The game may have another one when the first is gone.
+		// The game may have another btISTWorld after the first is destroyed.
 		btISTWorld third(*game.world);
 		EXPECT_EQ(third.solverRefusal(), "");
 		EXPECT_NE(game.world->getConstraintSolver(), before);

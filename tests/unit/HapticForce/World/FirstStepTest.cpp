@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the first step of a volumetric world takes from the thread that makes it: pages, which a test can count, in place of time.
+// Cost of the first step of a volumetric world in its thread. It is measured in page faults, which a test can count, instead of time.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"

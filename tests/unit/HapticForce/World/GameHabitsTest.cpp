@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What games do with their worlds works with trees as it does without: each world is run twice, and Bullet's own is the oracle.
+// Common uses of Bullet's worlds must work with trees too. Each world is run twice, with and without trees; Bullet alone is the oracle.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -30,7 +30,7 @@ btTransform at(double x, double y, double z)
 	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
 }
 
-/// A world with a ground whose top is y = 0, and a cube of 1 m, which has a tree where `trees`.
+/// A world with a ground whose top is y = 0, and a cube of 1 m, which has a tree if `trees`.
 struct Game
 {
 	btDefaultCollisionConfiguration configuration;
@@ -129,10 +129,10 @@ TEST(GameHabits, GroundWhoseAxesHaveDriftedCarries)
 	};
 	const double straight = settled(true, 1);
 	EXPECT_GT(straight, 0.45);
-	// The first is what some 30 s of a turntable make of a matrix in floats. What is put right is half a metre high.
+	// The first value is the error of a float matrix after 30 s on a turntable. The stretched ground is half a metre high.
 	for (const double stretch : {1.00006, 1.0002, 1.004, 1.02})
 		EXPECT_NEAR(settled(true, stretch), straight - 0.5 * (stretch - 1), 1e-3) << stretch;
-	// No rigid body's.
+	// A matrix with this stretch is not that of a rigid body, so Bullet's own contact answers.
 	EXPECT_EQ(settled(true, 1.2), settled(false, 1.2));
 }
 
@@ -202,7 +202,7 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 	btConvexHullShape wide = boxHull({5, 0.5, 5});
 	btBoxShape flat(btVector3(0.5, btScalar(0.1), 0.5));
 	btSphereShape ball(btScalar(0.3));
-	// In Bullet alone only between shapes of one type.
+	// Bullet alone supports this change only between shapes of one type.
 	for (const bool trees : {false, true})
 		EXPECT_NEAR(settled(trees, [&](Game&, btRigidBody& b) { b.setCollisionShape(&flat); }), 0.1, 0.04) << trees << ": the cube flat";
 	btStaticPlaneShape plane(btVector3(0, 1, 0), btScalar(0.5));
@@ -230,7 +230,7 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 			0.3, 0.04)
 			<< "a ball";
 	}
-	// Back on its tree, and no longer on Bullet's box.
+	// The cube rests on its tree again, and no longer on Bullet's box.
 	Game game(true);
 	game.ground();
 	btRigidBody& body = game.cube();
@@ -244,7 +244,7 @@ TEST(GameHabits, BodiesMayGetOtherShapes)
 	EXPECT_GT(game.ist.contacts().contacts().at(0)->total.volume, 0);
 }
 
-// A plane takes all the weight; another tree in its place must not.
+// A plane takes all the weight; another tree in its place must not do so.
 TEST(GameHabits, APlaneMayBecomeABodyWithATree)
 {
 	double weight[2];
@@ -288,7 +288,7 @@ TEST(GameHabits, AScaledBodyIsVolumetricAgainAtItsSizeWhateverElseIsAttachedMean
 	EXPECT_GT(game.ist.contacts().contacts().at(0)->total.volume, 0);
 }
 
-// A box whose tree does not speak for it is no closed form either.
+// A box whose tree is not valid for its scaling must not be used in closed form either.
 TEST(GameHabits, APairThatWasMadeWhileABodyWasScaledIsItsTreesLater)
 {
 	Game game(true);
@@ -319,7 +319,7 @@ struct OwnResult : btManifoldResult
 	}
 };
 
-/// As Bullet's, with a result of the game's.
+/// A near callback like Bullet's, with a result of the game's own class.
 void ownNearCallback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info)
 {
 	auto* a = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
@@ -359,14 +359,14 @@ TEST(GameHabits, EachContactPointIsAnnouncedInEachStep)
 		game.run(10);
 		const CountedEvents events;
 		game.run(60);
-		// Bullet has four points under a box, as has a patch.
+		// Bullet has four points under a box, as a patch has.
 		EXPECT_EQ(processed, 240) << trees;
 	}
 }
 
 TEST(GameHabits, TheGamesOwnRuleOfFrictionHolds)
 {
-	// As the game's rule says, and as the bodies say where there is no rule.
+	// Friction follows the game's rule; without a rule it follows the bodies.
 	double speed[2];
 	const auto usual = gCalculateCombinedFrictionCallback;
 	for (const bool rule : {false, true})
@@ -411,7 +411,7 @@ TEST(GameHabits, ShapesMayGoOneAfterTheOtherBeforeTheirBodies)
 	EXPECT_EQ(game.ist.contacts().contacts().size(), 0U);
 }
 
-// Bullet's controller acts only on depths of more than its threshold.
+// Bullet's controller reacts only to depths beyond its threshold.
 TEST(GameHabits, ACharacterComesOutOfABodyThatItIsIn)
 {
 	double place[2];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Queries of several pairs side by side: btISTRegistration::setQueryThreads.
+// Tests of queries in several threads: btISTRegistration::setQueryThreads.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -40,7 +40,7 @@ struct Settings
 	double maxError = 0, forceError = 0;
 	bool contactCache = true;
 	int memories = 0;
-	int refuseEvery = 0;  ///< the game's callback leaves out every so many pairs
+	int refuseEvery = 0;  ///< the game's callback leaves out every pair whose number is a multiple of this; 0: none
 };
 
 int g_refuseEvery = 0, g_met = 0;
@@ -82,7 +82,7 @@ public:
 		m_world.materials().remove(m_bodies.back().get());
 		m_bodies.pop_back();
 	}
-	/// Beside each other, flat on the block and apart.
+	/// Adds a row of cubes, flat on the block and apart from each other.
 	void addRow(int cubes)
 	{
 		for (int i = 0; i < cubes; ++i) add(m_cube, 20, {btScalar(0.7 * (i % 4) - 1), btScalar(0.249), btScalar(0.7 * (i / 4) - 1)}, 0);
@@ -104,7 +104,7 @@ private:
 		if (mass > 0) shape.calculateLocalInertia(mass, inertia);
 		m_bodies.push_back(std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, &shape, inertia)));
 		m_bodies.back()->setWorldTransform(btTransform(btQuaternion(btVector3(1, 1, 0).normalized(), turn), at));
-		// Soft, so that queries are long enough to be shared.
+		// The bodies are soft, so that queries are long enough to be shared.
 		if (mass > 0)
 		{
 			EXPECT_FALSE(m_world.materials().set(m_bodies.back().get(), {kSoft, -1}));
@@ -119,14 +119,14 @@ private:
 	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
 };
 
-/// All poses after each of so many steps, and how many queries were shared.
+/// All poses after each step, and the numbers of queries.
 struct Motion
 {
 	std::vector<std::vector<btTransform>> poses;
-	std::vector<double> errors;  ///< error bars of the force, contact by contact [N]
+	std::vector<double> errors;  ///< error bars of the force, one for each contact [N]
 	int64_t shared = 0, byOthers = 0;
 	uint64_t asked = 0, kept = 0;
-	size_t inTime = 0;  ///< steps before the first in which somebody was late
+	size_t inTime = 0;  ///< number of steps before the first one in which a thread was late
 };
 Motion motionOf(const Settings& settings, int steps)
 {
@@ -191,7 +191,7 @@ TEST(QueryThreads, WithMemoriesAStepIsTheSameBitForBitAsLongAsNobodyIsLate)
 	Settings plain, few, sparing;
 	plain.contactCache = few.contactCache = false;
 	plain.memories = sparing.memories = 64;
-	few.memories = 3;  // they go from pair to pair
+	few.memories = 3;  // fewer lists than pairs, so that lists move between pairs
 	for (Settings settings : {plain, few, sparing})
 	{
 		settings.threads = 1;
@@ -212,7 +212,7 @@ TEST(QueryThreads, WithMemoriesAStepIsTheSameBitForBitAsLongAsNobodyIsLate)
 
 namespace
 {
-/// What all pairs remember, number by number.
+/// All numbers in the pairs' Verlet lists.
 std::vector<double> memoryOf(const btISTContactStore& store)
 {
 	std::vector<double> all;
@@ -238,8 +238,8 @@ struct Hold
 	std::vector<std::vector<btTransform>> poses;
 	int64_t shared = 0;
 };
-/// Cubes in a row, the one whose turn is first held where it is, though it would slide; it sleeps for a step, and wakes; later another
-/// error is accepted.
+/// Cubes in a row. The one that is queried first is held in place, although it would slide. It sleeps for one step, and wakes. Later
+/// another force error is accepted.
 Hold holdOf(const Settings& settings)
 {
 	constexpr int kSleeps = 20, kDials = 40, kSteps = 60;
@@ -316,7 +316,7 @@ TEST(QueryThreads, ASteadyStepAllocatesNothing)
 	settings.contactCache = false;
 	Heap heap(settings);
 	for (int i = 0; i < 120; ++i) heap.step();
-	// Bullet's own pools grow now and then; ours must not: the fewest of several steps.
+	// Bullet's own pools grow now and then, but ours must not. Therefore the smallest count of several steps is used.
 	long least = 1000000;
 	int shared = 0;
 	for (int i = 0; i < 10; ++i)

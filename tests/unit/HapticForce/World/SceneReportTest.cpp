@@ -26,7 +26,7 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return tree;
 }
 
-/// Cubes with trees, each on another floor of its own; they lie 5 m apart.
+/// Cubes with trees, 5 m apart, each on its own kind of floor.
 struct Row
 {
 	btISTWorld world;
@@ -141,7 +141,7 @@ TEST(btISTSceneReport, ForceIsTheWeightOfWhatRestsAndSleepersKeepTheirs)
 	EXPECT_LE(report.pairs[0].cost.asked + report.pairs[0].cost.cached(), before);
 }
 
-// The deepest depth stays in the report when the bodies have come apart again, so that it can be read after a fall.
+// The largest depth stays in the report after the bodies have separated, so that it can be read after a fall.
 TEST(btISTSceneReport, SaysHowStiffAPairIsByWhichRuleAndHowDeepItWas)
 {
 	Row row;
@@ -161,13 +161,13 @@ TEST(btISTSceneReport, SaysHowStiffAPairIsByWhichRuleAndHowDeepItWas)
 	}
 	ASSERT_TRUE(onGround && onFloor);
 	EXPECT_EQ(onGround->stiffnessRule, btISTStiffnessRule::PileLoad);
-	EXPECT_NEAR(onGround->k, 3 * 9.81 / (.005 * 1), .01 * onGround->k);  // both weights, half a per cent of the edge
+	EXPECT_NEAR(onGround->k, 3 * 9.81 / (.005 * 1), .01 * onGround->k);  // k carries both weights at 0.5 % of the edge
 	EXPECT_GT(onGround->depth, 0);
 	EXPECT_LT(onGround->depth, .02);
-	EXPECT_GE(onGround->deepest * .333, .99 * onGround->depth);  // a cube is 2 V / A = a third of its edge thick
+	EXPECT_GE(onGround->deepest * .333, .99 * onGround->depth);  // thickness of a cube: 2 V / A, a third of its edge
 	EXPECT_EQ(onFloor->stiffnessRule, btISTStiffnessRule::Given);
 	EXPECT_EQ(onFloor->k, 3e4);
-	EXPECT_NEAR(onFloor->deepest, .1 / .333, .06);  // where it began
+	EXPECT_NEAR(onFloor->deepest, .1 / .333, .06);  // depth at the start
 
 	const nlohmann::json json = nlohmann::json::parse(report.json());
 	bool found = false;
@@ -259,7 +259,8 @@ TEST(btISTSceneReport, NothingIsAskedOfTwoThatCannotMove)
 	EXPECT_EQ(row.world.contacts().cost().asked, 10u) << "of the one that moves with both, in five steps";
 }
 
-// Neither a bound nor a gate nor another look: as much work as the leaves' sums take.
+// The world must query exactly once, without computing an error bound, inner overlap or another level: its work is that of the leaves'
+// sums.
 TEST(btISTSceneReport, AWorldAsksForNothingThatNobodyReads)
 {
 	Row row;
@@ -358,7 +359,7 @@ TEST(btISTSceneReport, JsonIsUtf8WhateverTheNames)
 		const auto json = nlohmann::json::parse(row.report().json());
 		EXPECT_TRUE(json["pairs"][0]["a"] == expected || json["pairs"][0]["b"] == expected) << json.dump();
 	}
-	// Any bytes at all: nlohmann's parser refuses what is no UTF-8.
+	// The names are arbitrary bytes, and nlohmann's parser refuses text that is not UTF-8.
 	uint32_t seed = 1;
 	for (int i = 0; i < 2000; ++i)
 	{

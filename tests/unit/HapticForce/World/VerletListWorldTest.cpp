@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pairs that remember their leaves: btISTRegistration::setVerletLists.
+// Tests of pairs with Verlet lists: btISTRegistration::setVerletLists.
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -15,7 +15,7 @@
 
 namespace
 {
-constexpr double kSoft = 3e4;  // a cube sinks in by 5 cm, so that many leaves meet [Pa/m]
+constexpr double kSoft = 3e4;  // stiffness with which a cube sinks by 5 cm, so that many leaves intersect [Pa/m]
 
 std::shared_ptr<const ist::InnerSphereTree> cubeTree(double side, int spheres)
 {
@@ -46,9 +46,9 @@ public:
 	{
 		for (const auto& body : m_bodies) m_world.bullet().removeRigidBody(body.get());
 	}
-	/// A block without a tree in the middle of the table's top.
+	/// Adds a block without a tree in the middle of the table's top.
 	void addClosedForm() { add(m_bare, 0, {0, btScalar(-0.4), 0}, 0); }
-	/// The cubes get another tree.
+	/// Gives the cubes another tree.
 	void exchangeTrees(const std::shared_ptr<const ist::InnerSphereTree>& tree)
 	{
 		m_attachments.pop_back();
@@ -83,7 +83,7 @@ int remembering(Row& row)
 	return int(std::count_if(contacts.begin(), contacts.end(), [](const btISTContact* contact) { return contact->memory != nullptr; }));
 }
 
-/// The bodies that move of those pairs.
+/// Moving bodies of the pairs that have a Verlet list.
 std::set<const btCollisionObject*> holders(Row& row)
 {
 	std::set<const btCollisionObject*> bodies;
@@ -92,7 +92,7 @@ std::set<const btCollisionObject*> holders(Row& row)
 	return bodies;
 }
 
-/// How far apart the same cube is at most in two rows.
+/// Largest distance between the poses of the same cube in two rows.
 double distanceBetween(Row& one, Row& other)
 {
 	double most = 0;
@@ -101,7 +101,7 @@ double distanceBetween(Row& one, Row& other)
 	return most;
 }
 
-/// What the last step found, against queries of their own.
+/// Compares the contacts of the last step with separate queries.
 void expectAsAlone(Row& row, ist::QueryWorkspace& workspace)
 {
 	for (const btISTContact* contact : row.world().contacts().contacts())
@@ -146,7 +146,7 @@ TEST(VerletListsOfAWorld, BodiesMoveAsWithout)
 		with.step();
 		without.step();
 	}
-	// Friction is shared by patches that are some steps older: a hundredth of how deep the cubes sink.
+	// The division of friction uses patches that are some steps old. Its effect is 1 % of the depth to which the cubes sink.
 	EXPECT_LT(distanceBetween(with, without), 5e-4);
 	EXPECT_LT(double(with.world().statistics().contactsTurnedOver), 1);
 }
@@ -164,7 +164,7 @@ TEST(VerletListsOfAWorld, KeepingResultsOverStepsChangesAsLittle)
 
 TEST(VerletListsOfAWorld, WhoIsLateGoesWithoutIt)
 {
-	Row row(16, 16);  // more threads than a small machine has processors for
+	Row row(16, 16);  // more threads than the processors of a small machine
 	ist::QueryWorkspace workspace;
 	for (int i = 0; i < 100; ++i)
 	{
@@ -179,7 +179,7 @@ TEST(VerletListsOfAWorld, IsGivenBackWhenAPairParts)
 	for (int i = 0; i < 5; ++i) row.step();
 	const std::set<const btCollisionObject*> before = holders(row);
 	EXPECT_EQ(before.size(), 2u);
-	// Those that have one leave, by so little that Bullet still hands them over; others get theirs.
+	// Bodies that have a list move away by so little that Bullet still reports their pairs. Other bodies get the lists.
 	for (const btCollisionObject* body : before)
 	{
 		btRigidBody& cube = *static_cast<btRigidBody*>(const_cast<btCollisionObject*>(body));
@@ -190,7 +190,7 @@ TEST(VerletListsOfAWorld, IsGivenBackWhenAPairParts)
 		cube.setAngularVelocity(btVector3(0, 0, 0));
 	}
 	const btScalar threshold = gContactBreakingThreshold;
-	gContactBreakingThreshold = btScalar(0.1);  // by so much Bullet's boxes are larger
+	gContactBreakingThreshold = btScalar(0.1);  // Bullet's boxes are larger by this length
 	for (int i = 0; i < 5; ++i) row.step();
 	gContactBreakingThreshold = threshold;
 	size_t parted = 0;
@@ -206,7 +206,7 @@ TEST(VerletListsOfAWorld, IsGivenBackWhenAPairParts)
 	for (const btCollisionObject* body : before) EXPECT_EQ(after.count(body), 0u);
 	ist::QueryWorkspace workspace;
 	expectAsAlone(row, workspace);
-	// And when a body is taken far away, with its pair.
+	// The same must happen when a body is moved far away, so that its pair is destroyed.
 	for (const btCollisionObject* body : after)
 		static_cast<btRigidBody*>(const_cast<btCollisionObject*>(body))->translate(btVector3(0, 5, 0));
 	for (int i = 0; i < 5; ++i) row.step();
@@ -232,7 +232,7 @@ TEST(VerletListsOfAWorld, PairsThatAskWithoutItHaveNone)
 	EXPECT_GT(closedForms, 0);
 }
 
-// At whatever level answers, and exactly what that level says.
+// This holds at every level: the result is exactly that of the level that answers.
 TEST(VerletListsOfAWorld, PairsOfWhichAnErrorIsAcceptedRememberToo)
 {
 	Row row(1, 16);

@@ -20,7 +20,7 @@ namespace
 struct OwnSolver : btSequentialImpulseConstraintSolver
 {};
 
-/// A game's own world: it has its say after each solve, as for bodies that break.
+/// A game's own world class, which runs code after each solve, for example for bodies that break.
 struct OwnWorld : btDiscreteDynamicsWorld
 {
 	using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
@@ -37,7 +37,7 @@ struct OwnMultiBodyWorld : btMultiBodyDynamicsWorld
 	using btMultiBodyDynamicsWorld::btMultiBodyDynamicsWorld;
 };
 
-/// What a world is made of, with the algorithm registered.
+/// The parts of a world, with the algorithm registered.
 struct Parts
 {
 	btDefaultCollisionConfiguration configuration;
@@ -46,7 +46,7 @@ struct Parts
 	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
 };
 
-/// A world over a given solver.
+/// A world with a given solver.
 struct Scene : Parts
 {
 	btDiscreteDynamicsWorld world;
@@ -54,7 +54,7 @@ struct Scene : Parts
 	explicit Scene(btConstraintSolver* solver) : world(&dispatcher, &broadphase, solver, &configuration) {}
 };
 
-/// A cube of 1 m and 1 kg with a tree, level and upright over a plane, in a world for as long as this lives. It never sleeps.
+/// A cube of 1 m and 1 kg with a tree, upright over a plane. It is in the world for the lifetime of this object, and never sleeps.
 class CubeOverPlane
 {
 public:
@@ -99,7 +99,7 @@ private:
 
 void step(btDiscreteDynamicsWorld& world) { world.stepSimulation(btScalar(1.0 / 60), 0); }
 
-/// Force that a cube at rest on a plane gets from the volumetric solver, which is installed here, over its weight.
+/// Installs the volumetric solver, and returns the force of a plane on a resting cube, divided by its weight.
 double carriedWeight(btDiscreteDynamicsWorld& world, btISTRegistration& registration)
 {
 	const auto solver = installVolumetricSolver(world, registration);
@@ -107,7 +107,7 @@ double carriedWeight(btDiscreteDynamicsWorld& world, btISTRegistration& registra
 	EXPECT_EQ(world.getConstraintSolver(), solver.value().get());
 	const CubeOverPlane cube(world, registration, 0.49);
 	for (int i = 0; i < 300; ++i) step(world);
-	double impulse = 0;  // of one second and on 1 kg: force and acceleration
+	double impulse = 0;  // over one second and on 1 kg: equals force and acceleration
 	for (int i = 0; i < 60; ++i)
 	{
 		step(world);
@@ -116,7 +116,7 @@ double carriedWeight(btDiscreteDynamicsWorld& world, btISTRegistration& registra
 	return impulse / std::fabs(double(world.getGravity().y()));
 }
 
-/// Height at which the centre of a cube on a plane comes to rest, over the solver that the world has.
+/// Height of the centre of a cube at rest on a plane, with the present solver of the world.
 double restHeight(btDiscreteDynamicsWorld& world, btISTRegistration& registration)
 {
 	const CubeOverPlane cube(world, registration, 0.6);
@@ -153,7 +153,7 @@ TEST(installVolumetricSolver, CarriesTheWeightInWorldsThatAGameDerived)
 	}
 }
 
-// Refused in words, nothing replaced, and the contact is carried by the representative points.
+// A refused installation returns the reason and replaces nothing. Contact is solved at the representative points.
 TEST(installVolumetricSolver, LeavesTheRefusedSolversWithTheRepresentativePoints)
 {
 	btDantzigSolver dantzig;
@@ -188,7 +188,7 @@ TEST(installVolumetricSolver, RefusesThreadedWorldsAndSolvers)
 	btSetTaskScheduler(nullptr);
 }
 
-// A multibody world takes the multibody solver only, and there only Bullet's own is replaced.
+// A multibody world accepts only a multibody solver, and only Bullet's own one is replaced.
 TEST(installVolumetricSolver, RefusesForeignSolversInMultibodyWorlds)
 {
 	struct OwnMultiBodySolver : btMultiBodyConstraintSolver
