@@ -21,7 +21,7 @@ void expectDrawable(const DrawList& list)
 }
 }  // namespace
 
-/// The figures of each demo carry the closed form or the law that they are judged by.
+/// The figures of each demo must agree with the closed form or the law that they carry.
 class DemoFigures : public testing::TestWithParam<DemoEntry>
 {};
 TEST_P(DemoFigures, AreAsPhysicsSays)
@@ -51,7 +51,7 @@ TEST_P(DemoFigures, AreAsPhysicsSays)
 }
 INSTANTIATE_TEST_SUITE_P(Demos, DemoFigures, testing::ValuesIn(demoCatalog()), testNameOf);
 
-/// Parameters at both ends, and a hand that takes what it meets.
+/// Each demo is run with its parameters at both ends, and with a hand that grabs what it meets.
 class DemoUse : public testing::TestWithParam<DemoEntry>
 {};
 TEST_P(DemoUse, BearsEveryParameterAndEveryPull)

@@ -70,7 +70,7 @@ TEST(Carry, TwoHandsCarryThreeBodiesToTheirPlace)
 	EXPECT_EQ(two.hands, 2);
 	EXPECT_LT(two.tilt, 0.06);
 	EXPECT_LT(two.passengers, 0.005);
-	// Two wrists bear the weight together.
+	// Two wrists share the weight.
 	const double weight = 9.81 * scene->mass();
 	EXPECT_GT(two.wristForce, 0.5 * weight);
 	EXPECT_LT(two.wristForce, weight);
@@ -86,7 +86,7 @@ TEST(Carry, OneHandBearsTheTorqueAndYieldsToItOnlyWhereItIsFelt)
 	const double weight = 9.81 * scene->mass();
 	EXPECT_NEAR(force.wristForce, weight, 0.02 * weight);
 	EXPECT_NEAR(both.wristForce, weight, 0.02 * weight);
-	// The fingers meet 86 mm before the wrist, and 12 mm beside it; the arms yield by some of that.
+	// The fingers meet 86 mm in front of the wrist and 12 mm beside it. The arms yield a little.
 	EXPECT_NEAR(force.wristTorque, std::hypot(0.086, 0.012) * weight, 0.15 * force.wristTorque);
 	EXPECT_GT(both.tilt, 1.3 * force.tilt);
 }

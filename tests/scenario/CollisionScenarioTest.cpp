@@ -12,7 +12,7 @@ namespace
 constexpr double kMass = 2, kRadius = 0.5, kInertia = 0.2;
 constexpr uint64_t kSeeds = 5;
 
-/// Of bodies of equal mass and isotropic inertia: total momentum, angular momentum about the joint centre of mass, energy.
+/// Motion of bodies of equal mass and isotropic inertia: total momentum, angular momentum about the joint centre of mass, energy.
 struct Motion
 {
 	Vec3 linear, angular;
@@ -32,8 +32,8 @@ struct Motion
 	}
 };
 
-/// Largest unbalanced impulse and moment about the joint centre of one step, from the changes of velocity and the positions at
-/// which they were made.
+/// Largest unbalanced impulse and moment about the joint centre in one step. They are computed from the changes of velocity and the
+/// positions at which these were made.
 struct StepBalance
 {
 	std::vector<Vec3> position, linear, angular;
@@ -68,11 +68,12 @@ struct Crash
 struct CrashOutcome
 {
 	bool touched = false;
-	double linear = 0, angular = 0;           ///< error at the end over m v and m v R
-	double solverAngular = 0, worstStep = 0;  ///< sum of the solver's errors while in contact, largest error of one step, same units
+	double linear = 0, angular = 0;  ///< errors at the end over m v and m v R
+	/// sum of the solver's errors during contact, and largest error of one step, in the same units
+	double solverAngular = 0, worstStep = 0;
 	double energyRatio = 0;
 	int contactSteps = 0;
-	double angularAllowance = 0;  ///< what rounding of positions may add, same unit
+	double angularAllowance = 0;  ///< largest error from the rounding of positions, in the same unit
 };
 
 CrashOutcome crash(const Solid& solid, const Crash& c, uint64_t seed)
@@ -120,7 +121,7 @@ CrashOutcome crash(const Solid& solid, const Crash& c, uint64_t seed)
 	out.angular = norm(after.angular - before.angular) / (momentum * kRadius);
 	out.solverAngular = norm(solverAngular) / (momentum * kRadius);
 	out.energyRatio = after.kinetic / before.kinetic;
-	// Bullet adds h v to positions of up to 10 m in btScalar: half a unit in the last place, times m v, each step.
+	// Bullet adds h v to positions of up to 10 m in btScalar. This is an error of half a unit in the last place, times m v, in each step.
 	out.angularAllowance = steps * 10 * double(std::numeric_limits<btScalar>::epsilon()) / (2 * kRadius);
 	return out;
 }
@@ -168,7 +169,7 @@ TEST(TwoFreeBodies, CubesKeepMomentumAndGainNoEnergy) { expectConservedAtAllRate
 
 TEST(TwoFreeBodies, SpheresKeepMomentumAndGainNoEnergy) { expectConservedAtAllRates("spheres", Solid(ist::makeSphereMesh(0.5, 3), 500)); }
 
-// What the store says is what the bodies felt.
+// The impulses in the store must be those that the bodies received.
 TEST(TwoFreeBodies, StoreHoldsTheImpulsesThatMovedTheBodies)
 {
 	const Solid cube(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);

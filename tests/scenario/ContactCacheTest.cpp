@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What the demos leave out of their queries, against the same demos with everything computed.
+// Tests of the contact cache in the demos, against the same demos without it.
 #include "demos/browser/catalog/DemoRun.h"
 #include "demos/browser/catalog/KeptCheck.h"
 #include "tests/EachDemo.h"

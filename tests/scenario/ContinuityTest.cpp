@@ -7,7 +7,7 @@
 
 using namespace scenes;
 
-// Pressing, sliding, letting go and coming back at up to 0.1 m/s on the bunny of 10,000 spheres.
+// A rod presses on the bunny of 10,000 spheres, slides, leaves it and returns, at up to 0.1 m/s.
 TEST(Continuity, TheForceChangesFromTickToTickAsThatOfTheContinuum)
 {
 	const std::string bunny = "/usr/share/glmark2/models/bunny.obj";

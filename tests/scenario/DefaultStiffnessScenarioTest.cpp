@@ -14,7 +14,8 @@ constexpr double kGravity = 9.81;
 
 Solid box(const Vec3& size, int64_t spheres) { return Solid(ist::makeBoxMesh(0.5 * size), spheres); }
 
-/// A slab with its top at y = 0, of so few spheres that its mean gap is far wider than what lies on it may sink.
+/// Adds a slab with its top at y = 0. It has so few spheres that its mean gap is much larger than the allowed sinkage of the bodies on
+/// it.
 btRigidBody* addSlab(Scene& scene, const Vec3& size)
 {
 	static std::vector<std::pair<Vec3, Solid>> known;
@@ -27,7 +28,7 @@ double height(const btRigidBody* body) { return double(body->getWorldTransform()
 /// Angle between the body's y axis and that of the world [rad].
 double tilt(const btRigidBody* body) { return std::acos(std::clamp(double(body->getWorldTransform().getBasis()[1][1]), -1.0, 1.0)); }
 
-/// The contact of the pair of `body` that touches and lies lowest.
+/// The lowest contact of `body` that touches.
 const btISTContact* contactBelow(Scene& scene, const btRigidBody* body)
 {
 	const btISTContact* lowest = nullptr;
@@ -48,7 +49,7 @@ std::vector<btRigidBody*> addTower(Scene& scene, const Solid& cube, double edge,
 	return cubes;
 }
 
-/// A top of 1 m by 0.6 m on four legs of 40 mm by 40 mm, feet at y = 0.
+/// A table top of 1 m by 0.6 m on four legs of 40 mm by 40 mm, with its feet at y = 0.
 ist::Mesh tableMesh()
 {
 	ist::Mesh table = ist::translated(ist::makeBoxMesh({.5, .015, .3}), {0, .735, 0});
@@ -63,7 +64,7 @@ ist::Mesh tableMesh()
 }
 }  // namespace
 
-// The gap of the ground once bounded the depth: a crate of 0.3 m fell through closed slabs of 10 m and more.
+// The depth must not be bounded by the gap of the ground: a crate of 0.3 m would fall through closed slabs of 10 m and more.
 TEST(DefaultStiffness, ACrateRestsOnClosedSlabsOfAnySize)
 {
 	const Solid crate = box({.3, .3, .3}, 1000);
@@ -81,7 +82,7 @@ TEST(DefaultStiffness, ACrateRestsOnClosedSlabsOfAnySize)
 		}
 }
 
-// The step bears any stiffness there, and the area of the ground must not count as that of the contact.
+// There is no bound by the step on Bullet's own shapes, and the area of the ground must not count as that of the contact.
 TEST(DefaultStiffness, ABoxOfBulletRestsOnClosedSlabsOfAnySize)
 {
 	for (const double side : {1., 10., 50.})
@@ -96,7 +97,7 @@ TEST(DefaultStiffness, ABoxOfBulletRestsOnClosedSlabsOfAnySize)
 	}
 }
 
-// Rod and table press on a tenth of the area that the rule assumes, and on ground with gaps of 15 mm.
+// Rod and table press on a tenth of the area that the rule assumes, on ground with gaps of 15 mm.
 TEST(DefaultStiffness, ARodOnItsEndRestsOnClosedGround)
 {
 	const ist::Pose upright{ist::rotationMatrix(ist::quaternionFromRotationVector({-M_PI / 2, 0, 0})), {}};
@@ -143,7 +144,7 @@ TEST(DefaultStiffness, TowersOfThreeAndOfFiveStand)
 	}
 }
 
-// The lowest contact carries all of the pile, whatever the order of the bodies; each other one is as stiff.
+// The lowest contact carries the whole pile, whatever the order of the bodies. All other contacts are equally stiff.
 TEST(DefaultStiffness, CarriesTheWeightOfTheWholePile)
 {
 	const Solid cube = box({.2, .2, .2}, 300);
@@ -165,11 +166,11 @@ TEST(DefaultStiffness, CarriesTheWeightOfTheWholePile)
 	}
 }
 
-// Each link carries all those below it. Before, the heaviest link counted alone, and they passed through each other.
+// Each link carries all links below it. If only the heaviest link counted, they would pass through each other.
 TEST(DefaultStiffness, AChainHangs)
 {
 	constexpr int kLinks = 20;
-	constexpr double kPitch = .159;  // twice the ring's radius less the tube's diameter, and a little play
+	constexpr double kPitch = .159;  // twice the ring's radius minus the tube's diameter, plus a little play
 	const Solid ring(ist::makeTorusMesh(.1, .02, 64, 32), 1000);
 	Scene scene;
 	std::vector<btRigidBody*> links;
@@ -181,13 +182,13 @@ TEST(DefaultStiffness, AChainHangs)
 	{
 		const double apart = height(links[size_t(i) - 1]) - height(links[size_t(i)]);
 		EXPECT_GT(apart, .15) << i;
-		EXPECT_LT(apart, .18) << i;  // 0.24 and more where they have passed
+		EXPECT_LT(apart, .18) << i;  // 0.24 and more if they had passed
 	}
 }
 
 TEST(DefaultStiffness, FollowsTheGravityOfWorldAndOfBodies)
 {
-	const Solid cube = box({20, 20, 20}, 300);  // a world of centimetres
+	const Solid cube = box({20, 20, 20}, 300);  // a world in centimetres
 	const btVector3 down(0, btScalar(-981), 0);
 	double heights[4], stiffness[4];
 	for (int order = 0; order < 4; ++order)
@@ -198,7 +199,7 @@ TEST(DefaultStiffness, FollowsTheGravityOfWorldAndOfBodies)
 		{
 			EXPECT_FALSE(scene.world.setGravity(down));
 		}
-		if (order == 1) bullet.setGravity(down);  // not through us
+		if (order == 1) bullet.setGravity(down);  // set in Bullet, without btISTWorld
 		if (order == 3) bullet.setGravity(btVector3(0, 0, 0));
 		scene.addFloor();
 		const std::vector<btRigidBody*> cubes = addTower(scene, cube, 20, 8, 2);
@@ -218,8 +219,8 @@ TEST(DefaultStiffness, FollowsTheGravityOfWorldAndOfBodies)
 	}
 }
 
-// A body as light as this could not come to rest on a contact that carries the pile. What a heavy one presses through a light one may be
-// stiffer.
+// A body as light as this could not come to rest on a contact that carries the pile. The load that a heavy body presses through a light
+// one allows a stiffer contact.
 TEST(DefaultStiffness, IsNeverStifferThanTheStepBears)
 {
 	const Solid cube = box({.2, .2, .2}, 300);
@@ -232,7 +233,7 @@ TEST(DefaultStiffness, IsNeverStifferThanTheStepBears)
 			btRigidBody* lower = scene.add(scene.volumetricShape(cube), heavyOnTop ? light : heavy, 10, at({0, .1, 0}));
 			btRigidBody* upper = scene.add(scene.volumetricShape(cube), heavyOnTop ? heavy : light, 10, at({0, .31, 0}));
 			for (btRigidBody* body : {lower, upper}) body->setAngularFactor(btVector3(0, 0, 0));
-			bool bounded = false;  // at last
+			bool bounded = false;  // whether the bound of the step decided in the end
 			for (int i = 0; i < 4 * rate; ++i)
 			{
 				scene.step(1 / rate);
@@ -250,7 +251,8 @@ TEST(DefaultStiffness, IsNeverStifferThanTheStepBears)
 			}
 			EXPECT_EQ(bounded, !heavyOnTop);
 			EXPECT_NEAR(height(upper), .3, .015) << rate << heavyOnTop;
-			EXPECT_LT(std::fabs(double(upper->getLinearVelocity().y())), .005) << rate << heavyOnTop;  // it may creep aside on the leaves
+			// it may creep sideways on the leaves
+			EXPECT_LT(std::fabs(double(upper->getLinearVelocity().y())), .005) << rate << heavyOnTop;
 		}
 }
 

@@ -23,7 +23,7 @@ namespace
 {
 constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 
-/// Longest side 0.2 m, off the origin.
+/// The mesh with a longest side of 0.2 m, away from the origin.
 Mesh placed(Mesh mesh)
 {
 	const double unit = 0.2 / bounds(mesh).longestSide();
@@ -34,7 +34,7 @@ Mesh placed(Mesh mesh)
 struct Errors
 {
 	int poses = 0;
-	double volume = 0, force = 0, torque = 0;  // squares of relative errors
+	double volume = 0, force = 0, torque = 0;  // sums of squared relative errors
 
 	double rms(double squares) const { return std::sqrt(squares / std::max(1, poses)); }
 };
@@ -53,8 +53,8 @@ void add(Errors& errors, const OverlapQuadrature& quadrature, const InnerSphereT
 	errors.torque += squaredNorm(actual.torque - expected.torque) / std::pow(length * size, 2);
 }
 
-/// Against each closed form, a pose a row. All rows together keep to `limit`, each to twice that. 1 % of the smallest one is no deeper
-/// than two mean gaps, of which a tree claims to know nothing.
+/// Compares with each closed form, one row for each pose. All rows together must stay within `limit`, each row within twice that. At 1 %
+/// of the smallest body the depth is at most two mean gaps, where a tree claims no accuracy.
 void expectAccuracy(const char* name, const Mesh& source, int spheres, double limit)
 {
 	const Mesh mesh = placed(source);
@@ -88,7 +88,7 @@ void expectAccuracy(const char* name, const Mesh& source, int spheres, double li
 }
 }  // namespace
 
-// The law promises 3 % with 10,000 spheres.
+// The specified error of the law is 3 % with 10,000 spheres.
 TEST(FieldAccuracy, BunnyOnEveryClosedForm)
 {
 	if (!std::filesystem::exists(kBunny)) GTEST_SKIP() << "needs the bunny: apt-get install glmark2-data";
@@ -99,5 +99,5 @@ TEST(FieldAccuracy, BunnyOnEveryClosedForm)
 	expectAccuracy("bunny", repaired.value().mesh, 10000, 0.03);
 }
 
-// Errors go with one over the root of the leaves in contact: 3,000 spheres have a third of them.
+// Errors are inversely proportional to the root of the number of leaves in contact; 3,000 spheres have a third of them.
 TEST(FieldAccuracy, BoxOnEveryClosedForm) { expectAccuracy("box", makeBoxMesh({0.5, 0.35, 0.25}), 3000, 0.03 * std::sqrt(10.0 / 3)); }

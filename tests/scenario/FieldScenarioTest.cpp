@@ -21,7 +21,7 @@ constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 #define NEED_BUNNY() \
 	if (!std::filesystem::exists(kBunny)) GTEST_SKIP() << "needs the bunny: apt-get install glmark2-data"
 
-/// Longest side 0.2 m.
+/// The bunny with a longest side of 0.2 m.
 const Solid& bunny()
 {
 	static const Solid solid = [] {
@@ -39,7 +39,7 @@ double inertiaOf(const Solid& solid)
 	return kMass * std::min({p.inertia.m[0][0], p.inertia.m[1][1], p.inertia.m[2][2]}) / p.volume;
 }
 
-/// Its convex hull, for Bullet, with the tree attached.
+/// Convex hull of the bunny, for Bullet, with the tree attached.
 btCollisionShape* bunnyShape(Scene& scene, btISTAttachment& attachment)
 {
 	auto* hull = scene.shape<btConvexHullShape>();
@@ -56,13 +56,13 @@ btCollisionShape* bunnyShape(Scene& scene, btISTAttachment& attachment)
 struct Ground
 {
 	const char* name;
-	double top;       ///< height over the shape's origin [m]
-	bool volumetric;  ///< else Bullet's own contact
-	bool level;       ///< a free body stays on it
+	double top;       ///< height of the top above the shape's origin [m]
+	bool volumetric;  ///< false: Bullet's own contact
+	bool level;       ///< true: a free body stays on it
 	std::function<btCollisionShape*(Scene&)> make;
 };
 
-/// What the shapes of a scene refer to.
+/// Objects that the shapes of a scene refer to.
 struct Surfaces
 {
 	btTriangleMesh triangles;
@@ -108,7 +108,7 @@ std::vector<Ground> grounds(Surfaces& surfaces)
 	};
 }
 
-/// Upward impulse of all contacts of one step, volumetric or Bullet's [N s].
+/// Upward impulse of all contacts of one step, volumetric and Bullet's [N s].
 double upwardImpulse(Scene& scene, const btRigidBody* body)
 {
 	double sum = scene.storedImpulse().y;
@@ -146,7 +146,7 @@ TEST(BunnyOnEverything, ComesToRestAndIsCarried)
 			bunnyShape(scene, attachment), kMass, inertiaOf(bunny()), at(place + Vec3{0.02, ground.top - low + 0.01, 0.01}));
 		body->setFriction(btScalar(1));
 		scene.setStiffness(body, kStiffness);
-		// On what is round it is guided like a lift.
+		// On a round shape the body can only move up and down.
 		if (!ground.level)
 		{
 			body->setAngularFactor(btScalar(0));
@@ -172,13 +172,13 @@ TEST(BunnyOnEverything, ComesToRestAndIsCarried)
 		EXPECT_NEAR(fromVelocity, 1, 2e-3) << ground.name;
 		EXPECT_LT(fastest, ground.volumetric ? 1e-4 : 0.2) << ground.name;  // hulls chatter on each other
 		EXPECT_EQ(volume > 0, ground.volumetric) << ground.name;
-		// k = 2e6 Pa/m carries 20 N on 10 cm^3, a cone on its tip. Bullet's own contact leaves its margin between the two.
+		// k = 2e6 Pa/m carries 20 N with 10 cm^3; on a cone this is its tip. Bullet's own contact leaves its margin between the two.
 		EXPECT_GT(sunk, ground.volumetric ? 0.0 : -0.004) << ground.name;
 		EXPECT_LT(sunk, ground.name == std::string("cone") ? 0.05 : 0.008) << ground.name;
 	}
 }
 
-// A free body with a tree against a free shape in closed form: what the one gains the other loses, in every step.
+// A free body with a tree hits a free shape in closed form: in every step one gains the momentum that the other loses.
 TEST(FieldBodies, KeepMomentumAndGainNoEnergy)
 {
 	const Solid cube(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);

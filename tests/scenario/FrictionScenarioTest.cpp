@@ -9,7 +9,7 @@ namespace
 {
 constexpr double kGravity = 9.81, kFriction = 0.5, kMass = 2, kDepth = 0.02;
 
-/// A low slab of 1 m by 1 m on the plane y = 0, gravity tilted by `angle` about z: down the slope is +x.
+/// A low slab of 1 m by 1 m on the plane y = 0, with gravity tilted by `angle` about z. Down the slope is +x.
 struct Incline
 {
 	Scene scene;
@@ -64,7 +64,7 @@ TEST(Friction, BoxAboveTheCriticalAngleSlidesAsCoulombSays)
 	}
 }
 
-// Without a preferred direction: decelerated by mu g along its own path, wherever that leads.
+// Friction has no preferred direction: the box is decelerated by mu g along its own path, in any direction.
 TEST(Friction, SlidingBoxIsBrakedAlikeInAllDirections)
 {
 	for (int i = 0; i < 12; ++i)

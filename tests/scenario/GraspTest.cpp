@@ -32,14 +32,14 @@ std::unique_ptr<GraspScene> makeScene(const std::string& object, bool left = fal
 
 const BulletHandSettings kSettings;
 
-/// What every grasp must keep to.
+/// Checks the conditions that hold for every grasp.
 void expectSound(const GraspOutcome& outcome)
 {
-	// A bone of 0.03 kg that is stopped within a step adds what its coupling had given it.
+	// When a bone of 0.03 kg is stopped within a step, its force includes the momentum that its coupling had given it.
 	EXPECT_LE(outcome.peakForce, 1.02 * kSettings.maxForce);
 	EXPECT_LE(outcome.couplingForce, kSettings.maxForce * (1 + 1e-9));
 	EXPECT_EQ(outcome.complaints, "");
-	// Every joule has a name.
+	// All energy is accounted for.
 	EXPECT_LT(std::fabs(outcome.energy.residual), 2e-3 * outcome.energy.injected);
 	EXPECT_GT(outcome.energy.physical, 0);
 }
@@ -62,7 +62,7 @@ TEST_P(GraspScenario, HoldsWithFrictionAndDropsWithout)
 	EXPECT_GT(rough.quality.epsilon, 0.02);
 	EXPECT_LT(rough.quality.epsilon, 0.5);
 	EXPECT_GE(rough.parts, 2);
-	// Friction can carry the weight only with so much of it pressed.
+	// Friction can carry the weight only with at least this pressing force.
 	EXPECT_GT(0.5 * rough.holdingForce, scene->object().mass * 9.81);
 
 	const GraspOutcome smooth = runGrasp(*scene, 0.04).value();
@@ -109,7 +109,7 @@ TEST(GraspScenarios, HeatMapHoldsTheForceOfTheContacts)
 		EXPECT_LE(row.peakForce, 1.02 * kSettings.maxForce);
 	}
 	EXPECT_NEAR(ofParts, impulse, 1e-6 * impulse);
-	// The thumb presses against all others.
+	// The thumb presses against all other fingers.
 	const auto rows = map->summary();
 	double fingers = 0;
 	for (const int part : {kIndex2, kIndex3, kMiddle2, kMiddle3, kRing2, kRing3, kPinky2, kPinky3}) fingers += rows[size_t(part)].impulse;
@@ -131,7 +131,7 @@ TEST(GraspScenarios, AHandThatIsLostInTheAirLetsGoAndSaysSo)
 		scene->step(HandState{});
 		const BulletHand::Touch touch = scene->hand().touch(scene->stepSize());
 		for (const Vec3& force : touch.force) ASSERT_LE(norm(force), 1.02 * kSettings.maxForce);
-		// It holds on for a while, in case that the hand comes back.
+		// The coupling holds on for a while, in case the hand comes back.
 		if (i == 100) heldOn = double(scene->body().getWorldTransform().getOrigin().y()) > height - 0.005;
 	}
 	EXPECT_TRUE(heldOn);
@@ -160,7 +160,7 @@ TEST(GraspScenarios, ARecordedHandHoldsLikeTheLiveOneToTheLastBit)
 	EXPECT_EQ(std::memcmp(&live, &replayed, sizeof live), 0);
 }
 
-// A little in each step, and yet the same impulse, for as long.
+// The map does a part in each step, and must sum up to the same impulse over the same time.
 TEST(GraspScenarios, AMapInRoundsHoldsTheImpulseOfTheContactsToo)
 {
 	const auto scene = makeScene("mug");
@@ -211,7 +211,7 @@ TEST(GraspScenarios, TheTextureHoldsTheImpulseOfTheContacts)
 	EXPECT_GT(impulse, 1);
 	EXPECT_NEAR(painted, impulse, 0.02 * impulse);
 
-	// What is written can be read by others: places in the mesh, and in the picture the colours of thumb and index finger.
+	// Other programs can read the files: the mesh has texture coordinates, and the picture has the colours of thumb and index finger.
 	const std::string folder = (std::filesystem::temp_directory_path() / ("textures" + std::to_string(std::random_device()()))).string();
 	std::filesystem::create_directory(folder);
 	const auto scales = saveTextures(*map, surface, folder + "/mug");
@@ -260,10 +260,10 @@ TEST(GraspLoad, CountsOnlyTicksWithContactAndSaysWhatTheyCost)
 	options.grasp.cache = TREE_FOLDER;
 	const auto outcome = runGraspLoad(options);
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	// Three skins, each with the leaves, with leaves that are remembered, with an accepted error, once remembered, and with a larger one.
+	// There are three skins. Each runs with the leaves, with Verlet lists, with an accepted error, with both, and with a larger error.
 	ASSERT_EQ(outcome.value().loads.size(), 15u);
 	const GraspLoad &firm = outcome.value().loads[0], &middle = outcome.value().loads[5], &soft = outcome.value().loads[10];
-	// Closing to shaking, at 500 Hz.
+	// The contact lasts from closing to shaking, at 500 Hz.
 	EXPECT_GT(firm.ticks.size(), 1200u);
 	EXPECT_LT(firm.ticks.size(), 1700u);
 	for (const GraspLoadTick& tick : firm.ticks) ASSERT_GT(tick.pairs, 0);

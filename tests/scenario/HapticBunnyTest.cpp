@@ -23,7 +23,7 @@ using namespace scenes;
 
 namespace
 {
-/// An ellipsoid that stands well: half axes 0.1, 0.06 and 0.08 m.
+/// An ellipsoid that stands stably, with half axes of 0.1, 0.06 and 0.08 m.
 Mesh pebble()
 {
 	Mesh mesh = makeSphereMesh(1, 4);
@@ -41,7 +41,7 @@ HapticBunnyOptions pebbleOptions()
 	return options;
 }
 
-/// All of a sample but what a wall clock measured.
+/// Compares all members of a sample except wall-clock measurements.
 void expectSameBytes(const TraceSample& a, const TraceSample& b, size_t at)
 {
 	TraceSample x = a, y = b;
@@ -58,14 +58,14 @@ TEST(HapticBunny, HandPressesSlidesTurnsAndComesFree)
 	const HapticBunnyOutcome& o = run.value();
 	EXPECT_TRUE(o.ok());
 	for (const std::string& phase : o.phasesWithoutContact) ADD_FAILURE() << "no contact: " << phase;
-	// Nothing but the ramp of the first half second, in which the hand drags the free tool.
+	// Only the ramp of the first half second acts, while the hand drags the free tool.
 	EXPECT_LE(o.safety.ramped, 500u);
 	EXPECT_EQ(o.overruns + o.deviceErrors + (o.safety.total() - o.safety.ramped) + o.droppedContacts, 0u);
-	// The hand's spring aims at 4 N less what coupling and contact give way.
+	// The hand's spring aims at 4 N, less what coupling and contact yield.
 	EXPECT_GT(o.maxForce, 2);
 	EXPECT_LT(o.maxForce, 4.5);
 	EXPECT_GT(o.maxTorque, 1e-3);
-	EXPECT_LT(o.work, 0);  // friction and damping take from the hand
+	EXPECT_LT(o.work, 0);  // friction and damping take energy from the hand
 	EXPECT_GE(o.comparisons.size(), 6u);
 	for (const TraceComparison& c : o.comparisons)
 		std::printf("  volume %.1f mm3, error %+.1f (sigma %.1f); force %.2f N, error %.2f (sigma %.2f)\n", 1e9 * c.volumeTruth,
@@ -74,7 +74,7 @@ TEST(HapticBunny, HandPressesSlidesTurnsAndComesFree)
 		100 * o.forceRms, 57.2958 * o.forceDirection, 1e3 * o.sinkage.measured, 1e3 * o.sinkage.byTree, 1e3 * o.sinkage.byMesh);
 }
 
-// The world comes to rest where the tree's own force curve says, whatever that is worth against the mesh.
+// The body must rest at the depth that follows from the tree's own force curve, however accurate that curve is.
 TEST(HapticBunny, BodyRestsWhereTheTreeCarriesItsWeight)
 {
 	HapticBunnyOptions options = pebbleOptions();
@@ -98,7 +98,7 @@ TEST(HapticBunny, RunInVirtualTimeIsBitIdenticalTwice)
 	EXPECT_EQ(one.value().work, two.value().work);
 }
 
-// Who steps the world, and how often, is nothing that the hand may notice: the body stands firmly.
+// The hand must not notice which thread steps the world, and how often, while the body stands firmly.
 TEST(HapticBunny, DecoupledModeFeelsLikeSimpleMode)
 {
 	HapticBunnyOptions options = pebbleOptions();
@@ -167,7 +167,7 @@ TEST(MeshBelowPlane, IsTheCapOfABallAndTheSlabOfABox)
 		X.rotation = rotationMatrix(quaternionFromRotationVector(Vec3{2 * u(random), 2 * u(random), 2 * u(random)}));
 		X.translation = Vec3{u(random), i == 0 ? 1000 : u(random), u(random)};
 		const double depth = 0.1 * (1 + 0.8 * u(random)), height = X.translation.y - 0.1 + depth;
-		// The mesh lies within 5e-5 of its radius inside the ball.
+		// The mesh is inside the ball by at most 5e-5 of its radius.
 		EXPECT_NEAR(volumeBelow(ball, X, height), 3.14159265358979 * depth * depth * (0.1 - depth / 3), 2e-3 * 4.19e-3);
 		X.rotation = Mat3();
 		EXPECT_NEAR(volumeBelow(box, X, X.translation.y - 0.2 + depth), 0.6 * 0.2 * depth, 1e-12);

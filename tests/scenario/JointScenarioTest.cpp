@@ -10,7 +10,7 @@ namespace
 {
 constexpr double kMass = 2, kGravity = 9.81, kRate = 240;
 
-/// Joints end before the bodies that they hold.
+/// A scene whose joints are destroyed before its bodies.
 struct JointScene : Scene
 {
 	std::vector<std::unique_ptr<btTypedConstraint>> joints;
@@ -43,7 +43,7 @@ struct JointScene : Scene
 	}
 };
 
-/// A bar of 2 m on a hinge at its left end, lying on a small ball below its right part, `lever` from the hinge.
+/// A bar of 2 m on a hinge at its left end. It lies on a small ball below its right part, at the distance kLever from the hinge.
 struct Lever : JointScene
 {
 	static constexpr double kLever = 1.7;
@@ -61,7 +61,7 @@ struct Lever : JointScene
 };
 }  // namespace
 
-// Moments about the hinge: the ball carries m g / lever, the hinge the rest.
+// The moments about the hinge give the forces: the ball carries m g / lever, the hinge the rest.
 TEST(Joints, HingedBeamLeansOnABallAsTheLeverSays)
 {
 	Lever scene;
@@ -73,7 +73,7 @@ TEST(Joints, HingedBeamLeansOnABallAsTheLeverSays)
 	EXPECT_LT(double(scene.beam->getAngularVelocity().length()), 1e-3);
 }
 
-// A motor at its limit adds its torque to that of the weight, or takes it away. Positive lifts.
+// A motor at its limit adds its torque to that of the weight, or subtracts it. A positive torque lifts.
 TEST(Joints, HingeMotorPressesWithItsTorque)
 {
 	for (const double torque : {12.0, -25.0})
@@ -86,7 +86,7 @@ TEST(Joints, HingeMotorPressesWithItsTorque)
 	}
 }
 
-// Without weight, a motor at its limit presses a cube against a wall with its force.
+// Without weight, a motor at its limit presses a cube against a wall with the motor's force.
 TEST(Joints, SliderMotorPressesWithItsForce)
 {
 	JointScene scene;
@@ -105,11 +105,11 @@ TEST(Joints, SliderMotorPressesWithItsForce)
 	scene.run(4, kRate);
 	const Vec3 force = scene.meanForce(cart);
 	EXPECT_NEAR(force.x, 35, 0.35);
-	EXPECT_LT(std::hypot(force.y, force.z), 0.05 * 35);  // the slider holds what the model's normal errs
+	EXPECT_LT(std::hypot(force.y, force.z), 0.05 * 35);  // the slider carries the error of the model's normal
 	EXPECT_LT(double(cart->getLinearVelocity().length()), 1e-3);
 }
 
-// Hooke: the spring of a six-dof joint presses with its stiffness times what it lacks to its rest length.
+// Hooke's law: the spring of a six-dof joint presses with its stiffness times its deviation from the rest length.
 TEST(Joints, SpringOfASixDofJointPressesAsHookeSays)
 {
 	JointScene scene;
@@ -135,7 +135,7 @@ TEST(Joints, SpringOfASixDofJointPressesAsHookeSays)
 	EXPECT_LT(double(body->getAngularVelocity().length()), 1e-4);
 }
 
-// What two bodies on a joint and a third one do among themselves changes no momentum.
+// Impulses among two jointed bodies and a third one do not change the total momentum.
 TEST(Joints, JointedPairHitByAThirdBodyKeepsTheMomentum)
 {
 	for (const bool anchoredAside : {false, true})
@@ -164,13 +164,13 @@ TEST(Joints, JointedPairHitByAThirdBodyKeepsTheMomentum)
 			energy += 0.5 * kMass * double(b->getLinearVelocity().length2()) + 0.5 * kMass / 6 * double(b->getAngularVelocity().length2());
 		}
 		EXPECT_LT(norm(momentum - Vec3{3 * kMass, 0, 0}), kDouble ? 1e-9 : 1e-4);
-		EXPECT_GT(double(bodies[1]->getLinearVelocity().length()), 0.05);  // the joint handed it on
+		EXPECT_GT(double(bodies[1]->getLinearVelocity().length()), 0.05);  // the joint has transmitted the impulse
 		EXPECT_LT(energy, 0.5 * kMass * 9 * 1.001);
 	}
 }
 
-// A vehicle of ray-cast wheels: its suspension carries the weight while the chassis touches nothing, and against a wall the chassis
-// presses with what the wheels drive.
+// A vehicle with ray-cast wheels: while the chassis touches nothing, the suspension carries its weight. Against a wall, the chassis
+// presses with the driving force of the wheels.
 TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 {
 	const Solid chassisSolid(ist::makeBoxMesh({0.8, 0.3, 1.5}), 500);
@@ -213,8 +213,8 @@ TEST(Vehicle, ChassisWithATreePressesTheWallWithItsDrive)
 	scene.world.bullet().removeAction(&vehicle);
 }
 
-// Held by Bullet's linear factor instead of a hinge, a paddle still turns. About its centre the angular momentum of paddle and cube stays,
-// since what holds the paddle acts there.
+// A paddle that Bullet's linear factor holds, instead of a hinge, can still rotate. The angular momentum of paddle and cube about its
+// centre is conserved, because the holding force acts there.
 TEST(Joints, APaddleWithoutLinearFactorTurnsWhenItIsHit)
 {
 	constexpr double kCube = 1.5, kInertia = 0.25, kPaddle = 0.7, kSpeed = 1;

@@ -28,7 +28,7 @@ bool isSame(const btTransform& a, const btTransform& b)
 	return std::memcmp(x, y, sizeof(x)) == 0;
 }
 
-/// One body with all that it needs, in the order in which it may be destroyed.
+/// One body with all its parts, in an order that allows their destruction.
 struct Tenant
 {
 	btBoxShape shape{btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))};
@@ -55,7 +55,7 @@ struct Tenant
 };
 }  // namespace
 
-// A stack at rest falls asleep, moves by not a bit while it sleeps, and carries its weight again when it is woken.
+// A stack at rest falls asleep, does not change by a bit while it sleeps, and carries its weight again after it is woken.
 TEST(Sleeping, StackSleepsStillAndWakesWithItsLoad)
 {
 	Scene scene;
@@ -78,7 +78,7 @@ TEST(Sleeping, StackSleepsStillAndWakesWithItsLoad)
 	bodies[1]->activate(true);
 	scene.step(1 / kRate);
 	EXPECT_TRUE(bodies[0]->isActive());
-	// Bullet gives no weight to a body in the step in which its island wakes; that is over by now.
+	// Bullet gives no weight to a body in the step in which its island wakes. This step is over now.
 	scene.run(0.5, kRate);
 	double least = 1e9, most = 0;
 	for (int i = 0; i < 60; ++i)
@@ -113,8 +113,8 @@ TEST(Sleeping, TreeBodyThatFallsOnASleeperWakesIt)
 	EXPECT_NEAR(double(falling->getWorldTransform().getOrigin().y()), 1.5, 0.3);
 }
 
-// Islands are Bullet's way to save work: whether it makes them, and how it batches them, must not show beyond what friction's sweeps
-// leave when they visit the patches in another order.
+// Bullet solves islands separately to save work. Whether it does so, and how it batches them, must not change the result, except for what
+// friction's sweeps leave when they visit the patches in another order.
 TEST(SplitIslands, MakeNoDifference)
 {
 	std::vector<std::vector<btTransform>> outcome;
@@ -144,7 +144,7 @@ TEST(SplitIslands, MakeNoDifference)
 		}
 }
 
-// Two hundred bodies come and go while others lie there; each takes its shape, its attachment and its material with it.
+// Two hundred bodies are added and removed while others rest there. Each takes its shape, its attachment and its material with it.
 TEST(Deletion, BodiesThatComeAndGoLeaveNothingBehind)
 {
 	const long treeUsers = cube().tree.use_count();
@@ -203,7 +203,7 @@ void killOneTouching(btDynamicsWorld* world, btScalar)
 	++self.killed;
 }
 
-/// Deletes bodies from Bullet's tick callback: before the step in which they would touch, or after that in which they did.
+/// Deletes bodies in Bullet's tick callback: before the step in which they would touch, or after the step in which they did.
 void expectTickCallbackMayDelete(bool before)
 {
 	Scene scene;
@@ -230,7 +230,8 @@ TEST(Deletion, FromTheTickCallbackBeforeAndAfterTheStep)
 	expectTickCallbackMayDelete(true);
 }
 
-// From within an action, while the tree is under load: Bullet's own contact takes over, and gives back.
+// The attachment is deleted inside an action, while the tree carries load. Bullet's own contact takes over, and the tree again after it
+// is attached again.
 TEST(Deletion, OfAnAttachmentDuringARunHandsTheBodyToBullet)
 {
 	struct Switch : btActionInterface
@@ -271,7 +272,7 @@ std::vector<const btCollisionObject*> g_begun;
 void rememberBeginning(btPersistentManifold* const& manifold) { g_begun.push_back(manifold->getBody0()); }
 }  // namespace
 
-// What a game does on contact: it notes in the callback what has to go, and lets it go after the step.
+// This is what games do on contact: the callback records which bodies must be removed, and they are removed after the step.
 TEST(Deletion, OfWhatAContactCallbackNamed)
 {
 	g_begun.clear();

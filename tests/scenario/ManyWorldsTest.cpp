@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Worlds side by side, and one world with very many bodies.
+// Tests of several worlds side by side, and of one world with very many bodies.
 #include "tests/scenario/VolumetricScene.h"
 
 #include <cstring>
@@ -16,8 +16,8 @@ const Solid& ring()
 	return solid;
 }
 
-/// Every coordinate of twelve bodies that fall into each other, in each step of a world of its own. Odd worlds accept an error and so ask
-/// levels.
+/// Every coordinate of twelve bodies that fall into each other, in each step of their own world. Worlds with odd numbers accept a force
+/// error and so query levels.
 std::vector<btScalar> motionOf(int world)
 {
 	Scene scene;
@@ -44,7 +44,7 @@ std::vector<btScalar> motionOf(int world)
 }
 }  // namespace
 
-// Trees are shared, nothing else is: ten threads find what one finds, bit for bit.
+// Only the trees are shared: ten threads must give the same result as one, bit for bit.
 TEST(TenWorlds, InTenThreadsMoveAsOneAfterTheOther)
 {
 	constexpr int kWorlds = 10;
@@ -67,7 +67,7 @@ TEST(TenWorlds, InTenThreadsMoveAsOneAfterTheOther)
 
 namespace
 {
-/// Momentum [N s] and energy [J] of bodies of mass and moment of inertia given.
+/// Momentum [N s] and energy [J] of bodies with the given mass and moment of inertia.
 struct Motion
 {
 	Vec3 momentum;
@@ -85,7 +85,8 @@ struct Motion
 };
 }  // namespace
 
-// A hundred columns of ten tumble into each other. What the floor gave and gravity took is what the bodies have; nobody is lost.
+// A hundred columns of ten bodies collapse into each other. The momentum must equal the impulses of floor and gravity, and no body is
+// lost.
 TEST(ThousandBodies, KeepMomentumAndStayAboveTheFloor)
 {
 	constexpr int kBodies = 1000;
@@ -100,7 +101,7 @@ TEST(ThousandBodies, KeepMomentumAndStayAboveTheFloor)
 		const Vec3 place{1.25 * (i % 10), 0.9 + 1.3 * (i / 100), 1.25 * (i / 10 % 10)};
 		bodies.push_back(scene.add(shapes[i % 2], kMass, kInertia, at(place + randomVector(random, 0.1), randomVector(random, 2))));
 		scene.setStiffness(
-			bodies.back(), 2e3);  // soft: they begin inside one another, and what that stores is to be small beside their weight
+			bodies.back(), 2e3);  // soft: they begin inside one another, and the stored energy should be small beside their weight
 	}
 	Motion before(bodies, kMass, kInertia);
 	const double start = before.energy, weight = kBodies * kMass * 9.81 * h;

@@ -16,7 +16,7 @@ namespace
 {
 constexpr double kMass = 2, kGravity = 9.81;
 
-/// A world of multibodies whose solver is replaced by ours, as a game would do it.
+/// A world of multibodies whose solver was replaced by ours, as a game would do it.
 struct LinkScene
 {
 	btDefaultCollisionConfiguration configuration;
@@ -74,7 +74,7 @@ struct LinkScene
 		world.addRigidBody(body);
 		return body;
 	}
-	/// Base of `baseMass` (0: fixed) with room for links; `build` sets them up.
+	/// Adds a multibody: a base of `baseMass` (0: fixed) with room for links, which `build` sets up.
 	btMultiBody* addMultiBody(
 		int links, double baseMass, double inertia, const Vec3& p, const std::function<void(btMultiBody&)>& build = {})
 	{
@@ -108,7 +108,7 @@ struct LinkScene
 	{
 		for (int i = 0; i < int(seconds * rate); ++i) world.stepSimulation(btScalar(1 / rate), 0);
 	}
-	/// Moment about an axis along z of the volumetric impulses of the last step on `object` [N m s].
+	/// Moment about an axis along z of the volumetric impulses on `object` in the last step [N m s].
 	double momentOn(const btCollisionObject* object, const Vec3& axis)
 	{
 		double sum = 0;
@@ -121,7 +121,7 @@ struct LinkScene
 			}
 		return sum;
 	}
-	/// Sum of the volumetric impulses of the last step on `object` [N s].
+	/// Sum of the volumetric impulses on `object` in the last step [N s].
 	Vec3 impulseOn(const btCollisionObject* object)
 	{
 		Vec3 sum;
@@ -135,14 +135,14 @@ struct LinkScene
 btQuaternion turned(const Vec3& rotation) { return at({}, rotation).getRotation(); }
 }  // namespace
 
-// A multibody without links is a rigid body: both tumble onto the floor along the same path.
+// A multibody without links is a rigid body: both must tumble onto the floor along the same path.
 TEST(MultiBody, FreeBaseMovesLikeARigidBody)
 {
 	for (const double friction : {0.0, 0.6})
 	{
 		LinkScene scene;
 		const double rate = 240, k = 1e4;
-		scene.world.getSolverInfo().m_numIterations = 200;  // a link's friction converges in Bullet's iterations, a body's in its own
+		scene.world.getSolverInfo().m_numIterations = 200;  // a link's friction converges in Bullet's iterations, a body's in our own
 		btRigidBody* floor = scene.addRigid(scene.shape<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, 0, at({}));
 		floor->setFriction(1);
 		btCollisionShape* s = scene.volumetricShape(cube());
@@ -173,7 +173,7 @@ TEST(MultiBody, FreeBaseMovesLikeARigidBody)
 
 namespace
 {
-/// A bar of 2 m that turns about its left end, on a fixed base, above a small ball `kLever` from the axis.
+/// A bar of 2 m that rotates about its left end on a fixed base, above a small ball at the distance `kLever` from the axis.
 struct LeverLink : LinkScene
 {
 	static constexpr double kLever = 1.7;
@@ -190,7 +190,7 @@ struct LeverLink : LinkScene
 		});
 		beam = addCollider(m, 0, volumetricShape(bar()), 1e7);
 	}
-	/// Of the ball on the beam about the joint over half a second, while `torque` acts in the joint as well [N m].
+	/// Mean moment of the ball on the beam about the joint over half a second, while `torque` also acts in the joint [N m].
 	double meanMoment(double torque = 0)
 	{
 		double sum = 0;
@@ -205,7 +205,7 @@ struct LeverLink : LinkScene
 };
 }  // namespace
 
-// Moments about the joint: weight at 1 m, ball at the lever. The base, which is fixed, takes the rest.
+// The moments about the joint are those of the weight at 1 m and of the ball at the lever. The fixed base carries the rest.
 TEST(MultiBody, HingedLinkLeansOnABallAsTheLeverSays)
 {
 	LeverLink scene;
@@ -223,7 +223,7 @@ TEST(MultiBody, JointTorqueAddsToTheWeight)
 	EXPECT_NEAR(scene.meanMoment(kDown), kMass * kGravity - kDown, 1e-3 * kMass * kGravity);
 }
 
-// Bullet's own rows and ours share the link: a motor at its limit holds part of the weight.
+// Bullet's own rows and ours act on one link: a motor at its limit holds part of the weight.
 TEST(MultiBody, MotorAndContactShareTheLoad)
 {
 	LeverLink scene;
@@ -238,7 +238,7 @@ TEST(MultiBody, MotorAndContactShareTheLoad)
 
 namespace
 {
-/// Linear momentum, and angular momentum about the origin, of a multibody of isotropic inertias.
+/// Adds the linear momentum, and the angular momentum about the origin, of a multibody with isotropic inertias.
 void addMomentum(const btMultiBody& m, double inertia, Vec3& linear, Vec3& angular)
 {
 	std::vector<btVector3> omega(size_t(m.getNumLinks()) + 1), velocity(omega.size());
@@ -254,7 +254,7 @@ void addMomentum(const btMultiBody& m, double inertia, Vec3& linear, Vec3& angul
 }
 }  // namespace
 
-// A free two-link body flies into a free cube: what the one loses the other gains.
+// A free body of two links flies into a free cube: one gains the momentum that the other loses.
 TEST(MultiBody, KeepsTheMomentumWithARigidBodyItHits)
 {
 	std::mt19937_64 random(3);
@@ -295,8 +295,8 @@ TEST(MultiBody, KeepsTheMomentumWithARigidBodyItHits)
 	}
 }
 
-// A link is turned against another one of the same multibody, which a spring in its joint holds: what they do to each other balances the
-// torque in the one joint and the spring in the other.
+// A link is turned against another link of the same multibody, which a spring in its joint holds. Their contact forces balance the torque
+// in one joint and the spring in the other.
 TEST(MultiBody, LinksOfOneBodyPressEachOther)
 {
 	LinkScene scene;

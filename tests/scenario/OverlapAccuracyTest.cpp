@@ -28,7 +28,7 @@ constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
 
 struct Body
 {
-	Mesh mesh;  // repaired
+	Mesh mesh;  // repaired mesh
 	InnerSphereTree tree;
 };
 
@@ -48,7 +48,7 @@ Body makeBody(const Mesh& source, int spheres = 10000)
 	return {std::move(repaired).value().mesh, std::move(tree).value()};
 }
 
-/// The bunny, longest side 0.2 m. Built once for all tests of this file.
+/// The bunny with a longest side of 0.2 m. It is built once for all tests of this file.
 const Body& bunny()
 {
 	static const Body body = [] {
@@ -74,11 +74,11 @@ struct Accuracy
 	double volume = 0, force = 0, torque = 0;  // rms of relative errors
 	double volumeBias = 0;                     // mean of relative errors
 	double direction = 0;                      // median [degrees]
-	double innerShare = 0;                     // largest inner sum / truth
+	double innerShare = 0;                     // largest inner sum divided by the truth
 	double quadrature = 0;                     // rms of the quadrature's own relative force error
 };
 
-/// Torque errors are relative to the force times the longest side of B.
+/// Measures the accuracy over random poses. Torque errors are relative to the force times the longest side of B.
 Accuracy measure(const Body& A, const Body& B, double fraction, int count, uint64_t seed)
 {
 	const OverlapQuadrature quadrature(A.mesh, B.mesh);
@@ -153,12 +153,12 @@ void expectBruteForceAgrees(const Body& A, const Body& B)
 		EXPECT_LT(norm(fast.normalA.torque - slow.normalA.torque), 1e-5 * slow.volume * arm);
 		EXPECT_LT(norm(fast.normalB.torque - slow.normalB.torque), 1e-5 * slow.volume * arm);
 		EXPECT_LT(norm(fast.areaVector - slow.areaVector), 1e-5 * norm(slow.areaVector));
-		// A pair that just touches may count on one side only.
+		// A pair that just touches may count in only one of the two.
 		EXPECT_NEAR(static_cast<double>(fast.pairs), static_cast<double>(slow.pairs), 1e-3 * static_cast<double>(slow.pairs) + 1);
 	}
 }
 
-/// In how many poses the true error was within the bar.
+/// Number of poses in which the true error was within the error bar.
 struct Coverage
 {
 	int poses = 0, oneSigmaVolume = 0, twoSigmaVolume = 0, oneSigmaForce = 0, twoSigmaForce = 0;
@@ -184,8 +184,8 @@ struct Coverage
 	}
 };
 
-/// Of two sigma at least the 92 % that are promised, less what so few poses scatter by; of one sigma less than a bar that is twice too
-/// large would have.
+/// Checks that two sigma cover at least the specified 92 % of the poses, minus the scatter of so few poses. One sigma must cover fewer
+/// poses than an error bar that is twice too large would.
 void expectHonest(const char* name, const Coverage& found)
 {
 	std::printf("  %s, %d poses: volume %d within 1 sigma, %d within 2; force %d, %d\n", name, found.poses, found.oneSigmaVolume,
@@ -231,7 +231,7 @@ TEST(OverlapAccuracy, SlabOnSlabForceIsEvenOverShiftsAndYaws)
 	ASSERT_FALSE(slab.tree.law.empty());
 	const OverlapQuadrature quadrature(slab.mesh, slab.mesh);
 	QueryWorkspace workspace;
-	// The law promises its accuracy from twice the gap sum on; the first depth, half as deep, is printed only.
+	// The accuracy is specified from twice the sum of the gaps on. The first depth, half as deep, is only printed.
 	const double gapSum = 2 * slab.tree.meanGap, shallow = 2 * gapSum, deep = 0.45 * 2 * half;
 	constexpr int kDepths = 6, kPerDepth = 48;
 	std::mt19937_64 random(17);
@@ -259,7 +259,7 @@ TEST(OverlapAccuracy, SlabOnSlabForceIsEvenOverShiftsAndYaws)
 	}
 }
 
-// A number of spheres that the bar was not fitted to.
+// The error bar was not fitted to this number of spheres.
 TEST(OverlapAccuracy, ErrorBarHoldsForCompactThinAndSmallBodies)
 {
 	constexpr int kSpheres = 3000;

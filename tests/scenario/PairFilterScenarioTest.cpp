@@ -10,7 +10,7 @@ namespace
 {
 constexpr double kMass = 2, kGravity = 9.81, kRate = 240, kDepth = 0.02;
 
-/// Two cubes with trees, side by side on a floor that is a box without one.
+/// Two cubes with trees, side by side on a floor that is a box without a tree.
 struct TwoCubes : Scene
 {
 	btRigidBody *floor, *left, *right;
@@ -29,7 +29,7 @@ struct TwoCubes : Scene
 			if (c->bodyA == body && c->patchCount > 0) return true;
 		return false;
 	}
-	/// Points of Bullet's own contacts of this body.
+	/// Number of points of Bullet's own contacts of this body.
 	int stockPoints(const btRigidBody* body)
 	{
 		int count = 0;
@@ -42,7 +42,7 @@ struct TwoCubes : Scene
 		}
 		return count;
 	}
-	/// Of each step of a second, the impulse on the body over that of its weight: the smallest and the largest.
+	/// Smallest and largest impulse on the body in a step, divided by that of its weight, over one second.
 	std::pair<double, double> carried(btRigidBody* body)
 	{
 		double least = 1e9, most = -1e9;
@@ -93,7 +93,7 @@ TEST(Watch, OnlyWhatIsInTheRegionIsVolumetric)
 	scene.run(1, kRate);
 	expectOneOfTheTwo(scene, scene.left, true);
 	expectOneOfTheTwo(scene, scene.right, false);
-	// Set down on both sides of the border; half a metre beyond it a cube keeps what it has.
+	// The cube is put down on both sides of the border. Up to half a metre outside, a cube keeps its kind of contact.
 	const std::pair<double, bool> places[] = {{-0.7, true}, {0.7, true}, {1.2, false}, {0.7, false}, {0.45, true}, {3, false}};
 	for (const auto& [x, volumetric] : places)
 	{
@@ -114,7 +114,7 @@ TEST(Watch, OnlyWhatIsInTheRegionIsVolumetric)
 	expectOneOfTheTwo(scene, scene.right, true);
 }
 
-// A region keeps what it has until it is outside of a somewhat larger one.
+// In a region a body keeps its volumetric contact until it is outside of a slightly larger region.
 TEST(Watch, BodyOnTheBorderDoesNotChangeHandsInEveryStep)
 {
 	TwoCubes scene;
@@ -145,14 +145,14 @@ TEST(Watch, SwitchingDuringARestLosesNothing)
 		const auto [least, most] = scene.carried(scene.left);
 		EXPECT_NEAR(least, 1, 0.05) << round;
 		EXPECT_NEAR(most, 1, 0.05) << round;
-		// Bullet lifts the cube to its own surface, a hundredth of its side; the floor takes it back.
+		// Bullet lifts the cube to its own surface, by 1 % of its side; the floor takes it back.
 		const Vec3 now = vec(scene.left->getWorldTransform().getOrigin());
 		EXPECT_NEAR(now.x, before.x, 5e-3);
 		EXPECT_NEAR(now.z, before.z, 5e-3);
 		EXPECT_NEAR(now.y, volumetric ? before.y : 0.5, 2e-3);
 		expectOneOfTheTwo(scene, scene.right, true);
 	}
-	// Contact tests see what the world sees.
+	// Contact tests must see the same contacts as the world.
 	struct Count : btCollisionWorld::ContactResultCallback
 	{
 		int count = 0;
@@ -172,7 +172,7 @@ TEST(Watch, SwitchingDuringARestLosesNothing)
 		EXPECT_GT(points.count, 0);
 		EXPECT_EQ(scene.world.contacts().contacts().size(), contacts);
 	}
-	// Nothing is left behind.
+	// Nothing is left after the removal.
 	scene.world.bullet().removeRigidBody(scene.left);
 	EXPECT_EQ(scene.stockPoints(scene.left), 0);
 	scene.world.bullet().addRigidBody(scene.left);

@@ -21,7 +21,7 @@ const Solid& block()
 	return solid;
 }
 
-/// A cube above a fixed thin plate, no weight.
+/// A cube above a fixed thin plate, without weight.
 struct Shot : Scene
 {
 	btRigidBody *target, *bullet;
@@ -57,8 +57,8 @@ TEST(Substeps, ThicknessIsThatOfAPlateAndOfAThinnestChild)
 	EXPECT_TRUE(std::isinf(btISTSubsteps::thickness(&plane, registry)));
 }
 
-// At every speed and from every height: in one part most cubes are through before anyone looks, and each of them is reported; in
-// parts none is through, and none is reported as too fast.
+// This must hold at every speed and from every height. In a single part most cubes pass through before the next query, and each of them
+// is reported. In several parts none passes through, and none is reported as too fast.
 TEST(Substeps, NothingPassesAThinPlateUnreported)
 {
 	std::mt19937_64 random(11);
@@ -79,7 +79,7 @@ TEST(Substeps, NothingPassesAThinPlateUnreported)
 	EXPECT_GE(through, 4);
 }
 
-// Slow enough for every look, but the plate is too soft to hold the cube: it sinks through, and the force turns over.
+// The cube is slow enough for every query, but the plate is too soft to hold it: it sinks through, and the force reverses.
 TEST(Substeps, BodyThatSinksThroughASoftOneIsReported)
 {
 	Shot soft(0.15, 1, 200);
@@ -105,7 +105,7 @@ TEST(Substeps, WhatCannotTouchOrFallsAlikeIsNotTooFast)
 	shot.bullet->setCollisionFlags(shot.bullet->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
 	EXPECT_EQ(plan.plan(shot.world.bullet(), registry, 1 / kRate, 64), 1);
 
-	// In one step a body falls farther than a quarter of these.
+	// In one step a body falls farther than a quarter of the thickness of these.
 	static const Solid sheet(ist::makeBoxMesh({0.05, 0.0025, 0.05}), 300);
 	Scene pile;
 	pile.world.setGravity(btVector3(0, btScalar(-9.81), 0));
@@ -129,7 +129,7 @@ TEST(Substeps, MotionStatesShowTheEndOfTheStep)
 	shot.bullet->setMotionState(nullptr);
 }
 
-// A step in parts is still one step: a force acts over all of it, and so do gravity and time.
+// A step in parts is still one step: forces, gravity and time act over all of it.
 TEST(Substeps, ForcesActOverAllParts)
 {
 	for (const int most : {1, 64})

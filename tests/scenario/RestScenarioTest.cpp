@@ -27,7 +27,7 @@ ist::Mesh bunnyMesh()
 	return std::move(mesh).value();
 }
 
-/// Smallest moment of inertia, about all axes.
+/// Smallest moment of inertia, used for all axes.
 double inertiaOf(const Solid& solid)
 {
 	const ist::MassProperties p = ist::massProperties(solid.mesh);
@@ -36,15 +36,15 @@ double inertiaOf(const Solid& solid)
 
 struct Rest
 {
-	double height = 0;         ///< of the centre of mass over the plane at the end [m]
-	double storeRatio = 0;     ///< impulses in the store over weight times time, upward
-	double velocityRatio = 0;  ///< the same from the body's change of velocity
-	double volume = 0;         ///< under the plane in the pose at the end, cut from the mesh [m^3]
+	double height = 0;         ///< height of the centre of mass above the plane at the end [m]
+	double storeRatio = 0;     ///< upward impulses in the store, divided by weight times time
+	double velocityRatio = 0;  ///< the same ratio from the body's change of velocity
+	double volume = 0;         ///< volume under the plane in the end pose, cut from the mesh [m^3]
 	double modelForce = 0;     ///< k V of the tree in the last query [N]
 	int patches = 0;
 };
 
-/// Dropped from `drop` above `height`; settles for `settle` seconds, is watched for one more.
+/// Drops a body from `drop` above `height`. It settles for `settle` seconds and is watched for one more.
 Rest restOnPlane(
 	const Solid& solid, double k, const ist::Vec3& position, const ist::Vec3& rotation, bool locked, double rate, double settle = 2)
 {
@@ -81,7 +81,7 @@ void expectWeightIsCarried(const Rest& rest)
 	EXPECT_NEAR(rest.modelForce, kMass * kGravity, 1e-3 * kMass * kGravity);
 }
 
-/// The depth of the lowest point, for a body whose stiffness was chosen so that it should be `depth`.
+/// Checks the depth of the lowest point of a body whose stiffness was chosen for the depth `depth`.
 void expectDepth(const char* name, const Solid& solid, double depth, const ist::Vec3& rotation, double rate, double tolerance)
 {
 	const double low = lowestPoint(solid.mesh, toPose(at({}, rotation)));
@@ -102,7 +102,7 @@ TEST(VolumeBelow, AgreesWithClosedForms)
 	std::mt19937_64 random(1);
 	const ist::Mesh box = ist::makeBoxMesh({0.5, 0.3, 0.2});
 	EXPECT_NEAR(volumeBelow(box, {0, 1, 0}, -0.1), 1.0 * 0.2 * 0.4, 1e-12);
-	// A corner cut off by the plane with equal intercepts a: a^3 / 6.
+	// The plane with the equal intercepts a cuts off a corner: a^3 / 6.
 	const double a = 0.15;
 	EXPECT_NEAR(volumeBelow(box, ist::normalized({-1, -1, -1}), -(1.0 - a) / std::sqrt(3.0)), a * a * a / 6, 1e-12);
 	const ist::Mesh ball = ist::makeSphereMesh(0.5, 6);
@@ -126,7 +126,7 @@ TEST(RestOnAHalfSpace, BoxSinksAsDeepAsTheClosedFormSays)
 		}
 }
 
-// The mean gap of a packed ball is that of one inner sphere and says nothing about its leaves: depths are shares of the radius.
+// The mean gap of a packed ball is that of one inner sphere and is unrelated to its leaves, so depths are given as shares of the radius.
 TEST(RestOnAHalfSpace, SphereSinksAsDeepAsTheClosedFormSays)
 {
 	const double r = 0.5;
@@ -179,7 +179,7 @@ TEST(RestOnAHalfSpace, FreeBunnyStandsOnItsFeet)
 		expectWeightIsCarried(rest);
 		std::printf("  free bunny, %g Hz: k V/weight by the cut mesh %+.2f %%, %d patches\n", rate,
 			100 * (kStiffness * rest.volume / (kMass * kGravity) - 1), rest.patches);
-		EXPECT_GT(rest.height, 0.5 * -low);  // upright
+		EXPECT_GT(rest.height, 0.5 * -low);  // it is upright
 	}
 }
 
@@ -191,13 +191,13 @@ TEST(RestOnAHalfSpace, DefaultRuleCarriesTheWeightToo)
 		const Rest rest = restOnPlane(box, 0, {6, 0.5, -6}, {}, false, rate);
 		expectWeightIsCarried(rest);
 		std::printf("  nothing set, %g Hz: depth %.2f g\n", rate, (0.5 - rest.height) / box.tree->meanGap);
-		// The rule aims at one mean gap, where the force of the model is at its least true: never three times, never none.
+		// The rule aims at one mean gap, where the model's force is least accurate. The depth must be between zero and three gaps.
 		EXPECT_GT(0.5 - rest.height, 0);
 		EXPECT_LT(0.5 - rest.height, 3 * box.tree->meanGap);
 	}
 }
 
-// A body that cannot move by less than the rounding of its position shows a speed of that rounding per step.
+// A body that moves by less than the rounding of its position shows a speed of one rounding per step.
 TEST(RestOnAHalfSpace, TiltedBoxComesToRestAndStays)
 {
 	const Solid box(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);

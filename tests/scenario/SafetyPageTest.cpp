@@ -5,7 +5,7 @@
 
 #include <map>
 
-// What is unsafe is not for the page to say: the limits are those of a device of 10 N, 2 N in the long run, and of a hand.
+// The test, and not the page, defines what is unsafe: the limits are those of a device of 10 N, 2 N continuously, and of a hand.
 TEST(SafetyPage, EachStageHoldsBackWhatIsUnsafeWithoutIt)
 {
 	const std::map<std::string, double> safe = {{"finite", 0}, {"age", 0}, {"enabled", 0}, {"ramp", 0.5}, {"start inside", 0},

@@ -20,9 +20,9 @@ using namespace scenes;
 
 namespace
 {
-constexpr double kHandStiffness = 300;  // of sigma7 [N/m]
+constexpr double kHandStiffness = 300;  // hand stiffness of the sigma7 [N/m]
 
-/// A ball above a floor, at y = 0, whose hand goes from `from` to `to` in a second and stays there for one.
+/// A ball above a floor at y = 0. Its hand moves from `from` to `to` in one second and stays there for one second.
 std::string scene(const std::string& topology, double from, double to, const std::string& more = "")
 {
 	return R"({"schema": 1, "topology": ")" + topology + R"(", "duration": 2,
@@ -56,7 +56,7 @@ std::string refusalOf(const std::string& text)
 	return outcome ? "ran" : outcome.error().message;
 }
 
-/// Where the handle is, in World: the device's origin lies where the path begins.
+/// Height of the handle in World; the device's origin is at the start of the path.
 double heightOf(const SceneTick& tick, double from) { return from + tick.hand.translation.y; }
 }  // namespace
 
@@ -71,7 +71,7 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 		EXPECT_TRUE(o.ok());
 		ASSERT_EQ(o.ticks.size(), 2000u);
 		const SceneTick& last = o.ticks.back();
-		// The hand's own spring is what presses; on a half-space the pressure law is F = k V with k in series.
+		// The hand's own spring presses. On a half-space the pressure law is F = k V with k in series.
 		const double spring = kHandStiffness * (heightOf(last, from) - to);
 		EXPECT_GT(spring, 1) << topology;
 		EXPECT_NEAR(last.wrench.force.y, spring, 0.01 * spring) << topology;
@@ -85,7 +85,7 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 	}
 }
 
-// Two bodies of a thousand spheres pressed together have many more pairs than that.
+// Two bodies of a thousand spheres pressed together have many more pairs than this budget.
 TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 {
 	const auto most = [](const std::string& topology, const std::string& budget) {
@@ -113,8 +113,8 @@ TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 	}
 }
 
-// Nothing is volumetric: in a world that the hand's thread steps, Bullet's own contact holds the ball; a hand beside the world does not
-// feel that.
+// No pair is volumetric. In a world that the hand's thread steps, Bullet's own contact holds the ball. A hand beside the world does not
+// feel it.
 TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
 {
 	for (const char* topology : {"one-thread", "contact-in-tick"})
@@ -129,7 +129,7 @@ TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
 
 TEST(SceneRun, HooksActInTheirOrder)
 {
-	// Far from the floor the hand's spring alone holds against the hook's force, which the later hook halves.
+	// Far from the floor only the hand's spring acts against the hook's force, which the later hook halves.
 	const auto last = [](const std::string& hooks) {
 		const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, "\"hooks\": [" + hooks + "]"));
 		EXPECT_TRUE(outcome) << outcome.error().message;
@@ -148,7 +148,7 @@ TEST(SceneRun, HooksActInTheirOrder)
 
 TEST(SceneRun, TheDampingHookResistsMotion)
 {
-	// 0.06 m in a second of free space: 0.06 m/s at 20 N s/m, on top of what the tool's inertia and coupling do (nothing, at rest).
+	// The hand moves 0.06 m in a second of free space: 0.06 m/s at 20 N s/m. Inertia of the tool and coupling add nothing at rest.
 	const Result<SceneOutcome> outcome = run(
 		scene("one-thread", 0.5, 0.44, R"("hooks": [{"on": "haptic-tick", "do": "damping", "damping": 20}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
@@ -181,12 +181,12 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 	int rows = -1;
 	for (; std::getline(in, line); ++rows, last = line) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 20) << line;
 	EXPECT_EQ(rows, 2000);
-	// The last row: the hand from where its path began, the ball in the world, which the floor holds up.
+	// In the last row, the hand is given relative to the start of its path, and the ball, which the floor holds up, in the world.
 	double hand = 0, tool = 0;
 	ASSERT_EQ(std::sscanf(last.c_str(), "%*f,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,", &hand, &tool), 2);
 	EXPECT_NEAR(tool, 0.04 + hand, 0.01);
 	EXPECT_GT(tool, 0.012);
-	// A new pose of the hand comes before tool and wrench of its tick.
+	// The event of a new hand pose comes before tool and wrench of its tick are known.
 	ASSERT_TRUE(run(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "scene-recording.csv"}])")));
 	in.close(), in.clear(), in.open(file);
 	for (rows = -1; std::getline(in, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
@@ -229,7 +229,7 @@ TEST(SceneRun, ARunThatWasCutShortHasFailed)
 
 TEST(SceneRun, OnlyWatchedPairsAreFelt)
 {
-	// Unwatched, the decoupled hand feels nothing.
+	// Without the pair in the list, the decoupled hand feels nothing.
 	for (const char* pairs : {R"("pairs": [])", R"("pairs": [["ball", "floor"]])"})
 	{
 		const bool watched = std::string(pairs).find("ball") != std::string::npos;
@@ -242,7 +242,7 @@ TEST(SceneRun, OnlyWatchedPairsAreFelt)
 
 TEST(SceneRun, TheCouplingOfTheFileIsTheOneThatActs)
 {
-	// A saturating coupling: the hand feels at most its largest force, however deep it presses.
+	// The coupling saturates: the hand feels at most its largest force, however deep it presses.
 	std::string text = scene("one-thread", 0.04, -0.04);
 	const std::string tool = "\"tool\": \"ball\",";
 	text.replace(text.find(tool), tool.size(), tool + R"("coupling": {"maxForce": 1.25},)");
@@ -252,7 +252,8 @@ TEST(SceneRun, TheCouplingOfTheFileIsTheOneThatActs)
 	EXPECT_LE(outcome.value().maxForce, 1.25 * 1.001);
 }
 
-// A tool with mass swings on the spring when the hand sets off, and goes on swinging; one without is where the hand is.
+// A tool with mass oscillates on the spring when the hand starts, and continues to do so. A tool without mass is always where the hand
+// is.
 TEST(SceneRun, AStaticCouplingDoesNotSwing)
 {
 	for (const char* topology : {"one-thread", "contact-in-tick"})
@@ -294,7 +295,7 @@ TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 	expectStart(swap(whole, "sim:sigma7", "sim:nothing"), "s.json:5: hand.device: No simulated device is called 'nothing'");
 	expectStart(
 		swap(whole, "sim:sigma7", "sim:sigma7?dof=3"), "s.json:5: hand.device: only a simulated device without options follows hand.path");
-	// An asset that Bullet could not turn rightly.
+	// Bullet could not rotate this asset correctly.
 	BuildOptions build;
 	build.maxSpheres = 60;
 	const Result<InnerSphereTree> tree = buildTree(translated(makeBoxMesh({0.02, 0.02, 0.02}), {0.01, 0, 0}), build);
@@ -323,7 +324,7 @@ TEST(SceneRun, RunsInVirtualTimeAreAlike)
 
 TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 {
-	// In real time; what is timed is only looked at for being there.
+	// This runs in real time; of the times it only checks that they are there.
 	std::string text = scene("contact-thread", 0.04, 0.012);
 	const std::string floor = R"({"name": "floor", "plane": {}, "material": "m"})";
 	text.replace(text.find(floor), floor.size(), R"({"name": "floor", "asset": "ball", "material": "m", "fixed": true})");
@@ -350,7 +351,7 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 	}
 	EXPECT_GT(last, 10u);
 	EXPECT_TRUE(touched);
-	// The parts are parts of their wholes.
+	// Each part must be at most its whole.
 	for (size_t i = 1; i < s.run.ticks.size(); ++i)
 	{
 		const SceneTick& tick = s.run.ticks[i];

@@ -11,7 +11,7 @@ using ist::Vec3;
 
 namespace
 {
-// Deep enough for the model to be at its truest: some mean gaps of a cube of 500 spheres.
+// The depth is some mean gaps of a cube of 500 spheres, where the model is most accurate.
 constexpr double kMass = 2, kGravity = 9.81, kRate = 240, kDepth = 0.04;
 
 /// Mean volumetric force on `body` over half a second, split by the sign of x of the patches' points [N].
@@ -38,8 +38,8 @@ struct Carried
 };
 }  // namespace
 
-// Two cubes on one body, 1 m to the left and 2 m to the right of its centre of mass: by the lever, two thirds of the weight lie on
-// the left one. One level of compound, and three.
+// One body has two cubes, 1 m to the left and 2 m to the right of its centre of mass. By the lever, the left one carries two thirds of
+// the weight. The compound has one level, or three.
 TEST(Compound, ChildrenShareTheWeightByTheLever)
 {
 	for (const bool nested : {false, true})
@@ -85,7 +85,7 @@ TEST(Compound, OfTreesRestsOnACompoundOfTrees)
 	EXPECT_EQ(touching, 2);
 }
 
-// The key is the shape that the body has: a tree belongs to the wrapper and is as large as the wrapper.
+// The tree belongs to the body's own shape: here it is attached to the wrapper and has the wrapper's size.
 TEST(ScaledShape, UniformScalingWrapperCarriesATreeOfItsOwnSize)
 {
 	Scene scene;
@@ -106,7 +106,7 @@ TEST(ScaledShape, UniformScalingWrapperCarriesATreeOfItsOwnSize)
 	scene.world.bullet().addRigidBody(body);
 }
 
-// A tree on the wrapped shape says nothing about the wrapper, and a scaled shape is refused in words.
+// A tree on the wrapped shape is not valid for the wrapper, and a scaled shape is refused with a reason.
 TEST(ScaledShape, WrapperOfAShapeWithATreeIsBullets)
 {
 	Scene scene;
@@ -125,7 +125,8 @@ TEST(ScaledShape, WrapperOfAShapeWithATreeIsBullets)
 	EXPECT_NE(refused.error().message.find("scal"), std::string::npos);
 }
 
-// Scaled while it lies on the floor: from the next step on Bullet's own contact carries it, in its new size; and back again.
+// The body is scaled while it lies on the floor. From the next step on Bullet's own contact carries it, in its new size. It is then
+// scaled back.
 TEST(ScaledShape, ScalingDuringARestHandsTheContactToBullet)
 {
 	Scene scene;
@@ -149,7 +150,7 @@ TEST(ScaledShape, ScalingDuringARestHandsTheContactToBullet)
 	EXPECT_NEAR(double(body->getWorldTransform().getOrigin().y()), 0.5 - kDepth, 0.1 * kDepth);  // the closed form, at three gaps
 }
 
-// A ghost sees what is in it, its contact is in the store for whoever asks, and nobody feels it.
+// A ghost object sees the bodies in it. Its contact is in the store for queries, but exerts no force.
 TEST(GhostObject, SeesVolumetricBodiesAndIsNotFelt)
 {
 	Scene scene;
@@ -181,8 +182,8 @@ TEST(GhostObject, SeesVolumetricBodiesAndIsNotFelt)
 	scene.world.bullet().removeCollisionObject(&ghost);
 }
 
-// ARCHITECTURE.md on surfaces without an inside: Bullet's contact goes on between the bunny's stand-in and each of them, nothing falls
-// through, and nothing is volumetric but what has a closed form in the compound.
+// ARCHITECTURE.md, on surfaces without an inside: Bullet's contact continues between the bunny's hull and each of them. Nothing falls
+// through, and only closed forms in the compound are volumetric.
 TEST(SurfacesWithoutAnInside, CarryATreeByBulletsOwnContact)
 {
 	btTriangleMesh triangles;

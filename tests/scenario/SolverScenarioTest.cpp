@@ -10,7 +10,7 @@ using namespace scenario;
 
 namespace
 {
-/// A pile of stock shapes with two joints, stepped for 2 s; the positions at the end.
+/// Steps a pile of Bullet's shapes with two joints for 2 s. Returns the poses at the end.
 std::vector<btTransform> stockPile(
 	btSequentialImpulseConstraintSolver& solver, btCollisionDispatcher& dispatcher, btDefaultCollisionConfiguration& configuration)
 {
@@ -49,7 +49,7 @@ std::vector<btTransform> stockPile(
 
 using VolumetricSolver = btVolumetricSolver<btSequentialImpulseConstraintSolver>;
 
-/// Counts what Bullet's overrides allocate while they run, with what they call of Bullet's own.
+/// Counts the allocations of the overridden methods, including those of Bullet's code that they call.
 struct CountingSolver : VolumetricSolver
 {
 	using VolumetricSolver::VolumetricSolver;
@@ -99,7 +99,7 @@ TEST(btVolumetricSolver, MovesStockShapesBitForBitAsBulletDoes)
 			}
 }
 
-// The whole step, Bullet's part with it: its pools and arrays are as large as they will be after the warm-up.
+// This holds for the whole step, including Bullet's part: after the warm-up its pools and arrays have their final size.
 TEST(btISTWorld, AllocatesNothingInAStepAfterWarmUp)
 {
 	Scene scene;
@@ -199,7 +199,7 @@ TEST(btVolumetricSolver, GivesNoImpulseToOrFromABodyWithoutResponse)
 
 namespace
 {
-/// Slides a kinematic cube along x at `speed`, as a game does: by its transform, before each step.
+/// Slides a kinematic cube along x at `speed` like a game: by its transform, before each step.
 void pushAlong(Scene& scene, btRigidBody* tool, double speed, double seconds, double h)
 {
 	for (int i = 0; i < int(seconds / h); ++i)
@@ -219,7 +219,7 @@ btRigidBody* addKinematic(Scene& scene, btCollisionShape* shape, const ist::Vec3
 }
 }  // namespace
 
-// Also one that was given a mass and made kinematic by its flag alone.
+// This includes a body with a mass that is made kinematic by its flag alone.
 TEST(btVolumetricSolver, KinematicBodyPushesAtItsSpeed)
 {
 	const double speed = 0.5;

@@ -15,7 +15,7 @@
 #include <random>
 #include <vector>
 
-/// What the scenarios of the force library share: bodies with trees in a btISTWorld, and oracles that know nothing of trees.
+/// Common parts of the scenarios of the force library: bodies with trees in a btISTWorld, and oracles that do not use trees.
 namespace scenario
 {
 constexpr bool kDouble = sizeof(btScalar) == 8;
@@ -30,7 +30,7 @@ inline btTransform at(const ist::Vec3& p, const ist::Vec3& rotation = {})
 	return btTransform(btQuaternion(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)), vec(p));
 }
 
-/// Mesh and tree about the mesh's centre of mass, as Bullet wants its bodies.
+/// Mesh and tree about the mesh's centre of mass, as Bullet requires for its bodies.
 struct Solid
 {
 	ist::Mesh mesh;
@@ -47,22 +47,22 @@ struct Solid
 	}
 };
 
-/// Edge 1 m.
+/// A cube with an edge of 1 m.
 inline const Solid& cube()
 {
 	static const Solid solid(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
 	return solid;
 }
 
-/// 2 m by 0.2 m by 0.4 m.
+/// A bar of 2 m by 0.2 m by 0.4 m.
 inline const Solid& bar()
 {
 	static const Solid solid(ist::makeBoxMesh({1, 0.1, 0.2}), 4000);
 	return solid;
 }
 
-/// Volume [m^3] of a closed mesh on the inner side of the plane normal . x = offset, exact: with the apex of all tetrahedra in the
-/// plane, the face that closes the cut adds nothing.
+/// Exact volume [m^3] of a closed mesh on the inner side of the plane normal . x = offset. The apex of all tetrahedra is in the plane, so
+/// the face that closes the cut adds nothing.
 inline double volumeBelow(const ist::Mesh& mesh, const ist::Vec3& normal, double offset)
 {
 	const ist::Vec3 apex = offset * normal;
@@ -83,7 +83,7 @@ inline double volumeBelow(const ist::Mesh& mesh, const ist::Vec3& normal, double
 	return six / 6;
 }
 
-/// Height of the lowest vertex of a mesh in a pose, along y.
+/// Height y of the lowest vertex of a mesh in a pose.
 inline double lowestPoint(const ist::Mesh& mesh, const ist::Pose& X)
 {
 	double y = 1e300;
@@ -91,7 +91,7 @@ inline double lowestPoint(const ist::Mesh& mesh, const ist::Pose& X)
 	return y;
 }
 
-/// Bodies in a world of their own. Nothing ever sleeps.
+/// Bodies in their own world. They never sleep.
 class Scene
 {
 public:
@@ -108,7 +108,7 @@ public:
 		return static_cast<Shape*>(m_shapes.back().get());
 	}
 
-	/// One that only says how large the mesh is: contact comes from the tree.
+	/// Makes a box shape, which only gives the size of the mesh: the contact comes from the tree.
 	btCollisionShape* volumetricShape(const Solid& solid)
 	{
 		ist::Vec3 half;
@@ -120,7 +120,7 @@ public:
 		return result;
 	}
 
-	/// The inertia is that of a ball or cube: equal about all axes, `inertia` [kg m^2]. Zero mass: static.
+	/// Adds a body with equal moments of inertia about all axes, `inertia` [kg m^2], like a ball or cube. A mass of zero makes it static.
 	btRigidBody* add(btCollisionShape* shape, double mass, double inertia, const btTransform& pose)
 	{
 		const btScalar i = btScalar(mass > 0 ? inertia : 0);
@@ -135,7 +135,7 @@ public:
 
 	btRigidBody* addFloor() { return add(shape<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)), 0, 0, btTransform::getIdentity()); }
 
-	/// k_X [Pa/m]; 0 leaves it to the default rule.
+	/// Sets k_X [Pa/m]; with 0 the default rule decides.
 	void setStiffness(const btRigidBody* body, double k) { EXPECT_FALSE(world.materials().set(body, {k, -1})); }
 
 	void step(double h) { world.bullet().stepSimulation(btScalar(h), 0); }
@@ -144,7 +144,7 @@ public:
 		for (int i = 0; i < int(seconds * rate + 0.5); ++i) step(1 / rate);
 	}
 
-	/// Sum over all contacts of what the solver wrote into the store: on A, World [N s].
+	/// Sum over all contacts of the impulses on A in the store, World [N s].
 	ist::Vec3 storedImpulse()
 	{
 		ist::Vec3 sum;

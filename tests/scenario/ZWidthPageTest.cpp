@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-// Without delay the free handle bears K = (b + B) / (T / 2), and every motion of a hand K = 2 (b - B) / T.
+// Without delay the free handle can bear K = (b + B) / (T / 2), and K = 2 (b - B) / T under every motion of a hand.
 TEST(ZWidthPage, ShowsBothRegionsWhereTheClosedFormsAre)
 {
 	const auto found = scenes::runZWidth({"touch"}, {0});

@@ -15,7 +15,7 @@ struct Worst
 	double momentum = 0, angular = 0, energy = 0, mean = 0;
 };
 
-/// Random stiffness over five decades, step, speed, spin, friction.
+/// Collides many pairs with random stiffness over five decades, step, speed, spin and friction.
 Worst collideMany(const ExtremeSolid& solid, double dissipation, int count)
 {
 	Worst worst;
@@ -37,8 +37,8 @@ Worst collideMany(const ExtremeSolid& solid, double dissipation, int count)
 		worst.angular = std::max(worst.angular, out.angular);
 		worst.energy = std::max(worst.energy, out.energy);
 		worst.mean += out.energy / count;
-		// Rounding is all that may be added: of the velocities in each step of contact, and of the depth, which moves an implicit impulse
-		// by h^2 K / m of it (1 kg, 1 m^2).
+		// Only rounding may add energy. It is that of the velocities in each step of contact, and that of the depth, which changes an
+		// implicit impulse by the share h^2 K / m (1 kg, 1 m^2).
 		const double rounding = (kDouble ? 1e-11 : 5e-5) + kEpsilon * setup.h * setup.h * setup.k;
 		EXPECT_LE(out.energy, 1 + rounding) << seed << ": k " << setup.k << ", h " << setup.h << ", " << setup.speed << " m/s";
 		EXPECT_LT(out.momentum, kDouble ? 1e-12 : 1e-5) << seed;
@@ -51,12 +51,12 @@ Worst collideMany(const ExtremeSolid& solid, double dissipation, int count)
 
 TEST(IsolatedPair, GainsNoEnergyAndKeepsItsMomentumInAThousandCollisions) { EXPECT_GT(collideMany(unitCube(), -1, 1000).touched, 900); }
 
-// What was absorbed is given back, and no more: neither from bumps shallower than the packing's gaps nor from a deep first step.
+// The contact returns what it has absorbed, and no more. This includes bumps shallower than the packing's gaps, and a deep first step.
 TEST(IsolatedPair, GainsNoEnergyWithoutDissipationEither)
 {
 	const Worst worst = collideMany(unitCube(), 0, 300);
 	EXPECT_GT(worst.touched, 250);
-	// A energy tank that kept everything would pass the test above.
+	// An energy tank that returned nothing would pass the test above.
 	EXPECT_GT(worst.mean, 0.5);
 }
 
@@ -75,8 +75,8 @@ TEST(Restitution, FollowsHuntAndCrossleysClosedForm)
 		}
 }
 
-// The cube of the bounce has an edge of 1 m and weighs 1 kg: K = k. It goes 1 / omega deep; less deep than a few gaps the force grows
-// faster than with depth, and less is lost.
+// The cube of the bounce has an edge of 1 m and a mass of 1 kg, so K = k. It reaches the depth 1 / omega. At less than a few gaps the
+// force grows faster than the depth, and less energy is lost.
 TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
 {
 	for (const double hw : {0.02, 0.1, 0.2})
@@ -90,7 +90,7 @@ TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
 		}
 }
 
-// From h omega far below to far above 1, undamped.
+// h omega goes from far below to far above 1, undamped.
 TEST(Restitution, IsNeverAboveOne)
 {
 	for (const double hw : {0.006, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0})
@@ -130,8 +130,8 @@ TEST(DrillingFriction, StopsADiscWhenTheClosedFormSays)
 	}
 }
 
-// A rigid rod that slides on its tip has no solution, or two, above a friction of 4/3 (Painleve). Compliance has one: the tip jams, the rod
-// is thrown over and comes to lie.
+// A rigid rod that slides on its tip has no solution, or two, above a friction of 4/3 (Painleve). A compliant one has one solution: the
+// tip jams, and the rod is thrown over and comes to rest.
 TEST(RodOnItsTip, StaysFiniteAndGainsNoEnergyAtAnyFriction)
 {
 	const ExtremeSolid rod = solidOf(ist::makeBoxMesh({0.03, 0.5, 0.03}), 500);

@@ -6,16 +6,16 @@
 
 namespace extremes
 {
-// Forces of the law are continuous, their slopes are not: leaves come and go. Each costs the integration a share of (h omega)^2 of the
-// energy.
+// Forces of the law are continuous, but their slopes jump where leaves come and go. Each jump costs the integration a share of (h
+// omega)^2 of the energy.
 constexpr double kShareOfSquare = 0.5;
-// With this step that is a millionth; grazes that are over sooner are repeated with it.
+// With this step the error is 1e-6. Grazing contacts that are shorter are repeated with it.
 constexpr double kFineStep = 0.0014;
 
 inline EnergyCollisionOutcome collideFinely(const ExtremeSolid& cube, EnergyCollisionSetup setup, int& repeated)
 {
 	const EnergyCollisionOutcome out = collideByEnergyLaw(cube, setup);
-	// In single precision poses are known to 1e-7 of the way only, and a finer step does not help.
+	// In single precision poses are known only to 1e-7 of the path, so a finer step does not help.
 	if (!kDouble || !(out.stepTimesFrequency > kFineStep)) return out;
 	EXPECT_LT(std::fabs(out.gain), kShareOfSquare * out.stepTimesFrequency * out.stepTimesFrequency * out.swing) << setup.seed;
 	++repeated;
@@ -23,7 +23,7 @@ inline EnergyCollisionOutcome collideFinely(const ExtremeSolid& cube, EnergyColl
 	return collideByEnergyLaw(cube, setup);
 }
 
-/// Neither more nor less kinetic energy after a collision than before, over what the contact had stored.
+/// Checks that the kinetic energy after a collision equals that before, relative to the energy that the contact had stored.
 inline void expectConserved(uint64_t count)
 {
 	static const ExtremeSolid cube = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 100);
@@ -37,8 +37,8 @@ inline void expectConserved(uint64_t count)
 		const EnergyCollisionOutcome out = collideFinely(cube, setup, repeated);
 		ASSERT_TRUE(out.finished) << seed;
 		ASSERT_GT(out.swing, 0) << seed;
-		// Single precision rounds ten thousand steps ten metres from the origin, which counts in a graze that stores less than a
-		// thousandth.
+		// In single precision, ten thousand steps 10 m from the origin are rounded. This matters in a grazing contact that stores less
+		// than 0.1 % of the energy.
 		EXPECT_LT(std::fabs(out.gain), kDouble ? 1e-6 * out.swing : 1e-1 * out.swing + 3e-5 * out.kinetic) << seed;
 		EXPECT_LT(out.momentum, kDouble ? 1e-12 : 1e-5) << seed;
 		gain = std::max(gain, out.gain / out.swing);

@@ -8,8 +8,8 @@ using namespace extremes;
 TEST(EnergyLaw, CollisionsGiveBackWhatTheyStored) { expectConserved(20); }
 
 #ifdef BT_USE_DOUBLE_PRECISION
-// Newton's third law, and the energy's own differences: of the forces as Bullet gets them, far from the origin too. Differences of poses in
-// single precision say nothing.
+// The oracle is Newton's third law, and differences of the energy. It is applied to the forces that Bullet receives, also far from the
+// origin. Differences of poses in single precision would be too coarse.
 TEST(EnergyLaw, ForcesAreTheGradientOfTheEnergy)
 {
 	for (const ist::Vec3& place : {ist::Vec3{}, ist::Vec3{1000, -300, 200}})

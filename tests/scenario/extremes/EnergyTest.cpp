@@ -9,7 +9,7 @@ using namespace extremes;
 
 namespace
 {
-/// Rounding of velocities and poses over some thousand steps, as a share.
+/// Rounding of velocities and poses over some thousand steps, as a share of the energy.
 constexpr double kRounding = kDouble ? 1e-10 : 1e-4;
 
 struct Audited
@@ -42,7 +42,7 @@ struct Audited
 };
 }  // namespace
 
-// Bullet moves a body with the velocity at the end of the step: m g^2 h^2 / 2 are lost in each, and no more.
+// Bullet moves a body with the velocity at the end of the step, so each step loses exactly m g^2 h^2 / 2.
 TEST(EnergyAudit, FreeFlightLosesWhatTheIntegratorLoses)
 {
 	Audited scene(kGravity, 1.0 / 240);
@@ -50,7 +50,7 @@ TEST(EnergyAudit, FreeFlightLosesWhatTheIntegratorLoses)
 	body->setLinearVelocity(btVector3(1, 4, 2));
 	body->setAngularVelocity(btVector3(3, -1, 2));
 	const double before = 0.5 * 3 * 21 + 0.5 * 0.5 * 14 + 3 * kGravity * 5;
-	scene.steps(481);  // the balance reaches up to the beginning of the last
+	scene.steps(481);  // the balance ends at the beginning of the last step
 	const btEnergyBalance& total = scene.audit.total();
 	const double lost = 480 * 0.5 * 3 * kGravity * kGravity * scene.h * scene.h;
 	EXPECT_NEAR(total.injected, before, kRounding * before);
@@ -69,7 +69,7 @@ TEST(EnergyAudit, ForceInjectsItsWork)
 		body->applyTorque(btVector3(0, 2, 0));
 		scene.step();
 	}
-	// (F t)^2 / 2 m + (M t)^2 / 2 I after a second.
+	// The work after one second is (F t)^2 / 2 m + (M t)^2 / 2 I.
 	EXPECT_NEAR(scene.audit.total().injected, 25.0 / 4 + 4.0 / 2, kRounding * 10);
 	scene.expectClosed(10);
 	body->setLinearVelocity(btVector3(0, 0, 0));
@@ -78,7 +78,7 @@ TEST(EnergyAudit, ForceInjectsItsWork)
 	EXPECT_NEAR(scene.audit.total().injected, 0, kRounding * 10);
 }
 
-// A body with three different moments of inertia: what Bullet's gyroscopic term and the turning inertia do is numerical.
+// The body has three different moments of inertia. The effects of Bullet's gyroscopic term and of the rotating inertia are numerical.
 TEST(EnergyAudit, TumblingBodyLeavesNoResidual)
 {
 	Audited scene(0, 1.0 / 60);
@@ -183,7 +183,7 @@ TEST(EnergyAudit, CollisionsLoseWhatWasDissipated)
 	EXPECT_GT(touched, 180);
 }
 
-// A contact that may return less than it would changes what its neighbours in the pile do: their work counts after that.
+// A contact that is limited to its energy tank changes the motion of its neighbours in the pile. Their work must be computed after that.
 TEST(EnergyAudit, PileWhoseContactsAreHeldBackLeavesNoResidual)
 {
 	Audited scene(kGravity, 1.0 / 120);

@@ -26,15 +26,16 @@ inline ExtremeSolid solidOf(const ist::Mesh& mesh, int64_t spheres)
 	return {};
 }
 
-/// Edge 1 m.
+/// A cube with an edge of 1 m.
 inline const ExtremeSolid& unitCube()
 {
 	static const ExtremeSolid solid = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 500);
 	return solid;
 }
 
-/// Each cube is a quarter turn from the one below, so that the bumps of their trees, which lean a contact by some 1e-3 rad at 10,000
-/// spheres, do not all lean the same way. They stand, and each layer carries its weight as the model says.
+/// Each cube is turned by a quarter from the one below. Otherwise the bumps of their trees, which tilt a contact by about 1e-3 rad at
+/// 10,000 spheres, would all tilt in the same direction. The tower must stand, and each layer must carry its weight according to the
+/// model.
 inline TowerOutcome expectStraightTower(TowerSetup setup, int64_t spheres)
 {
 	const ExtremeSolid cube = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), spheres);

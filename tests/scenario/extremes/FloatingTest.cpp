@@ -9,8 +9,8 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 }
 
-// Draft = height rho / rho_w; heave: omega^2 = rho_w g A / m = g / draft; roll: omega^2 = m g GM / I, GM = w^2 / (12 draft) - (height -
-// draft) / 2.
+// The closed forms are: draft = height rho / rho_w; heave: omega^2 = rho_w g A / m = g / draft; roll: omega^2 = m g GM / I, with GM = w^2
+// / (12 draft) - (height - draft) / 2.
 TEST(Floating, BoxHasTheDraftAndThePeriodsOfHydrostatics)
 {
 	const double width = 1, height = 0.4, length = 1.6, share = 0.5, inertiaPerMass = (width * width + height * height) / 12;
@@ -25,7 +25,7 @@ TEST(Floating, BoxHasTheDraftAndThePeriodsOfHydrostatics)
 	EXPECT_NEAR(out.rollPeriod, roll, 0.02 * roll);
 }
 
-// Upright but for 6 s (1 - s) > 1, that is between s = 0.2113 and 0.7887.
+// The log floats upright except for 6 s (1 - s) > 1, which is between s = 0.2113 and 0.7887.
 TEST(Floating, SquareLogTipsWhereItsMetacentreFallsBelowItsCentreOfMass)
 {
 	const ExtremeSolid log = solidOf(ist::makeBoxMesh({0.5, 0.5, 1}), 3000);
@@ -38,7 +38,7 @@ TEST(Floating, SquareLogTipsWhereItsMetacentreFallsBelowItsCentreOfMass)
 			if (exact > 0) EXPECT_GT(tilt, 0.7 * exact) << share;
 			else EXPECT_LT(tilt, 0.05) << share;
 		}
-	// Well inside, where bumps of the tree matter less: the angle itself.
+	// Well inside this range bumps of the tree matter less, so the angle itself is compared.
 	const double tilted = restingTiltOfLog(log, 0.2413, 1.0 / 120);
 	EXPECT_NEAR(tilted, wallSidedTilt(0.2413), 0.05 * tilted);
 }

@@ -3,7 +3,7 @@
 
 using namespace extremes;
 
-// Leaves decide on which tilt a cube comes to rest, and on how far from what its pose can hold.
+// The leaves determine the tilt at which a cube comes to rest, and the depth that its pose can hold.
 class Rest : public testing::TestWithParam<int>
 {};
 
@@ -33,8 +33,8 @@ TEST(Tower, OfTenCubesStandsAMinuteAtSixtyHertz)
 	expectStraightTower(setup, 10000);
 }
 
-// Every other cube is Bullet's own box, so that a contact has the gaps of one tree, not of two: it resists tilting as it must. The minute
-// of the page takes ten.
+// Every other cube is Bullet's own box, so a contact has the gaps of one tree only, and resists tilting enough. On the page the run takes
+// a minute of simulated time, and ten minutes of computing.
 TEST(Tower, OfTwentyCubesStandsAtTwoHundredAndFortyHertz)
 {
 	TowerSetup setup;
@@ -46,7 +46,8 @@ TEST(Tower, OfTwentyCubesStandsAtTwoHundredAndFortyHertz)
 	expectStraightTower(setup, 150000);
 }
 
-// A column of elastic contacts buckles: by theory with 14 cubes of these leaves, whose contacts tilt more easily than faces without gaps.
+// A column of elastic contacts buckles. By theory this happens with 14 cubes of these leaves, whose contacts tilt more easily than faces
+// without gaps.
 TEST(Tower, FallsWhereAColumnOfItsTiltStiffnessBuckles)
 {
 	constexpr double kSinkage = 3e-4;
@@ -70,7 +71,7 @@ TEST(Tower, FallsWhereAColumnOfItsTiltStiffnessBuckles)
 
 TEST(EnergyLaw, AThousandCollisionsGiveBackWhatTheyStored) { expectConserved(1000); }
 
-// What the row above is measured against.
+// This is the reference for the row above.
 TEST(Tower, OfTenCubesFallsInStockBullet)
 {
 	TowerSetup setup;

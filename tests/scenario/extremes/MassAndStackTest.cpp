@@ -16,7 +16,7 @@ TowerOutcome heavyOnLight(Response response, double ratio, bool defaults)
 	return stackCubes(response, unitCube(), setup);
 }
 
-/// `tolerance`: of the sinkage [m].
+/// `tolerance` is that of the sinkage [m].
 void expectStands(const TowerOutcome& tower, double tolerance)
 {
 	ASSERT_TRUE(tower.finite);
@@ -30,7 +30,7 @@ void expectStands(const TowerOutcome& tower, double tolerance)
 
 TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousand) { expectStands(heavyOnLight(Response::Volumetric, 1e4, false), 5e-4); }
 
-// 0.2 % of the edge: shallower than the gaps, where leaves bulge, the cubes still creep a little after 5 s.
+// The tolerance is 0.2 % of the edge. This is less than the gaps, where leaves bulge, and the cubes still creep a little after 5 s.
 TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousandWithNothingSet) { expectStands(heavyOnLight(Response::Volumetric, 1e4, true), 2e-3); }
 
 TEST(HeavyCubeOnALightOne, DoesNotFallThroughAtOneToAMillion)
@@ -43,10 +43,10 @@ TEST(HeavyCubeOnALightOne, DoesNotFallThroughAtOneToAMillion)
 	}
 }
 
-// What the rows above are measured against: without this the comparison would say nothing.
+// This is the reference for the tests above; without it the comparison would have no meaning.
 TEST(HeavyCubeOnALightOne, FallsThroughInStockBullet) { EXPECT_GT(heavyOnLight(Response::Stock, 1e4, false).fellAfter, 0); }
 
-// Ten cubes on each other are in LongTest, twenty on the page that demos/extremes prints.
+// Ten cubes on each other are in LongTest, twenty on the page of demos/extremes.
 TEST(Tower, OfFiveCubesStandsStraightAndCarriesTheWeightOfEachLayer)
 {
 	TowerSetup setup;
@@ -56,7 +56,7 @@ TEST(Tower, OfFiveCubesStandsStraightAndCarriesTheWeightOfEachLayer)
 	EXPECT_GT(expectStraightTower(setup, 10000).forceError, 0);
 }
 
-// In closed form where its contacts have gaps on one side only.
+// In this tower, contacts with a closed form have gaps on one side only.
 TEST(Tower, OfPlainCubesBetweenOthersStandsStraightToo)
 {
 	TowerSetup setup;
@@ -67,7 +67,8 @@ TEST(Tower, OfPlainCubesBetweenOthersStandsStraightToo)
 	expectStraightTower(setup, 10000);
 }
 
-// Of flat contact edge / (12 F/F') and no more than the gaps allow, however stiff the material: F/F' is their size at every load.
+// The tilt stiffness of flat contact is edge / (12 F/F'), and at most what the gaps allow, however stiff the material: F/F' has the size
+// of the gaps at every load.
 TEST(Tower, TiltStiffnessIsBoundedByTheGapsAndGrowsWithoutThem)
 {
 	const ExtremeSolid coarse = unitCube(), fine = solidOf(ist::makeBoxMesh({0.5, 0.5, 0.5}), 10000);
@@ -82,7 +83,7 @@ TEST(Tower, TiltStiffnessIsBoundedByTheGapsAndGrowsWithoutThem)
 	}
 }
 
-// A tower on soft contacts buckles; that it does is no fault of the solver.
+// A tower on soft contacts buckles by theory, so this is not an error of the solver.
 TEST(Tower, FallsWhereItsContactsAreSofterThanAColumnCanBear)
 {
 	TowerSetup setup;

@@ -7,7 +7,7 @@ namespace
 {
 constexpr btScalar kNan = std::numeric_limits<btScalar>::quiet_NaN(), kInfinity = std::numeric_limits<btScalar>::infinity();
 
-/// A cube rests on a plane, another on it; the upper one is poisoned.
+/// A cube rests on a plane and carries another one, which is poisoned.
 struct Poisoned
 {
 	ExtremeWorld world{Response::Volumetric};
@@ -26,7 +26,7 @@ struct Poisoned
 	}
 };
 
-/// Where the lower cube comes to rest when the upper one is taken away.
+/// Pose of the lower cube at rest after the upper one was removed.
 btTransform restAlone()
 {
 	Poisoned scene;

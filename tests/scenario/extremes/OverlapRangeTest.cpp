@@ -9,7 +9,7 @@ using namespace extremes;
 
 namespace
 {
-/// Two bodies of one tree, the second turned by `rotation` and moved by `distance` along `direction`.
+/// Two bodies with one tree. The second is rotated by `rotation` and translated by `distance` along `direction`.
 struct Approach
 {
 	const ExtremeSolid& solid;
@@ -25,7 +25,7 @@ struct Approach
 		return result.total;
 	}
 	ist::Vec3 force(double distance) { return ist::pressureWrench(at(distance), {1, 0.5, 0.5}).force; }
-	/// Largest change of the force between neighbours on the way in.
+	/// Largest change of the force between neighbouring distances on the way in.
 	double largestJump(int steps)
 	{
 		double largest = 0;
@@ -59,7 +59,7 @@ TEST(OverlapRange, ForceIsContinuousFromFirstTouchToOneInTheOther)
 	for (int seed = 0; seed < 6; ++seed)
 	{
 		Approach approach = approachOf(seed, seed % 2 == 1);
-		// A force that jumps somewhere jumps by as much in half the step.
+		// A force with a jump would show the same jump at a quarter of the step.
 		const double coarse = approach.largestJump(400), fine = approach.largestJump(1600);
 		EXPECT_GT(coarse, 0) << seed;
 		EXPECT_LT(fine, 0.45 * coarse) << seed;
@@ -114,7 +114,7 @@ TEST(OverlapRange, BodiesPutIntoOneAnotherStayFinite)
 		for (const btRigidBody* body : {a, b})
 		{
 			EXPECT_TRUE(std::isfinite(double(body->getWorldTransform().getOrigin().length2()))) << distance;
-			// No faster than all that contact can hold: two boxes of one volume, k V depth.
+			// Limit of the speed: the largest energy that contact can hold, k V depth for two boxes of one volume.
 			EXPECT_LT(double(body->getLinearVelocity().length()), std::sqrt(1e5)) << distance;
 		}
 		EXPECT_LT(double((a->getLinearVelocity() + b->getLinearVelocity()).length()), 1e4 * kEpsilon) << distance;

@@ -11,10 +11,10 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 
-/// Of two balls at distance d, R + r > d > |R - r|. Two spherical caps.
+/// Lens of two balls at the distance d, with R + r > d > |R - r|: two spherical caps.
 struct LensForm
 {
-	double volume = 0, area = 0, fromA = 0;  // fromA: of the centroid from A's centre, towards B
+	double volume = 0, area = 0, fromA = 0;  // fromA: distance of the centroid from A's centre, towards B
 
 	LensForm(double R, double r, double d)
 	{
@@ -29,13 +29,14 @@ struct LensForm
 		const double depth = R + r - d, x = (d * d + R * R - r * r) / (2 * d);
 		volume = kPi * depth * depth * (d * d + 2 * d * (R + r) - 3 * (R - r) * (R - r)) / (12 * d);
 		area = kPi * (R * R - x * x);
-		// First moment of the cap of A beyond x is pi (R^2 - x^2)^2 / 4 about A's centre; of B's cap likewise about B's.
+		// The first moment of the cap of A beyond x is pi (R^2 - x^2)^2 / 4 about A's centre. The same holds for B's cap about B's
+		// centre.
 		const double y = d - x, capB = kPi / 3 * (r - y) * (r - y) * (2 * r + y);
 		fromA = (kPi / 4 * (R * R - x * x) * (R * R - x * x) - kPi / 4 * (r * r - y * y) * (r * r - y * y) + d * capB) / volume;
 	}
 };
 
-/// Equations (1) and (2) over all pairs of spheres in double.
+/// Equations (1) and (2) over all pairs of spheres, in double.
 btPaperContact reference(const ExtremeSolid& solid, const btRigidBody& a, const btRigidBody& b, const btPaperMaterial& material)
 {
 	const ist::Pose X_A = toPose(a.getWorldTransform()), X_B = toPose(b.getWorldTransform());
@@ -68,7 +69,8 @@ btPaperContact reference(const ExtremeSolid& solid, const btRigidBody& a, const 
 	return out;
 }
 
-/// A ball of one inner sphere on another that is fixed, moving along the line of their centres alone; it hangs in a `weight`.
+/// A ball of one inner sphere on another that is fixed. It moves only along the line of their centres, and the force `weight` pulls at
+/// it.
 struct OneSphere
 {
 	static const ExtremeSolid& body()
@@ -86,7 +88,7 @@ struct OneSphere
 		material.epsilonC = weight / LensForm(radius, radius, 2 * radius - depth).volume;
 		material.epsilonD = damping;
 	}
-	/// Whether a small disturbance of the rest has grown a hundredfold; also the law's own number at rest.
+	/// True when a small disturbance of the rest has grown a hundredfold. `predicted` is the law's own number at rest.
 	bool diverges(double h, double& predicted) const
 	{
 		ExtremeWorld world(Response::Volumetric, weight / mass);
@@ -151,14 +153,14 @@ TEST(PaperLaw, IsEquationsOneAndTwo)
 		EXPECT_LT(norm(out.onA.torque - exact.onA.torque), tolerance * size) << seed;
 		EXPECT_LT(norm(out.onB.torque - exact.onB.torque), tolerance * size) << seed;
 		EXPECT_EQ(norm(out.onA.force + out.onB.force), 0) << seed;
-		// Newton's third law, on what Bullet was told.
+		// Newton's third law holds for the forces that Bullet received.
 		EXPECT_EQ(double((a->getTotalForce() + b->getTotalForce()).length()), 0) << seed;
 	}
 	EXPECT_GT(touching, 20);
 	EXPECT_GT(held, 0);
 }
 
-// Bisection on the step; the prediction is the law's own at rest.
+// The limit is found by bisection on the step; the prediction is the law's own number at rest.
 TEST(PaperLaw, DivergesWhereItSays)
 {
 	for (const double damping : {0.0, 20.0, 60.0})
@@ -173,7 +175,7 @@ TEST(PaperLaw, DivergesWhereItSays)
 			(scene.diverges(h, predicted) ? high : low) = h;
 		}
 		scene.diverges(low, predicted);
-		// k and c by closed form, too.
+		// k and c also have a closed form.
 		const double k = scene.material.epsilonC * LensForm(scene.radius, scene.radius, 2 * scene.radius - scene.depth).area;
 		const double exact = low * low * k / scene.mass + 2 * low * damping / scene.mass;
 		std::printf("  damping %g N s/m: diverges at a step of %.5f s, where the law says %.4f and the closed form %.4f\n", damping, low,

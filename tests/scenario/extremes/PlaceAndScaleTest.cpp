@@ -5,8 +5,8 @@ using namespace extremes;
 
 namespace
 {
-/// A water cube of the given edge under Froude's scaling: times and speeds go with the root of the edge, and so do the step and the
-/// inverse of the dissipation. The same motion in units of the edge.
+/// A water cube of the given edge under Froude's scaling. Times and speeds are proportional to the root of the edge, and so are the step
+/// and the inverse of the dissipation. The motion is the same in units of the edge.
 RestOutcome waterCube(double edge)
 {
 	const ExtremeSolid cube = solidOf(ist::makeBoxMesh(0.5 * edge * ist::Vec3{1, 1, 1}), 500);
@@ -19,7 +19,7 @@ RestOutcome waterCube(double edge)
 	return restOnPlane(Response::Volumetric, cube, setup);
 }
 
-/// Worst share of `depth` by which the resting depth misses the model's own.
+/// Largest difference of the resting depth from the model's own, as a share of `depth`.
 double depthErrorAt(double distance, double depth)
 {
 	double worst = 0;
@@ -39,15 +39,14 @@ double depthErrorAt(double distance, double depth)
 }
 }  // namespace
 
-// Sizes are powers of two, from a millimetre to a kilometre: a library without a length of its own gives the same digits.
+// Sizes are powers of two, from 1 mm to 1 km. A library without an absolute length gives the same digits for all.
 TEST(Scale, DepthOverSizeDoesNotDependOnTheSize)
 {
 	const RestOutcome one = waterCube(1);
 	for (const int power : {-10, -7, -4, 4, 7, 10})
 	{
 		const double edge = std::ldexp(1, power);
-		// The cubes above 25 m are heavier than 1.4e7 kg: Bullet's own contact counts them as unmovable in float, and lets them fall
-		// through.
+		// Cubes above 25 m are heavier than 1.4e7 kg. In float, Bullet's own contact treats them as immovable and lets them fall through.
 		const RestOutcome rest = waterCube(edge);
 		std::printf("  edge %g m: depth over edge %+.2e of that at 1 m\n", edge, rest.depth / edge / one.depth - 1);
 		EXPECT_TRUE(rest.finite);

@@ -9,9 +9,9 @@ namespace
 {
 constexpr double kHalf[3] = {0.1, 0.04, 0.075}, kMass = 0.2;
 
-/// Standard deviation of the heights of the lower corners of a box that was put down tilted, from the fourth to the sixth second, over the
-/// square of the step times gravity: what an explicit patch rocks by, whatever its stiffness. `sinkage`: at rest, by the stiffness times
-/// the area [m].
+/// Amplitude by which a box rocks that was put down tilted. It is the standard deviation of the heights of its lower corners from the
+/// fourth to the sixth second, divided by the square of the step times gravity. An explicit patch rocks by such a multiple, whatever its
+/// stiffness. `sinkage` is the sinkage at rest, from stiffness times area [m].
 double rocking(const ExtremeSolid& box, bool onBox, double sinkage, double h)
 {
 	ExtremeWorld world(Response::Volumetric, kGravity);
@@ -40,15 +40,15 @@ double rocking(const ExtremeSolid& box, bool onBox, double sinkage, double h)
 		const double mean = sum[corner] / count;
 		worst = std::max(worst, std::sqrt(std::max(0.0, square[corner] / count - mean * mean)));
 	}
-	// It stands, if higher than its stiffness says: leaves reach beyond each face by up to a gap.
+	// It stands, possibly higher than its stiffness says, because leaves reach beyond each face by up to a gap.
 	EXPECT_LT(std::fabs(positionOf(body).y - kHalf[1]), 0.2 * kHalf[1]);
 	return worst / (h * h * kGravity);
 }
 }  // namespace
 
-// Flat on flat, sinking by far less than a body falls in a step: one edge touches at a time, and what is known of the other only in the
-// next step keeps an explicit contact rocking by 0.1 to 0.6 of h^2 g. Patches that resist tilting within the step come to rest without a
-// margin.
+// The contact is flat, and the sinkage is much less than the fall of a body in one step. One edge touches at a time, and the other one is
+// known only in the next step. This keeps an explicit contact rocking by 0.1 to 0.6 of h^2 g. Patches that resist tilting within the step
+// come to rest without a collision margin.
 TEST(Rocking, BoxThatWasPutDownTiltedComesToRestWithoutAMargin)
 {
 	const ExtremeSolid box = solidOf(ist::makeBoxMesh({kHalf[0], kHalf[1], kHalf[2]}), 2000);

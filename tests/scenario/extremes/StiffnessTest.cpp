@@ -3,8 +3,8 @@
 
 using namespace extremes;
 
-// A cube of 1 kg and 1 m falls 5 cm. k A goes from 1e2 to 1e9 N/m: h^2 k / m from 1e-6 to 1e6. The plane is half a metre below the
-// origin, so that a float can say how deep the cube is.
+// A cube of 1 kg and 1 m falls 5 cm. k A goes from 1e2 to 1e9 N/m, and h^2 k / m from 1e-6 to 1e6. The plane is 0.5 m below the origin,
+// so that a float can represent the cube's depth.
 class ContactStiffness : public testing::TestWithParam<double>
 {};
 
@@ -17,9 +17,9 @@ TEST_P(ContactStiffness, IsBoundedAndCarriesTheWeightAtEveryStep)
 		RestSetup setup;
 		setup.k = k;
 		setup.h = h;
-		setup.drop = 0.1;  // above the bumps of the tree: overlap from the start may be paid back
+		setup.drop = 0.1;  // above the bumps of the tree, because energy of an initial overlap may be returned
 		setup.place = {0, -0.5, 0};
-		// Hunt-Crossley damps a vibration the less the smaller it is: the soft ones take long.
+		// Hunt-Crossley damping is weaker for smaller vibrations, so soft contacts take long.
 		setup.seconds = k < 1e3 ? 12 : 5;
 		const RestOutcome rest = restOnPlane(Response::Volumetric, unitCube(), setup);
 		ASSERT_TRUE(rest.finite) << h;

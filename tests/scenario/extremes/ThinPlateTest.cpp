@@ -28,7 +28,7 @@ TEST(ThinPlate, LetsNothingThroughUnreported)
 
 namespace
 {
-/// Whether a cube of 10 cm that flies face down at a static plate gets through, without dissipation and friction, in steps of a 60th of the
+/// True when a cube of 10 cm passes through a static plate. It flies face down, without dissipation and friction, in steps of 1/60 of the
 /// thickness. The plate is soft and the cube rigid.
 bool passes(const ExtremeSolid& plate, const ExtremeSolid& cube, double mass, double k, double thickness, double speed)
 {
@@ -48,7 +48,8 @@ bool passes(const ExtremeSolid& plate, const ExtremeSolid& cube, double mass, do
 }
 }  // namespace
 
-// What the plate can hold at all is a property of material and thickness, predicted from the trees: m v^2 / 2 = passageBarrier().energy.
+// The energy that the plate can stop is a property of material and thickness, predicted from the trees: m v^2 / 2 =
+// passageBarrier().energy.
 TEST(ThinPlate, LetsThroughWhatItsMaterialCannotHold)
 {
 	const double thickness = 0.01, mass = 2, k = 1e9;

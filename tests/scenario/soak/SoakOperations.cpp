@@ -21,7 +21,8 @@ Actor* anyActor(SoakWorld& world, Random& random)
 	return &*std::next(world.actors().begin(), below(random, int(world.actors().size())));
 }
 
-/// Trees speak for the scaling that they were made for: the body is Bullet's until it has that again.
+/// Scales a body. A tree is valid only for the scaling for which it was made: Bullet's own contact acts until the body has that scaling
+/// again.
 void scale(SoakWorld& world, Actor& actor, Random& random)
 {
 	const bool isOne = btISTRegistry::hasScaling(*actor.shape(), btVector3(1, 1, 1));
@@ -93,7 +94,7 @@ void disturb(SoakWorld& world, Random& random, Tally& tally)
 	case 6: return one->body->forceActivationState(ISLAND_SLEEPING);
 	case 7: return one->body->activate(true);
 	case 8: return world.place(*one, world.somewhere(random));
-	case 9: return world.place(*one, other->body->getWorldTransform());  // one inside of the other
+	case 9: return world.place(*one, other->body->getWorldTransform());  // one body inside the other
 	case 10: return scale(world, *one, random);
 	case 11: return setMaterial(world, *one, random);
 	case 12: return world.joints() < 3 ? world.join(*one, *other) : world.separate();

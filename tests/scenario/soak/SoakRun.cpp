@@ -45,7 +45,7 @@ double residentMegabytes()
 	return double(resident) * double(sysconf(_SC_PAGESIZE)) / 1048576;
 }
 
-/// For as long as it lives, contacts that begin and end are counted.
+/// Counts contacts that begin and end during its lifetime.
 struct Callbacks
 {
 	Callbacks()
@@ -61,7 +61,7 @@ struct Callbacks
 	}
 };
 
-/// The trees of one world: those of memory, or what came back from the disk.
+/// Trees of one world: those in memory, or those read back from the disk.
 std::vector<TreePtr> treesFor(const Solids& solids, Random& random, const std::string& folder)
 {
 	std::vector<TreePtr> trees;
@@ -94,7 +94,7 @@ void expectSound(SoakWorld& world, Tally& tally)
 	for (const Actor& actor : world.actors()) ASSERT_TRUE(actor.poisoned || actor.isFinite()) << "a body that nobody poisoned";
 }
 
-/// What was teleported into another, or through a wall, may be anywhere by now.
+/// Brings bodies back into the pit. A body that was teleported into another, or through a wall, may be anywhere by now.
 void bringBack(SoakWorld& world, Random& random, Tally& tally)
 {
 	for (Actor& actor : world.actors())
@@ -103,7 +103,7 @@ void bringBack(SoakWorld& world, Random& random, Tally& tally)
 		++tally.broughtBack;
 		world.place(actor, world.somewhere(random));
 		actor.body->setLinearVelocity(btVector3(0, 0, 0));
-		actor.body->forceActivationState(ACTIVE_TAG);  // Bullet lays to sleep for ever what has gone too far
+		actor.body->forceActivationState(ACTIVE_TAG);  // Bullet puts bodies that have gone too far to sleep permanently
 	}
 }
 
@@ -145,7 +145,7 @@ void runCalm(SoakWorld& world, Random& random, int steps, Tally& tally)
 		const double energy = world.energy();
 		tally.worstGain = std::max(tally.worstGain, energy / allowed - 1);
 		ASSERT_LT(energy, allowed * (1 + kMostGain)) << "energy from nowhere until step " << i;
-		if (tally.contacts == touchedBefore) allowed = energy;  // nothing is stored anywhere
+		if (tally.contacts == touchedBefore) allowed = energy;  // no energy is stored in contacts
 		for (const Actor& actor : world.actors())
 			ASSERT_GE(actor.body->getWorldTransform().getOrigin().y(), -world.deepestWith(allowed, actor)) << "fell through in step " << i;
 	}
@@ -157,7 +157,7 @@ void runWorld(const Solids& solids, Random& random, const std::string& folder, T
 	const int steps = 60 * (5 + below(random, 25));
 	{
 		SoakWorld world(kind, solids, treesFor(solids, random, folder));
-		// Bullet's NNCG solver throws piles apart by itself when bodies are put into each other.
+		// Bullet's NNCG solver itself throws piles apart when bodies are put into each other.
 		if (kind == WorldKind::Nncg || below(random, 4) == 0) runCalm(world, random, steps, tally);
 		else runWild(world, random, steps, tally);
 	}
@@ -171,7 +171,7 @@ Tally run(uint64_t seed, double seconds, const std::string& folder, std::optiona
 	btAlignedAllocSetCustom(countedAllocate, countedFree);
 	std::filesystem::create_directories(folder);
 	const Solids solids;
-	cube();  // before anything is counted
+	cube();  // made before the first count
 	Callbacks callbacks;
 	Random random(seed);
 	Tally tally;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/scenario/soak/SoakRun.h"
 
-// SOAK_SEED and SOAK_SECONDS choose another run, or hours; SOAK_WORLD is the state that a failure names, of one world.
+// SOAK_SEED and SOAK_SECONDS choose another run, or hours. SOAK_WORLD is the state of one world, which a failure reports.
 TEST(Soak, RandomWorldsKeepTheirInvariants)
 {
 	const char *seed = std::getenv("SOAK_SEED"), *seconds = std::getenv("SOAK_SECONDS"), *world = std::getenv("SOAK_WORLD");

@@ -200,7 +200,7 @@ void SoakWorld::separate()
 
 void SoakWorld::place(Actor& actor, const btTransform& pose)
 {
-	actor.body->setCenterOfMassTransform(pose);  // with the inertia about World axes
+	actor.body->setCenterOfMassTransform(pose);  // also updates the inertia about World axes
 	actor.body->setInterpolationWorldTransform(pose);
 }
 
@@ -215,8 +215,8 @@ bool SoakWorld::isVolumetric(const btBroadphasePair& pair)
 		const void *first = manifold->getBody0(), *second = manifold->getBody1();
 		if (!(first == a && second == b) && !(first == b && second == a)) continue;
 		const btISTContact* contact = m_ist->contacts().find(manifold);
-		const bool isOurs = contact && contact->stamp + 1 == m_ist->contacts().step();  // else scaled, or out of the region
-		// Of a compound's children one can be ours and another Bullet's.
+		const bool isOurs = contact && contact->stamp + 1 == m_ist->contacts().step();  // otherwise it was scaled, or outside the region
+		// One child of a compound can have our contact and another Bullet's.
 		if (!isOurs && manifold->getNumContacts() > 0) return false;
 		volumetric = volumetric || isOurs;
 	}
@@ -235,7 +235,7 @@ void SoakWorld::spreadPoison()
 		if (!a || !b || a->poisoned == b->poisoned) return;
 		a->poisoned = b->poisoned = spread = true;
 	};
-	// A blow at an absurd speed is a blow: what has one passes it on.
+	// An absurd speed counts as a poison too, and is passed on by contact.
 	for (Actor& actor : m_actors)
 	{
 		const double speed = std::max(double(actor.body->getLinearVelocity().length()), double(actor.body->getAngularVelocity().length()));
@@ -252,7 +252,8 @@ void SoakWorld::spreadPoison()
 	}
 }
 
-/// Bullet keeps contact points, and the impulses to start from, that are no numbers; ours must not need to be forgotten.
+/// Removes Bullet's contact points of a body, because Bullet keeps points and starting impulses that are not finite. Our contacts need no
+/// such removal.
 void SoakWorld::cleanStockPairs(btRigidBody& body)
 {
 	btBroadphasePairArray& pairs = bullet().getPairCache()->getOverlappingPairArray();
@@ -298,7 +299,7 @@ double SoakWorld::energy() const
 
 double SoakWorld::deepestWith(double energy, const Actor& actor)
 {
-	const ist::InnerSphereTree& part = *m_solids.of(actor.parts[0].solid).tree;  // all parts are alike
+	const ist::InnerSphereTree& part = *m_solids.of(actor.parts[0].solid).tree;  // all parts of a body are alike
 	const double weight = 9.81 / double(actor.body->getInvMass()), size = std::cbrt(part.volume);
 	double stiffness = m_ist->materials().find(actor.body.get()).stiffness;
 	if (stiffness == 0) stiffness = weight / (std::max(0.001 * size, part.meanGap) * size * size);

@@ -10,14 +10,14 @@
 #include <random>
 #include <vector>
 
-/// Random scenes for the soak: what lives in them, and what must be true of it.
+/// Random scenes for the soak test: their contents, and what must be true of them.
 namespace soak
 {
 using Random = std::mt19937_64;
 inline double between(Random& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
 inline int below(Random& random, int count) { return std::uniform_int_distribution<int>(0, count - 1)(random); }
 
-/// Solids of a few spheres, all about a metre wide; made once, shared by all worlds.
+/// Solids of a few spheres, each about 1 m wide. They are made once and shared by all worlds.
 struct Solids
 {
 	scenario::Solid cube, ring, cone;
@@ -28,7 +28,7 @@ struct Solids
 	static constexpr int kCount = 3;
 };
 
-/// A body with all that it needs. Its parts can carry trees, if they are of one of the solids.
+/// A body with all its parts. Parts that are made from one of the solids can have trees.
 struct Actor
 {
 	struct Part
@@ -38,9 +38,9 @@ struct Actor
 		btISTAttachment attachment;
 	};
 	std::vector<Part> parts;
-	std::unique_ptr<btCompoundShape> compound;  // of the parts, where they are several
+	std::unique_ptr<btCompoundShape> compound;  // compound of the parts, if there are several
 	std::unique_ptr<btRigidBody> body;
-	bool poisoned = false;  // or touched, in Bullet's own way, by one that is
+	bool poisoned = false;  // true: poisoned, or touched through Bullet's own contact by a poisoned body
 
 	bool isFinite() const;
 	btCollisionShape* shape() const { return compound ? static_cast<btCollisionShape*>(compound.get()) : parts[0].shape.get(); }
@@ -48,14 +48,14 @@ struct Actor
 
 enum class WorldKind
 {
-	Own,         ///< of btISTWorld
-	Sequential,  ///< of a game, with each of the solvers that ours can take the place of
+	Own,         ///< a world of btISTWorld's own
+	Sequential,  ///< a game's world, with each of the solvers that ours can replace
 	Nncg,
 	MultiBody,
 	Count
 };
 
-/// A pit of five planes, bodies, joints, and volumetric contact in all of it.
+/// A pit of five planes with bodies, joints, and volumetric contact.
 class SoakWorld
 {
 public:
@@ -68,34 +68,34 @@ public:
 	std::list<Actor>& actors() { return m_actors; }
 	size_t joints() const { return m_joints.size(); }
 
-	/// Of solids, or of Bullet's own shapes.
+	/// Adds a body made of solids, or of Bullet's own shapes.
 	Actor& add(Random& random, bool volumetric);
 	void remove(Actor& actor);
 	void attach(Actor::Part& part);
 	void join(Actor& a, Actor& b);
 	void separate();
-	/// Takes our lines out of the game's world, and puts them in again, around bodies that stay.
+	/// Removes our registration and solver from the game's world and installs them again, while the bodies stay.
 	void reinstall();
 	void place(Actor& actor, const btTransform& pose);
 	btTransform somewhere(Random& random) const;
 
-	/// Marks all that a poisoned body reaches through joints and Bullet's own contact, which hands on whatever it is given, and what was
-	/// struck absurdly hard by it.
+	/// Marks all bodies that poison reaches. It passes through joints and through Bullet's own contact, which transmits any value. Bodies
+	/// that were hit absurdly hard are marked too.
 	void spreadPoison();
-	/// Puts every poisoned body back into the pit, and forgets what Bullet kept of its contacts.
+	/// Puts every poisoned body back into the pit, and removes Bullet's contact points of it.
 	void heal(Random& random);
-	/// Kinetic and potential, of all that moves [J].
+	/// Kinetic and potential energy of all moving bodies [J].
 	double energy() const;
-	/// How deep in the floor [m] that energy can press a body's centre of mass. A pressure of k times the depth stores at least k times the
-	/// body's volume times the mean depth of its points (Jensen), and weight gives back its own share. Where no k is set it is at least
-	/// that of btISTDefaultPairRule for the body alone.
+	/// Largest depth [m] to which this energy can press a body's centre of mass into the floor. A pressure of k times the depth stores at
+	/// least k times the body's volume times the mean depth of its points (Jensen), and the weight adds its own share. Where k is not
+	/// set, it is at least that of btISTDefaultPairRule for the body alone.
 	double deepestWith(double energy, const Actor& actor);
 	void step(double h);
 
 private:
 	void install();
 	void addPlanes();
-	/// Whether nothing but our contact was between the two in the last step.
+	/// True when only our contact acted between the two bodies in the last step.
 	bool isVolumetric(const btBroadphasePair& pair);
 	void cleanStockPairs(btRigidBody& body);
 
