@@ -15,7 +15,7 @@ namespace
 {
 constexpr double kGravity = 9.81;
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSettling = 6, kWatching = 2;  // in swings; values that oscillate are averaged over whole swings
+constexpr double kSettling = 6, kWatching = 2;  // numbers of swings; values that oscillate are averaged over whole swings
 constexpr double kMoreThanFriction = 0.5;
 constexpr int kTower = 5;
 constexpr double kHeavier = 20;

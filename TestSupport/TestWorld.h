@@ -24,8 +24,8 @@ btTransform at(double x, double y, double z, const btVector3& axis, double angle
 /// throws std::runtime_error with the reason, which GoogleTest reports as a failure. Bodies never sleep.
 ///
 ///     ist::test::TestWorld world;
-///     world.addMeshFile("bunny.obj", 0, at(0, 0, 0), .1).setFriction(1);  // 20 cm tall
-///     btRigidBody& crate = world.addMesh(ist::makeBoxMesh({.08, .02, .08}), 1, at(0, .14, 0));
+///     world.addMeshFile("bunny.obj", 0, at(0, 0, 0), 0.1).setFriction(1);  // 20 cm tall
+///     btRigidBody& crate = world.addMesh(ist::makeBoxMesh({0.08, 0.02, 0.08}), 1, at(0, 0.14, 0));
 ///     crate.setFriction(1);
 ///     world.run(3);
 ///     EXPECT_THAT(crate, IsAtRest());

@@ -24,8 +24,8 @@ struct btEnergyContact
 /// The law is explicit: it applies the forces of the pose at the beginning of the step. Together with Bullet's own step this is
 /// symplectic Euler. The sum of kinetic and stored energy stays within a bound that falls with h omega, where omega is the frequency of
 /// the contact. It diverges where h omega exceeds 2. After a collision the kinetic energy is off by up to half of (h omega)^2 times the
-/// stored energy, because the slopes of the forces jump where leaves come and go. In a grazing contact, omega follows from the duration
-/// of the contact.
+/// stored energy. The reason is that the slopes of the forces jump where leaves come and go. In a grazing contact, omega follows from the
+/// duration of the contact.
 ///
 /// Bodies should have three equal principal moments of inertia: for others Bullet's integration conserves neither energy nor momentum.
 /// They should not have a gyroscopic flag either: such bodies do not need it, and it rounds their spin in each step.

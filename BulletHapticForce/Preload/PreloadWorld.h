@@ -34,7 +34,7 @@ public:
 	void stopBuilding();
 
 private:
-	/// What distinguishes a shape from a later one at the same address, or from itself after its triangles have changed.
+	/// Properties that distinguish a shape from a later one at the same address, or from itself after its triangles have changed.
 	struct Likeness
 	{
 		const btStridingMeshInterface* mesh = nullptr;

@@ -43,5 +43,5 @@ private:
 	};
 	Place* find(const btRigidBody& body);
 
-	std::vector<Place> m_places;  // by index in the world
+	std::vector<Place> m_places;  // one for each index in the world
 };

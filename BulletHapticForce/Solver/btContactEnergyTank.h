@@ -18,8 +18,8 @@ struct btEnergyTankPatch
 /// without this tank. The law is not exactly conservative where contact is shallower than the packing's gaps. In a step of finite length,
 /// a body can be inside another before any force has acted on it.
 ///
-/// What gravity does in a step to a body that contact holds, m (g h)^2 / 2, is accounted for too. It is large beside the stored energy of
-/// a contact that is stiffer than docs/stability.md allows. The work of an impulse L is exactly L . (before + after) / 2.
+/// The tank also accounts for what gravity does in a step to a body that contact holds, m (g h)^2 / 2. It is large beside the stored energy
+/// of a contact that is stiffer than docs/stability.md allows. The work of an impulse L is exactly L . (before + after) / 2.
 namespace btContactEnergyTank
 {
 /// Prepares the tank of a contact; call it once per step before `share`. It opens the tank of a new overlap, and limits the stored energy

@@ -55,7 +55,7 @@ private:
 		btRigidBody* body;
 		ist::Vec3 position, gravity;
 		ist::Mat3 inertia;          // World axes [kg m^2]
-		ist::Twist before, pushed;  // at the beginning of the step; after all impulses except those of contacts
+		ist::Twist before, pushed;  // twists at the beginning of the step, and after all impulses but those of contacts
 		double gravityWork = 0;
 	};
 	struct Energies

@@ -113,8 +113,8 @@ TEST(Sleeping, TreeBodyThatFallsOnASleeperWakesIt)
 	EXPECT_NEAR(double(falling->getWorldTransform().getOrigin().y()), 1.5, 0.3);
 }
 
-// Bullet solves islands separately to save work. Whether it does so, and how it batches them, must not change the result, except for what
-// friction's sweeps leave when they visit the patches in another order.
+// Bullet solves islands separately to save work. Whether it does so, and how it batches them, must not change the result. Only the errors
+// that friction's sweeps leave may differ, because they visit the patches in another order.
 TEST(SplitIslands, MakeNoDifference)
 {
 	std::vector<std::vector<btTransform>> outcome;

@@ -126,7 +126,8 @@ TEST(RestOnAHalfSpace, BoxSinksAsDeepAsTheClosedFormSays)
 		}
 }
 
-// The mean gap of a packed ball is that of one inner sphere and is unrelated to its leaves, so depths are given as shares of the radius.
+// The mean gap of a packed ball is that of one inner sphere, and unrelated to its leaves. Therefore depths are given as shares of the
+// radius.
 TEST(RestOnAHalfSpace, SphereSinksAsDeepAsTheClosedFormSays)
 {
 	const double r = 0.5;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-// Without delay the free handle can bear K = (b + B) / (T / 2), and K = 2 (b - B) / T under every motion of a hand.
+// The closed forms without delay are K = (b + B) / (T / 2) for the free handle, and K = 2 (b - B) / T for every motion of a hand.
 TEST(ZWidthPage, ShowsBothRegionsWhereTheClosedFormsAre)
 {
 	const auto found = scenes::runZWidth({"touch"}, {0});

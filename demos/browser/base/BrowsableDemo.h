@@ -97,7 +97,7 @@ public:
 
 	virtual void draw(const DrawChoice& choice, DrawList& list) = 0;
 	virtual Viewpoint viewpoint() const = 0;
-	/// What the demo shows at first.
+	/// Drawings that the demo shows at first.
 	virtual DrawChoice firstChoice() const { return {}; }
 	virtual std::vector<Parameter> parameters() { return {}; }
 	virtual std::vector<Figure> figures() const = 0;

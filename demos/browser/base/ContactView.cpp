@@ -81,7 +81,8 @@ size_t drawLevel(const BallTree& balls, const Vec3& origin, const Pose& X_WM, in
 	return count;
 }
 
-/// Of the two opposite forces of a contact, the one on the moving body. If both bodies move, it is the upward one, on the carried body.
+/// The force on the moving body, out of the two opposite forces of a contact. If both bodies move, it is the upward one, on the carried
+/// body.
 Vec3 shownForce(const btCollisionObject& A, const btCollisionObject& B, const Vec3& onA)
 {
 	const bool movesA = !A.isStaticOrKinematicObject(), movesB = !B.isStaticOrKinematicObject();

@@ -19,7 +19,7 @@ struct DemoOutcome
 	std::vector<Figure> figures;
 	std::vector<Curve> curves;
 	std::vector<scenes::Chart> charts;
-	std::vector<std::string> report;  ///< which model answers for which pair, at the end
+	std::vector<std::string> report;  ///< rows that name the model for each pair, at the end
 	std::string reportJson;
 	long long frames = 0;
 	double dt = 0, seconds = 0;   ///< step, and simulated time [s]

@@ -12,7 +12,7 @@
 
 namespace browser
 {
-/// What a picture shows, in plain structs. Demos fill them in; the renderer knows nothing about demos. World W, metres, y points up.
+/// Contents of a picture, in plain structs. Demos fill them in; the renderer knows nothing about demos. World W, metres, y points up.
 
 /// Triangles with a normal at each corner. Edges sharper than 40 degrees stay sharp. Immutable; the address is its identity.
 struct SurfaceModel

@@ -17,7 +17,7 @@ namespace
 {
 constexpr double kRate = 1000, kCut = 50, kSpeed = 0.25;  // [Hz, Hz, sizes a second]
 constexpr int kTicks = 512, kCircle = 128, kStiffnesses = 8, kLooks = 40, kHalvings = 20;
-constexpr double kRadius = 0.01, kNudge = 1e-3, kDeepest = 0.1;  // as shares of the size
+constexpr double kRadius = 0.01, kNudge = 1e-3, kDeepest = 0.1;  // shares of the size
 
 class Path
 {

@@ -29,7 +29,7 @@ struct Way
 constexpr Way kWays[] = {{0, false, ""}, {0, true, ", leaves remembered"}, {0.1, false, ", 10 % accepted"},
 	{0.1, true, ", 10 % accepted, remembered"}, {0.3, false, ", 30 % accepted"}};
 constexpr int kMemories = 32;    // number of pairs of bodies with a Verlet list
-constexpr int kErrorEvery = 25;  ///< in ticks
+constexpr int kErrorEvery = 25;  ///< ticks from one measurement of the errors to the next
 constexpr int kLooks = 100;      ///< updates of the heat map in a tick
 
 Chart chartOf(

@@ -25,8 +25,8 @@ struct GraspLoadTick
 	int parts = 0;     ///< number of parts in contact with the object
 };
 
-/// Difference between the force of a part's contact with the object and that of the leaves, as a share of the larger of the latter and
-/// the force floor (btISTCachedResult::floorForce).
+/// Force error of a part's contact with the object, against the force of the leaves. It is a share of the larger of the latter and the
+/// force floor (btISTCachedResult::floorForce).
 struct GraspLoadError
 {
 	double promised = 0, found = 0;
@@ -64,9 +64,9 @@ struct GraspLoadOutcome
 /// The grasp runs with the hand as it is, and with soft skins. With those the fingers sink in about as far as the fingers of a hand that
 /// nothing stops. Each skin runs with the leaves, with Verlet lists, and with accepted force errors, with and without Verlet lists.
 ///
-/// Queries have two threads. The time on two free cores is the owner's own time plus that of the busier thread, with the queries in the
-/// order in which threads claim them. It does not depend on the machine's other load, and ignores that two cores share memory. Offline:
-/// one minute for the trees that the cache lacks.
+/// Queries have two threads. The time on two free cores is the owner's own time plus that of the busier thread. The queries are assigned in
+/// the order in which threads claim them. This time does not depend on the machine's other load, and ignores that two cores share memory.
+/// Offline: one minute for the trees that the cache lacks.
 ist::Result<GraspLoadOutcome> runGraspLoad(const GraspLoadOptions& options);
 
 std::vector<std::vector<std::string>> summaryRows(const GraspLoadOutcome& outcome);

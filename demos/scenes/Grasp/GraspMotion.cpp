@@ -30,8 +30,8 @@ struct TwoLinks
 		  kinked(std::atan2(c * std::sin(kink), b + c * std::cos(kink)))
 	{}
 
-	/// Finds the angles of the first link (`base`) and of the joint to the second link's first bone (`bend`), so that the end is at
-	/// `reach` in the direction `angle`. Both bend towards larger angles. Angles are in the plane [rad].
+	/// Finds the angles at which the end is at `reach` in the direction `angle`: `base` is that of the first link, `bend` that of the joint
+	/// to the second link's first bone. Both bend towards larger angles. Angles are in the plane [rad].
 	void solve(double reach, double angle, double& base, double& bend) const
 	{
 		const double d = std::clamp(reach, std::fabs(first - second) + 1e-4, first + second - 1e-6);

@@ -30,7 +30,7 @@ ist::Result<GraspObject> makeGraspObject(const std::string& name);
 /// Loads a mesh from a file, whose y axis points up. It is repaired and set on y = 0. It will be gripped across z at the height of its
 /// centre of mass. Its triangles are divided until no edge is longer than 2 mm, which the heat map needs. Its mass is 0.15 kg.
 ///
-/// `unit` is in metres per unit of the file; 0: the longest side becomes 0.1 m. Refused: a file that cannot be read, a mesh that cannot
+/// `unit` is the unit of the file [m]; 0: the longest side becomes 0.1 m. Refused: a file that cannot be read, a mesh that cannot
 /// be closed, and one that is too wide for a hand.
 ist::Result<GraspObject> loadGraspObject(const std::string& path, double unit);
 }  // namespace scenes

@@ -31,8 +31,8 @@ struct GraspReportOutcome
 	std::vector<Row> rows;
 	double strongestAllowed = 0;  ///< largest force that a coupling may exert [N]
 
-	/// True when objects are held and dropped as friction demands, grasps have force closure, no force exceeds what the couplings exert,
-	/// and the map contains all of it. The user's own mesh must only be held.
+	/// True when objects are held and dropped as friction demands, and grasps have force closure. No force may exceed what the couplings
+	/// exert, and the map must contain all of it. The user's own mesh must only be held.
 	bool ok() const;
 };
 ist::Result<GraspReportOutcome> runGraspReport(const GraspReportOptions& options);

@@ -20,7 +20,7 @@ struct HapticBunnyOptions
 {
 	std::string mesh;  ///< mesh file; its y axis points up
 	ist::Mesh given;   ///< used when `mesh` is empty [m]
-	double unit = 0;   ///< in metres per unit of the file; 0: the longest side becomes 0.2 m
+	double unit = 0;   ///< unit of the file [m]; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	uint64_t seed = 1;
 	std::string cache;  ///< folder for trees; empty: trees are not stored
@@ -50,7 +50,7 @@ struct TraceComparison
 {
 	size_t sample = 0;
 	double volumeTruth = 0;  ///< [m^3]
-	ist::Vec3 forceTruth;    ///< on the rod, World [N]
+	ist::Vec3 forceTruth;    ///< true force on the rod, World [N]
 	double volumeError = 0;  ///< found volume minus true volume
 	double forceError = 0;   ///< length of the difference of the forces
 };

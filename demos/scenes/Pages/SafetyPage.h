@@ -22,7 +22,7 @@ struct SafetyRow
 
 struct SafetyOutcome
 {
-	std::vector<SafetyRow> rows;  ///< in the order of the chain
+	std::vector<SafetyRow> rows;  ///< rows in the order of the chain
 
 	bool ok() const;
 };

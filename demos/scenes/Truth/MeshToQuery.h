@@ -15,7 +15,7 @@ namespace scenes
 struct MeshToQueryOptions
 {
 	std::string mesh;
-	double unit = 0;  ///< in metres per unit of the file; 0: the longest side becomes 0.2 m
+	double unit = 0;  ///< unit of the file [m]; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	int steps = 400;
 	int comparisons = 20;                      ///< number of steps that are compared with quadrature

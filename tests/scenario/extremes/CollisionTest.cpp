@@ -37,7 +37,7 @@ Worst collideMany(const ExtremeSolid& solid, double dissipation, int count)
 		worst.angular = std::max(worst.angular, out.angular);
 		worst.energy = std::max(worst.energy, out.energy);
 		worst.mean += out.energy / count;
-		// Only rounding may add energy. It is that of the velocities in each step of contact, and that of the depth, which changes an
+		// Only rounding may add energy: of the velocities in each step of contact, and of the depth. The latter changes an
 		// implicit impulse by the share h^2 K / m (1 kg, 1 m^2).
 		const double rounding = (kDouble ? 1e-11 : 5e-5) + kEpsilon * setup.h * setup.h * setup.k;
 		EXPECT_LE(out.energy, 1 + rounding) << seed << ": k " << setup.k << ", h " << setup.h << ", " << setup.speed << " m/s";

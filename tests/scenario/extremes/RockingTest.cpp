@@ -10,8 +10,8 @@ namespace
 constexpr double kHalf[3] = {0.1, 0.04, 0.075}, kMass = 0.2;
 
 /// Amplitude by which a box rocks that was put down tilted. It is the standard deviation of the heights of its lower corners from the
-/// fourth to the sixth second, divided by the square of the step times gravity. An explicit patch rocks by such a multiple, whatever its
-/// stiffness. `sinkage` is the sinkage at rest, from stiffness times area [m].
+/// fourth to the sixth second, over h^2 g. An explicit patch rocks by such a multiple, whatever its stiffness. `sinkage` is the sinkage at
+/// rest, from stiffness times area [m].
 double rocking(const ExtremeSolid& box, bool onBox, double sinkage, double h)
 {
 	ExtremeWorld world(Response::Volumetric, kGravity);

@@ -87,7 +87,7 @@ public:
 	/// Kinetic and potential energy of all moving bodies [J].
 	double energy() const;
 	/// Largest depth [m] to which this energy can press a body's centre of mass into the floor. A pressure of k times the depth stores at
-	/// least k times the body's volume times the mean depth of its points (Jensen), and the weight adds its own share. Where k is not
+	/// least k V d, with V the body's volume and d the mean depth of its points (Jensen). The weight adds its own share. Where k is not
 	/// set, it is at least that of btISTDefaultPairRule for the body alone.
 	double deepestWith(double energy, const Actor& actor);
 	void step(double h);

@@ -144,7 +144,7 @@ const InnerSphereTree& flatSlab()
 }  // namespace
 
 // The oracle is the model's own wrench at displaced poses. The solver receives its positive semidefinite part. Beyond 10 % overlap the
-// rotation of the surfaces changes the force more than the depth does, and the median error rises (box 0.2 at 10 to 30 %, torus 0.3).
+// rotation of the surfaces changes the force more than the depth does. The median error then rises (box 0.2 at 10 to 30 %, torus 0.3).
 TEST(PatchStiffness, IsThePositivePartOfTheSlopeOfTheWrench)
 {
 	const InnerSphereTree box = built(makeBoxMesh({0.5, 0.4, 0.3}), 1000), torus = built(makeTorusMesh(0.5, 0.2, 48, 24), 1000);
