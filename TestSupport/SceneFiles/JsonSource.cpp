@@ -20,11 +20,11 @@ int lineAt(const std::string& text, size_t offset)
 	return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size())), '\n'));
 }
 
-/// Walks over text that is known to be JSON and notes the line of every value.
+/// Walks over text that is known to be JSON, and records the line of every value.
 class Places
 {
 public:
-	/// A byte order mark is passed over, as the parser does.
+	/// Skips a byte order mark, as the parser does.
 	explicit Places(const std::string& text) : m_text(text), m_at(text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0) {}
 
 	void value(const std::string& path, int depth)
@@ -58,7 +58,7 @@ private:
 		return Json::parse(m_text.substr(begin, m_at - begin)).get<std::string>();
 	}
 
-	/// Past the bracket or the comma; false behind the last member.
+	/// Moves behind the bracket or the comma. Returns false after the last member.
 	bool next(char end)
 	{
 		++m_at;

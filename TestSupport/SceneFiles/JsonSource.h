@@ -14,11 +14,12 @@
 
 namespace scenes
 {
-/// JSON text whose values know on which line they stand. A path is written as in `bodies[2].mass`; that of the whole is empty.
+/// JSON text whose values know their lines. A path has the form `bodies[2].mass`; the path of the whole text is empty.
 class JsonSource
 {
 public:
-	/// Refused with name and line: what is not JSON, an object with a field twice, nesting beyond 32.
+	/// Parses a text. Refused, with name and line: text that is not JSON, an object with the same field twice, and nesting beyond 32
+	/// levels.
 	static ist::Result<JsonSource> parse(const std::string& name, const std::string& text);
 
 	const nlohmann::json& root() const { return m_root; }
@@ -31,7 +32,7 @@ private:
 	std::map<std::string, int> m_lines;
 };
 
-/// Takes the fields out of one object. The first problem is kept for all readers of a file, and what comes after it reads as its default.
+/// Reads the fields of one object. The first error is kept for all readers of a file; every later field is read as its default.
 class JsonFields
 {
 public:
@@ -42,7 +43,7 @@ public:
 	int64_t whole(const std::string& name, int64_t otherwise, int64_t least, int64_t most);
 	bool flag(const std::string& name, bool otherwise);
 	std::string text(const std::string& name, const std::string& otherwise = {});
-	/// One of `known`, by its place among them.
+	/// Reads a text that must be one of `known`, and returns its index there.
 	int choice(const std::string& name, int otherwise, const std::vector<std::string>& known);
 	ist::Vec3 vector(const std::string& name, const ist::Vec3& otherwise, double largest);
 	/// Null where it is missing or something else.
@@ -50,7 +51,7 @@ public:
 	const nlohmann::json* object(const std::string& name);
 	void need(const std::string& name);
 	void refuse(const std::string& name, const std::string& problem);
-	/// Refuses every field that nobody asked for.
+	/// Refuses every field of the object that was not read.
 	void finish();
 
 	std::string pathOf(const std::string& name) const { return m_path.empty() ? name : name.empty() ? m_path : m_path + "." + name; }
