@@ -8,7 +8,9 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Law/btExplicitPairs.h
 	BulletHapticForce/Law/btPaperLaw.h
 	BulletHapticForce/Solver/btContactEnergyTank.h
+	BulletHapticForce/Solver/btEnvelopeFactor.h
 	BulletHapticForce/Solver/btIslandBlockSolver.h
+	BulletHapticForce/Solver/btPatchIndex.h
 	BulletHapticForce/Solver/btSweepAcceleration.h
 	BulletHapticForce/Solver/btCompensatedPoses.h
 	BulletHapticForce/Solver/btVolumetricIslands.h

@@ -31,9 +31,6 @@ constexpr int kMaxSweeps = 400;
 // beginning.
 constexpr int kPatience = 24;
 constexpr double kProgress = 0.5;
-// Sweeps and their combinations carry the state along, and with it rounding, which may double from one to the next. It is made anew from
-// the impulses after so many, and at the end.
-constexpr int kTrust = 8;
 // Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision.
 // What sticks then creeps by no more than this share of g h, since the next step begins where this one ends.
 constexpr double kFrictionTolerance = 1e-7;
@@ -130,13 +127,13 @@ void btIslandBlockSolver::reserve(int bodies, int patches)
 	m_bodies.resize(std::max(m_bodies.size(), size_t(bodies)));
 	m_patches.resize(std::max(m_patches.size(), size_t(patches)));
 	m_order.reserve(size_t(bodies));
-	m_first.reserve(stride);
-	m_factor.reserve(stride * stride);
-	for (auto* perBody : {&m_free, &m_z}) perBody->resize(std::max(perBody->size(), stride));
-	m_scratch.resize(std::max(m_scratch.size(), 6 * stride));
-	m_response.resize(std::max(m_response.size(), 3 * stride * size_t(patches)));
+	m_factor.reserve(bodies);
+	m_byBody.reserve(size_t(bodies), 2 * size_t(patches));
+	m_byPlace.reserve(size_t(bodies), size_t(patches));
+	for (auto* perBody : {&m_free, &m_z, &m_rest}) perBody->resize(std::max(perBody->size(), stride));
+	m_response.reserve(3 * stride * size_t(patches));
 	m_tangents.resize(std::max(m_tangents.size(), 3 * size_t(patches)));
-	m_acceleration.reserve(3 * size_t(patches), stride);
+	m_acceleration.reserve(3 * size_t(patches));
 }
 
 void btIslandBlockSolver::clear()
@@ -207,12 +204,15 @@ void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 // and a body with many of them, as what a hand holds, comes after them. So the envelope is small.
 void btIslandBlockSolver::orderBodies()
 {
+	m_byBody.fill(m_bodyCount, m_patchCount, [this](int k, const auto& note) {
+		const int* body = m_patches[size_t(k)].body;
+		if (body[0] < 0 || body[1] < 0) return;
+		note(body[0]);
+		if (body[1] != body[0]) note(body[1]);
+	});
+	const auto degree = [this](int b) { return m_byBody.end(b) - m_byBody.begin(b); };
 	m_order.clear();
 	for (int b = 0; b < m_bodyCount; ++b) m_bodies[size_t(b)].place = -1;
-	const auto degree = [this](int b) {
-		return std::count_if(m_patches.begin(), m_patches.begin() + m_patchCount,
-			[b](const Patch& p) { return (p.body[0] == b || p.body[1] == b) && p.body[0] >= 0 && p.body[1] >= 0; });
-	};
 	while (int(m_order.size()) < m_bodyCount)
 	{
 		int start = -1;
@@ -222,30 +222,38 @@ void btIslandBlockSolver::orderBodies()
 		m_bodies[size_t(start)].place = int(m_order.size());
 		m_order.push_back(start);
 		for (; next < m_order.size(); ++next)
-			for (int i = 0; i < m_patchCount; ++i)
-				for (int side = 0; side < 2; ++side)
+			for (const int* k = m_byBody.begin(m_order[next]); k != m_byBody.end(m_order[next]); ++k)
+				for (const int other : m_patches[size_t(*k)].body)
 				{
-					const Patch& p = m_patches[size_t(i)];
-					const int other = p.body[1 - side];
-					if (p.body[side] != m_order[next] || other < 0 || m_bodies[size_t(other)].place >= 0) continue;
+					if (m_bodies[size_t(other)].place >= 0) continue;
 					m_bodies[size_t(other)].place = int(m_order.size());
 					m_order.push_back(other);
 				}
 	}
 	std::reverse(m_order.begin(), m_order.end());
 	for (int i = 0; i < m_bodyCount; ++i) m_bodies[size_t(m_order[size_t(i)])].place = i;
+	layOutFactor();
+}
+
+/// The envelope holds the pairs of idle patches too, so that it is the same in all rounds.
+void btIslandBlockSolver::layOutFactor()
+{
+	m_factor.begin(m_bodyCount);
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		const Patch& p = m_patches[size_t(k)];
+		if (p.body[0] >= 0 && p.body[1] >= 0) m_factor.couple(placeOf(p, 0), placeOf(p, 1));
+	}
+	m_factor.layOut();
+	m_byPlace.fill(m_bodyCount, m_patchCount, [this](int k, const auto& note) {
+		if (const int place = firstPlace(m_patches[size_t(k)]); place < m_bodyCount) note(place);
+	});
 }
 
 bool btIslandBlockSolver::factorise()
 {
-	const int n = 6 * m_bodyCount;
-	m_first.assign(size_t(n), 0);
-	m_factor.assign(size_t(n) * size_t(n), 0.0);
-	for (int i = 0; i < n; ++i)
-	{
-		m_first[size_t(i)] = i - i % 6;
-		m_factor[size_t(i) * size_t(n) + size_t(i)] = 1;
-	}
+	m_factor.setIdentity();
+	m_inverseKnown = false;
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		const Patch& p = m_patches[size_t(k)];
@@ -256,56 +264,16 @@ bool btIslandBlockSolver::factorise()
 				if (p.body[row] < 0 || p.body[column] < 0 || placeOf(p, row) < placeOf(p, column)) continue;
 				const Mat6 block = Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) *
 					Map<const Mat6>(p.jacobian[column]);
-				const int r = placeOf(p, row), c = placeOf(p, column);
-				for (int i = 0; i < 6; ++i)
-				{
-					m_first[size_t(r + i)] = std::min(m_first[size_t(r + i)], c);
-					for (int j = 0; j < 6; ++j) m_factor[size_t(r + i) * size_t(n) + size_t(c + j)] += block(i, j);
-				}
+				m_factor.add(placeOf(p, row), placeOf(p, column), block.data());
 			}
 	}
-	for (int i = 0; i < n; ++i)
-	{
-		double* rowI = &m_factor[size_t(i) * size_t(n)];
-		for (int j = m_first[size_t(i)]; j <= i; ++j)
-		{
-			const double* rowJ = &m_factor[size_t(j) * size_t(n)];
-			const int from = std::max(m_first[size_t(i)], m_first[size_t(j)]);
-			const double rest = rowI[j] - Map<const Vector>(rowI + from, j - from).dot(Map<const Vector>(rowJ + from, j - from));
-			if (i == j && !(rest > 0)) return false;
-			rowI[j] = i == j ? 1 / std::sqrt(rest) : rest * rowJ[j];
-		}
-	}
-	return true;
+	return m_factor.factorise();
 }
 
-int64_t btIslandBlockSolver::envelopeEntries() const
+void btIslandBlockSolver::needInverse()
 {
-	int64_t entries = 0;
-	for (int i = 0; i < 6 * m_bodyCount; ++i) entries += i + 1 - m_first[size_t(i)];
-	return entries;
-}
-
-/// `x`: right-hand sides side by side, in the order of elimination, zero before `begin`.
-template <int N> void btIslandBlockSolver::backSubstitute(double* x, int begin) const
-{
-	using Side = Eigen::Matrix<double, N, 1>;
-	const int n = 6 * m_bodyCount;
-	const auto at = [x](int i) { return Map<Side>(x + N * i); };
-	for (int i = begin; i < n; ++i)
-	{
-		const double* row = &m_factor[size_t(i) * size_t(n)];
-		Side rest = at(i);
-		for (int j = std::max(m_first[size_t(i)], begin); j < i; ++j) rest -= row[j] * at(j);
-		at(i) = row[i] * rest;
-	}
-	for (int i = n - 1; i >= 0; --i)
-	{
-		const double* row = &m_factor[size_t(i) * size_t(n)];
-		const Side found = row[i] * at(i);
-		at(i) = found;
-		for (int j = m_first[size_t(i)]; j < i; ++j) at(j) -= row[j] * found;
-	}
+	if (!m_inverseKnown) m_factor.invert();
+	m_inverseKnown = true;
 }
 
 /// Of A minus B at the point, with the state `m_z`.
@@ -324,30 +292,21 @@ void btIslandBlockSolver::relativeTwist(const Patch& p, double* twist) const
 	}
 }
 
-/// Where the pushes of a patch begin, in the order of elimination.
+/// The place of the first of its bodies; behind all places for a patch between bodies that cannot move.
 int btIslandBlockSolver::firstPlace(const Patch& p) const
 {
-	int first = 6 * m_bodyCount;
+	int first = m_bodyCount;
 	for (int side = 0; side < 2; ++side)
 		if (p.body[side] >= 0) first = std::min(first, placeOf(p, side));
 	return first;
 }
 
-/// R J^T impulse, added to `target` in the order of elimination.
-void btIslandBlockSolver::addPush(const Patch& p, const double* impulse, double* target) const
+/// The right-hand side without friction; what friction asks for without any impulse.
+void btIslandBlockSolver::prepareRest()
 {
-	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0)
-			Map<Vec6>(target + placeOf(p, side)) += Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Vec6>(impulse);
-}
-
-/// `m_z` with the elastic answer and the friction impulses so far; what friction asks for without any impulse.
-void btIslandBlockSolver::solveElastic()
-{
+	// `m_z` is the state without any impulse, and so must be zero.
 	std::fill(m_z.begin(), m_z.begin() + 6 * m_bodyCount, 0.0);
-	// `m_z` must be zero while the right-hand side is made: it is the state without any impulse.
-	double* right = scratch();
-	std::fill(right, right + 6 * m_bodyCount, 0.0);
+	std::fill(m_rest.begin(), m_rest.begin() + 6 * m_bodyCount, 0.0);
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		Patch& p = m_patches[size_t(k)];
@@ -355,12 +314,35 @@ void btIslandBlockSolver::solveElastic()
 		Vec6 u;
 		relativeTwist(p, u.data());
 		const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
-		const Vec6 push = elastic + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(tangent(k));
-		addPush(p, push.data(), right);
+		for (int side = 0; side < 2; ++side)
+			if (p.body[side] >= 0)
+				Map<Vec6>(&m_rest[6 * size_t(placeOf(p, side))]) += Map<const Mat6>(p.jacobian[side]).transpose() * elastic;
 		Map<Eigen::Vector4d>(p.askedAtRest) << Map<const Mat63>(p.E).transpose() * u, elastic.head<3>().dot(toEigen(p.normal));
 	}
-	backSubstitute<1>(right, 0);
-	std::copy(right, right + 6 * m_bodyCount, m_z.begin());
+}
+
+/// `m_z` becomes the right-hand side with the friction impulses so far, after its forward substitution.
+void btIslandBlockSolver::beginState()
+{
+	std::copy_n(m_rest.begin(), 6 * m_bodyCount, m_z.begin());
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		const Patch& p = m_patches[size_t(k)];
+		if (!rubs(p)) continue;
+		const Map<const Eigen::Vector3d> friction(tangent(k));
+		// The push J^T E is the transpose of how the slip depends on the state.
+		for (int side = 0; side < 2; ++side)
+			if (p.body[side] >= 0)
+				Map<Vec6>(&m_z[6 * size_t(placeOf(p, side))]) += Map<const Mat46>(p.asked[side]).topRows<3>().transpose() * friction;
+	}
+	m_factor.substituteForward(m_z.data());
+}
+
+/// `m_z` with the elastic answer to the friction impulses so far.
+void btIslandBlockSolver::solveElastic()
+{
+	beginState();
+	for (int place = m_bodyCount - 1; place >= 0; --place) m_factor.substituteBack(m_z.data(), place);
 }
 
 /// By the bodies of the patch: how the slip and the elastic normal impulse change with the state.
@@ -374,25 +356,18 @@ void btIslandBlockSolver::prepareAsked(Patch& p) const
 
 void btIslandBlockSolver::prepareFriction()
 {
-	const size_t stride = 6 * size_t(m_bodyCount);
+	m_response.clear();
+	m_hasFriction = false;
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		Patch& p = m_patches[size_t(k)];
-		if (!p.active || !(p.friction > 0)) continue;
+		if (!rubs(p)) continue;
+		m_hasFriction = true;
+		needInverse();
 		prepareAsked(p);
-		// A fourth column, which stays zero, makes of each row two vectors of the processor.
-		using Columns = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
-		Map<Columns> columns(scratch(), Eigen::Index(stride), 4);
-		columns.setZero();
-		for (int side = 0; side < 2; ++side)
-			if (p.body[side] >= 0)
-				columns.block<6, 3>(placeOf(p, side), 0) += Map<const Mat6>(p.jacobian[side]).transpose() * Map<const Mat63>(p.E);
-		backSubstitute<4>(columns.data(), firstPlace(p));
-		Mat3 G = Mat3::Zero();
-		for (int side = 0; side < 2; ++side)
-			if (p.body[side] >= 0) G += Map<const Mat46>(p.asked[side]).topRows<3>() * columns.block<6, 3>(placeOf(p, side), 0);
-		Map<Eigen::Matrix<double, Eigen::Dynamic, 3>>(&m_response[3 * stride * size_t(k)], Eigen::Index(stride), 3) = columns.leftCols<3>();
-		double yielding[3][3];
+		double slip[9], yielding[3][3];
+		prepareResponse(p, slip);
+		const Map<const Axes> G(slip);
 		Map<Axes> symmetric(yielding[0]);
 		symmetric = 0.5 * (G + G.transpose());
 		ist::SymmetricEigen<3> eigen;
@@ -404,13 +379,41 @@ void btIslandBlockSolver::prepareFriction()
 	m_frictionPrepared = true;
 }
 
-/// One visit of a patch while the others stay as they are. Gives how much its friction changed, and by which normal impulse it is pressed.
-double btIslandBlockSolver::visitFriction(int patch, double& normal)
+/// Stores how the clique of the patch answers to its friction. `slip`: how its own slip does.
+void btIslandBlockSolver::prepareResponse(Patch& p, double (&slip)[9])
+{
+	p.response = m_response.size();
+	const int first = firstPlace(p), count = first < m_bodyCount ? 1 + int(m_factor.cliqueEnd(first) - m_factor.cliqueBegin(first)) : 0;
+	m_response.resize(m_response.size() + 18 * size_t(count));
+	Map<Axes> G(slip);
+	G.setZero();
+	for (int i = 0; i < count; ++i)
+	{
+		const int place = i == 0 ? first : m_factor.cliqueBegin(first)[i - 1];
+		Map<Mat63> answer(&m_response[p.response + 18 * size_t(i)]);
+		answer.setZero();
+		for (int side = 0; side < 2; ++side)
+		{
+			if (p.body[side] < 0) continue;
+			const auto push = Map<const Mat46>(p.asked[side]).topRows<3>().transpose();
+			const int from = placeOf(p, side);
+			if (place >= from) answer += Map<const Mat6>(m_factor.inverseBlock(place, from)) * push;
+			else answer += Map<const Mat6>(m_factor.inverseBlock(from, place)).transpose() * push;
+			++m_products;
+		}
+		for (int side = 0; side < 2; ++side)
+			if (p.body[side] >= 0 && placeOf(p, side) == place) G += Map<const Mat46>(p.asked[side]).topRows<3>() * answer;
+	}
+}
+
+/// One visit of a patch while the others stay as they are: the state of its clique follows. Gives how much its friction changed, and by
+/// which normal impulse it is pressed.
+double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
 {
 	Patch& p = m_patches[size_t(patch)];
 	Eigen::Vector4d asked = Map<const Eigen::Vector4d>(p.askedAtRest);
 	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[size_t(placeOf(p, side))]);
+		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(placeOf(p, side))]);
 	normal = std::max(asked(3), 0.0);
 	Map<Eigen::Vector3d> now(tangent(patch));
 	const Map<const Axes> axes(p.axes);
@@ -418,27 +421,45 @@ double btIslandBlockSolver::visitFriction(int patch, double& normal)
 		frictionWithin(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
 	const Eigen::Vector3d change = wanted - now;
 	now = wanted;
-	const Eigen::Index stride = 6 * Eigen::Index(m_bodyCount);
-	const double* columns = &m_response[3 * size_t(stride) * size_t(patch)];
-	const auto column = [&](int c) { return Map<const Vector>(columns + stride * c, stride); };
-	if (!change.isZero(0)) Map<Vector>(m_z.data(), stride) += change(0) * column(0) + change(1) * column(1) + change(2) * column(2);
+	if (change.isZero(0)) return 0;
+	const double* response = &m_response[p.response];
+	const auto move = [&](int member) {
+		Map<Vec6>(&m_z[6 * size_t(member)]) += Map<const Mat63>(response) * change;
+		response += 18;
+	};
+	move(place);
+	for (const int* later = m_factor.cliqueBegin(place); later != m_factor.cliqueEnd(place); ++later) move(*later);
+	m_products += uint64_t(m_factor.cliqueEnd(place) - m_factor.cliqueBegin(place)) + 1;
 	return change.norm();
+}
+
+/// One sweep is one substitution. On the way back, the patches of a body are visited as soon as its state is known, and what their friction
+/// changes in its clique is all that the bodies before it ask for. The bodies behind it know nothing of it until the next sweep.
+double btIslandBlockSolver::sweep(double& largestNormal)
+{
+	beginState();
+	double largest = 0;
+	for (int place = m_bodyCount - 1; place >= 0; --place)
+	{
+		m_factor.substituteBack(m_z.data(), place);
+		for (const int* k = m_byPlace.begin(place); k != m_byPlace.end(place); ++k)
+		{
+			if (!rubs(m_patches[size_t(*k)])) continue;
+			double normal = 0;
+			largest = std::max(largest, visitFriction(*k, place, normal));
+			largestNormal = std::max(largestNormal, normal);
+		}
+	}
+	return largest;
 }
 
 void btIslandBlockSolver::iterateFriction()
 {
 	double largestNormal = 0, before = 0;
-	m_acceleration.begin(m_tangents.data(), 3 * size_t(m_patchCount), 6 * size_t(m_bodyCount));
+	m_acceleration.begin(m_tangents.data(), 3 * size_t(m_patchCount));
 	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
 	{
-		m_remainingChange = 0;
-		for (int k = 0; k < m_patchCount; ++k)
-		{
-			if (!m_patches[size_t(k)].active || !(m_patches[size_t(k)].friction > 0)) continue;
-			double normal = 0;
-			m_remainingChange = std::max(m_remainingChange, visitFriction(k, normal));
-			largestNormal = std::max(largestNormal, normal);
-		}
+		m_remainingChange = sweep(largestNormal);
 		m_frictionNotConverged = m_remainingChange > kFrictionTolerance * largestNormal;
 		if (!m_frictionNotConverged || m_sweeps == kMaxSweeps - 1) break;
 		if (m_sweeps % kPatience == kPatience - 1)
@@ -446,10 +467,9 @@ void btIslandBlockSolver::iterateFriction()
 			if (m_sweeps >= kPatience && m_remainingChange > kProgress * before) break;
 			before = m_remainingChange;
 		}
-		m_acceleration.advance(m_tangents.data(), m_z.data());
-		if (m_sweeps % kTrust == kTrust - 1) solveElastic();
+		m_acceleration.advance(m_tangents.data());
 	}
-	if (m_sweeps > 0) solveElastic();
+	solveElastic();
 	if (!m_frictionNotConverged) return;
 	for (int i = 0; cutFriction(kFrictionTolerance * largestNormal, std::max(1 - double(i) / kCutsToNothing, 0.0)); ++i) solveElastic();
 }
@@ -476,19 +496,22 @@ bool btIslandBlockSolver::cutFriction(double tolerance, double share)
 	return cut;
 }
 
-/// Of a patch that is out: whether its impulse would push if it were in. The test of the force at this state alone would bring
+/// Whether the impulse of an idle patch would push if the patch were active. The test of the force at this state alone would bring
 /// back patches that pull as soon as they act.
 bool btIslandBlockSolver::wouldPush(const Patch& p)
 {
-	using Columns = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;
-	Map<Columns> columns(scratch(), 6 * m_bodyCount, 6);
-	columns.setZero();
-	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) columns.middleRows<6>(placeOf(p, side)) += Map<const Mat6>(p.jacobian[side]).transpose();
-	backSubstitute<6>(columns.data(), firstPlace(p));
+	needInverse();
 	Mat6 W = Mat6::Zero();
-	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) W += Map<const Mat6>(p.jacobian[side]) * columns.middleRows<6>(placeOf(p, side));
+	for (int a = 0; a < 2; ++a)
+		for (int b = 0; b < 2; ++b)
+		{
+			if (p.body[a] < 0 || p.body[b] < 0) continue;
+			const int row = placeOf(p, a), column = placeOf(p, b);
+			const Map<const Mat6> stored(m_factor.inverseBlock(std::max(row, column), std::min(row, column)));
+			const Mat6 inverse = row >= column ? Mat6(stored) : Mat6(stored.transpose());
+			W += Map<const Mat6>(p.jacobian[a]) * inverse * Map<const Mat6>(p.jacobian[b]).transpose();
+			m_products += 2;
+		}
 	Vec6 u;
 	relativeTwist(p, u.data());
 	const Map<const Mat6> S(p.S);
@@ -534,6 +557,9 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		twist = toEigen(free[b].linear, free[b].angular);
 	}
 	m_frictionNotConverged = false;
+	m_sweeps = 0;
+	m_remainingChange = 0;
+	m_productsBefore = m_products + m_factor.products();
 	for (int round = 0;; ++round)
 	{
 		m_rounds = round;
@@ -551,8 +577,9 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 			}
 			prepareFriction();
 		}
-		solveElastic();
-		iterateFriction();
+		prepareRest();
+		if (m_hasFriction) iterateFriction();
+		else solveElastic();
 		const int mayReturn = round < kRoundsOfAll ? m_patchCount : round < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
 		if (!changeActiveSet(mayReturn)) return true;
 		m_frictionPrepared = false;

@@ -17,36 +17,33 @@ using Column = Eigen::Map<Eigen::VectorXd>;
 using ConstColumn = Eigen::Map<const Eigen::VectorXd>;
 }  // namespace
 
-void btSweepAcceleration::reserve(std::size_t unknowns, std::size_t carried)
+void btSweepAcceleration::reserve(std::size_t unknowns)
 {
 	const auto grow = [](std::vector<double>& column, std::size_t size) { column.resize(std::max(column.size(), size)); };
-	for (auto* column : {&m_start, &m_change}) grow(*column, unknowns);
-	for (auto& column : m_changeStep) grow(column, unknowns);
-	grow(m_result, unknowns + carried);
-	for (auto& column : m_resultStep) grow(column, unknowns + carried);
+	for (auto* column : {&m_start, &m_change, &m_result}) grow(*column, unknowns);
+	for (auto* steps : {m_changeStep, m_resultStep})
+		for (int i = 0; i < kDepth; ++i) grow(steps[i], unknowns);
 }
 
-void btSweepAcceleration::begin(const double* x, std::size_t unknowns, std::size_t carried)
+void btSweepAcceleration::begin(const double* x, std::size_t unknowns)
 {
-	reserve(unknowns, carried);
+	reserve(unknowns);
 	m_unknowns = unknowns;
-	m_carried = carried;
 	m_sweeps = 0;
 	std::copy_n(x, unknowns, m_start.begin());
 }
 
-void btSweepAcceleration::note(const double* x, const double* carried)
+void btSweepAcceleration::note(const double* x)
 {
-	const Eigen::Index n = Eigen::Index(m_unknowns), rest = Eigen::Index(m_carried);
+	const Eigen::Index n = Eigen::Index(m_unknowns);
 	const int to = (m_sweeps + kDepth - 1) % kDepth;  // the first sweep has none before it: its step is never looked at
-	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n + rest),
-		result(m_result.data(), n + rest);
+	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n),
+		result(m_result.data(), n);
 	const double before = m_sweeps > 0 ? change.norm() : 0;
 	changeStep = ConstColumn(x, n) - ConstColumn(m_start.data(), n) - change;
 	change += changeStep;
 	const bool farther = m_sweeps > 0 && change.norm() > before;
-	resultStep.head(n) = ConstColumn(x, n) - result.head(n);
-	resultStep.tail(rest) = ConstColumn(carried, rest) - result.tail(rest);
+	resultStep = ConstColumn(x, n) - result;
 	result += resultStep;
 	m_sweeps = farther ? 1 : m_sweeps + 1;  // what was learnt no longer helps
 	const int steps = std::min(m_sweeps - 1, kDepth);
@@ -69,20 +66,17 @@ void btSweepAcceleration::weigh(double* weights, int steps) const
 	Eigen::Map<SmallVector>(weights, steps) = products.ldlt().solve(right);
 }
 
-void btSweepAcceleration::advance(double* x, double* carried)
+void btSweepAcceleration::advance(double* x)
 {
-	note(x, carried);
+	note(x);
 	const int steps = std::min(m_sweeps - 1, kDepth);
-	const Eigen::Index n = Eigen::Index(m_unknowns), rest = Eigen::Index(m_carried);
+	const Eigen::Index n = Eigen::Index(m_unknowns);
 	double weights[kDepth] = {};
 	if (steps > 0) weigh(weights, steps);
 	Column start(m_start.data(), n), end(x, n);
 	start = end;
 	for (int i = 0; i < steps; ++i) start -= weights[i] * Column(m_resultStep[i].data(), n);
 	// Where the steps say nothing, weights may not be finite.
-	const bool good = (start - end).norm() <= kLongest * Column(m_change.data(), n).norm();
-	if (!good) start = end;
+	if (!((start - end).norm() <= kLongest * Column(m_change.data(), n).norm())) start = end;
 	end = start;
-	if (!good) return;
-	for (int i = 0; i < steps; ++i) Column(carried, rest) -= weights[i] * Column(m_resultStep[i].data() + n, rest);
 }
