@@ -40,13 +40,17 @@ Velocity velocityOf(const btCollisionObject* object)
 struct Swept : btBroadphaseAabbCallback
 {
 	const btBroadphaseProxy* self;
-	std::vector<const btCollisionObject*>& found;
-	Swept(const btBroadphaseProxy* s, std::vector<const btCollisionObject*>& f) : self(s), found(f) {}
+	const btCollisionObjectArray& objects;
+	std::vector<int>& found;
+	Swept(const btBroadphaseProxy* s, const btCollisionObjectArray& o, std::vector<int>& f) : self(s), objects(o), found(f) {}
 	bool process(const btBroadphaseProxy* proxy) override
 	{
 		const bool filtered = (proxy->m_collisionFilterGroup & self->m_collisionFilterMask) &&
 			(self->m_collisionFilterGroup & proxy->m_collisionFilterMask);
-		if (proxy != self && filtered) found.push_back(static_cast<const btCollisionObject*>(proxy->m_clientObject));
+		if (proxy == self || !filtered) return true;
+		const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+		const int place = object->getWorldArrayIndex();
+		if (place >= 0 && place < objects.size() && objects[place] == object) found.push_back(place);
 		return true;
 	}
 };
@@ -72,50 +76,82 @@ double btISTSubsteps::thickness(const btCollisionShape* shape, const btISTRegist
 	return double(std::min({size.x(), size.y(), size.z()}));
 }
 
-void btISTSubsteps::addPair(
-	const btCollisionObject* a, const btCollisionObject* b, const btISTRegistry& registry, double seconds, double gravity)
+double btISTSubsteps::measureBodies(const btCollisionObjectArray& objects, const btISTRegistry& registry)
 {
-	const btCollisionShape *shapeA = a->getCollisionShape(), *shapeB = b->getCollisionShape();
-	if (!hasTree(shapeA, registry) && !hasTree(shapeB, registry)) return;
-	if (!a->checkCollideWith(b) || !b->checkCollideWith(a) || !a->hasContactResponse() || !b->hasContactResponse()) return;
+	double thinnest = std::numeric_limits<double>::infinity();
+	m_bodies.resize(size_t(objects.size()));
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		const btCollisionShape* shape = objects[i]->getCollisionShape();
+		Body& body = m_bodies[size_t(i)];
+		body = {thickness(shape, registry), hasTree(shape, registry)};
+		if (body.hasTree) thinnest = std::min(thinnest, body.thickness);
+	}
+	return thinnest;
+}
+
+/// Leaves in `m_near` what one of the bodies may meet, in the order of the world.
+void btISTSubsteps::findNear(btDiscreteDynamicsWorld& world, int body, double travel, double seconds)
+{
+	const btCollisionObject* object = world.getCollisionObjectArray()[body];
+	const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
+	const ist::Vec3 velocity = velocityOf(object).linear;
+	const btVector3 swept = toBullet(seconds * velocity), aside = btVector3(1, 1, 1) * btScalar(travel - seconds * norm(velocity));
+	btVector3 lower = proxy->m_aabbMin, upper = proxy->m_aabbMax;
+	lower.setMin(lower + swept);
+	upper.setMax(upper + swept);
+	m_near.clear();
+	Swept callback(proxy, world.getCollisionObjectArray(), m_near);
+	world.getBroadphase()->aabbTest(lower - aside, upper + aside, callback);
+	std::sort(m_near.begin(), m_near.end(), [this](int a, int b) { return ++m_comparisons, a < b; });
+}
+
+/// Whether `first` has found `second` before.
+bool btISTSubsteps::isKnown(int first, int second)
+{
+	const Body& body = m_bodies[size_t(first)];
+	const auto begin = m_pairs.begin() + ptrdiff_t(body.firstPair), end = m_pairs.begin() + ptrdiff_t(body.pairsEnd);
+	const auto isBefore = [this](
+							  const btISTFastPair& pair, int place) { return ++m_comparisons, pair.second->getWorldArrayIndex() < place; };
+	const auto found = std::lower_bound(begin, end, second, isBefore);
+	return found != end && found->second->getWorldArrayIndex() == second;
+}
+
+void btISTSubsteps::addPair(const btCollisionObjectArray& objects, int first, int second, double seconds, double gravity)
+{
+	const btCollisionObject *a = objects[first], *b = objects[second];
+	const Body &bodyA = m_bodies[size_t(first)], &bodyB = m_bodies[size_t(second)];
+	if (!bodyA.hasTree && !bodyB.hasTree) return;
 	const double apart = falls(a) != falls(b) ? gravity * seconds : 0;
 	const Velocity u = velocityOf(a), v = velocityOf(b);
 	const double travel = (norm(u.linear - v.linear) + u.ofSurface + v.ofSurface + apart) * seconds;
-	const double reach = ist::kMostTravel * std::min(thickness(shapeA, registry), thickness(shapeB, registry));
-	if (!(travel > reach)) return;
-	const int substeps = int(std::min(std::ceil(travel / reach), double(kMostEver)));
-	const auto isKnown = [=](const btISTFastPair& known) { return known.first == b && known.second == a; };
-	if (std::any_of(m_pairs.begin(), m_pairs.end(), isKnown)) return;
-	m_pairs.push_back({a, b, substeps});
+	const double reach = ist::kMostTravel * std::min(bodyA.thickness, bodyB.thickness);
+	if (!(travel > reach) || isKnown(second, first)) return;
+	if (!a->checkCollideWith(b) || !b->checkCollideWith(a) || !a->hasContactResponse() || !b->hasContactResponse()) return;
+	m_pairs.push_back({a, b, int(std::min(std::ceil(travel / reach), double(kMostEver)))});
 }
 
 int btISTSubsteps::plan(btDiscreteDynamicsWorld& world, const btISTRegistry& registry, double seconds, int most)
 {
 	m_pairs.clear();
+	m_comparisons = 0;
 	if (registry.size() == 0) return 1;
 	const btCollisionObjectArray& objects = world.getCollisionObjectArray();
-	const double gravity = double(world.getGravity().length());
-	double thinnest = std::numeric_limits<double>::infinity();
-	for (int i = 0; i < objects.size(); ++i)
-		if (hasTree(objects[i]->getCollisionShape(), registry))
-			thinnest = std::min(thinnest, thickness(objects[i]->getCollisionShape(), registry));
+	const double gravity = double(world.getGravity().length()), thinnest = measureBodies(objects, registry);
+	if (std::none_of(m_bodies.begin(), m_bodies.end(), [](const Body& body) { return body.hasTree; })) return 1;
 	for (int i = 0; i < objects.size(); ++i)
 	{
 		const btCollisionObject* object = objects[i];
-		const btBroadphaseProxy* proxy = object->getBroadphaseHandle();
 		const Velocity u = velocityOf(object);
 		const double travel = (norm(u.linear) + u.ofSurface + gravity * seconds) * seconds;
-		const double least = std::min(thinnest, thickness(object->getCollisionShape(), registry));
+		const double least = std::min(thinnest, m_bodies[size_t(i)].thickness);
 		// Half: the other one may come to meet it just as fast.
-		if (!proxy || !object->isActive() || !std::isfinite(travel) || !(travel > 0.5 * ist::kMostTravel * least)) continue;
-		const btVector3 swept = toBullet(seconds * u.linear), aside = btVector3(1, 1, 1) * btScalar(travel - seconds * norm(u.linear));
-		btVector3 lower = proxy->m_aabbMin, upper = proxy->m_aabbMax;
-		lower.setMin(lower + swept);
-		upper.setMax(upper + swept);
-		m_near.clear();
-		Swept callback(proxy, m_near);
-		world.getBroadphase()->aabbTest(lower - aside, upper + aside, callback);
-		for (const btCollisionObject* other : m_near) addPair(object, other, registry, seconds, gravity);
+		if (!object->getBroadphaseHandle() || !object->isActive() || !std::isfinite(travel) || !(travel > 0.5 * ist::kMostTravel * least))
+			continue;
+		findNear(world, i, travel, seconds);
+		m_bodies[size_t(i)].firstPair = m_pairs.size();
+		for (const int other : m_near) addPair(objects, i, other, seconds, gravity);
+		m_bodies[size_t(i)].pairsEnd = m_pairs.size();
 	}
 	int needed = 1;
 	for (const btISTFastPair& pair : m_pairs) needed = std::max(needed, pair.substeps);

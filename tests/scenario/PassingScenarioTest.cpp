@@ -2,6 +2,9 @@
 #include "tests/scenario/VolumetricScene.h"
 #include "tests/unit/CountingAllocator.h"
 
+#include <map>
+#include <utility>
+
 using namespace scenario;
 using ist::Vec3;
 
@@ -146,6 +149,130 @@ TEST(Substeps, ForcesActOverAllParts)
 		ASSERT_FALSE(shot.world.step(1 / kRate));
 		EXPECT_NEAR(double(pushed->getLinearVelocity().x()), 5 / kRate / 2, 1e-5 * 5 / kRate);
 	}
+}
+
+namespace
+{
+/// Cubes, plates and balls in one place, so that the boxes of all overlap, and which fly apart. One of four stands still.
+struct Explosion : Scene
+{
+	std::vector<btRigidBody*> bodies;
+
+	explicit Explosion(int count)
+	{
+		std::mt19937 random(7);
+		std::uniform_real_distribution<double> u(-1, 1);
+		btCollisionShape* shapes[] = {volumetricShape(block()), volumetricShape(plate()), shape<btSphereShape>(btScalar(0.05))};
+		for (int i = 0; i < count; ++i)
+		{
+			bodies.push_back(
+				add(shapes[i % 3], i % 8 == 0 ? 0 : 1, 0.01, at({1000 + 0.004 * u(random), 0.004 * u(random), 0.004 * u(random)})));
+			if (i % 4 == 0) continue;
+			bodies.back()->setLinearVelocity(btVector3(btScalar(90 * u(random)), btScalar(90 * u(random)), btScalar(90 * u(random))));
+			bodies.back()->setAngularVelocity(btVector3(0, btScalar(10 * u(random)), 0));
+		}
+	}
+	/// Parts that a step must have for one pair, as btISTSubsteps.h states it.
+	int needed(const btRigidBody& a, const btRigidBody& b, double seconds)
+	{
+		const btISTRegistry& registry = world.registration().registry();
+		if (!registry.find(a.getCollisionShape()) && !registry.find(b.getCollisionShape())) return 1;
+		const auto surface = [](const btRigidBody& body) {
+			return double(body.getAngularVelocity().length()) * double(body.getCollisionShape()->getAngularMotionDisc());
+		};
+		const double gravity = a.isStaticObject() != b.isStaticObject() ? double(world.bullet().getGravity().length()) * seconds : 0;
+		const double speed = double((a.getLinearVelocity() - b.getLinearVelocity()).length()) + surface(a) + surface(b) + gravity;
+		const double thinner = std::min(
+			btISTSubsteps::thickness(a.getCollisionShape(), registry), btISTSubsteps::thickness(b.getCollisionShape(), registry));
+		return std::max(1, int(std::ceil(speed * seconds / (thinner / 4))));
+	}
+};
+}  // namespace
+
+TEST(Substeps, PlanFindsTheFastPairsThatAllPairsShow)
+{
+	Explosion heap(90);
+	btISTSubsteps plan;
+	const int most = plan.plan(heap.world.bullet(), heap.world.registration().registry(), 1 / kRate, 1 << 20);
+	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, int> found;
+	for (const btISTFastPair& pair : plan.pairs())
+		EXPECT_TRUE(found.emplace(std::minmax(pair.first, pair.second), pair.substeps).second) << "a pair was found twice";
+	size_t expected = 0;
+	int mostExpected = 1;
+	for (size_t i = 0; i < heap.bodies.size(); ++i)
+		for (size_t j = 0; j < i; ++j)
+		{
+			const btCollisionObject *a = heap.bodies[i], *b = heap.bodies[j];
+			const int needed = heap.needed(*heap.bodies[i], *heap.bodies[j], 1 / kRate);
+			const auto pair = found.find(std::minmax(a, b));
+			mostExpected = std::max(mostExpected, needed);
+			expected += needed > 1;
+			ASSERT_EQ(pair != found.end(), needed > 1) << i << " " << j;
+			if (needed > 1)
+			{
+				EXPECT_EQ(pair->second, needed) << i << " " << j;
+			}
+		}
+	EXPECT_EQ(plan.pairs().size(), expected);
+	EXPECT_GT(expected, 1000u);
+	EXPECT_EQ(most, mostExpected);
+}
+
+// What is counted is the comparisons by which each pair is recognised that was found from both sides.
+TEST(Substeps, WorkOfAPlanGrowsWithTheFastPairsAndTheirLogarithm)
+{
+	for (const int count : {40, 80, 160, 320})
+	{
+		Explosion heap(count);
+		btISTSubsteps plan;
+		plan.plan(heap.world.bullet(), heap.world.registration().registry(), 1 / kRate, 1);
+		const double pairs = double(plan.pairs().size());
+		EXPECT_GT(pairs, 0.3 * count * count) << count;
+		EXPECT_LT(double(plan.comparisons()), 6 * pairs * std::log2(double(count))) << count;
+	}
+}
+
+TEST(Substeps, TooFastIsTheSameForEveryNumberOfParts)
+{
+	for (const int most : {1, 4})
+	{
+		Explosion heap(24);
+		btISTSubsteps plan;
+		plan.plan(heap.world.bullet(), heap.world.registration().registry(), 1 / kRate, most);
+		heap.world.setMostSubsteps(most);
+		ASSERT_FALSE(heap.world.step(1 / kRate));
+		size_t faster = 0;
+		for (const btISTFastPair& pair : plan.pairs()) faster += pair.substeps > most;
+		EXPECT_EQ(heap.world.tooFast().size(), faster);
+		EXPECT_EQ(heap.world.passingPairs(), faster);
+		EXPECT_GT(faster, 100u);
+		EXPECT_EQ(heap.world.substeps(), most);
+	}
+}
+
+TEST(Substeps, NothingIsAskedWhereNoBodyHasATree)
+{
+	Scene scene;
+	btCollisionShape* unused = scene.volumetricShape(block());
+	btRigidBody* ball = scene.add(scene.shape<btSphereShape>(btScalar(0.05)), 1, 0.01, at({}));
+	scene.add(scene.shape<btSphereShape>(btScalar(0.05)), 1, 0.01, at({0.5, 0, 0}));
+	ball->setLinearVelocity(btVector3(90, 0, 0));
+	btISTSubsteps plan;
+	const btISTRegistry& registry = scene.world.registration().registry();
+	EXPECT_EQ(plan.plan(scene.world.bullet(), registry, 1 / kRate, 64), 1);
+	scene.add(unused, 1, 0.01, at({0.8, 0, 0}));
+	EXPECT_GT(plan.plan(scene.world.bullet(), registry, 1 / kRate, 64), 1);
+}
+
+TEST(Substeps, PlanOfManyPairsAllocatesNothingAfterWarmUp)
+{
+	Explosion heap(60);
+	btISTSubsteps plan;
+	const btISTRegistry& registry = heap.world.registration().registry();
+	plan.plan(heap.world.bullet(), registry, 1 / kRate, 1);
+	const long before = allocationCount();
+	plan.plan(heap.world.bullet(), registry, 1 / kRate, 1);
+	EXPECT_EQ(allocationCount() - before, 0);
 }
 
 TEST(Substeps, PlanAllocatesNothingAfterWarmUp)
