@@ -12,7 +12,7 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 template <class M> using Map = Eigen::Map<M>;
-/// A block of the factor, whose rows lie as far apart as the row of blocks is wide.
+/// A block of the factor. The distance between its rows is the width of the row of blocks.
 using Block = Eigen::Map<const Mat6, 0, Eigen::OuterStride<>>;
 }  // namespace
 
@@ -54,7 +54,7 @@ void btEnvelopeFactor::layOut()
 	}
 	for (int place = 0; place < m_places; ++place) m_cliqueStart[size_t(place) + 1] += m_cliqueStart[size_t(place)];
 	m_cliques.resize(size_t(m_cliqueStart[size_t(m_places)]));
-	// Each start serves as the end of what is filled in so far, and is then moved back by one place.
+	// Each start is used as the end of the entries so far, and is then moved back by one place.
 	for (int row = 0; row < m_places; ++row)
 		for (int column = m_first[size_t(row)]; column < row; ++column) m_cliques[size_t(m_cliqueStart[size_t(column)]++)] = row;
 	for (int place = m_places; place > 0; --place) m_cliqueStart[size_t(place)] = m_cliqueStart[size_t(place) - 1];
@@ -106,7 +106,7 @@ bool btEnvelopeFactor::factorise()
 	return true;
 }
 
-// From Z L = L^-T, block by block from the last column to the first: Takahashi's recursion.
+// Takahashi's recursion: it follows from Z L = L^-T, block by block from the last column to the first.
 void btEnvelopeFactor::invert()
 {
 	m_inverse.resize(m_size);

@@ -23,40 +23,41 @@ public:
 	void begin(int places);
 	/// Two places whose block is not zero. Their order does not matter.
 	void couple(int a, int b);
-	/// Ends the envelope. Values may be set as often as you like from here on.
+	/// Ends the envelope. From now on the values may be set any number of times.
 	void layOut();
 	int places() const { return m_places; }
-	/// The clique of `place` without the place itself, ascending.
+	/// Members of the clique of `place` without the place itself, in ascending order.
 	const int* cliqueBegin(int place) const { return m_cliques.data() + m_cliqueStart[size_t(place)]; }
 	const int* cliqueEnd(int place) const { return m_cliques.data() + m_cliqueStart[size_t(place) + 1]; }
-	/// Numbers within the envelope, which are those that one substitution reads.
+	/// Number of values within the envelope, which one substitution reads.
 	int64_t entries() const;
-	/// Blocks within the envelope.
+	/// Number of blocks within the envelope.
 	int64_t blocks() const { return int64_t(m_size / kBlock); }
 
-	/// A = I.
+	/// Sets A = I.
 	void setIdentity();
-	/// Adds a row-major block to A. `row` >= `column`, and both are coupled.
+	/// Adds a row-major block to A. `row` >= `column`, and the two must be coupled or equal.
 	void add(int row, int column, const double* block);
 	/// Replaces A by L. False when A is not positive definite, or not finite.
 	bool factorise();
-	/// The blocks of the inverse of A that lie within the envelope. After `factorise`.
+	/// Computes the blocks of the inverse of A that lie within the envelope. Call it after `factorise`.
 	void invert();
-	/// Row-major block of the inverse, after `invert`. `row` >= `column`, and both are coupled.
+	/// Row-major block of the inverse, valid after `invert`. `row` >= `column`, and the two must be coupled or equal.
 	const double* inverseBlock(int row, int column) const { return m_inverse.data() + blockOf(row, column); }
 
-	/// x becomes L^-1 x.
+	/// Replaces x by L^-1 x.
 	void substituteForward(double* x);
-	/// One step of the back substitution: the six numbers of `place` become those of L^-T x. All later members of its clique must be so
-	/// already.
+	/// Makes one step of the back substitution: the six numbers of `place` become those of L^-T x. All later members of its clique must
+	/// have theirs already.
 	void substituteBack(double* x, int place);
 	void solve(double* x);
 
-	/// Products of a block with a block or with a column, since the object was made: a measure of the work that does not depend on a clock.
+	/// Number of products of a block with a block or with a column since the object was made. It measures the work independent of a
+	/// clock.
 	uint64_t products() const { return m_products; }
 
 private:
-	// Rows of blocks lie one behind the other, each as six dense rows of numbers. Those of the inverse lie block by block.
+	// Rows of blocks are stored one after the other, each as six dense rows of numbers. Rows of the inverse are stored block by block.
 	int width(int place) const { return kSide * (place - m_first[size_t(place)] + 1); }
 	size_t rowOf(int place) const { return m_row[size_t(place)]; }
 	size_t blockOf(int row, int column) const { return m_row[size_t(row)] + size_t(kBlock) * size_t(column - m_first[size_t(row)]); }
@@ -64,12 +65,12 @@ private:
 
 	int m_places = 0;
 	std::vector<int> m_first;        // place of the first block of each row
-	std::vector<size_t> m_row;       // where each row begins
-	std::vector<int> m_cliqueStart;  // one more than places
-	std::vector<int> m_cliques;      // without the places themselves
-	std::vector<double> m_factor;    // one over the diagonal
+	std::vector<size_t> m_row;       // index of the first number of each row
+	std::vector<int> m_cliqueStart;  // start of each clique in m_cliques; one more entry than places
+	std::vector<int> m_cliques;      // members of the cliques without the places themselves
+	std::vector<double> m_factor;    // the factor L, with the inverse of each diagonal entry
 	std::vector<double> m_inverse;
-	std::vector<double> m_quotients;  // of one column of blocks: L_mb L_bb^-1
-	size_t m_size = 0;                // numbers that the rows take
+	std::vector<double> m_quotients;  // L_mb L_bb^-1 for one column of blocks
+	size_t m_size = 0;                // total number of values in the rows
 	uint64_t m_products = 0;
 };

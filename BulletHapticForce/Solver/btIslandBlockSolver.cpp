@@ -16,30 +16,28 @@ namespace
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat3 = Eigen::Matrix3d;
 using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-using Axes = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // an axis a row
+using Axes = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // one axis per row
 using Mat63 = Eigen::Matrix<double, 6, 3>;
 using Mat46 = Eigen::Matrix<double, 4, 6>;
 using Vector = Eigen::VectorXd;
 template <class M> using Map = Eigen::Map<M>;
 
-// Rounds in which all patches that would push come back into the active set; then, one at a time, which seldom cycles; then none, so
-// that the search ends.
+// In the first rounds all patches that would push return to the active set. In the next rounds one patch returns at a time, which seldom
+// cycles. After that none returns, so that the search ends.
 constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
 constexpr int kMaxSweeps = 400;
-// Where many patches share one load, sticking and sliding may take turns for ever at a hundred-thousandth of the load: the search ends
-// when so many sweeps have not brought the change down to this share of what it was. What they would still find goes into the next step's
-// beginning.
+// Where many patches share one load, sticking and sliding may alternate without end, at 1e-5 of the load. The search ends when kPatience
+// sweeps have not reduced the change to the share kProgress. The next step begins with the remaining error.
 constexpr int kPatience = 24;
 constexpr double kProgress = 0.5;
-// Friction is done when no impulse changes by more than this share of the largest normal impulse: about a rounding of single precision.
-// What sticks then creeps by no more than this share of g h, since the next step begins where this one ends.
+// Friction has converged when no impulse changes by more than this share of the largest normal impulse, about a rounding of single
+// precision. A sticking body then creeps by at most this share of g h, because the next step begins where this one ends.
 constexpr double kFrictionTolerance = 1e-7;
-// Friction that sweeps which did not end have left beyond its limit is cut down, and the normal impulses, which this changes, are found
-// anew. Cuts go the farther below the limit the later they come, and after so many to nothing, so that they end: what has no friction is
-// not cut again.
+// If the sweeps end early, friction beyond its limit is cut down. This changes the normal impulses, which are then computed again. Later
+// cuts go further below the limit, and after this number to zero. The cuts end, because a patch without friction is not cut again.
 constexpr int kCutsToNothing = 50;
 constexpr double kImmovable = 1e-12;
-// Of the search for a sliding patch's friction; steps double the digits.
+// These two control the search for a sliding patch's friction; each Newton step doubles the number of correct digits.
 constexpr int kMostNewtonSteps = 20;
 constexpr double kLimitTolerance = 1e-12;
 
@@ -76,17 +74,19 @@ Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 	Mat6 root = Mat6::Zero();
 	root.topLeftCorner<3, 3>().diagonal() = toEigen(body.inverseMass).cwiseMax(0.0).cwiseSqrt();
 	ist::SymmetricEigen<3> eigen;
-	if (!eigen.decompose(inertia)) return Mat6::Constant(std::numeric_limits<double>::quiet_NaN());  // refused when it is factorised
+	if (!eigen.decompose(inertia)) return Mat6::Constant(std::numeric_limits<double>::quiet_NaN());  // refused by the factorisation
 	const Map<const Axes> axes(eigen.vectors[0]);
 	const Eigen::Array3d values = Map<const Eigen::Array3d>(eigen.values).max(0.0);
 	root.bottomRightCorner<3, 3>() = axes.transpose() * values.sqrt().matrix().asDiagonal() * axes;
 	return root;
 }
 
-/// The friction of one patch, no longer than `limit`, that leaves as little slip as it can, all along the axes in which the slip answers to
-/// each part of it alone, `yielding` times: (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit.
-/// Newton's method for 1/|wanted|, which comes from below and does not overshoot; from above one step leads below. `excess`: m, and where
-/// the search for it begins.
+/// Friction of one patch that is no longer than `limit` and leaves the least slip. All vectors are along the axes in which each part of
+/// the friction changes only its own slip, by the factor `yielding`.
+///
+/// The solution is (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit. Newton's method for
+/// 1/|wanted| approaches it from below and does not overshoot; from above, one step leads below. `excess` is m, and the start of the
+/// search for it.
 Eigen::Vector3d frictionWithin(
 	double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding, double& excess)
 {
@@ -172,7 +172,7 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	{
 		if (p.body[side] < 0) continue;
 		const Body& body = m_bodies[size_t(p.body[side])];
-		// Of a root whose mixed quarters are zero.
+		// The off-diagonal quarters of `root` are zero.
 		Map<Mat6> J(p.jacobian[side]);
 		J = (side == 0 ? 1.0 : -1.0) * Map<const Mat6>(body.root);
 		J.topRightCorner<3, 3>().noalias() -= crossMatrix(patch.point - body.center) * J.bottomRightCorner<3, 3>();
@@ -200,8 +200,8 @@ void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 	}
 }
 
-// Breadth first from the body with the fewest neighbours, and then the other way round: neighbours stay close together,
-// and a body with many of them, as what a hand holds, comes after them. So the envelope is small.
+// The order is breadth first from the body with the fewest neighbours, and then reversed. Neighbours stay close together, and a body with
+// many neighbours, such as a held one, comes after them. This keeps the envelope small.
 void btIslandBlockSolver::orderBodies()
 {
 	m_byBody.fill(m_bodyCount, m_patchCount, [this](int k, const auto& note) {
@@ -235,7 +235,7 @@ void btIslandBlockSolver::orderBodies()
 	layOutFactor();
 }
 
-/// The envelope holds the pairs of idle patches too, so that it is the same in all rounds.
+/// Computes the envelope. It contains the pairs of idle patches too, so that it is the same in all rounds.
 void btIslandBlockSolver::layOutFactor()
 {
 	m_factor.begin(m_bodyCount);
@@ -276,7 +276,7 @@ void btIslandBlockSolver::needInverse()
 	m_inverseKnown = true;
 }
 
-/// Of A minus B at the point, with the state `m_z`.
+/// Twist of A minus that of B at the point, in the state `m_z`.
 void btIslandBlockSolver::relativeTwist(const Patch& p, double* twist) const
 {
 	Map<Vec6> u(twist);
@@ -292,7 +292,7 @@ void btIslandBlockSolver::relativeTwist(const Patch& p, double* twist) const
 	}
 }
 
-/// The place of the first of its bodies; behind all places for a patch between bodies that cannot move.
+/// Place of the first of the patch's bodies. It is behind all places for a patch between immovable bodies.
 int btIslandBlockSolver::firstPlace(const Patch& p) const
 {
 	int first = m_bodyCount;
@@ -301,10 +301,10 @@ int btIslandBlockSolver::firstPlace(const Patch& p) const
 	return first;
 }
 
-/// The right-hand side without friction; what friction asks for without any impulse.
+/// Computes the right-hand side without friction, and the input of friction without any impulse.
 void btIslandBlockSolver::prepareRest()
 {
-	// `m_z` is the state without any impulse, and so must be zero.
+	// `m_z` must be zero, because it is the state without any impulse.
 	std::fill(m_z.begin(), m_z.begin() + 6 * m_bodyCount, 0.0);
 	std::fill(m_rest.begin(), m_rest.begin() + 6 * m_bodyCount, 0.0);
 	for (int k = 0; k < m_patchCount; ++k)
@@ -321,7 +321,7 @@ void btIslandBlockSolver::prepareRest()
 	}
 }
 
-/// `m_z` becomes the right-hand side with the friction impulses so far, after its forward substitution.
+/// Sets `m_z` to the right-hand side with the friction impulses so far, after its forward substitution.
 void btIslandBlockSolver::beginState()
 {
 	std::copy_n(m_rest.begin(), 6 * m_bodyCount, m_z.begin());
@@ -330,7 +330,7 @@ void btIslandBlockSolver::beginState()
 		const Patch& p = m_patches[size_t(k)];
 		if (!rubs(p)) continue;
 		const Map<const Eigen::Vector3d> friction(tangent(k));
-		// The push J^T E is the transpose of how the slip depends on the state.
+		// The push J^T E is the transpose of the derivative of the slip by the state.
 		for (int side = 0; side < 2; ++side)
 			if (p.body[side] >= 0)
 				Map<Vec6>(&m_z[6 * size_t(placeOf(p, side))]) += Map<const Mat46>(p.asked[side]).topRows<3>().transpose() * friction;
@@ -338,14 +338,14 @@ void btIslandBlockSolver::beginState()
 	m_factor.substituteForward(m_z.data());
 }
 
-/// `m_z` with the elastic answer to the friction impulses so far.
+/// Sets `m_z` to the elastic response to the friction impulses so far.
 void btIslandBlockSolver::solveElastic()
 {
 	beginState();
 	for (int place = m_bodyCount - 1; place >= 0; --place) m_factor.substituteBack(m_z.data(), place);
 }
 
-/// By the bodies of the patch: how the slip and the elastic normal impulse change with the state.
+/// Computes the derivative of the slip and of the elastic normal impulse by the state, for each body of the patch.
 void btIslandBlockSolver::prepareAsked(Patch& p) const
 {
 	Mat46 ofTwist;
@@ -379,7 +379,7 @@ void btIslandBlockSolver::prepareFriction()
 	m_frictionPrepared = true;
 }
 
-/// Stores how the clique of the patch answers to its friction. `slip`: how its own slip does.
+/// Stores the response of the clique of the patch to its friction. `slip` is the response of its own slip.
 void btIslandBlockSolver::prepareResponse(Patch& p, double (&slip)[9])
 {
 	p.response = m_response.size();
@@ -406,8 +406,8 @@ void btIslandBlockSolver::prepareResponse(Patch& p, double (&slip)[9])
 	}
 }
 
-/// One visit of a patch while the others stay as they are: the state of its clique follows. Gives how much its friction changed, and by
-/// which normal impulse it is pressed.
+/// Visits one patch while the others are fixed, and updates the state of its clique. Returns the size of the change of its friction;
+/// `normal` is its present normal impulse.
 double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
 {
 	Patch& p = m_patches[size_t(patch)];
@@ -433,8 +433,9 @@ double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
 	return change.norm();
 }
 
-/// One sweep is one substitution. On the way back, the patches of a body are visited as soon as its state is known, and what their friction
-/// changes in its clique is all that the bodies before it ask for. The bodies behind it know nothing of it until the next sweep.
+/// Makes one sweep, which is one substitution. During the back substitution, the patches of a body are visited as soon as its state is
+/// known. The change that their friction makes in the clique is all that the earlier bodies need. The later bodies receive it in the next
+/// sweep.
 double btIslandBlockSolver::sweep(double& largestNormal)
 {
 	beginState();
@@ -474,8 +475,8 @@ void btIslandBlockSolver::iterateFriction()
 	for (int i = 0; cutFriction(kFrictionTolerance * largestNormal, std::max(1 - double(i) / kCutsToNothing, 0.0)); ++i) solveElastic();
 }
 
-/// Friction that is by more than `tolerance` [N s] beyond its limit at the normal impulse of the state becomes `share` of the limit. True
-/// when there was such.
+/// Cuts friction that exceeds its limit by more than `tolerance` [N s] to `share` of the limit. The limit is that of the normal impulse
+/// in this state. Returns true when it has cut any.
 bool btIslandBlockSolver::cutFriction(double tolerance, double share)
 {
 	bool cut = false;
@@ -496,8 +497,8 @@ bool btIslandBlockSolver::cutFriction(double tolerance, double share)
 	return cut;
 }
 
-/// Whether the impulse of an idle patch would push if the patch were active. The test of the force at this state alone would bring
-/// back patches that pull as soon as they act.
+/// True when the impulse of an idle patch would push if the patch were active. A test of the force in this state alone would bring back
+/// patches that pull as soon as they act.
 bool btIslandBlockSolver::wouldPush(const Patch& p)
 {
 	needInverse();
@@ -519,7 +520,7 @@ bool btIslandBlockSolver::wouldPush(const Patch& p)
 	return answer.head<3>().dot(toEigen(p.normal)) > 0;
 }
 
-/// Stores the elastic impulses; true when a patch would pull and leaves, or when one that was out would push and comes back.
+/// Stores the elastic impulses. Returns true when a patch would pull and is removed, or when an idle one would push and returns.
 bool btIslandBlockSolver::changeActiveSet(int mayReturn)
 {
 	bool changed = false;

@@ -9,58 +9,63 @@
 #include <cstdint>
 #include <vector>
 
-/// All patches that hang together through bodies that move, solved at once: what iterations over single patches cannot hold at mass
-/// or stiffness ratios far from 1, or in stacks, comes out exact in one solve.
+/// Solves all patches of an island at once. An island contains the bodies that are connected through patches and can move. One solve is
+/// exact where iterations over single patches fail: at mass or stiffness ratios far from 1, and in stacks.
 ///
-/// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), twists v = v_free + R z, with R the
-/// square root of the inverse mass matrix (so that what cannot move needs no special case) and S = h^2 K + h D; an envelope Cholesky
-/// factorisation in reversed breadth-first order of the bodies (btEnvelopeFactor). Patches that would pull are taken out and the rest is
-/// solved again. Friction: the ball of btVolumetricRow for each patch, by Gauss-Seidel on the response of the whole elastic island, each
-/// patch solved exactly while the others stand still, the sweeps accelerated. The form with square roots needs no inverse of a stiffness.
+/// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), with the twists v = v_free + R z and S =
+/// h^2 K + h D. R is the square root of the inverse mass matrix. Immovable directions therefore need no special case, and no stiffness is
+/// inverted. The system is solved by an envelope Cholesky factorisation in reversed breadth-first order of the bodies (btEnvelopeFactor).
+/// Patches that would pull are removed, and the rest is solved again.
 ///
-/// Cost of one round: O(bodies + patches) times (1 + sweeps), where cliques of the envelope are small, as in a stack and around what a hand
-/// holds. A wall and a heap have cliques as wide as a layer: each visit then costs that many products, and the factorisation its square for
-/// each body. `products` counts them. The sweeps are 400 at most; stacks of 2 to 30 bodies take 45 to 65.
+/// Friction: each patch has the ball of btVolumetricRow. The solver makes Gauss-Seidel sweeps over the response of the whole elastic
+/// island. Each visit solves one patch exactly while the others are fixed. The sweeps are accelerated (btSweepAcceleration).
 ///
-/// No allocation once the largest island has been seen.
+/// Cost of one round: O(bodies + patches) times (1 + sweeps), if the cliques of the envelope are small. This holds for a stack, and for
+/// the bodies around a held one. A wall and a heap have cliques as wide as a layer. Each visit then costs that many products, and the
+/// factorisation the square of it for each body. `products` counts them. There are at most 400 sweeps; stacks of 2 to 30 bodies need 45
+/// to 65.
+///
+/// Allocates nothing after the largest island has been seen.
 class btIslandBlockSolver
 {
 public:
-	/// Room for islands of this size: several megabytes for 64 bodies with 256 patches.
+	/// Reserves memory for islands of this size: several megabytes for 64 bodies with 256 patches.
 	void reserve(int bodies, int patches);
 	void clear();
-	/// Index of a body that can move.
+	/// Adds a body that can move. Returns its index.
 	int addBody(const btVolumetricRowBody& body);
-	/// `bodyA` and `bodyB`: indices, or -1 for what cannot move and passes `point` with the twist `given` (already as A minus B).
-	/// Returns the index of the patch.
+	/// Adds a patch, and returns its index. `bodyA` and `bodyB` are indices of bodies, or -1 for an immovable body. `given` is the twist
+	/// at `point` of the immovable bodies, as A minus B.
 	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction);
-	/// Where the search for the patch's friction begins: an impulse on A about its point, of which only what friction can do counts.
+	/// Sets the start of the search for the patch's friction: an impulse on A about its point, of which only the part that friction can
+	/// exert is used.
 	void startFriction(int patch, const ist::Wrench& impulse);
 	int patchCount() const { return m_patchCount; }
 	int bodyCount() const { return m_bodyCount; }
 
-	/// `free`: for each body the twist at its centre of mass without the impulses of these patches.
-	/// False when the system could not be factorised (not finite input): all impulses are zero then.
+	/// Solves the island. `free` contains for each body the twist at its centre of mass without the impulses of these patches. Returns
+	/// false when the system could not be factorised, because of input that is not finite; all impulses are then zero.
 	bool solve(const ist::Twist* free);
 
 	const ist::Vec3& point(int patch) const { return m_patches[size_t(patch)].point; }
-	/// On A, about `point` [N s, N m s].
+	/// Impulse on A, about `point` [N s, N m s].
 	ist::Wrench impulse(int patch) const;
-	/// The same without friction.
+	/// Impulse on A without friction, about `point` [N s, N m s].
 	ist::Wrench elasticImpulse(int patch) const;
-	/// Its normal part [N s].
+	/// Normal part of the impulse [N s].
 	double normalImpulse(int patch) const;
-	/// Sweeps of the friction iteration in the last solve, and largest change of an impulse in the last of them [N s].
+	/// Number of sweeps of the friction iteration in the last solve. `remainingChange` is the largest change of an impulse in the last of
+	/// them [N s].
 	int sweeps() const { return m_sweeps; }
-	/// True when the last solve's sweeps ended before the impulses stood still. Friction is then within its limit, too, but need not oppose
-	/// the slip.
+	/// True when the sweeps of the last solve ended before the impulses converged. Friction is then within its limit too, but need not
+	/// oppose the slip.
 	bool frictionNotConverged() const { return m_frictionNotConverged; }
-	/// Changes of the set of pushing patches in the last solve.
+	/// Number of changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
 	double remainingChange() const { return m_remainingChange; }
-	/// Numbers within the envelope of the factor of the last solve, which are those that one substitution reads.
+	/// Number of values within the envelope of the last factor, which one substitution reads.
 	int64_t envelopeEntries() const { return m_factor.entries(); }
-	/// Products of a 6 x 6 block with a block or a column in the last solve: what it cost, without a clock.
+	/// Number of products of a 6 x 6 block with a block or a column in the last solve. It measures the cost independent of a clock.
 	uint64_t products() const { return m_products + m_factor.products() - m_productsBefore; }
 
 private:
@@ -68,7 +73,7 @@ private:
 	{
 		double root[36];  // square root of the inverse mass matrix, row major
 		ist::Vec3 center;
-		int place = 0;  // in the order of elimination
+		int place = 0;  // place in the order of elimination
 	};
 	struct Patch
 	{
@@ -76,12 +81,13 @@ private:
 		int body[2] = {-1, -1};
 		double S[36], push[6], E[18], given[6];
 		double jacobian[2][36];  // J R of A, and -J R of B
-		// What friction asks for is affine in the state: the slip along E and the elastic normal impulse.
+		// The input of friction is affine in the state: `asked` gives the slip along E and the elastic normal impulse.
 		double asked[2][24], askedAtRest[4];
-		double axes[9], yielding[3], friction = 0;  // principal axes, a row each, of how the slip answers to friction, and by how much
-		double excess = 0;  // of the last visit: by how much more it would have to answer for the friction to come out within its limit
+		// principal axes (one per row) and eigenvalues of the response of the slip to friction; friction coefficient
+		double axes[9], yielding[3], friction = 0;
+		double excess = 0;  // additional response in the last visit that would bring the friction within its limit
 		double elastic[6];
-		size_t response = 0;  // where its response begins
+		size_t response = 0;  // index of its response in m_response
 		bool active = true;
 	};
 
@@ -112,13 +118,13 @@ private:
 	std::vector<Body> m_bodies;
 	std::vector<Patch> m_patches;
 	std::vector<int> m_order;  // bodies in the order of elimination
-	btPatchIndex m_byBody;     // patches between two bodies that move, by each of the two
-	btPatchIndex m_byPlace;    // patches by the first of their bodies in the order of elimination
+	btPatchIndex m_byBody;     // patches between two movable bodies, for each of the two
+	btPatchIndex m_byPlace;    // patches for the first of their bodies in the order of elimination
 	btEnvelopeFactor m_factor;
-	std::vector<double> m_free;       // 6 per body
-	std::vector<double> m_rest, m_z;  // 6 per body, in the order of elimination: right-hand side without friction; state
-	std::vector<double> m_response;   // to friction: 6 x 3 for each member of a patch's clique
-	std::vector<double> m_tangents;   // friction impulses, 3 per patch along its E
+	std::vector<double> m_free;       // 6 numbers per body
+	std::vector<double> m_rest, m_z;  // 6 numbers per body, in the order of elimination: right-hand side without friction; state
+	std::vector<double> m_response;   // response to friction: 6 x 3 numbers for each member of a patch's clique
+	std::vector<double> m_tangents;   // friction impulses, 3 numbers per patch along its E
 	btSweepAcceleration m_acceleration;
 	uint64_t m_products = 0, m_productsBefore = 0;
 	bool m_inverseKnown = false, m_hasFriction = false;

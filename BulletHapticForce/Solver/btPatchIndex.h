@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-/// The patches of each key, such as a body, in their own order: a counting sort. A patch may have several keys or none.
-/// No allocation within what is reserved.
+/// The patches of each key, such as a body, in the order of the patches. It is a counting sort. A patch may have several keys or none.
+/// Allocates nothing within the reserved size.
 class btPatchIndex
 {
 public:
@@ -21,7 +21,7 @@ public:
 		for (int k = 0; k < patchCount; ++k) keysOf(k, [this](int key) { ++m_start[size_t(key) + 1]; });
 		for (int key = 0; key < keys; ++key) m_start[size_t(key) + 1] += m_start[size_t(key)];
 		m_patches.resize(size_t(m_start[size_t(keys)]));
-		// Each start serves as the end of what is filled in so far, and is then moved back by one key.
+		// Each start is used as the end of the entries so far, and is then moved back by one key.
 		for (int k = 0; k < patchCount; ++k) keysOf(k, [this, k](int key) { m_patches[size_t(m_start[size_t(key)]++)] = k; });
 		for (int key = keys; key > 0; --key) m_start[size_t(key)] = m_start[size_t(key) - 1];
 		m_start[0] = 0;

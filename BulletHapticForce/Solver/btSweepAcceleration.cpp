@@ -8,9 +8,9 @@
 
 namespace
 {
-/// Share of the products' diagonal: steps may point the same way.
+/// Regularisation as a share of the products' diagonal, because steps may point in the same direction.
 constexpr double kRegularisation = 1e-10;
-/// In lengths of the last change: what would move x further is made of rounding.
+/// Largest motion of x, in lengths of the last change. A larger motion would consist of rounding errors.
 constexpr double kLongest = 1e4;
 
 using Column = Eigen::Map<Eigen::VectorXd>;
@@ -36,7 +36,7 @@ void btSweepAcceleration::begin(const double* x, std::size_t unknowns)
 void btSweepAcceleration::note(const double* x)
 {
 	const Eigen::Index n = Eigen::Index(m_unknowns);
-	const int to = (m_sweeps + kDepth - 1) % kDepth;  // the first sweep has none before it: its step is never looked at
+	const int to = (m_sweeps + kDepth - 1) % kDepth;  // the first sweep has no sweep before it, and its step is never used
 	Column changeStep(m_changeStep[to].data(), n), change(m_change.data(), n), resultStep(m_resultStep[to].data(), n),
 		result(m_result.data(), n);
 	const double before = m_sweeps > 0 ? change.norm() : 0;
@@ -45,7 +45,7 @@ void btSweepAcceleration::note(const double* x)
 	const bool farther = m_sweeps > 0 && change.norm() > before;
 	resultStep = ConstColumn(x, n) - result;
 	result += resultStep;
-	m_sweeps = farther ? 1 : m_sweeps + 1;  // what was learnt no longer helps
+	m_sweeps = farther ? 1 : m_sweeps + 1;  // the former steps no longer help
 	const int steps = std::min(m_sweeps - 1, kDepth);
 	for (int i = 0; i < steps; ++i) m_products[to][i] = m_products[i][to] = changeStep.dot(Column(m_changeStep[i].data(), n));
 }
@@ -76,7 +76,7 @@ void btSweepAcceleration::advance(double* x)
 	Column start(m_start.data(), n), end(x, n);
 	start = end;
 	for (int i = 0; i < steps; ++i) start -= weights[i] * Column(m_resultStep[i].data(), n);
-	// Where the steps say nothing, weights may not be finite.
+	// If the steps contain no information, the weights may not be finite.
 	if (!((start - end).norm() <= kLongest * Column(m_change.data(), n).norm())) start = end;
 	end = start;
 }

@@ -15,7 +15,7 @@
 
 namespace
 {
-constexpr int kMostEver = 1 << 20;  // a number of substeps that nobody will take, and an int can hold
+constexpr int kMostEver = 1 << 20;  // a number of substeps that is never needed, and fits into an int
 
 bool hasTree(const btCollisionShape* shape, const btISTRegistry& registry)
 {
@@ -25,7 +25,7 @@ bool hasTree(const btCollisionShape* shape, const btISTRegistry& registry)
 struct Velocity
 {
 	ist::Vec3 linear;
-	double ofSurface = 0;  // by the spin [m/s]
+	double ofSurface = 0;  // speed of the surface by the spin [m/s]
 };
 
 Velocity velocityOf(const btCollisionObject* object)
@@ -36,7 +36,7 @@ Velocity velocityOf(const btCollisionObject* object)
 	return {toVec3(body->getLinearVelocity()), spin > 0 ? spin * double(body->getCollisionShape()->getAngularMotionDisc()) : 0};
 }
 
-/// What the broad phase finds in the box that a body sweeps.
+/// Collects the objects that the broad phase finds in the box that a body sweeps.
 struct Swept : btBroadphaseAabbCallback
 {
 	const btBroadphaseProxy* self;
@@ -90,7 +90,7 @@ double btISTSubsteps::measureBodies(const btCollisionObjectArray& objects, const
 	return thinnest;
 }
 
-/// Leaves in `m_near` what one of the bodies may meet, in the order of the world.
+/// Finds the bodies that a body may touch, and leaves them in `m_near` in the order of the world.
 void btISTSubsteps::findNear(btDiscreteDynamicsWorld& world, int body, double travel, double seconds)
 {
 	const btCollisionObject* object = world.getCollisionObjectArray()[body];
@@ -106,7 +106,7 @@ void btISTSubsteps::findNear(btDiscreteDynamicsWorld& world, int body, double tr
 	std::sort(m_near.begin(), m_near.end(), [this](int a, int b) { return ++m_comparisons, a < b; });
 }
 
-/// Whether `first` has found `second` before.
+/// True when `first` has found `second` before.
 bool btISTSubsteps::isKnown(int first, int second)
 {
 	const Body& body = m_bodies[size_t(first)];
@@ -145,7 +145,7 @@ int btISTSubsteps::plan(btDiscreteDynamicsWorld& world, const btISTRegistry& reg
 		const Velocity u = velocityOf(object);
 		const double travel = (norm(u.linear) + u.ofSurface + gravity * seconds) * seconds;
 		const double least = std::min(thinnest, m_bodies[size_t(i)].thickness);
-		// Half: the other one may come to meet it just as fast.
+		// The factor is one half, because the other body may come towards it just as fast.
 		if (!object->getBroadphaseHandle() || !object->isActive() || !std::isfinite(travel) || !(travel > 0.5 * ist::kMostTravel * least))
 			continue;
 		findNear(world, i, travel, seconds);

@@ -153,7 +153,7 @@ TEST(Substeps, ForcesActOverAllParts)
 
 namespace
 {
-/// Cubes, plates and balls in one place, so that the boxes of all overlap, and which fly apart. One of four stands still.
+/// Cubes, plates and balls in one place that fly apart. All their boxes overlap. One of four bodies does not move.
 struct Explosion : Scene
 {
 	std::vector<btRigidBody*> bodies;
@@ -172,7 +172,7 @@ struct Explosion : Scene
 			bodies.back()->setAngularVelocity(btVector3(0, btScalar(10 * u(random)), 0));
 		}
 	}
-	/// Parts that a step must have for one pair, as btISTSubsteps.h states it.
+	/// Number of parts that a step needs for one pair, as defined in btISTSubsteps.h.
 	int needed(const btRigidBody& a, const btRigidBody& b, double seconds)
 	{
 		const btISTRegistry& registry = world.registration().registry();
@@ -210,7 +210,7 @@ TEST(Substeps, PlanFindsTheFastPairsThatAllPairsShow)
 			ASSERT_EQ(pair != found.end(), needed > 1) << i << " " << j;
 			if (needed > 1)
 			{
-				// The oracle takes lengths in the precision of Bullet, which may round across a whole number.
+				// The oracle computes lengths in Bullet's precision, whose rounding may cross a whole number.
 				EXPECT_NEAR(pair->second, needed, 1) << i << " " << j;
 			}
 		}
@@ -219,7 +219,7 @@ TEST(Substeps, PlanFindsTheFastPairsThatAllPairsShow)
 	EXPECT_NEAR(most, mostExpected, 1);
 }
 
-// What is counted is the comparisons by which each pair is recognised that was found from both sides.
+// The test counts the comparisons that recognise a pair that was found from both sides.
 TEST(Substeps, WorkOfAPlanGrowsWithTheFastPairsAndTheirLogarithm)
 {
 	for (const int count : {40, 80, 160, 320})

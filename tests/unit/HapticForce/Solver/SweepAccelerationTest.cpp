@@ -13,7 +13,7 @@ namespace
 using Vector = Eigen::VectorXd;
 constexpr int kUnknowns = 40;
 
-/// Sweeps x -> M x + b whose slowest directions shrink by 3 % a sweep. What is limited stays below 1.
+/// Sweeps x -> M x + b whose slowest directions shrink by 3 % a sweep. Limited entries of x stay below 1.
 struct Sweeps
 {
 	Eigen::MatrixXd M;
@@ -38,7 +38,7 @@ struct Sweeps
 		x = M * x + b;
 		if (limited) x = x.cwiseMin(1);
 	}
-	/// Sweeps until the next one changes x by no more than 1e-9.
+	/// Runs sweeps until the next one changes x by at most 1e-9. Returns their number.
 	int run(btSweepAcceleration* acceleration)
 	{
 		if (acceleration) acceleration->begin(x.data(), kUnknowns);
