@@ -123,8 +123,6 @@ struct OverlapPair
 	Vec3 normal;     ///< n
 };
 
-class QueryHelper;
-
 /// Slots of the largest tree of a body for Model::Law, levels among them: the room that a query needs grows with it.
 std::size_t mostSlots(const InnerSphereTree& body);
 
@@ -163,9 +161,6 @@ public:
 	void makeResident();
 	/// Takes what is larger there and leaves its own, which is of no more use. Once for each room. Allocates and frees nothing.
 	void take(QueryBuffers& room) noexcept;
-	/// A thread that takes part in long queries (QueryHelper.h); null: none. Of no more than one workspace, with at least its capacity. It
-	/// outlives this, or is taken away before it goes.
-	void setHelper(QueryHelper* helper);
 
 	struct Implementation;
 	Implementation& implementation() { return *m_impl; }

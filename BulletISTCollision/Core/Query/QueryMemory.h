@@ -46,7 +46,6 @@ struct QueryWorkspace::Implementation : TreeRoom
 {
 	const kernels::QueryKernel* kernel = nullptr;  ///< null: the wanted instruction set cannot run here
 	QueryCapacity capacity;
-	QueryHelper* helper = nullptr;
 
 	DemandZeroArray<uint32_t> indices;  ///< columns of the lists below
 	DemandZeroArray<float> numbers;
@@ -64,8 +63,7 @@ struct QueryWorkspace::Implementation : TreeRoom
 	double microsecondsPerPair = 0.05;  ///< as budgets of time found it; the first guess is on the safe side
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
-	/// Grows what depends on the size of the trees, here and in a helper that is free. Allocates on the first query with a larger tree,
-	/// never after. Not while a search is shared.
+	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.
 	void reserveFor(const BallTree& A, const BallTree& B);
 	/// An empty list of terms, and room for grouping. Allocates on the first query with a larger tree, never after.
 	void reserveTerms(const BallTree& A);

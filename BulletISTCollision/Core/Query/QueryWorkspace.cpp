@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/QueryHelperState.h"
+#include "BulletISTCollision/Core/Query/QueryMemory.h"
 
 #include <algorithm>
 #include <utility>
@@ -108,10 +108,6 @@ void QueryWorkspace::Implementation::reserveFor(const BallTree& A, const BallTre
 		for (BlockMark& mark : marks) mark.epoch = 0;
 		epoch = 1;
 	}
-	// Else the first search that is long enough to be shared would.
-	if (!helper) return;
-	QueryHelper::Implementation& shared = helper->implementation();
-	if (shared.suits(*this) && shared.isFree()) shared.work.reserveFor(A, B);
 }
 
 void QueryWorkspace::Implementation::reserveTerms(const BallTree& A)
@@ -135,7 +131,6 @@ QueryWorkspace::QueryWorkspace(const QueryCapacity& capacity, InstructionSet set
 QueryWorkspace::~QueryWorkspace() = default;
 QueryWorkspace::QueryWorkspace(QueryWorkspace&&) noexcept = default;
 QueryWorkspace& QueryWorkspace::operator=(QueryWorkspace&&) noexcept = default;
-void QueryWorkspace::setHelper(QueryHelper* helper) { m_impl->helper = helper; }
 const QueryCapacity& QueryWorkspace::capacity() const { return m_impl->capacity; }
 
 void QueryWorkspace::reserve(const InnerSphereTree& A, const InnerSphereTree& B)

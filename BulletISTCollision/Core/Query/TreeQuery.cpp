@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/QueryHelperState.h"
+#include "BulletISTCollision/Core/Query/TreeQuery.h"
 
 #include "BulletISTCollision/Core/Base/SamePose.h"
 #include "BulletISTCollision/Core/Geometry/Lens.h"
@@ -12,8 +12,6 @@ using namespace kernels;
 
 namespace
 {
-using Helper = QueryHelper::Implementation;
-
 TreeQuery::Bound rootBound(const BallNode& root)
 {
 	Vec3 center;
@@ -164,8 +162,7 @@ bool TreeQuery::place()
 	m_bodies.slack = float(1e-6 * scale);
 	m_rootA = {a.x, a.y, a.z, a.r};
 	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
-	// Once a query, though a search may begin anew.
-	if (m_memory && !m_alone) m_remembered = m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
+	if (m_memory) m_remembered = m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
 	// In double: far translations would spoil the floats of the search.
 	return !(distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6));
 }
@@ -192,23 +189,9 @@ bool TreeQuery::find()
 	if (m_memory) m_memory->begin(margin, m_X);
 	m_filled = m_memory != nullptr;
 	beginAtRoots(s);
-	Helper* helper = m_work.helper ? &m_work.helper->implementation() : nullptr;
-	const bool shareable = helper && !m_alone && m_margin == 0 && m_limits.pairs < 0 && !s.expired;
-	if (shareable && helper->suits(m_work) && helper->isFree())
-	{
-		s.stopAfter = Helper::kLongSearch;
-		s.stopAt = Helper::kEnough;
-	}
 	m_work.kernel->search(s);
 	count(s.counts);
-	if (!s.unfinished || finishWith(*helper, s)) return true;
-	// Once more: where the list is cut depends on the order in which pairs are found.
-	m_alone = true;
-	m_listed = 0;
-	m_result.pairListComplete = true;
-	m_result.nodeVisits = m_result.blockPairs = m_result.ballTests = 0;
-	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
-	return find();
+	return true;
 }
 
 bool TreeQuery::fillAround(const Pose& around, double margin)
@@ -288,9 +271,7 @@ PairSearch TreeQuery::newSearch()
 	s.sink = &TreeQuery::take;
 	s.context = this;
 	s.expired = m_limits.deadline.clock ? &TreeQuery::isLate : nullptr;
-	s.stop = s.unfinished = false;
-	s.stopAt = 0;
-	s.stopAfter = 0;
+	s.stop = false;
 	return s;
 }
 

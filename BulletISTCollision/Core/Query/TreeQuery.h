@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/QueryHelper.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Query/VerletListState.h"
 
 namespace ist
 {
-struct PartResult;
-struct SharedEntries;
-
 /// When a query gives up; without a clock never.
 struct Deadline
 {
@@ -42,22 +38,15 @@ public:
 	/// False when a limit was met: the result then holds nothing but the work done.
 	bool run();
 
-	/// What a search needs to know of the pose. False when the bodies' bounds are apart.
-	bool place();
-	/// One part of a search that is shared; what it lists is added to the list.
-	void searchPart(const SharedEntries& entries, int part, PartResult& result);
-
 private:
+	/// Sets what a search needs to know of the pose. False when the bodies' bounds are apart.
+	bool place();
 	bool answer();
 	/// False when there is nothing left to do: the bodies' bounds are apart, or the memory had the patches, too.
 	bool find();
 	kernels::PairSearch newSearch();
 	void beginAtRoots(kernels::PairSearch& search) const;
 	void count(const kernels::SearchCounts& counts);
-	/// What `begun` has left open, shared with the helper. False when there are more pairs than the list holds.
-	bool finishWith(QueryHelper::Implementation& helper, kernels::PairSearch& begun);
-	bool takeOver(const QueryHelper::Implementation& helper, const PartResult& part);
-	void collectPart(const PartResult& part, double* sums);
 	/// Fills the memory with what comes within `margin` at `around`. False where it could not.
 	bool fillAround(const Pose& around, double margin);
 	/// What the memory holds, as if it had been searched for.
@@ -104,7 +93,6 @@ private:
 	kernels::PairBodies m_bodies;
 	int m_listed = 0;
 	bool m_late = false;
-	bool m_alone = false;  ///< without a helper
 	kernels::PairSearch* m_search = nullptr;
 	double m_sums[kernels::kSumCount] = {};
 };

@@ -322,53 +322,20 @@ int drainLeaves(PairSearch& s, int pairs)
 	return pairs;
 }
 
-/// Entries that are still open, from the frames to the front of their lists.
-void gatherOpen(PairSearch& s, const DescentFrame* frames, int depth)
-{
-	s.openA.size = s.openB.size = 0;
-	for (int f = 0; f < depth; ++f)
-	{
-		SubtreeList& list = frames[f].openA ? s.openA : s.openB;
-		for (int i = frames[f].begin; i < frames[f].end; ++i)
-		{
-			const int to = list.size++;
-			list.a[to] = list.a[i];
-			list.b[to] = list.b[i];
-			list.x[to] = list.x[i];
-			list.y[to] = list.y[i];
-			list.z[to] = list.z[i];
-			list.r[to] = list.r[i];
-		}
-	}
-}
-
-bool hasEnoughOpen(const PairSearch& s, const DescentFrame* frames, int depth)
-{
-	int open = 0;
-	for (int f = 0; f < depth; ++f) open += frames[f].end - frames[f].begin;
-	return open >= s.stopAt;
-}
-
-/// The lists openA and openB hold entries on entry, at first the roots'. Opened in batches, the deepest first: short lists, and independent
-/// steps within a batch. Each frame is a run of entries of one list; a batch's children lie behind everything that is still open.
+/// One of the lists openA and openB holds the pair of roots on entry. Entries are opened in batches, the deepest first: the lists stay
+/// short, and the steps within a batch are independent. Each frame is a run of entries of one list; a batch's children lie behind
+/// everything that is still open.
 void search(PairSearch& s)
 {
 	DescentFrame frames[4 * kMaxTreeDepth + 4];
-	int depth = 0, pairs = 0;
+	frames[0] = {s.openA.size > 0, 0, 1};
+	int depth = 1, pairs = 0;
 	Descent d{s.nodesA, s.nodesB, {}, {}, s.stretch, s.slack};
 	for (int i = 0; i < 9; ++i) d.R[i] = float(s.R[i]);
 	for (int i = 0; i < 3; ++i) d.t[i] = float(s.t[i]);
-	for (const bool isA : {true, false})
-		if (const int size = isA ? s.openA.size : s.openB.size) frames[depth++] = {isA, 0, size};
 	while (depth > 0 && !s.stop)
 	{
 		if (s.expired) s.stop = s.expired(s.context);
-		if (s.stopAt != 0 && s.counts.nodeVisits >= s.stopAfter && hasEnoughOpen(s, frames, depth))
-		{
-			gatherOpen(s, frames, depth);
-			s.unfinished = true;
-			break;
-		}
 		DescentFrame& frame = frames[depth - 1];
 		SubtreeList& own = frame.openA ? s.openA : s.openB;
 		if (frame.begin == frame.end)

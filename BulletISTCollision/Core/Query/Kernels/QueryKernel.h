@@ -62,7 +62,7 @@ struct SearchCounts
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;
 };
 
-/// One search for pairs of balls that may intersect. It goes on with the entries of openA and openB. No pair that does intersect is missed;
+/// One search for pairs of balls that may intersect. It begins with the one entry of openA or openB. No pair that does intersect is missed;
 /// a few that only almost do are found.
 struct PairSearch
 {
@@ -86,10 +86,7 @@ struct PairSearch
 	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
 	bool (*expired)(void* context);          ///< null: never; else asked before each batch, true ends the search
 	void* context;
-	bool stop;          ///< set by the sink: enough is found
-	int stopAt;         ///< not 0: ends when so many entries are open, and leaves them at the front of openA and openB,
-	int64_t stopAfter;  ///< but not before so many node visits
-	bool unfinished;    ///< set by the search: it has left some
+	bool stop;  ///< set by the sink: enough is found
 	SearchCounts counts;
 };
 
