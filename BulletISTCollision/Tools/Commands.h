@@ -63,7 +63,6 @@ struct QueryArguments
 	double stiffness = 1;
 	int level = -1;
 	int64_t maxPairs = -1;
-	double budget = -1;           ///< [us]
 	std::optional<double> error;  ///< force tolerance
 	bool blend = false, lowerBound = false, gate = false, shuffle = false, json = false;
 	int threads = 1, repeat = 1;

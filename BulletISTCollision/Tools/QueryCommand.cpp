@@ -68,15 +68,13 @@ public:
 		m_energyLaw = arguments.law == "energy";
 		m_volumeOnly = arguments.law == "volume";
 		m_length = 0.5 * std::max(m_A.box.longestSide(), m_B.box.longestSide());
-		if (arguments.level > 0 || arguments.maxPairs >= 0 || arguments.budget >= 0 || arguments.error)
+		if (arguments.level > 0 || arguments.maxPairs >= 0 || arguments.error)
 		{
-			if (arguments.law != "pressure")
-				m_unsupported = "unsupported: --level, --max-pairs, --budget-us and --error go with --law pressure only";
+			if (arguments.law != "pressure") m_unsupported = "unsupported: --level, --max-pairs and --error go with --law pressure only";
 			addLevels(m_A);
 			addLevels(m_B);
 		}
-		if (arguments.blend && arguments.maxPairs < 0 && arguments.budget < 0)
-			m_unsupported = "unsupported: --blend needs --max-pairs or --budget-us";
+		if (arguments.blend && arguments.maxPairs < 0) m_unsupported = "unsupported: --blend needs --max-pairs";
 		if (arguments.blend && !arguments.pairsOut.empty())
 			m_unsupported = "unsupported: --blend mixes two levels, whose pairs make no one list for --pairs-out";
 		if (arguments.gate && (m_paper || m_energyLaw)) m_unsupported = "unsupported: --gate goes with the laws pressure and volume";
@@ -127,7 +125,6 @@ private:
 		options.stiffness = !m_paper && !m_volumeOnly;
 		options.level = m_arguments.level;
 		options.maxPairs = m_arguments.maxPairs;
-		options.maxMicroseconds = m_arguments.budget;
 		options.blend = m_arguments.blend;
 		options.sortPairs = m_paper || m_energyLaw || !m_arguments.pairsOut.empty();
 		options.listMeetingBounds = m_energyLaw;

@@ -137,7 +137,6 @@ private:
 		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(positive())->capture_default_str();
 		sub->add_option("--level", a.level, "level of the trees")->transform(integerArgument(0));
 		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->transform(integerArgument<int64_t>(0));
-		sub->add_option("--budget-us", a.budget, "budget of time [us]")->check(notNegative());
 		sub->add_option(
 			   "--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")
 			->check(fraction());

@@ -171,13 +171,6 @@ void worstCase(const InnerSphereTree& body)
 	const OverlapResult law = queryOverlap(body, body, Pose{}, workspace, lawMode(false));
 	row("the same, law: volume over the body's - 1; pairs", "3 %", "%.2f %%; %lld", 100 * (law.total.volume / body.volume - 1),
 		static_cast<long long>(law.total.pairs));
-	InnerSphereTree levelled = body;
-	levelled.levels = buildLevels(body.law);
-	QueryOptions limited = lawMode(false);
-	limited.maxMicroseconds = 500;
-	int level = 0;
-	const double us = leastTime(1, 60, [&](size_t) { level = queryOverlap(levelled, levelled, Pose{}, workspace, limited).level; });
-	row("the same within 500 us: level; us", "500", "%d; %.0f", level, us);
 }
 
 void instructionSets(const Body& body)

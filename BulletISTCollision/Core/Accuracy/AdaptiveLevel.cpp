@@ -12,10 +12,7 @@ namespace ist
 namespace
 {
 /// Two levels cannot share such an answer.
-bool isWhole(const QueryOptions& options)
-{
-	return options.maxPairs >= 0 || options.maxMicroseconds >= 0 || options.sortPairs || options.listMeetingBounds;
-}
+bool isWhole(const QueryOptions& options) { return options.maxPairs >= 0 || options.sortPairs || options.listMeetingBounds; }
 
 Vec3 forceOf(const OverlapResult& result, const ForceTolerance& accepted)
 {

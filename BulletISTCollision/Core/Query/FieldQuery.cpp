@@ -259,8 +259,7 @@ OverlapResult queryTreeInField(
 {
 	OverlapResult result;
 	if (!isRigid(X_AF) || !field.isValid()) return result.status = QueryStatus::InvalidPose, result;
-	const bool limited = options.maxPairs >= 0 || options.maxMicroseconds >= 0 || std::isnan(options.maxMicroseconds);
-	if (options.level < -1 || options.level > 0 || limited || options.otherShare != 0)
+	if (options.level < -1 || options.level > 0 || options.maxPairs >= 0 || options.otherShare != 0)
 		return result.status = QueryStatus::Unsupported, result;
 	const BallTree& tree = treeOf(A, options.model);
 	if (tree.empty()) return result.status = QueryStatus::EmptyTree, result;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LevelQuery.h"
-#include "BulletISTCollision/Core/Base/SteadyTime.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +13,6 @@ constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
 /// A level fades out while its pairs and those of the next coarser one, together, grow from this share of the budget to all of it. Where a
 /// step is of more than 1 over this, the coarser one of the two stands alone by then, so that nothing leaps when the finer one goes.
 constexpr double kFadeBegin = 0.8;
-/// Looks with fewer pairs than this say little of the time of a pair.
-constexpr int64_t kTellingPairs = 200;
-/// What a query may change of the time that a pair is believed to take, up or down: one that was interrupted says nothing.
-constexpr double kRateChange = 0.02;
 
 /// (1 - share) of `coarse` joins `share` of `fine`, whose patches are `patches`. Those of both stay side by side where there is room.
 void fade(OverlapResult& fine, const OverlapResult& coarse, double share, OverlapIntegrals* patches, int room)
@@ -59,37 +54,26 @@ public:
 		  m_work(work),
 		  m_options(options),
 		  m_finest(finest),
-		  m_capacity(capacity),
-		  m_pairs(capacity)
+		  m_pairs(options.maxPairs >= 0 ? std::min(capacity, options.maxPairs) : capacity)
 	{
 		// At once, lest a finer level allocate in a later query.
 		work.reserveFor(A.law, B.law);
-		if (options.maxPairs >= 0) m_pairs = std::min(m_pairs, options.maxPairs);
 		m_patches = options.blend ? std::max(1, work.capacity.patches / 2) : work.capacity.patches;
-		if (options.maxMicroseconds < 0) return;
-		m_deadline.clock = options.clock ? options.clock : &steadyMicroseconds;
-		m_deadline.end = m_deadline.clock() + options.maxMicroseconds;
-		const double pairs = options.maxMicroseconds / work.microsecondsPerPair;
-		if (pairs < double(m_pairs)) m_pairs = int64_t(pairs);
 	}
 
 	OverlapResult run();
 
 private:
-	/// False when it meets a limit; `result` then holds the work done only.
-	bool look(int level, int64_t pairs, const Deadline& deadline, OverlapResult& result);
+	/// False when it meets the limit; `result` then holds the work done only.
+	bool look(int level, OverlapResult& result);
 	/// Out of reach of later looks.
 	void keep()
 	{
 		std::swap(m_work.patches, m_work.keptPatches);
 		std::swap(m_work.pairs, m_work.keptPairs);
 	}
-	void measure(double microseconds, int64_t pairs);
 	/// No finer level has to be looked for.
-	bool isEnough(int64_t pairs) const
-	{
-		return double(pairs) * (m_options.blend ? 2 : kLeastStep) > double(m_pairs) || m_deadline.passed();
-	}
+	bool isEnough(int64_t pairs) const { return double(pairs) * (m_options.blend ? 2 : kLeastStep) > double(m_pairs); }
 	void fadeOut(OverlapResult& best, int coarsest);
 
 	const InnerSphereTree& m_A;
@@ -98,41 +82,29 @@ private:
 	QueryWorkspace::Implementation& m_work;
 	const QueryOptions& m_options;
 	int m_finest;
-	int64_t m_capacity, m_pairs;
+	int64_t m_pairs;
 	int m_patches;
-	Deadline m_deadline;
 	int64_t m_nodeVisits = 0, m_blockPairs = 0, m_ballTests = 0;
 };
 
-bool BudgetedQuery::look(int level, int64_t pairs, const Deadline& deadline, OverlapResult& result)
+bool BudgetedQuery::look(int level, OverlapResult& result)
 {
 	const LevelPair trees = levelOf(m_A, m_B, level);
 	m_work.reserveFor(*trees.treeA, *trees.treeB);
 	result = {};
 	result.level = level;
-	const double start = m_deadline.clock ? m_deadline.clock() : 0;
-	const bool fits = TreeQuery(*trees.treeA, *trees.treeB, m_X, m_work, m_options, {pairs, deadline, m_patches}, result).run();
-	if (fits && m_deadline.clock) measure(m_deadline.clock() - start, result.total.pairs);
+	const bool fits = TreeQuery(*trees.treeA, *trees.treeB, m_X, m_work, m_options, {m_pairs, m_patches}, result).run();
 	m_nodeVisits += result.nodeVisits;
 	m_blockPairs += result.blockPairs;
 	m_ballTests += result.ballTests;
 	return fits;
 }
 
-void BudgetedQuery::measure(double microseconds, int64_t pairs)
-{
-	if (pairs < kTellingPairs || !(microseconds > 0)) return;
-	const double ratio = microseconds / double(pairs) / m_work.microsecondsPerPair;
-	m_work.microsecondsPerPair *= std::clamp(ratio, 1 - kRateChange, 1 + kRateChange);
-}
-
 OverlapResult BudgetedQuery::run()
 {
 	const int coarsest = std::max(m_finest, levelCount(m_A, m_B));
-	// Where time counts, the coarsest level answers whatever it has.
-	const int64_t most = m_options.maxPairs >= 0 ? std::min(m_options.maxPairs, m_capacity) : m_capacity;
 	OverlapResult best, next;
-	if (!look(coarsest, most, {}, best))
+	if (!look(coarsest, best))
 	{
 		best.status = QueryStatus::BudgetTooSmall;
 		return best;
@@ -144,7 +116,7 @@ OverlapResult BudgetedQuery::run()
 		const double room = std::max(1.0, usual / double(std::max<int64_t>(best.total.pairs, 1)));
 		const int leap = std::max(1, int(std::log(room) / std::log(kUsualStep)));
 		const int level = std::max(exceeded + 1, best.level - leap);
-		if (look(level, m_pairs, m_deadline, next))
+		if (look(level, next))
 		{
 			best = next;
 			keep();
@@ -166,7 +138,7 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 	// A coarser level has no more pairs.
 	while (best.level < coarsest && 2 * double(best.total.pairs) > kFadeBegin * double(m_pairs))
 	{
-		if (!look(best.level + 1, m_pairs, m_deadline, coarse)) return;
+		if (!look(best.level + 1, coarse)) return;
 		const double fill = double(best.total.pairs + coarse.total.pairs) / double(m_pairs), t = (1 - fill) / (1 - kFadeBegin);
 		if (t >= 1) return;
 		if (t > 0)
@@ -192,7 +164,7 @@ OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 		OverlapResult result;
 		const LevelPair trees = levelOf(A, B, of);
 		work.reserveFor(*trees.treeA, *trees.treeB);
-		TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, {}, std::max(1, room / 2)}, result).run();
+		TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, std::max(1, room / 2)}, result).run();
 		result.level = of;
 		return result;
 	};

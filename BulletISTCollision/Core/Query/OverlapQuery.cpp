@@ -6,7 +6,6 @@
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace ist
 {
@@ -60,13 +59,11 @@ void OverlapIntegrals::scale(double factor)
 
 namespace
 {
-bool isLimited(const QueryOptions& options) { return options.maxPairs >= 0 || options.maxMicroseconds >= 0; }
-
 /// Whether the options go together, and these bodies have the levels that they name.
 bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options)
 {
-	if (options.level < -1 || std::isnan(options.maxMicroseconds)) return false;
-	const bool limited = isLimited(options), fades = options.otherShare != 0;
+	if (options.level < -1) return false;
+	const bool limited = options.maxPairs >= 0, fades = options.otherShare != 0;
 	if (options.model != Model::Law) return options.level <= 0 && !limited && !fades;
 	if (options.level > levelCount(A, B)) return false;
 	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return false;
@@ -91,12 +88,12 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	const bool law = options.model == Model::Law;
 	const int finest = std::max(0, options.level);
 	const int64_t capacity = work.capacity.pairs;
-	if (isLimited(options)) return queryWithin(A, B, X, work, options, finest, capacity);
+	if (options.maxPairs >= 0) return queryWithin(A, B, X, work, options, finest, capacity);
 	if (options.otherShare != 0) return queryTwoLevels(A, B, X, work, options, finest);
 	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
 	work.reserveFor(*trees.treeA, *trees.treeB);
 	TreeQuery(
-		*trees.treeA, *trees.treeB, X, work, options, {-1, {}, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr)
+		*trees.treeA, *trees.treeB, X, work, options, {-1, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr)
 		.run();
 	result.level = finest;
 	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))

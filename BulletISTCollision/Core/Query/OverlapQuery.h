@@ -81,10 +81,6 @@ struct QueryOptions
 	/// Not negative: a level from `level` on with at most so many intersecting pairs, the finest that a few looks find; each look
 	/// ends at the budget, all together find less than three times as many pairs. Only with Model::Law.
 	int64_t maxPairs = -1;
-	/// Not negative: the same with as many pairs as the workspace's queries lately took this time [us]. A look that is not done by then is
-	/// given up, so that it is exceeded by no more than the coarsest level takes, which always answers. Only with Model::Law.
-	double maxMicroseconds = -1;
-	double (*clock)() = nullptr;  ///< [us], what `maxMicroseconds` is measured by; null: the machine's steady clock
 	/// Within a budget: levels fade into each other as the number of pairs changes, two at most at a time and both within the budget, so
 	/// that the force does not leap where the level changes. All looks together find less than four times the budget. Not with `sortPairs`.
 	bool blend = false;

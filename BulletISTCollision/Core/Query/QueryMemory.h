@@ -60,7 +60,6 @@ struct QueryWorkspace::Implementation : TreeRoom
 	std::vector<FieldTerm> terms;               ///< against an analytic field, in the order of `stream`; never more than it has room for
 	PatchGrouper grouper;
 	std::vector<OverlapIntegrals> patches, keptPatches;
-	double microsecondsPerPair = 0.05;  ///< as budgets of time found it; the first guess is on the safe side
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
 	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.

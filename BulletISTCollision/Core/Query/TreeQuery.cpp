@@ -125,7 +125,7 @@ bool TreeQuery::answer()
 	m_result.ballsA = &m_A;
 	m_result.ballsB = &m_B;
 	if (!find()) return true;
-	if (m_late || (m_limits.pairs >= 0 && m_listed > m_limits.pairs)) return false;
+	if (m_limits.pairs >= 0 && m_listed > m_limits.pairs) return false;
 	if (m_options.sortPairs) publishPairs();
 	const int groups = m_grouped && m_result.pairListComplete
 		? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.slotCount()), m_limits.patches)
@@ -270,7 +270,6 @@ PairSearch TreeQuery::newSearch()
 	s.pairB = m_work.pairB;
 	s.sink = &TreeQuery::take;
 	s.context = this;
-	s.expired = m_limits.deadline.clock ? &TreeQuery::isLate : nullptr;
 	s.stop = false;
 	return s;
 }

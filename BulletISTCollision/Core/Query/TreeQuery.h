@@ -6,19 +6,10 @@
 
 namespace ist
 {
-/// When a query gives up; without a clock never.
-struct Deadline
-{
-	double (*clock)() = nullptr;  ///< [us]
-	double end = 0;
-	bool passed() const { return clock && clock() >= end; }
-};
-
 /// What one look at two trees may cost, and in how many patches it may answer.
 struct QueryLimits
 {
 	int64_t pairs = -1;  ///< negative: any number
-	Deadline deadline;
 	int patches = 1;
 };
 
@@ -26,7 +17,7 @@ struct QueryLimits
 class TreeQuery
 {
 public:
-	/// X: pose of B's tree frame in A's. All arguments outlive this. With a memory, limits are not for pairs and time.
+	/// X: pose of B's tree frame in A's. All arguments outlive this. With a memory the number of pairs is not limited.
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
 		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory = nullptr);
 
@@ -35,7 +26,7 @@ public:
 		float x, y, z, r;
 	};
 
-	/// False when a limit was met: the result then holds nothing but the work done.
+	/// False when the limit was met: the result then holds nothing but the work done.
 	bool run();
 
 private:
@@ -63,10 +54,6 @@ private:
 	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
 	void take(int count);
-	static bool isLate(void* query)
-	{
-		return static_cast<TreeQuery*>(query)->m_late = static_cast<TreeQuery*>(query)->m_limits.deadline.passed();
-	}
 	void publishPatches(int groups);
 	void publishWhole();
 	void publishSums(int patches);
@@ -92,7 +79,6 @@ private:
 	bool m_grouped;
 	kernels::PairBodies m_bodies;
 	int m_listed = 0;
-	bool m_late = false;
 	kernels::PairSearch* m_search = nullptr;
 	double m_sums[kernels::kSumCount] = {};
 };

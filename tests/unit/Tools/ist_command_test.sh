@@ -295,8 +295,6 @@ expect "query --max-pairs" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0
 holds "query --max-pairs" 'r["pairs"] <= 400 and r["complete"] is False and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
 expect "query --blend" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --max-pairs 900 --blend --json
 holds "query --blend" 'r["pairs"] <= 900 and 0 < r["level_share"] <= 1 and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
-expect "query --budget-us" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --budget-us 0 --json
-holds "query --budget-us" 'r["level"] > 0 and r["complete"] is False and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
 expect "query --error" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --error 0.3 --json
 holds "query --error" 'r["level"] > 0 and r["kept"] is True and 0 < r["promise"] <= 0.3 and abs(r["volume"] - 0.8 * 0.9 * 0.5) < 0.05'
 expect "query --error out of reach" 0 "$ist" query "$cube" "$cube" --pose 0.2,0.1,0.5,0,0,0,1 --error 0.0001 --json

@@ -313,7 +313,6 @@ int drainLeaves(PairSearch& s, int pairs)
 {
 	for (int first = 0; first < s.leaves.size && !s.stop; first += kLeafBatch)
 	{
-		if (s.expired) s.stop = s.expired(s.context);
 		const int end = s.leaves.size - first < kLeafBatch ? s.leaves.size : first + kLeafBatch;
 		const int near = ballsNearBlocks(s, first, end);
 		pairs = pairsOfBalls(s, near, pairs);
@@ -335,7 +334,6 @@ void search(PairSearch& s)
 	for (int i = 0; i < 3; ++i) d.t[i] = float(s.t[i]);
 	while (depth > 0 && !s.stop)
 	{
-		if (s.expired) s.stop = s.expired(s.context);
 		DescentFrame& frame = frames[depth - 1];
 		SubtreeList& own = frame.openA ? s.openA : s.openB;
 		if (frame.begin == frame.end)

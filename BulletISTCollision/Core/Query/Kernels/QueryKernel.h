@@ -84,7 +84,6 @@ struct PairSearch
 	uint32_t epoch;                          ///< of this search: blocks with another one are still to be written, or moved
 	uint32_t *pairA, *pairB;                 ///< kPairBatch + kListSlack: indices of balls
 	void (*sink)(void* context, int count);  ///< takes the first `count` pairs
-	bool (*expired)(void* context);          ///< null: never; else asked before each batch, true ends the search
 	void* context;
 	bool stop;  ///< set by the sink: enough is found
 	SearchCounts counts;

@@ -278,12 +278,11 @@ TEST(FieldQuery, FarBodiesShareNothingAndBadOnesAreRefused)
 		EXPECT_EQ(norm(far.total.normalB.force), 0);
 		X.translation.x = std::nan("");
 		EXPECT_EQ(queryField(A, *shape.field, X, workspace).status, QueryStatus::InvalidPose);
-		QueryOptions budget, time, level, share;
+		QueryOptions budget, level, share;
 		budget.maxPairs = 10;
-		time.maxMicroseconds = std::nan("");
 		level.level = 1;
 		share.otherShare = 0.5;
-		for (const QueryOptions& options : {budget, time, level, share})
+		for (const QueryOptions& options : {budget, level, share})
 			EXPECT_EQ(queryField(A, *shape.field, {}, workspace, options).status, QueryStatus::Unsupported);
 	}
 	EXPECT_EQ(queryField(A, SphereField(0), {}, workspace).status, QueryStatus::InvalidPose);
