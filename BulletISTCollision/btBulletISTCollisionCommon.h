@@ -4,7 +4,6 @@
 #include "BulletISTCollision/Contact/btISTContactCache.h"
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
-#include "BulletISTCollision/Core/Force/PenetrationWork.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Tree/InnerSphereTree.h"

@@ -42,7 +42,6 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Build/TreeWorker.h
 	BulletISTCollision/Core/Distance/MeshDistance.h
 	BulletISTCollision/Core/Force/PairLaws.h
-	BulletISTCollision/Core/Force/PenetrationWork.h
 	BulletISTCollision/Core/Force/PressureField.h
 	BulletISTCollision/Core/Geometry/AnalyticField.h
 	BulletISTCollision/Core/Geometry/MomentEllipsoid.h

@@ -8,11 +8,11 @@
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Query/BatchQuery.h"
 #include "BulletISTCollision/Core/Query/VerletList.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/bench/bodies/BenchBodies.h"
 #include "tests/bench/bodies/BenchPoses.h"
+#include "tests/bench/bodies/QueryThreads.h"
 
 #include <algorithm>
 #include <chrono>
@@ -39,12 +39,6 @@ struct Grasp
 		int64_t sum = 0;
 		for (const Pose& X : hand) sum += queryOverlap(object, part, X, workspace, options).total.pairs;
 		return sum;
-	}
-	std::vector<OverlapRequest> requests(const Hand& hand, const QueryOptions& options) const
-	{
-		std::vector<OverlapRequest> all;
-		for (const Pose& X : hand) all.push_back({&object, &part, X, options});
-		return all;
 	}
 };
 
@@ -175,14 +169,13 @@ template <class BeginPass, class Tick> Times leastTimes(const std::vector<Hand>&
 void measure(const char* name, const Grasp& grasp, const std::vector<Hand>& path, const QueryOptions& options, double error, int passes)
 {
 	QueryWorkspace workspace;
-	BatchQuery batch(2);
-	std::vector<OverlapResult> answers(kParts);
+	std::vector<QueryWorkspace> both(2);
 	std::vector<VerletList> memories(kParts);
 	const auto nothing = [] {};
 	const Times alone = leastTimes(path, passes, nothing, [&](const Hand& hand) { grasp.pairs(hand, options, workspace); });
 	const Times two = leastTimes(path, passes, nothing, [&](const Hand& hand) {
-		const std::vector<OverlapRequest> requests = grasp.requests(hand, options);
-		batch.run(requests.data(), answers.data(), requests.size());
+		bench::overThreads(
+			both, hand.size(), [&](size_t i, QueryWorkspace& own) { queryOverlap(grasp.object, grasp.part, hand[i], own, options); });
 	});
 	const Times remembered = leastTimes(
 		path, passes,

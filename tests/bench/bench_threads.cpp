@@ -2,14 +2,16 @@
 // What a second thread saves: a batch of queries over 1 and 2 threads, each thread with a workspace of its own. The least time of several
 // visits counts. Usage: bench_threads [--visits N=20] BODY.ist...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
-#include "BulletISTCollision/Core/Query/BatchQuery.h"
 #include "tests/bench/bodies/BenchPoses.h"
+#include "tests/bench/bodies/QueryThreads.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <string>
+#include <vector>
 
 using namespace ist;
 
@@ -26,22 +28,21 @@ void measure(const InnerSphereTree& body, double overlap, const char* name, cons
 {
 	const std::vector<Pose> poses = bench::posesAtOverlap(body, body, overlap, 12);
 	if (poses.empty()) return;
-	std::vector<OverlapRequest> requests;
-	for (int repeat = 0; repeat < 4; ++repeat)
-		for (const Pose& X : poses) requests.push_back({&body, &body, X, options});
-	std::vector<OverlapResult> answers(requests.size());
+	const size_t queries = 4 * poses.size();
+	std::vector<int64_t> pairs(queries);
 	double batches[2] = {1e300, 1e300};
 	for (int threads = 1; threads <= 2; ++threads)
 	{
-		BatchQuery batch(threads);
+		std::vector<QueryWorkspace> workspaces(static_cast<size_t>(threads));
+		const auto ask = [&](size_t i, QueryWorkspace& workspace) {
+			pairs[i] = queryOverlap(body, body, poses[i % poses.size()], workspace, options).total.pairs;
+		};
 		for (int visit = 0; visit < visits; ++visit)
-			batches[threads - 1] = std::min(
-				batches[threads - 1], microseconds([&] { batch.run(requests.data(), answers.data(), requests.size()); }));
+			batches[threads - 1] = std::min(batches[threads - 1], microseconds([&] { bench::overThreads(workspaces, queries, ask); }));
 	}
-	double pairs = 0;
-	for (const OverlapResult& answer : answers) pairs += double(answer.total.pairs) / double(answers.size());
-	std::printf("%8u %8g %-14s %9.0f %12.2f %12.2f %8.2f\n", body.law.ballCount(), overlap, name, pairs,
-		batches[0] / double(requests.size()), batches[1] / double(requests.size()), batches[0] / batches[1]);
+	const double mean = double(std::accumulate(pairs.begin(), pairs.end(), int64_t(0))) / double(queries);
+	std::printf("%8u %8g %-14s %9.0f %12.2f %12.2f %8.2f\n", body.law.ballCount(), overlap, name, mean, batches[0] / double(queries),
+		batches[1] / double(queries), batches[0] / batches[1]);
 	std::fflush(stdout);
 }
 }  // namespace

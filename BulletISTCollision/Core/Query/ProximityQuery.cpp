@@ -134,10 +134,4 @@ Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const
 	result.pointB += A.origin;
 	return result;
 }
-
-Proximity queryProximity(
-	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const QueryOptions& options)
-{
-	return {queryOverlap(A, B, X_AB, workspace, options), queryDistance(A, B, X_AB)};
-}
 }  // namespace ist

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 
 namespace ist
 {
@@ -16,13 +16,4 @@ struct Distance
 };
 
 Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB);
-
-/// One call, whether bodies meet or not.
-struct Proximity
-{
-	OverlapResult overlap;
-	Distance distance;
-};
-Proximity queryProximity(
-	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace, const QueryOptions& options = {});
 }  // namespace ist

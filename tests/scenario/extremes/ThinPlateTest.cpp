@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Force/PenetrationWork.h"
 #include "demos/scenes/Extremes/ExtremeMotions.h"
+#include "demos/scenes/Truth/PenetrationWork.h"
 #include "tests/scenario/extremes/ExtremeTest.h"
 
 using namespace extremes;
@@ -49,7 +49,7 @@ bool passes(const ExtremeSolid& plate, const ExtremeSolid& cube, double mass, do
 }  // namespace
 
 // The energy that the plate can stop is a property of material and thickness, predicted from the trees: m v^2 / 2 =
-// passageBarrier().energy.
+// penetrationWork().energy.
 TEST(ThinPlate, LetsThroughWhatItsMaterialCannotHold)
 {
 	const double thickness = 0.01, mass = 2, k = 1e9;
@@ -58,10 +58,10 @@ TEST(ThinPlate, LetsThroughWhatItsMaterialCannotHold)
 	ist::QueryWorkspace workspace;
 	ist::Pose X_CP;
 	X_CP.translation = {-0.1, -0.08, 0.05};
-	const auto barrier = ist::passageBarrier(*cube.tree, *plate.tree, X_CP, {0, -1, 0}, 0.1, {k, 0, 1}, workspace, 800);
-	ASSERT_TRUE(barrier);
-	const double limit = std::sqrt(2 * barrier.value().energy / mass);
-	std::printf("  holds up to %.3f m/s and %.4g N\n", limit, barrier.value().force);
+	const auto work = scenes::penetrationWork(*cube.tree, *plate.tree, X_CP, {0, -1, 0}, 0.1, {k, 0, 1}, workspace, 800);
+	ASSERT_TRUE(work);
+	const double limit = std::sqrt(2 * work.value().energy / mass);
+	std::printf("  holds up to %.3f m/s and %.4g N\n", limit, work.value().force);
 	EXPECT_FALSE(passes(plate, cube, mass, k, thickness, 0.98 * limit));
 	EXPECT_TRUE(passes(plate, cube, mass, k, thickness, 1.05 * limit));
 }

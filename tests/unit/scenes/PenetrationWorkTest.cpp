@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Force/PenetrationWork.h"
+#include "demos/scenes/Truth/PenetrationWork.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
@@ -9,6 +9,7 @@
 #include <limits>
 
 using namespace ist;
+using namespace scenes;
 
 namespace
 {
@@ -41,10 +42,10 @@ TEST(PenetrationWork, OfABoxThroughAPlateIsThatOfTheClosedForm)
 	X_PB.translation = {0.05, start, -0.03};
 	for (const bool boxMoves : {true, false})
 	{
-		const Result<PenetrationWork> barrier = boxMoves ? passageBarrier(box, plate, inverse(X_PB), {0, -2, 0}, 0.3, {k, 0, 1}, workspace)
-														 : passageBarrier(plate, box, X_PB, {0, 1, 0}, 0.3, {k, 1, 0}, workspace);
-		ASSERT_TRUE(barrier);
-		const PenetrationWork& b = barrier.value();
+		const Result<PenetrationWork> found = boxMoves ? penetrationWork(box, plate, inverse(X_PB), {0, -2, 0}, 0.3, {k, 0, 1}, workspace)
+													   : penetrationWork(plate, box, X_PB, {0, 1, 0}, 0.3, {k, 1, 0}, workspace);
+		ASSERT_TRUE(found);
+		const PenetrationWork& b = found.value();
 		const double area = edge * edge;
 		std::printf("  force %+.2f %%, energy %+.2f %%, at %.4f m\n", 100 * (b.force / (k * area * t / 2) - 1),
 			100 * (b.energy / (k * area * t * t / 4) - 1), b.forceAt - 0.05);
@@ -60,10 +61,10 @@ TEST(PenetrationWork, IsNothingWhereTheWayMeetsNothing)
 	QueryWorkspace workspace;
 	Pose apart;
 	apart.translation = {3, 0, 0};
-	const Result<PenetrationWork> barrier = passageBarrier(box, box, apart, {-1, 0, 0}, 5, {1, 0.5, 0.5}, workspace);
-	ASSERT_TRUE(barrier);
-	EXPECT_EQ(barrier.value().force, 0);
-	EXPECT_EQ(barrier.value().energy, 0);
+	const Result<PenetrationWork> found = penetrationWork(box, box, apart, {-1, 0, 0}, 5, {1, 0.5, 0.5}, workspace);
+	ASSERT_TRUE(found);
+	EXPECT_EQ(found.value().force, 0);
+	EXPECT_EQ(found.value().energy, 0);
 }
 
 TEST(PenetrationWork, RefusesWhatIsNoWay)
@@ -72,7 +73,7 @@ TEST(PenetrationWork, RefusesWhatIsNoWay)
 	QueryWorkspace workspace;
 	const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 	const auto asked = [&](const Vec3& direction, double way, double k, int steps) {
-		return bool(passageBarrier(box, box, {}, direction, way, {k, 0.5, 0.5}, workspace, steps));
+		return bool(penetrationWork(box, box, {}, direction, way, {k, 0.5, 0.5}, workspace, steps));
 	};
 	EXPECT_TRUE(asked({1, 0, 0}, 1, 1, 3));
 	EXPECT_FALSE(asked({0, 0, 0}, 1, 1, 3));
@@ -84,5 +85,5 @@ TEST(PenetrationWork, RefusesWhatIsNoWay)
 	EXPECT_FALSE(asked({1, 0, 0}, 1, 1, 0));
 	Pose bent;
 	bent.rotation.m[0][0] = 2;
-	EXPECT_FALSE(passageBarrier(box, box, bent, {1, 0, 0}, 1, {}, workspace));
+	EXPECT_FALSE(penetrationWork(box, box, bent, {1, 0, 0}, 1, {}, workspace));
 }

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Force/PenetrationWork.h"
+#include "demos/scenes/Truth/PenetrationWork.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-namespace ist
+using namespace ist;
+
+namespace scenes
 {
-Result<PenetrationWork> passageBarrier(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const Vec3& direction,
+Result<PenetrationWork> penetrationWork(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, const Vec3& direction,
 	double way, const PressurePair& pair, QueryWorkspace& workspace, int steps)
 {
 	if (!isFinite(direction) || !(norm(direction) > 0)) return Error{"the direction of a passage must be a finite vector that is not zero"};
@@ -19,7 +21,7 @@ Result<PenetrationWork> passageBarrier(const InnerSphereTree& A, const InnerSphe
 	const double step = way / steps;
 	QueryOptions options;
 	options.stiffness = options.patches = false;
-	PenetrationWork barrier;
+	PenetrationWork found;
 	double before = 0, work = 0;
 	for (int i = 0; i <= steps; ++i)
 	{
@@ -30,9 +32,9 @@ Result<PenetrationWork> passageBarrier(const InnerSphereTree& A, const InnerSphe
 		const double resistance = -dot(pressureWrench(overlap.total, pair).force, unit);
 		if (i > 0) work += 0.5 * step * (before + resistance);
 		before = resistance;
-		if (resistance > barrier.force) barrier.force = resistance, barrier.forceAt = i * step;
-		barrier.energy = std::max(barrier.energy, work);
+		if (resistance > found.force) found.force = resistance, found.forceAt = i * step;
+		found.energy = std::max(found.energy, work);
 	}
-	return barrier;
+	return found;
 }
-}  // namespace ist
+}  // namespace scenes
