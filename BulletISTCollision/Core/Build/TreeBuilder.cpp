@@ -104,18 +104,32 @@ bool leavesBecomeSmaller(const BuildOptions& options) { return splitsSmoothBodie
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times)
 {
 	Stopwatch watch;
+	const Result<RepairedMesh> repaired = repairToBuild(mesh, options);
+	if (!repaired) return repaired.error();
+	const double repairing = watch.lap();
+	Result<InnerSphereTree> tree = buildRepaired(mesh, repaired.value(), options, times);
+	if (times) times->setup += repairing;
+	return tree;
+}
+
+Result<RepairedMesh> repairToBuild(const Mesh& mesh, const BuildOptions& options)
+{
+	if (!goesOn(options.progress, "repair", 0)) return cancelled();
+	Progress repairing;
+	if (options.progress) repairing = [&](const char* stage, double fraction) { return options.progress(stage, 0.9 * fraction); };
+	return repair(mesh, options.repair, repairing, threadCount(options.threads));
+}
+
+Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repaired, const BuildOptions& options, BuildTimes* times)
+{
+	Stopwatch watch;
 	BuildTimes unused;
 	BuildTimes& seconds = times ? *times : unused;
 	InnerSphereTree tree;
 
-	if (!goesOn(options.progress, "repair", 0)) return cancelled();
-	Progress repairing;
-	if (options.progress) repairing = [&](const char* stage, double fraction) { return options.progress(stage, 0.9 * fraction); };
 	const int threads = threadCount(options.threads);
-	Result<RepairedMesh> repaired = repair(mesh, options.repair, repairing, threads);
-	if (!repaired) return repaired.error();
-	describe(tree, mesh, repaired.value(), options);
-	const MeshDistance surface(translated(repaired.value().mesh, -tree.origin), threads);
+	describe(tree, mesh, repaired, options);
+	const MeshDistance surface(translated(repaired.mesh, -tree.origin), threads);
 	tree.box = bounds(surface.mesh());
 	if (!goesOn(options.progress, "repair", 1)) return cancelled();
 	seconds.setup = watch.lap();

@@ -37,4 +37,10 @@ struct BuildTimes
 /// Mesh to tree, the whole offline chain: repair, packing, cells, trees. The same for any thread count. Errors: those of repair() and
 /// packSpheres(), cancelled.
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times = nullptr);
+
+/// The first stage of `buildTree` alone: repair() in the mode of the options.
+Result<RepairedMesh> repairToBuild(const Mesh& mesh, const BuildOptions& options);
+/// The other stages of `buildTree`. `repaired` is what repairToBuild() made of `mesh` with the same options.
+Result<InnerSphereTree> buildRepaired(
+	const Mesh& mesh, const RepairedMesh& repaired, const BuildOptions& options, BuildTimes* times = nullptr);
 }  // namespace ist

@@ -2,14 +2,19 @@
 #include "BulletISTCollision/Core/Build/TreeCache.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
+#include <charconv>
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 namespace ist
@@ -23,28 +28,61 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 		p.requestedMinRadius == options.minRadius && p.seed == options.seed && p.unit == options.unit;
 }
 
-/// Empty when the mesh has an inside.
-Result<std::string> whyNoInside(const Mesh& mesh, const BuildOptions& options, double mostDoubt)
+/// What closing the mesh may change of its volume, as a share of it.
+double doubtAbout(const RepairedMesh& repaired) { return repaired.before.watertight ? 0 : repaired.volumeDoubt / repaired.volumeAfter; }
+
+/// Returns an empty text when the mesh has an inside.
+std::string whyNoInside(double doubt, double mostDoubt)
 {
-	if (inspect(mesh).watertight) return std::string();
-	const Result<RepairedMesh> closed = repair(mesh, options.repair, options.progress);
-	if (!closed) return closed.error();
-	const double share = closed.value().volumeDoubt / closed.value().volumeAfter;
-	if (share <= mostDoubt) return std::string();
+	if (doubt <= mostDoubt) return {};
 	char text[200];
 	std::snprintf(text, sizeof text,
 		"the surface is open, and closing it may change its volume by %.0f %%: it has no inside that a tree could fill; "
 		"close the mesh, or leave it to Bullet",
-		std::fmin(share, 10) * 100);
-	return std::string(text);
+		std::fmin(doubt, 10) * 100);
+	return text;
+}
+
+/// The file of the doubt about the mesh of a tree.
+std::string doubtFile(const std::string& treeFile) { return std::filesystem::path(treeFile).replace_extension(".doubt").string(); }
+
+std::optional<double> savedDoubt(const std::string& treeFile)
+{
+	std::ifstream file(doubtFile(treeFile), std::ios::binary);
+	const std::string text{std::istreambuf_iterator<char>(file), {}};
+	double doubt = 0;
+	const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), doubt);
+	const bool isWhole = error == std::errc() && end == text.data() + text.size() && doubt >= 0;
+	return isWhole ? std::optional(doubt) : std::nullopt;
+}
+
+/// Without the file the next hit repairs the mesh, so a failure is not worth a word.
+void saveDoubt(double doubt, const std::string& treeFile)
+{
+	char text[40];
+	const char* const end = std::to_chars(text, text + sizeof text, doubt).ptr;
+	static_cast<void>(writeFileAtomically(doubtFile(treeFile), reinterpret_cast<const std::byte*>(text), size_t(end - text)));
+}
+
+/// The doubt about the mesh of a tree that was loaded. Only folders of older versions lack the file; the mesh is repaired for it once.
+Result<double> doubtBehind(const InnerSphereTree& tree, const std::string& treeFile, const Mesh& mesh, const BuildOptions& options)
+{
+	if (tree.provenance.watertight) return 0.0;
+	if (const std::optional<double> saved = savedDoubt(treeFile)) return *saved;
+	const Result<RepairedMesh> repaired = repairToBuild(mesh, options);
+	if (!repaired) return repaired.error();
+	const double doubt = doubtAbout(repaired.value());
+	saveDoubt(doubt, treeFile);
+	return doubt;
 }
 
 /// Empty when the tree is there now.
-std::string keep(const InnerSphereTree& tree, const std::string& folder, const std::string& path)
+std::string keep(const InnerSphereTree& tree, double doubt, const std::string& folder, const std::string& path)
 {
 	std::error_code failure;
 	std::filesystem::create_directories(folder, failure);
 	if (failure) return folder + ": " + failure.message();
+	if (!tree.provenance.watertight) saveDoubt(doubt, path);
 	const Result<size_t> saved = saveAsset(tree, path);
 	return saved ? std::string() : saved.error().message;
 }
@@ -63,10 +101,6 @@ uint64_t treeKey(const Mesh& mesh, const BuildOptions& options)
 
 Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, const std::string& folder, double mostDoubt)
 {
-	Result<std::string> reason = whyNoInside(mesh, options, mostDoubt);
-	if (!reason) return reason.error();
-	if (!reason.value().empty()) return Error{std::move(reason).value()};
-
 	CachedTree result;
 	std::string path;
 	if (!folder.empty())
@@ -80,6 +114,9 @@ Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, con
 			Result<InnerSphereTree> loaded = loadAsset(path);
 			if (loaded && wasBuiltWith(loaded.value(), meshHash(mesh), options))
 			{
+				const Result<double> doubt = doubtBehind(loaded.value(), path, mesh, options);
+				if (!doubt) return doubt.error();
+				if (const std::string reason = whyNoInside(doubt.value(), mostDoubt); !reason.empty()) return Error{reason};
 				result.tree = std::make_shared<const InnerSphereTree>(std::move(loaded).value());
 				result.fromCache = true;
 				return result;
@@ -87,11 +124,15 @@ Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, con
 			result.note = loaded ? path + ": of another mesh or of other settings; built anew" : loaded.error().message + "; built anew";
 		}
 	}
-	Result<InnerSphereTree> built = buildTree(mesh, options);
+	const Result<RepairedMesh> repaired = repairToBuild(mesh, options);
+	if (!repaired) return repaired.error();
+	const double doubt = doubtAbout(repaired.value());
+	if (const std::string reason = whyNoInside(doubt, mostDoubt); !reason.empty()) return Error{reason};
+	Result<InnerSphereTree> built = buildRepaired(mesh, repaired.value(), options);
 	if (!built) return built.error();
 	if (!path.empty())
 	{
-		const std::string problem = keep(built.value(), folder, path);
+		const std::string problem = keep(built.value(), doubt, folder, path);
 		if (!problem.empty()) result.note = problem;
 	}
 	result.tree = std::make_shared<const InnerSphereTree>(std::move(built).value());

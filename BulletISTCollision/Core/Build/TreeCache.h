@@ -25,6 +25,7 @@ uint64_t treeKey(const Mesh& mesh, const BuildOptions& options);
 /// there. An empty `folder` is none. A file that is damaged or of something else is replaced. Any number of processes may share a folder.
 ///
 /// Refused is a mesh that is not closed where closing it may change the volume by more than `mostDoubt` of it (RepairedMesh::volumeDoubt):
-/// terrain and rooms are surfaces without an inside.
+/// terrain and rooms are surfaces without an inside. That share stands in `folder`/KEY.doubt beside the tree of an open mesh, so that a
+/// tree that is there needs no repair. A tree that is not there costs one.
 Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, const std::string& folder, double mostDoubt = 0.05);
 }  // namespace ist

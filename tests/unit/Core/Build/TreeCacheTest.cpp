@@ -134,6 +134,54 @@ TEST(TreeCache, RefusesSurfacesWithoutAnInside)
 	EXPECT_FALSE(cachedTree(sheet, few(), ""));
 }
 
+// Progress tells how often a mesh is repaired: each repair begins at 0.
+TEST(TreeCache, RepairsAnOpenMeshOnceWhereItBuildsAndNeverWhereItLoads)
+{
+	const Folder folder;
+	const Mesh sphere = makeSphereMesh(1, 3), open = withoutTriangles(sphere, 1);
+	int repairs = 0;
+	double last = 1;
+	BuildOptions options = few();
+	options.progress = [&](const char* stage, double fraction) {
+		if (std::string(stage) != "repair") return true;
+		if (fraction < last) ++repairs;
+		last = fraction;
+		return true;
+	};
+	const auto built = cachedTree(open, options, folder.path.string());
+	ASSERT_TRUE(built);
+	EXPECT_FALSE(built.value().fromCache);
+	EXPECT_EQ(repairs, 1);
+	EXPECT_EQ(encodeAsset(*built.value().tree), encodeAsset(buildTree(open, few()).value()));
+	const auto loaded = cachedTree(open, options, folder.path.string());
+	ASSERT_TRUE(loaded);
+	EXPECT_TRUE(loaded.value().fromCache);
+	EXPECT_EQ(encodeAsset(*built.value().tree), encodeAsset(*loaded.value().tree));
+	// What was built for a caller who bears more doubt is refused for one who does not.
+	EXPECT_FALSE(cachedTree(open, options, folder.path.string(), 1e-9));
+	EXPECT_EQ(repairs, 1);
+}
+
+TEST(TreeCache, FindsTheDoubtAgainWhereItsFileIsMissingOrDamaged)
+{
+	const Folder folder;
+	const Mesh sphere = makeSphereMesh(1, 3), bowl = withoutTriangles(sphere, sphere.triangles.size() / 2);
+	ASSERT_TRUE(cachedTree(bowl, few(), folder.path.string(), 100));
+	std::filesystem::path file;
+	for (const auto& entry : std::filesystem::directory_iterator(folder.path))
+		if (entry.path().extension() == ".doubt") file = entry.path();
+	ASSERT_FALSE(file.empty());
+	for (const char* const text : {"", "0.01 or so", "-1", "nan"})
+	{
+		std::ofstream(file, std::ios::trunc) << text;
+		EXPECT_FALSE(cachedTree(bowl, few(), folder.path.string())) << text;
+	}
+	std::filesystem::remove(file);
+	EXPECT_FALSE(cachedTree(bowl, few(), folder.path.string()));
+	EXPECT_TRUE(std::filesystem::exists(file));
+	EXPECT_TRUE(cachedTree(bowl, few(), folder.path.string(), 100).value().fromCache);
+}
+
 TEST(TreeWorker, BuildsEqualMeshesOnce)
 {
 	const Folder folder;
