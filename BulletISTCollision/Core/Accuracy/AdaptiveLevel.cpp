@@ -2,8 +2,11 @@
 #include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 
 #include "BulletISTCollision/Core/Accuracy/ErrorShare.h"
+#include "BulletISTCollision/Core/Query/InnerOverlap.h"
+#include "BulletISTCollision/Core/Query/LevelQuery.h"
 #include "BulletISTCollision/Core/Query/VerletList.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
+#include "BulletISTCollision/Core/Tree/TreePose.h"
 
 #include <algorithm>
 
@@ -26,6 +29,18 @@ double fadeStep(const Vec3& before, const Vec3& after, double floor)
 	return change > kMostFadeStep ? kMostFadeStep / change : 1;
 }
 
+/// Notes what an answer says of which the share `fadedShare` is that of the level that fades out.
+void note(const InnerSphereTree& A, const InnerSphereTree& B, const ForceTolerance& accepted, const OverlapResult& result,
+	double fadedShare, AdaptiveLevel& pair)
+{
+	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
+	const double error = (1 - fadedShare) * forceErrorBound(A, B, pair.level, seen) +
+		fadedShare * forceErrorBound(A, B, pair.fadedLevel, seen);
+	pair.errorBound = shareOfTrueForce(error, seen.force, forceFloor(A, B));
+	pair.kept = pair.errorBound <= accepted.error;
+	pair.fadedShare = result.total.volume > 0 ? fadedShare : 0;
+}
+
 OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair)
 {
@@ -34,14 +49,39 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	at.otherLevel = pair.fadedLevel;
 	at.otherShare = std::max(0.0, pair.fadedShare - pair.fadeStep);
 	const OverlapResult result = queryOverlap(A, B, X_AB, workspace, at);
-	if (result.status != QueryStatus::Ok) return result;
-	pair.fadedShare = at.otherShare;
-	const ContactSeen seen = seenIn(result.total, accepted.weightA, accepted.weightB);
-	const double error = (1 - pair.fadedShare) * forceErrorBound(A, B, pair.level, seen) +
-		pair.fadedShare * forceErrorBound(A, B, pair.fadedLevel, seen);
-	pair.errorBound = shareOfTrueForce(error, seen.force, forceFloor(A, B));
-	pair.kept = pair.errorBound <= accepted.error;
-	if (!(result.total.volume > 0)) pair.fadedShare = 0;
+	if (result.status == QueryStatus::Ok) note(A, B, accepted, result, at.otherShare, pair);
+	return result;
+}
+
+/// The first answer in which the level of the pair shares with the one that fades out. Both levels are asked, but for the one that the
+/// workspace's last answer `known` is of, and their forces decide how fast one fades into the other.
+OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
+	const ForceTolerance& accepted, const QueryOptions& options, const OverlapResult& known, AdaptiveLevel& pair)
+{
+	QueryWorkspace::Implementation& work = workspace.implementation();
+	double sure = 0, fadedShare = 0;
+	const OverlapResult result = answerWithInnerOverlap(options, workspace, [&](const QueryOptions& o) {
+		QueryOptions at = o;
+		at.gate = false;
+		if (o.model != options.model)
+		{
+			const OverlapResult packed = queryOverlap(A, B, X_AB, workspace, at);
+			sure = packed.total.volume;
+			return packed;
+		}
+		// What passed the gate is scaled.
+		const LevelAnswers answers = queryBothLevels(
+			A, B, treePose(A, B, X_AB), work, at, pair.level, pair.fadedLevel, options.requireInnerOverlap ? nullptr : &known);
+		const auto force = [&](const OverlapResult& of) {
+			return (options.requireInnerOverlap ? innerOverlapShare(sure, of.total.volume) : 1) * forceOf(of, accepted);
+		};
+		pair.fadeStep = fadeStep(force(answers.other), force(answers.first), forceFloor(A, B));
+		fadedShare = std::max(0.0, 1 - pair.fadeStep);
+		if (fadedShare > 0) return mixLevels(answers, fadedShare, work, at);
+		at.level = pair.level;
+		return answers.firstIsWhole ? answers.first : queryOverlap(A, B, X_AB, workspace, at);
+	});
+	if (result.status == QueryStatus::Ok) note(A, B, accepted, result, fadedShare, pair);
 	return result;
 }
 }  // namespace
@@ -72,21 +112,10 @@ OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, 
 		pair.level = before < 0 ? answer.overlap.level : wanted;
 		return answer.overlap;
 	}
-	QueryOptions plain = options;
-	plain.patches = plain.stiffness = false;
-	plain.damping = {};
-	const auto answerAt = [&](int level) {
-		plain.level = level;
-		return queryOverlap(A, B, X_AB, workspace, plain);
-	};
-	const OverlapResult from = answerAt(before), to = answerAt(wanted);
-	if (from.status != QueryStatus::Ok || to.status != QueryStatus::Ok) return from.status != QueryStatus::Ok ? from : to;
-	pair.fadeStep = fadeStep(forceOf(from, accepted), forceOf(to, accepted), forceFloor(A, B));
 	pair.level = wanted;
 	pair.fadedLevel = before;
-	pair.fadedShare = 1;
 	// When it is asked again, both bodies have moved on.
 	if (memory) memory->forget();
-	return fadeOn(A, B, X_AB, workspace, accepted, options, pair);
+	return beginToFade(A, B, X_AB, workspace, accepted, options, answer.overlap, pair);
 }
 }  // namespace ist

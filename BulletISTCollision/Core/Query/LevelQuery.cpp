@@ -155,27 +155,69 @@ OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, co
 	return BudgetedQuery(A, B, X, work, options, finest, capacity).run();
 }
 
-OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
-	const QueryOptions& options, int level)
+namespace
 {
-	const int room = options.patches ? work.capacity.patches : 1;
+int patchRoom(const QueryWorkspace::Implementation& work, const QueryOptions& options)
+{
+	return options.patches ? work.capacity.patches : 1;
+}
+
+/// The patches that one of two levels may have, so that those of both fit.
+int halfOfRoom(const QueryWorkspace::Implementation& work, const QueryOptions& options)
+{
+	return std::max(1, patchRoom(work, options) / 2);
+}
+}  // namespace
+
+LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, int level, int otherLevel, const OverlapResult* known)
+{
+	const int most = halfOfRoom(work, options);
 	work.reserveFor(A.law, B.law);
-	const auto answer = [&](int of) {
+	const auto query = [&](int of) {
 		OverlapResult result;
 		const LevelPair trees = levelOf(A, B, of);
 		work.reserveFor(*trees.treeA, *trees.treeB);
-		TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, std::max(1, room / 2)}, result).run();
+		TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, most}, result).run();
 		result.level = of;
 		return result;
 	};
-	OverlapResult first = answer(level);
-	std::swap(work.patches, work.keptPatches);
-	const OverlapResult other = answer(options.otherLevel);
-	fade(first, other, 1 - options.otherShare, work.keptPatches.data(), room);
-	std::swap(work.patches, work.keptPatches);
-	first.nodeVisits += other.nodeVisits;
-	first.blockPairs += other.blockPairs;
-	first.ballTests += other.ballTests;
-	return first;
+	// No more patches than `most`: the pairs would not be grouped otherwise with room for fewer.
+	const bool isUsable = known && !known->coarsened && known->pairListComplete && known->patchCount <= most;
+	const auto isKnown = [&](int of) { return isUsable && known->level == of; };
+	LevelAnswers answers;
+	if (isKnown(otherLevel) && !isKnown(level))
+	{
+		answers.other = *known;
+		std::swap(work.patches, work.keptPatches);
+		answers.first = query(level);
+	}
+	else
+	{
+		answers.first = isKnown(level) ? *known : query(level);
+		std::swap(work.patches, work.keptPatches);
+		answers.other = query(otherLevel);
+		std::swap(work.patches, work.keptPatches);
+	}
+	const bool isGroupedAlike = most == patchRoom(work, options) || answers.first.patchCount < most;
+	answers.firstIsWhole = isKnown(level) || (answers.first.pairListComplete && isGroupedAlike);
+	return answers;
+}
+
+OverlapResult mixLevels(const LevelAnswers& answers, double otherShare, QueryWorkspace::Implementation& work, const QueryOptions& options)
+{
+	OverlapResult result = answers.first;
+	const OverlapResult& other = answers.other;
+	fade(result, other, 1 - otherShare, work.patches.data(), patchRoom(work, options));
+	result.nodeVisits += other.nodeVisits;
+	result.blockPairs += other.blockPairs;
+	result.ballTests += other.ballTests;
+	return result;
+}
+
+OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, int level)
+{
+	return mixLevels(queryBothLevels(A, B, X, work, options, level, options.otherLevel), options.otherShare, work, options);
 }
 }  // namespace ist

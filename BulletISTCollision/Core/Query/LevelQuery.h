@@ -14,4 +14,17 @@ OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, co
 /// Part of the answer of `level` and, by `options.otherShare`, of `options.otherLevel`. X as above.
 OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level);
+
+/// Answers of two levels. The patches of `first` are in the workspace's `patches`, those of `other` in its `keptPatches`.
+struct LevelAnswers
+{
+	OverlapResult first, other;
+	bool firstIsWhole = false;  ///< `first` has the patches that a query of its level alone has
+};
+/// The answers that queryTwoLevels() mixes. `known`: the workspace's last answer, at this pose and with these options; it takes the place
+/// of a query where it is that of one of the two levels and leaves room for the patches of the other. Null: none.
+LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, int level, int otherLevel, const OverlapResult* known = nullptr);
+/// Mixes them, with the share `otherShare` of `other`.
+OverlapResult mixLevels(const LevelAnswers& answers, double otherShare, QueryWorkspace::Implementation& work, const QueryOptions& options);
 }  // namespace ist

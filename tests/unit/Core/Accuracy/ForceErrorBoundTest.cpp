@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Query/QueryMemory.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 #include "tests/unit/CountingAllocator.h"
@@ -234,6 +235,123 @@ TEST(AdaptiveLevel, ChangingTheAccuracyIsNotFelt)
 		lastLeaves = leaves;
 	}
 	EXPECT_GE(changes, 6);
+}
+
+namespace
+{
+const kernels::QueryKernel* g_kernel = nullptr;
+int g_searches = 0;
+
+/// From now on the searches of the workspace's queries are counted: each query of two trees that may meet makes one.
+void countSearches(QueryWorkspace& workspace)
+{
+	static kernels::QueryKernel counting;
+	g_kernel = workspace.implementation().kernel;
+	counting = *g_kernel;
+	counting.search = [](kernels::PairSearch& search) {
+		++g_searches;
+		g_kernel->search(search);
+	};
+	workspace.implementation().kernel = &counting;
+}
+
+/// The speed of fading, from one query of each level.
+double fadeStepOf(const Pose& X, int before, int after, QueryOptions options, QueryWorkspace& workspace)
+{
+	const auto forceAt = [&](int level) {
+		options.level = level;
+		return pressureWrench(queryOverlap(bodyA(), bodyB(), X, workspace, options).total, {}).force;
+	};
+	const Vec3 from = forceAt(before), to = forceAt(after);
+	const double change = norm(to - from) / std::max({norm(from), norm(to), forceFloor(bodyA(), bodyB())});
+	return std::min(1.0, kMostFadeStep / change);
+}
+}  // namespace
+
+TEST(AdaptiveLevel, AChangeOfLevelCostsOneQueryMoreAndGivesTheMixtureOfBoth)
+{
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
+	// These clouds touch in many patches. Where half of the room does not hold them, that level is asked for anew.
+	for (const int room : {1024, 8, 1})
+		for (const bool gate : {false, true})
+			for (const bool coarser : {true, false})
+			{
+				SCOPED_TRACE(std::to_string(room) + (gate ? ", gate" : "") + (coarser ? ", coarser" : ", finer"));
+				QueryCapacity capacity;
+				capacity.patches = room;
+				QueryWorkspace workspace(capacity), other(capacity);
+				countSearches(workspace);
+				QueryOptions options;
+				options.requireInnerOverlap = gate;
+				options.patches = room > 1;
+				AdaptiveLevel pair;
+				ForceTolerance accepted;
+				accepted.error = coarser ? 0.02 : 0.6;
+				queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, options, pair);
+				accepted.error = coarser ? 0.6 : 0.02;
+				ForceTolerance along = accepted;
+				along.firstLevel = pair.level;
+				const BoundedOverlap looked = queryWithTolerance(bodyA(), bodyB(), X, other, along, options);
+				const bool fits = looked.overlap.patchCount <= std::max(1, room / 2);
+				g_searches = 0;
+				const OverlapResult result = queryAdaptive(bodyA(), bodyB(), X, workspace, accepted, options, pair);
+				const int searches = g_searches;
+				ASSERT_GT(pair.fadedShare, 0);
+				EXPECT_EQ(pair.fadedLevel, along.firstLevel);
+				EXPECT_EQ(fits, room != 8);
+				// Behind the gate each answer costs a query of the packed spheres, too.
+				EXPECT_EQ(searches, gate ? 2 * looked.traversals + 3 : looked.traversals + (fits ? 1 : 2));
+				EXPECT_TRUE(!coarser || looked.traversals == 1);
+				EXPECT_NEAR(pair.fadeStep, fadeStepOf(X, pair.fadedLevel, pair.level, options, other), 1e-5 * pair.fadeStep);
+				EXPECT_NEAR(pair.fadedShare, 1 - pair.fadeStep, 1e-12);
+				QueryOptions mixed = options;
+				mixed.level = pair.level;
+				mixed.otherLevel = pair.fadedLevel;
+				mixed.otherShare = pair.fadedShare;
+				const OverlapResult both = queryOverlap(bodyA(), bodyB(), X, other, mixed);
+				EXPECT_EQ(result.level, both.level);
+				EXPECT_EQ(result.otherLevel, both.otherLevel);
+				EXPECT_EQ(result.levelShare, both.levelShare);
+				EXPECT_EQ(result.total.pairs, both.total.pairs);
+				EXPECT_EQ(result.nodeVisits, both.nodeVisits);
+				EXPECT_NEAR(result.total.volume, both.total.volume, 1e-9 * both.total.volume);
+				ASSERT_EQ(result.patchCount, both.patchCount);
+				for (int p = 0; p < both.patchCount; ++p)
+				{
+					EXPECT_EQ(result.patches[p].pairs, both.patches[p].pairs);
+					EXPECT_EQ(result.patches[p].volume, both.patches[p].volume);
+					expectNear(result.patches[p].normalA.force, both.patches[p].normalA.force, 1e-12);
+				}
+			}
+}
+
+TEST(AdaptiveLevel, ALevelThatChangesTheForceLittleTakesOverAtOnceForOneQueryMore)
+{
+	// Two levels of which the next is the same tree again: nothing to fade.
+	InnerSphereTree A = bodyA(), B = bodyB();
+	B.levels.clear();
+	A.levels.resize(2);
+	A.levels[1] = A.levels[0];
+	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
+	QueryWorkspace workspace, other;
+	countSearches(workspace);
+	QueryOptions options;
+	options.patches = false;
+	AdaptiveLevel pair;
+	pair.level = 1;
+	ForceTolerance accepted;
+	accepted.error = 1;
+	g_searches = 0;
+	const OverlapResult result = queryAdaptive(A, B, X, workspace, accepted, options, pair);
+	EXPECT_EQ(pair.level, 2);
+	EXPECT_EQ(pair.fadedShare, 0);
+	EXPECT_EQ(g_searches, 2);
+	options.level = 2;
+	const OverlapResult alone = queryOverlap(A, B, X, other, options);
+	EXPECT_EQ(result.level, 2);
+	EXPECT_EQ(result.levelShare, 1);
+	EXPECT_EQ(result.total.volume, alone.total.volume);
+	EXPECT_EQ(result.patchCount, alone.patchCount);
 }
 
 TEST(AdaptiveLevel, AnswersWithAListChangeTheirLevelAtOnce)
