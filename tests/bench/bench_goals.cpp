@@ -164,7 +164,7 @@ void worstCase(const InnerSphereTree& body)
 	const std::vector<Pose> same(1);
 	const Cost paper = costOf(body, same, paperMode(), workspace);
 	double spheres = 0;
-	for (const Sphere& s : body.spheres) spheres += 4.18879020478639098462 * double(s.r) * s.r * s.r;
+	for (const Sphere& s : body.spheres) spheres += kUnitBall * double(s.r) * s.r * s.r;
 	const double volume = queryOverlap(body, body, Pose{}, workspace, paperMode()).total.volume;
 	row("100,000 identical in one place, paper: ms; volume over that of the spheres - 1", "4; 1e-6", "%.1f; %.1e", 1e-3 * paper.us,
 		volume / spheres - 1);

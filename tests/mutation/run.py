@@ -20,7 +20,7 @@ CORE, COLLISION, BRIDGE = "BulletISTCollision/Core/", "BulletISTCollision/", "De
 # Name: (file, text that occurs in it once, what takes its place, test program, tests of which one must fail).
 MUTATIONS = {
     "density of leaves dropped": (
-        CORE + "Geometry/MomentEllipsoid.cpp", "e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));", "e.density = 1;",
+        CORE + "Geometry/MomentEllipsoid.cpp", "e.density = float(volume / (kUnitBall * double(e.R) * e.R * e.R));", "e.density = 1;",
         "test_core", "Cells.OfEqualSpheresInABoxAreVoronoiCells"),
     "density dropped from the sums": (
         CORE + "Query/Kernels/PairIntegrals.h", "density = a.density * b.density;", "density = F::all(1);",

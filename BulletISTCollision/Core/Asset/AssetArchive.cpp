@@ -24,7 +24,6 @@ constexpr int kLeafBits = 3 * kOffsetBits + kLeafRadiusBits + kVolumeBits + 5 * 
 constexpr double kOffsetLimit = (1 << (kOffsetBits - 1)) - 1, kDepthLimit = (1 << kDepthBits) - 1;
 constexpr size_t kSphereBytes = 8 + 3 + 1;  // centre, radius, number of leaves (if below kManyLeaves)
 constexpr uint8_t kManyLeaves = 255;        // the number follows as a u32
-constexpr double kUnitBall = 4.18879020478639098462;
 
 /// Scales of the rounded numbers.
 struct Scales

@@ -12,7 +12,6 @@ namespace ist
 {
 namespace
 {
-constexpr double kBallVolume = 4.18879020478639098462;
 // Two ellipsoids can reach beyond their bounding balls and are cut there (Lens.h). With balls no larger than the ellipsoids this costs a
 // few tenths of a percent of every volume; with this factor it costs a few hundredths (bench_truth).
 constexpr double kReach = 1.03;
@@ -71,8 +70,8 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrixOf(shape));
 	Eigen::Vector3d squares = solver.eigenvalues();
 	squares = squares.cwiseMax(MomentEllipsoid::kFlattest * MomentEllipsoid::kFlattest * squares.maxCoeff());
-	const double own = kBallVolume * std::sqrt(squares.prod());
-	if (!(own > 0)) squares.setConstant(std::pow(volume / kBallVolume, 2.0 / 3));
+	const double own = kUnitBall * std::sqrt(squares.prod());
+	if (!(own > 0)) squares.setConstant(std::pow(volume / kUnitBall, 2.0 / 3));
 	else if (own < kLeastVolume * volume) squares *= std::pow(kLeastVolume * volume / own, 2.0 / 3);
 	const Eigen::Matrix3d kept = solver.eigenvectors() * squares.asDiagonal() * solver.eigenvectors().transpose();
 
@@ -81,7 +80,7 @@ MomentEllipsoid momentEllipsoid(const Vec3& centroid, const SymmetricMatrix3& sh
 	e.setShape(entriesOf(kept));
 	e.R = float(std::sqrt(squares.maxCoeff()) * kReach);
 	// The density uses the rounded radius, so that the rounding loses no volume.
-	e.density = float(volume / (kBallVolume * double(e.R) * e.R * e.R));
+	e.density = float(volume / (kUnitBall * double(e.R) * e.R * e.R));
 	return e;
 }
 

@@ -10,6 +10,9 @@
 
 namespace ist
 {
+/// Volume of a ball of radius 1 m [m^3].
+inline constexpr double kUnitBall = 4.18879020478639098462;
+
 /// The homogeneous ellipsoid that has the volume, centroid and second moment of a piece of the body, with that piece's mean outward
 /// normal and mean depth. Its points are c + y with y^T P^-1 y <= 1, where P is five times the piece's covariance; P = R^2 for a ball.
 /// Its density is below 1, because no piece is an ellipsoid. It takes one cache line.
@@ -28,7 +31,7 @@ struct alignas(64) MomentEllipsoid
 	SymmetricMatrix3 shape() const { return {xx, yy, zz, xy, xz, yz}; }
 	/// Radius of the ball with the same mean second moment [m].
 	double meanRadius() const { return std::sqrt((double(xx) + yy + zz) / 3); }
-	double volume() const { return double(density) * R * R * R * 4.18879020478639098462; }
+	double volume() const { return double(density) * R * R * R * kUnitBall; }
 
 	void setPlace(const Vec3& c) { x = float(c.x), y = float(c.y), z = float(c.z); }
 	void setNormal(const Vec3& m) { nx = float(m.x), ny = float(m.y), nz = float(m.z); }

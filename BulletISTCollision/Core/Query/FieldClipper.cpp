@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/FieldClipper.h"
 
+#include "BulletISTCollision/Core/Base/SmoothStep.h"
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 
 #include <utility>
@@ -29,12 +30,6 @@ bool isNearerThroughout(const FieldSide& a, const FieldSide& b, double trace)
 {
 	const double lead = b.depth - a.depth - 0.6 * (a.bend.trace() + b.bend.trace()) * trace;
 	return lead > 0 && lead * lead > squaredNorm(a.normal - b.normal) * trace;
-}
-
-double smoothStep(double x)
-{
-	const double t = std::clamp(x, 0.0, 1.0);
-	return t * t * (3 - 2 * t);
 }
 }  // namespace
 
@@ -83,7 +78,7 @@ void FieldClipper::press(const MomentEllipsoid& leaf, uint32_t index)
 	const Vec3 grain = m_field.subdivisionSize(piece.center);
 	const double width = std::sqrt(
 		std::max({piece.shape.xx / (grain.x * grain.x), piece.shape.yy / (grain.y * grain.y), piece.shape.zz / (grain.z * grain.z)}));
-	const double divided = smoothStep((width / kWholeLeaf - 1) / (kBlend - 1));
+	const double divided = smoothStep(std::clamp((width / kWholeLeaf - 1) / (kBlend - 1), 0.0, 1.0));
 	if (divided > 0)
 	{
 		FieldCell cell = boxOf(piece);
@@ -178,7 +173,7 @@ void FieldClipper::divide(const FieldCell& cell, int axis, int unchanged, int di
 	}
 	const Vec3 grain = m_field.subdivisionSize(cell.center), &h = cell.half[axis];
 	const double width = kWidthOfBox * std::max({std::fabs(h.x) / grain.x, std::fabs(h.y) / grain.y, std::fabs(h.z) / grain.z});
-	const double halved = smoothStep((width - 1) / (kBlend - 1));
+	const double halved = smoothStep(std::clamp((width - 1) / (kBlend - 1), 0.0, 1.0));
 	const int next = (axis + 1) % 3;
 	if (halved < 1)
 	{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Base/SmoothStep.h"
 #include "BulletISTCollision/Core/Query/QueryMemory.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ constexpr double kInnerShare = 0.02;
 inline double innerOverlapShare(double sure, double volume)
 {
 	const double t = volume > 0 ? std::min(1.0, sure / (kInnerShare * volume)) : 0;
-	return t * t * (3 - 2 * t);
+	return smoothStep(t);
 }
 
 /// `answer(options)` behind the gate that `QueryOptions::requireInnerOverlap` asks for.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LevelQuery.h"
 
+#include "BulletISTCollision/Core/Base/SmoothStep.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -141,8 +143,7 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 		if (!look(best.level + 1, coarse)) return;
 		const double fill = double(best.total.pairs + coarse.total.pairs) / double(m_pairs), t = (1 - fill) / (1 - kFadeBegin);
 		if (t >= 1) return;
-		if (t > 0)
-			return fade(best, coarse, t * t * (3 - 2 * t), m_work.keptPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
+		if (t > 0) return fade(best, coarse, smoothStep(t), m_work.keptPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
 		best = coarse;
 		keep();
 	}

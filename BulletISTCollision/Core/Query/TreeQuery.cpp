@@ -12,7 +12,7 @@ using namespace kernels;
 
 namespace
 {
-TreeQuery::Bound rootBound(const BallNode& root)
+BoundingBall rootBound(const BallNode& root)
 {
 	Vec3 center;
 	int count = 0;
@@ -154,7 +154,7 @@ void TreeQuery::evaluate(uint32_t* a, uint32_t* b, int count, double* sums) cons
 
 bool TreeQuery::place()
 {
-	const Bound a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
+	const BoundingBall a = rootBound(m_A.nodes[0]), own = rootBound(m_B.nodes[0]);
 	const Vec3 centerA{a.x, a.y, a.z}, ownCenter{own.x, own.y, own.z}, centerB = m_X * ownCenter;
 	m_lengthening = stretch(m_X.rotation);
 	const double reachB = own.r * m_lengthening;
@@ -220,7 +220,7 @@ void TreeQuery::beginAtRoots(PairSearch& s) const
 {
 	const bool openA = m_rootA.r >= m_rootB.r;
 	SubtreeList& first = openA ? s.openA : s.openB;
-	Bound bound = m_rootA;
+	BoundingBall bound = m_rootA;
 	if (openA)
 	{
 		bound = m_rootB;

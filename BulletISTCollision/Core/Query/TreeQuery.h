@@ -21,11 +21,6 @@ public:
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
 		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory = nullptr);
 
-	struct Bound
-	{
-		float x, y, z, r;
-	};
-
 	/// False when the limit was met: the result then holds nothing but the work done.
 	bool run();
 
@@ -68,12 +63,12 @@ private:
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
 	VerletList::Implementation* m_memory;
-	bool m_remembered = false;   ///< the memory holds for this pose
-	double m_lengthening = 1;    ///< of B by its pose, at most
-	Bound m_rootA{}, m_rootB{};  ///< in A's tree frame
-	bool m_filled = false;       ///< the memory, with whatever the margin allowed
-	bool m_onlyFills = false;    ///< and evaluates nothing
-	float m_margin = 0;          ///< with which the memory is being filled [m]
+	bool m_remembered = false;          ///< the memory holds for this pose
+	double m_lengthening = 1;           ///< of B by its pose, at most
+	BoundingBall m_rootA{}, m_rootB{};  ///< in A's tree frame
+	bool m_filled = false;              ///< the memory, with whatever the margin allowed
+	bool m_onlyFills = false;           ///< and evaluates nothing
+	float m_margin = 0;                 ///< with which the memory is being filled [m]
 	kernels::Terms m_terms;
 	DampingWeights m_damping;
 	bool m_grouped;

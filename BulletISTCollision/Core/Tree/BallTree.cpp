@@ -20,17 +20,12 @@ constexpr size_t kFewestToThin = 1024;                 // smallest number of bal
 													   // computed
 constexpr int kDirections = 8;                         // number along each side of each face of a cube
 
-struct Bound
-{
-	float x, y, z, r;
-};
-
 /// Binary tree over ranges of the final ball order. A node whose children are -1 is one block.
 struct BinaryNode
 {
 	int begin = 0, end = 0;
 	int left = -1, right = -1;
-	Bound bound{};
+	BoundingBall bound{};
 };
 
 /// A ball in the compact form that the build reads many times.
@@ -79,7 +74,7 @@ private:
 	void split(int index, int begin, int end);
 	bool bestSplit(int begin, int end, int& bestAxis, int& bestSplit);
 	void partition(int begin, int end, int axis, int middle);
-	Bound bound(int begin, int end) const;
+	BoundingBall bound(int begin, int end) const;
 	void fillNode(uint32_t node, int binary);
 	uint32_t makeBlock(const BinaryNode& leaf);
 
@@ -237,7 +232,7 @@ Vec3 centerOf(const std::vector<BuildBall>& balls, Vec3 c)
 	return bestCenter;
 }
 
-Bound Builder::bound(int begin, int end) const
+BoundingBall Builder::bound(int begin, int end) const
 {
 	const int* order = m_order[0].data();
 	Extent box;
@@ -251,7 +246,7 @@ Bound Builder::bound(int begin, int end) const
 	const Vec3 middle = (box.low + box.high) / 2;
 	keepOutermost(balls, middle);
 	const Vec3 center = centerOf(balls, middle);
-	Bound result{float(center.x), float(center.y), float(center.z), 0};
+	BoundingBall result{float(center.x), float(center.y), float(center.z), 0};
 	const Vec3 rounded{result.x, result.y, result.z};
 	double reach = 0;
 	for (int i = begin; i < end; ++i) reach = std::max(reach, distance(m_balls[order[i]].center(), rounded) + m_balls[order[i]].R);
@@ -297,7 +292,7 @@ void Builder::fillNode(uint32_t node, int binary)
 	}
 	for (int k = 0; k < BallNode::kWidth; ++k)
 	{
-		Bound b{kFarAway, kFarAway, kFarAway, 0};
+		BoundingBall b{kFarAway, kFarAway, kFarAway, 0};
 		uint32_t child = BallNode::kNoChild;
 		if (k < count)
 		{
@@ -326,14 +321,14 @@ bool finite(const MomentEllipsoid& b)
 		std::isfinite(b.shape().trace()) && std::isfinite(b.xy + b.xz + b.yz);
 }
 
-bool inside(const Bound& bound, const MomentEllipsoid& ball)
+bool inside(const BoundingBall& bound, const MomentEllipsoid& ball)
 {
 	return distance({bound.x, bound.y, bound.z}, ball.center()) + ball.R <= double(bound.r) * (1 + 1e-12);
 }
 
 std::string violation(const char* what, size_t index) { return std::string(what) + " (index " + std::to_string(index) + ")"; }
 
-std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<Bound>& path)
+std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<BoundingBall>& path)
 {
 	constexpr int W = kBlockWidth;
 	const int count = int(tree.ballCount(index));
@@ -352,7 +347,7 @@ std::string checkBlock(const BallTree& tree, uint32_t index, const std::vector<B
 		if (!(ball.R > 0) || !(ball.density > 0)) return violation("ball without mass", slot);
 		if (!ball.isSolid()) return violation("ellipsoid flat or larger than its bounding ball", slot);
 		if (!isOfABody(ball.density, ball.depth)) return violation("density or depth of no body", slot);
-		for (const Bound& bound : path)
+		for (const BoundingBall& bound : path)
 			if (!inside(bound, ball)) return violation("node bound does not contain ball", slot);
 	}
 	return {};
@@ -404,7 +399,7 @@ std::string BallTree::validate() const
 		int lane;
 	};
 	std::vector<Cursor> stack{{0, 0}};
-	std::vector<Bound> path;
+	std::vector<BoundingBall> path;
 	nodeSeen[0] = 1;
 	while (!stack.empty())
 	{
@@ -417,7 +412,7 @@ std::string BallTree::validate() const
 		}
 		const BallNode& node = nodes[top.node];
 		const int k = top.lane++;
-		const Bound bound{node.x[k], node.y[k], node.z[k], node.r[k]};
+		const BoundingBall bound{node.x[k], node.y[k], node.z[k], node.r[k]};
 		if (!isFinite(Vec3{bound.x, bound.y, bound.z}) || !std::isfinite(bound.r) || bound.r < 0)
 			return violation("node bound not finite", top.node);
 		const uint32_t child = node.child[k];

@@ -10,20 +10,15 @@ namespace ist
 {
 namespace
 {
-struct Bound
-{
-	float x, y, z, r;
-};
+bool isFinite(const BoundingBall& b) { return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) && std::isfinite(b.r); }
 
-bool isFinite(const Bound& b) { return std::isfinite(b.x) && std::isfinite(b.y) && std::isfinite(b.z) && std::isfinite(b.r); }
-
-bool isNear(const Bound& b) { return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kMostReach && b.r >= 0; }
+bool isNear(const BoundingBall& b) { return std::fabs(b.x) + std::fabs(b.y) + std::fabs(b.z) + b.r < kMostReach && b.r >= 0; }
 
 // All operands are floats as stored, so each difference is exact except for one rounding, and kShare covers all roundings. Below
 // kSmallestSquare the products lose digits.
 constexpr float kShare = 1 + 1e-6f, kSmallestSquare = 1e-30f;
 
-bool surelyInside(const Bound& inner, const Bound& outer)
+bool surelyInside(const BoundingBall& inner, const BoundingBall& outer)
 {
 	const float dx = inner.x - outer.x, dy = inner.y - outer.y, dz = inner.z - outer.z;
 	const float room = outer.r - inner.r, room2 = room * room;
@@ -31,7 +26,7 @@ bool surelyInside(const Bound& inner, const Bound& outer)
 }
 
 /// The same for all balls of a block, given by its first ball.
-bool surelyInside(const Sphere* block, const Bound& bound)
+bool surelyInside(const Sphere* block, const BoundingBall& bound)
 {
 	int inside = 1;
 	for (const Sphere* s = block; s < block + kBlockWidth; ++s)
@@ -44,7 +39,7 @@ bool surelyInside(const Sphere* block, const Bound& bound)
 }
 
 /// The same in double, without padding; with the tolerance of BallTree::validate.
-bool isInside(const Sphere* block, const Bound& bound)
+bool isInside(const Sphere* block, const BoundingBall& bound)
 {
 	int inside = 1;
 	for (const Sphere* s = block; s < block + kBlockWidth; ++s)
@@ -70,14 +65,14 @@ public:
 
 private:
 	/// `path`: bounds of ancestors that may not contain everything below.
-	bool visit(uint32_t index, Bound* path, int depth)
+	bool visit(uint32_t index, BoundingBall* path, int depth)
 	{
 		if (depth >= kMaxTreeDepth) return false;
 		++m_nodes;
 		const BallNode& node = m_tree.nodes[index];
 		for (int k = 0; k < BallNode::kWidth; ++k)
 		{
-			const Bound bound{node.x[k], node.y[k], node.z[k], node.r[k]};
+			const BoundingBall bound{node.x[k], node.y[k], node.z[k], node.r[k]};
 			const uint32_t child = node.child[k];
 			const bool good = child == BallNode::kNoChild ? isFinite(bound) && bound.r == 0
 														  : isNear(bound) && descend(child, bound, path, depth + 1);
@@ -86,7 +81,7 @@ private:
 		return true;
 	}
 
-	bool descend(uint32_t child, const Bound& bound, Bound* path, int depth)
+	bool descend(uint32_t child, const BoundingBall& bound, BoundingBall* path, int depth)
 	{
 		const uint32_t index = child & ~BallNode::kLeafBit;
 		const bool leaf = (child & BallNode::kLeafBit) != 0;
@@ -98,12 +93,14 @@ private:
 			++m_blocks;
 			// Its own bound may fit too tightly for the test in floats.
 			const Sphere* block = m_tree.balls.data() + size_t(index) * kBlockWidth;
-			const auto contains = [&](const Bound& o) { return surelyInside(bound, o) || surelyInside(block, o) || isInside(block, o); };
+			const auto contains = [&](const BoundingBall& o) {
+				return surelyInside(bound, o) || surelyInside(block, o) || isInside(block, o);
+			};
 			return isInside(block, bound) && std::all_of(path, m_end, contains);
 		}
-		Bound* const end = m_end;
-		Bound* const below = end;
-		for (const Bound* outer = path; outer != end; ++outer)
+		BoundingBall* const end = m_end;
+		BoundingBall* const below = end;
+		for (const BoundingBall* outer = path; outer != end; ++outer)
 			if (!surelyInside(bound, *outer)) *m_end++ = *outer;
 		*m_end++ = bound;
 		const bool good = visit(index, below, depth);
@@ -115,8 +112,8 @@ private:
 	std::vector<char> m_nodeSeen, m_blockSeen;
 	size_t m_nodes = 0, m_blocks = 0;
 	// Each level has a list of its own, at most one entry longer than that of the level above.
-	Bound m_path[(kMaxTreeDepth + 1) * (kMaxTreeDepth + 2) / 2];
-	Bound* m_end = m_path;
+	BoundingBall m_path[(kMaxTreeDepth + 1) * (kMaxTreeDepth + 2) / 2];
+	BoundingBall* m_end = m_path;
 };
 }  // namespace
 

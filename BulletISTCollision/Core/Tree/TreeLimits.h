@@ -10,4 +10,10 @@ constexpr int kMaxTreeDepth = 64;
 constexpr float kMostReach = 5e7f;
 /// Number of entries of a depth-first stack over pairs of nodes. Each step opens one of two nodes and leaves at most seven siblings.
 constexpr int kPairStackSize = 2 * kMaxTreeDepth * 7 + 8;
+
+/// Centre and radius of a ball around a part of a body, as nodes hold them [m].
+struct BoundingBall
+{
+	float x, y, z, r;
+};
 }  // namespace ist
