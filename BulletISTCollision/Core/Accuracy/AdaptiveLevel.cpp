@@ -53,8 +53,8 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	return result;
 }
 
-/// The first answer in which the level of the pair shares with the one that fades out. Both levels are asked, but for the one that the
-/// workspace's last answer `known` is of, and their forces decide how fast one fades into the other.
+/// The first answer in which the level of the pair shares with the one that fades out. The forces of both levels decide how fast one fades
+/// into the other. The workspace's last answer `known` saves one of the two queries.
 OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options, const OverlapResult& known, AdaptiveLevel& pair)
 {
@@ -69,7 +69,7 @@ OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, co
 			sure = packed.total.volume;
 			return packed;
 		}
-		// What passed the gate is scaled.
+		// An answer that passed the gate is scaled, so it does not take the place of a query.
 		const LevelAnswers answers = queryBothLevels(
 			A, B, treePose(A, B, X_AB), work, at, pair.level, pair.fadedLevel, options.requireInnerOverlap ? nullptr : &known);
 		const auto force = [&](const OverlapResult& of) {

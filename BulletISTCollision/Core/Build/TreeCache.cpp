@@ -56,7 +56,7 @@ std::optional<double> savedDoubt(const std::string& treeFile)
 	return isWhole ? std::optional(doubt) : std::nullopt;
 }
 
-/// Without the file the next hit repairs the mesh, so a failure is not worth a word.
+/// A failure is not reported, because without the file the next hit repairs the mesh.
 void saveDoubt(double doubt, const std::string& treeFile)
 {
 	char text[40];

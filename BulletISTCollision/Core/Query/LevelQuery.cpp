@@ -183,7 +183,7 @@ LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 		result.level = of;
 		return result;
 	};
-	// No more patches than `most`: the pairs would not be grouped otherwise with room for fewer.
+	// An answer with no more patches than `most` would be grouped alike with room for `most` alone.
 	const bool isUsable = known && !known->coarsened && known->pairListComplete && known->patchCount <= most;
 	const auto isKnown = [&](int of) { return isUsable && known->level == of; };
 	LevelAnswers answers;

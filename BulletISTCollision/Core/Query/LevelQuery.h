@@ -21,10 +21,10 @@ struct LevelAnswers
 	OverlapResult first, other;
 	bool firstIsWhole = false;  ///< `first` has the patches that a query of its level alone has
 };
-/// The answers that queryTwoLevels() mixes. `known`: the workspace's last answer, at this pose and with these options; it takes the place
-/// of a query where it is that of one of the two levels and leaves room for the patches of the other. Null: none.
+/// Gives the answers that queryTwoLevels() mixes. `known` is null, or the workspace's last answer, at this pose and with these options. It
+/// takes the place of a query where it is of one of the two levels and leaves room for the patches of the other.
 LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level, int otherLevel, const OverlapResult* known = nullptr);
-/// Mixes them, with the share `otherShare` of `other`.
+/// Mixes the answers, with the share `otherShare` of `other`.
 OverlapResult mixLevels(const LevelAnswers& answers, double otherShare, QueryWorkspace::Implementation& work, const QueryOptions& options);
 }  // namespace ist

@@ -327,7 +327,7 @@ TEST(AdaptiveLevel, AChangeOfLevelCostsOneQueryMoreAndGivesTheMixtureOfBoth)
 
 TEST(AdaptiveLevel, ALevelThatChangesTheForceLittleTakesOverAtOnceForOneQueryMore)
 {
-	// Two levels of which the next is the same tree again: nothing to fade.
+	// The coarser level is the same tree again, so there is nothing to fade.
 	InnerSphereTree A = bodyA(), B = bodyB();
 	B.levels.clear();
 	A.levels.resize(2);
