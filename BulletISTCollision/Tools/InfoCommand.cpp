@@ -43,9 +43,9 @@ int runInfo(const InfoArguments& a)
 	report["unit"] = unitName(tree.provenance.unit);
 	report["nodes"] = tree.law.nodes.size();
 	report["center_of_mass"] = toJson(tree.origin);
-	Report inertia = Report::array();
+	Report inertia = Report::list();
 	for (const auto& row : tree.inertia.m)
-		for (double v : row) inertia.push_back(v);
+		for (double v : row) inertia.append(v);
 	report["inertia"] = inertia;
 	report["calibration"] = Report{{"splitting_rule", 2}, {"volume_error", {kVolumeError, kVolumePower}},
 		{"force_error", {kForceError, kForcePower}}, {"least_across", kLeastAcross}, {"gap", kGapError}, {"levels", tree.calibration}};

@@ -217,9 +217,9 @@ private:
 
 	static Report matrix(const SymmetricMatrix6& m)
 	{
-		Report r = Report::array();
+		Report r = Report::list();
 		for (int i = 0; i < 6; ++i)
-			for (int j = 0; j < 6; ++j) r.push_back(m(i, j));
+			for (int j = 0; j < 6; ++j) r.append(m(i, j));
 		return r;
 	}
 

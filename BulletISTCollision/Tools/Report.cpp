@@ -30,7 +30,7 @@ Report newReport()
 	return report;
 }
 
-Report toJson(const Vec3& v) { return Report::array({v.x, v.y, v.z}); }
+Report toJson(const Vec3& v) { return Report::list({v.x, v.y, v.z}); }
 
 Report unitName(double metres)
 {
@@ -39,14 +39,12 @@ Report unitName(double metres)
 
 std::string format(const Report& report, bool json)
 {
-	// File names need not be UTF-8, and an invalid byte must not end the program.
-	const auto dump = [](const Report& value) { return value.dump(-1, ' ', false, Report::error_handler_t::replace); };
-	if (json) return dump(report) + "\n";
+	if (json) return report.dump() + "\n";
 	std::string text;
-	for (const auto& [name, value] : report.items())
+	for (const auto& [name, value] : report.fields())
 	{
 		if (name == "schema") continue;
-		text += name + ": " + (value.is_string() ? value.get<std::string>() : dump(value)) + "\n";
+		text += name + ": " + (value.isText() ? value.text() : value.dump()) + "\n";
 	}
 	return text;
 }

@@ -2,15 +2,14 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
-
-#include <nlohmann/json.hpp>
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <string>
 
 namespace ist::tools
 {
 /// A report. Fields keep the order in which they were set.
-using Report = nlohmann::ordered_json;
+using Report = JsonValue;
 
 /// A report that begins with "schema":1.
 Report newReport();

@@ -52,8 +52,8 @@ Report describe(const PairTuning& tuning)
 {
 	Report report = newReport();
 	add(report, tuning);
-	Report alternatives = Report::array();
-	for (const TuneSetting& setting : tuning.alternatives) add(alternatives.emplace_back(), setting);
+	Report alternatives = Report::list();
+	for (const TuneSetting& setting : tuning.alternatives) add(alternatives.append(), setting);
 	report["alternatives"] = alternatives;
 	return report;
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Device/Device.h"
 
 namespace devicebridge::tools
@@ -20,7 +19,7 @@ enum Exit
 };
 
 /// Object whose fields keep the order in which they were set.
-using Report = nlohmann::ordered_json;
+using Report = ist::JsonValue;
 
 struct RunArguments
 {

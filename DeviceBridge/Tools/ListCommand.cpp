@@ -11,9 +11,9 @@ namespace
 Report freedoms(unsigned bits)
 {
 	static const char* const kNames[] = {"x", "y", "z", "rx", "ry", "rz", "grip", "hand"};
-	Report names = Report::array();
+	Report names = Report::list();
 	for (unsigned i = 0; i < 8; ++i)
-		if (bits >> i & 1U) names.push_back(kNames[i]);
+		if (bits >> i & 1U) names.append(kNames[i]);
 	return names;
 }
 }  // namespace
@@ -21,20 +21,19 @@ Report freedoms(unsigned bits)
 int runList(bool json)
 {
 	Report report = newReport();
-	Report& drivers = report["drivers"] = Report::array();
+	Report& drivers = report["drivers"] = Report::list();
 	for (const DriverReport& driver : DeviceRegistry().drivers())
 	{
-		Report& row = drivers.emplace_back(
-			Report{{"scheme", driver.scheme + ":"}, {"available", driver.missing.empty()}, {"what", driver.what}});
+		Report& row = drivers.append(Report{{"scheme", driver.scheme + ":"}, {"available", driver.missing.empty()}, {"what", driver.what}});
 		if (!driver.missing.empty()) row["reason"] = driver.missing;
 	}
-	Report& devices = report["devices"] = Report::array();
+	Report& devices = report["devices"] = Report::list();
 	for (const std::string& name : simulatedProfileNames())
 	{
 		const auto profile = simulatedProfile(name);
 		if (!profile) return fail(profile.error().message, kInternal);
 		const DeviceInfo& info = profile.value().info;
-		devices.push_back({{"uri", info.uri}, {"maker", info.maker}, {"model", info.model}});
+		devices.append({{"uri", info.uri}, {"maker", info.maker}, {"model", info.model}});
 	}
 	print(report, json);
 	return kGood;

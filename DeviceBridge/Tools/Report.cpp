@@ -14,20 +14,18 @@ Report newReport()
 
 void print(const Report& report, bool json)
 {
-	// Names that a device reports need not be UTF-8.
-	const auto dump = [](const Report& value) { return value.dump(-1, ' ', false, Report::error_handler_t::replace); };
 	if (json)
 	{
-		std::printf("%s\n", dump(report).c_str());
+		std::printf("%s\n", report.dump().c_str());
 		return;
 	}
-	for (const auto& [name, value] : report.items())
+	for (const auto& [name, value] : report.fields())
 	{
 		if (name == "schema") continue;
-		const bool rows = value.is_array() && !value.empty() && value.front().is_object();
-		if (!rows) std::printf("%s: %s\n", name.c_str(), value.is_string() ? value.get<std::string>().c_str() : dump(value).c_str());
+		const bool rows = value[0].isObject();
+		if (!rows) std::printf("%s: %s\n", name.c_str(), (value.isText() ? value.text() : value.dump()).c_str());
 		for (std::size_t i = 0; rows && i < value.size(); ++i)
-			std::printf("%s %s\n", i ? " " : (name + ":\n ").c_str(), dump(value[i]).c_str());
+			std::printf("%s %s\n", i ? " " : (name + ":\n ").c_str(), value[i].dump().c_str());
 	}
 }
 

@@ -84,10 +84,10 @@ int runSelfTest(const RunArguments& arguments)
 	Report report = newReport();
 	report["uri"] = arguments.uri;
 	bool ok = true;
-	Report& rows = report["checks"] = Report::array();
+	Report& rows = report["checks"] = Report::list();
 	for (const auto& [name, passed] : results)
 	{
-		rows.push_back({{"check", name}, {"ok", passed}});
+		rows.append({{"check", name}, {"ok", passed}});
 		ok = ok && passed;
 	}
 	report["ok"] = ok;

@@ -20,9 +20,9 @@ int runZWidth(const ZWidthArguments& arguments)
 	report["device_damping"] = b;
 	report["delay"] = 1e-3 * arguments.delayTicks;
 	report["resolution"] = arguments.quantised ? profile.value().info.resolution : 0;
-	Report& rows = report["points"] = Report::array();
+	Report& rows = report["points"] = Report::list();
 	for (const ZWidthPoint& p : measureZWidth(profile.value(), arguments.delayTicks, dampings, arguments.quantised))
-		rows.push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive},
+		rows.append({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive},
 			{"passive_measured", p.passiveMeasured}});
 	print(report, arguments.json);
 	return kGood;

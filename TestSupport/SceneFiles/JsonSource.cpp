@@ -7,18 +7,13 @@
 
 using ist::Error;
 using ist::Vec3;
-using Json = nlohmann::json;
+using Json = ist::JsonValue;
 
 namespace scenes
 {
 namespace
 {
 constexpr int kDeepest = 32;
-
-int lineAt(const std::string& text, size_t offset)
-{
-	return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size())), '\n'));
-}
 
 /// Walks over text that is known to be JSON, and records the line of every value.
 class Places
@@ -55,7 +50,7 @@ private:
 		const size_t begin = m_at++;
 		for (; m_text[m_at] != '"'; ++m_at) m_at += m_text[m_at] == '\\';
 		++m_at;
-		return Json::parse(m_text.substr(begin, m_at - begin)).get<std::string>();
+		return ist::parseJson(m_text.substr(begin, m_at - begin)).value.text();
 	}
 
 	/// Moves behind the bracket or the comma. Returns false after the last member.
@@ -107,43 +102,19 @@ private:
 	size_t m_at;
 	int m_line = 1;
 };
-
-/// Offset of what the parser stumbled over. A number that is too large comes without its place but with its text in quotes.
-size_t placeOf(const Json::exception& e, const std::string& text)
-{
-	if (const auto* parsing = dynamic_cast<const Json::parse_error*>(&e)) return parsing->byte > 0 ? parsing->byte - 1 : 0;
-	const std::string message = e.what();
-	const size_t first = message.find('\''), last = message.rfind('\'');
-	if (first == std::string::npos || last <= first) return 0;
-	const size_t at = text.find(message.substr(first + 1, last - first - 1));
-	return at == std::string::npos ? 0 : at;
-}
-
-/// The parser's own words without its number.
-std::string complaintOf(const Json::exception& e)
-{
-	const std::string message = e.what();
-	const size_t end = message.find("] ");
-	return end == std::string::npos ? message : message.substr(end + 2);
-}
 }  // namespace
 
 ist::Result<JsonSource> JsonSource::parse(const std::string& name, const std::string& text)
 {
+	ist::ParsedJson parsed = ist::parseJson(text);
+	if (!parsed.ok()) return Error{name + ":" + std::to_string(parsed.line) + ": not JSON: " + parsed.problem};
 	JsonSource source;
 	source.m_name = name;
-	try
-	{
-		source.m_root = Json::parse(text);
-		Places places(text);
-		places.value("", 0);
-		source.m_lines = std::move(places.lines);
-		if (!places.problem.empty()) return source.problem(places.problemAt, places.problem);
-	}
-	catch (const Json::exception& e)
-	{
-		return Error{name + ":" + std::to_string(lineAt(text, placeOf(e, text))) + ": not JSON: " + complaintOf(e)};
-	}
+	source.m_root = std::move(parsed.value);
+	Places places(text);
+	places.value("", 0);
+	source.m_lines = std::move(places.lines);
+	if (!places.problem.empty()) return source.problem(places.problemAt, places.problem);
 	return source;
 }
 
@@ -164,7 +135,7 @@ JsonFields::JsonFields(const JsonSource& source, const Json& object, std::string
 	  m_path(std::move(path)),
 	  m_problem(problem)
 {
-	if (!m_object.is_object()) refuse("", "wants an object in braces");
+	if (!m_object.isObject()) refuse("", "wants an object in braces");
 }
 
 void JsonFields::refuse(const std::string& name, const std::string& problem)
@@ -175,9 +146,8 @@ void JsonFields::refuse(const std::string& name, const std::string& problem)
 const Json* JsonFields::find(const std::string& name)
 {
 	m_known.insert(name);
-	if (m_problem || !m_object.is_object()) return nullptr;
-	const auto at = m_object.find(name);
-	return at == m_object.end() ? nullptr : &*at;
+	if (m_problem) return nullptr;
+	return m_object.find(name);
 }
 
 bool JsonFields::has(const std::string& name) { return find(name) != nullptr; }
@@ -192,7 +162,7 @@ double JsonFields::number(const std::string& name, double otherwise, double leas
 	const Json* value = find(name);
 	if (!value) return otherwise;
 	const auto shown = [](double v) { return Json(v).dump(); };
-	const double found = value->is_number() ? value->get<double>() : std::nan("");
+	const double found = value->isNumber() ? value->number() : std::nan("");
 	if (found >= least && found <= most) return found;
 	refuse(name, "wants a number from " + shown(least) + " to " + shown(most) + ", not " + value->dump());
 	return otherwise;
@@ -209,7 +179,7 @@ bool JsonFields::flag(const std::string& name, bool otherwise)
 {
 	const Json* value = find(name);
 	if (!value) return otherwise;
-	if (value->is_boolean()) return value->get<bool>();
+	if (value->isFlag()) return value->flag();
 	refuse(name, "wants true or false, not " + value->dump());
 	return otherwise;
 }
@@ -218,7 +188,7 @@ std::string JsonFields::text(const std::string& name, const std::string& otherwi
 {
 	const Json* value = find(name);
 	if (!value) return otherwise;
-	if (value->is_string() && !value->get<std::string>().empty()) return value->get<std::string>();
+	if (!value->text().empty()) return value->text();
 	refuse(name, "wants a text in quotes, not " + value->dump());
 	return otherwise;
 }
@@ -240,12 +210,12 @@ Vec3 JsonFields::vector(const std::string& name, const Vec3& otherwise, double l
 	const Json* value = find(name);
 	if (!value) return otherwise;
 	Vec3 found;
-	bool good = value->is_array() && value->size() == 3;
+	bool good = value->isList() && value->size() == 3;
 	for (int i = 0; good && i < 3; ++i)
 	{
-		const Json& entry = (*value)[static_cast<size_t>(i)];
-		good = entry.is_number() && std::fabs(entry.get<double>()) <= largest;
-		if (good) found[i] = entry.get<double>();
+		const Json& entry = (*value)[i];
+		good = entry.isNumber() && std::fabs(entry.number()) <= largest;
+		if (good) found[i] = entry.number();
 	}
 	if (good) return found;
 	refuse(name, "wants three numbers of at most " + Json(largest).dump() + " in size, not " + value->dump());
@@ -255,7 +225,7 @@ Vec3 JsonFields::vector(const std::string& name, const Vec3& otherwise, double l
 const Json* JsonFields::list(const std::string& name)
 {
 	const Json* value = find(name);
-	if (!value || value->is_array()) return value;
+	if (!value || value->isList()) return value;
 	refuse(name, "wants a list in brackets");
 	return nullptr;
 }
@@ -263,7 +233,7 @@ const Json* JsonFields::list(const std::string& name)
 const Json* JsonFields::object(const std::string& name)
 {
 	const Json* value = find(name);
-	if (!value || value->is_object()) return value;
+	if (!value || value->isObject()) return value;
 	refuse(name, "wants an object in braces");
 	return nullptr;
 }
@@ -271,7 +241,7 @@ const Json* JsonFields::object(const std::string& name)
 void JsonFields::finish()
 {
 	if (m_problem) return;
-	for (const auto& [name, value] : m_object.items())
+	for (const auto& [name, value] : m_object.fields())
 	{
 		if (m_known.count(name)) continue;
 		std::string all;

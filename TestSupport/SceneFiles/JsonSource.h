@@ -3,8 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Base/Vec3.h"
-
-#include <nlohmann/json.hpp>
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <map>
 #include <optional>
@@ -22,13 +21,13 @@ public:
 	/// levels.
 	static ist::Result<JsonSource> parse(const std::string& name, const std::string& text);
 
-	const nlohmann::json& root() const { return m_root; }
+	const ist::JsonValue& root() const { return m_root; }
 	/// `NAME:14: bodies[2].mass: PROBLEM`; of a path that is not there, the line of the innermost one that is.
 	ist::Error problem(const std::string& path, const std::string& problem) const;
 
 private:
 	std::string m_name;
-	nlohmann::json m_root;
+	ist::JsonValue m_root;
 	std::map<std::string, int> m_lines;
 };
 
@@ -36,7 +35,7 @@ private:
 class JsonFields
 {
 public:
-	JsonFields(const JsonSource& source, const nlohmann::json& object, std::string path, std::optional<ist::Error>& problem);
+	JsonFields(const JsonSource& source, const ist::JsonValue& object, std::string path, std::optional<ist::Error>& problem);
 
 	bool has(const std::string& name);
 	double number(const std::string& name, double otherwise, double least, double most);
@@ -47,8 +46,8 @@ public:
 	int choice(const std::string& name, int otherwise, const std::vector<std::string>& known);
 	ist::Vec3 vector(const std::string& name, const ist::Vec3& otherwise, double largest);
 	/// Null where it is missing or something else.
-	const nlohmann::json* list(const std::string& name);
-	const nlohmann::json* object(const std::string& name);
+	const ist::JsonValue* list(const std::string& name);
+	const ist::JsonValue* object(const std::string& name);
 	void need(const std::string& name);
 	void refuse(const std::string& name, const std::string& problem);
 	/// Refuses every field of the object that was not read.
@@ -59,10 +58,10 @@ public:
 	std::optional<ist::Error>& problem() { return m_problem; }
 
 private:
-	const nlohmann::json* find(const std::string& name);
+	const ist::JsonValue* find(const std::string& name);
 
 	const JsonSource& m_source;
-	const nlohmann::json& m_object;
+	const ist::JsonValue& m_object;
 	std::string m_path;
 	std::optional<ist::Error>& m_problem;
 	std::set<std::string> m_known;

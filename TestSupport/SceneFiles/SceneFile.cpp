@@ -12,7 +12,7 @@
 #include <system_error>
 
 using namespace ist;
-using Json = nlohmann::json;
+using Json = ist::JsonValue;
 
 namespace scenes
 {
@@ -329,13 +329,13 @@ private:
 		{
 			const std::string at = "pairs[" + std::to_string(i) + "]";
 			const Json& pair = (*pairs)[i];
-			if (!pair.is_array() || pair.size() != 2 || !pair[0].is_string() || !pair[1].is_string())
+			if (!pair.isList() || pair.size() != 2 || !pair[0].isText() || !pair[1].isText())
 			{
 				root.refuse(at, "wants the names of two bodies");
 				return;
 			}
-			const size_t a = find(root, at, pair[0].get<std::string>(), m_scene.bodies, "body");
-			const size_t b = find(root, at, pair[1].get<std::string>(), m_scene.bodies, "body");
+			const size_t a = find(root, at, pair[0].text(), m_scene.bodies, "body");
+			const size_t b = find(root, at, pair[1].text(), m_scene.bodies, "body");
 			if (a == b) root.refuse(at, "wants two different bodies");
 			m_scene.pairs.push_back({a, b});
 		}

@@ -11,6 +11,7 @@ import re
 import sys
 
 CORE = "BulletISTCollision/Core/"
+JSON = "BulletISTCollision/Json"
 VENDORS = "tests/unit/DeviceBridge/vendors"  # stand-ins for headers of others, with the includes that those have
 SUPPORT = ["BulletISTCollision", "BulletHapticForce", "TestSupport/SceneFiles"]
 ALL = ["BulletISTCollision", "BulletHapticForce", "TestSupport/SceneFiles", "DeviceBridge"]
@@ -39,6 +40,7 @@ CHAIN = [
     ("BulletISTCollision/PairQuery", [CORE, "BulletISTCollision/Registry", "BulletISTCollision/Contact"]),
     ("BulletISTCollision/Dispatch", [CORE, "BulletISTCollision/Registry", "BulletISTCollision/Contact", "BulletISTCollision/PairQuery"]),
     ("BulletISTCollision", ["BulletISTCollision"]),
+    ("BulletISTCollision/Json", []),
     ("BulletISTCollision/Tools", ["BulletISTCollision"]),
     ("BulletISTCollision/Python", [CORE]),
     # From contacts to impulses.
@@ -55,14 +57,14 @@ CHAIN = [
     ("DeviceBridge/Safety", [CORE, "DeviceBridge/Device"]),
     ("DeviceBridge/Decorators", [CORE, "DeviceBridge/Device", "DeviceBridge/Safety"]),
     ("DeviceBridge/Plugins", [CORE, "DeviceBridge/Timing", "DeviceBridge/Device"]),
-    ("DeviceBridge/Drivers/Glove", [CORE, "DeviceBridge/Timing", "DeviceBridge/Device", "DeviceBridge/Drivers/BuiltDrivers.h", "DeviceBridge/Drivers/DeviceRegistry.h"]),
+    ("DeviceBridge/Drivers/Glove", [CORE, JSON, "DeviceBridge/Timing", "DeviceBridge/Device", "DeviceBridge/Drivers/BuiltDrivers.h", "DeviceBridge/Drivers/DeviceRegistry.h"]),
     ("DeviceBridge/Hand/Grasp", [CORE, "DeviceBridge/Hand"]),
-    ("DeviceBridge/Hand", [CORE, "DeviceBridge/Timing", "DeviceBridge/Device", "DeviceBridge/Drivers/Glove"]),
-    ("DeviceBridge/Drivers", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Decorators", "Plugins", "Hand")]),
+    ("DeviceBridge/Hand", [CORE, JSON, "DeviceBridge/Timing", "DeviceBridge/Device", "DeviceBridge/Drivers/Glove"]),
+    ("DeviceBridge/Drivers", [CORE, JSON] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Decorators", "Plugins", "Hand")]),
     ("DeviceBridge/Loop", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety")]),
     ("DeviceBridge/Coupling", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Loop")]),
     ("DeviceBridge/Bullet", ["BulletISTCollision", "BulletHapticForce"] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Hand", "Loop", "Coupling")]),
-    ("DeviceBridge/Tools", [CORE, "BulletISTCollision/Tools/IntegerArgument.h", "DeviceBridge"]),
+    ("DeviceBridge/Tools", [CORE, JSON, "BulletISTCollision/Tools/IntegerArgument.h", "DeviceBridge"]),
     # What shows and judges the chain.
     ("demos/hello", ALL),
     ("demos/scenes/Pages", ALL),
@@ -97,6 +99,7 @@ CHAIN = [
     ("tests/unit/Core/Accuracy", [CORE, "tests/unit/*.h", "tests/unit/Core/Query"]),
     ("tests/unit/Core/Build", [CORE, "tests/unit/*.h"]),
     ("tests/unit/Core/Tuning", [CORE, "tests/unit/*.h"]),
+    ("tests/unit/Json", [JSON]),
     ("tests/unit/Tools", ["BulletISTCollision"]),
     ("tests/unit/ISTCollision/Registry", ["BulletISTCollision", "tests/unit/*.h"]),
     ("tests/unit/ISTCollision/Contact", ["BulletISTCollision", "tests/unit/*.h"]),
@@ -122,6 +125,7 @@ CHAIN = [
 # Packages that only files whose paths begin so may include.
 GUARDED = {
     r"^<assimp/": [CORE + "Import/", "tests/"],
+    r"^<nlohmann/": ["BulletISTCollision/Json/JsonValue.cpp", "tests/"],
     r"^<png": ["DeviceBridge/Hand/Grasp/Picture.cpp"],
     r"^<Eigen/": [CORE + "Geometry/MomentEllipsoid.cpp", CORE + "Force/PressureField.cpp", "BulletHapticForce/Law/btContactLaw.cpp",
                   "BulletHapticForce/Solver/", "tests/"],

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Drivers/Glove/GloveCalibration.h"
 
+#include "BulletISTCollision/Json/JsonValue.h"
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
@@ -74,22 +74,21 @@ ist::Result<GloveCalibration> calibrateGlove(const GloveValues& flat, const Glov
 
 ist::Result<GloveCalibration> readGloveCalibration(const std::string& text)
 {
-	using Json = nlohmann::json;
-	const Json file = Json::parse(text, nullptr, false);
+	const ist::JsonValue file = ist::parseJson(text).value;
 	const auto wrong = [](const std::string& why) { return ist::Error{"Not a glove calibration: " + why, false}; };
-	if (file.is_discarded() || !file.is_object()) return wrong("it is no JSON object");
-	if (!file.contains("schema") || file["schema"] != 1) return wrong("its schema is not 1");
-	if (!file.contains("sensors") || !file["sensors"].is_object()) return wrong("it has no object 'sensors'");
+	if (!file.isObject()) return wrong("it is no JSON object");
+	if (file["schema"] != 1) return wrong("its schema is not 1");
+	if (!file["sensors"].isObject()) return wrong("it has no object 'sensors'");
 	GloveCalibration result;
 	for (std::size_t i = 0; i < result.gain.size(); ++i)
 	{
 		const std::string name = kRows[i].name;
-		const auto row = file["sensors"].find(name);
-		if (row == file["sensors"].end() || !row->is_object()) return wrong("the sensor " + name + " is missing");
+		const ist::JsonValue& row = file["sensors"][name];
+		if (!row.isObject()) return wrong("the sensor " + name + " is missing");
 		for (const auto& [field, target] : {std::pair<const char*, double*>{"offset", &result.offset[i]}, {"gain", &result.gain[i]}})
 		{
-			if (!row->contains(field) || !(*row)[field].is_number()) return wrong("the sensor " + name + " has no number '" + field + "'");
-			*target = (*row)[field].get<double>();
+			if (!row[field].isNumber()) return wrong("the sensor " + name + " has no number '" + field + "'");
+			*target = row[field].number();
 			const double most = target == &result.gain[i] ? 1 : 1e4;
 			if (!(std::fabs(*target) <= most)) return wrong("the " + std::string(field) + " of the sensor " + name + " is out of range");
 		}
@@ -100,10 +99,10 @@ ist::Result<GloveCalibration> readGloveCalibration(const std::string& text)
 
 std::string writeGloveCalibration(const GloveCalibration& calibration)
 {
-	nlohmann::ordered_json file = {{"schema", 1}};
+	ist::JsonValue file = {{"schema", 1}};
 	for (std::size_t i = 0; i < calibration.gain.size(); ++i)
 		file["sensors"][kRows[i].name] = {{"offset", calibration.offset[i]}, {"gain", calibration.gain[i]}};
-	return file.dump(1, '\t') + "\n";
+	return file.dump(true) + "\n";
 }
 
 ist::Result<GloveCalibration> loadGloveCalibration(const std::string& path)

@@ -1,45 +1,26 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <set>
 
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Drivers/Simulated/CarriedProfiles.h"
 
 namespace devicebridge
 {
 namespace
 {
-using Json = nlohmann::ordered_json;
+using Json = ist::JsonValue;
 
 constexpr double kLargest = 1e6;  // largest value of any parameter, in SI units
-
-std::size_t lineAt(const std::string& text, std::size_t offset)
-{
-	return 1 +
-		static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size())), '\n'));
-}
-
-/// Offset of the parser's error. For a number that is too large, the error has no offset but quotes the text.
-std::size_t placeOf(const Json::exception& e, const std::string& text)
-{
-	if (const auto* parsing = dynamic_cast<const Json::parse_error*>(&e)) return parsing->byte > 0 ? parsing->byte - 1 : 0;
-	const std::string message = e.what();
-	const std::size_t first = message.find('\''), last = message.rfind('\'');
-	if (first == std::string::npos || last <= first) return 0;
-	const std::size_t at = text.find(message.substr(first + 1, last - first - 1));
-	return at == std::string::npos ? 0 : at;
-}
 
 std::string where(const std::string& text, const std::string& field)
 {
 	const std::size_t at = text.find("\"" + field + "\"");
-	const std::string line = at == std::string::npos ? "" : "line " + std::to_string(lineAt(text, at)) + ", ";
+	const std::string line = at == std::string::npos ? "" : "line " + std::to_string(ist::lineAt(text, at)) + ", ";
 	return line + "field " + field + ": ";
 }
 
@@ -58,16 +39,16 @@ std::map<std::string, double*> numbersOf(SimulatedProfile& p)
 /// What is wrong with one number and its source; empty if both are valid.
 std::string takeNumber(const std::string& name, const Json& entry, double& target, DeviceInfo& info)
 {
-	if (!entry.is_object() || entry.size() != 2 || !entry.contains("value") || !entry.contains("source"))
+	if (!entry.isObject() || entry.size() != 2 || !entry.contains("value") || !entry.contains("source"))
 		return "wants {\"value\": number, \"source\": text}";
 	const Json &value = entry["value"], &source = entry["source"];
-	if (!value.is_number()) return "its value is not a number";
-	const double number = value.get<double>();
+	if (!value.isNumber()) return "its value is not a number";
+	const double number = value.number();
 	if (!(number >= 0) || number > kLargest) return "its value must lie from 0 to 1e6, in SI units";
 	if (number == 0 && (name == "mass" || name == "inertia" || name == "nominalRate")) return "its value must be above zero";
-	if (!source.is_string() || source.get<std::string>().empty()) return "it names no source";
+	if (source.text().empty()) return "it names no source";
 	target = number;
-	info.source += (info.source.empty() ? "" : "; ") + name + ": " + source.get<std::string>();
+	info.source += (info.source.empty() ? "" : "; ") + name + ": " + source.text();
 	return {};
 }
 
@@ -75,11 +56,11 @@ std::string takeFreedoms(const Json& entry, unsigned& target)
 {
 	const std::map<std::string, unsigned> known = {
 		{"translation", kTranslation}, {"rotation", kRotation}, {"grip", kGrip}, {"x", 1}, {"y", 2}, {"z", 4}};
-	if (!entry.is_array()) return "wants a list of translation, rotation, grip, x, y, z";
+	if (!entry.isList()) return "wants a list of translation, rotation, grip, x, y, z";
 	target = 0;
 	for (const Json& item : entry)
 	{
-		const auto found = item.is_string() ? known.find(item.get<std::string>()) : known.end();
+		const auto found = known.find(item.text());
 		if (found == known.end()) return item.dump() + " is none of translation, rotation, grip, x, y, z";
 		target |= found->second;
 	}
@@ -94,8 +75,8 @@ std::string takeField(const std::string& name, const Json& entry, SimulatedProfi
 	if (name == "actuated") return takeFreedoms(entry, info.actuated);
 	if (name == "model" || name == "maker")
 	{
-		if (!entry.is_string() || entry.get<std::string>().empty()) return "wants a text";
-		(name == "model" ? info.model : info.maker) = entry.get<std::string>();
+		if (entry.text().empty()) return "wants a text";
+		(name == "model" ? info.model : info.maker) = entry.text();
 		return {};
 	}
 	const auto numbers = numbersOf(profile);
@@ -121,33 +102,18 @@ ist::Result<SimulatedProfile> profileFromFile(const std::string& path)
 
 ist::Result<SimulatedProfile> parseSimulatedProfile(const std::string& text)
 {
-	Json json;
-	std::string twice;
-	std::set<std::string> seen;
-	// The parser silently keeps the last of two equal fields.
-	const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
-		if (depth == 1 && event == Json::parse_event_t::key && !seen.insert(parsed.get<std::string>()).second)
-			twice = parsed.get<std::string>();
-		return true;
-	};
-	try
-	{
-		json = Json::parse(text, watch);
-	}
-	catch (const Json::exception& e)
-	{
-		return ist::Error{"line " + std::to_string(lineAt(text, placeOf(e, text))) + ": not JSON: " + e.what(), false};
-	}
-	if (!json.is_object()) return ist::Error{"line 1: a profile is one JSON object", false};
-	if (!twice.empty()) return ist::Error{where(text, twice) + "stands there twice", false};
+	const ist::ParsedJson parsed = ist::parseJson(text);
+	if (!parsed.ok()) return ist::Error{"line " + std::to_string(parsed.line) + ": not JSON: " + parsed.problem, false};
+	if (!parsed.value.isObject()) return ist::Error{"line 1: a profile is one JSON object", false};
+	if (!parsed.repeated.empty()) return ist::Error{where(text, parsed.repeated) + "stands there twice", false};
 	SimulatedProfile profile;
-	for (const auto& [name, entry] : json.items())
+	for (const auto& [name, entry] : parsed.value.fields())
 	{
 		const std::string problem = takeField(name, entry, profile);
 		if (!problem.empty()) return ist::Error{where(text, name) + problem, false};
 	}
 	for (const char* wanted : {"schema", "model", "maker", "sensed", "actuated", "peakForce", "damping"})
-		if (!seen.count(wanted)) return ist::Error{where(text, wanted) + "is missing", false};
+		if (!parsed.value.contains(wanted)) return ist::Error{where(text, wanted) + "is missing", false};
 	profile.info.damping = profile.damping;
 	profile.info.angularDamping = profile.angularDamping;
 	return profile;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/catalog/DemoRun.h"
 
-#include <nlohmann/json.hpp>
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <chrono>
 #include <cmath>
@@ -47,13 +47,13 @@ Result<DemoOutcome> runDemo(BrowsableDemo& demo, const std::string& name, const 
 
 std::string makeJson(const DemoOutcome& o)
 {
-	const auto number = [](double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr); };
-	nlohmann::ordered_json json = {{"schema", 1}, {"demo", o.name}, {"about", o.about}, {"frames", o.frames}, {"dt", o.dt},
-		{"seconds", o.seconds}, {"step_us", o.stepMicroseconds}, {"complete", o.complete}, {"figures", nlohmann::ordered_json::array()}};
+	const auto number = [](double x) { return std::isfinite(x) ? JsonValue(x) : JsonValue(nullptr); };
+	JsonValue json = {{"schema", 1}, {"demo", o.name}, {"about", o.about}, {"frames", o.frames}, {"dt", o.dt}, {"seconds", o.seconds},
+		{"step_us", o.stepMicroseconds}, {"complete", o.complete}, {"figures", JsonValue::list()}};
 	for (const Figure& f : o.figures)
-		json["figures"].push_back({{"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}, {"expected", number(f.expected)},
+		json["figures"].append({{"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}, {"expected", number(f.expected)},
 			{"tolerance", f.judged() ? number(f.tolerance) : nullptr}, {"ok", f.ok()}});
-	if (!o.reportJson.empty()) json["report"] = nlohmann::ordered_json::parse(o.reportJson);
+	if (!o.reportJson.empty()) json["report"] = ist::parseJson(o.reportJson).value;
 	json["ok"] = o.ok();
 	return json.dump();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Carry/CarryReport.h"
 
-#include <nlohmann/json.hpp>
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <algorithm>
 
@@ -122,13 +122,13 @@ HtmlReport makeReport(const CarryReportOutcome& o)
 
 std::string makeJson(const CarryReportOutcome& o)
 {
-	using Json = nlohmann::ordered_json;
-	Json json = {{"schema", 1}, {"demo", "grasp-compare"}, {"ok", o.ok()}, {"weight", o.weight}, {"runs", Json::array()}};
+	using Json = JsonValue;
+	Json json = {{"schema", 1}, {"demo", "grasp-compare"}, {"ok", o.ok()}, {"weight", o.weight}, {"runs", Json::list()}};
 	for (const CarryOutcome& run : o.runs)
-		json["runs"].push_back({{"hands", run.hands}, {"felt_freedoms", freedoms(run.felt)}, {"lifted", run.lifted},
-			{"arrived", run.arrived}, {"off", run.off}, {"tilt", run.tilt}, {"slip", run.slip}, {"slip_angle", run.slipAngle},
-			{"passengers_slide", run.passengers}, {"peak_force", run.peakForce}, {"wrist_force", run.wristForce},
-			{"wrist_torque", run.wristTorque}, {"energy_residual", run.energy.residual}, {"complaints", run.complaints}});
+		json["runs"].append({{"hands", run.hands}, {"felt_freedoms", freedoms(run.felt)}, {"lifted", run.lifted}, {"arrived", run.arrived},
+			{"off", run.off}, {"tilt", run.tilt}, {"slip", run.slip}, {"slip_angle", run.slipAngle}, {"passengers_slide", run.passengers},
+			{"peak_force", run.peakForce}, {"wrist_force", run.wristForce}, {"wrist_torque", run.wristTorque},
+			{"energy_residual", run.energy.residual}, {"complaints", run.complaints}});
 	return json.dump();
 }
 }  // namespace scenes

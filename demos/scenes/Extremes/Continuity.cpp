@@ -6,11 +6,10 @@
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "TestSupport/SceneFiles/AssetCache.h"
 #include "demos/scenes/Pages/TraceChart.h"
 #include "demos/scenes/Truth/ContinuumGrid.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -307,7 +306,7 @@ HtmlReport makeReport(const ContinuityOutcome& o)
 
 std::string makeJson(const ContinuityOutcome& o)
 {
-	nlohmann::ordered_json json = {{"schema", 1}, {"demo", "continuity"}, {"ok", o.ok()}, {"spheres", o.spheres}, {"ticks", o.ticks.size()},
+	JsonValue json = {{"schema", 1}, {"demo", "continuity"}, {"ok", o.ok()}, {"spheres", o.spheres}, {"ticks", o.ticks.size()},
 		{"force_error_rms", o.forceError}, {"largest_change", o.largestChange}, {"change_error", o.changeError},
 		{"change_error_p99", o.changeError99}, {"above_50hz_found", o.powerFound}, {"above_50hz_truth", o.powerTruth},
 		{"above_50hz_excess", o.excess}};

@@ -3,9 +3,8 @@
 
 #include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "demos/scenes/Pages/TraceChart.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -241,11 +240,11 @@ HtmlReport makeReport(const GraspLoadOutcome& outcome)
 
 std::string makeJson(const GraspLoadOutcome& outcome)
 {
-	using Json = nlohmann::ordered_json;
-	Json json = {{"schema", 1}, {"demo", "grasp-load"}, {"loads", Json::array()}};
+	using Json = JsonValue;
+	Json json = {{"schema", 1}, {"demo", "grasp-load"}, {"loads", Json::list()}};
 	for (const GraspLoad& o : outcome.loads)
 	{
-		json["loads"].push_back(
+		json["loads"].append(
 			{{"name", o.name}, {"hand_spheres", o.handSpheres}, {"object_spheres", o.objectSpheres}, {"ticks", o.ticks.size()},
 				{"most_pairs", o.mostPairs()}, {"most_parts", o.mostParts()}, {"median_us", o.quantileMicroseconds(0.5)},
 				{"p99_us", o.quantileMicroseconds(0.99)}, {"max_us", o.quantileMicroseconds(1)}, {"held", o.held},

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Grasp/GraspReport.h"
 
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Hand/Grasp/HeatMapFile.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 
@@ -144,11 +143,11 @@ HtmlReport makeReport(const GraspReportOutcome& o)
 
 std::string makeJson(const GraspReportOutcome& o)
 {
-	using Json = nlohmann::ordered_json;
-	Json json = {{"schema", 1}, {"demo", "grasps"}, {"ok", o.ok()}, {"grasps", Json::array()}};
+	using Json = JsonValue;
+	Json json = {{"schema", 1}, {"demo", "grasps"}, {"ok", o.ok()}, {"grasps", Json::list()}};
 	for (const GraspReportOutcome::Row& row : o.rows)
 		for (const GraspOutcome* g : {&row.rough, &row.smooth})
-			json["grasps"].push_back({{"object", g->object}, {"mass", row.mass}, {"friction", g->friction}, {"held", g->held},
+			json["grasps"].append({{"object", g->object}, {"mass", row.mass}, {"friction", g->friction}, {"held", g->held},
 				{"put_down", g->putDown}, {"slip", g->slip}, {"slip_angle", g->slipAngle}, {"peak_force", g->peakForce},
 				{"coupling_force", g->couplingForce}, {"holding_force", g->holdingForce}, {"parts", g->parts},
 				{"force_closure", g->quality.forceClosure}, {"epsilon", g->quality.epsilon}, {"energy_residual", g->energy.residual},

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Pages/SafetyPage.h"
 
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Safety/SafetyLimiter.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -228,10 +227,10 @@ HtmlReport makeReport(const SafetyOutcome& o)
 
 std::string makeJson(const SafetyOutcome& o)
 {
-	nlohmann::ordered_json json = {{"schema", 1}, {"demo", "safety"}, {"ok", o.ok()}, {"stages", nlohmann::ordered_json::array()}};
+	ist::JsonValue json = {{"schema", 1}, {"demo", "safety"}, {"ok", o.ok()}, {"stages", ist::JsonValue::list()}};
 	for (const SafetyRow& r : o.rows)
-		json["stages"].push_back({{"stage", r.stage}, {"attack", r.attack}, {"quantity", r.quantity}, {"unit", r.unit},
-			{"without", r.without}, {"with", r.with}, {"at_most", r.atMost}});
+		json["stages"].append({{"stage", r.stage}, {"attack", r.attack}, {"quantity", r.quantity}, {"unit", r.unit}, {"without", r.without},
+			{"with", r.with}, {"at_most", r.atMost}});
 	return json.dump();
 }
 }  // namespace scenes

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Pages/ZWidthPage.h"
 
-#include <nlohmann/json.hpp>
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <algorithm>
 #include <cmath>
@@ -135,17 +135,17 @@ HtmlReport makeReport(const ZWidthOutcome& o)
 
 std::string makeJson(const ZWidthOutcome& o)
 {
-	using Json = nlohmann::ordered_json;
+	using Json = ist::JsonValue;
 	Json json = {{"schema", 1}, {"demo", "z-width"}, {"ok", o.ok()}, {"stable_error", o.stableError}, {"stable_points", o.stablePoints},
-		{"passive_over_bound", o.passiveOverBound}, {"passive_over_stable", o.passiveOverStable}, {"curves", Json::array()}};
+		{"passive_over_bound", o.passiveOverBound}, {"passive_over_stable", o.passiveOverStable}, {"curves", Json::list()}};
 	for (const ZWidthDevice& d : o.devices)
 		for (const ZWidthCurve& c : d.curves)
 		{
-			Json curve = {{"profile", d.profile}, {"delay_s", kTick * c.delayTicks}, {"quantised", c.quantised}, {"points", Json::array()}};
+			Json curve = {{"profile", d.profile}, {"delay_s", kTick * c.delayTicks}, {"quantised", c.quantised}, {"points", Json::list()}};
 			for (const ZWidthPoint& p : c.points)
-				curve["points"].push_back({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive},
+				curve["points"].append({{"damping", p.damping}, {"stable", p.stable}, {"predicted", p.predicted}, {"passive", p.passive},
 					{"passive_measured", p.passiveMeasured}});
-			json["curves"].push_back(std::move(curve));
+			json["curves"].append(std::move(curve));
 		}
 	return json.dump();
 }

@@ -3,13 +3,12 @@
 
 #include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Timing/RealTimePriority.h"
 #include "demos/scenes/Bodies/BodiesOnPlane.h"
 #include "demos/scenes/Scene/SceneReport.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <thread>
@@ -284,15 +283,15 @@ HtmlReport paperPage(const std::vector<PaperScene>& scenes)
 
 std::string paperJson(const std::vector<PaperScene>& scenes)
 {
-	using Json = nlohmann::ordered_json;
+	using Json = JsonValue;
 	const auto spread = [](const PaperScene::Spread& s, double unit) {
 		return Json{{"mean", s.mean * unit}, {"p50", s.p50 * unit}, {"p999", s.p999 * unit}, {"max", s.max * unit}};
 	};
-	Json json = {{"schema", 1}, {"ok", true}, {"scenes", Json::array()}};
+	Json json = {{"schema", 1}, {"ok", true}, {"scenes", Json::list()}};
 	for (const PaperScene& s : scenes)
 	{
 		if (!s.run.ok()) json["ok"] = false;
-		json["scenes"].push_back({{"scene", s.run.scene.name}, {"ok", s.run.ok()}, {"ticks", s.run.ticks.size()},
+		json["scenes"].append({{"scene", s.run.scene.name}, {"ok", s.run.ok()}, {"ticks", s.run.ticks.size()},
 			{"force_rate_hz", s.forceRate}, {"contact_rate_hz", s.contactRate}, {"slowest_force_rate_hz", s.slowestForceRate},
 			{"slowest_contact_rate_hz", s.slowestContactRate}, {"period_s", spread(s.period, 1)}, {"force_thread_us", spread(s.tick, 1)},
 			{"device_us", spread(s.device, 1)}, {"asked_us", spread(s.asked, 1)}, {"contact_thread_us", spread(s.answer, 1)},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Scene/SceneReport.h"
 
-#include <nlohmann/json.hpp>
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <algorithm>
 
@@ -126,7 +126,7 @@ HtmlReport makeReport(const SceneOutcome& o)
 
 std::string makeJson(const SceneOutcome& o)
 {
-	using Json = nlohmann::ordered_json;
+	using Json = JsonValue;
 	const std::vector<double> periods = valuesOf(o, period), used = valuesOf(o, processor);
 	Json json = {{"schema", 1}, {"scene", o.scene.name}, {"ok", o.ok()}, {"device", o.device}, {"topology", nameOf(o.scene.topology)},
 		{"virtual_time", o.virtualTime}, {"ticks", o.ticks.size()}, {"max_force_n", o.maxForce},
@@ -139,9 +139,9 @@ std::string makeJson(const SceneOutcome& o)
 	json["tick_thread_p999_us"] = o.virtualTime ? Json() : Json(quantile(used, 0.999));
 	json["faults"] = o.faults;
 	json["unwritten"] = o.unwritten;
-	json["contacts"] = Json::array();
+	json["contacts"] = Json::list();
 	for (const SceneContactCount& c : o.counts)
-		json["contacts"].push_back({{"body", c.body}, {"ticks", c.ticks}, {"max_force_n", c.maxForce}, {"max_volume_m3", c.maxVolume}});
+		json["contacts"].append({{"body", c.body}, {"ticks", c.ticks}, {"max_force_n", c.maxForce}, {"max_volume_m3", c.maxVolume}});
 	return json.dump();
 }
 }  // namespace scenes

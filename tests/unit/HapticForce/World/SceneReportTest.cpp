@@ -4,12 +4,12 @@
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include "tests/unit/CommaLocale.h"
 
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <map>
@@ -169,14 +169,14 @@ TEST(btISTSceneReport, SaysHowStiffAPairIsByWhichRuleAndHowDeepItWas)
 	EXPECT_EQ(onFloor->k, 3e4);
 	EXPECT_NEAR(onFloor->deepest, .1 / .333, .06);  // depth at the start
 
-	const nlohmann::json json = nlohmann::json::parse(report.json());
+	const ist::JsonValue json = ist::parseJson(report.json()).value;
 	bool found = false;
 	for (const auto& pair : json["pairs"])
 	{
 		if (pair["stiffness_rule"] != "load of the pile" || pair["model"] != "tree on plane") continue;
 		found = true;
-		EXPECT_NEAR(pair["k"], onGround->k, 1e-6 * onGround->k);
-		EXPECT_NEAR(pair["deepest"], onGround->deepest, 1e-6);
+		EXPECT_NEAR(pair["k"].number(), onGround->k, 1e-6 * onGround->k);
+		EXPECT_NEAR(pair["deepest"].number(), onGround->deepest, 1e-6);
 	}
 	EXPECT_TRUE(found);
 	EXPECT_NE(report.text().find("Pa/m by load of the pile"), std::string::npos) << report.text();
@@ -216,14 +216,14 @@ TEST(btISTSceneReport, SaysTheErrorBoundAndWhetherItIsWithinTheTolerance)
 		EXPECT_EQ(tree->withinTolerance, accepted > 0.1);
 		EXPECT_TRUE(std::isnan(box->forceErrorBound)) << "a closed form has no level to choose";
 		EXPECT_FALSE(box->withinTolerance);
-		const auto json = nlohmann::json::parse(report.json());
-		EXPECT_EQ(json["accepted_error"], accepted);
+		const ist::JsonValue json = ist::parseJson(report.json()).value;
+		EXPECT_EQ(json["accepted_error"].number(), accepted);
 		EXPECT_EQ(tree->acceptedError, accepted);
 		EXPECT_EQ(box->acceptedError, 0);
 		for (const auto& pair : json["pairs"])
 		{
-			EXPECT_EQ(pair["promised_error"].is_null(), pair["a"] == "box" || pair["b"] == "box");
-			EXPECT_EQ(pair["promise_kept"].is_boolean(), !pair["promised_error"].is_null());
+			EXPECT_EQ(pair["promised_error"].isNull(), pair["a"] == "box" || pair["b"] == "box");
+			EXPECT_EQ(pair["promise_kept"].isFlag(), !pair["promised_error"].isNull());
 		}
 		EXPECT_EQ(report.text().find("not kept") == std::string::npos, tree->withinTolerance);
 		EXPECT_NE(report.text().find("% accepted"), std::string::npos);
@@ -239,10 +239,10 @@ TEST(btISTSceneReport, TimeOfQueriesIsNotThatOfWhatWasDoneInstead)
 	for (int i = 0; i < 200; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
 	const btISTSceneReport report = row.report();
 	ASSERT_GT(report.total.cached(), 0u);
-	const auto json = nlohmann::json::parse(report.json());
-	EXPECT_NEAR(json["query_seconds"], report.total.querySeconds, 1e-8 * report.total.querySeconds);
-	EXPECT_LT(json["query_seconds"], json["seconds"]);
-	EXPECT_LT(json["pairs"][0]["query_seconds"], json["pairs"][0]["seconds"]);
+	const ist::JsonValue json = ist::parseJson(report.json()).value;
+	EXPECT_NEAR(json["query_seconds"].number(), report.total.querySeconds, 1e-8 * report.total.querySeconds);
+	EXPECT_LT(json["query_seconds"].number(), json["seconds"].number());
+	EXPECT_LT(json["pairs"][0]["query_seconds"].number(), json["pairs"][0]["seconds"].number());
 }
 
 TEST(btISTSceneReport, NothingIsAskedOfTwoThatCannotMove)
@@ -300,16 +300,16 @@ TEST(btISTSceneReport, JsonIsOneObjectWhateverTheNamesAre)
 	row.add("bare", &row.bare, 1, 1, .495);
 	ASSERT_FALSE(row.world.step(1.0 / 240));
 	const btISTSceneReport report = row.report();
-	const auto json = nlohmann::json::parse(report.json());
-	EXPECT_EQ(json["schema"], 1);
-	EXPECT_EQ(json["economy"], true);
-	EXPECT_EQ(json["queries"], report.total.asked);
+	const ist::JsonValue json = ist::parseJson(report.json()).value;
+	EXPECT_EQ(json["schema"].number(), 1);
+	EXPECT_TRUE(json["economy"].flag());
+	EXPECT_EQ(json["queries"].number(), static_cast<double>(report.total.asked));
 	ASSERT_EQ(json["pairs"].size(), report.pairs.size());
 	bool named = false, unbounded = false;
 	for (const auto& pair : json["pairs"])
 	{
 		named = named || pair["a"] == "floor \"of\" the\n\\hall" || pair["b"] == "floor \"of\" the\n\\hall";
-		unbounded = unbounded || pair["expected_error"].is_null();
+		unbounded = unbounded || pair["expected_error"].isNull();
 		for (const char* field : {"model", "level", "reason", "patches", "leaf_pairs", "force", "queries", "kept", "node_visits",
 				 "ball_tests", "seconds", "saved_seconds"})
 			EXPECT_TRUE(pair.contains(field)) << field;
@@ -356,7 +356,7 @@ TEST(btISTSceneReport, JsonIsUtf8WhateverTheNames)
 	for (const auto& [name, expected] : names)
 	{
 		row.names[floor] = name;
-		const auto json = nlohmann::json::parse(row.report().json());
+		const ist::JsonValue json = ist::parseJson(row.report().json()).value;
 		EXPECT_TRUE(json["pairs"][0]["a"] == expected || json["pairs"][0]["b"] == expected) << json.dump();
 	}
 	// The names are arbitrary bytes, and nlohmann's parser refuses text that is not UTF-8.
@@ -366,6 +366,6 @@ TEST(btISTSceneReport, JsonIsUtf8WhateverTheNames)
 		std::string name;
 		for (int k = 0; k < 12; ++k) name += static_cast<char>((seed = seed * 1664525 + 1013904223) >> 24);
 		row.names[floor] = name;
-		EXPECT_TRUE(nlohmann::json::accept(row.report().json()));
+		EXPECT_TRUE(ist::parseJson(row.report().json()).ok());
 	}
 }
