@@ -14,13 +14,17 @@ import sys
 
 SKIPPED = 77
 # What each compiler has a way of its own for, or a package.
-LEFT_OUT = ("-fopenmp", "-fsanitize", "-fschedule-insns", "-fsched-pressure")
+LEFT_OUT = ("-fopenmp", "-fsanitize", "-fschedule-insns", "-fsched-pressure", "-fpch-preprocess", "-Winvalid-pch")
 ADDED = ["-fsyntax-only", "-Wno-unknown-pragmas", "-Wno-unknown-warning-option"]
 
 
 def options(entry):
-    """Of one line of compile_commands.json: what stands between compiler and output."""
+    """The words between compiler and output in one line of compile_commands.json, without the precompiled header: each source includes
+    what it uses."""
     words = shlex.split(entry["command"])
+    if "-include" in words:
+        at = words.index("-include")
+        del words[at:at + 2]
     first = next(i for i, word in enumerate(words) if word.startswith("-"))
     return [word for word in words[first:words.index("-o")] if not word.startswith(LEFT_OUT)]
 
