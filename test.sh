@@ -13,11 +13,16 @@ for argument in "$@"; do
 done
 
 bash cmake/setup.sh tests "${options[@]}"
-presets=(quick)
-[ -z "$all" ] || presets=(release asan tsan)
-for preset in "${presets[@]}"; do
-	cmake --preset "$preset"
-	cmake --build --preset "$preset"
-	ctest --preset "$preset"
-done
-[ -n "$all" ] || echo "These were the quick tests. The rest: ./test.sh --all (an hour on two cores); one test file: see CONTRIBUTING.md"
+run()
+{
+	cmake --preset "$1"
+	cmake --build --preset "$1"
+	[ "$1" != release ] || cmake --build --preset "$1" --target headers_alone
+	ctest --preset "$1"
+}
+if [ -n "$all" ]; then
+	for preset in release asan tsan; do run $preset; done
+else
+	run quick
+	echo "These were the quick tests. Run the rest with ./test.sh --all (about an hour on two cores). CONTRIBUTING.md says how to run one file."
+fi

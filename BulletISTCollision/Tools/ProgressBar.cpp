@@ -64,8 +64,9 @@ void ProgressBar::show(const char* stage, double fraction, double whole)
 void ProgressBar::list(const char* stage, double fraction)
 {
 	const int step = static_cast<int>(fraction * 10);
-	if (step <= m_shown) return;
-	m_shown = step;
+	int& listed = m_listed.emplace(stage, -1).first->second;
+	if (step <= listed) return;
+	listed = step;
 	std::fprintf(stderr, "%s %d %%\n", stage, step * 10);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <string>
 
 namespace ist::tools
@@ -29,7 +30,8 @@ private:
 	std::string m_stage;
 	Clock::time_point m_start = Clock::now();
 	Clock::time_point m_stageStart, m_drawn;
-	int m_shown = -1;  ///< last percentage of this stage that was printed
+	int m_shown = -1;                     ///< last per cent of this stage that was drawn
+	std::map<std::string, int> m_listed;  ///< last tenth of each stage that was written
 	bool m_open = false;
 };
 

@@ -19,8 +19,12 @@ expect()
 		cat "$dir/err"
 		failures=$((failures + 1))
 	fi
-	if grep -q $'\r' "$dir/err"; then
-		echo "FAILED $name: a carriage return, though stderr is no terminal"
+	if grep -q $'\r' "$dir/err" "$dir/out"; then
+		echo "FAILED $name: a carriage return, though this is no terminal"
+		failures=$((failures + 1))
+	fi
+	if grep -vE '^[a-z ]+ [0-9]*0 %$' "$dir/err" | grep ' %$' || grep ' %$' "$dir/err" | sort | uniq -d | grep .; then
+		echo "FAILED $name: more than a line for each tenth of a stage"
 		failures=$((failures + 1))
 	fi
 }
