@@ -66,17 +66,16 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(
 	int type0 = shape0->getShapeType(), type1 = shape1->getShapeType();
 	if (context->active && context->registry->size() > 0)
 	{
-		auto treeA = context->registry->find(shape0);
-		auto treeB = context->registry->find(shape1);
-		// A shape that was scaled since its tree was attached is Bullet's.
-		const auto hasForm = [this](const btCollisionShape* shape) {
-			return !context->registry->isAttached(shape) && btISTShapeField(shape).field();
-		};
-		const bool volumetric = (treeA && treeB) || (treeA && hasForm(shape1)) || (treeB && hasForm(shape0));
-		if (volumetric && !isInGImpactCompound(wrap0) && !isInGImpactCompound(wrap1))
+		const btISTRegistry& registry = *context->registry;
+		const bool attached0 = registry.isAttached(shape0), attached1 = registry.isAttached(shape1);
+		const auto hasForm = [](const btCollisionShape* shape) { return btISTShapeField(shape).field() != nullptr; };
+		const bool ours = (attached0 && attached1) || (attached0 && hasForm(shape1)) || (attached1 && hasForm(shape0));
+		if (ours && !isInGImpactCompound(wrap0) && !isInGImpactCompound(wrap1))
 		{
-			const bool swapped = !treeA;  // A must have the tree
-			if (swapped) std::swap(treeA, treeB);
+			const bool swapped = !attached0;  // A must have the tree
+			auto treeA = registry.find(swapped ? shape1 : shape0), treeB = registry.find(swapped ? shape0 : shape1);
+			// A shape that was scaled since its tree was attached is Bullet's until it has its size again.
+			if (attached0 && attached1 && !treeB) treeA.reset();
 			const auto mode = closest ? btISTCollisionAlgorithm::Query : btISTCollisionAlgorithm::Respond;
 			void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(int(sizeof(btISTCollisionAlgorithm)));
 			return new (memory) btISTCollisionAlgorithm(info, context->shared_from_this(), mode, std::move(treeA), std::move(treeB),
@@ -84,8 +83,8 @@ btCollisionAlgorithm* btISTCreateFunc::CreateCollisionAlgorithm(
 		}
 		// GImpact handles the children of a compound itself and does not call the dispatcher for them. Bullet's compound algorithm does,
 		// if the other shape looks convex. So the GImpact shape is passed as a box.
-		if (treeA && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
-		if (treeB && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
+		if (registry.find(shape0) && type0 == GIMPACT_SHAPE_PROXYTYPE && type1 == COMPOUND_SHAPE_PROXYTYPE) type0 = BOX_SHAPE_PROXYTYPE;
+		if (registry.find(shape1) && type1 == GIMPACT_SHAPE_PROXYTYPE && type0 == COMPOUND_SHAPE_PROXYTYPE) type1 = BOX_SHAPE_PROXYTYPE;
 	}
 	return delegate(info, wrap0, wrap1, type0, type1);
 }
