@@ -74,9 +74,10 @@ bool btISTPairFilter::acceptsBoxes(
 	const btScalar slack = was ? kHysteresis * std::max({sides.x(), sides.y(), sides.z()}) : btScalar(0);
 	for (int i = 0; i < 3; ++i)
 	{
-		const btScalar lower = std::max({lowerA[i], lowerB[i], m_lower[i] - slack});
-		const btScalar upper = std::min({upperA[i], upperB[i], m_upper[i] + slack});
-		if (!(lower <= upper)) return false;
+		btScalar lower = std::max(lowerA[i], lowerB[i]), upper = std::min(upperA[i], upperB[i]);
+		// Leaves reach out of the boxes: the two may meet where these are apart.
+		if (lower > upper) std::swap(lower, upper);
+		if (!(std::max(lower, m_lower[i] - slack) <= std::min(upper, m_upper[i] + slack))) return false;
 	}
 	return true;
 }

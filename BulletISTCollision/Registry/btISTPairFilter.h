@@ -26,7 +26,8 @@ public:
 	void removePair(const btCollisionObject* a, const btCollisionObject* b);
 	void acceptAllPairs();
 
-	/// Only pairs that can meet inside this box (World) are volumetric: those whose bounding boxes share a point of it. Such a pair stays
+	/// Only pairs that can meet inside this box (World) are volumetric: those whose bounding boxes share a point of it, or
+	/// have a point of it between them, because leaves reach beyond the boxes. Such a pair stays
 	/// volumetric until the intersection of its bounding boxes has left the enlarged box. Enlarged means by a twentieth of the longest
 	/// side on every side. Refused if the corners are not finite or `lower` exceeds `upper`.
 	std::optional<ist::Error> setRegion(const btVector3& lower, const btVector3& upper);
