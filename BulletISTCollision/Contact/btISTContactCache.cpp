@@ -52,7 +52,8 @@ btISTCachedResult::Use btISTCachedResult::use(
 	m_hasPrediction = false;
 	if (!contactCache.on || !m_valid || version != m_version || measures != m_measures || !isRigid(contact.X_AB)) return Ask;
 	const bool tolerant = contactCache.maxError > 0;
-	if (ist::isSame(contact.X_AB, tolerant ? m_X_last : m_X_asked)) return Still;
+	// Sums that have followed the motion are those of the last pose, also where no error is granted any more.
+	if (ist::isSame(contact.X_AB, m_X_last) && (tolerant || ist::isSame(contact.X_AB, m_X_asked))) return Still;
 	if (contact.patchCount == 0)
 	{
 		const bool far = isFar(contact);

@@ -100,6 +100,20 @@ void expectSame(const btISTContact& a, const btISTContact& b)
 const btISTContactCache kExact{true, 0}, kAlways{false, 0}, kTolerant{true, 0.05};
 }  // namespace
 
+TEST(btISTContactCache, WithoutAGrantedErrorNoSumsThatFollowedTheMotionAreKept)
+{
+	Pair pair(kTolerant), exact(kAlways);
+	const btTransform first = at(vec(.1, .8, .2)), moved = at(vec(.1, .8001, .2));
+	pair.look(first);
+	pair.look(moved);
+	ASSERT_EQ(pair.contact()->use, btISTCachedResult::Moved);
+	// Back to where it was asked, when results must be those of queries.
+	ASSERT_FALSE(pair.registration.setContactCache(kExact));
+	pair.look(first);
+	exact.look(first);
+	EXPECT_EQ(pair.contact()->total.volume, exact.contact()->total.volume);
+}
+
 TEST(btISTContactCache, StillPairIsQueriedOnce)
 {
 	for (const btISTContactCache& contactCache : {kExact, kTolerant})
