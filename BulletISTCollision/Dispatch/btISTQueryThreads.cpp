@@ -214,7 +214,9 @@ void btISTQueryThreads::help(Helper& helper)
 		Answer& taken = *m_answers[size_t(i)];
 		answer(taken, helper.workspace);
 		int open = Open;
-		if (!taken.state.compare_exchange_strong(open, Answered, std::memory_order_acq_rel)) return;
+		if (taken.state.compare_exchange_strong(open, Answered, std::memory_order_acq_rel)) continue;
+		releaseAnswer(taken);  // the owner has given it up, and may never meet a pair again
+		return;
 	}
 }
 
