@@ -10,8 +10,13 @@ ist::Wrench reaction(const ToolStep& step) { return -1.0 * step.coupling; }
 
 ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep& step) noexcept
 {
-	if (m_answers.fetch()) m_held = m_answers.readable();
-	const bool free = m_answers.readable().number == m_asked;
+	if (m_answers.fetch())
+	{
+		m_held = m_answers.readable();
+		m_settled = m_held.number;
+	}
+	if (!threaded()) takeQuestionBack();
+	const bool free = m_settled == m_asked;
 	if (!threaded() && free)
 	{
 		const ist::Wrench wrench = m_law.handWrench(hand, step);
@@ -24,10 +29,21 @@ ist::Wrench ThreadedForceLaw::handWrench(const DeviceState& hand, const ToolStep
 		question.number = ++m_asked;
 		question.hand = hand;
 		question.step = step;
+		m_triedToTakeBack = false;
 		m_questions.publish();
 		m_thread.wake();
 	}
 	return m_held.number == 0 ? ist::Wrench() : reaction(step) + m_held.beyondCoupling;
+}
+
+/// Replaces a question that no thread has begun with by an empty one, because its thread may have been stopped. If a thread has begun with
+/// it, its answer will come, and one try is enough.
+void ThreadedForceLaw::takeQuestionBack() noexcept
+{
+	if (m_settled == m_asked || m_triedToTakeBack) return;
+	m_triedToTakeBack = true;
+	m_questions.writable().number = 0;
+	if (m_questions.publish()) m_settled = m_asked;
 }
 
 std::int64_t ThreadedForceLaw::computedAt(const DeviceState& hand) const noexcept
@@ -40,6 +56,7 @@ bool ThreadedForceLaw::serve() noexcept
 {
 	if (!m_questions.fetch()) return false;
 	const Question& question = m_questions.readable();
+	if (question.number == 0) return false;
 	Answer& answer = m_answers.writable();
 	answer.number = question.number;
 	answer.beyondCoupling = m_law.handWrench(question.hand, question.step) - reaction(question.step);

@@ -32,8 +32,8 @@ public:
 	bool serve() noexcept;
 
 	// For any thread, at any time:
-	/// Off: the law runs in the tick, as soon as its thread has answered the open question. On again: the law's result of the last tick is
-	/// used until its thread answers.
+	/// Off: the law runs in the tick as soon as its thread has answered the open question. A question that the thread has not begun to
+	/// answer is taken back. On again: the law's result of the last tick is used until its thread answers.
 	void setThreaded(bool on) noexcept { m_threaded.store(on, std::memory_order_relaxed); }
 	bool threaded() const noexcept { return m_threaded.load(std::memory_order_relaxed); }
 	std::uint64_t answers() const noexcept { return m_answered.load(std::memory_order_relaxed); }
@@ -45,7 +45,7 @@ public:
 private:
 	struct Question
 	{
-		std::uint64_t number = 0;
+		std::uint64_t number = 0;  // 0: none; it took the place of one that was taken back
 		DeviceState hand;
 		ToolStep step;
 	};
@@ -59,7 +59,10 @@ private:
 	ForceLaw& m_law;
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
-	std::uint64_t m_asked = 0;
+	void takeQuestionBack() noexcept;
+
+	std::uint64_t m_asked = 0, m_settled = 0;  // numbers of the newest question, and of the newest that was answered or taken back
+	bool m_triedToTakeBack = false;
 	Answer m_held;  // answer in use: the newest of the thread, or the law's result in the tick; number 0: none yet
 	std::atomic<bool> m_threaded{true};
 	std::atomic<std::uint64_t> m_answered{0};

@@ -120,6 +120,30 @@ TEST(ThreadedForceLaw, TheCouplingDoesNotLag)
 	}
 }
 
+// As after a thread of the law that was stopped, or never started.
+TEST(ThreadedForceLaw, InTheTickItWaitsForNoAnswerThatNoThreadHasBegunWith)
+{
+	PushingLaw law;
+	law.push = {1, 0, 0};
+	ThreadedForceLaw threaded(law);
+	DeviceState hand;
+	const ToolStep step;
+	for (int round = 0; round < 3; ++round)
+	{
+		threaded.setThreaded(true);
+		for (int i = 0; i < 10; ++i) (void)threaded.handWrench(hand, step);
+		threaded.setThreaded(false);
+		hand.sampledAt += 1000;
+		law.push.x += 1;
+		EXPECT_EQ(threaded.handWrench(hand, step).force.x, law.push.x);
+		EXPECT_EQ(threaded.computedAt(hand), hand.sampledAt);
+		EXPECT_FALSE(threaded.serve());
+	}
+	threaded.setThreaded(true);
+	(void)threaded.handWrench(hand, step);
+	EXPECT_TRUE(threaded.serve());
+}
+
 TEST(ThreadedForceLaw, WhatTheLawAddsIsThatOfItsLastAnswer)
 {
 	PushingLaw law;
