@@ -321,10 +321,14 @@ void SteppingThread::send(std::int64_t computedAt) noexcept
 	const bool written = m_device.write(m_sent) == DeviceStatus::Ok;
 	if (!written)
 	{
+		if (!m_refuses) m_refusesSince = now;
 		increment(m_deviceErrors);
 		m_sent.wrench = {};
 		m_limiter.takeBack();
+		// As with samples: after longer than a glitch the hand has gone on without a force.
+		if (now - m_refusesSince > m_settings.safety.fullUntil) m_limiter.restart();
 	}
+	m_refuses = !written;
 	const FaultCause latched = m_latchedCause == FaultCause::None ? FaultCause::Raised : m_latchedCause;
 	if (m_limiter.faulted()) report(latched, true);
 	else

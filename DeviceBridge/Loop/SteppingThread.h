@@ -167,11 +167,12 @@ private:
 	DeviceCommand m_sent;
 	std::uint64_t m_sequence = 0;
 	std::int64_t m_deadline = 0, m_lastTick = 0, m_lastSampleTick = 0;
-	std::int64_t m_outageSince = 0;
+	std::int64_t m_outageSince = 0, m_refusesSince = 0;
 	std::uint64_t m_seenJumps = 0;
 	FaultCause m_monitorCause = FaultCause::None, m_latchedCause = FaultCause::None;
 	bool m_scheduled = false;
 	bool m_hasState = false, m_outage = false;
+	bool m_refuses = false;  // the device, the last command
 
 	std::thread m_thread;
 	std::atomic<std::thread::id> m_loopThread{};

@@ -189,6 +189,8 @@ DeviceCommand SafetyLimiter::limit(const DeviceCommand& wanted, const HandSample
 
 DeviceCommand SafetyLimiter::zero(const DeviceCommand& wanted, std::int64_t now) noexcept
 {
+	// What holds the force away may end before the next command.
+	if (m_faulted || !m_enabled) restart();
 	const double dt = elapsed(now);
 	m_passivity.forget();
 	remember({}, {}, dt);

@@ -23,7 +23,7 @@ class FaultyDevice final : public Device
 {
 public:
 	SimulatedDevice hand{simulatedProfile("sigma7").value()};
-	bool unplugged = false, frozen = false;
+	bool unplugged = false, frozen = false, refuses = false;
 	ist::Vec3 jump;
 	DeviceCommand last;
 
@@ -42,7 +42,7 @@ public:
 	}
 	DeviceStatus write(const DeviceCommand& command) noexcept override
 	{
-		if (unplugged) return DeviceStatus::Disconnected;
+		if (unplugged || refuses) return DeviceStatus::Disconnected;
 		last = command;
 		return hand.write(command);
 	}
@@ -235,6 +235,38 @@ TEST(SteppingFault, AnExceptionInAHookIsAFaultAndZeroUntilCleared)
 		rig.thread.clearFault();
 		rig.thread.run(1);
 		EXPECT_EQ(rig.thread.faultCause(), FaultCause::None);
+	}
+}
+
+// No tick lies between the last exception and clearFault().
+TEST(SteppingFault, AForceThatAnExceptionTookAwayComesBackAsAfterEnabling)
+{
+	FaultRig rig;
+	bool bad = true;
+	rig.thread.onHapticTick.addDelegate([&](const DeviceState&, ist::Wrench&) {
+		if (bad) throw 1;
+	});
+	rig.thread.run(100);
+	bad = false;
+	rig.thread.clearFault();
+	rig.thread.run(200);
+	EXPECT_EQ(rig.thread.faultCause(), FaultCause::None);
+	EXPECT_EQ(rig.force(), 0);  // the hand is 20 mm inside
+	EXPECT_GT(rig.thread.safetyCounts().startInside, 150U);
+}
+
+TEST(SteppingFault, ADeviceThatRefusesCommandsTakesThemAgainFromZeroAndNotInsideTheWall)
+{
+	for (const int refused : {3, 100})
+	{
+		FaultRig rig;
+		rig.device.refuses = true;
+		rig.thread.run(refused);
+		EXPECT_EQ(rig.thread.faultCause(), FaultCause::Disconnected);
+		rig.device.refuses = false;
+		rig.thread.run(200);
+		// A glitch is bridged by the slew limit.
+		EXPECT_NEAR(rig.force(), refused == 3 ? 6 : 0, refused == 3 ? 2 : 0);
 	}
 }
 
