@@ -5,9 +5,14 @@ namespace devicebridge
 {
 DeviceStatus ClutchedDevice::read(std::int64_t now, DeviceState& state) noexcept
 {
-	DeviceState own = state;
+	DeviceState own;  // not the last sample, whose flags are those of an open clutch
 	const DeviceStatus status = m_inner->read(now, own);
 	if (status != DeviceStatus::Ok) return status;
+	if (!isRigid(own.X_WH))
+	{
+		state = own;  // to be judged by the caller; an open clutch must neither hide nor keep it
+		return status;
+	}
 	const bool wasOpen = m_open;
 	m_open = (own.buttons & m_buttons) != 0;
 	if (!m_hasPose) m_frozen = own.X_WH;

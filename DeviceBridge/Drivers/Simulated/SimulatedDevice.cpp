@@ -139,6 +139,7 @@ void SimulatedDevice::substep(double time, double h, const ist::Wrench& applied)
 void SimulatedDevice::report(double dt, DeviceState& state)
 {
 	const ist::Vec3 position = quantised(m_pose.translation, m_profile.info.resolution);
+	state = {};  // a decorator may have changed the flags of the sample before
 	state.X_WH = m_pose;
 	state.X_WH.translation = position;
 	if (m_profile.info.angularResolution > 0)

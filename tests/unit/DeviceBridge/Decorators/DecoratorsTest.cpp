@@ -137,6 +137,52 @@ TEST(ClutchedDevice, MovesOnlyTheHandleWhileOpen)
 	EXPECT_EQ(puppet->last.wrench.force, command.wrench.force);
 }
 
+// A loop reads into the sample of the tick before, so the flags of that sample must not stay.
+TEST(ClutchedDevice, TheForceComesBackAfterTheClutchOnADeviceThatLeavesFlagsAsTheyAre)
+{
+	auto simulated = std::make_unique<SimulatedDevice>(simulatedProfile("sigma7").value());
+	/// With a button.
+	struct Buttoned final : DeviceDecorator
+	{
+		using DeviceDecorator::DeviceDecorator;
+		bool pressed = false;
+		DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+		{
+			const DeviceStatus status = m_inner->read(now, state);
+			state.buttons = pressed ? 1 : 0;
+			return status;
+		}
+	};
+	auto owned = std::make_unique<Buttoned>(std::move(simulated));
+	Buttoned& button = *owned;
+	ClutchedDevice device(std::move(owned), 1U);
+	ASSERT_EQ(device.open(), DeviceStatus::Ok);
+	DeviceState state;
+	for (int i = 1; i <= 6; ++i)
+	{
+		button.pressed = i == 3;
+		ASSERT_EQ(device.read(i * kMs, state), DeviceStatus::Ok);
+		EXPECT_EQ(state.flags, i == 3 ? kReady & ~kForcesEnabled : kReady) << i;
+	}
+}
+
+TEST(ClutchedDevice, NeitherHidesNorKeepsAPoseThatIsNone)
+{
+	auto [device, puppet] = decorated<ClutchedDevice>(1U);
+	const ist::Pose good{turn({0, 0, 0.5}), {0.01, 0, 0}};
+	puppet->state.X_WH = good;
+	(void)readAt(*device, 0);
+	puppet->state.X_WH.rotation.m[1][1] = 3;
+	EXPECT_FALSE(isRigid(readAt(*device, 1).X_WH));
+	puppet->state.buttons = 1;
+	EXPECT_FALSE(isRigid(readAt(*device, 2).X_WH));
+	puppet->state.X_WH = good;
+	EXPECT_NEAR(distance(readAt(*device, 3).X_WH.translation, good.translation), 0, 1e-15);
+	puppet->state.buttons = 0;
+	const ist::Pose after = readAt(*device, 4).X_WH;
+	EXPECT_NEAR(norm(rotationVector(ist::quaternion(after.rotation * transpose(good.rotation)))), 0, 1e-12);
+}
+
 // Oracles: the same power on both sides, and a twist that is the derivative of the pose, after clutches that rotated and shifted.
 TEST(ClutchedDevice, KeepsPowerAndReportsTheDerivativeOfItsPose)
 {
