@@ -4,12 +4,11 @@
 #include "BulletHapticForce/Law/btPaperLaw.h"
 #include "BulletHapticForce/World/btISTSceneReport.h"
 #include "BulletHapticForce/World/btISTWorld.h"
-#include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "tests/unit/CountingAllocator.h"
+#include "tests/unit/DeviceBridge/Bullet/KeptTree.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <btBulletDynamicsCommon.h>
@@ -31,27 +30,24 @@ constexpr int kMeasured = 10;                                           // last 
 constexpr double kMass = 3, kAccepted = 0.1, kAcceptedOfUpper = 0.2, kKept = 0.1;
 const btVector3 kBase(30, 20, -10);  // of the scene, far from the origin [m]
 
-std::shared_ptr<const ist::InnerSphereTree> cubeTree(int spheres, bool levels)
+/// So many leaves that pairs of them are worth a memory, and a thread.
+const auto& levelledTree()
 {
-	ist::BuildOptions options;
-	options.maxSpheres = spheres;
-	ist::InnerSphereTree tree = ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value();
-	if (levels) tree.levels = ist::buildLevels(tree.law);
-	return std::make_shared<const ist::InnerSphereTree>(std::move(tree));
+	static const auto tree = keptTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), "cube_1m_1000.ist", 1000);
+	return tree;
 }
 const auto& plainTree()
 {
-	static const auto tree = cubeTree(150, false);
-	return tree;
-}
-const auto& levelledTree()
-{
-	static const auto tree = cubeTree(150, true);
+	static const auto tree = [] {
+		ist::InnerSphereTree copy = *levelledTree();
+		copy.levels.clear();
+		return std::make_shared<const ist::InnerSphereTree>(std::move(copy));
+	}();
 	return tree;
 }
 const auto& coarseTree()
 {
-	static const auto tree = cubeTree(80, false);
+	static const auto tree = keptTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), "coarse_cube_1m.ist", 200);
 	return tree;
 }
 
@@ -147,6 +143,7 @@ struct Scene
 		hasPairCache = cache != nullptr;
 		if (const auto refused = world.registration().setPairCache(cache)) ADD_FAILURE() << refused->message;
 	}
+	void moveUpper(const btVector3& way);
 	/// In a group of its own, Bullet's of what moves: it would put a kinematic body into that of static ones.
 	void addUpper() { world.bullet().addRigidBody(&body(Upper), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter); }
 	void clean() { world.registration().cleanPairs(world.bullet().getPairCache()); }
@@ -321,7 +318,7 @@ const std::vector<Feature>& features()
 				refusedIn(s.world.setForceErrorOf(&s.body(Upper), kAcceptedOfUpper));
 			},
 			[](Scene& s) { s.acceptedOfUpper = -1, refusedIn(s.world.setForceErrorOf(&s.body(Upper), std::nullopt)); }},
-		{"a budget of pairs", {false, 2, 0.02, 0.1}, registration([](R& r) { return r.setPairBudget(100); }),
+		{"a budget of pairs", {false, 4, 0.06, 1}, registration([](R& r) { return r.setPairBudget(200); }),
 			registration([](R& r) { return r.setPairBudget(-1); })},
 		{"no economy", {true}, registration([](R& r) {
 			 return r.setContactCache({false, 0});
@@ -369,6 +366,8 @@ const std::vector<Feature>& features()
 			}},
 		{"a scaled shape", kOtherSurface, [](Scene& s) { s.upperShape.setLocalScaling(btVector3(1, btScalar(1.004), 1)); },
 			[](Scene& s) { s.upperShape.setLocalScaling(btVector3(1, 1, 1)); }},
+		{"a body that is moved", kOtherSurface, [](Scene& s) { s.moveUpper(btVector3(btScalar(0.1), 0, btScalar(-0.07))); },
+			[](Scene& s) { s.moveUpper(btVector3(0, 0, 0)); }},
 		{"a body that is removed", kOtherSurface, [](Scene& s) { s.world.bullet().removeRigidBody(&s.body(Upper)); },
 			[](Scene& s) {
 				s.place(Upper, restPoses()[Upper]);
@@ -420,6 +419,14 @@ const std::vector<Feature>& features()
 			[](Scene& s) { s.world.contacts().measureQueryTime(false); }},
 	};
 	return all;
+}
+
+/// To where it rests, and so far from there, without a turn.
+void Scene::moveUpper(const btVector3& way)
+{
+	btTransform pose = restPoses()[Upper];
+	pose.setOrigin(pose.getOrigin() + way);
+	place(Upper, pose);
 }
 
 /// Bodies begin at rest, and no contact remembers anything.
@@ -554,6 +561,7 @@ void expectRightSums(Scene& s, double share)
 	for (const btISTContact* contact : s.world.contacts().contacts())
 	{
 		if (!contact->treeA || !contact->treeB || contact->stamp + 1 != s.world.contacts().step()) continue;
+		if (contact->accuracy.fadedShare > 0) continue;  // a level fades out over hundreds of steps
 		const ist::OverlapResult leaves = ist::queryOverlap(*contact->treeA, *contact->treeB, contact->X_AB, workspace);
 		const ist::PressurePair law{1, contact->constants.weightA, contact->constants.weightB};
 		const ist::Vec3 truth = ist::pressureWrench(leaves.total, law).force, force = ist::pressureWrench(contact->total, law).force;
@@ -575,7 +583,7 @@ void expectAtRest(Scene& s, const Effect& effect, size_t phase)
 		EXPECT_NEAR(s.upward[size_t(i)], weight + gained, 0.02 * weight) << i;
 		// What is deep in another body leaves it by up to 0.2 m/s, the inverse of the dissipation.
 		const bool leaves = phase < kLast ? effect.energy > 0.1 : effect.height > 0.1;
-		const double slow = effect.unsettled ? 1 : leaves ? 0.3 : 0.08;
+		const double slow = effect.unsettled ? 1 : leaves ? 0.3 : 0.15;
 		EXPECT_LT(double(body.getLinearVelocity().length()), slow) << i;
 	}
 	EXPECT_LE(s.kinetic, 0.02 + effect.energy);
