@@ -141,6 +141,12 @@ MUTATIONS = {
     "copies never put right": (
         BRIDGE + "Bullet/BulletLocalWorld.cpp", "const double part = body.left > h ? h / body.left : 1;", "const double part = 0;",
         "test_bridge", "BulletDecoupled.ABodyOnATableIsPressed"),
+    "answers taken in one topology alone": (
+        BRIDGE + "Bullet/BulletDecoupledSource.cpp", "	takeAnswer();\n	if (wanted", "	if (wanted == ContactThreading::OwnThread) takeAnswer();\n	if (wanted",
+        "test_hand_pairs", "All/FeaturePairsOfAHand.GetAlong/contacts_in_the_world"),
+    "pairs keep what they remember of other shapes": (
+        COLLISION + "Dispatch/btISTCollisionAlgorithm.cpp", "	m_contact->kept.forget();\n	m_contact->memory.reset();", "	m_contact->memory.reset();",
+        "test_world_pairs", "All/FeaturePairsOfAWorld.GetAlong/a_scaled_shape"),
     "impulses as if they had come at once": (
         BRIDGE + "Bullet/BulletWorldCoupling.cpp", "const double late = std::min(", "const double late = 0 * std::min(",
         "test_bridge", "BulletDecoupled.AFreeBodyIsPushedAlikeAtAnyRate"),

@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/CountingAllocator.h"
-#include "tests/unit/DeviceBridge/Bullet/KeptTree.h"
+#include "tests/unit/KeptTree.h"
 
 #include "BulletCollision/CollisionShapes/btSphereShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"

@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
-#include "tests/unit/DeviceBridge/Bullet/KeptTree.h"
+#include "tests/unit/KeptTree.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
 #include "BulletCollision/CollisionShapes/btSphereShape.h"

@@ -3,7 +3,7 @@
 #include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
-#include "tests/unit/DeviceBridge/Bullet/KeptTree.h"
+#include "tests/unit/KeptTree.h"
 
 #include <gtest/gtest.h>
 

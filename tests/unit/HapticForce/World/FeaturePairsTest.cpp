@@ -8,7 +8,7 @@
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "tests/unit/CountingAllocator.h"
-#include "tests/unit/DeviceBridge/Bullet/KeptTree.h"
+#include "tests/unit/KeptTree.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <btBulletDynamicsCommon.h>
