@@ -75,7 +75,7 @@ TEST(AnsweringThread, SleepsWhileNothingIsAsked)
 	desk.ask();
 	ASSERT_TRUE(desk.isAnsweredWithin(std::chrono::seconds(20)));
 	std::this_thread::sleep_for(std::chrono::milliseconds(20));
-	EXPECT_LT(desk.traversals, 10);
+	EXPECT_LT(desk.looks, 10);
 }
 
 TEST(AnsweringThread, WithoutAThreadWakingAndStoppingDoNothing)
@@ -83,7 +83,7 @@ TEST(AnsweringThread, WithoutAThreadWakingAndStoppingDoNothing)
 	Desk desk;
 	desk.ask();
 	desk.thread.stop();
-	EXPECT_EQ(desk.traversals, 0);
+	EXPECT_EQ(desk.looks, 0);
 	ASSERT_TRUE(desk.start());
 	EXPECT_TRUE(desk.isAnsweredWithin(std::chrono::seconds(20))) << "asked before it was there";
 }
