@@ -254,7 +254,7 @@ TEST(MeshRepair, EndsVeryFarFromTheOrigin)
 TEST(MeshRepair, SizesThatNoTreeCanStoreAreRefused)
 {
 	for (const double side : {1e-30, 1e-9, 2e7, 1e13, 1e18, 1e30})
-		expectRefused(makeBoxMesh({side / 2, side / 2, side / 2}), "in what unit");
+		expectRefused(makeBoxMesh({side / 2, side / 2, side / 2}), "pass its unit");
 	for (const double side : {1e-6, 1e7})
 		for (const RepairMode mode : {RepairMode::Auto, RepairMode::Off})
 			EXPECT_TRUE(repair(makeBoxMesh({side / 2, side / 2, side / 2}), mode));
