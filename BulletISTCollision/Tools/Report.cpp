@@ -70,8 +70,8 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["area"] = tree.area;
 	report["longest_side"] = tree.box.longestSide();
 	report["watertight"] = p.watertight;
-	report["repair"] = Report::array();
-	for (const std::string& sentence : p.repair) report["repair"].push_back(withFlags(sentence));
+	report["repair"] = Report::list();
+	for (const std::string& sentence : p.repair) report["repair"].append(withFlags(sentence));
 	report["volume_change"] = volumeChange(tree);
 	report["mean_gap"] = tree.meanGap;
 	report["max_gap"] = tree.maxGap;
