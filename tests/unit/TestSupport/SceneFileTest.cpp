@@ -45,8 +45,8 @@ const char* const kWhole = R"({
 		"tool": "tool",
 		"gravity": true,
 		"origin": {"position": [0, 0, 1], "turn": [0, 0, 45]},
-		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05,
-"softContact": 4},
+		"coupling": {"stiffness": 500, "angularStiffness": 0.1, "damping": 1, "angularDamping": 0.001, "maxForce": 5, "maxTorque": 0.05,)"
+						   R"("softContact": 4},
 		"path": [
 			{"time": 0, "position": [0, 0, 1]},
 			{"time": 1, "position": [0, 0, 2], "turn": [10, 0, 0]}
