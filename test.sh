@@ -3,7 +3,8 @@
 # Installs what is missing, builds in Release, and runs tests.
 # Usage: ./test.sh [--all] [--yes]
 #   without --all: the libraries in single precision and their quick tests; some ten minutes on two cores without a compiler cache
-#   --all: everything that CI runs: both precisions, demos, consumers, each header by itself, and the sanitizers; not the tests labelled "long"
+#   --all: everything that CI runs: both precisions, demos, consumers, each header by itself, and the sanitizers;
+#     the tests labelled "long" stay out
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -24,5 +25,6 @@ if [ -n "$all" ]; then
 	for preset in release asan tsan; do run $preset; done
 else
 	run quick
-	echo "These were the quick tests. Run the rest with ./test.sh --all (more than an hour on two cores). CONTRIBUTING.md says how to run one file."
+	echo "These were the quick tests. Run the rest with ./test.sh --all (more than an hour on two cores)." \
+		"CONTRIBUTING.md says how to run one file."
 fi

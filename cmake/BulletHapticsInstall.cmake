@@ -13,8 +13,8 @@ set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)
 install(TARGETS ${libraries} EXPORT BulletHapticsTargets
 	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
 	LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/generated/BulletISTCollision/Core/Base/Version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core/Base
-	COMPONENT dev)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/generated/BulletISTCollision/Core/Base/Version.h
+	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core/Base COMPONENT dev)
 foreach(header ${BULLETHAPTICS_HEADERS})
 	cmake_path(GET header PARENT_PATH folder)
 	install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT dev)
@@ -37,7 +37,8 @@ endif()
 install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT ${scenes_component})
 set(scene_folder ${CMAKE_INSTALL_DATADIR}/BulletHaptics/scenes)
 
-configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake INSTALL_DESTINATION ${package_folder} PATH_VARS scene_folder)
+configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake
+	INSTALL_DESTINATION ${package_folder} PATH_VARS scene_folder)
 write_basic_package_version_file(BulletHapticsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
 # Debian packages: cmake --preset package && cmake --build --preset package && cpack --config build/package/CPackConfig.cmake
-# libbullethaptics0.2 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools, bullethaptics-demos, python3-bullethaptics.
+# The packages are libbullethaptics0.2 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools,
+# bullethaptics-demos and python3-bullethaptics.
 if(NOT BUILD_SHARED_LIBS OR NOT UNIX)
 	return()
 endif()
@@ -28,7 +29,8 @@ file(READ LICENSE license)
 string(REGEX REPLACE "\n(\n|$)" "\n .\n" license "\n${license}")
 string(REGEX REPLACE "\n([^ \n])" "\n \\1" license "${license}")
 string(REGEX REPLACE "( \\.\n)+$" "" license "${license}")
-file(WRITE ${papers}/copyright "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: BulletHaptics\n\n"
+file(WRITE ${papers}/copyright
+	"Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: BulletHaptics\n\n"
 	"Files: *\nCopyright: the BulletHaptics authors\nLicense: Zlib\n\nLicense: Zlib${license}")
 function(compressed input output)
 	execute_process(COMMAND ${BULLETHAPTICS_GZIP} -9nc ${input} OUTPUT_FILE ${output} COMMAND_ERROR_IS_FATAL ANY)
@@ -58,16 +60,19 @@ function(bullethaptics_package component name description)
 endfunction()
 set(same "(= ${PROJECT_VERSION}-${revision})")
 bullethaptics_package(runtime libbullethaptics${abi} "volumetric contact for Bullet Physics, shared libraries" SECTION libs EXPLANATION
-	"Contact that can be felt: overlap volume, force and torque between any two" "closed meshes, from inner sphere trees. For Bullet in single and in double" "precision.")
+	"Contact that can be felt: overlap volume, force and torque between any two"
+	"closed meshes, from inner sphere trees. For Bullet in single and in double" "precision.")
 bullethaptics_package(dev libbullethaptics-dev "volumetric contact for Bullet Physics, development files" SECTION libdevel
 	DEPENDS "libbullethaptics${abi} ${same}, libbullet-dev, libassimp-dev" SUGGESTS "libgmock-dev, libbullet-extras-dev" EXPLANATION
-	"Headers, CMake package and pkg-config files of BulletHaptics, for Bullet in" "single and in double precision, and matchers for the physics tests of games.")
+	"Headers, CMake package and pkg-config files of BulletHaptics, for Bullet in"
+	"single and in double precision, and matchers for the physics tests of games.")
 bullethaptics_package(tools bullethaptics-tools "volumetric contact for Bullet Physics, command-line tools" SECTION science
 	DEPENDS "libbullethaptics${abi} ${same}" PAGES ist.1 devicebridge.1 EXPLANATION
 	"ist packs meshes with spheres, checks and queries the result; devicebridge" "lists, tries, records and measures haptic devices.")
 bullethaptics_package(demos bullethaptics-demos "volumetric contact for Bullet Physics, demos" SECTION science
 	DEPENDS "libbullethaptics${abi} ${same}" RECOMMENDS glmark2-data PAGES haptic_demos.1 EXPLANATION
-	"A browser of demos in a window. They and scene files of one's own also run" "without a display, and write reports with charts: bodies that fall, grasp and"
+	"A browser of demos in a window. They and scene files of one's own also run"
+	"without a display, and write reports with charts: bodies that fall, grasp and"
 	"screw, and a simulated hand that presses a rod on a mesh, among others.")
 if(TARGET bullethaptics_python)
 	math(EXPR next "${BULLETHAPTICS_PYTHON_MINOR} + 1")

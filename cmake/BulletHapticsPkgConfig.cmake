@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# pkg-config files: bullethaptics-core and -devices, and bullethaptics-collision, -force, -test-support and -device-bridge in both precisions of
-# Bullet. They find their folder themselves, so that an installation may be moved.
+# pkg-config files: bullethaptics-core and -devices, and in both precisions of Bullet bullethaptics-collision, -force, -test-support and
+# -device-bridge. They find their folder themselves, so that an installation may be moved.
 function(bullethaptics_pkg_config name description requires libraries)
 	set(definitions "${ARGN}")
 	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
@@ -57,7 +57,8 @@ bullethaptics_pkg_config(core "Overlap of closed meshes from inner sphere trees"
 bullethaptics_pkg_config(devices "Haptic devices and hands" "bullethaptics-core" "${devices_libraries}")
 foreach(precision ${BULLETHAPTICS_PRECISIONS})
 	set(suffix ${suffix_${precision}})
-	# As FindBulletPhysics.cmake does: Bullet's own build names its package alike in both precisions, and does not say that it was made for threads.
+	# Bullet's own build gives its package the same name in both precisions, and does not say whether it was built for threads.
+	# Both answers therefore come from what FindBulletPhysics.cmake found.
 	string(REGEX MATCH "-float64" bullet_suffix "${BulletPhysics_${precision}_BulletDynamics}")
 	set(threads "")
 	if(BulletPhysics_${precision}_THREADSAFE)
@@ -69,6 +70,6 @@ foreach(precision ${BULLETHAPTICS_PRECISIONS})
 	bullethaptics_pkg_config(force${suffix} "Volumetric contact for Bullet" "bullethaptics-collision${suffix}" "-lBulletHapticForce${suffix}")
 	bullethaptics_pkg_config(test-support${suffix} "Physics tests for games with volumetric contact" "bullethaptics-force${suffix}"
 		"-lBulletHapticsTestSupport${suffix}")
-	bullethaptics_pkg_config(device-bridge${suffix} "Haptic devices and hands in a Bullet world" "bullethaptics-force${suffix} bullethaptics-devices"
-		"-lDeviceBridge${suffix}")
+	bullethaptics_pkg_config(device-bridge${suffix} "Haptic devices and hands in a Bullet world"
+		"bullethaptics-force${suffix} bullethaptics-devices" "-lDeviceBridge${suffix}")
 endforeach()

@@ -8,7 +8,8 @@ endif()
 configure_file(docs/Doxyfile.in Doxyfile @ONLY)
 add_custom_target(site COMMAND Doxygen::doxygen ${CMAKE_CURRENT_BINARY_DIR}/Doxyfile VERBATIM)
 if(BULLETHAPTICS_TESTS AND NOT BULLETHAPTICS_SANITIZE)
-	add_test(NAME docs_site COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/tests/docs/run_site.py $<TARGET_FILE:Doxygen::doxygen> ${CMAKE_CURRENT_BINARY_DIR}/Doxyfile
-		${CMAKE_CURRENT_BINARY_DIR}/site/html)
+	add_test(NAME docs_site
+		COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/tests/docs/run_site.py
+			$<TARGET_FILE:Doxygen::doxygen> ${CMAKE_CURRENT_BINARY_DIR}/Doxyfile ${CMAKE_CURRENT_BINARY_DIR}/site/html)
 	set_tests_properties(docs_site PROPERTIES LABELS slow)
 endif()

@@ -9,8 +9,9 @@
 # BulletPhysics_<component>_THREADSAFE, BulletPhysics_VERSION.
 #
 # BULLET_ROOT: folders that Bullet was installed into; nothing is looked for elsewhere then. Debian calls the libraries of double precision
-# Bullet...-float64. Bullet's own build gives both precisions the same names, so that each needs a folder of its own. Which one a library has
-# it is asked itself, and whether it was built for threads (BT_THREADSAFE). This then holds for its users, too: some of its locks are in headers.
+# Bullet...-float64. Bullet's own build gives both precisions the same names, so each precision needs a folder of its own.
+# The symbols of a library tell its precision, and whether it was built for threads (BT_THREADSAFE).
+# Users of a library for threads get the same definition, because some of its locks are in headers.
 
 # Whether a library names a symbol that contains this.
 function(_bulletphysics_names library symbol result)
@@ -38,7 +39,8 @@ endfunction()
 function(_bulletphysics_component component other)
 	foreach(name IN LISTS ARGN)
 		foreach(root IN LISTS BULLET_ROOT)
-			_bulletphysics_try(${component} ${other} ${name} PATHS "${root}" PATH_SUFFIXES lib lib64 "lib/${CMAKE_LIBRARY_ARCHITECTURE}" NO_DEFAULT_PATH)
+			_bulletphysics_try(${component} ${other} ${name} PATHS "${root}"
+				PATH_SUFFIXES lib lib64 "lib/${CMAKE_LIBRARY_ARCHITECTURE}" NO_DEFAULT_PATH)
 		endforeach()
 		if(NOT BULLET_ROOT)
 			_bulletphysics_try(${component} ${other} ${name})
@@ -54,7 +56,8 @@ function(_bulletphysics_component component other)
 		list(APPEND libraries "${BulletPhysics_${component}_${library}}")
 	endforeach()
 	# Beside the libraries: those of another Bullet may differ in what an object holds.
-	find_path(BulletPhysics_${component}_INCLUDE_DIR btBulletDynamicsCommon.h PATHS "${folder}/.." "${folder}/../.." PATH_SUFFIXES include/bullet NO_DEFAULT_PATH)
+	find_path(BulletPhysics_${component}_INCLUDE_DIR btBulletDynamicsCommon.h PATHS "${folder}/.." "${folder}/../.."
+		PATH_SUFFIXES include/bullet NO_DEFAULT_PATH)
 	find_path(BulletPhysics_${component}_INCLUDE_DIR btBulletDynamicsCommon.h PATH_SUFFIXES include/bullet bullet)
 	mark_as_advanced(BulletPhysics_${component}_BulletDynamics BulletPhysics_${component}_BulletCollision BulletPhysics_${component}_LinearMath
 		BulletPhysics_${component}_INCLUDE_DIR)

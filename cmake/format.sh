@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Zlib
 # Formats all C++ sources as .clang-format says, with clang-format 14: other versions break lines elsewhere.
 # Usage: cmake/format.sh [--check]
-#   --check   changes nothing; says which files differ, and which lines of any source are longer than 140 characters
+#   --check   changes nothing; says which files differ, and which lines of any source or script are longer than 140 characters
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,13 +17,17 @@ if ! git rev-parse --git-dir >/dev/null 2>&1; then
 fi
 list=$(mktemp)
 trap 'rm -f "$list"' EXIT
-git ls-files -z '*.h' '*.cpp' | while IFS= read -r -d '' file; do [ ! -e "$file" ] || printf '%s\0' "$file"; done >"$list"
+# tracked PATTERN...: the files of the clone that exist, each ended by a zero byte.
+tracked() { git ls-files -z "$@" | while IFS= read -r -d '' file; do [ ! -e "$file" ] || printf '%s\0' "$file"; done; }
+tracked '*.h' '*.cpp' >"$list"
 if [ "${1:-}" != --check ]; then
 	xargs -0 "$format" -i <"$list"
 	exit
 fi
 status=0
 xargs -0 "$format" --dry-run --Werror --ferror-limit=1 <"$list" || status=1
+# clang-format knows no scripts: their lines are broken by hand.
+tracked '*.py' '*.sh' '*.cmake' '*CMakeLists.txt' '*.in' .ci/run >>"$list"
 long=$(xargs -0 awk 'length > 140 { print FILENAME ":" FNR ": " length " characters, more than 140" }' <"$list")
 if [ -n "$long" ]; then
 	echo "$long" >&2

@@ -21,8 +21,10 @@ for argument in "$@"; do
 	esac
 done
 
-packages=(g++ make cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev zlib1g-dev libcli11-dev nlohmann-json3-dev)
-[ $scope = library ] || packages+=(glmark2-data libgtest-dev libgmock-dev python3 libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev
+packages=(g++ make cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev zlib1g-dev
+	libcli11-dev nlohmann-json3-dev)
+[ $scope = library ] || packages+=(glmark2-data libgtest-dev libgmock-dev python3 libboost-dev libopenxr-dev libsdl2-dev libspnav-dev
+	libx11-dev
 	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core file dpkg-dev)
 [ $scope = library ] || [ $scope = demos ] || packages+=(locales clang clang-format-14 python3-dev python3-numpy pybind11-dev doxygen
 	spacenavd xvfb xauth reuse abigail-tools)

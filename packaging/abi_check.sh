@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Zlib
 # May programs that were built against an earlier version run with this one, without being built anew?
 # Usage: packaging/abi_check.sh REVISION             builds the libraries of that revision and of the working tree, and compares
-#        packaging/abi_check.sh --release            the same with the last release: the highest of the tags v*, else the commit that set the version
+#        packaging/abi_check.sh --release            the same with the last release: the highest of the tags v*,
+#                                                    else the commit that set the version
 #        packaging/abi_check.sh --installed OLD NEW  compares two install prefixes whose libraries hold debug information
-# Exit status: 0 yes, or the soname changed and says no by itself; 1 no; 77 abidiff is not there (apt-get install abigail-tools), or there is no release yet.
+# Exit status: 0 yes, or the soname changed and says no by itself; 1 no; 77 abidiff is not there (apt-get install abigail-tools),
+# or there is no release yet.
 set -euo pipefail
 
 command -v abidiff >/dev/null || { echo "skipped: no abidiff (apt-get install abigail-tools)" >&2; exit 77; }
@@ -37,7 +39,8 @@ onlyAdded() { abidiff --no-added-syms --drop-private-types --headers-dir1 "$1/in
 
 install_tree() { # SOURCE PREFIX
 	cmake -S "$1" -B "$2.build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=-g -DBUILD_SHARED_LIBS=ON -DBULLETHAPTICS_TESTS=OFF \
-		-DBULLETHAPTICS_TOOLS=OFF -DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_PYTHON=OFF -DBULLETHAPTICS_PRELOAD=OFF -DCMAKE_INSTALL_PREFIX="$2" >/dev/null
+		-DBULLETHAPTICS_TOOLS=OFF -DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_PYTHON=OFF -DBULLETHAPTICS_PRELOAD=OFF \
+		-DCMAKE_INSTALL_PREFIX="$2" >/dev/null
 	cmake --build "$2.build" --target install >/dev/null
 }
 
@@ -60,6 +63,6 @@ elif [ $# -eq 1 ] && [ "${1:0:1}" != - ]; then
 	install_tree "$source" "$work/new"
 	compare "$work/old" "$work/new"
 else
-	sed -n '3,7s/^# //p' "$0" >&2
+	sed -n '3,9s/^# //p' "$0" >&2
 	exit 2
 fi

@@ -19,7 +19,8 @@ class Drawing:
 
     def text(self, x, y, words, size=13, fill=INK, anchor="start", weight="normal"):
         words = words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-        self.add(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" fill="{fill}" text-anchor="{anchor}" font-weight="{weight}">{words}</text>')
+        self.add(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" fill="{fill}" text-anchor="{anchor}" '
+                 f'font-weight="{weight}">{words}</text>')
 
     def line(self, points, stroke=INK, width=1.5, arrow=False, dash=""):
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
@@ -32,14 +33,16 @@ class Drawing:
         self.add(f'<polygon points="{path}" fill="{fill}" fill-opacity="{opacity}" stroke="{stroke}" stroke-width="{width}"/>')
 
     def circle(self, x, y, r, fill="none", stroke=INK, width=1, opacity=1):
-        self.add(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{r:.1f}" fill="{fill}" fill-opacity="{opacity}" stroke="{stroke}" stroke-width="{width}"/>')
+        self.add(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{r:.1f}" fill="{fill}" fill-opacity="{opacity}" '
+                 f'stroke="{stroke}" stroke-width="{width}"/>')
 
     def ellipse(self, x, y, a, b, degrees, fill="none", stroke=INK, width=1, opacity=1):
         self.add(f'<ellipse cx="0" cy="0" rx="{a:.1f}" ry="{b:.1f}" transform="translate({x:.1f} {y:.1f}) rotate({degrees:.1f})" '
                  f'fill="{fill}" fill-opacity="{opacity}" stroke="{stroke}" stroke-width="{width}"/>')
 
     def write(self, name):
-        arrows = "".join(f'<marker id="{colour.strip("#")}" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="7" markerHeight="7" orient="auto">'
+        arrows = "".join(f'<marker id="{colour.strip("#")}" viewBox="0 0 10 10" refX="9" refY="5" '
+                         f'markerWidth="7" markerHeight="7" orient="auto">'
                          f'<path d="M0 0L10 5L0 10z" fill="{colour}"/></marker>' for colour in (INK, QUIET, BLUE, GREEN, ORANGE, VIOLET))
         head = (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width} {self.height}" width="{self.width}" role="img" '
                 f'aria-label="{self.label}" font-family="sans-serif">\n<defs>{arrows}</defs>\n'
@@ -49,13 +52,17 @@ class Drawing:
 
 # The pipeline: a station is (folder, what it gives).
 LANES = [
-    ("Once, offline: BulletISTCollision/Core", BLUE, [("Import", "triangles [m]"), ("Repair", "a closed mesh"), ("Packing", "spheres"), ("Leaves", "leaves"),
-                                                      ("Tree", "tree, levels"), ("Asset", ".ist file")]),
-    ("A query: BulletISTCollision/Core", GREEN, [("Query", "integrals per patch"), ("Force", "wrench, K, sigma"), ("Accuracy", "level for a tolerance")]),
-    ("A step of the world: BulletISTCollision and BulletHapticForce", ORANGE, [("Registry", "shape to tree"), ("Dispatch", "pair to algorithm"), ("PairQuery", "ask, or reuse"),
-                                                                              ("Contact", "contact store"), ("Law", "wrench, K, D"), ("Solver", "impulses"), ("World", "motion")]),
-    ("A tick of the hand, 1 kHz: DeviceBridge", VIOLET, [("Device", "pose of the hand"), ("Loop", "one tick"), ("Coupling", "pull on the tool"), ("Bullet", "tool and contacts"),
-                                                         ("Safety", "limited force"), ("Device", "force at the hand")]),
+    ("Once, offline: BulletISTCollision/Core", BLUE, [
+        ("Import", "triangles [m]"), ("Repair", "a closed mesh"), ("Packing", "spheres"), ("Leaves", "leaves"),
+        ("Tree", "tree, levels"), ("Asset", ".ist file")]),
+    ("A query: BulletISTCollision/Core", GREEN, [
+        ("Query", "integrals per patch"), ("Force", "wrench, K, sigma"), ("Accuracy", "level for a tolerance")]),
+    ("A step of the world: BulletISTCollision and BulletHapticForce", ORANGE, [
+        ("Registry", "shape to tree"), ("Dispatch", "pair to algorithm"), ("PairQuery", "ask, or reuse"),
+        ("Contact", "contact store"), ("Law", "wrench, K, D"), ("Solver", "impulses"), ("World", "motion")]),
+    ("A tick of the hand, 1 kHz: DeviceBridge", VIOLET, [
+        ("Device", "pose of the hand"), ("Loop", "one tick"), ("Coupling", "pull on the tool"), ("Bullet", "tool and contacts"),
+        ("Safety", "limited force"), ("Device", "force at the hand")]),
 ]
 
 
@@ -70,7 +77,8 @@ def pipeline():
         for column, (folder, gives) in enumerate(stations):
             x = 24 + column * step + (2 * step if row == 1 else 0)
             places[row, column] = (x, y)
-            drawing.add(f'<rect x="{x}" y="{y}" width="{width}" height="{height}" rx="6" fill="{colour}" fill-opacity="0.09" stroke="{colour}" stroke-width="1.5"/>')
+            drawing.add(f'<rect x="{x}" y="{y}" width="{width}" height="{height}" rx="6" fill="{colour}" fill-opacity="0.09" '
+                        f'stroke="{colour}" stroke-width="1.5"/>')
             drawing.text(x + width / 2, y + 23, folder, 15, INK, "middle", "bold")
             drawing.text(x + width / 2, y + 43, gives, 11, "#444", "middle")
             if column:
@@ -81,14 +89,17 @@ def pipeline():
         x, middle = xa + width / 2 + shift, (ya + height + yb) / 2
         xb += width / 2 + shift
         points = [(x, ya + height), (x, middle + at), (xb, middle + at), (xb, yb - 3)]
-        drawing.line(points if not back else [(xb, yb), (xb, middle + at), (x, middle + at), (x, ya + height + 3)], colour, 1.5, True, "5 3")
+        if back:
+            points = [(xb, yb), (xb, middle + at), (x, middle + at), (x, ya + height + 3)]
+        drawing.line(points, colour, 1.5, True, "5 3")
         drawing.text((x + xb) / 2 + (8 if side == "start" else -8), middle + at - 5, words, 11, QUIET, side)
 
     joint((0, 5), (1, 0), "tree", -8)
     joint((1, 0), (2, 2), "integrals", -12, shift=26)
     joint((1, 0), (2, 2), "two trees, pose", -12, "end", True, -26)
     x, y = places[0, 5]
-    drawing.line([(x + width, y + height / 2), (1078, y + height / 2), (1078, 264), (14, 264), (14, 338), (21, 338)], QUIET, 1.5, True, "5 3")
+    points = [(x + width, y + height / 2), (1078, y + height / 2), (1078, 264), (14, 264), (14, 338), (21, 338)]
+    drawing.line(points, QUIET, 1.5, True, "5 3")
     drawing.text(1070, 258, "tree of a shape", 11, QUIET, "end")
     joint((2, 6), (3, 3), "bodies near the tool", 4, shift=20)
     joint((2, 6), (3, 3), "impulses of the tool", -14, "end", True, -20)
@@ -245,7 +256,8 @@ def glossary():
     at = panel(drawing, 2, 1, "tree, block")
     names = [("root", 120, 10, 110), ("nodes", 62, 62, 52), ("", 178, 62, 52)]
     for _, x, y, w in names:
-        drawing.add(f'<rect x="{at((x - w / 2, y))[0]:.1f}" y="{at((x, y))[1]:.1f}" width="{w}" height="24" rx="4" fill="{BLUE}" fill-opacity="0.12" stroke="{BLUE}"/>')
+        drawing.add(f'<rect x="{at((x - w / 2, y))[0]:.1f}" y="{at((x, y))[1]:.1f}" width="{w}" height="24" rx="4" '
+                    f'fill="{BLUE}" fill-opacity="0.12" stroke="{BLUE}"/>')
     drawing.text(*at((120, 27)), "root", 12, INK, "middle")
     for x in (62, 178):
         drawing.text(*at((x, 79)), "node", 12, INK, "middle")
@@ -258,9 +270,12 @@ def glossary():
 
     at = panel(drawing, 0, 2, "pair, lens, lens centroid")
     drawing.ellipse(*at((92, 82)), 72, 40, 20, BLUE, BLUE, 1.2, 0.15)
-    drawing.add(f'<clipPath id="lens"><ellipse cx="0" cy="0" rx="72" ry="40" transform="translate({at((92, 82))[0]:.1f} {at((92, 82))[1]:.1f}) rotate(20)"/></clipPath>')
+    cx, cy = at((92, 82))
+    drawing.add(f'<clipPath id="lens"><ellipse cx="0" cy="0" rx="72" ry="40" '
+                f'transform="translate({cx:.1f} {cy:.1f}) rotate(20)"/></clipPath>')
     cx, cy = at((168, 92))
-    drawing.add(f'<g clip-path="url(#lens)"><ellipse cx="0" cy="0" rx="66" ry="34" transform="translate({cx:.1f} {cy:.1f}) rotate(-35)" fill="{ORANGE}" fill-opacity="0.6"/></g>')
+    drawing.add(f'<g clip-path="url(#lens)"><ellipse cx="0" cy="0" rx="66" ry="34" '
+                f'transform="translate({cx:.1f} {cy:.1f}) rotate(-35)" fill="{ORANGE}" fill-opacity="0.6"/></g>')
     drawing.ellipse(cx, cy, 66, 34, -35, GREEN, GREEN, 1.2, 0.15)
     drawing.circle(*at((135, 99)), 3, INK, INK)
     drawing.text(*at((42, 70)), "leaf of A", 12, BLUE)
@@ -279,7 +294,9 @@ def glossary():
     at = panel(drawing, 2, 2, "depth, pressure field")
     for inset, opacity in ((0, 0.1), (16, 0.14), (32, 0.2), (48, 0.3)):
         if inset < 50:
-            drawing.add(f'<rect x="{at((16 + inset, 0))[0]:.1f}" y="{at((0, 14 + inset))[1]:.1f}" width="{210 - 2 * inset}" height="{130 - 2 * inset}" fill="{BLUE}" fill-opacity="{opacity}" stroke="{BLUE}"/>')
+            x, y = at((16 + inset, 14 + inset))
+            drawing.add(f'<rect x="{x:.1f}" y="{y:.1f}" width="{210 - 2 * inset}" height="{130 - 2 * inset}" '
+                        f'fill="{BLUE}" fill-opacity="{opacity}" stroke="{BLUE}"/>')
     arrow(drawing, at, (121, 79), (0, -1), 62, ORANGE)
     drawing.text(*at((128, 40)), "normal", 12, ORANGE)
     drawing.text(*at((0, 172)), "darker: deeper, and more pressure", 11, QUIET)

@@ -35,7 +35,8 @@ class BulletHapticsConan(ConanFile):
 
     def export_sources(self):
         folders = ("BulletISTCollision", "BulletHapticForce", "DeviceBridge", "TestSupport", "cmake")
-        for pattern in ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "data/devices/*", "data/scenes/*", "packaging/*"] + [f + "/*" for f in folders]:
+        files = ["CMakeLists.txt", "package.xml", "LICENSE", "docs/Doxyfile.in", "data/devices/*", "data/scenes/*", "packaging/*"]
+        for pattern in files + [f + "/*" for f in folders]:
             copy(self, pattern, self._checkout, self.export_sources_folder)
 
     def layout(self):
@@ -53,7 +54,8 @@ class BulletHapticsConan(ConanFile):
         check_min_cppstd(self, 20)
         bullet = next((d for r, d in self.dependencies.items() if r.ref.name == "bullet3"), None)
         if bullet and bullet.options.get_safe("double_precision"):
-            raise ConanInvalidConfiguration("Conan's Bullet in double precision has the file names of single precision: use bullet3/*:double_precision=False")
+            raise ConanInvalidConfiguration("Conan's Bullet in double precision has the file names of single precision: "
+                                            "use bullet3/*:double_precision=False")
 
     def generate(self):
         toolchain = CMakeToolchain(self)

@@ -17,5 +17,8 @@ for mode in naive paper law law+K law+K+patches; do
 	pairs=$("$bench" --cache "$folder" --poses 4 --visits 1 --only "$mode" --overlap "$overlap" "$spheres" | awk 'END { print $4 }')
 	set -- $(counts "$mode" 1) $(counts "$mode" 5)
 	awk -v mode="$mode" -v pairs="$pairs" -v i1="$1" -v m1="$2" -v i5="$3" -v m5="$4" -v isa="$BULLETHAPTICS_ISA" \
-		'BEGIN { n = 4 * 4 * pairs; printf "%-13s %s: %.0f pairs, %.0f instructions and %.2f mispredicts a pair\n", mode, isa, pairs, (i5 - i1) / n, (m5 - m1) / n }'
+		'BEGIN {
+			n = 4 * 4 * pairs
+			printf "%-13s %s: %.0f pairs, %.0f instructions and %.2f mispredicts a pair\n", mode, isa, pairs, (i5 - i1) / n, (m5 - m1) / n
+		}'
 done

@@ -15,7 +15,8 @@ run()
 # Lines "visits, instructions, function".
 for visits in 1 5; do
 	run valgrind --tool=callgrind --callgrind-out-file="$counts.$visits" "$bench" >"$counts.log" 2>&1
-	callgrind_annotate --threshold=100 --show-percs=no "$counts.$visits" | awk -v v="$visits" '$2 ~ /:/ { gsub(",", "", $1); $1 = v " " $1; print }' >>"$counts"
+	callgrind_annotate --threshold=100 --show-percs=no "$counts.$visits" |
+		awk -v v="$visits" '$2 ~ /:/ { gsub(",", "", $1); $1 = v " " $1; print }' >>"$counts"
 done
 visits=1
 pairs=$(run "$bench" | awk 'END { print $4 }')

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
-# Builds all libraries, both commands and tests for 64-bit ARM, and runs the tests of the query, the collision algorithm, the solver and the devices under
-# QEMU, which takes twenty times as long: of the tests of core and devices those that take this machine itself no more than a second, and those that
-# compare queries with brute force; of the devices none that keeps time with a clock, and none that counts page faults, which are QEMU's.
+# Builds all libraries, both commands and tests for 64-bit ARM, and runs tests under QEMU, which takes twenty times as long.
+# It runs the tests of the collision algorithm and the solver, and those that compare queries with brute force.
+# Of the other tests of core and devices it runs those that take this machine itself no more than a second.
+# Tests of devices that keep time with a clock stay out, and so do tests that count page faults, which are QEMU's.
 # The libraries of that architecture are unpacked from this Debian's own package sources; nothing is installed.
 # Usage: tests/compilers/arm64.sh SOURCE FOLDER NATIVE
 #   NATIVE: a folder with the same test programs for this machine (BUILD/tests/unit)
@@ -23,7 +24,8 @@ for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources; do [ -
 
 if [ ! -d "$root" ]; then
 	mkdir -p "$folder"
-	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,zlib1g-dev,libeigen3-dev,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev,libpng-dev
+	packages=libc6-dev,libstdc++-12-dev,libbullet-dev,libbullet-extras-dev,libassimp-dev,zlib1g-dev,libeigen3-dev
+	packages+=,libgtest-dev,libgmock-dev,nlohmann-json3-dev,libcli11-dev,libpng-dev
 	mmdebstrap --quiet --architectures=arm64 --variant=extract --include=$packages "$VERSION_CODENAME" "$root.new" "${sources[@]}"
 	# Links and CMake files that name files from the root of the file system.
 	find "$root.new" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do ln -sfn "$root$target" "$link"; done
@@ -49,14 +51,18 @@ quick()
 	done 2>/dev/null
 }
 
-quiet cmake --build "$build" --target ist devicebridge_command DeviceBridge DeviceBridge-float64 BulletHapticsTestSupport BulletHapticsTestSupport-float64
+quiet cmake --build "$build" --target ist devicebridge_command DeviceBridge DeviceBridge-float64 \
+	BulletHapticsTestSupport BulletHapticsTestSupport-float64
 status=0
 qemu-aarch64 -L "$root" "$build/DeviceBridge/Tools/devicebridge" list >/dev/null || status=1
 for program in test_core test_core_threads test_devices test_collision test_collision-float64 test_force test_force-float64; do
 	quiet cmake --build "$build" --target $program
 	filter='*'
 	case $program in
-		test_core*) filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)-AtomicFile.AMappedPartThatWasPopulated*" ;;
+		test_core*)
+			filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)"
+			filter+="-AtomicFile.AMappedPartThatWasPopulated*"
+			;;
 		test_devices) filter="$(quick "$native/$program" | paste -sd:)-Stepping*:Threaded*:AnsweringThread.*:GapBridge.*" ;;
 	esac
 	echo "$program:"

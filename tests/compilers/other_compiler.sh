@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
-# Builds the libraries with the other of g++ and clang++, warnings as errors, installs them, and uses them from there as somebody's own program would;
-# then runs the tests of the core, and in single precision those of the collision algorithm and the solver. Without OpenMP, of which clang has a package
-# of its own. (same_assets_test.py builds the command.)
+# Builds the libraries with the other of g++ and clang++, with warnings as errors, and installs them.
+# A program as a user would write it uses them from there. Then the tests of the core run, and in single precision those of the collision
+# algorithm and the solver. OpenMP stays out, because it is a package of its own for clang. (same_assets_test.py builds the command.)
 # Usage: tests/compilers/other_compiler.sh SOURCE FOLDER THIS_COMPILER_ID
 # Exit status 77: the other compiler is missing, with the line that installs it.
 set -euo pipefail

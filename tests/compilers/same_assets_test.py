@@ -63,7 +63,8 @@ def main():
                 made = []
                 for k, command in enumerate(commands):
                     asset = folder / f"{k}.ist"
-                    subprocess.run([command, "build", folder / f"{mesh}.obj", "-o", asset, "--spheres", str(spheres), "--quiet"], check=True)
+                    options = ["-o", asset, "--spheres", str(spheres), "--quiet"]
+                    subprocess.run([command, "build", folder / f"{mesh}.obj", *options], check=True)
                     made.append(asset.read_bytes())
                 same = made[0] == made[1]
                 differing += not same

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# Builds and installs the project as a package of ROS by colcon, which reads package.xml, and uses it from there. SOURCE (the project), WORK, LAUNCHER.
+# Builds and installs the project as a package of ROS by colcon, which reads package.xml, and uses it from there.
+# Arguments: SOURCE (the project), WORK, LAUNCHER.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
@@ -10,8 +11,9 @@ if(NOT colcon)
 	return()
 endif()
 file(REMOVE_RECURSE ${WORK})
-run(${colcon} --log-base ${WORK}/log build --base-paths ${SOURCE} --build-base ${WORK}/build --install-base ${WORK}/install --cmake-args -GNinja
-	-DCMAKE_BUILD_TYPE=Release -DBULLETHAPTICS_TESTS=OFF -DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_PYTHON=OFF -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+run(${colcon} --log-base ${WORK}/log build --base-paths ${SOURCE} --build-base ${WORK}/build --install-base ${WORK}/install
+	--cmake-args -GNinja -DCMAKE_BUILD_TYPE=Release -DBULLETHAPTICS_TESTS=OFF -DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_PYTHON=OFF
+	-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 if(NOT EXISTS ${WORK}/install/bullethaptics/share/bullethaptics/package.xml)
 	message(FATAL_ERROR "colcon took the project for something else than the package of package.xml: ${text}")
 endif()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# Installs and builds a program from there, as a user would. BUILD, which is installed; SOURCE, WORK; SANITIZE; OPENMP: whether static libraries need it.
+# Installs a build, and builds a program from there, as a user would.
+# Arguments: BUILD, which is installed; SOURCE; WORK; SANITIZE; OPENMP, whether static libraries need it.
 function(run)
 	execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
 	if(NOT code EQUAL 0)
@@ -21,7 +22,9 @@ run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build --output-on-failure --no-tes
 
 # Where the compiler has no OpenMP it is said what to do.
 if(OPENMP)
-	execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/no_openmp -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON
+	execute_process(
+		COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/no_openmp
+			-DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON
 		RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
 	string(REGEX REPLACE "[ \n]+" " " text "${text}")
 	if(code EQUAL 0 OR NOT text MATCHES "apt-get install libomp-dev")

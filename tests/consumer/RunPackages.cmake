@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
-# Makes the Debian packages, unpacks them into a bare folder, and uses them from there as an installed library. SOURCE (the project), WORK,
-# GENERATOR, LAUNCHER; BUILD, a build folder of its own when it is to be kept. Without lintian or clang all else is done, and the test says that it was skipped.
+# Makes the Debian packages, unpacks them into a bare folder, and uses them from there as an installed library.
+# Without lintian or clang all other steps are done, and the test says that it was skipped.
+# Arguments: SOURCE (the project), WORK, GENERATOR, LAUNCHER; BUILD, a build folder of its own when it is to be kept.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)
@@ -54,21 +55,23 @@ if(module)
 	set(ENV{PYTHONPATH} ${WORK}/root/usr/lib/python3/dist-packages)
 	run(/usr/bin/python3 -c "import bullethaptics; print(bullethaptics.__version__)")
 endif()
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consumer -DCMAKE_PREFIX_PATH=${WORK}/root/usr -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consumer
+	-DCMAKE_PREFIX_PATH=${WORK}/root/usr -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/consumer --parallel 2)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/consumer --output-on-failure --no-tests=error)
 message(STATUS "${text}")
 # Debian's clang comes without OpenMP, which shared libraries bring for themselves.
 find_program(clang clang++)
 if(clang)
-	run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consumer_clang -DCMAKE_PREFIX_PATH=${WORK}/root/usr -DCMAKE_BUILD_TYPE=Release
+	run(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer/find_package -B ${WORK}/consumer_clang
+		-DCMAKE_PREFIX_PATH=${WORK}/root/usr -DCMAKE_BUILD_TYPE=Release
 		-DCMAKE_CXX_COMPILER=${clang} -DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON)
 	run(${CMAKE_COMMAND} --build ${WORK}/consumer_clang --parallel 2 --target core force)
 	run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/consumer_clang --output-on-failure --no-tests=error -R "^(core|force)$")
 	message(STATUS "${text}")
 endif()
-run(${CMAKE_COMMAND} -DPREFIX=${WORK}/root/usr -DWAY=pkg_config -DSOURCE=${SOURCE}/tests/consumer/stock_game -DWORK=${WORK}/game -DLAUNCHER=${LAUNCHER}
-	-P ${SOURCE}/tests/consumer/stock_game/RunGame.cmake)
+run(${CMAKE_COMMAND} -DPREFIX=${WORK}/root/usr -DWAY=pkg_config -DSOURCE=${SOURCE}/tests/consumer/stock_game
+	-DWORK=${WORK}/game -DLAUNCHER=${LAUNCHER} -P ${SOURCE}/tests/consumer/stock_game/RunGame.cmake)
 message(STATUS "${text}")
 
 # Last, since nobody looks at the exit status of a test that says so.

@@ -6,7 +6,8 @@ cmake_minimum_required(VERSION 3.25)
 
 # run(LIBRARY EXPECTED COMMAND...): `text` is what it prints on stdout, `errors` on stderr.
 function(run library)
-	execute_process(COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${library} ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE errors)
+	execute_process(COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${library} ${ARGN}
+		RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE errors)
 	if(NOT code EQUAL 0)
 		message(FATAL_ERROR "${ARGN} with ${library}: ${code}\n${errors}")
 	endif()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# Installs into a folder and does there what the tutorial says, and with GMOCK the page about tests. BUILD, SOURCE (the project), WORK, GMOCK.
+# Installs into a folder and does there what the tutorial says, and with GMOCK also what the page about tests says.
+# Arguments: BUILD, SOURCE (the project), WORK, GMOCK.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/RunCommand.cmake)

@@ -41,9 +41,12 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         old, larger = install(folder / "old", cxx), install(folder / "larger", cxx, more=True)
-        cases = {"the same": (old, install(folder / "same", cxx), 0), "a function more": (old, larger, 0), "a function less": (larger, old, 1),
+        cases = {"the same": (old, install(folder / "same", cxx), 0),
+                 "a function more": (old, larger, 0),
+                 "a function less": (larger, old, 1),
                  "a larger struct": (old, install(folder / "struct", cxx, member="double torque[3];"), 1),
-                 "a larger struct under another soname": (old, install(folder / "soname", cxx, member="double torque[3];", soname="libsmall.so.0.2"), 0)}
+                 "a larger struct under another soname": (
+                     old, install(folder / "soname", cxx, member="double torque[3];", soname="libsmall.so.0.2"), 0)}
         for case, (before, after, expected) in cases.items():
             done = subprocess.run(["bash", script, "--installed", before, after], capture_output=True, text=True)
             if done.returncode != expected:
@@ -59,13 +62,16 @@ def main():
             wrong.append(f"a checkout without a release: status {done.returncode}, expected 77\n{done.stderr}")
         commits = []
         for version in ("0.1.0", "0.2.0"):
-            (checkout / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.25)\nproject(BulletHaptics VERSION {version} LANGUAGES NONE)\ninstall(FILES CMakeLists.txt DESTINATION share)\n")
+            (checkout / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\n"
+                                                     f"project(BulletHaptics VERSION {version} LANGUAGES NONE)\n"
+                                                     "install(FILES CMakeLists.txt DESTINATION share)\n")
             commits.append(commit(checkout, version))
         (checkout / "CMakeLists.txt").write_text((checkout / "CMakeLists.txt").read_text() + "# later\n")
         commit(checkout, "later")
         done = subprocess.run(["bash", checkout / "packaging" / pathlib.Path(script).name, "--release"], capture_output=True, text=True)
         if done.returncode != 0 or f"against {commits[1]}" not in done.stdout:
-            wrong.append(f"without tags the commit that set the version is not the base: status {done.returncode}\n{done.stdout}{done.stderr}")
+            wrong.append("without tags the commit that set the version is not the base: "
+                         f"status {done.returncode}\n{done.stdout}{done.stderr}")
     print("\n".join(wrong))
     return bool(wrong)
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
-# Makes the smallest Debian that the package sources of this system give, has apt install our packages there with what they depend on, and uses them from
-# inside: the commands, the Python module, and somebody's own program. As root, for it changes into that system, which takes 1.5 GB for a while.
+# Makes the smallest Debian that the package sources of this system give, and has apt install our packages there with their dependencies.
+# Then it uses them from inside: the commands, the Python module, and a program as a user would write it.
+# It runs as root, because it changes into that system (chroot). The system takes 1.5 GB for a while.
 # Usage: bare_system.sh SOURCE FOLDER_WITH_PACKAGES WORK
 # Exit status 77: something that this needs is missing, with the line that brings it.
 set -euo pipefail

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Zlib
 """Writes the C++ blocks of Markdown pages as source files, one for each run of blocks that belong together.
 
-A block that begins with ```cpp file is a whole file. ```cpp in: ARGUMENTS is the body of a function with these arguments. ```cpp more goes on
-in the function of the block before it. ```cpp alone is refused: a page must say how its block is to be read.
-A table below the comment <!-- cpp in: ARGUMENTS --> has statements in its second column: each `...;` there is compiled, a row in its own scope.
+A block that begins with ```cpp file is a whole file. ```cpp in: ARGUMENTS is the body of a function with these arguments.
+```cpp more goes on in the function of the block before it. ```cpp alone is refused: a page must say how its block is to be read.
+A table below the comment <!-- cpp in: ARGUMENTS --> has statements in its second column. Each `...;` there is compiled, and each row has
+its own scope.
 Usage: blocks.py FOLDER PAGE...
 """
 import pathlib

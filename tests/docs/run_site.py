@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Makes the site, in which every reference and every picture must lead to a file, and every heading of our own pages must stand: doxygen warns of names that it does not know, but not
-of files, nor of pages that its filter loses.
+"""Makes the site. In it every reference and every picture must lead to a file, and every heading of our own pages must stand.
+Doxygen warns of names that it does not know, but not of files, nor of pages that its filter loses.
 Usage: run_site.py DOXYGEN DOXYFILE HTML_FOLDER
 """
 import html

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Does what docs/tutorial.md says, in an empty folder: its CMakeLists.txt, each of its programs by its first ```sh block, the last of them by the other blocks, too;
-the library as part of the build, which is configured only (consumer_game_add_subdirectory builds one); and its assets, of two boxes. With TESTING, docs/testing.md, what
-that page says to build, too.
+"""Does what docs/tutorial.md says, in an empty folder, with the CMakeLists.txt of the page.
+
+Each program of the page is built by the first ```sh block, and the last program by the other blocks, too.
+The library as part of the build is configured only, because consumer_game_add_subdirectory builds one. The assets are of two boxes.
+With TESTING, docs/testing.md, what that page says is built, too.
 Usage: run_tutorial.py PAGE PREFIX FOLDER [TESTING], PREFIX being where the library is installed, which the page calls ~/bullethaptics"""
 import os
 import pathlib
@@ -11,7 +13,8 @@ import subprocess
 import sys
 
 tutorial, prefix, folder, *testing = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), *map(pathlib.Path, sys.argv[4:])
-loader = {**os.environ, "LD_LIBRARY_PATH": f"{prefix}/lib"}  # where the build made shared libraries, which pkg-config's flags alone do not find
+# The flags of pkg-config do not find shared libraries when a program runs.
+loader = {**os.environ, "LD_LIBRARY_PATH": f"{prefix}/lib"}
 FIND = "find_package(BulletHaptics 0.3 REQUIRED)\n"
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 
@@ -22,7 +25,8 @@ def blocks(page, kind):
 
 def run(command, place):
     """What it prints; where it fails, so does this."""
-    done = subprocess.run(["bash", "-ec", command.replace("~/bullethaptics", prefix)], cwd=place, text=True, capture_output=True, env=loader)
+    shell = ["bash", "-ec", command.replace("~/bullethaptics", prefix)]
+    done = subprocess.run(shell, cwd=place, text=True, capture_output=True, env=loader)
     if done.returncode:
         sys.exit(f"{command}{done.stdout}{done.stderr}")
     return done.stdout
@@ -57,8 +61,10 @@ TRIANGLES = [(s[0], s[i], s[i + 1]) for s in SIDES for i in (1, 2)]
 place = folder / "assets"
 place.mkdir()
 (place / "CMakeLists.txt").write_text(lists[0].partition(FIND)[0] + FIND + lists[2])
-(place / "bunny.obj").write_text("".join("v %g %g %g\n" % c for c in CORNERS) + "".join("f %d %d %d\n" % tuple(i + 1 for i in t) for t in TRIANGLES))
-facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex %g %g %g\n" % CORNERS[i] for i in t) + "endloop\nendfacet\n" for t in TRIANGLES)
+vertices = "".join("v %g %g %g\n" % c for c in CORNERS)
+(place / "bunny.obj").write_text(vertices + "".join("f %d %d %d\n" % tuple(i + 1 for i in t) for t in TRIANGLES))
+facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex %g %g %g\n" % CORNERS[i] for i in t) + "endloop\nendfacet\n"
+                 for t in TRIANGLES)
 (place / "stairs.stl").write_text(f"solid stairs\n{facets}endsolid stairs\n")
 told = run("cmake -B build -DCMAKE_PREFIX_PATH=~/bullethaptics && cmake --build build", place)
 made = sorted(path.name for path in (place / "build").glob("*.ist"))

@@ -7,10 +7,15 @@ build=$1 seconds=$2 folder=$3
 shift 3
 source=$(cd "$(dirname "$0")/../.." && pwd)
 names=("$@")
-[ ${#names[@]} -gt 0 ] || for program in "$build"/tests/fuzz/fuzz_*; do [ -x "$program" ] && [ -f "$program" ] && names+=("${program##*/fuzz_}"); done
+[ ${#names[@]} -gt 0 ] || for program in "$build"/tests/fuzz/fuzz_*; do
+	[ -x "$program" ] && [ -f "$program" ] && names+=("${program##*/fuzz_}")
+done
 [ ${#names[@]} -gt 0 ] || { echo "no fuzzers in $build/tests/fuzz: build them first"; exit 1; }
 for name in "${names[@]}"; do
-	"$build/tests/fuzz/fuzz_$name" -help=1 2>&1 </dev/null | grep -q max_total_time || { echo "$build/tests/fuzz/fuzz_$name is not there, or has no libFuzzer: configure with clang (CONTRIBUTING.md)"; exit 1; }
+	"$build/tests/fuzz/fuzz_$name" -help=1 2>&1 </dev/null | grep -q max_total_time || {
+		echo "$build/tests/fuzz/fuzz_$name is not there, or has no libFuzzer: configure with clang (CONTRIBUTING.md)"
+		exit 1
+	}
 done
 status=0
 for name in "${names[@]}"; do
@@ -26,10 +31,12 @@ for name in "${names[@]}"; do
 	# assimp leaks what it holds when it gives a file up.
 	leaks=1
 	[ "$name" = mesh_file ] && leaks=0
-	ASAN_OPTIONS=detect_leaks=$leaks "$build/tests/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=65536 -timeout=300 -rss_limit_mb=4096 -print_final_stats=1 \
+	ASAN_OPTIONS=detect_leaks=$leaks "$build/tests/fuzz/fuzz_$name" -max_total_time="$seconds" -max_len=65536 -timeout=300 \
+		-rss_limit_mb=4096 -print_final_stats=1 \
 		-artifact_prefix="$folder/$name/" "$corpus" "${seeds[@]}" >"$folder/$name/log" 2>&1
 	code=$?
 	[ $code -eq 0 ] || status=1
-	echo "$name: exit $code, $(grep -o 'number_of_executed_units: *[0-9]*' "$folder/$name/log" | grep -o '[0-9]*$') inputs in $seconds s, $(ls "$corpus" | wc -l) kept"
+	inputs=$(grep -o 'number_of_executed_units: *[0-9]*' "$folder/$name/log" | grep -o '[0-9]*$')
+	echo "$name: exit $code, $inputs inputs in $seconds s, $(ls "$corpus" | wc -l) kept"
 done
 exit $status

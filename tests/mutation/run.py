@@ -67,7 +67,8 @@ MUTATIONS = {
         CORE + "Query/VerletList.cpp", "return asMany && now.aligned", "return asMany || !asMany || now.aligned",
         "test_core", "VerletList.*"),
     "clearance without the radius of one ball": (
-        CORE + "Query/LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding", "return distance(a.center, b.center) - a.r - kRounding",
+        CORE + "Query/LeafClearance.cpp", "return distance(a.center, b.center) - a.r - b.r - kRounding",
+        "return distance(a.center, b.center) - a.r - kRounding",
         "test_core", "LeafClearance.*"),
     "bodies that came near stay apart": (
         COLLISION + "Contact/btISTContactCache.cpp", "return way < m_clearance;", "return true;",
@@ -82,7 +83,8 @@ MUTATIONS = {
         COLLISION + "Registry/btISTShapeField.cpp", "toVec3(plane->getPlaneNormal())", "toVec3(-plane->getPlaneNormal())",
         "test_collision", "btISTCollisionAlgorithm.BoxRestsOnAPlaneWithTheStockSolverInBothOrders"),
     "normal of Bullet's points flipped": (
-        COLLISION + "Contact/btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)", "toBullet(-p.normal), btScalar(-depth)",
+        COLLISION + "Contact/btISTRepresentativePoints.cpp", "toBullet(p.normal), btScalar(-depth)",
+        "toBullet(-p.normal), btScalar(-depth)",
         "test_collision", "btISTRegistration.AnswersThroughBothDispatchTables"),
     "table of closest points not registered": (
         COLLISION + "Dispatch/btISTInstallation.cpp", "if (entry == &ours) return;", "if (entry == &ours || closest) return;",
@@ -97,13 +99,15 @@ MUTATIONS = {
         BRIDGE + "Safety/AgeFade.h", "if (age < 0 || age >= zeroFrom || now >= command.expiresAt) return 0;", "if (age != -1) return 1;",
         "test_devices", "Safety*"),
     "a handle that nobody holds is pushed": (
-        BRIDGE + "Safety/SafetyLimiter.cpp", "if (m_enabled && (hand.flags & kReady) == kReady) return true;", "if (m_enabled) return true;",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "if (m_enabled && (hand.flags & kReady) == kReady) return true;",
+        "if (m_enabled) return true;",
         "test_devices", "Safety*"),
     "no ramp after enabling": (
         BRIDGE + "Safety/GainRamp.h", "return age >= m_duration ? 1", "return age >= 0 ? 1",
         "test_devices", "Safety*"),
     "force inside when enabled": (
-        BRIDGE + "Safety/SafetyLimiter.cpp", "m_inside.holds(inContact) && m_settings.startInsideLatch", "m_inside.holds(inContact) && false",
+        BRIDGE + "Safety/SafetyLimiter.cpp", "m_inside.holds(inContact) && m_settings.startInsideLatch",
+        "m_inside.holds(inContact) && false",
         "test_devices", "Safety*"),
     "torque without motors for it": (
         BRIDGE + "Safety/SafetyLimiter.cpp", "if ((m_info.actuated >> axis & 1U) || value == 0) continue;", "if (axis >= 0) continue;",
@@ -115,7 +119,8 @@ MUTATIONS = {
         BRIDGE + "Safety/SafetyLimiter.cpp", "limitSlew(wrench.force, m_last.force, share * m_info.peakForce)", "false",
         "test_devices", "Safety*"),
     "no saturation": (
-        BRIDGE + "Safety/SafetyLimiter.cpp", "if (saturate(wrench, m_info.peakForce, m_info.peakTorque, m_settings.oneFactor)) increment(m_saturated);", "",
+        BRIDGE + "Safety/SafetyLimiter.cpp",
+        "if (saturate(wrench, m_info.peakForce, m_info.peakTorque, m_settings.oneFactor)) increment(m_saturated);", "",
         "test_devices", "Safety*"),
     "no continuous budget": (
         BRIDGE + "Safety/SafetyLimiter.cpp", "m_forceHeat.limit(wrench.force)", "false",
@@ -133,7 +138,8 @@ MUTATIONS = {
         BRIDGE + "Loop/ModelAge.h", "if (late <= fullUntil) return 1;", "if (late >= 0) return 1;",
         "test_devices", "ModelAge.*"),
     "copies feel half of the tool": (
-        BRIDGE + "Bullet/BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * m_impulses[i];", "const ist::Wrench onBody = -0.5 * m_impulses[i];",
+        BRIDGE + "Bullet/BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * m_impulses[i];",
+        "const ist::Wrench onBody = -0.5 * m_impulses[i];",
         "test_bridge", "BulletDecoupled.ImpulsesBalance*"),
     "copies that nothing carries": (
         BRIDGE + "Bullet/BulletLocalWorld.cpp", "i < world.contactCount; ++i)", "i < 0; ++i)",
@@ -142,10 +148,12 @@ MUTATIONS = {
         BRIDGE + "Bullet/BulletLocalWorld.cpp", "const double part = body.left > h ? h / body.left : 1;", "const double part = 0;",
         "test_bridge", "BulletDecoupled.ABodyOnATableIsPressed"),
     "answers taken in one topology alone": (
-        BRIDGE + "Bullet/BulletDecoupledSource.cpp", "	takeAnswer();\n	if (wanted", "	if (wanted == ContactThreading::OwnThread) takeAnswer();\n	if (wanted",
+        BRIDGE + "Bullet/BulletDecoupledSource.cpp", "	takeAnswer();\n	if (wanted",
+        "	if (wanted == ContactThreading::OwnThread) takeAnswer();\n	if (wanted",
         "test_hand_pairs", "All/FeaturePairsOfAHand.GetAlong/contacts_in_the_world"),
     "pairs keep what they remember of other shapes": (
-        COLLISION + "Dispatch/btISTCollisionAlgorithm.cpp", "	m_contact->kept.forget();\n	m_contact->memory.reset();", "	m_contact->memory.reset();",
+        COLLISION + "Dispatch/btISTCollisionAlgorithm.cpp", "	m_contact->kept.forget();\n	m_contact->memory.reset();",
+        "	m_contact->memory.reset();",
         "test_world_pairs", "All/FeaturePairsOfAWorld.GetAlong/a_scaled_shape"),
     "impulses as if they had come at once": (
         BRIDGE + "Bullet/BulletWorldCoupling.cpp", "const double late = std::min(", "const double late = 0 * std::min(",
@@ -175,7 +183,8 @@ class Tree:
         """Names of the tests that failed; exits when none was run, or when the program could not be built or did not end by itself."""
         self.call("cmake", "--build", str(self.build), "--target", target)
         program = next(p for p in self.build.rglob(target) if p.is_file() and os.access(p, os.X_OK))
-        done = subprocess.run([program, f"--gtest_filter={tests}"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
+        done = subprocess.run([program, f"--gtest_filter={tests}"],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
         ran = re.search(r"(\d+) tests? from .* ran", done.stdout)
         if not ran or ran.group(1) == "0":
             sys.exit(f"{target} --gtest_filter={tests}: no test was run to its end\n{done.stdout[-4000:]}")
@@ -193,7 +202,8 @@ class Tree:
 def misfits(source):
     """A sentence for each mutation whose text does not stand in its file exactly once."""
     counts = {name: (source / file).read_text().count(old) for name, (file, old, *_) in MUTATIONS.items()}
-    return [f"{name}: {MUTATIONS[name][0]} holds {count} times instead of once: {MUTATIONS[name][1]!r}" for name, count in counts.items() if count != 1]
+    return [f"{name}: {MUTATIONS[name][0]} holds {count} times instead of once: {MUTATIONS[name][1]!r}"
+            for name, count in counts.items() if count != 1]
 
 
 def tests_of(program, chosen):

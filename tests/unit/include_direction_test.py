@@ -57,13 +57,15 @@ CHAIN = [
     ("DeviceBridge/Safety", [CORE, "DeviceBridge/Device"]),
     ("DeviceBridge/Decorators", [CORE, "DeviceBridge/Device", "DeviceBridge/Safety"]),
     ("DeviceBridge/Plugins", [CORE, "DeviceBridge/Timing", "DeviceBridge/Device"]),
-    ("DeviceBridge/Drivers/Glove", [CORE, JSON, "DeviceBridge/Timing", "DeviceBridge/Device", "DeviceBridge/Drivers/BuiltDrivers.h", "DeviceBridge/Drivers/DeviceRegistry.h"]),
+    ("DeviceBridge/Drivers/Glove", [CORE, JSON, "DeviceBridge/Timing", "DeviceBridge/Device",
+                                    "DeviceBridge/Drivers/BuiltDrivers.h", "DeviceBridge/Drivers/DeviceRegistry.h"]),
     ("DeviceBridge/Hand/Grasp", [CORE, "DeviceBridge/Hand"]),
     ("DeviceBridge/Hand", [CORE, JSON, "DeviceBridge/Timing", "DeviceBridge/Device", "DeviceBridge/Drivers/Glove"]),
     ("DeviceBridge/Drivers", [CORE, JSON] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Decorators", "Plugins", "Hand")]),
     ("DeviceBridge/Loop", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety")]),
     ("DeviceBridge/Coupling", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Loop")]),
-    ("DeviceBridge/Bullet", ["BulletISTCollision", "BulletHapticForce"] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Hand", "Loop", "Coupling")]),
+    ("DeviceBridge/Bullet", ["BulletISTCollision", "BulletHapticForce"]
+     + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Hand", "Loop", "Coupling")]),
     ("DeviceBridge/Tools", [CORE, JSON, "BulletISTCollision/Tools/IntegerArgument.h", "DeviceBridge"]),
     # What shows and judges the chain.
     ("demos/hello", ALL),
@@ -120,7 +122,8 @@ CHAIN = [
     ("tests/unit/DeviceBridge/Bullet", ALL + ["tests/unit/*.h", "tests/unit/DeviceBridge/Hand"]),
     ("tests/unit/DeviceBridge/Coupling", ALL + ["tests/unit/*.h", "tests/unit/DeviceBridge/Bullet"]),
     ("tests/unit/scenes", ALL + ["demos/scenes", "tests/unit/*.h"]),
-    ("tests/unit/Browser", ALL + ["demos", "tests/EachDemo.h", "tests/unit/*.h", "tests/unit/Core/Mesh", "tests/unit/DeviceBridge/Drivers"]),
+    ("tests/unit/Browser", ALL + ["demos", "tests/EachDemo.h", "tests/unit/*.h", "tests/unit/Core/Mesh",
+                                  "tests/unit/DeviceBridge/Drivers"]),
 ]
 # Packages that only files whose paths begin so may include.
 GUARDED = {
@@ -129,8 +132,9 @@ GUARDED = {
     r"^<png": ["DeviceBridge/Hand/Grasp/Picture.cpp"],
     r"^<Eigen/": [CORE + "Geometry/MomentEllipsoid.cpp", CORE + "Force/PressureField.cpp", "BulletHapticForce/Law/btContactLaw.cpp",
                   "BulletHapticForce/Solver/", "tests/"],
-    r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/": ["BulletISTCollision/" + f for f in ("Registry/", "Contact/", "PairQuery/", "Dispatch/")]
-    + ["BulletHapticForce/", "TestSupport/", "DeviceBridge/Bullet/", "demos/", "tests/"],
+    r"^<bt|^[<\"](Bullet(Collision|Dynamics)|LinearMath)/":
+        ["BulletISTCollision/" + f for f in ("Registry/", "Contact/", "PairQuery/", "Dispatch/")]
+        + ["BulletHapticForce/", "TestSupport/", "DeviceBridge/Bullet/", "demos/", "tests/"],
 }
 MOST_FILES = 30  # in a folder
 ROOTS = ("BulletISTCollision", "BulletHapticForce", "TestSupport", "DeviceBridge", "demos", "tests/unit")

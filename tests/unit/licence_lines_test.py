@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Every source file says its licence in one of its first lines. `reuse lint` would not miss it: .reuse/dep5 speaks for all files, pictures and data among
-them, and so for a file that came from elsewhere, too."""
+"""Every source file says its licence in one of its first lines. `reuse lint` would not miss that line, because .reuse/dep5 speaks for all
+files, pictures and data among them, and so for a file that came from elsewhere, too."""
 import pathlib
 import sys
 

@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: Zlib
-bullethaptics_driver(RUMBLE PACKAGE libsdl2-dev HEADERS SDL2/SDL.h LIBRARIES SDL2 SOURCES Drivers/Rumble/RumbleLink.cpp Drivers/Rumble/RumbleScheme.cpp)
+bullethaptics_driver(RUMBLE PACKAGE libsdl2-dev HEADERS SDL2/SDL.h LIBRARIES SDL2
+	SOURCES Drivers/Rumble/RumbleLink.cpp Drivers/Rumble/RumbleScheme.cpp)

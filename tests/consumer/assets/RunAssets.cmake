@@ -34,7 +34,8 @@ endfunction()
 
 function(write_box name size)
 	set(s ${size})
-	file(WRITE "${WORK}/meshes/${name}.obj" "v 0 0 0\nv ${s} 0 0\nv ${s} ${s} 0\nv 0 ${s} 0\nv 0 0 ${s}\nv ${s} 0 ${s}\nv ${s} ${s} ${s}\nv 0 ${s} ${s}\n"
+	file(WRITE "${WORK}/meshes/${name}.obj"
+		"v 0 0 0\nv ${s} 0 0\nv ${s} ${s} 0\nv 0 ${s} 0\nv 0 0 ${s}\nv ${s} 0 ${s}\nv ${s} ${s} ${s}\nv 0 ${s} ${s}\n"
 		"f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n")
 	if(NOT "HOLED" IN_LIST ARGN)
 		file(APPEND "${WORK}/meshes/${name}.obj" "f 4 1 5 8\n")

@@ -3,8 +3,8 @@
 # Builds the game for bpp.sh twice, from a checkout of it that you have: as it is, and with our lines.
 # Usage: build.sh CHECKOUT FOLDER
 # CHECKOUT: of bullet-physics-playground, which has the commit 2efed9c. FOLDER/stock and FOLDER/ours are what bpp.sh takes.
-# It needs: qtbase5-dev qt5-qmake libqt5opengl5-dev libqglviewer-dev-qt5 libluabind-dev liblua5.2-dev libglew-dev freeglut3-dev libsdl2-dev libassimp-dev libbullet-dev
-# pkg-config, and bullethaptics-force in PKG_CONFIG_PATH
+# It needs: qtbase5-dev qt5-qmake libqt5opengl5-dev libqglviewer-dev-qt5 libluabind-dev liblua5.2-dev libglew-dev freeglut3-dev
+# libsdl2-dev libassimp-dev libbullet-dev pkg-config, and bullethaptics-force in PKG_CONFIG_PATH
 set -euo pipefail
 [ $# -eq 2 ] || { sed -n 4,5p "$0"; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd) checkout=$(cd "$1" && pwd)
@@ -24,7 +24,8 @@ rm -rf "$folder/ours"
 cp -r "$folder/stock" "$folder/ours"
 cp "$here/Volumetric.h" "$folder/ours/src"
 insert "$folder/ours/src/viewer.h" '^ *btDiscreteDynamicsWorld \*dynamicsWorld;' 'a std::shared_ptr<Volumetric> volumetric;' 1
-insert "$folder/ours/src/viewer.cpp" '^ *btGImpactCollisionAlgorithm::registerAlgorithm\(dispatcher\);' 'a volumetric = makeVolumetric(*dynamicsWorld);' 2
+insert "$folder/ours/src/viewer.cpp" '^ *btGImpactCollisionAlgorithm::registerAlgorithm\(dispatcher\);' \
+	'a volumetric = makeVolumetric(*dynamicsWorld);' 2
 insert "$folder/ours/src/viewer.cpp" '^ *delete dynamicsWorld;' 'i volumetric.reset();' 2
 insert "$folder/ours/src/viewer.cpp" '^ *dynamicsWorld->stepSimulation\(' 'i updateVolumetric(volumetric.get());' 1
 sed -i '1i #include "Volumetric.h"' "$folder/ours/src/viewer.h"

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Zlib
-# Bullet as its own build installs it, both precisions under the same names: FindBulletPhysics.cmake must tell them apart, and never mix folders. MODULES: where the
-# module is; WORK; INCLUDE: Bullet's headers; SINGLE and DOUBLE: BulletDynamics in each precision, as Debian has it.
+# Bullet as its own build installs it, with both precisions under the same names.
+# FindBulletPhysics.cmake must tell the precisions apart, and never mix folders.
+# Arguments: MODULES, the folder of the module; WORK; INCLUDE, Bullet's headers; SINGLE and DOUBLE, BulletDynamics in each precision, as
+# Debian has it.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/../RunCommand.cmake)
@@ -20,8 +22,8 @@ function(finds expected)
 	list(JOIN ARGN "\\;" roots)
 	string(REPLACE ";" "\\;" expected "${expected}")
 	file(REMOVE_RECURSE ${WORK}/build)
-	run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_FUNCTION_LIST_DIR} -B ${WORK}/build -DCMAKE_MODULE_PATH=${MODULES} "-DBULLET_ROOT=${roots}" "-DEXPECTED=${expected}"
-		-DCMAKE_CXX_COMPILER_WORKS=ON)
+	run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_FUNCTION_LIST_DIR} -B ${WORK}/build -DCMAKE_MODULE_PATH=${MODULES}
+		"-DBULLET_ROOT=${roots}" "-DEXPECTED=${expected}" -DCMAKE_CXX_COMPILER_WORKS=ON)
 endfunction()
 finds("Single" ${WORK}/SINGLE)
 finds("Double" ${WORK}/DOUBLE)

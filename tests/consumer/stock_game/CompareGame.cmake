@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# compareGame(FOLDER SUFFIX): runs `game` and `game_volumetric` of a folder; they must move alike to the last bit while nothing is attached, and otherwise with trees.
+# compareGame(FOLDER SUFFIX): runs `game` and `game_volumetric` of a folder.
+# Both must move alike to the last bit while nothing is attached, and otherwise with trees.
 function(runGame)
 	execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE errors)
 	if(NOT code EQUAL 0)

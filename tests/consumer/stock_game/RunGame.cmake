@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
-# Builds the game without and with our lines and compares their motion. SOURCE, WORK, WAY; LAUNCHER; and one of BUILD, which is installed, PREFIX, where the
-# library is installed, and BULLETHAPTICS_SOURCE. BULLET_ROOT: folders of a Bullet that was built for threads, in these PRECISIONS (Single, Double).
+# Builds the game without and with our lines and compares their motion.
+# Arguments: SOURCE, WORK, WAY; LAUNCHER; one of BUILD, which is installed, PREFIX, where the library is installed, and
+# BULLETHAPTICS_SOURCE; BULLET_ROOT, folders of a Bullet that was built for threads, in these PRECISIONS (Single, Double).
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/../RunCommand.cmake)
@@ -25,7 +26,8 @@ if(PREFIX)
 endif()
 string(REPLACE ";" "\\;" roots "${BULLET_ROOT}")
 string(REPLACE ";" "\\;" precisions "${PRECISIONS}")
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -DWAY=${WAY} -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_BUILD_TYPE=Release "-DBULLET_ROOT=${roots}" "-DPRECISIONS=${precisions}"
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -DWAY=${WAY} -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_BUILD_TYPE=Release
+	"-DBULLET_ROOT=${roots}" "-DPRECISIONS=${precisions}"
 	-DBULLETHAPTICS_SOURCE=${BULLETHAPTICS_SOURCE} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 run(${CMAKE_COMMAND} --build ${WORK}/build --parallel 2)
 set(suffix_Single "")

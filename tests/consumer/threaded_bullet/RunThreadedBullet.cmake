@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# The stock game, and worlds with threads, with a Bullet that was built for threads, by each way into the library. BULLET: where it is, one folder for each precision; SOURCE
-# (the project), WORK, GENERATOR, LAUNCHER.
+# The stock game, and worlds with threads, with a Bullet that was built for threads, by each way into the library.
+# Arguments: BULLET, where that Bullet is, one folder for each precision; SOURCE (the project), WORK, GENERATOR, LAUNCHER.
 cmake_minimum_required(VERSION 3.25)
 
 include(${CMAKE_CURRENT_LIST_DIR}/../RunCommand.cmake)
@@ -11,7 +11,8 @@ if(NOT BULLET)
 endif()
 string(REPLACE ";" "\\;" bullet "${BULLET}")
 file(REMOVE_RECURSE ${WORK})
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/library -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} "-DBULLET_ROOT=${bullet}"
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/library -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
+	-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} "-DBULLET_ROOT=${bullet}"
 	-DBULLETHAPTICS_DEMOS=OFF -DBULLETHAPTICS_TESTS=OFF -DBULLETHAPTICS_PYTHON=OFF)
 run(${CMAKE_COMMAND} --build ${WORK}/library --parallel 2)
 run(${CMAKE_COMMAND} --install ${WORK}/library --prefix ${WORK}/prefix)
@@ -34,7 +35,8 @@ if(NOT precisions)
 endif()
 
 function(run_game work)
-	run(${CMAKE_COMMAND} -DSOURCE=${SOURCE}/tests/consumer/stock_game -DWORK=${WORK}/${work} -DLAUNCHER=${LAUNCHER} ${ARGN} -P ${SOURCE}/tests/consumer/stock_game/RunGame.cmake)
+	run(${CMAKE_COMMAND} -DSOURCE=${SOURCE}/tests/consumer/stock_game -DWORK=${WORK}/${work} -DLAUNCHER=${LAUNCHER} ${ARGN}
+		-P ${SOURCE}/tests/consumer/stock_game/RunGame.cmake)
 	message(STATUS "${work}:\n${text}")
 endfunction()
 string(REPLACE ";" "\\;" all "${precisions}")

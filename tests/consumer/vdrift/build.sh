@@ -3,8 +3,8 @@
 # Builds the game for vdrift.sh twice, from a checkout of it that you have: as it is, and with our lines.
 # Usage: build.sh CHECKOUT FOLDER
 # CHECKOUT: of VDrift, which has the commit 3c8741af. FOLDER/stock/build/vdrift and FOLDER/ours/build/vdrift are what vdrift.sh takes.
-# It needs: scons g++ libsdl2-dev libvorbis-dev libcurl4-openssl-dev zlib1g-dev libgl-dev libbullet-dev pkg-config, and bullethaptics-force in
-# PKG_CONFIG_PATH
+# It needs: scons g++ libsdl2-dev libvorbis-dev libcurl4-openssl-dev zlib1g-dev libgl-dev libbullet-dev pkg-config,
+# and bullethaptics-force in PKG_CONFIG_PATH
 set -euo pipefail
 [ $# -eq 2 ] || { sed -n 4,5p "$0"; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd) checkout=$(cd "$1" && pwd)

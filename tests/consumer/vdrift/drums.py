@@ -2,16 +2,17 @@
 # SPDX-License-Identifier: Zlib
 """A track of VDrift's with drums on the road, so that a car meets something that gives way. Usage: drums.py TRACK NEW_TRACK
 
-TRACK is a folder of VDrift's data in the older of its two formats (objects/list.txt, objects/objects.jpk), as zandvoort; NEW_TRACK gets the same objects in the newer one,
-which can have bodies, and two rows of three drums on each other 30 m before the first start position, across its way (-x in Bullet's frame).
+TRACK is a folder of VDrift's data, such as zandvoort, in the older of its two formats (objects/list.txt, objects/objects.jpk).
+NEW_TRACK gets the same objects in the newer format, which can have bodies. It also gets two rows of three stacks, of two drums each,
+30 m before the first start position, across the way of the car (-x in Bullet's frame).
 """
 import math
 import pathlib
 import shutil
 import sys
 
-FIELDS = ("model texture mipmap nolighting skybox alphablend bump_length bump_height driveable collideable friction tread resistance drag isashadow "
-          "clampuv surface").split()
+FIELDS = ("model texture mipmap nolighting skybox alphablend bump_length bump_height driveable collideable friction tread resistance drag "
+          "isashadow clampuv surface").split()
 RADIUS, HALF_HEIGHT, MASS, SIDES = 0.3, 0.45, 15, 12
 
 
@@ -23,14 +24,16 @@ def objects_of(text):
 
 def static_object(index, o):
     lines = [f"[object.{index}]", f"[object.{index}.body]"]
-    lines += [f"{key} = {o[key]}" for key in ("model", "texture", "mipmap", "nolighting", "skybox", "alphablend", "clampuv", "isashadow", "surface")]
+    keys = ("model", "texture", "mipmap", "nolighting", "skybox", "alphablend", "clampuv", "isashadow", "surface")
+    lines += [f"{key} = {o[key]}" for key in keys]
     if o["collideable"] == "1" or o["driveable"] == "1":
         lines.append("mass = 0")
     return lines
 
 
 def drum(name, position):
-    lines = [f"[object.{name}]", "position = {:.4f}, {:.4f}, {:.4f}".format(*position), f"[object.{name}.body]", "model = street_utility/road_cone.joe",
+    lines = [f"[object.{name}]", "position = {:.4f}, {:.4f}, {:.4f}".format(*position),
+             f"[object.{name}.body]", "model = street_utility/road_cone.joe",
              "texture = street_utility/road_cone.png", f"mass = {MASS}", f"[object.{name}.body.hull]"]
     for i in range(2 * SIDES):
         angle = 2 * math.pi * (i // 2) / SIDES

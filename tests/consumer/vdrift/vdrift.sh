@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
-# A racing game that nobody here wrote, VDrift (github.com/VDrift/vdrift, 3c8741af; GPL), as it is and with our lines: does it drive the same, bit for bit, while nothing is
-# attached, and what do its frames cost?
+# A racing game by other authors, VDrift (github.com/VDrift/vdrift, 3c8741af; GPL), as it is and with our lines.
+# Does it drive the same, bit for bit, while nothing is attached, and what do its frames cost?
 # Usage: vdrift.sh STOCK OURS DATA FOLDER
-# STOCK and OURS are two builds of the game, by build.sh; DATA is its data with the track zandvoort and the car 360. OURS has Volumetric.h, is linked with Volumetric.cpp and
-# bullethaptics-force, and has three lines more:
+# STOCK and OURS are two builds of the game, by build.sh; DATA is its data with the track zandvoort and the car 360.
+# OURS has Volumetric.h, is linked with Volumetric.cpp and bullethaptics-force, and has three lines more:
 #   game.h     after `DynamicsWorld dynamics;`           std::shared_ptr<Volumetric> volumetric = makeVolumetric(dynamics);
 #   game.cpp   in NewGame, when the cars are loaded      attachVolumetric(*volumetric);
 #   game.cpp   in LeaveGame, before `track.Clear();`     detachVolumetric(*volumetric);
@@ -19,7 +19,8 @@ cd "$4"
 g++ -O2 -shared -fPIC $(pkg-config --cflags bullet) "$here/../bpp/trace.cpp" -o trace.so $(pkg-config --libs bullet) -ldl
 export HOME=$PWD/home VDRIFT_DATA_DIRECTORY=$PWD/data TRACE_FRAMES OMP_NUM_THREADS=1
 
-# frames WORDS PROGRAM MODE TRACE ARGUMENT...: mean and median of a frame, behind these words. A game that ends before it has told them fails.
+# frames WORDS PROGRAM MODE TRACE ARGUMENT...: prints mean and median of a frame, behind these words.
+# A game that ends before it has told them fails.
 frames()
 {
 	local words=$1 program=$2 mode=$3 trace=$4 told
@@ -42,7 +43,8 @@ frames()
 
 	END
 	rm -f "$trace"
-	xvfb-run -a -s "-screen 0 640x480x24" env VDRIFT_VOLUMETRIC="$mode" LD_PRELOAD="$PWD/trace.so" TRACE="$PWD/$trace" "$program" "$@" >log.txt 2>&1 || true
+	xvfb-run -a -s "-screen 0 640x480x24" \
+		env VDRIFT_VOLUMETRIC="$mode" LD_PRELOAD="$PWD/trace.so" TRACE="$PWD/$trace" "$program" "$@" >log.txt 2>&1 || true
 	told=$(grep '^frames' log.txt) || { echo "  $words no frame was told: see $PWD/log.txt"; status=1; return; }
 	echo "  $words $told"
 	grep -E 'hulls|stays Bullet|representative' log.txt || true

@@ -119,11 +119,13 @@ class Build(Shared):
         corners = "".join(f"<vertex><coordinates><x>{x}</x><y>{y}</y><z>0</z></coordinates></vertex>" for x, y in ((0, 0), (1, 0), (0, 2)))
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "t.amf")
-            path.write_text(f'<amf unit="inch"><object id="0"><mesh><vertices>{corners}</vertices><volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle>'
+            path.write_text(f'<amf unit="inch"><object id="0"><mesh><vertices>{corners}</vertices>'
+                            "<volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle>"
                             "</volume></mesh></object></amf>")
             vertices, triangles = bh.read_mesh(path)
             np.testing.assert_allclose(vertices[triangles[0]], [[0, 0, 0], [.0254, 0, 0], [0, .0508, 0]])
-            with self.assertWarnsRegex(UserWarning, 't.amf: The file states "inch" as its unit, 0.0254 m; in its place the given unit was applied, 1 m.'):
+            warning = 't.amf: The file states "inch" as its unit, 0.0254 m; in its place the given unit was applied, 1 m.'
+            with self.assertWarnsRegex(UserWarning, warning):
                 np.testing.assert_allclose(bh.read_mesh(path, unit=1)[0][triangles[0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
 
     def test_read_mesh_warns_of_what_it_could_not_take(self):
@@ -173,7 +175,8 @@ class Query(Shared):
             self.box.save(asset)
             np.savetxt(poses, sevens, delimiter=",", header="tx,ty,tz,qx,qy,qz,qw", comments="", fmt="%.17g")
             for options, named in (([], {}), (["--error", ".2"], {"error": .2}), (["--level", "3"], {"level": 3})):
-                out = subprocess.run([IST, "query", asset, asset, "--poses", poses, "--stiffness", "1e5", "--json", *options], check=True, capture_output=True, text=True)
+                out = subprocess.run([IST, "query", asset, asset, "--poses", poses, "--stiffness", "1e5", "--json", *options],
+                                     check=True, capture_output=True, text=True)
                 ours = bh.query(self.levelled, self.levelled, sevens, stiffness=1e5, **named)
                 self.assertEqual({"promise", "kept"} <= set(ours), "error" in named)
                 for line in out.stdout.splitlines():
@@ -352,7 +355,8 @@ class Refusals(Shared):
             self.refused(ValueError, "both a stiffness and a mass", tune, **{name: 1})
         for name in ("speed", "step", "distance"):
             self.refused(ValueError, "both a stiffness and a mass", tune, **{name: .5})
-        for name, values in {"stiffness": (0, -1, np.nan), "mass": (0, np.inf), "speed": (-1, np.nan), "step": (0, np.inf), "distance": (-1, np.inf)}.items():
+        wrong = {"stiffness": (0, -1, np.nan), "mass": (0, np.inf), "speed": (-1, np.nan), "step": (0, np.inf), "distance": (-1, np.inf)}
+        for name, values in wrong.items():
             for value in values:
                 self.refused(ValueError, f"{name} must be", tune, **{**{"stiffness": 1e5, "mass": 1}, name: value})
         self.refused(bh.Error, "cancelled", tune, progress=lambda stage, fraction: False)

@@ -22,16 +22,17 @@ expect()
 	fi
 }
 
-# holds NAME EXPRESSION: Python over `r`, the JSON object of the last output.
+# holds NAME EXPRESSION...: Python over `r`, the JSON object of the last output.
+# Several arguments are one expression, joined by spaces.
 holds()
 {
-	if ! python3 - "$dir/out" "$2" <<'PYTHON'
+	if ! python3 - "$dir/out" "${*:2}" <<'PYTHON'
 import json, sys
 r = json.load(open(sys.argv[1]))
 sys.exit(0 if eval(sys.argv[2]) else 1)
 PYTHON
 	then
-		echo "FAILED $1: $2"
+		echo "FAILED $1: ${*:2}"
 		head -c 2000 "$dir/out"
 		failures=$((failures + 1))
 	fi
@@ -52,7 +53,8 @@ expect "version" 0 "$bridge" --version
 expect "list" 0 "$bridge" list --json
 holds "list" 'r["schema"] == 1 and {"sim:", "replay:"} <= {d["scheme"] for d in r["drivers"]} and len(r["devices"]) >= 15'
 expect "info" 0 "$bridge" info sim:touchx --json
-holds "info" 'r["peak_force"] == 7.9 and r["peak_torque"] is None and r["handedness"] == "either" and "peakForce: " in r["source"] and r["actuated"] == ["x", "y", "z"]'
+holds "info" 'r["peak_force"] == 7.9 and r["peak_torque"] is None and r["handedness"] == "either"' \
+	'and "peakForce: " in r["source"] and r["actuated"] == ["x", "y", "z"]'
 holds "info says what is assumed" 'r["damping"] == 0.5 and r["assumed"] == [] and r["profile"] is None'
 expect "info of an unknown device" 1 "$bridge" info sim:nothing
 says "unknown device" "sigma7"

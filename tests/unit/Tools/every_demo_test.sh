@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
-# Runs every demo of the browser for a moment, without a window, with small trees: for builds with sanitizers. Any exit code but 0 fails: no demo is
-# over so soon, so none judges its own numbers.
+# Runs every demo of the browser for a moment, without a window and with small trees, for builds with sanitizers.
+# Any exit code but 0 fails. No demo is over so soon, so none judges its own numbers.
 # Usage: every_demo_test.sh PATH_TO_HAPTIC_DEMOS FOLDER_FOR_TREES [NAME...]
 set -u
 demos=$1 folder=$2

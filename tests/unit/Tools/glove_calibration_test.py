@@ -37,8 +37,8 @@ def stream():
 glove = threading.Thread(target=stream)
 glove.start()
 try:
-    run = subprocess.Popen([command, "calibrate", "glove:" + os.ttyname(theirs), "-o", output], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                           stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen([command, "calibrate", "glove:" + os.ttyname(theirs), "-o", output],
+                           stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert "flat" in run.stderr.readline()
     run.stdin.write("\n")
     run.stdin.flush()
@@ -51,7 +51,8 @@ try:
     assert len(sensors) == 22
     assert sensors["index_knuckle"]["offset"] == 60
     assert abs(sensors["index_knuckle"]["gain"] * 100 - 1.5707963) < 1e-6  # a quarter turn over 100 steps
-    info = subprocess.run([command, "info", f"glove:{os.ttyname(theirs)}?calibration={output}", "--json"], capture_output=True, text=True, timeout=60)
+    info = subprocess.run([command, "info", f"glove:{os.ttyname(theirs)}?calibration={output}", "--json"],
+                          capture_output=True, text=True, timeout=60)
     assert info.returncode == 0, info.stderr
     assert json.loads(info.stdout)["sensed"] == ["hand"]
 finally:

@@ -60,13 +60,15 @@ assert r['schema'] == 1 and r['ok'] is True and r['ticks'] == 200 and r['rate_hz
 " || failures=$((failures + 1))
 expect "a good scene runs at its own pace" 0 "report: $dir/r.html" "$demos" --scene "$dir/good.json" --cache "" --report "$dir/r.html"
 grep -q "<svg" "$dir/r.html" || { echo "FAILED: no plot in the report"; failures=$((failures + 1)); }
-expect "a mistake is named with line and field" 1 "bad.json:6: hand.tool: no body is called bell; there are ball" "$demos" --scene "$dir/bad.json"
+expect "a mistake is named with line and field" 1 "bad.json:6: hand.tool: no body is called bell; there are ball" \
+	"$demos" --scene "$dir/bad.json"
 [ ! -s "$dir/out" ] || { echo "FAILED: a refused scene wrote to stdout"; failures=$((failures + 1)); }
 expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one" "$demos" --scene "$dir/handless.json"
 expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --scene "$dir/none.json"
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
 expect "a folder is no scene" 1 "$dir: cannot be read" "$demos" --scene "$dir"
-expect "the figures take their scenes from where one says" 1 "$dir/bunny.json: cannot be read" "$demos" --paper-figures "$dir/figures" --scenes "$dir"
+expect "the figures take their scenes from where one says" 1 "$dir/bunny.json: cannot be read" \
+	"$demos" --paper-figures "$dir/figures" --scenes "$dir"
 expect "without a window there must be something to run" 2 "--headless needs --demo NAME or --scene FILE" "$demos" --headless
 expect "nor is there anything to report" 2 "--report needs --demo NAME or --scene FILE" "$demos" --report "$dir/none.html"
 expect "the figures run in real time" 2 "--paper-figures goes without --virtual-time" "$demos" --paper-figures "$dir/figures" --virtual-time
@@ -101,13 +103,15 @@ r = json.load(open('$dir/out'))
 assert r['schema'] == 1 and r['ok'] is True and r['frames'] == 5 and r['complete'] is False and abs(r['seconds'] - 0.05) < 1e-9, r
 assert all(set(f) == {'name', 'unit', 'value', 'expected', 'tolerance', 'ok'} for f in r['figures']), r
 " || failures=$((failures + 1))
-expect "a demo writes a report" 0 "report: $dir/h.html" "$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 5 --report "$dir/h.html"
+expect "a demo writes a report" 0 "report: $dir/h.html" \
+	"$demos" --demo heavy-on-light --spheres 30 --cache "" --frames 5 --report "$dir/h.html"
 grep -q "<table" "$dir/h.html" || { echo "FAILED: no table in the report"; failures=$((failures + 1)); }
 "$demos" --list | grep -q "^floating" || { echo "FAILED: a demo is not listed"; failures=$((failures + 1)); }
 expect "sizes are checked" 2 "--size must be like 960x540" "$demos" --demo hello --headless --size 12
 expect "steps are checked" 2 "--dt must be a positive number" "$demos" --demo hello --headless --dt -1
 expect "spheres are counted" 2 "--spheres must be a positive whole number, not 2.7" "$demos" --demo hello --headless --spheres 2.7
-expect "so many spheres there are not" 2 "--spheres must be a positive whole number, not 1e300" "$demos" --demo hello --headless --spheres 1e300
+expect "so many spheres there are not" 2 "--spheres must be a positive whole number, not 1e300" \
+	"$demos" --demo hello --headless --spheres 1e300
 expect "a scene's file has a name" 2 "--scene needs a value" "$demos" --scene "" --json
 expect "a gallery's folder has a name" 2 "--gallery needs a value" "$demos" --gallery ""
 expect "counts are checked" 2 "--frames must be a positive whole number" "$demos" --demo hello --headless --frames 1.5

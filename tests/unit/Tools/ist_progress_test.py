@@ -61,7 +61,10 @@ def read_until(terminal, pattern):
 
 
 def bar_with_the_time_left(folder):
-    """One bar of the whole build stands on a terminal and keeps to its width; the time left comes after half a second. A narrow one has no bar."""
+    """One bar of the whole build stands on a terminal and keeps to its width. The time left comes after half a second.
+
+    A narrow terminal has no bar.
+    """
     leader, follower = pty.openpty()
     process = None
     for columns, bar in [(70, r"\[#* *\] +"), (44, " *")]:
@@ -80,7 +83,8 @@ def bar_with_the_time_left(folder):
 
 def a_bar_of_a_stage_where_the_end_is_not_known(folder):
     leader, follower = pty.openpty()
-    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--min-radius", "0.002", "--threads", "1"), stdout=subprocess.DEVNULL, stderr=follower)
+    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--min-radius", "0.002", "--threads", "1"),
+                               stdout=subprocess.DEVNULL, stderr=follower)
     os.close(follower)
     expect(read_until(leader, r" left of this stage"), "the time left of a stage")
     process.send_signal(signal.SIGINT)
@@ -90,7 +94,8 @@ def a_bar_of_a_stage_where_the_end_is_not_known(folder):
 
 def one_line_for_the_whole_build(folder):
     leader, follower = pty.openpty()
-    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "300"), stdout=subprocess.DEVNULL, stderr=follower)
+    process = subprocess.Popen(build(folder, os.path.join(folder, "bar.ist"), "--spheres", "300"),
+                               stdout=subprocess.DEVNULL, stderr=follower)
     os.close(follower)
     text = ""
     try:
@@ -122,7 +127,8 @@ def interruption(folder, number):
     process.stderr.readline()
     os.killpg(process.pid, number)
     stderr = process.communicate()[1]
-    expect(process.returncode == 130 and "interrupted; nothing was written" in stderr, f"a group: exit {process.returncode} after signal {number}: {stderr}")
+    expect(process.returncode == 130 and "interrupted; nothing was written" in stderr,
+           f"a group: exit {process.returncode} after signal {number}: {stderr}")
     expect(not [f for f in os.listdir(folder) if f.startswith("interrupted")], "an interrupted build leaves no file")
 
 
@@ -132,7 +138,8 @@ def interrupted_reading(folder, number):
     os.mkfifo(pipe)
     for files in [[pipe, cube], [cube, pipe]]:
         for send in [os.killpg, os.kill]:
-            process = subprocess.Popen([IST, "tune", *files, "--error", "0.2"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+            process = subprocess.Popen([IST, "tune", *files, "--error", "0.2"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
             time.sleep(0.5)
             send(process.pid, number)
             stdout, stderr = process.communicate()
@@ -145,7 +152,8 @@ def interrupted_tuning(folder, number):
     """Between builds and while it measures, too: builds of 1,000, 3,000 ... spheres take turns with measurements."""
     cube = os.path.join(folder, "cube.obj")
     for seconds in [1, 1.7, 2.9]:
-        process = subprocess.Popen([IST, "tune", cube, cube, "--error", "0.001", "--max-spheres", "10000000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([IST, "tune", cube, cube, "--error", "0.001", "--max-spheres", "10000000"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         time.sleep(seconds)
         process.send_signal(number)
         stdout, stderr = process.communicate()
