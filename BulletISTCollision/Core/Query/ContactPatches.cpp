@@ -18,7 +18,7 @@ constexpr float kConeCosine = 0.70710678f;
 /// A component's remainder below this share of its rank founds no patch of its own.
 constexpr double kLeastShare = 0.05;
 
-/// Whoever has no parent but itself is a root. Mostly it is not more than two steps away; farther ways are halved.
+/// A ball that is its own parent is a root. It is mostly at most two steps away; longer paths are halved.
 inline uint32_t rootOf(uint32_t* parent, uint32_t ball)
 {
 	uint32_t root = parent[parent[ball]];
@@ -60,17 +60,18 @@ void PatchGrouper::makeResident()
 	m_components.touch();
 }
 
-/// Balls that hang together get a common root, a ball of A.
+/// Gives connected balls a common root, which is a ball of A.
 void PatchGrouper::connect(const PairStream& pairs, int count, uint32_t offsetB)
 {
-	// Only balls that occur are initialised: the cost follows the pairs, not the trees.
+	// Only balls that occur are initialised, so the cost follows the pairs and not the trees.
 	uint32_t* const parent = m_balls.parent.data();
 	for (int i = 0; i < count; ++i) parent[pairs.a[i]] = pairs.a[i];
 	for (int i = 0; i < count; ++i) parent[pairs.b[i] + offsetB] = pairs.a[i];
 	for (int i = 0; i < count; ++i)
 	{
 		const uint32_t a = rootOf(parent, pairs.a[i]), b = rootOf(parent, pairs.b[i] + offsetB);
-		// The smaller index becomes the root: with path halving this stays near linear. Without a branch, which nothing could foresee.
+		// The smaller index becomes the root; with path halving the cost stays near linear. There is no branch because its outcome
+		// would be unpredictable.
 		parent[std::max(a, b)] = std::min(a, b);
 	}
 }
@@ -95,7 +96,7 @@ void PatchGrouper::number(const PairStream& pairs, int count)
 	}
 }
 
-/// Adds up what the pairs of each component rank.
+/// Adds up the ranks of the pairs of each component.
 void PatchGrouper::rank(const PairStream& pairs, int count)
 {
 	const float* const ranks = columnOf(pairs, PairStream::Rank);
@@ -103,7 +104,7 @@ void PatchGrouper::rank(const PairStream& pairs, int count)
 	for (uint32_t c = 0; c < m_componentCount; ++c) m_components[c].left = m_components[c].rank;
 }
 
-/// Founds a patch at the strongest free pair of the component with the most rank left. False when little is left.
+/// Starts a patch at the strongest free pair of the component with the most rank left. Returns false when little is left.
 bool PatchGrouper::seedPatch(const QueryKernel& kernel, const PairStream& pairs, int count)
 {
 	uint32_t best = kNoComponent;
@@ -122,7 +123,7 @@ bool PatchGrouper::seedPatch(const QueryKernel& kernel, const PairStream& pairs,
 	const auto force = [&](int i) { return columnOf(pairs, PairStream::Force + i); };
 	if (!component.hasPatch)
 	{
-		search.cosine = 2;  // nobody
+		search.cosine = 2;  // no pair joins
 		kernel.joinCone(pairs, m_group.data(), count, search);
 		component.strongest = search.strongest;
 		component.rank = search.left;
@@ -133,7 +134,7 @@ bool PatchGrouper::seedPatch(const QueryKernel& kernel, const PairStream& pairs,
 		component.left = 0;
 		return true;
 	}
-	// Without any direction in the component all its pairs belong together.
+	// When no pair of the component has a direction, all of them belong together.
 	search.all = seed < 0;
 	search.cosine = kConeCosine;
 	if (seed >= 0)
@@ -188,7 +189,7 @@ size_t PatchGrouper::nearestPatch(const Vec3& center) const
 
 void PatchGrouper::extend(const PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf)
 {
-	// The components are not needed any more.
+	// The components are no longer needed, so their array is reused.
 	uint32_t* const patchOfBall = m_balls.parent.data();
 	constexpr uint32_t kNone = kNoComponent;
 	for (size_t i = 0; i < all.count; ++i) patchOfBall[all.a[i]] = patchOfBall[all.b[i] + all.offsetB] = kNone;
@@ -214,7 +215,7 @@ int PatchGrouper::group(const QueryKernel& kernel, const PairStream& pairs, int 
 	if (count == 0) return 0;
 	connect(pairs, count, ballsA);
 	number(pairs, count);
-	if (m_componentCount > 1) rank(pairs, count);  // one alone need not be compared with any
+	if (m_componentCount > 1) rank(pairs, count);  // a single component needs no comparison
 	while (int(m_patches.count) < maxPatches && seedPatch(kernel, pairs, count))
 	{}
 	assignRest(kernel, pairs, count);

@@ -17,7 +17,7 @@ struct QueryKernel;
 
 namespace ist
 {
-/// Pairs of balls by their indices.
+/// Pairs of balls, given by their indices.
 struct PairIndices
 {
 	const uint32_t *a, *b;
@@ -25,17 +25,17 @@ struct PairIndices
 	uint32_t offsetB;  ///< number of balls of A's tree, padding included
 };
 
-/// Groups intersecting pairs into contact patches: pairs that share a ball hang together (connected components), and a component
-/// whose force directions spread is split into cones of 45 degrees around its strongest pairs. The strongest patches stay; pairs
-/// of the others go to the nearest. Deterministic; O(pairs * patches).
+/// Groups intersecting pairs into contact patches. Pairs that share a ball are connected, and each connected component is one patch. A
+/// component whose force directions spread is split into cones of 45 degrees around its strongest pairs. The strongest patches stay,
+/// and the pairs of the others join the nearest one. The result is deterministic. Cost: O(pairs * patches).
 class PatchGrouper
 {
 public:
-	/// What grows with the number of balls, and holds nothing between two calls.
+	/// Arrays that grow with the number of balls. Their contents are meaningless between two calls.
 	struct BallRoom
 	{
 		std::vector<uint32_t> parent;
-		std::vector<float> label;  ///< of the component of a root
+		std::vector<float> label;  ///< label of the component, at its root
 		void reserve(size_t balls);
 	};
 
@@ -43,7 +43,7 @@ public:
 	void reserve(size_t pairs, size_t balls, int patches);
 	/// Makes the memory that grows with the pairs resident.
 	void makeResident();
-	/// The larger room of both.
+	/// Keeps the larger of both arrays.
 	void takeLarger(BallRoom& other) noexcept
 	{
 		if (m_balls.parent.size() < other.parent.size()) std::swap(m_balls, other);
@@ -52,19 +52,19 @@ public:
 	/// Writes the patch of every pair to `patch()` and returns the number of patches, 1 .. `maxPatches` (0 without pairs).
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
 	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
-	/// After `group`, whose pairs are among these, in the same order: writes the patch of each of `all`, at most 255. What was not grouped
-	/// gets the patch of a pair that has a ball in common with it, or else the one whose centre is nearest. `ballsA`: of A's slots. O(all),
-	/// and O(patches) for each of the latter.
+	/// Call this after `group`, whose pairs must be among `all`, in the same order. Writes the patch of each pair of `all`; patches are
+	/// numbered up to 255. A pair that was not grouped gets the patch of a pair that shares a ball with it, or else the patch whose
+	/// centre is nearest. `ballsA`: the balls in A's slots. Cost: O(all), plus O(patches) for each pair without a shared ball.
 	void extend(const kernels::PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf);
-	/// kernels::GroupNumber, from 0 on; with room for kListSlack entries behind the last.
+	/// Patch of each pair as a kernels::GroupNumber, from 0 on. It has room for kListSlack entries behind the last.
 	const float* patch() const { return m_group.data(); }
 
 private:
 	struct Component
 	{
-		double rank = 0, left = 0;  ///< of all its pairs, of those without a patch
+		double rank = 0, left = 0;  ///< ranks summed over all its pairs, and over those without a patch
 		bool hasPatch = false;
-		int strongest = -1;  ///< of those without a patch, where it has one
+		int strongest = -1;  ///< strongest pair without a patch; set when the component has a patch
 	};
 	struct Patches
 	{
@@ -81,7 +81,7 @@ private:
 
 	BallRoom m_balls;
 	DemandZeroArray<float> m_group;
-	DemandZeroArray<Component> m_components;  ///< an element counts from `number` on
+	DemandZeroArray<Component> m_components;  ///< elements are valid once `number` has written them
 	Patches m_patches;
 	uint32_t m_componentCount = 0;
 };

@@ -10,22 +10,24 @@ namespace ist
 {
 namespace
 {
-// Halving a leaf 1e9 times wider than the field three times over.
+// Enough divisions to halve a leaf that is 1e9 times wider than the subdivision size along all three axes.
 constexpr int kMostDivisions = 90;
-// From its grain to so many times it, a cell counts partly whole and partly halved; sides whose depths differ by less than this share
-// of a piece's mean radius have their turn as the first. No force leaps when a decision changes.
+// A cell counts partly as whole and partly as halved from its subdivision size up to kBlend times it. Several sides in turn are the
+// first to claim a piece when their depths differ by less than kTie times its mean radius. So the force does not jump when a decision
+// changes.
 constexpr double kBlend = 1.4, kTie = 0.2;
-// A whole leaf may be so many times wider: as a box it would lose more than it gains.
+// A whole leaf may be this many times wider than the subdivision size, because treating it as a box would lose more accuracy than it
+// gains.
 constexpr double kWholeLeaf = 1.6;
-const double kWidthOfBox = std::sqrt(5.0 / 3);  // of the ellipsoid with a box's moments
+const double kWidthOfBox = std::sqrt(5.0 / 3);  // half-width of the ellipsoid with the moments of a box, over that of the box
 
 LevelFunction depthOf(const FieldSide& s) { return {s.depth, -s.normal, s.bend * -1.0}; }
 
-/// Positive where side a is nearer than side b.
+/// A function that is positive where side a is nearer than side b.
 LevelFunction nearer(const FieldSide& a, const FieldSide& b) { return {b.depth - a.depth, a.normal - b.normal, a.bend + b.bend * -1.0}; }
 
-/// Side a is nearer than side b everywhere in a piece with this trace of its shape: nothing of it is farther from its centre than the
-/// trace's root, and bends add no more than their trace times half of that, squared.
+/// Whether side a is nearer than side b everywhere in a piece. `trace`: trace of the shape of the piece. No point of the piece is
+/// farther from its centre than the root of the trace. The bends add at most their own trace times half of that distance squared.
 bool isNearerThroughout(const FieldSide& a, const FieldSide& b, double trace)
 {
 	const double lead = b.depth - a.depth - 0.6 * (a.bend.trace() + b.bend.trace()) * trace;
@@ -33,7 +35,7 @@ bool isNearerThroughout(const FieldSide& a, const FieldSide& b, double trace)
 }
 }  // namespace
 
-// Each side's depth is concave, so that its tangent bounds it.
+// The tangent bounds each side's depth, because the depth is concave.
 bool FieldClipper::mayReach(const Vec3& center, double radius) const
 {
 	const double reach = radius * (1 + 1e-6);
@@ -90,7 +92,8 @@ void FieldClipper::press(const MomentEllipsoid& leaf, uint32_t index)
 	if (!isOutside(piece)) assign(piece);
 }
 
-/// What `press` does where it comes down to this, without turning the leaf into the field's frame. False where it does not.
+/// Does the same as `press` for a leaf that a single plane cuts, without turning the leaf into the field's frame. Returns false for
+/// other leaves.
 bool FieldClipper::pressAgainstOnePlane(const MomentEllipsoid& leaf)
 {
 	if (leaf.R > kWholeLeaf * m_finest) return false;
@@ -120,8 +123,8 @@ bool FieldClipper::pressAgainstOnePlane(const MomentEllipsoid& leaf)
 	return true;
 }
 
-/// Of the same moments. Cholesky's columns, beginning with the axis of the finest grain: halving the first alone makes a leaf thin along
-/// it.
+/// Box with the same moments as the piece. Its half-axes are Cholesky's columns, beginning with the axis of the smallest subdivision
+/// size: halving the first column alone makes a leaf thin along that axis.
 FieldClipper::FieldCell FieldClipper::boxOf(const EllipsoidFragment& piece) const
 {
 	FieldCell cell{piece.center, {}, piece.volume};
@@ -161,7 +164,8 @@ bool FieldClipper::isOutside(const FieldCell& cell) const
 	return false;
 }
 
-/// Looks at the half-axes in turn, halves along those that exceed the grain, and ends when none of three in a row does.
+/// Checks the half-axes in turn and halves along those that exceed the subdivision size. It ends when three checks in a row halve
+/// nothing.
 void FieldClipper::divide(const FieldCell& cell, int axis, int unchanged, int divisions)
 {
 	if (isOutside(cell)) return;
@@ -192,7 +196,7 @@ void FieldClipper::divide(const FieldCell& cell, int axis, int unchanged, int di
 	}
 }
 
-/// The sides that are nearest to the piece's centre have their turn as the first to claim it.
+/// Cuts a piece with the sides. Each of the sides nearest to its centre in turn is the first to claim it, for a share of the volume.
 void FieldClipper::assign(const EllipsoidFragment& piece)
 {
 	const SymmetricMatrix3 spread = piece.spread();
@@ -218,7 +222,7 @@ void FieldClipper::assign(const EllipsoidFragment& piece)
 	}
 }
 
-/// The piece belongs to `winner` as far as the sides before `challenger`, and `first`, are concerned.
+/// Divides a piece among the sides. `winner` is the nearest side so far, compared with `first` and all sides before `challenger`.
 void FieldClipper::contest(const EllipsoidFragment& piece, int winner, int challenger, int first)
 {
 	if (challenger == first) ++challenger;
@@ -232,7 +236,7 @@ void FieldClipper::contest(const EllipsoidFragment& piece, int winner, int chall
 	if (m_stiffness && edge.slope() > 0) addEdge(edge, winner, challenger, first);
 }
 
-/// `own`: side `index` as the piece sees it.
+/// Cuts a piece with one side. `own`: side `index` as seen from the centre of the piece.
 void FieldClipper::cut(const EllipsoidFragment& piece, int index, const FieldSide& own)
 {
 	const FragmentCut surface(piece, depthOf(own));
@@ -249,7 +253,7 @@ void FieldClipper::cut(const EllipsoidFragment& piece, int index, const FieldSid
 	send(term);
 }
 
-/// Where two sides are equally deep, the normal leaps from the one's to the other's.
+/// Adds the stiffness of an edge. Where two sides are equally deep, the normal jumps from that of one side to that of the other.
 void FieldClipper::addEdge(const FragmentCut& edge, int winner, int challenger, int first)
 {
 	const EllipsoidFragment disc = edge.disc();

@@ -9,7 +9,7 @@
 
 namespace ist
 {
-/// Takes the terms of a leaf.
+/// Receives the terms of a leaf.
 class FieldSink
 {
 public:
@@ -17,31 +17,34 @@ public:
 	virtual void take(const FieldTerm& term) = 0;
 };
 
-/// What leaves share with an analytic field. A leaf that is wider than the field's grain counts as the homogeneous box of the same
-/// moments, which halves until its cells are not. A cell, as the ellipsoid of its moments, is divided among the sides by depth, as if by
-/// planes, and each part is cut by its own side. Exact for a half-space. In shares of a leaf: a per cent or two where it was divided or
-/// an edge crosses it, third order in its size over the radius of curvature elsewhere, without bias. Continuous in the pose. No allocation.
+/// Integrates what leaves share with an analytic field.
+/// A leaf wider than the field's subdivision size is treated as the homogeneous box of the same moments. The box is halved until its
+/// cells are small enough. Each cell is treated as the ellipsoid of its moments. It is divided among the sides by depth, as if by
+/// planes, and each part is cut by its own side.
+/// The result is exact for a half-space. The error is 1 to 2 % of a leaf where it was divided or an edge crosses it. Elsewhere it is of
+/// third order in its size over the radius of curvature, without bias.
+/// The result is continuous in the pose. No allocation.
 class FieldClipper
 {
 public:
 	/// X_AF: pose of the field's frame in A's tree frame.
 	FieldClipper(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink);
 
-	/// A half-space: the exact cap of each leaf is the one term of it, and all normals are the same.
+	/// Whether the field is a half-space. Then each leaf has one term, its exact cap, and all normals are the same.
 	bool isFlat() const { return m_planar && m_sides == 1; }
-	/// False when a ball (A's tree frame) is surely outside of the field.
+	/// Returns false when a ball (in A's tree frame) is surely outside the field.
 	bool mayReach(const Vec3& center, double radius) const;
 	void press(const MomentEllipsoid& leaf, uint32_t index);
 
 private:
-	/// A homogeneous parallelepiped, by its half-axes.
+	/// A homogeneous parallelepiped, given by its half-axes.
 	struct FieldCell
 	{
 		Vec3 center, half[3];
 		double volume;
 	};
 
-	/// A side in A's tree frame: its depth is offset - normal . x.
+	/// A side of a planar field, in A's tree frame. Its depth at x is offset - normal . x.
 	struct Plane
 	{
 		Vec3 normal;
@@ -66,10 +69,10 @@ private:
 	const int m_sides;
 	const bool m_stiffness;
 	FieldSink& m_sink;
-	int m_order[3] = {0, 1, 2};  // axes, the one with the finest grain first
+	int m_order[3] = {0, 1, 2};  // axes, ordered by subdivision size, the smallest first
 	const bool m_planar;
-	double m_finest = 0;                       // of the grain of a planar field
-	Plane m_planes[AnalyticField::kMaxSides];  // of a planar field
+	double m_finest = 0;                       // smallest subdivision size of a planar field [m]
+	Plane m_planes[AnalyticField::kMaxSides];  // sides of a planar field
 	uint32_t m_index = 0;
 };
 }  // namespace ist

@@ -10,10 +10,10 @@ namespace ist
 {
 namespace
 {
-/// Sum of stiffnesses between translations at points, seen from the origin: of G S G^T, with G = (I, [at] x).
+/// Sum of the stiffnesses between translations at points, seen from the origin: the sum of G S G^T with G = (I, [at] x).
 struct PointStiffness
 {
-	Vec3 force[3], mixed[3], torque[3];  // rows of the blocks; the mixed one is that of forces by rotations
+	Vec3 force[3], mixed[3], torque[3];  // rows of the blocks; `mixed` gives the forces of rotations
 
 	void add(const SymmetricMatrix3& S, const Vec3& at)
 	{
@@ -97,8 +97,8 @@ void Accumulator::add(const FieldTerm& term, const MomentEllipsoid& leaf, const 
 	if (cut || bent) stiffnessB.add(symmetricProduct(term.area, term.normal) + term.bend * -1.0, C);
 }
 
-/// The leaves of A that reach into a field: their terms are listed to be grouped, or summed at once where there is nothing to group or no
-/// room in the list.
+/// Query of the leaves of A that reach into a field. Their terms are listed to be grouped. They are summed at once if there is nothing
+/// to group or the list is full.
 class FieldQuery : FieldSink
 {
 public:
@@ -129,9 +129,9 @@ private:
 	OverlapResult& m_result;
 	const bool m_grouped;
 
-	Accumulator m_rest;     // what is not listed
-	Vec3 m_moment, m_area;  // of the leaf in hand
-	double m_volume = 0;    // of the leaf in hand
+	Accumulator m_rest;     // sums of the terms that are not listed
+	Vec3 m_moment, m_area;  // sums of the current leaf
+	double m_volume = 0;    // volume of the current leaf
 	int64_t m_leaves = 0;
 	int m_pairs = 0;
 	uint32_t m_stack[kPairStackSize];
@@ -199,7 +199,7 @@ void FieldQuery::take(const FieldTerm& term)
 	m_rest.add(term, m_A.ball(term.ball), m_options);
 }
 
-// Grouped by the field's normals alone: they tell one face of a box from the next, and those of a plane are all the same.
+// Terms are grouped by the field's normals alone. The normals distinguish the faces of a box, and those of a plane are all the same.
 void FieldQuery::list(const FieldTerm& term)
 {
 	const size_t at = m_work.terms.size();
@@ -221,7 +221,7 @@ void FieldQuery::publish()
 {
 	const int listed = int(m_work.terms.size());
 	const bool grouped = listed > 0 && m_result.pairListComplete;
-	// Fields need no kernel for themselves, and answer without one.
+	// A field's own integrals need no kernel, so the query answers without one.
 	const kernels::QueryKernel& kernel = m_work.kernel ? *m_work.kernel : kernels::kPortableKernel;
 	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.slotCount()), m_work.capacity.patches)
 							   : 1;
@@ -236,7 +236,7 @@ void FieldQuery::publish()
 	OverlapIntegrals& total = m_result.total;
 	for (int p = 0; p < groups; ++p) total.add(m_work.patches[p]);
 	total.pairs = m_leaves;
-	// A leaf that an edge divides belongs to two patches: each has its share by volume.
+	// A leaf that an edge divides belongs to two patches. Each patch counts the leaves by its share of the volume.
 	for (int p = 0; p < groups; ++p)
 	{
 		const double share = total.volume > 0 ? m_work.patches[p].volume / total.volume : 0;
@@ -279,7 +279,7 @@ OverlapResult queryField(
 OverlapResult queryHalfSpace(
 	const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace, const QueryOptions& options)
 {
-	// The same plane with a normal of exactly unit length.
+	// This is the same plane with a normal of exactly unit length.
 	const double length = HalfSpaceField(normal, offset).isValid() ? norm(normal) : 1;
 	return queryField(A, HalfSpaceField(normal / length, offset / length), {}, workspace, options);
 }

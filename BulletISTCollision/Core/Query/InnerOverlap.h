@@ -8,18 +8,18 @@
 
 namespace ist
 {
-/// Packed spheres lie inside their bodies. Where they share this part of what the leaves share, the bodies overlap beyond doubt.
+/// Share of the leaves' volume above which the volume of the packed spheres proves the overlap. Packed spheres lie inside their bodies.
 constexpr double kInnerShare = 0.02;
 
-/// What the gate lets pass, 0 to 1 with a continuous slope: `sure` is the volume that the packed spheres share, `volume` that of the
-/// leaves.
+/// Factor on the integrals with `requireInnerOverlap`, 0 to 1 with a continuous slope. `sure`: volume that the packed spheres share;
+/// `volume`: volume that the leaves share.
 inline double innerOverlapShare(double sure, double volume)
 {
 	const double t = volume > 0 ? std::min(1.0, sure / (kInnerShare * volume)) : 0;
 	return smoothStep(t);
 }
 
-/// `answer(options)` behind the gate that `QueryOptions::requireInnerOverlap` asks for.
+/// Returns `answer(options)`, scaled by innerOverlapShare() when `QueryOptions::requireInnerOverlap` is set.
 template <class Answer> OverlapResult answerWithInnerOverlap(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
 {
 	if (!options.requireInnerOverlap && !options.gate) return answer(options);

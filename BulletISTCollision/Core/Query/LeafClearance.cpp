@@ -12,7 +12,7 @@ namespace ist
 {
 namespace
 {
-// Poses are rigid within 1e-4, and queries compare places as floats.
+// kStretch: poses are rigid only within 1e-4. kRounding: queries compare positions as floats.
 constexpr double kStretch = 1e-3, kRounding = 1e-5;
 
 struct Ball
@@ -25,11 +25,12 @@ struct Ball
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Always opens what has the least bound: when the budget ends, that is a bound of everything.
+/// Always opens the item with the smallest bound. When the budget ends, that bound holds for everything.
 template <class Item, class Expand> double leastBound(const Item& root, int mostOpened, const Expand& expand)
 {
 	constexpr int kCapacity = BallNode::kWidth * kMostOpenedForClearance + 1;
-	std::aligned_storage_t<sizeof(Item), alignof(Item)> room[kCapacity];  // not worth the time of being made blank
+	// left uninitialised, because clearing it would cost too much time
+	std::aligned_storage_t<sizeof(Item), alignof(Item)> room[kCapacity];
 	Item* heap = reinterpret_cast<Item*>(room);
 	const auto later = [](const Item& p, const Item& q) { return p.bound > q.bound; };
 	int size = 0, left = std::min(mostOpened, kMostOpenedForClearance);
@@ -83,7 +84,7 @@ double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const P
 			BallPair next = pair;
 			if (first) next.a = child;
 			else next.b = {child.id, X * child.center, child.r * (1 + kStretch)};
-			// Of a root nothing is known; that of the other comes next.
+			// Nothing is known about the bound of a root yet. The other root is opened next.
 			next.bound = next.a.r < kUnbounded && next.b.r < kUnbounded ? gap(next.a, next.b) : -kUnbounded;
 			keep(next);
 		});

@@ -10,13 +10,15 @@ namespace ist
 {
 namespace
 {
-/// Pairs of a level over those of the next coarser one, usually, and at least.
+/// Pairs of a level over those of the next coarser one: the usual ratio and the smallest.
 constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
-/// A level fades out while its pairs and those of the next coarser one, together, grow from this share of the budget to all of it. Where a
-/// step is of more than 1 over this, the coarser one of the two stands alone by then, so that nothing leaps when the finer one goes.
+/// A level fades out while its pairs plus those of the next coarser level grow from this share of the budget to all of it. If the finer
+/// level has more than 1 / kFadeBegin times as many pairs as the coarser one, the coarser level stands alone by then. So nothing jumps
+/// when the finer level goes.
 constexpr double kFadeBegin = 0.8;
 
-/// (1 - share) of `coarse` joins `share` of `fine`, whose patches are `patches`. Those of both stay side by side where there is room.
+/// Mixes `share` of `fine`, whose patches are `patches`, with (1 - share) of `coarse`. The patches of both stay side by side where
+/// there is room.
 void fade(OverlapResult& fine, const OverlapResult& coarse, double share, OverlapIntegrals* patches, int room)
 {
 	const auto mixed = [&](const OverlapIntegrals& f, const OverlapIntegrals& c) {
@@ -26,7 +28,7 @@ void fade(OverlapResult& fine, const OverlapResult& coarse, double share, Overla
 		sum.add(rest);
 		return sum;
 	};
-	fine.patches = patches;  // where the finer level is apart, it has none
+	fine.patches = patches;  // a finer level whose bodies are apart has no patches
 	fine.total = mixed(fine.total, coarse.total);
 	fine.levelShare = share;
 	fine.otherLevel = coarse.level;
@@ -58,7 +60,7 @@ public:
 		  m_finest(finest),
 		  m_pairs(options.maxPairs >= 0 ? std::min(capacity, options.maxPairs) : capacity)
 	{
-		// At once, lest a finer level allocate in a later query.
+		// Memory is reserved at once, so that a finer level does not allocate in a later query.
 		work.reserveFor(A.law, B.law);
 		m_patches = options.blend ? std::max(1, work.capacity.patches / 2) : work.capacity.patches;
 	}
@@ -66,15 +68,15 @@ public:
 	OverlapResult run();
 
 private:
-	/// False when it meets the limit; `result` then holds the work done only.
+	/// Queries one level. Returns false when it meets the limit; `result` then holds only the counts of the work done.
 	bool look(int level, OverlapResult& result);
-	/// Out of reach of later looks.
+	/// Saves the patches and pairs of the last traversal, so that later traversals do not overwrite them.
 	void keep()
 	{
 		std::swap(m_work.patches, m_work.keptPatches);
 		std::swap(m_work.pairs, m_work.keptPairs);
 	}
-	/// No finer level has to be looked for.
+	/// Whether the search for a finer level may end.
 	bool isEnough(int64_t pairs) const { return double(pairs) * (m_options.blend ? 2 : kLeastStep) > double(m_pairs); }
 	void fadeOut(OverlapResult& best, int coarsest);
 
@@ -137,7 +139,7 @@ OverlapResult BudgetedQuery::run()
 void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 {
 	OverlapResult coarse;
-	// A coarser level has no more pairs.
+	// A coarser level has no more pairs than this one.
 	while (best.level < coarsest && 2 * double(best.total.pairs) > kFadeBegin * double(m_pairs))
 	{
 		if (!look(best.level + 1, coarse)) return;
@@ -163,7 +165,7 @@ int patchRoom(const QueryWorkspace::Implementation& work, const QueryOptions& op
 	return options.patches ? work.capacity.patches : 1;
 }
 
-/// The patches that one of two levels may have, so that those of both fit.
+/// Number of patches that one of two levels may have so that the patches of both fit.
 int halfOfRoom(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {
 	return std::max(1, patchRoom(work, options) / 2);
@@ -183,7 +185,7 @@ LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 		result.level = of;
 		return result;
 	};
-	// An answer with no more patches than `most` would be grouped alike with room for `most` alone.
+	// With room for `most` patches alone, an answer with no more patches than that would be grouped in the same way.
 	const bool isUsable = known && !known->coarsened && known->pairListComplete && known->patchCount <= most;
 	const auto isKnown = [&](int of) { return isUsable && known->level == of; };
 	LevelAnswers answers;

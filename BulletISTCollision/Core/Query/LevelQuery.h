@@ -6,12 +6,13 @@
 
 namespace ist
 {
-/// The finest level, from `finest` on, that is found to keep the budget of the options and of `capacity` pairs; X: pose of B's tree frame
-/// in A's. Starts coarse, where a look costs little, and leaps to the level that is expected to fill the budget; no look goes on beyond it.
+/// Answers with the finest level found, from `finest` on, that stays within the options' budget and within `capacity` pairs. X: pose of
+/// B's tree frame in A's. It starts at a coarse level, where a traversal costs little, and leaps to the level that is expected to fill
+/// the budget. Each traversal stops at the budget.
 OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int finest, int64_t capacity);
 
-/// Part of the answer of `level` and, by `options.otherShare`, of `options.otherLevel`. X as above.
+/// Mixes the answer of `level` with that of `options.otherLevel`, whose share is `options.otherShare`. X as above.
 OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level);
 
@@ -19,12 +20,12 @@ OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 struct LevelAnswers
 {
 	OverlapResult first, other;
-	bool firstIsWhole = false;  ///< `first` has the patches that a query of its level alone has
+	bool firstIsWhole = false;  ///< whether `first` has the patches that a query of its level alone would have
 };
-/// Gives the answers that queryTwoLevels() mixes. `known` is null, or the workspace's last answer, at this pose and with these options. It
-/// takes the place of a query where it is of one of the two levels and leaves room for the patches of the other.
+/// Gives the answers that queryTwoLevels() mixes. `known` is null, or the workspace's last answer, at this pose and with these options.
+/// It replaces a query if it belongs to one of the two levels and leaves room for the patches of the other.
 LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level, int otherLevel, const OverlapResult* known = nullptr);
-/// Mixes the answers, with the share `otherShare` of `other`.
+/// Mixes the answers; `other` has the share `otherShare`.
 OverlapResult mixLevels(const LevelAnswers& answers, double otherShare, QueryWorkspace::Implementation& work, const QueryOptions& options);
 }  // namespace ist

@@ -59,7 +59,7 @@ void OverlapIntegrals::scale(double factor)
 
 namespace
 {
-/// Whether the options go together, and these bodies have the levels that they name.
+/// Whether the options go together and these bodies have the levels that the options name.
 bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options)
 {
 	if (options.level < -1) return false;
@@ -109,10 +109,10 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const QueryOptions& options, VerletList* memory)
 {
-	// At once, lest bodies that come to meet behind the gate allocate.
+	// Memory is reserved at once, so that bodies whose packed spheres meet later do not allocate then.
 	if (options.requireInnerOverlap || options.gate)
 		workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
-	// The gate's own query of the packed spheres would drive out what is remembered.
+	// The extra query of the packed spheres gets no Verlet list, because it would replace the remembered pairs.
 	return answerWithInnerOverlap(options, workspace,
 		[&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr); });
 }

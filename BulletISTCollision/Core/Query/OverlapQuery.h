@@ -19,7 +19,7 @@ struct SymmetricMatrix6
 	double& operator()(int i, int j) { return m[index(i, j)]; }
 };
 
-/// Which fields press, for `OverlapIntegrals::damping`: that of A with weight A, that of B with weight B, neither negative. Both 0: none.
+/// Weights of the two pressure fields in `OverlapIntegrals::damping`. Neither may be negative. With both 0, `damping` stays zero.
 struct DampingWeights
 {
 	double A = 0, B = 0;
@@ -27,89 +27,99 @@ struct DampingWeights
 inline bool operator==(const DampingWeights& a, const DampingWeights& b) { return a.A == b.A && a.B == b.B; }
 inline bool operator!=(const DampingWeights& a, const DampingWeights& b) { return !(a == b); }
 
-/// Integrals over the overlap of A and B (or over one patch of it), free of materials but for the damping's weights. Axes of A's mesh
-/// frame; moments are taken about A's `origin` (its centre of mass). Derived in docs/model.md, section 3. dd = d_i d_j, L =
-/// volume that two ellipsoids share in units of their densities (Lens.h; for Model::Inner the lens of two balls), C = its centroid, m =
-/// mean outward normal there: a leaf has one, m(c), that of a merged ball changes over it (NormalGradient); area n = minus the gradient of
-/// L by c_i - c_j, with n of unit length.
+/// Integrals over the overlap of A and B, or over one patch of it. Only `damping` depends on the materials, through its weights.
+/// All vectors have the axes of A's mesh frame. Moments are taken about A's `origin`, its centre of mass.
+/// The sums run over the pairs of a ball i of A and a ball j of B. Derivation: docs/model.md, section 3.
+/// - dd = d_i d_j, the product of the two densities.
+/// - L: volume of the lens, which is what the two ellipsoids share when their density is 1 (Lens.h). Model::Inner uses the lens of two
+/// balls.
+/// - C: centroid of the lens.
+/// - m: mean outward normal at C. A leaf has one normal, m(c); the normal of a merged ball changes over it (NormalGradient).
+/// - area n: the negative gradient of L by c_i - c_j; n has unit length.
 struct OverlapIntegrals
 {
 	double volume = 0;                        ///< sum dd L [m^3]
 	Vec3 firstMoment;                         ///< sum dd L C [m^4]
 	double secondMoment[6] = {};              ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
-	Wrench normalA, normalB;                  ///< sum dd L m_i, sum dd L m_j and sum C x the same: Int n_A dV, Int n_B dV
-	Wrench line;                              ///< sum dd L n and sum C x the same: the paper's eq. (1) at rest; only with Model::Inner
+	Wrench normalA, normalB;                  ///< sum dd L m_i and sum dd L m_j, with torques C x the same: Int n_A dV, Int n_B dV
+	Wrench line;                              ///< sum dd L n, with torque C x the same: the paper's eq. (1) at rest; only with Model::Inner
 	Vec3 areaVector;                          ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
-	/// sum dd L G G^T with w = w_B m_j - w_A m_i, which is the direction in which the pair presses, and G = (w, C x w): over twists of A,
-	/// the square of the speed at which the pair comes together, weighted with its pressure [m^3, m^4, m^5]. Zero where `dampingWeights`
-	/// are.
+	/// sum dd L G G^T with w = w_B m_j - w_A m_i, the direction in which the pair presses, and G = (w, C x w). For a twist of A it
+	/// gives the square of the closing speed of the pair, weighted with its pressure [m^3, m^4, m^5]. It is zero where `dampingWeights`
+	/// are zero.
 	SymmetricMatrix6 damping;
 	DampingWeights dampingWeights;
-	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)) and the same of j: Int depth dV [m^4]
-	int64_t pairs = 0;              ///< intersecting pairs
+	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the corresponding sum for j: Int depth dV [m^4]
+	int64_t pairs = 0;              ///< number of intersecting pairs
 
 	void add(const OverlapIntegrals& other);
-	/// All but the number of pairs times `factor`.
+	/// Multiplies everything by `factor`, except the number of pairs.
 	void scale(double factor);
 };
 
-/// Which parts speak for a body.
+/// The balls that represent a body in a query.
 enum class Model
 {
 	Law,   ///< leaves (default)
-	Cell,  ///< unsplit cells: best volume
+	Cell,  ///< unsplit cells: the best volume
 	Inner  ///< packed spheres: a lower bound of the volume; their normals and depths count as zero
 };
 
 enum class QueryStatus
 {
 	Ok,
-	InvalidPose,     ///< not finite or not rigid, or an analytic field that is not valid; nothing else in the result was touched
-	EmptyTree,       ///< of a body: it has no tree for the model
-	Unsupported,     ///< options that do not go together, a level that the two do not have, a level or a budget with an analytic field
-	BudgetTooSmall,  ///< more pairs than `maxPairs` even at the coarsest level: no answer
-	InstructionSet   ///< BULLETHAPTICS_ISA, or the workspace's maker, names one that cannot run here
+	InvalidPose,  ///< the pose is not finite or not rigid, or the analytic field is invalid; the rest of the result is untouched
+	EmptyTree,    ///< a body has no tree for the model
+	/// the options contradict each other, the two bodies lack the level, or a level or budget is used with an analytic field
+	Unsupported,
+	BudgetTooSmall,  ///< the coarsest level has more pairs than `maxPairs`, so there is no answer
+	InstructionSet   ///< this machine cannot run the set that BULLETHAPTICS_ISA or the workspace's constructor names
 };
 const char* toString(QueryStatus status);
 
 struct QueryOptions
 {
 	Model model = Model::Law;
-	int level =
-		-1;  ///< -1 or 0: the leaves; each step above leaves a third of one body's balls, of the larger tree's. Only with Model::Law
-	/// Not negative: a level from `level` on with at most so many intersecting pairs, the finest that a few looks find; each look
-	/// ends at the budget, all together find less than three times as many pairs. Only with Model::Law.
+	/// Level of the trees: -1 or 0 means the leaves. Each further step reduces the larger of the two trees to a third of its balls.
+	/// Only with Model::Law.
+	int level = -1;
+	/// Pair budget, if not negative. The answer comes from the finest level found, from `level` on, that has at most this many
+	/// intersecting pairs. A few levels are tried, and each traversal ends at the budget. Together they find less than three times the
+	/// budget. Only with Model::Law.
 	int64_t maxPairs = -1;
-	/// Within a budget: levels fade into each other as the number of pairs changes, two at most at a time and both within the budget, so
-	/// that the force does not leap where the level changes. All looks together find less than four times the budget. Not with `sortPairs`.
+	/// Blends levels within a budget, so that the force does not jump where the level changes. At most two levels share the answer,
+	/// with shares that follow the number of pairs; both are within the budget. All traversals together find less than four times the
+	/// budget. Excludes `sortPairs`.
 	bool blend = false;
-	/// Above 0: so much of the answer, up to 1, is that of `otherLevel`, the rest that of `level`; for fading from one to the other. Costs
-	/// both. Only with Model::Law, without a budget, `sortPairs` and `listMeetingBounds`; not of an analytic field.
+	/// Share of `otherLevel` in the answer, above 0 and up to 1; `level` has the rest. Use it to fade from one level to the other. It
+	/// costs a query of both. Only with Model::Law, without a budget, `sortPairs` and `listMeetingBounds`; not with an analytic field.
 	double otherShare = 0;
 	int otherLevel = 0;
-	bool stiffness = true;   ///< fill stiffnessA/B
-	DampingWeights damping;  ///< fill `damping` for fields of these weights; not with Model::Inner
-	bool patches = true;     ///< group the pairs; otherwise one patch
-	bool sortPairs = false;  ///< keep the pair list in the workspace in a reproducible order for visiting
-	/// The list also has pairs whose bounding balls meet though they share nothing (lens 0); one patch; not within a budget.
+	bool stiffness = true;   ///< fills stiffnessA and stiffnessB
+	DampingWeights damping;  ///< fills `damping` for fields of these weights; not with Model::Inner
+	bool patches = true;     ///< groups the pairs into patches; otherwise there is one patch
+	bool sortPairs = false;  ///< keeps the list of pairs in the workspace, in a reproducible order, for visitors
+	/// Also lists pairs whose bounding balls meet although they share no volume (lens 0). Gives one patch; not within a budget.
 	bool listMeetingBounds = false;
-	/// Nothing while the packed spheres of both bodies are apart. Leaves reach beyond the surface by up to a gap, so bodies that only touch
-	/// already press a little; with the gate they do not, but contact shallower than the gaps is lost too. Multiplies the integrals, not
-	/// the listed pairs; the error bar does not know what it takes. Costs a query of the packed spheres (Kernels/InnerOverlap.h).
+	/// Suppresses the answer while the packed spheres of the two bodies are apart. Leaves reach beyond the surface by up to a gap, so
+	/// bodies that only touch already press a little. This option prevents that, but contact shallower than the gaps is lost too. It
+	/// scales the integrals and leaves the listed pairs as they are. The error bar does not include what it removes. Cost: one query of
+	/// the packed spheres (InnerOverlap.h).
 	bool requireInnerOverlap = false;
-	bool gate = false;  ///< Former name of `requireInnerOverlap`, until 0.4: one of the two is enough.
+	bool gate = false;  ///< former name of `requireInnerOverlap`, until 0.4; setting either one is enough
 };
 
 struct QueryCapacity
 {
-	int pairs = 200000;  ///< where patches need a longer list, a coarser level answers; without levels, and for visitors, the sums
-						 ///< stay exact, but come as one patch, and the list is cut
+	/// Capacity of the list of pairs. A coarser level answers where grouping into patches needs a longer list. Without levels, and for
+	/// visitors, the sums stay exact, but there is one patch and the list is cut.
+	int pairs = 200000;
 	int patches = 8;
-	int listEntries = 65536;  ///< pairs of subtrees in flight, in each of two lists; fewer are opened at a time when it is small
+	int listEntries = 65536;  ///< pairs of subtrees in flight, in each of two lists; with a small list fewer are opened at a time
 };
 
-/// One intersecting pair, for visitors: indices into the `balls` of the result's trees, and the lens.
+/// One intersecting pair, for visitors: its indices into the `balls` of the result's trees, and its lens.
 struct OverlapPair
 {
 	uint32_t ballA = 0, ballB = 0;
@@ -119,15 +129,15 @@ struct OverlapPair
 	Vec3 normal;     ///< n
 };
 
-/// Slots of the largest tree of a body for Model::Law, levels among them: the room that a query needs grows with it.
+/// Largest number of slots of a body's trees for Model::Law, levels included. The memory of a query grows with it.
 std::size_t mostSlots(const InnerSphereTree& body);
 
-/// What a workspace needs for trees beyond its capacity, made by a thread that may allocate for one that may not. 120 bytes a slot of B, 24
-/// of A.
+/// Memory for trees that are larger than a workspace's capacity. A thread that may allocate makes it for one that may not. It takes 120
+/// bytes per slot of B and 24 bytes per slot of A.
 class QueryBuffers
 {
 public:
-	/// For all queries of A and B with Model::Law, and of bodies with no more slots.
+	/// Serves all queries of A and B with Model::Law, and of bodies with no more slots.
 	QueryBuffers(const InnerSphereTree& A, const InnerSphereTree& B);
 	~QueryBuffers();
 
@@ -138,24 +148,25 @@ private:
 	std::unique_ptr<Implementation> m_impl;
 };
 
-/// All memory of a query. One per thread; reuse it: a query allocates nothing but where a tree has more slots than any before, and none
-/// of these was made room for.
+/// All memory of a query. Use one per thread, and reuse it. A query allocates only when a tree has more slots than any before it and no
+/// memory was reserved for it.
 class QueryWorkspace
 {
 public:
-	/// With the instruction set of `chosenInstructionSet`.
+	/// Uses the instruction set of `chosenInstructionSet`.
 	explicit QueryWorkspace(const QueryCapacity& capacity = {});
 	QueryWorkspace(const QueryCapacity& capacity, InstructionSet set);
 	~QueryWorkspace();
 	QueryWorkspace(QueryWorkspace&&) noexcept;
 	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
 	const QueryCapacity& capacity() const;
-	/// Room as a QueryBuffers has it.
+	/// Reserves the same memory as QueryBuffers has.
 	void reserve(const InnerSphereTree& A, const InnerSphereTree& B);
-	/// Makes the lists of pairs of leaves resident: 30 MB with the default capacity. Otherwise a query that finds more pairs than any
-	/// before it waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
+	/// Makes the lists of pairs of leaves resident: 30 MB with the default capacity. Without this, a query that finds more pairs than
+	/// any before it waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
 	void makeResident();
-	/// Takes what is larger there and leaves its own, which is of no more use. Once for each room. Allocates and frees nothing.
+	/// Swaps in each array of `room` that is larger than the workspace's own. Afterwards `room` is of no further use, and taking it
+	/// again does nothing. Allocates and frees nothing.
 	void take(QueryBuffers& room) noexcept;
 
 	struct Implementation;
@@ -169,39 +180,41 @@ struct OverlapResult
 {
 	QueryStatus status = QueryStatus::Ok;
 	OverlapIntegrals total;
-	const OverlapIntegrals* patches = nullptr;  ///< in the workspace, valid until its next use; they sum to `total`
+	const OverlapIntegrals* patches = nullptr;  ///< patches in the workspace, valid until its next use; they sum to `total`
 	int patchCount = 0;
-	bool pairListComplete = true;        ///< false: more pairs than the capacity, so one patch and a cut list
-	const OverlapPair* pairs = nullptr;  ///< in the workspace; filled only on `QueryOptions::sortPairs`
+	bool pairListComplete = true;        ///< false: there were more pairs than the capacity, so there is one patch and the list is cut
+	const OverlapPair* pairs = nullptr;  ///< list in the workspace; filled only with `QueryOptions::sortPairs`
 	int pairCount = 0;
-	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< the trees that the pairs' indices point into
-	int level = 0;                                        ///< at which it was answered; the error bar (PressureField.h) grows with it
-	double levelShare = 1;  ///< of `level` in the answer; the rest is that of `otherLevel` (`QueryOptions::blend`, `otherShare`)
+	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< trees to which the indices of the pairs refer
+	int level = 0;                                        ///< level that answered; the error bar (PressureField.h) grows with it
+	double levelShare = 1;  ///< share of `level` in the answer; `otherLevel` has the rest (`QueryOptions::blend`, `otherShare`)
 	int otherLevel = 0;
-	bool coarsened = false;                                 ///< coarser than asked for, to keep within `maxPairs` or the capacity
+	bool coarsened = false;  ///< whether the level is coarser than requested, to stay within `maxPairs` or the capacity
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< work done, independent of the machine
 };
 
 class VerletList;
 
-/// Overlap of two bodies. X_AB: pose of B's mesh frame in A's mesh frame. `memory`: what these two remember from query to query
-/// (VerletList.h); null: nothing. O(pairs), no allocation.
+/// Overlap of two bodies. X_AB: pose of B's mesh frame in A's mesh frame. `memory`: Verlet list of these two bodies (VerletList.h), or
+/// null for none. Cost: O(pairs), no allocation.
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const QueryOptions& options = {}, VerletList* memory = nullptr);
 
-/// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame. B's field is that of the body itself:
-/// `normalB` = Int n_B dV with the normals of its nearest surface points, `depthB` with its depth; its stiffness holds its curvature. All
-/// that belongs to A is as with a tree. A pair is a leaf that reaches into the field; patches are told apart by the field's normals.
-/// Leaves larger than the field's grain are divided (FieldClipper.h). O(leaves in reach), no allocation but at the first of its kind.
+/// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame.
+/// B's pressure field is that of the exact body: `normalB` = Int n_B dV uses the normals of the nearest surface points, and `depthB`
+/// its depth. `stiffnessB` includes the curvature of the surface. All integrals of A are the same as with a tree.
+/// A pair is a leaf that reaches into the field. Patches are told apart by the field's normals.
+/// Leaves larger than the field's subdivision size are divided (FieldClipper.h). Cost: O(leaves in reach); only the first query of its
+/// kind allocates.
 OverlapResult queryField(
 	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options = {});
 
-/// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame (unit normal, pointing out of the solid): exact caps of
-/// the ellipsoids, one patch, `normalB` = volume * normal.
+/// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame. `normal` has unit length and points out of the
+/// solid. The caps of the ellipsoids are exact; there is one patch, with `normalB` = volume * normal.
 OverlapResult queryHalfSpace(
 	const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace, const QueryOptions& options = {});
 
-/// Slow, obvious reference: all pairs in double, one patch. For tests and benchmarks.
+/// Slow reference with simple code: tests all pairs in double and gives one patch. For tests and benchmarks.
 OverlapResult queryOverlapBruteForce(
 	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model = Model::Law, const DampingWeights& damping = {});
 }  // namespace ist

@@ -11,10 +11,10 @@ namespace
 struct Piece
 {
 	MomentEllipsoid ball;
-	SymmetricMatrix3 gradient;  ///< of its normal
+	SymmetricMatrix3 gradient;  ///< gradient of the normal over the ball
 };
 
-/// The ball as Model::Inner counts it.
+/// The ball as Model::Inner uses it: without normal and depth.
 Piece packed(MomentEllipsoid ball)
 {
 	ball.nx = ball.ny = ball.nz = ball.depth = 0;
@@ -70,7 +70,7 @@ bool addBalls(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3
 	return true;
 }
 
-/// `normalsChange`: over a ball of A's or B's.
+/// `normalsChange`: whether normals change over the balls of A or B.
 bool addEllipsoids(OverlapIntegrals& sums, const Piece& a, const Piece& b, const Vec3& centerB, const SymmetricMatrix3& shapeB,
 	const Mat3& R, bool normalsChange)
 {

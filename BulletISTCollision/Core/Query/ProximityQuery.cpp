@@ -23,7 +23,7 @@ struct Side
 struct Item
 {
 	Side a, b;
-	double bound;  ///< no pair below is nearer
+	double bound;  ///< lower bound of the distance of all pairs below
 };
 
 class NearestPair
@@ -58,13 +58,13 @@ private:
 		{
 			if (node.child[k] == BallNode::kNoChild) continue;
 			const Vec3 c{node.x[k], node.y[k], node.z[k]};
-			// Poses are rigid within 1e-4 only; the margin keeps the bound a bound.
+			// Poses are rigid only within 1e-4, so the radius gets a margin that keeps the bound valid.
 			const Side child{node.child[k], first ? c : m_X * c, first ? node.r[k] : node.r[k] * (1 + 1e-3)};
 			Item next{first ? child : item.a, first ? item.b : child, 0};
 			next.bound = gap(next.a, next.b);
 			if (!(next.bound >= m_best)) m_stack[m_top++] = next;
 		}
-		// The nearest on top.
+		// The nearest item is on top of the stack.
 		std::sort(m_stack + begin, m_stack + m_top,
 			[](const Item& p, const Item& q) { return p.bound != q.bound ? p.bound > q.bound : p.a.r + p.b.r > q.a.r + q.b.r; });
 	}
@@ -106,7 +106,7 @@ private:
 			result.pointB = m_centerB - along * m_radiusB;
 			return result;
 		}
-		// The middle of what both have of the line through their centres.
+		// This is the middle of the segment that both spheres share on the line through their centres.
 		const double from = std::max(-m_radiusA, length - m_radiusB), to = std::min(m_radiusA, length + m_radiusB);
 		result.pointA = result.pointB = m_centerA + along * (0.5 * (from + to));
 		return result;
@@ -116,7 +116,7 @@ private:
 	const BallTree& m_B;
 	const Pose& m_X;
 	double m_best = std::numeric_limits<double>::infinity();
-	Vec3 m_centerA, m_centerB;  ///< of the nearest spheres
+	Vec3 m_centerA, m_centerB;  ///< centres of the nearest spheres
 	double m_radiusA = 0, m_radiusB = 0;
 	int m_top = 0;
 	Item m_stack[kPairStackSize];
@@ -125,7 +125,7 @@ private:
 
 Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
-	// Nothing is known about a pose that is not rigid: the widest interval holds.
+	// Nothing is known about a pose that is not rigid, so the widest interval is returned.
 	if (!isRigid(X_AB) || A.inner.empty() || B.inner.empty()) return {std::numeric_limits<double>::infinity(), 0, {}, {}};
 	const Pose X = treePose(A, B, X_AB);
 	Distance result = NearestPair(A.inner, B.inner, X).run();

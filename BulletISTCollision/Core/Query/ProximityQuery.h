@@ -5,13 +5,14 @@
 
 namespace ist
 {
-/// Distance of two bodies from their packed spheres. O(log n) in practice, no allocation.
+/// Distance of two bodies, from their packed spheres. O(log n) in practice, no allocation.
 struct Distance
 {
-	double upper = 0;  ///< between the nearest spheres [m]; never below the true distance of the bodies; 0 when spheres intersect
-	double lower = 0;  ///< upper minus both bodies' largest gaps, at least 0; never above the true distance
-	/// On the nearest spheres, each inside its own body, `upper` apart; A's mesh frame [m]. Where spheres intersect, one point of both.
-	/// Zero when nothing is known.
+	/// distance between the nearest spheres [m]; never below the true distance of the bodies; 0 when spheres intersect
+	double upper = 0;
+	double lower = 0;  ///< `upper` minus the largest gaps of both bodies, at least 0; never above the true distance
+	/// Points on the nearest spheres, each inside its own body and `upper` apart; in A's mesh frame [m]. Where spheres intersect, both
+	/// are the same point of both spheres. They are zero when nothing is known.
 	Vec3 pointA, pointB;
 };
 

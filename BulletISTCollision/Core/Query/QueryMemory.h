@@ -11,16 +11,18 @@
 
 namespace ist
 {
-/// The tree of a body that speaks for it in a model.
+/// The tree that represents a body in a model.
 inline const BallTree& treeOf(const InnerSphereTree& body, Model model)
 {
 	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
 }
 
-/// False for an empty tree, and for one of the other kind.
+/// Whether the tree can answer for the model. Returns false for an empty tree, and for a tree of balls where ellipsoids are needed or
+/// the reverse.
 inline bool answers(const BallTree& tree, Model model) { return !tree.empty() && tree.ellipsoids.empty() == (model == Model::Inner); }
 
-/// What grows with the trees of a query. An entry holds for the query that has its number (`QueryWorkspace::Implementation::epoch`) only.
+/// Memory that grows with the trees of a query. An entry is valid only for the query whose number it carries
+/// (`QueryWorkspace::Implementation::epoch`).
 struct TreeRoom
 {
 	std::vector<kernels::BlockColumns> columnsA, moved;
@@ -29,16 +31,16 @@ struct TreeRoom
 	std::vector<kernels::MovedCenter> movedCenters;
 	std::vector<MomentEllipsoid> movedBalls;
 
-	/// Of A, of B, and those of B that have an ellipsoid.
+	/// Takes the number of slots of A, of slots of B, and of ellipsoids of B.
 	void reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB);
-	/// Column by column the larger of both.
+	/// Keeps the larger array of both, column by column.
 	void takeLarger(TreeRoom& other) noexcept;
 };
 
 struct QueryBuffers::Implementation : TreeRoom
 {
 	PatchGrouper::BallRoom balls;
-	bool taken = false;  ///< what is here has numbers of another workspace
+	bool taken = false;  ///< whether a workspace has taken these buffers, whose entries now carry that workspace's epochs
 };
 
 /// What QueryWorkspace owns.
@@ -56,19 +58,19 @@ struct QueryWorkspace::Implementation : TreeRoom
 
 	kernels::PairStream stream{};  ///< intersecting pairs, in the order in which they were found
 	std::vector<uint64_t> keys;
-	std::vector<OverlapPair> pairs, keptPairs;  ///< of the last look, of one that may still be wanted
-	std::vector<FieldTerm> terms;               ///< against an analytic field, in the order of `stream`; never more than it has room for
+	std::vector<OverlapPair> pairs, keptPairs;  ///< pairs of the last traversal, and of an earlier one that may still be the answer
+	std::vector<FieldTerm> terms;               ///< terms against an analytic field, in the order of `stream`; never more than its capacity
 	PatchGrouper grouper;
 	std::vector<OverlapIntegrals> patches, keptPatches;
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
-	/// Grows what depends on the size of the trees. Allocates on the first query with a larger tree, never after.
+	/// Grows what depends on the size of the trees. Only the first query with a larger tree allocates.
 	void reserveFor(const BallTree& A, const BallTree& B);
-	/// An empty list of terms, and room for grouping. Allocates on the first query with a larger tree, never after.
+	/// Empties the list of terms and reserves memory for grouping. Only the first query with a larger tree allocates.
 	void reserveTerms(const BallTree& A);
 	/// Makes the lists of pairs of leaves resident.
 	void makeResident();
-	/// Room for the visitors' list. Allocates on the first query that wants it.
+	/// Reserves the visitors' list. Only the first query that needs it allocates.
 	void reservePairs();
 };
 }  // namespace ist

@@ -62,7 +62,7 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 	stream.b = column(index, found);
 	stream.numbers = column(number, PairStream::ColumnCount * found);
 	stream.stride = found;
-	terms.reserve(size_t(capacity.pairs));  // pages that no query fills are never touched
+	terms.reserve(size_t(capacity.pairs));  // costs no memory for pages that no query fills
 	patches.resize(size_t(capacity.patches));
 	keptPatches.resize(patches.size());
 	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);

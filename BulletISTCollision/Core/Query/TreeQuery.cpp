@@ -74,7 +74,8 @@ OverlapIntegrals collect(const double* sums, const DampingWeights& damping)
 	return o;
 }
 
-/// The entries behind the last are read with it: they must name balls too, moved ones.
+/// Fills the kListSlack entries behind the last one, which kernels read along with it. They must name balls, and those of B must have
+/// been transformed.
 void pad(uint32_t* a, uint32_t* b, int count)
 {
 	if (count == 0) return;
@@ -137,7 +138,7 @@ bool TreeQuery::answer()
 	return true;
 }
 
-/// As one patch.
+/// Publishes the answer as one patch.
 void TreeQuery::publishWhole()
 {
 	if (m_listed > 0) m_work.kernel->sumGroup(m_bodies, m_work.stream, nullptr, 0, m_listed, m_terms, m_sums);
@@ -163,7 +164,7 @@ bool TreeQuery::place()
 	m_rootA = {a.x, a.y, a.z, a.r};
 	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
 	if (m_memory) m_remembered = m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
-	// In double: far translations would spoil the floats of the search.
+	// This comparison is in double, because far translations would spoil the floats of the search.
 	return !(distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6));
 }
 
@@ -178,7 +179,7 @@ bool TreeQuery::find()
 	m_search = &s;
 	if (m_remembered)
 	{
-		// Without a search most of a block's balls would be turned for nothing.
+		// Without a search the centres of a whole block need not be transformed: most of them would be unused.
 		m_bodies.centersB = nullptr;
 		if (remembersPatches() && recallPatches()) return false;
 		recall();
@@ -198,7 +199,7 @@ bool TreeQuery::fillAround(const Pose& around, double margin)
 {
 	OverlapResult nothing;
 	TreeQuery there(m_A, m_B, around, m_work, m_options, m_limits, nothing);
-	// Bodies whose bounds are apart there are not worth the trouble.
+	// If the bounds of the bodies are apart at that pose, filling the list is not worth the cost.
 	if (!there.place()) return false;
 	there.m_memory = m_memory;
 	there.m_margin = float(margin * (1 + 1e-6));
@@ -211,7 +212,7 @@ bool TreeQuery::fillAround(const Pose& around, double margin)
 	m_work.kernel->search(s);
 	count(s.counts);
 	m_filled = true;
-	// Blocks that were turned for that pose are not for this one.
+	// Blocks transformed for that pose are not valid for this one.
 	m_work.reserveFor(m_A, m_B);
 	return m_memory->valid;
 }
@@ -307,7 +308,7 @@ bool TreeQuery::recallPatches()
 		pairs += int64_t(m_sums[kPairs]);
 	}
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
-	// More than a list holds would be one patch without a memory, too.
+	// With more pairs than a list holds, a query without a Verlet list would give one patch, too.
 	if (pairs <= m_work.capacity.pairs && m_memory->isGrouping(m_work.patches.data(), found)) return publishSums(found), true;
 	m_memory->dropPatches();
 	return false;
@@ -322,7 +323,7 @@ bool TreeQuery::rememberPatches(int groups)
 	return true;
 }
 
-/// In place: those whose ellipsoids come within the margin.
+/// Keeps, in place, the pairs whose ellipsoids come within the margin.
 int TreeQuery::cull(int count, float margin)
 {
 	if (!hasShapes() || m_options.listMeetingBounds) return count;
@@ -364,7 +365,7 @@ void TreeQuery::publishPatches(int groups)
 	publishSums(groups);
 }
 
-/// Of the patches.
+/// Publishes the patches and their sum.
 void TreeQuery::publishSums(int patches)
 {
 	for (int p = 0; p < patches; ++p) m_result.total.add(m_work.patches[size_t(p)]);

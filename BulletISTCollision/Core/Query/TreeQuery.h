@@ -6,44 +6,44 @@
 
 namespace ist
 {
-/// What one look at two trees may cost, and in how many patches it may answer.
+/// Limits of one traversal of two trees: its number of pairs, and the number of patches in its answer.
 struct QueryLimits
 {
-	int64_t pairs = -1;  ///< negative: any number
+	int64_t pairs = -1;  ///< largest number of pairs; negative: no limit
 	int patches = 1;
 };
 
-/// One look at two trees: what the search finds is either summed at once, or listed first, to be grouped or visited.
+/// One traversal of two trees. The pairs that it finds are summed at once, or listed first if they must be grouped or visited.
 class TreeQuery
 {
 public:
-	/// X: pose of B's tree frame in A's. All arguments outlive this. With a memory the number of pairs is not limited.
+	/// X: pose of B's tree frame in A's. All arguments outlive this object. With a Verlet list the number of pairs is not limited.
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
 		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory = nullptr);
 
-	/// False when the limit was met: the result then holds nothing but the work done.
+	/// Returns false when the limit was met. The result then holds only the counts of the work done.
 	bool run();
 
 private:
-	/// Sets what a search needs to know of the pose. False when the bodies' bounds are apart.
+	/// Sets what a search needs to know about the pose. Returns false when the bounds of the bodies are apart.
 	bool place();
 	bool answer();
-	/// False when there is nothing left to do: the bodies' bounds are apart, or the memory had the patches, too.
+	/// Returns false when nothing is left to do: the bounds of the bodies are apart, or the Verlet list supplied the patches, too.
 	bool find();
 	kernels::PairSearch newSearch();
 	void beginAtRoots(kernels::PairSearch& search) const;
 	void count(const kernels::SearchCounts& counts);
-	/// Fills the memory with what comes within `margin` at `around`. False where it could not.
+	/// Fills the Verlet list with the pairs that come within `margin` at `around`. Returns false when that failed.
 	bool fillAround(const Pose& around, double margin);
-	/// What the memory holds, as if it had been searched for.
+	/// Processes the pairs of the Verlet list as if a search had found them.
 	void recall();
-	/// The next of the remembered pairs from `first` on, as if the search had found them; returns how many.
+	/// Copies the next batch of remembered pairs, from `first` on, to where a search puts its pairs. Returns their number.
 	int recallBatch(size_t first, size_t end);
 	bool remembersPatches() const;
-	/// The whole answer, in the patches that the memory has. False, and the memory has none any more, where these are no grouping of what
-	/// intersects now.
+	/// Gives the whole answer in the remembered patches. If these no longer group the pairs that intersect, it drops them and returns
+	/// false.
 	bool recallPatches();
-	/// Remembers the patches of the pairs that were listed.
+	/// Remembers the patches of the listed pairs.
 	bool rememberPatches(int groups);
 	int cull(int count, float margin);
 	bool hasShapes() const { return m_options.model != Model::Inner; }
@@ -63,12 +63,12 @@ private:
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
 	VerletList::Implementation* m_memory;
-	bool m_remembered = false;          ///< the memory holds for this pose
-	double m_lengthening = 1;           ///< of B by its pose, at most
-	BoundingBall m_rootA{}, m_rootB{};  ///< in A's tree frame
-	bool m_filled = false;              ///< the memory, with whatever the margin allowed
-	bool m_onlyFills = false;           ///< and evaluates nothing
-	float m_margin = 0;                 ///< with which the memory is being filled [m]
+	bool m_remembered = false;          ///< whether the Verlet list is valid for this pose
+	double m_lengthening = 1;           ///< upper bound of the factor by which the pose stretches B's lengths
+	BoundingBall m_rootA{}, m_rootB{};  ///< bounds of the roots, in A's tree frame
+	bool m_filled = false;              ///< whether the Verlet list was filled, with any margin
+	bool m_onlyFills = false;           ///< whether this only fills the Verlet list and evaluates nothing
+	float m_margin = 0;                 ///< margin with which the Verlet list is being filled [m]
 	kernels::Terms m_terms;
 	DampingWeights m_damping;
 	bool m_grouped;

@@ -8,24 +8,24 @@ namespace ist
 {
 namespace
 {
-/// Queries that a margin should last for: more than this saves little, and the list grows.
+/// Number of queries that a margin should last. A longer life saves little, and the list grows.
 constexpr double kWantedSteps = 10;
-/// With fewer, a query alone is cheaper.
+/// Smallest number of queries for which a list pays. Below it, a query without the list is cheaper.
 constexpr double kLeastSteps = 3;
-/// Weight of the last query in what is known of the motion.
+/// Weight of the last query in the estimate of the motion.
 constexpr double kLearning = 0.3;
-/// Share of the margin that the way to the pose of the fill may take.
+/// Share of the margin that the way to the pose of filling may use.
 constexpr double kAhead = 0.8;
-/// Remembered pairs over those that intersect: beyond the first the margin shrinks, below the second it may grow. Most of those that do not
-/// intersect cost a look at their distance; of packed spheres each is evaluated.
+/// Limits of the ratio of remembered pairs to intersecting pairs. Above `tooMany` the margin shrinks, and below `few` it may grow. Most
+/// pairs that do not intersect cost only a distance test; with packed spheres each one is evaluated in full.
 struct Ratios
 {
 	double tooMany, few;
 };
 constexpr Ratios kWithShapes{1.9, 1.6}, kOfSpheres{1.6, 1.35};
-/// Intersecting pairs over the room: where more are found, no margin is worth its search, until they are clearly fewer.
+/// Ratios of intersecting pairs to the capacity. Above kFull no margin is worth its search, until the ratio falls below kRoomAgain.
 constexpr double kFull = 0.8, kRoomAgain = 0.6;
-/// By how much of it a grouping may change before the pairs are grouped anew.
+/// Relative change of a grouping above which the pairs are grouped anew.
 constexpr double kOldGrouping = 0.1;
 }  // namespace
 
@@ -44,7 +44,8 @@ double SeenPose::motionTo(const Pose& other) const
 			const double d = X.rotation.m[i][j] - other.rotation.m[i][j];
 			squared += d * d;
 		}
-	// Of a difference of rotations two singular values are equal and the third is zero; what is no rotation adds its own share.
+	// A difference of rotations has two equal singular values, and the third is zero. The part that is not a rotation adds its own
+	// share.
 	return distance(X * center, other * center) + (std::sqrt(0.5 * squared) + skew) * reach;
 }
 
@@ -80,7 +81,7 @@ bool VerletList::Implementation::covers(const BallTree& A, const BallTree& B, co
 		m_model = options.model;
 		m_bounds = options.listMeetingBounds;
 		valid = m_full = false;
-		// Less than half of what lies between the middles of neighbouring balls.
+		// This is less than half of the distance between the centres of neighbouring balls.
 		m_most = 0.35 * now.reach / std::cbrt(double(std::max<size_t>(1, m_ballsB)));
 		m_step = -1;
 	}

@@ -5,32 +5,33 @@
 
 namespace ist
 {
-/// What two bodies that move little from query to query need not be searched for again: the pairs that come within a margin of each other,
-/// good for as long as no point of B has moved by more than the margin, seen from A. One for each pair of bodies, used by one query at a
-/// time.
+/// Verlet list of two bodies: the pairs of balls that come within a margin of each other. It spares bodies that move little the search
+/// for pairs. It is valid until a point of B has moved by more than the margin, seen from A. Use one for each pair of bodies, in one
+/// query at a time.
 ///
-/// The answer is that of a query without it, with the same pairs: sums agree to the rounding of floats, whose order differs; how they are
-/// divided into patches may be older. A query that did not search has no `nodeVisits`. Within budgets, and while two levels share an
-/// answer, nothing is remembered. It holds the pairs of one level: each look of `queryWithTolerance` at another one begins it anew. No
-/// allocation after the constructor.
+/// A query with the list finds the same pairs as one without it. The sums agree to the rounding of floats, whose order differs; the
+/// division into patches may be older. A query that did not search reports no `nodeVisits`. The list is not used within budgets, nor
+/// while two levels share an answer. It holds the pairs of one level, so a traversal of another level by `queryWithTolerance` fills it
+/// anew. Only the constructor allocates.
 ///
-/// Patches are remembered with their pairs: those of the last query that grouped them. What comes to touch since belongs to a patch of its
-/// balls, or to the nearest. So a query that does not search needs no list of its pairs, and their grouping is left out, too, until a tenth
-/// more or fewer pairs intersect, or normals within the patches cancel by a tenth more: then they are grouped anew.
+/// The list also remembers the patch of each pair, from the last query that grouped the pairs. A pair that begins to touch later joins
+/// a patch of one of its balls, or the nearest patch. So a query that does not search needs neither a list of intersecting pairs nor a
+/// grouping. The pairs are grouped anew when the number of intersecting pairs changes by 10 %, or when normals within the patches
+/// cancel by 10 % more.
 ///
-/// It is filled around a pose ahead, to which the motion of late will lead, and so lasts twice as long. The margin follows that motion,
-/// too; where bodies move too fast for it to pay, each query searches anew. The tick that fills the memory costs as much as one and a half
-/// to three queries without.
+/// The list is filled around a pose extrapolated from recent motion, and so lasts twice as long. The margin follows that motion, too.
+/// When bodies move too fast for the list to pay, each query searches anew. A query that fills the list costs as much as 1.5 to 3
+/// queries without it.
 class VerletList
 {
 public:
-	/// `pairs`: room; while more than four fifths of it intersect, each query searches anew. Seventeen bytes each.
+	/// `pairs`: capacity, at 17 bytes per pair. While more than 80 % of it intersect, each query searches anew.
 	explicit VerletList(int pairs = 200000);
 	~VerletList();
 	VerletList(VerletList&&) noexcept;
 	VerletList& operator=(VerletList&&) noexcept;
 
-	/// Call it before a tree of the bodies is replaced by another in the same place; queries notice any other change.
+	/// Call this before a tree of the bodies is replaced by another one at the same address. Queries notice any other change.
 	void forget();
 
 	struct Implementation;

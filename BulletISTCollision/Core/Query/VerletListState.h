@@ -9,47 +9,49 @@
 
 namespace ist
 {
-/// Where B was seen from A, and the ball that holds it there, for bounds on the motion of its points.
+/// Pose of B seen from A, and a ball that contains B, for bounds on the motion of its points.
 struct SeenPose
 {
-	Pose X;       ///< of B's tree frame in A's
-	Vec3 center;  ///< of a ball around B, in B's tree frame
+	Pose X;       ///< pose of B's tree frame in A's
+	Vec3 center;  ///< centre of a ball around B, in B's tree frame
 	double reach = 0;
-	/// No point of that ball has moved further [m].
+	/// Upper bound of the motion of any point of that ball [m].
 	double motionTo(const Pose& other) const;
-	/// The pose after a drift of the ball's center and a turn about it.
+	/// Pose after a drift of the ball's centre and a turn about it.
 	Pose moved(const Vec3& drift, const Vec3& turn) const;
 };
 
-/// What VerletList owns.
+/// State of VerletList.
 struct VerletList::Implementation
 {
 	explicit Implementation(int pairs);
 
-	/// The bodies, too: where they were last is no motion of the next ones, though these may have the same trees.
+	/// Forgets the pairs and also the bodies. The last pose says nothing about the motion of the next bodies, even if these have the
+	/// same trees.
 	void forget();
-	/// Whether what is remembered holds for this query; learns from its motion.
+	/// Whether the remembered pairs are valid for this query. Also updates the estimate of the motion.
 	bool covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now);
-	/// The margin to fill the memory with [m]; 0: this query had better not.
+	/// Margin with which to fill the list [m]. 0 means that this query should not fill it.
 	double marginToFill() const;
-	/// Where to fill it: half of the way that the motion of late will take while the margin lasts, so that it lasts twice as long.
+	/// Pose around which to fill the list. It lies half of the expected way ahead, measured over the life of the margin, so the list
+	/// lasts twice as long.
 	Pose poseToFill(double margin) const;
-	/// Begins to fill it with what comes within `margin` at `X`.
+	/// Starts filling the list with the pairs that come within `margin` at `X`.
 	void begin(double margin, const Pose& X);
 	void append(const uint32_t* pairA, const uint32_t* pairB, int number);
-	/// After each search; `found`: the pairs that intersect.
+	/// Adapts the margin. Call it after each search; `found` is the number of pairs that intersect.
 	void end(int64_t found);
 
-	/// Room for the patch of each remembered pair, for `divide`.
+	/// Array for the patch of each remembered pair, which `divide` reads.
 	uint8_t* patchOf() { return m_patchOf.data(); }
-	/// Sorts the pairs by their patches, and keeps their order within each. At most kMostPatches.
+	/// Sorts the pairs by their patches and keeps their order within each patch. There are at most kMostPatches.
 	void divide(int patches);
-	/// Into how many patches the pairs are divided; 0: not.
+	/// Number of patches into which the pairs are divided; 0: they are not divided.
 	int patches() const { return m_patches; }
-	/// What the patches came to in the query whose pairs were grouped.
+	/// Notes the integrals of the patches, from the query whose pairs were grouped.
 	void note(const OverlapIntegrals* patches, int number) { m_grouped = Grouping(patches, number); }
-	/// Whether patches that come to this now are still a grouping: about as many pairs intersect, and each patch presses in one direction
-	/// as it did.
+	/// Whether patches with these integrals are still a valid grouping: about as many pairs intersect, and each patch still presses in
+	/// one direction to the same degree.
 	bool isGrouping(const OverlapIntegrals* patches, int number) const;
 	void dropPatches() { m_patches = 0; }
 	size_t firstOf(int patch) const { return m_first[patch]; }
@@ -61,7 +63,7 @@ struct VerletList::Implementation
 
 private:
 	void learnMotion(const SeenPose& now);
-	/// Margin that a query uses up, with the memory filled ahead of the motion [m].
+	/// Part of the margin that one query uses up when the list is filled ahead of the motion [m].
 	double pace() const { return std::min(m_step, 0.5 * m_step + m_swerve); }
 
 	struct Grouping
@@ -69,24 +71,25 @@ private:
 		Grouping() = default;
 		Grouping(const OverlapIntegrals* patches, int number);
 		int64_t pairs = 0;
-		double volume = 0, aligned = 0;  ///< what is left of the volume when normals cancel within each patch [m^3]
+		double volume = 0, aligned = 0;  ///< volume, and what is left of it when normals cancel within each patch [m^3]
 	};
 
 	const BallTree *m_A = nullptr, *m_B = nullptr;
 	size_t m_ballsA = 0, m_ballsB = 0;
 	Model m_model = Model::Law;
-	bool m_bounds = false;  ///< pairs whose bounding balls meet count, too
+	bool m_bounds = false;  ///< whether pairs of which only the bounding balls meet are included
 	SeenPose m_filled, m_last;
-	double m_margin = 0;   ///< of what is remembered [m]
-	double m_most = 0;     ///< largest margin that pays, as far as is known [m]
-	double m_step = -1;    ///< motion from query to query, lately [m]; negative: not known yet
-	double m_swerve = 0;   ///< by how much that differed from `m_drift`, lately [m]
-	Vec3 m_drift, m_turn;  ///< of B's ball from query to query, lately: of its center [m], and as a rotation vector, axes of A
+	double m_margin = 0;  ///< margin of the remembered pairs [m]
+	double m_most = 0;    ///< largest margin that is known to pay [m]
+	double m_step = -1;   ///< recent motion from query to query [m]; negative: not known yet
+	double m_swerve = 0;  ///< recent deviation of the motion from `m_drift` and `m_turn` [m]
+	/// recent motion of B's ball from query to query: drift of its centre [m], and turn as a rotation vector, in A's axes
+	Vec3 m_drift, m_turn;
 	std::vector<uint8_t> m_patchOf;
-	std::vector<uint32_t> m_sortedA, m_sortedB;  ///< of `divide`
+	std::vector<uint32_t> m_sortedA, m_sortedB;  ///< working arrays of `divide`
 	size_t m_first[kMostPatches + 1] = {};
 	int m_patches = 0;
 	Grouping m_grouped;
-	bool m_full = false;  ///< what intersects leaves too little room for a margin
+	bool m_full = false;  ///< whether intersecting pairs leave too little room for a margin
 };
 }  // namespace ist
