@@ -8,7 +8,7 @@ namespace
 {
 using Vector8 = FloatVector<8>;
 
-/// Lanes of the set bits, in order; the rest of the row does not matter.
+/// Table of the lanes of the set bits, in order. The rest of each row is unspecified.
 struct LaneTable
 {
 	uint8_t lane[256][8];
@@ -21,7 +21,7 @@ struct LaneTable
 };
 [[maybe_unused]] constexpr LaneTable kLaneTable;
 
-/// Moves the lanes of the set bits of eight values to `to` and up. Writes eight values whatever the bits.
+/// Moves the lanes of the set bits of eight values to `to`, without gaps. It may write eight values, whatever the bits.
 class Compressor
 {
 public:
@@ -70,10 +70,11 @@ private:
 #endif
 };
 
-/// Lanes that are compressed together.
+/// Number of lanes that are compressed together.
 constexpr int kGroup = least(kLanes, 8);
 
-/// The same of all lanes of a vector of pairs, out of registers where that can be done. Writes a whole vector whatever the bits.
+/// Compressor for all lanes of a vector of pairs; it works in registers where the instruction set allows that. Writes a whole vector,
+/// whatever the bits.
 class LaneCompressor
 {
 public:
@@ -84,7 +85,7 @@ public:
 #if defined(IST_SSE) && defined(__AVX512VL__)
 		_mm512_storeu_ps(to, _mm512_maskz_compress_ps(__mmask16(m_bits), (__m512)from.part[0]));
 #else
-		float lanes[kLanes];  // stays in registers where those compress
+		float lanes[kLanes];  // stays in registers where the instruction set compresses registers
 		from.store(lanes);
 		m_compressor.move(lanes, to);
 #endif
@@ -100,6 +101,6 @@ public:
 
 private:
 	uint32_t m_bits;
-	Compressor m_compressor;  // of all lanes, where there are no more than eight
+	Compressor m_compressor;  // compresses all lanes where there are at most eight
 };
 }  // namespace

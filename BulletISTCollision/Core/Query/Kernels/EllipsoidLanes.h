@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Query/Kernels/RowLanes.h"
 
-// Included by QueryKernel.cpp only. Several ellipsoids side by side, and the turning of them.
+// Included by QueryKernel.cpp only. Loads several ellipsoids side by side and rotates them.
 namespace
 {
 struct F3
@@ -31,7 +31,7 @@ IST_INLINE F6 adjugate(const F6& P)
 	return {P.yy * P.zz - P.yz * P.yz, P.xx * P.zz - P.xz * P.xz, P.xx * P.yy - P.xy * P.xy, P.xz * P.yz - P.xy * P.zz,
 		P.xy * P.yz - P.xz * P.yy, P.xy * P.xz - P.yz * P.xx};
 }
-/// `Q`: its adjugate.
+/// `Q`: adjugate of P.
 IST_INLINE F determinant(const F6& P, const F6& Q) { return P.xx * Q.xx + P.xy * Q.xy + P.xz * Q.xz; }
 
 /// Trace of the product.
@@ -51,7 +51,7 @@ struct Balls
 
 static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16 && sizeof(StoredEllipsoid) == 32);
 
-/// Without density and normal.
+/// Leaves density and normal empty.
 IST_INLINE Balls fetchShapes(const MomentEllipsoid* balls, const uint32_t* index)
 {
 	constexpr int offset[3] = {0, 32, 48};
@@ -69,7 +69,7 @@ IST_INLINE Balls fetch(const MomentEllipsoid* balls, const uint32_t* index)
 		{c[0]}, {c[1]}, {c[2]}, {c[3]}, {c[4]}, {{c[5]}, {c[6]}, {c[7]}}, {c[8]}, {{c[10]}, {c[11]}, {c[12]}, {c[13]}, {c[14]}, {c[15]}}};
 }
 
-/// Places and radii: all that there is of packed spheres.
+/// Loads centres and radii; packed spheres have nothing else.
 IST_INLINE Balls fetch(const Sphere* balls, const uint32_t* index)
 {
 	constexpr int offset[1] = {0};
@@ -78,10 +78,10 @@ IST_INLINE Balls fetch(const Sphere* balls, const uint32_t* index)
 	return {{c[0]}, {c[1]}, {c[2]}, {c[3]}, {}, {}, {}, {}};
 }
 
-/// Of the numbers in a word.
+/// Value of one step of the numbers stored in a word.
 constexpr float kStoredStep = StoredEllipsoid::kStep / 65536;
 
-/// `R`: of the balls; the words of their shapes.
+/// Shapes from their stored words. `R`: radii of the balls.
 IST_INLINE F6 storedShape(const F& R, F xxyy, F zzxy, F xzyz)
 {
 	return R * R * F::all(kStoredStep) *
@@ -89,7 +89,7 @@ IST_INLINE F6 storedShape(const F& R, F xxyy, F zzxy, F xzyz)
 			F::upperNumber(xzyz)};
 }
 
-/// Without density, normal and depth.
+/// Leaves density, normal and depth empty.
 IST_INLINE Balls fetchShapes(const Sphere* balls, const StoredEllipsoid* ellipsoids, const uint32_t* index)
 {
 	constexpr int offset[1] = {offsetof(StoredEllipsoid, shape)};
@@ -124,7 +124,7 @@ IST_INLINE F6 fetch(const NormalGradient* gradients, const uint32_t* index)
 		F::lowerHalf(words[2])};
 }
 
-/// B's tree frame to A's, one component; the reference's order of operations.
+/// One component of a point of B's tree frame in A's. The order of operations is that of the reference.
 IST_INLINE D movedComponent(const double* R, const double* t, int row, const D& x, const D& y, const D& z)
 {
 	return D::all(R[3 * row]) * x + D::all(R[3 * row + 1]) * y + D::all(R[3 * row + 2]) * z + D::all(t[row]);

@@ -4,12 +4,13 @@
 #include "BulletISTCollision/Core/Query/Kernels/PairIntegrals.h"
 #include "BulletISTCollision/Core/Query/Kernels/PairSearch.h"
 
-// Included by QueryKernel.cpp only. Half of the ellipsoids whose bounding balls meet are apart: a look at the distance alone, in floats
-// and with some slack, spares them the rest.
+// Included by QueryKernel.cpp only. Half of the ellipsoids whose bounding balls meet are apart. This distance test, in floats and with
+// some slack, spares them the full evaluation.
 namespace
 {
-/// P so much larger that its ellipsoid contains all within `margin` of that of P. Over the directions u, h^2 = u^T P u, (h + m)^2 <= (1 +
-/// t) h^2 + (1 + 1/t) m^2; equal where t = m / h, here of the mean h.
+/// Enlarges P so that its ellipsoid contains all points within `margin` of the ellipsoid of P. With h^2 = u^T P u in a direction u,
+///     (h + m)^2 <= (1 + t) h^2 + (1 + 1/t) m^2.
+/// Both sides are equal where t = m / h; here t uses the mean h.
 IST_INLINE F6 grown(const F6& P, const F& margin)
 {
 	const F mean = F::squareRoot((P.xx + P.yy + P.zz) * F::all(1.0f / 3));
@@ -24,7 +25,7 @@ IST_INLINE F determinant(const F6& M)
 	return multiplyAdd(M.xz, z, negatedMultiplyAdd(M.xy, y, M.xx * x));
 }
 
-/// In A's tree frame, in floats.
+/// Loads balls of B in A's tree frame, in floats.
 template <bool isMoved> IST_INLINE Balls fetchMoved(const PairBodies& bodies, const uint32_t* index)
 {
 	if constexpr (isMoved) return fetchShapes(bodies.movedB, index);
@@ -37,10 +38,11 @@ template <bool isMoved> IST_INLINE Balls fetchMoved(const PairBodies& bodies, co
 	return b;
 }
 
-/// Bit k set where ellipsoids k may share volume, x^T P^-1 x < 2, P = P_a + P_b, within the margin. That is u.x < sqrt(2) h(u), h(u)^2 =
-/// u^T P u, in all directions u. Where no point of B moves by more than s, u.x and B's share in h change by |u| s together at most: u.x was
-/// below sqrt(2) (h + |u| s). And it is where 2 P - x x^T is positive definite, which is where its determinant, that of 2 P times 1 - x^T
-/// P^-1 x / 2, is positive.
+/// Bit k is set where the ellipsoids k may share volume, within the margin.
+/// They may where x^T P^-1 x < 2 with P = P_a + P_b. That means u.x < sqrt(2) h(u) in all directions u, with h(u)^2 = u^T P u.
+/// If no point of B moves by more than s, then u.x and B's share in h together change by at most |u| s.
+/// So u.x was below sqrt(2) (h + |u| s).
+/// The condition holds where 2 P - x x^T is positive definite. That is where its determinant, det(2 P) (1 - x^T P^-1 x / 2), is positive.
 template <bool hasMargin, bool isMoved>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
@@ -48,8 +50,8 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 	const F6 &A = a.shape, &B = b.shape;
 	F6 P{A.xx + B.xx, A.yy + B.yy, A.zz + B.zz, A.xy + B.xy, A.xz + B.xz, A.yz + B.yz};
 	if constexpr (hasMargin) P = grown(P, F::all(bodies.margin));
-	// Distances of the thinnest shapes err by .05 % in floats. The slack s moves u.x by |u| s at most, and (p + q)^2 <= 1.001 p^2 + 1001
-	// q^2. So 2.0025 P + 1001 s^2 - x x^T, here all over 2.0025.
+	// Distances of the thinnest shapes err by 0.05 % in floats. The slack s changes u.x by at most |u| s, and (p + q)^2 <= 1.001 p^2 +
+	// 1001 q^2. So the matrix is 2.0025 P + 1001 s^2 - x x^T, here divided by 2.0025.
 	constexpr float kPerRoot = 0.70666f, kSlackPerRoot = 22.358f;  // 1 and sqrt(1001), over sqrt(2.0025)
 	const F perUnit = F::inverseOfPower(F::powerOfTwoBelow(a.R + b.R)), u2 = perUnit * perUnit;
 	const F u = perUnit * F::all(kPerRoot), slack = perUnit * F::all(kSlackPerRoot * bodies.slack), slack2 = slack * slack;
@@ -64,7 +66,7 @@ IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, co
 	return ~F::less(determinant(rest), F::all(0));
 }
 
-/// Drops pairs whose ellipsoids are apart from a list in place; returns the new length.
+/// Drops, in place, pairs whose ellipsoids are apart. Returns the new length.
 template <bool hasMargin, bool isMoved> int cullPairs(const PairBodies& bodies, uint32_t* a, uint32_t* b, int count)
 {
 	int kept = 0;

@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Query/Kernels/PairIntegrals.h"
 
-// Included by QueryKernel.cpp only. The passes over all pairs by which PatchGrouper divides them.
+// Included by QueryKernel.cpp only. The passes over all pairs with which PatchGrouper groups them.
 namespace
 {
 IST_INLINE F3 load3(const PairStream& stream, int column, int at)
@@ -11,7 +11,7 @@ IST_INLINE F3 load3(const PairStream& stream, int column, int at)
 	return {F::load(columnOf(stream, column) + at), F::load(columnOf(stream, column + 1) + at), F::load(columnOf(stream, column + 2) + at)};
 }
 
-/// For each lane the largest size so far and where it was.
+/// Largest size so far in each lane, and its position.
 struct StrongestLanes
 {
 	F size = F::all(0), place = F::all(0);
@@ -38,7 +38,7 @@ struct StrongestLanes
 	}
 };
 
-/// Lane sums of what joins a patch.
+/// Sums, by lanes, over the pairs that join a patch.
 struct Joined
 {
 	F sums[7];
@@ -101,7 +101,7 @@ void joinCone(const PairStream& stream, GroupNumber* groups, int count, ConeSear
 	strongest.finish(search);
 }
 
-/// Best patches so far, by nearness and direction.
+/// Best patches so far, by distance and direction.
 struct BestPatch
 {
 	F score = F::all(-3e38f), patch = F::all(0);

@@ -6,9 +6,9 @@
 
 #include <type_traits>
 
-// Included by QueryKernel.cpp only. Offsets of centres are computed in double with the operations of the reference in their order, and so
-// is all that decides whether two balls intersect. Two ellipsoids go on in floats: their depth in each other is good to some 2e-7 of
-// their size.
+// Included by QueryKernel.cpp only. Offsets of centres are computed in double, with the reference's operations in the same order, and
+// so is everything that decides whether two balls intersect. Two ellipsoids continue in floats: their depth in each other has an error
+// of about 2e-7 of their size.
 namespace
 {
 using namespace ist;
@@ -16,7 +16,7 @@ using namespace ist::kernels;
 
 using Lanes = F::Lanes;
 
-/// Pairs that are staged before they are summed; lane sums are floats within a stage, doubles beyond.
+/// Number of pairs that are staged before they are summed. Sums by lanes are floats within a stage and doubles beyond.
 constexpr int kStage = 256;
 constexpr float kPiF = 3.14159265358979323846f;
 
@@ -26,16 +26,16 @@ struct D3
 };
 IST_INLINE D dot(const D3& a, const D3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// One vector of pairs. What does not intersect has mass and area zero.
+/// One vector of pairs. Pairs that do not intersect have zero mass and area.
 struct Lenses
 {
 	Lanes hits, meeting;
-	F mass, area;      ///< dd L, dd times the disc's area
-	F3 C, n, mA, mB;   ///< n: of unit length for balls; area times n is meant for all
-	F depthA, depthB;  ///< at C
+	F mass, area;      ///< dd L, and dd times the area of the disc
+	F3 C, n, mA, mB;   ///< n has unit length for balls only; in both cases area times n is the area vector
+	F depthA, depthB;  ///< depths at C
 };
 
-/// To A's tree frame.
+/// Transforms centres to A's tree frame.
 IST_INLINE Centers movedCenters(const PairBodies& bodies, const F& x, const F& y, const F& z, const F& R)
 {
 	const D dx = D::from(x), dy = D::from(y), dz = D::from(z);
@@ -43,16 +43,18 @@ IST_INLINE Centers movedCenters(const PairBodies& bodies, const F& x, const F& y
 	return {component(0), component(1), component(2), D::from(R)};
 }
 
-/// What two balls share.
+/// Intersection of two balls.
 struct Shared
 {
 	Lanes hits;
-	F volume, disc, share;  ///< share: of the cap of ball j in the volume
+	F volume, disc, share;  ///< share: part of the volume that the cap of ball j has
 	F inverse;              ///< 1 / distance of the centres, 0 where they coincide
-	F squareI, squareJ;     ///< of ellipsoids only: r_i^2 and r_j^2 in the coordinates that lensOf compares them in
+	F squareI, squareJ;     ///< ellipsoids only: r_i^2 and r_j^2 in the coordinates in which lensOf compares them
 };
 
-/// By radii, distance of the centres, and the signs and values of r_i + r_j - d, r_j - r_i + d and r_i - r_j + d.
+/// Intersection of two balls of radii ri and rj at distance d.
+/// `overlap`: r_i + r_j - d; `towardsI`: r_j - r_i + d; `towardsJ`: r_i - r_j + d.
+/// `overlapping`: overlap > 0; `apart`: both others > 0, so that no ball contains the other.
 IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& overlapping, const Lanes& apart, const F& overlap,
 	const F& towardsI, const F& towardsJ)
 {
@@ -72,21 +74,21 @@ IST_INLINE Shared sharedBy(const F& ri, const F& rj, const F& d, const Lanes& ov
 IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 {
 	const D overlap = Ri + Rj - distance, towardsI = Rj - Ri + distance, towardsJ = Ri - Rj + distance;
-	// Contained: the smaller radius exceeds neither difference. Rounding is monotonic, so these signs are exact.
+	// A ball is contained where the smaller radius exceeds neither difference. These signs are exact because rounding is monotonic.
 	const Lanes apart = D::isLess(D::all(0), towardsI) & D::isLess(D::all(0), towardsJ);
 	return sharedBy(Ri.rounded(), Rj.rounded(), distance.rounded(), D::isLess(D::all(0), overlap), apart, overlap.rounded(),
 		towardsI.rounded(), towardsJ.rounded());
 }
 
-/// P_i + P_j in units of the square of a power of two next to the reach, so that no power of a length leaves a float's range.
+/// P_i + P_j in units of the square of a power of two near the reach. So no power of a length leaves the range of a float.
 struct Whitening
 {
-	F unit, perUnit, perUnit2;  ///< that length; 1 over it; the square of that
+	F unit, perUnit, perUnit2;  ///< the unit of length, 1 over it, and the square of that
 	F6 Q;                       ///< adjugate of the sum
-	F det;                      ///< of the sum
+	F det;                      ///< determinant of the sum
 };
 
-/// Both in A's frame.
+/// `a` and `b` are in A's frame.
 IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 {
 	Whitening w;
@@ -99,16 +101,18 @@ IST_INLINE Whitening whitening(const Balls& a, const Balls& b)
 	return w;
 }
 
-/// The same of two ellipsoids, as the reference has it; disc times `n`: minus the gradient of the volume. Only where the bounds meet.
+/// Intersection of two ellipsoids, computed as in the reference. Disc times `n` is the negative gradient of the volume. Valid only
+/// where the bounding balls meet.
 IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& offset, F3& n)
 {
 	const F zero = F::all(0), one = F::all(1);
 	const Whitening white = whitening(a, b);
 	const F6& Q = white.Q;
 	const F u = white.perUnit, Ri = a.R * u, Rj = b.R * u, reach2 = (Ri + Rj) * (Ri + Rj);
-	// One division for two.
+	// This is one division instead of two.
 	const F both = one / (white.det * reach2), inverse = both * reach2, perReach2 = both * white.det;
-	// Each from its own shape: their squares add up to one, and the smaller would vanish in the rounding of the larger.
+	// Each radius comes from its own shape. Their squares add up to 1, so as a difference the smaller one would vanish in the rounding
+	// of the larger.
 	const F third = inverse * F::all(1.0f / 3) * white.perUnit2;
 	const F ri = F::squareRoot(dot(a.shape, Q) * third), rj = F::squareRoot(dot(b.shape, Q) * third), sum = ri + rj;
 	const F3 x{offset.x * u, offset.y * u, offset.z * u}, w = Q * x;
@@ -131,7 +135,8 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	return s;
 }
 
-/// B's balls in A's tree frame: `b` without the centres, those unrounded. `isMoved`: as the search has moved them.
+/// Loads B's balls in A's tree frame: returns the centres, not rounded to floats, and the rest in `b`. `isMoved`: the search has
+/// already transformed them.
 template <Terms terms, bool isMoved> IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls& b)
 {
 	if constexpr (isMoved)
@@ -160,12 +165,13 @@ template <Terms terms> IST_INLINE Balls fetchA(const PairBodies& bodies, const u
 	else return fetch(bodies.ballsA, bodies.ellipsoidsA, index);
 }
 
-/// What normals that change over a ball, of A's, of B's or of both, make of a lens: its centroid, as lensCentroid() has it, and the normals
-/// there.
+/// Corrects lenses for normals that change over a ball of A, of B or of both. Sets the centroid, computed as in lensCentroid(), the
+/// normals there and the depths there.
 IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, const Balls& a, const Balls& b,
 	const F3& offset, const Shared& shared, Lenses& l)
 {
-	// The sum of both shapes has a trace of one: so its determinant stays in a float's range, however unlike the two are.
+	// The sum of both shapes is scaled to a trace of 1. So its determinant stays in the range of a float, however unlike the two shapes
+	// are.
 	constexpr float kLeastTrace = 1e-37f;
 	const F zero = F::all(0), one = F::all(1), ofA = shared.share * shared.squareJ, ofB = (one - shared.share) * shared.squareI;
 	const F together = ofA * trace(a.shape) + ofB * trace(b.shape),
@@ -180,7 +186,7 @@ IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, 
 	if (bodies.gradientsB) l.mB = l.mB + turned(bodies.R, fetch(bodies.gradientsB, indexB) * turnedBack(bodies.R, fromB));
 }
 
-/// `normalsChange`: over a ball of A's or of B's.
+/// `normalsChange`: whether normals change over the balls of A or of B.
 template <Terms terms, bool isMoved, bool normalsChange>
 IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {
@@ -211,7 +217,7 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 	l.C = {a.x - offset.x * shared.share, a.y - offset.y * shared.share, a.z - offset.z * shared.share};
 	if constexpr (terms != kLineTerms)
 	{
-		// Lane by lane: GCC copies a whole vector of three through memory.
+		// Copied component by component, because GCC copies a whole vector of three through memory.
 		l.mA = {a.normal.x, a.normal.y, a.normal.z};
 		l.mB = {b.normal.x, b.normal.y, b.normal.z};
 		l.depthA = a.depth + shared.share * dot(l.mA, offset);
@@ -223,17 +229,18 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 
 IST_INLINE uint32_t firstLanes(int count) { return count >= kLanes ? (1u << kLanes) - 1 : (1u << count) - 1; }
 
-/// Pairs that are summed next. A column is no power of two long: the same place of several columns would compete for one cache set.
+/// Pairs that are summed next. The length of a column is not a power of two, because then the same position in several columns would
+/// compete for one cache set.
 struct alignas(64) Stage
 {
 	static constexpr int kLength = kStage + kListSlack;
 	float column[PairStream::Force][kLength];
 };
 
-/// Columns that sums of these terms need.
+/// Number of columns that sums of these terms need.
 template <Terms terms> constexpr int kSummedColumns = terms == kLineTerms ? int(PairStream::MeanNormalA) : int(PairStream::Force);
 
-/// Calls `visit(column, lanes)` for each of them.
+/// Calls `visit(column, lanes)` for each of these columns.
 template <Terms terms, class Visit> IST_INLINE void forEachColumn(const Lenses& l, const Visit& visit)
 {
 	const auto visit3 = [&](int column, const F3& v) __attribute__((always_inline))
@@ -265,7 +272,7 @@ template <int N> IST_INLINE void addSums(double* sums, const F (&lanes)[N])
 	for (int i = 0; i < N; ++i) sums[i] += lanes[i].sum();
 }
 
-/// sum w m and sum C x (w m).
+/// Adds sum w m and sum C x (w m), where w is the mass.
 void sumWrench(const Stage& stage, int m, int length, double* sums)
 {
 	F s[6] = {F::all(0), F::all(0), F::all(0), F::all(0), F::all(0), F::all(0)};
@@ -324,7 +331,7 @@ void sumDepths(const Stage& stage, int length, double* sums)
 	addSums(sums + kDepthA, depth);
 }
 
-/// Three rows of g by some columns of w, into rows of `stride`. No more than four columns: as many sums as fit into sixteen registers.
+/// Adds three rows of g times some columns of w to rows of `stride`. At most four columns, so that the sums fit into sixteen registers.
 template <int kColumns> void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product, int stride)
 {
 	F s[3 * kColumns];
@@ -357,7 +364,7 @@ IST_INLINE void store3(float (*to)[kStage], int at, const F3& v)
 	v.z.store(to[2] + at);
 }
 
-/// The product g_n (g_wA, g_wB)^T.
+/// Adds the product g_n (g_wA, g_wB)^T.
 void sumStiffness(const Stage& stage, int length, double* product)
 {
 	Factors factors;
@@ -378,7 +385,7 @@ void sumStiffness(const Stage& stage, int length, double* product)
 		for (int j = 0; j < 12; j += 4) sumTile<4>(factors.g + i, factors.w + j, length, product + 12 * i + j, 12);
 }
 
-/// What each pair presses with, G = (w, C x w), by itself.
+/// Adds the products of G = (w, C x w) with itself. w is the direction in which a pair presses.
 void sumDamping(const PairBodies& bodies, const Stage& stage, int length, double* product)
 {
 	Factors factors;
@@ -400,7 +407,7 @@ void sumDamping(const PairBodies& bodies, const Stage& stage, int length, double
 	sumTile<3>(factors.g + 3, factors.w + 3, length, product + 18, 3);
 }
 
-/// `length`: whole vectors.
+/// `length`: a multiple of kLanes.
 template <Terms terms> void sumStage(const PairBodies& bodies, const Stage& stage, int length, double* sums)
 {
 	sumMoments(stage, length, sums);
@@ -416,7 +423,7 @@ template <Terms terms> void sumStage(const PairBodies& bodies, const Stage& stag
 		if (bodies.weightA > 0 || bodies.weightB > 0) sumDamping(bodies, stage, length, sums + kDamping);
 }
 
-/// Sums the first `length` staged pairs, and empties the stage.
+/// Sums the first `length` staged pairs and empties the stage.
 template <Terms terms> void flushStage(const PairBodies& bodies, Stage& stage, int& length, double* sums)
 {
 	for (int c = 0; c < kSummedColumns<terms>; ++c) F::all(0).store(stage.column[c] + length);
@@ -424,15 +431,15 @@ template <Terms terms> void flushStage(const PairBodies& bodies, Stage& stage, i
 	length = 0;
 }
 
-/// Appends those of the first `count` lanes that intersect. Where few do not, all are: to move the others together costs more than to sum
-/// zeros.
+/// Appends those of the first `count` lanes that intersect. If at least three quarters do, all lanes are appended, because summing
+/// zeros costs less than compressing.
 template <Terms terms> IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
 {
 	const uint32_t hits = l.hits.bits();
 	forEachColumn<terms>(
 		l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
 	if ((__builtin_popcount(hits) >= kLanes * 3 / 4) & (count >= kLanes)) return length + kLanes;
-	// Out of memory: kept in registers for this branch, columns would be spilled for all.
+	// The columns are read back from memory. If they were kept in registers for this branch, they would be spilled on every path.
 	const LaneCompressor kept(hits & firstLanes(count));
 	for (int c = 0; c < kSummedColumns<terms>; ++c) kept.move(F::load(stage.column[c] + length), stage.column[c] + length);
 	return length + kept.count();
@@ -455,7 +462,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	sums[kPairs] += double(pairs);
 }
 
-/// Calls `evaluate(isMoved, normalsChange)`, both known to the compiler.
+/// Calls `evaluate(isMoved, normalsChange)` with both as compile-time constants.
 template <Terms terms, typename Evaluate> IST_INLINE auto specialized(const PairBodies& bodies, const Evaluate& evaluate)
 {
 	using Yes = std::true_type;

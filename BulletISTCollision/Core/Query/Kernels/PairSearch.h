@@ -4,8 +4,8 @@
 #include "BulletISTCollision/Core/Query/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Query/Kernels/EllipsoidLanes.h"
 
-// Included by QueryKernel.cpp only. Staged and free of unpredictable branches: every step tests a vector and appends what survives
-// to a list, hit or not; the next step works through the list. No recursion, no branch that depends on a hit.
+// Included by QueryKernel.cpp only. The search works in stages without recursion and without unpredictable branches. Each step tests a
+// vector and appends the survivors to a list without branching on hits; the next step works through that list.
 namespace
 {
 using namespace ist;
@@ -13,8 +13,8 @@ using namespace ist::kernels;
 
 static_assert(BallNode::kWidth == 8 && kBlockWidth == 16);
 
-/// Appends first + lane for each lane that is set to `lanes`, which has `size` entries, and `same` beside it. Returns the new size.
-/// `areFew`: more than half of them rarely are.
+/// Appends first + lane to `lanes` for each lane that is set, and `same` to `beside`. `lanes` has `size` entries. Returns the new size.
+/// `areFew`: more than half of the lanes are rarely set.
 template <bool areFew>
 IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside, size_t size)
 {
@@ -24,7 +24,7 @@ IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t 
 	const uint32_t bits = set.bits();
 	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
 	const unsigned count = unsigned(__builtin_popcount(bits));
-	// A store of a whole line at any address touches two, but a branch that is taken now and then costs more.
+	// A store of a whole cache line at any address touches two lines, but a branch that is taken now and then costs more.
 	if constexpr (!areFew)
 	{
 		_mm512_storeu_si512(lanes + size, chosen);
@@ -70,7 +70,7 @@ IST_INLINE void fill8(uint32_t* to, uint32_t value)
 #endif
 }
 
-/// The survivors among a node's children, against one partner.
+/// The children of a node; those that survive are paired with one partner.
 struct Children
 {
 	const uint32_t* id;
@@ -82,7 +82,7 @@ struct Partner
 	float x, y, z, r;
 };
 
-/// Appends pairs (child, partner); `child` and `partner` are the list's columns. The stored bound is the child's.
+/// Appends pairs (child, partner); `child` and `partner` are the list's columns. The stored bound is that of the child.
 IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c, const Partner& p)
 {
 	if (!kCompresses && !bits) return;
@@ -97,7 +97,7 @@ IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* 
 	list.size = n + compressor.count();
 }
 
-/// The same with the partner's bound.
+/// Appends pairs (child, partner) as above; the stored bound is that of the partner.
 IST_INLINE void appendPartnerBounds(
 	SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c, const Partner& p)
 {
@@ -135,13 +135,14 @@ IST_INLINE LaneBits childBits(const uint32_t* child)
 #endif
 }
 
-/// Where the children of an opened node go: `same` opens the opened side again, `other` the partner.
+/// Destinations of the children of an opened node. `same`: the opened side is opened again next; `other`: the partner is opened next;
+/// `leaf`: both are blocks.
 struct Routes
 {
 	uint32_t same, other, leaf;
 };
 
-/// The larger of two nodes is opened next; a block never is.
+/// Decides which node of each pair is opened next: the larger one. A block is never opened.
 IST_INLINE Routes route(uint32_t hits, LaneBits bits, uint32_t notSmaller, bool partnerIsLeaf)
 {
 	const uint32_t partnerLeaf = 0u - uint32_t(partnerIsLeaf);
@@ -150,7 +151,7 @@ IST_INLINE Routes route(uint32_t hits, LaneBits bits, uint32_t notSmaller, bool 
 	return {same, hits & ~(leaf | same), leaf};
 }
 
-/// What the descent reads of the search, out of reach of the aliasing that vector stores imply.
+/// Copy of what the descent reads of the search. The compiler knows that vector stores cannot alias it.
 struct Descent
 {
 	const BallNode *nodesA, *nodesB;
@@ -171,7 +172,7 @@ IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, Su
 	else appendChildBounds(otherList, otherList.a, otherList.b, to.other, c, b);
 }
 
-/// Opens entry `index` of openB: the children of B's node, moved to A's frame, against the bound of A's.
+/// Opens entry `index` of openB: the children of B's node, transformed to A's frame, against the bound of A's.
 IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, SubtreeList& otherList, SubtreeList& leaves)
 {
 	const BallNode& node = s.nodesB[sameList.b[index]];
@@ -182,16 +183,16 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	};
 	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * Vector8::all(s.stretch)};
 	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack).bits();
-	// Of two equal nodes A's is opened.
+	// Of two equal nodes, that of A is opened.
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
-	// No branch: which partner is a leaf cannot be foreseen.
+	// There is no branch here, because it is unpredictable which partner is a leaf.
 	SubtreeList& list = *(a.id & BallNode::kLeafBit ? &leaves : &otherList);
 	appendChildBounds(list, list.b, list.a, to.leaf | to.other, c, a);
 }
 
-/// Centres as they were moved already.
+/// Moves the ellipsoids of a block; `centers` are already in A's frame.
 void moveEllipsoids(const PairSearch& s, const BlockColumns& centers, size_t first)
 {
 	MomentEllipsoid* const to = s.movedB + first;
@@ -233,7 +234,7 @@ void moveBlock(const PairSearch& s, uint32_t index)
 	if (s.movedB) moveEllipsoids(s, moved, first);
 }
 
-/// Once a search: blocks are looked at against many others.
+/// Writes a block of A as columns. This is done once per search, because blocks are tested against many others.
 void writeColumns(const PairSearch& s, uint32_t index)
 {
 	const Block block = fetchBlock(s.ballsA + size_t(index) * kBlockWidth);
@@ -245,7 +246,7 @@ void writeColumns(const PairSearch& s, uint32_t index)
 	s.epochsA[index] = s.epoch;
 }
 
-/// A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
+/// Lists A's balls near the bound of B's block, for up to kLeafBatch pairs of blocks from `first` on. Returns their number.
 int ballsNearBlocks(PairSearch& s, int first, int end)
 {
 	using V = FloatVector<kBlockWidth>;
@@ -262,12 +263,12 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
 		if (epochsA[blockA] != epoch) writeColumns(s, blockA);
 		const BlockColumns& a = columnsA[blockA];
-		// A's padding is far from all bounds of B that touch one of A's, and B's from all balls.
+		// A's padding is far from all bounds of B that touch one of A's. B's padding is far from all balls.
 		const LaneMask<16> near = touching(
 			V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
 		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
 		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
-		// Of a block that nothing is near the number does not matter.
+		// If no ball of A is near a block of B, `count` is 0, so the block's number of balls has no effect.
 		tests += count * marks[blockB].count;
 		n = size;
 	}
@@ -276,7 +277,8 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 	return int(n);
 }
 
-/// Balls of A against blocks of B; found pairs go to the sink whenever the buffer is full. `pairs`: already in the buffer.
+/// Tests balls of A against blocks of B. The sink receives the found pairs whenever the buffer is full. `pairs`: number of pairs
+/// already in the buffer.
 int pairsOfBalls(PairSearch& s, int count, int pairs)
 {
 	using V = FloatVector<kBlockWidth>;
@@ -308,7 +310,7 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 	return pairs;
 }
 
-/// Works off the list of pairs of blocks.
+/// Processes the list of pairs of blocks and empties it.
 int drainLeaves(PairSearch& s, int pairs)
 {
 	for (int first = 0; first < s.leaves.size && !s.stop; first += kLeafBatch)
@@ -321,9 +323,9 @@ int drainLeaves(PairSearch& s, int pairs)
 	return pairs;
 }
 
-/// One of the lists openA and openB holds the pair of roots on entry. Entries are opened in batches, the deepest first: the lists stay
-/// short, and the steps within a batch are independent. Each frame is a run of entries of one list; a batch's children lie behind
-/// everything that is still open.
+/// On entry openA or openB holds the pair of roots. Entries are opened in batches, the deepest first, so the lists stay short and the
+/// steps within a batch are independent. Each frame is a run of entries of one list. The children of a batch lie behind all entries
+/// that are still open.
 void search(PairSearch& s)
 {
 	DescentFrame frames[4 * kMaxTreeDepth + 4];

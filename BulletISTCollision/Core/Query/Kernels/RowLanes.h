@@ -4,8 +4,8 @@
 #include "BulletISTCollision/Core/Base/FloatVector.h"
 #include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 
-// Included by QueryKernel.cpp only. Balls are rows in memory and columns in registers: fetched and stored sixteen bytes at a time, and
-// transposed in between.
+// Included by QueryKernel.cpp only. Balls are rows in memory and columns in registers. They are loaded and stored in units of sixteen
+// bytes and transposed in between.
 namespace
 {
 using namespace ist;
@@ -15,7 +15,7 @@ using F = FloatVector<kLanes>;
 using D = DoubleVector<kLanes>;
 static_assert(F::kParts == 1);
 
-// By sixteen bytes of a register: of two floats, or of one double, from each of two registers, those in front and those behind.
+// These take, from each sixteen bytes of two registers, the front or back half of each: two floats, interleaved, or one double.
 #if defined(IST_SSE) && defined(__AVX512VL__)
 IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return (F::Part)_mm512_unpacklo_ps((__m512)a, (__m512)b); }
 IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return (F::Part)_mm512_unpackhi_ps((__m512)a, (__m512)b); }
@@ -38,13 +38,13 @@ template <int N> struct Constant
 	static constexpr int value = N;
 };
 
-/// Of kRows rows of sixteen bytes of each ball, `place(k) + offset[r]`: those of the balls first + j, first + j + step and so on, side by
-/// side in `to[step * r + j]`, for each j below `step`.
+/// Loads kRows rows of sixteen bytes of each ball, from `place(k) + offset[r]`. For each j below `step`, `to[step * r + j]` receives
+/// row r of the balls first + j, first + j + step and so on, side by side.
 template <int step, int kRows, class Place>
 IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows], F::Part (&to)[step * kRows])
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
-	// Ball by ball, so that each place is wanted for a moment only: there are not enough registers for all.
+	// The loop goes ball by ball, so that each address is needed only for a moment: there are too few registers for all.
 	const auto quarter = [&](auto q) __attribute__((always_inline))
 	{
 		IST_UNROLL
@@ -86,7 +86,7 @@ IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows]
 #endif
 }
 
-/// Sixteen bytes of `v` to each of `at(first)`, `at(first + step)` and so on.
+/// Stores sixteen bytes of `v` to each of `at(first)`, `at(first + step)` and so on.
 template <int step, class At> IST_INLINE void scatter(F::Part v, int first, const At& at)
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
@@ -104,7 +104,8 @@ template <int step, class At> IST_INLINE void scatter(F::Part v, int first, cons
 #endif
 }
 
-/// Rows of four floats to columns, and back: lane k of register j holds what lane j of register k held, in each four by four.
+/// Transposes rows of four floats to columns, and back. In each four by four block, lane k of register j receives what lane j of
+/// register k held.
 IST_INLINE void transpose(F::Part& r0, F::Part& r1, F::Part& r2, F::Part& r3)
 {
 	const F::Part a = frontFloats(r0, r1), b = backFloats(r0, r1), c = frontFloats(r2, r3), d = backFloats(r2, r3);
@@ -115,7 +116,7 @@ IST_INLINE void transpose(F::Part& r0, F::Part& r1, F::Part& r2, F::Part& r3)
 }
 
 #if defined(IST_SSE) && defined(__AVX512VL__)
-/// Of four registers, each the rows of a ball: row r of all four, in to[r].
+/// Sorts four registers, each with the four rows of a ball: to[r] receives row r of all four balls.
 IST_INLINE void transposeRows(const F::Part (&ball)[4], F::Part (&to)[4])
 {
 	const auto mixed = [](F::Part a, F::Part b, auto choice) __attribute__((always_inline))
@@ -136,14 +137,14 @@ template <class Ball> IST_INLINE auto placesOf(const Ball* balls, const uint32_t
 	return [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + index[k]); };
 }
 
-/// Columns of the rows of four floats that begin `offset[r]` bytes into each ball, four of each row.
+/// Loads the rows of four floats that begin `offset[r]` bytes into each ball, as columns: four for each row.
 template <int kRows, class Ball>
 IST_INLINE void fetchRows(const Ball* balls, const uint32_t* index, const int (&offset)[kRows], F::Part (&columns)[4 * kRows])
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Ball) == sizeof(F::Part))
 	{
-		// A ball is a register: one load instead of one for each of its rows.
+		// A ball fits one register, so one load replaces a load for each row.
 		IST_UNROLL
 		for (int j = 0; j < 4; ++j)
 		{
@@ -162,7 +163,7 @@ IST_INLINE void fetchRows(const Ball* balls, const uint32_t* index, const int (&
 	for (int r = 0; r < kRows; ++r) transpose(columns[4 * r], columns[4 * r + 1], columns[4 * r + 2], columns[4 * r + 3]);
 }
 
-/// Sixteen balls, one behind the other in memory.
+/// Sixteen balls that are contiguous in memory.
 struct Block
 {
 	FloatVector<kBlockWidth> x, y, z, r;
@@ -197,7 +198,7 @@ IST_INLINE Block fetchBlock(const Sphere* balls)
 	return block;
 }
 
-/// Row k from lane k of the columns, into ball k from `balls` on.
+/// Stores a row of four floats, from lane k of the columns, into ball k from `balls` on.
 IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, F c0, F c1, F c2, F c3)
 {
 	const auto row = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<float*>(balls + k) + offset; };
@@ -208,7 +209,7 @@ IST_INLINE void storeRow(MomentEllipsoid* balls, int offset, F c0, F c1, F c2, F
 	scatter<4>(c3.part[0], 3, row);
 }
 
-/// Of moved balls: their centres, and their radii.
+/// Centres and radii of balls in A's tree frame.
 struct Centers
 {
 	D x, y, z, R;
@@ -231,7 +232,7 @@ IST_INLINE Centers fetchCenters(const MovedCenter* centers, const uint32_t* inde
 	return c;
 }
 
-/// Ball k from lane k.
+/// Stores lane k as ball k.
 IST_INLINE void storeCenters(MovedCenter* centers, const Centers& c)
 {
 	const auto front = [&](int k) __attribute__((always_inline)) { return reinterpret_cast<float*>(centers + k); };
