@@ -14,7 +14,7 @@ namespace ist
 {
 namespace
 {
-/// Two levels cannot share such an answer.
+/// Whether the answer must come from one level, because two levels cannot share it.
 bool isWhole(const QueryOptions& options) { return options.maxPairs >= 0 || options.sortPairs || options.listMeetingBounds; }
 
 Vec3 forceOf(const OverlapResult& result, const ForceTolerance& accepted)
@@ -22,14 +22,14 @@ Vec3 forceOf(const OverlapResult& result, const ForceTolerance& accepted)
 	return pressureWrench(result.total, {1, accepted.weightA, accepted.weightB}).force;
 }
 
-/// Share by which `before` may fall in each query, so that its fading is not felt.
+/// Decrease of the share of `before` per query, small enough that the fade is not felt.
 double fadeStep(const Vec3& before, const Vec3& after, double floor)
 {
 	const double change = norm(after - before) / std::max({norm(before), norm(after), floor});
 	return change > kMostFadeStep ? kMostFadeStep / change : 1;
 }
 
-/// Notes what an answer says of which the share `fadedShare` is that of the level that fades out.
+/// Updates the state of the pair from an answer in which the fading level has the share `fadedShare`.
 void note(const InnerSphereTree& A, const InnerSphereTree& B, const ForceTolerance& accepted, const OverlapResult& result,
 	double fadedShare, AdaptiveLevel& pair)
 {
@@ -53,8 +53,8 @@ OverlapResult fadeOn(const InnerSphereTree& A, const InnerSphereTree& B, const P
 	return result;
 }
 
-/// The first answer in which the level of the pair shares with the one that fades out. The forces of both levels decide how fast one fades
-/// into the other. The workspace's last answer `known` saves one of the two queries.
+/// First answer in which the new level of the pair shares with the one that fades out. The forces of both levels decide how fast the
+/// fade is. The workspace's last answer `known` saves one of the two queries.
 OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options, const OverlapResult& known, AdaptiveLevel& pair)
 {
@@ -69,7 +69,7 @@ OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, co
 			sure = packed.total.volume;
 			return packed;
 		}
-		// An answer that passed the gate is scaled, so it does not take the place of a query.
+		// With requireInnerOverlap the known answer is scaled, so it cannot replace a query.
 		const LevelAnswers answers = queryBothLevels(
 			A, B, treePose(A, B, X_AB), work, at, pair.level, pair.fadedLevel, options.requireInnerOverlap ? nullptr : &known);
 		const auto force = [&](const OverlapResult& of) {
@@ -95,7 +95,7 @@ OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, 
 		refused.status = QueryStatus::Unsupported;
 		return refused;
 	}
-	// Of other bodies, with more levels.
+	// The state belongs to other bodies, which had more levels.
 	if (std::max(pair.level, pair.fadedLevel) > levelCount(A, B)) pair = {};
 	const bool whole = isWhole(options);
 	if (whole) pair.fadedShare = 0;
@@ -114,7 +114,7 @@ OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, 
 	}
 	pair.level = wanted;
 	pair.fadedLevel = before;
-	// When it is asked again, both bodies have moved on.
+	// The Verlet list would be outdated when it is used again, because both bodies will have moved on.
 	if (memory) memory->forget();
 	return beginToFade(A, B, X_AB, workspace, accepted, options, answer.overlap, pair);
 }

@@ -5,25 +5,27 @@
 
 namespace ist
 {
-/// What a pair of bodies remembers from query to query so that its accuracy costs one query, mostly, and changes smoothly.
+/// State that a pair of bodies keeps from query to query. With it the requested accuracy mostly costs one query, and the level changes
+/// smoothly.
 struct AdaptiveLevel
 {
-	int level = -1;         ///< that answers, or that is being faded in; negative before the first query
-	int fadedLevel = -1;    ///< that is being faded out
-	double fadedShare = 0;  ///< of it in the answer
-	double fadeStep = 0;    ///< by which its share falls from query to query
-	double errorBound = 0;  ///< of the last answer, as in BoundedOverlap
+	int level = -1;         ///< level that answers, or that is being faded in; negative before the first query
+	int fadedLevel = -1;    ///< level that is being faded out
+	double fadedShare = 0;  ///< share of `fadedLevel` in the answer
+	double fadeStep = 0;    ///< decrease of that share from query to query
+	double errorBound = 0;  ///< error bound of the last answer, as in BoundedOverlap
 	bool kept = false;
 };
 
-/// No query differs from the one before by more than this share of the force because of a change of level, the levels' difference staying
-/// what it was when the change began; half of what it may double to.
+/// Largest change of the force per query that a fade may cause, as a share of the force. It assumes that the difference of the two
+/// levels stays what it was when the fade began. That difference may double, so the value is half of the limit.
 constexpr double kMostFadeStep = 0.005;
 
-/// As `queryWithTolerance`, for the same pair again and again: where another level becomes the right one, the first answers fade into the
-/// second. The level does not change while it fades. Neither bodies that are apart fade, nor answers within a budget
-/// (`QueryOptions::blend`), nor those with a list of pairs (`sortPairs`, `listMeetingBounds`). `options.otherShare` is its own, and
-/// refused. `memory`: as for queryOverlap. Allocates nothing.
+/// Queries the same pair repeatedly with a tolerance, as `queryWithTolerance` does. When another level becomes the right one, the
+/// answers fade from the old level to the new one. The level does not change during a fade.
+/// The following answers do not fade: bodies that are apart, answers within a budget (`QueryOptions::blend`), and answers with a list
+/// of pairs (`sortPairs`, `listMeetingBounds`). The function sets `options.otherShare` itself, and refuses options that set it.
+/// `memory`: as for queryOverlap. Allocates nothing.
 OverlapResult queryAdaptive(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options, AdaptiveLevel& pair, VerletList* memory = nullptr);
 

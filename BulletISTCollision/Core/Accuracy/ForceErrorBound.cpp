@@ -14,15 +14,16 @@ namespace
 {
 constexpr double kOfBalls = 0.7, kOfFew = 0.25, kOfGaps = 0.2, kMostGaps = 3, kUnmeasured = 0.4;
 constexpr double kFloorOverlap = 0.001;
-/// A coarser level is tried next only where it is sure to do, lest two levels take turns.
+/// Share of the tolerance within which a coarser level must lie to be tried next. The margin keeps two levels from alternating.
 constexpr double kReserve = 0.8;
-/// A coarse level may see too little force. One that would do if this share of its promised error were added is looked at next, where that
-/// is at least so many levels coarser than what would do without: for one level less, a look that falls short costs more than it may save.
-/// Chosen with the factors.
+/// A coarse level may see too little force. So the bound is also evaluated with the force plus kHope times the error bound. The level
+/// that would then suffice is tried, if it is at least kWorthALook levels coarser than the safe choice. With a smaller difference, a
+/// traversal that falls short costs more than it may save. Both values were chosen together with the factors above.
 constexpr double kHope = 0.7;
 constexpr int kWorthALook = 2;
 
-/// Square of one body's part in the relative error. Blocks but the last few of a tree are full.
+/// Square of one body's part in the relative error. slotCount() stands for the number of balls, because all blocks of a tree but the
+/// last few are full.
 double squaredPart(const InnerSphereTree& body, const BallTree& tree, int level, double overlap)
 {
 	const double c = size_t(level) < body.calibration.size() ? body.calibration[size_t(level)] : kUnmeasured;
@@ -58,8 +59,8 @@ int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Contac
 
 namespace
 {
-/// The level to look at after `level` did not keep the error. Where forces cancel, a coarse level knows little of what is left: by its own
-/// word the leaves would often be asked where a level between proves to do.
+/// The level to query after `level` did not meet the tolerance. Where forces cancel, a coarse level knows little of the remaining
+/// force. Its own bound alone would often lead to the leaves where a level in between suffices.
 int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen, double error)
 {
 	ContactSeen hoped = seen;
@@ -76,7 +77,7 @@ BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTre
 	const int finest = std::max(0, options.level), coarsest = std::max(finest, levelCount(A, B));
 	QueryOptions at = options;
 	at.level = accepted.firstLevel < 0 ? coarsest : std::clamp(accepted.firstLevel, finest, coarsest);
-	// At once, lest a finer level allocate in a later query.
+	// Memory is reserved at once, so that a finer level does not allocate in a later query.
 	workspace.implementation().reserveFor(A.law, B.law);
 	for (;;)
 	{

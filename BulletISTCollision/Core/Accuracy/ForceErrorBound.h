@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// What an answer says of a contact, whatever its level, for a stiffness of 1 Pa/m.
+/// What an answer of any level says about a contact, for a stiffness of 1 Pa/m.
 struct ContactSeen
 {
 	double volume = 0;  ///< [m^3]
@@ -14,45 +14,47 @@ struct ContactSeen
 };
 ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA = 0.5, double weightB = 0.5);
 
-/// Below this force, for 1 Pa/m, errors count as if the force were so large [m^3]: 0.1 % of the smaller body's volume, which is what an
-/// overlap of 0.1 % presses in flat contact. For every error that is promised, granted or reported as a share of a force.
+/// Smallest force to which errors are related, for 1 Pa/m [m^3]: smaller forces count as if they were this large. It is 0.1 % of the
+/// smaller body's volume, the force of an overlap of 0.1 % in flat contact. It applies to every error bound, tolerance or reported
+/// error that is a share of a force.
 double forceFloor(double volumeA, double volumeB);
 double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 
-/// The error of the force [m^3, for 1 Pa/m] that `level` of the pair stays under in 95 % of contacts like this:
+/// Error bound: the force error [m^3, for 1 Pa/m] that `level` of the pair stays under in 95 % of contacts like this one:
 ///     V sqrt(e_A^2 + e_B^2 + (0.2 min(g / delta, 3))^2),   e_X^2 = (0.7 c_X)^2 / n_X + (0.25 / n_X)^2
-/// with c and n as in LevelCalibration.h, g the sum of both bodies' errorLength() and delta = V / area: few balls share the contact, or it
-/// is shallow against the gaps. V counts as `forceFloor` at least. The factors were chosen on nine pairs of bodies round and thin of 1,000
-/// to 10,000 spheres against quadrature, in each of which accepted errors held; how far they do on others bench_pareto prints. Bodies that
-/// were never calibrated have the largest c.
+/// c and n are those of LevelCalibration.h, g is the sum of both bodies' errorLength(), and delta = V / area. The first two terms grow
+/// when few balls share the contact, the third when the contact is shallow relative to the gaps. V counts as at least `forceFloor`.
+/// The factors were fitted against quadrature on nine pairs of round and thin bodies of 1,000 to 10,000 spheres; the tolerance held in
+/// each of them. bench_pareto prints how well they hold on other bodies. Bodies without a calibration get the largest c.
 double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 
-/// The coarsest level of the pair whose error bound is within `error` (0..1) of the force or of the floor; 0, the leaves, when none is. No
-/// queries: O(levels^2).
+/// The coarsest level of the pair whose error bound is within `error` (0 to 1) of the force or of the floor. It is 0, the leaves, if no
+/// level is. Makes no queries; cost: O(levels^2).
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error);
 
-/// What force error is accepted, and where to begin to look.
+/// Accepted error of the force, and the level at which to begin.
 struct ForceTolerance
 {
 	double error = 0.05;                  ///< |F - F_true| <= error * max(|F_true|, floor), 0 to 1
-	double weightA = 0.5, weightB = 0.5;  ///< of the pair (PressurePair)
-	int firstLevel = -1;                  ///< `nextLevel` of the last answer of this pair; negative: none
+	double weightA = 0.5, weightB = 0.5;  ///< weights of the pair (PressurePair)
+	int firstLevel = -1;                  ///< `nextLevel` of the last answer for this pair; negative: none
 };
 
 struct BoundedOverlap
 {
 	OverlapResult overlap;
-	double errorBound =
-		0;  ///< the force error that holds in 95 % of contacts, of max(|F|, floor): above `error` when even the leaves do not know better
+	/// Force error that 95 % of contacts stay under, as a share of max(|F|, floor). It exceeds the tolerance when even the leaves are
+	/// not accurate enough.
+	double errorBound = 0;
 	bool kept = false;   ///< error bound <= error
-	int nextLevel = -1;  ///< for the next query of this pair a moment later
+	int nextLevel = -1;  ///< level with which to begin the next query of this pair
 	int traversals = 0;
-	int64_t pairs = 0;  ///< that all looks found
+	int64_t pairs = 0;  ///< number of pairs that all traversals found
 };
 
-/// The coarsest level that keeps the accepted error: looks at one level, then finer as far as its error bound says, mostly two or three
-/// times; with `firstLevel`, mostly once. `options.level` is the finest allowed; a budget of pairs has the last word. Bodies without levels
-/// answer with their leaves. `memory`: as for queryOverlap. No allocation.
+/// Answers with the coarsest level whose error bound is within the tolerance. It queries one level, then a finer one that the error
+/// bound suggests: mostly two or three queries, and mostly one with `firstLevel`. `options.level` is the finest level allowed. A pair
+/// budget overrides the tolerance. Bodies without levels answer with their leaves. `memory`: as for queryOverlap. No allocation.
 BoundedOverlap queryWithTolerance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const ForceTolerance& accepted, const QueryOptions& options = {}, VerletList* memory = nullptr);
 

@@ -14,15 +14,16 @@ namespace ist
 namespace
 {
 constexpr int kPosesPerOverlap = 12;
-/// Overlaps are looked for at a level of about so many balls.
+/// Number of balls of the level at which poses of a given overlap are searched for, approximately.
 constexpr uint32_t kSearchBalls = 500;
 constexpr double kHeld = 0.95;
-/// Below, what else errs dominates; above, it was never needed: there a level's balls are thicker than the body.
+/// Limits of the coefficients. Below kLeast other errors dominate. A coefficient above kMost was never needed: it occurs where a
+/// level's balls are thicker than the body.
 constexpr double kLeast = 0.15, kMost = 0.4;
 constexpr uint64_t kSeed = 1;
-/// The queries only add up, without a list of their pairs, for which every thread would hold twenty megabytes.
+/// The queries only add up, so they need no list of pairs. A list would take 20 MB per thread.
 constexpr QueryCapacity kNoList{.pairs = 1, .patches = 1};
-/// Coefficients are multiples of 1 over this: more of their digits say nothing.
+/// Coefficients are multiples of 1 / kSteps, because further digits are meaningless.
 constexpr double kSteps = 1000;
 
 Vec3 forceAt(const InnerSphereTree& tree, const Pose& X, int level, QueryWorkspace& workspace, double& volume)
@@ -35,8 +36,8 @@ Vec3 forceAt(const InnerSphereTree& tree, const Pose& X, int level, QueryWorkspa
 	return pressureWrench(result.total, {}).force;
 }
 
-/// The coefficient that each level would have needed in this pose, negative where it has no overlap. Level i of the body is level 2 i of
-/// the pair.
+/// The coefficient that each level would have needed in this pose, negative where it has no overlap. Level i of the body is level 2 (i
+/// + 1) of the pair.
 std::vector<double> compareLevels(const InnerSphereTree& tree, const Pose& X, QueryWorkspace& workspace)
 {
 	std::vector<double> needed(tree.levels.size(), -1);
@@ -52,12 +53,12 @@ std::vector<double> compareLevels(const InnerSphereTree& tree, const Pose& X, Qu
 	return needed;
 }
 
-/// A pose that the body is measured in, against itself.
+/// A pose in which the body is measured against itself.
 struct Trial
 {
 	double overlap;
 	Departure departure;
-	std::vector<double> needed;  ///< by each level; none where there is no such pose
+	std::vector<double> needed;  ///< coefficient that each level needs; empty where there is no such pose
 };
 
 std::vector<Trial> drawTrials()
@@ -92,8 +93,9 @@ std::vector<double> measuredCalibration(const InnerSphereTree& tree, [[maybe_unu
 	std::vector<Trial> trials = drawTrials();
 #pragma omp parallel num_threads(threads)
 	{
-		QueryWorkspace workspace(kNoList, InstructionSet::Portable);  // the same whatever machine builds
-																	  // The deepest take longest and come first.
+		// The portable instruction set makes the result independent of the machine. The loop runs backwards, because the deepest poses
+		// come last and take longest.
+		QueryWorkspace workspace(kNoList, InstructionSet::Portable);
 #pragma omp for schedule(dynamic, 1)
 		for (std::ptrdiff_t i = std::ptrdiff_t(trials.size()) - 1; i >= 0; --i) measure(tree, trials[size_t(i)], workspace);
 	}

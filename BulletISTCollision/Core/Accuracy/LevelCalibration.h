@@ -5,13 +5,15 @@
 
 namespace ist
 {
-/// How much a body's levels err: for the leaves and for each of `tree.levels` the coefficient c of the law
-///     |F - F_true| = c k V sqrt(1/n_A + 1/n_B),   n = balls of the level that share the overlap, on the average: their number times V over
-///     the body's volume,
-/// that holds in 95 % of poses, V being the overlap. Measured on the body against itself in seeded poses of 0.1 to 20 % overlap, each level
-/// beside the leaves; the leaves, which have nothing finer beside them, get the coefficient of the first level. Round bodies would need
-/// 0.05 to 0.15, those thinner than a level's balls up to 0.5. Kept within 0.15 to 0.4, the range in which the law was compared with
-/// quadrature (bench_pareto). Levels must be there. The same for any thread count; some hundred queries.
+/// Measures how much a body's levels err. For the leaves and for each of `tree.levels` it gives the coefficient c of the law
+///     |F - F_true| = c k V sqrt(1/n_A + 1/n_B),
+/// which holds in 95 % of poses. V is the overlap volume. n is the mean number of balls of the level that share the overlap: the
+/// level's number of balls times V over the body's volume.
+/// The body is measured against itself in seeded poses of 0.1 to 20 % overlap, each level relative to the leaves. The leaves have no
+/// finer reference, so they get the coefficient of the first level.
+/// Round bodies need 0.05 to 0.15, and bodies thinner than a level's balls up to 0.5. The coefficients are limited to 0.15 to 0.4, the
+/// range in which the law was compared with quadrature (bench_pareto). The levels must exist. The result is the same for any thread
+/// count. Cost: a few hundred queries.
 std::vector<double> measuredCalibration(const InnerSphereTree& tree, int threads = 1);
 
 bool hasLevels(const InnerSphereTree& tree);

@@ -8,10 +8,10 @@
 
 namespace ist
 {
-/// Shares of the smaller body's volume at which accuracy is measured and promised: from a touch to deep contact.
+/// Overlaps at which accuracy is measured and stated, as shares of the smaller body's volume: from a touch to deep contact.
 inline constexpr double kOverlapsOfContact[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.2};
 
-/// How B is turned, and which way it then leaves A: a rotation, and a unit vector in A's mesh frame.
+/// Rotation of B, and the direction in which it then leaves A: a unit vector in A's mesh frame.
 struct Departure
 {
 	Mat3 rotation;
@@ -19,11 +19,11 @@ struct Departure
 };
 Departure randomDeparture(std::mt19937_64& random);
 
-/// The pose X_AB (mesh frames) on the way of a departure that overlaps by `fraction` of the smaller body's volume, as `level` of the pair
-/// measures it: B begins with its centre of mass on A's and moves away by bisection. None when not even the beginning overlaps so much.
+/// The pose X_AB (mesh frames) along a departure at which the overlap is `fraction` of the smaller body's volume, measured with `level`
+/// of the pair. B starts with its centre of mass at that of A and moves away by bisection. Empty if even the start overlaps less.
 std::optional<Pose> poseAtOverlap(
 	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure, QueryWorkspace& workspace);
-/// Of a random departure. The same for a state of `random` and two bodies.
+/// The same search along a random departure. The result depends only on the state of `random` and the two bodies.
 std::optional<Pose> poseAtOverlap(
 	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random, QueryWorkspace& workspace);
 }  // namespace ist
