@@ -12,7 +12,7 @@ namespace ist
 {
 namespace
 {
-/// Elimination without exchanges finds no pivot that is not positive, beyond what rounding could feign. A tenth of an eigenvalue problem.
+/// Elimination without row exchanges finds only positive pivots, with a margin for rounding. It costs a tenth of an eigenvalue problem.
 bool isPositiveDefinite(const SymmetricMatrix6& matrix)
 {
 	constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
@@ -35,7 +35,7 @@ bool isPositiveDefinite(const SymmetricMatrix6& matrix)
 double densityAt(const InnerSphereTree& A, const InnerSphereTree& B, int level)
 {
 	const LevelPair trees = levelOf(A, B, level);
-	// Blocks but the last few of a tree are full.
+	// slotCount() stands for the number of balls, because all blocks of a tree but the last few are full.
 	return std::min(double(trees.treeA->slotCount()) / A.volume, double(trees.treeB->slotCount()) / B.volume);
 }
 }  // namespace
@@ -53,7 +53,7 @@ double pressureEnergy(const OverlapIntegrals& integrals, const PressurePair& pai
 SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const PressurePair& pair)
 {
 	SymmetricMatrix6 K;
-	// stiffnessA carries the minus sign of A's field already.
+	// stiffnessA already includes the minus sign of A's field.
 	for (int i = 0; i < 21; ++i)
 		K.m[i] = pair.stiffness * (pair.weightA * integrals.stiffnessA.m[i] + pair.weightB * integrals.stiffnessB.m[i]);
 	return K;

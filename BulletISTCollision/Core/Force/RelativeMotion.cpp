@@ -12,8 +12,8 @@ namespace
 {
 double work(const Wrench& w, const Twist& t) { return dot(w.force, t.linear) + dot(w.torque, t.angular); }
 
-/// Forces that turn where they are, which is about their centre: the place of the overlap stays with A but for half of the way that B's
-/// surface goes there, and that is small where the two touch.
+/// Change of a wrench whose forces turn about the centre of the overlap. The overlap stays with A, except for half of the distance that
+/// B's surface moves there, which is small where the two touch.
 Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
 {
 	const Vec3 force = cross(by, w.force), rest = w.torque - cross(center, w.force);
@@ -29,7 +29,7 @@ Twist motionOfB(const Pose& X_before, const Pose& X_after, const Vec3& point)
 
 double farthestMotion(const Pose& X_before, const Pose& X_after, const Vec3& center, double radius)
 {
-	double squares = 0;  // Frobenius' norm is never below the largest stretch.
+	double squares = 0;  // The Frobenius norm is never below the largest stretch.
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j)
 		{
