@@ -14,7 +14,7 @@ namespace
 {
 constexpr int64_t kMostSpheresForLeaves = 100000;
 
-/// Unless it was asked for spheres up to a fill or a radius.
+/// Whether leaves of smooth bodies are split further: true unless the build has a target fill or a smallest radius.
 bool splitsSmoothBodies(const BuildOptions& options) { return options.targetFill >= 1 && options.minRadius <= 0; }
 
 class Stopwatch
@@ -80,7 +80,7 @@ Result<SpherePacking> pack(const MeshDistance& surface, const Vec3& origin, cons
 	return packSpheres(surface, packing);
 }
 
-/// False when cancelled.
+/// Returns false when the build was cancelled.
 bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Progress& progress)
 {
 	if (!goesOn(progress, "tree", 0)) return false;
@@ -91,7 +91,7 @@ bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Pr
 	if (!goesOn(progress, "tree", 0.6)) return false;
 	tree.inner = buildInnerTree(tree.spheres, threads);
 	if (!goesOn(progress, "tree", 0.8)) return false;
-	// Levels are made anew where they are wanted, sooner than they are read; what they err is kept.
+	// The levels are discarded, because building them again is faster than reading them. Only their calibration is saved.
 	InnerSphereTree levelled = tree;
 	addLevels(levelled, threads);
 	tree.calibration = levelled.calibration;

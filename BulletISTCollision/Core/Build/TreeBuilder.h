@@ -10,32 +10,34 @@
 
 namespace ist
 {
-/// To be raised when the output of `buildTree` changes: trees that an older one built are then built anew (treeKey).
+/// Raise this when the output of `buildTree` changes. Trees that an older version built are then built anew (treeKey).
 inline constexpr uint32_t kBuilderVersion = 4;
 
 struct BuildOptions
 {
-	int64_t maxSpheres = 10000;  ///< the packing stops at the first of these three (PackingOptions)
-	double targetFill = 1.0;     ///< 0..1
-	double minRadius = 0;        ///< [m]
+	/// the packing stops at the first limit that is met: this one, `targetFill` or `minRadius` (PackingOptions)
+	int64_t maxSpheres = 10000;
+	double targetFill = 1.0;  ///< fill, 0 to 1
+	double minRadius = 0;     ///< smallest radius [m]
 	RepairMode repair = RepairMode::Auto;
-	double unit = 1;  ///< recorded in the asset; the mesh is already in metres
+	double unit = 1;  ///< unit of the source file, recorded in the asset; the mesh itself is already in metres
 	uint64_t seed = 1;
-	int threads = 0;  ///< 0: all
+	int threads = 0;  ///< number of threads; 0: all
 	Progress progress;
 };
 
-/// Of a body that is full with fewer spheres than were asked for, as smooth ones are: whether asking for more makes its leaves smaller.
+/// Whether asking for more spheres makes the leaves smaller, for a body that is full with fewer spheres than requested. Smooth bodies
+/// are.
 bool leavesBecomeSmaller(const BuildOptions& options);
 
-/// Wall-clock seconds of the stages.
+/// Wall-clock times of the stages [s].
 struct BuildTimes
 {
 	double setup = 0, packing = 0, leaves = 0, tree = 0;
 };
 
-/// Mesh to tree, the whole offline chain: repair, packing, cells, trees. The same for any thread count. Errors: those of repair() and
-/// packSpheres(), cancelled.
+/// Builds a tree from a mesh, the whole offline chain: repair, packing, cells, trees. The result is the same for any thread count.
+/// Errors: those of repair() and packSpheres(), and cancelled.
 Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options, BuildTimes* times = nullptr);
 
 /// The first stage of `buildTree` alone: repair() in the mode of the options.

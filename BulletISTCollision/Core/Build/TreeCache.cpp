@@ -28,7 +28,7 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 		p.requestedMinRadius == options.minRadius && p.seed == options.seed && p.unit == options.unit;
 }
 
-/// What closing the mesh may change of its volume, as a share of it.
+/// Change of the volume that closing the mesh may cause, as a share of the volume.
 double doubtAbout(const RepairedMesh& repaired) { return repaired.before.watertight ? 0 : repaired.volumeDoubt / repaired.volumeAfter; }
 
 /// Returns an empty text when the mesh has an inside.
@@ -43,7 +43,7 @@ std::string whyNoInside(double doubt, double mostDoubt)
 	return text;
 }
 
-/// The file of the doubt about the mesh of a tree.
+/// Path of the file that holds the doubt about the mesh of a tree.
 std::string doubtFile(const std::string& treeFile) { return std::filesystem::path(treeFile).replace_extension(".doubt").string(); }
 
 std::optional<double> savedDoubt(const std::string& treeFile)
@@ -64,7 +64,7 @@ void saveDoubt(double doubt, const std::string& treeFile)
 	static_cast<void>(writeFileAtomically(doubtFile(treeFile), reinterpret_cast<const std::byte*>(text), size_t(end - text)));
 }
 
-/// The doubt about the mesh of a tree that was loaded. Only folders of older versions lack the file; the mesh is repaired for it once.
+/// Doubt about the mesh of a tree that was loaded. Only folders of older versions lack the file; for those the mesh is repaired once.
 Result<double> doubtBehind(const InnerSphereTree& tree, const std::string& treeFile, const Mesh& mesh, const BuildOptions& options)
 {
 	if (tree.provenance.watertight) return 0.0;
@@ -76,7 +76,7 @@ Result<double> doubtBehind(const InnerSphereTree& tree, const std::string& treeF
 	return doubt;
 }
 
-/// Empty when the tree is there now.
+/// Saves the tree. Returns an empty text on success, else the reason.
 std::string keep(const InnerSphereTree& tree, double doubt, const std::string& folder, const std::string& path)
 {
 	std::error_code failure;

@@ -22,8 +22,8 @@ struct TreeWorker::Shared
 		std::shared_ptr<TreeOrder> order;
 		Mesh mesh;
 		BuildOptions options;
-		std::string path;                                  // when it is to be loaded
-		std::shared_ptr<const TreeOrder> plain = nullptr;  // when it is to have levels
+		std::string path;                                  // file to load; empty when the tree is built
+		std::shared_ptr<const TreeOrder> plain = nullptr;  // order of the plain tree when levels are added to it
 	};
 
 	std::string folder;
@@ -51,7 +51,8 @@ struct TreeWorker::Shared
 		return order;
 	}
 
-	/// Nothing once the worker is to stop. Without an order when nobody waits for it any more.
+	/// Takes the next job. Returns nothing once the worker must stop. The job has no order if no reference to its order exists any
+	/// more.
 	std::optional<Job> next()
 	{
 		std::unique_lock<std::mutex> lock(mutex);
@@ -60,7 +61,7 @@ struct TreeWorker::Shared
 		std::optional<Job> job = std::move(jobs.front());
 		jobs.pop_front();
 		busy = true;
-		// Nobody can come by it any more: `known` is read under the same lock.
+		// No other thread can obtain a reference: `known` is guarded by this mutex.
 		if (job->order.use_count() == 1) job->order.reset();
 		return job;
 	}
@@ -75,7 +76,7 @@ struct TreeWorker::Shared
 
 	void run()
 	{
-		// Jobs are destroyed outside the lock: what `progress` has captured may come back here.
+		// Jobs are destroyed outside the lock, because what `progress` has captured may call the worker.
 		while (std::optional<Job> job = next())
 		{
 			if (job->order) carryOut(*job);
@@ -172,7 +173,7 @@ std::shared_ptr<const TreeOrder> TreeWorker::load(const std::string& path)
 
 std::shared_ptr<const TreeOrder> TreeWorker::addLevels(std::shared_ptr<const TreeOrder> plain)
 {
-	// The order holds `plain`: its address names no other while this one is known.
+	// The order holds `plain`, so no other order can have its address while this one is known.
 	const std::string key = "levels of " + std::to_string(reinterpret_cast<uintptr_t>(plain.get()));
 	return m_shared->request(key, {nullptr, {}, {}, "", std::move(plain)});
 }
