@@ -36,8 +36,8 @@ Vec3 forceAt(const InnerSphereTree& tree, const Pose& X, int level, QueryWorkspa
 	return pressureWrench(result.total, {}).force;
 }
 
-/// The coefficient that each level would have needed in this pose, negative where it has no overlap. Level i of the body is level 2 (i
-/// + 1) of the pair.
+/// The coefficient that each level would have needed in this pose, negative where it has no overlap. Level i of the body is
+/// level 2 (i + 1) of the pair.
 std::vector<double> compareLevels(const InnerSphereTree& tree, const Pose& X, QueryWorkspace& workspace)
 {
 	std::vector<double> needed(tree.levels.size(), -1);

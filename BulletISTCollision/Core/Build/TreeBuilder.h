@@ -15,7 +15,7 @@ inline constexpr uint32_t kBuilderVersion = 4;
 
 struct BuildOptions
 {
-	/// the packing stops at the first limit that is met: this one, `targetFill` or `minRadius` (PackingOptions)
+	/// Largest number of spheres. The packing stops at the first limit that is met: this one, `targetFill` or `minRadius` (PackingOptions).
 	int64_t maxSpheres = 10000;
 	double targetFill = 1.0;  ///< fill, 0 to 1
 	double minRadius = 0;     ///< smallest radius [m]
@@ -26,8 +26,7 @@ struct BuildOptions
 	Progress progress;
 };
 
-/// Whether asking for more spheres makes the leaves smaller, for a body that is full with fewer spheres than requested. Smooth bodies
-/// are.
+/// Whether asking for more spheres makes the leaves smaller when a body is full with fewer spheres than requested, as smooth bodies are.
 bool leavesBecomeSmaller(const BuildOptions& options);
 
 /// Wall-clock times of the stages [s].

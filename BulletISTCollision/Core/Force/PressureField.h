@@ -59,6 +59,6 @@ OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, d
 /// Number of leaves per volume of the coarser of the two bodies, at the level that answered [1/m^3]. If two levels answered, it is the
 /// density that blends their error bars of the force. Cost: O(level).
 double leafDensity(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B);
-/// Number of leaves per volume of a body's own leaves [1/m^3].
+/// Number of leaves of a body per volume [1/m^3].
 double leafDensity(const InnerSphereTree& body);
 }  // namespace ist

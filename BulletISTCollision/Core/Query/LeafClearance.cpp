@@ -29,7 +29,7 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 template <class Item, class Expand> double leastBound(const Item& root, int mostOpened, const Expand& expand)
 {
 	constexpr int kCapacity = BallNode::kWidth * kMostOpenedForClearance + 1;
-	// left uninitialised, because clearing it would cost too much time
+	// This array stays uninitialised, because clearing it would cost too much time.
 	std::aligned_storage_t<sizeof(Item), alignof(Item)> room[kCapacity];
 	Item* heap = reinterpret_cast<Item*>(room);
 	const auto later = [](const Item& p, const Item& q) { return p.bound > q.bound; };

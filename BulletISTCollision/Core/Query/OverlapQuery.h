@@ -71,7 +71,7 @@ enum class QueryStatus
 	Ok,
 	InvalidPose,  ///< the pose is not finite or not rigid, or the analytic field is invalid; the rest of the result is untouched
 	EmptyTree,    ///< a body has no tree for the model
-	/// the options contradict each other, the two bodies lack the level, or a level or budget is used with an analytic field
+	/// The options contradict each other, the two bodies lack the level, or a level or budget is used with an analytic field.
 	Unsupported,
 	BudgetTooSmall,  ///< the coarsest level has more pairs than `maxPairs`, so there is no answer
 	InstructionSet   ///< this machine cannot run the set that BULLETHAPTICS_ISA or the workspace's constructor names

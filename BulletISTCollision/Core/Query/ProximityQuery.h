@@ -8,7 +8,7 @@ namespace ist
 /// Distance of two bodies, from their packed spheres. O(log n) in practice, no allocation.
 struct Distance
 {
-	/// distance between the nearest spheres [m]; never below the true distance of the bodies; 0 when spheres intersect
+	/// Distance between the nearest spheres [m]; never below the true distance of the bodies; 0 when spheres intersect.
 	double upper = 0;
 	double lower = 0;  ///< `upper` minus the largest gaps of both bodies, at least 0; never above the true distance
 	/// Points on the nearest spheres, each inside its own body and `upper` apart; in A's mesh frame [m]. Where spheres intersect, both

@@ -96,7 +96,7 @@ struct PairBodies
 	const Sphere *ballsA, *ballsB;  ///< centres and radii; kLineTerms read nothing else
 	const StoredEllipsoid *ellipsoidsA, *ellipsoidsB;
 	const NormalGradient *gradientsA, *gradientsB;  ///< gradients in each body's own tree frame; null: none
-	/// centres of the balls of B in the pairs that the search found; null: each pair transforms its own ball
+	/// Centres of the balls of B in the pairs that the search found; null: each pair transforms its own ball.
 	const MovedCenter* centersB;
 	const MomentEllipsoid* movedB;  ///< with centersB: B's balls in A's tree frame, in floats
 	double R[9], t[3];
