@@ -42,7 +42,7 @@ const InnerSphereTree& bodyB()
 	return body;
 }
 
-/// From deep to barely touching, turned at random.
+/// Random rotations, from deep contact to barely touching.
 std::vector<Pose> poses()
 {
 	std::mt19937 random(5);
@@ -86,7 +86,7 @@ TEST(ForceErrorBound, ChoosesTheCoarsestLevelThatKeepsIt)
 		const ContactSeen seen{V, 0.7 * V, std::pow(V, 2.0 / 3)};
 		const double floor = forceFloor(bodyA(), bodyB());
 		const int chosen = chooseLevel(bodyA(), bodyB(), seen, error);
-		// Beyond a half of what is seen the true force may be much less.
+		// Beyond half of the computed force, the true force may be much smaller.
 		const auto keeps = [&](int level) {
 			const double off = forceErrorBound(bodyA(), bodyB(), level, seen);
 			return off <= error * std::max(floor, off <= seen.force / 2 ? seen.force : 2 * (seen.force - off));
@@ -117,7 +117,7 @@ TEST(ForceErrorBound, QueryAnswersAtALevelThatKeepsWhatItSays)
 			EXPECT_EQ(answer.overlap.total.pairs, plain.pairs);
 			kept += answer.kept;
 			coarse += answer.overlap.level > 0;
-			// The leaves stand for the truth: in 24 poses some may lie beyond the error bound, none far.
+			// The leaves are the reference. In 24 poses a few may exceed the error bound, but none by much.
 			options.level = 0;
 			const Vec3 leaves = pressureWrench(queryOverlap(bodyA(), bodyB(), X, other, options).total, {}).force;
 			const double error95 = answer.errorBound * std::max(norm(leaves), forceFloor(bodyA(), bodyB()));
@@ -127,7 +127,7 @@ TEST(ForceErrorBound, QueryAnswersAtALevelThatKeepsWhatItSays)
 	EXPECT_GT(coarse, 15);
 }
 
-// A stick that touches with less than one leaf: what is seen may be ten times what is true.
+// A stick touches with less than one leaf, so the computed force may be ten times the true one.
 TEST(ForceErrorBound, OfWhatMayBeNearlyNothingIsAShareOfTheFloor)
 {
 	InnerSphereTree B = bodyB();
@@ -204,7 +204,8 @@ TEST(ForceErrorBound, ABudgetHasTheLastWordAndBadInputIsNamed)
 	EXPECT_EQ(queryWithTolerance(bodyA(), InnerSphereTree(), poses()[0], workspace, accepted).overlap.status, QueryStatus::EmptyTree);
 }
 
-// The dial is turned there and back while B slides; the motion's own part is what the leaves change by, and a tenth.
+// The tolerance is changed back and forth while B slides. The allowed change is that of the leaves, which the motion causes, plus a
+// tenth.
 TEST(AdaptiveLevel, ChangingTheAccuracyIsNotFelt)
 {
 	QueryWorkspace workspace, other;
@@ -242,7 +243,7 @@ namespace
 const kernels::QueryKernel* g_kernel = nullptr;
 int g_searches = 0;
 
-/// From now on the searches of the workspace's queries are counted: each query of two trees that may meet makes one.
+/// Counts the searches of the workspace's queries from now on. Each query of two trees that may meet makes one search.
 void countSearches(QueryWorkspace& workspace)
 {
 	static kernels::QueryKernel counting;
@@ -255,7 +256,7 @@ void countSearches(QueryWorkspace& workspace)
 	workspace.implementation().kernel = &counting;
 }
 
-/// The speed of fading, from one query of each level.
+/// Fade step, computed from one query of each level.
 double fadeStepOf(const Pose& X, int before, int after, QueryOptions options, QueryWorkspace& workspace)
 {
 	const auto forceAt = [&](int level) {
@@ -271,7 +272,7 @@ double fadeStepOf(const Pose& X, int before, int after, QueryOptions options, Qu
 TEST(AdaptiveLevel, AChangeOfLevelCostsOneQueryMoreAndGivesTheMixtureOfBoth)
 {
 	const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{0.9, 0.3, 0}};
-	// These clouds touch in many patches. Where half of the room does not hold them, that level is asked for anew.
+	// These clouds touch in many patches. If half of the capacity does not hold them, the level is queried again.
 	for (const int room : {1024, 8, 1})
 		for (const bool gate : {false, true})
 			for (const bool coarser : {true, false})
@@ -299,7 +300,7 @@ TEST(AdaptiveLevel, AChangeOfLevelCostsOneQueryMoreAndGivesTheMixtureOfBoth)
 				ASSERT_GT(pair.fadedShare, 0);
 				EXPECT_EQ(pair.fadedLevel, along.firstLevel);
 				EXPECT_EQ(fits, room != 8);
-				// Behind the gate each answer costs a query of the packed spheres, too.
+				// With requireInnerOverlap each answer costs a query of the packed spheres, too.
 				EXPECT_EQ(searches, gate ? 2 * looked.traversals + 3 : looked.traversals + (fits ? 1 : 2));
 				EXPECT_TRUE(!coarser || looked.traversals == 1);
 				EXPECT_NEAR(pair.fadeStep, fadeStepOf(X, pair.fadedLevel, pair.level, options, other), 1e-5 * pair.fadeStep);
@@ -327,7 +328,7 @@ TEST(AdaptiveLevel, AChangeOfLevelCostsOneQueryMoreAndGivesTheMixtureOfBoth)
 
 TEST(AdaptiveLevel, ALevelThatChangesTheForceLittleTakesOverAtOnceForOneQueryMore)
 {
-	// The coarser level is the same tree again, so there is nothing to fade.
+	// The coarser level is the same tree, so there is nothing to fade.
 	InnerSphereTree A = bodyA(), B = bodyB();
 	B.levels.clear();
 	A.levels.resize(2);
@@ -460,7 +461,7 @@ TEST(OverlapQuery, TwoLevelsShareTheAnswer)
 							ofCoarse = queryOverlap(bodyA(), bodyB(), X, two, coarse),
 							ofBoth = queryOverlap(bodyA(), bodyB(), X, both, mixed);
 		const OverlapIntegrals &a = ofFine.total, &b = ofCoarse.total, &m = ofBoth.total;
-		// Patches are grouped, and so added up in floats, in another order.
+		// The patches are grouped differently, so the floats are added in another order.
 		const double tolerance = 1e-6 * (a.volume + b.volume);
 		EXPECT_NEAR(m.volume, 0.7 * a.volume + 0.3 * b.volume, tolerance);
 		expectNear(m.normalB.torque, 0.7 * a.normalB.torque + 0.3 * b.normalB.torque, tolerance);
@@ -477,7 +478,7 @@ TEST(OverlapQuery, TwoLevelsShareTheAnswer)
 	EXPECT_EQ(queryOverlap(bodyA(), bodyB(), {}, both, mixed).status, QueryStatus::Unsupported);
 }
 
-// Coarse leaves are thicker: they may meet where the trees of the finer level are apart as a whole.
+// Coarse leaves are thicker, so they may meet where the whole trees of the finer level are apart.
 TEST(OverlapQuery, TheLevelThatFadesOutMayBeTheOnlyOneThatTouches)
 {
 	InnerSphereTree body = bodyOf({ballAt({}, {1, 0, 0}, 0.1)});
@@ -512,8 +513,8 @@ TEST(LevelCalibration, IsTheSameWhateverTheMachine)
 
 namespace
 {
-/// Two sheets of two layers of balls each that look away from each other, all closer than coarse balls are wide: those mix both sides of
-/// both sheets.
+/// Two sheets that face away from each other, each of two layers of balls. The layers are closer than coarse balls are wide, so coarse
+/// balls mix both sides of both sheets.
 InnerSphereTree thinBody(int count, unsigned seed)
 {
 	constexpr double kApart = 0.07, kTilt = 0.3;
@@ -545,8 +546,8 @@ OverlapIntegrals bruteForceAt(const InnerSphereTree& body, const BallTree& balls
 
 double ballsIn(const BallTree& tree) { return double(tree.ballCount()); }
 
-/// What the coefficient of each level would have to be, in poses of 0.1 to 20 % overlap that have nothing to do with those it was measured
-/// in; sorted. Pair by pair of balls, in double.
+/// The coefficients that each level would need, sorted. The poses of 0.1 to 20 % overlap are independent of those used for the
+/// calibration. The reference sums over pairs of balls in double.
 std::vector<std::vector<double>> coefficientsNeeded(const InnerSphereTree& body, size_t poses)
 {
 	std::mt19937 random(99);
@@ -583,11 +584,12 @@ TEST(LevelCalibration, HoldsInPosesThatItWasNotMeasuredIn)
 	{
 		const double c = body.calibration[i + 1];
 		const auto held = double(std::upper_bound(needed[i].begin(), needed[i].end(), c) - needed[i].begin());
-		// Of 60 poses 57 hold in the mean; fewer than 52, by chance, once in a thousand.
+		// In the mean 57 of 60 poses stay within the bound; fewer than 52 do so by chance once in a thousand times.
 		EXPECT_GE(held, 52) << "level " << i;
 		if (c > 0.15)
 		{
-			// The largest of two sets of poses: of thin contacts, whose tail is long, they differ by a factor of two.
+			// The allowance covers the largest values of two sets of poses: thin contacts have a long tail and differ by a factor of
+			// two.
 			EXPECT_LE(c, 2.5 * needed[i][kPoses * 95 / 100]) << "what is above the least is measured, not guessed";
 		}
 	}

@@ -18,7 +18,7 @@ namespace ist
 {
 namespace
 {
-/// A concave body away from its origin, and what an archive makes of it.
+/// A concave body away from its origin, and the body that an archive returns.
 struct Packed
 {
 	InnerSphereTree tree, archived;
@@ -55,7 +55,7 @@ TEST(AssetArchive, TakesAtMostFortyBytesASphere)
 	EXPECT_EQ(p.archived.origin, p.tree.origin);
 }
 
-// A ball inside a ball that neither overlaps nor protrudes does neither.
+// A ball inside a ball that neither overlaps others nor protrudes does not do so either.
 TEST(AssetArchive, EachSphereLiesInsideItsOriginal)
 {
 	const Packed& p = packedTorus();
@@ -66,7 +66,7 @@ TEST(AssetArchive, EachSphereLiesInsideItsOriginal)
 		const double shift = distance(a.center(), b.center());
 		ASSERT_GT(b.r, 0);
 		ASSERT_LE(shift + b.r, double(a.r)) << i;
-		// Half a diagonal of a grid cell and of a float, and a step of the radius code.
+		// The tolerance is half a diagonal of a grid cell and of a float, and a step of the radius code.
 		EXPECT_LE(shift, side / (1 << 21) * 0.87 + side * 1.1e-7);
 		EXPECT_GE(b.r, a.r - shift - 1e-5 * a.r);
 	}
@@ -81,7 +81,7 @@ TEST(AssetArchive, EachSphereLiesInsideItsOriginal)
 	EXPECT_GE(p.archived.maxGap, p.tree.maxGap);
 }
 
-// Cells are not stored: they are the sums of their leaves.
+// The archive does not store cells: they are the sums of their leaves.
 TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 {
 	const Packed& p = packedTorus();
@@ -96,7 +96,8 @@ TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 	{
 		const MomentEllipsoid &a = before[i], &b = after[i];
 		EXPECT_LE(distance(a.center(), b.center()), 1e-3 * a.R) << i;
-		// Half steps of the leaves' codes: .3 % of a volume, .6 % of a mean square in the shape, .1 % in a normal.
+		// The tolerances are half steps of the leaves' codes: 0.3 % of a volume, 0.6 % of a mean square in the shape, 0.1 % in a
+		// normal.
 		EXPECT_NEAR(b.volume(), a.volume(), 3e-3 * a.volume()) << i;
 		EXPECT_NEAR(b.meanRadius(), a.meanRadius(), 3e-3 * a.meanRadius()) << i;
 		EXPECT_NEAR(b.R, a.R, 6e-3 * a.R) << i;
@@ -105,7 +106,7 @@ TEST(AssetArchive, CellsComeBackFromTheirLeaves)
 	}
 }
 
-/// Shorter than a tenth of its length, or of less than .4 of its volume.
+/// Whether a leaf is thinner than a tenth of its length, or its ellipsoid has less than 0.4 of the leaf's volume.
 bool isThin(const MomentEllipsoid& leaf)
 {
 	const SymmetricMatrix3 P = leaf.shape();
@@ -119,7 +120,7 @@ bool isThin(const MomentEllipsoid& leaf)
 
 TEST(AssetArchive, LeavesKeepTheirShapesAsFarAsIsPromised)
 {
-	// A plate, and two thinner ones that cross: there some leaves are thin.
+	// A plate, and two thinner plates that cross: at the crossing some leaves are thin.
 	const Mesh sheet = makeBoxMesh({0.5, 0.5, 0.0015});
 	Mesh crossed = sheet;
 	for (const auto& t : sheet.triangles) crossed.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
@@ -182,7 +183,7 @@ TEST(AssetArchive, LosesLessThanATenthOfTheErrorBarOverRandomPoses)
 		const double angle = 3.1 * unit(random);
 		Pose X;
 		X.rotation = rotationMatrix(quaternionFromRotationVector(angle * axis));
-		// Turned about the centre of the body, which lies far from the origin of the mesh, then moved.
+		// B is turned about the centre of the body, which is far from the origin of the mesh, and then moved.
 		const Vec3 shift{0.4 * unit(random), 0.4 * unit(random), 0.2 * unit(random)};
 		X.translation = p.tree.origin + shift - X.rotation * p.tree.origin;
 		const OverlapResult answer = queryOverlap(p.tree, p.tree, X, workspace);

@@ -44,7 +44,7 @@ TEST(AssetFile, RoundTripKeepsEveryField)
 	EXPECT_EQ(a.provenance.seed, b.provenance.seed);
 	ASSERT_EQ(a.law.slotCount(), b.law.slotCount());
 	for (size_t i = 0; i < a.law.slotCount(); ++i) EXPECT_EQ(a.law.ellipsoids[i].depth, b.law.ellipsoids[i].depth);
-	// Every field that is written is read back: the bytes are the same again.
+	// The bytes are the same again only if every field that is written is read back.
 	EXPECT_EQ(bytes, encodeAsset(b));
 }
 
@@ -71,7 +71,7 @@ TEST(AssetFile, EveryCutIsRefused)
 	}
 }
 
-// Written with checksums of its own, so that these do not speak for it.
+// The file has valid checksums, so that these do not reject it first.
 TEST(AssetFile, AnInnerTreeOfOtherSpheresThanThePackingIsRefused)
 {
 	const auto refused = [](auto change) {
@@ -128,7 +128,7 @@ TEST(AssetFile, FailedSaveLeavesNothing)
 {
 	const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "ist_asset_test";
 	std::filesystem::remove_all(folder);
-	// A folder in the way of the rename.
+	// A folder blocks the rename.
 	std::filesystem::create_directories(folder / "taken.ist" / "inside");
 	EXPECT_FALSE(saveAsset(smallTree(), (folder / "taken.ist").string()));
 	const auto entries = std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());

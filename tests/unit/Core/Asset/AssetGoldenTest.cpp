@@ -17,7 +17,7 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kSegments = 24;
 
-/// A body of the golden files with what geometry says of it: all closed forms of the polyhedron.
+/// A body of the golden files with its exact properties, which are closed forms of the polyhedron.
 struct GoldenBody
 {
 	const char* name;
@@ -70,7 +70,7 @@ void expectIsBody(const InnerSphereTree& tree, const GoldenBody& body)
 	}
 	EXPECT_EQ(tree.provenance.seed, 7u);
 	EXPECT_TRUE(tree.provenance.watertight);
-	// Leaves and cells each carry the whole body, in floats.
+	// Leaves and cells each represent the whole body, in floats.
 	EXPECT_NEAR(ballVolume(tree.law), body.volume, 1e-4 * body.volume);
 	EXPECT_NEAR(ballVolume(tree.cells), body.volume, 1e-4 * body.volume);
 	double spheres = 0;
@@ -122,7 +122,7 @@ TEST(AssetGolden, TheCurrentVersionIsWrittenAsTheSameBytes)
 	}
 }
 
-// Run by hand when a new version is born: --gtest_also_run_disabled_tests --gtest_filter=*WriteGoldenFiles
+// Run this by hand for a new version of the format: --gtest_also_run_disabled_tests --gtest_filter=*WriteGoldenFiles
 TEST(AssetGolden, DISABLED_WriteGoldenFiles)
 {
 	for (const GoldenBody& body : goldenBodies())

@@ -29,7 +29,7 @@ const InnerSphereTree& sourceTree()
 	return tree;
 }
 
-/// One of the ways in which a file goes wrong.
+/// Damages a file in one of several ways.
 void mutate(Bytes& bytes, std::mt19937_64& random)
 {
 	const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
@@ -38,7 +38,7 @@ void mutate(Bytes& bytes, std::mt19937_64& random)
 	case 0: bytes[below(bytes.size())] ^= std::byte(1u << below(8)); break;
 	case 1: bytes.resize(below(bytes.size())); break;
 	case 2: bytes.resize(bytes.size() + 1 + below(64), std::byte(below(256))); break;
-	case 3:  // A number, four bytes wide, becomes an extreme one.
+	case 3:  // a number of four bytes becomes an extreme value
 	{
 		static constexpr uint32_t extremes[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000, 0x7fc00000, 0xff800000, 0x3f800000};
 		if (bytes.size() < 4) return;
@@ -47,14 +47,14 @@ void mutate(Bytes& bytes, std::mt19937_64& random)
 		for (int i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::byte>(value >> (8 * i));
 		break;
 	}
-	case 4:  // Two stretches change places.
+	case 4:  // two stretches of bytes are swapped
 	{
 		const size_t length = 1 + below(std::min<size_t>(bytes.size() / 2, 400));
 		const size_t a = below(bytes.size() / 2 - length + 1), b = bytes.size() / 2 + below(bytes.size() / 2 - length + 1);
 		std::swap_ranges(bytes.begin() + std::ptrdiff_t(a), bytes.begin() + std::ptrdiff_t(a + length), bytes.begin() + std::ptrdiff_t(b));
 		break;
 	}
-	default:  // Two entries of the section table change places.
+	default:  // two entries of the section table are swapped
 	{
 		if (bytes.size() < 32 + 6 * 32) return;
 		const size_t a = 32 + below(6) * 32, b = 32 + below(6) * 32;
@@ -64,7 +64,7 @@ void mutate(Bytes& bytes, std::mt19937_64& random)
 	}
 }
 
-/// Whatever was loaded is a whole tree: valid, safe to query, the same after another trip.
+/// Checks that a loaded tree is complete: it is valid, safe to query, and unchanged after another save and load.
 void expectSound(const InnerSphereTree& tree)
 {
 	ASSERT_EQ(tree.validate(), "");
@@ -77,7 +77,8 @@ void expectSound(const InnerSphereTree& tree)
 	EXPECT_EQ(encodeAsset(back.value()), again);
 }
 
-/// Mutations as they come are refused by name or change nothing; with their checksums set right they may pass, but only as a sound tree.
+/// Checks that mutated files are refused by name or change nothing. With corrected checksums a mutated file may be accepted, but only
+/// as a sound tree.
 void expectRefusedOrSound(const Bytes& original, uint64_t seed, int rounds)
 {
 	const Result<InnerSphereTree> whole = decodeAsset(original.data(), original.size());

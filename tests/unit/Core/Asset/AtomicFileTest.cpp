@@ -22,7 +22,7 @@ namespace ist
 {
 namespace
 {
-/// A folder of its own, gone afterwards.
+/// Gives each test its own folder and removes it afterwards.
 class AtomicFile : public testing::Test
 {
 protected:
@@ -206,7 +206,7 @@ TEST_F(AtomicFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
 TEST_F(AtomicFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
 {
 	ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
-	EXPECT_FALSE(whyNotWritable(at("pipe")));  // without a reader, too
+	EXPECT_FALSE(whyNotWritable(at("pipe")));  // holds without a reader, too
 	std::string read;
 	std::thread reader([&] { read = content(at("pipe")); });
 	EXPECT_FALSE(whyNotWritable(at("pipe")));
@@ -227,7 +227,7 @@ TEST_F(AtomicFile, APipeIsRefusedAtOnce)
 	});
 	for (int i = 0; i < 1000 && !refused; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
 	EXPECT_TRUE(refused);
-	// A writer lets a reader that waits go on.
+	// A writer releases a reader that waits.
 	const int writer = refused ? -1 : ::open(at("pipe").c_str(), O_WRONLY);
 	reader.join();
 	if (writer >= 0) ::close(writer);
@@ -271,7 +271,7 @@ TEST_F(AtomicFile, CancellingKeepsTheOldFile)
 	}
 }
 
-// Stands for a full disk: the limit cuts a write in its middle.
+// A limit on the file size stands for a full disk: it cuts a write in the middle.
 TEST_F(AtomicFile, AFileThatGrowsTooLargeLeavesTheOldOne)
 {
 	ASSERT_TRUE(write(at("a"), "old"));
@@ -289,7 +289,7 @@ TEST_F(AtomicFile, AFileThatGrowsTooLargeLeavesTheOldOne)
 	EXPECT_EQ(entries(), 1);
 }
 
-// Sanitizers have faults of their own.
+// Sanitizers cause page faults of their own.
 #if defined(MADV_POPULATE_READ) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_F(AtomicFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
 {
@@ -300,7 +300,7 @@ TEST_F(AtomicFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
 	const std::byte* bytes = file.value().bytes();
 	const size_t page = size_t(::sysconf(_SC_PAGESIZE));
 	if (::madvise(const_cast<std::byte*>(bytes), page, MADV_POPULATE_READ) != 0) GTEST_SKIP() << "this system cannot";
-	// From the middle of a page to that of another; nothing; up to the end, which is no whole page.
+	// The ranges: from the middle of one page to that of another; an empty one; one up to the end, which is not a whole page.
 	populate(bytes + page + 17, 100 * page);
 	populate(bytes + 3, 0);
 	populate(bytes + 102 * page + 5, text.size() - (102 * page + 5));

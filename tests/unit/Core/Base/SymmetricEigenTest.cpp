@@ -50,7 +50,7 @@ template <int N> double sizeOf(const Matrix<N>& a)
 	return largest;
 }
 
-/// That the vectors are orthonormal and give the matrix back says all there is to say.
+/// Checks the decomposition completely: the vectors are orthonormal and they give the matrix back.
 template <int N> void expectDecomposed(const Matrix<N>& a)
 {
 	SymmetricEigen<N> eigen;
@@ -103,7 +103,7 @@ TEST(SymmetricEigen, TakesMatricesOfEverySizeAndSparsity)
 		expectDecomposed<3>(a);
 	}
 	std::uniform_int_distribution<int> entry(-1, 1);
-	for (int i = 0; i < 500; ++i)  // mostly zeros: parts that hang together and parts that do not
+	for (int i = 0; i < 500; ++i)  // mostly zeros: connected and separate parts
 	{
 		Matrix<6> a;
 		for (int r = 0; r < 6; ++r)
@@ -113,7 +113,7 @@ TEST(SymmetricEigen, TakesMatricesOfEverySizeAndSparsity)
 	Matrix<6> chain = {};
 	for (int i = 0; i < 5; ++i) chain[i][i + 1] = chain[i + 1][i] = 1;
 	expectDecomposed<6>(chain);
-	SymmetricEigen<6> eigen;  // 2 cos(k pi / 7)
+	SymmetricEigen<6> eigen;  // its eigenvalues are 2 cos(k pi / 7)
 	ASSERT_TRUE(eigen.decompose(chain));
 	EXPECT_NEAR(*std::max_element(eigen.values, eigen.values + 6), 2 * std::cos(std::acos(-1.0) / 7), 1e-14);
 }

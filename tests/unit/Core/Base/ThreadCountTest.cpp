@@ -11,7 +11,7 @@ using namespace ist;
 TEST(ThreadCount, IsWhatIsAskedForWithinReason)
 {
 	const int most = threadCount(64);
-	EXPECT_TRUE(most == 64 || most == 1) << most;  // one without OpenMP
+	EXPECT_TRUE(most == 64 || most == 1) << most;  // 1 without OpenMP
 	for (const int wanted : {1, 2, 7}) EXPECT_EQ(threadCount(wanted), std::min(wanted, most));
 	const int processors = int(std::thread::hardware_concurrency());
 	EXPECT_LE(threadCount(100'000), std::max(64, processors));

@@ -46,7 +46,7 @@ TEST(ThreadPool, AHelperTakesAShareWhileTheCallerIsBusy)
 	std::atomic<bool> helped{false};
 	pool.run(2, 1, [&](size_t, int worker) {
 		if (worker == 1) helped = true;
-		// The caller's task ends only when the helper's has been begun; ten seconds stand for a helper that never comes.
+		// The caller's task ends only after the pool thread's task has begun. Ten seconds without a start count as a failure.
 		for (int wait = 0; wait < 10000 && !helped; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 	});
 	EXPECT_TRUE(helped);

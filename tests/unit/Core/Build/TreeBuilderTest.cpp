@@ -73,7 +73,7 @@ TEST(TreeBuilder, PartsFarApartAreNotCalledFlat)
 		ASSERT_TRUE(repaired) << repaired.error().message;
 		EXPECT_NEAR(repaired.value().volumeAfter, 2e-6, 1e-15);
 		const Result<InnerSphereTree> built = buildTree(mesh, options);
-		// Beside so long a body no sphere in a cube of 1 cm is large enough.
+		// Relative to such a long body, no sphere in a cube of 1 cm is large enough.
 		ASSERT_EQ(static_cast<bool>(built), apart < 100);
 		if (built) EXPECT_NEAR(built.value().volume, 2e-6, 1e-15);
 		else EXPECT_NE(built.error().message.find("build its parts one by one"), std::string::npos) << built.error().message;
@@ -82,7 +82,7 @@ TEST(TreeBuilder, PartsFarApartAreNotCalledFlat)
 
 TEST(TreeBuilder, PartsThatAreInsideOutAreNamedWhereNoneIsTurned)
 {
-	// A cube, and beside it one that is a ten-thousandth smaller and inside out.
+	// A cube, and beside it a cube that is smaller by a ten-thousandth and inside out.
 	Mesh mesh = makeBoxMesh({0.5, 0.5, 0.5});
 	const Mesh other = translated(makeBoxMesh({0.49995, 0.49995, 0.49995}), {2, 0, 0});
 	const auto base = static_cast<uint32_t>(mesh.vertices.size());
@@ -99,7 +99,7 @@ TEST(TreeBuilder, PartsThatAreInsideOutAreNamedWhereNoneIsTurned)
 	EXPECT_NEAR(buildTree(mesh, options).value().volume, 1 + std::pow(0.9999, 3), 1e-9);
 }
 
-// Coarse levels have the fewest balls, and so the largest terms.
+// Coarse levels have the fewest balls and so the largest terms.
 TEST(TreeBuilder, MomentsOfTheLargestBodyStayInsideOfAFloatsRange)
 {
 	for (const double side : {1e-6, 1.0, 1e7})
@@ -139,7 +139,7 @@ TEST(TreeBuilder, CanBeCancelledInEveryStage)
 	}
 }
 
-// One ball fills a sphere; its leaves take up the budget, and a plane cuts off the volume of the ellipsoid's cap.
+// One ball fills a sphere. Its leaves use the whole budget, and a plane cuts off the volume of the ellipsoid's cap.
 TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
 {
 	const Vec3 half{0.5, 0.4, 0.2};
@@ -165,12 +165,12 @@ TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
 			const Vec3 n{across * std::cos(turn), across * std::sin(turn), z};
 			const double reach = norm(Vec3{axes.x * n.x, axes.y * n.y, axes.z * n.z}), depth = 0.03, h = depth / reach;
 			const double truth = 3.14159265358979 / 3 * h * h * (3 - h) * axes.x * axes.y * axes.z;
-			// The solid of the plane lies on its far side: it touches the body where -n points.
+			// The solid of the plane is on its far side: it touches the body at the point in direction -n.
 			const OverlapResult found = queryHalfSpace(tree, n, dot(n, Vec3{3, -5, 7}) - reach + depth, workspace);
 			error += std::pow(found.total.volume / truth - 1, 2) / kPlanes;
 			honest += std::fabs(found.total.volume - truth) < 2 * overlapError(found, tree, 1).volume;
 		}
-		// 0.18 for a ball of 300 round leaves.
+		// A ball of 300 round leaves has 0.18.
 		EXPECT_LT(std::sqrt(error), 0.13) << (ball ? "ball" : "ellipsoid");
 		EXPECT_GE(honest / kPlanes, 0.92) << (ball ? "ball" : "ellipsoid");
 	}

@@ -19,7 +19,7 @@ using namespace ist;
 
 namespace
 {
-/// A folder of one test, gone with it.
+/// A folder for one test, which is removed with the object.
 struct Folder
 {
 	std::filesystem::path path = std::filesystem::path(testing::TempDir()) /
@@ -119,7 +119,7 @@ TEST(TreeCache, BuildsAllTheSameWhereItCannotWrite)
 	EXPECT_NE(made.value().note.find(folder.path.string()), std::string::npos) << made.value().note;
 }
 
-// A sphere without its cap: what the hole may have enclosed is small for one triangle of 1280, and all for half of them.
+// A sphere lacks its cap. The volume that the hole may have enclosed is small for 1 triangle of 1280, and everything for half of them.
 TEST(TreeCache, RefusesSurfacesWithoutAnInside)
 {
 	const Mesh sphere = makeSphereMesh(1, 3);
@@ -134,7 +134,7 @@ TEST(TreeCache, RefusesSurfacesWithoutAnInside)
 	EXPECT_FALSE(cachedTree(sheet, few(), ""));
 }
 
-// Progress tells how often a mesh is repaired: each repair begins at 0.
+// The progress calls count the repairs of a mesh: each repair begins at 0.
 TEST(TreeCache, RepairsAnOpenMeshOnceWhereItBuildsAndNeverWhereItLoads)
 {
 	const Folder folder;
@@ -157,7 +157,7 @@ TEST(TreeCache, RepairsAnOpenMeshOnceWhereItBuildsAndNeverWhereItLoads)
 	ASSERT_TRUE(loaded);
 	EXPECT_TRUE(loaded.value().fromCache);
 	EXPECT_EQ(encodeAsset(*built.value().tree), encodeAsset(*loaded.value().tree));
-	// A tree that was built for a larger share of doubt is refused for a smaller one.
+	// A tree that was built with a larger limit of doubt is refused with a smaller one.
 	EXPECT_FALSE(cachedTree(open, options, folder.path.string()));
 	EXPECT_EQ(repairs, 1);
 }
@@ -253,11 +253,11 @@ TEST(TreeWorker, TriesAgainWhatFailed)
 	EXPECT_EQ(worker.load(path), late);
 }
 
-// The first order holds the worker until the second one, which nobody wants any more, has been dropped.
+// The first order keeps the worker busy until the second one, which has no references left, has been dropped.
 TEST(TreeWorker, DropsWhatNobodyWaitsFor)
 {
 	const Folder folder;
-	std::atomic<bool> go{false};  // outlives the worker, whose thread reads it
+	std::atomic<bool> go{false};  // outlives the worker, because the worker's thread reads it
 	TreeWorker worker(folder.path.string());
 	BuildOptions slow = few();
 	slow.progress = [&go](const char*, double) {
@@ -275,7 +275,7 @@ TEST(TreeWorker, DropsWhatNobodyWaitsFor)
 TEST(TreeWorker, BreaksOffWhenItGoes)
 {
 	std::shared_ptr<const TreeOrder> running, waiting;
-	std::atomic<bool> begun{false};  // outlives the worker, whose thread writes it
+	std::atomic<bool> begun{false};  // outlives the worker, because the worker's thread writes it
 	{
 		TreeWorker worker;
 		BuildOptions endless = few(1000000);

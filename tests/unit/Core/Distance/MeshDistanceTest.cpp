@@ -92,8 +92,8 @@ double segmentDistance(const Vec3& p, const Vec3& a, const Vec3& b)
 	return distance(p, a + (b - a) * s);
 }
 
-/// Distance to a triangle in another way than the library: the plane where the foot lies inside all three edge planes,
-/// else the nearest edge.
+/// Distance to a triangle by another method than the library's: to the plane if the foot lies inside all three edge planes, else to the
+/// nearest edge.
 double referenceDistance(const Vec3& p, const std::array<Vec3, 3>& t)
 {
 	const Vec3 n = normalized(cross(t[1] - t[0], t[2] - t[0]));
@@ -171,8 +171,8 @@ TEST(MeshDistance, ClosestPointKeepsItsDigitsAKilometreFromTheOrigin)
 	expectClosestMatches(torusMesh(40, 16), random, X, 1e-12);
 }
 
-/// Where bounds of patches and of triangles are all but equal: above corners, edges and faces as near as roundings, and far below the
-/// surface.
+/// The points lie where bounds of patches and of triangles are nearly equal. They are a few roundings above corners, edges and faces,
+/// and far below the surface.
 TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
 {
 	Random random(17);
@@ -188,14 +188,14 @@ TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
 			const double u = i % 3 == 0 ? 1 : random.uniform(0, 1), v = i % 3 < 2 ? 1 - u : random.uniform(0, 1 - u);
 			const double away = std::pow(10.0, random.uniform(-9, 0)) * (i % 2 == 0 ? 1 : -1);
 			const Vec3 p = t[0] * u + t[1] * v + t[2] * (1 - u - v) + n * away;
-			// Some hundred roundings of a mesh of this size.
+			// The tolerance is a few hundred roundings for a mesh of this size.
 			EXPECT_NEAR(tree.closest(p).distance, referenceDistance(p, mesh), 1e-13) << away;
 		}
 	}
 }
 
-/// Where single precision can hardly tell on which side of the long edges a point lies, and so whether it is in the triangle or far beyond
-/// its tip.
+/// In these places single precision can hardly tell on which side of the long edges a point lies. So it can hardly tell whether the
+/// point is in the triangle or far beyond its tip.
 TEST(MeshDistance, DistancesBeyondTheTipsOfShardsAgreeWithBruteForce)
 {
 	Random random(18);
@@ -218,7 +218,7 @@ TEST(MeshDistance, DistancesBeyondTheTipsOfShardsAgreeWithBruteForce)
 			if (k % 3 == 0) add(tip, b, c);
 			else if (k % 3 == 1) add(b, c, tip);
 			else add(c, tip, b);
-			// A speck that is nearer than the shard.
+			// The speck is nearer than the shard.
 			points.push_back(tip + onwards * beyond);
 			const Vec3 speck = points.back() + up * (0.5 * beyond);
 			add(speck, speck + random.inCube(0.2 * beyond), speck + random.inCube(0.2 * beyond));
@@ -350,7 +350,7 @@ TEST(MeshDistance, WindingNumberAgreesWithTheExactSum)
 TEST(MeshDistance, WindingNumberOfAnOpenMeshIsTheSolidAngleFraction)
 {
 	Mesh mesh = boxMesh({1, 1, 1});
-	mesh.triangles.resize(10);  // without the side x = 1
+	mesh.triangles.resize(10);  // the side x = 1 is missing
 	const MeshDistance tree(mesh);
 	EXPECT_NEAR(tree.windingNumber({0, 0, 0}), 5.0 / 6, 1e-12);
 }
@@ -483,7 +483,7 @@ TEST(MeshDistance, FieldAfterAnyOtherPointAgreesWithBruteForceAndWithNoHint)
 TEST(WideTriangleBvh, EveryInstructionSetGivesTheSameAnswers)
 {
 	Random random(19);
-	// The soup has more candidates than wait at a time.
+	// The soup has more candidates than the queue of waiting ones holds.
 	for (const Mesh& mesh : {torusMesh(48, 24), soupMesh(random, 400, 2.0), makeSphereMesh(1, 4), soupMesh(random, 3, 1)})
 	{
 		const TriangleHierarchy hierarchy(mesh, {});

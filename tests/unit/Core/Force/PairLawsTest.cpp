@@ -76,7 +76,7 @@ TEST(PairLaws, EnergyForceIsTheGradient)
 		{
 			Vec3 e;
 			e[axis] = h;
-			// A moved by e is B moved by -e; about A's origin for rotations.
+			// Moving A by e is the same as moving B by -e, about A's origin for rotations.
 			const auto moved = [&](double sign) { return law({X.rotation, X.translation - e * sign}).energy; };
 			EXPECT_NEAR(at.wrench.force[axis], -(moved(1) - moved(-1)) / (2 * h), 1e-5 * norm(at.wrench.force));
 			const auto turned = [&](double sign) {
@@ -95,7 +95,7 @@ TEST(PairLaws, PaperForceOfTwoSpheres)
 	const std::vector<OverlapPair> pairs = allPairs(1, 1);
 	const double d = 1.2;
 	const Wrench w = paperLaw(A, B, {Mat3(), {d, 0, 0}}, pairs.data(), 1, 3).wrench;
-	// Lens of two unit spheres at distance d.
+	// This is the lens of two unit spheres at distance d.
 	const double lens = std::numbers::pi * (4 + d) * (2 - d) * (2 - d) / 12;
 	EXPECT_NEAR(w.force.x, -3 * lens, 1e-12);
 	EXPECT_NEAR(w.force.y, 0, 1e-12);

@@ -75,7 +75,7 @@ TEST(PressureField, TranslationalStiffnessIsTheDerivativeOfTheForce)
 	{
 		Vec3 step;
 		step[j] = h;
-		// Moving A by +step is moving B by -step.
+		// Moving A by +step is the same as moving B by -step.
 		const Wrench high = pressureWrench(at(A, B, t - step), kPair), low = pressureWrench(at(A, B, t + step), kPair);
 		for (int i = 0; i < 3; ++i) difference[i][j] = -(high.force[i] - low.force[i]) / (2 * h);
 	}
@@ -121,7 +121,7 @@ TEST(PressureField, ProjectionKeepsPositiveAndClipsNegative)
 
 namespace
 {
-/// Q diag(values) Q^T with rows of Q at random, orthonormal by Gram and Schmidt.
+/// Q diag(values) Q^T. The rows of Q are random, made orthonormal by the Gram-Schmidt process.
 SymmetricMatrix6 withEigenvalues(const double (&values)[6], std::mt19937& random)
 {
 	std::normal_distribution<double> normal;
@@ -148,7 +148,7 @@ SymmetricMatrix6 withEigenvalues(const double (&values)[6], std::mt19937& random
 }
 }  // namespace
 
-// From clearly positive to clearly not, over the border, where which of the two ways is taken must not show.
+// The matrices go from clearly positive definite to clearly not. At the border it must not show which of the two code paths was taken.
 TEST(PressureField, ProjectionIsTheSameOnBothSidesOfDefinite)
 {
 	for (const double least : {1.0, 1e-3, 1e-9, 1e-14, 1e-17, 0.0, -1e-17, -1e-14, -1e-9, -1e-3, -1.0})
@@ -188,13 +188,13 @@ TEST(PressureField, ErrorFollowsItsFormula)
 	EXPECT_EQ(overlapError(I, 1, 5, 1).volume, 0);
 	I.volume = 2;
 	I.areaVector = {4, 0, 0};
-	// 59.319 = 3.9^3 leaves: four side by side, with the tenth.
+	// There are 59.319 = 3.9^3 leaves, so n is 4 with the added 0.1.
 	const double density = 59.319 / 2, r = 0.04 * 0.2 * 0.2;
 	const OverlapError none = overlapError(I, 0, density, 1), e = overlapError(I, 0.1, density, 10);
 	EXPECT_NEAR(none.volume, 2 * 0.1 / (4 * std::sqrt(4 * std::sqrt(4))), 1e-12);
 	EXPECT_NEAR(none.force, 2 * 0.105 / 8, 1e-12);
 	EXPECT_NEAR(e.volume, std::hypot(none.volume, 2 * r), 1e-12);
 	EXPECT_NEAR(e.force, 10 * std::hypot(none.force, 2 * r), 1e-12);
-	// Less than a leaf: an error of a few times the answer, and no more.
+	// With less than one leaf the error is a few times the answer and no more.
 	EXPECT_LT(overlapError(I, 0, 0, 1).force, 10 * I.volume);
 }

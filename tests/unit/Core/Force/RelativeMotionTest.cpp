@@ -26,7 +26,7 @@ struct RandomPose
 	Pose pose(double reach) { return {rotationMatrix(quaternionFromRotationVector(vector(2))), vector(reach)}; }
 };
 
-/// Side 1, about the origin.
+/// A cube of side 1 about the origin.
 const InnerSphereTree& cube()
 {
 	static const InnerSphereTree tree = [] {
@@ -89,7 +89,7 @@ TEST(RelativeMotion, ForceAlongATranslationAndVolumeFollowTheirDerivatives)
 		const OverlapIntegrals up = queryOverlapBruteForce(A, B, high).total, down = queryOverlapBruteForce(A, B, low).total;
 		moveB(sums, motionOfB(X, high, A.origin));
 		const auto along = [&](const Vec3& v) { return dot(v, way); };
-		// The stiffness is the symmetric part of the derivative: what it says along the motion is exact.
+		// The stiffness is the symmetric part of the derivative, so its component along the motion is exact.
 		const double ofA = 0.5 * along(up.normalA.force - down.normalA.force), ofB = 0.5 * along(up.normalB.force - down.normalB.force);
 		EXPECT_NEAR(along(sums.normalA.force - before.normalA.force), ofA, 1e-3 * std::fabs(ofA));
 		EXPECT_NEAR(along(sums.normalB.force - before.normalB.force), ofB, 1e-3 * std::fabs(ofB));
@@ -99,7 +99,7 @@ TEST(RelativeMotion, ForceAlongATranslationAndVolumeFollowTheirDerivatives)
 
 TEST(RelativeMotion, PlaneThatRisesAndTiltsActsAsArchimedesSays)
 {
-	// A cube in a half-space up to the depth d: force d, energy d^2 / 2; tilted by phi the torque about the centre is phi (I - V BG).
+	// A cube is in a half-space to the depth d: force d, energy d^2 / 2. Tilted by phi, the torque about the centre is phi (I - V BG).
 	QueryWorkspace workspace;
 	const double d = 0.3, rise = 0.02, tilt = 0.03;
 	const Pose flat{{}, {0, 0, d - 0.5}};

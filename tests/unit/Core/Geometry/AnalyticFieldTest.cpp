@@ -18,7 +18,7 @@ Vec3 randomPoint(std::mt19937& random, double size)
 	return {x, y, u(random)};
 }
 
-/// Points of a homogeneous ball of this radius, each with its opposite.
+/// Points of a homogeneous ball of this radius, each with its mirror image.
 std::vector<Vec3> ballPoints(std::mt19937& random, double radius, int count)
 {
 	std::vector<Vec3> points;
@@ -44,7 +44,7 @@ TEST(AnalyticField, DepthAndNormalAreThoseOfTheNearestPointOfAMesh)
 		{
 			const Vec3 p = randomPoint(random, 1);
 			const double distance = mesh.closest(p).distance, depth = shape.field->depth(p);
-			// A chord lies this far inside of its arc.
+			// A chord lies this far inside its arc.
 			constexpr double kSagitta = 4e-4;
 			if (!mesh.contains(p))
 			{
@@ -56,7 +56,7 @@ TEST(AnalyticField, DepthAndNormalAreThoseOfTheNearestPointOfAMesh)
 			EXPECT_NEAR(depth, distance, kSagitta) << shape.name;
 			const Vec3 n = shape.field->normal(p);
 			EXPECT_NEAR(norm(n), 1, 1e-9) << shape.name;
-			// As far along the normal, the surface is reached.
+			// The surface is reached after this distance along the normal.
 			EXPECT_NEAR(shape.field->depth(p + (depth - 1e-3) * n), 1e-3, 1e-9) << shape.name;
 		}
 		EXPECT_GT(inside, 15) << shape.name;
@@ -87,7 +87,7 @@ TEST(AnalyticField, SidesSeenByACloudAreMeansOverItsPoints)
 						normal += point.normal / double(cloud.size());
 					}
 					const FieldSide mean = shape.field->side(s, p, spread);
-					// Of a cloud right on an axis or a centre the means are rounded off: off by up to a twentieth there.
+					// For a cloud on an axis or a centre the means are rounded off; there they differ by up to a twentieth.
 					EXPECT_NEAR(mean.depth, depth, 0.06 * radius) << shape.name << " side " << s;
 					EXPECT_LT(norm(mean.normal - normal), 0.12) << shape.name << " side " << s;
 				}

@@ -129,7 +129,7 @@ Ellipsoid randomEllipsoid(std::mt19937& random, double size)
 		Vec3{u(random), u(random), u(random)} * (0.7 * size), rotated(Q, {a * a, b * b, c * c, 0, 0, 0}), std::max({a, b, c}) * (1 + 1e-9)};
 }
 
-/// In units of the densities of the bounding balls, of which both are 1 here.
+/// Shared volume in units of the densities of the bounding balls, which are both 1 here.
 double sharedVolume(const Ellipsoid& a, const Vec3& at, const Ellipsoid& b)
 {
 	Lens lens;
@@ -162,8 +162,8 @@ TEST(LensOfEllipsoids, IsTheLensOfBalls)
 	}
 }
 
-// Two ellipsoids of one shape are the affine image of two balls, and so is what they share. The volumes are in units of the bounding
-// balls' densities: each ellipsoid carries the mass of its bounding ball.
+// Two ellipsoids of one shape are the affine image of two balls, and so is their intersection. The volumes are in units of the bounding
+// balls' densities: each ellipsoid has the mass of its bounding ball.
 TEST(LensOfEllipsoids, IsExactForOneShape)
 {
 	std::mt19937 random(8);
@@ -171,7 +171,7 @@ TEST(LensOfEllipsoids, IsExactForOneShape)
 	{
 		const Ellipsoid a = randomEllipsoid(random, 1), b = randomEllipsoid(random, 1);
 		const double shrink = 0.5 + 0.004 * i, R = a.R * shrink, stretch = ballVolume(a.R) / (ballVolume(1) * std::sqrt(determinant(a.P)));
-		// Lengths of the coordinates in which a is the unit ball.
+		// Lengths are in the coordinates in which a is the unit ball.
 		const double D = std::sqrt(dot(a.c - b.c, adjugate(a.P) * (a.c - b.c)) / determinant(a.P));
 		Lens unit, lens;
 		const bool met = lensOf({0, 0, 0}, 1, {D, 0, 0}, shrink, unit);
@@ -183,8 +183,8 @@ TEST(LensOfEllipsoids, IsExactForOneShape)
 	}
 }
 
-// The integral over all places of one body is the product of both masses, whatever the shapes, but for what the bounds cut off; the slope
-// is -area * normal.
+// The integral over all positions of one body is the product of both masses, for any shapes, except for what the bounds cut off. The
+// slope is -area * normal.
 TEST(LensOfEllipsoids, SumsToTheProductOfTheMassesAndFallsAlongItsNormal)
 {
 	std::mt19937 random(9);
@@ -241,7 +241,8 @@ TEST(LensOfEllipsoids, IsContinuousThroughTheCommonCentreAndToTheRim)
 
 namespace
 {
-/// Centroid of what two ellipsoids share, from points spread evenly over the first. False when that are few.
+/// Centroid of the intersection of two ellipsoids, from points spread evenly over the first. Returns false when only a few points are
+/// in both.
 bool sampledCentroid(const Ellipsoid& a, const Ellipsoid& b, const std::vector<Vec3>& unitBall, const Mat3& root, Vec3& centroid)
 {
 	const SymmetricMatrix3 inverseB = adjugate(b.P) * (1 / determinant(b.P));
@@ -283,7 +284,8 @@ TEST(LensOfEllipsoids, CentroidOfWhatIsInsideIsItsCentre)
 	EXPECT_LT(distance(lensCentroid(lens, cj, round, ci, flat), ci), 1e-12);
 }
 
-// A disc a tenth as thick as wide, at random beside rounder ellipsoids: across the disc the line of the centres leads far outside.
+// The disc is ten times as wide as thick, at random places beside rounder ellipsoids. Across the disc the line of the centres leads far
+// outside.
 TEST(LensOfEllipsoids, CentroidStaysInAThinEllipsoid)
 {
 	constexpr double kThick = 0.1;

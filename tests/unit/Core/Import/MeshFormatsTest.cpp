@@ -75,7 +75,7 @@ aiNode* node(const char* name, const aiMatrix4x4& transform, bool hasMesh)
 	return result;
 }
 
-/// A body at half its size and one, in a turned and moved group, at twice: 8 + 1/8 times the volume.
+/// A body at scales 0.5 and 1, inside a turned and moved group at scale 2: 8 + 1/8 times the volume.
 std::unique_ptr<aiScene> sceneOf(const Mesh& mesh)
 {
 	auto scene = std::make_unique<aiScene>();
@@ -114,7 +114,7 @@ TEST_P(MeshFormats, ASceneComesBackWithItsTransforms)
 	EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
 	EXPECT_EQ(repaired.value().before.components, 2);
 	EXPECT_EQ(repaired.value().mesh.triangles.size(), 2 * body.triangles.size());
-	// Single precision, and text of six digits.
+	// The tolerance allows single precision and text of six digits.
 	EXPECT_NEAR(repaired.value().volumeAfter, 8.125 * volume, 2e-4 * volume);
 	if (!GetParam().placed) return;
 	const Box box = bounds(repaired.value().mesh);

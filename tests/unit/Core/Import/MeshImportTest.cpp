@@ -17,7 +17,7 @@ using namespace ist;
 
 namespace
 {
-/// A file in the temporary folder that goes with the object.
+/// A file in the temporary folder, which is removed with the object.
 class TemporaryFile
 {
 public:
@@ -88,7 +88,7 @@ TEST(MeshImport, CoordinatesThatAreNotFiniteAreRefused)
 
 TEST(MeshImport, BinaryTrianglesThatAreNotFiniteOrCutShortAreRefused)
 {
-	// A tetrahedron as binary STL, then each coordinate in turn not finite, then each length of the file.
+	// A tetrahedron as binary STL; then each coordinate in turn is not finite; then each length of the file.
 	const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 	const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 	std::string stl(80, ' ');
@@ -122,7 +122,7 @@ TEST(MeshImport, BinaryTrianglesThatAreNotFiniteOrCutShortAreRefused)
 
 TEST(MeshImport, SeamsAreWeldedToThePrecisionOfTheFile)
 {
-	// A cube a hundred metres away whose faces are apart by one value of single precision there.
+	// The cube is 100 m away, and its faces are apart by one step of single precision there.
 	const double step = 0x1p-17, far = 100;
 	std::string text;
 	const auto face = [&](std::array<Vec3, 4> corners, double off) {
@@ -149,7 +149,7 @@ TEST(MeshImport, SeamsAreWeldedToThePrecisionOfTheFile)
 
 TEST(MeshImport, AFarPlaceBlursNoPart)
 {
-	// A cup without a lid, 1 m high, at the origin and where a city's surveyors have theirs: alone, and with another one.
+	// A cup without a lid, 1 m high, at the origin and at a surveyor's coordinates of a city: alone, and with another one.
 	const Mesh cylinder = makeCylinderMesh(0.5, 0.5, 64);
 	std::string bytes;
 	const auto append = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
@@ -245,7 +245,7 @@ TEST(MeshImport, AUnitThatIsNotPositiveIsRefused)
 
 TEST(MeshImport, EveryCornerKeepsItsPlaceInTheTexture)
 {
-	// Two triangles that meet in an edge, with a seam along it.
+	// Two triangles share an edge, with a texture seam along it.
 	const TemporaryFile file("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0.625 0\nvt 1.25 1\nvt 0.75 -1\nf 1/1 2/2 "
 							 "3/3\nf 1/4 3/5 4/6\n");
 	const Result<TexturedMesh> read = importTexturedMesh(file.path(), 0.5);
@@ -285,7 +285,7 @@ TEST(MeshImport, PlacesFollowTheCornersOfMirroredNodes)
 	const Result<TexturedMesh> read = importTexturedMesh(file.path());
 	ASSERT_TRUE(read) << read.error().message;
 	ASSERT_EQ(read.value().places.size(), 1u);
-	// u grows with -x, v with y, whatever the order of the corners.
+	// u grows with -x and v with y, for any order of the corners.
 	for (size_t c = 0; c < 3; ++c)
 	{
 		const Vec3& corner = read.value().mesh.vertices[read.value().mesh.triangles[0][c]];

@@ -19,7 +19,7 @@ using namespace ist;
 
 namespace
 {
-// A box of 1.5 x 2.5 x 3.9 m, of which a reader that stops at the point makes 1 x 2 x 3.
+// A box of 1.5 x 2.5 x 3.9 m. A reader that stops at the decimal point gives 1 x 2 x 3.
 const Mesh& box()
 {
 	static const Mesh mesh = translated(makeBoxMesh({0.75, 1.25, 1.95}), {0.75, 1.25, 1.95});
@@ -49,7 +49,7 @@ struct File
 	Vec3 lower, upper;
 };
 
-/// Made before any locale is set.
+/// The files are made before any locale is set.
 const std::vector<File>& files()
 {
 	static const std::vector<File> all = {{".3mf", packageText(modelText(box(), "unit=\"meter\"")), {}, {1.5, 2.5, 3.9}},
@@ -101,7 +101,7 @@ TEST(MeshLocale, ADecimalCommaOfTheStreamsCutsNoCoordinates)
 
 TEST(MeshLocale, SentencesOfRepairHaveAPoint)
 {
-	// Some of them stand in assets, which are the same whoever builds them.
+	// Some of these messages are stored in assets, which must not depend on the locale of the builder.
 	const auto refused = [] { return repair(makeBoxMesh({1.5e8, 1.5e8, 1.5e8})).error().message; };
 	ASSERT_NE(refused().find("(1.5e+08, 1.5e+08, 1.5e+08) m"), std::string::npos) << refused();
 	const std::string before = refused();
@@ -115,7 +115,7 @@ TEST(MeshLocale, TheProgramKeepsItsOwn)
 	files();
 	const CommaLocale comma("de_DE");
 	if (!comma.there()) GTEST_SKIP() << "there is no locale de_DE, and localedef cannot make it: install the package locales";
-	// A locale of this thread alone comes back, too.
+	// A locale of this thread alone is restored, too.
 	const locale_t own = newlocale(LC_ALL_MASK, "C", nullptr);
 	for (const locale_t before : {LC_GLOBAL_LOCALE, own})
 	{

@@ -28,7 +28,7 @@ const Mesh& body()
 	return torus;
 }
 
-/// The body's faces, of which the last corner of every other one from the third on is not there, until `bad` are so.
+/// The body's faces. From the third on, every other one lacks its last corner, until `bad` faces are damaged.
 Faces damaged(std::size_t bad)
 {
 	Faces faces = body().triangles;
@@ -123,7 +123,7 @@ std::string threeDs(const Faces& faces)
 			chunk(0x3D3D, chunk(0x4000, std::string("body\0", 5) + chunk(0x4100, chunk(0x4110, points) + chunk(0x4120, corners)))));
 }
 
-/// A .glb file.
+/// The text of a .glb file.
 std::string gltf(const Faces& faces)
 {
 	std::string data;
@@ -178,7 +178,7 @@ std::string obj(const Faces& faces)
 	return text + indices(faces, "f ", "\n", 1);
 }
 
-/// What becomes of faces whose corners are not there.
+/// What happens to faces whose corners do not exist.
 enum class Fate
 {
 	Counted,
@@ -270,7 +270,7 @@ INSTANTIATE_TEST_SUITE_P(Assimp, MeshNotTaken,
 
 TEST(MeshNotTakenOf, PolygonsWithCornersThatAreNotThere)
 {
-	// A cube of quads and a pentagon that is none: making triangles of it would read beyond the vertices.
+	// A cube of quads, and a pentagon with invalid corners: dividing it into triangles would read beyond the vertices.
 	const Result<Mesh> mesh = read(
 		"ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 7\n"
 		"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
@@ -284,7 +284,7 @@ TEST(MeshNotTakenOf, PolygonsWithCornersThatAreNotThere)
 
 namespace
 {
-/// A box of 12 triangles, and behind them faces with the given corners.
+/// A box of 12 triangles, followed by faces with the given corners.
 std::string boxPly(const std::vector<std::vector<int>>& more)
 {
 	const Mesh box = makeBoxMesh({0.5, 1, 1.5});
@@ -315,7 +315,7 @@ std::string boxX3d(const std::string& more)
 
 TEST(MeshNotTakenOf, TheOnlyPolygonsOfAFileThatAreDamaged)
 {
-	// Without them there are triangles alone, and assimp has been told of polygons.
+	// Without the damaged polygons only triangles are left, although assimp has been told of polygons.
 	const std::vector<std::vector<std::vector<int>>> cases = {{{0, 1, 3, 99}}, {{0, 1, 3, -1}}, {{0, 1, 2, 3, 99}},
 		{{99, 1, 2, 3, 4, 5, 6}}, {{0, 1, 3, 99}, {8, 1, 2, 3, 4}}, {{0, 1, 3, 99}, {0, 1}}, {{0, 1, 3, 99}, {0}},
 		{{0, 1, 3, 99}, {0, 1}, {0}, {0, 1, 99}}};

@@ -29,7 +29,7 @@ const std::string kPicture = "\x89PNG\r\n\x1a\n", kUnit = "unit=\"millimeter\"";
 
 TEST(MeshPackage, PicturesBesideTheModelAreLeftAlone)
 {
-	// assimp takes what is called so for a texture, and deletes it twice.
+	// assimp takes entries with such names for textures and deletes them twice.
 	using Files = std::vector<std::pair<std::string, std::string>>;
 	for (const Files& pictures : {Files{}, Files{{"Metadata/thumbnail.png", kPicture}},
 			 Files{{"Metadata/thumbnail.png", kPicture}, {"Metadata/thumbnail_small.png", kPicture}},

@@ -19,7 +19,7 @@ using namespace ist;
 
 namespace
 {
-/// 10 x 20 x 30 units of the file.
+/// A box of 10 x 20 x 30 units of the file.
 const Mesh& box()
 {
 	static const Mesh mesh = makeBoxMesh({5, 10, 15});
@@ -34,7 +34,7 @@ std::string amf(const std::string& attributes)
 		"\xef\xbb\xbf<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- <amf unit=\"inch\"> -->\n<amf " + attributes + " version=\"1.1\">");
 }
 
-/// `unit` is the element, or nothing.
+/// A COLLADA file. `unit`: the unit element, or an empty text.
 std::string collada(const std::string& unit, const std::string& up = "Y_UP")
 {
 	std::string points, corners;
@@ -135,7 +135,7 @@ TEST(MeshUnit, AGivenUnitTakesItsPlaceAndIsTold)
 
 TEST(MeshUnit, TheRecordedUnitGivesTheSameMesh)
 {
-	// `ist check` reads the file again in the unit that the asset records.
+	// `ist check` reads the file again, in the unit that the asset records.
 	for (const Stated& file : statedUnits())
 	{
 		const Result<Mesh> first = read(file.bytes, file.ending);
@@ -148,7 +148,7 @@ TEST(MeshUnit, TheRecordedUnitGivesTheSameMesh)
 
 TEST(MeshUnit, ThatOfAnFbxFileIsToldAndNotApplied)
 {
-	// assimp writes 1 cm into its files, whatever they hold.
+	// assimp writes 1 cm into its files, whatever their unit is.
 	aiScene scene;
 	scene.mNumMeshes = 1;
 	scene.mMeshes = new aiMesh* [1] { new aiMesh };
@@ -217,7 +217,7 @@ TEST(MeshUnit, AUnitThatTheFormatDoesNotKnowIsRefusedUnlessOneIsGiven)
 
 TEST(MeshUnit, APackageWithoutItsModelIsRefused)
 {
-	// assimp ends the process on it.
+	// assimp ends the process on this file.
 	std::string model = modelText(box(), ""), whole = packageText(model);
 	std::string renamed = whole;
 	for (std::size_t at = 0; (at = renamed.find("3D/3dmodel.model", at)) != renamed.npos; ++at)

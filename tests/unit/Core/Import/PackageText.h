@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "tests/unit/Core/Import/ZipText.h"
 
-/// The model of a 3MF file, of one mesh. `attributes` go into its root, `resources` before the mesh, `ofTriangle` into each triangle.
+/// The model of a 3MF file with one mesh. `attributes` go into its root, `resources` before the mesh, `ofTriangle` into each triangle.
 inline std::string modelText(
 	const ist::Mesh& mesh, const std::string& attributes, const std::string& resources = "", const std::string& ofTriangle = "")
 {
@@ -21,7 +21,7 @@ inline std::string modelText(
 	return text + "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
 }
 
-/// A 3MF file: its model, and more files beside it.
+/// A 3MF file: its model, and further files.
 inline std::string packageText(const std::string& model, const std::vector<std::pair<std::string, std::string>>& more = {})
 {
 	std::vector<std::pair<std::string, std::string>> files = {
@@ -37,7 +37,7 @@ inline std::string packageText(const std::string& model, const std::vector<std::
 	return zipText(files);
 }
 
-/// An AMF file of one mesh. `head`: all before its object, the root element last.
+/// An AMF file of one mesh. `head`: everything before its object, with the root element last.
 inline std::string amfText(const ist::Mesh& mesh, const std::string& head)
 {
 	std::string text = head + "<object id=\"0\"><mesh><vertices>";

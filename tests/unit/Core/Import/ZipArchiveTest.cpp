@@ -15,7 +15,7 @@ namespace
 {
 template <std::size_t n> std::string bytes(const char (&text)[n]) { return std::string(text, n - 1); }
 
-// Made with zlib 1.2.13, level 9: a block of fixed codes, and one of codes of its own.
+// These were made with zlib 1.2.13, level 9: a block of fixed codes, and one with its own codes.
 const std::string kFixed = bytes("\x4b\x54\x28\xcd\xcb\x2c\xd1\x51\x48\x44\xa1\x15\xf2\xd3\x14\x72\x52\xf3\xd2\x4b\x32\x00");
 const std::string kFixedText = "a unit, a unit, a unit of length";
 const std::string kDynamic = bytes("\xed\xcc\xc1\x11\xc0\x20\x08\x00\xb0\xd9\x68\x45\xe1\x14\xc4\x43\x61\xff\x4d\xfa\xee\x0e\x66\x80\x00"
@@ -52,7 +52,7 @@ TEST(Inflate, DamagedStreamsAreRefused)
 		EXPECT_FALSE(inflated(stream, size - 1));
 		EXPECT_FALSE(inflated(stream, size + 1));
 		for (std::size_t length = 0; length < stream.size(); ++length) EXPECT_FALSE(inflated(stream.substr(0, length), size));
-		// Whatever a changed bit makes of it, it is as long as was asked for or refused.
+		// Whatever a changed bit causes, the result has the requested length or is refused.
 		for (std::size_t bit = 0; bit < 8 * stream.size(); ++bit)
 		{
 			std::string changed = stream;

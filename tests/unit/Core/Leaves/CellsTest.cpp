@@ -86,7 +86,7 @@ Truth momentsOf(const Polyhedron& body)
 
 double mass(const MomentEllipsoid& b) { return double(b.density) * 4.0 / 3.0 * std::numbers::pi * double(b.R) * b.R * b.R; }
 
-/// Spheres at random places, `radius()` each where it fits.
+/// Spheres at random places with the radius `radius()`, where they fit.
 template <class Radius> SpherePacking randomPacking(const MeshDistance& surface, size_t count, std::mt19937& generator, Radius radius)
 {
 	const Box box = bounds(surface.mesh());
@@ -104,7 +104,7 @@ template <class Radius> SpherePacking randomPacking(const MeshDistance& surface,
 	return packing;
 }
 
-/// About `center`.
+/// Second moment about `center`.
 SymmetricMatrix3 secondMoment(const MomentEllipsoid& e, const Vec3& center)
 {
 	return (e.shape() * 0.2 + SymmetricMatrix3::square(e.center() - center)) * mass(e);
@@ -116,8 +116,8 @@ void expectNear(const SymmetricMatrix3& a, const SymmetricMatrix3& b, double tol
 	for (double v : {off.xx, off.yy, off.zz, off.xy, off.xz, off.yz}) EXPECT_NEAR(v, 0, tolerance) << "cell " << cell;
 }
 
-/// Four standard deviations of a sum over points placed independently, for the fewest points the library promises (1e5 in the gap);
-/// stratification only makes the error smaller.
+/// The tolerance is four standard deviations of a sum over independent points, for the fewest points that the library uses (1e5 in the
+/// gap). Stratification only makes the error smaller.
 void expectCellsNear(const Cells& cells, const SpherePacking& packing, const std::vector<Truth>& truth, double meshVolume)
 {
 	double balls = 0;
@@ -316,7 +316,7 @@ TEST(Cells, LeafUnderAFlatFaceHasItsNormal)
 
 TEST(Cells, MeasureTheGapsOfASurface)
 {
-	// A bar filled by a row of balls, but for the last one: the far end is uncovered.
+	// A bar is filled by a row of balls, except for the last one, so its far end is uncovered.
 	const Vec3 half{4, 0.5, 0.5};
 	const MeshDistance surface(makeBoxMesh(half));
 	SpherePacking packing;

@@ -30,8 +30,8 @@ struct Bound
 	double r = 0;
 };
 
-/// Bounds of a tree's blocks: their least distance is what a clearance comes to at least, when all is opened. More, where a node rules out
-/// what its blocks do not.
+/// Bounds of a tree's blocks. Fully opened, the clearance is at least their smallest distance. It is larger where a node excludes what
+/// its blocks do not.
 std::vector<Bound> blocksOf(const InnerSphereTree& body)
 {
 	std::vector<Bound> blocks;

@@ -20,7 +20,7 @@ double longestEdge(const Mesh& mesh)
 
 TEST(MeshDivision, KeepsTheSurfaceAndItsClosednessInSmallerTriangles)
 {
-	// Needles, even triangles, and sizes that differ: all three ways to divide one.
+	// These meshes have needles, even triangles, and unequal sizes, so they use all three ways to divide a triangle.
 	for (const Mesh& mesh :
 		{makeBoxMesh({0.05, 0.01, 0.002}), makeCylinderMesh(0.03, 0.05, 24), makeConeMesh(0.02, 0.08, 7), makeTorusMesh(0.04, 0.01, 12, 7)})
 	{
@@ -33,7 +33,7 @@ TEST(MeshDivision, KeepsTheSurfaceAndItsClosednessInSmallerTriangles)
 			EXPECT_NEAR(surfaceArea(fine), surfaceArea(mesh), 1e-12);
 			EXPECT_NEAR(massProperties(fine).volume, massProperties(mesh).volume, 1e-15);
 			for (size_t v = 0; v < mesh.vertices.size(); ++v) ASSERT_EQ(fine.vertices[v], mesh.vertices[v]);
-			// Not finer than asked for by much: halves of what was too long.
+			// The triangles are not much finer than requested: they are halves of triangles that were too long.
 			if (longest < longestEdge(mesh))
 			{
 				EXPECT_GT(longestEdge(fine), 0.5 * longest);

@@ -11,8 +11,8 @@ inline void makeRound(ist::MomentEllipsoid& e)
 	e.xy = e.xz = e.yz = 0;
 }
 
-/// Half-axes of random directions: the longest a hair below R, the others from `flattest` of it up. The density becomes the
-/// ellipsoid's own.
+/// Gives an ellipsoid half-axes in random directions. The longest is slightly below R; the others are at least `flattest` times as
+/// long. The density becomes the ellipsoid's own.
 template <class Random> void giveRandomShape(ist::MomentEllipsoid& e, Random& random, double flattest = 0.25)
 {
 	std::uniform_real_distribution<double> turn(-3, 3), axis(flattest, 1);
@@ -22,5 +22,5 @@ template <class Random> void giveRandomShape(ist::MomentEllipsoid& e, Random& ra
 	e.setShape(ist::rotated(R, {longest * longest, b * b, c * c, 0, 0, 0}));
 }
 
-/// As a tree gives it back.
+/// The ellipsoid as a tree returns it.
 inline ist::MomentEllipsoid asStored(const ist::MomentEllipsoid& e) { return ist::StoredEllipsoid(e).in({e.x, e.y, e.z, e.R}); }

@@ -16,7 +16,7 @@ namespace
 {
 using namespace ist;
 
-// Distance to a triangle by its own route: the plane where the foot point lies inside, else the nearest of three edges.
+// Distance to a triangle by an independent method: to the plane if the foot point lies inside, else to the nearest of three edges.
 double distanceToSegment(const Vec3& p, const Vec3& a, const Vec3& b)
 {
 	const Vec3 d = b - a;
@@ -95,19 +95,19 @@ TEST(SpherePacker, RadiiDecreaseButForHolesFoundLateAndAnyPrefixIsThePackingForT
 		EXPECT_EQ(all.spheres[i].center(), some.spheres[i].center());
 		EXPECT_EQ(all.spheres[i].r, some.spheres[i].r);
 	}
-	// The greedy places the largest hole that it knows; one that only a later start finds can be larger (11 % seen on boxes).
+	// The greedy search places the largest hole that it knows. A hole that only a later start finds can be larger (11 % seen on boxes).
 	for (size_t i = 1; i < all.spheres.size(); ++i) EXPECT_LE(all.spheres[i].r, 1.25 * all.spheres[i - 1].r);
 }
 
 TEST(SpherePacker, FillsACubeAsTheReferenceGreedyDoes)
 {
-	// .837 in reference measurements of two independent greedy packers.
+	// Reference measurements of two independent greedy packers gave 0.837.
 	EXPECT_GT(pack(makeBoxMesh({0.5, 0.5, 0.5}), 1000).fill, 0.835);
 }
 
 TEST(SpherePacker, LeavesNoRegionWithoutSpheresThatIsThickerThanFourOfItsSmallestRadii)
 {
-	// Thick and thin parts, one of them apart and smaller than the grid that the search begins on.
+	// The body has thick and thin parts; one of them is separate and smaller than the cells of the first search grid.
 	Mesh mesh = makeBoxMesh({0.5, 0.4, 0.02});
 	const auto add = [&](const Mesh& part, const Vec3& at) {
 		const uint32_t first = uint32_t(mesh.vertices.size());

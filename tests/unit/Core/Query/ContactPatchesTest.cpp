@@ -19,7 +19,8 @@ namespace
 {
 constexpr InstructionSet kAllSets[] = {InstructionSet::Portable, InstructionSet::Baseline, InstructionSet::V3, InstructionSet::V4};
 
-/// A list of pairs between balls that hang together in `clusters` heaps, with forces all over `directions` cones, a few of them weak.
+/// A list of pairs between balls that are connected in `clusters` groups. The forces lie in `directions` cones, and a few of them are
+/// weak.
 class RandomPairs
 {
 public:
@@ -60,7 +61,7 @@ private:
 	std::vector<float> m_numbers;
 };
 
-/// Null: not on this machine.
+/// Returns null if this machine cannot run the set.
 const QueryKernel* kernelOf(InstructionSet set)
 {
 	QueryCapacity small;
@@ -101,7 +102,7 @@ TEST(PatchGrouper, PairsWithoutAnyDirectionAreOnePatch)
 	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
 	RandomPairs pairs(100, 1, 2, 3);
 	for (int i = 0; i < 100; ++i) columnOf(pairs.stream, PairStream::Size)[i] = 0;
-	// One ball that all share, so that they are one component.
+	// All pairs share one ball, so they form one component.
 	std::fill_n(pairs.stream.a, 100, 5u);
 	PatchGrouper grouper;
 	grouper.reserve(100, 2 * RandomPairs::kBalls, 8);
@@ -110,7 +111,7 @@ TEST(PatchGrouper, PairsWithoutAnyDirectionAreOnePatch)
 	EXPECT_EQ(grouper.group(*kernel, pairs.stream, 0, RandomPairs::kBalls, 8), 0);
 }
 
-// Patches are sums of the very pairs that the query without patches sums: in any number they add up to it, with every instruction set.
+// Patches are sums of the same pairs that a query without patches sums. Any number of them adds up to it, with every instruction set.
 TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
 {
 	const InnerSphereTree A = cloudBody(700, 3), B = cloudBody(650, 4, {0.1, 0.2, -0.1});
@@ -142,7 +143,7 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 {
 	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
 	PatchGrouper grouper;
-	constexpr uint32_t kUnknown = RandomPairs::kBalls, kBalls = kUnknown + 1;  // one that no pair has
+	constexpr uint32_t kUnknown = RandomPairs::kBalls, kBalls = kUnknown + 1;  // a ball that no pair has
 	const std::vector<Sphere> balls(kBalls);
 	for (unsigned seed = 1; seed <= 20; ++seed)
 	{
@@ -152,7 +153,8 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 		grouper.reserve(size_t(count), 2 * kBalls, 8);
 		const int patches = grouper.group(*kernel, pairs, count, kBalls, 8);
 		const std::vector<float> group(grouper.patch(), grouper.patch() + count);
-		// After each that was grouped: one with its ball of A alone, one with that of B alone. In the end one with neither.
+		// After each grouped pair comes one that shares only its ball of A, and one that shares only its ball of B. The last pair
+		// shares neither.
 		std::vector<uint32_t> a, b;
 		for (int i = 0; i < count; ++i)
 		{
@@ -183,13 +185,13 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 	const QueryKernel* kernel = kernelOf(InstructionSet::Portable);
 	constexpr uint32_t kBalls = RandomPairs::kBalls + 2;
 	std::vector<Sphere> balls(kBalls);
-	// One in the middle of each cluster.
+	// There is one unknown ball in the middle of each cluster.
 	const uint32_t unknown[] = {kBalls - 2, kBalls - 1};
 	for (int cluster = 0; cluster < 2; ++cluster)
 		balls[unknown[cluster]] = {3.0f * float(cluster), 3.0f * float(cluster), 3.0f * float(cluster), 1};
 	for (unsigned seed = 1; seed <= 20; ++seed)
 	{
-		constexpr int kCount = 3000;  // so many that each cluster hangs together, but for a few
+		constexpr int kCount = 3000;  // so many that each cluster is connected, except for a few pairs
 		RandomPairs random(kCount, 2, 2, seed);
 		PatchGrouper grouper;
 		grouper.reserve(kCount, 2 * kBalls, 8);
@@ -207,7 +209,7 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 	}
 }
 
-// A row of contacts that hang together, on a floor that bends by so much from end to end.
+// The contacts form a connected row on a floor that bends by this angle from end to end.
 TEST(ContactPatches, OneWhereTheNormalsAgree)
 {
 	QueryWorkspace workspace;
@@ -228,7 +230,7 @@ TEST(ContactPatches, OneWhereTheNormalsAgree)
 
 TEST(ContactPatches, SeparateContactsAndCorners)
 {
-	// Two feet far apart on one floor, and a wall that belongs to the second foot's component.
+	// Two feet are far apart on one floor, and a wall belongs to the second foot's component.
 	std::vector<MomentEllipsoid> A, B;
 	for (int i = 0; i < 5; ++i)
 	{
@@ -251,7 +253,7 @@ TEST(ContactPatches, SeparateContactsAndCorners)
 	const double volume = r.total.volume;
 	r = queryOverlap(bodyOf(A), bodyOf(B), Pose{}, limited);
 	EXPECT_EQ(r.patchCount, 2);
-	// Grouped otherwise, the floats of a lane are added in another order.
+	// With another grouping the floats of a lane are added in another order.
 	EXPECT_NEAR(r.patches[0].volume + r.patches[1].volume, volume, 1e-6 * volume);
 	QueryOptions options;
 	options.patches = false;

@@ -75,7 +75,7 @@ struct RandomLeaf
 	}
 };
 
-/// With A moved by `shift`.
+/// Query with A moved by `shift`.
 OverlapIntegrals queryAt(const InnerSphereTree& A, const AnalyticField& field, Pose X, const Vec3& shift, QueryWorkspace& workspace)
 {
 	X.translation -= shift;
@@ -83,7 +83,8 @@ OverlapIntegrals queryAt(const InnerSphereTree& A, const AnalyticField& field, P
 }
 }  // namespace
 
-// A leaf can be as large as the field, or larger. Its own model is exact to a few per cent of it, and unbiased; what is asked here is that.
+// A leaf can be as large as the field, or larger. The model of a leaf has an error of a few per cent of it and no bias; the test
+// requires that.
 TEST(FieldQuery, LeafSharesWhatAGridOfItsPointsSays)
 {
 	std::mt19937 random(4);
@@ -120,7 +121,7 @@ TEST(FieldQuery, LeafSharesWhatAGridOfItsPointsSays)
 		}
 }
 
-// Away from edges a box is a half-space, and a small ball in a large one a lens.
+// Away from edges a box is a half-space, and the intersection of a small ball with a large one is a lens.
 TEST(FieldQuery, FaceOfABoxAndLensOfTwoBallsHaveTheClosedForm)
 {
 	QueryWorkspace workspace;
@@ -161,7 +162,7 @@ TEST(FieldQuery, HalfSpaceIsAsFarAwayAsItIsNear)
 	for (int i = 0; i < 21; ++i) EXPECT_NEAR(turned.stiffnessB.m[i], direct.stiffnessB.m[i], 1e-8);
 }
 
-// A step that halves halves the change, too: nothing leaps, whatever decision flips on the way.
+// Half the step gives half the change: nothing jumps, whatever decision changes along the path.
 TEST(FieldQuery, NothingLeapsAlongAPath)
 {
 	std::mt19937 random(8);
@@ -204,7 +205,7 @@ TEST(FieldQuery, StiffnessAndAreaAreDerivatives)
 	const double h = 1e-4;
 	for (const FieldShape& shape : fieldShapes())
 	{
-		// Many small leaves side by side: a homogeneous block.
+		// Many small leaves side by side form a homogeneous block.
 		std::vector<MomentEllipsoid> balls;
 		for (int i = 0; i < 8000; ++i)
 		{
@@ -227,7 +228,7 @@ TEST(FieldQuery, StiffnessAndAreaAreDerivatives)
 				for (int row = 0; row < 3; ++row)
 					EXPECT_NEAR(force[row], sums.stiffnessB(row, axis), 0.06 * scale) << shape.name << row << axis;
 				EXPECT_NEAR((down.depthB - up.depthB) / (2 * h), sums.normalB.force[axis], 0.01 * sums.volume) << shape.name;
-				// All normals of A are -z: only this column is its own transpose.
+				// All normals of A are -z, so only this column equals its own transpose.
 				if (axis < 2) continue;
 				EXPECT_NEAR((up.normalA.force.z - down.normalA.force.z) / (2 * h), sums.stiffnessA(2, 2), 0.03 * scale) << shape.name;
 			}
@@ -290,7 +291,7 @@ TEST(FieldQuery, FarBodiesShareNothingAndBadOnesAreRefused)
 	EXPECT_EQ(queryField({}, SphereField(1), {}, workspace).status, QueryStatus::EmptyTree);
 }
 
-// From a body swallowed whole to a field a millionth as large as the leaf that it is in.
+// The sizes range from a field that contains the whole body to one that is a millionth of the leaf that contains it.
 TEST(FieldQuery, FieldsOfAnySizeGiveFiniteSums)
 {
 	QueryWorkspace workspace;
@@ -299,7 +300,8 @@ TEST(FieldQuery, FieldsOfAnySizeGiveFiniteSums)
 		const OverlapIntegrals sums = queryField(A, field, {}, workspace).total;
 		EXPECT_TRUE(isFinite(sums.normalB) && isFinite(sums.areaVector) && std::isfinite(sums.depthB));
 		for (const double k : sums.stiffnessB.m) EXPECT_TRUE(std::isfinite(k));
-		// A large field swallows the leaf. A small one is swallowed whole: there a leaf counts as a box, 13 % denser than the ball.
+		// A large field contains the leaf. A small field lies inside the leaf, which then counts as a box and is 13 % denser than the
+		// ball.
 		const double expected = std::min(field.volume(), ballVolume(0.5));
 		const double tolerance = size <= 0.1 ? 0.16 : size >= 100 ? 1e-6 : 1;
 		EXPECT_NEAR(sums.volume, expected, tolerance * expected) << size;

@@ -22,7 +22,7 @@ TEST(HalfSpace, OneBallHasTheClosedForm)
 	expectNear(r.total.normalB.torque, {0.1 * V, -0.2 * V, 0}, 1e-6 * V);
 	const double z = -3 * (2 * R - h) * (2 * R - h) / (4 * (3 * R - h));
 	EXPECT_NEAR(r.total.firstMoment.z, V * z, 1e-6 * V);
-	// Integral of t dV over the cap: pi h^3 (R/3 - h/12) for depth t below the plane.
+	// The integral of t dV over the cap is pi h^3 (R/3 - h/12), for the depth t below the plane.
 	EXPECT_NEAR(r.total.depthB, kPi * h * h * h * (4 * R - h) / 12, 1e-6 * V);
 	const double slope = -A.law.ball(0).nz;
 	EXPECT_NEAR(slope, 0.5, 2e-5);
@@ -32,7 +32,7 @@ TEST(HalfSpace, OneBallHasTheClosedForm)
 	EXPECT_NEAR(queryHalfSpace(A, {0, 0, 1}, 40, workspace).total.volume, ballVolume(R), 1e-6);
 }
 
-// Of the plane's field alone: every pair presses along the plane's normal, so that the moments of the volume say it all.
+// Only the plane's field presses: every pair presses along the plane's normal, so the moments of the volume determine the damping.
 TEST(HalfSpace, DampingIsThatOfTheVolumeAlongTheNormal)
 {
 	std::mt19937 random(8);
@@ -89,7 +89,7 @@ TEST(HalfSpace, CapOfAnEllipsoidAgreesWithCountedPoints)
 		QueryWorkspace workspace;
 		const auto at = [&](double h) { return queryHalfSpace(A, n, h + dot(n, A.origin), workspace).total; };
 		const OverlapIntegrals r = at(height);
-		// Five standard errors of the count and of the mean.
+		// The tolerance is five standard errors of the count and of the mean.
 		EXPECT_NEAR(r.volume / e.volume(), double(below) / points, 5 * 0.5 / std::sqrt(double(points)));
 		expectNear(r.firstMoment / r.volume, sum / double(below), 5 * 0.5 * e.R / std::sqrt(double(below)));
 		EXPECT_NEAR(norm(r.areaVector), (at(height + 1e-4).volume - at(height - 1e-4).volume) / 2e-4, 1e-3 * norm(r.areaVector));
@@ -125,7 +125,7 @@ TEST(HalfSpace, ManyBallsAgreeWithADirectSum)
 
 TEST(HalfSpace, BoxOfBallsApproachesTheBox)
 {
-	// A cubic lattice whose densities make up the box's volume.
+	// The balls form a cubic lattice, and their densities make up the box's volume.
 	std::vector<MomentEllipsoid> balls;
 	const int n = 16;
 	const double step = 2.0 / n;

@@ -29,7 +29,7 @@ const InnerSphereTree& box()
 
 double randomUnit(std::mt19937_64& random) { return std::uniform_real_distribution<double>(-1, 1)(random); }
 
-/// B turned at random, its lowest corner `depth` below the middle of the face z = 0.3 of A.
+/// B is turned at random; its lowest corner is `depth` below the middle of the face z = 0.3 of A.
 Pose cornerOnFace(std::mt19937_64& random, double depth)
 {
 	const Mat3 R = rotationMatrix(quaternionFromRotationVector({2 * randomUnit(random), 2 * randomUnit(random), 2 * randomUnit(random)}));
@@ -106,7 +106,7 @@ TEST(InnerOverlap, OpensWithoutAJump)
 			before = gated.total.volume;
 			openBefore = open;
 		}
-		// The gate is shut and open within the first tenths of the way, where little volume is at stake.
+		// The factor rises from 0 to 1 within the first tenths of the way, where little volume is involved.
 		EXPECT_LE(steepest, 1.5 * openSteepest);
 		EXPECT_EQ(before, openBefore);
 	}

@@ -16,7 +16,7 @@ using namespace ist;
 
 namespace
 {
-/// Within 1e-5 of the sum of absolute values; all arms here are below 2 and all normals below 1.5.
+/// Compares within 1e-5 of the sum of absolute values. All lever arms here are below 2 and all normals below 1.5.
 void expectSame(const OverlapIntegrals& a, const OverlapIntegrals& b, double absoluteArea)
 {
 	const double tolerance = 1e-5 * b.volume + 1e-15, areaTolerance = 1e-5 * absoluteArea + 1e-15;
@@ -90,7 +90,7 @@ void compare(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, 
 	for (int i = 1; i < fast.pairCount; ++i)
 		EXPECT_TRUE(fast.pairs[i - 1].ballA < fast.pairs[i].ballA ||
 			(fast.pairs[i - 1].ballA == fast.pairs[i].ballA && fast.pairs[i - 1].ballB < fast.pairs[i].ballB));
-	// Without a list pairs are summed as they are found.
+	// Without a list, pairs are summed as they are found.
 	options.sortPairs = options.patches = false;
 	expectSame(queryOverlap(A, B, X, workspace, options).total, slow.total, area);
 }
@@ -137,7 +137,8 @@ TEST(OverlapQuery, NormalsThatChangeInOneOfTheBodiesAgreeWithBruteForce)
 	}
 }
 
-// One lens: the normal at its centroid C is m + G (C - c), so that of the sums is m V + G (Int x dV - c V), G turned as the body is.
+// There is one lens. The normal at its centroid C is m + G (C - c), so the sums have m V + G (Int x dV - c V). G is turned with the
+// body.
 TEST(OverlapQuery, NormalThatChangesIsTheOneAtTheCentroid)
 {
 	const MomentEllipsoid ball = ballAt({0.1, 0.2, -0.1}, {0.3, 0, -0.2}, 0.5);
@@ -162,7 +163,8 @@ TEST(OverlapQuery, NormalThatChangesIsTheOneAtTheCentroid)
 	}
 }
 
-// Two leaves of known normals, one lens: the sum has one term, whose normal is (0, 0.3, 0.4), but for the rounding of the stored ones.
+// Two leaves of known normals have one lens. The sum has one term, whose normal is (0, 0.3, 0.4) except for the rounding of the stored
+// normals.
 TEST(OverlapQuery, DampingOfOnePairIsItsVolumeAlongItsOwnNormal)
 {
 	const InnerSphereTree A = bodyOf({ballAt({0.2, 0, 0}, {0, -0.3, 0}, 0.5)}), B = bodyOf({ballAt({-0.2, 0, 0}, {0, 0, 0.8}, 0.5)});
@@ -174,7 +176,8 @@ TEST(OverlapQuery, DampingOfOnePairIsItsVolumeAlongItsOwnNormal)
 		const OverlapIntegrals sums = queryOverlap(A, B, Pose{}, workspace, options).total;
 		const double d = 0.6, volume = kPi * d * d * (1.5 - d / 2) / 6;  // two caps of height d / 2
 		ASSERT_NEAR(sums.volume, volume, 1e-6);
-		const double weighted[6] = {0, -double(A.law.ball(0).ny), 0.5 * B.law.ball(0).nz, 0, 0, 0};  // through the origin
+		// Direction of pressing; the lens is at the origin, so there is no torque.
+		const double weighted[6] = {0, -double(A.law.ball(0).ny), 0.5 * B.law.ball(0).nz, 0, 0, 0};
 		EXPECT_NEAR(weighted[1], 0.3, 2e-5);
 		EXPECT_NEAR(weighted[2], 0.4, 2e-5);
 		for (int i = 0; i < 6; ++i)
@@ -227,7 +230,7 @@ TEST(OverlapQuery, ThinLensesKeepTheirDigits)
 			const OverlapIntegrals inner = queryOverlap(A, A, X, workspace, balls).total;
 			EXPECT_EQ(inner.pairs, 1);
 			EXPECT_NEAR(inner.volume, volume, 1e-5 * volume) << toString(set) << ' ' << h;
-			// The distance of ellipsoids comes from floats: good to some 2e-7 of their size, and so is the depth.
+			// The distance of ellipsoids is computed in floats. Its error is about 2e-7 of their size, and so is that of the depth.
 			const OverlapIntegrals law = queryOverlap(A, A, X, workspace).total;
 			const double depthError = 2e-7 * 0.5;
 			EXPECT_NEAR(law.volume, volume, 1e-5 * volume + kPi * 0.25 * (h + depthError) * depthError) << toString(set) << ' ' << h;
@@ -237,7 +240,7 @@ TEST(OverlapQuery, ThinLensesKeepTheirDigits)
 
 namespace
 {
-/// Flat ellipsoids of about this radius in a cube of side .8.
+/// Flat ellipsoids of about this radius in a cube of side 0.8.
 std::vector<MomentEllipsoid> flatEllipsoids(size_t count, float radius, std::mt19937& random)
 {
 	std::uniform_real_distribution<float> u(-1, 1);
@@ -254,8 +257,8 @@ std::vector<MomentEllipsoid> flatEllipsoids(size_t count, float radius, std::mt1
 }
 }  // namespace
 
-// Beyond a ratio of 1e5 the volumes of floats differ from the reference's; they stay finite, also of pairs that only their bounds bring
-// together.
+// Beyond a ratio of 1e5 the volumes in float differ from the reference. They stay finite, even for pairs that are found only because
+// their bounds meet.
 TEST(OverlapQuery, ThinAndUnequalEllipsoidsAgreeWithBruteForce)
 {
 	std::mt19937 random(31);
@@ -339,7 +342,7 @@ TEST(OverlapQuery, InstructionSetsFindTheSamePairsAndDoTheSameWork)
 			EXPECT_EQ(r.ballTests, expected.ballTests);
 			EXPECT_EQ(r.total.pairs, expected.total.pairs);
 			EXPECT_NEAR(r.total.volume, expected.total.volume, 1e-6 * expected.total.volume);
-			// The same set gives the same bits, whatever the workspace did before.
+			// The same set gives the same bits, whatever the workspace computed before.
 			queryOverlap(B, A, Pose{}, workspace);
 			const OverlapResult again = queryOverlap(A, B, X, workspace, options);
 			EXPECT_EQ(again.total.volume, r.total.volume);
@@ -503,8 +506,8 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
 }
 
-// Of a body with few leaves against one with many, in a workspace that knows only the former; at leaves and levels, and against a
-// half-space.
+// A body with few leaves is queried against one with many, in a workspace that has seen only the former. The test covers leaves, levels
+// and a half-space.
 TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
 {
 	std::mt19937 random(17);
@@ -535,7 +538,8 @@ TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
 			EXPECT_EQ(result.total.volume, expected.total.volume);
 			EXPECT_EQ(result.total.normalA.force, expected.total.normalA.force);
 			EXPECT_EQ(result.total.normalB.torque, expected.total.normalB.torque);
-			if (taken && i == 0) workspace.take(room);  // holds what the workspace had; nothing of it comes back
+			// The buffers now hold the workspace's old arrays, and a second take() returns none of them.
+			if (taken && i == 0) workspace.take(room);
 		}
 	}
 }

@@ -12,7 +12,7 @@
 
 namespace ist
 {
-/// Slow, obvious grouping of pairs into patches, pair by pair and in double: what PatchGrouper is compared with.
+/// Slow grouping of pairs into patches with simple code, pair by pair and in double: the reference for PatchGrouper.
 class PatchReference
 {
 public:
@@ -49,10 +49,10 @@ private:
 	double size(size_t i) const { return number(kernels::PairStream::Size, i); }
 	double rank(size_t i) const { return number(kernels::PairStream::Rank, i); }
 
-	/// Spreads the smaller of two labels over every pair that shares a ball, until nothing changes.
+	/// Copies the smaller of two labels to every pair that shares a ball, until nothing changes.
 	void connect(uint32_t ballsA)
 	{
-		std::map<uint32_t, size_t> label;  // of balls: the first pair of their component
+		std::map<uint32_t, size_t> label;  // for each ball, the first pair of its component
 		bool changed = true;
 		m_component.resize(m_patch.size());
 		for (size_t i = 0; i < m_patch.size(); ++i) m_component[i] = i;

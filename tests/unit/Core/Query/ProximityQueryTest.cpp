@@ -49,7 +49,7 @@ double bruteForce(const InnerSphereTree& A, const InnerSphereTree& B, const Pose
 	return std::max(0.0, best);
 }
 
-/// The nearest point of a triangle: inside of it, or on an edge.
+/// The nearest point of a triangle: inside it, or on an edge.
 Vec3 nearestOfTriangle(const Vec3& p, const Vec3 (&t)[3])
 {
 	const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
@@ -68,7 +68,8 @@ Vec3 nearestOfTriangle(const Vec3& p, const Vec3 (&t)[3])
 
 double segmentDistance(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e)
 {
-	// Both feet of the common normal, where they lie within; else an end is nearest to the other segment.
+	// The nearest points are the feet of the common normal if both lie within the segments. Otherwise an end of one segment is nearest
+	// to the other.
 	const double dd = squaredNorm(d), ee = squaredNorm(e), de = dot(d, e), det = dd * ee - de * de;
 	const Vec3 r = q - p;
 	double best = std::numeric_limits<double>::infinity();
@@ -86,7 +87,7 @@ double segmentDistance(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& 
 	return best;
 }
 
-/// Of meshes that are apart: between a vertex and a triangle, or between two edges.
+/// Distance of meshes that are apart: it is between a vertex and a triangle, or between two edges.
 double meshDistance(const Mesh& A, const Mesh& B, const Pose& X_AB)
 {
 	double best = std::numeric_limits<double>::infinity();

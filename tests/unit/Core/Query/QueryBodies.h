@@ -12,7 +12,7 @@
 // Bodies of a few leaves for tests of the queries.
 namespace ist
 {
-/// The inner tree of packed spheres where these balls are.
+/// The inner tree of packed spheres at the places of these balls.
 inline BallTree packedTree(const std::vector<MomentEllipsoid>& balls)
 {
 	std::vector<Sphere> spheres;
@@ -20,7 +20,7 @@ inline BallTree packedTree(const std::vector<MomentEllipsoid>& balls)
 	return buildInnerTree(spheres);
 }
 
-/// As steep as lets a normal change by a half over a ball.
+/// Gradients steep enough to change a normal by a half over a ball.
 inline std::vector<NormalGradient> randomGradients(const std::vector<MomentEllipsoid>& balls, std::mt19937& random)
 {
 	std::uniform_real_distribution<double> u(-0.2, 0.2);
@@ -30,7 +30,8 @@ inline std::vector<NormalGradient> randomGradients(const std::vector<MomentEllip
 	return gradients;
 }
 
-/// Balls all over a cube of side 2; their normals point away from the centre. Those of the cells change over each, as those of levels do.
+/// Balls spread over a cube of side 2, with normals that point away from the centre. The normals of the cells change over each ball, as
+/// those of levels do.
 inline InnerSphereTree cloudBody(int count, unsigned seed, const Vec3& origin = {})
 {
 	std::mt19937 random(seed);
@@ -94,7 +95,7 @@ inline InnerSphereTree bodyOf(const std::vector<MomentEllipsoid>& balls)
 	return body;
 }
 
-/// Mesh pose that gives the tree frames this shift and this turn.
+/// Pose of the meshes that gives the tree frames this shift and this rotation.
 inline Pose shifted(const Vec3& t, const Vec3& turn, const InnerSphereTree& A, const InnerSphereTree& B)
 {
 	Pose X;

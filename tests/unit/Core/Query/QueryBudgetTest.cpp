@@ -25,11 +25,11 @@ InnerSphereTree levelled(int count, unsigned seed, const Vec3& origin = {})
 
 Vec3 forceOf(const OverlapResult& r) { return pressureWrench(r.total, {}).force; }
 
-/// Largest change of the force from tick to tick beyond that of the leaves, over the force.
+/// Largest change of the force from tick to tick, beyond that of the leaves, relative to the force.
 struct Leap
 {
 	double most = 0;
-	int levels = 0, blended = 0;  ///< changes of the level; ticks with two
+	int levels = 0, blended = 0;  ///< number of changes of the level; number of ticks with two levels
 };
 Leap leapAlongPath(const InnerSphereTree& A, const InnerSphereTree& B, bool blend, int64_t budget)
 {
@@ -41,7 +41,7 @@ Leap leapAlongPath(const InnerSphereTree& A, const InnerSphereTree& B, bool blen
 	Leap leap;
 	Vec3 before, fullBefore;
 	int levelBefore = -1;
-	// In steps of about a thousandth of the bodies: 0.2 m/s at 1 kHz, were they 0.2 m long.
+	// Each step is about a thousandth of the bodies: 0.2 m/s at 1 kHz for bodies of 0.2 m.
 	constexpr int kTicks = 480;
 	for (int tick = 0; tick < kTicks; ++tick)
 	{
@@ -68,7 +68,7 @@ Leap leapAlongPath(const InnerSphereTree& A, const InnerSphereTree& B, bool blen
 
 TEST(QueryBudget, LevelsFadeIntoEachOtherAlongAPath)
 {
-	// Random clouds will not do: their levels hardly differ in pairs.
+	// Random clouds are unsuitable, because their levels hardly differ in pairs.
 	BuildOptions options;
 	options.maxSpheres = 1500;
 	InnerSphereTree A = buildTree(translated(makeTorusMesh(0.5, 0.2, 48, 24), {3, 4, 5}), options).value();
@@ -215,7 +215,7 @@ TEST(QueryBudget, ABudgetOfPairsIsNeverExceeded)
 			ASSERT_EQ(r.status, QueryStatus::Ok);
 			EXPECT_LE(r.total.pairs, options.maxPairs);
 			EXPECT_EQ(r.coarsened, r.level > 0);
-			// The answer is that of its level.
+			// The answer equals that of a query of its level.
 			QueryOptions same;
 			same.level = r.level;
 			const OverlapResult direct = queryOverlap(A, B, X, workspace, same);
@@ -245,6 +245,6 @@ TEST(QueryBudget, OverflowIsAnsweredByACoarserLevelAndCounted)
 	EXPECT_GT(coarse.level, 0);
 	EXPECT_LE(coarse.total.pairs, 2000);
 	EXPECT_TRUE(coarse.pairListComplete);
-	// What was dropped is in sigma.
+	// The sigma includes what the coarser level loses.
 	EXPECT_GT(overlapError(coarse, A, B, 1).force / coarse.total.volume, overlapError(full, A, B, 1).force / full.total.volume);
 }

@@ -16,7 +16,7 @@ using namespace ist;
 
 namespace
 {
-/// A motion of random translations and turns, each query `step` [m] further; tree frames at most about 1.5 apart.
+/// A motion of random translations and rotations, by `step` [m] per query. The tree frames are at most about 1.5 m apart.
 class Motion
 {
 public:
@@ -65,7 +65,7 @@ void expectSameSums(const OverlapIntegrals& a, const OverlapIntegrals& b)
 	expectNear(a.line.force, b.line.force, tolerance);
 }
 
-/// Queries that did not search, of 60.
+/// Number of queries, of 60, that did not search.
 int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, const QueryOptions& options, QueryWorkspace& workspace,
 	VerletList& memory)
 {
@@ -80,7 +80,7 @@ int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, co
 		expectSamePairs(r, fresh);
 		expectSameSums(r.total, fresh.total);
 		without += r.nodeVisits == 0 && fresh.nodeVisits > 0;
-		// A query that fills the memory looks at little more than one that does not.
+		// A query that fills the list tests little more than one that does not.
 		EXPECT_LE(double(r.nodeVisits + r.ballTests), 1.4 * double(fresh.nodeVisits + fresh.ballTests) + 100);
 	}
 	return without;
@@ -113,7 +113,7 @@ TEST(VerletList, AnswersAsAFreshQueryInEveryInstructionSet)
 	}
 }
 
-// The middle of B stays where it is; only its other points move.
+// The centre of B stays in place; only its other points move.
 TEST(VerletList, ATurnInPlaceUsesUpTheMargin)
 {
 	const InnerSphereTree A = cloudBody(900, 1), B = cloudBody(1100, 2);
@@ -199,7 +199,7 @@ TEST(VerletList, NoticesOtherTreesAndOtherQuestions)
 	}
 	for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, {}, &memory);
 	memory.forget();
-	// Where these trees were last is nothing that they moved from.
+	// The last pose belonged to other trees, so it says nothing about the motion of these.
 	Pose far;
 	far.translation.x = 0.5;
 	EXPECT_GT(queryOverlap(A, B, far, workspace, {}, &memory).nodeVisits, 0);
@@ -245,7 +245,7 @@ TEST(VerletList, RemembersThePatchesOfItsPairs)
 		const Pose X = motion.next();
 		const OverlapResult r = queryOverlap(A, B, X, workspace, options, &memory);
 		const std::vector<OverlapIntegrals> patches(r.patches, r.patches + r.patchCount);
-		// At the same pose the memory alone answers, if it holds.
+		// At the same pose the list alone answers, if it is valid.
 		const OverlapResult again = queryOverlap(A, B, X, workspace, options, &memory), fresh = queryOverlap(A, B, X, other, options);
 		expectSameSums(again.total, fresh.total);
 		if (again.nodeVisits > 0) continue;
@@ -263,7 +263,7 @@ TEST(VerletList, RemembersThePatchesOfItsPairs)
 
 namespace
 {
-/// Share of the volume that is left when normals cancel within each patch.
+/// Share of the volume that remains when normals cancel within each patch.
 double alignment(const OverlapResult& r)
 {
 	double sum = 0;
@@ -271,13 +271,13 @@ double alignment(const OverlapResult& r)
 	return r.total.volume > 0 ? sum / r.total.volume : 1;
 }
 
-/// A row of balls across x, so far apart that each meets only the one across from it.
+/// A row of balls across x, spaced so that each meets only the ball opposite to it.
 void addWall(std::vector<MomentEllipsoid>& balls, double x, double normal, int count)
 {
 	for (int i = 0; i < count; ++i) balls.push_back(ballAt({x, 0.25 * i, 0}, {normal, 0, 0}));
 }
 
-/// A grid of such balls across z whose normals point to its middle from both sides, or, for -1, from it.
+/// A grid of such balls across z. Their normals point to its middle from both sides; for -1 they point away from it.
 InnerSphereTree slopes(double sign)
 {
 	std::vector<MomentEllipsoid> balls;
@@ -286,16 +286,16 @@ InnerSphereTree slopes(double sign)
 	return bodyOf(balls);
 }
 
-/// Tilted a little: a corner comes first.
+/// The pose is tilted a little, so that a corner touches first.
 Pose above(double height) { return {rotationMatrix(quaternionFromRotationVector({-0.002, 0.002, 0})), {0, 0, height}}; }
 }  // namespace
 
-// A peg leaves one wall of its hole and comes to touch the other: that must not become part of the first one's patch.
+// A peg leaves one wall of its hole and touches the other wall. The new contact must not become part of the first wall's patch.
 TEST(VerletList, GroupsAnewWhatComesToTouchOnTheOtherSide)
 {
 	constexpr int kFirst = 12;
 	QueryCapacity capacity;
-	capacity.patches = 32;  // one for each pair
+	capacity.patches = 32;  // one patch for each pair
 	for (const int second : {1, kFirst})
 	{
 		std::vector<MomentEllipsoid> hole, peg;
@@ -321,7 +321,7 @@ TEST(VerletList, GroupsAnewWhatComesToTouchOnTheOtherSide)
 	}
 }
 
-// What is filled while nothing touches has no patches yet, and the first pair that touches does not found the only one.
+// A list that is filled while nothing touches has no patches yet. The first pair that touches must not define the only patch.
 TEST(VerletList, GroupsAnewWhileBodiesComeToTouch)
 {
 	const InnerSphereTree A = slopes(1), B = slopes(-1);
@@ -381,7 +381,7 @@ TEST(VerletList, IsNotFilledWhileItsRoomIsTooSmall)
 		more += r.ballTests > fresh.ballTests;
 	}
 	EXPECT_LE(more, 1) << "searches with a margin, for nothing";
-	// Half of them are gone.
+	// Half of the contacts are gone.
 	X.translation.x = 1;
 	int without = 0;
 	for (int tick = 0; tick < 40; ++tick)
@@ -396,7 +396,7 @@ TEST(VerletList, AListThatIsTooShortIsCutAsWithout)
 {
 	const InnerSphereTree A = slopes(1), B = slopes(-1);
 	QueryCapacity capacity;
-	capacity.pairs = 70;  // half of those that come to touch
+	capacity.pairs = 70;  // half of the pairs that come to touch
 	QueryWorkspace workspace(capacity), other(capacity);
 	VerletList memory;
 	int whole = 0, cut = 0;
@@ -426,7 +426,7 @@ TEST(VerletList, AListThatIsFullByAFewPairsIsCutAsWithout)
 		poses.push_back(motion.next());
 		pairs.push_back(queryOverlap(A, B, poses.back(), measuring).total.pairs);
 	}
-	QueryCapacity capacity;  // so many are exceeded now and then, by too few to group anew
+	QueryCapacity capacity;  // this number of pairs is exceeded now and then, by too few pairs to group anew
 	capacity.pairs = int(*std::min_element(pairs.begin(), pairs.end()) + *std::max_element(pairs.begin(), pairs.end())) / 2;
 	QueryWorkspace workspace(capacity), other(capacity);
 	VerletList memory;

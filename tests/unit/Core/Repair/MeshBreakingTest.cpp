@@ -22,7 +22,7 @@ Vec3 direction(Random& random)
 	return normalized({normal(random), normal(random), normal(random)});
 }
 
-/// Sum of signed tetrahedra about a vertex.
+/// Volume as the sum of signed tetrahedra about a vertex.
 double volumeOf(const Mesh& mesh)
 {
 	if (mesh.triangles.empty()) return 0;
@@ -32,7 +32,7 @@ double volumeOf(const Mesh& mesh)
 	return sum;
 }
 
-/// Triangles run through every edge, named by the positions of its ends, as often one way as the other.
+/// Whether triangles run through every edge as often one way as the other. Edges are named by the positions of their ends.
 bool isBalanced(const Mesh& mesh)
 {
 	using Position = std::array<double, 3>;
@@ -81,7 +81,7 @@ void breakOnce(Mesh& mesh, Random& random, double size)
 	case 1: mesh.triangles.push_back(mesh.triangles[i]); break;
 	case 2: mesh.triangles.push_back({mesh.triangles[i][1], mesh.triangles[i][0], mesh.triangles[i][2]}); break;
 	case 3: std::swap(mesh.triangles[i][0], mesh.triangles[i][2]); break;
-	case 4:  // a corner of its own, a little off
+	case 4:  // the triangle gets its own corner, slightly displaced
 	{
 		mesh.vertices.push_back(mesh.vertices[mesh.triangles[i][1]] + direction(random) * (size * std::pow(10, uniform(random, -12, -2))));
 		mesh.triangles[i][1] = static_cast<uint32_t>(mesh.vertices.size() - 1);
@@ -94,7 +94,7 @@ void breakOnce(Mesh& mesh, Random& random, double size)
 struct Broken
 {
 	Mesh mesh;
-	double volume = 0;  ///< before it was broken
+	double volume = 0;  ///< volume before the mesh was broken
 };
 
 Broken brokenMesh(uint64_t seed)
@@ -134,7 +134,7 @@ TEST(MeshBreaking, EveryBrokenMeshIsMadeGoodWithinWhatIsReportedOrRefusedInWords
 		const double volume = volumeOf(r.mesh), side = bounds(broken.mesh).longestSide();
 		EXPECT_GT(volume, 0);
 		EXPECT_NEAR(volume, r.volumeAfter, 1e-9 * side * side * side);
-		// Corners that are moved by 1e-9 of the size and welded again move no more volume than that.
+		// Corners that are moved by 1e-9 of the size and welded again change the volume by no more than that.
 		EXPECT_LE(std::fabs(volume - broken.volume), r.volumeDoubt + 1e-8 * side * side * side);
 		untouched += r.volumeDoubt == 0;
 		Random random(seed + 77);

@@ -9,7 +9,7 @@ using namespace ist;
 
 namespace
 {
-/// Every triangle with vertices of its own.
+/// Gives every triangle its own vertices.
 Mesh soup(const Mesh& mesh)
 {
 	Mesh result;
@@ -83,8 +83,8 @@ TEST(MeshRepair, NearlyEqualPositionsAreWeldedOnlyInAuto)
 
 TEST(MeshRepair, SeamsOfSinglePrecisionAreWelded)
 {
-	// Every corner of every triangle up to one value of single precision off along each axis, as a mesh is whose faces were stored one by
-	// one.
+	// Every corner of every triangle is off by up to one step of single precision along each axis, as in a mesh whose faces were stored
+	// one by one.
 	const Mesh torus = makeTorusMesh(0.1, 0.04, 60, 30);
 	Mesh mesh = soup(torus);
 	std::mt19937 random(3);
@@ -103,7 +103,7 @@ TEST(MeshRepair, SeamsOfSinglePrecisionAreWelded)
 	EXPECT_LT(repaired.value().volumeDoubt, 1e-5 * volume);
 	EXPECT_EQ(repaired.value().mesh.vertices.size(), torus.vertices.size());
 	EXPECT_EQ(repaired.value().mesh.triangles.size(), torus.triangles.size());
-	// Its size and place do not matter, nor do those of a double's rounding a thousand kilometres away.
+	// The size and place of the mesh have no effect, nor does the rounding of a double a thousand kilometres away.
 	for (Vec3& v : mesh.vertices) v = 1000 * v;
 	expectVolume(mesh, 1e9 * volume, 1e3 * volume);
 	expectVolume(translated(mesh, {1e6, 1e6, 0}), 1e9 * volume, 1e3 * volume);
@@ -111,7 +111,7 @@ TEST(MeshRepair, SeamsOfSinglePrecisionAreWelded)
 
 TEST(MeshRepair, OpenMeshesOfDoublesAreNotBlurredFarFromTheOrigin)
 {
-	// Single precision would merge the whole body.
+	// The tolerance of single precision would merge the whole body.
 	Mesh box = makeBoxMesh({0.01, 0.01, 0.01});
 	box.triangles.pop_back();
 	const Result<RepairedMesh> repaired = repair(translated(box, {1e6, 0, 0}));
@@ -166,7 +166,7 @@ TEST(MeshRepair, ASliverThatHoldsTheMeshTogetherStays)
 
 TEST(MeshRepair, TheWallBetweenTouchingBoxesIsRemoved)
 {
-	// Neighbours whose common face is split along the same diagonal.
+	// The common face of these neighbours is split along the same diagonal.
 	Mesh right = kBox;
 	for (auto& t : right.triangles) std::swap(t[1], t[2]);
 	for (Vec3& v : right.vertices) v.x = 2 - v.x;
@@ -220,7 +220,7 @@ TEST(MeshRepair, ATriangleFarAwayIsNoReasonToRefuse)
 
 TEST(MeshRepair, WhatIsRefusedIsNamedTruly)
 {
-	// A prism over a symmetric bow tie: half of it is inside out, and no wrap or thickness would help.
+	// A prism over a symmetric bow tie: half of it is inside out, and neither a wrap nor a thickness would help.
 	Mesh tie;
 	for (const double z : {0.0, 1.0})
 		for (const Vec3& v : {Vec3{0, 0, z}, Vec3{1, 1, z}, Vec3{1, 0, z}, Vec3{0, 1, z}}) tie.vertices.push_back(v);
@@ -239,7 +239,7 @@ TEST(MeshRepair, WhatIsRefusedIsNamedTruly)
 	expectRefused(broken, "m, beside (");
 }
 
-// Coordinates there are 16 m apart.
+// At this distance neighbouring coordinates are 16 m apart.
 TEST(MeshRepair, EndsVeryFarFromTheOrigin)
 {
 	const Mesh far = translated(joined(makeBoxMesh({64, 64, 64}), makeBoxMesh({96, 32, 32})), {1e17, -1e17, 1e17});
@@ -300,7 +300,7 @@ TEST(MeshRepair, FinsAndSheetsAreDropped)
 
 TEST(MeshRepair, EdgesOfFourTrianglesStay)
 {
-	// Two boxes with one edge in common, and two with one vertex in common.
+	// Two boxes share one edge, and two share one vertex.
 	expectVolume(joined(kBox, translated(kBox, {2, 2, 0})), 16);
 	expectVolume(joined(kBox, insideOut(translated(kBox, {2, 2, 0}))), 16);
 	expectVolume(joined(kBox, translated(kBox, {2, 2, 2})), 16);
@@ -320,7 +320,7 @@ TEST(MeshRepair, AWallOfOneSheetInABoxIsRemoved)
 
 TEST(MeshRepair, HolesThatTouchAreClosed)
 {
-	// All but one of the triangles around a vertex of a sphere gone, and the one opposite: loops that meet in vertices.
+	// All triangles but one around a vertex of a sphere are missing, and so is the opposite one: the loops meet in vertices.
 	const Mesh sphere = makeSphereMesh(1, 3);
 	const double volume = massProperties(sphere).volume;
 	for (const std::vector<std::size_t>& gone : {std::vector<std::size_t>{0, 2}, {0, 1, 2, 3}, {5, 100, 101, 102, 103, 104}})
@@ -364,7 +364,7 @@ TEST(MeshRepair, EmptyFlatAndUnreadableMeshesAreRefused)
 
 TEST(MeshRepair, NeedlesAndASingleTriangle)
 {
-	// Legs of a billionth and a thousandth of the length.
+	// The legs are a billionth and a thousandth of the length.
 	Mesh triangle;
 	triangle.vertices = {{1, 2, 3}, {1.5, 2, 3}, {1, 2.5, 3.5}};
 	triangle.triangles = {{0, 1, 2}};
@@ -376,7 +376,7 @@ TEST(MeshRepair, NeedlesAndASingleTriangle)
 	const Mesh rod = makeCylinderMesh(0.05, 0.125, 500);
 	const double pi = 3.14159265358979323846;
 	expectVolume(rod, 500 * 0.5 * 0.05 * 0.05 * std::sin(2 * pi / 500) * 0.25, 1e-12);
-	// A needle of the box split at the middle of its long edge, which its neighbour lacks: a crack of no width.
+	// A needle of the box is split at the middle of its long edge, and its neighbour is not: a crack of no width.
 	Mesh cracked = makeBoxMesh({1, 1, 1});
 	const auto [a, b, c] = cracked.triangles[0];
 	const auto middle = static_cast<uint32_t>(cracked.vertices.size());
@@ -402,7 +402,7 @@ TEST(MeshRepair, AMillionLooseTrianglesAreWeldedTurnedAndClosed)
 	EXPECT_EQ(repaired.value().mesh.triangles.size(), 1'000'000u);
 	EXPECT_EQ(repaired.value().mesh.vertices.size(), 500'000u);
 	EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
-	// 2 pi^2 R r^2 of the smooth torus, less what the polygons of the two sweeps cut off: 2/3 (pi / n)^2 each at most.
+	// The volume is 2 pi^2 R r^2 of the smooth torus, less what the polygons of the two sweeps cut off: at most 2/3 (pi / n)^2 each.
 	EXPECT_NEAR(repaired.value().volumeAfter, 2 * pi * pi * 0.16, 2 * pi * pi * 0.16 * (pi * pi / (tube * tube) + pi * pi / (ring * ring)));
 }
 

@@ -19,7 +19,7 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 			const Pose X = {
 				rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {1.5 * i, 1.5 * j, 0}};
 			Mesh shell = transformed(makeTetrahedronMesh(1), X);
-			// A tenth of each: inside out, with a smaller one in it, with a cavity in it.
+			// A tenth of the shells each: inside out, with a smaller one inside, with a cavity.
 			const int kind = (i + j) % 10;
 			if (kind < 2)
 			{
@@ -43,9 +43,9 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 			EXPECT_EQ(verdict.redundant, kRow * kRow / 10) << plane;
 			EXPECT_EQ(verdict.dropped, 0) << plane;
 			EXPECT_FALSE(verdict.mayOverlap) << plane;
-			// A cavity takes an eighth.
+			// A cavity takes an eighth of the volume.
 			EXPECT_NEAR(massProperties(mesh).volume, kRow * kRow * volume * (1 - 0.1 / 8), 1e-9 * kRow * kRow) << plane;
-			// Each with its row, and a fifth of the shells lie in others.
+			// Each shell is compared with its row, and a fifth of the shells lie in others.
 			EXPECT_LT(verdict.compared, 2 * kRow * kRow * kRow) << plane;
 		}
 		for (Vec3& v : layer.vertices) v = {v.z, v.x, v.y};
@@ -68,7 +68,7 @@ TEST(MeshShells, ACavityStaysACavity)
 
 TEST(MeshShells, APocketThatEndsInTheOuterFaceStaysInAnyPose)
 {
-	// Where its mouth lies in the face, the winding number is a half, give or take a rounding.
+	// Where the mouth lies in the face, the winding number is a half, except for rounding.
 	const Mesh pocketed = joined(makeBoxMesh({0.5, 0.5, 0.5}), insideOut(translated(makeBoxMesh({0.3, 0.3, 0.3}), {0.2, 0, 0})));
 	std::mt19937 random(8);
 	std::uniform_real_distribution<double> turn(-2, 2);
@@ -76,7 +76,7 @@ TEST(MeshShells, APocketThatEndsInTheOuterFaceStaysInAnyPose)
 	{
 		const Vec3 turned{turn(random), turn(random), turn(random)}, shift{turn(random), turn(random), turn(random)};
 		const bool far = i == 19;
-		// The first ones are shifted alone: the mouth lies in a side of the box of either shell.
+		// The first ones are shifted without rotation: the mouth lies in a side of the box of either shell.
 		const Mat3 R = rotationMatrix(quaternionFromRotationVector(i < 4 ? Vec3{} : turned));
 		Mesh mesh = transformed(pocketed, {R, far ? Vec3{1000, -700, 300} : shift});
 		for (Vec3& v : mesh.vertices)
@@ -104,7 +104,7 @@ TEST(MeshShells, WithoutRepairShellsThatCountTwiceAreSaid)
 
 TEST(MeshShells, ShellsThatCutEachOtherBothFaceOutwards)
 {
-	// The union of two boxes of 8 m^3 that have 1.3 x 1.6 x 1.9 m in common.
+	// This is the union of two boxes of 8 m^3 that have 1.3 x 1.6 x 1.9 m in common.
 	const double both = 16 - 1.3 * 1.6 * 1.9;
 	const Result<RepairedMesh> boxes = repair(joined(kBox, insideOut(translated(kBox, {0.7, 0.4, 0.1}))));
 	ASSERT_TRUE(boxes) << boxes.error().message;
@@ -112,14 +112,14 @@ TEST(MeshShells, ShellsThatCutEachOtherBothFaceOutwards)
 	EXPECT_NEAR(boxes.value().volumeAfter, both, 0.002 * both);
 	EXPECT_LT(std::fabs(boxes.value().volumeAfter - both), boxes.value().volumeDoubt);
 	EXPECT_TRUE(inspect(boxes.value().mesh).watertight);
-	// The probes see only part of the cutting shell inside. What is counted twice is less than 0.7 % of the whole.
+	// The probes see only part of the cutting shell inside. The volume that is counted twice is less than 0.7 % of the whole.
 	expectVolume(joined(makeTorusMesh(1, 0.5), translated(makeBoxMesh({0.4, 0.1, 0.1}), {0.6, 0, 0})),
 		massProperties(makeTorusMesh(1, 0.5)).volume + 0.032);
 }
 
 TEST(MeshShells, ShellsThatOverlapInPlanesAndDiagonalsOnlyCountOnce)
 {
-	// No edge passes through the inside of a triangle: faces lie on each other, and edges meet edges and diagonals.
+	// No edge passes through the interior of a triangle: faces lie on each other, and edges meet edges and diagonals.
 	const Mesh box = makeBoxMesh({0.5, 0.5, 0.5});
 	for (const Vec3& shift : {Vec3{0.5, 0.5, 0.5}, Vec3{0.5, 0, 0}})
 	{
@@ -150,7 +150,8 @@ TEST(MeshShells, ThinPartsThatCutEachOtherAreNotLost)
 {
 	const double pi = 3.14159265358979323846, r = 0.005, d = 0.009;
 	const Mesh plate = makeBoxMesh({0.5, 0.5, 0.0015}), ball = makeSphereMesh(r, 3);
-	// A stud that stands 6.5 mm out of a plate, a block through one, and four balls metres apart but for two that cut each other.
+	// A stud stands 6.5 mm out of a plate, a block goes through one, and two of four balls cut each other while the others are metres
+	// apart.
 	const Mesh stud = joined(plate, translated(makeBoxMesh({0.004, 0.004, 0.004}), {0.1, 0.03, 0.004}));
 	const Mesh block = joined(plate, translated(makeBoxMesh({0.05, 0.05, 0.05}), {0.2, 0.1, 0.00797}));
 	const Vec3 apart = d * normalized(Vec3{6, 1, 2});
@@ -196,8 +197,8 @@ TEST(MeshShells, OrientationDecidesWhatAShellInAnotherIs)
 		bool outerOut, middleOut, innerOut;
 		double volume;
 	};
-	// Of an outer shell that faces inwards the rest is inside out too. Material twice is material; a cavity of one of them is filled by
-	// the other.
+	// If an outer shell faces inwards, the rest is inside out too. Material counted twice is material. A cavity in one body is filled
+	// by the other.
 	for (const Case& c : {Case{true, true, true, 64}, {true, false, true, 57}, {true, false, false, 57}, {true, true, false, 64},
 			 {false, true, false, 57}, {false, false, false, 64}})
 	{

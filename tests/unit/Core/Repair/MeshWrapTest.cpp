@@ -55,7 +55,7 @@ TEST(MeshWrap, HasTheTopologyAndVolumeOfTheBody)
 	for (const double far : {0.0, 1.0, 1000.0})
 	{
 		const Pose X = somewhere(random, far);
-		// Convergence of second order, but for the edges, which lose a chamfer of about a fifth of a cell squared.
+		// Convergence is of second order, except at the edges, which lose a chamfer of about a fifth of a cell squared.
 		const Mesh sphere = transformed(makeSphereMesh(1, 4), X), torus = transformed(makeTorusMesh(1, 0.4), X),
 				   box = transformed(makeBoxMesh({1, 0.5, 0.7}), X);
 		EXPECT_EQ(eulerCharacteristic(wrapped(sphere, 40)), 2);
@@ -71,13 +71,14 @@ TEST(MeshWrap, VerticesLieOnTheSurface)
 	const int cells = 30;
 	const Mesh mesh = wrapped(makeSphereMesh(1, 5), cells);
 	ASSERT_GT(mesh.vertices.size(), 1000u);
-	// Of a sphere whose facets lie at most 1e-3 below it; the clamp at the ends of a grid edge moves a vertex by 1e-3 of its length.
+	// The facets of the sphere lie at most 1e-3 below it. The clamp at the ends of a grid edge moves a vertex by 1e-3 of the edge's
+	// length.
 	for (const Vec3& v : mesh.vertices) EXPECT_NEAR(norm(v), 1, 1e-3 + 1.1e-3 * std::sqrt(3.0) * 2 / cells);
 }
 
 TEST(MeshWrap, SidesAgreeWithTheWindingNumberOfTheInput)
 {
-	// A torus of loose triangles, each a little off, a tenth of them missing.
+	// A torus of loose triangles: each is slightly displaced, and a tenth of them are missing.
 	std::mt19937 random(17);
 	std::normal_distribution<double> noise(0, 0.002);
 	const Mesh torus = makeTorusMesh(1, 0.4, 40, 20);
@@ -96,7 +97,7 @@ TEST(MeshWrap, SidesAgreeWithTheWindingNumberOfTheInput)
 	for (int i = 0; i < 400; ++i)
 	{
 		const Vec3 p{x(random), x(random), z(random)};
-		// Away from the true surface by more than a cell's diagonal and the reach of a hole.
+		// Only points are tested that are farther from the true surface than a cell's diagonal and the reach of a hole.
 		const double depth = 0.4 - std::hypot(std::hypot(p.x, p.y) - 1, p.z);
 		if (std::fabs(depth) < 0.15) continue;
 		EXPECT_NEAR(windingNumber(mesh, p), depth > 0 ? 1 : 0, 1e-6);

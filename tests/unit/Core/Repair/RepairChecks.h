@@ -26,7 +26,7 @@ inline Mesh insideOut(Mesh mesh)
 	return mesh;
 }
 
-/// Repair gives a watertight mesh of this volume [m^3].
+/// Checks that the repair gives a watertight mesh of this volume [m^3].
 inline void expectVolume(const Mesh& mesh, double volume, double tolerance = 1e-9)
 {
 	const Result<RepairedMesh> repaired = repair(mesh);
@@ -36,7 +36,7 @@ inline void expectVolume(const Mesh& mesh, double volume, double tolerance = 1e-
 	EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
 }
 
-/// Repair fails with a sentence that has `word` in it.
+/// Checks that the repair fails with a sentence that contains `word`.
 inline void expectRefused(const Mesh& mesh, const char* word, RepairMode mode = RepairMode::Auto)
 {
 	const Result<RepairedMesh> repaired = repair(mesh, mode);

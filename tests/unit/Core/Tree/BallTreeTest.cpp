@@ -76,7 +76,7 @@ std::vector<MomentEllipsoid> ballsBelow(const BallTree& tree, uint32_t child)
 	return below;
 }
 
-/// Radius of the least sphere around the balls, from above.
+/// Upper bound of the radius of the smallest sphere around the balls.
 double leastSphere(const std::vector<MomentEllipsoid>& balls)
 {
 	Vec3 c = balls[0].center();
@@ -145,7 +145,7 @@ TEST(StoredEllipsoid, IsRoundedToTheNearestStep)
 		e.depth = u(random);
 		e.sphere = uint32_t(i);
 		const MomentEllipsoid found = asStored(e);
-		// A hair more for the floats that they are given back in.
+		// The tolerance is slightly more than half a step, because the numbers are returned as floats.
 		const double half = 0.501 * StoredEllipsoid::kStep, square = double(e.R) * e.R;
 		for (float MomentEllipsoid::*n : {&MomentEllipsoid::nx, &MomentEllipsoid::ny, &MomentEllipsoid::nz})
 			EXPECT_NEAR(found.*n, e.*n, half);
@@ -223,7 +223,7 @@ TEST(BallTree, TheThreadCountChangesNothing)
 	}
 }
 
-// Of a large node the build looks at the outermost balls only, and takes a tenth of the steps.
+// For a large node the build considers only the outermost balls and takes a tenth of the steps.
 TEST(BallTree, LargeNodesAreBoundedAlmostAsTightlyAsCanBe)
 {
 	for (const unsigned seed : {21u, 22u})

@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// The parts of a tree, to be changed.
+/// The parts of a tree, for tests that change them.
 struct LooseTree
 {
 	explicit LooseTree(const BallTree& tree)

@@ -32,7 +32,7 @@ BallTree randomTree(size_t count, double scale, double farOff, uint64_t seed)
 	return buildBallTree(balls);
 }
 
-/// The tree of packed spheres where the balls of a tree are.
+/// A tree of packed spheres at the places of a tree's balls.
 BallTree packedOf(const BallTree& tree)
 {
 	std::vector<MomentEllipsoid> balls;
@@ -67,7 +67,7 @@ TEST(TreeCheck, RefusesBodiesTooLargeForTheirMoments)
 
 constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0f, 0.0f, 1e30f};
 
-/// Sets one number of an ellipsoid to something else.
+/// Changes one number of an ellipsoid.
 void damage(StoredEllipsoid& ellipsoid, const std::function<size_t(size_t)>& below)
 {
 	const size_t of = below(8);
@@ -81,7 +81,7 @@ void damage(StoredEllipsoid& ellipsoid, const std::function<size_t(size_t)>& bel
 	number = below(2) ? kOdd[below(std::size(kOdd))] : number * (0.9f + 0.001f * float(below(200)));
 }
 
-/// Sets one number of the tree to something else.
+/// Changes one number of the tree.
 void damage(LooseTree& tree, std::mt19937_64& random)
 {
 	const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
@@ -123,7 +123,8 @@ TEST(TreeCheck, RefusesArraysThatDoNotBelongTogether)
 	}
 }
 
-// The slow check is the oracle: what the quick one passes, it must pass. What it passes the quick one may doubt, but rarely does.
+// The slow check is the oracle: it must accept every tree that the quick check accepts. The quick check may reject valid trees, but
+// rarely does.
 TEST(TreeCheck, NeverPassesWhatValidateRefuses)
 {
 	const BallTree ellipsoids = randomTree(600, 1, 3, 7);

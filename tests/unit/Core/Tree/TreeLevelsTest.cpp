@@ -44,7 +44,7 @@ struct Moments
 	Vec3 first, normal;
 };
 
-/// Second moment: Int r r^T dm about the origin; that of an ellipsoid about its centre is m P / 5.
+/// Second moment Int r r^T dm about the origin. For an ellipsoid about its centre it is m P / 5.
 Moments momentsOf(const std::vector<MomentEllipsoid>& balls)
 {
 	Moments sum;
@@ -97,7 +97,7 @@ TEST(TreeLevels, EveryLevelKeepsTheMomentsAndIsAValidTree)
 
 TEST(TreeLevels, SidesOfAPlateAreNotMerged)
 {
-	// Two sheets of balls, closer to each other than the balls of one sheet are.
+	// There are two sheets of balls; the sheets are closer to each other than the balls of one sheet are.
 	std::vector<MomentEllipsoid> balls;
 	for (int i = 0; i < 24; ++i)
 		for (int j = 0; j < 24; ++j)
@@ -130,7 +130,7 @@ SymmetricMatrix3 gradientOf(const std::vector<MomentEllipsoid>& pieces)
 }
 }  // namespace
 
-// n = G x, in pieces so small that each has one normal; in a ball and in a layer.
+// The normals are n = G x, in pieces so small that each has one normal; in a ball and in a layer.
 TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 {
 	std::mt19937 random(5);
@@ -154,7 +154,8 @@ TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 	EXPECT_EQ(gradientOf({pieces[3]}).trace(), 0) << "one piece has one normal";
 }
 
-// Normals at random in a layer: a step in any slope makes the sum of squares larger, by as much as a step back.
+// The normals are random in a layer. A step of any component of the slope makes the sum of squares larger, by as much as a step back
+// does.
 TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
 {
 	std::mt19937 random(6);
@@ -190,7 +191,7 @@ TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
 	}
 }
 
-// Two balls of radius r at x = -a and a, of normals -1 and 1: the best slope is Int n x over Int x^2, a / (a^2 + r^2 / 5).
+// Two balls of radius r lie at x = -a and a and have normals -1 and 1. The best slope is Int n x over Int x^2: a / (a^2 + r^2 / 5).
 TEST(TreeLevels, GradientCountsThePiecesOwnSize)
 {
 	std::vector<MomentEllipsoid> pieces(2);
@@ -208,8 +209,8 @@ TEST(TreeLevels, GradientCountsThePiecesOwnSize)
 	for (double v : {G.yy, G.zz, G.xy, G.xz, G.yz}) EXPECT_NEAR(v, 0, 1e-6);
 }
 
-// Balls of small cubes, whose normals are those of the ball. With their mean normals alone coarse levels press too little, the more the
-// coarser.
+// The leaves are those of small cubes, with the normals of the ball. With mean normals alone coarse levels press too little, and
+// coarser levels even less.
 TEST(TreeLevels, PressAsMuchAsTheLeaves)
 {
 	constexpr double kSide = 0.1;
@@ -263,8 +264,8 @@ TEST(TreeLevels, FewBallsHaveNoLevels)
 	EXPECT_TRUE(buildLevels(buildBallTree(cloud(20, 1, 0))).empty());
 }
 
-// Thirty-two groups far apart, each of three lumps of three leaves, none of them where a larger cluster has its middle: the cuts are the
-// lumps and the groups.
+// There are 32 groups far apart, each of three lumps of three leaves, and no leaf is in the middle of a larger cluster. So the cuts are
+// the lumps and the groups.
 TEST(TreeLevels, ASphereHasTheCoarsestLevelAtWhichItLeads)
 {
 	constexpr int kGroups = 32;
@@ -308,6 +309,6 @@ TEST(TreeLevels, NoMoreSpheresLeadThanALevelHasBalls)
 		EXPECT_LE(leading, levels[size_t(level - 1)].ballCount());
 		EXPECT_GT(leading, levels[size_t(level - 1)].ballCount() / 4) << level;
 	}
-	// Too few balls for a second level.
+	// There are too few balls for a second level.
 	EXPECT_EQ(levelsOfSpheres(buildBallTree(cloud(40, 1, 0)), 3), std::vector<int>(3, 0));
 }

@@ -24,7 +24,7 @@ TEST(ExpectedError, FallsWithTheNumberOfSpheresAndRepeatsItself)
 	const InnerSphereTree coarse = torus(200), fine = torus(2000);
 	const double a = expectedForceError(coarse, 0.01, 30), b = expectedForceError(fine, 0.01, 30);
 	EXPECT_GT(a, 0);
-	// Like one over the root of the intersecting pairs at least: sqrt(10) for the shell that a shallow contact is.
+	// The error falls at least with the root of the number of intersecting pairs: by sqrt(10) for the shell of a shallow contact.
 	EXPECT_LT(b, a / 2);
 	EXPECT_GT(b, 0);
 	EXPECT_EQ(b, expectedForceError(fine, 0.01, 30));
@@ -47,13 +47,13 @@ TEST(ExpectedError, BuildKeepsThePromiseOrSaysWhatItReached)
 
 TEST(ExpectedError, ABallReachesAnErrorByItsLeaves)
 {
-	// One sphere fills it, whatever the number that may be used.
+	// One sphere fills the body, whatever number is allowed.
 	const Mesh ball = transformed(makeSphereMesh(0.5, 3), {rotationMatrix(quaternionFromRotationVector({0.3, -1, 0.4})), {2, 1, -1}});
 	const Result<InnerSphereTree> tree = buildTreeToError(ball, 0.028, BuildOptions());
 	ASSERT_TRUE(tree) << tree.error().message;
 	EXPECT_LE(expectedForceError(tree.value(), 0.01, 60), 0.028);
 
-	// Out of reach with so few, but not for ever.
+	// The error is out of reach with so few spheres, but not with more.
 	BuildOptions options;
 	options.maxSpheres = 100;
 	const Result<InnerSphereTree> coarse = buildTreeToError(ball, 1e-3, options);

@@ -11,7 +11,7 @@ using namespace ist;
 
 namespace
 {
-/// Far from its origin, turned.
+/// The body is turned and far from its origin.
 TuneBody box()
 {
 	return {
@@ -42,7 +42,7 @@ const Built& built()
 	return built;
 }
 
-/// Its tree, without its mesh.
+/// The tree of the built body, without its mesh.
 TuneBody packed() { return {"packed", std::nullopt, built().body.tree}; }
 }  // namespace
 

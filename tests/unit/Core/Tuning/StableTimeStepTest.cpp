@@ -11,7 +11,7 @@ using namespace ist;
 
 namespace
 {
-/// Of all scales, damped and not.
+/// Springs of all scales, with and without damping.
 std::vector<ContactSpring> springs()
 {
 	std::mt19937_64 random(4);
@@ -26,7 +26,7 @@ std::vector<ContactSpring> springs()
 	return all;
 }
 
-/// Whether explicit steps, from a unit of displacement, stay bounded.
+/// Whether explicit steps that start at a displacement of 1 stay bounded.
 bool explicitStepsStay(const ContactSpring& spring, double h)
 {
 	double x = 1, v = 0;
@@ -39,10 +39,10 @@ bool explicitStepsStay(const ContactSpring& spring, double h)
 	return true;
 }
 
-/// A body comes at 1 m/s and touches after `phase` of a step; backward Euler, until it leaves.
+/// Rebound speed of a body that arrives at 1 m/s and touches after `phase` of a step. Backward Euler steps, until it leaves.
 double bounceInImplicitSteps(const ContactSpring& spring, double h, double phase)
 {
-	double x = phase * h, v = -1;  // contact below 0
+	double x = phase * h, v = -1;  // contact is below x = 0
 	for (int i = 0; i < 10000000; ++i)
 	{
 		const double K = x < 0 ? spring.stiffness : 0;
@@ -74,14 +74,15 @@ TEST(StableTimeStep, ImplicitStepsLoseTheSpeedThatIsForetold)
 			for (const double phase : {0.1, 0.5, 0.9})
 			{
 				const double h = hw / std::sqrt(spring.stiffness / spring.mass);
-				// What a step's beginning decides is of second order.
+				// The effect of the position within the first step is of second order.
 				EXPECT_NEAR(implicitRestitution(spring, h), bounceInImplicitSteps(spring, h, phase), 1e-4 + hw * hw);
 			}
 		for (const double error : {0.01, 0.05, 0.15})
 		{
 			const double h = longestStepForRestitution(spring, error);
 			EXPECT_NEAR(implicitRestitution(spring, h), 1 - error, 1e-12);
-			// Where within a step the touch begins is not foretold: it decides a seventh of the loss at the longest of these steps.
+			// The model does not know where within a step the contact begins. At the longest of these steps that decides a seventh of
+			// the loss.
 			EXPECT_NEAR(bounceInImplicitSteps(spring, h, 0.4), 1 - error, 0.15 * error);
 		}
 	}
