@@ -15,7 +15,7 @@
 
 namespace
 {
-/// Side 1.
+/// The tree of a cube of side 1.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
 	static const auto tree = [] {
@@ -33,7 +33,7 @@ btTransform at(const btVector3& p, const btVector3& turn = btVector3(0, 0, 0))
 	return btTransform(angle > 0 ? btQuaternion(turn / angle, angle) : btQuaternion::getIdentity(), p);
 }
 
-/// A cube with a tree over another shape, which may have one too.
+/// A cube with a tree above another shape, which may have a tree too.
 struct Pair
 {
 	btDefaultCollisionConfiguration configuration;
@@ -81,7 +81,7 @@ ist::Vec3 forceOf(const btISTContact& c)
 	return ist::pressureWrench(c.total, {c.constants.k, c.constants.weightA, c.constants.weightB}).force;
 }
 
-/// The same, to the last bit.
+/// Checks that two contacts are equal to the last bit.
 void expectSame(const btISTContact& a, const btISTContact& b)
 {
 	ASSERT_EQ(a.patchCount, b.patchCount);
@@ -107,7 +107,7 @@ TEST(btISTContactCache, WithoutAGrantedErrorNoSumsThatFollowedTheMotionAreKept)
 	pair.look(first);
 	pair.look(moved);
 	ASSERT_EQ(pair.contact()->use, btISTCachedResult::Moved);
-	// Back to where it was asked, when results must be those of queries.
+	// The cube returns to the pose of its last query, at a time when results must come from queries.
 	ASSERT_FALSE(pair.registration.setContactCache(kExact));
 	pair.look(first);
 	exact.look(first);
@@ -143,7 +143,7 @@ TEST(btISTContactCache, SwitchedOffAsksAlways)
 	EXPECT_EQ(pair.cost().cached(), 2u);
 }
 
-// Coarse leaves reach farther than those that the clearance is of, and levels change while nothing moves.
+// Coarse leaves reach farther than the leaves for which the clearance was computed, and levels change while nothing moves.
 TEST(btISTContactCache, AnAcceptedForceErrorIsAnsweredAsWithoutTheCache)
 {
 	for (const double share : {.1, .3, .6})
@@ -153,7 +153,7 @@ TEST(btISTContactCache, AnAcceptedForceErrorIsAnsweredAsWithoutTheCache)
 		int touching = 0;
 		for (int i = 0; i < 900; ++i)
 		{
-			// Stands for 60 steps after each 30 of its way.
+			// The cube rests for 60 steps after each 30 steps of its way.
 			const double way = 1.5 - .002 * (i / 90 * 30 + std::min(i % 90, 30));
 			const btTransform place = at(vec(.7071 * way, .7071 * way, .05), vec(0, 0, .7854 + .1 * way));
 			for (Pair* p : {&kept, &always}) p->look(place);
@@ -181,7 +181,7 @@ TEST(btISTContactCache, TeleportIsSeenWhereverItGoes)
 		int touching = 0;
 		for (int i = 0; i < 120; ++i)
 		{
-			// A few of them a kilometre away, in both of the bodies.
+			// Some of the poses are a kilometre away, for both bodies.
 			const btVector3 far = i % 20 < 3 ? vec(1000, 0, -300) : vec(0, 0, 0);
 			const btTransform place = at(
 				far + vec(.6 * u(random), 1.1 + .4 * u(random), .6 * u(random)), vec(u(random), u(random), u(random)));
@@ -208,7 +208,7 @@ TEST(btISTContactCache, ApproachingPairIsQueriedOnlyWhenItMayHaveMet)
 		uint64_t apart = 0;
 		for (int i = 0; i < 600; ++i)
 		{
-			// Along the diagonal bounding boxes meet long before the cubes do.
+			// Along the diagonal the bounding boxes meet long before the cubes do.
 			const double way = under ? 1.2 - .001 * i : 1.72 - .001 * i;
 			const btTransform place = under ? at(vec(.1, way, .05), vec(.05, .0005 * i, .1))
 											: at(vec(.7071 * way, .7071 * way, .05), vec(0, 0, .7854 + .0002 * i));
@@ -271,7 +271,7 @@ TEST(btISTContactCache, PressedAndSlidThePairStaysWithinThePromise)
 				off += distance(forceOf(*kept.contact()), truth);
 				offIfItStood += distance(asked, truth);
 			}
-			// Nothing is kept whose change is more than half of what was granted.
+			// No cached result may have changed by more than half of the accepted error.
 			EXPECT_LE(distance(forceOf(*kept.contact()), asked),
 				0.5 * 0.0501 * std::max(norm(forceOf(*kept.contact())), btISTCachedResult::floorForce(*kept.contact())))
 				<< i;
@@ -347,7 +347,7 @@ TEST(btISTContactCache, OtherOptionsOfTheQueryAreSeenWhileNothingMoves)
 	EXPECT_EQ(pair.contact()->total.volume, 0);
 }
 
-/// k and weights at will.
+/// A rule with chosen k and weights.
 struct SetRule : btISTPairRule
 {
 	btISTPairConstants constants;
@@ -426,7 +426,7 @@ TEST(btISTContactCache, CoarseWhereTheHandIsNot)
 	EXPECT_EQ(pair.contact()->total.pairs, leaves.total.pairs) << "taken out while nothing moved";
 }
 
-// The damping of a kept result is that of its weights: others ask again, even where nothing moves.
+// The damping of a cached result belongs to its weights. With other weights the pair is queried again, even if nothing moves.
 TEST(btISTContactCache, DampingIsThatOfTheWeightsThatThePairHasNow)
 {
 	for (const btISTContactCache& contactCache : {kExact, kTolerant, kAlways})

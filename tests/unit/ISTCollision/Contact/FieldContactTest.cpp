@@ -16,7 +16,7 @@ namespace
 {
 constexpr double kSink = 0.2, kPi = 3.14159265358979323846;
 
-/// A cube of side 1.
+/// The tree of a cube of side 1.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
 	static const auto tree = [] {
@@ -43,7 +43,7 @@ struct PairWorld
 	btISTAttachment attachment = registration.registry().attach(&cube, cubeTree()).value();
 	btCollisionObject upper, lower;
 
-	/// The cube's lower face at `height`, over `shape`, somewhere in the world.
+	/// Places the cube's lower face at `height` above `shape`, somewhere in the world.
 	void place(btCollisionShape* shape, double height, bool treeFirst)
 	{
 		upper.setCollisionShape(&cube);
@@ -75,7 +75,7 @@ struct PairWorld
 struct CollectPoints : btCollisionWorld::ContactResultCallback
 {
 	int count = 0;
-	double upward = 0;  // of the normal on the second object
+	double upward = 0;  // upward component of the normal on the second object
 	btScalar addSingleResult(
 		btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 	{
@@ -89,8 +89,8 @@ struct Case
 {
 	const char* name;
 	std::function<std::unique_ptr<btCollisionShape>()> make;
-	double top;     ///< height of the shape over its origin
-	double volume;  ///< below its top, down to kSink, within the cube's square
+	double top;     ///< height of the shape's top above its origin
+	double volume;  ///< volume below its top, down to kSink, within the cube's square
 };
 
 double ballCap(double r, double h) { return kPi * h * h * (3 * r - h) / 3; }
@@ -126,7 +126,7 @@ TEST(FieldContact, VolumeIsThatOfTheClosedFormInBothOrders)
 			EXPECT_EQ(contact->bodyA, &w.upper) << c.name;
 			EXPECT_FALSE(contact->halfSpace);
 			EXPECT_FALSE(contact->treeB);
-			// Mean gap of the cube's packing: .02; the depth is ten of them.
+			// The mean gap of the cube's packing is 0.02, and the depth is ten times that.
 			EXPECT_NEAR(contact->total.volume, c.volume, .03 * c.volume + 2e-4) << c.name;
 			EXPECT_GT(contact->total.normalB.force.y, .4 * contact->total.volume) << c.name;
 			EXPECT_LT(contact->total.normalA.force.y, -.4 * contact->total.volume) << c.name;
@@ -155,7 +155,7 @@ TEST(FieldContact, ScalingCountsAtOnce)
 	w.world.performDiscreteCollisionDetection();
 	EXPECT_NEAR(w.contact()->total.volume, .6 * .4 * (kSink + .1), .03 * .6 * .4 * (kSink + .1));
 	EXPECT_NEAR(w.contact()->volumeB, 8 * .3 * .6 * .2, 1e-5);
-	// To nothing: the pair is still ours, and says that nothing is shared.
+	// Scaled to nothing, the pair is still volumetric and reports no overlap.
 	box.setLocalScaling(btVector3(0, btScalar(1.2), 1));
 	w.world.performDiscreteCollisionDetection();
 	ASSERT_TRUE(w.contact());
@@ -181,7 +181,8 @@ TEST(FieldContact, ShapesWithoutAVolumeAreLeftToBullet)
 	}
 }
 
-// Surfaces without an inside, and hulls, which Bullet knows only by their support: its own contact goes on, between the two shapes.
+// Surfaces without an inside, and hulls, which Bullet knows only by their support function. Bullet's own contact between the two shapes
+// continues.
 TEST(FieldContact, HullsMeshesAndHeightfieldsAreLeftToBullet)
 {
 	btConvexHullShape hull;
@@ -241,7 +242,7 @@ TEST(FieldContact, DefaultRuleKnowsTheSizeOfAShape)
 	contact.treeA = cubeTree();
 	btRigidBody body(btScalar(2), nullptr, nullptr), ground(0, nullptr, nullptr);
 	const double wide = rule.decide(contact, &body, &ground).k;
-	contact.volumeB = .001;  // a cube of .1 m: a hundredth of the area, and a tenth of the depth allowed
+	contact.volumeB = .001;  // a cube of 0.1 m: a hundredth of the area, and a tenth of the allowed depth
 	EXPECT_NEAR(rule.decide(contact, &body, &ground).k, 1000 * wide, 1e-3 * wide);
 	EXPECT_EQ(rule.decide(contact, &body, &ground).weightA, .5);
 }

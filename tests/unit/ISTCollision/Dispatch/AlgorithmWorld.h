@@ -30,7 +30,7 @@ inline btTransform at(double x, double y, double z)
 	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
 }
 
-/// A world with a stock solver, steps of 1/60 s and nothing of ours.
+/// A world with a stock solver and steps of 1/60 s, and nothing of this library.
 struct TestWorld
 {
 	btDefaultCollisionConfiguration configuration;
@@ -70,11 +70,11 @@ struct TestWorld
 	}
 };
 
-/// What a contact test of Bullet tells.
+/// Collects the result of a contact test of Bullet.
 struct CollectPoints : btCollisionWorld::ContactResultCallback
 {
 	int count = 0;
-	btVector3 normal{0, 0, 0};  // on the second object
+	btVector3 normal{0, 0, 0};  // normal on the second object
 	double deepest = 0;
 	btScalar addSingleResult(
 		btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
@@ -86,7 +86,7 @@ struct CollectPoints : btCollisionWorld::ContactResultCallback
 	}
 };
 
-/// Has `shape` answered with the tree of the cube while what is returned lives.
+/// Lets the registry answer `shape` with the tree of the cube while the returned attachment lives.
 inline btISTAttachment attach(btISTRegistration& r, const btCollisionShape& shape)
 {
 	auto result = r.registry().attach(&shape, boxTree());

@@ -122,7 +122,7 @@ TEST(btISTCollisionAlgorithm, WorksForAChildOfACompoundAndOfANestedOne)
 	}
 }
 
-// GImpact has an algorithm of its own for a mesh on a compound, which asks nobody about the children.
+// GImpact has its own algorithm for a mesh on a compound, which does not consult the dispatcher about the children.
 TEST(btISTCollisionAlgorithm, WorksForAChildOfACompoundOnAGImpactMesh)
 {
 	const BulletMesh triangles(ist::makeBoxMesh({0.5, 0.5, 0.5}));
@@ -148,7 +148,7 @@ TEST(btISTCollisionAlgorithm, WorksForAChildOfACompoundOnAGImpactMesh)
 		w.step(1);
 		double volume = 0;
 		for (const btISTContact* contact : r.store().contacts()) volume += contact->total.volume;
-		EXPECT_NEAR(volume, 0.1, 0.01);  // of a layer of a tenth of the cube
+		EXPECT_NEAR(volume, 0.1, 0.01);  // volume of a layer of a tenth of the cube
 	}
 }
 
@@ -234,7 +234,7 @@ TEST(btISTCollisionAlgorithm, ContactCallbacksTellOfOneBeginningAndOneEnd)
 		}
 		EXPECT_EQ(started, 1);
 		EXPECT_EQ(ended, 0);
-		// Farther than leaves reach beyond the surface, nearer than the bounds of the broad phase.
+		// The distance is larger than the reach of leaves beyond the surface, and smaller than the margin of the broad phase.
 		upper->setWorldTransform(at(0, 1.12, 0));
 		w.world->performDiscreteCollisionDetection();
 		EXPECT_EQ(ended, 1);

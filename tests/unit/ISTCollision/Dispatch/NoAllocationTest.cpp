@@ -16,7 +16,7 @@ namespace
 {
 long bulletAllocations = 0;
 
-/// Counts what Bullet's own allocator gives out, too: it does not go through operator new.
+/// Counts allocations of Bullet's own allocator, too, because it does not go through operator new.
 struct CountBullet
 {
 	CountBullet()
@@ -32,7 +32,7 @@ struct CountBullet
 	~CountBullet() { btAlignedAllocSetCustom(nullptr, nullptr); }
 };
 
-/// Counts what is allocated while all pairs are dispatched, which is where our algorithm is called.
+/// Counts allocations while all pairs are dispatched, which is when the library's algorithm is called.
 struct CountingDispatcher : btCollisionDispatcher
 {
 	using btCollisionDispatcher::btCollisionDispatcher;
@@ -52,7 +52,7 @@ std::shared_ptr<const ist::InnerSphereTree> boxTree()
 	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
 }
 
-/// Two boxes with trees, one on the other, on a plane or another floor without a tree, thrown down tilted.
+/// Two boxes with trees, one on the other, dropped with a tilt on a plane or on another floor without a tree.
 struct Stack
 {
 	btDefaultCollisionConfiguration configuration;
@@ -94,7 +94,7 @@ struct Stack
 	{
 		for (int i = 0; i < count; ++i) world.stepSimulation(btScalar(1.0 / 60), 0);
 	}
-	/// Pairs that overlap, with the floor or with a second tree.
+	/// Number of pairs that overlap, either with the floor or with a second tree.
 	int touching(bool withFloor)
 	{
 		int n = 0;
@@ -103,10 +103,10 @@ struct Stack
 	}
 };
 
-/// A compiler may leave out an allocation that nobody looks at.
+/// Receives an address, because a compiler may remove an allocation whose result is unused.
 const int* volatile lookedAt = nullptr;
 
-/// The default, after one allocation from each of the two sources.
+/// The default rule, with one allocation from each of the two sources before it.
 struct AllocatingRule : btISTDefaultPairRule
 {
 	btISTPairConstants decide(const btISTContact& contact, const btCollisionObject* a, const btCollisionObject* b) const override
@@ -131,7 +131,7 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndPlaneTouch)
 		stack.dispatcher.allocated = 0;
 		for (int i = 0; i < 60; ++i)
 		{
-			// Pushed about, so that the contact is another one in every step.
+			// The boxes are pushed about, so that the contact differs in every step.
 			for (auto& body : stack.bodies) body->applyTorqueImpulse(btVector3(btScalar(i % 2 ? .1 : -.1), 0, btScalar(i % 3 ? -.05 : .1)));
 			stack.step(1);
 			ASSERT_EQ(stack.touching(true), 1) << "seed " << seed << ", step " << i;
@@ -172,7 +172,7 @@ TEST(btISTCollisionAlgorithm, AllocationsInsideOfItAreCounted)
 	stack.dispatcher.allocated = 0;
 	stack.registration.setPairRule(std::make_shared<AllocatingRule>());
 	stack.step(1);
-	// The plane is a pair with the upper box, too: it has no end.
+	// The plane is infinite, so it makes a pair with the upper box, too.
 	ASSERT_EQ(stack.registration.store().contacts().size(), 3u);
 	EXPECT_EQ(stack.dispatcher.allocated, 3 * 2);
 }

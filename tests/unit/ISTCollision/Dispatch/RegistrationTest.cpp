@@ -14,7 +14,7 @@
 
 namespace
 {
-/// A dispatcher that shows its tables.
+/// A dispatcher that exposes its tables.
 template <class Dispatcher> struct Peek : Dispatcher
 {
 	using Dispatcher::Dispatcher;
@@ -22,7 +22,7 @@ template <class Dispatcher> struct Peek : Dispatcher
 	btCollisionAlgorithmCreateFunc* closest(int i, int j) { return this->m_doubleDispatchClosestPoints[i][j]; }
 };
 
-/// Registers as we do, and delegates to whom it finds.
+/// Registers as this library does, and delegates to the function that was registered before.
 struct Delegating : btCollisionAlgorithmCreateFunc
 {
 	btCollisionAlgorithmCreateFunc* found = nullptr;
@@ -36,8 +36,8 @@ struct Delegating : btCollisionAlgorithmCreateFunc
 };
 }  // namespace
 
-// The shape is larger than its tree, so that Bullet's own box against box, which answers when one of the tables was not
-// registered, gives a depth of 0.3.
+// The shape is larger than its tree. If one of the tables were not registered, Bullet's own box-box algorithm would answer with a depth
+// of 0.3.
 TEST(btISTRegistration, AnswersThroughBothDispatchTables)
 {
 	TestWorld w;
@@ -116,7 +116,7 @@ TEST(btISTRegistration, LeavesTheTablesOfADispatcherWithThreadsAlone)
 		EXPECT_FALSE(r.isRegistered());
 		r.reinstall();
 		EXPECT_FALSE(r.isRegistered());
-		const auto attachment = attach(r, box);  // without a use, and without harm
+		const auto attachment = attach(r, box);  // without a registration this has no effect and does no harm
 		for (int i = 0; i < MAX_BROADPHASE_COLLISION_TYPES; ++i)
 			for (int j = 0; j < MAX_BROADPHASE_COLLISION_TYPES; ++j)
 			{
@@ -155,7 +155,7 @@ TEST(btISTRegistration, TwoThatDelegateToEachOtherComeToAnEnd)
 	d.freeCollisionAlgorithm(algorithm);
 }
 
-// Ours has another make its stock algorithm, who asks us.
+// The library's create function asks another one for the stock algorithm, and that one delegates back to the library.
 TEST(btISTRegistration, AnUnwatchedPairIsBulletsThoughSomeoneDelegatesToUs)
 {
 	btBoxShape box(btVector3(.5, .5, .5));
@@ -205,7 +205,7 @@ TEST(btISTRegistration, ASecondOneWithAnotherRegistryIsRefusedInWordsAndChangesN
 	const auto shared = std::make_shared<btISTRegistry>(), mine = std::make_shared<btISTRegistry>();
 	std::optional<btISTRegistration> first;
 	first = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache(), shared);
-	// Whoever registers for one pair of types afterwards does not hide the first registration.
+	// A later registration for one pair of types does not hide the first registration.
 	auto* stock = w.configuration.getCollisionAlgorithmCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE);
 	for (const bool overwritten : {false, true})
 	{
@@ -266,7 +266,7 @@ TEST(btISTRegistration, OneHandleAtATimeDecidesThePairRule)
 
 namespace
 {
-/// One public function of btISTRegistration and what it answers without a registration.
+/// One public function of btISTRegistration and its result without a registration.
 struct Use
 {
 	const char* name;
@@ -275,7 +275,7 @@ struct Use
 
 bool isReleased(const std::optional<ist::Error>& error) { return error && error->message.find("this registration was released") == 0; }
 
-/// The shape may go first, the attachment last: neither knows a world.
+/// The shape may be destroyed first and the attachment last, because neither knows a world.
 bool takesAttachments(btISTRegistry& registry)
 {
 	btBoxShape box(btVector3(.5, .5, .5));

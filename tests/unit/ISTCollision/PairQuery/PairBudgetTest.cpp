@@ -18,7 +18,7 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
 }
 
-/// A cube of side 1 with a tree, over its like or over another shape.
+/// A cube of side 1 with a tree, above an equal cube or another shape.
 struct Pair
 {
 	btDefaultCollisionConfiguration configuration;

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-/// A mesh as games hand it to Bullet: arrays of scalars and indices, and an interface on them.
+/// A mesh as games pass it to Bullet: arrays of scalars and indices, and an interface to them.
 class BulletMesh
 {
 public:

@@ -11,7 +11,7 @@
 
 namespace
 {
-/// Every end of every line that Bullet draws of a shape.
+/// Collects the ends of all lines that Bullet draws for a shape.
 struct LineEnds : btIDebugDraw
 {
 	std::vector<ist::Vec3> ends;
@@ -77,7 +77,7 @@ void expectDrawnOnTheSurface(const char* name, const btCollisionShape& shape)
 		EXPECT_GT(depth, -1e-5) << name;
 		outermost += depth < 1e-5;
 	}
-	// Of a cone Bullet also draws the centre of its base circle.
+	// For a cone Bullet also draws the centre of its base circle.
 	EXPECT_GT(outermost, int(ends.size()) / 2) << name;
 }
 }  // namespace

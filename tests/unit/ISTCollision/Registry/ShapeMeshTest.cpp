@@ -18,7 +18,8 @@ namespace
 {
 constexpr double kTolerance = sizeof(btScalar) == 8 ? 1e-12 : 1e-5;
 
-/// That `shape` has the closed surface of `expected`, each triangle once: volume, first and second moments, area and count.
+/// Checks that `shape` has the closed surface of `expected`, with each triangle once. Compares volume, first and second moments, area
+/// and number of triangles.
 void expectMesh(const btCollisionShape& shape, const ist::Mesh& expected)
 {
 	const ist::Result<ist::Mesh> mesh = meshOfShape(shape);
@@ -47,7 +48,7 @@ TEST(meshOfShape, GImpactHasItsTrianglesWithAndWithoutScaling)
 {
 	const BulletMesh torus(ist::translated(ist::makeTorusMesh(1, 0.25, 24, 12), {0.5, 0, -0.25}));
 	btGImpactMeshShape shape(torus.interface());
-	expectMesh(shape, torus.mesh());  // before updateBound, which games forget
+	expectMesh(shape, torus.mesh());  // before updateBound, a call that games forget
 	shape.setMargin(btScalar(0.1));
 	shape.setLocalScaling(scaling());
 	shape.updateBound();
@@ -80,13 +81,13 @@ TEST(meshOfShape, TriangleMeshesHaveTheirTrianglesWithAndWithoutScaling)
 	expectMesh(shape, scaled(knot.mesh(), kScaling));
 }
 
-// The hull of a torus' points in general position: compared with a hull in closed form, that of a box, and by its support.
+// The hull of a box is known in closed form, and the hull of a sphere's mesh is the mesh itself.
 TEST(meshOfShape, HullsRunAroundTheirPoints)
 {
 	const ist::Mesh box = ist::makeBoxMesh({0.5, 1, 2});
 	btConvexHullShape shape;
 	for (const ist::Vec3& p : box.vertices) shape.addPoint(btVector3(btScalar(p.x), btScalar(p.y), btScalar(p.z)));
-	shape.addPoint(btVector3(btScalar(0.1), 0, 0));  // inside
+	shape.addPoint(btVector3(btScalar(0.1), 0, 0));  // a point inside
 	shape.setMargin(btScalar(0.2));
 	expectMesh(shape, box);
 	shape.setLocalScaling(scaling());
@@ -95,7 +96,7 @@ TEST(meshOfShape, HullsRunAroundTheirPoints)
 	expectMesh(btConvexTriangleMeshShape(lens.interface()), lens.mesh());
 }
 
-// Judged by Bullet's own support: how far the shape reaches in a direction.
+// The reference is Bullet's own support function: the reach of the shape in a direction.
 TEST(meshOfShape, MultiSpheresReachAsFarAsBulletSays)
 {
 	const btVector3 centres[3] = {

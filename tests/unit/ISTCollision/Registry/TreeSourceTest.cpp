@@ -24,7 +24,7 @@ btTransform at(double x, double y, double z)
 	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
 }
 
-/// A game that registers GImpact, then us.
+/// A game that registers GImpact first and then this library.
 struct Game
 {
 	btDefaultCollisionConfiguration configuration;
@@ -82,7 +82,7 @@ btISTTreeSettings few()
 	return settings;
 }
 
-/// What the importers of Bullet offer, for two shapes and a body.
+/// The names that Bullet's importers provide, for two shapes and a body.
 struct NamedShapes
 {
 	std::map<std::string, btCollisionShape*> shapes;
@@ -101,7 +101,7 @@ struct Folder
 };
 }  // namespace
 
-// Flat contact away from side faces: overlap of the plane and a cube of edge 1 that is 0.1 deep is 0.1 m^3.
+// In flat contact away from side faces, a cube of edge 1 that is 0.1 m deep in the plane overlaps it by 0.1 m^3.
 TEST(btISTTreeSource, SwapsTheTreeInBetweenStepsAndBulletsContactGoesOnUntilThen)
 {
 	Game game;
@@ -276,8 +276,8 @@ TEST(btISTTreeSource, AttachesAFolderOfAssetsByName)
 }
 
 #ifdef HAS_WORLD_IMPORTER
-// A scene is saved with names, as a level editor does, and loaded by another run of the program. A hull, since the importer that Debian
-// ships leaves GImpact bodies out.
+// A scene is saved with names, as a level editor does, and loaded by another run of the program. The shape is a hull, because the
+// importer that Debian ships omits GImpact bodies.
 TEST(btISTTreeSource, AttachesByNameAfterLoadingABulletFile)
 {
 	const Folder folder;
@@ -337,7 +337,7 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
 	btSphereShape other(btScalar(.5));
 	GImpactBox box({.5, .5, .5});
-	// Far from everything; near the plane; near the sphere.
+	// The places: far from everything, near the plane, near the sphere.
 	for (const auto& [place, near] : {std::pair(at(300, 50, 0), false), std::pair(at(300, 1.4, 0), true), std::pair(at(1.9, 50, 0), true)})
 	{
 		Game game;
@@ -346,7 +346,7 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 		btRigidBody* body = game.add(&box, 1, place);
 		const auto moveTo = [&](const btTransform& to) {
 			body->setWorldTransform(to);
-			body->setInterpolationWorldTransform(to);  // of which Bullet's boxes know, too
+			body->setInterpolationWorldTransform(to);  // Bullet's boxes use this transform, too
 			game.detect();
 		};
 		moveTo(place);
@@ -365,7 +365,7 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 	}
 }
 
-/// Counts how often it is asked what is near.
+/// Counts the requests for what is near.
 struct CountingBroadphase : btDbvtBroadphase
 {
 	int asked = 0;
@@ -402,7 +402,7 @@ TEST(btISTTreeSource, LooksAtEachObjectOnceHoweverManyShapesWait)
 	source.update();
 	EXPECT_EQ(broadphase.asked, kShapes - 1);
 	EXPECT_EQ(source.waitingForNeighbours(), kShapes);
-	// The compound comes to the last one: three shapes are near something.
+	// The compound approaches the last object, so three shapes are near something.
 	objects.front()->setWorldTransform(at(20 * (kShapes - 1) - 1.5, 0, 0));
 	world.updateAabbs();
 	source.update();
