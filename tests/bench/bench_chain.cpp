@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Cost of one step of a chain of rings that hangs by its first link, or falls onto a plane and piles up: one island of bodies with many
-// patches. Beside it what the chain looks like. Processor time of the thread. Usage: bench_chain [--falls 1] [--links N=40] [--spheres
-// N=1000] [--rate HZ=120] [--steps N=240] [--friction F=0.5] [--stiffness PA-PER-M=1e7]
+// Measures the cost of one step of a chain of rings, and prints what the chain looks like beside it. The chain hangs by its first link,
+// or falls onto a plane and piles up: one island of bodies with many patches. Times are processor time of the thread. Usage:
+// bench_chain [--falls 1] [--links N=40] [--spheres N=1000] [--rate HZ=120] [--steps N=240] [--friction F=0.5] [--stiffness
+// PA-PER-M=1e7]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -22,8 +23,8 @@ using namespace ist;
 namespace
 {
 constexpr double kRing = 0.5, kTube = 0.12, kMass = 1, kGravity = 9.81;
-constexpr double kPitch = 2 * (kRing - kTube);  // from centre to centre when two links touch
-constexpr double kSlack = 0.97;                 // begins with links apart: nothing is stored
+constexpr double kPitch = 2 * (kRing - kTube);  // distance of the centres when two links touch
+constexpr double kSlack = 0.97;                 // the chain begins with links apart, so no energy is stored
 
 struct Options
 {
@@ -60,7 +61,8 @@ struct Chain
 		attachment = world.attach(&bounds, tree).value();
 		for (int i = 0; i < 3; ++i) inertia[i] = kMass / mass.volume * mass.inertia.m[i][i];
 		add(&plane, 0, btTransform::getIdentity());
-		// Each link a quarter turn from the one above. Hung up by the first, or falling onto the plane, where it piles up.
+		// Each link is turned by 90 degrees relative to the one above. The chain hangs by its first link, or falls onto the plane,
+		// where it piles up.
 		const double bottom = kRing + kTube + (options.falls ? 0 : 1);
 		for (int i = 0; i < options.links; ++i)
 		{
@@ -96,7 +98,7 @@ struct Chain
 		}
 		return sum;
 	}
-	/// Largest distance of two neighbours over the pitch, less one: how far links have sunk into each other.
+	/// Largest distance of two neighbours over the pitch, minus 1: how far links have sunk into each other.
 	double stretch() const
 	{
 		double worst = 0;

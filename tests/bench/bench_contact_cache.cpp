@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// What the contact cache saves in the demos, against the same kernel asked in full about every pair of the broad phase in every step, and
-// the error that it adds; and of how many patches explicit forces could take the place of implicit rows. Times are the least of the
-// repeats, both ways in turn in one process. Usage: bench_contact_cache [--error E=0.05] [--repeat N=3] [--only DEMO] [--cache FOLDER=.]
+// Measures what the contact cache saves in the demos, and the error that it adds. The reference is the same kernel, queried in full for
+// every pair of the broad phase in every step. Also prints for how many patches explicit forces could replace implicit rows. Times are
+// the smallest of the repeats; both variants run in turn in one process. Usage: bench_contact_cache [--error E=0.05] [--repeat N=3]
+// [--only DEMO] [--cache FOLDER=.]
 #include "BulletHapticForce/Law/btContactLaw.h"
 #include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
@@ -37,7 +38,7 @@ void add(btISTQueryCost& sum, const btISTQueryCost& cost)
 	sum.seconds += cost.seconds;
 }
 
-/// Each patch in each step as a spring along its normal between its two bodies, turning included.
+/// Treats each patch in each step as a spring along its normal between its two bodies, rotation included.
 class PatchSprings
 {
 public:
@@ -49,11 +50,12 @@ public:
 				if (evaluateContactPatch(*contact, p, patch))
 					add(patch, mobility(*contact->bodyA, patch) + mobility(*contact->bodyB, patch), h);
 	}
-	/// h^2 K/m + 2 h c/m: beyond 4 explicit forces diverge.
+	/// h^2 K/m + 2 h c/m of each patch; above 4 explicit forces diverge.
 	std::vector<double> numbers;
 	double share(long long of) const { return numbers.empty() ? 0 : 100 * double(of) / double(numbers.size()); }
-	long long borne = 0;  ///< explicit forces would not diverge
-	long long alike = 0;  ///< nor leave an impact with a speed more than kLoss from what implicit rows leave it
+	long long borne = 0;  ///< number of patches at which explicit forces would not diverge
+	/// Number of those that leave an impact with a speed that differs by at most kLoss from that of implicit rows.
+	long long alike = 0;
 	static constexpr double kLoss = 0.05;
 
 private:
@@ -74,7 +76,7 @@ private:
 	}
 };
 
-/// One run from the beginning; `check` and `springs` may be null, and cost time.
+/// One run from the beginning. `check` and `springs` may be null; they take time.
 void run(WorldDemo& demo, const ContactCacheChoice& contactCache, KeptCheck* check, PatchSprings* springs, Row& row)
 {
 	demo.setContactCache(contactCache);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Trees against bodies in closed form: error against quadrature on the triangles of both, and time, at 0.1, 1 and 10 % overlap of the
-// smaller body, in seeded random poses. Usage:
-// bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
+// Compares trees with bodies in closed form: time, and error against quadrature on the triangles of both. Overlaps are 0.1, 1 and 10 %
+// of the smaller body, in seeded random poses. Usage: bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Cost of the first step of a game's world that becomes volumetric: milliseconds of the caller's thread and resident memory, for the
-// making of btISTWorld, for the first step without a contact, and for the first step in which two rings overlap. Usage: bench_first_step
-// [ROUNDS=3]
+// Measures the cost of the first step of a game's world that becomes volumetric: time of the caller's thread [ms] and resident memory.
+// The stages are the construction of btISTWorld, the first step without a contact, and the first step in which two rings overlap.
+// Usage: bench_first_step [ROUNDS=3]
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -19,7 +19,7 @@
 
 namespace
 {
-/// Memory of this process that is resident [MB].
+/// Resident memory of this process [MB].
 double residentMegabytes()
 {
 	long size = 0, resident = 0;
@@ -31,7 +31,7 @@ double residentMegabytes()
 	return double(resident) * double(sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
-/// Runs one stage and prints what it took.
+/// Runs one stage and prints its time and memory.
 template <class Stage> void measure(const char* name, const Stage& stage)
 {
 	const double before = residentMegabytes();
@@ -41,7 +41,7 @@ template <class Stage> void measure(const char* name, const Stage& stage)
 	std::printf("  %-34s %8.2f ms  %+7.2f MB\n", name, milliseconds, residentMegabytes() - before);
 }
 
-/// A game with two rings, of which the upper one starts above the lower one and is let down onto it.
+/// A game with two rings. The upper one starts above the lower one and is lowered onto it.
 void play(const std::shared_ptr<const ist::InnerSphereTree>& tree, btTriangleMesh& triangles)
 {
 	btDefaultCollisionConfiguration configuration;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The goals of the query beside what is measured, bunny against bunny, one row each: least times of several visits in shuffled order, and
-// ratios within this process. Makes the bodies it needs in FOLDER. Motion, threads, levels and instructions have programs of their own:
-// bench_motion, bench_threads, bench_levels, query_instructions.sh. Usage: bench_goals FOLDER [MESH]
+// Prints the goals of the query beside the measured values, bunny against bunny, one per row: smallest times of several visits in
+// shuffled order, and ratios within this process. It makes the bodies that it needs in FOLDER. Motion, threads, levels and instructions
+// have their own programs: bench_motion, bench_threads, bench_levels, query_instructions.sh. Usage: bench_goals FOLDER [MESH]
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
@@ -40,7 +40,7 @@ double median(std::vector<double> values)
 	return values[values.size() / 2];
 }
 
-/// Mean over the poses of the least time [us].
+/// Mean over the poses of the smallest time [us].
 double leastTime(size_t poses, int visits, const std::function<void(size_t)>& query)
 {
 	std::vector<double> least(poses, 1e300);
@@ -229,7 +229,7 @@ int main(int argc, char** argv)
 	}
 	std::printf("instruction set %s\n%-72s | %-28s | measured\n", toString(set.value()), "what", "goal");
 	ratiosToNaive(bodies);
-	// What 1,000 spheres err by at 1 % overlap is printed by bench_truth.
+	// bench_truth prints the error of 1,000 spheres at 1 % overlap.
 	row("law with 1,000 spheres at 1 %, times faster than naive with 100,000", "30 (at 5 % force error)", "%.0f",
 		bodies[3].naive[1].us / bodies[0].law[1].us);
 	timesOfPairs(bodies);

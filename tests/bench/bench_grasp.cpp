@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// The queries of the grasps in the UnrealHaptics paper: sixteen fingers of 5,000 spheres around a bunny of 10,000, eleven of them in
-// contact, 30,000 pairs of packed spheres, all fingers moving by half a thousandth of the bunny's size a tick (0.1 m/s for 0.2 m at 1 kHz).
-// A tick asks for all sixteen, each in the paper's mode, by the law, and by the coarsest level of the law that errs no more than the
-// paper's mode does. Time of a tick, each tick's least of several passes: one thread, two threads, and one thread whose pairs are
-// remembered. Usage: bench_grasp [--ticks N=60] [--passes N=5]
+// Measures the queries of the grasps in the UnrealHaptics paper. Sixteen fingers of 5,000 spheres surround a bunny of 10,000; eleven of
+// them touch it, with 30,000 pairs of packed spheres. All fingers move by half a thousandth of the bunny's size per tick (0.1 m/s for
+// 0.2 m at 1 kHz).
+// A tick queries all sixteen: in the paper's mode, by the law, and by the coarsest level of the law whose error is at most that of the
+// paper's mode. Times are per tick, the smallest of several passes: with one thread, with two threads, and with one thread and Verlet
+// lists. Usage: bench_grasp [--ticks N=60] [--passes N=5]
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
@@ -26,9 +27,9 @@ using namespace ist;
 namespace
 {
 constexpr int kParts = 16, kTouching = 11, kPairs = 30000;
-constexpr double kStep = 5e-4;  // of the bunny's longest side, a tick
+constexpr double kStep = 5e-4;  // motion per tick, as a share of the bunny's longest side
 
-using Hand = std::vector<Pose>;  // of each part, in the object's mesh frame
+using Hand = std::vector<Pose>;  // pose of each part, in the object's mesh frame
 
 struct Grasp
 {
@@ -60,7 +61,7 @@ InnerSphereTree built(const Mesh& mesh, int spheres)
 	return tree;
 }
 
-/// The fingers that do not touch are moved out.
+/// Moves the fingers that do not touch away from the object.
 Hand handAtOverlap(const Grasp& grasp, double fraction)
 {
 	Hand hand = bench::posesAtOverlap(grasp.object, grasp.part, fraction, kParts);
@@ -73,7 +74,7 @@ Hand handAtOverlap(const Grasp& grasp, double fraction)
 	return hand;
 }
 
-/// By bisection on the overlap of each finger that touches.
+/// Found by bisection on the overlap of each finger that touches.
 Hand handWithPairs(const Grasp& grasp, QueryWorkspace& workspace)
 {
 	double less = 1e-4, more = 0.9;
@@ -85,7 +86,7 @@ Hand handWithPairs(const Grasp& grasp, QueryWorkspace& workspace)
 	return handAtOverlap(grasp, std::sqrt(less * more));
 }
 
-/// Each finger to and fro along a direction of its own.
+/// Moves each finger to and fro along its own direction.
 std::vector<Hand> motion(const Grasp& grasp, const Hand& hand, int ticks)
 {
 	std::mt19937_64 random(7);
@@ -105,7 +106,7 @@ Vec3 forceOfLaw(const Grasp& grasp, const Pose& X, int level, QueryWorkspace& wo
 	return pressureWrench(queryOverlap(grasp.object, grasp.part, X, workspace, sumsOf(Model::Law, level)).total, {}).force;
 }
 
-/// Root mean square over the fingers that touch, of each one's force by all leaves.
+/// Root mean square over the fingers that touch. The reference of each is its force by all leaves.
 double forceError(const std::vector<Vec3>& forces, const std::vector<Vec3>& leaves)
 {
 	double sum = 0;
@@ -113,7 +114,7 @@ double forceError(const std::vector<Vec3>& forces, const std::vector<Vec3>& leav
 	return std::sqrt(sum / double(forces.size()));
 }
 
-/// Its gain is the one that errs least over these fingers.
+/// Uses the gain with the smallest error over these fingers.
 double errorOfPaper(const Grasp& grasp, const Hand& hand, const std::vector<Vec3>& leaves, QueryWorkspace& workspace)
 {
 	std::vector<Vec3> forces;
@@ -148,7 +149,7 @@ struct Times
 	double mean = 0, worst = 0;
 };
 
-/// `beginPass` comes before each pass, `tick` answers for one hand.
+/// `beginPass` is called before each pass; `tick` queries one hand.
 template <class BeginPass, class Tick> Times leastTimes(const std::vector<Hand>& path, int passes, BeginPass beginPass, Tick tick)
 {
 	std::vector<double> least(path.size(), 1e300);
@@ -191,7 +192,7 @@ void measure(const char* name, const Grasp& grasp, const std::vector<Hand>& path
 	std::fflush(stdout);
 }
 
-/// The coarsest level that errs no more than `error`.
+/// The coarsest level whose error is at most `error`.
 int levelWithin(const Grasp& grasp, const Hand& hand, const std::vector<Vec3>& leaves, double error, QueryWorkspace& workspace)
 {
 	int level = levelCount(grasp.object, grasp.part);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// How cost grows with pairs of leaves, spheres, bodies, contacts and threads: exponents of the upper half of each row, from where on cost
-// is linear, and what follows for large scenes. Processor time of one thread, but for the threads themselves. Usage: bench_growth
-// [--spheres MOST=10000] [--bodies MOST=1000] [--poses N=8] [--page FILE.html] [--csv FILE]
+// Measures how cost grows with pairs of leaves, spheres, bodies, contacts and threads. Prints the exponent of the upper half of each
+// row, the range in which the cost is linear, and the consequences for large scenes. Times are processor time of one thread, except in
+// the rows of threads. Usage: bench_growth [--spheres MOST=10000] [--bodies MOST=1000] [--poses N=8] [--page FILE.html] [--csv FILE]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
@@ -44,7 +44,7 @@ double processor()
 	return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// Ones and threes of each power of ten.
+/// The numbers 1 and 3 times each power of ten.
 std::vector<int64_t> upTo(int64_t most, int64_t first)
 {
 	std::vector<int64_t> numbers;
@@ -60,7 +60,7 @@ double median(std::vector<double> v)
 	return v[v.size() / 2];
 }
 
-/// Cost in microseconds over some number.
+/// Cost in microseconds, as a function of a number.
 struct Row
 {
 	std::string name, unit;
@@ -73,7 +73,7 @@ struct Row
 		std::printf("  %-34s %10.4g %-14s %12.4g us %12.4g us each\n", name.c_str(), x, unit.c_str(), y, y / x);
 		std::fflush(stdout);
 	}
-	/// Of the upper half, by least squares of logarithms.
+	/// Exponent of the upper half of the row, by least squares of logarithms.
 	double exponent() const
 	{
 		double sx = 0, sy = 0, sxx = 0, sxy = 0, count = 0;
@@ -85,9 +85,9 @@ struct Row
 		return (count * sxy - sx * sy) / (count * sxx - sx * sx);
 	}
 	double each() const { return cost.back() / n.back(); }
-	/// The least number from which on the cost of one is within a quarter of the cheapest's; not a number where it never stays there.
+	/// Smallest number from which on the unit cost is within 25 % of its minimum; not a number if it never stays there.
 	double linearFrom() const { return edge(true); }
-	/// The first number behind the cheapest at which one costs a quarter more than that; not a number where none does.
+	/// First number beyond the minimum at which the unit cost is 25 % above it; not a number if there is none.
 	double linearUpTo() const { return edge(false); }
 
 private:
@@ -109,7 +109,7 @@ private:
 InnerSphereTree torusTree(int64_t spheres)
 {
 	Mesh mesh = makeTorusMesh(kRing, kTube, 48, 24);
-	for (Vec3& p : mesh.vertices) p = {p.x, -p.z, p.y};  // lies flat
+	for (Vec3& p : mesh.vertices) p = {p.x, -p.z, p.y};  // the body lies flat
 	BuildOptions build;
 	build.maxSpheres = spheres;
 	build.threads = 1;
@@ -123,7 +123,7 @@ struct QueryTime
 	double pairs = 0, microseconds = 0;
 };
 
-/// Medians over poses; each the least of five rounds through all of them, so that no pose runs twice in a row.
+/// Medians over poses. Each is the smallest of five rounds through all poses, so that no pose runs twice in a row.
 QueryTime timeQueries(const InnerSphereTree& A, const std::vector<Pose>& poses, QueryWorkspace& workspace)
 {
 	std::vector<double> least(poses.size(), 1e9), pairs(poses.size());
@@ -137,7 +137,7 @@ QueryTime timeQueries(const InnerSphereTree& A, const std::vector<Pose>& poses, 
 	return {median(pairs), median(least)};
 }
 
-/// Tori lying on a plane in columns.
+/// Tori that lie on a plane in columns.
 class Columns
 {
 public:
@@ -163,7 +163,7 @@ public:
 	{
 		double step = 0, query = 0, contacts = 0;
 	};
-	/// Medians over steps after the first ones [us].
+	/// Medians over the steps after the first ones [us].
 	Cost run(int first, int steps)
 	{
 		std::vector<double> step, query;
@@ -203,7 +203,7 @@ private:
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// Of queries of one tree by so many threads, each with a workspace of its own: wall time of one.
+/// Wall time per query of one tree by this number of threads, each with its own workspace.
 double threadedMicroseconds(const InnerSphereTree& tree, const std::vector<Pose>& poses, int threads)
 {
 	constexpr int kRounds = 40;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Force error of budgets of pairs, bunny against bunny. The truth is a tree with many more leaves at the same poses.
+// Measures the force error of pair budgets, bunny against bunny. The reference is a tree with many more leaves at the same poses.
 // Usage: bench_levels FINE.ist TRUTH.ist [POSES]
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
@@ -21,8 +21,8 @@ constexpr PressurePair kPair{1, 0.5, 0.5};
 struct Errors
 {
 	double squares = 0, microseconds = 0, pairs = 0, level = 0;
-	std::vector<double> overSigma;  ///< |error| / reported sigma of the force
-	int over = 0, refused = 0;      ///< budgets exceeded; no answer
+	std::vector<double> overSigma;  ///< |error| over the reported sigma of the force
+	int over = 0, refused = 0;      ///< number of exceeded budgets; number of queries without an answer
 };
 
 Errors measure(const InnerSphereTree& body, const InnerSphereTree& truth, const std::vector<Pose>& poses, double share)

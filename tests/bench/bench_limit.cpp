@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// How near queries come to what their leaf kernels can do in this binary, on this machine: bunny against bunny. Two small trees that stay
-// in the first cache, with blocks that all lie over each other, show what a look of one ball at a block takes where nothing meets (with the
-// share of listing it), and what a pair takes on top where all meet. No query with so many of both can take less than
-//     limit = (node visits + pairs of blocks + balls against blocks) times a look + pairs times a pair:
-// opening a node is a look of one bound at eight, choosing a block's balls one at sixteen. Usage: bench_limit FOLDER [SPHERES...]
-// (FOLDER/bunny-N.ist, as bench_goals makes them)
+// Shows how close queries come to the limit of their leaf kernels in this binary on this machine, bunny against bunny. Two small trees
+// stay in the first-level cache, and all their blocks overlap each other. They show the time of testing one ball against a block where
+// nothing meets, including its share of the listing, and the extra time of a pair where all meet. No query with the same counts can be
+// faster than
+//     limit = (node visits + pairs of blocks + balls against blocks) * time of a test + pairs * time of a pair.
+// Opening a node tests one bound against eight, and choosing a block's balls tests one against sixteen. Usage: bench_limit FOLDER
+// [SPHERES...] (FOLDER/bunny-N.ist, as bench_goals makes them)
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "tests/bench/bodies/BenchPoses.h"
@@ -34,7 +35,7 @@ QueryOptions optionsOf(Model model)
 	return options;
 }
 
-/// Of a query, or the mean of some.
+/// Work of a query, or the mean of several.
 struct Work
 {
 	double us = 0, traversals = 0, pairs = 0;
@@ -45,7 +46,7 @@ Work workOf(const OverlapResult& r)
 	return {0, double(r.nodeVisits + r.blockPairs) + double(r.ballTests) / kBlockWidth, double(r.total.pairs)};
 }
 
-/// Mean over the poses of the least time of several visits in shuffled order.
+/// Mean over the poses of the smallest time of several visits in shuffled order.
 Work measure(const InnerSphereTree& A, const InnerSphereTree& B, const std::vector<Pose>& poses, Model model, int visits)
 {
 	const QueryOptions options = optionsOf(model);
@@ -73,7 +74,7 @@ Work measure(const InnerSphereTree& A, const InnerSphereTree& B, const std::vect
 	return mean;
 }
 
-/// Sixteen blocks under two nodes, each block with a ball in sixteen of the places `at`, so that all their bounds are the same.
+/// Sixteen blocks under two nodes. Each block has a ball in sixteen of the places `at`, so all blocks have the same bound.
 BallTree layeredTree(const std::vector<Vec3>& at, double radius)
 {
 	constexpr int kNodes = 2;
@@ -107,7 +108,7 @@ BallTree layeredTree(const std::vector<Vec3>& at, double radius)
 	return tree;
 }
 
-/// Of radius `radius`, the places spread over a unit cube, from `seed` on.
+/// Balls of radius `radius` at places spread over a unit cube, from the seed `seed`.
 InnerSphereTree layeredBody(double radius, unsigned seed)
 {
 	std::mt19937 random(seed);
@@ -131,7 +132,7 @@ struct Peak
 Peak peakOf(Model model)
 {
 	const std::vector<Pose> same(1);
-	// None of those meet; all of these do.
+	// No balls of the first pair meet; all balls of the second do.
 	const Work apart = measure(layeredBody(1e-6, 1), layeredBody(1e-6, 2), same, model, kPeakVisits);
 	const Work meeting = measure(layeredBody(1, 1), layeredBody(1, 2), same, model, kPeakVisits);
 	const double look = apart.us / apart.traversals;

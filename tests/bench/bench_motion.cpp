@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What VerletList saves where a body moves at 1 kHz with 0.1 m/s for each 0.2 m of its size, bunny against bunny: time of a query with it
-// and without, side by side; each step's least of several passes over the same path. Usage: bench_motion [--steps N=200] [--passes N=8]
-// [--speed S=0.0005 (sizes a query)] BODY.ist...
+// Measures what VerletList saves where a body moves at 1 kHz with 0.1 m/s per 0.2 m of its size, bunny against bunny. Prints the time
+// of a query with it and without; the time of each step is the smallest of several passes over the same path. Usage: bench_motion
+// [--steps N=200] [--passes N=8] [--speed S=0.0005 (sizes per query)] BODY.ist...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
@@ -26,7 +26,7 @@ struct Settings
 	std::vector<std::string> files;
 };
 
-/// A straight slide with a turn; half of the motion of the outermost points is the turn's.
+/// A straight slide with a rotation. The rotation causes half of the motion of the outermost points.
 std::vector<Pose> path(const InnerSphereTree& B, const Pose& start, double step, int steps, std::mt19937& random)
 {
 	std::normal_distribution<double> gauss;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Time and work of the overlap query, bunny against bunny. Usage: bench_query [--csv FILE] [--poses N] [--visits N]
-// [--cache FOLDER] [--mesh FILE] [--only MODE] [--overlap FRACTION] SPHERES...
+// Measures time and work of the overlap query, bunny against bunny. Usage: bench_query [--csv FILE] [--poses N] [--visits N] [--cache
+// FOLDER] [--mesh FILE] [--only MODE] [--overlap FRACTION] SPHERES...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
@@ -39,7 +39,7 @@ struct Mode
 struct Timing
 {
 	double microseconds = 0;  ///< mean over the poses of the median over the visits
-	double least = 0;         ///< the same of the minimum: nearer to a machine of one's own
+	double least = 0;         ///< mean over the poses of the minimum over the visits; it is closer to the time on an idle machine
 	double pairs = 0, volume = 0, nodeVisits = 0, blockPairs = 0, ballTests = 0;  ///< means over the poses
 };
 

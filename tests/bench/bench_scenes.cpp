@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Cost of one step of a world of N tori that lie on a plane in stacks of up to ten, and beside it what the world looks like: ours against
-// stock Bullet with GImpact and with a convex decomposition. Then the response of one pair of many leaf pairs against its query. Usage:
-// bench_scenes [--bodies 1,10,100,1000] [--spheres N=1000] [--rate HZ=120] [--stiffness PA-PER-M=1e5] [--budget SECONDS=20 a row]
-// [--only PART-OF-NAME]
+// Measures the cost of one step of a world of N tori that lie on a plane in stacks of up to ten, and prints the state of the world
+// beside it. This library is compared with stock Bullet, with GImpact and with a convex decomposition. Then it compares the response of
+// one pair with many pairs of leaves with its query. Usage: bench_scenes [--bodies 1,10,100,1000] [--spheres N=1000] [--rate HZ=120]
+// [--stiffness PA-PER-M=1e5] [--budget SECONDS=20 a row] [--only PART-OF-NAME]
 #include "BulletHapticForce/btBulletHapticForceCommon.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -29,7 +29,7 @@ constexpr int kHeight = 10;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// Bullet's solver of a world with the time that it takes.
+/// A solver of Bullet that measures its own time.
 template <class Base> struct Timed : Base
 {
 	using Base::Base;
@@ -89,7 +89,7 @@ struct Pile
 		bodies.back()->setActivationState(DISABLE_DEACTIVATION);
 		world->addRigidBody(bodies.back().get());
 	}
-	/// Stacks of ten; sunk by what they will sink, so that all are in contact from the first step on.
+	/// Fills the world with stacks of ten. They start at their resting depth, so that all are in contact from the first step on.
 	void fill(btCollisionShape* shape, const btVector3& inertia, int count, double sunk)
 	{
 		std::mt19937_64 random(1);
@@ -143,7 +143,7 @@ void measure(const char* name, Pile& pile, const Options& options)
 		if (i == wanted / 8) settled = pile.energy();
 		if (i > wanted / 8) most = std::max(most, pile.energy() - settled);
 	}
-	// The second half: what is settling costs more, or less.
+	// Only the second half counts, because settling costs more or less than resting.
 	const auto median = [](std::vector<double> v) {
 		v.erase(v.begin(), v.begin() + long(v.size() / 2));
 		std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
@@ -176,7 +176,7 @@ void measure(const char* name, Pile& pile, const Options& options)
 	std::fflush(stdout);
 }
 
-/// One pair of many leaf pairs: the whole of the solver against the query.
+/// One pair of bodies with many pairs of leaves: the time of the whole solver against that of the query.
 void measureResponse(const InnerSphereTree& built, btCollisionShape* shape)
 {
 	Pile pile(true);
@@ -244,7 +244,7 @@ int main(int argc, char** argv)
 	const Options options = parse(argc, argv);
 	const auto wants = [&](const char* name) { return std::string(name).find(options.only) != std::string::npos; };
 	Mesh mesh = makeTorusMesh(0.5, kTube, 48, 24);
-	for (Vec3& p : mesh.vertices) p = {p.x, -p.z, p.y};  // lies flat
+	for (Vec3& p : mesh.vertices) p = {p.x, -p.z, p.y};  // the body lies flat
 	const MassProperties mass = massProperties(mesh);
 	const double perVolume = kMass / mass.volume;
 	const btVector3 inertia(

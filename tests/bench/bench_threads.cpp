@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a second thread saves: a batch of queries over 1 and 2 threads, each thread with a workspace of its own. The least time of several
-// visits counts. Usage: bench_threads [--visits N=20] BODY.ist...
+// Measures what a second thread saves: a batch of queries over 1 and 2 threads, each with its own workspace. The smallest time of
+// several visits counts. Usage: bench_threads [--visits N=20] BODY.ist...
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "tests/bench/bodies/BenchPoses.h"
 #include "tests/bench/bodies/QueryThreads.h"

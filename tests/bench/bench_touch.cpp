@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Contact shallower than the gaps: what bodies that only touch press already, because leaves reach beyond the surface; what the gate of the
-// query makes of it and costs; and the force of flat contact over that of the continuum.
-// Usage: bench_touch [--spheres N=10000] [--poses N=20]
+// Measures contact shallower than the gaps. Bodies that only touch already press, because leaves reach beyond the surface. Prints that
+// force, the effect and the cost of requireInnerOverlap, and the force of flat contact relative to the continuum. Usage: bench_touch
+// [--spheres N=10000] [--poses N=20]
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
@@ -25,9 +25,9 @@ using namespace scenes;
 
 namespace
 {
-constexpr double kSpacing = 0.0025;  // of points on edges; the longest side is 1
+constexpr double kSpacing = 0.0025;  // spacing of points on edges; the longest side is 1
 constexpr double kTouching = 1e-6;
-constexpr double kShallow = 1e-3;  // overlap that the ghost is compared with, of the smaller volume
+constexpr double kShallow = 1e-3;  // overlap with which the force of a touch is compared, as a share of the smaller volume
 constexpr int kRepeats = 15;
 
 struct Body
@@ -60,7 +60,7 @@ double separation(const Body& A, const Body& B, const Pose& X_AB)
 	return least;
 }
 
-/// B comes from afar along a random line, by no more than the way that is free, until it touches.
+/// B approaches from afar along a random line until it touches. Each step is at most the free distance.
 Pose touchingPose(const Body& A, const Body& B, uint64_t seed)
 {
 	const Mat3 rotation = rotationMatrix(randomRotation(2 * seed));
@@ -93,7 +93,7 @@ Answer ask(const Body& A, const Body& B, const Pose& X, bool gate, QueryWorkspac
 	return answer;
 }
 
-/// The pose at which the leaves share `volume`, pushed on from touch.
+/// The pose at which the leaves share `volume`, pushed on from a touch.
 Pose pushedTo(const Body& A, const Body& B, const Pose& touch, double volume, QueryWorkspace& workspace)
 {
 	const Vec3 towardsA = normalized(A.tree.origin - touch * B.tree.origin);
@@ -112,7 +112,7 @@ void printPair(const Body& A, const Body& B, int poses)
 	QueryWorkspace workspace;
 	const double shallow = kShallow * std::min(A.tree.volume, B.tree.volume);
 	double volume = 0, most = 0, force = 0, mostWithInnerOverlap = 0, kept[2] = {}, cost[2] = {};
-	int reached[2] = {};  // a thin body may never overlap so much
+	int reached[2] = {};  // counts poses, because a thin body may never overlap so much
 	for (int i = 0; i < poses; ++i)
 	{
 		const Pose X = touchingPose(A, B, uint64_t(i));
@@ -136,7 +136,7 @@ void printPair(const Body& A, const Body& B, int poses)
 		cost[1] / reached[1]);
 	std::fflush(stdout);
 }
-/// A box face down on a larger one, at random shifts and yaws: force over that of the continuum.
+/// A box lies face down on a larger one, at random shifts and yaws. Prints the force relative to that of the continuum.
 void printFlat(int spheres, int poses)
 {
 	Mesh large = makeBoxMesh({0.5, 0.35, 0.25}), small = large;

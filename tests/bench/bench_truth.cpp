@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// Error of the model against quadrature on the triangles, and whether the reported sigma says so: bodies against bodies at 0.1, 1 and
-// 10 % overlap, bodies against half-spaces at some depths, all in seeded random poses. Usage:
-// bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv FILE]
-// [--levels 1] [--pairs compact] Lines and points are those of the quadrature; the last two columns are its own standard error. With
-// --levels also the coarser levels of the same trees; with --pairs thin those of a thin body with another, with --pairs small those of a
-// body with one that is six or twenty times as small. Errors of the force are shares of it, or of a quarter of k V where opposing forces
-// leave less.
+// Measures the error of the model against quadrature on the triangles, and whether the reported sigma agrees with it. The cases are
+// bodies against bodies at 0.1, 1 and 10 % overlap and bodies against half-spaces at some depths, all in seeded random poses.
+// Usage: bench_truth [--spheres N=1000] [--poses N=10] [--directions N=40] [--lines N=120] [--points N=40000] [--only NAMES] [--csv
+// FILE] [--levels 1] [--pairs compact]
+// Lines and points are those of the quadrature; the last two columns are its own standard error. --levels adds the coarser levels of
+// the same trees. --pairs thin measures pairs of thin bodies, and --pairs small a body with one that is 6 or 20 times smaller. Errors
+// of the force are relative to it, or to a quarter of k V where opposing forces leave less.
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -33,8 +33,8 @@ namespace
 {
 constexpr double kOverlaps[] = {0.001, 0.01, 0.1};
 constexpr double kGaps[] = {1, 2, 4, 8};
-constexpr double kCancelled = 0.25;              // of k V, k = 1: what a force counts at least
-constexpr double kShares[] = {0.01, 0.03, 0.1};  // of the longest side
+constexpr double kCancelled = 0.25;              // smallest reference of a force error, as a share of k V with k = 1
+constexpr double kShares[] = {0.01, 0.03, 0.1};  // shares of the longest side
 
 struct Options
 {
@@ -50,7 +50,7 @@ struct Body
 	InnerSphereTree tree;
 };
 
-/// Pairs of bodies that are measured; "torus/6" is a sixth as large.
+/// Pairs of bodies to measure; "torus/6" is one sixth as large.
 using Pairs = std::vector<std::array<std::string, 2>>;
 
 Pairs pairsNamed(const std::string& name)
@@ -65,7 +65,7 @@ Pairs pairsNamed(const std::string& name)
 	return {};
 }
 
-/// Each once, in the order in which they come.
+/// Each body once, in order of appearance.
 std::vector<std::string> bodiesOf(const Pairs& pairs)
 {
 	std::vector<std::string> names;
@@ -75,7 +75,7 @@ std::vector<std::string> bodiesOf(const Pairs& pairs)
 	return names;
 }
 
-/// Without spheres when the mesh is not there.
+/// The result has no spheres if the mesh is missing.
 Body makeBody(const std::string& name, int spheres)
 {
 	const size_t slash = name.find('/');
@@ -121,7 +121,7 @@ struct Sums
 {
 	int poses = 0, oneSigma = 0, twoSigma = 0, oneSigmaForce = 0, twoSigmaForce = 0;
 	double volume = 0, bias = 0, cells = 0, force = 0, torque = 0, pairs = 0;
-	double truthVolume = 0, truthForce = 0;  ///< squares of the quadrature's own relative errors
+	double truthVolume = 0, truthForce = 0;  ///< sums of squares of the quadrature's own relative errors
 	std::vector<double> angles;
 
 	double rms(double squares) const { return 100 * std::sqrt(squares / std::max(1, poses)); }
@@ -151,7 +151,7 @@ std::vector<TruePose> truePoses(const Body& A, const Body& B, double overlap, co
 	return poses;
 }
 
-/// `csv`: a line a pose, or null.
+/// `csv`: receives one line per pose, or null.
 Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& poses, std::FILE* csv)
 {
 	QueryWorkspace workspace;
@@ -188,7 +188,7 @@ Sums measurePair(const Body& A, const Body& B, const std::vector<TruePose>& pose
 	return sums;
 }
 
-/// Each level of the same trees, down to some thirty pairs.
+/// Prints each level of the same trees, down to about 30 pairs.
 void printLevels(const Body& A, const Body& B, double overlap, const std::vector<TruePose>& poses)
 {
 	QueryWorkspace workspace;
@@ -232,7 +232,7 @@ void printPair(const std::string& name, double overlap, const Sums& s)
 	std::fflush(stdout);
 }
 
-/// The body turned at random, its lowest point `depth` below the plane y = 0.
+/// The body is turned at random, with its lowest point `depth` below the plane y = 0.
 Sums measureHalfSpace(const Body& body, double depth, int directions)
 {
 	QueryWorkspace workspace;

@@ -21,7 +21,7 @@ Mesh ellipsoidMesh()
 	return mesh;
 }
 
-/// Six blunt horns with hollows between them.
+/// A body with six blunt horns and hollows between them.
 Mesh jackMesh()
 {
 	Mesh mesh = makeSphereMesh(1, 5);

@@ -7,10 +7,11 @@
 
 namespace bench
 {
-/// Scaled to a longest side of 1, off the origin.
+/// Scales a mesh to a longest side of 1 and moves it off the origin.
 ist::Mesh placed(ist::Mesh mesh);
-/// Repaired; empty where Debian's glmark2-data is not installed.
+/// The repaired bunny; empty if Debian's glmark2-data is not installed.
 ist::Mesh bunnyMesh();
-/// bunny, box, torus, knot, jack, ellipsoid or ball; thin ones: plate, rod, wire (a knot), crown or sword. As they come.
+/// The mesh of a name, without scaling: bunny, box, torus, knot, jack, ellipsoid or ball; thin ones: plate, rod, wire (a knot), crown
+/// or sword.
 ist::Mesh meshNamed(const std::string& name);
 }  // namespace bench

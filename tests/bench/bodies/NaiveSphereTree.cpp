@@ -15,7 +15,7 @@ using Node = NaiveSphereTree::Node;
 using Overlap = NaiveSphereTree::Overlap;
 using Iterator = std::vector<MomentEllipsoid>::iterator;
 
-/// Halves at the median of the widest axis.
+/// Halves a range at the median of its widest axis.
 Iterator halve(Iterator begin, Iterator end)
 {
 	Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};

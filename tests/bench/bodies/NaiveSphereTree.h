@@ -10,21 +10,21 @@
 
 namespace bench
 {
-/// The inner sphere tree of the papers, for comparison: four children a node, one sphere a leaf, pointers, doubles, recursion.
+/// The inner sphere tree of the papers, for comparison: four children per node, one sphere per leaf, pointers, doubles, recursion.
 class NaiveSphereTree
 {
 public:
 	explicit NaiveSphereTree(const ist::BallTree& tree);
 	~NaiveSphereTree();
 
-	/// Lens volume, force and torque of eq. (1) about A's origin, and the work that it took.
+	/// Lens volume, force and torque of eq. (1) about A's origin, and the work of the query.
 	struct Overlap
 	{
 		double volume = 0;
 		ist::Vec3 force, torque;
 		int64_t pairs = 0, tests = 0;
 	};
-	/// X: B's tree frame to A's.
+	/// X: transform from B's tree frame to A's.
 	static Overlap query(const NaiveSphereTree& A, const NaiveSphereTree& B, const ist::Pose& X);
 
 	struct Node

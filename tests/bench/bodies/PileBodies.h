@@ -10,7 +10,7 @@
 
 namespace bench
 {
-/// A shape with what it is made of, which goes after it.
+/// A shape and the parts that it refers to. The parts are destroyed after the shape.
 struct PeerShape
 {
 	std::vector<std::shared_ptr<void>> parts;
@@ -19,6 +19,6 @@ struct PeerShape
 };
 
 PeerShape gimpactShape(const ist::Mesh& mesh);
-/// Approximate convex decomposition by HACD into at least so many hulls; without a shape where the library is not installed.
+/// Approximate convex decomposition by HACD into at least this many hulls. There is no shape if the library is not installed.
 PeerShape hullsByHacd(const ist::Mesh& mesh, int clusters);
 }  // namespace bench

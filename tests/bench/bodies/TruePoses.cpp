@@ -14,7 +14,7 @@ namespace bench
 {
 namespace
 {
-/// All numbers of a pose, in the order in which they stand in a file.
+/// Visits all numbers of a pose, in the order in which a file has them.
 template <class Visit> void visitNumbers(TruePose& p, Visit visit)
 {
 	const auto vector = [&](Vec3& v) { visit(v.x), visit(v.y), visit(v.z); };

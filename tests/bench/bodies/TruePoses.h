@@ -8,25 +8,25 @@
 
 namespace bench
 {
-/// A pose of B in A with what the continuum law says of it.
+/// A pose of B in A with the wrench and volume of the continuum law.
 struct TruePose
 {
 	ist::Pose X_AB;
-	double overlap = 0;             ///< share of the smaller body's volume that was asked for
+	double overlap = 0;             ///< requested overlap, as a share of the smaller body's volume
 	scenes::QuadratureTruth truth;  ///< torques about A's centre of volume
 };
 
-/// How finely the truth is looked for.
+/// Resolution of the reference quadrature.
 struct TruthSettings
 {
 	std::vector<double> overlaps;
-	int poses = 10;  ///< for each overlap
+	int poses = 10;  ///< number of poses for each overlap
 	int lines = 100, points = 30000;
 	uint64_t seed = 11;
 };
 
-/// Seeded random poses of two of the bodies of `meshNamed`, placed; the truth by quadrature on their triangles. `folder`, when not empty,
-/// keeps what was integrated from run to run.
+/// Seeded random poses of two bodies of `meshNamed`, placed, with a reference by quadrature on their triangles. If `folder` is not
+/// empty, the results are kept there from run to run.
 std::vector<TruePose> truePoses(
 	const std::string& bodyA, const std::string& bodyB, const TruthSettings& settings, const std::string& folder = {});
 }  // namespace bench

@@ -24,12 +24,12 @@ constexpr Field kFields[] = {{"overlap", &ParetoRow::overlap}, {"build_seconds",
 	{"in_float_1km", &ParetoRow::inFloat}, {"explicit_k", &ParetoRow::explicitK}, {"implicit_step", &ParetoRow::implicitStep},
 	{"z_width", &ParetoRow::zWidth}};
 
-/// Not-finite numbers are null, as everywhere.
+/// Numbers that are not finite become null, as in all JSON output.
 std::string number(double value) { return std::isfinite(value) ? formatNumber(value, 6) : "null"; }
 
 std::string percent(double share) { return formatNumber(100 * share, 3); }
 
-/// Other libraries have no spheres.
+/// Names of the other libraries in the sweep; their rows have no spheres.
 std::vector<std::string> peersOf(const Sweep& sweep, const std::string& pair)
 {
 	std::vector<std::string> peers;
@@ -57,7 +57,7 @@ std::set<double> overlapsOf(const Sweep& sweep, const std::string& pair)
 	return overlaps;
 }
 
-/// Of those that `wanted` names, the ones that nothing beats in both time and error, by time.
+/// The rows selected by `wanted` that no other row beats in both time and error, sorted by time.
 template <class Wanted> std::vector<const ParetoRow*> frontOf(const Sweep& sweep, const Wanted& wanted)
 {
 	std::vector<const ParetoRow*> rows, front;
@@ -127,8 +127,8 @@ void addErrorBounds(scenes::HtmlReport& page, const Sweep& sweep)
 std::string text(double value, int digits = 3) { return std::isfinite(value) ? formatNumber(value, digits) : "-"; }
 std::string textPercent(double share) { return text(100 * share); }
 
-/// The fixed level that gets below an error in the shortest time, whatever the number of spheres; then the least error that there is of the
-/// levels and of all others.
+/// The fixed level that gets below an error in the shortest time, for any number of spheres. Then the smallest error of the levels and
+/// of all others.
 void addCosts(scenes::HtmlReport& page, const Sweep& sweep)
 {
 	constexpr double kErrors[] = {0.1, 0.05, 0.02, 0.01};
@@ -173,7 +173,7 @@ void addBodies(scenes::HtmlReport& page, const Sweep& sweep, const std::string& 
 	page.table({"spheres", "build of both [s]", "memory of both [MB]"}, rows);
 }
 
-/// The front of the fixed levels, then all others.
+/// The front of the fixed levels, then all other rows.
 std::vector<const ParetoRow*> rowsToShow(const Sweep& sweep, const std::string& pair, double overlap)
 {
 	std::vector<const ParetoRow*> rows = frontOf(

@@ -8,10 +8,10 @@
 namespace bench
 {
 std::string paretoCsv(const Sweep& sweep);
-/// One object: "schema", "rows" and "promises".
+/// One JSON object with "schema", "rows" and "promises".
 std::string paretoJson(const Sweep& sweep);
-/// One file that loads nothing: what the dial held, then the fronts of each pair of bodies.
+/// One HTML file that loads nothing: how well the tolerance was met, then the fronts of each pair of bodies.
 std::string paretoHtml(const Sweep& sweep);
-/// Of one pair, the front at each overlap: error of the force against time.
+/// The front of one pair at each overlap: error of the force against time.
 std::string frontSvg(const Sweep& sweep, const std::string& pair);
 }  // namespace bench

@@ -35,7 +35,7 @@ constexpr double kHeld = 0.95;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// Of all threads [s].
+/// Processor time of all threads [s].
 double processorTime() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 double quantile(std::vector<double> values, double share)
@@ -53,7 +53,7 @@ double treeBytes(const InnerSphereTree& tree)
 	return double(sum);
 }
 
-/// Built, or loaded with the time that it took when it was built.
+/// Builds the body, or loads it together with the time that building it took.
 SweptBody makeBody(const std::string& name, int spheres, const std::string& folder)
 {
 	SweptBody body;
@@ -68,7 +68,7 @@ SweptBody makeBody(const std::string& name, int spheres, const std::string& fold
 	if (tree.value().loaded) std::ifstream(seconds) >> body.buildSeconds;
 	else if (!folder.empty()) std::ofstream(seconds) << body.buildSeconds;
 	body.tree = *tree.value().tree;
-	// Of the processor: both run on one thread.
+	// This is processor time, because both run on one thread.
 	const double start = processorTime();
 	body.tree.levels = buildLevels(body.tree.law);
 	const double levels = processorTime();
@@ -79,7 +79,7 @@ SweptBody makeBody(const std::string& name, int spheres, const std::string& fold
 	return body;
 }
 
-/// What an estimator says of a pose: for k = 1, torque about A's centre of mass.
+/// Answer of an estimator in one pose: for k = 1, with the torque about A's centre of mass.
 struct Estimate
 {
 	double volume = 0, pairs = 0;
@@ -97,7 +97,7 @@ Estimate estimateOf(const OverlapResult& result, const Vec3& origin)
 
 using Estimator = std::function<Estimate(const Pose&)>;
 
-/// The field of a body that has a closed form, and its place in the mesh's frame.
+/// The analytic field of a body that has a closed form, and its pose in the mesh's frame.
 std::unique_ptr<AnalyticField> closedForm(const std::string& name)
 {
 	if (name == "box") return std::make_unique<BoxField>(Vec3{0.5, 0.35, 0.25});
@@ -105,7 +105,7 @@ std::unique_ptr<AnalyticField> closedForm(const std::string& name)
 	return nullptr;
 }
 
-/// What a library returns, its contacts summed up as depth times normal, instead of a force.
+/// Estimator of a library that returns contacts and no force: the sum of depth times normal.
 Estimator ofPeer(Peer& peer)
 {
 	return [&peer](const Pose& X) {
@@ -146,7 +146,7 @@ public:
 		measure("paper", paper(), gainOf(paper()), sweep);
 		if (const std::unique_ptr<AnalyticField> field = closedForm(m_nameB)) measure("closed form", against(*field), 1, sweep);
 	}
-	/// Once for each pair of meshes: peers know no spheres.
+	/// Runs once for each pair of meshes, because peers have no spheres.
 	void runPeers(const Mesh& A, const Mesh& B, Sweep& sweep)
 	{
 		measureDepths();
@@ -189,7 +189,7 @@ private:
 			return estimateOf(queryWithTolerance(m_A, m_B, X, m_workspace, accepted, plain()).overlap, m_A.origin);
 		};
 	}
-	/// Equation (1) as printed, at rest: packed spheres, centre lines.
+	/// Equation (1) as printed, at rest: packed spheres, along the lines of the centres.
 	Estimator paper()
 	{
 		return [this](const Pose& X) {
@@ -205,14 +205,14 @@ private:
 	{
 		return [this, &field](const Pose& X) { return estimateOf(queryField(m_A, field, X * X_BF(), m_workspace, plain()), m_A.origin); };
 	}
-	/// Where `placed` puts a body's centre.
+	/// Pose of a body's centre after `placed`.
 	static Pose X_BF()
 	{
 		Pose X;
 		X.translation = {0.3, -0.2, 0.5};
 		return X;
 	}
-	/// For the stiffness that a law leaves to experience: the one that fits these poses best.
+	/// Stiffness for a law that leaves it to experience: the one that fits these poses best.
 	double gainOf(const Estimator& estimator) const
 	{
 		std::vector<double> gains;
@@ -221,7 +221,7 @@ private:
 				gains.push_back(norm(pose.truth.wrench().force) / force);
 		return quantile(gains, 0.5);
 	}
-	/// Median depth of the overlap at each of the shares that were asked for.
+	/// Median depth of the overlap at each requested share.
 	void measureDepths()
 	{
 		for (const double overlap : m_settings.truth.overlaps)
@@ -287,7 +287,7 @@ private:
 		m_row.point = std::sqrt(point);
 	}
 
-	/// Poses in another order each time, lest the branches be learnt.
+	/// Runs the poses in a new order each time, so that the branch predictor cannot learn them.
 	void clock(std::vector<const TruePose*> poses, const Estimator& estimator)
 	{
 		std::mt19937 random(1);
@@ -307,7 +307,7 @@ private:
 		m_row.p999 = quantile(times, 0.999);
 	}
 
-	/// Along paths through the first of the poses.
+	/// Follows paths through the first of the poses.
 	void lead(const std::vector<const TruePose*>& poses, const Estimator& estimator, double gain)
 	{
 		constexpr double kFar = 1000, kTick = 1e-3, kDamping = 5, kGravity = 9.81, kLoss = 0.05;
@@ -321,12 +321,12 @@ private:
 			const scenes::PathQuality q = scenes::followPath(start, force);
 			m_row.noise = std::max(m_row.noise, q.noise);
 			m_row.loopWork = std::max(m_row.loopWork, q.loopWork);
-			// A depth that does not exist is the worst there is.
+			// A missing depth counts as the worst one.
 			if (!(std::fabs(q.restDepth) <= std::fabs(m_row.restDepth))) m_row.restDepth = q.restDepth;
 			m_row.inFloat = std::max(m_row.inFloat, scenes::changeInFloat(start, kFar, force));
-			const double h = longestExplicitStep({q.stiffness, 1, 0});  // for k = 1
+			const double h = longestExplicitStep({q.stiffness, 1, 0});  // valid for k = 1
 			m_row.explicitK = std::min(m_row.explicitK, h * h / (kTick * kTick));
-			// With k = m g / |F| the body rests here.
+			// With k = m g / |F| the body rests in this pose.
 			m_row.implicitStep = std::min(
 				m_row.implicitStep, longestStepForRestitution({q.stiffness * kGravity / norm(start.trueForce), 1, 0}, kLoss));
 		}
@@ -378,7 +378,7 @@ private:
 	std::string m_nameB;
 	QueryWorkspace m_workspace;
 	ParetoRow m_row;
-	std::map<double, double> m_depths;  ///< by overlap
+	std::map<double, double> m_depths;  ///< median depth by overlap
 	double m_size = 1;
 };
 

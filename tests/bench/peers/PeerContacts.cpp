@@ -20,7 +20,7 @@ namespace bench
 {
 namespace
 {
-/// Takes every contact that Bullet finds, not the four that a manifold keeps.
+/// Receives every contact that Bullet finds; a manifold would keep only four.
 class AllContacts : public btManifoldResult
 {
 public:
@@ -86,7 +86,7 @@ private:
 	btCollisionObject m_objectA, m_objectB;
 };
 
-/// Vertices of one cell of a grid become one: HACD's time grows with the square of the triangles.
+/// Merges the vertices in each cell of a grid, because HACD's time grows with the square of the number of triangles.
 Mesh coarse(const Mesh& mesh, int cells)
 {
 	if (mesh.triangles.size() < 3000) return mesh;

@@ -10,14 +10,14 @@
 
 namespace bench
 {
-/// What a library says of two bodies, summed up: sum of depth times normal over its contacts, pointing where A must move to leave B.
+/// Answer of a library for two bodies: the sum of depth times normal over its contacts. It points where A must move to leave B.
 struct PeerAnswer
 {
 	ist::Vec3 push;
 	int contacts = 0;
 };
 
-/// Two bodies as a user of that library would set them up, and its own query with every contact.
+/// Two bodies as a user of a library would set them up, and that library's own query with every contact.
 class Peer
 {
 public:
@@ -26,7 +26,7 @@ public:
 	virtual PeerAnswer ask(const ist::Pose& X_AB) = 0;
 };
 
-/// Those that were found when this was built; HACD decomposes coarse copies of the meshes.
+/// The libraries that were found at build time. HACD decomposes coarse copies of the meshes.
 std::vector<std::unique_ptr<Peer>> makePeers(const ist::Mesh& A, const ist::Mesh& B);
 std::unique_ptr<Peer> makeFclPeer(const ist::Mesh& A, const ist::Mesh& B);
 std::unique_ptr<Peer> makeOdePeer(const ist::Mesh& A, const ist::Mesh& B);

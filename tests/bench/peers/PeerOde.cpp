@@ -68,7 +68,7 @@ private:
 		Library()
 		{
 			dInitODE2(0);
-			// It has a line for each bucket of contacts that is full.
+			// ODE prints a line for each full bucket of contacts.
 			dSetMessageHandler(&beSilent);
 		}
 		~Library() { dCloseODE(); }

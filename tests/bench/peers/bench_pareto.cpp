@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// Speed against accuracy: bodies x spheres x level, budget or accepted error, at several overlaps, against quadrature on the triangles;
-// beside them the paper's own estimator, closed forms and other libraries; in single poses and on paths. Writes pareto.csv, pareto.json,
-// pareto.html and a front as SVG for each pair. Usage: bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs
-// A-B,C-D...] [--spheres N,M...] [--passes N] [--paths N] [--peers 0|1] All of it takes half an hour of two processors, --quick three
-// minutes, --tiny seconds. --keep: trees and truths stay in this folder from run to run. What was found so far is written whenever a pair
-// is done with a number of spheres.
+// Compares speed and accuracy against quadrature on the triangles: bodies, spheres, and level, budget or tolerance, at several
+// overlaps. Beside them are the paper's own estimator, closed forms and other libraries, in single poses and on paths. Writes
+// pareto.csv, pareto.json, pareto.html, and a front as SVG for each pair.
+// Usage: bench_pareto [--quick | --tiny] [--out FOLDER=.] [--keep FOLDER] [--pairs A-B,C-D...] [--spheres N,M...] [--passes N] [--paths
+// N] [--peers 0|1]
+// The full run takes half an hour of two processors, --quick takes three minutes, --tiny a few seconds. --keep keeps trees and
+// references in this folder from run to run. Intermediate results are written when a pair is done with a number of spheres.
 #include "demos/scenes/Pages/TextFile.h"
 #include "tests/bench/peers/ParetoPage.h"
 
@@ -63,14 +64,14 @@ std::vector<std::string> split(const std::string& text, char at)
 	return parts;
 }
 
-/// False when the text is not wholly a number, or too small.
+/// Returns false if the text is not entirely a number, or if the number is too small.
 bool takeNumber(const std::string& text, int least, int& into)
 {
 	const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), into);
 	return error == std::errc() && end == text.data() + text.size() && into >= least;
 }
 
-/// False when the argument is none.
+/// Returns false if the argument is unknown.
 bool takeOption(SweepSettings& settings, std::string& folder, const std::string& name, const std::string& value)
 {
 	if (name == "--out") return folder = value, true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// What a program would use instead: other libraries and this one on the same closed meshes in the same poses, with the angle to the exact
-// gradient of the overlap, and a page. Peers take the triangles as they are, without margins; what they return is summed up as depth times
-// normal. Usage: bench_peers [--poses N=10] [--steps N=200] [--spheres N=10000] [--report PAGE.html] [PAIR]... (bunny-bunny, bunny-probe,
+// Compares other libraries and this one on the same closed meshes in the same poses: with the angle to the exact gradient of the
+// overlap, and a page. Peers take the triangles as they are, without margins. Their contacts are summed up as depth times normal.
+// Usage: bench_peers [--poses N=10] [--steps N=200] [--spheres N=10000] [--report PAGE.html] [PAIR]... (bunny-bunny, bunny-probe,
 // torus-torus)
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
@@ -45,7 +45,7 @@ Body bodyOf(const Mesh& mesh, int spheres)
 	return {mesh, MeshDistance(mesh), std::move(tree).value()};
 }
 
-/// Of this library: the gradient of the volume, or the force of its law.
+/// This library as a peer: the gradient of the volume, or the force of its law.
 class Own : public bench::Peer
 {
 public:
@@ -67,7 +67,7 @@ private:
 	QueryWorkspace m_workspace;
 };
 
-/// Part of a triangle's area vector inside of B; triangles across the surface are quartered.
+/// Part of a triangle's area vector inside B. Triangles that cross the surface are quartered.
 Vec3 areaInside(const MeshDistance& B, const Pose& X_BA, const Vec3& a, const Vec3& b, const Vec3& c, int depth)
 {
 	const Vec3 middle = (a + b + c) / 3.0, area = cross(b - a, c - a) * 0.5;
@@ -82,11 +82,11 @@ Vec3 areaInside(const MeshDistance& B, const Pose& X_BA, const Vec3& a, const Ve
 
 struct Truth
 {
-	Vec3 push;  ///< minus the gradient of the overlap by A's place: A's surface inside of B, reversed [m^2]
+	Vec3 push;  ///< negative gradient of the overlap by A's position: A's surface inside B, reversed [m^2]
 	bool meets = false;
 };
 
-/// From the triangles and which side of the other mesh they are on; shares nothing with packing and queries.
+/// Computed from the triangles and the side of the other mesh on which they lie. It shares nothing with packing and queries.
 Truth truthOf(const Body& A, const Body& B, const Pose& X)
 {
 	const Pose back{transpose(X.rotation), transpose(X.rotation) * (X.translation * -1.0)};
@@ -199,7 +199,7 @@ void comparePoses(const std::string& name, const Body& A, const Body& B, Peers& 
 		{"", "0.1 %", "1 %", "contacts or pairs at 1 %", "10 %", "50 %"}, angles);
 }
 
-/// B comes from outside, slides through A's side with a turn, and leaves.
+/// B comes from outside, slides through A's side with a rotation, and leaves.
 Pose onPath(const Body& A, const Body& B, double s)
 {
 	Pose X;
