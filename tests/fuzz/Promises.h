@@ -8,7 +8,8 @@
 #include <cstdlib>
 #include <string>
 
-/// What a fuzzer holds a parser to, besides what sanitizers see: each function ends the process when a error bound is broken.
+/// Properties that a fuzzer requires of a parser, in addition to what sanitizers see. Each function ends the process when a property is
+/// violated.
 namespace fuzz
 {
 inline void require(bool condition, const char* what)
@@ -18,7 +19,7 @@ inline void require(bool condition, const char* what)
 	std::abort();
 }
 
-/// True when there is a value; a refusal must say why.
+/// Returns true if there is a value. A refusal must give a reason.
 template <class T> bool accepted(const ist::Result<T>& result)
 {
 	require(static_cast<bool>(result) || !result.error().message.empty(), "a refusal has a reason");

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-/// Sets file size and checksums of an asset or archive to what its bytes ask for, so that a mutation reaches what lies behind
-/// them. Knows the layout on its own; bytes that are too few to hold it are left as they are.
+/// Sets the file size and checksums of an asset or archive to match its bytes, so that a mutation reaches the code behind them. It has
+/// its own description of the layout. Bytes that are too few for it stay unchanged.
 namespace seal
 {
 constexpr size_t kHeader = 32, kEntry = 32;

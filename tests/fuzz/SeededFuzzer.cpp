@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Stands in for libFuzzer where the compiler has none: each file of the given folders as it is, then as many mutations of them as -runs
-// says, always the same ones. It follows no coverage; it finds what is broken badly. Other options of libFuzzer are ignored.
+// Replaces libFuzzer where the compiler has none. It runs each file of the given folders unchanged, then as many mutations of them as
+// -runs says, always the same ones. It follows no coverage, so it finds only severe faults. It ignores other options of libFuzzer.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -79,7 +79,7 @@ private:
 			std::copy_n(word.begin(), std::min(word.size(), bytes.size() - at), bytes.begin() + static_cast<std::ptrdiff_t>(at));
 			break;
 		}
-		default:  // The rest of another file.
+		default:  // the rest comes from another file
 		{
 			const Bytes& other = any();
 			bytes.resize(below(bytes.size()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// libFuzzer on the asset loader: whatever the bytes, it refuses them or gives a tree that is safe to query and to write again.
+// libFuzzer on the asset loader: for any bytes it refuses them, or gives a tree that is safe to query and to write again.
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// BVH files: what is accepted is a hand, all joints of which are finite, and times that grow.
+// BVH files: an accepted file gives a hand whose joints are all finite, and times that increase.
 #include "DeviceBridge/Hand/BvhHand.h"
 
 #include "tests/fuzz/HandPromise.h"

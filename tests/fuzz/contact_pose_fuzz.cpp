@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// ContactPose's annotations: what is accepted has hands with finite joints.
+// ContactPose's annotations: an accepted file has hands with finite joints.
 #include "DeviceBridge/Hand/ContactPoseHands.h"
 
 #include "tests/fuzz/HandPromise.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What stands behind the scheme of a device's address, and a pose on the command line.
+// The part of a device's address after its scheme, and a pose on the command line.
 #include "BulletISTCollision/Tools/PoseRows.h"
 #include "DeviceBridge/Device/DeviceAddress.h"
 

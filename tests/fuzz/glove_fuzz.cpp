@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A glove's calibration file, and its stream: the same bytes for both.
+// A glove's calibration file and its stream, both from the same bytes.
 #include "DeviceBridge/Drivers/Glove/GloveFrames.h"
 #include "DeviceBridge/Drivers/Glove/GloveHand.h"
 

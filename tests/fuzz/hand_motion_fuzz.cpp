@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Hands over time as CSV: what is accepted has times that grow, and comes back to the last bit after another trip.
+// Motions of hands as CSV: an accepted file has times that increase, and is the same to the last bit after it is written and read
+// again.
 #include "DeviceBridge/Hand/HandMotion.h"
 
 #include "tests/fuzz/Promises.h"

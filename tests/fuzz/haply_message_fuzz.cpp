@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Messages of the Haply Inverse service: what is accepted is finite, and a command to that device is a message again.
+// Messages of the Haply Inverse service: an accepted message is finite, and a command to that device is a valid message again.
 #include "DeviceBridge/Drivers/Haply/HaplyMessages.h"
 
 #include "tests/fuzz/Promises.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Mesh files: whatever the bytes, they are refused or give triangles of finite corners that are there. What lies between is assimp, which
-// is as robust as its release: the readers of OFF and PLY in 5.2.5 end the process on some damaged files, so that two other formats are
-// tried.
+// Mesh files: any bytes are refused, or give triangles whose corners exist and are finite. In between runs assimp, which is as robust
+// as its release. The readers of OFF and PLY in 5.2.5 end the process on some damaged files, so two other formats are tested.
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
 #include "tests/fuzz/Promises.h"
@@ -15,7 +14,7 @@ using fuzz::require;
 
 namespace
 {
-/// Of this process alone, and gone with it.
+/// A folder of this process alone, which is removed with the object.
 struct Folder
 {
 	std::filesystem::path path;

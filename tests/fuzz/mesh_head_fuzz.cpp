@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What is looked up in a mesh file before assimp reads it: archives, what they pack, and the units in their XML. Whatever the bytes, there
-// is a unit or a refusal.
+// The parts of a mesh file that are read before assimp: archives, their contents, and the units in their XML. Any bytes give a unit or
+// a refusal.
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/XmlTags.h"
 #include "BulletISTCollision/Core/Import/ZipArchive.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Meshes as broken as they come: pairs of numbers of three bytes are corners on a small grid or anywhere, the rest triangles. What repair
-// accepts is closed.
+// Meshes with arbitrary damage. The repair must give a closed mesh or refuse.
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include "tests/fuzz/Promises.h"
@@ -13,8 +12,8 @@ using fuzz::require;
 
 namespace
 {
-/// Two bytes: the number of corners and what their coordinates are, small whole numbers or the bits of a float. Then corners, then
-/// triangles of three bytes each.
+/// The first two bytes give the number of corners and the kind of their coordinates: small whole numbers, or the bits of floats.
+/// Corners follow, then triangles of three bytes each.
 ist::Mesh meshOf(const std::uint8_t* data, std::size_t size)
 {
 	ist::Mesh mesh;
@@ -44,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 {
 	const ist::Mesh mesh = meshOf(data, size);
 	for (const ist::Vec3& p : mesh.vertices)
-		if (!ist::isFinite(p)) return 0;  // importMesh refuses them
+		if (!ist::isFinite(p)) return 0;  // importMesh refuses such meshes
 	for (const ist::RepairMode mode : {ist::RepairMode::Auto, ist::RepairMode::Off})
 	{
 		const ist::Result<ist::RepairedMesh> repaired = ist::repair(mesh, mode);

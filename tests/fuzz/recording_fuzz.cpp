@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Recordings of devices: whatever the bytes, also with their checksum set right, they are refused or can be written again, played to
-// the end, and asked for the motion of a hand.
+// Recordings of devices. Any bytes, also with a corrected checksum, are refused, or can be written again, played to the end, and
+// converted to the motion of a hand.
 #include "BulletISTCollision/Core/Asset/ByteStream.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Scene files: whatever the text, it is refused with its name, or gives a scene that is sound.
+// Scene files: any text is refused with the file's name, or gives a valid scene.
 #include "TestSupport/SceneFiles/SceneFile.h"
 
 #include "tests/fuzz/Promises.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Profiles of simulated devices: what is accepted is finite.
+// Profiles of simulated devices: an accepted profile is finite.
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 
 #include "tests/fuzz/Promises.h"
