@@ -30,9 +30,9 @@ struct TuneOptions
 
 struct PairTuning
 {
-	TuneSetting best;   ///< the cheapest fixed level whose error bound meets the tolerance; if none does, the one with the smallest error
-						///< bound
-	bool kept = false;  ///< true if its error bound meets the tolerance
+	/// The cheapest fixed level whose error bound meets the tolerance. If none does, it is the one with the smallest error bound.
+	TuneSetting best;
+	bool kept = false;                      ///< true if its error bound meets the tolerance
 	size_t spheresA = 0, spheresB = 0;      ///< numbers of spheres of its trees
 	std::vector<TuneSetting> alternatives;  ///< all levels of all trees that were measured
 	std::optional<TimeStepAdvice> world;

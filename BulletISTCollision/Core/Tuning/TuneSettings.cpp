@@ -64,8 +64,8 @@ public:
 		{
 			const bool byPose = level > levelCount(m_A, m_B);
 			ForceTolerance accepted;
-			accepted.error = byPose ? acceptedError : 1e300;  // with this tolerance the first level that is tried answers, whatever its
-															  // error bound
+			// With a tolerance of 1e300 the first level that is tried answers, whatever its error bound.
+			accepted.error = byPose ? acceptedError : 1e300;
 			accepted.firstLevel = byPose ? -1 : level;
 			Result<TuneSetting> setting = measured(byPose ? -1 : level, accepted, level == 0 ? &found.contacts : nullptr);
 			if (!setting) return setting.error();

@@ -42,7 +42,7 @@ PeerShape hullsByHacd(const ist::Mesh& mesh, int clusters)
 	hacd.SetVolumeWeight(0);
 	hacd.SetNClusters(size_t(clusters));
 	hacd.SetNVerticesPerCH(100);
-	hacd.SetConcavity(100);  // in HACD's own scale, in which the mesh is 1000 wide
+	hacd.SetConcavity(100);  // unit: HACD's own scale, in which the mesh is 1000 wide
 	hacd.SetAddExtraDistPoints(false);
 	hacd.SetAddNeighboursDistPoints(false);
 	hacd.SetAddFacesPoints(false);

@@ -98,7 +98,7 @@ struct PairBodies
 	const NormalGradient *gradientsA, *gradientsB;  ///< gradients in each body's own tree frame; null: none
 	/// Centres of the balls of B in the pairs that the search found; null: each pair transforms its own ball.
 	const MovedCenter* centersB;
-	const MomentEllipsoid* movedB;  ///< with centersB: B's balls in A's tree frame, in floats
+	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats; valid if centersB is not null
 	double R[9], t[3];
 	bool keepMeeting;        ///< for `refine`: also keeps pairs of which only the bounding balls meet
 	float slack;             ///< covers the rounding of float positions [m]
