@@ -76,7 +76,7 @@ public:
 	/// Empty for everything but a text.
 	const std::string& text() const { return m_text; }
 	/// Number of elements or fields.
-	std::size_t size() const { return isObject() ? m_fields.size() : m_items.size(); }
+	std::size_t size() const;
 	bool empty() const { return size() == 0; }
 
 	/// The elements of a list.
@@ -125,6 +125,8 @@ struct JsonValue::Field
 	std::string name;
 	JsonValue value;
 };
+
+inline std::size_t JsonValue::size() const { return isObject() ? m_fields.size() : m_items.size(); }
 
 /// What parseJson made of a text.
 struct ParsedJson
