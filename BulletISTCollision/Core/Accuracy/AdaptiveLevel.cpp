@@ -59,10 +59,11 @@ OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, co
 	const ForceTolerance& accepted, const QueryOptions& options, const OverlapResult& known, AdaptiveLevel& pair)
 {
 	QueryWorkspace::Implementation& work = workspace.implementation();
+	const bool needsInner = wantsInnerOverlap(options);
 	double sure = 0, fadedShare = 0;
 	const OverlapResult result = answerWithInnerOverlap(options, workspace, [&](const QueryOptions& o) {
 		QueryOptions at = o;
-		at.gate = false;
+		at.requireInnerOverlap = at.gate = false;  // each answer is scaled once, outside
 		if (o.model != options.model)
 		{
 			const OverlapResult packed = queryOverlap(A, B, X_AB, workspace, at);
@@ -71,9 +72,9 @@ OverlapResult beginToFade(const InnerSphereTree& A, const InnerSphereTree& B, co
 		}
 		// With requireInnerOverlap the known answer is scaled, so it cannot replace a query.
 		const LevelAnswers answers = queryBothLevels(
-			A, B, treePose(A, B, X_AB), work, at, pair.level, pair.fadedLevel, options.requireInnerOverlap ? nullptr : &known);
+			A, B, treePose(A, B, X_AB), work, at, pair.level, pair.fadedLevel, needsInner ? nullptr : &known);
 		const auto force = [&](const OverlapResult& of) {
-			return (options.requireInnerOverlap ? innerOverlapShare(sure, of.total.volume) : 1) * forceOf(of, accepted);
+			return (needsInner ? innerOverlapShare(sure, of.total.volume) : 1) * forceOf(of, accepted);
 		};
 		pair.fadeStep = fadeStep(force(answers.other), force(answers.first), forceFloor(A, B));
 		fadedShare = std::max(0.0, 1 - pair.fadeStep);

@@ -19,10 +19,13 @@ inline double innerOverlapShare(double sure, double volume)
 	return smoothStep(t);
 }
 
+/// Whether the options ask for it, by its present or by its former name.
+inline bool wantsInnerOverlap(const QueryOptions& options) { return options.requireInnerOverlap || options.gate; }
+
 /// Returns `answer(options)`, scaled by innerOverlapShare() when `QueryOptions::requireInnerOverlap` is set.
 template <class Answer> OverlapResult answerWithInnerOverlap(const QueryOptions& options, QueryWorkspace& workspace, Answer answer)
 {
-	if (!options.requireInnerOverlap && !options.gate) return answer(options);
+	if (!wantsInnerOverlap(options)) return answer(options);
 	QueryOptions packed;
 	packed.model = Model::Inner;
 	packed.patches = packed.stiffness = false;

@@ -110,8 +110,7 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 	const QueryOptions& options, VerletList* memory)
 {
 	// Memory is reserved at once, so that bodies whose packed spheres meet later do not allocate then.
-	if (options.requireInnerOverlap || options.gate)
-		workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
+	if (wantsInnerOverlap(options)) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
 	// The extra query of the packed spheres gets no Verlet list, because it would replace the remembered pairs.
 	return answerWithInnerOverlap(options, workspace,
 		[&](const QueryOptions& o) { return queryTrees(A, B, X_AB, workspace, o, o.model == options.model ? memory : nullptr); });

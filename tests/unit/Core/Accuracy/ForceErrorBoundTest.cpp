@@ -355,6 +355,46 @@ TEST(AdaptiveLevel, ALevelThatChangesTheForceLittleTakesOverAtOnceForOneQueryMor
 	EXPECT_EQ(result.patchCount, alone.patchCount);
 }
 
+// The overlap of the packed spheres scales an answer once, also where one level takes over from another at once.
+TEST(AdaptiveLevel, AChangeOfLevelIsScaledOnceByTheInnerOverlapUnderEitherOfItsNames)
+{
+	InnerSphereTree same = bodyA();
+	same.levels.resize(2);
+	same.levels[1] = same.levels[0];
+	// The packed spheres of A are few and small, so that their overlap is between none and enough.
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> place(-1, 1);
+	std::vector<MomentEllipsoid> few;
+	for (int i = 0; i < 200; ++i) few.push_back(ballAt({place(random), place(random), place(random)}, {}, 0.05));
+	same.inner = packedTree(few);
+	InnerSphereTree plain = bodyB();
+	plain.levels.clear();
+	QueryWorkspace workspace, other;
+	int partly = 0;
+	for (int step = 0; step < 120; ++step)
+	{
+		const Pose X{rotationMatrix(quaternionFromRotationVector({0.3, 0.2, 0.1})), bodyA().origin + Vec3{1 + 0.01 * step, 0.3, 0}};
+		for (const bool former : {false, true})
+		{
+			QueryOptions options;
+			(former ? options.gate : options.requireInnerOverlap) = true;
+			ForceTolerance accepted;
+			accepted.error = 1;
+			AdaptiveLevel atOnce;
+			atOnce.level = 1;
+			const OverlapResult result = queryAdaptive(same, plain, X, workspace, accepted, options, atOnce);
+			if (!(result.total.volume > 0)) continue;
+			options.level = result.level;
+			const double scaled = queryOverlap(same, plain, X, other, options).total.volume;
+			EXPECT_EQ(result.total.volume, scaled) << "step " << step << (former ? ", former name" : "");
+			options.requireInnerOverlap = options.gate = false;
+			const double share = scaled / queryOverlap(same, plain, X, other, options).total.volume;
+			partly += atOnce.level == 2 && share > 0.05 && share < 0.95;
+		}
+	}
+	EXPECT_GE(partly, 2);
+}
+
 TEST(AdaptiveLevel, AnswersWithAListChangeTheirLevelAtOnce)
 {
 	QueryWorkspace workspace;
