@@ -21,8 +21,7 @@ void btEnvelopeFactor::reserve(int places)
 	const size_t n = size_t(places), blocks = n * (n + 1) / 2;
 	m_first.reserve(n);
 	m_row.reserve(n);
-	m_cliqueStart.reserve(n + 1);
-	m_cliques.reserve(blocks);
+	m_cliques.reserve(n, blocks);
 	m_factor.reserve(blocks * kBlock);
 	m_inverse.reserve(blocks * kBlock);
 	m_quotients.reserve(n * kBlock);
@@ -44,21 +43,15 @@ void btEnvelopeFactor::couple(int a, int b)
 void btEnvelopeFactor::layOut()
 {
 	m_row.resize(size_t(m_places));
-	m_cliqueStart.assign(size_t(m_places) + 1, 0);
 	m_size = 0;
 	for (int row = 0; row < m_places; ++row)
 	{
 		m_row[size_t(row)] = m_size;
 		m_size += size_t(kSide) * size_t(width(row));
-		for (int column = m_first[size_t(row)]; column < row; ++column) ++m_cliqueStart[size_t(column) + 1];
 	}
-	for (int place = 0; place < m_places; ++place) m_cliqueStart[size_t(place) + 1] += m_cliqueStart[size_t(place)];
-	m_cliques.resize(size_t(m_cliqueStart[size_t(m_places)]));
-	// Each start is used as the end of the entries so far, and is then moved back by one place.
-	for (int row = 0; row < m_places; ++row)
-		for (int column = m_first[size_t(row)]; column < row; ++column) m_cliques[size_t(m_cliqueStart[size_t(column)]++)] = row;
-	for (int place = m_places; place > 0; --place) m_cliqueStart[size_t(place)] = m_cliqueStart[size_t(place) - 1];
-	m_cliqueStart[0] = 0;
+	m_cliques.fill(m_places, m_places, [this](int row, const auto& note) {
+		for (int column = m_first[size_t(row)]; column < row; ++column) note(column);
+	});
 }
 
 int64_t btEnvelopeFactor::entries() const

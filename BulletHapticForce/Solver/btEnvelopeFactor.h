@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/Solver/btKeyedLists.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,8 +29,8 @@ public:
 	void layOut();
 	int places() const { return m_places; }
 	/// Members of the clique of `place` without the place itself, in ascending order.
-	const int* cliqueBegin(int place) const { return m_cliques.data() + m_cliqueStart[size_t(place)]; }
-	const int* cliqueEnd(int place) const { return m_cliques.data() + m_cliqueStart[size_t(place) + 1]; }
+	const int* cliqueBegin(int place) const { return m_cliques.begin(place); }
+	const int* cliqueEnd(int place) const { return m_cliques.end(place); }
 	/// Number of values within the envelope, which one substitution reads.
 	int64_t entries() const;
 	/// Number of blocks within the envelope.
@@ -64,11 +66,10 @@ private:
 	const double* factorBlock(int row, int column) const { return m_factor.data() + rowOf(row) + kSide * (column - m_first[size_t(row)]); }
 
 	int m_places = 0;
-	std::vector<int> m_first;        // place of the first block of each row
-	std::vector<size_t> m_row;       // index of the first number of each row
-	std::vector<int> m_cliqueStart;  // start of each clique in m_cliques; one more entry than places
-	std::vector<int> m_cliques;      // members of the cliques without the places themselves
-	std::vector<double> m_factor;    // the factor L, with the inverse of each diagonal entry
+	std::vector<int> m_first;      // place of the first block of each row
+	std::vector<size_t> m_row;     // index of the first number of each row
+	btKeyedLists m_cliques;        // members of the clique of each place without the place itself
+	std::vector<double> m_factor;  // the factor L, with the inverse of each diagonal entry
 	std::vector<double> m_inverse;
 	std::vector<double> m_quotients;  // L_mb L_bb^-1 for one column of blocks
 	size_t m_size = 0;                // total number of values in the rows

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "BulletHapticForce/Solver/btEnvelopeFactor.h"
-#include "BulletHapticForce/Solver/btPatchIndex.h"
+#include "BulletHapticForce/Solver/btKeyedLists.h"
 #include "BulletHapticForce/Solver/btSweepAcceleration.h"
 #include "BulletHapticForce/Solver/btVolumetricRows.h"
 
@@ -118,8 +118,8 @@ private:
 	std::vector<Body> m_bodies;
 	std::vector<Patch> m_patches;
 	std::vector<int> m_order;  // bodies in the order of elimination
-	btPatchIndex m_byBody;     // patches between two movable bodies, for each of the two
-	btPatchIndex m_byPlace;    // patches for the first of their bodies in the order of elimination
+	btKeyedLists m_byBody;     // patches between two movable bodies, for each of the two
+	btKeyedLists m_byPlace;    // patches for the first of their bodies in the order of elimination
 	btEnvelopeFactor m_factor;
 	std::vector<double> m_free;       // 6 numbers per body
 	std::vector<double> m_rest, m_z;  // 6 numbers per body, in the order of elimination: right-hand side without friction; state
