@@ -56,11 +56,11 @@ private:
 		std::int64_t computedAt = 0;
 	};
 
+	void takeQuestionBack() noexcept;
+
 	ForceLaw& m_law;
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
-	void takeQuestionBack() noexcept;
-
 	std::uint64_t m_asked = 0, m_settled = 0;  // numbers of the newest question, and of the newest that was answered or taken back
 	bool m_triedToTakeBack = false;
 	Answer m_held;  // answer in use: the newest of the thread, or the law's result in the tick; number 0: none yet

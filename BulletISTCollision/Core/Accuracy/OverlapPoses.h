@@ -23,7 +23,7 @@ Departure randomDeparture(std::mt19937_64& random);
 /// of the pair. B starts with its centre of mass at that of A and moves away by bisection. Empty if even the start overlaps less.
 std::optional<Pose> poseAtOverlap(
 	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure, QueryWorkspace& workspace);
-/// The same search along a random departure. The result depends only on the state of `random` and the two bodies.
+/// Searches like the function above, along a random departure. The result depends only on the state of `random` and the two bodies.
 std::optional<Pose> poseAtOverlap(
 	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, std::mt19937_64& random, QueryWorkspace& workspace);
 }  // namespace ist

@@ -34,7 +34,7 @@ public:
 		bool complete = false;                             ///< false: there are too many spheres, and the list is empty
 	};
 	void gather(const Vec3& center, double radius, Neighbourhood& out, uint32_t hint = UINT32_MAX) const;
-	/// The same result, for a point of the ball of `near`.
+	/// Returns what nearest(p, hint) returns. `p` must lie in the ball of `near`.
 	Hit nearest(const Vec3& p, const Neighbourhood& near, uint32_t hint = UINT32_MAX) const;
 
 private:

@@ -22,8 +22,8 @@ namespace
 {
 /// Share of the longest side within which positions are equal in Auto mode, if the mesh is open otherwise.
 constexpr double kNearlyEqual = 1e-9;
-/// The same limit as a multiple of the mesh's rounding, used if the mesh is still open. Each of two corners may be off by one value along
-/// each axis.
+/// A second limit of the distance between equal positions, as a multiple of the mesh's rounding. It is used if the mesh is still open. Each
+/// of two corners may be off by one value along each axis.
 constexpr double kRoundedApart = 4;
 /// Share of the area times the longest side. A smaller volume counts as none, however far apart the parts that enclose it are.
 constexpr double kFlat = 1e-9;

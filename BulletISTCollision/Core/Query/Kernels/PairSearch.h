@@ -183,7 +183,7 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	};
 	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * Vector8::all(s.stretch)};
 	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack).bits();
-	// Of two equal nodes, that of A is opened.
+	// If two nodes are equally large, the node of A is opened.
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
