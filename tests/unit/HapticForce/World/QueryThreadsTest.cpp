@@ -349,7 +349,8 @@ TEST(QueryThreads, AStepThatAsksNothingSharesNothing)
 	settings.contactCache = false;
 	Heap heap(settings, 0);
 	heap.addRow(12);
-	for (int i = 0; i < 10; ++i) heap.step();
+	// A step shares nothing while a helper that lost its processor still works on the step before.
+	for (int i = 0; i < 10 || (i < 1000 && heap.world().registration().sharedQueries().pairs == 0); ++i) heap.step();
 	EXPECT_GT(heap.world().registration().sharedQueries().pairs, 0);
 	for (int i = 1; i <= 12; ++i) heap.body(i).forceActivationState(ISLAND_SLEEPING);
 	heap.step();
