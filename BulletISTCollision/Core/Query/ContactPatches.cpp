@@ -15,10 +15,10 @@ namespace
 {
 constexpr uint32_t kNoComponent = 0xffffffffu;
 constexpr float kConeCosine = 0.70710678f;
-/// A component's remainder below this share of its rank founds no patch of its own.
+/// Smallest share of a component's rank without a patch for which another patch is started.
 constexpr double kLeastShare = 0.05;
 
-/// A ball that is its own parent is a root. It is mostly at most two steps away; longer paths are halved.
+/// Root of a ball's component. A ball that is its own parent is a root. Most roots are at most two steps away; longer paths are halved.
 inline uint32_t rootOf(uint32_t* parent, uint32_t ball)
 {
 	uint32_t root = parent[parent[ball]];
@@ -70,7 +70,7 @@ void PatchGrouper::connect(const PairStream& pairs, int count, uint32_t offsetB)
 	for (int i = 0; i < count; ++i)
 	{
 		const uint32_t a = rootOf(parent, pairs.a[i]), b = rootOf(parent, pairs.b[i] + offsetB);
-		// The smaller index becomes the root; with path halving the cost stays near linear. There is no branch because its outcome
+		// The smaller index becomes the root; with path halving the cost stays near linear. This has no branch, because its outcome
 		// would be unpredictable.
 		parent[std::max(a, b)] = std::min(a, b);
 	}

@@ -26,8 +26,8 @@ struct PairIndices
 };
 
 /// Groups intersecting pairs into contact patches. Pairs that share a ball are connected, and each connected component is one patch. A
-/// component whose force directions spread is split into cones of 45 degrees around its strongest pairs. The strongest patches stay,
-/// and the pairs of the others join the nearest one. The result is deterministic. Cost: O(pairs * patches).
+/// component whose force directions spread is split into cones of 45 degrees around its strongest pairs. The strongest patches
+/// stay, and each pair of the others joins its nearest patch. The result is deterministic. Cost: O(pairs * patches).
 class PatchGrouper
 {
 public:
@@ -41,9 +41,9 @@ public:
 
 	/// Grows the memory; allocates only when a size exceeds every earlier one.
 	void reserve(size_t pairs, size_t balls, int patches);
-	/// Makes the memory that grows with the pairs resident.
+	/// Makes the arrays that grow with the number of pairs resident.
 	void makeResident();
-	/// Keeps the larger of both arrays.
+	/// Swaps the arrays with those of `other` if the latter are larger.
 	void takeLarger(BallRoom& other) noexcept
 	{
 		if (m_balls.parent.size() < other.parent.size()) std::swap(m_balls, other);
@@ -62,7 +62,7 @@ public:
 private:
 	struct Component
 	{
-		double rank = 0, left = 0;  ///< ranks summed over all its pairs, and over those without a patch
+		double rank = 0, left = 0;  ///< sum of the ranks of all its pairs, and of its pairs without a patch
 		bool hasPatch = false;
 		int strongest = -1;  ///< strongest pair without a patch; set when the component has a patch
 	};

@@ -12,9 +12,9 @@ namespace
 {
 // Enough divisions to halve a leaf that is 1e9 times wider than the subdivision size along all three axes.
 constexpr int kMostDivisions = 90;
-// A cell counts partly as whole and partly as halved from its subdivision size up to kBlend times it. Several sides in turn are the
-// first to claim a piece when their depths differ by less than kTie times its mean radius. So the force does not jump when a decision
-// changes.
+// Both constants keep the force from jumping when a decision changes. From the subdivision size up to kBlend times that size, a cell
+// counts partly as whole and partly as halved. If the depths of several sides differ by less than kTie times the mean radius of a piece,
+// each of them in turn is the first to claim it.
 constexpr double kBlend = 1.4, kTie = 0.2;
 // A whole leaf may be this many times wider than the subdivision size, because treating it as a box would lose more accuracy than it
 // gains.
@@ -23,11 +23,11 @@ const double kWidthOfBox = std::sqrt(5.0 / 3);  // half-width of the ellipsoid w
 
 LevelFunction depthOf(const FieldSide& s) { return {s.depth, -s.normal, s.bend * -1.0}; }
 
-/// A function that is positive where side a is nearer than side b.
+/// Function that is positive where side a is nearer than side b.
 LevelFunction nearer(const FieldSide& a, const FieldSide& b) { return {b.depth - a.depth, a.normal - b.normal, a.bend + b.bend * -1.0}; }
 
 /// Whether side a is nearer than side b everywhere in a piece. `trace`: trace of the shape of the piece. No point of the piece is
-/// farther from its centre than the root of the trace. The bends add at most their own trace times half of that distance squared.
+/// farther from its centre than the root of the trace. The bends add at most their trace times half of that distance squared.
 bool isNearerThroughout(const FieldSide& a, const FieldSide& b, double trace)
 {
 	const double lead = b.depth - a.depth - 0.6 * (a.bend.trace() + b.bend.trace()) * trace;
@@ -196,7 +196,8 @@ void FieldClipper::divide(const FieldCell& cell, int axis, int unchanged, int di
 	}
 }
 
-/// Cuts a piece with the sides. Each of the sides nearest to its centre in turn is the first to claim it, for a share of the volume.
+/// Cuts a piece with the sides. If several sides are about equally near to its centre, each of them is the first to claim it for a share
+/// of the volume.
 void FieldClipper::assign(const EllipsoidFragment& piece)
 {
 	const SymmetricMatrix3 spread = piece.spread();

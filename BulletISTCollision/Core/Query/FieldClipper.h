@@ -9,7 +9,7 @@
 
 namespace ist
 {
-/// Receives the terms of a leaf.
+/// Receives the terms of the leaves.
 class FieldSink
 {
 public:
@@ -17,23 +17,24 @@ public:
 	virtual void take(const FieldTerm& term) = 0;
 };
 
-/// Integrates what leaves share with an analytic field.
+/// Integrates the overlap of leaves with an analytic field.
 /// A leaf wider than the field's subdivision size is treated as the homogeneous box of the same moments. The box is halved until its
 /// cells are small enough. Each cell is treated as the ellipsoid of its moments. It is divided among the sides by depth, as if by
 /// planes, and each part is cut by its own side.
 /// The result is exact for a half-space. The error is 1 to 2 % of a leaf where it was divided or an edge crosses it. Elsewhere it is of
-/// third order in its size over the radius of curvature, without bias.
-/// The result is continuous in the pose. No allocation.
+/// third order in the ratio of size to radius of curvature, without bias.
+/// The result is continuous in the pose. Allocates nothing.
 class FieldClipper
 {
 public:
 	/// X_AF: pose of the field's frame in A's tree frame.
 	FieldClipper(const AnalyticField& field, const Pose& X_AF, bool stiffness, FieldSink& sink);
 
-	/// Whether the field is a half-space. Then each leaf has one term, its exact cap, and all normals are the same.
+	/// Whether the field is a half-space. Then each leaf has one term, its exact cap, and all normals are equal.
 	bool isFlat() const { return m_planar && m_sides == 1; }
 	/// Returns false when a ball (in A's tree frame) is surely outside the field.
 	bool mayReach(const Vec3& center, double radius) const;
+	/// Sends the terms of one leaf, given in A's tree frame. `index`: number of the leaf in its terms.
 	void press(const MomentEllipsoid& leaf, uint32_t index);
 
 private:

@@ -10,7 +10,7 @@ namespace ist
 {
 namespace
 {
-/// Sum of the stiffnesses between translations at points, seen from the origin: the sum of G S G^T with G = (I, [at] x).
+/// Sum of translational stiffnesses S that act at points, referred to the origin: the sum of G S G^T with G = (I, [at] x).
 struct PointStiffness
 {
 	Vec3 force[3], mixed[3], torque[3];  // rows of the blocks; `mixed` gives the forces of rotations
@@ -199,7 +199,7 @@ void FieldQuery::take(const FieldTerm& term)
 	m_rest.add(term, m_A.ball(term.ball), m_options);
 }
 
-// Terms are grouped by the field's normals alone. The normals distinguish the faces of a box, and those of a plane are all the same.
+// Terms are grouped by the field's normals alone. They distinguish the faces of a box; on a plane all are equal.
 void FieldQuery::list(const FieldTerm& term)
 {
 	const size_t at = m_work.terms.size();
@@ -221,7 +221,7 @@ void FieldQuery::publish()
 {
 	const int listed = int(m_work.terms.size());
 	const bool grouped = listed > 0 && m_result.pairListComplete;
-	// A field's own integrals need no kernel, so the query answers without one.
+	// The integrals against a field need no kernel, so the query also answers if the wanted instruction set cannot run here.
 	const kernels::QueryKernel& kernel = m_work.kernel ? *m_work.kernel : kernels::kPortableKernel;
 	const int groups = grouped ? m_work.grouper.group(kernel, m_work.stream, listed, uint32_t(m_A.slotCount()), m_work.capacity.patches)
 							   : 1;

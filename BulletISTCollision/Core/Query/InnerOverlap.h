@@ -11,8 +11,8 @@ namespace ist
 /// Share of the leaves' volume above which the volume of the packed spheres proves the overlap. Packed spheres lie inside their bodies.
 constexpr double kInnerShare = 0.02;
 
-/// Factor on the integrals with `requireInnerOverlap`, 0 to 1 with a continuous slope. `sure`: volume that the packed spheres share;
-/// `volume`: volume that the leaves share.
+/// Factor on the integrals with `requireInnerOverlap`, 0 to 1 with a continuous slope. `sure`: overlap volume of the packed
+/// spheres; `volume`: overlap volume of the leaves.
 inline double innerOverlapShare(double sure, double volume)
 {
 	const double t = volume > 0 ? std::min(1.0, sure / (kInnerShare * volume)) : 0;

@@ -25,7 +25,7 @@ struct Ball
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Always opens the item with the smallest bound. When the budget ends, that bound holds for everything.
+/// Always opens the item with the smallest bound. When the budget ends, that bound is the smallest of all.
 template <class Item, class Expand> double leastBound(const Item& root, int mostOpened, const Expand& expand)
 {
 	constexpr int kCapacity = BallNode::kWidth * kMostOpenedForClearance + 1;

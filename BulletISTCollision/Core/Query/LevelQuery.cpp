@@ -10,11 +10,11 @@ namespace ist
 {
 namespace
 {
-/// Pairs of a level over those of the next coarser one: the usual ratio and the smallest.
+/// Ratio of the pairs of a level to those of the next coarser one: its usual value and its smallest one.
 constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
-/// A level fades out while its pairs plus those of the next coarser level grow from this share of the budget to all of it. If the finer
-/// level has more than 1 / kFadeBegin times as many pairs as the coarser one, the coarser level stands alone by then. So nothing jumps
-/// when the finer level goes.
+/// A level fades out while its pairs plus those of the next coarser level grow from this share of the budget to all of it. If each
+/// level has more than 1 / kFadeBegin times as many pairs as the next coarser one, the coarser level does not fade yet when the finer one
+/// is gone. So nothing jumps.
 constexpr double kFadeBegin = 0.8;
 
 /// Mixes `share` of `fine`, whose patches are `patches`, with (1 - share) of `coarse`. The patches of both stay side by side where
@@ -70,7 +70,7 @@ public:
 private:
 	/// Queries one level. Returns false when it meets the limit; `result` then holds only the counts of the work done.
 	bool look(int level, OverlapResult& result);
-	/// Saves the patches and pairs of the last traversal, so that later traversals do not overwrite them.
+	/// Saves the patches and pairs of the last traversal from being overwritten by later ones.
 	void keep()
 	{
 		std::swap(m_work.patches, m_work.keptPatches);
@@ -165,7 +165,7 @@ int patchRoom(const QueryWorkspace::Implementation& work, const QueryOptions& op
 	return options.patches ? work.capacity.patches : 1;
 }
 
-/// Number of patches that one of two levels may have so that the patches of both fit.
+/// Largest number of patches of each of two levels such that the patches of both fit.
 int halfOfRoom(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {
 	return std::max(1, patchRoom(work, options) / 2);
@@ -185,7 +185,7 @@ LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 		result.level = of;
 		return result;
 	};
-	// With room for `most` patches alone, an answer with no more patches than that would be grouped in the same way.
+	// The known answer may have been grouped with a larger limit. If it has at most `most` patches, that limit would give the same ones.
 	const bool isUsable = known && !known->coarsened && known->pairListComplete && known->patchCount <= most;
 	const auto isKnown = [&](int of) { return isUsable && known->level == of; };
 	LevelAnswers answers;

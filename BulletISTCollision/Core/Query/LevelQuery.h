@@ -6,13 +6,13 @@
 
 namespace ist
 {
-/// Answers with the finest level found, from `finest` on, that stays within the options' budget and within `capacity` pairs. X: pose of
-/// B's tree frame in A's. It starts at a coarse level, where a traversal costs little, and leaps to the level that is expected to fill
+/// Answers with the finest level it finds, from `finest` on, that stays within the options' budget and `capacity` pairs. X: pose of B's
+/// tree frame in A's. It starts at a coarse level, where a traversal costs little, and leaps to the level that is expected to fill
 /// the budget. Each traversal stops at the budget.
 OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int finest, int64_t capacity);
 
-/// Mixes the answer of `level` with that of `options.otherLevel`, whose share is `options.otherShare`. X as above.
+/// Mixes the answer of `level` with that of `options.otherLevel`, whose share is `options.otherShare`. X: as for queryWithin().
 OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level);
 
@@ -22,7 +22,7 @@ struct LevelAnswers
 	OverlapResult first, other;
 	bool firstIsWhole = false;  ///< whether `first` has the patches that a query of its level alone would have
 };
-/// Gives the answers that queryTwoLevels() mixes. `known` is null, or the workspace's last answer, at this pose and with these options.
+/// Computes the answers that queryTwoLevels() mixes. `known` is null, or the workspace's last answer, at this pose and with these options.
 /// It replaces a query if it belongs to one of the two levels and leaves room for the patches of the other.
 LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level, int otherLevel, const OverlapResult* known = nullptr);

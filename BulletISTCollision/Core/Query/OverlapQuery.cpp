@@ -59,7 +59,7 @@ void OverlapIntegrals::scale(double factor)
 
 namespace
 {
-/// Whether the options go together and these bodies have the levels that the options name.
+/// Whether the options can be combined, and these bodies have the levels that the options name.
 bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options)
 {
 	if (options.level < -1) return false;

@@ -31,26 +31,26 @@ inline bool operator!=(const DampingWeights& a, const DampingWeights& b) { retur
 /// All vectors have the axes of A's mesh frame. Moments are taken about A's `origin`, its centre of mass.
 /// The sums run over the pairs of a ball i of A and a ball j of B. Derivation: docs/model.md, section 3.
 /// - dd = d_i d_j, the product of the two densities.
-/// - L: volume of the lens, which is what the two ellipsoids share when their density is 1 (Lens.h). Model::Inner uses the lens of two
-/// balls.
+/// - L: volume of the lens, which is the intersection of two ellipsoids of density 1 (Lens.h), or of two balls with Model::Inner.
 /// - C: centroid of the lens.
+/// - q: mean depth of the ball under the surface of its body [m].
 /// - m: mean outward normal at C. A leaf has one normal, m(c); the normal of a merged ball changes over it (NormalGradient).
 /// - area n: the negative gradient of L by c_i - c_j; n has unit length.
 struct OverlapIntegrals
 {
-	double volume = 0;                        ///< sum dd L [m^3]
-	Vec3 firstMoment;                         ///< sum dd L C [m^4]
-	double secondMoment[6] = {};              ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
-	Wrench normalA, normalB;                  ///< sum dd L m_i and sum dd L m_j, with torques C x the same: Int n_A dV, Int n_B dV
-	Wrench line;                              ///< sum dd L n, with torque C x the same: the paper's eq. (1) at rest; only with Model::Inner
-	Vec3 areaVector;                          ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
+	double volume = 0;            ///< sum dd L [m^3]
+	Vec3 firstMoment;             ///< sum dd L C [m^4]
+	double secondMoment[6] = {};  ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
+	Wrench normalA, normalB;      ///< forces sum dd L m_i and sum dd L m_j, torques sum C x (dd L m): Int n_A dV, Int n_B dV
+	Wrench line;                  ///< force sum dd L n, torque sum C x (dd L n): the paper's eq. (1) at rest; only with Model::Inner
+	Vec3 areaVector;              ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
 	/// sum dd L G G^T with w = w_B m_j - w_A m_i, the direction in which the pair presses, and G = (w, C x w). For a twist of A it
-	/// gives the square of the closing speed of the pair, weighted with its pressure [m^3, m^4, m^5]. It is zero where `dampingWeights`
+	/// gives the squared closing speed of the pair, weighted with its pressure [m^3, m^4, m^5]. It is zero where `dampingWeights`
 	/// are zero.
 	SymmetricMatrix6 damping;
 	DampingWeights dampingWeights;
-	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the corresponding sum for j: Int depth dV [m^4]
+	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the sum with j for i: Int depth dV [m^4]
 	int64_t pairs = 0;              ///< number of intersecting pairs
 
 	void add(const OverlapIntegrals& other);
@@ -62,7 +62,7 @@ struct OverlapIntegrals
 enum class Model
 {
 	Law,   ///< leaves (default)
-	Cell,  ///< unsplit cells: the best volume
+	Cell,  ///< unsplit cells: the most accurate volume
 	Inner  ///< packed spheres: a lower bound of the volume; their normals and depths count as zero
 };
 
@@ -90,20 +90,20 @@ struct QueryOptions
 	int64_t maxPairs = -1;
 	/// Blends levels within a budget, so that the force does not jump where the level changes. At most two levels share the answer,
 	/// with shares that follow the number of pairs; both are within the budget. All traversals together find less than four times the
-	/// budget. Excludes `sortPairs`.
+	/// budget. Not with `sortPairs`.
 	bool blend = false;
 	/// Share of `otherLevel` in the answer, above 0 and up to 1; `level` has the rest. Use it to fade from one level to the other. It
-	/// costs a query of both. Only with Model::Law, without a budget, `sortPairs` and `listMeetingBounds`; not with an analytic field.
+	/// costs a query of both. Only with Model::Law; not with a budget, `sortPairs`, `listMeetingBounds` or an analytic field.
 	double otherShare = 0;
 	int otherLevel = 0;
 	bool stiffness = true;   ///< fills stiffnessA and stiffnessB
-	DampingWeights damping;  ///< fills `damping` for fields of these weights; not with Model::Inner
+	DampingWeights damping;  ///< weights with which `OverlapIntegrals::damping` is filled; not with Model::Inner
 	bool patches = true;     ///< groups the pairs into patches; otherwise there is one patch
-	bool sortPairs = false;  ///< keeps the list of pairs in the workspace, in a reproducible order, for visitors
+	bool sortPairs = false;  ///< lists the pairs in a reproducible order, for callers that read them (`OverlapResult::pairs`)
 	/// Also lists pairs whose bounding balls meet although they share no volume (lens 0). Gives one patch; not within a budget.
 	bool listMeetingBounds = false;
 	/// Suppresses the answer while the packed spheres of the two bodies are apart. Leaves reach beyond the surface by up to a gap, so
-	/// bodies that only touch already press a little. This option prevents that, but contact shallower than the gaps is lost too. It
+	/// bodies that only touch already press a little. This option removes that force, but also contact shallower than the gaps. It
 	/// scales the integrals and leaves the listed pairs as they are. The error bar does not include what it removes. Cost: one query of
 	/// the packed spheres (InnerOverlap.h).
 	bool requireInnerOverlap = false;
@@ -112,32 +112,32 @@ struct QueryOptions
 
 struct QueryCapacity
 {
-	/// Capacity of the list of pairs. A coarser level answers where grouping into patches needs a longer list. Without levels, and for
-	/// visitors, the sums stay exact, but there is one patch and the list is cut.
+	/// Capacity of the list of pairs. If grouping into patches needs a longer list, a coarser level answers. Without levels, and with
+	/// `sortPairs`, the sums stay exact, but there is one patch and the list is cut.
 	int pairs = 200000;
-	int patches = 8;
-	int listEntries = 65536;  ///< pairs of subtrees in flight, in each of two lists; with a small list fewer are opened at a time
+	int patches = 8;          ///< largest number of patches in an answer
+	int listEntries = 65536;  ///< capacity of each of two lists of open pairs of subtrees; with a small list fewer are opened at a time
 };
 
-/// One intersecting pair, for visitors: its indices into the `balls` of the result's trees, and its lens.
+/// One intersecting pair (`QueryOptions::sortPairs`): its indices into the `balls` of the result's trees, and its lens.
 struct OverlapPair
 {
 	uint32_t ballA = 0, ballB = 0;
 	float lens = 0;  ///< L [m^3]
-	float area = 0;  ///< [m^2]; 0 when one contains the other
-	Vec3 centroid;   ///< C, A's mesh axes, relative to A's origin
-	Vec3 normal;     ///< n
+	float area = 0;  ///< size of the gradient of L [m^2]; 0 when one contains the other
+	Vec3 centroid;   ///< C [m], in A's mesh axes, relative to A's origin
+	Vec3 normal;     ///< n; zero if both are concentric
 };
 
 /// Largest number of slots of a body's trees for Model::Law, levels included. The memory of a query grows with it.
 std::size_t mostSlots(const InnerSphereTree& body);
 
-/// Memory for trees that are larger than a workspace's capacity. A thread that may allocate makes it for one that may not. It takes 120
-/// bytes per slot of B and 24 bytes per slot of A.
+/// Memory for trees that are larger than a workspace's arrays. Create it in a thread that may allocate, and take it in one that may
+/// not. It needs 120 bytes per slot of B and 24 bytes per slot of A.
 class QueryBuffers
 {
 public:
-	/// Serves all queries of A and B with Model::Law, and of bodies with no more slots.
+	/// Large enough for all queries with Model::Law of A and B, and of bodies with no more slots.
 	QueryBuffers(const InnerSphereTree& A, const InnerSphereTree& B);
 	~QueryBuffers();
 
@@ -148,8 +148,8 @@ private:
 	std::unique_ptr<Implementation> m_impl;
 };
 
-/// All memory of a query. Use one per thread, and reuse it. A query allocates only when a tree has more slots than any before it and no
-/// memory was reserved for it.
+/// All memory of a query. Use one per thread, and reuse it. A query allocates only when a tree has more slots than all earlier trees and
+/// no memory was reserved for it.
 class QueryWorkspace
 {
 public:
@@ -160,10 +160,10 @@ public:
 	QueryWorkspace(QueryWorkspace&&) noexcept;
 	QueryWorkspace& operator=(QueryWorkspace&&) noexcept;
 	const QueryCapacity& capacity() const;
-	/// Reserves the same memory as QueryBuffers has.
+	/// Reserves the memory that QueryBuffers(A, B) would hold.
 	void reserve(const InnerSphereTree& A, const InnerSphereTree& B);
 	/// Makes the lists of pairs of leaves resident: 30 MB with the default capacity. Without this, a query that finds more pairs than
-	/// any before it waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
+	/// all earlier ones waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
 	void makeResident();
 	/// Swaps in each array of `room` that is larger than the workspace's own. Afterwards `room` is of no further use, and taking it
 	/// again does nothing. Allocates and frees nothing.
@@ -202,7 +202,7 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 
 /// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame.
 /// B's pressure field is that of the exact body: `normalB` = Int n_B dV uses the normals of the nearest surface points, and `depthB`
-/// its depth. `stiffnessB` includes the curvature of the surface. All integrals of A are the same as with a tree.
+/// its depth. `stiffnessB` includes the curvature of the surface. All integrals of A are defined as with a tree.
 /// A pair is a leaf that reaches into the field. Patches are told apart by the field's normals.
 /// Leaves larger than the field's subdivision size are divided (FieldClipper.h). Cost: O(leaves in reach); only the first query of its
 /// kind allocates.
@@ -214,7 +214,7 @@ OverlapResult queryField(
 OverlapResult queryHalfSpace(
 	const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace, const QueryOptions& options = {});
 
-/// Slow reference with simple code: tests all pairs in double and gives one patch. For tests and benchmarks.
+/// Slow reference with simple code, for tests and benchmarks: tests all pairs in double and gives one patch.
 OverlapResult queryOverlapBruteForce(
 	const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, Model model = Model::Law, const DampingWeights& damping = {});
 }  // namespace ist

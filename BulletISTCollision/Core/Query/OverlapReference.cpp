@@ -14,7 +14,7 @@ struct Piece
 	SymmetricMatrix3 gradient;  ///< gradient of the normal over the ball
 };
 
-/// The ball as Model::Inner uses it: without normal and depth.
+/// Ball as Model::Inner uses it: without normal and depth.
 Piece packed(MomentEllipsoid ball)
 {
 	ball.nx = ball.ny = ball.nz = ball.depth = 0;

@@ -125,7 +125,7 @@ private:
 
 Distance queryDistance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB)
 {
-	// Nothing is known about a pose that is not rigid, so the widest interval is returned.
+	// Without a rigid pose or without spheres nothing is known, so the widest interval is returned.
 	if (!isRigid(X_AB) || A.inner.empty() || B.inner.empty()) return {std::numeric_limits<double>::infinity(), 0, {}, {}};
 	const Pose X = treePose(A, B, X_AB);
 	Distance result = NearestPair(A.inner, B.inner, X).run();

@@ -31,9 +31,9 @@ struct TreeRoom
 	std::vector<kernels::MovedCenter> movedCenters;
 	std::vector<MomentEllipsoid> movedBalls;
 
-	/// Takes the number of slots of A, of slots of B, and of ellipsoids of B.
+	/// Grows the arrays to these numbers of slots and ellipsoids.
 	void reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB);
-	/// Keeps the larger array of both, column by column.
+	/// Swaps in each array of `other` that is larger.
 	void takeLarger(TreeRoom& other) noexcept;
 };
 
@@ -43,7 +43,7 @@ struct QueryBuffers::Implementation : TreeRoom
 	bool taken = false;  ///< whether a workspace has taken these buffers, whose entries now carry that workspace's epochs
 };
 
-/// What QueryWorkspace owns.
+/// Memory that QueryWorkspace owns.
 struct QueryWorkspace::Implementation : TreeRoom
 {
 	const kernels::QueryKernel* kernel = nullptr;  ///< null: the wanted instruction set cannot run here
@@ -64,13 +64,13 @@ struct QueryWorkspace::Implementation : TreeRoom
 	std::vector<OverlapIntegrals> patches, keptPatches;
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
-	/// Grows what depends on the size of the trees. Only the first query with a larger tree allocates.
+	/// Grows the arrays that depend on the size of the trees. Only the first query with a larger tree allocates.
 	void reserveFor(const BallTree& A, const BallTree& B);
 	/// Empties the list of terms and reserves memory for grouping. Only the first query with a larger tree allocates.
 	void reserveTerms(const BallTree& A);
 	/// Makes the lists of pairs of leaves resident.
 	void makeResident();
-	/// Reserves the visitors' list. Only the first query that needs it allocates.
+	/// Reserves the list of pairs for callers (`QueryOptions::sortPairs`). Only the first query that needs it allocates.
 	void reservePairs();
 };
 }  // namespace ist

@@ -74,8 +74,8 @@ OverlapIntegrals collect(const double* sums, const DampingWeights& damping)
 	return o;
 }
 
-/// Fills the kListSlack entries behind the last one, which kernels read along with it. They must name balls, and those of B must have
-/// been transformed.
+/// Fills the kListSlack entries behind the last one, because kernels read whole vectors. The entries must be valid balls, and those of B
+/// must have been transformed.
 void pad(uint32_t* a, uint32_t* b, int count)
 {
 	if (count == 0) return;
@@ -164,7 +164,7 @@ bool TreeQuery::place()
 	m_rootA = {a.x, a.y, a.z, a.r};
 	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
 	if (m_memory) m_remembered = m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
-	// This comparison is in double, because far translations would spoil the floats of the search.
+	// This comparison is in double, because floats are too coarse for distant translations.
 	return !(distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6));
 }
 

@@ -21,19 +21,20 @@ public:
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
 		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory = nullptr);
 
-	/// Returns false when the limit was met. The result then holds only the counts of the work done.
+	/// Returns false when the traversal reached the limit of pairs. The result then holds only the counts of the work done.
 	bool run();
 
 private:
-	/// Sets what a search needs to know about the pose. Returns false when the bounds of the bodies are apart.
+	/// Computes the bounds and tolerances that a search needs for this pose. Returns false when the bounds of the bodies are apart.
 	bool place();
 	bool answer();
-	/// Returns false when nothing is left to do: the bounds of the bodies are apart, or the Verlet list supplied the patches, too.
+	/// Finds the pairs. Returns false when nothing is left to do: the bounds of the bodies are apart, or the Verlet list supplied the
+	/// patches, too.
 	bool find();
 	kernels::PairSearch newSearch();
 	void beginAtRoots(kernels::PairSearch& search) const;
 	void count(const kernels::SearchCounts& counts);
-	/// Fills the Verlet list with the pairs that come within `margin` at `around`. Returns false when that failed.
+	/// Fills the Verlet list with the pairs that come within `margin` at `around`. Returns false when that is not possible.
 	bool fillAround(const Pose& around, double margin);
 	/// Processes the pairs of the Verlet list as if a search had found them.
 	void recall();

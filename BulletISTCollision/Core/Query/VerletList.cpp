@@ -10,11 +10,11 @@ namespace
 {
 /// Number of queries that a margin should last. A longer life saves little, and the list grows.
 constexpr double kWantedSteps = 10;
-/// Smallest number of queries for which a list pays. Below it, a query without the list is cheaper.
+/// Smallest number of queries that a list must last to save time.
 constexpr double kLeastSteps = 3;
 /// Weight of the last query in the estimate of the motion.
 constexpr double kLearning = 0.3;
-/// Share of the margin that the way to the pose of filling may use.
+/// Largest share of the margin that lies between the current pose and the pose around which the list is filled.
 constexpr double kAhead = 0.8;
 /// Limits of the ratio of remembered pairs to intersecting pairs. Above `tooMany` the margin shrinks, and below `few` it may grow. Most
 /// pairs that do not intersect cost only a distance test; with packed spheres each one is evaluated in full.
@@ -23,7 +23,7 @@ struct Ratios
 	double tooMany, few;
 };
 constexpr Ratios kWithShapes{1.9, 1.6}, kOfSpheres{1.6, 1.35};
-/// Ratios of intersecting pairs to the capacity. Above kFull no margin is worth its search, until the ratio falls below kRoomAgain.
+/// Ratios of intersecting pairs to the capacity. Above kFull the list is not filled again until the ratio falls below kRoomAgain.
 constexpr double kFull = 0.8, kRoomAgain = 0.6;
 /// Relative change of a grouping above which the pairs are grouped anew.
 constexpr double kOldGrouping = 0.1;
@@ -44,8 +44,8 @@ double SeenPose::motionTo(const Pose& other) const
 			const double d = X.rotation.m[i][j] - other.rotation.m[i][j];
 			squared += d * d;
 		}
-	// A difference of rotations has two equal singular values, and the third is zero. The part that is not a rotation adds its own
-	// share.
+	// A difference of rotations has two equal singular values, and the third is zero. `skew` covers the deviation of both matrices from
+	// rotations.
 	return distance(X * center, other * center) + (std::sqrt(0.5 * squared) + skew) * reach;
 }
 

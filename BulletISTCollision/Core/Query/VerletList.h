@@ -5,14 +5,14 @@
 
 namespace ist
 {
-/// Verlet list of two bodies: the pairs of balls that come within a margin of each other. It spares bodies that move little the search
-/// for pairs. It is valid until a point of B has moved by more than the margin, seen from A. Use one for each pair of bodies, in one
-/// query at a time.
+/// Verlet list of two bodies: the pairs of balls that come within a margin of each other. While the bodies move little, it replaces the
+/// search for pairs. It is valid until a point of B has moved by more than the margin, seen from A. Use one list for each pair of
+/// bodies, in one query at a time.
 ///
-/// A query with the list finds the same pairs as one without it. The sums agree to the rounding of floats, whose order differs; the
-/// division into patches may be older. A query that did not search reports no `nodeVisits`. The list is not used within budgets, nor
-/// while two levels share an answer. It holds the pairs of one level, so a traversal of another level by `queryWithTolerance` fills it
-/// anew. Only the constructor allocates.
+/// A query with the list finds the same pairs as one without it. The sums agree to within the rounding of floats, because
+/// their order differs. The division into patches may be older. A query that did not search reports no `nodeVisits`. A query with a
+/// budget ignores the list, and so does one in which two levels share the answer. The list holds the pairs of one level, so a traversal
+/// of another level by `queryWithTolerance` fills it anew. Only the constructor allocates.
 ///
 /// The list also remembers the patch of each pair, from the last query that grouped the pairs. A pair that begins to touch later joins
 /// a patch of one of its balls, or the nearest patch. So a query that does not search needs neither a list of intersecting pairs nor a
@@ -20,7 +20,7 @@ namespace ist
 /// cancel by 10 % more.
 ///
 /// The list is filled around a pose extrapolated from recent motion, and so lasts twice as long. The margin follows that motion, too.
-/// When bodies move too fast for the list to pay, each query searches anew. A query that fills the list costs as much as 1.5 to 3
+/// When bodies move so fast that a list saves nothing, each query searches anew. A query that fills the list costs as much as 1.5 to 3
 /// queries without it.
 class VerletList
 {
@@ -31,7 +31,7 @@ public:
 	VerletList(VerletList&&) noexcept;
 	VerletList& operator=(VerletList&&) noexcept;
 
-	/// Call this before a tree of the bodies is replaced by another one at the same address. Queries notice any other change.
+	/// Call this before a tree of the bodies is replaced by another one at the same address. Queries detect any other change.
 	void forget();
 
 	struct Implementation;

@@ -9,15 +9,15 @@
 
 namespace ist
 {
-/// Pose of B seen from A, and a ball that contains B, for bounds on the motion of its points.
+/// Pose of B seen from A, and a ball that contains B. Together they bound the motion of B's points.
 struct SeenPose
 {
-	Pose X;       ///< pose of B's tree frame in A's
-	Vec3 center;  ///< centre of a ball around B, in B's tree frame
-	double reach = 0;
+	Pose X;            ///< pose of B's tree frame in A's
+	Vec3 center;       ///< centre of a ball around B, in B's tree frame
+	double reach = 0;  ///< radius of that ball [m]
 	/// Upper bound of the motion of any point of that ball [m].
 	double motionTo(const Pose& other) const;
-	/// Pose after a drift of the ball's centre and a turn about it.
+	/// Pose after a drift of the ball's centre [m] and a turn about it (rotation vector [rad]), in A's axes.
 	Pose moved(const Vec3& drift, const Vec3& turn) const;
 };
 
@@ -33,8 +33,8 @@ struct VerletList::Implementation
 	bool covers(const BallTree& A, const BallTree& B, const QueryOptions& options, const SeenPose& now);
 	/// Margin with which to fill the list [m]. 0 means that this query should not fill it.
 	double marginToFill() const;
-	/// Pose around which to fill the list. It lies half of the expected way ahead, measured over the life of the margin, so the list
-	/// lasts twice as long.
+	/// Pose around which to fill the list: the last pose, moved ahead by half of the motion expected while the margin lasts. So the
+	/// list lasts twice as long.
 	Pose poseToFill(double margin) const;
 	/// Starts filling the list with the pairs that come within `margin` at `X`.
 	void begin(double margin, const Pose& X);
@@ -48,10 +48,10 @@ struct VerletList::Implementation
 	void divide(int patches);
 	/// Number of patches into which the pairs are divided; 0: they are not divided.
 	int patches() const { return m_patches; }
-	/// Notes the integrals of the patches, from the query whose pairs were grouped.
+	/// Stores the integrals of the patches of the query whose pairs were grouped.
 	void note(const OverlapIntegrals* patches, int number) { m_grouped = Grouping(patches, number); }
-	/// Whether patches with these integrals are still a valid grouping: about as many pairs intersect, and each patch still presses in
-	/// one direction to the same degree.
+	/// Whether patches with these integrals are still a valid grouping: about as many pairs intersect, and the normals within patches
+	/// cancel hardly more.
 	bool isGrouping(const OverlapIntegrals* patches, int number) const;
 	void dropPatches() { m_patches = 0; }
 	size_t firstOf(int patch) const { return m_first[patch]; }
@@ -77,13 +77,13 @@ private:
 	const BallTree *m_A = nullptr, *m_B = nullptr;
 	size_t m_ballsA = 0, m_ballsB = 0;
 	Model m_model = Model::Law;
-	bool m_bounds = false;  ///< whether pairs of which only the bounding balls meet are included
+	bool m_bounds = false;  ///< whether the list includes pairs that meet only with their bounding balls
 	SeenPose m_filled, m_last;
 	double m_margin = 0;  ///< margin of the remembered pairs [m]
-	double m_most = 0;    ///< largest margin that is known to pay [m]
+	double m_most = 0;    ///< largest margin to use, adapted by `end` [m]
 	double m_step = -1;   ///< recent motion from query to query [m]; negative: not known yet
 	double m_swerve = 0;  ///< recent deviation of the motion from `m_drift` and `m_turn` [m]
-	/// recent motion of B's ball from query to query: drift of its centre [m], and turn as a rotation vector, in A's axes
+	/// recent motion of B's ball from query to query: drift of its centre [m] and turn (rotation vector [rad]), in A's axes
 	Vec3 m_drift, m_turn;
 	std::vector<uint8_t> m_patchOf;
 	std::vector<uint32_t> m_sortedA, m_sortedB;  ///< working arrays of `divide`
