@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// State that a pair of bodies keeps from query to query. With it the requested accuracy mostly costs one query, and the level changes
+/// State of a pair of bodies from query to query. With it the requested accuracy mostly costs one query, and the level changes
 /// smoothly.
 struct AdaptiveLevel
 {
@@ -18,7 +18,7 @@ struct AdaptiveLevel
 };
 
 /// Largest change of the force per query that a fade may cause, as a share of the force. It assumes that the difference of the two
-/// levels stays what it was when the fade began. That difference may double, so the value is half of the limit.
+/// levels stays as it was when the fade began. That difference may double, so the value is half of the limit.
 constexpr double kMostFadeStep = 0.005;
 
 /// Queries the same pair repeatedly with a tolerance, as `queryWithTolerance` does. When another level becomes the right one, the

@@ -14,7 +14,7 @@ namespace
 {
 constexpr double kOfBalls = 0.7, kOfFew = 0.25, kOfGaps = 0.2, kMostGaps = 3, kUnmeasured = 0.4;
 constexpr double kFloorOverlap = 0.001;
-/// Share of the tolerance within which a coarser level must lie to be tried next. The margin keeps two levels from alternating.
+/// A coarser level is tried next only if its error bound is within this share of the tolerance. So two levels do not alternate.
 constexpr double kReserve = 0.8;
 /// A coarse level may see too little force. So the bound is also evaluated with the force plus kHope times the error bound. The level
 /// that would then suffice is tried, if it is at least kWorthALook levels coarser than the safe choice. With a smaller difference, a
@@ -59,8 +59,8 @@ int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Contac
 
 namespace
 {
-/// The level to query after `level` did not meet the tolerance. Where forces cancel, a coarse level knows little of the remaining
-/// force. Its own bound alone would often lead to the leaves where a level in between suffices.
+/// The level to query after `level` did not meet the tolerance. Where forces cancel, a coarse level gives little of the remaining
+/// force. Its own bound alone would often select the leaves although a level in between suffices.
 int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen, double error)
 {
 	ContactSeen hoped = seen;

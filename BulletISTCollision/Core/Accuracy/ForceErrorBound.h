@@ -5,7 +5,7 @@
 
 namespace ist
 {
-/// What an answer of any level says about a contact, for a stiffness of 1 Pa/m.
+/// Contact as the answer of any level shows it, for a stiffness of 1 Pa/m.
 struct ContactSeen
 {
 	double volume = 0;  ///< [m^3]
@@ -14,7 +14,7 @@ struct ContactSeen
 };
 ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA = 0.5, double weightB = 0.5);
 
-/// Smallest force to which errors are related, for 1 Pa/m [m^3]: smaller forces count as if they were this large. It is 0.1 % of the
+/// Smallest reference force of a relative error, for 1 Pa/m [m^3]: smaller forces count as if they were this large. It is 0.1 % of the
 /// smaller body's volume, the force of an overlap of 0.1 % in flat contact. It applies to every error bound, tolerance or reported
 /// error that is a share of a force.
 double forceFloor(double volumeA, double volumeB);
@@ -28,8 +28,8 @@ double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 /// each of them. bench_pareto prints how well they hold on other bodies. Bodies without a calibration get the largest c.
 double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 
-/// The coarsest level of the pair whose error bound is within `error` (0 to 1) of the force or of the floor. It is 0, the leaves, if no
-/// level is. Makes no queries; cost: O(levels^2).
+/// The coarsest level of the pair whose error bound is within `error` (0 to 1) of the force or of the floor. If no
+/// level is, the result is 0, the leaves. Makes no queries; cost: O(levels^2).
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error);
 
 /// Accepted error of the force, and the level at which to begin.

@@ -14,11 +14,11 @@ namespace ist
 namespace
 {
 constexpr int kPosesPerOverlap = 12;
-/// Number of balls of the level at which poses of a given overlap are searched for, approximately.
+/// Approximate number of balls of the level with which poses of a given overlap are searched.
 constexpr uint32_t kSearchBalls = 500;
 constexpr double kHeld = 0.95;
-/// Limits of the coefficients. Below kLeast other errors dominate. A coefficient above kMost was never needed: it occurs where a
-/// level's balls are thicker than the body.
+/// Limits of the coefficients. Below kLeast other errors dominate. A coefficient above kMost was never needed; it is measured
+/// where a level's balls are thicker than the body.
 constexpr double kLeast = 0.15, kMost = 0.4;
 constexpr uint64_t kSeed = 1;
 /// The queries only add up, so they need no list of pairs. A list would take 20 MB per thread.
@@ -58,7 +58,7 @@ struct Trial
 {
 	double overlap;
 	Departure departure;
-	std::vector<double> needed;  ///< coefficient that each level needs; empty where there is no such pose
+	std::vector<double> needed;  ///< coefficient that each level needs; empty if there is no such pose
 };
 
 std::vector<Trial> drawTrials()

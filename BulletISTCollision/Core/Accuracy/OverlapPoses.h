@@ -20,7 +20,7 @@ struct Departure
 Departure randomDeparture(std::mt19937_64& random);
 
 /// The pose X_AB (mesh frames) along a departure at which the overlap is `fraction` of the smaller body's volume, measured with `level`
-/// of the pair. B starts with its centre of mass at that of A and moves away by bisection. Empty if even the start overlaps less.
+/// of the pair. B starts with its centre of mass at that of A and moves away by bisection. Empty if the overlap is smaller even there.
 std::optional<Pose> poseAtOverlap(
 	const InnerSphereTree& A, const InnerSphereTree& B, double fraction, int level, const Departure& departure, QueryWorkspace& workspace);
 /// Searches like the function above, along a random departure. The result depends only on the state of `random` and the two bodies.
