@@ -15,7 +15,7 @@ struct Lens
 	Vec3 n;               ///< unit vector from the ball of B to that of A; 0 for coincident centres
 	double distance = 0;  ///< distance of the centres
 	double area = 0;
-	double xA = 0, xB = 0;      ///< distances from the centres to the plane of the disc
+	double xA = 0, xB = 0;      ///< distances of the centres from the plane of the disc
 	double capA = 0, capB = 0;  ///< volume of the part of the lens inside A's sphere beyond the disc, and of the part inside B's sphere
 	double volume() const { return capA + capB; }
 	Vec3 centroid(const Vec3& centerA) const { return volume() > 0 ? centerA - n * (distance * capB / volume()) : centerA; }

@@ -13,8 +13,8 @@ struct PairLawResult
 	double energy = 0;
 };
 
-// These laws are sums over the intersecting pairs of a query with `sortPairs`. The list of pairs must be complete. The lenses are
-// evaluated again in double.
+// These laws are sums over the intersecting pairs of a query with `sortPairs`. The list of pairs must be complete. They
+// evaluate the lenses again in double.
 
 /// Paper mode: Weller & Zachmann's eq. (1) for bodies at rest, sum n L epsilon at the centroids of the lenses. Use it with
 /// Model::Inner. The law is not conservative, so `energy` stays 0.

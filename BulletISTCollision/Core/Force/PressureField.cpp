@@ -12,7 +12,8 @@ namespace ist
 {
 namespace
 {
-/// Elimination without row exchanges finds only positive pivots, with a margin for rounding. It costs a tenth of an eigenvalue problem.
+/// Whether elimination without row exchanges finds only positive pivots, with a margin for rounding. Cost: a tenth of an eigenvalue
+/// problem.
 bool isPositiveDefinite(const SymmetricMatrix6& matrix)
 {
 	constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();

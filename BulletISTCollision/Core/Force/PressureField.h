@@ -22,7 +22,7 @@ double pressureEnergy(const OverlapIntegrals& integrals, const PressurePair& pai
 SymmetricMatrix6 pressureStiffness(const OverlapIntegrals& integrals, const PressurePair& pair);
 /// Damping -d(force, torque)/d(twist) of A about A's origin, for a dissipation of 1 s/m [N s/m, N s, N m s]. At each pair the pressure
 /// grows with the speed at which the bodies approach along that pair's own normals. The matrix is positive semidefinite except for
-/// rounding. Bodies that slide along each other are not held back, however curved they are. The integrals must come from a query with
+/// rounding. It does not brake bodies that slide along each other, however curved they are. The integrals must come from a query with
 /// the pair's weights (QueryOptions::damping).
 SymmetricMatrix6 pressureDamping(const OverlapIntegrals& integrals, const PressurePair& pair);
 /// The nearest positive semidefinite matrix: negative eigenvalues are set to zero. `length` [m] scales rotations to lengths first, so
@@ -32,8 +32,8 @@ SymmetricMatrix6 projectedPositive(const SymmetricMatrix6& matrix, double length
 /// Force and torque with which a stiffness or damping responds to a displacement or twist.
 Wrench operator*(const SymmetricMatrix6& matrix, const Twist& twist);
 
-/// Depth of an overlap: volume over area [m]. In a flat contact it is the depth, and for a ball on a plane half of the depth. Where one
-/// body surrounds the other the area vanishes; so the result is limited to twice the cube root of the volume. It is zero without a
+/// Depth of an overlap: volume over area [m]. In a flat contact it is the depth, and for a ball on a plane half of the depth. If one
+/// body surrounds the other, the area vanishes; so the result is limited to twice the cube root of the volume. It is zero without a
 /// volume.
 double meanDepth(const OverlapIntegrals& integrals);
 

@@ -12,8 +12,8 @@ namespace
 {
 double work(const Wrench& w, const Twist& t) { return dot(w.force, t.linear) + dot(w.torque, t.angular); }
 
-/// Change of a wrench whose forces turn about the centre of the overlap. The overlap stays with A, except for half of the distance that
-/// B's surface moves there, which is small where the two touch.
+/// Change of a wrench whose forces turn about the centre of the overlap. That centre is taken to stay fixed on A. In fact it moves by
+/// half of the distance that B's surface moves there, which is small where the two touch.
 Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
 {
 	const Vec3 force = cross(by, w.force), rest = w.torque - cross(center, w.force);
