@@ -140,7 +140,7 @@ Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repa
 	seconds.packing = watch.lap();
 
 	CellOptions cellOptions;
-	// Smooth bodies pack as a few spheres; their leaves must still be as small as the number asked for allows.
+	// A few spheres fill a smooth body. Its leaves must still be as small as `maxSpheres` allows.
 	if (splitsSmoothBodies(options))
 		cellOptions.fewestLeaves = int64_t(cellOptions.leavesPerSphere * double(std::min(options.maxSpheres, kMostSpheresForLeaves)));
 	cellOptions.seed = options.seed;

@@ -26,7 +26,7 @@ struct BuildOptions
 	Progress progress;
 };
 
-/// Whether asking for more spheres makes the leaves smaller when a body is full with fewer spheres than requested, as smooth bodies are.
+/// Whether a larger `maxSpheres` makes the leaves smaller even if fewer spheres fill the body, as in smooth bodies.
 bool leavesBecomeSmaller(const BuildOptions& options);
 
 /// Wall-clock times of the stages [s].
@@ -41,7 +41,7 @@ Result<InnerSphereTree> buildTree(const Mesh& mesh, const BuildOptions& options,
 
 /// The first stage of `buildTree` alone: repair() in the mode of the options.
 Result<RepairedMesh> repairToBuild(const Mesh& mesh, const BuildOptions& options);
-/// The other stages of `buildTree`. `repaired` is what repairToBuild() made of `mesh` with the same options.
+/// The other stages of `buildTree`. `repaired`: result of repairToBuild() for `mesh` with the same options.
 Result<InnerSphereTree> buildRepaired(
 	const Mesh& mesh, const RepairedMesh& repaired, const BuildOptions& options, BuildTimes* times = nullptr);
 }  // namespace ist

@@ -31,7 +31,7 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 /// Change of the volume that closing the mesh may cause, as a share of the volume.
 double doubtAbout(const RepairedMesh& repaired) { return repaired.before.watertight ? 0 : repaired.volumeDoubt / repaired.volumeAfter; }
 
-/// Returns an empty text when the mesh has an inside.
+/// Reason why the mesh is refused, or an empty text when it has an inside.
 std::string whyNoInside(double doubt, double mostDoubt)
 {
 	if (doubt <= mostDoubt) return {};
@@ -56,7 +56,7 @@ std::optional<double> savedDoubt(const std::string& treeFile)
 	return isWhole ? std::optional(doubt) : std::nullopt;
 }
 
-/// A failure is not reported, because without the file the next hit repairs the mesh.
+/// Ignores a failure, because without the file the next call repairs the mesh.
 void saveDoubt(double doubt, const std::string& treeFile)
 {
 	char text[40];
@@ -64,7 +64,7 @@ void saveDoubt(double doubt, const std::string& treeFile)
 	static_cast<void>(writeFileAtomically(doubtFile(treeFile), reinterpret_cast<const std::byte*>(text), size_t(end - text)));
 }
 
-/// Doubt about the mesh of a tree that was loaded. Only folders of older versions lack the file; for those the mesh is repaired once.
+/// Doubt about the mesh of a tree that was loaded. If the file is missing, as in folders of older versions, the mesh is repaired once.
 Result<double> doubtBehind(const InnerSphereTree& tree, const std::string& treeFile, const Mesh& mesh, const BuildOptions& options)
 {
 	if (tree.provenance.watertight) return 0.0;

@@ -17,7 +17,7 @@ struct CachedTree
 	std::string note;  ///< reason why the folder could not be read or written, else empty; the tree is valid in any case
 };
 
-/// Hash of everything that shapes the tree: the mesh, every option except threads and progress, and the versions of the builder and of
+/// Hash of everything that determines the tree: the mesh, every option except threads and progress, and the versions of the builder and of
 /// the asset format.
 uint64_t treeKey(const Mesh& mesh, const BuildOptions& options);
 

@@ -51,8 +51,7 @@ struct TreeWorker::Shared
 		return order;
 	}
 
-	/// Takes the next job. Returns nothing once the worker must stop. The job has no order if no reference to its order exists any
-	/// more.
+	/// Takes the next job. Returns nothing once the worker must stop. The job has no order if no other reference to that order is left.
 	std::optional<Job> next()
 	{
 		std::unique_lock<std::mutex> lock(mutex);

@@ -14,9 +14,9 @@ class TreeOrder
 {
 public:
 	bool isDone() const { return m_done.load(std::memory_order_acquire); }
-	/// Null if the order failed.
+	/// The tree; null if the order failed.
 	const std::shared_ptr<const InnerSphereTree>& tree() const { return m_result.tree; }
-	const std::string& error() const { return m_error; }  ///< empty unless the order failed
+	const std::string& error() const { return m_error; }  ///< reason of a failure, else empty
 	bool fromCache() const { return m_result.fromCache; }
 	const std::string& note() const { return m_result.note; }  ///< see CachedTree
 
