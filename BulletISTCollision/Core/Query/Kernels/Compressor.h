@@ -8,7 +8,7 @@ namespace
 {
 using Vector8 = FloatVector<8>;
 
-/// Table of the lanes of the set bits, in order. The rest of each row is unspecified.
+/// Table of the lanes of the set bits, in order, for each mask. The rest of each row is unspecified.
 struct LaneTable
 {
 	uint8_t lane[256][8];
@@ -21,7 +21,7 @@ struct LaneTable
 };
 [[maybe_unused]] constexpr LaneTable kLaneTable;
 
-/// Moves the lanes of the set bits of eight values to `to`, without gaps. It may write eight values, whatever the bits.
+/// Moves the lanes of the set bits of eight values to `to`, without gaps. It may write eight values, whatever the bits are.
 class Compressor
 {
 public:
@@ -74,7 +74,7 @@ private:
 constexpr int kGroup = least(kLanes, 8);
 
 /// Compressor for all lanes of a vector of pairs; it works in registers where the instruction set allows that. Writes a whole vector,
-/// whatever the bits.
+/// whatever the bits are.
 class LaneCompressor
 {
 public:

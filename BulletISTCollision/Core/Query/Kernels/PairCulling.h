@@ -4,11 +4,11 @@
 #include "BulletISTCollision/Core/Query/Kernels/PairIntegrals.h"
 #include "BulletISTCollision/Core/Query/Kernels/PairSearch.h"
 
-// Included by QueryKernel.cpp only. Half of the ellipsoids whose bounding balls meet are apart. This distance test, in floats and with
-// some slack, spares them the full evaluation.
+// Included by QueryKernel.cpp only. Half of the ellipsoids whose bounding balls meet are apart. This distance test in floats, with
+// some slack, saves their full evaluation.
 namespace
 {
-/// Enlarges P so that its ellipsoid contains all points within `margin` of the ellipsoid of P. With h^2 = u^T P u in a direction u,
+/// Enlarges P so that its ellipsoid contains all points within m = `margin` of the ellipsoid of P. With h^2 = u^T P u in a direction u,
 ///     (h + m)^2 <= (1 + t) h^2 + (1 + 1/t) m^2.
 /// Both sides are equal where t = m / h; here t uses the mean h.
 IST_INLINE F6 grown(const F6& P, const F& margin)
@@ -38,11 +38,11 @@ template <bool isMoved> IST_INLINE Balls fetchMoved(const PairBodies& bodies, co
 	return b;
 }
 
-/// Bit k is set where the ellipsoids k may share volume, within the margin.
-/// They may where x^T P^-1 x < 2 with P = P_a + P_b. That means u.x < sqrt(2) h(u) in all directions u, with h(u)^2 = u^T P u.
-/// If no point of B moves by more than s, then u.x and B's share in h together change by at most |u| s.
-/// So u.x was below sqrt(2) (h + |u| s).
-/// The condition holds where 2 P - x x^T is positive definite. That is where its determinant, det(2 P) (1 - x^T P^-1 x / 2), is positive.
+/// Bit k is set where the ellipsoids k may intersect, within the margin.
+/// Ellipsoids at the offset x can intersect only if x^T P^-1 x < 2 with P = P_a + P_b. This means u.x < sqrt(2) h(u) in all directions u,
+/// with h(u)^2 = u^T P u.
+/// If points of B move by at most s, u.x and B's part of h together change by at most |u| s. So u.x was below sqrt(2) (h + |u| s) before.
+/// The condition holds where 2 P - x x^T is positive definite, so where its determinant, det(2 P) (1 - x^T P^-1 x / 2), is positive.
 template <bool hasMargin, bool isMoved>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {

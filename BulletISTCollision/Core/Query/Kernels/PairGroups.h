@@ -38,7 +38,7 @@ struct StrongestLanes
 	}
 };
 
-/// Sums, by lanes, over the pairs that join a patch.
+/// Sums over the pairs that join a patch, one for each lane.
 struct Joined
 {
 	F sums[7];
@@ -101,7 +101,7 @@ void joinCone(const PairStream& stream, GroupNumber* groups, int count, ConeSear
 	strongest.finish(search);
 }
 
-/// Best patches so far, by distance and direction.
+/// Patch with the highest score so far, in each lane. The score rates distance and direction.
 struct BestPatch
 {
 	F score = F::all(-3e38f), patch = F::all(0);

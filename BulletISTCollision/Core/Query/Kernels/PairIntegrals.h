@@ -6,9 +6,9 @@
 
 #include <type_traits>
 
-// Included by QueryKernel.cpp only. Offsets of centres are computed in double, with the reference's operations in the same order, and
-// so is everything that decides whether two balls intersect. Two ellipsoids continue in floats: their depth in each other has an error
-// of about 2e-7 of their size.
+// Included by QueryKernel.cpp only. Offsets of centres are computed in double, with the reference's operations in the same order. So
+// is everything that decides whether two balls intersect. The rest of the test of two ellipsoids is in floats: their depth in each other
+// has an error of about 2e-7 of their size.
 namespace
 {
 using namespace ist;
@@ -16,7 +16,7 @@ using namespace ist::kernels;
 
 using Lanes = F::Lanes;
 
-/// Number of pairs that are staged before they are summed. Sums by lanes are floats within a stage and doubles beyond.
+/// Number of pairs that are staged before they are summed. The sums of the lanes are floats within a stage, and doubles over all stages.
 constexpr int kStage = 256;
 constexpr float kPiF = 3.14159265358979323846f;
 
@@ -31,7 +31,7 @@ struct Lenses
 {
 	Lanes hits, meeting;
 	F mass, area;      ///< dd L, and dd times the area of the disc
-	F3 C, n, mA, mB;   ///< n has unit length for balls only; in both cases area times n is the area vector
+	F3 C, n, mA, mB;   ///< n: unit length for balls only; area times n is the area vector for ellipsoids, too
 	F depthA, depthB;  ///< depths at C
 };
 
@@ -47,7 +47,7 @@ IST_INLINE Centers movedCenters(const PairBodies& bodies, const F& x, const F& y
 struct Shared
 {
 	Lanes hits;
-	F volume, disc, share;  ///< share: part of the volume that the cap of ball j has
+	F volume, disc, share;  ///< share: share of the volume in the cap of ball j
 	F inverse;              ///< 1 / distance of the centres, 0 where they coincide
 	F squareI, squareJ;     ///< ellipsoids only: r_i^2 and r_j^2 in the coordinates in which lensOf compares them
 };
@@ -80,7 +80,7 @@ IST_INLINE Shared sharedByBalls(const D& Ri, const D& Rj, const D& distance)
 		towardsI.rounded(), towardsJ.rounded());
 }
 
-/// P_i + P_j in units of the square of a power of two near the reach. So no power of a length leaves the range of a float.
+/// P_i + P_j in units of u^2, where u is a power of two near the reach. So no power of a length leaves the range of a float.
 struct Whitening
 {
 	F unit, perUnit, perUnit2;  ///< the unit of length, 1 over it, and the square of that
@@ -109,10 +109,10 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	const Whitening white = whitening(a, b);
 	const F6& Q = white.Q;
 	const F u = white.perUnit, Ri = a.R * u, Rj = b.R * u, reach2 = (Ri + Rj) * (Ri + Rj);
-	// This is one division instead of two.
+	// One division gives both inverses.
 	const F both = one / (white.det * reach2), inverse = both * reach2, perReach2 = both * white.det;
-	// Each radius comes from its own shape. Their squares add up to 1, so as a difference the smaller one would vanish in the rounding
-	// of the larger.
+	// Each radius is computed from its own shape. Their squares add up to 1. As a difference the smaller one would be lost in the rounding
+	// of the larger one.
 	const F third = inverse * F::all(1.0f / 3) * white.perUnit2;
 	const F ri = F::squareRoot(dot(a.shape, Q) * third), rj = F::squareRoot(dot(b.shape, Q) * third), sum = ri + rj;
 	const F3 x{offset.x * u, offset.y * u, offset.z * u}, w = Q * x;
@@ -135,7 +135,7 @@ IST_INLINE Shared sharedByEllipsoids(const Balls& a, const Balls& b, const F3& o
 	return s;
 }
 
-/// Loads B's balls in A's tree frame: returns the centres, not rounded to floats, and the rest in `b`. `isMoved`: the search has
+/// Loads B's balls in A's tree frame. Returns the centres, not rounded to floats; `b` receives the rest. `isMoved`: whether the search has
 /// already transformed them.
 template <Terms terms, bool isMoved> IST_INLINE Centers fetchB(const PairBodies& bodies, const uint32_t* index, Balls& b)
 {
@@ -170,7 +170,7 @@ template <Terms terms> IST_INLINE Balls fetchA(const PairBodies& bodies, const u
 IST_INLINE void changeNormals(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB, const Balls& a, const Balls& b,
 	const F3& offset, const Shared& shared, Lenses& l)
 {
-	// The sum of both shapes is scaled to a trace of 1. So its determinant stays in the range of a float, however unlike the two shapes
+	// The sum of both shapes is scaled to a trace of 1. So its determinant stays in the range of a float, however different the two shapes
 	// are.
 	constexpr float kLeastTrace = 1e-37f;
 	const F zero = F::all(0), one = F::all(1), ofA = shared.share * shared.squareJ, ofB = (one - shared.share) * shared.squareI;
@@ -229,8 +229,8 @@ IST_INLINE Lenses lensesOf(const PairBodies& bodies, const uint32_t* indexA, con
 
 IST_INLINE uint32_t firstLanes(int count) { return count >= kLanes ? (1u << kLanes) - 1 : (1u << count) - 1; }
 
-/// Pairs that are summed next. The length of a column is not a power of two, because then the same position in several columns would
-/// compete for one cache set.
+/// Pairs that are summed next. A column has kListSlack entries more than a power of two. Otherwise the same position in several
+/// columns would compete for one cache set.
 struct alignas(64) Stage
 {
 	static constexpr int kLength = kStage + kListSlack;
@@ -331,7 +331,8 @@ void sumDepths(const Stage& stage, int length, double* sums)
 	addSums(sums + kDepthA, depth);
 }
 
-/// Adds three rows of g times some columns of w to rows of `stride`. At most four columns, so that the sums fit into sixteen registers.
+/// Adds three rows of g times some columns of w to `product`, whose rows have `stride` entries. At most four columns: then the sums fit
+/// into sixteen registers.
 template <int kColumns> void sumTile(const float (*g)[kStage], const float (*w)[kStage], int length, double* product, int stride)
 {
 	F s[3 * kColumns];
@@ -431,7 +432,7 @@ template <Terms terms> void flushStage(const PairBodies& bodies, Stage& stage, i
 	length = 0;
 }
 
-/// Appends those of the first `count` lanes that intersect. If at least three quarters do, all lanes are appended, because summing
+/// Appends those of the first `count` lanes that intersect. If at least three quarters do, it appends all lanes, because summing
 /// zeros costs less than compressing.
 template <Terms terms> IST_INLINE int stageLenses(const Lenses& l, int count, Stage& stage, int length)
 {

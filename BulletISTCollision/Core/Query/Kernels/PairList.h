@@ -3,8 +3,8 @@
 
 #include "BulletISTCollision/Core/Query/Kernels/PairIntegrals.h"
 
-// Included by QueryKernel.cpp only. Pairs that must be grouped are evaluated once, into columns. The columns are summed when the groups
-// are known.
+// Included by QueryKernel.cpp only. Pairs that must be grouped are evaluated once and stored in columns. The columns are summed when the
+// groups are known.
 namespace
 {
 constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
@@ -81,7 +81,7 @@ void sumListed(const PairBodies& bodies, const PairStream& stream, const GroupNu
 		if (!bits) continue;
 		stageLanes<kColumns>(stream, k, bits, stage, length);
 		length += __builtin_popcount(bits);
-		// The list may contain pairs of which only the bounds meet; they have no mass and are not counted.
+		// The list may contain pairs that meet only with their bounding balls. They have no mass and are not counted.
 		pairs += __builtin_popcount(bits & F::less(F::all(0), F::load(columnOf(stream, PairStream::Mass) + k)));
 		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
 	}

@@ -14,7 +14,7 @@ using namespace ist::kernels;
 static_assert(BallNode::kWidth == 8 && kBlockWidth == 16);
 
 /// Appends first + lane to `lanes` for each lane that is set, and `same` to `beside`. `lanes` has `size` entries. Returns the new size.
-/// `areFew`: more than half of the lanes are rarely set.
+/// `areFew`: whether more than half of the lanes are rarely set.
 template <bool areFew>
 IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t same, uint32_t* lanes, uint32_t* beside, size_t size)
 {
@@ -24,7 +24,7 @@ IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t 
 	const uint32_t bits = set.bits();
 	const __m512i chosen = _mm512_maskz_compress_epi32(__mmask16(bits), all), other = _mm512_set1_epi32(int(same));
 	const unsigned count = unsigned(__builtin_popcount(bits));
-	// A store of a whole cache line at any address touches two lines, but a branch that is taken now and then costs more.
+	// A store of a whole cache line mostly touches two lines, but an unpredictable branch costs more.
 	if constexpr (!areFew)
 	{
 		_mm512_storeu_si512(lanes + size, chosen);
@@ -70,7 +70,7 @@ IST_INLINE void fill8(uint32_t* to, uint32_t value)
 #endif
 }
 
-/// The children of a node; those that survive are paired with one partner.
+/// Children of a node. Those that pass the test are paired with one partner.
 struct Children
 {
 	const uint32_t* id;
@@ -151,7 +151,7 @@ IST_INLINE Routes route(uint32_t hits, LaneBits bits, uint32_t notSmaller, bool 
 	return {same, hits & ~(leaf | same), leaf};
 }
 
-/// Copy of what the descent reads of the search. The compiler knows that vector stores cannot alias it.
+/// Copy of the members of PairSearch that the descent reads. The compiler knows that vector stores cannot alias it.
 struct Descent
 {
 	const BallNode *nodesA, *nodesB;
@@ -187,12 +187,12 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.b, sameList.a, to.same, c, a);
-	// There is no branch here, because it is unpredictable which partner is a leaf.
+	// This has no branch, because it is unpredictable which partner is a leaf.
 	SubtreeList& list = *(a.id & BallNode::kLeafBit ? &leaves : &otherList);
 	appendChildBounds(list, list.b, list.a, to.leaf | to.other, c, a);
 }
 
-/// Moves the ellipsoids of a block; `centers` are already in A's frame.
+/// Transforms the ellipsoids of a block to A's frame; `centers` are already in it.
 void moveEllipsoids(const PairSearch& s, const BlockColumns& centers, size_t first)
 {
 	MomentEllipsoid* const to = s.movedB + first;
@@ -234,7 +234,7 @@ void moveBlock(const PairSearch& s, uint32_t index)
 	if (s.movedB) moveEllipsoids(s, moved, first);
 }
 
-/// Writes a block of A as columns. This is done once per search, because blocks are tested against many others.
+/// Writes a block of A as columns, once per search, because a block is tested against many others.
 void writeColumns(const PairSearch& s, uint32_t index)
 {
 	const Block block = fetchBlock(s.ballsA + size_t(index) * kBlockWidth);
@@ -263,7 +263,7 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		const uint32_t blockA = leaves.a[i] & ~BallNode::kLeafBit, blockB = leaves.b[i] & ~BallNode::kLeafBit;
 		if (epochsA[blockA] != epoch) writeColumns(s, blockA);
 		const BlockColumns& a = columnsA[blockA];
-		// A's padding is far from all bounds of B that touch one of A's. B's padding is far from all balls.
+		// Padding finds no pairs: A's is far from all bounds of B that touch one of A's, and B's is far from all balls.
 		const LaneMask<16> near = touching(
 			V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
 		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
@@ -323,7 +323,7 @@ int drainLeaves(PairSearch& s, int pairs)
 	return pairs;
 }
 
-/// On entry openA or openB holds the pair of roots. Entries are opened in batches, the deepest first, so the lists stay short and the
+/// On entry openA or openB holds the pair of roots. Entries are opened in batches, the deepest first. So the lists stay short, and the
 /// steps within a batch are independent. Each frame is a run of entries of one list. The children of a batch lie behind all entries
 /// that are still open.
 void search(PairSearch& s)

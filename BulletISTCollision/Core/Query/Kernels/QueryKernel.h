@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// What the query's driver and its kernels share. This header is compiled for several instruction sets, and the linker would merge a
-// function that two of them define. So it holds only plain structs and raw pointers.
+// Interface between the query's driver and its kernels. This header is compiled for several instruction sets, and the linker would merge
+// a function that two of them define. So it holds only plain structs and raw pointers.
 namespace ist::kernels
 {
 /// The balls of a block as columns, for the distance tests. `reach`: the radius; for blocks of B it includes the slack.
@@ -31,8 +31,8 @@ struct alignas(32) MovedCenter
 
 /// Number of spare entries that a list of vectors needs behind its end, because stores are always whole vectors.
 constexpr int kListSlack = 16;
-/// Most entries that one level of the descent adds to a list for each entry that it opens. This includes the hole that the opened entry
-/// leaves.
+/// Largest number of entries that one level of the descent adds to a list for each opened entry. It includes the gap that the opened
+/// entry leaves.
 constexpr int kEntriesPerOpen = BallNode::kWidth + 1;
 /// Smallest list that cannot overflow when entries are opened one at a time.
 constexpr int kLeastListEntries = 2 * kMaxTreeDepth * kEntriesPerOpen + BallNode::kWidth;
@@ -63,8 +63,8 @@ struct SearchCounts
 	int64_t nodeVisits = 0, blockPairs = 0, ballTests = 0;
 };
 
-/// One search for pairs of balls that may intersect. On entry openA or openB has one entry. The search misses no pair that intersects
-/// and finds a few that almost do.
+/// One search for pairs of balls that may intersect. On entry openA or openB has one entry. The search finds every pair that
+/// intersects, and a few pairs that almost do.
 struct PairSearch
 {
 	const BallNode *nodesA, *nodesB;
@@ -72,17 +72,17 @@ struct PairSearch
 	const StoredEllipsoid* ellipsoidsB;  ///< needed when movedB is not null
 	double R[9], t[3];                   ///< transform from B's tree frame to A's
 	float stretch;                       ///< largest factor by which R may lengthen a vector
-	float slack;                         ///< covers the rounding of float positions [m]
+	float slack;                         ///< bound on the rounding of float positions [m]
 	SubtreeList openA, openB, leaves;
 	int openBatch;
 	uint32_t *ballOf, *blockOf;              ///< kBallEntries: balls of A against blocks of B
 	BlockColumns* columnsA;                  ///< one for each block of A
-	uint32_t* epochsA;                       ///< epochs in which these columns were last written
+	uint32_t* epochsA;                       ///< epoch in which each of these columns was last written
 	BlockColumns* moved;                     ///< one for each block of B, in A's tree frame
 	BlockMark* marks;                        ///< marks of these blocks
 	MovedCenter* centersB;                   ///< centres of the balls of moved blocks, for the evaluation of pairs
 	MomentEllipsoid* movedB;                 ///< these balls in A's tree frame; null: not needed
-	uint32_t epoch;                          ///< number of this search; blocks with another epoch must still be written or moved
+	uint32_t epoch;                          ///< number of this search; blocks with another number must still be written or moved
 	uint32_t *pairA, *pairB;                 ///< found pairs as indices of balls, with room for kPairBatch + kListSlack
 	void (*sink)(void* context, int count);  ///< receives the first `count` pairs
 	void* context;
@@ -100,9 +100,9 @@ struct PairBodies
 	const MovedCenter* centersB;
 	const MomentEllipsoid* movedB;  ///< B's balls in A's tree frame, in floats; valid if centersB is not null
 	double R[9], t[3];
-	bool keepMeeting;        ///< for `refine`: also keeps pairs of which only the bounding balls meet
-	float slack;             ///< covers the rounding of float positions [m]
-	float margin;            ///< for `cull`: keeps pairs that may meet after points of B have moved by at most this [m]
+	bool keepMeeting;        ///< for `refine`: also keeps pairs that meet only with their bounding balls
+	float slack;             ///< bound on the rounding of float positions [m]
+	float margin;            ///< for `cull`: keeps pairs that may meet after points of B have moved by at most this distance [m]
 	float weightA, weightB;  ///< weights of the fields, for the damping; both zero: no damping
 };
 
@@ -153,7 +153,7 @@ struct PairStream
 	float* numbers;  ///< the columns, one after the other
 	size_t stride;
 };
-/// Has internal linkage, for the reason at the top of this file.
+/// First entry of a column. Internal linkage keeps the linker from merging it (see above).
 static inline float* columnOf(const PairStream& stream, int column) { return stream.numbers + size_t(column) * stream.stride; }
 
 /// Group of a pair. Patches are numbered from 0 up; a pair without a patch has the number of its component, from -1 down. It is a float

@@ -15,7 +15,7 @@ using F = FloatVector<kLanes>;
 using D = DoubleVector<kLanes>;
 static_assert(F::kParts == 1);
 
-// These take, from each sixteen bytes of two registers, the front or back half of each: two floats, interleaved, or one double.
+// From each sixteen bytes of two registers, these functions take the front or back half of each: two floats, interleaved, or one double.
 #if defined(IST_SSE) && defined(__AVX512VL__)
 IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return (F::Part)_mm512_unpacklo_ps((__m512)a, (__m512)b); }
 IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return (F::Part)_mm512_unpackhi_ps((__m512)a, (__m512)b); }
@@ -44,7 +44,7 @@ template <int step, int kRows, class Place>
 IST_INLINE void gather(int first, const Place& place, const int (&offset)[kRows], F::Part (&to)[step * kRows])
 {
 #if defined(IST_SSE) && defined(__AVX512VL__)
-	// The loop goes ball by ball, so that each address is needed only for a moment: there are too few registers for all.
+	// The loop goes ball by ball, because there are too few registers for all addresses.
 	const auto quarter = [&](auto q) __attribute__((always_inline))
 	{
 		IST_UNROLL
