@@ -153,7 +153,7 @@ TEST(btISTContactCache, AnAcceptedForceErrorIsAnsweredAsWithoutTheCache)
 		int touching = 0;
 		for (int i = 0; i < 900; ++i)
 		{
-			// The cube rests for 60 steps after each 30 steps of its way.
+			// After each 30 steps of motion the cube rests for 60 steps.
 			const double way = 1.5 - .002 * (i / 90 * 30 + std::min(i % 90, 30));
 			const btTransform place = at(vec(.7071 * way, .7071 * way, .05), vec(0, 0, .7854 + .1 * way));
 			for (Pair* p : {&kept, &always}) p->look(place);
@@ -181,7 +181,7 @@ TEST(btISTContactCache, TeleportIsSeenWhereverItGoes)
 		int touching = 0;
 		for (int i = 0; i < 120; ++i)
 		{
-			// Some of the poses are a kilometre away, for both bodies.
+			// In some of the steps both bodies are a kilometre away from the origin.
 			const btVector3 far = i % 20 < 3 ? vec(1000, 0, -300) : vec(0, 0, 0);
 			const btTransform place = at(
 				far + vec(.6 * u(random), 1.1 + .4 * u(random), .6 * u(random)), vec(u(random), u(random), u(random)));
@@ -426,7 +426,7 @@ TEST(btISTContactCache, CoarseWhereTheHandIsNot)
 	EXPECT_EQ(pair.contact()->total.pairs, leaves.total.pairs) << "taken out while nothing moved";
 }
 
-// The damping of a cached result belongs to its weights. With other weights the pair is queried again, even if nothing moves.
+// The damping of a cached result is valid only for its weights. With other weights the pair is queried again, even if nothing moves.
 TEST(btISTContactCache, DampingIsThatOfTheWeightsThatThePairHasNow)
 {
 	for (const btISTContactCache& contactCache : {kExact, kTolerant, kAlways})

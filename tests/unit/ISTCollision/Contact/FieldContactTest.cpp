@@ -155,7 +155,7 @@ TEST(FieldContact, ScalingCountsAtOnce)
 	w.world.performDiscreteCollisionDetection();
 	EXPECT_NEAR(w.contact()->total.volume, .6 * .4 * (kSink + .1), .03 * .6 * .4 * (kSink + .1));
 	EXPECT_NEAR(w.contact()->volumeB, 8 * .3 * .6 * .2, 1e-5);
-	// Scaled to nothing, the pair is still volumetric and reports no overlap.
+	// A shape that is scaled to nothing leaves the pair volumetric, without overlap.
 	box.setLocalScaling(btVector3(0, btScalar(1.2), 1));
 	w.world.performDiscreteCollisionDetection();
 	ASSERT_TRUE(w.contact());
@@ -181,7 +181,7 @@ TEST(FieldContact, ShapesWithoutAVolumeAreLeftToBullet)
 	}
 }
 
-// Surfaces without an inside, and hulls, which Bullet knows only by their support function. Bullet's own contact between the two shapes
+// Surfaces have no inside, and Bullet gives only the support function of a hull. So Bullet's own contact between the two shapes
 // continues.
 TEST(FieldContact, HullsMeshesAndHeightfieldsAreLeftToBullet)
 {

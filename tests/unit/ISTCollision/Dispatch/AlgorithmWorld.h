@@ -30,7 +30,7 @@ inline btTransform at(double x, double y, double z)
 	return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z)));
 }
 
-/// A world with a stock solver and steps of 1/60 s, and nothing of this library.
+/// A world with Bullet's own solver and steps of 1/60 s, without any part of this library.
 struct TestWorld
 {
 	btDefaultCollisionConfiguration configuration;
@@ -86,7 +86,7 @@ struct CollectPoints : btCollisionWorld::ContactResultCallback
 	}
 };
 
-/// Lets the registry answer `shape` with the tree of the cube while the returned attachment lives.
+/// Attaches the tree of the cube to `shape` in the registry while the returned attachment lives.
 inline btISTAttachment attach(btISTRegistration& r, const btCollisionShape& shape)
 {
 	auto result = r.registry().attach(&shape, boxTree());

@@ -234,7 +234,7 @@ TEST(btISTCollisionAlgorithm, ContactCallbacksTellOfOneBeginningAndOneEnd)
 		}
 		EXPECT_EQ(started, 1);
 		EXPECT_EQ(ended, 0);
-		// The distance is larger than the reach of leaves beyond the surface, and smaller than the margin of the broad phase.
+		// At this distance the leaves are apart, although they reach beyond the surface, but the bounding boxes of the broad phase meet.
 		upper->setWorldTransform(at(0, 1.12, 0));
 		w.world->performDiscreteCollisionDetection();
 		EXPECT_EQ(ended, 1);

@@ -16,7 +16,7 @@ namespace
 {
 long bulletAllocations = 0;
 
-/// Counts allocations of Bullet's own allocator, too, because it does not go through operator new.
+/// Also counts the allocations of Bullet's own allocator, which does not use operator new.
 struct CountBullet
 {
 	CountBullet()
@@ -131,7 +131,7 @@ TEST(btISTCollisionAlgorithm, AllocatesNothingWhileTreesAndPlaneTouch)
 		stack.dispatcher.allocated = 0;
 		for (int i = 0; i < 60; ++i)
 		{
-			// The boxes are pushed about, so that the contact differs in every step.
+			// Changing torques make the contact differ in every step.
 			for (auto& body : stack.bodies) body->applyTorqueImpulse(btVector3(btScalar(i % 2 ? .1 : -.1), 0, btScalar(i % 3 ? -.05 : .1)));
 			stack.step(1);
 			ASSERT_EQ(stack.touching(true), 1) << "seed " << seed << ", step " << i;

@@ -155,7 +155,7 @@ TEST(btISTRegistration, TwoThatDelegateToEachOtherComeToAnEnd)
 	d.freeCollisionAlgorithm(algorithm);
 }
 
-// The library's create function asks another one for the stock algorithm, and that one delegates back to the library.
+// The library's create function calls another one for Bullet's own algorithm, and that one delegates back to the library.
 TEST(btISTRegistration, AnUnwatchedPairIsBulletsThoughSomeoneDelegatesToUs)
 {
 	btBoxShape box(btVector3(.5, .5, .5));

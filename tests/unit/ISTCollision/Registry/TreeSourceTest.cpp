@@ -365,7 +365,7 @@ TEST(btISTTreeSource, OrdersATreeWhenSomethingComesNear)
 	}
 }
 
-/// Counts the requests for what is near.
+/// Counts the requests for objects nearby.
 struct CountingBroadphase : btDbvtBroadphase
 {
 	int asked = 0;
